@@ -1,0 +1,37 @@
+# Everything comes from the distribution (scripts/install-packages.sh) or vcpkg.json; nothing is downloaded here.
+set(THREADS_PREFER_PTHREAD_FLAG ON)
+find_package(Threads REQUIRED)
+find_package(TBB REQUIRED)
+find_package(glm REQUIRED)
+find_package(spdlog REQUIRED)
+find_package(OpenEXR CONFIG REQUIRED)
+find_package(PNG REQUIRED)
+find_package(nlohmann_json REQUIRED)
+find_package(Eigen3 REQUIRED NO_MODULE)
+find_package(CLI11 REQUIRED)
+find_package(Vulkan REQUIRED COMPONENTS glslangValidator)
+find_package(PkgConfig REQUIRED)
+pkg_check_modules(ZSTD REQUIRED IMPORTED_TARGET libzstd)
+find_package(tomlplusplus REQUIRED)
+
+# Header-only in Debian's package and in vcpkg's, each under its own folder.
+find_path(STB_INCLUDE_DIR stb_image.h PATH_SUFFIXES stb REQUIRED)
+find_path(TINYGLTF_INCLUDE_DIR tiny_gltf.h REQUIRED)
+
+# Embree 4, or 3 on Debian 12. Sources include "bake_cpu/embree.h", which hides the difference.
+find_package(embree 4 QUIET)
+if(NOT embree_FOUND)
+    find_package(embree 3 REQUIRED)
+endif()
+message(STATUS "Embree ${EMBREE_VERSION}")
+
+# Optional: a better denoiser where the distribution carries it.
+find_package(OpenImageDenoise QUIET)
+
+if(HALFLIGHT_TESTS)
+    find_package(GTest REQUIRED)
+    include(GoogleTest)
+endif()
+if(HALFLIGHT_BENCHMARKS)
+    find_package(benchmark REQUIRED)
+endif()

@@ -1,0 +1,46 @@
+# halflight_module(NAME SOURCES … [PUBLIC libs…] [PRIVATE libs…]): one static library per folder of src/, target
+# halflight_NAME, alias halflight::NAME. Its public headers are include/halflight/NAME/.
+set(CMAKE_POSITION_INDEPENDENT_CODE ON)
+
+add_library(halflight_options INTERFACE)
+target_compile_features(halflight_options INTERFACE cxx_std_20)
+# No fused multiply-add behind our back: the same seed gives the same bytes on every x86-64 machine.
+target_compile_options(halflight_options INTERFACE -ffp-contract=off
+    $<BUILD_INTERFACE:-Wall -Wextra -Wno-missing-field-initializers>
+    $<$<BOOL:${HALFLIGHT_WERROR}>:-Werror>)
+if(HALFLIGHT_SANITIZE)
+    target_compile_options(halflight_options INTERFACE -fsanitize=address,undefined -fno-omit-frame-pointer -fno-sanitize-recover=undefined)
+    target_link_options(halflight_options INTERFACE -fsanitize=address,undefined)
+endif()
+
+find_program(CCACHE_PROGRAM ccache)
+if(CCACHE_PROGRAM AND NOT CMAKE_CXX_COMPILER_LAUNCHER)
+    set(CMAKE_CXX_COMPILER_LAUNCHER ${CCACHE_PROGRAM})
+endif()
+
+function(halflight_module name)
+    cmake_parse_arguments(ARG "" "" "SOURCES;PUBLIC;PRIVATE" ${ARGN})
+    set(target halflight_${name})
+    add_library(${target} STATIC ${ARG_SOURCES})
+    add_library(halflight::${name} ALIAS ${target})
+    set_target_properties(${target} PROPERTIES EXPORT_NAME ${name})
+    target_include_directories(${target}
+        PUBLIC $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}/include> $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>
+        PRIVATE ${PROJECT_SOURCE_DIR}/src)
+    target_link_libraries(${target} PUBLIC ${ARG_PUBLIC} PRIVATE $<BUILD_INTERFACE:halflight_options> ${ARG_PRIVATE})
+    target_compile_features(${target} PUBLIC cxx_std_20)
+endfunction()
+
+# halflight_test(NAME SOURCES … [LIBS …] [LABELS …]): one GoogleTest program; tests may include a module's private headers.
+function(halflight_test name)
+    cmake_parse_arguments(ARG "" "TIMEOUT" "SOURCES;LIBS;LABELS" ${ARGN})
+    add_executable(test_${name} ${ARG_SOURCES})
+    target_include_directories(test_${name} PRIVATE ${PROJECT_SOURCE_DIR}/src ${PROJECT_SOURCE_DIR}/tests)
+    target_link_libraries(test_${name} PRIVATE halflight_options GTest::gtest_main GTest::gmock ${ARG_LIBS})
+    target_compile_definitions(test_${name} PRIVATE
+        HALFLIGHT_SOURCE_DIR="${PROJECT_SOURCE_DIR}" HALFLIGHT_SHARED_DIR="${PROJECT_SOURCE_DIR}/../shared")
+    if(NOT ARG_TIMEOUT)
+        set(ARG_TIMEOUT 600)
+    endif()
+    gtest_discover_tests(test_${name} DISCOVERY_TIMEOUT 120 PROPERTIES TIMEOUT ${ARG_TIMEOUT} LABELS "${ARG_LABELS}")
+endfunction()

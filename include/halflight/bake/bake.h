@@ -1,0 +1,95 @@
+#pragma once
+// The bake: scene in, lightmaps, shadowmasks and probes out. bake() runs all stages; each stage is a function of its own
+// in src/bake/.
+
+#include "halflight/base/progress.h"
+#include "halflight/base/result.h"
+#include "halflight/bake/integrator.h"
+#include "halflight/scene/baked_scene.h"
+#include "halflight/unwrap/unwrap.h"
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace halflight {
+
+enum class Quality { Preview, Medium, High, Ultra };
+
+struct BakeSettings {
+    MixedLightingMode mode = MixedLightingMode::Shadowmask;
+    Quality quality = Quality::Medium;
+    int samples = 0;        ///< paths per texel; 0 = by quality
+    int shadowSamples = 0;  ///< rays per texel and masked light; 0 = by quality
+    int bounces = -1;       ///< indirect bounces, 0 = direct light only; -1 = by quality
+    UvMode uvMode = UvMode::Auto;
+    float texelsPerMeter = 0.0f; ///< 0 = fit one page of lightmapSize
+    int lightmapSize = 0;        ///< 0 = by quality
+    bool denoise = true;
+    float probeSpacingMeters = 0.0f; ///< 0 = by the scene's size
+    int threads = 0;                 ///< 0 = all cores; changes no byte of the result
+    uint32_t seed = 1;
+    /// Every stage's result is written here (lightmap_N.exr, shadowmask_N.png, probes.json, and more); empty = nowhere.
+    std::filesystem::path imagesDirectory;
+};
+
+/// What a quality stands for, with the explicit settings applied.
+struct BakeQuality {
+    int samples;
+    int shadowSamples;
+    int bounces;
+    int lightmapSize;
+    int probeSamples;
+};
+BakeQuality resolveQuality(const BakeSettings& settings);
+
+struct LightReport {
+    std::string name;
+    LightType type = LightType::Point;
+    LightMode authoredMode = LightMode::Mixed;
+    LightMode bakedAs = LightMode::Mixed;
+    int channel = -1;
+    std::string reason; ///< empty when the light is what its author asked for
+};
+
+struct StageReport {
+    std::string name;
+    double seconds = 0.0;
+    uint64_t rays = 0;
+};
+
+struct BakeReport {
+    std::vector<LightReport> lights;
+    std::vector<StageReport> stages;
+    std::vector<MeshUnwrapReport> meshes;
+    std::vector<std::string> warnings;
+    BakeQuality quality{};
+    std::string integrator; ///< e.g. "cpu (Embree 3.13.5, 2 threads)"
+    int pageCount = 0;
+    int pageSize = 0;
+    int chartCount = 0;
+    uint64_t coveredTexels = 0;
+    uint64_t invalidTexels = 0; ///< texels inside geometry, filled from neighbours
+    float texelsPerMeter = 0.0f;
+    float atlasCoverage = 0.0f; ///< 0…1
+    int probeCount = 0;
+    int validProbeCount = 0;
+    uint64_t triangleCount = 0; ///< static, drawn
+    uint64_t peakMemoryBytes = 0;
+    double seconds = 0.0;
+};
+
+struct BakeResult {
+    BakedScene baked;
+    BakeReport report;
+};
+
+/// Runs the whole bake with the given integrator.
+Result<BakeResult> bake(Scene scene, const BakeSettings& settings, const IntegratorFactory& integratorFactory,
+                        const Progress& progress = {});
+
+/// The report as the JSON that `halflight bake --report` writes.
+std::string reportJson(const BakeReport& report);
+
+} // namespace halflight

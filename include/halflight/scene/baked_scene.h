@@ -1,0 +1,47 @@
+#pragma once
+
+#include "halflight/scene/scene.h"
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+namespace halflight {
+
+/// Real spherical-harmonic coefficients, one RGB value each. Order: l,m = 00, 1-1, 10, 11, 2-2, 2-1, 20, 21, 22.
+using SphericalHarmonicsL2 = std::array<vec3, 9>;
+
+/// One light and occlusion probe.
+struct Probe {
+    vec3 position{0.0f};
+    /// SH L2 coefficients of incoming *radiance* (cd/m2) from what is baked: the same light as a lightmap texel here
+    /// would see. Irradiance for a normal comes from shading/sh.h.
+    SphericalHarmonicsL2 radiance{};
+    /// Baked attenuation (1 lit … 0 shadowed) by shadowmask channel; unused channels are 1 (spec S14).
+    vec4 occlusion{1.0f};
+    bool valid = true; ///< false: inside geometry; to be left out of interpolation
+};
+
+/// Probes on a regular grid: probe i sits at origin + spacing * (x, y, z) with i = (z * size.y + y) * size.x + x.
+/// The grid may be empty (size 0), and then probes is a free list.
+struct ProbeSet {
+    vec3 origin{0.0f};
+    vec3 spacingMeters{1.0f};
+    ivec3 size{0};
+    std::vector<Probe> probes;
+};
+
+/// Result of a bake and input of the renderer.
+struct BakedScene {
+    /// Objects carry their lightmap binding, parts their lightmapUv, lights their baking output.
+    Scene scene;
+    MixedLightingMode mode = MixedLightingMode::Shadowmask;
+    bool isBaked = false; ///< false: a plain glTF, to be rendered in realtime mode
+    /// Irradiance in lux, RGB9E5 (glm::packF3x9_E1x5 layout = VK_FORMAT_E5B9G9R9_UFLOAT_PACK32), one per page.
+    std::vector<Image<uint32_t>> lightmaps;
+    /// Baked attenuation by channel, 255 = lit; one per page, or none when no light has a channel.
+    std::vector<ImageRgba8> shadowmasks;
+    ProbeSet probes;
+};
+
+} // namespace halflight

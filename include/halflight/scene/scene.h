@@ -1,0 +1,190 @@
+#pragma once
+// The scene: plain structs, filled by the glTF reader (gltf.h) or by an engine. Right-handed, Y up, metres, seconds;
+// colours are linear Rec. 709. A light shines along its local -Z, a camera looks along its local -Z (as in glTF).
+
+#include "halflight/base/image.h"
+#include "halflight/base/math.h"
+
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace halflight {
+
+/// 8-bit image and sampler. Whether texels are sRGB-encoded follows from the use: base colour and emissive are, others not.
+struct Texture {
+    enum class Wrap { Repeat, ClampToEdge, MirroredRepeat };
+    std::string name;
+    ImageRgba8 pixels;
+    Wrap wrapU = Wrap::Repeat;
+    Wrap wrapV = Wrap::Repeat;
+    bool nearest = false;   ///< magnify without filtering
+    int sourceTexture = -1; ///< index in the glTF file's "textures"
+};
+
+/// Reference from a material to a texture, with KHR_texture_transform: uv' = offset + R(rotation) * (scale * uv),
+/// R = [cos, sin; -sin, cos] (row-major) as that extension writes it.
+struct TextureRef {
+    int texture = -1; ///< index into Scene::textures, -1 = none
+    int texCoord = 0; ///< 0 or 1: which of MeshPart::uv
+    vec2 offset{0.0f};
+    vec2 scale{1.0f};
+    float rotationRadians = 0.0f;
+
+    explicit operator bool() const { return texture >= 0; }
+};
+
+struct Material {
+    enum class AlphaMode { Opaque, Mask, Blend };
+    std::string name;
+    vec4 baseColor{1.0f}; ///< linear, times texture and vertex colour
+    TextureRef baseColorTexture;
+    float metallic = 1.0f;
+    float roughness = 1.0f;
+    TextureRef metallicRoughnessTexture; ///< G roughness, B metallic
+    TextureRef normalTexture;
+    float normalScale = 1.0f;
+    TextureRef occlusionTexture; ///< R
+    float occlusionStrength = 1.0f;
+    vec3 emissiveNits{0.0f}; ///< factor times KHR_materials_emissive_strength: radiance emitted, cd/m2
+    TextureRef emissiveTexture;
+    AlphaMode alphaMode = AlphaMode::Opaque;
+    float alphaCutoff = 0.5f;
+    bool doubleSided = false;
+    bool unlit = false;
+    int sourceMaterial = -1;
+};
+
+/// One triangle list with one material: a glTF primitive after strips and fans became lists. All vertex arrays that are
+/// not empty have the same length; indices are valid. Zero-area triangles may occur.
+struct MeshPart {
+    std::vector<vec3> positions;      ///< object space, finite
+    std::vector<vec3> normals;        ///< unit; always present after reading (flat normals where the file had none)
+    std::vector<vec4> tangents;       ///< xyz unit, w = bitangent sign; present when the material has a normal texture
+    std::array<std::vector<vec2>, 2> uv; ///< TEXCOORD_0 and TEXCOORD_1 of the file; empty where absent
+    std::vector<vec4> colors;         ///< linear RGBA vertex colours; empty where absent
+    std::vector<uint32_t> indices;    ///< 3 per triangle, counter-clockwise front faces
+    int material = -1;                ///< index into Scene::materials; -1 = glTF's default material
+
+    /// Lightmap coordinates in [0,1] of the mesh's own layout; a point's place on its page is
+    /// `object.lightmap.scale * lightmapUv + object.lightmap.offset`. Empty until unwrapped.
+    std::vector<vec2> lightmapUv;
+    /// For each vertex, the vertex of the source primitive it is a copy of. Empty = vertices are the source's own.
+    std::vector<uint32_t> sourceVertex;
+    int sourcePrimitive = -1;
+    int lightmapTexCoord = 1; ///< n of the TEXCOORD_n that carries lightmapUv in the written file
+};
+
+struct Mesh {
+    std::string name;
+    std::vector<MeshPart> parts;
+    int sourceMesh = -1; ///< several meshes may share one source when its objects need different layouts
+};
+
+/// Where an object's lightmap and shadowmask texels are; page -1 = not lightmapped.
+struct LightmapBinding {
+    int page = -1;
+    vec2 scale{1.0f};
+    vec2 offset{0.0f};
+};
+
+/// A mesh placed in the world: a node with a mesh, or one instance of an EXT_mesh_gpu_instancing node.
+struct Object {
+    std::string name;
+    int mesh = -1;
+    mat4 worldFromObject{1.0f}; ///< may mirror (negative determinant), scale non-uniformly and shear
+    bool isStatic = true;       ///< lightmapped, casts into the bake; dynamic objects are lit by probes
+    bool castShadows = true;
+    bool receiveShadows = true;
+    float lightmapScale = 1.0f; ///< multiplies texels per metre; 0 = casts into the bake but gets no texels
+    LightmapBinding lightmap;
+    int sourceNode = -1;
+    int sourceInstance = -1; ///< index within EXT_mesh_gpu_instancing, -1 = none
+};
+
+enum class LightType { Directional, Point, Spot };
+/// Realtime: nothing baked. Mixed: direct light at run time, indirect light (and by mode shadows) baked. Baked: all baked.
+enum class LightMode { Realtime, Mixed, Baked };
+enum class MixedLightingMode { BakedIndirect, Shadowmask, Subtractive };
+
+/// What the bake did with a light (spec: baking output). The renderer follows this, not the light's authored mode.
+struct BakingOutput {
+    bool isBaked = false;                    ///< false for realtime lights and unbaked files
+    LightMode bakeType = LightMode::Realtime; ///< what the light is after the bake: an overflowing mixed light is Baked
+    MixedLightingMode mixedMode = MixedLightingMode::Shadowmask;
+    int occlusionMaskChannel = -1; ///< -1 none, 0…3 = R, G, B, A of shadowmask and probe occlusion
+    std::string reason;            ///< why bakeType differs from the authored mode; empty when it does not
+    mat4 worldFromLight{1.0f};     ///< pose at bake time, to tell a light that was moved since
+};
+
+struct Light {
+    std::string name;
+    LightType type = LightType::Point;
+    vec3 color{1.0f};
+    float intensity = 1.0f;      ///< candela (point, spot) or lux (directional), as in KHR_lights_punctual
+    float rangeMeters = 0.0f;    ///< light is exactly 0 from here on; 0 = unlimited
+    float innerConeRadians = 0.0f;
+    float outerConeRadians = kPi / 4.0f; ///< half angles
+    mat4 worldFromLight{1.0f};   ///< rigid: position and direction (-Z)
+    LightMode mode = LightMode::Mixed;
+    bool castShadows = true;
+    float shadowStrength = 1.0f;     ///< 0…1, applied once, after mixing
+    float indirectMultiplier = 1.0f; ///< scales this light's bounced light in the bake
+    float radiusMeters = 0.0f;       ///< point, spot: radius of the emitting sphere or disc, for baked penumbrae
+    float angularRadiusRadians = 0.0f; ///< directional: half the source's angular diameter (the sun: 0.00465)
+    BakingOutput baking;
+    int sourceNode = -1;
+
+    [[nodiscard]] vec3 position() const { return vec3(worldFromLight[3]); }
+    /// Unit vector along which the light shines.
+    [[nodiscard]] vec3 direction() const { return -glm::normalize(vec3(worldFromLight[2])); }
+};
+
+struct Camera {
+    std::string name;
+    mat4 worldFromCamera{1.0f}; ///< rigid
+    float verticalFovRadians = kPi / 3.0f;
+    float nearMeters = 0.05f;
+    float farMeters = 1000.0f;
+    bool orthographic = false;
+    float orthographicHeightMeters = 1.0f; ///< full height
+};
+
+/// Radiance of the surroundings (cd/m2) by direction: see skyRadiance() in shading/sky.h. All zero = no sky.
+struct Sky {
+    vec3 zenith{0.0f};
+    vec3 horizon{0.0f};
+    vec3 ground{0.0f};
+    [[nodiscard]] bool black() const { return zenith == vec3(0) && horizon == vec3(0) && ground == vec3(0); }
+};
+
+/// Opaque copy of the glTF a scene was read from, so that writing changes only what baking adds. Seen only by src/scene.
+struct SourceDocument;
+
+struct Scene {
+    std::string name;
+    std::vector<Texture> textures;
+    std::vector<Material> materials;
+    std::vector<Mesh> meshes;
+    std::vector<Object> objects;
+    std::vector<Light> lights;
+    std::vector<Camera> cameras;
+    Sky sky;
+    vec3 subtractiveShadowColor{0.0f}; ///< lower limit of subtractive shadows, as irradiance in lux (spec S23)
+    /// Centres that the file or settings give for light probes; empty = placed automatically.
+    std::vector<vec3> probePositions;
+    std::vector<std::string> warnings; ///< what was odd in the file: skipped primitives, invented normals, …
+    std::shared_ptr<const SourceDocument> source; ///< null when the scene was not read from a file
+
+    /// World-space bounds of all objects (static only, if asked).
+    [[nodiscard]] Bounds bounds(bool staticOnly = false) const;
+};
+
+/// glTF's default material.
+const Material& defaultMaterial();
+/// The part's material, the default one where it has none.
+const Material& materialOf(const Scene& scene, const MeshPart& part);
+
+} // namespace halflight

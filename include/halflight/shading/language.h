@@ -1,0 +1,63 @@
+// What lets the files of this folder compile as C++20 and as GLSL 4.60: they use GLSL's types and functions, literals
+// end in f, arguments are passed by value, and a few words differ by language:
+//   HL_FN         begins every function
+//   HL_CONST      begins every constant
+//   HL_INOUT(T)   an argument that is read and written
+// In C++ everything is in namespace halflight::shading. GLSL needs GL_GOOGLE_include_directive.
+#ifndef HALFLIGHT_SHADING_LANGUAGE_H
+#define HALFLIGHT_SHADING_LANGUAGE_H
+
+#ifdef __cplusplus
+#include "halflight/base/math.h"
+
+#include <cmath>
+#include <cstdint>
+
+#define HL_FN inline
+#define HL_CONST inline constexpr
+#define HL_INOUT(T) T&
+#define HL_NAMESPACE_BEGIN namespace halflight::shading {
+#define HL_NAMESPACE_END }
+
+namespace halflight::shading {
+using uint = uint32_t;
+using glm::abs;
+using glm::acos;
+using glm::clamp;
+using glm::cos;
+using glm::cross;
+using glm::dot;
+using glm::exp;
+using glm::exp2;
+using glm::floor;
+using glm::inversesqrt;
+using glm::length;
+using glm::log2;
+using glm::max;
+using glm::min;
+using glm::mix;
+using glm::normalize;
+using glm::pow;
+using glm::reflect;
+using glm::sin;
+using glm::sqrt;
+} // namespace halflight::shading
+#else
+#define HL_FN
+#define HL_CONST const
+#define HL_INOUT(T) inout T
+#define HL_NAMESPACE_BEGIN
+#define HL_NAMESPACE_END
+#endif
+
+HL_NAMESPACE_BEGIN
+
+HL_CONST float kShadingPi = 3.14159265358979323846f;
+
+HL_FN float saturate(float x) { return clamp(x, 0.0f, 1.0f); }
+HL_FN vec3 saturate(vec3 x) { return clamp(x, vec3(0.0f), vec3(1.0f)); }
+HL_FN float square(float x) { return x * x; }
+
+HL_NAMESPACE_END
+
+#endif

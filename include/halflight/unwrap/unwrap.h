@@ -1,0 +1,52 @@
+#pragma once
+// Lightmap coordinates: charts, parameterization, packing.
+
+#include "halflight/base/progress.h"
+#include "halflight/base/result.h"
+#include "halflight/scene/scene.h"
+
+#include <string>
+#include <vector>
+
+namespace halflight {
+
+enum class UvMode {
+    Auto,   ///< keep a mesh's TEXCOORD_1 when it is valid (in [0,1], charts not overlapping), else unwrap it
+    Keep,   ///< keep it, and fail with the reason where it isn't valid; meshes without one are unwrapped
+    Unwrap, ///< always unwrap
+};
+
+struct UnwrapSettings {
+    UvMode uvMode = UvMode::Auto;
+    float texelsPerMeter = 0.0f; ///< 0 = chosen so that everything fits one page of pageSize
+    int pageSize = 1024;         ///< width and height of a page in texels, 64…8192
+    int paddingTexels = 2;       ///< empty texels between charts, >= 1 (2: bilinear filtering and one ring of dilation)
+};
+
+/// How one mesh got its coordinates, for the report.
+struct MeshUnwrapReport {
+    int mesh = -1;            ///< index into the returned scene's meshes
+    bool kept = false;        ///< the file's TEXCOORD_1
+    std::string reason;       ///< why TEXCOORD_1 was not kept, e.g. "TEXCOORD_1 leaves [0,1] (part 0, triangle 17)"
+    int charts = 0;
+    float areaStretch = 1.0f; ///< texel-area-weighted L2 stretch (Sander et al. 2001), 1 = isometric
+};
+
+struct UnwrappedScene {
+    /// The scene with lightmapUv in the parts of static meshes, vertices split along chart borders (MeshPart::sourceVertex),
+    /// meshes duplicated where objects need layouts of their own, and each static object's LightmapBinding set.
+    Scene scene;
+    int pageSize = 0;
+    int pageCount = 0;
+    float texelsPerMeter = 0.0f; ///< the density reached
+    int chartCount = 0;          ///< over all objects
+    float coverage = 0.0f;       ///< covered texels / all texels of all pages
+    std::vector<MeshUnwrapReport> meshes;
+    std::vector<std::string> warnings;
+};
+
+/// Gives every static object (Object::isStatic, lightmapScale > 0) texels of its own: no texel is within paddingTexels
+/// of two charts. Objects that share a mesh share its layout and get a rectangle each.
+Result<UnwrappedScene> unwrap(Scene scene, const UnwrapSettings& settings, const Progress& progress = {});
+
+} // namespace halflight

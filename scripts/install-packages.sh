@@ -1,0 +1,49 @@
+#!/usr/bin/env bash
+# Installs everything Halflight needs on Debian 12 or newer, or Ubuntu 24.04 or newer. Run as root or with sudo
+# available; safe to run again (it asks the package manager only when something is missing).
+#
+#   scripts/install-packages.sh          build, test and render
+#   scripts/install-packages.sh --node   also Node.js and npm, for the Khronos glTF validator test
+set -euo pipefail
+
+sudo=""
+if [ "$(id -u)" -ne 0 ]; then
+  command -v sudo >/dev/null || { echo "install-packages.sh: run as root, or install sudo" >&2; exit 1; }
+  sudo="sudo"
+fi
+export DEBIAN_FRONTEND=noninteractive
+apt_get() { $sudo env DEBIAN_FRONTEND=noninteractive apt-get -o DPkg::Lock::Timeout=300 "$@"; }
+installed() { dpkg-query -W -f='${Status}' "$1" 2>/dev/null | grep -q 'ok installed'; }
+
+packages=(
+  build-essential cmake ninja-build pkg-config ccache git python3 ca-certificates
+  libembree-dev libtbb-dev libglm-dev libtinygltf-dev libopenexr-dev libstb-dev libzstd-dev libeigen3-dev
+  libcli11-dev libspdlog-dev libfmt-dev nlohmann-json3-dev libtomlplusplus-dev libpng-dev zlib1g-dev
+  libvulkan-dev libvulkan1 vulkan-validationlayers mesa-vulkan-drivers glslang-tools spirv-tools
+  libgtest-dev libgmock-dev libbenchmark-dev clang-format
+  imagemagick fonts-dejavu-core
+)
+if [ "${1:-}" = "--node" ] && ! command -v npm >/dev/null; then packages+=(nodejs npm); fi
+
+missing=()
+for package in "${packages[@]}"; do installed "$package" || missing+=("$package"); done
+if [ "${#missing[@]}" -gt 0 ]; then
+  apt_get update -qq || echo "install-packages.sh: 'apt-get update' reported errors; going on with the lists at hand" >&2
+  apt_get install -y -qq --no-install-recommends "${missing[@]}"
+fi
+
+# The CPU Vulkan driver needs Mesa 25 or newer (descriptor indexing, ray-tracing pipelines). Debian 12 ships 22.3; its
+# own backports suite, on the mirror this machine already uses, has 25.
+mesa_major() { dpkg-query -W -f='${Version}' mesa-vulkan-drivers 2>/dev/null | sed 's/^[0-9]*://; s/\..*//'; }
+if [ "$(mesa_major)" -lt 24 ]; then
+  . /etc/os-release
+  suite="${VERSION_CODENAME}-backports"
+  if ! apt-cache policy | grep -q "$suite"; then
+    mirror=$(apt-cache policy | sed -n "s#.* \(https\?://[^ ]*\) ${VERSION_CODENAME}/main .*#\1#p" | head -n 1)
+    keyring=/usr/share/keyrings/debian-archive-keyring.gpg
+    echo "deb [signed-by=$keyring] ${mirror:-http://deb.debian.org/debian} $suite main" |
+      $sudo tee "/etc/apt/sources.list.d/halflight-backports.list" >/dev/null
+    apt_get update -qq || true
+  fi
+  apt_get install -y -qq --no-install-recommends -t "$suite" mesa-vulkan-drivers
+fi

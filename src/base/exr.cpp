@@ -1,0 +1,85 @@
+#include "halflight/base/image.h"
+
+#include <ImathBox.h>
+#include <ImfChannelList.h>
+#include <ImfFrameBuffer.h>
+#include <ImfHeader.h>
+#include <ImfInputFile.h>
+#include <ImfOutputFile.h>
+#include <exception>
+#include <string>
+#include <unistd.h>
+
+namespace halflight {
+namespace {
+
+constexpr const char* kChannelNames[] = {"R", "G", "B", "A"};
+
+/// Writes `channels` interleaved floats per texel to a temporary name and renames it.
+Status writeExrChannels(const std::filesystem::path& path, const float* texels, ivec2 size, int channels)
+{
+    std::filesystem::path temporary = path;
+    temporary += ".tmp" + std::to_string(::getpid());
+    std::error_code ec;
+    try {
+        Imf::Header header(size.x, size.y);
+        header.compression() = Imf::ZIP_COMPRESSION;
+        Imf::FrameBuffer buffer;
+        const std::size_t xStride = sizeof(float) * std::size_t(channels);
+        for (int c = 0; c < channels; ++c) {
+            header.channels().insert(kChannelNames[c], Imf::Channel(Imf::FLOAT));
+            char* base = reinterpret_cast<char*>(const_cast<float*>(texels + c));
+            buffer.insert(kChannelNames[c], Imf::Slice(Imf::FLOAT, base, xStride, xStride * std::size_t(size.x)));
+        }
+        Imf::OutputFile file(temporary.string().c_str(), header);
+        file.setFrameBuffer(buffer);
+        file.writePixels(size.y);
+    } catch (const std::exception& exception) {
+        std::filesystem::remove(temporary, ec);
+        return Error{ErrorCode::WriteFailed, std::string("cannot be written (") + exception.what() + ")"};
+    }
+    std::filesystem::rename(temporary, path, ec);
+    if (ec) {
+        const std::string reason = ec.message();
+        std::filesystem::remove(temporary, ec);
+        return Error{ErrorCode::WriteFailed, "cannot be replaced (" + reason + ")"};
+    }
+    return {};
+}
+
+} // namespace
+
+Status writeExr(const std::filesystem::path& path, const ImageRgb32f& image)
+{
+    return writeExrChannels(path, &image.data()->x, image.size(), 3);
+}
+
+Status writeExr(const std::filesystem::path& path, const ImageRgba32f& image)
+{
+    return writeExrChannels(path, &image.data()->x, image.size(), 4);
+}
+
+Result<ImageRgba32f> readExr(const std::filesystem::path& path)
+{
+    try {
+        Imf::InputFile file(path.string().c_str());
+        const Imath::Box2i window = file.header().dataWindow();
+        const ivec2 size(window.max.x - window.min.x + 1, window.max.y - window.min.y + 1);
+        ImageRgba32f image(size.x, size.y, vec4(0, 0, 0, 1));
+        Imf::FrameBuffer buffer;
+        const std::size_t xStride = sizeof(vec4);
+        const std::size_t yStride = xStride * std::size_t(size.x);
+        for (int c = 0; c < 4; ++c) {
+            char* base = reinterpret_cast<char*>(&image.data()->x + c) - std::ptrdiff_t(window.min.x) * std::ptrdiff_t(xStride) -
+                         std::ptrdiff_t(window.min.y) * std::ptrdiff_t(yStride);
+            buffer.insert(kChannelNames[c], Imf::Slice(Imf::FLOAT, base, xStride, yStride, 1, 1, c == 3 ? 1.0 : 0.0));
+        }
+        file.setFrameBuffer(buffer);
+        file.readPixels(window.min.y, window.max.y);
+        return image;
+    } catch (const std::exception& exception) {
+        return Error{ErrorCode::FileInvalid, std::string("cannot be read as OpenEXR (") + exception.what() + ")"};
+    }
+}
+
+} // namespace halflight

@@ -1,0 +1,78 @@
+#include "halflight/base/file.h"
+#include "halflight/base/image.h"
+
+#include <cstring>
+#include <limits>
+#include <memory>
+#include <png.h>
+
+#define STB_IMAGE_IMPLEMENTATION
+#define STB_IMAGE_STATIC
+#define STBI_NO_STDIO
+#pragma GCC diagnostic push
+#pragma GCC diagnostic ignored "-Wunused-function"
+#include <stb_image.h>
+#pragma GCC diagnostic pop
+
+namespace halflight {
+
+Result<std::vector<std::byte>> encodePng(const ImageRgba8& image)
+{
+    if (image.empty()) return Error{ErrorCode::InvalidArgument, "an image without texels cannot be written as PNG"};
+    png_image png{};
+    png.version = PNG_IMAGE_VERSION;
+    png.width = png_uint_32(image.width());
+    png.height = png_uint_32(image.height());
+    png.format = PNG_FORMAT_RGBA;
+    png_alloc_size_t byteCount = 0;
+    if (!png_image_write_to_memory(&png, nullptr, &byteCount, 0, image.data(), 0, nullptr)) {
+        return Error{ErrorCode::WriteFailed, std::string("PNG encoding failed (") + png.message + ")"};
+    }
+    std::vector<std::byte> bytes(byteCount);
+    if (!png_image_write_to_memory(&png, bytes.data(), &byteCount, 0, image.data(), 0, nullptr)) {
+        return Error{ErrorCode::WriteFailed, std::string("PNG encoding failed (") + png.message + ")"};
+    }
+    bytes.resize(byteCount);
+    return bytes;
+}
+
+Status writePng(const std::filesystem::path& path, const ImageRgba8& image)
+{
+    const auto bytes = encodePng(image);
+    if (!bytes) return bytes.error();
+    return writeFileAtomically(path, bytes->data(), bytes->size());
+}
+
+Result<ImageRgba8> readPng(const std::filesystem::path& path)
+{
+    const auto bytes = readFile(path);
+    if (!bytes) return bytes.error();
+    return decodeImage(bytes->data(), bytes->size());
+}
+
+Result<ImageRgba8> decodeImage(const std::byte* bytes, std::size_t byteCount)
+{
+    if (byteCount == 0 || byteCount > std::size_t(std::numeric_limits<int>::max())) {
+        return Error{ErrorCode::FileInvalid, byteCount == 0 ? "image is empty" : "image is larger than 2 GiB"};
+    }
+    const auto* data = reinterpret_cast<const stbi_uc*>(bytes);
+    int width = 0;
+    int height = 0;
+    int channels = 0;
+    // The header first, so that a forged size is refused before it is allocated.
+    constexpr int kMaxSide = 32768;
+    if (!stbi_info_from_memory(data, int(byteCount), &width, &height, &channels) || width > kMaxSide || height > kMaxSide) {
+        return Error{ErrorCode::FileInvalid, "image is neither PNG nor JPEG, or is damaged"};
+    }
+    const std::unique_ptr<stbi_uc, void (*)(void*)> pixels(
+        stbi_load_from_memory(data, int(byteCount), &width, &height, &channels, 4), stbi_image_free);
+    if (!pixels) {
+        const char* reason = stbi_failure_reason();
+        return Error{ErrorCode::FileInvalid, std::string("image cannot be decoded (") + (reason ? reason : "unknown") + ")"};
+    }
+    ImageRgba8 image(width, height);
+    std::memcpy(image.data(), pixels.get(), image.texelCount() * sizeof(u8vec4));
+    return image;
+}
+
+} // namespace halflight
