@@ -1,0 +1,71 @@
+#pragma once
+// The Vulkan renderer: a baked scene in, pictures out; no window needed.
+
+#include "halflight/base/image.h"
+#include "halflight/base/result.h"
+#include "halflight/render/frame.h"
+#include "halflight/scene/baked_scene.h"
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace halflight {
+
+enum class DebugView { Lit, Shadowmask, Lightmap, Probes, Cascades, Fade, Overlap };
+
+struct RendererOptions {
+    bool validation = false; ///< turn the Khronos validation layer on (also synchronization validation)
+    bool preferCpu = false;  ///< choose the CPU driver even where a GPU is found
+};
+
+struct RenderSettings {
+    RunMode mode = RunMode::Realtime;
+    ShadowSettings shadows;
+    DebugView view = DebugView::Lit;
+    ivec2 size{1280, 720};
+};
+
+struct PassTime {
+    std::string name;
+    double milliseconds = 0.0; ///< GPU timestamps
+};
+
+struct RenderedFrame {
+    ImageRgba32f radiance; ///< linear, no exposure, no tone mapping; alpha 1
+    FramePlan plan;
+    std::vector<PassTime> passes;
+};
+
+/// Holds the Vulkan device and one uploaded scene.
+class Renderer {
+public:
+    /// DeviceFailed with the reason when no Vulkan 1.3 device with the needed features is found.
+    static Result<std::unique_ptr<Renderer>> create(const RendererOptions& options = {});
+    ~Renderer();
+
+    [[nodiscard]] std::string deviceName() const;
+
+    /// Uploads the scene, replacing the one before. The scene is copied where the renderer needs it afterwards.
+    Status load(const BakedScene& baked);
+
+    Result<RenderedFrame> render(const Camera& camera, const RenderSettings& settings);
+
+    /// Messages of the validation layer since creation: empty when all is well or validation is off.
+    [[nodiscard]] std::vector<std::string> validationMessages() const;
+
+private:
+    Renderer();
+    struct Impl;
+    std::unique_ptr<Impl> impl_;
+};
+
+/// Linear radiance to a displayed picture: exposure (EV: radiance * 2^-ev), Khronos PBR Neutral tone mapping, sRGB.
+ImageRgba8 displayedPicture(const ImageRgba32f& radiance, float exposureEv);
+
+/// EV that puts the picture's log-average luminance at middle grey 0.18 (Reinhard et al. 2002, "Photographic Tone
+/// Reproduction for Digital Images", eq. 1).
+float automaticExposure(const ImageRgba32f& radiance);
+
+} // namespace halflight
