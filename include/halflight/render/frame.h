@@ -1,6 +1,6 @@
 #pragma once
-// A frame's decisions, made on the CPU without any graphics API: which lights are in view and what each needs, where its
-// shadow maps lie, who casts into them, which lights reach which part of the picture, what probes say at an object.
+// A frame's decisions, made on the CPU without any graphics API: which lights are in view and what each needs, where
+// its shadow maps lie, who casts into them, which lights reach which part of the picture, what probes say at an object.
 // An engine with a renderer of its own can use these functions alone.
 
 #include "halflight/base/result.h"
@@ -23,20 +23,45 @@ RunMode defaultRunMode(const BakedScene& baked);
 /// Realtime always fits; a shadowmask bake also fits baked indirect.
 Status checkRunMode(const BakedScene& baked, RunMode mode);
 
+/// Hard: one texel, no filter. Pcf: a small kernel. Soft: a wide one.
 enum class ShadowFilter { Hard, Pcf, Soft };
+
+/// Texels by which a filter's kernel may reach beyond the texel a point falls in. Tiles are fitted with this border
+/// (and room for the normal bias), so a kernel that keeps to it never reads outside its tile.
+constexpr int filterReachTexels(ShadowFilter filter)
+{
+    return filter == ShadowFilter::Hard ? 1 : filter == ShadowFilter::Pcf ? 2 : 4;
+}
+
+/// How one cascade hands over to the next, over its last `cascadeBlendFraction`.
+enum class CascadeBlend { Hard, Dithered, Soft };
 
 struct ShadowSettings {
     float distanceMeters = 60.0f; ///< from here on no realtime shadow is sampled, > 0
     float fadeRangeMeters = 1.0f; ///< >= 0.01; shadows fade over [distance - range, distance]
     int cascades = 4;             ///< 1…4
-    float cascadeSplitLambda = 0.7f; ///< 0 uniform … 1 logarithmic splits (Zhang et al. 2006, parallel-split shadow maps)
-    int directionalMapSize = 2048;
-    int atlasSize = 4096; ///< square atlas of spot and point light tiles
+    float cascadeSplitLambda =
+        0.7f; ///< 0 uniform … 1 logarithmic splits (Zhang et al. 2006, parallel-split shadow maps)
+    CascadeBlend cascadeBlend = CascadeBlend::Soft;
+    /// Cascade i blends into i + 1 from radial distance (1 - fraction) * cascadeFar[i] on; 0…0.5. Every cascade covers
+    /// the blend band of the one before it.
+    float cascadeBlendFraction = 0.1f;
+    int directionalMapSize = 2048; ///< 64…16384
+    /// Square atlas of spot and point light tiles, 256…16384; the largest power of two that fits in it is used.
+    int atlasSize = 4096;
+    bool pointShadows = true; ///< false: point lights have baked shadows only, as in the seeds (spec S4)
     ShadowFilter filter = ShadowFilter::Pcf;
     float depthBias = 0.0f;        ///< constant, in shadow-map texels of depth slope 1
     float slopeBias = 1.5f;        ///< Vulkan's depthBiasSlopeFactor
     float normalBiasTexels = 1.2f; ///< receiver moved along its normal by this many shadow-map texels
 };
+
+/// InvalidArgument naming the first setting outside its limits.
+Status checkShadowSettings(const ShadowSettings& settings);
+
+/// World-space bounds of every object, empty where a mesh has no vertices. Compute once per scene, and again for an
+/// object that moved.
+std::vector<Bounds> objectBounds(const Scene& scene);
 
 struct FrameView {
     Camera camera;
@@ -50,8 +75,13 @@ struct ShadowTile {
     mat4 clipFromWorld{1.0f}; ///< z 0 near … 1 far (not reversed)
     ivec2 atlasOffset{0};     ///< texels; 0 for cascades
     int size = 0;             ///< texels
-    int layer = 0;            ///< cascade index
-    float texelMeters = 0.0f; ///< world size of a texel: everywhere for cascades, at 1 m distance for perspective tiles
+    /// Layer of the directional lights' shadow array: light n of those with shadows has its cascades at n * cascades.
+    /// 0 for atlas tiles.
+    int layer = 0;
+    float texelMeters = 0.0f; ///< world size of a texel: everywhere for cascades, at 1 m depth for perspective tiles
+    float nearMeters =
+        0.0f; ///< z = 0: depth from the light, or for cascades along its direction from the world's origin
+    float farMeters = 0.0f; ///< z = 1
 };
 
 /// A light as this frame sees it.
@@ -60,13 +90,15 @@ struct FrameLight {
     /// True when shadow attenuation B is read from mask or probes: the light has a channel and the mode uses it.
     bool hasBaked = false;
     int channel = -1;
-    bool skipStatic = false;    ///< no direct light on static receivers: baked there already (subtractive; see select.cpp)
+    bool skipStatic = false; ///< no direct light on static receivers: baked there already (subtractive; see lights.cpp)
     bool skipDynamic = false;
     bool hasRealtimeShadow = false; ///< it got tiles and at least one caster reaches them this frame
     bool staticCasters = true;      ///< static objects are drawn into its shadow map (law: staticCastersInShadowMap)
-    int firstTile = -1;
-    int tileCount = 0; ///< directional: cascades; spot 1; point 6 (+X -X +Y -Y +Z -Z)
-    float importance = 0.0f;
+    int firstTile = -1;             ///< into FramePlan::tiles; -1 without realtime shadow
+    /// Directional: cascades. Spot: 1, or 6 when its cone is wider than one tile can show. Point: 6. Six tiles are the
+    /// world's axes +X -X +Y -Y +Z -Z, to be chosen by the largest component of (point - light).
+    int tileCount = 0;
+    float importance = 0.0f; ///< illuminance (lux) it may bring to where the camera is
 };
 
 /// Cluster grid over the view frustum: tiles of the picture times depth slices, one bit per light.
@@ -75,32 +107,68 @@ struct LightClusters {
     float nearMeters = 0.1f; ///< depth slices grow exponentially from near to far
     float farMeters = 100.0f;
     static constexpr int kWords = 8; ///< 256 lights
-    std::vector<uint32_t> words;     ///< kWords per cluster, cluster (x, y, z) at ((z * size.y + y) * size.x + x) * kWords
+    /// kWords per cluster, cluster (x, y, z) at ((z * size.y + y) * size.x + x) * kWords; y = 0 is the picture's top
+    /// row. Bit n % 32 of word n / 32 is FramePlan::lights[n]. Directional lights are in every cluster.
+    std::vector<uint32_t> words;
+
+    /// The cluster of a fragment: `uv` 0…1 over the picture from its top left, `viewDepthMeters` along the camera's
+    /// axis. z = clamp(floor(log2(depth / near) * size.z / log2(far / near)), 0, size.z - 1).
+    [[nodiscard]] ivec3 clusterAt(vec2 uv, float viewDepthMeters) const;
+    [[nodiscard]] bool reaches(ivec3 cluster, int frameLight) const
+    {
+        const auto index = (std::size_t(cluster.z) * size.y + cluster.y) * size.x + cluster.x;
+        return (words[index * kWords + std::size_t(frameLight) / 32] >> (frameLight % 32) & 1u) != 0;
+    }
 };
 
 constexpr int kMaxFrameLights = 256;
+/// Directional lights with cascades at once; further ones get a warning and keep their baked shadows.
+constexpr int kMaxDirectionalShadows = 4;
 
 /// Everything decided before the first draw.
 struct FramePlan {
     RunMode mode = RunMode::Realtime;
-    std::vector<FrameLight> lights;    ///< at most kMaxFrameLights, most important first; directional lights first of all
-    std::vector<ShadowTile> tiles;
-    std::array<float, 4> cascadeFar{}; ///< view distance (radial, metres) where each cascade ends
-    int mainLight = -1;                ///< index into `lights`: subtractive's main light, -1 none
+    std::vector<FrameLight> lights; ///< at most kMaxFrameLights, most important first; directional lights first of all
+    std::vector<ShadowTile> tiles;  ///< cascades of directional lights first, then the atlas
+    int directionalLayers = 0;      ///< layers of the directional shadow array in use
+    /// View distance (radial from the camera's position, metres) where each cascade ends: a fragment takes the first
+    /// cascade whose far is not less than its distance. The last equals the shadow distance, or all that the camera can
+    /// see where that is less; unused ones repeat it.
+    std::array<float, 4> cascadeFar{};
+    vec2 fadeConstants{0.0f}; ///< law: fadeConstants() of the settings
+    int mainLight = -1;       ///< index into `lights`: subtractive's main light, -1 none
     LightClusters clusters;
-    bool usesMask = false; ///< any light reads a mask channel this frame (spec S11)
-    std::vector<std::string> warnings; ///< lights left out beyond 256, lights that got no tile, lights out of step with their bake
+    bool usesMask = false; ///< any light reads a shadowmask channel this frame (spec S11); never in subtractive, whose
+                           ///< baked attenuation is in the probes only
+    /// Objects to draw into tile i, ascending: tileCasters[tileCasterBegin[i] … tileCasterBegin[i + 1]).
+    std::vector<uint32_t> tileCasters;
+    std::vector<uint32_t> tileCasterBegin; ///< one more than tiles
+    [[nodiscard]] std::span<const uint32_t> castersOf(int tile) const
+    {
+        return std::span(tileCasters)
+            .subspan(tileCasterBegin[std::size_t(tile)],
+                     tileCasterBegin[std::size_t(tile) + 1] - tileCasterBegin[std::size_t(tile)]);
+    }
+    std::vector<std::string>
+        warnings; ///< lights left out beyond 256, lights that got no tile, lights out of step with their bake
 };
 
-/// Selects lights, fits cascades, places tiles, tests casters, fills clusters.
-FramePlan planFrame(const BakedScene& baked, const FrameView& view, RunMode mode, const ShadowSettings& shadows);
+/// Selects lights, fits cascades, places tiles, tests casters, fills clusters. `bounds` is objectBounds(baked.scene);
+/// `mode` and `shadows` have passed their checks.
+FramePlan planFrame(const BakedScene& baked, std::span<const Bounds> bounds, const FrameView& view, RunMode mode,
+                    const ShadowSettings& shadows);
 
 /// Probe light and occlusion at a point.
 struct ProbeSample {
     SphericalHarmonicsL2 radiance{};
     vec4 occlusion{1.0f};
 };
-/// Interpolated from the valid probes around `position` (outside the grid: from its nearest cell). Sky when there is none.
+/// Interpolated from the valid probes around `position` (outside the grid: at its nearest point): trilinear in a grid,
+/// invalid probes left out and the other weights raised to sum to 1; in a free list by inverse squared distance to the
+/// nearest four. Without any valid probe: skyProbe() of the scene.
 ProbeSample sampleProbes(const BakedScene& baked, vec3 position);
+
+/// The open sky as a probe sees it, nothing occluded.
+ProbeSample skyProbe(const Sky& sky);
 
 } // namespace halflight
