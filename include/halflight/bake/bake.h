@@ -26,6 +26,7 @@ struct BakeSettings {
     UvMode uvMode = UvMode::Auto;
     float texelsPerMeter = 0.0f; ///< 0 = fit one page of lightmapSize
     int lightmapSize = 0;        ///< 0 = by quality
+    int paddingTexels = 2;       ///< UnwrapSettings::paddingTexels
     bool denoise = true;
     float probeSpacingMeters = 0.0f; ///< 0 = by the scene's size
     int threads = 0;                 ///< 0 = all cores; changes no byte of the result
