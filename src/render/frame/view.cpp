@@ -1,0 +1,166 @@
+// Camera matrices, and what is inside what.
+#include "render/frame/frame_internal.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace halflight {
+
+mat4 FrameView::viewFromWorld() const
+{
+    return glm::inverse(camera.worldFromCamera);
+}
+
+// Reversed z: near maps to 1 and far to 0, so that floating-point depth is as fine far away as it is near (Reed 2015,
+// "Depth Precision Visualized"). An infinite far plane is the limit of the same formula.
+mat4 FrameView::clipFromView() const
+{
+    const float aspect = float(std::max(size.x, 1)) / float(std::max(size.y, 1));
+    const float farMeters = camera.farMeters;
+    mat4 m(0.0f);
+    if (camera.orthographic) {
+        const float halfHeight = 0.5f * camera.orthographicHeightMeters;
+        const float nearMeters = camera.nearMeters;
+        m[0][0] = 1.0f / (halfHeight * aspect);
+        m[1][1] = -1.0f / halfHeight;
+        m[2][2] = 1.0f / (farMeters - nearMeters);
+        m[3][2] = farMeters / (farMeters - nearMeters);
+        m[3][3] = 1.0f;
+        return m;
+    }
+    const float nearMeters = std::max(camera.nearMeters, 1.0e-4f);
+    const float tanHalf = std::tan(0.5f * camera.verticalFovRadians);
+    m[0][0] = 1.0f / (tanHalf * aspect);
+    m[1][1] = -1.0f / tanHalf;
+    m[2][3] = -1.0f;
+    if (std::isfinite(farMeters)) {
+        m[2][2] = nearMeters / (farMeters - nearMeters);
+        m[3][2] = nearMeters * farMeters / (farMeters - nearMeters);
+    } else {
+        m[3][2] = nearMeters;
+    }
+    return m;
+}
+
+std::vector<Bounds> objectBounds(const Scene& scene)
+{
+    std::vector<Bounds> ofMesh(scene.meshes.size());
+    for (std::size_t i = 0; i < scene.meshes.size(); ++i) {
+        for (const MeshPart& part : scene.meshes[i].parts) {
+            for (const vec3& position : part.positions) ofMesh[i].extend(position);
+        }
+    }
+    // The transform of a box by its centre and half extents: Arvo 1990, "Transforming Axis-Aligned Bounding Boxes".
+    std::vector<Bounds> result(scene.objects.size());
+    for (std::size_t i = 0; i < scene.objects.size(); ++i) {
+        const Object& object = scene.objects[i];
+        if (object.mesh < 0 || ofMesh[std::size_t(object.mesh)].empty()) continue;
+        const Bounds& box = ofMesh[std::size_t(object.mesh)];
+        const mat4& m = object.worldFromObject;
+        const vec3 center = vec3(m * vec4(box.center(), 1.0f));
+        const vec3 half = 0.5f * box.size();
+        const vec3 worldHalf =
+            glm::abs(vec3(m[0])) * half.x + glm::abs(vec3(m[1])) * half.y + glm::abs(vec3(m[2])) * half.z;
+        result[i].extend(center - worldHalf);
+        result[i].extend(center + worldHalf);
+    }
+    return result;
+}
+
+// Gribb and Hartmann 2001, "Fast Extraction of Viewing Frustum Planes from the World-View-Projection Matrix".
+Planes planesOf(const mat4& clipFromWorld)
+{
+    const mat4 rows = glm::transpose(clipFromWorld);
+    Planes planes = {rows[3] + rows[0], rows[3] - rows[0], rows[3] + rows[1],
+                     rows[3] - rows[1], rows[2],           rows[3] - rows[2]};
+    for (vec4& plane : planes) {
+        const float length = glm::length(vec3(plane));
+        plane = length > 1.0e-12f ? plane / length : vec4(0, 0, 0, 1);
+    }
+    return planes;
+}
+
+bool meets(const Planes& planes, const Bounds& box)
+{
+    if (box.empty()) return false;
+    const vec3 center = box.center();
+    const vec3 half = 0.5f * box.size();
+    for (const vec4& plane : planes) {
+        const vec3 n = vec3(plane);
+        const float reach = glm::dot(glm::abs(n), half);
+        const float slack = 1.0e-5f * (std::abs(plane.w) + glm::dot(glm::abs(n), glm::abs(center)) + reach);
+        if (glm::dot(n, center) + plane.w + reach < -slack) return false;
+    }
+    return true;
+}
+
+LightVolume volumeOf(const Light& light)
+{
+    LightVolume volume;
+    if (light.type == LightType::Directional) {
+        volume.everywhere = true;
+        return volume;
+    }
+    volume.center = light.position();
+    if (light.rangeMeters > 0.0f) volume.radius = light.rangeMeters;
+    if (light.type == LightType::Spot) {
+        volume.axis = light.direction();
+        volume.halfAngle = light.outerConeRadians;
+    } else {
+        volume.everywhere = light.rangeMeters <= 0.0f;
+    }
+    return volume;
+}
+
+bool meets(const LightVolume& volume, const Planes& planes)
+{
+    if (volume.everywhere) return true;
+    for (const vec4& plane : planes) {
+        // How far a ball's sector reaches along the plane's normal from its apex: exact for one plane.
+        const vec3 n = vec3(plane);
+        const float angle = std::acos(glm::clamp(glm::dot(n, volume.axis), -1.0f, 1.0f));
+        const float alongNormal = std::cos(std::max(0.0f, angle - volume.halfAngle));
+        const float reach = alongNormal > 0.0f ? alongNormal * volume.radius : 0.0f;
+        const float slack = 1.0e-4f * (1.0f + glm::length(volume.center) + std::abs(plane.w));
+        if (glm::dot(n, volume.center) + plane.w + reach < -slack) return false;
+    }
+    return true;
+}
+
+// Wronski 2017, "Cull that cone! Improved cone/spotlight visibility tests for tiled and clustered lighting".
+bool coneMeetsBall(vec3 apex, vec3 axis, float halfAngle, vec3 center, float radius)
+{
+    if (halfAngle >= 0.5f * kPi) return true;
+    const vec3 v = center - apex;
+    const float along = glm::dot(v, axis);
+    const float across = std::sqrt(std::max(0.0f, glm::dot(v, v) - along * along));
+    const float outside = std::cos(halfAngle) * across - along * std::sin(halfAngle);
+    const float slack = 1.0e-4f * (1.0f + glm::length(v));
+    return outside <= radius + slack && along >= -radius - slack;
+}
+
+bool meets(const LightVolume& volume, const Bounds& box)
+{
+    if (box.empty()) return false;
+    if (volume.everywhere) return true;
+    if (distanceTo(box, volume.center) > volume.radius * 1.0001f) return false;
+    return coneMeetsBall(volume.center, volume.axis, volume.halfAngle, box.center(), 0.5f * glm::length(box.size()));
+}
+
+float distanceTo(const Bounds& box, vec3 point)
+{
+    return glm::length(glm::max(glm::max(box.min - point, point - box.max), vec3(0.0f)));
+}
+
+float farthestIn(const Bounds& box, vec3 point)
+{
+    return box.empty() ? 0.0f : glm::length(glm::max(glm::abs(box.min - point), glm::abs(box.max - point)));
+}
+
+std::string nameOf(const Scene& scene, int light)
+{
+    const std::string& name = scene.lights[std::size_t(light)].name;
+    return name.empty() ? "light " + std::to_string(light) : "light \"" + name + "\"";
+}
+
+} // namespace halflight
