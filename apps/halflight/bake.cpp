@@ -1,0 +1,215 @@
+// halflight bake: scene in, baked glTF out.
+
+#include "console.h"
+
+#include "halflight/bake/bake.h"
+#include "halflight/bake_cpu/embree_integrator.h"
+#include "halflight/base/file.h"
+#include "halflight/base/log.h"
+#include "halflight/scene/gltf.h"
+
+#include <spdlog/fmt/fmt.h>
+
+#include <algorithm>
+#include <chrono>
+#include <memory>
+#include <optional>
+
+namespace halflight::cli {
+
+namespace {
+
+struct BakeOptions {
+    std::filesystem::path scene;
+    std::filesystem::path output;
+    std::filesystem::path settingsFile;
+    std::filesystem::path reportFile;
+    BakeSettings bake;
+    vec3 skyNits{0.0f};
+    bool skyGiven = false;
+    int device = 0; ///< one so far: the CPU
+    bool quiet = false;
+    bool json = false;
+};
+
+Status checkPaths(const BakeOptions& options, std::filesystem::path& culprit)
+{
+    for (const std::filesystem::path& file : {options.output, options.reportFile}) {
+        if (file.empty()) continue;
+        culprit = file;
+        if (Status status = checkOutput(file); !status) return status;
+    }
+    return {};
+}
+
+// Lights that are not what their author asked for, where no other warning speaks of them yet.
+std::vector<std::string> lightWarnings(const BakeReport& report)
+{
+    std::vector<std::string> warnings;
+    for (const LightReport& light : report.lights) {
+        if (light.bakedAs == light.authoredMode) continue;
+        const auto namesLight = [&](const std::string& warning) {
+            return warning.find("'" + light.name + "'") != std::string::npos ||
+                   warning.find('"' + light.name + '"') != std::string::npos;
+        };
+        if (std::any_of(report.warnings.begin(), report.warnings.end(), namesLight)) continue;
+        warnings.push_back(fmt::format("{} light '{}' was {} baked: {}", nameOf(light.authoredMode), light.name,
+                                       light.bakedAs == LightMode::Baked ? "fully" : "not fully", light.reason));
+    }
+    return warnings;
+}
+
+void printLights(const BakeReport& report)
+{
+    if (report.lights.empty()) return;
+    std::size_t width = 5;
+    for (const LightReport& light : report.lights) width = std::max(width, light.name.size());
+    fmt::print("\n{:<{}}  {:<11}  {:<8}  {:<8}  {:<7}  {}\n", "light", width, "type", "mode", "baked as", "channel",
+               "reason");
+    for (const LightReport& light : report.lights) {
+        const std::string line =
+            fmt::format("{:<{}}  {:<11}  {:<8}  {:<8}  {:<7}  {}", light.name, width, nameOf(light.type),
+                        nameOf(light.authoredMode), nameOf(light.bakedAs), channelName(light.channel), light.reason);
+        fmt::print("{}\n", line.substr(0, line.find_last_not_of(' ') + 1));
+    }
+}
+
+void printSummary(const BakeOptions& options, const BakeReport& report)
+{
+    fmt::print("{}: {} in {}, peak memory {}, {}\n", options.output.string(), nameOf(options.bake.mode),
+               clockTime(report.seconds), megabytes(report.peakMemoryBytes), report.integrator);
+    printLights(report);
+
+    fmt::print("\nlightmap   {} page{} of {} x {}, {:.2f} texels/m, {:.0f} % filled\n", report.pageCount,
+               report.pageCount == 1 ? "" : "s", report.pageSize, report.pageSize, report.texelsPerMeter,
+               100.0 * double(report.atlasCoverage));
+    fmt::print("           {} charts, {} texels, {} of them inside geometry\n", grouped(uint64_t(report.chartCount)),
+               grouped(report.coveredTexels), grouped(report.invalidTexels));
+    fmt::print("geometry   {} static triangles\n", grouped(report.triangleCount));
+    fmt::print("probes     {} of {} valid\n", grouped(uint64_t(report.validProbeCount)),
+               grouped(uint64_t(report.probeCount)));
+    fmt::print("samples    {} per texel, {} per masked light, {} bounces, {} per probe\n\n", report.quality.samples,
+               report.quality.shadowSamples, report.quality.bounces, report.quality.probeSamples);
+
+    fmt::print("{:<16} {:>9} {:>10} {:>10}\n", "stage", "seconds", "rays", "rays/s");
+    for (const StageReport& stage : report.stages) {
+        const bool rate = stage.rays > 0 && stage.seconds > 0.0;
+        const std::string line = fmt::format("{:<16} {:>9.2f} {:>10} {:>10}", stage.name, stage.seconds,
+                                             stage.rays > 0 ? withUnit(double(stage.rays)) : "",
+                                             rate ? withUnit(double(stage.rays) / stage.seconds) : "");
+        fmt::print("{}\n", line.substr(0, line.find_last_not_of(' ') + 1));
+    }
+}
+
+int runBake(const BakeOptions& options)
+{
+    if (lowerExtension(options.output) != ".glb") {
+        return wrongUsage("bake", fmt::format("--output must end in .glb, not '{}'", options.output.string()));
+    }
+    if (sameFile(options.scene, options.output)) {
+        return wrongUsage("bake", fmt::format("--output is the scene itself, '{}'", options.output.string()));
+    }
+    std::filesystem::path culprit;
+    if (Status status = checkPaths(options, culprit); !status) return fail(culprit, status.error());
+
+    // The display is up before the scene is read, so that Ctrl-C is heard from the start.
+    std::optional<ProgressDisplay> display(std::in_place, options.quiet);
+    const Progress progress = display->progress();
+    ReadOptions readOptions;
+    readOptions.settingsFile = options.settingsFile;
+    Result<Scene> scene = readScene(options.scene, readOptions);
+    if (!scene) {
+        display.reset();
+        return fail(options.scene, scene.error());
+    }
+    if (options.skyGiven) scene->sky = {options.skyNits, options.skyNits, options.skyNits};
+
+    Result<BakeResult> result = bake(std::move(*scene), options.bake, makeEmbreeIntegrator, progress);
+    if (result && interrupted()) result = Error{ErrorCode::Cancelled, "interrupted"};
+    if (!result) {
+        display.reset();
+        return fail(options.scene, result.error());
+    }
+    progress("write", 0.0);
+    const Status written = writeBakedScene(options.output, result->baked);
+    display.reset();
+    if (!written) return fail(options.output, written.error());
+
+    const std::string json = reportJson(result->report);
+    if (!options.reportFile.empty()) {
+        if (Status status = writeFileAtomically(options.reportFile, json); !status) {
+            return fail(options.reportFile, status.error());
+        }
+    }
+    if (!options.quiet) {
+        for (const std::string& warning : result->report.warnings) warn(options.scene, warning);
+        for (const std::string& warning : lightWarnings(result->report)) warn(options.scene, warning);
+    }
+    if (options.json) {
+        fmt::print("{}\n", json);
+    } else if (!options.quiet) {
+        printSummary(options, result->report);
+    }
+    return kOk;
+}
+
+} // namespace
+
+Command addBakeCommand(CLI::App& parent)
+{
+    auto options = std::make_shared<BakeOptions>();
+    CLI::App& app = *parent.add_subcommand("bake", "Bake lightmaps, shadowmasks and probes into a glTF file");
+    app.add_option("SCENE", options->scene, "the scene, .glb or .gltf")->required()->type_name(" ");
+    app.add_option("-o,--output", options->output, "the baked file to write, .glb")->required()->type_name("OUT.glb");
+
+    BakeSettings& bake = options->bake;
+    app.option_defaults()->group("Bake");
+    addChoice<MixedLightingMode>(app, "--mode", bake.mode,
+                                 {{"baked-indirect", MixedLightingMode::BakedIndirect},
+                                  {"shadowmask", MixedLightingMode::Shadowmask},
+                                  {"subtractive", MixedLightingMode::Subtractive}},
+                                 "mixed lighting mode (default shadowmask)");
+    addChoice<Quality>(app, "--quality", bake.quality,
+                       {{"preview", Quality::Preview},
+                        {"medium", Quality::Medium},
+                        {"high", Quality::High},
+                        {"ultra", Quality::Ultra}},
+                       "samples, bounces and lightmap size in one word (default medium)");
+    addInt(app, "--samples", bake.samples, 1, 1 << 20, "paths per texel (default by quality)");
+    addInt(app, "--shadow-samples", bake.shadowSamples, 1, 1 << 16,
+           "shadow rays per texel and masked light (default by quality)");
+    addInt(app, "--bounces", bake.bounces, 0, 64, "indirect bounces, 0 = direct light only (default by quality)");
+    addFloat(app, "--texels-per-meter", bake.texelsPerMeter, 0.001f, 10000.0f, "X",
+             "lightmap density; as many pages as that takes (default: what fits one page)");
+    addInt(app, "--lightmap-size", bake.lightmapSize, 64, 8192, "width of a page in texels (default by quality)");
+    addInt(app, "--padding", bake.paddingTexels, 1, 64, "empty texels between charts (default 2)");
+    addChoice<UvMode>(
+        app, "--uv", bake.uvMode, {{"auto", UvMode::Auto}, {"keep", UvMode::Keep}, {"unwrap", UvMode::Unwrap}},
+        "the file's TEXCOORD_1: keep it where it is valid, keep it or fail, or unwrap anew (default auto)");
+    addChoice<bool>(app, "--denoise", bake.denoise, {{"on", true}, {"off", false}},
+                    "denoise the lightmap (default on)");
+    addFloat(app, "--probe-spacing", bake.probeSpacingMeters, 0.01f, 10000.0f, "METERS",
+             "distance between light probes (default by the scene's size)");
+    addVec3(app, "--sky", options->skyNits, 0.0f, 1.0e6f, "R,G,B",
+            "radiance of a uniform sky in nits, instead of the scene's own")
+        ->each([options](const std::string&) { options->skyGiven = true; });
+    app.add_option("--settings", options->settingsFile, "light and object settings by name pattern")
+        ->type_name("FILE.toml");
+
+    app.option_defaults()->group("Run");
+    addChoice<int>(app, "--device", options->device, {{"auto", 0}, {"cpu", 0}}, "what bakes (default auto)");
+    addInt(app, "--threads", bake.threads, 0, 4096, "0 = all cores; changes no byte of the result (default 0)");
+    addUint(app, "--seed", bake.seed, "of the random numbers (default 1)");
+
+    app.option_defaults()->group("Output");
+    app.add_option("--report", options->reportFile, "write what the bake did: lights, charts, rays, seconds, warnings")
+        ->type_name("FILE.json");
+    app.add_option("--write-images", bake.imagesDirectory, "write lightmaps, shadowmasks and probes as plain files too")
+        ->type_name("DIR");
+    app.add_flag("--json", options->json, "print the report as JSON on standard output");
+    app.add_flag("-q,--quiet", options->quiet, "print errors only");
+    app.footer("Example: halflight bake scene.glb -o baked.glb --quality preview");
+    return {&app, [options] { return runBake(*options); }};
+}
+
+} // namespace halflight::cli

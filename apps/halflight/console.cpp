@@ -1,0 +1,351 @@
+#include "console.h"
+
+#include <spdlog/fmt/fmt.h>
+
+#include <algorithm>
+#include <atomic>
+#include <cctype>
+#include <cmath>
+#include <csignal>
+#include <cstdio>
+#include <cstdlib>
+#include <unistd.h>
+
+namespace halflight::cli {
+
+namespace {
+
+// The one global of the program: a signal handler can reach nothing else.
+std::atomic<bool> cancelRequested{false};
+static_assert(std::atomic<bool>::is_always_lock_free, "a signal handler writes it");
+
+void requestCancel(int signal)
+{
+    cancelRequested.store(true, std::memory_order_relaxed);
+    std::signal(signal, SIG_DFL);
+}
+
+// Messages may quote a file's own names: nothing in them may break the line or steer the terminal.
+std::string oneLine(std::string_view text)
+{
+    std::string line;
+    for (const char c : text) {
+        const bool control = static_cast<unsigned char>(c) < 0x20 || c == 0x7f;
+        if (!control) {
+            line += c;
+        } else if (!line.empty() && line.back() != ' ') {
+            line += ' ';
+        }
+    }
+    while (!line.empty() && line.back() == ' ') line.pop_back();
+    return line;
+}
+
+void printError(const std::string& text)
+{
+    fmt::print(stderr, "halflight: {}\n", oneLine(text));
+}
+
+std::string shortNumber(double value)
+{
+    return fmt::format("{:g}", value);
+}
+
+// CLI11 shows a validator's answer after the option's name: "--cascades: must be ...".
+CLI::Option* addChecked(CLI::App& app, const std::string& name, std::function<std::string(const std::string&)> check,
+                        std::function<void(const std::string&)> assign, const std::string& metavar,
+                        const std::string& help)
+{
+    return app.add_option_function<std::string>(name, assign, help)
+        ->check(CLI::Validator([check](std::string& text) { return check(text); }, std::string()))
+        ->type_name(metavar);
+}
+
+std::string checkWholeNumber(const std::string& text, double min, double max)
+{
+    double value = 0.0;
+    if (parseNumber(text, value) && value >= min && value <= max && value == std::floor(value)) return {};
+    return fmt::format("must be a whole number from {:.0f} to {:.0f}, not '{}'", min, max, text);
+}
+
+std::vector<std::string> splitAtCommas(const std::string& text)
+{
+    std::vector<std::string> parts(1);
+    for (const char c : text) {
+        if (c == ',') {
+            parts.emplace_back();
+        } else {
+            parts.back() += c;
+        }
+    }
+    return parts;
+}
+
+} // namespace
+
+int fail(const std::filesystem::path& file, const Error& error)
+{
+    if (error.code == ErrorCode::Cancelled) {
+        printError("interrupted");
+    } else {
+        printError(file.empty() ? error.text() : file.string() + ": " + error.text());
+    }
+    return kFailed;
+}
+
+int wrongUsage(std::string_view command, std::string_view sentence)
+{
+    printError(fmt::format("{} (see halflight {}{}--help)", sentence, command, command.empty() ? "" : " "));
+    return kWrongUsage;
+}
+
+void warn(const std::filesystem::path& file, std::string_view sentence)
+{
+    printError(fmt::format("warning: {}: {}", file.string(), sentence));
+}
+
+Status checkOutput(const std::filesystem::path& output)
+{
+    std::error_code ec;
+    if (std::filesystem::is_directory(output, ec)) return Error{ErrorCode::WriteFailed, "is a folder, not a file"};
+    std::filesystem::path folder = output.parent_path();
+    if (folder.empty()) folder = ".";
+    if (!std::filesystem::is_directory(folder, ec)) {
+        return Error{ErrorCode::WriteFailed, "the folder " + folder.string() + " does not exist"};
+    }
+    if (::access(folder.c_str(), W_OK) != 0) {
+        return Error{ErrorCode::WriteFailed, "the folder " + folder.string() + " cannot be written to"};
+    }
+    return {};
+}
+
+bool sameFile(const std::filesystem::path& a, const std::filesystem::path& b)
+{
+    std::error_code ec;
+    return std::filesystem::equivalent(a, b, ec) && !ec;
+}
+
+std::string lowerExtension(const std::filesystem::path& path)
+{
+    std::string extension = path.extension().string();
+    for (char& c : extension) c = char(std::tolower(static_cast<unsigned char>(c)));
+    return extension;
+}
+
+std::string grouped(uint64_t number)
+{
+    std::string digits = std::to_string(number);
+    for (std::ptrdiff_t i = std::ptrdiff_t(digits.size()) - 3; i > 0; i -= 3) digits.insert(std::size_t(i), " ");
+    return digits;
+}
+
+std::string clockTime(double seconds)
+{
+    const auto whole = uint64_t(std::max(0.0, std::round(seconds)));
+    if (whole >= 3600) return fmt::format("{}:{:02}:{:02}", whole / 3600, whole / 60 % 60, whole % 60);
+    return fmt::format("{}:{:02}", whole / 60, whole % 60);
+}
+
+std::string withUnit(double number)
+{
+    if (number >= 1e9) return fmt::format("{:.2f} G", number / 1e9);
+    if (number >= 1e6) return fmt::format("{:.1f} M", number / 1e6);
+    if (number >= 1e3) return fmt::format("{:.1f} k", number / 1e3);
+    return fmt::format("{:.0f}", number);
+}
+
+std::string megabytes(uint64_t bytes)
+{
+    return fmt::format("{:.0f} MB", double(bytes) / 1e6);
+}
+
+std::string_view nameOf(LightType type)
+{
+    switch (type) {
+    case LightType::Directional:
+        return "directional";
+    case LightType::Point:
+        return "point";
+    case LightType::Spot:
+        return "spot";
+    }
+    return "?";
+}
+
+std::string_view nameOf(LightMode mode)
+{
+    switch (mode) {
+    case LightMode::Realtime:
+        return "realtime";
+    case LightMode::Mixed:
+        return "mixed";
+    case LightMode::Baked:
+        return "baked";
+    }
+    return "?";
+}
+
+std::string_view nameOf(MixedLightingMode mode)
+{
+    switch (mode) {
+    case MixedLightingMode::BakedIndirect:
+        return "baked-indirect";
+    case MixedLightingMode::Shadowmask:
+        return "shadowmask";
+    case MixedLightingMode::Subtractive:
+        return "subtractive";
+    }
+    return "?";
+}
+
+std::string_view channelName(int channel)
+{
+    constexpr std::string_view kNames[] = {"R", "G", "B", "A"};
+    return channel >= 0 && channel < 4 ? kNames[channel] : "-";
+}
+
+bool parseNumber(const std::string& text, double& value)
+{
+    if (text.empty() || std::isspace(static_cast<unsigned char>(text.front()))) return false;
+    char* end = nullptr;
+    value = std::strtod(text.c_str(), &end);
+    return end == text.c_str() + text.size() && std::isfinite(value);
+}
+
+CLI::Option* addInt(CLI::App& app, const std::string& name, int& value, int min, int max, const std::string& help)
+{
+    return addChecked(
+        app, name, [min, max](const std::string& text) { return checkWholeNumber(text, min, max); },
+        [&value](const std::string& text) { value = int(std::strtod(text.c_str(), nullptr)); },
+        fmt::format("{}..{}", min, max), help);
+}
+
+CLI::Option* addUint(CLI::App& app, const std::string& name, uint32_t& value, const std::string& help)
+{
+    return addChecked(
+        app, name, [](const std::string& text) { return checkWholeNumber(text, 0.0, 4294967295.0); },
+        [&value](const std::string& text) { value = uint32_t(std::strtod(text.c_str(), nullptr)); }, "N", help);
+}
+
+CLI::Option* addFloat(CLI::App& app, const std::string& name, float& value, float min, float max,
+                      const std::string& metavar, const std::string& help)
+{
+    // Compared as float, so that a limit such as 0.01 may itself be given.
+    const auto check = [min, max](const std::string& text) {
+        double number = 0.0;
+        if (parseNumber(text, number) && float(number) >= min && float(number) <= max) return std::string();
+        return fmt::format("must be a number from {} to {}, not '{}'", shortNumber(min), shortNumber(max), text);
+    };
+    return addChecked(
+        app, name, check, [&value](const std::string& text) { value = float(std::strtod(text.c_str(), nullptr)); },
+        metavar, help);
+}
+
+CLI::Option* addVec3(CLI::App& app, const std::string& name, vec3& value, float min, float max,
+                     const std::string& metavar, const std::string& help)
+{
+    const auto parse = [min, max](const std::string& text, vec3& out) {
+        const std::vector<std::string> parts = splitAtCommas(text);
+        if (parts.size() != 3) return false;
+        for (int i = 0; i < 3; ++i) {
+            double number = 0.0;
+            if (!parseNumber(parts[std::size_t(i)], number) || number < min || number > max) return false;
+            out[i] = float(number);
+        }
+        return true;
+    };
+    const auto check = [parse, min, max](const std::string& text) {
+        vec3 ignored;
+        if (parse(text, ignored)) return std::string();
+        return fmt::format("must be three numbers from {} to {} with commas between them, not '{}'", shortNumber(min),
+                           shortNumber(max), text);
+    };
+    return addChecked(
+        app, name, check, [parse, &value](const std::string& text) { parse(text, value); }, metavar, help);
+}
+
+CLI::Option* addChoiceByIndex(CLI::App& app, const std::string& name, const std::vector<std::string>& names,
+                              std::function<void(std::size_t)> choose, const std::string& help)
+{
+    const auto find = [names](const std::string& text) {
+        return std::size_t(std::find(names.begin(), names.end(), text) - names.begin());
+    };
+    const auto check = [names, find](const std::string& text) {
+        if (find(text) < names.size()) return std::string();
+        return fmt::format("must be one of {}, not '{}'", fmt::join(names, ", "), text);
+    };
+    return addChecked(
+        app, name, check, [find, choose](const std::string& text) { choose(find(text)); },
+        fmt::format("{}", fmt::join(names, "|")), help);
+}
+
+// -- progress ---------------------------------------------------------------------------------------------------------
+
+ProgressDisplay::ProgressDisplay(bool quiet)
+    : quiet_(quiet), terminal_(::isatty(STDERR_FILENO) != 0), stageStart_(Clock::now()), lastShown_(stageStart_)
+{}
+
+ProgressDisplay::~ProgressDisplay()
+{
+    finish();
+}
+
+Progress ProgressDisplay::progress()
+{
+    std::signal(SIGINT, requestCancel);
+    std::signal(SIGTERM, requestCancel);
+    Progress progress;
+    progress.cancel = &cancelRequested;
+    if (!quiet_) progress.report = [this](std::string_view stage, double fraction) { report(stage, fraction); };
+    return progress;
+}
+
+void ProgressDisplay::finish()
+{
+    if (!stage_.empty()) endStage();
+}
+
+void ProgressDisplay::report(std::string_view stage, double fraction)
+{
+    using std::chrono::duration;
+    const Clock::time_point now = Clock::now();
+    if (stage != stage_) {
+        finish();
+        stage_ = stage;
+        stageStart_ = now;
+        lastShown_ = terminal_ ? Clock::time_point() : now;
+        if (!terminal_) fmt::print(stderr, "{} ...\n", stage_);
+    }
+    // Ten pictures a second on a terminal; in a log a line each ten seconds.
+    if (duration<double>(now - lastShown_).count() < (terminal_ ? 0.1 : 10.0)) return;
+    lastShown_ = now;
+    fraction = std::clamp(fraction, 0.0, 1.0);
+    const double elapsed = duration<double>(now - stageStart_).count();
+    const bool known = fraction > 0.01 && elapsed > 0.5;
+    const std::string left = known ? clockTime(elapsed * (1.0 - fraction) / fraction) + " left" : "";
+    const int percent = int(100.0 * fraction);
+    if (terminal_) {
+        constexpr int kWidth = 30;
+        const int full = int(kWidth * fraction);
+        fmt::print(stderr, "\r{:<14.14} [{:=<{}}{:<{}}] {:>3} %  {}\x1b[K", stage_, "", full, "", kWidth - full,
+                   percent, left);
+    } else {
+        fmt::print(stderr, "{} {} %{}{}\n", stage_, percent, known ? ", " : "", left);
+    }
+    std::fflush(stderr);
+}
+
+void ProgressDisplay::endStage()
+{
+    const double seconds = std::chrono::duration<double>(Clock::now() - stageStart_).count();
+    fmt::print(stderr, "{}{:<14} {:.1f} s{}\n", terminal_ ? "\r" : "", stage_, seconds, terminal_ ? "\x1b[K" : "");
+    std::fflush(stderr);
+    stage_.clear();
+}
+
+bool interrupted()
+{
+    return cancelRequested.load(std::memory_order_relaxed);
+}
+
+} // namespace halflight::cli

@@ -1,0 +1,115 @@
+#pragma once
+// What the subcommands share: exit codes, one-sentence errors, option types with limits, progress, Ctrl-C.
+
+#include "halflight/base/math.h"
+#include "halflight/base/progress.h"
+#include "halflight/base/result.h"
+#include "halflight/scene/scene.h"
+
+#include <CLI/CLI.hpp>
+
+#include <chrono>
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+namespace halflight::cli {
+
+enum ExitCode : int { kOk = 0, kFailed = 1, kWrongUsage = 2 };
+
+/// A subcommand: main() calls `run` when it was named and its options parsed.
+struct Command {
+    CLI::App* app = nullptr;
+    std::function<int()> run;
+};
+Command addBakeCommand(CLI::App& parent);
+Command addRenderCommand(CLI::App& parent);
+Command addInfoCommand(CLI::App& parent);
+
+/// Prints "halflight: FILE: object: reason" to standard error, on one line, and returns kFailed. A cancelled run prints
+/// "halflight: interrupted".
+int fail(const std::filesystem::path& file, const Error& error);
+/// Prints "halflight: sentence (see halflight COMMAND --help)" and returns kWrongUsage.
+int wrongUsage(std::string_view command, std::string_view sentence);
+/// Prints "halflight: warning: FILE: sentence" to standard error.
+void warn(const std::filesystem::path& file, std::string_view sentence);
+
+/// Error when `output` cannot become a file: its folder is missing or closed, or it is a folder itself.
+Status checkOutput(const std::filesystem::path& output);
+/// True when both names lead to one existing file.
+bool sameFile(const std::filesystem::path& a, const std::filesystem::path& b);
+/// The extension in lower case, with its dot.
+std::string lowerExtension(const std::filesystem::path& path);
+
+/// "12 345 678", "0:42" (minutes and seconds), "31.2 M", "412 MB": numbers for people.
+std::string grouped(uint64_t number);
+std::string clockTime(double seconds);
+std::string withUnit(double number);
+std::string megabytes(uint64_t bytes);
+
+std::string_view nameOf(LightType type);
+std::string_view nameOf(LightMode mode);
+std::string_view nameOf(MixedLightingMode mode);
+/// "R", "G", "B", "A", or "-" for none.
+std::string_view channelName(int channel);
+
+/// Options whose value is checked while parsing; the message of a bad value names the option and its limits.
+/// `metavar` is what --help shows for the value.
+CLI::Option* addInt(CLI::App& app, const std::string& name, int& value, int min, int max, const std::string& help);
+CLI::Option* addUint(CLI::App& app, const std::string& name, uint32_t& value, const std::string& help);
+CLI::Option* addFloat(CLI::App& app, const std::string& name, float& value, float min, float max,
+                      const std::string& metavar, const std::string& help);
+/// "x,y,z".
+CLI::Option* addVec3(CLI::App& app, const std::string& name, vec3& value, float min, float max,
+                     const std::string& metavar, const std::string& help);
+
+template<typename T> using Choices = std::vector<std::pair<std::string, T>>;
+CLI::Option* addChoiceByIndex(CLI::App& app, const std::string& name, const std::vector<std::string>& names,
+                              std::function<void(std::size_t)> choose, const std::string& help);
+/// One of a list of words.
+template<typename T> CLI::Option* addChoice(CLI::App& app, const std::string& name, T& value, const Choices<T>& choices,
+                                            const std::string& help)
+{
+    std::vector<std::string> names;
+    for (const auto& choice : choices) names.push_back(choice.first);
+    return addChoiceByIndex(
+        app, name, names, [&value, choices](std::size_t i) { value = choices[i].second; }, help);
+}
+
+/// A finite number, the whole of `text`; false when it is anything else.
+bool parseNumber(const std::string& text, double& value);
+
+/// Progress on standard error: a bar with percent and time left on a terminal, a few plain lines elsewhere.
+class ProgressDisplay {
+public:
+    /// quiet: shows nothing; progress() still carries the cancel flag.
+    explicit ProgressDisplay(bool quiet);
+    /// Ends the last stage's line.
+    ~ProgressDisplay();
+    ProgressDisplay(const ProgressDisplay&) = delete;
+    ProgressDisplay& operator=(const ProgressDisplay&) = delete;
+
+    /// Valid while the display lives. The first call makes Ctrl-C set the cancel flag; a second Ctrl-C kills as usual.
+    Progress progress();
+    void finish();
+
+private:
+    using Clock = std::chrono::steady_clock;
+    void report(std::string_view stage, double fraction);
+    void endStage();
+
+    bool quiet_;
+    bool terminal_;
+    std::string stage_;
+    Clock::time_point stageStart_;
+    Clock::time_point lastShown_;
+};
+
+/// True once Ctrl-C (SIGINT) or SIGTERM arrived after ProgressDisplay::progress().
+bool interrupted();
+
+} // namespace halflight::cli

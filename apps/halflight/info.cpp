@@ -1,0 +1,215 @@
+// halflight info: what a glTF file, plain or baked, holds.
+
+#include "console.h"
+
+#include "halflight/scene/gltf.h"
+
+#include <nlohmann/json.hpp>
+#include <spdlog/fmt/fmt.h>
+
+#include <memory>
+
+namespace halflight::cli {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+struct InfoOptions {
+    std::filesystem::path file;
+    std::filesystem::path settingsFile;
+    bool json = false;
+};
+
+struct Counts {
+    uint64_t storedTriangles = 0;
+    uint64_t drawnTriangles = 0;
+    uint64_t staticObjects = 0;
+    uint64_t lightmappedObjects = 0;
+    uint64_t parts = 0;
+    uint64_t validProbes = 0;
+};
+
+Counts countScene(const BakedScene& baked)
+{
+    Counts counts;
+    std::vector<uint64_t> trianglesOfMesh;
+    for (const Mesh& mesh : baked.scene.meshes) {
+        uint64_t& triangles = trianglesOfMesh.emplace_back(0);
+        for (const MeshPart& part : mesh.parts) triangles += part.indices.size() / 3;
+        counts.storedTriangles += triangles;
+        counts.parts += mesh.parts.size();
+    }
+    for (const Object& object : baked.scene.objects) {
+        if (object.mesh >= 0) counts.drawnTriangles += trianglesOfMesh[std::size_t(object.mesh)];
+        counts.staticObjects += object.isStatic;
+        counts.lightmappedObjects += object.lightmap.page >= 0;
+    }
+    for (const Probe& probe : baked.probes.probes) counts.validProbes += probe.valid;
+    return counts;
+}
+
+std::size_t countAlphaMode(const Scene& scene, Material::AlphaMode mode)
+{
+    std::size_t count = 0;
+    for (const Material& material : scene.materials) count += material.alphaMode == mode;
+    return count;
+}
+
+Json jsonOf(vec3 v)
+{
+    return Json::array({v.x, v.y, v.z});
+}
+
+Json jsonOf(const Light& light)
+{
+    Json json = {{"name", light.name},
+                 {"type", nameOf(light.type)},
+                 {"mode", nameOf(light.mode)},
+                 {"intensity", light.intensity},
+                 {"unit", light.type == LightType::Directional ? "lux" : "candela"},
+                 {"color", jsonOf(light.color)},
+                 {"castShadows", light.castShadows},
+                 {"shadowStrength", light.shadowStrength},
+                 {"indirectMultiplier", light.indirectMultiplier}};
+    if (light.baking.isBaked) {
+        json["bakedAs"] = nameOf(light.baking.bakeType);
+        json["channel"] = light.baking.occlusionMaskChannel;
+        if (!light.baking.reason.empty()) json["reason"] = light.baking.reason;
+    }
+    return json;
+}
+
+Json infoJson(const InfoOptions& options, const BakedScene& baked)
+{
+    const Scene& scene = baked.scene;
+    const Counts counts = countScene(baked);
+    Json json;
+    json["file"] = options.file.string();
+    json["baked"] = baked.isBaked;
+    if (baked.isBaked) json["mode"] = nameOf(baked.mode);
+    json["meshes"] = scene.meshes.size();
+    json["primitives"] = counts.parts;
+    json["triangles"] = {{"stored", counts.storedTriangles}, {"drawn", counts.drawnTriangles}};
+    json["objects"] = {{"total", scene.objects.size()},
+                       {"static", counts.staticObjects},
+                       {"dynamic", scene.objects.size() - counts.staticObjects},
+                       {"lightmapped", counts.lightmappedObjects}};
+    json["materials"] = {{"total", scene.materials.size()},
+                         {"opaque", countAlphaMode(scene, Material::AlphaMode::Opaque)},
+                         {"mask", countAlphaMode(scene, Material::AlphaMode::Mask)},
+                         {"blend", countAlphaMode(scene, Material::AlphaMode::Blend)}};
+    json["textures"] = scene.textures.size();
+    json["lights"] = Json::array();
+    for (const Light& light : scene.lights) json["lights"].push_back(jsonOf(light));
+    json["cameras"] = Json::array();
+    for (const Camera& camera : scene.cameras) json["cameras"].push_back(camera.name);
+    json["sky"] = {{"zenith", jsonOf(scene.sky.zenith)},
+                   {"horizon", jsonOf(scene.sky.horizon)},
+                   {"ground", jsonOf(scene.sky.ground)}};
+    const Bounds bounds = scene.bounds();
+    if (bounds.empty()) {
+        json["bounds"] = nullptr;
+    } else {
+        json["bounds"] = {{"min", jsonOf(bounds.min)}, {"max", jsonOf(bounds.max)}};
+    }
+    json["lightmap"] = {{"pages", baked.lightmaps.size()},
+                        {"size", baked.lightmaps.empty() ? 0 : baked.lightmaps.front().width()}};
+    json["shadowmask"] = {{"pages", baked.shadowmasks.size()},
+                          {"size", baked.shadowmasks.empty() ? 0 : baked.shadowmasks.front().width()}};
+    json["probes"] = {{"total", baked.probes.probes.size()},
+                      {"valid", counts.validProbes},
+                      {"grid", Json::array({baked.probes.size.x, baked.probes.size.y, baked.probes.size.z})},
+                      {"spacingMeters", jsonOf(baked.probes.spacingMeters)}};
+    json["warnings"] = scene.warnings;
+    return json;
+}
+
+void printLights(const std::vector<Light>& lights)
+{
+    std::size_t width = 5;
+    for (const Light& light : lights) width = std::max(width, light.name.size());
+    fmt::print("\n{:<{}}  {:<11}  {:<8}  {:<8}  {:<7}  {}\n", "light", width, "type", "mode", "baked as", "channel",
+               "intensity");
+    for (const Light& light : lights) {
+        const BakingOutput& baking = light.baking;
+        fmt::print("{:<{}}  {:<11}  {:<8}  {:<8}  {:<7}  {:g} {}{}\n", light.name, width, nameOf(light.type),
+                   nameOf(light.mode), baking.isBaked ? nameOf(baking.bakeType) : "-",
+                   channelName(baking.occlusionMaskChannel), light.intensity,
+                   light.type == LightType::Directional ? "lux" : "cd",
+                   baking.reason.empty() ? "" : "  (" + baking.reason + ")");
+    }
+}
+
+void printInfo(const InfoOptions& options, const BakedScene& baked)
+{
+    const Scene& scene = baked.scene;
+    const Counts counts = countScene(baked);
+    if (baked.isBaked) {
+        fmt::print("{}: baked, {}\n\n", options.file.string(), nameOf(baked.mode));
+    } else {
+        fmt::print("{}: not baked\n\n", options.file.string());
+    }
+    fmt::print("objects     {} ({} static, {} dynamic)\n", grouped(scene.objects.size()), grouped(counts.staticObjects),
+               grouped(scene.objects.size() - counts.staticObjects));
+    fmt::print("meshes      {} with {} primitives\n", grouped(scene.meshes.size()), grouped(counts.parts));
+    fmt::print("triangles   {} stored, {} drawn\n", grouped(counts.storedTriangles), grouped(counts.drawnTriangles));
+    fmt::print("materials   {} ({} opaque, {} mask, {} blend)\n", scene.materials.size(),
+               countAlphaMode(scene, Material::AlphaMode::Opaque), countAlphaMode(scene, Material::AlphaMode::Mask),
+               countAlphaMode(scene, Material::AlphaMode::Blend));
+    fmt::print("textures    {}\n", scene.textures.size());
+    const Bounds bounds = scene.bounds();
+    const vec3 size = bounds.size();
+    if (bounds.empty()) {
+        fmt::print("bounds      empty\n");
+    } else {
+        fmt::print("bounds      {:.4g} x {:.4g} x {:.4g} m, from ({:.4g}, {:.4g}, {:.4g})\n", size.x, size.y, size.z,
+                   bounds.min.x, bounds.min.y, bounds.min.z);
+    }
+    std::string cameras;
+    for (const Camera& camera : scene.cameras) cameras += (cameras.empty() ? "" : ", ") + camera.name;
+    fmt::print("cameras     {}{}{}\n", scene.cameras.size(), cameras.empty() ? "" : ": ", cameras);
+    if (baked.isBaked) {
+        const int lightmapSize = baked.lightmaps.empty() ? 0 : baked.lightmaps.front().width();
+        const int maskSize = baked.shadowmasks.empty() ? 0 : baked.shadowmasks.front().width();
+        fmt::print("lightmap    {} of {} x {}, for {} objects\n", baked.lightmaps.size(), lightmapSize, lightmapSize,
+                   grouped(counts.lightmappedObjects));
+        fmt::print("shadowmask  {} of {} x {}\n", baked.shadowmasks.size(), maskSize, maskSize);
+        const ivec3 grid = baked.probes.size;
+        fmt::print("probes      {} ({} valid), grid {} x {} x {}\n", grouped(baked.probes.probes.size()),
+                   grouped(counts.validProbes), grid.x, grid.y, grid.z);
+    }
+    if (!scene.lights.empty()) printLights(scene.lights);
+}
+
+int runInfo(const InfoOptions& options)
+{
+    ReadOptions readOptions;
+    readOptions.settingsFile = options.settingsFile;
+    readOptions.decodeTextures = false;
+    const Result<BakedScene> baked = readBakedScene(options.file, readOptions);
+    if (!baked) return fail(options.file, baked.error());
+    if (options.json) {
+        // Names come from the file and may hold any bytes: what is not UTF-8 becomes U+FFFD instead of an exception.
+        fmt::print("{}\n", infoJson(options, *baked).dump(2, ' ', false, Json::error_handler_t::replace));
+        return kOk;
+    }
+    printInfo(options, *baked);
+    for (const std::string& warning : baked->scene.warnings) warn(options.file, warning);
+    return kOk;
+}
+
+} // namespace
+
+Command addInfoCommand(CLI::App& parent)
+{
+    auto options = std::make_shared<InfoOptions>();
+    CLI::App& app = *parent.add_subcommand("info", "Tell what a glTF file, plain or baked, holds");
+    app.add_option("FILE", options->file, "the file, .glb or .gltf")->required()->type_name(" ");
+    app.add_option("--settings", options->settingsFile, "light and object settings by name pattern")
+        ->type_name("FILE.toml");
+    app.add_flag("--json", options->json, "print JSON");
+    return {&app, [options] { return runInfo(*options); }};
+}
+
+} // namespace halflight::cli
