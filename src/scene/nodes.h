@@ -1,0 +1,40 @@
+#pragma once
+// The node hierarchy: which nodes are shown, where they are, what moves.
+
+#include "scene/document.h"
+#include "scene/settings.h"
+
+#include <string>
+#include <vector>
+
+namespace halflight {
+
+struct NodeState {
+    int node = -1;
+    std::string name; ///< the node's, or "node 12"
+    glm::dmat4 worldFromNode{1.0};
+    bool visible = true;                ///< KHR_node_visibility, ancestors included
+    bool animated = false;              ///< it or an ancestor is moved by an animation
+    std::optional<bool> isStaticExtras; ///< halflight_static of the nearest ancestor that has it
+    std::optional<bool> isStaticFile;   ///< the same of the settings file
+    ObjectSettings settings; ///< extras, then a bake's record, then the settings file; isStatic from the two above
+};
+
+/// The nodes of the default scene (all root nodes where the file has no scene), parents before children, siblings in
+/// the file's order. Marks the rules of `file` that matched.
+Result<std::vector<NodeState>> walkNodes(const SourceDocument& document, FileSettings& file,
+                                         std::vector<std::string>& warnings);
+
+/// The JSON of the scene that walkNodes() walks, or null.
+const Json& activeScene(const SourceDocument& document);
+
+/// Local transform of a node from its matrix or its translation, rotation and scale.
+Result<glm::dmat4> localTransform(const Json& node, const std::string& path);
+
+/// World transforms of an EXT_mesh_gpu_instancing node's instances relative to the node.
+Result<std::vector<glm::dmat4>> instanceTransforms(const SourceDocument& document, int node);
+
+/// A 4x4 matrix of an extension: 16 numbers, columns first.
+bool readMatrix(const Json& value, mat4& matrix);
+
+} // namespace halflight

@@ -1,0 +1,171 @@
+#include "scene/read_lights.h"
+
+#include "scene/pose.h"
+
+#include <cmath>
+
+namespace halflight {
+
+namespace {
+
+Status readNumber(const Json& object, const char* key, float low, float high, const std::string& path, float& out)
+{
+    const Json& value = member(object, key);
+    if (value.is_null()) return {};
+    const float number = value.is_number() ? value.get<float>() : NAN;
+    if (!std::isfinite(number) || number < low || number > high) {
+        return invalid(path, std::string(key) + " is not a number in its range");
+    }
+    out = number;
+    return {};
+}
+
+// What an earlier bake wrote down about the light (HALFLIGHT_light): its settings and the bake's output.
+void readRecord(const Json& record, Light& light)
+{
+    const auto number = [&](const char* key, float low, float high, float& out) {
+        const Json& value = member(record, key);
+        if (value.is_number() && value.get<float>() >= low && value.get<float>() <= high) out = value.get<float>();
+    };
+    const auto text = [](const Json& value) { return value.is_string() ? value.get<std::string>() : std::string(); };
+    if (!record.is_object()) return;
+    light.mode = lightModeNamed(text(member(record, "mode"))).value_or(light.mode);
+    number("shadowStrength", 0.0f, 1.0f, light.shadowStrength);
+    number("indirectMultiplier", 0.0f, std::numeric_limits<float>::max(), light.indirectMultiplier);
+    number("radius", 0.0f, std::numeric_limits<float>::max(), light.radiusMeters);
+    number("angularRadius", 0.0f, kPi, light.angularRadiusRadians);
+    const Json& cast = member(record, "castShadows");
+    if (cast.is_boolean()) light.castShadows = cast.get<bool>();
+
+    const Json& baking = member(record, "baking");
+    if (!baking.is_object()) return;
+    light.baking.isBaked = true;
+    light.baking.bakeType = lightModeNamed(text(member(baking, "bakeType"))).value_or(LightMode::Realtime);
+    light.baking.mixedMode =
+        mixedLightingModeNamed(text(member(baking, "mixedLightingMode"))).value_or(MixedLightingMode::Shadowmask);
+    const Json& channel = member(baking, "occlusionMaskChannel");
+    if (channel.is_number_integer())
+        light.baking.occlusionMaskChannel = int(std::clamp<int64_t>(channel.get<int64_t>(), -1, 3));
+    light.baking.reason = text(member(baking, "reason"));
+    readMatrix(member(baking, "worldFromLight"), light.baking.worldFromLight);
+}
+
+} // namespace
+
+Result<std::optional<Light>> readLight(const SourceDocument& document, const NodeState& state, FileSettings& file,
+                                       std::vector<std::string>& warnings)
+{
+    const Json& node = document.json["nodes"][std::size_t(state.node)];
+    const std::string nodePath = pathOf("nodes", std::size_t(state.node));
+    const Json& reference = extensionOf(node, "KHR_lights_punctual");
+    if (reference.is_null()) return std::optional<Light>();
+    const Json& index = member(reference, "light");
+    const Json& lights = member(extensionOf(document.json, "KHR_lights_punctual"), "lights");
+    if (!index.is_number_unsigned() || !lights.is_array() || index.get<uint64_t>() >= lights.size()) {
+        return invalid(nodePath, "refers to a light that does not exist");
+    }
+    const Json& json = lights[index.get<std::size_t>()];
+    const std::string path = "/extensions/KHR_lights_punctual/lights/" + std::to_string(index.get<uint64_t>());
+
+    Light light;
+    const Json& name = member(json, "name");
+    light.name = name.is_string() && !name.get<std::string>().empty() ? name.get<std::string>() : state.name;
+    light.sourceNode = state.node;
+    light.worldFromLight = rigidPose(mat4(state.worldFromNode));
+    const Json& type = member(json, "type");
+    if (type == "directional") {
+        light.type = LightType::Directional;
+    } else if (type == "point") {
+        light.type = LightType::Point;
+    } else if (type == "spot") {
+        light.type = LightType::Spot;
+    } else {
+        return invalid(path, "type is not directional, point or spot");
+    }
+    const Json& color = member(json, "color");
+    if (!color.is_null()) {
+        bool good = color.is_array() && color.size() == 3;
+        for (std::size_t c = 0; good && c < 3; ++c) {
+            good = color[c].is_number() && std::isfinite(color[c].get<float>()) && color[c].get<float>() >= 0.0f;
+            if (good) light.color[int(c)] = color[c].get<float>();
+        }
+        if (!good) return invalid(path, "color is not three numbers >= 0");
+    }
+    constexpr float kMax = std::numeric_limits<float>::max();
+    if (Status s = readNumber(json, "intensity", 0.0f, kMax, path, light.intensity); !s) return s.error();
+    if (light.type != LightType::Directional) {
+        if (Status s = readNumber(json, "range", 0.0f, kMax, path, light.rangeMeters); !s) return s.error();
+    }
+    if (light.type == LightType::Spot) {
+        const Json& spot = member(json, "spot");
+        if (Status s = readNumber(spot, "innerConeAngle", 0.0f, kPi, path + "/spot", light.innerConeRadians); !s)
+            return s.error();
+        if (Status s = readNumber(spot, "outerConeAngle", 0.0f, kPi, path + "/spot", light.outerConeRadians); !s)
+            return s.error();
+        if (light.outerConeRadians > kPi / 2.0f) {
+            light.outerConeRadians = kPi / 2.0f;
+            warnings.push_back(path + ": outerConeAngle above 90 degrees is read as 90");
+        }
+        if (light.innerConeRadians >= light.outerConeRadians) {
+            warnings.push_back(path + ": innerConeAngle is not below outerConeAngle; read as just below");
+            light.innerConeRadians = 0.999f * light.outerConeRadians;
+        }
+    }
+
+    // A moving light cannot be baked; whoever knows better says so with halflight_mode.
+    if (state.animated) light.mode = LightMode::Realtime;
+    for (const auto& [object, owner, where] :
+         {std::tuple{&json, ExtrasOwner::Light, path}, {&node, ExtrasOwner::Node, nodePath}}) {
+        const Json& extras = member(*object, "extras");
+        const auto settings = lightSettingsOf(extras, where);
+        if (!settings) return settings.error();
+        if (owner == ExtrasOwner::Light) warnUnknownExtras(extras, owner, where, warnings);
+        applySettings(*settings, light);
+    }
+    readRecord(extensionOf(node, "HALFLIGHT_light"), light);
+    for (auto& rule : file.lights) {
+        if (!matchesPattern(rule.pattern, light.name) && !matchesPattern(rule.pattern, state.name)) continue;
+        rule.matched = true;
+        applySettings(rule.settings, light);
+    }
+    if (state.animated && light.mode != LightMode::Realtime) {
+        warnings.push_back(nodePath + ": light " + light.name + " is animated, but " + nameOf(light.mode) +
+                           " by its settings");
+    }
+    return std::optional<Light>(std::move(light));
+}
+
+Result<std::optional<Camera>> readCamera(const SourceDocument& document, const NodeState& state)
+{
+    const int index = document.model.nodes[std::size_t(state.node)].camera;
+    if (index < 0) return std::optional<Camera>();
+    const Json& json = document.json["cameras"][std::size_t(index)];
+    const std::string path = pathOf("cameras", std::size_t(index));
+    Camera camera;
+    const Json& name = member(json, "name");
+    camera.name = name.is_string() && !name.get<std::string>().empty() ? name.get<std::string>() : state.name;
+    camera.worldFromCamera = rigidPose(mat4(state.worldFromNode));
+    constexpr float kMax = std::numeric_limits<float>::max();
+    constexpr float kTiny = 1.0e-6f;
+    const bool perspective = member(json, "type") != "orthographic";
+    const Json& lens = member(json, perspective ? "perspective" : "orthographic");
+    if (perspective) {
+        if (Status s = readNumber(lens, "yfov", 1.0e-3f, 0.999f * kPi, path, camera.verticalFovRadians); !s)
+            return s.error();
+        if (Status s = readNumber(lens, "znear", kTiny, kMax, path, camera.nearMeters); !s) return s.error();
+    } else {
+        camera.orthographic = true;
+        float half = 0.5f;
+        if (Status s = readNumber(lens, "ymag", kTiny, kMax, path, half); !s) return s.error();
+        camera.orthographicHeightMeters = 2.0f * half;
+        if (Status s = readNumber(lens, "znear", 0.0f, kMax, path, camera.nearMeters); !s) return s.error();
+    }
+    if (Status s = readNumber(lens, "zfar", kTiny, kMax, path, camera.farMeters); !s) return s.error();
+    if (camera.farMeters <= camera.nearMeters) {
+        if (!member(lens, "zfar").is_null()) return invalid(path, "zfar is not beyond znear");
+        camera.farMeters = 10000.0f * camera.nearMeters; // an infinite projection: far is ours to choose
+    }
+    return std::optional<Camera>(std::move(camera));
+}
+
+} // namespace halflight

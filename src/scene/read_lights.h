@@ -1,0 +1,15 @@
+#pragma once
+// Lights and cameras of nodes.
+
+#include "scene/nodes.h"
+
+namespace halflight {
+
+/// The light of KHR_lights_punctual on a node; nothing where it has none. Marks matching rules of `file`.
+Result<std::optional<Light>> readLight(const SourceDocument& document, const NodeState& state, FileSettings& file,
+                                       std::vector<std::string>& warnings);
+
+/// The camera on a node; nothing where it has none.
+Result<std::optional<Camera>> readCamera(const SourceDocument& document, const NodeState& state);
+
+} // namespace halflight

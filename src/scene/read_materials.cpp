@@ -1,0 +1,257 @@
+#include "halflight/base/parallel.h"
+#include "scene/read_parts.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <set>
+
+namespace halflight {
+
+namespace {
+
+// Numbers of a material, checked. Missing ones keep their default.
+class Fields {
+public:
+    Fields(const Json& object, std::string path) : object_(object), path_(std::move(path)) {}
+
+    Status number(const char* key, float low, float high, float& value) const
+    {
+        const Json& v = member(object_, key);
+        if (v.is_null()) return {};
+        if (!v.is_number() || !std::isfinite(float(v.get<double>())))
+            return invalid(path_, std::string(key) + " is not a number");
+        const auto number = float(v.get<double>());
+        if (number < low || number > high) return invalid(path_, std::string(key) + " is out of range");
+        value = number;
+        return {};
+    }
+    template<int N> Status vector(const char* key, glm::vec<N, float>& value) const
+    {
+        const Json& v = member(object_, key);
+        if (v.is_null()) return {};
+        bool good = v.is_array() && v.size() == N;
+        for (std::size_t c = 0; good && c < N; ++c) {
+            good = v[c].is_number() && std::isfinite(float(v[c].get<double>()));
+            if (good) value[int(c)] = float(v[c].get<double>());
+        }
+        return good ? Status() : Status(invalid(path_, std::string(key) + " is not " + std::to_string(N) + " numbers"));
+    }
+
+private:
+    const Json& object_;
+    std::string path_;
+};
+
+// A texture slot. Textures get their index in the scene as they are met.
+class TextureTable {
+public:
+    explicit TextureTable(const SourceDocument& document) : document_(document) {}
+
+    Status read(const Json& slot, const std::string& path, TextureRef& ref, std::vector<std::string>& warnings)
+    {
+        if (slot.is_null()) return {};
+        const Json& index = member(slot, "index");
+        const Json& textures = member(document_.json, "textures");
+        if (!index.is_number_unsigned() || index.get<uint64_t>() >= textures.size()) {
+            return invalid(path, "refers to a texture that does not exist");
+        }
+        const auto source = index.get<std::size_t>();
+        if (document_.model.textures[source].source < 0) {
+            warnings.push_back(path + ": texture " + std::to_string(source) +
+                               " has no image this program reads; left out");
+            return {};
+        }
+        uint64_t texCoord = 0;
+        const auto readTexCoord = [&](const Json& value) {
+            if (value.is_number_unsigned()) texCoord = value.get<uint64_t>();
+        };
+        readTexCoord(member(slot, "texCoord"));
+        const Json& transform = extensionOf(slot, "KHR_texture_transform");
+        if (transform.is_object()) {
+            const Fields fields(transform, path + "/extensions/KHR_texture_transform");
+            if (Status s = fields.vector<2>("offset", ref.offset); !s) return s;
+            if (Status s = fields.vector<2>("scale", ref.scale); !s) return s;
+            if (Status s = fields.number("rotation", -1.0e6f, 1.0e6f, ref.rotationRadians); !s) return s;
+            readTexCoord(member(transform, "texCoord"));
+        }
+        if (texCoord > 1) {
+            warnings.push_back(path + ": TEXCOORD_" + std::to_string(texCoord) + " is read as TEXCOORD_0");
+            texCoord = 0;
+        }
+        ref.texCoord = int(texCoord);
+        const auto [it, isNew] = indexOf_.try_emplace(source, int(used_.size()));
+        if (isNew) used_.push_back(source);
+        ref.texture = it->second;
+        return {};
+    }
+
+    [[nodiscard]] const std::vector<std::size_t>& used() const { return used_; }
+
+private:
+    const SourceDocument& document_;
+    std::map<std::size_t, int> indexOf_;
+    std::vector<std::size_t> used_;
+};
+
+Status readMaterial(const Json& json, const std::string& path, TextureTable& textures, Material& material,
+                    std::vector<std::string>& warnings)
+{
+    const Json& name = member(json, "name");
+    if (name.is_string()) material.name = name.get<std::string>();
+    const Json& pbr = member(json, "pbrMetallicRoughness");
+    const std::string pbrPath = path + "/pbrMetallicRoughness";
+    const Fields pbrFields(pbr, pbrPath);
+    if (Status s = pbrFields.vector<4>("baseColorFactor", material.baseColor); !s) return s;
+    if (Status s = pbrFields.number("metallicFactor", 0.0f, 1.0f, material.metallic); !s) return s;
+    if (Status s = pbrFields.number("roughnessFactor", 0.0f, 1.0f, material.roughness); !s) return s;
+    material.baseColor = glm::max(material.baseColor, vec4(0.0f));
+
+    const Json& normal = member(json, "normalTexture");
+    const Json& occlusion = member(json, "occlusionTexture");
+    const auto slot = [&](const Json& value, const std::string& slotPath, TextureRef& ref) {
+        return textures.read(value, slotPath, ref, warnings);
+    };
+    if (Status s = slot(member(pbr, "baseColorTexture"), pbrPath + "/baseColorTexture", material.baseColorTexture); !s)
+        return s;
+    if (Status s = slot(member(pbr, "metallicRoughnessTexture"), pbrPath + "/metallicRoughnessTexture",
+                        material.metallicRoughnessTexture);
+        !s) {
+        return s;
+    }
+    if (Status s = slot(normal, path + "/normalTexture", material.normalTexture); !s) return s;
+    if (Status s = slot(occlusion, path + "/occlusionTexture", material.occlusionTexture); !s) return s;
+    if (Status s = slot(member(json, "emissiveTexture"), path + "/emissiveTexture", material.emissiveTexture); !s)
+        return s;
+    if (Status s = Fields(normal, path + "/normalTexture").number("scale", -1.0e6f, 1.0e6f, material.normalScale); !s)
+        return s;
+    if (Status s =
+            Fields(occlusion, path + "/occlusionTexture").number("strength", 0.0f, 1.0f, material.occlusionStrength);
+        !s) {
+        return s;
+    }
+
+    vec3 emissive(0.0f);
+    float strength = 1.0f;
+    if (Status s = Fields(json, path).vector<3>("emissiveFactor", emissive); !s) return s;
+    if (Status s = Fields(extensionOf(json, "KHR_materials_emissive_strength"),
+                          path + "/extensions/KHR_materials_emissive_strength")
+                       .number("emissiveStrength", 0.0f, 3.0e38f, strength);
+        !s) {
+        return s;
+    }
+    material.emissiveNits = glm::max(emissive, vec3(0.0f)) * strength;
+    if (!std::isfinite(material.emissiveNits.x + material.emissiveNits.y + material.emissiveNits.z)) {
+        return invalid(path, "emission is not finite");
+    }
+    if (Status s = Fields(json, path).number("alphaCutoff", 0.0f, 3.0e38f, material.alphaCutoff); !s) return s;
+    const Json& mode = member(json, "alphaMode");
+    if (mode == "MASK") {
+        material.alphaMode = Material::AlphaMode::Mask;
+    } else if (mode == "BLEND") {
+        material.alphaMode = Material::AlphaMode::Blend;
+    } else if (!mode.is_null() && mode != "OPAQUE") {
+        warnings.push_back(path + ": unknown alphaMode is read as OPAQUE");
+    }
+    const Json& doubleSided = member(json, "doubleSided");
+    material.doubleSided = doubleSided.is_boolean() && doubleSided.get<bool>();
+    material.unlit = extensionOf(json, "KHR_materials_unlit").is_object();
+    return {};
+}
+
+Texture::Wrap wrapOf(int mode)
+{
+    return mode == TINYGLTF_TEXTURE_WRAP_CLAMP_TO_EDGE     ? Texture::Wrap::ClampToEdge
+           : mode == TINYGLTF_TEXTURE_WRAP_MIRRORED_REPEAT ? Texture::Wrap::MirroredRepeat
+                                                           : Texture::Wrap::Repeat;
+}
+
+// Decodes each image once, all cores at work; textures that share an image get copies.
+Status decodeTextures(const SourceDocument& document, std::vector<Texture>& textures)
+{
+    std::map<int, std::vector<std::size_t>> texturesOfImage;
+    for (std::size_t i = 0; i < textures.size(); ++i) {
+        texturesOfImage[document.model.textures[std::size_t(textures[i].sourceTexture)].source].push_back(i);
+    }
+    const std::vector<std::pair<int, std::vector<std::size_t>>> images(texturesOfImage.begin(), texturesOfImage.end());
+    std::vector<Status> statuses(images.size());
+    parallelFor(images.size(), 1, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t i = begin; i < end; ++i) {
+            const auto bytes = imageBytes(document, images[i].first);
+            if (!bytes) {
+                statuses[i] = bytes.error();
+                continue;
+            }
+            auto pixels = decodeImage(bytes->data(), bytes->size());
+            if (!pixels) {
+                statuses[i] =
+                    Error{pixels.error().code, pixels.error().message, pathOf("images", std::size_t(images[i].first))};
+                continue;
+            }
+            for (std::size_t k = 1; k < images[i].second.size(); ++k) textures[images[i].second[k]].pixels = *pixels;
+            textures[images[i].second[0]].pixels = std::move(*pixels);
+        }
+    });
+    for (const Status& status : statuses) {
+        if (!status) return status;
+    }
+    return {};
+}
+
+// All "texCoord" values of a material's texture slots, those of extensions too; not the lightmap's own.
+void collectTexCoords(const Json& json, std::set<uint64_t>& used)
+{
+    if (json.is_object()) {
+        if (json.contains("index") && !json.contains("texCoord")) used.insert(0);
+        for (const auto& [key, value] : json.items()) {
+            if (key == "texCoord" && value.is_number_unsigned()) used.insert(value.get<uint64_t>());
+            if (key != "MOZ_lightmap" && key != "extras") collectTexCoords(value, used);
+        }
+    } else if (json.is_array()) {
+        for (const Json& value : json) collectTexCoords(value, used);
+    }
+}
+
+} // namespace
+
+int freeTexCoord(const Json& material)
+{
+    std::set<uint64_t> used;
+    collectTexCoords(material, used);
+    int n = 1;
+    while (used.count(uint64_t(n)) != 0) ++n;
+    return n;
+}
+
+Result<MaterialsRead> readMaterials(const SourceDocument& document, bool decode)
+{
+    MaterialsRead read;
+    TextureTable table(document);
+    const Json& materials = member(document.json, "materials");
+    for (std::size_t i = 0; i < materials.size(); ++i) {
+        Material material;
+        material.sourceMaterial = int(i);
+        if (Status s = readMaterial(materials[i], pathOf("materials", i), table, material, read.warnings); !s)
+            return s.error();
+        read.materials.push_back(std::move(material));
+    }
+    for (const std::size_t index : table.used()) {
+        const auto& source = document.model.textures[index];
+        Texture texture;
+        texture.name = !source.name.empty() ? source.name : document.model.images[std::size_t(source.source)].name;
+        texture.sourceTexture = int(index);
+        if (source.sampler >= 0) {
+            const auto& sampler = document.model.samplers[std::size_t(source.sampler)];
+            texture.wrapU = wrapOf(sampler.wrapS);
+            texture.wrapV = wrapOf(sampler.wrapT);
+            texture.nearest = sampler.magFilter == TINYGLTF_TEXTURE_FILTER_NEAREST;
+        }
+        read.textures.push_back(std::move(texture));
+    }
+    if (decode) {
+        if (Status s = decodeTextures(document, read.textures); !s) return s.error();
+    }
+    return read;
+}
+
+} // namespace halflight

@@ -1,0 +1,31 @@
+#pragma once
+// The steps of readScene(): textures, materials, meshes.
+
+#include "scene/document.h"
+
+#include <optional>
+
+namespace halflight {
+
+struct MaterialsRead {
+    std::vector<Material> materials; ///< as many as the file's, in its order
+    std::vector<Texture> textures;   ///< those that a material uses
+    std::vector<std::string> warnings;
+};
+Result<MaterialsRead> readMaterials(const SourceDocument& document, bool decodeTextures);
+
+struct MeshRead {
+    Mesh mesh; ///< parts: the primitives that are triangles and have positions
+    std::vector<std::string> warnings;
+    std::size_t flatParts = 0;    ///< parts whose normals were invented
+    std::size_t tangentParts = 0; ///< parts whose tangents were
+};
+Result<MeshRead> readMesh(const SourceDocument& document, int mesh, const std::vector<Material>& materials);
+
+/// First n >= 1 whose TEXCOORD_n no texture of the material reads: where the primitive's lightmap coordinates go.
+int freeTexCoord(const Json& material);
+
+/// Triangle list of a glTF primitive's mode from its indices (empty: 0, 1, 2, … vertexCount - 1).
+std::vector<uint32_t> trianglesOf(int mode, const std::vector<uint32_t>& indices, std::size_t vertexCount);
+
+} // namespace halflight

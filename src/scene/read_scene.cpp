@@ -1,0 +1,241 @@
+#include "scene/read_scene.h"
+
+#include "halflight/base/parallel.h"
+#include "scene/nodes.h"
+#include "scene/read_lights.h"
+#include "scene/read_parts.h"
+
+#include <algorithm>
+
+namespace halflight {
+
+namespace {
+
+// Meshes that shown nodes use, in the file's order, all cores at work. Returns the scene's mesh of each source mesh.
+Result<std::vector<int>> readMeshes(const SourceDocument& document, const std::vector<NodeState>& nodes, Scene& scene)
+{
+    std::vector<int> sceneMesh(document.model.meshes.size(), -1);
+    for (const NodeState& state : nodes) {
+        const int mesh = document.model.nodes[std::size_t(state.node)].mesh;
+        if (mesh >= 0 && state.visible) sceneMesh[std::size_t(mesh)] = 0;
+    }
+    std::vector<int> used;
+    for (std::size_t i = 0; i < sceneMesh.size(); ++i) {
+        if (sceneMesh[i] >= 0) used.push_back(int(i));
+    }
+    std::vector<std::optional<Result<MeshRead>>> reads(used.size());
+    parallelFor(used.size(), 1, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t i = begin; i < end; ++i) reads[i] = readMesh(document, used[i], scene.materials);
+    });
+    std::size_t flatParts = 0;
+    std::size_t tangentParts = 0;
+    for (std::size_t i = 0; i < used.size(); ++i) {
+        Result<MeshRead>& read = *reads[i];
+        if (!read) return read.error();
+        scene.warnings.insert(scene.warnings.end(), read->warnings.begin(), read->warnings.end());
+        flatParts += read->flatParts;
+        tangentParts += read->tangentParts;
+        if (read->mesh.parts.empty()) {
+            sceneMesh[std::size_t(used[i])] = -1;
+            continue;
+        }
+        sceneMesh[std::size_t(used[i])] = int(scene.meshes.size());
+        scene.meshes.push_back(std::move(read->mesh));
+    }
+    if (flatParts > 0)
+        scene.warnings.push_back(std::to_string(flatParts) + " primitives without normals got flat ones");
+    if (tangentParts > 0)
+        scene.warnings.push_back(std::to_string(tangentParts) + " normal-mapped primitives got generated tangents");
+    return sceneMesh;
+}
+
+Status addObjects(const SourceDocument& document, const NodeState& state, int mesh, Scene& scene)
+{
+    const auto& node = document.model.nodes[std::size_t(state.node)];
+    const Json& json = document.json["nodes"][std::size_t(state.node)];
+    const std::string path = pathOf("nodes", std::size_t(state.node));
+    bool morphs = false; // animated weights
+    for (const auto& animation : document.model.animations) {
+        for (const auto& channel : animation.channels) {
+            morphs = morphs || (channel.target_node == state.node && channel.target_path == "weights");
+        }
+    }
+    Object object;
+    object.name = state.name;
+    object.mesh = mesh;
+    object.worldFromObject = mat4(state.worldFromNode);
+    const bool moves = state.animated || morphs || node.skin >= 0;
+    object.isStatic = state.settings.isStatic.value_or(!moves);
+    if (object.isStatic && moves)
+        scene.warnings.push_back(path + ": " + state.name + " moves, but is static by its settings");
+    if (node.skin >= 0) scene.warnings.push_back(path + ": " + state.name + " is skinned and stays in its bind pose");
+    object.castShadows = state.settings.castShadows.value_or(true);
+    object.receiveShadows = state.settings.receiveShadows.value_or(true);
+    object.lightmapScale = state.settings.lightmapScale.value_or(1.0f);
+    object.sourceNode = state.node;
+    if (extensionOf(json, "EXT_mesh_gpu_instancing").is_null()) {
+        scene.objects.push_back(std::move(object));
+        return {};
+    }
+    const auto instances = instanceTransforms(document, state.node);
+    if (!instances) return instances.error();
+    for (std::size_t i = 0; i < instances->size(); ++i) {
+        Object instance = object;
+        instance.name += " #" + std::to_string(i);
+        instance.worldFromObject = mat4(state.worldFromNode * (*instances)[i]);
+        instance.sourceInstance = int(i);
+        scene.objects.push_back(std::move(instance));
+    }
+    return {};
+}
+
+Status applySceneSettings(const SourceDocument& document, const FileSettings& file, Scene& scene)
+{
+    const Json& json = activeScene(document);
+    const std::string path = pathOf("scenes", std::size_t(std::max(0, document.model.defaultScene)));
+    const auto authored = sceneSettingsOf(member(json, "extras"), path);
+    if (!authored) return authored.error();
+    warnUnknownExtras(member(json, "extras"), ExtrasOwner::Scene, path, scene.warnings);
+
+    // An earlier bake's record stands between extras and the settings file, as for nodes and lights.
+    SceneSettings record;
+    const Json& root = extensionOf(document.json, "HALFLIGHT_mixed_lighting");
+    if (const Json& sky = member(root, "sky"); sky.is_object()) {
+        const auto color = [&](const char* key) -> std::optional<vec3> {
+            const Json& value = member(sky, key);
+            if (!value.is_array() || value.size() != 3) return std::nullopt;
+            vec3 c(0.0f);
+            for (std::size_t i = 0; i < 3; ++i) {
+                if (!value[i].is_number()) return std::nullopt;
+                c[int(i)] = value[i].get<float>();
+            }
+            return c;
+        };
+        record.skyZenith = color("zenith");
+        record.skyHorizon = color("horizon");
+        record.skyGround = color("ground");
+    }
+    if (const Json& shadow = member(root, "subtractiveShadowColor"); shadow.is_array()) {
+        const auto settings =
+            sceneSettingsOf(Json{{"halflight_shadow_color", shadow}}, "/extensions/HALFLIGHT_mixed_lighting");
+        if (!settings) return settings.error();
+        record.shadowColor = settings->shadowColor;
+    }
+    if (const Json& probes = member(root, "authoredProbes"); probes.is_array()) {
+        const auto settings =
+            sceneSettingsOf(Json{{"halflight_probes", probes}}, "/extensions/HALFLIGHT_mixed_lighting");
+        if (!settings) return settings.error();
+        record.probes = settings->probes;
+    }
+
+    const SceneSettings settings = mergeSettings(mergeSettings(*authored, record), file.scene);
+    scene.sky.zenith = settings.skyZenith.value_or(vec3(0.0f));
+    scene.sky.horizon = settings.skyHorizon.value_or(vec3(0.0f));
+    scene.sky.ground = settings.skyGround.value_or(vec3(0.0f));
+    scene.subtractiveShadowColor = settings.shadowColor.value_or(vec3(0.0f));
+    scene.probePositions = settings.probes.value_or(std::vector<vec3>());
+
+    // A plain model with nothing that shines would bake to black.
+    const bool skyAuthored = settings.skyZenith || settings.skyHorizon || settings.skyGround;
+    bool emits = false;
+    for (const Object& object : scene.objects) {
+        for (const MeshPart& part : scene.meshes[std::size_t(object.mesh)].parts) {
+            emits = emits || materialOf(scene, part).emissiveNits != vec3(0.0f);
+        }
+    }
+    if (!skyAuthored && scene.lights.empty() && !emits) {
+        scene.sky = {vec3(1.0f), vec3(1.0f), vec3(0.5f)};
+        scene.warnings.push_back(
+            "the file has no light, no emissive material and no sky: it gets a white sky of 1 cd/m2");
+    }
+    return {};
+}
+
+// [[add_light]] of the settings file. A light that an earlier bake with the same file added is replaced, not doubled.
+void addLights(const SourceDocument& document, const FileSettings& file, Scene& scene)
+{
+    for (const Light& added : file.addedLights) {
+        const auto isSame = [&](const Light& light) {
+            const Json& node = element(document.json, "nodes", light.sourceNode);
+            const Json& flag = member(extensionOf(node, "HALFLIGHT_light"), "added");
+            return light.name == added.name && flag.is_boolean() && flag.get<bool>();
+        };
+        const auto earlier = std::find_if(scene.lights.begin(), scene.lights.end(), isSame);
+        if (earlier != scene.lights.end()) {
+            const int node = earlier->sourceNode;
+            *earlier = added;
+            earlier->sourceNode = node;
+        } else {
+            scene.lights.push_back(added);
+        }
+    }
+}
+
+} // namespace
+
+Result<Scene> sceneFromDocument(std::shared_ptr<const SourceDocument> document, const ReadOptions& options)
+{
+    FileSettings file;
+    if (!options.settingsFile.empty()) {
+        auto settings = readSettingsFile(options.settingsFile);
+        if (!settings) return settings.error();
+        file = std::move(*settings);
+    }
+    Scene scene;
+    scene.source = document;
+    const Json& name = member(activeScene(*document), "name");
+    if (name.is_string()) scene.name = name.get<std::string>();
+
+    auto materials = readMaterials(*document, options.decodeTextures);
+    if (!materials) return materials.error();
+    scene.materials = std::move(materials->materials);
+    scene.textures = std::move(materials->textures);
+    scene.warnings = std::move(materials->warnings);
+
+    const auto nodes = walkNodes(*document, file, scene.warnings);
+    if (!nodes) return nodes.error();
+    const auto sceneMesh = readMeshes(*document, *nodes, scene);
+    if (!sceneMesh) return sceneMesh.error();
+    for (const NodeState& state : *nodes) {
+        const int mesh = document->model.nodes[std::size_t(state.node)].mesh;
+        if (state.visible && mesh >= 0 && (*sceneMesh)[std::size_t(mesh)] >= 0) {
+            if (Status s = addObjects(*document, state, (*sceneMesh)[std::size_t(mesh)], scene); !s) return s.error();
+        }
+        if (state.visible) {
+            auto light = readLight(*document, state, file, scene.warnings);
+            if (!light) return light.error();
+            if (*light) scene.lights.push_back(std::move(**light));
+        }
+        auto camera = readCamera(*document, state);
+        if (!camera) return camera.error();
+        if (*camera) scene.cameras.push_back(std::move(**camera));
+    }
+    addLights(*document, file, scene);
+    if (Status s = applySceneSettings(*document, file, scene); !s) return s.error();
+
+    const auto warnUnmatched = [&](const auto& rules, const char* table) {
+        for (const auto& rule : rules) {
+            if (!rule.matched) {
+                scene.warnings.push_back("settings file: the pattern \"" + rule.pattern + "\" of [[" + table +
+                                         "]] matches nothing");
+            }
+        }
+    };
+    warnUnmatched(file.nodes, "node");
+    warnUnmatched(file.lights, "light");
+    return scene;
+}
+
+Result<Scene> readScene(const std::filesystem::path& path, const ReadOptions& options)
+{
+    auto document = loadDocument(path);
+    if (!document) return document.error();
+    auto scene = sceneFromDocument(std::move(*document), options);
+    if (!scene) return scene;
+    // readBakedScene() reads what an earlier bake found out; here only settings count.
+    for (Light& light : scene->lights) light.baking = {};
+    if (scene->name.empty()) scene->name = path.stem().string();
+    return scene;
+}
+
+} // namespace halflight

@@ -1,0 +1,454 @@
+#include "scene/settings.h"
+
+#include "scene/pose.h"
+
+#include <cmath>
+#include <functional>
+
+namespace halflight {
+
+namespace {
+
+// What a key accepts: sets the value, or returns what it should have been ("a number from 0 to 1").
+using Expectation = const char*;
+template<typename Settings> struct Key {
+    const char* name;
+    std::function<Expectation(const Json&, Settings&)> set;
+};
+
+Expectation readBool(const Json& value, std::optional<bool>& out)
+{
+    if (value.is_boolean()) {
+        out = value.get<bool>();
+    } else if (value.is_number() && (value.get<double>() == 0.0 || value.get<double>() == 1.0)) {
+        out = value.get<double>() == 1.0; // Blender writes its boolean properties as integers
+    } else {
+        return "true, false, 0 or 1";
+    }
+    return nullptr;
+}
+
+Expectation readNumber(const Json& value, double low, double high, Expectation expectation, std::optional<float>& out)
+{
+    if (!value.is_number()) return expectation;
+    const double number = value.get<double>();
+    if (!std::isfinite(float(number)) || number < low || number > high) return expectation;
+    out = float(number);
+    return nullptr;
+}
+
+bool readVec3(const Json& value, vec3& out)
+{
+    if (!value.is_array() || value.size() != 3) return false;
+    for (int c = 0; c < 3; ++c) {
+        if (!value[std::size_t(c)].is_number()) return false;
+        out[c] = float(value[std::size_t(c)].get<double>());
+        if (!std::isfinite(out[c])) return false;
+    }
+    return true;
+}
+
+Expectation readColor(const Json& value, std::optional<vec3>& out)
+{
+    vec3 color(0.0f);
+    if (value.is_number()) {
+        color = vec3(float(value.get<double>()));
+    } else if (!readVec3(value, color)) {
+        return "three numbers >= 0, or one";
+    }
+    if (!std::isfinite(color.x) || glm::any(glm::lessThan(color, vec3(0.0f)))) return "three numbers >= 0, or one";
+    out = color;
+    return nullptr;
+}
+
+// [[x, y, z], …], or one flat list, since some tools (Blender) know no lists of lists.
+Expectation readPoints(const Json& value, std::optional<std::vector<vec3>>& out)
+{
+    constexpr Expectation kExpectation = "a list of [x, y, z]";
+    if (!value.is_array()) return kExpectation;
+    std::vector<vec3> points;
+    if (!value.empty() && value[0].is_number()) {
+        if (value.size() % 3 != 0) return kExpectation;
+        for (std::size_t i = 0; i < value.size(); i += 3) {
+            vec3 p;
+            if (!readVec3(Json::array({value[i], value[i + 1], value[i + 2]}), p)) return kExpectation;
+            points.push_back(p);
+        }
+    } else {
+        for (const Json& item : value) {
+            vec3 p;
+            if (!readVec3(item, p)) return kExpectation;
+            points.push_back(p);
+        }
+    }
+    out = std::move(points);
+    return nullptr;
+}
+
+constexpr double kHuge = 3.0e38;
+constexpr Expectation kNotNegative = "a number >= 0";
+
+const std::vector<Key<ObjectSettings>>& objectKeys()
+{
+    static const std::vector<Key<ObjectSettings>> keys = {
+        {"static", [](const Json& v, ObjectSettings& s) { return readBool(v, s.isStatic); }},
+        {"cast_shadows", [](const Json& v, ObjectSettings& s) { return readBool(v, s.castShadows); }},
+        {"receive_shadows", [](const Json& v, ObjectSettings& s) { return readBool(v, s.receiveShadows); }},
+        {"lightmap_scale",
+         [](const Json& v, ObjectSettings& s) {
+             return readNumber(v, 0.0, 1000.0, "a number from 0 to 1000", s.lightmapScale);
+         }},
+    };
+    return keys;
+}
+
+const std::vector<Key<LightSettings>>& lightKeys()
+{
+    static const std::vector<Key<LightSettings>> keys = {
+        {"mode",
+         [](const Json& v, LightSettings& s) -> Expectation {
+             if (v.is_string()) s.mode = lightModeNamed(v.get<std::string>());
+             return s.mode ? nullptr : "\"realtime\", \"mixed\" or \"baked\"";
+         }},
+        {"cast_shadows", [](const Json& v, LightSettings& s) { return readBool(v, s.castShadows); }},
+        {"shadow_strength",
+         [](const Json& v, LightSettings& s) {
+             return readNumber(v, 0.0, 1.0, "a number from 0 to 1", s.shadowStrength);
+         }},
+        {"indirect_multiplier",
+         [](const Json& v, LightSettings& s) { return readNumber(v, 0.0, kHuge, kNotNegative, s.indirectMultiplier); }},
+        {"radius",
+         [](const Json& v, LightSettings& s) { return readNumber(v, 0.0, kHuge, kNotNegative, s.radiusMeters); }},
+        {"angular_diameter",
+         [](const Json& v, LightSettings& s) {
+             return readNumber(v, 0.0, 180.0, "a number of degrees from 0 to 180", s.angularDiameterDegrees);
+         }},
+        {"range",
+         [](const Json& v, LightSettings& s) { return readNumber(v, 0.0, kHuge, kNotNegative, s.rangeMeters); }},
+        {"intensity",
+         [](const Json& v, LightSettings& s) { return readNumber(v, 0.0, kHuge, kNotNegative, s.intensity); }},
+        {"color", [](const Json& v, LightSettings& s) { return readColor(v, s.color); }},
+    };
+    return keys;
+}
+
+const std::vector<Key<SceneSettings>>& sceneKeys()
+{
+    static const std::vector<Key<SceneSettings>> keys = {
+        // The shorthand first: the parts below override it, whatever their order in the file.
+        {"sky",
+         [](const Json& v, SceneSettings& s) {
+             const Expectation wrong = readColor(v, s.skyZenith);
+             s.skyHorizon = s.skyGround = s.skyZenith;
+             return wrong;
+         }},
+        {"sky_zenith", [](const Json& v, SceneSettings& s) { return readColor(v, s.skyZenith); }},
+        {"sky_horizon", [](const Json& v, SceneSettings& s) { return readColor(v, s.skyHorizon); }},
+        {"sky_ground", [](const Json& v, SceneSettings& s) { return readColor(v, s.skyGround); }},
+        {"shadow_color", [](const Json& v, SceneSettings& s) { return readColor(v, s.shadowColor); }},
+        {"probes", [](const Json& v, SceneSettings& s) { return readPoints(v, s.probes); }},
+    };
+    return keys;
+}
+
+// A light of [[add_light]], before its pose is known.
+struct AddedLight {
+    Light light;
+    LightSettings settings;
+    vec3 position{0.0f};
+    vec3 direction{0.0f, -1.0f, 0.0f};
+    bool hasType = false;
+};
+
+const std::vector<Key<AddedLight>>& addedLightKeys()
+{
+    static const std::vector<Key<AddedLight>> keys = [] {
+        std::vector<Key<AddedLight>> list = {
+            {"type",
+             [](const Json& v, AddedLight& s) -> Expectation {
+                 const std::string text = v.is_string() ? v.get<std::string>() : "";
+                 s.light.type = text == "directional" ? LightType::Directional
+                                : text == "spot"      ? LightType::Spot
+                                                      : LightType::Point;
+                 s.hasType = text == "directional" || text == "spot" || text == "point";
+                 return s.hasType ? nullptr : "\"directional\", \"point\" or \"spot\"";
+             }},
+            {"name",
+             [](const Json& v, AddedLight& s) -> Expectation {
+                 if (!v.is_string() || v.get<std::string>().empty()) return "a text";
+                 s.light.name = v.get<std::string>();
+                 return nullptr;
+             }},
+            {"position",
+             [](const Json& v, AddedLight& s) -> Expectation {
+                 return readVec3(v, s.position) ? nullptr : "[x, y, z]";
+             }},
+            {"direction",
+             [](const Json& v, AddedLight& s) -> Expectation {
+                 return readVec3(v, s.direction) && glm::length(s.direction) > 1.0e-6f ? nullptr
+                                                                                       : "[x, y, z], not zero";
+             }},
+            {"inner_cone_degrees",
+             [](const Json& v, AddedLight& s) -> Expectation {
+                 std::optional<float> degrees;
+                 const Expectation wrong = readNumber(v, 0.0, 90.0, "a half angle from 0 to 90 degrees", degrees);
+                 if (degrees) s.light.innerConeRadians = glm::radians(*degrees);
+                 return wrong;
+             }},
+            {"outer_cone_degrees",
+             [](const Json& v, AddedLight& s) -> Expectation {
+                 std::optional<float> degrees;
+                 const Expectation wrong = readNumber(v, 0.01, 90.0, "a half angle from 0.01 to 90 degrees", degrees);
+                 if (degrees) s.light.outerConeRadians = glm::radians(*degrees);
+                 return wrong;
+             }},
+        };
+        for (const auto& key : lightKeys()) {
+            list.push_back({key.name, [set = key.set](const Json& v, AddedLight& s) { return set(v, s.settings); }});
+        }
+        return list;
+    }();
+    return keys;
+}
+
+Error wrongValue(const std::string& path, const std::string& key, Expectation expectation)
+{
+    return Error{ErrorCode::FileInvalid, key + " must be " + expectation, path};
+}
+
+constexpr std::string_view kPrefix = "halflight_";
+
+template<typename Settings>
+Result<Settings> fromExtras(const Json& extras, const std::vector<Key<Settings>>& keys, const std::string& path)
+{
+    Settings settings;
+    for (const auto& key : keys) {
+        const std::string name = std::string(kPrefix) + key.name;
+        const Json& value = member(extras, name.c_str());
+        if (value.is_null()) continue;
+        if (const Expectation wrong = key.set(value, settings)) return wrongValue(path + "/extras", name, wrong);
+    }
+    return settings;
+}
+
+// One table of a settings file: every key must be known.
+template<typename Settings> Status fromTable(const Json& table, const std::vector<Key<Settings>>& keys,
+                                             const std::string& path, const char* skip, Settings& settings)
+{
+    for (const auto& [name, value] : table.items()) {
+        if (name == skip) continue;
+        bool known = false;
+        for (const auto& key : keys) known = known || name == key.name;
+        if (!known) return Error{ErrorCode::FileInvalid, "unknown key \"" + name + "\"", path};
+    }
+    for (const auto& key : keys) { // in the table's order, so that shorthands come first
+        const Json& value = member(table, key.name);
+        if (value.is_null()) continue;
+        if (const Expectation wrong = key.set(value, settings)) return wrongValue(path, key.name, wrong);
+    }
+    return {};
+}
+
+template<typename Settings> Status readRules(const Json& tables, const char* name,
+                                             const std::vector<Key<Settings>>& keys,
+                                             std::vector<FileSettings::Rule<Settings>>& rules)
+{
+    if (!tables.is_array())
+        return Error{ErrorCode::FileInvalid, std::string("must be written as [[") + name + "]]", name};
+    for (std::size_t i = 0; i < tables.size(); ++i) {
+        const std::string path = std::string(name) + "[" + std::to_string(i) + "]";
+        const Json& pattern = member(tables[i], "pattern");
+        if (!pattern.is_string()) return wrongValue(path, "pattern", "a text such as \"Lamp*\"");
+        FileSettings::Rule<Settings> rule;
+        rule.pattern = pattern.get<std::string>();
+        if (Status s = fromTable(tables[i], keys, path, "pattern", rule.settings); !s) return s;
+        rules.push_back(std::move(rule));
+    }
+    return {};
+}
+
+Status readAddedLights(const Json& tables, std::vector<Light>& lights)
+{
+    if (!tables.is_array()) return Error{ErrorCode::FileInvalid, "must be written as [[add_light]]", "add_light"};
+    for (std::size_t i = 0; i < tables.size(); ++i) {
+        const std::string path = "add_light[" + std::to_string(i) + "]";
+        AddedLight added;
+        if (Status s = fromTable(tables[i], addedLightKeys(), path, "", added); !s) return s;
+        if (!added.hasType) return wrongValue(path, "type", "given: \"directional\", \"point\" or \"spot\"");
+        if (added.light.innerConeRadians >= added.light.outerConeRadians && added.light.type == LightType::Spot) {
+            return wrongValue(path, "inner_cone_degrees", "below outer_cone_degrees");
+        }
+        if (added.light.name.empty()) added.light.name = "added light " + std::to_string(i);
+        applySettings(added.settings, added.light);
+        added.light.worldFromLight = poseLookingAlong(added.position, added.direction);
+        lights.push_back(std::move(added.light));
+    }
+    return {};
+}
+
+// sky.* keys are those of sceneKeys() without "sky_"; "color" is the shorthand for all three.
+Status readSky(const Json& table, SceneSettings& settings)
+{
+    std::vector<Key<SceneSettings>> keys;
+    for (const auto& key : sceneKeys()) {
+        const std::string_view name = key.name;
+        if (name == "sky") keys.push_back({"color", key.set});
+        if (name == "sky_zenith") keys.push_back({"zenith", key.set});
+        if (name == "sky_horizon") keys.push_back({"horizon", key.set});
+        if (name == "sky_ground") keys.push_back({"ground", key.set});
+    }
+    return fromTable(table, keys, "sky", "", settings);
+}
+
+} // namespace
+
+Result<FileSettings> settingsFromTables(const Json& root)
+{
+    FileSettings settings;
+    for (const auto& [name, value] : root.items()) {
+        Status status;
+        if (name == "sky" || name == "scene") {
+            if (!value.is_object()) return Error{ErrorCode::FileInvalid, "must be a table", name};
+            if (name == "sky") {
+                status = readSky(value, settings.scene);
+            } else {
+                std::vector<Key<SceneSettings>> keys;
+                for (const auto& key : sceneKeys()) {
+                    if (std::string_view(key.name).substr(0, 3) != "sky") keys.push_back(key);
+                }
+                status = fromTable(value, keys, "scene", "", settings.scene);
+            }
+        } else if (name == "node") {
+            status = readRules(value, "node", objectKeys(), settings.nodes);
+        } else if (name == "light") {
+            status = readRules(value, "light", lightKeys(), settings.lights);
+        } else if (name == "add_light") {
+            status = readAddedLights(value, settings.addedLights);
+        } else {
+            return Error{ErrorCode::FileInvalid, "unknown table \"" + name + "\"", ""};
+        }
+        if (!status) return status.error();
+    }
+    return settings;
+}
+
+Result<ObjectSettings> objectSettingsOf(const Json& extras, const std::string& path)
+{
+    return fromExtras(extras, objectKeys(), path);
+}
+Result<LightSettings> lightSettingsOf(const Json& extras, const std::string& path)
+{
+    return fromExtras(extras, lightKeys(), path);
+}
+Result<SceneSettings> sceneSettingsOf(const Json& extras, const std::string& path)
+{
+    return fromExtras(extras, sceneKeys(), path);
+}
+
+void warnUnknownExtras(const Json& extras, ExtrasOwner owner, const std::string& path,
+                       std::vector<std::string>& warnings)
+{
+    if (!extras.is_object()) return;
+    for (const auto& item : extras.items()) {
+        const std::string_view name = item.key();
+        if (name.substr(0, kPrefix.size()) != kPrefix) continue;
+        const auto knows = [&](const auto& keys) {
+            for (const auto& key : keys) {
+                if (name.substr(kPrefix.size()) == key.name) return true;
+            }
+            return false;
+        };
+        const bool known = owner == ExtrasOwner::Scene   ? knows(sceneKeys())
+                           : owner == ExtrasOwner::Light ? knows(lightKeys())
+                                                         : knows(objectKeys()) || knows(lightKeys());
+        if (!known) warnings.push_back(path + "/extras: unknown key " + item.key() + " is ignored");
+    }
+}
+
+bool matchesPattern(std::string_view pattern, std::string_view text)
+{
+    // Greedy with one point of return: a '*' takes as little as it can, and one character more after each mismatch.
+    std::size_t p = 0;
+    std::size_t t = 0;
+    std::size_t star = std::string_view::npos;
+    std::size_t resume = 0;
+    while (t < text.size()) {
+        if (p < pattern.size() && pattern[p] == '*') {
+            star = p++;
+            resume = t;
+        } else if (p < pattern.size() && (pattern[p] == '?' || pattern[p] == text[t])) {
+            ++p;
+            ++t;
+        } else if (star != std::string_view::npos) {
+            p = star + 1;
+            t = ++resume;
+        } else {
+            return false;
+        }
+    }
+    while (p < pattern.size() && pattern[p] == '*') ++p;
+    return p == pattern.size();
+}
+
+ObjectSettings mergeSettings(const ObjectSettings& weaker, const ObjectSettings& stronger)
+{
+    ObjectSettings merged = weaker;
+    if (stronger.isStatic) merged.isStatic = stronger.isStatic;
+    if (stronger.castShadows) merged.castShadows = stronger.castShadows;
+    if (stronger.receiveShadows) merged.receiveShadows = stronger.receiveShadows;
+    if (stronger.lightmapScale) merged.lightmapScale = stronger.lightmapScale;
+    return merged;
+}
+
+SceneSettings mergeSettings(const SceneSettings& weaker, const SceneSettings& stronger)
+{
+    SceneSettings merged = weaker;
+    if (stronger.skyZenith) merged.skyZenith = stronger.skyZenith;
+    if (stronger.skyHorizon) merged.skyHorizon = stronger.skyHorizon;
+    if (stronger.skyGround) merged.skyGround = stronger.skyGround;
+    if (stronger.shadowColor) merged.shadowColor = stronger.shadowColor;
+    if (stronger.probes) merged.probes = stronger.probes;
+    return merged;
+}
+
+void applySettings(const LightSettings& settings, Light& light)
+{
+    light.mode = settings.mode.value_or(light.mode);
+    light.castShadows = settings.castShadows.value_or(light.castShadows);
+    light.shadowStrength = settings.shadowStrength.value_or(light.shadowStrength);
+    light.indirectMultiplier = settings.indirectMultiplier.value_or(light.indirectMultiplier);
+    light.radiusMeters = settings.radiusMeters.value_or(light.radiusMeters);
+    if (settings.angularDiameterDegrees)
+        light.angularRadiusRadians = glm::radians(0.5f * *settings.angularDiameterDegrees);
+    light.rangeMeters = settings.rangeMeters.value_or(light.rangeMeters);
+    light.intensity = settings.intensity.value_or(light.intensity);
+    light.color = settings.color.value_or(light.color);
+}
+
+const char* nameOf(LightMode mode)
+{
+    return mode == LightMode::Realtime ? "realtime" : mode == LightMode::Mixed ? "mixed" : "baked";
+}
+const char* nameOf(MixedLightingMode mode)
+{
+    return mode == MixedLightingMode::BakedIndirect ? "baked-indirect"
+           : mode == MixedLightingMode::Shadowmask  ? "shadowmask"
+                                                    : "subtractive";
+}
+std::optional<LightMode> lightModeNamed(std::string_view name)
+{
+    for (const LightMode mode : {LightMode::Realtime, LightMode::Mixed, LightMode::Baked}) {
+        if (name == nameOf(mode)) return mode;
+    }
+    return std::nullopt;
+}
+std::optional<MixedLightingMode> mixedLightingModeNamed(std::string_view name)
+{
+    for (const auto mode :
+         {MixedLightingMode::BakedIndirect, MixedLightingMode::Shadowmask, MixedLightingMode::Subtractive}) {
+        if (name == nameOf(mode)) return mode;
+    }
+    return std::nullopt;
+}
+
+} // namespace halflight

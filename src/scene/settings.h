@@ -1,0 +1,81 @@
+#pragma once
+// Authored settings: flat halflight_* keys in glTF extras, and the tables of a settings file (TOML). Both are read by
+// the same tables of keys; a key of extras is "halflight_" and the settings file's key.
+
+#include "scene/document.h"
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace halflight {
+
+struct ObjectSettings {
+    std::optional<bool> isStatic;
+    std::optional<bool> castShadows;
+    std::optional<bool> receiveShadows;
+    std::optional<float> lightmapScale;
+};
+
+struct LightSettings {
+    std::optional<LightMode> mode;
+    std::optional<bool> castShadows;
+    std::optional<float> shadowStrength;
+    std::optional<float> indirectMultiplier;
+    std::optional<float> radiusMeters;
+    std::optional<float> angularDiameterDegrees;
+    std::optional<float> rangeMeters;
+    std::optional<float> intensity;
+    std::optional<vec3> color;
+};
+
+struct SceneSettings {
+    std::optional<vec3> skyZenith;
+    std::optional<vec3> skyHorizon;
+    std::optional<vec3> skyGround;
+    std::optional<vec3> shadowColor;
+    std::optional<std::vector<vec3>> probes;
+};
+
+/// A settings file: rules in the file's order, later ones win.
+struct FileSettings {
+    template<typename Settings> struct Rule {
+        std::string pattern;
+        Settings settings;
+        bool matched = false;
+    };
+    std::vector<Rule<ObjectSettings>> nodes;
+    std::vector<Rule<LightSettings>> lights;
+    std::vector<Light> addedLights;
+    SceneSettings scene;
+};
+
+/// `*` stands for any text, `?` for one character.
+bool matchesPattern(std::string_view pattern, std::string_view text);
+
+/// Settings in an object's extras. A wrong value is an error; a halflight_ key that neither table of a node nor of a
+/// light knows is a warning.
+Result<ObjectSettings> objectSettingsOf(const Json& extras, const std::string& path);
+Result<LightSettings> lightSettingsOf(const Json& extras, const std::string& path);
+Result<SceneSettings> sceneSettingsOf(const Json& extras, const std::string& path);
+enum class ExtrasOwner { Node, Light, Scene };
+void warnUnknownExtras(const Json& extras, ExtrasOwner owner, const std::string& path,
+                       std::vector<std::string>& warnings);
+
+Result<FileSettings> readSettingsFile(const std::filesystem::path& path);
+/// The same from the file's tables as JSON.
+Result<FileSettings> settingsFromTables(const Json& root);
+
+/// `stronger` where it says something, else `weaker`.
+ObjectSettings mergeSettings(const ObjectSettings& weaker, const ObjectSettings& stronger);
+SceneSettings mergeSettings(const SceneSettings& weaker, const SceneSettings& stronger);
+void applySettings(const LightSettings& settings, Light& light);
+
+/// "realtime", "mixed", "baked" and "baked-indirect", "shadowmask", "subtractive", as the file format writes them.
+const char* nameOf(LightMode mode);
+const char* nameOf(MixedLightingMode mode);
+std::optional<LightMode> lightModeNamed(std::string_view name);
+std::optional<MixedLightingMode> mixedLightingModeNamed(std::string_view name);
+
+} // namespace halflight

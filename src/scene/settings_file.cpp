@@ -1,0 +1,51 @@
+#include "scene/settings.h"
+
+#include "halflight/base/file.h"
+
+#include <sstream>
+#include <toml++/toml.h>
+
+namespace halflight {
+
+namespace {
+
+Json jsonFrom(const toml::node& node)
+{
+    if (const auto* table = node.as_table()) {
+        Json object = Json::object();
+        for (const auto& [key, value] : *table) object[std::string(key.str())] = jsonFrom(value);
+        return object;
+    }
+    if (const auto* array = node.as_array()) {
+        Json list = Json::array();
+        for (const auto& value : *array) list.push_back(jsonFrom(value));
+        return list;
+    }
+    if (const auto* text = node.as_string()) return text->get();
+    if (const auto* integer = node.as_integer()) return integer->get();
+    if (const auto* number = node.as_floating_point()) return number->get();
+    if (const auto* flag = node.as_boolean()) return flag->get();
+    return "a date"; // no key takes one: the error names the key
+}
+
+} // namespace
+
+Result<FileSettings> readSettingsFile(const std::filesystem::path& path)
+{
+    const std::string name = "settings file " + path.string();
+    const auto bytes = readFile(path);
+    if (!bytes) return Error{bytes.error().code, name + ": " + bytes.error().message, ""};
+    try {
+        const toml::table root =
+            toml::parse(std::string_view(reinterpret_cast<const char*>(bytes->data()), bytes->size()));
+        auto settings = settingsFromTables(jsonFrom(root));
+        if (!settings) return Error{settings.error().code, name + ": " + settings.error().text(), ""};
+        return settings;
+    } catch (const toml::parse_error& e) {
+        return Error{ErrorCode::FileInvalid,
+                     name + ", line " + std::to_string(e.source().begin.line) + ": " + std::string(e.description()),
+                     ""};
+    }
+}
+
+} // namespace halflight
