@@ -1,0 +1,390 @@
+#!/usr/bin/env python3
+"""Makes the project's showcase scene, assets/courtyard.glb: a colonnaded courtyard with a room behind it.
+
+    scripts/make_courtyard.py [OUT.glb]
+
+Everything is modelled and painted here and in scenekit/: nothing is read or downloaded. X east, Y up, Z south, metres;
+the court's middle is the origin. assets/README.md describes the scene.
+"""
+
+import math
+import pathlib
+import sys
+
+from scenekit import gltf, mesh as m, parts, texture
+from scenekit.mesh import Mesh
+from scenekit.parts import BAY, FLOOR
+
+COURT_X, NORTH, SOUTH = 7.5, -5.2, 4.9  # edges of the opening in the slab
+COLUMN_X, COLUMN_Z = 7.8, 5.2
+TERRACE, PARAPET, ROOF = 4.5, 5.4, 7.0
+DOOR, WINDOW = (-5.9, -4.7, 2.5), (-3.2, -1.2, 1.0, 2.65)  # x0, x1, head; x0, x1, sill, head
+ROOM = (-7.3, 0.1, -9.8, -5.6, 3.5)  # x0, x1, z0, z1, ceiling
+
+SUN_TO = (-0.55, 0.72, 0.42)  # towards the sun
+DYNAMIC = {"halflight_static": 0}
+
+
+def materials(doc):
+    t = {name: doc.texture(make(), name) for name, make in (
+        ("plaster", texture.plaster), ("limestone", texture.limestone), ("checker", texture.checker),
+        ("terracotta", texture.terracotta), ("wood", texture.wood))}
+    color, normal = texture.paving()
+    t["paving"], t["paving_normal"] = doc.texture(color, "paving"), doc.texture(normal, "paving_normal")
+    t["leaf"] = doc.texture(texture.foliage(256, 71, (62, 98, 40), (128, 154, 70), 13, 0.36, 0.11), "leaf", repeat=False)
+    t["bloom"] = doc.texture(texture.foliage(128, 72, (190, 36, 112), (238, 104, 168), 11, 0.26, 0.16), "bloom", repeat=False)
+    t["olive"] = doc.texture(texture.foliage(256, 73, (88, 108, 72), (158, 168, 124), 17, 0.34, 0.065), "olive", repeat=False)
+    doc.material("plaster", texture=t["plaster"], roughness=0.95)
+    doc.material("whitewash", (0.92, 0.94, 0.98), texture=t["limestone"], roughness=0.95)
+    doc.material("stone", texture=t["limestone"], roughness=0.75)
+    doc.material("paving", texture=t["paving"], normal=t["paving_normal"], roughness=0.7)
+    doc.material("checker", texture=t["checker"], roughness=0.45)
+    doc.material("terracotta", texture=t["terracotta"], roughness=0.85)
+    doc.material("wood", texture=t["wood"], roughness=0.7)
+    doc.material("crate", (1.0, 0.93, 0.8), texture=t["wood"], roughness=0.75)
+    doc.material("shutter", (0.09, 0.27, 0.25), roughness=0.6)
+    doc.material("iron", (0.05, 0.05, 0.055), roughness=0.55, metallic=0.3)
+    doc.material("wax", (0.9, 0.85, 0.7), roughness=0.6)
+    doc.material("water", (0.05, 0.2, 0.23), roughness=0.08)
+    doc.material("soil", (0.09, 0.06, 0.04), roughness=1.0)
+    doc.material("rug", (0.45, 0.09, 0.08), roughness=1.0)
+    doc.material("panel", (0.9, 0.8, 0.65), roughness=0.8, emissive=(1.0, 0.63, 0.3), strength=7.0)
+    doc.material("flame", (1.0, 0.8, 0.5), roughness=1.0, emissive=(1.0, 0.6, 0.22), strength=9.0)
+    doc.material("wisp", (0.1, 0.3, 0.3), roughness=1.0, emissive=(0.15, 0.9, 1.0), strength=4.0)
+    for name in ("leaf", "bloom", "olive"):
+        doc.material(name, texture=t[name], roughness=0.8, mask=0.5, double_sided=True)
+    doc.material("red", (0.62, 0.06, 0.04), roughness=0.35)
+    doc.material("blue", (0.05, 0.16, 0.5), roughness=0.35)
+    doc.material("ochre", (0.78, 0.44, 0.07), roughness=0.4)
+    doc.material("ivory", (0.82, 0.78, 0.7), roughness=0.3)
+    doc.material("jade", (0.07, 0.4, 0.22), roughness=0.3)
+    doc.material("brass", (0.88, 0.62, 0.26), roughness=0.35, metallic=0.85)
+    doc.material("maple", (0.72, 0.46, 0.24), roughness=0.5)
+
+
+def shell(doc):
+    """Floors, walls, slab, terraces and the room: one closed solid on a grid, its faces sorted into nodes by what they are."""
+    groups = {}
+
+    def filled(x, y, z):
+        if y < 0:
+            return True
+        if z < NORTH:
+            x0, x1, z0, z1, ceiling = ROOM
+            if x0 < x < x1 and z0 < z < z1 and FLOOR < y < ceiling:
+                return False
+            if z > z1 and (DOOR[0] < x < DOOR[1] and FLOOR < y < DOOR[2] or WINDOW[0] < x < WINDOW[1] and WINDOW[2] < y < WINDOW[3]):
+                return False
+            return y < ROOF
+        if abs(x) > 10.6 or z > 8.0:
+            return y < PARAPET
+        walkway = abs(x) > COURT_X or z > SOUTH
+        return y < FLOOR and (abs(x) > 7.45 or z > 4.85) or 4.3 < y < TERRACE and walkway
+
+    def sink(centre, normal):
+        x, y, z = centre
+        room = ROOM[0] - 0.01 < x < ROOM[1] + 0.01 and ROOM[2] - 0.01 < z < NORTH - 0.01 and FLOOR - 0.01 < y < ROOM[4] + 0.01
+        if y < -0.01:
+            key = ("foundation", "stone", 0.5)
+        elif normal[1] > 0 and y < 0.01:
+            key = ("court_floor", "stone", 0.7) if abs(x) > 6.7 or z > 4.1 or z < -4.6 else ("court_floor", "paving", 0.5)
+        elif room:
+            key = ("room", "checker" if normal[1] > 0 and y < 1 else "whitewash", 1.25 if normal[1] > 0 and y < 1 else 0.5)
+        elif y < FLOOR + 0.01:
+            key = ("walkway_floor", "checker" if normal[1] > 0 else "stone", 1.0)
+        elif z < NORTH + 0.01:
+            key = ("north_building", "plaster", 0.5)
+        elif normal[1] > 0:
+            key = ("terrace", "terracotta" if y < TERRACE + 0.1 else "stone", 1.0)
+        else:
+            key = ("walls", "plaster", 0.5)
+        return groups.setdefault(key, Mesh())
+
+    m.grid_solid([-11, -10.6, -7.5, -7.45, ROOM[0], -6.7, DOOR[0], DOOR[1], WINDOW[0], WINDOW[1], ROOM[1], 6.7, 7.45, 7.5, 10.6, 11],
+                 [-0.3, 0, FLOOR, WINDOW[2], DOOR[2], WINDOW[3], ROOM[4], 4.3, TERRACE, PARAPET, ROOF],
+                 [-10.2, ROOM[2], ROOM[3], NORTH, -4.6, 4.1, 4.85, SOUTH, 8.0, 8.4], filled, sink)
+    m.check_closed([t for mesh in groups.values() for t in mesh.triangles], "shell")
+    for name in sorted({key[0] for key in groups}):
+        doc.mesh(name, [(mesh, key[1], key[2]) for key, mesh in sorted(groups.items(), key=lambda g: g[0]) if key[0] == name], closed=False)
+        doc.node(name, name)
+
+
+def colonnade(doc):
+    doc.mesh("column", parts.column(), crease=30)
+    doc.mesh("pier", parts.pier())
+    doc.mesh("arcade_long", parts.arcade(6, -0.2))
+    doc.mesh("arcade_short", parts.arcade(4, 0.225))
+    doc.mesh("archivolt", parts.archivolt())
+    doc.mesh("pedestal", parts.pedestal())
+    doc.mesh("balustrade", parts.balustrade(BAY - 0.3, 11))
+    doc.mesh("balustrade_short", parts.balustrade(0.88, 4))
+    for i in range(-2, 3):
+        doc.node(f"column_south_{i + 3}", "column", (i * BAY, FLOOR, COLUMN_Z))
+    for side, word, turn in ((-1, "west", 90), (1, "east", -90)):
+        x = side * COLUMN_X
+        for i in range(-1, 2):
+            doc.node(f"column_{word}_{i + 2}", "column", (x, FLOOR, i * BAY))
+        doc.node(f"pier_{word}_south", "pier", (x, FLOOR, COLUMN_Z))
+        doc.node(f"pier_{word}_north", "pier", (x, FLOOR, -COLUMN_Z + 0.12))
+        doc.node(f"arcade_{word}", "arcade_short", (x, 0, 0), turn)
+        for i in range(4):
+            doc.node(f"archivolt_{word}_{i + 1}", "archivolt", (x, 0, (i - 1.5) * BAY), turn)
+            if side < 0 or i > 0:
+                doc.node(f"balustrade_{word}_{i + 1}", "balustrade", (x, TERRACE - 0.01, (i - 1.5) * BAY), turn)
+        for i in range(5):
+            if side < 0 or i > 0:
+                doc.node(f"pedestal_{word}_{i + 1}", "pedestal", (x, TERRACE, (i - 2) * BAY + (0.19 if i == 0 else 0)))
+    doc.node("pedestal_stair", "pedestal", (COLUMN_X, TERRACE, -3.57))
+    doc.node("balustrade_stair", "balustrade_short", (COLUMN_X, TERRACE - 0.01, -3.085), 90)
+    doc.node("arcade_south", "arcade_long", (0, 0, COLUMN_Z), 180)
+    for i in range(6):
+        doc.node(f"archivolt_south_{i + 1}", "archivolt", ((i - 2.5) * BAY, 0, COLUMN_Z), 180)
+        doc.node(f"balustrade_south_{i + 1}", "balustrade", ((i - 2.5) * BAY, TERRACE - 0.01, COLUMN_Z))
+        if 0 < i:
+            doc.node(f"pedestal_south_{i}", "pedestal", ((i - 3) * BAY, TERRACE, COLUMN_Z))
+
+    # Cornice around the court, and beams under the walkways' ceiling.
+    profile = [(-0.05, 4.2), (0.03, 4.2), (0.03, 4.26), (0.07, 4.28), (0.07, 4.3), (0.1, 4.31), (0.14, 4.34), (0.16, 4.38), (0.2, 4.39),
+               (0.2, 4.47), (-0.05, 4.47)]
+    x = COURT_X - 0.005
+    corners = [(-x, NORTH), (x, NORTH), (x, SOUTH), (-x, SOUTH)]
+    # The strip's back stands in the slab's edge; below the slab it covers the arcade's face.
+    doc.mesh("cornice", [(m.sweep([(px - 0.03 if px < 0 else px, py) for px, py in profile], m.miter_frames(corners, True), True), "stone", 1.0)])
+    doc.node("cornice", "cornice")
+    doc.mesh("beam", [(m.bevel_box(0.16, 0.24, 2.9, 0.015), "wood", 1.25)])
+    for side, word in ((-1, "west"), (1, "east")):
+        for i in range(14):
+            doc.node(f"beam_{word}_{i + 1}", "beam", (side * 9.3, 4.09, -4.55 + 0.88 * i), 90)
+    for i in range(16):
+        doc.node(f"beam_south_{i + 1}", "beam", ((i - 7.5) * 0.94, 4.09, 6.7))
+
+
+def north_side(doc):
+    """Door, window, shutters, roof and the stair on the north building's face."""
+    doc.mesh("door", parts.door())
+    doc.node("door", "door", ((DOOR[0] + DOOR[1]) / 2, FLOOR, NORTH - 0.2))
+    doc.mesh("door_frame", parts.frame(DOOR[1] - DOOR[0], DOOR[2] - FLOOR))
+    doc.node("door_frame", "door_frame", ((DOOR[0] + DOOR[1]) / 2, FLOOR, NORTH))
+    doc.mesh("threshold", [(m.bevel_box(1.9, 0.17, 0.62, 0.015), "stone", 1.0)])
+    doc.node("threshold", "threshold", ((DOOR[0] + DOOR[1]) / 2, -0.01, NORTH + 0.27))
+    width, height, middle = WINDOW[1] - WINDOW[0], WINDOW[3] - WINDOW[2], (WINDOW[0] + WINDOW[1]) / 2
+    doc.mesh("window_frame", parts.frame(width, height, 0.16, 0.06, sill=True))
+    doc.node("window_frame", "window_frame", (middle, WINDOW[2], NORTH))
+    doc.mesh("window_bars", parts.window_bars(width, height))
+    doc.node("window_bars", "window_bars", (middle, WINDOW[2], NORTH - 0.15))
+    doc.mesh("shutter_large", parts.shutter(0.62, height))
+    for side, word in ((-1, "left"), (1, "right")):
+        doc.node(f"shutter_window_{word}", "shutter_large", (middle + side * (width / 2 + 0.16 + 0.36), WINDOW[2], NORTH + 0.012))
+    doc.mesh("shutter", parts.shutter(0.5, 1.3))
+    doc.mesh("upper_frame", parts.frame(1.02, 1.3, 0.14, 0.08, sill=True))
+    for i, x in enumerate((-6.2, -2.2, 1.8, 5.6)):
+        doc.node(f"upper_frame_{i + 1}", "upper_frame", (x, 5.1, NORTH))
+        for side, word in ((-1, "left"), (1, "right")):
+            doc.node(f"upper_shutter_{i + 1}_{word}", "shutter", (x + side * 0.255, 5.1, NORTH - 0.01))
+
+    # Roof: a solid gable under barrel tiles, its eaves on rafters.
+    low, ridge, front, back = 6.9, 8.55, -4.72, -10.68
+    gable = [(front, low), (front, low + 0.1), ((front + back) / 2, ridge), (back, low + 0.1), (back, low)]
+    doc.mesh("roof", [(m.sweep([(z, y) for z, y in gable], [((x, 0, 0), (0, 0, 1), (0, 1, 0)) for x in (-11.3, 11.3)]), "wood", 1.25)])
+    doc.node("roof", "roof")
+    run, rise = (front - back) / 2, ridge - low - 0.1
+    slope = math.hypot(run, rise)
+    doc.mesh("roof_tiles", [(mesh.turned("x", math.degrees(math.atan2(rise, run))), name, d) for mesh, name, d in parts.roof_tiles(6, 9, slope / 9.05)])
+    for i in range(14):
+        x = (i - 6.5) * 1.6
+        doc.node(f"tiles_front_{i + 1}", "roof_tiles", (x, low + 0.085, front + 0.06))
+        doc.node(f"tiles_back_{i + 1}", "roof_tiles", (x, low + 0.085, back - 0.06), 180)
+    doc.mesh("ridge", [(m.sweep(parts.arc(0, 0, 0.15, -15, 195, 10), [((x, ridge + 0.02, (front + back) / 2), (0, 0, 1), (0, 1, 0)) for x in (-11.36, 11.36)]), "terracotta", 1.0)])
+    doc.node("ridge", "ridge")
+    doc.mesh("rafter", [(m.bevel_box(0.1, 0.14, 0.6, 0.01), "wood", 1.25)])
+    for i in range(24):
+        doc.node(f"rafter_{i + 1}", "rafter", ((i - 11.5) * 0.94, low - 0.13, NORTH + 0.2))
+
+    # Stair along the face up to the east terrace, with treads and a balustrade.
+    risers, run, width = 25, 0.26, 1.5
+    rise = TERRACE / risers
+    flight, length = parts.stair(risers, rise, run, 0.9, width)
+    start = COURT_X + 0.02 - length
+    doc.mesh("stair", flight)
+    doc.node("stair", "stair", (start, 0, NORTH - 0.02))
+    doc.mesh("tread", [(m.bevel_box(run + 0.03, 0.05, width + 0.03, 0.012), "stone", 1.0)])
+    doc.mesh("stair_baluster", [(m.lathe(parts.BALUSTER, 14).scaled(0.85, 1.35, 0.85), "stone", 1.0)])
+    for i in range(risers - 1):
+        x, y = start + run * (i + 0.5), rise * (i + 1)
+        doc.node(f"tread_{i + 1}", "tread", (x - 0.015, y - 0.028, NORTH + width / 2 - 0.015))
+        doc.node(f"stair_baluster_{i + 1}", "stair_baluster", (x, y + 0.01, NORTH + width - 0.13))
+    z, y0, y1 = NORTH + width - 0.13, rise + 0.83, TERRACE + 0.83
+    x0, x1 = start + run * 0.5, start + run * 0.5 + run * (risers - 1)
+    rail = [(-0.09, -0.05), (0.09, -0.05), (0.1, 0.0), (0.06, 0.06), (-0.06, 0.06), (-0.1, 0.0)]
+    frames = [((x, y, z), (0, 0, 1), (0, 1, 0)) for x, y in ((x0 - 0.12, y0 - 0.083), (x1, y1), (COURT_X + 0.1, y1))]
+    doc.mesh("stair_rail", [(m.sweep(rail, frames), "stone", 1.0)])
+    doc.node("stair_rail", "stair_rail")
+    doc.mesh("newel", [(m.bevel_box(0.28, 1.2, 0.28, 0.02) + m.bevel_box(0.36, 0.08, 0.36, 0.02).moved(0, 1.17, 0) +
+                        m.sphere(0.14, 32, 20).moved(0, 1.36, 0), "stone", 1.0)])
+    doc.node("newel", "newel", (start - 0.1, -0.01, z))
+    for i, x in enumerate((start + length - 0.75, start + length - 0.45)):
+        doc.node(f"landing_baluster_{i + 1}", "stair_baluster", (x, TERRACE - 0.004, z))
+
+
+def garden(doc):
+    doc.mesh("fountain", parts.fountain(), crease=40)
+    doc.node("fountain", "fountain")
+    doc.mesh("water", parts.water())
+    doc.node("water", "water")
+    trunk, crown = parts.tree(5)
+    doc.mesh("tree_trunk", trunk)
+    doc.mesh("tree_crown", crown, closed=False)
+    doc.mesh("planter", [(m.bevel_box(1.3, 0.5, 1.3, 0.03).moved(0, -0.01, 0) + m.bevel_box(1.4, 0.08, 1.4, 0.02).moved(0, 0.44, 0), "stone", 1.0),
+                         (m.bevel_box(1.1, 0.05, 1.1, 0.02).moved(0, 0.5, 0), "soil", 1.0)])
+    for i, (x, z, turn, scale) in enumerate(((4.6, 1.2, 20, 1.12), (-4.4, -2.35, 200, 0.92))):
+        if i == 0:
+            doc.node("planter_1", "planter", (x, 0, z))
+        doc.node(f"tree_trunk_{i + 1}", "tree_trunk", (x, 0.52 if i == 0 else 0.44, z), turn, scale=scale)
+        doc.node(f"tree_crown_{i + 1}", "tree_crown", (x, 0.52 if i == 0 else 0.44, z), turn, scale=scale)
+    doc.mesh("pot_large", parts.pot(0.42, 0.62))
+    doc.mesh("pot_small", parts.pot(0.24, 0.36))
+    doc.mesh("shrub", [(parts.ball_of_leaves(0.42, 150, 91, 0.24), "leaf", 1.0)], closed=False)
+    doc.mesh("flowers", [(parts.ball_of_leaves(0.25, 60, 92, 0.19), "leaf", 1.0), (parts.ball_of_leaves(0.29, 55, 93, 0.15), "bloom", 1.0)], closed=False)
+    doc.node("pot_tree", "pot_large", (-4.4, 0, -2.35), scale=1.0)
+    for i, (x, y, z) in enumerate(((-0.25, 0, -4.75), (-3.85, 0, -4.72), (6.75, 0, 4.2), (-6.75, 0, 4.2), (9.9, FLOOR, -4.3))):
+        doc.node(f"pot_large_{i + 1}", "pot_large", (x, y, z), 40 * i)
+        doc.node(f"shrub_{i + 1}", "shrub", (x, y + 0.95, z), 70 * i)
+    for i, (x, y, z) in enumerate(((-0.2, 0, -4.05), (-1.0, 0, -4.8), (-6.6, 0, -4.75), (6.6, 0, -3.3), (2.2, 0, 4.45), (-2.2, 0, 4.45),
+                                   (7.8, TERRACE + 0.88, 0), (7.8, TERRACE + 0.88, 2.6), (-7.8, TERRACE + 0.88, 0))):
+        doc.node(f"pot_small_{i + 1}", "pot_small", (x, y, z), 50 * i)
+        doc.node(f"flowers_{i + 1}", "flowers", (x, y + 0.52, z), 80 * i)
+    doc.mesh("vine", parts.vine(4.4, 95), closed=False)
+    doc.mesh("vine_short", parts.vine(2.6, 96), closed=False)
+    doc.node("vine_east", "vine", (7.56, 4.75, 3.0), -90)
+    doc.node("vine_north", "vine_short", (-6.3, 4.8, NORTH))
+    doc.node("vine_west", "vine", (-7.56, 4.75, 2.2), 90)
+    doc.mesh("bench", parts.bench())
+    for i, (x, y, z, turn) in enumerate(((0.0, FLOOR, 7.55, 180), (10.2, FLOOR, 2.6, -90), (-10.2, FLOOR, -1.3, 90), (3.1, 0, 3.9, 180))):
+        doc.node(f"bench_{i + 1}", "bench", (x, y, z), turn)
+    doc.mesh("crate", parts.crate(0.6))
+    doc.mesh("barrel", parts.barrel())
+    for i, (x, y, z, turn, scale) in enumerate(((9.9, FLOOR, 7.3, 12, 1.0), (9.15, FLOOR, 7.4, -20, 1.0), (9.6, FLOOR + 0.6, 7.35, 30, 0.8))):
+        doc.node(f"crate_{i + 1}", "crate", (x, y, z), turn, scale=scale)
+    for i, (x, z) in enumerate(((10.1, 5.9), (10.15, 5.2), (-10.1, 7.4))):
+        doc.node(f"barrel_{i + 1}", "barrel", (x, FLOOR, z), 25 * i)
+
+
+def furniture(doc):
+    """The room: a lit panel on the back wall, table, shelf, stools, rug, pictures."""
+    doc.mesh("panel_frame", [(m.bevel_box(2.0, 1.2, 0.08, 0.02), "wood", 1.25)])
+    doc.node("panel_frame", "panel_frame", (-1.35, 1.25, ROOM[2] + 0.03))
+    doc.mesh("panel", [(m.bevel_box(1.8, 1.0, 0.04, 0.01), "panel", 1.0)])
+    doc.node("panel", "panel", (-1.35, 1.35, ROOM[2] + 0.07))
+    doc.mesh("table", parts.table(1.9, 0.85, 0.78))
+    doc.node("table", "table", (-3.6, FLOOR, -7.9), 8)
+    doc.mesh("stool", [(m.cylinder(0.19, 0.05, 28, 0.012).moved(0, 0.42, 0), "wood", 1.25)] +
+             [(m.bar((0.09 * c, 0.44, 0.09 * s), (0.16 * c, 0.0, 0.16 * s), 0.02, 10), "wood", 1.25) for c, s in ((1, 1), (1, -1), (-1, 1), (-1, -1))])
+    for i, (x, z) in enumerate(((-4.1, -7.1), (-3.0, -7.15), (-3.7, -8.75))):
+        doc.node(f"stool_{i + 1}", "stool", (x, FLOOR, z), 30 * i)
+    doc.mesh("rug", [(m.bevel_box(3.2, 0.022, 2.3, 0.008), "rug", 1.0)])
+    doc.node("rug", "rug", (-3.6, FLOOR - 0.004, -7.8), 4)
+    doc.mesh("shelf", [(m.bevel_box(0.36, 0.05, 2.2, 0.01) + m.bevel_box(0.36, 0.05, 2.2, 0.01).moved(0, 0.55, 0) + m.bevel_box(0.36, 0.05, 2.2, 0.01).moved(0, 1.1, 0) +
+                        m.bevel_box(0.37, 1.7, 0.05, 0.01).moved(0, -0.3, -1.09) + m.bevel_box(0.37, 1.7, 0.05, 0.01).moved(0, -0.3, 1.09), "wood", 1.25)])
+    doc.node("shelf", "shelf", (ROOM[0] + 0.178, 0.7, -8.1))
+    for i, (y, z, s) in enumerate(((0.75, -8.7, 0.7), (0.75, -7.6, 0.85), (1.3, -8.3, 0.75), (1.3, -7.5, 0.6), (1.85, -8.6, 0.9), (1.85, -7.8, 0.65))):
+        doc.node(f"jar_{i + 1}", "pot_small", (ROOM[0] + 0.2, y, z), 60 * i, scale=s)
+    doc.mesh("chest", [(m.bevel_box(1.2, 0.5, 0.55, 0.02) + m.bevel_box(1.24, 0.1, 0.59, 0.03).moved(0, 0.49, 0), "crate", 1.25)])
+    doc.node("chest", "chest", (-0.4, FLOOR, -7.2), -90)
+
+
+def lights(doc):
+    mixed = {"halflight_mode": "mixed"}
+    doc.light("sun", "directional", (1.0, 0.84, 0.62), 5.0, m.mul(SUN_TO, 20), (0, 0, 0), extras={**mixed, "halflight_angular_diameter": 0.8})
+
+    # Two mixed spots over the door, their pools crossing on the wall and the ground.
+    doc.mesh("spot_bracket", parts.spot_bracket())
+    doc.mesh("spot_hood", parts.spot_hood())
+    for word, x, target in (("left", -6.75, (-5.55, 0.9, -4.95)), ("right", -3.85, (-5.05, 0.9, -4.95))):
+        at = (x, 3.55, NORTH + 0.7)
+        doc.node(f"bracket_{word}", "spot_bracket", (x, 3.62, NORTH))
+        doc.node(f"hood_{word}", "spot_hood", at, rotation=gltf.look_rotation(at, target))
+        doc.light(f"spot_door_{word}", "spot", (1.0, 0.66, 0.36), 15.0, at, target, 6.0, 18, 42, {**mixed, "halflight_radius": 0.04})
+
+    # Two mixed points, out of each other's range.
+    doc.mesh("lantern", parts.lantern())
+    flame = m.lathe([(0, -0.09), (0.008, -0.082), (0.013, -0.068), (0.009, -0.045), (0, -0.02)], 10)
+    doc.mesh("flame", [(flame, "flame", 1.0)])
+    for name, at, candela, reach in (("lantern_room", (-3.6, 2.55, -7.8), 3.2, 5.5), ("lantern_walkway", (9.1, 3.14, 1.75), 6.0, 5.5)):
+        doc.node(name, "lantern", at)
+        doc.node(f"flame_{name}", "flame", at, extras={**DYNAMIC, "halflight_cast_shadows": 0})
+        doc.light(f"point_{name}", "point", (1.0, 0.7, 0.4), candela, at, cone_range=reach, extras={**mixed, "halflight_radius": 0.05})
+
+    # One realtime spot in a cold colour, hung under an arch of the shaded west side.
+    at, target = (-7.45, 3.1, 1.3), (-5.7, 0.0, 0.75)
+    doc.node("hood_wisp", "spot_hood", at, rotation=gltf.look_rotation(at, target))
+    doc.mesh("wisp_arm", [(m.bar((-7.62, 3.64, 1.3), (-7.5, 3.28, 1.3), 0.015, 8) + m.bar((-7.75, 3.66, 1.3), (-7.58, 3.62, 1.3), 0.02, 8), "iron", 1.0)])
+    doc.node("wisp_arm", "wisp_arm")
+    doc.light("spot_realtime", "spot", (0.25, 0.75, 1.0), 22.0, at, target, 7.0, 14, 27, {"halflight_mode": "realtime", "halflight_radius": 0.03})
+
+
+def dynamic_objects(doc):
+    def solid(name, mesh, material, crease=50):
+        doc.mesh(name, [(mesh, material, 1.0)], crease=crease)
+
+    solid("sphere_red", m.sphere(0.45, 56, 28), "red")
+    solid("sphere_ivory", m.sphere(0.3, 48, 24), "ivory")
+    solid("sphere_blue", m.sphere(0.22, 40, 20), "blue")
+    solid("knot", parts.torus_knot(2, 3, 0.36, 0.17, 0.085), "brass")
+    solid("knot_jade", parts.torus_knot(3, 2, 0.28, 0.12, 0.06), "jade")
+    solid("figure_maple", parts.figure(), "maple")
+    solid("figure_blue", parts.figure(), "blue")
+    solid("ring", parts.torus(0.38, 0.1), "ochre")
+    solid("teapot", parts.teapot(), "brass")
+    solid("cube", m.bevel_box(0.6, 0.6, 0.6, 0.03), "ochre")
+    solid("cone", m.lathe([(0, 0), (0.33, 0), (0.345, 0.015), (0.02, 0.86), (0, 0.875)], 48), "jade", 40)
+
+    def put(name, mesh, at, turn=0, scale=None, rotation=None):
+        doc.node(name, mesh, at, turn, rotation, scale, dict(DYNAMIC))
+
+    # Where the west arcade's shadow ends on the court, in the sun, in the arches' light, in the shade, in the room.
+    put("dynamic_sphere_edge", "sphere_red", (-3.7, 0.45, 1.35))
+    put("dynamic_figure_court", "figure_maple", (-2.3, 0, -2.2), 35)
+    put("dynamic_figure_arch", "figure_blue", (8.7, FLOOR, -1.1), -70)
+    put("dynamic_crate_sun", "crate", (2.55, 0, -1.75), 25)
+    put("dynamic_crate_top", "crate", (2.55, 0.6, -1.75), 55, 0.7)
+    put("dynamic_sphere_sun", "sphere_ivory", (1.75, 0.3, -2.45))
+    put("dynamic_knot_realtime", "knot", (-5.7, 0, 0.75), 15)
+    put("dynamic_cube_shade", "cube", (-6.3, 0, 2.2), 30)
+    put("dynamic_cone", "cone", (-4.9, 0, 2.55))
+    put("dynamic_ring_pier", "ring", (7.1, 0.47, 1.6), -75)
+    put("dynamic_figure_door", "figure_maple", (-4.55, 0, -3.85), 200)
+    put("dynamic_sphere_door", "sphere_blue", (-6.1, 0.22, -4.1))
+    put("dynamic_knot_walkway", "knot_jade", (9.4, FLOOR, 3.4), 40)
+    put("dynamic_teapot", "teapot", (-3.75, FLOOR + 0.78, -7.85), -30)
+    put("dynamic_sphere_room", "sphere_ivory", (-1.75, FLOOR + 0.3, -6.9))
+
+
+def cameras(doc):
+    doc.camera("showcase", (-6.9, 1.85, 4.0), (0.2, 1.55, -2.6), 52)
+    doc.camera("room", (-6.9, 1.75, -6.1), (-1.6, 1.15, -8.6), 58)
+    doc.camera("top", (-10.5, 13.5, 13.5), (0.3, 0.4, -0.6), 42)
+    doc.camera("detail", (8.9, 1.75, 6.9), (8.6, 1.55, -1.0), 56)
+
+
+def make():
+    doc = gltf.Document("Halflight scripts/make_courtyard.py")
+    doc.scene("courtyard", {"halflight_sky_zenith": [0.16, 0.32, 0.72], "halflight_sky_horizon": [0.72, 0.74, 0.76],
+                            "halflight_sky_ground": [0.2, 0.16, 0.12]})
+    materials(doc)
+    for build in (shell, colonnade, north_side, garden, furniture, lights, dynamic_objects, cameras):
+        build(doc)
+    return doc
+
+
+def main():
+    default = pathlib.Path(__file__).resolve().parent.parent / "assets" / "courtyard.glb"
+    path = pathlib.Path(sys.argv[1]) if len(sys.argv) > 1 else default
+    doc = make()
+    data = doc.glb()
+    path.write_bytes(data)
+    print(f"{path}: {len(data) / 1e6:.2f} MB, {doc.drawn_triangles} triangles drawn ({doc.stored_triangles} stored), "
+          f"{doc.static_count} static and {doc.dynamic_count} dynamic nodes")
+
+
+if __name__ == "__main__":
+    main()
