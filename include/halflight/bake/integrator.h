@@ -14,9 +14,9 @@
 
 namespace halflight {
 
-/// World-space triangles of all static objects that the bake sees, flattened: what rays hit and texels lie on.
+/// World-space triangles of the scene's objects, flattened: what rays hit and texels lie on.
 struct BakeGeometry {
-    /// One static object's part: its triangles are [firstTriangle, firstTriangle + triangleCount).
+    /// One object's part: its triangles are [firstTriangle, firstTriangle + triangleCount).
     struct Part {
         int object = -1; ///< index into Scene::objects
         int mesh = -1;
@@ -25,61 +25,89 @@ struct BakeGeometry {
         uint32_t firstTriangle = 0;
         uint32_t triangleCount = 0;
         uint32_t firstVertex = 0;
+        uint32_t vertexCount = 0;
         bool castShadows = true;
-        bool flipped = false; ///< mirrored by its transform: front faces wind clockwise
+        int page = -1; ///< lightmap page, -1 = none
     };
     std::vector<Part> parts;
     std::vector<uint32_t> partOfTriangle;
-    std::vector<uvec3> triangles; ///< vertex indices, wound counter-clockwise seen from the front (mirroring undone)
+    std::vector<uvec3> triangles; ///< vertex indices, counter-clockwise seen from the front (mirroring is undone)
     std::vector<vec3> positions;  ///< world space
     std::vector<vec3> normals;    ///< world space, unit
     std::vector<vec2> uv[2];      ///< zero where the part has none
-    std::vector<vec2> lightmapUv; ///< in texels of the object's page; NaN for parts without lightmap
+    std::vector<vec4> colors;     ///< vertex colours; empty when no part has any
+    std::vector<vec2> lightmapTexel; ///< lightmap coordinate in texels of the page; zero for parts without lightmap
 
-    [[nodiscard]] vec3 geometricNormal(uint32_t triangle) const; ///< unit, or zero for a degenerate triangle
+    /// Unit, or zero for a degenerate triangle.
+    [[nodiscard]] vec3 geometricNormal(uint32_t triangle) const;
 };
 
-/// Where a light sample of a texel starts: a point on a surface.
+/// The piece of a triangle that lies in one texel's square.
+struct TexelFragment {
+    uint32_t triangle = 0;
+    vec2 barycentric{0.0f}; ///< weights of vertices 1 and 2 at the piece's centroid
+    float area = 0.0f;      ///< of the texel's unit square, 0…1
+};
+
+/// A texel that at least one triangle touches.
+struct Texel {
+    uint16_t x = 0;
+    uint16_t y = 0;
+    uint32_t page = 0;
+    uint32_t chart = 0; ///< texels of one chart are one continuous piece of surface
+    uint32_t firstFragment = 0;
+    uint32_t fragmentCount = 0;
+};
+
+/// All covered texels of all pages (conservative: any overlap counts), in an order that keeps neighbours together.
+struct TexelMap {
+    int pageSize = 0;
+    int pageCount = 0;
+    uint32_t chartCount = 0;
+    std::vector<Texel> texels;
+    std::vector<TexelFragment> fragments;
+};
+
+/// A point on a surface from which rays start.
 struct SurfacePoint {
     vec3 position{0.0f};        ///< world space
     vec3 normal{0.0f};          ///< interpolated shading normal, unit
     vec3 geometricNormal{0.0f}; ///< unit
+    uint32_t triangle = 0;
+    vec2 barycentric{0.0f};
 };
 
-/// One texel's sample sites. Samples spread over the sites (a texel may hold several triangles of a chart).
-struct TexelSites {
-    uint32_t first = 0; ///< into TexelMap::sites
-    uint32_t count = 0;
-};
+/// The point of a triangle at barycentric weights (of vertices 1 and 2).
+SurfacePoint surfacePoint(const BakeGeometry& geometry, uint32_t triangle, vec2 barycentric);
 
-/// What the lightmap holds of a light's contribution; see spec S6.
+constexpr int kMaxTexelPoints = 16;
+
+/// Up to kMaxTexelPoints points spread evenly over the part of the texel that is covered; at least one.
+int texelPoints(const BakeGeometry& geometry, const TexelMap& map, const Texel& texel, std::span<SurfacePoint, kMaxTexelPoints> out);
+
 struct IntegrationSettings {
-    int samples = 64;
-    int shadowSamples = 16;
-    int bounces = 4; ///< indirect bounces; 0 = direct only
-    int probeSamples = 256;
+    int samples = 64;       ///< paths per texel
+    int shadowSamples = 16; ///< rays per texel and light, for masks and for direct light that is baked
+    int bounces = 4;        ///< indirect bounces; 0 = direct light only
+    int probeSamples = 256; ///< paths per probe
     uint32_t seed = 1;
 };
 
 /// Lightmap value of one texel with the statistics the denoiser wants.
 struct IrradianceEstimate {
-    vec3 irradiance{0.0f};      ///< lux
+    vec3 irradiance{0.0f};       ///< lux
     float varianceOfMean = 0.0f; ///< of the luminance of `irradiance`
-    float backfaceFraction = 0.0f; ///< share of first hits on back faces of single-sided surfaces: > 0.5 = inside geometry
-};
-
-/// A texel to integrate: points on the surface it covers, one per sample, cycled when there are fewer than samples.
-struct TexelQuery {
-    uint32_t id = 0; ///< seeds the texel's random numbers: the same on every run, thread count and tiling
-    std::span<const SurfacePoint> points;
+    bool valid = true;           ///< false: the texel lies inside geometry (its rays meet back faces)
 };
 
 struct ProbeEstimate {
     SphericalHarmonicsL2 radiance{};
     vec4 occlusion{1.0f};
-    float backfaceFraction = 0.0f;
+    bool valid = true;
 };
 
+/// Estimates light by tracing rays. All functions are deterministic: results depend on the scene, the settings and the
+/// texel, never on threads. They return false when cancelled.
 class Integrator {
 public:
     virtual ~Integrator() = default;
@@ -87,18 +115,15 @@ public:
     /// One line for reports: device, library, threads.
     [[nodiscard]] virtual std::string description() const = 0;
 
-    /// Irradiance at each texel by path tracing: everything that is baked there.
-    /// Direct light of a punctual light is counted when its baking output says Baked; bounced light for Mixed and Baked.
-    virtual bool irradiance(std::span<const TexelQuery> texels, std::span<IrradianceEstimate> out, const Progress& progress) = 0;
+    /// What the lightmap holds (spec S6): emitters and sky, direct light of lights that are baked for static receivers,
+    /// bounced light of mixed and baked lights. One estimate per texel of the map.
+    virtual bool irradiance(const TexelMap& map, std::span<IrradianceEstimate> out, const Progress& progress) = 0;
 
-    /// Attenuation of static casters for the lights that have each channel; channels without a light in reach are 1.
-    virtual bool shadowmask(std::span<const TexelQuery> texels, std::span<vec4> out, const Progress& progress) = 0;
+    /// Attenuation by static casters for each light that has a channel; 1 in channels without a light in reach.
+    virtual bool shadowmask(const TexelMap& map, std::span<vec4> out, const Progress& progress) = 0;
 
+    /// Light and occlusion at points in space.
     virtual bool probes(std::span<const vec3> positions, std::span<ProbeEstimate> out, const Progress& progress) = 0;
-
-    /// Path-traced picture of the static and dynamic diffuse scene from a camera: linear radiance. The reference for the
-    /// renderer. All lights count fully, whatever their mode.
-    virtual bool picture(const Camera& camera, int samplesPerPixel, ImageRgb32f& out, const Progress& progress) = 0;
 
     [[nodiscard]] virtual uint64_t raysTraced() const = 0;
 };

@@ -23,7 +23,7 @@ enum class ErrorCode {
 struct Error {
     ErrorCode code = ErrorCode::FileInvalid;
     std::string message; ///< a sentence without the file's name, e.g. "accessor reads past the end of its buffer view"
-    std::string object;  ///< the offending object as a glTF path, e.g. "/meshes/0/primitives/1"; empty when it is the whole file
+    std::string object = {};  ///< the offending object as a glTF path, e.g. "/meshes/0/primitives/1"; empty when it is the whole file
 
     [[nodiscard]] std::string text() const { return object.empty() ? message : object + ": " + message; }
 };

@@ -1,0 +1,242 @@
+#include "halflight/bake/bake.h"
+
+#include "bake/stages.h"
+
+#include "halflight/base/file.h"
+#include "halflight/base/parallel.h"
+
+#include <chrono>
+#include <nlohmann/json.hpp>
+#include <sys/resource.h>
+
+namespace halflight {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+/// Rings of texels that dilation adds around charts: what bilinear filtering can touch, and one more for bicubic.
+constexpr int kDilationRings = 2; // never more than the padding: a ring past it would meet another chart
+
+Error cancelledError() { return {ErrorCode::Cancelled, "interrupted"}; }
+
+uint64_t peakMemory()
+{
+    rusage usage{};
+    return getrusage(RUSAGE_SELF, &usage) == 0 ? uint64_t(usage.ru_maxrss) * 1024u : 0u;
+}
+
+/// Adds a stage to the report when it ends.
+class StageTimer {
+public:
+    StageTimer(BakeReport& report, std::string name) : report_(report), name_(std::move(name)), start_(Clock::now()) {}
+    void finish(uint64_t rays = 0)
+    {
+        report_.stages.push_back({name_, std::chrono::duration<double>(Clock::now() - start_).count(), rays});
+    }
+
+private:
+    BakeReport& report_;
+    std::string name_;
+    Clock::time_point start_;
+};
+
+void reportLights(const Scene& scene, BakeReport& report)
+{
+    for (const Light& light : scene.lights) {
+        report.lights.push_back({light.name, light.type, light.mode, light.baking.bakeType,
+                                 light.baking.occlusionMaskChannel, light.baking.reason});
+        if (!light.baking.reason.empty()) report.warnings.push_back("light \"" + light.name + "\" " + light.baking.reason);
+    }
+}
+
+/// Writes pages as PREFIX_N.exr into the images directory, when there is one.
+template<typename Page> Status dumpPages(const BakeSettings& settings, const std::string& prefix, const std::vector<Page>& pages)
+{
+    if (settings.imagesDirectory.empty()) return {};
+    for (std::size_t i = 0; i < pages.size(); ++i) {
+        const auto path = settings.imagesDirectory / (prefix + "_" + std::to_string(i) + ".exr");
+        if (Status status = writeExr(path, pages[i]); !status) {
+            return Error{status.error().code, path.string() + " " + status.error().message};
+        }
+    }
+    return {};
+}
+
+Status dumpResult(const BakeSettings& settings, const BakedScene& baked)
+{
+    if (settings.imagesDirectory.empty()) return {};
+    for (std::size_t i = 0; i < baked.shadowmasks.size(); ++i) {
+        const auto path = settings.imagesDirectory / ("shadowmask_" + std::to_string(i) + ".png");
+        if (Status status = writePng(path, baked.shadowmasks[i]); !status) {
+            return Error{status.error().code, path.string() + " " + status.error().message};
+        }
+    }
+    nlohmann::json probes = nlohmann::json::array();
+    for (const Probe& probe : baked.probes.probes) {
+        nlohmann::json coefficients = nlohmann::json::array();
+        for (const vec3 c : probe.radiance) coefficients.push_back({c.x, c.y, c.z});
+        probes.push_back({{"position", {probe.position.x, probe.position.y, probe.position.z}},
+                          {"valid", probe.valid},
+                          {"occlusion", {probe.occlusion.x, probe.occlusion.y, probe.occlusion.z, probe.occlusion.w}},
+                          {"radiance", std::move(coefficients)}});
+    }
+    const auto path = settings.imagesDirectory / "probes.json";
+    if (Status status = writeFileAtomically(path, nlohmann::json{{"probes", std::move(probes)}}.dump(1)); !status) {
+        return Error{status.error().code, path.string() + " " + status.error().message};
+    }
+    return {};
+}
+
+/// One quantity of every texel as a vector, and the same laid out on pages.
+struct TexelValues {
+    std::vector<vec3> irradiance;
+    std::vector<uint8_t> valid;
+};
+
+TexelValues splitEstimates(const std::vector<IrradianceEstimate>& estimates)
+{
+    TexelValues values;
+    values.irradiance.reserve(estimates.size());
+    values.valid.reserve(estimates.size());
+    for (const IrradianceEstimate& e : estimates) {
+        values.irradiance.push_back(e.irradiance);
+        values.valid.push_back(e.valid ? 1 : 0);
+    }
+    return values;
+}
+
+ProbeSet bakeProbes(const Scene& scene, const BakeSettings& settings, Integrator& integrator, const Progress& progress, bool& finished)
+{
+    ProbeSet set = placeProbes(scene, settings.probeSpacingMeters);
+    std::vector<vec3> positions;
+    for (const Probe& probe : set.probes) positions.push_back(probe.position);
+    std::vector<ProbeEstimate> estimates(positions.size());
+    finished = integrator.probes(positions, estimates, progress);
+    for (std::size_t i = 0; i < estimates.size(); ++i) {
+        set.probes[i].radiance = estimates[i].radiance;
+        set.probes[i].occlusion = estimates[i].occlusion;
+        set.probes[i].valid = estimates[i].valid;
+    }
+    return set;
+}
+
+} // namespace
+
+BakeQuality resolveQuality(const BakeSettings& settings)
+{
+    BakeQuality q{};
+    switch (settings.quality) {
+    case Quality::Preview: q = {32, 16, 3, 1024, 128}; break;
+    case Quality::Medium: q = {96, 32, 4, 2048, 256}; break;
+    case Quality::High: q = {256, 64, 6, 4096, 512}; break;
+    case Quality::Ultra: q = {1024, 128, 8, 4096, 1024}; break;
+    }
+    if (settings.samples > 0) q.samples = settings.samples;
+    if (settings.shadowSamples > 0) q.shadowSamples = settings.shadowSamples;
+    if (settings.bounces >= 0) q.bounces = settings.bounces;
+    if (settings.lightmapSize > 0) q.lightmapSize = settings.lightmapSize;
+    return q;
+}
+
+Result<BakeResult> bake(Scene scene, const BakeSettings& settings, const IntegratorFactory& integratorFactory, const Progress& progress)
+{
+    const Clock::time_point start = Clock::now();
+    const ThreadLimit threads(settings.threads);
+    BakeResult result;
+    BakeReport& report = result.report;
+    report.quality = resolveQuality(settings);
+    report.warnings = scene.warnings;
+
+    StageTimer unwrapTimer(report, "unwrap");
+    UnwrapSettings unwrapSettings;
+    unwrapSettings.uvMode = settings.uvMode;
+    unwrapSettings.texelsPerMeter = settings.texelsPerMeter;
+    unwrapSettings.pageSize = report.quality.lightmapSize;
+    unwrapSettings.paddingTexels = settings.paddingTexels;
+    Result<UnwrappedScene> unwrapped = unwrap(std::move(scene), unwrapSettings, progress);
+    if (!unwrapped) return unwrapped.error();
+    BakedScene& baked = result.baked;
+    baked.scene = std::move(unwrapped->scene);
+    baked.mode = settings.mode;
+    baked.isBaked = true;
+    report.meshes = unwrapped->meshes;
+    report.pageCount = unwrapped->pageCount;
+    report.pageSize = unwrapped->pageSize;
+    report.chartCount = unwrapped->chartCount;
+    report.texelsPerMeter = unwrapped->texelsPerMeter;
+    report.atlasCoverage = unwrapped->coverage;
+    report.warnings.insert(report.warnings.end(), unwrapped->warnings.begin(), unwrapped->warnings.end());
+    unwrapTimer.finish();
+
+    StageTimer rasterTimer(report, "rasterize");
+    const BakeGeometry geometry = flattenGeometry(baked.scene, unwrapped->pageSize, GeometryFilter::Static);
+    const TexelMap map = rasterizeTexels(geometry, unwrapped->pageSize, unwrapped->pageCount);
+    report.triangleCount = geometry.triangles.size();
+    report.coveredTexels = map.texels.size();
+    rasterTimer.finish();
+
+    assignShadowmaskChannels(baked.scene, settings.mode);
+    reportLights(baked.scene, report);
+
+    StageTimer buildTimer(report, "build");
+    IntegrationSettings integration;
+    integration.samples = report.quality.samples;
+    integration.shadowSamples = report.quality.shadowSamples;
+    integration.bounces = report.quality.bounces;
+    integration.probeSamples = report.quality.probeSamples;
+    integration.seed = settings.seed;
+    Result<std::unique_ptr<Integrator>> made = integratorFactory(baked.scene, geometry, integration);
+    if (!made) return made.error();
+    Integrator& integrator = **made;
+    report.integrator = integrator.description();
+    buildTimer.finish();
+
+    StageTimer lightmapTimer(report, "lightmap");
+    std::vector<IrradianceEstimate> estimates(map.texels.size());
+    if (!integrator.irradiance(map, estimates, progress)) return cancelledError();
+    lightmapTimer.finish(integrator.raysTraced());
+    TexelValues values = splitEstimates(estimates);
+    report.invalidTexels = uint64_t(std::count(values.valid.begin(), values.valid.end(), uint8_t(0)));
+    if (!settings.imagesDirectory.empty()) {
+        if (Status status = dumpPages(settings, "lightmap_raw", dilate(map, values.irradiance, 0)); !status) return status.error();
+    }
+
+    if (settings.denoise) {
+        StageTimer denoiseTimer(report, "denoise");
+        progress("denoise", 0.0);
+        denoise(geometry, map, estimates);
+        values = splitEstimates(estimates);
+        denoiseTimer.finish();
+    }
+    fillInvalid(map, values.valid, values.irradiance);
+    const std::vector<ImageRgb32f> pages = dilate(map, values.irradiance, kDilationRings);
+    if (Status status = dumpPages(settings, "lightmap", pages); !status) return status.error();
+    baked.lightmaps = encodeLightmap(pages);
+
+    const auto hasChannel = [](const Light& light) { return light.baking.occlusionMaskChannel >= 0; };
+    if (settings.mode == MixedLightingMode::Shadowmask && std::any_of(baked.scene.lights.begin(), baked.scene.lights.end(), hasChannel)) {
+        StageTimer maskTimer(report, "shadowmask");
+        const uint64_t before = integrator.raysTraced();
+        std::vector<vec4> mask(map.texels.size());
+        if (!integrator.shadowmask(map, mask, progress)) return cancelledError();
+        fillInvalid(map, values.valid, mask);
+        baked.shadowmasks = encodeShadowmask(dilate(map, mask, kDilationRings));
+        maskTimer.finish(integrator.raysTraced() - before);
+    }
+
+    StageTimer probeTimer(report, "probes");
+    const uint64_t before = integrator.raysTraced();
+    bool finished = false;
+    baked.probes = bakeProbes(baked.scene, settings, integrator, progress, finished);
+    if (!finished) return cancelledError();
+    report.probeCount = int(baked.probes.probes.size());
+    report.validProbeCount = int(std::count_if(baked.probes.probes.begin(), baked.probes.probes.end(), [](const Probe& p) { return p.valid; }));
+    probeTimer.finish(integrator.raysTraced() - before);
+
+    if (Status status = dumpResult(settings, baked); !status) return status.error();
+    report.peakMemoryBytes = peakMemory();
+    report.seconds = std::chrono::duration<double>(Clock::now() - start).count();
+    return result;
+}
+
+} // namespace halflight

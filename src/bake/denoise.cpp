@@ -1,0 +1,130 @@
+#include "bake/stages.h"
+
+#include "halflight/base/parallel.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+namespace halflight {
+namespace {
+
+constexpr uint32_t kEmpty = ~0u;
+
+struct Guide {
+    vec3 position{0.0f};
+    vec3 normal{0.0f};
+    float texelMeters = 0.0f; ///< world size of a texel here
+};
+
+} // namespace
+
+// The edge-avoiding à-trous wavelet of Dammertz et al. 2010 ("Edge-Avoiding À-Trous Wavelet Transform for fast Global
+// Illumination Filtering"), its luminance edge-stopping function scaled by the estimates' standard deviation as in
+// Schied et al. 2017 ("Spatiotemporal Variance-Guided Filtering"): differences that noise can explain are smoothed,
+// larger ones (contact shadows) stay. Texels of other charts never take part.
+void denoise(const BakeGeometry& geometry, const TexelMap& map, std::vector<IrradianceEstimate>& estimates)
+{
+    const std::size_t count = map.texels.size();
+    std::vector<Image<uint32_t>> pages(std::size_t(map.pageCount), Image<uint32_t>(map.pageSize, map.pageSize, kEmpty));
+    std::vector<Guide> guides(count);
+    for (std::size_t i = 0; i < count; ++i) {
+        const Texel& texel = map.texels[i];
+        pages[texel.page](texel.x, texel.y) = uint32_t(i);
+    }
+    parallelFor(count, 4096, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t i = begin; i < end; ++i) {
+            const Texel& texel = map.texels[i];
+            const TexelFragment* largest = &map.fragments[texel.firstFragment];
+            for (uint32_t f = 1; f < texel.fragmentCount; ++f) {
+                const TexelFragment& fragment = map.fragments[texel.firstFragment + f];
+                if (fragment.area > largest->area) largest = &fragment;
+            }
+            const SurfacePoint point = surfacePoint(geometry, largest->triangle, largest->barycentric);
+            const uvec3 t = geometry.triangles[largest->triangle];
+            const vec2 a = geometry.lightmapTexel[t.y] - geometry.lightmapTexel[t.x];
+            const vec2 b = geometry.lightmapTexel[t.z] - geometry.lightmapTexel[t.x];
+            const float texelArea = std::max(std::abs(a.x * b.y - a.y * b.x), 1.0e-12f);
+            const float worldArea = glm::length(glm::cross(geometry.positions[t.y] - geometry.positions[t.x],
+                                                           geometry.positions[t.z] - geometry.positions[t.x]));
+            guides[i] = {point.position, point.normal, std::sqrt(worldArea / texelArea)};
+        }
+    });
+
+    // A texel's own variance estimate is itself noisy: average it over its neighbours first.
+    std::vector<vec3> color(count);
+    std::vector<float> variance(count);
+    parallelFor(count, 4096, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t i = begin; i < end; ++i) {
+            const Texel& texel = map.texels[i];
+            float sum = 0.0f;
+            float weight = 0.0f;
+            for (int dy = -1; dy <= 1; ++dy) {
+                for (int dx = -1; dx <= 1; ++dx) {
+                    const ivec2 p(int(texel.x) + dx, int(texel.y) + dy);
+                    if (p.x < 0 || p.y < 0 || p.x >= map.pageSize || p.y >= map.pageSize) continue;
+                    const uint32_t j = pages[texel.page](p.x, p.y);
+                    if (j == kEmpty || map.texels[j].chart != texel.chart || !estimates[j].valid) continue;
+                    const float w = (dx == 0 ? 2.0f : 1.0f) * (dy == 0 ? 2.0f : 1.0f);
+                    sum += w * estimates[j].varianceOfMean;
+                    weight += w;
+                }
+            }
+            color[i] = estimates[i].irradiance;
+            variance[i] = weight > 0.0f ? sum / weight : estimates[i].varianceOfMean;
+        }
+    });
+
+    constexpr std::array<float, 3> kSpline = {3.0f / 8.0f, 1.0f / 4.0f, 1.0f / 16.0f};
+    constexpr float kLuminanceSigmas = 2.5f;
+    std::vector<vec3> nextColor(count);
+    std::vector<float> nextVariance(count);
+    for (int level = 0; level < 4; ++level) {
+        const int step = 1 << level;
+        parallelFor(count, 2048, [&](std::size_t begin, std::size_t end) {
+            for (std::size_t i = begin; i < end; ++i) {
+                const Texel& texel = map.texels[i];
+                const Guide& guide = guides[i];
+                const float ownLuminance = luminance(color[i]);
+                const float planeScale = 1.0f / (float(step) * guide.texelMeters);
+                vec3 sum(0.0f);
+                float weight = 0.0f;
+                float varianceSum = 0.0f;
+                for (int dy = -2; dy <= 2; ++dy) {
+                    for (int dx = -2; dx <= 2; ++dx) {
+                        const ivec2 p(int(texel.x) + dx * step, int(texel.y) + dy * step);
+                        if (p.x < 0 || p.y < 0 || p.x >= map.pageSize || p.y >= map.pageSize) continue;
+                        const uint32_t j = pages[texel.page](p.x, p.y);
+                        if (j == kEmpty || map.texels[j].chart != texel.chart || !estimates[j].valid) continue;
+                        float w = kSpline[std::size_t(std::abs(dx))] * kSpline[std::size_t(std::abs(dy))];
+                        if (j != uint32_t(i)) {
+                            const float cosine = std::max(glm::dot(guide.normal, guides[j].normal), 0.0f);
+                            const vec3 offset = guides[j].position - guide.position;
+                            const float plane = std::abs(glm::dot(offset, guide.normal)) * planeScale;
+                            // Neighbours in the map that are far apart in the world (folded charts) are no neighbours.
+                            const float away = glm::length(offset) * planeScale;
+                            if (away > 8.0f) continue;
+                            const float difference = luminance(color[j]) - ownLuminance;
+                            const float noise = kLuminanceSigmas * kLuminanceSigmas * (variance[i] + variance[j]) + 1.0e-12f;
+                            w *= std::pow(cosine, 32.0f) * std::exp(-plane * plane - difference * difference / noise);
+                        }
+                        sum += w * color[j];
+                        varianceSum += w * w * variance[j];
+                        weight += w;
+                    }
+                }
+                nextColor[i] = weight > 0.0f ? sum / weight : color[i];
+                nextVariance[i] = weight > 0.0f ? varianceSum / (weight * weight) : variance[i];
+            }
+        });
+        color.swap(nextColor);
+        variance.swap(nextVariance);
+    }
+    for (std::size_t i = 0; i < count; ++i) {
+        if (!estimates[i].valid) continue;
+        estimates[i].irradiance = color[i];
+        estimates[i].varianceOfMean = variance[i];
+    }
+}
+
+} // namespace halflight

@@ -1,0 +1,111 @@
+#include "bake/stages.h"
+
+#include "halflight/base/parallel.h"
+
+#include <algorithm>
+
+namespace halflight {
+
+vec3 BakeGeometry::geometricNormal(uint32_t triangle) const
+{
+    const uvec3 t = triangles[triangle];
+    const vec3 n = glm::cross(positions[t.y] - positions[t.x], positions[t.z] - positions[t.x]);
+    const float length = glm::length(n);
+    return length > 0.0f ? n / length : vec3(0.0f);
+}
+
+BakeGeometry flattenGeometry(const Scene& scene, int pageSize, GeometryFilter filter)
+{
+    // Sizes first, so that every part knows its ranges and all parts can be filled at once.
+    BakeGeometry g;
+    uint32_t triangleCount = 0;
+    uint32_t vertexCount = 0;
+    bool anyColor = false;
+    for (std::size_t o = 0; o < scene.objects.size(); ++o) {
+        const Object& object = scene.objects[o];
+        if (filter == GeometryFilter::Static && !object.isStatic) continue;
+        const Mesh& mesh = scene.meshes[std::size_t(object.mesh)];
+        for (std::size_t p = 0; p < mesh.parts.size(); ++p) {
+            const MeshPart& part = mesh.parts[p];
+            BakeGeometry::Part out;
+            out.object = int(o);
+            out.mesh = object.mesh;
+            out.part = int(p);
+            out.material = part.material;
+            out.firstTriangle = triangleCount;
+            out.triangleCount = uint32_t(part.indices.size() / 3);
+            out.firstVertex = vertexCount;
+            out.vertexCount = uint32_t(part.positions.size());
+            out.castShadows = object.castShadows;
+            out.page = part.lightmapUv.empty() ? -1 : object.lightmap.page;
+            triangleCount += out.triangleCount;
+            vertexCount += out.vertexCount;
+            anyColor = anyColor || !part.colors.empty();
+            g.parts.push_back(out);
+        }
+    }
+    g.triangles.resize(triangleCount);
+    g.partOfTriangle.resize(triangleCount);
+    g.positions.resize(vertexCount);
+    g.normals.resize(vertexCount);
+    for (auto& uv : g.uv) uv.resize(vertexCount, vec2(0.0f));
+    g.lightmapTexel.resize(vertexCount, vec2(0.0f));
+    if (anyColor) g.colors.resize(vertexCount, vec4(1.0f));
+
+    parallelFor(g.parts.size(), 4, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t i = begin; i < end; ++i) {
+            const BakeGeometry::Part& out = g.parts[i];
+            const Object& object = scene.objects[std::size_t(out.object)];
+            const MeshPart& part = scene.meshes[std::size_t(out.mesh)].parts[std::size_t(out.part)];
+            const mat3 linear(object.worldFromObject);
+            const bool mirrored = glm::determinant(linear) < 0.0f;
+            // Normals follow the inverse transpose; the cofactor matrix is the same up to scale and exists when the
+            // transform flattens the object.
+            const mat3 cofactor(glm::cross(linear[1], linear[2]), glm::cross(linear[2], linear[0]),
+                                glm::cross(linear[0], linear[1]));
+            const mat3 worldFromNormal = mirrored ? -cofactor : cofactor;
+            for (uint32_t v = 0; v < out.vertexCount; ++v) {
+                const uint32_t w = out.firstVertex + v;
+                g.positions[w] = vec3(object.worldFromObject * vec4(part.positions[v], 1.0f));
+                const vec3 n = worldFromNormal * (part.normals.empty() ? vec3(0, 1, 0) : part.normals[v]);
+                const float length = glm::length(n);
+                g.normals[w] = length > 0.0f ? n / length : vec3(0.0f, 1.0f, 0.0f);
+                for (int c = 0; c < 2; ++c) {
+                    if (!part.uv[std::size_t(c)].empty()) g.uv[c][w] = part.uv[std::size_t(c)][v];
+                }
+                if (!part.colors.empty()) g.colors[w] = part.colors[v];
+                if (out.page >= 0) {
+                    g.lightmapTexel[w] =
+                        (object.lightmap.scale * part.lightmapUv[v] + object.lightmap.offset) * float(pageSize);
+                }
+            }
+            for (uint32_t t = 0; t < out.triangleCount; ++t) {
+                uvec3 triangle(part.indices[3 * t], part.indices[3 * t + 1], part.indices[3 * t + 2]);
+                if (mirrored) std::swap(triangle.y, triangle.z);
+                g.triangles[out.firstTriangle + t] = triangle + uvec3(out.firstVertex);
+                g.partOfTriangle[out.firstTriangle + t] = uint32_t(i);
+            }
+        }
+    });
+    return g;
+}
+
+SurfacePoint surfacePoint(const BakeGeometry& geometry, uint32_t triangle, vec2 barycentric)
+{
+    const uvec3 t = geometry.triangles[triangle];
+    const float w = 1.0f - barycentric.x - barycentric.y;
+    SurfacePoint p;
+    p.triangle = triangle;
+    p.barycentric = barycentric;
+    p.position = w * geometry.positions[t.x] + barycentric.x * geometry.positions[t.y] + barycentric.y * geometry.positions[t.z];
+    p.geometricNormal = geometry.geometricNormal(triangle);
+    const vec3 n = w * geometry.normals[t.x] + barycentric.x * geometry.normals[t.y] + barycentric.y * geometry.normals[t.z];
+    const float length = glm::length(n);
+    p.normal = length > 0.0f ? n / length : p.geometricNormal;
+    // Smooth normals that lean behind the triangle (or files whose normals contradict the winding) would put the whole
+    // hemisphere inside the surface; the triangle's own normal is the safe choice there.
+    if (glm::dot(p.normal, p.geometricNormal) <= 0.0f) p.normal = p.geometricNormal;
+    return p;
+}
+
+} // namespace halflight

@@ -1,0 +1,82 @@
+#include "halflight/bake/bake.h"
+
+#include <nlohmann/json.hpp>
+
+namespace halflight {
+namespace {
+
+const char* nameOf(LightType type)
+{
+    switch (type) {
+    case LightType::Directional: return "directional";
+    case LightType::Point: return "point";
+    case LightType::Spot: return "spot";
+    }
+    return "";
+}
+
+const char* nameOf(LightMode mode)
+{
+    switch (mode) {
+    case LightMode::Realtime: return "realtime";
+    case LightMode::Mixed: return "mixed";
+    case LightMode::Baked: return "baked";
+    }
+    return "";
+}
+
+} // namespace
+
+std::string reportJson(const BakeReport& report)
+{
+    using nlohmann::json;
+    json lights = json::array();
+    for (const LightReport& light : report.lights) {
+        lights.push_back({{"name", light.name},
+                          {"type", nameOf(light.type)},
+                          {"mode", nameOf(light.authoredMode)},
+                          {"bakedAs", nameOf(light.bakedAs)},
+                          {"channel", light.channel},
+                          {"reason", light.reason}});
+    }
+    json stages = json::array();
+    for (const StageReport& stage : report.stages) {
+        stages.push_back({{"name", stage.name}, {"seconds", stage.seconds}, {"rays", stage.rays}});
+    }
+    json meshes = json::array();
+    for (const MeshUnwrapReport& mesh : report.meshes) {
+        meshes.push_back({{"mesh", mesh.mesh},
+                          {"kept", mesh.kept},
+                          {"reason", mesh.reason},
+                          {"charts", mesh.charts},
+                          {"areaStretch", mesh.areaStretch}});
+    }
+    const json root = {
+        {"integrator", report.integrator},
+        {"seconds", report.seconds},
+        {"peakMemoryBytes", report.peakMemoryBytes},
+        {"quality",
+         {{"samples", report.quality.samples},
+          {"shadowSamples", report.quality.shadowSamples},
+          {"bounces", report.quality.bounces},
+          {"lightmapSize", report.quality.lightmapSize},
+          {"probeSamples", report.quality.probeSamples}}},
+        {"lightmap",
+         {{"pages", report.pageCount},
+          {"size", report.pageSize},
+          {"charts", report.chartCount},
+          {"coveredTexels", report.coveredTexels},
+          {"invalidTexels", report.invalidTexels},
+          {"texelsPerMeter", report.texelsPerMeter},
+          {"coverage", report.atlasCoverage}}},
+        {"probes", {{"count", report.probeCount}, {"valid", report.validProbeCount}}},
+        {"triangles", report.triangleCount},
+        {"lights", std::move(lights)},
+        {"stages", std::move(stages)},
+        {"meshes", std::move(meshes)},
+        {"warnings", report.warnings},
+    };
+    return root.dump(2, ' ', false, json::error_handler_t::replace);
+}
+
+} // namespace halflight

@@ -1,0 +1,43 @@
+#pragma once
+// The stages of the bake, in the order bake.cpp calls them. Each is a function of its inputs.
+
+#include "halflight/bake/bake.h"
+#include "halflight/bake/integrator.h"
+
+#include <vector>
+
+namespace halflight {
+
+/// Which objects become geometry.
+enum class GeometryFilter { Static, All };
+BakeGeometry flattenGeometry(const Scene& scene, int pageSize, GeometryFilter filter);
+
+/// Conservative rasterization of all lightmapped triangles.
+TexelMap rasterizeTexels(const BakeGeometry& geometry, int pageSize, int pageCount);
+
+/// Decides what each light's bake is and which mask channel it gets (spec S5, S9, S10); writes Light::baking.
+void assignShadowmaskChannels(Scene& scene, MixedLightingMode mode);
+
+/// Where probes go (spec S14): a grid over the bounds of the static objects, or the positions the scene asks for.
+ProbeSet placeProbes(const Scene& scene, float spacingMeters);
+
+
+/// Edge-stopping à-trous filter within charts, guided by position, normal and the estimates' variance.
+void denoise(const BakeGeometry& geometry, const TexelMap& map, std::vector<IrradianceEstimate>& estimates);
+
+/// Gives texels that lie inside geometry the values of valid texels near them on the same chart.
+/// `values` has one entry per texel of the map. Texels of charts without a valid texel keep theirs.
+template<typename T> void fillInvalid(const TexelMap& map, const std::vector<uint8_t>& valid, std::vector<T>& values);
+
+/// Values of the covered texels laid out on their pages and grown into the padding: each empty texel takes the mean of its
+/// nearest covered neighbours, all of one chart.
+template<typename T>
+std::vector<Image<T>> dilate(const TexelMap& map, const std::vector<T>& values, int rings);
+
+std::vector<Image<uint32_t>> encodeLightmap(const std::vector<ImageRgb32f>& pages);
+std::vector<ImageRgba8> encodeShadowmask(const std::vector<ImageRgba32f>& pages);
+
+/// Irradiance image of an encoded page.
+ImageRgb32f decodeLightmap(const Image<uint32_t>& page);
+
+} // namespace halflight

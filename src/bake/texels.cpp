@@ -1,0 +1,288 @@
+#include "bake/stages.h"
+
+#include "halflight/base/parallel.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numeric>
+
+namespace halflight {
+namespace {
+
+/// A convex polygon of at most 7 vertices: a triangle cut by a square.
+struct Polygon {
+    std::array<vec2, 8> points;
+    int count = 0;
+};
+
+/// Keeps the part where sign * p[axis] >= sign * bound (Sutherland and Hodgman 1974, "Reentrant Polygon Clipping").
+Polygon clip(const Polygon& in, int axis, float bound, float sign)
+{
+    Polygon out;
+    for (int i = 0; i < in.count; ++i) {
+        const vec2 a = in.points[std::size_t(i)];
+        const vec2 b = in.points[std::size_t((i + 1) % in.count)];
+        const float da = sign * (a[axis] - bound);
+        const float db = sign * (b[axis] - bound);
+        if (da >= 0.0f) out.points[std::size_t(out.count++)] = a;
+        if ((da > 0.0f && db < 0.0f) || (da < 0.0f && db > 0.0f)) {
+            out.points[std::size_t(out.count++)] = a + (b - a) * (da / (da - db));
+        }
+        if (out.count >= 8) break;
+    }
+    return out;
+}
+
+float cross2(vec2 a, vec2 b) { return a.x * b.y - a.y * b.x; }
+
+/// Barycentric weights of vertices 1 and 2 at p; false for a triangle without area in the lightmap.
+bool barycentricAt(vec2 a, vec2 b, vec2 c, vec2 p, vec2& out)
+{
+    const float area = cross2(b - a, c - a);
+    if (area == 0.0f) return false;
+    out = vec2(cross2(p - a, c - a), cross2(b - a, p - a)) / area;
+    return true;
+}
+
+struct RasterFragment {
+    uint64_t key; ///< page and place of the texel, in the order of TexelMap::texels
+    TexelFragment fragment;
+};
+
+/// Interleaves the low 16 bits of x and y: neighbours in the picture stay neighbours in memory and among rays.
+uint32_t mortonCode(uint32_t x, uint32_t y)
+{
+    const auto spread = [](uint32_t v) {
+        v = (v | (v << 8)) & 0x00ff00ffu;
+        v = (v | (v << 4)) & 0x0f0f0f0fu;
+        v = (v | (v << 2)) & 0x33333333u;
+        return (v | (v << 1)) & 0x55555555u;
+    };
+    return spread(x) | (spread(y) << 1);
+}
+
+ivec2 mortonDecode(uint32_t code)
+{
+    const auto compact = [](uint32_t v) {
+        v &= 0x55555555u;
+        v = (v | (v >> 1)) & 0x33333333u;
+        v = (v | (v >> 2)) & 0x0f0f0f0fu;
+        v = (v | (v >> 4)) & 0x00ff00ffu;
+        return int((v | (v >> 8)) & 0x0000ffffu);
+    };
+    return {compact(code), compact(code >> 1)};
+}
+
+/// All texels a triangle touches, with the centroid and area of what lies in each.
+void rasterizeTriangle(const BakeGeometry& geometry, uint32_t triangle, int page, int pageSize, std::vector<RasterFragment>& out)
+{
+    const uvec3 t = geometry.triangles[triangle];
+    const vec2 a = geometry.lightmapTexel[t.x];
+    const vec2 b = geometry.lightmapTexel[t.y];
+    const vec2 c = geometry.lightmapTexel[t.z];
+    if (cross2(b - a, c - a) == 0.0f || geometry.geometricNormal(triangle) == vec3(0.0f)) return;
+    const ivec2 lower = glm::max(ivec2(glm::floor(glm::min(a, glm::min(b, c)))), ivec2(0));
+    const ivec2 upper = glm::min(ivec2(glm::floor(glm::max(a, glm::max(b, c)))), ivec2(pageSize - 1));
+    Polygon whole;
+    whole.points[0] = a;
+    whole.points[1] = b;
+    whole.points[2] = c;
+    whole.count = 3;
+    for (int y = lower.y; y <= upper.y; ++y) {
+        const Polygon row = clip(clip(whole, 1, float(y), 1.0f), 1, float(y + 1), -1.0f);
+        if (row.count < 3) continue;
+        float rowMin = kInfinity;
+        float rowMax = -kInfinity;
+        for (int i = 0; i < row.count; ++i) {
+            rowMin = std::min(rowMin, row.points[std::size_t(i)].x);
+            rowMax = std::max(rowMax, row.points[std::size_t(i)].x);
+        }
+        const int x0 = std::max(int(std::floor(rowMin)), 0);
+        const int x1 = std::min(int(std::floor(rowMax)), pageSize - 1);
+        for (int x = x0; x <= x1; ++x) {
+            const Polygon piece = clip(clip(row, 0, float(x), 1.0f), 0, float(x + 1), -1.0f);
+            if (piece.count < 3) continue;
+            // Area and centroid relative to the texel's corner, where floats are small.
+            const vec2 corner(static_cast<float>(x), static_cast<float>(y));
+            float doubleArea = 0.0f;
+            vec2 weighted(0.0f);
+            vec2 mean(0.0f);
+            for (int i = 0; i < piece.count; ++i) {
+                const vec2 p = piece.points[std::size_t(i)] - corner;
+                const vec2 q = piece.points[std::size_t((i + 1) % piece.count)] - corner;
+                const float w = cross2(p, q);
+                doubleArea += w;
+                weighted += (p + q) * w;
+                mean += p;
+            }
+            const float area = 0.5f * std::abs(doubleArea);
+            vec2 centroid = area > 1.0e-6f ? weighted / (3.0f * doubleArea) : mean / float(piece.count);
+            centroid = glm::clamp(centroid, vec2(0.0f), vec2(1.0f)) + corner;
+            vec2 barycentric;
+            if (!barycentricAt(a, b, c, centroid, barycentric)) continue;
+            barycentric = glm::clamp(barycentric, vec2(0.0f), vec2(1.0f));
+            if (const float sum = barycentric.x + barycentric.y; sum > 1.0f) barycentric /= sum;
+            out.push_back({(uint64_t(page) << 32) | mortonCode(uint32_t(x), uint32_t(y)),
+                           {triangle, barycentric, std::max(area, 1.0e-9f)}});
+        }
+    }
+}
+
+/// Chart of each triangle: triangles of an object are in one chart when they share a point of surface and of lightmap.
+std::vector<uint32_t> chartsOfTriangles(const BakeGeometry& geometry, uint32_t& chartCount)
+{
+    struct Corner {
+        int object;
+        uint32_t vertex;
+    };
+    std::vector<Corner> corners;
+    for (const BakeGeometry::Part& part : geometry.parts) {
+        if (part.page < 0) continue;
+        for (uint32_t v = 0; v < part.vertexCount; ++v) corners.push_back({part.object, part.firstVertex + v});
+    }
+    const auto key = [&](const Corner& c) {
+        const vec3 p = geometry.positions[c.vertex];
+        const vec2 l = geometry.lightmapTexel[c.vertex];
+        return std::make_tuple(c.object, l.x, l.y, p.x, p.y, p.z);
+    };
+    std::sort(corners.begin(), corners.end(), [&](const Corner& a, const Corner& b) {
+        const auto ka = key(a);
+        const auto kb = key(b);
+        return ka != kb ? ka < kb : a.vertex < b.vertex;
+    });
+    std::vector<uint32_t> parent(geometry.positions.size());
+    std::iota(parent.begin(), parent.end(), 0u);
+    const auto find = [&](uint32_t v) {
+        while (parent[v] != v) {
+            parent[v] = parent[parent[v]];
+            v = parent[v];
+        }
+        return v;
+    };
+    const auto unite = [&](uint32_t a, uint32_t b) {
+        a = find(a);
+        b = find(b);
+        if (a != b) parent[std::max(a, b)] = std::min(a, b);
+    };
+    for (std::size_t i = 1; i < corners.size(); ++i) {
+        if (key(corners[i - 1]) == key(corners[i])) unite(corners[i - 1].vertex, corners[i].vertex);
+    }
+    for (const BakeGeometry::Part& part : geometry.parts) {
+        if (part.page < 0) continue;
+        for (uint32_t t = part.firstTriangle; t < part.firstTriangle + part.triangleCount; ++t) {
+            const uvec3 triangle = geometry.triangles[t];
+            unite(triangle.x, triangle.y);
+            unite(triangle.x, triangle.z);
+        }
+    }
+    std::vector<uint32_t> chartOfRoot(geometry.positions.size(), ~0u);
+    std::vector<uint32_t> charts(geometry.triangles.size(), ~0u);
+    chartCount = 0;
+    for (const BakeGeometry::Part& part : geometry.parts) {
+        if (part.page < 0) continue;
+        for (uint32_t t = part.firstTriangle; t < part.firstTriangle + part.triangleCount; ++t) {
+            uint32_t& chart = chartOfRoot[find(geometry.triangles[t].x)];
+            if (chart == ~0u) chart = chartCount++;
+            charts[t] = chart;
+        }
+    }
+    return charts;
+}
+
+} // namespace
+
+TexelMap rasterizeTexels(const BakeGeometry& geometry, int pageSize, int pageCount)
+{
+    TexelMap map;
+    map.pageSize = pageSize;
+    map.pageCount = pageCount;
+    const std::vector<uint32_t> charts = chartsOfTriangles(geometry, map.chartCount);
+
+    std::vector<std::vector<RasterFragment>> perPart(geometry.parts.size());
+    parallelFor(geometry.parts.size(), 1, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t i = begin; i < end; ++i) {
+            const BakeGeometry::Part& part = geometry.parts[i];
+            if (part.page < 0) continue;
+            for (uint32_t t = 0; t < part.triangleCount; ++t) {
+                rasterizeTriangle(geometry, part.firstTriangle + t, part.page, pageSize, perPart[i]);
+            }
+        }
+    });
+    std::vector<RasterFragment> fragments;
+    std::size_t total = 0;
+    for (const auto& list : perPart) total += list.size();
+    fragments.reserve(total);
+    for (auto& list : perPart) {
+        fragments.insert(fragments.end(), list.begin(), list.end());
+        std::vector<RasterFragment>().swap(list);
+    }
+    std::sort(fragments.begin(), fragments.end(), [](const RasterFragment& a, const RasterFragment& b) {
+        return a.key != b.key ? a.key < b.key : a.fragment.triangle < b.fragment.triangle;
+    });
+
+    // A texel belongs to one chart: where a kept layout lets two meet, the one that covers more of the texel has it.
+    map.fragments.reserve(fragments.size());
+    std::vector<std::pair<uint32_t, float>> areaOfChart;
+    for (std::size_t i = 0; i < fragments.size();) {
+        std::size_t j = i;
+        areaOfChart.clear();
+        for (; j < fragments.size() && fragments[j].key == fragments[i].key; ++j) {
+            const uint32_t chart = charts[fragments[j].fragment.triangle];
+            const auto found = std::find_if(areaOfChart.begin(), areaOfChart.end(), [&](const auto& e) { return e.first == chart; });
+            if (found == areaOfChart.end()) {
+                areaOfChart.emplace_back(chart, fragments[j].fragment.area);
+            } else {
+                found->second += fragments[j].fragment.area;
+            }
+        }
+        const uint32_t chart = std::max_element(areaOfChart.begin(), areaOfChart.end(), [](const auto& a, const auto& b) {
+                                   return a.second != b.second ? a.second < b.second : a.first > b.first;
+                               })->first;
+        const ivec2 place = mortonDecode(uint32_t(fragments[i].key));
+        Texel texel;
+        texel.x = uint16_t(place.x);
+        texel.y = uint16_t(place.y);
+        texel.page = uint32_t(fragments[i].key >> 32);
+        texel.chart = chart;
+        texel.firstFragment = uint32_t(map.fragments.size());
+        for (; i < j; ++i) {
+            if (charts[fragments[i].fragment.triangle] == chart) map.fragments.push_back(fragments[i].fragment);
+        }
+        texel.fragmentCount = uint32_t(map.fragments.size()) - texel.firstFragment;
+        map.texels.push_back(texel);
+    }
+    return map;
+}
+
+int texelPoints(const BakeGeometry& geometry, const TexelMap& map, const Texel& texel, std::span<SurfacePoint, kMaxTexelPoints> out)
+{
+    // Candidates: a rank-1 lattice over the texel's square (Roberts 2018, the R2 sequence), each kept when a triangle of
+    // the texel covers it.
+    const std::span fragments(map.fragments.data() + texel.firstFragment, texel.fragmentCount);
+    int count = 0;
+    for (int i = 0; i < kMaxTexelPoints; ++i) {
+        const vec2 lattice = glm::fract(vec2(0.5f) + float(i) * vec2(0.7548776662f, 0.5698402910f));
+        const vec2 place = vec2(texel.x, texel.y) + lattice;
+        for (const TexelFragment& fragment : fragments) {
+            const uvec3 t = geometry.triangles[fragment.triangle];
+            vec2 barycentric;
+            if (!barycentricAt(geometry.lightmapTexel[t.x], geometry.lightmapTexel[t.y], geometry.lightmapTexel[t.z], place,
+                               barycentric)) {
+                continue;
+            }
+            if (barycentric.x < 0.0f || barycentric.y < 0.0f || barycentric.x + barycentric.y > 1.0f) continue;
+            out[std::size_t(count++)] = surfacePoint(geometry, fragment.triangle, barycentric);
+            break;
+        }
+    }
+    if (count > 0) return count;
+    // Slivers that no candidate meets: the centroid of the largest piece.
+    const auto largest = std::max_element(fragments.begin(), fragments.end(), [](const TexelFragment& a, const TexelFragment& b) {
+        return a.area < b.area;
+    });
+    out[0] = surfacePoint(geometry, largest->triangle, largest->barycentric);
+    return 1;
+}
+
+} // namespace halflight

@@ -1,0 +1,290 @@
+#include "halflight/bake_cpu/embree_integrator.h"
+
+#include "bake_cpu/path.h"
+
+#include "halflight/base/parallel.h"
+#include "halflight/shading/sampling.h"
+#include "halflight/shading/sh.h"
+
+#include <algorithm>
+#include <array>
+#include <atomic>
+#include <cmath>
+
+namespace halflight {
+namespace {
+
+constexpr std::size_t kTexelGrain = 64;
+constexpr uint32_t kShadowSeed = 0x5eed0001u;
+constexpr uint32_t kDirectSeed = 0x5eed0002u;
+constexpr uint32_t kProbeSeed = 0x5eed0003u;
+constexpr uint32_t kInsideSeed = 0x5eed0004u;
+constexpr int kInsideRays = 8;
+
+/// Mean and variance of the mean of a stream of values.
+struct Accumulator {
+    vec3 sum{0.0f};
+    double luminanceSum = 0.0;
+    double luminanceSquares = 0.0;
+    int count = 0;
+
+    void add(vec3 value)
+    {
+        sum += value;
+        const double l = luminance(value);
+        luminanceSum += l;
+        luminanceSquares += l * l;
+        ++count;
+    }
+    [[nodiscard]] vec3 mean() const { return count > 0 ? sum / float(count) : vec3(0.0f); }
+    [[nodiscard]] float varianceOfMean() const
+    {
+        if (count < 2) return 0.0f;
+        const double m = luminanceSum / count;
+        return float(std::max(0.0, luminanceSquares / count - m * m) / (count - 1));
+    }
+};
+
+class EmbreeIntegrator final : public Integrator {
+public:
+    EmbreeIntegrator(const Scene& scene, const BakeGeometry& geometry, const IntegrationSettings& settings)
+        : geometry_(geometry), settings_(settings), paths_(scene, geometry, LightUse::Bake)
+    {}
+
+    [[nodiscard]] bool ok() const { return paths_.ok(); }
+
+    [[nodiscard]] std::string description() const override
+    {
+        return "cpu (Embree " + std::string(RTC_VERSION_STRING) + ", " + std::to_string(threadCount()) +
+               (threadCount() == 1 ? " thread)" : " threads)");
+    }
+
+    [[nodiscard]] uint64_t raysTraced() const override { return rays_.load(); }
+
+    bool irradiance(const TexelMap& map, std::span<IrradianceEstimate> out, const Progress& progress) override
+    {
+        return parallelFor(map.texels.size(), kTexelGrain, progress, "lightmap", [&](std::size_t begin, std::size_t end) {
+            uint64_t rays = 0;
+            for (std::size_t i = begin; i < end; ++i) out[i] = texelIrradiance(map, map.texels[i], rays);
+            rays_ += rays;
+        });
+    }
+
+    bool shadowmask(const TexelMap& map, std::span<vec4> out, const Progress& progress) override
+    {
+        return parallelFor(map.texels.size(), kTexelGrain, progress, "shadowmask", [&](std::size_t begin, std::size_t end) {
+            uint64_t rays = 0;
+            for (std::size_t i = begin; i < end; ++i) out[i] = texelShadowmask(map, map.texels[i], rays);
+            rays_ += rays;
+        });
+    }
+
+    bool probes(std::span<const vec3> positions, std::span<ProbeEstimate> out, const Progress& progress) override
+    {
+        return parallelFor(positions.size(), 1, progress, "probes", [&](std::size_t begin, std::size_t end) {
+            uint64_t rays = 0;
+            for (std::size_t i = begin; i < end; ++i) out[i] = probe(uint32_t(i), positions[i], rays);
+            rays_ += rays;
+        });
+    }
+
+private:
+    /// What seeds a texel's random numbers: its place, whatever else the bake covers.
+    static uint32_t texelId(const TexelMap& map, const Texel& texel)
+    {
+        return (texel.page * uint32_t(map.pageSize) + texel.y) * uint32_t(map.pageSize) + texel.x;
+    }
+
+    /// Whether a point lies inside geometry: all its rays meet back faces of single-sided surfaces.
+    bool inside(const SurfacePoint& point, uint32_t id, uint64_t& rays) const
+    {
+        const vec3 origin = paths_.rayOrigin(point);
+        for (int s = 0; s < kInsideRays; ++s) {
+            Sampler sampler(settings_.seed ^ kInsideSeed, id, uint32_t(s));
+            ++rays;
+            const SurfaceHit hit = paths_.surfaces().intersect(origin, PathTracer::gatherDirection(point, sampler.next2()), 0.0f, kInfinity);
+            if (!hit.found || !hit.backFace) return false;
+        }
+        return true;
+    }
+
+    IrradianceEstimate texelIrradiance(const TexelMap& map, const Texel& texel, uint64_t& rays) const
+    {
+        std::array<SurfacePoint, kMaxTexelPoints> points;
+        int pointCount = texelPoints(geometry_, map, texel, points);
+        const uint32_t id = texelId(map, texel);
+        IrradianceEstimate estimate;
+
+        // Gather. When some first hits are back faces the texel may lie partly inside a solid: those points go.
+        const int perPoint = std::max(1, (settings_.samples + pointCount - 1) / pointCount);
+        int backFaces = 0;
+        Accumulator gathered = gather(points, pointCount, settings_.samples, id, rays, backFaces);
+        if (backFaces * 16 > gathered.count) {
+            std::array<SurfacePoint, kMaxTexelPoints> outside;
+            int outsideCount = 0;
+            for (int p = 0; p < pointCount; ++p) {
+                if (!inside(points[std::size_t(p)], hashCombine(id, uint32_t(p)), rays)) outside[std::size_t(outsideCount++)] = points[std::size_t(p)];
+            }
+            if (outsideCount * 8 < pointCount) {
+                estimate.valid = false;
+            } else if (outsideCount < pointCount) {
+                points = outside;
+                pointCount = outsideCount;
+                gathered = gather(points, pointCount, std::max(perPoint * outsideCount, settings_.samples / 2), id, rays, backFaces);
+            }
+        }
+        estimate.irradiance = gathered.mean();
+        estimate.varianceOfMean = gathered.varianceOfMean();
+
+        for (std::size_t l = 0; l < paths_.lights().size(); ++l) {
+            const PunctualLight& light = paths_.lights()[l];
+            if (!light.directAtTexels) continue;
+            const Accumulator direct = directIrradiance(light, uint32_t(l), points, pointCount, id, rays);
+            estimate.irradiance += direct.mean();
+            estimate.varianceOfMean += direct.varianceOfMean();
+        }
+        return estimate;
+    }
+
+    // Irradiance is pi times the mean of cosine-distributed radiance (pdf cos / pi), plus what sampling the emitters adds.
+    Accumulator gather(const std::array<SurfacePoint, kMaxTexelPoints>& points, int pointCount, int samples, uint32_t id, uint64_t& rays,
+                       int& backFaces) const
+    {
+        Accumulator gathered;
+        for (int s = 0; s < samples; ++s) {
+            const SurfacePoint& point = points[std::size_t(s % pointCount)];
+            Sampler sampler(settings_.seed, id, uint32_t(s));
+            const vec3 direction = PathTracer::gatherDirection(point, sampler.next2());
+            const float pdf = std::max(glm::dot(direction, point.normal), 1.0e-4f) / kPi;
+            vec3 value = paths_.emitterIrradiance(point, sampler, rays);
+            const PathTracer::Incoming in =
+                paths_.incoming(paths_.rayOrigin(point), direction, pdf, settings_.bounces, sampler, rays);
+            backFaces += in.firstHitBackFace ? 1 : 0;
+            value += kPi * in.radiance;
+            gathered.add(value);
+        }
+        return gathered;
+    }
+
+    Accumulator directIrradiance(const PunctualLight& light, uint32_t lightIndex, const std::array<SurfacePoint, kMaxTexelPoints>& points,
+                                 int pointCount, uint32_t id, uint64_t& rays) const
+    {
+        Accumulator direct;
+        for (int s = 0; s < settings_.shadowSamples; ++s) {
+            const SurfacePoint& point = points[std::size_t(s % pointCount)];
+            const shading::LightSample sample = light.at(point.position);
+            const float cosine = glm::dot(point.normal, sample.direction);
+            if (cosine <= 0.0f || sample.illuminance == vec3(0.0f)) {
+                direct.add(vec3(0.0f));
+                continue;
+            }
+            Sampler sampler(settings_.seed ^ kDirectSeed, hashCombine(id, lightIndex), uint32_t(s));
+            const float visibility = paths_.lightVisibility(light, point, sampler.next2(), rays);
+            direct.add(sample.illuminance * (cosine * glm::mix(1.0f, visibility, light.shadowStrength)));
+        }
+        return direct;
+    }
+
+    /// The light that owns a channel at a point, or null: lights that share a channel do not reach the same places.
+    const PunctualLight* ownerOfChannel(int channel, vec3 position, uint32_t& index) const
+    {
+        for (std::size_t l = 0; l < paths_.lights().size(); ++l) {
+            const PunctualLight& light = paths_.lights()[l];
+            if (light.channel != channel) continue;
+            index = uint32_t(l);
+            if (light.at(position).illuminance != vec3(0.0f)) return &light;
+        }
+        return nullptr;
+    }
+
+    vec4 texelShadowmask(const TexelMap& map, const Texel& texel, uint64_t& rays) const
+    {
+        std::array<SurfacePoint, kMaxTexelPoints> points;
+        const int pointCount = texelPoints(geometry_, map, texel, points);
+        const uint32_t id = texelId(map, texel);
+        vec4 mask(1.0f);
+        for (int channel = 0; channel < 4; ++channel) {
+            float sum = 0.0f;
+            int count = 0;
+            for (int s = 0; s < settings_.shadowSamples; ++s) {
+                const SurfacePoint& point = points[std::size_t(s % pointCount)];
+                uint32_t index = 0;
+                const PunctualLight* light = ownerOfChannel(channel, point.position, index);
+                if (light == nullptr) continue;
+                Sampler sampler(settings_.seed ^ kShadowSeed, hashCombine(id, index), uint32_t(s));
+                sum += paths_.lightVisibility(*light, point, sampler.next2(), rays);
+                ++count;
+            }
+            if (count > 0) mask[channel] = sum / float(count);
+        }
+        return mask;
+    }
+
+    ProbeEstimate probe(uint32_t id, vec3 position, uint64_t& rays) const
+    {
+        ProbeEstimate estimate;
+        std::array<vec3, 9> sum{};
+        int backFaces = 0;
+        constexpr float kUniformPdf = 1.0f / (4.0f * kPi);
+        const auto add = [&](vec3 direction, vec3 weightedRadiance) {
+            for (int i = 0; i < 9; ++i) sum[std::size_t(i)] += weightedRadiance * shading::shBasis(i, direction);
+        };
+        for (int s = 0; s < settings_.probeSamples; ++s) {
+            Sampler sampler(settings_.seed ^ kProbeSeed, id, uint32_t(s));
+            const vec3 direction = shading::sampleSphere(sampler.next2());
+            const PathTracer::EmitterInSpace emitter = paths_.emitterInSpace(position, kUniformPdf, sampler, rays);
+            if (emitter.radianceOverPdf != vec3(0.0f)) add(emitter.direction, emitter.radianceOverPdf);
+            const PathTracer::Incoming in = paths_.incoming(position, direction, kUniformPdf, settings_.bounces, sampler, rays);
+            backFaces += in.firstHitBackFace ? 1 : 0;
+            add(direction, in.radiance / kUniformPdf);
+        }
+        for (int i = 0; i < 9; ++i) estimate.radiance[std::size_t(i)] = sum[std::size_t(i)] / float(settings_.probeSamples);
+        estimate.valid = backFaces * 4 < settings_.probeSamples;
+
+        // Fully baked lights are a delta in direction; a light's coefficient is its illuminance times the basis function.
+        for (std::size_t l = 0; l < paths_.lights().size(); ++l) {
+            const PunctualLight& light = paths_.lights()[l];
+            if (!light.directAtProbes) continue;
+            const shading::LightSample sample = light.at(position);
+            if (sample.illuminance == vec3(0.0f)) continue;
+            const float visibility = probeVisibility(light, uint32_t(l), id, position, rays);
+            const vec3 illuminance = sample.illuminance * glm::mix(1.0f, visibility, light.shadowStrength);
+            for (int i = 0; i < 9; ++i) estimate.radiance[std::size_t(i)] += illuminance * shading::shBasis(i, sample.direction);
+        }
+        for (int channel = 0; channel < 4; ++channel) {
+            uint32_t index = 0;
+            if (const PunctualLight* light = ownerOfChannel(channel, position, index)) {
+                estimate.occlusion[channel] = probeVisibility(*light, index, id, position, rays);
+            }
+        }
+        return estimate;
+    }
+
+    float probeVisibility(const PunctualLight& light, uint32_t lightIndex, uint32_t id, vec3 position, uint64_t& rays) const
+    {
+        const int samples = std::max(settings_.shadowSamples, 16);
+        float sum = 0.0f;
+        for (int s = 0; s < samples; ++s) {
+            Sampler sampler(settings_.seed ^ kShadowSeed, hashCombine(~id, lightIndex), uint32_t(s));
+            sum += paths_.lightVisibilityInSpace(light, position, sampler.next2(), rays);
+        }
+        return sum / float(samples);
+    }
+
+    const BakeGeometry& geometry_;
+    IntegrationSettings settings_;
+    PathTracer paths_;
+    std::atomic<uint64_t> rays_{0};
+};
+
+} // namespace
+
+Result<std::unique_ptr<Integrator>> makeEmbreeIntegrator(const Scene& scene, const BakeGeometry& geometry,
+                                                         const IntegrationSettings& settings)
+{
+    auto integrator = std::make_unique<EmbreeIntegrator>(scene, geometry, settings);
+    if (!integrator->ok()) return Error{ErrorCode::DeviceFailed, "Embree could not build the scene (out of memory?)"};
+    return std::unique_ptr<Integrator>(std::move(integrator));
+}
+
+} // namespace halflight

@@ -1,0 +1,77 @@
+#pragma once
+// The scene's light sources, ready for sampling.
+
+#include "bake_cpu/sampler.h"
+#include "bake_cpu/surface.h"
+
+#include "halflight/scene/scene.h"
+#include "halflight/shading/light.h"
+
+#include <vector>
+
+namespace halflight {
+
+/// A punctual light with its constants worked out.
+struct PunctualLight {
+    int type = shading::kLightPoint;
+    vec3 colorIntensity{0.0f};
+    vec3 position{0.0f};
+    vec3 axis{0.0f};
+    float range = 0.0f;
+    vec2 spotConstants{0.0f};
+    float radius = 0.0f;     ///< metres; point and spot
+    float tanAngularRadius = 0.0f; ///< directional
+    bool castShadows = true;
+    float shadowStrength = 1.0f;
+    float indirectMultiplier = 1.0f;
+    bool directAtTexels = false; ///< its direct light is in the lightmap
+    bool directAtProbes = false; ///< its direct light is in the probes
+    bool bounces = false;        ///< its bounced light is baked
+    int channel = -1;
+
+    /// What an unoccluded surface point receives.
+    [[nodiscard]] shading::LightSample at(vec3 point) const
+    {
+        return shading::sampleLight(type, colorIntensity, position, axis, range, spotConstants, point);
+    }
+};
+
+enum class LightUse {
+    Bake,      ///< by each light's baking output
+    Reference, ///< every light, fully
+};
+std::vector<PunctualLight> punctualLights(const Scene& scene, LightUse use);
+
+/// Ray towards a point of the light chosen by u: uniform on the disc that its sphere (or the sun) shows to `origin`.
+struct LightRay {
+    vec3 direction{0.0f};
+    float distance = 0.0f;
+};
+LightRay sampleLightRay(const PunctualLight& light, vec3 origin, vec2 u);
+
+/// A point on an emissive triangle.
+struct EmitterSample {
+    vec3 position{0.0f};
+    vec3 normal{0.0f}; ///< geometric
+    vec3 radiance{0.0f};
+    bool doubleSided = false;
+    float pdfArea = 0.0f; ///< per square metre
+};
+
+/// All emissive triangles, chosen with probability proportional to area times emission.
+class Emitters {
+public:
+    explicit Emitters(const SurfaceTracer& tracer);
+    [[nodiscard]] bool empty() const { return triangles_.empty(); }
+    [[nodiscard]] EmitterSample sample(vec2 uTriangle, vec2 uPoint) const;
+    /// Density, per square metre, with which sample() chooses points of a triangle; 0 when it is no emitter.
+    [[nodiscard]] float pdfArea(uint32_t triangle) const { return pdfOfTriangle_.empty() ? 0.0f : pdfOfTriangle_[triangle]; }
+
+private:
+    const SurfaceTracer& tracer_;
+    std::vector<uint32_t> triangles_;
+    std::vector<float> cumulative_; ///< of selection probabilities
+    std::vector<float> pdfOfTriangle_;
+};
+
+} // namespace halflight

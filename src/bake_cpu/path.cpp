@@ -1,0 +1,217 @@
+#include "bake_cpu/path.h"
+
+#include "halflight/shading/brdf.h"
+#include "halflight/shading/sampling.h"
+#include "halflight/shading/sky.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+namespace halflight {
+
+using shading::powerHeuristic;
+
+PathTracer::PathTracer(const Scene& scene, const BakeGeometry& geometry, LightUse use)
+    : tracer_(scene, geometry), lights_(punctualLights(scene, use)), emitters_(tracer_), sky_(scene.sky)
+{}
+
+vec3 PathTracer::rayOrigin(const SurfacePoint& point) const
+{
+    return point.position + point.geometricNormal * tracer_.epsilonAt(point.position);
+}
+
+vec3 PathTracer::gatherDirection(const SurfacePoint& point, vec2 u)
+{
+    vec3 tangent;
+    vec3 bitangent;
+    shading::orthonormalBasis(point.normal, tangent, bitangent);
+    const vec3 local = shading::sampleCosineHemisphere(u);
+    vec3 direction = local.x * tangent + local.y * bitangent + local.z * point.normal;
+    // Smooth normals reach below their triangle: what would start inside the surface is mirrored out of it.
+    const float side = glm::dot(direction, point.geometricNormal);
+    if (side < 0.0f) direction -= 2.0f * side * point.geometricNormal;
+    return direction;
+}
+
+// Shadow rays from a low-poly round surface start on the curved surface its normals describe, not on the flat triangle,
+// so that the terminator does not show the triangles: Hanika 2021, "Hacking the Shadow Terminator" (Ray Tracing Gems II,
+// chapter 4).
+static vec3 smoothOrigin(const BakeGeometry& geometry, const SurfacePoint& point)
+{
+    const uvec3 t = geometry.triangles[point.triangle];
+    const float weights[3] = {1.0f - point.barycentric.x - point.barycentric.y, point.barycentric.x, point.barycentric.y};
+    const bool flipped = glm::dot(geometry.geometricNormal(point.triangle), point.geometricNormal) < 0.0f;
+    vec3 position = point.position;
+    for (int i = 0; i < 3; ++i) {
+        const vec3 n = flipped ? -geometry.normals[t[i]] : geometry.normals[t[i]];
+        if (glm::dot(n, point.geometricNormal) <= 0.0f) return point.position;
+        const float below = std::min(0.0f, glm::dot(point.position - geometry.positions[t[i]], n));
+        position -= weights[i] * below * n;
+    }
+    return position;
+}
+
+float PathTracer::lightVisibility(const PunctualLight& light, const SurfacePoint& point, vec2 u, uint64_t& rays) const
+{
+    if (!light.castShadows) return 1.0f;
+    const float epsilon = tracer_.epsilonAt(point.position);
+    const vec3 origin = smoothOrigin(tracer_.geometry(), point) + point.geometricNormal * epsilon;
+    const LightRay ray = sampleLightRay(light, origin, u);
+    ++rays;
+    return tracer_.occluded(origin, ray.direction, epsilon, ray.distance * (1.0f - 1.0e-4f)) ? 0.0f : 1.0f;
+}
+
+float PathTracer::lightVisibilityInSpace(const PunctualLight& light, vec3 position, vec2 u, uint64_t& rays) const
+{
+    if (!light.castShadows) return 1.0f;
+    const LightRay ray = sampleLightRay(light, position, u);
+    ++rays;
+    return tracer_.occluded(position, ray.direction, 0.0f, ray.distance * (1.0f - 1.0e-4f)) ? 0.0f : 1.0f;
+}
+
+// One light per call, chosen in proportion to what each would contribute unshadowed (Shirley et al. 1996, "Monte Carlo
+// Techniques for Direct Lighting Calculations", section 5); the estimate is contribution / probability.
+vec3 PathTracer::punctualIrradiance(const SurfacePoint& point, bool direct, Sampler& sampler, uint64_t& rays) const
+{
+    constexpr std::size_t kKept = 256;
+    std::array<float, kKept> weight;
+    const std::size_t count = std::min(lights_.size(), kKept);
+    float total = 0.0f;
+    for (std::size_t i = 0; i < count; ++i) {
+        weight[i] = 0.0f;
+        const PunctualLight& light = lights_[i];
+        if (!light.bounces) continue;
+        const shading::LightSample s = light.at(point.position);
+        const float cosine = glm::dot(point.normal, s.direction);
+        if (cosine <= 0.0f) continue;
+        weight[i] = luminance(s.illuminance) * cosine * (direct ? 1.0f : light.indirectMultiplier);
+        total += weight[i];
+    }
+    const vec2 uLight = sampler.next2();
+    if (!(total > 0.0f)) return vec3(0.0f);
+    float remaining = uLight.x * total;
+    std::size_t chosen = count;
+    for (std::size_t i = 0; i < count; ++i) {
+        if (weight[i] <= 0.0f) continue;
+        chosen = i;
+        remaining -= weight[i];
+        if (remaining < 0.0f) break;
+    }
+    const PunctualLight& light = lights_[chosen];
+    const shading::LightSample s = light.at(point.position);
+    const float visibility = lightVisibility(light, point, sampler.next2(), rays);
+    const float shadow = glm::mix(1.0f, visibility, light.shadowStrength);
+    const float scale = shadow * glm::dot(point.normal, s.direction) * (direct ? 1.0f : light.indirectMultiplier);
+    return s.illuminance * (scale * total / weight[chosen]);
+}
+
+// Veach and Guibas 1995, "Optimally Combining Sampling Techniques for Monte Carlo Rendering": area samples of emitters
+// against cosine-distributed directions. pdfs per steradian; the cosine-distributed one is cos / pi.
+vec3 PathTracer::emitterIrradiance(const SurfacePoint& point, Sampler& sampler, uint64_t& rays) const
+{
+    if (emitters_.empty()) return vec3(0.0f);
+    const vec2 uTriangle = sampler.next2();
+    const EmitterSample s = emitters_.sample(uTriangle, sampler.next2());
+    const vec3 origin = rayOrigin(point);
+    const vec3 toEmitter = s.position - origin;
+    const float distance2 = glm::dot(toEmitter, toEmitter);
+    if (distance2 <= 0.0f) return vec3(0.0f);
+    const float distance = std::sqrt(distance2);
+    const vec3 direction = toEmitter / distance;
+    const float cosine = glm::dot(point.normal, direction);
+    float emitterCosine = -glm::dot(s.normal, direction);
+    if (s.doubleSided) emitterCosine = std::abs(emitterCosine);
+    if (cosine <= 0.0f || emitterCosine <= 0.0f || s.radiance == vec3(0.0f)) return vec3(0.0f);
+    if (glm::dot(direction, point.geometricNormal) <= 0.0f) return vec3(0.0f);
+    const float pdf = s.pdfArea * distance2 / emitterCosine;
+    ++rays;
+    if (tracer_.occluded(origin, direction, 0.0f, distance * (1.0f - 1.0e-4f))) return vec3(0.0f);
+    return s.radiance * (cosine / pdf * powerHeuristic(pdf, cosine / kPi));
+}
+
+PathTracer::EmitterInSpace PathTracer::emitterInSpace(vec3 position, float directionPdf, Sampler& sampler, uint64_t& rays) const
+{
+    if (emitters_.empty()) return {};
+    const vec2 uTriangle = sampler.next2();
+    const EmitterSample s = emitters_.sample(uTriangle, sampler.next2());
+    const vec3 toEmitter = s.position - position;
+    const float distance2 = glm::dot(toEmitter, toEmitter);
+    if (distance2 <= 0.0f) return {};
+    const float distance = std::sqrt(distance2);
+    const vec3 direction = toEmitter / distance;
+    float emitterCosine = -glm::dot(s.normal, direction);
+    if (s.doubleSided) emitterCosine = std::abs(emitterCosine);
+    if (emitterCosine <= 0.0f) return {};
+    const float pdf = s.pdfArea * distance2 / emitterCosine;
+    ++rays;
+    if (tracer_.occluded(position, direction, 0.0f, distance * (1.0f - 1.0e-4f))) return {};
+    return {direction, s.radiance * (powerHeuristic(pdf, directionPdf) / pdf)};
+}
+
+float PathTracer::emitterPdf(const SurfaceHit& hit, vec3 direction) const
+{
+    const float pdfArea = emitters_.pdfArea(hit.point.triangle);
+    const float cosine = std::abs(glm::dot(hit.point.geometricNormal, direction));
+    return cosine > 0.0f ? pdfArea * hit.distance * hit.distance / cosine : 0.0f;
+}
+
+PathTracer::Incoming PathTracer::incoming(vec3 origin, vec3 direction, float directionPdf, int bounces, Sampler& sampler,
+                                          uint64_t& rays) const
+{
+    ++rays;
+    const SurfaceHit hit = tracer_.intersect(origin, direction, 0.0f, kInfinity);
+    Incoming result;
+    result.firstHitBackFace = hit.found && hit.backFace;
+    result.radiance = follow(hit, direction, directionPdf, bounces, false, sampler, rays);
+    return result;
+}
+
+vec3 PathTracer::seenFromCamera(vec3 origin, vec3 direction, float tMax, int bounces, Sampler& sampler, uint64_t& rays) const
+{
+    ++rays;
+    const SurfaceHit hit = tracer_.intersect(origin, direction, 0.0f, tMax, true);
+    if (hit.found && hit.material->unlit) return hit.albedo;
+    return follow(hit, direction, 0.0f, bounces + 1, true, sampler, rays);
+}
+
+// Kajiya 1986, "The Rendering Equation", for diffuse surfaces: the throughput of a cosine-distributed bounce is the albedo.
+vec3 PathTracer::follow(SurfaceHit hit, vec3 direction, float directionPdf, int bounces, bool directFromCamera, Sampler& sampler,
+                        uint64_t& rays) const
+{
+    vec3 radiance(0.0f);
+    vec3 throughput(1.0f);
+    for (int depth = 0;; ++depth) {
+        if (!hit.found) {
+            radiance += throughput * shading::skyRadiance(sky_.zenith, sky_.horizon, sky_.ground, direction);
+            break;
+        }
+        if (hit.emission != vec3(0.0f)) {
+            const float weight = directionPdf > 0.0f ? powerHeuristic(directionPdf, emitterPdf(hit, direction)) : 1.0f;
+            radiance += throughput * hit.emission * weight;
+        }
+        if (depth >= bounces || hit.albedo == vec3(0.0f)) break;
+
+        // Light that reaches this surface directly.
+        vec3 irradiance = punctualIrradiance(hit.point, directFromCamera && depth == 0, sampler, rays);
+        irradiance += emitterIrradiance(hit.point, sampler, rays);
+        radiance += throughput * shading::diffuseRadiance(hit.albedo, irradiance);
+
+        // Russian roulette (Arvo and Kirk 1990) once a path has lost most of its light.
+        throughput *= hit.albedo;
+        const vec2 uDirection = sampler.next2();
+        const float survival = std::max({throughput.x, throughput.y, throughput.z});
+        if (depth >= 1 && survival < 0.7f) {
+            if (sampler.next1() >= survival) break;
+            throughput /= survival;
+        }
+        direction = gatherDirection(hit.point, uDirection);
+        directionPdf = std::max(glm::dot(direction, hit.point.normal), 1.0e-4f) / kPi;
+        const vec3 origin = rayOrigin(hit.point);
+        ++rays;
+        hit = tracer_.intersect(origin, direction, 0.0f, kInfinity);
+    }
+    return radiance;
+}
+
+} // namespace halflight

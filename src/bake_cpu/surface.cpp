@@ -1,0 +1,366 @@
+#include "bake_cpu/surface.h"
+
+#include "halflight/base/parallel.h"
+#include "halflight/base/random.h"
+#include "halflight/shading/brdf.h"
+#include "halflight/shading/color.h"
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cmath>
+#include <memory>
+
+namespace halflight {
+namespace {
+
+constexpr int kSmallTextureSide = 256;
+
+const std::array<float, 256>& linearTable()
+{
+    static const std::array<float, 256> table = [] {
+        std::array<float, 256> t{};
+        for (int i = 0; i < 256; ++i) t[std::size_t(i)] = shading::linearFromSrgb(float(i) / 255.0f);
+        return t;
+    }();
+    return table;
+}
+
+vec3 linearOf(u8vec4 texel)
+{
+    const auto& table = linearTable();
+    return {table[texel.x], table[texel.y], table[texel.z]};
+}
+
+/// Averages blocks of texels in linear light; data textures (not sRGB) go through the same curve and back, which changes
+/// a mean of metallic values a little and nothing else.
+ImageRgba8 shrink(const ImageRgba8& image)
+{
+    const int factor = std::max(1, (std::max(image.width(), image.height()) + kSmallTextureSide - 1) / kSmallTextureSide);
+    if (factor == 1) return image;
+    ImageRgba8 out(std::max(1, image.width() / factor), std::max(1, image.height() / factor));
+    for (int y = 0; y < out.height(); ++y) {
+        for (int x = 0; x < out.width(); ++x) {
+            vec3 sum(0.0f);
+            float alpha = 0.0f;
+            int count = 0;
+            for (int dy = 0; dy < factor && y * factor + dy < image.height(); ++dy) {
+                for (int dx = 0; dx < factor && x * factor + dx < image.width(); ++dx) {
+                    const u8vec4 texel = image(x * factor + dx, y * factor + dy);
+                    sum += linearOf(texel);
+                    alpha += float(texel.w);
+                    ++count;
+                }
+            }
+            const vec3 mean = shading::srgbFromLinear(sum / float(count)) * 255.0f + 0.5f;
+            out(x, y) = u8vec4(u8vec4::value_type(mean.x), u8vec4::value_type(mean.y), u8vec4::value_type(mean.z),
+                               u8vec4::value_type(alpha / float(count) + 0.5f));
+        }
+    }
+    return out;
+}
+
+int wrap(int i, int size, Texture::Wrap mode)
+{
+    switch (mode) {
+    case Texture::Wrap::ClampToEdge: return std::clamp(i, 0, size - 1);
+    case Texture::Wrap::MirroredRepeat: {
+        const int period = 2 * size;
+        const int m = ((i % period) + period) % period;
+        return m < size ? m : period - 1 - m;
+    }
+    default: return ((i % size) + size) % size;
+    }
+}
+
+/// A coordinate to a texel number, safe for any float.
+int texelNumber(float coordinate, int size)
+{
+    const float t = coordinate * float(size);
+    return std::isfinite(t) ? int(std::floor(std::clamp(t, -1.0e9f, 1.0e9f))) : 0;
+}
+
+u8vec4 nearestTexel(const Texture& texture, const ImageRgba8& pixels, vec2 uv)
+{
+    return pixels(wrap(texelNumber(uv.x, pixels.width()), pixels.width(), texture.wrapU),
+                  wrap(texelNumber(uv.y, pixels.height()), pixels.height(), texture.wrapV));
+}
+
+float bilinearAlpha(const Texture& texture, vec2 uv)
+{
+    const ImageRgba8& pixels = texture.pixels;
+    if (texture.nearest) return float(nearestTexel(texture, pixels, uv).w) / 255.0f;
+    const vec2 place = uv * vec2(pixels.size()) - 0.5f;
+    const int x = texelNumber(place.x / float(pixels.width()), pixels.width());
+    const int y = texelNumber(place.y / float(pixels.height()), pixels.height());
+    const vec2 f = glm::clamp(place - vec2(float(x), float(y)), 0.0f, 1.0f);
+    const int x0 = wrap(x, pixels.width(), texture.wrapU);
+    const int x1 = wrap(x + 1, pixels.width(), texture.wrapU);
+    const int y0 = wrap(y, pixels.height(), texture.wrapV);
+    const int y1 = wrap(y + 1, pixels.height(), texture.wrapV);
+    const float top = glm::mix(float(pixels(x0, y0).w), float(pixels(x1, y0).w), f.x);
+    const float bottom = glm::mix(float(pixels(x0, y1).w), float(pixels(x1, y1).w), f.x);
+    return glm::mix(top, bottom, f.y) / 255.0f;
+}
+
+TransportMaterial transportMaterial(const Scene& scene, const Material& m)
+{
+    // A reference to a texture that was not decoded counts as none.
+    const auto usable = [&](TextureRef ref) {
+        if (ref && scene.textures[std::size_t(ref.texture)].pixels.empty()) ref.texture = -1;
+        return ref;
+    };
+    TransportMaterial t;
+    t.baseColor = usable(m.baseColorTexture);
+    t.metallic = usable(m.metallicRoughnessTexture);
+    t.emissive = usable(m.emissiveTexture);
+    // Unlit surfaces show their colour whatever the light; they reflect it as a diffuse surface would.
+    t.metallicFactor = m.unlit ? 0.0f : m.metallic;
+    t.diffuseAlbedo = vec3(m.baseColor);
+    t.opacity = m.baseColor.w;
+    t.emission = m.emissiveNits;
+    t.alphaMode = m.alphaMode;
+    t.alphaCutoff = m.alphaCutoff;
+    t.doubleSided = m.doubleSided;
+    t.unlit = m.unlit;
+    return t;
+}
+
+} // namespace
+
+struct SurfaceTracer::GeometryUser {
+    const SurfaceTracer* tracer = nullptr;
+    const std::vector<uint32_t>* triangles = nullptr;
+    bool castShadows = true;
+};
+
+SurfaceTracer::SurfaceTracer(const Scene& scene, const BakeGeometry& geometry) : geometry_(geometry), sceneData_(scene)
+{
+    for (const Material& material : scene.materials) materials_.push_back(transportMaterial(scene, material));
+    materials_.push_back(transportMaterial(scene, defaultMaterial()));
+    smallTextures_.resize(scene.textures.size());
+    parallelFor(scene.textures.size(), 1, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t i = begin; i < end; ++i) {
+            if (!scene.textures[i].pixels.empty()) smallTextures_[i] = shrink(scene.textures[i].pixels);
+        }
+    });
+
+    // Three geometries: solid triangles without a filter function, triangles with holes, and triangles that only
+    // cameras see.
+    enum { Solid, Holes, NoShadow, Count };
+    trianglesOfGeometry_.resize(Count);
+    Bounds bounds;
+    for (const BakeGeometry::Part& part : geometry.parts) {
+        if (part.triangleCount == 0) continue;
+        const TransportMaterial& material = materialOfTriangle(part.firstTriangle);
+        const int kind = !part.castShadows                                     ? NoShadow
+                         : material.alphaMode != Material::AlphaMode::Opaque ? Holes
+                                                                             : Solid;
+        for (uint32_t t = part.firstTriangle; t < part.firstTriangle + part.triangleCount; ++t) {
+            trianglesOfGeometry_[std::size_t(kind)].push_back(t);
+            for (int i = 0; i < 3; ++i) bounds.extend(geometry.positions[geometry.triangles[t][i]]);
+        }
+    }
+    sceneScale_ = bounds.empty() ? 1.0f : glm::length(bounds.size());
+
+    device_ = rtcNewDevice(nullptr);
+    if (device_ == nullptr) return;
+    RTCScene embreeScene = rtcNewScene(device_);
+    rtcSetSceneBuildQuality(embreeScene, RTC_BUILD_QUALITY_MEDIUM);
+    for (int kind = 0; kind < Count; ++kind) {
+        const std::vector<uint32_t>& list = trianglesOfGeometry_[std::size_t(kind)];
+        if (list.empty()) continue;
+        RTCGeometry mesh = rtcNewGeometry(device_, RTC_GEOMETRY_TYPE_TRIANGLE);
+        auto* vertices = static_cast<vec3*>(rtcSetNewGeometryBuffer(mesh, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3,
+                                                                    sizeof(vec3), geometry.positions.size()));
+        auto* indices = static_cast<uvec3*>(
+            rtcSetNewGeometryBuffer(mesh, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, sizeof(uvec3), list.size()));
+        if (vertices == nullptr || indices == nullptr) {
+            rtcReleaseGeometry(mesh);
+            rtcReleaseScene(embreeScene);
+            return;
+        }
+        std::copy(geometry.positions.begin(), geometry.positions.end(), vertices);
+        for (std::size_t i = 0; i < list.size(); ++i) indices[i] = geometry.triangles[list[i]];
+        users_.push_back(std::make_unique<GeometryUser>(GeometryUser{this, &list, kind != NoShadow}));
+        rtcSetGeometryUserData(mesh, users_.back().get());
+        if (kind != Solid) {
+            rtcSetGeometryIntersectFilterFunction(mesh, filter);
+            rtcSetGeometryOccludedFilterFunction(mesh, filter);
+        }
+        rtcCommitGeometry(mesh);
+        rtcAttachGeometryByID(embreeScene, mesh, unsigned(kind));
+        rtcReleaseGeometry(mesh);
+    }
+    rtcCommitScene(embreeScene);
+    scene_ = embreeScene;
+}
+
+SurfaceTracer::~SurfaceTracer()
+{
+    if (scene_ != nullptr) rtcReleaseScene(scene_);
+    if (device_ != nullptr) rtcReleaseDevice(device_);
+}
+
+const TransportMaterial& SurfaceTracer::materialOfTriangle(uint32_t triangle) const
+{
+    if (triangle >= geometry_.partOfTriangle.size()) return materials_.back();
+    const int material = geometry_.parts[geometry_.partOfTriangle[triangle]].material;
+    return material < 0 ? materials_.back() : materials_[std::size_t(material)];
+}
+
+float SurfaceTracer::epsilonAt(vec3 position) const
+{
+    const float magnitude = std::max({std::abs(position.x), std::abs(position.y), std::abs(position.z)});
+    return std::max(8.0e-7f * magnitude, 2.0e-6f * sceneScale_);
+}
+
+vec2 SurfaceTracer::textureCoordinate(uint32_t triangle, vec2 barycentric, const TextureRef& ref) const
+{
+    const uvec3 t = geometry_.triangles[triangle];
+    const std::vector<vec2>& uv = geometry_.uv[ref.texCoord == 1 ? 1 : 0];
+    const vec2 raw = (1.0f - barycentric.x - barycentric.y) * uv[t.x] + barycentric.x * uv[t.y] + barycentric.y * uv[t.z];
+    // KHR_texture_transform: translation * rotation * scale.
+    const vec2 scaled = raw * ref.scale;
+    const float c = std::cos(ref.rotationRadians);
+    const float s = std::sin(ref.rotationRadians);
+    return ref.offset + vec2(c * scaled.x + s * scaled.y, -s * scaled.x + c * scaled.y);
+}
+
+float SurfaceTracer::alphaAt(uint32_t triangle, vec2 barycentric, const TransportMaterial& material) const
+{
+    float alpha = material.opacity;
+    if (material.baseColor) {
+        alpha *= bilinearAlpha(sceneData_.textures[std::size_t(material.baseColor.texture)],
+                               textureCoordinate(triangle, barycentric, material.baseColor));
+    }
+    if (!geometry_.colors.empty()) {
+        const uvec3 t = geometry_.triangles[triangle];
+        alpha *= (1.0f - barycentric.x - barycentric.y) * geometry_.colors[t.x].w + barycentric.x * geometry_.colors[t.y].w +
+                 barycentric.y * geometry_.colors[t.z].w;
+    }
+    return alpha;
+}
+
+bool SurfaceTracer::passes(uint32_t triangle, vec2 barycentric, const float* rayBits) const
+{
+    const TransportMaterial& material = materialOfTriangle(triangle);
+    if (material.alphaMode == Material::AlphaMode::Opaque) return false;
+    const float alpha = alphaAt(triangle, barycentric, material);
+    if (material.alphaMode == Material::AlphaMode::Mask) return alpha < material.alphaCutoff;
+    // Blend: a ray passes with probability 1 - alpha. The decision hashes the ray itself, so it needs no state.
+    uint32_t bits = triangle;
+    for (int i = 0; i < 6; ++i) bits = hashCombine(bits, std::bit_cast<uint32_t>(rayBits[i]));
+    return unitFloat(bits) >= alpha;
+}
+
+void SurfaceTracer::filter(const RTCFilterFunctionNArguments* arguments)
+{
+    if (arguments->valid[0] != -1) return;
+    const auto* user = static_cast<const GeometryUser*>(arguments->geometryUserPtr);
+    const auto* context = reinterpret_cast<const embree::RayContext*>(arguments->context);
+    if (!user->castShadows && !context->camera) {
+        arguments->valid[0] = 0;
+        return;
+    }
+    const uint32_t triangle = (*user->triangles)[RTCHitN_primID(arguments->hit, arguments->N, 0)];
+    const vec2 barycentric(RTCHitN_u(arguments->hit, arguments->N, 0), RTCHitN_v(arguments->hit, arguments->N, 0));
+    const float ray[6] = {RTCRayN_org_x(arguments->ray, arguments->N, 0), RTCRayN_org_y(arguments->ray, arguments->N, 0),
+                          RTCRayN_org_z(arguments->ray, arguments->N, 0), RTCRayN_dir_x(arguments->ray, arguments->N, 0),
+                          RTCRayN_dir_y(arguments->ray, arguments->N, 0), RTCRayN_dir_z(arguments->ray, arguments->N, 0)};
+    if (user->tracer->passes(triangle, barycentric, ray)) arguments->valid[0] = 0;
+}
+
+vec3 SurfaceTracer::emissionAt(uint32_t triangle, vec2 barycentric) const
+{
+    const TransportMaterial& material = materialOfTriangle(triangle);
+    vec3 emission = material.emission;
+    if (material.emissive && emission != vec3(0.0f)) {
+        const auto index = std::size_t(material.emissive.texture);
+        emission *= linearOf(nearestTexel(sceneData_.textures[index], smallTextures_[index],
+                                          textureCoordinate(triangle, barycentric, material.emissive)));
+    }
+    return emission;
+}
+
+SurfaceHit SurfaceTracer::intersect(vec3 origin, vec3 direction, float tMin, float tMax, bool cameraRay) const
+{
+    embree::RayContext context(cameraRay);
+    SurfaceHit hit;
+    // Camera rays go on behind back faces they do not see. The bound is against endless loops on damaged geometry.
+    for (int layer = 0; layer < 256; ++layer) {
+        RTCRayHit ray{};
+        ray.ray.org_x = origin.x;
+        ray.ray.org_y = origin.y;
+        ray.ray.org_z = origin.z;
+        ray.ray.dir_x = direction.x;
+        ray.ray.dir_y = direction.y;
+        ray.ray.dir_z = direction.z;
+        ray.ray.tnear = tMin;
+        ray.ray.tfar = tMax;
+        ray.ray.mask = ~0u;
+        ray.hit.geomID = RTC_INVALID_GEOMETRY_ID;
+        ray.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
+        embree::intersect(scene_, context, ray);
+        if (ray.hit.geomID == RTC_INVALID_GEOMETRY_ID) return hit;
+
+        const uint32_t triangle = trianglesOfGeometry_[ray.hit.geomID][ray.hit.primID];
+        const TransportMaterial& material = materialOfTriangle(triangle);
+        const bool behind = ray.hit.Ng_x * direction.x + ray.hit.Ng_y * direction.y + ray.hit.Ng_z * direction.z > 0.0f;
+        if (cameraRay && behind && !material.doubleSided) {
+            tMin = ray.ray.tfar * (1.0f + 1.0e-6f) + epsilonAt(origin);
+            continue;
+        }
+        const vec2 barycentric(ray.hit.u, ray.hit.v);
+        hit.found = true;
+        hit.backFace = behind && !material.doubleSided;
+        hit.distance = ray.ray.tfar;
+        hit.material = &material;
+        hit.point = surfacePoint(geometry_, triangle, barycentric);
+        if (behind) {
+            hit.point.normal = -hit.point.normal;
+            hit.point.geometricNormal = -hit.point.geometricNormal;
+        }
+
+        vec3 base = material.diffuseAlbedo;
+        if (material.baseColor) {
+            const auto index = std::size_t(material.baseColor.texture);
+            base *= linearOf(nearestTexel(sceneData_.textures[index], smallTextures_[index],
+                                          textureCoordinate(triangle, barycentric, material.baseColor)));
+        }
+        if (!geometry_.colors.empty()) {
+            const uvec3 t = geometry_.triangles[triangle];
+            base *= vec3((1.0f - barycentric.x - barycentric.y) * geometry_.colors[t.x] + barycentric.x * geometry_.colors[t.y] +
+                         barycentric.y * geometry_.colors[t.z]);
+        }
+        float metallic = material.metallicFactor;
+        if (material.metallic && metallic > 0.0f) {
+            const auto index = std::size_t(material.metallic.texture);
+            metallic *= float(nearestTexel(sceneData_.textures[index], smallTextures_[index],
+                                           textureCoordinate(triangle, barycentric, material.metallic)).z) / 255.0f;
+        }
+        hit.albedo = glm::clamp(shading::diffuseAlbedoOf(base, metallic), 0.0f, 1.0f);
+        if (!hit.backFace) hit.emission = emissionAt(triangle, barycentric);
+        return hit;
+    }
+    return hit;
+}
+
+bool SurfaceTracer::occluded(vec3 origin, vec3 direction, float tMin, float tMax) const
+{
+    embree::RayContext context(false);
+    RTCRay ray{};
+    ray.org_x = origin.x;
+    ray.org_y = origin.y;
+    ray.org_z = origin.z;
+    ray.dir_x = direction.x;
+    ray.dir_y = direction.y;
+    ray.dir_z = direction.z;
+    ray.tnear = tMin;
+    ray.tfar = tMax;
+    ray.mask = ~0u;
+    embree::occluded(scene_, context, ray);
+    return ray.tfar < 0.0f;
+}
+
+} // namespace halflight

@@ -1,0 +1,85 @@
+#pragma once
+// What a ray needs to know of the scene's materials, and the tracer that finds hits: Embree and textures in one place.
+
+#include "bake_cpu/embree.h"
+
+#include "halflight/bake/integrator.h"
+#include "halflight/base/image.h"
+#include "halflight/base/math.h"
+#include "halflight/scene/scene.h"
+
+#include <memory>
+#include <vector>
+
+namespace halflight {
+
+/// A material as light transport sees it.
+struct TransportMaterial {
+    vec3 diffuseAlbedo{0.0f}; ///< base colour * (1 - metallic), before textures
+    float opacity = 1.0f;     ///< base colour alpha
+    vec3 emission{0.0f};      ///< nits
+    TextureRef baseColor;
+    TextureRef metallic; ///< B channel scales metallic
+    float metallicFactor = 0.0f;
+    TextureRef emissive;
+    Material::AlphaMode alphaMode = Material::AlphaMode::Opaque;
+    float alphaCutoff = 0.5f;
+    bool doubleSided = false;
+    bool unlit = false;
+};
+
+/// Nearest surface along a ray. Back faces of single-sided surfaces reflect like front faces but do not emit.
+struct SurfaceHit {
+    bool found = false;
+    bool backFace = false; ///< of a single-sided surface
+    float distance = 0.0f;
+    const TransportMaterial* material = nullptr;
+    SurfacePoint point;   ///< normals face the ray's origin
+    vec3 albedo{0.0f};
+    vec3 emission{0.0f};
+};
+
+/// Embree scene over flattened geometry. Immutable after construction; all queries are thread-safe.
+class SurfaceTracer {
+public:
+    /// `geometry` and `scene` outlive the tracer.
+    SurfaceTracer(const Scene& scene, const BakeGeometry& geometry);
+    ~SurfaceTracer();
+    SurfaceTracer(const SurfaceTracer&) = delete;
+    SurfaceTracer& operator=(const SurfaceTracer&) = delete;
+
+    /// Nearest surface along a unit direction. Camera rays pass through back faces of single-sided surfaces, as the
+    /// renderer does, and see objects that cast no shadow.
+    [[nodiscard]] SurfaceHit intersect(vec3 origin, vec3 direction, float tMin, float tMax, bool cameraRay = false) const;
+    /// Whether anything that casts shadows lies between. Both faces of every surface block.
+    [[nodiscard]] bool occluded(vec3 origin, vec3 direction, float tMin, float tMax) const;
+
+    [[nodiscard]] const TransportMaterial& materialOfTriangle(uint32_t triangle) const;
+    [[nodiscard]] vec3 emissionAt(uint32_t triangle, vec2 barycentric) const;
+    [[nodiscard]] const BakeGeometry& geometry() const { return geometry_; }
+    [[nodiscard]] bool ok() const { return scene_ != nullptr; }
+
+    /// Distance by which ray origins leave their surface: grows with the coordinates' size, so that it exceeds their
+    /// rounding error.
+    [[nodiscard]] float epsilonAt(vec3 position) const;
+
+private:
+    struct GeometryUser;
+    static void filter(const RTCFilterFunctionNArguments* arguments);
+    [[nodiscard]] bool passes(uint32_t triangle, vec2 barycentric, const float* rayBits) const;
+    [[nodiscard]] vec2 textureCoordinate(uint32_t triangle, vec2 barycentric, const TextureRef& ref) const;
+    [[nodiscard]] float alphaAt(uint32_t triangle, vec2 barycentric, const TransportMaterial& material) const;
+
+    const BakeGeometry& geometry_;
+    std::vector<TransportMaterial> materials_; ///< the last one is glTF's default material
+    /// Textures shrunk to at most 256 texels a side (in linear light): diffuse transport needs no more, caches like it.
+    std::vector<ImageRgba8> smallTextures_;
+    const Scene& sceneData_;
+    std::vector<std::vector<uint32_t>> trianglesOfGeometry_;
+    std::vector<std::unique_ptr<GeometryUser>> users_;
+    RTCDevice device_ = nullptr;
+    RTCScene scene_ = nullptr;
+    float sceneScale_ = 1.0f;
+};
+
+} // namespace halflight

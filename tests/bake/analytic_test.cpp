@@ -1,0 +1,351 @@
+// The bake against closed forms (spec S6, S8, S14).
+
+#include "bake/test_scene.h"
+
+#include "halflight/shading/sh.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+namespace halflight::test {
+namespace {
+
+constexpr int kPage = 64;
+
+/// Spread of a whole-map mean is far below a texel's; both are checked.
+struct Statistics {
+    double mean = 0.0;
+    double worst = 0.0; ///< largest relative difference of a texel from `expected`
+};
+
+Statistics compare(const std::vector<IrradianceEstimate>& estimates, double expected)
+{
+    Statistics s;
+    for (const IrradianceEstimate& e : estimates) {
+        s.mean += e.irradiance.y / double(estimates.size());
+        s.worst = std::max(s.worst, std::abs(e.irradiance.y - expected) / expected);
+    }
+    return s;
+}
+
+/// Every wall of a closed room reflects rho and emits Le: radiance is Le / (1 - rho) everywhere, irradiance pi times that.
+TEST(FurnaceS6, ClosedRoomReachesEmissionOverOneMinusAlbedo)
+{
+    for (const float albedo : {0.0f, 0.5f, 0.8f}) {
+        Scene scene;
+        const int walls = addMaterial(scene, vec3(albedo), vec3(2.0f));
+        addBox(scene, vec3(-1, -2, -3), vec3(1, 2, 3), walls, true, kPage);
+        IntegrationSettings settings;
+        settings.samples = 256;
+        settings.bounces = 64;
+        Bench bench(std::move(scene), MixedLightingMode::Shadowmask, kPage, settings);
+        const double expected = kPi * 2.0 / (1.0 - albedo);
+        const Statistics s = compare(bench.irradiance(), expected);
+        EXPECT_NEAR(s.mean, expected, 0.01 * expected) << "albedo " << albedo;
+        EXPECT_LT(s.worst, 0.15) << "albedo " << albedo;
+    }
+}
+
+/// Bounces are cut where asked: n bounces in the furnace give the first n + 1 terms of the geometric series.
+TEST(FurnaceS6, BounceLimitGivesPartialSums)
+{
+    for (const int bounces : {0, 1, 3}) {
+        Scene scene;
+        const int walls = addMaterial(scene, vec3(0.5f), vec3(1.0f));
+        addBox(scene, vec3(-1), vec3(1), walls, true, kPage);
+        IntegrationSettings settings;
+        settings.samples = 256;
+        settings.bounces = bounces;
+        Bench bench(std::move(scene), MixedLightingMode::Shadowmask, kPage, settings);
+        const double expected = kPi * (1.0 - std::pow(0.5, bounces + 1)) / 0.5;
+        EXPECT_NEAR(compare(bench.irradiance(), expected).mean, expected, 0.01 * expected) << bounces << " bounces";
+    }
+}
+
+TEST(DirectS6, PointLightFollowsCosineAndInverseSquare)
+{
+    Scene scene;
+    addRectangle(scene, {vec3(-2, 0, 2), vec3(4, 0, 0), vec3(0, 0, -4)}, addMaterial(scene, vec3(0)), kPage, {vec2(1), vec2(63)});
+    scene.lights.push_back(makeLight(LightType::Point, vec3(0.5f, 1.5f, -0.25f), vec3(0, -1, 0), 100.0f, LightMode::Baked));
+    Bench bench(std::move(scene), MixedLightingMode::Shadowmask, kPage, {});
+    const auto estimates = bench.irradiance();
+    for (std::size_t i = 0; i < estimates.size(); ++i) {
+        const vec3 toLight = bench.scene.lights[0].position() - bench.positionOf(bench.map.texels[i]);
+        const float d2 = glm::dot(toLight, toLight);
+        const float expected = 100.0f / d2 * (toLight.y / std::sqrt(d2));
+        EXPECT_NEAR(estimates[i].irradiance.x, expected, 2e-3f * expected);
+    }
+}
+
+/// The lightmap holds no direct light of a mixed light, but all of a baked one; subtractive holds both.
+TEST(DirectS6, MixedLightsAreInTheLightmapOnlyInSubtractive)
+{
+    for (const LightMode mode : {LightMode::Realtime, LightMode::Mixed, LightMode::Baked}) {
+        for (const MixedLightingMode mixing : {MixedLightingMode::BakedIndirect, MixedLightingMode::Shadowmask, MixedLightingMode::Subtractive}) {
+            Scene scene;
+            addRectangle(scene, {}, addMaterial(scene, vec3(0.5f)), kPage, {vec2(1), vec2(9)});
+            scene.lights.push_back(makeLight(LightType::Directional, vec3(0), vec3(0, -1, 0), 7.0f, mode));
+            Bench bench(std::move(scene), mixing, kPage, {});
+            const bool direct = mode == LightMode::Baked || (mode == LightMode::Mixed && mixing == MixedLightingMode::Subtractive);
+            EXPECT_NEAR(bench.irradiance()[20].irradiance.x, direct ? 7.0f : 0.0f, 1e-4f);
+        }
+    }
+}
+
+/// A mixed light's bounce is baked, scaled by its indirect multiplier: floor lit by a sun, ceiling sees the floor.
+TEST(IndirectS5, MixedLightBouncesTimesItsMultiplier)
+{
+    for (const float multiplier : {0.0f, 1.0f, 2.5f}) {
+        Scene scene;
+        const int grey = addMaterial(scene, vec3(0.4f));
+        addRectangle(scene, {vec3(-500, 0, 500), vec3(1000, 0, 0), vec3(0, 0, -1000)}, grey, kPage);
+        // The receiver looks down, is small and casts no shadow: it sees the sunlit plane alone.
+        addRectangle(scene, {vec3(-0.1f, 1, -0.1f), vec3(0.2f, 0, 0), vec3(0, 0, 0.2f)}, grey, kPage, {vec2(1), vec2(5)});
+        scene.objects.back().castShadows = false;
+        scene.lights.push_back(makeLight(LightType::Directional, vec3(0), vec3(0, -1, 0), 10.0f, LightMode::Mixed));
+        scene.lights[0].indirectMultiplier = multiplier;
+        IntegrationSettings settings;
+        settings.samples = 256;
+        settings.bounces = 1;
+        Bench bench(std::move(scene), MixedLightingMode::Shadowmask, kPage, settings);
+        for (const IrradianceEstimate& e : bench.irradiance()) EXPECT_NEAR(e.irradiance.x, 0.4f * 10.0f * multiplier, 0.02f);
+    }
+}
+
+/// Irradiance under the corner of a parallel rectangle a x b at height c (Howell, "A Catalog of Radiation Heat Transfer
+/// Configuration Factors", B-3), here a light centred above the texel: four such corners.
+TEST(EmitterS6, RectangleLightMatchesItsFormFactor)
+{
+    const float radiance = 5.0f;
+    for (const float height : {0.2f, 1.0f, 4.0f}) {
+        Scene scene;
+        const int black = addMaterial(scene, vec3(0));
+        const int lamp = addMaterial(scene, vec3(0), vec3(radiance));
+        addRectangle(scene, {vec3(-0.005f, 0, 0.005f), vec3(0.01f, 0, 0), vec3(0, 0, -0.01f)}, black, kPage, {vec2(1), vec2(9)});
+        addRectangle(scene, {vec3(-0.75f, height, -0.5f), vec3(1.5f, 0, 0), vec3(0, 0, 1.0f)}, lamp, kPage);
+        IntegrationSettings settings;
+        settings.samples = 1024;
+        Bench bench(std::move(scene), MixedLightingMode::Shadowmask, kPage, settings);
+        const double x = 0.75 / height;
+        const double y = 0.5 / height;
+        const double corner = (x / std::sqrt(1 + x * x) * std::atan(y / std::sqrt(1 + x * x)) +
+                               y / std::sqrt(1 + y * y) * std::atan(x / std::sqrt(1 + y * y))) / (2.0 * kPi);
+        const double expected = kPi * radiance * 4.0 * corner;
+        const Statistics s = compare(bench.irradiance(), expected);
+        EXPECT_NEAR(s.mean, expected, 0.01 * expected) << "height " << height;
+        EXPECT_LT(s.worst, 0.05) << "height " << height;
+    }
+}
+
+/// A sun of angular radius a behind a half-plane at height h: the visible share of its disc is a circular segment.
+TEST(ShadowmaskS8, PenumbraOfAHalfPlaneIsTheVisibleSegmentOfTheSun)
+{
+    Scene scene;
+    const int black = addMaterial(scene, vec3(0), vec3(0), true);
+    addRectangle(scene, {vec3(-0.4f, 0, 0.4f), vec3(0.8f, 0, 0), vec3(0, 0, -0.8f)}, black, kPage, {vec2(1), vec2(63)});
+    addRectangle(scene, {vec3(0, 2, 50), vec3(50, 0, 0), vec3(0, 0, -100)}, black, kPage);
+    scene.lights.push_back(makeLight(LightType::Directional, vec3(0), vec3(0, -1, 0), 1.0f, LightMode::Mixed));
+    scene.lights[0].angularRadiusRadians = 0.1f;
+    IntegrationSettings settings;
+    settings.shadowSamples = 256;
+    Bench bench(std::move(scene), MixedLightingMode::Shadowmask, kPage, settings);
+    ASSERT_EQ(bench.scene.lights[0].baking.occlusionMaskChannel, 0);
+    const auto mask = bench.shadowmask();
+    const float halfWidth = 2.0f * std::tan(0.1f);
+    int inPenumbra = 0;
+    for (std::size_t i = 0; i < mask.size(); ++i) {
+        const float s = std::clamp(-bench.positionOf(bench.map.texels[i]).x / halfWidth, -1.0f, 1.0f);
+        const float expected = 0.5f + (s * std::sqrt(1.0f - s * s) + std::asin(s)) / kPi;
+        EXPECT_NEAR(mask[i].x, expected, 0.03f);
+        EXPECT_EQ(mask[i].y, 1.0f);
+        if (std::abs(s) < 1.0f) ++inPenumbra;
+    }
+    EXPECT_GT(inPenumbra, 1000);
+}
+
+TEST(ShadowmaskS8, HardShadowOfAPointLightIsWhereGeometrySays)
+{
+    Scene scene;
+    const int black = addMaterial(scene, vec3(0));
+    addRectangle(scene, {vec3(-2, 0, 2), vec3(4, 0, 0), vec3(0, 0, -4)}, black, kPage, {vec2(0.5f), vec2(62.5f)});
+    addBox(scene, vec3(-0.5f, 1.0f, -0.5f), vec3(0.5f, 1.1f, 0.5f), black, false);
+    scene.lights.push_back(makeLight(LightType::Point, vec3(0, 2, 0), vec3(0, -1, 0), 1.0f, LightMode::Mixed));
+    Bench bench(std::move(scene), MixedLightingMode::Shadowmask, kPage, {});
+    const auto mask = bench.shadowmask();
+    // Projected from (0,2,0) the top edge at 1.1 is the widest: half side 0.5 * 2 / 0.9.
+    const float shadow = 0.5f * 2.0f / 0.9f;
+    const float texel = 4.0f / 62.0f;
+    for (std::size_t i = 0; i < mask.size(); ++i) {
+        const vec3 p = glm::abs(bench.positionOf(bench.map.texels[i]));
+        const float distance = std::max(p.x, p.z);
+        if (distance < shadow - texel) EXPECT_EQ(mask[i].x, 0.0f);
+        if (distance > shadow + texel) EXPECT_EQ(mask[i].x, 1.0f);
+    }
+}
+
+TEST(ShadowmaskS8, AlphaMaskedHolesLetLightThrough)
+{
+    Scene scene;
+    const int black = addMaterial(scene, vec3(0));
+    // Left half of the texture is a hole.
+    Texture texture;
+    texture.pixels = ImageRgba8(2, 1, u8vec4(255));
+    texture.pixels(0, 0) = u8vec4(255, 255, 255, 0);
+    texture.nearest = true;
+    scene.textures.push_back(texture);
+    const int grate = addMaterial(scene, vec3(0));
+    scene.materials[std::size_t(grate)].alphaMode = Material::AlphaMode::Mask;
+    scene.materials[std::size_t(grate)].baseColorTexture.texture = 0;
+    addRectangle(scene, {vec3(-1, 0, 1), vec3(2, 0, 0), vec3(0, 0, -2)}, black, kPage, {vec2(1), vec2(63)});
+    addRectangle(scene, {vec3(-1, 1, 1), vec3(2, 0, 0), vec3(0, 0, -2)}, grate, kPage);
+    scene.lights.push_back(makeLight(LightType::Directional, vec3(0), vec3(0, -1, 0), 1.0f, LightMode::Mixed));
+    Bench bench(std::move(scene), MixedLightingMode::Shadowmask, kPage, {});
+    const auto mask = bench.shadowmask();
+    for (std::size_t i = 0; i < mask.size(); ++i) {
+        const float x = bench.positionOf(bench.map.texels[i]).x;
+        if (std::abs(x) > 0.05f) EXPECT_EQ(mask[i].x, x < 0.0f ? 1.0f : 0.0f) << x;
+    }
+}
+
+/// An open plane under a uniform sky receives pi times its radiance.
+TEST(SkyS6, UniformSkyGivesPi)
+{
+    Scene scene;
+    scene.sky = {vec3(1.5f), vec3(1.5f), vec3(1.5f)};
+    addRectangle(scene, {}, addMaterial(scene, vec3(0.7f)), kPage, {vec2(1), vec2(9)});
+    Bench bench(std::move(scene), MixedLightingMode::Shadowmask, kPage, {});
+    for (const IrradianceEstimate& e : bench.irradiance()) EXPECT_NEAR(e.irradiance.x, 1.5f * kPi, 1e-4f);
+}
+
+vec3 irradianceFromSh(const SphericalHarmonicsL2& sh, vec3 n)
+{
+    vec3 sum(0.0f);
+    for (int i = 0; i < 9; ++i) sum += sh[std::size_t(i)] * shading::shIrradianceWeight(i, n);
+    return sum;
+}
+
+ProbeEstimate probeAt(Scene scene, vec3 position, int samples, MixedLightingMode mode = MixedLightingMode::Shadowmask)
+{
+    IntegrationSettings settings;
+    settings.probeSamples = samples;
+    settings.shadowSamples = 1024;
+    Bench bench(std::move(scene), mode, kPage, settings);
+    std::vector<ProbeEstimate> out(1);
+    bench.integrator->probes(std::vector<vec3>{position}, out, {});
+    return out[0];
+}
+
+/// Sky radiance 1: the constant coefficient is sqrt(4 pi), all others 0. Sky radiance 1 + y: the y coefficient is
+/// sqrt(4 pi / 3) as well, and irradiance upward is pi + 2 pi / 3.
+TEST(ProbeS14, ConstantAndCosineSky)
+{
+    Scene constant;
+    constant.sky = {vec3(1), vec3(1), vec3(1)};
+    const ProbeEstimate a = probeAt(constant, vec3(0), 4096);
+    EXPECT_NEAR(a.radiance[0].x, std::sqrt(4.0f * kPi), 0.01f);
+    for (std::size_t i = 1; i < 9; ++i) EXPECT_NEAR(a.radiance[i].x, 0.0f, 0.02f) << i;
+    EXPECT_NEAR(irradianceFromSh(a.radiance, vec3(0, 1, 0)).x, kPi, 0.02f);
+
+    Scene cosine;
+    cosine.sky = {vec3(2), vec3(1), vec3(0)};
+    const ProbeEstimate b = probeAt(cosine, vec3(0), 4096);
+    EXPECT_NEAR(b.radiance[0].x, std::sqrt(4.0f * kPi), 0.01f);
+    EXPECT_NEAR(b.radiance[1].x, std::sqrt(4.0f * kPi / 3.0f), 0.01f);
+    for (std::size_t i = 2; i < 9; ++i) EXPECT_NEAR(b.radiance[i].x, 0.0f, 0.02f) << i;
+    EXPECT_NEAR(irradianceFromSh(b.radiance, vec3(0, 1, 0)).x, kPi + 2.0f * kPi / 3.0f, 0.03f);
+    EXPECT_NEAR(irradianceFromSh(b.radiance, vec3(0, -1, 0)).x, kPi - 2.0f * kPi / 3.0f, 0.03f);
+}
+
+/// A fully baked light in the probe: a delta in direction. Towards it, an L2 irradiance is 17/16 of the light's
+/// (1/4 + 1/2 + 5/16 from the bands).
+TEST(ProbeS10, FullyBakedLightIsInTheProbes)
+{
+    Scene scene;
+    scene.lights.push_back(makeLight(LightType::Point, vec3(0, 2, 0), vec3(0, -1, 0), 8.0f, LightMode::Baked));
+    EXPECT_NEAR(irradianceFromSh(probeAt(scene, vec3(0), 64).radiance, vec3(0, 1, 0)).x, 2.0f * 17.0f / 16.0f, 1e-3f);
+    scene.lights[0].mode = LightMode::Mixed;
+    EXPECT_EQ(irradianceFromSh(probeAt(scene, vec3(0), 64).radiance, vec3(0, 1, 0)).x, 0.0f);
+}
+
+/// A disc of radius r at distance a hides part of a light of radius R at distance d: what is left is
+/// 1 - (r d / (a R))^2. Here the disc is a fine fan.
+TEST(ProbeS14, OcclusionUnderADisc)
+{
+    for (const float discRadius : {0.0f, 0.05f, 0.1f, 0.2f}) {
+        Scene scene;
+        const int black = addMaterial(scene, vec3(0), vec3(0), true);
+        if (discRadius > 0.0f) {
+            MeshPart part;
+            part.positions = {vec3(0, 1, 0)};
+            constexpr int kSides = 256;
+            for (int i = 0; i < kSides; ++i) {
+                const float angle = 2.0f * kPi * float(i) / kSides;
+                part.positions.push_back(vec3(discRadius * std::cos(angle), 1, discRadius * std::sin(angle)));
+                part.indices.insert(part.indices.end(), {0u, uint32_t(1 + (i + 1) % kSides), uint32_t(1 + i)});
+            }
+            part.normals.assign(part.positions.size(), vec3(0, 1, 0));
+            part.material = black;
+            Mesh mesh;
+            mesh.parts.push_back(part);
+            scene.meshes.push_back(mesh);
+            Object object;
+            object.mesh = 0;
+            scene.objects.push_back(object);
+        }
+        scene.lights.push_back(makeLight(LightType::Point, vec3(0, 4, 0), vec3(0, -1, 0), 8.0f, LightMode::Mixed));
+        scene.lights[0].radiusMeters = 0.6f;
+        const float ratio = discRadius * 4.0f / 0.6f;
+        const ProbeEstimate e = probeAt(scene, vec3(0), 16);
+        EXPECT_NEAR(e.occlusion.x, std::max(0.0f, 1.0f - ratio * ratio), 0.02f) << discRadius;
+        EXPECT_EQ(e.occlusion.y, 1.0f);
+        EXPECT_EQ(e.occlusion.z, 1.0f);
+        EXPECT_EQ(e.occlusion.w, 1.0f);
+    }
+}
+
+/// A probe inside a solid sees its back faces and is marked; outside it is not.
+TEST(ProbeS14, InsideASolidIsInvalid)
+{
+    Scene scene;
+    addBox(scene, vec3(-1), vec3(1), addMaterial(scene, vec3(0.5f)), false);
+    EXPECT_FALSE(probeAt(scene, vec3(0.3f), 64).valid);
+    EXPECT_TRUE(probeAt(scene, vec3(0, 1.5f, 0), 64).valid);
+}
+
+/// Floor texels under a box that stands on it are inside geometry; those beside it are not, and see the sky.
+TEST(LeaksS6, TexelsUnderABoxAreMarked)
+{
+    Scene scene;
+    scene.sky = {vec3(1), vec3(1), vec3(1)};
+    const int grey = addMaterial(scene, vec3(0.5f));
+    addRectangle(scene, {vec3(-2, 0, 2), vec3(4, 0, 0), vec3(0, 0, -4)}, grey, kPage, {vec2(0), vec2(64)});
+    addBox(scene, vec3(-0.53f, -0.5f, -0.53f), vec3(0.53f, 1, 0.53f), grey, false);
+    Bench bench(std::move(scene), MixedLightingMode::Shadowmask, kPage, {});
+    const auto estimates = bench.irradiance();
+    const float texel = 4.0f / 64.0f;
+    for (std::size_t i = 0; i < estimates.size(); ++i) {
+        const vec3 p = glm::abs(bench.positionOf(bench.map.texels[i]));
+        const float distance = std::max(p.x, p.z);
+        if (distance < 0.53f - texel) EXPECT_FALSE(estimates[i].valid);
+        if (distance > 0.53f + 0.5f * texel) {
+            EXPECT_TRUE(estimates[i].valid);
+            EXPECT_GT(estimates[i].irradiance.x, 0.4f * kPi) << "a dark rim at " << distance;
+        }
+    }
+}
+
+/// A closed room of single-sided walls in a bright sky stays black, but for rays through the edges of triangles.
+TEST(LeaksS6, ClosedRoomInABrightSkyStaysDark)
+{
+    Scene scene;
+    scene.sky = {vec3(1000), vec3(1000), vec3(1000)};
+    addBox(scene, vec3(-3.1f, 0, -2.7f), vec3(3.3f, 2.9f, 4.1f), addMaterial(scene, vec3(0.8f)), true, kPage);
+    Bench bench(std::move(scene), MixedLightingMode::Shadowmask, kPage, {});
+    double sum = 0.0;
+    for (const IrradianceEstimate& e : bench.irradiance()) sum += e.irradiance.x;
+    EXPECT_LT(sum / double(bench.map.texels.size()), 0.001 * 1000.0 * kPi);
+}
+
+} // namespace
+} // namespace halflight::test

@@ -1,0 +1,370 @@
+// The bake's stages on their own: texels, channels (S9, S10), dilation, determinism.
+
+#include "bake/test_scene.h"
+
+#include "halflight/base/parallel.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <random>
+#include <set>
+
+namespace halflight::test {
+namespace {
+
+constexpr int kPage = 64;
+
+Light pointAt(const std::string& name, vec3 position, float range, float intensity = 10.0f)
+{
+    Light light = makeLight(LightType::Point, position, vec3(0, -1, 0), intensity, LightMode::Mixed);
+    light.name = name;
+    light.rangeMeters = range;
+    return light;
+}
+
+/// Whether two lights of the scene reach a common point, by sampling space.
+bool reachCommonPoint(const Light& a, const Light& b, std::mt19937& random)
+{
+    std::uniform_real_distribution<float> u(-12.0f, 12.0f);
+    const auto reaches = [](const Light& light, vec3 p) {
+        if (light.type == LightType::Directional) return true;
+        const vec3 offset = p - light.position();
+        const float distance = glm::length(offset);
+        if (light.rangeMeters > 0.0f && distance >= light.rangeMeters) return false;
+        return light.type != LightType::Spot || glm::dot(offset / distance, light.direction()) > std::cos(light.outerConeRadians);
+    };
+    for (int i = 0; i < 4000; ++i) {
+        const vec3 p(u(random), u(random), u(random));
+        if (reaches(a, p) && reaches(b, p)) return true;
+    }
+    return false;
+}
+
+TEST(ChannelsS9, LightsThatOverlapNeverShareAndOthersDo)
+{
+    std::mt19937 random(7);
+    std::uniform_real_distribution<float> u(-10.0f, 10.0f);
+    for (int trial = 0; trial < 30; ++trial) {
+        Scene scene;
+        for (int i = 0; i < 12; ++i) {
+            Light light = pointAt("p" + std::to_string(i), vec3(u(random), u(random), u(random)), 2.0f + 0.3f * float(i), float(i + 1));
+            if (i % 3 == 0) {
+                light.type = LightType::Spot;
+                light.outerConeRadians = 0.2f + 0.1f * float(i);
+                light.worldFromLight = lightPose(light.position(), vec3(u(random), u(random), u(random)));
+            }
+            scene.lights.push_back(light);
+        }
+        if (trial % 2) scene.lights.push_back(makeLight(LightType::Directional, vec3(0), vec3(0, -1, 0), 1.0f, LightMode::Mixed));
+        assignShadowmaskChannels(scene, MixedLightingMode::Shadowmask);
+        for (std::size_t i = 0; i < scene.lights.size(); ++i) {
+            const BakingOutput& a = scene.lights[i].baking;
+            EXPECT_EQ(a.occlusionMaskChannel >= 0, a.bakeType == LightMode::Mixed);
+            EXPECT_LT(a.occlusionMaskChannel, 4);
+            for (std::size_t j = i + 1; j < scene.lights.size(); ++j) {
+                const BakingOutput& b = scene.lights[j].baking;
+                if (a.occlusionMaskChannel < 0 || a.occlusionMaskChannel != b.occlusionMaskChannel) continue;
+                EXPECT_FALSE(reachCommonPoint(scene.lights[i], scene.lights[j], random)) << scene.lights[i].name << " and " << scene.lights[j].name;
+            }
+        }
+    }
+    Scene apart;
+    for (int i = 0; i < 20; ++i) apart.lights.push_back(pointAt("p" + std::to_string(i), vec3(float(i) * 10.0f, 0, 0), 4.9f));
+    assignShadowmaskChannels(apart, MixedLightingMode::Shadowmask);
+    for (const Light& light : apart.lights) EXPECT_EQ(light.baking.occlusionMaskChannel, 0);
+}
+
+TEST(ChannelsS9, OrderOfLightsDoesNotMatter)
+{
+    std::vector<Light> lights;
+    for (int i = 0; i < 9; ++i) lights.push_back(pointAt("p" + std::to_string(i), vec3(float(i) * 2.0f, 0, 0), 3.5f, float(10 + i)));
+    std::map<std::string, int> expected;
+    std::mt19937 random(3);
+    for (int trial = 0; trial < 20; ++trial) {
+        Scene scene;
+        scene.lights = lights;
+        assignShadowmaskChannels(scene, MixedLightingMode::Shadowmask);
+        for (const Light& light : scene.lights) {
+            const auto [found, fresh] = expected.emplace(light.name, light.baking.occlusionMaskChannel);
+            EXPECT_EQ(found->second, light.baking.occlusionMaskChannel) << light.name;
+        }
+        std::shuffle(lights.begin(), lights.end(), random);
+    }
+}
+
+TEST(ChannelsS10, TheFifthOverlappingLightIsBakedAndNamed)
+{
+    Scene scene;
+    for (int i = 0; i < 5; ++i) scene.lights.push_back(pointAt("lamp " + std::to_string(i), vec3(float(i), 0, 0), 20.0f, float(50 - i)));
+    assignShadowmaskChannels(scene, MixedLightingMode::Shadowmask);
+    std::set<int> channels;
+    for (int i = 0; i < 4; ++i) {
+        EXPECT_EQ(scene.lights[std::size_t(i)].baking.bakeType, LightMode::Mixed);
+        channels.insert(scene.lights[std::size_t(i)].baking.occlusionMaskChannel);
+    }
+    EXPECT_EQ(channels, (std::set<int>{0, 1, 2, 3}));
+    const BakingOutput& fifth = scene.lights[4].baking;
+    EXPECT_EQ(fifth.bakeType, LightMode::Baked);
+    EXPECT_EQ(fifth.occlusionMaskChannel, -1);
+    EXPECT_NE(fifth.reason.find("lamp 0"), std::string::npos) << fifth.reason;
+}
+
+/// The overflowing light's direct light is in the lightmap: nothing is dropped.
+TEST(ChannelsS10, OverflowIsRightInTheLightmap)
+{
+    Scene scene;
+    addRectangle(scene, {vec3(-1, 0, 1), vec3(2, 0, 0), vec3(0, 0, -2)}, addMaterial(scene, vec3(0)), kPage, {vec2(1), vec2(63)});
+    for (int i = 0; i < 5; ++i) scene.lights.push_back(pointAt("lamp " + std::to_string(i), vec3(0.3f * float(i), 1.5f, 0), 20.0f, float(50 - i)));
+    Bench bench(std::move(scene), MixedLightingMode::Shadowmask, kPage, {});
+    const auto estimates = bench.irradiance();
+    for (std::size_t i = 0; i < estimates.size(); i += 17) {
+        const vec3 toLight = bench.scene.lights[4].position() - bench.positionOf(bench.map.texels[i]);
+        const float d = glm::length(toLight);
+        const float window = 1.0f - std::pow(d / 20.0f, 4.0f);
+        const float expected = 46.0f * window / (d * d) * toLight.y / d;
+        EXPECT_NEAR(estimates[i].irradiance.x, expected, 3e-3f * expected);
+    }
+}
+
+TEST(ChannelsS9, LightsWithoutShadowsNeedNoChannel)
+{
+    Scene scene;
+    for (int i = 0; i < 6; ++i) scene.lights.push_back(pointAt("p" + std::to_string(i), vec3(0), 5.0f));
+    scene.lights[1].castShadows = false;
+    scene.lights[2].shadowStrength = 0.0f;
+    assignShadowmaskChannels(scene, MixedLightingMode::Shadowmask);
+    for (const Light& light : scene.lights) EXPECT_EQ(light.baking.bakeType, LightMode::Mixed) << light.name;
+    EXPECT_EQ(scene.lights[1].baking.occlusionMaskChannel, -1);
+    EXPECT_EQ(scene.lights[2].baking.occlusionMaskChannel, -1);
+}
+
+TEST(ChannelsS25, SubtractiveGivesChannelZeroToTheBrightestSun)
+{
+    Scene scene;
+    scene.lights = {makeLight(LightType::Directional, vec3(0), vec3(0, -1, 0), 1.0f, LightMode::Mixed),
+                    makeLight(LightType::Directional, vec3(0), vec3(0, -1, 0), 3.0f, LightMode::Mixed),
+                    makeLight(LightType::Directional, vec3(0), vec3(0, -1, 0), 9.0f, LightMode::Realtime),
+                    pointAt("p", vec3(0), 3.0f)};
+    assignShadowmaskChannels(scene, MixedLightingMode::Subtractive);
+    EXPECT_EQ(scene.lights[0].baking.occlusionMaskChannel, -1);
+    EXPECT_EQ(scene.lights[1].baking.occlusionMaskChannel, 0);
+    EXPECT_EQ(scene.lights[2].baking.occlusionMaskChannel, -1);
+    EXPECT_EQ(scene.lights[3].baking.occlusionMaskChannel, -1);
+    EXPECT_FALSE(scene.lights[2].baking.isBaked);
+}
+
+/// Any point of any triangle lies in a texel of the map: nothing the renderer can sample is missing.
+TEST(TexelsS6, RasterizationIsConservative)
+{
+    std::mt19937 random(11);
+    std::uniform_real_distribution<float> u(0.0f, 1.0f);
+    Scene scene;
+    const int grey = addMaterial(scene, vec3(0.5f));
+    MeshPart part;
+    for (int t = 0; t < 200; ++t) {
+        const vec2 base(u(random) * 60.0f, u(random) * 60.0f);
+        const float size = t % 2 ? 4.0f : 0.3f;
+        for (int i = 0; i < 3; ++i) {
+            const vec2 p = base + size * vec2(u(random), u(random));
+            part.positions.push_back(vec3(p, float(t)));
+            part.normals.push_back(vec3(0, 0, 1));
+            part.lightmapUv.push_back(p / float(kPage));
+            part.indices.push_back(uint32_t(part.indices.size()));
+        }
+    }
+    part.material = grey;
+    Mesh mesh;
+    mesh.parts.push_back(part);
+    scene.meshes.push_back(mesh);
+    Object object;
+    object.mesh = 0;
+    object.lightmap.page = 0;
+    scene.objects.push_back(object);
+    const BakeGeometry geometry = flattenGeometry(scene, kPage, GeometryFilter::Static);
+    const TexelMap map = rasterizeTexels(geometry, kPage, 1);
+    std::set<std::pair<int, int>> covered;
+    for (const Texel& texel : map.texels) {
+        EXPECT_TRUE(covered.emplace(texel.x, texel.y).second) << "a texel listed twice";
+        float area = 0.0f;
+        for (uint32_t f = 0; f < texel.fragmentCount; ++f) area += map.fragments[texel.firstFragment + f].area;
+        EXPECT_GT(area, 0.0f);
+        std::array<SurfacePoint, kMaxTexelPoints> points;
+        EXPECT_GE(texelPoints(geometry, map, texel, points), 1);
+    }
+    for (std::size_t t = 0; t < geometry.triangles.size(); ++t) {
+        const uvec3 v = geometry.triangles[t];
+        const vec2 a = geometry.lightmapTexel[v.x];
+        const vec2 b = geometry.lightmapTexel[v.y];
+        const vec2 c = geometry.lightmapTexel[v.z];
+        if (std::abs((b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x)) < 1e-4f) continue;
+        for (int s = 0; s < 50; ++s) {
+            float x = u(random);
+            float y = u(random);
+            if (x + y > 1.0f) {
+                x = 1.0f - x;
+                y = 1.0f - y;
+            }
+            const vec2 p = a + x * (b - a) + y * (c - a);
+            EXPECT_TRUE(covered.count({int(p.x), int(p.y)})) << p.x << " " << p.y;
+        }
+    }
+}
+
+TEST(TexelsS6, AreasOfAFullTexelSumToOneAndCentroidsLieInside)
+{
+    Scene scene;
+    addRectangle(scene, {}, addMaterial(scene, vec3(0.5f)), kPage, {vec2(3.25f), vec2(20.75f)});
+    const BakeGeometry geometry = flattenGeometry(scene, kPage, GeometryFilter::Static);
+    const TexelMap map = rasterizeTexels(geometry, kPage, 1);
+    EXPECT_EQ(map.texels.size(), 18u * 18u);
+    EXPECT_EQ(map.chartCount, 1u);
+    double total = 0.0;
+    for (const Texel& texel : map.texels) {
+        for (uint32_t f = 0; f < texel.fragmentCount; ++f) {
+            const TexelFragment& fragment = map.fragments[texel.firstFragment + f];
+            total += fragment.area;
+            const uvec3 v = geometry.triangles[fragment.triangle];
+            const vec2 p = (1.0f - fragment.barycentric.x - fragment.barycentric.y) * geometry.lightmapTexel[v.x] +
+                           fragment.barycentric.x * geometry.lightmapTexel[v.y] + fragment.barycentric.y * geometry.lightmapTexel[v.z];
+            EXPECT_GE(p.x, float(texel.x) - 1e-3f);
+            EXPECT_LE(p.x, float(texel.x) + 1.001f);
+            EXPECT_GE(p.y, float(texel.y) - 1e-3f);
+            EXPECT_LE(p.y, float(texel.y) + 1.001f);
+        }
+    }
+    EXPECT_NEAR(total, 17.5 * 17.5, 1e-2);
+}
+
+/// Two charts three texels apart: each grows two rings of its own value, and none of the other's.
+TEST(DilateS6, NeverCrossesCharts)
+{
+    Scene scene;
+    const int grey = addMaterial(scene, vec3(0.5f));
+    addRectangle(scene, {}, grey, kPage, {vec2(4), vec2(12)});
+    addRectangle(scene, {vec3(5, 0, 0)}, grey, kPage, {vec2(15, 4), vec2(23, 12)});
+    const BakeGeometry geometry = flattenGeometry(scene, kPage, GeometryFilter::Static);
+    const TexelMap map = rasterizeTexels(geometry, kPage, 1);
+    ASSERT_EQ(map.chartCount, 2u);
+    std::vector<vec3> values(map.texels.size());
+    for (std::size_t i = 0; i < values.size(); ++i) values[i] = map.texels[i].x < 13 ? vec3(1, 0, 0) : vec3(0, 1, 0);
+    const Image<vec3> page = dilate(map, values, 2)[0];
+    for (int y = 4; y < 12; ++y) {
+        EXPECT_EQ(page(12, y), vec3(1, 0, 0));
+        EXPECT_EQ(page(14, y), vec3(0, 1, 0));
+        EXPECT_TRUE(page(13, y) == vec3(1, 0, 0) || page(13, y) == vec3(0, 1, 0));
+        EXPECT_EQ(page(2, y), vec3(1, 0, 0));
+        EXPECT_EQ(page(1, y), vec3(0));
+    }
+}
+
+TEST(DilateS6, InvalidTexelsTakeTheirOwnChartsValues)
+{
+    Scene scene;
+    const int grey = addMaterial(scene, vec3(0.5f));
+    addRectangle(scene, {}, grey, kPage, {vec2(4), vec2(12)});
+    addRectangle(scene, {vec3(5, 0, 0)}, grey, kPage, {vec2(12, 4), vec2(20, 12)});
+    const BakeGeometry geometry = flattenGeometry(scene, kPage, GeometryFilter::Static);
+    const TexelMap map = rasterizeTexels(geometry, kPage, 1);
+    std::vector<vec3> values(map.texels.size());
+    std::vector<uint8_t> valid(map.texels.size(), 1);
+    for (std::size_t i = 0; i < values.size(); ++i) {
+        values[i] = map.texels[i].x < 12 ? vec3(1, 0, 0) : vec3(0, 1, 0);
+        if (map.texels[i].x >= 9 && map.texels[i].x < 12) {
+            values[i] = vec3(0);
+            valid[i] = 0;
+        }
+    }
+    fillInvalid(map, valid, values);
+    for (std::size_t i = 0; i < values.size(); ++i) EXPECT_EQ(values[i], map.texels[i].x < 12 ? vec3(1, 0, 0) : vec3(0, 1, 0));
+}
+
+TEST(EncodeS6, Rgb9e5KeepsColoursWithinItsPrecision)
+{
+    std::mt19937 random(5);
+    std::uniform_real_distribution<float> exponent(-8.0f, 14.0f);
+    ImageRgb32f page(64, 64);
+    for (vec3& texel : page.texels()) {
+        texel = vec3(std::exp2(exponent(random)), std::exp2(exponent(random)), std::exp2(exponent(random)));
+    }
+    page(0, 0) = vec3(0);
+    page(1, 0) = vec3(-1, 2, 3);
+    const ImageRgb32f decoded = decodeLightmap(encodeLightmap({page})[0]);
+    EXPECT_EQ(decoded(0, 0), vec3(0));
+    EXPECT_EQ(decoded(1, 0).x, 0.0f);
+    for (std::size_t i = 2; i < page.texelCount(); ++i) {
+        const vec3 a = page.data()[i];
+        const float step = std::max({a.x, a.y, a.z}) / 256.0f;
+        for (int c = 0; c < 3; ++c) EXPECT_NEAR(decoded.data()[i][c], a[c], 0.51f * step);
+    }
+}
+
+/// Noise goes, edges stay: a step in light survives the denoiser while noise around it shrinks.
+TEST(DenoiseS6, SmoothsNoiseAndKeepsEdges)
+{
+    Scene scene;
+    addRectangle(scene, {}, addMaterial(scene, vec3(0.5f)), kPage, {vec2(0), vec2(64)});
+    const BakeGeometry geometry = flattenGeometry(scene, kPage, GeometryFilter::Static);
+    const TexelMap map = rasterizeTexels(geometry, kPage, 1);
+    std::mt19937 random(9);
+    std::normal_distribution<float> noise(0.0f, 0.1f);
+    std::vector<IrradianceEstimate> estimates(map.texels.size());
+    const auto truth = [](const Texel& t) { return t.x < 32 ? 1.0f : 3.0f; };
+    double before = 0.0;
+    for (std::size_t i = 0; i < estimates.size(); ++i) {
+        estimates[i].irradiance = vec3(truth(map.texels[i]) + noise(random));
+        estimates[i].varianceOfMean = 0.01f;
+        before += std::pow(estimates[i].irradiance.x - truth(map.texels[i]), 2.0);
+    }
+    denoise(geometry, map, estimates);
+    double after = 0.0;
+    for (std::size_t i = 0; i < estimates.size(); ++i) after += std::pow(estimates[i].irradiance.x - truth(map.texels[i]), 2.0);
+    EXPECT_LT(after, before / 20.0);
+    for (std::size_t i = 0; i < estimates.size(); ++i) EXPECT_NEAR(estimates[i].irradiance.x, truth(map.texels[i]), 0.15f);
+}
+
+TEST(DeterminismS6, ThreadCountChangesNoBit)
+{
+    std::vector<IrradianceEstimate> reference;
+    std::vector<vec4> referenceMask;
+    for (const int threads : {1, 2, 5}) {
+        const ThreadLimit limit(threads);
+        Scene scene;
+        scene.sky = {vec3(1), vec3(0.5f), vec3(0.1f)};
+        addBox(scene, vec3(-1), vec3(1), addMaterial(scene, vec3(0.5f), vec3(0.1f)), true, kPage);
+        addBox(scene, vec3(-0.3f), vec3(0.3f), addMaterial(scene, vec3(0.5f)), false);
+        scene.lights.push_back(pointAt("p", vec3(0.7f), 5.0f));
+        Bench bench(std::move(scene), MixedLightingMode::Shadowmask, kPage, {});
+        const auto estimates = bench.irradiance();
+        const auto mask = bench.shadowmask();
+        if (reference.empty()) {
+            reference = estimates;
+            referenceMask = mask;
+        }
+        for (std::size_t i = 0; i < estimates.size(); ++i) {
+            ASSERT_EQ(estimates[i].irradiance, reference[i].irradiance);
+            ASSERT_EQ(mask[i], referenceMask[i]);
+        }
+    }
+}
+
+TEST(GeometryS6, MirroredAndShearedObjectsKeepOutwardNormals)
+{
+    Scene scene;
+    addBox(scene, vec3(-1), vec3(1), addMaterial(scene, vec3(0.5f)), false);
+    mat4 transform(1.0f);
+    transform[0] = vec4(-2, 0, 0.5f, 0);
+    transform[1] = vec4(0.3f, 1, 0, 0);
+    transform[2] = vec4(0, 0.2f, 0.5f, 0);
+    for (Object& object : scene.objects) object.worldFromObject = transform;
+    const BakeGeometry geometry = flattenGeometry(scene, kPage, GeometryFilter::Static);
+    for (uint32_t t = 0; t < geometry.triangles.size(); ++t) {
+        const SurfacePoint p = surfacePoint(geometry, t, vec2(1.0f / 3.0f));
+        EXPECT_GT(glm::dot(p.geometricNormal, p.position), 0.0f);
+        EXPECT_NEAR(glm::dot(p.geometricNormal, p.normal), 1.0f, 1e-5f);
+    }
+}
+
+} // namespace
+} // namespace halflight::test

@@ -1,0 +1,139 @@
+#pragma once
+// Scenes made in code, with lightmap coordinates given by hand: the bake's stages are tested without reader and unwrapper.
+
+#include "bake/stages.h"
+#include "halflight/bake_cpu/embree_integrator.h"
+#include "halflight/scene/scene.h"
+
+#include <glm/gtc/matrix_transform.hpp>
+
+#include <memory>
+#include <vector>
+
+namespace halflight::test {
+
+struct Rectangle {
+    vec3 origin{0.0f};
+    vec3 edgeU{1, 0, 0};
+    vec3 edgeV{0, 0, -1}; ///< front face towards cross(edgeU, edgeV)
+};
+
+/// Texels [min, max] of the page that a rectangle covers; min == max: no lightmap.
+struct Place {
+    vec2 min{0.0f};
+    vec2 max{0.0f};
+};
+
+inline int addMaterial(Scene& scene, vec3 albedo, vec3 emission = vec3(0.0f), bool doubleSided = false)
+{
+    Material material;
+    material.baseColor = vec4(albedo, 1.0f);
+    material.metallic = 0.0f;
+    material.emissiveNits = emission;
+    material.doubleSided = doubleSided;
+    scene.materials.push_back(material);
+    return int(scene.materials.size()) - 1;
+}
+
+inline int addRectangle(Scene& scene, const Rectangle& r, int material, int pageSize, Place place = {})
+{
+    MeshPart part;
+    part.positions = {r.origin, r.origin + r.edgeU, r.origin + r.edgeU + r.edgeV, r.origin + r.edgeV};
+    part.normals.assign(4, glm::normalize(glm::cross(r.edgeU, r.edgeV)));
+    part.uv[0] = {{0, 0}, {1, 0}, {1, 1}, {0, 1}};
+    part.indices = {0, 1, 2, 0, 2, 3};
+    part.material = material;
+    Object object;
+    object.mesh = int(scene.meshes.size());
+    if (place.min != place.max) {
+        const vec2 a = place.min / float(pageSize);
+        const vec2 b = place.max / float(pageSize);
+        part.lightmapUv = {a, {b.x, a.y}, b, {a.x, b.y}};
+        object.lightmap.page = 0;
+    }
+    Mesh mesh;
+    mesh.parts.push_back(part);
+    scene.meshes.push_back(mesh);
+    scene.objects.push_back(object);
+    return object.mesh;
+}
+
+/// Faces of an axis-aligned box turned inward (a room) or outward; no lightmap unless `pageSize` > 0, then each face gets
+/// 14 x 14 texels of a 64 x 64 page.
+inline void addBox(Scene& scene, vec3 lower, vec3 upper, int material, bool inward, int pageSize = 0)
+{
+    const vec3 s = upper - lower;
+    const vec3 x(s.x, 0, 0);
+    const vec3 y(0, s.y, 0);
+    const vec3 z(0, 0, s.z);
+    const Rectangle outwardFaces[6] = {{lower, y, x}, {lower + z, x, y}, {lower, z, y}, {lower + x, y, z}, {lower, x, z}, {lower + y, z, x}};
+    for (int i = 0; i < 6; ++i) {
+        Rectangle face = outwardFaces[i];
+        if (inward) std::swap(face.edgeU, face.edgeV);
+        Place place;
+        if (pageSize > 0) {
+            place.min = vec2(1 + (i % 3) * 17, 1 + (i / 3) * 17);
+            place.max = place.min + vec2(14.0f);
+        }
+        addRectangle(scene, face, material, pageSize, place);
+    }
+}
+
+/// A light's pose: at `position`, shining along `direction`.
+inline mat4 lightPose(vec3 position, vec3 direction)
+{
+    const vec3 z = -glm::normalize(direction);
+    const vec3 up = std::abs(z.y) < 0.99f ? vec3(0, 1, 0) : vec3(1, 0, 0);
+    const vec3 x = glm::normalize(glm::cross(up, z));
+    return {vec4(x, 0), vec4(glm::cross(z, x), 0), vec4(z, 0), vec4(position, 1)};
+}
+
+inline Light makeLight(LightType type, vec3 position, vec3 direction, float intensity, LightMode mode)
+{
+    Light light;
+    light.name = "light";
+    light.type = type;
+    light.worldFromLight = lightPose(position, direction);
+    light.intensity = intensity;
+    light.mode = mode;
+    return light;
+}
+
+/// All the parts of a bake, kept alive together.
+struct Bench {
+    Scene scene;
+    BakeGeometry geometry;
+    TexelMap map;
+    std::unique_ptr<Integrator> integrator;
+
+    Bench(Scene s, MixedLightingMode mode, int pageSize, const IntegrationSettings& settings) : scene(std::move(s))
+    {
+        geometry = flattenGeometry(scene, pageSize, GeometryFilter::Static);
+        map = rasterizeTexels(geometry, pageSize, 1);
+        assignShadowmaskChannels(scene, mode);
+        integrator = std::move(*makeEmbreeIntegrator(scene, geometry, settings));
+    }
+    std::vector<IrradianceEstimate> irradiance()
+    {
+        std::vector<IrradianceEstimate> out(map.texels.size());
+        integrator->irradiance(map, out, {});
+        return out;
+    }
+    std::vector<vec4> shadowmask()
+    {
+        std::vector<vec4> out(map.texels.size());
+        integrator->shadowmask(map, out, {});
+        return out;
+    }
+    /// Mean world position of a texel's surface.
+    [[nodiscard]] vec3 positionOf(const Texel& texel) const
+    {
+        std::array<SurfacePoint, kMaxTexelPoints> points;
+        const int count = texelPoints(geometry, map, texel, points);
+        vec3 sum(0.0f);
+        for (int i = 0; i < count; ++i) sum += points[std::size_t(i)].position;
+        return sum / float(count);
+    }
+};
+
+} // namespace halflight::test
