@@ -1,0 +1,50 @@
+#!/usr/bin/env bash
+# Builds everything with warnings as errors and runs all tests, from anywhere, as root or with sudo available. Needs no
+# display and no GPU; safe to run again.
+#
+#   scripts/test.sh [--asan] [--no-install]
+#
+# --asan tests a build with AddressSanitizer and UndefinedBehaviorSanitizer. The Khronos glTF validator comes from npm;
+# without a network the tests that need it are skipped.
+set -euo pipefail
+cd "$(dirname "${BASH_SOURCE[0]}")/.."
+
+preset=dev
+install=1
+for argument in "$@"; do
+  case "$argument" in
+    --asan) preset=asan ;;
+    --no-install) install=0 ;;
+    *) echo "usage: scripts/test.sh [--asan] [--no-install]" >&2; exit 2 ;;
+  esac
+done
+
+if [ "$install" -eq 1 ]; then scripts/install-packages.sh --node; fi
+
+if [ ! -d build/node_modules/gltf-validator ] && command -v npm >/dev/null; then
+  mkdir -p build
+  timeout 120 npm install --prefix build --no-save --no-audit --no-fund --loglevel=error gltf-validator@2 ||
+    echo "test.sh: the glTF validator could not be had from npm; its tests will be skipped" >&2
+fi
+if [ -d build/node_modules/gltf-validator ]; then export HALFLIGHT_NODE_MODULES="$PWD/build/node_modules"; fi
+
+cmake --preset "$preset" --log-level=WARNING
+cmake --build --preset "$preset"
+log="build/$preset/ctest.log"
+status=0
+ctest --preset "$preset" -j2 2>&1 | tee "$log" || status=$?
+
+# Other versions of clang-format lay some lines out differently.
+if command -v clang-format >/dev/null && clang-format --version | grep -q 'version 14\.'; then
+  if git ls-files -z '*.cpp' '*.h' | xargs -0 clang-format --dry-run -Werror; then
+    echo "clang-format: clean"
+  else
+    echo "test.sh: some files are not formatted: clang-format -i FILE" >&2
+    status=1
+  fi
+else
+  echo "clang-format 14 not found: formatting not checked"
+fi
+
+grep -E 'tests passed|tests failed' "$log" || true
+exit "$status"

@@ -1,0 +1,406 @@
+"""End-to-end tests of the halflight program. Usage: cli_test.py HALFLIGHT SHARED_DIR [TestClass[.test]] …
+
+Exits with 77 (ctest: skipped) when every test that ran was skipped."""
+
+import json
+import os
+import signal
+import struct
+import subprocess
+import sys
+import tempfile
+import threading
+import unittest
+import zlib
+
+import tiny_scene
+
+HALFLIGHT = ""
+SHARED = ""
+QUICK = ["--quality", "preview", "--samples", "4", "--shadow-samples", "2", "--bounces", "1", "--lightmap-size", "128"]
+
+
+def run(*arguments, timeout=240):
+    return subprocess.run(
+        [HALFLIGHT, *map(str, arguments)], capture_output=True, text=True, timeout=timeout, stdin=subprocess.DEVNULL
+    )
+
+
+def read(path):
+    with open(path, "rb") as file:
+        return file.read()
+
+
+def decode_png(path):
+    """Width, height and rows of RGBA bytes of an 8-bit RGBA PNG (the PNG specification, section 9: filters)."""
+    data = read(path)
+    assert data[:8] == b"\x89PNG\r\n\x1a\n"
+    at, packed, header = 8, b"", None
+    while at < len(data):
+        (length,) = struct.unpack(">I", data[at : at + 4])
+        kind, body = data[at + 4 : at + 8], data[at + 8 : at + 8 + length]
+        header = struct.unpack(">IIBBBBB", body) if kind == b"IHDR" else header
+        packed += body if kind == b"IDAT" else b""
+        at += 12 + length
+    width, height, depth, color = header[:4]
+    channels = {2: 3, 6: 4}[color]
+    assert depth == 8
+    raw, rows, previous = zlib.decompress(packed), [], bytearray(width * channels)
+    for y in range(height):
+        begin = y * (width * channels + 1)
+        kind, row = raw[begin], bytearray(raw[begin + 1 : begin + 1 + width * channels])
+        for i in range(len(row)):
+            a = row[i - channels] if i >= channels else 0
+            b = previous[i]
+            c = previous[i - channels] if i >= channels else 0
+            nearest = min((a, b, c), key=lambda value: abs(a + b - c - value))
+            row[i] = (row[i] + (0, a, b, (a + b) // 2, nearest)[kind]) & 255
+        rows.append([tuple(row[i : i + 3]) for i in range(0, len(row), channels)])
+        previous = row
+    return width, height, rows
+
+
+class Case(unittest.TestCase):
+    def setUp(self):
+        self.folder = tempfile.TemporaryDirectory()
+        self.addCleanup(self.folder.cleanup)
+
+    def path(self, name):
+        return os.path.join(self.folder.name, name)
+
+    def scene(self, **arguments):
+        path = self.path("tiny.gltf")
+        tiny_scene.write(path, **arguments)
+        return path
+
+    def bake(self, scene, name, *arguments):
+        """Bakes in seconds; returns the file and the report."""
+        output = self.path(name)
+        result = run("bake", scene, "-o", output, *QUICK, "--json", *arguments)
+        self.assertEqual(result.returncode, 0, result.stderr)
+        return output, json.loads(result.stdout)
+
+    def assert_one_sentence(self, result, code, *words):
+        self.assertEqual(result.returncode, code, result.stderr)
+        lines = result.stderr.splitlines()
+        self.assertEqual(len(lines), 1, result.stderr)
+        self.assertTrue(lines[0].startswith("halflight: "), lines[0])
+        for word in words:
+            self.assertIn(word, lines[0])
+        self.assertEqual(result.stdout, "")
+
+    def assert_folder_holds(self, *names):
+        self.assertEqual(sorted(os.listdir(self.folder.name)), sorted(names))
+
+
+class Help(Case):
+    def test_help_of_every_command(self):
+        top = run("--help")
+        self.assertEqual(top.returncode, 0)
+        for command in ("bake", "render", "info"):
+            self.assertIn(command, top.stdout)
+            text = run(command, "--help")
+            self.assertEqual(text.returncode, 0)
+            self.assertEqual(text.stderr, "")
+            self.assertIn("--json", text.stdout)
+
+    def test_every_option_of_the_contract(self):
+        bake = run("bake", "--help").stdout
+        for option in (
+            "--mode baked-indirect|shadowmask|subtractive,--quality preview|medium|high|ultra,--samples,--bounces,"
+            "--device,--texels-per-meter,--lightmap-size,--uv auto|keep|unwrap,--denoise on|off,--probe-spacing,"
+            "--threads,--seed,--settings,--write-images,--report,--sky,--padding,--quiet"
+        ).split(","):
+            self.assertIn(option, bake)
+        render = run("render", "--help").stdout
+        for option in (
+            "--mode auto|realtime|baked-indirect|shadowmask|distance-shadowmask|subtractive,--shadow-distance,"
+            "--shadow-fade-range,--cascades 1..4,--size,--camera,--eye,--target,--fov,--exposure,--reference,"
+            "--view lit|shadowmask|lightmap|probes|cascades|fade|overlap,--shadow-filter hard|pcf|soft,--validation"
+        ).split(","):
+            self.assertIn(option, render)
+
+    def test_what_is_not_there_is_not_in_help(self):
+        self.assertNotIn("view  ", run("--help").stdout)
+        self.assertNotIn("gpu", run("bake", "--help").stdout)
+        self.assertNotIn("deferred", run("render", "--help").stdout)
+
+    def test_version(self):
+        result = run("--version")
+        self.assertEqual(result.returncode, 0)
+        self.assertRegex(result.stdout, r"^halflight \d+\.\d+\.\d+\n$")
+
+
+class Usage(Case):
+    def test_wrong_usage_is_2_with_one_sentence(self):
+        scene = self.scene()
+        out, png = self.path("out.glb"), self.path("out.png")
+        cases = [
+            ([], "subcommand"),
+            (["bakery"], "bakery"),
+            (["bake"], "SCENE"),
+            (["bake", scene], "--output"),
+            (["bake", scene, "-o", self.path("out.png")], ".glb"),
+            (["bake", scene, "-o", out, "--nonsense"], "--nonsense"),
+            (["bake", scene, "another", "-o", out], "another"),
+            (["bake", scene, "-o", out, "--mode", "distance-shadowmask"], "--mode", "baked-indirect"),
+            (["bake", scene, "-o", out, "--samples", "0"], "--samples", "1 to"),
+            (["bake", scene, "-o", out, "--samples", "1.5"], "--samples", "whole"),
+            (["bake", scene, "-o", out, "--samples"], "--samples"),
+            (["bake", scene, "-o", out, "--bounces", "-1"], "--bounces", "0 to 64"),
+            (["bake", scene, "-o", out, "--lightmap-size", "63"], "--lightmap-size", "64 to 8192"),
+            (["bake", scene, "-o", out, "--texels-per-meter", "nan"], "--texels-per-meter"),
+            (["bake", scene, "-o", out, "--texels-per-meter", "1e99"], "--texels-per-meter"),
+            (["bake", scene, "-o", out, "--sky", "1,2"], "--sky"),
+            (["bake", scene, "-o", out, "--sky=-1,0,0"], "--sky"),
+            (["bake", scene, "-o", out, "--seed", "4294967296"], "--seed"),
+            (["bake", scene, "-o", out, "--device", "gpu"], "--device"),
+            (["render", scene, "-o", self.path("out.jpg")], ".png or .exr"),
+            (["render", scene, "-o", png, "--cascades", "5"], "--cascades", "1 to 4"),
+            (["render", scene, "-o", png, "--shadow-distance", "-3"], "--shadow-distance"),
+            (["render", scene, "-o", png, "--shadow-fade-range", "0"], "--shadow-fade-range", "0.01"),
+            (["render", scene, "-o", png, "--size", "0x5"], "--size", "16 to 8192"),
+            (["render", scene, "-o", png, "--size", "64"], "--size"),
+            (["render", scene, "-o", png, "--eye", "1,2,3"], "--target"),
+            (["render", scene, "-o", png, "--eye", "1,2,3", "--target", "1,2,3"], "same point"),
+            (["render", scene, "-o", png, "--eye", "1,2,3", "--target", "0,0,0", "--camera", "view"], "--camera"),
+            (["render", scene, "-o", png, "--exposure", "bright"], "--exposure"),
+            (["render", scene, "-o", png, "--path", "deferred"], "--path"),
+            (["render", scene, "-o", png, "--bounces", "2"], "--reference"),
+            (["render", scene, "-o", png, "--reference", "2", "--mode", "realtime"], "--reference"),
+            (["info"], "FILE"),
+        ]
+        for arguments, *words in cases:
+            with self.subTest(arguments=arguments[:1] + arguments[-2:]):
+                self.assert_one_sentence(run(*arguments), 2, *words)
+        self.assert_folder_holds("tiny.gltf")
+
+    def test_a_bake_never_replaces_its_scene(self):
+        scene = self.path("scene.glb")
+        tiny_scene.write(scene)
+        before = read(scene)
+        self.assert_one_sentence(run("bake", scene, "-o", os.path.join(self.folder.name, ".", "scene.glb")), 2)
+        os.symlink(scene, self.path("link.glb"))
+        self.assert_one_sentence(run("bake", scene, "-o", self.path("link.glb")), 2)
+        self.assertEqual(read(scene), before)
+
+    def test_files_that_cannot_be_used_are_1_with_their_name(self):
+        scene = self.scene()
+        absent = self.path("absent.glb")
+        out = self.path("out.glb")
+        self.assert_one_sentence(run("bake", absent, "-o", out), 1, absent)
+        self.assert_one_sentence(run("info", absent), 1, absent)
+        self.assert_one_sentence(run("render", absent, "-o", self.path("out.png")), 1, absent)
+        self.assert_one_sentence(run("info", self.folder.name), 1, self.folder.name)
+        nowhere = self.path("nowhere/out.glb")
+        self.assert_one_sentence(run("bake", scene, "-o", nowhere), 1, nowhere, "folder")
+        self.assert_one_sentence(run("bake", scene, "-o", out, "--report", self.path("nowhere/r.json")), 1, "r.json")
+        self.assert_one_sentence(run("bake", scene, "-o", out, "--settings", self.path("s.toml")), 1, "s.toml")
+        self.assert_one_sentence(run("render", scene, "-o", self.path("o.png"), "--camera", "nope"), 1, "nope", "view")
+        self.assert_folder_holds("tiny.gltf")
+
+
+class Malformed(Case):
+    # Files of shared/scenes/malformed that are valid, if odd: they may load.
+    ODD = {"primitive_no_position.gltf", "required_ext_meshopt_box.glb"}
+
+    def test_one_sentence_and_no_output(self):
+        folder = os.path.join(SHARED, "scenes", "malformed")
+        if not os.path.isdir(folder):
+            self.skipTest("no malformed scenes at " + folder)
+        names = sorted(name for name in os.listdir(folder) if name.endswith((".glb", ".gltf")))
+        self.assertGreater(len(names), 10)
+        for name in names:
+            path = os.path.join(folder, name)
+            for command in (["bake", path, "-o", self.path("out.glb"), *QUICK], ["info", path]):
+                with self.subTest(name=name, command=command[0]):
+                    result = run(*command, timeout=60)
+                    if name in self.ODD and result.returncode == 0:
+                        if os.path.exists(self.path("out.glb")):
+                            os.remove(self.path("out.glb"))
+                        continue
+                    self.assert_one_sentence(result, 1, path + ": ")
+                    self.assert_folder_holds()
+
+
+class Chain(Case):
+    def test_bake_info_render(self):
+        scene = self.scene()
+        report_file, images = self.path("report.json"), self.path("images")
+        baked, report = self.bake(scene, "baked.glb", "--report", report_file, "--write-images", images)
+        self.assertEqual(read(baked)[:4], b"glTF")
+        self.assertEqual(json.loads(read(report_file)), report)
+        for name in ("lightmap_0.exr", "shadowmask_0.png", "probes.json"):
+            self.assertIn(name, os.listdir(images))
+
+        info = json.loads(run("info", baked, "--json").stdout)
+        self.assertTrue(info["baked"])
+        self.assertEqual(info["mode"], "shadowmask")
+        self.assertEqual(info["objects"]["static"], 4)
+        self.assertEqual(info["objects"]["dynamic"], 1)
+        self.assertEqual(info["cameras"], ["view"])
+        self.assertEqual(info["lightmap"], {"pages": 1, "size": 128})
+        self.assertEqual(info["shadowmask"], {"pages": 1, "size": 128})
+        self.assertGreater(info["probes"]["valid"], 0)
+        lights = {light["name"]: light for light in info["lights"]}
+        self.assertEqual(lights["sun"]["bakedAs"], "mixed")
+        self.assertEqual(sorted(light["channel"] for light in lights.values()), [0, 1])
+        self.assertIn("sun", run("info", baked).stdout)
+        plain = json.loads(run("info", scene, "--json").stdout)
+        self.assertFalse(plain["baked"])
+        self.assertEqual(plain["triangles"], {"stored": 12, "drawn": 60})
+
+        size = ["--size", "96x64"]
+        picture = self.path("picture.png")
+        result = run("render", baked, "-o", picture, *size, "--json")
+        self.assertEqual(result.returncode, 0, result.stderr)
+        summary = json.loads(result.stdout)
+        self.assertEqual(summary["mode"], "shadowmask")
+        self.assertEqual(summary["camera"]["name"], "view")
+        width, height, rows = decode_png(picture)
+        self.assertEqual((width, height), (96, 64))
+        values = [sum(pixel) / 3 for row in rows for pixel in row]
+        self.assertGreater(max(values), 100, "the picture is dark")
+        self.assertGreater(max(values) - min(values), 60, "the picture is flat")
+
+        # The exposure that was chosen gives the same picture when it is asked for.
+        again = self.path("again.png")
+        result = run("render", baked, "-o", again, *size, "--exposure", repr(summary["exposure"]))
+        self.assertEqual(result.returncode, 0, result.stderr)
+        self.assertEqual(read(picture), read(again))
+
+        radiance = self.path("radiance.exr")
+        self.assertEqual(run("render", baked, "-o", radiance, *size).returncode, 0)
+        self.assertEqual(read(radiance)[:4], b"\x76\x2f\x31\x01")
+
+    def test_modes_that_fit_the_bake(self):
+        scene = self.scene()
+        fits = {
+            "shadowmask": {"realtime", "baked-indirect", "shadowmask", "distance-shadowmask"},
+            "subtractive": {"realtime", "subtractive"},
+            "baked-indirect": {"realtime", "baked-indirect"},
+        }
+        modes = ["realtime", "baked-indirect", "shadowmask", "distance-shadowmask", "subtractive"]
+        for bake_mode, run_modes in fits.items():
+            baked, _ = self.bake(scene, bake_mode + ".glb", "--mode", bake_mode)
+            for mode in modes:
+                with self.subTest(baked=bake_mode, mode=mode):
+                    picture = self.path("picture.png")
+                    result = run("render", baked, "-o", picture, "--size", "32x32", "--mode", mode, "--quiet")
+                    if mode in run_modes:
+                        self.assertEqual(result.returncode, 0, result.stderr)
+                        self.assertEqual(result.stderr, "")
+                        os.remove(picture)
+                    else:
+                        self.assert_one_sentence(result, 1, baked, mode)
+                        self.assertFalse(os.path.exists(picture))
+
+    def test_every_view(self):
+        baked, _ = self.bake(self.scene(), "baked.glb")
+        seen = set()
+        for view in ("lit", "shadowmask", "lightmap", "probes", "cascades", "fade", "overlap"):
+            picture = self.path(view + ".png")
+            result = run("render", baked, "-o", picture, "--size", "48x48", "--view", view, "--shadow-distance", "8")
+            self.assertEqual(result.returncode, 0, result.stderr)
+            self.assertEqual(decode_png(picture)[:2], (48, 48))
+            seen.add(read(picture))
+        self.assertEqual(len(seen), 7, "two views are the same picture")
+
+    def test_plain_file_renders_in_realtime(self):
+        picture = self.path("picture.png")
+        result = run("render", self.scene(), "-o", picture, "--size", "64x64", "--json", "--eye=4,3,5", "--target=0,0,0")
+        self.assertEqual(result.returncode, 0, result.stderr)
+        self.assertEqual(json.loads(result.stdout)["mode"], "realtime")
+        _, _, rows = decode_png(picture)
+        self.assertGreater(max(max(pixel) for row in rows for pixel in row), 60)
+
+    def test_reference(self):
+        scene = self.scene()
+        first, second = self.path("a.exr"), self.path("b.exr")
+        options = ["--reference", "4", "--bounces", "2", "--size", "48x32", "--quiet"]
+        for output, threads in ((first, "1"), (second, "2")):
+            result = run("render", scene, "-o", output, *options, "--threads", threads)
+            self.assertEqual(result.returncode, 0, result.stderr)
+        self.assertEqual(read(first), read(second))
+
+    def test_fifth_overlapping_light_is_named(self):
+        output = self.path("baked.glb")
+        result = run("bake", self.scene(spots=5), "-o", output, *QUICK, "--json")
+        self.assertEqual(result.returncode, 0, result.stderr)
+        lights = json.loads(result.stdout)["lights"]
+        self.assertEqual(len(lights), 6)
+        overflow = [light for light in lights if light["channel"] < 0]
+        self.assertEqual(len(overflow), 2)
+        for light in overflow:
+            self.assertTrue(light["reason"])
+            self.assertTrue(any(light["name"] in line for line in result.stderr.splitlines()), result.stderr)
+        channels = {light["name"]: light["channel"] for light in json.loads(run("info", output, "--json").stdout)["lights"]}
+        self.assertEqual(sorted(channels.values()), [-1, -1, 0, 1, 2, 3])
+
+    def test_quiet_is_quiet(self):
+        result = run("bake", self.scene(), "-o", self.path("baked.glb"), *QUICK, "--quiet")
+        self.assertEqual((result.returncode, result.stdout, result.stderr), (0, "", ""))
+        self.assert_folder_holds("baked.glb", "tiny.gltf")
+
+    def test_bounces_0_is_direct_light_only(self):
+        _, report = self.bake(self.scene(), "baked.glb", "--bounces", "0")
+        self.assertEqual(report["quality"]["bounces"], 0)
+
+
+class Determinism(Case):
+    def test_threads_change_no_byte(self):
+        scene = self.scene()
+        one, _ = self.bake(scene, "one.glb", "--threads", "1")
+        two, _ = self.bake(scene, "two.glb", "--threads", "2")
+        self.assertEqual(read(one), read(two))
+        other, _ = self.bake(scene, "other.glb", "--seed", "2")
+        self.assertNotEqual(read(one), read(other))
+
+
+class Interrupt(Case):
+    def interrupt(self, number, *arguments):
+        """Sends the signal once the program has named the stage of tracing rays; returns exit code and last line."""
+        process = subprocess.Popen(
+            [HALFLIGHT, *arguments], stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True, bufsize=1
+        )
+        watchdog = threading.Timer(120, process.kill)
+        watchdog.start()
+        last = ""
+        sent = False
+        for line in process.stderr:
+            last = line
+            if not sent and line.endswith("...\n") and self.long_stage in line:
+                process.send_signal(number)
+                sent = True
+        process.stderr.close()
+        code = process.wait()
+        watchdog.cancel()
+        self.assertTrue(sent, "no stage named " + self.long_stage)
+        return code, last
+
+    def test_interrupted_bake_leaves_nothing(self):
+        self.long_stage = "lightmap"
+        scene = self.scene()
+        for number in (signal.SIGINT, signal.SIGTERM):
+            code, last = self.interrupt(
+                number, "bake", scene, "-o", self.path("out.glb"), "--samples", "200000", "--report", self.path("r.json")
+            )
+            self.assertEqual(code, 1)
+            self.assertEqual(last, "halflight: interrupted\n")
+            self.assert_folder_holds("tiny.gltf")
+
+    def test_interrupted_reference_leaves_nothing(self):
+        self.long_stage = ""
+        scene = self.scene()
+        code, last = self.interrupt(signal.SIGINT, "render", scene, "-o", self.path("out.png"), "--reference", "100000")
+        self.assertEqual((code, last), (1, "halflight: interrupted\n"))
+        self.assert_folder_holds("tiny.gltf")
+
+
+if __name__ == "__main__":
+    HALFLIGHT, SHARED = sys.argv[1:3]
+    program = unittest.main(argv=sys.argv[:1] + sys.argv[3:], exit=False, verbosity=1)
+    outcome = program.result
+    if outcome.wasSuccessful() and outcome.testsRun == len(outcome.skipped):
+        sys.exit(77)
+    sys.exit(0 if outcome.wasSuccessful() else 1)
