@@ -1,0 +1,123 @@
+#include "unwrap/authored.h"
+
+#include <algorithm>
+#include <cmath>
+#include <fmt/format.h>
+#include <map>
+#include <numeric>
+
+namespace halflight::charts {
+namespace {
+
+std::string nameOf(const Mesh& mesh, std::size_t triangle)
+{
+    for (std::size_t p = 0; p < mesh.parts.size(); ++p) {
+        const std::size_t count = mesh.parts[p].indices.size() / 3;
+        if (triangle < count) return fmt::format("part {}, triangle {}", p, triangle);
+        triangle -= count;
+    }
+    return "no triangle";
+}
+
+/// Charts are triangles that share an edge on the surface and in uv.
+void findCharts(AuthoredLayout& layout, const Surface& surface)
+{
+    std::vector<uint32_t> parent(surface.triangleCount());
+    std::iota(parent.begin(), parent.end(), 0u);
+    const auto find = [&](uint32_t t) {
+        while (parent[t] != t) t = parent[t] = parent[parent[t]];
+        return t;
+    };
+    for (uint32_t half = 0; half < surface.neighbors.size(); ++half) {
+        const uint32_t other = surface.neighbors[half];
+        if (other == kNone || half > other) continue;
+        const auto& mine = layout.triangles[half / 3].corners;
+        const auto& theirs = layout.triangles[other / 3].corners;
+        if (mine[half % 3] != theirs[(other % 3 + 1) % 3] || mine[(half % 3 + 1) % 3] != theirs[other % 3]) continue;
+        const uint32_t a = find(half / 3), b = find(other / 3);
+        parent[std::max(a, b)] = std::min(a, b);
+    }
+    layout.chartOfTriangle.assign(surface.triangleCount(), kNone);
+    for (uint32_t t = 0; t < surface.triangleCount(); ++t) {
+        if (surface.degenerate(t)) continue;
+        const uint32_t root = find(t);
+        layout.chartOfTriangle[t] = root == t ? layout.chartCount++ : layout.chartOfTriangle[root];
+    }
+}
+
+} // namespace
+
+bool hasAuthoredLayout(const Mesh& mesh)
+{
+    return std::any_of(mesh.parts.begin(), mesh.parts.end(), [](const MeshPart& part) { return !part.uv[1].empty(); });
+}
+
+AuthoredLayout readAuthoredLayout(const Mesh& mesh, const Surface& surface)
+{
+    AuthoredLayout layout;
+    std::size_t triangle = 0;
+    for (std::size_t p = 0; p < mesh.parts.size(); ++p) {
+        const MeshPart& part = mesh.parts[p];
+        if (part.uv[1].empty() && !part.indices.empty()) {
+            layout.fault = fmt::format("part {} has no TEXCOORD_1", p);
+            return layout;
+        }
+        for (std::size_t i = 0; i + 2 < part.indices.size(); i += 3, ++triangle) {
+            FlatTriangle& flat = layout.triangles.emplace_back();
+            for (std::size_t k = 0; k < 3; ++k) {
+                const vec2 uv = part.uv[1][part.indices[i + k]];
+                flat.corners[k] = dvec2(uv);
+                if (!(uv.x >= 0.0f && uv.x <= 1.0f && uv.y >= 0.0f && uv.y <= 1.0f)) {
+                    layout.fault = std::isfinite(uv.x) && std::isfinite(uv.y)
+                                       ? fmt::format("TEXCOORD_1 leaves [0,1] ({})", nameOf(mesh, triangle))
+                                       : fmt::format("TEXCOORD_1 is not finite ({})", nameOf(mesh, triangle));
+                    return layout;
+                }
+            }
+        }
+    }
+    layout.least = dvec2(1e300);
+    layout.most = dvec2(-1e300);
+    double stretchSum = 0.0;
+    std::vector<FlatTriangle> solid;
+    std::vector<uint32_t> solidIndex;
+    for (std::size_t t = 0; t < layout.triangles.size(); ++t) {
+        const auto& c = layout.triangles[t].corners;
+        for (const dvec2 corner : c) {
+            layout.least = glm::min(layout.least, corner);
+            layout.most = glm::max(layout.most, corner);
+        }
+        if (surface.degenerate(t)) continue;
+        const double doubleArea = (c[1].x - c[0].x) * (c[2].y - c[0].y) - (c[1].y - c[0].y) * (c[2].x - c[0].x);
+        const double longest2 = std::max({glm::dot(c[1] - c[0], c[1] - c[0]), glm::dot(c[2] - c[1], c[2] - c[1]),
+                                          glm::dot(c[0] - c[2], c[0] - c[2])});
+        if (!(std::abs(doubleArea) > 1e-7 * longest2)) {
+            layout.fault = fmt::format("TEXCOORD_1 gives a triangle no area ({})", nameOf(mesh, t));
+            return layout;
+        }
+        layout.uvArea += 0.5 * std::abs(doubleArea);
+        layout.worldArea += surface.areas[t];
+        const dvec3 pa = surface.corner(t, 0), pb = surface.corner(t, 1), pc = surface.corner(t, 2);
+        const dvec3 alongU = (pa * (c[1].y - c[2].y) + pb * (c[2].y - c[0].y) + pc * (c[0].y - c[1].y)) / doubleArea;
+        const dvec3 alongV = (pa * (c[2].x - c[1].x) + pb * (c[0].x - c[2].x) + pc * (c[1].x - c[0].x)) / doubleArea;
+        stretchSum += surface.areas[t] * 0.5 * (glm::dot(alongU, alongU) + glm::dot(alongV, alongV));
+        solid.push_back(layout.triangles[t]);
+        solidIndex.push_back(uint32_t(t));
+    }
+    if (solid.empty()) {
+        layout.fault = "no triangle has an area";
+        return layout;
+    }
+    // An eighth of a texel at 8192 texels a page: coordinates that were quantized to 16 bits touch, and do not overlap.
+    if (const auto overlap = findOverlap(solid, 1.0 / 65536.0)) {
+        layout.fault = fmt::format("TEXCOORD_1 overlaps itself ({} and {})", nameOf(mesh, solidIndex[overlap->first]),
+                                   nameOf(mesh, solidIndex[overlap->second]));
+        return layout;
+    }
+    // Stretch at the scale that keeps the area: metres per uv unit is sqrt(worldArea / uvArea).
+    layout.stretch = std::sqrt(stretchSum / layout.worldArea * layout.uvArea / layout.worldArea);
+    findCharts(layout, surface);
+    return layout;
+}
+
+} // namespace halflight::charts

@@ -1,0 +1,265 @@
+#include "unwrap/pages.h"
+
+#include "halflight/base/parallel.h"
+
+#include <algorithm>
+#include <cmath>
+#include <fmt/format.h>
+
+namespace halflight::charts {
+namespace {
+
+/// The chart in the middle of the least rectangle of whole texels that holds it.
+void rasterizeChart(const Chart& chart, double texelsPerMeter, Footprint& footprint, dvec2& origin)
+{
+    const dvec2 size = chart.size * texelsPerMeter;
+    const ivec2 texels = glm::max(ivec2(glm::ceil(size + 2.0 * kRasterMargin + 1e-6)), ivec2(1));
+    origin = 0.5 * (dvec2(texels) - size);
+    footprint = Footprint(texels.x, texels.y);
+    for (std::size_t t = 0; t < chart.triangles.size(); ++t) {
+        dvec2 corners[3];
+        for (std::size_t k = 0; k < 3; ++k) corners[k] = origin + chart.uv[chart.corners[3 * t + k]] * texelsPerMeter;
+        forTouchedTexels(corners, kRasterMargin, [&](int y, int first, int last) { footprint.setRun(y, first, last); });
+    }
+}
+
+void rasterizeAuthored(const AuthoredLayout& authored, GroupRaster& raster)
+{
+    const double scale = raster.texelsPerUnit;
+    raster.authoredCorner = ivec2(glm::floor(authored.least * scale - 2.0 * kRasterMargin));
+    const ivec2 end = ivec2(glm::floor(authored.most * scale + 2.0 * kRasterMargin)) + 1;
+    raster.whole = Footprint(end.x - raster.authoredCorner.x, end.y - raster.authoredCorner.y);
+    for (const FlatTriangle& triangle : authored.triangles) {
+        dvec2 corners[3];
+        for (int k = 0; k < 3; ++k) corners[k] = triangle.corners[k] * scale - dvec2(raster.authoredCorner);
+        forTouchedTexels(corners, kRasterMargin,
+                         [&](int y, int first, int last) { raster.whole.setRun(y, first, last); });
+    }
+}
+
+double texelsPerUnit(const GroupLayout& group, double texelsPerMeter)
+{
+    const double density = texelsPerMeter * group.densityScale;
+    return group.authored ? density * std::sqrt(group.authored->worldArea / group.authored->uvArea) : density;
+}
+
+/// Size of the largest thing that has to stay in one piece, in layout units.
+double largestExtent(const GroupLayout& group)
+{
+    if (group.authored) {
+        const dvec2 size = group.authored->most - group.authored->least;
+        return std::max(size.x, size.y);
+    }
+    double extent = 0.0;
+    for (const Chart& chart : group.layout.charts) extent = std::max({extent, chart.size.x, chart.size.y});
+    return extent;
+}
+
+GroupRaster rasterizeGroup(const GroupLayout& group, double texelsPerMeter)
+{
+    GroupRaster raster;
+    raster.texelsPerUnit = texelsPerUnit(group, texelsPerMeter);
+    if (group.authored) {
+        rasterizeAuthored(*group.authored, raster);
+        return raster;
+    }
+    const std::size_t count = group.layout.charts.size();
+    if (count == 0) { // nothing but degenerate triangles: they all get one texel
+        raster.charts.assign(1, Footprint(1, 1));
+        raster.charts[0].set(0, 0);
+        raster.chartOrigin.assign(1, dvec2(0.5));
+        return raster;
+    }
+    raster.charts.resize(count);
+    raster.chartOrigin.resize(count);
+    parallelFor(count, 32, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t c = begin; c < end; ++c) {
+            rasterizeChart(group.layout.charts[c], raster.texelsPerUnit, raster.charts[c], raster.chartOrigin[c]);
+        }
+    });
+    return raster;
+}
+
+/// The group's charts in a rectangle of their own.
+bool makeBlock(GroupRaster& raster, int pageSize, int padding, const Progress& progress)
+{
+    std::vector<PackItem> items;
+    for (const Footprint& chart : raster.charts) items.push_back({&chart, 0, true});
+    std::optional<Block> block = packBlock(items, ivec2(pageSize), padding, progress);
+    if (!block) return false;
+    raster.block = std::move(*block);
+    raster.whole = Footprint(raster.block.size.x, raster.block.size.y);
+    for (std::size_t c = 0; c < raster.charts.size(); ++c) {
+        const Placement& placement = raster.block.placements[c];
+        raster.charts[c].oriented(placement.orientation).forRuns([&](int y, int x, int length) {
+            raster.whole.setRun(placement.at.y + y, placement.at.x + x, placement.at.x + x + length - 1);
+        });
+    }
+    return true;
+}
+
+/// All groups at one density, packed. With `onePage`, no pages at all when one does not suffice. Groups that fit no
+/// page are reported in `tooLarge`.
+Pages attempt(const std::vector<GroupLayout>& groups, const PageSettings& settings, double texelsPerMeter, bool onePage,
+              std::vector<std::size_t>& tooLarge, const Progress& progress)
+{
+    Pages pages;
+    pages.texelsPerMeter = texelsPerMeter;
+    pages.rasters.resize(groups.size());
+    tooLarge.clear();
+    for (std::size_t g = 0; g < groups.size(); ++g) {
+        if (largestExtent(groups[g]) * texelsPerUnit(groups[g], texelsPerMeter) > settings.pageSize - 1)
+            tooLarge.push_back(g);
+    }
+    if (!tooLarge.empty()) return pages;
+    std::vector<char> failed(groups.size(), 0);
+    parallelFor(groups.size(), 1, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t g = begin; g < end; ++g) {
+            if (progress.cancelled()) continue;
+            pages.rasters[g] = rasterizeGroup(groups[g], texelsPerMeter);
+            if (!groups[g].authored && !groups[g].loose()) {
+                failed[g] = !makeBlock(pages.rasters[g], settings.pageSize, settings.padding, progress);
+            }
+        }
+    });
+    if (progress.cancelled()) return pages;
+    std::vector<PackItem> items;
+    std::vector<std::pair<std::size_t, std::size_t>> owner; // group, place in its list of placements
+    uint32_t packGroup = 0;
+    pages.placements.resize(groups.size());
+    for (std::size_t g = 0; g < groups.size(); ++g) {
+        if (failed[g]) {
+            tooLarge.push_back(g);
+            continue;
+        }
+        const GroupRaster& raster = pages.rasters[g];
+        const bool loose = groups[g].loose();
+        const std::size_t count = loose ? raster.charts.size() : groups[g].group.objects.size();
+        pages.placements[g].resize(count);
+        for (std::size_t i = 0; i < count; ++i) {
+            items.push_back({loose ? &raster.charts[i] : &raster.whole, packGroup, loose});
+            owner.emplace_back(g, i);
+            if (!loose) ++packGroup;
+        }
+        if (loose) ++packGroup;
+    }
+    if (!tooLarge.empty()) return pages;
+    std::vector<Placement> placements = packOnePage(items, ivec2(settings.pageSize), settings.padding, progress);
+    if (placements.empty()) {
+        if (onePage || progress.cancelled()) return pages;
+        placements = packPages(items, ivec2(settings.pageSize), settings.padding, progress);
+        if (progress.cancelled()) return pages;
+    }
+    for (std::size_t i = 0; i < items.size(); ++i) {
+        const auto [g, place] = owner[i];
+        pages.placements[g][place] = placements[i];
+        pages.pageCount = std::max(pages.pageCount, placements[i].page + 1);
+        if (placements[i].page < 0 && (tooLarge.empty() || tooLarge.back() != g)) tooLarge.push_back(g);
+        pages.coveredTexels += items[i].footprint->count();
+        pages.reservedTexels += items[i].footprint->dilated(settings.padding / 2).count();
+    }
+    return pages;
+}
+
+/// Texels that everything takes at a density, padding included: a chart of area A and perimeter P, grown by half the
+/// padding and half a texel all round, as if its outline were smooth.
+double estimateTexels(const std::vector<GroupLayout>& groups, double texelsPerMeter, int padding)
+{
+    const double grow = 0.5 * (padding + 1);
+    double sum = 0.0;
+    for (const GroupLayout& group : groups) {
+        const double density = texelsPerMeter * group.densityScale;
+        double texels = 0.0;
+        if (group.authored) {
+            // Authored charts keep their gaps: the rectangle that holds them counts.
+            const dvec2 size = (group.authored->most - group.authored->least) * texelsPerUnit(group, texelsPerMeter);
+            texels = (size.x + 2.0 * grow) * (size.y + 2.0 * grow);
+        } else {
+            for (const Chart& chart : group.layout.charts) {
+                texels += chart.area * density * density + 0.55 * chart.perimeter * density * grow * 2.0 +
+                          4.0 * grow * grow * 0.8;
+            }
+            if (group.layout.charts.empty()) texels = 4.0 * grow * grow;
+        }
+        sum += texels * double(group.group.objects.size());
+    }
+    return sum;
+}
+
+std::string nameOf(const GroupLayout& group)
+{
+    return fmt::format("mesh {}", group.group.mesh);
+}
+
+} // namespace
+
+double estimateDensity(const std::vector<GroupLayout>& groups, const PageSettings& settings, double share)
+{
+    const double wanted = share * double(settings.pageSize) * double(settings.pageSize);
+    double low = 1e-9, high = 1e9;
+    for (int i = 0; i < 100; ++i) {
+        const double middle = std::sqrt(low * high);
+        (estimateTexels(groups, middle, settings.padding) < wanted ? low : high) = middle;
+    }
+    return low;
+}
+
+Pages placeOnPages(std::vector<GroupLayout>& groups, const PageSettings& settings, std::vector<std::string>& warnings,
+                   const Progress& progress)
+{
+    if (groups.empty()) return {};
+    std::vector<std::size_t> tooLarge;
+    double density = settings.texelsPerMeter;
+    if (density <= 0.0) {
+        // Bracket the greatest density that fits, then halve the bracket. Each trial is a whole packing.
+        double fits = 0.0, fails = 0.0;
+        Pages best;
+        density = estimateDensity(groups, settings, 0.93);
+        constexpr int kTrials = 9;
+        for (int trial = 0; trial < kTrials && !progress.cancelled(); ++trial) {
+            progress("pack", double(trial) / kTrials);
+            Pages pages = attempt(groups, settings, density, true, tooLarge, progress);
+            if (pages.pageCount == 1 && tooLarge.empty()) {
+                fits = density;
+                best = std::move(pages);
+            } else {
+                fails = density;
+            }
+            if (fits > 0.0 && fails > 0.0) {
+                if (fails / fits < 1.008) break;
+                density = std::sqrt(fits * fails);
+            } else {
+                const double step = trial < 2 ? 1.06 : trial < 4 ? 1.25 : 3.0;
+                density = fits > 0.0 ? fits * step : fails / step;
+            }
+        }
+        if (best.pageCount == 1 || progress.cancelled()) return best;
+        // So many charts that their padding alone fills a page.
+        density = estimateDensity(groups, settings, 0.9);
+        const double least = estimateTexels(groups, 0.0, settings.padding);
+        const double page = double(settings.pageSize) * double(settings.pageSize);
+        if (least > 0.5 * page) density = estimateDensity(groups, settings, 2.0 * least / page);
+        warnings.push_back(
+            fmt::format("the objects do not fit one page of {0} x {0} texels at any density: using several pages "
+                        "at {1:.4g} texels per metre",
+                        settings.pageSize, density));
+    }
+    while (!progress.cancelled()) {
+        progress("pack", 0.0);
+        Pages pages = attempt(groups, settings, density, false, tooLarge, progress);
+        if (tooLarge.empty()) return progress.cancelled() ? Pages{} : pages;
+        for (const std::size_t g : tooLarge) {
+            const double extent = largestExtent(groups[g]) * texelsPerUnit(groups[g], density);
+            const double shrink = extent > settings.pageSize - 1 ? 0.999 * (settings.pageSize - 1) / extent : 0.9;
+            if (groups[g].densityScale == 1.0) {
+                warnings.push_back(
+                    fmt::format("{} does not fit a page of {} texels at {:.4g} texels per metre: it gets fewer",
+                                nameOf(groups[g]), settings.pageSize, density));
+            }
+            groups[g].densityScale *= shrink;
+        }
+    }
+    return {};
+}
+
+} // namespace halflight::charts

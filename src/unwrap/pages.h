@@ -1,0 +1,62 @@
+#pragma once
+// From layouts in metres to texels on pages.
+
+#include "halflight/base/progress.h"
+#include "unwrap/authored.h"
+#include "unwrap/layout.h"
+#include "unwrap/objects.h"
+#include "unwrap/packer.h"
+
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace halflight::charts {
+
+/// A group with its layout: charts of our own, or the file's.
+struct GroupLayout {
+    LayoutGroup group;
+    Layout layout;
+    std::unique_ptr<AuthoredLayout> authored; ///< set when TEXCOORD_1 is kept
+    std::string reason;                       ///< why it is not
+    double densityScale = 1.0;                ///< below 1 where a chart or the whole object would not fit on a page
+    std::size_t triangleCount = 0;
+
+    /// Its charts go to the page one by one; otherwise each object gets a copy of the whole layout.
+    [[nodiscard]] bool loose() const { return !authored && group.objects.size() == 1; }
+};
+
+/// One group's texels at some density.
+struct GroupRaster {
+    std::vector<Footprint> charts;  ///< of our own charts
+    std::vector<dvec2> chartOrigin; ///< where a chart's (0, 0) lies in its footprint
+    double texelsPerUnit = 1.0;     ///< texels per metre of the layout, or per uv unit of an authored one
+    ivec2 authoredCorner{0};        ///< texel of the authored layout at which its footprint begins
+    Block block;                    ///< places of the charts in the group's own rectangle, unless loose
+    Footprint whole;                ///< all of that rectangle
+};
+
+/// Everything placed.
+struct Pages {
+    double texelsPerMeter = 0.0;
+    int pageCount = 0;
+    std::vector<GroupRaster> rasters;               ///< by group
+    std::vector<std::vector<Placement>> placements; ///< by group: of each chart when loose, else of each object
+    std::size_t coveredTexels = 0;
+    std::size_t reservedTexels = 0; ///< and the padding around them
+};
+
+struct PageSettings {
+    int pageSize = 1024;
+    int padding = 2;
+    double texelsPerMeter = 0.0; ///< 0 = the most that fits one page
+};
+
+/// Places all groups. Cancelled: pageCount is 0 while there are groups.
+Pages placeOnPages(std::vector<GroupLayout>& groups, const PageSettings& settings, std::vector<std::string>& warnings,
+                   const Progress& progress);
+
+/// Density at which all groups together take about `share` of one page's texels, padding included.
+double estimateDensity(const std::vector<GroupLayout>& groups, const PageSettings& settings, double share);
+
+} // namespace halflight::charts
