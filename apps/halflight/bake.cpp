@@ -42,6 +42,14 @@ Status checkPaths(const BakeOptions& options, std::filesystem::path& culprit)
     return {};
 }
 
+Status makeFolder(const std::filesystem::path& folder)
+{
+    std::error_code ec;
+    if (!folder.empty()) std::filesystem::create_directories(folder, ec);
+    if (ec) return Error{ErrorCode::WriteFailed, "cannot be made into a folder (" + ec.message() + ")"};
+    return {};
+}
+
 // Lights that are not what their author asked for, where no other warning speaks of them yet.
 std::vector<std::string> lightWarnings(const BakeReport& report)
 {
@@ -122,13 +130,19 @@ int runBake(const BakeOptions& options)
         display.reset();
         return fail(options.scene, scene.error());
     }
+    if (Status status = makeFolder(options.bake.imagesDirectory); !status) {
+        display.reset();
+        return fail(options.bake.imagesDirectory, status.error());
+    }
     if (options.skyGiven) scene->sky = {options.skyNits, options.skyNits, options.skyNits};
 
     Result<BakeResult> result = bake(std::move(*scene), options.bake, makeEmbreeIntegrator, progress);
     if (result && interrupted()) result = Error{ErrorCode::Cancelled, "interrupted"};
     if (!result) {
         display.reset();
-        return fail(options.scene, result.error());
+        // A dump that cannot be written names its own file.
+        const bool ofDump = result.error().code == ErrorCode::WriteFailed;
+        return fail(ofDump ? std::filesystem::path() : options.scene, result.error());
     }
     progress("write", 0.0);
     const Status written = writeBakedScene(options.output, result->baked);

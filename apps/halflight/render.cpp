@@ -333,7 +333,7 @@ void addShadowOptions(CLI::App& app, RenderOptions& options)
            "texels of the atlas of spot and point lights (default 4096)");
     addFloat(app, "--shadow-depth-bias", shadows.depthBias, 0.0f, 100.0f, "X", "constant depth bias (default 0)");
     addFloat(app, "--shadow-slope-bias", shadows.slopeBias, 0.0f, 100.0f, "X", "slope-scaled depth bias (default 1.5)");
-    addFloat(app, "--shadow-normal-bias", shadows.normalBiasTexels, 0.0f, 100.0f, "TEXELS",
+    addFloat(app, "--shadow-normal-bias", shadows.normalBiasTexels, 0.0f, 16.0f, "TEXELS",
              "receivers move along their normal by this (default 1.2)");
 }
 

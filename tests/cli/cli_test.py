@@ -292,7 +292,7 @@ class Chain(Case):
                         self.assertEqual(result.stderr, "")
                         os.remove(picture)
                     else:
-                        self.assert_one_sentence(result, 1, baked, mode)
+                        self.assert_one_sentence(result, 1, baked, "can only be drawn in")
                         self.assertFalse(os.path.exists(picture))
 
     def test_every_view(self):
