@@ -37,6 +37,8 @@ function(halflight_test name)
     add_executable(test_${name} ${ARG_SOURCES})
     target_include_directories(test_${name} PRIVATE ${PROJECT_SOURCE_DIR}/src ${PROJECT_SOURCE_DIR}/tests)
     target_link_libraries(test_${name} PRIVATE halflight_options GTest::gtest_main GTest::gmock ${ARG_LIBS})
+    # GoogleTest macros after a bare "if" are fine.
+    target_compile_options(test_${name} PRIVATE -Wno-dangling-else)
     target_compile_definitions(test_${name} PRIVATE
         HALFLIGHT_SOURCE_DIR="${PROJECT_SOURCE_DIR}" HALFLIGHT_SHARED_DIR="${PROJECT_SOURCE_DIR}/../shared")
     if(NOT ARG_TIMEOUT)
