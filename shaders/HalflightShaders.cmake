@@ -1,0 +1,23 @@
+# halflight_shaders(TARGET FILE…): compiles GLSL entry points of shaders/ to SPIR-V arrays that TARGET's sources include as
+# "shaders/NAME.h", e.g. "shaders/lit.frag.h" with `const uint32_t lit_frag[]`. Compiled again when any included file changes.
+set(HALFLIGHT_SHADER_DIR ${CMAKE_CURRENT_LIST_DIR})
+function(halflight_shaders target)
+    set(out_dir ${CMAKE_CURRENT_BINARY_DIR}/generated/shaders)
+    file(MAKE_DIRECTORY ${out_dir})
+    set(outputs)
+    foreach(shader ${ARGN})
+        string(REPLACE "." "_" variable ${shader})
+        set(output ${out_dir}/${shader}.h)
+        add_custom_command(OUTPUT ${output}
+            COMMAND Vulkan::glslangValidator -V --target-env vulkan1.3 --quiet --depfile ${output}.d --vn ${variable}
+                -I${PROJECT_SOURCE_DIR}/include -I${PROJECT_SOURCE_DIR}/src -I${HALFLIGHT_SHADER_DIR}
+                -o ${output} ${HALFLIGHT_SHADER_DIR}/${shader}
+            DEPENDS ${HALFLIGHT_SHADER_DIR}/${shader}
+            DEPFILE ${output}.d
+            COMMENT "Compiling shader ${shader}"
+            VERBATIM)
+        list(APPEND outputs ${output})
+    endforeach()
+    target_sources(${target} PRIVATE ${outputs})
+    target_include_directories(${target} PRIVATE ${CMAKE_CURRENT_BINARY_DIR}/generated)
+endfunction()

@@ -1,0 +1,22 @@
+// Everything the renderer's shaders read: one descriptor set.
+#ifndef HALFLIGHT_BINDINGS_GLSL
+#define HALFLIGHT_BINDINGS_GLSL
+
+#include "render/gpu_layout.h"
+
+layout(std140, set = 0, binding = kBindFrame) uniform FrameBlock { GpuFrame frame; };
+layout(std430, set = 0, binding = kBindObjects) readonly buffer ObjectBlock { GpuObject objects[]; };
+layout(std430, set = 0, binding = kBindMaterials) readonly buffer MaterialBlock { GpuMaterial materials[]; };
+layout(std430, set = 0, binding = kBindLights) readonly buffer LightBlock { GpuLight lights[]; };
+layout(std430, set = 0, binding = kBindTiles) readonly buffer TileBlock { GpuTile tiles[]; };
+layout(std430, set = 0, binding = kBindClusters) readonly buffer ClusterBlock { uint clusterWords[]; };
+layout(std430, set = 0, binding = kBindInstances) readonly buffer InstanceBlock { uint instanceObjects[]; };
+layout(set = 0, binding = kBindLightmaps) uniform sampler2DArray lightmaps;
+layout(set = 0, binding = kBindShadowmasks) uniform sampler2DArray shadowmasks;
+layout(set = 0, binding = kBindCascades) uniform sampler2DArrayShadow cascadeMaps;
+layout(set = 0, binding = kBindAtlas) uniform sampler2DArrayShadow atlasMap;
+layout(set = 0, binding = kBindTextures) uniform sampler2D textures[];
+
+layout(push_constant) uniform PushBlock { GpuPush push; };
+
+#endif

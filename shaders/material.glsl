@@ -1,0 +1,19 @@
+// Reading glTF materials.
+#ifndef HALFLIGHT_MATERIAL_GLSL
+#define HALFLIGHT_MATERIAL_GLSL
+
+#include "bindings.glsl"
+
+// A texture's value, or `absent` where the material has none. The material is the same for a whole draw, so the index
+// is dynamically uniform.
+vec4 materialTexture(int material, int slot, vec4 uv, vec4 absent)
+{
+    ivec4 info = materials[material].textures[slot].info;
+    if (info.x < 0) return absent;
+    vec4 m = materials[material].textures[slot].matrix;
+    vec2 t = info.y == 0 ? uv.xy : uv.zw;
+    t = vec2(dot(m.xy, t), dot(m.zw, t)) + materials[material].textures[slot].offset.xy;
+    return texture(textures[info.x], t);
+}
+
+#endif

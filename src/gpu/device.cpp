@@ -1,0 +1,314 @@
+#include "gpu/device.h"
+
+#include <algorithm>
+#include <array>
+#include <cstring>
+#include <optional>
+
+#ifdef _WIN32
+#ifndef NOMINMAX
+#define NOMINMAX
+#endif
+#include <windows.h>
+#else
+#include <dlfcn.h>
+#endif
+
+namespace halflight::gpu {
+namespace {
+
+constexpr const char* kValidationLayer = "VK_LAYER_KHRONOS_validation";
+
+#ifdef _WIN32
+void* openLoader() { return reinterpret_cast<void*>(LoadLibraryA("vulkan-1.dll")); }
+void closeLoader(void* library) { FreeLibrary(static_cast<HMODULE>(library)); }
+void* symbol(void* library, const char* name)
+{
+    return reinterpret_cast<void*>(GetProcAddress(static_cast<HMODULE>(library), name));
+}
+#else
+void* openLoader()
+{
+    for (const char* name : {"libvulkan.so.1", "libvulkan.so", "libvulkan.1.dylib"})
+        if (void* library = dlopen(name, RTLD_NOW | RTLD_LOCAL)) return library;
+    return nullptr;
+}
+void closeLoader(void* library) { dlclose(library); }
+void* symbol(void* library, const char* name) { return dlsym(library, name); }
+#endif
+
+int preference(VkPhysicalDeviceType type, bool preferCpu)
+{
+    switch (type) {
+    case VK_PHYSICAL_DEVICE_TYPE_DISCRETE_GPU: return 4;
+    case VK_PHYSICAL_DEVICE_TYPE_INTEGRATED_GPU: return 3;
+    case VK_PHYSICAL_DEVICE_TYPE_VIRTUAL_GPU: return 2;
+    case VK_PHYSICAL_DEVICE_TYPE_CPU: return preferCpu ? 5 : 1;
+    default: return 0;
+    }
+}
+
+/// Features asked of every device, chained for vkGetPhysicalDeviceFeatures2 and vkCreateDevice.
+struct Features {
+    VkPhysicalDeviceVulkan13Features v13{.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_3_FEATURES};
+    VkPhysicalDeviceVulkan12Features v12{.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_2_FEATURES, .pNext = &v13};
+    VkPhysicalDeviceVulkan11Features v11{.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_1_FEATURES, .pNext = &v12};
+    VkPhysicalDeviceFeatures2 all{.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_FEATURES_2, .pNext = &v11};
+    Features() = default;
+    Features(const Features&) = delete;
+    Features& operator=(const Features&) = delete;
+};
+
+/// Name of the first feature this device lacks, or null.
+const char* missingFeature(const Features& f)
+{
+    if (!f.v13.dynamicRendering) return "dynamicRendering";
+    if (!f.v13.synchronization2) return "synchronization2";
+    if (!f.v12.runtimeDescriptorArray) return "runtimeDescriptorArray";
+    if (!f.v12.descriptorBindingPartiallyBound) return "descriptorBindingPartiallyBound";
+    if (!f.v12.descriptorBindingVariableDescriptorCount) return "descriptorBindingVariableDescriptorCount";
+    if (!f.all.features.shaderSampledImageArrayDynamicIndexing) return "shaderSampledImageArrayDynamicIndexing";
+    return nullptr;
+}
+
+std::optional<uint32_t> graphicsQueueFamily(const Functions& vk, VkPhysicalDevice device, uint32_t& timestampBits)
+{
+    uint32_t count = 0;
+    vk.GetPhysicalDeviceQueueFamilyProperties(device, &count, nullptr);
+    std::vector<VkQueueFamilyProperties> families(count);
+    vk.GetPhysicalDeviceQueueFamilyProperties(device, &count, families.data());
+    for (uint32_t i = 0; i < count; ++i) {
+        if (families[i].queueFlags & VK_QUEUE_GRAPHICS_BIT) {
+            timestampBits = families[i].timestampValidBits;
+            return i;
+        }
+    }
+    return std::nullopt;
+}
+
+} // namespace
+
+VkBool32 VKAPI_PTR Device::onMessage(VkDebugUtilsMessageSeverityFlagBitsEXT, VkDebugUtilsMessageTypeFlagsEXT,
+                                     const VkDebugUtilsMessengerCallbackDataEXT* data, void* user)
+{
+    auto& messages = *static_cast<Messages*>(user);
+    const std::lock_guard lock(messages.mutex);
+    messages.texts.emplace_back(data->pMessage ? data->pMessage : "");
+    return VK_FALSE;
+}
+
+Device::Device(const DeviceOptions& options)
+{
+    try {
+        createInstance(options);
+        pickPhysicalDevice(options);
+        createDevice();
+    } catch (...) {
+        destroy();
+        throw;
+    }
+}
+
+Device::~Device() { destroy(); }
+
+void Device::createInstance(const DeviceOptions& options)
+{
+    library_ = openLoader();
+    if (!library_) throw Failure("no Vulkan loader found (libvulkan.so.1); install it with a Vulkan driver");
+    table_.GetInstanceProcAddr = reinterpret_cast<PFN_vkGetInstanceProcAddr>(symbol(library_, "vkGetInstanceProcAddr"));
+    if (!table_.GetInstanceProcAddr) throw Failure("the Vulkan loader has no vkGetInstanceProcAddr");
+#define HALFLIGHT_VULKAN_LOAD(name)                                                                                    \
+    table_.name = reinterpret_cast<PFN_vk##name>(table_.GetInstanceProcAddr(nullptr, "vk" #name));
+    HALFLIGHT_VULKAN_GLOBAL_FUNCTIONS(HALFLIGHT_VULKAN_LOAD)
+#undef HALFLIGHT_VULKAN_LOAD
+    uint32_t version = 0;
+    if (!table_.CreateInstance || !table_.EnumerateInstanceVersion ||
+        table_.EnumerateInstanceVersion(&version) != VK_SUCCESS || version < VK_API_VERSION_1_3)
+        throw Failure("the Vulkan loader is older than 1.3");
+
+    std::vector<const char*> layers;
+    std::vector<const char*> extensions;
+    if (options.validation) {
+        uint32_t count = 0;
+        table_.EnumerateInstanceLayerProperties(&count, nullptr);
+        std::vector<VkLayerProperties> found(count);
+        table_.EnumerateInstanceLayerProperties(&count, found.data());
+        if (std::none_of(found.begin(), found.end(),
+                         [](const auto& layer) { return std::strcmp(layer.layerName, kValidationLayer) == 0; }))
+            throw Failure("validation was asked for, but VK_LAYER_KHRONOS_validation is not installed");
+        layers.push_back(kValidationLayer);
+        extensions.push_back(VK_EXT_DEBUG_UTILS_EXTENSION_NAME);
+        extensions.push_back(VK_EXT_VALIDATION_FEATURES_EXTENSION_NAME);
+    }
+
+    const VkDebugUtilsMessengerCreateInfoEXT messengerInfo{
+        .sType = VK_STRUCTURE_TYPE_DEBUG_UTILS_MESSENGER_CREATE_INFO_EXT,
+        .messageSeverity = VK_DEBUG_UTILS_MESSAGE_SEVERITY_WARNING_BIT_EXT | VK_DEBUG_UTILS_MESSAGE_SEVERITY_ERROR_BIT_EXT,
+        .messageType = VK_DEBUG_UTILS_MESSAGE_TYPE_VALIDATION_BIT_EXT | VK_DEBUG_UTILS_MESSAGE_TYPE_PERFORMANCE_BIT_EXT,
+        .pfnUserCallback = &Device::onMessage,
+        .pUserData = messages_.get()};
+    const VkValidationFeatureEnableEXT enabled = VK_VALIDATION_FEATURE_ENABLE_SYNCHRONIZATION_VALIDATION_EXT;
+    const VkValidationFeaturesEXT validation{.sType = VK_STRUCTURE_TYPE_VALIDATION_FEATURES_EXT,
+                                             .pNext = &messengerInfo,
+                                             .enabledValidationFeatureCount = 1,
+                                             .pEnabledValidationFeatures = &enabled};
+    const VkApplicationInfo application{.sType = VK_STRUCTURE_TYPE_APPLICATION_INFO,
+                                        .pApplicationName = "halflight",
+                                        .pEngineName = "halflight",
+                                        .apiVersion = VK_API_VERSION_1_3};
+    const VkInstanceCreateInfo info{.sType = VK_STRUCTURE_TYPE_INSTANCE_CREATE_INFO,
+                                    .pNext = options.validation ? &validation : nullptr,
+                                    .pApplicationInfo = &application,
+                                    .enabledLayerCount = uint32_t(layers.size()),
+                                    .ppEnabledLayerNames = layers.data(),
+                                    .enabledExtensionCount = uint32_t(extensions.size()),
+                                    .ppEnabledExtensionNames = extensions.data()};
+    check(table_.CreateInstance(&info, nullptr, &instance_), "start");
+#define HALFLIGHT_VULKAN_LOAD(name)                                                                                    \
+    table_.name = reinterpret_cast<PFN_vk##name>(table_.GetInstanceProcAddr(instance_, "vk" #name));
+    HALFLIGHT_VULKAN_INSTANCE_FUNCTIONS(HALFLIGHT_VULKAN_LOAD)
+#undef HALFLIGHT_VULKAN_LOAD
+    if (options.validation)
+        check(table_.CreateDebugUtilsMessengerEXT(instance_, &messengerInfo, nullptr, &messenger_),
+              "create a debug messenger");
+}
+
+void Device::pickPhysicalDevice(const DeviceOptions& options)
+{
+    uint32_t count = 0;
+    table_.EnumeratePhysicalDevices(instance_, &count, nullptr);
+    std::vector<VkPhysicalDevice> devices(count);
+    if (count > 0) table_.EnumeratePhysicalDevices(instance_, &count, devices.data());
+    devices.resize(count);
+
+    int best = -1;
+    std::string refused;
+    for (VkPhysicalDevice device : devices) {
+        VkPhysicalDeviceProperties properties;
+        table_.GetPhysicalDeviceProperties(device, &properties);
+        auto refuse = [&](const std::string& why) {
+            refused += (refused.empty() ? "" : "; ") + std::string(properties.deviceName) + " " + why;
+        };
+        if (properties.apiVersion < VK_API_VERSION_1_3) {
+            refuse("is older than Vulkan 1.3");
+            continue;
+        }
+        Features features;
+        table_.GetPhysicalDeviceFeatures2(device, &features.all);
+        if (const char* missing = missingFeature(features)) {
+            refuse(std::string("lacks ") + missing);
+            continue;
+        }
+        uint32_t timestampBits = 0;
+        const auto family = graphicsQueueFamily(vk, device, timestampBits);
+        if (!family) {
+            refuse("cannot draw");
+            continue;
+        }
+        const int score = preference(properties.deviceType, options.preferCpu);
+        if (score <= best) continue;
+        best = score;
+        physical_ = device;
+        properties_ = properties;
+        queueFamily_ = *family;
+        timestampBits_ = timestampBits;
+        anisotropy_ = features.all.features.samplerAnisotropy;
+    }
+    if (best < 0)
+        throw Failure(refused.empty() ? "no Vulkan device found; install a driver (mesa-vulkan-drivers has one for the CPU)"
+                                      : "no Vulkan device with the needed features found: " + refused);
+}
+
+void Device::createDevice()
+{
+    Features features;
+    features.v13.dynamicRendering = VK_TRUE;
+    features.v13.synchronization2 = VK_TRUE;
+    features.v12.runtimeDescriptorArray = VK_TRUE;
+    features.v12.descriptorBindingPartiallyBound = VK_TRUE;
+    features.v12.descriptorBindingVariableDescriptorCount = VK_TRUE;
+    features.all.features.shaderSampledImageArrayDynamicIndexing = VK_TRUE;
+    features.all.features.samplerAnisotropy = anisotropy_;
+    const float priority = 1.0f;
+    const VkDeviceQueueCreateInfo queueInfo{.sType = VK_STRUCTURE_TYPE_DEVICE_QUEUE_CREATE_INFO,
+                                            .queueFamilyIndex = queueFamily_,
+                                            .queueCount = 1,
+                                            .pQueuePriorities = &priority};
+    const VkDeviceCreateInfo info{.sType = VK_STRUCTURE_TYPE_DEVICE_CREATE_INFO,
+                                  .pNext = &features.all,
+                                  .queueCreateInfoCount = 1,
+                                  .pQueueCreateInfos = &queueInfo};
+    check(table_.CreateDevice(physical_, &info, nullptr, &device_), "create a device");
+#define HALFLIGHT_VULKAN_LOAD(name)                                                                                    \
+    table_.name = reinterpret_cast<PFN_vk##name>(table_.GetDeviceProcAddr(device_, "vk" #name));
+    HALFLIGHT_VULKAN_DEVICE_FUNCTIONS(HALFLIGHT_VULKAN_LOAD)
+#undef HALFLIGHT_VULKAN_LOAD
+    vk.GetDeviceQueue(device_, queueFamily_, 0, &queue_);
+
+    VkPhysicalDeviceMemoryProperties memoryProperties;
+    vk.GetPhysicalDeviceMemoryProperties(physical_, &memoryProperties);
+    memory_ = std::make_unique<Memory>(vk, device_, memoryProperties);
+
+    const VkCommandPoolCreateInfo poolInfo{.sType = VK_STRUCTURE_TYPE_COMMAND_POOL_CREATE_INFO,
+                                           .flags = VK_COMMAND_POOL_CREATE_TRANSIENT_BIT,
+                                           .queueFamilyIndex = queueFamily_};
+    check(vk.CreateCommandPool(device_, &poolInfo, nullptr, &commandPool_), "create a command pool");
+    const VkCommandBufferAllocateInfo commandInfo{.sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_ALLOCATE_INFO,
+                                                  .commandPool = commandPool_,
+                                                  .level = VK_COMMAND_BUFFER_LEVEL_PRIMARY,
+                                                  .commandBufferCount = 1};
+    check(vk.AllocateCommandBuffers(device_, &commandInfo, &commands_), "create a command buffer");
+    const VkFenceCreateInfo fenceInfo{.sType = VK_STRUCTURE_TYPE_FENCE_CREATE_INFO};
+    check(vk.CreateFence(device_, &fenceInfo, nullptr, &fence_), "create a fence");
+}
+
+void Device::destroy()
+{
+    if (device_) {
+        vk.DeviceWaitIdle(device_);
+        if (fence_) vk.DestroyFence(device_, fence_, nullptr);
+        if (commandPool_) vk.DestroyCommandPool(device_, commandPool_, nullptr);
+        memory_.reset();
+        vk.DestroyDevice(device_, nullptr);
+    }
+    if (messenger_) vk.DestroyDebugUtilsMessengerEXT(instance_, messenger_, nullptr);
+    if (instance_) vk.DestroyInstance(instance_, nullptr);
+    if (library_) closeLoader(library_);
+    device_ = VK_NULL_HANDLE;
+    messenger_ = VK_NULL_HANDLE;
+    instance_ = VK_NULL_HANDLE;
+    library_ = nullptr;
+}
+
+VkFormatFeatureFlags Device::optimalFeatures(VkFormat format) const
+{
+    VkFormatProperties properties;
+    vk.GetPhysicalDeviceFormatProperties(physical_, format, &properties);
+    return properties.optimalTilingFeatures;
+}
+
+void Device::execute(const std::function<void(VkCommandBuffer)>& record)
+{
+    check(vk.ResetCommandPool(device_, commandPool_, 0), "reset a command pool");
+    const VkCommandBufferBeginInfo begin{.sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_BEGIN_INFO,
+                                         .flags = VK_COMMAND_BUFFER_USAGE_ONE_TIME_SUBMIT_BIT};
+    check(vk.BeginCommandBuffer(commands_, &begin), "begin recording commands");
+    record(commands_);
+    check(vk.EndCommandBuffer(commands_), "record commands");
+    const VkCommandBufferSubmitInfo commandInfo{.sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_SUBMIT_INFO,
+                                                .commandBuffer = commands_};
+    const VkSubmitInfo2 submit{.sType = VK_STRUCTURE_TYPE_SUBMIT_INFO_2,
+                               .commandBufferInfoCount = 1,
+                               .pCommandBufferInfos = &commandInfo};
+    check(vk.QueueSubmit2(queue_, 1, &submit, fence_), "submit commands");
+    check(vk.WaitForFences(device_, 1, &fence_, VK_TRUE, ~0ull), "finish its commands");
+    check(vk.ResetFences(device_, 1, &fence_), "reset a fence");
+}
+
+std::vector<std::string> Device::validationMessages() const
+{
+    const std::lock_guard lock(messages_->mutex);
+    return messages_->texts;
+}
+
+} // namespace halflight::gpu

@@ -1,0 +1,74 @@
+#pragma once
+// The Vulkan device of one renderer or baker: instance, device, one queue, memory, and commands that are recorded,
+// submitted and waited for.
+
+#include "gpu/memory.h"
+#include "gpu/vulkan.h"
+
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <vector>
+
+namespace halflight::gpu {
+
+struct DeviceOptions {
+    bool validation = false; ///< Khronos validation layer with synchronization validation
+    bool preferCpu = false;  ///< a CPU driver before any GPU
+};
+
+class Device {
+public:
+    /// Throws Failure when there is no loader, no driver, or no Vulkan 1.3 device with the features named in device.cpp.
+    explicit Device(const DeviceOptions& options);
+    ~Device();
+    Device(const Device&) = delete;
+    Device& operator=(const Device&) = delete;
+
+    const Functions& vk = table_;
+
+    [[nodiscard]] VkDevice handle() const { return device_; }
+    [[nodiscard]] Memory& memory() const { return *memory_; }
+    [[nodiscard]] const VkPhysicalDeviceProperties& properties() const { return properties_; }
+    [[nodiscard]] VkFormatFeatureFlags optimalFeatures(VkFormat format) const;
+    [[nodiscard]] bool anisotropy() const { return anisotropy_; }
+    [[nodiscard]] bool timestamps() const { return timestampBits_ > 0; }
+
+    /// Records commands, submits them and waits until the device has done them.
+    void execute(const std::function<void(VkCommandBuffer)>& record);
+
+    /// What the validation layer said so far.
+    [[nodiscard]] std::vector<std::string> validationMessages() const;
+
+private:
+    struct Messages {
+        std::mutex mutex;
+        std::vector<std::string> texts;
+    };
+    static VkBool32 VKAPI_PTR onMessage(VkDebugUtilsMessageSeverityFlagBitsEXT, VkDebugUtilsMessageTypeFlagsEXT,
+                                        const VkDebugUtilsMessengerCallbackDataEXT*, void*);
+    void createInstance(const DeviceOptions& options);
+    void pickPhysicalDevice(const DeviceOptions& options);
+    void createDevice();
+    void destroy();
+
+    Functions table_;
+    void* library_ = nullptr;
+    std::unique_ptr<Messages> messages_ = std::make_unique<Messages>();
+    VkInstance instance_ = VK_NULL_HANDLE;
+    VkDebugUtilsMessengerEXT messenger_ = VK_NULL_HANDLE;
+    VkPhysicalDevice physical_ = VK_NULL_HANDLE;
+    VkPhysicalDeviceProperties properties_{};
+    uint32_t queueFamily_ = 0;
+    uint32_t timestampBits_ = 0;
+    bool anisotropy_ = false;
+    VkDevice device_ = VK_NULL_HANDLE;
+    VkQueue queue_ = VK_NULL_HANDLE;
+    std::unique_ptr<Memory> memory_;
+    VkCommandPool commandPool_ = VK_NULL_HANDLE;
+    VkCommandBuffer commands_ = VK_NULL_HANDLE;
+    VkFence fence_ = VK_NULL_HANDLE;
+};
+
+} // namespace halflight::gpu

@@ -1,0 +1,78 @@
+#pragma once
+// Device memory: blocks of 64 MiB cut first-fit; what is larger than a quarter of a block gets a block of its own.
+
+#include "gpu/vulkan.h"
+
+#include <cstddef>
+#include <memory>
+#include <utility>
+#include <vector>
+
+namespace halflight::gpu {
+
+class Memory;
+
+/// A range of device memory; freed when it goes out of scope.
+class Allocation {
+public:
+    Allocation() = default;
+    Allocation(Allocation&& other) noexcept { *this = std::move(other); }
+    Allocation& operator=(Allocation&& other) noexcept;
+    ~Allocation();
+
+    [[nodiscard]] VkDeviceMemory memory() const { return memory_; }
+    [[nodiscard]] VkDeviceSize offset() const { return offset_; }
+    /// Where the range is mapped; null for memory the host cannot see. Mapped memory is always coherent.
+    [[nodiscard]] std::byte* mapped() const { return mapped_; }
+
+private:
+    friend class Memory;
+    Memory* owner_ = nullptr;
+    void* block_ = nullptr;
+    VkDeviceMemory memory_ = VK_NULL_HANDLE;
+    VkDeviceSize offset_ = 0;
+    VkDeviceSize size_ = 0;
+    std::byte* mapped_ = nullptr;
+};
+
+enum class MemoryUse {
+    Device,   ///< fastest for the device
+    Upload,   ///< written by the host, read by the device
+    Readback, ///< written by the device, read by the host
+};
+
+class Memory {
+public:
+    Memory(const Functions& vk, VkDevice device, const VkPhysicalDeviceMemoryProperties& properties);
+    ~Memory();
+    Memory(const Memory&) = delete;
+    Memory& operator=(const Memory&) = delete;
+
+    /// `image`: optimally tiled images and buffers never share a block, so bufferImageGranularity never matters.
+    Allocation allocate(const VkMemoryRequirements& requirements, MemoryUse use, bool image);
+
+private:
+    friend class Allocation;
+    struct Range {
+        VkDeviceSize offset, size;
+    };
+    struct Block {
+        VkDeviceMemory memory = VK_NULL_HANDLE;
+        uint32_t type = 0;
+        bool image = false;
+        bool dedicated = false;
+        VkDeviceSize size = 0;
+        std::byte* mapped = nullptr;
+        std::vector<Range> free; ///< by offset, never adjacent
+    };
+    Block& addBlock(uint32_t type, VkDeviceSize size, bool image, bool dedicated);
+    void release(Allocation& allocation);
+    void destroyBlock(Block& block);
+
+    const Functions& vk_;
+    VkDevice device_;
+    VkPhysicalDeviceMemoryProperties properties_;
+    std::vector<std::unique_ptr<Block>> blocks_;
+};
+
+} // namespace halflight::gpu

@@ -1,0 +1,70 @@
+#pragma once
+// Shaders, descriptor sets and graphics pipelines.
+
+#include "gpu/resources.h"
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+namespace halflight::gpu {
+
+using UniqueShader = Unique<VkShaderModule, &Functions::DestroyShaderModule>;
+using UniqueSetLayout = Unique<VkDescriptorSetLayout, &Functions::DestroyDescriptorSetLayout>;
+using UniqueDescriptorPool = Unique<VkDescriptorPool, &Functions::DestroyDescriptorPool>;
+using UniquePipelineLayout = Unique<VkPipelineLayout, &Functions::DestroyPipelineLayout>;
+using UniquePipeline = Unique<VkPipeline, &Functions::DestroyPipeline>;
+
+UniqueShader makeShader(const Device& device, std::span<const uint32_t> spirv);
+
+struct Binding {
+    VkDescriptorType type = VK_DESCRIPTOR_TYPE_STORAGE_BUFFER;
+    VkShaderStageFlags stages = VK_SHADER_STAGE_VERTEX_BIT | VK_SHADER_STAGE_FRAGMENT_BIT;
+    uint32_t count = 1;
+    bool variableCount = false; ///< the last binding only: `count` is the most it may hold
+};
+
+/// Binding i of the set is bindings[i].
+UniqueSetLayout makeSetLayout(const Device& device, std::span<const Binding> bindings);
+
+/// One descriptor set with a pool of its own.
+class DescriptorSet {
+public:
+    DescriptorSet() = default;
+    /// `variableCount`: descriptors in the last binding when its count is variable.
+    DescriptorSet(const Device& device, VkDescriptorSetLayout layout, std::span<const Binding> bindings,
+                  uint32_t variableCount);
+
+    void buffer(uint32_t binding, const Buffer& buffer);
+    void image(uint32_t binding, VkImageView view, VkSampler sampler, uint32_t element = 0);
+    [[nodiscard]] VkDescriptorSet get() const { return set_; }
+
+private:
+    const Device* device_ = nullptr;
+    std::vector<VkDescriptorType> types_;
+    UniqueDescriptorPool pool_;
+    VkDescriptorSet set_ = VK_NULL_HANDLE;
+};
+
+UniquePipelineLayout makePipelineLayout(const Device& device, VkDescriptorSetLayout set, uint32_t pushConstantBytes);
+
+/// Viewport, scissor, cull mode and front face are dynamic, and the depth bias where it is on.
+struct GraphicsPipelineInfo {
+    VkPipelineLayout layout = VK_NULL_HANDLE;
+    VkShaderModule vertex = VK_NULL_HANDLE;
+    VkShaderModule fragment = VK_NULL_HANDLE; ///< none: depth only
+    std::vector<uint32_t> constants;          ///< specialization constant i is constants[i], in both stages
+    std::vector<VkVertexInputBindingDescription> vertexBindings;
+    std::vector<VkVertexInputAttributeDescription> vertexAttributes;
+    VkFormat colorFormat = VK_FORMAT_UNDEFINED; ///< undefined: no colour attachment
+    VkFormat depthFormat = VK_FORMAT_UNDEFINED;
+    bool depthTest = true;
+    bool depthWrite = true;
+    VkCompareOp depthCompare = VK_COMPARE_OP_GREATER_OR_EQUAL;
+    bool depthBias = false;
+    bool colorWrite = true;
+    bool alphaBlend = false; ///< premultiplied: source + (1 - source alpha) * target
+};
+UniquePipeline makePipeline(const Device& device, const GraphicsPipelineInfo& info);
+
+} // namespace halflight::gpu

@@ -1,0 +1,72 @@
+// The renderer trusts no index: an engine may have filled the scene itself.
+#include "render/gpu_scene.h"
+
+#include <algorithm>
+#include <string>
+
+namespace halflight {
+namespace {
+
+Error broken(std::string message, std::string object)
+{
+    return {ErrorCode::FileInvalid, std::move(message), std::move(object)};
+}
+
+std::string path(const char* kind, std::size_t index) { return std::string("/") + kind + "/" + std::to_string(index); }
+
+Status checkPart(const Scene& scene, const MeshPart& part, const std::string& where)
+{
+    const std::size_t count = part.positions.size();
+    auto fits = [&](const auto& array) { return array.empty() || array.size() == count; };
+    if (!fits(part.normals) || !fits(part.tangents) || !fits(part.uv[0]) || !fits(part.uv[1]) || !fits(part.colors) ||
+        !fits(part.lightmapUv))
+        return broken("vertex attributes differ in length", where);
+    if (part.indices.size() % 3 != 0) return broken("the number of indices is no multiple of 3", where);
+    if (std::any_of(part.indices.begin(), part.indices.end(), [&](uint32_t index) { return index >= count; }))
+        return broken("an index lies beyond the vertices", where);
+    if (part.material >= int(scene.materials.size())) return broken("the material does not exist", where);
+    return {};
+}
+
+} // namespace
+
+Status checkScene(const BakedScene& baked)
+{
+    const Scene& scene = baked.scene;
+    for (std::size_t i = 0; i < scene.materials.size(); ++i) {
+        const Material& material = scene.materials[i];
+        for (const TextureRef* ref : {&material.baseColorTexture, &material.metallicRoughnessTexture,
+                                      &material.normalTexture, &material.occlusionTexture, &material.emissiveTexture}) {
+            if (ref->texture >= int(scene.textures.size()))
+                return broken("the texture does not exist", path("materials", i));
+            if (ref->texCoord < 0 || ref->texCoord > 1)
+                return broken("only texture coordinate sets 0 and 1 can be used", path("materials", i));
+        }
+    }
+    for (std::size_t i = 0; i < scene.meshes.size(); ++i)
+        for (std::size_t j = 0; j < scene.meshes[i].parts.size(); ++j)
+            if (Status status = checkPart(scene, scene.meshes[i].parts[j], path("meshes", i) + path("primitives", j)); !status)
+                return status;
+    for (std::size_t i = 0; i < scene.objects.size(); ++i) {
+        const Object& object = scene.objects[i];
+        if (object.mesh >= int(scene.meshes.size())) return broken("the mesh does not exist", path("objects", i));
+        if (object.lightmap.page >= int(baked.lightmaps.size()) && baked.isBaked)
+            return broken("the lightmap page does not exist", path("objects", i));
+    }
+    for (const Light& light : scene.lights)
+        if (light.baking.occlusionMaskChannel < -1 || light.baking.occlusionMaskChannel > 3)
+            return broken("a shadowmask channel is outside -1…3", light.name);
+
+    auto samePages = [](const auto& pages) {
+        return std::all_of(pages.begin(), pages.end(), [&](const auto& page) {
+            return !page.empty() && page.size() == pages.front().size();
+        });
+    };
+    if (!samePages(baked.lightmaps)) return broken("lightmap pages are empty or differ in size", "");
+    if (!samePages(baked.shadowmasks)) return broken("shadowmask pages are empty or differ in size", "");
+    if (!baked.shadowmasks.empty() && baked.shadowmasks.size() != baked.lightmaps.size())
+        return broken("the file has not as many shadowmask pages as lightmap pages", "");
+    return {};
+}
+
+} // namespace halflight

@@ -1,0 +1,42 @@
+// From linear radiance to a displayed picture.
+#include "halflight/base/parallel.h"
+#include "halflight/render/renderer.h"
+#include "halflight/shading/color.h"
+
+#include <cmath>
+
+namespace halflight {
+
+ImageRgba8 displayedPicture(const ImageRgba32f& radiance, float exposureEv)
+{
+    const float factor = shading::exposureFactor(exposureEv);
+    ImageRgba8 picture(radiance.width(), radiance.height());
+    parallelFor(radiance.texelCount(), 65536, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t i = begin; i < end; ++i) {
+            vec3 linear = vec3(radiance.texels()[i]) * factor;
+            for (int c = 0; c < 3; ++c)
+                if (!(linear[c] >= 0.0f)) linear[c] = 0.0f; // NaN too
+            linear = glm::min(linear, vec3(1.0e6f));
+            const vec3 encoded = shading::srgbFromLinear(glm::clamp(shading::toneMapNeutral(linear), 0.0f, 1.0f));
+            picture.texels()[i] = u8vec4(vec4(encoded, 1.0f) * 255.0f + 0.5f);
+        }
+    });
+    return picture;
+}
+
+float automaticExposure(const ImageRgba32f& radiance)
+{
+    // Pixels as black as nothing (no sky, no light) have no say: they would drag the average to the floor.
+    double sum = 0.0;
+    std::size_t count = 0;
+    for (const vec4& texel : radiance.texels()) {
+        const float l = luminance(vec3(texel));
+        if (!(l > 1.0e-6f) || !std::isfinite(l)) continue;
+        sum += std::log2(double(l));
+        ++count;
+    }
+    if (count == 0) return 0.0f;
+    return float(sum / double(count) - std::log2(0.18));
+}
+
+} // namespace halflight

@@ -1,0 +1,130 @@
+// Structures that the renderer's C++ and its shaders share. Members are 16 bytes wide (or arrays of such), so that
+// std140, std430 and C++ lay them out alike.
+#ifndef HALFLIGHT_RENDER_GPU_LAYOUT_H
+#define HALFLIGHT_RENDER_GPU_LAYOUT_H
+
+#include "halflight/shading/language.h"
+
+HL_NAMESPACE_BEGIN
+
+#ifdef __cplusplus
+using halflight::ivec4;
+using halflight::mat4;
+using halflight::vec4;
+#endif
+
+// Descriptor bindings of set 0.
+HL_CONST int kBindFrame = 0;
+HL_CONST int kBindObjects = 1;
+HL_CONST int kBindMaterials = 2;
+HL_CONST int kBindLights = 3;
+HL_CONST int kBindTiles = 4;
+HL_CONST int kBindClusters = 5;
+HL_CONST int kBindInstances = 6;
+HL_CONST int kBindLightmaps = 7;
+HL_CONST int kBindShadowmasks = 8;
+HL_CONST int kBindCascades = 9;
+HL_CONST int kBindAtlas = 10;
+HL_CONST int kBindTextures = 11;
+
+// Debug views: the values of DebugView in renderer.h.
+HL_CONST int kViewLit = 0;
+HL_CONST int kViewShadowmask = 1;
+HL_CONST int kViewLightmap = 2;
+HL_CONST int kViewProbes = 3;
+HL_CONST int kViewCascades = 4;
+HL_CONST int kViewFade = 5;
+HL_CONST int kViewOverlap = 6;
+
+// Half-width of the shadow filter's tent in texels, by ShadowFilter; 0 = one bilinear tap.
+HL_CONST int kFilterHalfWidthPcf = 2;
+HL_CONST int kFilterHalfWidthSoft = 4;
+
+// How cascades blend: the values of CascadeBlend in frame.h.
+HL_CONST int kBlendHard = 0;
+HL_CONST int kBlendDithered = 1;
+HL_CONST int kBlendSoft = 2;
+
+HL_CONST int kAlphaOpaque = 0;
+HL_CONST int kAlphaMask = 1;
+HL_CONST int kAlphaBlend = 2;
+
+struct GpuFrame {
+    vec4 cameraPosition;       // xyz world
+    vec4 cameraForward;        // xyz unit; w = 1 for orthographic cameras
+    vec4 cameraRight;          // xyz unit times half the picture's width at 1 m (perspective)
+    vec4 cameraUp;             // xyz unit times half the picture's height at 1 m
+    vec4 pictureSize;          // xy pixels
+    vec4 fade;                 // xy: fadeConstants()
+    vec4 cascadeFar;           // radial metres where each cascade ends
+    vec4 shadowBias;           // x depth bias in texels, y normal bias in texels, z cascade blend fraction
+    vec4 skyZenith;            // rgb cd/m2
+    vec4 skyHorizon;
+    vec4 skyGround;
+    vec4 subtractiveShadowColor; // rgb lux
+    vec4 clusterRange;         // x near, y far (metres of view depth), z slices / log2(far / near)
+    ivec4 clusterSize;         // xyz
+    ivec4 mode;                // x run mode, y debug view, z main light (-1 none), w light count
+    ivec4 shadow;              // x filter half-width, y cascades per directional light, z how cascades blend
+    vec4 skySh[9];             // rgb radiance coefficients of the sky
+};
+
+HL_CONST int kObjectLightmapped = 1;    // lit by its lightmap; others by probes
+HL_CONST int kObjectReceiveShadows = 2;
+
+struct GpuObject {
+    mat4 worldFromObject;
+    vec4 normalFromObject[3];  // columns of the inverse transpose; [0].w = sign of the transform's determinant
+    vec4 lightmapScaleOffset;  // xy scale, zw offset
+    ivec4 info;                // x flags, y lightmap page
+    vec4 probeOcclusion;       // baked attenuation by channel
+    vec4 probeSh[9];           // rgb radiance coefficients
+};
+
+HL_CONST int kTextureBaseColor = 0;
+HL_CONST int kTextureMetallicRoughness = 1;
+HL_CONST int kTextureNormal = 2;
+HL_CONST int kTextureOcclusion = 3;
+HL_CONST int kTextureEmissive = 4;
+
+struct GpuTextureRef {
+    vec4 matrix;  // rows (x, y) and (z, w): uv' = matrix * uv + offset
+    vec4 offset;  // xy
+    ivec4 info;   // x index into the texture array, -1 none; y coordinate set 0 or 1
+};
+
+struct GpuMaterial {
+    vec4 baseColor;
+    vec4 emissiveMetallic; // rgb cd/m2, a metallic
+    vec4 parameters;       // x roughness, y normal scale, z occlusion strength, w alpha cutoff
+    ivec4 info;            // x 1 = unlit
+    GpuTextureRef textures[5];
+};
+
+HL_CONST int kLightHasBaked = 1;
+HL_CONST int kLightHasRealtime = 2;
+HL_CONST int kLightSkipStatic = 4;
+HL_CONST int kLightSkipDynamic = 8;
+
+struct GpuLight {
+    vec4 positionRange;  // xyz world, w range in metres (0 = unlimited)
+    vec4 colorIntensity; // rgb lux or candela; w shadow strength
+    vec4 axis;           // xyz unit, along which the light shines
+    vec4 spot;           // xy: spotConstants(); z number of shadow tiles
+    ivec4 info;          // x type, y flags, z channel, w first tile
+};
+
+struct GpuTile {
+    mat4 clipFromWorld;
+    vec4 rectangle;  // xy offset in texels, z size in texels, w layer
+    vec4 parameters; // x metres of a texel (at 1 m distance for perspective tiles)
+};
+
+struct GpuPush {
+    mat4 clipFromWorld;
+    ivec4 info; // x material
+};
+
+HL_NAMESPACE_END
+
+#endif

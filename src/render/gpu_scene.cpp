@@ -1,0 +1,257 @@
+#include "render/gpu_scene.h"
+
+#include "halflight/base/parallel.h"
+#include "halflight/render/frame.h"
+#include "render/mipmaps.h"
+
+#include <algorithm>
+#include <map>
+#include <tuple>
+
+namespace halflight {
+namespace {
+
+using shading::GpuMaterial;
+using shading::GpuObject;
+using shading::GpuTextureRef;
+
+constexpr VkBufferUsageFlags kStorage = VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT;
+constexpr float kMaxAnisotropy = 8.0f;
+
+template<typename T>
+gpu::Buffer uploadVector(gpu::Device& device, gpu::Uploader& uploader, const std::vector<T>& values, VkBufferUsageFlags usage)
+{
+    gpu::Buffer buffer(device, values.size() * sizeof(T), usage | VK_BUFFER_USAGE_TRANSFER_DST_BIT, gpu::MemoryUse::Device);
+    uploader.buffer(buffer, values.data(), values.size() * sizeof(T));
+    return buffer;
+}
+
+void uploadMeshes(gpu::Device& device, gpu::Uploader& uploader, const Scene& scene, GpuScene& result)
+{
+    std::vector<vec3> positions;
+    std::vector<MaskVertex> maskInputs;
+    std::vector<LitVertex> litInputs;
+    std::vector<uint32_t> indices;
+    for (const Mesh& mesh : scene.meshes) {
+        std::vector<DrawPart>& parts = result.meshes.emplace_back();
+        for (const MeshPart& part : mesh.parts) {
+            if (part.indices.empty()) continue;
+            const Material& material = materialOf(scene, part);
+            DrawPart draw;
+            draw.firstIndex = uint32_t(indices.size());
+            draw.indexCount = uint32_t(part.indices.size());
+            draw.firstVertex = int32_t(positions.size());
+            draw.material = part.material >= 0 ? part.material : int(scene.materials.size());
+            draw.alphaMode = material.alphaMode;
+            draw.doubleSided = material.doubleSided;
+            Bounds bounds;
+            for (const vec3& position : part.positions) bounds.extend(position);
+            draw.center = bounds.center();
+            parts.push_back(draw);
+
+            positions.insert(positions.end(), part.positions.begin(), part.positions.end());
+            indices.insert(indices.end(), part.indices.begin(), part.indices.end());
+            auto at = [](const auto& values, std::size_t i, auto absent) { return values.empty() ? absent : values[i]; };
+            for (std::size_t i = 0; i < part.positions.size(); ++i) {
+                maskInputs.push_back({{at(part.uv[0], i, vec2(0.0f)), at(part.uv[1], i, vec2(0.0f))},
+                                      at(part.colors, i, vec4(1.0f))});
+                litInputs.push_back({at(part.normals, i, vec3(0.0f)), at(part.tangents, i, vec4(0.0f)),
+                                     at(part.lightmapUv, i, vec2(0.0f))});
+            }
+            if (positions.size() > std::size_t(INT32_MAX) || indices.size() > std::size_t(UINT32_MAX))
+                throw gpu::Failure("the scene has more than two billion vertices");
+        }
+    }
+    result.positions = uploadVector(device, uploader, positions, VK_BUFFER_USAGE_VERTEX_BUFFER_BIT);
+    result.maskInputs = uploadVector(device, uploader, maskInputs, VK_BUFFER_USAGE_VERTEX_BUFFER_BIT);
+    result.litInputs = uploadVector(device, uploader, litInputs, VK_BUFFER_USAGE_VERTEX_BUFFER_BIT);
+    result.indices = uploadVector(device, uploader, indices, VK_BUFFER_USAGE_INDEX_BUFFER_BIT);
+}
+
+/// Elements of the shader's texture array: a texture that is read both as colour and as data has two.
+class TextureSlots {
+public:
+    int slot(int texture, bool srgb)
+    {
+        if (texture < 0) return -1;
+        return slots_.try_emplace({texture, srgb}, int(slots_.size())).first->second;
+    }
+    [[nodiscard]] const std::map<std::pair<int, bool>, int>& all() const { return slots_; }
+
+private:
+    std::map<std::pair<int, bool>, int> slots_;
+};
+
+GpuTextureRef gpuTextureRef(const Scene& scene, const TextureRef& ref, bool srgb, TextureSlots& slots)
+{
+    const bool usable = ref && !scene.textures[std::size_t(ref.texture)].pixels.empty();
+    const float c = std::cos(ref.rotationRadians);
+    const float s = std::sin(ref.rotationRadians);
+    GpuTextureRef result{};
+    result.matrix = {c * ref.scale.x, s * ref.scale.y, -s * ref.scale.x, c * ref.scale.y};
+    result.offset = vec4(ref.offset, 0.0f, 0.0f);
+    result.info = ivec4(usable ? slots.slot(ref.texture, srgb) : -1, ref.texCoord, 0, 0);
+    return result;
+}
+
+GpuMaterial gpuMaterial(const Scene& scene, const Material& material, TextureSlots& slots)
+{
+    GpuMaterial result{};
+    result.baseColor = material.baseColor;
+    result.emissiveMetallic = vec4(material.emissiveNits, material.metallic);
+    result.parameters = {material.roughness, material.normalScale, material.occlusionStrength,
+                         material.alphaMode == Material::AlphaMode::Mask ? material.alphaCutoff : 0.0f};
+    result.info = ivec4(material.unlit ? 1 : 0, 0, 0, 0);
+    result.textures[shading::kTextureBaseColor] = gpuTextureRef(scene, material.baseColorTexture, true, slots);
+    result.textures[shading::kTextureMetallicRoughness] =
+        gpuTextureRef(scene, material.metallicRoughnessTexture, false, slots);
+    result.textures[shading::kTextureNormal] = gpuTextureRef(scene, material.normalTexture, false, slots);
+    result.textures[shading::kTextureOcclusion] = gpuTextureRef(scene, material.occlusionTexture, false, slots);
+    result.textures[shading::kTextureEmissive] = gpuTextureRef(scene, material.emissiveTexture, true, slots);
+    return result;
+}
+
+VkSamplerAddressMode addressMode(Texture::Wrap wrap)
+{
+    switch (wrap) {
+    case Texture::Wrap::ClampToEdge: return VK_SAMPLER_ADDRESS_MODE_CLAMP_TO_EDGE;
+    case Texture::Wrap::MirroredRepeat: return VK_SAMPLER_ADDRESS_MODE_MIRRORED_REPEAT;
+    case Texture::Wrap::Repeat: break;
+    }
+    return VK_SAMPLER_ADDRESS_MODE_REPEAT;
+}
+
+void uploadTextures(gpu::Device& device, gpu::Uploader& uploader, const Scene& scene, const TextureSlots& slots,
+                    GpuScene& result)
+{
+    std::vector<std::pair<int, bool>> bySlot(slots.all().size());
+    for (const auto& [key, slot] : slots.all()) bySlot[std::size_t(slot)] = key;
+    if (bySlot.size() > device.properties().limits.maxPerStageDescriptorSampledImages - 8)
+        throw gpu::Failure("the scene has more textures than the Vulkan device allows");
+
+    std::map<std::tuple<VkSamplerAddressMode, VkSamplerAddressMode, bool>, uint32_t> samplers;
+    for (const auto& [index, srgb] : bySlot) {
+        const Texture& texture = scene.textures[std::size_t(index)];
+        const std::vector<ImageRgba8> mips = mipLevels(texture.pixels, srgb);
+        gpu::Image image(device, {.format = srgb ? VK_FORMAT_R8G8B8A8_SRGB : VK_FORMAT_R8G8B8A8_UNORM,
+                                  .width = uint32_t(texture.pixels.width()),
+                                  .height = uint32_t(texture.pixels.height()),
+                                  .mipLevels = uint32_t(mips.size()) + 1,
+                                  .usage = VK_IMAGE_USAGE_SAMPLED_BIT | VK_IMAGE_USAGE_TRANSFER_DST_BIT});
+        std::vector<gpu::Uploader::Level> levels{{0, 0, texture.pixels.data()}};
+        for (std::size_t i = 0; i < mips.size(); ++i) levels.push_back({uint32_t(i) + 1, 0, mips[i].data()});
+        uploader.image(image, levels, 4);
+        uploader.finish(); // before the image moves
+        result.textures.push_back(std::move(image));
+
+        const std::tuple key(addressMode(texture.wrapU), addressMode(texture.wrapV), texture.nearest);
+        const auto [it, isNew] = samplers.try_emplace(key, uint32_t(result.samplers.size()));
+        if (isNew)
+            result.samplers.push_back(gpu::makeSampler(
+                device, {.magFilter = texture.nearest ? VK_FILTER_NEAREST : VK_FILTER_LINEAR,
+                         .addressU = std::get<0>(key),
+                         .addressV = std::get<1>(key),
+                         .maxAnisotropy = texture.nearest ? 1.0f : kMaxAnisotropy}));
+        result.samplerOfTexture.push_back(it->second);
+    }
+}
+
+/// Pages as layers of one array; one texel of `absent` where there are none.
+template<typename Texel>
+gpu::Image uploadPages(gpu::Device& device, gpu::Uploader& uploader, const std::vector<Image<Texel>>& pages, VkFormat format,
+                       Texel absent)
+{
+    static_assert(sizeof(Texel) == 4);
+    const ivec2 size = pages.empty() ? ivec2(1) : pages.front().size();
+    gpu::Image image(device, {.format = format,
+                              .width = uint32_t(size.x),
+                              .height = uint32_t(size.y),
+                              .layers = std::max(uint32_t(pages.size()), 1u),
+                              .array = true,
+                              .usage = VK_IMAGE_USAGE_SAMPLED_BIT | VK_IMAGE_USAGE_TRANSFER_DST_BIT});
+    std::vector<gpu::Uploader::Level> levels;
+    for (std::size_t i = 0; i < pages.size(); ++i) levels.push_back({0, uint32_t(i), pages[i].data()});
+    if (pages.empty()) levels.push_back({0, 0, &absent});
+    uploader.image(image, levels, 4);
+    uploader.finish();
+    return image;
+}
+
+bool isLightmapped(const BakedScene& baked, const Object& object)
+{
+    if (!baked.isBaked || !object.isStatic || object.lightmap.page < 0 || object.mesh < 0) return false;
+    const auto& parts = baked.scene.meshes[std::size_t(object.mesh)].parts;
+    return std::all_of(parts.begin(), parts.end(), [](const MeshPart& part) {
+        return part.positions.empty() || !part.lightmapUv.empty();
+    });
+}
+
+GpuObject gpuObject(const BakedScene& baked, const Object& object, const Bounds& bounds)
+{
+    GpuObject result{};
+    result.worldFromObject = object.worldFromObject;
+    // A flattened object (a scale of 0) has no inverse: its normals are lost, and the shader takes the triangle's.
+    const mat3 linear(object.worldFromObject);
+    const float determinant = glm::determinant(linear);
+    const mat3 normalFromObject = determinant != 0.0f ? glm::transpose(glm::inverse(linear)) : mat3(0.0f);
+    for (int i = 0; i < 3; ++i) result.normalFromObject[i] = vec4(normalFromObject[i], 0.0f);
+    result.normalFromObject[0].w = determinant < 0.0f ? -1.0f : 1.0f;
+    result.lightmapScaleOffset = vec4(object.lightmap.scale, object.lightmap.offset);
+    result.info.x = (isLightmapped(baked, object) ? shading::kObjectLightmapped : 0) |
+                    (object.receiveShadows ? shading::kObjectReceiveShadows : 0);
+    result.info.y = std::max(object.lightmap.page, 0);
+    const ProbeSample probe = bounds.empty() ? skyProbe(baked.scene.sky) : sampleProbes(baked, bounds.center());
+    result.probeOcclusion = probe.occlusion;
+    for (std::size_t i = 0; i < 9; ++i) result.probeSh[i] = vec4(probe.radiance[i], 0.0f);
+    return result;
+}
+
+BakedScene outlineOf(const BakedScene& baked)
+{
+    BakedScene outline;
+    outline.mode = baked.mode;
+    outline.isBaked = baked.isBaked;
+    outline.lightmaps.resize(baked.lightmaps.size());
+    outline.shadowmasks.resize(baked.shadowmasks.size());
+    outline.scene.objects = baked.scene.objects;
+    outline.scene.lights = baked.scene.lights;
+    outline.scene.sky = baked.scene.sky;
+    outline.scene.subtractiveShadowColor = baked.scene.subtractiveShadowColor;
+    return outline;
+}
+
+} // namespace
+
+GpuScene uploadScene(gpu::Device& device, const BakedScene& baked)
+{
+    const Scene& scene = baked.scene;
+    GpuScene result;
+    gpu::Uploader uploader(device);
+    uploadMeshes(device, uploader, scene, result);
+    uploader.finish();
+
+    TextureSlots slots;
+    std::vector<GpuMaterial> materials;
+    for (const Material& material : scene.materials) materials.push_back(gpuMaterial(scene, material, slots));
+    materials.push_back(gpuMaterial(scene, defaultMaterial(), slots));
+    result.materials = uploadVector(device, uploader, materials, kStorage);
+    uploadTextures(device, uploader, scene, slots, result);
+
+    result.lightmaps = uploadPages(device, uploader, baked.lightmaps, VK_FORMAT_E5B9G9R9_UFLOAT_PACK32, uint32_t(0));
+    result.shadowmasks = uploadPages(device, uploader, baked.shadowmasks, VK_FORMAT_R8G8B8A8_UNORM, u8vec4(255));
+
+    result.bounds = objectBounds(scene);
+    std::vector<GpuObject> objects(scene.objects.size());
+    parallelFor(objects.size(), 64, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t i = begin; i < end; ++i) objects[i] = gpuObject(baked, scene.objects[i], result.bounds[i]);
+    });
+    for (const GpuObject& object : objects) result.mirrored.push_back(object.normalFromObject[0].w < 0.0f);
+    result.objects = uploadVector(device, uploader, objects, kStorage);
+    const ProbeSample sky = skyProbe(scene.sky);
+    for (std::size_t i = 0; i < 9; ++i) result.skySh[i] = vec4(sky.radiance[i], 0.0f);
+    result.outline = outlineOf(baked);
+    uploader.finish();
+    return result;
+}
+
+} // namespace halflight

@@ -1,0 +1,64 @@
+#pragma once
+// A baked scene on the device.
+
+#include "gpu/pipeline.h"
+#include "gpu/resources.h"
+#include "halflight/scene/baked_scene.h"
+#include "render/gpu_layout.h"
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+namespace halflight {
+
+/// A mesh part within the scene's index and vertex buffers.
+struct DrawPart {
+    uint32_t firstIndex = 0;
+    uint32_t indexCount = 0;
+    int32_t firstVertex = 0;
+    int material = 0; ///< index into the material buffer
+    Material::AlphaMode alphaMode = Material::AlphaMode::Opaque;
+    bool doubleSided = false;
+    vec3 center{0.0f}; ///< of its bounds, object space
+};
+
+struct GpuScene {
+    gpu::Buffer positions;  ///< vertex binding 0: vec3
+    gpu::Buffer maskInputs; ///< vertex binding 1: MaskVertex
+    gpu::Buffer litInputs;  ///< vertex binding 2: LitVertex
+    gpu::Buffer indices;
+    gpu::Buffer objects;   ///< GpuObject
+    gpu::Buffer materials; ///< GpuMaterial; the last one is glTF's default
+    std::vector<gpu::Image> textures;
+    std::vector<gpu::UniqueSampler> samplers;
+    std::vector<uint32_t> samplerOfTexture; ///< per element of textures
+    gpu::Image lightmaps;
+    gpu::Image shadowmasks;
+
+    std::vector<std::vector<DrawPart>> meshes;
+    std::vector<bool> mirrored;  ///< per object: its transform turns front faces clockwise
+    std::vector<Bounds> bounds;  ///< per object, world space
+    vec4 skySh[9];
+
+    /// What planFrame() reads: no vertices, no pixels.
+    BakedScene outline;
+};
+
+/// What depth and shadow passes read for alpha masks.
+struct MaskVertex {
+    vec2 uv[2];
+    vec4 color;
+};
+struct LitVertex {
+    vec3 normal;
+    vec4 tangent;
+    vec2 lightmapUv;
+};
+
+/// FileInvalid or InvalidArgument when the scene's parts do not fit together (an index out of range, say); throws
+/// gpu::Failure when the device cannot hold it.
+Status checkScene(const BakedScene& baked);
+GpuScene uploadScene(gpu::Device& device, const BakedScene& baked);
+
+} // namespace halflight

@@ -1,0 +1,355 @@
+#include "halflight/render/renderer.h"
+
+#include "render/frame_data.h"
+#include "render/passes.h"
+
+#include <glm/gtc/packing.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <functional>
+#include <new>
+
+namespace halflight {
+namespace {
+
+constexpr int kMaxPictureSize = 16384;
+
+/// Runs `body`; a failing device or a full memory becomes an error.
+template<typename T> Result<T> guarded(const std::function<Result<T>()>& body)
+{
+    try {
+        return body();
+    } catch (const gpu::Failure& failure) {
+        return Error{ErrorCode::DeviceFailed, failure.what(), ""};
+    } catch (const std::bad_alloc&) {
+        return Error{ErrorCode::DeviceFailed, "out of memory", ""};
+    }
+}
+
+/// A buffer that the host writes anew every frame, and that grows as needed.
+class FrameBuffer {
+public:
+    FrameBuffer(VkBufferUsageFlags usage) : usage_(usage) {}
+
+    /// True when the buffer was made anew, so that descriptors must be written.
+    bool write(const gpu::Device& device, const void* data, std::size_t bytes)
+    {
+        const bool grow = !buffer_.get() || buffer_.size() < bytes;
+        if (grow) buffer_ = gpu::Buffer(device, std::max<std::size_t>(bytes + bytes / 2, 256), usage_, gpu::MemoryUse::Upload);
+        if (bytes > 0) std::memcpy(buffer_.mapped(), data, bytes);
+        return grow;
+    }
+    template<typename T> bool write(const gpu::Device& device, const std::vector<T>& values)
+    {
+        return write(device, values.data(), values.size() * sizeof(T));
+    }
+    [[nodiscard]] const gpu::Buffer& get() const { return buffer_; }
+
+private:
+    VkBufferUsageFlags usage_;
+    gpu::Buffer buffer_;
+};
+
+/// An array of shadow map layers, each with a view to draw into.
+struct ShadowMap {
+    gpu::Image image;
+    std::vector<gpu::UniqueView> layers;
+
+    bool ensure(const gpu::Device& device, int size, int layerCount)
+    {
+        const gpu::ImageInfo& info = image.info();
+        if (image.get() && info.width == uint32_t(size) && info.layers == uint32_t(layerCount)) return false;
+        layers.clear();
+        image = {};
+        image = gpu::Image(device, {.format = kDepthFormat,
+                                    .width = uint32_t(size),
+                                    .height = uint32_t(size),
+                                    .layers = uint32_t(layerCount),
+                                    .array = true,
+                                    .usage = VK_IMAGE_USAGE_DEPTH_STENCIL_ATTACHMENT_BIT | VK_IMAGE_USAGE_SAMPLED_BIT,
+                                    .aspect = VK_IMAGE_ASPECT_DEPTH_BIT});
+        for (int i = 0; i < layerCount; ++i) layers.push_back(image.layerView(device, uint32_t(i)));
+        return true;
+    }
+};
+
+/// Shadow tiles with their draws, by the image they lie in.
+struct ShadowPasses {
+    std::vector<std::vector<ShadowDraws>> cascades; ///< per layer
+    std::vector<ShadowDraws> atlas;
+};
+
+ShadowPasses shadowPasses(const FramePlan& plan, DrawLists& lists)
+{
+    ShadowPasses passes;
+    passes.cascades.resize(std::size_t(std::max(plan.directionalLayers, 0)));
+    std::vector<bool> isCascade(plan.tiles.size(), false);
+    for (const FrameLight& light : plan.lights)
+        if (light.firstTile >= 0)
+            for (int i = 0; i < light.tileCount; ++i)
+                isCascade[std::size_t(light.firstTile + i)] = light.firstTile + i < plan.directionalLayers;
+    for (std::size_t i = 0; i < plan.tiles.size(); ++i) {
+        const ShadowTile& tile = plan.tiles[i];
+        ShadowDraws draws{tile.clipFromWorld, tile.atlasOffset, tile.size, lists.solid(plan.castersOf(int(i)))};
+        if (isCascade[i])
+            passes.cascades[std::size_t(tile.layer)].push_back(std::move(draws));
+        else
+            passes.atlas.push_back(std::move(draws));
+    }
+    return passes;
+}
+
+Status checkCamera(const Camera& camera)
+{
+    auto finite = [](const mat4& m) {
+        for (int i = 0; i < 4; ++i)
+            for (int j = 0; j < 4; ++j)
+                if (!std::isfinite(m[i][j])) return false;
+        return true;
+    };
+    auto bad = [](const char* what) { return Error{ErrorCode::InvalidArgument, what, ""}; };
+    if (!finite(camera.worldFromCamera) || std::abs(glm::determinant(mat3(camera.worldFromCamera))) < 1.0e-6f)
+        return bad("the camera's transform is not finite or has no inverse");
+    if (!camera.orthographic && !(camera.verticalFovRadians > 0.0f && camera.verticalFovRadians < kPi))
+        return bad("the camera's vertical field of view must be between 0 and 180 degrees");
+    if (camera.orthographic && !(camera.orthographicHeightMeters > 0.0f))
+        return bad("the orthographic camera's height must be positive");
+    if (!(camera.farMeters > camera.nearMeters) || (!camera.orthographic && !(camera.nearMeters > 0.0f)))
+        return bad("the camera's near plane must be positive and nearer than its far plane");
+    return {};
+}
+
+} // namespace
+
+struct Renderer::Impl {
+    explicit Impl(const RendererOptions& options)
+        : device({.validation = options.validation, .preferCpu = options.preferCpu}), bindings(frameBindings(device)),
+          setLayout(gpu::makeSetLayout(device, bindings)), colorFormat(chooseColorFormat(device)),
+          pipelines(device, setLayout.get(), colorFormat),
+          pageSampler(gpu::makeSampler(device, {.mipmapMode = VK_SAMPLER_MIPMAP_MODE_NEAREST})),
+          shadowSampler(makeShadowSampler(device)), timer(device, 8)
+    {
+    }
+
+    /// Radiance in full floats; half floats where the device cannot blend those.
+    static VkFormat chooseColorFormat(const gpu::Device& device)
+    {
+        const VkFormatFeatureFlags features = device.optimalFeatures(VK_FORMAT_R32G32B32A32_SFLOAT);
+        return features & VK_FORMAT_FEATURE_COLOR_ATTACHMENT_BLEND_BIT ? VK_FORMAT_R32G32B32A32_SFLOAT
+                                                                       : VK_FORMAT_R16G16B16A16_SFLOAT;
+    }
+    static gpu::UniqueSampler makeShadowSampler(const gpu::Device& device)
+    {
+        const bool linear =
+            device.optimalFeatures(kDepthFormat) & VK_FORMAT_FEATURE_SAMPLED_IMAGE_FILTER_LINEAR_BIT;
+        const VkFilter filter = linear ? VK_FILTER_LINEAR : VK_FILTER_NEAREST;
+        return gpu::makeSampler(device, {.magFilter = filter,
+                                         .minFilter = filter,
+                                         .mipmapMode = VK_SAMPLER_MIPMAP_MODE_NEAREST,
+                                         .compareLessOrEqual = true});
+    }
+
+    void load(const BakedScene& baked)
+    {
+        scene.reset(); // before the next one, so that both need not fit
+        set = {};
+        scene = std::make_unique<GpuScene>(uploadScene(device, baked));
+        set = gpu::DescriptorSet(device, setLayout.get(), bindings, uint32_t(scene->textures.size()));
+        set.buffer(shading::kBindObjects, scene->objects);
+        set.buffer(shading::kBindMaterials, scene->materials);
+        set.image(shading::kBindLightmaps, scene->lightmaps.view(), pageSampler.get());
+        set.image(shading::kBindShadowmasks, scene->shadowmasks.view(), pageSampler.get());
+        for (std::size_t i = 0; i < scene->textures.size(); ++i)
+            set.image(shading::kBindTextures, scene->textures[i].view(),
+                      scene->samplers[scene->samplerOfTexture[i]].get(), uint32_t(i));
+        bindAll = true;
+    }
+
+    void ensureTargets(ivec2 size, const FramePlan& plan, const ShadowSettings& shadows);
+    void uploadFrame(const FrameView& view, const RenderSettings& settings, const FramePlan& plan,
+                     const std::vector<uint32_t>& instances);
+    ImageRgba32f readPicture() const;
+    Result<RenderedFrame> render(const Camera& camera, const RenderSettings& settings);
+
+    gpu::Device device;
+    std::vector<gpu::Binding> bindings;
+    gpu::UniqueSetLayout setLayout;
+    VkFormat colorFormat;
+    Pipelines pipelines;
+    gpu::UniqueSampler pageSampler;
+    gpu::UniqueSampler shadowSampler;
+    gpu::Timer timer;
+
+    std::unique_ptr<GpuScene> scene;
+    gpu::DescriptorSet set;
+    bool bindAll = true; ///< the set is new: frame buffers and shadow maps are to be bound
+
+    gpu::Image color;
+    gpu::Image depth;
+    gpu::Buffer readback;
+    ShadowMap cascades;
+    ShadowMap atlas;
+    FrameBuffer frameBuffer{VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT};
+    FrameBuffer lightBuffer{VK_BUFFER_USAGE_STORAGE_BUFFER_BIT};
+    FrameBuffer tileBuffer{VK_BUFFER_USAGE_STORAGE_BUFFER_BIT};
+    FrameBuffer clusterBuffer{VK_BUFFER_USAGE_STORAGE_BUFFER_BIT};
+    FrameBuffer instanceBuffer{VK_BUFFER_USAGE_STORAGE_BUFFER_BIT};
+};
+
+void Renderer::Impl::ensureTargets(ivec2 size, const FramePlan& plan, const ShadowSettings& shadows)
+{
+    if (!color.get() || color.info().width != uint32_t(size.x) || color.info().height != uint32_t(size.y)) {
+        color = {};
+        depth = {};
+        readback = {};
+        color = gpu::Image(device, {.format = colorFormat,
+                                    .width = uint32_t(size.x),
+                                    .height = uint32_t(size.y),
+                                    .usage = VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT | VK_IMAGE_USAGE_TRANSFER_SRC_BIT});
+        depth = gpu::Image(device, {.format = kDepthFormat,
+                                    .width = uint32_t(size.x),
+                                    .height = uint32_t(size.y),
+                                    .usage = VK_IMAGE_USAGE_DEPTH_STENCIL_ATTACHMENT_BIT,
+                                    .aspect = VK_IMAGE_ASPECT_DEPTH_BIT});
+        const VkDeviceSize texel = colorFormat == VK_FORMAT_R32G32B32A32_SFLOAT ? 16 : 8;
+        readback = gpu::Buffer(device, VkDeviceSize(size.x) * VkDeviceSize(size.y) * texel,
+                               VK_BUFFER_USAGE_TRANSFER_DST_BIT, gpu::MemoryUse::Readback);
+    }
+    // Without shadow maps one texel stands in for them, and is never read.
+    const bool hasCascades = plan.directionalLayers > 0;
+    const bool hasAtlas = int(plan.tiles.size()) > plan.directionalLayers;
+    if (cascades.ensure(device, hasCascades ? shadows.directionalMapSize : 1, hasCascades ? plan.directionalLayers : 1) ||
+        bindAll)
+        set.image(shading::kBindCascades, cascades.image.view(), shadowSampler.get());
+    if (atlas.ensure(device, hasAtlas ? shadows.atlasSize : 1, 1) || bindAll)
+        set.image(shading::kBindAtlas, atlas.image.view(), shadowSampler.get());
+}
+
+void Renderer::Impl::uploadFrame(const FrameView& view, const RenderSettings& settings, const FramePlan& plan,
+                                 const std::vector<uint32_t>& instances)
+{
+    auto bind = [&](int binding, const FrameBuffer& buffer, bool isNew) {
+        if (isNew || bindAll) set.buffer(uint32_t(binding), buffer.get());
+    };
+    const shading::GpuFrame frame = gpuFrame(*scene, view, settings, plan);
+    bind(shading::kBindFrame, frameBuffer, frameBuffer.write(device, &frame, sizeof(frame)));
+    bind(shading::kBindLights, lightBuffer, lightBuffer.write(device, gpuLights(scene->outline.scene, plan)));
+    bind(shading::kBindTiles, tileBuffer, tileBuffer.write(device, gpuTiles(plan)));
+    bind(shading::kBindClusters, clusterBuffer, clusterBuffer.write(device, plan.clusters.words));
+    bind(shading::kBindInstances, instanceBuffer, instanceBuffer.write(device, instances));
+    bindAll = false;
+}
+
+ImageRgba32f Renderer::Impl::readPicture() const
+{
+    ImageRgba32f picture(int(color.info().width), int(color.info().height));
+    if (colorFormat == VK_FORMAT_R32G32B32A32_SFLOAT) {
+        std::memcpy(picture.data(), readback.mapped(), picture.texelCount() * sizeof(vec4));
+    } else {
+        const auto* texels = reinterpret_cast<const uint64_t*>(readback.mapped());
+        for (std::size_t i = 0; i < picture.texelCount(); ++i) picture.texels()[i] = glm::unpackHalf4x16(texels[i]);
+    }
+    for (vec4& texel : picture.texels()) texel.a = 1.0f;
+    return picture;
+}
+
+Result<RenderedFrame> Renderer::Impl::render(const Camera& camera, const RenderSettings& settings)
+{
+    if (!scene) return Error{ErrorCode::InvalidArgument, "no scene was loaded", ""};
+    const int limit = std::min(kMaxPictureSize, int(device.properties().limits.maxImageDimension2D));
+    if (settings.size.x < 1 || settings.size.y < 1 || settings.size.x > limit || settings.size.y > limit)
+        return Error{ErrorCode::InvalidArgument, "the picture's size must be 1…" + std::to_string(limit), ""};
+    for (const Status& status : {checkCamera(camera), checkShadowSettings(settings.shadows),
+                                 checkRunMode(scene->outline, settings.mode)})
+        if (!status) return status.error();
+
+    const FrameView view{camera, settings.size};
+    FramePlan plan = planFrame(scene->outline, scene->bounds, view, settings.mode, settings.shadows);
+
+    DrawLists lists(*scene);
+    const ShadowPasses shadows = shadowPasses(plan, lists);
+    CameraDraws draws;
+    draws.clipFromWorld = view.clipFromView() * view.viewFromWorld();
+    const std::vector<uint32_t> visible = objectsInView(scene->bounds, draws.clipFromWorld);
+    draws.solid = lists.solid(visible);
+    draws.blended = lists.blended(visible, vec3(camera.worldFromCamera[3]));
+
+    ensureTargets(settings.size, plan, settings.shadows);
+    uploadFrame(view, settings, plan, lists.instances());
+
+    device.execute([&](VkCommandBuffer commands) {
+        const PassContext context{device, *scene, pipelines, set.get(), commands};
+        timer.begin(commands);
+        bindScene(context);
+
+        gpu::transition(device, commands, cascades.image, gpu::state::kUndefined, gpu::state::kDepthAttachment);
+        gpu::transition(device, commands, atlas.image, gpu::state::kUndefined, gpu::state::kDepthAttachment);
+        for (std::size_t i = 0; i < shadows.cascades.size(); ++i)
+            drawShadowLayer(context, cascades.image, cascades.layers[i].get(), shadows.cascades[i],
+                            settings.shadows.slopeBias);
+        timer.mark(commands, "cascades");
+        if (!shadows.atlas.empty())
+            drawShadowLayer(context, atlas.image, atlas.layers[0].get(), shadows.atlas, settings.shadows.slopeBias);
+        timer.mark(commands, "atlas");
+        gpu::transition(device, commands, cascades.image, gpu::state::kDepthAttachment, gpu::state::kFragmentRead);
+        gpu::transition(device, commands, atlas.image, gpu::state::kDepthAttachment, gpu::state::kFragmentRead);
+
+        gpu::transition(device, commands, color, gpu::state::kUndefined, gpu::state::kColorAttachment);
+        gpu::transition(device, commands, depth, gpu::state::kUndefined, gpu::state::kDepthAttachment);
+        beginCamera(context, color, depth);
+        drawDepth(context, draws);
+        timer.mark(commands, "depth");
+        drawLit(context, draws);
+        timer.mark(commands, "lit");
+        drawSky(context);
+        timer.mark(commands, "sky");
+        drawBlended(context, draws);
+        timer.mark(commands, "blend");
+        endCamera(context);
+
+        gpu::transition(device, commands, color, gpu::state::kColorAttachment, gpu::state::kTransferSource);
+        gpu::copyToHost(device, commands, color, readback);
+        timer.mark(commands, "readback");
+    });
+
+    RenderedFrame frame;
+    frame.radiance = readPicture();
+    frame.plan = std::move(plan);
+    for (const gpu::Timer::Span& span : timer.results()) frame.passes.push_back({span.name, span.milliseconds});
+    return frame;
+}
+
+Renderer::Renderer() = default;
+Renderer::~Renderer() = default;
+
+Result<std::unique_ptr<Renderer>> Renderer::create(const RendererOptions& options)
+{
+    return guarded<std::unique_ptr<Renderer>>([&]() -> Result<std::unique_ptr<Renderer>> {
+        std::unique_ptr<Renderer> renderer(new Renderer);
+        renderer->impl_ = std::make_unique<Impl>(options);
+        return renderer;
+    });
+}
+
+std::string Renderer::deviceName() const { return impl_->device.properties().deviceName; }
+
+Status Renderer::load(const BakedScene& baked)
+{
+    if (Status status = checkScene(baked); !status) return status;
+    const Result<bool> loaded = guarded<bool>([&]() -> Result<bool> {
+        impl_->load(baked);
+        return true;
+    });
+    return loaded ? Status() : Status(loaded.error());
+}
+
+Result<RenderedFrame> Renderer::render(const Camera& camera, const RenderSettings& settings)
+{
+    return guarded<RenderedFrame>([&] { return impl_->render(camera, settings); });
+}
+
+std::vector<std::string> Renderer::validationMessages() const { return impl_->device.validationMessages(); }
+
+} // namespace halflight
