@@ -2,6 +2,7 @@
 
 #include "halflight/base/parallel.h"
 #include "unwrap/cluster.h"
+#include "unwrap/merge.h"
 
 #include <cmath>
 
@@ -38,7 +39,7 @@ double Layout::stretch() const
     return area > 0.0 ? std::sqrt(sum / area) : 1.0;
 }
 
-Layout makeLayout(const Surface& surface, double, const Progress& progress)
+Layout makeLayout(const Surface& surface, double texelMeters, const Progress& progress)
 {
     const Regions regions = clusterTriangles(surface);
     std::vector<std::vector<uint32_t>> members(regions.count);
@@ -59,6 +60,7 @@ Layout makeLayout(const Surface& surface, double, const Progress& progress)
             layout.charts.push_back(std::move(chart));
         }
     }
+    mergeCharts(surface, layout.charts, layout.chartOfTriangle, texelMeters, progress);
     return layout;
 }
 

@@ -219,6 +219,8 @@ Result<UnwrappedScene> unwrap(Scene scene, const UnwrapSettings& settings, const
     result.texelsPerMeter = float(pages.texelsPerMeter);
     result.coverage =
         float(double(pages.coveredTexels) / (double(settings.pageSize) * settings.pageSize * pages.pageCount));
+    result.coverageWithPadding =
+        float(double(pages.reservedTexels) / (double(settings.pageSize) * settings.pageSize * pages.pageCount));
     progress("pack", 1.0);
     return result;
 }

@@ -25,28 +25,40 @@ struct UnwrapSettings {
 
 /// How one mesh got its coordinates, for the report.
 struct MeshUnwrapReport {
-    int mesh = -1;            ///< index into the returned scene's meshes
-    bool kept = false;        ///< the file's TEXCOORD_1
-    std::string reason;       ///< why TEXCOORD_1 was not kept, e.g. "TEXCOORD_1 leaves [0,1] (part 0, triangle 17)"
+    int mesh = -1;      ///< index into the returned scene's meshes
+    bool kept = false;  ///< the file's TEXCOORD_1
+    std::string reason; ///< why TEXCOORD_1 was not kept, e.g. "TEXCOORD_1 leaves [0,1] (part 0, triangle 17)"
     int charts = 0;
     float areaStretch = 1.0f; ///< texel-area-weighted L2 stretch (Sander et al. 2001), 1 = isometric
 };
 
 struct UnwrappedScene {
-    /// The scene with lightmapUv in the parts of static meshes, vertices split along chart borders (MeshPart::sourceVertex),
-    /// meshes duplicated where objects need layouts of their own, and each static object's LightmapBinding set.
+    /// The scene with lightmapUv in the parts of static meshes, vertices split along chart borders
+    /// (MeshPart::sourceVertex), meshes duplicated where objects need layouts of their own, and each static object's
+    /// LightmapBinding set.
     Scene scene;
     int pageSize = 0;
     int pageCount = 0;
-    float texelsPerMeter = 0.0f; ///< the density reached
-    int chartCount = 0;          ///< over all objects
-    float coverage = 0.0f;       ///< covered texels / all texels of all pages
+    float texelsPerMeter = 0.0f;      ///< the density reached
+    int chartCount = 0;               ///< over all objects
+    float coverage = 0.0f;            ///< texels that triangles touch / all texels of all pages
+    float coverageWithPadding = 0.0f; ///< the same, each chart with its half of the padding around it
     std::vector<MeshUnwrapReport> meshes;
     std::vector<std::string> warnings;
 };
 
-/// Gives every static object (Object::isStatic, lightmapScale > 0) texels of its own: no texel is within paddingTexels
-/// of two charts. Objects that share a mesh share its layout and get a rectangle each.
+/// Gives every static object (Object::isStatic, lightmapScale > 0) texels of its own. A chart's texels are all those
+/// that one of its triangles touches, borders included; between the texels of any two charts, of one object or of two,
+/// lie at least paddingTexels others in x or in y. Bilinear filtering reads at most one texel beyond a chart's own, so
+/// with a padding of 2 no texel is ever read by two charts. Within a chart, triangles do not overlap. Triangles without
+/// area shrink to a point of a chart.
+///
+/// Objects that share a mesh at (within 5 %) the same scale share its layout and get a rectangle each; where scales
+/// differ the mesh is duplicated, so that padding counts texels for all of them. A mesh with one object has
+/// lightmapUv in page coordinates (scale 1, offset 0). Density is measured in the world: texelsPerMeter times the
+/// object's lightmapScale.
+///
+/// Errors: InvalidArgument (settings), FileInvalid (UvMode::Keep, with the reason), Cancelled.
 Result<UnwrappedScene> unwrap(Scene scene, const UnwrapSettings& settings, const Progress& progress = {});
 
 } // namespace halflight
