@@ -28,6 +28,7 @@ struct Counts {
     uint64_t lightmappedObjects = 0;
     uint64_t parts = 0;
     uint64_t validProbes = 0;
+    uint64_t texturePixels = 0;
 };
 
 Counts countScene(const BakedScene& baked)
@@ -45,6 +46,7 @@ Counts countScene(const BakedScene& baked)
         counts.staticObjects += object.isStatic;
         counts.lightmappedObjects += object.lightmap.page >= 0;
     }
+    for (const Texture& texture : baked.scene.textures) counts.texturePixels += texture.pixels.texelCount();
     for (const Probe& probe : baked.probes.probes) counts.validProbes += probe.valid;
     return counts;
 }
@@ -99,7 +101,7 @@ Json infoJson(const InfoOptions& options, const BakedScene& baked)
                          {"opaque", countAlphaMode(scene, Material::AlphaMode::Opaque)},
                          {"mask", countAlphaMode(scene, Material::AlphaMode::Mask)},
                          {"blend", countAlphaMode(scene, Material::AlphaMode::Blend)}};
-    json["textures"] = scene.textures.size();
+    json["textures"] = {{"total", scene.textures.size()}, {"pixels", counts.texturePixels}};
     json["lights"] = Json::array();
     for (const Light& light : scene.lights) json["lights"].push_back(jsonOf(light));
     json["cameras"] = Json::array();
@@ -157,7 +159,7 @@ void printInfo(const InfoOptions& options, const BakedScene& baked)
     fmt::print("materials   {} ({} opaque, {} mask, {} blend)\n", scene.materials.size(),
                countAlphaMode(scene, Material::AlphaMode::Opaque), countAlphaMode(scene, Material::AlphaMode::Mask),
                countAlphaMode(scene, Material::AlphaMode::Blend));
-    fmt::print("textures    {}\n", scene.textures.size());
+    fmt::print("textures    {} with {} pixels\n", scene.textures.size(), withUnit(double(counts.texturePixels)));
     const Bounds bounds = scene.bounds();
     const vec3 size = bounds.size();
     if (bounds.empty()) {
@@ -184,9 +186,9 @@ void printInfo(const InfoOptions& options, const BakedScene& baked)
 
 int runInfo(const InfoOptions& options)
 {
+    // Textures are decoded too: `info` is how one finds out whether a file is sound.
     ReadOptions readOptions;
     readOptions.settingsFile = options.settingsFile;
-    readOptions.decodeTextures = false;
     const Result<BakedScene> baked = readBakedScene(options.file, readOptions);
     if (!baked) return fail(options.file, baked.error());
     if (options.json) {

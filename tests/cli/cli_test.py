@@ -383,7 +383,7 @@ class Interrupt(Case):
         scene = self.scene()
         for number in (signal.SIGINT, signal.SIGTERM):
             code, last = self.interrupt(
-                number, "bake", scene, "-o", self.path("out.glb"), "--samples", "200000", "--report", self.path("r.json")
+                number, "bake", scene, "-o", self.path("out.glb"), "--samples", "20000", "--lightmap-size", "256", "--report", self.path("r.json")
             )
             self.assertEqual(code, 1)
             self.assertEqual(last, "halflight: interrupted\n")
