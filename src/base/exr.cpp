@@ -6,6 +6,8 @@
 #include <ImfHeader.h>
 #include <ImfInputFile.h>
 #include <ImfOutputFile.h>
+#include <algorithm>
+#include <cstdint>
 #include <exception>
 #include <string>
 #include <unistd.h>
@@ -64,13 +66,22 @@ Result<ImageRgba32f> readExr(const std::filesystem::path& path)
     try {
         Imf::InputFile file(path.string().c_str());
         const Imath::Box2i window = file.header().dataWindow();
-        const ivec2 size(window.max.x - window.min.x + 1, window.max.y - window.min.y + 1);
+        const int64_t width = int64_t(window.max.x) - window.min.x + 1;
+        const int64_t height = int64_t(window.max.y) - window.min.y + 1;
+        // A forged size is refused before it is allocated: no more texels than deflate's 1032:1 could have packed.
+        constexpr int64_t kMaxSide = 1 << 20;
+        const auto byteCount = int64_t(std::filesystem::file_size(path));
+        if (width > kMaxSide || height > kMaxSide || width * height > std::max<int64_t>(1 << 24, byteCount * 1032)) {
+            return Error{ErrorCode::FileInvalid, "image claims more texels than its bytes can hold"};
+        }
+        const ivec2 size{int(width), int(height)};
         ImageRgba32f image(size.x, size.y, vec4(0, 0, 0, 1));
         Imf::FrameBuffer buffer;
         const std::size_t xStride = sizeof(vec4);
         const std::size_t yStride = xStride * std::size_t(size.x);
         for (int c = 0; c < 4; ++c) {
-            char* base = reinterpret_cast<char*>(&image.data()->x + c) - std::ptrdiff_t(window.min.x) * std::ptrdiff_t(xStride) -
+            char* base = reinterpret_cast<char*>(&image.data()->x + c) -
+                         std::ptrdiff_t(window.min.x) * std::ptrdiff_t(xStride) -
                          std::ptrdiff_t(window.min.y) * std::ptrdiff_t(yStride);
             buffer.insert(kChannelNames[c], Imf::Slice(Imf::FLOAT, base, xStride, yStride, 1, 1, c == 3 ? 1.0 : 0.0));
         }

@@ -1,6 +1,7 @@
 #include "halflight/base/file.h"
 #include "halflight/base/image.h"
 
+#include <algorithm>
 #include <cstring>
 #include <limits>
 #include <memory>
@@ -61,14 +62,21 @@ Result<ImageRgba8> decodeImage(const std::byte* bytes, std::size_t byteCount)
     int channels = 0;
     // The header first, so that a forged size is refused before it is allocated.
     constexpr int kMaxSide = 32768;
-    if (!stbi_info_from_memory(data, int(byteCount), &width, &height, &channels) || width > kMaxSide || height > kMaxSide) {
+    if (!stbi_info_from_memory(data, int(byteCount), &width, &height, &channels) || width > kMaxSide ||
+        height > kMaxSide) {
         return Error{ErrorCode::FileInvalid, "image is neither PNG nor JPEG, or is damaged"};
+    }
+    // Deflate packs 1032:1 at best (RFC 1951) and JPEG less, so more texels than that are forged; small ones need no
+    // proof.
+    if (std::size_t(width) * std::size_t(height) > std::max<std::size_t>(std::size_t(1) << 24, byteCount * 1032)) {
+        return Error{ErrorCode::FileInvalid, "image claims more texels than its bytes can hold"};
     }
     const std::unique_ptr<stbi_uc, void (*)(void*)> pixels(
         stbi_load_from_memory(data, int(byteCount), &width, &height, &channels, 4), stbi_image_free);
     if (!pixels) {
         const char* reason = stbi_failure_reason();
-        return Error{ErrorCode::FileInvalid, std::string("image cannot be decoded (") + (reason ? reason : "unknown") + ")"};
+        return Error{ErrorCode::FileInvalid,
+                     std::string("image cannot be decoded (") + (reason ? reason : "unknown") + ")"};
     }
     ImageRgba8 image(width, height);
     std::memcpy(image.data(), pixels.get(), image.texelCount() * sizeof(u8vec4));
