@@ -18,11 +18,18 @@ from scenekit.parts import BAY, FLOOR
 COURT_X, NORTH, SOUTH = 7.5, -5.2, 4.9  # edges of the opening in the slab
 COLUMN_X, COLUMN_Z = 7.8, 5.2
 TERRACE, PARAPET, ROOF = 4.5, 5.4, 7.0
-DOOR, WINDOW = (-5.9, -4.7, 2.5), (-3.2, -1.2, 1.0, 2.65)  # x0, x1, head; x0, x1, sill, head
+DOOR, WINDOW = (-5.9, -4.7, 2.5), (-3.2, -1.2, 0.8, 2.8)  # x0, x1, head; x0, x1, sill, head
 ROOM = (-7.3, 0.1, -9.8, -5.6, 3.5)  # x0, x1, z0, z1, ceiling
 
 SUN_TO = (-0.55, 0.72, 0.42)  # towards the sun
 DYNAMIC = {"halflight_static": 0}
+
+# Texels per metre by mesh, 1 unless named. Leaves cast into the bake and take their light from the probes; what is far
+# from every eye or finer than any texel gets by with few.
+LIGHTMAP_SCALE = {"tree_crown": 0, "shrub": 0, "flowers": 0, "vine": 0, "vine_short": 0, "court_floor": 1.5, "walkway_floor": 1.2,
+                  "foundation": 0.1, "terrace": 0.5, "roof": 0.3, "roof_tiles": 0.2, "ridge": 0.3, "rafter": 0.4, "shutter": 0.5,
+                  "balustrade": 0.6, "balustrade_short": 0.6, "stair_baluster": 0.6, "crate": 0.7, "barrel": 0.7, "lantern": 0.4,
+                  "spot_bracket": 0.4, "spot_hood": 0.4, "wisp_arm": 0.4, "pot_small": 0.7, "stool": 0.6}
 
 
 def materials(doc):
@@ -31,9 +38,9 @@ def materials(doc):
         ("terracotta", texture.terracotta), ("wood", texture.wood))}
     color, normal = texture.paving()
     t["paving"], t["paving_normal"] = doc.texture(color, "paving"), doc.texture(normal, "paving_normal")
-    t["leaf"] = doc.texture(texture.foliage(256, 71, (62, 98, 40), (128, 154, 70), 13, 0.36, 0.11), "leaf", repeat=False)
-    t["bloom"] = doc.texture(texture.foliage(128, 72, (190, 36, 112), (238, 104, 168), 11, 0.26, 0.16), "bloom", repeat=False)
-    t["olive"] = doc.texture(texture.foliage(256, 73, (88, 108, 72), (158, 168, 124), 17, 0.34, 0.065), "olive", repeat=False)
+    t["leaf"] = doc.texture(texture.foliage(256, 71, (62, 98, 40), (128, 154, 70), 21, 0.27, 0.075), "leaf", repeat=False)
+    t["bloom"] = doc.texture(texture.foliage(128, 72, (190, 36, 112), (238, 104, 168), 25, 0.17, 0.13), "bloom", repeat=False)
+    t["olive"] = doc.texture(texture.foliage(256, 73, (92, 112, 72), (164, 172, 126), 33, 0.23, 0.034), "olive", repeat=False)
     doc.material("plaster", texture=t["plaster"], roughness=0.95)
     doc.material("whitewash", (0.92, 0.94, 0.98), texture=t["limestone"], roughness=0.95)
     doc.material("stone", texture=t["limestone"], roughness=0.75)
@@ -48,9 +55,8 @@ def materials(doc):
     doc.material("water", (0.05, 0.2, 0.23), roughness=0.08)
     doc.material("soil", (0.09, 0.06, 0.04), roughness=1.0)
     doc.material("rug", (0.45, 0.09, 0.08), roughness=1.0)
-    doc.material("panel", (0.9, 0.8, 0.65), roughness=0.8, emissive=(1.0, 0.63, 0.3), strength=7.0)
+    doc.material("panel", (0.9, 0.8, 0.65), roughness=0.8, emissive=(1.0, 0.6, 0.27), strength=3.2)
     doc.material("flame", (1.0, 0.8, 0.5), roughness=1.0, emissive=(1.0, 0.6, 0.22), strength=9.0)
-    doc.material("wisp", (0.1, 0.3, 0.3), roughness=1.0, emissive=(0.15, 0.9, 1.0), strength=4.0)
     for name in ("leaf", "bloom", "olive"):
         doc.material(name, texture=t[name], roughness=0.8, mask=0.5, double_sided=True)
     doc.material("red", (0.62, 0.06, 0.04), roughness=0.35)
@@ -236,7 +242,7 @@ def garden(doc):
     doc.mesh("tree_crown", crown, closed=False)
     doc.mesh("planter", [(m.bevel_box(1.3, 0.5, 1.3, 0.03).moved(0, -0.01, 0) + m.bevel_box(1.4, 0.08, 1.4, 0.02).moved(0, 0.44, 0), "stone", 1.0),
                          (m.bevel_box(1.1, 0.05, 1.1, 0.02).moved(0, 0.5, 0), "soil", 1.0)])
-    for i, (x, z, turn, scale) in enumerate(((4.6, 1.2, 20, 1.12), (-4.4, -2.35, 200, 0.92))):
+    for i, (x, z, turn, scale) in enumerate(((4.6, 1.2, 20, 1.12), (6.2, 3.75, 200, 0.9))):
         if i == 0:
             doc.node("planter_1", "planter", (x, 0, z))
         doc.node(f"tree_trunk_{i + 1}", "tree_trunk", (x, 0.52 if i == 0 else 0.44, z), turn, scale=scale)
@@ -245,8 +251,8 @@ def garden(doc):
     doc.mesh("pot_small", parts.pot(0.24, 0.36))
     doc.mesh("shrub", [(parts.ball_of_leaves(0.42, 150, 91, 0.24), "leaf", 1.0)], closed=False)
     doc.mesh("flowers", [(parts.ball_of_leaves(0.25, 60, 92, 0.19), "leaf", 1.0), (parts.ball_of_leaves(0.29, 55, 93, 0.15), "bloom", 1.0)], closed=False)
-    doc.node("pot_tree", "pot_large", (-4.4, 0, -2.35), scale=1.0)
-    for i, (x, y, z) in enumerate(((-0.25, 0, -4.75), (-3.85, 0, -4.72), (6.75, 0, 4.2), (-6.75, 0, 4.2), (9.9, FLOOR, -4.3))):
+    doc.node("pot_tree", "pot_large", (6.2, 0, 3.75))
+    for i, (x, y, z) in enumerate(((-0.25, 0, -4.75), (-3.85, 0, -4.72), (-6.75, 0, 4.2), (9.9, FLOOR, -4.3))):
         doc.node(f"pot_large_{i + 1}", "pot_large", (x, y, z), 40 * i)
         doc.node(f"shrub_{i + 1}", "shrub", (x, y + 0.95, z), 70 * i)
     for i, (x, y, z) in enumerate(((-0.2, 0, -4.05), (-1.0, 0, -4.8), (-6.6, 0, -4.75), (6.6, 0, -3.3), (2.2, 0, 4.45), (-2.2, 0, 4.45),
@@ -265,31 +271,31 @@ def garden(doc):
     doc.mesh("barrel", parts.barrel())
     for i, (x, y, z, turn, scale) in enumerate(((9.9, FLOOR, 7.3, 12, 1.0), (9.15, FLOOR, 7.4, -20, 1.0), (9.6, FLOOR + 0.6, 7.35, 30, 0.8))):
         doc.node(f"crate_{i + 1}", "crate", (x, y, z), turn, scale=scale)
-    for i, (x, z) in enumerate(((10.1, 5.9), (10.15, 5.2), (-10.1, 7.4))):
+    for i, (x, z) in enumerate(((10.15, 6.3), (-10.1, 6.7), (-10.1, 7.4))):
         doc.node(f"barrel_{i + 1}", "barrel", (x, FLOOR, z), 25 * i)
 
 
 def furniture(doc):
-    """The room: a lit panel on the back wall, table, shelf, stools, rug, pictures."""
+    """The room: a lit panel on the end wall, table, shelf, stools, rug, pictures."""
     doc.mesh("panel_frame", [(m.bevel_box(2.0, 1.2, 0.08, 0.02), "wood", 1.25)])
-    doc.node("panel_frame", "panel_frame", (-1.35, 1.25, ROOM[2] + 0.03))
+    doc.node("panel_frame", "panel_frame", (ROOM[1] - 0.03, 1.25, -8.5), -90)
     doc.mesh("panel", [(m.bevel_box(1.8, 1.0, 0.04, 0.01), "panel", 1.0)])
-    doc.node("panel", "panel", (-1.35, 1.35, ROOM[2] + 0.07))
+    doc.node("panel", "panel", (ROOM[1] - 0.07, 1.35, -8.5), -90)
     doc.mesh("table", parts.table(1.9, 0.85, 0.78))
-    doc.node("table", "table", (-3.6, FLOOR, -7.9), 8)
+    doc.node("table", "table", (-4.8, FLOOR, -6.75), 8)
     doc.mesh("stool", [(m.cylinder(0.19, 0.05, 28, 0.012).moved(0, 0.42, 0), "wood", 1.25)] +
              [(m.bar((0.09 * c, 0.44, 0.09 * s), (0.16 * c, 0.0, 0.16 * s), 0.02, 10), "wood", 1.25) for c, s in ((1, 1), (1, -1), (-1, 1), (-1, -1))])
-    for i, (x, z) in enumerate(((-4.1, -7.1), (-3.0, -7.15), (-3.7, -8.75))):
+    for i, (x, z) in enumerate(((-5.2, -7.5), (-4.2, -7.6), (-3.45, -6.9))):
         doc.node(f"stool_{i + 1}", "stool", (x, FLOOR, z), 30 * i)
     doc.mesh("rug", [(m.bevel_box(3.2, 0.022, 2.3, 0.008), "rug", 1.0)])
-    doc.node("rug", "rug", (-3.6, FLOOR - 0.004, -7.8), 4)
+    doc.node("rug", "rug", (-4.4, FLOOR - 0.004, -7.1), 4)
     doc.mesh("shelf", [(m.bevel_box(0.36, 0.05, 2.2, 0.01) + m.bevel_box(0.36, 0.05, 2.2, 0.01).moved(0, 0.55, 0) + m.bevel_box(0.36, 0.05, 2.2, 0.01).moved(0, 1.1, 0) +
                         m.bevel_box(0.37, 1.7, 0.05, 0.01).moved(0, -0.3, -1.09) + m.bevel_box(0.37, 1.7, 0.05, 0.01).moved(0, -0.3, 1.09), "wood", 1.25)])
     doc.node("shelf", "shelf", (ROOM[0] + 0.178, 0.7, -8.1))
     for i, (y, z, s) in enumerate(((0.75, -8.7, 0.7), (0.75, -7.6, 0.85), (1.3, -8.3, 0.75), (1.3, -7.5, 0.6), (1.85, -8.6, 0.9), (1.85, -7.8, 0.65))):
         doc.node(f"jar_{i + 1}", "pot_small", (ROOM[0] + 0.2, y, z), 60 * i, scale=s)
     doc.mesh("chest", [(m.bevel_box(1.2, 0.5, 0.55, 0.02) + m.bevel_box(1.24, 0.1, 0.59, 0.03).moved(0, 0.49, 0), "crate", 1.25)])
-    doc.node("chest", "chest", (-0.4, FLOOR, -7.2), -90)
+    doc.node("chest", "chest", (-2.5, FLOOR, -9.48), 0)
 
 
 def lights(doc):
@@ -303,23 +309,23 @@ def lights(doc):
         at = (x, 3.55, NORTH + 0.7)
         doc.node(f"bracket_{word}", "spot_bracket", (x, 3.62, NORTH))
         doc.node(f"hood_{word}", "spot_hood", at, rotation=gltf.look_rotation(at, target))
-        doc.light(f"spot_door_{word}", "spot", (1.0, 0.66, 0.36), 15.0, at, target, 6.0, 18, 42, {**mixed, "halflight_radius": 0.04})
+        doc.light(f"spot_door_{word}", "spot", (1.0, 0.68, 0.4), 42.0, at, target, 6.0, 18, 42, {**mixed, "halflight_radius": 0.04})
 
     # Two mixed points, out of each other's range.
     doc.mesh("lantern", parts.lantern())
     flame = m.lathe([(0, -0.09), (0.008, -0.082), (0.013, -0.068), (0.009, -0.045), (0, -0.02)], 10)
     doc.mesh("flame", [(flame, "flame", 1.0)])
-    for name, at, candela, reach in (("lantern_room", (-3.6, 2.55, -7.8), 3.2, 5.5), ("lantern_walkway", (9.1, 3.14, 1.75), 6.0, 5.5)):
+    for name, at, candela, reach in (("lantern_room", (-3.6, 2.55, -7.8), 9.0, 5.5), ("lantern_walkway", (9.1, 3.14, 1.75), 15.0, 5.5)):
         doc.node(name, "lantern", at)
         doc.node(f"flame_{name}", "flame", at, extras={**DYNAMIC, "halflight_cast_shadows": 0})
-        doc.light(f"point_{name}", "point", (1.0, 0.7, 0.4), candela, at, cone_range=reach, extras={**mixed, "halflight_radius": 0.05})
+        doc.light(f"point_{name}", "point", (1.0, 0.72, 0.45), candela, at, cone_range=reach, extras={**mixed, "halflight_radius": 0.05})
 
     # One realtime spot in a cold colour, hung under an arch of the shaded west side.
-    at, target = (-7.45, 3.1, 1.3), (-5.7, 0.0, 0.75)
+    at, target = (-7.45, 3.1, 1.3), (-4.75, 0.1, 0.0)
     doc.node("hood_wisp", "spot_hood", at, rotation=gltf.look_rotation(at, target))
     doc.mesh("wisp_arm", [(m.bar((-7.62, 3.64, 1.3), (-7.5, 3.28, 1.3), 0.015, 8) + m.bar((-7.75, 3.66, 1.3), (-7.58, 3.62, 1.3), 0.02, 8), "iron", 1.0)])
     doc.node("wisp_arm", "wisp_arm")
-    doc.light("spot_realtime", "spot", (0.25, 0.75, 1.0), 22.0, at, target, 7.0, 14, 27, {"halflight_mode": "realtime", "halflight_radius": 0.03})
+    doc.light("spot_realtime", "spot", (0.2, 0.72, 1.0), 75.0, at, target, 7.0, 14, 27, {"halflight_mode": "realtime", "halflight_radius": 0.03})
 
 
 def dynamic_objects(doc):
@@ -345,34 +351,39 @@ def dynamic_objects(doc):
     put("dynamic_sphere_edge", "sphere_red", (-3.7, 0.45, 1.35))
     put("dynamic_figure_court", "figure_maple", (-2.3, 0, -2.2), 35)
     put("dynamic_figure_arch", "figure_blue", (8.7, FLOOR, -1.1), -70)
-    put("dynamic_crate_sun", "crate", (2.55, 0, -1.75), 25)
-    put("dynamic_crate_top", "crate", (2.55, 0.6, -1.75), 55, 0.7)
+    put("dynamic_crate_sun", "crate", (-0.3, 0, -2.75), 25)
+    put("dynamic_crate_top", "crate", (-0.3, 0.6, -2.75), 55, 0.7)
     put("dynamic_sphere_sun", "sphere_ivory", (1.75, 0.3, -2.45))
-    put("dynamic_knot_realtime", "knot", (-5.7, 0, 0.75), 15)
-    put("dynamic_cube_shade", "cube", (-6.3, 0, 2.2), 30)
-    put("dynamic_cone", "cone", (-4.9, 0, 2.55))
+    put("dynamic_knot_realtime", "knot", (-4.75, 0, 0.0), 15)
+    put("dynamic_cube_shade", "cube", (-5.9, 0, -0.95), 30)
+    put("dynamic_cone", "cone", (-0.55, 0, 2.1))
     put("dynamic_ring_pier", "ring", (7.1, 0.47, 1.6), -75)
     put("dynamic_figure_door", "figure_maple", (-4.55, 0, -3.85), 200)
-    put("dynamic_sphere_door", "sphere_blue", (-6.1, 0.22, -4.1))
-    put("dynamic_knot_walkway", "knot_jade", (9.4, FLOOR, 3.4), 40)
-    put("dynamic_teapot", "teapot", (-3.75, FLOOR + 0.78, -7.85), -30)
-    put("dynamic_sphere_room", "sphere_ivory", (-1.75, FLOOR + 0.3, -6.9))
+    put("dynamic_sphere_door", "sphere_blue", (-5.5, 0.22, -3.7))
+    put("dynamic_knot_walkway", "knot_jade", (8.9, FLOOR, 0.8), 40)
+    put("dynamic_teapot", "teapot", (-4.9, FLOOR + 0.78, -6.75), -30)
+    put("dynamic_sphere_room", "sphere_ivory", (-1.0, FLOOR + 0.3, -6.6))
 
 
 def cameras(doc):
     doc.camera("showcase", (-6.9, 1.85, 4.0), (0.2, 1.55, -2.6), 52)
-    doc.camera("room", (-6.9, 1.75, -6.1), (-1.6, 1.15, -8.6), 58)
-    doc.camera("top", (-10.5, 13.5, 13.5), (0.3, 0.4, -0.6), 42)
-    doc.camera("detail", (8.9, 1.75, 6.9), (8.6, 1.55, -1.0), 56)
+    doc.camera("room", (-6.5, 1.75, -9.35), (-1.4, 1.0, -7.6), 60)
+    doc.camera("top", (-6.8, 13.0, 10.4), (0.2, 0.0, -0.9), 38)
+    doc.camera("detail", (9.95, 1.7, 5.3), (8.75, 1.5, -1.5), 56)
 
 
 def make():
     doc = gltf.Document("Halflight scripts/make_courtyard.py")
-    doc.scene("courtyard", {"halflight_sky_zenith": [0.16, 0.32, 0.72], "halflight_sky_horizon": [0.72, 0.74, 0.76],
-                            "halflight_sky_ground": [0.2, 0.16, 0.12]})
+    doc.scene("courtyard", {"halflight_sky_zenith": [0.13, 0.29, 0.72], "halflight_sky_horizon": [0.52, 0.65, 0.84],
+                            "halflight_sky_ground": [0.2, 0.16, 0.12], "halflight_shadow_color": [0.5, 0.5, 0.55]})
     materials(doc)
     for build in (shell, colonnade, north_side, garden, furniture, lights, dynamic_objects, cameras):
         build(doc)
+    names = [mesh["name"] for mesh in doc.json["meshes"]]
+    for node in doc.json["nodes"]:
+        scale = LIGHTMAP_SCALE.get(names[node["mesh"]], 1) if "mesh" in node else 1
+        if scale != 1 and node.get("extras", {}).get("halflight_static", 1):
+            node["extras"] = {**node.get("extras", {}), "halflight_lightmap_scale": scale}
     return doc
 
 

@@ -30,6 +30,18 @@ def y_rotation(degrees):
     return (0.0, math.sin(half), 0.0, math.cos(half))
 
 
+def _without_uv(arrays):
+    known, result = {}, {"position": [], "normal": [], "index": []}
+    for i in arrays["index"]:
+        key = (arrays["position"][i], tuple(round(x * 1e4) for x in arrays["normal"][i]))
+        if key not in known:
+            known[key] = len(result["position"])
+            result["position"].append(arrays["position"][i])
+            result["normal"].append(arrays["normal"][i])
+        result["index"].append(known[key])
+    return result
+
+
 def _tidy(values, digits=6):
     return [round(float(v), digits) + 0.0 for v in values]
 
@@ -91,7 +103,7 @@ class Document:
             material.update(alphaMode="MASK", alphaCutoff=mask)
         if double_sided:
             material["doubleSided"] = True
-        self.materials[name] = (self._append("materials", material), normal is not None)
+        self.materials[name] = (self._append("materials", material), normal is not None, texture is not None)
 
     def mesh(self, name, parts, closed=True, crease=35.0):
         """parts: [(Mesh, material name, texture repeats per metre)]. Checked before it is stored; `closed` asks that the
@@ -100,9 +112,11 @@ class Document:
             m.check_closed([t for part in parts for t in part[0].triangles], name)
         primitives, triangles, points = [], 0, []
         for solid, material, density in parts:
-            index, needs_tangents = self.materials[material]
+            index, needs_tangents, textured = self.materials[material]
             arrays = m.vertex_arrays(solid, density, crease, needs_tangents)
             m.check_arrays(arrays, f"{name}/{material}")
+            if not textured:  # positions and normals alone, merged where only the coordinates differed
+                arrays = _without_uv(arrays)
             position, flat, _ = self._accessor(arrays["position"], "VEC3")
             position["min"] = [min(flat[i::3]) for i in range(3)]
             position["max"] = [max(flat[i::3]) for i in range(3)]

@@ -85,15 +85,14 @@ def archivolt():
     return [(ring + key, "stone", 1.0)]
 
 
-BALUSTER = [(0, 0), (0.055, 0), (0.055, 0.05), (0.036, 0.062), (0.03, 0.085), (0.044, 0.13), (0.058, 0.19), (0.06, 0.235),
-            (0.05, 0.29), (0.033, 0.36), (0.026, 0.43), (0.027, 0.47), (0.04, 0.48), (0.04, 0.495), (0.028, 0.51), (0.034, 0.54),
-            (0.052, 0.555), (0.052, 0.6), (0, 0.6)]
+BALUSTER = [(0, 0), (0.055, 0), (0.055, 0.05), (0.036, 0.062), (0.044, 0.13), (0.06, 0.215),
+            (0.033, 0.36), (0.026, 0.46), (0.04, 0.475), (0.04, 0.495), (0.028, 0.51), (0.052, 0.555), (0.052, 0.6), (0, 0.6)]
 
 
 def balustrade(span, count):
     """Balusters between a base and a hand rail, along x, centred."""
     solid = m.bevel_box(span, 0.1, 0.22, 0.012) + m.bevel_box(span, 0.12, 0.26, 0.025).moved(0, 0.68, 0)
-    one = m.lathe(BALUSTER, 14, 1.0)
+    one = m.lathe(BALUSTER, 12, 1.0)
     for i in range(count):
         solid += one.moved((i + 0.5) * span / count - span / 2, 0.09, 0)
     return [(solid, "stone", 1.0)]
@@ -187,8 +186,8 @@ def tree(seed):
         end = (reach * math.cos(a), 1.55 + rise, reach * math.sin(a))
         middle = (end[0] * 0.45, 1.55 + rise * 0.65, end[2] * 0.45)
         bark += m.tube([(0, 1.5, 0), middle, end], [0.07, 0.045, 0.02], 9)
-        crown += ball_of_leaves(rng.uniform(0.62, 0.78), 105, seed + i, 0.34, end, 0.8)
-    crown += ball_of_leaves(0.75, 110, seed + 9, 0.34, (0, 2.75, 0), 0.75)
+        crown += ball_of_leaves(rng.uniform(0.6, 0.74), 190, seed + i, 0.27, end, 0.8)
+    crown += ball_of_leaves(0.75, 190, seed + 9, 0.27, (0, 2.75, 0), 0.75)
     return [(bark, "wood", 0.8)], [(crown, "olive", 1.0)]
 
 
@@ -296,7 +295,7 @@ def shutter(width, height):
 
 def roof_tiles(columns, rows, pitch):
     """Barrel tiles on a slope that rises along -z from the origin's line; `pitch` metres per tile along the slope."""
-    solid, step, segments = Mesh(), 0.26, 8
+    solid, step, segments = Mesh(), 0.26, 6
     for row in range(rows):
         for column_ in range(columns):
             ra, rb = 0.118, 0.1  # wider at its lower end, which lies over the tile below
@@ -352,7 +351,7 @@ def table(length, depth, height):
 # Dynamic objects
 
 
-def torus_knot(p, q, major, minor, radius, steps=220, segments=18):
+def torus_knot(p, q, major, minor, radius, steps=180, segments=14):
     points = []
     for i in range(steps):
         t = 2 * math.pi * i / steps

@@ -1,0 +1,130 @@
+#!/usr/bin/env python3
+"""Makes the small scenes of the tests in assets/tests/: each one question with a known answer, a camera named "main".
+
+    scripts/make_test_scenes.py [FOLDER]
+
+X east, Y up, metres. assets/README.md lists them.
+"""
+
+import math
+import pathlib
+import sys
+
+from scenekit import gltf, mesh as m
+from scenekit.mesh import Mesh
+
+MIXED = {"halflight_mode": "mixed"}
+DYNAMIC = {"halflight_static": 0}
+
+
+MATERIALS = {"grey": ((0.5, 0.5, 0.5), 1.0), "white": ((0.8, 0.8, 0.8), 1.0), "red": ((0.6, 0.1, 0.08), 0.6)}
+
+
+def document(name, materials, sky=None):
+    doc = gltf.Document("Halflight scripts/make_test_scenes.py")
+    extras = {f"halflight_sky_{part}": color for part, color in zip(("zenith", "horizon", "ground"), sky)} if sky else None
+    doc.json["scenes"][0]["name"] = name
+    for material in materials:
+        doc.material(material, *MATERIALS[material])
+    if extras:
+        doc.json["scenes"][0]["extras"] = extras
+    return doc
+
+
+def inside_walls(x0, y0, z0, x1, y1, z1):
+    """A box's six sides as sheets that face inwards."""
+    mesh = m.box(x0, y0, z0, x1, y1, z1)
+    return Mesh([((a, c, b), uv) for (a, b, c), uv in mesh.triangles])
+
+
+def closed_room():
+    """Two rooms of zero-thickness walls under a bright sky: one single-sided (fronts inside), one double-sided. Nothing lights
+    their insides: every texel and pixel in there is black, whatever the sky."""
+    doc = document("closed_room", ("white", "grey"), ([50.0, 50.0, 50.0],) * 3)
+    doc.material("double", (0.8, 0.8, 0.8), roughness=1.0, double_sided=True)
+    doc.mesh("room_single_sided", [(inside_walls(-2, 0, -2, 2, 2.5, 2), "white", 1.0)], closed=False)
+    doc.mesh("room_double_sided", [(inside_walls(-2, 0, -2, 2, 2.5, 2), "double", 1.0)], closed=False)
+    doc.mesh("block", [(m.box(-0.4, 0.0, -0.4, 0.4, 0.8, 0.4), "grey", 1.0)])
+    for name, x in (("single_sided", -3.0), ("double_sided", 3.0)):
+        doc.node(f"room_{name}", f"room_{name}", (x, 0, 0))
+        doc.node(f"block_{name}", "block", (x + 0.8, 0.001, -0.5))
+    doc.camera("main", (-4.6, 1.6, 1.7), (-2.2, 0.8, -0.9), 60)
+    doc.camera("double_sided", (1.4, 1.6, 1.7), (3.8, 0.8, -0.9), 60)
+    return doc
+
+
+def penumbra():
+    """Sun of 4° straight above a blocker that covers x < 0 at height 2: across x, the floor's attenuation is the share of the
+    sun's disc seen past a straight edge, 1/2 + (t √(1 - t²) + asin t) / π with t = x / (2 tan 2°)."""
+    doc = document("penumbra", ("white", "grey"))
+    doc.mesh("floor", [(m.box(-2, -0.1, -2, 2, 0, 2), "white", 1.0)])
+    doc.mesh("blocker", [(m.box(-6, 2.0, -6, 0, 2.001, 6), "grey", 1.0)])
+    doc.node("floor", "floor")
+    # A millimetre thick: half a per mille of its height, far below what a bake resolves.
+    doc.node("blocker", "blocker", extras={"halflight_lightmap_scale": 0})
+    doc.light("sun", "directional", (1, 1, 1), math.pi, (0, 10, 0), (0, 0, 0), extras={**MIXED, "halflight_angular_diameter": 4.0})
+    doc.camera("main", (0.9, 1.6, 2.6), (0.0, 0.0, 0.0), 45)
+    return doc
+
+
+def five_lights():
+    """Five mixed points whose ranges all overlap, of clearly different weight: four get a channel, the weakest is fully baked."""
+    doc = document("five_lights", ("white", "grey", "red"), ([0.05, 0.06, 0.08], [0.05, 0.05, 0.05], [0.02, 0.02, 0.02]))
+    doc.mesh("floor", [(m.box(-4, -0.2, -4, 4, 0, 4), "white", 1.0)])
+    doc.mesh("box", [(m.bevel_box(0.5, 0.8, 0.5, 0.02), "grey", 1.0)])
+    doc.mesh("ball", [(m.sphere(0.3, 32, 16), "red", 1.0)])
+    doc.node("floor", "floor")
+    for i in range(6):
+        a = math.radians(60 * i)
+        doc.node(f"box_{i + 1}", "box", (1.6 * math.cos(a), -0.005, 1.6 * math.sin(a)), 17 * i)
+    doc.node("ball", "ball", (0, 0.3, 0), extras=dict(DYNAMIC))
+    colors = ((1.0, 0.9, 0.8), (1.0, 0.3, 0.2), (0.3, 1.0, 0.3), (0.3, 0.45, 1.0), (1.0, 0.3, 0.9))
+    for i, (color, candela) in enumerate(zip(colors, (10.0, 8.0, 7.0, 6.0, 1.5))):
+        a = math.radians(72 * i + 18)
+        doc.light(f"point_{i + 1}", "point", color, candela, (2.6 * math.cos(a), 1.9, 2.6 * math.sin(a)), cone_range=8.0,
+                  extras={**MIXED, "halflight_radius": 0.03})
+    doc.camera("main", (0.0, 5.2, 5.6), (0.0, 0.0, 0.2), 50)
+    return doc
+
+
+def sphere_on_floor():
+    """A static and a dynamic sphere side by side on a floor under a mixed sun: the same shadow, one baked, one realtime."""
+    doc = document("sphere_on_floor", ("white", "red"), ([0.2, 0.3, 0.5], [0.5, 0.5, 0.5], [0.1, 0.1, 0.1]))
+    doc.mesh("floor", [(m.box(-4, -0.2, -3, 4, 0, 3), "white", 1.0)])
+    doc.mesh("sphere", [(m.sphere(0.5, 40, 20), "red", 1.0)])
+    doc.node("floor", "floor")
+    doc.node("sphere_static", "sphere", (-1.2, 0.5, 0))
+    doc.node("sphere_dynamic", "sphere", (1.2, 0.5, 0), extras=dict(DYNAMIC))
+    doc.light("sun", "directional", (1, 1, 1), 4.0, (-3, 6, 3), (0, 0, 0), extras={**MIXED, "halflight_angular_diameter": 0.53})
+    doc.camera("main", (0.0, 2.6, 5.0), (0.0, 0.3, 0.0), 45)
+    return doc
+
+
+def two_rooms():
+    """Two rooms 12 m apart, each with its own mixed point of range 5: the lights reach nothing in common and share a channel."""
+    doc = document("two_rooms", ("white", "grey"))
+    room = m.grid_solid([-2.2, -2, 2, 2.2], [-0.2, 0, 2.6, 2.8], [-2.2, -2, 2, 2.2], lambda x, y, z: not (abs(x) < 2 and abs(z) < 2 and 0 < y < 2.6))
+    doc.mesh("room", [(room, "white", 1.0)], closed=False)  # outside and cavity: the cavity's volume is negative
+    doc.mesh("block", [(m.bevel_box(0.7, 1.0, 0.7, 0.02), "grey", 1.0)])
+    for word, x, color in (("west", -6.0, (1.0, 0.7, 0.5)), ("east", 6.0, (0.5, 0.7, 1.0))):
+        doc.node(f"room_{word}", "room", (x, 0, 0))
+        doc.node(f"block_{word}", "block", (x - 0.5, -0.005, -0.4), 20)
+        doc.light(f"point_{word}", "point", color, 5.0, (x + 0.8, 2.1, 0.6), cone_range=5.0, extras={**MIXED, "halflight_radius": 0.05})
+    doc.camera("main", (-4.3, 1.7, 1.7), (-6.7, 0.6, -0.9), 65)
+    doc.camera("east", (7.7, 1.7, 1.7), (5.3, 0.6, -0.9), 65)
+    return doc
+
+
+def main():
+    default = pathlib.Path(__file__).resolve().parent.parent / "assets" / "tests"
+    folder = pathlib.Path(sys.argv[1]) if len(sys.argv) > 1 else default
+    folder.mkdir(parents=True, exist_ok=True)
+    for make in (closed_room, penumbra, five_lights, sphere_on_floor, two_rooms):
+        doc = make()
+        data = doc.glb()
+        (folder / f"{make.__name__}.glb").write_bytes(data)
+        print(f"{folder / make.__name__}.glb: {len(data) / 1e3:.1f} kB, {doc.drawn_triangles} triangles drawn")
+
+
+if __name__ == "__main__":
+    main()
