@@ -41,7 +41,8 @@ panels=()
 render() { # name, label, options...
   local name="$1" label="$2"
   shift 2
-  "$halflight" render "$@" -o "out/$name.png" --size "$size" --camera "$camera" --exposure="$exposure" --json >"out/$name.json"
+  "$halflight" render "$@" -o "out/$name.png" --size "$size" --camera "$camera" --exposure="$exposure" --json \
+    >"out/$name.json"
   if [ "$exposure" = auto ]; then
     exposure=$(python3 -c 'import json, sys; print(json.load(open(sys.argv[1]))["exposure"])' "out/$name.json")
   fi

@@ -308,7 +308,8 @@ class Chain(Case):
 
     def test_plain_file_renders_in_realtime(self):
         picture = self.path("picture.png")
-        result = run("render", self.scene(), "-o", picture, "--size", "64x64", "--json", "--eye=4,3,5", "--target=0,0,0")
+        view = ["--size", "64x64", "--eye=4,3,5", "--target=0,0,0"]
+        result = run("render", self.scene(), "-o", picture, *view, "--json")
         self.assertEqual(result.returncode, 0, result.stderr)
         self.assertEqual(json.loads(result.stdout)["mode"], "realtime")
         _, _, rows = decode_png(picture)
@@ -334,8 +335,8 @@ class Chain(Case):
         for light in overflow:
             self.assertTrue(light["reason"])
             self.assertTrue(any(light["name"] in line for line in result.stderr.splitlines()), result.stderr)
-        channels = {light["name"]: light["channel"] for light in json.loads(run("info", output, "--json").stdout)["lights"]}
-        self.assertEqual(sorted(channels.values()), [-1, -1, 0, 1, 2, 3])
+        info = json.loads(run("info", output, "--json").stdout)
+        self.assertEqual(sorted(light["channel"] for light in info["lights"]), [-1, -1, 0, 1, 2, 3])
 
     def test_quiet_is_quiet(self):
         result = run("bake", self.scene(), "-o", self.path("baked.glb"), *QUICK, "--quiet")
@@ -382,8 +383,9 @@ class Interrupt(Case):
         self.long_stage = "lightmap"
         scene = self.scene()
         for number in (signal.SIGINT, signal.SIGTERM):
+            outputs = ["-o", self.path("out.glb"), "--report", self.path("r.json")]
             code, last = self.interrupt(
-                number, "bake", scene, "-o", self.path("out.glb"), "--samples", "20000", "--lightmap-size", "256", "--report", self.path("r.json")
+                number, "bake", scene, *outputs, "--samples", "20000", "--lightmap-size", "256"
             )
             self.assertEqual(code, 1)
             self.assertEqual(last, "halflight: interrupted\n")
