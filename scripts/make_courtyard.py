@@ -357,7 +357,7 @@ def dynamic_objects(doc):
     put("dynamic_knot_realtime", "knot", (-4.75, 0, 0.0), 15)
     put("dynamic_cube_shade", "cube", (-5.9, 0, -0.95), 30)
     put("dynamic_cone", "cone", (-0.55, 0, 2.1))
-    put("dynamic_ring_pier", "ring", (7.1, 0.47, 1.6), -75)
+    put("dynamic_ring_pier", "ring", (7.1, 0.48, 1.6), -75)
     put("dynamic_figure_door", "figure_maple", (-4.55, 0, -3.85), 200)
     put("dynamic_sphere_door", "sphere_blue", (-5.5, 0.22, -3.7))
     put("dynamic_knot_walkway", "knot_jade", (8.9, FLOOR, 0.8), 40)
