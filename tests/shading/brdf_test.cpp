@@ -17,7 +17,7 @@ vec3 viewAt(float cosine)
 /// cosine and the GGX half-vector distributions.
 vec3 directionalAlbedo(vec3 baseColor, float metallic, float roughness, vec3 v)
 {
-    constexpr int kSide = 512;
+    constexpr int kSide = 256;
     const float alpha = square(std::max(roughness, 0.045f));
     glm::dvec3 sum(0.0);
     for (int i = 0; i < kSide; ++i) {

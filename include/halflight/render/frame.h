@@ -51,9 +51,11 @@ struct ShadowSettings {
     int atlasSize = 4096;
     bool pointShadows = true; ///< false: point lights have baked shadows only, as in the seeds (spec S4)
     ShadowFilter filter = ShadowFilter::Pcf;
-    float depthBias = 0.0f;        ///< constant, in shadow-map texels of depth slope 1
-    float slopeBias = 1.5f;        ///< Vulkan's depthBiasSlopeFactor
-    float normalBiasTexels = 1.2f; ///< receiver moved along its normal by this many shadow-map texels
+    float depthBias = 0.0f; ///< constant, in shadow-map texels of depth slope 1
+    float slopeBias = 1.5f; ///< Vulkan's depthBiasSlopeFactor
+    /// Receiver moved along its normal by this many shadow-map texels for each two texels of filterReachTexels() (at
+    /// least one time), so that a wide kernel on a tilted surface does not meet the surface itself; 0…8.
+    float normalBiasTexels = 1.2f;
 };
 
 /// InvalidArgument naming the first setting outside its limits.

@@ -8,10 +8,13 @@
 namespace halflight {
 namespace {
 
-/// Texels at a tile's border that are kept free for the filter's kernel and the receiver's shift along its normal.
+/// Texels at a tile's border that are kept free for the filter's kernel and the receiver's shift along its normal,
+/// which grows with the kernel: normalBiasTexels for each two texels of reach.
 int borderTexels(const ShadowSettings& settings)
 {
-    return filterReachTexels(settings.filter) + int(std::ceil(std::max(settings.normalBiasTexels, 0.0f)));
+    const auto reach = float(filterReachTexels(settings.filter));
+    const float shift = std::max(settings.normalBiasTexels, 0.0f) * std::max(0.5f * reach, 1.0f);
+    return int(std::ceil(reach + shift));
 }
 
 float aspectOf(const FrameView& view)

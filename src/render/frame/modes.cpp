@@ -83,7 +83,7 @@ Status checkShadowSettings(const ShadowSettings& s)
     }
     if (s.atlasSize < 256 || s.atlasSize > 16384) return outside("the shadow atlas size", "256…16384 texels");
     if (!std::isfinite(s.depthBias) || !std::isfinite(s.slopeBias)) return outside("shadow biases", "finite");
-    if (!(s.normalBiasTexels >= 0.0f && s.normalBiasTexels <= 16.0f)) return outside("the normal bias", "0…16 texels");
+    if (!(s.normalBiasTexels >= 0.0f && s.normalBiasTexels <= 8.0f)) return outside("the normal bias", "0…8 texels");
     return {};
 }
 
