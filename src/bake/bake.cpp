@@ -209,7 +209,11 @@ Result<BakeResult> bake(Scene scene, const BakeSettings& settings, const Integra
         denoiseTimer.finish();
     }
     fillInvalid(map, values.valid, values.irradiance);
-    const std::vector<ImageRgb32f> pages = dilate(map, values.irradiance, kDilationRings);
+    StageTimer seamTimer(report, "seams");
+    const std::vector<SeamSample> seams = findSeams(geometry, unwrapped->pageSize);
+    std::vector<ImageRgb32f> pages = dilate(map, values.irradiance, kDilationRings);
+    stitchSeams(seams, pages);
+    seamTimer.finish();
     if (Status status = dumpPages(settings, "lightmap", pages); !status) return status.error();
     baked.lightmaps = encodeLightmap(pages);
 
@@ -220,7 +224,9 @@ Result<BakeResult> bake(Scene scene, const BakeSettings& settings, const Integra
         std::vector<vec4> mask(map.texels.size());
         if (!integrator.shadowmask(map, mask, progress)) return cancelledError();
         fillInvalid(map, values.valid, mask);
-        baked.shadowmasks = encodeShadowmask(dilate(map, mask, kDilationRings));
+        std::vector<ImageRgba32f> maskPages = dilate(map, mask, kDilationRings);
+        stitchSeams(seams, maskPages);
+        baked.shadowmasks = encodeShadowmask(maskPages);
         maskTimer.finish(integrator.raysTraced() - before);
     }
 

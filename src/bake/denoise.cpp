@@ -51,27 +51,44 @@ void denoise(const BakeGeometry& geometry, const TexelMap& map, std::vector<Irra
         }
     });
 
-    // A texel's own variance estimate is itself noisy: average it over its neighbours first.
+    // Two things first, both from the 5 x 5 neighbours on the same chart. Outliers: a texel whose few lucky paths make it
+    // far brighter than nearly all of its neighbours, and whose own variance says so, comes down to their brightest fifth.
+    // And a texel's variance estimate is itself noisy: it is averaged with its neighbours', each counted at no more than
+    // a few times the texel's own, so that a bright light's variance does not open the texels beside it to its light.
     std::vector<vec3> color(count);
     std::vector<float> variance(count);
-    parallelFor(count, 4096, [&](std::size_t begin, std::size_t end) {
+    parallelFor(count, 2048, [&](std::size_t begin, std::size_t end) {
+        std::array<float, 25> around;
         for (std::size_t i = begin; i < end; ++i) {
             const Texel& texel = map.texels[i];
-            float sum = 0.0f;
+            int n = 0;
+            float varianceSum = 0.0f;
             float weight = 0.0f;
-            for (int dy = -1; dy <= 1; ++dy) {
-                for (int dx = -1; dx <= 1; ++dx) {
+            const float own = luminance(estimates[i].irradiance);
+            const float ownVariance = estimates[i].varianceOfMean;
+            for (int dy = -2; dy <= 2; ++dy) {
+                for (int dx = -2; dx <= 2; ++dx) {
                     const ivec2 p(int(texel.x) + dx, int(texel.y) + dy);
                     if (p.x < 0 || p.y < 0 || p.x >= map.pageSize || p.y >= map.pageSize) continue;
                     const uint32_t j = pages[texel.page](p.x, p.y);
                     if (j == kEmpty || map.texels[j].chart != texel.chart || !estimates[j].valid) continue;
-                    const float w = (dx == 0 ? 2.0f : 1.0f) * (dy == 0 ? 2.0f : 1.0f);
-                    sum += w * estimates[j].varianceOfMean;
+                    if (j != uint32_t(i)) around[std::size_t(n++)] = luminance(estimates[j].irradiance);
+                    const float w = 1.0f / float(1 + dx * dx + dy * dy);
+                    varianceSum += w * std::min(estimates[j].varianceOfMean, 4.0f * ownVariance + 1.0e-12f);
                     weight += w;
                 }
             }
             color[i] = estimates[i].irradiance;
-            variance[i] = weight > 0.0f ? sum / weight : estimates[i].varianceOfMean;
+            variance[i] = weight > 0.0f ? std::max(varianceSum / weight, 0.25f * ownVariance) : ownVariance;
+            if (n >= 8) {
+                const int rank = n * 4 / 5;
+                std::nth_element(around.begin(), around.begin() + rank, around.begin() + n);
+                const float bright = around[std::size_t(rank)];
+                if (own > 1.5f * bright && own - bright > 1.0f * std::sqrt(ownVariance) && ownVariance > 0.04f * own * own) {
+                    color[i] *= bright / own;
+                    variance[i] = bright * bright * 0.04f;
+                }
+            }
         }
     });
 
@@ -105,7 +122,7 @@ void denoise(const BakeGeometry& geometry, const TexelMap& map, std::vector<Irra
                             const float away = glm::length(offset) * planeScale;
                             if (away > 8.0f) continue;
                             const float difference = luminance(color[j]) - ownLuminance;
-                            const float noise = kLuminanceSigmas * kLuminanceSigmas * (variance[i] + variance[j]) + 1.0e-12f;
+                            const float noise = 2.0f * kLuminanceSigmas * kLuminanceSigmas * std::min(variance[i], 4.0f * variance[j]) + 1.0e-12f;
                             w *= std::pow(cosine, 32.0f) * std::exp(-plane * plane - difference * difference / noise);
                         }
                         sum += w * color[j];

@@ -34,6 +34,18 @@ template<typename T> void fillInvalid(const TexelMap& map, const std::vector<uin
 template<typename T>
 std::vector<Image<T>> dilate(const TexelMap& map, const std::vector<T>& values, int rings);
 
+/// A place on an edge where two charts (or two objects) meet on one smooth surface, in texels on each side's page.
+struct SeamSample {
+    int pageA = 0;
+    int pageB = 0;
+    vec2 texelA{0.0f};
+    vec2 texelB{0.0f};
+};
+std::vector<SeamSample> findSeams(const BakeGeometry& geometry, int pageSize);
+
+/// Makes bilinear values on both sides of each seam agree. Works on dilated pages: filtering at an edge reads padding.
+template<typename T> void stitchSeams(const std::vector<SeamSample>& seams, std::vector<Image<T>>& pages);
+
 std::vector<Image<uint32_t>> encodeLightmap(const std::vector<ImageRgb32f>& pages);
 std::vector<ImageRgba8> encodeShadowmask(const std::vector<ImageRgba32f>& pages);
 

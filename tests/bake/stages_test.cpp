@@ -324,6 +324,51 @@ TEST(DenoiseS6, SmoothsNoiseAndKeepsEdges)
     for (std::size_t i = 0; i < estimates.size(); ++i) EXPECT_NEAR(estimates[i].irradiance.x, truth(map.texels[i]), 0.15f);
 }
 
+/// A plane cut into two charts, lit by a gradient that each side holds with an offset: after stitching the bilinear values
+/// on both sides of the cut agree to a hundredth, and texels away from it are untouched.
+TEST(SeamsS6, BothSidesAgree)
+{
+    Scene scene;
+    const int grey = addMaterial(scene, vec3(0.5f));
+    addRectangle(scene, {vec3(0, 0, 0), vec3(1, 0, 0), vec3(0, 0, -1)}, grey, kPage, {vec2(4.3f, 4.6f), vec2(20.3f, 20.6f)});
+    addRectangle(scene, {vec3(1, 0, 0), vec3(1, 0, 0), vec3(0, 0, -1)}, grey, kPage, {vec2(30.8f, 30.1f), vec2(46.8f, 46.1f)});
+    const BakeGeometry geometry = flattenGeometry(scene, kPage, GeometryFilter::Static);
+    const TexelMap map = rasterizeTexels(geometry, kPage, 1);
+    std::vector<vec3> values(map.texels.size());
+    for (std::size_t i = 0; i < values.size(); ++i) {
+        const float offset = map.texels[i].x < 25 ? 0.1f : -0.1f;
+        values[i] = vec3(2.0f + offset, 1.0f, 0.5f - offset);
+    }
+    std::vector<Image<vec3>> pages = dilate(map, values, 2);
+    const Image<vec3> before = pages[0];
+    const std::vector<SeamSample> seams = findSeams(geometry, kPage);
+    ASSERT_GE(seams.size(), 16u);
+    stitchSeams(seams, pages);
+    const auto bilinear = [&](vec2 place) {
+        const vec2 p = place - 0.5f;
+        const ivec2 b(glm::floor(p));
+        const vec2 f = p - vec2(b);
+        return glm::mix(glm::mix(pages[0](b.x, b.y), pages[0](b.x + 1, b.y), f.x),
+                        glm::mix(pages[0](b.x, b.y + 1), pages[0](b.x + 1, b.y + 1), f.x), f.y);
+    };
+    for (const SeamSample& seam : seams) {
+        const vec3 a = bilinear(seam.texelA);
+        const vec3 b = bilinear(seam.texelB);
+        EXPECT_NEAR(a.x, b.x, 0.01f * 2.0f);
+        EXPECT_NEAR(a.x, 2.0f, 0.06f);
+        EXPECT_NEAR(a.z, b.z, 0.01f);
+    }
+    for (int y = 6; y < 19; ++y) EXPECT_EQ(pages[0](10, y), before(10, y));
+}
+
+/// A box's edges are corners, not seams: its faces keep their own light.
+TEST(SeamsS6, HardEdgesAreLeftAlone)
+{
+    Scene scene;
+    addBox(scene, vec3(-1), vec3(1), addMaterial(scene, vec3(0.5f)), false, kPage);
+    EXPECT_TRUE(findSeams(flattenGeometry(scene, kPage, GeometryFilter::Static), kPage).empty());
+}
+
 TEST(DeterminismS6, ThreadCountChangesNoBit)
 {
     std::vector<IrradianceEstimate> reference;
