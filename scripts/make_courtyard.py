@@ -35,7 +35,8 @@ LIGHTMAP_SCALE = {"tree_crown": 0, "shrub": 0, "flowers": 0, "vine": 0, "vine_sh
 def materials(doc):
     t = {name: doc.texture(make(), name) for name, make in (
         ("plaster", texture.plaster), ("limestone", texture.limestone), ("checker", texture.checker),
-        ("terracotta", texture.terracotta), ("wood", texture.wood))}
+        ("terracotta", texture.terracotta), ("wood", texture.wood),
+        ("pine", lambda: texture.wood((168, 122, 74), (214, 170, 112), 64)))}
     color, normal = texture.paving()
     t["paving"], t["paving_normal"] = doc.texture(color, "paving"), doc.texture(normal, "paving_normal")
     t["leaf"] = doc.texture(texture.foliage(256, 71, (62, 98, 40), (128, 154, 70), 21, 0.27, 0.075), "leaf", repeat=False)
@@ -48,14 +49,14 @@ def materials(doc):
     doc.material("checker", texture=t["checker"], roughness=0.45)
     doc.material("terracotta", texture=t["terracotta"], roughness=0.85)
     doc.material("wood", texture=t["wood"], roughness=0.7)
-    doc.material("crate", (1.0, 0.93, 0.8), texture=t["wood"], roughness=0.75)
+    doc.material("crate", texture=t["pine"], roughness=0.75)
     doc.material("shutter", (0.09, 0.27, 0.25), roughness=0.6)
     doc.material("iron", (0.05, 0.05, 0.055), roughness=0.55, metallic=0.3)
     doc.material("wax", (0.9, 0.85, 0.7), roughness=0.6)
     doc.material("water", (0.05, 0.2, 0.23), roughness=0.08)
     doc.material("soil", (0.09, 0.06, 0.04), roughness=1.0)
     doc.material("rug", (0.45, 0.09, 0.08), roughness=1.0)
-    doc.material("panel", (0.9, 0.8, 0.65), roughness=0.8, emissive=(1.0, 0.6, 0.27), strength=3.2)
+    doc.material("panel", (0.9, 0.8, 0.65), roughness=0.8, emissive=(1.0, 0.6, 0.27), strength=2.4)
     doc.material("flame", (1.0, 0.8, 0.5), roughness=1.0, emissive=(1.0, 0.6, 0.22), strength=9.0)
     for name in ("leaf", "bloom", "olive"):
         doc.material(name, texture=t[name], roughness=0.8, mask=0.5, double_sided=True)
@@ -355,7 +356,7 @@ def dynamic_objects(doc):
     put("dynamic_crate_top", "crate", (-0.3, 0.6, -2.75), 55, 0.7)
     put("dynamic_sphere_sun", "sphere_ivory", (1.75, 0.3, -2.45))
     put("dynamic_knot_realtime", "knot", (-4.75, 0, 0.0), 15)
-    put("dynamic_cube_shade", "cube", (-5.9, 0, -0.95), 30)
+    put("dynamic_cube_edge", "cube", (-3.9, 0, -3.0), 30)
     put("dynamic_cone", "cone", (-0.55, 0, 2.1))
     put("dynamic_ring_pier", "ring", (7.1, 0.48, 1.6), -75)
     put("dynamic_figure_door", "figure_maple", (-4.55, 0, -3.85), 200)

@@ -169,18 +169,18 @@ def terracotta(size=128):
     return colored(size, tone, 3)
 
 
-def wood(size=256, planks=4):
+def wood(dark=(98, 62, 36), light=(139, 92, 55), seed=61, size=256, planks=4):
     """Boards along the picture's height."""
-    grain, clouds = noise(size, 64, 2, 61, stretch=16), noise(size, 8, 3, 62, stretch=4)
-    rng = random.Random(63)
+    grain, clouds = noise(size, 64, 2, seed, stretch=16), noise(size, 8, 3, seed + 1, stretch=4)
+    rng = random.Random(seed + 2)
     shade = [rng.random() for _ in range(planks)]
     cell = size // planks
 
     def tone(x, y):
-        base = mix((98, 62, 36), (139, 92, 55), 0.55 * shade[x // cell] + 0.45 * clouds[y][x])
+        base = mix(dark, light, 0.55 * shade[x // cell] + 0.45 * clouds[y][x])
         base = [v + (grain[y][x] - 0.5) * 38 for v in base]
         u = x % cell + 0.5
-        return mix((42, 27, 17), base, min(1.0, min(u, cell - u) / 1.6))
+        return mix([0.43 * c for c in dark], base, min(1.0, min(u, cell - u) / 1.6))
 
     return colored(size, tone, 3)
 
