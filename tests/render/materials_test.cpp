@@ -1,0 +1,256 @@
+// Normals, masks, blending and other properties of glTF materials.
+#include "render/render_test.h"
+
+#include <glm/gtc/matrix_transform.hpp>
+
+#include <array>
+#include <cmath>
+
+namespace halflight::test {
+namespace {
+
+constexpr ivec2 kSize{160, 90};
+const vec3 kAlbedo(0.5f, 0.6f, 0.7f);
+
+RenderSettings settingsFor()
+{
+    RenderSettings settings;
+    settings.size = kSize;
+    settings.shadows.directionalMapSize = 1024;
+    return settings;
+}
+
+ivec2 center() { return kSize / 2; }
+
+/// A wall in the plane z = 0 that faces +Z, seen from z = `eyeZ`, with a sun.
+struct Wall {
+    BakedScene baked;
+    Light sun;
+
+    explicit Wall(vec3 toSun)
+    {
+        Scene& scene = baked.scene;
+        addObject(scene, makeRectangle(4, 4, addMaterial(scene, vec4(kAlbedo, 1.0f))),
+                  glm::rotate(mat4(1.0f), kPi / 2.0f, vec3(1, 0, 0)), true);
+        sun = directionalLight(toSun, 2.0f);
+        scene.lights.push_back(sun);
+    }
+    Material& material() { return baked.scene.materials[0]; }
+    Object& object() { return baked.scene.objects[0]; }
+};
+
+Camera from(float z) { return lookAt(vec3(0.3f, 0.2f, z), vec3(0.3f, 0.2f, 0)); }
+
+/// The picture's middle as a point of the wall with this normal.
+ShadedPoint middle(const Camera& camera, vec3 normal)
+{
+    const Ray ray = pixelRay(camera, kSize, center());
+    return {ray.origin - ray.direction * (ray.origin.z / ray.direction.z), normal, -ray.direction, kAlbedo};
+}
+
+vec3 pixel(const RenderedFrame& frame) { return vec3(frame.radiance(center().x, center().y)); }
+
+TEST_F(RenderTest, BackFacesCulledUnlessDoubleSided)
+{
+    for (const float side : {1.0f, -1.0f}) {
+        Wall wall(vec3(0.3f, 0.4f, side));
+        const Camera camera = from(2.0f * side);
+        EXPECT_TRUE(near(pixel(render(wall.baked, camera, settingsFor())),
+                         side > 0 ? directRadiance(middle(camera, vec3(0, 0, 1)), wall.sun, 1.0f) : vec3(0.0f)));
+        wall.material().doubleSided = true;
+        EXPECT_TRUE(near(pixel(render(wall.baked, camera, settingsFor())),
+                         directRadiance(middle(camera, vec3(0, 0, side)), wall.sun, 1.0f)));
+    }
+}
+
+// A double-sided wall lit from behind is dark in front: its normal faces the viewer.
+TEST_F(RenderTest, DoubleSidedSurfaceLitOnOneSideOnly)
+{
+    Wall wall(vec3(0, 0.2f, 1));
+    wall.material().doubleSided = true;
+    EXPECT_TRUE(near(pixel(render(wall.baked, from(-2.0f), settingsFor())), vec3(0.0f)));
+}
+
+// Mirrored transforms keep front faces in front and normals outside, non-uniform scale and shear keep normals normal.
+TEST_F(RenderTest, MirroredScaledAndShearedNormals)
+{
+    const mat4 upright = glm::rotate(mat4(1.0f), kPi / 2.0f, vec3(1, 0, 0));
+    mat4 shear(1.0f);
+    shear[1][2] = 0.5f; // z += 0.5 y: the wall leans
+    for (const mat4& transform : {glm::scale(mat4(1.0f), vec3(-1, 1, 1)), glm::scale(mat4(1.0f), vec3(1, -2, 1)),
+                                  glm::scale(mat4(1.0f), vec3(-1, -1, 1)), glm::scale(mat4(1.0f), vec3(3, 0.5f, 1)), shear,
+                                  shear * glm::scale(mat4(1.0f), vec3(-2, 1, 1))}) {
+        Wall wall(vec3(0.3f, 0.4f, 1));
+        wall.object().worldFromObject = transform * upright;
+        const Camera camera = from(2.0f);
+        const vec3 normal = glm::normalize(transform == shear || transform[1][2] != 0.0f ? vec3(0, -0.5f, 1) : vec3(0, 0, 1));
+        const Ray ray = pixelRay(camera, kSize, center());
+        const ShadedPoint point{ray.origin - ray.direction * (glm::dot(ray.origin, normal) / glm::dot(ray.direction, normal)),
+                                normal, -ray.direction, kAlbedo};
+        EXPECT_TRUE(near(pixel(render(wall.baked, camera, settingsFor())), directRadiance(point, wall.sun, 1.0f)));
+    }
+}
+
+// A normal map that tilts towards +u: along the tangent, whether the object is mirrored, or seen from behind.
+TEST_F(RenderTest, NormalMapFollowsTangentFrame)
+{
+    for (const float mirror : {1.0f, -1.0f}) {
+        for (const float side : {1.0f, -1.0f}) {
+            Wall wall(vec3(0.3f, 0.4f, side));
+            Texture texture;
+            texture.pixels = ImageRgba8(1, 1, u8vec4(204, 153, 230, 255)); // (0.6, 0.2, 0.804)
+            wall.baked.scene.textures.push_back(texture);
+            wall.material().normalTexture.texture = 0;
+            wall.material().doubleSided = true;
+            wall.object().worldFromObject = glm::scale(mat4(1.0f), vec3(mirror, 1, 1)) * wall.object().worldFromObject;
+            const Camera camera = from(2.0f * side);
+            // Object space: normal +y, tangent +x, bitangent = normal x tangent = -z; upright: -z becomes +y.
+            const vec3 mapped = vec3(204, 153, 230) / 255.0f * 2.0f - 1.0f;
+            const vec3 normal = side * glm::normalize(vec3(mirror * mapped.x, mapped.y, mapped.z));
+            ShadedPoint point = middle(camera, normal);
+            EXPECT_TRUE(near(pixel(render(wall.baked, camera, settingsFor())), directRadiance(point, wall.sun, 1.0f), 3e-3f))
+                << mirror << ' ' << side;
+        }
+    }
+}
+
+// Holes of an alpha mask are seen through and let the sun through; the rest is solid.
+TEST_F(RenderTest, AlphaMaskHolesInPictureAndShadow)
+{
+    BakedScene baked;
+    Scene& scene = baked.scene;
+    const int floor = addMaterial(scene, vec4(kAlbedo, 1.0f));
+    const int leaf = addMaterial(scene, vec4(1.0f));
+    Texture texture; // left half open
+    texture.pixels = ImageRgba8(8, 8, u8vec4(255));
+    for (int y = 0; y < 8; ++y)
+        for (int x = 0; x < 4; ++x) texture.pixels(x, y).a = 50;
+    texture.wrapU = texture.wrapV = Texture::Wrap::ClampToEdge;
+    scene.textures.push_back(texture);
+    scene.materials[std::size_t(leaf)].baseColorTexture.texture = 0;
+    scene.materials[std::size_t(leaf)].alphaMode = Material::AlphaMode::Mask;
+    scene.materials[std::size_t(leaf)].doubleSided = true;
+    addObject(scene, makeRectangle(20, 20, floor), mat4(1.0f), true);
+    addObject(scene, makeRectangle(4, 4, leaf), glm::translate(mat4(1.0f), vec3(0, 2, 0)), true);
+    const Light sun = directionalLight(vec3(0, 1, 0.001f), 3.0f);
+    scene.lights.push_back(sun);
+    const Camera low = lookAt(vec3(0, 1, 8), vec3(0, 0, 0));
+    RenderedFrame frame = render(baked, low, settingsFor());
+    for (const float x : {-1.2f, -0.6f, 0.6f, 1.2f}) {
+        const ivec2 p = pixelOf(low, kSize, vec3(x, 0, 0));
+        const Ray ray = pixelRay(low, kSize, p);
+        const ShadedPoint point{onPlane(ray, 0.0f), vec3(0, 1, 0), -ray.direction, kAlbedo};
+        EXPECT_TRUE(near(vec3(frame.radiance(p.x, p.y)), directRadiance(point, sun, x < 0 ? 1.0f : 0.0f))) << x;
+    }
+    // From above, the open half shows the floor.
+    const Camera high = lookAt(vec3(0, 8, 0.01f), vec3(0, 0, 0));
+    frame = render(baked, high, settingsFor());
+    for (const float x : {-0.8f, 0.8f}) {
+        const ivec2 p = pixelOf(high, kSize, vec3(x, 2, 0));
+        const Ray ray = pixelRay(high, kSize, p);
+        ShadedPoint point{onPlane(ray, x < 0 ? 0.0f : 2.0f), vec3(0, 1, 0), -ray.direction, x < 0 ? kAlbedo : vec3(1.0f)};
+        EXPECT_TRUE(near(vec3(frame.radiance(p.x, p.y)), directRadiance(point, sun, 1.0f))) << x;
+    }
+}
+
+// Two blended panes before a wall: over each other from back to front, whatever their order in the scene; they cast no
+// realtime shadow.
+TEST_F(RenderTest, BlendedPanesBackToFront)
+{
+    for (const bool swapped : {false, true}) {
+        Wall wall(vec3(0, 0.2f, 1));
+        Scene& scene = wall.baked.scene;
+        const mat4 upright = wall.object().worldFromObject;
+        const vec4 colors[2] = {{0.9f, 0.1f, 0.1f, 0.5f}, {0.1f, 0.1f, 0.9f, 0.25f}};
+        for (const int i : swapped ? std::array{1, 0} : std::array{0, 1}) {
+            const int material = addMaterial(scene, colors[i]);
+            scene.materials.back().alphaMode = Material::AlphaMode::Blend;
+            addObject(scene, makeRectangle(3, 3, material), glm::translate(mat4(1.0f), vec3(0, 0, i == 0 ? 0.5f : 1.0f)) * upright,
+                      false);
+        }
+        const Camera camera = from(3.0f);
+        ShadedPoint point = middle(camera, vec3(0, 0, 1));
+        vec3 expected = directRadiance(point, wall.sun, 1.0f);
+        for (const vec4& color : colors) {
+            point.baseColor = vec3(color);
+            expected = glm::mix(expected, directRadiance(point, wall.sun, 1.0f), color.a);
+        }
+        EXPECT_TRUE(near(pixel(render(wall.baked, camera, settingsFor())), expected)) << swapped;
+    }
+}
+
+TEST_F(RenderTest, EmissiveUnlitAndVertexColors)
+{
+    Wall wall(vec3(0, 0.2f, 1));
+    const Camera camera = from(2.0f);
+    wall.material().emissiveNits = vec3(5, 0, 2);
+    EXPECT_TRUE(near(pixel(render(wall.baked, camera, settingsFor())),
+                     vec3(5, 0, 2) + directRadiance(middle(camera, vec3(0, 0, 1)), wall.sun, 1.0f)));
+    wall.material().emissiveNits = vec3(0.0f);
+    MeshPart& part = wall.baked.scene.meshes[0].parts[0];
+    part.colors.assign(part.positions.size(), vec4(0.5f, 0.25f, 1.0f, 1.0f));
+    ShadedPoint point = middle(camera, vec3(0, 0, 1));
+    point.baseColor *= vec3(0.5f, 0.25f, 1.0f);
+    EXPECT_TRUE(near(pixel(render(wall.baked, camera, settingsFor())), directRadiance(point, wall.sun, 1.0f)));
+    wall.material().unlit = true;
+    EXPECT_TRUE(near(pixel(render(wall.baked, camera, settingsFor())), point.baseColor));
+}
+
+// Base colour is sRGB, metallic-roughness is not, and KHR_texture_transform moves what is read.
+TEST_F(RenderTest, TexturesSrgbTransformAndMetallicRoughness)
+{
+    Wall wall(vec3(0, 0.2f, 1));
+    Scene& scene = wall.baked.scene;
+    Texture color;
+    color.pixels = ImageRgba8(4, 4, u8vec4(255, 0, 0, 255));
+    for (int y = 0; y < 4; ++y) color.pixels(3, y) = u8vec4(188, 188, 188, 255); // 0.5029 linear
+    color.nearest = true;
+    Texture data;
+    data.pixels = ImageRgba8(1, 1, u8vec4(0, 128, 64, 255));
+    scene.textures = {color, data};
+    wall.material().baseColor = vec4(1.0f);
+    wall.material().baseColorTexture.texture = 0;
+    wall.material().baseColorTexture.scale = vec2(0.0f);
+    wall.material().baseColorTexture.offset = vec2(0.875f, 0.5f); // the last column, everywhere
+    wall.material().metallicRoughnessTexture.texture = 1;
+    wall.material().metallic = 1.0f;
+    const Camera camera = from(2.0f);
+    ShadedPoint point = middle(camera, vec3(0, 0, 1));
+    point.baseColor = vec3(std::pow((188 / 255.0f + 0.055f) / 1.055f, 2.4f));
+    point.roughness = 128 / 255.0f;
+    point.metallic = 64 / 255.0f;
+    EXPECT_TRUE(near(pixel(render(wall.baked, camera, settingsFor())), directRadiance(point, wall.sun, 1.0f), 3e-3f));
+}
+
+// Realtime mode: the open sky lights what no light reaches, dimmed by the material's occlusion.
+TEST_F(RenderTest, RealtimeAmbientIsTheSkyTimesOcclusion)
+{
+    Wall wall(vec3(0, 0.2f, -1)); // the sun behind
+    Scene& scene = wall.baked.scene;
+    scene.sky = {vec3(2.0f), vec3(2.0f), vec3(2.0f)};
+    const Camera camera = from(2.0f);
+    const vec3 open = indirectRadiance(middle(camera, vec3(0, 0, 1)), vec3(2.0f * kPi));
+    EXPECT_TRUE(near(pixel(render(wall.baked, camera, settingsFor())), open, 2e-3f));
+    Texture occlusion;
+    occlusion.pixels = ImageRgba8(1, 1, u8vec4(51, 0, 0, 255));
+    scene.textures.push_back(occlusion);
+    wall.material().occlusionTexture.texture = 0;
+    wall.material().occlusionStrength = 0.5f;
+    EXPECT_TRUE(near(pixel(render(wall.baked, camera, settingsFor())), open * 0.6f, 2e-3f));
+}
+
+TEST_F(RenderTest, SkyFillsTheBackgroundByDirection)
+{
+    BakedScene baked;
+    baked.scene.sky = {vec3(1, 2, 3), vec3(4, 4, 4), vec3(0.5f)};
+    const Camera camera = lookAt(vec3(0.0f), vec3(0.3f, 0.1f, -1));
+    const RenderedFrame frame = render(baked, camera, settingsFor());
+    for (const ivec2 p : {ivec2(0, 0), ivec2(159, 89), ivec2(80, 45), ivec2(10, 80)}) {
+        const vec3 d = pixelRay(camera, kSize, p).direction;
+        const vec3 expected = d.y >= 0 ? glm::mix(vec3(4.0f), vec3(1, 2, 3), d.y) : glm::mix(vec3(4.0f), vec3(0.5f), -d.y);
+        EXPECT_TRUE(near(vec3(frame.radiance(p.x, p.y)), expected));
+    }
+}
+
+} // namespace
+} // namespace halflight::test
