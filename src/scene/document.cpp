@@ -1,6 +1,7 @@
 #include "scene/document.h"
 
 #include "halflight/base/file.h"
+#include "scene/strip.h"
 #include "scene/validate.h"
 
 #include <cstring>
@@ -45,6 +46,10 @@ Result<std::string_view> jsonText(std::span<const std::byte> bytes, bool& isBina
     if (length > bytes.size()) {
         return Error{ErrorCode::FileInvalid, "the GLB is cut short: its header says " + std::to_string(length) +
                                                  " bytes, the file has " + std::to_string(bytes.size())};
+    }
+    if (length < 20) {
+        return Error{ErrorCode::FileInvalid,
+                     "the GLB's header gives its length as " + std::to_string(length) + " bytes, too few for a chunk"};
     }
     if (readU32(bytes, 16) != kChunkJson)
         return Error{ErrorCode::FileInvalid, "the first chunk of the GLB is not JSON"};
@@ -235,6 +240,7 @@ Result<std::shared_ptr<const SourceDocument>> parseDocument(std::span<const std:
     }
     if (!loaded) return Error{ErrorCode::FileInvalid, firstSentence(error)};
     if (Status status = checkAfterParsing(*document); !status) return status.error();
+    stripEarlierBake(*document);
     return std::shared_ptr<const SourceDocument>(std::move(document));
 }
 

@@ -22,6 +22,7 @@ struct SourceDocument {
     Json json;
     tinygltf::Model model;           ///< buffers resolved; images not decoded
     std::filesystem::path directory; ///< what relative URIs are relative to
+    std::vector<int> strippedViews;  ///< buffer views that only an earlier bake's MOZ_lightmap used
 };
 
 /// Reads and checks a .glb or .gltf file.

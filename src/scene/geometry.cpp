@@ -28,15 +28,25 @@ void selectVertices(MeshPart& part, const std::vector<uint32_t>& kept)
 
 void makeFlatNormals(MeshPart& part)
 {
-    selectVertices(part, part.indices);
+    // Vertices that no two corners share stay as they are: a file that was split before is not split again.
+    std::vector<bool> used(part.positions.size(), false);
+    bool shared = false;
+    for (const uint32_t v : part.indices) {
+        shared = shared || used[v];
+        used[v] = true;
+    }
+    if (shared) {
+        selectVertices(part, part.indices);
+        for (std::size_t i = 0; i < part.indices.size(); ++i) part.indices[i] = uint32_t(i);
+    }
     part.normals.assign(part.positions.size(), vec3(0, 1, 0));
-    for (std::size_t i = 0; i < part.indices.size(); ++i) part.indices[i] = uint32_t(i);
-    for (std::size_t i = 0; i + 2 < part.positions.size(); i += 3) {
-        const glm::dvec3 a(part.positions[i]);
-        const glm::dvec3 n = glm::cross(glm::dvec3(part.positions[i + 1]) - a, glm::dvec3(part.positions[i + 2]) - a);
+    for (std::size_t i = 0; i + 2 < part.indices.size(); i += 3) {
+        const uint32_t* v = &part.indices[i];
+        const glm::dvec3 a(part.positions[v[0]]);
+        const glm::dvec3 n = glm::cross(glm::dvec3(part.positions[v[1]]) - a, glm::dvec3(part.positions[v[2]]) - a);
         const double length = glm::length(n);
         if (!(length > 0.0)) continue;
-        for (std::size_t k = 0; k < 3; ++k) part.normals[i + k] = vec3(n / length);
+        for (std::size_t k = 0; k < 3; ++k) part.normals[v[k]] = vec3(n / length);
     }
 }
 

@@ -117,8 +117,14 @@ Result<std::optional<Light>> readLight(const SourceDocument& document, const Nod
     for (const auto& [object, owner, where] :
          {std::tuple{&json, ExtrasOwner::Light, path}, {&node, ExtrasOwner::Node, nodePath}}) {
         const Json& extras = member(*object, "extras");
-        const auto settings = lightSettingsOf(extras, where);
+        auto settings = lightSettingsOf(extras, where);
         if (!settings) return settings.error();
+        if (extensionOf(node, "HALFLIGHT_light").is_object()) {
+            // The bake put these into the light itself, and there they may be changed since.
+            settings->intensity.reset();
+            settings->rangeMeters.reset();
+            settings->color.reset();
+        }
         if (owner == ExtrasOwner::Light) warnUnknownExtras(extras, owner, where, warnings);
         applySettings(*settings, light);
     }

@@ -214,13 +214,11 @@ void collectTexCoords(const Json& json, std::set<uint64_t>& used)
 
 } // namespace
 
-int freeTexCoord(const Json& material)
+bool readsTexCoord(const Json& material, int n)
 {
     std::set<uint64_t> used;
     collectTexCoords(material, used);
-    int n = 1;
-    while (used.count(uint64_t(n)) != 0) ++n;
-    return n;
+    return used.count(uint64_t(n)) != 0;
 }
 
 Result<MaterialsRead> readMaterials(const SourceDocument& document, bool decode)

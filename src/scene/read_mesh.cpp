@@ -116,8 +116,6 @@ Result<std::optional<MeshPart>> readPart(const SourceDocument& document, int mes
     MeshPart part;
     part.sourcePrimitive = primitiveIndex;
     part.material = primitive.material;
-    const Json& material = element(document.json, "materials", primitive.material);
-    part.lightmapTexCoord = freeTexCoord(material);
     auto positions = readVectors<3>(document, position->second);
     if (!positions) return positions.error();
     part.positions = std::move(*positions);
@@ -223,6 +221,15 @@ Result<MeshRead> readMesh(const SourceDocument& document, int index, const std::
         if (!part) return part.error();
         if (*part) read.mesh.parts.push_back(std::move(**part));
     }
+    // One slot for the whole mesh, since a node names one.
+    int texCoord = 1;
+    const auto taken = [&](int n) {
+        return std::any_of(read.mesh.parts.begin(), read.mesh.parts.end(), [&](const MeshPart& part) {
+            return readsTexCoord(element(document.json, "materials", part.material), n);
+        });
+    };
+    while (taken(texCoord)) ++texCoord;
+    for (MeshPart& part : read.mesh.parts) part.lightmapTexCoord = texCoord;
     return read;
 }
 

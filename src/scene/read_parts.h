@@ -22,8 +22,8 @@ struct MeshRead {
 };
 Result<MeshRead> readMesh(const SourceDocument& document, int mesh, const std::vector<Material>& materials);
 
-/// First n >= 1 whose TEXCOORD_n no texture of the material reads: where the primitive's lightmap coordinates go.
-int freeTexCoord(const Json& material);
+/// Whether a texture of the material, those of extensions included, reads TEXCOORD_n.
+bool readsTexCoord(const Json& material, int n);
 
 /// Triangle list of a glTF primitive's mode from its indices (empty: 0, 1, 2, … vertexCount - 1).
 std::vector<uint32_t> trianglesOf(int mode, const std::vector<uint32_t>& indices, std::size_t vertexCount);

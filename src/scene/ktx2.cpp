@@ -1,0 +1,174 @@
+#include "scene/ktx2.h"
+
+#include <array>
+#include <cstring>
+#include <string>
+#include <string_view>
+#include <zstd.h>
+
+namespace halflight {
+
+namespace {
+
+constexpr std::array<uint8_t, 12> kIdentifier = {0xAB, 0x4B, 0x54, 0x58, 0x20, 0x32,
+                                                 0x30, 0xBB, 0x0D, 0x0A, 0x1A, 0x0A};
+constexpr uint32_t kFormatE5B9G9R9 = 123; // VK_FORMAT_E5B9G9R9_UFLOAT_PACK32
+constexpr uint32_t kSchemeNone = 0;
+constexpr uint32_t kSchemeZstandard = 2;
+constexpr std::size_t kHeaderBytes = 80;
+constexpr std::size_t kLevelBytes = 24;
+constexpr uint32_t kMaxSide = 16384;
+constexpr int kZstdLevel = 12;
+
+class Bytes {
+public:
+    void u32(uint32_t value)
+    {
+        for (int i = 0; i < 4; ++i) bytes_.push_back(std::byte(value >> (8 * i) & 0xff));
+    }
+    void u64(uint64_t value)
+    {
+        u32(uint32_t(value));
+        u32(uint32_t(value >> 32));
+    }
+    void text(std::string_view value)
+    {
+        for (const char c : value) bytes_.push_back(std::byte(c));
+    }
+    void pad(std::size_t alignment)
+    {
+        while (bytes_.size() % alignment != 0) bytes_.push_back(std::byte(0));
+    }
+    std::vector<std::byte>& get() { return bytes_; }
+
+private:
+    std::vector<std::byte> bytes_;
+};
+
+// The basic data format descriptor of a shared-exponent format: Khronos Data Format Specification 1.3, section 5 and
+// its example "R9G9B9E5": a mantissa and an exponent sample for each channel. sampleUpper of a mantissa is the value
+// of 1.0 scaled by the exponent's range, 8448; the exponent's bias is 15 and its largest value 31.
+std::vector<std::byte> dataFormatDescriptor()
+{
+    constexpr uint32_t kSamples = 6;
+    constexpr uint32_t kBlockBytes = 24 + 16 * kSamples;
+    constexpr uint32_t kQualifierExponent = 0x20;
+    Bytes d;
+    d.u32(4 + kBlockBytes);
+    d.u32(0);                              // vendor Khronos, basic descriptor
+    d.u32(2 | kBlockBytes << 16);          // version 1.3
+    d.u32(1 | 1 << 8 | 1 << 16 | 0 << 24); // RGBSDA, BT.709 primaries, linear, straight alpha
+    d.u32(0);                              // one texel per block
+    d.u32(4);                              // bytes of plane 0
+    d.u32(0);
+    for (uint32_t channel = 0; channel < 3; ++channel) {
+        d.u32(9 * channel | (9 - 1) << 16 | channel << 24);
+        d.u32(0);
+        d.u32(0);
+        d.u32(8448);
+        d.u32(27 | (5 - 1) << 16 | (channel | kQualifierExponent) << 24);
+        d.u32(0);
+        d.u32(15);
+        d.u32(31);
+    }
+    return std::move(d.get());
+}
+
+std::vector<std::byte> keyValueData()
+{
+    constexpr std::string_view kEntry("KTXwriter\0Halflight\0", 20);
+    Bytes d;
+    d.u32(uint32_t(kEntry.size()));
+    d.text(kEntry);
+    d.pad(4);
+    return std::move(d.get());
+}
+
+uint64_t load(std::span<const std::byte> bytes, std::size_t offset, int count)
+{
+    uint64_t value = 0;
+    for (int i = count - 1; i >= 0; --i) value = value << 8 | uint64_t(bytes[offset + std::size_t(i)]);
+    return value;
+}
+
+Error broken(const char* what)
+{
+    return Error{ErrorCode::FileInvalid, std::string("the KTX2 image is not readable: ") + what, ""};
+}
+
+} // namespace
+
+Result<std::vector<std::byte>> encodeKtx2(const Image<uint32_t>& image)
+{
+    assert(!image.empty());
+    const std::size_t rawBytes = image.texelCount() * sizeof(uint32_t);
+    std::vector<std::byte> compressed(ZSTD_compressBound(rawBytes));
+    const std::size_t size = ZSTD_compress(compressed.data(), compressed.size(), image.data(), rawBytes, kZstdLevel);
+    if (ZSTD_isError(size)) {
+        return Error{ErrorCode::WriteFailed, std::string("Zstandard failed: ") + ZSTD_getErrorName(size), ""};
+    }
+    const auto descriptor = dataFormatDescriptor();
+    const auto keyValues = keyValueData();
+    const std::size_t descriptorOffset = kHeaderBytes + kLevelBytes;
+    const std::size_t keyValueOffset = descriptorOffset + descriptor.size();
+    const std::size_t dataOffset = keyValueOffset + keyValues.size(); // compressed levels need no alignment
+
+    Bytes file;
+    for (const uint8_t b : kIdentifier) file.get().push_back(std::byte(b));
+    for (const uint32_t v :
+         {kFormatE5B9G9R9, 4u, uint32_t(image.width()), uint32_t(image.height()), 0u, 0u, 1u, 1u, kSchemeZstandard}) {
+        file.u32(v); // format, type size, width, height, depth, layers, faces, levels, scheme
+    }
+    file.u32(uint32_t(descriptorOffset));
+    file.u32(uint32_t(descriptor.size()));
+    file.u32(uint32_t(keyValueOffset));
+    file.u32(uint32_t(keyValues.size()));
+    file.u64(0); // no supercompression global data
+    file.u64(0);
+    file.u64(dataOffset);
+    file.u64(size);
+    file.u64(rawBytes);
+    auto& bytes = file.get();
+    bytes.insert(bytes.end(), descriptor.begin(), descriptor.end());
+    bytes.insert(bytes.end(), keyValues.begin(), keyValues.end());
+    assert(bytes.size() == dataOffset);
+    bytes.insert(bytes.end(), compressed.begin(), compressed.begin() + std::ptrdiff_t(size));
+    return std::move(bytes);
+}
+
+Result<Image<uint32_t>> decodeKtx2(std::span<const std::byte> bytes)
+{
+    if (bytes.size() < kHeaderBytes + kLevelBytes) return broken("it is too short");
+    if (std::memcmp(bytes.data(), kIdentifier.data(), kIdentifier.size()) != 0)
+        return broken("it has the wrong identifier");
+    const auto field = [&](std::size_t index) { return uint32_t(load(bytes, 12 + 4 * index, 4)); };
+    if (field(0) != kFormatE5B9G9R9) return broken("its format is not E5B9G9R9_UFLOAT_PACK32");
+    const uint32_t width = field(2);
+    const uint32_t height = field(3);
+    if (width == 0 || height == 0 || width > kMaxSide || height > kMaxSide) return broken("its size is out of range");
+    if (field(4) > 1 || field(5) > 1 || field(6) != 1 || field(7) != 1)
+        return broken("it is not one plain two-dimensional level");
+    const uint32_t scheme = field(8);
+    const uint64_t offset = load(bytes, kHeaderBytes, 8);
+    const uint64_t size = load(bytes, kHeaderBytes + 8, 8);
+    const uint64_t rawBytes = uint64_t(width) * height * sizeof(uint32_t);
+    if (offset > bytes.size() || size > bytes.size() - offset) return broken("its level lies outside of it");
+    if (load(bytes, kHeaderBytes + 16, 8) != rawBytes) return broken("its level has the wrong length");
+    if (scheme == kSchemeNone) {
+        if (size != rawBytes) return broken("its level has the wrong length");
+    } else if (scheme == kSchemeZstandard) {
+        if (ZSTD_getFrameContentSize(bytes.data() + offset, size) != rawBytes)
+            return broken("its compressed level has the wrong length");
+    } else {
+        return broken("its supercompression is not Zstandard");
+    }
+    Image<uint32_t> image{int(width), int(height)};
+    if (scheme == kSchemeNone) {
+        std::memcpy(image.data(), bytes.data() + offset, rawBytes);
+    } else if (ZSTD_decompress(image.data(), rawBytes, bytes.data() + offset, size) != rawBytes) {
+        return broken("its compressed level is damaged");
+    }
+    return image;
+}
+
+} // namespace halflight

@@ -1,0 +1,16 @@
+#pragma once
+// KTX 2.0 files (Khronos, "KTX File Format Specification, version 2.0") with one RGB9E5 level, Zstandard-compressed.
+
+#include "halflight/base/image.h"
+
+#include <span>
+
+namespace halflight {
+
+/// VK_FORMAT_E5B9G9R9_UFLOAT_PACK32, no mipmaps, supercompression scheme 2 (Zstandard).
+Result<std::vector<std::byte>> encodeKtx2(const Image<uint32_t>& rgb9e5);
+
+/// Reads what encodeKtx2 writes, and the same uncompressed.
+Result<Image<uint32_t>> decodeKtx2(std::span<const std::byte> bytes);
+
+} // namespace halflight

@@ -1,0 +1,220 @@
+#include "scene/make_document.h"
+
+#include "scene/patcher.h"
+
+#include <algorithm>
+#include <cstring>
+
+namespace halflight {
+
+namespace {
+
+template<typename Vec> Json numbers(const Vec& v)
+{
+    Json list = Json::array();
+    for (int i = 0; i < Vec::length(); ++i) list.push_back(v[i]);
+    return list;
+}
+
+Json matrixJson(const mat4& m)
+{
+    Json list = Json::array();
+    for (int i = 0; i < 16; ++i) list.push_back(m[i / 4][i % 4]);
+    return list;
+}
+
+template<typename T> std::vector<std::byte> bytesOf(const std::vector<T>& values)
+{
+    std::vector<std::byte> bytes(values.size() * sizeof(T));
+    if (!values.empty()) std::memcpy(bytes.data(), values.data(), bytes.size());
+    return bytes;
+}
+
+template<typename Vec> int addVectors(DocumentPatcher& patcher, const std::vector<Vec>& values, bool withBounds)
+{
+    constexpr const char* kTypes[] = {"SCALAR", "VEC2", "VEC3", "VEC4"};
+    Json accessor = {{"componentType", TINYGLTF_COMPONENT_TYPE_FLOAT},
+                     {"count", values.size()},
+                     {"type", kTypes[Vec::length() - 1]}};
+    if (withBounds) {
+        Vec low = values[0];
+        Vec high = values[0];
+        for (const Vec& v : values) {
+            low = glm::min(low, v);
+            high = glm::max(high, v);
+        }
+        accessor["min"] = numbers(low);
+        accessor["max"] = numbers(high);
+    }
+    return patcher.addAccessor(std::move(accessor), {bytesOf(values), 0, TINYGLTF_TARGET_ARRAY_BUFFER});
+}
+
+void writeSlot(Json& object, const char* key, const TextureRef& ref)
+{
+    if (!ref) return;
+    Json slot = {{"index", ref.texture}};
+    if (ref.texCoord != 0) slot["texCoord"] = ref.texCoord;
+    if (ref.offset != vec2(0.0f) || ref.scale != vec2(1.0f) || ref.rotationRadians != 0.0f) {
+        slot["extensions"]["KHR_texture_transform"] = {
+            {"offset", numbers(ref.offset)}, {"scale", numbers(ref.scale)}, {"rotation", ref.rotationRadians}};
+    }
+    object[key] = std::move(slot);
+}
+
+Json materialJson(const Material& material)
+{
+    Json json = Json::object();
+    if (!material.name.empty()) json["name"] = material.name;
+    Json& pbr = json["pbrMetallicRoughness"];
+    pbr = {{"baseColorFactor", numbers(glm::clamp(material.baseColor, vec4(0.0f), vec4(1.0f)))},
+           {"metallicFactor", material.metallic},
+           {"roughnessFactor", material.roughness}};
+    writeSlot(pbr, "baseColorTexture", material.baseColorTexture);
+    writeSlot(pbr, "metallicRoughnessTexture", material.metallicRoughnessTexture);
+    writeSlot(json, "normalTexture", material.normalTexture);
+    if (material.normalTexture && material.normalScale != 1.0f) json["normalTexture"]["scale"] = material.normalScale;
+    writeSlot(json, "occlusionTexture", material.occlusionTexture);
+    if (material.occlusionTexture && material.occlusionStrength != 1.0f) {
+        json["occlusionTexture"]["strength"] = material.occlusionStrength;
+    }
+    writeSlot(json, "emissiveTexture", material.emissiveTexture);
+    const float strength = std::max({1.0f, material.emissiveNits.x, material.emissiveNits.y, material.emissiveNits.z});
+    if (material.emissiveNits != vec3(0.0f))
+        json["emissiveFactor"] = numbers(glm::clamp(material.emissiveNits / strength, vec3(0.0f), vec3(1.0f)));
+    if (strength > 1.0f) json["extensions"]["KHR_materials_emissive_strength"] = {{"emissiveStrength", strength}};
+    if (material.unlit) json["extensions"]["KHR_materials_unlit"] = Json::object();
+    if (material.alphaMode == Material::AlphaMode::Mask) {
+        json["alphaMode"] = "MASK";
+        json["alphaCutoff"] = material.alphaCutoff;
+    } else if (material.alphaMode == Material::AlphaMode::Blend) {
+        json["alphaMode"] = "BLEND";
+    }
+    if (material.doubleSided) json["doubleSided"] = true;
+    return json;
+}
+
+int wrapMode(Texture::Wrap wrap)
+{
+    return wrap == Texture::Wrap::ClampToEdge      ? TINYGLTF_TEXTURE_WRAP_CLAMP_TO_EDGE
+           : wrap == Texture::Wrap::MirroredRepeat ? TINYGLTF_TEXTURE_WRAP_MIRRORED_REPEAT
+                                                   : TINYGLTF_TEXTURE_WRAP_REPEAT;
+}
+
+Status writeTextures(DocumentPatcher& patcher, Scene& scene)
+{
+    for (std::size_t i = 0; i < scene.textures.size(); ++i) {
+        Texture& texture = scene.textures[i];
+        auto png = encodePng(texture.pixels);
+        if (!png) return Error{png.error().code, png.error().message, pathOf("textures", i)};
+        Json image = {{"mimeType", "image/png"}, {"bufferView", patcher.addView({std::move(*png), 0, 0})}};
+        if (!texture.name.empty()) image["name"] = texture.name;
+        const int filter = texture.nearest ? TINYGLTF_TEXTURE_FILTER_NEAREST : TINYGLTF_TEXTURE_FILTER_LINEAR;
+        const int sampler = patcher.append(
+            "samplers",
+            {{"wrapS", wrapMode(texture.wrapU)}, {"wrapT", wrapMode(texture.wrapV)}, {"magFilter", filter}});
+        patcher.append("textures", {{"source", patcher.append("images", std::move(image))}, {"sampler", sampler}});
+        texture.sourceTexture = int(i);
+    }
+    return {};
+}
+
+void writeMeshes(DocumentPatcher& patcher, Scene& scene)
+{
+    for (std::size_t m = 0; m < scene.meshes.size(); ++m) {
+        Mesh& mesh = scene.meshes[m];
+        Json json = {{"primitives", Json::array()}};
+        if (!mesh.name.empty()) json["name"] = mesh.name;
+        for (std::size_t p = 0; p < mesh.parts.size(); ++p) {
+            MeshPart& part = mesh.parts[p];
+            Json primitive = Json::object();
+            Json& attributes = primitive["attributes"];
+            attributes["POSITION"] = addVectors(patcher, part.positions, true);
+            if (!part.normals.empty()) attributes["NORMAL"] = addVectors(patcher, part.normals, false);
+            if (!part.tangents.empty()) attributes["TANGENT"] = addVectors(patcher, part.tangents, false);
+            if (!part.uv[0].empty()) attributes["TEXCOORD_0"] = addVectors(patcher, part.uv[0], false);
+            if (!part.uv[1].empty() && !part.uv[0].empty())
+                attributes["TEXCOORD_1"] = addVectors(patcher, part.uv[1], false);
+            if (!part.colors.empty()) attributes["COLOR_0"] = addVectors(patcher, part.colors, false);
+            primitive["indices"] =
+                patcher.addAccessor({{"componentType", TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT},
+                                     {"count", part.indices.size()},
+                                     {"type", "SCALAR"}},
+                                    {bytesOf(part.indices), 0, TINYGLTF_TARGET_ELEMENT_ARRAY_BUFFER});
+            if (part.material >= 0) primitive["material"] = part.material;
+            json["primitives"].push_back(std::move(primitive));
+            part.sourcePrimitive = int(p);
+            part.sourceVertex.clear();
+        }
+        mesh.sourceMesh = int(m);
+        patcher.append("meshes", std::move(json));
+    }
+}
+
+int addNode(DocumentPatcher& patcher, const std::string& name, const mat4& worldFromNode)
+{
+    Json node = Json::object();
+    if (!name.empty()) node["name"] = name;
+    if (worldFromNode != mat4(1.0f)) node["matrix"] = matrixJson(worldFromNode);
+    const int index = patcher.append("nodes", std::move(node));
+    patcher.json["scenes"][0]["nodes"].push_back(index);
+    return index;
+}
+
+void writeCameras(DocumentPatcher& patcher, const Scene& scene)
+{
+    for (const Camera& camera : scene.cameras) {
+        Json json = Json::object();
+        if (!camera.name.empty()) json["name"] = camera.name;
+        if (camera.orthographic) {
+            const float half = 0.5f * camera.orthographicHeightMeters;
+            json["type"] = "orthographic";
+            json["orthographic"] = {
+                {"xmag", half}, {"ymag", half}, {"znear", camera.nearMeters}, {"zfar", camera.farMeters}};
+        } else {
+            json["type"] = "perspective";
+            json["perspective"] = {
+                {"yfov", camera.verticalFovRadians}, {"znear", camera.nearMeters}, {"zfar", camera.farMeters}};
+        }
+        const int index = patcher.append("cameras", std::move(json));
+        const int node = addNode(patcher, camera.name, camera.worldFromCamera);
+        patcher.json["nodes"][std::size_t(node)]["camera"] = index;
+    }
+}
+
+} // namespace
+
+Status giveSourceDocument(Scene& scene)
+{
+    SourceDocument empty;
+    empty.json = {{"asset", {{"version", "2.0"}}}, {"scene", 0}, {"scenes", Json::array({Json::object()})}};
+    if (!scene.name.empty()) empty.json["scenes"][0]["name"] = scene.name;
+    DocumentPatcher patcher(empty);
+    if (Status s = writeTextures(patcher, scene); !s) return s;
+    for (std::size_t i = 0; i < scene.materials.size(); ++i) {
+        patcher.append("materials", materialJson(scene.materials[i]));
+        scene.materials[i].sourceMaterial = int(i);
+    }
+    writeMeshes(patcher, scene);
+    for (Object& object : scene.objects) {
+        object.sourceNode = addNode(patcher, object.name, object.worldFromObject);
+        object.sourceInstance = -1;
+        if (object.mesh >= 0) patcher.json["nodes"][std::size_t(object.sourceNode)]["mesh"] = object.mesh;
+    }
+    writeCameras(patcher, scene);
+    for (Light& light : scene.lights) light.sourceNode = -1; // the writer adds nodes for them
+
+    std::vector<std::string> used;
+    const std::string text = patcher.json.dump();
+    for (const char* name : {"KHR_materials_emissive_strength", "KHR_materials_unlit", "KHR_texture_transform"}) {
+        if (text.find(std::string("\"") + name + "\"") != std::string::npos) used.emplace_back(name);
+    }
+    if (!used.empty()) patcher.json["extensionsUsed"] = used;
+    const auto glb = patcher.finish();
+    if (!glb) return glb.error();
+    auto document = parseDocument(*glb, {});
+    if (!document) return document.error();
+    scene.source = std::move(*document);
+    return {};
+}
+
+} // namespace halflight

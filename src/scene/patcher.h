@@ -1,0 +1,61 @@
+#pragma once
+// Changing a glTF document's JSON and binary data: new accessors and buffer views take the places of those that nothing
+// refers to any more, and everything else keeps its index, so that extensions this program does not know stay right.
+
+#include "scene/document.h"
+
+#include <functional>
+#include <map>
+#include <set>
+
+namespace halflight {
+
+/// New binary data of an accessor or an image.
+struct NewView {
+    std::vector<std::byte> bytes;
+    int strideBytes = 0; ///< 0 = none written
+    int target = 0;      ///< 34962 vertices, 34963 indices, 0 neither
+};
+
+class DocumentPatcher {
+public:
+    explicit DocumentPatcher(const SourceDocument& source);
+
+    Json json; ///< edit freely; indices of the functions below may be used wherever glTF wants one
+
+    /// Adds binary data; the result is a buffer view's index, final only in the finished document.
+    int addView(NewView view);
+    int addAccessor(Json accessor, NewView view);
+    /// Appends to a top-level array and returns the index.
+    int append(const char* array, Json object);
+
+    /// Replaces indices by final ones, drops what is no longer used, and makes the GLB. Images move into the binary
+    /// chunk.
+    Result<std::vector<std::byte>> finish();
+
+private:
+    void collectReferences(const Json& document, std::set<int>& accessors, std::set<int>& views) const;
+    Status embedImages();
+    void place();
+    std::vector<std::byte> assemble();
+
+    const SourceDocument& source_;
+    std::set<int> accessorsBefore_;
+    std::set<int> viewsBefore_;
+    std::vector<Json> newAccessors_;
+    std::vector<NewView> newViews_;
+    std::map<int, std::size_t> viewOf_; ///< final buffer view -> index into newViews_
+};
+
+/// Calls visit(index) on every reference to an accessor or buffer view in the parts of glTF that this program knows;
+/// visit may change the index.
+void visitAccessors(Json& document, const std::function<void(Json&)>& visit);
+void visitViews(Json& document, const std::function<void(Json&)>& visit);
+
+/// A GLB from JSON and binary chunk.
+std::vector<std::byte> makeGlb(const Json& json, std::span<const std::byte> binary);
+
+/// "image/png" and the like from an encoded image's first bytes; empty when unknown.
+std::string mimeTypeOf(std::span<const std::byte> image);
+
+} // namespace halflight

@@ -1,0 +1,237 @@
+#include "scene/ktx2.h"
+#include "scene/nodes.h"
+#include "scene/read_scene.h"
+
+#include <map>
+
+namespace halflight {
+
+namespace {
+
+const std::string kPath = "/extensions/HALFLIGHT_mixed_lighting";
+
+Result<std::span<const std::byte>> viewBytes(const SourceDocument& document, const Json& reference,
+                                             const std::string& path)
+{
+    const Json& index = member(reference, "bufferView");
+    if (!index.is_number_unsigned() || index.get<uint64_t>() >= document.model.bufferViews.size()) {
+        return invalid(path, "refers to a buffer view that does not exist");
+    }
+    const auto& view = document.model.bufferViews[index.get<std::size_t>()];
+    const auto& data = document.model.buffers[std::size_t(view.buffer)].data;
+    return std::span(reinterpret_cast<const std::byte*>(data.data()) + view.byteOffset, view.byteLength);
+}
+
+Result<int> accessorIndex(const SourceDocument& document, const Json& object, const char* key, std::size_t count,
+                          const std::string& path)
+{
+    const Json& index = member(object, key);
+    if (!index.is_number_unsigned() || index.get<uint64_t>() >= document.model.accessors.size()) {
+        return invalid(path, std::string(key) + " refers to an accessor that does not exist");
+    }
+    if (document.model.accessors[index.get<std::size_t>()].count != count) {
+        return invalid(path, std::string(key) + " does not have " + std::to_string(count) + " elements");
+    }
+    return index.get<int>();
+}
+
+template<typename Vec> bool readVector(const Json& json, Vec& out)
+{
+    if (!json.is_array() || json.size() != std::size_t(Vec::length())) return false;
+    for (int c = 0; c < Vec::length(); ++c) {
+        if (!json[std::size_t(c)].is_number()) return false;
+        out[c] = json[std::size_t(c)].get<typename Vec::value_type>();
+    }
+    return true;
+}
+
+Status readImages(const SourceDocument& document, const Json& root, BakedScene& baked)
+{
+    const Json& lightmaps = member(root, "lightmaps");
+    for (std::size_t i = 0; i < lightmaps.size(); ++i) {
+        const std::string path = kPath + "/lightmaps/" + std::to_string(i);
+        const auto bytes = viewBytes(document, lightmaps[i], path);
+        if (!bytes) return bytes.error();
+        auto image = decodeKtx2(*bytes);
+        if (!image) return Error{image.error().code, image.error().message, path};
+        baked.lightmaps.push_back(std::move(*image));
+    }
+    const Json& masks = member(root, "shadowmasks");
+    for (std::size_t i = 0; i < masks.size(); ++i) {
+        const std::string path = kPath + "/shadowmasks/" + std::to_string(i);
+        const auto bytes = viewBytes(document, masks[i], path);
+        if (!bytes) return bytes.error();
+        auto image = decodeImage(bytes->data(), bytes->size());
+        if (!image) return Error{image.error().code, image.error().message, path};
+        baked.shadowmasks.push_back(std::move(*image));
+    }
+    if (!baked.shadowmasks.empty() && baked.shadowmasks.size() != baked.lightmaps.size()) {
+        return invalid(kPath, "has " + std::to_string(baked.shadowmasks.size()) + " shadowmasks for " +
+                                  std::to_string(baked.lightmaps.size()) + " lightmaps");
+    }
+    return {};
+}
+
+Status readProbes(const SourceDocument& document, const Json& json, ProbeSet& set)
+{
+    if (json.is_null()) return {};
+    const std::string path = kPath + "/probes";
+    const Json& count = member(json, "count");
+    if (!count.is_number_unsigned() || count.get<uint64_t>() > (1u << 28))
+        return invalid(path, "count is not a number of probes");
+    const auto n = count.get<std::size_t>();
+    const auto positions = accessorIndex(document, json, "positions", n, path);
+    const auto radiance = accessorIndex(document, json, "radiance", 9 * n, path);
+    const auto occlusion = accessorIndex(document, json, "occlusion", n, path);
+    const auto valid = accessorIndex(document, json, "valid", n, path);
+    for (const auto* index : {&positions, &radiance, &occlusion, &valid}) {
+        if (!*index) return index->error();
+    }
+    const auto p = readVectors<3>(document, *positions);
+    const auto r = readVectors<3>(document, *radiance);
+    const auto o = readVectors<4>(document, *occlusion);
+    const auto v = readIntegers(document, *valid);
+    if (!p) return p.error();
+    if (!r) return r.error();
+    if (!o) return o.error();
+    if (!v) return v.error();
+    set.probes.resize(n);
+    for (std::size_t i = 0; i < n; ++i) {
+        Probe& probe = set.probes[i];
+        probe.position = (*p)[i];
+        for (std::size_t k = 0; k < 9; ++k) probe.radiance[k] = (*r)[9 * i + k];
+        probe.occlusion = (*o)[i];
+        probe.valid = (*v)[i] != 0;
+    }
+    const Json& grid = member(json, "grid");
+    if (grid.is_null()) return {};
+    if (!readVector(member(grid, "origin"), set.origin) || !readVector(member(grid, "spacing"), set.spacingMeters) ||
+        !readVector(member(grid, "size"), set.size)) {
+        return invalid(path + "/grid", "origin, spacing and size are not three numbers each");
+    }
+    if (set.size.x < 1 || set.size.y < 1 || set.size.z < 1 || glm::any(glm::greaterThan(set.size, ivec3(1 << 20))) ||
+        uint64_t(set.size.x) * uint64_t(set.size.y) * uint64_t(set.size.z) != n) {
+        return invalid(path + "/grid", "its size does not multiply to the number of probes");
+    }
+    return {};
+}
+
+// Lightmap coordinates of a mesh from the TEXCOORD_n that its node names.
+Status readLightmapUv(const SourceDocument& document, Mesh& mesh, int texCoord)
+{
+    for (MeshPart& part : mesh.parts) {
+        const auto& primitive =
+            document.model.meshes[std::size_t(mesh.sourceMesh)].primitives[std::size_t(part.sourcePrimitive)];
+        const auto it = primitive.attributes.find("TEXCOORD_" + std::to_string(texCoord));
+        const std::string path =
+            pathOf("meshes", std::size_t(mesh.sourceMesh)) + "/primitives/" + std::to_string(part.sourcePrimitive);
+        if (it == primitive.attributes.end()) {
+            return invalid(path,
+                           "has no TEXCOORD_" + std::to_string(texCoord) + ", which its node names for the lightmap");
+        }
+        const auto uv = readVectors<2>(document, it->second);
+        if (!uv) return uv.error();
+        part.lightmapUv.resize(part.positions.size());
+        for (std::size_t i = 0; i < part.lightmapUv.size(); ++i) {
+            part.lightmapUv[i] = (*uv)[part.sourceVertex.empty() ? i : part.sourceVertex[i]];
+        }
+        part.lightmapTexCoord = texCoord;
+        if (texCoord == 1) part.uv[1].clear(); // the bake's, not the author's
+    }
+    return {};
+}
+
+Status readBindings(const SourceDocument& document, BakedScene& baked)
+{
+    Scene& scene = baked.scene;
+    std::map<int, int> texCoordOf; // by mesh
+    struct Instances {
+        std::vector<vec4> st;
+        std::vector<float> page;
+    };
+    std::map<int, Instances> instancesOf; // by node
+    for (Object& object : scene.objects) {
+        const Json& node = document.json["nodes"][std::size_t(object.sourceNode)];
+        const std::string path =
+            pathOf("nodes", std::size_t(object.sourceNode)) + "/extensions/HALFLIGHT_node/lightmap";
+        const Json& lightmap = member(extensionOf(node, "HALFLIGHT_node"), "lightmap");
+        if (lightmap.is_null()) continue;
+        const Json& texCoord = member(lightmap, "texCoord");
+        if (!texCoord.is_number_unsigned() || texCoord.get<uint64_t>() > 16)
+            return invalid(path, "texCoord is out of range");
+        if (object.sourceInstance < 0) {
+            const Json& page = member(lightmap, "page");
+            if (!page.is_number_unsigned() || page.get<uint64_t>() >= baked.lightmaps.size()) {
+                return invalid(path, "refers to a lightmap page that does not exist");
+            }
+            object.lightmap.page = page.get<int>();
+            if (!readVector(member(lightmap, "scale"), object.lightmap.scale) ||
+                !readVector(member(lightmap, "offset"), object.lightmap.offset)) {
+                return invalid(path, "scale and offset are not two numbers each");
+            }
+        } else {
+            const Json& attributes = member(extensionOf(node, "EXT_mesh_gpu_instancing"), "attributes");
+            const auto [it, isNew] = instancesOf.try_emplace(object.sourceNode);
+            if (isNew) {
+                const Json& first = attributes.items().begin().value(); // instanceTransforms() has checked them all
+                const std::size_t count = document.model.accessors[first.get<std::size_t>()].count;
+                const auto stIndex = accessorIndex(document, attributes, "_HALFLIGHT_LIGHTMAP_ST", count, path);
+                const auto pageIndex = accessorIndex(document, attributes, "_HALFLIGHT_LIGHTMAP_PAGE", count, path);
+                if (!stIndex) return stIndex.error();
+                if (!pageIndex) return pageIndex.error();
+                auto st = readVectors<4>(document, *stIndex);
+                if (!st) return st.error();
+                const auto page = viewAccessor(document, *pageIndex);
+                if (!page) return page.error();
+                it->second.st = std::move(*st);
+                for (std::size_t i = 0; i < count; ++i) it->second.page.push_back(page->number(i, 0));
+            }
+            const auto i = std::size_t(object.sourceInstance);
+            const float page = it->second.page[i];
+            if (!(page >= -1.0f && page < float(baked.lightmaps.size()))) {
+                return invalid(path,
+                               "instance " + std::to_string(i) + " refers to a lightmap page that does not exist");
+            }
+            object.lightmap.page = int(page);
+            object.lightmap.scale = vec2(it->second.st[i]);
+            object.lightmap.offset = vec2(it->second.st[i].z, it->second.st[i].w);
+        }
+        const auto [it, isNew] = texCoordOf.try_emplace(object.mesh, texCoord.get<int>());
+        if (!isNew) continue;
+        if (Status s = readLightmapUv(document, scene.meshes[std::size_t(object.mesh)], it->second); !s) return s;
+    }
+    return {};
+}
+
+} // namespace
+
+Result<BakedScene> readBakedScene(const std::filesystem::path& path, const ReadOptions& options)
+{
+    auto loaded = loadDocument(path);
+    if (!loaded) return loaded.error();
+    const SourceDocument& document = **loaded;
+    auto scene = sceneFromDocument(*loaded, options);
+    if (!scene) return scene.error();
+    BakedScene baked;
+    baked.scene = std::move(*scene);
+    if (baked.scene.name.empty()) baked.scene.name = path.stem().string();
+    const Json& root = extensionOf(document.json, "HALFLIGHT_mixed_lighting");
+    if (root.is_null()) {
+        for (Light& light : baked.scene.lights) light.baking = {};
+        return baked;
+    }
+    if (member(root, "version") != 1) {
+        return Error{ErrorCode::Unsupported, "was written by a newer version of this program", kPath};
+    }
+    const Json& mode = member(root, "mode");
+    const auto named = mode.is_string() ? mixedLightingModeNamed(mode.get<std::string>()) : std::nullopt;
+    if (!named) return invalid(kPath, "mode is not baked-indirect, shadowmask or subtractive");
+    baked.mode = *named;
+    baked.isBaked = true;
+    if (Status s = readImages(document, root, baked); !s) return s.error();
+    if (Status s = readProbes(document, member(root, "probes"), baked.probes); !s) return s.error();
+    if (Status s = readBindings(document, baked); !s) return s.error();
+    return baked;
+}
+
+} // namespace halflight

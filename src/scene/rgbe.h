@@ -1,0 +1,12 @@
+#pragma once
+// Radiance pictures (.hdr): Ward 1991, "Real Pixels", with the run-length encoding of Radiance 2.0 and later.
+
+#include "halflight/base/image.h"
+
+namespace halflight {
+
+/// An RGB9E5 image as a Radiance picture, top row first. Both formats share one exponent; the 9-bit mantissas lose a
+/// bit.
+std::vector<std::byte> encodeRgbe(const Image<uint32_t>& rgb9e5);
+
+} // namespace halflight

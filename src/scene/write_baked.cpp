@@ -1,0 +1,464 @@
+#include "halflight/base/file.h"
+#include "halflight/scene/gltf.h"
+#include "scene/ktx2.h"
+#include "scene/make_document.h"
+#include "scene/read_lights.h"
+#include "scene/rgbe.h"
+#include "scene/settings.h"
+#include "scene/write_meshes.h"
+
+#include <algorithm>
+#include <cstring>
+
+namespace halflight {
+
+namespace {
+
+constexpr const char* kRootExtension = "HALFLIGHT_mixed_lighting";
+constexpr const char* kNodeExtension = "HALFLIGHT_node";
+constexpr const char* kLightExtension = "HALFLIGHT_light";
+constexpr int kNoMaterial = -2;
+
+template<typename Vec> Json numbers(const Vec& v)
+{
+    Json list = Json::array();
+    for (int i = 0; i < Vec::length(); ++i) list.push_back(v[i]);
+    return list;
+}
+
+Json matrixJson(const mat4& m)
+{
+    Json list = Json::array();
+    for (int i = 0; i < 16; ++i) list.push_back(m[i / 4][i % 4]);
+    return list;
+}
+
+template<typename T> NewView viewOf(const std::vector<T>& values, int target = 0)
+{
+    NewView view;
+    view.target = target;
+    view.bytes.resize(values.size() * sizeof(T));
+    if (!values.empty()) std::memcpy(view.bytes.data(), values.data(), view.bytes.size());
+    return view;
+}
+
+void eraseExtension(Json& object, const char* name)
+{
+    if (!object.is_object() || !object.contains("extensions")) return;
+    object["extensions"].erase(name);
+    if (object["extensions"].empty()) object.erase("extensions");
+}
+
+class Writer {
+public:
+    Writer(const BakedScene& baked, const WriteOptions& options)
+        : baked_(baked), scene_(baked.scene), options_(options), source_(*baked.scene.source), patcher_(source_),
+          meshes_(patcher_, source_, scene_)
+    {}
+
+    Result<std::vector<std::byte>> write()
+    {
+        removeEarlierBake();
+        if (Status s = writeImages(); !s) return s.error();
+        if (Status s = writeObjects(); !s) return s.error();
+        meshes_.finish();
+        if (Status s = writeLights(); !s) return s.error();
+        writeRoot();
+        writeExtensionsUsed();
+        return patcher_.finish();
+    }
+
+private:
+    Json& nodeJson(int node) { return patcher_.json["nodes"][std::size_t(node)]; }
+
+    void removeEarlierBake()
+    {
+        eraseExtension(patcher_.json, kRootExtension);
+        if (!patcher_.json.contains("nodes")) return;
+        for (Json& node : patcher_.json["nodes"]) {
+            eraseExtension(node, kNodeExtension);
+            eraseExtension(node, kLightExtension);
+            if (!node.contains("extensions") || !node["extensions"].contains("EXT_mesh_gpu_instancing")) continue;
+            Json& attributes = node["extensions"]["EXT_mesh_gpu_instancing"]["attributes"];
+            attributes.erase("_HALFLIGHT_LIGHTMAP_ST");
+            attributes.erase("_HALFLIGHT_LIGHTMAP_PAGE");
+        }
+    }
+
+    Status writeImages()
+    {
+        for (const auto& lightmap : baked_.lightmaps) {
+            auto ktx2 = encodeKtx2(lightmap);
+            if (!ktx2) return ktx2.error();
+            root_["lightmaps"].push_back(
+                {{"bufferView", patcher_.addView({std::move(*ktx2), 0, 0})}, {"mimeType", "image/ktx2"}});
+        }
+        for (const auto& mask : baked_.shadowmasks) {
+            auto png = encodePng(mask);
+            if (!png) return png.error();
+            root_["shadowmasks"].push_back(
+                {{"bufferView", patcher_.addView({std::move(*png), 0, 0})}, {"mimeType", "image/png"}});
+        }
+        return {};
+    }
+
+    // The texture of a lightmap page for MOZ_lightmap, made when it is first needed.
+    int mozTexture(int page)
+    {
+        const auto [it, isNew] = mozTextures_.try_emplace(page, -1);
+        if (!isNew) return it->second;
+        const std::string name = "lightmap " + std::to_string(page);
+        const int view = patcher_.addView({encodeRgbe(baked_.lightmaps[std::size_t(page)]), 0, 0});
+        const int image =
+            patcher_.append("images", {{"name", name}, {"mimeType", "image/vnd.radiance"}, {"bufferView", view}});
+        it->second =
+            patcher_.append("textures", {{"name", name}, {"extensions", {{"MOZ_texture_rgbe", {{"source", image}}}}}});
+        moz_["images"].push_back(image);
+        moz_["textures"].push_back(it->second);
+        return it->second;
+    }
+
+    int mozMaterial(int source, const LightmapBinding& binding, int texCoord)
+    {
+        const Json transform = {{"offset", numbers(binding.offset)}, {"scale", numbers(binding.scale)}};
+        const std::string key = std::to_string(source) + " " + std::to_string(binding.page) + " " +
+                                std::to_string(texCoord) + transform.dump();
+        const auto it = mozMaterials_.find(key);
+        if (it != mozMaterials_.end()) return it->second;
+        Json material = source >= 0 ? source_.json["materials"][std::size_t(source)] : Json::object();
+        Json lightmap = {{"index", mozTexture(binding.page)}, {"texCoord", texCoord}, {"intensity", 1.0}};
+        if (binding.offset != vec2(0.0f) || binding.scale != vec2(1.0f)) {
+            lightmap["extensions"]["KHR_texture_transform"] = transform;
+        }
+        material["extensions"]["MOZ_lightmap"] = std::move(lightmap);
+        const int index = patcher_.append("materials", std::move(material));
+        Json record = {{"material", index}};
+        if (source >= 0) record["source"] = source;
+        moz_["materials"].push_back(std::move(record));
+        mozMaterials_[key] = index;
+        return index;
+    }
+
+    Status writeObjects()
+    {
+        std::map<int, std::vector<const Object*>> objectsOf; // by node
+        for (const Object& object : scene_.objects) {
+            if (object.sourceNode < 0 || std::size_t(object.sourceNode) >= source_.model.nodes.size()) {
+                return Error{ErrorCode::InvalidArgument,
+                             "object \"" + object.name + "\" has no node in the source file", ""};
+            }
+            objectsOf[object.sourceNode].push_back(&object);
+        }
+        for (const auto& [node, objects] : objectsOf) {
+            if (Status s = writeNode(node, objects); !s) return s;
+        }
+        return {};
+    }
+
+    Status writeNode(int node, const std::vector<const Object*>& objects)
+    {
+        const Object& first = *objects[0];
+        const std::string path = pathOf("nodes", std::size_t(node));
+        if (first.mesh < 0) return {};
+        const Mesh& mesh = scene_.meshes[std::size_t(first.mesh)];
+        if (mesh.sourceMesh < 0 || std::size_t(mesh.sourceMesh) >= source_.model.meshes.size()) {
+            return Error{ErrorCode::InvalidArgument, "the node's mesh does not come from the source file", path};
+        }
+        bool lightmapped = false;
+        for (const Object* object : objects) {
+            if (object->mesh != first.mesh) {
+                return Error{ErrorCode::InvalidArgument, "instances of one node have different meshes", path};
+            }
+            lightmapped = lightmapped || object->lightmap.page >= 0;
+            if (object->lightmap.page >= int(baked_.lightmaps.size())) {
+                return Error{ErrorCode::InvalidArgument,
+                             "refers to lightmap page " + std::to_string(object->lightmap.page) + " of " +
+                                 std::to_string(baked_.lightmaps.size()),
+                             path};
+            }
+        }
+        for (const MeshPart& part : mesh.parts) {
+            if (lightmapped && part.lightmapUv.size() != part.positions.size()) {
+                return Error{ErrorCode::InvalidArgument, "has a lightmap but its mesh no lightmap coordinates", path};
+            }
+        }
+        Json record = {
+            {"static", first.isStatic}, {"castShadows", first.castShadows}, {"receiveShadows", first.receiveShadows}};
+        if (first.lightmapScale != 1.0f) record["lightmapScale"] = first.lightmapScale;
+        const bool instanced = first.sourceInstance >= 0;
+        const int texCoord = mesh.parts.empty() ? 1 : mesh.parts[0].lightmapTexCoord;
+        if (lightmapped && !instanced) {
+            record["lightmap"] = {{"page", first.lightmap.page},
+                                  {"scale", numbers(first.lightmap.scale)},
+                                  {"offset", numbers(first.lightmap.offset)},
+                                  {"texCoord", texCoord}};
+        } else if (lightmapped) {
+            record["lightmap"] = {{"perInstance", true}, {"texCoord", texCoord}};
+            writeInstances(node, objects);
+        }
+        nodeJson(node)["extensions"][kNodeExtension] = std::move(record);
+
+        std::vector<int> materials(mesh.parts.size(), kNoMaterial);
+        if (lightmapped && !instanced && options_.mozLightmap) {
+            for (std::size_t p = 0; p < mesh.parts.size(); ++p) {
+                const Json& primitive = source_.json["meshes"][std::size_t(mesh.sourceMesh)]["primitives"]
+                                                    [std::size_t(mesh.parts[p].sourcePrimitive)];
+                materials[p] = mozMaterial(primitive.value("material", -1), first.lightmap, texCoord);
+            }
+        }
+        return meshes_.setNodeMesh(node, first.mesh, materials);
+    }
+
+    void writeInstances(int node, const std::vector<const Object*>& objects)
+    {
+        std::size_t count = 0;
+        for (const Object* object : objects) count = std::max(count, std::size_t(object->sourceInstance) + 1);
+        std::vector<vec4> st(count, vec4(0.0f));
+        std::vector<float> page(count, -1.0f);
+        for (const Object* object : objects) {
+            const auto i = std::size_t(object->sourceInstance);
+            st[i] = vec4(object->lightmap.scale, object->lightmap.offset);
+            page[i] = float(object->lightmap.page);
+        }
+        Json& attributes = nodeJson(node)["extensions"]["EXT_mesh_gpu_instancing"]["attributes"];
+        attributes["_HALFLIGHT_LIGHTMAP_ST"] = patcher_.addAccessor(
+            {{"componentType", TINYGLTF_COMPONENT_TYPE_FLOAT}, {"count", count}, {"type", "VEC4"}}, viewOf(st));
+        attributes["_HALFLIGHT_LIGHTMAP_PAGE"] = patcher_.addAccessor(
+            {{"componentType", TINYGLTF_COMPONENT_TYPE_FLOAT}, {"count", count}, {"type", "SCALAR"}}, viewOf(page));
+    }
+
+    static Json lightJson(const Light& light)
+    {
+        constexpr const char* kTypes[] = {"directional", "point", "spot"};
+        Json json = {{"name", light.name},
+                     {"type", kTypes[int(light.type)]},
+                     {"color", numbers(light.color)},
+                     {"intensity", light.intensity}};
+        if (light.type != LightType::Directional && light.rangeMeters > 0.0f) json["range"] = light.rangeMeters;
+        if (light.type == LightType::Spot) {
+            json["spot"] = {{"innerConeAngle", light.innerConeRadians}, {"outerConeAngle", light.outerConeRadians}};
+        }
+        return json;
+    }
+
+    Json& lightList()
+    {
+        Json& list = patcher_.json["extensions"]["KHR_lights_punctual"]["lights"];
+        if (!list.is_array()) list = Json::array();
+        return list;
+    }
+
+    // What settings changed of a light of the file: changed in the light itself, or in a copy where nodes share it.
+    void patchLight(const Light& light)
+    {
+        Json& reference = nodeJson(light.sourceNode)["extensions"]["KHR_lights_punctual"]["light"];
+        const auto index = reference.get<std::size_t>();
+        Json json = lightList()[index];
+        const Json before = json;
+        const float defaultIntensity = json.value("intensity", 1.0f);
+        if (light.intensity != defaultIntensity) json["intensity"] = light.intensity;
+        if (numbers(light.color) != json.value("color", numbers(vec3(1.0f))) && !sameColor(json, light.color))
+            json["color"] = numbers(light.color);
+        if (light.type != LightType::Directional && light.rangeMeters != json.value("range", 0.0f)) {
+            if (light.rangeMeters > 0.0f) {
+                json["range"] = light.rangeMeters;
+            } else {
+                json.erase("range");
+            }
+        }
+        if (json == before) return;
+        std::size_t users = 0;
+        for (const Json& node : patcher_.json["nodes"]) {
+            const Json& other = member(extensionOf(node, "KHR_lights_punctual"), "light");
+            users += other.is_number_integer() && other.get<std::size_t>() == index;
+        }
+        if (users > 1) {
+            reference = lightList().size();
+            lightList().push_back(std::move(json));
+        } else {
+            lightList()[index] = std::move(json);
+        }
+    }
+
+    static bool sameColor(const Json& json, vec3 color)
+    {
+        const Json& list = member(json, "color");
+        for (std::size_t c = 0; c < 3; ++c) {
+            if ((list.is_array() && list.size() == 3 ? list[c].get<float>() : 1.0f) != color[int(c)]) return false;
+        }
+        return true;
+    }
+
+    Status writeLights()
+    {
+        for (const Light& light : scene_.lights) {
+            int node = light.sourceNode;
+            bool added = false;
+            if (node >= 0 && std::size_t(node) >= source_.model.nodes.size()) {
+                return Error{ErrorCode::InvalidArgument, "light \"" + light.name + "\" has no node in the source file",
+                             ""};
+            }
+            const bool wasAdded =
+                node >= 0 &&
+                member(extensionOf(source_.json["nodes"][std::size_t(node)], kLightExtension), "added") == true;
+            if (node < 0) {
+                added = true;
+                const std::size_t index = lightList().size();
+                lightList().push_back(lightJson(light));
+                Json json = {{"name", light.name}, {"extensions", {{"KHR_lights_punctual", {{"light", index}}}}}};
+                if (light.worldFromLight != mat4(1.0f)) json["matrix"] = matrixJson(light.worldFromLight);
+                node = patcher_.append("nodes", std::move(json));
+                addToScene(node);
+            } else if (wasAdded) {
+                // Its settings file is its source: it may say something else by now.
+                added = true;
+                const auto index = nodeJson(node)["extensions"]["KHR_lights_punctual"]["light"].get<std::size_t>();
+                lightList()[index] = lightJson(light);
+                nodeJson(node)["matrix"] = matrixJson(light.worldFromLight);
+            } else {
+                patchLight(light);
+            }
+            Json record = {{"mode", nameOf(light.mode)},
+                           {"shadowStrength", light.shadowStrength},
+                           {"indirectMultiplier", light.indirectMultiplier},
+                           {"castShadows", light.castShadows},
+                           {"radius", light.radiusMeters}};
+            if (light.type == LightType::Directional) record["angularRadius"] = light.angularRadiusRadians;
+            if (added) record["added"] = true;
+            if (light.baking.isBaked) {
+                Json& baking = record["baking"];
+                baking = {{"bakeType", nameOf(light.baking.bakeType)},
+                          {"mixedLightingMode", nameOf(light.baking.mixedMode)},
+                          {"occlusionMaskChannel", light.baking.occlusionMaskChannel},
+                          {"worldFromLight", matrixJson(light.baking.worldFromLight)}};
+                if (!light.baking.reason.empty()) baking["reason"] = light.baking.reason;
+            }
+            nodeJson(node)["extensions"][kLightExtension] = std::move(record);
+        }
+        return {};
+    }
+
+    void addToScene(int node)
+    {
+        Json& scenes = patcher_.json["scenes"];
+        if (!scenes.is_array() || scenes.empty()) {
+            // Without scenes all root nodes are shown: a scene that lists them, and the new node, shows the same.
+            std::set<int> children;
+            for (const auto& n : source_.model.nodes) children.insert(n.children.begin(), n.children.end());
+            Json nodes = Json::array();
+            for (std::size_t i = 0; i < source_.model.nodes.size(); ++i) {
+                if (children.count(int(i)) == 0) nodes.push_back(i);
+            }
+            scenes = Json::array({{{"nodes", nodes}}});
+            patcher_.json["scene"] = 0;
+        }
+        const auto index = std::size_t(std::max(0, source_.model.defaultScene));
+        scenes[index]["nodes"].push_back(node);
+    }
+
+    void writeRoot()
+    {
+        root_["version"] = 1;
+        root_["mode"] = nameOf(baked_.mode);
+        root_["sky"] = {{"zenith", numbers(scene_.sky.zenith)},
+                        {"horizon", numbers(scene_.sky.horizon)},
+                        {"ground", numbers(scene_.sky.ground)}};
+        root_["subtractiveShadowColor"] = numbers(scene_.subtractiveShadowColor);
+        if (!scene_.probePositions.empty()) {
+            for (const vec3& p : scene_.probePositions) root_["authoredProbes"].push_back(numbers(p));
+        }
+        if (!moz_.is_null()) root_["mozLightmap"] = moz_;
+        writeProbes();
+        patcher_.json["extensions"][kRootExtension] = std::move(root_);
+    }
+
+    void writeProbes()
+    {
+        const auto& probes = baked_.probes.probes;
+        if (probes.empty()) return;
+        std::vector<vec3> positions;
+        std::vector<vec3> radiance;
+        std::vector<vec4> occlusion;
+        std::vector<uint8_t> valid;
+        vec3 low(kInfinity);
+        vec3 high(-kInfinity);
+        for (const Probe& probe : probes) {
+            positions.push_back(probe.position);
+            radiance.insert(radiance.end(), probe.radiance.begin(), probe.radiance.end());
+            occlusion.push_back(probe.occlusion);
+            valid.push_back(probe.valid ? 1 : 0);
+            low = glm::min(low, probe.position);
+            high = glm::max(high, probe.position);
+        }
+        const auto add = [&](const char* type, int componentType, std::size_t count, NewView view) {
+            return patcher_.addAccessor({{"componentType", componentType}, {"count", count}, {"type", type}},
+                                        std::move(view));
+        };
+        constexpr int kFloat = TINYGLTF_COMPONENT_TYPE_FLOAT;
+        Json json = {{"count", probes.size()},
+                     {"positions", patcher_.addAccessor({{"componentType", kFloat},
+                                                         {"count", probes.size()},
+                                                         {"type", "VEC3"},
+                                                         {"min", numbers(low)},
+                                                         {"max", numbers(high)}},
+                                                        viewOf(positions))},
+                     {"radiance", add("VEC3", kFloat, radiance.size(), viewOf(radiance))},
+                     {"occlusion", add("VEC4", kFloat, occlusion.size(), viewOf(occlusion))},
+                     {"valid", add("SCALAR", TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE, valid.size(), viewOf(valid))}};
+        const ProbeSet& set = baked_.probes;
+        if (set.size.x > 0 && set.size.y > 0 && set.size.z > 0) {
+            json["grid"] = {
+                {"origin", numbers(set.origin)}, {"spacing", numbers(set.spacingMeters)}, {"size", numbers(set.size)}};
+        }
+        root_["probes"] = std::move(json);
+    }
+
+    void writeExtensionsUsed()
+    {
+        std::set<std::string> used;
+        for (const Json& name : member(source_.json, "extensionsUsed")) {
+            if (name.is_string() && !name.get<std::string>().starts_with("HALFLIGHT_"))
+                used.insert(name.get<std::string>());
+        }
+        used.insert(kRootExtension);
+        if (!scene_.objects.empty()) used.insert(kNodeExtension);
+        if (!scene_.lights.empty()) used.insert({kLightExtension, "KHR_lights_punctual"});
+        if (!moz_.is_null()) {
+            used.insert({"MOZ_lightmap", "MOZ_texture_rgbe", "KHR_texture_transform"});
+        } else if (extensionOf(source_.json, kRootExtension).contains("mozLightmap")) {
+            used.erase("MOZ_lightmap");
+            used.erase("MOZ_texture_rgbe");
+        }
+        patcher_.json["extensionsUsed"] = used;
+        patcher_.json["asset"]["generator"] = options_.generator;
+    }
+
+    const BakedScene& baked_;
+    const Scene& scene_;
+    const WriteOptions& options_;
+    const SourceDocument& source_;
+    DocumentPatcher patcher_;
+    MeshWriter meshes_;
+    Json root_;
+    Json moz_;
+    std::map<int, int> mozTextures_; // page -> texture
+    std::map<std::string, int> mozMaterials_;
+};
+
+} // namespace
+
+Status writeBakedScene(const std::filesystem::path& path, const BakedScene& baked, const WriteOptions& options)
+{
+    Result<std::vector<std::byte>> glb = std::vector<std::byte>();
+    if (baked.scene.source) {
+        glb = Writer(baked, options).write();
+    } else {
+        BakedScene withSource = baked;
+        if (Status s = giveSourceDocument(withSource.scene); !s) return s;
+        glb = Writer(withSource, options).write();
+    }
+    if (!glb) return glb.error();
+    return writeFileAtomically(path, glb->data(), glb->size());
+}
+
+} // namespace halflight

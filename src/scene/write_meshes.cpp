@@ -1,0 +1,214 @@
+#include "scene/write_meshes.h"
+
+#include "scene/read_parts.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+
+namespace halflight {
+
+namespace {
+
+constexpr int kNoMaterial = -2; // "as in the source": no lightmap material
+
+NewView indexView(const std::vector<uint32_t>& indices, std::size_t vertexCount, int& componentType)
+{
+    NewView view;
+    view.target = TINYGLTF_TARGET_ELEMENT_ARRAY_BUFFER;
+    const bool isShort = vertexCount <= 65535; // 65535 itself means "restart"
+    componentType = isShort ? TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT : TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT;
+    const std::size_t bytes = isShort ? 2 : 4;
+    view.bytes.resize(indices.size() * bytes);
+    for (std::size_t i = 0; i < indices.size(); ++i) std::memcpy(&view.bytes[i * bytes], &indices[i], bytes);
+    return view;
+}
+
+// min and max of an accessor as its file wants them: the stored numbers, not normalized.
+void setBounds(Json& accessor, const AccessorView& view)
+{
+    AccessorView raw = view;
+    raw.normalized = false;
+    Json low = Json::array();
+    Json high = Json::array();
+    for (int c = 0; c < view.components; ++c) {
+        float a = raw.number(0, c);
+        float b = a;
+        for (std::size_t i = 1; i < view.count; ++i) {
+            a = std::min(a, raw.number(i, c));
+            b = std::max(b, raw.number(i, c));
+        }
+        if (!std::isfinite(a) || !std::isfinite(b)) return;
+        low.push_back(a);
+        high.push_back(b);
+    }
+    accessor["min"] = std::move(low);
+    accessor["max"] = std::move(high);
+}
+
+} // namespace
+
+MeshWriter::MeshWriter(DocumentPatcher& patcher, const SourceDocument& source, const Scene& scene)
+    : patcher_(patcher), source_(source), scene_(scene)
+{}
+
+// The accessor with one element per vertex of the part, copied byte by byte: no format changes on the way.
+Result<int> MeshWriter::remap(const MeshPart& part, int accessor)
+{
+    const auto key = std::pair(&part, accessor);
+    if (const auto it = remapped_.find(key); it != remapped_.end()) return it->second;
+    const auto view = viewAccessor(source_, accessor);
+    if (!view) return view.error();
+    Json json = source_.json["accessors"][std::size_t(accessor)];
+    for (const char* gone : {"bufferView", "byteOffset", "sparse", "min", "max"}) json.erase(gone);
+    AccessorView copy = *view;
+    copy.count = part.sourceVertex.size();
+    copy.strideBytes =
+        (view->bytesPerElement + 3) / 4 * 4; // glTF 2.0, section 3.6.2.4: vertex attributes align to 4 bytes
+    copy.owned.assign(copy.count * copy.strideBytes, std::byte(0));
+    for (std::size_t i = 0; i < copy.count; ++i) {
+        std::memcpy(&copy.owned[i * copy.strideBytes], view->at(part.sourceVertex[i]), view->bytesPerElement);
+    }
+    copy.data = copy.owned.data();
+    json["count"] = copy.count;
+    if (source_.json["accessors"][std::size_t(accessor)].contains("min")) setBounds(json, copy);
+    const int stride = copy.strideBytes != view->bytesPerElement ? int(copy.strideBytes) : 0;
+    const int index =
+        patcher_.addAccessor(std::move(json), {std::move(copy.owned), stride, TINYGLTF_TARGET_ARRAY_BUFFER});
+    remapped_[key] = index;
+    return index;
+}
+
+Result<Json> MeshWriter::primitiveJson(const MeshPart& part, const Json& source, const tinygltf::Primitive& primitive,
+                                       const std::string& path)
+{
+    Json json = source;
+    const std::size_t sourceCount = source_.model.accessors[std::size_t(primitive.attributes.at("POSITION"))].count;
+    const std::size_t count = part.positions.size();
+    const bool split = !part.sourceVertex.empty();
+    const bool isBroken =
+        part.lightmapUv.size() != count || (split && part.sourceVertex.size() != count) ||
+        (!split && count != sourceCount) ||
+        std::any_of(part.sourceVertex.begin(), part.sourceVertex.end(), [&](uint32_t v) { return v >= sourceCount; });
+    if (isBroken) {
+        return Error{ErrorCode::InvalidArgument, "the scene's vertices do not match those of the file it was read from",
+                     path};
+    }
+    if (split) {
+        for (Json& accessor : json["attributes"]) {
+            const auto index = remap(part, accessor.get<int>());
+            if (!index) return index.error();
+            accessor = *index;
+        }
+        if (json.contains("targets")) {
+            for (Json& target : json["targets"]) {
+                for (Json& accessor : target) {
+                    const auto index = remap(part, accessor.get<int>());
+                    if (!index) return index.error();
+                    accessor = *index;
+                }
+            }
+        }
+        // The compressed copy of an optional compression extension knows nothing of the new vertices.
+        if (json.contains("extensions")) {
+            json["extensions"].erase("KHR_draco_mesh_compression");
+            if (json["extensions"].empty()) json.erase("extensions");
+        }
+    }
+    const int mode = primitive.mode < 0 ? TINYGLTF_MODE_TRIANGLES : primitive.mode;
+    std::vector<uint32_t> sourceIndices;
+    if (primitive.indices >= 0) {
+        auto indices = readIntegers(source_, primitive.indices);
+        if (!indices) return indices.error();
+        sourceIndices = std::move(*indices);
+    }
+    if (split || mode != TINYGLTF_MODE_TRIANGLES || trianglesOf(mode, sourceIndices, sourceCount) != part.indices) {
+        int componentType = 0;
+        NewView view = indexView(part.indices, count, componentType);
+        json["indices"] = patcher_.addAccessor(
+            {{"componentType", componentType}, {"count", part.indices.size()}, {"type", "SCALAR"}}, std::move(view));
+        json.erase("mode");
+    }
+    NewView uvs;
+    uvs.target = TINYGLTF_TARGET_ARRAY_BUFFER;
+    uvs.bytes.resize(count * sizeof(vec2));
+    std::memcpy(uvs.bytes.data(), part.lightmapUv.data(), uvs.bytes.size());
+    const int lightmapUv = patcher_.addAccessor(
+        {{"componentType", TINYGLTF_COMPONENT_TYPE_FLOAT}, {"count", count}, {"type", "VEC2"}}, std::move(uvs));
+    json["attributes"]["TEXCOORD_" + std::to_string(part.lightmapTexCoord)] = lightmapUv;
+    // glTF wants the sets numbered without gaps: the lightmap's stands in for missing ones.
+    for (int k = 0; k < part.lightmapTexCoord; ++k) {
+        Json& attributes = json["attributes"];
+        const std::string name = "TEXCOORD_" + std::to_string(k);
+        if (!attributes.contains(name)) attributes[name] = lightmapUv;
+    }
+    return json;
+}
+
+Result<Json> MeshWriter::meshJson(int sceneMesh)
+{
+    const Mesh& mesh = scene_.meshes[std::size_t(sceneMesh)];
+    Json json = source_.json["meshes"][std::size_t(mesh.sourceMesh)];
+    const auto& model = source_.model.meshes[std::size_t(mesh.sourceMesh)];
+    for (const MeshPart& part : mesh.parts) {
+        const std::string path =
+            pathOf("meshes", std::size_t(mesh.sourceMesh)) + "/primitives/" + std::to_string(part.sourcePrimitive);
+        if (part.sourcePrimitive < 0 || std::size_t(part.sourcePrimitive) >= model.primitives.size()) {
+            return Error{ErrorCode::InvalidArgument, "a part of the mesh has no primitive in the source file", path};
+        }
+        if (part.lightmapUv.empty()) continue;
+        Json& primitive = json["primitives"][std::size_t(part.sourcePrimitive)];
+        auto patched = primitiveJson(part, primitive, model.primitives[std::size_t(part.sourcePrimitive)], path);
+        if (!patched) return patched;
+        primitive = std::move(*patched);
+    }
+    return json;
+}
+
+Status MeshWriter::setNodeMesh(int node, int sceneMesh, const std::vector<int>& materials)
+{
+    const Mesh& mesh = scene_.meshes[std::size_t(sceneMesh)];
+    const auto [it, isNew] = byKey_.try_emplace({sceneMesh, materials}, meshes_.size());
+    if (isNew) {
+        if (patched_.count(sceneMesh) == 0) {
+            auto json = meshJson(sceneMesh);
+            if (!json) return json.error();
+            patched_[sceneMesh] = std::move(*json);
+        }
+        Json json = patched_[sceneMesh];
+        for (std::size_t p = 0; p < mesh.parts.size() && p < materials.size(); ++p) {
+            if (materials[p] == kNoMaterial) continue;
+            json["primitives"][std::size_t(mesh.parts[p].sourcePrimitive)]["material"] = materials[p];
+        }
+        meshes_.emplace_back(mesh.sourceMesh, std::move(json));
+    }
+    nodes_.emplace_back(node, it->second);
+    return {};
+}
+
+void MeshWriter::finish()
+{
+    if (nodes_.empty()) return;
+    // A source mesh that no node uses any more gives its place to the first mesh made from it.
+    Json& nodes = patcher_.json["nodes"];
+    std::set<int> rewritten;
+    for (const auto& [node, mesh] : nodes_) rewritten.insert(node);
+    std::set<int> stillUsed;
+    for (std::size_t i = 0; i < nodes.size(); ++i) {
+        if (rewritten.count(int(i)) == 0 && nodes[i].contains("mesh")) stillUsed.insert(nodes[i]["mesh"].get<int>());
+    }
+    std::vector<int> place(meshes_.size());
+    std::set<int> taken;
+    for (std::size_t i = 0; i < meshes_.size(); ++i) {
+        const int source = meshes_[i].first;
+        if (stillUsed.count(source) == 0 && taken.insert(source).second) {
+            place[i] = source;
+            patcher_.json["meshes"][std::size_t(source)] = std::move(meshes_[i].second);
+        } else {
+            place[i] = patcher_.append("meshes", std::move(meshes_[i].second));
+        }
+    }
+    for (const auto& [node, mesh] : nodes_) nodes[std::size_t(node)]["mesh"] = place[mesh];
+}
+
+} // namespace halflight

@@ -1,0 +1,38 @@
+#pragma once
+// How the writer puts lightmap coordinates into a document's meshes.
+
+#include "scene/patcher.h"
+
+#include "halflight/scene/baked_scene.h"
+
+namespace halflight {
+
+/// Makes the meshes of the written file: one for each scene mesh that has lightmap coordinates, and copies of it where
+/// nodes need materials of their own (MOZ_lightmap). All share accessors.
+class MeshWriter {
+public:
+    MeshWriter(DocumentPatcher& patcher, const SourceDocument& source, const Scene& scene);
+
+    /// Points the node at the scene mesh's place in the file. `materialOf` gives the material of each part (-1
+    /// default); nodes with equal `materials` share a mesh.
+    Status setNodeMesh(int node, int sceneMesh, const std::vector<int>& materials);
+    /// Gives the meshes their final indices; to be called once, after the last setNodeMesh().
+    void finish();
+
+private:
+    Result<Json> meshJson(int sceneMesh);
+    Result<Json> primitiveJson(const MeshPart& part, const Json& source, const tinygltf::Primitive& primitive,
+                               const std::string& path);
+    Result<int> remap(const MeshPart& part, int accessor);
+
+    DocumentPatcher& patcher_;
+    const SourceDocument& source_;
+    const Scene& scene_;
+    std::map<int, Json> patched_;                                   ///< by scene mesh
+    std::map<std::pair<int, std::vector<int>>, std::size_t> byKey_; ///< index into meshes_
+    std::vector<std::pair<int, Json>> meshes_;                      ///< source mesh, JSON
+    std::vector<std::pair<int, std::size_t>> nodes_;                ///< node, index into meshes_
+    std::map<std::pair<const MeshPart*, int>, int> remapped_;
+};
+
+} // namespace halflight

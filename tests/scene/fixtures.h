@@ -1,0 +1,204 @@
+#pragma once
+// Helpers of the scene module's tests: small glTF files built in memory, and a stand-in for a bake.
+
+#include "halflight/base/random.h"
+#include "halflight/scene/gltf.h"
+
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <unistd.h>
+#include <vector>
+
+namespace halflight::test {
+
+using Json = nlohmann::json;
+
+/// A folder of its own for each test, removed at the end.
+class TemporaryFolder {
+public:
+    TemporaryFolder()
+    {
+        const auto* info = testing::UnitTest::GetInstance()->current_test_info();
+        std::string name = std::string("halflight_") + info->test_suite_name() + "_" + info->name();
+        for (char& c : name) c = c == '/' ? '_' : c;
+        path_ = std::filesystem::temp_directory_path() / (name + "_" + std::to_string(::getpid()));
+        std::filesystem::remove_all(path_);
+        std::filesystem::create_directories(path_);
+    }
+    ~TemporaryFolder()
+    {
+        std::error_code ec;
+        std::filesystem::remove_all(path_, ec);
+    }
+    TemporaryFolder(const TemporaryFolder&) = delete;
+    TemporaryFolder& operator=(const TemporaryFolder&) = delete;
+    std::filesystem::path operator/(const std::string& name) const { return path_ / name; }
+    [[nodiscard]] const std::filesystem::path& path() const { return path_; }
+
+private:
+    std::filesystem::path path_;
+};
+
+inline void writeText(const std::filesystem::path& path, const std::string& text)
+{
+    std::ofstream(path, std::ios::binary) << text;
+}
+
+/// Builds a .gltf with one external buffer: data(), accessor(), then write().
+class GltfBuilder {
+public:
+    Json json = {{"asset", {{"version", "2.0"}}}, {"scene", 0}, {"scenes", {{{"nodes", {0}}}}}};
+
+    template<typename T> int view(const std::vector<T>& values, int stride = 0)
+    {
+        while (bytes_.size() % 4 != 0) bytes_.push_back(0);
+        Json view = {{"buffer", 0}, {"byteOffset", bytes_.size()}, {"byteLength", values.size() * sizeof(T)}};
+        if (stride > 0) view["byteStride"] = stride;
+        const auto* first = reinterpret_cast<const char*>(values.data());
+        bytes_.insert(bytes_.end(), first, first + values.size() * sizeof(T));
+        json["bufferViews"].push_back(view);
+        return int(json["bufferViews"].size()) - 1;
+    }
+    template<typename T> int accessor(const std::vector<T>& values, int componentType, const char* type,
+                                      std::size_t components, bool normalized = false)
+    {
+        Json accessor = {{"bufferView", view(values)},
+                         {"componentType", componentType},
+                         {"type", type},
+                         {"count", values.size() / components}};
+        if (normalized) accessor["normalized"] = true;
+        return add(accessor);
+    }
+    int floats(const std::vector<float>& values, const char* type, std::size_t components)
+    {
+        return accessor(values, 5126, type, components);
+    }
+    int add(const Json& accessor)
+    {
+        json["accessors"].push_back(accessor);
+        return int(json["accessors"].size()) - 1;
+    }
+    /// One triangle (0,0,0) (1,0,0) (0,1,0) as mesh 0 on node 0.
+    void triangle()
+    {
+        json["meshes"] = {
+            {{"primitives", {{{"attributes", {{"POSITION", floats({0, 0, 0, 1, 0, 0, 0, 1, 0}, "VEC3", 3)}}}}}}}};
+        json["nodes"] = {{{"mesh", 0}, {"name", "triangle"}}};
+    }
+    std::filesystem::path write(const TemporaryFolder& folder, const std::string& name = "scene.gltf")
+    {
+        if (!bytes_.empty()) {
+            json["buffers"] = {{{"byteLength", bytes_.size()}, {"uri", "the%20data.bin"}}};
+            writeText(folder / "the data.bin", std::string(bytes_.begin(), bytes_.end()));
+        }
+        writeText(folder / name, json.dump(1));
+        return folder / name;
+    }
+
+private:
+    std::vector<char> bytes_;
+};
+
+/// JSON chunk of a GLB.
+inline Json jsonOfGlb(const std::filesystem::path& path, std::vector<char>* binary = nullptr)
+{
+    std::ifstream stream(path, std::ios::binary);
+    const std::vector<char> bytes((std::istreambuf_iterator<char>(stream)), std::istreambuf_iterator<char>());
+    uint32_t length = 0;
+    if (bytes.size() < 20) return {};
+    std::memcpy(&length, &bytes[12], 4);
+    if (binary != nullptr && bytes.size() > 28 + length) binary->assign(bytes.begin() + 28 + length, bytes.end());
+    return Json::parse(bytes.begin() + 20, bytes.begin() + 20 + length);
+}
+
+/// What a bake would do to a scene, with made-up values: vertices split wherever a hash says so, lightmap coordinates,
+/// bindings, lightmaps, masks, probes, and a light of each baking output.
+inline BakedScene pretendToBake(Scene scene, bool splitVertices = true)
+{
+    BakedScene baked;
+    baked.isBaked = true;
+    baked.mode = MixedLightingMode::Shadowmask;
+    const auto random = [](std::size_t i, uint32_t salt) { return unitFloat(hashCombine(uint32_t(i), salt)); };
+    for (Mesh& mesh : scene.meshes) {
+        for (MeshPart& part : mesh.parts) {
+            if (splitVertices) {
+                std::vector<uint32_t> kept(part.positions.size());
+                for (std::size_t i = 0; i < kept.size(); ++i) kept[i] = uint32_t(i);
+                for (std::size_t c = 0; c < part.indices.size(); c += 3) {
+                    kept.push_back(part.indices[c]); // one corner of every triangle gets a vertex of its own
+                    part.indices[c] = uint32_t(kept.size() - 1);
+                }
+                const auto select = [&](auto& values) {
+                    if (values.empty()) return;
+                    auto old = values;
+                    values.resize(kept.size());
+                    for (std::size_t i = 0; i < kept.size(); ++i) values[i] = old[kept[i]];
+                };
+                if (part.sourceVertex.empty()) {
+                    part.sourceVertex = kept;
+                } else {
+                    select(part.sourceVertex);
+                }
+                select(part.positions);
+                select(part.normals);
+                select(part.tangents);
+                select(part.uv[0]);
+                select(part.uv[1]);
+                select(part.colors);
+            }
+            part.lightmapUv.resize(part.positions.size());
+            for (std::size_t i = 0; i < part.lightmapUv.size(); ++i) part.lightmapUv[i] = {random(i, 1), random(i, 2)};
+        }
+    }
+    for (std::size_t i = 0; i < scene.objects.size(); ++i) {
+        Object& object = scene.objects[i];
+        if (!object.isStatic) continue;
+        object.lightmap.page = int(i % 2);
+        object.lightmap.scale = {0.1f + 0.3f * random(i, 3), 0.25f};
+        object.lightmap.offset = {random(i, 4), 0.5f * random(i, 5)};
+    }
+    for (int page = 0; page < 2; ++page) {
+        Image<uint32_t> lightmap(33, 17);
+        ImageRgba8 mask(33, 17);
+        for (std::size_t i = 0; i < lightmap.texelCount(); ++i) {
+            lightmap.texels()[i] = hashCombine(uint32_t(i), uint32_t(page));
+            const uint32_t h = hashPcg(uint32_t(i) + 7u);
+            mask.texels()[i] = u8vec4(h & 255, h >> 8 & 255, h >> 16 & 255, h >> 24);
+        }
+        baked.lightmaps.push_back(std::move(lightmap));
+        baked.shadowmasks.push_back(std::move(mask));
+    }
+    for (std::size_t i = 0; i < scene.lights.size(); ++i) {
+        Light& light = scene.lights[i];
+        light.shadowStrength = 0.1f + 0.05f * float(i);
+        light.indirectMultiplier = 1.7f;
+        if (light.type == LightType::Directional) light.angularRadiusRadians = 0.00465f;
+        if (light.type != LightType::Directional) light.radiusMeters = 0.07f;
+        light.baking.isBaked = true;
+        light.baking.bakeType = i == 4 ? LightMode::Baked : light.mode;
+        light.baking.mixedMode = MixedLightingMode::Shadowmask;
+        light.baking.occlusionMaskChannel = i < 4 ? int(i) : -1;
+        light.baking.reason = i == 4 ? "more than four overlap" : "";
+        light.baking.worldFromLight = light.worldFromLight;
+    }
+    baked.probes.origin = {0.1f, 0.2f, 0.3f};
+    baked.probes.spacingMeters = {1.1f, 2.2f, 3.3f};
+    baked.probes.size = {3, 2, 2};
+    for (std::size_t i = 0; i < 12; ++i) {
+        Probe probe;
+        probe.position = {random(i, 6), random(i, 7), random(i, 8)};
+        for (std::size_t k = 0; k < 9; ++k)
+            probe.radiance[k] = vec3(random(i, uint32_t(20 + k)) - 0.5f, 0.1f, random(k, uint32_t(i)));
+        probe.occlusion = {random(i, 9), 1.0f, 0.0f, random(i, 10)};
+        probe.valid = i != 5;
+        baked.probes.probes.push_back(probe);
+    }
+    baked.scene = std::move(scene);
+    return baked;
+}
+
+} // namespace halflight::test

@@ -1,0 +1,149 @@
+// writeBakedScene() and readBakedScene(): what goes in comes out, bit for bit, and the rest of the file stays.
+
+#include "fixtures.h"
+
+#include <gmock/gmock.h>
+#include <unistd.h>
+
+namespace halflight {
+namespace {
+
+using namespace test;
+const std::filesystem::path kScenes = std::filesystem::path(HALFLIGHT_SHARED_DIR) / "scenes";
+
+void expectSame(const BakedScene& a, const BakedScene& b)
+{
+    EXPECT_EQ(a.isBaked, b.isBaked);
+    EXPECT_EQ(int(a.mode), int(b.mode));
+    ASSERT_EQ(a.lightmaps.size(), b.lightmaps.size());
+    for (std::size_t i = 0; i < a.lightmaps.size(); ++i) {
+        EXPECT_EQ(a.lightmaps[i].size(), b.lightmaps[i].size());
+        EXPECT_EQ(a.lightmaps[i].texels(), b.lightmaps[i].texels());
+    }
+    ASSERT_EQ(a.shadowmasks.size(), b.shadowmasks.size());
+    for (std::size_t i = 0; i < a.shadowmasks.size(); ++i)
+        EXPECT_EQ(a.shadowmasks[i].texels(), b.shadowmasks[i].texels());
+    ASSERT_EQ(a.probes.probes.size(), b.probes.probes.size());
+    EXPECT_EQ(a.probes.origin, b.probes.origin);
+    EXPECT_EQ(a.probes.spacingMeters, b.probes.spacingMeters);
+    EXPECT_EQ(a.probes.size, b.probes.size);
+    for (std::size_t i = 0; i < a.probes.probes.size(); ++i) {
+        EXPECT_EQ(a.probes.probes[i].position, b.probes.probes[i].position);
+        EXPECT_EQ(a.probes.probes[i].radiance, b.probes.probes[i].radiance);
+        EXPECT_EQ(a.probes.probes[i].occlusion, b.probes.probes[i].occlusion);
+        EXPECT_EQ(a.probes.probes[i].valid, b.probes.probes[i].valid);
+    }
+    EXPECT_EQ(a.scene.sky.zenith, b.scene.sky.zenith);
+    EXPECT_EQ(a.scene.sky.horizon, b.scene.sky.horizon);
+    EXPECT_EQ(a.scene.sky.ground, b.scene.sky.ground);
+    EXPECT_EQ(a.scene.subtractiveShadowColor, b.scene.subtractiveShadowColor);
+    EXPECT_EQ(a.scene.probePositions, b.scene.probePositions);
+    EXPECT_EQ(a.scene.materials.size(), b.scene.materials.size());
+
+    ASSERT_EQ(a.scene.lights.size(), b.scene.lights.size());
+    for (std::size_t i = 0; i < a.scene.lights.size(); ++i) {
+        const Light& x = a.scene.lights[i];
+        const Light& y = b.scene.lights[i];
+        EXPECT_EQ(x.name, y.name);
+        EXPECT_EQ(int(x.type), int(y.type));
+        EXPECT_EQ(x.color, y.color);
+        EXPECT_EQ(x.intensity, y.intensity);
+        EXPECT_EQ(x.rangeMeters, y.rangeMeters);
+        EXPECT_EQ(x.innerConeRadians, y.innerConeRadians);
+        EXPECT_EQ(x.outerConeRadians, y.outerConeRadians);
+        EXPECT_EQ(int(x.mode), int(y.mode));
+        EXPECT_EQ(x.castShadows, y.castShadows);
+        EXPECT_EQ(x.shadowStrength, y.shadowStrength);
+        EXPECT_EQ(x.indirectMultiplier, y.indirectMultiplier);
+        EXPECT_EQ(x.radiusMeters, y.radiusMeters);
+        EXPECT_EQ(x.angularRadiusRadians, y.angularRadiusRadians);
+        EXPECT_EQ(x.baking.isBaked, y.baking.isBaked);
+        EXPECT_EQ(int(x.baking.bakeType), int(y.baking.bakeType));
+        EXPECT_EQ(int(x.baking.mixedMode), int(y.baking.mixedMode));
+        EXPECT_EQ(x.baking.occlusionMaskChannel, y.baking.occlusionMaskChannel);
+        EXPECT_EQ(x.baking.reason, y.baking.reason);
+        EXPECT_EQ(x.baking.worldFromLight, y.baking.worldFromLight);
+    }
+    ASSERT_EQ(a.scene.objects.size(), b.scene.objects.size());
+    for (std::size_t i = 0; i < a.scene.objects.size(); ++i) {
+        const Object& x = a.scene.objects[i];
+        const Object& y = b.scene.objects[i];
+        ASSERT_EQ(x.name, y.name);
+        EXPECT_EQ(x.isStatic, y.isStatic);
+        EXPECT_EQ(x.castShadows, y.castShadows);
+        EXPECT_EQ(x.receiveShadows, y.receiveShadows);
+        EXPECT_EQ(x.lightmapScale, y.lightmapScale);
+        EXPECT_EQ(x.lightmap.page, y.lightmap.page);
+        EXPECT_EQ(x.lightmap.scale, y.lightmap.scale);
+        EXPECT_EQ(x.lightmap.offset, y.lightmap.offset);
+        const Mesh& m = a.scene.meshes[std::size_t(x.mesh)];
+        const Mesh& n = b.scene.meshes[std::size_t(y.mesh)];
+        ASSERT_EQ(m.parts.size(), n.parts.size());
+        for (std::size_t p = 0; p < m.parts.size(); ++p) {
+            ASSERT_EQ(m.parts[p].positions, n.parts[p].positions);
+            ASSERT_EQ(m.parts[p].indices, n.parts[p].indices);
+            ASSERT_EQ(m.parts[p].uv[0], n.parts[p].uv[0]);
+            ASSERT_EQ(m.parts[p].colors, n.parts[p].colors);
+            ASSERT_EQ(m.parts[p].material, n.parts[p].material);
+            if (x.lightmap.page >= 0) ASSERT_EQ(m.parts[p].lightmapUv, n.parts[p].lightmapUv);
+            ASSERT_EQ(m.parts[p].normals.size(), n.parts[p].normals.size());
+            for (const uint32_t v : m.parts[p].indices) {
+                ASSERT_LT(glm::distance(m.parts[p].normals[v], n.parts[p].normals[v]), 1.0e-6f);
+            }
+        }
+    }
+}
+
+class RoundTrip : public testing::TestWithParam<const char*> {};
+
+TEST_P(RoundTrip, BakedFileGivesBackTheBakeAndCanBeBakedAgain)
+{
+    const auto path = kScenes / GetParam();
+    if (!std::filesystem::exists(path)) GTEST_SKIP() << "no shared scenes beside this checkout";
+    auto scene = readScene(path, {.decodeTextures = false});
+    ASSERT_TRUE(scene) << scene.error().text();
+    const TemporaryFolder folder;
+    const BakedScene baked = pretendToBake(*scene);
+    const auto status = writeBakedScene(folder / "baked.glb", baked);
+    ASSERT_TRUE(status) << status.error().text();
+    const auto read = readBakedScene(folder / "baked.glb", {.decodeTextures = false});
+    ASSERT_TRUE(read) << read.error().text();
+    expectSame(baked, *read);
+
+    // The same input gives the same bytes.
+    ASSERT_TRUE(writeBakedScene(folder / "again.glb", baked));
+    EXPECT_EQ(jsonOfGlb(folder / "baked.glb"), jsonOfGlb(folder / "again.glb"));
+
+    // Baking the baked file: nothing piles up.
+    const auto second = readScene(folder / "baked.glb", {.decodeTextures = false});
+    ASSERT_TRUE(second) << second.error().text();
+    EXPECT_EQ(second->materials.size(), scene->materials.size());
+    for (const Light& light : second->lights) EXPECT_FALSE(light.baking.isBaked);
+    const BakedScene rebaked = pretendToBake(*second, false);
+    ASSERT_TRUE(writeBakedScene(folder / "rebaked.glb", rebaked));
+    const auto reread = readBakedScene(folder / "rebaked.glb", {.decodeTextures = false});
+    ASSERT_TRUE(reread) << reread.error().text();
+    expectSame(rebaked, *reread);
+    const Json first = jsonOfGlb(folder / "baked.glb");
+    const Json again = jsonOfGlb(folder / "rebaked.glb");
+    for (const char* array : {"accessors", "bufferViews", "meshes", "nodes", "materials", "textures", "images"}) {
+        EXPECT_LE(again.value(array, Json::array()).size(), first.value(array, Json::array()).size()) << array;
+    }
+    const auto size = [&](const char* name) { return std::filesystem::file_size(folder / name); };
+    EXPECT_LE(size("rebaked.glb"), size("baked.glb") + 4096);
+}
+
+INSTANTIATE_TEST_SUITE_P(Shared, RoundTrip,
+                         testing::Values("sponza_crytek.glb", "grey_white_room.glb", "cornell_box_emissive.glb",
+                                         "cornell_box_point_light.glb", "cornell_box_lightmap_uv.glb",
+                                         "mixed_lighting_chair.glb", "lights_all_types_playcanvas.glb",
+                                         "alpha_blend_mode_test.glb", "many_cubes_shared_mesh.glb",
+                                         "grass_field_instanced.glb", "negative_scale_zoo.glb",
+                                         "no_indices_building.glb", "primitive_zoo.glb"),
+                         [](const auto& info) {
+                             const std::string name = info.param;
+                             return name.substr(0, name.find('.'));
+                         });
+
+} // namespace
+} // namespace halflight
