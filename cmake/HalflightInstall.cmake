@@ -1,9 +1,6 @@
 # What `cmake --install` puts in place: the program, the libraries, the headers (shading/*.h are GLSL includes too), and
 # the CMake package `halflight`.
 include(CMakePackageConfigHelpers)
-if(NOT TARGET halflight)
-    return()
-endif()
 
 set(HALFLIGHT_PACKAGE_DIR ${CMAKE_INSTALL_LIBDIR}/cmake/halflight)
 string(REGEX MATCH "^[0-9]+" HALFLIGHT_EMBREE_MAJOR "${EMBREE_VERSION}")
