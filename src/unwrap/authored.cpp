@@ -1,5 +1,7 @@
 #include "unwrap/authored.h"
 
+#include "unwrap/footprint.h"
+
 #include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
@@ -18,6 +20,9 @@ std::string nameOf(const Mesh& mesh, std::size_t triangle)
     }
     return "no triangle";
 }
+
+/// An eighth of a texel at 8192 texels a page: coordinates that were quantized to 16 bits touch, and do not overlap.
+constexpr double kOverlapTolerance = 1.0 / 65536.0;
 
 /// Charts are triangles that share an edge on the surface and in uv.
 void findCharts(AuthoredLayout& layout, const Surface& surface)
@@ -108,8 +113,7 @@ AuthoredLayout readAuthoredLayout(const Mesh& mesh, const Surface& surface)
         layout.fault = "no triangle has an area";
         return layout;
     }
-    // An eighth of a texel at 8192 texels a page: coordinates that were quantized to 16 bits touch, and do not overlap.
-    if (const auto overlap = findOverlap(solid, 1.0 / 65536.0)) {
+    if (const auto overlap = findOverlap(solid, kOverlapTolerance)) {
         layout.fault = fmt::format("TEXCOORD_1 overlaps itself ({} and {})", nameOf(mesh, solidIndex[overlap->first]),
                                    nameOf(mesh, solidIndex[overlap->second]));
         return layout;
@@ -118,6 +122,56 @@ AuthoredLayout readAuthoredLayout(const Mesh& mesh, const Surface& surface)
     layout.stretch = std::sqrt(stretchSum / layout.worldArea * layout.uvArea / layout.worldArea);
     findCharts(layout, surface);
     return layout;
+}
+
+bool chartsTooClose(std::span<const AuthoredLayout* const> layouts, double texelsPerUnit, int padding)
+{
+    constexpr uint32_t kFree = kNone;
+    const int size = int(std::ceil(texelsPerUnit)) + 2; // a texel around, for what the margin touches beyond [0,1]
+    Image<uint32_t> owner(size, size, kFree);
+    bool tooClose = false;
+    uint32_t firstChart = 0;
+    for (const AuthoredLayout* layout : layouts) {
+        for (std::size_t t = 0; t < layout->triangles.size(); ++t) {
+            if (layout->chartOfTriangle[t] == kNone) continue;
+            const uint32_t chart = firstChart + layout->chartOfTriangle[t];
+            dvec2 corners[3];
+            for (int k = 0; k < 3; ++k) corners[k] = layout->triangles[t].corners[k] * texelsPerUnit + 1.0;
+            forTouchedTexels(corners, kRasterMargin, [&](int y, int first, int last) {
+                if (y < 0 || y >= size) return;
+                for (int x = std::max(first, 0); x <= std::min(last, size - 1); ++x) {
+                    tooClose |= owner(x, y) != kFree && owner(x, y) != chart;
+                    owner(x, y) = chart;
+                }
+            });
+            if (tooClose) return true;
+        }
+        firstChart += layout->chartCount;
+    }
+    // Along a row, then between rows: whoever has another chart's texel in the square of half side `padding` around it.
+    for (int y = 0; y < size; ++y) {
+        for (int x = 0; x < size; ++x) {
+            const uint32_t mine = owner(x, y);
+            if (mine == kFree) continue;
+            for (int dy = 0; dy <= padding && y + dy < size; ++dy) {
+                for (int i = std::max(x - padding, 0), end = std::min(x + padding, size - 1); i <= end; ++i) {
+                    if (owner(i, y + dy) != kFree && owner(i, y + dy) != mine) return true;
+                }
+            }
+        }
+    }
+    return false;
+}
+
+bool layoutsOverlap(std::span<const AuthoredLayout* const> layouts)
+{
+    std::vector<FlatTriangle> solid;
+    for (const AuthoredLayout* layout : layouts) {
+        for (std::size_t t = 0; t < layout->triangles.size(); ++t) {
+            if (layout->chartOfTriangle[t] != kNone) solid.push_back(layout->triangles[t]);
+        }
+    }
+    return findOverlap(solid, kOverlapTolerance).has_value();
 }
 
 } // namespace halflight::charts

@@ -28,4 +28,11 @@ bool hasAuthoredLayout(const Mesh& mesh);
 /// area is without area in uv, and no two triangles overlap.
 AuthoredLayout readAuthoredLayout(const Mesh& mesh, const Surface& surface);
 
+/// Whether two charts lie closer than `padding` texels when a uv unit is `texelsPerUnit` texels and the layout's origin
+/// is the corner of a texel. `layouts` share one uv square.
+bool chartsTooClose(std::span<const AuthoredLayout* const> layouts, double texelsPerUnit, int padding);
+
+/// Whether triangles of two layouts overlap when both are laid on one page as they stand.
+bool layoutsOverlap(std::span<const AuthoredLayout* const> layouts);
+
 } // namespace halflight::charts

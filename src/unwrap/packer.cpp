@@ -19,8 +19,29 @@ struct Shape {
     ivec2 size{0};
     int orientation = 0;
     std::vector<Run> texels;
-    std::vector<Run> padded; ///< longest first: the most likely to hit something
+    std::vector<Run> padded; ///< in the order of spreadOut()
 };
+
+/// Puts the longest run first, then the others in an order that visits the shape's far ends, its middle, its quarters
+/// and so on: what is taken on a page hangs together, so runs far apart are the likeliest to hit something new.
+void spreadOut(std::vector<Run>& runs)
+{
+    const auto longest =
+        std::max_element(runs.begin(), runs.end(), [](const Run& a, const Run& b) { return a.length < b.length; });
+    std::vector<Run> ordered{*longest};
+    std::vector<char> used(runs.size(), 0);
+    used[std::size_t(longest - runs.begin())] = 1;
+    const auto take = [&](std::size_t i) {
+        if (!used[i]) ordered.push_back(runs[i]);
+        used[i] = 1;
+    };
+    take(0);
+    take(runs.size() - 1);
+    for (std::size_t step = std::bit_ceil(runs.size()) / 2; step > 0; step /= 2) {
+        for (std::size_t i = step; i < runs.size(); i += 2 * step) take(i);
+    }
+    runs = std::move(ordered);
+}
 
 Shape shapeOf(const Footprint& footprint, int orientation, int padding)
 {
@@ -29,8 +50,7 @@ Shape shapeOf(const Footprint& footprint, int orientation, int padding)
     shape.orientation = orientation;
     footprint.forRuns([&](int y, int x, int length) { shape.texels.push_back({y, x, length}); });
     footprint.dilated(padding).forRuns([&](int y, int x, int length) { shape.padded.push_back({y, x, length}); });
-    std::stable_sort(shape.padded.begin(), shape.padded.end(),
-                     [](const Run& a, const Run& b) { return a.length > b.length; });
+    spreadOut(shape.padded);
     return shape;
 }
 
@@ -71,7 +91,7 @@ public:
         yEnd = std::min(yEnd, height_ - 2 * padding_ - shape.size.y + 1);
         if (lastX < 0) return std::nullopt;
         for (int y = yBegin; y < yEnd; ++y) {
-            if (longestFree_[std::size_t(y + shape.padded[0].y)] < shape.padded[0].length) continue;
+            if (!rowsHaveRoom(shape, y)) continue;
             for (int x = 0; x <= lastX; x += 64) {
                 uint64_t places = lastX - x >= 63 ? ~uint64_t(0) : (uint64_t(1) << (lastX - x + 1)) - 1;
                 for (const Run& run : shape.padded) {
@@ -113,6 +133,16 @@ private:
         const uint64_t* word = row + x / 64;
         const int shift = x % 64;
         return shift == 0 ? word[0] : word[0] >> shift | word[1] << (64 - shift);
+    }
+
+    /// Whether the rows under the first few runs have a free run of that length anywhere.
+    [[nodiscard]] bool rowsHaveRoom(const Shape& shape, int y) const
+    {
+        constexpr std::size_t kRowsAsked = 16;
+        for (std::size_t i = 0, end = std::min(shape.padded.size(), kRowsAsked); i < end; ++i) {
+            if (longestFree_[std::size_t(y + shape.padded[i].y)] < shape.padded[i].length) return false;
+        }
+        return true;
     }
 
     /// Bit i: the `length` texels from x + i on are free.

@@ -28,13 +28,7 @@ void rasterizeAuthored(const AuthoredLayout& authored, GroupRaster& raster)
     const double scale = raster.texelsPerUnit;
     raster.authoredCorner = ivec2(glm::floor(authored.least * scale - 2.0 * kRasterMargin));
     const ivec2 end = ivec2(glm::floor(authored.most * scale + 2.0 * kRasterMargin)) + 1;
-    raster.whole = Footprint(end.x - raster.authoredCorner.x, end.y - raster.authoredCorner.y);
-    for (const FlatTriangle& triangle : authored.triangles) {
-        dvec2 corners[3];
-        for (int k = 0; k < 3; ++k) corners[k] = triangle.corners[k] * scale - dvec2(raster.authoredCorner);
-        forTouchedTexels(corners, kRasterMargin,
-                         [&](int y, int first, int last) { raster.whole.setRun(y, first, last); });
-    }
+    raster.whole = rasterizeLayout(authored, scale, raster.authoredCorner, end - raster.authoredCorner);
 }
 
 double texelsPerUnit(const GroupLayout& group, double texelsPerMeter)
@@ -192,6 +186,17 @@ std::string nameOf(const GroupLayout& group)
 }
 
 } // namespace
+
+Footprint rasterizeLayout(const AuthoredLayout& layout, double texelsPerUnit, ivec2 corner, ivec2 size)
+{
+    Footprint footprint(size.x, size.y);
+    for (const FlatTriangle& triangle : layout.triangles) {
+        dvec2 corners[3];
+        for (int k = 0; k < 3; ++k) corners[k] = triangle.corners[k] * texelsPerUnit - dvec2(corner);
+        forTouchedTexels(corners, kRasterMargin, [&](int y, int first, int last) { footprint.setRun(y, first, last); });
+    }
+    return footprint;
+}
 
 double estimateDensity(const std::vector<GroupLayout>& groups, const PageSettings& settings, double share)
 {

@@ -56,6 +56,9 @@ struct PageSettings {
 Pages placeOnPages(std::vector<GroupLayout>& groups, const PageSettings& settings, std::vector<std::string>& warnings,
                    const Progress& progress);
 
+/// Texels that an authored layout touches at so many texels per uv unit, within the rectangle from `corner` on.
+Footprint rasterizeLayout(const AuthoredLayout& layout, double texelsPerUnit, ivec2 corner, ivec2 size);
+
 /// Density at which all groups together take about `share` of one page's texels, padding included.
 double estimateDensity(const std::vector<GroupLayout>& groups, const PageSettings& settings, double share);
 

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
+#include <optional>
 
 namespace halflight {
 namespace {
@@ -131,6 +132,79 @@ void assignMesh(Mesh& mesh, const std::vector<vec2>& cornerUv)
     }
 }
 
+std::string nameOf(const Scene& scene, const GroupLayout& group)
+{
+    const Mesh& mesh = scene.meshes[std::size_t(group.group.mesh)];
+    return mesh.name.empty() ? fmt::format("mesh {}", group.group.mesh) : fmt::format("mesh \"{}\"", mesh.name);
+}
+
+/// The file's own atlas: when every object has a layout of its own in TEXCOORD_1 and they do not overlap one another,
+/// the uv square is the page as it stands. Its size is pageSize, or what the asked density makes it.
+std::optional<Pages> keepAtlas(const std::vector<GroupLayout>& groups, const UnwrapSettings& settings, int& pageSize,
+                               std::vector<std::string>& warnings)
+{
+    std::vector<const AuthoredLayout*> layouts;
+    double worldArea = 0.0, uvArea = 0.0;
+    for (const GroupLayout& group : groups) {
+        if (!group.authored || group.group.objects.size() != 1) return std::nullopt;
+        layouts.push_back(group.authored.get());
+        worldArea += group.authored->worldArea;
+        uvArea += group.authored->uvArea;
+    }
+    if (layoutsOverlap(layouts)) return std::nullopt;
+    const double texelsPerMeterOfPage = std::sqrt(uvArea / worldArea); // for a page of one texel
+    int size = settings.pageSize;
+    if (settings.texelsPerMeter > 0.0f) {
+        const double wanted = double(settings.texelsPerMeter) / texelsPerMeterOfPage;
+        size = int(std::clamp(4.0 * std::ceil(wanted / 4.0), 64.0, 8192.0));
+        if (wanted > 8192.0)
+            warnings.push_back("the file's lightmap atlas would need more than 8192 texels for the asked density");
+    }
+    if (chartsTooClose(layouts, double(size), settings.paddingTexels)) {
+        if (settings.uvMode == UvMode::Auto) return std::nullopt;
+        warnings.push_back(
+            fmt::format("charts of TEXCOORD_1 come closer than {} texels to one another on a page of {} texels",
+                        settings.paddingTexels, size));
+    }
+    pageSize = size;
+    Pages pages;
+    pages.pageCount = 1;
+    pages.texelsPerMeter = texelsPerMeterOfPage * double(size);
+    for (const AuthoredLayout* layout : layouts) {
+        GroupRaster& raster = pages.rasters.emplace_back();
+        raster.texelsPerUnit = double(size);
+        raster.whole = rasterizeLayout(*layout, double(size), ivec2(0), ivec2(size));
+        pages.placements.emplace_back(1).front().page = 0;
+        pages.coveredTexels += raster.whole.count();
+        pages.reservedTexels += raster.whole.dilated(settings.paddingTexels / 2).count();
+    }
+    return pages;
+}
+
+/// Takes TEXCOORD_1 away from groups whose charts would come too close at the density reached; only warns where the
+/// caller insists on it. Returns whether any lost it.
+bool dropCrowdedLayouts(const Scene& scene, std::vector<GroupLayout>& groups, const Pages& pages,
+                        const UnwrapSettings& settings, std::vector<std::string>& warnings)
+{
+    bool dropped = false;
+    for (std::size_t g = 0; g < groups.size(); ++g) {
+        if (!groups[g].authored) continue;
+        const AuthoredLayout* const layout = groups[g].authored.get();
+        if (!chartsTooClose({&layout, 1}, pages.rasters[g].texelsPerUnit, settings.paddingTexels)) continue;
+        const std::string reason =
+            fmt::format("charts of TEXCOORD_1 come closer than {} texels to one another at {:.4g} texels per metre",
+                        settings.paddingTexels, pages.texelsPerMeter);
+        if (settings.uvMode == UvMode::Keep) {
+            warnings.push_back(fmt::format("{}: {}", nameOf(scene, groups[g]), reason));
+            continue;
+        }
+        groups[g].reason = reason;
+        groups[g].authored.reset();
+        dropped = true;
+    }
+    return dropped;
+}
+
 /// Writes coordinates and bindings. A group that is not the first of its mesh gets a copy of it.
 void writeGroups(UnwrappedScene& result, std::vector<GroupLayout>& groups, const std::vector<Surface>& surfaces,
                  const Pages& pages, int pageSize)
@@ -210,17 +284,23 @@ Result<UnwrappedScene> unwrap(Scene scene, const UnwrapSettings& settings, const
     std::vector<Surface> surfaces;
     if (const Status status = measureGroups(result.scene, settings, groups, surfaces, progress); !status)
         return status.error();
-    if (!makeLayouts(groups, surfaces, settings, progress)) return cancelledError();
     const PageSettings pageSettings{settings.pageSize, settings.paddingTexels, double(settings.texelsPerMeter)};
-    const Pages pages = placeOnPages(groups, pageSettings, result.warnings, progress);
-    if (progress.cancelled() || pages.pageCount == 0) return cancelledError();
-    writeGroups(result, groups, surfaces, pages, settings.pageSize);
-    result.pageCount = pages.pageCount;
-    result.texelsPerMeter = float(pages.texelsPerMeter);
-    result.coverage =
-        float(double(pages.coveredTexels) / (double(settings.pageSize) * settings.pageSize * pages.pageCount));
-    result.coverageWithPadding =
-        float(double(pages.reservedTexels) / (double(settings.pageSize) * settings.pageSize * pages.pageCount));
+    std::optional<Pages> pages = keepAtlas(groups, settings, result.pageSize, result.warnings);
+    while (!pages) {
+        if (!makeLayouts(groups, surfaces, settings, progress)) return cancelledError();
+        const std::size_t warningsBefore = result.warnings.size();
+        pages = placeOnPages(groups, pageSettings, result.warnings, progress);
+        if (progress.cancelled()) return cancelledError();
+        if (!dropCrowdedLayouts(result.scene, groups, *pages, settings, result.warnings)) break;
+        result.warnings.resize(warningsBefore);
+        pages.reset();
+    }
+    writeGroups(result, groups, surfaces, *pages, result.pageSize);
+    result.pageCount = pages->pageCount;
+    result.texelsPerMeter = float(pages->texelsPerMeter);
+    const double texels = double(result.pageSize) * result.pageSize * pages->pageCount;
+    result.coverage = float(double(pages->coveredTexels) / texels);
+    result.coverageWithPadding = float(double(pages->reservedTexels) / texels);
     progress("pack", 1.0);
     return result;
 }
