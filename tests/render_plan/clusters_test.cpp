@@ -66,6 +66,22 @@ TEST(Clusters, NeverMissALight)
     EXPECT_GT(pairs, 100000) << "the test must have something to miss";
 }
 
+// The first slice begins at the camera, nearer than its nominal near distance.
+TEST(Clusters, LightsRightBeforeTheCamera)
+{
+    BakedScene baked = emptyScene();
+    addBox(baked, {0, 0, -10}, {5, 5, 5}, true);
+    Light spark = bakedLight("spark", LightType::Point, {0, 0, -0.03f}, {0, -1, 0}, LightMode::Realtime, -1);
+    spark.rangeMeters = 0.02f;
+    baked.scene.lights = {spark};
+    FrameView view = lookFrom({0, 0, 0}, {0, 0, -1});
+    view.camera.nearMeters = 0.005f;
+    const FramePlan frame = plan(baked, view, RunMode::Realtime);
+    ASSERT_EQ(frame.lights.size(), 1u);
+    ASSERT_GT(frame.clusters.nearMeters, 0.05f);
+    EXPECT_TRUE(frame.clusters.reaches(frame.clusters.clusterAt({0.5f, 0.5f}, 0.03f), 0));
+}
+
 // Conservative must not mean everywhere.
 TEST(Clusters, SmallLightsTouchFewClusters)
 {

@@ -221,8 +221,8 @@ TEST(LightSelection, MoreThan256AreNamed)
 {
     BakedScene baked = stage();
     for (int i = 0; i < 300; ++i) {
-        baked.scene.lights.push_back(bakedLight("lamp " + std::to_string(i), LightType::Point, {0, 2, -0.01f * float(i)},
-                                                {0, -1, 0}, LightMode::Realtime, -1));
+        baked.scene.lights.push_back(bakedLight("lamp " + std::to_string(i), LightType::Point,
+                                                {0, 2, -0.01f * float(i)}, {0, -1, 0}, LightMode::Realtime, -1));
         baked.scene.lights.back().intensity = float(1000 - i);
         baked.scene.lights.back().castShadows = false;
     }
@@ -320,6 +320,17 @@ TEST(SubtractiveS25, MainLightKeepsItsProbeChannelWhenDimmed)
     EXPECT_TRUE(main.hasBaked);
     EXPECT_EQ(main.channel, 0);
     EXPECT_FALSE(find(baked, frame, "moon")->hasBaked);
+}
+
+TEST(SubtractiveS25, OtherMixedLightsAreNotMixedEvenWithAChannel)
+{
+    BakedScene baked = stage(MixedLightingMode::Subtractive);
+    baked.scene.lights = {bakedLight("sun", LightType::Directional, {}, {0, -1, 0.2f}, LightMode::Mixed, 0),
+                          bakedLight("spot", LightType::Spot, {0, 5, 0}, {0, -1, 0}, LightMode::Mixed, 1)};
+    const FramePlan frame = plan(baked, stageView(), RunMode::Subtractive);
+    EXPECT_TRUE(find(baked, frame, "sun")->hasBaked);
+    EXPECT_FALSE(find(baked, frame, "spot")->hasBaked);
+    EXPECT_TRUE(find(baked, frame, "spot")->skipStatic);
 }
 
 TEST(OnlyBakedS19, NoCasterMeansNoShadowMap)
