@@ -8,13 +8,14 @@
 // Percentage-closer filtering (Reeves et al. 1987, "Rendering Antialiased Shadows with Depth Maps") under a tent of
 // half-width h texels. Each bilinear comparison covers 2 x 2 texels, its place between them chosen by their weights
 // (Castano 2013, "Shadow Mapping Summary"), so h * h comparisons weigh (2h)^2 texels exactly. A tent of whole half-width
-// sampled at whole steps sums to h per axis, hence the division.
-float tentFilter(sampler2DArrayShadow map, vec2 texel, vec4 bounds, float layer, float depth, int h)
+// sampled at whole steps sums to h per axis, hence the division. Each comparison is made against the receiver's plane
+// at its own place: `slope` is that plane's depth per texel.
+float tentFilter(sampler2DArrayShadow map, vec2 texel, vec4 bounds, float layer, float depth, vec2 slope, int h)
 {
     vec2 inverseSize = 1.0 / vec2(textureSize(map, 0).xy);
     if (h == 0) {
         vec2 p = clamp(floor(texel) + 0.5, bounds.xy, bounds.zw); // a texel's centre: that texel alone
-        return texture(map, vec4(p * inverseSize, layer, depth));
+        return texture(map, vec4(p * inverseSize, layer, depth + dot(slope, p - texel)));
     }
     vec2 base = floor(texel - 0.5);
     vec2 f = texel - 0.5 - base;
@@ -29,30 +30,41 @@ float tentFilter(sampler2DArrayShadow map, vec2 texel, vec4 bounds, float layer,
             float weightX = wx.x + wx.y;
             float x = base.x + float(i) + 0.5 + wx.y / weightX;
             vec2 p = clamp(vec2(x, y), bounds.xy, bounds.zw);
-            sum += weightX * weightY * texture(map, vec4(p * inverseSize, layer, depth));
+            sum += weightX * weightY * texture(map, vec4(p * inverseSize, layer, depth + dot(slope, p - texel)));
         }
     }
     return sum * inverseH * inverseH;
 }
 
-// Attenuation from one tile. The receiver is moved along its normal (n, facing the light's side) by as many texels as the
-// filter could reach around the point on a tilted surface, and towards the light by the constant bias.
+// Slopes of surfaces nearer to edge-on than this cosine count as this steep.
+const float kMinSlopeCosine = 0.1;
+
+// Attenuation from one tile, for a receiver whose triangle's normal n is on the light's side. What a texel's centre and
+// the receiver may differ in depth is allowed for in three ways: the filter follows the receiver's plane (Isidoro 2006,
+// "Shadow Mapping: GPU-based Tips and Techniques"; planes stay planes in clip space, so the slope is exact for
+// perspective tiles too), the receiver moves along its normal, the more the more it is tilted, and towards the light by
+// the constant bias.
 float tileShadow(bool cascade, int tile, vec3 position, vec3 n, vec3 l, float distanceFactor)
 {
-    int h = frame.shadow.x;
     float texelMeters = tiles[tile].parameters.x * distanceFactor;
-    float sine = sqrt(max(1.0 - square(dot(n, l)), 0.0));
-    float reach = max(0.5 * float(h), 1.0);
-    vec3 p = position + n * (frame.shadowBias.y * texelMeters * reach * sine) + l * (frame.shadowBias.x * texelMeters);
+    float cosine = saturate(dot(n, l));
+    float sine = sqrt(1.0 - cosine * cosine);
+    vec3 p = position + n * (frame.shadowBias.y * texelMeters * sine) + l * (frame.shadowBias.x * texelMeters);
     vec4 clip = tiles[tile].clipFromWorld * vec4(p, 1.0);
     if (clip.w <= 0.0) return 1.0;
     vec3 ndc = clip.xyz / clip.w;
     if (any(greaterThan(abs(ndc.xy), vec2(1.0))) || ndc.z > 1.0) return 1.0;
+
     vec4 rectangle = tiles[tile].rectangle;
+    vec4 plane = tiles[tile].planeFromWorld * vec4(n, -dot(n, p));
+    vec2 slope = abs(plane.z) > 1.0e-20 ? -plane.xy / plane.z * (2.0 / rectangle.z) : vec2(0.0);
+    slope *= min(cosine / kMinSlopeCosine, 1.0);
+
     vec2 texel = rectangle.xy + (ndc.xy * 0.5 + 0.5) * rectangle.z;
     vec4 bounds = vec4(rectangle.xy + 0.5, rectangle.xy + rectangle.z - 0.5);
-    if (cascade) return tentFilter(cascadeMaps, texel, bounds, rectangle.w, ndc.z, h);
-    return tentFilter(atlasMap, texel, bounds, 0.0, ndc.z, h);
+    int h = frame.shadow.x;
+    if (cascade) return tentFilter(cascadeMaps, texel, bounds, rectangle.w, ndc.z, slope, h);
+    return tentFilter(atlasMap, texel, bounds, 0.0, ndc.z, slope, h);
 }
 
 // Interleaved gradient noise, 0…1: Jimenez 2014, "Next Generation Post Processing in Call of Duty: Advanced Warfare".

@@ -103,6 +103,7 @@ std::vector<shading::GpuTile> gpuTiles(const FramePlan& plan)
     for (const ShadowTile& tile : plan.tiles) {
         shading::GpuTile out{};
         out.clipFromWorld = tile.clipFromWorld;
+        out.planeFromWorld = mat4(glm::transpose(glm::inverse(glm::dmat4(tile.clipFromWorld))));
         out.rectangle = vec4(tile.atlasOffset, float(tile.size), float(tile.layer));
         out.parameters = vec4(tile.texelMeters, 0.0f, 0.0f, 0.0f);
         result.push_back(out);

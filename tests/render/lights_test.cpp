@@ -118,7 +118,7 @@ TEST_F(RenderTest, PointLightShadowsOnAllSixFaces)
         for (const vec3& axis : axes) {
             // From beside the light, past the blocker, at the wall.
             const vec3 side = facing(axis, 1.0f)[0];
-            const Camera camera = lookAt(axis * 1.0f + side * 2.0f, axis * 4.0f, 1.4f);
+            const Camera camera = lookAt(axis * 1.0f + side * 2.0f, axis * 4.0f, 2.2f);
             RenderSettings settings = settingsFor({160, 90});
             settings.shadows.filter = filter;
             const RenderedFrame frame = render(baked, camera, settings);
