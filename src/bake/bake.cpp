@@ -17,7 +17,10 @@ using Clock = std::chrono::steady_clock;
 /// Rings of texels that dilation adds around charts: what bilinear filtering can touch, and one more for bicubic.
 constexpr int kDilationRings = 2; // never more than the padding: a ring past it would meet another chart
 
-Error cancelledError() { return {ErrorCode::Cancelled, "interrupted"}; }
+Error cancelledError()
+{
+    return {ErrorCode::Cancelled, "interrupted"};
+}
 
 uint64_t peakMemory()
 {
@@ -45,12 +48,14 @@ void reportLights(const Scene& scene, BakeReport& report)
     for (const Light& light : scene.lights) {
         report.lights.push_back({light.name, light.type, light.mode, light.baking.bakeType,
                                  light.baking.occlusionMaskChannel, light.baking.reason});
-        if (!light.baking.reason.empty()) report.warnings.push_back("light \"" + light.name + "\" " + light.baking.reason);
+        if (!light.baking.reason.empty())
+            report.warnings.push_back("light \"" + light.name + "\" " + light.baking.reason);
     }
 }
 
 /// Writes pages as PREFIX_N.exr into the images directory, when there is one.
-template<typename Page> Status dumpPages(const BakeSettings& settings, const std::string& prefix, const std::vector<Page>& pages)
+template<typename Page>
+Status dumpPages(const BakeSettings& settings, const std::string& prefix, const std::vector<Page>& pages)
 {
     if (settings.imagesDirectory.empty()) return {};
     for (std::size_t i = 0; i < pages.size(); ++i) {
@@ -105,7 +110,8 @@ TexelValues splitEstimates(const std::vector<IrradianceEstimate>& estimates)
     return values;
 }
 
-ProbeSet bakeProbes(const Scene& scene, const BakeSettings& settings, Integrator& integrator, const Progress& progress, bool& finished)
+ProbeSet bakeProbes(const Scene& scene, const BakeSettings& settings, Integrator& integrator, const Progress& progress,
+                    bool& finished)
 {
     ProbeSet set = placeProbes(scene, settings.probeSpacingMeters);
     std::vector<vec3> positions;
@@ -126,10 +132,18 @@ BakeQuality resolveQuality(const BakeSettings& settings)
 {
     BakeQuality q{};
     switch (settings.quality) {
-    case Quality::Preview: q = {32, 16, 3, 1024, 128}; break;
-    case Quality::Medium: q = {96, 32, 4, 2048, 256}; break;
-    case Quality::High: q = {256, 64, 6, 4096, 512}; break;
-    case Quality::Ultra: q = {1024, 128, 8, 4096, 1024}; break;
+    case Quality::Preview:
+        q = {32, 16, 3, 1024, 128};
+        break;
+    case Quality::Medium:
+        q = {96, 32, 4, 2048, 256};
+        break;
+    case Quality::High:
+        q = {256, 64, 6, 4096, 512};
+        break;
+    case Quality::Ultra:
+        q = {1024, 128, 8, 4096, 1024};
+        break;
     }
     if (settings.samples > 0) q.samples = settings.samples;
     if (settings.shadowSamples > 0) q.shadowSamples = settings.shadowSamples;
@@ -138,7 +152,8 @@ BakeQuality resolveQuality(const BakeSettings& settings)
     return q;
 }
 
-Result<BakeResult> bake(Scene scene, const BakeSettings& settings, const IntegratorFactory& integratorFactory, const Progress& progress)
+Result<BakeResult> bake(Scene scene, const BakeSettings& settings, const IntegratorFactory& integratorFactory,
+                        const Progress& progress)
 {
     const Clock::time_point start = Clock::now();
     const ThreadLimit threads(settings.threads);
@@ -198,7 +213,8 @@ Result<BakeResult> bake(Scene scene, const BakeSettings& settings, const Integra
     TexelValues values = splitEstimates(estimates);
     report.invalidTexels = uint64_t(std::count(values.valid.begin(), values.valid.end(), uint8_t(0)));
     if (!settings.imagesDirectory.empty()) {
-        if (Status status = dumpPages(settings, "lightmap_raw", dilate(map, values.irradiance, 0)); !status) return status.error();
+        if (Status status = dumpPages(settings, "lightmap_raw", dilate(map, values.irradiance, 0)); !status)
+            return status.error();
     }
 
     if (settings.denoise) {
@@ -218,7 +234,8 @@ Result<BakeResult> bake(Scene scene, const BakeSettings& settings, const Integra
     baked.lightmaps = encodeLightmap(pages);
 
     const auto hasChannel = [](const Light& light) { return light.baking.occlusionMaskChannel >= 0; };
-    if (settings.mode == MixedLightingMode::Shadowmask && std::any_of(baked.scene.lights.begin(), baked.scene.lights.end(), hasChannel)) {
+    if (settings.mode == MixedLightingMode::Shadowmask &&
+        std::any_of(baked.scene.lights.begin(), baked.scene.lights.end(), hasChannel)) {
         StageTimer maskTimer(report, "shadowmask");
         const uint64_t before = integrator.raysTraced();
         std::vector<vec4> mask(map.texels.size());
@@ -236,7 +253,8 @@ Result<BakeResult> bake(Scene scene, const BakeSettings& settings, const Integra
     baked.probes = bakeProbes(baked.scene, settings, integrator, progress, finished);
     if (!finished) return cancelledError();
     report.probeCount = int(baked.probes.probes.size());
-    report.validProbeCount = int(std::count_if(baked.probes.probes.begin(), baked.probes.probes.end(), [](const Probe& p) { return p.valid; }));
+    report.validProbeCount = int(
+        std::count_if(baked.probes.probes.begin(), baked.probes.probes.end(), [](const Probe& p) { return p.valid; }));
     probeTimer.finish(integrator.raysTraced() - before);
 
     if (Status status = dumpResult(settings, baked); !status) return status.error();

@@ -25,7 +25,8 @@ Reach reachOf(const Light& light)
     const float cosine = std::cos(light.outerConeRadians);
     if (light.outerConeRadians >= kPi / 4.0f) {
         const float along = std::max(range * cosine, 0.0f);
-        return {light.position() + along * light.direction(), std::max(range * std::sin(std::min(light.outerConeRadians, kPi / 2.0f)), range - along)};
+        return {light.position() + along * light.direction(),
+                std::max(range * std::sin(std::min(light.outerConeRadians, kPi / 2.0f)), range - along)};
     }
     const float radius = range / (2.0f * cosine);
     return {light.position() + radius * light.direction(), radius};
@@ -49,7 +50,8 @@ bool lightsOverlap(const Light& a, const Light& b)
 {
     const Reach ra = reachOf(a);
     const Reach rb = reachOf(b);
-    if (std::isfinite(ra.radius) && std::isfinite(rb.radius) && glm::distance(ra.center, rb.center) > ra.radius + rb.radius) {
+    if (std::isfinite(ra.radius) && std::isfinite(rb.radius) &&
+        glm::distance(ra.center, rb.center) > ra.radius + rb.radius) {
         return false;
     }
     if (a.type == LightType::Spot && !coneMeetsSphere(a, rb)) return false;
@@ -108,9 +110,8 @@ bool colorGraph(const Graph& graph, const std::vector<int>& nodes, std::vector<i
 
 void assignShadowmask(Scene& scene, std::vector<int> mixed)
 {
-    std::sort(mixed.begin(), mixed.end(), [&](int a, int b) {
-        return moreImportant(scene.lights[std::size_t(a)], scene.lights[std::size_t(b)]);
-    });
+    std::sort(mixed.begin(), mixed.end(),
+              [&](int a, int b) { return moreImportant(scene.lights[std::size_t(a)], scene.lights[std::size_t(b)]); });
     // Lights without shadows are lit everywhere: they need no channel.
     std::erase_if(mixed, [&](int l) {
         const Light& light = scene.lights[std::size_t(l)];
@@ -120,12 +121,13 @@ void assignShadowmask(Scene& scene, std::vector<int> mixed)
     Graph graph(n, std::vector<bool>(n, false));
     for (std::size_t i = 0; i < n; ++i) {
         for (std::size_t j = i + 1; j < n; ++j) {
-            graph[i][j] = graph[j][i] = lightsOverlap(scene.lights[std::size_t(mixed[i])], scene.lights[std::size_t(mixed[j])]);
+            graph[i][j] = graph[j][i] =
+                lightsOverlap(scene.lights[std::size_t(mixed[i])], scene.lights[std::size_t(mixed[j])]);
         }
     }
 
-    // One light after another, the important ones first: the lowest free channel; if none is free, all so far are coloured
-    // anew together; if that fails too, this light is baked.
+    // One light after another, the important ones first: the lowest free channel; if none is free, all so far are
+    // coloured anew together; if that fails too, this light is baked.
     std::vector<int> color(n, -1);
     std::vector<int> placed;
     for (int i = 0; i < int(n); ++i) {

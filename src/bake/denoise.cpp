@@ -51,10 +51,11 @@ void denoise(const BakeGeometry& geometry, const TexelMap& map, std::vector<Irra
         }
     });
 
-    // Two things first, both from the 5 x 5 neighbours on the same chart. Outliers: a texel whose few lucky paths make it
-    // far brighter than nearly all of its neighbours, and whose own variance says so, comes down to their brightest fifth.
-    // And a texel's variance estimate is itself noisy: it is averaged with its neighbours', each counted at no more than
-    // a few times the texel's own, so that a bright light's variance does not open the texels beside it to its light.
+    // Two things first, both from the 5 x 5 neighbours on the same chart. Outliers: a texel whose few lucky paths make
+    // it far brighter than nearly all of its neighbours, and whose own variance says so, comes down to their brightest
+    // fifth. And a texel's variance estimate is itself noisy: it is averaged with its neighbours', each counted at no
+    // more than a few times the texel's own, so that a bright light's variance does not open the texels beside it to
+    // its light.
     std::vector<vec3> color(count);
     std::vector<float> variance(count);
     parallelFor(count, 2048, [&](std::size_t begin, std::size_t end) {
@@ -84,7 +85,8 @@ void denoise(const BakeGeometry& geometry, const TexelMap& map, std::vector<Irra
                 const int rank = n * 4 / 5;
                 std::nth_element(around.begin(), around.begin() + rank, around.begin() + n);
                 const float bright = around[std::size_t(rank)];
-                if (own > 1.5f * bright && own - bright > 1.0f * std::sqrt(ownVariance) && ownVariance > 0.04f * own * own) {
+                if (own > 1.5f * bright && own - bright > 0.5f * std::sqrt(ownVariance) &&
+                    ownVariance > 0.04f * own * own) {
                     color[i] *= bright / own;
                     variance[i] = bright * bright * 0.04f;
                 }
@@ -122,7 +124,9 @@ void denoise(const BakeGeometry& geometry, const TexelMap& map, std::vector<Irra
                             const float away = glm::length(offset) * planeScale;
                             if (away > 8.0f) continue;
                             const float difference = luminance(color[j]) - ownLuminance;
-                            const float noise = 2.0f * kLuminanceSigmas * kLuminanceSigmas * std::min(variance[i], 4.0f * variance[j]) + 1.0e-12f;
+                            const float noise =
+                                2.0f * kLuminanceSigmas * kLuminanceSigmas * std::min(variance[i], 4.0f * variance[j]) +
+                                1.0e-12f;
                             w *= std::pow(cosine, 32.0f) * std::exp(-plane * plane - difference * difference / noise);
                         }
                         sum += w * color[j];

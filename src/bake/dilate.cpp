@@ -19,7 +19,10 @@ std::vector<Image<uint32_t>> texelIndexPages(const TexelMap& map)
 }
 
 /// Weight of a neighbour at offset (dx, dy): by distance, so that straight edges extend straight.
-float neighborWeight(int dx, int dy) { return dx != 0 && dy != 0 ? 0.70710678f : 1.0f; }
+float neighborWeight(int dx, int dy)
+{
+    return dx != 0 && dy != 0 ? 0.70710678f : 1.0f;
+}
 
 } // namespace
 

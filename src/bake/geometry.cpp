@@ -87,6 +87,7 @@ BakeGeometry flattenGeometry(const Scene& scene, int pageSize, GeometryFilter fi
             }
         }
     });
+    g.solid = markSolids(g);
     return g;
 }
 
@@ -97,9 +98,11 @@ SurfacePoint surfacePoint(const BakeGeometry& geometry, uint32_t triangle, vec2 
     SurfacePoint p;
     p.triangle = triangle;
     p.barycentric = barycentric;
-    p.position = w * geometry.positions[t.x] + barycentric.x * geometry.positions[t.y] + barycentric.y * geometry.positions[t.z];
+    p.position =
+        w * geometry.positions[t.x] + barycentric.x * geometry.positions[t.y] + barycentric.y * geometry.positions[t.z];
     p.geometricNormal = geometry.geometricNormal(triangle);
-    const vec3 n = w * geometry.normals[t.x] + barycentric.x * geometry.normals[t.y] + barycentric.y * geometry.normals[t.z];
+    const vec3 n =
+        w * geometry.normals[t.x] + barycentric.x * geometry.normals[t.y] + barycentric.y * geometry.normals[t.z];
     const float length = glm::length(n);
     p.normal = length > 0.0f ? n / length : p.geometricNormal;
     // Smooth normals that lean behind the triangle (or files whose normals contradict the winding) would put the whole

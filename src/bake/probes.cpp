@@ -22,7 +22,8 @@ ProbeSet placeProbes(const Scene& scene, float spacingMeters)
     // About 1,500 probes unless the caller asks for a spacing, and never more than half a million.
     constexpr double kDefaultProbes = 1500.0;
     constexpr double kMaxProbes = 500000.0;
-    const vec3 size = glm::max(bounds.size(), vec3(1.0e-3f * std::max({bounds.size().x, bounds.size().y, bounds.size().z, 1.0e-6f})));
+    const vec3 size =
+        glm::max(bounds.size(), vec3(1.0e-3f * std::max({bounds.size().x, bounds.size().y, bounds.size().z, 1.0e-6f})));
     const auto countAt = [&](double spacing) {
         double count = 1.0;
         for (int axis = 0; axis < 3; ++axis) count *= std::max(2.0, std::ceil(double(size[axis]) / spacing) + 1.0);

@@ -8,9 +8,12 @@ namespace {
 const char* nameOf(LightType type)
 {
     switch (type) {
-    case LightType::Directional: return "directional";
-    case LightType::Point: return "point";
-    case LightType::Spot: return "spot";
+    case LightType::Directional:
+        return "directional";
+    case LightType::Point:
+        return "point";
+    case LightType::Spot:
+        return "spot";
     }
     return "";
 }
@@ -18,9 +21,12 @@ const char* nameOf(LightType type)
 const char* nameOf(LightMode mode)
 {
     switch (mode) {
-    case LightMode::Realtime: return "realtime";
-    case LightMode::Mixed: return "mixed";
-    case LightMode::Baked: return "baked";
+    case LightMode::Realtime:
+        return "realtime";
+    case LightMode::Mixed:
+        return "mixed";
+    case LightMode::Baked:
+        return "baked";
     }
     return "";
 }

@@ -92,8 +92,8 @@ EdgeMap collectEdges(const BakeGeometry& geometry)
                 EdgeKey key;
                 std::copy(bitsA.begin(), bitsA.end(), key.bits.begin());
                 std::copy(bitsB.begin(), bitsB.end(), key.bits.begin() + 3);
-                edges[key].push_back({part.page, geometry.lightmapTexel[a], geometry.lightmapTexel[b], geometry.normals[a],
-                                      geometry.normals[b]});
+                edges[key].push_back({part.page, geometry.lightmapTexel[a], geometry.lightmapTexel[b],
+                                      geometry.normals[a], geometry.normals[b]});
             }
         }
     }
@@ -102,8 +102,10 @@ EdgeMap collectEdges(const BakeGeometry& geometry)
 
 bool isSeam(const EdgeSide& a, const EdgeSide& b)
 {
-    const bool samePlace = a.page == b.page && glm::distance(a.from, b.from) < 1.0e-3f && glm::distance(a.to, b.to) < 1.0e-3f;
-    return !samePlace && glm::dot(a.normalFrom, b.normalFrom) > kSmoothCosine && glm::dot(a.normalTo, b.normalTo) > kSmoothCosine;
+    const bool samePlace =
+        a.page == b.page && glm::distance(a.from, b.from) < 1.0e-3f && glm::distance(a.to, b.to) < 1.0e-3f;
+    return !samePlace && glm::dot(a.normalFrom, b.normalFrom) > kSmoothCosine &&
+           glm::dot(a.normalTo, b.normalTo) > kSmoothCosine;
 }
 
 } // namespace
@@ -117,7 +119,8 @@ std::vector<SeamSample> findSeams(const BakeGeometry& geometry, int pageSize)
     for (const auto& entry : edges) {
         if (entry.second.size() > 1) ordered.push_back(&entry);
     }
-    std::sort(ordered.begin(), ordered.end(), [](const auto* a, const auto* b) { return a->first.bits < b->first.bits; });
+    std::sort(ordered.begin(), ordered.end(),
+              [](const auto* a, const auto* b) { return a->first.bits < b->first.bits; });
     for (const auto* entry : ordered) {
         const std::vector<EdgeSide>& sides = entry->second;
         if (sides.size() > 4) continue; // a bush of triangles on one edge has no two sides

@@ -12,6 +12,10 @@ namespace halflight {
 enum class GeometryFilter { Static, All };
 BakeGeometry flattenGeometry(const Scene& scene, int pageSize, GeometryFilter filter);
 
+/// For each triangle, 1 when it belongs to a closed piece of its object whose faces look outward. Such a piece has an
+/// inside that nobody sees, even when its material is double-sided (as many exporters write for everything).
+std::vector<uint8_t> markSolids(const BakeGeometry& geometry);
+
 /// Conservative rasterization of all lightmapped triangles.
 TexelMap rasterizeTexels(const BakeGeometry& geometry, int pageSize, int pageCount);
 
@@ -21,7 +25,6 @@ void assignShadowmaskChannels(Scene& scene, MixedLightingMode mode);
 /// Where probes go (spec S14): a grid over the bounds of the static objects, or the positions the scene asks for.
 ProbeSet placeProbes(const Scene& scene, float spacingMeters);
 
-
 /// Edge-stopping à-trous filter within charts, guided by position, normal and the estimates' variance.
 void denoise(const BakeGeometry& geometry, const TexelMap& map, std::vector<IrradianceEstimate>& estimates);
 
@@ -29,10 +32,9 @@ void denoise(const BakeGeometry& geometry, const TexelMap& map, std::vector<Irra
 /// `values` has one entry per texel of the map. Texels of charts without a valid texel keep theirs.
 template<typename T> void fillInvalid(const TexelMap& map, const std::vector<uint8_t>& valid, std::vector<T>& values);
 
-/// Values of the covered texels laid out on their pages and grown into the padding: each empty texel takes the mean of its
-/// nearest covered neighbours, all of one chart.
-template<typename T>
-std::vector<Image<T>> dilate(const TexelMap& map, const std::vector<T>& values, int rings);
+/// Values of the covered texels laid out on their pages and grown into the padding: each empty texel takes the mean of
+/// its nearest covered neighbours, all of one chart.
+template<typename T> std::vector<Image<T>> dilate(const TexelMap& map, const std::vector<T>& values, int rings);
 
 /// A place on an edge where two charts (or two objects) meet on one smooth surface, in texels on each side's page.
 struct SeamSample {

@@ -34,7 +34,10 @@ Polygon clip(const Polygon& in, int axis, float bound, float sign)
     return out;
 }
 
-float cross2(vec2 a, vec2 b) { return a.x * b.y - a.y * b.x; }
+float cross2(vec2 a, vec2 b)
+{
+    return a.x * b.y - a.y * b.x;
+}
 
 /// Barycentric weights of vertices 1 and 2 at p; false for a triangle without area in the lightmap.
 bool barycentricAt(vec2 a, vec2 b, vec2 c, vec2 p, vec2& out)
@@ -75,7 +78,8 @@ ivec2 mortonDecode(uint32_t code)
 }
 
 /// All texels a triangle touches, with the centroid and area of what lies in each.
-void rasterizeTriangle(const BakeGeometry& geometry, uint32_t triangle, int page, int pageSize, std::vector<RasterFragment>& out)
+void rasterizeTriangle(const BakeGeometry& geometry, uint32_t triangle, int page, int pageSize,
+                       std::vector<RasterFragment>& out)
 {
     const uvec3 t = geometry.triangles[triangle];
     const vec2 a = geometry.lightmapTexel[t.x];
@@ -229,16 +233,18 @@ TexelMap rasterizeTexels(const BakeGeometry& geometry, int pageSize, int pageCou
         areaOfChart.clear();
         for (; j < fragments.size() && fragments[j].key == fragments[i].key; ++j) {
             const uint32_t chart = charts[fragments[j].fragment.triangle];
-            const auto found = std::find_if(areaOfChart.begin(), areaOfChart.end(), [&](const auto& e) { return e.first == chart; });
+            const auto found =
+                std::find_if(areaOfChart.begin(), areaOfChart.end(), [&](const auto& e) { return e.first == chart; });
             if (found == areaOfChart.end()) {
                 areaOfChart.emplace_back(chart, fragments[j].fragment.area);
             } else {
                 found->second += fragments[j].fragment.area;
             }
         }
-        const uint32_t chart = std::max_element(areaOfChart.begin(), areaOfChart.end(), [](const auto& a, const auto& b) {
-                                   return a.second != b.second ? a.second < b.second : a.first > b.first;
-                               })->first;
+        const uint32_t chart =
+            std::max_element(areaOfChart.begin(), areaOfChart.end(), [](const auto& a, const auto& b) {
+                return a.second != b.second ? a.second < b.second : a.first > b.first;
+            })->first;
         const ivec2 place = mortonDecode(uint32_t(fragments[i].key));
         Texel texel;
         texel.x = uint16_t(place.x);
@@ -255,10 +261,11 @@ TexelMap rasterizeTexels(const BakeGeometry& geometry, int pageSize, int pageCou
     return map;
 }
 
-int texelPoints(const BakeGeometry& geometry, const TexelMap& map, const Texel& texel, std::span<SurfacePoint, kMaxTexelPoints> out)
+int texelPoints(const BakeGeometry& geometry, const TexelMap& map, const Texel& texel,
+                std::span<SurfacePoint, kMaxTexelPoints> out)
 {
-    // Candidates: a rank-1 lattice over the texel's square (Roberts 2018, the R2 sequence), each kept when a triangle of
-    // the texel covers it.
+    // Candidates: a rank-1 lattice over the texel's square (Roberts 2018, the R2 sequence), each kept when a triangle
+    // of the texel covers it.
     const std::span fragments(map.fragments.data() + texel.firstFragment, texel.fragmentCount);
     int count = 0;
     for (int i = 0; i < kMaxTexelPoints; ++i) {
@@ -267,8 +274,8 @@ int texelPoints(const BakeGeometry& geometry, const TexelMap& map, const Texel& 
         for (const TexelFragment& fragment : fragments) {
             const uvec3 t = geometry.triangles[fragment.triangle];
             vec2 barycentric;
-            if (!barycentricAt(geometry.lightmapTexel[t.x], geometry.lightmapTexel[t.y], geometry.lightmapTexel[t.z], place,
-                               barycentric)) {
+            if (!barycentricAt(geometry.lightmapTexel[t.x], geometry.lightmapTexel[t.y], geometry.lightmapTexel[t.z],
+                               place, barycentric)) {
                 continue;
             }
             if (barycentric.x < 0.0f || barycentric.y < 0.0f || barycentric.x + barycentric.y > 1.0f) continue;
@@ -278,9 +285,9 @@ int texelPoints(const BakeGeometry& geometry, const TexelMap& map, const Texel& 
     }
     if (count > 0) return count;
     // Slivers that no candidate meets: the centroid of the largest piece.
-    const auto largest = std::max_element(fragments.begin(), fragments.end(), [](const TexelFragment& a, const TexelFragment& b) {
-        return a.area < b.area;
-    });
+    const auto largest =
+        std::max_element(fragments.begin(), fragments.end(),
+                         [](const TexelFragment& a, const TexelFragment& b) { return a.area < b.area; });
     out[0] = surfacePoint(geometry, largest->triangle, largest->barycentric);
     return 1;
 }

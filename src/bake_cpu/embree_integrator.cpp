@@ -63,20 +63,24 @@ public:
 
     bool irradiance(const TexelMap& map, std::span<IrradianceEstimate> out, const Progress& progress) override
     {
-        return parallelFor(map.texels.size(), kTexelGrain, progress, "lightmap", [&](std::size_t begin, std::size_t end) {
-            uint64_t rays = 0;
-            for (std::size_t i = begin; i < end; ++i) out[i] = texelIrradiance(map, map.texels[i], rays);
-            rays_ += rays;
-        });
+        return parallelFor(map.texels.size(), kTexelGrain, progress, "lightmap",
+                           [&](std::size_t begin, std::size_t end) {
+                               uint64_t rays = 0;
+                               for (std::size_t i = begin; i < end; ++i)
+                                   out[i] = texelIrradiance(map, map.texels[i], rays);
+                               rays_ += rays;
+                           });
     }
 
     bool shadowmask(const TexelMap& map, std::span<vec4> out, const Progress& progress) override
     {
-        return parallelFor(map.texels.size(), kTexelGrain, progress, "shadowmask", [&](std::size_t begin, std::size_t end) {
-            uint64_t rays = 0;
-            for (std::size_t i = begin; i < end; ++i) out[i] = texelShadowmask(map, map.texels[i], rays);
-            rays_ += rays;
-        });
+        return parallelFor(map.texels.size(), kTexelGrain, progress, "shadowmask",
+                           [&](std::size_t begin, std::size_t end) {
+                               uint64_t rays = 0;
+                               for (std::size_t i = begin; i < end; ++i)
+                                   out[i] = texelShadowmask(map, map.texels[i], rays);
+                               rays_ += rays;
+                           });
     }
 
     bool probes(std::span<const vec3> positions, std::span<ProbeEstimate> out, const Progress& progress) override
@@ -102,7 +106,8 @@ private:
         for (int s = 0; s < kInsideRays; ++s) {
             Sampler sampler(settings_.seed ^ kInsideSeed, id, uint32_t(s));
             ++rays;
-            const SurfaceHit hit = paths_.surfaces().intersect(origin, PathTracer::gatherDirection(point, sampler.next2()), 0.0f, kInfinity);
+            const SurfaceHit hit = paths_.surfaces().intersect(
+                origin, PathTracer::gatherDirection(point, sampler.next2()), 0.0f, kInfinity);
             if (!hit.found || !hit.backFace) return false;
         }
         return true;
@@ -123,14 +128,16 @@ private:
             std::array<SurfacePoint, kMaxTexelPoints> outside;
             int outsideCount = 0;
             for (int p = 0; p < pointCount; ++p) {
-                if (!inside(points[std::size_t(p)], hashCombine(id, uint32_t(p)), rays)) outside[std::size_t(outsideCount++)] = points[std::size_t(p)];
+                if (!inside(points[std::size_t(p)], hashCombine(id, uint32_t(p)), rays))
+                    outside[std::size_t(outsideCount++)] = points[std::size_t(p)];
             }
             if (outsideCount * 8 < pointCount) {
                 estimate.valid = false;
             } else if (outsideCount < pointCount) {
                 points = outside;
                 pointCount = outsideCount;
-                gathered = gather(points, pointCount, std::max(perPoint * outsideCount, settings_.samples / 2), id, rays, backFaces);
+                gathered = gather(points, pointCount, std::max(perPoint * outsideCount, settings_.samples / 2), id,
+                                  rays, backFaces);
             }
         }
         estimate.irradiance = gathered.mean();
@@ -146,9 +153,10 @@ private:
         return estimate;
     }
 
-    // Irradiance is pi times the mean of cosine-distributed radiance (pdf cos / pi), plus what sampling the emitters adds.
-    Accumulator gather(const std::array<SurfacePoint, kMaxTexelPoints>& points, int pointCount, int samples, uint32_t id, uint64_t& rays,
-                       int& backFaces) const
+    // Irradiance is pi times the mean of cosine-distributed radiance (pdf cos / pi), plus what sampling the emitters
+    // adds.
+    Accumulator gather(const std::array<SurfacePoint, kMaxTexelPoints>& points, int pointCount, int samples,
+                       uint32_t id, uint64_t& rays, int& backFaces) const
     {
         Accumulator gathered;
         for (int s = 0; s < samples; ++s) {
@@ -166,8 +174,9 @@ private:
         return gathered;
     }
 
-    Accumulator directIrradiance(const PunctualLight& light, uint32_t lightIndex, const std::array<SurfacePoint, kMaxTexelPoints>& points,
-                                 int pointCount, uint32_t id, uint64_t& rays) const
+    Accumulator directIrradiance(const PunctualLight& light, uint32_t lightIndex,
+                                 const std::array<SurfacePoint, kMaxTexelPoints>& points, int pointCount, uint32_t id,
+                                 uint64_t& rays) const
     {
         Accumulator direct;
         for (int s = 0; s < settings_.shadowSamples; ++s) {
@@ -234,14 +243,17 @@ private:
             const vec3 direction = shading::sampleSphere(sampler.next2());
             const PathTracer::EmitterInSpace emitter = paths_.emitterInSpace(position, kUniformPdf, sampler, rays);
             if (emitter.radianceOverPdf != vec3(0.0f)) add(emitter.direction, emitter.radianceOverPdf);
-            const PathTracer::Incoming in = paths_.incoming(position, direction, kUniformPdf, settings_.bounces, sampler, rays);
+            const PathTracer::Incoming in =
+                paths_.incoming(position, direction, kUniformPdf, settings_.bounces, sampler, rays);
             backFaces += in.firstHitBackFace ? 1 : 0;
             add(direction, in.radiance / kUniformPdf);
         }
-        for (int i = 0; i < 9; ++i) estimate.radiance[std::size_t(i)] = sum[std::size_t(i)] / float(settings_.probeSamples);
+        for (int i = 0; i < 9; ++i)
+            estimate.radiance[std::size_t(i)] = sum[std::size_t(i)] / float(settings_.probeSamples);
         estimate.valid = backFaces * 4 < settings_.probeSamples;
 
-        // Fully baked lights are a delta in direction; a light's coefficient is its illuminance times the basis function.
+        // Fully baked lights are a delta in direction; a light's coefficient is its illuminance times the basis
+        // function.
         for (std::size_t l = 0; l < paths_.lights().size(); ++l) {
             const PunctualLight& light = paths_.lights()[l];
             if (!light.directAtProbes) continue;
@@ -249,7 +261,8 @@ private:
             if (sample.illuminance == vec3(0.0f)) continue;
             const float visibility = probeVisibility(light, uint32_t(l), id, position, rays);
             const vec3 illuminance = sample.illuminance * glm::mix(1.0f, visibility, light.shadowStrength);
-            for (int i = 0; i < 9; ++i) estimate.radiance[std::size_t(i)] += illuminance * shading::shBasis(i, sample.direction);
+            for (int i = 0; i < 9; ++i)
+                estimate.radiance[std::size_t(i)] += illuminance * shading::shBasis(i, sample.direction);
         }
         for (int channel = 0; channel < 4; ++channel) {
             uint32_t index = 0;
@@ -260,7 +273,8 @@ private:
         return estimate;
     }
 
-    float probeVisibility(const PunctualLight& light, uint32_t lightIndex, uint32_t id, vec3 position, uint64_t& rays) const
+    float probeVisibility(const PunctualLight& light, uint32_t lightIndex, uint32_t id, vec3 position,
+                          uint64_t& rays) const
     {
         const int samples = std::max(settings_.shadowSamples, 16);
         float sum = 0.0f;

@@ -119,8 +119,8 @@ EmitterSample Emitters::sample(vec2 uTriangle, vec2 uPoint) const
     const BakeGeometry& geometry = tracer_.geometry();
     const uvec3 v = geometry.triangles[triangle];
     EmitterSample s;
-    s.position = (1.0f - barycentric.x - barycentric.y) * geometry.positions[v.x] + barycentric.x * geometry.positions[v.y] +
-                 barycentric.y * geometry.positions[v.z];
+    s.position = (1.0f - barycentric.x - barycentric.y) * geometry.positions[v.x] +
+                 barycentric.x * geometry.positions[v.y] + barycentric.y * geometry.positions[v.z];
     s.normal = geometry.geometricNormal(triangle);
     s.radiance = tracer_.emissionAt(triangle, barycentric);
     s.doubleSided = tracer_.materialOfTriangle(triangle).doubleSided;

@@ -19,7 +19,7 @@ struct PunctualLight {
     vec3 axis{0.0f};
     float range = 0.0f;
     vec2 spotConstants{0.0f};
-    float radius = 0.0f;     ///< metres; point and spot
+    float radius = 0.0f;           ///< metres; point and spot
     float tanAngularRadius = 0.0f; ///< directional
     bool castShadows = true;
     float shadowStrength = 1.0f;
@@ -65,7 +65,10 @@ public:
     [[nodiscard]] bool empty() const { return triangles_.empty(); }
     [[nodiscard]] EmitterSample sample(vec2 uTriangle, vec2 uPoint) const;
     /// Density, per square metre, with which sample() chooses points of a triangle; 0 when it is no emitter.
-    [[nodiscard]] float pdfArea(uint32_t triangle) const { return pdfOfTriangle_.empty() ? 0.0f : pdfOfTriangle_[triangle]; }
+    [[nodiscard]] float pdfArea(uint32_t triangle) const
+    {
+        return pdfOfTriangle_.empty() ? 0.0f : pdfOfTriangle_[triangle];
+    }
 
 private:
     const SurfaceTracer& tracer_;

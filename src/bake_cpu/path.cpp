@@ -35,12 +35,13 @@ vec3 PathTracer::gatherDirection(const SurfacePoint& point, vec2 u)
 }
 
 // Shadow rays from a low-poly round surface start on the curved surface its normals describe, not on the flat triangle,
-// so that the terminator does not show the triangles: Hanika 2021, "Hacking the Shadow Terminator" (Ray Tracing Gems II,
-// chapter 4).
+// so that the terminator does not show the triangles: Hanika 2021, "Hacking the Shadow Terminator" (Ray Tracing Gems
+// II, chapter 4).
 static vec3 smoothOrigin(const BakeGeometry& geometry, const SurfacePoint& point)
 {
     const uvec3 t = geometry.triangles[point.triangle];
-    const float weights[3] = {1.0f - point.barycentric.x - point.barycentric.y, point.barycentric.x, point.barycentric.y};
+    const float weights[3] = {1.0f - point.barycentric.x - point.barycentric.y, point.barycentric.x,
+                              point.barycentric.y};
     const bool flipped = glm::dot(geometry.geometricNormal(point.triangle), point.geometricNormal) < 0.0f;
     vec3 position = point.position;
     for (int i = 0; i < 3; ++i) {
@@ -130,7 +131,8 @@ vec3 PathTracer::emitterIrradiance(const SurfacePoint& point, Sampler& sampler, 
     return s.radiance * (cosine / pdf * powerHeuristic(pdf, cosine / kPi));
 }
 
-PathTracer::EmitterInSpace PathTracer::emitterInSpace(vec3 position, float directionPdf, Sampler& sampler, uint64_t& rays) const
+PathTracer::EmitterInSpace PathTracer::emitterInSpace(vec3 position, float directionPdf, Sampler& sampler,
+                                                      uint64_t& rays) const
 {
     if (emitters_.empty()) return {};
     const vec2 uTriangle = sampler.next2();
@@ -156,8 +158,8 @@ float PathTracer::emitterPdf(const SurfaceHit& hit, vec3 direction) const
     return cosine > 0.0f ? pdfArea * hit.distance * hit.distance / cosine : 0.0f;
 }
 
-PathTracer::Incoming PathTracer::incoming(vec3 origin, vec3 direction, float directionPdf, int bounces, Sampler& sampler,
-                                          uint64_t& rays) const
+PathTracer::Incoming PathTracer::incoming(vec3 origin, vec3 direction, float directionPdf, int bounces,
+                                          Sampler& sampler, uint64_t& rays) const
 {
     ++rays;
     const SurfaceHit hit = tracer_.intersect(origin, direction, 0.0f, kInfinity);
@@ -167,7 +169,8 @@ PathTracer::Incoming PathTracer::incoming(vec3 origin, vec3 direction, float dir
     return result;
 }
 
-vec3 PathTracer::seenFromCamera(vec3 origin, vec3 direction, float tMax, int bounces, Sampler& sampler, uint64_t& rays) const
+vec3 PathTracer::seenFromCamera(vec3 origin, vec3 direction, float tMax, int bounces, Sampler& sampler,
+                                uint64_t& rays) const
 {
     ++rays;
     const SurfaceHit hit = tracer_.intersect(origin, direction, 0.0f, tMax, true);
@@ -175,9 +178,10 @@ vec3 PathTracer::seenFromCamera(vec3 origin, vec3 direction, float tMax, int bou
     return follow(hit, direction, 0.0f, bounces + 1, true, sampler, rays);
 }
 
-// Kajiya 1986, "The Rendering Equation", for diffuse surfaces: the throughput of a cosine-distributed bounce is the albedo.
-vec3 PathTracer::follow(SurfaceHit hit, vec3 direction, float directionPdf, int bounces, bool directFromCamera, Sampler& sampler,
-                        uint64_t& rays) const
+// Kajiya 1986, "The Rendering Equation", for diffuse surfaces: the throughput of a cosine-distributed bounce is the
+// albedo.
+vec3 PathTracer::follow(SurfaceHit hit, vec3 direction, float directionPdf, int bounces, bool directFromCamera,
+                        Sampler& sampler, uint64_t& rays) const
 {
     vec3 radiance(0.0f);
     vec3 throughput(1.0f);

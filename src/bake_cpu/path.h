@@ -28,7 +28,8 @@ public:
     };
     /// directionPdf: density per steradian with which `direction` was chosen when emitters were sampled at `origin` too
     /// (their hits are then weighted), 0 when they were not.
-    Incoming incoming(vec3 origin, vec3 direction, float directionPdf, int bounces, Sampler& sampler, uint64_t& rays) const;
+    Incoming incoming(vec3 origin, vec3 direction, float directionPdf, int bounces, Sampler& sampler,
+                      uint64_t& rays) const;
 
     /// Radiance that leaves a surface seen from a camera: linear, diffuse surfaces.
     vec3 seenFromCamera(vec3 origin, vec3 direction, float tMax, int bounces, Sampler& sampler, uint64_t& rays) const;
@@ -42,7 +43,8 @@ public:
     };
     EmitterInSpace emitterInSpace(vec3 position, float directionPdf, Sampler& sampler, uint64_t& rays) const;
 
-    /// Share of the light's disc seen from a surface point along one sampled ray: 0 or 1 (1 for lights without shadows).
+    /// Share of the light's disc seen from a surface point along one sampled ray: 0 or 1 (1 for lights without
+    /// shadows).
     float lightVisibility(const PunctualLight& light, const SurfacePoint& point, vec2 u, uint64_t& rays) const;
     float lightVisibilityInSpace(const PunctualLight& light, vec3 position, vec2 u, uint64_t& rays) const;
 
@@ -51,8 +53,8 @@ public:
     [[nodiscard]] vec3 rayOrigin(const SurfacePoint& point) const;
 
 private:
-    vec3 follow(SurfaceHit hit, vec3 direction, float directionPdf, int bounces, bool directFromCamera, Sampler& sampler,
-                uint64_t& rays) const;
+    vec3 follow(SurfaceHit hit, vec3 direction, float directionPdf, int bounces, bool directFromCamera,
+                Sampler& sampler, uint64_t& rays) const;
     vec3 punctualIrradiance(const SurfacePoint& point, bool direct, Sampler& sampler, uint64_t& rays) const;
     float emitterPdf(const SurfaceHit& hit, vec3 direction) const;
 

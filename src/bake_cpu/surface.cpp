@@ -32,11 +32,12 @@ vec3 linearOf(u8vec4 texel)
     return {table[texel.x], table[texel.y], table[texel.z]};
 }
 
-/// Averages blocks of texels in linear light; data textures (not sRGB) go through the same curve and back, which changes
-/// a mean of metallic values a little and nothing else.
+/// Averages blocks of texels in linear light; data textures (not sRGB) go through the same curve and back, which
+/// changes a mean of metallic values a little and nothing else.
 ImageRgba8 shrink(const ImageRgba8& image)
 {
-    const int factor = std::max(1, (std::max(image.width(), image.height()) + kSmallTextureSide - 1) / kSmallTextureSide);
+    const int factor =
+        std::max(1, (std::max(image.width(), image.height()) + kSmallTextureSide - 1) / kSmallTextureSide);
     if (factor == 1) return image;
     ImageRgba8 out(std::max(1, image.width() / factor), std::max(1, image.height() / factor));
     for (int y = 0; y < out.height(); ++y) {
@@ -63,13 +64,15 @@ ImageRgba8 shrink(const ImageRgba8& image)
 int wrap(int i, int size, Texture::Wrap mode)
 {
     switch (mode) {
-    case Texture::Wrap::ClampToEdge: return std::clamp(i, 0, size - 1);
+    case Texture::Wrap::ClampToEdge:
+        return std::clamp(i, 0, size - 1);
     case Texture::Wrap::MirroredRepeat: {
         const int period = 2 * size;
         const int m = ((i % period) + period) % period;
         return m < size ? m : period - 1 - m;
     }
-    default: return ((i % size) + size) % size;
+    default:
+        return ((i % size) + size) % size;
     }
 }
 
@@ -153,7 +156,7 @@ SurfaceTracer::SurfaceTracer(const Scene& scene, const BakeGeometry& geometry) :
     for (const BakeGeometry::Part& part : geometry.parts) {
         if (part.triangleCount == 0) continue;
         const TransportMaterial& material = materialOfTriangle(part.firstTriangle);
-        const int kind = !part.castShadows                                     ? NoShadow
+        const int kind = !part.castShadows                                   ? NoShadow
                          : material.alphaMode != Material::AlphaMode::Opaque ? Holes
                                                                              : Solid;
         for (uint32_t t = part.firstTriangle; t < part.firstTriangle + part.triangleCount; ++t) {
@@ -219,7 +222,8 @@ vec2 SurfaceTracer::textureCoordinate(uint32_t triangle, vec2 barycentric, const
 {
     const uvec3 t = geometry_.triangles[triangle];
     const std::vector<vec2>& uv = geometry_.uv[ref.texCoord == 1 ? 1 : 0];
-    const vec2 raw = (1.0f - barycentric.x - barycentric.y) * uv[t.x] + barycentric.x * uv[t.y] + barycentric.y * uv[t.z];
+    const vec2 raw =
+        (1.0f - barycentric.x - barycentric.y) * uv[t.x] + barycentric.x * uv[t.y] + barycentric.y * uv[t.z];
     // KHR_texture_transform: translation * rotation * scale.
     const vec2 scaled = raw * ref.scale;
     const float c = std::cos(ref.rotationRadians);
@@ -236,8 +240,8 @@ float SurfaceTracer::alphaAt(uint32_t triangle, vec2 barycentric, const Transpor
     }
     if (!geometry_.colors.empty()) {
         const uvec3 t = geometry_.triangles[triangle];
-        alpha *= (1.0f - barycentric.x - barycentric.y) * geometry_.colors[t.x].w + barycentric.x * geometry_.colors[t.y].w +
-                 barycentric.y * geometry_.colors[t.z].w;
+        alpha *= (1.0f - barycentric.x - barycentric.y) * geometry_.colors[t.x].w +
+                 barycentric.x * geometry_.colors[t.y].w + barycentric.y * geometry_.colors[t.z].w;
     }
     return alpha;
 }
@@ -265,9 +269,10 @@ void SurfaceTracer::filter(const RTCFilterFunctionNArguments* arguments)
     }
     const uint32_t triangle = (*user->triangles)[RTCHitN_primID(arguments->hit, arguments->N, 0)];
     const vec2 barycentric(RTCHitN_u(arguments->hit, arguments->N, 0), RTCHitN_v(arguments->hit, arguments->N, 0));
-    const float ray[6] = {RTCRayN_org_x(arguments->ray, arguments->N, 0), RTCRayN_org_y(arguments->ray, arguments->N, 0),
-                          RTCRayN_org_z(arguments->ray, arguments->N, 0), RTCRayN_dir_x(arguments->ray, arguments->N, 0),
-                          RTCRayN_dir_y(arguments->ray, arguments->N, 0), RTCRayN_dir_z(arguments->ray, arguments->N, 0)};
+    const float ray[6] = {
+        RTCRayN_org_x(arguments->ray, arguments->N, 0), RTCRayN_org_y(arguments->ray, arguments->N, 0),
+        RTCRayN_org_z(arguments->ray, arguments->N, 0), RTCRayN_dir_x(arguments->ray, arguments->N, 0),
+        RTCRayN_dir_y(arguments->ray, arguments->N, 0), RTCRayN_dir_z(arguments->ray, arguments->N, 0)};
     if (user->tracer->passes(triangle, barycentric, ray)) arguments->valid[0] = 0;
 }
 
@@ -313,7 +318,7 @@ SurfaceHit SurfaceTracer::intersect(vec3 origin, vec3 direction, float tMin, flo
         }
         const vec2 barycentric(ray.hit.u, ray.hit.v);
         hit.found = true;
-        hit.backFace = behind && !material.doubleSided;
+        hit.backFace = behind && (!material.doubleSided || geometry_.solid[triangle] != 0);
         hit.distance = ray.ray.tfar;
         hit.material = &material;
         hit.point = surfacePoint(geometry_, triangle, barycentric);
@@ -330,14 +335,16 @@ SurfaceHit SurfaceTracer::intersect(vec3 origin, vec3 direction, float tMin, flo
         }
         if (!geometry_.colors.empty()) {
             const uvec3 t = geometry_.triangles[triangle];
-            base *= vec3((1.0f - barycentric.x - barycentric.y) * geometry_.colors[t.x] + barycentric.x * geometry_.colors[t.y] +
-                         barycentric.y * geometry_.colors[t.z]);
+            base *= vec3((1.0f - barycentric.x - barycentric.y) * geometry_.colors[t.x] +
+                         barycentric.x * geometry_.colors[t.y] + barycentric.y * geometry_.colors[t.z]);
         }
         float metallic = material.metallicFactor;
         if (material.metallic && metallic > 0.0f) {
             const auto index = std::size_t(material.metallic.texture);
             metallic *= float(nearestTexel(sceneData_.textures[index], smallTextures_[index],
-                                           textureCoordinate(triangle, barycentric, material.metallic)).z) / 255.0f;
+                                           textureCoordinate(triangle, barycentric, material.metallic))
+                                  .z) /
+                        255.0f;
         }
         hit.albedo = glm::clamp(shading::diffuseAlbedoOf(base, metallic), 0.0f, 1.0f);
         if (!hit.backFace) hit.emission = emissionAt(triangle, barycentric);

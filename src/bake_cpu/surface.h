@@ -28,13 +28,13 @@ struct TransportMaterial {
     bool unlit = false;
 };
 
-/// Nearest surface along a ray. Back faces of single-sided surfaces reflect like front faces but do not emit.
+/// Nearest surface along a ray. Back faces of single-sided and solid surfaces reflect like front faces but do not emit.
 struct SurfaceHit {
     bool found = false;
-    bool backFace = false; ///< of a single-sided surface
+    bool backFace = false; ///< of a single-sided or solid surface: nobody is meant to see it
     float distance = 0.0f;
     const TransportMaterial* material = nullptr;
-    SurfacePoint point;   ///< normals face the ray's origin
+    SurfacePoint point; ///< normals face the ray's origin
     vec3 albedo{0.0f};
     vec3 emission{0.0f};
 };
@@ -50,7 +50,8 @@ public:
 
     /// Nearest surface along a unit direction. Camera rays pass through back faces of single-sided surfaces, as the
     /// renderer does, and see objects that cast no shadow.
-    [[nodiscard]] SurfaceHit intersect(vec3 origin, vec3 direction, float tMin, float tMax, bool cameraRay = false) const;
+    [[nodiscard]] SurfaceHit intersect(vec3 origin, vec3 direction, float tMin, float tMax,
+                                       bool cameraRay = false) const;
     /// Whether anything that casts shadows lies between. Both faces of every surface block.
     [[nodiscard]] bool occluded(vec3 origin, vec3 direction, float tMin, float tMax) const;
 

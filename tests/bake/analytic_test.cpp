@@ -29,7 +29,8 @@ Statistics compare(const std::vector<IrradianceEstimate>& estimates, double expe
     return s;
 }
 
-/// Every wall of a closed room reflects rho and emits Le: radiance is Le / (1 - rho) everywhere, irradiance pi times that.
+/// Every wall of a closed room reflects rho and emits Le: radiance is Le / (1 - rho) everywhere, irradiance pi times
+/// that.
 TEST(FurnaceS6, ClosedRoomReachesEmissionOverOneMinusAlbedo)
 {
     for (const float albedo : {0.0f, 0.5f, 0.8f}) {
@@ -66,8 +67,10 @@ TEST(FurnaceS6, BounceLimitGivesPartialSums)
 TEST(DirectS6, PointLightFollowsCosineAndInverseSquare)
 {
     Scene scene;
-    addRectangle(scene, {vec3(-2, 0, 2), vec3(4, 0, 0), vec3(0, 0, -4)}, addMaterial(scene, vec3(0)), kPage, {vec2(1), vec2(63)});
-    scene.lights.push_back(makeLight(LightType::Point, vec3(0.5f, 1.5f, -0.25f), vec3(0, -1, 0), 100.0f, LightMode::Baked));
+    addRectangle(scene, {vec3(-2, 0, 2), vec3(4, 0, 0), vec3(0, 0, -4)}, addMaterial(scene, vec3(0)), kPage,
+                 {vec2(1), vec2(63)});
+    scene.lights.push_back(
+        makeLight(LightType::Point, vec3(0.5f, 1.5f, -0.25f), vec3(0, -1, 0), 100.0f, LightMode::Baked));
     Bench bench(std::move(scene), MixedLightingMode::Shadowmask, kPage, {});
     const auto estimates = bench.irradiance();
     for (std::size_t i = 0; i < estimates.size(); ++i) {
@@ -82,12 +85,14 @@ TEST(DirectS6, PointLightFollowsCosineAndInverseSquare)
 TEST(DirectS6, MixedLightsAreInTheLightmapOnlyInSubtractive)
 {
     for (const LightMode mode : {LightMode::Realtime, LightMode::Mixed, LightMode::Baked}) {
-        for (const MixedLightingMode mixing : {MixedLightingMode::BakedIndirect, MixedLightingMode::Shadowmask, MixedLightingMode::Subtractive}) {
+        for (const MixedLightingMode mixing :
+             {MixedLightingMode::BakedIndirect, MixedLightingMode::Shadowmask, MixedLightingMode::Subtractive}) {
             Scene scene;
             addRectangle(scene, {}, addMaterial(scene, vec3(0.5f)), kPage, {vec2(1), vec2(9)});
             scene.lights.push_back(makeLight(LightType::Directional, vec3(0), vec3(0, -1, 0), 7.0f, mode));
             Bench bench(std::move(scene), mixing, kPage, {});
-            const bool direct = mode == LightMode::Baked || (mode == LightMode::Mixed && mixing == MixedLightingMode::Subtractive);
+            const bool direct =
+                mode == LightMode::Baked || (mode == LightMode::Mixed && mixing == MixedLightingMode::Subtractive);
             EXPECT_NEAR(bench.irradiance()[20].irradiance.x, direct ? 7.0f : 0.0f, 1e-4f);
         }
     }
@@ -101,7 +106,8 @@ TEST(IndirectS5, MixedLightBouncesTimesItsMultiplier)
         const int grey = addMaterial(scene, vec3(0.4f));
         addRectangle(scene, {vec3(-500, 0, 500), vec3(1000, 0, 0), vec3(0, 0, -1000)}, grey, kPage);
         // The receiver looks down, is small and casts no shadow: it sees the sunlit plane alone.
-        addRectangle(scene, {vec3(-0.1f, 1, -0.1f), vec3(0.2f, 0, 0), vec3(0, 0, 0.2f)}, grey, kPage, {vec2(1), vec2(5)});
+        addRectangle(scene, {vec3(-0.1f, 1, -0.1f), vec3(0.2f, 0, 0), vec3(0, 0, 0.2f)}, grey, kPage,
+                     {vec2(1), vec2(5)});
         scene.objects.back().castShadows = false;
         scene.lights.push_back(makeLight(LightType::Directional, vec3(0), vec3(0, -1, 0), 10.0f, LightMode::Mixed));
         scene.lights[0].indirectMultiplier = multiplier;
@@ -109,7 +115,8 @@ TEST(IndirectS5, MixedLightBouncesTimesItsMultiplier)
         settings.samples = 256;
         settings.bounces = 1;
         Bench bench(std::move(scene), MixedLightingMode::Shadowmask, kPage, settings);
-        for (const IrradianceEstimate& e : bench.irradiance()) EXPECT_NEAR(e.irradiance.x, 0.4f * 10.0f * multiplier, 0.02f);
+        for (const IrradianceEstimate& e : bench.irradiance())
+            EXPECT_NEAR(e.irradiance.x, 0.4f * 10.0f * multiplier, 0.02f);
     }
 }
 
@@ -122,7 +129,8 @@ TEST(EmitterS6, RectangleLightMatchesItsFormFactor)
         Scene scene;
         const int black = addMaterial(scene, vec3(0));
         const int lamp = addMaterial(scene, vec3(0), vec3(radiance));
-        addRectangle(scene, {vec3(-0.005f, 0, 0.005f), vec3(0.01f, 0, 0), vec3(0, 0, -0.01f)}, black, kPage, {vec2(1), vec2(9)});
+        addRectangle(scene, {vec3(-0.005f, 0, 0.005f), vec3(0.01f, 0, 0), vec3(0, 0, -0.01f)}, black, kPage,
+                     {vec2(1), vec2(9)});
         addRectangle(scene, {vec3(-0.75f, height, -0.5f), vec3(1.5f, 0, 0), vec3(0, 0, 1.0f)}, lamp, kPage);
         IntegrationSettings settings;
         settings.samples = 1024;
@@ -130,7 +138,8 @@ TEST(EmitterS6, RectangleLightMatchesItsFormFactor)
         const double x = 0.75 / height;
         const double y = 0.5 / height;
         const double corner = (x / std::sqrt(1 + x * x) * std::atan(y / std::sqrt(1 + x * x)) +
-                               y / std::sqrt(1 + y * y) * std::atan(x / std::sqrt(1 + y * y))) / (2.0 * kPi);
+                               y / std::sqrt(1 + y * y) * std::atan(x / std::sqrt(1 + y * y))) /
+                              (2.0 * kPi);
         const double expected = kPi * radiance * 4.0 * corner;
         const Statistics s = compare(bench.irradiance(), expected);
         EXPECT_NEAR(s.mean, expected, 0.01 * expected) << "height " << height;

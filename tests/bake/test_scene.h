@@ -1,5 +1,6 @@
 #pragma once
-// Scenes made in code, with lightmap coordinates given by hand: the bake's stages are tested without reader and unwrapper.
+// Scenes made in code, with lightmap coordinates given by hand: the bake's stages are tested without reader and
+// unwrapper.
 
 #include "bake/stages.h"
 #include "halflight/bake_cpu/embree_integrator.h"
@@ -58,15 +59,16 @@ inline int addRectangle(Scene& scene, const Rectangle& r, int material, int page
     return object.mesh;
 }
 
-/// Faces of an axis-aligned box turned inward (a room) or outward; no lightmap unless `pageSize` > 0, then each face gets
-/// 14 x 14 texels of a 64 x 64 page.
+/// Faces of an axis-aligned box turned inward (a room) or outward; no lightmap unless `pageSize` > 0, then each face
+/// gets 14 x 14 texels of a 64 x 64 page.
 inline void addBox(Scene& scene, vec3 lower, vec3 upper, int material, bool inward, int pageSize = 0)
 {
     const vec3 s = upper - lower;
     const vec3 x(s.x, 0, 0);
     const vec3 y(0, s.y, 0);
     const vec3 z(0, 0, s.z);
-    const Rectangle outwardFaces[6] = {{lower, y, x}, {lower + z, x, y}, {lower, z, y}, {lower + x, y, z}, {lower, x, z}, {lower + y, z, x}};
+    const Rectangle outwardFaces[6] = {{lower, y, x},     {lower + z, x, y}, {lower, z, y},
+                                       {lower + x, y, z}, {lower, x, z},     {lower + y, z, x}};
     for (int i = 0; i < 6; ++i) {
         Rectangle face = outwardFaces[i];
         if (inward) std::swap(face.edgeU, face.edgeV);

@@ -1,10 +1,10 @@
 #pragma once
-// The bake: scene in, lightmaps, shadowmasks and probes out. bake() runs all stages; each stage is a function of its own
-// in src/bake/.
+// The bake: scene in, lightmaps, shadowmasks and probes out. bake() runs all stages; each stage is a function of its
+// own in src/bake/.
 
+#include "halflight/bake/integrator.h"
 #include "halflight/base/progress.h"
 #include "halflight/base/result.h"
-#include "halflight/bake/integrator.h"
 #include "halflight/scene/baked_scene.h"
 #include "halflight/unwrap/unwrap.h"
 
@@ -20,9 +20,9 @@ enum class Quality { Preview, Medium, High, Ultra };
 struct BakeSettings {
     MixedLightingMode mode = MixedLightingMode::Shadowmask;
     Quality quality = Quality::Medium;
-    int samples = 0;        ///< paths per texel; 0 = by quality
-    int shadowSamples = 0;  ///< rays per texel and masked light; 0 = by quality
-    int bounces = -1;       ///< indirect bounces, 0 = direct light only; -1 = by quality
+    int samples = 0;       ///< paths per texel; 0 = by quality
+    int shadowSamples = 0; ///< rays per texel and masked light; 0 = by quality
+    int bounces = -1;      ///< indirect bounces, 0 = direct light only; -1 = by quality
     UvMode uvMode = UvMode::Auto;
     float texelsPerMeter = 0.0f; ///< 0 = fit one page of lightmapSize
     int lightmapSize = 0;        ///< 0 = by quality

@@ -36,6 +36,8 @@ struct BakeGeometry {
     std::vector<vec3> normals;    ///< world space, unit
     std::vector<vec2> uv[2];      ///< zero where the part has none
     std::vector<vec4> colors;     ///< vertex colours; empty when no part has any
+    std::vector<uint8_t>
+        solid; ///< 1 for triangles of closed, outward-facing pieces: their back faces are inside a solid
     std::vector<vec2> lightmapTexel; ///< lightmap coordinate in texels of the page; zero for parts without lightmap
 
     /// Unit, or zero for a degenerate triangle.
@@ -83,7 +85,8 @@ SurfacePoint surfacePoint(const BakeGeometry& geometry, uint32_t triangle, vec2 
 constexpr int kMaxTexelPoints = 16;
 
 /// Up to kMaxTexelPoints points spread evenly over the part of the texel that is covered; at least one.
-int texelPoints(const BakeGeometry& geometry, const TexelMap& map, const Texel& texel, std::span<SurfacePoint, kMaxTexelPoints> out);
+int texelPoints(const BakeGeometry& geometry, const TexelMap& map, const Texel& texel,
+                std::span<SurfacePoint, kMaxTexelPoints> out);
 
 struct IntegrationSettings {
     int samples = 64;       ///< paths per texel
@@ -129,7 +132,7 @@ public:
 };
 
 /// Makes an integrator for a scene whose lights have their baking output assigned. `geometry` and `scene` outlive it.
-using IntegratorFactory = std::function<Result<std::unique_ptr<Integrator>>(const Scene& scene, const BakeGeometry& geometry,
-                                                                           const IntegrationSettings& settings)>;
+using IntegratorFactory = std::function<Result<std::unique_ptr<Integrator>>(
+    const Scene& scene, const BakeGeometry& geometry, const IntegrationSettings& settings)>;
 
 } // namespace halflight
