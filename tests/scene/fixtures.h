@@ -115,6 +115,75 @@ inline Json jsonOfGlb(const std::filesystem::path& path, std::vector<char>* bina
     return Json::parse(bytes.begin() + 20, bytes.begin() + 20 + length);
 }
 
+/// A scene as an engine would fill it: no source document.
+inline Scene engineScene()
+{
+    Scene scene;
+    scene.name = "engine";
+    Texture texture;
+    texture.name = "checker";
+    texture.pixels = ImageRgba8(4, 4, u8vec4(200, 100, 50, 255));
+    texture.pixels(1, 2) = u8vec4(1, 2, 3, 4);
+    texture.wrapU = Texture::Wrap::ClampToEdge;
+    scene.textures.push_back(texture);
+    Material material;
+    material.name = "painted";
+    material.baseColor = {0.5f, 0.6f, 0.7f, 1.0f};
+    material.baseColorTexture.texture = 0;
+    material.baseColorTexture.scale = {2.0f, 3.0f};
+    material.baseColorTexture.offset = {0.25f, 0.5f};
+    material.roughness = 0.3f;
+    material.metallic = 0.1f;
+    material.emissiveNits = {0.0f, 5.0f, 2.0f};
+    material.alphaMode = Material::AlphaMode::Mask;
+    material.alphaCutoff = 0.25f;
+    material.doubleSided = true;
+    scene.materials.push_back(material);
+    Mesh mesh;
+    mesh.name = "quad";
+    MeshPart part;
+    part.positions = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}};
+    part.normals.assign(4, vec3(0, 0, 1));
+    part.uv[0] = {{0, 1}, {1, 1}, {1, 0}, {0, 0}};
+    part.indices = {0, 1, 2, 0, 2, 3};
+    part.material = 0;
+    mesh.parts.push_back(part);
+    part.material = -1;
+    part.uv[0].clear();
+    mesh.parts.push_back(part);
+    scene.meshes.push_back(mesh);
+    for (int i = 0; i < 3; ++i) {
+        Object object;
+        object.name = "quad " + std::to_string(i);
+        object.mesh = 0;
+        object.worldFromObject[3] = vec4(float(i), 2.0f, 0.0f, 1.0f);
+        if (i == 1) object.worldFromObject[0].x = -2.0f;
+        object.isStatic = i != 2;
+        object.castShadows = i != 1;
+        object.lightmapScale = i == 0 ? 2.5f : 1.0f;
+        scene.objects.push_back(object);
+    }
+    for (const LightType type : {LightType::Directional, LightType::Point, LightType::Spot}) {
+        Light light;
+        light.name = "light " + std::to_string(int(type));
+        light.type = type;
+        light.color = {1.0f, 0.9f, 0.8f};
+        light.intensity = 12.3f;
+        if (type == LightType::Spot) light.innerConeRadians = 0.2f;
+        if (type != LightType::Directional) light.rangeMeters = 7.5f;
+        light.worldFromLight[3] = vec4(1, 2, 3, 1);
+        scene.lights.push_back(light);
+    }
+    Camera camera;
+    camera.name = "eye";
+    camera.worldFromCamera[3] = vec4(0, 1, 5, 1);
+    scene.cameras.push_back(camera);
+    scene.sky.zenith = {0.1f, 0.2f, 0.3f};
+    scene.subtractiveShadowColor = {0.01f, 0.02f, 0.03f};
+    scene.probePositions = {{1, 2, 3}, {4, 5, 6}};
+    return scene;
+}
+
 /// What a bake would do to a scene, with made-up values: vertices split wherever a hash says so, lightmap coordinates,
 /// bindings, lightmaps, masks, probes, and a light of each baking output.
 inline BakedScene pretendToBake(Scene scene, bool splitVertices = true)
