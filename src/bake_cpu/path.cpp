@@ -5,7 +5,6 @@
 #include "halflight/shading/sky.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 
 namespace halflight {
@@ -72,39 +71,40 @@ float PathTracer::lightVisibilityInSpace(const PunctualLight& light, vec3 positi
 }
 
 // One light per call, chosen in proportion to what each would contribute unshadowed (Shirley et al. 1996, "Monte Carlo
-// Techniques for Direct Lighting Calculations", section 5); the estimate is contribution / probability.
+// Techniques for Direct Lighting Calculations", section 5); the estimate is contribution / probability. The choice is a
+// weighted reservoir of one (Chao 1982, "A General Purpose Unequal Probability Sampling Plan"), its random number used
+// up and stretched again at each light, so any number of lights needs no memory.
 vec3 PathTracer::punctualIrradiance(const SurfacePoint& point, bool direct, Sampler& sampler, uint64_t& rays) const
 {
-    constexpr std::size_t kKept = 256;
-    std::array<float, kKept> weight;
-    const std::size_t count = std::min(lights_.size(), kKept);
+    float u = sampler.next1();
+    const vec2 uLight = sampler.next2();
     float total = 0.0f;
-    for (std::size_t i = 0; i < count; ++i) {
-        weight[i] = 0.0f;
-        const PunctualLight& light = lights_[i];
+    float chosenWeight = 0.0f;
+    const PunctualLight* chosen = nullptr;
+    vec3 contribution(0.0f);
+    for (const PunctualLight& light : lights_) {
         if (!light.bounces) continue;
         const shading::LightSample s = light.at(point.position);
         const float cosine = glm::dot(point.normal, s.direction);
         if (cosine <= 0.0f) continue;
-        weight[i] = luminance(s.illuminance) * cosine * (direct ? 1.0f : light.indirectMultiplier);
-        total += weight[i];
+        const vec3 unshadowed = s.illuminance * (cosine * (direct ? 1.0f : light.indirectMultiplier));
+        const float weight = luminance(unshadowed);
+        if (weight <= 0.0f) continue;
+        total += weight;
+        const float take = weight / total;
+        if (u < take) {
+            chosen = &light;
+            chosenWeight = weight;
+            contribution = unshadowed;
+            u /= take;
+        } else {
+            u = (u - take) / (1.0f - take);
+        }
     }
-    const vec2 uLight = sampler.next2();
-    if (!(total > 0.0f)) return vec3(0.0f);
-    float remaining = uLight.x * total;
-    std::size_t chosen = count;
-    for (std::size_t i = 0; i < count; ++i) {
-        if (weight[i] <= 0.0f) continue;
-        chosen = i;
-        remaining -= weight[i];
-        if (remaining < 0.0f) break;
-    }
-    const PunctualLight& light = lights_[chosen];
-    const shading::LightSample s = light.at(point.position);
-    const float visibility = lightVisibility(light, point, sampler.next2(), rays);
-    const float shadow = glm::mix(1.0f, visibility, light.shadowStrength);
-    const float scale = shadow * glm::dot(point.normal, s.direction) * (direct ? 1.0f : light.indirectMultiplier);
-    return s.illuminance * (scale * total / weight[chosen]);
+    if (chosen == nullptr) return vec3(0.0f);
+    const float visibility = lightVisibility(*chosen, point, uLight, rays);
+    const float shadow = glm::mix(1.0f, visibility, chosen->shadowStrength);
+    return contribution * (shadow * total / chosenWeight);
 }
 
 // Veach and Guibas 1995, "Optimally Combining Sampling Techniques for Monte Carlo Rendering": area samples of emitters
