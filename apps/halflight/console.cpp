@@ -58,7 +58,9 @@ CLI::Option* addChecked(CLI::App& app, const std::string& name, std::function<st
 {
     return app.add_option_function<std::string>(name, assign, help)
         ->check(CLI::Validator([check](std::string& text) { return check(text); }, std::string()))
-        ->type_name(metavar);
+        ->type_name(metavar)
+        // So that a script can put a user's options after its own.
+        ->multi_option_policy(CLI::MultiOptionPolicy::TakeLast);
 }
 
 std::string checkWholeNumber(const std::string& text, double min, double max)

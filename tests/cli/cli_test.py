@@ -344,8 +344,17 @@ class Chain(Case):
         self.assert_folder_holds("baked.glb", "tiny.gltf")
 
     def test_bounces_0_is_direct_light_only(self):
-        _, report = self.bake(self.scene(), "baked.glb", "--bounces", "0")
-        self.assertEqual(report["quality"]["bounces"], 0)
+        # The lightmap of mixed lights holds bounced light alone, and this scene has no other light.
+        brightest = {}
+        for bounces in ("0", "1"):
+            baked, report = self.bake(self.scene(), "baked.glb", "--bounces", bounces)
+            self.assertEqual(report["quality"]["bounces"], int(bounces))
+            picture = self.path("lightmap.png")
+            result = run("render", baked, "-o", picture, "--view", "lightmap", "--size", "64x64", "--exposure", "0")
+            self.assertEqual(result.returncode, 0, result.stderr)
+            brightest[bounces] = max(max(pixel) for row in decode_png(picture)[2] for pixel in row)
+        self.assertEqual(brightest["0"], 0)
+        self.assertGreater(brightest["1"], 20)
 
 
 class Determinism(Case):
