@@ -1,6 +1,9 @@
 #include "scene/strip.h"
 
+#include "scene/read_parts.h"
+
 #include <map>
+#include <set>
 #include <string>
 
 namespace halflight {
@@ -70,25 +73,31 @@ void stripMaterials(SourceDocument& document)
     removeLast(document.json, "images", model.images, images);
 }
 
+// Where a mesh had gaps below its lightmap coordinates, the writer filled them with the same accessor.
 void stripStandIns(SourceDocument& document)
 {
     auto& model = document.model;
-    for (std::size_t n = 0; n < model.nodes.size(); ++n) {
-        const Json& texCoord =
-            member(member(extensionOf(document.json["nodes"][n], "HALFLIGHT_node"), "lightmap"), "texCoord");
-        if (model.nodes[n].mesh < 0 || !texCoord.is_number_unsigned() || texCoord.get<uint64_t>() > 16) continue;
-        const auto mesh = std::size_t(model.nodes[n].mesh);
-        for (std::size_t p = 0; p < model.meshes[mesh].primitives.size(); ++p) {
-            auto& attributes = model.meshes[mesh].primitives[p].attributes;
-            const auto lightmap = attributes.find("TEXCOORD_" + std::to_string(texCoord.get<int>()));
-            if (lightmap == attributes.end()) continue;
-            const int accessor = lightmap->second;
-            for (int k = 0; k < texCoord.get<int>(); ++k) {
-                const std::string name = "TEXCOORD_" + std::to_string(k);
-                const auto other = attributes.find(name);
-                if (other == attributes.end() || other->second != accessor) continue;
-                attributes.erase(other);
-                document.json["meshes"][mesh]["primitives"][p]["attributes"].erase(name);
+    std::set<int> texCoords;
+    for (const Json& node : member(document.json, "nodes")) {
+        const Json& n = member(member(extensionOf(node, "HALFLIGHT_node"), "lightmap"), "texCoord");
+        if (n.is_number_unsigned() && n.get<uint64_t>() <= 16) texCoords.insert(n.get<int>());
+    }
+    for (std::size_t m = 0; m < model.meshes.size(); ++m) {
+        for (std::size_t p = 0; p < model.meshes[m].primitives.size(); ++p) {
+            auto& primitive = model.meshes[m].primitives[p];
+            const Json& material = element(document.json, "materials", primitive.material);
+            for (const int n : texCoords) {
+                const auto lightmap = primitive.attributes.find("TEXCOORD_" + std::to_string(n));
+                if (lightmap == primitive.attributes.end()) continue;
+                const int accessor = lightmap->second;
+                for (int k = 0; k < n; ++k) {
+                    const std::string name = "TEXCOORD_" + std::to_string(k);
+                    const auto other = primitive.attributes.find(name);
+                    if (other == primitive.attributes.end() || other->second != accessor || readsTexCoord(material, k))
+                        continue;
+                    primitive.attributes.erase(other);
+                    document.json["meshes"][m]["primitives"][p]["attributes"].erase(name);
+                }
             }
         }
     }

@@ -38,8 +38,8 @@ void validate(const std::vector<std::filesystem::path>& files)
     for (const auto& [name, result] : report.items()) {
         EXPECT_EQ(result["numErrors"], 0) << name << "\n" << result["errors"].dump(1).substr(0, 3000);
         for (const auto& [code, count] : result["warnings"].items()) {
-            const bool known = code == "UNSUPPORTED_EXTENSION" || code == "VALUE_NOT_IN_LIST" || code == "IMAGE_UNRECOGNIZED_FORMAT" ||
-                               code == "MESH_PRIMITIVE_GENERATED_TANGENT_SPACE";
+            const bool known = code == "UNSUPPORTED_EXTENSION" || code == "VALUE_NOT_IN_LIST" ||
+                               code == "IMAGE_UNRECOGNIZED_FORMAT" || code == "MESH_PRIMITIVE_GENERATED_TANGENT_SPACE";
             EXPECT_TRUE(known) << name << ": " << code << " x " << count;
         }
     }
@@ -51,10 +51,11 @@ TEST(Validator, BakedSharedScenesHaveNoErrors)
 {
     const TemporaryFolder folder;
     std::vector<std::filesystem::path> files;
-    for (const char* name : {"sponza_crytek.glb", "grey_white_room.glb", "cornell_box_emissive.glb", "cornell_box_point_light.glb",
-                             "cornell_box_lightmap_uv.glb", "mixed_lighting_chair.glb", "lights_all_types_playcanvas.glb",
-                             "lights_all_types_wicked.glb", "alpha_blend_mode_test.glb", "many_cubes_shared_mesh.glb",
-                             "grass_field_instanced.glb", "negative_scale_zoo.glb", "no_indices_building.glb", "primitive_zoo.glb"}) {
+    for (const char* name :
+         {"sponza_crytek.glb", "grey_white_room.glb", "cornell_box_emissive.glb", "cornell_box_point_light.glb",
+          "cornell_box_lightmap_uv.glb", "mixed_lighting_chair.glb", "lights_all_types_playcanvas.glb",
+          "lights_all_types_wicked.glb", "alpha_blend_mode_test.glb", "many_cubes_shared_mesh.glb",
+          "grass_field_instanced.glb", "negative_scale_zoo.glb", "no_indices_building.glb", "primitive_zoo.glb"}) {
         if (!std::filesystem::exists(kScenes / name)) GTEST_SKIP() << "no shared scenes beside this checkout";
         auto scene = readScene(kScenes / name, {.decodeTextures = false});
         ASSERT_TRUE(scene) << scene.error().text();

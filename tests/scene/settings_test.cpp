@@ -1,0 +1,184 @@
+// Settings: extras, then the settings file; typos and wrong values are told.
+
+#include "fixtures.h"
+#include "scene/settings.h"
+
+#include <gmock/gmock.h>
+
+namespace halflight {
+namespace {
+
+using namespace test;
+using testing::Contains;
+using testing::HasSubstr;
+
+GltfBuilder litFile()
+{
+    GltfBuilder file;
+    file.triangle();
+    file.json["extensionsUsed"] = {"KHR_lights_punctual"};
+    file.json["extensions"]["KHR_lights_punctual"]["lights"] = {
+        {{"type", "directional"}, {"name", "Sun"}},
+        {{"type", "point"}, {"name", "Lamp 1"}, {"extras", {{"halflight_mode", "baked"}, {"halflight_radius", 0.5}}}}};
+    file.json["scenes"][0]["nodes"] = {0, 1, 2};
+    file.json["scenes"][0]["extras"] = {{"halflight_sky", 2},
+                                        {"halflight_sky_ground", {0.1, 0.2, 0.3}},
+                                        {"halflight_shadow_color", {0.01, 0.02, 0.03}},
+                                        {"halflight_probes", {1, 2, 3, 4, 5, 6}}};
+    file.json["nodes"][0]["extras"] = {{"halflight_static", 0},
+                                       {"halflight_cast_shadows", false},
+                                       {"halflight_receive_shadows", 1},
+                                       {"halflight_lightmap_scale", 2.5}};
+    file.json["nodes"][0]["children"] = {3};
+    file.json["nodes"].push_back(
+        {{"extensions", {{"KHR_lights_punctual", {{"light", 0}}}}},
+         {"extras",
+          {{"halflight_mode", "realtime"}, {"halflight_angular_diameter", 0.53}, {"halflight_intensity", 7}}}});
+    file.json["nodes"].push_back({{"extensions", {{"KHR_lights_punctual", {{"light", 1}}}}}});
+    file.json["nodes"].push_back({{"name", "Child"}, {"mesh", 0}});
+    return file;
+}
+
+TEST(SettingsS5, ExtrasOfNodesLightsAndScene)
+{
+    const TemporaryFolder folder;
+    const auto scene = readScene(litFile().write(folder));
+    ASSERT_TRUE(scene) << scene.error().text();
+    const Object& object = scene->objects.at(0);
+    EXPECT_FALSE(object.isStatic);
+    EXPECT_FALSE(object.castShadows);
+    EXPECT_TRUE(object.receiveShadows);
+    EXPECT_EQ(object.lightmapScale, 2.5f);
+    EXPECT_FALSE(scene->objects.at(1).isStatic);   // inherited
+    EXPECT_TRUE(scene->objects.at(1).castShadows); // not inherited
+    EXPECT_EQ(int(scene->lights.at(0).mode), int(LightMode::Realtime));
+    EXPECT_EQ(scene->lights[0].intensity, 7.0f);
+    EXPECT_FLOAT_EQ(scene->lights[0].angularRadiusRadians, glm::radians(0.265f));
+    EXPECT_EQ(int(scene->lights.at(1).mode), int(LightMode::Baked));
+    EXPECT_EQ(scene->lights[1].radiusMeters, 0.5f);
+    EXPECT_EQ(scene->sky.zenith, vec3(2.0f));
+    EXPECT_EQ(scene->sky.ground, vec3(0.1f, 0.2f, 0.3f));
+    EXPECT_EQ(scene->subtractiveShadowColor, vec3(0.01f, 0.02f, 0.03f));
+    EXPECT_EQ(scene->probePositions, (std::vector<vec3>{{1, 2, 3}, {4, 5, 6}}));
+}
+
+TEST(SettingsS5, FileIsStrongerThanExtras)
+{
+    const TemporaryFolder folder;
+    writeText(folder / "s.toml", R"(
+[sky]
+color = 3.0
+zenith = [1, 2, 3]
+[scene]
+shadow_color = [1, 1, 1]
+probes = [[9, 8, 7]]
+[[node]]
+pattern = "tri*"
+static = true
+[[node]]
+pattern = "Chil?"
+lightmap_scale = 0.5
+[[node]]
+pattern = "nobody"
+static = false
+[[light]]
+pattern = "*"
+mode = "mixed"
+shadow_strength = 0.25
+[[light]]
+pattern = "Lamp*"
+indirect_multiplier = 2
+range = 4.5
+cast_shadows = false
+[[add_light]]
+type = "spot"
+name = "Extra"
+position = [1, 2, 3]
+direction = [0, -2, 0]
+color = [1, 0, 0]
+intensity = 100
+inner_cone_degrees = 10
+outer_cone_degrees = 20
+radius = 0.1
+)");
+    const auto scene = readScene(litFile().write(folder), {.settingsFile = folder / "s.toml"});
+    ASSERT_TRUE(scene) << scene.error().text();
+    EXPECT_TRUE(scene->objects.at(0).isStatic);
+    EXPECT_TRUE(scene->objects.at(1).isStatic); // the file's rule for the parent beats the parent's extras
+    EXPECT_EQ(scene->objects[1].lightmapScale, 0.5f);
+    EXPECT_EQ(int(scene->lights.at(0).mode), int(LightMode::Mixed));
+    EXPECT_EQ(scene->lights[0].shadowStrength, 0.25f);
+    EXPECT_EQ(int(scene->lights.at(1).mode), int(LightMode::Mixed));
+    EXPECT_EQ(scene->lights[1].rangeMeters, 4.5f);
+    EXPECT_FALSE(scene->lights[1].castShadows);
+    EXPECT_EQ(scene->lights[1].indirectMultiplier, 2.0f);
+    ASSERT_EQ(scene->lights.size(), 3u);
+    EXPECT_EQ(scene->lights[2].name, "Extra");
+    EXPECT_EQ(scene->lights[2].position(), vec3(1, 2, 3));
+    EXPECT_LT(glm::distance(scene->lights[2].direction(), vec3(0, -1, 0)), 1.0e-6f);
+    EXPECT_FLOAT_EQ(scene->lights[2].outerConeRadians, glm::radians(20.0f));
+    EXPECT_EQ(scene->sky.zenith, vec3(1, 2, 3));
+    EXPECT_EQ(scene->sky.horizon, vec3(3.0f));
+    EXPECT_EQ(scene->probePositions, (std::vector<vec3>{{9, 8, 7}}));
+    EXPECT_THAT(scene->warnings, Contains(HasSubstr("\"nobody\"")));
+
+    // Written, read back without the settings file, and baked again with it: the same lights, once.
+    ASSERT_TRUE(writeBakedScene(folder / "baked.glb", pretendToBake(*scene)));
+    const auto baked = readBakedScene(folder / "baked.glb");
+    ASSERT_TRUE(baked) << baked.error().text();
+    ASSERT_EQ(baked->scene.lights.size(), 3u);
+    EXPECT_EQ(baked->scene.lights[0].intensity, 7.0f);
+    EXPECT_EQ(baked->scene.lights[1].rangeMeters, 4.5f);
+    EXPECT_EQ(baked->scene.lights[2].name, "Extra");
+    EXPECT_EQ(baked->scene.lights[2].intensity, 100.0f);
+    EXPECT_TRUE(baked->scene.objects[0].isStatic);
+    const auto again = readScene(folder / "baked.glb", {.settingsFile = folder / "s.toml"});
+    ASSERT_TRUE(again) << again.error().text();
+    EXPECT_EQ(again->lights.size(), 3u);
+}
+
+TEST(SettingsS5, TyposAndWrongValuesAreErrors)
+{
+    const TemporaryFolder folder;
+    const auto path = litFile().write(folder);
+    const auto errorOf = [&](const char* text) {
+        writeText(folder / "s.toml", text);
+        const auto scene = readScene(path, {.settingsFile = folder / "s.toml"});
+        return scene ? std::string("loaded") : scene.error().text();
+    };
+    EXPECT_THAT(errorOf("[[light]]\npattern = \"*\"\nshadow_strenght = 1\n"),
+                HasSubstr("unknown key \"shadow_strenght\""));
+    EXPECT_THAT(errorOf("[[light]]\npattern = \"*\"\nshadow_strength = 1.5\n"),
+                HasSubstr("shadow_strength must be a number from 0 to 1"));
+    EXPECT_THAT(errorOf("[[light]]\npattern = \"*\"\nmode = \"backed\"\n"), HasSubstr("mode must be"));
+    EXPECT_THAT(errorOf("[[light]]\nmode = \"baked\"\n"), HasSubstr("pattern must be"));
+    EXPECT_THAT(errorOf("[light]\nmode = \"baked\"\n"), HasSubstr("[[light]]"));
+    EXPECT_THAT(errorOf("[lights]\n"), HasSubstr("unknown table \"lights\""));
+    EXPECT_THAT(errorOf("[sky]\nzenith = [1, 2]\n"), HasSubstr("zenith must be three numbers"));
+    EXPECT_THAT(errorOf("[sky]\nzenith = \n"), HasSubstr("line 2"));
+    EXPECT_THAT(errorOf("[[add_light]]\nname = \"x\"\n"), HasSubstr("type must be"));
+    EXPECT_THAT(errorOf("[[node]]\npattern = \"*\"\nstatic = 2\n"), HasSubstr("static must be true, false, 0 or 1"));
+    EXPECT_EQ(readScene(path, {.settingsFile = folder / "none.toml"}).error().code, ErrorCode::FileNotFound);
+
+    // A typo in extras is a warning: the file may come from another version.
+    GltfBuilder file = litFile();
+    file.json["nodes"][0]["extras"]["halflight_statik"] = 1;
+    const auto scene = readScene(file.write(folder));
+    ASSERT_TRUE(scene);
+    EXPECT_THAT(scene->warnings, Contains(HasSubstr("halflight_statik")));
+}
+
+TEST(SettingsS5, Patterns)
+{
+    EXPECT_TRUE(matchesPattern("*", ""));
+    EXPECT_TRUE(matchesPattern("a*c", "abbc"));
+    EXPECT_TRUE(matchesPattern("a*b*c", "aXbbYc"));
+    EXPECT_TRUE(matchesPattern("?b", "ab"));
+    EXPECT_FALSE(matchesPattern("?b", "b"));
+    EXPECT_FALSE(matchesPattern("a*c", "abcd"));
+    EXPECT_FALSE(matchesPattern("", "a"));
+    EXPECT_TRUE(matchesPattern("*****a", std::string(2000, 'b') + "a"));
+}
+
+} // namespace
+} // namespace halflight
