@@ -35,14 +35,16 @@ for mode in shadowmask subtractive; do
   "$halflight" bake "$scene" -o "out/courtyard-$mode.glb" --mode "$mode" --quality preview
 done
 
-# One exposure for all pictures, chosen by the first.
+# One exposure for all pictures, chosen by the first. The shadow distance is short, so that within this small scene both
+# sides of it are seen: beyond it only baked shadows are left.
+shadows=(--shadow-distance 12 --shadow-fade-range 3)
 exposure=auto
 panels=()
 render() { # name, label, options...
   local name="$1" label="$2"
   shift 2
-  "$halflight" render "$@" -o "out/$name.png" --size "$size" --camera "$camera" --exposure="$exposure" --json \
-    >"out/$name.json"
+  "$halflight" render "$@" -o "out/$name.png" --size "$size" --camera "$camera" "${shadows[@]}" \
+    --exposure="$exposure" --json >"out/$name.json"
   if [ "$exposure" = auto ]; then
     exposure=$(python3 -c 'import json, sys; print(json.load(open(sys.argv[1]))["exposure"])' "out/$name.json")
   fi
@@ -54,7 +56,7 @@ render distance-shadowmask "distance shadowmask" out/courtyard-shadowmask.glb --
 render subtractive "subtractive" out/courtyard-subtractive.glb --mode subtractive
 render baked-indirect "baked indirect" out/courtyard-shadowmask.glb --mode baked-indirect
 render realtime "realtime" out/courtyard-shadowmask.glb --mode realtime
-render reference "path-traced reference, 32 samples a pixel" out/courtyard-shadowmask.glb --reference 32 --bounces 4
+render reference "path traced, for comparison" out/courtyard-shadowmask.glb --reference 32 --bounces 4
 
 step "sheet"
 montage -font /usr/share/fonts/truetype/dejavu/DejaVuSans.ttf -pointsize 24 -fill white -background '#202024' \
