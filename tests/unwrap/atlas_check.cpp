@@ -18,6 +18,7 @@ struct PageTriangle {
     uint32_t chart;
     int page;
     bool degenerate;
+    bool first; ///< on the first object with its mesh: overlaps within charts are looked for once
 };
 
 double doubleArea(const dvec2 (&c)[3])
@@ -76,6 +77,7 @@ double commonArea(const dvec2 (&a)[3], const dvec2 (&b)[3])
 /// Triangles on the pages; charts are what hangs together over equal coordinates within an object.
 std::string collect(const UnwrappedScene& unwrapped, std::vector<PageTriangle>& triangles, AtlasCheck& check)
 {
+    std::vector<char> meshSeen(unwrapped.scene.meshes.size(), 0);
     for (const Object& object : unwrapped.scene.objects) {
         const LightmapBinding& binding = object.lightmap;
         if (binding.page < 0) continue;
@@ -112,6 +114,7 @@ std::string collect(const UnwrappedScene& unwrapped, std::vector<PageTriangle>& 
                 }
                 for (int k = 1; k < 3; ++k) parent[find(pointOf[k])] = find(pointOf[0]);
                 triangle.page = binding.page;
+                triangle.first = meshSeen[std::size_t(object.mesh)] == 0;
                 triangle.chart = pointOf[0];
                 const double worldArea = 0.5 * glm::length(glm::cross(p[1] - p[0], p[2] - p[0]));
                 const double longest =
@@ -121,11 +124,15 @@ std::string collect(const UnwrappedScene& unwrapped, std::vector<PageTriangle>& 
                 if (!triangle.degenerate) {
                     check.worldArea += worldArea;
                     check.texelArea += flat;
-                    if (!(flat > 0.0)) return "a triangle with an area has none on the page";
+                    // Thinner than a hundredth of a texel, float coordinates may not tell its corners apart.
+                    const double height =
+                        2.0 * worldArea / longest * double(unwrapped.texelsPerMeter) * double(object.lightmapScale);
+                    if (!(flat > 0.0) && height > 0.01) return "a triangle with an area has none on the page";
                 }
                 triangles.push_back(triangle);
             }
         }
+        meshSeen[std::size_t(object.mesh)] = 1;
         std::unordered_map<uint32_t, uint32_t> chartOf;
         for (std::size_t t = first; t < triangles.size(); ++t) {
             const auto [found, inserted] = chartOf.try_emplace(find(triangles[t].chart), uint32_t(check.charts));
@@ -168,7 +175,7 @@ AtlasCheck checkAtlas(const UnwrappedScene& unwrapped, int paddingTexels)
                         return check;
                     }
                     mine = triangle.chart;
-                    if (triangle.degenerate) continue;
+                    if (triangle.degenerate || !triangle.first) continue;
                     auto& others = inTexel[std::size_t(y) * std::size_t(size) + std::size_t(x)];
                     const double area = 0.5 * std::abs(doubleArea(c));
                     for (const uint32_t other : others) {

@@ -259,7 +259,9 @@ TEST(UnwrapRobustness, RandomSoup)
         for (int i = 0; i < 60; ++i)
             p.emplace_back(random(), random(), run % 2 == 0 ? random() : 0.0f); // every other run is flat
         for (int i = 0; i < 900; ++i) indices.push_back(uint32_t(random() * 60.0f));
-        unwrapAndCheck(shapes::scene(soup(p, indices)));
+        UnwrapSettings settings;
+        settings.pageSize = 256;
+        unwrapAndCheck(shapes::scene(soup(p, indices)), settings);
     }
 }
 
