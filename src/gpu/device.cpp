@@ -20,8 +20,14 @@ namespace {
 constexpr const char* kValidationLayer = "VK_LAYER_KHRONOS_validation";
 
 #ifdef _WIN32
-void* openLoader() { return reinterpret_cast<void*>(LoadLibraryA("vulkan-1.dll")); }
-void closeLoader(void* library) { FreeLibrary(static_cast<HMODULE>(library)); }
+void* openLoader()
+{
+    return reinterpret_cast<void*>(LoadLibraryA("vulkan-1.dll"));
+}
+void closeLoader(void* library)
+{
+    FreeLibrary(static_cast<HMODULE>(library));
+}
 void* symbol(void* library, const char* name)
 {
     return reinterpret_cast<void*>(GetProcAddress(static_cast<HMODULE>(library), name));
@@ -33,18 +39,29 @@ void* openLoader()
         if (void* library = dlopen(name, RTLD_NOW | RTLD_LOCAL)) return library;
     return nullptr;
 }
-void closeLoader(void* library) { dlclose(library); }
-void* symbol(void* library, const char* name) { return dlsym(library, name); }
+void closeLoader(void* library)
+{
+    dlclose(library);
+}
+void* symbol(void* library, const char* name)
+{
+    return dlsym(library, name);
+}
 #endif
 
 int preference(VkPhysicalDeviceType type, bool preferCpu)
 {
     switch (type) {
-    case VK_PHYSICAL_DEVICE_TYPE_DISCRETE_GPU: return 4;
-    case VK_PHYSICAL_DEVICE_TYPE_INTEGRATED_GPU: return 3;
-    case VK_PHYSICAL_DEVICE_TYPE_VIRTUAL_GPU: return 2;
-    case VK_PHYSICAL_DEVICE_TYPE_CPU: return preferCpu ? 5 : 1;
-    default: return 0;
+    case VK_PHYSICAL_DEVICE_TYPE_DISCRETE_GPU:
+        return 4;
+    case VK_PHYSICAL_DEVICE_TYPE_INTEGRATED_GPU:
+        return 3;
+    case VK_PHYSICAL_DEVICE_TYPE_VIRTUAL_GPU:
+        return 2;
+    case VK_PHYSICAL_DEVICE_TYPE_CPU:
+        return preferCpu ? 5 : 1;
+    default:
+        return 0;
     }
 }
 
@@ -109,7 +126,10 @@ Device::Device(const DeviceOptions& options)
     }
 }
 
-Device::~Device() { destroy(); }
+Device::~Device()
+{
+    destroy();
+}
 
 void Device::createInstance(const DeviceOptions& options)
 {
@@ -143,7 +163,8 @@ void Device::createInstance(const DeviceOptions& options)
 
     const VkDebugUtilsMessengerCreateInfoEXT messengerInfo{
         .sType = VK_STRUCTURE_TYPE_DEBUG_UTILS_MESSENGER_CREATE_INFO_EXT,
-        .messageSeverity = VK_DEBUG_UTILS_MESSAGE_SEVERITY_WARNING_BIT_EXT | VK_DEBUG_UTILS_MESSAGE_SEVERITY_ERROR_BIT_EXT,
+        .messageSeverity =
+            VK_DEBUG_UTILS_MESSAGE_SEVERITY_WARNING_BIT_EXT | VK_DEBUG_UTILS_MESSAGE_SEVERITY_ERROR_BIT_EXT,
         .messageType = VK_DEBUG_UTILS_MESSAGE_TYPE_VALIDATION_BIT_EXT | VK_DEBUG_UTILS_MESSAGE_TYPE_PERFORMANCE_BIT_EXT,
         .pfnUserCallback = &Device::onMessage,
         .pUserData = messages_.get()};
@@ -215,8 +236,9 @@ void Device::pickPhysicalDevice(const DeviceOptions& options)
         anisotropy_ = features.all.features.samplerAnisotropy;
     }
     if (best < 0)
-        throw Failure(refused.empty() ? "no Vulkan device found; install a driver (mesa-vulkan-drivers has one for the CPU)"
-                                      : "no Vulkan device with the needed features found: " + refused);
+        throw Failure(refused.empty()
+                          ? "no Vulkan device found; install a driver (mesa-vulkan-drivers has one for the CPU)"
+                          : "no Vulkan device with the needed features found: " + refused);
 }
 
 void Device::createDevice()
@@ -297,9 +319,8 @@ void Device::execute(const std::function<void(VkCommandBuffer)>& record)
     check(vk.EndCommandBuffer(commands_), "record commands");
     const VkCommandBufferSubmitInfo commandInfo{.sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_SUBMIT_INFO,
                                                 .commandBuffer = commands_};
-    const VkSubmitInfo2 submit{.sType = VK_STRUCTURE_TYPE_SUBMIT_INFO_2,
-                               .commandBufferInfoCount = 1,
-                               .pCommandBufferInfos = &commandInfo};
+    const VkSubmitInfo2 submit{
+        .sType = VK_STRUCTURE_TYPE_SUBMIT_INFO_2, .commandBufferInfoCount = 1, .pCommandBufferInfos = &commandInfo};
     check(vk.QueueSubmit2(queue_, 1, &submit, fence_), "submit commands");
     check(vk.WaitForFences(device_, 1, &fence_, VK_TRUE, ~0ull), "finish its commands");
     check(vk.ResetFences(device_, 1, &fence_), "reset a fence");

@@ -20,7 +20,8 @@ struct DeviceOptions {
 
 class Device {
 public:
-    /// Throws Failure when there is no loader, no driver, or no Vulkan 1.3 device with the features named in device.cpp.
+    /// Throws Failure when there is no loader, no driver, or no Vulkan 1.3 device with the features named in
+    /// device.cpp.
     explicit Device(const DeviceOptions& options);
     ~Device();
     Device(const Device&) = delete;

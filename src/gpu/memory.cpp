@@ -12,10 +12,14 @@ namespace {
 
 constexpr VkDeviceSize kBlockBytes = VkDeviceSize(64) << 20;
 
-VkDeviceSize alignUp(VkDeviceSize value, VkDeviceSize alignment) { return (value + alignment - 1) / alignment * alignment; }
+VkDeviceSize alignUp(VkDeviceSize value, VkDeviceSize alignment)
+{
+    return (value + alignment - 1) / alignment * alignment;
+}
 
 /// Memory types in order of preference: those with most wanted flags first, in the driver's order among equals.
-std::vector<uint32_t> suitableTypes(const VkPhysicalDeviceMemoryProperties& properties, uint32_t typeBits, MemoryUse use)
+std::vector<uint32_t> suitableTypes(const VkPhysicalDeviceMemoryProperties& properties, uint32_t typeBits,
+                                    MemoryUse use)
 {
     const VkMemoryPropertyFlags host = VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT | VK_MEMORY_PROPERTY_HOST_COHERENT_BIT;
     const VkMemoryPropertyFlags required = use == MemoryUse::Device ? 0 : host;
@@ -58,15 +62,17 @@ Allocation::~Allocation()
 
 Memory::Memory(const Functions& vk, VkDevice device, const VkPhysicalDeviceMemoryProperties& properties)
     : vk_(vk), device_(device), properties_(properties)
-{
-}
+{}
 
 Memory::~Memory()
 {
     for (auto& block : blocks_) destroyBlock(*block);
 }
 
-void Memory::destroyBlock(Block& block) { vk_.FreeMemory(device_, block.memory, nullptr); }
+void Memory::destroyBlock(Block& block)
+{
+    vk_.FreeMemory(device_, block.memory, nullptr);
+}
 
 Memory::Block& Memory::addBlock(uint32_t type, VkDeviceSize size, bool image, bool dedicated)
 {

@@ -36,7 +36,8 @@ UniqueSetLayout makeSetLayout(const Device& device, std::span<const Binding> bin
                                                .bindingCount = uint32_t(layoutBindings.size()),
                                                .pBindings = layoutBindings.data()};
     VkDescriptorSetLayout layout = VK_NULL_HANDLE;
-    check(device.vk.CreateDescriptorSetLayout(device.handle(), &info, nullptr, &layout), "create a descriptor set layout");
+    check(device.vk.CreateDescriptorSetLayout(device.handle(), &info, nullptr, &layout),
+          "create a descriptor set layout");
     return {device, layout};
 }
 
@@ -136,18 +137,19 @@ UniquePipeline makePipeline(const Device& device, const GraphicsPipelineInfo& in
         .topology = VK_PRIMITIVE_TOPOLOGY_TRIANGLE_LIST};
     const VkPipelineViewportStateCreateInfo viewport{
         .sType = VK_STRUCTURE_TYPE_PIPELINE_VIEWPORT_STATE_CREATE_INFO, .viewportCount = 1, .scissorCount = 1};
-    const VkPipelineRasterizationStateCreateInfo raster{
-        .sType = VK_STRUCTURE_TYPE_PIPELINE_RASTERIZATION_STATE_CREATE_INFO,
-        .polygonMode = VK_POLYGON_MODE_FILL,
-        .depthBiasEnable = info.depthBias,
-        .lineWidth = 1.0f};
-    const VkPipelineMultisampleStateCreateInfo multisample{
-        .sType = VK_STRUCTURE_TYPE_PIPELINE_MULTISAMPLE_STATE_CREATE_INFO, .rasterizationSamples = VK_SAMPLE_COUNT_1_BIT};
-    const VkPipelineDepthStencilStateCreateInfo depth{
-        .sType = VK_STRUCTURE_TYPE_PIPELINE_DEPTH_STENCIL_STATE_CREATE_INFO,
-        .depthTestEnable = info.depthTest,
-        .depthWriteEnable = info.depthWrite,
-        .depthCompareOp = info.depthCompare};
+    const VkPipelineRasterizationStateCreateInfo raster{.sType =
+                                                            VK_STRUCTURE_TYPE_PIPELINE_RASTERIZATION_STATE_CREATE_INFO,
+                                                        .polygonMode = VK_POLYGON_MODE_FILL,
+                                                        .depthBiasEnable = info.depthBias,
+                                                        .lineWidth = 1.0f};
+    const VkPipelineMultisampleStateCreateInfo multisample{.sType =
+                                                               VK_STRUCTURE_TYPE_PIPELINE_MULTISAMPLE_STATE_CREATE_INFO,
+                                                           .rasterizationSamples = VK_SAMPLE_COUNT_1_BIT};
+    const VkPipelineDepthStencilStateCreateInfo depth{.sType =
+                                                          VK_STRUCTURE_TYPE_PIPELINE_DEPTH_STENCIL_STATE_CREATE_INFO,
+                                                      .depthTestEnable = info.depthTest,
+                                                      .depthWriteEnable = info.depthWrite,
+                                                      .depthCompareOp = info.depthCompare};
     const VkColorComponentFlags allComponents =
         VK_COLOR_COMPONENT_R_BIT | VK_COLOR_COMPONENT_G_BIT | VK_COLOR_COMPONENT_B_BIT | VK_COLOR_COMPONENT_A_BIT;
     const VkPipelineColorBlendAttachmentState attachment{.blendEnable = info.alphaBlend,

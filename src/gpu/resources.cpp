@@ -9,7 +9,10 @@ namespace {
 
 constexpr VkDeviceSize kStagingBytes = VkDeviceSize(16) << 20;
 
-VkImageSubresourceRange wholeImage(const ImageInfo& info) { return {info.aspect, 0, info.mipLevels, 0, info.layers}; }
+VkImageSubresourceRange wholeImage(const ImageInfo& info)
+{
+    return {info.aspect, 0, info.mipLevels, 0, info.layers};
+}
 
 } // namespace
 
@@ -109,16 +112,14 @@ void transition(const Device& device, VkCommandBuffer commands, const Image& ima
                                         .dstQueueFamilyIndex = VK_QUEUE_FAMILY_IGNORED,
                                         .image = image.get(),
                                         .subresourceRange = wholeImage(image.info())};
-    const VkDependencyInfo dependency{.sType = VK_STRUCTURE_TYPE_DEPENDENCY_INFO,
-                                      .imageMemoryBarrierCount = 1,
-                                      .pImageMemoryBarriers = &barrier};
+    const VkDependencyInfo dependency{
+        .sType = VK_STRUCTURE_TYPE_DEPENDENCY_INFO, .imageMemoryBarrierCount = 1, .pImageMemoryBarriers = &barrier};
     device.vk.CmdPipelineBarrier2(commands, &dependency);
 }
 
 Uploader::Uploader(Device& device)
     : device_(device), staging_(device, kStagingBytes, VK_BUFFER_USAGE_TRANSFER_SRC_BIT, MemoryUse::Upload)
-{
-}
+{}
 
 VkDeviceSize Uploader::reserve(VkDeviceSize bytes)
 {
@@ -136,10 +137,11 @@ void Uploader::buffer(const Buffer& target, const void* data, VkDeviceSize bytes
         const VkDeviceSize chunk = std::min(bytes - done, kStagingBytes);
         const VkDeviceSize at = reserve(chunk);
         std::memcpy(staging_.mapped() + at, static_cast<const std::byte*>(data) + done, chunk);
-        pending_.push_back([this, source = staging_.get(), to = target.get(), at, done, chunk](VkCommandBuffer commands) {
-            const VkBufferCopy region{at, done, chunk};
-            device_.vk.CmdCopyBuffer(commands, source, to, 1, &region);
-        });
+        pending_.push_back(
+            [this, source = staging_.get(), to = target.get(), at, done, chunk](VkCommandBuffer commands) {
+                const VkBufferCopy region{at, done, chunk};
+                device_.vk.CmdCopyBuffer(commands, source, to, 1, &region);
+            });
         done += chunk;
     }
 }
@@ -185,9 +187,8 @@ void Uploader::finish()
                                            .srcAccessMask = VK_ACCESS_2_TRANSFER_WRITE_BIT,
                                            .dstStageMask = VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT,
                                            .dstAccessMask = VK_ACCESS_2_MEMORY_READ_BIT | VK_ACCESS_2_MEMORY_WRITE_BIT};
-            const VkDependencyInfo dependency{.sType = VK_STRUCTURE_TYPE_DEPENDENCY_INFO,
-                                              .memoryBarrierCount = 1,
-                                              .pMemoryBarriers = &barrier};
+            const VkDependencyInfo dependency{
+                .sType = VK_STRUCTURE_TYPE_DEPENDENCY_INFO, .memoryBarrierCount = 1, .pMemoryBarriers = &barrier};
             device_.vk.CmdPipelineBarrier2(commands, &dependency);
         });
     pending_.clear();
@@ -198,7 +199,8 @@ void copyToHost(const Device& device, VkCommandBuffer commands, const Image& ima
 {
     const VkBufferImageCopy region{.imageSubresource = {image.info().aspect, 0, 0, 1},
                                    .imageExtent = {image.info().width, image.info().height, 1}};
-    device.vk.CmdCopyImageToBuffer(commands, image.get(), VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, target.get(), 1, &region);
+    device.vk.CmdCopyImageToBuffer(commands, image.get(), VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, target.get(), 1,
+                                   &region);
     const VkMemoryBarrier2 barrier{.sType = VK_STRUCTURE_TYPE_MEMORY_BARRIER_2,
                                    .srcStageMask = VK_PIPELINE_STAGE_2_COPY_BIT,
                                    .srcAccessMask = VK_ACCESS_2_TRANSFER_WRITE_BIT,
@@ -246,7 +248,8 @@ std::vector<Timer::Span> Timer::results() const
           "read its timestamps");
     std::vector<Span> spans;
     for (std::size_t i = 0; i < names_.size(); ++i)
-        spans.push_back({names_[i], double(ticks[i + 1] - ticks[i]) * device_.properties().limits.timestampPeriod * 1e-6});
+        spans.push_back(
+            {names_[i], double(ticks[i + 1] - ticks[i]) * device_.properties().limits.timestampPeriod * 1e-6});
     return spans;
 }
 

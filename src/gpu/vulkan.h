@@ -25,7 +25,8 @@ std::string resultName(VkResult result);
 void check(VkResult result, const char* action);
 
 // Functions by how they are looked up. A function that a source file needs is added here, and nowhere else.
-#define HALFLIGHT_VULKAN_GLOBAL_FUNCTIONS(X) X(CreateInstance) X(EnumerateInstanceVersion) X(EnumerateInstanceLayerProperties)
+#define HALFLIGHT_VULKAN_GLOBAL_FUNCTIONS(X)                                                                           \
+    X(CreateInstance) X(EnumerateInstanceVersion) X(EnumerateInstanceLayerProperties)
 #define HALFLIGHT_VULKAN_INSTANCE_FUNCTIONS(X)                                                                         \
     X(DestroyInstance)                                                                                                 \
     X(EnumeratePhysicalDevices)                                                                                        \

@@ -12,7 +12,10 @@ Error broken(std::string message, std::string object)
     return {ErrorCode::FileInvalid, std::move(message), std::move(object)};
 }
 
-std::string path(const char* kind, std::size_t index) { return std::string("/") + kind + "/" + std::to_string(index); }
+std::string path(const char* kind, std::size_t index)
+{
+    return std::string("/") + kind + "/" + std::to_string(index);
+}
 
 Status checkPart(const Scene& scene, const MeshPart& part, const std::string& where)
 {
@@ -45,7 +48,8 @@ Status checkScene(const BakedScene& baked)
     }
     for (std::size_t i = 0; i < scene.meshes.size(); ++i)
         for (std::size_t j = 0; j < scene.meshes[i].parts.size(); ++j)
-            if (Status status = checkPart(scene, scene.meshes[i].parts[j], path("meshes", i) + path("primitives", j)); !status)
+            if (Status status = checkPart(scene, scene.meshes[i].parts[j], path("meshes", i) + path("primitives", j));
+                !status)
                 return status;
     for (std::size_t i = 0; i < scene.objects.size(); ++i) {
         const Object& object = scene.objects[i];
@@ -58,9 +62,8 @@ Status checkScene(const BakedScene& baked)
             return broken("a shadowmask channel is outside -1…3", light.name);
 
     auto samePages = [](const auto& pages) {
-        return std::all_of(pages.begin(), pages.end(), [&](const auto& page) {
-            return !page.empty() && page.size() == pages.front().size();
-        });
+        return std::all_of(pages.begin(), pages.end(),
+                           [&](const auto& page) { return !page.empty() && page.size() == pages.front().size(); });
     };
     if (!samePages(baked.lightmaps)) return broken("lightmap pages are empty or differ in size", "");
     if (!samePages(baked.shadowmasks)) return broken("shadowmask pages are empty or differ in size", "");

@@ -30,7 +30,8 @@ std::vector<Draw> DrawLists::solid(std::span<const uint32_t> objects)
             used = true;
         }
         if (used)
-            instances_.insert(instances_.end(), sorted.begin() + std::ptrdiff_t(begin), sorted.begin() + std::ptrdiff_t(end));
+            instances_.insert(instances_.end(), sorted.begin() + std::ptrdiff_t(begin),
+                              sorted.begin() + std::ptrdiff_t(end));
         begin = end;
     }
     return draws;
@@ -49,7 +50,8 @@ std::vector<Draw> DrawLists::blended(std::span<const uint32_t> objects, vec3 eye
         for (const DrawPart& part : scene_.meshes[std::size_t(placed.mesh)]) {
             if (part.alphaMode != Material::AlphaMode::Blend) continue;
             const vec3 center(placed.worldFromObject * vec4(part.center, 1.0f));
-            entries.push_back({{&part, scene_.mirrored[object], uint32_t(instances_.size()), 1}, glm::distance(center, eye)});
+            entries.push_back(
+                {{&part, scene_.mirrored[object], uint32_t(instances_.size()), 1}, glm::distance(center, eye)});
             instances_.push_back(object);
         }
     }

@@ -33,9 +33,12 @@ static_assert(shading::kFilterHalfWidthSoft <= filterReachTexels(ShadowFilter::S
 int filterHalfWidth(ShadowFilter filter)
 {
     switch (filter) {
-    case ShadowFilter::Hard: return 0;
-    case ShadowFilter::Soft: return shading::kFilterHalfWidthSoft;
-    case ShadowFilter::Pcf: break;
+    case ShadowFilter::Hard:
+        return 0;
+    case ShadowFilter::Soft:
+        return shading::kFilterHalfWidthSoft;
+    case ShadowFilter::Pcf:
+        break;
     }
     return shading::kFilterHalfWidthPcf;
 }
@@ -60,8 +63,8 @@ shading::GpuFrame gpuFrame(const GpuScene& scene, const FrameView& view, const R
     frame.pictureSize = vec4(view.size, 0.0f, 0.0f);
     frame.fade = vec4(plan.fadeConstants, 0.0f, 0.0f);
     frame.cascadeFar = vec4(plan.cascadeFar[0], plan.cascadeFar[1], plan.cascadeFar[2], plan.cascadeFar[3]);
-    frame.shadowBias =
-        vec4(settings.shadows.depthBias, settings.shadows.normalBiasTexels, settings.shadows.cascadeBlendFraction, 0.0f);
+    frame.shadowBias = vec4(settings.shadows.depthBias, settings.shadows.normalBiasTexels,
+                            settings.shadows.cascadeBlendFraction, 0.0f);
     frame.skyZenith = vec4(sky.zenith, 0.0f);
     frame.skyHorizon = vec4(sky.horizon, 0.0f);
     frame.skyGround = vec4(sky.ground, 0.0f);
@@ -70,8 +73,8 @@ shading::GpuFrame gpuFrame(const GpuScene& scene, const FrameView& view, const R
                               float(clusters.size.z) / std::log2(clusters.farMeters / clusters.nearMeters), 0.0f);
     frame.clusterSize = ivec4(clusters.size, 0);
     frame.mode = ivec4(int(plan.mode), int(settings.view), plan.mainLight, int(plan.lights.size()));
-    frame.shadow =
-        ivec4(filterHalfWidth(settings.shadows.filter), settings.shadows.cascades, int(settings.shadows.cascadeBlend), 0);
+    frame.shadow = ivec4(filterHalfWidth(settings.shadows.filter), settings.shadows.cascades,
+                         int(settings.shadows.cascadeBlend), 0);
     std::copy(std::begin(scene.skySh), std::end(scene.skySh), std::begin(frame.skySh));
     return frame;
 }

@@ -50,35 +50,35 @@ HL_CONST int kAlphaMask = 1;
 HL_CONST int kAlphaBlend = 2;
 
 struct GpuFrame {
-    vec4 cameraPosition;       // xyz world
-    vec4 cameraForward;        // xyz unit; w = 1 for orthographic cameras
-    vec4 cameraRight;          // xyz unit times half the picture's width at 1 m (perspective)
-    vec4 cameraUp;             // xyz unit times half the picture's height at 1 m
-    vec4 pictureSize;          // xy pixels
-    vec4 fade;                 // xy: fadeConstants()
-    vec4 cascadeFar;           // radial metres where each cascade ends
-    vec4 shadowBias;           // x depth bias in texels, y normal bias in texels, z cascade blend fraction
-    vec4 skyZenith;            // rgb cd/m2
+    vec4 cameraPosition; // xyz world
+    vec4 cameraForward;  // xyz unit; w = 1 for orthographic cameras
+    vec4 cameraRight;    // xyz unit times half the picture's width at 1 m (perspective)
+    vec4 cameraUp;       // xyz unit times half the picture's height at 1 m
+    vec4 pictureSize;    // xy pixels
+    vec4 fade;           // xy: fadeConstants()
+    vec4 cascadeFar;     // radial metres where each cascade ends
+    vec4 shadowBias;     // x depth bias in texels, y normal bias in texels, z cascade blend fraction
+    vec4 skyZenith;      // rgb cd/m2
     vec4 skyHorizon;
     vec4 skyGround;
     vec4 subtractiveShadowColor; // rgb lux
-    vec4 clusterRange;         // x near, y far (metres of view depth), z slices / log2(far / near)
-    ivec4 clusterSize;         // xyz
-    ivec4 mode;                // x run mode, y debug view, z main light (-1 none), w light count
-    ivec4 shadow;              // x filter half-width, y cascades per directional light, z how cascades blend
-    vec4 skySh[9];             // rgb radiance coefficients of the sky
+    vec4 clusterRange;           // x near, y far (metres of view depth), z slices / log2(far / near)
+    ivec4 clusterSize;           // xyz
+    ivec4 mode;                  // x run mode, y debug view, z main light (-1 none), w light count
+    ivec4 shadow;                // x filter half-width, y cascades per directional light, z how cascades blend
+    vec4 skySh[9];               // rgb radiance coefficients of the sky
 };
 
-HL_CONST int kObjectLightmapped = 1;    // lit by its lightmap; others by probes
+HL_CONST int kObjectLightmapped = 1; // lit by its lightmap; others by probes
 HL_CONST int kObjectReceiveShadows = 2;
 
 struct GpuObject {
     mat4 worldFromObject;
-    vec4 normalFromObject[3];  // columns of the inverse transpose; [0].w = sign of the transform's determinant
-    vec4 lightmapScaleOffset;  // xy scale, zw offset
-    ivec4 info;                // x flags, y lightmap page
-    vec4 probeOcclusion;       // baked attenuation by channel
-    vec4 probeSh[9];           // rgb radiance coefficients
+    vec4 normalFromObject[3]; // columns of the inverse transpose; [0].w = sign of the transform's determinant
+    vec4 lightmapScaleOffset; // xy scale, zw offset
+    ivec4 info;               // x flags, y lightmap page
+    vec4 probeOcclusion;      // baked attenuation by channel
+    vec4 probeSh[9];          // rgb radiance coefficients
 };
 
 HL_CONST int kTextureBaseColor = 0;
@@ -88,9 +88,9 @@ HL_CONST int kTextureOcclusion = 3;
 HL_CONST int kTextureEmissive = 4;
 
 struct GpuTextureRef {
-    vec4 matrix;  // rows (x, y) and (z, w): uv' = matrix * uv + offset
-    vec4 offset;  // xy
-    ivec4 info;   // x index into the texture array, -1 none; y coordinate set 0 or 1
+    vec4 matrix; // rows (x, y) and (z, w): uv' = matrix * uv + offset
+    vec4 offset; // xy
+    ivec4 info;  // x index into the texture array, -1 none; y coordinate set 0 or 1
 };
 
 struct GpuMaterial {
@@ -117,8 +117,8 @@ struct GpuLight {
 struct GpuTile {
     mat4 clipFromWorld;
     mat4 planeFromWorld; // planes (n, d) of the world to planes of clip space: the inverse transpose of clipFromWorld
-    vec4 rectangle;  // xy offset in texels, z size in texels, w layer
-    vec4 parameters; // x metres of a texel (at 1 m distance for perspective tiles)
+    vec4 rectangle;      // xy offset in texels, z size in texels, w layer
+    vec4 parameters;     // x metres of a texel (at 1 m distance for perspective tiles)
 };
 
 struct GpuPush {

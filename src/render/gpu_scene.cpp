@@ -18,10 +18,11 @@ using shading::GpuTextureRef;
 constexpr VkBufferUsageFlags kStorage = VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT;
 constexpr float kMaxAnisotropy = 8.0f;
 
-template<typename T>
-gpu::Buffer uploadVector(gpu::Device& device, gpu::Uploader& uploader, const std::vector<T>& values, VkBufferUsageFlags usage)
+template<typename T> gpu::Buffer uploadVector(gpu::Device& device, gpu::Uploader& uploader,
+                                              const std::vector<T>& values, VkBufferUsageFlags usage)
 {
-    gpu::Buffer buffer(device, values.size() * sizeof(T), usage | VK_BUFFER_USAGE_TRANSFER_DST_BIT, gpu::MemoryUse::Device);
+    gpu::Buffer buffer(device, values.size() * sizeof(T), usage | VK_BUFFER_USAGE_TRANSFER_DST_BIT,
+                       gpu::MemoryUse::Device);
     uploader.buffer(buffer, values.data(), values.size() * sizeof(T));
     return buffer;
 }
@@ -51,10 +52,12 @@ void uploadMeshes(gpu::Device& device, gpu::Uploader& uploader, const Scene& sce
 
             positions.insert(positions.end(), part.positions.begin(), part.positions.end());
             indices.insert(indices.end(), part.indices.begin(), part.indices.end());
-            auto at = [](const auto& values, std::size_t i, auto absent) { return values.empty() ? absent : values[i]; };
+            auto at = [](const auto& values, std::size_t i, auto absent) {
+                return values.empty() ? absent : values[i];
+            };
             for (std::size_t i = 0; i < part.positions.size(); ++i) {
-                maskInputs.push_back({{at(part.uv[0], i, vec2(0.0f)), at(part.uv[1], i, vec2(0.0f))},
-                                      at(part.colors, i, vec4(1.0f))});
+                maskInputs.push_back(
+                    {{at(part.uv[0], i, vec2(0.0f)), at(part.uv[1], i, vec2(0.0f))}, at(part.colors, i, vec4(1.0f))});
                 litInputs.push_back({at(part.normals, i, vec3(0.0f)), at(part.tangents, i, vec4(0.0f)),
                                      at(part.lightmapUv, i, vec2(0.0f))});
             }
@@ -114,9 +117,12 @@ GpuMaterial gpuMaterial(const Scene& scene, const Material& material, TextureSlo
 VkSamplerAddressMode addressMode(Texture::Wrap wrap)
 {
     switch (wrap) {
-    case Texture::Wrap::ClampToEdge: return VK_SAMPLER_ADDRESS_MODE_CLAMP_TO_EDGE;
-    case Texture::Wrap::MirroredRepeat: return VK_SAMPLER_ADDRESS_MODE_MIRRORED_REPEAT;
-    case Texture::Wrap::Repeat: break;
+    case Texture::Wrap::ClampToEdge:
+        return VK_SAMPLER_ADDRESS_MODE_CLAMP_TO_EDGE;
+    case Texture::Wrap::MirroredRepeat:
+        return VK_SAMPLER_ADDRESS_MODE_MIRRORED_REPEAT;
+    case Texture::Wrap::Repeat:
+        break;
     }
     return VK_SAMPLER_ADDRESS_MODE_REPEAT;
 }
@@ -147,19 +153,18 @@ void uploadTextures(gpu::Device& device, gpu::Uploader& uploader, const Scene& s
         const std::tuple key(addressMode(texture.wrapU), addressMode(texture.wrapV), texture.nearest);
         const auto [it, isNew] = samplers.try_emplace(key, uint32_t(result.samplers.size()));
         if (isNew)
-            result.samplers.push_back(gpu::makeSampler(
-                device, {.magFilter = texture.nearest ? VK_FILTER_NEAREST : VK_FILTER_LINEAR,
-                         .addressU = std::get<0>(key),
-                         .addressV = std::get<1>(key),
-                         .maxAnisotropy = texture.nearest ? 1.0f : kMaxAnisotropy}));
+            result.samplers.push_back(
+                gpu::makeSampler(device, {.magFilter = texture.nearest ? VK_FILTER_NEAREST : VK_FILTER_LINEAR,
+                                          .addressU = std::get<0>(key),
+                                          .addressV = std::get<1>(key),
+                                          .maxAnisotropy = texture.nearest ? 1.0f : kMaxAnisotropy}));
         result.samplerOfTexture.push_back(it->second);
     }
 }
 
 /// Pages as layers of one array; one texel of `absent` where there are none.
-template<typename Texel>
-gpu::Image uploadPages(gpu::Device& device, gpu::Uploader& uploader, const std::vector<Image<Texel>>& pages, VkFormat format,
-                       Texel absent)
+template<typename Texel> gpu::Image uploadPages(gpu::Device& device, gpu::Uploader& uploader,
+                                                const std::vector<Image<Texel>>& pages, VkFormat format, Texel absent)
 {
     static_assert(sizeof(Texel) == 4);
     const ivec2 size = pages.empty() ? ivec2(1) : pages.front().size();
@@ -181,9 +186,8 @@ bool isLightmapped(const BakedScene& baked, const Object& object)
 {
     if (!baked.isBaked || !object.isStatic || object.lightmap.page < 0 || object.mesh < 0) return false;
     const auto& parts = baked.scene.meshes[std::size_t(object.mesh)].parts;
-    return std::all_of(parts.begin(), parts.end(), [](const MeshPart& part) {
-        return part.positions.empty() || !part.lightmapUv.empty();
-    });
+    return std::all_of(parts.begin(), parts.end(),
+                       [](const MeshPart& part) { return part.positions.empty() || !part.lightmapUv.empty(); });
 }
 
 GpuObject gpuObject(const BakedScene& baked, const Object& object, const Bounds& bounds)

@@ -54,9 +54,11 @@ ImageRgba8 nextLevel(const ImageRgba8& image, bool srgb)
                 vec4 sum(0.0f);
                 for (int j = 0; j < 3; ++j) {
                     for (int i = 0; i < 3; ++i) {
-                        const float weight = rows[y].weight[std::size_t(j)] * columns[std::size_t(x)].weight[std::size_t(i)];
+                        const float weight =
+                            rows[y].weight[std::size_t(j)] * columns[std::size_t(x)].weight[std::size_t(i)];
                         if (weight == 0.0f) continue;
-                        const u8vec4 texel = image(columns[std::size_t(x)].index[std::size_t(i)], rows[y].index[std::size_t(j)]);
+                        const u8vec4 texel =
+                            image(columns[std::size_t(x)].index[std::size_t(i)], rows[y].index[std::size_t(j)]);
                         sum += weight * vec4(color[texel.r], color[texel.g], color[texel.b], float(texel.a) / 255.0f);
                     }
                 }

@@ -24,10 +24,14 @@ enum class Culling { None, AsMaterial, Front, Back };
 VkCullModeFlags cullMode(Culling culling, const DrawPart& part)
 {
     switch (culling) {
-    case Culling::None: return VK_CULL_MODE_NONE;
-    case Culling::Front: return VK_CULL_MODE_FRONT_BIT;
-    case Culling::Back: return VK_CULL_MODE_BACK_BIT;
-    case Culling::AsMaterial: break;
+    case Culling::None:
+        return VK_CULL_MODE_NONE;
+    case Culling::Front:
+        return VK_CULL_MODE_FRONT_BIT;
+    case Culling::Back:
+        return VK_CULL_MODE_BACK_BIT;
+    case Culling::AsMaterial:
+        break;
     }
     return part.doubleSided ? VK_CULL_MODE_NONE : VK_CULL_MODE_BACK_BIT;
 }
@@ -70,7 +74,8 @@ void pushClipFromWorld(const PassContext& context, const mat4& clipFromWorld)
 {
     const GpuPush push{clipFromWorld, ivec4(0)};
     context.device.vk.CmdPushConstants(context.commands, context.pipelines.layout.get(),
-                                       VK_SHADER_STAGE_VERTEX_BIT | VK_SHADER_STAGE_FRAGMENT_BIT, 0, sizeof(push), &push);
+                                       VK_SHADER_STAGE_VERTEX_BIT | VK_SHADER_STAGE_FRAGMENT_BIT, 0, sizeof(push),
+                                       &push);
 }
 
 void setViewport(const PassContext& context, ivec2 offset, ivec2 size)
@@ -195,7 +200,8 @@ void drawShadowLayer(const PassContext& context, const gpu::Image& map, VkImageV
         pushClipFromWorld(context, tile.clipFromWorld);
         vk.CmdSetDepthBias(context.commands, 0.0f, 0.0f, slopeBias);
         // Both sides of every surface cast, as in the bake, whose rays are stopped by both.
-        drawSolid(context, tile.draws, context.pipelines.shadow.get(), context.pipelines.shadowMasked.get(), Culling::None);
+        drawSolid(context, tile.draws, context.pipelines.shadow.get(), context.pipelines.shadowMasked.get(),
+                  Culling::None);
     }
     vk.CmdEndRendering(context.commands);
 }
@@ -227,7 +233,8 @@ void beginCamera(const PassContext& context, const gpu::Image& color, const gpu:
 void drawDepth(const PassContext& context, const CameraDraws& draws)
 {
     pushClipFromWorld(context, draws.clipFromWorld);
-    drawSolid(context, draws.solid, context.pipelines.depth.get(), context.pipelines.depthMasked.get(), Culling::AsMaterial);
+    drawSolid(context, draws.solid, context.pipelines.depth.get(), context.pipelines.depthMasked.get(),
+              Culling::AsMaterial);
 }
 
 void drawLit(const PassContext& context, const CameraDraws& draws)
@@ -256,6 +263,9 @@ void drawBlended(const PassContext& context, const CameraDraws& draws)
     }
 }
 
-void endCamera(const PassContext& context) { context.device.vk.CmdEndRendering(context.commands); }
+void endCamera(const PassContext& context)
+{
+    context.device.vk.CmdEndRendering(context.commands);
+}
 
 } // namespace halflight

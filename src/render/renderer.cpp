@@ -15,6 +15,7 @@ namespace halflight {
 namespace {
 
 constexpr int kMaxPictureSize = 16384;
+constexpr int kMaxSupersampling = 4;
 
 /// Runs `body`; a failing device or a full memory becomes an error.
 template<typename T> Result<T> guarded(const std::function<Result<T>()>& body)
@@ -37,7 +38,9 @@ public:
     bool write(const gpu::Device& device, const void* data, std::size_t bytes)
     {
         const bool grow = !buffer_.get() || buffer_.size() < bytes;
-        if (grow) buffer_ = gpu::Buffer(device, std::max<std::size_t>(bytes + bytes / 2, 256), usage_, gpu::MemoryUse::Upload);
+        if (grow)
+            buffer_ =
+                gpu::Buffer(device, std::max<std::size_t>(bytes + bytes / 2, 256), usage_, gpu::MemoryUse::Upload);
         if (bytes > 0) std::memcpy(buffer_.mapped(), data, bytes);
         return grow;
     }
@@ -101,6 +104,17 @@ ShadowPasses shadowPasses(const FramePlan& plan, DrawLists& lists)
     return passes;
 }
 
+/// Means of factor x factor blocks.
+ImageRgba32f downsampled(const ImageRgba32f& image, int factor)
+{
+    if (factor == 1) return image;
+    ImageRgba32f result(image.width() / factor, image.height() / factor, vec4(0.0f));
+    const float weight = 1.0f / float(factor * factor);
+    for (int y = 0; y < image.height(); ++y)
+        for (int x = 0; x < image.width(); ++x) result(x / factor, y / factor) += weight * image(x, y);
+    return result;
+}
+
 Status checkCamera(const Camera& camera)
 {
     auto finite = [](const mat4& m) {
@@ -130,8 +144,7 @@ struct Renderer::Impl {
           pipelines(device, setLayout.get(), colorFormat),
           pageSampler(gpu::makeSampler(device, {.mipmapMode = VK_SAMPLER_MIPMAP_MODE_NEAREST})),
           shadowSampler(makeShadowSampler(device)), timer(device, 8)
-    {
-    }
+    {}
 
     /// Radiance in full floats; half floats where the device cannot blend those.
     static VkFormat chooseColorFormat(const gpu::Device& device)
@@ -142,8 +155,7 @@ struct Renderer::Impl {
     }
     static gpu::UniqueSampler makeShadowSampler(const gpu::Device& device)
     {
-        const bool linear =
-            device.optimalFeatures(kDepthFormat) & VK_FORMAT_FEATURE_SAMPLED_IMAGE_FILTER_LINEAR_BIT;
+        const bool linear = device.optimalFeatures(kDepthFormat) & VK_FORMAT_FEATURE_SAMPLED_IMAGE_FILTER_LINEAR_BIT;
         const VkFilter filter = linear ? VK_FILTER_LINEAR : VK_FILTER_NEAREST;
         return gpu::makeSampler(device, {.magFilter = filter,
                                          .minFilter = filter,
@@ -220,7 +232,8 @@ void Renderer::Impl::ensureTargets(ivec2 size, const FramePlan& plan, const Shad
     // Without shadow maps one texel stands in for them, and is never read.
     const bool hasCascades = plan.directionalLayers > 0;
     const bool hasAtlas = int(plan.tiles.size()) > plan.directionalLayers;
-    if (cascades.ensure(device, hasCascades ? shadows.directionalMapSize : 1, hasCascades ? plan.directionalLayers : 1) ||
+    if (cascades.ensure(device, hasCascades ? shadows.directionalMapSize : 1,
+                        hasCascades ? plan.directionalLayers : 1) ||
         bindAll)
         set.image(shading::kBindCascades, cascades.image.view(), shadowSampler.get());
     if (atlas.ensure(device, hasAtlas ? shadows.atlasSize : 1, 1) || bindAll)
@@ -258,14 +271,17 @@ ImageRgba32f Renderer::Impl::readPicture() const
 Result<RenderedFrame> Renderer::Impl::render(const Camera& camera, const RenderSettings& settings)
 {
     if (!scene) return Error{ErrorCode::InvalidArgument, "no scene was loaded", ""};
-    const int limit = std::min(kMaxPictureSize, int(device.properties().limits.maxImageDimension2D));
+    if (settings.supersampling < 1 || settings.supersampling > kMaxSupersampling)
+        return Error{ErrorCode::InvalidArgument, "supersampling must be 1…" + std::to_string(kMaxSupersampling), ""};
+    const int limit =
+        std::min(kMaxPictureSize, int(device.properties().limits.maxImageDimension2D)) / settings.supersampling;
     if (settings.size.x < 1 || settings.size.y < 1 || settings.size.x > limit || settings.size.y > limit)
         return Error{ErrorCode::InvalidArgument, "the picture's size must be 1…" + std::to_string(limit), ""};
-    for (const Status& status : {checkCamera(camera), checkShadowSettings(settings.shadows),
-                                 checkRunMode(scene->outline, settings.mode)})
+    for (const Status& status :
+         {checkCamera(camera), checkShadowSettings(settings.shadows), checkRunMode(scene->outline, settings.mode)})
         if (!status) return status.error();
 
-    const FrameView view{camera, settings.size};
+    const FrameView view{camera, settings.size * settings.supersampling};
     FramePlan plan = planFrame(scene->outline, scene->bounds, view, settings.mode, settings.shadows);
 
     DrawLists lists(*scene);
@@ -276,7 +292,7 @@ Result<RenderedFrame> Renderer::Impl::render(const Camera& camera, const RenderS
     draws.solid = lists.solid(visible);
     draws.blended = lists.blended(visible, vec3(camera.worldFromCamera[3]));
 
-    ensureTargets(settings.size, plan, settings.shadows);
+    ensureTargets(view.size, plan, settings.shadows);
     uploadFrame(view, settings, plan, lists.instances());
 
     device.execute([&](VkCommandBuffer commands) {
@@ -315,7 +331,7 @@ Result<RenderedFrame> Renderer::Impl::render(const Camera& camera, const RenderS
     });
 
     RenderedFrame frame;
-    frame.radiance = readPicture();
+    frame.radiance = downsampled(readPicture(), settings.supersampling);
     frame.plan = std::move(plan);
     for (const gpu::Timer::Span& span : timer.results()) frame.passes.push_back({span.name, span.milliseconds});
     return frame;
@@ -333,7 +349,10 @@ Result<std::unique_ptr<Renderer>> Renderer::create(const RendererOptions& option
     });
 }
 
-std::string Renderer::deviceName() const { return impl_->device.properties().deviceName; }
+std::string Renderer::deviceName() const
+{
+    return impl_->device.properties().deviceName;
+}
 
 Status Renderer::load(const BakedScene& baked)
 {
@@ -350,6 +369,9 @@ Result<RenderedFrame> Renderer::render(const Camera& camera, const RenderSetting
     return guarded<RenderedFrame>([&] { return impl_->render(camera, settings); });
 }
 
-std::vector<std::string> Renderer::validationMessages() const { return impl_->device.validationMessages(); }
+std::vector<std::string> Renderer::validationMessages() const
+{
+    return impl_->device.validationMessages();
+}
 
 } // namespace halflight

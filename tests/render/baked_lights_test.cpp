@@ -78,8 +78,8 @@ vec3 umbra(vec3 light, float x)
 
 class LocalMask : public RenderTest, public testing::WithParamInterface<std::tuple<LightType, RunMode>> {};
 
-// The camera sees the slab over the umbra, so it looks from below the slab's height in these tests: the slab is thin and
-// the umbra's far end is checked, beyond the slab as the camera sees it.
+// The camera sees the slab over the umbra, so it looks from below the slab's height in these tests: the slab is thin
+// and the umbra's far end is checked, beyond the slab as the camera sees it.
 TEST_P(LocalMask, RealtimeAndBakedMeetS3S4S8)
 {
     const auto [type, mode] = GetParam();
@@ -219,9 +219,9 @@ TEST_F(RenderTest, RealtimeLightIgnoresMasksS11)
     const RenderedFrame frame = render(floor.baked, floor.camera, settingsFor(RunMode::Shadowmask));
     ivec2 pixel;
     const ShadedPoint point = floor.pointAt(vec3(1, 0, 0), pixel);
-    EXPECT_TRUE(near(vec3(frame.radiance(pixel.x, pixel.y)),
-                     directRadiance(point, floor.baked.scene.lights[0], kMask[0]) +
-                         directRadiance(point, floor.baked.scene.lights[1], 1.0f)));
+    EXPECT_TRUE(
+        near(vec3(frame.radiance(pixel.x, pixel.y)), directRadiance(point, floor.baked.scene.lights[0], kMask[0]) +
+                                                         directRadiance(point, floor.baked.scene.lights[1], 1.0f)));
 }
 
 } // namespace

@@ -1,5 +1,5 @@
-// A rendered pixel equals the law's value: a floor in four columns (lit; in static shadow; in dynamic shadow; in both), seen
-// near, within the fade, and beyond the shadow distance, in every mode.
+// A rendered pixel equals the law's value: a floor in four columns (lit; in static shadow; in dynamic shadow; in both),
+// seen near, within the fade, and beyond the shadow distance, in every mode.
 #include "render/render_test.h"
 
 #include <glm/gtc/matrix_transform.hpp>
@@ -21,11 +21,20 @@ constexpr std::array<float, 3> kDepths{-12.0f, -24.0f, -40.0f}; // near, inside 
 const vec3 kToSun = glm::normalize(vec3(0.2f, 1.0f, 0.1f));
 const vec3 kAlbedo(0.8f, 0.5f, 0.25f);
 
-constexpr bool inStaticShadow(int column) { return column == 1 || column == 3; }
-constexpr bool inDynamicShadow(int column) { return column >= 2; }
+constexpr bool inStaticShadow(int column)
+{
+    return column == 1 || column == 3;
+}
+constexpr bool inDynamicShadow(int column)
+{
+    return column >= 2;
+}
 
 /// Lightmap of a column: values that RGB9E5 holds exactly.
-vec3 lightmapOf(int column) { return inStaticShadow(column) ? vec3(0.5f, 0.375f, 0.25f) : vec3(2.0f, 1.5f, 1.0f); }
+vec3 lightmapOf(int column)
+{
+    return inStaticShadow(column) ? vec3(0.5f, 0.375f, 0.25f) : vec3(2.0f, 1.5f, 1.0f);
+}
 
 MixedLightingMode bakeModeFor(RunMode mode)
 {
@@ -34,7 +43,10 @@ MixedLightingMode bakeModeFor(RunMode mode)
     return MixedLightingMode::Shadowmask;
 }
 
-Camera makeCamera() { return lookAt(vec3(0, 4, 0), vec3(0, 2, -12), kPi / 3.0f); }
+Camera makeCamera()
+{
+    return lookAt(vec3(0, 4, 0), vec3(0, 2, -12), kPi / 3.0f);
+}
 
 struct LawScene {
     BakedScene baked;
@@ -51,7 +63,8 @@ LawScene makeScene(MixedLightingMode bakeMode)
     baked.isBaked = true;
     baked.mode = bakeMode;
     const int material = addMaterial(scene, vec4(kAlbedo, 1.0f));
-    result.floor = addObject(scene, makeRectangle(16.0f, 100.0f, material), glm::translate(mat4(1.0f), vec3(0, 0, -50)), true);
+    result.floor =
+        addObject(scene, makeRectangle(16.0f, 100.0f, material), glm::translate(mat4(1.0f), vec3(0, 0, -50)), true);
     scene.objects[0].lightmap = {0, vec2(0.5f), vec2(0.25f)};
 
     // Slabs along each column, off the camera's line to the floor.
@@ -119,7 +132,9 @@ std::vector<Site> sites()
             site.point.baseColor = kAlbedo;
             const float distance = glm::distance(ray.origin, site.point.position);
             site.fade = glm::clamp((distance - kShadowDistance) / kFadeRange + 1.0f, 0.0f, 1.0f);
-            EXPECT_TRUE(band == 0 ? site.fade == 0.0f : band == 1 ? site.fade > 0.1f && site.fade < 0.9f : site.fade == 1.0f);
+            EXPECT_TRUE(band == 0   ? site.fade == 0.0f
+                        : band == 1 ? site.fade > 0.1f && site.fade < 0.9f
+                                    : site.fade == 1.0f);
             result.push_back(site);
         }
     }
@@ -150,9 +165,9 @@ TEST_P(LawPixels, StaticReceiver)
         vec3 expected(0.0f);
         if (mode == RunMode::Subtractive) {
             const vec3 main = vec3(kSunLux * kToSun.y);
-            expected = indirectRadiance(site.point,
-                                        shading::subtractiveIrradiance(lightmapOf(site.column), main, faded,
-                                                                       scene.subtractiveShadowColor, strength));
+            expected =
+                indirectRadiance(site.point, shading::subtractiveIrradiance(lightmapOf(site.column), main, faded,
+                                                                            scene.subtractiveShadowColor, strength));
         } else {
             const bool masked = mode == RunMode::Shadowmask || mode == RunMode::DistanceShadowmask;
             const float baked = inStaticShadow(site.column) ? kBakedShadow : 1.0f;
@@ -200,8 +215,9 @@ std::string parameterName(const testing::TestParamInfo<std::tuple<RunMode, float
 }
 
 INSTANTIATE_TEST_SUITE_P(S1S7S12S13S20toS25, LawPixels,
-                         testing::Combine(testing::Values(RunMode::Realtime, RunMode::BakedIndirect, RunMode::Shadowmask,
-                                                          RunMode::DistanceShadowmask, RunMode::Subtractive),
+                         testing::Combine(testing::Values(RunMode::Realtime, RunMode::BakedIndirect,
+                                                          RunMode::Shadowmask, RunMode::DistanceShadowmask,
+                                                          RunMode::Subtractive),
                                           testing::Values(1.0f, 0.6f)),
                          parameterName);
 
@@ -220,7 +236,8 @@ TEST_P(OnlyBakedShadowsS19, MaskStaysWithoutCasters)
         const vec3 expected =
             directRadiance(site.point, scene.lights[0], inStaticShadow(site.column) ? kBakedShadow : 1.0f) +
             indirectRadiance(site.point, lightmapOf(site.column));
-        EXPECT_TRUE(near(vec3(frame.radiance(site.pixel.x, site.pixel.y)), expected)) << site.column << ' ' << site.band;
+        EXPECT_TRUE(near(vec3(frame.radiance(site.pixel.x, site.pixel.y)), expected))
+            << site.column << ' ' << site.band;
     }
 }
 INSTANTIATE_TEST_SUITE_P(, OnlyBakedShadowsS19, testing::Values(RunMode::Shadowmask, RunMode::DistanceShadowmask));
@@ -237,13 +254,15 @@ TEST_P(ReceiveShadowsS30, OffMeansNeitherRealtimeNorBaked)
     for (const Site& site : sites()) {
         vec3 expected = indirectRadiance(site.point, lightmapOf(site.column));
         if (mode != RunMode::Subtractive) expected += directRadiance(site.point, scene.lights[0], 1.0f);
-        EXPECT_TRUE(near(vec3(frame.radiance(site.pixel.x, site.pixel.y)), expected)) << site.column << ' ' << site.band;
+        EXPECT_TRUE(near(vec3(frame.radiance(site.pixel.x, site.pixel.y)), expected))
+            << site.column << ' ' << site.band;
     }
 }
 INSTANTIATE_TEST_SUITE_P(, ReceiveShadowsS30,
                          testing::Values(RunMode::Shadowmask, RunMode::DistanceShadowmask, RunMode::Subtractive));
 
-class CascadesS2 : public RenderTest, public testing::WithParamInterface<std::tuple<int, ShadowFilter, CascadeBlend>> {};
+class CascadesS2 : public RenderTest,
+                   public testing::WithParamInterface<std::tuple<int, ShadowFilter, CascadeBlend>> {};
 
 // Umbra is 0 and light is 1 whatever the filter, the number of cascades and the way they blend: neither acne nor a
 // shadow that lets light through. Near the camera, whole columns are checked, not single points.

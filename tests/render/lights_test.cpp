@@ -63,7 +63,8 @@ TEST_F(RenderTest, ClustersHoldAllOf256Lights)
                 const Ray ray = pixelRay(camera, kSize, {x, y});
                 if (ray.direction.y >= -0.02f) continue;
                 const ShadedPoint point{onPlane(ray, 0.0f), vec3(0, 1, 0), -ray.direction, kAlbedo};
-                if (std::abs(point.position.x) > 19.5f || point.position.z > 4.5f || point.position.z < -54.5f) continue;
+                if (std::abs(point.position.x) > 19.5f || point.position.z > 4.5f || point.position.z < -54.5f)
+                    continue;
                 vec3 expected(0.0f);
                 for (const Light& light : baked.scene.lights) expected += directRadiance(point, light, 1.0f);
                 ASSERT_TRUE(near(vec3(frame.radiance(x, y)), expected, 2.0e-3f, 1.0e-4f)) << x << ' ' << y;
@@ -123,7 +124,8 @@ TEST_F(RenderTest, PointLightShadowsOnAllSixFaces)
             settings.shadows.filter = filter;
             const RenderedFrame frame = render(baked, camera, settings);
             const vec3 other = glm::cross(axis, side);
-            for (const vec2 offset : {vec2(0.3f, 0.2f), vec2(-0.2f, -0.3f), vec2(2.2f, 0.3f), vec2(0.4f, 2.3f), vec2(2.8f, -2.0f)}) {
+            for (const vec2 offset :
+                 {vec2(0.3f, 0.2f), vec2(-0.2f, -0.3f), vec2(2.2f, 0.3f), vec2(0.4f, 2.3f), vec2(2.8f, -2.0f)}) {
                 const ivec2 pixel = pixelOf(camera, {160, 90}, axis * 4.0f + side * offset.x + other * offset.y);
                 ASSERT_TRUE(pixel.x >= 0 && pixel.y >= 0 && pixel.x < 160 && pixel.y < 90);
                 const Ray ray = pixelRay(camera, {160, 90}, pixel);
@@ -131,7 +133,8 @@ TEST_F(RenderTest, PointLightShadowsOnAllSixFaces)
                 const vec3 position = ray.origin + ray.direction * reach;
                 const ShadedPoint point{position, -axis, -ray.direction, kAlbedo};
                 const bool shadowed = std::abs(offset.x) < 0.7f && std::abs(offset.y) < 0.7f;
-                EXPECT_TRUE(near(vec3(frame.radiance(pixel.x, pixel.y)), directRadiance(point, light, shadowed ? 0.0f : 1.0f)))
+                EXPECT_TRUE(
+                    near(vec3(frame.radiance(pixel.x, pixel.y)), directRadiance(point, light, shadowed ? 0.0f : 1.0f)))
                     << "axis " << axis.x << axis.y << axis.z << " offset " << offset.x << ' ' << offset.y;
             }
         }

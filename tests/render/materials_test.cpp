@@ -20,7 +20,10 @@ RenderSettings settingsFor()
     return settings;
 }
 
-ivec2 center() { return kSize / 2; }
+ivec2 center()
+{
+    return kSize / 2;
+}
 
 /// A wall in the plane z = 0 that faces +Z, seen from z = `eyeZ`, with a sun.
 struct Wall {
@@ -39,7 +42,10 @@ struct Wall {
     Object& object() { return baked.scene.objects[0]; }
 };
 
-Camera from(float z) { return lookAt(vec3(0.3f, 0.2f, z), vec3(0.3f, 0.2f, 0)); }
+Camera from(float z)
+{
+    return lookAt(vec3(0.3f, 0.2f, z), vec3(0.3f, 0.2f, 0));
+}
 
 /// The picture's middle as a point of the wall with this normal.
 ShadedPoint middle(const Camera& camera, vec3 normal)
@@ -48,7 +54,10 @@ ShadedPoint middle(const Camera& camera, vec3 normal)
     return {ray.origin - ray.direction * (ray.origin.z / ray.direction.z), normal, -ray.direction, kAlbedo};
 }
 
-vec3 pixel(const RenderedFrame& frame) { return vec3(frame.radiance(center().x, center().y)); }
+vec3 pixel(const RenderedFrame& frame)
+{
+    return vec3(frame.radiance(center().x, center().y));
+}
 
 TEST_F(RenderTest, BackFacesCulledUnlessDoubleSided)
 {
@@ -78,14 +87,16 @@ TEST_F(RenderTest, MirroredScaledAndShearedNormals)
     mat4 shear(1.0f);
     shear[1][2] = 0.5f; // z += 0.5 y: the wall leans
     for (const mat4& transform : {glm::scale(mat4(1.0f), vec3(-1, 1, 1)), glm::scale(mat4(1.0f), vec3(1, -2, 1)),
-                                  glm::scale(mat4(1.0f), vec3(-1, -1, 1)), glm::scale(mat4(1.0f), vec3(3, 0.5f, 1)), shear,
-                                  shear * glm::scale(mat4(1.0f), vec3(-2, 1, 1))}) {
+                                  glm::scale(mat4(1.0f), vec3(-1, -1, 1)), glm::scale(mat4(1.0f), vec3(3, 0.5f, 1)),
+                                  shear, shear * glm::scale(mat4(1.0f), vec3(-2, 1, 1))}) {
         Wall wall(vec3(0.3f, 0.4f, 1));
         wall.object().worldFromObject = transform * upright;
         const Camera camera = from(2.0f);
-        const vec3 normal = glm::normalize(transform == shear || transform[1][2] != 0.0f ? vec3(0, -0.5f, 1) : vec3(0, 0, 1));
+        const vec3 normal =
+            glm::normalize(transform == shear || transform[1][2] != 0.0f ? vec3(0, -0.5f, 1) : vec3(0, 0, 1));
         const Ray ray = pixelRay(camera, kSize, center());
-        const ShadedPoint point{ray.origin - ray.direction * (glm::dot(ray.origin, normal) / glm::dot(ray.direction, normal)),
+        const ShadedPoint point{ray.origin -
+                                    ray.direction * (glm::dot(ray.origin, normal) / glm::dot(ray.direction, normal)),
                                 normal, -ray.direction, kAlbedo};
         EXPECT_TRUE(near(pixel(render(wall.baked, camera, settingsFor())), directRadiance(point, wall.sun, 1.0f)));
     }
@@ -108,7 +119,8 @@ TEST_F(RenderTest, NormalMapFollowsTangentFrame)
             const vec3 mapped = vec3(204, 153, 230) / 255.0f * 2.0f - 1.0f;
             const vec3 normal = side * glm::normalize(vec3(mirror * mapped.x, mapped.y, mapped.z));
             ShadedPoint point = middle(camera, normal);
-            EXPECT_TRUE(near(pixel(render(wall.baked, camera, settingsFor())), directRadiance(point, wall.sun, 1.0f), 3e-3f))
+            EXPECT_TRUE(
+                near(pixel(render(wall.baked, camera, settingsFor())), directRadiance(point, wall.sun, 1.0f), 3e-3f))
                 << mirror << ' ' << side;
         }
     }
@@ -148,7 +160,8 @@ TEST_F(RenderTest, AlphaMaskHolesInPictureAndShadow)
     for (const float x : {-0.8f, 0.8f}) {
         const ivec2 p = pixelOf(high, kSize, vec3(x, 2, 0));
         const Ray ray = pixelRay(high, kSize, p);
-        ShadedPoint point{onPlane(ray, x < 0 ? 0.0f : 2.0f), vec3(0, 1, 0), -ray.direction, x < 0 ? kAlbedo : vec3(1.0f)};
+        ShadedPoint point{onPlane(ray, x < 0 ? 0.0f : 2.0f), vec3(0, 1, 0), -ray.direction,
+                          x < 0 ? kAlbedo : vec3(1.0f)};
         EXPECT_TRUE(near(vec3(frame.radiance(p.x, p.y)), directRadiance(point, sun, 1.0f))) << x;
     }
 }
@@ -165,8 +178,8 @@ TEST_F(RenderTest, BlendedPanesBackToFront)
         for (const int i : swapped ? std::array{1, 0} : std::array{0, 1}) {
             const int material = addMaterial(scene, colors[i]);
             scene.materials.back().alphaMode = Material::AlphaMode::Blend;
-            addObject(scene, makeRectangle(3, 3, material), glm::translate(mat4(1.0f), vec3(0, 0, i == 0 ? 0.5f : 1.0f)) * upright,
-                      false);
+            addObject(scene, makeRectangle(3, 3, material),
+                      glm::translate(mat4(1.0f), vec3(0, 0, i == 0 ? 0.5f : 1.0f)) * upright, false);
         }
         const Camera camera = from(3.0f);
         ShadedPoint point = middle(camera, vec3(0, 0, 1));
@@ -247,7 +260,8 @@ TEST_F(RenderTest, SkyFillsTheBackgroundByDirection)
     const RenderedFrame frame = render(baked, camera, settingsFor());
     for (const ivec2 p : {ivec2(0, 0), ivec2(159, 89), ivec2(80, 45), ivec2(10, 80)}) {
         const vec3 d = pixelRay(camera, kSize, p).direction;
-        const vec3 expected = d.y >= 0 ? glm::mix(vec3(4.0f), vec3(1, 2, 3), d.y) : glm::mix(vec3(4.0f), vec3(0.5f), -d.y);
+        const vec3 expected =
+            d.y >= 0 ? glm::mix(vec3(4.0f), vec3(1, 2, 3), d.y) : glm::mix(vec3(4.0f), vec3(0.5f), -d.y);
         EXPECT_TRUE(near(vec3(frame.radiance(p.x, p.y)), expected));
     }
 }

@@ -48,7 +48,8 @@ ivec2 pixelOf(const Camera& camera, ivec2 size, vec3 point)
     const float tanHalf = std::tan(0.5f * camera.verticalFovRadians);
     const float aspect = float(size.x) / float(size.y);
     const vec2 ndc(p.x / -p.z / (tanHalf * aspect), p.y / -p.z / tanHalf);
-    return {int(std::floor((ndc.x * 0.5f + 0.5f) * float(size.x))), int(std::floor((0.5f - ndc.y * 0.5f) * float(size.y)))};
+    return {int(std::floor((ndc.x * 0.5f + 0.5f) * float(size.x))),
+            int(std::floor((0.5f - ndc.y * 0.5f) * float(size.y)))};
 }
 
 Ray pixelRay(const Camera& camera, ivec2 size, ivec2 pixel)
@@ -133,10 +134,9 @@ void bakeAsMixed(Light& light, MixedLightingMode mode, int channel)
 
 vec3 directRadiance(const ShadedPoint& point, const Light& light, float attenuation)
 {
-    const shading::LightSample incoming =
-        shading::sampleLight(int(light.type), light.color * light.intensity, light.position(), light.direction(),
-                             light.rangeMeters, shading::spotConstants(light.innerConeRadians, light.outerConeRadians),
-                             point.position);
+    const shading::LightSample incoming = shading::sampleLight(
+        int(light.type), light.color * light.intensity, light.position(), light.direction(), light.rangeMeters,
+        shading::spotConstants(light.innerConeRadians, light.outerConeRadians), point.position);
     return shading::reflectLight(point.baseColor, point.metallic, point.roughness, point.normal, point.view,
                                  incoming.direction, incoming.illuminance * attenuation);
 }
@@ -145,7 +145,8 @@ vec3 indirectRadiance(const ShadedPoint& point, vec3 irradiance)
 {
     const float nDotV = std::max(std::abs(glm::dot(point.normal, point.view)), 1.0e-4f);
     return shading::diffuseRadiance(shading::diffuseAlbedoOf(point.baseColor, point.metallic), irradiance) +
-           shading::environmentSpecular(shading::specularF0Of(point.baseColor, point.metallic), point.roughness, nDotV) *
+           shading::environmentSpecular(shading::specularF0Of(point.baseColor, point.metallic), point.roughness,
+                                        nDotV) *
                irradiance * (1.0f / kPi);
 }
 
@@ -153,9 +154,9 @@ testing::AssertionResult near(vec3 actual, vec3 expected, float relative, float 
 {
     for (int c = 0; c < 3; ++c)
         if (!(std::abs(actual[c] - expected[c]) <= relative * std::abs(expected[c]) + absolute))
-            return testing::AssertionFailure() << "got (" << actual.x << ", " << actual.y << ", " << actual.z
-                                               << "), expected (" << expected.x << ", " << expected.y << ", "
-                                               << expected.z << ")";
+            return testing::AssertionFailure()
+                   << "got (" << actual.x << ", " << actual.y << ", " << actual.z << "), expected (" << expected.x
+                   << ", " << expected.y << ", " << expected.z << ")";
     return testing::AssertionSuccess();
 }
 

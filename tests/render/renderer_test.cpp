@@ -134,8 +134,33 @@ TEST_F(RenderTest, OrthographicCamera)
     for (int y = 0; y < 64; ++y)
         for (int x = 0; x < 64; ++x) {
             const bool inside = x >= 16 && x < 48 && y >= 16 && y < 48;
-            ASSERT_TRUE(near(vec3(frame.radiance(x, y)), inside ? directRadiance(point, sun, 1.0f) : vec3(0.0f))) << x << ' ' << y;
+            ASSERT_TRUE(near(vec3(frame.radiance(x, y)), inside ? directRadiance(point, sun, 1.0f) : vec3(0.0f)))
+                << x << ' ' << y;
         }
+}
+
+// An edge through the middle of a pixel's column: with 2 x 2 samples the column is half as bright.
+TEST_F(RenderTest, SupersamplingAveragesRadiance)
+{
+    BakedScene baked = oneRectangle();
+    const Light sun = directionalLight(vec3(0.2f, 1, 0.1f), 2.0f);
+    baked.scene.lights.push_back(sun);
+    Camera camera = lookAt(vec3(0.5f / 32.0f, 2, 0), vec3(0.5f / 32.0f, 0, 0));
+    camera.orthographic = true;
+    camera.orthographicHeightMeters = 2.0f;
+    camera.farMeters = 10.0f;
+    RenderSettings settings;
+    settings.size = {64, 64};
+    settings.supersampling = 2;
+    const RenderedFrame frame = render(baked, camera, settings);
+    ASSERT_EQ(frame.radiance.size(), settings.size);
+    const ShadedPoint point{vec3(0.0f), vec3(0, 1, 0), vec3(0, 1, 0), vec3(1.0f)};
+    const vec3 full = directRadiance(point, sun, 1.0f);
+    EXPECT_TRUE(near(vec3(frame.radiance(14, 32)), vec3(0.0f)));
+    EXPECT_TRUE(near(vec3(frame.radiance(15, 32)), 0.5f * full));
+    EXPECT_TRUE(near(vec3(frame.radiance(16, 32)), full));
+    EXPECT_TRUE(near(vec3(frame.radiance(47, 32)), 0.5f * full));
+    EXPECT_TRUE(near(vec3(frame.radiance(48, 32)), vec3(0.0f)));
 }
 
 // Many instances of one mesh are one draw per part and equal separate objects.

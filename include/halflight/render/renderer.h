@@ -25,6 +25,7 @@ struct RenderSettings {
     ShadowSettings shadows;
     DebugView view = DebugView::Lit;
     ivec2 size{1280, 720};
+    int supersampling = 1; ///< 1…4: each pixel is the mean radiance of supersampling^2 samples on a regular grid
 };
 
 struct PassTime {
