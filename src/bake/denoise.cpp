@@ -82,13 +82,13 @@ void denoise(const BakeGeometry& geometry, const TexelMap& map, std::vector<Irra
             color[i] = estimates[i].irradiance;
             variance[i] = weight > 0.0f ? std::max(varianceSum / weight, 0.25f * ownVariance) : ownVariance;
             if (n >= 8) {
-                const int rank = n * 4 / 5;
-                std::nth_element(around.begin(), around.begin() + rank, around.begin() + n);
-                const float bright = around[std::size_t(rank)];
-                if (own > 1.5f * bright && own - bright > 0.5f * std::sqrt(ownVariance) &&
-                    ownVariance > 0.04f * own * own) {
+                std::nth_element(around.begin(), around.begin() + (n - 3), around.begin() + n);
+                const float bright = around[std::size_t(n - 3)];
+                const float excess = own - bright;
+                if (own > 1.1f * bright && excess > 0.5f * std::sqrt(ownVariance) &&
+                    excess < 3.0f * std::sqrt(ownVariance)) {
                     color[i] *= bright / own;
-                    variance[i] = bright * bright * 0.04f;
+                    variance[i] = std::min(variance[i], bright * bright * 0.04f);
                 }
             }
         }

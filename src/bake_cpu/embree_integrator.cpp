@@ -66,7 +66,7 @@ public:
         return parallelFor(map.texels.size(), kTexelGrain, progress, "lightmap",
                            [&](std::size_t begin, std::size_t end) {
                                uint64_t rays = 0;
-                               for (std::size_t i = begin; i < end; ++i)
+                               for (std::size_t i = begin; i < end && !progress.cancelled(); ++i)
                                    out[i] = texelIrradiance(map, map.texels[i], rays);
                                rays_ += rays;
                            });
@@ -77,7 +77,7 @@ public:
         return parallelFor(map.texels.size(), kTexelGrain, progress, "shadowmask",
                            [&](std::size_t begin, std::size_t end) {
                                uint64_t rays = 0;
-                               for (std::size_t i = begin; i < end; ++i)
+                               for (std::size_t i = begin; i < end && !progress.cancelled(); ++i)
                                    out[i] = texelShadowmask(map, map.texels[i], rays);
                                rays_ += rays;
                            });

@@ -25,7 +25,7 @@ Result<ImageRgb32f> renderReference(const Scene& scene, const Camera& camera, iv
     const bool finished =
         parallelFor(picture.texelCount(), 256, progress, "reference", [&](std::size_t begin, std::size_t end) {
             uint64_t rays = 0;
-            for (std::size_t i = begin; i < end; ++i) {
+            for (std::size_t i = begin; i < end && !progress.cancelled(); ++i) {
                 const vec2 pixel(float(i % std::size_t(size.x)), float(i / std::size_t(size.x)));
                 vec3 sum(0.0f);
                 for (int s = 0; s < samplesPerPixel; ++s) {
