@@ -40,6 +40,16 @@ struct RenderedFrame {
 };
 
 /// Holds the Vulkan device and one uploaded scene.
+///
+/// What lights a surface, by mode. Direct light: every light of the frame plan, times its shadow attenuation by the law
+/// (shading/law.h). Indirect light: the lightmap on static objects that have one, else the probes at the object's
+/// middle; in realtime mode neither, but the open sky (nothing where the sky is black). Either reflects diffusely and,
+/// blurred, in the specular lobe, dimmed by the material's occlusion texture.
+///
+/// Both sides of opaque and alpha-masked surfaces cast realtime shadows, as they stop the bake's rays; alpha-blended
+/// surfaces cast none. They are drawn after all others, the farthest middle of a mesh part first.
+///
+/// No function of it throws: a device that is lost or out of memory is ErrorCode::DeviceFailed.
 class Renderer {
 public:
     /// DeviceFailed with the reason when no Vulkan 1.3 device with the needed features is found.
@@ -51,6 +61,7 @@ public:
     /// Uploads the scene, replacing the one before. The scene is copied where the renderer needs it afterwards.
     Status load(const BakedScene& baked);
 
+    /// InvalidArgument for settings outside their limits, a camera without extent, or a mode the bake holds no data for.
     Result<RenderedFrame> render(const Camera& camera, const RenderSettings& settings);
 
     /// Messages of the validation layer since creation: empty when all is well or validation is off.
