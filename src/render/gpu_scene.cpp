@@ -3,8 +3,10 @@
 #include "halflight/base/parallel.h"
 #include "halflight/render/frame.h"
 #include "render/mipmaps.h"
+#include "render/passes.h"
 
 #include <algorithm>
+#include <cmath>
 #include <map>
 #include <tuple>
 
@@ -132,7 +134,7 @@ void uploadTextures(gpu::Device& device, gpu::Uploader& uploader, const Scene& s
 {
     std::vector<std::pair<int, bool>> bySlot(slots.all().size());
     for (const auto& [key, slot] : slots.all()) bySlot[std::size_t(slot)] = key;
-    if (bySlot.size() > device.properties().limits.maxPerStageDescriptorSampledImages - 8)
+    if (bySlot.size() > frameBindings(device)[shading::kBindTextures].count)
         throw gpu::Failure("the scene has more textures than the Vulkan device allows");
 
     std::map<std::tuple<VkSamplerAddressMode, VkSamplerAddressMode, bool>, uint32_t> samplers;

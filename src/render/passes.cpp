@@ -91,9 +91,9 @@ void setViewport(const PassContext& context, ivec2 offset, ivec2 size)
 std::vector<gpu::Binding> frameBindings(const gpu::Device& device)
 {
     const VkPhysicalDeviceLimits& limits = device.properties().limits;
-    const uint32_t textures =
-        std::min({kMaxTextures, limits.maxPerStageDescriptorSampledImages - 8, limits.maxPerStageDescriptorSamplers - 8,
-                  limits.maxPerStageResources - 32, limits.maxDescriptorSetSamplers - 8});
+    const uint32_t textures = std::min({kMaxTextures, limits.maxPerStageDescriptorSampledImages - 8,
+                                        limits.maxPerStageDescriptorSamplers - 8, limits.maxPerStageResources - 32,
+                                        limits.maxDescriptorSetSamplers - 8, limits.maxDescriptorSetSampledImages - 8});
     std::vector<gpu::Binding> bindings(12);
     bindings[shading::kBindFrame].type = VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER;
     for (int i : {shading::kBindLightmaps, shading::kBindShadowmasks, shading::kBindCascades, shading::kBindAtlas,

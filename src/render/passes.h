@@ -11,7 +11,8 @@ namespace halflight {
 
 constexpr VkFormat kDepthFormat = VK_FORMAT_D32_SFLOAT;
 
-/// Bindings of the one descriptor set, by number as in gpu_layout.h. `maxTextures` bounds the texture array.
+/// Bindings of the one descriptor set, by number as in gpu_layout.h. The last one's count is the most textures a scene
+/// may have on this device.
 std::vector<gpu::Binding> frameBindings(const gpu::Device& device);
 
 /// One pipeline per pass and kind of surface.
