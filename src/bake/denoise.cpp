@@ -60,6 +60,7 @@ void denoise(const BakeGeometry& geometry, const TexelMap& map, std::vector<Irra
     std::vector<float> variance(count);
     parallelFor(count, 2048, [&](std::size_t begin, std::size_t end) {
         std::array<float, 25> around;
+        std::array<float, 25> variancesAround;
         for (std::size_t i = begin; i < end; ++i) {
             const Texel& texel = map.texels[i];
             int n = 0;
@@ -73,7 +74,10 @@ void denoise(const BakeGeometry& geometry, const TexelMap& map, std::vector<Irra
                     if (p.x < 0 || p.y < 0 || p.x >= map.pageSize || p.y >= map.pageSize) continue;
                     const uint32_t j = pages[texel.page](p.x, p.y);
                     if (j == kEmpty || map.texels[j].chart != texel.chart || !estimates[j].valid) continue;
-                    if (j != uint32_t(i)) around[std::size_t(n++)] = luminance(estimates[j].irradiance);
+                    if (j != uint32_t(i)) {
+                        around[std::size_t(n)] = luminance(estimates[j].irradiance);
+                        variancesAround[std::size_t(n++)] = estimates[j].varianceOfMean;
+                    }
                     const float w = 1.0f / float(1 + dx * dx + dy * dy);
                     varianceSum += w * std::min(estimates[j].varianceOfMean, 4.0f * ownVariance + 1.0e-12f);
                     weight += w;
@@ -81,6 +85,10 @@ void denoise(const BakeGeometry& geometry, const TexelMap& map, std::vector<Irra
             }
             color[i] = estimates[i].irradiance;
             variance[i] = weight > 0.0f ? std::max(varianceSum / weight, 0.25f * ownVariance) : ownVariance;
+            if (n > 0) {
+                std::nth_element(variancesAround.begin(), variancesAround.begin() + n / 2, variancesAround.begin() + n);
+                variance[i] = std::max(variance[i], variancesAround[std::size_t(n / 2)]);
+            }
             if (n >= 8) {
                 std::nth_element(around.begin(), around.begin() + (n - 3), around.begin() + n);
                 const float bright = around[std::size_t(n - 3)];
