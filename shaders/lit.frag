@@ -33,6 +33,7 @@ struct Surface {
     float alpha;
     float metallic;
     float roughness;
+    float specular;
     float occlusion;
     vec3 emissive;
     bool lightmapped;
@@ -56,6 +57,7 @@ Surface readSurface()
     s.alpha = base.a;
     vec4 metallicRoughness = materialTexture(material, kTextureMetallicRoughness, inUv, vec4(1.0));
     s.roughness = saturate(materials[material].parameters.x * metallicRoughness.g);
+    s.specular = materials[material].reflection.x;
     s.metallic = saturate(materials[material].emissiveMetallic.a * metallicRoughness.b);
     float occlusion = materialTexture(material, kTextureOcclusion, inUv, vec4(1.0)).r;
     s.occlusion = 1.0 + materials[material].parameters.z * (occlusion - 1.0);
@@ -153,8 +155,8 @@ vec3 directLight(Surface s, int cluster)
             if (dot(s.normal, incoming.direction) <= 0.0 || incoming.illuminance == vec3(0.0)) continue;
             float attenuation = shadowAttenuation(light, s, incoming);
             if (attenuation <= 0.0) continue;
-            radiance += reflectLight(s.baseColor, s.metallic, s.roughness, s.normal, s.view, incoming.direction,
-                                     incoming.illuminance * attenuation);
+            radiance += reflectLight(s.baseColor, s.metallic, s.roughness, s.specular, s.normal, s.view,
+                                     incoming.direction, incoming.illuminance * attenuation);
         }
     }
     return radiance;
@@ -196,7 +198,9 @@ vec3 indirectLight(Surface s)
     if (frame.mode.x == kModeRealtime)
         surroundings = mix(skyRadiance(frame.skyZenith.rgb, frame.skyHorizon.rgb, frame.skyGround.rgb, mirror),
                            surroundings, s.roughness);
-    vec3 specular = environmentSpecular(specularF0Of(s.baseColor, s.metallic), s.roughness, nDotV) * surroundings;
+    vec3 specular = environmentSpecular(specularF0Of(s.baseColor, s.metallic, s.specular),
+                                        specularF90Of(s.metallic, s.specular), s.roughness, nDotV) *
+                    surroundings;
     return (diffuse + specular) * s.occlusion;
 }
 

@@ -98,6 +98,7 @@ struct GpuMaterial {
     vec4 emissiveMetallic; // rgb cd/m2, a metallic
     vec4 parameters;       // x roughness, y normal scale, z occlusion strength, w alpha cutoff
     ivec4 info;            // x 1 = unlit
+    vec4 reflection;       // x specular factor
     GpuTextureRef textures[5];
 };
 

@@ -107,6 +107,7 @@ GpuMaterial gpuMaterial(const Scene& scene, const Material& material, TextureSlo
     result.parameters = {material.roughness, material.normalScale, material.occlusionStrength,
                          material.alphaMode == Material::AlphaMode::Mask ? material.alphaCutoff : 0.0f};
     result.info = ivec4(material.unlit ? 1 : 0, 0, 0, 0);
+    result.reflection = vec4(material.specular, 0.0f, 0.0f, 0.0f);
     result.textures[shading::kTextureBaseColor] = gpuTextureRef(scene, material.baseColorTexture, true, slots);
     result.textures[shading::kTextureMetallicRoughness] =
         gpuTextureRef(scene, material.metallicRoughnessTexture, false, slots);

@@ -82,6 +82,8 @@ Json materialJson(const Material& material)
     if (material.emissiveNits != vec3(0.0f))
         json["emissiveFactor"] = numbers(glm::clamp(material.emissiveNits / strength, vec3(0.0f), vec3(1.0f)));
     if (strength > 1.0f) json["extensions"]["KHR_materials_emissive_strength"] = {{"emissiveStrength", strength}};
+    if (material.specular != 1.0f)
+        json["extensions"]["KHR_materials_specular"] = {{"specularFactor", material.specular}};
     if (material.unlit) json["extensions"]["KHR_materials_unlit"] = Json::object();
     if (material.alphaMode == Material::AlphaMode::Mask) {
         json["alphaMode"] = "MASK";
@@ -205,7 +207,8 @@ Status giveSourceDocument(Scene& scene)
 
     std::vector<std::string> used;
     const std::string text = patcher.json.dump();
-    for (const char* name : {"KHR_materials_emissive_strength", "KHR_materials_unlit", "KHR_texture_transform"}) {
+    for (const char* name : {"KHR_materials_emissive_strength", "KHR_materials_specular", "KHR_materials_unlit",
+                             "KHR_texture_transform"}) {
         if (text.find(std::string("\"") + name + "\"") != std::string::npos) used.emplace_back(name);
     }
     if (!used.empty()) patcher.json["extensionsUsed"] = used;

@@ -131,6 +131,12 @@ Status readMaterial(const Json& json, const std::string& path, TextureTable& tex
         return s;
     }
 
+    if (Status s = Fields(extensionOf(json, "KHR_materials_specular"), path + "/extensions/KHR_materials_specular")
+                       .number("specularFactor", 0.0f, 1.0f, material.specular);
+        !s) {
+        return s;
+    }
+
     vec3 emissive(0.0f);
     float strength = 1.0f;
     if (Status s = Fields(json, path).vector<3>("emissiveFactor", emissive); !s) return s;

@@ -137,7 +137,7 @@ vec3 directRadiance(const ShadedPoint& point, const Light& light, float attenuat
     const shading::LightSample incoming = shading::sampleLight(
         int(light.type), light.color * light.intensity, light.position(), light.direction(), light.rangeMeters,
         shading::spotConstants(light.innerConeRadians, light.outerConeRadians), point.position);
-    return shading::reflectLight(point.baseColor, point.metallic, point.roughness, point.normal, point.view,
+    return shading::reflectLight(point.baseColor, point.metallic, point.roughness, 1.0f, point.normal, point.view,
                                  incoming.direction, incoming.illuminance * attenuation);
 }
 
@@ -145,7 +145,7 @@ vec3 indirectRadiance(const ShadedPoint& point, vec3 irradiance)
 {
     const float nDotV = std::max(std::abs(glm::dot(point.normal, point.view)), 1.0e-4f);
     return shading::diffuseRadiance(shading::diffuseAlbedoOf(point.baseColor, point.metallic), irradiance) +
-           shading::environmentSpecular(shading::specularF0Of(point.baseColor, point.metallic), point.roughness,
+           shading::environmentSpecular(shading::specularF0Of(point.baseColor, point.metallic, 1.0f), 1.0f, point.roughness,
                                         nDotV) *
                irradiance * (1.0f / kPi);
 }

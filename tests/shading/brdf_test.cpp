@@ -39,7 +39,7 @@ vec3 directionalAlbedo(vec3 baseColor, float metallic, float roughness, vec3 v)
                 const vec3 h = normalize(l + v);
                 const float pdfSpecular = distributionGgx(h.z, alpha) * h.z / (4.0f * std::max(dot(v, h), 1e-6f));
                 const float pdf = 0.5f * (l.z / kShadingPi + pdfSpecular);
-                sum += glm::dvec3(reflectLight(baseColor, metallic, roughness, kNormal, v, l, vec3(1.0f)) / pdf);
+                sum += glm::dvec3(reflectLight(baseColor, metallic, roughness, 1.0f, kNormal, v, l, vec3(1.0f)) / pdf);
             }
         }
     }
@@ -97,15 +97,15 @@ TEST(Brdf, Reciprocal)
         const vec3 color(unit(), unit(), unit());
         const float metallic = unit();
         const float roughness = unit();
-        const vec3 ab = reflectLight(color, metallic, roughness, kNormal, a, b, vec3(1.0f)) / b.z;
-        const vec3 ba = reflectLight(color, metallic, roughness, kNormal, b, a, vec3(1.0f)) / a.z;
+        const vec3 ab = reflectLight(color, metallic, roughness, 1.0f, kNormal, a, b, vec3(1.0f)) / b.z;
+        const vec3 ba = reflectLight(color, metallic, roughness, 1.0f, kNormal, b, a, vec3(1.0f)) / a.z;
         for (int c = 0; c < 3; ++c) ASSERT_NEAR(ab[c], ba[c], 1e-5f + 2e-3f * std::abs(ab[c]));
     }
 }
 
 TEST(Brdf, NothingFromBelow)
 {
-    EXPECT_EQ(reflectLight(vec3(1), 0, 0.5f, kNormal, viewAt(0.5f), normalize(vec3(0.1f, 0, -1)), vec3(1)), vec3(0));
+    EXPECT_EQ(reflectLight(vec3(1), 0, 0.5f, 1.0f, kNormal, viewAt(0.5f), normalize(vec3(0.1f, 0, -1)), vec3(1)), vec3(0));
 }
 
 // The density of microfacet normals, projected, is 1: Walter et al. 2007, eq. 4.
@@ -130,8 +130,8 @@ TEST(Brdf, GgxIsNormalized)
 
 TEST(Brdf, FresnelEnds)
 {
-    EXPECT_EQ(fresnelSchlick(vec3(0.04f), 1.0f), vec3(0.04f));
-    EXPECT_EQ(fresnelSchlick(vec3(0.04f), 0.0f), vec3(1.0f));
+    EXPECT_EQ(fresnelSchlick(vec3(0.04f), 1.0f, 1.0f), vec3(0.04f));
+    EXPECT_EQ(fresnelSchlick(vec3(0.04f), 1.0f, 0.0f), vec3(1.0f));
 }
 
 // "The division by pi is stated once": a white diffuse surface under irradiance E has radiance E / pi.
@@ -147,7 +147,7 @@ TEST(Brdf, EnvironmentFitFollowsIntegration)
         for (const float cosine : {0.2f, 0.5f, 0.9f}) {
             const vec3 f0(0.9f);
             const float truth = directionalAlbedo(f0, 1.0f, roughness, viewAt(cosine)).x;
-            EXPECT_NEAR(environmentSpecular(f0, roughness, cosine).x, truth, 0.18f) << roughness << " " << cosine;
+            EXPECT_NEAR(environmentSpecular(f0, 1.0f, roughness, cosine).x, truth, 0.18f) << roughness << " " << cosine;
         }
     }
 }

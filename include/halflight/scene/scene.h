@@ -43,6 +43,7 @@ struct Material {
     TextureRef baseColorTexture;
     float metallic = 1.0f;
     float roughness = 1.0f;
+    float specular = 1.0f; ///< KHR_materials_specular: strength of the dielectric reflection, 0 = purely diffuse
     TextureRef metallicRoughnessTexture; ///< G roughness, B metallic
     TextureRef normalTexture;
     float normalScale = 1.0f;

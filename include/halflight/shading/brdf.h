@@ -7,21 +7,36 @@
 HL_NAMESPACE_BEGIN
 
 // The one place where irradiance becomes the radiance a diffuse surface reflects: divide by pi.
-HL_FN vec3 diffuseRadiance(vec3 diffuseAlbedo, vec3 irradiance) { return diffuseAlbedo * irradiance * (1.0f / kShadingPi); }
+HL_FN vec3 diffuseRadiance(vec3 diffuseAlbedo, vec3 irradiance)
+{
+    return diffuseAlbedo * irradiance * (1.0f / kShadingPi);
+}
 
 // Diffuse albedo and specular reflectance at normal incidence of a metallic-roughness material.
-HL_FN vec3 diffuseAlbedoOf(vec3 baseColor, float metallic) { return baseColor * (1.0f - metallic); }
-HL_FN vec3 specularF0Of(vec3 baseColor, float metallic) { return mix(vec3(0.04f), baseColor, metallic); }
+HL_FN vec3 diffuseAlbedoOf(vec3 baseColor, float metallic)
+{
+    return baseColor * (1.0f - metallic);
+}
+// specular: KHR_materials_specular's factor for the dielectric part, 1 = as glTF has it, 0 = purely diffuse.
+HL_FN vec3 specularF0Of(vec3 baseColor, float metallic, float specular)
+{
+    return mix(vec3(0.04f * specular), baseColor, metallic);
+}
+HL_FN float specularF90Of(float metallic, float specular)
+{
+    return mix(specular, 1.0f, metallic);
+}
 
 // Schlick 1994, "An Inexpensive BRDF Model for Physically-based Rendering".
-HL_FN vec3 fresnelSchlick(vec3 f0, float cosine)
+HL_FN vec3 fresnelSchlick(vec3 f0, float f90, float cosine)
 {
     float m = saturate(1.0f - cosine);
     float m2 = m * m;
-    return f0 + (vec3(1.0f) - f0) * (m2 * m2 * m);
+    return f0 + (vec3(f90) - f0) * (m2 * m2 * m);
 }
 
-// GGX distribution: Walter et al. 2007, "Microfacet Models for Refraction through Rough Surfaces", eq. 33; alpha = roughness^2.
+// GGX distribution: Walter et al. 2007, "Microfacet Models for Refraction through Rough Surfaces", eq. 33; alpha =
+// roughness^2.
 HL_FN float distributionGgx(float nDotH, float alpha)
 {
     float a2 = alpha * alpha;
@@ -41,14 +56,16 @@ HL_FN float visibilitySmithGgx(float nDotL, float nDotV, float alpha)
 
 // Radiance reflected to v from light of the given illuminance arriving from l, cosine included.
 // roughness is perceptual; below 0.045 it is raised so that highlights of punctual lights stay finite.
-HL_FN vec3 reflectLight(vec3 baseColor, float metallic, float roughness, vec3 n, vec3 v, vec3 l, vec3 illuminance)
+HL_FN vec3 reflectLight(vec3 baseColor, float metallic, float roughness, float specularFactor, vec3 n, vec3 v, vec3 l,
+                        vec3 illuminance)
 {
     float nDotL = saturate(dot(n, l));
     if (nDotL <= 0.0f) return vec3(0.0f);
     float nDotV = max(abs(dot(n, v)), 1.0e-4f);
     vec3 h = normalize(l + v);
     float alpha = square(max(roughness, 0.045f));
-    vec3 f = fresnelSchlick(specularF0Of(baseColor, metallic), saturate(dot(v, h)));
+    vec3 f = fresnelSchlick(specularF0Of(baseColor, metallic, specularFactor), specularF90Of(metallic, specularFactor),
+                            saturate(dot(v, h)));
     vec3 specular = f * (distributionGgx(saturate(dot(n, h)), alpha) * visibilitySmithGgx(nDotL, nDotV, alpha));
     vec3 diffuse = (vec3(1.0f) - f) * diffuseAlbedoOf(baseColor, metallic) * (1.0f / kShadingPi);
     return (diffuse + specular) * illuminance * nDotL;
@@ -56,13 +73,13 @@ HL_FN vec3 reflectLight(vec3 baseColor, float metallic, float roughness, vec3 n,
 
 // Fraction of uniform surrounding light that the specular lobe reflects: the analytic fit of Karis 2014, "Physically
 // Based Shading on Mobile".
-HL_FN vec3 environmentSpecular(vec3 f0, float roughness, float nDotV)
+HL_FN vec3 environmentSpecular(vec3 f0, float f90, float roughness, float nDotV)
 {
     vec4 c0 = vec4(-1.0f, -0.0275f, -0.572f, 0.022f);
     vec4 c1 = vec4(1.0f, 0.0425f, 1.04f, -0.04f);
     vec4 r = roughness * c0 + c1;
     float a004 = min(r.x * r.x, exp2(-9.28f * nDotV)) * r.x + r.y;
-    return f0 * (-1.04f * a004 + r.z) + vec3(1.04f * a004 + r.w);
+    return f0 * (-1.04f * a004 + r.z) + vec3(f90 * (1.04f * a004 + r.w));
 }
 
 HL_NAMESPACE_END
