@@ -224,7 +224,7 @@ Result<BakeResult> bake(Scene scene, const BakeSettings& settings, const Integra
         values = splitEstimates(estimates);
         denoiseTimer.finish();
     }
-    fillInvalid(map, values.valid, values.irradiance);
+    fillInvalid(geometry, map, values.valid, values.irradiance);
     StageTimer seamTimer(report, "seams");
     const std::vector<SeamSample> seams = findSeams(geometry, unwrapped->pageSize);
     std::vector<ImageRgb32f> pages = dilate(map, values.irradiance, kDilationRings);
@@ -240,7 +240,7 @@ Result<BakeResult> bake(Scene scene, const BakeSettings& settings, const Integra
         const uint64_t before = integrator.raysTraced();
         std::vector<vec4> mask(map.texels.size());
         if (!integrator.shadowmask(map, mask, progress)) return cancelledError();
-        fillInvalid(map, values.valid, mask);
+        fillInvalid(geometry, map, values.valid, mask);
         std::vector<ImageRgba32f> maskPages = dilate(map, mask, kDilationRings);
         stitchSeams(seams, maskPages);
         baked.shadowmasks = encodeShadowmask(maskPages);

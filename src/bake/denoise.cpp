@@ -11,12 +11,6 @@ namespace {
 
 constexpr uint32_t kEmpty = ~0u;
 
-struct Guide {
-    vec3 position{0.0f};
-    vec3 normal{0.0f};
-    float texelMeters = 0.0f; ///< world size of a texel here
-};
-
 } // namespace
 
 // The edge-avoiding à-trous wavelet of Dammertz et al. 2010 ("Edge-Avoiding À-Trous Wavelet Transform for fast Global
@@ -27,28 +21,13 @@ void denoise(const BakeGeometry& geometry, const TexelMap& map, std::vector<Irra
 {
     const std::size_t count = map.texels.size();
     std::vector<Image<uint32_t>> pages(std::size_t(map.pageCount), Image<uint32_t>(map.pageSize, map.pageSize, kEmpty));
-    std::vector<Guide> guides(count);
+    std::vector<TexelPlace> guides(count);
     for (std::size_t i = 0; i < count; ++i) {
         const Texel& texel = map.texels[i];
         pages[texel.page](texel.x, texel.y) = uint32_t(i);
     }
     parallelFor(count, 4096, [&](std::size_t begin, std::size_t end) {
-        for (std::size_t i = begin; i < end; ++i) {
-            const Texel& texel = map.texels[i];
-            const TexelFragment* largest = &map.fragments[texel.firstFragment];
-            for (uint32_t f = 1; f < texel.fragmentCount; ++f) {
-                const TexelFragment& fragment = map.fragments[texel.firstFragment + f];
-                if (fragment.area > largest->area) largest = &fragment;
-            }
-            const SurfacePoint point = surfacePoint(geometry, largest->triangle, largest->barycentric);
-            const uvec3 t = geometry.triangles[largest->triangle];
-            const vec2 a = geometry.lightmapTexel[t.y] - geometry.lightmapTexel[t.x];
-            const vec2 b = geometry.lightmapTexel[t.z] - geometry.lightmapTexel[t.x];
-            const float texelArea = std::max(std::abs(a.x * b.y - a.y * b.x), 1.0e-12f);
-            const float worldArea = glm::length(glm::cross(geometry.positions[t.y] - geometry.positions[t.x],
-                                                           geometry.positions[t.z] - geometry.positions[t.x]));
-            guides[i] = {point.position, point.normal, std::sqrt(worldArea / texelArea)};
-        }
+        for (std::size_t i = begin; i < end; ++i) guides[i] = placeOf(geometry, map, map.texels[i]);
     });
 
     // Two things first, both from the 5 x 5 neighbours on the same chart. Outliers: a texel whose few lucky paths make
@@ -111,7 +90,7 @@ void denoise(const BakeGeometry& geometry, const TexelMap& map, std::vector<Irra
         parallelFor(count, 2048, [&](std::size_t begin, std::size_t end) {
             for (std::size_t i = begin; i < end; ++i) {
                 const Texel& texel = map.texels[i];
-                const Guide& guide = guides[i];
+                const TexelPlace& guide = guides[i];
                 const float ownLuminance = luminance(color[i]);
                 const float planeScale = 1.0f / (float(step) * guide.texelMeters);
                 vec3 sum(0.0f);

@@ -1,11 +1,15 @@
 #include "bake/stages.h"
 
+#include "halflight/base/parallel.h"
+
 #include <algorithm>
+#include <unordered_map>
 
 namespace halflight {
 namespace {
 
 constexpr uint32_t kEmpty = ~0u;
+constexpr int kNearRings = 2; ///< so far a chart's own values come before those of other charts nearby
 
 /// For each place of each page, the texel there (index into TexelMap::texels) or kEmpty.
 std::vector<Image<uint32_t>> texelIndexPages(const TexelMap& map)
@@ -24,48 +28,90 @@ float neighborWeight(int dx, int dy)
     return dx != 0 && dy != 0 ? 0.70710678f : 1.0f;
 }
 
-} // namespace
-
-template<typename T> void fillInvalid(const TexelMap& map, const std::vector<uint8_t>& valid, std::vector<T>& values)
+/// Cells of a hash grid in the world.
+uint64_t cellKey(ivec3 cell)
 {
-    if (std::find(valid.begin(), valid.end(), uint8_t(0)) == valid.end()) return;
-    const std::vector<Image<uint32_t>> pages = texelIndexPages(map);
-    std::vector<uint8_t> known = valid;
-    std::vector<uint32_t> open;
-    for (std::size_t i = 0; i < known.size(); ++i) {
-        if (!known[i]) open.push_back(uint32_t(i));
+    const auto part = [](int v) { return uint64_t(uint32_t(v)) & 0x1fffffu; };
+    return part(cell.x) | (part(cell.y) << 21) | (part(cell.z) << 42);
+}
+
+/// The texels in `open` take the mean of valid texels around them in the world, wherever those are in the lightmap.
+template<typename T> void adoptNeighbors(const BakeGeometry& geometry, const TexelMap& map,
+                                         const std::vector<uint8_t>& valid, const std::vector<uint32_t>& open,
+                                         std::vector<T>& values)
+{
+    if (open.empty()) return;
+    constexpr float kReachTexels = 3.0f;
+    constexpr float kFacing = 0.5f;
+    std::vector<TexelPlace> wanting(open.size());
+    float reach = 0.0f;
+    for (std::size_t i = 0; i < open.size(); ++i) {
+        wanting[i] = placeOf(geometry, map, map.texels[open[i]]);
+        reach += kReachTexels * wanting[i].texelMeters / float(open.size());
     }
-    // Ring by ring from the valid texels inwards, until nothing changes (a chart may have no valid texel at all).
-    while (!open.empty()) {
-        std::vector<std::pair<uint32_t, T>> found;
-        std::vector<uint32_t> stillOpen;
-        for (const uint32_t i : open) {
-            const Texel& texel = map.texels[i];
+    if (!(reach > 0.0f)) return;
+    const auto cellOf = [&](vec3 p) { return ivec3(glm::floor(glm::clamp(p / reach, -1.0e6f, 1.0e6f))); };
+    // Only cells next to a texel that wants a value are filled.
+    std::unordered_map<uint64_t, std::vector<uint32_t>> grid;
+    for (const TexelPlace& place : wanting) {
+        const ivec3 cell = cellOf(place.position);
+        for (int n = 0; n < 27; ++n) grid.try_emplace(cellKey(cell + ivec3(n % 3, n / 3 % 3, n / 9) - 1));
+    }
+    for (std::size_t j = 0; j < map.texels.size(); ++j) {
+        if (!valid[j]) continue;
+        const auto cell = grid.find(cellKey(cellOf(placeOf(geometry, map, map.texels[j]).position)));
+        if (cell != grid.end()) cell->second.push_back(uint32_t(j));
+    }
+    std::vector<T> adopted(open.size());
+    std::vector<uint8_t> found(open.size(), 0);
+    parallelFor(open.size(), 64, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t i = begin; i < end; ++i) {
+            const ivec3 cell = cellOf(wanting[i].position);
             T sum{};
             float weight = 0.0f;
-            for (int dy = -1; dy <= 1; ++dy) {
-                for (int dx = -1; dx <= 1; ++dx) {
-                    const ivec2 p(int(texel.x) + dx, int(texel.y) + dy);
-                    if (p.x < 0 || p.y < 0 || p.x >= map.pageSize || p.y >= map.pageSize) continue;
-                    const uint32_t j = pages[texel.page](p.x, p.y);
-                    if (j == kEmpty || !known[j] || map.texels[j].chart != texel.chart) continue;
-                    sum += values[j] * neighborWeight(dx, dy);
-                    weight += neighborWeight(dx, dy);
+            for (int n = 0; n < 27; ++n) {
+                for (const uint32_t j : grid.at(cellKey(cell + ivec3(n % 3, n / 3 % 3, n / 9) - 1))) {
+                    const TexelPlace place = placeOf(geometry, map, map.texels[j]);
+                    const float distance = glm::distance(place.position, wanting[i].position) / reach;
+                    const float facing = glm::dot(place.normal, wanting[i].normal);
+                    if (distance >= 1.0f || facing <= kFacing) continue;
+                    const float w = (1.0f - distance) * (facing - kFacing);
+                    sum += values[j] * w;
+                    weight += w;
                 }
             }
-            if (weight > 0.0f) {
-                found.emplace_back(i, sum / weight);
-            } else {
-                stillOpen.push_back(i);
-            }
+            if (weight <= 0.0f) continue;
+            adopted[i] = sum / weight;
+            found[i] = 1;
         }
-        if (found.empty()) break;
-        for (const auto& [i, value] : found) {
-            values[i] = value;
-            known[i] = 1;
+    });
+    std::vector<uint32_t> stillOpen;
+    for (std::size_t i = 0; i < open.size(); ++i) {
+        if (!found[i]) {
+            stillOpen.push_back(open[i]);
+            continue;
         }
-        open.swap(stillOpen);
+        values[open[i]] = adopted[i];
+        known[open[i]] = 1;
     }
+    open.swap(stillOpen);
+}
+
+} // namespace
+
+template<typename T> void fillInvalid(const BakeGeometry& geometry, const TexelMap& map,
+                                      const std::vector<uint8_t>& valid, std::vector<T>& values)
+{
+    std::vector<uint32_t> open;
+    for (std::size_t i = 0; i < valid.size(); ++i) {
+        if (!valid[i]) open.push_back(uint32_t(i));
+    }
+    if (open.empty()) return;
+    const std::vector<Image<uint32_t>> pages = texelIndexPages(map);
+    std::vector<uint8_t> known = valid;
+    growWithinCharts(map, pages, kNearRings, known, open, values);
+    adoptNeighbors(geometry, map, valid, known, open, values);
+    growWithinCharts(map, pages, map.pageSize, known, open, values);
 }
 
 template<typename T> std::vector<Image<T>> dilate(const TexelMap& map, const std::vector<T>& values, int rings)
@@ -134,8 +180,8 @@ template<typename T> std::vector<Image<T>> dilate(const TexelMap& map, const std
     return pages;
 }
 
-template void fillInvalid(const TexelMap&, const std::vector<uint8_t>&, std::vector<vec3>&);
-template void fillInvalid(const TexelMap&, const std::vector<uint8_t>&, std::vector<vec4>&);
+template void fillInvalid(const BakeGeometry&, const TexelMap&, const std::vector<uint8_t>&, std::vector<vec3>&);
+template void fillInvalid(const BakeGeometry&, const TexelMap&, const std::vector<uint8_t>&, std::vector<vec4>&);
 template std::vector<Image<vec3>> dilate(const TexelMap&, const std::vector<vec3>&, int);
 template std::vector<Image<vec4>> dilate(const TexelMap&, const std::vector<vec4>&, int);
 

@@ -28,9 +28,20 @@ ProbeSet placeProbes(const Scene& scene, float spacingMeters);
 /// Edge-stopping à-trous filter within charts, guided by position, normal and the estimates' variance.
 void denoise(const BakeGeometry& geometry, const TexelMap& map, std::vector<IrradianceEstimate>& estimates);
 
-/// Gives texels that lie inside geometry the values of valid texels near them on the same chart.
-/// `values` has one entry per texel of the map. Texels of charts without a valid texel keep theirs.
-template<typename T> void fillInvalid(const TexelMap& map, const std::vector<uint8_t>& valid, std::vector<T>& values);
+/// Gives texels that lie inside geometry (valid 0) other texels' values: those of valid texels of their own chart next
+/// to them; else the mean of valid texels of any chart that lie within a few texels in the world and face the same way
+/// (a moulding pressed into a wall, of which a sliver shows); else what grows in from farther away on their own chart.
+/// Texels that find nothing keep theirs. `values` has one entry per texel of the map.
+template<typename T> void fillInvalid(const BakeGeometry& geometry, const TexelMap& map,
+                                      const std::vector<uint8_t>& valid, std::vector<T>& values);
+
+/// The point of a texel's largest piece, and the world size of a texel there.
+struct TexelPlace {
+    vec3 position{0.0f};
+    vec3 normal{0.0f};
+    float texelMeters = 0.0f;
+};
+TexelPlace placeOf(const BakeGeometry& geometry, const TexelMap& map, const Texel& texel);
 
 /// Values of the covered texels laid out on their pages and grown into the padding: each empty texel takes the mean of
 /// its nearest covered neighbours, all of one chart.

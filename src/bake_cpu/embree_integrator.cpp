@@ -19,7 +19,7 @@ constexpr uint32_t kShadowSeed = 0x5eed0001u;
 constexpr uint32_t kDirectSeed = 0x5eed0002u;
 constexpr uint32_t kProbeSeed = 0x5eed0003u;
 constexpr uint32_t kInsideSeed = 0x5eed0004u;
-constexpr int kInsideRays = 8;
+constexpr int kInsideRays = 4;
 
 /// Mean and variance of the mean of a stream of values.
 struct Accumulator {
@@ -48,7 +48,8 @@ struct Accumulator {
 class EmbreeIntegrator final : public Integrator {
 public:
     EmbreeIntegrator(const Scene& scene, const BakeGeometry& geometry, const IntegrationSettings& settings)
-        : geometry_(geometry), settings_(settings), paths_(scene, geometry, LightUse::Bake)
+        : geometry_(geometry), settings_(settings), paths_(scene, geometry, LightUse::Bake),
+          anySolid_(std::find(geometry.solid.begin(), geometry.solid.end(), uint8_t(1)) != geometry.solid.end())
     {}
 
     [[nodiscard]] bool ok() const { return paths_.ok(); }
@@ -99,17 +100,57 @@ private:
         return (texel.page * uint32_t(map.pageSize) + texel.y) * uint32_t(map.pageSize) + texel.x;
     }
 
-    /// Whether a point lies inside geometry: all its rays meet back faces of single-sided surfaces.
+    /// Whether a point lies inside geometry: most of a few rays leave more closed objects than they enter, or all of
+    /// them meet back faces first (single-sided shells that are not closed).
     bool inside(const SurfacePoint& point, uint32_t id, uint64_t& rays) const
     {
         const vec3 origin = paths_.rayOrigin(point);
+        int insideSolids = 0;
+        int backFaces = 0;
         for (int s = 0; s < kInsideRays; ++s) {
-            Sampler sampler(settings_.seed ^ kInsideSeed, id, uint32_t(s));
-            ++rays;
-            const SurfaceHit hit = paths_.surfaces().intersect(
-                origin, PathTracer::gatherDirection(point, sampler.next2()), 0.0f, kInfinity);
-            if (!hit.found || !hit.backFace) return false;
+            const SurfaceTracer::Crossings crossings = crossingsFrom(point, origin, id, s, rays);
+            insideSolids += crossings.solidsLeft > 0 ? 1 : 0;
+            backFaces += crossings.backFaceFirst ? 1 : 0;
         }
+        return 2 * insideSolids > kInsideRays || backFaces == kInsideRays;
+    }
+
+    SurfaceTracer::Crossings crossingsFrom(const SurfacePoint& point, vec3 origin, uint32_t id, int sample,
+                                           uint64_t& rays) const
+    {
+        Sampler sampler(settings_.seed ^ kInsideSeed, id, uint32_t(sample));
+        const SurfaceTracer::Crossings crossings =
+            paths_.surfaces().crossings(origin, PathTracer::gatherDirection(point, sampler.next2()));
+        rays += uint64_t(crossings.rays);
+        return crossings;
+    }
+
+    /// A first look with one ray from a few of the points: could some lie inside a solid?
+    bool maybeInside(const std::array<SurfacePoint, kMaxTexelPoints>& points, int pointCount, uint32_t id,
+                     uint64_t& rays) const
+    {
+        if (!anySolid_) return false;
+        for (int i = 0; i < std::min(pointCount, 4); ++i) {
+            const SurfacePoint& point = points[std::size_t(i * pointCount / std::min(pointCount, 4))];
+            const SurfaceTracer::Crossings c = crossingsFrom(point, paths_.rayOrigin(point), id, i, rays);
+            if (c.solidsLeft > 0 || c.backFaceFirst) return true;
+        }
+        return false;
+    }
+
+    /// Drops the points that lie inside geometry; false when (nearly) all do.
+    bool keepOutside(std::array<SurfacePoint, kMaxTexelPoints>& points, int& pointCount, uint32_t id,
+                     uint64_t& rays) const
+    {
+        int kept = 0;
+        std::array<SurfacePoint, kMaxTexelPoints> outside;
+        for (int p = 0; p < pointCount; ++p) {
+            const SurfacePoint& point = points[std::size_t(p)];
+            if (!inside(point, hashCombine(id, uint32_t(p)), rays)) outside[std::size_t(kept++)] = point;
+        }
+        if (kept * 8 < pointCount || kept == 0) return false;
+        points = outside;
+        pointCount = kept;
         return true;
     }
 
@@ -120,26 +161,21 @@ private:
         const uint32_t id = texelId(map, texel);
         IrradianceEstimate estimate;
 
-        // Gather. When some first hits are back faces the texel may lie partly inside a solid: those points go.
-        const int perPoint = std::max(1, (settings_.samples + pointCount - 1) / pointCount);
+        // Points inside solids are left out, found beforehand where a few rays say so, or afterwards where the gathered
+        // paths met many back faces.
+        const bool checkedBefore = maybeInside(points, pointCount, id, rays);
+        if (checkedBefore) estimate.valid = keepOutside(points, pointCount, id, rays);
         int backFaces = 0;
-        Accumulator gathered = gather(points, pointCount, settings_.samples, id, rays, backFaces);
-        if (backFaces * 16 > gathered.count) {
-            std::array<SurfacePoint, kMaxTexelPoints> outside;
-            int outsideCount = 0;
-            for (int p = 0; p < pointCount; ++p) {
-                if (!inside(points[std::size_t(p)], hashCombine(id, uint32_t(p)), rays))
-                    outside[std::size_t(outsideCount++)] = points[std::size_t(p)];
-            }
-            if (outsideCount * 8 < pointCount) {
-                estimate.valid = false;
-            } else if (outsideCount < pointCount) {
-                points = outside;
-                pointCount = outsideCount;
-                gathered = gather(points, pointCount, std::max(perPoint * outsideCount, settings_.samples / 2), id,
-                                  rays, backFaces);
+        Accumulator gathered;
+        if (estimate.valid) gathered = gather(points, pointCount, settings_.samples, id, rays, backFaces);
+        if (estimate.valid && !checkedBefore && backFaces * 16 > gathered.count) {
+            const int before = pointCount;
+            estimate.valid = keepOutside(points, pointCount, id, rays);
+            if (estimate.valid && pointCount < before) {
+                gathered = gather(points, pointCount, settings_.samples, id, rays, backFaces);
             }
         }
+        if (!estimate.valid) return estimate;
         estimate.irradiance = gathered.mean();
         estimate.varianceOfMean = gathered.varianceOfMean();
 
@@ -288,6 +324,7 @@ private:
     const BakeGeometry& geometry_;
     IntegrationSettings settings_;
     PathTracer paths_;
+    bool anySolid_ = false;
     std::atomic<uint64_t> rays_{0};
 };
 

@@ -288,24 +288,30 @@ vec3 SurfaceTracer::emissionAt(uint32_t triangle, vec2 barycentric) const
     return emission;
 }
 
+static RTCRayHit rayHit(vec3 origin, vec3 direction, float tMin, float tMax)
+{
+    RTCRayHit ray{};
+    ray.ray.org_x = origin.x;
+    ray.ray.org_y = origin.y;
+    ray.ray.org_z = origin.z;
+    ray.ray.dir_x = direction.x;
+    ray.ray.dir_y = direction.y;
+    ray.ray.dir_z = direction.z;
+    ray.ray.tnear = tMin;
+    ray.ray.tfar = tMax;
+    ray.ray.mask = ~0u;
+    ray.hit.geomID = RTC_INVALID_GEOMETRY_ID;
+    ray.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
+    return ray;
+}
+
 SurfaceHit SurfaceTracer::intersect(vec3 origin, vec3 direction, float tMin, float tMax, bool cameraRay) const
 {
     embree::RayContext context(cameraRay);
     SurfaceHit hit;
     // Camera rays go on behind back faces they do not see. The bound is against endless loops on damaged geometry.
     for (int layer = 0; layer < 256; ++layer) {
-        RTCRayHit ray{};
-        ray.ray.org_x = origin.x;
-        ray.ray.org_y = origin.y;
-        ray.ray.org_z = origin.z;
-        ray.ray.dir_x = direction.x;
-        ray.ray.dir_y = direction.y;
-        ray.ray.dir_z = direction.z;
-        ray.ray.tnear = tMin;
-        ray.ray.tfar = tMax;
-        ray.ray.mask = ~0u;
-        ray.hit.geomID = RTC_INVALID_GEOMETRY_ID;
-        ray.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
+        RTCRayHit ray = rayHit(origin, direction, tMin, tMax);
         embree::intersect(scene_, context, ray);
         if (ray.hit.geomID == RTC_INVALID_GEOMETRY_ID) return hit;
 
@@ -351,6 +357,27 @@ SurfaceHit SurfaceTracer::intersect(vec3 origin, vec3 direction, float tMin, flo
         return hit;
     }
     return hit;
+}
+
+SurfaceTracer::Crossings SurfaceTracer::crossings(vec3 origin, vec3 direction) const
+{
+    constexpr int kMaxCrossings = 64;
+    embree::RayContext context(false);
+    Crossings result;
+    float tMin = 0.0f;
+    while (result.rays < kMaxCrossings) {
+        RTCRayHit ray = rayHit(origin, direction, tMin, kInfinity);
+        embree::intersect(scene_, context, ray);
+        ++result.rays;
+        if (ray.hit.geomID == RTC_INVALID_GEOMETRY_ID) break;
+        const uint32_t triangle = trianglesOfGeometry_[ray.hit.geomID][ray.hit.primID];
+        const bool behind = glm::dot(vec3(ray.hit.Ng_x, ray.hit.Ng_y, ray.hit.Ng_z), direction) > 0.0f;
+        const bool solid = geometry_.solid[triangle] != 0;
+        if (result.rays == 1) result.backFaceFirst = behind && (solid || !materialOfTriangle(triangle).doubleSided);
+        if (solid) result.solidsLeft += behind ? 1 : -1;
+        tMin = ray.ray.tfar * (1.0f + 1.0e-6f) + epsilonAt(origin + direction * ray.ray.tfar);
+    }
+    return result;
 }
 
 bool SurfaceTracer::occluded(vec3 origin, vec3 direction, float tMin, float tMax) const

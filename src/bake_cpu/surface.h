@@ -55,6 +55,14 @@ public:
     /// Whether anything that casts shadows lies between. Both faces of every surface block.
     [[nodiscard]] bool occluded(vec3 origin, vec3 direction, float tMin, float tMax) const;
 
+    /// What a ray crosses on its way out of the scene.
+    struct Crossings {
+        int solidsLeft = 0; ///< closed objects left minus those entered: > 0 when the origin is inside one
+        bool backFaceFirst = false;
+        int rays = 0;
+    };
+    [[nodiscard]] Crossings crossings(vec3 origin, vec3 direction) const;
+
     [[nodiscard]] const TransportMaterial& materialOfTriangle(uint32_t triangle) const;
     [[nodiscard]] vec3 emissionAt(uint32_t triangle, vec2 barycentric) const;
     [[nodiscard]] const BakeGeometry& geometry() const { return geometry_; }

@@ -344,6 +344,27 @@ TEST(LeaksS6, TexelsUnderABoxAreMarked)
     }
 }
 
+/// Solids inside solids: a texel within two of them at once is inside, though its rays may meet a front face first.
+TEST(LeaksS6, TexelsInsideNestedSolidsAreMarked)
+{
+    Scene scene;
+    scene.sky = {vec3(1), vec3(1), vec3(1)};
+    const int grey = addMaterial(scene, vec3(0.5f));
+    addRectangle(scene, {vec3(-0.2f, 0, 0.2f), vec3(0.4f, 0, 0), vec3(0, 0, -0.4f)}, grey, kPage, {vec2(0), vec2(64)});
+    // One mesh for each box, so that each is closed.
+    for (const float half : {1.0f, 0.1f}) {
+        const std::size_t first = scene.meshes.size();
+        const vec3 center(0, half == 1.0f ? 0.0f : 0.15f, 0);
+        addBox(scene, center - half, center + half, grey, false);
+        for (std::size_t i = first + 1; i < first + 6; ++i)
+            scene.meshes[first].parts.push_back(scene.meshes[i].parts[0]);
+        scene.meshes.resize(first + 1);
+        scene.objects.resize(first + 1);
+    }
+    Bench bench(std::move(scene), MixedLightingMode::Shadowmask, kPage, {});
+    for (const IrradianceEstimate& e : bench.irradiance()) EXPECT_FALSE(e.valid);
+}
+
 /// A closed room of single-sided walls in a bright sky stays black, but for rays through the edges of triangles.
 TEST(LeaksS6, ClosedRoomInABrightSkyStaysDark)
 {

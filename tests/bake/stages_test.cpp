@@ -287,9 +287,32 @@ TEST(DilateS6, InvalidTexelsTakeTheirOwnChartsValues)
             valid[i] = 0;
         }
     }
-    fillInvalid(map, valid, values);
+    fillInvalid(geometry, map, valid, values);
     for (std::size_t i = 0; i < values.size(); ++i)
         EXPECT_EQ(values[i], map.texels[i].x < 12 ? vec3(1, 0, 0) : vec3(0, 1, 0));
+}
+
+/// A chart without a valid texel takes the light of what lies beside it in the world and faces the same way.
+TEST(DilateS6, ChartsInsideGeometryTakeTheirSurroundingsValues)
+{
+    Scene scene;
+    const int grey = addMaterial(scene, vec3(0.5f));
+    addRectangle(scene, {}, grey, kPage, {vec2(4), vec2(20)});
+    addRectangle(scene, {vec3(1, 0, 0), vec3(0.05f, 0, 0), vec3(0, 0, -1)}, grey, kPage, {vec2(40, 4), vec2(41, 20)});
+    addRectangle(scene, {vec3(1, -0.1f, -1), vec3(0, 0, 1), vec3(0, -1, 0)}, grey, kPage, {vec2(30, 30), vec2(46, 46)});
+    const BakeGeometry geometry = flattenGeometry(scene, kPage, GeometryFilter::Static);
+    const TexelMap map = rasterizeTexels(geometry, kPage, 1);
+    std::vector<vec3> values(map.texels.size());
+    std::vector<uint8_t> valid(map.texels.size(), 1);
+    for (std::size_t i = 0; i < values.size(); ++i) {
+        const bool sliver = map.texels[i].x >= 39 && map.texels[i].y < 22;
+        values[i] = sliver ? vec3(0) : map.texels[i].x < 22 ? vec3(1, 0, 0) : vec3(0, 1, 0);
+        valid[i] = sliver ? 0 : 1;
+    }
+    fillInvalid(geometry, map, valid, values);
+    for (std::size_t i = 0; i < values.size(); ++i) {
+        if (!valid[i]) EXPECT_LT(glm::distance(values[i], vec3(1, 0, 0)), 1e-4f);
+    }
 }
 
 TEST(EncodeS6, Rgb9e5KeepsColoursWithinItsPrecision)
