@@ -1,0 +1,42 @@
+// Light of a mesh that is not a light's direct light: lightmap, probes, sky.
+#ifndef HALFLIGHT_INDIRECT_GLSL
+#define HALFLIGHT_INDIRECT_GLSL
+
+#include "lighting.glsl"
+#include "mesh_surface.glsl"
+#include "halflight/shading/sky.h"
+
+// Radiance towards the camera. Lightmap and surroundings reflect diffusely and in the specular lobe.
+vec3 indirectLight(MeshSurface mesh)
+{
+    Surface s = mesh.lit;
+    bool realtime = frame.mode.x == kModeRealtime;
+    vec3 irradiance;
+    vec3 surroundings; // in the mirror: a lightmap knows one value, probes and sky know directions, blurrier when rougher
+    vec3 mirror = reflect(-s.view, s.normal);
+    if (s.lightmapped && !realtime) {
+        irradiance = subtractDynamicShadows(lightmapIrradiance(), s, mesh.vertexNormal);
+        surroundings = irradiance;
+    } else {
+        ProbeSample probes;
+        if (realtime)
+            probes = openSky();
+        else
+            probes = sampleProbes(inObject, s.position);
+        irradiance = irradianceFrom(probes, s.normal);
+        surroundings = irradianceFrom(probes, normalize(mix(mirror, s.normal, s.roughness * s.roughness)));
+    }
+    surroundings *= 1.0 / kShadingPi;
+    if (realtime)
+        surroundings = mix(skyRadiance(frame.skyZenith.rgb, frame.skyHorizon.rgb, frame.skyGround.rgb, mirror),
+                           surroundings, s.roughness);
+
+    vec3 diffuse = diffuseRadiance(diffuseAlbedoOf(s.baseColor, s.metallic), irradiance);
+    float nDotV = max(abs(dot(s.normal, s.view)), 1.0e-4);
+    vec3 specular = environmentSpecular(specularF0Of(s.baseColor, s.metallic, s.specular),
+                                        specularF90Of(s.metallic, s.specular), s.roughness, nDotV) *
+                    surroundings;
+    return (diffuse + specular) * mesh.occlusion;
+}
+
+#endif

@@ -1,0 +1,88 @@
+// Direct light and its shadows: the one place where a shader asks the law (halflight/shading/law.h) how baked and
+// realtime shadow mix. Forward and deferred light their surfaces here.
+#ifndef HALFLIGHT_LIGHTING_GLSL
+#define HALFLIGHT_LIGHTING_GLSL
+
+#include "shadow_map.glsl"
+#include "surface.glsl"
+#include "halflight/shading/brdf.h"
+
+LightSample sampleFrameLight(int light, vec3 position)
+{
+    return sampleLight(lights[light].info.x, lights[light].colorIntensity.rgb, lights[light].positionRange.xyz,
+                       lights[light].axis.xyz, lights[light].positionRange.w, lights[light].spot.xy, position);
+}
+
+bool hasRealtime(int light) { return (lights[light].info.y & kLightHasRealtime) != 0; }
+
+// R where it is wanted: a shadow map that exists, at a point within the shadow distance.
+float readRealtime(int light, Surface s, LightSample incoming)
+{
+    if (!hasRealtime(light) || s.fade >= 1.0) return 1.0;
+    vec3 n = dot(s.faceNormal, incoming.direction) < 0.0 ? -s.faceNormal : s.faceNormal;
+    return realtimeAttenuation(light, s.position, n, incoming.direction, s.cameraDistance);
+}
+
+// What the point gets of a light after shadows.
+float shadowAttenuation(int light, Surface s, LightSample incoming)
+{
+    if (!s.receiveShadows) return 1.0;
+    bool hasBaked = (lights[light].info.y & kLightHasBaked) != 0;
+    float baked = hasBaked ? s.baked[lights[light].info.z] : 1.0;
+    return mixShadows(frame.mode.x, hasBaked, baked, hasRealtime(light), readRealtime(light, s, incoming), s.fade,
+                      lights[light].colorIntensity.w);
+}
+
+// Subtractive: the lightmap's irradiance at a point with this interpolated normal, less what dynamic objects keep from it
+// of the main light.
+vec3 subtractDynamicShadows(vec3 lightmap, Surface s, vec3 vertexNormal)
+{
+    int mainLight = frame.mode.z;
+    if (frame.mode.x != kModeSubtractive || mainLight < 0 || !s.receiveShadows) return lightmap;
+    LightSample incoming = sampleFrameLight(mainLight, s.position);
+    vec3 mainIrradiance = incoming.illuminance * saturate(dot(vertexNormal, incoming.direction));
+    float faded = mixShadowsFullStrength(frame.mode.x, false, 1.0, hasRealtime(mainLight),
+                                         readRealtime(mainLight, s, incoming), s.fade);
+    return subtractiveIrradiance(lightmap, mainIrradiance, faded, frame.subtractiveShadowColor.rgb,
+                                 lights[mainLight].colorIntensity.w);
+}
+
+// Cluster of the fragment: picture tile and exponential depth slice (see LightClusters in frame.h).
+int clusterOf(vec3 position)
+{
+    ivec3 size = frame.clusterSize.xyz;
+    float depth = dot(position - frame.cameraPosition.xyz, frame.cameraForward.xyz);
+    ivec2 tile = ivec2(gl_FragCoord.xy * vec2(size.xy) / frame.pictureSize.xy);
+    int slice = int(floor(log2(max(depth, 1.0e-6) / frame.clusterRange.x) * frame.clusterRange.z));
+    ivec3 cell = clamp(ivec3(tile, slice), ivec3(0), size - 1);
+    return ((cell.z * size.y + cell.y) * size.x + cell.x) * 8;
+}
+
+bool skipsLight(int light, bool lightmapped)
+{
+    return (lights[light].info.y & (lightmapped ? kLightSkipStatic : kLightSkipDynamic)) != 0;
+}
+
+// Radiance towards the camera by all lights of the fragment's cluster.
+vec3 directLight(Surface s)
+{
+    int cluster = clusterOf(s.position);
+    vec3 radiance = vec3(0.0);
+    for (int word = 0; word * 32 < frame.mode.w; ++word) {
+        uint bits = clusterWords[cluster + word];
+        while (bits != 0u) {
+            int light = word * 32 + findLSB(bits);
+            bits &= bits - 1u;
+            if (skipsLight(light, s.lightmapped)) continue;
+            LightSample incoming = sampleFrameLight(light, s.position);
+            if (dot(s.normal, incoming.direction) <= 0.0 || incoming.illuminance == vec3(0.0)) continue;
+            float attenuation = shadowAttenuation(light, s, incoming);
+            if (attenuation <= 0.0) continue;
+            radiance += reflectLight(s.baseColor, s.metallic, s.roughness, s.specular, s.normal, s.view,
+                                     incoming.direction, incoming.illuminance * attenuation);
+        }
+    }
+    return radiance;
+}
+
+#endif

@@ -1,0 +1,78 @@
+// A fragment of a mesh: its interpolated vertices and its material. Included by fragment shaders that mesh.vert feeds.
+#ifndef HALFLIGHT_MESH_SURFACE_GLSL
+#define HALFLIGHT_MESH_SURFACE_GLSL
+
+#include "material.glsl"
+#include "probes.glsl"
+#include "surface.glsl"
+
+layout(location = 0) in vec3 inPosition;
+layout(location = 1) in vec3 inNormal;
+layout(location = 2) in vec4 inTangent;
+layout(location = 3) in vec4 inUv;
+layout(location = 4) in vec2 inLightmapUv;
+layout(location = 5) in vec4 inColor;
+layout(location = 6) flat in uint inObject;
+
+// The fragment, and what only meshes know: what else it shines with besides direct light.
+struct MeshSurface {
+    Surface lit;
+    vec3 vertexNormal; // interpolated: what the lightmap was baked with
+    float alpha;
+    float occlusion;
+    vec3 emissive;
+    bool unlit;
+};
+
+MeshSurface readSurface()
+{
+    MeshSurface mesh;
+    Surface s;
+    placeSurface(s, inPosition);
+
+    int material = push.info.x;
+    vec4 base = materials[material].baseColor * inColor *
+                materialTexture(material, kTextureBaseColor, inUv, vec4(1.0));
+    s.baseColor = base.rgb;
+    mesh.alpha = base.a;
+    vec4 metallicRoughness = materialTexture(material, kTextureMetallicRoughness, inUv, vec4(1.0));
+    s.roughness = saturate(materials[material].parameters.x * metallicRoughness.g);
+    s.specular = materials[material].reflection.x;
+    s.metallic = saturate(materials[material].emissiveMetallic.a * metallicRoughness.b);
+    float occlusion = materialTexture(material, kTextureOcclusion, inUv, vec4(1.0)).r;
+    mesh.occlusion = 1.0 + materials[material].parameters.z * (occlusion - 1.0);
+    mesh.emissive = materials[material].emissiveMetallic.rgb *
+                    materialTexture(material, kTextureEmissive, inUv, vec4(1.0)).rgb;
+
+    // Back faces of double-sided surfaces turn their whole tangent frame around, normal map included. A normal of no
+    // length (a degenerate vertex) gives way to the triangle's.
+    float side = gl_FrontFacing ? 1.0 : -1.0;
+    vec3 face = cross(dFdx(inPosition), dFdy(inPosition));
+    face = dot(face, face) > 0.0 ? normalize(face) : s.view;
+    s.faceNormal = dot(face, s.view) < 0.0 ? -face : face;
+    mesh.vertexNormal = dot(inNormal, inNormal) > 0.0 ? side * normalize(inNormal) : s.faceNormal;
+    s.normal = mesh.vertexNormal;
+    if (materials[material].textures[kTextureNormal].info.x >= 0 && dot(inTangent.xyz, inTangent.xyz) > 0.0) {
+        vec3 n = side * mesh.vertexNormal;
+        vec3 t = inTangent.xyz - n * dot(n, inTangent.xyz);
+        t = dot(t, t) > 0.0 ? normalize(t) : vec3(0.0);
+        vec3 b = cross(n, t) * (inTangent.w < 0.0 ? -1.0 : 1.0);
+        vec3 m = materialTexture(material, kTextureNormal, inUv, vec4(0.5, 0.5, 1.0, 1.0)).xyz * 2.0 - 1.0;
+        m.xy *= materials[material].parameters.y;
+        vec3 mapped = t * m.x + b * m.y + n * m.z;
+        if (dot(mapped, mapped) > 0.0) s.normal = side * normalize(mapped);
+    }
+
+    ivec4 info = objects[inObject].info;
+    s.lightmapped = (info.x & kObjectLightmapped) != 0;
+    s.receiveShadows = (info.x & kObjectReceiveShadows) != 0;
+    s.baked = s.lightmapped ? textureLod(shadowmasks, vec3(inLightmapUv, info.y), 0.0)
+                            : sampleProbes(inObject, inPosition).occlusion;
+    mesh.unlit = materials[material].info.x != 0;
+    mesh.lit = s;
+    return mesh;
+}
+
+vec3 lightmapIrradiance() { return textureLod(lightmaps, vec3(inLightmapUv, objects[inObject].info.y), 0.0).rgb; }
+
+#endif
