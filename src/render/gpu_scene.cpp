@@ -193,7 +193,8 @@ bool isLightmapped(const BakedScene& baked, const Object& object)
                        [](const MeshPart& part) { return part.positions.empty() || !part.lightmapUv.empty(); });
 }
 
-GpuObject gpuObject(const BakedScene& baked, const Object& object, const Bounds& bounds)
+GpuObject gpuObject(const BakedScene& baked, const ProbeInterpolator& probes, const Object& object,
+                    const Bounds& bounds)
 {
     GpuObject result{};
     result.worldFromObject = object.worldFromObject;
@@ -207,7 +208,7 @@ GpuObject gpuObject(const BakedScene& baked, const Object& object, const Bounds&
     result.info.x = (isLightmapped(baked, object) ? shading::kObjectLightmapped : 0) |
                     (object.receiveShadows ? shading::kObjectReceiveShadows : 0);
     result.info.y = std::max(object.lightmap.page, 0);
-    const ProbeSample probe = bounds.empty() ? skyProbe(baked.scene.sky) : sampleProbes(baked, bounds.center());
+    const ProbeSample probe = probes.sample(probeAnchor(object, bounds));
     result.probeOcclusion = probe.occlusion;
     for (std::size_t i = 0; i < 9; ++i) result.probeSh[i] = vec4(probe.radiance[i], 0.0f);
     return result;
@@ -248,9 +249,11 @@ GpuScene uploadScene(gpu::Device& device, const BakedScene& baked)
     result.shadowmasks = uploadPages(device, uploader, baked.shadowmasks, VK_FORMAT_R8G8B8A8_UNORM, u8vec4(255));
 
     result.bounds = objectBounds(scene);
+    const ProbeInterpolator probes(baked);
     std::vector<GpuObject> objects(scene.objects.size());
     parallelFor(objects.size(), 64, [&](std::size_t begin, std::size_t end) {
-        for (std::size_t i = begin; i < end; ++i) objects[i] = gpuObject(baked, scene.objects[i], result.bounds[i]);
+        for (std::size_t i = begin; i < end; ++i)
+            objects[i] = gpuObject(baked, probes, scene.objects[i], result.bounds[i]);
     });
     for (const GpuObject& object : objects) result.mirrored.push_back(object.normalFromObject[0].w < 0.0f);
     result.objects = uploadVector(device, uploader, objects, kStorage);

@@ -1,120 +1,396 @@
 #include "halflight/shading/sh.h"
 #include "halflight/shading/sky.h"
-#include "plan_scene.h"
+#include "probe_sets.h"
 
 #include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
 
 namespace halflight {
 namespace {
 
 using namespace test;
 
-/// A grid whose probes hold `value(position)` in every coefficient and channel.
-template<typename Value> BakedScene grid(ivec3 size, Value value)
+/// The point that the weights stand for.
+glm::dvec3 meant(const BakedScene& baked, const ProbeWeights& weights)
 {
-    BakedScene baked = emptyScene();
-    ProbeSet& set = baked.probes;
-    set.size = size;
-    set.origin = {-2, 1, 5};
-    set.spacingMeters = {1.5f, 2.0f, 0.75f};
-    for (int z = 0; z < size.z; ++z) {
-        for (int y = 0; y < size.y; ++y) {
-            for (int x = 0; x < size.x; ++x) {
-                Probe probe;
-                probe.position = set.origin + set.spacingMeters * vec3(x, y, z);
-                for (std::size_t i = 0; i < 9; ++i) probe.radiance[i] = vec3(value(probe.position) + float(i));
-                probe.occlusion = vec4(value(probe.position));
-                set.probes.push_back(probe);
-            }
-        }
-    }
-    return baked;
+    glm::dvec3 sum(0.0);
+    for (std::size_t i = 0; i < 4; ++i)
+        sum += double(weights.weights[i]) * glm::dvec3(baked.probes.probes[weights.probes[i]].position);
+    return sum;
 }
 
-void expectValue(const ProbeSample& sample, float value, float tolerance = 1e-4f)
+/// Weights are shares of distinct valid probes; the point they stand for is the nearest of the valid probes' hull. A
+/// point q of a convex hull is nearest to p exactly if no probe lies beyond the plane through q across q → p (so q = p
+/// inside). Returns q.
+glm::dvec3 expectNearest(const BakedScene& baked, const ProbeInterpolator& probes, vec3 p, double tolerance)
 {
-    for (std::size_t i = 0; i < 9; ++i) {
-        for (int c = 0; c < 3; ++c) EXPECT_NEAR(sample.radiance[i][c], value + float(i), tolerance);
+    const ProbeWeights weights = probes.weights(p);
+    float sum = 0.0f;
+    for (std::size_t i = 0; i < 4; ++i) {
+        EXPECT_GE(weights.weights[i], 0.0f);
+        sum += weights.weights[i];
+        EXPECT_TRUE(baked.probes.probes[weights.probes[i]].valid);
+        if (i > 0) EXPECT_LE(weights.probes[i - 1], weights.probes[i]);
     }
-    for (int c = 0; c < 4; ++c) EXPECT_NEAR(sample.occlusion[c], value, tolerance);
+    EXPECT_NEAR(sum, 1.0f, 1.0e-6f);
+    const glm::dvec3 q = meant(baked, weights);
+    const glm::dvec3 out = glm::dvec3(p) - q;
+    const double distance = glm::length(out);
+    if (distance <= tolerance) return q;
+    for (const Probe& probe : baked.probes.probes) {
+        if (!probe.valid) continue;
+        // q itself is rounded, by a few millionths; the nearer p, the more that turns the plane.
+        const glm::dvec3 d = glm::dvec3(probe.position) - q;
+        EXPECT_LE(glm::dot(d, out), tolerance * distance + 4.0e-6 * glm::length(d)) << distance;
+    }
+    return q;
+}
+
+float linear(vec3 p)
+{
+    return 0.5f + 0.03f * p.x - 0.02f * p.y + 0.01f * p.z;
+}
+
+/// Any field, to see which probes are read.
+float rough(vec3 p)
+{
+    return 0.5f + 0.5f * std::sin(37.0f * p.x + 91.0f * p.y + 53.0f * p.z);
 }
 
 TEST(ProbesS14, ConstantAndLinearFieldsAreReproduced)
 {
-    const auto linear = [](vec3 p) { return 0.5f + 0.1f * p.x - 0.2f * p.y + 0.05f * p.z; };
-    const BakedScene constant = grid({4, 3, 5}, [](vec3) { return 0.37f; });
-    const BakedScene sloped = grid({4, 3, 5}, linear);
+    const BakedScene constant = probeGrid({4, 3, 5}, [](vec3) { return 0.37f; });
+    const BakedScene sloped = probeGrid({4, 3, 5}, linear);
+    const ProbeInterpolator ofConstant = rawProbes(constant);
+    const ProbeInterpolator ofSloped = rawProbes(sloped);
+    EXPECT_EQ(ofSloped.probeCount(), 60u);
+    EXPECT_EQ(ofSloped.tetrahedronCount(), 6u * 3 * 2 * 4);
     Random random(4);
     for (int n = 0; n < 300; ++n) {
         const vec3 inside = random.in({-2, 1, 5}, {2.5f, 5, 8});
-        expectValue(sampleProbes(constant, inside), 0.37f);
-        expectValue(sampleProbes(sloped, inside), linear(inside));
+        expectSample(ofConstant.sample(inside), 0.37f);
+        expectSample(ofSloped.sample(inside), linear(inside));
         const vec3 anywhere = random.in(vec3(-30), vec3(30));
-        expectValue(sampleProbes(constant, anywhere), 0.37f);
-        // Outside: the value at the grid's nearest point.
-        expectValue(sampleProbes(sloped, anywhere), linear(glm::clamp(anywhere, vec3(-2, 1, 5), vec3(2.5f, 5, 8))));
+        expectSample(ofConstant.sample(anywhere), 0.37f);
+        // Outside: the value at the hull's nearest point.
+        expectSample(ofSloped.sample(anywhere), linear(glm::clamp(anywhere, vec3(-2, 1, 5), vec3(2.5f, 5, 8))));
     }
 }
 
-TEST(ProbesS14, FlatGridsWork)
+TEST(ProbesS14, AtAProbeItsOwnValue)
 {
-    const auto linear = [](vec3 p) { return 0.5f + 0.1f * p.x + 0.05f * p.z; };
-    expectValue(sampleProbes(grid({4, 1, 5}, linear), {0.3f, 99, 6.1f}), linear({0.3f, 1, 6.1f}));
-    expectValue(sampleProbes(grid({1, 1, 1}, linear), {9, 9, 9}), linear({-2, 1, 5}));
+    const BakedScene scenes[] = {probeGrid({5, 4, 3}, rough),
+                                 probeList(randomPoints(12, 80, vec3(-4), vec3(9, 3, 5)), rough)};
+    for (const BakedScene& baked : scenes) {
+        const ProbeInterpolator probes = rawProbes(baked);
+        for (const Probe& probe : baked.probes.probes)
+            expectSample(probes.sample(probe.position), probe.occlusion.x, 1.0e-4f);
+    }
+}
+
+TEST(ProbesS14, FreeListsReproduceLinearFieldsInsideAndProjectOutside)
+{
+    for (uint32_t seed = 1; seed <= 5; ++seed) {
+        const BakedScene baked = probeList(randomPoints(seed, 20 + 30 * int(seed), vec3(-4), vec3(9, 3, 5)), linear);
+        const ProbeInterpolator probes = rawProbes(baked);
+        EXPECT_EQ(probes.probeCount(), baked.probes.probes.size());
+        Random random(seed + 100);
+        int inside = 0;
+        for (int n = 0; n < 400; ++n) {
+            const vec3 p = n % 2 == 0 ? random.in(vec3(-4), vec3(9, 3, 5)) : random.in(vec3(-40), vec3(40));
+            const glm::dvec3 q = expectNearest(baked, probes, p, 1.0e-4);
+            inside += glm::distance(q, glm::dvec3(p)) < 1.0e-4;
+            expectSample(probes.sample(p), linear(vec3(q)));
+        }
+        EXPECT_GT(inside, 80);
+    }
+}
+
+// The four probes of a point inside are a Delaunay cell: no other probe in the sphere through them.
+TEST(ProbesS14, NeighborsAreDelaunay)
+{
+    const BakedScene baked = probeList(randomPoints(21, 120, vec3(0), vec3(10)), rough);
+    const ProbeInterpolator probes = rawProbes(baked);
+    Random random(5);
+    int checked = 0;
+    for (int n = 0; n < 300; ++n) {
+        const ProbeWeights weights = probes.weights(random.in(vec3(2), vec3(8)));
+        if (*std::min_element(weights.weights.begin(), weights.weights.end()) < 1.0e-3f) continue;
+        glm::dvec3 v[4];
+        for (std::size_t i = 0; i < 4; ++i) v[i] = baked.probes.probes[weights.probes[i]].position;
+        const glm::dmat3 edges = glm::transpose(glm::dmat3(v[1] - v[0], v[2] - v[0], v[3] - v[0]));
+        const glm::dvec3 lengths(glm::dot(v[1] - v[0], v[1] - v[0]), glm::dot(v[2] - v[0], v[2] - v[0]),
+                                 glm::dot(v[3] - v[0], v[3] - v[0]));
+        const glm::dvec3 center = v[0] + glm::inverse(edges) * lengths * 0.5;
+        const double radius = glm::distance(center, v[0]);
+        for (const Probe& probe : baked.probes.probes)
+            EXPECT_GE(glm::distance(center, glm::dvec3(probe.position)), radius * (1.0 - 1.0e-5));
+        ++checked;
+    }
+    EXPECT_GT(checked, 200);
+}
+
+// Along lines through everything: halving the largest jump's interval again and again makes it vanish.
+TEST(ProbesS14, ContinuousEverywhere)
+{
+    BakedScene holes = probeGrid({6, 5, 6}, rough);
+    Random knock(9);
+    for (Probe& probe : holes.probes.probes) probe.valid = knock.unit() < 0.6f;
+    const BakedScene scenes[] = {probeGrid({6, 5, 6}, rough), holes,
+                                 probeList(randomPoints(31, 100, {-2, 1, 5}, {6, 9, 9}), rough)};
+    for (const BakedScene& baked : scenes) {
+        const ProbeInterpolator probes = rawProbes(baked);
+        const auto at = [&](vec3 p) { return probes.sample(p).occlusion.x; };
+        Random random(17);
+        for (int line = 0; line < 40; ++line) {
+            const vec3 from = random.in({-5, -2, 2}, {9, 12, 12});
+            const vec3 to = random.in({-5, -2, 2}, {9, 12, 12});
+            const int steps = 500;
+            vec3 low(0.0f);
+            vec3 high(0.0f);
+            float largest = -1.0f;
+            for (int i = 0; i < steps; ++i) {
+                const vec3 a = glm::mix(from, to, float(i) / steps);
+                const vec3 b = glm::mix(from, to, float(i + 1) / steps);
+                const float jump = std::abs(at(a) - at(b));
+                if (jump > largest) {
+                    largest = jump;
+                    low = a;
+                    high = b;
+                }
+            }
+            for (int i = 0; i < 24; ++i) {
+                const vec3 middle = 0.5f * (low + high);
+                (std::abs(at(low) - at(middle)) > std::abs(at(middle) - at(high)) ? high : low) = middle;
+            }
+            EXPECT_LT(std::abs(at(low) - at(high)), 2.0e-3f) << "of " << largest;
+        }
+    }
+}
+
+TEST(ProbesS14, SameAnswerWhateverWasAskedBefore)
+{
+    const BakedScene baked = probeList(randomPoints(41, 200, vec3(0), vec3(10)), rough);
+    const std::vector<vec3> places = randomPoints(42, 500, vec3(-3), vec3(13));
+    const ProbeInterpolator probes(baked);
+    std::vector<ProbeSample> forward;
+    for (const vec3 p : places) forward.push_back(probes.sample(p));
+    const ProbeInterpolator again(baked);
+    for (std::size_t i = places.size(); i-- > 0;) {
+        const ProbeSample sample = again.sample(places[i]);
+        EXPECT_EQ(sample.occlusion, forward[i].occlusion);
+        EXPECT_EQ(sample.radiance, forward[i].radiance);
+    }
+    const ProbeSample single = sampleProbes(baked, places[7]);
+    EXPECT_EQ(single.occlusion, forward[7].occlusion);
+    EXPECT_EQ(single.radiance, forward[7].radiance);
 }
 
 TEST(ProbesS14, InvalidProbesAreLeftOut)
 {
-    // A field with a poisoned probe: constant elsewhere, so dropping and renormalizing gives the constant.
-    BakedScene baked = grid({4, 3, 5}, [](vec3) { return 0.25f; });
-    const std::size_t poisoned = (2 * 3 + 1) * 4 + 1;
-    baked.probes.probes[poisoned].valid = false;
-    baked.probes.probes[poisoned].occlusion = vec4(1000.0f);
-    baked.probes.probes[poisoned].radiance.fill(vec3(1e6f));
-    Random random(6);
-    const vec3 at = baked.probes.probes[poisoned].position;
-    expectValue(sampleProbes(baked, at), 0.25f); // on the invalid probe itself
-    for (int n = 0; n < 200; ++n) expectValue(sampleProbes(baked, at + random.in(vec3(-1.4f), vec3(1.4f))), 0.25f);
+    // A field with poisoned probes: constant elsewhere.
+    BakedScene baked = probeGrid({4, 3, 5}, [](vec3) { return 0.25f; });
+    for (const std::size_t poisoned : {(2 * 3 + 1) * 4 + 1, 0, 59, 17}) {
+        Probe& probe = baked.probes.probes[poisoned];
+        probe.valid = false;
+        probe.occlusion = vec4(std::nanf(""));
+        probe.radiance.fill(vec3(kInfinity));
+    }
+    for (const bool grid : {true, false}) {
+        if (!grid) baked.probes.size = ivec3(0);
+        const ProbeInterpolator probes = rawProbes(baked);
+        EXPECT_EQ(probes.probeCount(), 56u);
+        Random random(6);
+        for (const Probe& probe : baked.probes.probes) expectSample(probes.sample(probe.position), 0.25f);
+        for (int n = 0; n < 300; ++n) {
+            const vec3 p = random.in({-4, -1, 3}, {5, 7, 10});
+            expectSample(probes.sample(p), 0.25f);
+            expectNearest(baked, probes, p, 1.0e-4);
+        }
+    }
 }
 
-TEST(ProbesS14, WeightsOfValidProbesKeepTheirProportion)
+// Across a hole the tetrahedra reach the probes around it: a linear field is whole in it.
+TEST(ProbesS14, HolesAreSpannedByTheProbesAroundThem)
 {
-    BakedScene baked = grid({2, 1, 1}, [](vec3 p) { return p.x < -1 ? 0.2f : 0.8f; });
-    expectValue(sampleProbes(baked, {-2 + 1.5f * 0.25f, 1, 5}), 0.75f * 0.2f + 0.25f * 0.8f);
-    baked.probes.probes[1].valid = false;
-    expectValue(sampleProbes(baked, {-2 + 1.5f * 0.25f, 1, 5}), 0.2f);
+    BakedScene baked = probeGrid({7, 7, 7}, linear);
+    for (int i = 0; i < 343; ++i) {
+        const ivec3 place(i % 7, i / 7 % 7, i / 49);
+        const ivec3 off = glm::abs(place - 3);
+        if (std::max({off.x, off.y, off.z}) <= 1) baked.probes.probes[std::size_t(i)].valid = false;
+    }
+    const ProbeInterpolator probes = rawProbes(baked);
+    Random random(8);
+    for (int n = 0; n < 300; ++n) {
+        const vec3 p = kGridOrigin + kGridSpacing * random.in(vec3(1.5f), vec3(4.5f));
+        expectSample(probes.sample(p), linear(p));
+        const ProbeWeights weights = probes.weights(p);
+        for (std::size_t i = 0; i < 4; ++i) {
+            if (weights.weights[i] == 0.0f) continue;
+            const vec3 steps = (baked.probes.probes[weights.probes[i]].position - p) / kGridSpacing;
+            EXPECT_LT(glm::length(steps), 5.3f) << "a probe from beyond the hole's other side"; // the hole's diameter
+        }
+    }
 }
 
-TEST(ProbesS14, AllEightInvalidTakesTheNearestValid)
+TEST(ProbesS14, PlanesLinesAndPoints)
 {
-    BakedScene baked = grid({5, 5, 5}, [](vec3 p) { return p.x; });
-    for (Probe& probe : baked.probes.probes) probe.valid = false;
-    baked.probes.probes.front().valid = true;
-    baked.probes.probes.back().valid = true;
-    expectValue(sampleProbes(baked, {-1.9f, 3, 6.2f}), -2.0f);
-    expectValue(sampleProbes(baked, {3.9f, 7, 7.0f}), 4.0f);
+    expectSample(rawProbes(probeGrid({4, 1, 5}, linear)).sample({0.3f, 99, 6.1f}), linear({0.3f, 1, 6.1f}));
+    expectSample(rawProbes(probeGrid({2, 1, 1}, linear)).sample({-1.2f, -7, 99}), linear({-1.2f, 1, 5}));
+    expectSample(rawProbes(probeGrid({1, 1, 1}, linear)).sample({9, 9, 9}), linear({-2, 1, 5}));
+
+    const vec3 x = glm::normalize(vec3(1, 2, -0.5f));
+    const vec3 y = glm::normalize(glm::cross(x, vec3(0.3f, 1, 1)));
+    Random random(51);
+    std::vector<vec3> plane;
+    std::vector<vec3> line;
+    for (int i = 0; i < 60; ++i) {
+        plane.push_back(vec3(5, 1, -3) + random.in(-6, 6) * x + random.in(-2, 9) * y);
+        line.push_back(vec3(5, 1, -3) + random.in(-6, 6) * x);
+    }
+    const std::vector<std::vector<vec3>> sets = {{{0, 0, 0}},
+                                                 {{3, 1, 2}, {3, 1, 2}, {3, 1, 2}},
+                                                 {{0, 0, 0}, {1, 2, 3}},
+                                                 {{0, 0, 0}, {4, 0, 0}, {1, 0, 0}},
+                                                 {{0, 0, 0}, {4, 0, 0}, {1, 3, 0}},
+                                                 {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}},
+                                                 {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {0, 0, 0}},
+                                                 {{0, 5, 0}, {1, 5, 0}, {1, 5, 1}, {0, 5, 1}, {0.5f, 5, 0.5f}},
+                                                 line,
+                                                 plane};
+    for (std::size_t k = 0; k < sets.size(); ++k) {
+        SCOPED_TRACE(k);
+        const BakedScene baked = probeList(sets[k], linear);
+        const ProbeInterpolator probes = rawProbes(baked);
+        for (int n = 0; n < 200; ++n) {
+            const vec3 p = random.in(vec3(-12), vec3(12));
+            const glm::dvec3 q = expectNearest(baked, probes, p, 2.0e-4);
+            expectSample(probes.sample(p), linear(vec3(q)), 2.0e-5f);
+        }
+    }
+    // Valid probes on a grid's diagonal only: a line as well.
+    BakedScene diagonal = probeGrid({5, 5, 5}, linear);
+    for (int i = 0; i < 125; ++i) diagonal.probes.probes[std::size_t(i)].valid = i % 31 == 0;
+    const ProbeInterpolator probes = rawProbes(diagonal);
+    EXPECT_EQ(probes.probeCount(), 5u);
+    for (int n = 0; n < 100; ++n) expectNearest(diagonal, probes, random.in(vec3(-12), vec3(12)), 2.0e-4);
 }
 
-TEST(ProbesS14, FreeListUsesTheNearestFour)
+TEST(ProbesS14, OfProbesAtOnePlaceTheFirstCounts)
+{
+    std::vector<vec3> points = randomPoints(61, 40, vec3(0), vec3(5));
+    BakedScene baked = probeList(points, linear);
+    for (const vec3 p : points) baked.probes.probes.push_back(probeOf(p, 0.9f));
+    const ProbeInterpolator probes = rawProbes(baked);
+    EXPECT_EQ(probes.probeCount(), 40u);
+    for (const vec3 p : points) expectSample(probes.sample(p), linear(p));
+}
+
+// A grid turned in space, given as a list: floats put its outer probes a little off its faces, so that the exact hull
+// is covered with flat cells between far probes. The probes read on a face must still be those around the point.
+TEST(ProbesS14, TurnedGridsReadNeighborsOnTheirFaces)
+{
+    const mat4 turn = pose({31, -7, 12}, {0.3f, -0.6f, 0.7f});
+    std::vector<vec3> points;
+    for (int i = 0; i < 512; ++i) points.push_back(vec3(turn * vec4(i % 8, i / 8 % 8, i / 64, 1)));
+    const BakedScene baked = probeList(points, rough);
+    const ProbeInterpolator probes = rawProbes(baked);
+    EXPECT_EQ(probes.probeCount(), 512u);
+    Random random(71);
+    for (int n = 0; n < 600; ++n) {
+        const vec3 local = random.in(vec3(-4), vec3(11));
+        const vec3 nearest = vec3(turn * vec4(glm::clamp(local, vec3(0), vec3(7)), 1));
+        const ProbeWeights weights = probes.weights(vec3(turn * vec4(local, 1)));
+        EXPECT_LT(glm::distance(vec3(meant(baked, weights)), nearest), 1.0e-3f);
+        for (std::size_t i = 0; i < 4; ++i) {
+            if (weights.weights[i] > 1.0e-3f) EXPECT_LT(glm::distance(points[weights.probes[i]], nearest), 1.75f);
+        }
+    }
+}
+
+TEST(ProbesS14, BadSetsDoNoHarm)
+{
+    // A probe at no place, a grid without spacing, a grid at no place: what is left is used.
+    BakedScene baked = probeList(randomPoints(81, 20, vec3(0), vec3(5)), linear);
+    baked.probes.probes[3].position.y = std::nanf("");
+    baked.probes.probes[4].position.x = kInfinity;
+    EXPECT_EQ(rawProbes(baked).probeCount(), 18u);
+    const vec3 center(2.5f);
+    EXPECT_NEAR(rawProbes(baked).sample(center).occlusion.x, linear(center), 1.0e-5f);
+    EXPECT_TRUE(std::isfinite(rawProbes(baked).sample(vec3(std::nanf(""))).occlusion.x));
+    EXPECT_TRUE(std::isfinite(rawProbes(baked).sample(vec3(3.0e38f, -3.0e38f, 0)).occlusion.x));
+
+    BakedScene grid = probeGrid({3, 3, 3}, linear);
+    grid.probes.spacingMeters.y = 0.0f;
+    expectSample(rawProbes(grid).sample({0, 2, 6}), linear({0, 2, 6})); // by the probes' own positions
+    grid.probes.spacingMeters.y = 2.0f;
+    grid.probes.origin.x = std::nanf("");
+    expectSample(rawProbes(grid).sample({0, 2, 6}), linear({0, 2, 6}));
+    // Far from the origin and large: as exact as floats are.
+    BakedScene far = probeGrid({3, 3, 3}, [](vec3) { return 0.5f; });
+    far.probes.origin = vec3(1.0e6f);
+    far.probes.spacingMeters = vec3(1.0e4f);
+    expectSample(rawProbes(far).sample(vec3(1.01e6f)), 0.5f);
+}
+
+TEST(ProbesS14, OcclusionIsClamped)
+{
+    BakedScene baked = probeGrid({2, 2, 2}, [](vec3) { return 1.0f; });
+    for (Probe& probe : baked.probes.probes) probe.occlusion = vec4(1.0001f, -0.5f, 7.0f, 0.5f);
+    EXPECT_EQ(rawProbes(baked).sample({-1, 2, 5.3f}).occlusion.x, 1.0f);
+    EXPECT_EQ(rawProbes(baked).sample({-1, 2, 5.3f}).occlusion.y, 0.0f);
+    EXPECT_EQ(rawProbes(baked).sample({-1, 2, 5.3f}).occlusion.z, 1.0f);
+    EXPECT_NEAR(rawProbes(baked).sample({-1, 2, 5.3f}).occlusion.w, 0.5f, 1.0e-6f);
+}
+
+TEST(ProbesS14, SpacingOfGridsAndLists)
+{
+    EXPECT_EQ(rawProbes(probeGrid({4, 3, 5}, linear)).spacingMeters(), kGridSpacing);
+    EXPECT_EQ(rawProbes(probeGrid({4, 1, 5}, linear)).spacingMeters(), vec3(1.5f, kInfinity, 0.75f));
+    BakedScene list = probeGrid({4, 4, 4}, linear);
+    for (Probe& probe : list.probes.probes) probe.position = (probe.position - kGridOrigin) / kGridSpacing * 0.8f;
+    list.probes.size = ivec3(0);
+    EXPECT_LT(glm::length(rawProbes(list).spacingMeters() - vec3(0.8f)), 1.0e-5f);
+}
+
+TEST(ProbesS14, AnchorIsTheCenterOfTheBounds)
 {
     BakedScene baked = emptyScene();
-    const auto add = [&](vec3 p, float value, bool valid = true) {
-        Probe probe;
-        probe.position = p;
-        probe.occlusion = vec4(value);
-        for (std::size_t i = 0; i < 9; ++i) probe.radiance[i] = vec3(value + float(i));
-        probe.valid = valid;
-        baked.probes.probes.push_back(probe);
-    };
-    add({1, 0, 0}, 0.1f);
-    add({0, 2, 0}, 0.9f);
-    add({0, 0.1f, 0}, 555.0f, false); // inside geometry
-    add({50, 0, 0}, 0.5f);
-    add({0, 0, 2}, 0.3f);
-    add({-1, 0, 0}, 0.7f);
-    // Weights 1 / d^2 of the four nearest valid: 1, 1/4, 1/4, 1.
-    expectValue(sampleProbes(baked, {0, 0, 0}), (0.1f + 0.7f + 0.25f * 0.9f + 0.25f * 0.3f) / 2.5f);
-    expectValue(sampleProbes(baked, {1, 0, 0}), 0.1f);
+    addBox(baked, {3, 4, 5}, {1, 2, 0.5f}, false);
+    const std::vector<Bounds> bounds = objectBounds(baked.scene);
+    EXPECT_EQ(probeAnchor(baked.scene.objects[0], bounds[0]), vec3(3, 4, 5));
+    EXPECT_EQ(probeAnchor(baked.scene.objects[0], Bounds{}), vec3(3, 4, 5)); // its origin
+    const Bounds lopsided{{0, 0, 0}, {8, 2, 2}};
+    EXPECT_EQ(probeAnchor(baked.scene.objects[0], lopsided), vec3(4, 1, 1));
+}
+
+// Interpolation leaves alone what all probes agree on, to the bit: channels without a light are 1.
+TEST(ProbesS14, UnusedChannelsAreExactlyOne)
+{
+    const BakedScene baked = probeList(randomPoints(95, 100, vec3(0), vec3(5)), rough);
+    const ProbeInterpolator probes(baked);
+    for (const vec3 p : randomPoints(96, 1000, vec3(-2), vec3(7))) EXPECT_EQ(probes.sample(p).occlusion.w, 1.0f);
+}
+
+// Each of an instanced draw's spheres has the light and occlusion of its own place.
+TEST(InstancesS15, A1023SpheresEachHaveTheirOwnSample)
+{
+    const BakedScene baked = probeGrid({9, 7, 8}, rough);
+    const ProbeInterpolator probes(baked);
+    const std::vector<vec3> places = randomPoints(91, 1023, {-4, -1, 4}, {12, 15, 12});
+    const std::vector<ProbeSample> samples = sampleProbes(probes, places);
+    ASSERT_EQ(samples.size(), 1023u);
+    int distinct = 0;
+    for (std::size_t i = 0; i < places.size(); ++i) {
+        const ProbeSample own = probes.sample(places[i]);
+        EXPECT_EQ(samples[i].occlusion, own.occlusion);
+        EXPECT_EQ(samples[i].radiance, own.radiance);
+        distinct += i > 0 && samples[i].occlusion != samples[i - 1].occlusion;
+    }
+    EXPECT_GT(distinct, 1000);
+    EXPECT_TRUE(sampleProbes(probes, {}).empty());
 }
 
 // Without probes: the sky, whose irradiance (here by brute-force integration) the SH must give. The gradient has a kink
@@ -123,7 +399,10 @@ TEST(ProbesS14, WithoutProbesTheSkyLights)
 {
     BakedScene baked = emptyScene();
     baked.scene.sky = {{2, 3, 8}, {4, 4, 4}, {0.5f, 0.3f, 0.2f}};
-    const ProbeSample sample = sampleProbes(baked, {1, 2, 3});
+    BakedScene hidden = baked; // a set without a valid probe is none
+    hidden.probes.probes = {probeOf({0, 0, 0}, 1000.0f, false)};
+    const ProbeSample sample = sampleProbes(hidden, {1, 2, 3});
+    EXPECT_EQ(sample.radiance, sampleProbes(baked, {1, 2, 3}).radiance);
     EXPECT_EQ(sample.occlusion, vec4(1.0f));
     const Sky& sky = baked.scene.sky;
     Random random(8);

@@ -4,6 +4,7 @@
 // An engine with a renderer of its own can use these functions alone.
 
 #include "halflight/base/result.h"
+#include "halflight/render/probes.h" // what probes say at an object: build one ProbeInterpolator per scene
 #include "halflight/scene/baked_scene.h"
 
 #include <array>
@@ -159,18 +160,5 @@ struct FramePlan {
 /// `mode` and `shadows` have passed their checks.
 FramePlan planFrame(const BakedScene& baked, std::span<const Bounds> bounds, const FrameView& view, RunMode mode,
                     const ShadowSettings& shadows);
-
-/// Probe light and occlusion at a point.
-struct ProbeSample {
-    SphericalHarmonicsL2 radiance{};
-    vec4 occlusion{1.0f};
-};
-/// Interpolated from the valid probes around `position` (outside the grid: at its nearest point): trilinear in a grid,
-/// invalid probes left out and the other weights raised to sum to 1; in a free list by inverse squared distance to the
-/// nearest four. Without any valid probe: skyProbe() of the scene.
-ProbeSample sampleProbes(const BakedScene& baked, vec3 position);
-
-/// The open sky as a probe sees it, nothing occluded.
-ProbeSample skyProbe(const Sky& sky);
 
 } // namespace halflight

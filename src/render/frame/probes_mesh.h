@@ -1,0 +1,94 @@
+#pragma once
+// Point location in the tetrahedra between probes, and the nearest point of their hull.
+
+#include "halflight/render/probes.h"
+#include "render/frame/tetrahedra.h"
+
+#include <glm/gtc/type_precision.hpp>
+
+#include <array>
+#include <span>
+#include <vector>
+
+namespace halflight {
+
+/// Triangles of a hull in a tree of boxes, for the nearest point on them.
+class HullFaces {
+public:
+    struct Face {
+        std::array<uint32_t, 3> vertex{};
+    };
+    struct Nearest {
+        uint32_t face = 0;
+        std::array<double, 3> weights{};
+    };
+
+    void build(std::vector<Face> faces, std::span<const glm::dvec3> vertices);
+    [[nodiscard]] Nearest nearest(glm::dvec3 point, std::span<const glm::dvec3> vertices) const;
+    [[nodiscard]] const Face& face(uint32_t i) const { return faces_[i]; }
+
+private:
+    struct Node {
+        glm::dvec3 low{0.0};
+        glm::dvec3 high{0.0};
+        uint32_t begin = 0; ///< a leaf's faces
+        uint32_t end = 0;
+        uint32_t right = 0; ///< second child, the first is the next node; 0 in a leaf
+    };
+    void split(std::size_t node, std::span<const glm::dvec3> vertices);
+
+    std::vector<Face> faces_;
+    std::vector<Node> nodes_;
+};
+
+class ProbeMesh {
+public:
+    explicit ProbeMesh(const BakedScene& baked);
+
+    [[nodiscard]] bool empty() const { return probes_.empty(); }
+    /// Weights of the probes in use, as places in probes().
+    [[nodiscard]] ProbeWeights weights(vec3 position) const;
+    [[nodiscard]] const std::vector<Probe>& probes() const { return probes_; }
+    [[nodiscard]] const std::vector<uint32_t>& sources() const { return sources_; } ///< their indices in the scene
+    [[nodiscard]] std::size_t tetrahedronCount() const { return cells_.size(); }
+    [[nodiscard]] vec3 spacingMeters() const { return spacing_; }
+    [[nodiscard]] const ProbeSample& sky() const { return sky_; }
+
+private:
+    struct Where {
+        uint32_t cell = 0;
+        bool outside = false;
+        std::array<double, 4> weights{};
+    };
+
+    void placeVertices(const ProbeSet& set, std::vector<ivec3>& lattice);
+    void peelFlatCells();
+    void buildHull();
+    void buildStarts();
+    [[nodiscard]] Where walk(uint32_t start, glm::dvec3 point) const;
+    [[nodiscard]] std::array<double, 4> weightsIn(const Tetrahedron& cell, glm::dvec3 point) const;
+    [[nodiscard]] std::size_t startCellOf(glm::dvec3 point) const;
+
+    std::vector<Probe> probes_;
+    std::vector<uint32_t> sources_;
+    ProbeSample sky_;
+    vec3 spacing_{kInfinity};
+
+    // The mesh lives in a space of its own: p = transpose(frame) * (world - origin), metres.
+    glm::dvec3 origin_{0.0};
+    glm::dmat3 frame_{1.0};
+    glm::bvec3 flat_{false};  ///< axes along which probes do not differ: points are taken to 0 there
+    double stepMeters_ = 0.0; ///< rounding of positions to the lattice; 0 for grids
+    std::vector<glm::dvec3> vertices_;
+    std::vector<uint32_t> probeOf_; ///< vertex → place in probes_
+    std::vector<Tetrahedron> cells_;
+    HullFaces hull_;
+
+    // Where a walk begins, by the point's place in a coarse grid.
+    glm::dvec3 low_{0.0};
+    glm::dvec3 high_{0.0};
+    ivec3 startSize_{1};
+    std::vector<uint32_t> starts_;
+};
+
+} // namespace halflight
