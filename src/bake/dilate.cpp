@@ -35,10 +35,47 @@ uint64_t cellKey(ivec3 cell)
     return part(cell.x) | (part(cell.y) << 21) | (part(cell.z) << 42);
 }
 
+/// Ring by ring from the known texels of each chart into its open ones.
+template<typename T> void growWithinCharts(const TexelMap& map, const std::vector<Image<uint32_t>>& pages, int rings,
+                                           std::vector<uint8_t>& known, std::vector<uint32_t>& open,
+                                           std::vector<T>& values)
+{
+    for (int ring = 0; ring < rings && !open.empty(); ++ring) {
+        std::vector<std::pair<uint32_t, T>> found;
+        std::vector<uint32_t> stillOpen;
+        for (const uint32_t i : open) {
+            const Texel& texel = map.texels[i];
+            T sum{};
+            float weight = 0.0f;
+            for (int dy = -1; dy <= 1; ++dy) {
+                for (int dx = -1; dx <= 1; ++dx) {
+                    const ivec2 p(int(texel.x) + dx, int(texel.y) + dy);
+                    if (p.x < 0 || p.y < 0 || p.x >= map.pageSize || p.y >= map.pageSize) continue;
+                    const uint32_t j = pages[texel.page](p.x, p.y);
+                    if (j == kEmpty || !known[j] || map.texels[j].chart != texel.chart) continue;
+                    sum += values[j] * neighborWeight(dx, dy);
+                    weight += neighborWeight(dx, dy);
+                }
+            }
+            if (weight > 0.0f) {
+                found.emplace_back(i, sum / weight);
+            } else {
+                stillOpen.push_back(i);
+            }
+        }
+        if (found.empty()) break;
+        for (const auto& [i, value] : found) {
+            values[i] = value;
+            known[i] = 1;
+        }
+        open.swap(stillOpen);
+    }
+}
+
 /// The texels in `open` take the mean of valid texels around them in the world, wherever those are in the lightmap.
 template<typename T> void adoptNeighbors(const BakeGeometry& geometry, const TexelMap& map,
-                                         const std::vector<uint8_t>& valid, const std::vector<uint32_t>& open,
-                                         std::vector<T>& values)
+                                         const std::vector<uint8_t>& valid, std::vector<uint8_t>& known,
+                                         std::vector<uint32_t>& open, std::vector<T>& values)
 {
     if (open.empty()) return;
     constexpr float kReachTexels = 3.0f;
