@@ -27,53 +27,48 @@ uint32_t find(std::vector<uint32_t>& parent, uint32_t i)
     return i;
 }
 
-/// For each vertex of the range, the first vertex of the range at exactly the same place.
-std::vector<uint32_t> weld(const BakeGeometry& geometry, uint32_t first, uint32_t count)
+/// The corners of the listed triangles as numbers of places: equal positions get equal numbers.
+std::vector<uvec3> weld(const BakeGeometry& geometry, std::span<const uint32_t> triangles)
 {
-    std::vector<uint32_t> order(count);
-    std::iota(order.begin(), order.end(), 0u);
-    const auto at = [&](uint32_t i) { return geometry.positions[first + i]; };
-    std::sort(order.begin(), order.end(), [&](uint32_t a, uint32_t b) {
+    std::vector<uint32_t> corners(triangles.size() * 3); // 3 * index into `triangles` + corner
+    std::iota(corners.begin(), corners.end(), 0u);
+    const auto at = [&](uint32_t c) { return geometry.positions[geometry.triangles[triangles[c / 3]][int(c % 3)]]; };
+    std::sort(corners.begin(), corners.end(), [&](uint32_t a, uint32_t b) {
         const vec3 p = at(a);
         const vec3 q = at(b);
         return std::tie(p.x, p.y, p.z, a) < std::tie(q.x, q.y, q.z, b);
     });
-    std::vector<uint32_t> welded(count);
-    for (uint32_t i = 0; i < count; ++i) {
-        welded[order[i]] = i > 0 && at(order[i]) == at(order[i - 1]) ? welded[order[i - 1]] : order[i];
+    std::vector<uvec3> welded(triangles.size());
+    uint32_t place = 0;
+    for (std::size_t i = 0; i < corners.size(); ++i) {
+        if (i > 0 && at(corners[i]) != at(corners[i - 1])) ++place;
+        welded[corners[i] / 3][int(corners[i] % 3)] = place;
     }
     return welded;
 }
 
-/// Marks the closed pieces among one object's triangles.
-void markObject(const BakeGeometry& geometry, std::span<const BakeGeometry::Part> parts, std::vector<uint8_t>& solid)
+/// Marks the closed pieces among the listed triangles.
+void markPieces(const BakeGeometry& geometry, std::span<const uint32_t> triangles, std::vector<uint8_t>& solid)
 {
-    const uint32_t firstVertex = parts.front().firstVertex;
-    const uint32_t firstTriangle = parts.front().firstTriangle;
-    const uint32_t vertexCount = parts.back().firstVertex + parts.back().vertexCount - firstVertex;
-    const uint32_t triangleCount = parts.back().firstTriangle + parts.back().triangleCount - firstTriangle;
-    const std::vector<uint32_t> welded = weld(geometry, firstVertex, vertexCount);
-
+    const std::vector<uvec3> welded = weld(geometry, triangles);
     std::vector<DirectedEdge> edges;
-    edges.reserve(std::size_t(triangleCount) * 3);
-    for (uint32_t t = 0; t < triangleCount; ++t) {
-        const uvec3 v = geometry.triangles[firstTriangle + t];
-        const std::array<uint32_t, 3> w = {welded[v.x - firstVertex], welded[v.y - firstVertex],
-                                           welded[v.z - firstVertex]};
+    edges.reserve(triangles.size() * 3);
+    for (std::size_t t = 0; t < triangles.size(); ++t) {
+        const uvec3 w = welded[t];
         if (w[0] == w[1] || w[1] == w[2] || w[2] == w[0]) continue; // collapsed: encloses nothing
         for (int e = 0; e < 3; ++e) {
-            const uint32_t a = w[std::size_t(e)];
-            const uint32_t b = w[std::size_t((e + 1) % 3)];
-            edges.push_back({std::min(a, b), std::max(a, b), t, a < b});
+            const uint32_t a = w[e];
+            const uint32_t b = w[(e + 1) % 3];
+            edges.push_back({std::min(a, b), std::max(a, b), uint32_t(t), a < b});
         }
     }
     std::sort(edges.begin(), edges.end(), [](const DirectedEdge& a, const DirectedEdge& b) {
         return std::tie(a.low, a.high, a.triangle) < std::tie(b.low, b.high, b.triangle);
     });
 
-    // Pieces hang together across edges; a piece is open as soon as one of its edges does not join exactly one triangle
-    // of each direction.
-    std::vector<uint32_t> parent(triangleCount);
+    // Pieces hang together across edges; a piece is open as soon as as many triangles do not pass one of its edges in
+    // one direction as in the other.
+    std::vector<uint32_t> parent(triangles.size());
     std::iota(parent.begin(), parent.end(), 0u);
     std::vector<uint32_t> openTriangles;
     for (std::size_t i = 0; i < edges.size();) {
@@ -85,24 +80,24 @@ void markObject(const BakeGeometry& geometry, std::span<const BakeGeometry::Part
             const uint32_t b = find(parent, edges[j].triangle);
             if (a != b) parent[std::max(a, b)] = std::min(a, b);
         }
-        if (j - i != 2 || balance != 0) openTriangles.push_back(edges[i].triangle);
+        if (balance != 0) openTriangles.push_back(edges[i].triangle);
         i = j;
     }
-    std::vector<uint8_t> open(triangleCount, 0);
+    std::vector<uint8_t> open(triangles.size(), 0);
     for (const uint32_t t : openTriangles) open[find(parent, t)] = 1;
 
     // Outward or inward: the sign of the enclosed volume.
-    std::vector<double> volume(triangleCount, 0.0);
-    const vec3 reference = geometry.positions[firstVertex];
-    for (uint32_t t = 0; t < triangleCount; ++t) {
-        const uvec3 v = geometry.triangles[firstTriangle + t];
-        volume[find(parent, t)] +=
+    std::vector<double> volume(triangles.size(), 0.0);
+    const vec3 reference = geometry.positions[geometry.triangles[triangles[0]].x];
+    for (std::size_t t = 0; t < triangles.size(); ++t) {
+        const uvec3 v = geometry.triangles[triangles[t]];
+        volume[find(parent, uint32_t(t))] +=
             double(glm::dot(geometry.positions[v.x] - reference,
                             glm::cross(geometry.positions[v.y] - reference, geometry.positions[v.z] - reference)));
     }
-    for (uint32_t t = 0; t < triangleCount; ++t) {
-        const uint32_t piece = find(parent, t);
-        solid[firstTriangle + t] = !open[piece] && volume[piece] > 0.0 ? 1 : 0;
+    for (std::size_t t = 0; t < triangles.size(); ++t) {
+        const uint32_t piece = find(parent, uint32_t(t));
+        if (!open[piece] && volume[piece] > 0.0) solid[triangles[t]] = 1;
     }
 }
 
@@ -110,21 +105,30 @@ void markObject(const BakeGeometry& geometry, std::span<const BakeGeometry::Part
 
 std::vector<uint8_t> markSolids(const BakeGeometry& geometry)
 {
+    // Object by object first: things that stand on one another must not hang together where they touch.
     std::vector<uint8_t> solid(geometry.triangles.size(), 0);
-    std::vector<std::span<const BakeGeometry::Part>> objects;
+    std::vector<std::vector<uint32_t>> objects;
     for (std::size_t i = 0; i < geometry.parts.size();) {
-        std::size_t j = i;
-        while (j < geometry.parts.size() && geometry.parts[j].object == geometry.parts[i].object) ++j;
-        objects.emplace_back(geometry.parts.data() + i, j - i);
-        i = j;
+        std::vector<uint32_t>& list = objects.emplace_back();
+        const int object = geometry.parts[i].object;
+        for (; i < geometry.parts.size() && geometry.parts[i].object == object; ++i) {
+            const BakeGeometry::Part& part = geometry.parts[i];
+            for (uint32_t t = 0; t < part.triangleCount; ++t) list.push_back(part.firstTriangle + t);
+        }
     }
     parallelFor(objects.size(), 1, [&](std::size_t begin, std::size_t end) {
         for (std::size_t o = begin; o < end; ++o) {
-            const auto& parts = objects[o];
-            if (parts.back().firstVertex + parts.back().vertexCount > parts.front().firstVertex)
-                markObject(geometry, parts, solid);
+            if (!objects[o].empty()) markPieces(geometry, objects[o], solid);
         }
     });
+
+    // Then what is left of all objects together: buildings are often one closed surface cut into several objects.
+    constexpr std::size_t kMaxTogether = 4'000'000;
+    std::vector<uint32_t> rest;
+    for (uint32_t t = 0; t < geometry.triangles.size(); ++t) {
+        if (!solid[t]) rest.push_back(t);
+    }
+    if (!rest.empty() && rest.size() <= kMaxTogether) markPieces(geometry, rest, solid);
     return solid;
 }
 

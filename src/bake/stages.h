@@ -12,8 +12,9 @@ namespace halflight {
 enum class GeometryFilter { Static, All };
 BakeGeometry flattenGeometry(const Scene& scene, int pageSize, GeometryFilter filter);
 
-/// For each triangle, 1 when it belongs to a closed piece of its object whose faces look outward. Such a piece has an
-/// inside that nobody sees, even when its material is double-sided (as many exporters write for everything).
+/// For each triangle, 1 when it belongs to a closed piece of one object, or of several together, whose faces look
+/// outward. Such a piece has an inside that nobody sees, even when its material is double-sided (as many exporters
+/// write for everything).
 std::vector<uint8_t> markSolids(const BakeGeometry& geometry);
 
 /// Conservative rasterization of all lightmapped triangles.

@@ -450,6 +450,11 @@ TEST(GeometryS6, SolidsAreClosedAndFaceOutward)
     EXPECT_EQ(solids(false, true), std::vector<uint8_t>(12, 1));
     EXPECT_EQ(solids(true, true), std::vector<uint8_t>(12, 0));
     EXPECT_EQ(solids(false, false), std::vector<uint8_t>(10, 0));
+
+    // A box whose six faces are objects of their own is closed all the same.
+    Scene scene;
+    addBox(scene, vec3(-1, -2, -3), vec3(1, 2, 3), addMaterial(scene, vec3(0.5f), vec3(0), true), false);
+    EXPECT_EQ(flattenGeometry(scene, kPage, GeometryFilter::Static).solid, std::vector<uint8_t>(12, 1));
 }
 
 TEST(GeometryS6, MirroredAndShearedObjectsKeepOutwardNormals)
