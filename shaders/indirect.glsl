@@ -2,21 +2,24 @@
 #ifndef HALFLIGHT_INDIRECT_GLSL
 #define HALFLIGHT_INDIRECT_GLSL
 
-#include "lighting.glsl"
 #include "mesh_surface.glsl"
+#include "halflight/shading/brdf.h"
 #include "halflight/shading/sky.h"
 
-// Radiance towards the camera. Lightmap and surroundings reflect diffusely and in the specular lobe.
-vec3 indirectLight(MeshSurface mesh)
+bool usesLightmap(Surface s) { return s.lightmapped && frame.mode.x != kModeRealtime; }
+
+// Radiance towards the camera. Lightmap and surroundings reflect diffusely and in the specular lobe. `lightmap` is the
+// irradiance there, read only where usesLightmap().
+vec3 indirectLight(MeshSurface mesh, vec3 lightmap)
 {
     Surface s = mesh.lit;
     bool realtime = frame.mode.x == kModeRealtime;
     vec3 irradiance;
     vec3 surroundings; // in the mirror: a lightmap knows one value, probes and sky know directions, blurrier when rougher
     vec3 mirror = reflect(-s.view, s.normal);
-    if (s.lightmapped && !realtime) {
-        irradiance = subtractDynamicShadows(lightmapIrradiance(), s, mesh.vertexNormal);
-        surroundings = irradiance;
+    if (usesLightmap(s)) {
+        irradiance = lightmap;
+        surroundings = lightmap;
     } else {
         ProbeSample probes;
         if (realtime)

@@ -3,6 +3,7 @@
 #extension GL_EXT_nonuniform_qualifier : require
 // The forward lit pass: material, direct lights of the fragment's cluster, baked indirect light.
 #include "indirect.glsl"
+#include "lighting.glsl"
 
 layout(constant_id = 0) const int kAlphaMode = kAlphaOpaque;
 
@@ -41,12 +42,16 @@ void main()
 {
     MeshSurface mesh = readSurface();
     vec3 radiance;
-    if (frame.mode.y != kViewLit)
+    if (frame.mode.y != kViewLit) {
         radiance = debugView(mesh.lit);
-    else if (mesh.unlit)
+    } else if (mesh.unlit) {
         radiance = mesh.lit.baseColor;
-    else
-        radiance = mesh.emissive + indirectLight(mesh) + directLight(mesh.lit);
+    } else {
+        vec3 lightmap = vec3(0.0);
+        if (usesLightmap(mesh.lit))
+            lightmap = subtractDynamicShadows(lightmapIrradiance(), mesh.lit, mesh.vertexNormal);
+        radiance = mesh.emissive + indirectLight(mesh, lightmap) + directLight(mesh.lit);
+    }
     float alpha = kAlphaMode == kAlphaBlend ? saturate(mesh.alpha) : 1.0;
     outRadiance = vec4(radiance * alpha, alpha);
 }

@@ -36,7 +36,6 @@ struct RenderOptions {
     float fovDegrees = 0.0f;
     std::optional<float> exposureEv; ///< empty = auto
     bool exposureGiven = false;
-    int path = 0; ///< one so far: forward
     int referenceSamples = 0;
     int bounces = 8;
     uint32_t seed = 1;
@@ -93,6 +92,8 @@ Result<Picture> renderPicture(const RenderOptions& options, const BakedScene& ba
     const auto count = [&](auto member) { return std::count_if(plan.lights.begin(), plan.lights.end(), member); };
     picture.summary["device"] = (*renderer)->deviceName();
     picture.summary["mode"] = nameOf(settings.mode);
+    picture.summary["path"] = settings.path == RenderPath::Deferred ? "deferred" : "forward";
+    picture.summary["gBufferTargets"] = frame->gBufferTargets;
     picture.summary["lights"] = {
         {"inView", plan.lights.size()},
         {"bakedShadows", count([](const FrameLight& light) { return light.hasBaked; })},
@@ -201,8 +202,9 @@ std::string contradiction(const RenderOptions& options)
         return fmt::format("--output is the scene itself, '{}'", options.output.string());
     }
     if (options.eyeGiven && options.eye == options.camera.target) return "--eye and --target are the same point";
-    if (options.referenceSamples > 0 && (options.mode || options.render.view != DebugView::Lit)) {
-        return "--reference is path traced and knows no --mode or --view";
+    if (options.referenceSamples > 0 &&
+        (options.mode || options.render.view != DebugView::Lit || options.render.path != RenderPath::Forward)) {
+        return "--reference is path traced and knows no --mode, --view or --path";
     }
     return {};
 }
@@ -270,7 +272,9 @@ void addPictureOptions(CLI::App& app, RenderOptions& options)
                           {"fade", DebugView::Fade},
                           {"overlap", DebugView::Overlap}},
                          "the picture, or what is behind it (default lit)");
-    addChoice<int>(app, "--path", options.path, {{"forward", 0}}, "rendering path (default forward)");
+    addChoice<RenderPath>(app, "--path", options.render.path,
+                          {{"forward", RenderPath::Forward}, {"deferred", RenderPath::Deferred}},
+                          "light surfaces as they are drawn, or from a G-buffer (default forward)");
     const auto checkSize = [](std::string& text) {
         ivec2 ignored;
         if (parseSize(text, ignored)) return std::string();

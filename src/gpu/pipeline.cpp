@@ -152,16 +152,18 @@ UniquePipeline makePipeline(const Device& device, const GraphicsPipelineInfo& in
                                                       .depthCompareOp = info.depthCompare};
     const VkColorComponentFlags allComponents =
         VK_COLOR_COMPONENT_R_BIT | VK_COLOR_COMPONENT_G_BIT | VK_COLOR_COMPONENT_B_BIT | VK_COLOR_COMPONENT_A_BIT;
-    const VkPipelineColorBlendAttachmentState attachment{.blendEnable = info.alphaBlend,
-                                                         .srcColorBlendFactor = VK_BLEND_FACTOR_ONE,
-                                                         .dstColorBlendFactor = VK_BLEND_FACTOR_ONE_MINUS_SRC_ALPHA,
-                                                         .srcAlphaBlendFactor = VK_BLEND_FACTOR_ONE,
-                                                         .dstAlphaBlendFactor = VK_BLEND_FACTOR_ONE_MINUS_SRC_ALPHA,
-                                                         .colorWriteMask = info.colorWrite ? allComponents : 0u};
-    const bool hasColor = info.colorFormat != VK_FORMAT_UNDEFINED;
+    const VkBlendFactor targetFactor =
+        info.blend == Blend::Add ? VK_BLEND_FACTOR_ONE : VK_BLEND_FACTOR_ONE_MINUS_SRC_ALPHA;
+    const std::vector<VkPipelineColorBlendAttachmentState> attachments(info.colorFormats.size(),
+                                                                       {.blendEnable = info.blend != Blend::Replace,
+                                                                        .srcColorBlendFactor = VK_BLEND_FACTOR_ONE,
+                                                                        .dstColorBlendFactor = targetFactor,
+                                                                        .srcAlphaBlendFactor = VK_BLEND_FACTOR_ONE,
+                                                                        .dstAlphaBlendFactor = targetFactor,
+                                                                        .colorWriteMask = allComponents});
     const VkPipelineColorBlendStateCreateInfo blend{.sType = VK_STRUCTURE_TYPE_PIPELINE_COLOR_BLEND_STATE_CREATE_INFO,
-                                                    .attachmentCount = hasColor ? 1u : 0u,
-                                                    .pAttachments = &attachment};
+                                                    .attachmentCount = uint32_t(attachments.size()),
+                                                    .pAttachments = attachments.data()};
     std::vector<VkDynamicState> dynamicStates{VK_DYNAMIC_STATE_VIEWPORT, VK_DYNAMIC_STATE_SCISSOR,
                                               VK_DYNAMIC_STATE_CULL_MODE, VK_DYNAMIC_STATE_FRONT_FACE};
     if (info.depthBias) dynamicStates.push_back(VK_DYNAMIC_STATE_DEPTH_BIAS);
@@ -169,8 +171,8 @@ UniquePipeline makePipeline(const Device& device, const GraphicsPipelineInfo& in
                                                    .dynamicStateCount = uint32_t(dynamicStates.size()),
                                                    .pDynamicStates = dynamicStates.data()};
     const VkPipelineRenderingCreateInfo rendering{.sType = VK_STRUCTURE_TYPE_PIPELINE_RENDERING_CREATE_INFO,
-                                                  .colorAttachmentCount = hasColor ? 1u : 0u,
-                                                  .pColorAttachmentFormats = &info.colorFormat,
+                                                  .colorAttachmentCount = uint32_t(info.colorFormats.size()),
+                                                  .pColorAttachmentFormats = info.colorFormats.data(),
                                                   .depthAttachmentFormat = info.depthFormat};
     const VkGraphicsPipelineCreateInfo pipelineInfo{.sType = VK_STRUCTURE_TYPE_GRAPHICS_PIPELINE_CREATE_INFO,
                                                     .pNext = &rendering,

@@ -48,6 +48,9 @@ private:
 
 UniquePipelineLayout makePipelineLayout(const Device& device, VkDescriptorSetLayout set, uint32_t pushConstantBytes);
 
+/// What a fragment does to the target. Premultiplied: source + (1 - source alpha) * target. Add: source + target.
+enum class Blend { Replace, Premultiplied, Add };
+
 /// Viewport, scissor, cull mode and front face are dynamic, and the depth bias where it is on.
 struct GraphicsPipelineInfo {
     VkPipelineLayout layout = VK_NULL_HANDLE;
@@ -56,14 +59,13 @@ struct GraphicsPipelineInfo {
     std::vector<uint32_t> constants;          ///< specialization constant i is constants[i], in both stages
     std::vector<VkVertexInputBindingDescription> vertexBindings;
     std::vector<VkVertexInputAttributeDescription> vertexAttributes;
-    VkFormat colorFormat = VK_FORMAT_UNDEFINED; ///< undefined: no colour attachment
-    VkFormat depthFormat = VK_FORMAT_UNDEFINED;
+    std::vector<VkFormat> colorFormats;         ///< of the colour attachments
+    VkFormat depthFormat = VK_FORMAT_UNDEFINED; ///< undefined: no depth attachment
     bool depthTest = true;
     bool depthWrite = true;
     VkCompareOp depthCompare = VK_COMPARE_OP_GREATER_OR_EQUAL;
     bool depthBias = false;
-    bool colorWrite = true;
-    bool alphaBlend = false; ///< premultiplied: source + (1 - source alpha) * target
+    Blend blend = Blend::Replace; ///< of all colour attachments
 };
 UniquePipeline makePipeline(const Device& device, const GraphicsPipelineInfo& info);
 

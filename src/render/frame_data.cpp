@@ -50,7 +50,8 @@ shading::GpuFrame gpuFrame(const GpuScene& scene, const FrameView& view, const R
 {
     const Camera& camera = view.camera;
     const mat4& worldFromCamera = camera.worldFromCamera;
-    const float tanHalf = std::tan(0.5f * camera.verticalFovRadians);
+    const float halfHeight =
+        camera.orthographic ? 0.5f * camera.orthographicHeightMeters : std::tan(0.5f * camera.verticalFovRadians);
     const float aspect = float(view.size.x) / float(view.size.y);
     const LightClusters& clusters = plan.clusters;
     const Sky& sky = scene.outline.scene.sky;
@@ -58,8 +59,10 @@ shading::GpuFrame gpuFrame(const GpuScene& scene, const FrameView& view, const R
     shading::GpuFrame frame{};
     frame.cameraPosition = worldFromCamera[3];
     frame.cameraForward = vec4(-glm::normalize(vec3(worldFromCamera[2])), camera.orthographic ? 1.0f : 0.0f);
-    frame.cameraRight = vec4(glm::normalize(vec3(worldFromCamera[0])) * (tanHalf * aspect), 0.0f);
-    frame.cameraUp = vec4(glm::normalize(vec3(worldFromCamera[1])) * tanHalf, 0.0f);
+    frame.cameraRight = vec4(glm::normalize(vec3(worldFromCamera[0])) * (halfHeight * aspect), 0.0f);
+    frame.cameraUp = vec4(glm::normalize(vec3(worldFromCamera[1])) * halfHeight, 0.0f);
+    const mat4 clipFromView = view.clipFromView();
+    frame.depthRange = vec4(clipFromView[2].z, clipFromView[2].w, clipFromView[3].z, clipFromView[3].w);
     frame.pictureSize = vec4(view.size, 0.0f, 0.0f);
     frame.fade = vec4(plan.fadeConstants, 0.0f, 0.0f);
     frame.cascadeFar = vec4(plan.cascadeFar[0], plan.cascadeFar[1], plan.cascadeFar[2], plan.cascadeFar[3]);

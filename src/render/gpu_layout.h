@@ -25,7 +25,12 @@ HL_CONST int kBindLightmaps = 7;
 HL_CONST int kBindShadowmasks = 8;
 HL_CONST int kBindCascades = 9;
 HL_CONST int kBindAtlas = 10;
-HL_CONST int kBindTextures = 11;
+HL_CONST int kBindGBufferBaseColor = 11; // the deferred path's light pass: see shaders/gbuffer.glsl
+HL_CONST int kBindGBufferNormals = 12;
+HL_CONST int kBindGBufferMaterial = 13;
+HL_CONST int kBindGBufferMask = 14;
+HL_CONST int kBindDepth = 15;
+HL_CONST int kBindTextures = 16; // the last: its length varies
 
 // Debug views: the values of DebugView in renderer.h.
 HL_CONST int kViewLit = 0;
@@ -52,8 +57,9 @@ HL_CONST int kAlphaBlend = 2;
 struct GpuFrame {
     vec4 cameraPosition; // xyz world
     vec4 cameraForward;  // xyz unit; w = 1 for orthographic cameras
-    vec4 cameraRight;    // xyz unit times half the picture's width at 1 m (perspective)
-    vec4 cameraUp;       // xyz unit times half the picture's height at 1 m
+    vec4 cameraRight;    // xyz unit times half the picture's width in metres, at 1 m for perspective cameras
+    vec4 cameraUp;       // xyz unit times half the picture's height
+    vec4 depthRange;     // of clipFromView, columns 2 and 3: xy their z and w in column 2, zw in column 3
     vec4 pictureSize;    // xy pixels
     vec4 fade;           // xy: fadeConstants()
     vec4 cascadeFar;     // radial metres where each cascade ends

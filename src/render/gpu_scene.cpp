@@ -255,7 +255,10 @@ GpuScene uploadScene(gpu::Device& device, const BakedScene& baked)
         for (std::size_t i = begin; i < end; ++i)
             objects[i] = gpuObject(baked, probes, scene.objects[i], result.bounds[i]);
     });
-    for (const GpuObject& object : objects) result.mirrored.push_back(object.normalFromObject[0].w < 0.0f);
+    for (const GpuObject& object : objects) {
+        result.mirrored.push_back(object.normalFromObject[0].w < 0.0f);
+        result.lightmapped.push_back((object.info.x & shading::kObjectLightmapped) != 0);
+    }
     result.objects = uploadVector(device, uploader, objects, kStorage);
     const ProbeSample sky = skyProbe(scene.sky);
     for (std::size_t i = 0; i < 9; ++i) result.skySh[i] = vec4(sky.radiance[i], 0.0f);

@@ -37,8 +37,9 @@ struct GpuScene {
     gpu::Image shadowmasks;
 
     std::vector<std::vector<DrawPart>> meshes;
-    std::vector<bool> mirrored; ///< per object: its transform turns front faces clockwise
-    std::vector<Bounds> bounds; ///< per object, world space
+    std::vector<bool> mirrored;    ///< per object: its transform turns front faces clockwise
+    std::vector<bool> lightmapped; ///< per object: lit by its lightmap, not by probes
+    std::vector<Bounds> bounds;    ///< per object, world space
     vec4 skySh[9];
 
     /// What planFrame() reads: no vertices, no pixels.

@@ -3,9 +3,14 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 
 #include "shaders/depth.vert.h"
 #include "shaders/depth_masked.frag.h"
+#include "shaders/gbuffer.frag.h"
+#include "shaders/gbuffer_mask.frag.h"
+#include "shaders/light.frag.h"
+#include "shaders/light_mask.frag.h"
 #include "shaders/lit.frag.h"
 #include "shaders/mesh.vert.h"
 #include "shaders/sky.frag.h"
@@ -18,6 +23,11 @@ using shading::GpuPush;
 
 /// The texture array is declared this long at most; a scene's set holds as many as it needs.
 constexpr uint32_t kMaxTextures = 65536;
+
+/// Layout in shaders/gbuffer.glsl. All formats that every Vulkan device can draw into.
+constexpr VkFormat kGBufferFormats[] = {VK_FORMAT_R16G16B16A16_SFLOAT, VK_FORMAT_R32G32_UINT,
+                                        VK_FORMAT_R16G16B16A16_UINT};
+constexpr VkFormat kGBufferMaskFormat = VK_FORMAT_R8G8B8A8_UNORM;
 
 enum class Culling { None, AsMaterial, Front, Back };
 
@@ -86,22 +96,96 @@ void setViewport(const PassContext& context, ivec2 offset, ivec2 size)
     context.device.vk.CmdSetScissor(context.commands, 0, 1, &scissor);
 }
 
+ivec2 imageSize(const gpu::Image& image)
+{
+    return {int(image.info().width), int(image.info().height)};
+}
+
+/// Cleared to 0 if so asked.
+VkRenderingAttachmentInfo colorAttachment(const gpu::Image& image, VkAttachmentLoadOp load)
+{
+    return {.sType = VK_STRUCTURE_TYPE_RENDERING_ATTACHMENT_INFO,
+            .imageView = image.view(),
+            .imageLayout = VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL,
+            .loadOp = load,
+            .storeOp = VK_ATTACHMENT_STORE_OP_STORE};
+}
+
+VkRenderingAttachmentInfo depthAttachment(const gpu::Image& image, VkAttachmentLoadOp load)
+{
+    VkRenderingAttachmentInfo info = colorAttachment(image, load);
+    info.imageLayout = VK_IMAGE_LAYOUT_DEPTH_ATTACHMENT_OPTIMAL;
+    return info;
+}
+
+void beginRendering(const PassContext& context, std::span<const VkRenderingAttachmentInfo> colors,
+                    const std::optional<VkRenderingAttachmentInfo>& depth, ivec2 size)
+{
+    const VkRenderingInfo rendering{.sType = VK_STRUCTURE_TYPE_RENDERING_INFO,
+                                    .renderArea = {{0, 0}, {uint32_t(size.x), uint32_t(size.y)}},
+                                    .layerCount = 1,
+                                    .colorAttachmentCount = uint32_t(colors.size()),
+                                    .pColorAttachments = colors.data(),
+                                    .pDepthAttachment = depth ? &*depth : nullptr};
+    context.device.vk.CmdBeginRendering(context.commands, &rendering);
+    setViewport(context, ivec2(0), size);
+}
+
+void drawWholePicture(const PassContext& context, VkPipeline pipeline)
+{
+    bindPipeline(context, pipeline);
+    context.device.vk.CmdSetCullMode(context.commands, VK_CULL_MODE_NONE);
+    context.device.vk.CmdSetFrontFace(context.commands, VK_FRONT_FACE_COUNTER_CLOCKWISE);
+    context.device.vk.CmdDraw(context.commands, 3, 1, 0, 0);
+}
+
+std::vector<VkVertexInputBindingDescription> depthVertexBindings()
+{
+    return {{0, sizeof(vec3), VK_VERTEX_INPUT_RATE_VERTEX}, {1, sizeof(MaskVertex), VK_VERTEX_INPUT_RATE_VERTEX}};
+}
+
+std::vector<VkVertexInputAttributeDescription> depthVertexAttributes()
+{
+    return {{0, 0, VK_FORMAT_R32G32B32_SFLOAT, 0},
+            {1, 1, VK_FORMAT_R32G32_SFLOAT, offsetof(MaskVertex, uv)},
+            {2, 1, VK_FORMAT_R32G32_SFLOAT, offsetof(MaskVertex, uv) + sizeof(vec2)},
+            {3, 1, VK_FORMAT_R32G32B32A32_SFLOAT, offsetof(MaskVertex, color)}};
+}
+
 } // namespace
 
 std::vector<gpu::Binding> frameBindings(const gpu::Device& device)
 {
     const VkPhysicalDeviceLimits& limits = device.properties().limits;
-    const uint32_t textures = std::min({kMaxTextures, limits.maxPerStageDescriptorSampledImages - 8,
-                                        limits.maxPerStageDescriptorSamplers - 8, limits.maxPerStageResources - 32,
-                                        limits.maxDescriptorSetSamplers - 8, limits.maxDescriptorSetSampledImages - 8});
-    std::vector<gpu::Binding> bindings(12);
+    const uint32_t textures =
+        std::min({kMaxTextures, limits.maxPerStageDescriptorSampledImages - 12,
+                  limits.maxPerStageDescriptorSamplers - 12, limits.maxPerStageResources - 32,
+                  limits.maxDescriptorSetSamplers - 12, limits.maxDescriptorSetSampledImages - 12});
+    std::vector<gpu::Binding> bindings(shading::kBindTextures + 1);
     bindings[shading::kBindFrame].type = VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER;
-    for (int i : {shading::kBindLightmaps, shading::kBindShadowmasks, shading::kBindCascades, shading::kBindAtlas,
-                  shading::kBindTextures})
+    for (int i = shading::kBindLightmaps; i <= shading::kBindTextures; ++i)
         bindings[std::size_t(i)] = {VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER, VK_SHADER_STAGE_FRAGMENT_BIT};
     bindings[shading::kBindTextures].count = textures;
     bindings[shading::kBindTextures].variableCount = true;
     return bindings;
+}
+
+gpu::GraphicsPipelineInfo meshPipelineInfo(VkPipelineLayout layout, VkShaderModule vertex, VkShaderModule fragment)
+{
+    gpu::GraphicsPipelineInfo info;
+    info.layout = layout;
+    info.vertex = vertex;
+    info.fragment = fragment;
+    info.vertexBindings = depthVertexBindings();
+    info.vertexBindings.push_back({2, sizeof(LitVertex), VK_VERTEX_INPUT_RATE_VERTEX});
+    info.vertexAttributes = depthVertexAttributes();
+    info.vertexAttributes.push_back({4, 2, VK_FORMAT_R32G32B32_SFLOAT, offsetof(LitVertex, normal)});
+    info.vertexAttributes.push_back({5, 2, VK_FORMAT_R32G32B32A32_SFLOAT, offsetof(LitVertex, tangent)});
+    info.vertexAttributes.push_back({6, 2, VK_FORMAT_R32G32_SFLOAT, offsetof(LitVertex, lightmapUv)});
+    info.depthFormat = kDepthFormat;
+    info.depthWrite = false;
+    info.depthCompare = VK_COMPARE_OP_EQUAL;
+    return info;
 }
 
 Pipelines::Pipelines(const gpu::Device& device, VkDescriptorSetLayout set, VkFormat colorFormat)
@@ -117,12 +201,8 @@ Pipelines::Pipelines(const gpu::Device& device, VkDescriptorSetLayout set, VkFor
     gpu::GraphicsPipelineInfo depthInfo;
     depthInfo.layout = layout.get();
     depthInfo.vertex = depthVertex.get();
-    depthInfo.vertexBindings = {{0, sizeof(vec3), VK_VERTEX_INPUT_RATE_VERTEX},
-                                {1, sizeof(MaskVertex), VK_VERTEX_INPUT_RATE_VERTEX}};
-    depthInfo.vertexAttributes = {{0, 0, VK_FORMAT_R32G32B32_SFLOAT, 0},
-                                  {1, 1, VK_FORMAT_R32G32_SFLOAT, offsetof(MaskVertex, uv)},
-                                  {2, 1, VK_FORMAT_R32G32_SFLOAT, offsetof(MaskVertex, uv) + sizeof(vec2)},
-                                  {3, 1, VK_FORMAT_R32G32B32A32_SFLOAT, offsetof(MaskVertex, color)}};
+    depthInfo.vertexBindings = depthVertexBindings();
+    depthInfo.vertexAttributes = depthVertexAttributes();
     depthInfo.depthFormat = kDepthFormat;
 
     gpu::GraphicsPipelineInfo shadowInfo = depthInfo;
@@ -132,28 +212,18 @@ Pipelines::Pipelines(const gpu::Device& device, VkDescriptorSetLayout set, VkFor
     shadowInfo.fragment = maskFragment.get();
     shadowMasked = gpu::makePipeline(device, shadowInfo);
 
-    depthInfo.colorFormat = colorFormat;
-    depthInfo.colorWrite = false;
     depth = gpu::makePipeline(device, depthInfo);
     depthInfo.fragment = maskFragment.get();
     depthMasked = gpu::makePipeline(device, depthInfo);
 
-    gpu::GraphicsPipelineInfo litInfo = depthInfo;
-    litInfo.vertex = meshVertex.get();
-    litInfo.fragment = litFragment.get();
-    litInfo.vertexBindings.push_back({2, sizeof(LitVertex), VK_VERTEX_INPUT_RATE_VERTEX});
-    litInfo.vertexAttributes.push_back({4, 2, VK_FORMAT_R32G32B32_SFLOAT, offsetof(LitVertex, normal)});
-    litInfo.vertexAttributes.push_back({5, 2, VK_FORMAT_R32G32B32A32_SFLOAT, offsetof(LitVertex, tangent)});
-    litInfo.vertexAttributes.push_back({6, 2, VK_FORMAT_R32G32_SFLOAT, offsetof(LitVertex, lightmapUv)});
-    litInfo.colorWrite = true;
-    litInfo.depthWrite = false;
-    litInfo.depthCompare = VK_COMPARE_OP_EQUAL;
+    gpu::GraphicsPipelineInfo litInfo = meshPipelineInfo(layout.get(), meshVertex.get(), litFragment.get());
+    litInfo.colorFormats = {colorFormat};
     litInfo.constants = {uint32_t(shading::kAlphaOpaque)};
     lit = gpu::makePipeline(device, litInfo);
 
     gpu::GraphicsPipelineInfo blendInfo = litInfo;
     blendInfo.depthCompare = VK_COMPARE_OP_GREATER_OR_EQUAL;
-    blendInfo.alphaBlend = true;
+    blendInfo.blend = gpu::Blend::Premultiplied;
     blendInfo.constants = {uint32_t(shading::kAlphaBlend)};
     blend = gpu::makePipeline(device, blendInfo);
 
@@ -161,10 +231,68 @@ Pipelines::Pipelines(const gpu::Device& device, VkDescriptorSetLayout set, VkFor
     skyInfo.layout = layout.get();
     skyInfo.vertex = skyVertex.get();
     skyInfo.fragment = skyFragment.get();
-    skyInfo.colorFormat = colorFormat;
+    skyInfo.colorFormats = {colorFormat};
     skyInfo.depthFormat = kDepthFormat;
     skyInfo.depthWrite = false;
     sky = gpu::makePipeline(device, skyInfo);
+}
+
+bool GBuffer::ensure(const gpu::Device& device, ivec2 size, bool usesMask)
+{
+    const bool sameSize = baseColor.get() && imageSize(baseColor) == size;
+    if (sameSize && bool(mask.get()) == usesMask) return false;
+    auto make = [&](VkFormat format) {
+        return gpu::Image(device, {.format = format,
+                                   .width = uint32_t(size.x),
+                                   .height = uint32_t(size.y),
+                                   .usage = VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT | VK_IMAGE_USAGE_SAMPLED_BIT});
+    };
+    mask = {};
+    if (!sameSize) {
+        *this = {};
+        baseColor = make(kGBufferFormats[0]);
+        normals = make(kGBufferFormats[1]);
+        material = make(kGBufferFormats[2]);
+    }
+    if (usesMask) mask = make(kGBufferMaskFormat);
+    return true;
+}
+
+std::vector<const gpu::Image*> GBuffer::images() const
+{
+    std::vector<const gpu::Image*> result{&baseColor, &normals, &material};
+    if (mask.get()) result.push_back(&mask);
+    return result;
+}
+
+DeferredPipelines::DeferredPipelines(const gpu::Device& device, VkPipelineLayout layout, VkFormat colorFormat,
+                                     bool usesMask)
+{
+    const gpu::UniqueShader meshVertex = gpu::makeShader(device, mesh_vert);
+    const gpu::UniqueShader gBufferFragment =
+        usesMask ? gpu::makeShader(device, gbuffer_mask_frag) : gpu::makeShader(device, gbuffer_frag);
+    const gpu::UniqueShader pictureVertex = gpu::makeShader(device, sky_vert);
+    const gpu::UniqueShader lightFragment =
+        usesMask ? gpu::makeShader(device, light_mask_frag) : gpu::makeShader(device, light_frag);
+
+    gpu::GraphicsPipelineInfo gBufferInfo = meshPipelineInfo(layout, meshVertex.get(), gBufferFragment.get());
+    gBufferInfo.colorFormats.assign(std::begin(kGBufferFormats), std::end(kGBufferFormats));
+    gBufferInfo.colorFormats.push_back(colorFormat);
+    if (usesMask) gBufferInfo.colorFormats.push_back(kGBufferMaskFormat);
+    if (gBufferInfo.colorFormats.size() > device.properties().limits.maxColorAttachments)
+        throw gpu::Failure("the deferred path needs " + std::to_string(gBufferInfo.colorFormats.size()) +
+                           " targets, more than the Vulkan device draws into at once; use the forward path");
+    gBuffer = gpu::makePipeline(device, gBufferInfo);
+
+    gpu::GraphicsPipelineInfo lightInfo;
+    lightInfo.layout = layout;
+    lightInfo.vertex = pictureVertex.get();
+    lightInfo.fragment = lightFragment.get();
+    lightInfo.colorFormats = {colorFormat};
+    lightInfo.depthTest = false;
+    lightInfo.depthWrite = false;
+    lightInfo.blend = gpu::Blend::Add;
+    light = gpu::makePipeline(device, lightInfo);
 }
 
 void bindScene(const PassContext& context)
@@ -182,73 +310,48 @@ void bindScene(const PassContext& context)
 void drawShadowLayer(const PassContext& context, const gpu::Image& map, VkImageView layer,
                      std::span<const ShadowDraws> tiles, float slopeBias)
 {
-    const gpu::Functions& vk = context.device.vk;
-    const VkRenderingAttachmentInfo depth{.sType = VK_STRUCTURE_TYPE_RENDERING_ATTACHMENT_INFO,
-                                          .imageView = layer,
-                                          .imageLayout = VK_IMAGE_LAYOUT_DEPTH_ATTACHMENT_OPTIMAL,
-                                          .loadOp = VK_ATTACHMENT_LOAD_OP_CLEAR,
-                                          .storeOp = VK_ATTACHMENT_STORE_OP_STORE,
-                                          .clearValue = {.depthStencil = {1.0f, 0}}};
-    const VkRenderingInfo rendering{.sType = VK_STRUCTURE_TYPE_RENDERING_INFO,
-                                    .renderArea = {{0, 0}, {map.info().width, map.info().height}},
-                                    .layerCount = 1,
-                                    .pDepthAttachment = &depth};
-    vk.CmdBeginRendering(context.commands, &rendering);
+    VkRenderingAttachmentInfo depth = depthAttachment(map, VK_ATTACHMENT_LOAD_OP_CLEAR);
+    depth.imageView = layer;
+    depth.clearValue.depthStencil = {1.0f, 0};
+    beginRendering(context, {}, depth, imageSize(map));
     for (const ShadowDraws& tile : tiles) {
         if (tile.draws.empty()) continue;
         setViewport(context, tile.offset, ivec2(tile.size));
         pushClipFromWorld(context, tile.clipFromWorld);
-        vk.CmdSetDepthBias(context.commands, 0.0f, 0.0f, slopeBias);
+        context.device.vk.CmdSetDepthBias(context.commands, 0.0f, 0.0f, slopeBias);
         // Both sides of every surface cast, as in the bake, whose rays are stopped by both.
         drawSolid(context, tile.draws, context.pipelines.shadow.get(), context.pipelines.shadowMasked.get(),
                   Culling::None);
     }
-    vk.CmdEndRendering(context.commands);
+    endRendering(context);
 }
 
-void beginCamera(const PassContext& context, const gpu::Image& color, const gpu::Image& depth)
+void drawDepth(const PassContext& context, const gpu::Image& depth, const CameraDraws& draws)
 {
-    const VkRenderingAttachmentInfo colorAttachment{.sType = VK_STRUCTURE_TYPE_RENDERING_ATTACHMENT_INFO,
-                                                    .imageView = color.view(),
-                                                    .imageLayout = VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL,
-                                                    .loadOp = VK_ATTACHMENT_LOAD_OP_CLEAR,
-                                                    .storeOp = VK_ATTACHMENT_STORE_OP_STORE};
-    const VkRenderingAttachmentInfo depthAttachment{.sType = VK_STRUCTURE_TYPE_RENDERING_ATTACHMENT_INFO,
-                                                    .imageView = depth.view(),
-                                                    .imageLayout = VK_IMAGE_LAYOUT_DEPTH_ATTACHMENT_OPTIMAL,
-                                                    .loadOp = VK_ATTACHMENT_LOAD_OP_CLEAR,
-                                                    .storeOp = VK_ATTACHMENT_STORE_OP_DONT_CARE,
-                                                    .clearValue = {.depthStencil = {0.0f, 0}}};
-    const ivec2 size(int(color.info().width), int(color.info().height));
-    const VkRenderingInfo rendering{.sType = VK_STRUCTURE_TYPE_RENDERING_INFO,
-                                    .renderArea = {{0, 0}, {color.info().width, color.info().height}},
-                                    .layerCount = 1,
-                                    .colorAttachmentCount = 1,
-                                    .pColorAttachments = &colorAttachment,
-                                    .pDepthAttachment = &depthAttachment};
-    context.device.vk.CmdBeginRendering(context.commands, &rendering);
-    setViewport(context, ivec2(0), size);
-}
-
-void drawDepth(const PassContext& context, const CameraDraws& draws)
-{
+    beginRendering(context, {}, depthAttachment(depth, VK_ATTACHMENT_LOAD_OP_CLEAR), imageSize(depth));
     pushClipFromWorld(context, draws.clipFromWorld);
-    drawSolid(context, draws.solid, context.pipelines.depth.get(), context.pipelines.depthMasked.get(),
-              Culling::AsMaterial);
+    for (const std::vector<Draw>* list : {&draws.deferred, &draws.forward})
+        drawSolid(context, *list, context.pipelines.depth.get(), context.pipelines.depthMasked.get(),
+                  Culling::AsMaterial);
+    endRendering(context);
+}
+
+void beginForward(const PassContext& context, const gpu::Image& color, const gpu::Image& depth,
+                  VkAttachmentLoadOp loadColor)
+{
+    const VkRenderingAttachmentInfo attachment = colorAttachment(color, loadColor);
+    beginRendering(context, {&attachment, 1}, depthAttachment(depth, VK_ATTACHMENT_LOAD_OP_LOAD), imageSize(color));
 }
 
 void drawLit(const PassContext& context, const CameraDraws& draws)
 {
     pushClipFromWorld(context, draws.clipFromWorld);
-    drawSolid(context, draws.solid, context.pipelines.lit.get(), context.pipelines.lit.get(), Culling::AsMaterial);
+    drawSolid(context, draws.forward, context.pipelines.lit.get(), context.pipelines.lit.get(), Culling::AsMaterial);
 }
 
 void drawSky(const PassContext& context)
 {
-    bindPipeline(context, context.pipelines.sky.get());
-    context.device.vk.CmdSetCullMode(context.commands, VK_CULL_MODE_NONE);
-    context.device.vk.CmdSetFrontFace(context.commands, VK_FRONT_FACE_COUNTER_CLOCKWISE);
-    context.device.vk.CmdDraw(context.commands, 3, 1, 0, 0);
+    drawWholePicture(context, context.pipelines.sky.get());
 }
 
 void drawBlended(const PassContext& context, const CameraDraws& draws)
@@ -263,7 +366,31 @@ void drawBlended(const PassContext& context, const CameraDraws& draws)
     }
 }
 
-void endCamera(const PassContext& context)
+void drawGBuffer(const PassContext& context, const DeferredPipelines& pipelines, const GBuffer& gBuffer,
+                 const gpu::Image& color, const gpu::Image& depth, const CameraDraws& draws)
+{
+    // Where nothing is drawn, flags of 0 tell the light pass so.
+    std::vector<VkRenderingAttachmentInfo> attachments{
+        colorAttachment(gBuffer.baseColor, VK_ATTACHMENT_LOAD_OP_DONT_CARE),
+        colorAttachment(gBuffer.normals, VK_ATTACHMENT_LOAD_OP_DONT_CARE),
+        colorAttachment(gBuffer.material, VK_ATTACHMENT_LOAD_OP_CLEAR),
+        colorAttachment(color, VK_ATTACHMENT_LOAD_OP_CLEAR)};
+    if (gBuffer.mask.get()) attachments.push_back(colorAttachment(gBuffer.mask, VK_ATTACHMENT_LOAD_OP_DONT_CARE));
+    beginRendering(context, attachments, depthAttachment(depth, VK_ATTACHMENT_LOAD_OP_LOAD), imageSize(color));
+    pushClipFromWorld(context, draws.clipFromWorld);
+    drawSolid(context, draws.deferred, pipelines.gBuffer.get(), pipelines.gBuffer.get(), Culling::AsMaterial);
+    endRendering(context);
+}
+
+void drawDeferredLight(const PassContext& context, const DeferredPipelines& pipelines, const gpu::Image& color)
+{
+    const VkRenderingAttachmentInfo attachment = colorAttachment(color, VK_ATTACHMENT_LOAD_OP_LOAD);
+    beginRendering(context, {&attachment, 1}, std::nullopt, imageSize(color));
+    drawWholePicture(context, pipelines.light.get());
+    endRendering(context);
+}
+
+void endRendering(const PassContext& context)
 {
     context.device.vk.CmdEndRendering(context.commands);
 }

@@ -29,6 +29,27 @@ struct Pipelines {
     gpu::UniquePipeline sky;
 };
 
+/// What the deferred path draws into besides the picture: see shaders/gbuffer.glsl.
+struct GBuffer {
+    gpu::Image baseColor;
+    gpu::Image normals;
+    gpu::Image material;
+    gpu::Image mask; ///< none unless a mask is in use (spec S26)
+
+    /// True when images were made anew, so that descriptors must be written.
+    bool ensure(const gpu::Device& device, ivec2 size, bool usesMask);
+    [[nodiscard]] std::vector<const gpu::Image*> images() const;
+};
+
+/// The deferred path's own pipelines, for a G-buffer with or without a mask.
+struct DeferredPipelines {
+    /// Throws gpu::Failure on a device that cannot draw into so many targets at once.
+    DeferredPipelines(const gpu::Device& device, VkPipelineLayout layout, VkFormat colorFormat, bool usesMask);
+
+    gpu::UniquePipeline gBuffer;
+    gpu::UniquePipeline light;
+};
+
 /// What every pass needs to record.
 struct PassContext {
     const gpu::Device& device;
@@ -51,17 +72,27 @@ struct ShadowDraws {
 void drawShadowLayer(const PassContext& context, const gpu::Image& map, VkImageView layer,
                      std::span<const ShadowDraws> tiles, float slopeBias);
 
-/// The camera's passes, within one rendering scope: depth alone, then lit where depth is equal, sky, blended surfaces.
+/// What the camera sees. Each solid part is in one of two lists.
 struct CameraDraws {
     mat4 clipFromWorld{1.0f};
-    std::vector<Draw> solid;
+    std::vector<Draw> deferred; ///< drawn into the G-buffer
+    std::vector<Draw> forward;  ///< lit as they are drawn
     std::vector<Draw> blended;
 };
-void beginCamera(const PassContext& context, const gpu::Image& color, const gpu::Image& depth);
-void drawDepth(const PassContext& context, const CameraDraws& draws);
+/// Depth of all solid parts: later passes draw where depth is equal.
+void drawDepth(const PassContext& context, const gpu::Image& depth, const CameraDraws& draws);
+
+/// The deferred path: surfaces with emissive and indirect light, then direct light for all of them.
+void drawGBuffer(const PassContext& context, const DeferredPipelines& pipelines, const GBuffer& gBuffer,
+                 const gpu::Image& color, const gpu::Image& depth, const CameraDraws& draws);
+void drawDeferredLight(const PassContext& context, const DeferredPipelines& pipelines, const gpu::Image& color);
+
+/// The forward passes, within one rendering scope: lit surfaces, sky, blended surfaces.
+void beginForward(const PassContext& context, const gpu::Image& color, const gpu::Image& depth,
+                  VkAttachmentLoadOp loadColor);
 void drawLit(const PassContext& context, const CameraDraws& draws);
 void drawSky(const PassContext& context);
 void drawBlended(const PassContext& context, const CameraDraws& draws);
-void endCamera(const PassContext& context);
+void endRendering(const PassContext& context);
 
 } // namespace halflight

@@ -104,6 +104,14 @@ ShadowPasses shadowPasses(const FramePlan& plan, DrawLists& lists)
     return passes;
 }
 
+/// S27. What the light pass cannot light: static objects whose lightmap loses light to the main light's realtime
+/// shadow.
+bool mustGoForward(const GpuScene& scene, const FramePlan& plan, uint32_t object)
+{
+    return plan.mainLight >= 0 && plan.lights[std::size_t(plan.mainLight)].hasRealtimeShadow &&
+           scene.lightmapped[object] && scene.outline.scene.objects[object].receiveShadows;
+}
+
 /// Means of factor x factor blocks.
 ImageRgba32f downsampled(const ImageRgba32f& image, int factor)
 {
@@ -143,7 +151,11 @@ struct Renderer::Impl {
           setLayout(gpu::makeSetLayout(device, bindings)), colorFormat(chooseColorFormat(device)),
           pipelines(device, setLayout.get(), colorFormat),
           pageSampler(gpu::makeSampler(device, {.mipmapMode = VK_SAMPLER_MIPMAP_MODE_NEAREST})),
-          shadowSampler(makeShadowSampler(device)), timer(device, 8)
+          shadowSampler(makeShadowSampler(device)),
+          texelSampler(gpu::makeSampler(device, {.magFilter = VK_FILTER_NEAREST,
+                                                 .minFilter = VK_FILTER_NEAREST,
+                                                 .mipmapMode = VK_SAMPLER_MIPMAP_MODE_NEAREST})),
+          timer(device, 12)
     {}
 
     /// Radiance in full floats; half floats where the device cannot blend those.
@@ -177,12 +189,16 @@ struct Renderer::Impl {
             set.image(shading::kBindTextures, scene->textures[i].view(),
                       scene->samplers[scene->samplerOfTexture[i]].get(), uint32_t(i));
         bindAll = true;
+        bindGBuffer = true;
     }
 
     void ensureTargets(ivec2 size, const FramePlan& plan, const ShadowSettings& shadows);
+    void ensureGBuffer(const FramePlan& plan);
     void uploadFrame(const FrameView& view, const RenderSettings& settings, const FramePlan& plan,
                      const std::vector<uint32_t>& instances);
     ImageRgba32f readPicture() const;
+    void recordShadows(const PassContext& context, const ShadowPasses& shadows, float slopeBias);
+    void recordDeferred(const PassContext& context, const CameraDraws& draws);
     Result<RenderedFrame> render(const Camera& camera, const RenderSettings& settings);
 
     gpu::Device device;
@@ -190,16 +206,20 @@ struct Renderer::Impl {
     gpu::UniqueSetLayout setLayout;
     VkFormat colorFormat;
     Pipelines pipelines;
+    std::unique_ptr<DeferredPipelines> deferredPipelines[2]; ///< without and with mask, made when first used
     gpu::UniqueSampler pageSampler;
     gpu::UniqueSampler shadowSampler;
+    gpu::UniqueSampler texelSampler;
     gpu::Timer timer;
 
     std::unique_ptr<GpuScene> scene;
     gpu::DescriptorSet set;
     bool bindAll = true; ///< the set is new: frame buffers and shadow maps are to be bound
+    bool bindGBuffer = true;
 
     gpu::Image color;
     gpu::Image depth;
+    GBuffer gBuffer;
     gpu::Buffer readback;
     ShadowMap cascades;
     ShadowMap atlas;
@@ -216,6 +236,7 @@ void Renderer::Impl::ensureTargets(ivec2 size, const FramePlan& plan, const Shad
         color = {};
         depth = {};
         readback = {};
+        bindGBuffer = true;
         color = gpu::Image(device, {.format = colorFormat,
                                     .width = uint32_t(size.x),
                                     .height = uint32_t(size.y),
@@ -223,7 +244,7 @@ void Renderer::Impl::ensureTargets(ivec2 size, const FramePlan& plan, const Shad
         depth = gpu::Image(device, {.format = kDepthFormat,
                                     .width = uint32_t(size.x),
                                     .height = uint32_t(size.y),
-                                    .usage = VK_IMAGE_USAGE_DEPTH_STENCIL_ATTACHMENT_BIT,
+                                    .usage = VK_IMAGE_USAGE_DEPTH_STENCIL_ATTACHMENT_BIT | VK_IMAGE_USAGE_SAMPLED_BIT,
                                     .aspect = VK_IMAGE_ASPECT_DEPTH_BIT});
         const VkDeviceSize texel = colorFormat == VK_FORMAT_R32G32B32A32_SFLOAT ? 16 : 8;
         readback = gpu::Buffer(device, VkDeviceSize(size.x) * VkDeviceSize(size.y) * texel,
@@ -238,6 +259,20 @@ void Renderer::Impl::ensureTargets(ivec2 size, const FramePlan& plan, const Shad
         set.image(shading::kBindCascades, cascades.image.view(), shadowSampler.get());
     if (atlas.ensure(device, hasAtlas ? shadows.atlasSize : 1, 1) || bindAll)
         set.image(shading::kBindAtlas, atlas.image.view(), shadowSampler.get());
+}
+
+void Renderer::Impl::ensureGBuffer(const FramePlan& plan)
+{
+    std::unique_ptr<DeferredPipelines>& made = deferredPipelines[plan.usesMask];
+    if (!made) made = std::make_unique<DeferredPipelines>(device, pipelines.layout.get(), colorFormat, plan.usesMask);
+    const ivec2 size(int(color.info().width), int(color.info().height));
+    if (!gBuffer.ensure(device, size, plan.usesMask) && !bindGBuffer) return;
+    set.image(shading::kBindGBufferBaseColor, gBuffer.baseColor.view(), texelSampler.get());
+    set.image(shading::kBindGBufferNormals, gBuffer.normals.view(), texelSampler.get());
+    set.image(shading::kBindGBufferMaterial, gBuffer.material.view(), texelSampler.get());
+    if (plan.usesMask) set.image(shading::kBindGBufferMask, gBuffer.mask.view(), texelSampler.get());
+    set.image(shading::kBindDepth, depth.view(), texelSampler.get());
+    bindGBuffer = false;
 }
 
 void Renderer::Impl::uploadFrame(const FrameView& view, const RenderSettings& settings, const FramePlan& plan,
@@ -268,6 +303,39 @@ ImageRgba32f Renderer::Impl::readPicture() const
     return picture;
 }
 
+void Renderer::Impl::recordShadows(const PassContext& context, const ShadowPasses& shadows, float slopeBias)
+{
+    VkCommandBuffer commands = context.commands;
+    gpu::transition(device, commands, cascades.image, gpu::state::kUndefined, gpu::state::kDepthAttachment);
+    gpu::transition(device, commands, atlas.image, gpu::state::kUndefined, gpu::state::kDepthAttachment);
+    for (std::size_t i = 0; i < shadows.cascades.size(); ++i)
+        drawShadowLayer(context, cascades.image, cascades.layers[i].get(), shadows.cascades[i], slopeBias);
+    timer.mark(commands, "cascades");
+    if (!shadows.atlas.empty()) drawShadowLayer(context, atlas.image, atlas.layers[0].get(), shadows.atlas, slopeBias);
+    timer.mark(commands, "atlas");
+    gpu::transition(device, commands, cascades.image, gpu::state::kDepthAttachment, gpu::state::kFragmentRead);
+    gpu::transition(device, commands, atlas.image, gpu::state::kDepthAttachment, gpu::state::kFragmentRead);
+}
+
+void Renderer::Impl::recordDeferred(const PassContext& context, const CameraDraws& draws)
+{
+    VkCommandBuffer commands = context.commands;
+    const DeferredPipelines& deferred = *deferredPipelines[bool(gBuffer.mask.get())];
+    for (const gpu::Image* image : gBuffer.images())
+        gpu::transition(device, commands, *image, gpu::state::kUndefined, gpu::state::kColorAttachment);
+    drawGBuffer(context, deferred, gBuffer, color, depth, draws);
+    timer.mark(commands, "g-buffer");
+
+    for (const gpu::Image* image : gBuffer.images())
+        gpu::transition(device, commands, *image, gpu::state::kColorAttachment, gpu::state::kFragmentRead);
+    gpu::transition(device, commands, depth, gpu::state::kDepthAttachment, gpu::state::kFragmentRead);
+    gpu::transition(device, commands, color, gpu::state::kColorAttachment, gpu::state::kColorAttachment);
+    drawDeferredLight(context, deferred, color);
+    gpu::transition(device, commands, color, gpu::state::kColorAttachment, gpu::state::kColorAttachment);
+    gpu::transition(device, commands, depth, gpu::state::kFragmentRead, gpu::state::kDepthAttachment);
+    timer.mark(commands, "light");
+}
+
 Result<RenderedFrame> Renderer::Impl::render(const Camera& camera, const RenderSettings& settings)
 {
     if (!scene) return Error{ErrorCode::InvalidArgument, "no scene was loaded", ""};
@@ -289,10 +357,17 @@ Result<RenderedFrame> Renderer::Impl::render(const Camera& camera, const RenderS
     CameraDraws draws;
     draws.clipFromWorld = view.clipFromView() * view.viewFromWorld();
     const std::vector<uint32_t> visible = objectsInView(scene->bounds, draws.clipFromWorld);
-    draws.solid = lists.solid(visible);
+    const bool deferred = settings.path == RenderPath::Deferred && settings.view == DebugView::Lit;
+    std::vector<uint32_t> toGBuffer;
+    std::vector<uint32_t> toForward;
+    for (const uint32_t object : visible)
+        (deferred && !mustGoForward(*scene, plan, object) ? toGBuffer : toForward).push_back(object);
+    draws.deferred = lists.solid(toGBuffer);
+    draws.forward = lists.solid(toForward);
     draws.blended = lists.blended(visible, vec3(camera.worldFromCamera[3]));
 
     ensureTargets(view.size, plan, settings.shadows);
+    if (deferred) ensureGBuffer(plan);
     uploadFrame(view, settings, plan, lists.instances());
 
     device.execute([&](VkCommandBuffer commands) {
@@ -300,30 +375,22 @@ Result<RenderedFrame> Renderer::Impl::render(const Camera& camera, const RenderS
         timer.begin(commands);
         bindScene(context);
 
-        gpu::transition(device, commands, cascades.image, gpu::state::kUndefined, gpu::state::kDepthAttachment);
-        gpu::transition(device, commands, atlas.image, gpu::state::kUndefined, gpu::state::kDepthAttachment);
-        for (std::size_t i = 0; i < shadows.cascades.size(); ++i)
-            drawShadowLayer(context, cascades.image, cascades.layers[i].get(), shadows.cascades[i],
-                            settings.shadows.slopeBias);
-        timer.mark(commands, "cascades");
-        if (!shadows.atlas.empty())
-            drawShadowLayer(context, atlas.image, atlas.layers[0].get(), shadows.atlas, settings.shadows.slopeBias);
-        timer.mark(commands, "atlas");
-        gpu::transition(device, commands, cascades.image, gpu::state::kDepthAttachment, gpu::state::kFragmentRead);
-        gpu::transition(device, commands, atlas.image, gpu::state::kDepthAttachment, gpu::state::kFragmentRead);
+        recordShadows(context, shadows, settings.shadows.slopeBias);
 
         gpu::transition(device, commands, color, gpu::state::kUndefined, gpu::state::kColorAttachment);
         gpu::transition(device, commands, depth, gpu::state::kUndefined, gpu::state::kDepthAttachment);
-        beginCamera(context, color, depth);
-        drawDepth(context, draws);
+        drawDepth(context, depth, draws);
+        gpu::transition(device, commands, depth, gpu::state::kDepthAttachment, gpu::state::kDepthAttachment);
         timer.mark(commands, "depth");
+        if (deferred) recordDeferred(context, draws);
+        beginForward(context, color, depth, deferred ? VK_ATTACHMENT_LOAD_OP_LOAD : VK_ATTACHMENT_LOAD_OP_CLEAR);
         drawLit(context, draws);
         timer.mark(commands, "lit");
         drawSky(context);
         timer.mark(commands, "sky");
         drawBlended(context, draws);
         timer.mark(commands, "blend");
-        endCamera(context);
+        endRendering(context);
 
         gpu::transition(device, commands, color, gpu::state::kColorAttachment, gpu::state::kTransferSource);
         gpu::copyToHost(device, commands, color, readback);
@@ -332,6 +399,8 @@ Result<RenderedFrame> Renderer::Impl::render(const Camera& camera, const RenderS
 
     RenderedFrame frame;
     frame.radiance = downsampled(readPicture(), settings.supersampling);
+    frame.forwardObjects = int(toForward.size());
+    frame.gBufferTargets = deferred ? int(gBuffer.images().size()) + 1 : 0;
     frame.plan = std::move(plan);
     for (const gpu::Timer::Span& span : timer.results()) frame.passes.push_back({span.name, span.milliseconds});
     return frame;

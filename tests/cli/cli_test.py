@@ -165,7 +165,7 @@ class Usage(Case):
             (["render", scene, "-o", png, "--eye", "1,2,3", "--target", "1,2,3"], "same point"),
             (["render", scene, "-o", png, "--eye", "1,2,3", "--target", "0,0,0", "--camera", "view"], "--camera"),
             (["render", scene, "-o", png, "--exposure", "bright"], "--exposure"),
-            (["render", scene, "-o", png, "--path", "deferred"], "--path"),
+            (["render", scene, "-o", png, "--path", "raster"], "--path"),
             (["render", scene, "-o", png, "--bounces", "2"], "--reference"),
             (["render", scene, "-o", png, "--reference", "2", "--mode", "realtime"], "--reference"),
             (["info"], "FILE"),

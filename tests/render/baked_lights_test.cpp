@@ -58,9 +58,10 @@ struct MaskedFloor {
     }
 };
 
-RenderSettings settingsFor(RunMode mode)
+RenderSettings settingsFor(RenderPath path, RunMode mode)
 {
     RenderSettings settings;
+    settings.path = path;
     settings.mode = mode;
     settings.size = kSize;
     settings.shadows.atlasSize = 2048;
@@ -76,19 +77,19 @@ vec3 umbra(vec3 light, float x)
     return light + (onSlab - light) * (light.y / (light.y - 1.0f));
 }
 
-class LocalMask : public RenderTest, public testing::WithParamInterface<std::tuple<LightType, RunMode>> {};
+class LocalMask : public RenderTest, public testing::WithParamInterface<std::tuple<LightType, RunMode, RenderPath>> {};
 
 // The camera sees the slab over the umbra, so it looks from below the slab's height in these tests: the slab is thin
 // and the umbra's far end is checked, beyond the slab as the camera sees it.
 TEST_P(LocalMask, RealtimeAndBakedMeetS3S4S8)
 {
-    const auto [type, mode] = GetParam();
+    const auto [type, mode, path] = GetParam();
     MaskedFloor floor;
     const vec3 position(0, 4, 0);
     floor.addLight(type, position, type == LightType::Spot ? vec3(0, -1, 0.3f) : vec3(0, -1, 0), 50.0f, 1);
     floor.addBlocker();
     floor.camera = lookAt(vec3(0, 0.8f, 9), vec3(0, 0, 2), kPi / 3.0f);
-    const RenderedFrame frame = render(floor.baked, floor.camera, settingsFor(mode));
+    const RenderedFrame frame = render(floor.baked, floor.camera, settingsFor(path, mode));
     ASSERT_EQ(frame.plan.lights.size(), 1u);
     EXPECT_TRUE(frame.plan.lights[0].hasRealtimeShadow);
     const Light& light = floor.baked.scene.lights[0];
@@ -105,17 +106,21 @@ TEST_P(LocalMask, RealtimeAndBakedMeetS3S4S8)
 }
 INSTANTIATE_TEST_SUITE_P(, LocalMask,
                          testing::Combine(testing::Values(LightType::Spot, LightType::Point),
-                                          testing::Values(RunMode::Shadowmask, RunMode::DistanceShadowmask)));
+                                          testing::Values(RunMode::Shadowmask, RunMode::DistanceShadowmask),
+                                          kBothPaths));
+
+class BakedLights : public BothPaths {};
+INSTANTIATE_TEST_SUITE_P(, BakedLights, kBothPaths, pathNameOf);
 
 // S4. A point light without realtime map: the mask at every distance, and the dynamic slab throws no shadow.
-TEST_F(RenderTest, PointLightWithoutMapUsesMaskS4)
+TEST_P(BakedLights, PointLightWithoutMapUsesMaskS4)
 {
     for (const RunMode mode : {RunMode::Shadowmask, RunMode::DistanceShadowmask}) {
         MaskedFloor floor;
         floor.addLight(LightType::Point, vec3(0, 4, 0), vec3(0, -1, 0), 50.0f, 2);
         floor.addBlocker();
         floor.camera = lookAt(vec3(0, 0.8f, 9), vec3(0, 0, 2), kPi / 3.0f);
-        RenderSettings settings = settingsFor(mode);
+        RenderSettings settings = settingsFor(GetParam(), mode);
         settings.shadows.pointShadows = false;
         const RenderedFrame frame = render(floor.baked, floor.camera, settings);
         for (const float x : {-0.8f, 0.8f}) {
@@ -128,7 +133,7 @@ TEST_F(RenderTest, PointLightWithoutMapUsesMaskS4)
 }
 
 // S18, S28. Four masked lights of all kinds at once: each takes its own channel, whatever the lights' order.
-TEST_F(RenderTest, FourMasksByChannelS18S28)
+TEST_P(BakedLights, FourMasksByChannelS18S28)
 {
     for (const bool reversed : {false, true}) {
         MaskedFloor floor;
@@ -141,7 +146,7 @@ TEST_F(RenderTest, FourMasksByChannelS18S28)
         for (const RunMode mode : {RunMode::Shadowmask, RunMode::DistanceShadowmask}) {
             // Without casters: by the law every light has A = B.
             floor.baked.scene.objects[0].castShadows = false;
-            const RenderedFrame frame = render(floor.baked, floor.camera, settingsFor(mode));
+            const RenderedFrame frame = render(floor.baked, floor.camera, settingsFor(GetParam(), mode));
             EXPECT_EQ(frame.plan.lights.size(), 4u);
             for (const vec3 near : {vec3(-1.5f, 0, 0.5f), vec3(1.5f, 0, 0.5f), vec3(2, 0, -1), vec3(-2, 0, -1)}) {
                 ivec2 pixel;
@@ -157,7 +162,7 @@ TEST_F(RenderTest, FourMasksByChannelS18S28)
 }
 
 // S28. Two masked directional lights, each with its own shadow of a dynamic caster, its own mask and the common fade.
-TEST_F(RenderTest, TwoDirectionalLightsWithShadowsS28)
+TEST_P(BakedLights, TwoDirectionalLightsWithShadowsS28)
 {
     const vec3 toA = glm::normalize(vec3(0.8f, 1, 0));
     const vec3 toB = glm::normalize(vec3(-0.8f, 1, 0));
@@ -168,7 +173,7 @@ TEST_F(RenderTest, TwoDirectionalLightsWithShadowsS28)
         // A slab 6 m up: its shadows lie 4.8 m to either side, on the two halves of the floor.
         addObject(floor.baked.scene, makeRectangle(2, 2, 0), glm::translate(mat4(1.0f), vec3(0, 6, 0)), false);
         floor.camera = lookAt(vec3(0, 5, 11), vec3(0, 0, 0), kPi / 2.0f);
-        RenderSettings settings = settingsFor(mode);
+        RenderSettings settings = settingsFor(GetParam(), mode);
         settings.shadows.distanceMeters = 14.0f;
         settings.shadows.fadeRangeMeters = 6.0f;
         const RenderedFrame frame = render(floor.baked, floor.camera, settings);
@@ -192,7 +197,7 @@ TEST_F(RenderTest, TwoDirectionalLightsWithShadowsS28)
 }
 
 // S29. Colour and intensity changed at run time: baked shadows stay what they were, in proportion.
-TEST_F(RenderTest, IntensityChangesKeepBakedShadowsS29)
+TEST_P(BakedLights, IntensityChangesKeepBakedShadowsS29)
 {
     MaskedFloor floor;
     floor.addLight(LightType::Spot, vec3(0, 5, 0), vec3(0, -1, 0), 60.0f, 0);
@@ -202,21 +207,21 @@ TEST_F(RenderTest, IntensityChangesKeepBakedShadowsS29)
     for (const float factor : {1.0f, 4.0f}) {
         light.intensity = 60.0f * factor;
         light.color = vec3(1.0f, 0.5f, 0.25f) * factor;
-        const RenderedFrame frame = render(floor.baked, floor.camera, settingsFor(RunMode::Shadowmask));
+        const RenderedFrame frame = render(floor.baked, floor.camera, settingsFor(GetParam(), RunMode::Shadowmask));
         EXPECT_TRUE(near(vec3(frame.radiance(pixel.x, pixel.y)), directRadiance(point, light, kMask[0])));
         EXPECT_TRUE(frame.plan.warnings.empty());
     }
 }
 
 // S11. A realtime light in a masked scene is untouched by others' masks.
-TEST_F(RenderTest, RealtimeLightIgnoresMasksS11)
+TEST_P(BakedLights, RealtimeLightIgnoresMasksS11)
 {
     MaskedFloor floor;
     floor.addLight(LightType::Spot, vec3(0, 5, 0), vec3(0, -1, 0), 60.0f, 0);
     floor.addLight(LightType::Spot, vec3(1, 5, 1), vec3(0, -1, 0), 30.0f, -1);
     floor.baked.scene.lights[1].baking = {};
     floor.baked.scene.lights[1].mode = LightMode::Realtime;
-    const RenderedFrame frame = render(floor.baked, floor.camera, settingsFor(RunMode::Shadowmask));
+    const RenderedFrame frame = render(floor.baked, floor.camera, settingsFor(GetParam(), RunMode::Shadowmask));
     ivec2 pixel;
     const ShadedPoint point = floor.pointAt(vec3(1, 0, 0), pixel);
     EXPECT_TRUE(

@@ -1,5 +1,5 @@
 // A rendered pixel equals the law's value: a floor in four columns (lit; in static shadow; in dynamic shadow; in both),
-// seen near, within the fade, and beyond the shadow distance, in every mode.
+// seen near, within the fade, and beyond the shadow distance, in every mode, forward and deferred (S26).
 #include "render/render_test.h"
 
 #include <glm/gtc/matrix_transform.hpp>
@@ -98,10 +98,11 @@ LawScene makeScene(MixedLightingMode bakeMode)
     return result;
 }
 
-RenderSettings settingsFor(RunMode mode)
+RenderSettings settingsFor(RunMode mode, RenderPath path = RenderPath::Forward)
 {
     RenderSettings settings;
     settings.mode = mode;
+    settings.path = path;
     settings.size = kSize;
     settings.shadows.distanceMeters = kShadowDistance;
     settings.shadows.fadeRangeMeters = kFadeRange;
@@ -151,16 +152,16 @@ float realtimeOf(RunMode mode, int column)
     return inDynamicShadow(column) || (!dynamicOnly && inStaticShadow(column)) ? 0.0f : 1.0f;
 }
 
-class LawPixels : public RenderTest, public testing::WithParamInterface<std::tuple<RunMode, float>> {};
+class LawPixels : public RenderTest, public testing::WithParamInterface<std::tuple<RunMode, float, RenderPath>> {};
 
 TEST_P(LawPixels, StaticReceiver)
 {
-    const auto [mode, strength] = GetParam();
+    const auto [mode, strength, path] = GetParam();
     LawScene law = makeScene(bakeModeFor(mode));
     Scene& scene = law.baked.scene;
     scene.lights[0].shadowStrength = strength;
     scene.subtractiveShadowColor = vec3(0.25f, 0.5f, 0.25f);
-    const RenderedFrame frame = render(law.baked, makeCamera(), settingsFor(mode));
+    const RenderedFrame frame = render(law.baked, makeCamera(), settingsFor(mode, path));
 
     for (const Site& site : sites()) {
         const float realtime = realtimeOf(mode, site.column);
@@ -189,7 +190,7 @@ const vec3 kProbeRadiance(0.25f, 0.5f, 0.75f);
 
 TEST_P(LawPixels, DynamicReceiverReadsItsProbe)
 {
-    const auto [mode, strength] = GetParam();
+    const auto [mode, strength, path] = GetParam();
     LawScene law = makeScene(bakeModeFor(mode));
     Scene& scene = law.baked.scene;
     scene.lights[0].shadowStrength = strength;
@@ -198,7 +199,7 @@ TEST_P(LawPixels, DynamicReceiverReadsItsProbe)
     probe.radiance[0] = kProbeRadiance / 0.282094792f; // the same from everywhere
     probe.occlusion = vec4(kProbeOcclusion, 1, 1, 1);
     law.baked.probes.probes = {probe};
-    const RenderedFrame frame = render(law.baked, makeCamera(), settingsFor(mode));
+    const RenderedFrame frame = render(law.baked, makeCamera(), settingsFor(mode, path));
 
     for (const Site& site : sites()) {
         const bool masked = mode != RunMode::Realtime && mode != RunMode::BakedIndirect;
@@ -211,29 +212,30 @@ TEST_P(LawPixels, DynamicReceiverReadsItsProbe)
     }
 }
 
-std::string parameterName(const testing::TestParamInfo<std::tuple<RunMode, float>>& info)
+std::string parameterName(const testing::TestParamInfo<std::tuple<RunMode, float, RenderPath>>& info)
 {
     const char* names[] = {"Realtime", "BakedIndirect", "Shadowmask", "DistanceShadowmask", "Subtractive"};
-    return std::string(names[int(std::get<0>(info.param))]) + (std::get<1>(info.param) < 1.0f ? "Strength" : "Full");
+    return std::string(names[int(std::get<0>(info.param))]) + (std::get<1>(info.param) < 1.0f ? "Strength" : "Full") +
+           pathName(std::get<2>(info.param));
 }
 
 INSTANTIATE_TEST_SUITE_P(S1S7S12S13S20toS25, LawPixels,
                          testing::Combine(testing::Values(RunMode::Realtime, RunMode::BakedIndirect,
                                                           RunMode::Shadowmask, RunMode::DistanceShadowmask,
                                                           RunMode::Subtractive),
-                                          testing::Values(1.0f, 0.6f)),
+                                          testing::Values(1.0f, 0.6f), kBothPaths),
                          parameterName);
 
-class OnlyBakedShadowsS19 : public RenderTest, public testing::WithParamInterface<RunMode> {};
+class OnlyBakedShadowsS19 : public RenderTest, public testing::WithParamInterface<std::tuple<RunMode, RenderPath>> {};
 
 // No caster in view: the sun has no shadow map, and the mask holds at every distance.
 TEST_P(OnlyBakedShadowsS19, MaskStaysWithoutCasters)
 {
-    const RunMode mode = GetParam();
+    const auto [mode, path] = GetParam();
     LawScene law = makeScene(MixedLightingMode::Shadowmask);
     Scene& scene = law.baked.scene;
     for (Object& object : scene.objects) object.castShadows = false;
-    const RenderedFrame frame = render(law.baked, makeCamera(), settingsFor(mode));
+    const RenderedFrame frame = render(law.baked, makeCamera(), settingsFor(mode, path));
     for (const FrameLight& light : frame.plan.lights) EXPECT_FALSE(light.hasRealtimeShadow);
     for (const Site& site : sites()) {
         const vec3 expected =
@@ -243,17 +245,19 @@ TEST_P(OnlyBakedShadowsS19, MaskStaysWithoutCasters)
             << site.column << ' ' << site.band;
     }
 }
-INSTANTIATE_TEST_SUITE_P(, OnlyBakedShadowsS19, testing::Values(RunMode::Shadowmask, RunMode::DistanceShadowmask));
+INSTANTIATE_TEST_SUITE_P(, OnlyBakedShadowsS19,
+                         testing::Combine(testing::Values(RunMode::Shadowmask, RunMode::DistanceShadowmask),
+                                          kBothPaths));
 
-class ReceiveShadowsS30 : public RenderTest, public testing::WithParamInterface<RunMode> {};
+class ReceiveShadowsS30 : public RenderTest, public testing::WithParamInterface<std::tuple<RunMode, RenderPath>> {};
 
 TEST_P(ReceiveShadowsS30, OffMeansNeitherRealtimeNorBaked)
 {
-    const RunMode mode = GetParam();
+    const auto [mode, path] = GetParam();
     LawScene law = makeScene(bakeModeFor(mode));
     Scene& scene = law.baked.scene;
     scene.objects[std::size_t(law.floor)].receiveShadows = false;
-    const RenderedFrame frame = render(law.baked, makeCamera(), settingsFor(mode));
+    const RenderedFrame frame = render(law.baked, makeCamera(), settingsFor(mode, path));
     for (const Site& site : sites()) {
         vec3 expected = indirectRadiance(site.point, lightmapOf(site.column));
         if (mode != RunMode::Subtractive) expected += directRadiance(site.point, scene.lights[0], 1.0f);
@@ -262,7 +266,9 @@ TEST_P(ReceiveShadowsS30, OffMeansNeitherRealtimeNorBaked)
     }
 }
 INSTANTIATE_TEST_SUITE_P(, ReceiveShadowsS30,
-                         testing::Values(RunMode::Shadowmask, RunMode::DistanceShadowmask, RunMode::Subtractive));
+                         testing::Combine(testing::Values(RunMode::Shadowmask, RunMode::DistanceShadowmask,
+                                                          RunMode::Subtractive),
+                                          kBothPaths));
 
 class CascadesS2 : public RenderTest,
                    public testing::WithParamInterface<std::tuple<int, ShadowFilter, CascadeBlend>> {};

@@ -13,9 +13,10 @@ namespace {
 constexpr ivec2 kSize{320, 180};
 const vec3 kAlbedo(0.7f, 0.6f, 0.5f);
 
-RenderSettings settingsFor(ivec2 size = kSize)
+RenderSettings settingsFor(RenderPath path, ivec2 size = kSize)
 {
     RenderSettings settings;
+    settings.path = path;
     settings.size = size;
     settings.shadows.atlasSize = 2048;
     return settings;
@@ -50,13 +51,16 @@ BakedScene manyLights(int count)
     return baked;
 }
 
+class Lights : public BothPaths {};
+INSTANTIATE_TEST_SUITE_P(, Lights, kBothPaths, pathNameOf);
+
 // Clustered culling loses no light: the picture equals the sum over all lights of each floor point.
-TEST_F(RenderTest, ClustersHoldAllOf256Lights)
+TEST_P(Lights, ClustersHoldAllOf256Lights)
 {
     const BakedScene baked = manyLights(256);
     for (const vec3 eye : {vec3(0, 4, 3), vec3(-10, 1.2f, -8), vec3(0, 30, -20)}) {
         const Camera camera = lookAt(eye, vec3(0, 0, -21));
-        const RenderedFrame frame = render(baked, camera, settingsFor());
+        const RenderedFrame frame = render(baked, camera, settingsFor(GetParam()));
         int checked = 0;
         for (int y = 3; y < kSize.y; y += 7) {
             for (int x = 2; x < kSize.x; x += 11) {
@@ -75,7 +79,7 @@ TEST_F(RenderTest, ClustersHoldAllOf256Lights)
     }
 }
 
-TEST_F(RenderTest, PictureIndependentOfLightOrder)
+TEST_P(Lights, PictureIndependentOfLightOrder)
 {
     BakedScene baked = manyLights(40);
     for (std::size_t i = 0; i < 6; ++i) baked.scene.lights[i].castShadows = true;
@@ -83,15 +87,15 @@ TEST_F(RenderTest, PictureIndependentOfLightOrder)
     baked.scene.lights.push_back(directionalLight(vec3(1, 2, 1), 2.0f));
     baked.scene.lights.push_back(directionalLight(vec3(-1, 2, 1), 1.0f));
     const Camera camera = lookAt(vec3(0, 4, 3), vec3(0, 0, -12));
-    const RenderedFrame first = render(baked, camera, settingsFor());
+    const RenderedFrame first = render(baked, camera, settingsFor(GetParam()));
     std::mt19937 random(3);
     std::shuffle(baked.scene.lights.begin(), baked.scene.lights.end(), random);
-    const RenderedFrame second = render(baked, camera, settingsFor());
+    const RenderedFrame second = render(baked, camera, settingsFor(GetParam()));
     EXPECT_EQ(first.radiance.texels(), second.radiance.texels());
 }
 
 // S3 and point lights: umbra is dark and what lies around it is lit, for lights in any direction of the cube.
-TEST_F(RenderTest, PointLightShadowsOnAllSixFaces)
+TEST_P(Lights, PointLightShadowsOnAllSixFaces)
 {
     // A room of six walls around the light, and a small blocker before each wall.
     BakedScene baked;
@@ -120,7 +124,7 @@ TEST_F(RenderTest, PointLightShadowsOnAllSixFaces)
             // From beside the light, past the blocker, at the wall.
             const vec3 side = facing(axis, 1.0f)[0];
             const Camera camera = lookAt(axis * 1.0f + side * 2.0f, axis * 4.0f, 2.2f);
-            RenderSettings settings = settingsFor({160, 90});
+            RenderSettings settings = settingsFor(GetParam(), {160, 90});
             settings.shadows.filter = filter;
             const RenderedFrame frame = render(baked, camera, settings);
             const vec3 other = glm::cross(axis, side);
@@ -142,7 +146,7 @@ TEST_F(RenderTest, PointLightShadowsOnAllSixFaces)
 }
 
 // S1. Beyond the shadow distance no realtime shadow is left.
-TEST_F(RenderTest, SpotShadowEndsAtShadowDistanceS1)
+TEST_P(Lights, SpotShadowEndsAtShadowDistanceS1)
 {
     BakedScene baked;
     Scene& scene = baked.scene;
@@ -162,7 +166,7 @@ TEST_F(RenderTest, SpotShadowEndsAtShadowDistanceS1)
     const ShadedPoint point{onPlane(ray, 0.0f), vec3(0, 1, 0), -ray.direction, kAlbedo};
     const float distance = glm::distance(eye, point.position);
     for (const float t : {0.0f, 0.3f, 0.75f, 1.0f}) {
-        RenderSettings settings = settingsFor();
+        RenderSettings settings = settingsFor(GetParam());
         settings.shadows.fadeRangeMeters = 2.0f;
         settings.shadows.distanceMeters = distance + 2.0f * (1.0f - t);
         if (t == 1.0f) settings.shadows.distanceMeters = distance - 0.1f;

@@ -12,9 +12,10 @@ namespace {
 constexpr ivec2 kSize{160, 90};
 const vec3 kAlbedo(0.5f, 0.6f, 0.7f);
 
-RenderSettings settingsFor()
+RenderSettings settingsFor(RenderPath path)
 {
     RenderSettings settings;
+    settings.path = path;
     settings.size = kSize;
     settings.shadows.directionalMapSize = 1024;
     return settings;
@@ -59,29 +60,32 @@ vec3 pixel(const RenderedFrame& frame)
     return vec3(frame.radiance(center().x, center().y));
 }
 
-TEST_F(RenderTest, BackFacesCulledUnlessDoubleSided)
+class Materials : public BothPaths {};
+INSTANTIATE_TEST_SUITE_P(, Materials, kBothPaths, pathNameOf);
+
+TEST_P(Materials, BackFacesCulledUnlessDoubleSided)
 {
     for (const float side : {1.0f, -1.0f}) {
         Wall wall(vec3(0.3f, 0.4f, side));
         const Camera camera = from(2.0f * side);
-        EXPECT_TRUE(near(pixel(render(wall.baked, camera, settingsFor())),
+        EXPECT_TRUE(near(pixel(render(wall.baked, camera, settingsFor(GetParam()))),
                          side > 0 ? directRadiance(middle(camera, vec3(0, 0, 1)), wall.sun, 1.0f) : vec3(0.0f)));
         wall.material().doubleSided = true;
-        EXPECT_TRUE(near(pixel(render(wall.baked, camera, settingsFor())),
+        EXPECT_TRUE(near(pixel(render(wall.baked, camera, settingsFor(GetParam()))),
                          directRadiance(middle(camera, vec3(0, 0, side)), wall.sun, 1.0f)));
     }
 }
 
 // A double-sided wall lit from behind is dark in front: its normal faces the viewer.
-TEST_F(RenderTest, DoubleSidedSurfaceLitOnOneSideOnly)
+TEST_P(Materials, DoubleSidedSurfaceLitOnOneSideOnly)
 {
     Wall wall(vec3(0, 0.2f, 1));
     wall.material().doubleSided = true;
-    EXPECT_TRUE(near(pixel(render(wall.baked, from(-2.0f), settingsFor())), vec3(0.0f)));
+    EXPECT_TRUE(near(pixel(render(wall.baked, from(-2.0f), settingsFor(GetParam()))), vec3(0.0f)));
 }
 
 // Mirrored transforms keep front faces in front and normals outside, non-uniform scale and shear keep normals normal.
-TEST_F(RenderTest, MirroredScaledAndShearedNormals)
+TEST_P(Materials, MirroredScaledAndShearedNormals)
 {
     const mat4 upright = glm::rotate(mat4(1.0f), kPi / 2.0f, vec3(1, 0, 0));
     mat4 shear(1.0f);
@@ -98,12 +102,13 @@ TEST_F(RenderTest, MirroredScaledAndShearedNormals)
         const ShadedPoint point{ray.origin -
                                     ray.direction * (glm::dot(ray.origin, normal) / glm::dot(ray.direction, normal)),
                                 normal, -ray.direction, kAlbedo};
-        EXPECT_TRUE(near(pixel(render(wall.baked, camera, settingsFor())), directRadiance(point, wall.sun, 1.0f)));
+        EXPECT_TRUE(
+            near(pixel(render(wall.baked, camera, settingsFor(GetParam()))), directRadiance(point, wall.sun, 1.0f)));
     }
 }
 
 // A normal map that tilts towards +u: along the tangent, whether the object is mirrored, or seen from behind.
-TEST_F(RenderTest, NormalMapFollowsTangentFrame)
+TEST_P(Materials, NormalMapFollowsTangentFrame)
 {
     for (const float mirror : {1.0f, -1.0f}) {
         for (const float side : {1.0f, -1.0f}) {
@@ -119,15 +124,15 @@ TEST_F(RenderTest, NormalMapFollowsTangentFrame)
             const vec3 mapped = vec3(204, 153, 230) / 255.0f * 2.0f - 1.0f;
             const vec3 normal = side * glm::normalize(vec3(mirror * mapped.x, mapped.y, mapped.z));
             ShadedPoint point = middle(camera, normal);
-            EXPECT_TRUE(
-                near(pixel(render(wall.baked, camera, settingsFor())), directRadiance(point, wall.sun, 1.0f), 3e-3f))
+            EXPECT_TRUE(near(pixel(render(wall.baked, camera, settingsFor(GetParam()))),
+                             directRadiance(point, wall.sun, 1.0f), 3e-3f))
                 << mirror << ' ' << side;
         }
     }
 }
 
 // Holes of an alpha mask are seen through and let the sun through; the rest is solid.
-TEST_F(RenderTest, AlphaMaskHolesInPictureAndShadow)
+TEST_P(Materials, AlphaMaskHolesInPictureAndShadow)
 {
     BakedScene baked;
     Scene& scene = baked.scene;
@@ -147,7 +152,7 @@ TEST_F(RenderTest, AlphaMaskHolesInPictureAndShadow)
     const Light sun = directionalLight(vec3(0, 1, 0.001f), 3.0f);
     scene.lights.push_back(sun);
     const Camera low = lookAt(vec3(0, 1, 8), vec3(0, 0, 0));
-    RenderedFrame frame = render(baked, low, settingsFor());
+    RenderedFrame frame = render(baked, low, settingsFor(GetParam()));
     for (const float x : {-1.2f, -0.6f, 0.6f, 1.2f}) {
         const ivec2 p = pixelOf(low, kSize, vec3(x, 0, 0));
         const Ray ray = pixelRay(low, kSize, p);
@@ -156,7 +161,7 @@ TEST_F(RenderTest, AlphaMaskHolesInPictureAndShadow)
     }
     // From above, the open half shows the floor.
     const Camera high = lookAt(vec3(0, 8, 0.01f), vec3(0, 0, 0));
-    frame = render(baked, high, settingsFor());
+    frame = render(baked, high, settingsFor(GetParam()));
     for (const float x : {-0.8f, 0.8f}) {
         const ivec2 p = pixelOf(high, kSize, vec3(x, 2, 0));
         const Ray ray = pixelRay(high, kSize, p);
@@ -168,7 +173,7 @@ TEST_F(RenderTest, AlphaMaskHolesInPictureAndShadow)
 
 // Two blended panes before a wall: over each other from back to front, whatever their order in the scene; they cast no
 // realtime shadow.
-TEST_F(RenderTest, BlendedPanesBackToFront)
+TEST_P(Materials, BlendedPanesBackToFront)
 {
     for (const bool swapped : {false, true}) {
         Wall wall(vec3(0, 0.2f, 1));
@@ -188,29 +193,30 @@ TEST_F(RenderTest, BlendedPanesBackToFront)
             point.baseColor = vec3(color);
             expected = glm::mix(expected, directRadiance(point, wall.sun, 1.0f), color.a);
         }
-        EXPECT_TRUE(near(pixel(render(wall.baked, camera, settingsFor())), expected)) << swapped;
+        EXPECT_TRUE(near(pixel(render(wall.baked, camera, settingsFor(GetParam()))), expected)) << swapped;
     }
 }
 
-TEST_F(RenderTest, EmissiveUnlitAndVertexColors)
+TEST_P(Materials, EmissiveUnlitAndVertexColors)
 {
     Wall wall(vec3(0, 0.2f, 1));
     const Camera camera = from(2.0f);
     wall.material().emissiveNits = vec3(5, 0, 2);
-    EXPECT_TRUE(near(pixel(render(wall.baked, camera, settingsFor())),
+    EXPECT_TRUE(near(pixel(render(wall.baked, camera, settingsFor(GetParam()))),
                      vec3(5, 0, 2) + directRadiance(middle(camera, vec3(0, 0, 1)), wall.sun, 1.0f)));
     wall.material().emissiveNits = vec3(0.0f);
     MeshPart& part = wall.baked.scene.meshes[0].parts[0];
     part.colors.assign(part.positions.size(), vec4(0.5f, 0.25f, 1.0f, 1.0f));
     ShadedPoint point = middle(camera, vec3(0, 0, 1));
     point.baseColor *= vec3(0.5f, 0.25f, 1.0f);
-    EXPECT_TRUE(near(pixel(render(wall.baked, camera, settingsFor())), directRadiance(point, wall.sun, 1.0f)));
+    EXPECT_TRUE(
+        near(pixel(render(wall.baked, camera, settingsFor(GetParam()))), directRadiance(point, wall.sun, 1.0f)));
     wall.material().unlit = true;
-    EXPECT_TRUE(near(pixel(render(wall.baked, camera, settingsFor())), point.baseColor));
+    EXPECT_TRUE(near(pixel(render(wall.baked, camera, settingsFor(GetParam()))), point.baseColor));
 }
 
 // Base colour is sRGB, metallic-roughness is not, and KHR_texture_transform moves what is read.
-TEST_F(RenderTest, TexturesSrgbTransformAndMetallicRoughness)
+TEST_P(Materials, TexturesSrgbTransformAndMetallicRoughness)
 {
     Wall wall(vec3(0, 0.2f, 1));
     Scene& scene = wall.baked.scene;
@@ -232,32 +238,33 @@ TEST_F(RenderTest, TexturesSrgbTransformAndMetallicRoughness)
     point.baseColor = vec3(std::pow((188 / 255.0f + 0.055f) / 1.055f, 2.4f));
     point.roughness = 128 / 255.0f;
     point.metallic = 64 / 255.0f;
-    EXPECT_TRUE(near(pixel(render(wall.baked, camera, settingsFor())), directRadiance(point, wall.sun, 1.0f), 3e-3f));
+    EXPECT_TRUE(
+        near(pixel(render(wall.baked, camera, settingsFor(GetParam()))), directRadiance(point, wall.sun, 1.0f), 3e-3f));
 }
 
 // Realtime mode: the open sky lights what no light reaches, dimmed by the material's occlusion.
-TEST_F(RenderTest, RealtimeAmbientIsTheSkyTimesOcclusion)
+TEST_P(Materials, RealtimeAmbientIsTheSkyTimesOcclusion)
 {
     Wall wall(vec3(0, 0.2f, -1)); // the sun behind
     Scene& scene = wall.baked.scene;
     scene.sky = {vec3(2.0f), vec3(2.0f), vec3(2.0f)};
     const Camera camera = from(2.0f);
     const vec3 open = indirectRadiance(middle(camera, vec3(0, 0, 1)), vec3(2.0f * kPi));
-    EXPECT_TRUE(near(pixel(render(wall.baked, camera, settingsFor())), open, 2e-3f));
+    EXPECT_TRUE(near(pixel(render(wall.baked, camera, settingsFor(GetParam()))), open, 2e-3f));
     Texture occlusion;
     occlusion.pixels = ImageRgba8(1, 1, u8vec4(51, 0, 0, 255));
     scene.textures.push_back(occlusion);
     wall.material().occlusionTexture.texture = 0;
     wall.material().occlusionStrength = 0.5f;
-    EXPECT_TRUE(near(pixel(render(wall.baked, camera, settingsFor())), open * 0.6f, 2e-3f));
+    EXPECT_TRUE(near(pixel(render(wall.baked, camera, settingsFor(GetParam()))), open * 0.6f, 2e-3f));
 }
 
-TEST_F(RenderTest, SkyFillsTheBackgroundByDirection)
+TEST_P(Materials, SkyFillsTheBackgroundByDirection)
 {
     BakedScene baked;
     baked.scene.sky = {vec3(1, 2, 3), vec3(4, 4, 4), vec3(0.5f)};
     const Camera camera = lookAt(vec3(0.0f), vec3(0.3f, 0.1f, -1));
-    const RenderedFrame frame = render(baked, camera, settingsFor());
+    const RenderedFrame frame = render(baked, camera, settingsFor(GetParam()));
     for (const ivec2 p : {ivec2(0, 0), ivec2(159, 89), ivec2(80, 45), ivec2(10, 80)}) {
         const vec3 d = pixelRay(camera, kSize, p).direction;
         const vec3 expected =

@@ -145,9 +145,34 @@ vec3 indirectRadiance(const ShadedPoint& point, vec3 irradiance)
 {
     const float nDotV = std::max(std::abs(glm::dot(point.normal, point.view)), 1.0e-4f);
     return shading::diffuseRadiance(shading::diffuseAlbedoOf(point.baseColor, point.metallic), irradiance) +
-           shading::environmentSpecular(shading::specularF0Of(point.baseColor, point.metallic, 1.0f), 1.0f, point.roughness,
-                                        nDotV) *
+           shading::environmentSpecular(shading::specularF0Of(point.baseColor, point.metallic, 1.0f), 1.0f,
+                                        point.roughness, nDotV) *
                irradiance * (1.0f / kPi);
+}
+
+PictureDifference compare(const ImageRgba32f& a, const ImageRgba32f& b)
+{
+    constexpr float kRelative = 0.005f;
+    double sum = 0.0;
+    for (const vec4& texel : a.texels()) sum += double(luminance(vec3(texel)));
+    const float absolute = float(sum / double(a.texelCount())) / 2000.0f;
+    PictureDifference result;
+    for (int y = 0; y < a.height(); ++y) {
+        for (int x = 0; x < a.width(); ++x) {
+            float worst = 0.0f;
+            for (int c = 0; c < 3; ++c) {
+                const float allowed = kRelative * std::max(a(x, y)[c], b(x, y)[c]) + absolute;
+                worst = std::max(worst, std::abs(a(x, y)[c] - b(x, y)[c]) / allowed);
+            }
+            result.differing += worst <= 1.0f ? 0 : 1; // and where it is not a number
+            result.lit += vec3(a(x, y)) != vec3(0.0f);
+            if (worst * kRelative > result.worstRelative) {
+                result.worstRelative = worst * kRelative;
+                result.worst = {x, y};
+            }
+        }
+    }
+    return result;
 }
 
 testing::AssertionResult near(vec3 actual, vec3 expected, float relative, float absolute)

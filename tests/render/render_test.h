@@ -24,6 +24,18 @@ protected:
     std::unique_ptr<Renderer> renderer;
 };
 
+/// Tests whose answer is the same forward and deferred.
+class BothPaths : public RenderTest, public testing::WithParamInterface<RenderPath> {};
+inline const auto kBothPaths = testing::Values(RenderPath::Forward, RenderPath::Deferred);
+inline const char* pathName(RenderPath path)
+{
+    return path == RenderPath::Forward ? "Forward" : "Deferred";
+}
+inline std::string pathNameOf(const testing::TestParamInfo<RenderPath>& info)
+{
+    return pathName(info.param);
+}
+
 /// Camera at `eye` that looks at `target`.
 Camera lookAt(vec3 eye, vec3 target, float verticalFovRadians = kPi / 3.0f);
 /// Pixel that shows a point of the world, and the ray through that pixel's centre.
@@ -62,6 +74,16 @@ struct ShadedPoint {
 vec3 directRadiance(const ShadedPoint& point, const Light& light, float attenuation);
 /// Radiance by indirect irradiance on a lightmapped surface.
 vec3 indirectRadiance(const ShadedPoint& point, vec3 irradiance);
+
+/// Pixels of two pictures that differ in a channel by more than half a percent of the brighter one and 1/2000 of the
+/// first picture's mean.
+struct PictureDifference {
+    int differing = 0;
+    int lit = 0; ///< pixels that are not black
+    ivec2 worst{0};
+    float worstRelative = 0.0f; ///< difference there, relative to what was allowed times half a percent
+};
+PictureDifference compare(const ImageRgba32f& a, const ImageRgba32f& b);
 
 /// Componentwise |actual - expected| <= relative * expected + absolute.
 testing::AssertionResult near(vec3 actual, vec3 expected, float relative = 1.0e-3f, float absolute = 1.0e-5f);

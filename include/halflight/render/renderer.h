@@ -15,6 +15,11 @@ namespace halflight {
 
 enum class DebugView { Lit, Shadowmask, Lightmap, Probes, Cascades, Fade, Overlap };
 
+/// Forward lights surfaces as they are drawn. Deferred draws them into a G-buffer and lights the pixels afterwards;
+/// what has no single surface per pixel (blended parts), what the lightmap must be known for (static objects on which
+/// subtractive's main light casts a realtime shadow this frame) and debug views go forward all the same.
+enum class RenderPath { Forward, Deferred };
+
 struct RendererOptions {
     bool validation = false; ///< turn the Khronos validation layer on (also synchronization validation)
     bool preferCpu = false;  ///< choose the CPU driver even where a GPU is found
@@ -22,6 +27,7 @@ struct RendererOptions {
 
 struct RenderSettings {
     RunMode mode = RunMode::Realtime;
+    RenderPath path = RenderPath::Forward;
     ShadowSettings shadows;
     DebugView view = DebugView::Lit;
     ivec2 size{1280, 720};
@@ -37,6 +43,10 @@ struct RenderedFrame {
     ImageRgba32f radiance; ///< linear, no exposure, no tone mapping; alpha 1
     FramePlan plan;
     std::vector<PassTime> passes;
+    /// Targets of the G-buffer, the picture itself among them: 4, and a fifth for baked shadows in frames that use a
+    /// mask (plan.usesMask); 0 when all was drawn forward.
+    int gBufferTargets = 0;
+    int forwardObjects = 0; ///< objects in view whose opaque and masked parts were lit as they were drawn
 };
 
 /// Holds the Vulkan device and one uploaded scene.
@@ -61,7 +71,8 @@ public:
     /// Uploads the scene, replacing the one before. The scene is copied where the renderer needs it afterwards.
     Status load(const BakedScene& baked);
 
-    /// InvalidArgument for settings outside their limits, a camera without extent, or a mode the bake holds no data for.
+    /// InvalidArgument for settings outside their limits, a camera without extent, or a mode the bake holds no data
+    /// for.
     Result<RenderedFrame> render(const Camera& camera, const RenderSettings& settings);
 
     /// Messages of the validation layer since creation: empty when all is well or validation is off.
