@@ -92,6 +92,15 @@ Status dumpResult(const BakeSettings& settings, const BakedScene& baked)
     return {};
 }
 
+uint64_t countAbove(const std::vector<ImageRgb32f>& pages, float limit)
+{
+    uint64_t count = 0;
+    for (const ImageRgb32f& page : pages) {
+        for (const vec3 texel : page.texels()) count += std::max({texel.x, texel.y, texel.z}) > limit ? 1u : 0u;
+    }
+    return count;
+}
+
 /// One quantity of every texel as a vector, and the same laid out on pages.
 struct TexelValues {
     std::vector<vec3> irradiance;
@@ -231,6 +240,12 @@ Result<BakeResult> bake(Scene scene, const BakeSettings& settings, const Integra
     stitchSeams(seams, pages);
     seamTimer.finish();
     if (Status status = dumpPages(settings, "lightmap", pages); !status) return status.error();
+    const uint64_t tooBright = countAbove(pages, kMaxRgb9e5);
+    if (tooBright > 0) {
+        report.warnings.push_back(std::to_string(tooBright) +
+                                  " lightmap texels are brighter than 65,408 lux, the most the "
+                                  "file's RGB9E5 format holds, and are cut there; scale the lights down");
+    }
     baked.lightmaps = encodeLightmap(pages);
 
     const auto hasChannel = [](const Light& light) { return light.baking.occlusionMaskChannel >= 0; };

@@ -9,6 +9,10 @@ namespace halflight {
 namespace {
 
 constexpr int kChannels = 4;
+/// Comparisons of lights that one attempt at recolouring may take. A step compares all pairs, so groups of lights that
+/// hang together by the hundred are coloured greedily alone.
+constexpr int kColoringBudget = 4'000'000;
+constexpr std::size_t kMaxRecolored = 128;
 
 /// Sphere that holds all a light with a range can reach; a spot's is the tighter of its cone's bounding spheres.
 struct Reach {
@@ -108,6 +112,23 @@ bool colorGraph(const Graph& graph, const std::vector<int>& nodes, std::vector<i
     return false;
 }
 
+/// `node` and the placed nodes that hang together with it; empty when they are too many to recolour.
+std::vector<int> connectedTo(const Graph& graph, const std::vector<int>& placed, int node)
+{
+    std::vector<int> reached = {node};
+    std::vector<bool> seen(graph.size(), false);
+    seen[std::size_t(node)] = true;
+    for (std::size_t next = 0; next < reached.size(); ++next) {
+        for (const int other : placed) {
+            if (seen[std::size_t(other)] || !graph[std::size_t(reached[next])][std::size_t(other)]) continue;
+            seen[std::size_t(other)] = true;
+            reached.push_back(other);
+            if (reached.size() > kMaxRecolored) return {};
+        }
+    }
+    return reached;
+}
+
 void assignShadowmask(Scene& scene, std::vector<int> mixed)
 {
     std::sort(mixed.begin(), mixed.end(),
@@ -142,11 +163,11 @@ void assignShadowmask(Scene& scene, std::vector<int> mixed)
             placed.push_back(i);
             continue;
         }
-        std::vector<int> candidates = placed;
-        candidates.push_back(i);
-        std::vector<int> recolored(n, -1);
-        int budget = 20000;
-        if (colorGraph(graph, candidates, recolored, budget)) {
+        const std::vector<int> candidates = connectedTo(graph, placed, i);
+        std::vector<int> recolored = color;
+        for (const int candidate : candidates) recolored[std::size_t(candidate)] = -1;
+        int budget = candidates.empty() ? 0 : kColoringBudget / int(candidates.size() * candidates.size());
+        if (budget > 0 && colorGraph(graph, candidates, recolored, budget)) {
             color = recolored;
             placed.push_back(i);
             continue;

@@ -2,9 +2,30 @@
 
 #include "halflight/base/parallel.h"
 
+#include <algorithm>
+#include <cmath>
 #include <glm/gtc/packing.hpp>
 
 namespace halflight {
+namespace {
+
+/// EXT_texture_shared_exponent (Khronos 2009), "Encoding of RGB components": nine bits of mantissa each, one exponent
+/// with bias 15. GLM's packer stops at half of the format's range.
+uint32_t packRgb9e5(vec3 color)
+{
+    for (int c = 0; c < 3; ++c) color[c] = color[c] > 0.0f ? std::min(color[c], kMaxRgb9e5) : 0.0f; // NaN too
+    const float largest = std::max({color.x, color.y, color.z});
+    int exponent = std::max(-16, largest > 0.0f ? std::ilogb(largest) : -16) + 1 + 15;
+    float scale = std::ldexp(1.0f, 15 + 9 - exponent);
+    if (std::floor(largest * scale + 0.5f) >= 512.0f) {
+        ++exponent;
+        scale *= 0.5f;
+    }
+    const auto mantissa = [&](float c) { return uint32_t(std::floor(c * scale + 0.5f)); };
+    return mantissa(color.x) | (mantissa(color.y) << 9) | (mantissa(color.z) << 18) | (uint32_t(exponent) << 27);
+}
+
+} // namespace
 
 std::vector<Image<uint32_t>> encodeLightmap(const std::vector<ImageRgb32f>& pages)
 {
@@ -13,7 +34,7 @@ std::vector<Image<uint32_t>> encodeLightmap(const std::vector<ImageRgb32f>& page
         Image<uint32_t> out(page.width(), page.height());
         parallelFor(page.texelCount(), 65536, [&](std::size_t begin, std::size_t end) {
             for (std::size_t i = begin; i < end; ++i) {
-                out.data()[i] = glm::packF3x9_E1x5(glm::max(page.data()[i], vec3(0.0f)));
+                out.data()[i] = packRgb9e5(page.data()[i]);
             }
         });
         encoded.push_back(std::move(out));

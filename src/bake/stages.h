@@ -60,6 +60,8 @@ std::vector<SeamSample> findSeams(const BakeGeometry& geometry, int pageSize);
 /// Makes bilinear values on both sides of each seam agree. Works on dilated pages: filtering at an edge reads padding.
 template<typename T> void stitchSeams(const std::vector<SeamSample>& seams, std::vector<Image<T>>& pages);
 
+/// The largest value RGB9E5 holds; brighter texels are cut there.
+constexpr float kMaxRgb9e5 = 65408.0f;
 std::vector<Image<uint32_t>> encodeLightmap(const std::vector<ImageRgb32f>& pages);
 std::vector<ImageRgba8> encodeShadowmask(const std::vector<ImageRgba32f>& pages);
 

@@ -21,6 +21,11 @@ constexpr uint32_t kProbeSeed = 0x5eed0003u;
 constexpr uint32_t kInsideSeed = 0x5eed0004u;
 constexpr int kInsideRays = 4;
 
+bool isFinite(vec3 v)
+{
+    return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
+}
+
 /// Mean and variance of the mean of a stream of values.
 struct Accumulator {
     vec3 sum{0.0f};
@@ -64,22 +69,25 @@ public:
 
     bool irradiance(const TexelMap& map, std::span<IrradianceEstimate> out, const Progress& progress) override
     {
+        outside_.assign(map.texels.size(), kAllPoints);
         return parallelFor(map.texels.size(), kTexelGrain, progress, "lightmap",
                            [&](std::size_t begin, std::size_t end) {
                                uint64_t rays = 0;
                                for (std::size_t i = begin; i < end && !progress.cancelled(); ++i)
-                                   out[i] = texelIrradiance(map, map.texels[i], rays);
+                                   out[i] = texelIrradiance(map, map.texels[i], outside_[i], rays);
                                rays_ += rays;
                            });
     }
 
     bool shadowmask(const TexelMap& map, std::span<vec4> out, const Progress& progress) override
     {
+        // Points that irradiance() found inside solids must not darken the mask either.
+        if (outside_.size() != map.texels.size()) outside_.assign(map.texels.size(), kAllPoints);
         return parallelFor(map.texels.size(), kTexelGrain, progress, "shadowmask",
                            [&](std::size_t begin, std::size_t end) {
                                uint64_t rays = 0;
                                for (std::size_t i = begin; i < end && !progress.cancelled(); ++i)
-                                   out[i] = texelShadowmask(map, map.texels[i], rays);
+                                   out[i] = texelShadowmask(map, map.texels[i], outside_[i], rays);
                                rays_ += rays;
                            });
     }
@@ -111,6 +119,9 @@ private:
             const SurfaceTracer::Crossings crossings = crossingsFrom(point, origin, id, s, rays);
             insideSolids += crossings.solidsLeft > 0 ? 1 : 0;
             backFaces += crossings.backFaceFirst ? 1 : 0;
+            // Two rays that agree are enough.
+            if (s == 1 && insideSolids == 2) return true;
+            if (s == 1 && insideSolids == 0 && backFaces < 2) return false;
         }
         return 2 * insideSolids > kInsideRays || backFaces == kInsideRays;
     }
@@ -138,43 +149,61 @@ private:
         return false;
     }
 
-    /// Drops the points that lie inside geometry; false when (nearly) all do.
-    bool keepOutside(std::array<SurfacePoint, kMaxTexelPoints>& points, int& pointCount, uint32_t id,
-                     uint64_t& rays) const
+    using PointMask = uint16_t; ///< bit i: point i of a texel lies outside geometry; 0: (nearly) none does
+    static_assert(kMaxTexelPoints <= 16);
+    static constexpr PointMask kAllPoints = 0xffff;
+
+    PointMask outsidePoints(const std::array<SurfacePoint, kMaxTexelPoints>& points, int pointCount, uint32_t id,
+                            uint64_t& rays) const
     {
+        PointMask mask = 0;
         int kept = 0;
-        std::array<SurfacePoint, kMaxTexelPoints> outside;
         for (int p = 0; p < pointCount; ++p) {
-            const SurfacePoint& point = points[std::size_t(p)];
-            if (!inside(point, hashCombine(id, uint32_t(p)), rays)) outside[std::size_t(kept++)] = point;
+            if (inside(points[std::size_t(p)], hashCombine(id, uint32_t(p)), rays)) continue;
+            mask = PointMask(mask | (1u << p));
+            ++kept;
         }
-        if (kept * 8 < pointCount || kept == 0) return false;
-        points = outside;
-        pointCount = kept;
-        return true;
+        return kept * 8 < pointCount ? PointMask(0) : mask;
     }
 
-    IrradianceEstimate texelIrradiance(const TexelMap& map, const Texel& texel, uint64_t& rays) const
+    /// Leaves only the points of the mask.
+    static void keepPoints(PointMask mask, std::array<SurfacePoint, kMaxTexelPoints>& points, int& pointCount)
+    {
+        int kept = 0;
+        for (int p = 0; p < pointCount; ++p) {
+            if (mask & (1u << p)) points[std::size_t(kept++)] = points[std::size_t(p)];
+        }
+        pointCount = kept;
+    }
+
+    /// `mask` returns which of the texel's points took part.
+    IrradianceEstimate texelIrradiance(const TexelMap& map, const Texel& texel, PointMask& mask, uint64_t& rays) const
     {
         std::array<SurfacePoint, kMaxTexelPoints> points;
         int pointCount = texelPoints(geometry_, map, texel, points);
         const uint32_t id = texelId(map, texel);
-        IrradianceEstimate estimate;
 
         // Points inside solids are left out, found beforehand where a few rays say so, or afterwards where the gathered
         // paths met many back faces.
+        mask = kAllPoints;
         const bool checkedBefore = maybeInside(points, pointCount, id, rays);
-        if (checkedBefore) estimate.valid = keepOutside(points, pointCount, id, rays);
+        if (checkedBefore) {
+            mask = outsidePoints(points, pointCount, id, rays);
+            keepPoints(mask, points, pointCount);
+        }
         int backFaces = 0;
         Accumulator gathered;
-        if (estimate.valid) gathered = gather(points, pointCount, settings_.samples, id, rays, backFaces);
-        if (estimate.valid && !checkedBefore && backFaces * 16 > gathered.count) {
+        if (mask != 0) gathered = gather(points, pointCount, settings_.samples, id, rays, backFaces);
+        if (mask != 0 && !checkedBefore && backFaces * 16 > gathered.count) {
+            mask = outsidePoints(points, pointCount, id, rays);
             const int before = pointCount;
-            estimate.valid = keepOutside(points, pointCount, id, rays);
-            if (estimate.valid && pointCount < before) {
+            keepPoints(mask, points, pointCount);
+            if (mask != 0 && pointCount < before) {
                 gathered = gather(points, pointCount, settings_.samples, id, rays, backFaces);
             }
         }
+        IrradianceEstimate estimate;
+        estimate.valid = mask != 0;
         if (!estimate.valid) return estimate;
         estimate.irradiance = gathered.mean();
         estimate.varianceOfMean = gathered.varianceOfMean();
@@ -205,7 +234,8 @@ private:
                 paths_.incoming(paths_.rayOrigin(point), direction, pdf, settings_.bounces, sampler, rays);
             backFaces += in.firstHitBackFace ? 1 : 0;
             value += kPi * in.radiance;
-            gathered.add(value);
+            // Lights of extreme size or strength can leave the range of floats.
+            gathered.add(isFinite(value) ? value : vec3(0.0f));
         }
         return gathered;
     }
@@ -237,16 +267,18 @@ private:
             const PunctualLight& light = paths_.lights()[l];
             if (light.channel != channel) continue;
             index = uint32_t(l);
-            if (light.at(position).illuminance != vec3(0.0f)) return &light;
+            if (light.reaches(position)) return &light;
         }
         return nullptr;
     }
 
-    vec4 texelShadowmask(const TexelMap& map, const Texel& texel, uint64_t& rays) const
+    vec4 texelShadowmask(const TexelMap& map, const Texel& texel, PointMask outside, uint64_t& rays) const
     {
         std::array<SurfacePoint, kMaxTexelPoints> points;
-        const int pointCount = texelPoints(geometry_, map, texel, points);
+        int pointCount = texelPoints(geometry_, map, texel, points);
         const uint32_t id = texelId(map, texel);
+        if (outside == 0) return vec4(1.0f); // inside geometry: the bake fills it from texels around it
+        keepPoints(outside, points, pointCount);
         vec4 mask(1.0f);
         for (int channel = 0; channel < 4; ++channel) {
             float sum = 0.0f;
@@ -325,6 +357,7 @@ private:
     IntegrationSettings settings_;
     PathTracer paths_;
     bool anySolid_ = false;
+    std::vector<PointMask> outside_; ///< by texel of the map that irradiance() saw last
     std::atomic<uint64_t> rays_{0};
 };
 

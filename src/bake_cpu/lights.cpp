@@ -11,7 +11,6 @@ std::vector<PunctualLight> punctualLights(const Scene& scene, LightUse use)
 {
     std::vector<PunctualLight> lights;
     for (const Light& light : scene.lights) {
-        if (light.intensity <= 0.0f || light.color == vec3(0.0f)) continue;
         PunctualLight p;
         p.type = light.type == LightType::Directional ? shading::kLightDirectional
                  : light.type == LightType::Spot      ? shading::kLightSpot
@@ -122,7 +121,9 @@ EmitterSample Emitters::sample(vec2 uTriangle, vec2 uPoint) const
     s.position = (1.0f - barycentric.x - barycentric.y) * geometry.positions[v.x] +
                  barycentric.x * geometry.positions[v.y] + barycentric.y * geometry.positions[v.z];
     s.normal = geometry.geometricNormal(triangle);
-    s.radiance = tracer_.emissionAt(triangle, barycentric);
+    // Holes do not shine, and what is half transparent shines by half.
+    s.radiance = tracer_.emissionAt(triangle, barycentric) * tracer_.coverageAt(triangle, barycentric);
+    s.rayVisible = geometry.parts[geometry.partOfTriangle[triangle]].castShadows;
     s.doubleSided = tracer_.materialOfTriangle(triangle).doubleSided;
     s.pdfArea = pdfOfTriangle_[triangle];
     return s;

@@ -34,6 +34,12 @@ struct PunctualLight {
     {
         return shading::sampleLight(type, colorIntensity, position, axis, range, spotConstants, point);
     }
+    /// Whether a point is within range and cone. A light that is switched off in the file still reaches: it may be
+    /// switched on at run time (spec S29), and its mask must be there then.
+    [[nodiscard]] bool reaches(vec3 point) const
+    {
+        return shading::sampleLight(type, vec3(1.0f), position, axis, range, spotConstants, point).illuminance.x > 0.0f;
+    }
 };
 
 enum class LightUse {
@@ -55,7 +61,8 @@ struct EmitterSample {
     vec3 normal{0.0f}; ///< geometric
     vec3 radiance{0.0f};
     bool doubleSided = false;
-    float pdfArea = 0.0f; ///< per square metre
+    bool rayVisible = true; ///< rays can hit it too: false when its object casts no shadow
+    float pdfArea = 0.0f;   ///< per square metre
 };
 
 /// All emissive triangles, chosen with probability proportional to area times emission.

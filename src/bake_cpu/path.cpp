@@ -56,7 +56,14 @@ float PathTracer::lightVisibility(const PunctualLight& light, const SurfacePoint
 {
     if (!light.castShadows) return 1.0f;
     const float epsilon = tracer_.epsilonAt(point.position);
-    const vec3 origin = smoothOrigin(tracer_.geometry(), point) + point.geometricNormal * epsilon;
+    const vec3 flat = point.position + point.geometricNormal * epsilon;
+    vec3 origin = smoothOrigin(tracer_.geometry(), point) + point.geometricNormal * epsilon;
+    // Not through whatever stands next to the surface.
+    const float lift = glm::distance(flat, origin);
+    if (lift > 4.0f * epsilon) {
+        ++rays;
+        if (tracer_.occluded(flat, (origin - flat) / lift, 0.0f, lift)) origin = flat;
+    }
     const LightRay ray = sampleLightRay(light, origin, u);
     ++rays;
     return tracer_.occluded(origin, ray.direction, epsilon, ray.distance * (1.0f - 1.0e-4f)) ? 0.0f : 1.0f;
@@ -128,7 +135,7 @@ vec3 PathTracer::emitterIrradiance(const SurfacePoint& point, Sampler& sampler, 
     const float pdf = s.pdfArea * distance2 / emitterCosine;
     ++rays;
     if (tracer_.occluded(origin, direction, 0.0f, distance * (1.0f - 1.0e-4f))) return vec3(0.0f);
-    return s.radiance * (cosine / pdf * powerHeuristic(pdf, cosine / kPi));
+    return s.radiance * (cosine / pdf * (s.rayVisible ? powerHeuristic(pdf, cosine / kPi) : 1.0f));
 }
 
 PathTracer::EmitterInSpace PathTracer::emitterInSpace(vec3 position, float directionPdf, Sampler& sampler,
@@ -148,7 +155,7 @@ PathTracer::EmitterInSpace PathTracer::emitterInSpace(vec3 position, float direc
     const float pdf = s.pdfArea * distance2 / emitterCosine;
     ++rays;
     if (tracer_.occluded(position, direction, 0.0f, distance * (1.0f - 1.0e-4f))) return {};
-    return {direction, s.radiance * (powerHeuristic(pdf, directionPdf) / pdf)};
+    return {direction, s.radiance * ((s.rayVisible ? powerHeuristic(pdf, directionPdf) : 1.0f) / pdf)};
 }
 
 float PathTracer::emitterPdf(const SurfaceHit& hit, vec3 direction) const

@@ -246,16 +246,24 @@ float SurfaceTracer::alphaAt(uint32_t triangle, vec2 barycentric, const Transpor
     return alpha;
 }
 
-bool SurfaceTracer::passes(uint32_t triangle, vec2 barycentric, const float* rayBits) const
+float SurfaceTracer::coverageAt(uint32_t triangle, vec2 barycentric) const
 {
     const TransportMaterial& material = materialOfTriangle(triangle);
-    if (material.alphaMode == Material::AlphaMode::Opaque) return false;
+    if (material.alphaMode == Material::AlphaMode::Opaque) return 1.0f;
     const float alpha = alphaAt(triangle, barycentric, material);
-    if (material.alphaMode == Material::AlphaMode::Mask) return alpha < material.alphaCutoff;
-    // Blend: a ray passes with probability 1 - alpha. The decision hashes the ray itself, so it needs no state.
+    if (material.alphaMode == Material::AlphaMode::Mask) return alpha < material.alphaCutoff ? 0.0f : 1.0f;
+    return glm::clamp(alpha, 0.0f, 1.0f);
+}
+
+bool SurfaceTracer::passes(uint32_t triangle, vec2 barycentric, const float* rayBits) const
+{
+    const float coverage = coverageAt(triangle, barycentric);
+    if (coverage >= 1.0f) return false;
+    if (coverage <= 0.0f) return true;
+    // A ray passes with probability 1 - coverage. The decision hashes the ray itself, so it needs no state.
     uint32_t bits = triangle;
     for (int i = 0; i < 6; ++i) bits = hashCombine(bits, std::bit_cast<uint32_t>(rayBits[i]));
-    return unitFloat(bits) >= alpha;
+    return unitFloat(bits) >= coverage;
 }
 
 void SurfaceTracer::filter(const RTCFilterFunctionNArguments* arguments)

@@ -65,6 +65,8 @@ public:
 
     [[nodiscard]] const TransportMaterial& materialOfTriangle(uint32_t triangle) const;
     [[nodiscard]] vec3 emissionAt(uint32_t triangle, vec2 barycentric) const;
+    /// Share of rays that meet the surface there: 1 opaque, 0 or 1 masked, alpha blended.
+    [[nodiscard]] float coverageAt(uint32_t triangle, vec2 barycentric) const;
     [[nodiscard]] const BakeGeometry& geometry() const { return geometry_; }
     [[nodiscard]] bool ok() const { return scene_ != nullptr; }
 

@@ -147,6 +147,79 @@ TEST(EmitterS6, RectangleLightMatchesItsFormFactor)
     }
 }
 
+/// A lamp whose object casts no shadow still lights; one whose material has holes lights by what is left of it.
+TEST(EmitterS6, UnseenAndTransparentLampsLightRight)
+{
+    const auto irradianceUnder = [](bool castShadows, Material::AlphaMode alphaMode, float alpha) {
+        Scene scene;
+        const int black = addMaterial(scene, vec3(0));
+        const int lamp = addMaterial(scene, vec3(0), vec3(10.0f));
+        scene.materials[std::size_t(lamp)].alphaMode = alphaMode;
+        scene.materials[std::size_t(lamp)].baseColor.w = alpha;
+        addRectangle(scene, {vec3(-0.005f, 0, 0.005f), vec3(0.01f, 0, 0), vec3(0, 0, -0.01f)}, black, kPage,
+                     {vec2(1), vec2(9)});
+        addRectangle(scene, {vec3(-2, 0.5f, -2), vec3(4, 0, 0), vec3(0, 0, 4)}, lamp, kPage);
+        scene.objects.back().castShadows = castShadows;
+        IntegrationSettings settings;
+        settings.samples = 1024;
+        Bench bench(std::move(scene), MixedLightingMode::Shadowmask, kPage, settings);
+        return compare(bench.irradiance(), 1.0).mean;
+    };
+    const double full = irradianceUnder(true, Material::AlphaMode::Opaque, 1.0f);
+    EXPECT_GT(full, 25.0);
+    EXPECT_NEAR(irradianceUnder(false, Material::AlphaMode::Opaque, 1.0f), full, 0.03 * full);
+    EXPECT_EQ(irradianceUnder(true, Material::AlphaMode::Mask, 0.2f), 0.0);
+    EXPECT_NEAR(irradianceUnder(true, Material::AlphaMode::Mask, 0.8f), full, 0.01 * full);
+    EXPECT_NEAR(irradianceUnder(true, Material::AlphaMode::Blend, 0.2f), 0.2 * full, 0.02 * full);
+}
+
+/// A light that is off in the file has its mask all the same: it may be switched on at run time.
+TEST(ShadowmaskS29, LightsThatAreOffHaveAMask)
+{
+    Scene scene;
+    const int black = addMaterial(scene, vec3(0));
+    addRectangle(scene, {vec3(-2, 0, 2), vec3(4, 0, 0), vec3(0, 0, -4)}, black, kPage, {vec2(1), vec2(63)});
+    addBox(scene, vec3(-0.5f, 1.0f, -0.5f), vec3(0.5f, 1.1f, 0.5f), black, false);
+    scene.lights.push_back(makeLight(LightType::Point, vec3(0, 2, 0), vec3(0, -1, 0), 0.0f, LightMode::Mixed));
+    Bench bench(std::move(scene), MixedLightingMode::Shadowmask, kPage, {});
+    float lowest = 1.0f;
+    for (const vec4 m : bench.shadowmask()) lowest = std::min(lowest, m.x);
+    EXPECT_EQ(lowest, 0.0f);
+}
+
+/// The foot of a wall that goes through the floor: no mask texel beside it is darkened by its own inside.
+TEST(ShadowmaskS8, NoDarkSeamAtTheFootOfAWall)
+{
+    Scene scene;
+    const int grey = addMaterial(scene, vec3(0.5f));
+    addRectangle(scene, {vec3(-2, 0, 2), vec3(4, 0, 0), vec3(0, 0, -4)}, grey, kPage, {vec2(0), vec2(64)});
+    addBox(scene, vec3(-0.53f, -0.5f, -0.53f), vec3(0.53f, 1, 0.53f), grey, false);
+    scene.lights.push_back(makeLight(LightType::Directional, vec3(0), vec3(0, -1, 0), 1.0f, LightMode::Mixed));
+    Bench bench(std::move(scene), MixedLightingMode::Shadowmask, kPage, {});
+    const auto estimates = bench.irradiance();
+    const auto mask = bench.shadowmask();
+    for (std::size_t i = 0; i < mask.size(); ++i) {
+        // One of a texel's sixteen points may slip through the checks; a seam is several.
+        if (estimates[i].valid) EXPECT_GE(mask[i].x, 0.93f);
+    }
+}
+
+/// A box with averaged normals close to a wall: moving shadow rays out to the curved surface must not move them
+/// through.
+TEST(ShadowmaskS8, SmoothNormalsDoNotLeakThroughWalls)
+{
+    Scene scene;
+    const int grey = addMaterial(scene, vec3(0.5f));
+    const float corner = 1.0f / std::sqrt(2.0f);
+    addRectangle(scene, {vec3(0, -1, 1), vec3(0, 0, -2), vec3(0, 2, 0)}, grey, kPage, {vec2(1), vec2(63)});
+    scene.meshes[0].parts[0].normals = {vec3(corner, 0, corner), vec3(corner, 0, -corner), vec3(corner, 0, -corner),
+                                        vec3(corner, 0, corner)};
+    addBox(scene, vec3(0.2f, -5, -5), vec3(0.3f, 5, 5), grey, false);
+    scene.lights.push_back(makeLight(LightType::Point, vec3(3, 0, 0), vec3(-1, 0, 0), 1.0f, LightMode::Mixed));
+    Bench bench(std::move(scene), MixedLightingMode::Shadowmask, kPage, {});
+    for (const vec4 m : bench.shadowmask()) EXPECT_EQ(m.x, 0.0f);
+}
+
 /// A sun of angular radius a behind a half-plane at height h: the visible share of its disc is a circular segment.
 TEST(ShadowmaskS8, PenumbraOfAHalfPlaneIsTheVisibleSegmentOfTheSun)
 {

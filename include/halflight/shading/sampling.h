@@ -6,7 +6,8 @@
 
 HL_NAMESPACE_BEGIN
 
-// Two unit vectors that make a right-handed basis with unit n: Duff et al. 2017, "Building an Orthonormal Basis, Revisited".
+// Two unit vectors that make a right-handed basis with unit n: Duff et al. 2017, "Building an Orthonormal Basis,
+// Revisited".
 HL_FN void orthonormalBasis(vec3 n, HL_INOUT(vec3) tangent, HL_INOUT(vec3) bitangent)
 {
     float s = n.z >= 0.0f ? 1.0f : -1.0f;
@@ -49,8 +50,8 @@ HL_FN vec3 sampleSphere(vec2 u)
     return vec3(r * cos(phi), r * sin(phi), z);
 }
 
-// Barycentric coordinates (of the first two vertices) uniform over a triangle: Heitz 2019, "A Low-Distortion Map Between
-// Triangle and Square".
+// Barycentric coordinates (of the first two vertices) uniform over a triangle: Heitz 2019, "A Low-Distortion Map
+// Between Triangle and Square".
 HL_FN vec2 sampleTriangle(vec2 u)
 {
     if (u.y > u.x) {
@@ -66,9 +67,9 @@ HL_FN vec2 sampleTriangle(vec2 u)
 // Veach 1997, "Robust Monte Carlo Methods for Light Transport Simulation", section 9.2.4: power heuristic, beta = 2.
 HL_FN float powerHeuristic(float pdf, float otherPdf)
 {
-    float a = pdf * pdf;
-    float b = otherPdf * otherPdf;
-    return a + b > 0.0f ? a / (a + b) : 0.0f;
+    if (pdf <= 0.0f) return 0.0f;
+    float ratio = otherPdf / pdf; // squares of the densities themselves would leave the range of floats
+    return 1.0f / (1.0f + ratio * ratio);
 }
 
 HL_NAMESPACE_END
