@@ -1,3 +1,4 @@
+#include "halflight/base/file.h"
 #include "halflight/base/image.h"
 
 #include <ImathBox.h>
@@ -10,43 +11,34 @@
 #include <cstdint>
 #include <exception>
 #include <string>
-#include <unistd.h>
 
 namespace halflight {
 namespace {
 
 constexpr const char* kChannelNames[] = {"R", "G", "B", "A"};
 
-/// Writes `channels` interleaved floats per texel to a temporary name and renames it.
+/// Writes `channels` interleaved floats per texel.
 Status writeExrChannels(const std::filesystem::path& path, const float* texels, ivec2 size, int channels)
 {
-    std::filesystem::path temporary = path;
-    temporary += ".tmp" + std::to_string(::getpid());
-    std::error_code ec;
-    try {
-        Imf::Header header(size.x, size.y);
-        header.compression() = Imf::ZIP_COMPRESSION;
-        Imf::FrameBuffer buffer;
-        const std::size_t xStride = sizeof(float) * std::size_t(channels);
-        for (int c = 0; c < channels; ++c) {
-            header.channels().insert(kChannelNames[c], Imf::Channel(Imf::FLOAT));
-            char* base = reinterpret_cast<char*>(const_cast<float*>(texels + c));
-            buffer.insert(kChannelNames[c], Imf::Slice(Imf::FLOAT, base, xStride, xStride * std::size_t(size.x)));
+    return replaceAtomically(path, [&](const std::filesystem::path& temporary) -> Status {
+        try {
+            Imf::Header header(size.x, size.y);
+            header.compression() = Imf::ZIP_COMPRESSION;
+            Imf::FrameBuffer buffer;
+            const std::size_t xStride = sizeof(float) * std::size_t(channels);
+            for (int c = 0; c < channels; ++c) {
+                header.channels().insert(kChannelNames[c], Imf::Channel(Imf::FLOAT));
+                char* base = reinterpret_cast<char*>(const_cast<float*>(texels + c));
+                buffer.insert(kChannelNames[c], Imf::Slice(Imf::FLOAT, base, xStride, xStride * std::size_t(size.x)));
+            }
+            Imf::OutputFile file(temporary.string().c_str(), header);
+            file.setFrameBuffer(buffer);
+            file.writePixels(size.y);
+            return {};
+        } catch (const std::exception& exception) {
+            return Error{ErrorCode::WriteFailed, std::string("cannot be written (") + exception.what() + ")"};
         }
-        Imf::OutputFile file(temporary.string().c_str(), header);
-        file.setFrameBuffer(buffer);
-        file.writePixels(size.y);
-    } catch (const std::exception& exception) {
-        std::filesystem::remove(temporary, ec);
-        return Error{ErrorCode::WriteFailed, std::string("cannot be written (") + exception.what() + ")"};
-    }
-    std::filesystem::rename(temporary, path, ec);
-    if (ec) {
-        const std::string reason = ec.message();
-        std::filesystem::remove(temporary, ec);
-        return Error{ErrorCode::WriteFailed, "cannot be replaced (" + reason + ")"};
-    }
-    return {};
+    });
 }
 
 } // namespace

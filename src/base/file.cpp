@@ -11,7 +11,11 @@ namespace halflight {
 Result<std::vector<std::byte>> readFile(const std::filesystem::path& path)
 {
     std::error_code ec;
-    if (std::filesystem::is_directory(path, ec)) return Error{ErrorCode::FileNotFound, "is a folder, not a file"};
+    const std::filesystem::file_status status = std::filesystem::status(path, ec);
+    if (std::filesystem::is_directory(status)) return Error{ErrorCode::FileNotFound, "is a folder, not a file"};
+    if (std::filesystem::exists(status) && !std::filesystem::is_regular_file(status)) {
+        return Error{ErrorCode::FileNotFound, "is a device, a pipe or a socket, not a regular file"};
+    }
     std::ifstream stream(path, std::ios::binary | std::ios::ate);
     if (!stream) {
         return Error{ErrorCode::FileNotFound,
@@ -26,30 +30,61 @@ Result<std::vector<std::byte>> readFile(const std::filesystem::path& path)
     return bytes;
 }
 
-Status writeFileAtomically(const std::filesystem::path& path, const void* bytes, std::size_t byteCount)
+Result<std::filesystem::path> replacedFile(const std::filesystem::path& path)
 {
-    std::filesystem::path temporary = path;
+    namespace fs = std::filesystem;
+    std::error_code ec;
+    const fs::file_status status = fs::status(path, ec);
+    if (fs::is_directory(status)) return Error{ErrorCode::WriteFailed, "is a folder, not a file"};
+    if (fs::exists(status) && !fs::is_regular_file(status)) {
+        return Error{ErrorCode::WriteFailed, "is a device, a pipe or a socket, and only regular files are replaced"};
+    }
+    // By hand: canonical() fails where the link's target is yet to be made.
+    fs::path file = path;
+    constexpr int kMaxLinks = 40; // Linux's own limit
+    for (int links = 0; fs::is_symlink(fs::symlink_status(file, ec)); ++links) {
+        const fs::path target = fs::read_symlink(file, ec);
+        if (ec || links == kMaxLinks) {
+            return Error{ErrorCode::WriteFailed, "is a symbolic link that cannot be followed"};
+        }
+        file = file.parent_path() / target; // an absolute target replaces the whole
+    }
+    return file;
+}
+
+Status replaceAtomically(const std::filesystem::path& path,
+                         const std::function<Status(const std::filesystem::path& temporary)>& write)
+{
+    const Result<std::filesystem::path> file = replacedFile(path);
+    if (!file) return file.error();
+    std::filesystem::path temporary = *file;
     temporary += ".tmp" + std::to_string(::getpid());
     std::error_code ec;
-    {
-        std::ofstream stream(temporary, std::ios::binary | std::ios::trunc);
-        if (!stream) {
-            return Error{ErrorCode::WriteFailed, std::string("cannot be written (") + std::strerror(errno) + ")"};
-        }
-        stream.write(static_cast<const char*>(bytes), std::streamsize(byteCount));
-        stream.close();
-        if (!stream) {
-            std::filesystem::remove(temporary, ec);
-            return Error{ErrorCode::WriteFailed, "could not be written to its end (disk full?)"};
-        }
+    if (Status status = write(temporary); !status) {
+        std::filesystem::remove(temporary, ec);
+        return status;
     }
-    std::filesystem::rename(temporary, path, ec);
+    std::filesystem::rename(temporary, *file, ec);
     if (ec) {
         const std::string reason = ec.message();
         std::filesystem::remove(temporary, ec);
         return Error{ErrorCode::WriteFailed, "cannot be replaced (" + reason + ")"};
     }
     return {};
+}
+
+Status writeFileAtomically(const std::filesystem::path& path, const void* bytes, std::size_t byteCount)
+{
+    return replaceAtomically(path, [&](const std::filesystem::path& temporary) -> Status {
+        std::ofstream stream(temporary, std::ios::binary | std::ios::trunc);
+        if (!stream) {
+            return Error{ErrorCode::WriteFailed, std::string("cannot be written (") + std::strerror(errno) + ")"};
+        }
+        stream.write(static_cast<const char*>(bytes), std::streamsize(byteCount));
+        stream.close();
+        if (!stream) return Error{ErrorCode::WriteFailed, "could not be written to its end (disk full?)"};
+        return {};
+    });
 }
 
 Status writeFileAtomically(const std::filesystem::path& path, std::string_view text)

@@ -4,6 +4,7 @@
 
 #include <cstddef>
 #include <filesystem>
+#include <functional>
 #include <string_view>
 #include <vector>
 
@@ -11,7 +12,16 @@ namespace halflight {
 
 Result<std::vector<std::byte>> readFile(const std::filesystem::path& path);
 
-/// Writes to a temporary name beside `path` and renames it, so that `path` is either the old file or the whole new one.
+/// The file that writing to `path` replaces, there or not yet: `path` itself or, when that is a symbolic link, what it
+/// leads to. Error when a folder or something else that is not a regular file (a pipe, a device) is there.
+Result<std::filesystem::path> replacedFile(const std::filesystem::path& path);
+
+/// Calls `write` with a temporary name beside replacedFile(path) and renames what it wrote, so that `path` is either
+/// the old file or the whole new one. A symbolic link stays one. On an error nothing is left under the temporary name.
+Status replaceAtomically(const std::filesystem::path& path,
+                         const std::function<Status(const std::filesystem::path& temporary)>& write);
+
+/// The same for bytes that are there already.
 Status writeFileAtomically(const std::filesystem::path& path, const void* bytes, std::size_t byteCount);
 Status writeFileAtomically(const std::filesystem::path& path, std::string_view text);
 
