@@ -13,7 +13,7 @@ if [ "$(id -u)" -ne 0 ]; then
 fi
 export DEBIAN_FRONTEND=noninteractive
 apt_get() { $sudo env DEBIAN_FRONTEND=noninteractive apt-get -o DPkg::Lock::Timeout=300 "$@"; }
-installed() { dpkg-query -W -f='${Status}' "$1" 2>/dev/null | grep -q 'ok installed'; }
+installed() { [[ "$(dpkg-query -W -f='${Status}' "$1" 2>/dev/null)" == *"ok installed"* ]]; }
 
 packages=(
   build-essential cmake ninja-build pkg-config ccache git python3 ca-certificates
@@ -32,14 +32,17 @@ if [ "${#missing[@]}" -gt 0 ]; then
   apt_get install -y -qq --no-install-recommends "${missing[@]}"
 fi
 
-# The CPU Vulkan driver needs Mesa 25 or newer (descriptor indexing, ray-tracing pipelines). Debian 12 ships 22.3; its
-# own backports suite, on the mirror this machine already uses, has 25.
+# Debian 12 ships Mesa 22.3, whose CPU Vulkan driver is too old (descriptor indexing); its own backports suite, on the
+# mirror this machine already uses, has 25. Other systems keep what they have: Ubuntu 24.04's is new enough.
+# Output of apt-cache goes to variables first: a reader that stops early would break its pipe, which pipefail reports.
 mesa_major() { dpkg-query -W -f='${Version}' mesa-vulkan-drivers 2>/dev/null | sed 's/^[0-9]*://; s/\..*//'; }
-if [ "$(mesa_major)" -lt 24 ]; then
-  . /etc/os-release
-  suite="${VERSION_CODENAME}-backports"
-  if ! apt-cache policy | grep -q "$suite"; then
-    mirror=$(apt-cache policy | sed -n "s#.* \(https\?://[^ ]*\) ${VERSION_CODENAME}/main .*#\1#p" | head -n 1)
+system=$(. /etc/os-release && echo "${ID:-} ${VERSION_ID:-}")
+if [ "$system" = "debian 12" ] && [ "$(mesa_major)" -lt 25 ]; then
+  suite=bookworm-backports
+  policy=$(apt-cache policy)
+  if ! grep -q "$suite" <<<"$policy"; then
+    mirrors=$(sed -n 's#.* \(https\?://[^ ]*\) bookworm/main .*#\1#p' <<<"$policy")
+    mirror=${mirrors%%$'\n'*}
     keyring=/usr/share/keyrings/debian-archive-keyring.gpg
     echo "deb [signed-by=$keyring] ${mirror:-http://deb.debian.org/debian} $suite main" |
       $sudo tee "/etc/apt/sources.list.d/halflight-backports.list" >/dev/null
