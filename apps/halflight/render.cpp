@@ -2,6 +2,7 @@
 
 #include "camera.h"
 #include "console.h"
+#include "light_override.h"
 
 #include "halflight/bake_cpu/embree_integrator.h"
 #include "halflight/base/parallel.h"
@@ -30,6 +31,7 @@ struct RenderOptions {
     std::optional<RunMode> mode; ///< empty = auto
     RenderSettings render;
     RendererOptions device;
+    std::vector<LightOverride> lights;
     CameraChoice camera;
     vec3 eye{0.0f};
     bool eyeGiven = false;
@@ -68,6 +70,27 @@ std::string_view nameOf(RunMode mode)
     return "?";
 }
 
+// Every light of that name.
+Status changeLights(Renderer& renderer, const std::vector<LightOverride>& changes)
+{
+    for (const LightOverride& change : changes) {
+        bool found = false;
+        for (int i = 0; i < int(renderer.scene().lights.size()); ++i) {
+            const Light& light = renderer.scene().lights[std::size_t(i)];
+            if (light.name != change.name) continue;
+            found = true;
+            if (Status status = renderer.setLight(i, overridden(light, change)); !status) return status;
+        }
+        if (found) continue;
+        std::string names;
+        for (const Light& light : renderer.scene().lights) names += (names.empty() ? "" : ", ") + light.name;
+        return Error{ErrorCode::InvalidArgument,
+                     fmt::format("no light is named '{}'; there are: {}", change.name, names.empty() ? "none" : names),
+                     ""};
+    }
+    return {};
+}
+
 Result<Picture> renderPicture(const RenderOptions& options, const BakedScene& baked, const Camera& camera)
 {
     RenderSettings settings = options.render;
@@ -77,6 +100,7 @@ Result<Picture> renderPicture(const RenderOptions& options, const BakedScene& ba
     Result<std::unique_ptr<Renderer>> renderer = Renderer::create(options.device);
     if (!renderer) return renderer.error();
     if (Status status = (*renderer)->load(baked); !status) return status.error();
+    if (Status status = changeLights(**renderer, options.lights); !status) return status.error();
     Result<RenderedFrame> frame = (*renderer)->render(camera, settings);
     if (!frame) return frame.error();
 
@@ -204,7 +228,7 @@ std::string contradiction(const RenderOptions& options)
     if (options.eyeGiven && options.eye == options.camera.target) return "--eye and --target are the same point";
     if (options.referenceSamples > 0 &&
         (options.mode || options.render.view != DebugView::Lit || options.render.path != RenderPath::Forward)) {
-        return "--reference is path traced and knows no --mode, --view or --path";
+        return "--reference is path traced and knows no --mode, --view, --path or --light";
     }
     return {};
 }
@@ -275,6 +299,20 @@ void addPictureOptions(CLI::App& app, RenderOptions& options)
     addChoice<RenderPath>(app, "--path", options.render.path,
                           {{"forward", RenderPath::Forward}, {"deferred", RenderPath::Deferred}},
                           "light surfaces as they are drawn, or from a G-buffer (default forward)");
+    const auto checkLight = [](std::string& text) {
+        const Result<LightOverride> change = parseLightOverride(text);
+        return change ? std::string() : change.error().message;
+    };
+    app.add_option_function<std::vector<std::string>>(
+           "--light",
+           [&options](const std::vector<std::string>& texts) {
+               for (const std::string& text : texts) options.lights.push_back(*parseLightOverride(text));
+           },
+           "change a light since its bake: intensity, color, direction, position, range, strength; may be repeated")
+        ->check(CLI::Validator(checkLight, std::string()))
+        ->type_size(1)
+        ->allow_extra_args(false)
+        ->type_name("NAME:KEY=VALUE,…");
     const auto checkSize = [](std::string& text) {
         ivec2 ignored;
         if (parseSize(text, ignored)) return std::string();

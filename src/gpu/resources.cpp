@@ -130,18 +130,18 @@ VkDeviceSize Uploader::reserve(VkDeviceSize bytes)
     return at;
 }
 
-void Uploader::buffer(const Buffer& target, const void* data, VkDeviceSize bytes)
+void Uploader::buffer(const Buffer& target, const void* data, VkDeviceSize bytes, VkDeviceSize offset)
 {
-    assert(bytes <= target.size());
+    assert(offset + bytes <= target.size());
     for (VkDeviceSize done = 0; done < bytes;) {
         const VkDeviceSize chunk = std::min(bytes - done, kStagingBytes);
         const VkDeviceSize at = reserve(chunk);
         std::memcpy(staging_.mapped() + at, static_cast<const std::byte*>(data) + done, chunk);
-        pending_.push_back(
-            [this, source = staging_.get(), to = target.get(), at, done, chunk](VkCommandBuffer commands) {
-                const VkBufferCopy region{at, done, chunk};
-                device_.vk.CmdCopyBuffer(commands, source, to, 1, &region);
-            });
+        pending_.push_back([this, source = staging_.get(), to = target.get(), at, begin = offset + done,
+                            chunk](VkCommandBuffer commands) {
+            const VkBufferCopy region{at, begin, chunk};
+            device_.vk.CmdCopyBuffer(commands, source, to, 1, &region);
+        });
         done += chunk;
     }
 }

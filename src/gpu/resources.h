@@ -131,7 +131,7 @@ class Uploader {
 public:
     explicit Uploader(Device& device);
 
-    void buffer(const Buffer& target, const void* data, VkDeviceSize bytes);
+    void buffer(const Buffer& target, const void* data, VkDeviceSize bytes, VkDeviceSize offset = 0);
 
     struct Level {
         uint32_t level = 0;

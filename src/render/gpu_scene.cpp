@@ -2,6 +2,7 @@
 
 #include "halflight/base/parallel.h"
 #include "halflight/render/frame.h"
+#include "render/frame/frame_internal.h"
 #include "render/mipmaps.h"
 #include "render/passes.h"
 
@@ -193,8 +194,7 @@ bool isLightmapped(const BakedScene& baked, const Object& object)
                        [](const MeshPart& part) { return part.positions.empty() || !part.lightmapUv.empty(); });
 }
 
-GpuObject gpuObject(const BakedScene& baked, const ProbeInterpolator& probes, const Object& object,
-                    const Bounds& bounds)
+GpuObject gpuObject(const Object& object, const Bounds& bounds, bool lightmapped, const ProbeInterpolator& probes)
 {
     GpuObject result{};
     result.worldFromObject = object.worldFromObject;
@@ -205,13 +205,18 @@ GpuObject gpuObject(const BakedScene& baked, const ProbeInterpolator& probes, co
     for (int i = 0; i < 3; ++i) result.normalFromObject[i] = vec4(normalFromObject[i], 0.0f);
     result.normalFromObject[0].w = determinant < 0.0f ? -1.0f : 1.0f;
     result.lightmapScaleOffset = vec4(object.lightmap.scale, object.lightmap.offset);
-    result.info.x = (isLightmapped(baked, object) ? shading::kObjectLightmapped : 0) |
-                    (object.receiveShadows ? shading::kObjectReceiveShadows : 0);
+    result.info.x =
+        (lightmapped ? shading::kObjectLightmapped : 0) | (object.receiveShadows ? shading::kObjectReceiveShadows : 0);
     result.info.y = std::max(object.lightmap.page, 0);
     const ProbeSample probe = probes.sample(probeAnchor(object, bounds));
     result.probeOcclusion = probe.occlusion;
     for (std::size_t i = 0; i < 9; ++i) result.probeSh[i] = vec4(probe.radiance[i], 0.0f);
     return result;
+}
+
+bool isMirrored(const Object& object)
+{
+    return glm::determinant(mat3(object.worldFromObject)) < 0.0f;
 }
 
 BakedScene outlineOf(const BakedScene& baked)
@@ -249,22 +254,47 @@ GpuScene uploadScene(gpu::Device& device, const BakedScene& baked)
     result.shadowmasks = uploadPages(device, uploader, baked.shadowmasks, VK_FORMAT_R8G8B8A8_UNORM, u8vec4(255));
 
     result.bounds = objectBounds(scene);
-    const ProbeInterpolator probes(baked);
+    for (const Mesh& mesh : scene.meshes) {
+        Bounds& bounds = result.meshBounds.emplace_back();
+        for (const MeshPart& part : mesh.parts)
+            for (const vec3& position : part.positions) bounds.extend(position);
+    }
+    for (const Object& object : scene.objects) {
+        result.mirrored.push_back(isMirrored(object));
+        result.lightmapped.push_back(isLightmapped(baked, object));
+    }
+    result.probes.emplace(baked);
     std::vector<GpuObject> objects(scene.objects.size());
     parallelFor(objects.size(), 64, [&](std::size_t begin, std::size_t end) {
         for (std::size_t i = begin; i < end; ++i)
-            objects[i] = gpuObject(baked, probes, scene.objects[i], result.bounds[i]);
+            objects[i] = gpuObject(scene.objects[i], result.bounds[i], result.lightmapped[i], *result.probes);
     });
-    for (const GpuObject& object : objects) {
-        result.mirrored.push_back(object.normalFromObject[0].w < 0.0f);
-        result.lightmapped.push_back((object.info.x & shading::kObjectLightmapped) != 0);
-    }
     result.objects = uploadVector(device, uploader, objects, kStorage);
     const ProbeSample sky = skyProbe(scene.sky);
     for (std::size_t i = 0; i < 9; ++i) result.skySh[i] = vec4(sky.radiance[i], 0.0f);
     result.outline = outlineOf(baked);
     uploader.finish();
     return result;
+}
+
+void uploadChangedObjects(gpu::Device& device, GpuScene& scene)
+{
+    if (scene.changedObjects.empty()) return;
+    std::vector<uint32_t>& changed = scene.changedObjects;
+    std::sort(changed.begin(), changed.end());
+    changed.erase(std::unique(changed.begin(), changed.end()), changed.end());
+    gpu::Uploader uploader(device);
+    for (const uint32_t i : changed) {
+        const Object& object = scene.outline.scene.objects[i];
+        scene.mirrored[i] = isMirrored(object);
+        scene.bounds[i] = object.mesh < 0
+                              ? Bounds{}
+                              : worldBounds(scene.meshBounds[std::size_t(object.mesh)], object.worldFromObject);
+        const GpuObject data = gpuObject(object, scene.bounds[i], scene.lightmapped[i], *scene.probes);
+        uploader.buffer(scene.objects, &data, sizeof(data), i * sizeof(data));
+    }
+    uploader.finish();
+    changed.clear();
 }
 
 } // namespace halflight

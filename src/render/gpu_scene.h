@@ -3,10 +3,12 @@
 
 #include "gpu/pipeline.h"
 #include "gpu/resources.h"
+#include "halflight/render/probes.h"
 #include "halflight/scene/baked_scene.h"
 #include "render/gpu_layout.h"
 
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -42,8 +44,11 @@ struct GpuScene {
     std::vector<Bounds> bounds;    ///< per object, world space
     vec4 skySh[9];
 
-    /// What planFrame() reads: no vertices, no pixels.
+    /// What planFrame() reads: no vertices, no pixels. Lights and objects may change between frames.
     BakedScene outline;
+    std::vector<Bounds> meshBounds;          ///< object space
+    std::optional<ProbeInterpolator> probes; ///< for objects that move
+    std::vector<uint32_t> changedObjects;    ///< changed in `outline`, not yet on the device
 };
 
 /// What depth and shadow passes read for alpha masks.
@@ -61,5 +66,7 @@ struct LitVertex {
 /// gpu::Failure when the device cannot hold it.
 Status checkScene(const BakedScene& baked);
 GpuScene uploadScene(gpu::Device& device, const BakedScene& baked);
+/// Brings changed objects to the device, with their bounds and the probe light where they are now.
+void uploadChangedObjects(gpu::Device& device, GpuScene& scene);
 
 } // namespace halflight

@@ -123,16 +123,41 @@ ImageRgba32f downsampled(const ImageRgba32f& image, int factor)
     return result;
 }
 
+bool isFinite(const mat4& m)
+{
+    for (int i = 0; i < 4; ++i)
+        for (int j = 0; j < 4; ++j)
+            if (!std::isfinite(m[i][j])) return false;
+    return true;
+}
+
+template<typename T> bool has(const std::vector<T>& values, int index)
+{
+    return index >= 0 && std::size_t(index) < values.size();
+}
+
+/// Why a light cannot be drawn; null when it can.
+const char* problemOf(const Light& light)
+{
+    const auto atLeastZero = [](float x) { return std::isfinite(x) && x >= 0.0f; };
+    if (!isFinite(light.worldFromLight) || std::abs(glm::determinant(mat3(light.worldFromLight))) < 1.0e-6f)
+        return "the light's transform is not finite or has no inverse";
+    if (!atLeastZero(light.color.r) || !atLeastZero(light.color.g) || !atLeastZero(light.color.b))
+        return "the light's colour is not finite or negative";
+    if (!atLeastZero(light.intensity)) return "the light's intensity is not finite or negative";
+    if (!atLeastZero(light.rangeMeters)) return "the light's range is not finite or negative";
+    if (!(light.shadowStrength >= 0.0f && light.shadowStrength <= 1.0f))
+        return "the light's shadow strength must be 0 to 1";
+    if (!(light.innerConeRadians >= 0.0f && light.innerConeRadians <= light.outerConeRadians &&
+          light.outerConeRadians <= kPi / 2.0f))
+        return "the light's inner cone must be 0 to its outer cone, and that at most 90 degrees";
+    return nullptr;
+}
+
 Status checkCamera(const Camera& camera)
 {
-    auto finite = [](const mat4& m) {
-        for (int i = 0; i < 4; ++i)
-            for (int j = 0; j < 4; ++j)
-                if (!std::isfinite(m[i][j])) return false;
-        return true;
-    };
     auto bad = [](const char* what) { return Error{ErrorCode::InvalidArgument, what, ""}; };
-    if (!finite(camera.worldFromCamera) || std::abs(glm::determinant(mat3(camera.worldFromCamera))) < 1.0e-6f)
+    if (!isFinite(camera.worldFromCamera) || std::abs(glm::determinant(mat3(camera.worldFromCamera))) < 1.0e-6f)
         return bad("the camera's transform is not finite or has no inverse");
     if (!camera.orthographic && !(camera.verticalFovRadians > 0.0f && camera.verticalFovRadians < kPi))
         return bad("the camera's vertical field of view must be between 0 and 180 degrees");
@@ -212,6 +237,7 @@ struct Renderer::Impl {
     gpu::UniqueSampler texelSampler;
     gpu::Timer timer;
 
+    const Scene noScene;
     std::unique_ptr<GpuScene> scene;
     gpu::DescriptorSet set;
     bool bindAll = true; ///< the set is new: frame buffers and shadow maps are to be bound
@@ -349,6 +375,7 @@ Result<RenderedFrame> Renderer::Impl::render(const Camera& camera, const RenderS
          {checkCamera(camera), checkShadowSettings(settings.shadows), checkRunMode(scene->outline, settings.mode)})
         if (!status) return status.error();
 
+    uploadChangedObjects(device, *scene);
     const FrameView view{camera, settings.size * settings.supersampling};
     FramePlan plan = planFrame(scene->outline, scene->bounds, view, settings.mode, settings.shadows);
 
@@ -431,6 +458,47 @@ Status Renderer::load(const BakedScene& baked)
         return true;
     });
     return loaded ? Status() : Status(loaded.error());
+}
+
+const Scene& Renderer::scene() const
+{
+    return impl_->scene ? impl_->scene->outline.scene : impl_->noScene;
+}
+
+Status Renderer::setLight(int light, const Light& changed)
+{
+    if (!has(scene().lights, light)) return Error{ErrorCode::InvalidArgument, "the light does not exist", ""};
+    if (const char* problem = problemOf(changed))
+        return Error{ErrorCode::InvalidArgument, problem, "/lights/" + std::to_string(light)};
+    Light& current = impl_->scene->outline.scene.lights[std::size_t(light)];
+    Light next = changed;
+    next.name = current.name;
+    next.type = current.type;
+    next.mode = current.mode;
+    next.baking = current.baking;
+    next.sourceNode = current.sourceNode;
+    current = std::move(next);
+    return {};
+}
+
+Status Renderer::setObjectTransform(int object, const mat4& worldFromObject)
+{
+    if (!has(scene().objects, object)) return Error{ErrorCode::InvalidArgument, "the object does not exist", ""};
+    if (!isFinite(worldFromObject))
+        return Error{ErrorCode::InvalidArgument, "the transform is not finite", "/objects/" + std::to_string(object)};
+    impl_->scene->outline.scene.objects[std::size_t(object)].worldFromObject = worldFromObject;
+    impl_->scene->changedObjects.push_back(uint32_t(object));
+    return {};
+}
+
+Status Renderer::setObjectShadows(int object, bool castShadows, bool receiveShadows)
+{
+    if (!has(scene().objects, object)) return Error{ErrorCode::InvalidArgument, "the object does not exist", ""};
+    Object& current = impl_->scene->outline.scene.objects[std::size_t(object)];
+    current.castShadows = castShadows;
+    current.receiveShadows = receiveShadows;
+    impl_->scene->changedObjects.push_back(uint32_t(object));
+    return {};
 }
 
 Result<RenderedFrame> Renderer::render(const Camera& camera, const RenderSettings& settings)

@@ -116,14 +116,14 @@ class Help(Case):
         for option in (
             "--mode auto|realtime|baked-indirect|shadowmask|distance-shadowmask|subtractive,--shadow-distance,"
             "--shadow-fade-range,--cascades 1..4,--size,--camera,--eye,--target,--fov,--exposure,--reference,"
-            "--view lit|shadowmask|lightmap|probes|cascades|fade|overlap,--shadow-filter hard|pcf|soft,--validation"
+            "--view lit|shadowmask|lightmap|probes|cascades|fade|overlap,--shadow-filter hard|pcf|soft,--validation,"
+            "--path forward|deferred,--light"
         ).split(","):
             self.assertIn(option, render)
 
     def test_what_is_not_there_is_not_in_help(self):
         self.assertNotIn("view  ", run("--help").stdout)
         self.assertNotIn("gpu", run("bake", "--help").stdout)
-        self.assertNotIn("deferred", run("render", "--help").stdout)
 
     def test_version(self):
         result = run("--version")
@@ -166,6 +166,9 @@ class Usage(Case):
             (["render", scene, "-o", png, "--eye", "1,2,3", "--target", "0,0,0", "--camera", "view"], "--camera"),
             (["render", scene, "-o", png, "--exposure", "bright"], "--exposure"),
             (["render", scene, "-o", png, "--path", "raster"], "--path"),
+            (["render", scene, "-o", png, "--light", "sun"], "--light", "NAME:"),
+            (["render", scene, "-o", png, "--light", "sun:glow=2"], "--light", "glow"),
+            (["render", scene, "-o", png, "--light", "sun:color=1,2"], "--light", "color"),
             (["render", scene, "-o", png, "--bounces", "2"], "--reference"),
             (["render", scene, "-o", png, "--reference", "2", "--mode", "realtime"], "--reference"),
             (["info"], "FILE"),
@@ -197,6 +200,9 @@ class Usage(Case):
         self.assert_one_sentence(run("bake", scene, "-o", out, "--report", self.path("nowhere/r.json")), 1, "r.json")
         self.assert_one_sentence(run("bake", scene, "-o", out, "--settings", self.path("s.toml")), 1, "s.toml")
         self.assert_one_sentence(run("render", scene, "-o", self.path("o.png"), "--camera", "nope"), 1, "nope", "view")
+        self.assert_one_sentence(
+            run("render", scene, "-o", self.path("o.png"), "--light", "nope:intensity=1"), 1, "nope", "sun", "spot 0"
+        )
         self.assert_folder_holds("tiny.gltf")
 
 

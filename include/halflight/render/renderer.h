@@ -71,6 +71,20 @@ public:
     /// Uploads the scene, replacing the one before. The scene is copied where the renderer needs it afterwards.
     Status load(const BakedScene& baked);
 
+    /// The scene as it is drawn, by the loaded scene's indices: objects, lights, sky; no vertices, no pixels. Empty
+    /// before load().
+    [[nodiscard]] const Scene& scene() const;
+
+    /// What may change between frames without loading anew. InvalidArgument for an index or a value that cannot be;
+    /// nothing changes then.
+    ///
+    /// Everything of a light but its name, its type and what the bake made of it. Baked shadows stay right when colour
+    /// or intensity change; a baked or mixed light that was moved or turned is named in FramePlan::warnings.
+    Status setLight(int light, const Light& changed);
+    /// A dynamic object takes the probe light of its new place. A static one keeps its lightmap.
+    Status setObjectTransform(int object, const mat4& worldFromObject);
+    Status setObjectShadows(int object, bool castShadows, bool receiveShadows);
+
     /// InvalidArgument for settings outside their limits, a camera without extent, or a mode the bake holds no data
     /// for.
     Result<RenderedFrame> render(const Camera& camera, const RenderSettings& settings);

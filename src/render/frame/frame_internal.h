@@ -10,6 +10,9 @@
 
 namespace halflight {
 
+/// World-space bounds of a box in object space; empty stays empty.
+Bounds worldBounds(const Bounds& box, const mat4& worldFromObject);
+
 /// Six half-spaces n·p + d >= 0 of a clip space with z 0…1, reversed or not. n is unit length; a plane at infinity is
 /// (0, 0, 0, 1).
 using Planes = std::array<vec4, 6>;

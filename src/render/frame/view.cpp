@@ -42,6 +42,21 @@ mat4 FrameView::clipFromView() const
     return m;
 }
 
+// The transform of a box by its centre and half extents: Arvo 1990, "Transforming Axis-Aligned Bounding Boxes".
+Bounds worldBounds(const Bounds& box, const mat4& worldFromObject)
+{
+    if (box.empty()) return {};
+    const mat4& m = worldFromObject;
+    const vec3 center = vec3(m * vec4(box.center(), 1.0f));
+    const vec3 half = 0.5f * box.size();
+    const vec3 worldHalf =
+        glm::abs(vec3(m[0])) * half.x + glm::abs(vec3(m[1])) * half.y + glm::abs(vec3(m[2])) * half.z;
+    Bounds result;
+    result.extend(center - worldHalf);
+    result.extend(center + worldHalf);
+    return result;
+}
+
 std::vector<Bounds> objectBounds(const Scene& scene)
 {
     std::vector<Bounds> ofMesh(scene.meshes.size());
@@ -50,19 +65,10 @@ std::vector<Bounds> objectBounds(const Scene& scene)
             for (const vec3& position : part.positions) ofMesh[i].extend(position);
         }
     }
-    // The transform of a box by its centre and half extents: Arvo 1990, "Transforming Axis-Aligned Bounding Boxes".
     std::vector<Bounds> result(scene.objects.size());
     for (std::size_t i = 0; i < scene.objects.size(); ++i) {
         const Object& object = scene.objects[i];
-        if (object.mesh < 0 || ofMesh[std::size_t(object.mesh)].empty()) continue;
-        const Bounds& box = ofMesh[std::size_t(object.mesh)];
-        const mat4& m = object.worldFromObject;
-        const vec3 center = vec3(m * vec4(box.center(), 1.0f));
-        const vec3 half = 0.5f * box.size();
-        const vec3 worldHalf =
-            glm::abs(vec3(m[0])) * half.x + glm::abs(vec3(m[1])) * half.y + glm::abs(vec3(m[2])) * half.z;
-        result[i].extend(center - worldHalf);
-        result[i].extend(center + worldHalf);
+        if (object.mesh >= 0) result[i] = worldBounds(ofMesh[std::size_t(object.mesh)], object.worldFromObject);
     }
     return result;
 }

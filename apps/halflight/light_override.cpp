@@ -1,0 +1,106 @@
+#include "light_override.h"
+
+#include "console.h"
+
+#include <spdlog/fmt/fmt.h>
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+namespace halflight::cli {
+namespace {
+
+constexpr const char* kForm = "must be NAME:intensity=X,color=R,G,B,direction=X,Y,Z,position=X,Y,Z,range=X,strength=X "
+                              "(any of these)";
+
+Error malformed(const std::string& text, std::string_view why)
+{
+    return {ErrorCode::InvalidArgument, fmt::format("{}, not '{}': {}", kForm, text, why), ""};
+}
+
+/// Numbers with commas between them.
+std::vector<float> numbersOf(const std::string& text)
+{
+    std::vector<float> numbers;
+    for (std::size_t begin = 0; begin <= text.size();) {
+        const std::size_t end = std::min(text.find(',', begin), text.size());
+        double number = 0.0;
+        if (!parseNumber(text.substr(begin, end - begin), number)) return {};
+        numbers.push_back(float(number));
+        begin = end + 1;
+    }
+    return numbers;
+}
+
+bool assign(std::optional<float>& target, const std::vector<float>& numbers, float max)
+{
+    if (numbers.size() != 1 || !(numbers[0] >= 0.0f && numbers[0] <= max)) return false;
+    target = numbers[0];
+    return true;
+}
+
+bool assign(std::optional<vec3>& target, const std::vector<float>& numbers)
+{
+    if (numbers.size() != 3) return false;
+    target = vec3(numbers[0], numbers[1], numbers[2]);
+    return true;
+}
+
+bool assignKey(LightOverride& change, const std::string& key, const std::vector<float>& numbers)
+{
+    constexpr float kMax = 1.0e12f;
+    if (key == "intensity") return assign(change.intensity, numbers, kMax);
+    if (key == "range") return assign(change.rangeMeters, numbers, kMax);
+    if (key == "strength") return assign(change.shadowStrength, numbers, 1.0f);
+    if (key == "position") return assign(change.position, numbers);
+    if (key == "color") return assign(change.color, numbers) && glm::all(glm::greaterThanEqual(*change.color, vec3(0)));
+    if (key == "direction") return assign(change.direction, numbers) && glm::length(*change.direction) > 1.0e-6f;
+    return false;
+}
+
+/// A rigid pose whose -Z is `direction`.
+mat4 posed(vec3 position, vec3 direction)
+{
+    const vec3 z = -glm::normalize(direction);
+    const vec3 x = glm::normalize(glm::cross(std::abs(z.y) < 0.9f ? vec3(0, 1, 0) : vec3(1, 0, 0), z));
+    return mat4(vec4(x, 0), vec4(glm::cross(z, x), 0), vec4(z, 0), vec4(position, 1));
+}
+
+} // namespace
+
+Result<LightOverride> parseLightOverride(const std::string& text)
+{
+    // Names may hold colons, values cannot.
+    const std::size_t colon = text.rfind(':');
+    if (colon == std::string::npos || colon == 0) return malformed(text, "no name");
+    LightOverride change;
+    change.name = text.substr(0, colon);
+    const std::string rest = text.substr(colon + 1);
+    for (std::size_t begin = 0; begin < rest.size();) {
+        const std::size_t equals = rest.find('=', begin);
+        if (equals == std::string::npos) return malformed(text, "a value without a name");
+        // A value ends at the comma before the next name.
+        const std::size_t next = rest.find('=', equals + 1);
+        const std::size_t end = next == std::string::npos ? rest.size() : rest.rfind(',', next);
+        const std::string key = rest.substr(begin, equals - begin);
+        if (end <= equals || !assignKey(change, key, numbersOf(rest.substr(equals + 1, end - equals - 1))))
+            return malformed(text, fmt::format("'{}' is unknown, or its value is out of bounds", key));
+        begin = end + 1;
+    }
+    if (rest.empty()) return malformed(text, "nothing to change");
+    return change;
+}
+
+Light overridden(Light light, const LightOverride& change)
+{
+    light.intensity = change.intensity.value_or(light.intensity);
+    light.color = change.color.value_or(light.color);
+    light.rangeMeters = change.rangeMeters.value_or(light.rangeMeters);
+    light.shadowStrength = change.shadowStrength.value_or(light.shadowStrength);
+    if (change.direction) light.worldFromLight = posed(light.position(), *change.direction);
+    if (change.position) light.worldFromLight[3] = vec4(*change.position, 1.0f);
+    return light;
+}
+
+} // namespace halflight::cli

@@ -1,0 +1,27 @@
+#pragma once
+// `--light NAME:intensity=…,color=r,g,b,direction=x,y,z`: a light changed at run time.
+
+#include "halflight/base/result.h"
+#include "halflight/scene/scene.h"
+
+#include <optional>
+#include <string>
+
+namespace halflight::cli {
+
+struct LightOverride {
+    std::string name;
+    std::optional<float> intensity;
+    std::optional<vec3> color;
+    std::optional<vec3> direction;
+    std::optional<vec3> position;
+    std::optional<float> rangeMeters;
+    std::optional<float> shadowStrength;
+};
+
+/// InvalidArgument with what is wrong in the text.
+Result<LightOverride> parseLightOverride(const std::string& text);
+/// The light with those changes.
+Light overridden(Light light, const LightOverride& change);
+
+} // namespace halflight::cli
