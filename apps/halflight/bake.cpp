@@ -14,6 +14,7 @@
 #include <chrono>
 #include <memory>
 #include <optional>
+#include <utility>
 
 namespace halflight::cli {
 
@@ -32,14 +33,57 @@ struct BakeOptions {
     bool json = false;
 };
 
-Status checkPaths(const BakeOptions& options, std::filesystem::path& culprit)
+// Whether a bake with --write-images may write a file of this name: PREFIX_N, or the probes.
+bool isImageName(const std::string& name)
 {
-    for (const std::filesystem::path& file : {options.output, options.reportFile}) {
-        if (file.empty()) continue;
-        culprit = file;
-        if (Status status = checkOutput(file); !status) return status;
+    if (name == "probes.json") return true;
+    for (const auto& [prefix, extension] : {std::pair<std::string_view, std::string_view>{"lightmap_raw_", ".exr"},
+                                            {"lightmap_", ".exr"},
+                                            {"shadowmask_", ".png"}}) {
+        if (!name.starts_with(prefix) || !name.ends_with(extension)) continue;
+        if (name.size() <= prefix.size() + extension.size()) continue;
+        const std::string page = name.substr(prefix.size(), name.size() - prefix.size() - extension.size());
+        if (page.find_first_not_of("0123456789") == std::string::npos) return true;
+    }
+    return false;
+}
+
+// The images' number is known only after unwrapping, so all their names count: those that are links to `files`, and
+// those of `files` that lie in the folder under such a name.
+Status checkImages(const std::filesystem::path& folder, const std::vector<NamedFile>& files,
+                   std::filesystem::path& culprit)
+{
+    if (folder.empty()) return {};
+    std::vector<std::filesystem::path> images;
+    for (const NamedFile& file : files) {
+        if (isImageName(file.path.filename().string())) images.push_back(folder / file.path.filename());
+        const Result<std::filesystem::path> target = replacedFile(file.path);
+        if (target && isImageName(target->filename().string())) images.push_back(folder / target->filename());
+    }
+    std::error_code ec;
+    for (std::filesystem::directory_iterator entry(folder, ec), end; !ec && entry != end; entry.increment(ec)) {
+        if (isImageName(entry->path().filename().string())) images.push_back(entry->path());
+    }
+    std::sort(images.begin(), images.end()); // a folder has no order of its own
+    for (const std::filesystem::path& image : images) {
+        culprit = image;
+        if (Status status = checkReplacesNone({"--write-images", image}, files); !status) return status;
     }
     return {};
+}
+
+// No file that the bake writes may replace one that it reads, or another that it writes.
+Status checkPaths(const BakeOptions& options, std::filesystem::path& culprit)
+{
+    std::vector<NamedFile> files = {{"the scene", options.scene}, {"the settings file", options.settingsFile}};
+    for (const NamedFile& output : {NamedFile{"--output", options.output}, NamedFile{"--report", options.reportFile}}) {
+        if (output.path.empty()) continue;
+        culprit = output.path;
+        if (Status status = checkReplacesNone(output, files); !status) return status;
+        if (Status status = checkOutput(output.path); !status) return status;
+        files.push_back(output);
+    }
+    return checkImages(options.bake.imagesDirectory, files, culprit);
 }
 
 Status makeFolder(const std::filesystem::path& folder)
@@ -113,9 +157,6 @@ int runBake(const BakeOptions& options)
 {
     if (lowerExtension(options.output) != ".glb") {
         return wrongUsage("bake", fmt::format("--output must end in .glb, not '{}'", options.output.string()));
-    }
-    if (sameFile(options.scene, options.output)) {
-        return wrongUsage("bake", fmt::format("--output is the scene itself, '{}'", options.output.string()));
     }
     std::filesystem::path culprit;
     if (Status status = checkPaths(options, culprit); !status) return fail(culprit, status.error());
@@ -196,7 +237,7 @@ Command addBakeCommand(CLI::App& parent)
     addFloat(app, "--texels-per-meter", bake.texelsPerMeter, 0.001f, 10000.0f, "X",
              "lightmap density; as many pages as that takes (default: what fits one page)");
     addInt(app, "--lightmap-size", bake.lightmapSize, 64, 8192, "width of a page in texels (default by quality)");
-    addInt(app, "--padding", bake.paddingTexels, 1, 64, "empty texels between charts (default 2)");
+    addInt(app, "--padding", bake.paddingTexels, 1, 16, "empty texels between charts (default 2)");
     addChoice<UvMode>(
         app, "--uv", bake.uvMode, {{"auto", UvMode::Auto}, {"keep", UvMode::Keep}, {"unwrap", UvMode::Unwrap}},
         "the file's TEXCOORD_1: keep it where it is valid, keep it or fail, or unwrap anew (default auto)");

@@ -1,5 +1,7 @@
 #include "console.h"
 
+#include "halflight/base/file.h"
+
 #include <spdlog/fmt/fmt.h>
 
 #include <algorithm>
@@ -109,8 +111,9 @@ void warn(const std::filesystem::path& file, std::string_view sentence)
 Status checkOutput(const std::filesystem::path& output)
 {
     std::error_code ec;
-    if (std::filesystem::is_directory(output, ec)) return Error{ErrorCode::WriteFailed, "is a folder, not a file"};
-    std::filesystem::path folder = output.parent_path();
+    const Result<std::filesystem::path> file = replacedFile(output);
+    if (!file) return file.error();
+    std::filesystem::path folder = file->parent_path();
     if (folder.empty()) folder = ".";
     if (!std::filesystem::is_directory(folder, ec)) {
         return Error{ErrorCode::WriteFailed, "the folder " + folder.string() + " does not exist"};
@@ -124,7 +127,23 @@ Status checkOutput(const std::filesystem::path& output)
 bool sameFile(const std::filesystem::path& a, const std::filesystem::path& b)
 {
     std::error_code ec;
-    return std::filesystem::equivalent(a, b, ec) && !ec;
+    if (std::filesystem::equivalent(a, b, ec) && !ec) return true;
+    const Result<std::filesystem::path> fileA = replacedFile(a);
+    const Result<std::filesystem::path> fileB = replacedFile(b);
+    if (!fileA || !fileB) return false;
+    const std::filesystem::path whereA = std::filesystem::weakly_canonical(std::filesystem::absolute(*fileA, ec), ec);
+    if (ec) return false;
+    return whereA == std::filesystem::weakly_canonical(std::filesystem::absolute(*fileB, ec), ec) && !ec;
+}
+
+Status checkReplacesNone(const NamedFile& output, const std::vector<NamedFile>& files)
+{
+    if (output.path.empty()) return {};
+    for (const NamedFile& file : files) {
+        if (file.path.empty() || !sameFile(output.path, file.path)) continue;
+        return Error{ErrorCode::InvalidArgument, fmt::format("{} would replace {}", output.name, file.name)};
+    }
+    return {};
 }
 
 std::string lowerExtension(const std::filesystem::path& path)

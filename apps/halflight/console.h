@@ -38,10 +38,18 @@ int wrongUsage(std::string_view command, std::string_view sentence);
 /// Prints "halflight: warning: FILE: sentence" to standard error.
 void warn(const std::filesystem::path& file, std::string_view sentence);
 
-/// Error when `output` cannot become a file: its folder is missing or closed, or it is a folder itself.
+/// Error when `output` cannot become a file: its folder is missing or closed, or something other than a file is there.
 Status checkOutput(const std::filesystem::path& output);
-/// True when both names lead to one existing file.
+/// True when both names lead to one file, there or yet to be written.
 bool sameFile(const std::filesystem::path& a, const std::filesystem::path& b);
+
+/// A file that a command reads or writes, and what its messages call it ("the scene", "--output"). Empty path: none.
+struct NamedFile {
+    std::string_view name;
+    std::filesystem::path path;
+};
+/// Error when writing `output` would replace one of `files`.
+Status checkReplacesNone(const NamedFile& output, const std::vector<NamedFile>& files);
 /// The extension in lower case, with its dot.
 std::string lowerExtension(const std::filesystem::path& path);
 

@@ -222,9 +222,6 @@ std::string contradiction(const RenderOptions& options)
     if (extension != ".png" && extension != ".exr") {
         return fmt::format("--output must end in .png or .exr, not '{}'", options.output.string());
     }
-    if (sameFile(options.file, options.output)) {
-        return fmt::format("--output is the scene itself, '{}'", options.output.string());
-    }
     if (options.eyeGiven && options.eye == options.camera.target) return "--eye and --target are the same point";
     if (options.referenceSamples > 0 &&
         (options.mode || options.render.view != DebugView::Lit || options.render.path != RenderPath::Forward)) {
@@ -236,6 +233,11 @@ std::string contradiction(const RenderOptions& options)
 int runRender(RenderOptions options)
 {
     if (const std::string sentence = contradiction(options); !sentence.empty()) return wrongUsage("render", sentence);
+    if (Status status = checkReplacesNone({"--output", options.output},
+                                          {{"the scene", options.file}, {"the settings file", options.settingsFile}});
+        !status) {
+        return fail(options.output, status.error());
+    }
     if (Status status = checkOutput(options.output); !status) return fail(options.output, status.error());
     if (options.eyeGiven) options.camera.eye = options.eye;
     options.camera.verticalFovRadians = glm::radians(options.fovDegrees);

@@ -149,6 +149,8 @@ class Usage(Case):
             (["bake", scene, "-o", out, "--samples"], "--samples"),
             (["bake", scene, "-o", out, "--bounces", "-1"], "--bounces", "0 to 64"),
             (["bake", scene, "-o", out, "--lightmap-size", "63"], "--lightmap-size", "64 to 8192"),
+            (["bake", scene, "-o", out, "--padding", "0"], "--padding", "1 to 16"),
+            (["bake", scene, "-o", out, "--padding", "17"], "--padding", "1 to 16"),
             (["bake", scene, "-o", out, "--texels-per-meter", "nan"], "--texels-per-meter"),
             (["bake", scene, "-o", out, "--texels-per-meter", "1e99"], "--texels-per-meter"),
             (["bake", scene, "-o", out, "--sky", "1,2"], "--sky"),
@@ -182,10 +184,61 @@ class Usage(Case):
         scene = self.path("scene.glb")
         tiny_scene.write(scene)
         before = read(scene)
-        self.assert_one_sentence(run("bake", scene, "-o", os.path.join(self.folder.name, ".", "scene.glb")), 2)
-        os.symlink(scene, self.path("link.glb"))
-        self.assert_one_sentence(run("bake", scene, "-o", self.path("link.glb")), 2)
+        for name in (os.path.join(".", "scene.glb"), "link.glb"):
+            if name == "link.glb":
+                os.symlink(scene, self.path(name))
+            result = run("bake", scene, "-o", os.path.join(self.folder.name, name))
+            self.assert_one_sentence(result, 1, name, "--output would replace the scene")
         self.assertEqual(read(scene), before)
+
+    def test_nothing_written_replaces_what_is_read_or_written(self):
+        scene, settings, out = self.scene(), self.path("probes.json"), self.path("out.glb")
+        with open(settings, "w") as file:
+            file.write("[sky]\nzenith = 1\n")
+        os.symlink(scene, self.path("scene.png"))
+        os.symlink("out.glb", self.path("later.json"))
+        os.mkdir(self.path("images"))
+        os.mkdir(self.path("empty"))
+        os.symlink(scene, self.path("images/lightmap_12.exr"))
+        held = os.listdir(self.folder.name)
+        before = read(scene), read(settings)
+        here = self.folder.name
+        bake = ["bake", scene, "-o", out, "--settings", settings]
+        cases = [
+            ([*bake, "--report", scene], scene, "--report would replace the scene"),
+            ([*bake, "--report", settings], settings, "--report would replace the settings file"),
+            ([*bake, "--report", os.path.join(here, ".", "out.glb")], "--report would replace --output"),
+            ([*bake, "--report", self.path("later.json")], "later.json", "--report would replace --output"),
+            ([*bake, "--write-images", here], settings, "--write-images would replace the settings file"),
+            ([*bake, "--write-images", self.path("images")], "lightmap_12.exr", "would replace the scene"),
+            (
+                ["bake", scene, "-o", out, "--report", self.path("empty/probes.json")]
+                + ["--write-images", os.path.join(here, ".", "empty")],
+                "probes.json",
+                "--write-images would replace --report",
+            ),
+            (["render", scene, "-o", self.path("scene.png")], "scene.png", "--output would replace the scene"),
+            (["render", scene, "-o", scene + ".png", "--settings", scene + ".png"], "replace the settings file"),
+        ]
+        for arguments, *words in cases:
+            with self.subTest(arguments=arguments[2:]):
+                self.assert_one_sentence(run(*arguments), 1, *words)
+        self.assertEqual((read(scene), read(settings)), before)
+        self.assert_folder_holds(*held)
+
+    def test_pipes_are_refused_and_links_stay(self):
+        scene, pipe = self.scene(), self.path("pipe.png")
+        os.mkfifo(pipe)
+        os.symlink("pipe.png", self.path("report.json"))
+        self.assert_one_sentence(run("render", scene, "-o", pipe), 1, pipe, "pipe")
+        out = self.path("out.glb")
+        result = run("bake", scene, "-o", out, "--report", self.path("report.json"))
+        self.assert_one_sentence(result, 1, "report.json", "pipe")
+        self.assert_folder_holds("pipe.png", "report.json", "tiny.gltf")
+        os.symlink("real.glb", out)
+        self.bake(scene, "out.glb")
+        self.assertTrue(os.path.islink(out))
+        self.assertEqual(read(self.path("real.glb"))[:4], b"glTF")
 
     def test_files_that_cannot_be_used_are_1_with_their_name(self):
         scene = self.scene()
