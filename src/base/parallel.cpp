@@ -14,7 +14,10 @@ ThreadLimit::ThreadLimit(int threads)
                            : nullptr)
 {}
 
-ThreadLimit::~ThreadLimit() { delete static_cast<tbb::global_control*>(control_); }
+ThreadLimit::~ThreadLimit()
+{
+    delete static_cast<tbb::global_control*>(control_);
+}
 
 int threadCount()
 {

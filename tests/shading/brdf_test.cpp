@@ -105,7 +105,8 @@ TEST(Brdf, Reciprocal)
 
 TEST(Brdf, NothingFromBelow)
 {
-    EXPECT_EQ(reflectLight(vec3(1), 0, 0.5f, 1.0f, kNormal, viewAt(0.5f), normalize(vec3(0.1f, 0, -1)), vec3(1)), vec3(0));
+    EXPECT_EQ(reflectLight(vec3(1), 0, 0.5f, 1.0f, kNormal, viewAt(0.5f), normalize(vec3(0.1f, 0, -1)), vec3(1)),
+              vec3(0));
 }
 
 // The density of microfacet normals, projected, is 1: Walter et al. 2007, eq. 4.

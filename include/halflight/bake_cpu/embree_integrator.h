@@ -9,8 +9,9 @@ Result<std::unique_ptr<Integrator>> makeEmbreeIntegrator(const Scene& scene, con
                                                          const IntegrationSettings& settings);
 
 /// The picture `halflight render --reference SPP` writes: the whole scene, static and dynamic, path traced with the
-/// integrator of the bake from the given camera; linear radiance. Surfaces are diffuse (albedo = base colour * (1 - metallic)).
-Result<ImageRgb32f> renderReference(const Scene& scene, const Camera& camera, ivec2 size, int samplesPerPixel, int bounces,
-                                    uint32_t seed, const Progress& progress = {});
+/// integrator of the bake from the given camera; linear radiance. Surfaces are diffuse (albedo = base colour * (1 -
+/// metallic)).
+Result<ImageRgb32f> renderReference(const Scene& scene, const Camera& camera, ivec2 size, int samplesPerPixel,
+                                    int bounces, uint32_t seed, const Progress& progress = {});
 
 } // namespace halflight

@@ -48,7 +48,8 @@ using ImageRgb32f = Image<vec3>;
 using ImageRgba32f = Image<vec4>;
 using ImageRgba8 = Image<u8vec4>;
 
-/// Writes linear floats as a half- or full-float OpenEXR file (scanlines, ZIP). Written to a temporary name, then renamed.
+/// Writes linear floats as a half- or full-float OpenEXR file (scanlines, ZIP). Written to a temporary name, then
+/// renamed.
 Status writeExr(const std::filesystem::path& path, const ImageRgb32f& image);
 Status writeExr(const std::filesystem::path& path, const ImageRgba32f& image);
 

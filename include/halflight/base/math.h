@@ -56,6 +56,9 @@ struct Bounds {
 };
 
 /// CIE luminance of a linear Rec. 709 colour (ITU-R BT.709, section 3).
-inline float luminance(vec3 linearRgb) { return glm::dot(linearRgb, vec3(0.2126f, 0.7152f, 0.0722f)); }
+inline float luminance(vec3 linearRgb)
+{
+    return glm::dot(linearRgb, vec3(0.2126f, 0.7152f, 0.0722f));
+}
 
 } // namespace halflight

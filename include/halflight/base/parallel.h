@@ -25,7 +25,8 @@ private:
 int threadCount();
 
 /// Calls body(begin, end) on disjoint ranges that cover [0, count), `grain` items each at most, on all threads.
-void parallelFor(std::size_t count, std::size_t grain, const std::function<void(std::size_t begin, std::size_t end)>& body);
+void parallelFor(std::size_t count, std::size_t grain,
+                 const std::function<void(std::size_t begin, std::size_t end)>& body);
 
 /// The same, reporting progress under `stage` as ranges finish. Returns false when it was cancelled: ranges not yet
 /// begun are then skipped.

@@ -12,9 +12,15 @@ inline uint32_t hashPcg(uint32_t value)
     return (word >> 22u) ^ word;
 }
 
-inline uint32_t hashCombine(uint32_t a, uint32_t b) { return hashPcg(a ^ hashPcg(b)); }
+inline uint32_t hashCombine(uint32_t a, uint32_t b)
+{
+    return hashPcg(a ^ hashPcg(b));
+}
 
 /// 32 random bits to a float in [0, 1), all of them multiples of 2^-24.
-inline float unitFloat(uint32_t bits) { return float(bits >> 8) * 0x1.0p-24f; }
+inline float unitFloat(uint32_t bits)
+{
+    return float(bits >> 8) * 0x1.0p-24f;
+}
 
 } // namespace halflight

@@ -7,8 +7,8 @@
 
 namespace halflight {
 
-/// Kinds of failure that a caller may want to tell apart. Everything a user's file or machine can cause is one of these;
-/// a broken contract of the API is an assert instead.
+/// Kinds of failure that a caller may want to tell apart. Everything a user's file or machine can cause is one of
+/// these; a broken contract of the API is an assert instead.
 enum class ErrorCode {
     FileNotFound,    ///< the file does not exist or cannot be opened
     FileInvalid,     ///< the file is not what its name says, or breaks its format's rules
@@ -23,7 +23,8 @@ enum class ErrorCode {
 struct Error {
     ErrorCode code = ErrorCode::FileInvalid;
     std::string message; ///< a sentence without the file's name, e.g. "accessor reads past the end of its buffer view"
-    std::string object = {};  ///< the offending object as a glTF path, e.g. "/meshes/0/primitives/1"; empty when it is the whole file
+    std::string object =
+        {}; ///< the offending object as a glTF path, e.g. "/meshes/0/primitives/1"; empty when it is the whole file
 
     [[nodiscard]] std::string text() const { return object.empty() ? message : object + ": " + message; }
 };

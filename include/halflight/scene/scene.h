@@ -13,7 +13,8 @@
 
 namespace halflight {
 
-/// 8-bit image and sampler. Whether texels are sRGB-encoded follows from the use: base colour and emissive are, others not.
+/// 8-bit image and sampler. Whether texels are sRGB-encoded follows from the use: base colour and emissive are, others
+/// not.
 struct Texture {
     enum class Wrap { Repeat, ClampToEdge, MirroredRepeat };
     std::string name;
@@ -61,13 +62,13 @@ struct Material {
 /// One triangle list with one material: a glTF primitive after strips and fans became lists. All vertex arrays that are
 /// not empty have the same length; indices are valid. Zero-area triangles may occur.
 struct MeshPart {
-    std::vector<vec3> positions;      ///< object space, finite
-    std::vector<vec3> normals;        ///< unit; always present after reading (flat normals where the file had none)
-    std::vector<vec4> tangents;       ///< xyz unit, w = bitangent sign; present when the material has a normal texture
+    std::vector<vec3> positions; ///< object space, finite
+    std::vector<vec3> normals;   ///< unit; always present after reading (flat normals where the file had none)
+    std::vector<vec4> tangents;  ///< xyz unit, w = bitangent sign; present when the material has a normal texture
     std::array<std::vector<vec2>, 2> uv; ///< TEXCOORD_0 and TEXCOORD_1 of the file; empty where absent
-    std::vector<vec4> colors;         ///< linear RGBA vertex colours; empty where absent
-    std::vector<uint32_t> indices;    ///< 3 per triangle, counter-clockwise front faces
-    int material = -1;                ///< index into Scene::materials; -1 = glTF's default material
+    std::vector<vec4> colors;            ///< linear RGBA vertex colours; empty where absent
+    std::vector<uint32_t> indices;       ///< 3 per triangle, counter-clockwise front faces
+    int material = -1;                   ///< index into Scene::materials; -1 = glTF's default material
 
     /// Lightmap coordinates in [0,1] of the mesh's own layout; a point's place on its page is
     /// `object.lightmap.scale * lightmapUv + object.lightmap.offset`. Empty until unwrapped.
@@ -106,13 +107,14 @@ struct Object {
 };
 
 enum class LightType { Directional, Point, Spot };
-/// Realtime: nothing baked. Mixed: direct light at run time, indirect light (and by mode shadows) baked. Baked: all baked.
+/// Realtime: nothing baked. Mixed: direct light at run time, indirect light (and by mode shadows) baked. Baked: all
+/// baked.
 enum class LightMode { Realtime, Mixed, Baked };
 enum class MixedLightingMode { BakedIndirect, Shadowmask, Subtractive };
 
 /// What the bake did with a light (spec: baking output). The renderer follows this, not the light's authored mode.
 struct BakingOutput {
-    bool isBaked = false;                    ///< false for realtime lights and unbaked files
+    bool isBaked = false;                     ///< false for realtime lights and unbaked files
     LightMode bakeType = LightMode::Realtime; ///< what the light is after the bake: an overflowing mixed light is Baked
     MixedLightingMode mixedMode = MixedLightingMode::Shadowmask;
     int occlusionMaskChannel = -1; ///< -1 none, 0…3 = R, G, B, A of shadowmask and probe occlusion
@@ -124,16 +126,16 @@ struct Light {
     std::string name;
     LightType type = LightType::Point;
     vec3 color{1.0f};
-    float intensity = 1.0f;      ///< candela (point, spot) or lux (directional), as in KHR_lights_punctual
-    float rangeMeters = 0.0f;    ///< light is exactly 0 from here on; 0 = unlimited
+    float intensity = 1.0f;   ///< candela (point, spot) or lux (directional), as in KHR_lights_punctual
+    float rangeMeters = 0.0f; ///< light is exactly 0 from here on; 0 = unlimited
     float innerConeRadians = 0.0f;
     float outerConeRadians = kPi / 4.0f; ///< half angles
-    mat4 worldFromLight{1.0f};   ///< rigid: position and direction (-Z)
+    mat4 worldFromLight{1.0f};           ///< rigid: position and direction (-Z)
     LightMode mode = LightMode::Mixed;
     bool castShadows = true;
-    float shadowStrength = 1.0f;     ///< 0…1, applied once, after mixing
-    float indirectMultiplier = 1.0f; ///< scales this light's bounced light in the bake
-    float radiusMeters = 0.0f;       ///< point, spot: radius of the emitting sphere or disc, for baked penumbrae
+    float shadowStrength = 1.0f;       ///< 0…1, applied once, after mixing
+    float indirectMultiplier = 1.0f;   ///< scales this light's bounced light in the bake
+    float radiusMeters = 0.0f;         ///< point, spot: radius of the emitting sphere or disc, for baked penumbrae
     float angularRadiusRadians = 0.0f; ///< directional: half the source's angular diameter (the sun: 0.00465)
     BakingOutput baking;
     int sourceNode = -1;
@@ -161,7 +163,8 @@ struct Sky {
     [[nodiscard]] bool black() const { return zenith == vec3(0) && horizon == vec3(0) && ground == vec3(0); }
 };
 
-/// Opaque copy of the glTF a scene was read from, so that writing changes only what baking adds. Seen only by src/scene.
+/// Opaque copy of the glTF a scene was read from, so that writing changes only what baking adds. Seen only by
+/// src/scene.
 struct SourceDocument;
 
 struct Scene {

@@ -54,9 +54,18 @@ HL_NAMESPACE_BEGIN
 
 HL_CONST float kShadingPi = 3.14159265358979323846f;
 
-HL_FN float saturate(float x) { return clamp(x, 0.0f, 1.0f); }
-HL_FN vec3 saturate(vec3 x) { return clamp(x, vec3(0.0f), vec3(1.0f)); }
-HL_FN float square(float x) { return x * x; }
+HL_FN float saturate(float x)
+{
+    return clamp(x, 0.0f, 1.0f);
+}
+HL_FN vec3 saturate(vec3 x)
+{
+    return clamp(x, vec3(0.0f), vec3(1.0f));
+}
+HL_FN float square(float x)
+{
+    return x * x;
+}
 
 HL_NAMESPACE_END
 

@@ -25,13 +25,22 @@ HL_FN vec2 fadeConstants(float shadowDistance, float fadeRange)
 }
 
 // S1. t for a fragment c metres from the camera. Where t is 1 no shadow map may be sampled.
-HL_FN float shadowFade(float cameraDistance, vec2 constants) { return saturate(cameraDistance * constants.x + constants.y); }
+HL_FN float shadowFade(float cameraDistance, vec2 constants)
+{
+    return saturate(cameraDistance * constants.x + constants.y);
+}
 
 // F: realtime attenuation faded out towards "lit".
-HL_FN float fadeRealtimeShadow(float realtime, float fade) { return mix(realtime, 1.0f, fade); }
+HL_FN float fadeRealtimeShadow(float realtime, float fade)
+{
+    return mix(realtime, 1.0f, fade);
+}
 
 // S20. Strength, applied once, after mixing.
-HL_FN float applyShadowStrength(float attenuation, float strength) { return mix(1.0f, attenuation, strength); }
+HL_FN float applyShadowStrength(float attenuation, float strength)
+{
+    return mix(1.0f, attenuation, strength);
+}
 
 // True when the mode reads baked attenuation of lights that have a channel.
 HL_FN bool modeUsesBakedShadows(int mode)
@@ -52,7 +61,8 @@ HL_FN float mixShadowsFullStrength(int mode, bool hasBaked, float baked, bool ha
 }
 
 // S7, S12, S13, S19, S20, S25: what a light's radiance is multiplied by.
-HL_FN float mixShadows(int mode, bool hasBaked, float baked, bool hasRealtime, float realtime, float fade, float strength)
+HL_FN float mixShadows(int mode, bool hasBaked, float baked, bool hasRealtime, float realtime, float fade,
+                       float strength)
 {
     return applyShadowStrength(mixShadowsFullStrength(mode, hasBaked, baked, hasRealtime, realtime, fade), strength);
 }

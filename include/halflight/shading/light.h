@@ -11,7 +11,8 @@ HL_CONST int kLightPoint = 1;
 HL_CONST int kLightSpot = 2;
 
 // Inverse square law with the range window that KHR_lights_punctual recommends ("Range Property"):
-// max(min(1 - (d / range)^4, 1), 0) / d^2, in 1/m^2. rangeMeters 0 = unlimited. Distances below a millimetre count as one.
+// max(min(1 - (d / range)^4, 1), 0) / d^2, in 1/m^2. rangeMeters 0 = unlimited. Distances below a millimetre count as
+// one.
 HL_FN float distanceAttenuation(float distanceMeters, float rangeMeters)
 {
     float d2 = max(distanceMeters * distanceMeters, 1.0e-6f);
@@ -20,7 +21,8 @@ HL_FN float distanceAttenuation(float distanceMeters, float rangeMeters)
     return saturate(1.0f - ratio2 * ratio2) / d2;
 }
 
-// Scale and offset that turn cos(angle to axis) into cone attenuation (KHR_lights_punctual, "Inner and Outer Cone Angles").
+// Scale and offset that turn cos(angle to axis) into cone attenuation (KHR_lights_punctual, "Inner and Outer Cone
+// Angles").
 HL_FN vec2 spotConstants(float innerConeRadians, float outerConeRadians)
 {
     float cosOuter = cos(outerConeRadians);

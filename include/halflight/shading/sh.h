@@ -28,8 +28,12 @@ HL_FN float shCosineLobe(int i)
     return kShadingPi / 4.0f;
 }
 
-// Weight of radiance coefficient i in the irradiance on a surface with normal n: irradiance = sum of coefficient * weight.
-HL_FN float shIrradianceWeight(int i, vec3 n) { return shCosineLobe(i) * shBasis(i, n); }
+// Weight of radiance coefficient i in the irradiance on a surface with normal n: irradiance = sum of coefficient *
+// weight.
+HL_FN float shIrradianceWeight(int i, vec3 n)
+{
+    return shCosineLobe(i) * shBasis(i, n);
+}
 
 HL_NAMESPACE_END
 
