@@ -6,6 +6,7 @@
 #include "scene/read_parts.h"
 
 #include <algorithm>
+#include <cmath>
 
 namespace halflight {
 
@@ -49,6 +50,31 @@ Result<std::vector<int>> readMeshes(const SourceDocument& document, const std::v
     return sceneMesh;
 }
 
+// Beyond this, floats no longer tell a metre from the next, and squares of lengths overflow soon after.
+constexpr double kFarthestMeters = 1.0e7;
+
+bool tooFar(glm::dvec3 p)
+{
+    return !(std::abs(p.x) <= kFarthestMeters && std::abs(p.y) <= kFarthestMeters && std::abs(p.z) <= kFarthestMeters);
+}
+
+// The corners of its bounds tell for nearly every object; vertices are looked at where a corner is too far.
+Status checkExtent(const Mesh& mesh, const Bounds& bounds, const glm::dmat4& worldFromObject, const std::string& name,
+                   const std::string& path)
+{
+    const auto far = [&](vec3 p) { return tooFar(glm::dvec3(worldFromObject * glm::dvec4(glm::dvec3(p), 1.0))); };
+    bool suspect = false;
+    for (int corner = 0; corner < 8; ++corner) {
+        suspect = suspect || far({(corner & 1 ? bounds.max : bounds.min).x, (corner & 2 ? bounds.max : bounds.min).y,
+                                  (corner & 4 ? bounds.max : bounds.min).z});
+    }
+    for (const MeshPart& part : mesh.parts) {
+        if (suspect && std::any_of(part.positions.begin(), part.positions.end(), far))
+            return invalid(path, "\"" + name + "\" reaches farther than 10000 km from the scene's origin");
+    }
+    return {};
+}
+
 Status addObjects(const SourceDocument& document, const NodeState& state, int mesh, Scene& scene)
 {
     const auto& node = document.model.nodes[std::size_t(state.node)];
@@ -73,7 +99,13 @@ Status addObjects(const SourceDocument& document, const NodeState& state, int me
     object.receiveShadows = state.settings.receiveShadows.value_or(true);
     object.lightmapScale = state.settings.lightmapScale.value_or(1.0f);
     object.sourceNode = state.node;
+    const Mesh& shape = scene.meshes[std::size_t(mesh)];
+    Bounds bounds;
+    for (const MeshPart& part : shape.parts) {
+        for (const vec3& p : part.positions) bounds.extend(p);
+    }
     if (extensionOf(json, "EXT_mesh_gpu_instancing").is_null()) {
+        if (Status s = checkExtent(shape, bounds, state.worldFromNode, object.name, path); !s) return s;
         scene.objects.push_back(std::move(object));
         return {};
     }
@@ -82,7 +114,9 @@ Status addObjects(const SourceDocument& document, const NodeState& state, int me
     for (std::size_t i = 0; i < instances->size(); ++i) {
         Object instance = object;
         instance.name += " #" + std::to_string(i);
-        instance.worldFromObject = mat4(state.worldFromNode * (*instances)[i]);
+        const glm::dmat4 worldFromObject = state.worldFromNode * (*instances)[i];
+        if (Status s = checkExtent(shape, bounds, worldFromObject, instance.name, path); !s) return s;
+        instance.worldFromObject = mat4(worldFromObject);
         instance.sourceInstance = int(i);
         scene.objects.push_back(std::move(instance));
     }
@@ -134,6 +168,9 @@ Status applySceneSettings(const SourceDocument& document, const FileSettings& fi
     scene.sky.ground = settings.skyGround.value_or(vec3(0.0f));
     scene.subtractiveShadowColor = settings.shadowColor.value_or(vec3(0.0f));
     scene.probePositions = settings.probes.value_or(std::vector<vec3>());
+    for (const vec3& p : scene.probePositions) {
+        if (tooFar(p)) return invalid(path, "a light probe lies farther than 10000 km from the scene's origin");
+    }
 
     // A plain model with nothing that shines would bake to black.
     const bool skyAuthored = settings.skyZenith || settings.skyHorizon || settings.skyGround;

@@ -181,6 +181,10 @@ private:
             if (lightmapped && part.lightmapUv.size() != part.positions.size()) {
                 return Error{ErrorCode::InvalidArgument, "has a lightmap but its mesh no lightmap coordinates", path};
             }
+            if (lightmapped && part.lightmapTexCoord != mesh.parts[0].lightmapTexCoord) {
+                return Error{ErrorCode::InvalidArgument,
+                             "the parts of its mesh have their lightmap coordinates in different TEXCOORD_n", path};
+            }
         }
         Json record = {
             {"static", first.isStatic}, {"castShadows", first.castShadows}, {"receiveShadows", first.receiveShadows}};

@@ -1,8 +1,12 @@
 #include "unwrap/objects.h"
 
 #include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cassert>
 #include <cmath>
 #include <fmt/format.h>
+#include <map>
+#include <utility>
 
 namespace halflight::charts {
 namespace {
@@ -34,20 +38,31 @@ bool similar(const Eigen::Matrix3d& a, const Eigen::Matrix3d& b)
     return solver.info() == Eigen::Success && solver.eigenvalues()[0] > 1.0 / most && solver.eigenvalues()[2] < most;
 }
 
-} // namespace
-
-std::vector<LayoutGroup> groupObjects(const Scene& scene, std::vector<std::string>& warnings)
-{
-    std::vector<LayoutGroup> groups;
+/// Objects that cannot but share a layout: the instances of a node, or one object.
+struct Unit {
+    std::vector<int> objects;
     std::vector<Eigen::Matrix3d> metrics;
-    std::vector<std::vector<std::size_t>> groupsOfMesh(scene.meshes.size());
+    std::size_t largest = 0; ///< place in the lists above
+    dmat3 map{1.0};          ///< of the largest
+};
+
+bool joins(const Unit& unit, const Eigen::Matrix3d& metric)
+{
+    return std::all_of(unit.metrics.begin(), unit.metrics.end(),
+                       [&](const Eigen::Matrix3d& own) { return similar(own, metric); });
+}
+
+std::vector<Unit> findUnits(const Scene& scene, std::vector<std::string>& warnings)
+{
+    std::vector<Unit> units;
+    std::map<std::pair<int, int>, std::size_t> unitOfNode; // by node and mesh, of instances
     for (std::size_t o = 0; o < scene.objects.size(); ++o) {
         const Object& object = scene.objects[o];
         if (!object.isStatic || !(object.lightmapScale > 0.0f) || object.mesh < 0) continue;
-        const auto mesh = std::size_t(object.mesh);
-        assert(mesh < scene.meshes.size());
+        assert(std::size_t(object.mesh) < scene.meshes.size());
         bool anyTriangle = false;
-        for (const MeshPart& part : scene.meshes[mesh].parts) anyTriangle |= part.indices.size() >= 3;
+        for (const MeshPart& part : scene.meshes[std::size_t(object.mesh)].parts)
+            anyTriangle |= part.indices.size() >= 3;
         if (!anyTriangle) continue;
         const dmat3 map = dmat3(object.worldFromObject) * double(object.lightmapScale);
         const Eigen::Matrix3d metric = metricOf(map);
@@ -56,20 +71,44 @@ std::vector<LayoutGroup> groupObjects(const Scene& scene, std::vector<std::strin
                 fmt::format("object \"{}\" is not lightmapped: its transform is not finite", object.name));
             continue;
         }
-        std::size_t group = groups.size();
-        for (const std::size_t candidate : groupsOfMesh[mesh]) {
-            if (similar(metric, metrics[candidate])) {
-                group = candidate;
-                break;
-            }
+        std::size_t place = units.size();
+        if (object.sourceInstance >= 0) {
+            place = unitOfNode.try_emplace({object.sourceNode, object.mesh}, place).first->second;
         }
-        if (group == groups.size()) {
-            groups.push_back({object.mesh, {}, map});
-            metrics.push_back(metric);
-            groupsOfMesh[mesh].push_back(group);
+        if (place == units.size()) units.emplace_back();
+        Unit& unit = units[place];
+        if (unit.objects.empty() || metric.trace() > unit.metrics[unit.largest].trace()) {
+            unit.largest = unit.objects.size();
+            unit.map = map;
         }
-        groups[group].objects.push_back(int(o));
+        unit.objects.push_back(int(o));
+        unit.metrics.push_back(metric);
     }
+    return units;
+}
+
+} // namespace
+
+std::vector<LayoutGroup> groupObjects(const Scene& scene, std::vector<std::string>& warnings)
+{
+    std::vector<LayoutGroup> groups;
+    std::vector<Eigen::Matrix3d> metrics;
+    std::vector<std::vector<std::size_t>> groupsOfMesh(scene.meshes.size());
+    for (const Unit& unit : findUnits(scene, warnings)) {
+        const int mesh = scene.objects[std::size_t(unit.objects[0])].mesh;
+        std::vector<std::size_t>& candidates = groupsOfMesh[std::size_t(mesh)];
+        const auto found = std::find_if(candidates.begin(), candidates.end(),
+                                        [&](std::size_t candidate) { return joins(unit, metrics[candidate]); });
+        if (found != candidates.end()) {
+            std::vector<int>& objects = groups[*found].objects;
+            objects.insert(objects.end(), unit.objects.begin(), unit.objects.end());
+            continue;
+        }
+        candidates.push_back(groups.size());
+        groups.push_back({mesh, unit.objects, unit.map});
+        metrics.push_back(unit.metrics[unit.largest]);
+    }
+    for (LayoutGroup& group : groups) std::sort(group.objects.begin(), group.objects.end());
     return groups;
 }
 

@@ -9,11 +9,12 @@
 
 namespace halflight::charts {
 
-/// Objects that share a mesh at (nearly) one scale, and so a layout.
+/// Objects that share a layout: those with one mesh at (nearly) one scale, and the instances of an
+/// EXT_mesh_gpu_instancing node at any scale, since the node has one mesh.
 struct LayoutGroup {
     int mesh = -1;              ///< index into the scene's meshes
     std::vector<int> objects;   ///< ascending
-    dmat3 worldFromObject{1.0}; ///< linear part of the first object's transform, times lightmapScale
+    dmat3 worldFromObject{1.0}; ///< linear part of the first or largest object's transform, times lightmapScale
 };
 
 /// Groups of all objects that are to be lightmapped, by their first object. Objects that cannot be (a transform that is

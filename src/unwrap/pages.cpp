@@ -1,5 +1,7 @@
 #include "unwrap/pages.h"
 
+#include "halflight/unwrap/unwrap.h"
+
 #include "halflight/base/parallel.h"
 
 #include <algorithm>
@@ -8,6 +10,9 @@
 
 namespace halflight::charts {
 namespace {
+
+/// An object whose estimate is so many times a page's texels is not worth a try: the estimate is good to some percent.
+constexpr double kHopeless = 1.3;
 
 /// The chart in the middle of the least rectangle of whole texels that holds it.
 void rasterizeChart(const Chart& chart, double texelsPerMeter, Footprint& footprint, dvec2& origin)
@@ -47,6 +52,25 @@ double largestExtent(const GroupLayout& group)
     double extent = 0.0;
     for (const Chart& chart : group.layout.charts) extent = std::max({extent, chart.size.x, chart.size.y});
     return extent;
+}
+
+/// Texels that one object of the group takes at a density, padding included: a chart of area A and perimeter P, grown
+/// by half the padding and half a texel all round, as if its outline were smooth.
+double estimateObject(const GroupLayout& group, double texelsPerMeter, int padding)
+{
+    const double grow = 0.5 * (padding + 1);
+    if (group.authored) {
+        // Authored charts keep their gaps: the rectangle that holds them counts.
+        const dvec2 size = (group.authored->most - group.authored->least) * texelsPerUnit(group, texelsPerMeter);
+        return (size.x + 2.0 * grow) * (size.y + 2.0 * grow);
+    }
+    const double density = texelsPerMeter * group.densityScale;
+    double texels = 0.0;
+    for (const Chart& chart : group.layout.charts) {
+        texels +=
+            chart.area * density * density + 0.55 * chart.perimeter * density * grow * 2.0 + 4.0 * grow * grow * 0.8;
+    }
+    return group.layout.charts.empty() ? 4.0 * grow * grow : texels;
 }
 
 GroupRaster rasterizeGroup(const GroupLayout& group, double texelsPerMeter)
@@ -101,8 +125,10 @@ Pages attempt(const std::vector<GroupLayout>& groups, const PageSettings& settin
     pages.texelsPerMeter = texelsPerMeter;
     pages.rasters.resize(groups.size());
     tooLarge.clear();
+    const double page = double(settings.pageSize) * double(settings.pageSize);
     for (std::size_t g = 0; g < groups.size(); ++g) {
-        if (largestExtent(groups[g]) * texelsPerUnit(groups[g], texelsPerMeter) > settings.pageSize - 1)
+        if (largestExtent(groups[g]) * texelsPerUnit(groups[g], texelsPerMeter) > settings.pageSize - 1 ||
+            estimateObject(groups[g], texelsPerMeter, settings.padding) > kHopeless * page)
             tooLarge.push_back(g);
     }
     if (!tooLarge.empty()) return pages;
@@ -155,29 +181,41 @@ Pages attempt(const std::vector<GroupLayout>& groups, const PageSettings& settin
     return pages;
 }
 
-/// Texels that everything takes at a density, padding included: a chart of area A and perimeter P, grown by half the
-/// padding and half a texel all round, as if its outline were smooth.
 double estimateTexels(const std::vector<GroupLayout>& groups, double texelsPerMeter, int padding)
 {
-    const double grow = 0.5 * (padding + 1);
     double sum = 0.0;
-    for (const GroupLayout& group : groups) {
-        const double density = texelsPerMeter * group.densityScale;
-        double texels = 0.0;
-        if (group.authored) {
-            // Authored charts keep their gaps: the rectangle that holds them counts.
-            const dvec2 size = (group.authored->most - group.authored->least) * texelsPerUnit(group, texelsPerMeter);
-            texels = (size.x + 2.0 * grow) * (size.y + 2.0 * grow);
-        } else {
-            for (const Chart& chart : group.layout.charts) {
-                texels += chart.area * density * density + 0.55 * chart.perimeter * density * grow * 2.0 +
-                          4.0 * grow * grow * 0.8;
-            }
-            if (group.layout.charts.empty()) texels = 4.0 * grow * grow;
-        }
-        sum += texels * double(group.group.objects.size());
-    }
+    for (const GroupLayout& group : groups)
+        sum += estimateObject(group, texelsPerMeter, padding) * double(group.group.objects.size());
     return sum;
+}
+
+/// Pages for everything at a density, objects larger than a page included.
+double estimatePages(const std::vector<GroupLayout>& groups, double texelsPerMeter, const PageSettings& settings)
+{
+    return estimateTexels(groups, texelsPerMeter, settings.padding) /
+           (double(settings.pageSize) * double(settings.pageSize));
+}
+
+/// Refuses what would need far too many pages, before any work on it.
+Status checkPageCount(const std::vector<GroupLayout>& groups, double texelsPerMeter, const PageSettings& settings)
+{
+    const double pages = estimatePages(groups, texelsPerMeter, settings);
+    if (pages <= kMaxPages) return {};
+    const std::string needed =
+        fmt::format("{:.4g} texels per metre need about {:.0f} pages of {} x {} texels and {} are the most",
+                    texelsPerMeter, std::ceil(pages), settings.pageSize, settings.pageSize, kMaxPages);
+    double fits = 0.0, fails = texelsPerMeter;
+    for (int i = 0; i < 60; ++i) {
+        const double middle = 0.5 * (fits + fails);
+        (estimatePages(groups, middle, settings) <= 0.9 * kMaxPages ? fits : fails) = middle;
+    }
+    if (fits <= 1e-6 * texelsPerMeter) {
+        return Error{ErrorCode::InvalidArgument,
+                     needed + ": the objects are too many for any density at this page size", ""};
+    }
+    const double unit = std::pow(10.0, std::floor(std::log10(fits)) - 1.0); // two digits, rounded down
+    return Error{ErrorCode::InvalidArgument,
+                 fmt::format("{}: {:.4g} texels per metre would fit", needed, std::floor(fits / unit) * unit), ""};
 }
 
 std::string nameOf(const GroupLayout& group)
@@ -209,10 +247,10 @@ double estimateDensity(const std::vector<GroupLayout>& groups, const PageSetting
     return low;
 }
 
-Pages placeOnPages(std::vector<GroupLayout>& groups, const PageSettings& settings, std::vector<std::string>& warnings,
-                   const Progress& progress)
+Result<Pages> placeOnPages(std::vector<GroupLayout>& groups, const PageSettings& settings,
+                           std::vector<std::string>& warnings, const Progress& progress)
 {
-    if (groups.empty()) return {};
+    if (groups.empty()) return Pages{};
     std::vector<std::size_t> tooLarge;
     double density = settings.texelsPerMeter;
     if (density <= 0.0) {
@@ -249,13 +287,17 @@ Pages placeOnPages(std::vector<GroupLayout>& groups, const PageSettings& setting
                         "at {1:.4g} texels per metre",
                         settings.pageSize, density));
     }
+    if (const Status status = checkPageCount(groups, density, settings); !status) return status.error();
+    const double page = double(settings.pageSize) * double(settings.pageSize);
     while (!progress.cancelled()) {
         progress("pack", 0.0);
         Pages pages = attempt(groups, settings, density, false, tooLarge, progress);
         if (tooLarge.empty()) return progress.cancelled() ? Pages{} : pages;
         for (const std::size_t g : tooLarge) {
             const double extent = largestExtent(groups[g]) * texelsPerUnit(groups[g], density);
-            const double shrink = extent > settings.pageSize - 1 ? 0.999 * (settings.pageSize - 1) / extent : 0.9;
+            double shrink = extent > settings.pageSize - 1 ? 0.999 * (settings.pageSize - 1) / extent : 0.9;
+            const double texels = estimateObject(groups[g], density, settings.padding);
+            if (texels > kHopeless * page) shrink = std::min(shrink, std::sqrt(page / texels));
             if (groups[g].densityScale == 1.0) {
                 warnings.push_back(
                     fmt::format("{} does not fit a page of {} texels at {:.4g} texels per metre: it gets fewer",
@@ -264,7 +306,7 @@ Pages placeOnPages(std::vector<GroupLayout>& groups, const PageSettings& setting
             groups[g].densityScale *= shrink;
         }
     }
-    return {};
+    return Pages{};
 }
 
 } // namespace halflight::charts

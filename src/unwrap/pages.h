@@ -2,6 +2,7 @@
 // From layouts in metres to texels on pages.
 
 #include "halflight/base/progress.h"
+#include "halflight/base/result.h"
 #include "unwrap/authored.h"
 #include "unwrap/layout.h"
 #include "unwrap/objects.h"
@@ -52,9 +53,10 @@ struct PageSettings {
     double texelsPerMeter = 0.0; ///< 0 = the most that fits one page
 };
 
-/// Places all groups. Cancelled: pageCount is 0 while there are groups.
-Pages placeOnPages(std::vector<GroupLayout>& groups, const PageSettings& settings, std::vector<std::string>& warnings,
-                   const Progress& progress);
+/// Places all groups. Cancelled: pageCount is 0 while there are groups. Errors: InvalidArgument, when they would need
+/// more than kMaxPages pages.
+Result<Pages> placeOnPages(std::vector<GroupLayout>& groups, const PageSettings& settings,
+                           std::vector<std::string>& warnings, const Progress& progress);
 
 /// Texels that an authored layout touches at so many texels per uv unit, within the rectangle from `corner` on.
 Footprint rasterizeLayout(const AuthoredLayout& layout, double texelsPerUnit, ivec2 corner, ivec2 size);

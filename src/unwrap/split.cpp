@@ -56,19 +56,24 @@ void assignLightmapUv(MeshPart& part, std::span<const vec2> cornerUv)
     copyVertices(part.sourceVertex, sources);
 }
 
-int freeTexCoord(const Scene& scene, const MeshPart& part)
+int freeTexCoord(const Scene& scene, const Mesh& mesh)
 {
-    const Material fallback;
-    const bool known = part.material >= 0 && std::size_t(part.material) < scene.materials.size();
-    const Material& material = known ? scene.materials[std::size_t(part.material)] : fallback;
-    for (int n = 1;; ++n) {
-        bool used = false;
-        for (const TextureRef* ref : {&material.baseColorTexture, &material.metallicRoughnessTexture,
-                                      &material.normalTexture, &material.occlusionTexture, &material.emissiveTexture}) {
-            used |= *ref && ref->texCoord == n;
+    const auto isFree = [&](int n) {
+        for (const MeshPart& part : mesh.parts) {
+            const Material& material = materialOf(scene, part);
+            for (const TextureRef* ref :
+                 {&material.baseColorTexture, &material.metallicRoughnessTexture, &material.normalTexture,
+                  &material.occlusionTexture, &material.emissiveTexture}) {
+                if (*ref && ref->texCoord == n) return false;
+            }
         }
-        if (!used) return n;
-    }
+        return true;
+    };
+    // The reader has seen extensions as well, whose textures the scene does not hold.
+    int n = 1;
+    for (const MeshPart& part : mesh.parts) n = std::max(n, part.lightmapTexCoord);
+    while (!isFree(n)) ++n;
+    return n;
 }
 
 } // namespace halflight::charts

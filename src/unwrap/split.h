@@ -11,7 +11,8 @@ namespace halflight::charts {
 /// are.
 void assignLightmapUv(MeshPart& part, std::span<const vec2> cornerUv);
 
-/// The first n >= 1 whose TEXCOORD_n the part's material does not use.
-int freeTexCoord(const Scene& scene, const MeshPart& part);
+/// The n >= 1 of the TEXCOORD_n for lightmap coordinates: one for all parts, since a node names one for its mesh. The
+/// reader's choice, or the first beyond it that no part's material uses.
+int freeTexCoord(const Scene& scene, const Mesh& mesh);
 
 } // namespace halflight::charts

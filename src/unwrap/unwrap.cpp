@@ -220,6 +220,12 @@ void writeGroups(UnwrappedScene& result, std::vector<GroupLayout>& groups, const
             ownMesh[g] = scene.meshes.size();
             scene.meshes.push_back(Mesh(scene.meshes[source]));
             for (const int object : groups[g].group.objects) scene.objects[std::size_t(object)].mesh = int(ownMesh[g]);
+            // A node has one mesh, so instances without texels come along.
+            const Object& first = scene.objects[std::size_t(groups[g].group.objects[0])];
+            for (Object& object : scene.objects) {
+                if (first.sourceInstance < 0) break;
+                if (object.sourceNode == first.sourceNode && object.mesh == int(source)) object.mesh = int(ownMesh[g]);
+            }
         }
         taken[source] = 1;
     }
@@ -238,9 +244,10 @@ void writeGroups(UnwrappedScene& result, std::vector<GroupLayout>& groups, const
         const GroupLayout& group = groups[g];
         const GroupRaster& raster = pages.rasters[g];
         Mesh& mesh = scene.meshes[ownMesh[g]];
+        const int texCoord = group.authored ? 1 : freeTexCoord(scene, mesh);
         for (MeshPart& part : mesh.parts) {
             if (group.authored) part.lightmapUv = part.uv[1];
-            part.lightmapTexCoord = group.authored ? 1 : freeTexCoord(scene, part);
+            part.lightmapTexCoord = texCoord;
         }
         for (std::size_t i = 0; i < group.group.objects.size(); ++i) {
             LightmapBinding& binding = scene.objects[std::size_t(group.group.objects[i])].lightmap;
@@ -289,8 +296,10 @@ Result<UnwrappedScene> unwrap(Scene scene, const UnwrapSettings& settings, const
     while (!pages) {
         if (!makeLayouts(groups, surfaces, settings, progress)) return cancelledError();
         const std::size_t warningsBefore = result.warnings.size();
-        pages = placeOnPages(groups, pageSettings, result.warnings, progress);
+        Result<Pages> placed = placeOnPages(groups, pageSettings, result.warnings, progress);
         if (progress.cancelled()) return cancelledError();
+        if (!placed) return placed.error();
+        pages = std::move(*placed);
         if (!dropCrowdedLayouts(result.scene, groups, *pages, settings, result.warnings)) break;
         result.warnings.resize(warningsBefore);
         pages.reset();

@@ -2,6 +2,7 @@
 
 #include "fixtures.h"
 
+#include <functional>
 #include <gmock/gmock.h>
 
 namespace halflight {
@@ -263,6 +264,53 @@ TEST(ReaderMaterials, TextureTransformEmissionAndUnlit)
     EXPECT_EQ(int(scene.textures[0].wrapV), int(Texture::Wrap::MirroredRepeat));
     // TEXCOORD_1 is the texture's: lightmap coordinates go elsewhere.
     EXPECT_EQ(onlyPart(scene).lightmapTexCoord, 2);
+}
+
+TEST(ReaderErrors, GeometryFartherThanTenThousandKilometres)
+{
+    const TemporaryFolder folder;
+    const auto read = [&](const std::function<void(GltfBuilder&)>& change) {
+        GltfBuilder file;
+        file.triangle();
+        change(file);
+        return readScene(file.write(folder));
+    };
+    const auto expectTooFar = [&](const std::function<void(GltfBuilder&)>& change, const char* path) {
+        const auto scene = read(change);
+        ASSERT_FALSE(scene);
+        EXPECT_EQ(scene.error().code, ErrorCode::FileInvalid);
+        EXPECT_EQ(scene.error().object, path);
+        EXPECT_THAT(scene.error().message, HasSubstr("10000 km"));
+    };
+    const auto attributes = [](GltfBuilder& file) -> Json& {
+        return file.json["meshes"][0]["primitives"][0]["attributes"];
+    };
+    expectTooFar(
+        [&](GltfBuilder& file) {
+            attributes(file)["POSITION"] = file.floats({0, 0, 0, 1e30f, 0, 0, 0, 1, 0}, "VEC3", 3);
+        },
+        "/nodes/0");
+    expectTooFar([](GltfBuilder& file) { file.json["nodes"][0]["translation"] = {0, -1e30, 0}; }, "/nodes/0");
+    expectTooFar([](GltfBuilder& file) { file.json["nodes"][0]["scale"] = {1.1e7, 1, 1}; }, "/nodes/0");
+    expectTooFar(
+        [](GltfBuilder& file) {
+            const int translation = file.floats({0, 0, 0, 0, 0, 2e7f}, "VEC3", 3);
+            file.json["nodes"][0]["extensions"]["EXT_mesh_gpu_instancing"]["attributes"] = {
+                {"TRANSLATION", translation}};
+            file.json["extensionsUsed"] = {"EXT_mesh_gpu_instancing"};
+        },
+        "/nodes/0");
+    expectTooFar(
+        [](GltfBuilder& file) {
+            file.json["scenes"][0]["extras"]["halflight_probes"] = {{0, 1e30, 0}};
+        },
+        "/scenes/0");
+    // Large but not too large; and a turned triangle whose bounds' corners lie beyond while its own do not.
+    EXPECT_TRUE(read([](GltfBuilder& file) { file.json["nodes"][0]["scale"] = {9e6, 9e6, 1}; }));
+    EXPECT_TRUE(read([](GltfBuilder& file) {
+        file.json["nodes"][0]["scale"] = {9e6, 9e6, 1};
+        file.json["nodes"][0]["rotation"] = {0, 0, 0.38268343, 0.92387953};
+    }));
 }
 
 TEST(ReaderErrors, EachNamesItsObject)

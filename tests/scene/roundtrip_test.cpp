@@ -145,5 +145,17 @@ INSTANTIATE_TEST_SUITE_P(Shared, RoundTrip,
                              return name.substr(0, name.find('.'));
                          });
 
+TEST(WriteErrors, PartsOfAMeshDifferInTexCoord)
+{
+    const TemporaryFolder folder;
+    BakedScene baked = pretendToBake(engineScene(), false);
+    baked.scene.meshes[0].parts[1].lightmapTexCoord = 2;
+    const Status status = writeBakedScene(folder / "baked.glb", baked);
+    ASSERT_FALSE(status);
+    EXPECT_EQ(status.error().code, ErrorCode::InvalidArgument);
+    EXPECT_THAT(status.error().message, testing::HasSubstr("different TEXCOORD_n"));
+    EXPECT_FALSE(std::filesystem::exists(folder / "baked.glb"));
+}
+
 } // namespace
 } // namespace halflight

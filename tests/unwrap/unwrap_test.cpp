@@ -132,6 +132,48 @@ TEST(UnwrapDensity, WhatDoesNotFitAPageGetsFewerTexelsAndAWarning)
     EXPECT_NEAR(texelAreaOf(result, 1), 6.0 * 400.0, 1.0);
 }
 
+TEST(UnwrapDensity, TooManyPagesAreAnErrorThatSaysWhatFits)
+{
+    // 1000 planes of 4 square metres: at 100 texels per metre 40000 texels each, some 610 pages of 65536 with padding
+    // uncounted.
+    Scene scene = shapes::scene(shapes::plane(2.0f, 2.0f));
+    for (int i = 1; i < 1000; ++i) shapes::add(scene, 0, mat4(1.0f));
+    UnwrapSettings settings;
+    settings.pageSize = 256;
+    settings.texelsPerMeter = 100.0f;
+    const Result<UnwrappedScene> result = unwrap(scene, settings);
+    ASSERT_FALSE(result);
+    EXPECT_EQ(result.error().code, ErrorCode::InvalidArgument);
+    const std::string& message = result.error().message;
+    EXPECT_NE(message.find("256 are the most"), std::string::npos) << message;
+    const std::size_t at = message.rfind(": ");
+    ASSERT_NE(at, std::string::npos) << message;
+    // What it says does fit.
+    settings.texelsPerMeter = std::stof(message.substr(at + 2));
+    EXPECT_GT(settings.texelsPerMeter, 50.0f) << message;
+    EXPECT_LT(settings.texelsPerMeter, 65.0f) << message;
+    const Result<UnwrappedScene> less = unwrap(scene, settings);
+    ASSERT_TRUE(less) << less.error().text();
+    EXPECT_LE(less->pageCount, kMaxPages);
+    EXPECT_EQ(less->texelsPerMeter, settings.texelsPerMeter);
+}
+
+TEST(UnwrapDensity, ObjectsThatNeedManyPagesEachAreShrunkAtOnce)
+{
+    // A page each, where some fifty were asked.
+    Scene scene = shapes::scene(shapes::sphere(1.0f, 20, 40));
+    shapes::add(scene, 0, mat4(1.0f));
+    scene.meshes.push_back(shapes::box());
+    shapes::add(scene, 1, mat4(1.0f));
+    UnwrapSettings settings;
+    settings.pageSize = 256;
+    settings.texelsPerMeter = 500.0f;
+    const UnwrappedScene result = unwrapAndCheck(scene, settings);
+    EXPECT_LE(result.pageCount, 3);
+    EXPECT_EQ(result.warnings.size(), 2u); // one for each mesh
+    EXPECT_GT(result.coverage, 0.3f);
+}
+
 TEST(UnwrapObjects, FiveHundredCubesShareOneLayout)
 {
     Scene scene = shapes::scene(shapes::box());
@@ -158,6 +200,37 @@ TEST(UnwrapObjects, DifferentScalesGetMeshesOfTheirOwn)
     EXPECT_EQ(result.scene.objects[0].mesh, result.scene.objects[1].mesh);
     EXPECT_EQ(result.scene.objects[2].mesh, result.scene.objects[4].mesh);
     EXPECT_EQ(result.scene.objects[5].lightmap.scale, vec2(1.0f)); // its only object: page coordinates
+}
+
+TEST(UnwrapObjects, InstancesOfANodeShareALayoutAtAnyScale)
+{
+    // Two nodes: the instances of each differ in scale, and a plain object has the mesh as well.
+    Scene scene = shapes::scene(shapes::box());
+    for (const float scale : {1.0f, 0.1f, 3.0f, 2.0f, 7.0f, 4.0f}) {
+        shapes::add(scene, 0, glm::scale(mat4(1.0f), vec3(scale)));
+        Object& object = scene.objects.back();
+        const int added = int(scene.objects.size()) - 2;
+        object.sourceNode = 1 + added / 3;
+        object.sourceInstance = added % 3;
+    }
+    UnwrapSettings settings;
+    settings.texelsPerMeter = 20.0f;
+    const UnwrappedScene result = unwrapAndCheck(scene, settings);
+    const std::vector<Object>& objects = result.scene.objects;
+    for (std::size_t first : {1u, 4u}) {
+        for (std::size_t i = first; i < first + 3; ++i) {
+            EXPECT_EQ(objects[i].mesh, objects[first].mesh);
+            EXPECT_EQ(objects[i].lightmap.scale, objects[first].lightmap.scale);
+            EXPECT_GE(objects[i].lightmap.page, 0);
+        }
+    }
+    EXPECT_NE(objects[1].mesh, objects[4].mesh);
+    EXPECT_NE(objects[0].mesh, objects[1].mesh);
+    // The largest has the density asked for, and the others as many texels.
+    EXPECT_NEAR(texelAreaOf(result, 3), 6.0 * 9.0 * 400.0, 10.0);
+    EXPECT_NEAR(texelAreaOf(result, 2), 6.0 * 9.0 * 400.0, 10.0);
+    EXPECT_NEAR(texelAreaOf(result, 5), 6.0 * 49.0 * 400.0, 50.0);
+    EXPECT_NEAR(texelAreaOf(result, 0), 6.0 * 400.0, 2.0);
 }
 
 TEST(UnwrapObjects, DynamicAndScaleZeroGetNoTexels)
@@ -308,7 +381,7 @@ TEST(UnwrapVertices, SourceVertexIsComposed)
         EXPECT_EQ(after.sourceVertex[v], 1000 - uint32_t(after.colors[v].x));
 }
 
-TEST(UnwrapVertices, LightmapTexCoordIsOneThatTheMaterialLeavesFree)
+TEST(UnwrapVertices, LightmapTexCoordIsOneThatAllMaterialsOfTheMeshLeaveFree)
 {
     Scene scene = shapes::scene(shapes::together(shapes::plane(), shapes::box()));
     scene.materials.resize(2);
@@ -317,9 +390,15 @@ TEST(UnwrapVertices, LightmapTexCoordIsOneThatTheMaterialLeavesFree)
     scene.textures.resize(1);
     scene.meshes[0].parts[0].material = 1;
     scene.meshes[0].parts[1].material = 0;
+    for (const int last : {1, 0}) { // whichever part has that material
+        std::swap(scene.meshes[0].parts[0].material, scene.meshes[0].parts[1].material);
+        const UnwrappedScene result = unwrapAndCheck(scene);
+        for (const MeshPart& part : result.scene.meshes[0].parts) EXPECT_EQ(part.lightmapTexCoord, 2) << last;
+    }
+    // The reader knows of textures that the scene does not hold.
+    for (MeshPart& part : scene.meshes[0].parts) part.lightmapTexCoord = 3;
     const UnwrappedScene result = unwrapAndCheck(scene);
-    EXPECT_EQ(result.scene.meshes[0].parts[0].lightmapTexCoord, 2);
-    EXPECT_EQ(result.scene.meshes[0].parts[1].lightmapTexCoord, 1);
+    for (const MeshPart& part : result.scene.meshes[0].parts) EXPECT_EQ(part.lightmapTexCoord, 3);
 }
 
 /// A plane with TEXCOORD_1 filling a rectangle of the uv square.

@@ -15,7 +15,8 @@ struct ReadOptions {
 };
 
 /// Reads .glb or .gltf. Settings come from, weakest first: defaults, `extras`, the settings file.
-/// Errors: FileNotFound, FileInvalid, Unsupported (an unknown required extension, by name); never throws or aborts.
+/// Errors: FileNotFound, FileInvalid (also: geometry more than 1e7 m from the origin), Unsupported (an unknown required
+/// extension, by name); never throws or aborts.
 Result<Scene> readScene(const std::filesystem::path& path, const ReadOptions& options = {});
 
 /// Reads a file written by writeBakedScene; a plain glTF gives a BakedScene with isBaked = false.
@@ -26,8 +27,8 @@ struct WriteOptions {
     std::string generator = "Halflight";
 };
 
-/// Writes one .glb: the source document with lightmap coordinates and Halflight's extensions added (a document made from
-/// the Scene when it has no source). Atomic: a failed write leaves no file.
+/// Writes one .glb: the source document with lightmap coordinates and Halflight's extensions added (a document made
+/// from the Scene when it has no source). Atomic: a failed write leaves no file.
 Status writeBakedScene(const std::filesystem::path& path, const BakedScene& baked, const WriteOptions& options = {});
 
 } // namespace halflight

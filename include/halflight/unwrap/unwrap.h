@@ -10,6 +10,9 @@
 
 namespace halflight {
 
+/// More pages than this are an error. At the default size they are a gigabyte of lightmaps.
+constexpr int kMaxPages = 256;
+
 enum class UvMode {
     Auto,   ///< keep a mesh's TEXCOORD_1 when it is valid (in [0,1], charts not overlapping), else unwrap it
     Keep,   ///< keep it, and fail with the reason where it isn't valid; meshes without one are unwrapped
@@ -54,11 +57,14 @@ struct UnwrappedScene {
 /// area shrink to a point of a chart.
 ///
 /// Objects that share a mesh at (within 5 %) the same scale share its layout and get a rectangle each; where scales
-/// differ the mesh is duplicated, so that padding counts texels for all of them. A mesh with one object has
+/// differ the mesh is duplicated, so that padding counts texels for all of them. Only the instances of one
+/// EXT_mesh_gpu_instancing node share a layout at any scale, with the texels that the largest needs; their node has one
+/// mesh. A mesh with one object has
 /// lightmapUv in page coordinates (scale 1, offset 0). Density is measured in the world: texelsPerMeter times the
 /// object's lightmapScale.
 ///
-/// Errors: InvalidArgument (settings), FileInvalid (UvMode::Keep, with the reason), Cancelled.
+/// Errors: InvalidArgument (settings; a density that needs more than kMaxPages pages), FileInvalid (UvMode::Keep, with
+/// the reason), Cancelled.
 Result<UnwrappedScene> unwrap(Scene scene, const UnwrapSettings& settings, const Progress& progress = {});
 
 } // namespace halflight
