@@ -26,9 +26,10 @@ bool isFinite(vec3 v)
     return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
 }
 
-/// Mean and variance of the mean of a stream of values.
+/// Mean, first moment and variance of the mean of a stream of irradiance samples.
 struct Accumulator {
     vec3 sum{0.0f};
+    vec3 momentSum{0.0f};
     double luminanceSum = 0.0;
     double luminanceSquares = 0.0;
     int count = 0;
@@ -41,7 +42,10 @@ struct Accumulator {
         luminanceSquares += l * l;
         ++count;
     }
+    /// Counts a value's direction, beside add().
+    void addDirection(vec3 value, vec3 direction) { momentSum += luminance(value) * direction; }
     [[nodiscard]] vec3 mean() const { return count > 0 ? sum / float(count) : vec3(0.0f); }
+    [[nodiscard]] vec3 moment() const { return count > 0 ? momentSum / float(count) : vec3(0.0f); }
     [[nodiscard]] float varianceOfMean() const
     {
         if (count < 2) return 0.0f;
@@ -206,6 +210,7 @@ private:
         estimate.valid = mask != 0;
         if (!estimate.valid) return estimate;
         estimate.irradiance = gathered.mean();
+        estimate.moment = gathered.moment();
         estimate.varianceOfMean = gathered.varianceOfMean();
 
         for (std::size_t l = 0; l < paths_.lights().size(); ++l) {
@@ -213,6 +218,7 @@ private:
             if (!light.directAtTexels) continue;
             const Accumulator direct = directIrradiance(light, uint32_t(l), points, pointCount, id, rays);
             estimate.irradiance += direct.mean();
+            estimate.moment += direct.moment();
             estimate.varianceOfMean += direct.varianceOfMean();
         }
         return estimate;
@@ -229,13 +235,18 @@ private:
             Sampler sampler(settings_.seed, id, uint32_t(s));
             const vec3 direction = PathTracer::gatherDirection(point, sampler.next2());
             const float pdf = std::max(glm::dot(direction, point.normal), 1.0e-4f) / kPi;
-            vec3 value = paths_.emitterIrradiance(point, sampler, rays);
+            const PathTracer::EmitterAtSurface emitter = paths_.emitterIrradiance(point, sampler, rays);
             const PathTracer::Incoming in =
                 paths_.incoming(paths_.rayOrigin(point), direction, pdf, settings_.bounces, sampler, rays);
             backFaces += in.firstHitBackFace ? 1 : 0;
-            value += kPi * in.radiance;
+            const vec3 bounced = kPi * in.radiance;
+            const vec3 value = emitter.irradiance + bounced;
             // Lights of extreme size or strength can leave the range of floats.
-            gathered.add(isFinite(value) ? value : vec3(0.0f));
+            const bool finite = isFinite(value);
+            gathered.add(finite ? value : vec3(0.0f));
+            if (!finite) continue;
+            gathered.addDirection(emitter.irradiance, emitter.direction);
+            gathered.addDirection(bounced, direction);
         }
         return gathered;
     }
@@ -255,7 +266,9 @@ private:
             }
             Sampler sampler(settings_.seed ^ kDirectSeed, hashCombine(id, lightIndex), uint32_t(s));
             const float visibility = paths_.lightVisibility(light, point, sampler.next2(), rays);
-            direct.add(sample.illuminance * (cosine * glm::mix(1.0f, visibility, light.shadowStrength)));
+            const vec3 value = sample.illuminance * (cosine * glm::mix(1.0f, visibility, light.shadowStrength));
+            direct.add(value);
+            direct.addDirection(value, sample.direction);
         }
         return direct;
     }

@@ -116,26 +116,27 @@ vec3 PathTracer::punctualIrradiance(const SurfacePoint& point, bool direct, Samp
 
 // Veach and Guibas 1995, "Optimally Combining Sampling Techniques for Monte Carlo Rendering": area samples of emitters
 // against cosine-distributed directions. pdfs per steradian; the cosine-distributed one is cos / pi.
-vec3 PathTracer::emitterIrradiance(const SurfacePoint& point, Sampler& sampler, uint64_t& rays) const
+PathTracer::EmitterAtSurface PathTracer::emitterIrradiance(const SurfacePoint& point, Sampler& sampler,
+                                                           uint64_t& rays) const
 {
-    if (emitters_.empty()) return vec3(0.0f);
+    if (emitters_.empty()) return {};
     const vec2 uTriangle = sampler.next2();
     const EmitterSample s = emitters_.sample(uTriangle, sampler.next2());
     const vec3 origin = rayOrigin(point);
     const vec3 toEmitter = s.position - origin;
     const float distance2 = glm::dot(toEmitter, toEmitter);
-    if (distance2 <= 0.0f) return vec3(0.0f);
+    if (distance2 <= 0.0f) return {};
     const float distance = std::sqrt(distance2);
     const vec3 direction = toEmitter / distance;
     const float cosine = glm::dot(point.normal, direction);
     float emitterCosine = -glm::dot(s.normal, direction);
     if (s.doubleSided) emitterCosine = std::abs(emitterCosine);
-    if (cosine <= 0.0f || emitterCosine <= 0.0f || s.radiance == vec3(0.0f)) return vec3(0.0f);
-    if (glm::dot(direction, point.geometricNormal) <= 0.0f) return vec3(0.0f);
+    if (cosine <= 0.0f || emitterCosine <= 0.0f || s.radiance == vec3(0.0f)) return {};
+    if (glm::dot(direction, point.geometricNormal) <= 0.0f) return {};
     const float pdf = s.pdfArea * distance2 / emitterCosine;
     ++rays;
-    if (tracer_.occluded(origin, direction, 0.0f, distance * (1.0f - 1.0e-4f))) return vec3(0.0f);
-    return s.radiance * (cosine / pdf * (s.rayVisible ? powerHeuristic(pdf, cosine / kPi) : 1.0f));
+    if (tracer_.occluded(origin, direction, 0.0f, distance * (1.0f - 1.0e-4f))) return {};
+    return {direction, s.radiance * (cosine / pdf * (s.rayVisible ? powerHeuristic(pdf, cosine / kPi) : 1.0f))};
 }
 
 PathTracer::EmitterInSpace PathTracer::emitterInSpace(vec3 position, float directionPdf, Sampler& sampler,
@@ -205,7 +206,7 @@ vec3 PathTracer::follow(SurfaceHit hit, vec3 direction, float directionPdf, int 
 
         // Light that reaches this surface directly.
         vec3 irradiance = punctualIrradiance(hit.point, directFromCamera && depth == 0, sampler, rays);
-        irradiance += emitterIrradiance(hit.point, sampler, rays);
+        irradiance += emitterIrradiance(hit.point, sampler, rays).irradiance;
         radiance += throughput * shading::diffuseRadiance(hit.albedo, irradiance);
 
         // Russian roulette (Arvo and Kirk 1990) once a path has lost most of its light.

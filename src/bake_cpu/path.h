@@ -34,8 +34,13 @@ public:
     /// Radiance that leaves a surface seen from a camera: linear, diffuse surfaces.
     vec3 seenFromCamera(vec3 origin, vec3 direction, float tMax, int bounces, Sampler& sampler, uint64_t& rays) const;
 
-    /// Irradiance from emissive triangles, one sample, weighted against cosine-distributed directions.
-    vec3 emitterIrradiance(const SurfacePoint& point, Sampler& sampler, uint64_t& rays) const;
+    /// Irradiance from emissive triangles, one sample, weighted against cosine-distributed directions; the direction
+    /// is that of the emitter's point.
+    struct EmitterAtSurface {
+        vec3 direction{0.0f};
+        vec3 irradiance{0.0f};
+    };
+    EmitterAtSurface emitterIrradiance(const SurfacePoint& point, Sampler& sampler, uint64_t& rays) const;
     /// A sampled emitter seen from a point in space: radiance over pdf (per steradian), with its direction.
     struct EmitterInSpace {
         vec3 direction{0.0f};

@@ -99,6 +99,7 @@ struct IntegrationSettings {
 /// Lightmap value of one texel with the statistics the denoiser wants.
 struct IrradianceEstimate {
     vec3 irradiance{0.0f};       ///< lux
+    vec3 moment{0.0f};           ///< lux, first moment: luminance of radiance times cosine times direction, integrated
     float varianceOfMean = 0.0f; ///< of the luminance of `irradiance`
     bool valid = true;           ///< false: the texel lies inside geometry (its rays meet back faces)
 };
