@@ -67,7 +67,7 @@ MeshSurface readSurface()
     s.lightmapped = (info.x & kObjectLightmapped) != 0;
     s.receiveShadows = (info.x & kObjectReceiveShadows) != 0;
     s.baked = s.lightmapped ? textureLod(shadowmasks, vec3(inLightmapUv, info.y), 0.0)
-                            : sampleProbes(inObject, inPosition).occlusion;
+                            : probeOcclusion(inObject, inPosition);
     mesh.unlit = materials[material].info.x != 0;
     mesh.lit = s;
     return mesh;

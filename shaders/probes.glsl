@@ -10,12 +10,45 @@ struct ProbeSample {
     vec4 occlusion;   // baked attenuation by channel
 };
 
-// The probes as they light an object at a point of its surface. Every shader that reads probes does it here.
+// The object's proxy volume, -1 where it has one sample for all of it.
+int proxyVolumeOf(uint object) { return frame.shadow.w != 0 ? objects[object].info.z : -1; }
+
+// Textures 0, 1, … of a proxy volume at a point; filtering keeps to the volume's own texels.
+vec4 proxyTexture(int volume, vec3 position, int slab)
+{
+    vec3 at = (probeVolumes[volume].slabFromWorld * vec4(position, 1.0)).xyz;
+    at = clamp(at, probeVolumes[volume].low.xyz, probeVolumes[volume].high.xyz);
+    at.z += float(slab) * (1.0 / float(kProbeSlabs));
+    return textureLod(probeTexture, at, 0.0);
+}
+
+// The probes as they light an object at a point of its surface: the baked attenuation by channel alone, and all of it.
+// Every shader that reads probes does it here.
+vec4 probeOcclusion(uint object, vec3 position)
+{
+    int volume = proxyVolumeOf(object);
+    return volume < 0 ? objects[object].probeOcclusion : proxyTexture(volume, position, 3);
+}
+
 ProbeSample sampleProbes(uint object, vec3 position)
 {
     ProbeSample probes;
-    for (int i = 0; i < 9; ++i) probes.radiance[i] = objects[object].probeSh[i].rgb;
-    probes.occlusion = objects[object].probeOcclusion;
+    probes.occlusion = probeOcclusion(object, position);
+    int volume = proxyVolumeOf(object);
+    if (volume < 0) {
+        for (int i = 0; i < 9; ++i) probes.radiance[i] = objects[object].probeSh[i].rgb;
+        return probes;
+    }
+    for (int c = 0; c < 3; ++c) {
+        vec4 low = proxyTexture(volume, position, c);
+        vec4 high = proxyTexture(volume, position, 4 + c);
+        for (int i = 0; i < 4; ++i) {
+            probes.radiance[i][c] = low[i];
+            probes.radiance[4 + i][c] = high[i];
+        }
+    }
+    probes.radiance[8] = proxyTexture(volume, position, 7).rgb;
+    for (int i = 0; i < 9; ++i) probes.radiance[i] *= probeVolumes[volume].low.w;
     return probes;
 }
 

@@ -123,8 +123,14 @@ Result<Picture> renderPicture(const RenderOptions& options, const BakedScene& ba
         {"bakedShadows", count([](const FrameLight& light) { return light.hasBaked; })},
         {"realtimeShadows", count([](const FrameLight& light) { return light.hasRealtimeShadow; })}};
     picture.summary["passes"] = Json::array();
-    for (const PassTime& pass : frame->passes) {
-        picture.summary["passes"].push_back({{"name", pass.name}, {"milliseconds", pass.milliseconds}});
+    for (const PassReport& pass : frame->passes) {
+        Json& entry = picture.summary["passes"].emplace_back();
+        entry = {
+            {"name", pass.name}, {"draws", pass.draws}, {"instances", pass.instances}, {"triangles", pass.triangles}};
+        if (frame->timed) entry["milliseconds"] = pass.milliseconds;
+    }
+    if (options.render.timings && !frame->timed) {
+        picture.warnings.emplace_back("the Vulkan device has no timestamps, so passes are counted but not timed");
     }
     picture.warnings = plan.warnings;
     picture.radiance = std::move(frame->radiance);
@@ -192,6 +198,18 @@ void describeView(const RenderOptions& options, const Camera& camera, Json& summ
                          {"verticalFovDegrees", glm::degrees(camera.verticalFovRadians)}};
 }
 
+void printPasses(const Json& passes)
+{
+    fmt::print("{:<20} {:>10} {:>7} {:>10} {:>12}\n", "pass", "ms", "draws", "instances", "triangles");
+    for (const Json& pass : passes) {
+        const std::string time = pass.contains("milliseconds")
+                                     ? fmt::format("{:.3f}", pass["milliseconds"].get<double>())
+                                     : std::string("-");
+        fmt::print("{:<20} {:>10} {:>7} {:>10} {:>12}\n", pass["name"].get<std::string>(), time,
+                   pass["draws"].get<int>(), pass["instances"].get<int64_t>(), pass["triangles"].get<int64_t>());
+    }
+}
+
 void printSummary(const RenderOptions& options, const Json& summary)
 {
     fmt::print("{}: {} x {}, {}", options.output.string(), options.render.size.x, options.render.size.y,
@@ -205,14 +223,7 @@ void printSummary(const RenderOptions& options, const Json& summary)
         fmt::print("lights in view {}, with baked shadows {}, with realtime shadows {}\n", lights["inView"].dump(),
                    lights["bakedShadows"].dump(), lights["realtimeShadows"].dump());
     }
-    if (summary.contains("passes") && !summary["passes"].empty()) {
-        std::string passes;
-        for (const Json& pass : summary["passes"]) {
-            passes += fmt::format("{}{} {:.2f} ms", passes.empty() ? "" : ", ", pass["name"].get<std::string>(),
-                                  pass["milliseconds"].get<double>());
-        }
-        fmt::print("{}\n", passes);
-    }
+    if (options.render.timings && summary.contains("passes")) printPasses(summary["passes"]);
 }
 
 // Empty when the options go together.
@@ -224,8 +235,9 @@ std::string contradiction(const RenderOptions& options)
     }
     if (options.eyeGiven && options.eye == options.camera.target) return "--eye and --target are the same point";
     if (options.referenceSamples > 0 &&
-        (options.mode || options.render.view != DebugView::Lit || options.render.path != RenderPath::Forward)) {
-        return "--reference is path traced and knows no --mode, --view, --path or --light";
+        (options.render.timings || !options.lights.empty() || options.mode || options.render.view != DebugView::Lit ||
+         options.render.path != RenderPath::Forward)) {
+        return "--reference is path traced and knows no --mode, --view, --path, --light or --timings";
     }
     return {};
 }
@@ -301,6 +313,8 @@ void addPictureOptions(CLI::App& app, RenderOptions& options)
     addChoice<RenderPath>(app, "--path", options.render.path,
                           {{"forward", RenderPath::Forward}, {"deferred", RenderPath::Deferred}},
                           "light surfaces as they are drawn, or from a G-buffer (default forward)");
+    addChoice<bool>(app, "--proxy-volumes", options.render.proxyVolumes, {{"on", true}, {"off", false}},
+                    "large objects are lit by the probes around each point; off: by one sample each (default on)");
     const auto checkLight = [](std::string& text) {
         const Result<LightOverride> change = parseLightOverride(text);
         return change ? std::string() : change.error().message;
@@ -410,6 +424,8 @@ Command addRenderCommand(CLI::App& parent)
                     "Vulkan device: the best one, or the CPU driver (default auto)");
     app.add_flag("--validation", options->device.validation,
                  "turn the Vulkan validation layer on and fail when it complains");
+    app.add_flag("--timings", options->render.timings,
+                 "measure the passes on the GPU and print a table: milliseconds, draw calls, instances, triangles");
     app.add_flag("--json", options->json, "print a summary as JSON on standard output");
     app.add_flag("-q,--quiet", options->quiet, "print errors only");
     app.footer("Example: halflight render baked.glb -o picture.png --mode distance-shadowmask --shadow-distance 20");

@@ -37,9 +37,9 @@ Image::Image(const Device& device, const ImageInfo& info) : info_(info)
         throw Failure("an image of " + std::to_string(info.width) + " x " + std::to_string(info.height) + " x " +
                       std::to_string(info.layers) + " is larger than the Vulkan device allows");
     const VkImageCreateInfo imageInfo{.sType = VK_STRUCTURE_TYPE_IMAGE_CREATE_INFO,
-                                      .imageType = VK_IMAGE_TYPE_2D,
+                                      .imageType = info.depth > 0 ? VK_IMAGE_TYPE_3D : VK_IMAGE_TYPE_2D,
                                       .format = info.format,
-                                      .extent = {info.width, info.height, 1},
+                                      .extent = {info.width, info.height, std::max(info.depth, 1u)},
                                       .mipLevels = info.mipLevels,
                                       .arrayLayers = info.layers,
                                       .samples = VK_SAMPLE_COUNT_1_BIT,
@@ -55,8 +55,9 @@ Image::Image(const Device& device, const ImageInfo& info) : info_(info)
           "bind an image's memory");
     const VkImageViewCreateInfo viewInfo{.sType = VK_STRUCTURE_TYPE_IMAGE_VIEW_CREATE_INFO,
                                          .image = image,
-                                         .viewType = info.array || info.layers > 1 ? VK_IMAGE_VIEW_TYPE_2D_ARRAY
-                                                                                   : VK_IMAGE_VIEW_TYPE_2D,
+                                         .viewType = info.depth > 0                  ? VK_IMAGE_VIEW_TYPE_3D
+                                                     : info.array || info.layers > 1 ? VK_IMAGE_VIEW_TYPE_2D_ARRAY
+                                                                                     : VK_IMAGE_VIEW_TYPE_2D,
                                          .format = info.format,
                                          .subresourceRange = wholeImage(info)};
     VkImageView view = VK_NULL_HANDLE;
@@ -170,6 +171,35 @@ void Uploader::image(const Image& target, std::span<const Level> levels, uint32_
                 device_.vk.CmdCopyBufferToImage(commands, source, to, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, 1, &region);
             });
             row += rows;
+        }
+    }
+    pending_.push_back([this, &target](VkCommandBuffer commands) {
+        transition(device_, commands, target, state::kTransferTarget, state::kFragmentRead);
+    });
+}
+
+void Uploader::boxes(const Image& target, const ImageState& before, std::span<const Box> boxes, uint32_t bytesPerTexel)
+{
+    pending_.push_back([this, &target, before](VkCommandBuffer commands) {
+        transition(device_, commands, target, before, state::kTransferTarget);
+    });
+    for (const Box& box : boxes) {
+        const VkDeviceSize sliceBytes = VkDeviceSize(box.size.width) * box.size.height * bytesPerTexel;
+        assert(sliceBytes <= kStagingBytes);
+        for (uint32_t slice = 0; slice < box.size.depth;) {
+            const uint32_t slices =
+                std::min(box.size.depth - slice, uint32_t(std::max<VkDeviceSize>(kStagingBytes / sliceBytes, 1)));
+            const VkDeviceSize at = reserve(sliceBytes * slices);
+            std::memcpy(staging_.mapped() + at, static_cast<const std::byte*>(box.texels) + sliceBytes * slice,
+                        sliceBytes * slices);
+            const VkBufferImageCopy region{.bufferOffset = at,
+                                           .imageSubresource = {target.info().aspect, 0, 0, 1},
+                                           .imageOffset = {box.offset.x, box.offset.y, box.offset.z + int32_t(slice)},
+                                           .imageExtent = {box.size.width, box.size.height, slices}};
+            pending_.push_back([this, source = staging_.get(), to = target.get(), region](VkCommandBuffer commands) {
+                device_.vk.CmdCopyBufferToImage(commands, source, to, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, 1, &region);
+            });
+            slice += slices;
         }
     }
     pending_.push_back([this, &target](VkCommandBuffer commands) {

@@ -63,6 +63,7 @@ struct ImageInfo {
     VkFormat format = VK_FORMAT_UNDEFINED;
     uint32_t width = 1;
     uint32_t height = 1;
+    uint32_t depth = 0; ///< above 0: a 3D image, of one level and layer
     uint32_t mipLevels = 1;
     uint32_t layers = 1;
     bool array = false; ///< viewed as a 2D array even when it has one layer
@@ -140,6 +141,14 @@ public:
     };
     /// All levels and layers of an image that is then read by fragment shaders.
     void image(const Image& target, std::span<const Level> levels, uint32_t bytesPerTexel);
+
+    /// A box of a 3D image that fragment shaders read before (or nobody: kUndefined) and read afterwards.
+    struct Box {
+        VkOffset3D offset{};
+        VkExtent3D size{};
+        const void* texels = nullptr; ///< tightly packed, read before the call returns
+    };
+    void boxes(const Image& target, const ImageState& before, std::span<const Box> boxes, uint32_t bytesPerTexel);
 
     /// Submits what is left and waits.
     void finish();

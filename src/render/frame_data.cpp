@@ -77,7 +77,7 @@ shading::GpuFrame gpuFrame(const GpuScene& scene, const FrameView& view, const R
     frame.clusterSize = ivec4(clusters.size, 0);
     frame.mode = ivec4(int(plan.mode), int(settings.view), plan.mainLight, int(plan.lights.size()));
     frame.shadow = ivec4(filterHalfWidth(settings.shadows.filter), settings.shadows.cascades,
-                         int(settings.shadows.cascadeBlend), 0);
+                         int(settings.shadows.cascadeBlend), settings.proxyVolumes ? 1 : 0);
     std::copy(std::begin(scene.skySh), std::end(scene.skySh), std::begin(frame.skySh));
     return frame;
 }

@@ -30,7 +30,9 @@ HL_CONST int kBindGBufferNormals = 12;
 HL_CONST int kBindGBufferMaterial = 13;
 HL_CONST int kBindGBufferMask = 14;
 HL_CONST int kBindDepth = 15;
-HL_CONST int kBindTextures = 16; // the last: its length varies
+HL_CONST int kBindProbeVolumes = 16;
+HL_CONST int kBindProbeTexture = 17;
+HL_CONST int kBindTextures = 18; // the last: its length varies
 
 // Debug views: the values of DebugView in renderer.h.
 HL_CONST int kViewLit = 0;
@@ -71,7 +73,8 @@ struct GpuFrame {
     vec4 clusterRange;           // x near, y far (metres of view depth), z slices / log2(far / near)
     ivec4 clusterSize;           // xyz
     ivec4 mode;                  // x run mode, y debug view, z main light (-1 none), w light count
-    ivec4 shadow;                // x filter half-width, y cascades per directional light, z how cascades blend
+    ivec4 shadow;                // x filter half-width, y cascades per directional light, z how cascades blend,
+                                 // w 1 = objects that have a proxy volume take probe light from it
     vec4 skySh[9];               // rgb radiance coefficients of the sky
 };
 
@@ -82,9 +85,19 @@ struct GpuObject {
     mat4 worldFromObject;
     vec4 normalFromObject[3]; // columns of the inverse transpose; [0].w = sign of the transform's determinant
     vec4 lightmapScaleOffset; // xy scale, zw offset
-    ivec4 info;               // x flags, y lightmap page
+    ivec4 info;               // x flags, y lightmap page, z proxy volume (-1 none)
     vec4 probeOcclusion;      // baked attenuation by channel
     vec4 probeSh[9];          // rgb radiance coefficients
+};
+
+// A proxy volume is a box of one 3D texture that holds them all, eight times over: slab i of its depth is texture i of
+// ProxyVolume (probes.h).
+HL_CONST int kProbeSlabs = 8;
+
+struct GpuProbeVolume {
+    mat4 slabFromWorld; // to coordinates of the texture, slab 0
+    vec4 low;           // xyz: the first texel's centre; w factor on the radiance stored
+    vec4 high;          // xyz: the last texel's centre
 };
 
 HL_CONST int kTextureBaseColor = 0;

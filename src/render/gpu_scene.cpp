@@ -194,7 +194,8 @@ bool isLightmapped(const BakedScene& baked, const Object& object)
                        [](const MeshPart& part) { return part.positions.empty() || !part.lightmapUv.empty(); });
 }
 
-GpuObject gpuObject(const Object& object, const Bounds& bounds, bool lightmapped, const ProbeInterpolator& probes)
+GpuObject gpuObject(const Object& object, const Bounds& bounds, bool lightmapped, int volume,
+                    const ProbeInterpolator& probes)
 {
     GpuObject result{};
     result.worldFromObject = object.worldFromObject;
@@ -208,6 +209,7 @@ GpuObject gpuObject(const Object& object, const Bounds& bounds, bool lightmapped
     result.info.x =
         (lightmapped ? shading::kObjectLightmapped : 0) | (object.receiveShadows ? shading::kObjectReceiveShadows : 0);
     result.info.y = std::max(object.lightmap.page, 0);
+    result.info.z = volume;
     const ProbeSample probe = probes.sample(probeAnchor(object, bounds));
     result.probeOcclusion = probe.occlusion;
     for (std::size_t i = 0; i < 9; ++i) result.probeSh[i] = vec4(probe.radiance[i], 0.0f);
@@ -264,10 +266,15 @@ GpuScene uploadScene(gpu::Device& device, const BakedScene& baked)
         result.lightmapped.push_back(isLightmapped(baked, object));
     }
     result.probes.emplace(baked);
+    result.probeVolumes =
+        ProbeVolumes(device, planProxyVolumes(scene, result.meshBounds, result.lightmapped, *result.probes));
+    result.probeVolumes.upload(uploader, scene, result.meshBounds, *result.probes);
+    const std::vector<int>& volumeOf = result.probeVolumes.plan().volumeOf;
     std::vector<GpuObject> objects(scene.objects.size());
     parallelFor(objects.size(), 64, [&](std::size_t begin, std::size_t end) {
         for (std::size_t i = begin; i < end; ++i)
-            objects[i] = gpuObject(scene.objects[i], result.bounds[i], result.lightmapped[i], *result.probes);
+            objects[i] =
+                gpuObject(scene.objects[i], result.bounds[i], result.lightmapped[i], volumeOf[i], *result.probes);
     });
     result.objects = uploadVector(device, uploader, objects, kStorage);
     const ProbeSample sky = skyProbe(scene.sky);
@@ -290,9 +297,11 @@ void uploadChangedObjects(gpu::Device& device, GpuScene& scene)
         scene.bounds[i] = object.mesh < 0
                               ? Bounds{}
                               : worldBounds(scene.meshBounds[std::size_t(object.mesh)], object.worldFromObject);
-        const GpuObject data = gpuObject(object, scene.bounds[i], scene.lightmapped[i], *scene.probes);
+        const GpuObject data = gpuObject(object, scene.bounds[i], scene.lightmapped[i],
+                                         scene.probeVolumes.plan().volumeOf[i], *scene.probes);
         uploader.buffer(scene.objects, &data, sizeof(data), i * sizeof(data));
     }
+    scene.probeVolumes.update(uploader, scene.outline.scene, scene.meshBounds, *scene.probes, changed);
     uploader.finish();
     changed.clear();
 }

@@ -6,6 +6,7 @@
 #include "halflight/render/probes.h"
 #include "halflight/scene/baked_scene.h"
 #include "render/gpu_layout.h"
+#include "render/probe_volumes.h"
 
 #include <cstdint>
 #include <optional>
@@ -48,7 +49,8 @@ struct GpuScene {
     BakedScene outline;
     std::vector<Bounds> meshBounds;          ///< object space
     std::optional<ProbeInterpolator> probes; ///< for objects that move
-    std::vector<uint32_t> changedObjects;    ///< changed in `outline`, not yet on the device
+    ProbeVolumes probeVolumes;
+    std::vector<uint32_t> changedObjects; ///< changed in `outline`, not yet on the device
 };
 
 /// What depth and shadow passes read for alpha masks.

@@ -57,6 +57,9 @@ void drawPart(const PassContext& context, const Draw& draw, Culling culling)
     vk.CmdSetFrontFace(context.commands, draw.mirrored ? VK_FRONT_FACE_CLOCKWISE : VK_FRONT_FACE_COUNTER_CLOCKWISE);
     vk.CmdDrawIndexed(context.commands, draw.part->indexCount, draw.instanceCount, draw.part->firstIndex,
                       draw.part->firstVertex, draw.firstInstance);
+    ++context.counts.draws;
+    context.counts.instances += draw.instanceCount;
+    context.counts.triangles += int64_t(draw.part->indexCount / 3) * draw.instanceCount;
 }
 
 void bindPipeline(const PassContext& context, VkPipeline pipeline)
@@ -137,6 +140,9 @@ void drawWholePicture(const PassContext& context, VkPipeline pipeline)
     context.device.vk.CmdSetCullMode(context.commands, VK_CULL_MODE_NONE);
     context.device.vk.CmdSetFrontFace(context.commands, VK_FRONT_FACE_COUNTER_CLOCKWISE);
     context.device.vk.CmdDraw(context.commands, 3, 1, 0, 0);
+    ++context.counts.draws;
+    ++context.counts.instances;
+    ++context.counts.triangles;
 }
 
 std::vector<VkVertexInputBindingDescription> depthVertexBindings()
@@ -165,6 +171,7 @@ std::vector<gpu::Binding> frameBindings(const gpu::Device& device)
     bindings[shading::kBindFrame].type = VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER;
     for (int i = shading::kBindLightmaps; i <= shading::kBindTextures; ++i)
         bindings[std::size_t(i)] = {VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER, VK_SHADER_STAGE_FRAGMENT_BIT};
+    bindings[shading::kBindProbeVolumes].type = VK_DESCRIPTOR_TYPE_STORAGE_BUFFER;
     bindings[shading::kBindTextures].count = textures;
     bindings[shading::kBindTextures].variableCount = true;
     return bindings;
@@ -307,13 +314,16 @@ void bindScene(const PassContext& context)
                              &context.set, 0, nullptr);
 }
 
-void drawShadowLayer(const PassContext& context, const gpu::Image& map, VkImageView layer,
-                     std::span<const ShadowDraws> tiles, float slopeBias)
+void beginShadowLayer(const PassContext& context, const gpu::Image& map, VkImageView layer)
 {
     VkRenderingAttachmentInfo depth = depthAttachment(map, VK_ATTACHMENT_LOAD_OP_CLEAR);
     depth.imageView = layer;
     depth.clearValue.depthStencil = {1.0f, 0};
     beginRendering(context, {}, depth, imageSize(map));
+}
+
+void drawShadowTiles(const PassContext& context, std::span<const ShadowDraws> tiles, float slopeBias)
+{
     for (const ShadowDraws& tile : tiles) {
         if (tile.draws.empty()) continue;
         setViewport(context, tile.offset, ivec2(tile.size));
@@ -323,7 +333,6 @@ void drawShadowLayer(const PassContext& context, const gpu::Image& map, VkImageV
         drawSolid(context, tile.draws, context.pipelines.shadow.get(), context.pipelines.shadowMasked.get(),
                   Culling::None);
     }
-    endRendering(context);
 }
 
 void drawDepth(const PassContext& context, const gpu::Image& depth, const CameraDraws& draws)

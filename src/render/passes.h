@@ -1,6 +1,7 @@
 #pragma once
 // The passes of a frame: each records its commands and nothing else.
 
+#include "halflight/render/renderer.h"
 #include "render/draw_list.h"
 
 #include <array>
@@ -57,6 +58,7 @@ struct PassContext {
     const Pipelines& pipelines;
     VkDescriptorSet set;
     VkCommandBuffer commands;
+    PassReport& counts; ///< of the pass being recorded: every draw call is added to it
 };
 
 void bindScene(const PassContext& context);
@@ -68,9 +70,9 @@ struct ShadowDraws {
     int size = 0;
     std::vector<Draw> draws;
 };
-/// Clears one layer to "lit" and draws tiles into it.
-void drawShadowLayer(const PassContext& context, const gpu::Image& map, VkImageView layer,
-                     std::span<const ShadowDraws> tiles, float slopeBias);
+/// Clears one layer to "lit"; tiles are drawn into it until endRendering().
+void beginShadowLayer(const PassContext& context, const gpu::Image& map, VkImageView layer);
+void drawShadowTiles(const PassContext& context, std::span<const ShadowDraws> tiles, float slopeBias);
 
 /// What the camera sees. Each solid part is in one of two lists.
 struct CameraDraws {

@@ -78,28 +78,27 @@ struct ShadowMap {
     }
 };
 
-/// Shadow tiles with their draws, by the image they lie in.
+/// Shadow tiles with their draws: cascades by layer of their array, the others in the atlas.
 struct ShadowPasses {
-    std::vector<std::vector<ShadowDraws>> cascades; ///< per layer
-    std::vector<ShadowDraws> atlas;
+    std::vector<std::vector<ShadowDraws>> cascades;
+    std::vector<ShadowDraws> spots;
+    std::vector<ShadowDraws> points;
 };
 
-ShadowPasses shadowPasses(const FramePlan& plan, DrawLists& lists)
+ShadowPasses shadowPasses(const Scene& scene, const FramePlan& plan, DrawLists& lists)
 {
     ShadowPasses passes;
     passes.cascades.resize(std::size_t(std::max(plan.directionalLayers, 0)));
-    std::vector<bool> isCascade(plan.tiles.size(), false);
-    for (const FrameLight& light : plan.lights)
-        if (light.firstTile >= 0)
-            for (int i = 0; i < light.tileCount; ++i)
-                isCascade[std::size_t(light.firstTile + i)] = light.firstTile + i < plan.directionalLayers;
-    for (std::size_t i = 0; i < plan.tiles.size(); ++i) {
-        const ShadowTile& tile = plan.tiles[i];
-        ShadowDraws draws{tile.clipFromWorld, tile.atlasOffset, tile.size, lists.solid(plan.castersOf(int(i)))};
-        if (isCascade[i])
-            passes.cascades[std::size_t(tile.layer)].push_back(std::move(draws));
-        else
-            passes.atlas.push_back(std::move(draws));
+    for (const FrameLight& light : plan.lights) {
+        const LightType type = scene.lights[std::size_t(light.light)].type;
+        for (int i = light.firstTile; i < light.firstTile + light.tileCount; ++i) {
+            const ShadowTile& tile = plan.tiles[std::size_t(i)];
+            ShadowDraws draws{tile.clipFromWorld, tile.atlasOffset, tile.size, lists.solid(plan.castersOf(i))};
+            if (type == LightType::Directional)
+                passes.cascades[std::size_t(tile.layer)].push_back(std::move(draws));
+            else
+                (type == LightType::Spot ? passes.spots : passes.points).push_back(std::move(draws));
+        }
     }
     return passes;
 }
@@ -210,6 +209,8 @@ struct Renderer::Impl {
         set.buffer(shading::kBindMaterials, scene->materials);
         set.image(shading::kBindLightmaps, scene->lightmaps.view(), pageSampler.get());
         set.image(shading::kBindShadowmasks, scene->shadowmasks.view(), pageSampler.get());
+        set.buffer(shading::kBindProbeVolumes, scene->probeVolumes.buffer());
+        set.image(shading::kBindProbeTexture, scene->probeVolumes.texture().view(), pageSampler.get());
         for (std::size_t i = 0; i < scene->textures.size(); ++i)
             set.image(shading::kBindTextures, scene->textures[i].view(),
                       scene->samplers[scene->samplerOfTexture[i]].get(), uint32_t(i));
@@ -222,6 +223,7 @@ struct Renderer::Impl {
     void uploadFrame(const FrameView& view, const RenderSettings& settings, const FramePlan& plan,
                      const std::vector<uint32_t>& instances);
     ImageRgba32f readPicture() const;
+    void endPass(VkCommandBuffer commands, const char* name);
     void recordShadows(const PassContext& context, const ShadowPasses& shadows, float slopeBias);
     void recordDeferred(const PassContext& context, const CameraDraws& draws);
     Result<RenderedFrame> render(const Camera& camera, const RenderSettings& settings);
@@ -236,6 +238,9 @@ struct Renderer::Impl {
     gpu::UniqueSampler shadowSampler;
     gpu::UniqueSampler texelSampler;
     gpu::Timer timer;
+    bool timed = false;              ///< this frame's passes are measured
+    PassReport counts;               ///< the pass being recorded
+    std::vector<PassReport> reports; ///< the passes before it
 
     const Scene noScene;
     std::unique_ptr<GpuScene> scene;
@@ -329,16 +334,32 @@ ImageRgba32f Renderer::Impl::readPicture() const
     return picture;
 }
 
+void Renderer::Impl::endPass(VkCommandBuffer commands, const char* name)
+{
+    counts.name = name;
+    reports.push_back(counts);
+    counts = {};
+    if (timed) timer.mark(commands, name);
+}
+
 void Renderer::Impl::recordShadows(const PassContext& context, const ShadowPasses& shadows, float slopeBias)
 {
     VkCommandBuffer commands = context.commands;
     gpu::transition(device, commands, cascades.image, gpu::state::kUndefined, gpu::state::kDepthAttachment);
     gpu::transition(device, commands, atlas.image, gpu::state::kUndefined, gpu::state::kDepthAttachment);
-    for (std::size_t i = 0; i < shadows.cascades.size(); ++i)
-        drawShadowLayer(context, cascades.image, cascades.layers[i].get(), shadows.cascades[i], slopeBias);
-    timer.mark(commands, "cascades");
-    if (!shadows.atlas.empty()) drawShadowLayer(context, atlas.image, atlas.layers[0].get(), shadows.atlas, slopeBias);
-    timer.mark(commands, "atlas");
+    for (std::size_t i = 0; i < shadows.cascades.size(); ++i) {
+        beginShadowLayer(context, cascades.image, cascades.layers[i].get());
+        drawShadowTiles(context, shadows.cascades[i], slopeBias);
+        endRendering(context);
+    }
+    endPass(commands, "directional shadows");
+    const bool hasAtlas = !shadows.spots.empty() || !shadows.points.empty();
+    if (hasAtlas) beginShadowLayer(context, atlas.image, atlas.layers[0].get());
+    drawShadowTiles(context, shadows.spots, slopeBias);
+    endPass(commands, "spot shadows");
+    drawShadowTiles(context, shadows.points, slopeBias);
+    if (hasAtlas) endRendering(context);
+    endPass(commands, "point shadows");
     gpu::transition(device, commands, cascades.image, gpu::state::kDepthAttachment, gpu::state::kFragmentRead);
     gpu::transition(device, commands, atlas.image, gpu::state::kDepthAttachment, gpu::state::kFragmentRead);
 }
@@ -350,7 +371,7 @@ void Renderer::Impl::recordDeferred(const PassContext& context, const CameraDraw
     for (const gpu::Image* image : gBuffer.images())
         gpu::transition(device, commands, *image, gpu::state::kUndefined, gpu::state::kColorAttachment);
     drawGBuffer(context, deferred, gBuffer, color, depth, draws);
-    timer.mark(commands, "g-buffer");
+    endPass(commands, "g-buffer");
 
     for (const gpu::Image* image : gBuffer.images())
         gpu::transition(device, commands, *image, gpu::state::kColorAttachment, gpu::state::kFragmentRead);
@@ -359,7 +380,7 @@ void Renderer::Impl::recordDeferred(const PassContext& context, const CameraDraw
     drawDeferredLight(context, deferred, color);
     gpu::transition(device, commands, color, gpu::state::kColorAttachment, gpu::state::kColorAttachment);
     gpu::transition(device, commands, depth, gpu::state::kFragmentRead, gpu::state::kDepthAttachment);
-    timer.mark(commands, "light");
+    endPass(commands, "deferred light");
 }
 
 Result<RenderedFrame> Renderer::Impl::render(const Camera& camera, const RenderSettings& settings)
@@ -380,7 +401,7 @@ Result<RenderedFrame> Renderer::Impl::render(const Camera& camera, const RenderS
     FramePlan plan = planFrame(scene->outline, scene->bounds, view, settings.mode, settings.shadows);
 
     DrawLists lists(*scene);
-    const ShadowPasses shadows = shadowPasses(plan, lists);
+    const ShadowPasses shadows = shadowPasses(scene->outline.scene, plan, lists);
     CameraDraws draws;
     draws.clipFromWorld = view.clipFromView() * view.viewFromWorld();
     const std::vector<uint32_t> visible = objectsInView(scene->bounds, draws.clipFromWorld);
@@ -398,8 +419,11 @@ Result<RenderedFrame> Renderer::Impl::render(const Camera& camera, const RenderS
     uploadFrame(view, settings, plan, lists.instances());
 
     device.execute([&](VkCommandBuffer commands) {
-        const PassContext context{device, *scene, pipelines, set.get(), commands};
-        timer.begin(commands);
+        const PassContext context{device, *scene, pipelines, set.get(), commands, counts};
+        timed = settings.timings && device.timestamps();
+        counts = {};
+        reports.clear();
+        if (timed) timer.begin(commands);
         bindScene(context);
 
         recordShadows(context, shadows, settings.shadows.slopeBias);
@@ -408,20 +432,20 @@ Result<RenderedFrame> Renderer::Impl::render(const Camera& camera, const RenderS
         gpu::transition(device, commands, depth, gpu::state::kUndefined, gpu::state::kDepthAttachment);
         drawDepth(context, depth, draws);
         gpu::transition(device, commands, depth, gpu::state::kDepthAttachment, gpu::state::kDepthAttachment);
-        timer.mark(commands, "depth");
+        endPass(commands, "depth");
         if (deferred) recordDeferred(context, draws);
         beginForward(context, color, depth, deferred ? VK_ATTACHMENT_LOAD_OP_LOAD : VK_ATTACHMENT_LOAD_OP_CLEAR);
         drawLit(context, draws);
-        timer.mark(commands, "lit");
+        endPass(commands, "forward");
         drawSky(context);
-        timer.mark(commands, "sky");
+        endPass(commands, "sky");
         drawBlended(context, draws);
-        timer.mark(commands, "blend");
+        endPass(commands, "blended");
         endRendering(context);
 
         gpu::transition(device, commands, color, gpu::state::kColorAttachment, gpu::state::kTransferSource);
         gpu::copyToHost(device, commands, color, readback);
-        timer.mark(commands, "readback");
+        endPass(commands, "readback");
     });
 
     RenderedFrame frame;
@@ -429,7 +453,12 @@ Result<RenderedFrame> Renderer::Impl::render(const Camera& camera, const RenderS
     frame.forwardObjects = int(toForward.size());
     frame.gBufferTargets = deferred ? int(gBuffer.images().size()) + 1 : 0;
     frame.plan = std::move(plan);
-    for (const gpu::Timer::Span& span : timer.results()) frame.passes.push_back({span.name, span.milliseconds});
+    frame.timed = timed;
+    frame.passes = std::move(reports);
+    if (timed) {
+        const std::vector<gpu::Timer::Span> spans = timer.results();
+        for (std::size_t i = 0; i < spans.size(); ++i) frame.passes[i].milliseconds = spans[i].milliseconds;
+    }
     return frame;
 }
 

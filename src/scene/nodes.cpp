@@ -68,6 +68,10 @@ ObjectSettings bakedRecord(const Json& node)
     const Json& scale = member(record, "lightmapScale");
     if (scale.is_number() && std::isfinite(scale.get<float>()) && scale.get<float>() >= 0.0f)
         settings.lightmapScale = scale.get<float>();
+    const Json& probes = member(record, "probes");
+    if (probes.is_string()) settings.probeLighting = probeLightingNamed(probes.get<std::string>());
+    ivec3 resolution;
+    if (readProbeResolution(member(record, "probeResolution"), resolution)) settings.probeResolution = resolution;
     return settings;
 }
 

@@ -98,6 +98,8 @@ Status addObjects(const SourceDocument& document, const NodeState& state, int me
     object.castShadows = state.settings.castShadows.value_or(true);
     object.receiveShadows = state.settings.receiveShadows.value_or(true);
     object.lightmapScale = state.settings.lightmapScale.value_or(1.0f);
+    object.probeLighting = state.settings.probeLighting.value_or(ProbeLighting::Automatic);
+    object.probeResolution = state.settings.probeResolution.value_or(ivec3(0));
     object.sourceNode = state.node;
     const Mesh& shape = scene.meshes[std::size_t(mesh)];
     Bounds bounds;
@@ -118,6 +120,7 @@ Status addObjects(const SourceDocument& document, const NodeState& state, int me
         if (Status s = checkExtent(shape, bounds, worldFromObject, instance.name, path); !s) return s;
         instance.worldFromObject = mat4(worldFromObject);
         instance.sourceInstance = int(i);
+        instance.probeGroup = state.node;
         scene.objects.push_back(std::move(instance));
     }
     return {};

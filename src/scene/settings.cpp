@@ -98,6 +98,18 @@ const std::vector<Key<ObjectSettings>>& objectKeys()
          [](const Json& v, ObjectSettings& s) {
              return readNumber(v, 0.0, 1000.0, "a number from 0 to 1000", s.lightmapScale);
          }},
+        {"probes",
+         [](const Json& v, ObjectSettings& s) -> Expectation {
+             if (v.is_string()) s.probeLighting = probeLightingNamed(v.get<std::string>());
+             return s.probeLighting ? nullptr : "\"single\" or \"volume\"";
+         }},
+        {"probe_resolution",
+         [](const Json& v, ObjectSettings& s) -> Expectation {
+             ivec3 resolution;
+             if (!readProbeResolution(v, resolution)) return "a whole number from 1 to 64, or three";
+             s.probeResolution = resolution;
+             return nullptr;
+         }},
     };
     return keys;
 }
@@ -390,6 +402,26 @@ bool matchesPattern(std::string_view pattern, std::string_view text)
     return p == pattern.size();
 }
 
+std::optional<ProbeLighting> probeLightingNamed(std::string_view name)
+{
+    if (name == "single") return ProbeLighting::Single;
+    if (name == "volume") return ProbeLighting::Volume;
+    return std::nullopt;
+}
+
+bool readProbeResolution(const Json& value, ivec3& resolution)
+{
+    const bool three = value.is_array() && value.size() == 3;
+    for (int axis = 0; axis < 3; ++axis) {
+        const Json& number = three ? value[std::size_t(axis)] : value;
+        if (!number.is_number()) return false;
+        const double texels = number.get<double>(); // Blender writes some integers as 8.0
+        if (!(texels >= 1.0 && texels <= 64.0) || texels != std::floor(texels)) return false;
+        resolution[axis] = int(texels);
+    }
+    return true;
+}
+
 ObjectSettings mergeSettings(const ObjectSettings& weaker, const ObjectSettings& stronger)
 {
     ObjectSettings merged = weaker;
@@ -397,6 +429,8 @@ ObjectSettings mergeSettings(const ObjectSettings& weaker, const ObjectSettings&
     if (stronger.castShadows) merged.castShadows = stronger.castShadows;
     if (stronger.receiveShadows) merged.receiveShadows = stronger.receiveShadows;
     if (stronger.lightmapScale) merged.lightmapScale = stronger.lightmapScale;
+    if (stronger.probeLighting) merged.probeLighting = stronger.probeLighting;
+    if (stronger.probeResolution) merged.probeResolution = stronger.probeResolution;
     return merged;
 }
 

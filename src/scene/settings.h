@@ -16,6 +16,8 @@ struct ObjectSettings {
     std::optional<bool> castShadows;
     std::optional<bool> receiveShadows;
     std::optional<float> lightmapScale;
+    std::optional<ProbeLighting> probeLighting;
+    std::optional<ivec3> probeResolution;
 };
 
 struct LightSettings {
@@ -37,6 +39,11 @@ struct SceneSettings {
     std::optional<vec3> shadowColor;
     std::optional<std::vector<vec3>> probes;
 };
+
+/// "single" or "volume"; nothing for other words.
+std::optional<ProbeLighting> probeLightingNamed(std::string_view name);
+/// One number for all axes or three, each 1…64; false for anything else.
+bool readProbeResolution(const Json& value, ivec3& resolution);
 
 /// A settings file: rules in the file's order, later ones win.
 struct FileSettings {

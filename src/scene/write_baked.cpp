@@ -189,6 +189,10 @@ private:
         Json record = {
             {"static", first.isStatic}, {"castShadows", first.castShadows}, {"receiveShadows", first.receiveShadows}};
         if (first.lightmapScale != 1.0f) record["lightmapScale"] = first.lightmapScale;
+        if (first.probeLighting != ProbeLighting::Automatic)
+            record["probes"] = first.probeLighting == ProbeLighting::Volume ? "volume" : "single";
+        if (const ivec3 texels = first.probeResolution; texels != ivec3(0))
+            record["probeResolution"] = {texels.x, texels.y, texels.z};
         const bool instanced = first.sourceInstance >= 0;
         const int texCoord = mesh.parts.empty() ? 1 : mesh.parts[0].lightmapTexCoord;
         if (lightmapped && !instanced) {

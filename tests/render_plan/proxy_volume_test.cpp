@@ -227,5 +227,79 @@ TEST(ProxyVolumeS16, WithoutProbesTheSky)
     expectNear(sampleProxyVolume(volume, kBox.center()), skyProbe(baked.scene.sky), 1.0e-4f);
 }
 
+// Who gets a volume by itself, who by wish, who shares.
+TEST(ProxyVolumePlanS16, VolumesForLargeStaticObjectsAndOnDemand)
+{
+    BakedScene baked = probeGrid({4, 3, 5}, linear); // probes 1.5, 2 and 0.75 m apart
+    enum { LargeStatic, SmallStatic, Lightmapped, LargeDynamic, AskedFor, RefusedByItsAuthor, NoMesh, kCount };
+    for (int i = 0; i < kCount; ++i) {
+        const bool small = i == SmallStatic || i == AskedFor;
+        addBox(baked, vec3(0, 3, 6), vec3(small ? 0.3f : 2.0f), i != LargeDynamic && i != AskedFor);
+    }
+    std::vector<Object>& objects = baked.scene.objects;
+    objects[AskedFor].probeLighting = ProbeLighting::Volume;
+    objects[AskedFor].probeResolution = {4, 65, 1};
+    objects[RefusedByItsAuthor].probeLighting = ProbeLighting::Single;
+    objects[NoMesh].mesh = -1;
+    std::vector<bool> lightmapped(kCount, false);
+    lightmapped[Lightmapped] = true;
+    const std::vector<Bounds> meshes{{vec3(-1), vec3(1)}};
+    const ProbeInterpolator probes = rawProbes(baked);
+
+    const ProxyVolumePlan plan = planProxyVolumes(baked.scene, meshes, lightmapped, probes);
+    ASSERT_EQ(plan.volumes.size(), 2u);
+    EXPECT_EQ(plan.volumeOf, (std::vector<int>{1, -1, -1, -1, 0, -1, -1}));
+    EXPECT_EQ(plan.volumes[0].resolution, ivec3(4, kMaxProxyResolution, 1));
+    EXPECT_EQ(plan.volumes[1].resolution, ivec3(4, 3, 7)); // 4 m: texels no farther apart than probes
+    const ProxyVolume volume = makeProxyVolume(probes, baked.scene, meshes, plan.volumes[1]);
+    EXPECT_EQ(volume.resolution, ivec3(4, 3, 7));
+    expectSample(sampleProxyVolume(volume, vec3(-1, 2, 7)), linear(vec3(-1, 2, 7)), 2.0e-5f);
+
+    const BakedScene dark = emptyScene(); // no probes
+    EXPECT_TRUE(planProxyVolumes(baked.scene, meshes, lightmapped, rawProbes(dark)).volumes.empty());
+}
+
+TEST(ProxyVolumePlanS17, AGroupSharesTheBoxOfItsMembers)
+{
+    BakedScene baked = probeGrid({4, 3, 5}, linear);
+    for (int i = 0; i < 6; ++i) {
+        addBox(baked, vec3(0.4f * float(i) - 1, 2 + 0.3f * float(i), 6), vec3(0.1f), false);
+        Object& object = baked.scene.objects.back();
+        object.probeGroup = i % 2 == 0 ? 7 : 3;
+        object.probeLighting = i < 4 ? ProbeLighting::Volume : ProbeLighting::Automatic;
+        object.probeResolution = {3, 4, 2};
+    }
+    const std::vector<Bounds> meshes{{vec3(-1), vec3(1)}};
+    const ProbeInterpolator probes = rawProbes(baked);
+    const ProxyVolumePlan plan =
+        planProxyVolumes(baked.scene, meshes, std::vector<bool>(baked.scene.objects.size(), false), probes);
+    ASSERT_EQ(plan.volumes.size(), 2u);
+    EXPECT_EQ(plan.volumeOf, (std::vector<int>{1, 0, 1, 0, -1, -1}));
+    const ProxyVolume volume = makeProxyVolume(probes, baked.scene, meshes, plan.volumes[1]);
+    EXPECT_EQ(volume.resolution, ivec3(3, 4, 2));
+    // From the first member's lower corner to the last one's upper one.
+    const vec3 low(-1.1f, 1.9f, 5.9f);
+    const vec3 high(-0.1f, 2.7f, 6.1f);
+    for (const vec3 corner : {low, high}) {
+        expectSample(sampleProxyVolume(volume, corner), linear(corner), 2.0e-5f);
+        const vec3 beyond = corner + (corner - 0.5f * (low + high));
+        expectSample(sampleProxyVolume(volume, beyond), linear(corner), 2.0e-5f);
+    }
+}
+
+TEST(ProxyVolumePlanS16, TooManyTexelsMakeVolumesCoarser)
+{
+    BakedScene baked = probeGrid({4, 3, 5}, linear);
+    for (int i = 0; i < 50; ++i) {
+        addBox(baked, vec3(0, 3, 6), vec3(0.5f), false);
+        baked.scene.objects.back().probeLighting = ProbeLighting::Volume;
+        baked.scene.objects.back().probeResolution = ivec3(i == 0 ? 8 : 64);
+    }
+    const std::vector<Bounds> meshes{{vec3(-1), vec3(1)}};
+    const ProxyVolumePlan plan = planProxyVolumes(baked.scene, meshes, std::vector<bool>(50, false), rawProbes(baked));
+    EXPECT_EQ(plan.volumes[0].resolution, ivec3(8));
+    for (std::size_t i = 1; i < 50; ++i) EXPECT_EQ(plan.volumes[i].resolution, ivec3(32));
+}
+
 } // namespace
 } // namespace halflight

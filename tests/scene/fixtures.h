@@ -161,6 +161,9 @@ inline Scene engineScene()
         object.isStatic = i != 2;
         object.castShadows = i != 1;
         object.lightmapScale = i == 0 ? 2.5f : 1.0f;
+        if (i == 1) object.probeLighting = ProbeLighting::Single;
+        if (i == 2) object.probeLighting = ProbeLighting::Volume;
+        if (i == 2) object.probeResolution = {3, 4, 5};
         scene.objects.push_back(object);
     }
     for (const LightType type : {LightType::Directional, LightType::Point, LightType::Spot}) {

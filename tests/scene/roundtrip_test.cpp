@@ -73,6 +73,9 @@ void expectSame(const BakedScene& a, const BakedScene& b)
         EXPECT_EQ(x.castShadows, y.castShadows);
         EXPECT_EQ(x.receiveShadows, y.receiveShadows);
         EXPECT_EQ(x.lightmapScale, y.lightmapScale);
+        EXPECT_EQ(int(x.probeLighting), int(y.probeLighting));
+        EXPECT_EQ(x.probeResolution, y.probeResolution);
+        EXPECT_EQ(x.probeGroup, y.probeGroup);
         EXPECT_EQ(x.lightmap.page, y.lightmap.page);
         EXPECT_EQ(x.lightmap.scale, y.lightmap.scale);
         EXPECT_EQ(x.lightmap.offset, y.lightmap.offset);

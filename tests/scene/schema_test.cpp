@@ -164,6 +164,13 @@ TEST(Schemas, RefuseWhatIsWrong)
     EXPECT_NE(
         node.check({{"static", true}, {"castShadows", true}, {"receiveShadows", true}, {"lightmap", {{"page", 0}}}}),
         "");
+    const Json lit = {{"static", false}, {"castShadows", true}, {"receiveShadows", true}, {"probes", "volume"}};
+    EXPECT_EQ(node.check(lit), "");
+    for (const Json& wrong : {Json(4), Json({1, 2}), Json({1, 2, 65}), Json({0, 2, 3})}) {
+        bad = lit;
+        bad["probeResolution"] = wrong;
+        EXPECT_NE(node.check(bad), "") << wrong.dump();
+    }
 }
 
 // The engine's scene, written and read back: the same scene.
@@ -183,6 +190,8 @@ TEST(EngineScene, ComesBackFromTheFile)
         EXPECT_EQ(a.objects[i].isStatic, b.objects[i].isStatic);
         EXPECT_EQ(a.objects[i].castShadows, b.objects[i].castShadows);
         EXPECT_EQ(a.objects[i].lightmapScale, b.objects[i].lightmapScale);
+        EXPECT_EQ(int(a.objects[i].probeLighting), int(b.objects[i].probeLighting));
+        EXPECT_EQ(a.objects[i].probeResolution, b.objects[i].probeResolution);
         EXPECT_EQ(a.objects[i].lightmap.page, b.objects[i].lightmap.page);
         EXPECT_EQ(a.objects[i].lightmap.offset, b.objects[i].lightmap.offset);
     }

@@ -25,10 +25,9 @@ GltfBuilder litFile()
                                         {"halflight_sky_ground", {0.1, 0.2, 0.3}},
                                         {"halflight_shadow_color", {0.01, 0.02, 0.03}},
                                         {"halflight_probes", {1, 2, 3, 4, 5, 6}}};
-    file.json["nodes"][0]["extras"] = {{"halflight_static", 0},
-                                       {"halflight_cast_shadows", false},
-                                       {"halflight_receive_shadows", 1},
-                                       {"halflight_lightmap_scale", 2.5}};
+    file.json["nodes"][0]["extras"] = {{"halflight_static", 0},          {"halflight_cast_shadows", false},
+                                       {"halflight_receive_shadows", 1}, {"halflight_lightmap_scale", 2.5},
+                                       {"halflight_probes", "volume"},   {"halflight_probe_resolution", {4, 5.0, 6}}};
     file.json["nodes"][0]["children"] = {3};
     file.json["nodes"].push_back(
         {{"extensions", {{"KHR_lights_punctual", {{"light", 0}}}}},
@@ -49,8 +48,11 @@ TEST(SettingsS5, ExtrasOfNodesLightsAndScene)
     EXPECT_FALSE(object.castShadows);
     EXPECT_TRUE(object.receiveShadows);
     EXPECT_EQ(object.lightmapScale, 2.5f);
-    EXPECT_FALSE(scene->objects.at(1).isStatic);   // inherited
-    EXPECT_TRUE(scene->objects.at(1).castShadows); // not inherited
+    EXPECT_EQ(int(object.probeLighting), int(ProbeLighting::Volume));
+    EXPECT_EQ(object.probeResolution, ivec3(4, 5, 6));
+    EXPECT_EQ(int(scene->objects.at(1).probeLighting), int(ProbeLighting::Automatic)); // not inherited
+    EXPECT_FALSE(scene->objects.at(1).isStatic);                                       // inherited
+    EXPECT_TRUE(scene->objects.at(1).castShadows);                                     // not inherited
     EXPECT_EQ(int(scene->lights.at(0).mode), int(LightMode::Realtime));
     EXPECT_EQ(scene->lights[0].intensity, 7.0f);
     EXPECT_FLOAT_EQ(scene->lights[0].angularRadiusRadians, glm::radians(0.265f));
@@ -78,6 +80,8 @@ static = true
 [[node]]
 pattern = "Chil?"
 lightmap_scale = 0.5
+probes = "single"
+probe_resolution = 7
 [[node]]
 pattern = "nobody"
 static = false
@@ -106,6 +110,8 @@ radius = 0.1
     EXPECT_TRUE(scene->objects.at(0).isStatic);
     EXPECT_TRUE(scene->objects.at(1).isStatic); // the file's rule for the parent beats the parent's extras
     EXPECT_EQ(scene->objects[1].lightmapScale, 0.5f);
+    EXPECT_EQ(int(scene->objects[1].probeLighting), int(ProbeLighting::Single));
+    EXPECT_EQ(scene->objects[1].probeResolution, ivec3(7));
     EXPECT_EQ(int(scene->lights.at(0).mode), int(LightMode::Mixed));
     EXPECT_EQ(scene->lights[0].shadowStrength, 0.25f);
     EXPECT_EQ(int(scene->lights.at(1).mode), int(LightMode::Mixed));
@@ -158,6 +164,10 @@ TEST(SettingsS5, TyposAndWrongValuesAreErrors)
     EXPECT_THAT(errorOf("[sky]\nzenith = \n"), HasSubstr("line 2"));
     EXPECT_THAT(errorOf("[[add_light]]\nname = \"x\"\n"), HasSubstr("type must be"));
     EXPECT_THAT(errorOf("[[node]]\npattern = \"*\"\nstatic = 2\n"), HasSubstr("static must be true, false, 0 or 1"));
+    EXPECT_THAT(errorOf("[[node]]\npattern = \"*\"\nprobes = \"many\"\n"), HasSubstr("\"single\" or \"volume\""));
+    for (const char* wrong : {"65", "0", "1.5", "[1, 2]", "\"8\""})
+        EXPECT_THAT(errorOf((std::string("[[node]]\npattern = \"*\"\nprobe_resolution = ") + wrong + "\n").c_str()),
+                    HasSubstr("a whole number from 1 to 64, or three"));
     EXPECT_EQ(readScene(path, {.settingsFile = folder / "none.toml"}).error().code, ErrorCode::FileNotFound);
 
     // A typo in extras is a warning: the file may come from another version.

@@ -115,6 +115,30 @@ ProxyVolume makeProxyVolume(const ProbeInterpolator& probes, const Bounds& box, 
 ProxyVolume makeProxyVolume(const ProbeInterpolator& probes, const Bounds& worldBox,
                             const ProxyVolumeSettings& settings = {});
 
+/// Texels of all volumes that ProbeLighting::Automatic may give a scene; the largest objects come first.
+constexpr int kMaxAutomaticProxyTexels = 1 << 18;
+/// Texels of all volumes that are asked for; beyond it the finest are made coarser.
+constexpr int kMaxProxyTexels = 1 << 21;
+
+/// Which objects of a scene have a proxy volume, who shares one, and how finely each is sampled.
+struct ProxyVolumePlan {
+    struct Volume {
+        std::vector<uint32_t> objects; ///< ascending
+        bool alongWorldAxes = false;   ///< a group's box in the world; else its only object's box in that one's space
+        ivec3 resolution{0};           ///< stays wherever the objects move
+    };
+    std::vector<Volume> volumes;
+    std::vector<int> volumeOf; ///< per object, -1: one sample at its probeAnchor()
+};
+
+/// By each object's probeLighting, probeResolution and probeGroup. `lightmapped[i]`: a lightmap lights object i, which
+/// needs no probes; `meshBounds`: of each mesh in its own space. No volumes without valid probes.
+ProxyVolumePlan planProxyVolumes(const Scene& scene, std::span<const Bounds> meshBounds,
+                                 const std::vector<bool>& lightmapped, const ProbeInterpolator& probes);
+/// The volume where its objects are now.
+ProxyVolume makeProxyVolume(const ProbeInterpolator& probes, const Scene& scene, std::span<const Bounds> meshBounds,
+                            const ProxyVolumePlan::Volume& volume);
+
 /// What a GPU's linear filter reads there.
 ProbeSample sampleProxyVolume(const ProxyVolume& volume, vec3 worldPosition);
 

@@ -6,6 +6,7 @@
 #include "halflight/render/frame.h"
 #include "halflight/scene/baked_scene.h"
 
+#include <cstdint>
 #include <memory>
 #include <optional>
 #include <string>
@@ -32,17 +33,28 @@ struct RenderSettings {
     DebugView view = DebugView::Lit;
     ivec2 size{1280, 720};
     int supersampling = 1; ///< 1…4: each pixel is the mean radiance of supersampling^2 samples on a regular grid
+    /// Objects that have a proxy volume (Object::probeLighting) are lit by it; false: every object by one probe sample.
+    bool proxyVolumes = true;
+    /// Measure each pass. The device then ends one before it begins the next, so a frame may take a little longer.
+    bool timings = false;
 };
 
-struct PassTime {
+/// What one pass of a frame drew and how long that took.
+struct PassReport {
     std::string name;
-    double milliseconds = 0.0; ///< GPU timestamps
+    int draws = 0;             ///< draw calls
+    int64_t instances = 0;     ///< mesh parts in them: a draw call of n instances counts n
+    int64_t triangles = 0;     ///< of all instances
+    double milliseconds = 0.0; ///< by the device's timestamps; 0 where RenderedFrame::timed is false
 };
 
 struct RenderedFrame {
     ImageRgba32f radiance; ///< linear, no exposure, no tone mapping; alpha 1
     FramePlan plan;
-    std::vector<PassTime> passes;
+    /// In the order of drawing: "directional shadows", "spot shadows", "point shadows", "depth", in the deferred path
+    /// "g-buffer" and "deferred light", then "forward", "sky", "blended", "readback" (the picture to the host).
+    std::vector<PassReport> passes;
+    bool timed = false; ///< settings asked for timings and the device has timestamps
     /// Targets of the G-buffer, the picture itself among them: 4, and a fifth for baked shadows in frames that use a
     /// mask (plan.usesMask); 0 when all was drawn forward.
     int gBufferTargets = 0;
@@ -52,9 +64,9 @@ struct RenderedFrame {
 /// Holds the Vulkan device and one uploaded scene.
 ///
 /// What lights a surface, by mode. Direct light: every light of the frame plan, times its shadow attenuation by the law
-/// (shading/law.h). Indirect light: the lightmap on static objects that have one, else the probes at the object's
-/// middle; in realtime mode neither, but the open sky (nothing where the sky is black). Either reflects diffusely and,
-/// blurred, in the specular lobe, dimmed by the material's occlusion texture.
+/// (shading/law.h). Indirect light: the lightmap on static objects that have one, else the probes, at the object's
+/// middle or from its proxy volume; in realtime mode neither, but the open sky (nothing where the sky is black). Either
+/// reflects diffusely and, blurred, in the specular lobe, dimmed by the material's occlusion texture.
 ///
 /// Both sides of opaque and alpha-masked surfaces cast realtime shadows, as they stop the bake's rays; alpha-blended
 /// surfaces cast none. They are drawn after all others, the farthest middle of a mesh part first.

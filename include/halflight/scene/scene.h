@@ -92,6 +92,11 @@ struct LightmapBinding {
     vec2 offset{0.0f};
 };
 
+/// Where an object without lightmap takes its probe light. Single: one sample for all of it, at its middle. Volume: a
+/// proxy volume (LPPV), light and occlusion point by point. Automatic: a volume for static objects that are longer than
+/// probes are apart, as one place does not speak for them; else one sample.
+enum class ProbeLighting { Automatic, Single, Volume };
+
 /// A mesh placed in the world: a node with a mesh, or one instance of an EXT_mesh_gpu_instancing node.
 struct Object {
     std::string name;
@@ -102,6 +107,11 @@ struct Object {
     bool receiveShadows = true;
     float lightmapScale = 1.0f; ///< multiplies texels per metre; 0 = casts into the bake but gets no texels
     LightmapBinding lightmap;
+    ProbeLighting probeLighting = ProbeLighting::Automatic;
+    ivec3 probeResolution{0}; ///< texels of its proxy volume along its own axes, 1…64; 0 = by the distance of probes
+    /// Objects with ProbeLighting::Volume and the same group share one proxy volume, a box along the world's axes. -1:
+    /// a volume of its own, along its own axes. The reader puts the instances of one node in one group.
+    int probeGroup = -1;
     int sourceNode = -1;
     int sourceInstance = -1; ///< index within EXT_mesh_gpu_instancing, -1 = none
 };

@@ -1,9 +1,11 @@
 // Light probe proxy volumes: probe light resampled on a regular grid about an object.
 #include "halflight/base/parallel.h"
 #include "halflight/render/probes.h"
+#include "render/frame/frame_internal.h"
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 
 namespace halflight {
 namespace {
@@ -62,6 +64,22 @@ ivec3 resolutionOf(const dmat4& worldFromUnit, const ProxyVolumeSettings& settin
     return resolution;
 }
 
+/// World box of a volume's objects.
+Bounds worldBoxOf(const Scene& scene, std::span<const Bounds> meshBounds, std::span<const uint32_t> objects)
+{
+    Bounds box;
+    for (const uint32_t i : objects) {
+        const Object& object = scene.objects[i];
+        box.extend(worldBounds(meshBounds[std::size_t(object.mesh)], object.worldFromObject));
+    }
+    return box;
+}
+
+std::size_t texelCount(ivec3 resolution)
+{
+    return std::size_t(resolution.x) * std::size_t(resolution.y) * std::size_t(resolution.z);
+}
+
 void store(ProxyVolume& volume, std::size_t at, const ProbeSample& sample)
 {
     const SphericalHarmonicsL2& r = sample.radiance;
@@ -115,6 +133,73 @@ ProxyVolume makeProxyVolume(const ProbeInterpolator& probes, const Bounds& world
                             const ProxyVolumeSettings& settings)
 {
     return makeProxyVolume(probes, worldBox, mat4(1.0f), settings);
+}
+
+ProxyVolumePlan planProxyVolumes(const Scene& scene, std::span<const Bounds> meshBounds,
+                                 const std::vector<bool>& lightmapped, const ProbeInterpolator& probes)
+{
+    ProxyVolumePlan plan;
+    plan.volumeOf.assign(scene.objects.size(), -1);
+    if (probes.probeCount() == 0) return plan;
+    const vec3 spacing = probes.spacingMeters();
+    const auto add = [&](std::vector<uint32_t> objects, bool alongWorldAxes, ivec3 resolution) {
+        for (const uint32_t i : objects) plan.volumeOf[i] = int(plan.volumes.size());
+        plan.volumes.push_back({std::move(objects), alongWorldAxes, resolution});
+    };
+    const auto ownResolution = [&](const Object& object, ivec3 wish) {
+        const Bounds& box = meshBounds[std::size_t(object.mesh)];
+        return resolutionOf(worldFromUnitBox(box, object.worldFromObject), {wish}, spacing);
+    };
+
+    std::map<int, std::vector<uint32_t>> groups;
+    std::vector<std::pair<uint32_t, ivec3>> automatic;
+    for (uint32_t i = 0; i < scene.objects.size(); ++i) {
+        const Object& object = scene.objects[i];
+        if (object.mesh < 0 || lightmapped[i] || meshBounds[std::size_t(object.mesh)].empty()) continue;
+        if (object.probeLighting == ProbeLighting::Volume) {
+            if (object.probeGroup >= 0)
+                groups[object.probeGroup].push_back(i);
+            else
+                add({i}, false, ownResolution(object, object.probeResolution));
+        } else if (object.probeLighting == ProbeLighting::Automatic && object.isStatic) {
+            // Longer than probes are apart: more texels than the two ends.
+            const ivec3 resolution = ownResolution(object, ivec3(0));
+            if (std::max({resolution.x, resolution.y, resolution.z}) > 2)
+                automatic.emplace_back(i, ownResolution(object, object.probeResolution));
+        }
+    }
+    for (auto& [group, objects] : groups) {
+        const Bounds box = worldBoxOf(scene, meshBounds, objects);
+        const ivec3 wish = scene.objects[objects.front()].probeResolution;
+        add(std::move(objects), true, resolutionOf(worldFromUnitBox(box, mat4(1.0f)), {wish}, spacing));
+    }
+    const auto texelsWithin = [&](int most) {
+        std::size_t texels = 0;
+        for (const auto& volume : plan.volumes) texels += texelCount(glm::min(volume.resolution, ivec3(most)));
+        return texels;
+    };
+    int most = kMaxProxyResolution;
+    while (most > 1 && texelsWithin(most) > std::size_t(kMaxProxyTexels)) most /= 2;
+    for (auto& volume : plan.volumes) volume.resolution = glm::min(volume.resolution, ivec3(most));
+
+    std::stable_sort(automatic.begin(), automatic.end(),
+                     [](const auto& a, const auto& b) { return texelCount(a.second) > texelCount(b.second); });
+    std::size_t texels = 0;
+    for (const auto& [i, resolution] : automatic) {
+        if (texels + texelCount(resolution) > std::size_t(kMaxAutomaticProxyTexels)) continue;
+        texels += texelCount(resolution);
+        add({i}, false, resolution);
+    }
+    return plan;
+}
+
+ProxyVolume makeProxyVolume(const ProbeInterpolator& probes, const Scene& scene, std::span<const Bounds> meshBounds,
+                            const ProxyVolumePlan::Volume& volume)
+{
+    const ProxyVolumeSettings settings{volume.resolution};
+    if (volume.alongWorldAxes) return makeProxyVolume(probes, worldBoxOf(scene, meshBounds, volume.objects), settings);
+    const Object& object = scene.objects[volume.objects.front()];
+    return makeProxyVolume(probes, meshBounds[std::size_t(object.mesh)], object.worldFromObject, settings);
 }
 
 ProbeSample sampleProxyVolume(const ProxyVolume& volume, vec3 worldPosition)
