@@ -12,6 +12,7 @@ layout(std430, set = 0, binding = kBindTiles) readonly buffer TileBlock { GpuTil
 layout(std430, set = 0, binding = kBindClusters) readonly buffer ClusterBlock { uint clusterWords[]; };
 layout(std430, set = 0, binding = kBindInstances) readonly buffer InstanceBlock { uint instanceObjects[]; };
 layout(set = 0, binding = kBindLightmaps) uniform sampler2DArray lightmaps;
+layout(set = 0, binding = kBindLightmapDirections) uniform sampler2DArray lightmapDirections;
 layout(set = 0, binding = kBindShadowmasks) uniform sampler2DArray shadowmasks;
 layout(set = 0, binding = kBindCascades) uniform sampler2DArrayShadow cascadeMaps;
 layout(set = 0, binding = kBindAtlas) uniform sampler2DArrayShadow atlasMap;

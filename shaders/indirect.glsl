@@ -15,11 +15,12 @@ vec3 indirectLight(MeshSurface mesh, vec3 lightmap)
     Surface s = mesh.lit;
     bool realtime = frame.mode.x == kModeRealtime;
     vec3 irradiance;
-    vec3 surroundings; // in the mirror: a lightmap knows one value, probes and sky know directions, blurrier when rougher
+    vec3 surroundings; // in the mirror, blurrier when rougher; a lightmap without directions knows one value only
     vec3 mirror = reflect(-s.view, s.normal);
+    vec3 lobe = normalize(mix(mirror, s.normal, s.roughness * s.roughness));
     if (usesLightmap(s)) {
-        irradiance = lightmap;
-        surroundings = lightmap;
+        irradiance = lightmap * lightmapScale(mesh, s.normal);
+        surroundings = lightmap * lightmapScale(mesh, lobe);
     } else {
         ProbeSample probes;
         if (realtime)
@@ -27,7 +28,7 @@ vec3 indirectLight(MeshSurface mesh, vec3 lightmap)
         else
             probes = sampleProbes(inObject, s.position);
         irradiance = irradianceFrom(probes, s.normal);
-        surroundings = irradianceFrom(probes, normalize(mix(mirror, s.normal, s.roughness * s.roughness)));
+        surroundings = irradianceFrom(probes, lobe);
     }
     surroundings *= 1.0 / kShadingPi;
     if (realtime)

@@ -5,6 +5,7 @@
 #include "material.glsl"
 #include "probes.glsl"
 #include "surface.glsl"
+#include "halflight/shading/directional.h"
 
 layout(location = 0) in vec3 inPosition;
 layout(location = 1) in vec3 inNormal;
@@ -71,6 +72,16 @@ MeshSurface readSurface()
     mesh.unlit = materials[material].info.x != 0;
     mesh.lit = s;
     return mesh;
+}
+
+// S32. Factor from the lightmap's irradiance, which is that on the vertex normal, to another normal's. Lightmaps know the
+// surface's upper side only, and give the lower one the same light: its normals are turned over.
+float lightmapScale(MeshSurface mesh, vec3 normal)
+{
+    if (frame.baked.x == 0) return 1.0;
+    float side = gl_FrontFacing ? 1.0 : -1.0;
+    vec4 direction = textureLod(lightmapDirections, vec3(inLightmapUv, objects[inObject].info.y), 0.0);
+    return directionalIrradianceScale(decodeMeanDirection(direction.rgb), side * mesh.vertexNormal, side * normal);
 }
 
 vec3 lightmapIrradiance() { return textureLod(lightmaps, vec3(inLightmapUv, objects[inObject].info.y), 0.0).rgb; }

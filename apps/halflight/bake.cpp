@@ -39,6 +39,7 @@ bool isImageName(const std::string& name)
     if (name == "probes.json") return true;
     for (const auto& [prefix, extension] : {std::pair<std::string_view, std::string_view>{"lightmap_raw_", ".exr"},
                                             {"lightmap_", ".exr"},
+                                            {"lightmap_direction_", ".png"},
                                             {"shadowmask_", ".png"}}) {
         if (!name.starts_with(prefix) || !name.ends_with(extension)) continue;
         if (name.size() <= prefix.size() + extension.size()) continue;
@@ -243,6 +244,8 @@ Command addBakeCommand(CLI::App& parent)
         "the file's TEXCOORD_1: keep it where it is valid, keep it or fail, or unwrap anew (default auto)");
     addChoice<bool>(app, "--denoise", bake.denoise, {{"on", true}, {"off", false}},
                     "denoise the lightmap (default on)");
+    addChoice<bool>(app, "--directional", bake.directional, {{"on", true}, {"off", false}},
+                    "keep the mean direction of lightmap light too, so that normal maps respond to it (default off)");
     addFloat(app, "--probe-spacing", bake.probeSpacingMeters, 0.01f, 10000.0f, "METERS",
              "distance between light probes (default by the scene's size)");
     addVec3(app, "--sky", options->skyNits, 0.0f, 1.0e6f, "R,G,B",

@@ -180,45 +180,6 @@ std::string megabytes(uint64_t bytes)
     return fmt::format("{:.0f} MB", double(bytes) / 1e6);
 }
 
-std::string_view nameOf(LightType type)
-{
-    switch (type) {
-    case LightType::Directional:
-        return "directional";
-    case LightType::Point:
-        return "point";
-    case LightType::Spot:
-        return "spot";
-    }
-    return "?";
-}
-
-std::string_view nameOf(LightMode mode)
-{
-    switch (mode) {
-    case LightMode::Realtime:
-        return "realtime";
-    case LightMode::Mixed:
-        return "mixed";
-    case LightMode::Baked:
-        return "baked";
-    }
-    return "?";
-}
-
-std::string_view nameOf(MixedLightingMode mode)
-{
-    switch (mode) {
-    case MixedLightingMode::BakedIndirect:
-        return "baked-indirect";
-    case MixedLightingMode::Shadowmask:
-        return "shadowmask";
-    case MixedLightingMode::Subtractive:
-        return "subtractive";
-    }
-    return "?";
-}
-
 std::string_view channelName(int channel)
 {
     constexpr std::string_view kNames[] = {"R", "G", "B", "A"};

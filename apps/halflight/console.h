@@ -59,9 +59,6 @@ std::string clockTime(double seconds);
 std::string withUnit(double number);
 std::string megabytes(uint64_t bytes);
 
-std::string_view nameOf(LightType type);
-std::string_view nameOf(LightMode mode);
-std::string_view nameOf(MixedLightingMode mode);
 /// "R", "G", "B", "A", or "-" for none.
 std::string_view channelName(int channel);
 

@@ -116,7 +116,8 @@ Json infoJson(const InfoOptions& options, const BakedScene& baked)
         json["bounds"] = {{"min", jsonOf(bounds.min)}, {"max", jsonOf(bounds.max)}};
     }
     json["lightmap"] = {{"pages", baked.lightmaps.size()},
-                        {"size", baked.lightmaps.empty() ? 0 : baked.lightmaps.front().width()}};
+                        {"size", baked.lightmaps.empty() ? 0 : baked.lightmaps.front().width()},
+                        {"directional", !baked.lightmapDirections.empty()}};
     json["shadowmask"] = {{"pages", baked.shadowmasks.size()},
                           {"size", baked.shadowmasks.empty() ? 0 : baked.shadowmasks.front().width()}};
     json["probes"] = {{"total", baked.probes.probes.size()},
@@ -174,8 +175,8 @@ void printInfo(const InfoOptions& options, const BakedScene& baked)
     if (baked.isBaked) {
         const int lightmapSize = baked.lightmaps.empty() ? 0 : baked.lightmaps.front().width();
         const int maskSize = baked.shadowmasks.empty() ? 0 : baked.shadowmasks.front().width();
-        fmt::print("lightmap    {} of {} x {}, for {} objects\n", baked.lightmaps.size(), lightmapSize, lightmapSize,
-                   grouped(counts.lightmappedObjects));
+        fmt::print("lightmap    {} of {} x {}{}, for {} objects\n", baked.lightmaps.size(), lightmapSize, lightmapSize,
+                   baked.lightmapDirections.empty() ? "" : ", directional", grouped(counts.lightmappedObjects));
         fmt::print("shadowmask  {} of {} x {}\n", baked.shadowmasks.size(), maskSize, maskSize);
         const ivec3 grid = baked.probes.size;
         fmt::print("probes      {} ({} valid), grid {} x {} x {}\n", grouped(baked.probes.probes.size()),

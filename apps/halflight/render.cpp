@@ -315,6 +315,8 @@ void addPictureOptions(CLI::App& app, RenderOptions& options)
                           "light surfaces as they are drawn, or from a G-buffer (default forward)");
     addChoice<bool>(app, "--proxy-volumes", options.render.proxyVolumes, {{"on", true}, {"off", false}},
                     "large objects are lit by the probes around each point; off: by one sample each (default on)");
+    addChoice<bool>(app, "--directional", options.render.directionalLightmaps, {{"on", true}, {"off", false}},
+                    "use the lightmap's directions where the bake has them (default on)");
     const auto checkLight = [](std::string& text) {
         const Result<LightOverride> change = parseLightOverride(text);
         return change ? std::string() : change.error().message;

@@ -70,10 +70,13 @@ Status dumpPages(const BakeSettings& settings, const std::string& prefix, const 
 Status dumpResult(const BakeSettings& settings, const BakedScene& baked)
 {
     if (settings.imagesDirectory.empty()) return {};
-    for (std::size_t i = 0; i < baked.shadowmasks.size(); ++i) {
-        const auto path = settings.imagesDirectory / ("shadowmask_" + std::to_string(i) + ".png");
-        if (Status status = writePng(path, baked.shadowmasks[i]); !status) {
-            return Error{status.error().code, path.string() + " " + status.error().message};
+    for (const auto& [prefix, pages] :
+         {std::pair{"shadowmask", &baked.shadowmasks}, std::pair{"lightmap_direction", &baked.lightmapDirections}}) {
+        for (std::size_t i = 0; i < pages->size(); ++i) {
+            const auto path = settings.imagesDirectory / (prefix + ("_" + std::to_string(i) + ".png"));
+            if (Status status = writePng(path, (*pages)[i]); !status) {
+                return Error{status.error().code, path.string() + " " + status.error().message};
+            }
         }
     }
     nlohmann::json probes = nlohmann::json::array();
@@ -247,6 +250,15 @@ Result<BakeResult> bake(Scene scene, const BakeSettings& settings, const Integra
                                   "file's RGB9E5 format holds, and are cut there; scale the lights down");
     }
     baked.lightmaps = encodeLightmap(pages);
+    if (settings.directional) {
+        std::vector<vec3> moments;
+        moments.reserve(estimates.size());
+        for (const IrradianceEstimate& e : estimates) moments.push_back(e.moment);
+        fillInvalid(geometry, map, values.valid, moments);
+        std::vector<ImageRgb32f> momentPages = dilate(map, moments, kDilationRings);
+        stitchSeams(seams, momentPages);
+        baked.lightmapDirections = encodeDirections(pages, momentPages);
+    }
 
     const auto hasChannel = [](const Light& light) { return light.baking.occlusionMaskChannel >= 0; };
     if (settings.mode == MixedLightingMode::Shadowmask &&

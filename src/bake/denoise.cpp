@@ -36,6 +36,7 @@ void denoise(const BakeGeometry& geometry, const TexelMap& map, std::vector<Irra
     // more than a few times the texel's own, so that a bright light's variance does not open the texels beside it to
     // its light.
     std::vector<vec3> color(count);
+    std::vector<vec3> moment(count);
     std::vector<float> variance(count);
     parallelFor(count, 2048, [&](std::size_t begin, std::size_t end) {
         std::array<float, 25> around;
@@ -63,6 +64,7 @@ void denoise(const BakeGeometry& geometry, const TexelMap& map, std::vector<Irra
                 }
             }
             color[i] = estimates[i].irradiance;
+            moment[i] = estimates[i].moment;
             variance[i] = weight > 0.0f ? std::max(varianceSum / weight, 0.25f * ownVariance) : ownVariance;
             if (n > 0) {
                 std::nth_element(variancesAround.begin(), variancesAround.begin() + n / 2, variancesAround.begin() + n);
@@ -75,6 +77,7 @@ void denoise(const BakeGeometry& geometry, const TexelMap& map, std::vector<Irra
                 if (own > 1.1f * bright && excess > 0.5f * std::sqrt(ownVariance) &&
                     excess < 3.0f * std::sqrt(ownVariance)) {
                     color[i] *= bright / own;
+                    moment[i] *= bright / own;
                     variance[i] = std::min(variance[i], bright * bright * 0.04f);
                 }
             }
@@ -84,6 +87,7 @@ void denoise(const BakeGeometry& geometry, const TexelMap& map, std::vector<Irra
     constexpr std::array<float, 3> kSpline = {3.0f / 8.0f, 1.0f / 4.0f, 1.0f / 16.0f};
     constexpr float kLuminanceSigmas = 2.5f;
     std::vector<vec3> nextColor(count);
+    std::vector<vec3> nextMoment(count);
     std::vector<float> nextVariance(count);
     for (int level = 0; level < 4; ++level) {
         const int step = 1 << level;
@@ -94,6 +98,7 @@ void denoise(const BakeGeometry& geometry, const TexelMap& map, std::vector<Irra
                 const float ownLuminance = luminance(color[i]);
                 const float planeScale = 1.0f / (float(step) * guide.texelMeters);
                 vec3 sum(0.0f);
+                vec3 momentSum(0.0f);
                 float weight = 0.0f;
                 float varianceSum = 0.0f;
                 for (int dy = -2; dy <= 2; ++dy) {
@@ -117,20 +122,24 @@ void denoise(const BakeGeometry& geometry, const TexelMap& map, std::vector<Irra
                             w *= std::pow(cosine, 32.0f) * std::exp(-plane * plane - difference * difference / noise);
                         }
                         sum += w * color[j];
+                        momentSum += w * moment[j];
                         varianceSum += w * w * variance[j];
                         weight += w;
                     }
                 }
                 nextColor[i] = weight > 0.0f ? sum / weight : color[i];
+                nextMoment[i] = weight > 0.0f ? momentSum / weight : moment[i];
                 nextVariance[i] = weight > 0.0f ? varianceSum / (weight * weight) : variance[i];
             }
         });
         color.swap(nextColor);
+        moment.swap(nextMoment);
         variance.swap(nextVariance);
     }
     for (std::size_t i = 0; i < count; ++i) {
         if (!estimates[i].valid) continue;
         estimates[i].irradiance = color[i];
+        estimates[i].moment = moment[i];
         estimates[i].varianceOfMean = variance[i];
     }
 }

@@ -1,6 +1,7 @@
 #include "bake/stages.h"
 
 #include "halflight/base/parallel.h"
+#include "halflight/shading/directional.h"
 
 #include <algorithm>
 #include <cmath>
@@ -47,6 +48,24 @@ ImageRgb32f decodeLightmap(const Image<uint32_t>& page)
     ImageRgb32f decoded(page.width(), page.height());
     for (std::size_t i = 0; i < page.texelCount(); ++i) decoded.data()[i] = glm::unpackF3x9_E1x5(page.data()[i]);
     return decoded;
+}
+
+std::vector<ImageRgba8> encodeDirections(const std::vector<ImageRgb32f>& irradiance,
+                                         const std::vector<ImageRgb32f>& moments)
+{
+    std::vector<ImageRgba8> encoded;
+    for (std::size_t p = 0; p < irradiance.size(); ++p) {
+        ImageRgba8 out(irradiance[p].width(), irradiance[p].height());
+        parallelFor(out.texelCount(), 65536, [&](std::size_t begin, std::size_t end) {
+            for (std::size_t i = begin; i < end; ++i) {
+                const float light = luminance(irradiance[p].data()[i]);
+                const vec3 direction = light > 0.0f ? moments[p].data()[i] / light : vec3(0.0f);
+                out.data()[i] = u8vec4(vec4(shading::encodeMeanDirection(direction), 1.0f) * 255.0f + 0.5f);
+            }
+        });
+        encoded.push_back(std::move(out));
+    }
+    return encoded;
 }
 
 std::vector<ImageRgba8> encodeShadowmask(const std::vector<ImageRgba32f>& pages)

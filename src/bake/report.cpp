@@ -3,35 +3,6 @@
 #include <nlohmann/json.hpp>
 
 namespace halflight {
-namespace {
-
-const char* nameOf(LightType type)
-{
-    switch (type) {
-    case LightType::Directional:
-        return "directional";
-    case LightType::Point:
-        return "point";
-    case LightType::Spot:
-        return "spot";
-    }
-    return "";
-}
-
-const char* nameOf(LightMode mode)
-{
-    switch (mode) {
-    case LightMode::Realtime:
-        return "realtime";
-    case LightMode::Mixed:
-        return "mixed";
-    case LightMode::Baked:
-        return "baked";
-    }
-    return "";
-}
-
-} // namespace
 
 std::string reportJson(const BakeReport& report)
 {

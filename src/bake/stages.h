@@ -63,6 +63,9 @@ template<typename T> void stitchSeams(const std::vector<SeamSample>& seams, std:
 /// The largest value RGB9E5 holds; brighter texels are cut there.
 constexpr float kMaxRgb9e5 = 65408.0f;
 std::vector<Image<uint32_t>> encodeLightmap(const std::vector<ImageRgb32f>& pages);
+/// Mean directions (shading/directional.h) from pages of irradiance and of its first moment.
+std::vector<ImageRgba8> encodeDirections(const std::vector<ImageRgb32f>& irradiance,
+                                         const std::vector<ImageRgb32f>& moments);
 std::vector<ImageRgba8> encodeShadowmask(const std::vector<ImageRgba32f>& pages);
 
 /// Irradiance image of an encoded page.

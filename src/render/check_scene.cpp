@@ -67,6 +67,9 @@ Status checkScene(const BakedScene& baked)
     };
     if (!samePages(baked.lightmaps)) return broken("lightmap pages are empty or differ in size", "");
     if (!samePages(baked.shadowmasks)) return broken("shadowmask pages are empty or differ in size", "");
+    if (!samePages(baked.lightmapDirections)) return broken("lightmap direction pages are empty or differ in size", "");
+    if (!baked.lightmapDirections.empty() && baked.lightmapDirections.size() != baked.lightmaps.size())
+        return broken("the file has not as many lightmap direction pages as lightmap pages", "");
     if (!baked.shadowmasks.empty() && baked.shadowmasks.size() != baked.lightmaps.size())
         return broken("the file has not as many shadowmask pages as lightmap pages", "");
     return {};

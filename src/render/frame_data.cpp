@@ -78,6 +78,8 @@ shading::GpuFrame gpuFrame(const GpuScene& scene, const FrameView& view, const R
     frame.mode = ivec4(int(plan.mode), int(settings.view), plan.mainLight, int(plan.lights.size()));
     frame.shadow = ivec4(filterHalfWidth(settings.shadows.filter), settings.shadows.cascades,
                          int(settings.shadows.cascadeBlend), settings.proxyVolumes ? 1 : 0);
+    const bool directional = settings.directionalLightmaps && !scene.outline.lightmapDirections.empty();
+    frame.baked = ivec4(directional ? 1 : 0, 0, 0, 0);
     std::copy(std::begin(scene.skySh), std::end(scene.skySh), std::begin(frame.skySh));
     return frame;
 }

@@ -32,7 +32,8 @@ HL_CONST int kBindGBufferMask = 14;
 HL_CONST int kBindDepth = 15;
 HL_CONST int kBindProbeVolumes = 16;
 HL_CONST int kBindProbeTexture = 17;
-HL_CONST int kBindTextures = 18; // the last: its length varies
+HL_CONST int kBindLightmapDirections = 18;
+HL_CONST int kBindTextures = 19; // the last: its length varies
 
 // Debug views: the values of DebugView in renderer.h.
 HL_CONST int kViewLit = 0;
@@ -75,6 +76,7 @@ struct GpuFrame {
     ivec4 mode;                  // x run mode, y debug view, z main light (-1 none), w light count
     ivec4 shadow;                // x filter half-width, y cascades per directional light, z how cascades blend,
                                  // w 1 = objects that have a proxy volume take probe light from it
+    ivec4 baked;                 // x 1 = the lightmap has directions
     vec4 skySh[9];               // rgb radiance coefficients of the sky
 };
 

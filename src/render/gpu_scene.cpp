@@ -228,6 +228,7 @@ BakedScene outlineOf(const BakedScene& baked)
     outline.isBaked = baked.isBaked;
     outline.lightmaps.resize(baked.lightmaps.size());
     outline.shadowmasks.resize(baked.shadowmasks.size());
+    outline.lightmapDirections.resize(baked.lightmapDirections.size());
     outline.scene.objects = baked.scene.objects;
     outline.scene.lights = baked.scene.lights;
     outline.scene.sky = baked.scene.sky;
@@ -253,6 +254,8 @@ GpuScene uploadScene(gpu::Device& device, const BakedScene& baked)
     uploadTextures(device, uploader, scene, slots, result);
 
     result.lightmaps = uploadPages(device, uploader, baked.lightmaps, VK_FORMAT_E5B9G9R9_UFLOAT_PACK32, uint32_t(0));
+    result.lightmapDirections =
+        uploadPages(device, uploader, baked.lightmapDirections, VK_FORMAT_R8G8B8A8_UNORM, u8vec4(128));
     result.shadowmasks = uploadPages(device, uploader, baked.shadowmasks, VK_FORMAT_R8G8B8A8_UNORM, u8vec4(255));
 
     result.bounds = objectBounds(scene);

@@ -37,6 +37,7 @@ struct GpuScene {
     std::vector<gpu::UniqueSampler> samplers;
     std::vector<uint32_t> samplerOfTexture; ///< per element of textures
     gpu::Image lightmaps;
+    gpu::Image lightmapDirections;
     gpu::Image shadowmasks;
 
     std::vector<std::vector<DrawPart>> meshes;

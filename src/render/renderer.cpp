@@ -208,6 +208,7 @@ struct Renderer::Impl {
         set.buffer(shading::kBindObjects, scene->objects);
         set.buffer(shading::kBindMaterials, scene->materials);
         set.image(shading::kBindLightmaps, scene->lightmaps.view(), pageSampler.get());
+        set.image(shading::kBindLightmapDirections, scene->lightmapDirections.view(), pageSampler.get());
         set.image(shading::kBindShadowmasks, scene->shadowmasks.view(), pageSampler.get());
         set.buffer(shading::kBindProbeVolumes, scene->probeVolumes.buffer());
         set.image(shading::kBindProbeTexture, scene->probeVolumes.texture().view(), pageSampler.get());

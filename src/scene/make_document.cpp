@@ -3,32 +3,10 @@
 #include "scene/patcher.h"
 
 #include <algorithm>
-#include <cstring>
 
 namespace halflight {
 
 namespace {
-
-template<typename Vec> Json numbers(const Vec& v)
-{
-    Json list = Json::array();
-    for (int i = 0; i < Vec::length(); ++i) list.push_back(v[i]);
-    return list;
-}
-
-Json matrixJson(const mat4& m)
-{
-    Json list = Json::array();
-    for (int i = 0; i < 16; ++i) list.push_back(m[i / 4][i % 4]);
-    return list;
-}
-
-template<typename T> std::vector<std::byte> bytesOf(const std::vector<T>& values)
-{
-    std::vector<std::byte> bytes(values.size() * sizeof(T));
-    if (!values.empty()) std::memcpy(bytes.data(), values.data(), bytes.size());
-    return bytes;
-}
 
 template<typename Vec> int addVectors(DocumentPatcher& patcher, const std::vector<Vec>& values, bool withBounds)
 {
@@ -156,7 +134,7 @@ int addNode(DocumentPatcher& patcher, const std::string& name, const mat4& world
 {
     Json node = Json::object();
     if (!name.empty()) node["name"] = name;
-    if (worldFromNode != mat4(1.0f)) node["matrix"] = matrixJson(worldFromNode);
+    if (worldFromNode != mat4(1.0f)) node["matrix"] = numbers(worldFromNode);
     const int index = patcher.append("nodes", std::move(node));
     patcher.json["scenes"][0]["nodes"].push_back(index);
     return index;

@@ -113,6 +113,7 @@ void visitViews(Json& document, const std::function<void(Json&)>& visit)
     if (Json* extensions = find(document, "extensions")) {
         if (Json* root = find(*extensions, "HALFLIGHT_mixed_lighting")) {
             each(find(*root, "lightmaps"), visitMember);
+            each(find(*root, "lightmapDirections"), visitMember);
             each(find(*root, "shadowmasks"), visitMember);
         }
     }

@@ -7,6 +7,8 @@
 #include <functional>
 #include <map>
 #include <set>
+#include <span>
+#include <vector>
 
 namespace halflight {
 
@@ -16,6 +18,26 @@ struct NewView {
     int strideBytes = 0; ///< 0 = none written
     int target = 0;      ///< 34962 vertices, 34963 indices, 0 neither
 };
+
+/// A vector as a JSON array; a matrix as 16 numbers, columns first.
+template<typename Vec> Json numbers(const Vec& v)
+{
+    Json list = Json::array();
+    for (int i = 0; i < Vec::length(); ++i) list.push_back(v[i]);
+    return list;
+}
+inline Json numbers(const mat4& m)
+{
+    Json list = Json::array();
+    for (int i = 0; i < 16; ++i) list.push_back(m[i / 4][i % 4]);
+    return list;
+}
+
+template<typename T> std::vector<std::byte> bytesOf(const std::vector<T>& values)
+{
+    const auto bytes = std::as_bytes(std::span(values));
+    return {bytes.begin(), bytes.end()};
+}
 
 class DocumentPatcher {
 public:

@@ -45,6 +45,26 @@ template<typename Vec> bool readVector(const Json& json, Vec& out)
     return true;
 }
 
+// Images of which there are as many as lightmap pages, or none.
+Status readPngs(const SourceDocument& document, const Json& root, const char* key, std::size_t pageCount,
+                std::vector<ImageRgba8>& pages)
+{
+    const Json& images = member(root, key);
+    for (std::size_t i = 0; i < images.size(); ++i) {
+        const std::string path = kPath + "/" + key + "/" + std::to_string(i);
+        const auto bytes = viewBytes(document, images[i], path);
+        if (!bytes) return bytes.error();
+        auto image = decodeImage(bytes->data(), bytes->size());
+        if (!image) return Error{image.error().code, image.error().message, path};
+        pages.push_back(std::move(*image));
+    }
+    if (!pages.empty() && pages.size() != pageCount) {
+        return invalid(kPath, "has " + std::to_string(pages.size()) + " " + key + " for " + std::to_string(pageCount) +
+                                  " lightmaps");
+    }
+    return {};
+}
+
 Status readImages(const SourceDocument& document, const Json& root, BakedScene& baked)
 {
     const Json& lightmaps = member(root, "lightmaps");
@@ -56,20 +76,9 @@ Status readImages(const SourceDocument& document, const Json& root, BakedScene& 
         if (!image) return Error{image.error().code, image.error().message, path};
         baked.lightmaps.push_back(std::move(*image));
     }
-    const Json& masks = member(root, "shadowmasks");
-    for (std::size_t i = 0; i < masks.size(); ++i) {
-        const std::string path = kPath + "/shadowmasks/" + std::to_string(i);
-        const auto bytes = viewBytes(document, masks[i], path);
-        if (!bytes) return bytes.error();
-        auto image = decodeImage(bytes->data(), bytes->size());
-        if (!image) return Error{image.error().code, image.error().message, path};
-        baked.shadowmasks.push_back(std::move(*image));
-    }
-    if (!baked.shadowmasks.empty() && baked.shadowmasks.size() != baked.lightmaps.size()) {
-        return invalid(kPath, "has " + std::to_string(baked.shadowmasks.size()) + " shadowmasks for " +
-                                  std::to_string(baked.lightmaps.size()) + " lightmaps");
-    }
-    return {};
+    if (Status s = readPngs(document, root, "lightmapDirections", baked.lightmaps.size(), baked.lightmapDirections); !s)
+        return s;
+    return readPngs(document, root, "shadowmasks", baked.lightmaps.size(), baked.shadowmasks);
 }
 
 Status readProbes(const SourceDocument& document, const Json& json, ProbeSet& set)

@@ -2,6 +2,45 @@
 
 namespace halflight {
 
+const char* nameOf(LightType type)
+{
+    switch (type) {
+    case LightType::Directional:
+        return "directional";
+    case LightType::Point:
+        return "point";
+    case LightType::Spot:
+        return "spot";
+    }
+    return "?";
+}
+
+const char* nameOf(LightMode mode)
+{
+    switch (mode) {
+    case LightMode::Realtime:
+        return "realtime";
+    case LightMode::Mixed:
+        return "mixed";
+    case LightMode::Baked:
+        return "baked";
+    }
+    return "?";
+}
+
+const char* nameOf(MixedLightingMode mode)
+{
+    switch (mode) {
+    case MixedLightingMode::BakedIndirect:
+        return "baked-indirect";
+    case MixedLightingMode::Shadowmask:
+        return "shadowmask";
+    case MixedLightingMode::Subtractive:
+        return "subtractive";
+    }
+    return "?";
+}
+
 Bounds Scene::bounds(bool staticOnly) const
 {
     Bounds result;

@@ -459,16 +459,6 @@ void applySettings(const LightSettings& settings, Light& light)
     light.color = settings.color.value_or(light.color);
 }
 
-const char* nameOf(LightMode mode)
-{
-    return mode == LightMode::Realtime ? "realtime" : mode == LightMode::Mixed ? "mixed" : "baked";
-}
-const char* nameOf(MixedLightingMode mode)
-{
-    return mode == MixedLightingMode::BakedIndirect ? "baked-indirect"
-           : mode == MixedLightingMode::Shadowmask  ? "shadowmask"
-                                                    : "subtractive";
-}
 std::optional<LightMode> lightModeNamed(std::string_view name)
 {
     for (const LightMode mode : {LightMode::Realtime, LightMode::Mixed, LightMode::Baked}) {

@@ -79,9 +79,7 @@ ObjectSettings mergeSettings(const ObjectSettings& weaker, const ObjectSettings&
 SceneSettings mergeSettings(const SceneSettings& weaker, const SceneSettings& stronger);
 void applySettings(const LightSettings& settings, Light& light);
 
-/// "realtime", "mixed", "baked" and "baked-indirect", "shadowmask", "subtractive", as the file format writes them.
-const char* nameOf(LightMode mode);
-const char* nameOf(MixedLightingMode mode);
+/// The inverse of nameOf() in scene.h.
 std::optional<LightMode> lightModeNamed(std::string_view name);
 std::optional<MixedLightingMode> mixedLightingModeNamed(std::string_view name);
 

@@ -8,7 +8,6 @@
 #include "scene/write_meshes.h"
 
 #include <algorithm>
-#include <cstring>
 
 namespace halflight {
 
@@ -18,29 +17,6 @@ constexpr const char* kRootExtension = "HALFLIGHT_mixed_lighting";
 constexpr const char* kNodeExtension = "HALFLIGHT_node";
 constexpr const char* kLightExtension = "HALFLIGHT_light";
 constexpr int kNoMaterial = -2;
-
-template<typename Vec> Json numbers(const Vec& v)
-{
-    Json list = Json::array();
-    for (int i = 0; i < Vec::length(); ++i) list.push_back(v[i]);
-    return list;
-}
-
-Json matrixJson(const mat4& m)
-{
-    Json list = Json::array();
-    for (int i = 0; i < 16; ++i) list.push_back(m[i / 4][i % 4]);
-    return list;
-}
-
-template<typename T> NewView viewOf(const std::vector<T>& values, int target = 0)
-{
-    NewView view;
-    view.target = target;
-    view.bytes.resize(values.size() * sizeof(T));
-    if (!values.empty()) std::memcpy(view.bytes.data(), values.data(), view.bytes.size());
-    return view;
-}
 
 void eraseExtension(Json& object, const char* name)
 {
@@ -93,10 +69,16 @@ private:
             root_["lightmaps"].push_back(
                 {{"bufferView", patcher_.addView({std::move(*ktx2), 0, 0})}, {"mimeType", "image/ktx2"}});
         }
-        for (const auto& mask : baked_.shadowmasks) {
-            auto png = encodePng(mask);
+        if (Status s = writePngs("lightmapDirections", baked_.lightmapDirections); !s) return s;
+        return writePngs("shadowmasks", baked_.shadowmasks);
+    }
+
+    Status writePngs(const char* key, const std::vector<ImageRgba8>& pages)
+    {
+        for (const auto& page : pages) {
+            auto png = encodePng(page);
             if (!png) return png.error();
-            root_["shadowmasks"].push_back(
+            root_[key].push_back(
                 {{"bufferView", patcher_.addView({std::move(*png), 0, 0})}, {"mimeType", "image/png"}});
         }
         return {};
@@ -229,10 +211,12 @@ private:
             page[i] = float(object->lightmap.page);
         }
         Json& attributes = nodeJson(node)["extensions"]["EXT_mesh_gpu_instancing"]["attributes"];
-        attributes["_HALFLIGHT_LIGHTMAP_ST"] = patcher_.addAccessor(
-            {{"componentType", TINYGLTF_COMPONENT_TYPE_FLOAT}, {"count", count}, {"type", "VEC4"}}, viewOf(st));
+        attributes["_HALFLIGHT_LIGHTMAP_ST"] =
+            patcher_.addAccessor({{"componentType", TINYGLTF_COMPONENT_TYPE_FLOAT}, {"count", count}, {"type", "VEC4"}},
+                                 NewView{bytesOf(st)});
         attributes["_HALFLIGHT_LIGHTMAP_PAGE"] = patcher_.addAccessor(
-            {{"componentType", TINYGLTF_COMPONENT_TYPE_FLOAT}, {"count", count}, {"type", "SCALAR"}}, viewOf(page));
+            {{"componentType", TINYGLTF_COMPONENT_TYPE_FLOAT}, {"count", count}, {"type", "SCALAR"}},
+            NewView{bytesOf(page)});
     }
 
     static Json lightJson(const Light& light)
@@ -314,7 +298,7 @@ private:
                 const std::size_t index = lightList().size();
                 lightList().push_back(lightJson(light));
                 Json json = {{"name", light.name}, {"extensions", {{"KHR_lights_punctual", {{"light", index}}}}}};
-                if (light.worldFromLight != mat4(1.0f)) json["matrix"] = matrixJson(light.worldFromLight);
+                if (light.worldFromLight != mat4(1.0f)) json["matrix"] = numbers(light.worldFromLight);
                 node = patcher_.append("nodes", std::move(json));
                 addToScene(node);
             } else if (wasAdded) {
@@ -322,7 +306,7 @@ private:
                 added = true;
                 const auto index = nodeJson(node)["extensions"]["KHR_lights_punctual"]["light"].get<std::size_t>();
                 lightList()[index] = lightJson(light);
-                nodeJson(node)["matrix"] = matrixJson(light.worldFromLight);
+                nodeJson(node)["matrix"] = numbers(light.worldFromLight);
             } else {
                 patchLight(light);
             }
@@ -338,7 +322,7 @@ private:
                 baking = {{"bakeType", nameOf(light.baking.bakeType)},
                           {"mixedLightingMode", nameOf(light.baking.mixedMode)},
                           {"occlusionMaskChannel", light.baking.occlusionMaskChannel},
-                          {"worldFromLight", matrixJson(light.baking.worldFromLight)}};
+                          {"worldFromLight", numbers(light.baking.worldFromLight)}};
                 if (!light.baking.reason.empty()) baking["reason"] = light.baking.reason;
             }
             nodeJson(node)["extensions"][kLightExtension] = std::move(record);
@@ -403,16 +387,17 @@ private:
                                         std::move(view));
         };
         constexpr int kFloat = TINYGLTF_COMPONENT_TYPE_FLOAT;
-        Json json = {{"count", probes.size()},
-                     {"positions", patcher_.addAccessor({{"componentType", kFloat},
-                                                         {"count", probes.size()},
-                                                         {"type", "VEC3"},
-                                                         {"min", numbers(low)},
-                                                         {"max", numbers(high)}},
-                                                        viewOf(positions))},
-                     {"radiance", add("VEC3", kFloat, radiance.size(), viewOf(radiance))},
-                     {"occlusion", add("VEC4", kFloat, occlusion.size(), viewOf(occlusion))},
-                     {"valid", add("SCALAR", TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE, valid.size(), viewOf(valid))}};
+        Json json = {
+            {"count", probes.size()},
+            {"positions", patcher_.addAccessor({{"componentType", kFloat},
+                                                {"count", probes.size()},
+                                                {"type", "VEC3"},
+                                                {"min", numbers(low)},
+                                                {"max", numbers(high)}},
+                                               NewView{bytesOf(positions)})},
+            {"radiance", add("VEC3", kFloat, radiance.size(), NewView{bytesOf(radiance)})},
+            {"occlusion", add("VEC4", kFloat, occlusion.size(), NewView{bytesOf(occlusion)})},
+            {"valid", add("SCALAR", TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE, valid.size(), NewView{bytesOf(valid)})}};
         const ProbeSet& set = baked_.probes;
         if (set.size.x > 0 && set.size.y > 0 && set.size.z > 0) {
             json["grid"] = {

@@ -320,6 +320,55 @@ ProbeEstimate probeAt(Scene scene, vec3 position, int samples, MixedLightingMode
 
 /// Sky radiance 1: the constant coefficient is sqrt(4 pi), all others 0. Sky radiance 1 + y: the y coefficient is
 /// sqrt(4 pi / 3) as well, and irradiance upward is pi + 2 pi / 3.
+/// An even sky's mean direction is 2/3 of the normal; a distant light's is its own; a mixture's is between them, by
+/// irradiance.
+TEST(DirectionalS32, MomentsOfSkyAndSun)
+{
+    const vec3 toSun = glm::normalize(vec3(2, 1, 1));
+    for (const float lux : {0.0f, 5.0f}) {
+        for (const float nits : {0.0f, 2.0f}) {
+            if (lux + nits == 0.0f) continue;
+            Scene scene;
+            addRectangle(scene, {}, addMaterial(scene, vec3(0.5f)), kPage, {vec2(1), vec2(9)});
+            scene.sky = {vec3(nits), vec3(nits), vec3(nits)};
+            if (lux > 0.0f)
+                scene.lights.push_back(makeLight(LightType::Directional, vec3(0), -toSun, lux, LightMode::Baked));
+            IntegrationSettings settings;
+            settings.samples = 1024;
+            Bench bench(std::move(scene), MixedLightingMode::Shadowmask, kPage, settings);
+            const vec3 expected = kPi * nits * (2.0f / 3.0f) * vec3(0, 1, 0) + lux * toSun.y * toSun;
+            const auto estimates = bench.irradiance();
+            const float irradiance = kPi * nits + lux * toSun.y;
+            EXPECT_LT(glm::distance(estimates[20].moment, expected), 0.01f * irradiance) << lux << ' ' << nits;
+            // The page's colour, decoded, is their quotient.
+            const ImageRgb32f light(1, 1, estimates[20].irradiance);
+            const ImageRgb32f moment(1, 1, estimates[20].moment);
+            const u8vec4 texel = encodeDirections({light}, {moment})[0](0, 0);
+            EXPECT_LT(glm::distance(vec3(texel) / 127.5f - 1.0f, expected / irradiance), 0.02f);
+        }
+    }
+}
+
+/// An emissive panel that the gather samples directly counts from where it hangs.
+TEST(DirectionalS32, MomentOfAPanelPointsAtIt)
+{
+    Scene scene;
+    addRectangle(scene, {vec3(0), vec3(0.1f, 0, 0), vec3(0, 0, -0.1f)}, addMaterial(scene, vec3(0)), kPage,
+                 {vec2(1), vec2(4)});
+    const vec3 center(3, 2, 0);
+    const vec3 facing = glm::normalize(-center);
+    const vec3 across = glm::normalize(glm::cross(facing, vec3(0, 0, 1)));
+    addRectangle(scene, {center - 0.05f * (across + vec3(0, 0, 1)), 0.1f * across, vec3(0, 0, 0.1f)},
+                 addMaterial(scene, vec3(0), vec3(1000), true), kPage);
+    IntegrationSettings settings;
+    settings.samples = 256;
+    Bench bench(std::move(scene), MixedLightingMode::Shadowmask, kPage, settings);
+    for (const IrradianceEstimate& e : bench.irradiance()) {
+        ASSERT_GT(e.irradiance.x, 0.0f);
+        EXPECT_LT(glm::distance(e.moment / luminance(e.irradiance), glm::normalize(center)), 0.05f);
+    }
+}
+
 TEST(ProbeS14, ConstantAndCosineSky)
 {
     Scene constant;

@@ -2,6 +2,7 @@
 #include "render/render_test.h"
 
 #include <glm/gtc/matrix_transform.hpp>
+#include <glm/gtc/packing.hpp>
 
 #include <array>
 #include <cmath>
@@ -169,6 +170,54 @@ TEST_P(Materials, AlphaMaskHolesInPictureAndShadow)
                           x < 0 ? kAlbedo : vec3(1.0f)};
         EXPECT_TRUE(near(vec3(frame.radiance(p.x, p.y)), directRadiance(point, sun, 1.0f))) << x;
     }
+}
+
+// S32. A normal map on a lightmapped wall: the lightmap's value is that on the wall's own normal, its direction tells
+// what the mapped normal gets. Without directions, or with them turned off, the map does nothing to baked light.
+TEST_P(Materials, NormalMapsSeeTheLightmapsDirectionS32)
+{
+    Wall wall(vec3(0, 0.2f, 1));
+    Scene& scene = wall.baked.scene;
+    scene.lights.clear();
+    wall.object().isStatic = true;
+    wall.object().lightmap = {0, vec2(1.0f), vec2(0.0f)};
+    wall.baked.isBaked = true;
+    wall.baked.mode = MixedLightingMode::BakedIndirect;
+    const vec3 irradiance(4.0f, 2.0f, 1.0f);
+    wall.baked.lightmaps.emplace_back(4, 4, glm::packF3x9_E1x5(irradiance));
+    Texture texture;
+    texture.pixels = ImageRgba8(1, 1, u8vec4(128 + 51, 128, 128 + 110, 255));
+    scene.textures.push_back(texture);
+    wall.material().normalTexture.texture = 0;
+    const vec3 encoded = vec3(texture.pixels(0, 0)) / 255.0f * 2.0f - 1.0f;
+    const vec3 mapped = glm::normalize(vec3(encoded.x, encoded.y, encoded.z));
+    const vec3 up(0, 0, 1); // the wall's normal
+    const vec3 toLight = glm::normalize(vec3(1.0f, 0.3f, 1.0f));
+    RenderSettings settings = settingsFor(GetParam());
+    settings.mode = RunMode::BakedIndirect;
+    for (const float share : {0.0f, 0.6f, 1.0f}) {
+        const vec3 direction = glm::mix((2.0f / 3.0f) * up, toLight, share);
+        const vec3 stored = glm::floor((direction * 0.5f + 0.5f) * 255.0f + 0.5f);
+        wall.baked.lightmapDirections = {ImageRgba8(4, 4, u8vec4(vec4(stored, 255.0f)))};
+        for (const bool on : {true, false}) {
+            settings.directionalLightmaps = on;
+            // By hand: the sky part that a tilted surface sees, and the cosine law.
+            const auto scaleOn = [&](vec3 n) {
+                const float sky = 0.5f + 0.5f * glm::dot(n, up);
+                const float light = std::max(glm::dot(n, toLight), 0.0f) / toLight.z;
+                return on ? glm::mix(sky, light, share) : 1.0f;
+            };
+            ShadedPoint point = middle(from(3.0f), mapped);
+            const vec3 mirror = glm::reflect(-point.view, mapped);
+            const vec3 lobe = glm::normalize(glm::mix(mirror, mapped, point.roughness * point.roughness));
+            const vec3 diffuse = shading::diffuseRadiance(kAlbedo, irradiance * scaleOn(mapped));
+            const vec3 specular = indirectRadiance(point, irradiance * scaleOn(lobe)) -
+                                  shading::diffuseRadiance(kAlbedo, irradiance * scaleOn(lobe));
+            EXPECT_TRUE(near(pixel(render(wall.baked, from(3.0f), settings)), diffuse + specular, 0.02f))
+                << share << (on ? " on" : " off");
+        }
+    }
+    EXPECT_GT(glm::dot(mapped, toLight) / toLight.z, 1.2f) << "the map must matter";
 }
 
 // Two blended panes before a wall: over each other from back to front, whatever their order in the scene; they cast no

@@ -242,6 +242,9 @@ inline BakedScene pretendToBake(Scene scene, bool splitVertices = true)
             mask.texels()[i] = u8vec4(h & 255, h >> 8 & 255, h >> 16 & 255, h >> 24);
         }
         baked.lightmaps.push_back(std::move(lightmap));
+        ImageRgba8 directions(33, 17, u8vec4(10, 200, 128, 255));
+        directions(page, 3) = u8vec4(255, 0, uint8_t(page), 255);
+        baked.lightmapDirections.push_back(std::move(directions));
         baked.shadowmasks.push_back(std::move(mask));
     }
     for (std::size_t i = 0; i < scene.lights.size(); ++i) {

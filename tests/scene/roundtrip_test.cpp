@@ -20,6 +20,9 @@ void expectSame(const BakedScene& a, const BakedScene& b)
         EXPECT_EQ(a.lightmaps[i].size(), b.lightmaps[i].size());
         EXPECT_EQ(a.lightmaps[i].texels(), b.lightmaps[i].texels());
     }
+    ASSERT_EQ(a.lightmapDirections.size(), b.lightmapDirections.size());
+    for (std::size_t i = 0; i < a.lightmapDirections.size(); ++i)
+        EXPECT_EQ(a.lightmapDirections[i].texels(), b.lightmapDirections[i].texels());
     ASSERT_EQ(a.shadowmasks.size(), b.shadowmasks.size());
     for (std::size_t i = 0; i < a.shadowmasks.size(); ++i)
         EXPECT_EQ(a.shadowmasks[i].texels(), b.shadowmasks[i].texels());

@@ -28,6 +28,7 @@ struct BakeSettings {
     int lightmapSize = 0;        ///< 0 = by quality
     int paddingTexels = 2;       ///< UnwrapSettings::paddingTexels
     bool denoise = true;
+    bool directional = false;        ///< also keep the mean direction of lightmap light, for normal maps (spec S32)
     float probeSpacingMeters = 0.0f; ///< 0 = by the scene's size
     int threads = 0;                 ///< 0 = all cores; changes no byte of the result
     uint32_t seed = 1;

@@ -31,6 +31,7 @@ struct RenderSettings {
     RenderPath path = RenderPath::Forward;
     ShadowSettings shadows;
     DebugView view = DebugView::Lit;
+    bool directionalLightmaps = true; ///< let normal maps and mirrors see where lightmap light came from, if baked
     ivec2 size{1280, 720};
     int supersampling = 1; ///< 1…4: each pixel is the mean radiance of supersampling^2 samples on a regular grid
     /// Objects that have a proxy volume (Object::probeLighting) are lit by it; false: every object by one probe sample.

@@ -39,6 +39,9 @@ struct BakedScene {
     bool isBaked = false; ///< false: a plain glTF, to be rendered in realtime mode
     /// Irradiance in lux, RGB9E5 (glm::packF3x9_E1x5 layout = VK_FORMAT_E5B9G9R9_UFLOAT_PACK32), one per page.
     std::vector<Image<uint32_t>> lightmaps;
+    /// Mean direction of each lightmap texel's light in world space, as colour: encodeMeanDirection() in
+    /// shading/directional.h, alpha 255. One per page, or none when the bake was not directional.
+    std::vector<ImageRgba8> lightmapDirections;
     /// Baked attenuation by channel, 255 = lit; one per page, or none when no light has a channel.
     std::vector<ImageRgba8> shadowmasks;
     ProbeSet probes;

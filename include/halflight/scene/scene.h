@@ -122,6 +122,12 @@ enum class LightType { Directional, Point, Spot };
 enum class LightMode { Realtime, Mixed, Baked };
 enum class MixedLightingMode { BakedIndirect, Shadowmask, Subtractive };
 
+/// As files, reports and the command line write them: "directional", "point", "spot"; "realtime", "mixed", "baked";
+/// "baked-indirect", "shadowmask", "subtractive".
+const char* nameOf(LightType type);
+const char* nameOf(LightMode mode);
+const char* nameOf(MixedLightingMode mode);
+
 /// What the bake did with a light (spec: baking output). The renderer follows this, not the light's authored mode.
 struct BakingOutput {
     bool isBaked = false;                     ///< false for realtime lights and unbaked files

@@ -1,0 +1,48 @@
+// Directional lightmaps (S32): what normal maps and mirrors see of baked light. Beside its irradiance E on the baked
+// normal n, a texel keeps the mean direction that light came from, d = (integral of luminance * cosine * direction) /
+// (integral of luminance * cosine), which is shorter than 1 the more the light is spread.
+//
+// Light is taken apart into an even hemisphere of sky around n and one distant light: the ambient and highlight
+// direction (AHD) encoding of Iwanicki and Sloan 2017, "Precomputed Lighting in Call of Duty: Infinite Warfare", here
+// found from d alone. An even hemisphere has the mean direction 2/3 n, a distant light in direction w has w itself;
+// their mixture, with the light giving the share x of E, has
+//     d = (1 - x) * 2/3 n + x * w,   |w| = 1,
+// so with v = d - 2/3 n: |v|^2 / x^2 + 4/3 (v.n) / x - 5/9 = 0, whose positive root is x = 0.9 (b + sqrt(b^2 + 20/9
+// |v|^2)), b = 4/3 (v.n). The result is exact for any mixture of the two.
+#ifndef HALFLIGHT_SHADING_DIRECTIONAL_H
+#define HALFLIGHT_SHADING_DIRECTIONAL_H
+
+#include "language.h"
+
+HL_NAMESPACE_BEGIN
+
+// The highlight stands at least this high over the surface (sine of its elevation, roughly): a texel's light that
+// arrives at a grazing angle says little about what a surface that faces it would get, and noise would be all of it.
+HL_CONST float kMinHighlightElevation = 0.2f;
+
+// Irradiance on a surface of unit normal `normal` over that on the baked one, `bakedNormal`: 1 where they are the same.
+HL_FN float directionalIrradianceScale(vec3 meanDirection, vec3 bakedNormal, vec3 normal)
+{
+    vec3 v = meanDirection - (2.0f / 3.0f) * bakedNormal;
+    float b = (4.0f / 3.0f) * dot(v, bakedNormal);
+    float share = clamp(0.9f * (b + sqrt(b * b + (20.0f / 9.0f) * dot(v, v))), 0.0f, 1.0f);
+    vec3 highlight = v / max(share, 1.0e-4f) + (2.0f / 3.0f) * bakedNormal;
+    highlight += bakedNormal * max(kMinHighlightElevation - dot(highlight, bakedNormal), 0.0f);
+    float ambient = 0.5f + 0.5f * dot(normal, bakedNormal);
+    float light = max(dot(highlight, normal), 0.0f) / max(dot(highlight, bakedNormal), 1.0e-4f);
+    return mix(ambient, light, share);
+}
+
+// d as a texture's colour, and back.
+HL_FN vec3 encodeMeanDirection(vec3 meanDirection)
+{
+    return clamp(meanDirection * 0.5f + 0.5f, vec3(0.0f), vec3(1.0f));
+}
+HL_FN vec3 decodeMeanDirection(vec3 encoded)
+{
+    return encoded * 2.0f - 1.0f;
+}
+
+HL_NAMESPACE_END
+
+#endif
