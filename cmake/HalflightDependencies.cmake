@@ -19,6 +19,7 @@ find_package(CLI11 REQUIRED)
 find_package(Vulkan REQUIRED COMPONENTS glslangValidator)
 find_package(PkgConfig REQUIRED)
 pkg_check_modules(ZSTD REQUIRED IMPORTED_TARGET libzstd)
+pkg_check_modules(XXHASH REQUIRED IMPORTED_TARGET libxxhash)
 find_package(tomlplusplus REQUIRED)
 
 # Header-only in Debian's package and in vcpkg's, each under its own folder.

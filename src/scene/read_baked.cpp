@@ -1,7 +1,9 @@
+#include "scene/fingerprint.h"
 #include "scene/ktx2.h"
 #include "scene/nodes.h"
 #include "scene/read_scene.h"
 
+#include <algorithm>
 #include <map>
 
 namespace halflight {
@@ -212,6 +214,54 @@ Status readBindings(const SourceDocument& document, BakedScene& baked)
     return {};
 }
 
+/// "A", "B" and 7 more.
+std::string listOf(const std::vector<std::string>& names)
+{
+    constexpr std::size_t kShown = 4;
+    std::string text;
+    for (std::size_t i = 0; i < std::min(names.size(), kShown); ++i) text += (i > 0 ? ", \"" : "\"") + names[i] + '"';
+    if (names.size() > kShown) text += " and " + std::to_string(names.size() - kShown) + " more";
+    return text;
+}
+
+// Warns of what was changed in the file since its bake: the light of such objects is that of what they were.
+void checkFingerprints(const SourceDocument& document, const Json& root, Scene& scene)
+{
+    const Json& ofScene = member(root, "fingerprint");
+    if (!ofScene.is_string()) return; // of a version that kept none
+    const SceneFingerprints fingerprints(scene);
+    if (!fingerprints.complete()) return;
+    std::map<int, std::vector<const Object*>> objectsOf; // by node
+    for (const Object& object : scene.objects) objectsOf[object.sourceNode].push_back(&object);
+    std::vector<std::string> changed;
+    for (const auto& [node, objects] : objectsOf) {
+        const Json& stored =
+            member(extensionOf(document.json["nodes"][std::size_t(node)], "HALFLIGHT_node"), "fingerprint");
+        const std::string now = fingerprints.ofObjects(objects);
+        if (now != (stored.is_string() ? stored.get<std::string>() : "")) changed.push_back(objects.front()->name);
+    }
+    std::vector<std::string> changedLights;
+    for (const Light& light : scene.lights) {
+        const Json& record = extensionOf(document.json["nodes"][std::size_t(light.sourceNode)], "HALFLIGHT_light");
+        const Json& stored = member(member(record, "baking"), "fingerprint");
+        if (!stored.is_string()) continue; // realtime, or added since: it lights at run time
+        if (fingerprints.ofLight(light) != stored.get<std::string>()) changedLights.push_back(light.name);
+    }
+    if (!changed.empty()) {
+        scene.warnings.push_back("is stale: changed since its bake: objects " + listOf(changed) +
+                                 "; their light and shadows are those of before, bake the scene again");
+    }
+    if (!changedLights.empty()) {
+        scene.warnings.push_back("is stale: changed since its bake: lights " + listOf(changedLights) +
+                                 "; baked light and shadows are those of before, bake the scene again");
+    }
+    if (changed.empty() && changedLights.empty() && fingerprints.ofScene() != ofScene.get<std::string>()) {
+        scene.warnings.emplace_back(
+            "is stale: the sky changed, or static objects or lights were removed since its bake; "
+            "bake the scene again");
+    }
+}
+
 } // namespace
 
 Result<BakedScene> readBakedScene(const std::filesystem::path& path, const ReadOptions& options)
@@ -240,6 +290,7 @@ Result<BakedScene> readBakedScene(const std::filesystem::path& path, const ReadO
     if (Status s = readImages(document, root, baked); !s) return s.error();
     if (Status s = readProbes(document, member(root, "probes"), baked.probes); !s) return s.error();
     if (Status s = readBindings(document, baked); !s) return s.error();
+    checkFingerprints(document, root, baked.scene);
     return baked;
 }
 

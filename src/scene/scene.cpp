@@ -41,6 +41,18 @@ const char* nameOf(MixedLightingMode mode)
     return "?";
 }
 
+bool movedSinceBake(const Light& light)
+{
+    if (!light.baking.isBaked || light.baking.bakeType == LightMode::Realtime) return false;
+    constexpr float kTolerance = 1.0e-3f; // metres, and radians of the axis
+    const bool positionMatters = light.type != LightType::Directional;
+    const bool axisMatters = light.type != LightType::Point;
+    const vec3 bakedPosition = vec3(light.baking.worldFromLight[3]);
+    const vec3 bakedAxis = -glm::normalize(vec3(light.baking.worldFromLight[2]));
+    return (positionMatters && glm::distance(light.position(), bakedPosition) > kTolerance) ||
+           (axisMatters && glm::distance(light.direction(), bakedAxis) > kTolerance);
+}
+
 Bounds Scene::bounds(bool staticOnly) const
 {
     Bounds result;

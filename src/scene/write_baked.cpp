@@ -1,5 +1,6 @@
 #include "halflight/base/file.h"
 #include "halflight/scene/gltf.h"
+#include "scene/fingerprint.h"
 #include "scene/ktx2.h"
 #include "scene/make_document.h"
 #include "scene/read_lights.h"
@@ -29,7 +30,7 @@ class Writer {
 public:
     Writer(const BakedScene& baked, const WriteOptions& options)
         : baked_(baked), scene_(baked.scene), options_(options), source_(*baked.scene.source), patcher_(source_),
-          meshes_(patcher_, source_, scene_)
+          fingerprints_(baked.scene), meshes_(patcher_, source_, scene_)
     {}
 
     Result<std::vector<std::byte>> write()
@@ -45,6 +46,7 @@ public:
     }
 
 private:
+    [[nodiscard]] bool fingerprinted() const { return baked_.isBaked && fingerprints_.complete(); }
     Json& nodeJson(int node) { return patcher_.json["nodes"][std::size_t(node)]; }
 
     void removeEarlierBake()
@@ -175,6 +177,8 @@ private:
             record["probes"] = first.probeLighting == ProbeLighting::Volume ? "volume" : "single";
         if (const ivec3 texels = first.probeResolution; texels != ivec3(0))
             record["probeResolution"] = {texels.x, texels.y, texels.z};
+        const std::string fingerprint = fingerprints_.ofObjects(objects);
+        if (fingerprinted() && !fingerprint.empty()) record["fingerprint"] = fingerprint;
         const bool instanced = first.sourceInstance >= 0;
         const int texCoord = mesh.parts.empty() ? 1 : mesh.parts[0].lightmapTexCoord;
         if (lightmapped && !instanced) {
@@ -324,6 +328,8 @@ private:
                           {"occlusionMaskChannel", light.baking.occlusionMaskChannel},
                           {"worldFromLight", numbers(light.baking.worldFromLight)}};
                 if (!light.baking.reason.empty()) baking["reason"] = light.baking.reason;
+                const std::string fingerprint = fingerprints_.ofLight(light);
+                if (fingerprinted() && !fingerprint.empty()) baking["fingerprint"] = fingerprint;
             }
             nodeJson(node)["extensions"][kLightExtension] = std::move(record);
         }
@@ -352,6 +358,7 @@ private:
     {
         root_["version"] = 1;
         root_["mode"] = nameOf(baked_.mode);
+        if (fingerprinted()) root_["fingerprint"] = fingerprints_.ofScene();
         root_["sky"] = {{"zenith", numbers(scene_.sky.zenith)},
                         {"horizon", numbers(scene_.sky.horizon)},
                         {"ground", numbers(scene_.sky.ground)}};
@@ -431,6 +438,7 @@ private:
     const WriteOptions& options_;
     const SourceDocument& source_;
     DocumentPatcher patcher_;
+    SceneFingerprints fingerprints_;
     MeshWriter meshes_;
     Json root_;
     Json moz_;

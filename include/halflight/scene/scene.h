@@ -161,6 +161,10 @@ struct Light {
     [[nodiscard]] vec3 direction() const { return -glm::normalize(vec3(worldFromLight[2])); }
 };
 
+/// Whether the part of a mixed or baked light's pose that matters to its kind differs from the pose at bake time by
+/// more than a millimetre or a milliradian (spec S29): its baked light and shadows are out of step then.
+bool movedSinceBake(const Light& light);
+
 struct Camera {
     std::string name;
     mat4 worldFromCamera{1.0f}; ///< rigid

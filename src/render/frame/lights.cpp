@@ -25,18 +25,6 @@ float importanceOf(const Light& light, vec3 cameraPosition)
            shading::distanceAttenuation(std::max(glm::distance(light.position(), cameraPosition), 1.0f), 0.0f);
 }
 
-/// S29. Whether the part of the pose that matters to this kind of light differs from the pose at bake time.
-bool movedSinceBake(const Light& light)
-{
-    constexpr float kTolerance = 1.0e-3f; // metres, and radians of the axis
-    const bool positionMatters = light.type != LightType::Directional;
-    const bool axisMatters = light.type != LightType::Point;
-    const vec3 bakedPosition = vec3(light.baking.worldFromLight[3]);
-    const vec3 bakedAxis = -glm::normalize(vec3(light.baking.worldFromLight[2]));
-    return (positionMatters && glm::distance(light.position(), bakedPosition) > kTolerance) ||
-           (axisMatters && glm::distance(light.direction(), bakedAxis) > kTolerance);
-}
-
 bool isMixed(const Light& light)
 {
     return light.baking.isBaked && light.baking.bakeType == LightMode::Mixed;
@@ -86,7 +74,7 @@ void selectLights(const BakedScene& baked, const FrameView& view, FramePlan& pla
 
     for (int i = 0; i < int(scene.lights.size()); ++i) {
         const Light& light = scene.lights[std::size_t(i)];
-        if (usesBake && light.baking.isBaked && light.baking.bakeType != LightMode::Realtime && movedSinceBake(light)) {
+        if (usesBake && movedSinceBake(light)) {
             const char* what = shading::modeUsesBakedShadows(mode) && isMixed(light) ? "shadows are" : "light is";
             plan.warnings.push_back(nameOf(scene, i) + " was moved after the bake; its baked " + what + " out of step");
         }

@@ -1,0 +1,95 @@
+#include "scene/fingerprint.h"
+
+#include "halflight/base/parallel.h"
+
+#include <algorithm>
+
+namespace halflight {
+
+namespace {
+
+void addTexture(Hasher& hasher, const TextureRef& ref, const std::vector<Hash128>& pixels)
+{
+    hasher.add(ref ? pixels[std::size_t(ref.texture)] : Hash128{});
+    if (ref) hasher.add(ref.texCoord).add(ref.offset).add(ref.scale).add(ref.rotationRadians);
+}
+
+Hash128 materialHash(const Material& material, const std::vector<Hash128>& pixels)
+{
+    Hasher hasher;
+    hasher.add(material.baseColor).add(material.metallic).add(material.emissiveNits);
+    hasher.add(int(material.alphaMode)).add(material.alphaMode == Material::AlphaMode::Mask ? material.alphaCutoff : 0);
+    hasher.add(int(material.doubleSided)).add(int(material.unlit));
+    addTexture(hasher, material.baseColorTexture, pixels);
+    addTexture(hasher, material.metallicRoughnessTexture, pixels);
+    addTexture(hasher, material.emissiveTexture, pixels);
+    return hasher.hash();
+}
+
+} // namespace
+
+SceneFingerprints::SceneFingerprints(const Scene& scene) : scene_(scene)
+{
+    std::vector<Hash128> pixels(scene.textures.size());
+    parallelFor(pixels.size(), 1, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t i = begin; i < end; ++i) {
+            const Texture& texture = scene.textures[i];
+            Hasher hasher;
+            hasher.add(texture.pixels.size()).add(int(texture.wrapU)).add(int(texture.wrapV));
+            pixels[i] = hasher.add(texture.pixels.texels()).hash();
+        }
+    });
+    complete_ = std::none_of(scene.textures.begin(), scene.textures.end(),
+                             [](const Texture& texture) { return texture.pixels.empty(); });
+    for (const Material& material : scene.materials) materials_.push_back(materialHash(material, pixels));
+    materials_.push_back(materialHash(defaultMaterial(), pixels));
+}
+
+std::string SceneFingerprints::ofObjects(std::span<const Object* const> objects) const
+{
+    Hasher hasher;
+    bool any = false;
+    for (const Object* object : objects) {
+        if (!object->isStatic || object->mesh < 0) continue;
+        any = true;
+        hasher.add(object->worldFromObject).add(int(object->castShadows)).add(object->sourceInstance);
+        for (const MeshPart& part : scene_.meshes[std::size_t(object->mesh)].parts) {
+            hasher.add(materials_[part.material >= 0 ? std::size_t(part.material) : materials_.size() - 1]);
+            const auto vertices = [&](const auto& values) {
+                if (values.empty()) return;
+                for (const uint32_t index : part.indices) hasher.add(values[index]);
+            };
+            hasher.add(uint64_t(part.indices.size()));
+            vertices(part.positions);
+            vertices(part.uv[0]);
+            vertices(part.colors);
+        }
+    }
+    return any ? hasher.hash().hex() : std::string();
+}
+
+std::string SceneFingerprints::ofLight(const Light& light) const
+{
+    if (!light.baking.isBaked || light.baking.bakeType == LightMode::Realtime) return {};
+    Hasher hasher;
+    hasher.add(int(light.type)).add(light.rangeMeters);
+    hasher.add(light.innerConeRadians).add(light.outerConeRadians).add(int(light.castShadows));
+    hasher.add(light.radiusMeters).add(light.angularRadiusRadians);
+    if (light.baking.bakeType == LightMode::Baked) hasher.add(light.color).add(light.intensity);
+    return hasher.hash().hex();
+}
+
+std::string SceneFingerprints::ofScene() const
+{
+    const auto isStatic = [](const Object& object) { return object.isStatic && object.mesh >= 0; };
+    const auto isBaked = [](const Light& light) {
+        return light.baking.isBaked && light.baking.bakeType != LightMode::Realtime;
+    };
+    Hasher hasher;
+    hasher.add(scene_.sky.zenith).add(scene_.sky.horizon).add(scene_.sky.ground);
+    hasher.add(int64_t(std::count_if(scene_.objects.begin(), scene_.objects.end(), isStatic)));
+    hasher.add(int64_t(std::count_if(scene_.lights.begin(), scene_.lights.end(), isBaked)));
+    return hasher.hash().hex();
+}
+
+} // namespace halflight

@@ -1,0 +1,36 @@
+#pragma once
+// What of a scene a bake depends on, as hashes that the baked file keeps: whoever reads the file can tell what was
+// changed since. Colour and intensity of mixed lights are left out, which may change at run time.
+
+#include "halflight/base/hash.h"
+#include "halflight/scene/scene.h"
+
+#include <span>
+#include <string>
+#include <vector>
+
+namespace halflight {
+
+class SceneFingerprints {
+public:
+    /// Hashes the materials, textures included, once. `scene` outlives this.
+    explicit SceneFingerprints(const Scene& scene);
+
+    /// Of a node's objects (several for instances): shape, place, materials, part in the bake. Vertices that are copies
+    /// of one another do not change it. Dynamic objects have an empty one: no bake sees them.
+    [[nodiscard]] std::string ofObjects(std::span<const Object* const> objects) const;
+    /// Of a light that is baked or mixed, but not its pose, which movedSinceBake() judges. Empty for realtime lights.
+    [[nodiscard]] std::string ofLight(const Light& light) const;
+    /// Of the sky and the number of static objects and baked lights.
+    [[nodiscard]] std::string ofScene() const;
+
+    /// False when a texture has no pixels (not decoded): hashes then say nothing.
+    [[nodiscard]] bool complete() const { return complete_; }
+
+private:
+    const Scene& scene_;
+    bool complete_ = true;
+    std::vector<Hash128> materials_; ///< the last is the default material's
+};
+
+} // namespace halflight

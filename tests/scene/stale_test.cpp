@@ -1,0 +1,114 @@
+// A baked file that was changed since its bake says so when it is read.
+
+#include "fixtures.h"
+
+#include <gmock/gmock.h>
+
+namespace halflight {
+namespace {
+
+using namespace test;
+using testing::HasSubstr;
+using testing::IsEmpty;
+
+class StaleFile : public testing::Test {
+protected:
+    void SetUp() override
+    {
+        BakedScene baked = pretendToBake(engineScene(), false);
+        for (Texture& texture : baked.scene.textures)
+            if (texture.pixels.empty()) texture.pixels = ImageRgba8(2, 2, u8vec4(9));
+        baked.scene.warnings.clear();
+        const Status status = writeBakedScene(file, baked);
+        ASSERT_TRUE(status) << status.error().text();
+    }
+
+    /// What reading the file warns of after `change`.
+    template<typename Change> std::vector<std::string> warningsAfter(const Change& change)
+    {
+        Result<BakedScene> read = readBakedScene(file);
+        if (!read) return {"unreadable: " + read.error().text()};
+        EXPECT_THAT(read->scene.warnings, IsEmpty());
+        // The fingerprints of before stay: that is what an editor leaves that knows nothing of them.
+        std::vector<char> binary;
+        Json json = jsonOfGlb(file, &binary);
+        change(json);
+        json["buffers"][0]["uri"] = "binary.bin";
+        writeText(folder / "binary.bin", std::string(binary.begin(), binary.end()));
+        writeText(folder / "changed.gltf", json.dump());
+        Result<BakedScene> changed = readBakedScene(folder / "changed.gltf");
+        return changed ? changed->scene.warnings : std::vector{"unreadable: " + changed.error().text()};
+    }
+
+    static std::size_t nodeWith(const Json& json, const char* extension, const char* key)
+    {
+        for (std::size_t i = 0; i < json["nodes"].size(); ++i) {
+            const Json& node = json["nodes"][i];
+            if (node.contains("extensions") && node["extensions"].contains(extension) &&
+                node["extensions"][extension].dump().find(key) != std::string::npos)
+                return i;
+        }
+        return std::size_t(-1);
+    }
+
+    TemporaryFolder folder;
+    std::filesystem::path file = folder / "baked.glb";
+};
+
+TEST_F(StaleFile, AnUntouchedFileIsFresh)
+{
+    EXPECT_THAT(warningsAfter([](Json&) {}), IsEmpty());
+}
+
+TEST_F(StaleFile, AMovedStaticObjectIsNamed)
+{
+    std::string name;
+    const auto warnings = warningsAfter([&](Json& json) {
+        Json& node = json["nodes"][nodeWith(json, "HALFLIGHT_node", "fingerprint")];
+        name = node.value("name", "");
+        Json matrix = node.value("matrix", Json({1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1}));
+        matrix[12] = matrix[12].get<double>() + 0.25;
+        node["matrix"] = matrix;
+    });
+    ASSERT_EQ(warnings.size(), 1u);
+    EXPECT_THAT(warnings[0], HasSubstr("is stale"));
+    EXPECT_THAT(warnings[0], HasSubstr(name));
+}
+
+TEST_F(StaleFile, AChangedMaterialMakesItsObjectsStale)
+{
+    const auto warnings = warningsAfter([](Json& json) {
+        for (Json& material : json["materials"])
+            material["pbrMetallicRoughness"]["baseColorFactor"] = {0.1, 0.2, 0.3, 1};
+    });
+    ASSERT_EQ(warnings.size(), 1u);
+    EXPECT_THAT(warnings[0], HasSubstr("objects"));
+}
+
+TEST_F(StaleFile, AColorOfAMixedLightMayChangeAndABakedOneMayNot)
+{
+    const auto recolor = [](const char* bakeType) {
+        return [bakeType](Json& json) {
+            const std::string key = std::string("\"bakeType\":\"") + bakeType;
+            const Json& node = json["nodes"][nodeWith(json, "HALFLIGHT_light", key.c_str())];
+            const auto light = node["extensions"]["KHR_lights_punctual"]["light"].get<std::size_t>();
+            json["extensions"]["KHR_lights_punctual"]["lights"][light]["intensity"] = 123.0;
+        };
+    };
+    EXPECT_THAT(warningsAfter(recolor("mixed")), IsEmpty());
+    const auto warnings = warningsAfter(recolor("baked"));
+    ASSERT_EQ(warnings.size(), 1u);
+    EXPECT_THAT(warnings[0], HasSubstr("lights"));
+}
+
+TEST_F(StaleFile, AChangedSkyIsStale)
+{
+    const auto warnings = warningsAfter([](Json& json) {
+        json["extensions"]["HALFLIGHT_mixed_lighting"]["sky"]["zenith"] = {7, 7, 7};
+    });
+    ASSERT_EQ(warnings.size(), 1u);
+    EXPECT_THAT(warnings[0], HasSubstr("sky"));
+}
+
+} // namespace
+} // namespace halflight
