@@ -220,7 +220,8 @@ Result<BakeResult> bake(Scene scene, const BakeSettings& settings, const Integra
 
     StageTimer lightmapTimer(report, "lightmap");
     std::vector<IrradianceEstimate> estimates(map.texels.size());
-    if (!integrator.irradiance(map, estimates, progress)) return cancelledError();
+    const std::vector<uint32_t> all = allTexels(map);
+    if (!integrator.irradiance(map, {all}, estimates, progress)) return cancelledError();
     lightmapTimer.finish(integrator.raysTraced());
     TexelValues values = splitEstimates(estimates);
     report.invalidTexels = uint64_t(std::count(values.valid.begin(), values.valid.end(), uint8_t(0)));
@@ -266,7 +267,7 @@ Result<BakeResult> bake(Scene scene, const BakeSettings& settings, const Integra
         StageTimer maskTimer(report, "shadowmask");
         const uint64_t before = integrator.raysTraced();
         std::vector<vec4> mask(map.texels.size());
-        if (!integrator.shadowmask(map, mask, progress)) return cancelledError();
+        if (!integrator.shadowmask(map, {all}, estimates, mask, progress)) return cancelledError();
         fillInvalid(geometry, map, values.valid, mask);
         std::vector<ImageRgba32f> maskPages = dilate(map, mask, kDilationRings);
         stitchSeams(seams, maskPages);

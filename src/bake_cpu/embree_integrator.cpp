@@ -71,29 +71,35 @@ public:
 
     [[nodiscard]] uint64_t raysTraced() const override { return rays_.load(); }
 
-    bool irradiance(const TexelMap& map, std::span<IrradianceEstimate> out, const Progress& progress) override
+    bool irradiance(const TexelMap& map, const TexelRequest& request, std::span<IrradianceEstimate> out,
+                    const Progress& progress) override
     {
-        outside_.assign(map.texels.size(), kAllPoints);
-        return parallelFor(map.texels.size(), kTexelGrain, progress, "lightmap",
+        const Effort effort = effortOf(request);
+        return parallelFor(request.texels.size(), kTexelGrain, progress, "lightmap",
                            [&](std::size_t begin, std::size_t end) {
                                uint64_t rays = 0;
                                for (std::size_t i = begin; i < end && !progress.cancelled(); ++i)
-                                   out[i] = texelIrradiance(map, map.texels[i], outside_[i], rays);
+                                   out[i] = texelIrradiance(map, map.texels[request.texels[i]], effort, rays);
                                rays_ += rays;
                            });
     }
 
-    bool shadowmask(const TexelMap& map, std::span<vec4> out, const Progress& progress) override
+    bool shadowmask(const TexelMap& map, const TexelRequest& request, std::span<const IrradianceEstimate> estimates,
+                    std::span<vec4> out, const Progress& progress) override
     {
-        // Points that irradiance() found inside solids must not darken the mask either.
-        if (outside_.size() != map.texels.size()) outside_.assign(map.texels.size(), kAllPoints);
-        return parallelFor(map.texels.size(), kTexelGrain, progress, "shadowmask",
-                           [&](std::size_t begin, std::size_t end) {
-                               uint64_t rays = 0;
-                               for (std::size_t i = begin; i < end && !progress.cancelled(); ++i)
-                                   out[i] = texelShadowmask(map, map.texels[i], outside_[i], rays);
-                               rays_ += rays;
-                           });
+        const Effort effort = effortOf(request);
+        return parallelFor(
+            request.texels.size(), kTexelGrain, progress, "shadowmask", [&](std::size_t begin, std::size_t end) {
+                uint64_t rays = 0;
+                for (std::size_t i = begin; i < end && !progress.cancelled(); ++i) {
+                    // Points that irradiance() found inside solids must not darken the mask either.
+                    const PointMask outside = estimates.empty()
+                                                  ? kAllPoints
+                                                  : (estimates[i].valid ? estimates[i].outsidePoints : PointMask(0));
+                    out[i] = texelShadowmask(map, map.texels[request.texels[i]], outside, effort, rays);
+                }
+                rays_ += rays;
+            });
     }
 
     bool probes(std::span<const vec3> positions, std::span<ProbeEstimate> out, const Progress& progress) override
@@ -106,6 +112,16 @@ public:
     }
 
 private:
+    struct Effort {
+        int samples;
+        int shadowSamples;
+    };
+    [[nodiscard]] Effort effortOf(const TexelRequest& request) const
+    {
+        return {request.samples > 0 ? request.samples : settings_.samples,
+                request.shadowSamples > 0 ? request.shadowSamples : settings_.shadowSamples};
+    }
+
     /// What seeds a texel's random numbers: its place, whatever else the bake covers.
     static uint32_t texelId(const TexelMap& map, const Texel& texel)
     {
@@ -180,8 +196,8 @@ private:
         pointCount = kept;
     }
 
-    /// `mask` returns which of the texel's points took part.
-    IrradianceEstimate texelIrradiance(const TexelMap& map, const Texel& texel, PointMask& mask, uint64_t& rays) const
+    IrradianceEstimate texelIrradiance(const TexelMap& map, const Texel& texel, const Effort& effort,
+                                       uint64_t& rays) const
     {
         std::array<SurfacePoint, kMaxTexelPoints> points;
         int pointCount = texelPoints(geometry_, map, texel, points);
@@ -189,7 +205,7 @@ private:
 
         // Points inside solids are left out, found beforehand where a few rays say so, or afterwards where the gathered
         // paths met many back faces.
-        mask = kAllPoints;
+        PointMask mask = kAllPoints;
         const bool checkedBefore = maybeInside(points, pointCount, id, rays);
         if (checkedBefore) {
             mask = outsidePoints(points, pointCount, id, rays);
@@ -197,17 +213,18 @@ private:
         }
         int backFaces = 0;
         Accumulator gathered;
-        if (mask != 0) gathered = gather(points, pointCount, settings_.samples, id, rays, backFaces);
+        if (mask != 0) gathered = gather(points, pointCount, effort.samples, id, rays, backFaces);
         if (mask != 0 && !checkedBefore && backFaces * 16 > gathered.count) {
             mask = outsidePoints(points, pointCount, id, rays);
             const int before = pointCount;
             keepPoints(mask, points, pointCount);
             if (mask != 0 && pointCount < before) {
-                gathered = gather(points, pointCount, settings_.samples, id, rays, backFaces);
+                gathered = gather(points, pointCount, effort.samples, id, rays, backFaces);
             }
         }
         IrradianceEstimate estimate;
         estimate.valid = mask != 0;
+        estimate.outsidePoints = mask;
         if (!estimate.valid) return estimate;
         estimate.irradiance = gathered.mean();
         estimate.moment = gathered.moment();
@@ -216,7 +233,8 @@ private:
         for (std::size_t l = 0; l < paths_.lights().size(); ++l) {
             const PunctualLight& light = paths_.lights()[l];
             if (!light.directAtTexels) continue;
-            const Accumulator direct = directIrradiance(light, uint32_t(l), points, pointCount, id, rays);
+            const Accumulator direct =
+                directIrradiance(light, uint32_t(l), points, pointCount, effort.shadowSamples, id, rays);
             estimate.irradiance += direct.mean();
             estimate.moment += direct.moment();
             estimate.varianceOfMean += direct.varianceOfMean();
@@ -252,11 +270,11 @@ private:
     }
 
     Accumulator directIrradiance(const PunctualLight& light, uint32_t lightIndex,
-                                 const std::array<SurfacePoint, kMaxTexelPoints>& points, int pointCount, uint32_t id,
-                                 uint64_t& rays) const
+                                 const std::array<SurfacePoint, kMaxTexelPoints>& points, int pointCount, int samples,
+                                 uint32_t id, uint64_t& rays) const
     {
         Accumulator direct;
-        for (int s = 0; s < settings_.shadowSamples; ++s) {
+        for (int s = 0; s < samples; ++s) {
             const SurfacePoint& point = points[std::size_t(s % pointCount)];
             const shading::LightSample sample = light.at(point.position);
             const float cosine = glm::dot(point.normal, sample.direction);
@@ -285,7 +303,8 @@ private:
         return nullptr;
     }
 
-    vec4 texelShadowmask(const TexelMap& map, const Texel& texel, PointMask outside, uint64_t& rays) const
+    vec4 texelShadowmask(const TexelMap& map, const Texel& texel, PointMask outside, const Effort& effort,
+                         uint64_t& rays) const
     {
         std::array<SurfacePoint, kMaxTexelPoints> points;
         int pointCount = texelPoints(geometry_, map, texel, points);
@@ -296,7 +315,7 @@ private:
         for (int channel = 0; channel < 4; ++channel) {
             float sum = 0.0f;
             int count = 0;
-            for (int s = 0; s < settings_.shadowSamples; ++s) {
+            for (int s = 0; s < effort.shadowSamples; ++s) {
                 const SurfacePoint& point = points[std::size_t(s % pointCount)];
                 uint32_t index = 0;
                 const PunctualLight* light = ownerOfChannel(channel, point.position, index);
@@ -370,7 +389,6 @@ private:
     IntegrationSettings settings_;
     PathTracer paths_;
     bool anySolid_ = false;
-    std::vector<PointMask> outside_; ///< by texel of the map that irradiance() saw last
     std::atomic<uint64_t> rays_{0};
 };
 

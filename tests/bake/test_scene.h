@@ -118,13 +118,13 @@ struct Bench {
     std::vector<IrradianceEstimate> irradiance()
     {
         std::vector<IrradianceEstimate> out(map.texels.size());
-        integrator->irradiance(map, out, {});
+        integrator->irradiance(map, {allTexels(map)}, out, {});
         return out;
     }
     std::vector<vec4> shadowmask()
     {
         std::vector<vec4> out(map.texels.size());
-        integrator->shadowmask(map, out, {});
+        integrator->shadowmask(map, {allTexels(map)}, {}, out, {});
         return out;
     }
     /// Mean world position of a texel's surface.

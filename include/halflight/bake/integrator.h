@@ -102,12 +102,20 @@ struct IrradianceEstimate {
     vec3 moment{0.0f};           ///< lux, first moment: luminance of radiance times cosine times direction, integrated
     float varianceOfMean = 0.0f; ///< of the luminance of `irradiance`
     bool valid = true;           ///< false: the texel lies inside geometry (its rays meet back faces)
+    uint16_t outsidePoints = 0xffff; ///< bit i: point i of texelPoints() lies outside geometry; shadowmasks need it too
 };
 
 struct ProbeEstimate {
     SphericalHarmonicsL2 radiance{};
     vec4 occlusion{1.0f};
     bool valid = true;
+};
+
+/// Which texels to work on, and how hard.
+struct TexelRequest {
+    std::span<const uint32_t> texels; ///< indices into TexelMap::texels
+    int samples = 0;                  ///< paths per texel; 0 = as IntegrationSettings say
+    int shadowSamples = 0;            ///< rays per texel and light; 0 = as IntegrationSettings say
 };
 
 /// Estimates light by tracing rays. All functions are deterministic: results depend on the scene, the settings and the
@@ -120,11 +128,17 @@ public:
     [[nodiscard]] virtual std::string description() const = 0;
 
     /// What the lightmap holds (spec S6): emitters and sky, direct light of lights that are baked for static receivers,
-    /// bounced light of mixed and baked lights. One estimate per texel of the map.
-    virtual bool irradiance(const TexelMap& map, std::span<IrradianceEstimate> out, const Progress& progress) = 0;
+    /// bounced light of mixed and baked lights. One estimate per texel of the request; a texel's is the same whatever
+    /// others are asked for.
+    virtual bool irradiance(const TexelMap& map, const TexelRequest& request, std::span<IrradianceEstimate> out,
+                            const Progress& progress) = 0;
 
     /// Attenuation by static casters for each light that has a channel; 1 in channels without a light in reach.
-    virtual bool shadowmask(const TexelMap& map, std::span<vec4> out, const Progress& progress) = 0;
+    /// `estimates` are irradiance()'s of the request's texels, which know what lies inside geometry; empty = nothing
+    /// does.
+    virtual bool shadowmask(const TexelMap& map, const TexelRequest& request,
+                            std::span<const IrradianceEstimate> estimates, std::span<vec4> out,
+                            const Progress& progress) = 0;
 
     /// Light and occlusion at points in space.
     virtual bool probes(std::span<const vec3> positions, std::span<ProbeEstimate> out, const Progress& progress) = 0;
