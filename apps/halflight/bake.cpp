@@ -12,6 +12,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cstring>
 #include <memory>
 #include <optional>
 #include <utility>
@@ -138,6 +139,12 @@ void printSummary(const BakeOptions& options, const BakeReport& report)
                100.0 * double(report.atlasCoverage));
     fmt::print("           {} charts, {} texels, {} of them inside geometry\n", grouped(uint64_t(report.chartCount)),
                grouped(report.coveredTexels), grouped(report.invalidTexels));
+    if (report.cache.tiles > 0) {
+        const std::size_t baked = report.cache.tiles - report.cache.same - report.cache.unchanged;
+        fmt::print("cache      {} of {} tiles baked, {} taken as they were, {} not reached by what changed\n",
+                   grouped(baked), grouped(report.cache.tiles), grouped(report.cache.same),
+                   grouped(report.cache.unchanged));
+    }
     fmt::print("geometry   {} static triangles\n", grouped(report.triangleCount));
     fmt::print("probes     {} of {} valid\n", grouped(uint64_t(report.validProbeCount)),
                grouped(uint64_t(report.probeCount)));
@@ -153,6 +160,31 @@ void printSummary(const BakeOptions& options, const BakeReport& report)
         fmt::print("{}\n", line.substr(0, line.find_last_not_of(' ') + 1));
     }
 }
+
+// In the cache, a file named after all that went into a bake tells what came out: the output's hash.
+class FinishedBake {
+public:
+    FinishedBake(const BakeOptions& options, const Scene& scene)
+        : output_(options.output), file_(options.bake.cacheDirectory / (bakeHash(scene, options.bake).hex() + ".done"))
+    {}
+    [[nodiscard]] bool isUpToDate() const
+    {
+        const Result<std::vector<std::byte>> noted = readFile(file_);
+        const std::string hash = outputHash();
+        return noted && !hash.empty() && noted->size() == hash.size() &&
+               std::memcmp(noted->data(), hash.data(), hash.size()) == 0;
+    }
+    [[nodiscard]] Status note() const { return writeFileAtomically(file_, outputHash()); }
+
+private:
+    [[nodiscard]] std::string outputHash() const
+    {
+        const Result<std::vector<std::byte>> bytes = readFile(output_);
+        return bytes ? Hasher().bytes(bytes->data(), bytes->size()).hash().hex() : std::string();
+    }
+    std::filesystem::path output_;
+    std::filesystem::path file_;
+};
 
 int runBake(const BakeOptions& options)
 {
@@ -178,6 +210,20 @@ int runBake(const BakeOptions& options)
     }
     if (options.skyGiven) scene->sky = {options.skyNits, options.skyNits, options.skyNits};
 
+    std::optional<FinishedBake> finished;
+    if (!options.bake.cacheDirectory.empty()) {
+        finished.emplace(options, *scene);
+        const bool onlyOutput = options.reportFile.empty() && options.bake.imagesDirectory.empty() && !options.json;
+        if (onlyOutput && finished->isUpToDate()) {
+            display.reset();
+            if (!options.quiet) {
+                fmt::print("{} is up to date: the scene and the settings are those it was baked with; nothing to do\n",
+                           options.output.string());
+            }
+            return kOk;
+        }
+    }
+
     Result<BakeResult> result = bake(std::move(*scene), options.bake, makeEmbreeIntegrator, progress);
     if (result && interrupted()) result = Error{ErrorCode::Cancelled, "interrupted"};
     if (!result) {
@@ -190,6 +236,9 @@ int runBake(const BakeOptions& options)
     const Status written = writeBakedScene(options.output, result->baked);
     display.reset();
     if (!written) return fail(options.output, written.error());
+    if (finished) {
+        if (Status status = finished->note(); !status) return fail(options.bake.cacheDirectory, status.error());
+    }
 
     const std::string json = reportJson(result->report);
     if (!options.reportFile.empty()) {
@@ -258,6 +307,12 @@ Command addBakeCommand(CLI::App& parent)
     addChoice<int>(app, "--device", options->device, {{"auto", 0}, {"cpu", 0}}, "what bakes (default auto)");
     addInt(app, "--threads", bake.threads, 0, 4096, "0 = all cores; changes no byte of the result (default 0)");
     addUint(app, "--seed", bake.seed, "of the random numbers (default 1)");
+
+    app.add_option(
+           "--cache", bake.cacheDirectory,
+           "keep finished tiles in this folder: an interrupted bake goes on where it stopped, a changed scene is "
+           "baked anew only where the change shows")
+        ->type_name("DIR");
 
     app.option_defaults()->group("Output");
     app.add_option("--report", options->reportFile, "write what the bake did: lights, charts, rays, seconds, warnings")

@@ -1,5 +1,6 @@
 #include "halflight/bake/bake.h"
 
+#include "bake/gather.h"
 #include "bake/stages.h"
 
 #include "halflight/base/file.h"
@@ -7,6 +8,7 @@
 
 #include <chrono>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <sys/resource.h>
 
 namespace halflight {
@@ -122,14 +124,14 @@ TexelValues splitEstimates(const std::vector<IrradianceEstimate>& estimates)
     return values;
 }
 
-ProbeSet bakeProbes(const Scene& scene, const BakeSettings& settings, Integrator& integrator, const Progress& progress,
+ProbeSet bakeProbes(const Scene& scene, const BakeSettings& settings, const Gather& gather, const Progress& progress,
                     bool& finished)
 {
     ProbeSet set = placeProbes(scene, settings.probeSpacingMeters);
     std::vector<vec3> positions;
     for (const Probe& probe : set.probes) positions.push_back(probe.position);
     std::vector<ProbeEstimate> estimates(positions.size());
-    finished = integrator.probes(positions, estimates, progress);
+    finished = gather.probes(positions, estimates, progress);
     for (std::size_t i = 0; i < estimates.size(); ++i) {
         set.probes[i].radiance = estimates[i].radiance;
         set.probes[i].occlusion = estimates[i].occlusion;
@@ -216,12 +218,20 @@ Result<BakeResult> bake(Scene scene, const BakeSettings& settings, const Integra
     if (!made) return made.error();
     Integrator& integrator = **made;
     report.integrator = integrator.description();
+    std::optional<BakeCache> cache;
+    if (!settings.cacheDirectory.empty()) {
+        const Hash128 layout = layoutHash(map, integration, settings.mode);
+        Result<BakeCache> opened =
+            BakeCache::open(settings.cacheDirectory, lightHash(layout, baked.scene, geometry), layout);
+        if (!opened) return opened.error();
+        cache.emplace(std::move(*opened));
+    }
+    const Gather gather{integrator, geometry, map, integration, cache ? &*cache : nullptr};
     buildTimer.finish();
 
     StageTimer lightmapTimer(report, "lightmap");
     std::vector<IrradianceEstimate> estimates(map.texels.size());
-    const std::vector<uint32_t> all = allTexels(map);
-    if (!integrator.irradiance(map, {all}, estimates, progress)) return cancelledError();
+    if (!gather.irradiance(estimates, progress)) return cancelledError();
     lightmapTimer.finish(integrator.raysTraced());
     TexelValues values = splitEstimates(estimates);
     report.invalidTexels = uint64_t(std::count(values.valid.begin(), values.valid.end(), uint8_t(0)));
@@ -267,7 +277,7 @@ Result<BakeResult> bake(Scene scene, const BakeSettings& settings, const Integra
         StageTimer maskTimer(report, "shadowmask");
         const uint64_t before = integrator.raysTraced();
         std::vector<vec4> mask(map.texels.size());
-        if (!integrator.shadowmask(map, {all}, estimates, mask, progress)) return cancelledError();
+        if (!gather.shadowmask(estimates, mask, progress)) return cancelledError();
         fillInvalid(geometry, map, values.valid, mask);
         std::vector<ImageRgba32f> maskPages = dilate(map, mask, kDilationRings);
         stitchSeams(seams, maskPages);
@@ -278,13 +288,18 @@ Result<BakeResult> bake(Scene scene, const BakeSettings& settings, const Integra
     StageTimer probeTimer(report, "probes");
     const uint64_t before = integrator.raysTraced();
     bool finished = false;
-    baked.probes = bakeProbes(baked.scene, settings, integrator, progress, finished);
+    baked.probes = bakeProbes(baked.scene, settings, gather, progress, finished);
     if (!finished) return cancelledError();
     report.probeCount = int(baked.probes.probes.size());
     report.validProbeCount = int(
         std::count_if(baked.probes.probes.begin(), baked.probes.probes.end(), [](const Probe& p) { return p.valid; }));
     probeTimer.finish(integrator.raysTraced() - before);
 
+    if (cache) {
+        cache->finish();
+        if (!cache->status()) return cache->status().error();
+        report.cache = cache->counts();
+    }
     if (Status status = dumpResult(settings, baked); !status) return status.error();
     report.peakMemoryBytes = peakMemory();
     report.seconds = std::chrono::duration<double>(Clock::now() - start).count();

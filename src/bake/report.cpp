@@ -46,6 +46,7 @@ std::string reportJson(const BakeReport& report)
           {"invalidTexels", report.invalidTexels},
           {"texelsPerMeter", report.texelsPerMeter},
           {"coverage", report.atlasCoverage}}},
+        {"cache", {{"tiles", report.cache.tiles}, {"same", report.cache.same}, {"unchanged", report.cache.unchanged}}},
         {"probes", {{"count", report.probeCount}, {"valid", report.validProbeCount}}},
         {"triangles", report.triangleCount},
         {"lights", std::move(lights)},

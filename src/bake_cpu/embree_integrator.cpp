@@ -102,11 +102,13 @@ public:
             });
     }
 
-    bool probes(std::span<const vec3> positions, std::span<ProbeEstimate> out, const Progress& progress) override
+    bool probes(std::span<const vec3> positions, std::span<const uint32_t> which, int samples,
+                std::span<ProbeEstimate> out, const Progress& progress) override
     {
-        return parallelFor(positions.size(), 1, progress, "probes", [&](std::size_t begin, std::size_t end) {
+        if (samples <= 0) samples = settings_.probeSamples;
+        return parallelFor(which.size(), 1, progress, "probes", [&](std::size_t begin, std::size_t end) {
             uint64_t rays = 0;
-            for (std::size_t i = begin; i < end; ++i) out[i] = probe(uint32_t(i), positions[i], rays);
+            for (std::size_t i = begin; i < end; ++i) out[i] = probe(which[i], positions[which[i]], samples, rays);
             rays_ += rays;
         });
     }
@@ -329,7 +331,7 @@ private:
         return mask;
     }
 
-    ProbeEstimate probe(uint32_t id, vec3 position, uint64_t& rays) const
+    ProbeEstimate probe(uint32_t id, vec3 position, int samples, uint64_t& rays) const
     {
         ProbeEstimate estimate;
         std::array<vec3, 9> sum{};
@@ -338,7 +340,7 @@ private:
         const auto add = [&](vec3 direction, vec3 weightedRadiance) {
             for (int i = 0; i < 9; ++i) sum[std::size_t(i)] += weightedRadiance * shading::shBasis(i, direction);
         };
-        for (int s = 0; s < settings_.probeSamples; ++s) {
+        for (int s = 0; s < samples; ++s) {
             Sampler sampler(settings_.seed ^ kProbeSeed, id, uint32_t(s));
             const vec3 direction = shading::sampleSphere(sampler.next2());
             const PathTracer::EmitterInSpace emitter = paths_.emitterInSpace(position, kUniformPdf, sampler, rays);
@@ -348,9 +350,8 @@ private:
             backFaces += in.firstHitBackFace ? 1 : 0;
             add(direction, in.radiance / kUniformPdf);
         }
-        for (int i = 0; i < 9; ++i)
-            estimate.radiance[std::size_t(i)] = sum[std::size_t(i)] / float(settings_.probeSamples);
-        estimate.valid = backFaces * 4 < settings_.probeSamples;
+        for (int i = 0; i < 9; ++i) estimate.radiance[std::size_t(i)] = sum[std::size_t(i)] / float(samples);
+        estimate.valid = backFaces * 4 < samples;
 
         // Fully baked lights are a delta in direction; a light's coefficient is its illuminance times the basis
         // function.

@@ -1,6 +1,7 @@
-#include "scene/fingerprint.h"
+#include "halflight/scene/fingerprint.h"
 
 #include "halflight/base/parallel.h"
+#include "scene/document.h"
 
 #include <algorithm>
 
@@ -12,6 +13,29 @@ void addTexture(Hasher& hasher, const TextureRef& ref, const std::vector<Hash128
 {
     hasher.add(ref ? pixels[std::size_t(ref.texture)] : Hash128{});
     if (ref) hasher.add(ref.texCoord).add(ref.offset).add(ref.scale).add(ref.rotationRadians);
+}
+
+std::vector<Hash128> textureHashes(const Scene& scene)
+{
+    std::vector<Hash128> hashes(scene.textures.size());
+    parallelFor(hashes.size(), 1, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t i = begin; i < end; ++i) {
+            const Texture& texture = scene.textures[i];
+            Hasher hasher;
+            hasher.add(texture.pixels.size()).add(int(texture.wrapU)).add(int(texture.wrapV));
+            hashes[i] = hasher.add(texture.pixels.texels()).hash();
+        }
+    });
+    return hashes;
+}
+
+/// Shape and size of a light: neither its pose nor its colour.
+Hash128 lightHash(const Light& light)
+{
+    Hasher hasher;
+    hasher.add(int(light.type)).add(light.rangeMeters).add(light.innerConeRadians).add(light.outerConeRadians);
+    hasher.add(int(light.castShadows)).add(light.radiusMeters).add(light.angularRadiusRadians);
+    return hasher.hash();
 }
 
 Hash128 materialHash(const Material& material, const std::vector<Hash128>& pixels)
@@ -28,22 +52,49 @@ Hash128 materialHash(const Material& material, const std::vector<Hash128>& pixel
 
 } // namespace
 
-SceneFingerprints::SceneFingerprints(const Scene& scene) : scene_(scene)
+std::vector<Hash128> materialHashes(const Scene& scene)
 {
-    std::vector<Hash128> pixels(scene.textures.size());
-    parallelFor(pixels.size(), 1, [&](std::size_t begin, std::size_t end) {
-        for (std::size_t i = begin; i < end; ++i) {
-            const Texture& texture = scene.textures[i];
-            Hasher hasher;
-            hasher.add(texture.pixels.size()).add(int(texture.wrapU)).add(int(texture.wrapV));
-            pixels[i] = hasher.add(texture.pixels.texels()).hash();
-        }
-    });
-    complete_ = std::none_of(scene.textures.begin(), scene.textures.end(),
-                             [](const Texture& texture) { return texture.pixels.empty(); });
-    for (const Material& material : scene.materials) materials_.push_back(materialHash(material, pixels));
-    materials_.push_back(materialHash(defaultMaterial(), pixels));
+    const std::vector<Hash128> pixels = textureHashes(scene);
+    std::vector<Hash128> hashes;
+    for (const Material& material : scene.materials) hashes.push_back(materialHash(material, pixels));
+    hashes.push_back(materialHash(defaultMaterial(), pixels));
+    return hashes;
 }
+
+Hash128 contentHash(const Scene& scene)
+{
+    Hasher hasher;
+    if (scene.source) {
+        hasher.add(std::string_view(scene.source->json.dump()));
+        for (const tinygltf::Buffer& buffer : scene.source->model.buffers) hasher.add(buffer.data);
+    }
+    hasher.add(textureHashes(scene)).add(materialHashes(scene));
+    for (const Mesh& mesh : scene.meshes) {
+        for (const MeshPart& part : mesh.parts) {
+            hasher.add(part.positions).add(part.normals).add(part.tangents).add(part.uv[0]).add(part.uv[1]);
+            hasher.add(part.colors).add(part.indices).add(part.material);
+        }
+    }
+    for (const Object& object : scene.objects) {
+        hasher.add(std::string_view(object.name))
+            .add(object.mesh)
+            .add(object.worldFromObject)
+            .add(object.lightmapScale);
+        hasher.add(int(object.isStatic)).add(int(object.castShadows)).add(int(object.receiveShadows));
+    }
+    for (const Light& light : scene.lights) {
+        hasher.add(std::string_view(light.name)).add(lightHash(light)).add(int(light.mode)).add(light.shadowStrength);
+        hasher.add(light.worldFromLight).add(light.color).add(light.intensity).add(light.indirectMultiplier);
+    }
+    hasher.add(scene.sky.zenith).add(scene.sky.horizon).add(scene.sky.ground);
+    return hasher.add(scene.subtractiveShadowColor).add(scene.probePositions).hash();
+}
+
+SceneFingerprints::SceneFingerprints(const Scene& scene)
+    : scene_(scene), complete_(std::none_of(scene.textures.begin(), scene.textures.end(),
+                                            [](const Texture& texture) { return texture.pixels.empty(); })),
+      materials_(materialHashes(scene))
+{}
 
 std::string SceneFingerprints::ofObjects(std::span<const Object* const> objects) const
 {
@@ -72,9 +123,7 @@ std::string SceneFingerprints::ofLight(const Light& light) const
 {
     if (!light.baking.isBaked || light.baking.bakeType == LightMode::Realtime) return {};
     Hasher hasher;
-    hasher.add(int(light.type)).add(light.rangeMeters);
-    hasher.add(light.innerConeRadians).add(light.outerConeRadians).add(int(light.castShadows));
-    hasher.add(light.radiusMeters).add(light.angularRadiusRadians);
+    hasher.add(lightHash(light));
     if (light.baking.bakeType == LightMode::Baked) hasher.add(light.color).add(light.intensity);
     return hasher.hash().hex();
 }

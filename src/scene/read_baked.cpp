@@ -1,4 +1,4 @@
-#include "scene/fingerprint.h"
+#include "halflight/scene/fingerprint.h"
 #include "scene/ktx2.h"
 #include "scene/nodes.h"
 #include "scene/read_scene.h"

@@ -1,6 +1,6 @@
 #include "halflight/base/file.h"
 #include "halflight/scene/gltf.h"
-#include "scene/fingerprint.h"
+#include "halflight/scene/fingerprint.h"
 #include "scene/ktx2.h"
 #include "scene/make_document.h"
 #include "scene/read_lights.h"

@@ -3,6 +3,7 @@
 // own in src/bake/.
 
 #include "halflight/bake/integrator.h"
+#include "halflight/base/hash.h"
 #include "halflight/base/progress.h"
 #include "halflight/base/result.h"
 #include "halflight/scene/baked_scene.h"
@@ -34,6 +35,9 @@ struct BakeSettings {
     uint32_t seed = 1;
     /// Every stage's result is written here (lightmap_N.exr, shadowmask_N.png, probes.json, and more); empty = nowhere.
     std::filesystem::path imagesDirectory;
+    /// Finished tiles are kept here and taken from here: an interrupted bake goes on, a changed scene is baked anew
+    /// only where the change shows (within noise). May be deleted at any time; empty = none.
+    std::filesystem::path cacheDirectory;
 };
 
 /// What a quality stands for, with the explicit settings applied.
@@ -61,12 +65,20 @@ struct StageReport {
     uint64_t rays = 0;
 };
 
+/// Where the tiles of a bake with a cache came from; the rest was baked.
+struct TileCounts {
+    std::size_t tiles = 0;
+    std::size_t same = 0;      ///< of this very bake, interrupted or finished earlier
+    std::size_t unchanged = 0; ///< of the bake before, whose change does not reach them
+};
+
 struct BakeReport {
     std::vector<LightReport> lights;
     std::vector<StageReport> stages;
     std::vector<MeshUnwrapReport> meshes;
     std::vector<std::string> warnings;
     BakeQuality quality{};
+    TileCounts cache;       ///< all zero without a cache
     std::string integrator; ///< e.g. "cpu (Embree 3.13.5, 2 threads)"
     int pageCount = 0;
     int pageSize = 0;
@@ -90,6 +102,9 @@ struct BakeResult {
 /// Runs the whole bake with the given integrator.
 Result<BakeResult> bake(Scene scene, const BakeSettings& settings, const IntegratorFactory& integratorFactory,
                         const Progress& progress = {});
+
+/// Of all that decides a bake's output file: equal hashes, equal bytes.
+Hash128 bakeHash(const Scene& scene, const BakeSettings& settings);
 
 /// The report as the JSON that `halflight bake --report` writes.
 std::string reportJson(const BakeReport& report);

@@ -140,8 +140,10 @@ public:
                             std::span<const IrradianceEstimate> estimates, std::span<vec4> out,
                             const Progress& progress) = 0;
 
-    /// Light and occlusion at points in space.
-    virtual bool probes(std::span<const vec3> positions, std::span<ProbeEstimate> out, const Progress& progress) = 0;
+    /// Light and occlusion at points in space: at positions[i] for each i of `which`, with `samples` paths (0 = as
+    /// IntegrationSettings say).
+    virtual bool probes(std::span<const vec3> positions, std::span<const uint32_t> which, int samples,
+                        std::span<ProbeEstimate> out, const Progress& progress) = 0;
 
     [[nodiscard]] virtual uint64_t raysTraced() const = 0;
 };

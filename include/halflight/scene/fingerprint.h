@@ -11,6 +11,13 @@
 
 namespace halflight {
 
+/// Of each material's parts that a bake sees, textures included; one more at the end for the default material.
+std::vector<Hash128> materialHashes(const Scene& scene);
+
+/// Of everything that a bake and the file it writes depend on: the source document, its buffers and pictures, and all
+/// settings as they were applied.
+Hash128 contentHash(const Scene& scene);
+
 class SceneFingerprints {
 public:
     /// Hashes the materials, textures included, once. `scene` outlives this.
@@ -30,7 +37,7 @@ public:
 private:
     const Scene& scene_;
     bool complete_ = true;
-    std::vector<Hash128> materials_; ///< the last is the default material's
+    std::vector<Hash128> materials_;
 };
 
 } // namespace halflight

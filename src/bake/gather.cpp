@@ -1,0 +1,199 @@
+#include "bake/gather.h"
+
+#include "bake/stages.h"
+
+#include "halflight/scene/fingerprint.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace halflight {
+namespace {
+
+constexpr uint32_t kCacheVersion = 1; ///< to be raised when estimates of the same input change
+
+/// Small, so that a small change shows in a tile's sum of witnesses.
+constexpr std::size_t kTexelTile = 256;
+constexpr std::size_t kProbeTile = 8;
+
+/// Relative difference that counts as a change: well below what the bake's own noise leaves.
+constexpr double kWitnessTolerance = 0.005;
+
+int witnessSamples(int samples)
+{
+    return std::clamp(samples / 24, 2, 8);
+}
+
+/// Whether values differ by more than the tolerance, in the mean of their magnitudes.
+bool differ(double difference, double before)
+{
+    return !(difference <= kWitnessTolerance * before); // true for what is not a number
+}
+
+Hash128 surfaceHash(const BakeGeometry& geometry, const TexelMap& map, std::size_t first, std::size_t count)
+{
+    Hasher hasher;
+    for (std::size_t i = first; i < first + count; ++i) {
+        const Texel& texel = map.texels[i];
+        hasher.add(texel.x).add(texel.y).add(texel.page).add(texel.chart);
+        for (uint32_t f = texel.firstFragment; f < texel.firstFragment + texel.fragmentCount; ++f) {
+            const TexelFragment& fragment = map.fragments[f];
+            hasher.add(fragment.barycentric).add(fragment.area);
+            for (int k = 0; k < 3; ++k) {
+                const uint32_t vertex = geometry.triangles[fragment.triangle][k];
+                hasher.add(geometry.positions[vertex]).add(geometry.normals[vertex]);
+            }
+        }
+    }
+    return hasher.hash();
+}
+
+} // namespace
+
+Hash128 bakeHash(const Scene& scene, const BakeSettings& settings)
+{
+    const BakeQuality q = resolveQuality(settings);
+    Hasher hasher;
+    hasher.add(kCacheVersion).add(contentHash(scene)).add(int(settings.mode));
+    hasher.add(q.samples).add(q.shadowSamples).add(q.bounces).add(q.lightmapSize).add(q.probeSamples);
+    hasher.add(int(settings.uvMode)).add(settings.texelsPerMeter).add(settings.paddingTexels);
+    hasher.add(int(settings.denoise)).add(int(settings.directional)).add(settings.probeSpacingMeters);
+    return hasher.add(settings.seed).hash();
+}
+
+Hash128 layoutHash(const TexelMap& map, const IntegrationSettings& settings, MixedLightingMode mode)
+{
+    Hasher hasher;
+    hasher.add(kCacheVersion).add(int(mode)).add(settings.samples).add(settings.shadowSamples).add(settings.bounces);
+    hasher.add(settings.probeSamples).add(settings.seed).add(map.pageSize).add(map.pageCount);
+    for (const Texel& texel : map.texels) hasher.add(texel.x).add(texel.y).add(texel.page);
+    return hasher.hash();
+}
+
+Hash128 lightHash(Hash128 layout, const Scene& scene, const BakeGeometry& geometry)
+{
+    Hasher hasher;
+    hasher.add(layout).add(geometry.triangles).add(geometry.positions).add(geometry.normals);
+    hasher.add(geometry.uv[0]).add(geometry.uv[1]).add(geometry.colors).add(geometry.lightmapTexel);
+    const std::vector<Hash128> materials = materialHashes(scene);
+    for (const BakeGeometry::Part& part : geometry.parts) {
+        hasher.add(materials[part.material >= 0 ? std::size_t(part.material) : materials.size() - 1]);
+        hasher.add(int(part.castShadows)).add(part.firstTriangle);
+    }
+    for (const Light& light : scene.lights) {
+        hasher.add(int(light.type)).add(int(light.mode)).add(int(light.baking.bakeType));
+        hasher.add(light.baking.occlusionMaskChannel).add(light.color).add(light.intensity).add(light.rangeMeters);
+        hasher.add(light.innerConeRadians).add(light.outerConeRadians).add(light.worldFromLight);
+        hasher.add(int(light.castShadows)).add(light.shadowStrength).add(light.indirectMultiplier);
+        hasher.add(light.radiusMeters).add(light.angularRadiusRadians);
+    }
+    return hasher.add(scene.sky.zenith).add(scene.sky.horizon).add(scene.sky.ground).hash();
+}
+
+bool Gather::irradiance(std::span<IrradianceEstimate> out, const Progress& progress) const
+{
+    if (cache == nullptr) return integrator.irradiance(map, {allTexels(map)}, out, progress);
+    BakeCache::Work<IrradianceEstimate, float> work;
+    work.stage = CachedStage::Lightmap;
+    work.name = "lightmap";
+    work.count = map.texels.size();
+    work.tileSize = kTexelTile;
+    work.surface = [&](std::size_t first, std::size_t count) { return surfaceHash(geometry, map, first, count); };
+    work.compute = [&](std::span<const uint32_t> items, std::span<IrradianceEstimate> values, const Progress& part) {
+        return integrator.irradiance(map, {items}, values, part);
+    };
+    const int samples = witnessSamples(settings.samples);
+    const int shadowSamples = witnessSamples(settings.shadowSamples);
+    work.witness = [&](std::span<const uint32_t> items, std::span<float> values, const Progress& part) {
+        std::vector<IrradianceEstimate> estimates(items.size());
+        if (!integrator.irradiance(map, {items, samples, shadowSamples}, estimates, part)) return false;
+        // What is found inside geometry stands for a value of its own, so that a change of that shows too.
+        for (std::size_t i = 0; i < items.size(); ++i)
+            values[i] = estimates[i].valid ? luminance(estimates[i].irradiance) : -1.0f;
+        return true;
+    };
+    work.changed = [](std::span<const float> before, std::span<const float> now) {
+        double difference = 0.0;
+        double sum = 0.0;
+        for (std::size_t i = 0; i < before.size(); ++i) {
+            if ((before[i] < 0.0f) != (now[i] < 0.0f)) return true;
+            difference += std::abs(double(now[i]) - double(before[i]));
+            sum += std::abs(double(before[i]));
+        }
+        return differ(difference, sum);
+    };
+    return cache->run(work, out, progress);
+}
+
+bool Gather::shadowmask(std::span<const IrradianceEstimate> estimates, std::span<vec4> out,
+                        const Progress& progress) const
+{
+    if (cache == nullptr) return integrator.shadowmask(map, {allTexels(map)}, estimates, out, progress);
+    const auto estimatesOf = [&](std::span<const uint32_t> items) {
+        std::vector<IrradianceEstimate> picked;
+        picked.reserve(items.size());
+        for (const uint32_t i : items) picked.push_back(estimates[i]);
+        return picked;
+    };
+    BakeCache::Work<vec4, vec4> work;
+    work.stage = CachedStage::Shadowmask;
+    work.name = "shadowmask";
+    work.count = map.texels.size();
+    work.tileSize = kTexelTile;
+    work.surface = [&](std::size_t first, std::size_t count) {
+        Hasher hasher;
+        hasher.add(surfaceHash(geometry, map, first, count));
+        for (std::size_t i = first; i < first + count; ++i)
+            hasher.add(estimates[i].outsidePoints).add(int(estimates[i].valid));
+        return hasher.hash();
+    };
+    work.compute = [&](std::span<const uint32_t> items, std::span<vec4> values, const Progress& part) {
+        return integrator.shadowmask(map, {items}, estimatesOf(items), values, part);
+    };
+    work.witness = [&](std::span<const uint32_t> items, std::span<vec4> values, const Progress& part) {
+        const TexelRequest request{items, 0, witnessSamples(settings.shadowSamples)};
+        return integrator.shadowmask(map, request, estimatesOf(items), values, part);
+    };
+    // Shadows have no noise to hide in: any ray that ends otherwise counts.
+    work.changed = [](std::span<const vec4> before, std::span<const vec4> now) {
+        return !std::equal(before.begin(), before.end(), now.begin());
+    };
+    return cache->run(work, out, progress);
+}
+
+bool Gather::probes(std::span<const vec3> positions, std::span<ProbeEstimate> out, const Progress& progress) const
+{
+    if (cache == nullptr) {
+        std::vector<uint32_t> all(positions.size());
+        for (std::size_t i = 0; i < all.size(); ++i) all[i] = uint32_t(i);
+        return integrator.probes(positions, all, 0, out, progress);
+    }
+    BakeCache::Work<ProbeEstimate, ProbeEstimate> work;
+    work.stage = CachedStage::Probes;
+    work.name = "probes";
+    work.count = positions.size();
+    work.tileSize = kProbeTile;
+    work.surface = [&](std::size_t first, std::size_t count) {
+        return Hasher().bytes(&positions[first], count * sizeof(vec3)).hash();
+    };
+    work.compute = [&](std::span<const uint32_t> items, std::span<ProbeEstimate> values, const Progress& part) {
+        return integrator.probes(positions, items, 0, values, part);
+    };
+    const int samples = std::max(settings.probeSamples / 4, 16);
+    work.witness = [&](std::span<const uint32_t> items, std::span<ProbeEstimate> values, const Progress& part) {
+        return integrator.probes(positions, items, samples, values, part);
+    };
+    work.changed = [](std::span<const ProbeEstimate> before, std::span<const ProbeEstimate> now) {
+        for (std::size_t i = 0; i < before.size(); ++i) {
+            if (before[i].valid != now[i].valid || before[i].occlusion != now[i].occlusion) return true;
+            double difference = 0.0;
+            for (std::size_t k = 0; k < 9; ++k)
+                difference += double(glm::length(now[i].radiance[k] - before[i].radiance[k]));
+            if (differ(difference, double(glm::length(before[i].radiance[0])))) return true;
+        }
+        return false;
+    };
+    return cache->run(work, out, progress);
+}
+
+} // namespace halflight
