@@ -18,6 +18,7 @@ protected:
         BakedScene baked = pretendToBake(engineScene(), false);
         for (Texture& texture : baked.scene.textures)
             if (texture.pixels.empty()) texture.pixels = ImageRgba8(2, 2, u8vec4(9));
+        baked.scene.lights.back().baking.bakeType = LightMode::Baked;
         baked.scene.warnings.clear();
         const Status status = writeBakedScene(file, baked);
         ASSERT_TRUE(status) << status.error().text();

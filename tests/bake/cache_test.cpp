@@ -1,0 +1,173 @@
+// bake --cache: taken-over tiles give what a bake from scratch gives, an interrupted bake goes on, and a change bakes
+// anew only what it reaches.
+
+#include "bake/cache.h"
+#include "bake/test_scene.h"
+#include "base/temp_folder.h"
+
+#include "halflight/base/file.h"
+
+#include <gtest/gtest.h>
+
+namespace halflight::test {
+namespace {
+
+/// Two closed rooms, ten metres apart, each with a lamp under the ceiling and a box on the floor.
+Scene twoRooms()
+{
+    Scene scene;
+    const int walls = addMaterial(scene, vec3(0.6f));
+    const int boxes = addMaterial(scene, vec3(0.3f, 0.4f, 0.5f));
+    for (const float x : {0.0f, 10.0f}) {
+        addBox(scene, vec3(x - 2, 0, -2), vec3(x + 2, 3, 2), walls, true);
+        addBox(scene, vec3(x - 0.5f, 0, -0.5f), vec3(x + 0.5f, 1, 0.5f), boxes, false);
+        Light lamp = makeLight(LightType::Point, vec3(x + 1, 2.5f, 0.5f), vec3(0, -1, 0), 20.0f, LightMode::Mixed);
+        lamp.name = x == 0.0f ? "left" : "right";
+        lamp.radiusMeters = 0.1f;
+        lamp.rangeMeters = 5.0f;
+        scene.lights.push_back(lamp);
+    }
+    return scene;
+}
+
+struct CacheTest : testing::Test {
+    CacheTest()
+    {
+        settings.samples = 16;
+        settings.shadowSamples = 8;
+        settings.bounces = 2;
+        settings.lightmapSize = 128;
+        settings.probeSpacingMeters = 2.0f;
+    }
+    BakeResult run(const Scene& scene, bool cached, const Progress& progress = {})
+    {
+        BakeSettings s = settings;
+        if (cached) s.cacheDirectory = folder / "cache";
+        Result<BakeResult> result = bake(scene, s, makeEmbreeIntegrator, progress);
+        if (!result) {
+            EXPECT_EQ(result.error().code, ErrorCode::Cancelled) << result.error().text();
+            return {};
+        }
+        return std::move(*result);
+    }
+    static uint64_t raysOf(const BakeReport& report, const std::string& stage)
+    {
+        for (const StageReport& s : report.stages)
+            if (s.name == stage) return s.rays;
+        ADD_FAILURE() << "no stage " << stage;
+        return 0;
+    }
+    static void expectSame(const BakedScene& a, const BakedScene& b)
+    {
+        ASSERT_EQ(a.lightmaps.size(), b.lightmaps.size());
+        for (std::size_t i = 0; i < a.lightmaps.size(); ++i)
+            EXPECT_EQ(a.lightmaps[i].texels(), b.lightmaps[i].texels());
+        ASSERT_EQ(a.shadowmasks.size(), b.shadowmasks.size());
+        for (std::size_t i = 0; i < a.shadowmasks.size(); ++i)
+            EXPECT_EQ(a.shadowmasks[i].texels(), b.shadowmasks[i].texels());
+        ASSERT_EQ(a.probes.probes.size(), b.probes.probes.size());
+        for (std::size_t i = 0; i < a.probes.probes.size(); ++i) {
+            EXPECT_EQ(a.probes.probes[i].radiance, b.probes.probes[i].radiance);
+            EXPECT_EQ(a.probes.probes[i].occlusion, b.probes.probes[i].occlusion);
+        }
+    }
+    /// Mean relative difference of two lightmaps.
+    static double difference(const BakedScene& a, const BakedScene& b)
+    {
+        double sum = 0.0;
+        double error = 0.0;
+        for (std::size_t p = 0; p < a.lightmaps.size(); ++p) {
+            const ImageRgb32f x = decodeLightmap(a.lightmaps[p]);
+            const ImageRgb32f y = decodeLightmap(b.lightmaps[p]);
+            for (std::size_t i = 0; i < x.texelCount(); ++i) {
+                sum += double(luminance(x.data()[i]));
+                error += std::abs(double(luminance(x.data()[i])) - double(luminance(y.data()[i])));
+            }
+        }
+        return error / sum;
+    }
+
+    TempFolder folder;
+    BakeSettings settings;
+};
+
+TEST_F(CacheTest, ASecondBakeTakesEverythingAndGivesTheSameBytes)
+{
+    const Scene scene = twoRooms();
+    const BakeResult plain = run(scene, false);
+    const BakeResult first = run(scene, true);
+    expectSame(plain.baked, first.baked);
+    EXPECT_GT(first.report.cache.tiles, 10u);
+    EXPECT_EQ(first.report.cache.same, 0u);
+    const BakeResult second = run(scene, true);
+    expectSame(plain.baked, second.baked);
+    EXPECT_EQ(second.report.cache.same, second.report.cache.tiles);
+    for (const char* stage : {"lightmap", "shadowmask", "probes"}) EXPECT_EQ(raysOf(second.report, stage), 0u) << stage;
+}
+
+TEST_F(CacheTest, AnInterruptedBakeGoesOn)
+{
+    settings.lightmapSize = 512; // several batches
+    settings.samples = 4;
+    const Scene scene = twoRooms();
+    std::atomic<bool> cancel = false;
+    Progress progress;
+    progress.cancel = &cancel;
+    progress.report = [&](std::string_view stage, double fraction) {
+        if (stage == "lightmap" && fraction > 0.6) cancel = true;
+    };
+    EXPECT_EQ(run(scene, true, progress).report.cache.tiles, 0u);
+    const BakeResult resumed = run(scene, true);
+    EXPECT_GT(resumed.report.cache.same, 0u);
+    EXPECT_LT(resumed.report.cache.same, resumed.report.cache.tiles);
+    expectSame(run(scene, false).baked, resumed.baked);
+}
+
+TEST_F(CacheTest, ABrokenTileFileIsBakedAgainWhereItIsBroken)
+{
+    const Scene scene = twoRooms();
+    const BakeResult first = run(scene, true);
+    for (const auto& entry : std::filesystem::directory_iterator(folder / "cache")) {
+        if (entry.path().extension() != ".tiles") continue;
+        // One bit flipped in the middle, and the end cut off.
+        auto bytes = readFile(entry.path());
+        ASSERT_TRUE(bytes);
+        (*bytes)[bytes->size() / 2] ^= std::byte(4);
+        bytes->resize(bytes->size() - 7);
+        ASSERT_TRUE(writeFileAtomically(entry.path(), bytes->data(), bytes->size()));
+    }
+    const BakeResult second = run(scene, true);
+    expectSame(first.baked, second.baked);
+    EXPECT_GT(second.report.cache.same, 0u);
+    EXPECT_LT(second.report.cache.same, second.report.cache.tiles);
+    EXPECT_EQ(run(scene, true).report.cache.same, second.report.cache.tiles) << "what was added can be read";
+}
+
+TEST_F(CacheTest, ALightReachesOnlyItsOwnRoom)
+{
+    Scene scene = twoRooms();
+    run(scene, true);
+    scene.lights[0].intensity = 40.0f;
+    const BakeResult changed = run(scene, true);
+    const TileCounts& counts = changed.report.cache;
+    EXPECT_EQ(counts.same, 0u);
+    // Tiles of the other room alone, and all masks: intensity does not change shadows.
+    EXPECT_GT(counts.unchanged, counts.tiles / 2);
+    EXPECT_LT(counts.unchanged, counts.tiles * 9 / 10);
+    EXPECT_LT(difference(run(scene, false).baked, changed.baked), 0.002);
+}
+
+TEST_F(CacheTest, AMovedObjectReachesOnlyItsOwnRoom)
+{
+    Scene scene = twoRooms();
+    run(scene, true);
+    for (int i = 6; i < 12; ++i)
+        scene.objects[std::size_t(i)].worldFromObject = glm::translate(mat4(1.0f), vec3(0.4f, 0, 0.3f));
+    const BakeResult moved = run(scene, true);
+    EXPECT_GT(moved.report.cache.unchanged, moved.report.cache.tiles * 3 / 10);
+    EXPECT_LT(moved.report.cache.unchanged, moved.report.cache.tiles * 7 / 10);
+    EXPECT_LT(difference(run(scene, false).baked, moved.baked), 0.002);
+}
+
+} // namespace
+} // namespace halflight::test
