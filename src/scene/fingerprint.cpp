@@ -81,6 +81,7 @@ Hash128 contentHash(const Scene& scene)
             .add(object.worldFromObject)
             .add(object.lightmapScale);
         hasher.add(int(object.isStatic)).add(int(object.castShadows)).add(int(object.receiveShadows));
+        hasher.add(int(object.probeLighting)).add(object.probeResolution);
     }
     for (const Light& light : scene.lights) {
         hasher.add(std::string_view(light.name)).add(lightHash(light)).add(int(light.mode)).add(light.shadowStrength);

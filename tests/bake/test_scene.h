@@ -117,16 +117,18 @@ struct Bench {
     }
     std::vector<IrradianceEstimate> irradiance()
     {
-        std::vector<IrradianceEstimate> out(map.texels.size());
-        integrator->irradiance(map, {allTexels(map)}, out, {});
-        return out;
+        estimates.resize(map.texels.size());
+        integrator->irradiance(map, {allTexels(map)}, estimates, {});
+        return estimates;
     }
     std::vector<vec4> shadowmask()
     {
         std::vector<vec4> out(map.texels.size());
-        integrator->shadowmask(map, {allTexels(map)}, {}, out, {});
+        integrator->shadowmask(map, {allTexels(map)}, estimates, out, {});
         return out;
     }
+    std::vector<IrradianceEstimate> estimates; ///< of irradiance(), which shadowmask() learns from
+
     /// Mean world position of a texel's surface.
     [[nodiscard]] vec3 positionOf(const Texel& texel) const
     {
