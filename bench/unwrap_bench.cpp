@@ -1,5 +1,6 @@
 // Unwraps glTF files and prints charts, fill and seconds for each; with --images DIR also a picture of every page.
-//   bench_unwrap [--size N] [--padding N] [--density X] [--mode auto|keep|unwrap] [--images DIR] FILE...
+//   bench_unwrap [--size N] [--padding N] [--density X] [--mode auto|keep|unwrap] [--images DIR] [--ball N] FILE...
+// --ball N adds a ball with bumps of about N triangles, for what no file at hand is large enough for.
 
 #include "halflight/base/parallel.h"
 #include "halflight/base/random.h"
@@ -72,6 +73,41 @@ void writePages(const UnwrappedScene& unwrapped, const std::filesystem::path& di
     }
 }
 
+/// A ball whose surface goes up and down: one closed mesh of about that many triangles.
+Scene bumpyBall(int triangles)
+{
+    const int rings = std::max(2, int(std::sqrt(0.25 * triangles)));
+    const int segments = 2 * rings;
+    Scene scene;
+    MeshPart part;
+    for (int i = 0; i <= rings; ++i) {
+        for (int j = 0; j < segments; ++j) {
+            const float theta = kPi * float(i) / float(rings);
+            const float phi = 2.0f * kPi * float(j) / float(segments);
+            const vec3 n(std::sin(theta) * std::cos(phi), std::cos(theta), std::sin(theta) * std::sin(phi));
+            const float bumps = std::sin(11.0f * n.x) * std::sin(13.0f * n.y) * std::sin(9.0f * n.z) +
+                                0.3f * std::sin(47.0f * n.x + 31.0f * n.z) * std::sin(41.0f * n.y);
+            part.positions.push_back(n * (2.0f + 0.2f * bumps));
+            part.normals.push_back(n);
+        }
+    }
+    const auto at = [&](int i, int j) { return uint32_t(i * segments + j % segments); };
+    for (int i = 0; i < rings; ++i) {
+        for (int j = 0; j < segments; ++j) {
+            if (i > 0) part.indices.insert(part.indices.end(), {at(i, j), at(i, j + 1), at(i + 1, j)});
+            if (i + 1 < rings) part.indices.insert(part.indices.end(), {at(i, j + 1), at(i + 1, j + 1), at(i + 1, j)});
+        }
+    }
+    Mesh mesh;
+    mesh.parts.push_back(std::move(part));
+    scene.meshes.push_back(std::move(mesh));
+    Object object;
+    object.name = "ball";
+    object.mesh = 0;
+    scene.objects.push_back(object);
+    return scene;
+}
+
 } // namespace
 
 int main(int argc, char** argv)
@@ -87,6 +123,8 @@ int main(int argc, char** argv)
             settings.paddingTexels = std::atoi(argv[++i]);
         else if (option("--density"))
             settings.texelsPerMeter = float(std::atof(argv[++i]));
+        else if (option("--ball"))
+            files.push_back(std::string(":") + argv[++i]);
         else if (option("--images"))
             images = argv[++i];
         else if (option("--mode")) {
@@ -99,7 +137,8 @@ int main(int argc, char** argv)
                 "filled", "padded", "stretch", "seconds", "cpu-s");
     int failures = 0;
     for (const std::string& file : files) {
-        Result<Scene> scene = readScene(file);
+        const bool made = file.starts_with(":");
+        Result<Scene> scene = made ? Result<Scene>(bumpyBall(std::atoi(file.c_str() + 1))) : readScene(file);
         if (!scene) {
             std::fprintf(stderr, "%s: %s\n", file.c_str(), scene.error().text().c_str());
             ++failures;
@@ -114,7 +153,7 @@ int main(int argc, char** argv)
         const Result<UnwrappedScene> result = unwrap(std::move(*scene), settings);
         const double cpu = double(std::clock() - cpuStart) / CLOCKS_PER_SEC;
         const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-        const std::string name = std::filesystem::path(file).stem().string();
+        const std::string name = made ? "ball" : std::filesystem::path(file).stem().string();
         if (!result) {
             std::fprintf(stderr, "%s: %s\n", file.c_str(), result.error().text().c_str());
             ++failures;

@@ -6,6 +6,7 @@
 #include "probes.glsl"
 #include "surface.glsl"
 #include "halflight/shading/directional.h"
+#include "halflight/shading/mask.h"
 
 layout(location = 0) in vec3 inPosition;
 layout(location = 1) in vec3 inNormal;
@@ -24,6 +25,18 @@ struct MeshSurface {
     vec3 emissive;
     bool unlit;
 };
+
+// B by channel from the shadowmask. A pixel's width on the page is the longer of its sides there.
+vec4 readShadowmask(vec2 uv, int page)
+{
+    vec4 stored = textureLod(shadowmasks, vec3(uv, page), 0.0);
+    vec2 size = vec2(textureSize(shadowmasks, 0).xy);
+    float footprint = max(length(dFdx(uv) * size), length(dFdy(uv) * size));
+    vec4 attenuation;
+    for (int c = 0; c < 4; ++c)
+        attenuation[c] = decodeMask(stored[c], frame.maskRange[c], frame.maskPenumbra[c], footprint);
+    return attenuation;
+}
 
 MeshSurface readSurface()
 {
@@ -67,8 +80,8 @@ MeshSurface readSurface()
     ivec4 info = objects[inObject].info;
     s.lightmapped = (info.x & kObjectLightmapped) != 0;
     s.receiveShadows = (info.x & kObjectReceiveShadows) != 0;
-    s.baked = s.lightmapped ? textureLod(shadowmasks, vec3(inLightmapUv, info.y), 0.0)
-                            : probeOcclusion(inObject, inPosition);
+    vec4 mask = readShadowmask(inLightmapUv, info.y); // derivatives want uniform control flow
+    s.baked = s.lightmapped ? mask : probeOcclusion(inObject, inPosition);
     mesh.unlit = materials[material].info.x != 0;
     mesh.lit = s;
     return mesh;
@@ -84,6 +97,10 @@ float lightmapScale(MeshSurface mesh, vec3 normal)
     return directionalIrradianceScale(decodeMeanDirection(direction.rgb), side * mesh.vertexNormal, side * normal);
 }
 
-vec3 lightmapIrradiance() { return textureLod(lightmaps, vec3(inLightmapUv, objects[inObject].info.y), 0.0).rgb; }
+// In lux, whatever unit the file's texels are in.
+vec3 lightmapIrradiance()
+{
+    return textureLod(lightmaps, vec3(inLightmapUv, objects[inObject].info.y), 0.0).rgb * frame.subtractiveShadowColor.w;
+}
 
 #endif

@@ -295,6 +295,10 @@ Command addBakeCommand(CLI::App& parent)
                     "denoise the lightmap (default on)");
     addChoice<bool>(app, "--directional", bake.directional, {{"on", true}, {"off", false}},
                     "keep the mean direction of lightmap light too, so that normal maps respond to it (default off)");
+    addChoice<MaskEncoding>(app, "--shadowmask-encoding", bake.maskEncoding,
+                            {{"attenuation", MaskEncoding::Attenuation}, {"distance-field", MaskEncoding::Distance}},
+                            "what shadowmask texels hold; distance fields keep hard edges crisp at half the density, "
+                            "for lights with narrow penumbrae (default attenuation)");
     addFloat(app, "--probe-spacing", bake.probeSpacingMeters, 0.01f, 10000.0f, "METERS",
              "distance between light probes (default by the scene's size)");
     addVec3(app, "--sky", options->skyNits, 0.0f, 1.0e6f, "R,G,B",

@@ -179,8 +179,9 @@ void printInfo(const InfoOptions& options, const BakedScene& baked)
                    baked.lightmapDirections.empty() ? "" : ", directional", grouped(counts.lightmappedObjects));
         fmt::print("shadowmask  {} of {} x {}\n", baked.shadowmasks.size(), maskSize, maskSize);
         const ivec3 grid = baked.probes.size;
-        fmt::print("probes      {} ({} valid), grid {} x {} x {}\n", grouped(baked.probes.probes.size()),
-                   grouped(counts.validProbes), grid.x, grid.y, grid.z);
+        fmt::print("probes      {} ({} valid)", grouped(baked.probes.probes.size()), grouped(counts.validProbes));
+        if (grid.x > 0) fmt::print(", grid {} x {} x {}", grid.x, grid.y, grid.z);
+        fmt::print("\n");
     }
     if (!scene.lights.empty()) printLights(scene.lights);
 }

@@ -97,15 +97,6 @@ Status dumpResult(const BakeSettings& settings, const BakedScene& baked)
     return {};
 }
 
-uint64_t countAbove(const std::vector<ImageRgb32f>& pages, float limit)
-{
-    uint64_t count = 0;
-    for (const ImageRgb32f& page : pages) {
-        for (const vec3 texel : page.texels()) count += std::max({texel.x, texel.y, texel.z}) > limit ? 1u : 0u;
-    }
-    return count;
-}
-
 /// One quantity of every texel as a vector, and the same laid out on pages.
 struct TexelValues {
     std::vector<vec3> irradiance;
@@ -122,22 +113,6 @@ TexelValues splitEstimates(const std::vector<IrradianceEstimate>& estimates)
         values.valid.push_back(e.valid ? 1 : 0);
     }
     return values;
-}
-
-ProbeSet bakeProbes(const Scene& scene, const BakeSettings& settings, const Gather& gather, const Progress& progress,
-                    bool& finished)
-{
-    ProbeSet set = placeProbes(scene, settings.probeSpacingMeters);
-    std::vector<vec3> positions;
-    for (const Probe& probe : set.probes) positions.push_back(probe.position);
-    std::vector<ProbeEstimate> estimates(positions.size());
-    finished = gather.probes(positions, estimates, progress);
-    for (std::size_t i = 0; i < estimates.size(); ++i) {
-        set.probes[i].radiance = estimates[i].radiance;
-        set.probes[i].occlusion = estimates[i].occlusion;
-        set.probes[i].valid = estimates[i].valid;
-    }
-    return set;
 }
 
 } // namespace
@@ -254,13 +229,8 @@ Result<BakeResult> bake(Scene scene, const BakeSettings& settings, const Integra
     stitchSeams(seams, pages);
     seamTimer.finish();
     if (Status status = dumpPages(settings, "lightmap", pages); !status) return status.error();
-    const uint64_t tooBright = countAbove(pages, kMaxRgb9e5);
-    if (tooBright > 0) {
-        report.warnings.push_back(std::to_string(tooBright) +
-                                  " lightmap texels are brighter than 65,408 lux, the most the "
-                                  "file's RGB9E5 format holds, and are cut there; scale the lights down");
-    }
-    baked.lightmaps = encodeLightmap(pages);
+    baked.lightmapUnitLux = lightmapUnitFor(pages);
+    baked.lightmaps = encodeLightmap(pages, baked.lightmapUnitLux);
     if (settings.directional) {
         std::vector<vec3> moments;
         moments.reserve(estimates.size());
@@ -279,7 +249,15 @@ Result<BakeResult> bake(Scene scene, const BakeSettings& settings, const Integra
         std::vector<vec4> mask(map.texels.size());
         if (!gather.shadowmask(estimates, mask, progress)) return cancelledError();
         fillInvalid(geometry, map, values.valid, mask);
-        std::vector<ImageRgba32f> maskPages = dilate(map, mask, kDilationRings);
+        const bool distances = settings.maskEncoding == MaskEncoding::Distance;
+        if (distances) {
+            baked.maskChannels = maskToDistances(map, mask);
+            for (LightReport& light : report.lights) {
+                light.distanceMask =
+                    light.channel >= 0 && baked.maskChannels[std::size_t(light.channel)].rangeTexels > 0.0f;
+            }
+        }
+        std::vector<ImageRgba32f> maskPages = dilate(map, mask, kDilationRings, distances);
         stitchSeams(seams, maskPages);
         baked.shadowmasks = encodeShadowmask(maskPages);
         maskTimer.finish(integrator.raysTraced() - before);
@@ -287,9 +265,10 @@ Result<BakeResult> bake(Scene scene, const BakeSettings& settings, const Integra
 
     StageTimer probeTimer(report, "probes");
     const uint64_t before = integrator.raysTraced();
-    bool finished = false;
-    baked.probes = bakeProbes(baked.scene, settings, gather, progress, finished);
-    if (!finished) return cancelledError();
+    std::optional<ProbeSet> probes =
+        bakeProbes(baked.scene, settings.probeSpacingMeters, settings.denoise, gather, report.warnings, progress);
+    if (!probes) return cancelledError();
+    baked.probes = std::move(*probes);
     report.probeCount = int(baked.probes.probes.size());
     report.validProbeCount = int(
         std::count_if(baked.probes.probes.begin(), baked.probes.probes.end(), [](const Probe& p) { return p.valid; }));

@@ -151,7 +151,8 @@ template<typename T> void fillInvalid(const BakeGeometry& geometry, const TexelM
     growWithinCharts(map, pages, map.pageSize, known, open, values);
 }
 
-template<typename T> std::vector<Image<T>> dilate(const TexelMap& map, const std::vector<T>& values, int rings)
+template<typename T>
+std::vector<Image<T>> dilate(const TexelMap& map, const std::vector<T>& values, int rings, bool extrapolate)
 {
     std::vector<Image<T>> pages(std::size_t(map.pageCount), Image<T>(map.pageSize, map.pageSize));
     // chart + 1 of each place's value, 0 = empty. A place between two charts goes to the one reached first, or, in the
@@ -194,18 +195,28 @@ template<typename T> std::vector<Image<T>> dilate(const TexelMap& map, const std
                     remaining.push_back(c);
                     continue;
                 }
+                const auto owned = [&](ivec2 q) {
+                    return q.x >= 0 && q.y >= 0 && q.x < map.pageSize && q.y < map.pageSize && chart(q.x, q.y) == owner;
+                };
                 T sum{};
                 float weight = 0.0f;
+                T straight{};
+                float straightWeight = 0.0f;
                 for (int dy = -1; dy <= 1; ++dy) {
                     for (int dx = -1; dx <= 1; ++dx) {
                         const ivec2 q = c + ivec2(dx, dy);
-                        if (q.x < 0 || q.y < 0 || q.x >= map.pageSize || q.y >= map.pageSize) continue;
-                        if (chart(q.x, q.y) != owner) continue;
-                        sum += page(q.x, q.y) * neighborWeight(dx, dy);
-                        weight += neighborWeight(dx, dy);
+                        if (!owned(q)) continue;
+                        const float w = neighborWeight(dx, dy);
+                        sum += page(q.x, q.y) * w;
+                        weight += w;
+                        const ivec2 behind = q + ivec2(dx, dy);
+                        if (!extrapolate || !owned(behind)) continue;
+                        straight += (2.0f * page(q.x, q.y) - page(behind.x, behind.y)) * w;
+                        straightWeight += w;
                     }
                 }
-                grown.push_back({uint16_t(c.x), uint16_t(c.y), owner, sum / weight});
+                grown.push_back({uint16_t(c.x), uint16_t(c.y), owner,
+                                 straightWeight > 0.0f ? straight / straightWeight : sum / weight});
             }
             for (const Growth& g : grown) {
                 page(g.x, g.y) = g.value;
@@ -219,7 +230,7 @@ template<typename T> std::vector<Image<T>> dilate(const TexelMap& map, const std
 
 template void fillInvalid(const BakeGeometry&, const TexelMap&, const std::vector<uint8_t>&, std::vector<vec3>&);
 template void fillInvalid(const BakeGeometry&, const TexelMap&, const std::vector<uint8_t>&, std::vector<vec4>&);
-template std::vector<Image<vec3>> dilate(const TexelMap&, const std::vector<vec3>&, int);
-template std::vector<Image<vec4>> dilate(const TexelMap&, const std::vector<vec4>&, int);
+template std::vector<Image<vec3>> dilate(const TexelMap&, const std::vector<vec3>&, int, bool);
+template std::vector<Image<vec4>> dilate(const TexelMap&, const std::vector<vec4>&, int, bool);
 
 } // namespace halflight

@@ -28,14 +28,29 @@ uint32_t packRgb9e5(vec3 color)
 
 } // namespace
 
-std::vector<Image<uint32_t>> encodeLightmap(const std::vector<ImageRgb32f>& pages)
+float lightmapUnitFor(const std::vector<ImageRgb32f>& pages)
+{
+    float brightest = 0.0f;
+    for (const ImageRgb32f& page : pages) {
+        for (const vec3 texel : page.texels()) {
+            for (int c = 0; c < 3; ++c) {
+                if (std::isfinite(texel[c])) brightest = std::max(brightest, texel[c]);
+            }
+        }
+    }
+    float unit = 1.0f;
+    while (brightest > kMaxRgb9e5 * unit) unit *= 2.0f;
+    return unit;
+}
+
+std::vector<Image<uint32_t>> encodeLightmap(const std::vector<ImageRgb32f>& pages, float unitLux)
 {
     std::vector<Image<uint32_t>> encoded;
     for (const ImageRgb32f& page : pages) {
         Image<uint32_t> out(page.width(), page.height());
         parallelFor(page.texelCount(), 65536, [&](std::size_t begin, std::size_t end) {
             for (std::size_t i = begin; i < end; ++i) {
-                out.data()[i] = packRgb9e5(page.data()[i]);
+                out.data()[i] = packRgb9e5(page.data()[i] / unitLux);
             }
         });
         encoded.push_back(std::move(out));
@@ -43,10 +58,11 @@ std::vector<Image<uint32_t>> encodeLightmap(const std::vector<ImageRgb32f>& page
     return encoded;
 }
 
-ImageRgb32f decodeLightmap(const Image<uint32_t>& page)
+ImageRgb32f decodeLightmap(const Image<uint32_t>& page, float unitLux)
 {
     ImageRgb32f decoded(page.width(), page.height());
-    for (std::size_t i = 0; i < page.texelCount(); ++i) decoded.data()[i] = glm::unpackF3x9_E1x5(page.data()[i]);
+    for (std::size_t i = 0; i < page.texelCount(); ++i)
+        decoded.data()[i] = unitLux * glm::unpackF3x9_E1x5(page.data()[i]);
     return decoded;
 }
 

@@ -161,7 +161,8 @@ bool Gather::shadowmask(std::span<const IrradianceEstimate> estimates, std::span
     return cache->run(work, out, progress);
 }
 
-bool Gather::probes(std::span<const vec3> positions, std::span<ProbeEstimate> out, const Progress& progress) const
+bool Gather::probes(std::span<const vec3> positions, std::span<ProbeEstimate> out, int batch,
+                    const Progress& progress) const
 {
     if (cache == nullptr) {
         std::vector<uint32_t> all(positions.size());
@@ -169,7 +170,7 @@ bool Gather::probes(std::span<const vec3> positions, std::span<ProbeEstimate> ou
         return integrator.probes(positions, all, 0, out, progress);
     }
     BakeCache::Work<ProbeEstimate, ProbeEstimate> work;
-    work.stage = CachedStage::Probes;
+    work.stage = CachedStage(uint32_t(CachedStage::Probes) + uint32_t(batch));
     work.name = "probes";
     work.count = positions.size();
     work.tileSize = kProbeTile;

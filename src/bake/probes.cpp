@@ -1,27 +1,241 @@
+// Where light probes go and what they say (spec S14). A coarse grid first; then, where neighbouring probes disagree,
+// probes in between: halfway where the light changes gradually, on both sides of what stands between them where it
+// does not.
+#include "bake/gather.h"
 #include "bake/stages.h"
+
+#include "halflight/base/parallel.h"
+#include "halflight/shading/color.h"
+#include "halflight/shading/sh.h"
 
 #include <algorithm>
 #include <cmath>
+#include <unordered_set>
 
 namespace halflight {
+namespace {
 
-ProbeSet placeProbes(const Scene& scene, float spacingMeters)
+constexpr double kDefaultProbes = 600.0;  ///< of the first grid, unless the caller asks for a spacing
+constexpr double kMaxProbes = 500000.0;   ///< of the first grid, whatever the caller asks for
+constexpr std::size_t kGrowth = 4;        ///< refinement stops at this many times the first grid
+constexpr int kLevels = 2;                ///< times that a distance may be halved
+constexpr float kLightDisagrees = 0.35f;  ///< difference of irradiance, of the larger
+constexpr float kShadowDisagrees = 0.35f; ///< difference of occlusion
+/// Probes beside a wall stand off it by this share of the distance between probes. Two layers of probes on both sides
+/// of a wall, twice as far from each other, keep Delaunay tetrahedra from reaching through both: the smallest sphere
+/// around a triangle of one layer, half a diagonal of the grid in radius, ends before the other. So light of the other
+/// side ends at the layer.
+constexpr float kWallShare = 0.36f;
+constexpr float kShortestShare = 0.3f; ///< of the grid's distance: links shorter than that are not halved
+constexpr float kSamePlaceShare = 0.05f;
+
+/// Two probes that stand next to each other.
+struct Link {
+    uint32_t a = 0;
+    uint32_t b = 0;
+};
+
+/// Irradiance on the six sides of a small cube.
+std::array<float, 6> irradianceAround(const Probe& probe)
+{
+    std::array<float, 6> sides{};
+    for (int side = 0; side < 6; ++side) {
+        vec3 n(0.0f);
+        n[side / 2] = side % 2 == 0 ? 1.0f : -1.0f;
+        for (int i = 0; i < 9; ++i)
+            sides[std::size_t(side)] += luminance(probe.radiance[std::size_t(i)]) * shading::shIrradianceWeight(i, n);
+        sides[std::size_t(side)] = std::max(sides[std::size_t(side)], 0.0f);
+    }
+    return sides;
+}
+
+/// By how much two probes disagree, 1 where they need one between them. `floor`: light too faint to matter.
+float disagreement(const Probe& a, const Probe& b, float floor)
+{
+    float most = 0.0f;
+    const auto sidesA = irradianceAround(a);
+    const auto sidesB = irradianceAround(b);
+    for (std::size_t i = 0; i < 6; ++i) {
+        const float larger = std::max({sidesA[i], sidesB[i], floor});
+        if (larger > 0.0f) most = std::max(most, std::abs(sidesA[i] - sidesB[i]) / larger / kLightDisagrees);
+    }
+    for (int c = 0; c < 4; ++c) most = std::max(most, std::abs(a.occlusion[c] - b.occlusion[c]) / kShadowDisagrees);
+    return most;
+}
+
+std::vector<Link> linksOfGrid(ivec3 size)
+{
+    std::vector<Link> links;
+    const auto index = [&](int x, int y, int z) { return uint32_t((z * size.y + y) * size.x + x); };
+    for (int z = 0; z < size.z; ++z) {
+        for (int y = 0; y < size.y; ++y) {
+            for (int x = 0; x < size.x; ++x) {
+                if (x + 1 < size.x) links.push_back({index(x, y, z), index(x + 1, y, z)});
+                if (y + 1 < size.y) links.push_back({index(x, y, z), index(x, y + 1, z)});
+                if (z + 1 < size.z) links.push_back({index(x, y, z), index(x, y, z + 1)});
+            }
+        }
+    }
+    return links;
+}
+
+/// Bakes probes in batches, and knows which stand next to each other.
+class ProbeBake {
+public:
+    ProbeBake(const Gather& gather, const Progress& progress) : gather_(gather), progress_(progress) {}
+
+    std::vector<Probe> probes;
+    std::vector<float> variances; ///< of each SH coefficient's luminance, about
+
+    bool add(const std::vector<vec3>& positions)
+    {
+        std::vector<ProbeEstimate> estimates(positions.size());
+        if (!gather_.probes(positions, estimates, batches_++, progress_)) return false;
+        for (std::size_t i = 0; i < positions.size(); ++i) {
+            probes.push_back({positions[i], estimates[i].radiance, estimates[i].occlusion, estimates[i].valid});
+            variances.push_back(estimates[i].variance);
+        }
+        return true;
+    }
+
+    /// One level of refinement between the linked probes; `links` becomes the links of the next level.
+    bool refine(std::vector<Link>& links, float spacing, std::size_t most)
+    {
+        const float wall = kWallShare * spacing;
+        std::vector<float> means;
+        for (const Probe& probe : probes)
+            if (probe.valid) means.push_back(luminance(probe.radiance[0]));
+        if (means.empty()) return true;
+        std::nth_element(means.begin(), means.begin() + std::ptrdiff_t(means.size() / 2), means.end());
+        // Irradiance of the median probe's mean light, a twentieth of it: what is darker than that all looks black.
+        const float floor = 0.05f * means[means.size() / 2] * shading::shIrradianceWeight(0, vec3(0, 1, 0));
+
+        struct Split {
+            Link link;
+            float need = 0.0f;
+            bool blocked = false;
+            vec2 surfaces{0.0f};
+        };
+        std::vector<Split> splits(links.size());
+        parallelFor(links.size(), 16, [&](std::size_t begin, std::size_t end) {
+            for (std::size_t i = begin; i < end; ++i) {
+                const Probe& a = probes[links[i].a];
+                const Probe& b = probes[links[i].b];
+                Split& split = splits[i];
+                split.link = links[i];
+                if (!a.valid && !b.valid) continue;
+                // Beside geometry, where the neighbour is inside it, light often changes and nobody knows: one for
+                // sure.
+                split.need = a.valid && b.valid ? disagreement(a, b, floor) : 1.0f;
+                if (split.need < 1.0f) continue;
+                if (const auto surfaces = gather_.integrator.surfacesBetween(a.position, b.position)) {
+                    split.blocked = true;
+                    split.surfaces = *surfaces;
+                }
+            }
+        });
+        std::erase_if(splits, [](const Split& s) { return s.need < 1.0f; });
+        std::stable_sort(splits.begin(), splits.end(), [](const Split& x, const Split& y) { return x.need > y.need; });
+
+        std::vector<vec3> positions;
+        std::vector<Link> next;
+        const auto addBetween = [&](uint32_t from, vec3 position) {
+            const auto index = uint32_t(probes.size() + positions.size());
+            positions.push_back(position);
+            next.push_back({from, index});
+            return index;
+        };
+        for (const Split& split : splits) {
+            if (probes.size() + positions.size() + 2 > most) break;
+            const Probe& a = probes[split.link.a];
+            const Probe& b = probes[split.link.b];
+            const float length = glm::distance(a.position, b.position);
+            const vec3 direction = (b.position - a.position) / length;
+            if (!split.blocked) {
+                if (!a.valid || !b.valid || length < 2.0f * kShortestShare * spacing) continue;
+                const uint32_t middle = addBetween(split.link.a, 0.5f * (a.position + b.position));
+                next.push_back({middle, split.link.b});
+                continue;
+            }
+            // Where a probe stands close to the wall as it is, the other side's keeps the more distance.
+            const float fromA = split.surfaces.x;
+            const float fromB = length - split.surfaces.y;
+            const bool nearA = a.valid && fromA <= 1.5f * wall;
+            const bool nearB = b.valid && fromB <= 1.5f * wall;
+            const float offA = nearB ? std::max(wall, 2.0f * wall - fromB) : wall;
+            const float offB = nearA ? std::max(wall, 2.0f * wall - fromA) : wall;
+            if (a.valid && !nearA && fromA > offA) addBetween(split.link.a, a.position + direction * (fromA - offA));
+            if (b.valid && !nearB && fromB > offB) addBetween(split.link.b, b.position - direction * (fromB - offB));
+        }
+        links = std::move(next);
+        return positions.empty() || add(positions);
+    }
+
+    // SH coefficients averaged with those of probes that are linked, in sight, and differ by no more than noise
+    // explains: all nine with one weight, so that the sum points where its parts do and no band changes its share. The
+    // weight is the bilateral filter's (Tomasi and Manduchi 1998), its width the estimates' own variance.
+    void denoise(const std::vector<Link>& links)
+    {
+        std::vector<SphericalHarmonicsL2> sums(probes.size());
+        std::vector<float> weights(probes.size(), 1.0f);
+        for (std::size_t i = 0; i < probes.size(); ++i) sums[i] = probes[i].radiance;
+        std::vector<float> linkWeights(links.size(), 0.0f);
+        parallelFor(links.size(), 16, [&](std::size_t begin, std::size_t end) {
+            for (std::size_t i = begin; i < end; ++i) {
+                const Probe& a = probes[links[i].a];
+                const Probe& b = probes[links[i].b];
+                const float noise = 9.0f * (variances[links[i].a] + variances[links[i].b]);
+                if (!a.valid || !b.valid || noise <= 0.0f) continue;
+                float difference = 0.0f;
+                for (std::size_t k = 0; k < 9; ++k) {
+                    const float d = luminance(a.radiance[k] - b.radiance[k]);
+                    difference += d * d;
+                }
+                // What two equal lights would differ by through noise alone is no difference.
+                const float beyond = std::max(difference - noise, 0.0f);
+                if (beyond > noise || gather_.integrator.surfacesBetween(a.position, b.position)) continue;
+                linkWeights[i] = std::exp(-2.0f * beyond / noise);
+            }
+        });
+        for (std::size_t i = 0; i < links.size(); ++i) {
+            if (linkWeights[i] == 0.0f) continue;
+            for (std::size_t k = 0; k < 9; ++k) {
+                sums[links[i].a][k] += linkWeights[i] * probes[links[i].b].radiance[k];
+                sums[links[i].b][k] += linkWeights[i] * probes[links[i].a].radiance[k];
+            }
+            weights[links[i].a] += linkWeights[i];
+            weights[links[i].b] += linkWeights[i];
+        }
+        for (std::size_t i = 0; i < probes.size(); ++i) {
+            for (std::size_t k = 0; k < 9; ++k) probes[i].radiance[k] = sums[i][k] / weights[i];
+        }
+    }
+
+private:
+    const Gather& gather_;
+    const Progress& progress_;
+    int batches_ = 0;
+};
+
+/// Leaves out what lies inside geometry, and of probes (nearly) at one place all but the first.
+void tidy(std::vector<Probe>& probes, float cell)
+{
+    std::unordered_set<uint64_t> taken;
+    std::erase_if(probes, [&](const Probe& probe) {
+        if (!probe.valid) return true;
+        const ivec3 c(glm::floor(glm::clamp(probe.position / cell, -1.0e6f, 1.0e6f)));
+        const auto part = [](int v) { return uint64_t(uint32_t(v)) & 0x1fffffu; };
+        return !taken.insert(part(c.x) | (part(c.y) << 21) | (part(c.z) << 42)).second;
+    });
+}
+
+} // namespace
+
+ProbeSet probeGrid(const Scene& scene, float spacingMeters, std::vector<std::string>& warnings)
 {
     ProbeSet set;
-    if (!scene.probePositions.empty()) {
-        for (const vec3 position : scene.probePositions) {
-            Probe probe;
-            probe.position = position;
-            set.probes.push_back(probe);
-        }
-        return set;
-    }
     const Bounds bounds = scene.bounds(true);
     if (bounds.empty()) return set;
-
-    // About 1,500 probes unless the caller asks for a spacing, and never more than half a million.
-    constexpr double kDefaultProbes = 1500.0;
-    constexpr double kMaxProbes = 500000.0;
     const vec3 size =
         glm::max(bounds.size(), vec3(1.0e-3f * std::max({bounds.size().x, bounds.size().y, bounds.size().z, 1.0e-6f})));
     const auto countAt = [&](double spacing) {
@@ -32,9 +246,14 @@ ProbeSet placeProbes(const Scene& scene, float spacingMeters)
     double spacing = spacingMeters;
     if (spacing <= 0.0) {
         spacing = std::cbrt(double(size.x) * double(size.y) * double(size.z) / kDefaultProbes);
-        while (countAt(spacing) > kDefaultProbes) spacing *= 1.1;
+        while (countAt(spacing) > kDefaultProbes) spacing *= 1.05;
     }
-    while (countAt(spacing) > kMaxProbes) spacing *= 1.1;
+    while (countAt(spacing) > kMaxProbes) spacing *= 1.05;
+    if (spacingMeters > 0.0f && spacing > double(spacingMeters)) {
+        warnings.push_back("a probe every " + std::to_string(spacingMeters) + " m would be more than " +
+                           std::to_string(int(kMaxProbes)) + " probes: there is one every " + std::to_string(spacing) +
+                           " m");
+    }
 
     // The grid spans the bounds, drawn in a little so that the outermost probes do not lie in floors and outer walls.
     for (int axis = 0; axis < 3; ++axis) {
@@ -52,6 +271,41 @@ ProbeSet placeProbes(const Scene& scene, float spacingMeters)
             }
         }
     }
+    return set;
+}
+
+std::optional<ProbeSet> bakeProbes(const Scene& scene, float spacingMeters, bool denoise, const Gather& gather,
+                                   std::vector<std::string>& warnings, const Progress& progress)
+{
+    ProbeBake bake(gather, progress);
+    ProbeSet set;
+    if (!scene.probePositions.empty()) {
+        // The author's: all of them, in their order; those inside geometry are marked.
+        if (!bake.add(scene.probePositions)) return std::nullopt;
+        set.probes = std::move(bake.probes);
+        return set;
+    }
+    set = probeGrid(scene, spacingMeters, warnings);
+    if (set.probes.empty()) return set;
+    std::vector<vec3> positions;
+    for (const Probe& probe : set.probes) positions.push_back(probe.position);
+    if (!bake.add(positions)) return std::nullopt;
+
+    const vec3 s = set.spacingMeters;
+    const float spacing = std::min({s.x, s.y, s.z});
+    std::vector<Link> links = linksOfGrid(set.size);
+    std::vector<Link> all = links;
+    for (int level = 0; level < kLevels && !links.empty(); ++level) {
+        if (!bake.refine(links, spacing, kGrowth * positions.size())) return std::nullopt;
+        all.insert(all.end(), links.begin(), links.end());
+    }
+    if (denoise) bake.denoise(all);
+    const std::size_t before = set.probes.size();
+    tidy(bake.probes, kSamePlaceShare * spacing);
+    // Still a grid when nothing was added and nothing left out.
+    const bool grid = bake.probes.size() == before && bake.variances.size() == before;
+    set.probes = std::move(bake.probes);
+    if (!grid) set = {vec3(0.0f), vec3(1.0f), ivec3(0), std::move(set.probes)};
     return set;
 }
 

@@ -14,6 +14,7 @@ std::string reportJson(const BakeReport& report)
                           {"mode", nameOf(light.authoredMode)},
                           {"bakedAs", nameOf(light.bakedAs)},
                           {"channel", light.channel},
+                          {"maskEncoding", light.distanceMask ? "distance" : "attenuation"},
                           {"reason", light.reason}});
     }
     json stages = json::array();

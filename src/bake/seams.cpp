@@ -15,10 +15,11 @@ namespace {
 
 constexpr uint32_t kNoUnknown = ~0u;
 constexpr float kSmoothCosine = 0.95f; ///< edges whose normals differ more are corners: light may differ there
-constexpr double kKeepWeight = 0.02;   ///< pull of a texel towards its own value, against 1 for each seam sample
+constexpr double kKeepWeight = 0.001;  ///< pull of a texel towards its own value, against 1 for each seam sample
 
 /// One side of a seam: where an edge of a triangle lies in the lightmap.
 struct EdgeSide {
+    int object = 0;
     int page = 0;
     vec2 from{0.0f}; ///< texels, at the edge's lower end (by key)
     vec2 to{0.0f};
@@ -92,7 +93,7 @@ EdgeMap collectEdges(const BakeGeometry& geometry)
                 EdgeKey key;
                 std::copy(bitsA.begin(), bitsA.end(), key.bits.begin());
                 std::copy(bitsB.begin(), bitsB.end(), key.bits.begin() + 3);
-                edges[key].push_back({part.page, geometry.lightmapTexel[a], geometry.lightmapTexel[b],
+                edges[key].push_back({part.object, part.page, geometry.lightmapTexel[a], geometry.lightmapTexel[b],
                                       geometry.normals[a], geometry.normals[b]});
             }
         }
@@ -133,7 +134,7 @@ std::vector<SeamSample> findSeams(const BakeGeometry& geometry, int pageSize)
                 const int count = std::clamp(int(std::ceil(2.0f * length)), 1, 4 * pageSize);
                 for (int s = 0; s < count; ++s) {
                     const float t = (float(s) + 0.5f) / float(count);
-                    samples.push_back({a.page, b.page, glm::mix(a.from, a.to, t), glm::mix(b.from, b.to, t)});
+                    samples.push_back({a.object, a.page, b.page, glm::mix(a.from, a.to, t), glm::mix(b.from, b.to, t)});
                 }
             }
         }
@@ -183,8 +184,8 @@ template<typename T> void stitchSeams(const std::vector<SeamSample>& seams, std:
     constexpr int kComponents = T::length();
     std::array<Eigen::VectorXf, std::size_t(kComponents)> solution;
     Eigen::ConjugateGradient<Eigen::SparseMatrix<float>, Eigen::Lower | Eigen::Upper> solver;
-    solver.setMaxIterations(60);
-    solver.setTolerance(1.0e-4f);
+    solver.setMaxIterations(400);
+    solver.setTolerance(1.0e-5f);
     solver.compute(normal);
     parallelFor(std::size_t(kComponents), 1, [&](std::size_t begin, std::size_t end) {
         for (std::size_t c = begin; c < end; ++c) {

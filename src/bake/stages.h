@@ -4,9 +4,13 @@
 #include "halflight/bake/bake.h"
 #include "halflight/bake/integrator.h"
 
+#include <optional>
+#include <string>
 #include <vector>
 
 namespace halflight {
+
+struct Gather;
 
 /// Which objects become geometry.
 enum class GeometryFilter { Static, All };
@@ -26,8 +30,13 @@ std::vector<uint32_t> allTexels(const TexelMap& map);
 /// Decides what each light's bake is and which mask channel it gets (spec S5, S9, S10); writes Light::baking.
 void assignShadowmaskChannels(Scene& scene, MixedLightingMode mode);
 
-/// Where probes go (spec S14): a grid over the bounds of the static objects, or the positions the scene asks for.
-ProbeSet placeProbes(const Scene& scene, float spacingMeters);
+/// A grid of probes over the bounds of the static objects; spacing 0 = by the scene's size.
+ProbeSet probeGrid(const Scene& scene, float spacingMeters, std::vector<std::string>& warnings);
+
+/// The probes (spec S14): at the positions the scene asks for, those inside geometry marked; or, where it asks for
+/// none, a grid refined where neighbours disagree, without any inside geometry. Nothing when cancelled.
+std::optional<ProbeSet> bakeProbes(const Scene& scene, float spacingMeters, bool denoise, const Gather& gather,
+                                   std::vector<std::string>& warnings, const Progress& progress);
 
 /// Edge-stopping à-trous filter within charts, guided by position, normal and the estimates' variance.
 void denoise(const BakeGeometry& geometry, const TexelMap& map, std::vector<IrradianceEstimate>& estimates);
@@ -47,12 +56,19 @@ struct TexelPlace {
 };
 TexelPlace placeOf(const BakeGeometry& geometry, const TexelMap& map, const Texel& texel);
 
+/// Turns the channels whose shadows have narrow edges into distance fields (shading/mask.h); the others stay
+/// attenuation. Returns how each is to be read.
+std::array<MaskChannel, 4> maskToDistances(const TexelMap& map, std::vector<vec4>& mask);
+
 /// Values of the covered texels laid out on their pages and grown into the padding: each empty texel takes the mean of
-/// its nearest covered neighbours, all of one chart.
-template<typename T> std::vector<Image<T>> dilate(const TexelMap& map, const std::vector<T>& values, int rings);
+/// its nearest covered neighbours, all of one chart; with `extrapolate` what goes on in a straight line through two of
+/// them (distances do, light need not).
+template<typename T>
+std::vector<Image<T>> dilate(const TexelMap& map, const std::vector<T>& values, int rings, bool extrapolate = false);
 
 /// A place on an edge where two charts (or two objects) meet on one smooth surface, in texels on each side's page.
 struct SeamSample {
+    int objectA = 0; ///< index into Scene::objects
     int pageA = 0;
     int pageB = 0;
     vec2 texelA{0.0f};
@@ -63,15 +79,19 @@ std::vector<SeamSample> findSeams(const BakeGeometry& geometry, int pageSize);
 /// Makes bilinear values on both sides of each seam agree. Works on dilated pages: filtering at an edge reads padding.
 template<typename T> void stitchSeams(const std::vector<SeamSample>& seams, std::vector<Image<T>>& pages);
 
-/// The largest value RGB9E5 holds; brighter texels are cut there.
+/// The largest value RGB9E5 holds.
 constexpr float kMaxRgb9e5 = 65408.0f;
-std::vector<Image<uint32_t>> encodeLightmap(const std::vector<ImageRgb32f>& pages);
+/// Lux per unit of the encoded lightmap: the smallest power of two, 1 or more, with which no finite texel is cut. Being
+/// a power of two it changes exponents and no mantissa.
+float lightmapUnitFor(const std::vector<ImageRgb32f>& pages);
+/// Pages in lux as RGB9E5 in units of `unitLux`; what is brighter than the format holds is cut there.
+std::vector<Image<uint32_t>> encodeLightmap(const std::vector<ImageRgb32f>& pages, float unitLux);
 /// Mean directions (shading/directional.h) from pages of irradiance and of its first moment.
 std::vector<ImageRgba8> encodeDirections(const std::vector<ImageRgb32f>& irradiance,
                                          const std::vector<ImageRgb32f>& moments);
 std::vector<ImageRgba8> encodeShadowmask(const std::vector<ImageRgba32f>& pages);
 
-/// Irradiance image of an encoded page.
-ImageRgb32f decodeLightmap(const Image<uint32_t>& page);
+/// Irradiance in lux of an encoded page.
+ImageRgb32f decodeLightmap(const Image<uint32_t>& page, float unitLux);
 
 } // namespace halflight

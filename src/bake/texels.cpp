@@ -194,6 +194,25 @@ std::vector<uint32_t> chartsOfTriangles(const BakeGeometry& geometry, uint32_t& 
     return charts;
 }
 
+/// The point moved off its triangle's edges, by a few thousandths of a texel: rays from an edge on which two walls meet
+/// would start in the other wall's plane, and may miss it.
+vec2 offEdges(const BakeGeometry& geometry, uint32_t triangle, vec2 barycentric)
+{
+    constexpr float kTexels = 4.0e-3f;
+    const uvec3 t = geometry.triangles[triangle];
+    vec2 corners[3];
+    for (int i = 0; i < 3; ++i) corners[i] = geometry.lightmapTexel[t[i]];
+    const float area = std::abs(cross2(corners[1] - corners[0], corners[2] - corners[0]));
+    vec3 weights(1.0f - barycentric.x - barycentric.y, barycentric.x, barycentric.y);
+    float sum = 0.0f;
+    for (int i = 0; i < 3; ++i) {
+        const float height = area / std::max(glm::distance(corners[(i + 1) % 3], corners[(i + 2) % 3]), 1.0e-6f);
+        weights[i] = std::max(weights[i], std::min(kTexels / std::max(height, 1.0e-6f), 1.0f / 3.0f));
+        sum += weights[i];
+    }
+    return vec2(weights.y, weights.z) / sum;
+}
+
 } // namespace
 
 TexelMap rasterizeTexels(const BakeGeometry& geometry, int pageSize, int pageCount)
@@ -279,7 +298,8 @@ int texelPoints(const BakeGeometry& geometry, const TexelMap& map, const Texel& 
                 continue;
             }
             if (barycentric.x < 0.0f || barycentric.y < 0.0f || barycentric.x + barycentric.y > 1.0f) continue;
-            out[std::size_t(count++)] = surfacePoint(geometry, fragment.triangle, barycentric);
+            out[std::size_t(count++)] =
+                surfacePoint(geometry, fragment.triangle, offEdges(geometry, fragment.triangle, barycentric));
             break;
         }
     }
@@ -288,7 +308,7 @@ int texelPoints(const BakeGeometry& geometry, const TexelMap& map, const Texel& 
     const auto largest =
         std::max_element(fragments.begin(), fragments.end(),
                          [](const TexelFragment& a, const TexelFragment& b) { return a.area < b.area; });
-    out[0] = surfacePoint(geometry, largest->triangle, largest->barycentric);
+    out[0] = surfacePoint(geometry, largest->triangle, offEdges(geometry, largest->triangle, largest->barycentric));
     return 1;
 }
 

@@ -113,6 +113,17 @@ public:
         });
     }
 
+    [[nodiscard]] std::optional<vec2> surfacesBetween(vec3 from, vec3 to) const override
+    {
+        const float length = glm::distance(from, to);
+        if (!(length > 0.0f)) return std::nullopt;
+        const vec3 direction = (to - from) / length;
+        const SurfaceHit first = paths_.surfaces().intersect(from, direction, 0.0f, length);
+        if (!first.found) return std::nullopt;
+        const SurfaceHit last = paths_.surfaces().intersect(to, -direction, 0.0f, length);
+        return vec2(first.distance, last.found ? length - last.distance : first.distance);
+    }
+
 private:
     struct Effort {
         int samples;
@@ -336,6 +347,7 @@ private:
         ProbeEstimate estimate;
         std::array<vec3, 9> sum{};
         int backFaces = 0;
+        Accumulator mean; // of incoming radiance
         constexpr float kUniformPdf = 1.0f / (4.0f * kPi);
         const auto add = [&](vec3 direction, vec3 weightedRadiance) {
             for (int i = 0; i < 9; ++i) sum[std::size_t(i)] += weightedRadiance * shading::shBasis(i, direction);
@@ -349,8 +361,11 @@ private:
                 paths_.incoming(position, direction, kUniformPdf, settings_.bounces, sampler, rays);
             backFaces += in.firstHitBackFace ? 1 : 0;
             add(direction, in.radiance / kUniformPdf);
+            mean.add(in.radiance + emitter.radianceOverPdf * kUniformPdf);
         }
         for (int i = 0; i < 9; ++i) estimate.radiance[std::size_t(i)] = sum[std::size_t(i)] / float(samples);
+        // A coefficient is 4 pi times the mean of radiance times a basis function, whose mean square is 1 / (4 pi).
+        estimate.variance = 4.0f * kPi * mean.varianceOfMean();
         estimate.valid = backFaces * 4 < samples;
 
         // Fully baked lights are a delta in direction; a light's coefficient is its illuminance times the basis

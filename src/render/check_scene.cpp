@@ -2,6 +2,7 @@
 #include "render/gpu_scene.h"
 
 #include <algorithm>
+#include <cmath>
 #include <string>
 
 namespace halflight {
@@ -66,6 +67,11 @@ Status checkScene(const BakedScene& baked)
                            [&](const auto& page) { return !page.empty() && page.size() == pages.front().size(); });
     };
     if (!samePages(baked.lightmaps)) return broken("lightmap pages are empty or differ in size", "");
+    if (!(baked.lightmapUnitLux > 0.0f) || !std::isfinite(baked.lightmapUnitLux))
+        return broken("the lightmap's unit is not a number above 0", "");
+    for (const MaskChannel& channel : baked.maskChannels)
+        if (!(channel.rangeTexels >= 0.0f && channel.penumbraTexels >= 0.0f))
+            return broken("a shadowmask channel has a range or penumbra below 0", "");
     if (!samePages(baked.shadowmasks)) return broken("shadowmask pages are empty or differ in size", "");
     if (!samePages(baked.lightmapDirections)) return broken("lightmap direction pages are empty or differ in size", "");
     if (!baked.lightmapDirections.empty() && baked.lightmapDirections.size() != baked.lightmaps.size())

@@ -71,7 +71,11 @@ shading::GpuFrame gpuFrame(const GpuScene& scene, const FrameView& view, const R
     frame.skyZenith = vec4(sky.zenith, 0.0f);
     frame.skyHorizon = vec4(sky.horizon, 0.0f);
     frame.skyGround = vec4(sky.ground, 0.0f);
-    frame.subtractiveShadowColor = vec4(scene.outline.scene.subtractiveShadowColor, 0.0f);
+    frame.subtractiveShadowColor = vec4(scene.outline.scene.subtractiveShadowColor, scene.outline.lightmapUnitLux);
+    for (int c = 0; c < 4; ++c) {
+        frame.maskRange[c] = scene.outline.maskChannels[std::size_t(c)].rangeTexels;
+        frame.maskPenumbra[c] = scene.outline.maskChannels[std::size_t(c)].penumbraTexels;
+    }
     frame.clusterRange = vec4(clusters.nearMeters, clusters.farMeters,
                               float(clusters.size.z) / std::log2(clusters.farMeters / clusters.nearMeters), 0.0f);
     frame.clusterSize = ivec4(clusters.size, 0);

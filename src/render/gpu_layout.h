@@ -70,7 +70,9 @@ struct GpuFrame {
     vec4 skyZenith;      // rgb cd/m2
     vec4 skyHorizon;
     vec4 skyGround;
-    vec4 subtractiveShadowColor; // rgb lux
+    vec4 subtractiveShadowColor; // rgb lux; w lux that a lightmap texel of 1 stands for
+    vec4 maskRange;              // by channel, MaskChannel::rangeTexels
+    vec4 maskPenumbra;           // by channel, MaskChannel::penumbraTexels
     vec4 clusterRange;           // x near, y far (metres of view depth), z slices / log2(far / near)
     ivec4 clusterSize;           // xyz
     ivec4 mode;                  // x run mode, y debug view, z main light (-1 none), w light count

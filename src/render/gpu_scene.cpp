@@ -227,6 +227,8 @@ BakedScene outlineOf(const BakedScene& baked)
     outline.mode = baked.mode;
     outline.isBaked = baked.isBaked;
     outline.lightmaps.resize(baked.lightmaps.size());
+    outline.maskChannels = baked.maskChannels;
+    outline.lightmapUnitLux = baked.lightmapUnitLux;
     outline.shadowmasks.resize(baked.shadowmasks.size());
     outline.lightmapDirections.resize(baked.lightmapDirections.size());
     outline.scene.objects = baked.scene.objects;

@@ -4,6 +4,7 @@
 #include "scene/read_scene.h"
 
 #include <algorithm>
+#include <cmath>
 #include <map>
 
 namespace halflight {
@@ -78,9 +79,37 @@ Status readImages(const SourceDocument& document, const Json& root, BakedScene& 
         if (!image) return Error{image.error().code, image.error().message, path};
         baked.lightmaps.push_back(std::move(*image));
     }
+    if (const Json& unit = member(root, "lightmapUnitLux"); !unit.is_null()) {
+        baked.lightmapUnitLux = unit.is_number() ? unit.get<float>() : 0.0f;
+        if (!(baked.lightmapUnitLux > 0.0f) || !std::isfinite(baked.lightmapUnitLux))
+            return invalid(kPath, "lightmapUnitLux is not a number above 0");
+    }
     if (Status s = readPngs(document, root, "lightmapDirections", baked.lightmaps.size(), baked.lightmapDirections); !s)
         return s;
     return readPngs(document, root, "shadowmasks", baked.lightmaps.size(), baked.shadowmasks);
+}
+
+Status readMaskChannels(const Json& json, BakedScene& baked)
+{
+    if (json.is_null()) return {};
+    const std::string path = kPath + "/shadowmaskChannels";
+    if (!json.is_array() || json.size() != baked.maskChannels.size()) return invalid(path, "is not an array of four");
+    for (std::size_t i = 0; i < baked.maskChannels.size(); ++i) {
+        const Json& encoding = member(json[i], "encoding");
+        if (encoding == "attenuation") continue;
+        const Json& range = member(json[i], "rangeTexels");
+        const Json& penumbra = member(json[i], "penumbraTexels");
+        if (encoding != "distance" || !range.is_number() || !penumbra.is_number())
+            return invalid(path, "item " + std::to_string(i) + " is neither attenuation nor distance with its numbers");
+        MaskChannel& channel = baked.maskChannels[i];
+        channel = {range.get<float>(), penumbra.get<float>()};
+        if (!(channel.rangeTexels > 0.0f) || !std::isfinite(channel.rangeTexels) || !(channel.penumbraTexels >= 0.0f) ||
+            !std::isfinite(channel.penumbraTexels)) {
+            return invalid(path,
+                           "item " + std::to_string(i) + " has a range that is not above 0 or a penumbra below 0");
+        }
+    }
+    return {};
 }
 
 Status readProbes(const SourceDocument& document, const Json& json, ProbeSet& set)
@@ -288,6 +317,7 @@ Result<BakedScene> readBakedScene(const std::filesystem::path& path, const ReadO
     baked.mode = *named;
     baked.isBaked = true;
     if (Status s = readImages(document, root, baked); !s) return s.error();
+    if (Status s = readMaskChannels(member(root, "shadowmaskChannels"), baked); !s) return s.error();
     if (Status s = readProbes(document, member(root, "probes"), baked.probes); !s) return s.error();
     if (Status s = readBindings(document, baked); !s) return s.error();
     checkFingerprints(document, root, baked.scene);

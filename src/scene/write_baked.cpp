@@ -1,6 +1,6 @@
 #include "halflight/base/file.h"
-#include "halflight/scene/gltf.h"
 #include "halflight/scene/fingerprint.h"
+#include "halflight/scene/gltf.h"
 #include "scene/ktx2.h"
 #include "scene/make_document.h"
 #include "scene/read_lights.h"
@@ -110,7 +110,8 @@ private:
         const auto it = mozMaterials_.find(key);
         if (it != mozMaterials_.end()) return it->second;
         Json material = source >= 0 ? source_.json["materials"][std::size_t(source)] : Json::object();
-        Json lightmap = {{"index", mozTexture(binding.page)}, {"texCoord", texCoord}, {"intensity", 1.0}};
+        Json lightmap = {
+            {"index", mozTexture(binding.page)}, {"texCoord", texCoord}, {"intensity", baked_.lightmapUnitLux}};
         if (binding.offset != vec2(0.0f) || binding.scale != vec2(1.0f)) {
             lightmap["extensions"]["KHR_texture_transform"] = transform;
         }
@@ -359,6 +360,18 @@ private:
         root_["version"] = 1;
         root_["mode"] = nameOf(baked_.mode);
         if (fingerprinted()) root_["fingerprint"] = fingerprints_.ofScene();
+        if (std::any_of(baked_.maskChannels.begin(), baked_.maskChannels.end(),
+                        [](const MaskChannel& c) { return c.rangeTexels > 0.0f; })) {
+            for (const MaskChannel& channel : baked_.maskChannels) {
+                Json json = {{"encoding", channel.rangeTexels > 0.0f ? "distance" : "attenuation"}};
+                if (channel.rangeTexels > 0.0f) {
+                    json["rangeTexels"] = channel.rangeTexels;
+                    json["penumbraTexels"] = channel.penumbraTexels;
+                }
+                root_["shadowmaskChannels"].push_back(std::move(json));
+            }
+        }
+        if (baked_.lightmapUnitLux != 1.0f) root_["lightmapUnitLux"] = baked_.lightmapUnitLux;
         root_["sky"] = {{"zenith", numbers(scene_.sky.zenith)},
                         {"horizon", numbers(scene_.sky.horizon)},
                         {"ground", numbers(scene_.sky.ground)}};

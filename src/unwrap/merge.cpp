@@ -137,7 +137,9 @@ private:
         const Chart &a = charts_[pair.a], &b = charts_[pair.b];
         if (!(pair.length > 0.0) || refused_.contains(keyOf(pair))) return false;
         const bool small = isSmall(a, texelMeters_) || isSmall(b, texelMeters_);
-        if (!small && pair.bend > kMostBend * pair.length) return false;
+        // Across a sharp edge light differs: only what is small on both sides is averaged over it.
+        const bool bothSmall = isSmall(a, texelMeters_) && isSmall(b, texelMeters_);
+        if (!bothSmall && pair.bend > kMostBend * pair.length) return false;
         pair.worth = pair.length / std::min(a.perimeter, b.perimeter) - 0.25 * pair.bend / pair.length;
         return pair.worth > (small ? 0.02 : 0.1);
     }

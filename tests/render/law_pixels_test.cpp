@@ -185,6 +185,23 @@ TEST_P(LawPixels, StaticReceiver)
     }
 }
 
+class LightmapUnitS6 : public BothPaths {};
+
+// A file whose texels are in another unit shows the same picture, bit for bit where the unit is a power of two.
+TEST_P(LightmapUnitS6, ScalesTheLightmapAndNothingElse)
+{
+    for (const RunMode mode : {RunMode::BakedIndirect, RunMode::Subtractive}) {
+        LawScene law = makeScene(bakeModeFor(mode));
+        const RenderedFrame lux = render(law.baked, makeCamera(), settingsFor(mode, GetParam()));
+        for (uint32_t& texel : law.baked.lightmaps[0].texels())
+            texel = glm::packF3x9_E1x5(glm::unpackF3x9_E1x5(texel) / 16.0f);
+        law.baked.lightmapUnitLux = 16.0f;
+        const RenderedFrame scaled = render(law.baked, makeCamera(), settingsFor(mode, GetParam()));
+        EXPECT_EQ(lux.radiance.texels(), scaled.radiance.texels());
+    }
+}
+INSTANTIATE_TEST_SUITE_P(Paths, LightmapUnitS6, kBothPaths, pathNameOf);
+
 constexpr float kProbeOcclusion = 0.4f;
 const vec3 kProbeRadiance(0.25f, 0.5f, 0.75f);
 

@@ -233,6 +233,8 @@ inline BakedScene pretendToBake(Scene scene, bool splitVertices = true)
         object.lightmap.scale = {0.1f + 0.3f * random(i, 3), 0.25f};
         object.lightmap.offset = {random(i, 4), 0.5f * random(i, 5)};
     }
+    baked.lightmapUnitLux = 4.0f;
+    baked.maskChannels[2] = {4.0f, 0.75f};
     for (int page = 0; page < 2; ++page) {
         Image<uint32_t> lightmap(33, 17);
         ImageRgba8 mask(33, 17);

@@ -15,6 +15,7 @@ void expectSame(const BakedScene& a, const BakedScene& b)
 {
     EXPECT_EQ(a.isBaked, b.isBaked);
     EXPECT_EQ(int(a.mode), int(b.mode));
+    EXPECT_EQ(a.lightmapUnitLux, b.lightmapUnitLux);
     ASSERT_EQ(a.lightmaps.size(), b.lightmaps.size());
     for (std::size_t i = 0; i < a.lightmaps.size(); ++i) {
         EXPECT_EQ(a.lightmaps[i].size(), b.lightmaps[i].size());
@@ -23,6 +24,10 @@ void expectSame(const BakedScene& a, const BakedScene& b)
     ASSERT_EQ(a.lightmapDirections.size(), b.lightmapDirections.size());
     for (std::size_t i = 0; i < a.lightmapDirections.size(); ++i)
         EXPECT_EQ(a.lightmapDirections[i].texels(), b.lightmapDirections[i].texels());
+    for (std::size_t i = 0; i < 4; ++i) {
+        EXPECT_EQ(a.maskChannels[i].rangeTexels, b.maskChannels[i].rangeTexels);
+        EXPECT_EQ(a.maskChannels[i].penumbraTexels, b.maskChannels[i].penumbraTexels);
+    }
     ASSERT_EQ(a.shadowmasks.size(), b.shadowmasks.size());
     for (std::size_t i = 0; i < a.shadowmasks.size(); ++i)
         EXPECT_EQ(a.shadowmasks[i].texels(), b.shadowmasks[i].texels());

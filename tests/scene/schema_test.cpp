@@ -37,11 +37,23 @@ private:
 
     std::string check(const Json& schema, const Json& value, const std::string& path) const
     {
-        static const std::set<std::string> kWords = {
-            "$schema",  "title", "description", "$defs",    "$ref",
-            "type",     "enum",  "minimum",     "maximum",  "minItems",
-            "maxItems", "items", "properties",  "required", "additionalProperties",
-            "oneOf"};
+        static const std::set<std::string> kWords = {"$schema",
+                                                     "title",
+                                                     "description",
+                                                     "$defs",
+                                                     "$ref",
+                                                     "type",
+                                                     "enum",
+                                                     "minimum",
+                                                     "maximum",
+                                                     "minItems",
+                                                     "maxItems",
+                                                     "items",
+                                                     "properties",
+                                                     "required",
+                                                     "additionalProperties",
+                                                     "oneOf",
+                                                     "exclusiveMinimum"};
         for (const auto& item : schema.items()) {
             if (kWords.count(item.key()) == 0) ADD_FAILURE() << "the checker does not know " << item.key();
         }
@@ -61,6 +73,8 @@ private:
             std::find(schema["enum"].begin(), schema["enum"].end(), value) == schema["enum"].end())
             return path + ": is not in enum";
         if (schema.contains("minimum") && value < schema["minimum"]) return path + ": is below minimum";
+        if (schema.contains("exclusiveMinimum") && value <= schema["exclusiveMinimum"])
+            return path + ": is not above exclusiveMinimum";
         if (schema.contains("maximum") && value > schema["maximum"]) return path + ": is above maximum";
         if (schema.contains("minItems") && value.size() < schema["minItems"].get<std::size_t>())
             return path + ": has too few items";

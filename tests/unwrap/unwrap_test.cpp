@@ -8,6 +8,7 @@
 #include <functional>
 #include <glm/gtc/matrix_transform.hpp>
 #include <gtest/gtest.h>
+#include <set>
 
 namespace halflight {
 namespace {
@@ -35,6 +36,24 @@ TEST(UnwrapShapes, BoxIsSixChartsWithoutStretch)
     const UnwrappedScene result = unwrapAndCheck(shapes::scene(shapes::box({1.0f, 2.0f, 3.0f})));
     EXPECT_LE(result.chartCount, 6);
     EXPECT_NEAR(result.meshes[0].areaStretch, 1.0f, 1e-4f);
+}
+
+/// A plate thinner than a texel: its top keeps a chart of its own, so that no texel of it averages in the sides' light.
+TEST(UnwrapShapes, ThinSidesStayApartFromLargeFaces)
+{
+    UnwrapSettings settings;
+    settings.texelsPerMeter = 20.0f;
+    const auto result = unwrap(shapes::scene(shapes::box(vec3(2.0f, 0.01f, 2.0f))), settings);
+    ASSERT_TRUE(result) << result.error().text();
+    const MeshPart& part = result->scene.meshes[0].parts[0];
+    // Top and bottom are the triangles with normals up and down; no other triangle shares a lightmap point with them.
+    std::set<std::pair<float, float>> faces;
+    std::set<std::pair<float, float>> sides;
+    for (std::size_t i = 0; i < part.indices.size(); ++i) {
+        const uint32_t v = part.indices[i];
+        (std::abs(part.normals[v].y) > 0.5f ? faces : sides).insert({part.lightmapUv[v].x, part.lightmapUv[v].y});
+    }
+    for (const auto& point : sides) EXPECT_FALSE(faces.contains(point));
 }
 
 TEST(UnwrapShapes, CylinderIsFourChartsWithoutStretch)

@@ -18,6 +18,11 @@ namespace halflight {
 
 enum class Quality { Preview, Medium, High, Ultra };
 
+/// What shadowmask texels hold. Distance: distance to the shadow's edge for channels whose shadows have narrow
+/// penumbrae (about two texels), so that hard edges stay crisp with a quarter of the texels; attenuation for the
+/// others.
+enum class MaskEncoding { Attenuation, Distance };
+
 struct BakeSettings {
     MixedLightingMode mode = MixedLightingMode::Shadowmask;
     Quality quality = Quality::Medium;
@@ -29,7 +34,8 @@ struct BakeSettings {
     int lightmapSize = 0;        ///< 0 = by quality
     int paddingTexels = 2;       ///< UnwrapSettings::paddingTexels
     bool denoise = true;
-    bool directional = false;        ///< also keep the mean direction of lightmap light, for normal maps (spec S32)
+    bool directional = false; ///< also keep the mean direction of lightmap light, for normal maps (spec S32)
+    MaskEncoding maskEncoding = MaskEncoding::Attenuation;
     float probeSpacingMeters = 0.0f; ///< 0 = by the scene's size
     int threads = 0;                 ///< 0 = all cores; changes no byte of the result
     uint32_t seed = 1;
@@ -56,7 +62,8 @@ struct LightReport {
     LightMode authoredMode = LightMode::Mixed;
     LightMode bakedAs = LightMode::Mixed;
     int channel = -1;
-    std::string reason; ///< empty when the light is what its author asked for
+    std::string reason;        ///< empty when the light is what its author asked for
+    bool distanceMask = false; ///< its channel holds distances (MaskEncoding::Distance), not attenuation
 };
 
 struct StageReport {

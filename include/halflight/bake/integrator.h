@@ -8,6 +8,7 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -108,6 +109,7 @@ struct IrradianceEstimate {
 struct ProbeEstimate {
     SphericalHarmonicsL2 radiance{};
     vec4 occlusion{1.0f};
+    float variance = 0.0f; ///< of the luminance of a coefficient, mean over the nine
     bool valid = true;
 };
 
@@ -144,6 +146,9 @@ public:
     /// IntegrationSettings say).
     virtual bool probes(std::span<const vec3> positions, std::span<const uint32_t> which, int samples,
                         std::span<ProbeEstimate> out, const Progress& progress) = 0;
+
+    /// How far from `from` the first and the last surface on the way to `to` are; nothing when the way is free.
+    [[nodiscard]] virtual std::optional<vec2> surfacesBetween(vec3 from, vec3 to) const = 0;
 
     [[nodiscard]] virtual uint64_t raysTraced() const = 0;
 };

@@ -31,19 +31,29 @@ struct ProbeSet {
     std::vector<Probe> probes;
 };
 
+/// How a channel of the shadowmask is to be read: see decodeMask() in shading/mask.h.
+struct MaskChannel {
+    float rangeTexels = 0.0f;    ///< 0: attenuation; else distance to the shadow's edge, this many texels at 0 and at 1
+    float penumbraTexels = 0.0f; ///< mean width of the penumbra, for channels that hold distances
+};
+
 /// Result of a bake and input of the renderer.
 struct BakedScene {
     /// Objects carry their lightmap binding, parts their lightmapUv, lights their baking output.
     Scene scene;
     MixedLightingMode mode = MixedLightingMode::Shadowmask;
     bool isBaked = false; ///< false: a plain glTF, to be rendered in realtime mode
-    /// Irradiance in lux, RGB9E5 (glm::packF3x9_E1x5 layout = VK_FORMAT_E5B9G9R9_UFLOAT_PACK32), one per page.
+    /// Irradiance in units of `lightmapUnitLux`, RGB9E5 (glm::packF3x9_E1x5 layout =
+    /// VK_FORMAT_E5B9G9R9_UFLOAT_PACK32), one per page.
     std::vector<Image<uint32_t>> lightmaps;
     /// Mean direction of each lightmap texel's light in world space, as colour: encodeMeanDirection() in
     /// shading/directional.h, alpha 255. One per page, or none when the bake was not directional.
     std::vector<ImageRgba8> lightmapDirections;
+    /// Lux that a texel of 1 stands for; above 1 where light is brighter than RGB9E5's 65,408 (full daylight is).
+    float lightmapUnitLux = 1.0f;
     /// Baked attenuation by channel, 255 = lit; one per page, or none when no light has a channel.
     std::vector<ImageRgba8> shadowmasks;
+    std::array<MaskChannel, 4> maskChannels{};
     ProbeSet probes;
 };
 

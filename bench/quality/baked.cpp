@@ -1,0 +1,119 @@
+#include "quality/baked.h"
+
+#include "halflight/bake_cpu/embree_integrator.h"
+#include "halflight/scene/gltf.h"
+#include "halflight/shading/mask.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace halflight::quality {
+namespace {
+
+template<typename T> T texelClamped(const Image<T>& page, int x, int y)
+{
+    return page(std::clamp(x, 0, page.width() - 1), std::clamp(y, 0, page.height() - 1));
+}
+
+template<typename T> T bilinear(const Image<T>& page, vec2 texel)
+{
+    const vec2 p = texel - 0.5f;
+    const ivec2 b(glm::floor(p));
+    const vec2 f = p - vec2(b);
+    return glm::mix(glm::mix(texelClamped(page, b.x, b.y), texelClamped(page, b.x + 1, b.y), f.x),
+                    glm::mix(texelClamped(page, b.x, b.y + 1), texelClamped(page, b.x + 1, b.y + 1), f.x), f.y);
+}
+
+/// Weights of the four texels around a place between the second and the third: the uniform cubic B-spline, what games
+/// filter lightmaps with (Sigg and Hadwiger 2005, "Fast Third-Order Texture Filtering").
+std::array<float, 4> splineWeights(float t)
+{
+    const float s = 1.0f - t;
+    return {s * s * s / 6.0f, (4.0f - 6.0f * t * t + 3.0f * t * t * t) / 6.0f,
+            (4.0f - 6.0f * s * s + 3.0f * s * s * s) / 6.0f, t * t * t / 6.0f};
+}
+
+} // namespace
+
+vec3 Baked::light(int page, vec2 texel) const
+{
+    return bilinear(lightmaps[std::size_t(page)], texel);
+}
+
+vec3 Baked::lightBicubic(int page, vec2 texel) const
+{
+    const vec2 p = texel - 0.5f;
+    const ivec2 b(glm::floor(p));
+    const auto wx = splineWeights(p.x - float(b.x));
+    const auto wy = splineWeights(p.y - float(b.y));
+    vec3 sum(0.0f);
+    for (int y = 0; y < 4; ++y) {
+        for (int x = 0; x < 4; ++x) {
+            sum += wx[std::size_t(x)] * wy[std::size_t(y)] *
+                   texelClamped(lightmaps[std::size_t(page)], b.x + x - 1, b.y + y - 1);
+        }
+    }
+    return sum;
+}
+
+float Baked::mask(int page, vec2 texel, int channel) const
+{
+    const MaskChannel& how = result.baked.maskChannels[std::size_t(channel)];
+    return shading::decodeMask(bilinear(masks[std::size_t(page)], texel)[channel], how.rangeTexels, how.penumbraTexels,
+                               0.05f);
+}
+
+Result<Baked> bakeFile(const std::filesystem::path& file, const BakeSettings& settings)
+{
+    auto scene = readScene(file);
+    if (!scene) return scene.error();
+    auto result = bake(std::move(*scene), settings, makeEmbreeIntegrator);
+    if (!result) return result.error();
+    Baked baked;
+    baked.result = std::move(*result);
+    const BakedScene& s = baked.result.baked;
+    baked.pageSize = baked.result.report.pageSize;
+    baked.geometry = flattenGeometry(s.scene, baked.pageSize, GeometryFilter::Static);
+    for (const auto& page : s.lightmaps) baked.lightmaps.push_back(decodeLightmap(page, s.lightmapUnitLux));
+    for (const ImageRgba8& page : s.shadowmasks) {
+        ImageRgba32f& mask = baked.masks.emplace_back(page.width(), page.height());
+        for (std::size_t i = 0; i < page.texelCount(); ++i) mask.data()[i] = vec4(page.data()[i]) / 255.0f;
+    }
+    return baked;
+}
+
+void forSurface(const Baked& baked, const std::function<void(const SurfaceSample&)>& visit)
+{
+    const BakeGeometry& g = baked.geometry;
+    for (const BakeGeometry::Part& part : g.parts) {
+        if (part.page < 0) continue;
+        for (uint32_t t = part.firstTriangle; t < part.firstTriangle + part.triangleCount; ++t) {
+            const uvec3 v = g.triangles[t];
+            const vec2 a = g.lightmapTexel[v.x];
+            const vec2 ab = g.lightmapTexel[v.y] - a;
+            const vec2 ac = g.lightmapTexel[v.z] - a;
+            const float area = 0.5f * std::abs(ab.x * ac.y - ab.y * ac.x);
+            if (g.geometricNormal(t) == vec3(0.0f)) continue;
+            const auto at = [&](vec2 barycentric) {
+                const SurfacePoint p = surfacePoint(g, t, barycentric);
+                visit({t, part.object, part.page, a + barycentric.x * ab + barycentric.y * ac, p.position, p.normal,
+                       p.geometricNormal});
+            };
+            const int inner = std::clamp(int(8.0f * area), 4, 200000);
+            for (int i = 0; i < inner; ++i) {
+                vec2 u = glm::fract(vec2(0.5f) + float(i) * vec2(0.7548776662f, 0.5698402910f));
+                if (u.x + u.y > 1.0f) u = 1.0f - u;
+                at(u);
+            }
+            const int along = std::clamp(int(4.0f * std::sqrt(area)), 2, 2000);
+            for (int i = 0; i <= along; ++i) {
+                const float s = float(i) / float(along);
+                at({s, 0.0f});
+                at({0.0f, s});
+                at({s, 1.0f - s});
+            }
+        }
+    }
+}
+
+} // namespace halflight::quality

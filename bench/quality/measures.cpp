@@ -1,0 +1,394 @@
+#include "quality/measures.h"
+
+#include "quality/baked.h"
+
+#include "halflight/render/probes.h"
+#include "halflight/shading/sh.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+namespace halflight::quality {
+namespace {
+
+/// The figure that says that there is none.
+Figures failed(const std::string& item, const std::string& scene, const Error& error)
+{
+    return {{item, scene, error.text(), std::numeric_limits<double>::infinity(), 0.0, ""}};
+}
+
+double percentile(std::vector<double>& values, double share)
+{
+    if (values.empty()) return 0.0;
+    const auto at = values.begin() + std::ptrdiff_t(share * double(values.size() - 1));
+    std::nth_element(values.begin(), at, values.end());
+    return *at;
+}
+
+BakeSettings settingsFor(MixedLightingMode mode, float texelsPerMeter, int samples, int bounces)
+{
+    BakeSettings settings;
+    settings.mode = mode;
+    settings.texelsPerMeter = texelsPerMeter;
+    settings.lightmapSize = 512;
+    settings.samples = samples;
+    settings.shadowSamples = 64;
+    settings.bounces = bounces;
+    settings.probeSpacingMeters = 1.0e3f; // a handful
+    return settings;
+}
+
+double luminanceOf(vec3 light)
+{
+    return double(luminance(light));
+}
+
+} // namespace
+
+// Inside is dark: what light there is came through walls. The sky is the same from everywhere, so outside is pi times
+// its radiance.
+Figures measureLeaks(const std::filesystem::path& assets)
+{
+    Figures figures;
+    struct Room {
+        const char* file;
+        std::vector<Bounds> insides;
+    };
+    const std::vector<Room> rooms = {
+        {"quality/leaks.glb", {{vec3(-2.0f, 0.0f, -1.6f), vec3(2.0f, 2.4f, 1.6f)}}},
+        {"tests/closed_room.glb",
+         {{vec3(-5.0f, 0.0f, -2.0f), vec3(-1.0f, 2.5f, 2.0f)}, {vec3(1.0f, 0.0f, -2.0f), vec3(5.0f, 2.5f, 2.0f)}}}};
+    for (const Room& room : rooms) {
+        for (const float density : {6.0f, 20.0f}) {
+            auto baked = bakeFile(assets / room.file, settingsFor(MixedLightingMode::Shadowmask, density, 32, 1));
+            if (!baked) return failed("leaks", room.file, baked.error());
+            double worst = 0.0;
+            double sum = 0.0;
+            std::size_t count = 0;
+            forSurface(*baked, [&](const SurfaceSample& s) {
+                const vec3 before = s.position + 2.0e-3f * s.geometricNormal;
+                for (const Bounds& inside : room.insides) {
+                    if (glm::any(glm::lessThan(before, inside.min)) || glm::any(glm::greaterThan(before, inside.max)))
+                        continue;
+                    const double leak = luminanceOf(baked->light(s.page, s.texel)) / (kPi * 50.0);
+                    worst = std::max(worst, leak);
+                    sum += leak;
+                    ++count;
+                }
+            });
+            const std::string at = ", " + std::to_string(int(density)) + " texels/m";
+            figures.push_back(
+                {"leaks", room.file, "brightest point inside, of the outside's light" + at, 100.0 * worst, 0.1, "%"});
+            figures.push_back({"leaks", room.file, "mean inside, of the outside's light" + at,
+                               100.0 * sum / double(count), 0.01, "%"});
+            if (count == 0) figures.back().value = std::numeric_limits<double>::infinity();
+        }
+    }
+    return figures;
+}
+
+// Tops of plates have the sun's light exactly, undersides none.
+Figures measureEdges(const std::filesystem::path& assets)
+{
+    Figures figures;
+    for (const int padding : {2, 4}) {
+        BakeSettings settings = settingsFor(MixedLightingMode::Shadowmask, 37.0f, 1, 0);
+        settings.paddingTexels = padding;
+        auto baked = bakeFile(assets / "quality/rims.glb", settings);
+        if (!baked) return failed("edges", "quality/rims.glb", baked.error());
+        double worst[2] = {0.0, 0.0};
+        forSurface(*baked, [&](const SurfaceSample& s) {
+            const double truth = s.geometricNormal.y > 0.9f ? 10.0 : 0.0;
+            if (s.geometricNormal.y < 0.9f && s.geometricNormal.y > -0.9f) return; // sides graze the light
+            const vec3 values[2] = {baked->light(s.page, s.texel), baked->lightBicubic(s.page, s.texel)};
+            for (int i = 0; i < 2; ++i) worst[i] = std::max(worst[i], std::abs(double(values[i].y) - truth) / 10.0);
+        });
+        const std::string at = ", padding " + std::to_string(padding);
+        figures.push_back({"edges", "quality/rims.glb", "largest rim, bilinear" + at, 100.0 * worst[0], 0.5, "%"});
+        figures.push_back({"edges", "quality/rims.glb", "largest rim, bicubic" + at, 100.0 * worst[1],
+                           padding >= 4 ? 0.5 : 100.0, "%"});
+    }
+    return figures;
+}
+
+Figures measureSeams(const std::filesystem::path& assets)
+{
+    auto baked = bakeFile(assets / "quality/seams.glb", settingsFor(MixedLightingMode::Shadowmask, 20.0f, 256, 2));
+    if (!baked) return failed("seams", "quality/seams.glb", baked.error());
+    std::vector<double> steps[4];
+    const char* names[4] = {"ball", "can", "chamfered box", "floor tiles"};
+    const Scene& scene = baked->result.baked.scene;
+    const std::vector<SeamSample> seams = findSeams(baked->geometry, baked->pageSize);
+    for (const SeamSample& seam : seams) {
+        const double a = luminanceOf(baked->light(seam.pageA, seam.texelA));
+        const double b = luminanceOf(baked->light(seam.pageB, seam.texelB));
+        const std::string& name = scene.objects[std::size_t(seam.objectA)].name;
+        const int kind = name.starts_with("ball") ? 0 : name.starts_with("can") ? 1 : name.starts_with("chamf") ? 2 : 3;
+        steps[kind].push_back(std::abs(a - b) / std::max(0.5 * (a + b), 1.0e-3));
+    }
+    Figures figures;
+    for (int kind = 0; kind < 4; ++kind) {
+        const std::string count = std::to_string(steps[kind].size()) + " places";
+        const bool none = steps[kind].empty();
+        const double most =
+            none ? std::numeric_limits<double>::infinity() : *std::max_element(steps[kind].begin(), steps[kind].end());
+        figures.push_back({"seams", "quality/seams.glb", std::string(names[kind]) + ", largest step of " + count,
+                           100.0 * most, 1.0, "%"});
+        figures.push_back({"seams", "quality/seams.glb", std::string(names[kind]) + ", 99th percentile",
+                           100.0 * percentile(steps[kind], 0.99), 1.0, "%"});
+    }
+    return figures;
+}
+
+Figures measurePenumbra(const std::filesystem::path& assets)
+{
+    auto baked = bakeFile(assets / "tests/penumbra.glb", settingsFor(MixedLightingMode::Shadowmask, 40.0f, 1, 0));
+    if (!baked || baked->masks.empty()) return failed("masks", "tests/penumbra.glb", baked ? Error{} : baked.error());
+    const double halfWidth = 2.0 * std::tan(glm::radians(2.0));
+    double worst = 0.0;
+    double squares = 0.0;
+    std::size_t count = 0;
+    // Where the attenuation crosses 10 % and 90 %, between neighbouring points along x.
+    std::vector<double> low, high;
+    forSurface(*baked, [&](const SurfaceSample& s) {
+        if (s.geometricNormal.y < 0.9f || std::abs(s.position.x) > 0.3f || std::abs(s.position.z) > 1.9f) return;
+        const double t = std::clamp(double(s.position.x) / halfWidth, -1.0, 1.0);
+        const double truth = 0.5 + (t * std::sqrt(1.0 - t * t) + std::asin(t)) / kPi;
+        const double error = double(baked->mask(s.page, s.texel, 0)) - truth;
+        worst = std::max(worst, std::abs(error));
+        squares += error * error;
+        ++count;
+        const double value = double(baked->mask(s.page, s.texel, 0));
+        if (std::abs(value - 0.1) < 0.01) low.push_back(s.position.x);
+        if (std::abs(value - 0.9) < 0.01) high.push_back(s.position.x);
+    });
+    const auto mean = [](const std::vector<double>& v) {
+        return v.empty() ? 0.0 : std::accumulate(v.begin(), v.end(), 0.0) / double(v.size());
+    };
+    const double t90 = 0.6870; // where the segment's share is 90 %
+    const double width = (mean(high) - mean(low)) / (2.0 * t90 * halfWidth);
+    return {{"masks", "tests/penumbra.glb", "half-plane penumbra, RMS error",
+             100.0 * std::sqrt(squares / double(count)), 2.0, "%"},
+            {"masks", "tests/penumbra.glb", "half-plane penumbra, largest error", 100.0 * worst, 8.0, "%"},
+            {"masks", "tests/penumbra.glb", "10–90 % width against the analytic one, difference",
+             100.0 * std::abs(width - 1.0), 5.0, "%"}};
+}
+
+Figures measureTerminator(const std::filesystem::path& assets)
+{
+    auto baked = bakeFile(assets / "quality/terminator.glb", settingsFor(MixedLightingMode::Shadowmask, 24.0f, 1, 0));
+    if (!baked || baked->masks.empty())
+        return failed("masks", "quality/terminator.glb", baked ? Error{} : baked.error());
+    const vec3 toSun = -baked->result.baked.scene.lights[0].direction();
+    double worstRound = 1.0;
+    double worstFloor = 1.0;
+    std::size_t dark = 0;
+    std::size_t count = 0;
+    forSurface(*baked, [&](const SurfaceSample& s) {
+        const double value = double(baked->mask(s.page, s.texel, 0));
+        if (s.position.y < -2.0f) {
+            if (s.geometricNormal.y > 0.9f) worstFloor = std::min(worstFloor, value);
+            return;
+        }
+        if (glm::dot(s.normal, toSun) < 0.05f) return;
+        worstRound = std::min(worstRound, value);
+        dark += value < 0.98 ? 1 : 0;
+        ++count;
+    });
+    return {
+        {"masks", "quality/terminator.glb", "round objects: points that face the smooth light and are shadowed",
+         100.0 * double(dark) / double(std::max<std::size_t>(count, 1)), 0.1, "%"},
+        {"masks", "quality/terminator.glb", "round objects: darkest such point", 100.0 * (1.0 - worstRound), 10.0, "%"},
+        {"masks", "quality/terminator.glb", "floor grazed at 1.5°: darkest point", 100.0 * (1.0 - worstFloor), 0.5,
+         "%"}};
+}
+
+namespace {
+
+/// The board of mask_edges.glb.
+constexpr vec2 kBoard[] = {{-1.2f, -0.9f}, {0.9f, -1.1f}, {1.1f, 0.2f}, {0.3f, 0.35f}, {0.35f, 1.1f}, {-1.0f, 0.8f}};
+
+bool underBoard(vec2 p)
+{
+    bool inside = false;
+    for (std::size_t i = 0, j = std::size(kBoard) - 1; i < std::size(kBoard); j = i++) {
+        const vec2 a = kBoard[i];
+        const vec2 b = kBoard[j];
+        if ((a.y > p.y) != (b.y > p.y) && p.x < (b.x - a.x) * (p.y - a.y) / (b.y - a.y) + a.x) inside = !inside;
+    }
+    return inside;
+}
+
+/// Mean error over the floor of exact shares of light in its texels (16 x 16 points each), filtered bilinearly.
+double supersampledBlur(const Baked& baked)
+{
+    const TexelMap map = rasterizeTexels(baked.geometry, baked.pageSize, baked.result.report.pageCount);
+    Baked exact = baked;
+    std::vector<vec4> shares(map.texels.size(), vec4(1.0f));
+    for (std::size_t i = 0; i < shares.size(); ++i) {
+        const Texel& texel = map.texels[i];
+        const TexelFragment& f = map.fragments[texel.firstFragment];
+        const uvec3 v = baked.geometry.triangles[f.triangle];
+        if (baked.geometry.geometricNormal(f.triangle).y < 0.9f) continue;
+        // The floor is flat: its triangle's map from texels to the world holds all over.
+        const vec2 a = baked.geometry.lightmapTexel[v.x];
+        const mat2 texelFromWeights(baked.geometry.lightmapTexel[v.y] - a, baked.geometry.lightmapTexel[v.z] - a);
+        const mat2 weightsFromTexel = glm::inverse(texelFromWeights);
+        const vec3 p0 = baked.geometry.positions[v.x];
+        const vec3 p1 = baked.geometry.positions[v.y] - p0;
+        const vec3 p2 = baked.geometry.positions[v.z] - p0;
+        float lit = 0.0f;
+        for (int s = 0; s < 256; ++s) {
+            const vec2 w = weightsFromTexel * (vec2(texel.x, texel.y) + (vec2(s % 16, s / 16) + 0.5f) / 16.0f - a);
+            const vec3 p = p0 + w.x * p1 + w.y * p2;
+            lit += underBoard({p.x, p.z}) ? 0.0f : 1.0f / 256.0f;
+        }
+        shares[i].x = lit;
+    }
+    exact.masks = dilate(map, shares, 2);
+    double error = 0.0;
+    std::size_t count = 0;
+    forSurface(exact, [&](const SurfaceSample& s) {
+        if (s.geometricNormal.y < 0.9f || std::abs(s.position.y) > 0.01f) return;
+        error +=
+            std::abs(double(exact.mask(s.page, s.texel, 0)) - (underBoard({s.position.x, s.position.z}) ? 0.0 : 1.0));
+        ++count;
+    });
+    return error / double(count);
+}
+
+} // namespace
+
+Figures measureMaskEdges(const std::filesystem::path& assets)
+{
+    // Blur: the wrongly lit or shadowed area along the outline, as the width of a band in texels at 20 texels/m. A
+    // texel's exact share of light, filtered bilinearly, is a ramp two texels wide whose error is 1/3 of a texel for an
+    // edge along the texels and less askew: "plain supersampling" below is what that gives on this outline.
+    constexpr double kOutlineMeters = 2.1095 + 1.3153 + 0.8139 + 0.7517 + 1.3829 + 1.7117;
+    Figures figures;
+    double supersampled = 0.0;
+    struct Case {
+        float density;
+        MaskEncoding encoding;
+    };
+    for (const Case c : {Case{20.0f, MaskEncoding::Attenuation}, Case{10.0f, MaskEncoding::Attenuation},
+                         Case{10.0f, MaskEncoding::Distance}}) {
+        BakeSettings settings = settingsFor(MixedLightingMode::Shadowmask, c.density, 1, 0);
+        settings.maskEncoding = c.encoding;
+        auto baked = bakeFile(assets / "quality/mask_edges.glb", settings);
+        if (!baked || baked->masks.empty())
+            return failed("masks", "quality/mask_edges.glb", baked ? Error{} : baked.error());
+        double error = 0.0;
+        std::size_t count = 0;
+        forSurface(*baked, [&](const SurfaceSample& s) {
+            if (s.geometricNormal.y < 0.9f || std::abs(s.position.y) > 0.01f) return;
+            const double truth = underBoard({s.position.x, s.position.z}) ? 0.0 : 1.0;
+            error += std::abs(double(baked->mask(s.page, s.texel, 0)) - truth);
+            ++count;
+        });
+        const double width = 20.0 * error / double(count) * 16.0 / kOutlineMeters;
+        const bool distance = c.encoding == MaskEncoding::Distance;
+        if (c.density == 20.0f) supersampled = supersampledBlur(*baked) * 16.0 * 20.0 / kOutlineMeters;
+        if (c.density == 20.0f)
+            figures.push_back({"masks", "quality/mask_edges.glb",
+                               "blur of a hard edge, plain supersampling at 20 texels/m", 100.0 * supersampled, 100.0,
+                               "% of a texel"});
+        figures.push_back({"masks", "quality/mask_edges.glb",
+                           std::string("blur of a hard edge, ") + (distance ? "distance field" : "attenuation") +
+                               " at " + std::to_string(int(c.density)) + " texels/m",
+                           100.0 * width,
+                           c.density == 20.0f ? 105.0 * supersampled
+                           : distance         ? 50.0 * supersampled
+                                              : 100.0,
+                           "% of a texel"});
+    }
+    return figures;
+}
+
+// A bake of few samples against one of many on the same texels: denoised it must be closer than not, everywhere and
+// where boxes meet the floor.
+Figures measureContact(const std::filesystem::path& assets, int truthSamples)
+{
+    BakeSettings settings = settingsFor(MixedLightingMode::Shadowmask, 14.0f, 16, 1);
+    settings.denoise = false;
+    auto noisy = bakeFile(assets / "quality/contact.glb", settings);
+    settings.denoise = true;
+    auto denoised = bakeFile(assets / "quality/contact.glb", settings);
+    settings.denoise = false;
+    settings.samples = truthSamples;
+    settings.seed = 99;
+    auto truth = bakeFile(assets / "quality/contact.glb", settings);
+    for (const auto* baked : {&noisy, &denoised, &truth}) {
+        if (!*baked) return failed("noise", "quality/contact.glb", baked->error());
+    }
+    const TexelMap map = rasterizeTexels(truth->geometry, truth->pageSize, truth->result.report.pageCount);
+    double errors[2][2] = {}; // [denoised][near contact]
+    double reference[2] = {};
+    for (const Texel& texel : map.texels) {
+        const TexelPlace place = placeOf(truth->geometry, map, texel);
+        // Within 25 cm of the box's and the plinth's foot, on the floor beside them.
+        bool contact = false;
+        for (const vec4 foot : {vec4(-0.8f, -0.5f, 0.35f, 0.35f), vec4(0.8f, 0.5f, 0.5f, 0.3f)}) {
+            const float turn = glm::radians(foot.x < 0.0f ? 20.0f : -10.0f);
+            const vec2 d(place.position.x - foot.x, place.position.z - foot.y);
+            const vec2 local(std::cos(turn) * d.x - std::sin(turn) * d.y, std::sin(turn) * d.x + std::cos(turn) * d.y);
+            const vec2 beyond = glm::max(glm::abs(local) - vec2(foot.z, foot.w), vec2(0.0f));
+            contact = contact || (place.position.y < 0.01f && glm::length(beyond) < 0.25f);
+        }
+        const auto at = [&](const Baked& b) { return luminanceOf(b.lightmaps[texel.page](texel.x, texel.y)); };
+        const double t = at(*truth);
+        for (int k = 0; k <= (contact ? 1 : 0); ++k) {
+            reference[k] += t * t;
+            errors[0][k] += (at(*noisy) - t) * (at(*noisy) - t);
+            errors[1][k] += (at(*denoised) - t) * (at(*denoised) - t);
+        }
+    }
+    const auto relative = [&](int d, int k) { return 100.0 * std::sqrt(errors[d][k] / reference[k]); };
+    const std::string scene = "quality/contact.glb";
+    return {{"noise", scene, "relative RMSE of 16 paths, not denoised", relative(0, 0), 100.0, "%"},
+            {"noise", scene, "… denoised", relative(1, 0), 0.5 * relative(0, 0), "%"},
+            {"noise", scene, "within 25 cm of contact, not denoised", relative(0, 1), 100.0, "%"},
+            {"noise", scene, "… denoised", relative(1, 1), 0.8 * relative(0, 1), "%"}};
+}
+
+// The bright room's light in the dark room: what its probes say at points well within, against the brightest of what a
+// fine set of probes says there.
+Figures measureProbes(const std::filesystem::path& assets)
+{
+    BakeSettings settings = settingsFor(MixedLightingMode::Shadowmask, 4.0f, 16, 2);
+    settings.probeSpacingMeters = 0.0f;
+    auto baked = bakeFile(assets / "quality/probe_rooms.glb", settings);
+    if (!baked) return failed("probes", "quality/probe_rooms.glb", baked.error());
+    const ProbeInterpolator probes(baked->result.baked);
+    const auto levelAt = [&](vec3 p) {
+        const ProbeSample sample = probes.sample(p);
+        return luminanceOf(sample.radiance[0]);
+    };
+    std::vector<double> dark, bright;
+    for (float y = 0.3f; y < 2.2f; y += 0.3f) {
+        for (float z = -1.8f; z < 1.81f; z += 0.3f) {
+            for (float x = 0.27f; x < 3.9f; x += 0.3f) {
+                dark.push_back(levelAt({x, y, z}));
+                bright.push_back(levelAt({-x, y, z}));
+            }
+        }
+    }
+    int inside = 0;
+    for (const Probe& probe : baked->result.baked.probes.probes) {
+        const vec3 p = probe.position;
+        const bool inRoom =
+            p.y > 0.0f && p.y < 2.5f && std::abs(p.z) < 2.0f && std::abs(p.x) > 0.02f && std::abs(p.x) < 4.0f;
+        inside += !inRoom && probe.valid ? 1 : 0;
+    }
+    const double level = percentile(bright, 0.5);
+    const std::string scene = "quality/probe_rooms.glb";
+    const std::string where = "the dark room, 25 cm or more from the wall, of the bright room";
+    return {{"probes", scene, "brightest place in " + where,
+             100.0 * *std::max_element(dark.begin(), dark.end()) / level, 8.0, "%"},
+            {"probes", scene, "median of the dark room, of the bright room", 100.0 * percentile(dark, 0.5) / level, 1.0,
+             "%"},
+            {"probes", scene, "valid probes outside both rooms", double(inside), 0.0, ""}};
+}
+
+} // namespace halflight::quality
