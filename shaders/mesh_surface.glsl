@@ -2,6 +2,7 @@
 #ifndef HALFLIGHT_MESH_SURFACE_GLSL
 #define HALFLIGHT_MESH_SURFACE_GLSL
 
+#include "gbuffer.glsl"
 #include "material.glsl"
 #include "probes.glsl"
 #include "surface.glsl"
@@ -23,13 +24,14 @@ struct MeshSurface {
     float occlusion;
     vec3 emissive;
     bool unlit;
+    ProbeSample probes; // what surrounds it; in realtime mode the open sky; nothing where there is a lightmap
 };
 
 MeshSurface readSurface()
 {
     MeshSurface mesh;
     Surface s;
-    placeSurface(s, inPosition);
+    placeSurface(s, gl_FragCoord.z);
 
     int material = push.info.x;
     vec4 base = materials[material].baseColor * inColor *
@@ -50,7 +52,8 @@ MeshSurface readSurface()
     float side = gl_FrontFacing ? 1.0 : -1.0;
     vec3 face = cross(dFdx(inPosition), dFdy(inPosition));
     face = dot(face, face) > 0.0 ? normalize(face) : s.view;
-    s.faceNormal = dot(face, s.view) < 0.0 ? -face : face;
+    // As the G-buffer holds it, in the forward path too: what meets the shadow maps is the same.
+    s.faceNormal = unpackNormal(packNormal(dot(face, s.view) < 0.0 ? -face : face));
     mesh.vertexNormal = dot(inNormal, inNormal) > 0.0 ? side * normalize(inNormal) : s.faceNormal;
     s.normal = mesh.vertexNormal;
     if (materials[material].textures[kTextureNormal].info.x >= 0 && dot(inTangent.xyz, inTangent.xyz) > 0.0) {
@@ -67,8 +70,11 @@ MeshSurface readSurface()
     ivec4 info = objects[inObject].info;
     s.lightmapped = (info.x & kObjectLightmapped) != 0;
     s.receiveShadows = (info.x & kObjectReceiveShadows) != 0;
-    s.baked = s.lightmapped ? textureLod(shadowmasks, vec3(inLightmapUv, info.y), 0.0)
-                            : probeOcclusion(inObject, inPosition);
+    if (frame.mode.x == kModeRealtime && frame.mode.y == kViewLit)
+        mesh.probes = openSky();
+    else if (!s.lightmapped || frame.mode.y != kViewLit)
+        mesh.probes = sampleProbes(inObject, inPosition);
+    s.baked = s.lightmapped ? textureLod(shadowmasks, vec3(inLightmapUv, info.y), 0.0) : mesh.probes.occlusion;
     mesh.unlit = materials[material].info.x != 0;
     mesh.lit = s;
     return mesh;
