@@ -115,11 +115,56 @@ def two_rooms():
     return doc
 
 
+def pergola(doc):
+    """A floor in the sun under beams on posts, two walls in strong colours, a coloured lamp at each end: light and shadow change
+    from place to place."""
+    for name, color in (("orange", (0.8, 0.3, 0.05)), ("blue", (0.08, 0.25, 0.8))):
+        doc.material(name, color, roughness=0.9)
+    doc.mesh("floor", [(m.box(-6, -0.2, -5, 6, 0, 5), "white", 1.0)])
+    doc.mesh("wall_west", [(m.box(-6.2, -0.2, -5, -6, 2.4, 5), "orange", 1.0)])
+    doc.mesh("wall_east", [(m.box(6, -0.2, -5, 6.2, 2.4, 5), "blue", 1.0)])
+    doc.mesh("beam", [(m.box(-0.35, 2.6, -4.2, 0.35, 2.8, 4.2), "grey", 1.0)])
+    doc.mesh("post", [(m.box(-0.12, 0, -0.12, 0.12, 2.6, 0.12), "grey", 1.0)])
+    for name in ("floor", "wall_west", "wall_east"):
+        doc.node(name, name)
+    for i in range(5):
+        x = 2.2 * (i - 2)
+        doc.node(f"beam_{i + 1}", "beam", (x, 0, 0))
+        for j, z in enumerate((-4.0, 4.0)):
+            doc.node(f"post_{i + 1}_{j + 1}", "post", (x, 0, z))
+    doc.light("sun", "directional", (1.0, 0.93, 0.8), 6.0, (3, 8, 1.5), (0, 0, 0), extras={**MIXED, "halflight_angular_diameter": 0.53})
+    for word, x, color in (("west", -4.8, (0.2, 1.0, 0.5)), ("east", 4.8, (1.0, 0.25, 0.6))):
+        doc.light(f"lamp_{word}", "point", color, 4.0, (x, 1.1, -3.6), cone_range=6.0, extras={**MIXED, "halflight_radius": 0.04})
+
+
+def thousand_spheres():
+    """1,023 dynamic spheres in one EXT_mesh_gpu_instancing node, each to be lit by its own probe sample."""
+    doc = document("thousand_spheres", ("white", "grey"), ([0.25, 0.35, 0.6], [0.4, 0.4, 0.4], [0.1, 0.1, 0.1]))
+    pergola(doc)
+    doc.mesh("sphere", [(m.sphere(0.11, 20, 10), "white", 1.0)])
+    places = [(0.34 * (i % 33 - 16), 0.3 + 0.12 * ((i * 7) % 5), 0.29 * (i // 33 - 15)) for i in range(1023)]
+    doc.instances("spheres", "sphere", places, extras={**DYNAMIC, "halflight_probes": "single"})
+    doc.camera("main", (0.0, 4.4, 8.2), (0.0, 0.4, 0.2), 55)
+    return doc
+
+
+def proxy_volume():
+    """Two long dynamic planks from sun into shade: the near one lit by one probe sample, the far one by a proxy volume."""
+    doc = document("proxy_volume", ("white", "grey"), ([0.25, 0.35, 0.6], [0.4, 0.4, 0.4], [0.1, 0.1, 0.1]))
+    pergola(doc)
+    doc.mesh("plank", [(m.bevel_box(10.0, 0.5, 0.5, 0.02), "white", 1.0)])
+    doc.node("plank_single", "plank", (0, 0.35, 1.4), extras={**DYNAMIC, "halflight_probes": "single"})
+    doc.node("plank_volume", "plank", (0, 0.35, -1.4),
+             extras={**DYNAMIC, "halflight_probes": "volume", "halflight_probe_resolution": [33, 3, 3]})
+    doc.camera("main", (0.0, 4.4, 8.2), (0.0, 0.4, 0.2), 55)
+    return doc
+
+
 def main():
     default = pathlib.Path(__file__).resolve().parent.parent / "assets" / "tests"
     folder = pathlib.Path(sys.argv[1]) if len(sys.argv) > 1 else default
     folder.mkdir(parents=True, exist_ok=True)
-    for make in (closed_room, penumbra, five_lights, sphere_on_floor, two_rooms):
+    for make in (closed_room, penumbra, five_lights, sphere_on_floor, two_rooms, thousand_spheres, proxy_volume):
         doc = make()
         data = doc.glb()
         (folder / f"{make.__name__}.glb").write_bytes(data)

@@ -3,7 +3,8 @@
 //   1  RG32UI    normal and the triangle's normal, each as an octahedron in 2 x 16 bits
 //   2  RGBA16UI  metallic, roughness, specular factor in 1/65535; flags
 //   3            the picture: emissive and indirect light, to which the light pass adds direct light
-//   4  RGBA8     baked attenuation by channel; there only in frames that use a mask
+//   4  RGBA16UI  baked attenuation by channel in 1/65535; there only in frames that use a mask. Eight bits would show in
+//                nearly shadowed places, since probes know more than 256 values; a mask's own n/255 are exact
 // The material's occlusion dims indirect light only, so it is used up in 3; positions come from depth.
 #ifndef HALFLIGHT_GBUFFER_GLSL
 #define HALFLIGHT_GBUFFER_GLSL
@@ -30,8 +31,9 @@ vec3 unpackNormal(uint packed)
     return normalize(n);
 }
 
-uvec3 packMaterial(vec3 values) { return uvec3(clamp(values, vec3(0.0), vec3(1.0)) * 65535.0 + 0.5); }
+// Values from 0 to 1 in 16 bits.
+uvec4 pack16(vec4 values) { return uvec4(clamp(values, vec4(0.0), vec4(1.0)) * 65535.0 + 0.5); }
 
-vec3 unpackMaterial(uvec3 packed) { return vec3(packed) * (1.0 / 65535.0); }
+vec4 unpack16(uvec4 packed) { return vec4(packed) * (1.0 / 65535.0); }
 
 #endif

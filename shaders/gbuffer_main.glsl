@@ -8,7 +8,7 @@ layout(location = 1) out uvec2 outNormals;
 layout(location = 2) out uvec4 outMaterial;
 layout(location = 3) out vec4 outRadiance;
 #ifdef HALFLIGHT_MASK_TARGET
-layout(location = 4) out vec4 outMask;
+layout(location = 4) out uvec4 outMask;
 #endif
 
 void main()
@@ -20,10 +20,10 @@ void main()
     int mainLight = frame.mode.z;
     outBaseColor = vec4(s.baseColor, mainLight >= 0 ? s.baked[lights[mainLight].info.z] : 1.0);
     outNormals = uvec2(packNormal(s.normal), packNormal(s.faceNormal));
-    outMaterial = uvec4(packMaterial(vec3(s.metallic, s.roughness, s.specular)), flags);
+    outMaterial = uvec4(pack16(vec4(s.metallic, s.roughness, s.specular, 0.0)).rgb, flags);
     // Lightmaps as they are: where subtractive's main light throws shadows on them, objects are drawn forward.
     outRadiance = vec4(mesh.unlit ? s.baseColor : mesh.emissive + indirectLight(mesh, lightmapIrradiance()), 1.0);
 #ifdef HALFLIGHT_MASK_TARGET
-    outMask = s.baked;
+    outMask = pack16(s.baked);
 #endif
 }

@@ -22,13 +22,8 @@ vec3 indirectLight(MeshSurface mesh, vec3 lightmap)
         irradiance = lightmap * lightmapScale(mesh, s.normal);
         surroundings = lightmap * lightmapScale(mesh, lobe);
     } else {
-        ProbeSample probes;
-        if (realtime)
-            probes = openSky();
-        else
-            probes = sampleProbes(inObject, s.position);
-        irradiance = irradianceFrom(probes, s.normal);
-        surroundings = irradianceFrom(probes, lobe);
+        irradiance = irradianceFrom(mesh.probes, s.normal);
+        surroundings = irradianceFrom(mesh.probes, lobe);
     }
     surroundings *= 1.0 / kShadingPi;
     if (realtime)

@@ -10,13 +10,13 @@ layout(constant_id = 0) const int kAlphaMode = kAlphaOpaque;
 layout(location = 0) out vec4 outRadiance;
 
 // S31. Debug views.
-vec3 debugView(Surface s)
+vec3 debugView(MeshSurface mesh)
 {
+    Surface s = mesh.lit;
     float shade = 0.25 + 0.75 * abs(dot(s.normal, s.view));
     if (frame.mode.y == kViewShadowmask) return s.baked.rgb * mix(0.5, 1.0, s.baked.a);
     if (frame.mode.y == kViewLightmap) return s.lightmapped ? lightmapIrradiance() * (1.0 / kShadingPi) : vec3(0.0);
-    if (frame.mode.y == kViewProbes)
-        return irradianceFrom(sampleProbes(inObject, s.position), s.normal) * (1.0 / kShadingPi);
+    if (frame.mode.y == kViewProbes) return irradianceFrom(mesh.probes, s.normal) * (1.0 / kShadingPi);
     if (frame.mode.y == kViewFade) return vec3(s.fade);
     if (frame.mode.y == kViewCascades) {
         vec3 colors[4] = vec3[4](vec3(1.0, 0.3, 0.3), vec3(0.3, 1.0, 0.3), vec3(0.3, 0.4, 1.0), vec3(1.0, 1.0, 0.3));
@@ -43,7 +43,7 @@ void main()
     MeshSurface mesh = readSurface();
     vec3 radiance;
     if (frame.mode.y != kViewLit) {
-        radiance = debugView(mesh.lit);
+        radiance = debugView(mesh);
     } else if (mesh.unlit) {
         radiance = mesh.lit.baseColor;
     } else {

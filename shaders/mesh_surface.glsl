@@ -2,6 +2,7 @@
 #ifndef HALFLIGHT_MESH_SURFACE_GLSL
 #define HALFLIGHT_MESH_SURFACE_GLSL
 
+#include "gbuffer.glsl"
 #include "material.glsl"
 #include "probes.glsl"
 #include "surface.glsl"
@@ -24,6 +25,7 @@ struct MeshSurface {
     float occlusion;
     vec3 emissive;
     bool unlit;
+    ProbeSample probes; // what surrounds it; in realtime mode the open sky; nothing where there is a lightmap
 };
 
 // B by channel from the shadowmask. A pixel's width on the page is the longer of its sides there.
@@ -42,7 +44,7 @@ MeshSurface readSurface()
 {
     MeshSurface mesh;
     Surface s;
-    placeSurface(s, inPosition);
+    placeSurface(s, gl_FragCoord.z);
 
     int material = push.info.x;
     vec4 base = materials[material].baseColor * inColor *
@@ -63,7 +65,8 @@ MeshSurface readSurface()
     float side = gl_FrontFacing ? 1.0 : -1.0;
     vec3 face = cross(dFdx(inPosition), dFdy(inPosition));
     face = dot(face, face) > 0.0 ? normalize(face) : s.view;
-    s.faceNormal = dot(face, s.view) < 0.0 ? -face : face;
+    // As the G-buffer holds it, in the forward path too: what meets the shadow maps is the same.
+    s.faceNormal = unpackNormal(packNormal(dot(face, s.view) < 0.0 ? -face : face));
     mesh.vertexNormal = dot(inNormal, inNormal) > 0.0 ? side * normalize(inNormal) : s.faceNormal;
     s.normal = mesh.vertexNormal;
     if (materials[material].textures[kTextureNormal].info.x >= 0 && dot(inTangent.xyz, inTangent.xyz) > 0.0) {
@@ -81,7 +84,11 @@ MeshSurface readSurface()
     s.lightmapped = (info.x & kObjectLightmapped) != 0;
     s.receiveShadows = (info.x & kObjectReceiveShadows) != 0;
     vec4 mask = readShadowmask(inLightmapUv, info.y); // derivatives want uniform control flow
-    s.baked = s.lightmapped ? mask : probeOcclusion(inObject, inPosition);
+    if (frame.mode.x == kModeRealtime && frame.mode.y == kViewLit)
+        mesh.probes = openSky();
+    else if (!s.lightmapped || frame.mode.y != kViewLit)
+        mesh.probes = sampleProbes(inObject, inPosition);
+    s.baked = s.lightmapped ? mask : mesh.probes.occlusion;
     mesh.unlit = materials[material].info.x != 0;
     mesh.lit = s;
     return mesh;

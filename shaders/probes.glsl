@@ -22,23 +22,17 @@ vec4 proxyTexture(int volume, vec3 position, int slab)
     return textureLod(probeTexture, at, 0.0);
 }
 
-// The probes as they light an object at a point of its surface: the baked attenuation by channel alone, and all of it.
-// Every shader that reads probes does it here.
-vec4 probeOcclusion(uint object, vec3 position)
-{
-    int volume = proxyVolumeOf(object);
-    return volume < 0 ? objects[object].probeOcclusion : proxyTexture(volume, position, 3);
-}
-
+// The probes as they light an object at a point of its surface. Every shader that reads probes does it here.
 ProbeSample sampleProbes(uint object, vec3 position)
 {
     ProbeSample probes;
-    probes.occlusion = probeOcclusion(object, position);
     int volume = proxyVolumeOf(object);
     if (volume < 0) {
         for (int i = 0; i < 9; ++i) probes.radiance[i] = objects[object].probeSh[i].rgb;
+        probes.occlusion = objects[object].probeOcclusion;
         return probes;
     }
+    probes.occlusion = proxyTexture(volume, position, 3);
     for (int c = 0; c < 3; ++c) {
         vec4 low = proxyTexture(volume, position, c);
         vec4 high = proxyTexture(volume, position, 4 + c);

@@ -46,6 +46,7 @@ const float kMinSlopeCosine = 0.1;
 // the constant bias.
 float tileShadow(bool cascade, int tile, vec3 position, vec3 n, vec3 l, float distanceFactor)
 {
+    if (tiles[tile].parameters.y == 0.0) return 1.0;
     float texelMeters = tiles[tile].parameters.x * distanceFactor;
     float cosine = saturate(dot(n, l));
     float sine = sqrt(1.0 - cosine * cosine);

@@ -1,9 +1,7 @@
 #version 460
 // One triangle over the whole picture, at the far end of the reversed depth range.
-layout(location = 0) out vec2 outNdc;
-
 void main()
 {
-    outNdc = vec2((gl_VertexIndex << 1) & 2, gl_VertexIndex & 2) * 2.0 - 1.0;
-    gl_Position = vec4(outNdc, 0.0, 1.0);
+    vec2 ndc = vec2((gl_VertexIndex << 1) & 2, gl_VertexIndex & 2) * 2.0 - 1.0;
+    gl_Position = vec4(ndc, 0.0, 1.0);
 }

@@ -22,11 +22,24 @@ struct Surface {
     vec4 baked; // B by channel
 };
 
-// What follows from where the point is.
-void placeSurface(inout Surface s, vec3 position)
+// The point of the world that this pixel's centre shows at a depth.
+vec3 worldPosition(float depth)
 {
-    s.position = position;
-    vec3 toCamera = frame.cameraPosition.xyz - position;
+    vec4 r = frame.depthRange; // depth = (z * r.x + r.z) / (z * r.y + r.w) at view space z
+    precise float viewDepth = (r.z - depth * r.w) / (r.x - depth * r.y);
+    precise vec2 ndc = gl_FragCoord.xy / frame.pictureSize.xy * 2.0 - 1.0;
+    precise vec3 across = ndc.x * frame.cameraRight.xyz - ndc.y * frame.cameraUp.xyz;
+    precise vec3 position = frame.cameraPosition.xyz + frame.cameraForward.xyz * viewDepth +
+                            across * (frame.cameraForward.w > 0.5 ? 1.0 : viewDepth);
+    return position;
+}
+
+// What follows from where the point is. Both paths take it from depth, to the last bit alike: a shadow map's comparison
+// that falls the other way is a visible difference, however near the two points are.
+void placeSurface(inout Surface s, float depth)
+{
+    s.position = worldPosition(depth);
+    vec3 toCamera = frame.cameraPosition.xyz - s.position;
     s.cameraDistance = length(toCamera);
     s.view = frame.cameraForward.w > 0.5 ? -frame.cameraForward.xyz : toCamera / s.cameraDistance;
     s.fade = shadowFade(s.cameraDistance, frame.fade.xy);

@@ -115,6 +115,7 @@ Result<Picture> renderPicture(const RenderOptions& options, const BakedScene& ba
     const FramePlan& plan = frame->plan;
     const auto count = [&](auto member) { return std::count_if(plan.lights.begin(), plan.lights.end(), member); };
     picture.summary["device"] = (*renderer)->deviceName();
+    picture.summary["driver"] = (*renderer)->driver();
     picture.summary["mode"] = nameOf(settings.mode);
     picture.summary["path"] = settings.path == RenderPath::Deferred ? "deferred" : "forward";
     picture.summary["gBufferTargets"] = frame->gBufferTargets;

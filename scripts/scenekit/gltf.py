@@ -159,6 +159,15 @@ class Document:
         self.json["scenes"][0]["nodes"].append(index)
         return index
 
+    def instances(self, name, mesh, positions, extras=None):
+        """One node that draws a mesh at each of these places."""
+        self.used.add("EXT_mesh_gpu_instancing")
+        translation = self._append("accessors", self._accessor(positions, "VEC3")[0])
+        index = self.node(name, mesh, extras=extras, extensions={
+            "EXT_mesh_gpu_instancing": {"attributes": {"TRANSLATION": translation}}})
+        self.drawn_triangles += (len(positions) - 1) * self.meshes[mesh][1]
+        return index
+
     def camera(self, name, eye, target, vertical_fov_degrees=50.0, aspect=16 / 9, near=0.05, far=200.0):
         camera = self._append("cameras", {"name": name, "type": "perspective", "perspective": {
             "yfov": round(math.radians(vertical_fov_degrees), 6), "aspectRatio": round(aspect, 6), "znear": near, "zfar": far}})

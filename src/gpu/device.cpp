@@ -49,6 +49,24 @@ void* symbol(void* library, const char* name)
 }
 #endif
 
+/// Keeps the loader and its drivers in memory as long as the process lives, by an instance that is never destroyed:
+/// NVIDIA's driver (580.159) takes thread-local storage each time it is loaded, gives none back when it is unloaded
+/// with the last instance, and cannot be loaded any more after some twenty times.
+void keepDriversLoaded(PFN_vkCreateInstance createInstance)
+{
+    static const VkInstance kept = [&] {
+        openLoader();
+        const VkApplicationInfo application{.sType = VK_STRUCTURE_TYPE_APPLICATION_INFO,
+                                            .apiVersion = VK_API_VERSION_1_3};
+        const VkInstanceCreateInfo info{.sType = VK_STRUCTURE_TYPE_INSTANCE_CREATE_INFO,
+                                        .pApplicationInfo = &application};
+        VkInstance instance = VK_NULL_HANDLE;
+        createInstance(&info, nullptr, &instance);
+        return instance;
+    }();
+    (void)kept;
+}
+
 int preference(VkPhysicalDeviceType type, bool preferCpu)
 {
     switch (type) {
@@ -145,6 +163,7 @@ void Device::createInstance(const DeviceOptions& options)
     if (!table_.CreateInstance || !table_.EnumerateInstanceVersion ||
         table_.EnumerateInstanceVersion(&version) != VK_SUCCESS || version < VK_API_VERSION_1_3)
         throw Failure("the Vulkan loader is older than 1.3");
+    keepDriversLoaded(table_.CreateInstance);
 
     std::vector<const char*> layers;
     std::vector<const char*> extensions;
@@ -307,6 +326,14 @@ VkFormatFeatureFlags Device::optimalFeatures(VkFormat format) const
     VkFormatProperties properties;
     vk.GetPhysicalDeviceFormatProperties(physical_, format, &properties);
     return properties.optimalTilingFeatures;
+}
+
+std::string Device::driver() const
+{
+    VkPhysicalDeviceDriverProperties driver{.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_DRIVER_PROPERTIES};
+    VkPhysicalDeviceProperties2 properties{.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_PROPERTIES_2, .pNext = &driver};
+    vk.GetPhysicalDeviceProperties2(physical_, &properties);
+    return std::string(driver.driverName) + " " + driver.driverInfo;
 }
 
 void Device::execute(const std::function<void(VkCommandBuffer)>& record)

@@ -32,6 +32,8 @@ public:
     [[nodiscard]] VkDevice handle() const { return device_; }
     [[nodiscard]] Memory& memory() const { return *memory_; }
     [[nodiscard]] const VkPhysicalDeviceProperties& properties() const { return properties_; }
+    /// The driver's name and version as it gives them: "NVIDIA 570.86.15", "llvmpipe Mesa 25.0.7 (LLVM 15.0.6)".
+    [[nodiscard]] std::string driver() const;
     [[nodiscard]] VkFormatFeatureFlags optimalFeatures(VkFormat format) const;
     [[nodiscard]] bool anisotropy() const { return anisotropy_; }
     [[nodiscard]] bool timestamps() const { return timestampBits_ > 0; }

@@ -31,6 +31,7 @@ void check(VkResult result, const char* action);
     X(DestroyInstance)                                                                                                 \
     X(EnumeratePhysicalDevices)                                                                                        \
     X(GetPhysicalDeviceProperties)                                                                                     \
+    X(GetPhysicalDeviceProperties2)                                                                                    \
     X(GetPhysicalDeviceFeatures2)                                                                                      \
     X(GetPhysicalDeviceFormatProperties)                                                                               \
     X(GetPhysicalDeviceMemoryProperties)                                                                               \

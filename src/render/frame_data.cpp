@@ -112,12 +112,13 @@ std::vector<shading::GpuLight> gpuLights(const Scene& scene, const FramePlan& pl
 std::vector<shading::GpuTile> gpuTiles(const FramePlan& plan)
 {
     std::vector<shading::GpuTile> result;
-    for (const ShadowTile& tile : plan.tiles) {
+    for (std::size_t i = 0; i < plan.tiles.size(); ++i) {
+        const ShadowTile& tile = plan.tiles[i];
         shading::GpuTile out{};
         out.clipFromWorld = tile.clipFromWorld;
         out.planeFromWorld = mat4(glm::transpose(glm::inverse(glm::dmat4(tile.clipFromWorld))));
         out.rectangle = vec4(tile.atlasOffset, float(tile.size), float(tile.layer));
-        out.parameters = vec4(tile.texelMeters, 0.0f, 0.0f, 0.0f);
+        out.parameters = vec4(tile.texelMeters, plan.castersOf(int(i)).empty() ? 0.0f : 1.0f, 0.0f, 0.0f);
         result.push_back(out);
     }
     return result;

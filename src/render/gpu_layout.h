@@ -142,7 +142,8 @@ struct GpuTile {
     mat4 clipFromWorld;
     mat4 planeFromWorld; // planes (n, d) of the world to planes of clip space: the inverse transpose of clipFromWorld
     vec4 rectangle;      // xy offset in texels, z size in texels, w layer
-    vec4 parameters;     // x metres of a texel (at 1 m distance for perspective tiles)
+    vec4 parameters;     // x metres of a texel (at 1 m distance for perspective tiles); y 0 = it has no caster and
+                         // was not drawn
 };
 
 struct GpuPush {

@@ -27,7 +27,7 @@ constexpr uint32_t kMaxTextures = 65536;
 /// Layout in shaders/gbuffer.glsl. All formats that every Vulkan device can draw into.
 constexpr VkFormat kGBufferFormats[] = {VK_FORMAT_R16G16B16A16_SFLOAT, VK_FORMAT_R32G32_UINT,
                                         VK_FORMAT_R16G16B16A16_UINT};
-constexpr VkFormat kGBufferMaskFormat = VK_FORMAT_R8G8B8A8_UNORM;
+constexpr VkFormat kGBufferMaskFormat = VK_FORMAT_R16G16B16A16_UINT;
 
 enum class Culling { None, AsMaterial, Front, Back };
 
@@ -122,16 +122,16 @@ VkRenderingAttachmentInfo depthAttachment(const gpu::Image& image, VkAttachmentL
 }
 
 void beginRendering(const PassContext& context, std::span<const VkRenderingAttachmentInfo> colors,
-                    const std::optional<VkRenderingAttachmentInfo>& depth, ivec2 size)
+                    const std::optional<VkRenderingAttachmentInfo>& depth, ivec2 size, ivec2 offset = ivec2(0))
 {
     const VkRenderingInfo rendering{.sType = VK_STRUCTURE_TYPE_RENDERING_INFO,
-                                    .renderArea = {{0, 0}, {uint32_t(size.x), uint32_t(size.y)}},
+                                    .renderArea = {{offset.x, offset.y}, {uint32_t(size.x), uint32_t(size.y)}},
                                     .layerCount = 1,
                                     .colorAttachmentCount = uint32_t(colors.size()),
                                     .pColorAttachments = colors.data(),
                                     .pDepthAttachment = depth ? &*depth : nullptr};
     context.device.vk.CmdBeginRendering(context.commands, &rendering);
-    setViewport(context, ivec2(0), size);
+    setViewport(context, offset, size);
 }
 
 void drawWholePicture(const PassContext& context, VkPipeline pipeline)
@@ -314,12 +314,15 @@ void bindScene(const PassContext& context)
                              &context.set, 0, nullptr);
 }
 
-void beginShadowLayer(const PassContext& context, const gpu::Image& map, VkImageView layer)
+void beginShadowLayer(const PassContext& context, VkImageView layer, ivec2 low, ivec2 high)
 {
-    VkRenderingAttachmentInfo depth = depthAttachment(map, VK_ATTACHMENT_LOAD_OP_CLEAR);
-    depth.imageView = layer;
+    VkRenderingAttachmentInfo depth{.sType = VK_STRUCTURE_TYPE_RENDERING_ATTACHMENT_INFO,
+                                    .imageView = layer,
+                                    .imageLayout = VK_IMAGE_LAYOUT_DEPTH_ATTACHMENT_OPTIMAL,
+                                    .loadOp = VK_ATTACHMENT_LOAD_OP_CLEAR,
+                                    .storeOp = VK_ATTACHMENT_STORE_OP_STORE};
     depth.clearValue.depthStencil = {1.0f, 0};
-    beginRendering(context, {}, depth, imageSize(map));
+    beginRendering(context, {}, depth, high - low, low);
 }
 
 void drawShadowTiles(const PassContext& context, std::span<const ShadowDraws> tiles, float slopeBias)

@@ -70,8 +70,8 @@ struct ShadowDraws {
     int size = 0;
     std::vector<Draw> draws;
 };
-/// Clears one layer to "lit"; tiles are drawn into it until endRendering().
-void beginShadowLayer(const PassContext& context, const gpu::Image& map, VkImageView layer);
+/// Clears a rectangle of one layer to "lit"; tiles are drawn into it until endRendering().
+void beginShadowLayer(const PassContext& context, VkImageView layer, ivec2 low, ivec2 high);
 void drawShadowTiles(const PassContext& context, std::span<const ShadowDraws> tiles, float slopeBias);
 
 /// What the camera sees. Each solid part is in one of two lists.

@@ -93,6 +93,7 @@ ShadowPasses shadowPasses(const Scene& scene, const FramePlan& plan, DrawLists& 
         const LightType type = scene.lights[std::size_t(light.light)].type;
         for (int i = light.firstTile; i < light.firstTile + light.tileCount; ++i) {
             const ShadowTile& tile = plan.tiles[std::size_t(i)];
+            if (plan.castersOf(i).empty()) continue; // shaders know, and do not look
             ShadowDraws draws{tile.clipFromWorld, tile.atlasOffset, tile.size, lists.solid(plan.castersOf(i))};
             if (type == LightType::Directional)
                 passes.cascades[std::size_t(tile.layer)].push_back(std::move(draws));
@@ -349,13 +350,23 @@ void Renderer::Impl::recordShadows(const PassContext& context, const ShadowPasse
     gpu::transition(device, commands, cascades.image, gpu::state::kUndefined, gpu::state::kDepthAttachment);
     gpu::transition(device, commands, atlas.image, gpu::state::kUndefined, gpu::state::kDepthAttachment);
     for (std::size_t i = 0; i < shadows.cascades.size(); ++i) {
-        beginShadowLayer(context, cascades.image, cascades.layers[i].get());
+        if (shadows.cascades[i].empty()) continue;
+        beginShadowLayer(context, cascades.layers[i].get(), ivec2(0), ivec2(int(cascades.image.info().width)));
         drawShadowTiles(context, shadows.cascades[i], slopeBias);
         endRendering(context);
     }
     endPass(commands, "directional shadows");
+    // Only what tiles cover is cleared: an atlas is large, and often nearly empty.
     const bool hasAtlas = !shadows.spots.empty() || !shadows.points.empty();
-    if (hasAtlas) beginShadowLayer(context, atlas.image, atlas.layers[0].get());
+    ivec2 low(int(atlas.image.info().width));
+    ivec2 high(0);
+    for (const auto* tiles : {&shadows.spots, &shadows.points}) {
+        for (const ShadowDraws& tile : *tiles) {
+            low = glm::min(low, tile.offset);
+            high = glm::max(high, tile.offset + tile.size);
+        }
+    }
+    if (hasAtlas) beginShadowLayer(context, atlas.layers[0].get(), low, high);
     drawShadowTiles(context, shadows.spots, slopeBias);
     endPass(commands, "spot shadows");
     drawShadowTiles(context, shadows.points, slopeBias);
@@ -478,6 +489,11 @@ Result<std::unique_ptr<Renderer>> Renderer::create(const RendererOptions& option
 std::string Renderer::deviceName() const
 {
     return impl_->device.properties().deviceName;
+}
+
+std::string Renderer::driver() const
+{
+    return impl_->device.driver();
 }
 
 Status Renderer::load(const BakedScene& baked)

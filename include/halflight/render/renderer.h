@@ -80,6 +80,7 @@ public:
     ~Renderer();
 
     [[nodiscard]] std::string deviceName() const;
+    [[nodiscard]] std::string driver() const; ///< its name and version
 
     /// Uploads the scene, replacing the one before. The scene is copied where the renderer needs it afterwards.
     Status load(const BakedScene& baked);
