@@ -164,6 +164,8 @@ SurfaceTracer::SurfaceTracer(const Scene& scene, const BakeGeometry& geometry) :
             for (int i = 0; i < 3; ++i) bounds.extend(geometry.positions[geometry.triangles[t][i]]);
         }
     }
+    firstHit_.assign(1, 0u);
+    for (const auto& list : trianglesOfGeometry_) firstHit_.push_back(firstHit_.back() + uint32_t(list.size()));
     sceneScale_ = bounds.empty() ? 1.0f : glm::length(bounds.size());
 
     device_ = rtcNewDevice(nullptr);
@@ -226,6 +228,7 @@ vec2 SurfaceTracer::textureCoordinate(uint32_t triangle, vec2 barycentric, const
         (1.0f - barycentric.x - barycentric.y) * uv[t.x] + barycentric.x * uv[t.y] + barycentric.y * uv[t.z];
     // KHR_texture_transform: translation * rotation * scale.
     const vec2 scaled = raw * ref.scale;
+    if (ref.rotationRadians == 0.0f) return ref.offset + scaled;
     const float c = std::cos(ref.rotationRadians);
     const float s = std::sin(ref.rotationRadians);
     return ref.offset + vec2(c * scaled.x + s * scaled.y, -s * scaled.x + c * scaled.y);
@@ -268,20 +271,23 @@ bool SurfaceTracer::passes(uint32_t triangle, vec2 barycentric, const float* ray
 
 void SurfaceTracer::filter(const RTCFilterFunctionNArguments* arguments)
 {
-    if (arguments->valid[0] != -1) return;
     const auto* user = static_cast<const GeometryUser*>(arguments->geometryUserPtr);
     const auto* context = reinterpret_cast<const embree::RayContext*>(arguments->context);
-    if (!user->castShadows && !context->camera) {
-        arguments->valid[0] = 0;
-        return;
+    const unsigned count = arguments->N;
+    for (unsigned i = 0; i < count; ++i) {
+        if (arguments->valid[i] != -1) continue;
+        if (!user->castShadows && !context->camera) {
+            arguments->valid[i] = 0;
+            continue;
+        }
+        const uint32_t triangle = (*user->triangles)[RTCHitN_primID(arguments->hit, count, i)];
+        const vec2 barycentric(RTCHitN_u(arguments->hit, count, i), RTCHitN_v(arguments->hit, count, i));
+        const float ray[6] = {
+            RTCRayN_org_x(arguments->ray, count, i), RTCRayN_org_y(arguments->ray, count, i),
+            RTCRayN_org_z(arguments->ray, count, i), RTCRayN_dir_x(arguments->ray, count, i),
+            RTCRayN_dir_y(arguments->ray, count, i), RTCRayN_dir_z(arguments->ray, count, i)};
+        if (user->tracer->passes(triangle, barycentric, ray)) arguments->valid[i] = 0;
     }
-    const uint32_t triangle = (*user->triangles)[RTCHitN_primID(arguments->hit, arguments->N, 0)];
-    const vec2 barycentric(RTCHitN_u(arguments->hit, arguments->N, 0), RTCHitN_v(arguments->hit, arguments->N, 0));
-    const float ray[6] = {
-        RTCRayN_org_x(arguments->ray, arguments->N, 0), RTCRayN_org_y(arguments->ray, arguments->N, 0),
-        RTCRayN_org_z(arguments->ray, arguments->N, 0), RTCRayN_dir_x(arguments->ray, arguments->N, 0),
-        RTCRayN_dir_y(arguments->ray, arguments->N, 0), RTCRayN_dir_z(arguments->ray, arguments->N, 0)};
-    if (user->tracer->passes(triangle, barycentric, ray)) arguments->valid[0] = 0;
 }
 
 vec3 SurfaceTracer::emissionAt(uint32_t triangle, vec2 barycentric) const
@@ -316,55 +322,92 @@ static RTCRayHit rayHit(vec3 origin, vec3 direction, float tMin, float tMax)
 SurfaceHit SurfaceTracer::intersect(vec3 origin, vec3 direction, float tMin, float tMax, bool cameraRay) const
 {
     embree::RayContext context(cameraRay);
-    SurfaceHit hit;
     // Camera rays go on behind back faces they do not see. The bound is against endless loops on damaged geometry.
     for (int layer = 0; layer < 256; ++layer) {
         RTCRayHit ray = rayHit(origin, direction, tMin, tMax);
         embree::intersect(scene_, context, ray);
-        if (ray.hit.geomID == RTC_INVALID_GEOMETRY_ID) return hit;
+        if (ray.hit.geomID == RTC_INVALID_GEOMETRY_ID) return {};
 
         const uint32_t triangle = trianglesOfGeometry_[ray.hit.geomID][ray.hit.primID];
-        const TransportMaterial& material = materialOfTriangle(triangle);
         const bool behind = ray.hit.Ng_x * direction.x + ray.hit.Ng_y * direction.y + ray.hit.Ng_z * direction.z > 0.0f;
-        if (cameraRay && behind && !material.doubleSided) {
+        if (cameraRay && behind && !materialOfTriangle(triangle).doubleSided) {
             tMin = ray.ray.tfar * (1.0f + 1.0e-6f) + epsilonAt(origin);
             continue;
         }
-        const vec2 barycentric(ray.hit.u, ray.hit.v);
-        hit.found = true;
-        hit.backFace = behind && (!material.doubleSided || geometry_.solid[triangle] != 0);
-        hit.distance = ray.ray.tfar;
-        hit.material = &material;
-        hit.point = surfacePoint(geometry_, triangle, barycentric);
-        if (behind) {
-            hit.point.normal = -hit.point.normal;
-            hit.point.geometricNormal = -hit.point.geometricNormal;
-        }
-
-        vec3 base = material.diffuseAlbedo;
-        if (material.baseColor) {
-            const auto index = std::size_t(material.baseColor.texture);
-            base *= linearOf(nearestTexel(sceneData_.textures[index], smallTextures_[index],
-                                          textureCoordinate(triangle, barycentric, material.baseColor)));
-        }
-        if (!geometry_.colors.empty()) {
-            const uvec3 t = geometry_.triangles[triangle];
-            base *= vec3((1.0f - barycentric.x - barycentric.y) * geometry_.colors[t.x] +
-                         barycentric.x * geometry_.colors[t.y] + barycentric.y * geometry_.colors[t.z]);
-        }
-        float metallic = material.metallicFactor;
-        if (material.metallic && metallic > 0.0f) {
-            const auto index = std::size_t(material.metallic.texture);
-            metallic *= float(nearestTexel(sceneData_.textures[index], smallTextures_[index],
-                                           textureCoordinate(triangle, barycentric, material.metallic))
-                                  .z) /
-                        255.0f;
-        }
-        hit.albedo = glm::clamp(shading::diffuseAlbedoOf(base, metallic), 0.0f, 1.0f);
-        if (!hit.backFace) hit.emission = emissionAt(triangle, barycentric);
-        return hit;
+        return surfaceAt(triangle, vec2(ray.hit.u, ray.hit.v), ray.ray.tfar, behind);
     }
+    return {};
+}
+
+SurfaceHit SurfaceTracer::surfaceAt(uint32_t triangle, vec2 barycentric, float distance, bool behind) const
+{
+    const TransportMaterial& material = materialOfTriangle(triangle);
+    SurfaceHit hit;
+    hit.found = true;
+    hit.backFace = behind && backIsHidden(triangle);
+    hit.distance = distance;
+    hit.material = &material;
+    hit.point = surfacePoint(geometry_, triangle, barycentric);
+    if (behind) {
+        hit.point.normal = -hit.point.normal;
+        hit.point.geometricNormal = -hit.point.geometricNormal;
+    }
+    hit.albedo = albedoAt(triangle, barycentric);
+    if (!hit.backFace) hit.emission = emissionAt(triangle, barycentric);
     return hit;
+}
+
+vec3 SurfaceTracer::albedoAt(uint32_t triangle, vec2 barycentric) const
+{
+    const TransportMaterial& material = materialOfTriangle(triangle);
+    vec3 base = material.diffuseAlbedo;
+    if (material.baseColor) {
+        const auto index = std::size_t(material.baseColor.texture);
+        base *= linearOf(nearestTexel(sceneData_.textures[index], smallTextures_[index],
+                                      textureCoordinate(triangle, barycentric, material.baseColor)));
+    }
+    if (!geometry_.colors.empty()) {
+        const uvec3 t = geometry_.triangles[triangle];
+        base *= vec3((1.0f - barycentric.x - barycentric.y) * geometry_.colors[t.x] +
+                     barycentric.x * geometry_.colors[t.y] + barycentric.y * geometry_.colors[t.z]);
+    }
+    float metallic = material.metallicFactor;
+    if (material.metallic && metallic > 0.0f) {
+        const auto index = std::size_t(material.metallic.texture);
+        metallic *= float(nearestTexel(sceneData_.textures[index], smallTextures_[index],
+                                       textureCoordinate(triangle, barycentric, material.metallic))
+                              .z) /
+                    255.0f;
+    }
+    return glm::clamp(shading::diffuseAlbedoOf(base, metallic), 0.0f, 1.0f);
+}
+
+void SurfaceTracer::clear(RTCRay8& rays)
+{
+    for (int i = 0; i < embree::kPacket; ++i) {
+        rays.tnear[i] = 0.0f;
+        rays.tfar[i] = kInfinity;
+        rays.time[i] = 0.0f;
+        rays.mask[i] = ~0u;
+        rays.id[i] = 0u;
+        rays.flags[i] = 0u;
+    }
+}
+
+void SurfaceTracer::intersect(const embree::LaneMask& valid, RTCRayHit8& rays) const
+{
+    embree::RayContext context(false);
+    for (int i = 0; i < embree::kPacket; ++i) {
+        rays.hit.geomID[i] = RTC_INVALID_GEOMETRY_ID;
+        rays.hit.instID[0][i] = RTC_INVALID_GEOMETRY_ID;
+    }
+    embree::intersect8(scene_, context, valid, rays);
+}
+
+void SurfaceTracer::occluded(const embree::LaneMask& valid, RTCRay8& rays) const
+{
+    embree::RayContext context(false);
+    embree::occluded8(scene_, context, valid, rays);
 }
 
 SurfaceTracer::Crossings SurfaceTracer::crossings(vec3 origin, vec3 direction) const
@@ -381,7 +424,7 @@ SurfaceTracer::Crossings SurfaceTracer::crossings(vec3 origin, vec3 direction) c
         const uint32_t triangle = trianglesOfGeometry_[ray.hit.geomID][ray.hit.primID];
         const bool behind = glm::dot(vec3(ray.hit.Ng_x, ray.hit.Ng_y, ray.hit.Ng_z), direction) > 0.0f;
         const bool solid = geometry_.solid[triangle] != 0;
-        if (result.rays == 1) result.backFaceFirst = behind && (solid || !materialOfTriangle(triangle).doubleSided);
+        if (result.rays == 1) result.backFaceFirst = behind && backIsHidden(triangle);
         if (solid) result.solidsLeft += behind ? 1 : -1;
         tMin = ray.ray.tfar * (1.0f + 1.0e-6f) + epsilonAt(origin + direction * ray.ray.tfar);
     }

@@ -55,6 +55,30 @@ public:
     /// Whether anything that casts shadows lies between. Both faces of every surface block.
     [[nodiscard]] bool occluded(vec3 origin, vec3 direction, float tMin, float tMax) const;
 
+    /// The same for eight rays at once, without looking at what they hit: fill `rays` (see clear()), read hit.geomID,
+    /// primID, u, v, Ng and ray.tfar; a blocked shadow ray has a negative tfar.
+    void intersect(const embree::LaneMask& valid, RTCRayHit8& rays) const;
+    void occluded(const embree::LaneMask& valid, RTCRay8& rays) const;
+    /// Sets what all rays of a packet share.
+    static void clear(RTCRay8& rays);
+
+    /// Number of the triangle that a hit names, and its place among all hit triangles, 0 … hitTriangleCount() - 1.
+    [[nodiscard]] uint32_t triangleOf(uint32_t geomID, uint32_t primID) const
+    {
+        return trianglesOfGeometry_[geomID][primID];
+    }
+    [[nodiscard]] uint32_t hitIndex(uint32_t geomID, uint32_t primID) const { return firstHit_[geomID] + primID; }
+    [[nodiscard]] uint32_t hitTriangleCount() const { return firstHit_.back(); }
+    /// What is at a hit. `behind`: the ray meets the back of the triangle.
+    [[nodiscard]] SurfaceHit surfaceAt(uint32_t triangle, vec2 barycentric, float distance, bool behind) const;
+    /// Diffuse albedo, 0…1.
+    [[nodiscard]] vec3 albedoAt(uint32_t triangle, vec2 barycentric) const;
+    /// Whether the back of a triangle is a place nobody is meant to see: inside a solid, or behind a single side.
+    [[nodiscard]] bool backIsHidden(uint32_t triangle) const
+    {
+        return geometry_.solid[triangle] != 0 || !materialOfTriangle(triangle).doubleSided;
+    }
+
     /// What a ray crosses on its way out of the scene.
     struct Crossings {
         int solidsLeft = 0; ///< closed objects left minus those entered: > 0 when the origin is inside one
@@ -87,6 +111,7 @@ private:
     std::vector<ImageRgba8> smallTextures_;
     const Scene& sceneData_;
     std::vector<std::vector<uint32_t>> trianglesOfGeometry_;
+    std::vector<uint32_t> firstHit_; ///< by geometry, hit triangles before it; at the end, all of them
     std::vector<std::unique_ptr<GeometryUser>> users_;
     RTCDevice device_ = nullptr;
     RTCScene scene_ = nullptr;
