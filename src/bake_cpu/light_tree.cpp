@@ -235,7 +235,9 @@ float LightTree::firstProbability(uint32_t node, vec3 position, vec3 normal) con
 LightTree::Choice LightTree::sample(vec3 position, vec3 normal, float u, uint32_t node) const
 {
     Choice choice{~0u, 1.0f, u};
-    if (nodes_[node].leaf && importance(nodes_[node], position, normal) <= 0.0f) return {~0u, 0.0f, u};
+    if (nodes_[node].leaf && nodes_[node].range > 0.0f && importance(nodes_[node], position, normal) <= 0.0f) {
+        return {~0u, 0.0f, u};
+    }
     while (!nodes_[node].leaf) {
         const float first = firstProbability(node, position, normal);
         if (first < 0.0f) return {~0u, 0.0f, u};
@@ -258,15 +260,12 @@ float LightTree::climb(uint32_t item, const Cut* cut, vec3 position, vec3 normal
 {
     float probability = 1.0f;
     uint32_t node = leafOfItem_[item];
-    if (node == kRoot && importance(nodes_[node], position, normal) <= 0.0f) return 0.0f;
+    if (nodes_[node].range > 0.0f && importance(nodes_[node], position, normal) <= 0.0f) return 0.0f;
     for (;;) {
-        if (cut != nullptr) {
-            for (int i = 0; i < cut->count; ++i) {
-                if (cut->node[std::size_t(i)] == node) {
-                    cutIndex = i;
-                    return probability;
-                }
-            }
+        for (int i = 0; cut != nullptr && i < cut->count; ++i) {
+            if (cut->node[std::size_t(i)] != node) continue;
+            cutIndex = i;
+            return probability;
         }
         const uint32_t parent = nodes_[node].parent;
         if (parent == ~0u) return cut == nullptr ? probability : 0.0f;
@@ -310,6 +309,7 @@ LightTree::Cut LightTree::cut(vec3 position, vec3 normal) const
     // The probabilities are worked out at one point and used at others: no node of the cut is left without a share.
     float total = 0.0f;
     for (int i = 0; i < cut.count; ++i) total += weight[std::size_t(i)];
+    cut.total = total;
     if (!(total > 0.0f) || !std::isfinite(total)) {
         for (int i = 0; i < cut.count; ++i) cut.probability[std::size_t(i)] = 1.0f / float(cut.count);
         return cut;

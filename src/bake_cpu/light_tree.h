@@ -46,6 +46,7 @@ public:
     struct Cut {
         static constexpr int kMaxNodes = 12;
         int count = 0;
+        float total = 0.0f; ///< about what all lights together give here unshadowed, in the unit of power over area
         std::array<uint32_t, kMaxNodes> node{};
         std::array<float, kMaxNodes> probability{};
     };

@@ -129,7 +129,38 @@ TransportMaterial transportMaterial(const Scene& scene, const Material& m)
     return t;
 }
 
+/// The one thing here that is not passed along: a benchmark's log of the rays a thread traces.
+thread_local RayLog* rayLog = nullptr;
+
+void logRay(RayLog::Call::Kind kind, vec3 origin, vec3 direction, float tMin, float tMax)
+{
+    rayLog->calls.push_back({kind, 1, uint32_t(rayLog->rays.size())});
+    rayLog->rays.push_back({origin, direction, tMin, tMax});
+}
+
+void logPacket(RayLog::Call::Kind kind, const embree::LaneMask& valid, const RTCRay8& r)
+{
+    RayLog::Call call{kind, 0, uint32_t(rayLog->rays.size())};
+    for (int i = 0; i < embree::kPacket; ++i) {
+        if (valid.lane[i] == 0) continue;
+        call.lanes = uint8_t(call.lanes | (1u << i));
+        rayLog->rays.push_back({vec3(r.org_x[i], r.org_y[i], r.org_z[i]), vec3(r.dir_x[i], r.dir_y[i], r.dir_z[i]),
+                                r.tnear[i], r.tfar[i]});
+    }
+    rayLog->calls.push_back(call);
+}
+
 } // namespace
+
+RayLogScope::RayLogScope(RayLog* log) : previous_(rayLog)
+{
+    rayLog = log;
+}
+
+RayLogScope::~RayLogScope()
+{
+    rayLog = previous_;
+}
 
 struct SurfaceTracer::GeometryUser {
     const SurfaceTracer* tracer = nullptr;
@@ -325,6 +356,7 @@ SurfaceHit SurfaceTracer::intersect(vec3 origin, vec3 direction, float tMin, flo
     // Camera rays go on behind back faces they do not see. The bound is against endless loops on damaged geometry.
     for (int layer = 0; layer < 256; ++layer) {
         RTCRayHit ray = rayHit(origin, direction, tMin, tMax);
+        if (rayLog != nullptr) logRay(RayLog::Call::Intersect, origin, direction, tMin, tMax);
         embree::intersect(scene_, context, ray);
         if (ray.hit.geomID == RTC_INVALID_GEOMETRY_ID) return {};
 
@@ -334,18 +366,22 @@ SurfaceHit SurfaceTracer::intersect(vec3 origin, vec3 direction, float tMin, flo
             tMin = ray.ray.tfar * (1.0f + 1.0e-6f) + epsilonAt(origin);
             continue;
         }
-        return surfaceAt(triangle, vec2(ray.hit.u, ray.hit.v), ray.ray.tfar, behind);
+        return surfaceAt(ray.hit.geomID, ray.hit.primID, vec2(ray.hit.u, ray.hit.v), ray.ray.tfar, behind);
     }
     return {};
 }
 
-SurfaceHit SurfaceTracer::surfaceAt(uint32_t triangle, vec2 barycentric, float distance, bool behind) const
+SurfaceHit SurfaceTracer::surfaceAt(uint32_t geomID, uint32_t primID, vec2 barycentric, float distance,
+                                    bool behind) const
 {
+    const uint32_t triangle = triangleOf(geomID, primID);
     const TransportMaterial& material = materialOfTriangle(triangle);
     SurfaceHit hit;
     hit.found = true;
+    hit.behind = behind;
     hit.backFace = behind && backIsHidden(triangle);
     hit.distance = distance;
+    hit.index = hitIndex(geomID, primID);
     hit.material = &material;
     hit.point = surfacePoint(geometry_, triangle, barycentric);
     if (behind) {
@@ -355,6 +391,13 @@ SurfaceHit SurfaceTracer::surfaceAt(uint32_t triangle, vec2 barycentric, float d
     hit.albedo = albedoAt(triangle, barycentric);
     if (!hit.backFace) hit.emission = emissionAt(triangle, barycentric);
     return hit;
+}
+
+uint32_t SurfaceTracer::triangleAt(uint32_t hitIndex) const
+{
+    std::size_t geometry = 0;
+    while (hitIndex >= firstHit_[geometry + 1]) ++geometry;
+    return trianglesOfGeometry_[geometry][hitIndex - firstHit_[geometry]];
 }
 
 vec3 SurfaceTracer::albedoAt(uint32_t triangle, vec2 barycentric) const
@@ -401,12 +444,14 @@ void SurfaceTracer::intersect(const embree::LaneMask& valid, RTCRayHit8& rays) c
         rays.hit.geomID[i] = RTC_INVALID_GEOMETRY_ID;
         rays.hit.instID[0][i] = RTC_INVALID_GEOMETRY_ID;
     }
+    if (rayLog != nullptr) logPacket(RayLog::Call::Intersect8, valid, rays.ray);
     embree::intersect8(scene_, context, valid, rays);
 }
 
 void SurfaceTracer::occluded(const embree::LaneMask& valid, RTCRay8& rays) const
 {
     embree::RayContext context(false);
+    if (rayLog != nullptr) logPacket(RayLog::Call::Occluded8, valid, rays);
     embree::occluded8(scene_, context, valid, rays);
 }
 
@@ -444,8 +489,52 @@ bool SurfaceTracer::occluded(vec3 origin, vec3 direction, float tMin, float tMax
     ray.tnear = tMin;
     ray.tfar = tMax;
     ray.mask = ~0u;
+    if (rayLog != nullptr) logRay(RayLog::Call::Occluded, origin, direction, tMin, tMax);
     embree::occluded(scene_, context, ray);
     return ray.tfar < 0.0f;
+}
+
+void SurfaceTracer::replay(const RayLog& log) const
+{
+    alignas(32) embree::LaneMask valid;
+    RTCRayHit8 packet;
+    for (const RayLog::Call& call : log.calls) {
+        const RayLog::Ray* ray = &log.rays[call.first];
+        if (call.kind == RayLog::Call::Intersect || call.kind == RayLog::Call::Occluded) {
+            embree::RayContext context(false);
+            RTCRayHit single = rayHit(ray->origin, ray->direction, ray->tMin, ray->tMax);
+            if (call.kind == RayLog::Call::Intersect) {
+                embree::intersect(scene_, context, single);
+            } else {
+                embree::occluded(scene_, context, single.ray);
+            }
+            continue;
+        }
+        clear(packet.ray);
+        for (int i = 0; i < embree::kPacket; ++i) {
+            valid.lane[i] = (call.lanes >> i) & 1u ? -1 : 0;
+            if (valid.lane[i] == 0) continue;
+            packet.ray.org_x[i] = ray->origin.x;
+            packet.ray.org_y[i] = ray->origin.y;
+            packet.ray.org_z[i] = ray->origin.z;
+            packet.ray.dir_x[i] = ray->direction.x;
+            packet.ray.dir_y[i] = ray->direction.y;
+            packet.ray.dir_z[i] = ray->direction.z;
+            packet.ray.tnear[i] = ray->tMin;
+            packet.ray.tfar[i] = ray->tMax;
+            ++ray;
+        }
+        embree::RayContext context(false);
+        if (call.kind == RayLog::Call::Occluded8) {
+            embree::occluded8(scene_, context, valid, packet.ray);
+            continue;
+        }
+        for (int i = 0; i < embree::kPacket; ++i) {
+            packet.hit.geomID[i] = RTC_INVALID_GEOMETRY_ID;
+            packet.hit.instID[0][i] = RTC_INVALID_GEOMETRY_ID;
+        }
+        embree::intersect8(scene_, context, valid, packet);
+    }
 }
 
 } // namespace halflight

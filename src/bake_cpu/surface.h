@@ -32,11 +32,42 @@ struct TransportMaterial {
 struct SurfaceHit {
     bool found = false;
     bool backFace = false; ///< of a single-sided or solid surface: nobody is meant to see it
+    bool behind = false; ///< the back of the triangle, whatever it is
     float distance = 0.0f;
+    uint32_t index = 0; ///< SurfaceTracer::hitIndex()
     const TransportMaterial* material = nullptr;
     SurfacePoint point; ///< normals face the ray's origin
     vec3 albedo{0.0f};
     vec3 emission{0.0f};
+};
+
+/// Rays as they were traced, to trace them again: for benchmarks.
+struct RayLog {
+    struct Call {
+        enum Kind : uint8_t { Intersect, Occluded, Intersect8, Occluded8 } kind;
+        uint8_t lanes = 1; ///< a bit for each
+        uint32_t first = 0;
+    };
+    struct Ray {
+        vec3 origin;
+        vec3 direction;
+        float tMin;
+        float tMax;
+    };
+    std::vector<Call> calls;
+    std::vector<Ray> rays;
+};
+
+/// While it lives, this thread's rays are written to a log (none: not).
+class RayLogScope {
+public:
+    explicit RayLogScope(RayLog* log);
+    ~RayLogScope();
+    RayLogScope(const RayLogScope&) = delete;
+    RayLogScope& operator=(const RayLogScope&) = delete;
+
+private:
+    RayLog* previous_;
 };
 
 /// Embree scene over flattened geometry. Immutable after construction; all queries are thread-safe.
@@ -59,6 +90,8 @@ public:
     /// primID, u, v, Ng and ray.tfar; a blocked shadow ray has a negative tfar.
     void intersect(const embree::LaneMask& valid, RTCRayHit8& rays) const;
     void occluded(const embree::LaneMask& valid, RTCRay8& rays) const;
+    /// Traces logged rays once more, ignoring what they hit.
+    void replay(const RayLog& log) const;
     /// Sets what all rays of a packet share.
     static void clear(RTCRay8& rays);
 
@@ -69,8 +102,10 @@ public:
     }
     [[nodiscard]] uint32_t hitIndex(uint32_t geomID, uint32_t primID) const { return firstHit_[geomID] + primID; }
     [[nodiscard]] uint32_t hitTriangleCount() const { return firstHit_.back(); }
+    [[nodiscard]] uint32_t triangleAt(uint32_t hitIndex) const;
     /// What is at a hit. `behind`: the ray meets the back of the triangle.
-    [[nodiscard]] SurfaceHit surfaceAt(uint32_t triangle, vec2 barycentric, float distance, bool behind) const;
+    [[nodiscard]] SurfaceHit surfaceAt(uint32_t geomID, uint32_t primID, vec2 barycentric, float distance,
+                                       bool behind) const;
     /// Diffuse albedo, 0…1.
     [[nodiscard]] vec3 albedoAt(uint32_t triangle, vec2 barycentric) const;
     /// Whether the back of a triangle is a place nobody is meant to see: inside a solid, or behind a single side.
