@@ -1,5 +1,5 @@
-// Measures the bake's light transport and prints plain tables. Every ratio is of two measurements of the same run; times
-// are CPU seconds of the process, summed over threads, so that a busy machine disturbs them little.
+// Measures the bake's light transport and prints plain tables. Every ratio is of two measurements of the same run;
+// times are CPU seconds of the process, summed over threads, so that a busy machine disturbs them little.
 //   bench_bake PART [--scene FILE]... [--size N] [--points N] [--reference N]
 //   PART: gather | error | masks | scaling | lights
 // Scenes: the built-in "cornell" (a box with an emissive quad), or glTF files.
@@ -147,9 +147,9 @@ void partError(const Options& options)
         std::printf("%s: %zu texels, %zu triangles, reference %d paths on %zu texels\n", name.c_str(),
                     p.map.texels.size(), p.geometry.triangles.size(), options.reference, subset.texels.size());
         std::printf("  %-8s %8s %10s %10s %9s %9s\n", "", "samples", "CPU s", "Mrays", "RMSE", "bias");
-        std::printf("  %-8s %8d %10.2f %10.1f %8.2f%% %8.2f%%   (scaled from %zu texels)\n", "path", 64, path.cpu * scale,
-                    double(path.rays) * scale * 1.0e-6, 100.0 * pathError.rmse, 100.0 * pathError.bias,
-                    subset.texels.size());
+        std::printf("  %-8s %8d %10.2f %10.1f %8.2f%% %8.2f%%   (scaled from %zu texels)\n", "path", 64,
+                    path.cpu * scale, double(path.rays) * scale * 1.0e-6, 100.0 * pathError.rmse,
+                    100.0 * pathError.bias, subset.texels.size());
         settings.integrator = IntegratorKind::Cache;
         double bestTime = 0.0;
         double lastTime = 0.0;
@@ -160,27 +160,29 @@ void partError(const Options& options)
             const Run run = integrate(p, p.map, settings);
             Error e = compare(run.estimates, &chosen, reference.estimates);
             e.rmse = without(e.rmse);
-            std::printf("  %-8s %8d %10.2f %10.1f %8.2f%% %8.2f%%\n", "cache", samples, run.cpu, double(run.rays) * 1.0e-6,
-                        100.0 * e.rmse, 100.0 * e.bias);
+            std::printf("  %-8s %8d %10.2f %10.1f %8.2f%% %8.2f%%\n", "cache", samples, run.cpu,
+                        double(run.rays) * 1.0e-6, 100.0 * e.rmse, 100.0 * e.bias);
             std::fflush(stdout);
             if (bestTime == 0.0 && e.rmse <= options.target) {
                 // Between the last two points, straight in logarithms.
-                const double t = lastTime > 0.0 ? std::log(options.target / lastError) / std::log(e.rmse / lastError) : 1.0;
+                const double t =
+                    lastTime > 0.0 ? std::log(options.target / lastError) / std::log(e.rmse / lastError) : 1.0;
                 bestTime = lastTime > 0.0 ? lastTime * std::pow(run.cpu / lastTime, t) : run.cpu;
                 break;
             }
             lastTime = run.cpu;
             lastError = e.rmse;
         }
-        std::printf("  CPU s to %.1f %%: path %.1f, cache %.2f, ratio %.1f\n\n", 100.0 * options.target, pathTime, bestTime,
-                    bestTime > 0.0 ? pathTime / bestTime : 0.0);
+        std::printf("  CPU s to %.1f %%: path %.1f, cache %.2f, ratio %.1f\n\n", 100.0 * options.target, pathTime,
+                    bestTime, bestTime > 0.0 ? pathTime / bestTime : 0.0);
     }
 }
 
 /// Rays per second of the gather, shading and sampling included, over the same rays replayed from memory.
 void partGather(const Options& options)
 {
-    std::printf("gather: points, sampling, tracing, looking up light. raw: the same rays in the same calls from memory\n");
+    std::printf(
+        "gather: points, sampling, tracing, looking up light. raw: the same rays in the same calls from memory\n");
     std::printf("%-34s %8s %8s %12s %12s %8s\n", "scene", "threads", "Mrays", "gather Mr/s", "raw Mr/s", "ratio");
     for (const std::string& name : options.scenes) {
         Prepared p = prepare(name, options.size, true);
@@ -301,8 +303,8 @@ void partScaling(const Options& options)
             const double cpu = cpuSeconds() - start;
             if (!result) std::exit(1);
             const auto texels = double(result->report.coveredTexels);
-            std::printf("%-34s %8d %10.0f %10.2f %12.2f %14.1f\n", name.c_str(), size, texels, cpu, 1.0e6 * cpu / texels,
-                        double(peakBytes() - before) / texels);
+            std::printf("%-34s %8d %10.0f %10.2f %12.2f %14.1f\n", name.c_str(), size, texels, cpu,
+                        1.0e6 * cpu / texels, double(peakBytes() - before) / texels);
             std::fflush(stdout);
         }
     }

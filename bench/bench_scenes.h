@@ -57,12 +57,12 @@ inline void addRoom(Scene& scene, vec3 lower, vec3 upper, int white, int left, i
     const vec3 x(s.x, 0, 0);
     const vec3 y(0, s.y, 0);
     const vec3 z(0, 0, s.z);
-    addQuad(scene, lower + z, x, -z, white);        // floor
-    addQuad(scene, lower + y, x, z, white);         // ceiling
-    addQuad(scene, lower, x, y, white);             // back
-    addQuad(scene, lower + x + z, -x, y, white);    // front
-    addQuad(scene, lower + z, -z, y, left);         // left
-    addQuad(scene, lower + x, z, y, right);         // right
+    addQuad(scene, lower + z, x, -z, white);     // floor
+    addQuad(scene, lower + y, x, z, white);      // ceiling
+    addQuad(scene, lower, x, y, white);          // back
+    addQuad(scene, lower + x + z, -x, y, white); // front
+    addQuad(scene, lower + z, -z, y, left);      // left
+    addQuad(scene, lower + x, z, y, right);      // right
 }
 
 /// The Cornell box (Goral et al. 1984) in its usual proportions: two blocks under an emissive quad.

@@ -20,8 +20,8 @@ struct CachedLightmap::First {
 bool CachedLightmap::prepare(const TexelMap& map, const Progress& progress, std::atomic<uint64_t>& rays)
 {
     if (state_ != nullptr && map_ == &map && mapTexels_ == map.texels.size()) return true;
-    auto state = std::make_unique<MapState>(
-        MapState{TexelGrid(map), {}, std::vector<PointMask>(map.texels.size(), kAllPoints)});
+    auto state =
+        std::make_unique<MapState>(MapState{TexelGrid(map), {}, std::vector<PointMask>(map.texels.size(), kAllPoints)});
     if (settings_.bounces > 0 &&
         !state->cache.build(paths_, map, pattern_, settings_, state->outside, progress, rays)) {
         return false;
@@ -64,7 +64,8 @@ bool CachedLightmap::irradiance(const TexelMap& map, std::span<const uint32_t> t
     std::vector<First> first(set.size());
     if (!forTexelGroups(
             paths_, map, set.size(), [&](std::size_t i) { return set[i]; },
-            [&](std::size_t i) { return state_->outside[set[i]]; }, progress, "lightmap", rays, [&] {
+            [&](std::size_t i) { return state_->outside[set[i]]; }, progress, "lightmap", rays,
+            [&] {
                 return [&, gather = FinalGather(paths_, pattern_, cache(), settings_)](
                            const TexelGroup& group, std::size_t i, uint64_t& traced) mutable {
                     gatherChecked(map, group, gather, firstBlocks, &first[i], traced);
@@ -93,7 +94,8 @@ bool CachedLightmap::irradiance(const TexelMap& map, std::span<const uint32_t> t
             const int next = std::min(done + std::max(1, done / 2), most);
             if (!forTexelGroups(
                     paths_, map, open.size(), [&](std::size_t i) { return set[open[i].place]; },
-                    [&](std::size_t i) { return first[open[i].place].mask; }, progress, "lightmap", rays, [&] {
+                    [&](std::size_t i) { return first[open[i].place].mask; }, progress, "lightmap", rays,
+                    [&] {
                         return [&, gather = FinalGather(paths_, pattern_, cache(), settings_)](
                                    const TexelGroup& group, std::size_t i, uint64_t& traced) mutable {
                             std::array<TexelSum, TexelGroup::kLanes> sums;
@@ -136,8 +138,7 @@ void CachedLightmap::gatherChecked(const TexelMap& map, const TexelGroup& group,
         const TexelSum& sum = sums[std::size_t(lane)];
         if (group.active(lane) && group.mask(lane) == kAllPoints &&
             sum.backFaces * 16 > sum.blocks * GatherPattern::kBlock) {
-            const PointMask mask =
-                validity_.outside(group.points(lane), group.pointCount(lane), group.id(lane), rays);
+            const PointMask mask = validity_.outside(group.points(lane), group.pointCount(lane), group.id(lane), rays);
             if (mask != PointMask((1u << group.pointCount(lane)) - 1u)) {
                 const uint32_t texel = group.texel(lane);
                 gatherChecked(map, TexelGroup(paths_, map, std::span(&texel, 1), std::span(&mask, 1)), gather, blocks,

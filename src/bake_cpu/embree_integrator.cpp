@@ -201,8 +201,8 @@ private:
                 }
             };
             std::vector<LitCount> counts;
-            if (!traceShadows({paths_, pattern_, map, gridOf(map), request.texels, masks, effort.shadowSamples, progress,
-                               "lights", rays_},
+            if (!traceShadows({paths_, pattern_, map, gridOf(map), request.texels, masks, effort.shadowSamples,
+                               progress, "lights", rays_},
                               sources, look, counts)) {
                 return false;
             }
@@ -235,7 +235,8 @@ private:
         for (int p = 0; p < pointCount; ++p) {
             const SurfacePoint& point = points[std::size_t(p)];
             const shading::LightSample s = light.at(point.position);
-            const vec3 value = s.illuminance * (std::max(glm::dot(point.normal, s.direction), 0.0f) / float(pointCount));
+            const vec3 value =
+                s.illuminance * (std::max(glm::dot(point.normal, s.direction), 0.0f) / float(pointCount));
             u.irradiance += value;
             u.moment += luminance(value) * s.direction;
         }
@@ -281,8 +282,8 @@ private:
 
     // Irradiance is pi times the mean of cosine-distributed radiance (pdf cos / pi), plus what sampling the emitters
     // adds.
-    Accumulator gather(const TexelPoints& points, int pointCount, int samples,
-                       uint32_t id, uint64_t& rays, int& backFaces) const
+    Accumulator gather(const TexelPoints& points, int pointCount, int samples, uint32_t id, uint64_t& rays,
+                       int& backFaces) const
     {
         Accumulator gathered;
         for (int s = 0; s < samples; ++s) {
@@ -291,8 +292,8 @@ private:
             const vec3 direction = PathTracer::gatherDirection(point, sampler.next2());
             const float pdf = std::max(glm::dot(direction, point.normal), 1.0e-4f) / kPi;
             const PathTracer::EmitterAtSurface emitter = paths_.emitterIrradiance(point, sampler, rays);
-            const PathTracer::Incoming in =
-                paths_.incoming({paths_.rayOrigin(point), point.normal}, direction, pdf, settings_.bounces, sampler, rays);
+            const PathTracer::Incoming in = paths_.incoming({paths_.rayOrigin(point), point.normal}, direction, pdf,
+                                                            settings_.bounces, sampler, rays);
             backFaces += in.firstHitBackFace ? 1 : 0;
             const vec3 bounced = kPi * in.radiance;
             const vec3 value = emitter.irradiance + bounced;

@@ -123,7 +123,7 @@ void FinalGather::sampleEmitters(const TexelGroup& group, int block, uint64_t& r
     for (int lane = 0; lane < group.lanes(); ++lane) {
         const float gathered = luminance(irradiance_[std::size_t(lane)]) / float(GatherPattern::kBlock);
         const float share = cuts_[std::size_t(lane)].total / (kLittle * gathered);
-        chance[std::size_t(lane)] = gathered > 0.0f ? std::clamp(share, 1.0f / 64.0f, 1.0f) : 1.0f;
+        chance[std::size_t(lane)] = gathered > 0.0f ? std::clamp(share, 1.0f / 8.0f, 1.0f) : 1.0f;
     }
     std::array<GatherPattern::Block, TexelGroup::kLanes> blocks;
     for (int lane = 0; lane < group.lanes(); ++lane) {
@@ -163,7 +163,8 @@ void FinalGather::sampleEmitters(const TexelGroup& group, int block, uint64_t& r
         paths_.surfaces().occluded(valid, packet);
         for (int lane = 0; lane < TexelGroup::kLanes; ++lane) {
             if (valid.lane[lane] == 0 || packet.tfar[lane] < 0.0f) continue;
-            count(lane, candidates[std::size_t(lane)].irradiance / chance[std::size_t(lane)], candidates[std::size_t(lane)].direction);
+            count(lane, candidates[std::size_t(lane)].irradiance / chance[std::size_t(lane)],
+                  candidates[std::size_t(lane)].direction);
         }
     }
 }

@@ -8,8 +8,8 @@ namespace halflight {
 
 /// Running estimate of one texel.
 struct TexelSum {
-    vec3 sum{0.0f};    ///< of the blocks' irradiance
-    vec3 moment{0.0f}; ///< of their first moments
+    vec3 sum{0.0f};       ///< of the blocks' irradiance
+    vec3 moment{0.0f};    ///< of their first moments
     float squares = 0.0f; ///< of the blocks' differences from their mean, in luminance (Welford 1962)
     uint16_t blocks = 0;
     uint16_t backFaces = 0;

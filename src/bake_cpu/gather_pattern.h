@@ -62,8 +62,7 @@ public:
     {
         const uint32_t h = hashCombine(texelHash, uint32_t(number / kBlocks));
         Block b;
-        b.points_ =
-            &points_[(std::size_t(number % kBlocks) * kSequences + (hashPcg(h) & (kSequences - 1))) * kBlock];
+        b.points_ = &points_[(std::size_t(number % kBlocks) * kSequences + (hashPcg(h) & (kSequences - 1))) * kBlock];
         b.flip_ = h;
         b.cellFlip_ = cellOf(h);
         return b;

@@ -38,8 +38,7 @@ float orientationMeasure(float cosSpread)
     const float widest = std::min(spread + 0.5f * kPi, kPi);
     const float sine = std::sin(spread);
     return 2.0f * kPi * (1.0f - cosSpread) +
-           0.5f * kPi *
-               (2.0f * widest * sine - std::cos(spread - 2.0f * widest) - 2.0f * spread * sine + cosSpread);
+           0.5f * kPi * (2.0f * widest * sine - std::cos(spread - 2.0f * widest) - 2.0f * spread * sine + cosSpread);
 }
 
 float surfaceArea(const Bounds& b)
@@ -178,9 +177,8 @@ uint32_t LightTree::build(std::span<BuildItem> items, uint32_t parent)
     }
     auto middle = items.begin() + std::ptrdiff_t(items.size() / 2);
     if (bestAxis >= 0) {
-        const auto split = std::stable_partition(items.begin(), items.end(), [&](const BuildItem& item) {
-            return binOf(item, bestAxis) < bestBin;
-        });
+        const auto split = std::stable_partition(
+            items.begin(), items.end(), [&](const BuildItem& item) { return binOf(item, bestAxis) < bestBin; });
         if (split != items.begin() && split != items.end()) middle = split;
     }
     const auto leftCount = std::size_t(middle - items.begin());

@@ -20,9 +20,9 @@ struct LightItem {
     float range = 0.0f; ///< metres beyond which it gives nothing; 0 = unlimited
 };
 
-/// Bounding volume hierarchy over lights: Conty Estevez and Kulla 2018, "Importance Sampling of Many Lights with Adaptive
-/// Tree Splitting". A light is chosen by walking down, at each node in proportion to what either side could contribute
-/// at the receiving point, without shadows. No light in range has probability 0.
+/// Bounding volume hierarchy over lights: Conty Estevez and Kulla 2018, "Importance Sampling of Many Lights with
+/// Adaptive Tree Splitting". A light is chosen by walking down, at each node in proportion to what either side could
+/// contribute at the receiving point, without shadows. No light in range has probability 0.
 class LightTree {
 public:
     static constexpr uint32_t kRoot = 0;
@@ -61,8 +61,8 @@ private:
         vec3 axis{0.0f};
         float cosSpread = 1.0f;
         float power = 0.0f;
-        float range = 0.0f;      ///< the largest below; 0 = unlimited
-        uint32_t second = 0;     ///< second child (the first one follows its parent); of a leaf: the item
+        float range = 0.0f;  ///< the largest below; 0 = unlimited
+        uint32_t second = 0; ///< second child (the first one follows its parent); of a leaf: the item
         uint32_t parent = ~0u;
         bool leaf = false;
         bool twoSided = false;

@@ -190,8 +190,7 @@ PathTracer::EmitterInSpace PathTracer::emitterInSpace(vec3 position, float direc
     return {direction, s.radiance * ((s.rayVisible ? powerHeuristic(pdf, directionPdf) : 1.0f) / pdf)};
 }
 
-vec3 PathTracer::weightedEmission(const SurfaceHit& hit, vec3 direction, const Receiver& from,
-                                  float directionPdf) const
+vec3 PathTracer::weightedEmission(const SurfaceHit& hit, vec3 direction, const Receiver& from, float directionPdf) const
 {
     if (hit.emission == vec3(0.0f) || directionPdf <= 0.0f) return hit.emission;
     const float cosine = std::abs(glm::dot(hit.point.geometricNormal, direction));

@@ -35,8 +35,9 @@ public:
     Incoming incoming(const Receiver& receiver, vec3 direction, float directionPdf, int bounces, Sampler& sampler,
                       uint64_t& rays) const;
 
-    /// Radiance that a hit sends back along `direction`, of at most `bounces` reflections. With a cache, paths end where
-    /// it knows the answer. `byBounce`, if given, receives the parts of 0, 1, 2, … reflections (bounces + 1 of them).
+    /// Radiance that a hit sends back along `direction`, of at most `bounces` reflections. With a cache, paths end
+    /// where it knows the answer. `byBounce`, if given, receives the parts of 0, 1, 2, … reflections (bounces + 1 of
+    /// them).
     vec3 follow(SurfaceHit hit, vec3 direction, Receiver from, float directionPdf, int bounces, Sampler& sampler,
                 uint64_t& rays, const RadianceCache* cache = nullptr, vec3* byBounce = nullptr,
                 bool directFromCamera = false) const;

@@ -103,13 +103,15 @@ void RadianceCache::layOut(const PathTracer& paths, const TexelMap& map)
             ++r.texels;
         }
     }
-    // Charts whose texels are strewn over the page (kept layouts can be like that) would waste memory; paths go on there.
+    // Charts whose texels are strewn over the page (kept layouts can be like that) would waste memory; paths go on
+    // there.
     uint64_t cellCount = 0;
     for (Rectangle& r : rectangles_) {
         const ivec2 size = r.max - r.min + 1;
         const uint64_t area = uint64_t(std::max(size.x, 0)) * uint64_t(std::max(size.y, 0));
         r.firstCell = kNoCells;
-        if (area == 0 || area > 64 + 16 * (uint64_t(r.texels) >> (2 * cellShift_)) || cellCount + area > kCellMask) continue;
+        if (area == 0 || area > 64 + 16 * (uint64_t(r.texels) >> (2 * cellShift_)) || cellCount + area > kCellMask)
+            continue;
         r.firstCell = uint32_t(cellCount);
         cellCount += area;
     }
@@ -166,14 +168,16 @@ public:
     [[nodiscard]] uint64_t rays() const { return rays_; }
 
 private:
-    /// Rays of each texel: few where many texels share a cell. Those few have one ray in each row and each column of the
-    /// pattern, and those of the next groups go into the cells they left out.
+    /// Rays of each texel: few where many texels share a cell. Those few have one ray in each row and each column of
+    /// the pattern, and those of the next groups go into the cells they left out.
     int cellsOf(uint32_t group, std::array<uint8_t, GatherPattern::kBlock>& cells) const
     {
         const int diagonals = std::min(kRaysPerTexel[std::size_t(cache_.cellShift_)] / 4, 4);
         int count = 0;
         for (int d = 0; d < diagonals; ++d) {
-            const uint32_t flip = diagonals == 1 ? group & 3u : diagonals == 2 ? (group & 1u) ^ uint32_t(2 * d) : uint32_t(d);
+            const uint32_t flip = diagonals == 1   ? group & 3u
+                                  : diagonals == 2 ? (group & 1u) ^ uint32_t(2 * d)
+                                                   : uint32_t(d);
             for (uint32_t x = 0; x < 4; ++x) cells[std::size_t(count++)] = uint8_t((x << 2) | (x ^ flip));
         }
         return count;
@@ -306,11 +310,15 @@ private:
         SurfaceTracer::clear(packet);
         for (int i = 0; i < embree::kPacket; ++i) {
             vec3 target = previous_;
-            if (i > 0) {
-                const int count = group.pointCount(lane);
-                const int p = count == kMaxTexelPoints ? kRim[std::size_t(i - 1)] : i * (count - 1) / (embree::kPacket - 1);
-                const SurfacePoint& rim = group.points(lane)[std::size_t(p)];
-                target = rim.position + lift * rim.geometricNormal;
+            const int count = group.pointCount(lane);
+            if (i > 0 && count == kMaxTexelPoints) {
+                // The surface fills the whole texel: as far as its border.
+                const Rim& rim = rim_[std::size_t(i - 1)];
+                const SurfacePoint& p = group.points(lane)[std::size_t(rim.point)];
+                target = above + rim.toBorder * (p.position + lift * p.geometricNormal - above);
+            } else if (i > 0) {
+                const SurfacePoint& p = group.points(lane)[std::size_t(i * (count - 1) / (embree::kPacket - 1))];
+                target = p.position + lift * p.geometricNormal;
             }
             const float length = glm::distance(above, target);
             valid.lane[i] = length > 0.0f && (i > 0 || previousCell_ == cell) ? -1 : 0;
@@ -322,7 +330,7 @@ private:
             packet.dir_x[i] = direction.x;
             packet.dir_y[i] = direction.y;
             packet.dir_z[i] = direction.z;
-            packet.tfar[i] = length;
+            packet.tfar[i] = 0.999f * length;
             ++rays_;
         }
         paths_.surfaces().occluded(valid, packet);
@@ -333,25 +341,29 @@ private:
         previous_ = above;
     }
 
-    /// Those of texelPoints()'s points that lie farthest out in seven directions.
-    static std::array<int, 7> rimPoints()
+    /// Those of texelPoints()'s points that lie farthest out in seven directions, and how much farther the texel's
+    /// border is.
+    struct Rim {
+        int point = 0;
+        float toBorder = 1.0f;
+    };
+    static std::array<Rim, 7> rimPoints()
     {
-        std::array<int, 7> rim{};
+        std::array<Rim, 7> rim{};
         for (int k = 0; k < 7; ++k) {
             const float angle = 2.0f * kPi * float(k) / 7.0f;
             float farthest = -1.0f;
-            for (int i = 0; i < kMaxTexelPoints; ++i) {
+            for (int i = 1; i < kMaxTexelPoints; ++i) {
                 const vec2 place = glm::fract(vec2(0.5f) + float(i) * vec2(0.7548776662f, 0.5698402910f)) - 0.5f;
                 const float out = glm::dot(place, vec2(std::cos(angle), std::sin(angle)));
-                if (out > farthest) {
-                    farthest = out;
-                    rim[std::size_t(k)] = i;
-                }
+                if (out <= farthest) continue;
+                farthest = out;
+                rim[std::size_t(k)] = {i, 0.5f / std::max(std::abs(place.x), std::abs(place.y))};
             }
         }
         return rim;
     }
-    const std::array<int, 7> kRim = rimPoints();
+    const std::array<Rim, 7> rim_ = rimPoints();
 
     const RadianceCache& cache_;
     const PathTracer& paths_;
@@ -446,7 +458,8 @@ void RadianceCache::bounce(const std::vector<RangeOutput>& ranges, int bounces)
             first[c.cell] += kPi * c.gathered;
             direct[c.cell] += c.direct;
             albedo[c.cell] += c.albedo;
-            nearest[c.cell] = c.divided ? kInfinity : std::max(nearest[c.cell], kNearestInCells * cellTexels * c.texelMeters);
+            nearest[c.cell] =
+                c.divided ? kInfinity : std::max(nearest[c.cell], kNearestInCells * cellTexels * c.texelMeters);
         }
     }
     for (std::size_t i = 0; i < count; ++i) {

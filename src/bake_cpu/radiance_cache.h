@@ -77,7 +77,8 @@ private:
     int bounces_ = 0;
     std::vector<Surface> surfaces_; ///< by hit index
     std::vector<Cell> cells_;
-    /// What cells reflect after bounces_, bounces_ - 1, … reflections, for paths that reach one after some of their own.
+    /// What cells reflect after bounces_, bounces_ - 1, … reflections, for paths that reach one after some of their
+    /// own.
     std::array<std::vector<vec3>, kLevels> levels_;
 
     // While building.

@@ -60,7 +60,8 @@ bool traceShadows(const ShadowPass& pass, const std::vector<ShadowSource>& sourc
     };
     if (!forTexelGroups(
             pass.paths, pass.map, set.size(), [&](std::size_t i) { return set[i]; },
-            [](std::size_t) { return kAllPoints; }, pass.progress, pass.stage, pass.rays, [&] {
+            [](std::size_t) { return kAllPoints; }, pass.progress, pass.stage, pass.rays,
+            [&] {
                 return [&](const TexelGroup& group, std::size_t first, uint64_t& rays) {
                     for (int lane = 0; lane < group.lanes(); ++lane) {
                         std::size_t number = 0;
@@ -95,8 +96,7 @@ bool traceShadows(const ShadowPass& pass, const std::vector<ShadowSource>& sourc
                 });
                 const bool decided = lit || dark;
                 if (pass.outside[i] == kAllPoints) counts[i * sourceCount + s] = firstLook[own * sourceCount + s];
-                open[i * sourceCount + s] =
-                    pass.outside[i] != 0 && (!decided || pass.outside[i] != kAllPoints) ? 1 : 0;
+                open[i * sourceCount + s] = pass.outside[i] != 0 && (!decided || pass.outside[i] != kAllPoints) ? 1 : 0;
             }
         }
     });
@@ -108,7 +108,8 @@ bool traceShadows(const ShadowPass& pass, const std::vector<ShadowSource>& sourc
     }
     return forTexelGroups(
         pass.paths, pass.map, list.size(), [&](std::size_t i) { return pass.texels[list[i]]; },
-        [&](std::size_t i) { return pass.outside[list[i]]; }, pass.progress, pass.stage, pass.rays, [&] {
+        [&](std::size_t i) { return pass.outside[list[i]]; }, pass.progress, pass.stage, pass.rays,
+        [&] {
             return [&](const TexelGroup& group, std::size_t first, uint64_t& rays) {
                 std::array<int, TexelGroup::kLanes> done{};
                 for (int lane = 0; lane < group.lanes(); ++lane) {

@@ -39,9 +39,9 @@ struct ShadowPass {
     const GatherPattern& pattern;
     const TexelMap& map;
     const TexelGrid& grid;
-    std::span<const uint32_t> texels; ///< in ascending order
+    std::span<const uint32_t> texels;   ///< in ascending order
     std::span<const PointMask> outside; ///< of each of these
-    int samples; ///< rays per texel and source, at most
+    int samples;                        ///< rays per texel and source, at most
     const Progress& progress;
     const char* stage;
     std::atomic<uint64_t>& rays;

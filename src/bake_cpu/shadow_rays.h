@@ -17,8 +17,8 @@ public:
         : paths_(paths), pattern_(pattern), seed_(seed)
     {}
 
-    /// Halves that `samples` rays for each texel come to. A light without extent is seen whole or not at all from each of
-    /// a texel's points: more rays than points would repeat themselves.
+    /// Halves that `samples` rays for each texel come to. A light without extent is seen whole or not at all from each
+    /// of a texel's points: more rays than points would repeat themselves.
     static int halvesOf(int samples, const PunctualLight& light)
     {
         const int halves = std::max(1, (samples + kHalf - 1) / kHalf);
@@ -28,9 +28,9 @@ public:
 
     /// One half for all active lanes that `wanted` names (a bit each). lightAt(lane, point) gives the light to look at,
     /// null for none; result(lane, point, light, visible) is called for each sample with a light.
-    template<typename LightAt, typename Result>
-    void trace(const TexelGroup& group, uint32_t wanted, int half, const LightAt& lightAt, const Result& result,
-               uint64_t& rays) const
+    template<typename LightAt, typename Result> void trace(const TexelGroup& group, uint32_t wanted, int half,
+                                                           const LightAt& lightAt, const Result& result,
+                                                           uint64_t& rays) const
     {
         RTCRay8 packet;
         alignas(32) embree::LaneMask valid;
@@ -63,8 +63,8 @@ public:
     }
 
 private:
-    LightRay sample(uint32_t id, int half, int i, const PunctualLight& light, const SurfacePoint& point, RTCRay8& packet,
-                    int lane, uint64_t& rays) const
+    LightRay sample(uint32_t id, int half, int i, const PunctualLight& light, const SurfacePoint& point,
+                    RTCRay8& packet, int lane, uint64_t& rays) const
     {
         // Two diagonals of the pattern's 4 x 4 cells in each half; which point gets which cell differs by texel.
         const uint32_t hash = hashCombine(seed_, id);

@@ -313,10 +313,9 @@ void SurfaceTracer::filter(const RTCFilterFunctionNArguments* arguments)
         }
         const uint32_t triangle = (*user->triangles)[RTCHitN_primID(arguments->hit, count, i)];
         const vec2 barycentric(RTCHitN_u(arguments->hit, count, i), RTCHitN_v(arguments->hit, count, i));
-        const float ray[6] = {
-            RTCRayN_org_x(arguments->ray, count, i), RTCRayN_org_y(arguments->ray, count, i),
-            RTCRayN_org_z(arguments->ray, count, i), RTCRayN_dir_x(arguments->ray, count, i),
-            RTCRayN_dir_y(arguments->ray, count, i), RTCRayN_dir_z(arguments->ray, count, i)};
+        const float ray[6] = {RTCRayN_org_x(arguments->ray, count, i), RTCRayN_org_y(arguments->ray, count, i),
+                              RTCRayN_org_z(arguments->ray, count, i), RTCRayN_dir_x(arguments->ray, count, i),
+                              RTCRayN_dir_y(arguments->ray, count, i), RTCRayN_dir_z(arguments->ray, count, i)};
         if (user->tracer->passes(triangle, barycentric, ray)) arguments->valid[i] = 0;
     }
 }

@@ -32,7 +32,7 @@ struct TransportMaterial {
 struct SurfaceHit {
     bool found = false;
     bool backFace = false; ///< of a single-sided or solid surface: nobody is meant to see it
-    bool behind = false; ///< the back of the triangle, whatever it is
+    bool behind = false;   ///< the back of the triangle, whatever it is
     float distance = 0.0f;
     uint32_t index = 0; ///< SurfaceTracer::hitIndex()
     const TransportMaterial* material = nullptr;

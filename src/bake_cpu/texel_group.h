@@ -168,9 +168,9 @@ struct RayBundle {
     }
 };
 
-/// Calls a body for texels 0…count-1 of a list, eight at a time, on all threads: texelAt(i) and maskAt(i) tell which they
-/// are and which of their points to use. makeBody() gives each run of texels a body of its own (with its scratch memory):
-/// body(group, first, rays), where `first` is the list's number of lane 0. False when cancelled.
+/// Calls a body for texels 0…count-1 of a list, eight at a time, on all threads: texelAt(i) and maskAt(i) tell which
+/// they are and which of their points to use. makeBody() gives each run of texels a body of its own (with its scratch
+/// memory): body(group, first, rays), where `first` is the list's number of lane 0. False when cancelled.
 template<typename TexelAt, typename MaskAt, typename MakeBody>
 bool forTexelGroups(const PathTracer& paths, const TexelMap& map, std::size_t count, const TexelAt& texelAt,
                     const MaskAt& maskAt, const Progress& progress, const char* stage, std::atomic<uint64_t>& rayCount,

@@ -47,7 +47,8 @@ Scene room(bool lamp, bool sun, bool sky)
     if (sun) {
         scene.lights.push_back(
             makeLight(LightType::Directional, vec3(0), vec3(-0.6f, -0.8f, -0.5f), 8.0f, LightMode::Mixed));
-        scene.lights.push_back(makeLight(LightType::Point, vec3(0.6f, 1.2f, 0.5f), vec3(0, -1, 0), 1.0f, LightMode::Baked));
+        scene.lights.push_back(
+            makeLight(LightType::Point, vec3(0.6f, 1.2f, 0.5f), vec3(0, -1, 0), 1.0f, LightMode::Baked));
         scene.lights.back().radiusMeters = 0.1f;
     }
     if (sky) scene.sky = {vec3(1.0f), vec3(0.6f), vec3(0.2f)};
@@ -119,10 +120,13 @@ TEST(RadianceCacheS6, NoLightUnderThinWalls)
     const vec3 upper(1.09f, 1.5f, 1.01f);
     const vec3 s = upper - lower;
     addRectangle(scene, {lower, vec3(s.x, 0, 0), vec3(0, s.y, 0)}, white, kPage, {vec2(34, 1), vec2(48, 15)});
-    addRectangle(scene, {lower + vec3(0, 0, s.z), vec3(s.x, 0, 0), vec3(0, s.y, 0)}, white, kPage, {vec2(34, 17), vec2(48, 31)});
+    addRectangle(scene, {lower + vec3(0, 0, s.z), vec3(s.x, 0, 0), vec3(0, s.y, 0)}, white, kPage,
+                 {vec2(34, 17), vec2(48, 31)});
     addRectangle(scene, {lower, vec3(0, 0, s.z), vec3(0, s.y, 0)}, white, kPage, {vec2(34, 33), vec2(48, 47)});
-    addRectangle(scene, {lower + vec3(s.x, 0, 0), vec3(0, 0, s.z), vec3(0, s.y, 0)}, white, kPage, {vec2(49, 1), vec2(63, 15)});
-    addRectangle(scene, {lower + vec3(0, s.y, 0), vec3(s.x, 0, 0), vec3(0, 0, s.z)}, white, kPage, {vec2(49, 17), vec2(63, 31)});
+    addRectangle(scene, {lower + vec3(s.x, 0, 0), vec3(0, 0, s.z), vec3(0, s.y, 0)}, white, kPage,
+                 {vec2(49, 1), vec2(63, 15)});
+    addRectangle(scene, {lower + vec3(0, s.y, 0), vec3(s.x, 0, 0), vec3(0, 0, s.z)}, white, kPage,
+                 {vec2(49, 17), vec2(63, 31)});
     IntegrationSettings settings;
     settings.samples = 128;
     Bench bench(std::move(scene), MixedLightingMode::Shadowmask, kPage, settings);
@@ -213,7 +217,8 @@ TEST(ShadowmaskS8, DecidedTexelsAreRight)
         constexpr int kSamples = 512;
         for (int s = 0; s < kSamples; ++s) {
             Sampler sampler(99, uint32_t(i), uint32_t(s));
-            sum += double(paths.lightVisibility(paths.lights()[0], points[std::size_t(s % count)], sampler.next2(), rays));
+            sum +=
+                double(paths.lightVisibility(paths.lights()[0], points[std::size_t(s % count)], sampler.next2(), rays));
         }
         squares += std::pow(sum / kSamples - double(mask[i].x), 2.0);
     }
@@ -302,7 +307,8 @@ TEST(LightTreeS6, ManyLightsSumToTheirTotal)
     Scene scene;
     const int white = addMaterial(scene, vec3(0.5f));
     const int glow = addMaterial(scene, vec3(0.0f), vec3(3.0f));
-    addRectangle(scene, {vec3(-0.05f, 0, 0.05f), vec3(0.1f, 0, 0), vec3(0, 0, -0.1f)}, white, kPage, {vec2(1), vec2(9)});
+    addRectangle(scene, {vec3(-0.05f, 0, 0.05f), vec3(0.1f, 0, 0), vec3(0, 0, -0.1f)}, white, kPage,
+                 {vec2(1), vec2(9)});
     addRectangle(scene, {vec3(-50, 9, 50), vec3(100, 0, 0), vec3(0, 0, -100)}, white, kPage);
     scene.objects.back().castShadows = false;
     double expected = 0.0;

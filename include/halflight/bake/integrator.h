@@ -88,8 +88,9 @@ constexpr int kMaxTexelPoints = 16;
 int texelPoints(const BakeGeometry& geometry, const TexelMap& map, const Texel& texel,
                 std::span<SurfacePoint, kMaxTexelPoints> out);
 
-/// How lightmap texels get their light. Path: each sample is a path traced to its end, without bias: the reference. Cache:
-/// each sample is one ray that ends in light known at the surface it meets; many times faster, its mean within 1 %.
+/// How lightmap texels get their light. Path: each sample is a path traced to its end, without bias: the reference.
+/// Cache: each sample is one ray that ends in light known at the surface it meets; many times faster, its mean within 1
+/// %.
 enum class IntegratorKind { Cache, Path };
 
 struct IntegrationSettings {
@@ -99,8 +100,8 @@ struct IntegrationSettings {
     int bounces = 4;        ///< indirect bounces; 0 = direct light only
     int probeSamples = 256; ///< paths per probe
     /// With a target, a texel is done when the standard error of its luminance, estimated from the texels around it on
-    /// its chart, is at most this share of their mean (of a fiftieth of the map's mean, where it is darker); `samples` is
-    /// then the most it gets. 0 = none. Cache integrator only.
+    /// its chart, is at most this share of their mean (of a fiftieth of the map's mean, where it is darker); `samples`
+    /// is then the most it gets. 0 = none. Cache integrator only.
     float noiseTarget = 0.0f;
     uint32_t seed = 1;
 };
