@@ -56,7 +56,6 @@ struct RadianceCache::Contribution {
     vec3 direct{0.0f};   ///< irradiance of sampled lights
     vec3 albedo{0.0f};
     float texelMeters = 0.0f;
-    bool divided = false; ///< something stands between two of its points
 };
 
 struct RadianceCache::RangeOutput {
@@ -69,6 +68,7 @@ struct RadianceCache::RangeOutput {
         vec3 radiance{0.0f};
     };
     std::vector<Late> late;
+    std::vector<uint32_t> divided; ///< cells with something standing on them
 
     Contribution& at(uint32_t cell)
     {
@@ -165,6 +165,18 @@ public:
             }
         }
     }
+    void look(std::size_t begin, std::size_t end)
+    {
+        std::array<uint32_t, TexelGroup::kLanes> texels;
+        for (std::size_t i = begin; i < end; i += TexelGroup::kLanes) {
+            const std::size_t count = std::min(end - i, std::size_t(TexelGroup::kLanes));
+            for (std::size_t k = 0; k < count; ++k) texels[k] = uint32_t(i + k);
+            const TexelGroup group(paths_, map_, std::span(texels.data(), count), outside_.subspan(i, count));
+            for (int lane = 0; lane < group.lanes(); ++lane) {
+                if (group.active(lane)) lookAcross(group, lane);
+            }
+        }
+    }
     [[nodiscard]] uint64_t rays() const { return rays_; }
 
 private:
@@ -204,7 +216,6 @@ private:
         for (int lane = 0; lane < group.lanes(); ++lane) {
             if (!use[std::size_t(lane)]) continue;
             addDirect(group, lane);
-            lookAcross(group, lane);
         }
     }
 
@@ -253,10 +264,12 @@ private:
         }
         const Surface& surface = surfaceOf(cell, lane);
         const bool behind = bundle_.behind(cell, lane);
-        const bool known = !behind && (surface.firstCell & kNoCells) == 0;
+        const RTCHit8& h = bundle_.rays[std::size_t(cell)].hit;
+        bool known = !behind && (surface.firstCell & kNoCells) == 0;
+        const uint32_t target = known ? cache_.cellIndex(surface, h.u[lane], h.v[lane]) : 0;
+        known = known && cache_.divided_[target] == 0;
         if (known) {
-            const RTCHit8& h = bundle_.rays[std::size_t(cell)].hit;
-            out_.links.push_back(cache_.cellIndex(surface, h.u[lane], h.v[lane]));
+            out_.links.push_back(target);
             ++c.linkCount;
             if ((surface.firstCell & kEmissive) == 0) return;
         }
@@ -307,6 +320,7 @@ private:
         const vec3 above = point.position + lift * point.geometricNormal;
         RTCRay8 packet;
         alignas(32) embree::LaneMask valid;
+        std::array<float, embree::kPacket> reach{};
         SurfaceTracer::clear(packet);
         for (int i = 0; i < embree::kPacket; ++i) {
             vec3 target = previous_;
@@ -330,12 +344,20 @@ private:
             packet.dir_x[i] = direction.x;
             packet.dir_y[i] = direction.y;
             packet.dir_z[i] = direction.z;
-            packet.tfar[i] = 0.999f * length;
+            reach[std::size_t(i)] = 0.999f * length;
+            packet.tfar[i] = reach[std::size_t(i)];
             ++rays_;
         }
         paths_.surfaces().occluded(valid, packet);
         for (int i = 0; i < embree::kPacket; ++i) {
-            if (valid.lane[i] != 0 && packet.tfar[i] < 0.0f) out_.at(cell).divided = true;
+            if (valid.lane[i] == 0 || packet.tfar[i] >= 0.0f) continue;
+            // What lies inside a solid is no other side: nobody sees it.
+            const vec3 direction(packet.dir_x[i], packet.dir_y[i], packet.dir_z[i]);
+            const vec3 end = above + reach[std::size_t(i)] * direction;
+            ++rays_;
+            if (paths_.surfaces().intersect(end, -direction, 0.0f, reach[std::size_t(i)]).backFace) continue;
+            out_.divided.push_back(cell);
+            break;
         }
         previousCell_ = cell;
         previous_ = above;
@@ -389,6 +411,17 @@ bool RadianceCache::build(const PathTracer& paths, const TexelMap& map, const Ga
     layOut(paths, map);
     const std::size_t rangeCount = (map.texels.size() + kRangeTexels - 1) / kRangeTexels;
     std::vector<RangeOutput> ranges(rangeCount);
+    parallelFor(rangeCount, 1, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t r = begin; r < end && !progress.cancelled(); ++r) {
+            Gatherer gatherer(*this, paths, map, pattern, settings, outside, ranges[r]);
+            gatherer.look(r * kRangeTexels, std::min((r + 1) * kRangeTexels, map.texels.size()));
+            rays += gatherer.rays();
+        }
+    });
+    divided_.assign(cells_.size(), 0);
+    for (const RangeOutput& range : ranges) {
+        for (const uint32_t cell : range.divided) divided_[cell] = 1;
+    }
     const bool finished = parallelFor(rangeCount, 1, progress, "bounces", [&](std::size_t begin, std::size_t end) {
         for (std::size_t r = begin; r < end && !progress.cancelled(); ++r) {
             Gatherer gatherer(*this, paths, map, pattern, settings, outside, ranges[r]);
@@ -401,6 +434,7 @@ bool RadianceCache::build(const PathTracer& paths, const TexelMap& map, const Ga
     recordOfTriangle_ = {};
     rectangles_ = {};
     substitute_ = {};
+    divided_ = {};
     return true;
 }
 
@@ -458,8 +492,7 @@ void RadianceCache::bounce(const std::vector<RangeOutput>& ranges, int bounces)
             first[c.cell] += kPi * c.gathered;
             direct[c.cell] += c.direct;
             albedo[c.cell] += c.albedo;
-            nearest[c.cell] =
-                c.divided ? kInfinity : std::max(nearest[c.cell], kNearestInCells * cellTexels * c.texelMeters);
+            nearest[c.cell] = std::max(nearest[c.cell], kNearestInCells * cellTexels * c.texelMeters);
         }
     }
     for (std::size_t i = 0; i < count; ++i) {
@@ -502,7 +535,7 @@ void RadianceCache::bounce(const std::vector<RangeOutput>& ranges, int bounces)
     }
     for (std::size_t i = 0; i < count; ++i) {
         const uint32_t s = substitute_[i];
-        cells_[i] = {levels_[0][i], rayCount[s] > 0 ? nearest[s] : kInfinity};
+        cells_[i] = {levels_[0][i], rayCount[s] > 0 && divided_[i] == 0 ? nearest[s] : kInfinity};
     }
 }
 

@@ -90,6 +90,7 @@ private:
     };
     std::vector<Rectangle> rectangles_;      ///< by chart and direction, six for each chart
     std::vector<uint32_t> recordOfTriangle_; ///< hit index by triangle
+    std::vector<uint8_t> divided_;           ///< 1 for cells with something standing on them
     std::vector<uint32_t> substitute_;       ///< for cells that no sample fell into, another one
 };
 
