@@ -148,8 +148,14 @@ void printSummary(const BakeOptions& options, const BakeReport& report)
     fmt::print("geometry   {} static triangles\n", grouped(report.triangleCount));
     fmt::print("probes     {} of {} valid\n", grouped(uint64_t(report.validProbeCount)),
                grouped(uint64_t(report.probeCount)));
-    fmt::print("samples    {} per texel, {} per masked light, {} bounces, {} per probe\n\n", report.quality.samples,
+    fmt::print("samples    {:.0f} per texel, {} per masked light, {} bounces, {} per probe\n", report.samplesPerTexel,
                report.quality.shadowSamples, report.quality.bounces, report.quality.probeSamples);
+    fmt::print("noise      {:.1f} % before denoising", 100.0 * double(report.noiseReached));
+    if (report.quality.noiseTarget > 0.0f) {
+        fmt::print(", target {:.1f} %; {} texels stopped at {} samples", 100.0 * double(report.quality.noiseTarget),
+                   grouped(report.texelsAtCap), report.quality.samples);
+    }
+    fmt::print("\n\n");
 
     fmt::print("{:<16} {:>9} {:>10} {:>10}\n", "stage", "seconds", "rays", "rays/s");
     for (const StageReport& stage : report.stages) {
@@ -190,6 +196,9 @@ int runBake(const BakeOptions& options)
 {
     if (lowerExtension(options.output) != ".glb") {
         return wrongUsage("bake", fmt::format("--output must end in .glb, not '{}'", options.output.string()));
+    }
+    if (options.bake.noiseTarget > 0.0f && options.bake.integrator == IntegratorKind::Path) {
+        return wrongUsage("bake", "--noise needs --integrator cache");
     }
     std::filesystem::path culprit;
     if (Status status = checkPaths(options, culprit); !status) return fail(culprit, status.error());
@@ -280,7 +289,14 @@ Command addBakeCommand(CLI::App& parent)
                         {"high", Quality::High},
                         {"ultra", Quality::Ultra}},
                        "samples, bounces and lightmap size in one word (default medium)");
-    addInt(app, "--samples", bake.samples, 1, 1 << 20, "paths per texel (default by quality)");
+    addChoice<IntegratorKind>(app, "--integrator", bake.integrator,
+                              {{"cache", IntegratorKind::Cache}, {"path", IntegratorKind::Path}},
+                              "rays that end in a radiance cache, or whole unbiased paths: the slow reference (default "
+                              "cache)");
+    addInt(app, "--samples", bake.samples, 1, 1 << 20,
+           "rays or paths per texel (default by quality); with --noise, the most");
+    addPercent(app, "--noise", bake.noiseTarget, 0.1f, 100.0f,
+               "noise at which a texel has enough samples, such as 2% (default: the same number for all)");
     addInt(app, "--shadow-samples", bake.shadowSamples, 1, 1 << 16,
            "shadow rays per texel and masked light (default by quality)");
     addInt(app, "--bounces", bake.bounces, 0, 64, "indirect bounces, 0 = direct light only (default by quality)");

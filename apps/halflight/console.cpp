@@ -223,6 +223,28 @@ CLI::Option* addFloat(CLI::App& app, const std::string& name, float& value, floa
         metavar, help);
 }
 
+CLI::Option* addPercent(CLI::App& app, const std::string& name, float& value, float min, float max,
+                        const std::string& help)
+{
+    const auto parse = [](std::string text, double& number) {
+        if (text.ends_with('%')) text.pop_back();
+        return parseNumber(text, number);
+    };
+    const auto check = [=](const std::string& text) {
+        double number = 0.0;
+        if (parse(text, number) && float(number) >= min && float(number) <= max) return std::string();
+        return fmt::format("must be a percentage from {} to {}, such as 2%, not '{}'", shortNumber(min),
+                           shortNumber(max), text);
+    };
+    return addChecked(
+        app, name, check,
+        [&value, parse](const std::string& text) {
+            double number = 0.0;
+            if (parse(text, number)) value = float(number) * 0.01f;
+        },
+        "PERCENT", help);
+}
+
 CLI::Option* addVec3(CLI::App& app, const std::string& name, vec3& value, float min, float max,
                      const std::string& metavar, const std::string& help)
 {

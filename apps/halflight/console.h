@@ -68,6 +68,9 @@ CLI::Option* addInt(CLI::App& app, const std::string& name, int& value, int min,
 CLI::Option* addUint(CLI::App& app, const std::string& name, uint32_t& value, const std::string& help);
 CLI::Option* addFloat(CLI::App& app, const std::string& name, float& value, float min, float max,
                       const std::string& metavar, const std::string& help);
+/// "2%" or "2"; limits in percent, the value as a share.
+CLI::Option* addPercent(CLI::App& app, const std::string& name, float& value, float min, float max,
+                        const std::string& help);
 /// "x,y,z".
 CLI::Option* addVec3(CLI::App& app, const std::string& name, vec3& value, float min, float max,
                      const std::string& metavar, const std::string& help);

@@ -7,6 +7,7 @@
 #include "halflight/base/parallel.h"
 
 #include <chrono>
+#include <cmath>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <sys/resource.h>
@@ -115,6 +116,27 @@ TexelValues splitEstimates(const std::vector<IrradianceEstimate>& estimates)
     return values;
 }
 
+/// How far the estimates got.
+void reportNoise(const std::vector<IrradianceEstimate>& estimates, BakeReport& report)
+{
+    double variance = 0.0;
+    double sum = 0.0;
+    double samples = 0.0;
+    uint64_t valid = 0;
+    const auto most = uint32_t(report.quality.samples);
+    for (const IrradianceEstimate& e : estimates) {
+        if (!e.valid) continue;
+        ++valid;
+        variance += double(e.varianceOfMean);
+        sum += double(luminance(e.irradiance));
+        samples += double(e.samples);
+        if (report.quality.noiseTarget > 0.0f && e.samples >= most) ++report.texelsAtCap;
+    }
+    if (valid == 0) return;
+    report.samplesPerTexel = samples / double(valid);
+    report.noiseReached = sum > 0.0 ? float(std::sqrt(variance * double(valid)) / sum) : 0.0f;
+}
+
 } // namespace
 
 BakeQuality resolveQuality(const BakeSettings& settings)
@@ -122,18 +144,20 @@ BakeQuality resolveQuality(const BakeSettings& settings)
     BakeQuality q{};
     switch (settings.quality) {
     case Quality::Preview:
-        q = {32, 16, 3, 1024, 128};
+        q = {32, 16, 3, 1024, 128, 0.0f};
         break;
     case Quality::Medium:
-        q = {96, 32, 4, 2048, 256};
+        q = {96, 32, 4, 2048, 256, 0.0f};
         break;
     case Quality::High:
-        q = {256, 64, 6, 4096, 512};
+        q = {256, 64, 6, 4096, 512, 0.0f};
         break;
     case Quality::Ultra:
-        q = {1024, 128, 8, 4096, 1024};
+        q = {1024, 128, 8, 4096, 1024, 0.0f};
         break;
     }
+    q.noiseTarget = settings.noiseTarget;
+    if (q.noiseTarget > 0.0f) q.samples = 4096;
     if (settings.samples > 0) q.samples = settings.samples;
     if (settings.shadowSamples > 0) q.shadowSamples = settings.shadowSamples;
     if (settings.bounces >= 0) q.bounces = settings.bounces;
@@ -184,6 +208,8 @@ Result<BakeResult> bake(Scene scene, const BakeSettings& settings, const Integra
 
     StageTimer buildTimer(report, "build");
     IntegrationSettings integration;
+    integration.integrator = settings.integrator;
+    integration.noiseTarget = settings.noiseTarget;
     integration.samples = report.quality.samples;
     integration.shadowSamples = report.quality.shadowSamples;
     integration.bounces = report.quality.bounces;
@@ -209,6 +235,7 @@ Result<BakeResult> bake(Scene scene, const BakeSettings& settings, const Integra
     if (!gather.irradiance(estimates, progress)) return cancelledError();
     lightmapTimer.finish(integrator.raysTraced());
     TexelValues values = splitEstimates(estimates);
+    reportNoise(estimates, report);
     report.invalidTexels = uint64_t(std::count(values.valid.begin(), values.valid.end(), uint8_t(0)));
     if (!settings.imagesDirectory.empty()) {
         if (Status status = dumpPages(settings, "lightmap_raw", dilate(map, values.irradiance, 0)); !status)

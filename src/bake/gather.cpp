@@ -10,7 +10,7 @@
 namespace halflight {
 namespace {
 
-constexpr uint32_t kCacheVersion = 1; ///< to be raised when estimates of the same input change
+constexpr uint32_t kCacheVersion = 2; ///< to be raised when estimates of the same input change
 
 /// Small, so that a small change shows in a tile's sum of witnesses.
 constexpr std::size_t kTexelTile = 256;
@@ -56,7 +56,11 @@ Hash128 bakeHash(const Scene& scene, const BakeSettings& settings)
     Hasher hasher;
     hasher.add(kCacheVersion).add(contentHash(scene)).add(int(settings.mode));
     hasher.add(q.samples).add(q.shadowSamples).add(q.bounces).add(q.lightmapSize).add(q.probeSamples);
-    hasher.add(int(settings.uvMode)).add(settings.texelsPerMeter).add(settings.paddingTexels);
+    hasher.add(int(settings.integrator))
+        .add(q.noiseTarget)
+        .add(int(settings.uvMode))
+        .add(settings.texelsPerMeter)
+        .add(settings.paddingTexels);
     hasher.add(int(settings.denoise)).add(int(settings.directional)).add(settings.probeSpacingMeters);
     return hasher.add(settings.seed).hash();
 }
@@ -65,7 +69,12 @@ Hash128 layoutHash(const TexelMap& map, const IntegrationSettings& settings, Mix
 {
     Hasher hasher;
     hasher.add(kCacheVersion).add(int(mode)).add(settings.samples).add(settings.shadowSamples).add(settings.bounces);
-    hasher.add(settings.probeSamples).add(settings.seed).add(map.pageSize).add(map.pageCount);
+    hasher.add(int(settings.integrator))
+        .add(settings.noiseTarget)
+        .add(settings.probeSamples)
+        .add(settings.seed)
+        .add(map.pageSize)
+        .add(map.pageCount);
     for (const Texel& texel : map.texels) hasher.add(texel.x).add(texel.y).add(texel.page);
     return hasher.hash();
 }

@@ -52,4 +52,34 @@ inline void occluded(RTCScene scene, RayContext& context, RTCRay& ray)
 #endif
 }
 
+/// Eight rays at once, for rays that start side by side in similar directions. Lanes with valid 0 are left alone.
+constexpr int kPacket = 8;
+struct alignas(32) LaneMask {
+    int lane[kPacket]; ///< -1 = trace
+};
+
+inline void intersect8(RTCScene scene, RayContext& context, const LaneMask& valid, RTCRayHit8& rays)
+{
+#if RTC_VERSION_MAJOR >= 4
+    RTCIntersectArguments arguments;
+    rtcInitIntersectArguments(&arguments);
+    arguments.context = &context.base;
+    rtcIntersect8(valid.lane, scene, &rays, &arguments);
+#else
+    rtcIntersect8(valid.lane, scene, &context.base, &rays);
+#endif
+}
+
+inline void occluded8(RTCScene scene, RayContext& context, const LaneMask& valid, RTCRay8& rays)
+{
+#if RTC_VERSION_MAJOR >= 4
+    RTCOccludedArguments arguments;
+    rtcInitOccludedArguments(&arguments);
+    arguments.context = &context.base;
+    rtcOccluded8(valid.lane, scene, &rays, &arguments);
+#else
+    rtcOccluded8(valid.lane, scene, &context.base, &rays);
+#endif
+}
+
 } // namespace halflight::embree

@@ -1,6 +1,10 @@
 #include "halflight/bake_cpu/embree_integrator.h"
 
+#include "bake_cpu/cached_lightmap.h"
 #include "bake_cpu/path.h"
+#include "bake_cpu/shadow_pass.h"
+#include "bake_cpu/texel_grid.h"
+#include "bake_cpu/validity.h"
 
 #include "halflight/base/parallel.h"
 #include "halflight/shading/sampling.h"
@@ -18,8 +22,6 @@ constexpr std::size_t kTexelGrain = 64;
 constexpr uint32_t kShadowSeed = 0x5eed0001u;
 constexpr uint32_t kDirectSeed = 0x5eed0002u;
 constexpr uint32_t kProbeSeed = 0x5eed0003u;
-constexpr uint32_t kInsideSeed = 0x5eed0004u;
-constexpr int kInsideRays = 4;
 
 bool isFinite(vec3 v)
 {
@@ -58,14 +60,15 @@ class EmbreeIntegrator final : public Integrator {
 public:
     EmbreeIntegrator(const Scene& scene, const BakeGeometry& geometry, const IntegrationSettings& settings)
         : geometry_(geometry), settings_(settings), paths_(scene, geometry, LightUse::Bake),
-          anySolid_(std::find(geometry.solid.begin(), geometry.solid.end(), uint8_t(1)) != geometry.solid.end())
+          validity_(paths_, settings.seed), pattern_(settings.seed), lightmap_(paths_, pattern_, settings)
     {}
 
     [[nodiscard]] bool ok() const { return paths_.ok(); }
 
     [[nodiscard]] std::string description() const override
     {
-        return "cpu (Embree " + std::string(RTC_VERSION_STRING) + ", " + std::to_string(threadCount()) +
+        const char* kind = settings_.integrator == IntegratorKind::Cache ? "radiance cache" : "path tracing";
+        return "cpu (" + std::string(kind) + ", Embree " + RTC_VERSION_STRING + ", " + std::to_string(threadCount()) +
                (threadCount() == 1 ? " thread)" : " threads)");
     }
 
@@ -75,31 +78,54 @@ public:
                     const Progress& progress) override
     {
         const Effort effort = effortOf(request);
+        if (settings_.integrator == IntegratorKind::Cache) {
+            return lightmap_.irradiance(map, request.texels, effort.samples, out, progress, rays_) &&
+                   addBakedLights(map, request, effort, out, progress);
+        }
         return parallelFor(request.texels.size(), kTexelGrain, progress, "lightmap",
                            [&](std::size_t begin, std::size_t end) {
                                uint64_t rays = 0;
                                for (std::size_t i = begin; i < end && !progress.cancelled(); ++i)
-                                   out[i] = texelIrradiance(map, map.texels[request.texels[i]], effort, rays);
+                                   out[i] = texelIrradiance(map, map.texels[request.texels[i]], effort.samples, rays);
                                rays_ += rays;
-                           });
+                           }) &&
+               addBakedLights(map, request, effort, out, progress);
     }
 
     bool shadowmask(const TexelMap& map, const TexelRequest& request, std::span<const IrradianceEstimate> estimates,
                     std::span<vec4> out, const Progress& progress) override
     {
-        const Effort effort = effortOf(request);
-        return parallelFor(
-            request.texels.size(), kTexelGrain, progress, "shadowmask", [&](std::size_t begin, std::size_t end) {
-                uint64_t rays = 0;
-                for (std::size_t i = begin; i < end && !progress.cancelled(); ++i) {
-                    // Points that irradiance() found inside solids must not darken the mask either.
-                    const PointMask outside = estimates.empty()
-                                                  ? kAllPoints
-                                                  : (estimates[i].valid ? estimates[i].outsidePoints : PointMask(0));
-                    out[i] = texelShadowmask(map, map.texels[request.texels[i]], outside, effort, rays);
-                }
-                rays_ += rays;
-            });
+        std::fill(out.begin(), out.end(), vec4(1.0f));
+        // Lights that share a channel do not reach the same places.
+        std::vector<ShadowSource> sources;
+        std::vector<int> channels;
+        for (int channel = 0; channel < 4; ++channel) {
+            std::vector<const PunctualLight*> owners;
+            for (const PunctualLight& light : paths_.lights()) {
+                if (light.channel == channel) owners.push_back(&light);
+            }
+            if (owners.empty()) continue;
+            channels.push_back(channel);
+            sources.push_back({[owners](const SurfacePoint& point) -> const PunctualLight* {
+                                   for (const PunctualLight* light : owners) {
+                                       if (light->reaches(point.position)) return light;
+                                   }
+                                   return nullptr;
+                               },
+                               hashCombine(settings_.seed ^ kShadowSeed, uint32_t(channel))});
+        }
+        std::vector<LitCount> counts;
+        if (!traceShadows({paths_, pattern_, map, gridOf(map), request.texels, masksOf(request, estimates),
+                           effortOf(request).shadowSamples, progress, "shadowmask", rays_},
+                          sources, {}, counts)) {
+            return false;
+        }
+        for (std::size_t i = 0; i < request.texels.size(); ++i) {
+            for (std::size_t c = 0; c < channels.size(); ++c) {
+                out[i][channels[c]] = counts[i * channels.size() + c].share();
+            }
+        }
+        return true;
     }
 
     bool probes(std::span<const vec3> positions, std::span<const uint32_t> which, int samples,
@@ -135,104 +161,122 @@ private:
                 request.shadowSamples > 0 ? request.shadowSamples : settings_.shadowSamples};
     }
 
-    /// What seeds a texel's random numbers: its place, whatever else the bake covers.
-    static uint32_t texelId(const TexelMap& map, const Texel& texel)
+    /// Points that irradiance() found inside solids must not darken what shadow rays find.
+    static std::vector<PointMask> masksOf(const TexelRequest& request, std::span<const IrradianceEstimate> estimates)
     {
-        return (texel.page * uint32_t(map.pageSize) + texel.y) * uint32_t(map.pageSize) + texel.x;
+        std::vector<PointMask> masks(request.texels.size(), kAllPoints);
+        for (std::size_t i = 0; i < estimates.size(); ++i)
+            masks[i] = estimates[i].valid ? PointMask(estimates[i].outsidePoints) : PointMask(0);
+        return masks;
     }
 
-    /// Whether a point lies inside geometry: most of a few rays leave more closed objects than they enter, or all of
-    /// them meet back faces first (single-sided shells that are not closed).
-    bool inside(const SurfacePoint& point, uint32_t id, uint64_t& rays) const
+    const TexelGrid& gridOf(const TexelMap& map)
     {
-        const vec3 origin = paths_.rayOrigin(point);
-        int insideSolids = 0;
-        int backFaces = 0;
-        for (int s = 0; s < kInsideRays; ++s) {
-            const SurfaceTracer::Crossings crossings = crossingsFrom(point, origin, id, s, rays);
-            insideSolids += crossings.solidsLeft > 0 ? 1 : 0;
-            backFaces += crossings.backFaceFirst ? 1 : 0;
-            // Two rays that agree are enough.
-            if (s == 1 && insideSolids == 2) return true;
-            if (s == 1 && insideSolids == 0 && backFaces < 2) return false;
+        if (grid_ == nullptr || gridMap_ != &map || gridTexels_ != map.texels.size()) {
+            grid_ = std::make_unique<TexelGrid>(map);
+            gridMap_ = &map;
+            gridTexels_ = map.texels.size();
         }
-        return 2 * insideSolids > kInsideRays || backFaces == kInsideRays;
+        return *grid_;
     }
 
-    SurfaceTracer::Crossings crossingsFrom(const SurfacePoint& point, vec3 origin, uint32_t id, int sample,
-                                           uint64_t& rays) const
+    /// Direct light of lights that are fully baked: unshadowed light at the texel's points times the share of rays that
+    /// arrive. A few lights at a time, so that memory stays small.
+    bool addBakedLights(const TexelMap& map, const TexelRequest& request, const Effort& effort,
+                        std::span<IrradianceEstimate> out, const Progress& progress)
     {
-        Sampler sampler(settings_.seed ^ kInsideSeed, id, uint32_t(sample));
-        const SurfaceTracer::Crossings crossings =
-            paths_.surfaces().crossings(origin, PathTracer::gatherDirection(point, sampler.next2()));
-        rays += uint64_t(crossings.rays);
-        return crossings;
-    }
-
-    /// A first look with one ray from a few of the points: could some lie inside a solid?
-    bool maybeInside(const std::array<SurfacePoint, kMaxTexelPoints>& points, int pointCount, uint32_t id,
-                     uint64_t& rays) const
-    {
-        if (!anySolid_) return false;
-        for (int i = 0; i < std::min(pointCount, 4); ++i) {
-            const SurfacePoint& point = points[std::size_t(i * pointCount / std::min(pointCount, 4))];
-            const SurfaceTracer::Crossings c = crossingsFrom(point, paths_.rayOrigin(point), id, i, rays);
-            if (c.solidsLeft > 0 || c.backFaceFirst) return true;
+        constexpr std::size_t kLightsAtOnce = 4;
+        std::vector<ShadowSource> sources;
+        std::vector<const PunctualLight*> lights;
+        for (std::size_t l = 0; l < paths_.lights().size(); ++l) {
+            if (paths_.lights()[l].directAtTexels) lights.push_back(&paths_.lights()[l]);
         }
-        return false;
+        const std::vector<PointMask> masks = masksOf(request, out);
+        for (std::size_t first = 0; first < lights.size(); first += kLightsAtOnce) {
+            const std::size_t count = std::min(kLightsAtOnce, lights.size() - first);
+            sources.clear();
+            for (std::size_t l = 0; l < count; ++l) {
+                const PunctualLight& light = *lights[first + l];
+                sources.push_back({[&light](const SurfacePoint& point) -> const PunctualLight* {
+                                       const shading::LightSample s = light.at(point.position);
+                                       const bool reaches = s.illuminance.x + s.illuminance.y + s.illuminance.z > 0.0f;
+                                       return reaches && glm::dot(point.normal, s.direction) > 0.0f ? &light : nullptr;
+                                   },
+                                   hashCombine(settings_.seed ^ kDirectSeed, uint32_t(first + l))});
+            }
+            std::vector<Unshadowed> unshadowed(request.texels.size() * count);
+            const auto look = [&](const TexelGroup& group, int lane, std::size_t number) {
+                for (std::size_t l = 0; l < count; ++l) {
+                    unshadowed[number * count + l] =
+                        unshadowedLight(*lights[first + l], group.points(lane), group.pointCount(lane));
+                }
+            };
+            std::vector<LitCount> counts;
+            if (!traceShadows({paths_, pattern_, map, gridOf(map), request.texels, masks, effort.shadowSamples,
+                               progress, "lights", rays_},
+                              sources, look, counts)) {
+                return false;
+            }
+            for (std::size_t i = 0; i < request.texels.size(); ++i) {
+                for (std::size_t l = 0; l < count; ++l) {
+                    const LitCount& lit = counts[i * count + l];
+                    if (lit.all == 0 || !out[i].valid) continue;
+                    const Unshadowed& light = unshadowed[i * count + l];
+                    const float strength = lights[first + l]->shadowStrength;
+                    const float arrives = glm::mix(1.0f, lit.share(), strength);
+                    out[i].irradiance += arrives * light.irradiance;
+                    out[i].moment += arrives * light.moment;
+                    // Of a share of so many yes-or-no rays, as if they were independent.
+                    const float contrast = luminance(light.irradiance) * strength;
+                    out[i].varianceOfMean += contrast * contrast * lit.share() * (1.0f - lit.share()) / float(lit.all);
+                }
+            }
+        }
+        return true;
     }
 
-    using PointMask = uint16_t; ///< bit i: point i of a texel lies outside geometry; 0: (nearly) none does
-    static_assert(kMaxTexelPoints <= 16);
-    static constexpr PointMask kAllPoints = 0xffff;
-
-    PointMask outsidePoints(const std::array<SurfacePoint, kMaxTexelPoints>& points, int pointCount, uint32_t id,
-                            uint64_t& rays) const
+    /// What a light gives a texel's points on average, and its first moment.
+    struct Unshadowed {
+        vec3 irradiance{0.0f};
+        vec3 moment{0.0f};
+    };
+    static Unshadowed unshadowedLight(const PunctualLight& light, const TexelPoints& points, int pointCount)
     {
-        PointMask mask = 0;
-        int kept = 0;
+        Unshadowed u;
         for (int p = 0; p < pointCount; ++p) {
-            if (inside(points[std::size_t(p)], hashCombine(id, uint32_t(p)), rays)) continue;
-            mask = PointMask(mask | (1u << p));
-            ++kept;
+            const SurfacePoint& point = points[std::size_t(p)];
+            const shading::LightSample s = light.at(point.position);
+            const vec3 value =
+                s.illuminance * (std::max(glm::dot(point.normal, s.direction), 0.0f) / float(pointCount));
+            u.irradiance += value;
+            u.moment += luminance(value) * s.direction;
         }
-        return kept * 8 < pointCount ? PointMask(0) : mask;
+        return u;
     }
 
-    /// Leaves only the points of the mask.
-    static void keepPoints(PointMask mask, std::array<SurfacePoint, kMaxTexelPoints>& points, int& pointCount)
+    IrradianceEstimate texelIrradiance(const TexelMap& map, const Texel& texel, int samples, uint64_t& rays) const
     {
-        int kept = 0;
-        for (int p = 0; p < pointCount; ++p) {
-            if (mask & (1u << p)) points[std::size_t(kept++)] = points[std::size_t(p)];
-        }
-        pointCount = kept;
-    }
-
-    IrradianceEstimate texelIrradiance(const TexelMap& map, const Texel& texel, const Effort& effort,
-                                       uint64_t& rays) const
-    {
-        std::array<SurfacePoint, kMaxTexelPoints> points;
+        TexelPoints points;
         int pointCount = texelPoints(geometry_, map, texel, points);
         const uint32_t id = texelId(map, texel);
 
         // Points inside solids are left out, found beforehand where a few rays say so, or afterwards where the gathered
         // paths met many back faces.
         PointMask mask = kAllPoints;
-        const bool checkedBefore = maybeInside(points, pointCount, id, rays);
+        const bool checkedBefore = validity_.maybeInside(points, pointCount, id, rays);
         if (checkedBefore) {
-            mask = outsidePoints(points, pointCount, id, rays);
-            keepPoints(mask, points, pointCount);
+            mask = validity_.outside(points, pointCount, id, rays);
+            PointValidity::keep(mask, points, pointCount);
         }
         int backFaces = 0;
         Accumulator gathered;
-        if (mask != 0) gathered = gather(points, pointCount, effort.samples, id, rays, backFaces);
+        if (mask != 0) gathered = gather(points, pointCount, samples, id, rays, backFaces);
         if (mask != 0 && !checkedBefore && backFaces * 16 > gathered.count) {
-            mask = outsidePoints(points, pointCount, id, rays);
+            mask = validity_.outside(points, pointCount, id, rays);
             const int before = pointCount;
-            keepPoints(mask, points, pointCount);
+            PointValidity::keep(mask, points, pointCount);
             if (mask != 0 && pointCount < before) {
-                gathered = gather(points, pointCount, effort.samples, id, rays, backFaces);
+                gathered = gather(points, pointCount, samples, id, rays, backFaces);
             }
         }
         IrradianceEstimate estimate;
@@ -242,23 +286,15 @@ private:
         estimate.irradiance = gathered.mean();
         estimate.moment = gathered.moment();
         estimate.varianceOfMean = gathered.varianceOfMean();
+        estimate.samples = uint32_t(gathered.count);
 
-        for (std::size_t l = 0; l < paths_.lights().size(); ++l) {
-            const PunctualLight& light = paths_.lights()[l];
-            if (!light.directAtTexels) continue;
-            const Accumulator direct =
-                directIrradiance(light, uint32_t(l), points, pointCount, effort.shadowSamples, id, rays);
-            estimate.irradiance += direct.mean();
-            estimate.moment += direct.moment();
-            estimate.varianceOfMean += direct.varianceOfMean();
-        }
         return estimate;
     }
 
     // Irradiance is pi times the mean of cosine-distributed radiance (pdf cos / pi), plus what sampling the emitters
     // adds.
-    Accumulator gather(const std::array<SurfacePoint, kMaxTexelPoints>& points, int pointCount, int samples,
-                       uint32_t id, uint64_t& rays, int& backFaces) const
+    Accumulator gather(const TexelPoints& points, int pointCount, int samples, uint32_t id, uint64_t& rays,
+                       int& backFaces) const
     {
         Accumulator gathered;
         for (int s = 0; s < samples; ++s) {
@@ -267,8 +303,8 @@ private:
             const vec3 direction = PathTracer::gatherDirection(point, sampler.next2());
             const float pdf = std::max(glm::dot(direction, point.normal), 1.0e-4f) / kPi;
             const PathTracer::EmitterAtSurface emitter = paths_.emitterIrradiance(point, sampler, rays);
-            const PathTracer::Incoming in =
-                paths_.incoming(paths_.rayOrigin(point), direction, pdf, settings_.bounces, sampler, rays);
+            const PathTracer::Incoming in = paths_.incoming({paths_.rayOrigin(point), point.normal}, direction, pdf,
+                                                            settings_.bounces, sampler, rays);
             backFaces += in.firstHitBackFace ? 1 : 0;
             const vec3 bounced = kPi * in.radiance;
             const vec3 value = emitter.irradiance + bounced;
@@ -282,28 +318,6 @@ private:
         return gathered;
     }
 
-    Accumulator directIrradiance(const PunctualLight& light, uint32_t lightIndex,
-                                 const std::array<SurfacePoint, kMaxTexelPoints>& points, int pointCount, int samples,
-                                 uint32_t id, uint64_t& rays) const
-    {
-        Accumulator direct;
-        for (int s = 0; s < samples; ++s) {
-            const SurfacePoint& point = points[std::size_t(s % pointCount)];
-            const shading::LightSample sample = light.at(point.position);
-            const float cosine = glm::dot(point.normal, sample.direction);
-            if (cosine <= 0.0f || sample.illuminance == vec3(0.0f)) {
-                direct.add(vec3(0.0f));
-                continue;
-            }
-            Sampler sampler(settings_.seed ^ kDirectSeed, hashCombine(id, lightIndex), uint32_t(s));
-            const float visibility = paths_.lightVisibility(light, point, sampler.next2(), rays);
-            const vec3 value = sample.illuminance * (cosine * glm::mix(1.0f, visibility, light.shadowStrength));
-            direct.add(value);
-            direct.addDirection(value, sample.direction);
-        }
-        return direct;
-    }
-
     /// The light that owns a channel at a point, or null: lights that share a channel do not reach the same places.
     const PunctualLight* ownerOfChannel(int channel, vec3 position, uint32_t& index) const
     {
@@ -314,32 +328,6 @@ private:
             if (light.reaches(position)) return &light;
         }
         return nullptr;
-    }
-
-    vec4 texelShadowmask(const TexelMap& map, const Texel& texel, PointMask outside, const Effort& effort,
-                         uint64_t& rays) const
-    {
-        std::array<SurfacePoint, kMaxTexelPoints> points;
-        int pointCount = texelPoints(geometry_, map, texel, points);
-        const uint32_t id = texelId(map, texel);
-        if (outside == 0) return vec4(1.0f); // inside geometry: the bake fills it from texels around it
-        keepPoints(outside, points, pointCount);
-        vec4 mask(1.0f);
-        for (int channel = 0; channel < 4; ++channel) {
-            float sum = 0.0f;
-            int count = 0;
-            for (int s = 0; s < effort.shadowSamples; ++s) {
-                const SurfacePoint& point = points[std::size_t(s % pointCount)];
-                uint32_t index = 0;
-                const PunctualLight* light = ownerOfChannel(channel, point.position, index);
-                if (light == nullptr) continue;
-                Sampler sampler(settings_.seed ^ kShadowSeed, hashCombine(id, index), uint32_t(s));
-                sum += paths_.lightVisibility(*light, point, sampler.next2(), rays);
-                ++count;
-            }
-            if (count > 0) mask[channel] = sum / float(count);
-        }
-        return mask;
     }
 
     ProbeEstimate probe(uint32_t id, vec3 position, int samples, uint64_t& rays) const
@@ -358,7 +346,7 @@ private:
             const PathTracer::EmitterInSpace emitter = paths_.emitterInSpace(position, kUniformPdf, sampler, rays);
             if (emitter.radianceOverPdf != vec3(0.0f)) add(emitter.direction, emitter.radianceOverPdf);
             const PathTracer::Incoming in =
-                paths_.incoming(position, direction, kUniformPdf, settings_.bounces, sampler, rays);
+                paths_.incoming({position}, direction, kUniformPdf, settings_.bounces, sampler, rays);
             backFaces += in.firstHitBackFace ? 1 : 0;
             add(direction, in.radiance / kUniformPdf);
             mean.add(in.radiance + emitter.radianceOverPdf * kUniformPdf);
@@ -404,7 +392,12 @@ private:
     const BakeGeometry& geometry_;
     IntegrationSettings settings_;
     PathTracer paths_;
-    bool anySolid_ = false;
+    PointValidity validity_;
+    GatherPattern pattern_;
+    CachedLightmap lightmap_;
+    std::unique_ptr<TexelGrid> grid_; ///< of the map asked for last
+    const TexelMap* gridMap_ = nullptr;
+    std::size_t gridTexels_ = 0;
     std::atomic<uint64_t> rays_{0};
 };
 

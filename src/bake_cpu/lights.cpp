@@ -20,6 +20,7 @@ std::vector<PunctualLight> punctualLights(const Scene& scene, LightUse use)
         p.axis = light.direction();
         p.range = light.rangeMeters;
         p.spotConstants = shading::spotConstants(light.innerConeRadians, light.outerConeRadians);
+        p.cosOuterCone = std::cos(light.outerConeRadians);
         p.radius = light.type == LightType::Directional ? 0.0f : light.radiusMeters;
         p.tanAngularRadius = light.type == LightType::Directional ? std::tan(light.angularRadiusRadians) : 0.0f;
         p.castShadows = light.castShadows;
@@ -68,15 +69,24 @@ LightRay sampleLightRay(const PunctualLight& light, vec3 origin, vec2 u)
 Emitters::Emitters(const SurfaceTracer& tracer) : tracer_(tracer)
 {
     const BakeGeometry& geometry = tracer.geometry();
-    std::vector<double> power;
-    double total = 0.0;
+    std::vector<LightItem> items;
     for (uint32_t t = 0; t < geometry.triangles.size(); ++t) {
         const TransportMaterial& material = tracer.materialOfTriangle(t);
         if (material.emission == vec3(0.0f)) continue;
         const uvec3 v = geometry.triangles[t];
-        const float area = 0.5f * glm::length(glm::cross(geometry.positions[v.y] - geometry.positions[v.x],
-                                                         geometry.positions[v.z] - geometry.positions[v.x]));
+        Emissive e;
+        e.triangle = t;
+        e.origin = geometry.positions[v.x];
+        e.edge1 = geometry.positions[v.y] - e.origin;
+        e.edge2 = geometry.positions[v.z] - e.origin;
+        e.normal = geometry.geometricNormal(t);
+        const float area = 0.5f * glm::length(glm::cross(e.edge1, e.edge2));
         if (!(area > 0.0f)) continue;
+        e.inverseArea = 1.0f / area;
+        e.uniform = !material.emissive && material.alphaMode == Material::AlphaMode::Opaque;
+        e.radiance = material.emission;
+        e.doubleSided = material.doubleSided;
+        e.rayVisible = geometry.parts[geometry.partOfTriangle[t]].castShadows;
         // Mean emission over a few points; textured triangles keep a small share whatever the points say.
         float mean = luminance(material.emission);
         if (material.emissive) {
@@ -90,43 +100,72 @@ Emitters::Emitters(const SurfaceTracer& tracer) : tracer_(tracer)
             mean = std::max(mean, 0.01f * full);
         }
         if (!(mean > 0.0f)) continue;
-        triangles_.push_back(t);
-        power.push_back(double(area) * double(mean));
-        total += power.back();
+        LightItem item;
+        item.bounds.extend(e.origin);
+        item.bounds.extend(e.origin + e.edge1);
+        item.bounds.extend(e.origin + e.edge2);
+        item.axis = e.normal;
+        item.twoSided = e.doubleSided;
+        item.power = area * mean * (e.doubleSided ? 2.0f : 1.0f);
+        items.push_back(item);
+        triangles_.push_back(e);
     }
     if (triangles_.empty()) return;
-    pdfOfTriangle_.assign(geometry.triangles.size(), 0.0f);
-    double sum = 0.0;
-    for (std::size_t i = 0; i < triangles_.size(); ++i) {
-        sum += power[i];
-        cumulative_.push_back(float(sum / total));
-        const uvec3 v = geometry.triangles[triangles_[i]];
-        const float area = 0.5f * glm::length(glm::cross(geometry.positions[v.y] - geometry.positions[v.x],
-                                                         geometry.positions[v.z] - geometry.positions[v.x]));
-        const float probability = cumulative_[i] - (i > 0 ? cumulative_[i - 1] : 0.0f);
-        pdfOfTriangle_[triangles_[i]] = probability / area;
-    }
-    cumulative_.back() = 1.0f;
+    itemOfTriangle_.assign(geometry.triangles.size(), ~0u);
+    for (std::size_t i = 0; i < triangles_.size(); ++i) itemOfTriangle_[triangles_[i].triangle] = uint32_t(i);
+    tree_ = LightTree(items);
 }
 
-EmitterSample Emitters::sample(vec2 uTriangle, vec2 uPoint) const
+EmitterSample Emitters::sample(const Receiver& receiver, vec2 u) const
 {
-    const auto found = std::upper_bound(cumulative_.begin(), cumulative_.end(), uTriangle.x);
-    const auto index = std::min(std::size_t(found - cumulative_.begin()), triangles_.size() - 1);
-    const uint32_t triangle = triangles_[index];
-    const vec2 barycentric = shading::sampleTriangle(uPoint);
-    const BakeGeometry& geometry = tracer_.geometry();
-    const uvec3 v = geometry.triangles[triangle];
+    const LightTree::Choice choice = receiver.cut != nullptr
+                                         ? tree_.sample(*receiver.cut, receiver.position, receiver.normal, u.x)
+                                         : tree_.sample(receiver.position, receiver.normal, u.x);
     EmitterSample s;
-    s.position = (1.0f - barycentric.x - barycentric.y) * geometry.positions[v.x] +
-                 barycentric.x * geometry.positions[v.y] + barycentric.y * geometry.positions[v.z];
-    s.normal = geometry.geometricNormal(triangle);
+    if (choice.probability <= 0.0f) return s;
+    const Emissive& e = triangles_[choice.item];
+    const vec2 barycentric = shading::sampleTriangle(vec2(choice.u, u.y));
+    s.position = e.origin + barycentric.x * e.edge1 + barycentric.y * e.edge2;
+    s.normal = e.normal;
+    s.radiance = e.radiance;
     // Holes do not shine, and what is half transparent shines by half.
-    s.radiance = tracer_.emissionAt(triangle, barycentric) * tracer_.coverageAt(triangle, barycentric);
-    s.rayVisible = geometry.parts[geometry.partOfTriangle[triangle]].castShadows;
-    s.doubleSided = tracer_.materialOfTriangle(triangle).doubleSided;
-    s.pdfArea = pdfOfTriangle_[triangle];
+    if (!e.uniform) {
+        s.radiance = tracer_.emissionAt(e.triangle, barycentric) * tracer_.coverageAt(e.triangle, barycentric);
+    }
+    s.rayVisible = e.rayVisible;
+    s.doubleSided = e.doubleSided;
+    s.pdfArea = choice.probability * e.inverseArea;
     return s;
+}
+
+float Emitters::pdfArea(const Receiver& receiver, uint32_t triangle) const
+{
+    if (itemOfTriangle_.empty() || itemOfTriangle_[triangle] == ~0u) return 0.0f;
+    const uint32_t item = itemOfTriangle_[triangle];
+    const float probability = receiver.cut != nullptr
+                                  ? tree_.probability(*receiver.cut, item, receiver.position, receiver.normal)
+                                  : tree_.probability(item, receiver.position, receiver.normal);
+    return probability * triangles_[item].inverseArea;
+}
+
+LightTree punctualTree(const std::vector<PunctualLight>& lights, std::vector<uint32_t>& itemLights)
+{
+    std::vector<LightItem> items;
+    itemLights.clear();
+    for (std::size_t i = 0; i < lights.size(); ++i) {
+        const PunctualLight& light = lights[i];
+        const float power = luminance(light.colorIntensity) * light.indirectMultiplier;
+        if (!light.bounces || light.type == shading::kLightDirectional || !(power > 0.0f)) continue;
+        LightItem item;
+        item.bounds.extend(light.position);
+        item.axis = light.axis;
+        item.cosSpread = light.type == shading::kLightSpot ? light.cosOuterCone : -1.0f;
+        item.power = power;
+        item.range = light.range;
+        items.push_back(item);
+        itemLights.push_back(uint32_t(i));
+    }
+    return LightTree(items);
 }
 
 } // namespace halflight

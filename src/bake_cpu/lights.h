@@ -1,6 +1,7 @@
 #pragma once
 // The scene's light sources, ready for sampling.
 
+#include "bake_cpu/light_tree.h"
 #include "bake_cpu/sampler.h"
 #include "bake_cpu/surface.h"
 
@@ -19,6 +20,7 @@ struct PunctualLight {
     vec3 axis{0.0f};
     float range = 0.0f;
     vec2 spotConstants{0.0f};
+    float cosOuterCone = -1.0f;
     float radius = 0.0f;           ///< metres; point and spot
     float tanAngularRadius = 0.0f; ///< directional
     bool castShadows = true;
@@ -55,6 +57,14 @@ struct LightRay {
 };
 LightRay sampleLightRay(const PunctualLight& light, vec3 origin, vec2 u);
 
+/// Who asks for light: a place, its shading normal (zero in space: light from all sides counts), and the cut of the
+/// emitters' tree to begin from (null: the root).
+struct Receiver {
+    vec3 position{0.0f};
+    vec3 normal{0.0f};
+    const LightTree::Cut* cut = nullptr;
+};
+
 /// A point on an emissive triangle.
 struct EmitterSample {
     vec3 position{0.0f};
@@ -62,26 +72,40 @@ struct EmitterSample {
     vec3 radiance{0.0f};
     bool doubleSided = false;
     bool rayVisible = true; ///< rays can hit it too: false when its object casts no shadow
-    float pdfArea = 0.0f;   ///< per square metre
+    float pdfArea = 0.0f;   ///< per square metre; 0: there is no sample
 };
 
-/// All emissive triangles, chosen with probability proportional to area times emission.
+/// All emissive triangles in a tree of lights; uniform on the chosen triangle.
 class Emitters {
 public:
     explicit Emitters(const SurfaceTracer& tracer);
     [[nodiscard]] bool empty() const { return triangles_.empty(); }
-    [[nodiscard]] EmitterSample sample(vec2 uTriangle, vec2 uPoint) const;
+    [[nodiscard]] LightTree::Cut cut(vec3 position, vec3 normal) const { return tree_.cut(position, normal); }
+    [[nodiscard]] EmitterSample sample(const Receiver& receiver, vec2 u) const;
     /// Density, per square metre, with which sample() chooses points of a triangle; 0 when it is no emitter.
-    [[nodiscard]] float pdfArea(uint32_t triangle) const
-    {
-        return pdfOfTriangle_.empty() ? 0.0f : pdfOfTriangle_[triangle];
-    }
+    [[nodiscard]] float pdfArea(const Receiver& receiver, uint32_t triangle) const;
 
 private:
+    /// What a sample needs of its triangle, side by side.
+    struct Emissive {
+        vec3 origin{0.0f};
+        vec3 edge1{0.0f};
+        vec3 edge2{0.0f};
+        vec3 normal{0.0f};
+        vec3 radiance{0.0f}; ///< where it is the same all over
+        float inverseArea = 0.0f;
+        uint32_t triangle = 0;
+        bool uniform = true;
+        bool doubleSided = false;
+        bool rayVisible = true;
+    };
     const SurfaceTracer& tracer_;
-    std::vector<uint32_t> triangles_;
-    std::vector<float> cumulative_; ///< of selection probabilities
-    std::vector<float> pdfOfTriangle_;
+    std::vector<Emissive> triangles_;
+    std::vector<uint32_t> itemOfTriangle_; ///< ~0 = none; empty without emitters
+    LightTree tree_;
 };
+
+/// Tree over the point and spot lights that bounce; `itemLights` returns the light of each item.
+LightTree punctualTree(const std::vector<PunctualLight>& lights, std::vector<uint32_t>& itemLights);
 
 } // namespace halflight

@@ -1,5 +1,7 @@
 #include "bake_cpu/path.h"
 
+#include "bake_cpu/radiance_cache.h"
+
 #include "halflight/shading/brdf.h"
 #include "halflight/shading/sampling.h"
 #include "halflight/shading/sky.h"
@@ -13,7 +15,13 @@ using shading::powerHeuristic;
 
 PathTracer::PathTracer(const Scene& scene, const BakeGeometry& geometry, LightUse use)
     : tracer_(scene, geometry), lights_(punctualLights(scene, use)), emitters_(tracer_), sky_(scene.sky)
-{}
+{
+    // A few lights are faster looked at one by one, and then chosen exactly.
+    constexpr std::ptrdiff_t kFewLights = 8;
+    if (std::count_if(lights_.begin(), lights_.end(), [](const PunctualLight& l) { return l.bounces; }) > kFewLights) {
+        punctualTree_ = punctualTree(lights_, lightOfItem_);
+    }
+}
 
 vec3 PathTracer::rayOrigin(const SurfacePoint& point) const
 {
@@ -41,6 +49,9 @@ static vec3 smoothOrigin(const BakeGeometry& geometry, const SurfacePoint& point
     const uvec3 t = geometry.triangles[point.triangle];
     const float weights[3] = {1.0f - point.barycentric.x - point.barycentric.y, point.barycentric.x,
                               point.barycentric.y};
+    if (geometry.normals[t.x] == geometry.normals[t.y] && geometry.normals[t.x] == geometry.normals[t.z]) {
+        return point.position;
+    }
     const bool flipped = glm::dot(geometry.geometricNormal(point.triangle), point.geometricNormal) < 0.0f;
     vec3 position = point.position;
     for (int i = 0; i < 3; ++i) {
@@ -52,20 +63,25 @@ static vec3 smoothOrigin(const BakeGeometry& geometry, const SurfacePoint& point
     return position;
 }
 
+vec3 PathTracer::shadowOrigin(const SurfacePoint& point, uint64_t& rays) const
+{
+    const float epsilon = tracer_.epsilonAt(point.position);
+    const vec3 flat = point.position + point.geometricNormal * epsilon;
+    const vec3 origin = smoothOrigin(tracer_.geometry(), point) + point.geometricNormal * epsilon;
+    // Not through whatever stands next to the surface.
+    const float lift = glm::distance(flat, origin);
+    if (lift <= 4.0f * epsilon) return origin;
+    ++rays;
+    return tracer_.occluded(flat, (origin - flat) / lift, 0.0f, lift) ? flat : origin;
+}
+
 float PathTracer::lightVisibility(const PunctualLight& light, const SurfacePoint& point, vec2 u, uint64_t& rays) const
 {
     if (!light.castShadows) return 1.0f;
-    const float epsilon = tracer_.epsilonAt(point.position);
-    const vec3 flat = point.position + point.geometricNormal * epsilon;
-    vec3 origin = smoothOrigin(tracer_.geometry(), point) + point.geometricNormal * epsilon;
-    // Not through whatever stands next to the surface.
-    const float lift = glm::distance(flat, origin);
-    if (lift > 4.0f * epsilon) {
-        ++rays;
-        if (tracer_.occluded(flat, (origin - flat) / lift, 0.0f, lift)) origin = flat;
-    }
+    const vec3 origin = shadowOrigin(point, rays);
     const LightRay ray = sampleLightRay(light, origin, u);
     ++rays;
+    const float epsilon = tracer_.epsilonAt(point.position);
     return tracer_.occluded(origin, ray.direction, epsilon, ray.distance * (1.0f - 1.0e-4f)) ? 0.0f : 1.0f;
 }
 
@@ -80,23 +96,24 @@ float PathTracer::lightVisibilityInSpace(const PunctualLight& light, vec3 positi
 // One light per call, chosen in proportion to what each would contribute unshadowed (Shirley et al. 1996, "Monte Carlo
 // Techniques for Direct Lighting Calculations", section 5); the estimate is contribution / probability. The choice is a
 // weighted reservoir of one (Chao 1982, "A General Purpose Unequal Probability Sampling Plan"), its random number used
-// up and stretched again at each light, so any number of lights needs no memory.
+// up and stretched again at each light, so any number of lights needs no memory. Where lights are many, one of them,
+// chosen by the tree, stands for all point and spot lights: its contribution over its probability.
 vec3 PathTracer::punctualIrradiance(const SurfacePoint& point, bool direct, Sampler& sampler, uint64_t& rays) const
 {
+    if (lights_.empty()) return vec3(0.0f);
     float u = sampler.next1();
     const vec2 uLight = sampler.next2();
     float total = 0.0f;
     float chosenWeight = 0.0f;
     const PunctualLight* chosen = nullptr;
     vec3 contribution(0.0f);
-    for (const PunctualLight& light : lights_) {
-        if (!light.bounces) continue;
+    const auto consider = [&](const PunctualLight& light, float probability) {
         const shading::LightSample s = light.at(point.position);
         const float cosine = glm::dot(point.normal, s.direction);
-        if (cosine <= 0.0f) continue;
-        const vec3 unshadowed = s.illuminance * (cosine * (direct ? 1.0f : light.indirectMultiplier));
+        if (cosine <= 0.0f) return;
+        const vec3 unshadowed = s.illuminance * (cosine * (direct ? 1.0f : light.indirectMultiplier) / probability);
         const float weight = luminance(unshadowed);
-        if (weight <= 0.0f) continue;
+        if (weight <= 0.0f) return;
         total += weight;
         const float take = weight / total;
         if (u < take) {
@@ -107,6 +124,13 @@ vec3 PathTracer::punctualIrradiance(const SurfacePoint& point, bool direct, Samp
         } else {
             u = (u - take) / (1.0f - take);
         }
+    };
+    for (const PunctualLight& light : lights_) {
+        if (light.bounces && (punctualTree_.empty() || light.type == shading::kLightDirectional)) consider(light, 1.0f);
+    }
+    if (!punctualTree_.empty()) {
+        const LightTree::Choice choice = punctualTree_.sample(point.position, point.normal, sampler.next1());
+        if (choice.probability > 0.0f) consider(lights_[lightOfItem_[choice.item]], choice.probability);
     }
     if (chosen == nullptr) return vec3(0.0f);
     const float visibility = lightVisibility(*chosen, point, uLight, rays);
@@ -116,35 +140,42 @@ vec3 PathTracer::punctualIrradiance(const SurfacePoint& point, bool direct, Samp
 
 // Veach and Guibas 1995, "Optimally Combining Sampling Techniques for Monte Carlo Rendering": area samples of emitters
 // against cosine-distributed directions. pdfs per steradian; the cosine-distributed one is cos / pi.
-PathTracer::EmitterAtSurface PathTracer::emitterIrradiance(const SurfacePoint& point, Sampler& sampler,
-                                                           uint64_t& rays) const
+PathTracer::EmitterCandidate PathTracer::emitterCandidate(const Receiver& receiver, vec3 geometricNormal, vec2 u) const
 {
-    if (emitters_.empty()) return {};
-    const vec2 uTriangle = sampler.next2();
-    const EmitterSample s = emitters_.sample(uTriangle, sampler.next2());
-    const vec3 origin = rayOrigin(point);
-    const vec3 toEmitter = s.position - origin;
+    const EmitterSample s = emitters_.sample(receiver, u);
+    if (s.pdfArea <= 0.0f || s.radiance == vec3(0.0f)) return {};
+    const vec3 toEmitter = s.position - receiver.position;
     const float distance2 = glm::dot(toEmitter, toEmitter);
     if (distance2 <= 0.0f) return {};
     const float distance = std::sqrt(distance2);
     const vec3 direction = toEmitter / distance;
-    const float cosine = glm::dot(point.normal, direction);
+    const float cosine = glm::dot(receiver.normal, direction);
     float emitterCosine = -glm::dot(s.normal, direction);
     if (s.doubleSided) emitterCosine = std::abs(emitterCosine);
-    if (cosine <= 0.0f || emitterCosine <= 0.0f || s.radiance == vec3(0.0f)) return {};
-    if (glm::dot(direction, point.geometricNormal) <= 0.0f) return {};
+    if (cosine <= 0.0f || emitterCosine <= 0.0f || glm::dot(direction, geometricNormal) <= 0.0f) return {};
     const float pdf = s.pdfArea * distance2 / emitterCosine;
+    return {direction, distance,
+            s.radiance * (cosine / pdf * (s.rayVisible ? powerHeuristic(pdf, cosine / kPi) : 1.0f))};
+}
+
+PathTracer::EmitterAtSurface PathTracer::emitterIrradiance(const SurfacePoint& point, Sampler& sampler,
+                                                           uint64_t& rays) const
+{
+    if (emitters_.empty()) return {};
+    const Receiver receiver{rayOrigin(point), point.normal};
+    const EmitterCandidate c = emitterCandidate(receiver, point.geometricNormal, sampler.next2());
+    if (c.distance <= 0.0f) return {};
     ++rays;
-    if (tracer_.occluded(origin, direction, 0.0f, distance * (1.0f - 1.0e-4f))) return {};
-    return {direction, s.radiance * (cosine / pdf * (s.rayVisible ? powerHeuristic(pdf, cosine / kPi) : 1.0f))};
+    if (tracer_.occluded(receiver.position, c.direction, 0.0f, c.distance * (1.0f - 1.0e-4f))) return {};
+    return {c.direction, c.irradiance};
 }
 
 PathTracer::EmitterInSpace PathTracer::emitterInSpace(vec3 position, float directionPdf, Sampler& sampler,
                                                       uint64_t& rays) const
 {
     if (emitters_.empty()) return {};
-    const vec2 uTriangle = sampler.next2();
-    const EmitterSample s = emitters_.sample(uTriangle, sampler.next2());
+    const EmitterSample s = emitters_.sample({position}, sampler.next2());
+    if (s.pdfArea <= 0.0f) return {};
     const vec3 toEmitter = s.position - position;
     const float distance2 = glm::dot(toEmitter, toEmitter);
     if (distance2 <= 0.0f) return {};
@@ -159,21 +190,23 @@ PathTracer::EmitterInSpace PathTracer::emitterInSpace(vec3 position, float direc
     return {direction, s.radiance * ((s.rayVisible ? powerHeuristic(pdf, directionPdf) : 1.0f) / pdf)};
 }
 
-float PathTracer::emitterPdf(const SurfaceHit& hit, vec3 direction) const
+vec3 PathTracer::weightedEmission(const SurfaceHit& hit, vec3 direction, const Receiver& from, float directionPdf) const
 {
-    const float pdfArea = emitters_.pdfArea(hit.point.triangle);
+    if (hit.emission == vec3(0.0f) || directionPdf <= 0.0f) return hit.emission;
     const float cosine = std::abs(glm::dot(hit.point.geometricNormal, direction));
-    return cosine > 0.0f ? pdfArea * hit.distance * hit.distance / cosine : 0.0f;
+    if (cosine <= 0.0f) return hit.emission;
+    const float pdf = emitters_.pdfArea(from, hit.point.triangle) * hit.distance * hit.distance / cosine;
+    return hit.emission * powerHeuristic(directionPdf, pdf);
 }
 
-PathTracer::Incoming PathTracer::incoming(vec3 origin, vec3 direction, float directionPdf, int bounces,
+PathTracer::Incoming PathTracer::incoming(const Receiver& receiver, vec3 direction, float directionPdf, int bounces,
                                           Sampler& sampler, uint64_t& rays) const
 {
     ++rays;
-    const SurfaceHit hit = tracer_.intersect(origin, direction, 0.0f, kInfinity);
+    const SurfaceHit hit = tracer_.intersect(receiver.position, direction, 0.0f, kInfinity);
     Incoming result;
     result.firstHitBackFace = hit.found && hit.backFace;
-    result.radiance = follow(hit, direction, directionPdf, bounces, false, sampler, rays);
+    result.radiance = follow(hit, direction, receiver, directionPdf, bounces, sampler, rays);
     return result;
 }
 
@@ -183,31 +216,37 @@ vec3 PathTracer::seenFromCamera(vec3 origin, vec3 direction, float tMax, int bou
     ++rays;
     const SurfaceHit hit = tracer_.intersect(origin, direction, 0.0f, tMax, true);
     if (hit.found && hit.material->unlit) return hit.albedo;
-    return follow(hit, direction, 0.0f, bounces + 1, true, sampler, rays);
+    return follow(hit, direction, {origin}, 0.0f, bounces + 1, sampler, rays, nullptr, nullptr, true);
 }
 
 // Kajiya 1986, "The Rendering Equation", for diffuse surfaces: the throughput of a cosine-distributed bounce is the
 // albedo.
-vec3 PathTracer::follow(SurfaceHit hit, vec3 direction, float directionPdf, int bounces, bool directFromCamera,
-                        Sampler& sampler, uint64_t& rays) const
+vec3 PathTracer::follow(SurfaceHit hit, vec3 direction, Receiver from, float directionPdf, int bounces,
+                        Sampler& sampler, uint64_t& rays, const RadianceCache* cache, vec3* byBounce,
+                        bool directFromCamera) const
 {
     vec3 radiance(0.0f);
     vec3 throughput(1.0f);
+    const auto add = [&](vec3 light, int reflections) {
+        radiance += throughput * light;
+        if (byBounce != nullptr) byBounce[reflections] += throughput * light;
+    };
     for (int depth = 0;; ++depth) {
         if (!hit.found) {
-            radiance += throughput * shading::skyRadiance(sky_.zenith, sky_.horizon, sky_.ground, direction);
+            add(shading::skyRadiance(sky_.zenith, sky_.horizon, sky_.ground, direction), depth);
             break;
         }
-        if (hit.emission != vec3(0.0f)) {
-            const float weight = directionPdf > 0.0f ? powerHeuristic(directionPdf, emitterPdf(hit, direction)) : 1.0f;
-            radiance += throughput * hit.emission * weight;
-        }
+        add(weightedEmission(hit, direction, from, directionPdf), depth);
         if (depth >= bounces || hit.albedo == vec3(0.0f)) break;
+        if (vec3 known; cache != nullptr && cache->reflected(hit, bounces - depth, known)) {
+            add(known, depth + 1);
+            break;
+        }
 
         // Light that reaches this surface directly.
         vec3 irradiance = punctualIrradiance(hit.point, directFromCamera && depth == 0, sampler, rays);
         irradiance += emitterIrradiance(hit.point, sampler, rays).irradiance;
-        radiance += throughput * shading::diffuseRadiance(hit.albedo, irradiance);
+        add(shading::diffuseRadiance(hit.albedo, irradiance), depth + 1);
 
         // Russian roulette (Arvo and Kirk 1990) once a path has lost most of its light.
         throughput *= hit.albedo;
@@ -219,9 +258,9 @@ vec3 PathTracer::follow(SurfaceHit hit, vec3 direction, float directionPdf, int 
         }
         direction = gatherDirection(hit.point, uDirection);
         directionPdf = std::max(glm::dot(direction, hit.point.normal), 1.0e-4f) / kPi;
-        const vec3 origin = rayOrigin(hit.point);
+        from = {rayOrigin(hit.point), hit.point.normal};
         ++rays;
-        hit = tracer_.intersect(origin, direction, 0.0f, kInfinity);
+        hit = tracer_.intersect(from.position, direction, 0.0f, kInfinity);
     }
     return radiance;
 }

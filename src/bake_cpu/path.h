@@ -12,6 +12,8 @@
 
 namespace halflight {
 
+class RadianceCache;
+
 class PathTracer {
 public:
     /// `scene` and `geometry` outlive the tracer.
@@ -20,16 +22,29 @@ public:
     [[nodiscard]] bool ok() const { return tracer_.ok(); }
     [[nodiscard]] const SurfaceTracer& surfaces() const { return tracer_; }
     [[nodiscard]] const std::vector<PunctualLight>& lights() const { return lights_; }
+    [[nodiscard]] const Emitters& emitters() const { return emitters_; }
+    [[nodiscard]] const Sky& sky() const { return sky_; }
 
     /// Radiance that arrives at `origin` from `direction` after at most `bounces` reflections.
     struct Incoming {
         vec3 radiance{0.0f};
         bool firstHitBackFace = false;
     };
-    /// directionPdf: density per steradian with which `direction` was chosen when emitters were sampled at `origin` too
-    /// (their hits are then weighted), 0 when they were not.
-    Incoming incoming(vec3 origin, vec3 direction, float directionPdf, int bounces, Sampler& sampler,
+    /// directionPdf: density per steradian with which `direction` was chosen when emitters were sampled for `receiver`
+    /// too (their hits are then weighted), 0 when they were not. The ray starts at the receiver's position.
+    Incoming incoming(const Receiver& receiver, vec3 direction, float directionPdf, int bounces, Sampler& sampler,
                       uint64_t& rays) const;
+
+    /// Radiance that a hit sends back along `direction`, of at most `bounces` reflections. With a cache, paths end
+    /// where it knows the answer. `byBounce`, if given, receives the parts of 0, 1, 2, … reflections (bounces + 1 of
+    /// them).
+    vec3 follow(SurfaceHit hit, vec3 direction, Receiver from, float directionPdf, int bounces, Sampler& sampler,
+                uint64_t& rays, const RadianceCache* cache = nullptr, vec3* byBounce = nullptr,
+                bool directFromCamera = false) const;
+
+    /// Emission of a hit as it counts beside emitter samples taken at `from`.
+    [[nodiscard]] vec3 weightedEmission(const SurfaceHit& hit, vec3 direction, const Receiver& from,
+                                        float directionPdf) const;
 
     /// Radiance that leaves a surface seen from a camera: linear, diffuse surfaces.
     vec3 seenFromCamera(vec3 origin, vec3 direction, float tMax, int bounces, Sampler& sampler, uint64_t& rays) const;
@@ -41,6 +56,16 @@ public:
         vec3 irradiance{0.0f};
     };
     EmitterAtSurface emitterIrradiance(const SurfacePoint& point, Sampler& sampler, uint64_t& rays) const;
+    /// The same before visibility is known: unshadowed irradiance, to count if the way to `distance` is free.
+    struct EmitterCandidate {
+        vec3 direction{0.0f};
+        float distance = 0.0f; ///< 0: nothing arrives
+        vec3 irradiance{0.0f};
+    };
+    [[nodiscard]] EmitterCandidate emitterCandidate(const Receiver& receiver, vec3 geometricNormal, vec2 u) const;
+
+    /// Irradiance of one of the lights that bounce, over the probability of its choice.
+    vec3 punctualIrradiance(const SurfacePoint& point, bool direct, Sampler& sampler, uint64_t& rays) const;
     /// A sampled emitter seen from a point in space: radiance over pdf (per steradian), with its direction.
     struct EmitterInSpace {
         vec3 direction{0.0f};
@@ -53,19 +78,19 @@ public:
     float lightVisibility(const PunctualLight& light, const SurfacePoint& point, vec2 u, uint64_t& rays) const;
     float lightVisibilityInSpace(const PunctualLight& light, vec3 position, vec2 u, uint64_t& rays) const;
 
+    /// Where shadow rays leave a surface point.
+    [[nodiscard]] vec3 shadowOrigin(const SurfacePoint& point, uint64_t& rays) const;
+
     /// A gather direction around the point's normal, cosine-distributed, never below the surface.
     static vec3 gatherDirection(const SurfacePoint& point, vec2 u);
     [[nodiscard]] vec3 rayOrigin(const SurfacePoint& point) const;
 
 private:
-    vec3 follow(SurfaceHit hit, vec3 direction, float directionPdf, int bounces, bool directFromCamera,
-                Sampler& sampler, uint64_t& rays) const;
-    vec3 punctualIrradiance(const SurfacePoint& point, bool direct, Sampler& sampler, uint64_t& rays) const;
-    float emitterPdf(const SurfaceHit& hit, vec3 direction) const;
-
     SurfaceTracer tracer_;
     std::vector<PunctualLight> lights_;
     Emitters emitters_;
+    LightTree punctualTree_; ///< of the lights that bounce, when they are many; else empty
+    std::vector<uint32_t> lightOfItem_;
     Sky sky_;
 };
 

@@ -19,11 +19,17 @@ public:
     vec2 next2()
     {
         const uint32_t seed = hashCombine(texel_, dimension_++);
-        const uint32_t index = owenScramble(sample_, seed);
-        return {unitFloat(owenScramble(sobolFirst(index), hashPcg(seed + 1u))),
-                unitFloat(owenScramble(sobolSecond(index), hashPcg(seed + 2u)))};
+        const uvec2 bits = scrambledBits(owenScramble(sample_, seed), seed);
+        return {unitFloat(bits.x), unitFloat(bits.y)};
     }
     float next1() { return next2().x; }
+
+    /// A point of the sequence, scrambled but not shuffled, as 32-bit fractions.
+    static uvec2 scrambledBits(uint32_t index, uint32_t seed)
+    {
+        return {owenScramble(sobolFirst(index), hashPcg(seed + 1u)),
+                owenScramble(sobolSecond(index), hashPcg(seed + 2u))};
+    }
 
 private:
     static uint32_t reverseBits(uint32_t x)

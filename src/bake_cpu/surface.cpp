@@ -129,7 +129,38 @@ TransportMaterial transportMaterial(const Scene& scene, const Material& m)
     return t;
 }
 
+/// The one thing here that is not passed along: a benchmark's log of the rays a thread traces.
+thread_local RayLog* rayLog = nullptr;
+
+void logRay(RayLog::Call::Kind kind, vec3 origin, vec3 direction, float tMin, float tMax)
+{
+    rayLog->calls.push_back({kind, 1, uint32_t(rayLog->rays.size())});
+    rayLog->rays.push_back({origin, direction, tMin, tMax});
+}
+
+void logPacket(RayLog::Call::Kind kind, const embree::LaneMask& valid, const RTCRay8& r)
+{
+    RayLog::Call call{kind, 0, uint32_t(rayLog->rays.size())};
+    for (int i = 0; i < embree::kPacket; ++i) {
+        if (valid.lane[i] == 0) continue;
+        call.lanes = uint8_t(call.lanes | (1u << i));
+        rayLog->rays.push_back({vec3(r.org_x[i], r.org_y[i], r.org_z[i]), vec3(r.dir_x[i], r.dir_y[i], r.dir_z[i]),
+                                r.tnear[i], r.tfar[i]});
+    }
+    rayLog->calls.push_back(call);
+}
+
 } // namespace
+
+RayLogScope::RayLogScope(RayLog* log) : previous_(rayLog)
+{
+    rayLog = log;
+}
+
+RayLogScope::~RayLogScope()
+{
+    rayLog = previous_;
+}
 
 struct SurfaceTracer::GeometryUser {
     const SurfaceTracer* tracer = nullptr;
@@ -164,6 +195,8 @@ SurfaceTracer::SurfaceTracer(const Scene& scene, const BakeGeometry& geometry) :
             for (int i = 0; i < 3; ++i) bounds.extend(geometry.positions[geometry.triangles[t][i]]);
         }
     }
+    firstHit_.assign(1, 0u);
+    for (const auto& list : trianglesOfGeometry_) firstHit_.push_back(firstHit_.back() + uint32_t(list.size()));
     sceneScale_ = bounds.empty() ? 1.0f : glm::length(bounds.size());
 
     device_ = rtcNewDevice(nullptr);
@@ -226,6 +259,7 @@ vec2 SurfaceTracer::textureCoordinate(uint32_t triangle, vec2 barycentric, const
         (1.0f - barycentric.x - barycentric.y) * uv[t.x] + barycentric.x * uv[t.y] + barycentric.y * uv[t.z];
     // KHR_texture_transform: translation * rotation * scale.
     const vec2 scaled = raw * ref.scale;
+    if (ref.rotationRadians == 0.0f) return ref.offset + scaled;
     const float c = std::cos(ref.rotationRadians);
     const float s = std::sin(ref.rotationRadians);
     return ref.offset + vec2(c * scaled.x + s * scaled.y, -s * scaled.x + c * scaled.y);
@@ -268,20 +302,22 @@ bool SurfaceTracer::passes(uint32_t triangle, vec2 barycentric, const float* ray
 
 void SurfaceTracer::filter(const RTCFilterFunctionNArguments* arguments)
 {
-    if (arguments->valid[0] != -1) return;
     const auto* user = static_cast<const GeometryUser*>(arguments->geometryUserPtr);
     const auto* context = reinterpret_cast<const embree::RayContext*>(arguments->context);
-    if (!user->castShadows && !context->camera) {
-        arguments->valid[0] = 0;
-        return;
+    const unsigned count = arguments->N;
+    for (unsigned i = 0; i < count; ++i) {
+        if (arguments->valid[i] != -1) continue;
+        if (!user->castShadows && !context->camera) {
+            arguments->valid[i] = 0;
+            continue;
+        }
+        const uint32_t triangle = (*user->triangles)[RTCHitN_primID(arguments->hit, count, i)];
+        const vec2 barycentric(RTCHitN_u(arguments->hit, count, i), RTCHitN_v(arguments->hit, count, i));
+        const float ray[6] = {RTCRayN_org_x(arguments->ray, count, i), RTCRayN_org_y(arguments->ray, count, i),
+                              RTCRayN_org_z(arguments->ray, count, i), RTCRayN_dir_x(arguments->ray, count, i),
+                              RTCRayN_dir_y(arguments->ray, count, i), RTCRayN_dir_z(arguments->ray, count, i)};
+        if (user->tracer->passes(triangle, barycentric, ray)) arguments->valid[i] = 0;
     }
-    const uint32_t triangle = (*user->triangles)[RTCHitN_primID(arguments->hit, arguments->N, 0)];
-    const vec2 barycentric(RTCHitN_u(arguments->hit, arguments->N, 0), RTCHitN_v(arguments->hit, arguments->N, 0));
-    const float ray[6] = {
-        RTCRayN_org_x(arguments->ray, arguments->N, 0), RTCRayN_org_y(arguments->ray, arguments->N, 0),
-        RTCRayN_org_z(arguments->ray, arguments->N, 0), RTCRayN_dir_x(arguments->ray, arguments->N, 0),
-        RTCRayN_dir_y(arguments->ray, arguments->N, 0), RTCRayN_dir_z(arguments->ray, arguments->N, 0)};
-    if (user->tracer->passes(triangle, barycentric, ray)) arguments->valid[0] = 0;
 }
 
 vec3 SurfaceTracer::emissionAt(uint32_t triangle, vec2 barycentric) const
@@ -316,55 +352,106 @@ static RTCRayHit rayHit(vec3 origin, vec3 direction, float tMin, float tMax)
 SurfaceHit SurfaceTracer::intersect(vec3 origin, vec3 direction, float tMin, float tMax, bool cameraRay) const
 {
     embree::RayContext context(cameraRay);
-    SurfaceHit hit;
     // Camera rays go on behind back faces they do not see. The bound is against endless loops on damaged geometry.
     for (int layer = 0; layer < 256; ++layer) {
         RTCRayHit ray = rayHit(origin, direction, tMin, tMax);
+        if (rayLog != nullptr) logRay(RayLog::Call::Intersect, origin, direction, tMin, tMax);
         embree::intersect(scene_, context, ray);
-        if (ray.hit.geomID == RTC_INVALID_GEOMETRY_ID) return hit;
+        if (ray.hit.geomID == RTC_INVALID_GEOMETRY_ID) return {};
 
         const uint32_t triangle = trianglesOfGeometry_[ray.hit.geomID][ray.hit.primID];
-        const TransportMaterial& material = materialOfTriangle(triangle);
         const bool behind = ray.hit.Ng_x * direction.x + ray.hit.Ng_y * direction.y + ray.hit.Ng_z * direction.z > 0.0f;
-        if (cameraRay && behind && !material.doubleSided) {
+        if (cameraRay && behind && !materialOfTriangle(triangle).doubleSided) {
             tMin = ray.ray.tfar * (1.0f + 1.0e-6f) + epsilonAt(origin);
             continue;
         }
-        const vec2 barycentric(ray.hit.u, ray.hit.v);
-        hit.found = true;
-        hit.backFace = behind && (!material.doubleSided || geometry_.solid[triangle] != 0);
-        hit.distance = ray.ray.tfar;
-        hit.material = &material;
-        hit.point = surfacePoint(geometry_, triangle, barycentric);
-        if (behind) {
-            hit.point.normal = -hit.point.normal;
-            hit.point.geometricNormal = -hit.point.geometricNormal;
-        }
-
-        vec3 base = material.diffuseAlbedo;
-        if (material.baseColor) {
-            const auto index = std::size_t(material.baseColor.texture);
-            base *= linearOf(nearestTexel(sceneData_.textures[index], smallTextures_[index],
-                                          textureCoordinate(triangle, barycentric, material.baseColor)));
-        }
-        if (!geometry_.colors.empty()) {
-            const uvec3 t = geometry_.triangles[triangle];
-            base *= vec3((1.0f - barycentric.x - barycentric.y) * geometry_.colors[t.x] +
-                         barycentric.x * geometry_.colors[t.y] + barycentric.y * geometry_.colors[t.z]);
-        }
-        float metallic = material.metallicFactor;
-        if (material.metallic && metallic > 0.0f) {
-            const auto index = std::size_t(material.metallic.texture);
-            metallic *= float(nearestTexel(sceneData_.textures[index], smallTextures_[index],
-                                           textureCoordinate(triangle, barycentric, material.metallic))
-                                  .z) /
-                        255.0f;
-        }
-        hit.albedo = glm::clamp(shading::diffuseAlbedoOf(base, metallic), 0.0f, 1.0f);
-        if (!hit.backFace) hit.emission = emissionAt(triangle, barycentric);
-        return hit;
+        return surfaceAt(ray.hit.geomID, ray.hit.primID, vec2(ray.hit.u, ray.hit.v), ray.ray.tfar, behind);
     }
+    return {};
+}
+
+SurfaceHit SurfaceTracer::surfaceAt(uint32_t geomID, uint32_t primID, vec2 barycentric, float distance,
+                                    bool behind) const
+{
+    const uint32_t triangle = triangleOf(geomID, primID);
+    const TransportMaterial& material = materialOfTriangle(triangle);
+    SurfaceHit hit;
+    hit.found = true;
+    hit.behind = behind;
+    hit.backFace = behind && backIsHidden(triangle);
+    hit.distance = distance;
+    hit.index = hitIndex(geomID, primID);
+    hit.material = &material;
+    hit.point = surfacePoint(geometry_, triangle, barycentric);
+    if (behind) {
+        hit.point.normal = -hit.point.normal;
+        hit.point.geometricNormal = -hit.point.geometricNormal;
+    }
+    hit.albedo = albedoAt(triangle, barycentric);
+    if (!hit.backFace) hit.emission = emissionAt(triangle, barycentric);
     return hit;
+}
+
+uint32_t SurfaceTracer::triangleAt(uint32_t hitIndex) const
+{
+    std::size_t geometry = 0;
+    while (hitIndex >= firstHit_[geometry + 1]) ++geometry;
+    return trianglesOfGeometry_[geometry][hitIndex - firstHit_[geometry]];
+}
+
+vec3 SurfaceTracer::albedoAt(uint32_t triangle, vec2 barycentric) const
+{
+    const TransportMaterial& material = materialOfTriangle(triangle);
+    vec3 base = material.diffuseAlbedo;
+    if (material.baseColor) {
+        const auto index = std::size_t(material.baseColor.texture);
+        base *= linearOf(nearestTexel(sceneData_.textures[index], smallTextures_[index],
+                                      textureCoordinate(triangle, barycentric, material.baseColor)));
+    }
+    if (!geometry_.colors.empty()) {
+        const uvec3 t = geometry_.triangles[triangle];
+        base *= vec3((1.0f - barycentric.x - barycentric.y) * geometry_.colors[t.x] +
+                     barycentric.x * geometry_.colors[t.y] + barycentric.y * geometry_.colors[t.z]);
+    }
+    float metallic = material.metallicFactor;
+    if (material.metallic && metallic > 0.0f) {
+        const auto index = std::size_t(material.metallic.texture);
+        metallic *= float(nearestTexel(sceneData_.textures[index], smallTextures_[index],
+                                       textureCoordinate(triangle, barycentric, material.metallic))
+                              .z) /
+                    255.0f;
+    }
+    return glm::clamp(shading::diffuseAlbedoOf(base, metallic), 0.0f, 1.0f);
+}
+
+void SurfaceTracer::clear(RTCRay8& rays)
+{
+    for (int i = 0; i < embree::kPacket; ++i) {
+        rays.tnear[i] = 0.0f;
+        rays.tfar[i] = kInfinity;
+        rays.time[i] = 0.0f;
+        rays.mask[i] = ~0u;
+        rays.id[i] = 0u;
+        rays.flags[i] = 0u;
+    }
+}
+
+void SurfaceTracer::intersect(const embree::LaneMask& valid, RTCRayHit8& rays) const
+{
+    embree::RayContext context(false);
+    for (int i = 0; i < embree::kPacket; ++i) {
+        rays.hit.geomID[i] = RTC_INVALID_GEOMETRY_ID;
+        rays.hit.instID[0][i] = RTC_INVALID_GEOMETRY_ID;
+    }
+    if (rayLog != nullptr) logPacket(RayLog::Call::Intersect8, valid, rays.ray);
+    embree::intersect8(scene_, context, valid, rays);
+}
+
+void SurfaceTracer::occluded(const embree::LaneMask& valid, RTCRay8& rays) const
+{
+    embree::RayContext context(false);
+    if (rayLog != nullptr) logPacket(RayLog::Call::Occluded8, valid, rays);
+    embree::occluded8(scene_, context, valid, rays);
 }
 
 SurfaceTracer::Crossings SurfaceTracer::crossings(vec3 origin, vec3 direction) const
@@ -381,7 +468,7 @@ SurfaceTracer::Crossings SurfaceTracer::crossings(vec3 origin, vec3 direction) c
         const uint32_t triangle = trianglesOfGeometry_[ray.hit.geomID][ray.hit.primID];
         const bool behind = glm::dot(vec3(ray.hit.Ng_x, ray.hit.Ng_y, ray.hit.Ng_z), direction) > 0.0f;
         const bool solid = geometry_.solid[triangle] != 0;
-        if (result.rays == 1) result.backFaceFirst = behind && (solid || !materialOfTriangle(triangle).doubleSided);
+        if (result.rays == 1) result.backFaceFirst = behind && backIsHidden(triangle);
         if (solid) result.solidsLeft += behind ? 1 : -1;
         tMin = ray.ray.tfar * (1.0f + 1.0e-6f) + epsilonAt(origin + direction * ray.ray.tfar);
     }
@@ -401,8 +488,52 @@ bool SurfaceTracer::occluded(vec3 origin, vec3 direction, float tMin, float tMax
     ray.tnear = tMin;
     ray.tfar = tMax;
     ray.mask = ~0u;
+    if (rayLog != nullptr) logRay(RayLog::Call::Occluded, origin, direction, tMin, tMax);
     embree::occluded(scene_, context, ray);
     return ray.tfar < 0.0f;
+}
+
+void SurfaceTracer::replay(const RayLog& log) const
+{
+    alignas(32) embree::LaneMask valid;
+    RTCRayHit8 packet;
+    for (const RayLog::Call& call : log.calls) {
+        const RayLog::Ray* ray = &log.rays[call.first];
+        if (call.kind == RayLog::Call::Intersect || call.kind == RayLog::Call::Occluded) {
+            embree::RayContext context(false);
+            RTCRayHit single = rayHit(ray->origin, ray->direction, ray->tMin, ray->tMax);
+            if (call.kind == RayLog::Call::Intersect) {
+                embree::intersect(scene_, context, single);
+            } else {
+                embree::occluded(scene_, context, single.ray);
+            }
+            continue;
+        }
+        clear(packet.ray);
+        for (int i = 0; i < embree::kPacket; ++i) {
+            valid.lane[i] = (call.lanes >> i) & 1u ? -1 : 0;
+            if (valid.lane[i] == 0) continue;
+            packet.ray.org_x[i] = ray->origin.x;
+            packet.ray.org_y[i] = ray->origin.y;
+            packet.ray.org_z[i] = ray->origin.z;
+            packet.ray.dir_x[i] = ray->direction.x;
+            packet.ray.dir_y[i] = ray->direction.y;
+            packet.ray.dir_z[i] = ray->direction.z;
+            packet.ray.tnear[i] = ray->tMin;
+            packet.ray.tfar[i] = ray->tMax;
+            ++ray;
+        }
+        embree::RayContext context(false);
+        if (call.kind == RayLog::Call::Occluded8) {
+            embree::occluded8(scene_, context, valid, packet.ray);
+            continue;
+        }
+        for (int i = 0; i < embree::kPacket; ++i) {
+            packet.hit.geomID[i] = RTC_INVALID_GEOMETRY_ID;
+            packet.hit.instID[0][i] = RTC_INVALID_GEOMETRY_ID;
+        }
+        embree::intersect8(scene_, context, valid, packet);
+    }
 }
 
 } // namespace halflight

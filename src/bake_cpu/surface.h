@@ -32,11 +32,42 @@ struct TransportMaterial {
 struct SurfaceHit {
     bool found = false;
     bool backFace = false; ///< of a single-sided or solid surface: nobody is meant to see it
+    bool behind = false;   ///< the back of the triangle, whatever it is
     float distance = 0.0f;
+    uint32_t index = 0; ///< SurfaceTracer::hitIndex()
     const TransportMaterial* material = nullptr;
     SurfacePoint point; ///< normals face the ray's origin
     vec3 albedo{0.0f};
     vec3 emission{0.0f};
+};
+
+/// Rays as they were traced, to trace them again: for benchmarks.
+struct RayLog {
+    struct Call {
+        enum Kind : uint8_t { Intersect, Occluded, Intersect8, Occluded8 } kind;
+        uint8_t lanes = 1; ///< a bit for each
+        uint32_t first = 0;
+    };
+    struct Ray {
+        vec3 origin;
+        vec3 direction;
+        float tMin;
+        float tMax;
+    };
+    std::vector<Call> calls;
+    std::vector<Ray> rays;
+};
+
+/// While it lives, this thread's rays are written to a log (none: not).
+class RayLogScope {
+public:
+    explicit RayLogScope(RayLog* log);
+    ~RayLogScope();
+    RayLogScope(const RayLogScope&) = delete;
+    RayLogScope& operator=(const RayLogScope&) = delete;
+
+private:
+    RayLog* previous_;
 };
 
 /// Embree scene over flattened geometry. Immutable after construction; all queries are thread-safe.
@@ -54,6 +85,34 @@ public:
                                        bool cameraRay = false) const;
     /// Whether anything that casts shadows lies between. Both faces of every surface block.
     [[nodiscard]] bool occluded(vec3 origin, vec3 direction, float tMin, float tMax) const;
+
+    /// The same for eight rays at once, without looking at what they hit: fill `rays` (see clear()), read hit.geomID,
+    /// primID, u, v, Ng and ray.tfar; a blocked shadow ray has a negative tfar.
+    void intersect(const embree::LaneMask& valid, RTCRayHit8& rays) const;
+    void occluded(const embree::LaneMask& valid, RTCRay8& rays) const;
+    /// Traces logged rays once more, ignoring what they hit.
+    void replay(const RayLog& log) const;
+    /// Sets what all rays of a packet share.
+    static void clear(RTCRay8& rays);
+
+    /// Number of the triangle that a hit names, and its place among all hit triangles, 0 … hitTriangleCount() - 1.
+    [[nodiscard]] uint32_t triangleOf(uint32_t geomID, uint32_t primID) const
+    {
+        return trianglesOfGeometry_[geomID][primID];
+    }
+    [[nodiscard]] uint32_t hitIndex(uint32_t geomID, uint32_t primID) const { return firstHit_[geomID] + primID; }
+    [[nodiscard]] uint32_t hitTriangleCount() const { return firstHit_.back(); }
+    [[nodiscard]] uint32_t triangleAt(uint32_t hitIndex) const;
+    /// What is at a hit. `behind`: the ray meets the back of the triangle.
+    [[nodiscard]] SurfaceHit surfaceAt(uint32_t geomID, uint32_t primID, vec2 barycentric, float distance,
+                                       bool behind) const;
+    /// Diffuse albedo, 0…1.
+    [[nodiscard]] vec3 albedoAt(uint32_t triangle, vec2 barycentric) const;
+    /// Whether the back of a triangle is a place nobody is meant to see: inside a solid, or behind a single side.
+    [[nodiscard]] bool backIsHidden(uint32_t triangle) const
+    {
+        return geometry_.solid[triangle] != 0 || !materialOfTriangle(triangle).doubleSided;
+    }
 
     /// What a ray crosses on its way out of the scene.
     struct Crossings {
@@ -87,6 +146,7 @@ private:
     std::vector<ImageRgba8> smallTextures_;
     const Scene& sceneData_;
     std::vector<std::vector<uint32_t>> trianglesOfGeometry_;
+    std::vector<uint32_t> firstHit_; ///< by geometry, hit triangles before it; at the end, all of them
     std::vector<std::unique_ptr<GeometryUser>> users_;
     RTCDevice device_ = nullptr;
     RTCScene scene_ = nullptr;

@@ -29,15 +29,43 @@ Statistics compare(const std::vector<IrradianceEstimate>& estimates, double expe
     return s;
 }
 
+/// What holds for light holds whichever way it is transported.
+class BothIntegrators : public testing::TestWithParam<IntegratorKind> {
+protected:
+    static IntegrationSettings transport()
+    {
+        IntegrationSettings settings;
+        settings.integrator = GetParam();
+        return settings;
+    }
+};
+const auto kBoth = testing::Values(IntegratorKind::Cache, IntegratorKind::Path);
+std::string integratorName(const testing::TestParamInfo<IntegratorKind>& info)
+{
+    return info.param == IntegratorKind::Cache ? "Cache" : "Path";
+}
+class FurnaceS6 : public BothIntegrators {};
+INSTANTIATE_TEST_SUITE_P(Transport, FurnaceS6, kBoth, integratorName);
+class DirectS6 : public BothIntegrators {};
+INSTANTIATE_TEST_SUITE_P(Transport, DirectS6, kBoth, integratorName);
+class IndirectS5 : public BothIntegrators {};
+INSTANTIATE_TEST_SUITE_P(Transport, IndirectS5, kBoth, integratorName);
+class EmitterS6 : public BothIntegrators {};
+INSTANTIATE_TEST_SUITE_P(Transport, EmitterS6, kBoth, integratorName);
+class SkyS6 : public BothIntegrators {};
+INSTANTIATE_TEST_SUITE_P(Transport, SkyS6, kBoth, integratorName);
+class LeaksS6 : public BothIntegrators {};
+INSTANTIATE_TEST_SUITE_P(Transport, LeaksS6, kBoth, integratorName);
+
 /// Every wall of a closed room reflects rho and emits Le: radiance is Le / (1 - rho) everywhere, irradiance pi times
 /// that.
-TEST(FurnaceS6, ClosedRoomReachesEmissionOverOneMinusAlbedo)
+TEST_P(FurnaceS6, ClosedRoomReachesEmissionOverOneMinusAlbedo)
 {
     for (const float albedo : {0.0f, 0.5f, 0.8f}) {
         Scene scene;
         const int walls = addMaterial(scene, vec3(albedo), vec3(2.0f));
         addBox(scene, vec3(-1, -2, -3), vec3(1, 2, 3), walls, true, kPage);
-        IntegrationSettings settings;
+        IntegrationSettings settings = transport();
         settings.samples = 256;
         settings.bounces = 64;
         Bench bench(std::move(scene), MixedLightingMode::Shadowmask, kPage, settings);
@@ -49,13 +77,13 @@ TEST(FurnaceS6, ClosedRoomReachesEmissionOverOneMinusAlbedo)
 }
 
 /// Bounces are cut where asked: n bounces in the furnace give the first n + 1 terms of the geometric series.
-TEST(FurnaceS6, BounceLimitGivesPartialSums)
+TEST_P(FurnaceS6, BounceLimitGivesPartialSums)
 {
     for (const int bounces : {0, 1, 3}) {
         Scene scene;
         const int walls = addMaterial(scene, vec3(0.5f), vec3(1.0f));
         addBox(scene, vec3(-1), vec3(1), walls, true, kPage);
-        IntegrationSettings settings;
+        IntegrationSettings settings = transport();
         settings.samples = 256;
         settings.bounces = bounces;
         Bench bench(std::move(scene), MixedLightingMode::Shadowmask, kPage, settings);
@@ -64,14 +92,14 @@ TEST(FurnaceS6, BounceLimitGivesPartialSums)
     }
 }
 
-TEST(DirectS6, PointLightFollowsCosineAndInverseSquare)
+TEST_P(DirectS6, PointLightFollowsCosineAndInverseSquare)
 {
     Scene scene;
     addRectangle(scene, {vec3(-2, 0, 2), vec3(4, 0, 0), vec3(0, 0, -4)}, addMaterial(scene, vec3(0)), kPage,
                  {vec2(1), vec2(63)});
     scene.lights.push_back(
         makeLight(LightType::Point, vec3(0.5f, 1.5f, -0.25f), vec3(0, -1, 0), 100.0f, LightMode::Baked));
-    Bench bench(std::move(scene), MixedLightingMode::Shadowmask, kPage, {});
+    Bench bench(std::move(scene), MixedLightingMode::Shadowmask, kPage, transport());
     const auto estimates = bench.irradiance();
     for (std::size_t i = 0; i < estimates.size(); ++i) {
         const vec3 toLight = bench.scene.lights[0].position() - bench.positionOf(bench.map.texels[i]);
@@ -82,7 +110,7 @@ TEST(DirectS6, PointLightFollowsCosineAndInverseSquare)
 }
 
 /// The lightmap holds no direct light of a mixed light, but all of a baked one; subtractive holds both.
-TEST(DirectS6, MixedLightsAreInTheLightmapOnlyInSubtractive)
+TEST_P(DirectS6, MixedLightsAreInTheLightmapOnlyInSubtractive)
 {
     for (const LightMode mode : {LightMode::Realtime, LightMode::Mixed, LightMode::Baked}) {
         for (const MixedLightingMode mixing :
@@ -90,7 +118,7 @@ TEST(DirectS6, MixedLightsAreInTheLightmapOnlyInSubtractive)
             Scene scene;
             addRectangle(scene, {}, addMaterial(scene, vec3(0.5f)), kPage, {vec2(1), vec2(9)});
             scene.lights.push_back(makeLight(LightType::Directional, vec3(0), vec3(0, -1, 0), 7.0f, mode));
-            Bench bench(std::move(scene), mixing, kPage, {});
+            Bench bench(std::move(scene), mixing, kPage, transport());
             const bool direct =
                 mode == LightMode::Baked || (mode == LightMode::Mixed && mixing == MixedLightingMode::Subtractive);
             EXPECT_NEAR(bench.irradiance()[20].irradiance.x, direct ? 7.0f : 0.0f, 1e-4f);
@@ -99,7 +127,7 @@ TEST(DirectS6, MixedLightsAreInTheLightmapOnlyInSubtractive)
 }
 
 /// A mixed light's bounce is baked, scaled by its indirect multiplier: floor lit by a sun, ceiling sees the floor.
-TEST(IndirectS5, MixedLightBouncesTimesItsMultiplier)
+TEST_P(IndirectS5, MixedLightBouncesTimesItsMultiplier)
 {
     for (const float multiplier : {0.0f, 1.0f, 2.5f}) {
         Scene scene;
@@ -111,7 +139,7 @@ TEST(IndirectS5, MixedLightBouncesTimesItsMultiplier)
         scene.objects.back().castShadows = false;
         scene.lights.push_back(makeLight(LightType::Directional, vec3(0), vec3(0, -1, 0), 10.0f, LightMode::Mixed));
         scene.lights[0].indirectMultiplier = multiplier;
-        IntegrationSettings settings;
+        IntegrationSettings settings = transport();
         settings.samples = 256;
         settings.bounces = 1;
         Bench bench(std::move(scene), MixedLightingMode::Shadowmask, kPage, settings);
@@ -122,7 +150,7 @@ TEST(IndirectS5, MixedLightBouncesTimesItsMultiplier)
 
 /// Irradiance under the corner of a parallel rectangle a x b at height c (Howell, "A Catalog of Radiation Heat Transfer
 /// Configuration Factors", B-3), here a light centred above the texel: four such corners.
-TEST(EmitterS6, RectangleLightMatchesItsFormFactor)
+TEST_P(EmitterS6, RectangleLightMatchesItsFormFactor)
 {
     const float radiance = 5.0f;
     for (const float height : {0.2f, 1.0f, 4.0f}) {
@@ -132,7 +160,7 @@ TEST(EmitterS6, RectangleLightMatchesItsFormFactor)
         addRectangle(scene, {vec3(-0.005f, 0, 0.005f), vec3(0.01f, 0, 0), vec3(0, 0, -0.01f)}, black, kPage,
                      {vec2(1), vec2(9)});
         addRectangle(scene, {vec3(-0.75f, height, -0.5f), vec3(1.5f, 0, 0), vec3(0, 0, 1.0f)}, lamp, kPage);
-        IntegrationSettings settings;
+        IntegrationSettings settings = transport();
         settings.samples = 1024;
         Bench bench(std::move(scene), MixedLightingMode::Shadowmask, kPage, settings);
         const double x = 0.75 / height;
@@ -148,9 +176,9 @@ TEST(EmitterS6, RectangleLightMatchesItsFormFactor)
 }
 
 /// A lamp whose object casts no shadow still lights; one whose material has holes lights by what is left of it.
-TEST(EmitterS6, UnseenAndTransparentLampsLightRight)
+TEST_P(EmitterS6, UnseenAndTransparentLampsLightRight)
 {
-    const auto irradianceUnder = [](bool castShadows, Material::AlphaMode alphaMode, float alpha) {
+    const auto irradianceUnder = [&](bool castShadows, Material::AlphaMode alphaMode, float alpha) {
         Scene scene;
         const int black = addMaterial(scene, vec3(0));
         const int lamp = addMaterial(scene, vec3(0), vec3(10.0f));
@@ -160,7 +188,7 @@ TEST(EmitterS6, UnseenAndTransparentLampsLightRight)
                      {vec2(1), vec2(9)});
         addRectangle(scene, {vec3(-2, 0.5f, -2), vec3(4, 0, 0), vec3(0, 0, 4)}, lamp, kPage);
         scene.objects.back().castShadows = castShadows;
-        IntegrationSettings settings;
+        IntegrationSettings settings = transport();
         settings.samples = 1024;
         Bench bench(std::move(scene), MixedLightingMode::Shadowmask, kPage, settings);
         return compare(bench.irradiance(), 1.0).mean;
@@ -291,12 +319,12 @@ TEST(ShadowmaskS8, AlphaMaskedHolesLetLightThrough)
 }
 
 /// An open plane under a uniform sky receives pi times its radiance.
-TEST(SkyS6, UniformSkyGivesPi)
+TEST_P(SkyS6, UniformSkyGivesPi)
 {
     Scene scene;
     scene.sky = {vec3(1.5f), vec3(1.5f), vec3(1.5f)};
     addRectangle(scene, {}, addMaterial(scene, vec3(0.7f)), kPage, {vec2(1), vec2(9)});
-    Bench bench(std::move(scene), MixedLightingMode::Shadowmask, kPage, {});
+    Bench bench(std::move(scene), MixedLightingMode::Shadowmask, kPage, transport());
     for (const IrradianceEstimate& e : bench.irradiance()) EXPECT_NEAR(e.irradiance.x, 1.5f * kPi, 1e-4f);
 }
 
@@ -445,14 +473,14 @@ TEST(ProbeS14, InsideASolidIsInvalid)
 }
 
 /// Floor texels under a box that stands on it are inside geometry; those beside it are not, and see the sky.
-TEST(LeaksS6, TexelsUnderABoxAreMarked)
+TEST_P(LeaksS6, TexelsUnderABoxAreMarked)
 {
     Scene scene;
     scene.sky = {vec3(1), vec3(1), vec3(1)};
     const int grey = addMaterial(scene, vec3(0.5f));
     addRectangle(scene, {vec3(-2, 0, 2), vec3(4, 0, 0), vec3(0, 0, -4)}, grey, kPage, {vec2(0), vec2(64)});
     addBox(scene, vec3(-0.53f, -0.5f, -0.53f), vec3(0.53f, 1, 0.53f), grey, false);
-    Bench bench(std::move(scene), MixedLightingMode::Shadowmask, kPage, {});
+    Bench bench(std::move(scene), MixedLightingMode::Shadowmask, kPage, transport());
     const auto estimates = bench.irradiance();
     const float texel = 4.0f / 64.0f;
     for (std::size_t i = 0; i < estimates.size(); ++i) {
@@ -467,7 +495,7 @@ TEST(LeaksS6, TexelsUnderABoxAreMarked)
 }
 
 /// Solids inside solids: a texel within two of them at once is inside, though its rays may meet a front face first.
-TEST(LeaksS6, TexelsInsideNestedSolidsAreMarked)
+TEST_P(LeaksS6, TexelsInsideNestedSolidsAreMarked)
 {
     Scene scene;
     scene.sky = {vec3(1), vec3(1), vec3(1)};
@@ -483,17 +511,17 @@ TEST(LeaksS6, TexelsInsideNestedSolidsAreMarked)
         scene.meshes.resize(first + 1);
         scene.objects.resize(first + 1);
     }
-    Bench bench(std::move(scene), MixedLightingMode::Shadowmask, kPage, {});
+    Bench bench(std::move(scene), MixedLightingMode::Shadowmask, kPage, transport());
     for (const IrradianceEstimate& e : bench.irradiance()) EXPECT_FALSE(e.valid);
 }
 
 /// A closed room of single-sided walls in a bright sky stays black, but for rays through the edges of triangles.
-TEST(LeaksS6, ClosedRoomInABrightSkyStaysDark)
+TEST_P(LeaksS6, ClosedRoomInABrightSkyStaysDark)
 {
     Scene scene;
     scene.sky = {vec3(1000), vec3(1000), vec3(1000)};
     addBox(scene, vec3(-3.1f, 0, -2.7f), vec3(3.3f, 2.9f, 4.1f), addMaterial(scene, vec3(0.8f)), true, kPage);
-    Bench bench(std::move(scene), MixedLightingMode::Shadowmask, kPage, {});
+    Bench bench(std::move(scene), MixedLightingMode::Shadowmask, kPage, transport());
     double sum = 0.0;
     for (const IrradianceEstimate& e : bench.irradiance()) sum += e.irradiance.x;
     EXPECT_LT(sum / double(bench.map.texels.size()), 0.001 * 1000.0 * kPi);

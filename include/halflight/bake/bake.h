@@ -29,6 +29,10 @@ struct BakeSettings {
     int samples = 0;       ///< paths per texel; 0 = by quality
     int shadowSamples = 0; ///< rays per texel and masked light; 0 = by quality
     int bounces = -1;      ///< indirect bounces, 0 = direct light only; -1 = by quality
+    IntegratorKind integrator = IntegratorKind::Cache;
+    /// Relative standard error at which a texel has enough samples (IntegrationSettings::noiseTarget); `samples` is
+    /// then the most a texel gets, 4096 when it is 0. 0 = the same number of samples for all.
+    float noiseTarget = 0.0f;
     UvMode uvMode = UvMode::Auto;
     float texelsPerMeter = 0.0f; ///< 0 = fit one page of lightmapSize
     int lightmapSize = 0;        ///< 0 = by quality
@@ -53,6 +57,7 @@ struct BakeQuality {
     int bounces;
     int lightmapSize;
     int probeSamples;
+    float noiseTarget; ///< 0 = none
 };
 BakeQuality resolveQuality(const BakeSettings& settings);
 
@@ -86,11 +91,15 @@ struct BakeReport {
     std::vector<std::string> warnings;
     BakeQuality quality{};
     TileCounts cache;       ///< all zero without a cache
-    std::string integrator; ///< e.g. "cpu (Embree 3.13.5, 2 threads)"
+    std::string integrator; ///< e.g. "cpu (radiance cache, Embree 3.13.5, 2 threads)"
     int pageCount = 0;
     int pageSize = 0;
     int chartCount = 0;
     uint64_t coveredTexels = 0;
+    double samplesPerTexel = 0.0; ///< mean
+    float noiseReached =
+        0.0f; ///< standard error of a texel's luminance before denoising over the mean, root mean square
+    uint64_t texelsAtCap = 0;   ///< texels that a noise target would have given more samples than allowed
     uint64_t invalidTexels = 0; ///< texels inside geometry, filled from neighbours
     float texelsPerMeter = 0.0f;
     float atlasCoverage = 0.0f; ///< 0…1

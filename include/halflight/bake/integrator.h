@@ -89,11 +89,21 @@ constexpr int kMaxTexelPoints = 16;
 int texelPoints(const BakeGeometry& geometry, const TexelMap& map, const Texel& texel,
                 std::span<SurfacePoint, kMaxTexelPoints> out);
 
+/// How lightmap texels get their light. Path: each sample is a path traced to its end, without bias: the reference.
+/// Cache: each sample is one ray that ends in light known at the surface it meets; many times faster, its mean within 1
+/// %.
+enum class IntegratorKind { Cache, Path };
+
 struct IntegrationSettings {
-    int samples = 64;       ///< paths per texel
+    IntegratorKind integrator = IntegratorKind::Cache;
+    int samples = 64;       ///< paths per texel (the cache takes whole blocks of 16)
     int shadowSamples = 16; ///< rays per texel and light, for masks and for direct light that is baked
     int bounces = 4;        ///< indirect bounces; 0 = direct light only
     int probeSamples = 256; ///< paths per probe
+    /// With a target, a texel is done when the standard error of its luminance, estimated from the texels around it on
+    /// its chart, is at most this share of their mean (of a fiftieth of the map's mean, where it is darker); `samples`
+    /// is then the most it gets. 0 = none. Cache integrator only.
+    float noiseTarget = 0.0f;
     uint32_t seed = 1;
 };
 
@@ -102,6 +112,7 @@ struct IrradianceEstimate {
     vec3 irradiance{0.0f};       ///< lux
     vec3 moment{0.0f};           ///< lux, first moment: luminance of radiance times cosine times direction, integrated
     float varianceOfMean = 0.0f; ///< of the luminance of `irradiance`
+    uint32_t samples = 0;        ///< rays or paths it took
     bool valid = true;           ///< false: the texel lies inside geometry (its rays meet back faces)
     uint16_t outsidePoints = 0xffff; ///< bit i: point i of texelPoints() lies outside geometry; shadowmasks need it too
 };

@@ -1,0 +1,378 @@
+// Measures the bake's light transport and prints plain tables. Every ratio is of two measurements of the same run;
+// times are CPU seconds of the process, summed over threads, so that a busy machine disturbs them little.
+//   bench_bake PART [--scene FILE]... [--size N] [--points N] [--reference N]
+//   PART: gather | error | masks | scaling | lights
+// Scenes: the built-in "cornell" (a box with an emissive quad), or glTF files.
+
+#include "bench_scenes.h"
+
+#include "bake/stages.h"
+#include "bake_cpu/final_gather.h"
+
+#include "halflight/bake/bake.h"
+#include "halflight/bake_cpu/embree_integrator.h"
+#include "halflight/base/parallel.h"
+
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+#include <ctime>
+#include <string>
+#include <sys/resource.h>
+#include <vector>
+
+using namespace halflight;
+using namespace halflight::bench;
+
+namespace {
+
+double cpuSeconds()
+{
+    timespec t{};
+    clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);
+    return double(t.tv_sec) + 1.0e-9 * double(t.tv_nsec);
+}
+
+double wallSeconds()
+{
+    timespec t{};
+    clock_gettime(CLOCK_MONOTONIC, &t);
+    return double(t.tv_sec) + 1.0e-9 * double(t.tv_nsec);
+}
+
+struct Options {
+    std::string part;
+    std::vector<std::string> scenes;
+    int size = 512;
+    int points = 1536;    ///< texels with a reference
+    int reference = 4096; ///< paths for each of them
+    int bounces = 4;
+    double target = 0.03;
+};
+
+/// Every n-th run of 64 texels: neighbours stay together, so that their rays are what a whole map's would be.
+TexelMap subsetOf(const TexelMap& map, int texels, std::vector<uint32_t>& chosen)
+{
+    TexelMap subset = map;
+    subset.texels.clear();
+    constexpr std::size_t kRun = 64;
+    const std::size_t runs = std::max<std::size_t>(1, std::size_t(texels) / kRun);
+    const std::size_t all = (map.texels.size() + kRun - 1) / kRun;
+    for (std::size_t r = 0; r < std::min(runs, all); ++r) {
+        const std::size_t begin = (runs >= all ? r : r * all / runs) * kRun;
+        for (std::size_t i = begin; i < std::min(begin + kRun, map.texels.size()); ++i) {
+            chosen.push_back(uint32_t(i));
+            subset.texels.push_back(map.texels[i]);
+        }
+    }
+    return subset;
+}
+
+struct Run {
+    std::vector<IrradianceEstimate> estimates;
+    double cpu = 0.0;
+    uint64_t rays = 0;
+};
+
+Run integrate(const Prepared& p, const TexelMap& map, const IntegrationSettings& settings)
+{
+    Run run;
+    auto made = makeEmbreeIntegrator(p.scene, p.geometry, settings);
+    if (!made) std::exit(1);
+    run.estimates.resize(map.texels.size());
+    const double start = cpuSeconds();
+    (*made)->irradiance(map, {allTexels(map)}, run.estimates, {});
+    run.cpu = cpuSeconds() - start;
+    run.rays = (*made)->raysTraced();
+    return run;
+}
+
+struct Error {
+    double rmse = 0.0; ///< of luminance, over the mean of the reference
+    double bias = 0.0;
+};
+
+/// `pick` maps the reference's texels to the run's; texels that either calls invalid are left out.
+Error compare(const std::vector<IrradianceEstimate>& run, const std::vector<uint32_t>* pick,
+              const std::vector<IrradianceEstimate>& reference)
+{
+    double squares = 0.0;
+    double difference = 0.0;
+    double sum = 0.0;
+    std::size_t count = 0;
+    for (std::size_t i = 0; i < reference.size(); ++i) {
+        const IrradianceEstimate& e = run[pick != nullptr ? (*pick)[i] : i];
+        if (!e.valid || !reference[i].valid) continue;
+        const double a = double(luminance(e.irradiance));
+        const double b = double(luminance(reference[i].irradiance));
+        squares += (a - b) * (a - b);
+        difference += a - b;
+        sum += b;
+        ++count;
+    }
+    if (count == 0 || sum <= 0.0) return {};
+    return {std::sqrt(squares / double(count)) / (sum / double(count)), difference / sum};
+}
+
+/// Time to a given error against a converged path traced reference, by both integrators.
+void partError(const Options& options)
+{
+    std::printf("relative RMSE: of luminance over all valid texels, divided by their mean; before denoising\n");
+    std::printf("time to %.1f %%: from the measured points, error falling with the root of the samples\n\n",
+                100.0 * options.target);
+    for (const std::string& name : options.scenes) {
+        Prepared p = prepare(name, options.size, true);
+        std::vector<uint32_t> chosen;
+        const TexelMap subset = subsetOf(p.map, options.points, chosen);
+        IntegrationSettings settings;
+        settings.bounces = options.bounces;
+        settings.shadowSamples = 64;
+        settings.integrator = IntegratorKind::Path;
+        settings.samples = options.reference;
+        settings.seed = 77;
+        settings.shadowSamples = 256;
+        const Run reference = integrate(p, subset, settings);
+        settings.seed = 1;
+        settings.samples = 64;
+        settings.shadowSamples = 64;
+        const Run path = integrate(p, subset, settings);
+        const double scale = double(p.map.texels.size()) / double(subset.texels.size());
+        // The reference has noise of its own.
+        Error pathError = compare(path.estimates, nullptr, reference.estimates);
+        const double noise = pathError.rmse * std::sqrt(64.0 / double(options.reference + 64));
+        const auto without = [&](double rmse) { return std::sqrt(std::max(rmse * rmse - noise * noise, 1.0e-12)); };
+        pathError.rmse = without(pathError.rmse);
+        const double pathTime = path.cpu * scale * std::pow(pathError.rmse / options.target, 2.0);
+        std::printf("%s: %zu texels, %zu triangles, reference %d paths on %zu texels\n", name.c_str(),
+                    p.map.texels.size(), p.geometry.triangles.size(), options.reference, subset.texels.size());
+        std::printf("  %-8s %8s %10s %10s %9s %9s\n", "", "samples", "CPU s", "Mrays", "RMSE", "bias");
+        std::printf("  %-8s %8d %10.2f %10.1f %8.2f%% %8.2f%%   (scaled from %zu texels)\n", "path", 64,
+                    path.cpu * scale, double(path.rays) * scale * 1.0e-6, 100.0 * pathError.rmse,
+                    100.0 * pathError.bias, subset.texels.size());
+        settings.integrator = IntegratorKind::Cache;
+        double bestTime = 0.0;
+        double lastTime = 0.0;
+        double lastError = 0.0;
+        for (const int samples : {16, 32, 64, 128, 256}) {
+            settings.samples = samples;
+            settings.shadowSamples = std::min(samples, 64);
+            const Run run = integrate(p, p.map, settings);
+            Error e = compare(run.estimates, &chosen, reference.estimates);
+            e.rmse = without(e.rmse);
+            std::printf("  %-8s %8d %10.2f %10.1f %8.2f%% %8.2f%%\n", "cache", samples, run.cpu,
+                        double(run.rays) * 1.0e-6, 100.0 * e.rmse, 100.0 * e.bias);
+            std::fflush(stdout);
+            if (bestTime == 0.0 && e.rmse <= options.target) {
+                // Between the last two points, straight in logarithms.
+                const double t =
+                    lastTime > 0.0 ? std::log(options.target / lastError) / std::log(e.rmse / lastError) : 1.0;
+                bestTime = lastTime > 0.0 ? lastTime * std::pow(run.cpu / lastTime, t) : run.cpu;
+                break;
+            }
+            lastTime = run.cpu;
+            lastError = e.rmse;
+        }
+        std::printf("  CPU s to %.1f %%: path %.1f, cache %.2f, ratio %.1f\n\n", 100.0 * options.target, pathTime,
+                    bestTime, bestTime > 0.0 ? pathTime / bestTime : 0.0);
+    }
+}
+
+/// Rays per second of the gather, shading and sampling included, over the same rays replayed from memory.
+void partGather(const Options& options)
+{
+    std::printf(
+        "gather: points, sampling, tracing, looking up light. raw: the same rays in the same calls from memory\n");
+    std::printf("%-34s %8s %8s %12s %12s %8s\n", "scene", "threads", "Mrays", "gather Mr/s", "raw Mr/s", "ratio");
+    for (const std::string& name : options.scenes) {
+        Prepared p = prepare(name, options.size, true);
+        const PathTracer paths(p.scene, p.geometry, LightUse::Bake);
+        const GatherPattern pattern(1);
+        IntegrationSettings settings;
+        settings.bounces = options.bounces;
+        std::vector<PointMask> outside(p.map.texels.size(), kAllPoints);
+        RadianceCache cache;
+        std::atomic<uint64_t> ignored{0};
+        cache.build(paths, p.map, pattern, settings, outside, {}, ignored);
+        std::vector<uint32_t> chosen;
+        subsetOf(p.map, 8192, chosen);
+        constexpr std::size_t kRun = 64;
+        const std::size_t runs = chosen.size() / kRun;
+        std::vector<RayLog> logs(runs);
+        const auto gatherAll = [&](bool record) {
+            std::atomic<uint64_t> total{0};
+            parallelFor(runs, 4, [&](std::size_t begin, std::size_t end) {
+                FinalGather gather(paths, pattern, &cache, settings);
+                uint64_t rays = 0;
+                for (std::size_t r = begin; r < end; ++r) {
+                    const RayLogScope scope(record ? &logs[r] : nullptr);
+                    for (std::size_t g = 0; g < kRun; g += TexelGroup::kLanes) {
+                        std::array<PointMask, TexelGroup::kLanes> masks;
+                        for (std::size_t k = 0; k < masks.size(); ++k) masks[k] = outside[chosen[r * kRun + g + k]];
+                        const TexelGroup group(paths, p.map, std::span(&chosen[r * kRun + g], TexelGroup::kLanes),
+                                               masks);
+                        std::array<TexelSum, TexelGroup::kLanes> sums;
+                        gather.add(group, 0, 4, sums, rays);
+                    }
+                }
+                total += rays;
+            });
+            return total.load();
+        };
+        gatherAll(true);
+        double single = 0.0;
+        for (const int threads : {1, 2}) {
+            const ThreadLimit limit(threads);
+            double gatherTime = 1.0e30;
+            double gatherWall = 1.0e30;
+            double rawTime = 1.0e30;
+            uint64_t rays = 0;
+            // Turn by turn, the best of each: what else runs on the machine comes and goes.
+            for (int repeat = 0; repeat < 3; ++repeat) {
+                double wall = wallSeconds();
+                double start = cpuSeconds();
+                rays = gatherAll(false);
+                gatherTime = std::min(gatherTime, cpuSeconds() - start);
+                gatherWall = std::min(gatherWall, wallSeconds() - wall);
+                start = cpuSeconds();
+                parallelFor(runs, 4, [&](std::size_t begin, std::size_t end) {
+                    for (std::size_t r = begin; r < end; ++r) paths.surfaces().replay(logs[r]);
+                });
+                rawTime = std::min(rawTime, cpuSeconds() - start);
+            }
+            const double mrays = double(rays) * 1.0e-6;
+            std::printf("%-34s %8d %8.1f %12.2f %12.2f %7.0f%%", name.c_str(), threads, mrays,
+                        mrays / gatherTime * threads, mrays / rawTime * threads, 100.0 * rawTime / gatherTime);
+            if (threads == 1) {
+                single = gatherWall;
+                std::printf("\n");
+            } else {
+                std::printf("   wall: %.2f x one thread\n", single / gatherWall);
+            }
+            std::fflush(stdout);
+        }
+    }
+}
+
+/// Shadowmasks: CPU seconds for each light, and the difference from masks with every ray traced.
+void partMasks(const Options& options)
+{
+    std::printf("%-34s %8s %8s %10s %12s\n", "scene", "texels", "lights", "CPU s", "s per light");
+    for (const std::string& name : options.scenes) {
+        Prepared p = prepare(name, options.size, false);
+        IntegrationSettings settings;
+        settings.shadowSamples = 64;
+        settings.samples = 16;
+        auto made = makeEmbreeIntegrator(p.scene, p.geometry, settings);
+        if (!made) std::exit(1);
+        std::vector<IrradianceEstimate> estimates(p.map.texels.size());
+        (*made)->irradiance(p.map, {allTexels(p.map)}, estimates, {});
+        std::vector<vec4> mask(p.map.texels.size());
+        const double start = cpuSeconds();
+        (*made)->shadowmask(p.map, {allTexels(p.map)}, estimates, mask, {});
+        const double cpu = cpuSeconds() - start;
+        int lights = 0;
+        for (const Light& light : p.scene.lights) lights += light.baking.occlusionMaskChannel >= 0 ? 1 : 0;
+        std::printf("%-34s %8zu %8d %10.2f %12.2f\n", name.c_str(), p.map.texels.size(), lights, cpu,
+                    lights > 0 ? cpu / lights : 0.0);
+    }
+}
+
+uint64_t peakBytes()
+{
+    rusage usage{};
+    getrusage(RUSAGE_SELF, &usage);
+    return uint64_t(usage.ru_maxrss) * 1024u;
+}
+
+/// The whole bake over lightmap sizes, smallest first: the peak of memory is the largest one's own.
+void partScaling(const Options& options)
+{
+    std::printf("%-34s %8s %10s %10s %12s %14s\n", "scene", "size", "texels", "CPU s", "us/texel", "bytes/texel");
+    for (const std::string& name : options.scenes) {
+        for (int size = 256; size <= options.size; size *= 2) {
+            Scene scene = load(name, false);
+            BakeSettings settings;
+            settings.lightmapSize = size;
+            settings.samples = 32;
+            settings.shadowSamples = 16;
+            settings.uvMode = UvMode::Unwrap;
+            const uint64_t before = peakBytes();
+            const double start = cpuSeconds();
+            const auto result = halflight::bake(std::move(scene), settings, makeEmbreeIntegrator);
+            const double cpu = cpuSeconds() - start;
+            if (!result) std::exit(1);
+            const auto texels = double(result->report.coveredTexels);
+            std::printf("%-34s %8d %10.0f %10.2f %12.2f %14.1f\n", name.c_str(), size, texels, cpu,
+                        1.0e6 * cpu / texels, double(peakBytes() - before) / texels);
+            std::fflush(stdout);
+        }
+    }
+}
+
+/// A hall with 1, 10, 100, 1000 emissive quads of the same total power: time and error at equal samples.
+void partLights(const Options& options)
+{
+    std::printf("%8s %10s %10s %10s %9s %9s\n", "quads", "texels", "CPU s", "us/sample", "RMSE", "bias");
+    for (const int quads : {1, 10, 100, 1000}) {
+        Prepared p = prepareScene(hallOfQuads(quads), options.size, false);
+        std::vector<uint32_t> chosen;
+        const TexelMap subset = subsetOf(p.map, options.points / 2, chosen);
+        IntegrationSettings settings;
+        settings.bounces = 2;
+        settings.integrator = IntegratorKind::Path;
+        settings.samples = options.reference / 2;
+        settings.seed = 77;
+        const Run reference = integrate(p, subset, settings);
+        settings.integrator = IntegratorKind::Cache;
+        settings.seed = 1;
+        settings.samples = 64;
+        const Run run = integrate(p, p.map, settings);
+        const Error e = compare(run.estimates, &chosen, reference.estimates);
+        std::printf("%8d %10zu %10.2f %10.3f %8.2f%% %8.2f%%\n", quads, p.map.texels.size(), run.cpu,
+                    1.0e6 * run.cpu / double(p.map.texels.size()) / 64.0, 100.0 * e.rmse, 100.0 * e.bias);
+        std::fflush(stdout);
+    }
+}
+
+} // namespace
+
+int main(int argc, char** argv)
+{
+    Options options;
+    for (int i = 1; i < argc; ++i) {
+        const auto option = [&](const char* name) { return std::strcmp(argv[i], name) == 0 && i + 1 < argc; };
+        if (option("--scene")) {
+            options.scenes.emplace_back(argv[++i]);
+        } else if (option("--size")) {
+            options.size = std::atoi(argv[++i]);
+        } else if (option("--points")) {
+            options.points = std::atoi(argv[++i]);
+        } else if (option("--reference")) {
+            options.reference = std::atoi(argv[++i]);
+        } else if (option("--bounces")) {
+            options.bounces = std::atoi(argv[++i]);
+        } else if (option("--target")) {
+            options.target = std::atof(argv[++i]) / 100.0;
+        } else {
+            options.part = argv[i];
+        }
+    }
+    if (options.scenes.empty()) options.scenes = {"cornell"};
+    if (options.part == "gather") {
+        partGather(options);
+    } else if (options.part == "error") {
+        partError(options);
+    } else if (options.part == "masks") {
+        partMasks(options);
+    } else if (options.part == "scaling") {
+        partScaling(options);
+    } else if (options.part == "lights") {
+        partLights(options);
+    } else {
+        std::fprintf(stderr, "usage: bench_bake gather|error|masks|scaling|lights [--scene FILE|cornell]... [--size N] "
+                             "[--points N] [--reference N] [--bounces N] [--target PERCENT]\n");
+        return 2;
+    }
+    return 0;
+}

@@ -1,0 +1,158 @@
+#pragma once
+// Scenes for bake_bench: files, and some made in code.
+
+#include "bake/stages.h"
+#include "halflight/scene/gltf.h"
+#include "halflight/unwrap/unwrap.h"
+
+#include <cstdio>
+#include <cstdlib>
+#include <string>
+
+namespace halflight::bench {
+
+inline int addMaterial(Scene& scene, vec3 albedo, vec3 emission = vec3(0.0f))
+{
+    Material material;
+    material.baseColor = vec4(albedo, 1.0f);
+    material.metallic = 0.0f;
+    material.emissiveNits = emission;
+    scene.materials.push_back(material);
+    return int(scene.materials.size()) - 1;
+}
+
+/// Front face towards cross(u, v).
+inline void addQuad(Scene& scene, vec3 origin, vec3 u, vec3 v, int material, bool lightmapped = true)
+{
+    MeshPart part;
+    part.positions = {origin, origin + u, origin + u + v, origin + v};
+    part.normals.assign(4, glm::normalize(glm::cross(u, v)));
+    part.indices = {0, 1, 2, 0, 2, 3};
+    part.material = material;
+    Object object;
+    object.mesh = int(scene.meshes.size());
+    object.lightmapScale = lightmapped ? 1.0f : 0.0f;
+    Mesh mesh;
+    mesh.parts.push_back(part);
+    scene.meshes.push_back(mesh);
+    scene.objects.push_back(object);
+}
+
+/// A box around the vertical axis through `center`, without its bottom.
+inline void addBlock(Scene& scene, vec3 center, vec3 half, float angle, int material)
+{
+    const vec3 x = vec3(std::cos(angle), 0.0f, std::sin(angle)) * half.x;
+    const vec3 z = vec3(-std::sin(angle), 0.0f, std::cos(angle)) * half.z;
+    const vec3 y(0.0f, half.y, 0.0f);
+    addQuad(scene, center - x + y + z, 2.0f * x, -2.0f * z, material);
+    addQuad(scene, center - x - y + z, 2.0f * x, 2.0f * y, material);
+    addQuad(scene, center + x - y - z, -2.0f * x, 2.0f * y, material);
+    addQuad(scene, center + x - y + z, -2.0f * z, 2.0f * y, material);
+    addQuad(scene, center - x - y - z, 2.0f * z, 2.0f * y, material);
+}
+
+inline void addRoom(Scene& scene, vec3 lower, vec3 upper, int white, int left, int right)
+{
+    const vec3 s = upper - lower;
+    const vec3 x(s.x, 0, 0);
+    const vec3 y(0, s.y, 0);
+    const vec3 z(0, 0, s.z);
+    addQuad(scene, lower + z, x, -z, white);     // floor
+    addQuad(scene, lower + y, x, z, white);      // ceiling
+    addQuad(scene, lower, x, y, white);          // back
+    addQuad(scene, lower + x + z, -x, y, white); // front
+    addQuad(scene, lower + z, -z, y, left);      // left
+    addQuad(scene, lower + x, z, y, right);      // right
+}
+
+/// The Cornell box (Goral et al. 1984) in its usual proportions: two blocks under an emissive quad.
+inline Scene cornellBox()
+{
+    Scene scene;
+    const int white = addMaterial(scene, vec3(0.73f));
+    const int red = addMaterial(scene, vec3(0.63f, 0.065f, 0.05f));
+    const int green = addMaterial(scene, vec3(0.14f, 0.45f, 0.091f));
+    const int lamp = addMaterial(scene, vec3(0.0f), vec3(15.0f));
+    addRoom(scene, vec3(-1, 0, -1), vec3(1, 2, 1), white, red, green);
+    addBlock(scene, vec3(-0.33f, 0.6f, -0.3f), vec3(0.3f, 0.6f, 0.3f), 0.3f, white);
+    addBlock(scene, vec3(0.35f, 0.3f, 0.35f), vec3(0.3f, 0.3f, 0.3f), -0.3f, white);
+    addQuad(scene, vec3(-0.24f, 1.995f, -0.19f), vec3(0.48f, 0, 0), vec3(0, 0, 0.38f), lamp, false);
+    return scene;
+}
+
+/// A long hall with blocks on its floor and emissive quads under its ceiling, of one total power whatever their number.
+inline Scene hallOfQuads(int count)
+{
+    Scene scene;
+    const int white = addMaterial(scene, vec3(0.6f));
+    const vec3 lower(-10, 0, -10);
+    const vec3 upper(10, 4, 10);
+    addRoom(scene, lower, upper, white, white, white);
+    for (int i = 0; i < 25; ++i) {
+        addBlock(scene, vec3(-8.0f + 4.0f * float(i % 5), 0.7f, -8.0f + 4.0f * float(i / 5)), vec3(0.5f, 0.7f, 0.5f),
+                 0.37f * float(i), white);
+    }
+    const float side = 0.1f;
+    const int lamp = addMaterial(scene, vec3(0.0f), vec3(40.0f / (float(count) * side * side)));
+    for (int i = 0; i < count; ++i) {
+        const vec2 place = glm::fract(vec2(0.5f) + float(i) * vec2(0.7548776662f, 0.5698402910f)) * 18.0f - 9.0f;
+        const float height = 3.0f + 0.9f * glm::fract(float(i) * 0.6180339887f);
+        addQuad(scene, vec3(place.x, height, place.y), vec3(side, 0, 0), vec3(0, 0, side), lamp, false);
+    }
+    return scene;
+}
+
+/// `bakeLights`: all punctual lights fully baked, as a renderer's "combined" bake has them; a sky where the file has
+/// neither lights nor emission.
+inline Scene load(const std::string& name, bool bakeLights)
+{
+    Scene scene;
+    if (name == "cornell") {
+        scene = cornellBox();
+    } else {
+        Result<Scene> read = readScene(name);
+        if (!read) {
+            std::fprintf(stderr, "%s: %s\n", name.c_str(), read.error().text().c_str());
+            std::exit(1);
+        }
+        scene = std::move(*read);
+    }
+    for (Light& light : scene.lights) {
+        if (bakeLights) light.mode = LightMode::Baked;
+    }
+    return scene;
+}
+
+struct Prepared {
+    Scene scene;
+    BakeGeometry geometry;
+    TexelMap map;
+};
+
+inline Prepared prepareScene(Scene scene, int size, bool bakeLights)
+{
+    for (Light& light : scene.lights) {
+        if (bakeLights) light.mode = LightMode::Baked;
+    }
+    UnwrapSettings settings;
+    settings.uvMode = UvMode::Unwrap;
+    settings.pageSize = size;
+    Result<UnwrappedScene> unwrapped = unwrap(std::move(scene), settings);
+    if (!unwrapped) {
+        std::fprintf(stderr, "%s\n", unwrapped.error().text().c_str());
+        std::exit(1);
+    }
+    Prepared p;
+    p.scene = std::move(unwrapped->scene);
+    p.geometry = flattenGeometry(p.scene, unwrapped->pageSize, GeometryFilter::Static);
+    p.map = rasterizeTexels(p.geometry, unwrapped->pageSize, unwrapped->pageCount);
+    assignShadowmaskChannels(p.scene, MixedLightingMode::Shadowmask);
+    return p;
+}
+
+inline Prepared prepare(const std::string& name, int size, bool bakeLights)
+{
+    return prepareScene(load(name, bakeLights), size, bakeLights);
+}
+
+} // namespace halflight::bench

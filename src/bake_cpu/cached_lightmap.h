@@ -1,0 +1,52 @@
+#pragma once
+// The lightmap by final gathering from the radiance cache, the same number of samples for all texels or as many as each
+// needs.
+
+#include "bake_cpu/final_gather.h"
+#include "bake_cpu/radiance_cache.h"
+#include "bake_cpu/texel_grid.h"
+#include "bake_cpu/validity.h"
+
+#include <atomic>
+#include <memory>
+
+namespace halflight {
+
+class CachedLightmap {
+public:
+    /// `paths` and `pattern` outlive it.
+    CachedLightmap(const PathTracer& paths, const GatherPattern& pattern, const IntegrationSettings& settings)
+        : paths_(paths), pattern_(pattern), settings_(settings), validity_(paths, settings.seed)
+    {}
+
+    /// As Integrator::irradiance(), without lights that are fully baked. The first call for a map fills its radiance
+    /// cache. False when cancelled.
+    bool irradiance(const TexelMap& map, std::span<const uint32_t> texels, int samples,
+                    std::span<IrradianceEstimate> out, const Progress& progress, std::atomic<uint64_t>& rays);
+
+private:
+    /// What is known of a whole map, whichever of its texels are asked for.
+    struct MapState {
+        TexelGrid grid;
+        RadianceCache cache;
+        std::vector<PointMask> outside;
+    };
+    struct First; // what the first samples tell
+    bool prepare(const TexelMap& map, const Progress& progress, std::atomic<uint64_t>& rays);
+    void gatherChecked(const TexelMap& map, const TexelGroup& group, FinalGather& gather, int blocks, First* first,
+                       uint64_t& rays) const;
+    [[nodiscard]] int blocksNeeded(const TexelSet& set, const std::vector<First>& first, uint32_t texel, float dark,
+                                   int most) const;
+    [[nodiscard]] const RadianceCache* cache() const { return settings_.bounces > 0 ? &state_->cache : nullptr; }
+
+    const PathTracer& paths_;
+    const GatherPattern& pattern_;
+    IntegrationSettings settings_;
+    PointValidity validity_;
+    std::unique_ptr<MapState> state_;
+    const TexelMap* map_ = nullptr;
+    std::size_t mapTexels_ = 0;
+    float mapMean_ = 0.0f;
+};
+
+} // namespace halflight

@@ -1,0 +1,65 @@
+#pragma once
+// The lightmap's own rays: one per sample, ending in the radiance cache.
+
+#include "bake_cpu/radiance_cache.h"
+#include "bake_cpu/texel_group.h"
+
+namespace halflight {
+
+/// Running estimate of one texel.
+struct TexelSum {
+    vec3 sum{0.0f};       ///< of the blocks' irradiance
+    vec3 moment{0.0f};    ///< of their first moments
+    float squares = 0.0f; ///< of the blocks' differences from their mean, in luminance (Welford 1962)
+    uint16_t blocks = 0;
+    uint16_t backFaces = 0;
+
+    void add(vec3 irradiance, vec3 firstMoment)
+    {
+        const float before = blocks > 0 ? luminance(sum) / float(blocks) : 0.0f;
+        const float value = luminance(irradiance);
+        sum += irradiance;
+        moment += firstMoment;
+        ++blocks;
+        squares += (value - before) * (value - luminance(sum) / float(blocks));
+    }
+    [[nodiscard]] vec3 mean() const { return blocks > 0 ? sum / float(blocks) : vec3(0.0f); }
+    [[nodiscard]] float varianceOfMean() const
+    {
+        return blocks > 1 ? std::max(squares, 0.0f) / (float(blocks) * float(blocks - 1)) : 0.0f;
+    }
+};
+
+class FinalGather {
+public:
+    /// `cache` null: no bounces, rays see emitters and sky alone.
+    FinalGather(const PathTracer& paths, const GatherPattern& pattern, const RadianceCache* cache,
+                const IntegrationSettings& settings)
+        : paths_(paths), pattern_(pattern), cache_(cache), settings_(settings)
+    {}
+
+    /// Adds the given blocks of samples, 16 each, to the texels of the group. `sums` by lane.
+    void add(const TexelGroup& group, int firstBlock, int blockCount, std::span<TexelSum> sums, uint64_t& rays);
+
+private:
+    void gatherBlock(const TexelGroup& group, int block, uint64_t& rays);
+    void sampleEmitters(const TexelGroup& group, int block, uint64_t& rays);
+    vec3 slowRadiance(const TexelGroup& group, int lane, int block, int cell, uint64_t& rays);
+    void count(int lane, vec3 irradiance, vec3 direction)
+    {
+        irradiance_[std::size_t(lane)] += irradiance;
+        moment_[std::size_t(lane)] += luminance(irradiance) * direction;
+    }
+
+    const PathTracer& paths_;
+    const GatherPattern& pattern_;
+    const RadianceCache* cache_;
+    const IntegrationSettings& settings_;
+    RayBundle bundle_;
+    std::array<vec3, TexelGroup::kLanes> irradiance_; ///< of the block, summed over its samples
+    std::array<vec3, TexelGroup::kLanes> moment_;
+    std::array<uint16_t, TexelGroup::kLanes> backFaces_;
+    std::array<LightTree::Cut, TexelGroup::kLanes> cuts_;
+};
+
+} // namespace halflight

@@ -1,0 +1,340 @@
+#include "bake_cpu/light_tree.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace halflight {
+namespace {
+
+/// Directions within an angle of an axis.
+struct Cone {
+    vec3 axis{0.0f, 0.0f, 1.0f};
+    float cosine = 1.0f; ///< -1 = all directions
+};
+
+Cone uniteCones(const Cone& a, const Cone& b)
+{
+    if (a.cosine <= -1.0f || b.cosine <= -1.0f) return {a.axis, -1.0f};
+    const float angleA = std::acos(a.cosine);
+    const float angleB = std::acos(b.cosine);
+    const float between = std::acos(std::clamp(glm::dot(a.axis, b.axis), -1.0f, 1.0f));
+    if (std::min(between + angleB, kPi) <= angleA) return a;
+    if (std::min(between + angleA, kPi) <= angleB) return b;
+    const float angle = 0.5f * (angleA + between + angleB);
+    if (angle >= kPi) return {a.axis, -1.0f};
+    // Turn a's axis towards b's.
+    const vec3 side = b.axis - a.axis * glm::dot(a.axis, b.axis);
+    const float length = glm::length(side);
+    if (length < 1.0e-6f) return {a.axis, -1.0f};
+    const float turn = angle - angleA;
+    return {glm::normalize(a.axis * std::cos(turn) + side * (std::sin(turn) / length)), std::cos(angle)};
+}
+
+/// The paper's measure of a node's orientation: the solid angle into which its lights shine, for lights that shine into
+/// the hemisphere of each normal.
+float orientationMeasure(float cosSpread)
+{
+    const float spread = std::acos(std::clamp(cosSpread, -1.0f, 1.0f));
+    const float widest = std::min(spread + 0.5f * kPi, kPi);
+    const float sine = std::sin(spread);
+    return 2.0f * kPi * (1.0f - cosSpread) +
+           0.5f * kPi * (2.0f * widest * sine - std::cos(spread - 2.0f * widest) - 2.0f * spread * sine + cosSpread);
+}
+
+float surfaceArea(const Bounds& b)
+{
+    const vec3 s = b.size();
+    return s.x * s.y + s.y * s.z + s.z * s.x;
+}
+
+/// cos(max(0, a - b)) from the cosines and sines of two angles in 0…pi.
+float cosineOfDifference(float cosA, float sinA, float cosB, float sinB)
+{
+    return cosA > cosB ? 1.0f : cosA * cosB + sinA * sinB;
+}
+
+float sineOf(float cosine)
+{
+    return std::sqrt(std::max(0.0f, 1.0f - cosine * cosine));
+}
+
+/// What a node contributes at least of its power over distance squared: keeps every light possible where the bounds of
+/// its node are only nearly right.
+constexpr float kLeastCosine = 0.02f;
+
+} // namespace
+
+struct LightTree::BuildItem {
+    LightItem light;
+    uint32_t index = 0;
+    vec3 center{0.0f};
+};
+
+LightTree::LightTree(std::span<const LightItem> items)
+{
+    if (items.empty()) return;
+    std::vector<BuildItem> build(items.size());
+    for (std::size_t i = 0; i < items.size(); ++i) build[i] = {items[i], uint32_t(i), items[i].bounds.center()};
+    nodes_.reserve(2 * items.size());
+    leafOfItem_.resize(items.size());
+    this->build(build, ~0u);
+}
+
+uint32_t LightTree::build(std::span<BuildItem> items, uint32_t parent)
+{
+    const auto number = uint32_t(nodes_.size());
+    nodes_.emplace_back();
+    Bounds bounds;
+    Bounds centers;
+    Cone cone{items[0].light.axis, items[0].light.cosSpread};
+    float power = 0.0f;
+    float range = 0.0f;
+    bool unlimited = false;
+    bool twoSided = false;
+    for (const BuildItem& item : items) {
+        bounds.extend(item.light.bounds);
+        centers.extend(item.center);
+        cone = uniteCones(cone, {item.light.axis, item.light.cosSpread});
+        power += item.light.power;
+        range = std::max(range, item.light.range);
+        unlimited = unlimited || item.light.range <= 0.0f;
+        twoSided = twoSided || item.light.twoSided;
+    }
+    Node node;
+    node.center = bounds.center();
+    node.radius2 = 0.25f * glm::dot(bounds.size(), bounds.size());
+    node.axis = cone.axis;
+    node.cosSpread = cone.cosine;
+    node.power = power;
+    node.range = unlimited ? 0.0f : range;
+    node.twoSided = twoSided;
+    node.parent = parent;
+    if (items.size() == 1) {
+        node.leaf = true;
+        node.second = items[0].index;
+        leafOfItem_[items[0].index] = number;
+        nodes_[number] = node;
+        return number;
+    }
+
+    // Surface area orientation heuristic over bins of the centres; halves where no plane divides them.
+    constexpr int kBins = 12;
+    struct Bin {
+        Bounds bounds;
+        Cone cone;
+        float power = 0.0f;
+        int count = 0;
+        void add(const LightItem& light)
+        {
+            cone = count == 0 ? Cone{light.axis, light.cosSpread} : uniteCones(cone, {light.axis, light.cosSpread});
+            bounds.extend(light.bounds);
+            power += light.power;
+            ++count;
+        }
+        void add(const Bin& other)
+        {
+            if (other.count == 0) return;
+            cone = count == 0 ? other.cone : uniteCones(cone, other.cone);
+            bounds.extend(other.bounds);
+            power += other.power;
+            count += other.count;
+        }
+        [[nodiscard]] float cost() const
+        {
+            return count == 0 ? 0.0f : power * orientationMeasure(cone.cosine) * surfaceArea(bounds);
+        }
+    };
+    const vec3 extent = centers.size();
+    const auto binOf = [&](const BuildItem& item, int axis) {
+        return std::clamp(int(float(kBins) * (item.center[axis] - centers.min[axis]) / extent[axis]), 0, kBins - 1);
+    };
+    float bestCost = kInfinity;
+    int bestAxis = -1;
+    int bestBin = 0;
+    const float longest = std::max({extent.x, extent.y, extent.z});
+    for (int axis = 0; axis < 3; ++axis) {
+        if (!(extent[axis] > 0.0f)) continue;
+        std::array<Bin, kBins> bins;
+        for (const BuildItem& item : items) bins[std::size_t(binOf(item, axis))].add(item.light);
+        std::array<float, kBins> below{};
+        Bin left;
+        for (int b = 0; b + 1 < kBins; ++b) {
+            left.add(bins[std::size_t(b)]);
+            below[std::size_t(b)] = left.count == 0 ? kInfinity : left.cost();
+        }
+        Bin right;
+        for (int b = kBins - 1; b > 0; --b) {
+            right.add(bins[std::size_t(b)]);
+            if (right.count == 0) continue;
+            // Thin nodes are penalized, as in the paper.
+            const float cost = longest / extent[axis] * (below[std::size_t(b - 1)] + right.cost());
+            if (cost < bestCost) {
+                bestCost = cost;
+                bestAxis = axis;
+                bestBin = b;
+            }
+        }
+    }
+    auto middle = items.begin() + std::ptrdiff_t(items.size() / 2);
+    if (bestAxis >= 0) {
+        const auto split = std::stable_partition(
+            items.begin(), items.end(), [&](const BuildItem& item) { return binOf(item, bestAxis) < bestBin; });
+        if (split != items.begin() && split != items.end()) middle = split;
+    }
+    const auto leftCount = std::size_t(middle - items.begin());
+    nodes_[number] = node;
+    build(items.first(leftCount), number);
+    nodes_[number].second = build(items.subspan(leftCount), number);
+    return number;
+}
+
+float LightTree::importance(const Node& node, vec3 position, vec3 normal) const
+{
+    const vec3 to = node.center - position;
+    const float distance2 = glm::dot(to, to);
+    if (node.range > 0.0f) {
+        const float reach = node.range + std::sqrt(node.radius2);
+        if (distance2 > reach * reach) return 0.0f;
+    }
+    if (distance2 <= node.radius2 || distance2 < 1.0e-12f) {
+        return node.power / std::max(node.radius2, 1.0e-12f);
+    }
+    // Angles of the sphere around the node, of the receiver's normal and of the emitters' normals.
+    const vec3 direction = to / std::sqrt(distance2);
+    const float sin2 = node.radius2 / distance2;
+    const float sinSphere = std::sqrt(sin2);
+    const float cosSphere = std::sqrt(1.0f - sin2);
+    float received = 1.0f;
+    if (normal != vec3(0.0f)) {
+        const float cosine = std::min(glm::dot(normal, direction), 1.0f);
+        received = std::max(cosineOfDifference(cosine, sineOf(cosine), cosSphere, sinSphere), kLeastCosine);
+    }
+    float emitted = 1.0f;
+    if (node.cosSpread > -1.0f) {
+        float cosine = std::clamp(-glm::dot(node.axis, direction), -1.0f, 1.0f);
+        if (node.twoSided) cosine = std::abs(cosine);
+        const float cosOut = cosineOfDifference(cosine, sineOf(cosine), node.cosSpread, sineOf(node.cosSpread));
+        emitted = std::max(cosineOfDifference(cosOut, sineOf(cosOut), cosSphere, sinSphere), kLeastCosine);
+    }
+    return node.power * received * emitted / distance2;
+}
+
+float LightTree::firstProbability(uint32_t node, vec3 position, vec3 normal) const
+{
+    const float first = importance(nodes_[node + 1], position, normal);
+    const float second = importance(nodes_[nodes_[node].second], position, normal);
+    const float sum = first + second;
+    if (!(sum > 0.0f)) return -1.0f;
+    const float p = first / sum;
+    // Sums that overflow or probabilities that vanish in a float: an even chance is always right.
+    return p >= 0.0f && p <= 1.0f ? p : 0.5f;
+}
+
+LightTree::Choice LightTree::sample(vec3 position, vec3 normal, float u, uint32_t node) const
+{
+    Choice choice{~0u, 1.0f, u};
+    if (nodes_[node].leaf && nodes_[node].range > 0.0f && importance(nodes_[node], position, normal) <= 0.0f) {
+        return {~0u, 0.0f, u};
+    }
+    while (!nodes_[node].leaf) {
+        const float first = firstProbability(node, position, normal);
+        if (first < 0.0f) return {~0u, 0.0f, u};
+        if (choice.u < first) {
+            choice.u /= first;
+            choice.probability *= first;
+            node = node + 1;
+        } else {
+            choice.u = (choice.u - first) / (1.0f - first);
+            choice.probability *= 1.0f - first;
+            node = nodes_[node].second;
+        }
+        choice.u = std::min(choice.u, 0x1.fffffep-1f);
+    }
+    choice.item = nodes_[node].second;
+    return choice;
+}
+
+float LightTree::climb(uint32_t item, const Cut* cut, vec3 position, vec3 normal, int& cutIndex) const
+{
+    float probability = 1.0f;
+    uint32_t node = leafOfItem_[item];
+    if (nodes_[node].range > 0.0f && importance(nodes_[node], position, normal) <= 0.0f) return 0.0f;
+    for (;;) {
+        for (int i = 0; cut != nullptr && i < cut->count; ++i) {
+            if (cut->node[std::size_t(i)] != node) continue;
+            cutIndex = i;
+            return probability;
+        }
+        const uint32_t parent = nodes_[node].parent;
+        if (parent == ~0u) return cut == nullptr ? probability : 0.0f;
+        const float first = firstProbability(parent, position, normal);
+        if (first < 0.0f) return 0.0f;
+        probability *= node == parent + 1 ? first : 1.0f - first;
+        node = parent;
+    }
+}
+
+float LightTree::probability(uint32_t item, vec3 position, vec3 normal) const
+{
+    int unused = 0;
+    return climb(item, nullptr, position, normal, unused);
+}
+
+LightTree::Cut LightTree::cut(vec3 position, vec3 normal) const
+{
+    Cut cut;
+    if (nodes_.empty()) return cut;
+    // Open the node that could contribute most, over and over.
+    std::array<float, Cut::kMaxNodes> weight{};
+    cut.count = 1;
+    cut.node[0] = kRoot;
+    weight[0] = importance(nodes_[kRoot], position, normal);
+    while (cut.count < Cut::kMaxNodes) {
+        int widest = -1;
+        for (int i = 0; i < cut.count; ++i) {
+            if (nodes_[cut.node[std::size_t(i)]].leaf) continue;
+            if (widest < 0 || weight[std::size_t(i)] > weight[std::size_t(widest)]) widest = i;
+        }
+        if (widest < 0) break;
+        const uint32_t opened = cut.node[std::size_t(widest)];
+        const uint32_t children[2] = {opened + 1, nodes_[opened].second};
+        const int places[2] = {widest, cut.count++};
+        for (int i = 0; i < 2; ++i) {
+            cut.node[std::size_t(places[i])] = children[i];
+            weight[std::size_t(places[i])] = importance(nodes_[children[i]], position, normal);
+        }
+    }
+    // The probabilities are worked out at one point and used at others: no node of the cut is left without a share.
+    float total = 0.0f;
+    for (int i = 0; i < cut.count; ++i) total += weight[std::size_t(i)];
+    cut.total = total;
+    if (!(total > 0.0f) || !std::isfinite(total)) {
+        for (int i = 0; i < cut.count; ++i) cut.probability[std::size_t(i)] = 1.0f / float(cut.count);
+        return cut;
+    }
+    const float share = 0.01f / float(cut.count);
+    for (int i = 0; i < cut.count; ++i) {
+        cut.probability[std::size_t(i)] = share + 0.99f * weight[std::size_t(i)] / total;
+    }
+    return cut;
+}
+
+LightTree::Choice LightTree::sample(const Cut& cut, vec3 position, vec3 normal, float u) const
+{
+    int i = 0;
+    while (i + 1 < cut.count && u >= cut.probability[std::size_t(i)]) u -= cut.probability[std::size_t(i++)];
+    const float probability = cut.probability[std::size_t(i)];
+    u = std::clamp(u / probability, 0.0f, 0x1.fffffep-1f);
+    Choice choice = sample(position, normal, u, cut.node[std::size_t(i)]);
+    choice.probability *= probability;
+    return choice;
+}
+
+float LightTree::probability(const Cut& cut, uint32_t item, vec3 position, vec3 normal) const
+{
+    int index = -1;
+    const float below = climb(item, &cut, position, normal, index);
+    return index < 0 ? 0.0f : below * cut.probability[std::size_t(index)];
+}
+
+} // namespace halflight

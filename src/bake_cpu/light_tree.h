@@ -1,0 +1,82 @@
+#pragma once
+// Choosing one of many lights in time that grows with the logarithm of their number.
+
+#include "halflight/base/math.h"
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+namespace halflight {
+
+/// What the tree knows of a light: where it is, how strong, and where it shines.
+struct LightItem {
+    Bounds bounds;
+    vec3 axis{0.0f};        ///< mean direction of its normals; unused when spread is all around
+    float cosSpread = 1.0f; ///< cosine of the half angle around the axis that holds all normals; -1 = all around
+    bool twoSided = false;
+    float power = 0.0f; ///< flux, in any unit that all items share
+    float range = 0.0f; ///< metres beyond which it gives nothing; 0 = unlimited
+};
+
+/// Bounding volume hierarchy over lights: Conty Estevez and Kulla 2018, "Importance Sampling of Many Lights with
+/// Adaptive Tree Splitting". A light is chosen by walking down, at each node in proportion to what either side could
+/// contribute at the receiving point, without shadows. No light in range has probability 0.
+class LightTree {
+public:
+    static constexpr uint32_t kRoot = 0;
+
+    LightTree() = default;
+    explicit LightTree(std::span<const LightItem> items);
+    [[nodiscard]] bool empty() const { return nodes_.empty(); }
+
+    struct Choice {
+        uint32_t item = ~0u;
+        float probability = 0.0f; ///< given the node that the walk began at; 0: nothing in range
+        float u = 0.0f;           ///< what is left of the random number, again uniform in [0, 1)
+    };
+    /// `normal` zero: the point is in space and receives from all sides.
+    [[nodiscard]] Choice sample(vec3 position, vec3 normal, float u, uint32_t node = kRoot) const;
+    /// Probability with which sample() chooses `item` from the root.
+    [[nodiscard]] float probability(uint32_t item, vec3 position, vec3 normal) const;
+
+    /// A level through the tree that suits all points near one place (the paper's tree splitting, here once for all the
+    /// samples of a texel): every item is below exactly one of its nodes.
+    struct Cut {
+        static constexpr int kMaxNodes = 12;
+        int count = 0;
+        float total = 0.0f; ///< about what all lights together give here unshadowed, in the unit of power over area
+        std::array<uint32_t, kMaxNodes> node{};
+        std::array<float, kMaxNodes> probability{};
+    };
+    [[nodiscard]] Cut cut(vec3 position, vec3 normal) const;
+    [[nodiscard]] Choice sample(const Cut& cut, vec3 position, vec3 normal, float u) const;
+    [[nodiscard]] float probability(const Cut& cut, uint32_t item, vec3 position, vec3 normal) const;
+
+private:
+    struct Node {
+        vec3 center{0.0f};
+        float radius2 = 0.0f; ///< of the sphere around the bounds, squared
+        vec3 axis{0.0f};
+        float cosSpread = 1.0f;
+        float power = 0.0f;
+        float range = 0.0f;  ///< the largest below; 0 = unlimited
+        uint32_t second = 0; ///< second child (the first one follows its parent); of a leaf: the item
+        uint32_t parent = ~0u;
+        bool leaf = false;
+        bool twoSided = false;
+    };
+    struct BuildItem;
+    uint32_t build(std::span<BuildItem> items, uint32_t parent);
+    [[nodiscard]] float importance(const Node& node, vec3 position, vec3 normal) const;
+    /// Probability of the first child; negative when neither side is in range.
+    [[nodiscard]] float firstProbability(uint32_t node, vec3 position, vec3 normal) const;
+    /// Walks up from an item's leaf; stops at the root or at a node of the cut and returns which.
+    float climb(uint32_t item, const Cut* cut, vec3 position, vec3 normal, int& cutIndex) const;
+
+    std::vector<Node> nodes_;
+    std::vector<uint32_t> leafOfItem_;
+};
+
+} // namespace halflight

@@ -1,0 +1,97 @@
+#pragma once
+// Reflected light of the lightmapped surfaces, in cells of a few texels: where the gather's rays end.
+
+#include "bake_cpu/gather_pattern.h"
+#include "bake_cpu/path.h"
+#include "bake_cpu/validity.h"
+
+#include "halflight/bake/integrator.h"
+
+#include <algorithm>
+#include <array>
+#include <atomic>
+#include <span>
+#include <vector>
+
+namespace halflight {
+
+/// The surface is cut into cells, squares of 1 to 64 lightmap texels that lie on one chart and face one way. A cell's
+/// irradiance is gathered once by rays spread over its texels, which also remember the cells they hit, so that each
+/// further bounce is a pass over memory: radiosity (Goral et al. 1984, "Modeling the Interaction of Light Between
+/// Diffuse Surfaces") with sampled form factors, and a final gather on top of it (Reichert 1992, "A Two-Pass Radiosity
+/// Method Driven by Lights and Viewer Position"). What it leaves out is variation within a cell: rays that hit close by
+/// do not use it, nor those that hit cells with something standing across them.
+class RadianceCache {
+public:
+    /// Of a hit triangle: where its cells are. Texture coordinates count cells from the corner of their rectangle.
+    struct Surface {
+        vec2 origin{0.0f};
+        vec2 edgeU{0.0f};
+        vec2 edgeV{0.0f};
+        uint32_t firstCell = 0; ///< with flags in the highest bits
+        uint16_t width = 0;
+        uint16_t height = 0;
+    };
+    static constexpr uint32_t kNoCells = 0x80000000u;
+    static constexpr uint32_t kEmissive = 0x40000000u;
+    static constexpr uint32_t kHiddenBack = 0x20000000u;
+    static constexpr uint32_t kSlow = kNoCells | kEmissive;
+    static constexpr uint32_t kCellMask = 0x1fffffffu;
+
+    struct Cell {
+        vec3 radiance{0.0f};       ///< reflected, after all bounces
+        float nearest = kInfinity; ///< rays that hit at less than this many metres do not use the cell
+    };
+
+    /// Gathers what the cells reflect after up to `settings.bounces` bounces (at least 1). Writes which points of the
+    /// texels lie outside geometry. False when cancelled.
+    bool build(const PathTracer& paths, const TexelMap& map, const GatherPattern& pattern,
+               const IntegrationSettings& settings, std::span<PointMask> outside, const Progress& progress,
+               std::atomic<uint64_t>& rays);
+
+    [[nodiscard]] const Surface& surface(uint32_t hitIndex) const { return surfaces_[hitIndex]; }
+    [[nodiscard]] uint32_t cellIndex(const Surface& s, float u, float v) const
+    {
+        const vec2 at = s.origin + u * s.edgeU + v * s.edgeV;
+        const auto x = std::clamp(int(at.x), 0, int(s.width) - 1);
+        const auto y = std::clamp(int(at.y), 0, int(s.height) - 1);
+        return (s.firstCell & kCellMask) + uint32_t(y) * s.width + uint32_t(x);
+    }
+    [[nodiscard]] const Cell* cells() const { return cells_.data(); }
+    /// Light that a hit reflects after at most `bounces` reflections, if a cell knows it.
+    [[nodiscard]] bool reflected(const SurfaceHit& hit, int bounces, vec3& radiance) const;
+
+    /// Share of the rays of the build that ended where there is no cell, and number of cells: for reports.
+    [[nodiscard]] std::size_t cellCount() const { return cells_.size(); }
+
+private:
+    struct Contribution;
+    struct RangeOutput;
+    class Gatherer;
+    void layOut(const PathTracer& paths, const TexelMap& map);
+    void findSubstitutes(const std::vector<uint32_t>& rayCount);
+    void bounce(const std::vector<RangeOutput>& ranges, int bounces);
+
+    static constexpr int kLevels = 4;
+    int cellShift_ = 0; ///< a cell is 2^shift texels wide
+    int bounces_ = 0;
+    std::vector<Surface> surfaces_; ///< by hit index
+    std::vector<Cell> cells_;
+    /// What cells reflect after bounces_, bounces_ - 1, … reflections, for paths that reach one after some of their
+    /// own.
+    std::array<std::vector<vec3>, kLevels> levels_;
+
+    // While building.
+    struct Rectangle {
+        ivec2 min{0};
+        ivec2 max{-1};
+        uint32_t texels = 0;
+        uint32_t firstCell = 0;
+    };
+    std::vector<Rectangle> rectangles_;      ///< by chart and direction, six for each chart
+    std::vector<uint32_t> recordOfTriangle_; ///< hit index by triangle
+    std::vector<uint8_t> divided_;           ///< 1 for cells with something standing on them
+    std::vector<uint32_t> substitute_;       ///< for cells that no sample fell into, another one
+};
+
+} // namespace halflight

@@ -1,0 +1,137 @@
+#include "bake_cpu/shadow_pass.h"
+
+#include "bake_cpu/shadow_rays.h"
+#include "bake_cpu/texel_grid.h"
+
+namespace halflight {
+namespace {
+
+/// Texels within this distance have to agree: 49 x 8 rays, so that not even the rim of a penumbra is overlooked.
+constexpr int kAgreeRadius = 3;
+
+/// Halves from `first` on of one source for the lanes that `open` names.
+void traceRest(const ShadowPass& pass, const ShadowSource& source, const TexelGroup& group, uint32_t open,
+               const std::array<int, TexelGroup::kLanes>& first, const std::function<void(int, bool)>& count,
+               uint64_t& rays)
+{
+    const ShadowRays shadows(pass.paths, pass.pattern, source.seed);
+    std::array<int, TexelGroup::kLanes> halves{};
+    int most = 0;
+    for (int lane = 0; lane < group.lanes(); ++lane) {
+        if (!group.active(lane) || ((open >> lane) & 1u) == 0) continue;
+        // Points without a light are not looked at, so what the first one sees decides for all.
+        int& h = halves[std::size_t(lane)];
+        for (int p = 0; p < group.pointCount(lane) && h == 0; ++p) {
+            const PunctualLight* light = source.lightAt(group.points(lane)[std::size_t(p)]);
+            if (light != nullptr) h = ShadowRays::halvesOf(pass.samples, *light);
+        }
+        most = std::max(most, h);
+    }
+    for (int half = 0; half < most; ++half) {
+        uint32_t wanted = 0;
+        for (int lane = 0; lane < group.lanes(); ++lane) {
+            const auto l = std::size_t(lane);
+            wanted |= half >= first[l] && half < halves[l] ? 1u << lane : 0u;
+        }
+        if (wanted == 0) continue;
+        shadows.trace(
+            group, wanted, half, [&](int, const SurfacePoint& point) { return source.lightAt(point); },
+            [&](int lane, const SurfacePoint&, const PunctualLight&, bool visible) { count(lane, visible); }, rays);
+    }
+}
+
+} // namespace
+
+bool traceShadows(const ShadowPass& pass, const std::vector<ShadowSource>& sources,
+                  const std::function<void(const TexelGroup&, int, std::size_t)>& look, std::vector<LitCount>& counts)
+{
+    const std::size_t sourceCount = sources.size();
+    counts.assign(pass.texels.size() * sourceCount, {});
+    if (sourceCount == 0) return true;
+
+    // First look: all points of the texels and of their neighbours, asked for or not, inside geometry or not.
+    const TexelSet set(pass.grid, pass.map, pass.texels, kAgreeRadius);
+    const TexelSet asked(pass.grid, pass.map, pass.texels, 0);
+    std::vector<LitCount> firstLook(set.size() * sourceCount);
+    const bool whole = set.size() == asked.size();
+    const auto isAsked = [&](uint32_t texel, std::size_t& number) {
+        number = asked.find(texel);
+        return whole || (number < asked.size() && asked[number] == texel);
+    };
+    if (!forTexelGroups(
+            pass.paths, pass.map, set.size(), [&](std::size_t i) { return set[i]; },
+            [](std::size_t) { return kAllPoints; }, pass.progress, pass.stage, pass.rays,
+            [&] {
+                return [&](const TexelGroup& group, std::size_t first, uint64_t& rays) {
+                    for (int lane = 0; lane < group.lanes(); ++lane) {
+                        std::size_t number = 0;
+                        if (look && isAsked(group.texel(lane), number)) look(group, lane, number);
+                    }
+                    for (std::size_t s = 0; s < sourceCount; ++s) {
+                        const ShadowRays shadows(pass.paths, pass.pattern, sources[s].seed);
+                        shadows.trace(
+                            group, ~0u, 0, [&](int, const SurfacePoint& point) { return sources[s].lightAt(point); },
+                            [&](int lane, const SurfacePoint&, const PunctualLight&, bool visible) {
+                                firstLook[(first + std::size_t(lane)) * sourceCount + s].add(visible);
+                            },
+                            rays);
+                    }
+                };
+            })) {
+        return false;
+    }
+
+    // Where points lie inside geometry the first look counts for nothing.
+    std::vector<uint8_t> open(pass.texels.size() * sourceCount);
+    parallelFor(pass.texels.size(), 4096, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t i = begin; i < end; ++i) {
+            const std::size_t own = set.find(pass.texels[i]);
+            for (std::size_t s = 0; s < sourceCount; ++s) {
+                bool lit = true;
+                bool dark = true;
+                pass.grid.around(pass.texels[i], kAgreeRadius, [&](uint32_t other) {
+                    const LitCount& count = firstLook[set.find(other) * sourceCount + s];
+                    lit = lit && count.allLit();
+                    dark = dark && count.noneLit();
+                });
+                const bool decided = lit || dark;
+                if (pass.outside[i] == kAllPoints) counts[i * sourceCount + s] = firstLook[own * sourceCount + s];
+                open[i * sourceCount + s] = pass.outside[i] != 0 && (!decided || pass.outside[i] != kAllPoints) ? 1 : 0;
+            }
+        }
+    });
+    std::vector<uint32_t> list;
+    for (std::size_t i = 0; i < pass.texels.size(); ++i) {
+        bool any = false;
+        for (std::size_t s = 0; s < sourceCount; ++s) any = any || open[i * sourceCount + s] != 0;
+        if (any) list.push_back(uint32_t(i));
+    }
+    return forTexelGroups(
+        pass.paths, pass.map, list.size(), [&](std::size_t i) { return pass.texels[list[i]]; },
+        [&](std::size_t i) { return pass.outside[list[i]]; }, pass.progress, pass.stage, pass.rays,
+        [&] {
+            return [&](const TexelGroup& group, std::size_t first, uint64_t& rays) {
+                std::array<int, TexelGroup::kLanes> done{};
+                for (int lane = 0; lane < group.lanes(); ++lane) {
+                    const bool masked = group.mask(lane) != kAllPoints;
+                    done[std::size_t(lane)] = masked ? 0 : 1;
+                    if (look && masked) look(group, lane, list[first + std::size_t(lane)]);
+                }
+                for (std::size_t s = 0; s < sourceCount; ++s) {
+                    uint32_t wanted = 0;
+                    for (int lane = 0; lane < group.lanes(); ++lane) {
+                        wanted |= open[list[first + std::size_t(lane)] * sourceCount + s] != 0 ? 1u << lane : 0u;
+                    }
+                    if (wanted == 0) continue;
+                    traceRest(
+                        pass, sources[s], group, wanted, done,
+                        [&](int lane, bool visible) {
+                            counts[list[first + std::size_t(lane)] * sourceCount + s].add(visible);
+                        },
+                        rays);
+                }
+            };
+        });
+}
+
+} // namespace halflight

@@ -1,0 +1,56 @@
+#pragma once
+// How much of each light's disc the texels see: the rays of shadowmasks and of direct light that is baked.
+
+#include "bake_cpu/gather_pattern.h"
+#include "bake_cpu/path.h"
+#include "bake_cpu/texel_grid.h"
+#include "bake_cpu/texel_group.h"
+
+#include <atomic>
+#include <functional>
+#include <span>
+#include <vector>
+
+namespace halflight {
+
+/// What a texel's rays to one light have told so far.
+struct LitCount {
+    uint16_t lit = 0;
+    uint16_t all = 0;
+
+    void add(bool visible)
+    {
+        lit = uint16_t(lit + (visible ? 1 : 0));
+        ++all;
+    }
+    [[nodiscard]] bool allLit() const { return lit == all; }
+    [[nodiscard]] bool noneLit() const { return lit == 0; }
+    [[nodiscard]] float share() const { return all > 0 ? float(lit) / float(all) : 1.0f; }
+};
+
+/// A light, or several that never meet: which one a point looks at, null for none.
+struct ShadowSource {
+    std::function<const PunctualLight*(const SurfacePoint&)> lightAt;
+    uint32_t seed = 0;
+};
+
+struct ShadowPass {
+    const PathTracer& paths;
+    const GatherPattern& pattern;
+    const TexelMap& map;
+    const TexelGrid& grid;
+    std::span<const uint32_t> texels;   ///< in ascending order
+    std::span<const PointMask> outside; ///< of each of these
+    int samples;                        ///< rays per texel and source, at most
+    const Progress& progress;
+    const char* stage;
+    std::atomic<uint64_t>& rays;
+};
+
+/// Rays to lights, few at first: where all of a texel's and its neighbours' rays agree, lit or shadowed, the answer
+/// stands; the others get all of theirs. Counts are by texel of the pass and source. `look`, if any, is called for each
+/// texel once its points are known: look(group, lane, number of the texel).
+bool traceShadows(const ShadowPass& pass, const std::vector<ShadowSource>& sources,
+                  const std::function<void(const TexelGroup&, int, std::size_t)>& look, std::vector<LitCount>& counts);
+
+} // namespace halflight

@@ -1,0 +1,197 @@
+#pragma once
+// Eight texels side by side, and the bundles of rays that leave them together.
+
+#include "bake_cpu/gather_pattern.h"
+#include "bake_cpu/path.h"
+#include "bake_cpu/validity.h"
+
+#include "halflight/base/parallel.h"
+#include "halflight/shading/sampling.h"
+
+#include <array>
+#include <atomic>
+#include <span>
+
+namespace halflight {
+
+class TexelGroup {
+public:
+    static constexpr int kLanes = embree::kPacket;
+
+    /// `outside`: which of each texel's points to use.
+    TexelGroup(const PathTracer& paths, const TexelMap& map, std::span<const uint32_t> texels,
+               std::span<const PointMask> outside)
+        : lanes_(int(texels.size()))
+    {
+        const BakeGeometry& geometry = paths.surfaces().geometry();
+        for (int lane = 0; lane < lanes_; ++lane) {
+            Lane& l = lane_[std::size_t(lane)];
+            const Texel& texel = map.texels[texels[std::size_t(lane)]];
+            l.texel = texels[std::size_t(lane)];
+            l.id = texelId(map, texel);
+            l.mask = outside[std::size_t(lane)];
+            if (l.mask == 0) continue;
+            l.pointCount = texelPoints(geometry, map, texel, l.points);
+            PointValidity::keep(l.mask, l.points, l.pointCount);
+        }
+        for (int lane = 0; lane < lanes_; ++lane) arrange(paths, lane);
+    }
+
+    [[nodiscard]] int lanes() const { return lanes_; }
+    [[nodiscard]] bool active(int lane) const { return lane < lanes_ && lane_[std::size_t(lane)].pointCount > 0; }
+    [[nodiscard]] uint32_t texel(int lane) const { return lane_[std::size_t(lane)].texel; }
+    [[nodiscard]] uint32_t id(int lane) const { return lane_[std::size_t(lane)].id; }
+    [[nodiscard]] const TexelPoints& points(int lane) const { return lane_[std::size_t(lane)].points; }
+    [[nodiscard]] int pointCount(int lane) const { return lane_[std::size_t(lane)].pointCount; }
+    /// The texel's points that are in use: those the group was made with.
+    [[nodiscard]] PointMask mask(int lane) const { return lane_[std::size_t(lane)].mask; }
+
+    /// A ray's origin with its frame; slots repeat the texel's points where these are fewer.
+    struct Slot {
+        vec3 origin;
+        vec3 tangent;
+        vec3 bitangent;
+        vec3 normal;
+        vec3 geometricNormal;
+    };
+    [[nodiscard]] const Slot& slot(int lane, int slot) const
+    {
+        return lane_[std::size_t(lane)].slots[std::size_t(slot)];
+    }
+    [[nodiscard]] const SurfacePoint& pointOfSlot(int lane, int slot) const
+    {
+        const Lane& l = lane_[std::size_t(lane)];
+        return l.points[std::size_t(slot % l.pointCount)];
+    }
+    /// Slot of a cell of a block: within a block all slots come once, and over the blocks each cell meets all slots.
+    [[nodiscard]] int slotOf(int lane, int block, int cell) const
+    {
+        return (cell ^ (block * 11) ^ int(lane_[std::size_t(lane)].id * 0x9e3779b9u >> 28)) & (kMaxTexelPoints - 1);
+    }
+
+private:
+    static_assert(kMaxTexelPoints == GatherPattern::kBlock);
+    struct Lane {
+        uint32_t texel = 0;
+        uint32_t id = 0;
+        PointMask mask = 0;
+        int pointCount = 0;
+        TexelPoints points;
+        std::array<Slot, kMaxTexelPoints> slots;
+    };
+    void arrange(const PathTracer& paths, int lane)
+    {
+        Lane& l = lane_[std::size_t(lane)];
+        for (int s = 0; s < (l.pointCount > 0 ? kMaxTexelPoints : 0); ++s) {
+            Slot& slot = l.slots[std::size_t(s)];
+            if (s >= l.pointCount) {
+                slot = l.slots[std::size_t(s % l.pointCount)];
+                continue;
+            }
+            const SurfacePoint& point = l.points[std::size_t(s)];
+            slot.origin = paths.rayOrigin(point);
+            slot.normal = point.normal;
+            slot.geometricNormal = point.geometricNormal;
+            shading::orthonormalBasis(point.normal, slot.tangent, slot.bitangent);
+        }
+    }
+
+    int lanes_ = 0;
+    std::array<Lane, kLanes> lane_;
+};
+
+/// All cells of a block.
+inline constexpr std::array<uint8_t, GatherPattern::kBlock> kAllCells = {0, 1, 2,  3,  4,  5,  6,  7,
+                                                                         8, 9, 10, 11, 12, 13, 14, 15};
+
+/// The rays of one block of all texels of a group, in packets of one cell of the pattern each.
+struct RayBundle {
+    std::array<RTCRayHit8, GatherPattern::kBlock> rays;
+
+    /// Traces the given cells of block `number`; `seed` separates uses of the same texel. Returns the number of rays.
+    int trace(const PathTracer& paths, const GatherPattern& pattern, const TexelGroup& group, uint32_t seed, int number,
+              std::span<const uint8_t> cells)
+    {
+        alignas(32) embree::LaneMask valid;
+        std::array<GatherPattern::Block, TexelGroup::kLanes> blocks;
+        int active = 0;
+        for (int lane = 0; lane < TexelGroup::kLanes; ++lane) {
+            valid.lane[lane] = group.active(lane) ? -1 : 0;
+            if (!group.active(lane)) continue;
+            blocks[std::size_t(lane)] = pattern.block(hashCombine(seed, group.id(lane)), number);
+            ++active;
+        }
+        for (const int cell : cells) {
+            RTCRayHit8& packet = rays[std::size_t(cell)];
+            SurfaceTracer::clear(packet.ray);
+            for (int lane = 0; lane < TexelGroup::kLanes; ++lane) {
+                if (valid.lane[lane] == 0) {
+                    packet.hit.geomID[lane] = RTC_INVALID_GEOMETRY_ID;
+                    continue;
+                }
+                const TexelGroup::Slot& s = group.slot(lane, group.slotOf(lane, number, cell));
+                const vec3 local = pattern.direction(blocks[std::size_t(lane)].bits(cell));
+                vec3 d = local.x * s.tangent + local.y * s.bitangent + local.z * s.normal;
+                // As PathTracer::gatherDirection(): never below the surface.
+                const float side = glm::dot(d, s.geometricNormal);
+                if (side < 0.0f) d -= 2.0f * side * s.geometricNormal;
+                packet.ray.org_x[lane] = s.origin.x;
+                packet.ray.org_y[lane] = s.origin.y;
+                packet.ray.org_z[lane] = s.origin.z;
+                packet.ray.dir_x[lane] = d.x;
+                packet.ray.dir_y[lane] = d.y;
+                packet.ray.dir_z[lane] = d.z;
+            }
+            paths.surfaces().intersect(valid, packet);
+        }
+        return active * int(cells.size());
+    }
+    [[nodiscard]] vec3 direction(int cell, int lane) const
+    {
+        const RTCRay8& r = rays[std::size_t(cell)].ray;
+        return {r.dir_x[lane], r.dir_y[lane], r.dir_z[lane]};
+    }
+    [[nodiscard]] bool hit(int cell, int lane) const
+    {
+        return rays[std::size_t(cell)].hit.geomID[lane] != RTC_INVALID_GEOMETRY_ID;
+    }
+    [[nodiscard]] bool behind(int cell, int lane) const
+    {
+        const RTCHit8& h = rays[std::size_t(cell)].hit;
+        return glm::dot(vec3(h.Ng_x[lane], h.Ng_y[lane], h.Ng_z[lane]), direction(cell, lane)) > 0.0f;
+    }
+    [[nodiscard]] SurfaceHit surface(const PathTracer& paths, int cell, int lane) const
+    {
+        const RTCRayHit8& r = rays[std::size_t(cell)];
+        return paths.surfaces().surfaceAt(r.hit.geomID[lane], r.hit.primID[lane], vec2(r.hit.u[lane], r.hit.v[lane]),
+                                          r.ray.tfar[lane], behind(cell, lane));
+    }
+};
+
+/// Calls a body for texels 0…count-1 of a list, eight at a time, on all threads: texelAt(i) and maskAt(i) tell which
+/// they are and which of their points to use. makeBody() gives each run of texels a body of its own (with its scratch
+/// memory): body(group, first, rays), where `first` is the list's number of lane 0. False when cancelled.
+template<typename TexelAt, typename MaskAt, typename MakeBody>
+bool forTexelGroups(const PathTracer& paths, const TexelMap& map, std::size_t count, const TexelAt& texelAt,
+                    const MaskAt& maskAt, const Progress& progress, const char* stage, std::atomic<uint64_t>& rayCount,
+                    const MakeBody& makeBody)
+{
+    constexpr std::size_t kGrain = 64;
+    return parallelFor(count, kGrain, progress, stage, [&](std::size_t begin, std::size_t end) {
+        auto body = makeBody();
+        uint64_t rays = 0;
+        std::array<uint32_t, TexelGroup::kLanes> texels;
+        std::array<PointMask, TexelGroup::kLanes> masks;
+        for (std::size_t i = begin; i < end && !progress.cancelled(); i += TexelGroup::kLanes) {
+            const std::size_t lanes = std::min(end - i, std::size_t(TexelGroup::kLanes));
+            for (std::size_t k = 0; k < lanes; ++k) {
+                texels[k] = texelAt(i + k);
+                masks[k] = maskAt(i + k);
+            }
+            body(TexelGroup(paths, map, std::span(texels.data(), lanes), std::span(masks.data(), lanes)), i, rays);
+        }
+        rayCount += rays;
+    });
+}
+
+} // namespace halflight

@@ -1,0 +1,46 @@
+#pragma once
+// Which of a texel's points lie outside of geometry.
+
+#include "bake_cpu/path.h"
+
+#include "halflight/bake/integrator.h"
+
+#include <array>
+#include <cstdint>
+
+namespace halflight {
+
+using TexelPoints = std::array<SurfacePoint, kMaxTexelPoints>;
+
+/// Bit i: point i of a texel lies outside geometry; 0: (nearly) none does.
+using PointMask = uint16_t;
+static_assert(kMaxTexelPoints <= 16);
+constexpr PointMask kAllPoints = 0xffff;
+
+class PointValidity {
+public:
+    PointValidity(const PathTracer& paths, uint32_t seed);
+
+    /// A first look with one ray from a few of the points: could some lie inside a solid?
+    bool maybeInside(const TexelPoints& points, int pointCount, uint32_t texelId, uint64_t& rays) const;
+    PointMask outside(const TexelPoints& points, int pointCount, uint32_t texelId, uint64_t& rays) const;
+    /// Leaves only the points of the mask.
+    static void keep(PointMask mask, TexelPoints& points, int& pointCount);
+
+private:
+    bool inside(const SurfacePoint& point, uint32_t id, uint64_t& rays) const;
+    SurfaceTracer::Crossings crossingsFrom(const SurfacePoint& point, vec3 origin, uint32_t id, int sample,
+                                           uint64_t& rays) const;
+
+    const PathTracer& paths_;
+    uint32_t seed_;
+    bool anySolid_;
+};
+
+/// What seeds a texel's random numbers: its place, whatever else the bake covers.
+inline uint32_t texelId(const TexelMap& map, const Texel& texel)
+{
+    return (texel.page * uint32_t(map.pageSize) + texel.y) * uint32_t(map.pageSize) + texel.x;
+}
+
+} // namespace halflight

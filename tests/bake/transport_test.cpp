@@ -1,0 +1,373 @@
+// The fast integrator against the unbiased one, its light sampling against sums over all lights, and its adaptive
+// sampling against its target (spec S6, S8).
+
+#include "bake/test_scene.h"
+
+#include "bake_cpu/gather_pattern.h"
+#include "bake_cpu/light_tree.h"
+#include "bake_cpu/path.h"
+
+#include "halflight/base/parallel.h"
+#include "halflight/base/random.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstring>
+
+namespace halflight::test {
+namespace {
+
+constexpr int kPage = 64;
+
+/// A room with a block, a lamp under the ceiling, a sun through a missing wall, and a sky.
+Scene room(bool lamp, bool sun, bool sky)
+{
+    Scene scene;
+    const int white = addMaterial(scene, vec3(0.7f));
+    const int red = addMaterial(scene, vec3(0.6f, 0.1f, 0.1f));
+    addRectangle(scene, {vec3(-1, 0, 1), vec3(2, 0, 0), vec3(0, 0, -2)}, white, kPage, {vec2(1), vec2(21)});
+    addRectangle(scene, {vec3(-1, 2, -1), vec3(2, 0, 0), vec3(0, 0, 2)}, white, kPage, {vec2(24, 1), vec2(44, 21)});
+    addRectangle(scene, {vec3(-1, 0, -1), vec3(2, 0, 0), vec3(0, 2, 0)}, white, kPage, {vec2(1, 24), vec2(21, 44)});
+    addRectangle(scene, {vec3(-1, 0, 1), vec3(0, 0, -2), vec3(0, 2, 0)}, red, kPage, {vec2(24, 24), vec2(44, 44)});
+    addBox(scene, vec3(-0.2f, 0.0f, -0.4f), vec3(0.4f, 0.9f, 0.1f), white, false);
+    // The box's faces have texels of their own but for one, where paths find no cache.
+    for (int i = 0; i < 5; ++i) {
+        Object& face = scene.objects[scene.objects.size() - 6 + std::size_t(i)];
+        MeshPart& part = scene.meshes[std::size_t(face.mesh)].parts[0];
+        const vec2 a(46.0f / kPage, (1.0f + 12.0f * float(i)) / kPage);
+        const vec2 b = a + 10.0f / kPage;
+        part.lightmapUv = {a, {b.x, a.y}, b, {a.x, b.y}};
+        face.lightmap.page = 0;
+    }
+    if (lamp) {
+        const int glow = addMaterial(scene, vec3(0.0f), vec3(12.0f));
+        addRectangle(scene, {vec3(-0.3f, 1.95f, -0.3f), vec3(0.6f, 0, 0), vec3(0, 0, 0.6f)}, glow, kPage);
+    }
+    if (sun) {
+        scene.lights.push_back(
+            makeLight(LightType::Directional, vec3(0), vec3(-0.6f, -0.8f, -0.5f), 8.0f, LightMode::Mixed));
+        scene.lights.push_back(
+            makeLight(LightType::Point, vec3(0.6f, 1.2f, 0.5f), vec3(0, -1, 0), 1.0f, LightMode::Baked));
+        scene.lights.back().radiusMeters = 0.1f;
+    }
+    if (sky) scene.sky = {vec3(1.0f), vec3(0.6f), vec3(0.2f)};
+    return scene;
+}
+
+std::vector<IrradianceEstimate> bakeWith(Scene scene, IntegratorKind kind, int samples, int bounces, float noise = 0.0f)
+{
+    IntegrationSettings settings;
+    settings.integrator = kind;
+    settings.samples = samples;
+    settings.shadowSamples = 64;
+    settings.bounces = bounces;
+    settings.noiseTarget = noise;
+    settings.seed = kind == IntegratorKind::Path ? 7 : 1;
+    Bench bench(std::move(scene), MixedLightingMode::Shadowmask, kPage, settings);
+    return bench.irradiance();
+}
+
+struct Difference {
+    double bias = 0.0; ///< of the mean
+    double rmse = 0.0; ///< over the mean
+    double momentBias = 0.0;
+};
+
+Difference difference(const std::vector<IrradianceEstimate>& a, const std::vector<IrradianceEstimate>& reference)
+{
+    Difference d;
+    double mean = 0.0;
+    double moment = 0.0;
+    for (std::size_t i = 0; i < reference.size(); ++i) {
+        if (!reference[i].valid || !a[i].valid) continue;
+        const double l = double(luminance(a[i].irradiance)) - double(luminance(reference[i].irradiance));
+        d.bias += l;
+        d.rmse += l * l;
+        mean += double(luminance(reference[i].irradiance));
+        d.momentBias += double(glm::length(a[i].moment)) - double(glm::length(reference[i].moment));
+        moment += double(glm::length(reference[i].moment));
+    }
+    const auto n = double(reference.size());
+    return {d.bias / mean, std::sqrt(d.rmse / n) / (mean / n), d.momentBias / moment};
+}
+
+/// The mean within 1 % of path tracing's, and no texel-sized errors beyond the noise of both.
+TEST(RadianceCacheS6, AgreesWithPathTracing)
+{
+    for (const auto& [lamp, sun, sky, bounces] : {std::array{1, 0, 0, 4}, {0, 1, 0, 1}, {0, 0, 1, 2}, {1, 1, 1, 4}}) {
+        const auto reference = bakeWith(room(lamp, sun, sky), IntegratorKind::Path, 192, bounces);
+        const auto cached = bakeWith(room(lamp, sun, sky), IntegratorKind::Cache, 256, bounces);
+        const Difference d = difference(cached, reference);
+        SCOPED_TRACE(testing::Message() << "lamp " << lamp << " sun " << sun << " sky " << sky << " bounces "
+                                        << bounces);
+        EXPECT_LT(std::abs(d.bias), 0.01);
+        EXPECT_LT(d.rmse, 0.07);
+        EXPECT_LT(std::abs(d.momentBias), 0.02);
+    }
+}
+
+/// A floor that runs on under a thin wall from daylight into a closed, dark room: no cell of the cache carries light
+/// through.
+TEST(RadianceCacheS6, NoLightUnderThinWalls)
+{
+    Scene scene;
+    scene.sky = {vec3(1000), vec3(1000), vec3(1000)};
+    const int white = addMaterial(scene, vec3(0.8f), vec3(0.0f), true);
+    addRectangle(scene, {vec3(-4, 0, 4), vec3(8, 0, 0), vec3(0, 0, -8)}, white, kPage, {vec2(1), vec2(32)});
+    // Walls and a lid of zero thickness, set into the floor where no texel's edge is.
+    const vec3 lower(-1.03f, -0.1f, -1.07f);
+    const vec3 upper(1.09f, 1.5f, 1.01f);
+    const vec3 s = upper - lower;
+    addRectangle(scene, {lower, vec3(s.x, 0, 0), vec3(0, s.y, 0)}, white, kPage, {vec2(34, 1), vec2(48, 15)});
+    addRectangle(scene, {lower + vec3(0, 0, s.z), vec3(s.x, 0, 0), vec3(0, s.y, 0)}, white, kPage,
+                 {vec2(34, 17), vec2(48, 31)});
+    addRectangle(scene, {lower, vec3(0, 0, s.z), vec3(0, s.y, 0)}, white, kPage, {vec2(34, 33), vec2(48, 47)});
+    addRectangle(scene, {lower + vec3(s.x, 0, 0), vec3(0, 0, s.z), vec3(0, s.y, 0)}, white, kPage,
+                 {vec2(49, 1), vec2(63, 15)});
+    addRectangle(scene, {lower + vec3(0, s.y, 0), vec3(s.x, 0, 0), vec3(0, 0, s.z)}, white, kPage,
+                 {vec2(49, 17), vec2(63, 31)});
+    IntegrationSettings settings;
+    settings.samples = 128;
+    Bench bench(std::move(scene), MixedLightingMode::Shadowmask, kPage, settings);
+    const auto estimates = bench.irradiance();
+    double inside = 0.0;
+    int count = 0;
+    for (std::size_t i = 0; i < estimates.size(); ++i) {
+        const vec3 p = bench.positionOf(bench.map.texels[i]);
+        if (p.y != 0.0f || glm::max(std::abs(p.x), std::abs(p.z)) > 0.8f) continue;
+        inside += double(estimates[i].irradiance.y);
+        ++count;
+    }
+    ASSERT_GT(count, 20);
+    EXPECT_LT(inside / count, 0.001 * 1000.0 * kPi);
+}
+
+TEST(RadianceCacheS6, ThreadsChangeNoBit)
+{
+    std::vector<IrradianceEstimate> first;
+    for (const int threads : {1, 2, 5}) {
+        const ThreadLimit limit(threads);
+        const auto estimates = bakeWith(room(true, true, true), IntegratorKind::Cache, 64, 3, 0.05f);
+        if (first.empty()) first = estimates;
+        for (std::size_t i = 0; i < first.size(); ++i) {
+            ASSERT_EQ(std::memcmp(&first[i].irradiance, &estimates[i].irradiance, sizeof(vec3)), 0) << i;
+            ASSERT_EQ(first[i].samples, estimates[i].samples);
+        }
+    }
+}
+
+/// Texels stop when they are good enough: the error is near the target, a lower target takes more samples, and smooth
+/// places get fewer than others.
+TEST(AdaptiveSamplingS6, ReachesItsTarget)
+{
+    const auto reference = bakeWith(room(true, false, true), IntegratorKind::Cache, 2048, 3);
+    double before = 0.0;
+    for (const float target : {0.08f, 0.04f, 0.02f}) {
+        const auto estimates = bakeWith(room(true, false, true), IntegratorKind::Cache, 4096, 3, target);
+        std::vector<double> errors;
+        double samples = 0.0;
+        uint32_t fewest = ~0u;
+        uint32_t most = 0;
+        for (std::size_t i = 0; i < estimates.size(); ++i) {
+            if (!estimates[i].valid) continue;
+            const float l = luminance(reference[i].irradiance);
+            errors.push_back(std::pow(double(luminance(estimates[i].irradiance) - l) / double(l), 2.0));
+            samples += double(estimates[i].samples);
+            fewest = std::min(fewest, estimates[i].samples);
+            most = std::max(most, estimates[i].samples);
+        }
+        double sum = 0.0;
+        for (const double e : errors) sum += e;
+        const double rms = std::sqrt(sum / double(errors.size()));
+        EXPECT_LT(rms, 1.1 * double(target)) << "target " << target;
+        EXPECT_GT(rms, 0.2 * double(target)) << "target " << target;
+        EXPECT_GT(samples, 1.5 * before) << "target " << target;
+        EXPECT_LT(2 * fewest, most) << "target " << target;
+        before = samples;
+    }
+}
+
+/// Shadow rays are left out where a few decide, and the mask is what all of them would have given.
+TEST(ShadowmaskS8, DecidedTexelsAreRight)
+{
+    Scene scene;
+    const int black = addMaterial(scene, vec3(0), vec3(0), true);
+    addRectangle(scene, {vec3(-2, 0, 2), vec3(4, 0, 0), vec3(0, 0, -4)}, black, kPage, {vec2(1), vec2(63)});
+    addBox(scene, vec3(-0.5f, 0.3f, -0.5f), vec3(0.5f, 1.1f, 0.5f), black, false);
+    // A pole half a texel thick.
+    addBox(scene, vec3(1.0f, 0.2f, 0.5f), vec3(1.032f, 1.5f, 0.532f), black, false);
+    scene.lights.push_back(makeLight(LightType::Point, vec3(0.3f, 3, 0), vec3(0, -1, 0), 1.0f, LightMode::Mixed));
+    scene.lights[0].radiusMeters = 0.05f;
+    IntegrationSettings settings;
+    settings.shadowSamples = 256;
+    settings.bounces = 0;
+    Bench bench(std::move(scene), MixedLightingMode::Shadowmask, kPage, settings);
+    const uint64_t before = bench.integrator->raysTraced();
+    const auto mask = bench.shadowmask();
+    const auto perTexel = double(bench.integrator->raysTraced() - before) / double(mask.size());
+    EXPECT_LT(perTexel, 0.5 * 256);
+    const PathTracer paths(bench.scene, bench.geometry, LightUse::Bake);
+    double squares = 0.0;
+    for (std::size_t i = 0; i < mask.size(); ++i) {
+        std::array<SurfacePoint, kMaxTexelPoints> points;
+        const int count = texelPoints(bench.geometry, bench.map, bench.map.texels[i], points);
+        double sum = 0.0;
+        uint64_t rays = 0;
+        constexpr int kSamples = 512;
+        for (int s = 0; s < kSamples; ++s) {
+            Sampler sampler(99, uint32_t(i), uint32_t(s));
+            sum +=
+                double(paths.lightVisibility(paths.lights()[0], points[std::size_t(s % count)], sampler.next2(), rays));
+        }
+        squares += std::pow(sum / kSamples - double(mask[i].x), 2.0);
+    }
+    EXPECT_LT(std::sqrt(squares / double(mask.size())), 0.02);
+}
+
+std::vector<LightItem> randomItems(int count, bool directed)
+{
+    std::vector<LightItem> items;
+    uint32_t seed = 12345;
+    const auto random = [&] { return unitFloat(seed = hashPcg(seed)); };
+    for (int i = 0; i < count; ++i) {
+        LightItem item;
+        const vec3 place(10.0f * random(), 10.0f * random(), 10.0f * random());
+        item.bounds.extend(place);
+        item.bounds.extend(place + 0.3f * vec3(random(), random(), random()));
+        item.axis = glm::normalize(vec3(random(), random(), random()) - 0.5f);
+        item.cosSpread = directed ? 1.0f : -1.0f;
+        item.twoSided = i % 3 == 0;
+        item.power = 0.1f + 10.0f * random() * random();
+        items.push_back(item);
+    }
+    return items;
+}
+
+/// Every item has a share, the shares add up to one, and sample() takes items as often as probability() says.
+TEST(LightTreeS6, ProbabilitiesAddUpAndMatchSamples)
+{
+    for (const int count : {1, 2, 3, 17, 400}) {
+        const std::vector<LightItem> items = randomItems(count, true);
+        const LightTree tree(items);
+        for (const vec3 position : {vec3(0), vec3(5), vec3(20, -3, 4)}) {
+            const vec3 normal = glm::normalize(vec3(0.3f, 1.0f, -0.2f));
+            const LightTree::Cut cut = tree.cut(position, normal);
+            double sum = 0.0;
+            double cutSum = 0.0;
+            std::vector<float> expected;
+            for (int i = 0; i < count; ++i) {
+                const float p = tree.probability(uint32_t(i), position, normal);
+                EXPECT_GT(p, 0.0f);
+                expected.push_back(p);
+                sum += double(p);
+                cutSum += double(tree.probability(cut, uint32_t(i), position, normal));
+            }
+            EXPECT_NEAR(sum, 1.0, 1e-3);
+            EXPECT_NEAR(cutSum, 1.0, 1e-3);
+            constexpr int kSamples = 20000;
+            std::vector<double> seen(std::size_t(count), 0.0);
+            for (int s = 0; s < kSamples; ++s) {
+                const float u = (float(s) + 0.5f) / float(kSamples);
+                const LightTree::Choice choice = tree.sample(position, normal, u);
+                ASSERT_LT(choice.item, uint32_t(count));
+                EXPECT_NEAR(choice.probability, expected[choice.item], 1e-4f + 1e-2f * expected[choice.item]);
+                EXPECT_TRUE(choice.u >= 0.0f && choice.u < 1.0f);
+                seen[choice.item] += 1.0 / kSamples;
+                const LightTree::Choice byCut = tree.sample(cut, position, normal, u);
+                const float p = tree.probability(cut, byCut.item, position, normal);
+                EXPECT_NEAR(byCut.probability, p, 1e-4f + 1e-2f * p);
+            }
+            for (int i = 0; i < count; ++i) EXPECT_NEAR(seen[std::size_t(i)], expected[std::size_t(i)], 2e-3) << i;
+        }
+    }
+}
+
+/// Lights out of range are never chosen.
+TEST(LightTreeS6, RangeIsKept)
+{
+    std::vector<LightItem> items = randomItems(64, false);
+    for (LightItem& item : items) item.range = 4.0f;
+    const LightTree tree(items);
+    const vec3 position(3, 4, 5);
+    bool any = false;
+    for (uint32_t i = 0; i < items.size(); ++i) {
+        const float distance = glm::distance(items[i].bounds.center(), position);
+        const float p = tree.probability(i, position, vec3(0));
+        if (distance > 4.5f) EXPECT_EQ(p, 0.0f);
+        any = any || p > 0.0f;
+    }
+    EXPECT_TRUE(any);
+    EXPECT_EQ(tree.sample(vec3(100), vec3(0), 0.5f).probability, 0.0f);
+}
+
+/// Many lamps and many point lights: the estimate's mean is the sum over all of them.
+TEST(LightTreeS6, ManyLightsSumToTheirTotal)
+{
+    Scene scene;
+    const int white = addMaterial(scene, vec3(0.5f));
+    const int glow = addMaterial(scene, vec3(0.0f), vec3(3.0f));
+    addRectangle(scene, {vec3(-0.05f, 0, 0.05f), vec3(0.1f, 0, 0), vec3(0, 0, -0.1f)}, white, kPage,
+                 {vec2(1), vec2(9)});
+    addRectangle(scene, {vec3(-50, 9, 50), vec3(100, 0, 0), vec3(0, 0, -100)}, white, kPage);
+    scene.objects.back().castShadows = false;
+    double expected = 0.0;
+    for (int i = 0; i < 60; ++i) {
+        const vec2 place = glm::fract(vec2(0.5f) + float(i) * vec2(0.7548776662f, 0.5698402910f)) * 6.0f - 3.0f;
+        const float height = 1.0f + 2.0f * glm::fract(float(i) * 0.618f);
+        addRectangle(scene, {vec3(place.x, height, place.y), vec3(0.05f, 0, 0), vec3(0, 0, 0.05f)}, glow, kPage);
+        const vec3 to(place.x + 0.025f, height, place.y + 0.025f);
+        const double d2 = double(glm::dot(to, to));
+        expected += 3.0 * 0.05 * 0.05 * double(height) * double(height) / (d2 * d2);
+    }
+    for (const IntegratorKind kind : {IntegratorKind::Path, IntegratorKind::Cache}) {
+        double mean = 0.0;
+        const auto estimates = bakeWith(scene, kind, 1024, 0);
+        for (const IrradianceEstimate& e : estimates) mean += double(e.irradiance.y) / double(estimates.size());
+        EXPECT_NEAR(mean, expected, 0.015 * expected);
+    }
+
+    // Point lights, seen by their bounce off a floor that the receiver looks down on.
+    Scene lit;
+    const int grey = addMaterial(lit, vec3(0.4f));
+    addRectangle(lit, {vec3(-0.05f, 1, -0.05f), vec3(0.1f, 0, 0), vec3(0, 0, 0.1f)}, grey, kPage, {vec2(1), vec2(9)});
+    lit.objects.back().castShadows = false;
+    addRectangle(lit, {vec3(-50, 0, 50), vec3(100, 0, 0), vec3(0, 0, -100)}, grey, kPage);
+    std::vector<Light> lights;
+    for (int i = 0; i < 20; ++i) {
+        const vec2 place = glm::fract(vec2(0.5f) + float(i) * vec2(0.7548776662f, 0.5698402910f)) * 6.0f - 3.0f;
+        lights.push_back(makeLight(i % 2 == 0 ? LightType::Point : LightType::Spot, vec3(place.x, 2.0f, place.y),
+                                   vec3(0, -1, 0), 1.0f + float(i % 5), LightMode::Mixed));
+    }
+    double alone = 0.0;
+    for (const Light& light : lights) {
+        Scene one = lit;
+        one.lights = {light};
+        for (const IrradianceEstimate& e : bakeWith(one, IntegratorKind::Path, 256, 1)) alone += double(e.irradiance.y);
+    }
+    lit.lights = lights;
+    double together = 0.0;
+    for (const IrradianceEstimate& e : bakeWith(lit, IntegratorKind::Path, 2048, 1)) together += double(e.irradiance.y);
+    EXPECT_NEAR(together, alone, 0.02 * alone);
+}
+
+/// Each block has one point in each cell, at the place of the cell, and all blocks together fill the square evenly.
+TEST(GatherPatternS6, BlocksAreStratified)
+{
+    const GatherPattern pattern(3);
+    for (uint32_t texel = 0; texel < 50; ++texel) {
+        std::vector<int> rows(64, 0);
+        for (int b = 0; b < 4; ++b) {
+            const GatherPattern::Block block = pattern.block(hashPcg(texel), b);
+            for (int cell = 0; cell < GatherPattern::kBlock; ++cell) {
+                const vec2 u = block.unit(cell);
+                EXPECT_EQ(int(u.x * 4.0f) * 4 + int(u.y * 4.0f), cell);
+                ++rows[std::size_t(u.x * 64.0f)];
+            }
+        }
+        for (const int r : rows) EXPECT_EQ(r, 1);
+    }
+}
+
+} // namespace
+} // namespace halflight::test
