@@ -8,9 +8,10 @@ X east, Y up, metres. assets/README.md lists them.
 
 import math
 import pathlib
+import random
 import sys
 
-from scenekit import gltf, mesh as m
+from scenekit import gltf, mesh as m, texture
 from scenekit.mesh import Mesh
 
 MIXED = {"halflight_mode": "mixed"}
@@ -160,11 +161,121 @@ def proxy_volume():
     return doc
 
 
+def avenue():
+    """Posts every 3 m on both sides of a road of 60 m, static ones left and dynamic ones right, under one sun whose shadows cross
+    the road: where shadows fade with distance, and which do not."""
+    doc = document("avenue", ("white", "grey", "red"), ([0.25, 0.4, 0.75], [0.6, 0.65, 0.7], [0.15, 0.14, 0.12]))
+    doc.mesh("road", [(m.box(-7, -0.3, -64, 7, 0, 3), "white", 1.0)])
+    doc.mesh("post", [(m.bevel_box(0.35, 2.2, 0.35, 0.03) + m.sphere(0.32, 20, 10).moved(0, 2.48, 0), "grey", 1.0)])
+    doc.mesh("post_dynamic", [(m.bevel_box(0.35, 2.2, 0.35, 0.03) + m.sphere(0.32, 20, 10).moved(0, 2.48, 0), "red", 1.0)])
+    doc.node("road", "road")
+    for i in range(21):
+        z = -3.0 * i
+        doc.node(f"static_{i}", "post", (-2.2, -0.005, z))
+        doc.node(f"dynamic_{i}", "post_dynamic", (2.2, 0, z), extras=dict(DYNAMIC))
+    doc.light("sun", "directional", (1.0, 0.95, 0.85), 4.0, (-4, 5, 1.5), (0, 0, 0), extras={**MIXED, "halflight_angular_diameter": 0.53})
+    doc.camera("main", (0.4, 2.6, 5.5), (0.3, 0.6, -9.0), 48)
+    doc.camera("high", (0.4, 7.0, 6.5), (0.3, 0.0, -9.0), 48)
+    doc.camera("close", (-0.6, 1.5, 1.6), (-0.9, 0.2, -1.2), 50)
+    return doc
+
+
+def four_lights():
+    """Four mixed spots of one colour each, whose pools all overlap among posts: four channels, and a dynamic ball among them."""
+    doc = document("four_lights", ("white", "grey"), ([0.03, 0.035, 0.05],) * 3)
+    doc.mesh("floor", [(m.box(-5, -0.2, -4, 5, 0, 4), "white", 1.0)])
+    doc.mesh("post", [(m.bevel_box(0.4, 1.3, 0.4, 0.02), "grey", 1.0)])
+    doc.mesh("ball", [(m.sphere(0.38, 32, 16), "white", 1.0)])
+    doc.node("floor", "floor")
+    for i, (x, z) in enumerate(((-1.5, -0.8), (1.3, -1.1), (0.1, 1.0), (-2.6, 1.2), (2.7, 1.0))):
+        doc.node(f"post_{i + 1}", "post", (x, -0.005, z), 23 * i)
+    doc.node("ball", "ball", (-0.3, 0.38, -0.6), extras=dict(DYNAMIC))
+    for name, color, at in (("red", (1.0, 0.12, 0.1), (-3.6, 3.4, -3.2)), ("green", (0.15, 1.0, 0.2), (3.6, 3.4, -3.2)),
+                            ("blue", (0.15, 0.3, 1.0), (-3.6, 3.4, 3.2)), ("white", (1.0, 0.9, 0.7), (3.6, 3.4, 3.2))):
+        doc.light(name, "spot", color, 60.0, at, (0, 0, 0), cone_range=14.0, inner=30, outer=44, extras={**MIXED, "halflight_radius": 0.06})
+    doc.camera("main", (0.0, 4.6, 6.4), (0.0, 0.1, 0.3), 48)
+    return doc
+
+
+def hall(name):
+    """A hall with a red and a blue wall behind a sunny forecourt, empty."""
+    doc = document(name, ("white",), ([0.3, 0.45, 0.8], [0.6, 0.65, 0.75], [0.2, 0.18, 0.15]))
+    doc.material("red_wall", (0.75, 0.06, 0.05), 0.9)
+    doc.material("blue_wall", (0.06, 0.12, 0.75), 0.9)
+    for part, corners, material in (("floor", (-5, -0.2, -6, 5, 0, 6), "white"), ("roof", (-4.3, 2.6, -6, 4.3, 2.8, 0.5), "white"),
+                                    ("back", (-4.3, -0.1, -6.1, 4.3, 2.7, -5.9), "white"),
+                                    ("left", (-4.35, -0.1, -6.0, -4.1, 2.7, 0.5), "red_wall"),
+                                    ("right", (4.1, -0.1, -6.0, 4.35, 2.7, 0.5), "blue_wall")):
+        doc.mesh(part, [(m.box(*corners), material, 1.0)])
+        doc.node(part, part)
+    doc.light("sun", "directional", (1.0, 0.93, 0.8), 5.0, (-2.0, 5, 6.0), (0, 0, 0), extras={**MIXED, "halflight_angular_diameter": 0.53})
+    doc.camera("main", (0.0, 2.2, 6.6), (0.0, 0.75, -1.5), 52)
+    return doc
+
+
+def probe_hall():
+    """In the hall, a row of dynamic balls from the sun into its depth, and a dynamic beam, in a proxy volume, from one wall's
+    light to the other's."""
+    doc = hall("probe_hall")
+    doc.mesh("ball", [(m.sphere(0.32, 32, 16), "white", 1.0)])
+    doc.mesh("beam", [(m.bevel_box(7.4, 0.45, 0.45, 0.03), "white", 1.0)])
+    for row, x in enumerate((-3.2, -1.6, 0.0, 1.6, 3.2)):
+        for i in range(4):
+            doc.node(f"ball_{row}_{i}", "ball", (x, 0.32, 2.2 - 1.7 * i), extras=dict(DYNAMIC))
+    doc.node("beam", "beam", (0.0, 1.35, -2.0), 22, extras={**DYNAMIC, "halflight_probes": "volume"})
+    return doc
+
+
+def bumpy_wall():
+    """A wall of round bumps (a normal map) between a warm emissive panel on the left and a blue baked spot on the right: all its light
+    is in the lightmap, which shows the bumps only where it knows directions."""
+    doc = document("bumpy_wall", ("white",), ([0.02, 0.02, 0.025],) * 3)
+    size, cells = 128, 4
+    step = size // cells
+    height = [[max(0.0, 1.0 - ((x % step - step / 2 + 0.5) ** 2 + (y % step - step / 2 + 0.5) ** 2) / (0.4 * step) ** 2) ** 0.5 * 0.4 * step
+               for x in range(size)] for y in range(size)]
+    normal = doc.texture(texture.normal_map(height, 0.8, 2), "bumps_normal")
+    doc.material("bumpy", (0.75, 0.75, 0.75), 0.9, normal=normal)
+    doc.material("panel", (0.1, 0.1, 0.1), 0.9, emissive=(1.0, 0.55, 0.22), strength=9.0)
+    doc.mesh("wall", [(m.box(-2.5, 0, -0.2, 2.5, 2.6, 0), "bumpy", 0.6)])
+    doc.mesh("floor", [(m.box(-3, -0.2, -0.3, 3, -0.002, 2.5), "white", 1.0)])
+    doc.mesh("panel", [(m.box(-0.03, -1.0, -0.5, 0.0, 1.0, 0.5), "panel", 1.0)])
+    doc.node("wall", "wall")
+    doc.node("floor", "floor")
+    doc.node("panel", "panel", (-2.6, 1.3, 0.55))
+    doc.light("spot", "spot", (0.35, 0.55, 1.0), 30.0, (2.7, 2.3, 1.1), (0.4, 1.2, 0), cone_range=9.0, inner=35, outer=55,
+              extras={"halflight_mode": "baked", "halflight_radius": 0.05})
+    doc.camera("main", (0.0, 1.4, 3.3), (0.0, 1.25, 0), 46)
+    return doc
+
+
+INSTANCES = 1023
+
+
+def instances_1023():
+    """1023 dynamic balls as the instances of one node (EXT_mesh_gpu_instancing), one draw, in the hall's light and shadow: each
+    takes the probes of its own place."""
+    doc = hall("instances_1023")
+    doc.mesh("small_ball", [(m.sphere(0.13, 20, 10), "white", 1.0)])
+    generator = random.Random(1023)
+    places = []
+    while len(places) < INSTANCES:
+        p = (generator.uniform(-3.9, 3.9), generator.uniform(0.15, 2.4), generator.uniform(-5.6, 2.6))
+        if all(sum((a - b) ** 2 for a, b in zip(p, q)) > 0.28 ** 2 for q in places):
+            places.append(p)
+    accessor, _, _ = doc._accessor(places, "VEC3")
+    translation = doc._append("accessors", accessor)
+    doc.used.add("EXT_mesh_gpu_instancing")
+    doc.node("balls", "small_ball", extras=dict(DYNAMIC), extensions={"EXT_mesh_gpu_instancing": {"attributes": {"TRANSLATION": translation}}})
+    return doc
+
+
 def main():
     default = pathlib.Path(__file__).resolve().parent.parent / "assets" / "tests"
     folder = pathlib.Path(sys.argv[1]) if len(sys.argv) > 1 else default
     folder.mkdir(parents=True, exist_ok=True)
-    for make in (closed_room, penumbra, five_lights, sphere_on_floor, two_rooms, thousand_spheres, proxy_volume):
+    for make in (closed_room, penumbra, five_lights, sphere_on_floor, two_rooms, thousand_spheres, proxy_volume, avenue,
+                 four_lights, probe_hall, instances_1023, bumpy_wall):
         doc = make()
         data = doc.glb()
         (folder / f"{make.__name__}.glb").write_bytes(data)

@@ -5,7 +5,8 @@
 #   scripts/test.sh [--asan] [--no-install]
 #
 # --asan tests a build with AddressSanitizer and UndefinedBehaviorSanitizer. The Khronos glTF validator comes from npm;
-# without a network the tests that need it are skipped.
+# without a network the tests that need it are skipped, as are those of shared scenes where there are none. The last line
+# says how many were skipped, and why.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 
@@ -47,4 +48,5 @@ else
 fi
 
 grep -E 'tests passed|tests failed' "$log" || true
+python3 scripts/skipped_tests.py "build/$preset/Testing/Temporary/LastTest.log" || true
 exit "$status"

@@ -15,10 +15,10 @@ LightSample sampleFrameLight(int light, vec3 position)
 
 bool hasRealtime(int light) { return (lights[light].info.y & kLightHasRealtime) != 0; }
 
-// R where it is wanted: a shadow map that exists, at a point within the shadow distance.
+// R where it is wanted.
 float readRealtime(int light, Surface s, LightSample incoming)
 {
-    if (!hasRealtime(light) || s.fade >= 1.0) return 1.0;
+    if (!readsShadowMap(hasRealtime(light), s.fade)) return 1.0;
     vec3 n = dot(s.faceNormal, incoming.direction) < 0.0 ? -s.faceNormal : s.faceNormal;
     return realtimeAttenuation(light, s.position, n, incoming.direction, s.cameraDistance);
 }

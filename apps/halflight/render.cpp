@@ -392,9 +392,10 @@ void addShadowOptions(CLI::App& app, RenderOptions& options)
     addInt(app, "--shadow-map-size", shadows.directionalMapSize, 128, 8192, "texels of a cascade (default 2048)");
     addInt(app, "--shadow-atlas-size", shadows.atlasSize, 256, 8192,
            "texels of the atlas of spot and point lights (default 4096)");
-    addFloat(app, "--shadow-depth-bias", shadows.depthBias, 0.0f, 100.0f, "X", "constant depth bias (default 0)");
+    addFloat(app, "--shadow-depth-bias", shadows.depthBias, 0.0f, 100.0f, "TEXELS",
+             "receivers move towards the light by this (default 0.1)");
     addFloat(app, "--shadow-slope-bias", shadows.slopeBias, 0.0f, 100.0f, "X", "slope-scaled depth bias (default 1.5)");
-    addFloat(app, "--shadow-normal-bias", shadows.normalBiasTexels, 0.0f, 16.0f, "TEXELS",
+    addFloat(app, "--shadow-normal-bias", shadows.normalBiasTexels, 0.0f, 8.0f, "TEXELS",
              "receivers move along their normal by this (default 1.2)");
 }
 

@@ -103,7 +103,7 @@ class Document:
             material.update(alphaMode="MASK", alphaCutoff=mask)
         if double_sided:
             material["doubleSided"] = True
-        self.materials[name] = (self._append("materials", material), normal is not None, texture is not None)
+        self.materials[name] = (self._append("materials", material), normal is not None, texture is not None or normal is not None)
 
     def mesh(self, name, parts, closed=True, crease=35.0):
         """parts: [(Mesh, material name, texture repeats per metre)]. Checked before it is stored; `closed` asks that the

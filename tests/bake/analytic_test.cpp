@@ -215,6 +215,32 @@ TEST(ShadowmaskS29, LightsThatAreOffHaveAMask)
     EXPECT_EQ(lowest, 0.0f);
 }
 
+/// An object that casts no shadow leaves mask and occlusion lit below it; the same one that casts does not.
+TEST(ShadowmaskS30, ObjectsThatCastNoShadowLeaveItLit)
+{
+    for (const bool casts : {true, false}) {
+        Scene scene;
+        const int grey = addMaterial(scene, vec3(0.5f));
+        addRectangle(scene, {vec3(-2, 0, 2), vec3(4, 0, 0), vec3(0, 0, -4)}, grey, kPage, {vec2(1), vec2(63)});
+        addBox(scene, vec3(-1, 1.0f, -1), vec3(1, 1.2f, 1), grey, false);
+        for (std::size_t i = 1; i < scene.objects.size(); ++i) scene.objects[i].castShadows = casts;
+        scene.lights.push_back(makeLight(LightType::Directional, vec3(0), vec3(0, -1, 0), 3.0f, LightMode::Mixed));
+        Bench bench(std::move(scene), MixedLightingMode::Shadowmask, kPage, {});
+        const auto mask = bench.shadowmask();
+        int below = 0;
+        for (std::size_t i = 0; i < mask.size(); ++i) {
+            const vec3 p = bench.positionOf(bench.map.texels[i]);
+            const bool under = std::max(std::abs(p.x), std::abs(p.z)) < 0.9f;
+            if (under) EXPECT_EQ(mask[i].x, casts ? 0.0f : 1.0f);
+            below += under;
+        }
+        EXPECT_GT(below, 100);
+        std::vector<ProbeEstimate> probe(1);
+        bench.integrator->probes(std::vector<vec3>{vec3(0.2f, 0.5f, 0.1f)}, std::vector<uint32_t>{0}, 0, probe, {});
+        EXPECT_EQ(probe[0].occlusion.x, casts ? 0.0f : 1.0f);
+    }
+}
+
 /// The foot of a wall that goes through the floor: no mask texel beside it is darkened by its own inside.
 TEST(ShadowmaskS8, NoDarkSeamAtTheFootOfAWall)
 {

@@ -266,7 +266,7 @@ class Malformed(Case):
     def test_one_sentence_and_no_output(self):
         folder = os.path.join(SHARED, "scenes", "malformed")
         if not os.path.isdir(folder):
-            self.skipTest("no malformed scenes at " + folder)
+            self.skipTest("no shared scenes beside this checkout")
         names = sorted(name for name in os.listdir(folder) if name.endswith((".glb", ".gltf")))
         self.assertGreater(len(names), 10)
         for name in names:
@@ -353,6 +353,34 @@ class Chain(Case):
                     else:
                         self.assert_one_sentence(result, 1, baked, "can only be drawn in")
                         self.assertFalse(os.path.exists(picture))
+
+    def test_lights_change_after_the_bake(self):
+        """S29: brightness and colour are taken as they come, in proportion; a turned or moved light is named."""
+        baked, _ = self.bake(self.scene(), "baked.glb")
+
+        def picture(*options):
+            path = self.path("picture.png")
+            result = run("render", baked, "-o", path, "--size", "64x48", "--exposure", "3", "--json", *options)
+            self.assertEqual(result.returncode, 0, result.stderr)
+            return decode_png(path)[2], json.loads(result.stdout)["warnings"], result.stderr
+
+        plain, warnings, _ = picture()
+        self.assertEqual(warnings, [])
+        brighter, warnings, errors = picture("--light", "sun:intensity=9,color=1,0.5,0.25")
+        self.assertEqual((warnings, errors), ([], ""))
+        self.assertNotEqual(plain, brighter)
+        self.assertGreater(sum(p[0] for row in brighter for p in row), sum(p[0] for row in plain for p in row))
+        turned, warnings, errors = picture("--light", "sun:direction=1,-1,0")
+        self.assertNotEqual(plain, turned)
+        self.assertEqual(len(warnings), 1)
+        for text in (warnings[0], errors):
+            self.assertIn('"sun"', text)
+            self.assertIn("out of step", text)
+        _, warnings, _ = picture("--light", "spot 0:position=0,3,2", "--mode", "distance-shadowmask")
+        self.assertEqual(len(warnings), 1)
+        self.assertIn('"spot 0"', warnings[0])
+        _, warnings, _ = picture("--light", "sun:direction=1,-1,0", "--mode", "realtime")
+        self.assertEqual(warnings, [], "in realtime mode nothing baked is read")
 
     def test_every_view(self):
         baked, _ = self.bake(self.scene(), "baked.glb")
@@ -471,6 +499,8 @@ if __name__ == "__main__":
     HALFLIGHT, SHARED = sys.argv[1:3]
     program = unittest.main(argv=sys.argv[:1] + sys.argv[3:], exit=False, verbosity=1)
     outcome = program.result
+    for test, reason in outcome.skipped:
+        print(f"[  SKIPPED ] {test.id()}: {reason}")
     if outcome.wasSuccessful() and outcome.testsRun == len(outcome.skipped):
         sys.exit(77)
     sys.exit(0 if outcome.wasSuccessful() else 1)

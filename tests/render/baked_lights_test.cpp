@@ -1,5 +1,5 @@
 // Spot and point lights with masks, several masked lights at once.
-#include "render/render_test.h"
+#include "render/law_scene.h"
 
 #include <glm/gtc/matrix_transform.hpp>
 #include <glm/gtc/packing.hpp>
@@ -98,7 +98,7 @@ TEST_P(LocalMask, RealtimeAndBakedMeetS3S4S8)
             ivec2 pixel;
             const ShadedPoint point = floor.pointAt(shadowed ? umbra(position, x) : vec3(x, 0, 0.5f), pixel);
             const float attenuation =
-                shading::mixShadows(int(mode), true, x > 0 ? kMask[1] : 1.0f, true, shadowed ? 0.0f : 1.0f, 0.0f, 1.0f);
+                law::attenuationByHand(mode, true, x > 0 ? kMask[1] : 1.0f, true, shadowed ? 0.0f : 1.0f, 0.0f, 1.0f);
             EXPECT_TRUE(near(vec3(frame.radiance(pixel.x, pixel.y)), directRadiance(point, light, attenuation)))
                 << "x " << x << " shadowed " << shadowed << " pixel " << pixel.x << ' ' << pixel.y;
         }
@@ -161,6 +161,44 @@ TEST_P(BakedLights, FourMasksByChannelS18S28)
     }
 }
 
+// S18. The same with shadow maps for all four, near, within the fade and beyond: R is 1 where no caster stands, so
+// shadowmask mode shows min(F, B) = B everywhere, distance shadowmask goes from lit to B.
+TEST_P(BakedLights, FourMasksInTheFadeS18)
+{
+    for (const RunMode mode : {RunMode::Shadowmask, RunMode::DistanceShadowmask}) {
+        for (const float distance : {40.0f, 12.0f, 10.0f, 5.0f}) {
+            MaskedFloor floor;
+            floor.addLight(LightType::Directional, vec3(0.0f), vec3(0.3f, -1, 0.1f), 2.0f, 3);
+            floor.addLight(LightType::Spot, vec3(1, 5, -1), vec3(0, -1, 0), 60.0f, 0);
+            floor.addLight(LightType::Directional, vec3(0.0f), vec3(-0.2f, -1, 0.4f), 3.0f, 1);
+            floor.addLight(LightType::Point, vec3(-1, 3, 1), vec3(0, -1, 0), 20.0f, 2);
+            // A small plate right under the point light, in reach of all; its shadows fall beside the places below.
+            addObject(floor.baked.scene, makeRectangle(0.1f, 0.1f, 0), glm::translate(mat4(1.0f), vec3(-0.5f, 0.5f, 0)),
+                      false);
+            RenderSettings settings = settingsFor(GetParam(), mode);
+            settings.shadows.distanceMeters = distance;
+            settings.shadows.fadeRangeMeters = 4.0f;
+            const RenderedFrame frame = render(floor.baked, floor.camera, settings);
+            if (distance >= 10.0f) // beyond, the plate is farther than any cascade reaches
+                for (const FrameLight& light : frame.plan.lights) EXPECT_TRUE(light.hasRealtimeShadow);
+            for (const vec3 near : {vec3(-1.5f, 0, 0.5f), vec3(1.5f, 0, 0.5f), vec3(2, 0, -1), vec3(-2, 0, -1)}) {
+                ivec2 pixel;
+                const ShadedPoint point = floor.pointAt(near, pixel);
+                const float t =
+                    glm::clamp((glm::distance(point.position, vec3(0, 9, 0.01f)) - distance) / 4.0f + 1.0f, 0.0f, 1.0f);
+                vec3 expected(0.0f);
+                for (const Light& light : floor.baked.scene.lights) {
+                    const float baked = point.position.x > 0 ? kMask[light.baking.occlusionMaskChannel] : 1.0f;
+                    const float attenuation = mode == RunMode::Shadowmask ? baked : 1.0f - t + t * baked;
+                    expected += directRadiance(point, light, attenuation);
+                }
+                EXPECT_TRUE(test::near(vec3(frame.radiance(pixel.x, pixel.y)), expected, 2.0e-3f))
+                    << near.x << ' ' << near.z << " t " << t;
+            }
+        }
+    }
+}
+
 // S28. Two masked directional lights, each with its own shadow of a dynamic caster, its own mask and the common fade.
 TEST_P(BakedLights, TwoDirectionalLightsWithShadowsS28)
 {
@@ -173,26 +211,30 @@ TEST_P(BakedLights, TwoDirectionalLightsWithShadowsS28)
         // A slab 6 m up: its shadows lie 4.8 m to either side, on the two halves of the floor.
         addObject(floor.baked.scene, makeRectangle(2, 2, 0), glm::translate(mat4(1.0f), vec3(0, 6, 0)), false);
         floor.camera = lookAt(vec3(0, 5, 11), vec3(0, 0, 0), kPi / 2.0f);
-        RenderSettings settings = settingsFor(GetParam(), mode);
-        settings.shadows.distanceMeters = 14.0f;
-        settings.shadows.fadeRangeMeters = 6.0f;
-        const RenderedFrame frame = render(floor.baked, floor.camera, settings);
         const auto& lights = floor.baked.scene.lights;
-        for (const float x : {-4.8f, 4.8f, 0.5f, -0.5f}) {
-            ivec2 pixel;
-            const ShadedPoint point = floor.pointAt(vec3(x, 0, 0), pixel);
-            const float distance = glm::distance(point.position, vec3(0, 5, 11));
-            const float fade = glm::clamp((distance - 14.0f) / 6.0f + 1.0f, 0.0f, 1.0f);
-            ASSERT_TRUE(fade > 0.1f && fade < 0.95f);
-            vec3 expected(0.0f);
-            for (int i = 0; i < 2; ++i) {
-                const float realtime = (i == 0 && x == -4.8f) || (i == 1 && x == 4.8f) ? 0.0f : 1.0f;
-                const float baked = x > 0 ? kMask[i == 0 ? 0 : 3] : 1.0f;
-                expected += directRadiance(point, lights[std::size_t(i)],
-                                           shading::mixShadows(int(mode), true, baked, true, realtime, fade, 1.0f));
+        int bands[3] = {0, 0, 0};
+        for (const float shadowDistance : {40.0f, 14.0f, 9.0f}) {
+            RenderSettings settings = settingsFor(GetParam(), mode);
+            settings.shadows.distanceMeters = shadowDistance;
+            settings.shadows.fadeRangeMeters = 6.0f;
+            const RenderedFrame frame = render(floor.baked, floor.camera, settings);
+            for (const float x : {-4.8f, 4.8f, 0.5f, -0.5f}) {
+                ivec2 pixel;
+                const ShadedPoint point = floor.pointAt(vec3(x, 0, 0), pixel);
+                const float distance = glm::distance(point.position, vec3(0, 5, 11));
+                const float fade = glm::clamp((distance - shadowDistance) / 6.0f + 1.0f, 0.0f, 1.0f);
+                bands[fade == 0.0f ? 0 : fade == 1.0f ? 2 : 1]++;
+                vec3 expected(0.0f);
+                for (int i = 0; i < 2; ++i) {
+                    const float realtime = (i == 0 && x == -4.8f) || (i == 1 && x == 4.8f) ? 0.0f : 1.0f;
+                    const float baked = x > 0 ? kMask[i == 0 ? 0 : 3] : 1.0f;
+                    expected += directRadiance(point, lights[std::size_t(i)],
+                                               law::attenuationByHand(mode, true, baked, true, realtime, fade, 1.0f));
+                }
+                EXPECT_TRUE(near(vec3(frame.radiance(pixel.x, pixel.y)), expected)) << x << " t " << fade;
             }
-            EXPECT_TRUE(near(vec3(frame.radiance(pixel.x, pixel.y)), expected)) << x;
         }
+        EXPECT_TRUE(bands[0] == 4 && bands[1] == 4 && bands[2] == 4) << "near, within the fade, beyond";
     }
 }
 

@@ -1,158 +1,63 @@
 // A rendered pixel equals the law's value: a floor in four columns (lit; in static shadow; in dynamic shadow; in both),
-// seen near, within the fade, and beyond the shadow distance, in every mode, forward and deferred (S26).
-#include "render/render_test.h"
-
-#include <glm/gtc/matrix_transform.hpp>
-#include <glm/gtc/packing.hpp>
-
-#include <array>
+// seen near, at nine places within the fade, and beyond the shadow distance, in every mode, forward and deferred (S26).
+#include "render/law_scene.h"
 
 namespace halflight::test {
 namespace {
 
-constexpr ivec2 kSize{384, 216};
-constexpr float kShadowDistance = 30.0f;
-constexpr float kFadeRange = 10.0f;
-constexpr float kSunLux = 3.0f;
-constexpr float kBakedShadow = 0.2f; // 51 / 255 exactly: a baked penumbra, so that min and lerp differ
-constexpr std::array<float, 4> kColumns{-6.0f, -2.0f, 2.0f, 6.0f};
-constexpr std::array<const char*, 4> kColumnNames{"lit", "static shadow", "dynamic shadow", "both shadows"};
-constexpr std::array<float, 3> kDepths{-12.0f, -24.0f, -40.0f}; // near, inside the fade, beyond
-const vec3 kToSun = glm::normalize(vec3(0.2f, 1.0f, 0.1f));
-const vec3 kAlbedo(0.8f, 0.5f, 0.25f);
+using namespace law;
 
-constexpr bool inStaticShadow(int column)
+const vec3 kShadowColor(0.25f, 0.5f, 0.25f);
+constexpr float kProbeOcclusion = 0.4f;
+const vec3 kProbeRadiance(0.25f, 0.5f, 0.75f);
+
+bool usesMask(RunMode mode)
 {
-    return column == 1 || column == 3;
-}
-constexpr bool inDynamicShadow(int column)
-{
-    return column >= 2;
+    return mode == RunMode::Shadowmask || mode == RunMode::DistanceShadowmask;
 }
 
-/// Lightmap of a column: values that RGB9E5 holds exactly.
-vec3 lightmapOf(int column)
+/// Baked attenuation of the column.
+float maskOf(int column)
 {
-    return inStaticShadow(column) ? vec3(0.5f, 0.375f, 0.25f) : vec3(2.0f, 1.5f, 1.0f);
+    return inStaticShadow(column) ? kBakedShadow : 1.0f;
 }
 
-MixedLightingMode bakeModeFor(RunMode mode)
+/// The floor becomes a dynamic receiver, lit and shadowed by one probe, the same from everywhere.
+void makeFloorDynamic(LawScene& law)
 {
-    if (mode == RunMode::Subtractive) return MixedLightingMode::Subtractive;
-    if (mode == RunMode::BakedIndirect) return MixedLightingMode::BakedIndirect;
-    return MixedLightingMode::Shadowmask;
+    law.baked.scene.objects[std::size_t(law.floor)].isStatic = false;
+    Probe probe;
+    probe.radiance[0] = kProbeRadiance / 0.282094792f;
+    probe.occlusion = vec4(kProbeOcclusion, 1, 1, 1);
+    law.baked.probes.probes = {probe};
 }
 
-Camera makeCamera()
+using ModeStrengthPath = std::tuple<RunMode, float, RenderPath>;
+using ModePath = std::tuple<RunMode, RenderPath>;
+
+const char* modeName(RunMode mode)
 {
-    return lookAt(vec3(0, 4, 0), vec3(0, 2, -12), kPi / 3.0f);
+    const char* names[] = {"Realtime", "BakedIndirect", "Shadowmask", "DistanceShadowmask", "Subtractive"};
+    return names[int(mode)];
 }
-
-struct LawScene {
-    BakedScene baked;
-    int floor = -1;
-    std::vector<int> blockers;
-};
-
-/// The floor's page holds it in its middle half, so that scale and offset count; the rest has other values.
-LawScene makeScene(MixedLightingMode bakeMode)
+std::string modeStrengthPathName(const testing::TestParamInfo<ModeStrengthPath>& info)
 {
-    LawScene result;
-    BakedScene& baked = result.baked;
-    Scene& scene = baked.scene;
-    baked.isBaked = true;
-    baked.mode = bakeMode;
-    const int material = addMaterial(scene, vec4(kAlbedo, 1.0f));
-    result.floor =
-        addObject(scene, makeRectangle(16.0f, 100.0f, material), glm::translate(mat4(1.0f), vec3(0, 0, -50)), true);
-    scene.objects[0].lightmap = {0, vec2(0.5f), vec2(0.25f)};
-
-    // Slabs along each column, off the camera's line to the floor.
-    for (int column = 0; column < 4; ++column) {
-        for (const bool isStatic : {true, false}) {
-            if (!(isStatic ? inStaticShadow(column) : inDynamicShadow(column))) continue;
-            const float height = isStatic ? 9.0f : 7.0f;
-            const vec3 center = vec3(kColumns[std::size_t(column)], 0, -50) + kToSun * (height / kToSun.y);
-            result.blockers.push_back(
-                addObject(scene, makeRectangle(3.0f, 110.0f, material), glm::translate(mat4(1.0f), center), isStatic));
-        }
-    }
-    Light sun = directionalLight(kToSun, kSunLux);
-    bakeAsMixed(sun, bakeMode, bakeMode == MixedLightingMode::BakedIndirect ? -1 : 0);
-    scene.lights.push_back(sun);
-
-    constexpr int kPage = 128;
-    Image<uint32_t> lightmap(kPage, kPage, glm::packF3x9_E1x5(vec3(64.0f)));
-    ImageRgba8 mask(kPage, kPage, u8vec4(128));
-    for (int y = kPage / 4 - 1; y <= kPage * 3 / 4; ++y) {
-        for (int x = kPage / 4 - 1; x <= kPage * 3 / 4; ++x) {
-            const int column = glm::clamp((x - kPage / 4) / (kPage / 8), 0, 3);
-            lightmap(x, y) = glm::packF3x9_E1x5(lightmapOf(column));
-            mask(x, y) = u8vec4(inStaticShadow(column) ? 51 : 255, 255, 255, 255);
-        }
-    }
-    baked.lightmaps.push_back(lightmap);
-    if (bakeMode == MixedLightingMode::Shadowmask) baked.shadowmasks.push_back(mask);
-    // Subtractive keeps channel 0 for probes; pages exist so that the file counts as whole.
-    if (bakeMode == MixedLightingMode::Subtractive) baked.shadowmasks.push_back(mask);
-    return result;
+    return std::string(modeName(std::get<0>(info.param))) + (std::get<1>(info.param) < 1.0f ? "Strength" : "Full") +
+           pathName(std::get<2>(info.param));
 }
-
-RenderSettings settingsFor(RunMode mode, RenderPath path = RenderPath::Forward)
+std::string modePathName(const testing::TestParamInfo<ModePath>& info)
 {
-    RenderSettings settings;
-    settings.mode = mode;
-    settings.path = path;
-    settings.size = kSize;
-    settings.shadows.distanceMeters = kShadowDistance;
-    settings.shadows.fadeRangeMeters = kFadeRange;
-    settings.shadows.directionalMapSize = 1024;
-    return settings;
+    return std::string(modeName(std::get<0>(info.param))) + pathName(std::get<1>(info.param));
 }
+const auto kAllModes = testing::Values(RunMode::Realtime, RunMode::BakedIndirect, RunMode::Shadowmask,
+                                       RunMode::DistanceShadowmask, RunMode::Subtractive);
+const auto kMaskModes = testing::Values(RunMode::Shadowmask, RunMode::DistanceShadowmask);
+const auto kBakedModes =
+    testing::Values(RunMode::BakedIndirect, RunMode::Shadowmask, RunMode::DistanceShadowmask, RunMode::Subtractive);
 
-/// A floor point of each column and depth, where a pixel's ray meets it.
-struct Site {
-    int column;
-    int band;
-    ivec2 pixel;
-    ShadedPoint point;
-    float fade;
-};
-
-std::vector<Site> sites()
-{
-    const Camera camera = makeCamera();
-    std::vector<Site> result;
-    for (int column = 0; column < 4; ++column) {
-        for (int band = 0; band < 3; ++band) {
-            Site site{column, band, {}, {}, 0.0f};
-            site.pixel = pixelOf(camera, kSize, vec3(kColumns[std::size_t(column)], 0, kDepths[std::size_t(band)]));
-            const Ray ray = pixelRay(camera, kSize, site.pixel);
-            site.point.position = onPlane(ray, 0.0f);
-            site.point.view = -ray.direction;
-            site.point.baseColor = kAlbedo;
-            const float distance = glm::distance(ray.origin, site.point.position);
-            site.fade = glm::clamp((distance - kShadowDistance) / kFadeRange + 1.0f, 0.0f, 1.0f);
-            EXPECT_TRUE(band == 0   ? site.fade == 0.0f
-                        : band == 1 ? site.fade > 0.1f && site.fade < 0.9f
-                                    : site.fade == 1.0f);
-            result.push_back(site);
-        }
-    }
-    return result;
-}
-
-/// Rasterizers snap corners to 1/256 pixel, which moves a fragment by millimetres here, and t with it.
-constexpr float kAbsolute = 2.0e-4f;
-
-/// R by geometry: which slabs are in the sun's shadow map in this mode (spec section 2, last paragraph of the law).
-float realtimeOf(RunMode mode, int column)
-{
-    const bool dynamicOnly = mode == RunMode::Shadowmask || mode == RunMode::Subtractive;
-    return inDynamicShadow(column) || (!dynamicOnly && inStaticShadow(column)) ? 0.0f : 1.0f;
-}
-
-class LawPixels : public RenderTest, public testing::WithParamInterface<std::tuple<RunMode, float, RenderPath>> {};
+class LawPixels : public RenderTest, public testing::WithParamInterface<ModeStrengthPath> {};
+INSTANTIATE_TEST_SUITE_P(S1S7S12S13S20toS25, LawPixels,
+                         testing::Combine(kAllModes, testing::Values(1.0f, 0.6f), kBothPaths), modeStrengthPathName);
 
 TEST_P(LawPixels, StaticReceiver)
 {
@@ -160,29 +65,19 @@ TEST_P(LawPixels, StaticReceiver)
     LawScene law = makeScene(bakeModeFor(mode));
     Scene& scene = law.baked.scene;
     scene.lights[0].shadowStrength = strength;
-    scene.subtractiveShadowColor = vec3(0.25f, 0.5f, 0.25f);
+    scene.subtractiveShadowColor = kShadowColor;
     const RenderedFrame frame = render(law.baked, makeCamera(), settingsFor(mode, path));
-
-    for (const Site& site : sites()) {
+    expectSites(frame, [&, mode = mode, strength = strength](const Site& site) {
+        const vec3 lightmap = lightmapOf(site.column);
         const float realtime = realtimeOf(mode, site.column);
-        const float faded = glm::mix(realtime, 1.0f, site.fade);
-        vec3 expected(0.0f);
-        if (mode == RunMode::Subtractive) {
-            const vec3 main = vec3(kSunLux * kToSun.y);
-            expected =
-                indirectRadiance(site.point, shading::subtractiveIrradiance(lightmapOf(site.column), main, faded,
-                                                                            scene.subtractiveShadowColor, strength));
-        } else {
-            const bool masked = mode == RunMode::Shadowmask || mode == RunMode::DistanceShadowmask;
-            const float baked = inStaticShadow(site.column) ? kBakedShadow : 1.0f;
-            const float attenuation =
-                shading::mixShadows(int(mode), masked, baked, true, realtime, site.fade, strength);
-            expected = directRadiance(site.point, scene.lights[0], attenuation);
-            if (mode != RunMode::Realtime) expected += indirectRadiance(site.point, lightmapOf(site.column));
-        }
-        EXPECT_TRUE(near(vec3(frame.radiance(site.pixel.x, site.pixel.y)), expected, 1.0e-3f, kAbsolute))
-            << kColumnNames[std::size_t(site.column)] << ", t = " << site.fade;
-    }
+        if (mode == RunMode::Subtractive)
+            return indirectRadiance(site.point, subtractiveByHand(lightmap, vec3(kSunLux * kToSun.y), realtime,
+                                                                  site.fade, kShadowColor, strength));
+        const float attenuation =
+            attenuationByHand(mode, usesMask(mode), maskOf(site.column), true, realtime, site.fade, strength);
+        const vec3 direct = directRadiance(site.point, scene.lights[0], attenuation);
+        return mode == RunMode::Realtime ? direct : direct + indirectRadiance(site.point, lightmap);
+    });
 }
 
 class LightmapUnitS6 : public BothPaths {};
@@ -202,150 +97,194 @@ TEST_P(LightmapUnitS6, ScalesTheLightmapAndNothingElse)
 }
 INSTANTIATE_TEST_SUITE_P(Paths, LightmapUnitS6, kBothPaths, pathNameOf);
 
-constexpr float kProbeOcclusion = 0.4f;
-const vec3 kProbeRadiance(0.25f, 0.5f, 0.75f);
-
 TEST_P(LawPixels, DynamicReceiverReadsItsProbe)
 {
     const auto [mode, strength, path] = GetParam();
     LawScene law = makeScene(bakeModeFor(mode));
-    Scene& scene = law.baked.scene;
-    scene.lights[0].shadowStrength = strength;
-    scene.objects[std::size_t(law.floor)].isStatic = false;
-    Probe probe;
-    probe.radiance[0] = kProbeRadiance / 0.282094792f; // the same from everywhere
-    probe.occlusion = vec4(kProbeOcclusion, 1, 1, 1);
-    law.baked.probes.probes = {probe};
+    law.baked.scene.lights[0].shadowStrength = strength;
+    makeFloorDynamic(law);
     const RenderedFrame frame = render(law.baked, makeCamera(), settingsFor(mode, path));
+    expectSites(frame, [&, mode = mode, strength = strength](const Site& site) {
+        const bool occluded = usesMask(mode) || mode == RunMode::Subtractive;
+        const float attenuation = attenuationByHand(mode, occluded, kProbeOcclusion, true,
+                                                    realtimeOf(mode, site.column), site.fade, strength);
+        const vec3 direct = directRadiance(site.point, law.baked.scene.lights[0], attenuation);
+        return mode == RunMode::Realtime ? direct : direct + indirectRadiance(site.point, kProbeRadiance * kPi);
+    });
+}
 
-    for (const Site& site : sites()) {
-        const bool masked = mode != RunMode::Realtime && mode != RunMode::BakedIndirect;
-        const float attenuation = shading::mixShadows(int(mode), masked, kProbeOcclusion, true,
-                                                      realtimeOf(mode, site.column), site.fade, strength);
-        vec3 expected = directRadiance(site.point, scene.lights[0], attenuation);
-        if (mode != RunMode::Realtime) expected += indirectRadiance(site.point, kProbeRadiance * kPi);
-        EXPECT_TRUE(near(vec3(frame.radiance(site.pixel.x, site.pixel.y)), expected, 1.0e-3f, kAbsolute))
-            << kColumnNames[std::size_t(site.column)] << ", t = " << site.fade;
+// No caster in view: no light has a shadow map, and mask and occlusion hold at every distance. Subtractive takes
+// nothing from its lightmaps and has channel 0 of the probes on dynamic receivers (S25).
+class OnlyBakedShadowsS19 : public RenderTest, public testing::WithParamInterface<ModeStrengthPath> {
+protected:
+    RenderedFrame drawWithoutCasters(LawScene& law)
+    {
+        const auto [mode, strength, path] = GetParam();
+        for (Object& object : law.baked.scene.objects) object.castShadows = false;
+        law.baked.scene.lights[0].shadowStrength = strength;
+        RenderedFrame frame = render(law.baked, makeCamera(), settingsFor(mode, path));
+        for (const FrameLight& light : frame.plan.lights) EXPECT_FALSE(light.hasRealtimeShadow);
+        return frame;
     }
-}
+};
+INSTANTIATE_TEST_SUITE_P(S25, OnlyBakedShadowsS19,
+                         testing::Combine(kBakedModes, testing::Values(1.0f, 0.6f), kBothPaths), modeStrengthPathName);
 
-std::string parameterName(const testing::TestParamInfo<std::tuple<RunMode, float, RenderPath>>& info)
+TEST_P(OnlyBakedShadowsS19, StaticReceiverKeepsItsMask)
 {
-    const char* names[] = {"Realtime", "BakedIndirect", "Shadowmask", "DistanceShadowmask", "Subtractive"};
-    return std::string(names[int(std::get<0>(info.param))]) + (std::get<1>(info.param) < 1.0f ? "Strength" : "Full") +
-           pathName(std::get<2>(info.param));
+    const RunMode mode = std::get<0>(GetParam());
+    const float strength = std::get<1>(GetParam());
+    LawScene law = makeScene(bakeModeFor(mode));
+    expectSites(drawWithoutCasters(law), [&](const Site& site) {
+        const vec3 indirect = indirectRadiance(site.point, lightmapOf(site.column));
+        if (mode == RunMode::Subtractive) return indirect;
+        const float attenuation = usesMask(mode) ? 1.0f - strength + strength * maskOf(site.column) : 1.0f;
+        return indirect + directRadiance(site.point, law.baked.scene.lights[0], attenuation);
+    });
 }
 
-INSTANTIATE_TEST_SUITE_P(S1S7S12S13S20toS25, LawPixels,
-                         testing::Combine(testing::Values(RunMode::Realtime, RunMode::BakedIndirect,
-                                                          RunMode::Shadowmask, RunMode::DistanceShadowmask,
+TEST_P(OnlyBakedShadowsS19, DynamicReceiverKeepsItsOcclusion)
+{
+    const RunMode mode = std::get<0>(GetParam());
+    const float strength = std::get<1>(GetParam());
+    LawScene law = makeScene(bakeModeFor(mode));
+    makeFloorDynamic(law);
+    expectSites(drawWithoutCasters(law), [&](const Site& site) {
+        const float attenuation = mode == RunMode::BakedIndirect ? 1.0f : 1.0f - strength + strength * kProbeOcclusion;
+        return indirectRadiance(site.point, kProbeRadiance * kPi) +
+               directRadiance(site.point, law.baked.scene.lights[0], attenuation);
+    });
+}
+
+class ReceiveShadowsS30 : public RenderTest, public testing::WithParamInterface<ModePath> {};
+INSTANTIATE_TEST_SUITE_P(, ReceiveShadowsS30,
+                         testing::Combine(testing::Values(RunMode::Shadowmask, RunMode::DistanceShadowmask,
                                                           RunMode::Subtractive),
-                                          testing::Values(1.0f, 0.6f), kBothPaths),
-                         parameterName);
-
-class OnlyBakedShadowsS19 : public RenderTest, public testing::WithParamInterface<std::tuple<RunMode, RenderPath>> {};
-
-// No caster in view: the sun has no shadow map, and the mask holds at every distance.
-TEST_P(OnlyBakedShadowsS19, MaskStaysWithoutCasters)
-{
-    const auto [mode, path] = GetParam();
-    LawScene law = makeScene(MixedLightingMode::Shadowmask);
-    Scene& scene = law.baked.scene;
-    for (Object& object : scene.objects) object.castShadows = false;
-    const RenderedFrame frame = render(law.baked, makeCamera(), settingsFor(mode, path));
-    for (const FrameLight& light : frame.plan.lights) EXPECT_FALSE(light.hasRealtimeShadow);
-    for (const Site& site : sites()) {
-        const vec3 expected =
-            directRadiance(site.point, scene.lights[0], inStaticShadow(site.column) ? kBakedShadow : 1.0f) +
-            indirectRadiance(site.point, lightmapOf(site.column));
-        EXPECT_TRUE(near(vec3(frame.radiance(site.pixel.x, site.pixel.y)), expected))
-            << site.column << ' ' << site.band;
-    }
-}
-INSTANTIATE_TEST_SUITE_P(, OnlyBakedShadowsS19,
-                         testing::Combine(testing::Values(RunMode::Shadowmask, RunMode::DistanceShadowmask),
-                                          kBothPaths));
-
-class ReceiveShadowsS30 : public RenderTest, public testing::WithParamInterface<std::tuple<RunMode, RenderPath>> {};
+                                          kBothPaths),
+                         modePathName);
 
 TEST_P(ReceiveShadowsS30, OffMeansNeitherRealtimeNorBaked)
 {
     const auto [mode, path] = GetParam();
     LawScene law = makeScene(bakeModeFor(mode));
-    Scene& scene = law.baked.scene;
-    scene.objects[std::size_t(law.floor)].receiveShadows = false;
+    law.baked.scene.objects[std::size_t(law.floor)].receiveShadows = false;
     const RenderedFrame frame = render(law.baked, makeCamera(), settingsFor(mode, path));
-    for (const Site& site : sites()) {
-        vec3 expected = indirectRadiance(site.point, lightmapOf(site.column));
-        if (mode != RunMode::Subtractive) expected += directRadiance(site.point, scene.lights[0], 1.0f);
-        EXPECT_TRUE(near(vec3(frame.radiance(site.pixel.x, site.pixel.y)), expected))
-            << site.column << ' ' << site.band;
-    }
+    expectSites(frame, [&, mode = mode](const Site& site) {
+        const vec3 indirect = indirectRadiance(site.point, lightmapOf(site.column));
+        if (mode == RunMode::Subtractive) return indirect;
+        return indirect + directRadiance(site.point, law.baked.scene.lights[0], 1.0f);
+    });
 }
-INSTANTIATE_TEST_SUITE_P(, ReceiveShadowsS30,
-                         testing::Combine(testing::Values(RunMode::Shadowmask, RunMode::DistanceShadowmask,
-                                                          RunMode::Subtractive),
-                                          kBothPaths));
 
-class CascadesS2 : public RenderTest,
-                   public testing::WithParamInterface<std::tuple<int, ShadowFilter, CascadeBlend>> {};
-
-// Umbra is 0 and light is 1 whatever the filter, the number of cascades and the way they blend: neither acne nor a
-// shadow that lets light through. Near the camera, whole columns are checked, not single points.
-TEST_P(CascadesS2, UmbraDarkAndFloorCleanAcrossCascades)
+// One slab that casts no shadow is missing from the shadow map, and only that one.
+TEST_P(ReceiveShadowsS30, CastOffLeavesOneCasterOut)
 {
-    const auto [cascades, filter, blend] = GetParam();
-    LawScene law = makeScene(MixedLightingMode::BakedIndirect);
+    const auto [mode, path] = GetParam();
+    LawScene law = makeScene(bakeModeFor(mode));
     Scene& scene = law.baked.scene;
-    RenderSettings settings = settingsFor(RunMode::Realtime);
-    settings.shadows.cascades = cascades;
-    settings.shadows.filter = filter;
-    settings.shadows.cascadeBlend = blend;
-    const Camera camera = makeCamera();
-    const RenderedFrame frame = render(law.baked, camera, settings);
-    int checked = 0;
-    for (int column = 0; column < 4; ++column) {
-        for (float z = -8.0f; z > -18.0f; z -= 0.25f) {
-            const ivec2 pixel = pixelOf(camera, kSize, vec3(kColumns[std::size_t(column)], 0, z));
-            if (pixel.x < 0 || pixel.y < 0 || pixel.x >= kSize.x || pixel.y >= kSize.y) continue;
-            const Ray ray = pixelRay(camera, kSize, pixel);
-            ShadedPoint point{onPlane(ray, 0.0f), vec3(0, 1, 0), -ray.direction, kAlbedo};
-            const float lit = inStaticShadow(column) || inDynamicShadow(column) ? 0.0f : 1.0f;
-            EXPECT_TRUE(near(vec3(frame.radiance(pixel.x, pixel.y)), directRadiance(point, scene.lights[0], lit)))
-                << kColumnNames[std::size_t(column)] << " z " << z;
-            ++checked;
-        }
+    int silenced = 0; // the dynamic slab of the third column
+    for (const int blocker : law.blockers) {
+        Object& object = scene.objects[std::size_t(blocker)];
+        if (object.isStatic || object.worldFromObject[3].x > kColumns[3]) continue;
+        object.castShadows = false;
+        ++silenced;
     }
-    EXPECT_GT(checked, 100);
+    ASSERT_EQ(silenced, 1);
+    const RenderedFrame frame = render(law.baked, makeCamera(), settingsFor(mode, path));
+    expectSites(frame, [&, mode = mode](const Site& site) {
+        const vec3 lightmap = lightmapOf(site.column);
+        const float realtime = site.column == 2 ? 1.0f : realtimeOf(mode, site.column);
+        if (mode == RunMode::Subtractive)
+            return indirectRadiance(site.point, subtractiveByHand(lightmap, vec3(kSunLux * kToSun.y), realtime,
+                                                                  site.fade, vec3(0.0f), 1.0f));
+        return indirectRadiance(site.point, lightmap) +
+               directRadiance(site.point, scene.lights[0],
+                              attenuationByHand(mode, true, maskOf(site.column), true, realtime, site.fade, 1.0f));
+    });
 }
-INSTANTIATE_TEST_SUITE_P(, CascadesS2,
-                         testing::Combine(testing::Values(1, 2, 3, 4),
-                                          testing::Values(ShadowFilter::Hard, ShadowFilter::Pcf, ShadowFilter::Soft),
-                                          testing::Values(CascadeBlend::Soft, CascadeBlend::Dithered)));
 
-// S31. What the debug views say at the same points.
-TEST_F(RenderTest, DebugViewsS31)
+class OtherLights : public RenderTest, public testing::WithParamInterface<ModePath> {};
+INSTANTIATE_TEST_SUITE_P(, OtherLights, testing::Combine(kBakedModes, kBothPaths), modePathName);
+
+// S11. A realtime sun beside the masked one: every caster in its shadow map, none of the other's mask, lit beyond the
+// shadow distance; the masked one does not notice it.
+TEST_P(OtherLights, RealtimeSunIsUntouchedByMasksS11)
 {
-    const LawScene law = makeScene(MixedLightingMode::Shadowmask);
-    RenderSettings settings = settingsFor(RunMode::Shadowmask);
-    const Camera camera = makeCamera();
-    ASSERT_TRUE(renderer->load(law.baked));
-    auto view = [&](DebugView debugView) {
-        settings.view = debugView;
-        auto frame = renderer->render(camera, settings);
-        EXPECT_TRUE(frame);
-        return std::move(frame->radiance);
-    };
-    const ImageRgba32f fade = view(DebugView::Fade);
-    const ImageRgba32f mask = view(DebugView::Shadowmask);
-    const ImageRgba32f lightmap = view(DebugView::Lightmap);
-    const ImageRgba32f overlap = view(DebugView::Overlap);
-    for (const Site& site : sites()) {
-        const ivec2 p = site.pixel;
-        EXPECT_TRUE(near(vec3(fade(p.x, p.y)), vec3(site.fade), 1.0e-3f, 1.0e-4f));
-        EXPECT_TRUE(near(vec3(mask(p.x, p.y)), vec3(inStaticShadow(site.column) ? kBakedShadow : 1.0f, 1, 1)));
-        EXPECT_TRUE(near(vec3(lightmap(p.x, p.y)), lightmapOf(site.column) / kPi));
-        EXPECT_TRUE(near(vec3(overlap(p.x, p.y)), vec3(0, 0, 1))); // one masked light
+    const auto [mode, path] = GetParam();
+    for (const bool isDynamic : {false, true}) {
+        LawScene law = makeScene(bakeModeFor(mode));
+        if (isDynamic) makeFloorDynamic(law);
+        Scene& scene = law.baked.scene;
+        scene.subtractiveShadowColor = kShadowColor;
+        scene.lights.push_back(directionalLight(kToSun, 2.0f));
+        const RenderedFrame frame = render(law.baked, makeCamera(), settingsFor(mode, path));
+        expectSites(frame, [&, mode = mode](const Site& site) {
+            const float all = inStaticShadow(site.column) || inDynamicShadow(site.column) ? 0.0f : 1.0f;
+            const vec3 realtimeSun = directRadiance(
+                site.point, scene.lights[1], attenuationByHand(RunMode::Realtime, false, 1, true, all, site.fade, 1));
+            const float realtime = realtimeOf(mode, site.column);
+            vec3 irradiance = isDynamic ? kProbeRadiance * kPi : lightmapOf(site.column);
+            if (mode == RunMode::Subtractive && !isDynamic)
+                return realtimeSun +
+                       indirectRadiance(site.point, subtractiveByHand(irradiance, vec3(kSunLux * kToSun.y), realtime,
+                                                                      site.fade, kShadowColor, 1.0f));
+            const float baked = isDynamic ? kProbeOcclusion : maskOf(site.column);
+            return realtimeSun + indirectRadiance(site.point, irradiance) +
+                   directRadiance(
+                       site.point, scene.lights[0],
+                       attenuationByHand(mode, mode != RunMode::BakedIndirect, baked, true, realtime, site.fade, 1.0f));
+        });
+    }
+}
+
+// S5, S10. What the bake made fully baked (authored so, or a mixed light that found no channel) is drawn by no mode
+// that reads the bake, and in realtime mode as any light.
+TEST_P(OtherLights, FullyBakedLightIsNotDrawnAgainS5S10)
+{
+    const auto [mode, path] = GetParam();
+    LawScene law = makeScene(bakeModeFor(mode));
+    Light& sun = law.baked.scene.lights[0];
+    sun.baking.bakeType = LightMode::Baked;
+    sun.baking.occlusionMaskChannel = -1;
+    const RenderedFrame frame = render(law.baked, makeCamera(), settingsFor(mode, path));
+    EXPECT_TRUE(frame.plan.lights.empty());
+    expectSites(frame, [&](const Site& site) { return indirectRadiance(site.point, lightmapOf(site.column)); });
+    const RenderedFrame realtime = render(law.baked, makeCamera(), settingsFor(RunMode::Realtime, path));
+    expectSites(realtime, [&](const Site& site) {
+        return directRadiance(site.point, sun,
+                              attenuationByHand(RunMode::Realtime, false, 1.0f, true,
+                                                realtimeOf(RunMode::Realtime, site.column), site.fade, 1.0f));
+    });
+}
+
+// S21. Subtractive's second mixed sun: wholly in the lightmap of static receivers, realtime on dynamic ones, whose
+// occlusion it does not read; its shadow map holds dynamic objects only.
+class SecondSunS25 : public BothPaths {};
+INSTANTIATE_TEST_SUITE_P(, SecondSunS25, kBothPaths, pathNameOf);
+
+TEST_P(SecondSunS25, BakedForStaticRealtimeForDynamicReceivers)
+{
+    for (const bool isDynamic : {false, true}) {
+        LawScene law = makeScene(MixedLightingMode::Subtractive);
+        if (isDynamic) makeFloorDynamic(law);
+        Scene& scene = law.baked.scene;
+        Light second = directionalLight(kToSun, 5.0f);
+        bakeAsMixed(second, MixedLightingMode::Subtractive, -1);
+        scene.lights.push_back(second);
+        const RenderedFrame frame = render(law.baked, makeCamera(), settingsFor(RunMode::Subtractive, GetParam()));
+        expectSites(frame, [&](const Site& site) {
+            const float realtime = realtimeOf(RunMode::Subtractive, site.column);
+            if (!isDynamic)
+                return indirectRadiance(site.point, subtractiveByHand(lightmapOf(site.column), vec3(kSunLux * kToSun.y),
+                                                                      realtime, site.fade, vec3(0.0f), 1.0f));
+            return indirectRadiance(site.point, kProbeRadiance * kPi) +
+                   directRadiance(site.point, scene.lights[0],
+                                  attenuationByHand(RunMode::Subtractive, true, kProbeOcclusion, true, realtime,
+                                                    site.fade, 1.0f)) +
+                   directRadiance(
+                       site.point, second,
+                       attenuationByHand(RunMode::Subtractive, false, 1.0f, true, realtime, site.fade, 1.0f));
+        });
     }
 }
 

@@ -1,6 +1,8 @@
 // Normals, masks, blending and other properties of glTF materials.
 #include "render/render_test.h"
 
+#include "halflight/shading/brdf.h"
+
 #include <glm/gtc/matrix_transform.hpp>
 #include <glm/gtc/packing.hpp>
 

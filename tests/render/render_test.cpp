@@ -1,5 +1,8 @@
 #include "render/render_test.h"
 
+#include "halflight/shading/brdf.h"
+#include "halflight/shading/light.h"
+
 #include <cmath>
 
 namespace halflight::test {

@@ -2,9 +2,6 @@
 // Scenes whose picture is known, and what is known about them.
 
 #include "halflight/render/renderer.h"
-#include "halflight/shading/brdf.h"
-#include "halflight/shading/law.h"
-#include "halflight/shading/light.h"
 
 #include <gtest/gtest.h>
 

@@ -49,6 +49,23 @@ TEST(LawS1, FadeIsSmooth)
     EXPECT_EQ(before, 1.0f);
 }
 
+// "where t = 1 no realtime shadow map is sampled": and there no value of R changes anything, in any mode.
+TEST(LawS1, NothingIsSampledFromTheShadowDistanceOn)
+{
+    EXPECT_TRUE(readsShadowMap(kMap, 0.0f));
+    EXPECT_TRUE(readsShadowMap(kMap, 0.999f));
+    EXPECT_FALSE(readsShadowMap(kMap, 1.0f));
+    EXPECT_FALSE(readsShadowMap(kNoMap, 0.0f));
+    EXPECT_FALSE(readsShadowMap(kNoMap, 1.0f));
+    EXPECT_FALSE(readsShadowMap(kMap, shadowFade(60.0f, fadeConstants(60.0f, 1.0f))));
+    EXPECT_FALSE(readsShadowMap(kMap, shadowFade(1.0e6f, fadeConstants(60.0f, 10.0f))));
+    EXPECT_TRUE(readsShadowMap(kMap, shadowFade(59.9f, fadeConstants(60.0f, 1.0f))));
+    for (const int mode : kModes)
+        for (const bool hasBaked : {kBaked, kNoBaked})
+            EXPECT_EQ(mixShadows(mode, hasBaked, 0.5f, kMap, 0.0f, 1.0f, 0.7f),
+                      mixShadows(mode, hasBaked, 0.5f, kMap, 1.0f, 1.0f, 0.7f));
+}
+
 // "F = lerp(R, 1, t)"; "saturate(R + t) is equal wherever R is 0 or 1".
 TEST(LawS1, FadedRealtime)
 {

@@ -17,7 +17,7 @@ class UnwrapSharedScenes : public testing::TestWithParam<std::string> {};
 TEST_P(UnwrapSharedScenes, NoTexelIsSharedByTwoCharts)
 {
     const std::filesystem::path path = kScenes / GetParam();
-    if (!std::filesystem::exists(path)) GTEST_SKIP() << path << " is not here";
+    if (!std::filesystem::exists(path)) GTEST_SKIP() << "no shared scenes beside this checkout";
     const Result<Scene> scene = readScene(path, {.decodeTextures = false});
     ASSERT_TRUE(scene) << scene.error().text();
     bool authored = false;
@@ -61,7 +61,7 @@ INSTANTIATE_TEST_SUITE_P(All, UnwrapSharedScenes, testing::ValuesIn(sceneNames()
 /// The list above is complete: a scene that is added to the folder has to be added there.
 TEST(UnwrapSharedScenesList, NamesEveryScene)
 {
-    if (!std::filesystem::exists(kScenes)) GTEST_SKIP() << kScenes << " is not here";
+    if (!std::filesystem::exists(kScenes)) GTEST_SKIP() << "no shared scenes beside this checkout";
     const std::vector<std::string> names = sceneNames();
     for (const auto& entry : std::filesystem::directory_iterator(kScenes)) {
         if (entry.path().extension() != ".glb" && entry.path().extension() != ".gltf") continue;

@@ -64,7 +64,7 @@ class WrittenSharedScenes : public testing::TestWithParam<std::string> {};
 TEST_P(WrittenSharedScenes, ComeBackWithTheirCoordinates)
 {
     const std::filesystem::path path = kScenes / GetParam();
-    if (!std::filesystem::exists(path)) GTEST_SKIP() << path << " is not here";
+    if (!std::filesystem::exists(path)) GTEST_SKIP() << "no shared scenes beside this checkout";
     const Result<Scene> scene = readScene(path, {.decodeTextures = false});
     ASSERT_TRUE(scene) << scene.error().text();
     const Result<UnwrappedScene> unwrapped = unwrap(*scene, {});
@@ -88,7 +88,7 @@ TEST_P(WrittenSharedScenes, ComeBackWithTheirCoordinates)
 TEST(UnwrapDensityOfSponza, TooManyPagesAreRefusedBeforePacking)
 {
     const std::filesystem::path path = kScenes / "sponza_crytek.glb";
-    if (!std::filesystem::exists(path)) GTEST_SKIP() << path << " is not here";
+    if (!std::filesystem::exists(path)) GTEST_SKIP() << "no shared scenes beside this checkout";
     Result<Scene> scene = readScene(path, {.decodeTextures = false});
     ASSERT_TRUE(scene) << scene.error().text();
     UnwrapSettings settings;

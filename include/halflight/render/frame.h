@@ -52,7 +52,10 @@ struct ShadowSettings {
     int atlasSize = 4096;
     bool pointShadows = true; ///< false: point lights have baked shadows only, as in the seeds (spec S4)
     ShadowFilter filter = ShadowFilter::Pcf;
-    float depthBias = 0.0f; ///< constant, in shadow-map texels of depth slope 1
+    /// Receiver moved towards the light by this many shadow-map texels. Covers the rounding of depths and positions,
+    /// which no slope covers on surfaces that face the light straight (the deferred path knows positions by depth
+    /// alone).
+    float depthBias = 0.1f;
     float slopeBias = 1.5f; ///< Vulkan's depthBiasSlopeFactor
     /// Receiver moved along its normal by this many shadow-map texels for each two texels of filterReachTexels() (at
     /// least one time), so that a wide kernel on a tilted surface does not meet the surface itself; 0…8.

@@ -24,10 +24,16 @@ HL_FN vec2 fadeConstants(float shadowDistance, float fadeRange)
     return vec2(1.0f / fadeRange, 1.0f - shadowDistance / fadeRange);
 }
 
-// S1. t for a fragment c metres from the camera. Where t is 1 no shadow map may be sampled.
+// S1. t for a fragment c metres from the camera.
 HL_FN float shadowFade(float cameraDistance, vec2 constants)
 {
     return saturate(cameraDistance * constants.x + constants.y);
+}
+
+// S1. Whether a fragment looks into a light's shadow map at all. Where not, R counts for nothing in mixShadows().
+HL_FN bool readsShadowMap(bool hasRealtime, float fade)
+{
+    return hasRealtime && fade < 1.0f;
 }
 
 // F: realtime attenuation faded out towards "lit".
