@@ -2,6 +2,8 @@
 // seen near, at nine places within the fade, and beyond the shadow distance, in every mode, forward and deferred (S26).
 #include "render/law_scene.h"
 
+#include <glm/gtc/packing.hpp>
+
 namespace halflight::test {
 namespace {
 
