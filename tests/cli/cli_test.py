@@ -298,7 +298,7 @@ class Chain(Case):
         self.assertEqual(info["objects"]["static"], 4)
         self.assertEqual(info["objects"]["dynamic"], 1)
         self.assertEqual(info["cameras"], ["view"])
-        self.assertEqual(info["lightmap"], {"pages": 1, "size": 128})
+        self.assertEqual(info["lightmap"], {"pages": 1, "size": 128, "directional": False})
         self.assertEqual(info["shadowmask"], {"pages": 1, "size": 128})
         self.assertGreater(info["probes"]["valid"], 0)
         lights = {light["name"]: light for light in info["lights"]}
