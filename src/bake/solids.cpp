@@ -4,8 +4,10 @@
 
 #include <algorithm>
 #include <array>
-#include <cstring>
+#include <cmath>
 #include <numeric>
+#include <span>
+#include <tuple>
 
 namespace halflight {
 namespace {
@@ -47,8 +49,18 @@ std::vector<uvec3> weld(const BakeGeometry& geometry, std::span<const uint32_t> 
     return welded;
 }
 
-/// Marks the closed pieces among the listed triangles.
-void markPieces(const BakeGeometry& geometry, std::span<const uint32_t> triangles, std::vector<uint8_t>& solid)
+/// A closed surface.
+struct Piece {
+    std::vector<uint32_t> triangles;
+    Bounds bounds;
+};
+struct Pieces {
+    std::vector<Piece> solids; ///< facing outward
+    std::vector<Piece> inward; ///< facing inward: rooms, or the cavities of hollow bodies
+};
+
+/// The closed pieces among the listed triangles.
+Pieces closedPieces(const BakeGeometry& geometry, std::span<const uint32_t> triangles)
 {
     const std::vector<uvec3> welded = weld(geometry, triangles);
     std::vector<DirectedEdge> edges;
@@ -95,9 +107,73 @@ void markPieces(const BakeGeometry& geometry, std::span<const uint32_t> triangle
             double(glm::dot(geometry.positions[v.x] - reference,
                             glm::cross(geometry.positions[v.y] - reference, geometry.positions[v.z] - reference)));
     }
+    Pieces pieces;
+    std::vector<Piece*> pieceOf(triangles.size(), nullptr);
+    std::vector<uint32_t> roots;
     for (std::size_t t = 0; t < triangles.size(); ++t) {
-        const uint32_t piece = find(parent, uint32_t(t));
-        if (!open[piece] && volume[piece] > 0.0) solid[triangles[t]] = 1;
+        if (find(parent, uint32_t(t)) == t && !open[t] && volume[t] != 0.0) roots.push_back(uint32_t(t));
+    }
+    const auto outward = [&](uint32_t root) { return volume[root] > 0.0; };
+    const auto count = std::size_t(std::count_if(roots.begin(), roots.end(), outward));
+    pieces.solids.resize(count); // never again, so that pointers stay
+    pieces.inward.resize(roots.size() - count);
+    std::size_t nextSolid = 0;
+    std::size_t nextInward = 0;
+    for (const uint32_t root : roots)
+        pieceOf[root] = outward(root) ? &pieces.solids[nextSolid++] : &pieces.inward[nextInward++];
+    for (std::size_t t = 0; t < triangles.size(); ++t) {
+        Piece* piece = pieceOf[find(parent, uint32_t(t))];
+        if (!piece) continue;
+        piece->triangles.push_back(triangles[t]);
+        for (int corner = 0; corner < 3; ++corner)
+            piece->bounds.extend(geometry.positions[geometry.triangles[triangles[t]][corner]]);
+    }
+    return pieces;
+}
+
+/// How often a closed piece winds around a point, 1 inside and 0 outside: the solid angles of its triangles over 4 pi
+/// (Van Oosterom and Strackee 1983, "The Solid Angle of a Plane Triangle", eq. 8).
+double windingNumber(const BakeGeometry& geometry, const Piece& piece, vec3 point)
+{
+    double sum = 0.0;
+    for (const uint32_t t : piece.triangles) {
+        const uvec3 v = geometry.triangles[t];
+        const glm::dvec3 a(geometry.positions[v.x] - point);
+        const glm::dvec3 b(geometry.positions[v.y] - point);
+        const glm::dvec3 c(geometry.positions[v.z] - point);
+        const double la = glm::length(a);
+        const double lb = glm::length(b);
+        const double lc = glm::length(c);
+        sum += std::atan2(glm::dot(a, glm::cross(b, c)),
+                          la * lb * lc + glm::dot(a, b) * lc + glm::dot(b, c) * la + glm::dot(c, a) * lb);
+    }
+    return sum / (2.0 * double(kPi));
+}
+
+/// The cavity of a hollow body is closed on its own and faces inward: it lies within a solid. Its surface is then the
+/// solid's too, so that a ray from within the cavity enters the solid before it leaves it. (An inward-facing room that
+/// lies in no solid is not one itself: what stands in it would not be solid any more.)
+bool isCavity(const BakeGeometry& geometry, const Piece& piece, std::span<const Piece> solids)
+{
+    const uvec3 v = geometry.triangles[piece.triangles.front()];
+    const vec3 point = (geometry.positions[v.x] + geometry.positions[v.y] + geometry.positions[v.z]) / 3.0f;
+    return std::any_of(solids.begin(), solids.end(), [&](const Piece& solid) {
+        return glm::all(glm::lessThanEqual(solid.bounds.min, piece.bounds.min)) &&
+               glm::all(glm::greaterThanEqual(solid.bounds.max, piece.bounds.max)) &&
+               windingNumber(geometry, solid, point) > 0.5;
+    });
+}
+
+/// Marks the solids among the listed triangles.
+void markPieces(const BakeGeometry& geometry, std::span<const uint32_t> triangles, std::vector<uint8_t>& solid)
+{
+    const Pieces pieces = closedPieces(geometry, triangles);
+    const auto mark = [&](const Piece& piece) {
+        for (const uint32_t t : piece.triangles) solid[t] = 1;
+    };
+    for (const Piece& piece : pieces.solids) mark(piece);
+    for (const Piece& piece : pieces.inward) {
+        if (isCavity(geometry, piece, pieces.solids)) mark(piece);
     }
 }
 

@@ -541,6 +541,46 @@ TEST_P(LeaksS6, TexelsInsideNestedSolidsAreMarked)
     for (const IrradianceEstimate& e : bench.irradiance()) EXPECT_FALSE(e.valid);
 }
 
+/// A room with thick walls, modelled as one hollow body: its inside is outside the solid and takes light, its walls'
+/// cores do not, and what a block in it covers is still inside the block.
+TEST(LeaksS6, RoomsInHollowBodiesAreLit)
+{
+    Scene scene;
+    const int grey = addMaterial(scene, vec3(0.5f));
+    addBox(scene, vec3(-2.2f, -0.2f, -2.2f), vec3(2.2f, 2.7f, 2.2f), grey, false);
+    addBox(scene, vec3(-2, 0, -2), vec3(2, 2.5f, 2), grey, true);
+    for (std::size_t i = 1; i < scene.meshes.size(); ++i) scene.meshes[0].parts.push_back(scene.meshes[i].parts[0]);
+    scene.meshes.resize(1);
+    scene.objects.resize(1);
+    const std::size_t block = scene.meshes.size();
+    addBox(scene, vec3(-0.5f, -0.1f, -0.5f), vec3(0.5f, 1, 0.5f), grey, false);
+    for (std::size_t i = block + 1; i < block + 6; ++i) scene.meshes[block].parts.push_back(scene.meshes[i].parts[0]);
+    scene.meshes.resize(block + 1);
+    scene.objects.resize(block + 1);
+    // Two sheets to look with: on the floor, half of it under the block, and in the wall's core.
+    addRectangle(scene, {vec3(-0.5f, 0.01f, 0.4f), vec3(2, 0, 0), vec3(0, 0, -0.8f)}, grey, kPage,
+                 {vec2(1), vec2(31, 15)});
+    addRectangle(scene, {vec3(2.1f, 0.5f, 0.5f), vec3(0, 1, 0), vec3(0, 0, -1)}, grey, kPage,
+                 {vec2(33, 1), vec2(63, 15)});
+    scene.lights.push_back(makeLight(LightType::Point, vec3(1.2f, 2.0f, 0), vec3(0, -1, 0), 10.0f, LightMode::Baked));
+    Bench bench(std::move(scene), MixedLightingMode::Shadowmask, kPage, {});
+    const auto estimates = bench.irradiance();
+    int lit = 0;
+    int hidden = 0;
+    for (std::size_t i = 0; i < estimates.size(); ++i) {
+        const vec3 p = bench.positionOf(bench.map.texels[i]);
+        if (p.x > 0.6f && p.x < 1.9f) {
+            EXPECT_TRUE(estimates[i].valid && estimates[i].irradiance.x > 0.5f) << p.x << ' ' << p.y << ' ' << p.z;
+            ++lit;
+        } else if (p.x < 0.4f || p.x > 2.05f) {
+            EXPECT_FALSE(estimates[i].valid) << p.x << ' ' << p.y << ' ' << p.z;
+            ++hidden;
+        }
+    }
+    EXPECT_GT(lit, 50);
+    EXPECT_GT(hidden, 100);
+}
+
 /// A closed room of single-sided walls in a bright sky stays black, but for rays through the edges of triangles.
 TEST_P(LeaksS6, ClosedRoomInABrightSkyStaysDark)
 {

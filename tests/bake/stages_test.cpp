@@ -549,6 +549,26 @@ TEST(GeometryS6, SolidsAreClosedAndFaceOutward)
     EXPECT_EQ(flattenGeometry(scene, kPage, GeometryFilter::Static).solid, std::vector<uint8_t>(12, 1));
 }
 
+// A hollow body is two closed surfaces; the inner one belongs to the solid, a room that faces inward in no solid does
+// not.
+TEST(GeometryS6, CavitiesBelongToTheirSolid)
+{
+    const auto solids = [](vec3 innerCenter) {
+        Scene scene;
+        const int grey = addMaterial(scene, vec3(0.5f));
+        addBox(scene, vec3(-3), vec3(3), grey, false);
+        addBox(scene, innerCenter - vec3(2), innerCenter + vec3(2), grey, true);
+        for (std::size_t i = 1; i < scene.meshes.size(); ++i) scene.meshes[0].parts.push_back(scene.meshes[i].parts[0]);
+        scene.objects.resize(1);
+        return flattenGeometry(scene, kPage, GeometryFilter::Static).solid;
+    };
+    EXPECT_EQ(solids(vec3(0)), std::vector<uint8_t>(24, 1));
+    std::vector<uint8_t> beside(24, 0);
+    std::fill(beside.begin(), beside.begin() + 12, uint8_t(1));
+    EXPECT_EQ(solids(vec3(20, 0, 0)), beside);
+    EXPECT_EQ(solids(vec3(2, 2, 2)), beside) << "reaches out of the solid";
+}
+
 TEST(GeometryS6, MirroredAndShearedObjectsKeepOutwardNormals)
 {
     Scene scene;

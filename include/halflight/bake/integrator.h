@@ -37,8 +37,8 @@ struct BakeGeometry {
     std::vector<vec3> normals;    ///< world space, unit
     std::vector<vec2> uv[2];      ///< zero where the part has none
     std::vector<vec4> colors;     ///< vertex colours; empty when no part has any
-    std::vector<uint8_t>
-        solid; ///< 1 for triangles of closed, outward-facing pieces: their back faces are inside a solid
+    std::vector<uint8_t> solid; ///< 1 for triangles of closed, outward-facing pieces and of the cavities in them: their
+                                ///< back faces are inside a solid
     std::vector<vec2> lightmapTexel; ///< lightmap coordinate in texels of the page; zero for parts without lightmap
 
     /// Unit, or zero for a degenerate triangle.
