@@ -202,7 +202,7 @@ def hall(name):
     doc = document(name, ("white",), ([0.3, 0.45, 0.8], [0.6, 0.65, 0.75], [0.2, 0.18, 0.15]))
     doc.material("red_wall", (0.75, 0.06, 0.05), 0.9)
     doc.material("blue_wall", (0.06, 0.12, 0.75), 0.9)
-    for part, corners, material in (("floor", (-5, -0.2, -6, 5, 0, 6), "white"), ("roof", (-4.3, 2.6, -6, 4.3, 2.8, 0.5), "white"),
+    for part, corners, material in (("floor", (-5, -0.2, -6, 5, 0, 6), "white"), ("roof", (-4.4, 2.6, -6, 4.4, 2.8, 0.56), "white"),
                                     ("back", (-4.3, -0.1, -6.1, 4.3, 2.7, -5.9), "white"),
                                     ("left", (-4.35, -0.1, -6.0, -4.1, 2.7, 0.5), "red_wall"),
                                     ("right", (4.1, -0.1, -6.0, 4.35, 2.7, 0.5), "blue_wall")):
