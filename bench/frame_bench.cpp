@@ -237,6 +237,11 @@ bool benchLights(const Options& options)
                         fields[i].name, all[{path, i}].lights, reaching[std::size_t(i)], ms,
                         ms * 1.0e6 / (double(options.size.x) * options.size.y), ms / first);
         }
+    }
+    std::printf("\n");
+    for (int path = 0; path < 2; ++path) {
+        const char* pass = path == 0 ? "forward" : "deferred light";
+        const double first = timeOf(all[{path, 0}], pass);
         const double same = timeOf(all[{path, 1}], pass) / first;
         const double overlap = timeOf(all[{path, 2}], pass) / first;
         met =
