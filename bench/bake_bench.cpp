@@ -82,7 +82,7 @@ Run integrate(const Prepared& p, const TexelMap& map, const IntegrationSettings&
     if (!made) std::exit(1);
     run.estimates.resize(map.texels.size());
     const double start = cpuSeconds();
-    (*made)->irradiance(map, {allTexels(map)}, run.estimates, {});
+    (*made)->irradiance(map, {allIndices(map.texels.size())}, run.estimates, {});
     run.cpu = cpuSeconds() - start;
     run.rays = (*made)->raysTraced();
     return run;
@@ -266,10 +266,10 @@ void partMasks(const Options& options)
         auto made = makeEmbreeIntegrator(p.scene, p.geometry, settings);
         if (!made) std::exit(1);
         std::vector<IrradianceEstimate> estimates(p.map.texels.size());
-        (*made)->irradiance(p.map, {allTexels(p.map)}, estimates, {});
+        (*made)->irradiance(p.map, {allIndices(p.map.texels.size())}, estimates, {});
         std::vector<vec4> mask(p.map.texels.size());
         const double start = cpuSeconds();
-        (*made)->shadowmask(p.map, {allTexels(p.map)}, estimates, mask, {});
+        (*made)->shadowmask(p.map, {allIndices(p.map.texels.size())}, estimates, mask, {});
         const double cpu = cpuSeconds() - start;
         int lights = 0;
         for (const Light& light : p.scene.lights) lights += light.baking.occlusionMaskChannel >= 0 ? 1 : 0;

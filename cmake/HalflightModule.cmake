@@ -15,8 +15,22 @@ endif()
 
 find_program(CCACHE_PROGRAM ccache)
 if(CCACHE_PROGRAM AND NOT CMAKE_CXX_COMPILER_LAUNCHER)
-    set(CMAKE_CXX_COMPILER_LAUNCHER ${CCACHE_PROGRAM})
+    # What ccache must be told before it keeps objects made with a precompiled header.
+    set(CMAKE_CXX_COMPILER_LAUNCHER ${CMAKE_COMMAND} -E env CCACHE_SLOPPINESS=pch_defines,time_macros ${CCACHE_PROGRAM})
 endif()
+
+# What most files include is half the time of compiling them. Files still include what they use: the asan preset has this off.
+set(HALFLIGHT_COMMON_HEADERS <algorithm> <array> <cmath> <cstdint> <cstring> <filesystem> <functional> <map> <memory> <numeric>
+    <optional> <span> <string> <vector> <glm/glm.hpp> <glm/gtc/matrix_transform.hpp> <spdlog/fmt/fmt.h>)
+function(halflight_precompile target)
+    list(LENGTH ARG_SOURCES count)
+    if(HALFLIGHT_PRECOMPILED_HEADERS AND count GREATER_EQUAL 4)
+        target_precompile_headers(${target} PRIVATE ${HALFLIGHT_COMMON_HEADERS} ${ARGN})
+        target_link_libraries(${target} PRIVATE $<BUILD_INTERFACE:spdlog::spdlog>)
+        # GCC 12 then warns of its own library's strings; builds without precompiled headers keep the warning.
+        target_compile_options(${target} PRIVATE $<$<CXX_COMPILER_ID:GNU>:-fpch-preprocess -Wno-array-bounds -Wno-restrict -Wno-stringop-overflow>)
+    endif()
+endfunction()
 
 function(halflight_module name)
     cmake_parse_arguments(ARG "" "" "SOURCES;PUBLIC;PRIVATE" ${ARGN})
@@ -29,6 +43,7 @@ function(halflight_module name)
         PRIVATE ${PROJECT_SOURCE_DIR}/src)
     target_link_libraries(${target} PUBLIC ${ARG_PUBLIC} PRIVATE $<BUILD_INTERFACE:halflight_options> ${ARG_PRIVATE})
     target_compile_features(${target} PUBLIC cxx_std_20)
+    halflight_precompile(${target})
 endfunction()
 
 # halflight_test(NAME SOURCES … [LIBS …] [LABELS …]): one GoogleTest program; tests may include a module's private headers.
@@ -39,6 +54,7 @@ function(halflight_test name)
     target_link_libraries(test_${name} PRIVATE halflight_options GTest::gtest_main GTest::gmock ${ARG_LIBS})
     # GoogleTest macros after a bare "if" are fine.
     target_compile_options(test_${name} PRIVATE -Wno-dangling-else)
+    halflight_precompile(test_${name} <gtest/gtest.h> <gmock/gmock.h>)
     target_compile_definitions(test_${name} PRIVATE
         HALFLIGHT_SOURCE_DIR="${PROJECT_SOURCE_DIR}" HALFLIGHT_SHARED_DIR="${PROJECT_SOURCE_DIR}/../shared")
     if(NOT ARG_TIMEOUT)

@@ -1,5 +1,6 @@
 #include "bake/stages.h"
 
+#include "halflight/bake/texel_grid.h"
 #include "halflight/base/parallel.h"
 
 #include <algorithm>
@@ -7,11 +8,6 @@
 #include <cmath>
 
 namespace halflight {
-namespace {
-
-constexpr uint32_t kEmpty = ~0u;
-
-} // namespace
 
 // The edge-avoiding à-trous wavelet of Dammertz et al. 2010 ("Edge-Avoiding À-Trous Wavelet Transform for fast Global
 // Illumination Filtering"), its luminance edge-stopping function scaled by the estimates' standard deviation as in
@@ -20,12 +16,8 @@ constexpr uint32_t kEmpty = ~0u;
 void denoise(const BakeGeometry& geometry, const TexelMap& map, std::vector<IrradianceEstimate>& estimates)
 {
     const std::size_t count = map.texels.size();
-    std::vector<Image<uint32_t>> pages(std::size_t(map.pageCount), Image<uint32_t>(map.pageSize, map.pageSize, kEmpty));
+    const TexelGrid grid(map);
     std::vector<TexelPlace> guides(count);
-    for (std::size_t i = 0; i < count; ++i) {
-        const Texel& texel = map.texels[i];
-        pages[texel.page](texel.x, texel.y) = uint32_t(i);
-    }
     parallelFor(count, 4096, [&](std::size_t begin, std::size_t end) {
         for (std::size_t i = begin; i < end; ++i) guides[i] = placeOf(geometry, map, map.texels[i]);
     });
@@ -50,10 +42,8 @@ void denoise(const BakeGeometry& geometry, const TexelMap& map, std::vector<Irra
             const float ownVariance = estimates[i].varianceOfMean;
             for (int dy = -2; dy <= 2; ++dy) {
                 for (int dx = -2; dx <= 2; ++dx) {
-                    const ivec2 p(int(texel.x) + dx, int(texel.y) + dy);
-                    if (p.x < 0 || p.y < 0 || p.x >= map.pageSize || p.y >= map.pageSize) continue;
-                    const uint32_t j = pages[texel.page](p.x, p.y);
-                    if (j == kEmpty || map.texels[j].chart != texel.chart || !estimates[j].valid) continue;
+                    const uint32_t j = grid.at(texel, dx, dy);
+                    if (j == kNoTexel || !estimates[j].valid) continue;
                     if (j != uint32_t(i)) {
                         around[std::size_t(n)] = luminance(estimates[j].irradiance);
                         variancesAround[std::size_t(n++)] = estimates[j].varianceOfMean;
@@ -103,10 +93,8 @@ void denoise(const BakeGeometry& geometry, const TexelMap& map, std::vector<Irra
                 float varianceSum = 0.0f;
                 for (int dy = -2; dy <= 2; ++dy) {
                     for (int dx = -2; dx <= 2; ++dx) {
-                        const ivec2 p(int(texel.x) + dx * step, int(texel.y) + dy * step);
-                        if (p.x < 0 || p.y < 0 || p.x >= map.pageSize || p.y >= map.pageSize) continue;
-                        const uint32_t j = pages[texel.page](p.x, p.y);
-                        if (j == kEmpty || map.texels[j].chart != texel.chart || !estimates[j].valid) continue;
+                        const uint32_t j = grid.at(texel, dx * step, dy * step);
+                        if (j == kNoTexel || !estimates[j].valid) continue;
                         float w = kSpline[std::size_t(std::abs(dx))] * kSpline[std::size_t(std::abs(dy))];
                         if (j != uint32_t(i)) {
                             const float cosine = std::max(glm::dot(guide.normal, guides[j].normal), 0.0f);

@@ -1,5 +1,6 @@
 #include "bake/stages.h"
 
+#include "halflight/bake/texel_grid.h"
 #include "halflight/base/parallel.h"
 
 #include <algorithm>
@@ -8,19 +9,7 @@
 namespace halflight {
 namespace {
 
-constexpr uint32_t kEmpty = ~0u;
 constexpr int kNearRings = 2; ///< so far a chart's own values come before those of other charts nearby
-
-/// For each place of each page, the texel there (index into TexelMap::texels) or kEmpty.
-std::vector<Image<uint32_t>> texelIndexPages(const TexelMap& map)
-{
-    std::vector<Image<uint32_t>> pages(std::size_t(map.pageCount), Image<uint32_t>(map.pageSize, map.pageSize, kEmpty));
-    for (std::size_t i = 0; i < map.texels.size(); ++i) {
-        const Texel& texel = map.texels[i];
-        pages[texel.page](texel.x, texel.y) = uint32_t(i);
-    }
-    return pages;
-}
 
 /// Weight of a neighbour at offset (dx, dy): by distance, so that straight edges extend straight.
 float neighborWeight(int dx, int dy)
@@ -36,7 +25,7 @@ uint64_t cellKey(ivec3 cell)
 }
 
 /// Ring by ring from the known texels of each chart into its open ones.
-template<typename T> void growWithinCharts(const TexelMap& map, const std::vector<Image<uint32_t>>& pages, int rings,
+template<typename T> void growWithinCharts(const TexelMap& map, const TexelGrid& grid, int rings,
                                            std::vector<uint8_t>& known, std::vector<uint32_t>& open,
                                            std::vector<T>& values)
 {
@@ -49,10 +38,8 @@ template<typename T> void growWithinCharts(const TexelMap& map, const std::vecto
             float weight = 0.0f;
             for (int dy = -1; dy <= 1; ++dy) {
                 for (int dx = -1; dx <= 1; ++dx) {
-                    const ivec2 p(int(texel.x) + dx, int(texel.y) + dy);
-                    if (p.x < 0 || p.y < 0 || p.x >= map.pageSize || p.y >= map.pageSize) continue;
-                    const uint32_t j = pages[texel.page](p.x, p.y);
-                    if (j == kEmpty || !known[j] || map.texels[j].chart != texel.chart) continue;
+                    const uint32_t j = grid.at(texel, dx, dy);
+                    if (j == kNoTexel || !known[j]) continue;
                     sum += values[j] * neighborWeight(dx, dy);
                     weight += neighborWeight(dx, dy);
                 }
@@ -144,11 +131,11 @@ template<typename T> void fillInvalid(const BakeGeometry& geometry, const TexelM
         if (!valid[i]) open.push_back(uint32_t(i));
     }
     if (open.empty()) return;
-    const std::vector<Image<uint32_t>> pages = texelIndexPages(map);
+    const TexelGrid grid(map);
     std::vector<uint8_t> known = valid;
-    growWithinCharts(map, pages, kNearRings, known, open, values);
+    growWithinCharts(map, grid, kNearRings, known, open, values);
     adoptNeighbors(geometry, map, valid, known, open, values);
-    growWithinCharts(map, pages, map.pageSize, known, open, values);
+    growWithinCharts(map, grid, map.pageSize, known, open, values);
 }
 
 template<typename T>

@@ -52,29 +52,25 @@ Hash128 surfaceHash(const BakeGeometry& geometry, const TexelMap& map, std::size
 
 Hash128 bakeHash(const Scene& scene, const BakeSettings& settings)
 {
+    // Every setting by name, so that a new one cannot be forgotten here. Left out below: what resolveQuality()
+    // replaces, and what changes no byte of the output file.
+    [[maybe_unused]] const auto& [mode, quality, samples, shadowSamples, bounces, integrator, noiseTarget, uvMode,
+                                  texelsPerMeter, lightmapSize, paddingTexels, denoise, directional, maskEncoding,
+                                  probeSpacingMeters, threads, seed, imagesDirectory, cacheDirectory] = settings;
     const BakeQuality q = resolveQuality(settings);
     Hasher hasher;
-    hasher.add(kCacheVersion).add(contentHash(scene)).add(int(settings.mode));
+    hasher.add(kCacheVersion).add(contentHash(scene)).add(int(mode)).add(int(integrator)).add(int(uvMode));
     hasher.add(q.samples).add(q.shadowSamples).add(q.bounces).add(q.lightmapSize).add(q.probeSamples);
-    hasher.add(int(settings.integrator))
-        .add(q.noiseTarget)
-        .add(int(settings.uvMode))
-        .add(settings.texelsPerMeter)
-        .add(settings.paddingTexels);
-    hasher.add(int(settings.denoise)).add(int(settings.directional)).add(settings.probeSpacingMeters);
-    return hasher.add(settings.seed).hash();
+    hasher.add(q.noiseTarget).add(texelsPerMeter).add(paddingTexels).add(int(denoise)).add(int(directional));
+    return hasher.add(int(maskEncoding)).add(probeSpacingMeters).add(seed).hash();
 }
 
 Hash128 layoutHash(const TexelMap& map, const IntegrationSettings& settings, MixedLightingMode mode)
 {
     Hasher hasher;
     hasher.add(kCacheVersion).add(int(mode)).add(settings.samples).add(settings.shadowSamples).add(settings.bounces);
-    hasher.add(int(settings.integrator))
-        .add(settings.noiseTarget)
-        .add(settings.probeSamples)
-        .add(settings.seed)
-        .add(map.pageSize)
-        .add(map.pageCount);
+    hasher.add(int(settings.integrator)).add(settings.noiseTarget).add(settings.probeSamples).add(settings.seed);
+    hasher.add(map.pageSize).add(map.pageCount);
     for (const Texel& texel : map.texels) hasher.add(texel.x).add(texel.y).add(texel.page);
     return hasher.hash();
 }
@@ -86,22 +82,16 @@ Hash128 lightHash(Hash128 layout, const Scene& scene, const BakeGeometry& geomet
     hasher.add(geometry.uv[0]).add(geometry.uv[1]).add(geometry.colors).add(geometry.lightmapTexel);
     const std::vector<Hash128> materials = materialHashes(scene);
     for (const BakeGeometry::Part& part : geometry.parts) {
-        hasher.add(materials[part.material >= 0 ? std::size_t(part.material) : materials.size() - 1]);
-        hasher.add(int(part.castShadows)).add(part.firstTriangle);
+        hasher.add(materialHash(materials, part.material)).add(int(part.castShadows)).add(part.firstTriangle);
     }
-    for (const Light& light : scene.lights) {
-        hasher.add(int(light.type)).add(int(light.mode)).add(int(light.baking.bakeType));
-        hasher.add(light.baking.occlusionMaskChannel).add(light.color).add(light.intensity).add(light.rangeMeters);
-        hasher.add(light.innerConeRadians).add(light.outerConeRadians).add(light.worldFromLight);
-        hasher.add(int(light.castShadows)).add(light.shadowStrength).add(light.indirectMultiplier);
-        hasher.add(light.radiusMeters).add(light.angularRadiusRadians);
-    }
+    for (const Light& light : scene.lights)
+        hasher.add(lightHash(light)).add(int(light.baking.bakeType)).add(light.baking.occlusionMaskChannel);
     return hasher.add(scene.sky.zenith).add(scene.sky.horizon).add(scene.sky.ground).hash();
 }
 
 bool Gather::irradiance(std::span<IrradianceEstimate> out, const Progress& progress) const
 {
-    if (cache == nullptr) return integrator.irradiance(map, {allTexels(map)}, out, progress);
+    if (cache == nullptr) return integrator.irradiance(map, {allIndices(map.texels.size())}, out, progress);
     BakeCache::Work<IrradianceEstimate, float> work;
     work.stage = CachedStage::Lightmap;
     work.name = "lightmap";
@@ -137,7 +127,7 @@ bool Gather::irradiance(std::span<IrradianceEstimate> out, const Progress& progr
 bool Gather::shadowmask(std::span<const IrradianceEstimate> estimates, std::span<vec4> out,
                         const Progress& progress) const
 {
-    if (cache == nullptr) return integrator.shadowmask(map, {allTexels(map)}, estimates, out, progress);
+    if (cache == nullptr) return integrator.shadowmask(map, {allIndices(map.texels.size())}, estimates, out, progress);
     const auto estimatesOf = [&](std::span<const uint32_t> items) {
         std::vector<IrradianceEstimate> picked;
         picked.reserve(items.size());
@@ -173,11 +163,7 @@ bool Gather::shadowmask(std::span<const IrradianceEstimate> estimates, std::span
 bool Gather::probes(std::span<const vec3> positions, std::span<ProbeEstimate> out, int batch,
                     const Progress& progress) const
 {
-    if (cache == nullptr) {
-        std::vector<uint32_t> all(positions.size());
-        for (std::size_t i = 0; i < all.size(); ++i) all[i] = uint32_t(i);
-        return integrator.probes(positions, all, 0, out, progress);
-    }
+    if (cache == nullptr) return integrator.probes(positions, allIndices(positions.size()), 0, out, progress);
     BakeCache::Work<ProbeEstimate, ProbeEstimate> work;
     work.stage = CachedStage(uint32_t(CachedStage::Probes) + uint32_t(batch));
     work.name = "probes";

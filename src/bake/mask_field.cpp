@@ -1,6 +1,7 @@
 // Shadowmask channels as distance fields: see shading/mask.h for what they say.
 #include "bake/stages.h"
 
+#include "halflight/bake/texel_grid.h"
 #include "halflight/base/parallel.h"
 #include "halflight/shading/mask.h"
 
@@ -10,7 +11,6 @@
 namespace halflight {
 namespace {
 
-constexpr uint32_t kEmpty = ~0u;
 constexpr float kRangeTexels = 4.0f;
 constexpr int kReach = 5; ///< texels searched for edges: the range, and the half texel an edge may lie off its texel
 /// Penumbrae wider than this many texels are smooth enough for bilinear filtering, and their shape says more than a
@@ -37,26 +37,9 @@ float centerDistance(vec2 g, float a)
     return 0.5f * (g.x + g.y) - std::sqrt(2.0f * g.x * g.y * (1.0f - a));
 }
 
-/// Texels of one chart around a texel.
-class Neighbors {
-public:
-    Neighbors(const TexelMap& map, const std::vector<Image<uint32_t>>& pages) : map_(map), pages_(pages) {}
-    [[nodiscard]] uint32_t at(const Texel& texel, int dx, int dy) const
-    {
-        const ivec2 p(int(texel.x) + dx, int(texel.y) + dy);
-        if (p.x < 0 || p.y < 0 || p.x >= map_.pageSize || p.y >= map_.pageSize) return kEmpty;
-        const uint32_t j = pages_[texel.page](p.x, p.y);
-        return j != kEmpty && map_.texels[j].chart == texel.chart ? j : kEmpty;
-    }
-
-private:
-    const TexelMap& map_;
-    const std::vector<Image<uint32_t>>& pages_;
-};
-
 /// Mean width of a channel's penumbrae in texels, less the texel that sampling a hard edge spreads over: partly lit
 /// texels over places where neighbours lie on the two sides of one half. Below 0 when there is no edge.
-float meanPenumbra(const TexelMap& map, const Neighbors& neighbors, const std::vector<vec4>& mask, int channel)
+float meanPenumbra(const TexelMap& map, const TexelGrid& grid, const std::vector<vec4>& mask, int channel)
 {
     uint64_t partial = 0;
     uint64_t crossings = 0;
@@ -64,21 +47,21 @@ float meanPenumbra(const TexelMap& map, const Neighbors& neighbors, const std::v
         const float a = mask[i][channel];
         partial += a > kPartial && a < 1.0f - kPartial ? 1u : 0u;
         for (const ivec2 d : {ivec2(1, 0), ivec2(0, 1)}) {
-            const uint32_t j = neighbors.at(map.texels[i], d.x, d.y);
-            if (j != kEmpty && (a >= 0.5f) != (mask[j][channel] >= 0.5f)) ++crossings;
+            const uint32_t j = grid.at(map.texels[i], d.x, d.y);
+            if (j != kNoTexel && (a >= 0.5f) != (mask[j][channel] >= 0.5f)) ++crossings;
         }
     }
     return crossings == 0 ? -1.0f : std::max(0.0f, float(partial) / float(crossings) - 1.0f);
 }
 
-Edge edgeIn(const TexelMap& map, const Neighbors& neighbors, const std::vector<vec4>& mask, int channel, std::size_t i)
+Edge edgeIn(const TexelMap& map, const TexelGrid& grid, const std::vector<vec4>& mask, int channel, std::size_t i)
 {
     const Texel& texel = map.texels[i];
     const float a = mask[i][channel];
     // Sobel's gradient with Gustavson's weights; a missing neighbour continues across the texel from the opposite one.
     const auto value = [&](int dx, int dy) {
-        if (const uint32_t j = neighbors.at(texel, dx, dy); j != kEmpty) return mask[j][channel];
-        if (const uint32_t j = neighbors.at(texel, -dx, -dy); j != kEmpty)
+        if (const uint32_t j = grid.at(texel, dx, dy); j != kNoTexel) return mask[j][channel];
+        if (const uint32_t j = grid.at(texel, -dx, -dy); j != kNoTexel)
             return glm::clamp(2.0f * a - mask[j][channel], 0.0f, 1.0f);
         return a;
     };
@@ -94,8 +77,8 @@ Edge edgeIn(const TexelMap& map, const Neighbors& neighbors, const std::vector<v
     if (a > 0.0f && a < 1.0f) return {-centerDistance(g, a) * g, g, true};
     // Fully lit or shadowed, and a neighbour is the opposite: the edge runs between the two.
     for (const ivec2 d : {ivec2(1, 0), ivec2(-1, 0), ivec2(0, 1), ivec2(0, -1)}) {
-        const uint32_t j = neighbors.at(texel, d.x, d.y);
-        if (j != kEmpty && mask[j][channel] == 1.0f - a) return {0.5f * vec2(d), g, true};
+        const uint32_t j = grid.at(texel, d.x, d.y);
+        if (j != kNoTexel && mask[j][channel] == 1.0f - a) return {0.5f * vec2(d), g, true};
     }
     return {};
 }
@@ -104,20 +87,17 @@ Edge edgeIn(const TexelMap& map, const Neighbors& neighbors, const std::vector<v
 
 std::array<MaskChannel, 4> maskToDistances(const TexelMap& map, std::vector<vec4>& mask)
 {
-    std::vector<Image<uint32_t>> pages(std::size_t(map.pageCount), Image<uint32_t>(map.pageSize, map.pageSize, kEmpty));
-    for (std::size_t i = 0; i < map.texels.size(); ++i)
-        pages[map.texels[i].page](map.texels[i].x, map.texels[i].y) = uint32_t(i);
-    const Neighbors neighbors(map, pages);
+    const TexelGrid grid(map);
 
     std::array<MaskChannel, 4> channels{};
     std::vector<Edge> edges(map.texels.size());
     std::vector<float> distances(map.texels.size());
     for (int channel = 0; channel < 4; ++channel) {
-        const float penumbra = meanPenumbra(map, neighbors, mask, channel);
+        const float penumbra = meanPenumbra(map, grid, mask, channel);
         if (penumbra < 0.0f || penumbra > kWidestPenumbra) continue;
         channels[std::size_t(channel)] = {kRangeTexels, penumbra};
         parallelFor(edges.size(), 2048, [&](std::size_t begin, std::size_t end) {
-            for (std::size_t i = begin; i < end; ++i) edges[i] = edgeIn(map, neighbors, mask, channel, i);
+            for (std::size_t i = begin; i < end; ++i) edges[i] = edgeIn(map, grid, mask, channel, i);
         });
         // The nearest edge, each taken as a straight piece as long as a texel's diagonal.
         parallelFor(edges.size(), 512, [&](std::size_t begin, std::size_t end) {
@@ -127,8 +107,8 @@ std::array<MaskChannel, 4> maskToDistances(const TexelMap& map, std::vector<vec4
                 float nearest = kRangeTexels;
                 for (int dy = -kReach; dy <= kReach; ++dy) {
                     for (int dx = -kReach; dx <= kReach; ++dx) {
-                        const uint32_t j = neighbors.at(texel, dx, dy);
-                        if (j == kEmpty || !edges[j].found) continue;
+                        const uint32_t j = grid.at(texel, dx, dy);
+                        if (j == kNoTexel || !edges[j].found) continue;
                         const vec2 to = vec2(dx, dy) + edges[j].point;
                         const vec2 tangent(-edges[j].towardsLight.y, edges[j].towardsLight.x);
                         const float along = glm::clamp(-glm::dot(to, tangent), -kHalfPiece, kHalfPiece);

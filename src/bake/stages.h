@@ -24,8 +24,8 @@ std::vector<uint8_t> markSolids(const BakeGeometry& geometry);
 /// Conservative rasterization of all lightmapped triangles.
 TexelMap rasterizeTexels(const BakeGeometry& geometry, int pageSize, int pageCount);
 
-/// 0, 1, … one less than the number of texels.
-std::vector<uint32_t> allTexels(const TexelMap& map);
+/// 0, 1, … count - 1: all texels or probes.
+std::vector<uint32_t> allIndices(std::size_t count);
 
 /// Decides what each light's bake is and which mask channel it gets (spec S5, S9, S10); writes Light::baking.
 void assignShadowmaskChannels(Scene& scene, MixedLightingMode mode);

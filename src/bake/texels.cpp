@@ -329,9 +329,9 @@ TexelPlace placeOf(const BakeGeometry& geometry, const TexelMap& map, const Texe
     return {point.position, point.normal, std::sqrt(worldArea / texelArea)};
 }
 
-std::vector<uint32_t> allTexels(const TexelMap& map)
+std::vector<uint32_t> allIndices(std::size_t count)
 {
-    std::vector<uint32_t> all(map.texels.size());
+    std::vector<uint32_t> all(count);
     std::iota(all.begin(), all.end(), 0u);
     return all;
 }

@@ -4,7 +4,7 @@
 
 #include "bake_cpu/final_gather.h"
 #include "bake_cpu/radiance_cache.h"
-#include "bake_cpu/texel_grid.h"
+#include "bake_cpu/texel_set.h"
 #include "bake_cpu/validity.h"
 
 #include <atomic>

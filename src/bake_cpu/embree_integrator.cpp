@@ -3,7 +3,7 @@
 #include "bake_cpu/cached_lightmap.h"
 #include "bake_cpu/path.h"
 #include "bake_cpu/shadow_pass.h"
-#include "bake_cpu/texel_grid.h"
+#include "bake_cpu/texel_set.h"
 #include "bake_cpu/validity.h"
 
 #include "halflight/base/parallel.h"

@@ -1,7 +1,7 @@
 #include "bake_cpu/shadow_pass.h"
 
 #include "bake_cpu/shadow_rays.h"
-#include "bake_cpu/texel_grid.h"
+#include "bake_cpu/texel_set.h"
 
 namespace halflight {
 namespace {

@@ -3,8 +3,9 @@
 
 #include "bake_cpu/gather_pattern.h"
 #include "bake_cpu/path.h"
-#include "bake_cpu/texel_grid.h"
 #include "bake_cpu/texel_group.h"
+
+#include "halflight/bake/texel_grid.h"
 
 #include <atomic>
 #include <functional>

@@ -30,7 +30,7 @@ std::vector<Hash128> textureHashes(const Scene& scene)
 }
 
 /// Shape and size of a light: neither its pose nor its colour.
-Hash128 lightHash(const Light& light)
+Hash128 lightShapeHash(const Light& light)
 {
     Hasher hasher;
     hasher.add(int(light.type)).add(light.rangeMeters).add(light.innerConeRadians).add(light.outerConeRadians);
@@ -38,7 +38,7 @@ Hash128 lightHash(const Light& light)
     return hasher.hash();
 }
 
-Hash128 materialHash(const Material& material, const std::vector<Hash128>& pixels)
+Hash128 hashOf(const Material& material, const std::vector<Hash128>& pixels)
 {
     Hasher hasher;
     hasher.add(material.baseColor).add(material.metallic).add(material.emissiveNits);
@@ -56,9 +56,21 @@ std::vector<Hash128> materialHashes(const Scene& scene)
 {
     const std::vector<Hash128> pixels = textureHashes(scene);
     std::vector<Hash128> hashes;
-    for (const Material& material : scene.materials) hashes.push_back(materialHash(material, pixels));
-    hashes.push_back(materialHash(defaultMaterial(), pixels));
+    for (const Material& material : scene.materials) hashes.push_back(hashOf(material, pixels));
+    hashes.push_back(hashOf(defaultMaterial(), pixels));
     return hashes;
+}
+
+const Hash128& materialHash(std::span<const Hash128> hashes, int material)
+{
+    return material >= 0 ? hashes[std::size_t(material)] : hashes.back();
+}
+
+Hash128 lightHash(const Light& light)
+{
+    Hasher hasher;
+    hasher.add(lightShapeHash(light)).add(int(light.mode)).add(light.shadowStrength).add(light.worldFromLight);
+    return hasher.add(light.color).add(light.intensity).add(light.indirectMultiplier).hash();
 }
 
 Hash128 contentHash(const Scene& scene)
@@ -76,17 +88,12 @@ Hash128 contentHash(const Scene& scene)
         }
     }
     for (const Object& object : scene.objects) {
-        hasher.add(std::string_view(object.name))
-            .add(object.mesh)
-            .add(object.worldFromObject)
-            .add(object.lightmapScale);
+        hasher.add(std::string_view(object.name)).add(object.mesh).add(object.worldFromObject);
+        hasher.add(object.lightmapScale);
         hasher.add(int(object.isStatic)).add(int(object.castShadows)).add(int(object.receiveShadows));
         hasher.add(int(object.probeLighting)).add(object.probeResolution);
     }
-    for (const Light& light : scene.lights) {
-        hasher.add(std::string_view(light.name)).add(lightHash(light)).add(int(light.mode)).add(light.shadowStrength);
-        hasher.add(light.worldFromLight).add(light.color).add(light.intensity).add(light.indirectMultiplier);
-    }
+    for (const Light& light : scene.lights) hasher.add(std::string_view(light.name)).add(lightHash(light));
     hasher.add(scene.sky.zenith).add(scene.sky.horizon).add(scene.sky.ground);
     return hasher.add(scene.subtractiveShadowColor).add(scene.probePositions).hash();
 }
@@ -106,7 +113,7 @@ std::string SceneFingerprints::ofObjects(std::span<const Object* const> objects)
         any = true;
         hasher.add(object->worldFromObject).add(int(object->castShadows)).add(object->sourceInstance);
         for (const MeshPart& part : scene_.meshes[std::size_t(object->mesh)].parts) {
-            hasher.add(materials_[part.material >= 0 ? std::size_t(part.material) : materials_.size() - 1]);
+            hasher.add(materialHash(materials_, part.material));
             const auto vertices = [&](const auto& values) {
                 if (values.empty()) return;
                 for (const uint32_t index : part.indices) hasher.add(values[index]);
@@ -124,7 +131,7 @@ std::string SceneFingerprints::ofLight(const Light& light) const
 {
     if (!light.baking.isBaked || light.baking.bakeType == LightMode::Realtime) return {};
     Hasher hasher;
-    hasher.add(lightHash(light));
+    hasher.add(lightShapeHash(light));
     if (light.baking.bakeType == LightMode::Baked) hasher.add(light.color).add(light.intensity);
     return hasher.hash().hex();
 }

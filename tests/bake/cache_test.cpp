@@ -123,6 +123,43 @@ TEST_F(CacheTest, AnInterruptedBakeGoesOn)
     expectSame(run(scene, false).baked, resumed.baked);
 }
 
+// What `bake --cache` compares before it says "up to date".
+TEST_F(CacheTest, TheHashFollowsEverySettingThatTheFileFollows)
+{
+    const Scene scene = twoRooms();
+    const Hash128 before = bakeHash(scene, settings);
+    std::vector<Hash128> seen = {before};
+    const auto changes = [&](const char* what, const auto& change) {
+        BakeSettings changed = settings;
+        change(changed);
+        const Hash128 hash = bakeHash(scene, changed);
+        EXPECT_EQ(std::count(seen.begin(), seen.end(), hash), 0) << what;
+        seen.push_back(hash);
+    };
+    changes("mode", [](BakeSettings& s) { s.mode = MixedLightingMode::Subtractive; });
+    changes("quality", [](BakeSettings& s) { s.quality = Quality::Ultra; }); // probe samples
+    changes("samples", [](BakeSettings& s) { s.samples = 32; });
+    changes("shadow samples", [](BakeSettings& s) { s.shadowSamples = 16; });
+    changes("bounces", [](BakeSettings& s) { s.bounces = 3; });
+    changes("integrator", [](BakeSettings& s) { s.integrator = IntegratorKind::Path; });
+    changes("noise target", [](BakeSettings& s) { s.noiseTarget = 0.02f; });
+    changes("UV mode", [](BakeSettings& s) { s.uvMode = UvMode::Unwrap; });
+    changes("density", [](BakeSettings& s) { s.texelsPerMeter = 20.0f; });
+    changes("size", [](BakeSettings& s) { s.lightmapSize = 256; });
+    changes("padding", [](BakeSettings& s) { s.paddingTexels = 4; });
+    changes("denoiser", [](BakeSettings& s) { s.denoise = false; });
+    changes("directional", [](BakeSettings& s) { s.directional = true; });
+    changes("mask encoding", [](BakeSettings& s) { s.maskEncoding = MaskEncoding::Distance; });
+    changes("probe spacing", [](BakeSettings& s) { s.probeSpacingMeters = 1.0f; });
+    changes("seed", [](BakeSettings& s) { s.seed = 2; });
+
+    BakeSettings same = settings;
+    same.threads = 1;
+    same.imagesDirectory = folder / "images";
+    same.cacheDirectory = folder / "cache";
+    EXPECT_EQ(bakeHash(scene, same), before);
+}
+
 TEST_F(CacheTest, ABrokenTileFileIsBakedAgainWhereItIsBroken)
 {
     const Scene scene = twoRooms();

@@ -118,13 +118,13 @@ struct Bench {
     std::vector<IrradianceEstimate> irradiance()
     {
         estimates.resize(map.texels.size());
-        integrator->irradiance(map, {allTexels(map)}, estimates, {});
+        integrator->irradiance(map, {allIndices(map.texels.size())}, estimates, {});
         return estimates;
     }
     std::vector<vec4> shadowmask()
     {
         std::vector<vec4> out(map.texels.size());
-        integrator->shadowmask(map, {allTexels(map)}, estimates, out, {});
+        integrator->shadowmask(map, {allIndices(map.texels.size())}, estimates, out, {});
         return out;
     }
     std::vector<IrradianceEstimate> estimates; ///< of irradiance(), which shadowmask() learns from

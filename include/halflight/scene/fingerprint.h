@@ -13,6 +13,11 @@ namespace halflight {
 
 /// Of each material's parts that a bake sees, textures included; one more at the end for the default material.
 std::vector<Hash128> materialHashes(const Scene& scene);
+/// The one of `hashes` (materialHashes()) for MeshPart::material, which is -1 for the default material.
+const Hash128& materialHash(std::span<const Hash128> hashes, int material);
+
+/// Of all that a bake sees of a light: shape, pose, mode, colour and intensity.
+Hash128 lightHash(const Light& light);
 
 /// Of everything that a bake and the file it writes depend on: the source document, its buffers and pictures, and all
 /// settings as they were applied.

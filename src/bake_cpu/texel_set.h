@@ -1,44 +1,13 @@
 #pragma once
-// Who lies beside whom on the lightmap.
+// Some of a lightmap's texels.
 
-#include "halflight/bake/integrator.h"
-#include "halflight/base/image.h"
+#include "halflight/bake/texel_grid.h"
 
 #include <algorithm>
 #include <span>
 #include <vector>
 
 namespace halflight {
-
-/// Covered texels by their place.
-class TexelGrid {
-public:
-    explicit TexelGrid(const TexelMap& map)
-        : map_(map), pages_(std::size_t(map.pageCount), Image<uint32_t>(map.pageSize, map.pageSize, ~0u))
-    {
-        for (std::size_t i = 0; i < map.texels.size(); ++i) {
-            const Texel& t = map.texels[i];
-            pages_[t.page](t.x, t.y) = uint32_t(i);
-        }
-    }
-
-    /// Calls body(number) for each texel within `radius` on the same chart, the texel itself among them.
-    template<typename Body> void around(uint32_t texel, int radius, const Body& body) const
-    {
-        const Texel& t = map_.texels[texel];
-        const Image<uint32_t>& page = pages_[t.page];
-        for (int y = std::max(int(t.y) - radius, 0); y <= std::min(int(t.y) + radius, map_.pageSize - 1); ++y) {
-            for (int x = std::max(int(t.x) - radius, 0); x <= std::min(int(t.x) + radius, map_.pageSize - 1); ++x) {
-                const uint32_t other = page(x, y);
-                if (other != ~0u && map_.texels[other].chart == t.chart) body(other);
-            }
-        }
-    }
-
-private:
-    const TexelMap& map_;
-    std::vector<Image<uint32_t>> pages_;
-};
 
 /// Some texels of a map, in ascending order, and where each is among them.
 class TexelSet {

@@ -1,0 +1,53 @@
+#pragma once
+// Who lies beside whom on the lightmap.
+
+#include "halflight/bake/integrator.h"
+#include "halflight/base/image.h"
+
+#include <algorithm>
+#include <cstdint>
+#include <vector>
+
+namespace halflight {
+
+constexpr uint32_t kNoTexel = ~0u;
+
+/// Covered texels by their place. The map outlives it.
+class TexelGrid {
+public:
+    explicit TexelGrid(const TexelMap& map)
+        : map_(map), pages_(std::size_t(map.pageCount), Image<uint32_t>(map.pageSize, map.pageSize, kNoTexel))
+    {
+        for (std::size_t i = 0; i < map.texels.size(); ++i) {
+            const Texel& t = map.texels[i];
+            pages_[t.page](t.x, t.y) = uint32_t(i);
+        }
+    }
+
+    /// Index of the texel at an offset from another, or kNoTexel when there is none or it is on another chart.
+    [[nodiscard]] uint32_t at(const Texel& texel, int dx, int dy) const
+    {
+        const int x = int(texel.x) + dx;
+        const int y = int(texel.y) + dy;
+        if (x < 0 || y < 0 || x >= map_.pageSize || y >= map_.pageSize) return kNoTexel;
+        const uint32_t other = pages_[texel.page](x, y);
+        return other != kNoTexel && map_.texels[other].chart == texel.chart ? other : kNoTexel;
+    }
+
+    /// Calls body(index) for each texel within `radius` on the same chart, the texel itself among them.
+    template<typename Body> void around(uint32_t texel, int radius, const Body& body) const
+    {
+        for (int dy = -radius; dy <= radius; ++dy) {
+            for (int dx = -radius; dx <= radius; ++dx) {
+                const uint32_t other = at(map_.texels[texel], dx, dy);
+                if (other != kNoTexel) body(other);
+            }
+        }
+    }
+
+private:
+    const TexelMap& map_;
+    std::vector<Image<uint32_t>> pages_;
+};
+
+} // namespace halflight
