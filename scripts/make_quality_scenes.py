@@ -7,8 +7,6 @@ X east, Y up, metres. bench/quality.cpp measures their bakes and knows the right
 """
 
 import math
-import pathlib
-import sys
 
 from scenekit import gltf, mesh as m
 from scenekit.mesh import Mesh
@@ -183,16 +181,5 @@ def probe_rooms():
     return doc
 
 
-def main():
-    default = pathlib.Path(__file__).resolve().parent.parent / "assets" / "quality"
-    folder = pathlib.Path(sys.argv[1]) if len(sys.argv) > 1 else default
-    folder.mkdir(parents=True, exist_ok=True)
-    for make in (leaks, rims, seams, mask_edges, terminator, contact, probe_rooms):
-        doc = make()
-        data = doc.glb()
-        (folder / f"{make.__name__}.glb").write_bytes(data)
-        print(f"{folder / make.__name__}.glb: {len(data) / 1e3:.1f} kB, {doc.drawn_triangles} triangles drawn")
-
-
 if __name__ == "__main__":
-    main()
+    gltf.write_scenes("quality", (leaks, rims, seams, mask_edges, terminator, contact, probe_rooms))

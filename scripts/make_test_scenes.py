@@ -7,9 +7,7 @@ X east, Y up, metres. assets/README.md lists them.
 """
 
 import math
-import pathlib
 import random
-import sys
 
 from scenekit import gltf, mesh as m, texture
 from scenekit.mesh import Mesh
@@ -138,17 +136,6 @@ def pergola(doc):
         doc.light(f"lamp_{word}", "point", color, 4.0, (x, 1.1, -3.6), cone_range=6.0, extras={**MIXED, "halflight_radius": 0.04})
 
 
-def thousand_spheres():
-    """1,023 dynamic spheres in one EXT_mesh_gpu_instancing node, each to be lit by its own probe sample."""
-    doc = document("thousand_spheres", ("white", "grey"), ([0.25, 0.35, 0.6], [0.4, 0.4, 0.4], [0.1, 0.1, 0.1]))
-    pergola(doc)
-    doc.mesh("sphere", [(m.sphere(0.11, 20, 10), "white", 1.0)])
-    places = [(0.34 * (i % 33 - 16), 0.3 + 0.12 * ((i * 7) % 5), 0.29 * (i // 33 - 15)) for i in range(1023)]
-    doc.instances("spheres", "sphere", places, extras={**DYNAMIC, "halflight_probes": "single"})
-    doc.camera("main", (0.0, 4.4, 8.2), (0.0, 0.4, 0.2), 55)
-    return doc
-
-
 def proxy_volume():
     """Two long dynamic planks from sun into shade: the near one lit by one probe sample, the far one by a proxy volume."""
     doc = document("proxy_volume", ("white", "grey"), ([0.25, 0.35, 0.6], [0.4, 0.4, 0.4], [0.1, 0.1, 0.1]))
@@ -263,24 +250,10 @@ def instances_1023():
         p = (generator.uniform(-3.9, 3.9), generator.uniform(0.15, 2.4), generator.uniform(-5.6, 2.6))
         if all(sum((a - b) ** 2 for a, b in zip(p, q)) > 0.28 ** 2 for q in places):
             places.append(p)
-    accessor, _, _ = doc._accessor(places, "VEC3")
-    translation = doc._append("accessors", accessor)
-    doc.used.add("EXT_mesh_gpu_instancing")
-    doc.node("balls", "small_ball", extras=dict(DYNAMIC), extensions={"EXT_mesh_gpu_instancing": {"attributes": {"TRANSLATION": translation}}})
+    doc.instances("balls", "small_ball", places, extras=dict(DYNAMIC))
     return doc
 
 
-def main():
-    default = pathlib.Path(__file__).resolve().parent.parent / "assets" / "tests"
-    folder = pathlib.Path(sys.argv[1]) if len(sys.argv) > 1 else default
-    folder.mkdir(parents=True, exist_ok=True)
-    for make in (closed_room, penumbra, five_lights, sphere_on_floor, two_rooms, thousand_spheres, proxy_volume, avenue,
-                 four_lights, probe_hall, instances_1023, bumpy_wall):
-        doc = make()
-        data = doc.glb()
-        (folder / f"{make.__name__}.glb").write_bytes(data)
-        print(f"{folder / make.__name__}.glb: {len(data) / 1e3:.1f} kB, {doc.drawn_triangles} triangles drawn")
-
-
 if __name__ == "__main__":
-    main()
+    gltf.write_scenes("tests", (closed_room, penumbra, five_lights, sphere_on_floor, two_rooms, proxy_volume, avenue,
+                                four_lights, probe_hall, instances_1023, bumpy_wall))

@@ -82,7 +82,7 @@ MeshSurface readSurface()
 
     ivec4 info = objects[inObject].info;
     s.lightmapped = (info.x & kObjectLightmapped) != 0;
-    s.receiveShadows = (info.x & kObjectReceiveShadows) != 0;
+    s.receiveShadows = (info.x & kObjectReceiveShadows) != 0 && materials[material].info.y != 0;
     vec4 mask = readShadowmask(inLightmapUv, info.y); // derivatives want uniform control flow
     if (frame.mode.x == kModeRealtime && frame.mode.y == kViewLit)
         mesh.probes = openSky();

@@ -2,7 +2,9 @@
 
 import json
 import math
+import pathlib
 import struct
+import sys
 
 from . import mesh as m
 
@@ -201,3 +203,16 @@ class Document:
         total = 12 + 8 + len(text) + 8 + len(self.binary)
         return (struct.pack("<4sII", b"glTF", 2, total) + struct.pack("<I4s", len(text), b"JSON") + text +
                 struct.pack("<I4s", len(self.binary), b"BIN\0") + bytes(self.binary))
+
+
+def write_scenes(folder, makers):
+    """Writes a file for each maker, named after it, to assets/FOLDER or to the folder that the command line names."""
+    default = pathlib.Path(__file__).resolve().parent.parent.parent / "assets" / folder
+    target = pathlib.Path(sys.argv[1]) if len(sys.argv) > 1 else default
+    target.mkdir(parents=True, exist_ok=True)
+    for make in makers:
+        doc = make()
+        data = doc.glb()
+        path = target / f"{make.__name__}.glb"
+        path.write_bytes(data)
+        print(f"{path}: {len(data) / 1e3:.1f} kB, {doc.drawn_triangles} triangles drawn")

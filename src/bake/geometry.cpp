@@ -36,7 +36,7 @@ BakeGeometry flattenGeometry(const Scene& scene, int pageSize, GeometryFilter fi
             out.triangleCount = uint32_t(part.indices.size() / 3);
             out.firstVertex = vertexCount;
             out.vertexCount = uint32_t(part.positions.size());
-            out.castShadows = object.castShadows;
+            out.castShadows = object.castShadows && materialOf(scene, part).castShadows;
             out.page = part.lightmapUv.empty() ? -1 : object.lightmap.page;
             triangleCount += out.triangleCount;
             vertexCount += out.vertexCount;

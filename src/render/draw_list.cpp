@@ -7,7 +7,7 @@
 
 namespace halflight {
 
-std::vector<Draw> DrawLists::solid(std::span<const uint32_t> objects)
+template<typename Filter> std::vector<Draw> DrawLists::drawsOf(std::span<const uint32_t> objects, const Filter& isDrawn)
 {
     std::vector<uint32_t> sorted;
     for (const uint32_t object : objects)
@@ -25,7 +25,7 @@ std::vector<Draw> DrawLists::solid(std::span<const uint32_t> objects)
         const auto firstInstance = uint32_t(instances_.size());
         bool used = false;
         for (const DrawPart& part : scene_.meshes[std::size_t(mesh)]) {
-            if (part.alphaMode == Material::AlphaMode::Blend) continue;
+            if (!isDrawn(part)) continue;
             draws.push_back({&part, mirrored, firstInstance, uint32_t(end - begin)});
             used = true;
         }
@@ -35,6 +35,17 @@ std::vector<Draw> DrawLists::solid(std::span<const uint32_t> objects)
         begin = end;
     }
     return draws;
+}
+
+std::vector<Draw> DrawLists::solid(std::span<const uint32_t> objects)
+{
+    return drawsOf(objects, [](const DrawPart& part) { return part.alphaMode != Material::AlphaMode::Blend; });
+}
+
+std::vector<Draw> DrawLists::casters(std::span<const uint32_t> objects)
+{
+    return drawsOf(
+        objects, [](const DrawPart& part) { return part.alphaMode != Material::AlphaMode::Blend && part.castShadows; });
 }
 
 std::vector<Draw> DrawLists::blended(std::span<const uint32_t> objects, vec3 eye)

@@ -23,12 +23,16 @@ public:
 
     /// Opaque and masked parts of the objects, objects that share a mesh as instances of one draw.
     std::vector<Draw> solid(std::span<const uint32_t> objects);
+    /// Those of them that throw shadows.
+    std::vector<Draw> casters(std::span<const uint32_t> objects);
     /// Blended parts, farthest first from `eye`.
     std::vector<Draw> blended(std::span<const uint32_t> objects, vec3 eye);
 
     [[nodiscard]] const std::vector<uint32_t>& instances() const { return instances_; }
 
 private:
+    template<typename Filter> std::vector<Draw> drawsOf(std::span<const uint32_t> objects, const Filter& isDrawn);
+
     const GpuScene& scene_;
     std::vector<uint32_t> instances_;
 };

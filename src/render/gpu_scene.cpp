@@ -48,6 +48,7 @@ void uploadMeshes(gpu::Device& device, gpu::Uploader& uploader, const Scene& sce
             draw.material = part.material >= 0 ? part.material : int(scene.materials.size());
             draw.alphaMode = material.alphaMode;
             draw.doubleSided = material.doubleSided;
+            draw.castShadows = material.castShadows;
             Bounds bounds;
             for (const vec3& position : part.positions) bounds.extend(position);
             draw.center = bounds.center();
@@ -107,7 +108,7 @@ GpuMaterial gpuMaterial(const Scene& scene, const Material& material, TextureSlo
     result.emissiveMetallic = vec4(material.emissiveNits, material.metallic);
     result.parameters = {material.roughness, material.normalScale, material.occlusionStrength,
                          material.alphaMode == Material::AlphaMode::Mask ? material.alphaCutoff : 0.0f};
-    result.info = ivec4(material.unlit ? 1 : 0, 0, 0, 0);
+    result.info = ivec4(material.unlit ? 1 : 0, material.receiveShadows ? 1 : 0, 0, 0);
     result.reflection = vec4(material.specular, 0.0f, 0.0f, 0.0f);
     result.textures[shading::kTextureBaseColor] = gpuTextureRef(scene, material.baseColorTexture, true, slots);
     result.textures[shading::kTextureMetallicRoughness] =
@@ -232,6 +233,11 @@ BakedScene outlineOf(const BakedScene& baked)
     outline.shadowmasks.resize(baked.shadowmasks.size());
     outline.lightmapDirections.resize(baked.lightmapDirections.size());
     outline.scene.objects = baked.scene.objects;
+    for (const Mesh& mesh : baked.scene.meshes) {
+        std::vector<MeshPart>& parts = outline.scene.meshes.emplace_back().parts;
+        for (const MeshPart& part : mesh.parts) parts.emplace_back().material = part.material;
+    }
+    outline.scene.materials = baked.scene.materials;
     outline.scene.lights = baked.scene.lights;
     outline.scene.sky = baked.scene.sky;
     outline.scene.subtractiveShadowColor = baked.scene.subtractiveShadowColor;

@@ -23,7 +23,8 @@ struct DrawPart {
     int material = 0; ///< index into the material buffer
     Material::AlphaMode alphaMode = Material::AlphaMode::Opaque;
     bool doubleSided = false;
-    vec3 center{0.0f}; ///< of its bounds, object space
+    bool castShadows = true; ///< its material's switch
+    vec3 center{0.0f};       ///< of its bounds, object space
 };
 
 struct GpuScene {

@@ -94,7 +94,7 @@ ShadowPasses shadowPasses(const Scene& scene, const FramePlan& plan, DrawLists& 
         for (int i = light.firstTile; i < light.firstTile + light.tileCount; ++i) {
             const ShadowTile& tile = plan.tiles[std::size_t(i)];
             if (plan.castersOf(i).empty()) continue; // shaders know, and do not look
-            ShadowDraws draws{tile.clipFromWorld, tile.atlasOffset, tile.size, lists.solid(plan.castersOf(i))};
+            ShadowDraws draws{tile.clipFromWorld, tile.atlasOffset, tile.size, lists.casters(plan.castersOf(i))};
             if (type == LightType::Directional)
                 passes.cascades[std::size_t(tile.layer)].push_back(std::move(draws));
             else
@@ -108,8 +108,8 @@ ShadowPasses shadowPasses(const Scene& scene, const FramePlan& plan, DrawLists& 
 /// shadow.
 bool mustGoForward(const GpuScene& scene, const FramePlan& plan, uint32_t object)
 {
-    return plan.mainLight >= 0 && plan.lights[std::size_t(plan.mainLight)].hasRealtimeShadow &&
-           scene.lightmapped[object] && scene.outline.scene.objects[object].receiveShadows;
+    return !plan.mainShadowReceivers.empty() && plan.mainShadowReceivers[object] != 0 && scene.lightmapped[object] &&
+           scene.outline.scene.objects[object].receiveShadows;
 }
 
 /// Means of factor x factor blocks.

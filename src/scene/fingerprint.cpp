@@ -43,7 +43,7 @@ Hash128 hashOf(const Material& material, const std::vector<Hash128>& pixels)
     Hasher hasher;
     hasher.add(material.baseColor).add(material.metallic).add(material.emissiveNits);
     hasher.add(int(material.alphaMode)).add(material.alphaMode == Material::AlphaMode::Mask ? material.alphaCutoff : 0);
-    hasher.add(int(material.doubleSided)).add(int(material.unlit));
+    hasher.add(int(material.doubleSided)).add(int(material.unlit)).add(int(material.castShadows));
     addTexture(hasher, material.baseColorTexture, pixels);
     addTexture(hasher, material.metallicRoughnessTexture, pixels);
     addTexture(hasher, material.emissiveTexture, pixels);
@@ -81,6 +81,7 @@ Hash128 contentHash(const Scene& scene)
         for (const tinygltf::Buffer& buffer : scene.source->model.buffers) hasher.add(buffer.data);
     }
     hasher.add(textureHashes(scene)).add(materialHashes(scene));
+    for (const Material& material : scene.materials) hasher.add(int(material.receiveShadows));
     for (const Mesh& mesh : scene.meshes) {
         for (const MeshPart& part : mesh.parts) {
             hasher.add(part.positions).add(part.normals).add(part.tangents).add(part.uv[0]).add(part.uv[1]);

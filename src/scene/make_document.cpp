@@ -70,6 +70,8 @@ Json materialJson(const Material& material)
         json["alphaMode"] = "BLEND";
     }
     if (material.doubleSided) json["doubleSided"] = true;
+    if (!material.castShadows) json["extras"]["halflight_cast_shadows"] = false;
+    if (!material.receiveShadows) json["extras"]["halflight_receive_shadows"] = false;
     return json;
 }
 

@@ -165,6 +165,29 @@ Status readMaterial(const Json& json, const std::string& path, TextureTable& tex
     return {};
 }
 
+// Extras, what an earlier bake wrote down, and the settings file, the later the stronger, as for nodes.
+Status readSwitches(const Json& json, const std::string& path, FileSettings& file, Material& material,
+                    std::vector<std::string>& warnings)
+{
+    const Json& extras = member(json, "extras");
+    const auto authored = materialSettingsOf(extras, path);
+    if (!authored) return authored.error();
+    warnUnknownExtras(extras, ExtrasOwner::Material, path, warnings);
+    applySettings(*authored, material);
+    const Json& record = extensionOf(json, "HALFLIGHT_material");
+    const auto flag = [&](const char* key, bool& value) {
+        if (const Json& written = member(record, key); written.is_boolean()) value = written.get<bool>();
+    };
+    flag("castShadows", material.castShadows);
+    flag("receiveShadows", material.receiveShadows);
+    for (auto& rule : file.materials) {
+        if (!matchesPattern(rule.pattern, material.name)) continue;
+        rule.matched = true;
+        applySettings(rule.settings, material);
+    }
+    return {};
+}
+
 Texture::Wrap wrapOf(int mode)
 {
     return mode == TINYGLTF_TEXTURE_WRAP_CLAMP_TO_EDGE     ? Texture::Wrap::ClampToEdge
@@ -227,7 +250,7 @@ bool readsTexCoord(const Json& material, int n)
     return used.count(uint64_t(n)) != 0;
 }
 
-Result<MaterialsRead> readMaterials(const SourceDocument& document, bool decode)
+Result<MaterialsRead> readMaterials(const SourceDocument& document, FileSettings& file, bool decode)
 {
     MaterialsRead read;
     TextureTable table(document);
@@ -236,6 +259,8 @@ Result<MaterialsRead> readMaterials(const SourceDocument& document, bool decode)
         Material material;
         material.sourceMaterial = int(i);
         if (Status s = readMaterial(materials[i], pathOf("materials", i), table, material, read.warnings); !s)
+            return s.error();
+        if (Status s = readSwitches(materials[i], pathOf("materials", i), file, material, read.warnings); !s)
             return s.error();
         read.materials.push_back(std::move(material));
     }

@@ -2,6 +2,7 @@
 // The steps of readScene(): textures, materials, meshes.
 
 #include "scene/document.h"
+#include "scene/settings.h"
 
 #include <optional>
 
@@ -12,7 +13,8 @@ struct MaterialsRead {
     std::vector<Texture> textures;   ///< those that a material uses
     std::vector<std::string> warnings;
 };
-Result<MaterialsRead> readMaterials(const SourceDocument& document, bool decodeTextures);
+/// Marks the rules of `file` that matched.
+Result<MaterialsRead> readMaterials(const SourceDocument& document, FileSettings& file, bool decodeTextures);
 
 struct MeshRead {
     Mesh mesh; ///< parts: the primitives that are triangles and have positions

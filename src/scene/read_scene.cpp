@@ -226,7 +226,7 @@ Result<Scene> sceneFromDocument(std::shared_ptr<const SourceDocument> document, 
     const Json& name = member(activeScene(*document), "name");
     if (name.is_string()) scene.name = name.get<std::string>();
 
-    auto materials = readMaterials(*document, options.decodeTextures);
+    auto materials = readMaterials(*document, file, options.decodeTextures);
     if (!materials) return materials.error();
     scene.materials = std::move(materials->materials);
     scene.textures = std::move(materials->textures);
@@ -262,6 +262,7 @@ Result<Scene> sceneFromDocument(std::shared_ptr<const SourceDocument> document, 
         }
     };
     warnUnmatched(file.nodes, "node");
+    warnUnmatched(file.materials, "material");
     warnUnmatched(file.lights, "light");
     return scene;
 }

@@ -1,5 +1,7 @@
 #include "halflight/scene/scene.h"
 
+#include <algorithm>
+
 namespace halflight {
 
 const char* nameOf(LightType type)
@@ -74,6 +76,14 @@ const Material& defaultMaterial()
 const Material& materialOf(const Scene& scene, const MeshPart& part)
 {
     return part.material >= 0 ? scene.materials[std::size_t(part.material)] : defaultMaterial();
+}
+
+bool throwsShadows(const Scene& scene, const Object& object)
+{
+    if (!object.castShadows || object.mesh < 0) return false;
+    const std::vector<MeshPart>& parts = scene.meshes[std::size_t(object.mesh)].parts;
+    return std::any_of(parts.begin(), parts.end(),
+                       [&](const MeshPart& part) { return materialOf(scene, part).castShadows; });
 }
 
 } // namespace halflight

@@ -114,6 +114,15 @@ const std::vector<Key<ObjectSettings>>& objectKeys()
     return keys;
 }
 
+const std::vector<Key<MaterialSettings>>& materialKeys()
+{
+    static const std::vector<Key<MaterialSettings>> keys = {
+        {"cast_shadows", [](const Json& v, MaterialSettings& s) { return readBool(v, s.castShadows); }},
+        {"receive_shadows", [](const Json& v, MaterialSettings& s) { return readBool(v, s.receiveShadows); }},
+    };
+    return keys;
+}
+
 const std::vector<Key<LightSettings>>& lightKeys()
 {
     static const std::vector<Key<LightSettings>> keys = {
@@ -332,6 +341,8 @@ Result<FileSettings> settingsFromTables(const Json& root)
             }
         } else if (name == "node") {
             status = readRules(value, "node", objectKeys(), settings.nodes);
+        } else if (name == "material") {
+            status = readRules(value, "material", materialKeys(), settings.materials);
         } else if (name == "light") {
             status = readRules(value, "light", lightKeys(), settings.lights);
         } else if (name == "add_light") {
@@ -347,6 +358,10 @@ Result<FileSettings> settingsFromTables(const Json& root)
 Result<ObjectSettings> objectSettingsOf(const Json& extras, const std::string& path)
 {
     return fromExtras(extras, objectKeys(), path);
+}
+Result<MaterialSettings> materialSettingsOf(const Json& extras, const std::string& path)
+{
+    return fromExtras(extras, materialKeys(), path);
 }
 Result<LightSettings> lightSettingsOf(const Json& extras, const std::string& path)
 {
@@ -370,9 +385,10 @@ void warnUnknownExtras(const Json& extras, ExtrasOwner owner, const std::string&
             }
             return false;
         };
-        const bool known = owner == ExtrasOwner::Scene   ? knows(sceneKeys())
-                           : owner == ExtrasOwner::Light ? knows(lightKeys())
-                                                         : knows(objectKeys()) || knows(lightKeys());
+        const bool known = owner == ExtrasOwner::Scene      ? knows(sceneKeys())
+                           : owner == ExtrasOwner::Light    ? knows(lightKeys())
+                           : owner == ExtrasOwner::Material ? knows(materialKeys())
+                                                            : knows(objectKeys()) || knows(lightKeys());
         if (!known) warnings.push_back(path + "/extras: unknown key " + item.key() + " is ignored");
     }
 }
@@ -457,6 +473,12 @@ void applySettings(const LightSettings& settings, Light& light)
     light.rangeMeters = settings.rangeMeters.value_or(light.rangeMeters);
     light.intensity = settings.intensity.value_or(light.intensity);
     light.color = settings.color.value_or(light.color);
+}
+
+void applySettings(const MaterialSettings& settings, Material& material)
+{
+    material.castShadows = settings.castShadows.value_or(material.castShadows);
+    material.receiveShadows = settings.receiveShadows.value_or(material.receiveShadows);
 }
 
 std::optional<LightMode> lightModeNamed(std::string_view name)

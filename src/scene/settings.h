@@ -20,6 +20,11 @@ struct ObjectSettings {
     std::optional<ivec3> probeResolution;
 };
 
+struct MaterialSettings {
+    std::optional<bool> castShadows;
+    std::optional<bool> receiveShadows;
+};
+
 struct LightSettings {
     std::optional<LightMode> mode;
     std::optional<bool> castShadows;
@@ -53,6 +58,7 @@ struct FileSettings {
         bool matched = false;
     };
     std::vector<Rule<ObjectSettings>> nodes;
+    std::vector<Rule<MaterialSettings>> materials;
     std::vector<Rule<LightSettings>> lights;
     std::vector<Light> addedLights;
     SceneSettings scene;
@@ -64,9 +70,10 @@ bool matchesPattern(std::string_view pattern, std::string_view text);
 /// Settings in an object's extras. A wrong value is an error; a halflight_ key that neither table of a node nor of a
 /// light knows is a warning.
 Result<ObjectSettings> objectSettingsOf(const Json& extras, const std::string& path);
+Result<MaterialSettings> materialSettingsOf(const Json& extras, const std::string& path);
 Result<LightSettings> lightSettingsOf(const Json& extras, const std::string& path);
 Result<SceneSettings> sceneSettingsOf(const Json& extras, const std::string& path);
-enum class ExtrasOwner { Node, Light, Scene };
+enum class ExtrasOwner { Node, Material, Light, Scene };
 void warnUnknownExtras(const Json& extras, ExtrasOwner owner, const std::string& path,
                        std::vector<std::string>& warnings);
 
@@ -78,6 +85,7 @@ Result<FileSettings> settingsFromTables(const Json& root);
 ObjectSettings mergeSettings(const ObjectSettings& weaker, const ObjectSettings& stronger);
 SceneSettings mergeSettings(const SceneSettings& weaker, const SceneSettings& stronger);
 void applySettings(const LightSettings& settings, Light& light);
+void applySettings(const MaterialSettings& settings, Material& material);
 
 /// The inverse of nameOf() in scene.h.
 std::optional<LightMode> lightModeNamed(std::string_view name);

@@ -16,6 +16,7 @@ namespace {
 
 constexpr const char* kRootExtension = "HALFLIGHT_mixed_lighting";
 constexpr const char* kNodeExtension = "HALFLIGHT_node";
+constexpr const char* kMaterialExtension = "HALFLIGHT_material";
 constexpr const char* kLightExtension = "HALFLIGHT_light";
 constexpr int kNoMaterial = -2;
 
@@ -37,6 +38,7 @@ public:
     {
         removeEarlierBake();
         if (Status s = writeImages(); !s) return s.error();
+        writeMaterials(); // before their copies with lightmaps are made
         if (Status s = writeObjects(); !s) return s.error();
         meshes_.finish();
         if (Status s = writeLights(); !s) return s.error();
@@ -60,6 +62,20 @@ private:
             Json& attributes = node["extensions"]["EXT_mesh_gpu_instancing"]["attributes"];
             attributes.erase("_HALFLIGHT_LIGHTMAP_ST");
             attributes.erase("_HALFLIGHT_LIGHTMAP_PAGE");
+        }
+    }
+
+    /// A record where something is off, and none elsewhere.
+    void writeMaterials()
+    {
+        for (const Material& material : scene_.materials) {
+            if (material.sourceMaterial < 0) continue;
+            Json& json = patcher_.json["materials"][std::size_t(material.sourceMaterial)];
+            eraseExtension(json, kMaterialExtension);
+            if (material.castShadows && material.receiveShadows) continue;
+            json["extensions"][kMaterialExtension] = {{"castShadows", material.castShadows},
+                                                      {"receiveShadows", material.receiveShadows}};
+            materialRecords_ = true;
         }
     }
 
@@ -109,7 +125,7 @@ private:
                                 std::to_string(texCoord) + transform.dump();
         const auto it = mozMaterials_.find(key);
         if (it != mozMaterials_.end()) return it->second;
-        Json material = source >= 0 ? source_.json["materials"][std::size_t(source)] : Json::object();
+        Json material = source >= 0 ? patcher_.json["materials"][std::size_t(source)] : Json::object();
         Json lightmap = {
             {"index", mozTexture(binding.page)}, {"texCoord", texCoord}, {"intensity", baked_.lightmapUnitLux}};
         if (binding.offset != vec2(0.0f) || binding.scale != vec2(1.0f)) {
@@ -435,6 +451,7 @@ private:
         }
         used.insert(kRootExtension);
         if (!scene_.objects.empty()) used.insert(kNodeExtension);
+        if (materialRecords_) used.insert(kMaterialExtension);
         if (!scene_.lights.empty()) used.insert({kLightExtension, "KHR_lights_punctual"});
         if (!moz_.is_null()) {
             used.insert({"MOZ_lightmap", "MOZ_texture_rgbe", "KHR_texture_transform"});
@@ -455,6 +472,7 @@ private:
     MeshWriter meshes_;
     Json root_;
     Json moz_;
+    bool materialRecords_ = false;   // any material got one
     std::map<int, int> mozTextures_; // page -> texture
     std::map<std::string, int> mozMaterials_;
 };

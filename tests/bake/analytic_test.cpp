@@ -218,12 +218,15 @@ TEST(ShadowmaskS29, LightsThatAreOffHaveAMask)
 /// An object that casts no shadow leaves mask and occlusion lit below it; the same one that casts does not.
 TEST(ShadowmaskS30, ObjectsThatCastNoShadowLeaveItLit)
 {
-    for (const bool casts : {true, false}) {
+    for (const auto& [byObject, byMaterial] : {std::pair(true, true), {false, true}, {true, false}}) {
+        const bool casts = byObject && byMaterial;
         Scene scene;
         const int grey = addMaterial(scene, vec3(0.5f));
+        const int boxes = addMaterial(scene, vec3(0.5f));
         addRectangle(scene, {vec3(-2, 0, 2), vec3(4, 0, 0), vec3(0, 0, -4)}, grey, kPage, {vec2(1), vec2(63)});
-        addBox(scene, vec3(-1, 1.0f, -1), vec3(1, 1.2f, 1), grey, false);
-        for (std::size_t i = 1; i < scene.objects.size(); ++i) scene.objects[i].castShadows = casts;
+        addBox(scene, vec3(-1, 1.0f, -1), vec3(1, 1.2f, 1), boxes, false);
+        for (std::size_t i = 1; i < scene.objects.size(); ++i) scene.objects[i].castShadows = byObject;
+        scene.materials[std::size_t(boxes)].castShadows = byMaterial;
         scene.lights.push_back(makeLight(LightType::Directional, vec3(0), vec3(0, -1, 0), 3.0f, LightMode::Mixed));
         Bench bench(std::move(scene), MixedLightingMode::Shadowmask, kPage, {});
         const auto mask = bench.shadowmask();

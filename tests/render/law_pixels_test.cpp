@@ -158,6 +158,19 @@ TEST_P(OnlyBakedShadowsS19, DynamicReceiverKeepsItsOcclusion)
     });
 }
 
+/// A mesh and a material for this object alone.
+Material& ownMaterialOf(Scene& scene, int object)
+{
+    Object& owner = scene.objects[std::size_t(object)];
+    Mesh mesh = scene.meshes[std::size_t(owner.mesh)];
+    scene.materials.push_back(materialOf(scene, mesh.parts.at(0)));
+    for (MeshPart& part : mesh.parts) part.material = int(scene.materials.size()) - 1;
+    owner.mesh = int(scene.meshes.size());
+    scene.meshes.push_back(std::move(mesh));
+    return scene.materials.back();
+}
+
+/// The object's switches, and its material's in place of them.
 class ReceiveShadowsS30 : public RenderTest, public testing::WithParamInterface<ModePath> {};
 INSTANTIATE_TEST_SUITE_P(, ReceiveShadowsS30,
                          testing::Combine(testing::Values(RunMode::Shadowmask, RunMode::DistanceShadowmask,
@@ -168,41 +181,51 @@ INSTANTIATE_TEST_SUITE_P(, ReceiveShadowsS30,
 TEST_P(ReceiveShadowsS30, OffMeansNeitherRealtimeNorBaked)
 {
     const auto [mode, path] = GetParam();
-    LawScene law = makeScene(bakeModeFor(mode));
-    law.baked.scene.objects[std::size_t(law.floor)].receiveShadows = false;
-    const RenderedFrame frame = render(law.baked, makeCamera(), settingsFor(mode, path));
-    expectSites(frame, [&, mode = mode](const Site& site) {
-        const vec3 indirect = indirectRadiance(site.point, lightmapOf(site.column));
-        if (mode == RunMode::Subtractive) return indirect;
-        return indirect + directRadiance(site.point, law.baked.scene.lights[0], 1.0f);
-    });
+    for (const bool byMaterial : {false, true}) {
+        LawScene law = makeScene(bakeModeFor(mode));
+        if (byMaterial)
+            ownMaterialOf(law.baked.scene, law.floor).receiveShadows = false;
+        else
+            law.baked.scene.objects[std::size_t(law.floor)].receiveShadows = false;
+        const RenderedFrame frame = render(law.baked, makeCamera(), settingsFor(mode, path));
+        expectSites(frame, [&, mode = mode](const Site& site) {
+            const vec3 indirect = indirectRadiance(site.point, lightmapOf(site.column));
+            if (mode == RunMode::Subtractive) return indirect;
+            return indirect + directRadiance(site.point, law.baked.scene.lights[0], 1.0f);
+        });
+    }
 }
 
 // One slab that casts no shadow is missing from the shadow map, and only that one.
 TEST_P(ReceiveShadowsS30, CastOffLeavesOneCasterOut)
 {
     const auto [mode, path] = GetParam();
-    LawScene law = makeScene(bakeModeFor(mode));
-    Scene& scene = law.baked.scene;
-    int silenced = 0; // the dynamic slab of the third column
-    for (const int blocker : law.blockers) {
-        Object& object = scene.objects[std::size_t(blocker)];
-        if (object.isStatic || object.worldFromObject[3].x > kColumns[3]) continue;
-        object.castShadows = false;
-        ++silenced;
+    for (const bool byMaterial : {false, true}) {
+        LawScene law = makeScene(bakeModeFor(mode));
+        Scene& scene = law.baked.scene;
+        int silenced = 0; // the dynamic slab of the third column
+        for (const int blocker : law.blockers) {
+            Object& object = scene.objects[std::size_t(blocker)];
+            if (object.isStatic || object.worldFromObject[3].x > kColumns[3]) continue;
+            if (byMaterial)
+                ownMaterialOf(scene, blocker).castShadows = false;
+            else
+                object.castShadows = false;
+            ++silenced;
+        }
+        ASSERT_EQ(silenced, 1);
+        const RenderedFrame frame = render(law.baked, makeCamera(), settingsFor(mode, path));
+        expectSites(frame, [&, mode = mode](const Site& site) {
+            const vec3 lightmap = lightmapOf(site.column);
+            const float realtime = site.column == 2 ? 1.0f : realtimeOf(mode, site.column);
+            if (mode == RunMode::Subtractive)
+                return indirectRadiance(site.point, subtractiveByHand(lightmap, vec3(kSunLux * kToSun.y), realtime,
+                                                                      site.fade, vec3(0.0f), 1.0f));
+            return indirectRadiance(site.point, lightmap) +
+                   directRadiance(site.point, scene.lights[0],
+                                  attenuationByHand(mode, true, maskOf(site.column), true, realtime, site.fade, 1.0f));
+        });
     }
-    ASSERT_EQ(silenced, 1);
-    const RenderedFrame frame = render(law.baked, makeCamera(), settingsFor(mode, path));
-    expectSites(frame, [&, mode = mode](const Site& site) {
-        const vec3 lightmap = lightmapOf(site.column);
-        const float realtime = site.column == 2 ? 1.0f : realtimeOf(mode, site.column);
-        if (mode == RunMode::Subtractive)
-            return indirectRadiance(site.point, subtractiveByHand(lightmap, vec3(kSunLux * kToSun.y), realtime,
-                                                                  site.fade, vec3(0.0f), 1.0f));
-        return indirectRadiance(site.point, lightmap) +
-               directRadiance(site.point, scene.lights[0],
-                              attenuationByHand(mode, true, maskOf(site.column), true, realtime, site.fade, 1.0f));
-    });
 }
 
 class OtherLights : public RenderTest, public testing::WithParamInterface<ModePath> {};

@@ -333,6 +333,60 @@ TEST(SubtractiveS25, OtherMixedLightsAreNotMixedEvenWithAChannel)
     EXPECT_TRUE(find(baked, frame, "spot")->skipStatic);
 }
 
+// Static objects that no dynamic shadow can reach are no receivers, all others are: by brute force with rays from
+// random points of the casters.
+TEST(SubtractiveS27, ReceiversAreThoseThatDynamicShadowsReach)
+{
+    Random random(27);
+    std::size_t found = 0;
+    for (int round = 0; round < 20; ++round) {
+        BakedScene baked = emptyScene(MixedLightingMode::Subtractive);
+        for (int i = 0; i < 60; ++i)
+            addBox(baked, random.in(vec3(-25, 0, -50), vec3(25, 8, 0)), random.in(vec3(0.2f), vec3(2.0f)), i % 12 != 0);
+        const vec3 sun = glm::normalize(vec3(random.in(-1, 1), -1, random.in(-1, 1)));
+        baked.scene.lights = {bakedLight("sun", LightType::Directional, {}, sun, LightMode::Mixed, 0)};
+        const FrameView view = lookFrom({0, 4, 5}, {0, -0.1f, -1});
+        ShadowSettings settings;
+        settings.distanceMeters = 40.0f;
+        const FramePlan frame = plan(baked, view, RunMode::Subtractive, settings);
+        const std::vector<Bounds> bounds = objectBounds(baked.scene);
+        ASSERT_EQ(frame.mainShadowReceivers.size(), bounds.size());
+        const mat4 clipFromWorld = view.clipFromView() * view.viewFromWorld();
+        for (std::size_t caster = 0; caster < bounds.size(); caster += 12) {
+            for (int n = 0; n < 100; ++n) {
+                const vec3 from = random.in(bounds[caster].min, bounds[caster].max);
+                for (std::size_t i = 0; i < bounds.size(); ++i) {
+                    // Where the ray enters the box (Kay and Kajiya 1986, slabs).
+                    const vec3 a = (bounds[i].min - from) / sun;
+                    const vec3 b = (bounds[i].max - from) / sun;
+                    const vec3 low = glm::min(a, b);
+                    const vec3 high = glm::max(a, b);
+                    const float enter = std::max({low.x, low.y, low.z, 0.0f});
+                    if (i == caster || enter > std::min({high.x, high.y, high.z})) continue;
+                    const vec3 shadowed = from + enter * sun;
+                    const vec4 clip = clipFromWorld * vec4(shadowed, 1.0f);
+                    if (clip.w <= 0.0f || std::abs(clip.x) > clip.w || std::abs(clip.y) > clip.w) continue;
+                    if (glm::distance(shadowed, vec3(0, 4, 5)) >= settings.distanceMeters) continue;
+                    EXPECT_EQ(int(frame.mainShadowReceivers[i]), 1) << "round " << round << ", object " << i;
+                }
+            }
+        }
+        found += std::size_t(std::count(frame.mainShadowReceivers.begin(), frame.mainShadowReceivers.end(), 1));
+    }
+    EXPECT_GT(found, 100u);
+    EXPECT_LT(found, 700u) << "of 1200: a receiver is an exception";
+}
+
+TEST(SubtractiveS27, NoReceiversWithoutAMapOfTheMainLight)
+{
+    BakedScene baked = stage(MixedLightingMode::Subtractive);
+    baked.scene.lights = {bakedLight("sun", LightType::Directional, {}, {0, -1, 0.2f}, LightMode::Mixed, 0)};
+    EXPECT_EQ(plan(baked, stageView(), RunMode::Subtractive).mainShadowReceivers, (std::vector<uint8_t>{1, 1}));
+    EXPECT_TRUE(plan(baked, stageView(), RunMode::Realtime).mainShadowReceivers.empty());
+    baked.scene.objects[1].castShadows = false;
+    EXPECT_TRUE(plan(baked, stageView(), RunMode::Subtractive).mainShadowReceivers.empty());
+}
+
 TEST(OnlyBakedS19, NoCasterMeansNoShadowMap)
 {
     BakedScene baked = stage();

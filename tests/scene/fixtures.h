@@ -138,6 +138,7 @@ inline Scene engineScene()
     material.alphaMode = Material::AlphaMode::Mask;
     material.alphaCutoff = 0.25f;
     material.doubleSided = true;
+    material.receiveShadows = false;
     scene.materials.push_back(material);
     Mesh mesh;
     mesh.name = "quad";

@@ -114,6 +114,12 @@ void checkFile(const std::filesystem::path& path, std::size_t& nodes, std::size_
     EXPECT_EQ(Schema("HALFLIGHT_mixed_lighting").check(json["extensions"].at("HALFLIGHT_mixed_lighting")), "") << path;
     const Schema nodeSchema("HALFLIGHT_node");
     const Schema lightSchema("HALFLIGHT_light");
+    const Schema materialSchema("HALFLIGHT_material");
+    for (const Json& material : json.value("materials", Json::array())) {
+        const Json extensions = material.value("extensions", Json::object());
+        if (extensions.contains("HALFLIGHT_material"))
+            EXPECT_EQ(materialSchema.check(extensions["HALFLIGHT_material"]), "") << extensions.dump();
+    }
     for (const Json& node : json["nodes"]) {
         if (!node.contains("extensions")) continue;
         const Json& extensions = node["extensions"];

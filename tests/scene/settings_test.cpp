@@ -64,6 +64,55 @@ TEST(SettingsS5, ExtrasOfNodesLightsAndScene)
     EXPECT_EQ(scene->probePositions, (std::vector<vec3>{{1, 2, 3}, {4, 5, 6}}));
 }
 
+// Extras of materials, the settings file over them, and both in the written file, in the copies with lightmaps too.
+TEST(SettingsS30, SwitchesOfMaterials)
+{
+    const TemporaryFolder folder;
+    GltfBuilder file;
+    file.triangle();
+    file.json["materials"] = {{{"name", "glass"}, {"extras", {{"halflight_cast_shadows", 0}}}},
+                              {{"name", "film"}, {"extras", {{"halflight_receive_shadows", false}}}},
+                              {{"name", "stone"}, {"extras", {{"halflight_statc", 1}}}}};
+    file.json["meshes"][0]["primitives"][0]["material"] = 1;
+    const std::filesystem::path path = file.write(folder);
+    const auto switches = [](const Scene& scene) {
+        std::vector<std::pair<bool, bool>> list;
+        for (const Material& material : scene.materials)
+            list.emplace_back(material.castShadows, material.receiveShadows);
+        return list;
+    };
+    using List = std::vector<std::pair<bool, bool>>;
+    const auto authored = readScene(path);
+    ASSERT_TRUE(authored) << authored.error().text();
+    EXPECT_EQ(switches(*authored), (List{{false, true}, {true, false}, {true, true}}));
+    EXPECT_THAT(authored->warnings, Contains(HasSubstr("/materials/2/extras: unknown key halflight_statc")));
+
+    writeText(folder / "s.toml", "[[material]]\npattern = \"*l*\"\ncast_shadows = true\nreceive_shadows = false\n"
+                                 "[[material]]\npattern = \"wood\"\n");
+    const auto scene = readScene(path, {.settingsFile = folder / "s.toml"});
+    ASSERT_TRUE(scene) << scene.error().text();
+    EXPECT_EQ(switches(*scene), (List{{true, false}, {true, false}, {true, true}}));
+    EXPECT_THAT(scene->warnings, Contains(HasSubstr("\"wood\" of [[material]] matches nothing")));
+
+    ASSERT_TRUE(writeBakedScene(folder / "baked.glb", pretendToBake(*scene)));
+    const auto baked = readBakedScene(folder / "baked.glb");
+    ASSERT_TRUE(baked) << baked.error().text();
+    for (const Object& object : baked->scene.objects) {
+        const Material& material = materialOf(baked->scene, baked->scene.meshes[std::size_t(object.mesh)].parts[0]);
+        EXPECT_TRUE(material.castShadows);
+        EXPECT_FALSE(material.receiveShadows);
+    }
+    // The stronger record lasts through another bake, and a settings file overrules it.
+    writeText(folder / "t.toml", "[[material]]\npattern = \"film\"\nreceive_shadows = true\n");
+    const auto again = readScene(folder / "baked.glb", {.settingsFile = folder / "t.toml"});
+    ASSERT_TRUE(again) << again.error().text();
+    EXPECT_EQ(switches(*again), (List{{true, false}, {true, true}, {true, true}}));
+    ASSERT_TRUE(writeBakedScene(folder / "again.glb", pretendToBake(*again)));
+    const Json json = jsonOfGlb(folder / "again.glb");
+    EXPECT_TRUE(json["materials"][0]["extensions"].contains("HALFLIGHT_material"));
+    EXPECT_FALSE(json["materials"][1].value("extensions", Json::object()).contains("HALFLIGHT_material"));
+}
+
 TEST(SettingsS5, FileIsStrongerThanExtras)
 {
     const TemporaryFolder folder;

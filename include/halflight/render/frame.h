@@ -143,6 +143,9 @@ struct FramePlan {
     std::array<float, 4> cascadeFar{};
     vec2 fadeConstants{0.0f}; ///< law: fadeConstants() of the settings
     int mainLight = -1;       ///< index into `lights`: subtractive's main light, -1 none
+    /// Per object, 1 where the main light's realtime shadow may fall: nowhere else need its light be taken out of the
+    /// lightmap (spec S22, S27). Empty when the main light has no map.
+    std::vector<uint8_t> mainShadowReceivers;
     LightClusters clusters;
     bool usesMask = false; ///< any light reads a shadowmask channel this frame (spec S11); never in subtractive, whose
                            ///< baked attenuation is in the probes only

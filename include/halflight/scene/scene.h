@@ -56,6 +56,8 @@ struct Material {
     float alphaCutoff = 0.5f;
     bool doubleSided = false;
     bool unlit = false;
+    bool castShadows = true; ///< shadows want these of the object and of the material, in the bake and at run time
+    bool receiveShadows = true;
     int sourceMaterial = -1;
 };
 
@@ -210,5 +212,8 @@ struct Scene {
 const Material& defaultMaterial();
 /// The part's material, the default one where it has none.
 const Material& materialOf(const Scene& scene, const MeshPart& part);
+
+/// Whether the object throws any shadow: it does by its own switch and by some part's material.
+bool throwsShadows(const Scene& scene, const Object& object);
 
 } // namespace halflight

@@ -8,15 +8,6 @@
 namespace halflight {
 namespace {
 
-/// Texels at a tile's border that are kept free for the filter's kernel and the receiver's shift along its normal,
-/// which grows with the kernel: normalBiasTexels for each two texels of reach.
-int borderTexels(const ShadowSettings& settings)
-{
-    const auto reach = float(filterReachTexels(settings.filter));
-    const float shift = std::max(settings.normalBiasTexels, 0.0f) * std::max(0.5f * reach, 1.0f);
-    return int(std::ceil(reach + shift));
-}
-
 float aspectOf(const FrameView& view)
 {
     return float(std::max(view.size.x, 1)) / float(std::max(view.size.y, 1));
@@ -26,6 +17,13 @@ float aspectOf(const FrameView& view)
 constexpr float kWidestSpotTileRadians = 70.0f * kPi / 180.0f;
 
 } // namespace
+
+int borderTexels(const ShadowSettings& settings)
+{
+    const auto reach = float(filterReachTexels(settings.filter));
+    const float shift = std::max(settings.normalBiasTexels, 0.0f) * std::max(0.5f * reach, 1.0f);
+    return int(std::ceil(reach + shift));
+}
 
 // Split distances: Zhang et al. 2006, "Parallel-Split Shadow Maps for Large-Scale Virtual Environments", eq. 3, on
 // radial distance, as the fragment measures it: a cascade then ends at the same distance in the picture's middle and in

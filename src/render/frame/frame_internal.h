@@ -62,6 +62,10 @@ CascadeSlices sliceView(const FrameView& view, const ShadowSettings& settings);
 ShadowTile fitCascade(const FrameView& view, const ShadowSettings& settings, const CascadeSlices& slices, int cascade,
                       vec3 lightDirection, const Bounds& sceneBounds);
 
+/// Texels at a tile's border that are kept free for the filter's kernel and the receiver's shift along its normal,
+/// which grows with the kernel: normalBiasTexels for each two texels of reach.
+int borderTexels(const ShadowSettings& settings);
+
 /// Number of tiles a spot or point light needs, and their matrices for a tile of `size` texels.
 int localTileCount(const Light& light);
 ShadowTile fitLocalTile(const Light& light, int face, int size, const ShadowSettings& settings,
@@ -83,6 +87,12 @@ constexpr int kMinTileSize = 64;
 /// Objects to draw into a tile of this light, ascending.
 std::vector<uint32_t> castersOfTile(const Scene& scene, std::span<const Bounds> bounds, const LightVolume& volume,
                                     bool staticCasters, const mat4& clipFromWorld);
+
+/// For each object, 1 when a shadow that some of the casters throw along `direction` may fall on it within
+/// `distanceMeters` of the camera. `marginMeters` is how far beside its caster a filtered shadow reaches.
+std::vector<uint8_t> directionalShadowReceivers(std::span<const Bounds> bounds, std::span<const uint32_t> casters,
+                                                vec3 direction, float marginMeters, vec3 cameraPosition,
+                                                float distanceMeters);
 
 LightClusters clusterLights(const Scene& scene, const FrameView& view, const Bounds& sceneBounds,
                             std::span<const FrameLight> lights);

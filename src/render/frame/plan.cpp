@@ -142,6 +142,26 @@ void planLocalShadows(const ShadowContext& context, FramePlan& plan)
     }
 }
 
+/// S27: whom the main light's realtime shadow may reach.
+void findMainShadowReceivers(const ShadowContext& context, FramePlan& plan)
+{
+    if (plan.mainLight < 0) return;
+    const FrameLight& main = plan.lights[std::size_t(plan.mainLight)];
+    if (!main.hasRealtimeShadow) return;
+    std::vector<uint32_t> casters;
+    float texelMeters = 0.0f;
+    for (int i = main.firstTile; i < main.firstTile + main.tileCount; ++i) {
+        casters.insert(casters.end(), plan.castersOf(i).begin(), plan.castersOf(i).end());
+        texelMeters = std::max(texelMeters, plan.tiles[std::size_t(i)].texelMeters);
+    }
+    std::sort(casters.begin(), casters.end());
+    casters.erase(std::unique(casters.begin(), casters.end()), casters.end());
+    plan.mainShadowReceivers =
+        directionalShadowReceivers(context.bounds, casters, context.scene.lights[std::size_t(main.light)].direction(),
+                                   float(borderTexels(context.settings)) * texelMeters,
+                                   vec3(context.view.camera.worldFromCamera[3]), context.settings.distanceMeters);
+}
+
 } // namespace
 
 FramePlan planFrame(const BakedScene& baked, std::span<const Bounds> bounds, const FrameView& view, RunMode mode,
@@ -159,6 +179,7 @@ FramePlan planFrame(const BakedScene& baked, std::span<const Bounds> bounds, con
     selectLights(baked, view, plan);
     planDirectionalShadows(context, plan);
     planLocalShadows(context, plan);
+    findMainShadowReceivers(context, plan);
     plan.clusters = clusterLights(baked.scene, view, context.sceneBounds, plan.lights);
     return plan;
 }
