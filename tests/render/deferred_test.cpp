@@ -196,13 +196,15 @@ TEST_F(RenderTest, FifthTargetOnlyWithMaskS26)
 TEST_F(RenderTest, SubtractiveReceiversGoForwardS27)
 {
     BakedScene baked = gallery(MixedLightingMode::Subtractive);
+    RenderSettings settings = settingsFor(RunMode::Subtractive, RenderPath::Deferred);
     auto forwardObjects = [&] {
-        const RenderedFrame frame =
-            render(baked, galleryCamera(), settingsFor(RunMode::Subtractive, RenderPath::Deferred));
+        const RenderedFrame frame = render(baked, galleryCamera(), settings);
         EXPECT_EQ(frame.gBufferTargets, 4);
         return frame.forwardObjects;
     };
-    EXPECT_EQ(forwardObjects(), 1) << "the floor; no shadow reaches the wall";
+    EXPECT_EQ(forwardObjects(), 1) << "the floor; the wall is beyond the shadow distance";
+    settings.shadows.distanceMeters = 20.0f;
+    EXPECT_EQ(forwardObjects(), 1) << "no shadow reaches the wall";
     baked.scene.objects[4].worldFromObject[3] = vec4(3, 2, -5.5f, 1);
     EXPECT_EQ(forwardObjects(), 2);
     baked.scene.objects[1].receiveShadows = false;

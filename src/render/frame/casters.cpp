@@ -5,6 +5,35 @@
 
 namespace halflight {
 
+namespace {
+
+/// Where the centre of `moving` is when it touches `box` or comes closer than the margin: their Minkowski sum, grown.
+Bounds sumOf(const Bounds& box, const Bounds& moving, float margin)
+{
+    const vec3 half = 0.5f * (moving.max - moving.min) + margin;
+    return {box.min - half, box.max + half};
+}
+
+/// Slabs: Kay and Kajiya 1986, "Ray Tracing Complex Scenes".
+bool rayMeets(vec3 origin, vec3 direction, const Bounds& box)
+{
+    float enter = 0.0f;
+    float leave = kInfinity;
+    for (int axis = 0; axis < 3; ++axis) {
+        if (direction[axis] == 0.0f) {
+            if (origin[axis] < box.min[axis] || origin[axis] > box.max[axis]) return false;
+            continue;
+        }
+        const float a = (box.min[axis] - origin[axis]) / direction[axis];
+        const float b = (box.max[axis] - origin[axis]) / direction[axis];
+        enter = std::max(enter, std::min(a, b));
+        leave = std::min(leave, std::max(a, b));
+    }
+    return enter <= leave;
+}
+
+} // namespace
+
 std::vector<uint32_t> castersOfTile(const Scene& scene, std::span<const Bounds> bounds, const LightVolume& volume,
                                     bool staticCasters, const mat4& clipFromWorld)
 {
@@ -22,26 +51,11 @@ std::vector<uint8_t> directionalShadowReceivers(std::span<const Bounds> bounds, 
                                                 vec3 direction, float marginMeters, vec3 cameraPosition,
                                                 float distanceMeters)
 {
-    // Boxes in axes of the light, which shines along -z: a caster's shadow keeps its x and y and goes down from its
-    // top.
-    const vec3 z = -direction;
-    const vec3 x = glm::normalize(glm::cross(std::abs(z.y) < 0.9f ? vec3(0, 1, 0) : vec3(1, 0, 0), z));
-    const mat4 lightFromWorld(glm::transpose(mat3(x, glm::cross(z, x), z)));
-    std::vector<Bounds> shadows;
-    for (const uint32_t caster : casters) {
-        Bounds box = worldBounds(bounds[caster], lightFromWorld);
-        if (box.empty()) continue;
-        box.min = vec3(box.min.x - marginMeters, box.min.y - marginMeters, -kInfinity);
-        box.max += marginMeters;
-        shadows.push_back(box);
-    }
     std::vector<uint8_t> receivers(bounds.size(), 0);
     for (std::size_t i = 0; i < bounds.size(); ++i) {
         if (bounds[i].empty() || distanceTo(bounds[i], cameraPosition) >= distanceMeters) continue;
-        const Bounds box = worldBounds(bounds[i], lightFromWorld);
-        receivers[i] = std::any_of(shadows.begin(), shadows.end(), [&](const Bounds& shadow) {
-            return glm::all(glm::lessThanEqual(shadow.min, box.max)) &&
-                   glm::all(glm::lessThanEqual(box.min, shadow.max));
+        receivers[i] = std::any_of(casters.begin(), casters.end(), [&](uint32_t caster) {
+            return rayMeets(bounds[caster].center(), direction, sumOf(bounds[i], bounds[caster], marginMeters));
         });
     }
     return receivers;
