@@ -201,6 +201,18 @@ def subtractive(s):
     s.render("path traced, for comparison", plain, "--reference", "64")
 
 
+def switches(s):
+    """S30: who throws and who receives shadows. Left sphere static and baked, right one dynamic."""
+    options = ("tests/sphere_on_floor.glb", "--mode", "shadowmask", "--quality", "medium", "--lightmap-size", "1024")
+    sphere = '[[node]]\npattern = "sphere_{}"\ncast_shadows = false\n'
+    s.render("all switches on", s.bake(*options))
+    s.render("static sphere throws none: its mask is lit", s.bake(*options, settings=sphere.format("static")))
+    s.render("dynamic sphere throws none", s.bake(*options, settings=sphere.format("dynamic")))
+    s.render("the floor's node receives none", s.bake(*options, settings='[[node]]\npattern = "floor"\nreceive_shadows = false\n'))
+    s.render("the spheres' material throws none", s.bake(*options, settings='[[material]]\npattern = "red"\ncast_shadows = false\n'))
+    s.render("the floor's material receives none", s.bake(*options, settings='[[material]]\npattern = "white"\nreceive_shadows = false\n'))
+
+
 def forward_deferred(s):
     """S26, S27: the same picture on both paths."""
     for mode in ("shadowmask", "subtractive"):
@@ -263,7 +275,7 @@ def debug_views(s):
 
 
 SHEETS = (shadow_fade, cascades, shadowmask, distance_shadowmask, four_lights, point_masks, probes, proxy_volumes, instances, subtractive,
-          forward_deferred, overflow, directional_lightmap, debug_views)
+          switches, forward_deferred, overflow, directional_lightmap, debug_views)
 
 
 def main():

@@ -64,6 +64,8 @@ def problems_of(text, tests, mutations, has_file):
             named.add(full)
             if full not in mutations:
                 problems.append(f"{part}: there is no mutation {full}")
+        if "](" not in row["picture"]:
+            problems.append(f"{part} shows no picture")
         for link in re.findall(r"\]\(([^)#]+)\)", row["picture"]):
             if not has_file(link):
                 problems.append(f"{part}: there is no picture {link}")
@@ -95,10 +97,11 @@ def self_test():
 
     assert count(page()) == 0
     assert count(page(without=("S7",))) == 2  # and its mutation is in no row
-    assert count(page() + "\n| S7 | twice | `A.B` | | `m` |") == 1
+    assert count(page() + "\n| S7 | twice | `A.B` | [x](x.jpg) | `m` |") == 1
     assert count(page(S3={"tests": "`A.C`"})) == 1
     assert count(page(S3={"tests": "none"})) == 1
     assert count(page(S3={"picture": "[y](y.jpg)"})) == 1
+    assert count(page(S3={"picture": "a view"})) == 1
     assert count(page(S3={"mutations": "`m`, `n`"})) == 1
     assert count(page(S3={"mutations": "–"})) == 2
     assert count(page(), mutations + ["S3-n"]) == 1
