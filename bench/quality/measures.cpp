@@ -352,6 +352,30 @@ Figures measureContact(const std::filesystem::path& assets, int truthSamples)
             {"noise", scene, "… denoised", relative(1, 1), 0.9 * relative(0, 1), "%"}};
 }
 
+namespace {
+
+// Small things on a sunny floor: their light must not come from probes in the shadow behind the building or under the
+// floor's rim, whatever tetrahedra join. Above the forecourt of the hall nothing stands between any point and the sun.
+Figure measureFloor(const std::filesystem::path& assets)
+{
+    const std::string scene = "tests/probe_hall.glb";
+    BakeSettings settings = settingsFor(MixedLightingMode::Shadowmask, 4.0f, 16, 1);
+    settings.probeSpacingMeters = 0.6f;
+    auto baked = bakeFile(assets / scene, settings);
+    if (!baked) return failed("probes", scene, baked.error())[0];
+    const ProbeInterpolator probes(baked->result.baked);
+    double worst = 0.0;
+    for (const float y : {0.02f, 0.05f, 0.1f, 0.2f, 0.4f}) {
+        for (float z = 1.2f; z < 5.81f; z += 0.2f) {
+            for (float x = -4.8f; x < 4.81f; x += 0.2f)
+                worst = std::max(worst, 1.0 - double(probes.sample({x, y, z}).occlusion.x));
+        }
+    }
+    return {"probes", scene, "most shadow 2 cm to 40 cm above a sunny floor", 100.0 * worst, 1.0, "%"};
+}
+
+} // namespace
+
 // The bright room's light in the dark room: what its probes say at points well within, against the brightest of what a
 // fine set of probes says there.
 Figures measureProbes(const std::filesystem::path& assets)
@@ -388,7 +412,8 @@ Figures measureProbes(const std::filesystem::path& assets)
              100.0 * *std::max_element(dark.begin(), dark.end()) / level, 8.0, "%"},
             {"probes", scene, "median of the dark room, of the bright room", 100.0 * percentile(dark, 0.5) / level, 1.0,
              "%"},
-            {"probes", scene, "valid probes outside both rooms", double(inside), 0.0, ""}};
+            {"probes", scene, "valid probes outside both rooms", double(inside), 0.0, ""},
+            measureFloor(assets)};
 }
 
 } // namespace halflight::quality

@@ -10,6 +10,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <unordered_set>
 
 namespace halflight {
@@ -28,6 +29,7 @@ constexpr float kShadowDisagrees = 0.35f; ///< difference of occlusion
 constexpr float kWallShare = 0.36f;
 constexpr float kShortestShare = 0.3f; ///< of the grid's distance: links shorter than that are not halved
 constexpr float kSamePlaceShare = 0.05f;
+constexpr float kFloorShare = 0.02f; ///< height of the probes on floors, of the grid's distance
 
 /// Two probes that stand next to each other.
 struct Link {
@@ -78,6 +80,23 @@ std::vector<Link> linksOfGrid(ivec3 size)
     }
     return links;
 }
+
+/// Cells of space, each to be taken once.
+class Places {
+public:
+    explicit Places(float cell) : cell_(cell) {}
+    /// False when the cell around this point is taken already.
+    bool take(vec3 point)
+    {
+        const ivec3 c(glm::floor(glm::clamp(point / cell_, -1.0e6f, 1.0e6f)));
+        const auto part = [](int v) { return uint64_t(uint32_t(v)) & 0x1fffffu; };
+        return taken_.insert(part(c.x) | (part(c.y) << 21) | (part(c.z) << 42)).second;
+    }
+
+private:
+    float cell_;
+    std::unordered_set<uint64_t> taken_;
+};
 
 /// Bakes probes in batches, and knows which stand next to each other.
 class ProbeBake {
@@ -171,6 +190,32 @@ public:
         return positions.empty() || add(positions);
     }
 
+    // Probes on the floors below the others. Things stand on floors: without these, what is lower than the lowest
+    // probes above a floor lies in tetrahedra that go down to probes on the other side of it, or, where nothing is
+    // below, to ones far beyond its rim. Other surfaces have no such layer: what touches walls and ceilings is seldom
+    // small.
+    bool addFloors(std::vector<Link>& links, float spacing, float reachMeters)
+    {
+        const float height = kFloorShare * spacing;
+        std::vector<std::optional<vec3>> feet(probes.size());
+        parallelFor(probes.size(), 16, [&](std::size_t begin, std::size_t end) {
+            for (std::size_t i = begin; i < end; ++i) {
+                const vec3 p = probes[i].position;
+                if (!probes[i].valid) continue;
+                const auto surfaces = gather_.integrator.surfacesBetween(p, p - vec3(0.0f, reachMeters, 0.0f));
+                if (surfaces && surfaces->x > 2.0f * height) feet[i] = p - vec3(0.0f, surfaces->x - height, 0.0f);
+            }
+        });
+        Places places(kSamePlaceShare * spacing); // probes of one column have one foot
+        std::vector<vec3> positions;
+        for (std::size_t i = 0; i < feet.size(); ++i) {
+            if (!feet[i] || !places.take(*feet[i])) continue;
+            links.push_back({uint32_t(i), uint32_t(probes.size() + positions.size())});
+            positions.push_back(*feet[i]);
+        }
+        return positions.empty() || add(positions);
+    }
+
     // SH coefficients averaged with those of probes that are linked, in sight, and differ by no more than noise
     // explains: all nine with one weight, so that the sum points where its parts do and no band changes its share. The
     // weight is the bilateral filter's (Tomasi and Manduchi 1998), its width the estimates' own variance.
@@ -220,13 +265,8 @@ private:
 /// Leaves out what lies inside geometry, and of probes (nearly) at one place all but the first.
 void tidy(std::vector<Probe>& probes, float cell)
 {
-    std::unordered_set<uint64_t> taken;
-    std::erase_if(probes, [&](const Probe& probe) {
-        if (!probe.valid) return true;
-        const ivec3 c(glm::floor(glm::clamp(probe.position / cell, -1.0e6f, 1.0e6f)));
-        const auto part = [](int v) { return uint64_t(uint32_t(v)) & 0x1fffffu; };
-        return !taken.insert(part(c.x) | (part(c.y) << 21) | (part(c.z) << 42)).second;
-    });
+    Places places(cell);
+    std::erase_if(probes, [&](const Probe& probe) { return !probe.valid || !places.take(probe.position); });
 }
 
 } // namespace
@@ -299,6 +339,7 @@ std::optional<ProbeSet> bakeProbes(const Scene& scene, float spacingMeters, bool
         if (!bake.refine(links, spacing, kGrowth * positions.size())) return std::nullopt;
         all.insert(all.end(), links.begin(), links.end());
     }
+    if (!bake.addFloors(all, spacing, s.y)) return std::nullopt;
     if (denoise) bake.denoise(all);
     const std::size_t before = set.probes.size();
     tidy(bake.probes, kSamePlaceShare * spacing);
