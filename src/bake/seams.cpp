@@ -1,3 +1,4 @@
+// Makes light agree along the seams that seam_edges.cpp finds.
 #include "bake/stages.h"
 
 #include "halflight/base/parallel.h"
@@ -7,48 +8,12 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstring>
-#include <unordered_map>
 
 namespace halflight {
 namespace {
 
 constexpr uint32_t kNoUnknown = ~0u;
-constexpr float kSmoothCosine = 0.95f; ///< edges whose normals differ more are corners: light may differ there
-constexpr double kKeepWeight = 0.001;  ///< pull of a texel towards its own value, against 1 for each seam sample
-
-/// One side of a seam: where an edge of a triangle lies in the lightmap.
-struct EdgeSide {
-    int object = 0;
-    int page = 0;
-    vec2 from{0.0f}; ///< texels, at the edge's lower end (by key)
-    vec2 to{0.0f};
-    vec3 normalFrom{0.0f};
-    vec3 normalTo{0.0f};
-};
-
-struct EdgeKey {
-    std::array<uint32_t, 6> bits{}; ///< of both end positions, lower one first
-
-    bool operator==(const EdgeKey& other) const { return bits == other.bits; }
-};
-
-struct EdgeKeyHash {
-    std::size_t operator()(const EdgeKey& key) const
-    {
-        std::size_t h = 0xcbf29ce484222325u;
-        for (const uint32_t b : key.bits) h = (h ^ b) * 0x100000001b3u;
-        return h ^ (h >> 29);
-    }
-};
-
-std::array<uint32_t, 3> positionBits(vec3 p)
-{
-    p += vec3(0.0f); // -0 becomes +0
-    std::array<uint32_t, 3> bits{};
-    std::memcpy(bits.data(), &p, sizeof(p));
-    return bits;
-}
+constexpr double kKeepWeight = 0.001; ///< pull of a texel towards its own value, against 1 for each seam sample
 
 /// The four texels that bilinear filtering at `place` reads, with weights; texels outside the page are clamped into it.
 struct Footprint {
@@ -71,76 +36,7 @@ Footprint footprintAt(int page, vec2 place, int size)
     return out;
 }
 
-using EdgeMap = std::unordered_map<EdgeKey, std::vector<EdgeSide>, EdgeKeyHash>;
-
-EdgeMap collectEdges(const BakeGeometry& geometry)
-{
-    EdgeMap edges;
-    for (const BakeGeometry::Part& part : geometry.parts) {
-        if (part.page < 0) continue;
-        for (uint32_t t = part.firstTriangle; t < part.firstTriangle + part.triangleCount; ++t) {
-            const uvec3 v = geometry.triangles[t];
-            for (int e = 0; e < 3; ++e) {
-                uint32_t a = v[e];
-                uint32_t b = v[(e + 1) % 3];
-                auto bitsA = positionBits(geometry.positions[a]);
-                auto bitsB = positionBits(geometry.positions[b]);
-                if (bitsA == bitsB) continue;
-                if (bitsB < bitsA) {
-                    std::swap(a, b);
-                    std::swap(bitsA, bitsB);
-                }
-                EdgeKey key;
-                std::copy(bitsA.begin(), bitsA.end(), key.bits.begin());
-                std::copy(bitsB.begin(), bitsB.end(), key.bits.begin() + 3);
-                edges[key].push_back({part.object, part.page, geometry.lightmapTexel[a], geometry.lightmapTexel[b],
-                                      geometry.normals[a], geometry.normals[b]});
-            }
-        }
-    }
-    return edges;
-}
-
-bool isSeam(const EdgeSide& a, const EdgeSide& b)
-{
-    const bool samePlace =
-        a.page == b.page && glm::distance(a.from, b.from) < 1.0e-3f && glm::distance(a.to, b.to) < 1.0e-3f;
-    return !samePlace && glm::dot(a.normalFrom, b.normalFrom) > kSmoothCosine &&
-           glm::dot(a.normalTo, b.normalTo) > kSmoothCosine;
-}
-
 } // namespace
-
-std::vector<SeamSample> findSeams(const BakeGeometry& geometry, int pageSize)
-{
-    std::vector<SeamSample> samples;
-    const EdgeMap edges = collectEdges(geometry);
-    // The map's order depends on the library: sort what comes out of it.
-    std::vector<const EdgeMap::value_type*> ordered;
-    for (const auto& entry : edges) {
-        if (entry.second.size() > 1) ordered.push_back(&entry);
-    }
-    std::sort(ordered.begin(), ordered.end(),
-              [](const auto* a, const auto* b) { return a->first.bits < b->first.bits; });
-    for (const auto* entry : ordered) {
-        const std::vector<EdgeSide>& sides = entry->second;
-        if (sides.size() > 4) continue; // a bush of triangles on one edge has no two sides
-        for (std::size_t i = 0; i < sides.size(); ++i) {
-            for (std::size_t j = i + 1; j < sides.size(); ++j) {
-                const EdgeSide& a = sides[i];
-                const EdgeSide& b = sides[j];
-                if (!isSeam(a, b)) continue;
-                const float length = std::max(glm::distance(a.from, a.to), glm::distance(b.from, b.to));
-                const int count = std::clamp(int(std::ceil(2.0f * length)), 1, 4 * pageSize);
-                for (int s = 0; s < count; ++s) {
-                    const float t = (float(s) + 0.5f) / float(count);
-                    samples.push_back({a.object, a.page, b.page, glm::mix(a.from, a.to, t), glm::mix(b.from, b.to, t)});
-                }
-            }
-        }
-    }
-    return samples;
-}
 
 // Least squares over the texels that seams read: each sample along a seam asks both sides' bilinear values to be equal,
 // each texel asks to stay what it is (Iwanicki 2013, "Lighting Technology of The Last of Us").

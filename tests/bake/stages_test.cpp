@@ -492,6 +492,43 @@ TEST(SeamsS6, BothSidesAgree)
     for (int y = 6; y < 19; ++y) EXPECT_EQ(pages[0](10, y), before(10, y));
 }
 
+/// Neighbours that are cut differently, and one that is not quite where it should be: every place along the common line
+/// has its sample, and both its sides are the same place in the world.
+TEST(SeamsS6, EdgesThatShareOnlyAStretchAreFound)
+{
+    Scene scene;
+    const int grey = addMaterial(scene, vec3(0.5f));
+    addRectangle(scene, {vec3(0, 0, 0), vec3(3, 0, 0), vec3(0, 0, -1)}, grey, kPage, {vec2(2), vec2(32, 12)});
+    const float ends[] = {0.5f, 1.25f, 2.0f, 3.5f}; // the last one stands out
+    for (int i = 0; i < 3; ++i) {
+        const vec3 origin(ends[i], i == 1 ? 0.0005f : 0.0f, 1.0f);
+        addRectangle(scene, {origin, vec3(ends[i + 1] - ends[i], 0, 0), vec3(0, 0, -1)}, grey, kPage,
+                     {vec2(2 + 16 * i, 20), vec2(2 + 16 * i + 10 * (ends[i + 1] - ends[i]), 30)});
+    }
+    // A wall on the same line is a corner, a shelf above it another line.
+    addRectangle(scene, {vec3(0, 0, 0), vec3(2, 0, 0), vec3(0, 1, 0)}, grey, kPage, {vec2(2, 40), vec2(22, 50)});
+    addRectangle(scene, {vec3(0, 0.1f, 0), vec3(2, 0, 0), vec3(0, 0, 1)}, grey, kPage, {vec2(30, 40), vec2(50, 50)});
+    const std::vector<SeamSample> seams = findSeams(flattenGeometry(scene, kPage, GeometryFilter::Static), kPage);
+    std::vector<float> places;
+    for (const SeamSample& seam : seams) {
+        const bool first = seam.texelA.y < 15.0f;
+        const vec2 wide = first ? seam.texelA : seam.texelB;
+        const vec2 cut = first ? seam.texelB : seam.texelA;
+        const int piece = int((cut.x - 2.0f) / 16.0f);
+        if (wide.y > 15.0f && wide.y < 35.0f && cut.y < 35.0f) continue; // between the three
+        ASSERT_LT(wide.y, 15.0f);
+        ASSERT_LT(cut.y, 35.0f) << "floor only";
+        const float x = (wide.x - 2.0f) / 10.0f;
+        EXPECT_NEAR(x, ends[piece] + (cut.x - 2.0f - 16.0f * float(piece)) / 10.0f, 1.0e-3f);
+        places.push_back(x);
+    }
+    std::sort(places.begin(), places.end());
+    ASSERT_FALSE(places.empty());
+    EXPECT_NEAR(places.front(), 0.5f, 0.06f);
+    EXPECT_NEAR(places.back(), 3.0f, 0.06f);
+    for (std::size_t i = 1; i < places.size(); ++i) EXPECT_LT(places[i] - places[i - 1], 0.1f);
+}
+
 /// A box's edges are corners, not seams: its faces keep their own light.
 TEST(SeamsS6, HardEdgesAreLeftAlone)
 {

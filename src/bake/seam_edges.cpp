@@ -1,0 +1,249 @@
+// Where the lightmap is cut though the surface goes on: edges that two triangles share with different places in the
+// lightmap, and edges of neighbours that are cut differently and so share only a stretch of a line.
+#include "bake/stages.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstring>
+#include <unordered_map>
+
+namespace halflight {
+namespace {
+
+constexpr float kSmoothCosine = 0.95f;    ///< edges whose normals differ more are corners: light may differ there
+constexpr float kLineTexels = 0.05f;      ///< edges this close to one line lie on it
+constexpr std::size_t kMostPartners = 64; ///< an edge with more neighbours on its line is no seam but a bush
+
+/// One side of a seam: where an edge of a triangle lies in the lightmap.
+struct EdgeSide {
+    int object = 0;
+    int page = 0;
+    vec2 from{0.0f}; ///< texels, at the edge's lower end (by key)
+    vec2 to{0.0f};
+    vec3 normalFrom{0.0f}; ///< unit
+    vec3 normalTo{0.0f};
+
+    /// Of the stretch from share s to share t of the edge.
+    [[nodiscard]] EdgeSide part(float s, float t) const
+    {
+        EdgeSide side = *this;
+        side.from = glm::mix(from, to, s);
+        side.to = glm::mix(from, to, t);
+        side.normalFrom = glm::normalize(glm::mix(normalFrom, normalTo, s));
+        side.normalTo = glm::normalize(glm::mix(normalFrom, normalTo, t));
+        return side;
+    }
+};
+
+struct EdgeKey {
+    std::array<uint32_t, 6> bits{}; ///< of both end positions, lower one first
+
+    bool operator==(const EdgeKey& other) const { return bits == other.bits; }
+};
+
+struct EdgeKeyHash {
+    std::size_t operator()(const EdgeKey& key) const
+    {
+        std::size_t h = 0xcbf29ce484222325u;
+        for (const uint32_t b : key.bits) h = (h ^ b) * 0x100000001b3u;
+        return h ^ (h >> 29);
+    }
+};
+
+std::array<uint32_t, 3> positionBits(vec3 p)
+{
+    p += vec3(0.0f); // -0 becomes +0
+    std::array<uint32_t, 3> bits{};
+    std::memcpy(bits.data(), &p, sizeof(p));
+    return bits;
+}
+
+vec3 positionOf(std::array<uint32_t, 3> bits)
+{
+    vec3 p;
+    std::memcpy(&p, bits.data(), sizeof(p));
+    return p;
+}
+
+using EdgeMap = std::unordered_map<EdgeKey, std::vector<EdgeSide>, EdgeKeyHash>;
+
+EdgeMap collectEdges(const BakeGeometry& geometry)
+{
+    EdgeMap edges;
+    for (const BakeGeometry::Part& part : geometry.parts) {
+        if (part.page < 0) continue;
+        for (uint32_t t = part.firstTriangle; t < part.firstTriangle + part.triangleCount; ++t) {
+            const uvec3 v = geometry.triangles[t];
+            for (int e = 0; e < 3; ++e) {
+                uint32_t a = v[e];
+                uint32_t b = v[(e + 1) % 3];
+                auto bitsA = positionBits(geometry.positions[a]);
+                auto bitsB = positionBits(geometry.positions[b]);
+                if (bitsA == bitsB) continue;
+                if (bitsB < bitsA) {
+                    std::swap(a, b);
+                    std::swap(bitsA, bitsB);
+                }
+                EdgeKey key;
+                std::copy(bitsA.begin(), bitsA.end(), key.bits.begin());
+                std::copy(bitsB.begin(), bitsB.end(), key.bits.begin() + 3);
+                edges[key].push_back({part.object, part.page, geometry.lightmapTexel[a], geometry.lightmapTexel[b],
+                                      geometry.normals[a], geometry.normals[b]});
+            }
+        }
+    }
+    return edges;
+}
+
+bool isSeam(const EdgeSide& a, const EdgeSide& b)
+{
+    const bool samePlace =
+        a.page == b.page && glm::distance(a.from, b.from) < 1.0e-3f && glm::distance(a.to, b.to) < 1.0e-3f;
+    return !samePlace && glm::dot(a.normalFrom, b.normalFrom) > kSmoothCosine &&
+           glm::dot(a.normalTo, b.normalTo) > kSmoothCosine;
+}
+
+void addSamples(const EdgeSide& a, const EdgeSide& b, int pageSize, std::vector<SeamSample>& samples)
+{
+    const float length = std::max(glm::distance(a.from, a.to), glm::distance(b.from, b.to));
+    const int count = std::clamp(int(std::ceil(2.0f * length)), 1, 4 * pageSize);
+    for (int s = 0; s < count; ++s) {
+        const float t = (float(s) + 0.5f) / float(count);
+        samples.push_back({a.object, a.page, b.page, glm::mix(a.from, a.to, t), glm::mix(b.from, b.to, t)});
+    }
+}
+
+/// An edge of one triangle alone.
+struct OpenEdge {
+    EdgeSide side;
+    vec3 a{0.0f};
+    vec3 b{0.0f};
+    float texelMeters = 0.0f;
+};
+
+/// Open edges by the cells of space that they pass through.
+class OpenEdges {
+public:
+    explicit OpenEdges(std::vector<OpenEdge> edges) : edges_(std::move(edges))
+    {
+        std::vector<float> lengths;
+        for (const OpenEdge& edge : edges_) lengths.push_back(glm::distance(edge.a, edge.b));
+        if (lengths.empty()) return;
+        const float longest = *std::max_element(lengths.begin(), lengths.end());
+        std::nth_element(lengths.begin(), lengths.begin() + std::ptrdiff_t(lengths.size() / 2), lengths.end());
+        cell_ = std::max(lengths[lengths.size() / 2], longest / 1024.0f);
+        for (std::size_t i = 0; i < edges_.size(); ++i)
+            forCells(edges_[i], 0.0f, [&](uint64_t cell) { edgesIn_[cell].push_back(uint32_t(i)); });
+    }
+
+    [[nodiscard]] const std::vector<OpenEdge>& edges() const { return edges_; }
+
+    /// Later edges that pass near this one, ascending.
+    [[nodiscard]] std::vector<uint32_t> near(uint32_t index) const
+    {
+        std::vector<uint32_t> found;
+        const OpenEdge& edge = edges_[index];
+        forCells(edge, kLineTexels * edge.texelMeters, [&](uint64_t cell) {
+            const auto there = edgesIn_.find(cell);
+            if (there == edgesIn_.end()) return;
+            for (const uint32_t other : there->second)
+                if (other > index) found.push_back(other);
+        });
+        std::sort(found.begin(), found.end());
+        found.erase(std::unique(found.begin(), found.end()), found.end());
+        return found;
+    }
+
+private:
+    /// Calls body for each cell that the edge, as thick as `margin` on each side, passes through; for some twice.
+    template<typename Body> void forCells(const OpenEdge& edge, float margin, const Body& body) const
+    {
+        const int steps = std::max(1, int(std::ceil(8.0f * glm::distance(edge.a, edge.b) / cell_)));
+        uint64_t last = ~uint64_t(0);
+        for (int s = 0; s <= steps; ++s) {
+            const vec3 p = glm::mix(edge.a, edge.b, float(s) / float(steps));
+            for (int corner = 0; corner < (margin > 0.0f ? 8 : 1); ++corner) {
+                const vec3 q = p + margin * vec3(corner & 1 ? 1 : -1, corner & 2 ? 1 : -1, corner & 4 ? 1 : -1);
+                const ivec3 c(glm::floor(glm::clamp(q / cell_, -1.0e6f, 1.0e6f)));
+                const auto part = [](int v) { return uint64_t(uint32_t(v)) & 0x1fffffu; };
+                const uint64_t cell = part(c.x) | (part(c.y) << 21) | (part(c.z) << 42);
+                if (cell != last) body(cell);
+                last = cell;
+            }
+        }
+    }
+
+    std::vector<OpenEdge> edges_;
+    std::unordered_map<uint64_t, std::vector<uint32_t>> edgesIn_;
+    float cell_ = 1.0f;
+};
+
+/// The stretch that two edges have in common, as a seam; nothing when they lie on different lines or touch at ends
+/// only.
+void addCommonStretch(const OpenEdge& a, const OpenEdge& b, int pageSize, std::vector<SeamSample>& samples)
+{
+    const float length = glm::distance(a.a, a.b);
+    const vec3 direction = (a.b - a.a) / length;
+    const float texel = std::min(a.texelMeters, b.texelMeters);
+    const auto along = [&](vec3 p) { return glm::dot(p - a.a, direction); };
+    const auto offLine = [&](vec3 p) { return glm::distance(p, a.a + along(p) * direction); };
+    if (std::max(offLine(b.a), offLine(b.b)) > kLineTexels * texel) return;
+    const float begin = std::max(0.0f, std::min(along(b.a), along(b.b)));
+    const float end = std::min(length, std::max(along(b.a), along(b.b)));
+    if (end - begin < 0.25f * texel) return;
+    const auto shareOfB = [&](float t) { return (t - along(b.a)) / (along(b.b) - along(b.a)); };
+    const EdgeSide partA = a.side.part(begin / length, end / length);
+    const EdgeSide partB = b.side.part(shareOfB(begin), shareOfB(end));
+    if (isSeam(partA, partB)) addSamples(partA, partB, pageSize, samples);
+}
+
+} // namespace
+
+std::vector<SeamSample> findSeams(const BakeGeometry& geometry, int pageSize)
+{
+    std::vector<SeamSample> samples;
+    const EdgeMap edges = collectEdges(geometry);
+    // The map's order depends on the library: sort what comes out of it.
+    std::vector<const EdgeMap::value_type*> ordered;
+    for (const auto& entry : edges) ordered.push_back(&entry);
+    std::sort(ordered.begin(), ordered.end(),
+              [](const auto* a, const auto* b) { return a->first.bits < b->first.bits; });
+    std::vector<OpenEdge> open;
+    for (const auto* entry : ordered) {
+        const std::vector<EdgeSide>& sides = entry->second;
+        if (sides.size() == 1) {
+            const auto& bits = entry->first.bits;
+            OpenEdge edge{sides[0], positionOf({bits[0], bits[1], bits[2]}), positionOf({bits[3], bits[4], bits[5]}),
+                          0};
+            const float texels = glm::distance(edge.side.from, edge.side.to);
+            edge.texelMeters = texels > 0.0f ? glm::distance(edge.a, edge.b) / texels : 0.0f;
+            if (edge.texelMeters > 0.0f) open.push_back(edge);
+            continue;
+        }
+        if (sides.size() > 4) continue; // a bush of triangles on one edge has no two sides
+        for (std::size_t i = 0; i < sides.size(); ++i) {
+            for (std::size_t j = i + 1; j < sides.size(); ++j) {
+                const EdgeSide& a = sides[i];
+                const EdgeSide& b = sides[j];
+                if (!isSeam(a, b)) continue;
+                addSamples(a, b, pageSize, samples);
+            }
+        }
+    }
+    const OpenEdges byPlace(std::move(open));
+    for (uint32_t i = 0; i < byPlace.edges().size(); ++i) {
+        const std::vector<uint32_t> partners = byPlace.near(i);
+        std::vector<SeamSample> found;
+        std::size_t count = 0;
+        for (const uint32_t j : partners) {
+            const std::size_t before = found.size();
+            addCommonStretch(byPlace.edges()[i], byPlace.edges()[j], pageSize, found);
+            count += found.size() > before ? 1 : 0;
+        }
+        if (count <= kMostPartners) samples.insert(samples.end(), found.begin(), found.end());
+    }
+    return samples;
+}
+
+} // namespace halflight
