@@ -24,7 +24,8 @@
 
 namespace halflight {
 
-enum class CachedStage : uint32_t { Lightmap, Shadowmask, Probes, ProbesBetween, ProbesFurtherBetween };
+/// Probes come in several batches: batch n is Probes + n.
+enum class CachedStage : uint32_t { Lightmap, Shadowmask, Probes };
 
 /// Tiles of one bake in one file: records that are appended as tiles are done, each with a checksum, so that whatever a
 /// crash cut short is left out when the file is read again.

@@ -23,7 +23,7 @@ struct Gather {
     bool irradiance(std::span<IrradianceEstimate> out, const Progress& progress) const;
     /// `estimates` are those of irradiance().
     bool shadowmask(std::span<const IrradianceEstimate> estimates, std::span<vec4> out, const Progress& progress) const;
-    /// `batch`: a bake may ask for several sets of probes, 0, 1 and 2, each kept by the cache for itself.
+    /// `batch`: a bake may ask for several sets of probes, 0, 1, 2…, each kept by the cache for itself.
     bool probes(std::span<const vec3> positions, std::span<ProbeEstimate> out, int batch,
                 const Progress& progress) const;
 };
