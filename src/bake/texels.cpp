@@ -281,14 +281,15 @@ TexelMap rasterizeTexels(const BakeGeometry& geometry, int pageSize, int pageCou
 }
 
 int texelPoints(const BakeGeometry& geometry, const TexelMap& map, const Texel& texel,
-                std::span<SurfacePoint, kMaxTexelPoints> out)
+                std::span<SurfacePoint, kMaxTexelPoints> out, int batch)
 {
     // Candidates: a rank-1 lattice over the texel's square (Roberts 2018, the R2 sequence), each kept when a triangle
     // of the texel covers it.
     const std::span fragments(map.fragments.data() + texel.firstFragment, texel.fragmentCount);
     int count = 0;
     for (int i = 0; i < kMaxTexelPoints; ++i) {
-        const vec2 lattice = glm::fract(vec2(0.5f) + float(i) * vec2(0.7548776662f, 0.5698402910f));
+        const float number = float(batch * kMaxTexelPoints + i);
+        const vec2 lattice = glm::fract(vec2(0.5f) + number * vec2(0.7548776662f, 0.5698402910f));
         const vec2 place = vec2(texel.x, texel.y) + lattice;
         for (const TexelFragment& fragment : fragments) {
             const uvec3 t = geometry.triangles[fragment.triangle];

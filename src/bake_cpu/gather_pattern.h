@@ -76,6 +76,15 @@ public:
         return {r.x * a.x, r.x * a.y, r.y};
     }
 
+    /// The n-th of a texel's points of the unit disc: an Owen-scrambled (0,2)-sequence, one coordinate the squared
+    /// radius, the other the angle. Beside the lattice of texelPoints() these leave less noise in penumbrae than points
+    /// that keep the square's neighbourhoods.
+    [[nodiscard]] vec2 disc(uint32_t texelHash, uint32_t number) const
+    {
+        const uvec2 bits = Sampler::scrambledBits(number, texelHash);
+        return radii_[bits.x >> (32 - kAngleBits)].x * angles_[bits.y >> (32 - kAngleBits)];
+    }
+
 private:
     static constexpr int kAngleBits = 11;
     static constexpr std::size_t kAngles = std::size_t(1) << kAngleBits;

@@ -43,23 +43,22 @@ std::vector<PunctualLight> punctualLights(const Scene& scene, LightUse use)
     return lights;
 }
 
-LightRay sampleLightRay(const PunctualLight& light, vec3 origin, vec2 u)
+LightRay sampleLightRay(const PunctualLight& light, vec3 origin, vec2 disc)
 {
     vec3 tangent;
     vec3 bitangent;
     if (light.type == shading::kLightDirectional) {
         if (light.tanAngularRadius <= 0.0f) return {-light.axis, 1.0e30f};
         shading::orthonormalBasis(-light.axis, tangent, bitangent);
-        const vec2 disc = shading::sampleDisc(u) * light.tanAngularRadius;
-        return {glm::normalize(-light.axis + disc.x * tangent + disc.y * bitangent), 1.0e30f};
+        return {glm::normalize(-light.axis + light.tanAngularRadius * (disc.x * tangent + disc.y * bitangent)),
+                1.0e30f};
     }
     vec3 toLight = light.position - origin;
     if (light.radius > 0.0f) {
         const float length = glm::length(toLight);
         if (length > 0.0f) {
             shading::orthonormalBasis(toLight / length, tangent, bitangent);
-            const vec2 disc = shading::sampleDisc(u) * light.radius;
-            toLight += disc.x * tangent + disc.y * bitangent;
+            toLight += light.radius * (disc.x * tangent + disc.y * bitangent);
         }
     }
     const float distance = std::max(glm::length(toLight), 1.0e-20f);

@@ -50,12 +50,12 @@ enum class LightUse {
 };
 std::vector<PunctualLight> punctualLights(const Scene& scene, LightUse use);
 
-/// Ray towards a point of the light chosen by u: uniform on the disc that its sphere (or the sun) shows to `origin`.
+/// Ray towards a point of the disc that the light's sphere (or the sun) shows to `origin`; `disc` is in the unit disc.
 struct LightRay {
     vec3 direction{0.0f};
     float distance = 0.0f;
 };
-LightRay sampleLightRay(const PunctualLight& light, vec3 origin, vec2 u);
+LightRay sampleLightRay(const PunctualLight& light, vec3 origin, vec2 disc);
 
 /// Who asks for light: a place, its shading normal (zero in space: light from all sides counts), and the cut of the
 /// emitters' tree to begin from (null: the root).

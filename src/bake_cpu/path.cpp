@@ -79,7 +79,7 @@ float PathTracer::lightVisibility(const PunctualLight& light, const SurfacePoint
 {
     if (!light.castShadows) return 1.0f;
     const vec3 origin = shadowOrigin(point, rays);
-    const LightRay ray = sampleLightRay(light, origin, u);
+    const LightRay ray = sampleLightRay(light, origin, shading::sampleDisc(u));
     ++rays;
     const float epsilon = tracer_.epsilonAt(point.position);
     return tracer_.occluded(origin, ray.direction, epsilon, ray.distance * (1.0f - 1.0e-4f)) ? 0.0f : 1.0f;
@@ -88,7 +88,7 @@ float PathTracer::lightVisibility(const PunctualLight& light, const SurfacePoint
 float PathTracer::lightVisibilityInSpace(const PunctualLight& light, vec3 position, vec2 u, uint64_t& rays) const
 {
     if (!light.castShadows) return 1.0f;
-    const LightRay ray = sampleLightRay(light, position, u);
+    const LightRay ray = sampleLightRay(light, position, shading::sampleDisc(u));
     ++rays;
     return tracer_.occluded(position, ray.direction, 0.0f, ray.distance * (1.0f - 1.0e-4f)) ? 0.0f : 1.0f;
 }

@@ -9,37 +9,6 @@ namespace {
 /// Texels within this distance have to agree: 49 x 8 rays, so that not even the rim of a penumbra is overlooked.
 constexpr int kAgreeRadius = 3;
 
-/// Halves from `first` on of one source for the lanes that `open` names.
-void traceRest(const ShadowPass& pass, const ShadowSource& source, const TexelGroup& group, uint32_t open,
-               const std::array<int, TexelGroup::kLanes>& first, const std::function<void(int, bool)>& count,
-               uint64_t& rays)
-{
-    const ShadowRays shadows(pass.paths, pass.pattern, source.seed);
-    std::array<int, TexelGroup::kLanes> halves{};
-    int most = 0;
-    for (int lane = 0; lane < group.lanes(); ++lane) {
-        if (!group.active(lane) || ((open >> lane) & 1u) == 0) continue;
-        // Points without a light are not looked at, so what the first one sees decides for all.
-        int& h = halves[std::size_t(lane)];
-        for (int p = 0; p < group.pointCount(lane) && h == 0; ++p) {
-            const PunctualLight* light = source.lightAt(group.points(lane)[std::size_t(p)]);
-            if (light != nullptr) h = ShadowRays::halvesOf(pass.samples, *light);
-        }
-        most = std::max(most, h);
-    }
-    for (int half = 0; half < most; ++half) {
-        uint32_t wanted = 0;
-        for (int lane = 0; lane < group.lanes(); ++lane) {
-            const auto l = std::size_t(lane);
-            wanted |= half >= first[l] && half < halves[l] ? 1u << lane : 0u;
-        }
-        if (wanted == 0) continue;
-        shadows.trace(
-            group, wanted, half, [&](int, const SurfacePoint& point) { return source.lightAt(point); },
-            [&](int lane, const SurfacePoint&, const PunctualLight&, bool visible) { count(lane, visible); }, rays);
-    }
-}
-
 } // namespace
 
 bool traceShadows(const ShadowPass& pass, const std::vector<ShadowSource>& sources,
@@ -111,24 +80,43 @@ bool traceShadows(const ShadowPass& pass, const std::vector<ShadowSource>& sourc
         [&](std::size_t i) { return pass.outside[list[i]]; }, pass.progress, pass.stage, pass.rays,
         [&] {
             return [&](const TexelGroup& group, std::size_t first, uint64_t& rays) {
-                std::array<int, TexelGroup::kLanes> done{};
-                for (int lane = 0; lane < group.lanes(); ++lane) {
-                    const bool masked = group.mask(lane) != kAllPoints;
-                    done[std::size_t(lane)] = masked ? 0 : 1;
-                    if (look && masked) look(group, lane, list[first + std::size_t(lane)]);
+                // Texels all of whose points are in use have their first half.
+                uint32_t started = 0;
+                std::array<uint32_t, TexelGroup::kLanes> texels;
+                std::array<PointMask, TexelGroup::kLanes> masks;
+                const auto lanes = std::size_t(group.lanes());
+                for (std::size_t lane = 0; lane < lanes; ++lane) {
+                    texels[lane] = group.texel(int(lane));
+                    masks[lane] = group.mask(int(lane));
+                    started |= masks[lane] == kAllPoints ? 1u << lane : 0u;
+                    if (look && masks[lane] != kAllPoints) look(group, int(lane), list[first + lane]);
                 }
-                for (std::size_t s = 0; s < sourceCount; ++s) {
-                    uint32_t wanted = 0;
-                    for (int lane = 0; lane < group.lanes(); ++lane) {
-                        wanted |= open[list[first + std::size_t(lane)] * sourceCount + s] != 0 ? 1u << lane : 0u;
+                const auto trace = [&](const TexelGroup& points, int half) {
+                    for (std::size_t s = 0; s < sourceCount; ++s) {
+                        uint32_t wanted = 0;
+                        for (std::size_t lane = 0; lane < lanes; ++lane) {
+                            wanted |= open[list[first + lane] * sourceCount + s] != 0 ? 1u << lane : 0u;
+                        }
+                        if (half == 0) wanted &= ~started;
+                        if (wanted == 0) continue;
+                        ShadowRays(pass.paths, pass.pattern, sources[s].seed)
+                            .trace(
+                                points, wanted, half,
+                                [&](int, const SurfacePoint& point) { return sources[s].lightAt(point); },
+                                [&](int lane, const SurfacePoint&, const PunctualLight&, bool visible) {
+                                    counts[list[first + std::size_t(lane)] * sourceCount + s].add(visible);
+                                },
+                                rays);
                     }
-                    if (wanted == 0) continue;
-                    traceRest(
-                        pass, sources[s], group, wanted, done,
-                        [&](int lane, bool visible) {
-                            counts[list[first + std::size_t(lane)] * sourceCount + s].add(visible);
-                        },
-                        rays);
+                };
+                const int halves = ShadowRays::halvesOf(pass.samples);
+                trace(group, 0);
+                if (halves > 1) trace(group, 1);
+                for (int half = 2; half < halves; half += 2) {
+                    const TexelGroup points(pass.paths, pass.map, std::span(texels.data(), lanes),
+                                            std::span(masks.data(), lanes), half / 2);
+                    trace(points, half);
+                    if (half + 1 < halves) trace(points, half + 1);
                 }
             };
         });

@@ -18,9 +18,10 @@ class TexelGroup {
 public:
     static constexpr int kLanes = embree::kPacket;
 
-    /// `outside`: which of each texel's points to use.
+    /// `outside`: which of each texel's points to use. Those are told of batch 0; texels of which some points are left
+    /// out have no others. Slots are there for batch 0 alone.
     TexelGroup(const PathTracer& paths, const TexelMap& map, std::span<const uint32_t> texels,
-               std::span<const PointMask> outside)
+               std::span<const PointMask> outside, int batch = 0)
         : lanes_(int(texels.size()))
     {
         const BakeGeometry& geometry = paths.surfaces().geometry();
@@ -31,10 +32,10 @@ public:
             l.id = texelId(map, texel);
             l.mask = outside[std::size_t(lane)];
             if (l.mask == 0) continue;
-            l.pointCount = texelPoints(geometry, map, texel, l.points);
+            l.pointCount = texelPoints(geometry, map, texel, l.points, l.mask == kAllPoints ? batch : 0);
             PointValidity::keep(l.mask, l.points, l.pointCount);
         }
-        for (int lane = 0; lane < lanes_; ++lane) arrange(paths, lane);
+        for (int lane = 0; lane < lanes_ && batch == 0; ++lane) arrange(paths, lane);
     }
 
     [[nodiscard]] int lanes() const { return lanes_; }

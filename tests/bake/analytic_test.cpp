@@ -323,6 +323,47 @@ TEST(ShadowmaskS8, HardShadowOfAPointLightIsWhereGeometrySays)
     }
 }
 
+/// A sun without extent over a slanted half-plane: a texel's share of light is the area of its lit part. Sixty-four
+/// rays resolve it as sixty-four points do, not as the sixteen that a texel's gather rays start from (7 %).
+TEST(ShadowmaskS8, HardEdgesAreAntialiasedByAllRays)
+{
+    Scene scene;
+    const int black = addMaterial(scene, vec3(0), vec3(0), true);
+    addRectangle(scene, {vec3(-2, 0, 2), vec3(4, 0, 0), vec3(0, 0, -4)}, black, kPage, {vec2(1), vec2(63)});
+    const vec2 along = glm::normalize(vec2(0.23f, 1.0f)); // of the edge, in x and z
+    const vec2 across(along.y, -along.x);
+    addRectangle(scene,
+                 {vec3(-20.0f * along.x, 2, -20.0f * along.y), vec3(40.0f * along.x, 0, 40.0f * along.y),
+                  vec3(20.0f * across.x, 0, 20.0f * across.y)},
+                 black, kPage);
+    scene.lights.push_back(makeLight(LightType::Directional, vec3(0), vec3(0, -1, 0), 1.0f, LightMode::Mixed));
+    IntegrationSettings settings;
+    settings.shadowSamples = 64;
+    Bench bench(std::move(scene), MixedLightingMode::Shadowmask, kPage, settings);
+    const auto mask = bench.shadowmask();
+    double squares = 0.0;
+    int edge = 0;
+    for (std::size_t i = 0; i < mask.size(); ++i) {
+        const Texel& t = bench.map.texels[i];
+        if (t.x < 2 || t.y < 2 || t.x > 61 || t.y > 61) continue;
+        float lit = 0.0f;
+        constexpr int kSide = 64;
+        for (int s = 0; s < kSide * kSide; ++s) {
+            const vec2 place = vec2(t.x, t.y) + (vec2(s % kSide, s / kSide) + 0.5f) / float(kSide);
+            const vec2 floor = (place - 1.0f) * (4.0f / 62.0f);
+            if (glm::dot(vec2(-2.0f + floor.x, 2.0f - floor.y), across) < 0.0f) lit += 1.0f / float(kSide * kSide);
+        }
+        if (lit == 0.0f || lit == 1.0f) {
+            EXPECT_NEAR(mask[i].x, lit, 0.02f);
+            continue;
+        }
+        squares += double(mask[i].x - lit) * double(mask[i].x - lit);
+        ++edge;
+    }
+    ASSERT_GT(edge, 60);
+    EXPECT_LT(std::sqrt(squares / edge), 0.03);
+}
+
 TEST(ShadowmaskS8, AlphaMaskedHolesLetLightThrough)
 {
     Scene scene;

@@ -85,9 +85,10 @@ SurfacePoint surfacePoint(const BakeGeometry& geometry, uint32_t triangle, vec2 
 
 constexpr int kMaxTexelPoints = 16;
 
-/// Up to kMaxTexelPoints points spread evenly over the part of the texel that is covered; at least one.
+/// Up to kMaxTexelPoints points spread evenly over the part of the texel that is covered; at least one. Each batch has
+/// points of its own, and all batches together are spread evenly too.
 int texelPoints(const BakeGeometry& geometry, const TexelMap& map, const Texel& texel,
-                std::span<SurfacePoint, kMaxTexelPoints> out);
+                std::span<SurfacePoint, kMaxTexelPoints> out, int batch = 0);
 
 /// How lightmap texels get their light. Path: each sample is a path traced to its end, without bias: the reference.
 /// Cache: each sample is one ray that ends in light known at the surface it meets; many times faster, its mean within 1
