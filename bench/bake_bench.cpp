@@ -1,7 +1,7 @@
 // Measures the bake's light transport and prints plain tables. Every ratio is of two measurements of the same run;
 // times are CPU seconds of the process, summed over threads, so that a busy machine disturbs them little.
 //   bench_bake PART [--scene FILE]... [--size N] [--points N] [--reference N]
-//   PART: gather | error | masks | scaling | lights
+//   PART: gather | error | masks | scaling | lights | triangles
 // Scenes: the built-in "cornell" (a box with an emissive quad), or glTF files.
 
 #include "bench_scenes.h"
@@ -335,6 +335,25 @@ void partLights(const Options& options)
     }
 }
 
+/// One shape of 1,000 to 1,000,000 triangles in a room: time at equal texels and samples.
+void partTriangles(const Options& options)
+{
+    std::printf("%10s %10s %10s %10s %10s\n", "triangles", "texels", "build s", "CPU s", "us/sample");
+    for (const int triangles : {1000, 10000, 100000, 1000000}) {
+        Prepared p = prepareScene(roomWithBall(triangles), options.size, false);
+        IntegrationSettings settings;
+        settings.bounces = options.bounces;
+        settings.samples = 64;
+        const double start = cpuSeconds();
+        if (!makeEmbreeIntegrator(p.scene, p.geometry, settings)) std::exit(1);
+        const double build = cpuSeconds() - start;
+        const Run run = integrate(p, p.map, settings);
+        std::printf("%10zu %10zu %10.2f %10.2f %10.3f\n", p.geometry.triangles.size(), p.map.texels.size(), build,
+                    run.cpu, 1.0e6 * run.cpu / double(p.map.texels.size()) / 64.0);
+        std::fflush(stdout);
+    }
+}
+
 } // namespace
 
 int main(int argc, char** argv)
@@ -369,9 +388,13 @@ int main(int argc, char** argv)
         partScaling(options);
     } else if (options.part == "lights") {
         partLights(options);
+    } else if (options.part == "triangles") {
+        partTriangles(options);
     } else {
-        std::fprintf(stderr, "usage: bench_bake gather|error|masks|scaling|lights [--scene FILE|cornell]... [--size N] "
-                             "[--points N] [--reference N] [--bounces N] [--target PERCENT]\n");
+        std::fprintf(
+            stderr,
+            "usage: bench_bake gather|error|masks|scaling|lights|triangles [--scene FILE|cornell]... [--size N] "
+            "[--points N] [--reference N] [--bounces N] [--target PERCENT]\n");
         return 2;
     }
     return 0;

@@ -80,6 +80,41 @@ inline Scene cornellBox()
     return scene;
 }
 
+/// The Cornell box's room and lamp, and in its middle a ball with bumps of about this many triangles, the same shape
+/// whatever their number. The ball has no texels: time is that of rays.
+inline Scene roomWithBall(int triangles)
+{
+    Scene scene = cornellBox();
+    scene.objects.erase(scene.objects.begin() + 6, scene.objects.end() - 1); // the blocks
+    const int columns = std::max(8, int(std::sqrt(float(triangles))));
+    const int rows = columns / 2;
+    MeshPart part;
+    for (int j = 0; j <= rows; ++j) {
+        for (int i = 0; i <= columns; ++i) {
+            const float theta = kPi * float(j) / float(rows);
+            const float phi = 2.0f * kPi * float(i) / float(columns);
+            const vec3 n(std::sin(theta) * std::cos(phi), std::cos(theta), -std::sin(theta) * std::sin(phi));
+            const float bump = 0.08f * std::sin(theta) * std::sin(9.0f * theta) * std::sin(8.0f * phi);
+            part.positions.push_back(vec3(0.0f, 0.75f, 0.0f) + (0.55f + bump) * n);
+            part.normals.push_back(n);
+        }
+    }
+    for (int j = 0; j < rows; ++j) {
+        for (int i = 0; i < columns; ++i) {
+            const auto a = uint32_t(j * (columns + 1) + i);
+            const uint32_t b = a + uint32_t(columns) + 1u;
+            part.indices.insert(part.indices.end(), {a, b, a + 1, a + 1, b, b + 1});
+        }
+    }
+    part.material = 0;
+    Object ball;
+    ball.mesh = int(scene.meshes.size());
+    ball.lightmapScale = 0.0f;
+    scene.meshes.emplace_back().parts.push_back(std::move(part));
+    scene.objects.push_back(ball);
+    return scene;
+}
+
 /// A long hall with blocks on its floor and emissive quads under its ceiling, of one total power whatever their number.
 inline Scene hallOfQuads(int count)
 {
