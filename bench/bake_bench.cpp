@@ -2,7 +2,8 @@
 // times are CPU seconds of the process, summed over threads, so that a busy machine disturbs them little.
 //   bench_bake PART [--scene FILE]... [--size N] [--points N] [--reference N]
 //   PART: gather | error | masks | scaling | lights | triangles
-// Scenes: the built-in "cornell" (a box with an emissive quad), or glTF files.
+// Scenes: the built-in "cornell" (a box with an emissive quad), or glTF files; FILE@sun leaves them the sun and the
+// sky.
 
 #include "bench_scenes.h"
 

@@ -138,9 +138,11 @@ inline Scene hallOfQuads(int count)
 }
 
 /// `bakeLights`: all punctual lights fully baked, as a renderer's "combined" bake has them; a sky where the file has
-/// neither lights nor emission.
-inline Scene load(const std::string& name, bool bakeLights)
+/// neither lights nor emission. A file's name with "@sun" behind it: directional lights and the sky alone.
+inline Scene load(std::string name, bool bakeLights)
 {
+    const bool sunOnly = name.ends_with("@sun");
+    if (sunOnly) name.resize(name.size() - 4);
     Scene scene;
     if (name == "cornell") {
         scene = cornellBox();
@@ -151,6 +153,10 @@ inline Scene load(const std::string& name, bool bakeLights)
             std::exit(1);
         }
         scene = std::move(*read);
+    }
+    if (sunOnly) {
+        std::erase_if(scene.lights, [](const Light& light) { return light.type != LightType::Directional; });
+        for (Material& material : scene.materials) material.emissiveNits = vec3(0.0f);
     }
     for (Light& light : scene.lights) {
         if (bakeLights) light.mode = LightMode::Baked;
