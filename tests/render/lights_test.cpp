@@ -97,7 +97,7 @@ TEST_P(Lights, PictureIndependentOfLightOrder)
 // S3 and point lights: umbra is dark and what lies around it is lit, for lights in any direction of the cube.
 TEST_P(Lights, PointLightShadowsOnAllSixFaces)
 {
-    // A room of six walls around the light, and a small blocker before each wall.
+    // A room of six walls around the light, and a blocker before each wall, each of another size.
     BakedScene baked;
     Scene& scene = baked.scene;
     const int material = addMaterial(scene, vec4(kAlbedo, 1.0f));
@@ -109,9 +109,10 @@ TEST_P(Lights, PointLightShadowsOnAllSixFaces)
         const vec3 x = glm::normalize(glm::cross(side, up));
         return mat4(vec4(x, 0), vec4(up, 0), vec4(glm::cross(x, up), 0), vec4(axis * distance, 1));
     };
-    for (const vec3& axis : axes) {
-        addObject(scene, makeRectangle(8, 8, material), facing(axis, 4.0f), true);
-        addObject(scene, makeRectangle(1.2f, 1.2f, material), facing(axis, 2.0f), false);
+    const auto widthOf = [](int face) { return 1.2f + 0.12f * float(face); };
+    for (int face = 0; face < 6; ++face) {
+        addObject(scene, makeRectangle(8, 8, material), facing(axes[face], 4.0f), true);
+        addObject(scene, makeRectangle(widthOf(face), widthOf(face), material), facing(axes[face], 2.0f), false);
     }
     Light light;
     light.type = LightType::Point;
@@ -120,7 +121,9 @@ TEST_P(Lights, PointLightShadowsOnAllSixFaces)
     scene.lights.push_back(light);
 
     for (const ShadowFilter filter : {ShadowFilter::Hard, ShadowFilter::Pcf, ShadowFilter::Soft}) {
-        for (const vec3& axis : axes) {
+        for (int face = 0; face < 6; ++face) {
+            const vec3 axis = axes[face];
+            const float edge = widthOf(face); // of the shadow on the wall, twice as far away: half its width
             // From beside the light, past the blocker, at the wall.
             const vec3 side = facing(axis, 1.0f)[0];
             const Camera camera = lookAt(axis * 1.0f + side * 2.0f, axis * 4.0f, 2.2f);
@@ -128,15 +131,15 @@ TEST_P(Lights, PointLightShadowsOnAllSixFaces)
             settings.shadows.filter = filter;
             const RenderedFrame frame = render(baked, camera, settings);
             const vec3 other = glm::cross(axis, side);
-            for (const vec2 offset :
-                 {vec2(0.3f, 0.2f), vec2(-0.2f, -0.3f), vec2(2.2f, 0.3f), vec2(0.4f, 2.3f), vec2(2.8f, -2.0f)}) {
+            for (const vec2 offset : {vec2(0.3f, 0.2f), vec2(-0.2f, -0.3f), vec2(edge - 0.9f, 0.2f),
+                                      vec2(edge + 0.9f, 0.2f), vec2(0.1f, edge + 0.75f), vec2(2.8f, -2.2f)}) {
                 const ivec2 pixel = pixelOf(camera, {160, 90}, axis * 4.0f + side * offset.x + other * offset.y);
                 ASSERT_TRUE(pixel.x >= 0 && pixel.y >= 0 && pixel.x < 160 && pixel.y < 90);
                 const Ray ray = pixelRay(camera, {160, 90}, pixel);
                 const float reach = (4.0f - glm::dot(ray.origin, axis)) / glm::dot(ray.direction, axis);
                 const vec3 position = ray.origin + ray.direction * reach;
                 const ShadedPoint point{position, -axis, -ray.direction, kAlbedo};
-                const bool shadowed = std::abs(offset.x) < 0.7f && std::abs(offset.y) < 0.7f;
+                const bool shadowed = std::abs(offset.x) < edge && std::abs(offset.y) < edge;
                 EXPECT_TRUE(
                     near(vec3(frame.radiance(pixel.x, pixel.y)), directRadiance(point, light, shadowed ? 0.0f : 1.0f)))
                     << "axis " << axis.x << axis.y << axis.z << " offset " << offset.x << ' ' << offset.y;

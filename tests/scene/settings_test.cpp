@@ -126,6 +126,8 @@ probes = [[9, 8, 7]]
 [[node]]
 pattern = "tri*"
 static = true
+cast_shadows = true
+receive_shadows = false
 [[node]]
 pattern = "Chil?"
 lightmap_scale = 0.5
@@ -157,6 +159,8 @@ radius = 0.1
     const auto scene = readScene(litFile().write(folder), {.settingsFile = folder / "s.toml"});
     ASSERT_TRUE(scene) << scene.error().text();
     EXPECT_TRUE(scene->objects.at(0).isStatic);
+    EXPECT_TRUE(scene->objects[0].castShadows); // off in its extras
+    EXPECT_FALSE(scene->objects[0].receiveShadows);
     EXPECT_TRUE(scene->objects.at(1).isStatic); // the file's rule for the parent beats the parent's extras
     EXPECT_EQ(scene->objects[1].lightmapScale, 0.5f);
     EXPECT_EQ(int(scene->objects[1].probeLighting), int(ProbeLighting::Single));
