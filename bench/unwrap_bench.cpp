@@ -1,12 +1,15 @@
 // Unwraps glTF files and prints charts, fill and seconds for each; with --images DIR also a picture of every page.
-//   bench_unwrap [--size N] [--padding N] [--density X] [--mode auto|keep|unwrap] [--images DIR] [--ball N] FILE...
-// --ball N adds a ball with bumps of about N triangles, for what no file at hand is large enough for.
+//   bench_unwrap [--size N] [--padding N] [--density X] [--mode auto|keep|unwrap] [--images DIR] [--ball N] [--field N]
+//                [--boxes N] [--soup N] FILE...
+// These add one mesh of about N triangles each, for what no file at hand is large enough for: a ball with bumps, a
+// noisy height field, boxes apart from one another, and quads in any direction.
 
 #include "halflight/base/parallel.h"
 #include "halflight/base/random.h"
 #include "halflight/scene/gltf.h"
 #include "halflight/unwrap/unwrap.h"
 
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <cstdio>
@@ -14,6 +17,7 @@
 #include <cstring>
 #include <ctime>
 #include <filesystem>
+#include <iterator>
 #include <string>
 #include <vector>
 
@@ -74,11 +78,10 @@ void writePages(const UnwrappedScene& unwrapped, const std::filesystem::path& di
 }
 
 /// A ball whose surface goes up and down: one closed mesh of about that many triangles.
-Scene bumpyBall(int triangles)
+MeshPart bumpyBall(int triangles)
 {
     const int rings = std::max(2, int(std::sqrt(0.25 * triangles)));
     const int segments = 2 * rings;
-    Scene scene;
     MeshPart part;
     for (int i = 0; i <= rings; ++i) {
         for (int j = 0; j < segments; ++j) {
@@ -98,13 +101,98 @@ Scene bumpyBall(int triangles)
             if (i + 1 < rings) part.indices.insert(part.indices.end(), {at(i, j + 1), at(i + 1, j + 1), at(i + 1, j)});
         }
     }
-    Mesh mesh;
-    mesh.parts.push_back(std::move(part));
-    scene.meshes.push_back(std::move(mesh));
-    Object object;
-    object.name = "ball";
-    object.mesh = 0;
-    scene.objects.push_back(object);
+    return part;
+}
+
+/// Uniform in [0, 1) for each n.
+float noise(uint32_t n)
+{
+    return float(hashCombine(7u, n) >> 8) * 0x1p-24f;
+}
+
+/// A ground of hills whose every vertex lies a little too high or too low.
+MeshPart noisyField(int triangles)
+{
+    const auto side = uint32_t(std::max(1.0, std::sqrt(0.5 * triangles)));
+    const float step = 10.0f / float(side);
+    MeshPart part;
+    for (uint32_t z = 0; z <= side; ++z) {
+        for (uint32_t x = 0; x <= side; ++x) {
+            const vec2 p = step * vec2(float(x), float(z));
+            const float hills = 0.3f * std::sin(1.7f * p.x) * std::cos(1.3f * p.y) + 0.1f * std::sin(5.1f * p.x + p.y);
+            part.positions.emplace_back(p.x, hills + 0.4f * step * noise(z * (side + 1) + x), p.y);
+            part.normals.emplace_back(0.0f, 1.0f, 0.0f);
+        }
+    }
+    for (uint32_t z = 0; z < side; ++z) {
+        for (uint32_t x = 0; x < side; ++x) {
+            const uint32_t a = z * (side + 1) + x, b = a + 1, c = a + side + 1, d = c + 1;
+            part.indices.insert(part.indices.end(), {a, c, b, b, c, d});
+        }
+    }
+    return part;
+}
+
+/// Boxes of all sizes on a grid, none touching another.
+MeshPart looseBoxes(int triangles)
+{
+    const auto count = uint32_t(std::max(1, triangles / 12));
+    const auto side = uint32_t(std::ceil(std::cbrt(double(count))));
+    MeshPart part;
+    for (uint32_t i = 0; i < count; ++i) {
+        const vec3 center(float(i % side), float(i / side % side), float(i / side / side));
+        const vec3 size = 0.2f + 0.6f * vec3(noise(3 * i), noise(3 * i + 1), noise(3 * i + 2));
+        for (int axis = 0; axis < 3; ++axis) {
+            for (const float face : {-0.5f, 0.5f}) {
+                const auto first = uint32_t(part.positions.size());
+                vec3 n(0.0f), u(0.0f), v(0.0f);
+                n[axis] = face;
+                u[(axis + 1) % 3] = 0.5f;
+                v[(axis + 2) % 3] = face;
+                for (const vec3 corner : {n - u - v, n + u - v, n + u + v, n - u + v}) {
+                    part.positions.push_back(center + corner * size);
+                    part.normals.push_back(2.0f * n);
+                }
+                for (const uint32_t k : {0u, 1u, 2u, 0u, 2u, 3u}) part.indices.push_back(first + k);
+            }
+        }
+    }
+    return part;
+}
+
+/// Quads of all sizes and directions that go through one another.
+MeshPart quadSoup(int triangles)
+{
+    const auto count = uint32_t(std::max(1, triangles / 2));
+    MeshPart part;
+    for (uint32_t i = 0; i < count; ++i) {
+        const auto random = [&](uint32_t k) {
+            return vec3(noise(9 * i + k), noise(9 * i + k + 1), noise(9 * i + k + 2));
+        };
+        const vec3 center = 20.0f * random(0);
+        const vec3 u = 0.5f * (random(3) - 0.5f), v = 0.5f * (random(6) - 0.5f);
+        const auto first = uint32_t(part.positions.size());
+        for (const vec3 corner : {-u - v, u - v, u + v, v - u}) {
+            part.positions.push_back(center + corner);
+            part.normals.push_back(glm::normalize(glm::cross(u, v)));
+        }
+        for (const uint32_t k : {0u, 1u, 2u, 0u, 2u, 3u}) part.indices.push_back(first + k);
+    }
+    return part;
+}
+
+struct MadeMesh {
+    const char* name;
+    MeshPart (*make)(int triangles);
+};
+constexpr MadeMesh kMadeMeshes[] = {
+    {"ball", bumpyBall}, {"field", noisyField}, {"boxes", looseBoxes}, {"soup", quadSoup}};
+
+Scene sceneOf(MeshPart part)
+{
+    Scene scene;
+    scene.meshes.emplace_back().parts.push_back(std::move(part));
+    scene.objects.emplace_back().mesh = 0;
     return scene;
 }
 
@@ -114,7 +202,12 @@ int main(int argc, char** argv)
 {
     UnwrapSettings settings;
     std::filesystem::path images;
-    std::vector<std::string> files;
+    struct Input {
+        std::string file;
+        const MadeMesh* made = nullptr;
+        int triangles = 0;
+    };
+    std::vector<Input> inputs;
     for (int i = 1; i < argc; ++i) {
         const auto option = [&](const char* name) { return std::strcmp(argv[i], name) == 0 && i + 1 < argc; };
         if (option("--size"))
@@ -123,22 +216,26 @@ int main(int argc, char** argv)
             settings.paddingTexels = std::atoi(argv[++i]);
         else if (option("--density"))
             settings.texelsPerMeter = float(std::atof(argv[++i]));
-        else if (option("--ball"))
-            files.push_back(std::string(":") + argv[++i]);
         else if (option("--images"))
             images = argv[++i];
         else if (option("--mode")) {
             const std::string mode = argv[++i];
             settings.uvMode = mode == "keep" ? UvMode::Keep : mode == "unwrap" ? UvMode::Unwrap : UvMode::Auto;
-        } else
-            files.emplace_back(argv[i]);
+        } else {
+            const auto made = std::find_if(std::begin(kMadeMeshes), std::end(kMadeMeshes), [&](const MadeMesh& mesh) {
+                return option((std::string("--") + mesh.name).c_str());
+            });
+            if (made == std::end(kMadeMeshes))
+                inputs.push_back({argv[i]});
+            else
+                inputs.push_back({made->name, made, std::atoi(argv[++i])});
+        }
     }
     std::printf("%-36s %9s %7s %5s %8s %8s %8s %8s %8s %8s\n", "file", "triangles", "charts", "pages", "texel/m",
                 "filled", "padded", "stretch", "seconds", "cpu-s");
     int failures = 0;
-    for (const std::string& file : files) {
-        const bool made = file.starts_with(":");
-        Result<Scene> scene = made ? Result<Scene>(bumpyBall(std::atoi(file.c_str() + 1))) : readScene(file);
+    for (const auto& [file, made, wanted] : inputs) {
+        Result<Scene> scene = made ? Result<Scene>(sceneOf(made->make(wanted))) : readScene(file);
         if (!scene) {
             std::fprintf(stderr, "%s: %s\n", file.c_str(), scene.error().text().c_str());
             ++failures;
@@ -153,7 +250,7 @@ int main(int argc, char** argv)
         const Result<UnwrappedScene> result = unwrap(std::move(*scene), settings);
         const double cpu = double(std::clock() - cpuStart) / CLOCKS_PER_SEC;
         const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-        const std::string name = made ? "ball" : std::filesystem::path(file).stem().string();
+        const std::string name = made ? file : std::filesystem::path(file).stem().string();
         if (!result) {
             std::fprintf(stderr, "%s: %s\n", file.c_str(), result.error().text().c_str());
             ++failures;

@@ -3,6 +3,7 @@
 #include "unwrap/outline.h"
 #include "unwrap/overlap.h"
 
+#include <Eigen/IterativeLinearSolvers>
 #include <Eigen/SparseCholesky>
 #include <algorithm>
 #include <cmath>
@@ -15,6 +16,11 @@ namespace {
 /// Charts whose normals all stay this close to their mean are projected: the stretch is below 3 %.
 constexpr double kProjectionCosine = 0.97;
 constexpr int kRelaxations = 4;
+/// Vertices of a chart up to which its matrix is factored; beyond, what is known of it in the large has to do, and the
+/// small is put right in so many rounds of so many steps.
+constexpr std::size_t kMostFactored = 100000;
+constexpr int kRelaxationsOfLarge = 2;
+constexpr int kSteps = 16;
 
 /// Working copy of the chart: corners joined into vertices over the chart's own inner edges, so that sheets which only
 /// touch in a point stay apart.
@@ -128,10 +134,24 @@ dvec3 turned(dvec3 v, dvec3 from, dvec3 to)
     return cosine * v + glm::cross(axis, v) + axis * (glm::dot(axis, v) / (1.0 + cosine));
 }
 
+/// The mean of what is said of a vertex's corners.
+std::vector<dvec2> startingPoint(const Piece& piece, std::span<const dvec2> ofCorner)
+{
+    std::vector<dvec2> uv(piece.positions.size(), dvec2(0.0));
+    std::vector<double> corners(uv.size(), 0.0);
+    for (std::size_t c = 0; c < piece.corners.size(); ++c) {
+        uv[piece.corners[c]] += ofCorner[c];
+        corners[piece.corners[c]] += 1.0;
+    }
+    for (std::size_t v = 0; v < uv.size(); ++v) uv[v] /= corners[v];
+    return uv;
+}
+
 /// As-rigid-as-possible flattening: Liu, Zhang, Xu, Gotsman and Gortler 2008, "A Local/Global Approach to Mesh
 /// Parameterization". Each triangle starts in the frame that the smallest rotation of its normal onto the mean normal
-/// gives it, so that a piece of a cylinder or cone lies flat after the first global step.
-std::vector<dvec2> relax(const Piece& piece)
+/// gives it, so that a piece of a cylinder or cone lies flat after the first global step; or, with a guess, in the one
+/// that fits it best.
+std::vector<dvec2> relax(const Piece& piece, std::span<const dvec2> guess)
 {
     const std::size_t triangleCount = piece.triangles.size(), vertexCount = piece.positions.size();
     const Basis basis = basisOf(piece.meanNormal);
@@ -164,27 +184,22 @@ std::vector<dvec2> relax(const Piece& piece)
     const auto n = Eigen::Index(vertexCount) - 1;
     Eigen::SparseMatrix<double> laplacian(n, n);
     laplacian.setFromTriplets(entries.begin(), entries.end());
-    Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> solver(laplacian);
-    if (solver.info() != Eigen::Success) return project(piece);
+    entries = {};
+    // Factors grow faster than charts do.
+    const bool direct = vertexCount <= kMostFactored || guess.empty();
+    Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> solver;
+    Eigen::ConjugateGradient<Eigen::SparseMatrix<double>, Eigen::Lower | Eigen::Upper> stepper;
+    if (direct) {
+        solver.compute(laplacian);
+        if (solver.info() != Eigen::Success) return project(piece);
+    } else {
+        stepper.setMaxIterations(kSteps);
+        stepper.setTolerance(1e-6);
+        stepper.compute(laplacian);
+    }
 
     std::vector<dvec2> uv(vertexCount, dvec2(0.0)), rotation(triangleCount, dvec2(1.0, 0.0));
-    Eigen::MatrixX2d right(n, 2);
-    for (int iteration = 0; iteration <= kRelaxations; ++iteration) {
-        right.setZero();
-        for (std::size_t t = 0; t < triangleCount; ++t) {
-            const dvec2 r = rotation[t];
-            for (std::size_t k = 0; k < 3; ++k) {
-                const dvec2 e = edges[3 * t + k];
-                const dvec2 wanted = weights[3 * t + k] * dvec2(r.x * e.x - r.y * e.y, r.y * e.x + r.x * e.y);
-                const int a = unknown(piece.corners[3 * t + k]), b = unknown(piece.corners[3 * t + (k + 1) % 3]);
-                if (b >= 0) right.row(b) += Eigen::RowVector2d(wanted.x, wanted.y);
-                if (a >= 0) right.row(a) -= Eigen::RowVector2d(wanted.x, wanted.y);
-            }
-        }
-        const Eigen::MatrixX2d solution = solver.solve(right);
-        for (std::size_t v = 1; v < vertexCount; ++v) {
-            uv[v] = {solution(Eigen::Index(v) - 1, 0), solution(Eigen::Index(v) - 1, 1)};
-        }
+    const auto fitRotations = [&] {
         double change = 0.0;
         for (std::size_t t = 0; t < triangleCount; ++t) {
             dvec2 fit(0.0);
@@ -198,6 +213,36 @@ std::vector<dvec2> relax(const Piece& piece)
             change = std::max(change, glm::length(fit / length - rotation[t]));
             rotation[t] = fit / length;
         }
+        return change;
+    };
+    Eigen::MatrixX2d right(n, 2), solution = Eigen::MatrixX2d::Zero(n, 2);
+    if (!guess.empty()) {
+        uv = startingPoint(piece, guess);
+        for (std::size_t v = 1; v < vertexCount; ++v)
+            solution.row(Eigen::Index(v) - 1) = Eigen::RowVector2d(uv[v].x - uv[0].x, uv[v].y - uv[0].y);
+        fitRotations();
+    }
+    for (int iteration = 0; iteration <= (direct ? kRelaxations : kRelaxationsOfLarge); ++iteration) {
+        right.setZero();
+        for (std::size_t t = 0; t < triangleCount; ++t) {
+            const dvec2 r = rotation[t];
+            for (std::size_t k = 0; k < 3; ++k) {
+                const dvec2 e = edges[3 * t + k];
+                const dvec2 wanted = weights[3 * t + k] * dvec2(r.x * e.x - r.y * e.y, r.y * e.x + r.x * e.y);
+                const int a = unknown(piece.corners[3 * t + k]), b = unknown(piece.corners[3 * t + (k + 1) % 3]);
+                if (b >= 0) right.row(b) += Eigen::RowVector2d(wanted.x, wanted.y);
+                if (a >= 0) right.row(a) -= Eigen::RowVector2d(wanted.x, wanted.y);
+            }
+        }
+        if (direct)
+            solution = solver.solve(right);
+        else
+            solution = stepper.solveWithGuess(right, Eigen::MatrixX2d(solution));
+        uv[0] = dvec2(0.0);
+        for (std::size_t v = 1; v < vertexCount; ++v) {
+            uv[v] = {solution(Eigen::Index(v) - 1, 0), solution(Eigen::Index(v) - 1, 1)};
+        }
+        const double change = fitRotations();
         if (change < 1e-3) break;
     }
     return uv;
@@ -233,6 +278,54 @@ uint32_t findFold(const Piece& piece, const std::vector<dvec2>& uv)
         if (a.y < 0.0 && b.y >= 0.0 && ++turns[vertex] > 1) return uint32_t(t);
     }
     return kNone;
+}
+
+/// Lets vertices where triangles fold sink to the middle of their neighbours. What is marked once goes on sinking, so
+/// that the patch which is free to move grows until nothing in it folds (Tutte 1963: at the least it lies flat once its
+/// outline is convex). Borders stay.
+void unfold(const Piece& piece, std::vector<dvec2>& uv)
+{
+    constexpr int kMostSteps = 30;
+    constexpr double kFoldedShare = 0.05;
+    const std::size_t count = piece.triangles.size();
+    std::vector<char> loose(uv.size(), 0);
+    std::vector<uint32_t> patch; // triangles at loose vertices
+    std::vector<dvec3> sums(uv.size());
+    for (int step = 0; step < kMostSteps; ++step) {
+        bool folded = false;
+        for (std::size_t t = 0; t < count; ++t) {
+            const double share = 0.5 * doubleAreaOf(piece, uv, t) / piece.surface.areas[piece.triangles[t]];
+            if (share > kFoldedShare) continue;
+            if (!std::isfinite(share)) return;
+            folded = true;
+            for (std::size_t k = 0; k < 3; ++k) loose[piece.corners[3 * t + k]] = 1;
+        }
+        if (!folded) return;
+        patch.clear();
+        for (uint32_t t = 0; t < count; ++t) {
+            const uint32_t* corner = piece.corners.data() + 3 * t;
+            if (loose[corner[0]] || loose[corner[1]] || loose[corner[2]]) patch.push_back(t);
+        }
+        if (20 * patch.size() > count + 1000) return; // this is no small fault
+        constexpr int kSinks = 6;
+        for (int sink = 0; sink < kSinks; ++sink) {
+            for (const uint32_t t : patch) {
+                for (std::size_t k = 0; k < 3; ++k) sums[piece.corners[3 * t + k]] = dvec3(0.0);
+            }
+            for (const uint32_t t : patch) {
+                for (std::size_t k = 0; k < 3; ++k) {
+                    const dvec2 both = uv[piece.corners[3 * t + (k + 1) % 3]] + uv[piece.corners[3 * t + (k + 2) % 3]];
+                    sums[piece.corners[3 * t + k]] += dvec3(both, 2.0);
+                }
+            }
+            for (const uint32_t t : patch) {
+                for (std::size_t k = 0; k < 3; ++k) {
+                    const uint32_t vertex = piece.corners[3 * t + k];
+                    if (loose[vertex] && !piece.onBorder[vertex]) uv[vertex] = dvec2(sums[vertex]) / sums[vertex].z;
+                }
+            }
+        }
+    }
 }
 
 /// A pair of triangles that overlap. Where nothing folds, a flattening overlaps itself only if its border does (the
@@ -323,18 +416,25 @@ std::pair<uint32_t, uint32_t> farApart(const Piece& piece, uint32_t from)
 
 } // namespace
 
-Flattening flatten(const Surface& surface, std::vector<uint32_t> triangles)
+Flattening flatten(const Surface& surface, std::vector<uint32_t> triangles, const Start& start)
 {
     const Piece piece(surface, std::move(triangles));
     Flattening result;
+    const bool flat = piece.leastCosine >= kProjectionCosine || piece.triangles.size() == 1;
+    const bool keeps = start.settled && !start.corners.empty() && !flat;
+    std::vector<dvec2> uv = flat    ? project(piece)
+                            : keeps ? startingPoint(piece, start.corners)
+                                    : relax(piece, start.corners);
+    uint32_t fold = findFold(piece, uv);
+    if (!flat && fold != kNone) {
+        unfold(piece, uv);
+        fold = findFold(piece, uv);
+    }
     const auto fail = [&](uint32_t a, uint32_t b) {
         result.seedA = a;
         result.seedB = b;
         return result;
     };
-    const bool flat = piece.leastCosine >= kProjectionCosine || piece.triangles.size() == 1;
-    std::vector<dvec2> uv = flat ? project(piece) : relax(piece);
-    uint32_t fold = findFold(piece, uv);
     if (!flat && fold != kNone && piece.leastCosine > 0.3) {
         uv = project(piece);
         fold = findFold(piece, uv);
@@ -345,6 +445,7 @@ Flattening flatten(const Surface& surface, std::vector<uint32_t> triangles)
             return fail(a, b);
         }
         if (const auto overlap = findSelfOverlap(piece, uv)) {
+            for (const uint32_t vertex : piece.corners) result.corners.push_back(uv[vertex]);
             return fail(piece.triangles[overlap->first], piece.triangles[overlap->second]);
         }
     }

@@ -2,6 +2,7 @@
 
 #include "unwrap/surface.h"
 
+#include <span>
 #include <vector>
 
 namespace halflight::charts {
@@ -22,10 +23,18 @@ struct Flattening {
     bool valid = false;
     Chart chart;
     uint32_t seedA = kNone, seedB = kNone; ///< triangles of the surface; set when not valid
+    std::vector<dvec2> corners; ///< where they all would lie, three per triangle, when nothing folds but parts overlap
 };
 
-/// Flattens edge-connected triangles (ascending) without folds or overlaps, or says where to split.
-Flattening flatten(const Surface& surface, std::vector<uint32_t> triangles);
+/// Where flattening starts from.
+struct Start {
+    std::vector<dvec2> corners; ///< where the three corners of each triangle will lie, roughly; empty = not known
+    bool settled = false;       ///< it only remains to be seen whether they overlap
+};
+
+/// Flattens edge-connected triangles (ascending) without folds or overlaps, or says where to split. To know where to
+/// start saves large charts much time.
+Flattening flatten(const Surface& surface, std::vector<uint32_t> triangles, const Start& start = {});
 
 /// Splits a set of triangles in two, each grown from its seed over common edges. Pieces may be disconnected.
 std::array<std::vector<uint32_t>, 2> splitTriangles(const Surface& surface, const std::vector<uint32_t>& triangles,

@@ -1,5 +1,7 @@
 #include "unwrap/cluster.h"
 
+#include "unwrap/region.h"
+
 #include <algorithm>
 #include <cmath>
 #include <numeric>
@@ -9,44 +11,14 @@
 namespace halflight::charts {
 namespace {
 
-/// Merged regions may lose this share of their area when projected along their mean normal (a spherical cap of 44
-/// degrees, a cylinder sector of 56); what can be flattened beyond that is for the merging of charts to find out.
-constexpr double kMostFlatnessLost = 0.15;
-/// Mean of 1 - cos(angle between the normals) along a border that may be merged away: about 50 degrees.
-constexpr double kMostBend = 0.36;
-/// No normal leaves a region's mean normal by more than this.
-constexpr double kWidestConeRadians = 1.3;
+/// Merged regions may lose 15 % of their area when projected along their mean normal (a spherical cap of 44 degrees, a
+/// cylinder sector of 56); what can be flattened beyond that is for the merging of charts to find out. Borders that
+/// bend by more than about 50 degrees stay.
+constexpr JoinRules kRules{0.15, 0.36, 1.3, 0.02};
 constexpr double kCoplanarCosine = 1.0 - 1e-9;
 
-struct Border {
-    double length = 0.0;
-    double bend = 0.0; ///< integral of 1 - cos along it
-};
-
-struct NormalCone {
-    dvec3 axis{0.0};
-    double angle = 0.0;
-};
-
-/// Smallest cone around two cones.
-NormalCone merged(const NormalCone& a, const NormalCone& b)
-{
-    const double between = std::acos(std::clamp(glm::dot(a.axis, b.axis), -1.0, 1.0));
-    if (between + b.angle <= a.angle) return a;
-    if (between + a.angle <= b.angle) return b;
-    const double angle = 0.5 * (a.angle + b.angle + between);
-    const dvec3 aside = b.axis - glm::dot(a.axis, b.axis) * a.axis;
-    const double asideLength = glm::length(aside);
-    if (angle >= 3.1 || asideLength < 1e-12) return {a.axis, std::max(angle, a.angle)};
-    const double turn = angle - a.angle;
-    return {std::cos(turn) * a.axis + std::sin(turn) / asideLength * aside, angle};
-}
-
 struct Region {
-    dvec3 vectorArea{0.0};
-    double area = 0.0;
-    double perimeter = 0.0;
-    NormalCone cone;
+    RegionMeasure measure;
     std::unordered_map<uint32_t, Border> borders; ///< by neighbouring region
 };
 
@@ -62,14 +34,17 @@ struct Candidate {
 
 class Clustering {
 public:
-    explicit Clustering(const Surface& surface) : surface_(surface), parent_(surface.triangleCount())
+    Clustering(const Surface& surface, std::span<const uint32_t> together)
+        : surface_(surface), parent_(together.begin(), together.end())
     {
+        if (!parent_.empty()) return;
+        parent_.resize(surface.triangleCount());
         std::iota(parent_.begin(), parent_.end(), 0u);
+        mergeCoplanar();
     }
 
     Regions run()
     {
-        mergeCoplanar();
         buildRegions();
         while (!queue_.empty()) {
             const Candidate candidate = queue_.top();
@@ -91,8 +66,6 @@ public:
     }
 
 private:
-    static constexpr double kForbidden = 1e30;
-
     uint32_t find(uint32_t t)
     {
         while (parent_[t] != t) t = parent_[t] = parent_[parent_[t]];
@@ -124,11 +97,13 @@ private:
             const uint32_t root = find(t);
             if (slot_[root] == kNone) {
                 slot_[root] = uint32_t(regions_.size());
-                regions_.emplace_back().cone.axis = surface_.normals[t];
+                regions_.emplace_back().measure.cone.axis = surface_.normals[t];
             }
-            Region& region = regions_[slot_[root]];
+            RegionMeasure& region = regions_[slot_[root]].measure;
             region.vectorArea += surface_.areas[t] * surface_.normals[t];
             region.area += surface_.areas[t];
+            if (glm::dot(region.cone.axis, surface_.normals[t]) < kCoplanarCosine)
+                region.cone = merged(region.cone, {surface_.normals[t], 0.0});
             for (int k = 0; k < 3; ++k) {
                 const uint32_t other = surface_.neighbors[3 * t + k];
                 if (other == kNone || find(other / 3) != root) region.perimeter += edgeLength(3 * t + k);
@@ -169,13 +144,7 @@ private:
         const Region &ra = regions_[slot_[a]], &rb = regions_[slot_[b]];
         const auto found = ra.borders.find(b);
         if (found == ra.borders.end()) return kForbidden;
-        const Border& border = found->second;
-        const double bend = border.length > 0.0 ? border.bend / border.length : 0.0;
-        const double flatnessLost = 1.0 - glm::length(ra.vectorArea + rb.vectorArea) / (ra.area + rb.area);
-        if (bend > kMostBend || flatnessLost > kMostFlatnessLost) return kForbidden;
-        if (merged(ra.cone, rb.cone).angle > kWidestConeRadians) return kForbidden;
-        const double ragged = 1.0 - border.length / std::max(std::min(ra.perimeter, rb.perimeter), 1e-300);
-        return flatnessLost + 0.3 * bend + 0.02 * std::max(ragged, 0.0);
+        return kRules.cost(ra.measure, rb.measure, found->second);
     }
 
     /// The region with more borders stays: each border moves at most log(n) times.
@@ -185,10 +154,7 @@ private:
         Region &into = regions_[slot_[a]], &from = regions_[slot_[b]];
         const double shared = into.borders[b].length;
         into.borders.erase(b);
-        into.vectorArea += from.vectorArea;
-        into.area += from.area;
-        into.perimeter = std::max(into.perimeter + from.perimeter - 2.0 * shared, 0.0);
-        into.cone = merged(into.cone, from.cone);
+        into.measure.join(from.measure, shared);
         parent_[b] = a;
         for (const auto& [other, border] : from.borders) {
             if (other == a) continue;
@@ -228,9 +194,9 @@ private:
 
 } // namespace
 
-Regions clusterTriangles(const Surface& surface)
+Regions clusterTriangles(const Surface& surface, std::span<const uint32_t> together)
 {
-    return Clustering(surface).run();
+    return Clustering(surface, together).run();
 }
 
 } // namespace halflight::charts

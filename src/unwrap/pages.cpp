@@ -223,6 +223,24 @@ std::string nameOf(const GroupLayout& group)
     return fmt::format("mesh {}", group.group.mesh);
 }
 
+/// Charts of a texel each that a page holds.
+double mostCharts(const PageSettings& settings)
+{
+    const double inRow = std::floor(double(settings.pageSize + settings.padding) / double(1 + settings.padding));
+    return inRow * inRow;
+}
+
+Error tooManyCharts(const GroupLayout& group, const PageSettings& settings)
+{
+    const double side = std::sqrt(2.0 * double(group.layout.charts.size())) * double(1 + settings.padding);
+    return {ErrorCode::InvalidArgument,
+            fmt::format("{} has {} charts, too many for one page of {} x {} texels with a padding of {}: pages of {} "
+                        "would do, or a mesh in pieces",
+                        nameOf(group), group.layout.charts.size(), settings.pageSize, settings.pageSize,
+                        settings.padding, 64 * int(std::ceil(side / 64.0))),
+            ""};
+}
+
 } // namespace
 
 Footprint rasterizeLayout(const AuthoredLayout& layout, double texelsPerUnit, ivec2 corner, ivec2 size)
@@ -251,6 +269,9 @@ Result<Pages> placeOnPages(std::vector<GroupLayout>& groups, const PageSettings&
                            std::vector<std::string>& warnings, const Progress& progress)
 {
     if (groups.empty()) return Pages{};
+    for (const GroupLayout& group : groups) {
+        if (double(group.layout.charts.size()) > mostCharts(settings)) return tooManyCharts(group, settings);
+    }
     std::vector<std::size_t> tooLarge;
     double density = settings.texelsPerMeter;
     if (density <= 0.0) {
@@ -297,6 +318,9 @@ Result<Pages> placeOnPages(std::vector<GroupLayout>& groups, const PageSettings&
             const double extent = largestExtent(groups[g]) * texelsPerUnit(groups[g], density);
             double shrink = extent > settings.pageSize - 1 ? 0.999 * (settings.pageSize - 1) / extent : 0.9;
             const double texels = estimateObject(groups[g], density, settings.padding);
+            // A texel for each chart is left, and padding.
+            if (texels < 1.02 * estimateObject(groups[g], 0.0, settings.padding))
+                return tooManyCharts(groups[g], settings);
             if (texels > kHopeless * page) shrink = std::min(shrink, std::sqrt(page / texels));
             if (groups[g].densityScale == 1.0) {
                 warnings.push_back(
