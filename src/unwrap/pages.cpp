@@ -234,8 +234,8 @@ Error tooManyCharts(const GroupLayout& group, const PageSettings& settings)
 {
     const double side = std::sqrt(2.0 * double(group.layout.charts.size())) * double(1 + settings.padding);
     return {ErrorCode::InvalidArgument,
-            fmt::format("{} has {} charts, too many for one page of {} x {} texels with a padding of {}: pages of {} "
-                        "would do, or a mesh in pieces",
+            fmt::format("{} has {} charts, too many for one page of {} x {} texels with a padding of {}: it takes "
+                        "pages of about {} texels, or a mesh in pieces",
                         nameOf(group), group.layout.charts.size(), settings.pageSize, settings.pageSize,
                         settings.padding, 64 * int(std::ceil(side / 64.0))),
             ""};

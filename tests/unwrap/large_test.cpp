@@ -127,9 +127,9 @@ TEST(UnwrapLarge, AMeshOfMoreChartsThanAPageHoldsIsAnError)
     EXPECT_EQ(result.error().code, ErrorCode::InvalidArgument);
     EXPECT_NE(result.error().message.find("3000 charts"), std::string::npos) << result.error().message;
     // The page size that it names does.
-    const std::size_t at = result.error().message.find("pages of ");
+    const std::size_t at = result.error().message.find("pages of about ");
     ASSERT_NE(at, std::string::npos) << result.error().message;
-    settings.pageSize = std::stoi(result.error().message.substr(at + 9));
+    settings.pageSize = std::stoi(result.error().message.substr(at + 15));
     EXPECT_LE(settings.pageSize, 512);
     const Result<UnwrappedScene> larger = unwrap(shapes::scene(mesh), settings);
     ASSERT_TRUE(larger) << larger.error().text();
