@@ -207,10 +207,17 @@ TEST_P(ReceiveShadowsS30, CastOffLeavesOneCasterOut)
         for (const int blocker : law.blockers) {
             Object& object = scene.objects[std::size_t(blocker)];
             if (object.isStatic || object.worldFromObject[3].x > kColumns[3]) continue;
-            if (byMaterial)
+            if (byMaterial) {
                 ownMaterialOf(scene, blocker).castShadows = false;
-            else
+                // And a speck of another material at one corner, which keeps the object among the casters.
+                std::vector<MeshPart>& parts = scene.meshes[std::size_t(object.mesh)].parts;
+                MeshPart speck = parts[0];
+                for (vec3& p : speck.positions) p = 0.9f * parts[0].positions[0] + 0.01f * p;
+                speck.material = 0;
+                parts.push_back(speck);
+            } else {
                 object.castShadows = false;
+            }
             ++silenced;
         }
         ASSERT_EQ(silenced, 1);
