@@ -35,7 +35,7 @@ public:
             good = v[c].is_number() && std::isfinite(float(v[c].get<double>()));
             if (good) value[int(c)] = float(v[c].get<double>());
         }
-        return good ? Status() : Status(invalid(path_, fmt::format("{} is not {} numbers", key, N)));
+        return good ? Status() : Status(invalid(path_, std::string(key) + " is not " + std::to_string(N) + " numbers"));
     }
 
 private:
