@@ -8,8 +8,8 @@ that must then fail. A copy of the source tree in build/mutation is built once; 
 only the test programs concerned, runs the tests named and puts the file back. Nothing outside build/mutation is written.
 
 Exits with 1 when a mutation survives (a named test does not fail), when its text is not in its file exactly once, when it does
-not compile, or when a test fails without any mutation. --text checks the texts only, in a second. Not part of CI: about a quarter
-of an hour on two free cores, the first build not counted.
+not compile, or when a test fails without any mutation. --text checks the texts only, in a second. Not part of CI: some twenty
+minutes on two free cores, the first build not counted.
 """
 
 import argparse
