@@ -157,7 +157,6 @@ void partError(const Options& options)
         double lastError = 0.0;
         for (const int samples : {16, 32, 64, 128, 256}) {
             settings.samples = samples;
-            settings.shadowSamples = std::min(samples, 64);
             const Run run = integrate(p, p.map, settings);
             Error e = compare(run.estimates, &chosen, reference.estimates);
             e.rmse = without(e.rmse);

@@ -91,24 +91,36 @@ BakeGeometry flattenGeometry(const Scene& scene, int pageSize, GeometryFilter fi
     return g;
 }
 
-SurfacePoint surfacePoint(const BakeGeometry& geometry, uint32_t triangle, vec2 barycentric)
+TriangleFrame::TriangleFrame(const BakeGeometry& geometry, uint32_t triangle)
+    : triangle_(triangle), geometricNormal_(geometry.geometricNormal(triangle))
 {
     const uvec3 t = geometry.triangles[triangle];
+    for (int i = 0; i < 3; ++i) {
+        positions_[i] = geometry.positions[t[i]];
+        normals_[i] = geometry.normals[t[i]];
+    }
+}
+
+SurfacePoint TriangleFrame::at(vec2 barycentric) const
+{
     const float w = 1.0f - barycentric.x - barycentric.y;
     SurfacePoint p;
-    p.triangle = triangle;
+    p.triangle = triangle_;
     p.barycentric = barycentric;
-    p.position =
-        w * geometry.positions[t.x] + barycentric.x * geometry.positions[t.y] + barycentric.y * geometry.positions[t.z];
-    p.geometricNormal = geometry.geometricNormal(triangle);
-    const vec3 n =
-        w * geometry.normals[t.x] + barycentric.x * geometry.normals[t.y] + barycentric.y * geometry.normals[t.z];
+    p.position = w * positions_[0] + barycentric.x * positions_[1] + barycentric.y * positions_[2];
+    p.geometricNormal = geometricNormal_;
+    const vec3 n = w * normals_[0] + barycentric.x * normals_[1] + barycentric.y * normals_[2];
     const float length = glm::length(n);
     p.normal = length > 0.0f ? n / length : p.geometricNormal;
     // Smooth normals that lean behind the triangle (or files whose normals contradict the winding) would put the whole
     // hemisphere inside the surface; the triangle's own normal is the safe choice there.
     if (glm::dot(p.normal, p.geometricNormal) <= 0.0f) p.normal = p.geometricNormal;
     return p;
+}
+
+SurfacePoint surfacePoint(const BakeGeometry& geometry, uint32_t triangle, vec2 barycentric)
+{
+    return TriangleFrame(geometry, triangle).at(barycentric);
 }
 
 } // namespace halflight

@@ -94,4 +94,18 @@ std::vector<ImageRgba8> encodeShadowmask(const std::vector<ImageRgba32f>& pages)
 /// Irradiance in lux of an encoded page.
 ImageRgb32f decodeLightmap(const Image<uint32_t>& page, float unitLux);
 
+/// What all points of a triangle share.
+class TriangleFrame {
+public:
+    TriangleFrame(const BakeGeometry& geometry, uint32_t triangle);
+    /// The point at barycentric weights (of vertices 1 and 2).
+    [[nodiscard]] SurfacePoint at(vec2 barycentric) const;
+
+private:
+    uint32_t triangle_;
+    vec3 geometricNormal_;
+    vec3 positions_[3];
+    vec3 normals_[3];
+};
+
 } // namespace halflight

@@ -194,24 +194,32 @@ std::vector<uint32_t> chartsOfTriangles(const BakeGeometry& geometry, uint32_t& 
     return charts;
 }
 
-/// The point moved off its triangle's edges, by a few thousandths of a texel: rays from an edge on which two walls meet
+/// A triangle's points, moved off its edges by a few thousandths of a texel: rays from an edge on which two walls meet
 /// would start in the other wall's plane, and may miss it.
-vec2 offEdges(const BakeGeometry& geometry, uint32_t triangle, vec2 barycentric)
-{
-    constexpr float kTexels = 4.0e-3f;
-    const uvec3 t = geometry.triangles[triangle];
-    vec2 corners[3];
-    for (int i = 0; i < 3; ++i) corners[i] = geometry.lightmapTexel[t[i]];
-    const float area = std::abs(cross2(corners[1] - corners[0], corners[2] - corners[0]));
-    vec3 weights(1.0f - barycentric.x - barycentric.y, barycentric.x, barycentric.y);
-    float sum = 0.0f;
-    for (int i = 0; i < 3; ++i) {
-        const float height = area / std::max(glm::distance(corners[(i + 1) % 3], corners[(i + 2) % 3]), 1.0e-6f);
-        weights[i] = std::max(weights[i], std::min(kTexels / std::max(height, 1.0e-6f), 1.0f / 3.0f));
-        sum += weights[i];
+class PointsOffEdges {
+public:
+    PointsOffEdges(const BakeGeometry& geometry, uint32_t triangle) : frame_(geometry, triangle)
+    {
+        const uvec3 t = geometry.triangles[triangle];
+        vec2 corners[3];
+        for (int i = 0; i < 3; ++i) corners[i] = geometry.lightmapTexel[t[i]];
+        constexpr float kTexels = 4.0e-3f;
+        const float area = std::abs(cross2(corners[1] - corners[0], corners[2] - corners[0]));
+        for (int i = 0; i < 3; ++i) {
+            const float base = std::max(glm::distance(corners[(i + 1) % 3], corners[(i + 2) % 3]), 1.0e-6f);
+            least_[i] = std::min(kTexels / std::max(area / base, 1.0e-6f), 1.0f / 3.0f);
+        }
     }
-    return vec2(weights.y, weights.z) / sum;
-}
+    [[nodiscard]] SurfacePoint at(vec2 barycentric) const
+    {
+        const vec3 weights = glm::max(vec3(1.0f - barycentric.x - barycentric.y, barycentric.x, barycentric.y), least_);
+        return frame_.at(vec2(weights.y, weights.z) / (weights.x + weights.y + weights.z));
+    }
+
+private:
+    TriangleFrame frame_;
+    vec3 least_{0.0f};
+};
 
 } // namespace
 
@@ -286,30 +294,48 @@ int texelPoints(const BakeGeometry& geometry, const TexelMap& map, const Texel& 
     // Candidates: a rank-1 lattice over the texel's square (Roberts 2018, the R2 sequence), each kept when a triangle
     // of the texel covers it.
     const std::span fragments(map.fragments.data() + texel.firstFragment, texel.fragmentCount);
-    int count = 0;
+    std::array<vec2, kMaxTexelPoints> places;
     for (int i = 0; i < kMaxTexelPoints; ++i) {
         const float number = float(batch * kMaxTexelPoints + i);
-        const vec2 lattice = glm::fract(vec2(0.5f) + number * vec2(0.7548776662f, 0.5698402910f));
-        const vec2 place = vec2(texel.x, texel.y) + lattice;
-        for (const TexelFragment& fragment : fragments) {
-            const uvec3 t = geometry.triangles[fragment.triangle];
-            vec2 barycentric;
-            if (!barycentricAt(geometry.lightmapTexel[t.x], geometry.lightmapTexel[t.y], geometry.lightmapTexel[t.z],
-                               place, barycentric)) {
-                continue;
-            }
-            if (barycentric.x < 0.0f || barycentric.y < 0.0f || barycentric.x + barycentric.y > 1.0f) continue;
-            out[std::size_t(count++)] =
-                surfacePoint(geometry, fragment.triangle, offEdges(geometry, fragment.triangle, barycentric));
-            break;
+        places[std::size_t(i)] =
+            vec2(texel.x, texel.y) + glm::fract(vec2(0.5f) + number * vec2(0.7548776662f, 0.5698402910f));
+    }
+    constexpr uint32_t kAll = (1u << kMaxTexelPoints) - 1u;
+    uint32_t found = 0; // a bit for each candidate
+    for (const TexelFragment& fragment : fragments) {
+        const uvec3 t = geometry.triangles[fragment.triangle];
+        const vec2 corner = geometry.lightmapTexel[t.x];
+        const vec2 edge1 = geometry.lightmapTexel[t.y] - corner;
+        const vec2 edge2 = geometry.lightmapTexel[t.z] - corner;
+        const float area = cross2(edge1, edge2);
+        if (area == 0.0f) continue;
+        std::array<vec2, kMaxTexelPoints> barycentric;
+        uint32_t covered = 0;
+        for (int i = 0; i < kMaxTexelPoints; ++i) {
+            const vec2 place = places[std::size_t(i)] - corner;
+            const vec2 w = vec2(cross2(place, edge2), cross2(edge1, place)) / area;
+            barycentric[std::size_t(i)] = w;
+            covered |= uint32_t((w.x >= 0.0f) & (w.y >= 0.0f) & (w.x + w.y <= 1.0f)) << i;
         }
+        covered &= ~found;
+        if (covered == 0) continue;
+        found |= covered;
+        const PointsOffEdges points(geometry, fragment.triangle);
+        for (int i = 0; i < kMaxTexelPoints; ++i) {
+            if (((covered >> i) & 1u) != 0) out[std::size_t(i)] = points.at(barycentric[std::size_t(i)]);
+        }
+        if (found == kAll) return kMaxTexelPoints;
+    }
+    int count = 0;
+    for (int i = 0; i < kMaxTexelPoints; ++i) {
+        if (((found >> i) & 1u) != 0) out[std::size_t(count++)] = out[std::size_t(i)];
     }
     if (count > 0) return count;
     // Slivers that no candidate meets: the centroid of the largest piece.
     const auto largest =
         std::max_element(fragments.begin(), fragments.end(),
                          [](const TexelFragment& a, const TexelFragment& b) { return a.area < b.area; });
-    out[0] = surfacePoint(geometry, largest->triangle, offEdges(geometry, largest->triangle, largest->barycentric));
+    out[0] = PointsOffEdges(geometry, largest->triangle).at(largest->barycentric);
     return 1;
 }
 

@@ -47,15 +47,15 @@ float surfaceArea(const Bounds& b)
     return s.x * s.y + s.y * s.z + s.z * s.x;
 }
 
-/// cos(max(0, a - b)) from the cosines and sines of two angles in 0…pi.
-float cosineOfDifference(float cosA, float sinA, float cosB, float sinB)
-{
-    return cosA > cosB ? 1.0f : cosA * cosB + sinA * sinB;
-}
-
 float sineOf(float cosine)
 {
     return std::sqrt(std::max(0.0f, 1.0f - cosine * cosine));
+}
+
+/// cos(max(0, a - b)) from the cosines of two angles in 0…pi and the sine of the second.
+float cosineOfDifference(float cosA, float cosB, float sinB)
+{
+    return cosA > cosB ? 1.0f : cosA * cosB + sineOf(cosA) * sinB;
 }
 
 /// What a node contributes at least of its power over distance squared: keeps every light possible where the bounds of
@@ -105,6 +105,7 @@ uint32_t LightTree::build(std::span<BuildItem> items, uint32_t parent)
     node.radius2 = 0.25f * glm::dot(bounds.size(), bounds.size());
     node.axis = cone.axis;
     node.cosSpread = cone.cosine;
+    node.sinSpread = sineOf(cone.cosine);
     node.power = power;
     node.range = unlimited ? 0.0f : range;
     node.twoSided = twoSided;
@@ -207,14 +208,14 @@ float LightTree::importance(const Node& node, vec3 position, vec3 normal) const
     float received = 1.0f;
     if (normal != vec3(0.0f)) {
         const float cosine = std::min(glm::dot(normal, direction), 1.0f);
-        received = std::max(cosineOfDifference(cosine, sineOf(cosine), cosSphere, sinSphere), kLeastCosine);
+        received = std::max(cosineOfDifference(cosine, cosSphere, sinSphere), kLeastCosine);
     }
     float emitted = 1.0f;
     if (node.cosSpread > -1.0f) {
         float cosine = std::clamp(-glm::dot(node.axis, direction), -1.0f, 1.0f);
         if (node.twoSided) cosine = std::abs(cosine);
-        const float cosOut = cosineOfDifference(cosine, sineOf(cosine), node.cosSpread, sineOf(node.cosSpread));
-        emitted = std::max(cosineOfDifference(cosOut, sineOf(cosOut), cosSphere, sinSphere), kLeastCosine);
+        const float cosOut = cosineOfDifference(cosine, node.cosSpread, node.sinSpread);
+        emitted = std::max(cosineOfDifference(cosOut, cosSphere, sinSphere), kLeastCosine);
     }
     return node.power * received * emitted / distance2;
 }

@@ -60,6 +60,7 @@ private:
         float radius2 = 0.0f; ///< of the sphere around the bounds, squared
         vec3 axis{0.0f};
         float cosSpread = 1.0f;
+        float sinSpread = 0.0f;
         float power = 0.0f;
         float range = 0.0f;  ///< the largest below; 0 = unlimited
         uint32_t second = 0; ///< second child (the first one follows its parent); of a leaf: the item

@@ -219,15 +219,25 @@ private:
         }
     }
 
-    /// Looks closer where a ray met the inside of a surface first.
+    /// Looks closer where a ray met the inside of a surface first. Where all rays, from as many points, met the inside
+    /// of solids, there is nothing to look for.
     bool allOutside(const TexelGroup& group, int lane, std::span<const uint8_t> cells)
     {
-        bool suspicious = false;
+        constexpr std::size_t kEnough = 8;
+        std::size_t suspicious = 0;
+        std::size_t inSolid = 0;
         for (const int cell : cells) {
-            suspicious = suspicious || (bundle_.hit(cell, lane) && bundle_.behind(cell, lane) &&
-                                        (surfaceOf(cell, lane).firstCell & kHiddenBack) != 0);
+            if (!bundle_.hit(cell, lane) || !bundle_.behind(cell, lane)) continue;
+            suspicious += (surfaceOf(cell, lane).firstCell & kHiddenBack) != 0 ? 1 : 0;
+            const RTCHit8& h = bundle_.rays[std::size_t(cell)].hit;
+            const uint32_t triangle = paths_.surfaces().triangleOf(h.geomID[lane], h.primID[lane]);
+            inSolid += paths_.surfaces().geometry().solid[triangle];
         }
-        if (!suspicious) return true;
+        if (suspicious == 0) return true;
+        if (inSolid == cells.size() && inSolid >= kEnough && group.pointCount(lane) == kMaxTexelPoints) {
+            outside_[group.texel(lane)] = 0;
+            return false;
+        }
         const PointMask mask = validity_.outside(group.points(lane), group.pointCount(lane), group.id(lane), rays_);
         if (mask == PointMask((1u << group.pointCount(lane)) - 1u)) return true;
         outside_[group.texel(lane)] = mask;

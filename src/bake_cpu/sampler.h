@@ -22,7 +22,12 @@ public:
         const uvec2 bits = scrambledBits(owenScramble(sample_, seed), seed);
         return {unitFloat(bits.x), unitFloat(bits.y)};
     }
-    float next1() { return next2().x; }
+    /// The first of the next pair alone.
+    float next1()
+    {
+        const uint32_t seed = hashCombine(texel_, dimension_++);
+        return unitFloat(owenScramble(sobolFirst(owenScramble(sample_, seed)), hashPcg(seed + 1u)));
+    }
 
     /// A point of the sequence, scrambled but not shuffled, as 32-bit fractions.
     static uvec2 scrambledBits(uint32_t index, uint32_t seed)

@@ -63,6 +63,7 @@ ImageRgba8 shrink(const ImageRgba8& image)
 
 int wrap(int i, int size, Texture::Wrap mode)
 {
+    if (unsigned(i) < unsigned(size)) return i;
     switch (mode) {
     case Texture::Wrap::ClampToEdge:
         return std::clamp(i, 0, size - 1);
@@ -72,7 +73,7 @@ int wrap(int i, int size, Texture::Wrap mode)
         return m < size ? m : period - 1 - m;
     }
     default:
-        return ((i % size) + size) % size;
+        return (size & (size - 1)) == 0 ? i & (size - 1) : ((i % size) + size) % size;
     }
 }
 
@@ -469,6 +470,11 @@ SurfaceTracer::Crossings SurfaceTracer::crossings(vec3 origin, vec3 direction) c
         const bool behind = glm::dot(vec3(ray.hit.Ng_x, ray.hit.Ng_y, ray.hit.Ng_z), direction) > 0.0f;
         const bool solid = geometry_.solid[triangle] != 0;
         if (result.rays == 1) result.backFaceFirst = behind && backIsHidden(triangle);
+        if (result.rays == 1 && behind && solid) {
+            // Whatever else the ray enters it leaves again: the origin is inside.
+            result.solidsLeft = 1;
+            break;
+        }
         if (solid) result.solidsLeft += behind ? 1 : -1;
         tMin = ray.ray.tfar * (1.0f + 1.0e-6f) + epsilonAt(origin + direction * ray.ray.tfar);
     }
