@@ -23,10 +23,10 @@ void denoise(const BakeGeometry& geometry, const TexelMap& map, std::vector<Irra
     });
 
     // Two things first, both from the 5 x 5 neighbours on the same chart. Outliers: a texel whose few lucky paths make
-    // it far brighter than nearly all of its neighbours, and whose own variance says so, comes down to their brightest
-    // fifth. And a texel's variance estimate is itself noisy: it is averaged with its neighbours', each counted at no
-    // more than a few times the texel's own, so that a bright light's variance does not open the texels beside it to
-    // its light.
+    // it far brighter than nearly all of its neighbours, and whose variance or theirs says so, comes down to their
+    // brightest fifth. And a texel's variance estimate is itself noisy: it is averaged with its neighbours', each
+    // counted at no more than a few times the texel's own, so that a bright light's variance does not open the texels
+    // beside it to its light.
     std::vector<vec3> color(count);
     std::vector<vec3> moment(count);
     std::vector<float> variance(count);
@@ -61,11 +61,14 @@ void denoise(const BakeGeometry& geometry, const TexelMap& map, std::vector<Irra
                 variance[i] = std::max(variance[i], variancesAround[std::size_t(n / 2)]);
             }
             if (n >= 8) {
-                std::nth_element(around.begin(), around.begin() + (n - 3), around.begin() + n);
-                const float bright = around[std::size_t(n - 3)];
+                std::nth_element(around.begin(), around.begin() + (n - n / 5), around.begin() + n);
+                const float bright = around[std::size_t(n - n / 5)];
                 const float excess = own - bright;
-                if (own > 1.1f * bright && excess > 0.5f * std::sqrt(ownVariance) &&
-                    excess < 3.0f * std::sqrt(ownVariance)) {
+                // A variance of a few blocks may be small by chance where all of them were lucky. So a little too
+                // bright is noise wherever there is any, and far too bright what the neighbours' noise may yet explain.
+                const float sigma = std::sqrt(variance[i]);
+                const bool slight = own < 1.5f * bright && sigma > 0.005f * bright;
+                if (own > 1.1f * bright && excess > 0.5f * sigma && (slight || excess < 8.0f * sigma)) {
                     color[i] *= bright / own;
                     moment[i] *= bright / own;
                     variance[i] = std::min(variance[i], bright * bright * 0.04f);
