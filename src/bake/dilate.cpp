@@ -1,3 +1,4 @@
+#include "bake/cells.h"
 #include "bake/stages.h"
 
 #include "halflight/bake/texel_grid.h"
@@ -15,13 +16,6 @@ constexpr int kNearRings = 2; ///< so far a chart's own values come before those
 float neighborWeight(int dx, int dy)
 {
     return dx != 0 && dy != 0 ? 0.70710678f : 1.0f;
-}
-
-/// Cells of a hash grid in the world.
-uint64_t cellKey(ivec3 cell)
-{
-    const auto part = [](int v) { return uint64_t(uint32_t(v)) & 0x1fffffu; };
-    return part(cell.x) | (part(cell.y) << 21) | (part(cell.z) << 42);
 }
 
 /// Ring by ring from the known texels of each chart into its open ones.
@@ -74,23 +68,22 @@ template<typename T> void adoptNeighbors(const BakeGeometry& geometry, const Tex
         reach += kReachTexels * wanting[i].texelMeters / float(open.size());
     }
     if (!(reach > 0.0f)) return;
-    const auto cellOf = [&](vec3 p) { return ivec3(glm::floor(glm::clamp(p / reach, -1.0e6f, 1.0e6f))); };
     // Only cells next to a texel that wants a value are filled.
     std::unordered_map<uint64_t, std::vector<uint32_t>> grid;
     for (const TexelPlace& place : wanting) {
-        const ivec3 cell = cellOf(place.position);
+        const ivec3 cell = cellOf(place.position, reach);
         for (int n = 0; n < 27; ++n) grid.try_emplace(cellKey(cell + ivec3(n % 3, n / 3 % 3, n / 9) - 1));
     }
     for (std::size_t j = 0; j < map.texels.size(); ++j) {
         if (!valid[j]) continue;
-        const auto cell = grid.find(cellKey(cellOf(placeOf(geometry, map, map.texels[j]).position)));
+        const auto cell = grid.find(cellKey(cellOf(placeOf(geometry, map, map.texels[j]).position, reach)));
         if (cell != grid.end()) cell->second.push_back(uint32_t(j));
     }
     std::vector<T> adopted(open.size());
     std::vector<uint8_t> found(open.size(), 0);
     parallelFor(open.size(), 64, [&](std::size_t begin, std::size_t end) {
         for (std::size_t i = begin; i < end; ++i) {
-            const ivec3 cell = cellOf(wanting[i].position);
+            const ivec3 cell = cellOf(wanting[i].position, reach);
             T sum{};
             float weight = 0.0f;
             for (int n = 0; n < 27; ++n) {

@@ -1,6 +1,7 @@
 // Where light probes go and what they say (spec S14). A coarse grid first; then, where neighbouring probes disagree,
 // probes in between: halfway where the light changes gradually, on both sides of what stands between them where it
 // does not.
+#include "bake/cells.h"
 #include "bake/gather.h"
 #include "bake/stages.h"
 
@@ -86,12 +87,7 @@ class Places {
 public:
     explicit Places(float cell) : cell_(cell) {}
     /// False when the cell around this point is taken already.
-    bool take(vec3 point)
-    {
-        const ivec3 c(glm::floor(glm::clamp(point / cell_, -1.0e6f, 1.0e6f)));
-        const auto part = [](int v) { return uint64_t(uint32_t(v)) & 0x1fffffu; };
-        return taken_.insert(part(c.x) | (part(c.y) << 21) | (part(c.z) << 42)).second;
-    }
+    bool take(vec3 point) { return taken_.insert(cellKey(cellOf(point, cell_))).second; }
 
 private:
     float cell_;
