@@ -190,7 +190,7 @@ void partGather(const Options& options)
         const GatherPattern pattern(1);
         IntegrationSettings settings;
         settings.bounces = options.bounces;
-        std::vector<PointMask> outside(p.map.texels.size(), kAllPoints);
+        OutsidePoints outside(p.map.texels.size());
         RadianceCache cache;
         std::atomic<uint64_t> ignored{0};
         cache.build(paths, p.map, pattern, settings, outside, {}, ignored);
@@ -208,11 +208,12 @@ void partGather(const Options& options)
                     const RayLogScope scope(record ? &logs[r] : nullptr);
                     for (std::size_t g = 0; g < kRun; g += TexelGroup::kLanes) {
                         std::array<PointMask, TexelGroup::kLanes> masks;
-                        for (std::size_t k = 0; k < masks.size(); ++k) masks[k] = outside[chosen[r * kRun + g + k]];
-                        const TexelGroup group(paths, p.map, std::span(&chosen[r * kRun + g], TexelGroup::kLanes),
-                                               masks);
-                        std::array<TexelSum, TexelGroup::kLanes> sums;
-                        gather.add(group, 0, 4, sums, rays);
+                        for (std::size_t k = 0; k < masks.size(); ++k)
+                            masks[k] = outside.masks[chosen[r * kRun + g + k]];
+                        const GatherGroup group(paths, p.map, std::span(&chosen[r * kRun + g], TexelGroup::kLanes),
+                                                masks);
+                        std::array<TexelLight, TexelGroup::kLanes> lights;
+                        gather.add(group, 0, 4, lights, rays);
                     }
                 }
                 total += rays;

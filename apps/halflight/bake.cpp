@@ -150,6 +150,9 @@ void printSummary(const BakeOptions& options, const BakeReport& report)
                grouped(uint64_t(report.probeCount)));
     fmt::print("samples    {:.0f} per texel, {} per masked light, {} bounces, {} per probe\n", report.samplesPerTexel,
                report.quality.shadowSamples, report.quality.bounces, report.quality.probeSamples);
+    if (report.texelsBetween > 0) {
+        fmt::print("between    {} texels take the mean of those around them\n", grouped(report.texelsBetween));
+    }
     fmt::print("noise      {:.1f} % before denoising", 100.0 * double(report.noiseReached));
     if (report.quality.noiseTarget > 0.0f) {
         fmt::print(", target {:.1f} %; {} texels stopped at {} samples", 100.0 * double(report.quality.noiseTarget),
@@ -297,6 +300,9 @@ Command addBakeCommand(CLI::App& parent)
            "rays or paths per texel (default by quality); with --noise, the most");
     addPercent(app, "--noise", bake.noiseTarget, 0.1f, 100.0f,
                "noise at which a texel has enough samples, such as 2% (default: the same number for all)");
+    addChoice<int>(app, "--texel-step", bake.texelStep, {{"1", 1}, {"2", 2}, {"4", 4}},
+                   "trace every so many texels whatever is around them, and those in between only where light can "
+                   "change (default 2; 1 = trace all)");
     addInt(app, "--shadow-samples", bake.shadowSamples, 1, 1 << 16,
            "shadow rays per texel and masked light (default by quality)");
     addInt(app, "--bounces", bake.bounces, 0, 64, "indirect bounces, 0 = direct light only (default by quality)");

@@ -130,6 +130,7 @@ void reportNoise(const std::vector<IrradianceEstimate>& estimates, BakeReport& r
         variance += double(e.varianceOfMean);
         sum += double(luminance(e.irradiance));
         samples += double(e.samples);
+        if (e.samples == 0) ++report.texelsBetween;
         if (report.quality.noiseTarget > 0.0f && e.samples >= most) ++report.texelsAtCap;
     }
     if (valid == 0) return;
@@ -210,6 +211,7 @@ Result<BakeResult> bake(Scene scene, const BakeSettings& settings, const Integra
     IntegrationSettings integration;
     integration.integrator = settings.integrator;
     integration.noiseTarget = settings.noiseTarget;
+    integration.texelStep = settings.texelStep;
     integration.samples = report.quality.samples;
     integration.shadowSamples = report.quality.shadowSamples;
     integration.bounces = report.quality.bounces;

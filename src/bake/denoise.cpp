@@ -8,15 +8,83 @@
 #include <cmath>
 
 namespace halflight {
+namespace {
+
+/// Texels that have samples of their own; the others are the mean of some around them, and know nothing more.
+bool traced(const IrradianceEstimate& estimate)
+{
+    return estimate.valid && estimate.samples > 0;
+}
+
+/// What the variances that estimates state have to be multiplied with. They take a texel's blocks of samples for
+/// independent, which are spread better than that: the true noise is less, the more so the more blocks there are. How
+/// much there is shows between neighbours: in second differences along both axes, which smooth light leaves at zero
+/// (Immerkaer 1996, "Fast Noise Variance Estimation"), squared and summed over a few texels around, over what the
+/// variances let expect of them.
+std::vector<float> varianceScales(const TexelMap& map, const TexelGrid& grid,
+                                  const std::vector<IrradianceEstimate>& estimates)
+{
+    struct Noise {
+        float found = 0.0f;
+        float stated = 0.0f;
+    };
+    std::vector<Noise> noise(map.texels.size());
+    parallelFor(map.texels.size(), 4096, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t i = begin; i < end; ++i) {
+            if (!traced(estimates[i])) continue;
+            for (int distance = 1; distance <= 4; distance *= 2) {
+                float difference = 0.0f;
+                float variance = 0.0f;
+                int count = 0;
+                for (int dy = -1; dy <= 1; ++dy) {
+                    for (int dx = -1; dx <= 1; ++dx) {
+                        const uint32_t j = grid.at(map.texels[i], dx * distance, dy * distance);
+                        if (j == kNoTexel || !traced(estimates[j])) continue;
+                        const float weight = float((dx == 0 ? -2 : 1) * (dy == 0 ? -2 : 1));
+                        difference += weight * luminance(estimates[j].irradiance);
+                        variance += weight * weight * estimates[j].varianceOfMean;
+                        ++count;
+                    }
+                }
+                if (count < 9) continue;
+                noise[i] = {difference * difference, variance};
+                break;
+            }
+        }
+    });
+    constexpr int kRadius = 3;
+    constexpr int kEnough = 6;
+    constexpr float kLeastScale = 0.05f;
+    std::vector<float> scales(map.texels.size(), 1.0f);
+    parallelFor(map.texels.size(), 2048, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t i = begin; i < end; ++i) {
+            float found = 0.0f;
+            float stated = 0.0f;
+            int count = 0;
+            grid.around(uint32_t(i), kRadius, [&](uint32_t j) {
+                found += noise[j].found;
+                stated += noise[j].stated;
+                count += noise[j].stated > 0.0f ? 1 : 0;
+            });
+            if (count >= kEnough) scales[i] = std::clamp(found / stated, kLeastScale, 1.0f);
+        }
+    });
+    return scales;
+}
+
+} // namespace
 
 // The edge-avoiding à-trous wavelet of Dammertz et al. 2010 ("Edge-Avoiding À-Trous Wavelet Transform for fast Global
 // Illumination Filtering"), its luminance edge-stopping function scaled by the estimates' standard deviation as in
 // Schied et al. 2017 ("Spatiotemporal Variance-Guided Filtering"): differences that noise can explain are smoothed,
-// larger ones (contact shadows) stay. Texels of other charts never take part.
+// larger ones (contact shadows) stay. Texels of other charts never take part. Those that are the mean of others are no
+// witnesses beside these: the first level averages traced texels alone.
 void denoise(const BakeGeometry& geometry, const TexelMap& map, std::vector<IrradianceEstimate>& estimates)
 {
     const std::size_t count = map.texels.size();
     const TexelGrid grid(map);
+    const std::vector<float> scales = varianceScales(map, grid, estimates);
+    for (std::size_t i = 0; i < count; ++i) estimates[i].varianceOfMean *= scales[i];
     std::vector<TexelPlace> guides(count);
     parallelFor(count, 4096, [&](std::size_t begin, std::size_t end) {
         for (std::size_t i = begin; i < end; ++i) guides[i] = placeOf(geometry, map, map.texels[i]);
@@ -78,7 +146,7 @@ void denoise(const BakeGeometry& geometry, const TexelMap& map, std::vector<Irra
     });
 
     constexpr std::array<float, 3> kSpline = {3.0f / 8.0f, 1.0f / 4.0f, 1.0f / 16.0f};
-    constexpr float kLuminanceSigmas = 2.5f;
+    constexpr float kLuminanceSigmas = 2.0f;
     std::vector<vec3> nextColor(count);
     std::vector<vec3> nextMoment(count);
     std::vector<float> nextVariance(count);
@@ -97,7 +165,7 @@ void denoise(const BakeGeometry& geometry, const TexelMap& map, std::vector<Irra
                 for (int dy = -2; dy <= 2; ++dy) {
                     for (int dx = -2; dx <= 2; ++dx) {
                         const uint32_t j = grid.at(texel, dx * step, dy * step);
-                        if (j == kNoTexel || !estimates[j].valid) continue;
+                        if (j == kNoTexel || !estimates[j].valid || (level == 0 && !traced(estimates[j]))) continue;
                         float w = kSpline[std::size_t(std::abs(dx))] * kSpline[std::size_t(std::abs(dy))];
                         if (j != uint32_t(i)) {
                             const float cosine = std::max(glm::dot(guide.normal, guides[j].normal), 0.0f);

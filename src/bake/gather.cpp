@@ -10,7 +10,7 @@
 namespace halflight {
 namespace {
 
-constexpr uint32_t kCacheVersion = 4; ///< to be raised when estimates of the same input change
+constexpr uint32_t kCacheVersion = 5; ///< to be raised when estimates of the same input change
 
 /// Small, so that a small change shows in a tile's sum of witnesses.
 constexpr std::size_t kTexelTile = 256;
@@ -54,14 +54,20 @@ Hash128 bakeHash(const Scene& scene, const BakeSettings& settings)
 {
     // Every setting by name, so that a new one cannot be forgotten here. Left out below: what resolveQuality()
     // replaces, and what changes no byte of the output file.
-    [[maybe_unused]] const auto& [mode, quality, samples, shadowSamples, bounces, integrator, noiseTarget, uvMode,
-                                  texelsPerMeter, lightmapSize, paddingTexels, denoise, directional, maskEncoding,
-                                  probeSpacingMeters, threads, seed, imagesDirectory, cacheDirectory] = settings;
+    [[maybe_unused]] const auto& [mode, quality, samples, shadowSamples, bounces, integrator, noiseTarget, texelStep,
+                                  uvMode, texelsPerMeter, lightmapSize, paddingTexels, denoise, directional,
+                                  maskEncoding, probeSpacingMeters, threads, seed, imagesDirectory, cacheDirectory] =
+        settings;
     const BakeQuality q = resolveQuality(settings);
     Hasher hasher;
     hasher.add(kCacheVersion).add(contentHash(scene)).add(int(mode)).add(int(integrator)).add(int(uvMode));
     hasher.add(q.samples).add(q.shadowSamples).add(q.bounces).add(q.lightmapSize).add(q.probeSamples);
-    hasher.add(q.noiseTarget).add(texelsPerMeter).add(paddingTexels).add(int(denoise)).add(int(directional));
+    hasher.add(q.noiseTarget)
+        .add(texelStep)
+        .add(texelsPerMeter)
+        .add(paddingTexels)
+        .add(int(denoise))
+        .add(int(directional));
     return hasher.add(int(maskEncoding)).add(probeSpacingMeters).add(seed).hash();
 }
 
@@ -69,7 +75,11 @@ Hash128 layoutHash(const TexelMap& map, const IntegrationSettings& settings, Mix
 {
     Hasher hasher;
     hasher.add(kCacheVersion).add(int(mode)).add(settings.samples).add(settings.shadowSamples).add(settings.bounces);
-    hasher.add(int(settings.integrator)).add(settings.noiseTarget).add(settings.probeSamples).add(settings.seed);
+    hasher.add(int(settings.integrator))
+        .add(settings.noiseTarget)
+        .add(settings.texelStep)
+        .add(settings.probeSamples)
+        .add(settings.seed);
     hasher.add(map.pageSize).add(map.pageCount);
     for (const Texel& texel : map.texels) hasher.add(texel.x).add(texel.y).add(texel.page);
     return hasher.hash();

@@ -99,6 +99,8 @@ TriangleFrame::TriangleFrame(const BakeGeometry& geometry, uint32_t triangle)
         positions_[i] = geometry.positions[t[i]];
         normals_[i] = geometry.normals[t[i]];
     }
+    flat_ = normals_[0] == normals_[1] && normals_[0] == normals_[2];
+    if (flat_) normals_[0] = shadingNormal(normals_[0]);
 }
 
 SurfacePoint TriangleFrame::at(vec2 barycentric) const
@@ -109,13 +111,18 @@ SurfacePoint TriangleFrame::at(vec2 barycentric) const
     p.barycentric = barycentric;
     p.position = w * positions_[0] + barycentric.x * positions_[1] + barycentric.y * positions_[2];
     p.geometricNormal = geometricNormal_;
-    const vec3 n = w * normals_[0] + barycentric.x * normals_[1] + barycentric.y * normals_[2];
-    const float length = glm::length(n);
-    p.normal = length > 0.0f ? n / length : p.geometricNormal;
-    // Smooth normals that lean behind the triangle (or files whose normals contradict the winding) would put the whole
-    // hemisphere inside the surface; the triangle's own normal is the safe choice there.
-    if (glm::dot(p.normal, p.geometricNormal) <= 0.0f) p.normal = p.geometricNormal;
+    p.normal = flat_ ? normals_[0]
+                     : shadingNormal(w * normals_[0] + barycentric.x * normals_[1] + barycentric.y * normals_[2]);
     return p;
+}
+
+/// Smooth normals that lean behind the triangle (or files whose normals contradict the winding) would put the whole
+/// hemisphere inside the surface; the triangle's own normal is the safe choice there.
+vec3 TriangleFrame::shadingNormal(vec3 sum) const
+{
+    const float length = glm::length(sum);
+    const vec3 normal = length > 0.0f ? sum / length : geometricNormal_;
+    return glm::dot(normal, geometricNormal_) > 0.0f ? normal : geometricNormal_;
 }
 
 SurfacePoint surfacePoint(const BakeGeometry& geometry, uint32_t triangle, vec2 barycentric)

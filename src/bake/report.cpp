@@ -35,6 +35,7 @@ std::string reportJson(const BakeReport& report)
         {"peakMemoryBytes", report.peakMemoryBytes},
         {"samplesPerTexel", report.samplesPerTexel},
         {"noise", report.noiseReached},
+        {"texelsBetweenOthers", report.texelsBetween},
         {"texelsAtSampleLimit", report.texelsAtCap},
         {"quality",
          {{"samples", report.quality.samples},

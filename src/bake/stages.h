@@ -102,10 +102,13 @@ public:
     [[nodiscard]] SurfacePoint at(vec2 barycentric) const;
 
 private:
+    [[nodiscard]] vec3 shadingNormal(vec3 sum) const;
+
     uint32_t triangle_;
     vec3 geometricNormal_;
     vec3 positions_[3];
     vec3 normals_[3];
+    bool flat_; ///< one normal for all points: normals_[0]
 };
 
 } // namespace halflight

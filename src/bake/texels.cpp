@@ -294,11 +294,14 @@ int texelPoints(const BakeGeometry& geometry, const TexelMap& map, const Texel& 
     // Candidates: a rank-1 lattice over the texel's square (Roberts 2018, the R2 sequence), each kept when a triangle
     // of the texel covers it.
     const std::span fragments(map.fragments.data() + texel.firstFragment, texel.fragmentCount);
-    std::array<vec2, kMaxTexelPoints> places;
-    for (int i = 0; i < kMaxTexelPoints; ++i) {
-        const float number = float(batch * kMaxTexelPoints + i);
-        places[std::size_t(i)] =
+    std::array<float, kMaxTexelPoints> x;
+    std::array<float, kMaxTexelPoints> y;
+    for (std::size_t i = 0; i < kMaxTexelPoints; ++i) {
+        const auto number = float(batch * kMaxTexelPoints + int(i));
+        const vec2 place =
             vec2(texel.x, texel.y) + glm::fract(vec2(0.5f) + number * vec2(0.7548776662f, 0.5698402910f));
+        x[i] = place.x;
+        y[i] = place.y;
     }
     constexpr uint32_t kAll = (1u << kMaxTexelPoints) - 1u;
     uint32_t found = 0; // a bit for each candidate
@@ -309,20 +312,25 @@ int texelPoints(const BakeGeometry& geometry, const TexelMap& map, const Texel& 
         const vec2 edge2 = geometry.lightmapTexel[t.z] - corner;
         const float area = cross2(edge1, edge2);
         if (area == 0.0f) continue;
-        std::array<vec2, kMaxTexelPoints> barycentric;
+        // Apart, so that the compiler handles several points at once.
+        std::array<float, kMaxTexelPoints> u;
+        std::array<float, kMaxTexelPoints> v;
+        for (std::size_t i = 0; i < kMaxTexelPoints; ++i) {
+            const float dx = x[i] - corner.x;
+            const float dy = y[i] - corner.y;
+            u[i] = (dx * edge2.y - dy * edge2.x) / area;
+            v[i] = (edge1.x * dy - edge1.y * dx) / area;
+        }
         uint32_t covered = 0;
-        for (int i = 0; i < kMaxTexelPoints; ++i) {
-            const vec2 place = places[std::size_t(i)] - corner;
-            const vec2 w = vec2(cross2(place, edge2), cross2(edge1, place)) / area;
-            barycentric[std::size_t(i)] = w;
-            covered |= uint32_t((w.x >= 0.0f) & (w.y >= 0.0f) & (w.x + w.y <= 1.0f)) << i;
+        for (std::size_t i = 0; i < kMaxTexelPoints; ++i) {
+            covered |= uint32_t((u[i] >= 0.0f) & (v[i] >= 0.0f) & (u[i] + v[i] <= 1.0f)) << i;
         }
         covered &= ~found;
         if (covered == 0) continue;
         found |= covered;
         const PointsOffEdges points(geometry, fragment.triangle);
         for (int i = 0; i < kMaxTexelPoints; ++i) {
-            if (((covered >> i) & 1u) != 0) out[std::size_t(i)] = points.at(barycentric[std::size_t(i)]);
+            if (((covered >> i) & 1u) != 0) out[std::size_t(i)] = points.at({u[std::size_t(i)], v[std::size_t(i)]});
         }
         if (found == kAll) return kMaxTexelPoints;
     }

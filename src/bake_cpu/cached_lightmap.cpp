@@ -5,23 +5,283 @@
 namespace halflight {
 namespace {
 
-/// Blocks that all texels get, and around how many texels of theirs the noise is estimated: 5 x 5.
+/// Blocks that all traced texels get, and around how many texels of theirs the noise is estimated: 5 x 5.
 constexpr int kFirstBlocks = 2;
 constexpr int kNoiseRadius = 2;
 
+/// A texel may lie between others whose distance, squared, times the mean of the inverse squared distances of what
+/// their rays hit is at most this: how much the light could bend between them.
+constexpr float kMostBend = 0.03f;
+
 } // namespace
 
-struct CachedLightmap::First {
-    TexelSum sum;
-    PointMask mask = 0;
-    bool active = false;
+class CachedLightmap::Run {
+public:
+    Run(const CachedLightmap& lightmap, const TexelMap& map, std::span<const uint32_t> texels, int most,
+        const Progress& progress, std::atomic<uint64_t>& rays)
+        : lightmap_(lightmap), map_(map), most_(most), progress_(progress), rays_(rays),
+          adaptive_(lightmap.settings_.noiseTarget > 0.0f && most > kFirstBlocks),
+          lattice_(lightmap.paths_.surfaces().geometry(), map, lightmap.state_->grid, lightmap.settings_.texelStep),
+          set_(map, texels)
+    {
+        // What a texel may lie between, and what these may lie between.
+        const auto neighbours = [&](uint32_t texel, const auto& add) { lattice_.forNeighbours(texel, add); };
+        const auto addNeighbours = [&] {
+            for (int step = lattice_.step(); step > 1; step /= 2) set_.extend(neighbours);
+        };
+        addNeighbours();
+        if (adaptive_) {
+            wanted_ = std::make_unique<TexelSet>(set_);
+            set_.extend(
+                [&](uint32_t texel, const auto& add) { lightmap.state_->grid.around(texel, kNoiseRadius, add); });
+            addNeighbours();
+        }
+        known_.resize(set_.size());
+    }
+
+    bool work() { return gatherFirst() && (!adaptive_ || gatherMore()) && finishBetween(); }
+
+    [[nodiscard]] IrradianceEstimate estimateOf(uint32_t texel) const
+    {
+        const Known& k = known_[set_.find(texel)];
+        IrradianceEstimate estimate;
+        estimate.valid = k.active;
+        estimate.outsidePoints = k.mask;
+        if (!k.active) return estimate;
+        estimate.irradiance = k.light.irradiance();
+        estimate.moment = k.light.gathered.meanMoment() + k.light.emitted.meanMoment();
+        estimate.varianceOfMean = k.light.gathered.varianceOfMean() + k.light.emitted.varianceOfMean();
+        estimate.samples = k.between ? 0 : uint32_t(k.light.gathered.blocks) * GatherPattern::kBlock;
+        return estimate;
+    }
+
+private:
+    /// What is known of a texel while others still need it.
+    struct Known {
+        TexelLight light;
+        PointMask mask = 0;
+        bool active = false;
+        bool between = false; ///< not traced, but the mean of others
+    };
+
+    [[nodiscard]] PointMask outside(uint32_t texel) const { return lightmap_.state_->outside.masks[texel]; }
+    [[nodiscard]] FinalGather makeGather() const
+    {
+        return {lightmap_.paths_, lightmap_.pattern_, lightmap_.cache(), lightmap_.settings_};
+    }
+
+    /// First samples, level by level: where those of the levels before tell that light hardly changes, a texel goes
+    /// between.
+    bool gatherFirst()
+    {
+        std::vector<uint32_t> places;
+        for (int spacing = lattice_.step(); spacing >= 1; spacing /= 2) {
+            places.clear();
+            for (std::size_t i = 0; i < set_.size(); ++i) {
+                if (lattice_.spacingOf(set_[i]) == spacing) places.push_back(uint32_t(i));
+            }
+            parallelFor(places.size(), 256, [&](std::size_t begin, std::size_t end) {
+                for (std::size_t i = begin; i < end; ++i) goBetween(places[i]);
+            });
+            std::erase_if(places, [&](uint32_t place) { return known_[place].between; });
+            const bool done = forTexelGroups<GatherGroup>(
+                lightmap_.paths_, map_, places.size(), [&](std::size_t i) { return set_[places[i]]; },
+                [&](std::size_t i) { return outside(set_[places[i]]); }, progress_, "lightmap", rays_,
+                [&] {
+                    return
+                        [&, gather = makeGather()](const GatherGroup& group, std::size_t i, uint64_t& traced) mutable {
+                            std::array<Known*, TexelGroup::kLanes> known{};
+                            for (int lane = 0; lane < group.lanes(); ++lane)
+                                known[std::size_t(lane)] = &known_[places[i + std::size_t(lane)]];
+                            gatherChecked(group, gather, known.data(), traced);
+                        };
+                });
+            if (!done) return false;
+        }
+        return true;
+    }
+
+    /// The first samples of a group. Where rays met the inside of surfaces, the texel's points are looked at one by
+    /// one.
+    void gatherChecked(const GatherGroup& group, FinalGather& gather, Known* const* known, uint64_t& rays) const
+    {
+        std::array<TexelLight, TexelGroup::kLanes> lights;
+        gather.add(group, 0, adaptive_ ? kFirstBlocks : most_, lights, rays);
+        for (int lane = 0; lane < group.lanes(); ++lane) {
+            const TexelLight& light = lights[std::size_t(lane)];
+            if (group.active(lane) && lightmap_.state_->outside.known[group.texel(lane)] == 0 &&
+                group.mask(lane) == kAllPoints &&
+                light.backFaces * 16 > light.gathered.blocks * GatherPattern::kBlock) {
+                const PointMask mask =
+                    lightmap_.validity_.outside(group.points(lane), group.pointCount(lane), group.id(lane), rays);
+                if (mask != PointMask((1u << group.pointCount(lane)) - 1u)) {
+                    const uint32_t texel = group.texel(lane);
+                    gatherChecked(GatherGroup(lightmap_.paths_, map_, std::span(&texel, 1), std::span(&mask, 1)),
+                                  gather, known + lane, rays);
+                    continue;
+                }
+            }
+            *known[lane] = {light, group.mask(lane), group.active(lane), false};
+        }
+    }
+
+    /// More samples for texels whose noise is above the target.
+    bool gatherMore()
+    {
+        struct Open {
+            uint32_t place;
+            int blocks;
+        };
+        std::vector<int> needed(set_.size());
+        parallelFor(set_.size(), 1024, [&](std::size_t begin, std::size_t end) {
+            for (std::size_t i = begin; i < end; ++i) {
+                needed[i] = known_[i].between || !wanted_->contains(set_[i]) ? 0 : blocksNeeded(set_[i]);
+            }
+        });
+        std::vector<Open> open;
+        for (std::size_t i = 0; i < set_.size(); ++i) {
+            if (needed[i] > kFirstBlocks) open.push_back({uint32_t(i), needed[i]});
+        }
+        // Some more for all that are not done yet, again and again, so that the texels of a group go on together.
+        for (int done = kFirstBlocks; !open.empty();) {
+            const int next = std::min(done + std::max(1, done / 2), most_);
+            if (!forTexelGroups<GatherGroup>(
+                    lightmap_.paths_, map_, open.size(), [&](std::size_t i) { return set_[open[i].place]; },
+                    [&](std::size_t i) { return known_[open[i].place].mask; }, progress_, "lightmap", rays_,
+                    [&] {
+                        return [&, gather = makeGather()](const GatherGroup& group, std::size_t i,
+                                                          uint64_t& traced) mutable {
+                            std::array<TexelLight, TexelGroup::kLanes> lights;
+                            for (int lane = 0; lane < group.lanes(); ++lane)
+                                lights[std::size_t(lane)] = known_[open[i + std::size_t(lane)].place].light;
+                            gather.add(group, done, next - done, lights, traced);
+                            for (int lane = 0; lane < group.lanes(); ++lane)
+                                known_[open[i + std::size_t(lane)].place].light = lights[std::size_t(lane)];
+                        };
+                    })) {
+                return false;
+            }
+            done = next;
+            std::erase_if(open, [&](const Open& o) { return o.blocks <= done; });
+        }
+        return true;
+    }
+
+    /// Blocks after which the standard error of a texel's luminance is within the target, as far as the first samples
+    /// of the texels around it tell. Blocks are taken for independent, though all together are spread better than that.
+    [[nodiscard]] int blocksNeeded(uint32_t texel) const
+    {
+        float squares = 0.0f;
+        float freedom = 0.0f;
+        float mean = 0.0f;
+        float count = 0.0f;
+        lightmap_.state_->grid.around(texel, kNoiseRadius, [&](uint32_t other) {
+            const Known& k = known_[set_.find(other)];
+            if (!k.active || k.between) return;
+            squares += std::max(k.light.gathered.squares, 0.0f) + std::max(k.light.emitted.squares, 0.0f);
+            freedom += float(k.light.gathered.blocks - 1);
+            mean += luminance(k.light.irradiance());
+            count += 1.0f;
+        });
+        if (!known_[set_.find(texel)].active) return 0;
+        const float dark = 0.02f * lightmap_.mapMean_;
+        const float allowed = lightmap_.settings_.noiseTarget * std::max(mean / count, dark);
+        if (!(squares > 0.0f)) return kFirstBlocks;
+        if (!(allowed > 0.0f)) return most_;
+        const float blocks = squares / freedom / (allowed * allowed);
+        return blocks >= float(most_) ? most_ : std::max(int(std::ceil(blocks)), kFirstBlocks);
+    }
+
+    /// Decides whether a texel can lie between others, all of which are known.
+    void goBetween(uint32_t place)
+    {
+        TexelLattice::Around around;
+        if (outside(set_[place]) != kAllPoints || !lattice_.around(set_[place], around)) return;
+        float inverseSquares = 0.0f; // mean over the rays
+        for (int i = 0; i < around.count; ++i) {
+            const Known& k = known_[set_.find(around.texels[std::size_t(i)])];
+            if (!k.active || k.mask != kAllPoints || k.light.backFaces > 0) return;
+            inverseSquares +=
+                k.light.inverseSquares / (float(k.light.gathered.blocks * GatherPattern::kBlock) * float(around.count));
+        }
+        if (!(inverseSquares * around.meters * around.meters <= kMostBend)) return;
+        Known& k = known_[place];
+        k.between = k.active = true;
+        k.mask = kAllPoints;
+        mix(around, k);
+    }
+
+    /// What the texels around gather, on average, as if it had been gathered.
+    void mix(const TexelLattice::Around& around, Known& k) const
+    {
+        const float share = 1.0f / float(around.count);
+        vec3 irradiance(0.0f);
+        vec3 moment(0.0f);
+        float variance = 0.0f;
+        float inverseSquares = 0.0f; // mean over the rays
+        int blocks = most_;
+        for (int i = 0; i < around.count; ++i) {
+            const TexelLight& light = known_[set_.find(around.texels[std::size_t(i)])].light;
+            irradiance += share * light.gathered.mean();
+            moment += share * light.gathered.meanMoment();
+            variance += share * share * light.gathered.varianceOfMean();
+            inverseSquares += share * light.inverseSquares / float(light.gathered.blocks);
+            blocks = std::min(blocks, int(light.gathered.blocks));
+        }
+        k.light.gathered = TexelSum::of(irradiance, moment, variance, blocks);
+        k.light.inverseSquares = inverseSquares * float(blocks);
+    }
+
+    /// Texels between others get what these gather in the end. Emitters they look at themselves: shadows of small ones
+    /// have edges.
+    bool finishBetween()
+    {
+        std::vector<uint32_t> places;
+        for (std::size_t i = 0; i < set_.size(); ++i) {
+            if (known_[i].between) places.push_back(uint32_t(i));
+        }
+        for (int spacing = lattice_.step() / 2; adaptive_ && spacing >= 1; spacing /= 2) {
+            parallelFor(places.size(), 1024, [&](std::size_t begin, std::size_t end) {
+                for (std::size_t i = begin; i < end; ++i) {
+                    TexelLattice::Around around;
+                    if (lattice_.spacingOf(set_[places[i]]) != spacing) continue;
+                    lattice_.around(set_[places[i]], around);
+                    mix(around, known_[places[i]]);
+                }
+            });
+        }
+        if (lightmap_.paths_.emitters().empty()) return true;
+        return forTexelGroups<GatherGroup>(
+            lightmap_.paths_, map_, places.size(), [&](std::size_t i) { return set_[places[i]]; },
+            [](std::size_t) { return kAllPoints; }, progress_, "lightmap", rays_,
+            [&] {
+                return [&, gather = makeGather()](const GatherGroup& group, std::size_t i, uint64_t& traced) mutable {
+                    std::array<TexelLight, TexelGroup::kLanes> lights;
+                    for (int lane = 0; lane < group.lanes(); ++lane)
+                        lights[std::size_t(lane)] = known_[places[i + std::size_t(lane)]].light;
+                    gather.addEmitters(group, lights, traced);
+                    for (int lane = 0; lane < group.lanes(); ++lane)
+                        known_[places[i + std::size_t(lane)]].light = lights[std::size_t(lane)];
+                };
+            });
+    }
+
+    const CachedLightmap& lightmap_;
+    const TexelMap& map_;
+    int most_; ///< blocks of a texel
+    const Progress& progress_;
+    std::atomic<uint64_t>& rays_;
+    bool adaptive_;
+    TexelLattice lattice_;
+    TexelSet set_;
+    std::unique_ptr<TexelSet> wanted_; ///< of the set, those that must reach the noise target; null without one
+    std::vector<Known> known_;         ///< of the set
 };
 
 bool CachedLightmap::prepare(const TexelMap& map, const Progress& progress, std::atomic<uint64_t>& rays)
 {
     if (state_ != nullptr && map_ == &map && mapTexels_ == map.texels.size()) return true;
-    auto state =
-        std::make_unique<MapState>(MapState{TexelGrid(map), {}, std::vector<PointMask>(map.texels.size(), kAllPoints)});
+    auto state = std::make_unique<MapState>(MapState{TexelGrid(map), {}, OutsidePoints(map.texels.size())});
     if (settings_.bounces > 0 &&
         !state->cache.build(paths_, map, pattern_, settings_, state->outside, progress, rays)) {
         return false;
@@ -34,13 +294,13 @@ bool CachedLightmap::prepare(const TexelMap& map, const Progress& progress, std:
     const std::size_t step = std::max<std::size_t>(1, map.texels.size() / kProbedGroups);
     for (std::size_t i = 0; settings_.noiseTarget > 0.0f && i < map.texels.size(); i += step) {
         const auto texel = uint32_t(i);
-        std::array<TexelSum, TexelGroup::kLanes> sums;
-        const TexelGroup group(paths_, map, std::span(&texel, 1), std::span(&state->outside[i], 1));
+        std::array<TexelLight, TexelGroup::kLanes> lights;
+        const GatherGroup group(paths_, map, std::span(&texel, 1), std::span(&state->outside.masks[i], 1));
         uint64_t traced = 0;
-        gather.add(group, 0, 1, sums, traced);
+        gather.add(group, 0, 1, lights, traced);
         rays += traced;
         if (!group.active(0)) continue;
-        sum += double(luminance(sums[0].mean()));
+        sum += double(luminance(lights[0].irradiance()));
         ++count;
     }
     mapMean_ = count > 0 ? float(sum / double(count)) : 0.0f;
@@ -56,123 +316,10 @@ bool CachedLightmap::irradiance(const TexelMap& map, std::span<const uint32_t> t
 {
     if (!prepare(map, progress, rays)) return false;
     const int most = std::clamp((samples + GatherPattern::kBlock - 1) / GatherPattern::kBlock, 1, 65535);
-    const bool adaptive = settings_.noiseTarget > 0.0f && most > kFirstBlocks;
-    const int firstBlocks = adaptive ? kFirstBlocks : most;
-
-    // An estimate depends on its texel's neighbours when noise is estimated from them, asked for or not.
-    const TexelSet set(state_->grid, map, texels, adaptive ? kNoiseRadius : 0);
-    std::vector<First> first(set.size());
-    if (!forTexelGroups(
-            paths_, map, set.size(), [&](std::size_t i) { return set[i]; },
-            [&](std::size_t i) { return state_->outside[set[i]]; }, progress, "lightmap", rays,
-            [&] {
-                return [&, gather = FinalGather(paths_, pattern_, cache(), settings_)](
-                           const TexelGroup& group, std::size_t i, uint64_t& traced) mutable {
-                    gatherChecked(map, group, gather, firstBlocks, &first[i], traced);
-                };
-            })) {
-        return false;
-    }
-
-    if (adaptive) {
-        struct Open {
-            uint32_t place;
-            int blocks;
-        };
-        std::vector<Open> open;
-        std::vector<int> needed(texels.size());
-        parallelFor(texels.size(), 1024, [&](std::size_t begin, std::size_t end) {
-            for (std::size_t i = begin; i < end; ++i) {
-                needed[i] = blocksNeeded(set, first, texels[i], 0.02f * mapMean_, most);
-            }
-        });
-        for (std::size_t i = 0; i < texels.size(); ++i) {
-            if (needed[i] > kFirstBlocks) open.push_back({uint32_t(set.find(texels[i])), needed[i]});
-        }
-        // Some more for all that are not done yet, again and again, so that the texels of a group go on together.
-        for (int done = kFirstBlocks; !open.empty();) {
-            const int next = std::min(done + std::max(1, done / 2), most);
-            if (!forTexelGroups(
-                    paths_, map, open.size(), [&](std::size_t i) { return set[open[i].place]; },
-                    [&](std::size_t i) { return first[open[i].place].mask; }, progress, "lightmap", rays,
-                    [&] {
-                        return [&, gather = FinalGather(paths_, pattern_, cache(), settings_)](
-                                   const TexelGroup& group, std::size_t i, uint64_t& traced) mutable {
-                            std::array<TexelSum, TexelGroup::kLanes> sums;
-                            for (int lane = 0; lane < group.lanes(); ++lane)
-                                sums[std::size_t(lane)] = first[open[i + std::size_t(lane)].place].sum;
-                            gather.add(group, done, next - done, sums, traced);
-                            for (int lane = 0; lane < group.lanes(); ++lane)
-                                first[open[i + std::size_t(lane)].place].sum = sums[std::size_t(lane)];
-                        };
-                    })) {
-                return false;
-            }
-            done = next;
-            open.erase(std::remove_if(open.begin(), open.end(), [&](const Open& o) { return o.blocks <= done; }),
-                       open.end());
-        }
-    }
-
-    for (std::size_t i = 0; i < texels.size(); ++i) {
-        const First& f = first[set.find(texels[i])];
-        out[i] = {};
-        out[i].valid = f.active;
-        out[i].outsidePoints = f.mask;
-        if (!f.active) continue;
-        out[i].irradiance = f.sum.mean();
-        out[i].moment = f.sum.moment / float(f.sum.blocks);
-        out[i].varianceOfMean = f.sum.varianceOfMean();
-        out[i].samples = uint32_t(f.sum.blocks) * GatherPattern::kBlock;
-    }
+    Run run(*this, map, texels, most, progress, rays);
+    if (!run.work()) return false;
+    for (std::size_t i = 0; i < texels.size(); ++i) out[i] = run.estimateOf(texels[i]);
     return true;
-}
-
-/// The first samples of a group. Where rays met the inside of surfaces, the texel's points are looked at one by one.
-void CachedLightmap::gatherChecked(const TexelMap& map, const TexelGroup& group, FinalGather& gather, int blocks,
-                                   First* first, uint64_t& rays) const
-{
-    std::array<TexelSum, TexelGroup::kLanes> sums;
-    gather.add(group, 0, blocks, sums, rays);
-    for (int lane = 0; lane < group.lanes(); ++lane) {
-        const TexelSum& sum = sums[std::size_t(lane)];
-        if (group.active(lane) && group.mask(lane) == kAllPoints &&
-            sum.backFaces * 16 > sum.blocks * GatherPattern::kBlock) {
-            const PointMask mask = validity_.outside(group.points(lane), group.pointCount(lane), group.id(lane), rays);
-            if (mask != PointMask((1u << group.pointCount(lane)) - 1u)) {
-                const uint32_t texel = group.texel(lane);
-                gatherChecked(map, TexelGroup(paths_, map, std::span(&texel, 1), std::span(&mask, 1)), gather, blocks,
-                              first + lane, rays);
-                continue;
-            }
-        }
-        first[lane] = {sum, group.mask(lane), group.active(lane)};
-    }
-}
-
-/// Blocks after which the standard error of a texel's luminance is within the target, as far as the first samples of
-/// the texels around it tell. Blocks are taken for independent, though all together are spread better than that.
-int CachedLightmap::blocksNeeded(const TexelSet& set, const std::vector<First>& first, uint32_t texel, float dark,
-                                 int most) const
-{
-    if (!first[set.find(texel)].active) return 0;
-    float squares = 0.0f;
-    float freedom = 0.0f;
-    float mean = 0.0f;
-    float count = 0.0f;
-    state_->grid.around(texel, kNoiseRadius, [&](uint32_t other) {
-        const First& f = first[set.find(other)];
-        if (!f.active) return;
-        squares += std::max(f.sum.squares, 0.0f);
-        freedom += float(f.sum.blocks - 1);
-        mean += luminance(f.sum.mean());
-        count += 1.0f;
-    });
-    const float allowed = settings_.noiseTarget * std::max(mean / count, dark);
-    if (!(squares > 0.0f)) return kFirstBlocks;
-    if (!(allowed > 0.0f)) return most;
-    const float blocks = squares / freedom / (allowed * allowed);
-    return blocks >= float(most) ? most : std::max(int(std::ceil(blocks)), kFirstBlocks);
 }
 
 } // namespace halflight

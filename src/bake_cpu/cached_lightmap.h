@@ -1,9 +1,10 @@
 #pragma once
 // The lightmap by final gathering from the radiance cache, the same number of samples for all texels or as many as each
-// needs.
+// needs; where light hardly changes, texels lie between traced ones.
 
 #include "bake_cpu/final_gather.h"
 #include "bake_cpu/radiance_cache.h"
+#include "bake_cpu/texel_lattice.h"
 #include "bake_cpu/texel_set.h"
 #include "bake_cpu/validity.h"
 
@@ -29,14 +30,10 @@ private:
     struct MapState {
         TexelGrid grid;
         RadianceCache cache;
-        std::vector<PointMask> outside;
+        OutsidePoints outside;
     };
-    struct First; // what the first samples tell
+    class Run; // works on the texels asked for and on those they depend on
     bool prepare(const TexelMap& map, const Progress& progress, std::atomic<uint64_t>& rays);
-    void gatherChecked(const TexelMap& map, const TexelGroup& group, FinalGather& gather, int blocks, First* first,
-                       uint64_t& rays) const;
-    [[nodiscard]] int blocksNeeded(const TexelSet& set, const std::vector<First>& first, uint32_t texel, float dark,
-                                   int most) const;
     [[nodiscard]] const RadianceCache* cache() const { return settings_.bounces > 0 ? &state_->cache : nullptr; }
 
     const PathTracer& paths_;

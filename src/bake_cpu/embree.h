@@ -7,6 +7,8 @@
 #include <embree3/rtcore.h>
 #endif
 
+#include "halflight/base/math.h"
+
 namespace halflight::embree {
 
 /// What a ray carries to the filter function. The library's context comes first, so that one pointer is both.
@@ -57,6 +59,28 @@ constexpr int kPacket = 8;
 struct alignas(32) LaneMask {
     int lane[kPacket]; ///< -1 = trace
 };
+
+inline void setRay(RTCRay8& rays, int lane, vec3 origin, vec3 direction)
+{
+    rays.org_x[lane] = origin.x;
+    rays.org_y[lane] = origin.y;
+    rays.org_z[lane] = origin.z;
+    rays.dir_x[lane] = direction.x;
+    rays.dir_y[lane] = direction.y;
+    rays.dir_z[lane] = direction.z;
+}
+
+inline vec3 directionOf(const RTCRay8& rays, int lane)
+{
+    return {rays.dir_x[lane], rays.dir_y[lane], rays.dir_z[lane]};
+}
+
+/// Whether a ray met the back of what it hit.
+inline bool behind(const RTCRayHit8& rays, int lane)
+{
+    const RTCHit8& h = rays.hit;
+    return glm::dot(vec3(h.Ng_x[lane], h.Ng_y[lane], h.Ng_z[lane]), directionOf(rays.ray, lane)) > 0.0f;
+}
 
 inline void intersect8(RTCScene scene, RayContext& context, const LaneMask& valid, RTCRayHit8& rays)
 {

@@ -17,37 +17,63 @@ bool isFinite(vec3 v)
 
 } // namespace
 
-void FinalGather::add(const TexelGroup& group, int firstBlock, int blockCount, std::span<TexelSum> sums, uint64_t& rays)
+void FinalGather::beginBlock()
 {
-    const bool emitters = !paths_.emitters().empty();
-    for (int lane = 0; emitters && lane < group.lanes(); ++lane) {
+    irradiance_.fill(vec3(0.0f));
+    moment_.fill(vec3(0.0f));
+    inverseSquares_.fill(0.0f);
+    backFaces_.fill(0);
+}
+
+void FinalGather::endBlock(int lane, TexelLight& light, TexelSum& sum)
+{
+    constexpr float kShare = 1.0f / float(GatherPattern::kBlock);
+    const auto l = std::size_t(lane);
+    // Lights of extreme size or strength can leave the range of floats.
+    const vec3 irradiance = irradiance_[l] * kShare;
+    const bool finite = isFinite(irradiance) && isFinite(moment_[l]);
+    sum.add(finite ? irradiance : vec3(0.0f), finite ? moment_[l] * kShare : vec3(0.0f));
+    light.inverseSquares += inverseSquares_[l];
+    light.backFaces = uint16_t(light.backFaces + backFaces_[l]);
+}
+
+void FinalGather::cutEmitters(const GatherGroup& group)
+{
+    for (int lane = 0; lane < group.lanes(); ++lane) {
         if (!group.active(lane)) continue;
-        const TexelGroup::Slot& s = group.slot(lane, 0);
+        const GatherGroup::Slot& s = group.slot(lane, 0);
         cuts_[std::size_t(lane)] = paths_.emitters().cut(s.origin, s.normal);
     }
+}
+
+void FinalGather::add(const GatherGroup& group, int firstBlock, int blockCount, std::span<TexelLight> lights,
+                      uint64_t& rays)
+{
+    const bool emitters = !paths_.emitters().empty();
+    if (emitters) cutEmitters(group);
     for (int b = firstBlock; b < firstBlock + blockCount; ++b) {
-        irradiance_.fill(vec3(0.0f));
-        moment_.fill(vec3(0.0f));
-        backFaces_.fill(0);
+        beginBlock();
         gatherBlock(group, b, rays);
-        if (emitters) sampleEmitters(group, b, rays);
-        constexpr float kShare = 1.0f / float(GatherPattern::kBlock);
         for (int lane = 0; lane < group.lanes(); ++lane) {
-            if (!group.active(lane)) continue;
-            // Lights of extreme size or strength can leave the range of floats.
-            const vec3 irradiance = irradiance_[std::size_t(lane)] * kShare;
-            const bool finite = isFinite(irradiance) && isFinite(moment_[std::size_t(lane)]);
-            sums[std::size_t(lane)].add(finite ? irradiance : vec3(0.0f),
-                                        finite ? moment_[std::size_t(lane)] * kShare : vec3(0.0f));
-            sums[std::size_t(lane)].backFaces =
-                uint16_t(sums[std::size_t(lane)].backFaces + backFaces_[std::size_t(lane)]);
+            TexelLight& light = lights[std::size_t(lane)];
+            if (group.active(lane)) endBlock(lane, light, light.gathered);
         }
+        if (emitters) sampleEmitters(group, b, lights, rays);
     }
+}
+
+void FinalGather::addEmitters(const GatherGroup& group, std::span<TexelLight> lights, uint64_t& rays)
+{
+    int blocks = 0;
+    for (int lane = 0; lane < group.lanes(); ++lane)
+        blocks = std::max(blocks, int(lights[std::size_t(lane)].gathered.blocks));
+    cutEmitters(group);
+    for (int b = 0; b < blocks; ++b) sampleEmitters(group, b, lights, rays);
 }
 
 // Irradiance is pi times the mean of cosine-distributed radiance (pdf cos / pi). Most rays are over with one look into
 // the cache: they are handled in three sweeps, so that each sweep's memory is on its way while others are worked on.
-void FinalGather::gatherBlock(const TexelGroup& group, int block, uint64_t& rays)
+void FinalGather::gatherBlock(const GatherGroup& group, int block, uint64_t& rays)
 {
     rays += uint64_t(bundle_.trace(paths_, pattern_, group, settings_.seed, block, kAllCells));
     const SurfaceTracer& tracer = paths_.surfaces();
@@ -89,6 +115,10 @@ void FinalGather::gatherBlock(const TexelGroup& group, int block, uint64_t& rays
             const uint32_t w = where[std::size_t(cell * TexelGroup::kLanes + lane)];
             if (!group.active(lane) || (w == kMissed && black)) continue;
             const vec3 direction = bundle_.direction(cell, lane);
+            if (w != kMissed) {
+                const float distance = packet.ray.tfar[lane];
+                inverseSquares_[std::size_t(lane)] += 1.0f / (distance * distance);
+            }
             vec3 radiance;
             if (w == kMissed) {
                 radiance = shading::skyRadiance(sky.zenith, sky.horizon, sky.ground, direction);
@@ -102,9 +132,9 @@ void FinalGather::gatherBlock(const TexelGroup& group, int block, uint64_t& rays
     }
 }
 
-vec3 FinalGather::slowRadiance(const TexelGroup& group, int lane, int block, int cell, uint64_t& rays)
+vec3 FinalGather::slowRadiance(const GatherGroup& group, int lane, int block, int cell, uint64_t& rays)
 {
-    const TexelGroup::Slot& s = group.slot(lane, group.slotOf(lane, block, cell));
+    const GatherGroup::Slot& s = group.slot(lane, group.slotOf(lane, block, cell));
     const SurfaceHit hit = bundle_.surface(paths_, cell, lane);
     if (cache_ == nullptr && hit.backFace) ++backFaces_[std::size_t(lane)];
     const vec3 direction = bundle_.direction(cell, lane);
@@ -114,16 +144,17 @@ vec3 FinalGather::slowRadiance(const TexelGroup& group, int lane, int block, int
     return paths_.follow(hit, direction, receiver, pdf, settings_.bounces, sampler, rays, cache_);
 }
 
-// Where emitters give little beside what the gathered rays brought, only some samples look at them, and count for the
-// others (Russian roulette: Arvo and Kirk 1990, "Particle Transport and Image Synthesis").
-void FinalGather::sampleEmitters(const TexelGroup& group, int block, uint64_t& rays)
+// Where emitters give little beside what the gathered rays brought, only some samples look at them.
+void FinalGather::sampleEmitters(const GatherGroup& group, int block, std::span<TexelLight> lights, uint64_t& rays)
 {
-    constexpr float kLittle = 0.1f;
+    beginBlock();
+    std::array<bool, TexelGroup::kLanes> use{};
     std::array<float, TexelGroup::kLanes> chance;
     for (int lane = 0; lane < group.lanes(); ++lane) {
-        const float gathered = luminance(irradiance_[std::size_t(lane)]) / float(GatherPattern::kBlock);
-        const float share = cuts_[std::size_t(lane)].total / (kLittle * gathered);
-        chance[std::size_t(lane)] = gathered > 0.0f ? std::clamp(share, 1.0f / 8.0f, 1.0f) : 1.0f;
+        const TexelSum& gathered = lights[std::size_t(lane)].gathered;
+        use[std::size_t(lane)] = group.active(lane) && int(gathered.blocks) > block;
+        chance[std::size_t(lane)] =
+            PathTracer::emitterChance(cuts_[std::size_t(lane)].total, luminance(gathered.mean()));
     }
     std::array<GatherPattern::Block, TexelGroup::kLanes> blocks;
     for (int lane = 0; lane < group.lanes(); ++lane) {
@@ -137,13 +168,13 @@ void FinalGather::sampleEmitters(const TexelGroup& group, int block, uint64_t& r
         bool any = false;
         for (int lane = 0; lane < TexelGroup::kLanes; ++lane) {
             valid.lane[lane] = 0;
-            if (!group.active(lane)) continue;
+            if (!use[std::size_t(lane)]) continue;
             const float q = chance[std::size_t(lane)];
             if (q < 1.0f) {
                 const uint32_t sample = uint32_t(block * GatherPattern::kBlock + cell);
                 if (unitFloat(hashCombine(settings_.seed ^ kRouletteSeed ^ group.id(lane), sample)) >= q) continue;
             }
-            const TexelGroup::Slot& s = group.slot(lane, group.slotOf(lane, block, cell));
+            const GatherGroup::Slot& s = group.slot(lane, group.slotOf(lane, block, cell));
             PathTracer::EmitterCandidate& c = candidates[std::size_t(lane)];
             c = paths_.emitterCandidate({s.origin, s.normal, &cuts_[std::size_t(lane)]}, s.geometricNormal,
                                         blocks[std::size_t(lane)].unit(cell));
@@ -151,12 +182,7 @@ void FinalGather::sampleEmitters(const TexelGroup& group, int block, uint64_t& r
             valid.lane[lane] = -1;
             any = true;
             ++rays;
-            packet.org_x[lane] = s.origin.x;
-            packet.org_y[lane] = s.origin.y;
-            packet.org_z[lane] = s.origin.z;
-            packet.dir_x[lane] = c.direction.x;
-            packet.dir_y[lane] = c.direction.y;
-            packet.dir_z[lane] = c.direction.z;
+            embree::setRay(packet, lane, s.origin, c.direction);
             packet.tfar[lane] = c.distance * (1.0f - 1.0e-4f);
         }
         if (!any) continue;
@@ -166,6 +192,10 @@ void FinalGather::sampleEmitters(const TexelGroup& group, int block, uint64_t& r
             count(lane, candidates[std::size_t(lane)].irradiance / chance[std::size_t(lane)],
                   candidates[std::size_t(lane)].direction);
         }
+    }
+    for (int lane = 0; lane < group.lanes(); ++lane) {
+        TexelLight& light = lights[std::size_t(lane)];
+        if (use[std::size_t(lane)]) endBlock(lane, light, light.emitted);
     }
 }
 

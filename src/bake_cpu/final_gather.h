@@ -6,13 +6,12 @@
 
 namespace halflight {
 
-/// Running estimate of one texel.
+/// Running mean of one texel's blocks of samples.
 struct TexelSum {
     vec3 sum{0.0f};       ///< of the blocks' irradiance
     vec3 moment{0.0f};    ///< of their first moments
     float squares = 0.0f; ///< of the blocks' differences from their mean, in luminance (Welford 1962)
     uint16_t blocks = 0;
-    uint16_t backFaces = 0;
 
     void add(vec3 irradiance, vec3 firstMoment)
     {
@@ -24,10 +23,27 @@ struct TexelSum {
         squares += (value - before) * (value - luminance(sum) / float(blocks));
     }
     [[nodiscard]] vec3 mean() const { return blocks > 0 ? sum / float(blocks) : vec3(0.0f); }
+    [[nodiscard]] vec3 meanMoment() const { return blocks > 0 ? moment / float(blocks) : vec3(0.0f); }
+    /// One that has the given means.
+    static TexelSum of(vec3 mean, vec3 meanMoment, float varianceOfMean, int blocks)
+    {
+        return {mean * float(blocks), meanMoment * float(blocks), varianceOfMean * float(blocks) * float(blocks - 1),
+                uint16_t(blocks)};
+    }
     [[nodiscard]] float varianceOfMean() const
     {
         return blocks > 1 ? std::max(squares, 0.0f) / (float(blocks) * float(blocks - 1)) : 0.0f;
     }
+};
+
+/// Running estimate of one texel.
+struct TexelLight {
+    TexelSum gathered;           ///< along rays spread over the hemisphere
+    TexelSum emitted;            ///< from points sampled on emitters
+    float inverseSquares = 0.0f; ///< of the distances of the rays' hits, summed: 1 / m^2
+    uint16_t backFaces = 0;      ///< rays that met the inside of a surface
+
+    [[nodiscard]] vec3 irradiance() const { return gathered.mean() + emitted.mean(); }
 };
 
 class FinalGather {
@@ -38,13 +54,18 @@ public:
         : paths_(paths), pattern_(pattern), cache_(cache), settings_(settings)
     {}
 
-    /// Adds the given blocks of samples, 16 each, to the texels of the group. `sums` by lane.
-    void add(const TexelGroup& group, int firstBlock, int blockCount, std::span<TexelSum> sums, uint64_t& rays);
+    /// Adds the given blocks of samples, 16 each, to the texels of the group. `lights` by lane.
+    void add(const GatherGroup& group, int firstBlock, int blockCount, std::span<TexelLight> lights, uint64_t& rays);
+    /// Samples emitters for texels that know already what they gather: as many blocks as that took.
+    void addEmitters(const GatherGroup& group, std::span<TexelLight> lights, uint64_t& rays);
 
 private:
-    void gatherBlock(const TexelGroup& group, int block, uint64_t& rays);
-    void sampleEmitters(const TexelGroup& group, int block, uint64_t& rays);
-    vec3 slowRadiance(const TexelGroup& group, int lane, int block, int cell, uint64_t& rays);
+    void beginBlock();
+    void endBlock(int lane, TexelLight& light, TexelSum& sum);
+    void cutEmitters(const GatherGroup& group);
+    void gatherBlock(const GatherGroup& group, int block, uint64_t& rays);
+    void sampleEmitters(const GatherGroup& group, int block, std::span<TexelLight> lights, uint64_t& rays);
+    vec3 slowRadiance(const GatherGroup& group, int lane, int block, int cell, uint64_t& rays);
     void count(int lane, vec3 irradiance, vec3 direction)
     {
         irradiance_[std::size_t(lane)] += irradiance;
@@ -58,6 +79,7 @@ private:
     RayBundle bundle_;
     std::array<vec3, TexelGroup::kLanes> irradiance_; ///< of the block, summed over its samples
     std::array<vec3, TexelGroup::kLanes> moment_;
+    std::array<float, TexelGroup::kLanes> inverseSquares_;
     std::array<uint16_t, TexelGroup::kLanes> backFaces_;
     std::array<LightTree::Cut, TexelGroup::kLanes> cuts_;
 };

@@ -102,7 +102,7 @@ uint32_t LightTree::build(std::span<BuildItem> items, uint32_t parent)
     }
     Node node;
     node.center = bounds.center();
-    node.radius2 = 0.25f * glm::dot(bounds.size(), bounds.size());
+    node.radius = 0.5f * glm::length(bounds.size());
     node.axis = cone.axis;
     node.cosSpread = cone.cosine;
     node.sinSpread = sineOf(cone.cosine);
@@ -194,17 +194,16 @@ float LightTree::importance(const Node& node, vec3 position, vec3 normal) const
     const vec3 to = node.center - position;
     const float distance2 = glm::dot(to, to);
     if (node.range > 0.0f) {
-        const float reach = node.range + std::sqrt(node.radius2);
+        const float reach = node.range + node.radius;
         if (distance2 > reach * reach) return 0.0f;
     }
-    if (distance2 <= node.radius2 || distance2 < 1.0e-12f) {
-        return node.power / std::max(node.radius2, 1.0e-12f);
-    }
+    const float radius2 = node.radius * node.radius;
+    if (distance2 <= radius2 || distance2 < 1.0e-12f) return node.power / std::max(radius2, 1.0e-12f);
     // Angles of the sphere around the node, of the receiver's normal and of the emitters' normals.
-    const vec3 direction = to / std::sqrt(distance2);
-    const float sin2 = node.radius2 / distance2;
-    const float sinSphere = std::sqrt(sin2);
-    const float cosSphere = std::sqrt(1.0f - sin2);
+    const float inverse = 1.0f / std::sqrt(distance2);
+    const vec3 direction = to * inverse;
+    const float sinSphere = node.radius * inverse;
+    const float cosSphere = sineOf(sinSphere);
     float received = 1.0f;
     if (normal != vec3(0.0f)) {
         const float cosine = std::min(glm::dot(normal, direction), 1.0f);
@@ -217,7 +216,7 @@ float LightTree::importance(const Node& node, vec3 position, vec3 normal) const
         const float cosOut = cosineOfDifference(cosine, node.cosSpread, node.sinSpread);
         emitted = std::max(cosineOfDifference(cosOut, cosSphere, sinSphere), kLeastCosine);
     }
-    return node.power * received * emitted / distance2;
+    return node.power * received * emitted * (inverse * inverse);
 }
 
 float LightTree::firstProbability(uint32_t node, vec3 position, vec3 normal) const

@@ -41,6 +41,9 @@ public:
     /// Probability with which sample() chooses `item` from the root.
     [[nodiscard]] float probability(uint32_t item, vec3 position, vec3 normal) const;
 
+    /// About what all lights together give a point unshadowed, in the unit of power over area.
+    [[nodiscard]] float total(vec3 position, vec3 normal) const { return importance(nodes_[kRoot], position, normal); }
+
     /// A level through the tree that suits all points near one place (the paper's tree splitting, here once for all the
     /// samples of a texel): every item is below exactly one of its nodes.
     struct Cut {
@@ -57,7 +60,7 @@ public:
 private:
     struct Node {
         vec3 center{0.0f};
-        float radius2 = 0.0f; ///< of the sphere around the bounds, squared
+        float radius = 0.0f; ///< of the sphere around the bounds
         vec3 axis{0.0f};
         float cosSpread = 1.0f;
         float sinSpread = 0.0f;

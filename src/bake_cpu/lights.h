@@ -81,6 +81,8 @@ public:
     explicit Emitters(const SurfaceTracer& tracer);
     [[nodiscard]] bool empty() const { return triangles_.empty(); }
     [[nodiscard]] LightTree::Cut cut(vec3 position, vec3 normal) const { return tree_.cut(position, normal); }
+    /// About what all of them together give a point without shadows, in lux.
+    [[nodiscard]] float unshadowed(vec3 position, vec3 normal) const { return tree_.total(position, normal); }
     [[nodiscard]] EmitterSample sample(const Receiver& receiver, vec2 u) const;
     /// Density, per square metre, with which sample() chooses points of a triangle; 0 when it is no emitter.
     [[nodiscard]] float pdfArea(const Receiver& receiver, uint32_t triangle) const;

@@ -158,16 +158,19 @@ PathTracer::EmitterCandidate PathTracer::emitterCandidate(const Receiver& receiv
             s.radiance * (cosine / pdf * (s.rayVisible ? powerHeuristic(pdf, cosine / kPi) : 1.0f))};
 }
 
-PathTracer::EmitterAtSurface PathTracer::emitterIrradiance(const SurfacePoint& point, Sampler& sampler,
+PathTracer::EmitterAtSurface PathTracer::emitterIrradiance(const SurfacePoint& point, float beside, Sampler& sampler,
                                                            uint64_t& rays) const
 {
     if (emitters_.empty()) return {};
     const Receiver receiver{rayOrigin(point), point.normal};
+    const float chance =
+        beside > 0.0f ? emitterChance(emitters_.unshadowed(receiver.position, receiver.normal), beside) : 1.0f;
+    if (chance < 1.0f && sampler.next1() >= chance) return {};
     const EmitterCandidate c = emitterCandidate(receiver, point.geometricNormal, sampler.next2());
     if (c.distance <= 0.0f) return {};
     ++rays;
     if (tracer_.occluded(receiver.position, c.direction, 0.0f, c.distance * (1.0f - 1.0e-4f))) return {};
-    return {c.direction, c.irradiance};
+    return {c.direction, c.irradiance / chance};
 }
 
 PathTracer::EmitterInSpace PathTracer::emitterInSpace(vec3 position, float directionPdf, Sampler& sampler,
@@ -245,7 +248,7 @@ vec3 PathTracer::follow(SurfaceHit hit, vec3 direction, Receiver from, float dir
 
         // Light that reaches this surface directly.
         vec3 irradiance = punctualIrradiance(hit.point, directFromCamera && depth == 0, sampler, rays);
-        irradiance += emitterIrradiance(hit.point, sampler, rays).irradiance;
+        irradiance += emitterIrradiance(hit.point, luminance(irradiance), sampler, rays).irradiance;
         add(shading::diffuseRadiance(hit.albedo, irradiance), depth + 1);
 
         // Russian roulette (Arvo and Kirk 1990) once a path has lost most of its light.

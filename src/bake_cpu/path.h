@@ -7,6 +7,7 @@
 
 #include "halflight/scene/scene.h"
 
+#include <algorithm>
 #include <cstdint>
 #include <vector>
 
@@ -50,12 +51,20 @@ public:
     vec3 seenFromCamera(vec3 origin, vec3 direction, float tMax, int bounces, Sampler& sampler, uint64_t& rays) const;
 
     /// Irradiance from emissive triangles, one sample, weighted against cosine-distributed directions; the direction
-    /// is that of the emitter's point.
+    /// is that of the emitter's point. Where they can add only little beside light of luminance `beside` (lux), most
+    /// calls look at none, and the others count for them.
     struct EmitterAtSurface {
         vec3 direction{0.0f};
         vec3 irradiance{0.0f};
     };
-    EmitterAtSurface emitterIrradiance(const SurfacePoint& point, Sampler& sampler, uint64_t& rays) const;
+    EmitterAtSurface emitterIrradiance(const SurfacePoint& point, float beside, Sampler& sampler, uint64_t& rays) const;
+    /// With what probability to look at emitters that give about `emitted` (lux) beside other light (Russian roulette:
+    /// Arvo and Kirk 1990, "Particle Transport and Image Synthesis").
+    static float emitterChance(float emitted, float beside)
+    {
+        constexpr float kLittle = 0.1f;
+        return beside > 0.0f ? std::clamp(emitted / (kLittle * beside), 1.0f / 8.0f, 1.0f) : 1.0f;
+    }
     /// The same before visibility is known: unshadowed irradiance, to count if the way to `distance` is free.
     struct EmitterCandidate {
         vec3 direction{0.0f};

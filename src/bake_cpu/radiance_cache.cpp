@@ -14,9 +14,19 @@ namespace {
 constexpr uint32_t kCacheSeed = 0x5eed0005u;
 constexpr int kDirections = 6; ///< a chart's triangles are told apart by the axis their normals are nearest to
 constexpr std::size_t kRangeTexels = 256;
-/// Rays and samples of lights for each texel, by the logarithm of the cell's width: 32 and 16 for a cell or more.
-constexpr std::array<int, 4> kRaysPerTexel = {32, 8, 4, 4};
-constexpr std::array<int, 4> kDirectPerTexel = {16, 4, 2, 1};
+/// Rays and samples of lights for each texel, by the logarithm of the cell's width: 16 and 8 for a cell or more, twice
+/// that where texels have so many samples that the cells' noise would show beside their own.
+struct Effort {
+    int rays;
+    int direct;
+};
+constexpr std::array<Effort, 4> kEffort = {{{16, 8}, {4, 2}, {4, 1}, {4, 1}}};
+constexpr std::array<Effort, 4> kMoreEffort = {{{32, 16}, {8, 4}, {4, 2}, {4, 1}}};
+constexpr int kManySamples = 96;
+Effort effortOf(const IntegrationSettings& settings, int cellShift)
+{
+    return (settings.samples >= kManySamples ? kMoreEffort : kEffort)[std::size_t(cellShift)];
+}
 /// Rays shorter than this many cells would see their squares.
 constexpr float kNearestInCells = 0.5f;
 
@@ -145,10 +155,10 @@ void RadianceCache::layOut(const PathTracer& paths, const TexelMap& map)
 class RadianceCache::Gatherer {
 public:
     Gatherer(const RadianceCache& cache, const PathTracer& paths, const TexelMap& map, const GatherPattern& pattern,
-             const IntegrationSettings& settings, std::span<PointMask> outside, RangeOutput& out)
+             const IntegrationSettings& settings, OutsidePoints& outside, RangeOutput& out)
         : cache_(cache), paths_(paths), map_(map), pattern_(pattern), settings_(settings), outside_(outside), out_(out),
           validity_(paths, settings.seed), seed_(settings.seed ^ kCacheSeed),
-          byBounce_(std::size_t(std::max(settings.bounces, 1)) + 1)
+          effort_(effortOf(settings, cache.cellShift_)), byBounce_(std::size_t(std::max(settings.bounces, 1)) + 1)
     {}
 
     void gather(std::size_t begin, std::size_t end)
@@ -158,10 +168,10 @@ public:
             const std::size_t count = std::min(end - i, std::size_t(TexelGroup::kLanes));
             for (std::size_t k = 0; k < count; ++k) texels[k] = uint32_t(i + k);
             again_.clear();
-            gatherGroup(TexelGroup(paths_, map_, std::span(texels.data(), count), outside_.subspan(i, count)), false);
+            gatherGroup(GatherGroup(paths_, map_, std::span(texels.data(), count), masks(i, count)), false);
             // Texels that turned out to have points inside geometry.
             for (const uint32_t texel : std::vector<uint32_t>(again_)) {
-                gatherGroup(TexelGroup(paths_, map_, std::span(&texel, 1), outside_.subspan(texel, 1)), true);
+                gatherGroup(GatherGroup(paths_, map_, std::span(&texel, 1), masks(texel, 1)), true);
             }
         }
     }
@@ -171,7 +181,7 @@ public:
         for (std::size_t i = begin; i < end; i += TexelGroup::kLanes) {
             const std::size_t count = std::min(end - i, std::size_t(TexelGroup::kLanes));
             for (std::size_t k = 0; k < count; ++k) texels[k] = uint32_t(i + k);
-            const TexelGroup group(paths_, map_, std::span(texels.data(), count), outside_.subspan(i, count));
+            const TexelGroup group(paths_, map_, std::span(texels.data(), count), masks(i, count));
             for (int lane = 0; lane < group.lanes(); ++lane) {
                 if (group.active(lane)) lookAcross(group, lane);
             }
@@ -184,7 +194,7 @@ private:
     /// the pattern, and those of the next groups go into the cells they left out.
     int cellsOf(uint32_t group, std::array<uint8_t, GatherPattern::kBlock>& cells) const
     {
-        const int diagonals = std::min(kRaysPerTexel[std::size_t(cache_.cellShift_)] / 4, 4);
+        const int diagonals = std::min(effort_.rays / 4, 4);
         int count = 0;
         for (int d = 0; d < diagonals; ++d) {
             const uint32_t flip = diagonals == 1   ? group & 3u
@@ -195,9 +205,9 @@ private:
         return count;
     }
 
-    void gatherGroup(const TexelGroup& group, bool checked)
+    void gatherGroup(const GatherGroup& group, bool checked)
     {
-        const int blocks = std::max(1, kRaysPerTexel[std::size_t(cache_.cellShift_)] / GatherPattern::kBlock);
+        const int blocks = std::max(1, effort_.rays / GatherPattern::kBlock);
         std::array<uint8_t, GatherPattern::kBlock> cells;
         const auto cellCount = std::size_t(cellsOf(group.texel(0) / TexelGroup::kLanes, cells));
         std::array<bool, TexelGroup::kLanes> use{};
@@ -235,14 +245,25 @@ private:
         }
         if (suspicious == 0) return true;
         if (inSolid == cells.size() && inSolid >= kEnough && group.pointCount(lane) == kMaxTexelPoints) {
-            outside_[group.texel(lane)] = 0;
+            setOutside(group.texel(lane), 0);
             return false;
         }
         const PointMask mask = validity_.outside(group.points(lane), group.pointCount(lane), group.id(lane), rays_);
-        if (mask == PointMask((1u << group.pointCount(lane)) - 1u)) return true;
-        outside_[group.texel(lane)] = mask;
+        const bool all = mask == PointMask((1u << group.pointCount(lane)) - 1u);
+        setOutside(group.texel(lane), all ? kAllPoints : mask);
+        if (all) return true;
         if (mask != 0) again_.push_back(group.texel(lane));
         return false;
+    }
+
+    void setOutside(uint32_t texel, PointMask mask)
+    {
+        outside_.masks[texel] = mask;
+        outside_.known[texel] = 1;
+    }
+    [[nodiscard]] std::span<const PointMask> masks(std::size_t first, std::size_t count) const
+    {
+        return std::span(outside_.masks).subspan(first, count);
     }
 
     [[nodiscard]] const Surface& surfaceOf(int cell, int lane) const
@@ -259,7 +280,7 @@ private:
         return cache_.cellIndex(cache_.surfaces_[record], point.barycentric.x, point.barycentric.y);
     }
 
-    void addRay(const TexelGroup& group, int lane, int block, int cell)
+    void addRay(const GatherGroup& group, int lane, int block, int cell)
     {
         const int slot = group.slotOf(lane, block, cell);
         const uint32_t source = cellOf(group.pointOfSlot(lane, slot));
@@ -283,7 +304,7 @@ private:
             ++c.linkCount;
             if ((surface.firstCell & kEmissive) == 0) return;
         }
-        const TexelGroup::Slot& s = group.slot(lane, slot);
+        const GatherGroup::Slot& s = group.slot(lane, slot);
         const Receiver receiver{s.origin, s.normal};
         const SurfaceHit hit = bundle_.surface(paths_, cell, lane);
         const float pdf = std::max(glm::dot(direction, s.normal), 1.0e-4f) / kPi;
@@ -303,15 +324,16 @@ private:
 
     void addDirect(const TexelGroup& group, int lane)
     {
-        const int samples = kDirectPerTexel[std::size_t(cache_.cellShift_)];
+        const int samples = effort_.direct;
         for (int s = 0; s < samples; ++s) {
             const SurfacePoint& point = group.pointOfSlot(lane, group.slotOf(lane, s, 5 * s & 15));
             const uint32_t source = cellOf(point);
             if (source == kNoCells) continue;
             Sampler sampler(~seed_, group.id(lane), uint32_t(s));
             Contribution& c = out_.at(source);
-            c.direct += paths_.punctualIrradiance(point, false, sampler, rays_);
-            c.direct += paths_.emitterIrradiance(point, sampler, rays_).irradiance;
+            const vec3 irradiance = paths_.punctualIrradiance(point, false, sampler, rays_);
+            c.direct += irradiance;
+            c.direct += paths_.emitterIrradiance(point, luminance(irradiance), sampler, rays_).irradiance;
             c.albedo += paths_.surfaces().albedoAt(point.triangle, point.barycentric);
             ++c.directCount;
             c.texelMeters = std::max(c.texelMeters, texelMetersOf(paths_.surfaces().geometry(), point.triangle));
@@ -348,12 +370,7 @@ private:
             valid.lane[i] = length > 0.0f && (i > 0 || previousCell_ == cell) ? -1 : 0;
             if (valid.lane[i] == 0) continue;
             const vec3 direction = (target - above) / length;
-            packet.org_x[i] = above.x;
-            packet.org_y[i] = above.y;
-            packet.org_z[i] = above.z;
-            packet.dir_x[i] = direction.x;
-            packet.dir_y[i] = direction.y;
-            packet.dir_z[i] = direction.z;
+            embree::setRay(packet, i, above, direction);
             reach[std::size_t(i)] = 0.999f * length;
             packet.tfar[i] = reach[std::size_t(i)];
             ++rays_;
@@ -402,10 +419,11 @@ private:
     const TexelMap& map_;
     const GatherPattern& pattern_;
     const IntegrationSettings& settings_;
-    std::span<PointMask> outside_;
+    OutsidePoints& outside_;
     RangeOutput& out_;
     PointValidity validity_;
     uint32_t seed_;
+    Effort effort_;
     RayBundle bundle_;
     std::vector<uint32_t> again_;
     std::vector<vec3> byBounce_;
@@ -415,7 +433,7 @@ private:
 };
 
 bool RadianceCache::build(const PathTracer& paths, const TexelMap& map, const GatherPattern& pattern,
-                          const IntegrationSettings& settings, std::span<PointMask> outside, const Progress& progress,
+                          const IntegrationSettings& settings, OutsidePoints& outside, const Progress& progress,
                           std::atomic<uint64_t>& rays)
 {
     layOut(paths, map);

@@ -43,10 +43,10 @@ public:
         float nearest = kInfinity; ///< rays that hit at less than this many metres do not use the cell
     };
 
-    /// Gathers what the cells reflect after up to `settings.bounces` bounces (at least 1). Writes which points of the
-    /// texels lie outside geometry. False when cancelled.
+    /// Gathers what the cells reflect after up to `settings.bounces` bounces (at least 1). Looks closer at texels whose
+    /// rays meet the inside of surfaces, and writes what it finds. False when cancelled.
     bool build(const PathTracer& paths, const TexelMap& map, const GatherPattern& pattern,
-               const IntegrationSettings& settings, std::span<PointMask> outside, const Progress& progress,
+               const IntegrationSettings& settings, OutsidePoints& outside, const Progress& progress,
                std::atomic<uint64_t>& rays);
 
     [[nodiscard]] const Surface& surface(uint32_t hitIndex) const { return surfaces_[hitIndex]; }

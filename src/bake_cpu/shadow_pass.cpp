@@ -3,6 +3,8 @@
 #include "bake_cpu/shadow_rays.h"
 #include "bake_cpu/texel_set.h"
 
+#include <cassert>
+
 namespace halflight {
 namespace {
 
@@ -15,19 +17,21 @@ bool traceShadows(const ShadowPass& pass, const std::vector<ShadowSource>& sourc
                   const std::function<void(const TexelGroup&, int, std::size_t)>& look, std::vector<LitCount>& counts)
 {
     const std::size_t sourceCount = sources.size();
+    assert(sourceCount <= kMaxShadowSources);
     counts.assign(pass.texels.size() * sourceCount, {});
     if (sourceCount == 0) return true;
 
     // First look: all points of the texels and of their neighbours, asked for or not, inside geometry or not.
-    const TexelSet set(pass.grid, pass.map, pass.texels, kAgreeRadius);
-    const TexelSet asked(pass.grid, pass.map, pass.texels, 0);
+    const TexelSet asked(pass.map, pass.texels);
+    TexelSet set = asked;
+    set.extend([&](uint32_t texel, const auto& add) { pass.grid.around(texel, kAgreeRadius, add); });
     std::vector<LitCount> firstLook(set.size() * sourceCount);
     const bool whole = set.size() == asked.size();
     const auto isAsked = [&](uint32_t texel, std::size_t& number) {
         number = asked.find(texel);
         return whole || (number < asked.size() && asked[number] == texel);
     };
-    if (!forTexelGroups(
+    if (!forTexelGroups<TexelGroup>(
             pass.paths, pass.map, set.size(), [&](std::size_t i) { return set[i]; },
             [](std::size_t) { return kAllPoints; }, pass.progress, pass.stage, pass.rays,
             [&] {
@@ -50,20 +54,26 @@ bool traceShadows(const ShadowPass& pass, const std::vector<ShadowSource>& sourc
         return false;
     }
 
+    // What all rays of a texel found, two bits for each source: all lit, none lit.
+    std::vector<uint16_t> found(set.size());
+    parallelFor(set.size(), 4096, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t i = begin; i < end; ++i) {
+            for (std::size_t s = 0; s < sourceCount; ++s) {
+                const LitCount& count = firstLook[i * sourceCount + s];
+                const unsigned bits = (count.allLit() ? 1u : 0u) | (count.noneLit() ? 2u : 0u);
+                found[i] = uint16_t(found[i] | (bits << (2 * s)));
+            }
+        }
+    });
     // Where points lie inside geometry the first look counts for nothing.
     std::vector<uint8_t> open(pass.texels.size() * sourceCount);
     parallelFor(pass.texels.size(), 4096, [&](std::size_t begin, std::size_t end) {
         for (std::size_t i = begin; i < end; ++i) {
             const std::size_t own = set.find(pass.texels[i]);
+            unsigned agreed = 0xffffu;
+            pass.grid.around(pass.texels[i], kAgreeRadius, [&](uint32_t other) { agreed &= found[set.find(other)]; });
             for (std::size_t s = 0; s < sourceCount; ++s) {
-                bool lit = true;
-                bool dark = true;
-                pass.grid.around(pass.texels[i], kAgreeRadius, [&](uint32_t other) {
-                    const LitCount& count = firstLook[set.find(other) * sourceCount + s];
-                    lit = lit && count.allLit();
-                    dark = dark && count.noneLit();
-                });
-                const bool decided = lit || dark;
+                const bool decided = ((agreed >> (2 * s)) & 3u) != 0;
                 if (pass.outside[i] == kAllPoints) counts[i * sourceCount + s] = firstLook[own * sourceCount + s];
                 open[i * sourceCount + s] = pass.outside[i] != 0 && (!decided || pass.outside[i] != kAllPoints) ? 1 : 0;
             }
@@ -75,7 +85,7 @@ bool traceShadows(const ShadowPass& pass, const std::vector<ShadowSource>& sourc
         for (std::size_t s = 0; s < sourceCount; ++s) any = any || open[i * sourceCount + s] != 0;
         if (any) list.push_back(uint32_t(i));
     }
-    return forTexelGroups(
+    return forTexelGroups<TexelGroup>(
         pass.paths, pass.map, list.size(), [&](std::size_t i) { return pass.texels[list[i]]; },
         [&](std::size_t i) { return pass.outside[list[i]]; }, pass.progress, pass.stage, pass.rays,
         [&] {

@@ -50,7 +50,8 @@ struct ShadowPass {
 
 /// Rays to lights, few at first: where all of a texel's and its neighbours' rays agree, lit or shadowed, the answer
 /// stands; the others get all of theirs. Counts are by texel of the pass and source. `look`, if any, is called for each
-/// texel once its points are known: look(group, lane, number of the texel).
+/// texel once its points are known: look(group, lane, number of the texel). At most kMaxShadowSources at once.
+constexpr std::size_t kMaxShadowSources = 8;
 bool traceShadows(const ShadowPass& pass, const std::vector<ShadowSource>& sources,
                   const std::function<void(const TexelGroup&, int, std::size_t)>& look, std::vector<LitCount>& counts);
 

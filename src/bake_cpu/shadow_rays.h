@@ -64,12 +64,7 @@ private:
     {
         const vec3 origin = paths_.shadowOrigin(point, rays);
         const LightRay ray = sampleLightRay(light, origin, disc);
-        packet.org_x[lane] = origin.x;
-        packet.org_y[lane] = origin.y;
-        packet.org_z[lane] = origin.z;
-        packet.dir_x[lane] = ray.direction.x;
-        packet.dir_y[lane] = ray.direction.y;
-        packet.dir_z[lane] = ray.direction.z;
+        embree::setRay(packet, lane, origin, ray.direction);
         packet.tnear[lane] = paths_.surfaces().epsilonAt(point.position);
         packet.tfar[lane] = ray.distance * (1.0f - 1.0e-4f);
     }

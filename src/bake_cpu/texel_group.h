@@ -19,7 +19,7 @@ public:
     static constexpr int kLanes = embree::kPacket;
 
     /// `outside`: which of each texel's points to use. Those are told of batch 0; texels of which some points are left
-    /// out have no others. Slots are there for batch 0 alone.
+    /// out have no others.
     TexelGroup(const PathTracer& paths, const TexelMap& map, std::span<const uint32_t> texels,
                std::span<const PointMask> outside, int batch = 0)
         : lanes_(int(texels.size()))
@@ -35,7 +35,6 @@ public:
             l.pointCount = texelPoints(geometry, map, texel, l.points, l.mask == kAllPoints ? batch : 0);
             PointValidity::keep(l.mask, l.points, l.pointCount);
         }
-        for (int lane = 0; lane < lanes_ && batch == 0; ++lane) arrange(paths, lane);
     }
 
     [[nodiscard]] int lanes() const { return lanes_; }
@@ -47,18 +46,7 @@ public:
     /// The texel's points that are in use: those the group was made with.
     [[nodiscard]] PointMask mask(int lane) const { return lane_[std::size_t(lane)].mask; }
 
-    /// A ray's origin with its frame; slots repeat the texel's points where these are fewer.
-    struct Slot {
-        vec3 origin;
-        vec3 tangent;
-        vec3 bitangent;
-        vec3 normal;
-        vec3 geometricNormal;
-    };
-    [[nodiscard]] const Slot& slot(int lane, int slot) const
-    {
-        return lane_[std::size_t(lane)].slots[std::size_t(slot)];
-    }
+    /// Slots repeat the texel's points where these are fewer.
     [[nodiscard]] const SurfacePoint& pointOfSlot(int lane, int slot) const
     {
         const Lane& l = lane_[std::size_t(lane)];
@@ -78,18 +66,44 @@ private:
         PointMask mask = 0;
         int pointCount = 0;
         TexelPoints points;
-        std::array<Slot, kMaxTexelPoints> slots;
     };
+
+    int lanes_ = 0;
+    std::array<Lane, kLanes> lane_;
+};
+
+/// Texels that send bundles of rays over their hemispheres.
+class GatherGroup : public TexelGroup {
+public:
+    GatherGroup(const PathTracer& paths, const TexelMap& map, std::span<const uint32_t> texels,
+                std::span<const PointMask> outside)
+        : TexelGroup(paths, map, texels, outside)
+    {
+        for (int lane = 0; lane < lanes(); ++lane) arrange(paths, lane);
+    }
+
+    /// A ray's origin with its frame.
+    struct Slot {
+        vec3 origin;
+        vec3 tangent;
+        vec3 bitangent;
+        vec3 normal;
+        vec3 geometricNormal;
+    };
+    [[nodiscard]] const Slot& slot(int lane, int slot) const { return slots_[std::size_t(lane)][std::size_t(slot)]; }
+
+private:
     void arrange(const PathTracer& paths, int lane)
     {
-        Lane& l = lane_[std::size_t(lane)];
-        for (int s = 0; s < (l.pointCount > 0 ? kMaxTexelPoints : 0); ++s) {
-            Slot& slot = l.slots[std::size_t(s)];
-            if (s >= l.pointCount) {
-                slot = l.slots[std::size_t(s % l.pointCount)];
+        auto& slots = slots_[std::size_t(lane)];
+        const int count = pointCount(lane);
+        for (int s = 0; s < (count > 0 ? kMaxTexelPoints : 0); ++s) {
+            Slot& slot = slots[std::size_t(s)];
+            if (s >= count) {
+                slot = slots[std::size_t(s % count)];
                 continue;
             }
-            const SurfacePoint& point = l.points[std::size_t(s)];
+            const SurfacePoint& point = points(lane)[std::size_t(s)];
             slot.origin = paths.rayOrigin(point);
             slot.normal = point.normal;
             slot.geometricNormal = point.geometricNormal;
@@ -97,8 +111,7 @@ private:
         }
     }
 
-    int lanes_ = 0;
-    std::array<Lane, kLanes> lane_;
+    std::array<std::array<Slot, kMaxTexelPoints>, kLanes> slots_;
 };
 
 /// All cells of a block.
@@ -110,8 +123,8 @@ struct RayBundle {
     std::array<RTCRayHit8, GatherPattern::kBlock> rays;
 
     /// Traces the given cells of block `number`; `seed` separates uses of the same texel. Returns the number of rays.
-    int trace(const PathTracer& paths, const GatherPattern& pattern, const TexelGroup& group, uint32_t seed, int number,
-              std::span<const uint8_t> cells)
+    int trace(const PathTracer& paths, const GatherPattern& pattern, const GatherGroup& group, uint32_t seed,
+              int number, std::span<const uint8_t> cells)
     {
         alignas(32) embree::LaneMask valid;
         std::array<GatherPattern::Block, TexelGroup::kLanes> blocks;
@@ -130,18 +143,13 @@ struct RayBundle {
                     packet.hit.geomID[lane] = RTC_INVALID_GEOMETRY_ID;
                     continue;
                 }
-                const TexelGroup::Slot& s = group.slot(lane, group.slotOf(lane, number, cell));
+                const GatherGroup::Slot& s = group.slot(lane, group.slotOf(lane, number, cell));
                 const vec3 local = pattern.direction(blocks[std::size_t(lane)].bits(cell));
                 vec3 d = local.x * s.tangent + local.y * s.bitangent + local.z * s.normal;
                 // As PathTracer::gatherDirection(): never below the surface.
                 const float side = glm::dot(d, s.geometricNormal);
                 if (side < 0.0f) d -= 2.0f * side * s.geometricNormal;
-                packet.ray.org_x[lane] = s.origin.x;
-                packet.ray.org_y[lane] = s.origin.y;
-                packet.ray.org_z[lane] = s.origin.z;
-                packet.ray.dir_x[lane] = d.x;
-                packet.ray.dir_y[lane] = d.y;
-                packet.ray.dir_z[lane] = d.z;
+                embree::setRay(packet.ray, lane, s.origin, d);
             }
             paths.surfaces().intersect(valid, packet);
         }
@@ -149,18 +157,13 @@ struct RayBundle {
     }
     [[nodiscard]] vec3 direction(int cell, int lane) const
     {
-        const RTCRay8& r = rays[std::size_t(cell)].ray;
-        return {r.dir_x[lane], r.dir_y[lane], r.dir_z[lane]};
+        return embree::directionOf(rays[std::size_t(cell)].ray, lane);
     }
     [[nodiscard]] bool hit(int cell, int lane) const
     {
         return rays[std::size_t(cell)].hit.geomID[lane] != RTC_INVALID_GEOMETRY_ID;
     }
-    [[nodiscard]] bool behind(int cell, int lane) const
-    {
-        const RTCHit8& h = rays[std::size_t(cell)].hit;
-        return glm::dot(vec3(h.Ng_x[lane], h.Ng_y[lane], h.Ng_z[lane]), direction(cell, lane)) > 0.0f;
-    }
+    [[nodiscard]] bool behind(int cell, int lane) const { return embree::behind(rays[std::size_t(cell)], lane); }
     [[nodiscard]] SurfaceHit surface(const PathTracer& paths, int cell, int lane) const
     {
         const RTCRayHit8& r = rays[std::size_t(cell)];
@@ -172,7 +175,7 @@ struct RayBundle {
 /// Calls a body for texels 0…count-1 of a list, eight at a time, on all threads: texelAt(i) and maskAt(i) tell which
 /// they are and which of their points to use. makeBody() gives each run of texels a body of its own (with its scratch
 /// memory): body(group, first, rays), where `first` is the list's number of lane 0. False when cancelled.
-template<typename TexelAt, typename MaskAt, typename MakeBody>
+template<typename Group, typename TexelAt, typename MaskAt, typename MakeBody>
 bool forTexelGroups(const PathTracer& paths, const TexelMap& map, std::size_t count, const TexelAt& texelAt,
                     const MaskAt& maskAt, const Progress& progress, const char* stage, std::atomic<uint64_t>& rayCount,
                     const MakeBody& makeBody)
@@ -189,7 +192,7 @@ bool forTexelGroups(const PathTracer& paths, const TexelMap& map, std::size_t co
                 texels[k] = texelAt(i + k);
                 masks[k] = maskAt(i + k);
             }
-            body(TexelGroup(paths, map, std::span(texels.data(), lanes), std::span(masks.data(), lanes)), i, rays);
+            body(Group(paths, map, std::span(texels.data(), lanes), std::span(masks.data(), lanes)), i, rays);
         }
         rayCount += rays;
     });

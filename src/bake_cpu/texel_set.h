@@ -12,18 +12,18 @@ namespace halflight {
 /// Some texels of a map, in ascending order, and where each is among them.
 class TexelSet {
 public:
-    /// The given texels and those within `radius` of them.
-    TexelSet(const TexelGrid& grid, const TexelMap& map, std::span<const uint32_t> texels, int radius)
-        : whole_(texels.size() >= map.texels.size()), texels_(texels.begin(), texels.end())
+    TexelSet(const TexelMap& map, std::span<const uint32_t> texels) : map_(map), texels_(texels.begin(), texels.end())
     {
-        if (!whole_ && radius > 0) {
-            for (const uint32_t texel : texels) {
-                grid.around(texel, radius, [&](uint32_t other) { texels_.push_back(other); });
-            }
+        sort();
+    }
+    /// Adds for each texel those that `others(texel, add)` calls add() with.
+    template<typename Others> void extend(const Others& others)
+    {
+        if (whole_) return;
+        for (std::size_t i = 0, count = texels_.size(); i < count; ++i) {
+            others(texels_[i], [&](uint32_t other) { texels_.push_back(other); });
         }
-        std::sort(texels_.begin(), texels_.end());
-        texels_.erase(std::unique(texels_.begin(), texels_.end()), texels_.end());
-        whole_ = texels_.size() == map.texels.size();
+        sort();
     }
     [[nodiscard]] std::size_t size() const { return texels_.size(); }
     [[nodiscard]] uint32_t operator[](std::size_t i) const { return texels_[i]; }
@@ -33,9 +33,21 @@ public:
         if (whole_) return texel;
         return std::size_t(std::lower_bound(texels_.begin(), texels_.end(), texel) - texels_.begin());
     }
+    [[nodiscard]] bool contains(uint32_t texel) const
+    {
+        return whole_ || std::binary_search(texels_.begin(), texels_.end(), texel);
+    }
 
 private:
-    bool whole_;
+    void sort()
+    {
+        std::sort(texels_.begin(), texels_.end());
+        texels_.erase(std::unique(texels_.begin(), texels_.end()), texels_.end());
+        whole_ = texels_.size() == map_.texels.size();
+    }
+
+    const TexelMap& map_;
+    bool whole_ = false;
     std::vector<uint32_t> texels_;
 };
 

@@ -1,12 +1,22 @@
 #include "bake_cpu/validity.h"
 
 #include <algorithm>
+#include <bit>
 
 namespace halflight {
 namespace {
 
 constexpr uint32_t kInsideSeed = 0x5eed0004u;
-constexpr int kInsideRays = 4;
+constexpr int kRays = 8;
+constexpr int kFewRays = 3;
+constexpr int kEnoughBacks = 5;
+
+/// Number of the n-th bit that is set.
+int nthBit(PointMask mask, int n)
+{
+    for (; n > 0; --n) mask &= PointMask(mask - 1u);
+    return std::countr_zero(mask);
+}
 
 } // namespace
 
@@ -16,22 +26,102 @@ PointValidity::PointValidity(const PathTracer& paths, uint32_t seed) : paths_(pa
     anySolid_ = std::find(solid.begin(), solid.end(), uint8_t(1)) != solid.end();
 }
 
-/// Whether a point lies inside geometry: most of a few rays leave more closed objects than they enter, or all of
-/// them meet back faces first (single-sided shells that are not closed).
-bool PointValidity::inside(const SurfacePoint& point, uint32_t id, uint64_t& rays) const
+/// Whether points that see one another lie inside solids: whether most of a few rays leave more of them than they
+/// enter.
+bool PointValidity::insideSolids(const TexelPoints& points, PointMask together, uint32_t id, uint64_t& rays) const
 {
-    const vec3 origin = paths_.rayOrigin(point);
-    int insideSolids = 0;
-    int backFaces = 0;
-    for (int s = 0; s < kInsideRays; ++s) {
-        const SurfaceTracer::Crossings crossings = crossingsFrom(point, origin, id, s, rays);
-        insideSolids += crossings.solidsLeft > 0 ? 1 : 0;
-        backFaces += crossings.backFaceFirst ? 1 : 0;
-        // Two rays that agree are enough.
-        if (s == 1 && insideSolids == 2) return true;
-        if (s == 1 && insideSolids == 0 && backFaces < 2) return false;
+    if (!anySolid_) return false;
+    const int count = std::popcount(together);
+    int inside = 0;
+    int rayCount = 0;
+    while (rayCount < kRays) {
+        const int s = rayCount++;
+        const SurfacePoint& point = points[std::size_t(nthBit(together, s * count / kRays))];
+        inside += crossingsFrom(point, paths_.rayOrigin(point), id, s, rays).solidsLeft > 0 ? 1 : 0;
+        // A few rays that agree are enough.
+        if (rayCount == kFewRays && (inside == 0 || inside == kFewRays)) break;
     }
-    return 2 * insideSolids > kInsideRays || backFaces == kInsideRays;
+    return 2 * inside > rayCount;
+}
+
+/// Those of `candidates` whose rays meet the hidden backs of surfaces first, (nearly) all of them: points inside
+/// single-sided shells that are not closed. A point beside the rim of one sees those inside.
+PointMask PointValidity::behindSurfaces(const TexelPoints& points, PointMask candidates, uint32_t id,
+                                        uint64_t& rays) const
+{
+    std::array<int, kMaxTexelPoints> backs{};
+    RTCRayHit8 packet;
+    alignas(32) embree::LaneMask valid;
+    PointMask open = candidates;
+    PointMask behind = 0;
+    for (int s = 0; s < kRays && open != 0; ++s) {
+        PointMask left = open;
+        while (left != 0) {
+            std::array<int, embree::kPacket> number{};
+            SurfaceTracer::clear(packet.ray);
+            for (int lane = 0; lane < embree::kPacket; ++lane) {
+                valid.lane[lane] = left != 0 ? -1 : 0;
+                if (left == 0) continue;
+                const int p = std::countr_zero(left);
+                left &= PointMask(left - 1u);
+                number[std::size_t(lane)] = p;
+                const SurfacePoint& point = points[std::size_t(p)];
+                Sampler sampler(seed_, hashCombine(id, uint32_t(p)), uint32_t(s));
+                embree::setRay(packet.ray, lane, paths_.rayOrigin(point),
+                               PathTracer::gatherDirection(point, sampler.next2()));
+                ++rays;
+            }
+            paths_.surfaces().intersect(valid, packet);
+            for (int lane = 0; lane < embree::kPacket; ++lane) {
+                if (valid.lane[lane] == 0 || packet.hit.geomID[lane] == RTC_INVALID_GEOMETRY_ID) continue;
+                const uint32_t triangle =
+                    paths_.surfaces().triangleOf(packet.hit.geomID[lane], packet.hit.primID[lane]);
+                const bool back = embree::behind(packet, lane) && paths_.surfaces().backIsHidden(triangle);
+                backs[std::size_t(number[std::size_t(lane)])] += back ? 1 : 0;
+            }
+        }
+        // One ray may slip through between surfaces.
+        for (int p = 0; p < kMaxTexelPoints; ++p) {
+            if (s - backs[std::size_t(p)] >= 1) open &= PointMask(~(1u << p));
+            if (s + 1 != kEnoughBacks || backs[std::size_t(p)] != kEnoughBacks) continue;
+            behind |= open & PointMask(1u << p);
+            open &= PointMask(~(1u << p));
+        }
+    }
+    return behind | open;
+}
+
+/// Those of `candidates` that nothing hides from the first of them, which is one of the answer.
+PointMask PointValidity::seenFromFirst(const TexelPoints& points, PointMask candidates, uint64_t& rays) const
+{
+    const int first = std::countr_zero(candidates);
+    const vec3 origin = paths_.rayOrigin(points[std::size_t(first)]);
+    auto seen = PointMask(1u << first);
+    PointMask open = candidates & PointMask(~seen);
+    RTCRay8 packet;
+    alignas(32) embree::LaneMask valid;
+    while (open != 0) {
+        std::array<int, embree::kPacket> point{};
+        SurfaceTracer::clear(packet);
+        for (int lane = 0; lane < embree::kPacket; ++lane) {
+            valid.lane[lane] = open != 0 ? -1 : 0;
+            if (open == 0) continue;
+            point[std::size_t(lane)] = std::countr_zero(open);
+            open &= PointMask(open - 1u);
+            // As long as the way is, the direction is.
+            const vec3 way = paths_.rayOrigin(points[std::size_t(point[std::size_t(lane)])]) - origin;
+            embree::setRay(packet, lane, origin, way);
+            packet.tfar[lane] = 1.0f;
+            ++rays;
+        }
+        paths_.surfaces().occluded(valid, packet);
+        for (int lane = 0; lane < embree::kPacket; ++lane) {
+            if (valid.lane[lane] != 0 && packet.tfar[lane] >= 0.0f) {
+                seen |= PointMask(1u << point[std::size_t(lane)]);
+            }
+        }
+    }
+    return seen;
 }
 
 SurfaceTracer::Crossings PointValidity::crossingsFrom(const SurfacePoint& point, vec3 origin, uint32_t id, int sample,
@@ -57,14 +147,17 @@ bool PointValidity::maybeInside(const TexelPoints& points, int pointCount, uint3
 
 PointMask PointValidity::outside(const TexelPoints& points, int pointCount, uint32_t texelId, uint64_t& rays) const
 {
+    auto open = PointMask((1u << pointCount) - 1u);
     PointMask mask = 0;
-    int kept = 0;
-    for (int p = 0; p < pointCount; ++p) {
-        if (inside(points[std::size_t(p)], hashCombine(texelId, uint32_t(p)), rays)) continue;
-        mask = PointMask(mask | (1u << p));
-        ++kept;
+    // Points that see one another are in the same solids.
+    while (open != 0) {
+        const PointMask together = seenFromFirst(points, open, rays);
+        const uint32_t id = hashCombine(texelId, uint32_t(std::countr_zero(open)));
+        if (!insideSolids(points, together, id, rays)) mask |= together;
+        open &= PointMask(~together);
     }
-    return kept * 8 < pointCount ? PointMask(0) : mask;
+    mask &= PointMask(~behindSurfaces(points, mask, texelId, rays));
+    return std::popcount(mask) * 8 < pointCount ? PointMask(0) : mask;
 }
 
 void PointValidity::keep(PointMask mask, TexelPoints& points, int& pointCount)

@@ -7,6 +7,7 @@
 
 #include <array>
 #include <cstdint>
+#include <vector>
 
 namespace halflight {
 
@@ -16,6 +17,14 @@ using TexelPoints = std::array<SurfacePoint, kMaxTexelPoints>;
 using PointMask = uint16_t;
 static_assert(kMaxTexelPoints <= 16);
 constexpr PointMask kAllPoints = 0xffff;
+
+/// Of a map's texels, by their number: which of their points lie outside geometry, and whether that has been looked at
+/// point by point.
+struct OutsidePoints {
+    explicit OutsidePoints(std::size_t texels) : masks(texels, kAllPoints), known(texels, 0) {}
+    std::vector<PointMask> masks;
+    std::vector<uint8_t> known;
+};
 
 class PointValidity {
 public:
@@ -28,7 +37,9 @@ public:
     static void keep(PointMask mask, TexelPoints& points, int& pointCount);
 
 private:
-    bool inside(const SurfacePoint& point, uint32_t id, uint64_t& rays) const;
+    bool insideSolids(const TexelPoints& points, PointMask together, uint32_t id, uint64_t& rays) const;
+    PointMask behindSurfaces(const TexelPoints& points, PointMask candidates, uint32_t id, uint64_t& rays) const;
+    PointMask seenFromFirst(const TexelPoints& points, PointMask candidates, uint64_t& rays) const;
     SurfaceTracer::Crossings crossingsFrom(const SurfacePoint& point, vec3 origin, uint32_t id, int sample,
                                            uint64_t& rays) const;
 

@@ -442,6 +442,7 @@ TEST(DenoiseS6, SmoothsNoiseAndKeepsEdges)
     for (std::size_t i = 0; i < estimates.size(); ++i) {
         estimates[i].irradiance = vec3(truth(map.texels[i]) + noise(random));
         estimates[i].varianceOfMean = 0.01f;
+        estimates[i].samples = 64;
         before += std::pow(estimates[i].irradiance.x - truth(map.texels[i]), 2.0);
     }
     denoise(geometry, map, estimates);
@@ -451,6 +452,37 @@ TEST(DenoiseS6, SmoothsNoiseAndKeepsEdges)
     EXPECT_LT(after, before / 20.0);
     for (std::size_t i = 0; i < estimates.size(); ++i)
         EXPECT_NEAR(estimates[i].irradiance.x, truth(map.texels[i]), 0.2f);
+}
+
+/// A contact shadow, steep at the foot: where texels state far more variance than their noise has, as well-spread
+/// samples do, what their neighbours show counts, and the shadow stays.
+TEST(DenoiseS6, TrustsNeighboursMoreThanStatedVariance)
+{
+    Scene scene;
+    addRectangle(scene, {}, addMaterial(scene, vec3(0.5f)), kPage, {vec2(0), vec2(64)});
+    const BakeGeometry geometry = flattenGeometry(scene, kPage, GeometryFilter::Static);
+    const TexelMap map = rasterizeTexels(geometry, kPage, 1);
+    const auto truth = [](const Texel& t) {
+        const float texels = std::abs(float(t.x) - 20.0f);
+        return 1.0f - 0.8f * std::exp(-texels / 2.0f);
+    };
+    for (const float stated : {1.0f, 9.0f}) {
+        std::mt19937 random(9);
+        std::normal_distribution<float> noise(0.0f, 0.02f);
+        std::vector<IrradianceEstimate> estimates(map.texels.size());
+        double before = 0.0;
+        for (std::size_t i = 0; i < estimates.size(); ++i) {
+            estimates[i].irradiance = vec3(truth(map.texels[i]) + noise(random));
+            estimates[i].varianceOfMean = 0.02f * 0.02f * stated;
+            estimates[i].samples = 64;
+            before += std::pow(estimates[i].irradiance.x - truth(map.texels[i]), 2.0);
+        }
+        denoise(geometry, map, estimates);
+        double after = 0.0;
+        for (std::size_t i = 0; i < estimates.size(); ++i)
+            after += std::pow(estimates[i].irradiance.x - truth(map.texels[i]), 2.0);
+        EXPECT_LT(after, before / 4.0) << "variance stated " << stated << " times too high";
+    }
 }
 
 /// A plane cut into two charts, lit by a gradient that each side holds with an offset: after stitching the bilinear

@@ -33,6 +33,7 @@ struct BakeSettings {
     /// Relative standard error at which a texel has enough samples (IntegrationSettings::noiseTarget); `samples` is
     /// then the most a texel gets, 4096 when it is 0. 0 = the same number of samples for all.
     float noiseTarget = 0.0f;
+    int texelStep = 2; ///< IntegrationSettings::texelStep
     UvMode uvMode = UvMode::Auto;
     float texelsPerMeter = 0.0f; ///< 0 = fit one page of lightmapSize
     int lightmapSize = 0;        ///< 0 = by quality
@@ -99,6 +100,7 @@ struct BakeReport {
     double samplesPerTexel = 0.0; ///< mean
     float noiseReached =
         0.0f; ///< standard error of a texel's luminance before denoising over the mean, root mean square
+    uint64_t texelsBetween = 0; ///< texels that take the mean of those around them (IntegrationSettings::texelStep)
     uint64_t texelsAtCap = 0;   ///< texels that a noise target would have given more samples than allowed
     uint64_t invalidTexels = 0; ///< texels inside geometry, filled from neighbours
     float texelsPerMeter = 0.0f;

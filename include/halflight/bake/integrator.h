@@ -105,6 +105,10 @@ struct IntegrationSettings {
     /// its chart, is at most this share of their mean (of a fiftieth of the map's mean, where it is darker); `samples`
     /// is then the most it gets. 0 = none. Cache integrator only.
     float noiseTarget = 0.0f;
+    /// Every how many texels are traced whatever is around them: 1, 2 or 4. Those in between take their neighbours'
+    /// mean where the surface is smooth and nothing is near, else they are traced too; emitters are always sampled at
+    /// each texel. Cache integrator only.
+    int texelStep = 2;
     uint32_t seed = 1;
 };
 
