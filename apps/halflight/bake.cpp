@@ -300,9 +300,10 @@ Command addBakeCommand(CLI::App& parent)
            "rays or paths per texel (default by quality); with --noise, the most");
     addPercent(app, "--noise", bake.noiseTarget, 0.1f, 100.0f,
                "noise at which a texel has enough samples, such as 2% (default: the same number for all)");
-    addChoice<int>(app, "--texel-step", bake.texelStep, {{"1", 1}, {"2", 2}, {"4", 4}},
-                   "trace every so many texels whatever is around them, and those in between only where light can "
-                   "change (default 2; 1 = trace all)");
+    addChoice<int>(
+        app, "--texel-step", bake.texelStep, {{"1", 1}, {"2", 2}, {"4", 4}},
+        "2 or 4: trace every so many texels whatever is around them, and those in between only where light can "
+        "change; pays without denoising (default 1)");
     addInt(app, "--shadow-samples", bake.shadowSamples, 1, 1 << 16,
            "shadow rays per texel and masked light (default by quality)");
     addInt(app, "--bounces", bake.bounces, 0, 64, "indirect bounces, 0 = direct light only (default by quality)");

@@ -454,6 +454,27 @@ TEST(DenoiseS6, SmoothsNoiseAndKeepsEdges)
         EXPECT_NEAR(estimates[i].irradiance.x, truth(map.texels[i]), 0.2f);
 }
 
+/// Even light comes out even: no blotches of the size of the first levels' kernels stay.
+TEST(DenoiseS6, LeavesNoBlotchesOnEvenLight)
+{
+    Scene scene;
+    addRectangle(scene, {}, addMaterial(scene, vec3(0.5f)), kPage, {vec2(0), vec2(64)});
+    const BakeGeometry geometry = flattenGeometry(scene, kPage, GeometryFilter::Static);
+    const TexelMap map = rasterizeTexels(geometry, kPage, 1);
+    std::mt19937 random(9);
+    std::normal_distribution<float> noise(0.0f, 0.1f);
+    std::vector<IrradianceEstimate> estimates(map.texels.size());
+    for (IrradianceEstimate& e : estimates) {
+        e.irradiance = vec3(1.0f + noise(random));
+        e.varianceOfMean = 0.01f;
+        e.samples = 64;
+    }
+    denoise(geometry, map, estimates);
+    double squares = 0.0;
+    for (const IrradianceEstimate& e : estimates) squares += std::pow(double(e.irradiance.x) - 1.0, 2.0);
+    EXPECT_LT(std::sqrt(squares / double(estimates.size())), 0.01);
+}
+
 /// A contact shadow, steep at the foot: where texels state far more variance than their noise has, as well-spread
 /// samples do, what their neighbours show counts, and the shadow stays.
 TEST(DenoiseS6, TrustsNeighboursMoreThanStatedVariance)

@@ -33,7 +33,7 @@ struct BakeSettings {
     /// Relative standard error at which a texel has enough samples (IntegrationSettings::noiseTarget); `samples` is
     /// then the most a texel gets, 4096 when it is 0. 0 = the same number of samples for all.
     float noiseTarget = 0.0f;
-    int texelStep = 2; ///< IntegrationSettings::texelStep
+    int texelStep = 1; ///< IntegrationSettings::texelStep
     UvMode uvMode = UvMode::Auto;
     float texelsPerMeter = 0.0f; ///< 0 = fit one page of lightmapSize
     int lightmapSize = 0;        ///< 0 = by quality
