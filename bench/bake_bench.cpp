@@ -161,6 +161,7 @@ void partError(const Options& options)
             double lastError = 0.0;
             for (const int samples : {32, 64, 128, 256}) {
                 settings.samples = samples;
+                settings.shadowSamples = std::max(64, samples);
                 const Run run = integrate(p, p.map, settings);
                 Error e = compare(run.estimates, &chosen, reference.estimates);
                 e.rmse = without(e.rmse);
