@@ -61,9 +61,6 @@ public:
     /// Light that a hit reflects after at most `bounces` reflections, if a cell knows it.
     [[nodiscard]] bool reflected(const SurfaceHit& hit, int bounces, vec3& radiance) const;
 
-    /// Share of the rays of the build that ended where there is no cell, and number of cells: for reports.
-    [[nodiscard]] std::size_t cellCount() const { return cells_.size(); }
-
 private:
     struct Contribution;
     struct RangeOutput;

@@ -30,7 +30,6 @@ PointValidity::PointValidity(const PathTracer& paths, uint32_t seed) : paths_(pa
 /// enter.
 bool PointValidity::insideSolids(const TexelPoints& points, PointMask together, uint32_t id, uint64_t& rays) const
 {
-    if (!anySolid_) return false;
     const int count = std::popcount(together);
     int inside = 0;
     int rayCount = 0;
@@ -147,8 +146,9 @@ bool PointValidity::maybeInside(const TexelPoints& points, int pointCount, uint3
 
 PointMask PointValidity::outside(const TexelPoints& points, int pointCount, uint32_t texelId, uint64_t& rays) const
 {
-    auto open = PointMask((1u << pointCount) - 1u);
-    PointMask mask = 0;
+    const auto all = PointMask((1u << pointCount) - 1u);
+    PointMask open = anySolid_ ? all : PointMask(0);
+    PointMask mask = all & PointMask(~open);
     // Points that see one another are in the same solids.
     while (open != 0) {
         const PointMask together = seenFromFirst(points, open, rays);
