@@ -427,82 +427,67 @@ TEST(DilateS8, DistancesAreExtrapolated)
     }
 }
 
+/// A page of noisy estimates of light that is known, before and after denoising.
+struct NoisyPage {
+    template<typename Truth> NoisyPage(const Truth& truth, float sigma, float variance)
+    {
+        Scene scene;
+        addRectangle(scene, {}, addMaterial(scene, vec3(0.5f)), kPage, {vec2(0), vec2(64)});
+        const BakeGeometry geometry = flattenGeometry(scene, kPage, GeometryFilter::Static);
+        const TexelMap map = rasterizeTexels(geometry, kPage, 1);
+        std::mt19937 random(9);
+        std::normal_distribution<float> noise(0.0f, sigma);
+        estimates.resize(map.texels.size());
+        for (std::size_t i = 0; i < estimates.size(); ++i) {
+            expected.push_back(truth(map.texels[i]));
+            estimates[i].irradiance = vec3(expected[i] + noise(random));
+            estimates[i].varianceOfMean = variance;
+            estimates[i].samples = 64;
+        }
+        before = squares();
+        denoise(geometry, map, estimates);
+        after = squares();
+    }
+    [[nodiscard]] double squares() const
+    {
+        double sum = 0.0;
+        for (std::size_t i = 0; i < estimates.size(); ++i)
+            sum += std::pow(estimates[i].irradiance.x - expected[i], 2.0);
+        return sum;
+    }
+    std::vector<IrradianceEstimate> estimates;
+    std::vector<float> expected;
+    double before = 0.0; ///< squared errors, summed
+    double after = 0.0;
+};
+
 /// Noise goes, edges stay: a step in light survives the denoiser while noise around it shrinks.
 TEST(DenoiseS6, SmoothsNoiseAndKeepsEdges)
 {
-    Scene scene;
-    addRectangle(scene, {}, addMaterial(scene, vec3(0.5f)), kPage, {vec2(0), vec2(64)});
-    const BakeGeometry geometry = flattenGeometry(scene, kPage, GeometryFilter::Static);
-    const TexelMap map = rasterizeTexels(geometry, kPage, 1);
-    std::mt19937 random(9);
-    std::normal_distribution<float> noise(0.0f, 0.1f);
-    std::vector<IrradianceEstimate> estimates(map.texels.size());
-    const auto truth = [](const Texel& t) { return t.x < 32 ? 1.0f : 3.0f; };
-    double before = 0.0;
-    for (std::size_t i = 0; i < estimates.size(); ++i) {
-        estimates[i].irradiance = vec3(truth(map.texels[i]) + noise(random));
-        estimates[i].varianceOfMean = 0.01f;
-        estimates[i].samples = 64;
-        before += std::pow(estimates[i].irradiance.x - truth(map.texels[i]), 2.0);
-    }
-    denoise(geometry, map, estimates);
-    double after = 0.0;
-    for (std::size_t i = 0; i < estimates.size(); ++i)
-        after += std::pow(estimates[i].irradiance.x - truth(map.texels[i]), 2.0);
-    EXPECT_LT(after, before / 20.0);
-    for (std::size_t i = 0; i < estimates.size(); ++i)
-        EXPECT_NEAR(estimates[i].irradiance.x, truth(map.texels[i]), 0.2f);
+    const NoisyPage page([](const Texel& t) { return t.x < 32 ? 1.0f : 3.0f; }, 0.1f, 0.01f);
+    EXPECT_LT(page.after, page.before / 20.0);
+    for (std::size_t i = 0; i < page.estimates.size(); ++i)
+        EXPECT_NEAR(page.estimates[i].irradiance.x, page.expected[i], 0.2f);
 }
 
 /// Even light comes out even: no blotches of the size of the first levels' kernels stay.
 TEST(DenoiseS6, LeavesNoBlotchesOnEvenLight)
 {
-    Scene scene;
-    addRectangle(scene, {}, addMaterial(scene, vec3(0.5f)), kPage, {vec2(0), vec2(64)});
-    const BakeGeometry geometry = flattenGeometry(scene, kPage, GeometryFilter::Static);
-    const TexelMap map = rasterizeTexels(geometry, kPage, 1);
-    std::mt19937 random(9);
-    std::normal_distribution<float> noise(0.0f, 0.1f);
-    std::vector<IrradianceEstimate> estimates(map.texels.size());
-    for (IrradianceEstimate& e : estimates) {
-        e.irradiance = vec3(1.0f + noise(random));
-        e.varianceOfMean = 0.01f;
-        e.samples = 64;
-    }
-    denoise(geometry, map, estimates);
-    double squares = 0.0;
-    for (const IrradianceEstimate& e : estimates) squares += std::pow(double(e.irradiance.x) - 1.0, 2.0);
-    EXPECT_LT(std::sqrt(squares / double(estimates.size())), 0.01);
+    const NoisyPage page([](const Texel&) { return 1.0f; }, 0.1f, 0.01f);
+    EXPECT_LT(std::sqrt(page.after / double(page.estimates.size())), 0.01);
 }
 
 /// A contact shadow, steep at the foot: where texels state far more variance than their noise has, as well-spread
 /// samples do, what their neighbours show counts, and the shadow stays.
 TEST(DenoiseS6, TrustsNeighboursMoreThanStatedVariance)
 {
-    Scene scene;
-    addRectangle(scene, {}, addMaterial(scene, vec3(0.5f)), kPage, {vec2(0), vec2(64)});
-    const BakeGeometry geometry = flattenGeometry(scene, kPage, GeometryFilter::Static);
-    const TexelMap map = rasterizeTexels(geometry, kPage, 1);
     const auto truth = [](const Texel& t) {
         const float texels = std::abs(float(t.x) - 20.0f);
         return 1.0f - 0.15f * std::exp(-texels);
     };
     for (const float stated : {1.0f, 9.0f}) {
-        std::mt19937 random(9);
-        std::normal_distribution<float> noise(0.0f, 0.02f);
-        std::vector<IrradianceEstimate> estimates(map.texels.size());
-        double before = 0.0;
-        for (std::size_t i = 0; i < estimates.size(); ++i) {
-            estimates[i].irradiance = vec3(truth(map.texels[i]) + noise(random));
-            estimates[i].varianceOfMean = 0.02f * 0.02f * stated;
-            estimates[i].samples = 64;
-            before += std::pow(estimates[i].irradiance.x - truth(map.texels[i]), 2.0);
-        }
-        denoise(geometry, map, estimates);
-        double after = 0.0;
-        for (std::size_t i = 0; i < estimates.size(); ++i)
-            after += std::pow(estimates[i].irradiance.x - truth(map.texels[i]), 2.0);
-        EXPECT_LT(after, 0.12 * before) << "variance stated " << stated << " times too high";
+        const NoisyPage page(truth, 0.02f, 0.02f * 0.02f * stated);
+        EXPECT_LT(page.after, 0.12 * page.before) << "variance stated " << stated << " times too high";
     }
 }
 
