@@ -73,13 +73,8 @@ bool TexelLattice::middleOf(uint32_t texel, Middle& out) const
         constexpr float kSlack = 1.0e-4f; // on an edge between two triangles either will do
         found = w.x >= -kSlack && w.y >= -kSlack && w.x + w.y <= 1.0f + kSlack;
         if (!found) continue;
-        const float first = 1.0f - w.x - w.y;
-        out.position =
-            first * geometry_.positions[v.x] + w.x * geometry_.positions[v.y] + w.y * geometry_.positions[v.z];
-        const vec3 n = first * geometry_.normals[v.x] + w.x * geometry_.normals[v.y] + w.y * geometry_.normals[v.z];
-        const float length = glm::length(n);
-        found = length > 0.0f;
-        out.normal = n / length;
+        const SurfacePoint point = surfacePoint(geometry_, triangle, w);
+        out = {point.position, point.normal};
     }
     return found && covered >= kCovered;
 }
