@@ -109,9 +109,10 @@ private:
         gather.add(group, 0, adaptive_ ? kFirstBlocks : most_, lights, rays);
         for (int lane = 0; lane < group.lanes(); ++lane) {
             const TexelLight& light = lights[std::size_t(lane)];
+            // Where there is a cache, it has looked already.
+            const int allowed = lightmap_.cache() != nullptr ? light.gathered.blocks : 0; // a sixteenth of the rays
             if (group.active(lane) && lightmap_.state_->outside.known[group.texel(lane)] == 0 &&
-                group.mask(lane) == kAllPoints &&
-                light.backFaces * 16 > light.gathered.blocks * GatherPattern::kBlock) {
+                group.mask(lane) == kAllPoints && light.backFaces > allowed) {
                 const PointMask mask =
                     lightmap_.validity_.outside(group.points(lane), group.pointCount(lane), group.id(lane), rays);
                 if (mask != PointMask((1u << group.pointCount(lane)) - 1u)) {

@@ -87,7 +87,8 @@ void FinalGather::gatherBlock(const GatherGroup& group, int block, uint64_t& ray
             uint32_t& w = where[std::size_t(cell * TexelGroup::kLanes + lane)];
             w = kMissed;
             if (hit.geomID[lane] == RTC_INVALID_GEOMETRY_ID) continue;
-            w = tracer.hitIndex(hit.geomID[lane], hit.primID[lane]);
+            w = RadianceCache::recordOf(tracer.hitIndex(hit.geomID[lane], hit.primID[lane]),
+                                        bundle_.behind(cell, lane));
             if (cache_ != nullptr) __builtin_prefetch(&cache_->surface(w));
         }
     }
@@ -98,10 +99,7 @@ void FinalGather::gatherBlock(const GatherGroup& group, int block, uint64_t& ray
             if (w == kMissed) continue;
             const RadianceCache::Surface& surface = cache_->surface(w);
             w = kOther;
-            if (bundle_.behind(cell, lane)) {
-                if ((surface.firstCell & RadianceCache::kHiddenBack) != 0) ++backFaces_[std::size_t(lane)];
-                continue;
-            }
+            if ((surface.firstCell & RadianceCache::kHiddenBack) != 0) ++backFaces_[std::size_t(lane)];
             if ((surface.firstCell & RadianceCache::kSlow) != 0) continue;
             w = cache_->cellIndex(surface, packet.hit.u[lane], packet.hit.v[lane]);
             __builtin_prefetch(cache_->cells() + w);
@@ -122,14 +120,27 @@ void FinalGather::gatherBlock(const GatherGroup& group, int block, uint64_t& ray
             vec3 radiance;
             if (w == kMissed) {
                 radiance = shading::skyRadiance(sky.zenith, sky.horizon, sky.ground, direction);
-            } else if (cache_ != nullptr && w != kOther && packet.ray.tfar[lane] >= cache_->cells()[w].nearest) {
-                radiance = cache_->cells()[w].radiance;
+            } else if (const vec3* known = cache_ != nullptr && w != kOther ? knownRadiance(cell, lane, w) : nullptr) {
+                radiance = *known;
             } else {
                 radiance = slowRadiance(group, lane, block, cell, rays);
             }
             count(lane, kPi * radiance, direction);
         }
     }
+}
+
+const vec3* FinalGather::knownRadiance(int cell, int lane, uint32_t square) const
+{
+    const RTCRayHit8& packet = bundle_.rays[std::size_t(cell)];
+    const RadianceCache::Cell* c = cache_->cells() + square;
+    if (packet.ray.tfar[lane] >= c->nearest) return &c->radiance;
+    const uint32_t index = paths_.surfaces().hitIndex(packet.hit.geomID[lane], packet.hit.primID[lane]);
+    const uint32_t part = cache_->partIndex(cache_->surface(RadianceCache::recordOf(index, bundle_.behind(cell, lane))),
+                                            packet.hit.u[lane], packet.hit.v[lane], square);
+    if (part == RadianceCache::kNoCells) return nullptr;
+    c = cache_->cells() + part;
+    return packet.ray.tfar[lane] >= c->nearest ? &c->radiance : nullptr;
 }
 
 vec3 FinalGather::slowRadiance(const GatherGroup& group, int lane, int block, int cell, uint64_t& rays)

@@ -65,6 +65,8 @@ private:
     void cutEmitters(const GatherGroup& group);
     void gatherBlock(const GatherGroup& group, int block, uint64_t& rays);
     void sampleEmitters(const GatherGroup& group, int block, std::span<TexelLight> lights, uint64_t& rays);
+    /// What a cell, or its part, knows of a ray's end; null where the ray ends too close by.
+    [[nodiscard]] const vec3* knownRadiance(int cell, int lane, uint32_t square) const;
     vec3 slowRadiance(const GatherGroup& group, int lane, int block, int cell, uint64_t& rays);
     void count(int lane, vec3 irradiance, vec3 direction)
     {

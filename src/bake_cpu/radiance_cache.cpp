@@ -7,13 +7,14 @@
 #include "halflight/shading/sky.h"
 
 #include <cmath>
+#include <numeric>
 
 namespace halflight {
 namespace {
 
 constexpr uint32_t kCacheSeed = 0x5eed0005u;
 constexpr int kDirections = 6; ///< a chart's triangles are told apart by the axis their normals are nearest to
-constexpr std::size_t kRangeTexels = 256;
+constexpr std::size_t kRangeItems = 256;
 /// Rays and samples of lights for each texel, by the logarithm of the cell's width: 16 and 8 for a cell or more, twice
 /// that where texels have so many samples that the cells' noise would show beside their own.
 struct Effort {
@@ -23,12 +24,16 @@ struct Effort {
 constexpr std::array<Effort, 4> kEffort = {{{16, 8}, {4, 2}, {4, 1}, {4, 1}}};
 constexpr std::array<Effort, 4> kMoreEffort = {{{32, 16}, {8, 4}, {4, 2}, {4, 1}}};
 constexpr int kManySamples = 96;
+constexpr float kPartTexels = 0.5f; ///< width of a cell's part
+/// A triangle is a cell if no edge is longer than so many cells are wide.
+constexpr float kLongestEdgeInCells = 2.0f;
 Effort effortOf(const IntegrationSettings& settings, int cellShift)
 {
     return (settings.samples >= kManySamples ? kMoreEffort : kEffort)[std::size_t(cellShift)];
 }
 /// Rays shorter than this many cells would see their squares.
 constexpr float kNearestInCells = 0.5f;
+constexpr float kNearestInParts = 0.25f;
 
 int directionOf(vec3 normal)
 {
@@ -54,6 +59,15 @@ float texelMetersOf(const BakeGeometry& geometry, uint32_t triangle)
     return texels > 0.0f ? std::sqrt(meters2 / texels) : 0.0f;
 }
 
+float longestEdgeOf(const BakeGeometry& geometry, uint32_t triangle)
+{
+    const uvec3 t = geometry.triangles[triangle];
+    const vec3 a = geometry.positions[t.x];
+    const vec3 b = geometry.positions[t.y];
+    const vec3 c = geometry.positions[t.z];
+    return std::max({glm::distance(a, b), glm::distance(b, c), glm::distance(c, a)});
+}
+
 } // namespace
 
 /// What a run of samples found for one cell.
@@ -65,7 +79,7 @@ struct RadianceCache::Contribution {
     vec3 gathered{0.0f}; ///< radiance of sky and emitters
     vec3 direct{0.0f};   ///< irradiance of sampled lights
     vec3 albedo{0.0f};
-    float texelMeters = 0.0f;
+    float meters = 0.0f; ///< the cell's width
 };
 
 struct RadianceCache::RangeOutput {
@@ -79,6 +93,7 @@ struct RadianceCache::RangeOutput {
     };
     std::vector<Late> late;
     std::vector<uint32_t> divided; ///< cells with something standing on them
+    std::vector<uint32_t> near;    ///< cells that rays hit from close by
 
     Contribution& at(uint32_t cell)
     {
@@ -98,12 +113,12 @@ void RadianceCache::layOut(const PathTracer& paths, const TexelMap& map)
     while (cellShift_ < 3 && map.texels.size() >> (2 * (cellShift_ + 1)) >= kFewCells) ++cellShift_;
 
     rectangles_.assign(std::size_t(map.chartCount) * kDirections, {});
-    std::vector<uint32_t> rectangleOf(geometry.triangles.size(), ~0u);
+    rectangleOfTriangle_.assign(geometry.triangles.size(), ~0u);
     for (const Texel& texel : map.texels) {
         const ivec2 block(texel.x >> cellShift_, texel.y >> cellShift_);
         for (uint32_t f = 0; f < texel.fragmentCount; ++f) {
             const uint32_t triangle = map.fragments[texel.firstFragment + f].triangle;
-            uint32_t& number = rectangleOf[triangle];
+            uint32_t& number = rectangleOfTriangle_[triangle];
             if (number == ~0u) {
                 number = texel.chart * kDirections + uint32_t(directionOf(geometry.geometricNormal(triangle)));
             }
@@ -120,22 +135,23 @@ void RadianceCache::layOut(const PathTracer& paths, const TexelMap& map)
         const ivec2 size = r.max - r.min + 1;
         const uint64_t area = uint64_t(std::max(size.x, 0)) * uint64_t(std::max(size.y, 0));
         r.firstCell = kNoCells;
-        if (area == 0 || area > 64 + 16 * (uint64_t(r.texels) >> (2 * cellShift_)) || cellCount + area > kCellMask)
+        if (area == 0 || area > 64 + 16 * (uint64_t(r.texels) >> (2 * cellShift_)) || cellCount + area > kCellMask / 4)
             continue;
         r.firstCell = uint32_t(cellCount);
         cellCount += area;
     }
-    cells_.assign(cellCount, {});
+    squares_ = uint32_t(cellCount);
 
-    surfaces_.assign(tracer.hitTriangleCount(), {});
-    recordOfTriangle_.assign(geometry.triangles.size(), ~0u);
+    surfaces_.assign(2 * std::size_t(tracer.hitTriangleCount()), {});
+    hitIndexOfTriangle_.assign(geometry.triangles.size(), ~0u);
     for (uint32_t index = 0; index < tracer.hitTriangleCount(); ++index) {
         const uint32_t triangle = tracer.triangleAt(index);
-        Surface& s = surfaces_[index];
-        recordOfTriangle_[triangle] = index;
+        hitIndexOfTriangle_[triangle] = index;
+        Surface& s = surfaces_[recordOf(index, false)];
         const TransportMaterial& material = tracer.materialOfTriangle(triangle);
         s.firstCell = kNoCells;
-        if (const uint32_t number = rectangleOf[triangle]; number != ~0u && rectangles_[number].firstCell != kNoCells) {
+        if (const uint32_t number = rectangleOfTriangle_[triangle];
+            number != ~0u && rectangles_[number].firstCell != kNoCells) {
             const Rectangle& r = rectangles_[number];
             const uvec3 t = geometry.triangles[triangle];
             const float scale = 1.0f / float(1 << cellShift_);
@@ -146,50 +162,167 @@ void RadianceCache::layOut(const PathTracer& paths, const TexelMap& map)
             s.width = uint16_t(r.max.x - r.min.x + 1);
             s.height = uint16_t(r.max.y - r.min.y + 1);
         }
-        if (material.emission != vec3(0.0f)) s.firstCell |= kEmissive;
-        if (tracer.backIsHidden(triangle)) s.firstCell |= kHiddenBack;
+        Surface& back = surfaces_[recordOf(index, true)];
+        back = s;
+        if ((back.firstCell & kNoCells) == 0) back.firstCell += squares_;
+        if (material.emission != vec3(0.0f)) s.firstCell |= kEmissive, back.firstCell |= kEmissive;
+        if (tracer.backIsHidden(triangle)) back.firstCell |= kHiddenBack;
+    }
+    layOutTriangles(paths, map);
+    state_.assign(2 * std::size_t(squares_) + 2 * cellTriangles_.size(), 0);
+    firstPart_.assign(state_.size(), kNoCells);
+}
+
+/// Small triangles without a lightmap become cells: leaves, grass, small parts.
+void RadianceCache::layOutTriangles(const PathTracer& paths, const TexelMap& map)
+{
+    const SurfaceTracer& tracer = paths.surfaces();
+    const BakeGeometry& geometry = tracer.geometry();
+    double meters = 0.0;
+    double texels = 0.0;
+    for (const TexelFragment& f : map.fragments) {
+        meters += double(f.area) * double(texelMetersOf(geometry, f.triangle));
+        texels += double(f.area);
+    }
+    const float longest = kLongestEdgeInCells * float(1 << cellShift_) * (texels > 0.0 ? float(meters / texels) : 0.0f);
+    // More of them than texels would cost more than they save.
+    const std::size_t most = map.texels.size();
+    cellTriangles_.clear();
+    for (uint32_t index = 0; index < tracer.hitTriangleCount() && cellTriangles_.size() < most; ++index) {
+        const uint32_t triangle = tracer.triangleAt(index);
+        Surface& front = surfaces_[recordOf(index, false)];
+        if ((front.firstCell & kNoCells) == 0 || rectangleOfTriangle_[triangle] != ~0u) continue;
+        if (!(longestEdgeOf(geometry, triangle) <= longest)) continue;
+        Surface& back = surfaces_[recordOf(index, true)];
+        const uint32_t cell = 2 * squares_ + 2 * uint32_t(cellTriangles_.size());
+        if (cell + 1 > kCellMask) break;
+        cellTriangles_.push_back(triangle);
+        front.firstCell = (front.firstCell & ~(kNoCells | kCellMask)) | cell;
+        back.firstCell = (back.firstCell & ~(kNoCells | kCellMask)) | (cell + 1);
+        front.width = front.height = back.width = back.height = 1;
     }
 }
 
-/// Gathers for one range of texels.
-class RadianceCache::Gatherer {
-public:
-    Gatherer(const RadianceCache& cache, const PathTracer& paths, const TexelMap& map, const GatherPattern& pattern,
-             const IntegrationSettings& settings, OutsidePoints& outside, RangeOutput& out)
-        : cache_(cache), paths_(paths), map_(map), pattern_(pattern), settings_(settings), outside_(outside), out_(out),
-          validity_(paths, settings.seed), seed_(settings.seed ^ kCacheSeed),
-          effort_(effortOf(settings, cache.cellShift_)), byBounce_(std::size_t(std::max(settings.bounces, 1)) + 1)
-    {}
+uint32_t RadianceCache::partIndex(const Surface& s, float u, float v, uint32_t cell) const
+{
+    const uint32_t first = firstPart_[cell];
+    if (first == kNoCells) return kNoCells;
+    const vec2 at = s.origin + u * s.edgeU + v * s.edgeV;
+    const int width = 1 << (cellShift_ + kPartShift);
+    const auto partOf = [&](float x, int cells) {
+        const int whole = std::clamp(int(x), 0, cells - 1);
+        return uint32_t(std::clamp(int((x - float(whole)) * float(width)), 0, width - 1));
+    };
+    return first + (partOf(at.y, s.height) << (cellShift_ + kPartShift)) + partOf(at.x, s.width);
+}
 
-    void gather(std::size_t begin, std::size_t end)
-    {
-        std::array<uint32_t, TexelGroup::kLanes> texels;
-        for (std::size_t i = begin; i < end; i += TexelGroup::kLanes) {
-            const std::size_t count = std::min(end - i, std::size_t(TexelGroup::kLanes));
-            for (std::size_t k = 0; k < count; ++k) texels[k] = uint32_t(i + k);
-            again_.clear();
-            gatherGroup(GatherGroup(paths_, map_, std::span(texels.data(), count), masks(i, count)), false);
-            // Texels that turned out to have points inside geometry.
-            for (const uint32_t texel : std::vector<uint32_t>(again_)) {
-                gatherGroup(GatherGroup(paths_, map_, std::span(&texel, 1), masks(texel, 1)), true);
-            }
+/// Gives parts to the squares whose fronts are in the given state.
+void RadianceCache::addParts(uint8_t of)
+{
+    for (uint32_t cell = 0; cell < squares_; ++cell) {
+        if ((state_[cell] & of) == 0 || firstPart_[cell] != kNoCells) continue;
+        const std::size_t next = state_.size() + (std::size_t(1) << (2 * (cellShift_ + kPartShift)));
+        if (next > kCellMask) return;
+        firstPart_[cell] = uint32_t(state_.size());
+        state_.resize(next, 0);
+    }
+}
+
+/// Which backs and triangles rays hit.
+void RadianceCache::findWanted(const std::vector<RangeOutput>& ranges)
+{
+    for (const RangeOutput& range : ranges) {
+        for (const uint32_t cell : range.links) state_[cell] |= kWanted;
+        for (const uint32_t cell : range.near) state_[cell] |= kMetNear;
+    }
+}
+
+/// Texels that lie in cells of a given state, counted from the first cell of the squares' fronts or backs.
+std::vector<uint32_t> RadianceCache::texelsOf(const TexelMap& map, uint32_t firstCell, uint8_t state) const
+{
+    std::vector<uint32_t> texels;
+    for (std::size_t i = 0; i < map.texels.size(); ++i) {
+        const Texel& texel = map.texels[i];
+        const ivec2 block(texel.x >> cellShift_, texel.y >> cellShift_);
+        for (uint32_t f = 0; f < texel.fragmentCount; ++f) {
+            const uint32_t number = rectangleOfTriangle_[map.fragments[texel.firstFragment + f].triangle];
+            if (number == ~0u || rectangles_[number].firstCell == kNoCells) continue;
+            const Rectangle& r = rectangles_[number];
+            const ivec2 at = block - r.min;
+            const uint32_t cell = r.firstCell + uint32_t(at.y * (r.max.x - r.min.x + 1) + at.x);
+            if ((state_[firstCell + cell] & state) == 0) continue;
+            texels.push_back(uint32_t(i));
+            break;
         }
     }
-    void look(std::size_t begin, std::size_t end)
+    return texels;
+}
+
+/// What a round of gathering is for. The first, of the squares, finds what the others are needed for.
+enum class RadianceCache::Pass : uint32_t {
+    Squares,  ///< items are texels
+    Parts,    ///< texels of cells that have parts
+    Backs,    ///< texels of cells whose backs are wanted
+    Triangles ///< cells that are triangles, counted from the first
+};
+
+/// Gathers for one range of items.
+class RadianceCache::Gatherer {
+public:
+    Gatherer(const RadianceCache& cache, Pass pass, const PathTracer& paths, const TexelMap& map,
+             const GatherPattern& pattern, const IntegrationSettings& settings, OutsidePoints& outside,
+             RangeOutput& out)
+        : cache_(cache), pass_(pass), paths_(paths), map_(map), pattern_(pattern), settings_(settings),
+          outside_(outside), out_(out), validity_(paths, settings.seed),
+          seed_(settings.seed ^ (kCacheSeed + (uint32_t(pass) << 16))),
+          effort_(effortOf(settings, pass == Pass::Squares || pass == Pass::Backs ? cache.cellShift_ : 0)),
+          byBounce_(std::size_t(std::max(settings.bounces, 1)) + 1)
+    {}
+
+    void gather(std::span<const uint32_t> items)
     {
-        std::array<uint32_t, TexelGroup::kLanes> texels;
-        for (std::size_t i = begin; i < end; i += TexelGroup::kLanes) {
-            const std::size_t count = std::min(end - i, std::size_t(TexelGroup::kLanes));
-            for (std::size_t k = 0; k < count; ++k) texels[k] = uint32_t(i + k);
-            const TexelGroup group(paths_, map_, std::span(texels.data(), count), masks(i, count));
-            for (int lane = 0; lane < group.lanes(); ++lane) {
-                if (group.active(lane)) lookAcross(group, lane);
+        forGroups(items, [&](const TexelGroup& group) {
+            again_.clear();
+            gatherGroup(GatherGroup(paths_, group), pass_ != Pass::Squares);
+            // Texels that turned out to have points inside geometry.
+            for (const uint32_t texel : std::vector<uint32_t>(again_)) {
+                gatherGroup(GatherGroup(paths_, map_, std::span(&texel, 1), std::span(&outside_.masks[texel], 1)),
+                            true);
             }
-        }
+        });
+    }
+    /// Finds cells, or parts, with something standing on them.
+    void look(std::span<const uint32_t> items)
+    {
+        forGroups(items, [&](const TexelGroup& group) {
+            for (int lane = 0; lane < group.lanes(); ++lane) {
+                if (!group.active(lane)) continue;
+                pass_ == Pass::Parts ? lookAcrossParts(group, lane) : lookAcross(group, lane);
+            }
+        });
     }
     [[nodiscard]] uint64_t rays() const { return rays_; }
 
 private:
+    template<typename Body> void forGroups(std::span<const uint32_t> items, const Body& body) const
+    {
+        std::array<PointMask, TexelGroup::kLanes> masks;
+        std::array<TexelGroup::Side, TexelGroup::kLanes> sides;
+        for (std::size_t i = 0; i < items.size(); i += TexelGroup::kLanes) {
+            const auto some = items.subspan(i, std::min(items.size() - i, std::size_t(TexelGroup::kLanes)));
+            if (pass_ == Pass::Triangles) {
+                for (std::size_t k = 0; k < some.size(); ++k)
+                    sides[k] = {cache_.cellTriangles_[some[k] / 2], some[k] % 2 != 0};
+                body(TexelGroup::triangles(paths_, std::span(sides.data(), some.size())));
+            } else if (pass_ == Pass::Backs) {
+                body(TexelGroup::backs(paths_, map_, some));
+            } else {
+                for (std::size_t k = 0; k < some.size(); ++k) masks[k] = outside_.masks[some[k]];
+                body(TexelGroup(paths_, map_, some, std::span(masks.data(), some.size())));
+            }
+        }
+    }
+
     /// Rays of each texel: few where many texels share a cell. Those few have one ray in each row and each column of
     /// the pattern, and those of the next groups go into the cells they left out.
     int cellsOf(uint32_t group, std::array<uint8_t, GatherPattern::kBlock>& cells) const
@@ -233,12 +366,13 @@ private:
     /// of solids, there is nothing to look for.
     bool allOutside(const TexelGroup& group, int lane, std::span<const uint8_t> cells)
     {
+        if (outside_.known[group.texel(lane)] != 0) return true;
         constexpr std::size_t kEnough = 8;
         std::size_t suspicious = 0;
         std::size_t inSolid = 0;
         for (const int cell : cells) {
             if (!bundle_.hit(cell, lane) || !bundle_.behind(cell, lane)) continue;
-            suspicious += (surfaceOf(cell, lane).firstCell & kHiddenBack) != 0 ? 1 : 0;
+            suspicious += (cache_.surfaces_[recordOfHit(cell, lane)].firstCell & kHiddenBack) != 0 ? 1 : 0;
             const RTCHit8& h = bundle_.rays[std::size_t(cell)].hit;
             const uint32_t triangle = paths_.surfaces().triangleOf(h.geomID[lane], h.primID[lane]);
             inSolid += paths_.surfaces().geometry().solid[triangle];
@@ -248,12 +382,21 @@ private:
             setOutside(group.texel(lane), 0);
             return false;
         }
-        const PointMask mask = validity_.outside(group.points(lane), group.pointCount(lane), group.id(lane), rays_);
-        const bool all = mask == PointMask((1u << group.pointCount(lane)) - 1u);
-        setOutside(group.texel(lane), all ? kAllPoints : mask);
-        if (all) return true;
+        const PointMask mask = checkPoints(group, lane);
+        if (mask == kAllPoints) return true;
         if (mask != 0) again_.push_back(group.texel(lane));
         return false;
+    }
+
+    /// Looks at a texel's points one by one, if nobody has.
+    PointMask checkPoints(const TexelGroup& group, int lane)
+    {
+        const uint32_t texel = group.texel(lane);
+        if (outside_.known[texel] != 0) return outside_.masks[texel];
+        const PointMask mask = validity_.outside(group.points(lane), group.pointCount(lane), group.id(lane), rays_);
+        const bool all = mask == PointMask((1u << group.pointCount(lane)) - 1u);
+        setOutside(texel, all ? kAllPoints : mask);
+        return outside_.masks[texel];
     }
 
     void setOutside(uint32_t texel, PointMask mask)
@@ -261,29 +404,68 @@ private:
         outside_.masks[texel] = mask;
         outside_.known[texel] = 1;
     }
-    [[nodiscard]] std::span<const PointMask> masks(std::size_t first, std::size_t count) const
-    {
-        return std::span(outside_.masks).subspan(first, count);
-    }
 
-    [[nodiscard]] const Surface& surfaceOf(int cell, int lane) const
+    [[nodiscard]] uint32_t recordOfHit(int cell, int lane) const
     {
         const RTCHit8& h = bundle_.rays[std::size_t(cell)].hit;
-        return cache_.surfaces_[paths_.surfaces().hitIndex(h.geomID[lane], h.primID[lane])];
+        return recordOf(paths_.surfaces().hitIndex(h.geomID[lane], h.primID[lane]), bundle_.behind(cell, lane));
+    }
+    [[nodiscard]] uint32_t recordOfPoint(const TexelGroup& group, int lane, const SurfacePoint& point) const
+    {
+        const uint32_t index = cache_.hitIndexOfTriangle_[point.triangle];
+        return index == ~0u ? ~0u : recordOf(index, group.behind(lane));
+    }
+    [[nodiscard]] uint32_t partOf(const Surface& surface, vec2 at, uint32_t cell) const
+    {
+        const uint32_t part = cache_.partIndex(surface, at.x, at.y, cell);
+        return part == kNoCells || (cache_.state_[part] & kDivided) != 0 ? kNoCells : part;
     }
 
-    /// Cell of a point of a texel, or kNoCells.
-    [[nodiscard]] uint32_t cellOf(const SurfacePoint& point) const
+    /// The cell, or part of one, that this pass fills from a point, or kNoCells.
+    [[nodiscard]] uint32_t sourceOf(uint32_t record, vec2 at) const
     {
-        const uint32_t record = cache_.recordOfTriangle_[point.triangle];
         if (record == ~0u || (cache_.surfaces_[record].firstCell & kNoCells) != 0) return kNoCells;
-        return cache_.cellIndex(cache_.surfaces_[record], point.barycentric.x, point.barycentric.y);
+        const Surface& surface = cache_.surfaces_[record];
+        const uint32_t cell = cache_.cellIndex(surface, at.x, at.y);
+        const uint8_t state = cache_.state_[cell];
+        switch (pass_) {
+        case Pass::Squares:
+            if ((state & kDivided) == 0) return cell;
+            [[fallthrough]];
+        case Pass::Parts:
+            return partOf(surface, at, cell);
+        case Pass::Backs:
+        case Pass::Triangles:
+            return (state & kWanted) != 0 && (state & kDivided) == 0 ? cell : kNoCells;
+        }
+        return kNoCells;
+    }
+    /// The cell, or part of one, that will know what a ray meets, or kNoCells. While the squares gather, backs and
+    /// triangles become wanted.
+    [[nodiscard]] uint32_t targetOf(uint32_t record, vec2 at) const
+    {
+        const Surface& surface = cache_.surfaces_[record];
+        if ((surface.firstCell & kNoCells) != 0) return kNoCells;
+        const uint32_t cell = cache_.cellIndex(surface, at.x, at.y);
+        const uint8_t state = cache_.state_[cell];
+        if ((state & kDivided) != 0) return partOf(surface, at, cell);
+        const bool filled = cell < cache_.squares_ || pass_ == Pass::Squares || (state & kWanted) != 0;
+        return filled ? cell : kNoCells;
+    }
+    /// Width of a cell.
+    [[nodiscard]] float metersOf(uint32_t cell, uint32_t triangle) const
+    {
+        const BakeGeometry& geometry = paths_.surfaces().geometry();
+        if (cell >= 2 * cache_.squares_ && cell < cache_.firstPart_.size()) return longestEdgeOf(geometry, triangle);
+        const float texels = cell < cache_.firstPart_.size() ? float(1 << cache_.cellShift_) : kPartTexels;
+        return texels * texelMetersOf(geometry, triangle);
     }
 
     void addRay(const GatherGroup& group, int lane, int block, int cell)
     {
         const int slot = group.slotOf(lane, block, cell);
-        const uint32_t source = cellOf(group.pointOfSlot(lane, slot));
+        const SurfacePoint& point = group.pointOfSlot(lane, slot);
+        const uint32_t source = sourceOf(recordOfPoint(group, lane, point), point.barycentric);
         if (source == kNoCells) return;
         Contribution& c = out_.at(source);
         ++c.rayCount;
@@ -293,16 +475,15 @@ private:
             c.gathered += shading::skyRadiance(sky.zenith, sky.horizon, sky.ground, direction);
             return;
         }
-        const Surface& surface = surfaceOf(cell, lane);
-        const bool behind = bundle_.behind(cell, lane);
-        const RTCHit8& h = bundle_.rays[std::size_t(cell)].hit;
-        bool known = !behind && (surface.firstCell & kNoCells) == 0;
-        const uint32_t target = known ? cache_.cellIndex(surface, h.u[lane], h.v[lane]) : 0;
-        known = known && cache_.divided_[target] == 0;
+        const RTCRayHit8& packet = bundle_.rays[std::size_t(cell)];
+        const uint32_t record = recordOfHit(cell, lane);
+        const uint32_t target = targetOf(record, {packet.hit.u[lane], packet.hit.v[lane]});
+        const bool known = target != kNoCells;
         if (known) {
             out_.links.push_back(target);
             ++c.linkCount;
-            if ((surface.firstCell & kEmissive) == 0) return;
+            if (pass_ == Pass::Squares) findNear(source, target, packet, lane);
+            if ((cache_.surfaces_[record].firstCell & kEmissive) == 0) return;
         }
         const GatherGroup::Slot& s = group.slot(lane, slot);
         const Receiver receiver{s.origin, s.normal};
@@ -322,12 +503,22 @@ private:
         }
     }
 
+    /// Both ends of a ray will be met by others from as close by.
+    void findNear(uint32_t source, uint32_t target, const RTCRayHit8& packet, int lane)
+    {
+        if (target >= cache_.squares_) return;
+        const uint32_t triangle = paths_.surfaces().triangleOf(packet.hit.geomID[lane], packet.hit.primID[lane]);
+        if (!(packet.ray.tfar[lane] < kNearestInCells * metersOf(target, triangle))) return;
+        out_.near.push_back(target);
+        if (source < cache_.squares_) out_.near.push_back(source);
+    }
+
     void addDirect(const TexelGroup& group, int lane)
     {
         const int samples = effort_.direct;
         for (int s = 0; s < samples; ++s) {
-            const SurfacePoint& point = group.pointOfSlot(lane, group.slotOf(lane, s, 5 * s & 15));
-            const uint32_t source = cellOf(point);
+            const SurfacePoint& point = group.pointOfSlot(lane, group.slotOf(lane, 0, s & (kMaxTexelPoints - 1)));
+            const uint32_t source = sourceOf(recordOfPoint(group, lane, point), point.barycentric);
             if (source == kNoCells) continue;
             Sampler sampler(~seed_, group.id(lane), uint32_t(s));
             Contribution& c = out_.at(source);
@@ -336,7 +527,7 @@ private:
             c.direct += paths_.emitterIrradiance(point, luminance(irradiance), sampler, rays_).irradiance;
             c.albedo += paths_.surfaces().albedoAt(point.triangle, point.barycentric);
             ++c.directCount;
-            c.texelMeters = std::max(c.texelMeters, texelMetersOf(paths_.surfaces().geometry(), point.triangle));
+            c.meters = std::max(c.meters, metersOf(source, point.triangle));
         }
     }
 
@@ -345,32 +536,106 @@ private:
     void lookAcross(const TexelGroup& group, int lane)
     {
         const SurfacePoint& point = group.points(lane)[0];
-        const uint32_t cell = cellOf(point);
+        const uint32_t cell = sourceOf(recordOfPoint(group, lane, point), point.barycentric);
         if (cell == kNoCells) return;
-        const float lift =
-            0.1f * float(1 << cache_.cellShift_) * texelMetersOf(paths_.surfaces().geometry(), point.triangle);
+        const float lift = 0.1f * metersOf(cell, point.triangle);
         const vec3 above = point.position + lift * point.geometricNormal;
+        std::array<vec3, embree::kPacket> targets;
+        targets[0] = previousCell_ == cell ? previous_ : above;
+        for (std::size_t i = 1; i < targets.size(); ++i) {
+            const int count = group.pointCount(lane);
+            if (count == kMaxTexelPoints) {
+                // The surface fills the whole texel: as far as its border.
+                const Rim& rim = rim_[i - 1];
+                const SurfacePoint& p = group.points(lane)[std::size_t(rim.point)];
+                targets[i] = above + rim.toBorder * (p.position + lift * p.geometricNormal - above);
+            } else {
+                const SurfacePoint& p = group.points(lane)[i * std::size_t(count - 1) / (embree::kPacket - 1)];
+                targets[i] = p.position + lift * p.geometricNormal;
+            }
+        }
+        const Between between = lookBetween(above, targets);
+        if (between == Between::Sides) out_.divided.push_back(cell);
+        previousCell_ = cell;
+        previous_ = above;
+        // Points that do not see one another may lie inside geometry.
+        if (between != Between::Nothing && pass_ == Pass::Squares) checkPoints(group, lane);
+    }
+
+    /// The same for the parts that a texel's points are in: from one of them to the part's border, or to the others.
+    void lookAcrossParts(const TexelGroup& group, int lane)
+    {
+        std::array<uint32_t, kMaxTexelPoints> parts;
+        for (int p = 0; p < group.pointCount(lane); ++p) {
+            const SurfacePoint& point = group.points(lane)[std::size_t(p)];
+            parts[std::size_t(p)] = sourceOf(recordOfPoint(group, lane, point), point.barycentric);
+        }
+        const auto end = parts.begin() + group.pointCount(lane);
+        for (auto part = parts.begin(); part != end; ++part) {
+            if (*part == kNoCells || std::find(parts.begin(), part, *part) != part) continue;
+            const SurfacePoint& point = group.points(lane)[std::size_t(part - parts.begin())];
+            const float lift = 0.1f * metersOf(*part, point.triangle);
+            const vec3 above = point.position + lift * point.geometricNormal;
+            std::array<vec3, embree::kPacket> targets;
+            targets.fill(above);
+            if (group.pointCount(lane) < kMaxTexelPoints || !toBorder(group, lane, point, above, targets)) {
+                std::size_t count = 0;
+                for (auto other = part + 1; other != end && count < targets.size(); ++other) {
+                    if (*other != *part) continue;
+                    const SurfacePoint& p = group.points(lane)[std::size_t(other - parts.begin())];
+                    targets[count++] = p.position + lift * p.geometricNormal;
+                }
+            }
+            if (lookBetween(above, targets) == Between::Sides) out_.divided.push_back(*part);
+        }
+    }
+
+    /// Where the corners and the middles of the edges are of the part that a point is in, at the height of `above`.
+    /// False where the lightmap's triangle has no area.
+    bool toBorder(const TexelGroup& group, int lane, const SurfacePoint& point, vec3 above,
+                  std::array<vec3, embree::kPacket>& targets) const
+    {
+        const Surface& surface = cache_.surfaces_[recordOfPoint(group, lane, point)];
+        const float size = kPartTexels / float(1 << cache_.cellShift_); // of a part, in cells
+        const vec2 at = surface.origin + point.barycentric.x * surface.edgeU + point.barycentric.y * surface.edgeV;
+        const float area = cross2(surface.edgeU, surface.edgeV);
+        if (std::abs(area) < 1.0e-12f) return false;
+        const BakeGeometry& geometry = paths_.surfaces().geometry();
+        const uvec3 t = geometry.triangles[point.triangle];
+        const vec3 edge1 = geometry.positions[t.y] - geometry.positions[t.x];
+        const vec3 edge2 = geometry.positions[t.z] - geometry.positions[t.x];
+        const vec2 corner = size * glm::floor(at / size);
+        constexpr std::array<vec2, embree::kPacket> kBorder = {{{0.0f, 0.0f},
+                                                                {0.5f, 0.0f},
+                                                                {1.0f, 0.0f},
+                                                                {1.0f, 0.5f},
+                                                                {1.0f, 1.0f},
+                                                                {0.5f, 1.0f},
+                                                                {0.0f, 1.0f},
+                                                                {0.0f, 0.5f}}};
+        for (std::size_t i = 0; i < targets.size(); ++i) {
+            const vec2 way = corner + size * kBorder[i] - at;
+            targets[i] = above + (cross2(way, surface.edgeV) * edge1 + cross2(surface.edgeU, way) * edge2) / area;
+        }
+        return true;
+    }
+
+    /// What stands between a point and others: a solid they lie in, or something that has two sides. What lies inside
+    /// a solid is no other side: nobody sees it.
+    enum class Between { Nothing, Solid, Sides };
+    Between lookBetween(vec3 from, const std::array<vec3, embree::kPacket>& targets)
+    {
+        Between found = Between::Nothing;
         RTCRay8 packet;
         alignas(32) embree::LaneMask valid;
         std::array<float, embree::kPacket> reach{};
         SurfaceTracer::clear(packet);
         for (int i = 0; i < embree::kPacket; ++i) {
-            vec3 target = previous_;
-            const int count = group.pointCount(lane);
-            if (i > 0 && count == kMaxTexelPoints) {
-                // The surface fills the whole texel: as far as its border.
-                const Rim& rim = rim_[std::size_t(i - 1)];
-                const SurfacePoint& p = group.points(lane)[std::size_t(rim.point)];
-                target = above + rim.toBorder * (p.position + lift * p.geometricNormal - above);
-            } else if (i > 0) {
-                const SurfacePoint& p = group.points(lane)[std::size_t(i * (count - 1) / (embree::kPacket - 1))];
-                target = p.position + lift * p.geometricNormal;
-            }
-            const float length = glm::distance(above, target);
-            valid.lane[i] = length > 0.0f && (i > 0 || previousCell_ == cell) ? -1 : 0;
+            const vec3 target = targets[std::size_t(i)];
+            const float length = glm::distance(from, target);
+            valid.lane[i] = length > 0.0f ? -1 : 0;
             if (valid.lane[i] == 0) continue;
-            const vec3 direction = (target - above) / length;
-            embree::setRay(packet, i, above, direction);
+            embree::setRay(packet, i, from, (target - from) / length);
             reach[std::size_t(i)] = 0.999f * length;
             packet.tfar[i] = reach[std::size_t(i)];
             ++rays_;
@@ -378,16 +643,14 @@ private:
         paths_.surfaces().occluded(valid, packet);
         for (int i = 0; i < embree::kPacket; ++i) {
             if (valid.lane[i] == 0 || packet.tfar[i] >= 0.0f) continue;
-            // What lies inside a solid is no other side: nobody sees it.
             const vec3 direction(packet.dir_x[i], packet.dir_y[i], packet.dir_z[i]);
-            const vec3 end = above + reach[std::size_t(i)] * direction;
+            const vec3 end = from + reach[std::size_t(i)] * direction;
             ++rays_;
-            if (paths_.surfaces().intersect(end, -direction, 0.0f, reach[std::size_t(i)]).backFace) continue;
-            out_.divided.push_back(cell);
-            break;
+            if (!paths_.surfaces().intersect(end, -direction, 0.0f, reach[std::size_t(i)]).backFace)
+                return Between::Sides;
+            found = Between::Solid;
         }
-        previousCell_ = cell;
-        previous_ = above;
+        return found;
     }
 
     /// Those of texelPoints()'s points that lie farthest out in seven directions, and how much farther the texel's
@@ -415,6 +678,7 @@ private:
     const std::array<Rim, 7> rim_ = rimPoints();
 
     const RadianceCache& cache_;
+    Pass pass_;
     const PathTracer& paths_;
     const TexelMap& map_;
     const GatherPattern& pattern_;
@@ -437,64 +701,130 @@ bool RadianceCache::build(const PathTracer& paths, const TexelMap& map, const Ga
                           std::atomic<uint64_t>& rays)
 {
     layOut(paths, map);
-    const std::size_t rangeCount = (map.texels.size() + kRangeTexels - 1) / kRangeTexels;
-    std::vector<RangeOutput> ranges(rangeCount);
-    parallelFor(rangeCount, 1, [&](std::size_t begin, std::size_t end) {
-        for (std::size_t r = begin; r < end && !progress.cancelled(); ++r) {
-            Gatherer gatherer(*this, paths, map, pattern, settings, outside, ranges[r]);
-            gatherer.look(r * kRangeTexels, std::min((r + 1) * kRangeTexels, map.texels.size()));
-            rays += gatherer.rays();
+    std::vector<uint32_t> all(map.texels.size());
+    std::iota(all.begin(), all.end(), 0u);
+    const auto forRanges = [&](Pass pass, std::span<const uint32_t> items, std::vector<RangeOutput>& out,
+                               const auto& work) {
+        const std::size_t first = out.size();
+        out.resize(first + (items.size() + kRangeItems - 1) / kRangeItems);
+        parallelFor(out.size() - first, 1, progress, "bounces", [&](std::size_t begin, std::size_t end) {
+            for (std::size_t r = begin; r < end && !progress.cancelled(); ++r) {
+                Gatherer gatherer(*this, pass, paths, map, pattern, settings, outside, out[first + r]);
+                const std::size_t item = r * kRangeItems;
+                work(gatherer, items.subspan(item, std::min(kRangeItems, items.size() - item)));
+                rays += gatherer.rays();
+            }
+        });
+    };
+    const auto look = [&](Pass pass, std::span<const uint32_t> items) {
+        std::vector<RangeOutput> found;
+        forRanges(pass, items, found, [](Gatherer& g, std::span<const uint32_t> some) { g.look(some); });
+        for (const RangeOutput& range : found) {
+            for (const uint32_t cell : range.divided) state_[cell] |= kDivided;
         }
-    });
-    divided_.assign(cells_.size(), 0);
-    for (const RangeOutput& range : ranges) {
-        for (const uint32_t cell : range.divided) divided_[cell] = 1;
+    };
+    std::vector<RangeOutput> ranges;
+    const auto gather = [&](Pass pass, std::span<const uint32_t> items) {
+        forRanges(pass, items, ranges, [](Gatherer& g, std::span<const uint32_t> some) { g.gather(some); });
+    };
+    look(Pass::Squares, all);
+    addParts(kDivided);
+    look(Pass::Parts, texelsOf(map, 0, kDivided));
+    gather(Pass::Squares, all);
+    all = {};
+    findWanted(ranges);
+    addParts(kMetNear);
+    const std::vector<uint32_t> backs = texelsOf(map, squares_, kWanted);
+    std::vector<uint32_t> triangles;
+    for (uint32_t i = 0; i < 2 * cellTriangles_.size(); ++i) {
+        if ((state_[2 * squares_ + i] & kWanted) != 0) triangles.push_back(i);
     }
-    const bool finished = parallelFor(rangeCount, 1, progress, "bounces", [&](std::size_t begin, std::size_t end) {
-        for (std::size_t r = begin; r < end && !progress.cancelled(); ++r) {
-            Gatherer gatherer(*this, paths, map, pattern, settings, outside, ranges[r]);
-            gatherer.gather(r * kRangeTexels, std::min((r + 1) * kRangeTexels, map.texels.size()));
-            rays += gatherer.rays();
-        }
-    });
-    if (!finished || progress.cancelled()) return false;
-    bounce(ranges, settings.bounces);
-    recordOfTriangle_ = {};
+    look(Pass::Backs, backs);
+    gather(Pass::Backs, backs);
+    gather(Pass::Triangles, triangles);
+    gather(Pass::Parts, texelsOf(map, 0, kDivided | kMetNear));
+    if (progress.cancelled()) return false;
+    bounce(ranges, paths.surfaces().geometry(), settings.bounces);
+    hitIndexOfTriangle_ = {};
+    rectangleOfTriangle_ = {};
     rectangles_ = {};
+    cellTriangles_ = {};
     substitute_ = {};
-    divided_ = {};
+    state_ = {};
     return true;
 }
 
-void RadianceCache::findSubstitutes(const std::vector<uint32_t>& rayCount)
+/// For triangles that no ray met while the squares gathered: the nearest one of those that the same mesh lists shortly
+/// before and after it.
+void RadianceCache::findSubstituteTriangles(const std::vector<uint32_t>& rayCount, const BakeGeometry& geometry)
 {
-    substitute_.resize(cells_.size());
-    for (std::size_t i = 0; i < cells_.size(); ++i) substitute_[i] = uint32_t(i);
+    constexpr std::ptrdiff_t kReach = 8;
+    const auto centroid = [&](uint32_t triangle) {
+        const uvec3 t = geometry.triangles[triangle];
+        return (geometry.positions[t.x] + geometry.positions[t.y] + geometry.positions[t.z]) / 3.0f;
+    };
+    const auto count = std::ptrdiff_t(cellTriangles_.size());
+    for (std::ptrdiff_t i = 0; i < count; ++i) {
+        const uint32_t triangle = cellTriangles_[std::size_t(i)];
+        const vec3 from = centroid(triangle);
+        for (uint32_t side = 0; side < 2; ++side) {
+            const uint32_t cell = 2 * squares_ + 2 * uint32_t(i) + side;
+            float best = longestEdgeOf(geometry, triangle);
+            for (std::ptrdiff_t j = std::max(i - kReach, std::ptrdiff_t(0));
+                 rayCount[cell] == 0 && j < std::min(i + kReach + 1, count); ++j) {
+                const uint32_t other = 2 * squares_ + 2 * uint32_t(j) + side;
+                const uint32_t otherTriangle = cellTriangles_[std::size_t(j)];
+                if (rayCount[other] == 0 || geometry.partOfTriangle[otherTriangle] != geometry.partOfTriangle[triangle])
+                    continue;
+                const float distance = glm::distance(from, centroid(otherTriangle));
+                if (distance > best) continue;
+                best = distance;
+                substitute_[cell] = other;
+            }
+        }
+    }
+}
+
+void RadianceCache::findSubstitutes(const std::vector<uint32_t>& rayCount, const BakeGeometry& geometry)
+{
+    substitute_.resize(rayCount.size());
+    std::iota(substitute_.begin(), substitute_.end(), 0u);
+    // The nearest one of a rectangle of cells, if any is near.
+    const auto nearest = [&](uint32_t first, ivec2 size, ivec2 at) {
+        uint32_t found = kNoCells;
+        int best = 9;
+        for (int dy = -2; dy <= 2; ++dy) {
+            for (int dx = -2; dx <= 2; ++dx) {
+                const ivec2 p = at + ivec2(dx, dy);
+                if (p.x < 0 || p.y < 0 || p.x >= size.x || p.y >= size.y) continue;
+                const uint32_t other = first + uint32_t(p.y * size.x + p.x);
+                if (rayCount[other] == 0 || dx * dx + dy * dy >= best) continue;
+                best = dx * dx + dy * dy;
+                found = other;
+            }
+        }
+        return found;
+    };
+    findSubstituteTriangles(rayCount, geometry);
     for (std::size_t number = 0; number < rectangles_.size(); ++number) {
         const Rectangle& r = rectangles_[number];
         if (r.firstCell == kNoCells) continue;
         const ivec2 size = r.max - r.min + 1;
-        for (int y = 0; y < size.y; ++y) {
-            for (int x = 0; x < size.x; ++x) {
-                const uint32_t cell = r.firstCell + uint32_t(y * size.x + x);
+        for (const uint32_t side : {0u, squares_}) {
+            for (uint32_t i = 0; i < uint32_t(size.x * size.y); ++i) {
+                const uint32_t cell = side + r.firstCell + i;
                 if (rayCount[cell] > 0) continue;
-                // The nearest cell of the rectangle, else one of the same chart that faces another way.
-                int best = 9;
-                for (int dy = -2; dy <= 2; ++dy) {
-                    for (int dx = -2; dx <= 2; ++dx) {
-                        const ivec2 p(x + dx, y + dy);
-                        if (p.x < 0 || p.y < 0 || p.x >= size.x || p.y >= size.y) continue;
-                        const uint32_t other = r.firstCell + uint32_t(p.y * size.x + p.x);
-                        if (rayCount[other] == 0 || dx * dx + dy * dy >= best) continue;
-                        best = dx * dx + dy * dy;
-                        substitute_[cell] = other;
-                    }
+                const ivec2 at(int(i) % size.x, int(i) / size.x);
+                if (const uint32_t found = nearest(side + r.firstCell, size, at); found != kNoCells) {
+                    substitute_[cell] = found;
+                    continue;
                 }
+                // Else one of the same chart that faces another way.
                 for (std::size_t d = 0; d < kDirections && substitute_[cell] == cell; ++d) {
                     const Rectangle& o = rectangles_[number / kDirections * kDirections + d];
                     if (o.firstCell == kNoCells) continue;
-                    const ivec2 p = glm::clamp(r.min + ivec2(x, y), o.min, o.max) - o.min;
-                    const uint32_t other = o.firstCell + uint32_t(p.y * (o.max.x - o.min.x + 1) + p.x);
+                    const ivec2 p = glm::clamp(r.min + at, o.min, o.max) - o.min;
+                    const uint32_t other = side + o.firstCell + uint32_t(p.y * (o.max.x - o.min.x + 1) + p.x);
                     if (rayCount[other] > 0) substitute_[cell] = other;
                 }
             }
@@ -502,35 +832,52 @@ void RadianceCache::findSubstitutes(const std::vector<uint32_t>& rayCount)
     }
 }
 
-void RadianceCache::bounce(const std::vector<RangeOutput>& ranges, int bounces)
+void RadianceCache::bounce(std::vector<RangeOutput>& ranges, const BakeGeometry& geometry, int bounces)
 {
-    const std::size_t count = cells_.size();
+    const std::size_t count = state_.size();
     bounces_ = bounces;
     std::vector<uint32_t> rayCount(count);
-    std::vector<uint32_t> directCount(count);
+    std::vector<float> directCount(count);
     std::vector<vec3> first(count, vec3(0.0f)); // irradiance that needs no cells
     std::vector<vec3> direct(count, vec3(0.0f));
     std::vector<vec3> albedo(count, vec3(0.0f));
     std::vector<float> nearest(count, 0.0f);
-    const float cellTexels = float(1 << cellShift_);
     for (const RangeOutput& range : ranges) {
         for (const Contribution& c : range.contributions) {
             rayCount[c.cell] += c.rayCount;
-            directCount[c.cell] += c.directCount;
+            directCount[c.cell] += float(c.directCount);
             first[c.cell] += kPi * c.gathered;
             direct[c.cell] += c.direct;
             albedo[c.cell] += c.albedo;
-            nearest[c.cell] = std::max(nearest[c.cell], kNearestInCells * cellTexels * c.texelMeters);
+            nearest[c.cell] =
+                std::max(nearest[c.cell], (c.cell >= firstPart_.size() ? kNearestInParts : kNearestInCells) * c.meters);
         }
     }
     for (std::size_t i = 0; i < count; ++i) {
-        if (directCount[i] == 0) rayCount[i] = 0;
+        if (directCount[i] == 0.0f || (state_[i] & kDivided) != 0) rayCount[i] = 0;
+    }
+    findSubstitutes(rayCount, geometry);
+    // Rays that met what turned out to be no cell are left out.
+    std::vector<uint32_t> lost(count, 0);
+    for (RangeOutput& range : ranges) {
+        std::size_t link = 0;
+        for (const Contribution& c : range.contributions) {
+            for (uint32_t l = 0; l < c.linkCount; ++l, ++link) {
+                uint32_t& target = range.links[link];
+                target = (state_[target] & kDivided) != 0 ? kNoCells : substitute_[target];
+                if (target != kNoCells && rayCount[target] == 0) target = kNoCells;
+                if (target == kNoCells) ++lost[c.cell];
+            }
+        }
+    }
+    std::vector<float> share(count, 0.0f); // of one ray
+    for (std::size_t i = 0; i < count; ++i) {
         if (rayCount[i] == 0) continue;
-        first[i] = first[i] / float(rayCount[i]) + direct[i] / float(directCount[i]);
-        albedo[i] /= float(directCount[i]);
+        share[i] = 1.0f / float(std::max(rayCount[i] - lost[i], 1u));
+        first[i] = first[i] * share[i] + direct[i] / directCount[i];
+        albedo[i] /= directCount[i];
     }
     direct = {};
-    findSubstitutes(rayCount);
 
     // Irradiance of one more bounce at a time: each cell's links to what their cells reflected before.
     std::vector<vec3> reflected(count, vec3(0.0f));
@@ -542,7 +889,9 @@ void RadianceCache::bounce(const std::vector<RangeOutput>& ranges, int bounces)
             std::size_t link = 0;
             for (const Contribution& c : range.contributions) {
                 vec3 sum(0.0f);
-                for (uint32_t l = 0; l < c.linkCount; ++l) sum += reflected[substitute_[range.links[link++]]];
+                for (uint32_t l = 0; l < c.linkCount; ++l, ++link) {
+                    if (range.links[link] != kNoCells) sum += reflected[range.links[link]];
+                }
                 gathered[c.cell] += sum;
             }
             for (const RangeOutput::Late& late : range.late) {
@@ -551,7 +900,7 @@ void RadianceCache::bounce(const std::vector<RangeOutput>& ranges, int bounces)
         }
         for (std::size_t i = 0; i < count; ++i) {
             if (rayCount[i] == 0) continue;
-            const vec3 irradiance = first[i] + gathered[i] * (kPi / float(rayCount[i]));
+            const vec3 irradiance = first[i] + gathered[i] * (kPi * share[i]);
             reflected[i] = shading::diffuseRadiance(albedo[i], irradiance);
         }
         // Level 0 is the last bounce.
@@ -561,9 +910,50 @@ void RadianceCache::bounce(const std::vector<RangeOutput>& ranges, int bounces)
         if (level.empty()) continue;
         for (std::size_t i = 0; i < count; ++i) level[i] = level[substitute_[i]];
     }
+    cells_.resize(count);
     for (std::size_t i = 0; i < count; ++i) {
         const uint32_t s = substitute_[i];
-        cells_[i] = {levels_[0][i], rayCount[s] > 0 && divided_[i] == 0 ? nearest[s] : kInfinity};
+        cells_[i] = {levels_[0][i], rayCount[s] > 0 && (state_[i] & kDivided) == 0 ? nearest[s] : kInfinity};
+    }
+    fillParts(rayCount);
+}
+
+/// Parts that no sample fell into are like those around them, where these are like one another.
+void RadianceCache::fillParts(const std::vector<uint32_t>& rayCount)
+{
+    constexpr float kAlike = 1.5f;
+    const int width = 1 << (cellShift_ + kPartShift);
+    for (const uint32_t first : firstPart_) {
+        for (int i = 0; first != kNoCells && i < width * width; ++i) {
+            const uint32_t part = first + uint32_t(i);
+            if (rayCount[part] > 0 || (state_[part] & kDivided) != 0) continue;
+            const ivec2 at(i % width, i / width);
+            float least = kInfinity;
+            float most = 0.0f;
+            float count = 0.0f;
+            Cell sum;
+            sum.nearest = 0.0f;
+            std::array<vec3, kLevels> levels{};
+            for (int y = std::max(at.y - 1, 0); y <= std::min(at.y + 1, width - 1); ++y) {
+                for (int x = std::max(at.x - 1, 0); x <= std::min(at.x + 1, width - 1); ++x) {
+                    const uint32_t other = first + uint32_t(y * width + x);
+                    if (rayCount[other] == 0) continue;
+                    least = std::min(least, luminance(cells_[other].radiance));
+                    most = std::max(most, luminance(cells_[other].radiance));
+                    sum.radiance += cells_[other].radiance;
+                    sum.nearest = std::max(sum.nearest, cells_[other].nearest);
+                    for (std::size_t l = 0; l < levels_.size(); ++l) {
+                        if (!levels_[l].empty()) levels[l] += levels_[l][other];
+                    }
+                    ++count;
+                }
+            }
+            if (count == 0.0f || most > kAlike * least) continue;
+            cells_[part] = {sum.radiance / count, sum.nearest};
+            for (std::size_t l = 0; l < levels_.size(); ++l) {
+                if (!levels_[l].empty()) levels_[l][part] = levels[l] / count;
+            }
+        }
     }
 }
 
@@ -571,10 +961,14 @@ bool RadianceCache::reflected(const SurfaceHit& hit, int bounces, vec3& radiance
 {
     const int level = bounces_ - bounces;
     if (level < 0 || level >= kLevels || levels_[std::size_t(level)].empty()) return false;
-    const Surface& s = surfaces_[hit.index];
-    if ((s.firstCell & kNoCells) != 0 || hit.behind) return false;
-    const uint32_t cell = cellIndex(s, hit.point.barycentric.x, hit.point.barycentric.y);
-    if (!(hit.distance >= cells_[cell].nearest)) return false;
+    const Surface& s = surfaces_[recordOf(hit.index, hit.behind)];
+    if ((s.firstCell & kNoCells) != 0) return false;
+    const vec2 at = hit.point.barycentric;
+    uint32_t cell = cellIndex(s, at.x, at.y);
+    if (!(hit.distance >= cells_[cell].nearest)) {
+        cell = partIndex(s, at.x, at.y, cell);
+        if (cell == kNoCells || !(hit.distance >= cells_[cell].nearest)) return false;
+    }
     radiance = levels_[std::size_t(level)][cell];
     return true;
 }

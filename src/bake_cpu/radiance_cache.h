@@ -20,10 +20,13 @@ namespace halflight {
 /// further bounce is a pass over memory: radiosity (Goral et al. 1984, "Modeling the Interaction of Light Between
 /// Diffuse Surfaces") with sampled form factors, and a final gather on top of it (Reichert 1992, "A Two-Pass Radiosity
 /// Method Driven by Lights and Viewer Position"). What it leaves out is variation within a cell: rays that hit close by
-/// do not use it, nor those that hit cells with something standing across them.
+/// do not use it, nor those that hit cells with something standing across them. Such cells have parts, half a texel
+/// wide, that are gathered on their own. The backs of surfaces have cells where rays met them; small triangles without
+/// a lightmap are cells themselves, one for each side.
 class RadianceCache {
 public:
-    /// Of a hit triangle: where its cells are. Texture coordinates count cells from the corner of their rectangle.
+    /// Of one side of a hit triangle: where its cells are. Texture coordinates count cells from the corner of their
+    /// rectangle.
     struct Surface {
         vec2 origin{0.0f};
         vec2 edgeU{0.0f};
@@ -34,7 +37,7 @@ public:
     };
     static constexpr uint32_t kNoCells = 0x80000000u;
     static constexpr uint32_t kEmissive = 0x40000000u;
-    static constexpr uint32_t kHiddenBack = 0x20000000u;
+    static constexpr uint32_t kHiddenBack = 0x20000000u; ///< a back that nobody is meant to see
     static constexpr uint32_t kSlow = kNoCells | kEmissive;
     static constexpr uint32_t kCellMask = 0x1fffffffu;
 
@@ -49,7 +52,9 @@ public:
                const IntegrationSettings& settings, OutsidePoints& outside, const Progress& progress,
                std::atomic<uint64_t>& rays);
 
-    [[nodiscard]] const Surface& surface(uint32_t hitIndex) const { return surfaces_[hitIndex]; }
+    /// Number of a side of a hit triangle.
+    static uint32_t recordOf(uint32_t hitIndex, bool behind) { return 2 * hitIndex + (behind ? 1u : 0u); }
+    [[nodiscard]] const Surface& surface(uint32_t record) const { return surfaces_[record]; }
     [[nodiscard]] uint32_t cellIndex(const Surface& s, float u, float v) const
     {
         const vec2 at = s.origin + u * s.edgeU + v * s.edgeV;
@@ -57,6 +62,8 @@ public:
         const auto y = std::clamp(int(at.y), 0, int(s.height) - 1);
         return (s.firstCell & kCellMask) + uint32_t(y) * s.width + uint32_t(x);
     }
+    /// The part of a cell at a place, or kNoCells.
+    [[nodiscard]] uint32_t partIndex(const Surface& s, float u, float v, uint32_t cell) const;
     [[nodiscard]] const Cell* cells() const { return cells_.data(); }
     /// Light that a hit reflects after at most `bounces` reflections, if a cell knows it.
     [[nodiscard]] bool reflected(const SurfaceHit& hit, int bounces, vec3& radiance) const;
@@ -64,16 +71,25 @@ public:
 private:
     struct Contribution;
     struct RangeOutput;
+    enum class Pass : uint32_t;
     class Gatherer;
     void layOut(const PathTracer& paths, const TexelMap& map);
-    void findSubstitutes(const std::vector<uint32_t>& rayCount);
-    void bounce(const std::vector<RangeOutput>& ranges, int bounces);
+    void layOutTriangles(const PathTracer& paths, const TexelMap& map);
+    void addParts(uint8_t of);
+    void findWanted(const std::vector<RangeOutput>& ranges);
+    [[nodiscard]] std::vector<uint32_t> texelsOf(const TexelMap& map, uint32_t firstCell, uint8_t state) const;
+    void findSubstituteTriangles(const std::vector<uint32_t>& rayCount, const BakeGeometry& geometry);
+    void findSubstitutes(const std::vector<uint32_t>& rayCount, const BakeGeometry& geometry);
+    void bounce(std::vector<RangeOutput>& ranges, const BakeGeometry& geometry, int bounces);
+    void fillParts(const std::vector<uint32_t>& rayCount);
 
     static constexpr int kLevels = 4;
-    int cellShift_ = 0; ///< a cell is 2^shift texels wide
+    static constexpr int kPartShift = 1; ///< a texel is 2^kPartShift parts wide
+    int cellShift_ = 0;                  ///< a cell is 2^shift texels wide
     int bounces_ = 0;
-    std::vector<Surface> surfaces_; ///< by hit index
-    std::vector<Cell> cells_;
+    std::vector<Surface> surfaces_;   ///< by record
+    std::vector<Cell> cells_;         ///< the squares' fronts, their backs, single triangles, parts
+    std::vector<uint32_t> firstPart_; ///< by cell, but for parts; row by row from there
     /// What cells reflect after bounces_, bounces_ - 1, … reflections, for paths that reach one after some of their
     /// own.
     std::array<std::vector<vec3>, kLevels> levels_;
@@ -85,10 +101,17 @@ private:
         uint32_t texels = 0;
         uint32_t firstCell = 0;
     };
-    std::vector<Rectangle> rectangles_;      ///< by chart and direction, six for each chart
-    std::vector<uint32_t> recordOfTriangle_; ///< hit index by triangle
-    std::vector<uint8_t> divided_;           ///< 1 for cells with something standing on them
-    std::vector<uint32_t> substitute_;       ///< for cells that no sample fell into, another one
+    std::vector<Rectangle> rectangles_;         ///< by chart and direction, six for each chart
+    std::vector<uint32_t> rectangleOfTriangle_; ///< or ~0
+    std::vector<uint32_t> hitIndexOfTriangle_;  ///< or ~0
+    std::vector<uint32_t> cellTriangles_;       ///< that are cells themselves: front and back of each
+    uint32_t squares_ = 0;                      ///< cells of the squares' fronts, and as many of their backs
+    /// By cell.
+    static constexpr uint8_t kDivided = 1; ///< something stands on it
+    static constexpr uint8_t kMetNear = 2; ///< rays hit it from close by
+    static constexpr uint8_t kWanted = 4;  ///< rays hit it: of backs and triangles, the only ones that are gathered
+    std::vector<uint8_t> state_;
+    std::vector<uint32_t> substitute_; ///< for cells that no sample fell into, another one
 };
 
 } // namespace halflight

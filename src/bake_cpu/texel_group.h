@@ -14,6 +14,14 @@
 
 namespace halflight {
 
+/// The other side of the surface.
+inline SurfacePoint backOf(SurfacePoint point)
+{
+    point.normal = -point.normal;
+    point.geometricNormal = -point.geometricNormal;
+    return point;
+}
+
 class TexelGroup {
 public:
     static constexpr int kLanes = embree::kPacket;
@@ -36,6 +44,44 @@ public:
             PointValidity::keep(l.mask, l.points, l.pointCount);
         }
     }
+    /// The backs of texels: all points of each.
+    static TexelGroup backs(const PathTracer& paths, const TexelMap& map, std::span<const uint32_t> texels)
+    {
+        std::array<PointMask, kLanes> all;
+        all.fill(kAllPoints);
+        TexelGroup group(paths, map, texels, all);
+        for (int lane = 0; lane < group.lanes_; ++lane) {
+            Lane& l = group.lane_[std::size_t(lane)];
+            l.behind = true;
+            for (SurfacePoint& point : l.points) point = backOf(point);
+        }
+        return group;
+    }
+    /// Triangles in place of texels; `behind`: seen from their backs. Points spread over each.
+    struct Side {
+        uint32_t triangle = 0;
+        bool behind = false;
+    };
+    static TexelGroup triangles(const PathTracer& paths, std::span<const Side> sides)
+    {
+        TexelGroup group;
+        group.lanes_ = int(sides.size());
+        for (int lane = 0; lane < group.lanes_; ++lane) {
+            Lane& l = group.lane_[std::size_t(lane)];
+            const Side& side = sides[std::size_t(lane)];
+            l.id = hashPcg(2 * side.triangle + (side.behind ? 1u : 0u));
+            l.mask = kAllPoints;
+            l.behind = side.behind;
+            l.pointCount = kTrianglePoints;
+            for (int i = 0; i < kTrianglePoints; ++i) {
+                vec2 b = glm::fract(vec2(0.5f) + float(i) * vec2(0.7548776662f, 0.5698402910f));
+                if (b.x + b.y > 1.0f) b = 1.0f - b;
+                const SurfacePoint point = surfacePoint(paths.surfaces().geometry(), side.triangle, b);
+                l.points[std::size_t(i)] = side.behind ? backOf(point) : point;
+            }
+        }
+        return group;
+    }
 
     [[nodiscard]] int lanes() const { return lanes_; }
     [[nodiscard]] bool active(int lane) const { return lane < lanes_ && lane_[std::size_t(lane)].pointCount > 0; }
@@ -43,6 +89,8 @@ public:
     [[nodiscard]] uint32_t id(int lane) const { return lane_[std::size_t(lane)].id; }
     [[nodiscard]] const TexelPoints& points(int lane) const { return lane_[std::size_t(lane)].points; }
     [[nodiscard]] int pointCount(int lane) const { return lane_[std::size_t(lane)].pointCount; }
+    /// Whether the points are on the back of the surface.
+    [[nodiscard]] bool behind(int lane) const { return lane_[std::size_t(lane)].behind; }
     /// The texel's points that are in use: those the group was made with.
     [[nodiscard]] PointMask mask(int lane) const { return lane_[std::size_t(lane)].mask; }
 
@@ -59,11 +107,15 @@ public:
     }
 
 private:
+    TexelGroup() = default;
+
     static_assert(kMaxTexelPoints == GatherPattern::kBlock);
+    static constexpr int kTrianglePoints = kMaxTexelPoints - 1;
     struct Lane {
         uint32_t texel = 0;
         uint32_t id = 0;
         PointMask mask = 0;
+        bool behind = false;
         int pointCount = 0;
         TexelPoints points;
     };
@@ -77,7 +129,9 @@ class GatherGroup : public TexelGroup {
 public:
     GatherGroup(const PathTracer& paths, const TexelMap& map, std::span<const uint32_t> texels,
                 std::span<const PointMask> outside)
-        : TexelGroup(paths, map, texels, outside)
+        : GatherGroup(paths, TexelGroup(paths, map, texels, outside))
+    {}
+    GatherGroup(const PathTracer& paths, const TexelGroup& group) : TexelGroup(group)
     {
         for (int lane = 0; lane < lanes(); ++lane) arrange(paths, lane);
     }

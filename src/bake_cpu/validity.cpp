@@ -10,6 +10,7 @@ constexpr uint32_t kInsideSeed = 0x5eed0004u;
 constexpr int kRays = 8;
 constexpr int kFewRays = 3;
 constexpr int kEnoughBacks = 5;
+constexpr int kManyBacks = 32;
 
 /// Number of the n-th bit that is set.
 int nthBit(PointMask mask, int n)
@@ -86,6 +87,8 @@ PointMask PointValidity::behindSurfaces(const TexelPoints& points, PointMask can
             behind |= open & PointMask(1u << p);
             open &= PointMask(~(1u << p));
         }
+        // Many points of which no ray has seen anything else.
+        if (open == candidates && std::popcount(open) * (s + 1) >= kManyBacks) break;
     }
     return behind | open;
 }

@@ -14,6 +14,7 @@
 
 #include <gtest/gtest.h>
 
+#include <bit>
 #include <cmath>
 #include <cstring>
 #include <map>
@@ -204,6 +205,82 @@ TEST(RadianceCacheS6, NoLightUnderThinWalls)
     }
     ASSERT_GT(count, 20);
     EXPECT_LT(inside / count, 0.001 * 1000.0 * kPi);
+}
+
+/// Rays end in the cache wherever they go: on the back of a cloth, on leaves without a lightmap, beside the foot of a
+/// thin wall. The light is right, and few rays go on as paths.
+TEST(RadianceCacheS6, KnowsBacksLeavesAndBothSidesOfAWall)
+{
+    Scene scene;
+    scene.sky = {vec3(1.0f), vec3(0.6f), vec3(0.2f)};
+    scene.lights.push_back(
+        makeLight(LightType::Directional, vec3(0), vec3(-0.6f, -0.8f, -0.3f), 6.0f, LightMode::Mixed));
+    const int white = addMaterial(scene, vec3(0.8f), vec3(0.0f), true);
+    const int red = addMaterial(scene, vec3(0.7f, 0.2f, 0.1f), vec3(0.0f), true);
+    const int green = addMaterial(scene, vec3(0.2f, 0.6f, 0.1f), vec3(0.0f), true);
+    addRectangle(scene, {vec3(-2, 0, 2), vec3(4, 0, 0), vec3(0, 0, -4)}, white, kPage, {vec2(1), vec2(33)});
+    // The cloth's texels are on top; the floor sees its back.
+    addRectangle(scene, {vec3(-1.9f, 1.2f, 1.9f), vec3(1.6f, 0, 0), vec3(0, 0.3f, -3.8f)}, red, kPage,
+                 {vec2(35, 1), vec2(49, 31)});
+    addRectangle(scene, {vec3(0.07f, -0.1f, -1.5f), vec3(0, 0, 3.0f), vec3(0, 0.9f, 0)}, white, kPage,
+                 {vec2(1, 35), vec2(25, 43)});
+    for (int i = 0; i < 150; ++i) {
+        const auto random = [&](int k) { return unitFloat(hashCombine(uint32_t(i), uint32_t(k))); };
+        const vec3 corner(0.6f + random(0), 0.1f + 0.8f * random(1), -0.8f + 1.6f * random(2));
+        const vec3 along = 0.12f * glm::normalize(vec3(random(3), random(4), random(5)) - 0.5f);
+        const vec3 across = 0.12f * glm::normalize(glm::cross(along, vec3(random(6), random(7), random(8))));
+        addRectangle(scene, {corner, along, across}, green, kPage);
+    }
+    IntegrationSettings settings;
+    settings.bounces = 3;
+    settings.samples = 128;
+    settings.shadowSamples = 16;
+    Bench bench(scene, MixedLightingMode::Shadowmask, kPage, settings);
+    const auto cached = bench.irradiance();
+    const uint64_t first = bench.integrator->raysTraced();
+    bench.irradiance(); // with the cache as it is
+    const double perSample =
+        double(bench.integrator->raysTraced() - first) / (double(cached.size()) * double(settings.samples));
+    EXPECT_LT(perSample, 1.1);
+    const auto reference = bakeWith(scene, IntegratorKind::Path, 512, settings.bounces);
+    const Difference d = difference(cached, reference);
+    EXPECT_LT(std::abs(d.bias), 0.01);
+    EXPECT_LT(d.rmse, 0.06);
+}
+
+/// Points of a texel that lie inside a solid are left out, even where something in there hides the solid's faces.
+TEST(RadianceCacheS6, LeavesOutPointsInsideSolidsThatAreNotEmpty)
+{
+    Scene scene;
+    scene.sky = {vec3(1), vec3(1), vec3(1)};
+    const int white = addMaterial(scene, vec3(0.8f), vec3(0.0f), true);
+    addRectangle(scene, {vec3(-4, 0, 4), vec3(8, 0, 0), vec3(0, 0, -8)}, white, kPage, {vec2(1), vec2(33)});
+    const vec3 lower(-1.03f, -0.5f, -1.07f);
+    const vec3 upper(1.09f, 1.5f, 1.01f);
+    addBox(scene, lower, upper, white, false);
+    // A board just above the floor, as large as the box inside.
+    const vec3 s = upper - lower - 0.02f;
+    addRectangle(scene, {vec3(lower.x + 0.01f, 0.1f, lower.z + 0.01f), vec3(s.x, 0, 0), vec3(0, 0, s.z)}, white, kPage);
+    IntegrationSettings settings;
+    settings.samples = 32;
+    Bench bench(std::move(scene), MixedLightingMode::Shadowmask, kPage, settings);
+    const auto estimates = bench.irradiance();
+    int across = 0;
+    for (std::size_t i = 0; i < estimates.size(); ++i) {
+        std::array<SurfacePoint, kMaxTexelPoints> points;
+        const int count = texelPoints(bench.geometry, bench.map, bench.map.texels[i], points);
+        uint32_t outside = 0;
+        for (int p = 0; p < count; ++p) {
+            const vec3 at = points[std::size_t(p)].position;
+            const bool inside = at.x > lower.x && at.x < upper.x && at.z > lower.z && at.z < upper.z;
+            outside |= inside ? 0u : 1u << p;
+        }
+        const int left = std::popcount(outside);
+        if (left == count || left * 8 < count) continue;
+        ++across;
+        EXPECT_EQ(estimates[i].outsidePoints, outside) << "texel " << i;
+    }
+    EXPECT_GT(across, 12);
 }
 
 TEST(RadianceCacheS6, ThreadsChangeNoBit)
