@@ -116,10 +116,42 @@ Error compare(const std::vector<IrradianceEstimate>& run, const std::vector<uint
     return {std::sqrt(squares / double(count)) / (sum / double(count)), difference / sum};
 }
 
-/// Time to a given error against a converged path traced reference, by both integrators.
+/// CPU seconds after which an error reaches a target, of points measured with ever more samples.
+class TimeToTarget {
+public:
+    explicit TimeToTarget(double target) : target_(target) {}
+
+    void add(double cpu, double error)
+    {
+        if (found_ > 0.0) return;
+        if (error <= target_) {
+            // Between the last two points, straight in logarithms.
+            const double t = lastTime_ > 0.0 ? std::log(target_ / lastError_) / std::log(error / lastError_) : 1.0;
+            found_ = lastTime_ > 0.0 ? lastTime_ * std::pow(cpu / lastTime_, t) : cpu;
+        }
+        lastTime_ = cpu;
+        lastError_ = error;
+    }
+    [[nodiscard]] bool reached() const { return found_ > 0.0; }
+    void print(const char* label, double pathTime) const
+    {
+        if (!reached()) return;
+        std::printf("  CPU s to %.1f %%: path %.1f, %s %.2f, ratio %.1f\n", 100.0 * target_, pathTime, label, found_,
+                    pathTime / found_);
+    }
+
+private:
+    double target_;
+    double found_ = 0.0;
+    double lastTime_ = 0.0;
+    double lastError_ = 0.0;
+};
+
+/// Time to a given error against a converged path traced reference, by both integrators; the cache's light as it is and
+/// denoised, the time for that included.
 void partError(const Options& options)
 {
-    std::printf("relative RMSE: of luminance over all valid texels, divided by their mean; before denoising\n");
+    std::printf("relative RMSE: of luminance over all valid texels, divided by their mean\n");
     std::printf("time to %.1f %%: from the measured points, error falling with the root of the samples\n\n",
                 100.0 * options.target);
     for (const std::string& name : options.scenes) {
@@ -147,7 +179,8 @@ void partError(const Options& options)
         const double pathTime = path.cpu * scale * std::pow(pathError.rmse / options.target, 2.0);
         std::printf("%s: %zu texels, %zu triangles, reference %d paths on %zu texels\n", name.c_str(),
                     p.map.texels.size(), p.geometry.triangles.size(), options.reference, subset.texels.size());
-        std::printf("  %-8s %8s %10s %10s %9s %9s\n", "", "samples", "CPU s", "Mrays", "RMSE", "bias");
+        std::printf("  %-8s %8s %10s %10s %9s %9s %10s %9s %9s\n", "", "samples", "CPU s", "Mrays", "RMSE", "bias",
+                    "denoised s", "RMSE", "bias");
         std::printf("  %-8s %8d %10.2f %10.1f %8.2f%% %8.2f%%   (scaled from %zu texels)\n", "path", 64,
                     path.cpu * scale, double(path.rays) * scale * 1.0e-6, 100.0 * pathError.rmse,
                     100.0 * pathError.bias, subset.texels.size());
@@ -156,30 +189,31 @@ void partError(const Options& options)
         for (const int step : {1, 2}) {
             settings.texelStep = step;
             const char* label = step == 1 ? "cache" : "step 2";
-            double bestTime = 0.0;
-            double lastTime = 0.0;
-            double lastError = 0.0;
-            for (const int samples : {32, 64, 128, 256}) {
+            TimeToTarget raw(options.target);
+            TimeToTarget denoised(options.target);
+            for (int samples = 16; samples <= 512 && !(raw.reached() && denoised.reached()); samples *= 2) {
                 settings.samples = samples;
                 settings.shadowSamples = std::max(64, samples);
-                const Run run = integrate(p, p.map, settings);
-                Error e = compare(run.estimates, &chosen, reference.estimates);
-                e.rmse = without(e.rmse);
-                std::printf("  %-8s %8d %10.2f %10.1f %8.2f%% %8.2f%%\n", label, samples, run.cpu,
-                            double(run.rays) * 1.0e-6, 100.0 * e.rmse, 100.0 * e.bias);
+                Run run = integrate(p, p.map, settings);
+                const auto errorNow = [&] {
+                    Error e = compare(run.estimates, &chosen, reference.estimates);
+                    e.rmse = without(e.rmse);
+                    return e;
+                };
+                const Error before = errorNow();
+                const double start = cpuSeconds();
+                denoise(p.geometry, p.map, run.estimates);
+                const double cpu = run.cpu + cpuSeconds() - start;
+                const Error after = errorNow();
+                std::printf("  %-8s %8d %10.2f %10.1f %8.2f%% %8.2f%% %10.2f %8.2f%% %8.2f%%\n", label, samples,
+                            run.cpu, double(run.rays) * 1.0e-6, 100.0 * before.rmse, 100.0 * before.bias, cpu,
+                            100.0 * after.rmse, 100.0 * after.bias);
                 std::fflush(stdout);
-                if (e.rmse <= options.target) {
-                    // Between the last two points, straight in logarithms.
-                    const double t =
-                        lastTime > 0.0 ? std::log(options.target / lastError) / std::log(e.rmse / lastError) : 1.0;
-                    bestTime = lastTime > 0.0 ? lastTime * std::pow(run.cpu / lastTime, t) : run.cpu;
-                    break;
-                }
-                lastTime = run.cpu;
-                lastError = e.rmse;
+                raw.add(run.cpu, before.rmse);
+                denoised.add(cpu, after.rmse);
             }
-            std::printf("  CPU s to %.1f %%: path %.1f, %s %.2f, ratio %.1f\n", 100.0 * options.target, pathTime, label,
-                        bestTime, bestTime > 0.0 ? pathTime / bestTime : 0.0);
+            raw.print(label, pathTime);
+            denoised.print((std::string(label) + " denoised").c_str(), pathTime);
         }
         std::printf("\n");
     }
