@@ -115,7 +115,7 @@ private:
                 group.mask(lane) == kAllPoints && light.backFaces > allowed) {
                 const PointMask mask =
                     lightmap_.validity_.outside(group.points(lane), group.pointCount(lane), group.id(lane), rays);
-                if (mask != PointMask((1u << group.pointCount(lane)) - 1u)) {
+                if (mask != kAllPoints) {
                     const uint32_t texel = group.texel(lane);
                     gatherChecked(GatherGroup(lightmap_.paths_, map_, std::span(&texel, 1), std::span(&mask, 1)),
                                   gather, known + lane, rays);

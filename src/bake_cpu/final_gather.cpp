@@ -41,8 +41,8 @@ void FinalGather::cutEmitters(const GatherGroup& group)
 {
     for (int lane = 0; lane < group.lanes(); ++lane) {
         if (!group.active(lane)) continue;
-        const GatherGroup::Slot& s = group.slot(lane, 0);
-        cuts_[std::size_t(lane)] = paths_.emitters().cut(s.origin, s.normal);
+        const GatherGroup::Origin& s = group.origin(lane, 0);
+        cuts_[std::size_t(lane)] = paths_.emitters().cut(s.position, s.normal);
     }
 }
 
@@ -145,12 +145,12 @@ const vec3* FinalGather::knownRadiance(int cell, int lane, uint32_t square) cons
 
 vec3 FinalGather::slowRadiance(const GatherGroup& group, int lane, int block, int cell, uint64_t& rays)
 {
-    const GatherGroup::Slot& s = group.slot(lane, group.slotOf(lane, block, cell));
+    const GatherGroup::Origin& s = group.origin(lane, group.pointOf(lane, block, cell));
     const SurfaceHit hit = bundle_.surface(paths_, cell, lane);
     if (cache_ == nullptr && hit.backFace) ++backFaces_[std::size_t(lane)];
     const vec3 direction = bundle_.direction(cell, lane);
     const float pdf = std::max(glm::dot(direction, s.normal), 1.0e-4f) / kPi;
-    const Receiver receiver{s.origin, s.normal, &cuts_[std::size_t(lane)]};
+    const Receiver receiver{s.position, s.normal, &cuts_[std::size_t(lane)]};
     Sampler sampler(settings_.seed, group.id(lane), uint32_t(block * GatherPattern::kBlock + cell));
     return paths_.follow(hit, direction, receiver, pdf, settings_.bounces, sampler, rays, cache_);
 }
@@ -185,15 +185,15 @@ void FinalGather::sampleEmitters(const GatherGroup& group, int block, std::span<
                 const uint32_t sample = uint32_t(block * GatherPattern::kBlock + cell);
                 if (unitFloat(hashCombine(settings_.seed ^ kRouletteSeed ^ group.id(lane), sample)) >= q) continue;
             }
-            const GatherGroup::Slot& s = group.slot(lane, group.slotOf(lane, block, cell));
+            const GatherGroup::Origin& s = group.origin(lane, group.pointOf(lane, block, cell));
             PathTracer::EmitterCandidate& c = candidates[std::size_t(lane)];
-            c = paths_.emitterCandidate({s.origin, s.normal, &cuts_[std::size_t(lane)]}, s.geometricNormal,
+            c = paths_.emitterCandidate({s.position, s.normal, &cuts_[std::size_t(lane)]}, s.geometricNormal,
                                         blocks[std::size_t(lane)].unit(cell));
             if (c.distance <= 0.0f) continue;
             valid.lane[lane] = -1;
             any = true;
             ++rays;
-            embree::setRay(packet, lane, s.origin, c.direction);
+            embree::setRay(packet, lane, s.position, c.direction);
             packet.tfar[lane] = c.distance * (1.0f - 1.0e-4f);
         }
         if (!any) continue;

@@ -393,9 +393,7 @@ private:
     {
         const uint32_t texel = group.texel(lane);
         if (outside_.known[texel] != 0) return outside_.masks[texel];
-        const PointMask mask = validity_.outside(group.points(lane), group.pointCount(lane), group.id(lane), rays_);
-        const bool all = mask == PointMask((1u << group.pointCount(lane)) - 1u);
-        setOutside(texel, all ? kAllPoints : mask);
+        setOutside(texel, validity_.outside(group.points(lane), group.pointCount(lane), group.id(lane), rays_));
         return outside_.masks[texel];
     }
 
@@ -463,8 +461,8 @@ private:
 
     void addRay(const GatherGroup& group, int lane, int block, int cell)
     {
-        const int slot = group.slotOf(lane, block, cell);
-        const SurfacePoint& point = group.pointOfSlot(lane, slot);
+        const int number = group.pointOf(lane, block, cell);
+        const SurfacePoint& point = group.points(lane)[std::size_t(number)];
         const uint32_t source = sourceOf(recordOfPoint(group, lane, point), point.barycentric);
         if (source == kNoCells) return;
         Contribution& c = out_.at(source);
@@ -485,8 +483,8 @@ private:
             if (pass_ == Pass::Squares) findNear(source, target, packet, lane);
             if ((cache_.surfaces_[record].firstCell & kEmissive) == 0) return;
         }
-        const GatherGroup::Slot& s = group.slot(lane, slot);
-        const Receiver receiver{s.origin, s.normal};
+        const GatherGroup::Origin& s = group.origin(lane, number);
+        const Receiver receiver{s.position, s.normal};
         const SurfaceHit hit = bundle_.surface(paths_, cell, lane);
         const float pdf = std::max(glm::dot(direction, s.normal), 1.0e-4f) / kPi;
         if (known) {
@@ -517,7 +515,7 @@ private:
     {
         const int samples = effort_.direct;
         for (int s = 0; s < samples; ++s) {
-            const SurfacePoint& point = group.pointOfSlot(lane, group.slotOf(lane, 0, s & (kMaxTexelPoints - 1)));
+            const SurfacePoint& point = group.point(lane, group.pointOf(lane, 0, s & (kMaxTexelPoints - 1)));
             const uint32_t source = sourceOf(recordOfPoint(group, lane, point), point.barycentric);
             if (source == kNoCells) continue;
             Sampler sampler(~seed_, group.id(lane), uint32_t(s));

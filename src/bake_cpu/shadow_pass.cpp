@@ -8,8 +8,10 @@
 namespace halflight {
 namespace {
 
-/// Texels within this distance have to agree: 49 x 8 rays, so that not even the rim of a penumbra is overlooked.
+/// Texels within this distance have to agree: 49 x 8 rays, so that not even the rim of a penumbra is overlooked. Few
+/// texels, of a small chart, are no evidence.
 constexpr int kAgreeRadius = 3;
+constexpr int kEnoughTexels = 16;
 
 } // namespace
 
@@ -71,7 +73,12 @@ bool traceShadows(const ShadowPass& pass, const std::vector<ShadowSource>& sourc
         for (std::size_t i = begin; i < end; ++i) {
             const std::size_t own = set.find(pass.texels[i]);
             unsigned agreed = 0xffffu;
-            pass.grid.around(pass.texels[i], kAgreeRadius, [&](uint32_t other) { agreed &= found[set.find(other)]; });
+            int around = 0;
+            pass.grid.around(pass.texels[i], kAgreeRadius, [&](uint32_t other) {
+                agreed &= found[set.find(other)];
+                ++around;
+            });
+            if (around < kEnoughTexels) agreed = 0;
             for (std::size_t s = 0; s < sourceCount; ++s) {
                 const bool decided = ((agreed >> (2 * s)) & 3u) != 0;
                 if (pass.outside[i] == kAllPoints) counts[i * sourceCount + s] = firstLook[own * sourceCount + s];

@@ -40,7 +40,7 @@ public:
                 valid.lane[lane] = 0;
                 lights[l] = nullptr;
                 if (!group.active(lane) || ((wanted >> lane) & 1u) == 0) continue;
-                points[l] = &group.pointOfSlot(lane, (half & 1) * kHalf + i);
+                points[l] = &group.point(lane, half * kHalf + i);
                 lights[l] = lightAt(lane, *points[l]);
                 if (lights[l] == nullptr || !lights[l]->castShadows) continue;
                 const vec2 disc = pattern_.disc(hashCombine(seed_, group.id(lane)), uint32_t(half * kHalf + i));

@@ -94,16 +94,19 @@ public:
     /// The texel's points that are in use: those the group was made with.
     [[nodiscard]] PointMask mask(int lane) const { return lane_[std::size_t(lane)].mask; }
 
-    /// Slots repeat the texel's points where these are fewer.
-    [[nodiscard]] const SurfacePoint& pointOfSlot(int lane, int slot) const
+    /// The texel's points in turn, again and again.
+    [[nodiscard]] const SurfacePoint& point(int lane, int number) const
     {
         const Lane& l = lane_[std::size_t(lane)];
-        return l.points[std::size_t(slot % l.pointCount)];
+        return l.points[std::size_t(number % l.pointCount)];
     }
-    /// Slot of a cell of a block: within a block all slots come once, and over the blocks each cell meets all slots.
-    [[nodiscard]] int slotOf(int lane, int block, int cell) const
+    /// Number of the point that a cell of a block starts from. Within a block all points come once, and over the blocks
+    /// each cell meets all points; where points are fewer, all come as often as others over the blocks.
+    [[nodiscard]] int pointOf(int lane, int block, int cell) const
     {
-        return (cell ^ (block * 11) ^ int(lane_[std::size_t(lane)].id * 0x9e3779b9u >> 28)) & (kMaxTexelPoints - 1);
+        const Lane& l = lane_[std::size_t(lane)];
+        const int number = (cell ^ (block * 11) ^ int(l.id * 0x9e3779b9u >> 28)) & (kMaxTexelPoints - 1);
+        return l.pointCount == kMaxTexelPoints ? number : (block * kMaxTexelPoints + number) % l.pointCount;
     }
 
 private:
@@ -137,35 +140,32 @@ public:
     }
 
     /// A ray's origin with its frame.
-    struct Slot {
-        vec3 origin;
+    struct Origin {
+        vec3 position;
         vec3 tangent;
         vec3 bitangent;
         vec3 normal;
         vec3 geometricNormal;
     };
-    [[nodiscard]] const Slot& slot(int lane, int slot) const { return slots_[std::size_t(lane)][std::size_t(slot)]; }
+    [[nodiscard]] const Origin& origin(int lane, int point) const
+    {
+        return origins_[std::size_t(lane)][std::size_t(point)];
+    }
 
 private:
     void arrange(const PathTracer& paths, int lane)
     {
-        auto& slots = slots_[std::size_t(lane)];
-        const int count = pointCount(lane);
-        for (int s = 0; s < (count > 0 ? kMaxTexelPoints : 0); ++s) {
-            Slot& slot = slots[std::size_t(s)];
-            if (s >= count) {
-                slot = slots[std::size_t(s % count)];
-                continue;
-            }
-            const SurfacePoint& point = points(lane)[std::size_t(s)];
-            slot.origin = paths.rayOrigin(point);
-            slot.normal = point.normal;
-            slot.geometricNormal = point.geometricNormal;
-            shading::orthonormalBasis(point.normal, slot.tangent, slot.bitangent);
+        for (int p = 0; p < pointCount(lane); ++p) {
+            Origin& origin = origins_[std::size_t(lane)][std::size_t(p)];
+            const SurfacePoint& point = points(lane)[std::size_t(p)];
+            origin.position = paths.rayOrigin(point);
+            origin.normal = point.normal;
+            origin.geometricNormal = point.geometricNormal;
+            shading::orthonormalBasis(point.normal, origin.tangent, origin.bitangent);
         }
     }
 
-    std::array<std::array<Slot, kMaxTexelPoints>, kLanes> slots_;
+    std::array<std::array<Origin, kMaxTexelPoints>, kLanes> origins_;
 };
 
 /// All cells of a block.
@@ -197,13 +197,13 @@ struct RayBundle {
                     packet.hit.geomID[lane] = RTC_INVALID_GEOMETRY_ID;
                     continue;
                 }
-                const GatherGroup::Slot& s = group.slot(lane, group.slotOf(lane, number, cell));
+                const GatherGroup::Origin& s = group.origin(lane, group.pointOf(lane, number, cell));
                 const vec3 local = pattern.direction(blocks[std::size_t(lane)].bits(cell));
                 vec3 d = local.x * s.tangent + local.y * s.bitangent + local.z * s.normal;
                 // As PathTracer::gatherDirection(): never below the surface.
                 const float side = glm::dot(d, s.geometricNormal);
                 if (side < 0.0f) d -= 2.0f * side * s.geometricNormal;
-                embree::setRay(packet.ray, lane, s.origin, d);
+                embree::setRay(packet.ray, lane, s.position, d);
             }
             paths.surfaces().intersect(valid, packet);
         }

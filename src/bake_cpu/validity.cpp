@@ -160,7 +160,7 @@ PointMask PointValidity::outside(const TexelPoints& points, int pointCount, uint
         open &= PointMask(~together);
     }
     mask &= PointMask(~behindSurfaces(points, mask, texelId, rays));
-    return std::popcount(mask) * 8 < pointCount ? PointMask(0) : mask;
+    return mask == all ? kAllPoints : std::popcount(mask) * 8 < pointCount ? PointMask(0) : mask;
 }
 
 void PointValidity::keep(PointMask mask, TexelPoints& points, int& pointCount)

@@ -32,6 +32,7 @@ public:
 
     /// A first look with one ray from a few of the points: could some lie inside a solid?
     bool maybeInside(const TexelPoints& points, int pointCount, uint32_t texelId, uint64_t& rays) const;
+    /// kAllPoints where all of them do.
     PointMask outside(const TexelPoints& points, int pointCount, uint32_t texelId, uint64_t& rays) const;
     /// Leaves only the points of the mask.
     static void keep(PointMask mask, TexelPoints& points, int& pointCount);

@@ -365,6 +365,39 @@ TEST(ShadowmaskS8, DecidedTexelsAreRight)
     EXPECT_LT(std::sqrt(squares / double(mask.size())), 0.02);
 }
 
+/// On a chart of four texels few rays agree by chance: all of them are traced.
+TEST(ShadowmaskS8, SmallChartsGetAllTheirRays)
+{
+    constexpr int kCharts = 24;
+    Scene scene;
+    const int black = addMaterial(scene, vec3(0), vec3(0), true);
+    const auto litShare = [](int i) { return (float(i) + 0.5f) / float(kCharts); };
+    for (int i = 0; i < kCharts; ++i) {
+        const vec3 corner(float(i), 0, 0);
+        const vec2 place(2.0f + 8.0f * float(i % 7), 2.0f + 8.0f * float(i / 7));
+        addRectangle(scene, {corner, vec3(0.2f, 0, 0), vec3(0, 0, -0.2f)}, black, kPage, {place, place + 2.0f});
+        addRectangle(scene, {corner + vec3(0.2f * litShare(i), 1.0f, 0.1f), vec3(0.5f, 0, 0), vec3(0, 0, -0.4f)}, black,
+                     kPage);
+    }
+    scene.lights.push_back(makeLight(LightType::Directional, vec3(0), vec3(0, -1, 0), 1.0f, LightMode::Mixed));
+    IntegrationSettings settings;
+    settings.shadowSamples = 256;
+    settings.bounces = 0;
+    Bench bench(std::move(scene), MixedLightingMode::Shadowmask, kPage, settings);
+    const auto mask = bench.shadowmask();
+    std::array<float, kCharts> sum{};
+    std::array<int, kCharts> count{};
+    for (std::size_t i = 0; i < mask.size(); ++i) {
+        const auto chart = std::size_t(bench.positionOf(bench.map.texels[i]).x);
+        sum[chart] += mask[i].x;
+        ++count[chart];
+    }
+    for (int i = 0; i < kCharts; ++i) {
+        ASSERT_EQ(count[std::size_t(i)], 4);
+        EXPECT_NEAR(sum[std::size_t(i)] / 4.0f, litShare(i), 0.03f) << "chart " << i;
+    }
+}
+
 std::vector<LightItem> randomItems(int count, bool directed)
 {
     std::vector<LightItem> items;
