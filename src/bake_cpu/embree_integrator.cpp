@@ -229,10 +229,13 @@ private:
                     const float strength = lights[first + l]->shadowStrength;
                     const float arrives = glm::mix(1.0f, lit.share(), strength);
                     out[i].irradiance += arrives * light.irradiance;
+                    out[i].direct += arrives * light.irradiance;
                     out[i].moment += arrives * light.moment;
                     // Of a share of so many yes-or-no rays, as if they were independent.
                     const float contrast = luminance(light.irradiance) * strength;
-                    out[i].varianceOfMean += contrast * contrast * lit.share() * (1.0f - lit.share()) / float(lit.all);
+                    const float variance = contrast * contrast * lit.share() * (1.0f - lit.share()) / float(lit.all);
+                    out[i].varianceOfMean += variance;
+                    out[i].varianceOfDirect += variance;
                 }
             }
         }

@@ -118,8 +118,10 @@ struct IrradianceEstimate {
     vec3 irradiance{0.0f};       ///< lux
     vec3 moment{0.0f};           ///< lux, first moment: luminance of radiance times cosine times direction, integrated
     float varianceOfMean = 0.0f; ///< of the luminance of `irradiance`
-    uint32_t samples = 0;        ///< rays or paths it took
-    bool valid = true;           ///< false: the texel lies inside geometry (its rays meet back faces)
+    vec3 direct{0.0f};           ///< lux, what fully baked lights add to `irradiance` directly
+    float varianceOfDirect = 0.0f;   ///< of its luminance; counted in varianceOfMean too
+    uint32_t samples = 0;            ///< rays or paths it took
+    bool valid = true;               ///< false: the texel lies inside geometry (its rays meet back faces)
     uint16_t outsidePoints = 0xffff; ///< bit i: point i of texelPoints() lies outside geometry; shadowmasks need it too
 };
 
