@@ -24,13 +24,12 @@ struct Effort {
 constexpr std::array<Effort, 4> kEffort = {{{16, 8}, {4, 2}, {4, 1}, {4, 1}}};
 constexpr std::array<Effort, 4> kMoreEffort = {{{32, 16}, {8, 4}, {4, 2}, {4, 1}}};
 constexpr int kManySamples = 96;
+constexpr Effort kTriangleEffort = {8, 4};
+constexpr Effort kPartEffort = {8, 4};
+constexpr Effort kMorePartEffort = {16, 8};
 constexpr float kPartTexels = 0.5f; ///< width of a cell's part
 /// A triangle is a cell if no edge is longer than so many cells are wide.
 constexpr float kLongestEdgeInCells = 2.0f;
-Effort effortOf(const IntegrationSettings& settings, int cellShift)
-{
-    return (settings.samples >= kManySamples ? kMoreEffort : kEffort)[std::size_t(cellShift)];
-}
 /// Rays shorter than this many cells would see their squares.
 constexpr float kNearestInCells = 0.5f;
 constexpr float kNearestInParts = 0.25f;
@@ -275,8 +274,7 @@ public:
         : cache_(cache), pass_(pass), paths_(paths), map_(map), pattern_(pattern), settings_(settings),
           outside_(outside), out_(out), validity_(paths, settings.seed),
           seed_(settings.seed ^ (kCacheSeed + (uint32_t(pass) << 16))),
-          effort_(effortOf(settings, pass == Pass::Squares || pass == Pass::Backs ? cache.cellShift_ : 0)),
-          byBounce_(std::size_t(std::max(settings.bounces, 1)) + 1)
+          effort_(effortOf(settings, pass, cache.cellShift_)), byBounce_(std::size_t(std::max(settings.bounces, 1)) + 1)
     {}
 
     void gather(std::span<const uint32_t> items)
@@ -304,6 +302,14 @@ public:
     [[nodiscard]] uint64_t rays() const { return rays_; }
 
 private:
+    static Effort effortOf(const IntegrationSettings& settings, Pass pass, int cellShift)
+    {
+        const bool more = settings.samples >= kManySamples;
+        if (pass == Pass::Triangles) return kTriangleEffort;
+        if (pass == Pass::Parts) return more ? kMorePartEffort : kPartEffort;
+        return (more ? kMoreEffort : kEffort)[std::size_t(cellShift)];
+    }
+
     template<typename Body> void forGroups(std::span<const uint32_t> items, const Body& body) const
     {
         std::array<PointMask, TexelGroup::kLanes> masks;
@@ -382,19 +388,15 @@ private:
             setOutside(group.texel(lane), 0);
             return false;
         }
-        const PointMask mask = checkPoints(group, lane);
+        const TexelPoints& points = group.points(lane);
+        const int count = group.pointCount(lane);
+        const PointMask outside =
+            inSolid > 0 ? validity_.outsideSolids(points, count, group.id(lane), rays_) : kAllPoints;
+        const PointMask mask = validity_.outsideShells(points, count, outside, group.id(lane), rays_);
+        setOutside(group.texel(lane), mask);
         if (mask == kAllPoints) return true;
         if (mask != 0) again_.push_back(group.texel(lane));
         return false;
-    }
-
-    /// Looks at a texel's points one by one, if nobody has.
-    PointMask checkPoints(const TexelGroup& group, int lane)
-    {
-        const uint32_t texel = group.texel(lane);
-        if (outside_.known[texel] != 0) return outside_.masks[texel];
-        setOutside(texel, validity_.outside(group.points(lane), group.pointCount(lane), group.id(lane), rays_));
-        return outside_.masks[texel];
     }
 
     void setOutside(uint32_t texel, PointMask mask)
@@ -552,12 +554,17 @@ private:
                 targets[i] = p.position + lift * p.geometricNormal;
             }
         }
-        const Between between = lookBetween(above, targets);
-        if (between == Between::Sides) out_.divided.push_back(cell);
+        uint32_t blocked = 0;
+        if (lookBetween(above, targets, blocked)) out_.divided.push_back(cell);
         previousCell_ = cell;
         previous_ = above;
-        // Points that do not see one another may lie inside geometry.
-        if (between != Between::Nothing && pass_ == Pass::Squares) checkPoints(group, lane);
+        // Points that do not see one another may lie inside solids.
+        if ((blocked & ~1u) == 0 || pass_ != Pass::Squares) return;
+        const TexelPoints& points = group.points(lane);
+        const int count = group.pointCount(lane);
+        const PointMask mask = validity_.outsideSolids(points, count, group.id(lane), rays_);
+        if (mask == kAllPoints) return;
+        setOutside(group.texel(lane), validity_.outsideShells(points, count, mask, group.id(lane), rays_));
     }
 
     /// The same for the parts that a texel's points are in: from one of them to the part's border, or to the others.
@@ -584,7 +591,8 @@ private:
                     targets[count++] = p.position + lift * p.geometricNormal;
                 }
             }
-            if (lookBetween(above, targets) == Between::Sides) out_.divided.push_back(*part);
+            uint32_t blocked = 0;
+            if (lookBetween(above, targets, blocked)) out_.divided.push_back(*part);
         }
     }
 
@@ -618,12 +626,10 @@ private:
         return true;
     }
 
-    /// What stands between a point and others: a solid they lie in, or something that has two sides. What lies inside
-    /// a solid is no other side: nobody sees it.
-    enum class Between { Nothing, Solid, Sides };
-    Between lookBetween(vec3 from, const std::array<vec3, embree::kPacket>& targets)
+    /// Whether something that has two sides stands between a point and others. What lies inside a solid is no other
+    /// side: nobody sees it. `blocked`: a bit for each that does not see the point, whatever is between.
+    bool lookBetween(vec3 from, const std::array<vec3, embree::kPacket>& targets, uint32_t& blocked)
     {
-        Between found = Between::Nothing;
         RTCRay8 packet;
         alignas(32) embree::LaneMask valid;
         std::array<float, embree::kPacket> reach{};
@@ -640,15 +646,16 @@ private:
         }
         paths_.surfaces().occluded(valid, packet);
         for (int i = 0; i < embree::kPacket; ++i) {
-            if (valid.lane[i] == 0 || packet.tfar[i] >= 0.0f) continue;
+            if (valid.lane[i] != 0 && packet.tfar[i] < 0.0f) blocked |= 1u << i;
+        }
+        for (int i = 0; i < embree::kPacket; ++i) {
+            if (((blocked >> i) & 1u) == 0) continue;
             const vec3 direction(packet.dir_x[i], packet.dir_y[i], packet.dir_z[i]);
             const vec3 end = from + reach[std::size_t(i)] * direction;
             ++rays_;
-            if (!paths_.surfaces().intersect(end, -direction, 0.0f, reach[std::size_t(i)]).backFace)
-                return Between::Sides;
-            found = Between::Solid;
+            if (!paths_.surfaces().intersect(end, -direction, 0.0f, reach[std::size_t(i)]).backFace) return true;
         }
-        return found;
+        return false;
     }
 
     /// Those of texelPoints()'s points that lie farthest out in seven directions, and how much farther the texel's

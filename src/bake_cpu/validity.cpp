@@ -147,11 +147,13 @@ bool PointValidity::maybeInside(const TexelPoints& points, int pointCount, uint3
     return false;
 }
 
-PointMask PointValidity::outside(const TexelPoints& points, int pointCount, uint32_t texelId, uint64_t& rays) const
+PointMask PointValidity::outsideSolids(const TexelPoints& points, int pointCount, uint32_t texelId,
+                                       uint64_t& rays) const
 {
+    if (!anySolid_) return kAllPoints;
     const auto all = PointMask((1u << pointCount) - 1u);
-    PointMask open = anySolid_ ? all : PointMask(0);
-    PointMask mask = all & PointMask(~open);
+    PointMask open = all;
+    PointMask mask = 0;
     // Points that see one another are in the same solids.
     while (open != 0) {
         const PointMask together = seenFromFirst(points, open, rays);
@@ -159,8 +161,22 @@ PointMask PointValidity::outside(const TexelPoints& points, int pointCount, uint
         if (!insideSolids(points, together, id, rays)) mask |= together;
         open &= PointMask(~together);
     }
+    return mask == all ? kAllPoints : mask;
+}
+
+PointMask PointValidity::outsideShells(const TexelPoints& points, int pointCount, PointMask outsideSolids,
+                                       uint32_t texelId, uint64_t& rays) const
+{
+    const auto all = PointMask((1u << pointCount) - 1u);
+    PointMask mask = all & outsideSolids;
     mask &= PointMask(~behindSurfaces(points, mask, texelId, rays));
     return mask == all ? kAllPoints : std::popcount(mask) * 8 < pointCount ? PointMask(0) : mask;
+}
+
+PointMask PointValidity::outside(const TexelPoints& points, int pointCount, uint32_t texelId, uint64_t& rays) const
+{
+    const PointMask mask = outsideSolids(points, pointCount, texelId, rays);
+    return outsideShells(points, pointCount, mask, texelId, rays);
 }
 
 void PointValidity::keep(PointMask mask, TexelPoints& points, int& pointCount)

@@ -32,7 +32,13 @@ public:
 
     /// A first look with one ray from a few of the points: could some lie inside a solid?
     bool maybeInside(const TexelPoints& points, int pointCount, uint32_t texelId, uint64_t& rays) const;
-    /// kAllPoints where all of them do.
+    /// Points outside of closed solids; kAllPoints where all of them are.
+    PointMask outsideSolids(const TexelPoints& points, int pointCount, uint32_t texelId, uint64_t& rays) const;
+    /// Of those, the ones that do not lie behind single-sided shells; kAllPoints where all are left, 0 where hardly
+    /// any.
+    PointMask outsideShells(const TexelPoints& points, int pointCount, PointMask outsideSolids, uint32_t texelId,
+                            uint64_t& rays) const;
+    /// Outside of both.
     PointMask outside(const TexelPoints& points, int pointCount, uint32_t texelId, uint64_t& rays) const;
     /// Leaves only the points of the mask.
     static void keep(PointMask mask, TexelPoints& points, int& pointCount);
