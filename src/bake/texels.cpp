@@ -34,11 +34,6 @@ Polygon clip(const Polygon& in, int axis, float bound, float sign)
     return out;
 }
 
-float cross2(vec2 a, vec2 b)
-{
-    return a.x * b.y - a.y * b.x;
-}
-
 /// Barycentric weights of vertices 1 and 2 at p; false for a triangle without area in the lightmap.
 bool barycentricAt(vec2 a, vec2 b, vec2 c, vec2 p, vec2& out)
 {

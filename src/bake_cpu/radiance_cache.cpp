@@ -41,11 +41,6 @@ int directionOf(vec3 normal)
     return 2 * axis + (normal[axis] < 0.0f ? 1 : 0);
 }
 
-float cross2(vec2 a, vec2 b)
-{
-    return a.x * b.y - a.y * b.x;
-}
-
 /// Metres per texel at a triangle; 0 where its lightmap triangle has no area.
 float texelMetersOf(const BakeGeometry& geometry, uint32_t triangle)
 {

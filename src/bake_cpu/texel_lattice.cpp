@@ -11,11 +11,6 @@ constexpr float kCovered = 0.999f;
 constexpr float kCosBend = 0.9976f;
 constexpr float kOffMiddle = 0.1f;
 
-float cross2(vec2 a, vec2 b)
-{
-    return a.x * b.y - a.y * b.x;
-}
-
 } // namespace
 
 int TexelLattice::spacingOf(uint32_t texel) const

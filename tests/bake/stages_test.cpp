@@ -430,6 +430,12 @@ TEST(DilateS8, DistancesAreExtrapolated)
 /// A page of noisy estimates of light that is known, before and after denoising.
 struct NoisyPage {
     template<typename Truth> NoisyPage(const Truth& truth, float sigma, float variance)
+        : NoisyPage(
+              truth, [](const Texel&) { return 0.0f; }, sigma, variance)
+    {}
+    /// `direct`: light of baked lights beside it, without noise.
+    template<typename Truth, typename Direct>
+    NoisyPage(const Truth& truth, const Direct& direct, float sigma, float variance)
     {
         Scene scene;
         addRectangle(scene, {}, addMaterial(scene, vec3(0.5f)), kPage, {vec2(0), vec2(64)});
@@ -439,7 +445,8 @@ struct NoisyPage {
         std::normal_distribution<float> noise(0.0f, sigma);
         estimates.resize(map.texels.size());
         for (std::size_t i = 0; i < estimates.size(); ++i) {
-            expected.push_back(truth(map.texels[i]));
+            estimates[i].direct = vec3(direct(map.texels[i]));
+            expected.push_back(truth(map.texels[i]) + estimates[i].direct.x);
             estimates[i].irradiance = vec3(expected[i] + noise(random));
             estimates[i].varianceOfMean = variance;
             estimates[i].samples = 64;
@@ -475,6 +482,16 @@ TEST(DenoiseS6, LeavesNoBlotchesOnEvenLight)
 {
     const NoisyPage page([](const Texel&) { return 1.0f; }, 0.1f, 0.01f);
     EXPECT_LT(std::sqrt(page.after / double(page.estimates.size())), 0.01);
+}
+
+/// Single sunlit texels among unlit ones are no outliers, and the noise of other light beside them goes.
+TEST(DenoiseS6, SunlightIsNoNoise)
+{
+    const auto sun = [](const Texel& t) { return t.x % 5 == 0 && t.y % 3 == 0 ? 0.4f : 0.0f; };
+    const NoisyPage page([](const Texel&) { return 1.0f; }, sun, 0.1f, 0.01f);
+    EXPECT_LT(page.after, page.before / 50.0);
+    for (std::size_t i = 0; i < page.estimates.size(); ++i)
+        EXPECT_NEAR(page.estimates[i].irradiance.x, page.expected[i], 0.1f);
 }
 
 /// A contact shadow, steep at the foot: where texels state far more variance than their noise has, as well-spread

@@ -55,6 +55,12 @@ struct Bounds {
     [[nodiscard]] vec3 size() const { return empty() ? vec3(0.0f) : max - min; }
 };
 
+/// z of the cross product: the signed area of the parallelogram.
+inline float cross2(vec2 a, vec2 b)
+{
+    return a.x * b.y - a.y * b.x;
+}
+
 /// CIE luminance of a linear Rec. 709 colour (ITU-R BT.709, section 3).
 inline float luminance(vec3 linearRgb)
 {
