@@ -27,7 +27,7 @@ constexpr int kManySamples = 96;
 constexpr Effort kTriangleEffort = {8, 4};
 constexpr Effort kPartEffort = {8, 4};
 constexpr Effort kMorePartEffort = {16, 8};
-constexpr float kPartTexels = 0.5f; ///< width of a cell's part
+constexpr float kHalfTexel = 0.5f;
 /// A triangle is a cell if no edge is longer than so many cells are wide.
 constexpr float kLongestEdgeInCells = 2.0f;
 /// Rays shorter than this many cells would see their squares.
@@ -73,7 +73,7 @@ struct RadianceCache::Contribution {
     vec3 gathered{0.0f}; ///< radiance of sky and emitters
     vec3 direct{0.0f};   ///< irradiance of sampled lights
     vec3 albedo{0.0f};
-    float meters = 0.0f; ///< the cell's width
+    float nearest = 0.0f; ///< as Cell::nearest
 };
 
 struct RadianceCache::RangeOutput {
@@ -89,6 +89,16 @@ struct RadianceCache::RangeOutput {
     std::vector<uint32_t> divided; ///< cells with something standing on them
     std::vector<uint32_t> near;    ///< cells that rays hit from close by
 
+    /// One of a few recent ones, for what has no links.
+    Contribution& recent(uint32_t cell)
+    {
+        constexpr std::size_t kFew = 8 * TexelGroup::kLanes;
+        const std::size_t end = contributions.size();
+        for (std::size_t i = end; i > 0 && i + kFew > end; --i) {
+            if (contributions[i - 1].cell == cell) return contributions[i - 1];
+        }
+        return at(cell);
+    }
     Contribution& at(uint32_t cell)
     {
         if (contributions.empty() || contributions.back().cell != cell) contributions.push_back({cell});
@@ -202,23 +212,26 @@ uint32_t RadianceCache::partIndex(const Surface& s, float u, float v, uint32_t c
     const uint32_t first = firstPart_[cell];
     if (first == kNoCells) return kNoCells;
     const vec2 at = s.origin + u * s.edgeU + v * s.edgeV;
-    const int width = 1 << (cellShift_ + kPartShift);
+    const int shift = partShift(cell);
+    const int width = 1 << shift;
     const auto partOf = [&](float x, int cells) {
         const int whole = std::clamp(int(x), 0, cells - 1);
         return uint32_t(std::clamp(int((x - float(whole)) * float(width)), 0, width - 1));
     };
-    return first + (partOf(at.y, s.height) << (cellShift_ + kPartShift)) + partOf(at.x, s.width);
+    return (first & kCellMask) + (partOf(at.y, s.height) << shift) + partOf(at.x, s.width);
 }
 
-/// Gives parts to the squares whose fronts are in the given state.
+/// Gives parts to the squares whose fronts are in the given state: of half a texel where something stands on them or
+/// where a texel would be no smaller; where cells are of many texels, these are small enough.
 void RadianceCache::addParts(uint8_t of)
 {
     for (uint32_t cell = 0; cell < squares_; ++cell) {
         if ((state_[cell] & of) == 0 || firstPart_[cell] != kNoCells) continue;
-        const std::size_t next = state_.size() + (std::size_t(1) << (2 * (cellShift_ + kPartShift)));
+        const bool half = cellShift_ == 0 || (cellShift_ == 1 && (state_[cell] & kDivided) != 0);
+        const std::size_t next = state_.size() + (std::size_t(1) << (2 * (cellShift_ + (half ? 1 : 0))));
         if (next > kCellMask) return;
-        firstPart_[cell] = uint32_t(state_.size());
-        state_.resize(next, 0);
+        firstPart_[cell] = uint32_t(state_.size()) | (half ? kHalfTexels : 0);
+        state_.resize(next, half ? 0 : kTexelWide);
     }
 }
 
@@ -354,6 +367,7 @@ private:
                     use[std::size_t(lane)] = false;
                     continue;
                 }
+                sortByPart(group, lane, b, std::span(cells.data(), cellCount));
                 for (std::size_t c = 0; c < cellCount; ++c) addRay(group, lane, b, cells[c]);
             }
         }
@@ -361,6 +375,19 @@ private:
             if (!use[std::size_t(lane)]) continue;
             addDirect(group, lane);
         }
+    }
+
+    /// What one part gathers is then one contribution.
+    void sortByPart(const GatherGroup& group, int lane, int block, std::span<uint8_t> cells) const
+    {
+        if (pass_ != Pass::Parts) return;
+        std::array<uint32_t, GatherPattern::kBlock> parts{};
+        for (const uint8_t cell : cells) {
+            const SurfacePoint& point = group.point(lane, group.pointOf(lane, block, cell));
+            parts[cell] = sourceOf(recordOfPoint(group, lane, point), point.barycentric);
+        }
+        std::sort(cells.begin(), cells.end(),
+                  [&](uint8_t a, uint8_t b) { return parts[a] != parts[b] ? parts[a] < parts[b] : a < b; });
     }
 
     /// Looks closer where a ray met the inside of a surface first. Where all rays, from as many points, met the inside
@@ -452,7 +479,8 @@ private:
     {
         const BakeGeometry& geometry = paths_.surfaces().geometry();
         if (cell >= 2 * cache_.squares_ && cell < cache_.firstPart_.size()) return longestEdgeOf(geometry, triangle);
-        const float texels = cell < cache_.firstPart_.size() ? float(1 << cache_.cellShift_) : kPartTexels;
+        float texels = float(1 << cache_.cellShift_);
+        if (cell >= cache_.firstPart_.size()) texels = (cache_.state_[cell] & kTexelWide) != 0 ? 1.0f : kHalfTexel;
         return texels * texelMetersOf(geometry, triangle);
     }
 
@@ -516,13 +544,14 @@ private:
             const uint32_t source = sourceOf(recordOfPoint(group, lane, point), point.barycentric);
             if (source == kNoCells) continue;
             Sampler sampler(~seed_, group.id(lane), uint32_t(s));
-            Contribution& c = out_.at(source);
+            Contribution& c = out_.recent(source);
             const vec3 irradiance = paths_.punctualIrradiance(point, false, sampler, rays_);
             c.direct += irradiance;
             c.direct += paths_.emitterIrradiance(point, luminance(irradiance), sampler, rays_).irradiance;
             c.albedo += paths_.surfaces().albedoAt(point.triangle, point.barycentric);
             ++c.directCount;
-            c.meters = std::max(c.meters, metersOf(source, point.triangle));
+            const float cells = source < cache_.firstPart_.size() ? kNearestInCells : kNearestInParts;
+            c.nearest = std::max(c.nearest, cells * metersOf(source, point.triangle));
         }
     }
 
@@ -597,7 +626,8 @@ private:
                   std::array<vec3, embree::kPacket>& targets) const
     {
         const Surface& surface = cache_.surfaces_[recordOfPoint(group, lane, point)];
-        const float size = kPartTexels / float(1 << cache_.cellShift_); // of a part, in cells
+        const uint32_t cell = cache_.cellIndex(surface, point.barycentric.x, point.barycentric.y);
+        const float size = 1.0f / float(1 << cache_.partShift(cell)); // of a part, in cells
         const vec2 at = surface.origin + point.barycentric.x * surface.edgeU + point.barycentric.y * surface.edgeV;
         const float area = cross2(surface.edgeU, surface.edgeV);
         if (std::abs(area) < 1.0e-12f) return false;
@@ -837,51 +867,68 @@ void RadianceCache::bounce(std::vector<RangeOutput>& ranges, const BakeGeometry&
     const std::size_t count = state_.size();
     bounces_ = bounces;
     std::vector<uint32_t> rayCount(count);
-    std::vector<float> directCount(count);
-    std::vector<vec3> first(count, vec3(0.0f)); // irradiance that needs no cells
-    std::vector<vec3> direct(count, vec3(0.0f));
-    std::vector<vec3> albedo(count, vec3(0.0f));
-    std::vector<float> nearest(count, 0.0f);
-    for (const RangeOutput& range : ranges) {
-        for (const Contribution& c : range.contributions) {
-            rayCount[c.cell] += c.rayCount;
-            directCount[c.cell] += float(c.directCount);
-            first[c.cell] += kPi * c.gathered;
-            direct[c.cell] += c.direct;
-            albedo[c.cell] += c.albedo;
-            nearest[c.cell] =
-                std::max(nearest[c.cell], (c.cell >= firstPart_.size() ? kNearestInParts : kNearestInCells) * c.meters);
-        }
-    }
-    for (std::size_t i = 0; i < count; ++i) {
-        if (directCount[i] == 0.0f || (state_[i] & kDivided) != 0) rayCount[i] = 0;
-    }
-    findSubstitutes(rayCount, geometry);
-    // Rays that met what turned out to be no cell are left out.
-    std::vector<uint32_t> lost(count, 0);
-    for (RangeOutput& range : ranges) {
-        std::size_t link = 0;
-        for (const Contribution& c : range.contributions) {
-            for (uint32_t l = 0; l < c.linkCount; ++l, ++link) {
-                uint32_t& target = range.links[link];
-                target = (state_[target] & kDivided) != 0 ? kNoCells : substitute_[target];
-                if (target != kNoCells && rayCount[target] == 0) target = kNoCells;
-                if (target == kNoCells) ++lost[c.cell];
+    {
+        std::vector<uint8_t> anyDirect(count);
+        for (const RangeOutput& range : ranges) {
+            for (const Contribution& c : range.contributions) {
+                rayCount[c.cell] += c.rayCount;
+                if (c.directCount > 0) anyDirect[c.cell] = 1;
             }
         }
+        for (std::size_t i = 0; i < count; ++i) {
+            if (anyDirect[i] == 0 || (state_[i] & kDivided) != 0) rayCount[i] = 0;
+        }
     }
-    std::vector<float> share(count, 0.0f); // of one ray
+    findSubstitutes(rayCount, geometry);
+
+    // Cells that know something, one after the other: many do not.
+    std::vector<uint32_t> filled(count, kNoCells);
+    uint32_t filledCount = 0;
     for (std::size_t i = 0; i < count; ++i) {
-        if (rayCount[i] == 0) continue;
-        share[i] = 1.0f / float(std::max(rayCount[i] - lost[i], 1u));
-        first[i] = first[i] * share[i] + direct[i] / directCount[i];
-        albedo[i] /= directCount[i];
+        if (rayCount[i] > 0) filled[i] = filledCount++;
     }
-    direct = {};
+    const auto filledFor = [&](std::size_t cell) { return filled[substitute_[cell]]; };
+    struct Sum {
+        vec3 first{0.0f}; ///< irradiance that needs no cells
+        vec3 direct{0.0f};
+        vec3 albedo{0.0f};
+        float directCount = 0.0f;
+        float rays = 0.0f;
+        float nearest = 0.0f;
+    };
+    std::vector<Sum> sums(filledCount);
+    for (RangeOutput& range : ranges) {
+        std::size_t link = 0;
+        for (Contribution& c : range.contributions) {
+            const uint32_t own = filled[c.cell];
+            // Rays that met what turned out to be no cell are left out.
+            uint32_t lost = 0;
+            for (uint32_t l = 0; l < c.linkCount; ++l, ++link) {
+                uint32_t& target = range.links[link];
+                target = (state_[target] & kDivided) != 0 ? kNoCells : filledFor(target);
+                if (target == kNoCells) ++lost;
+            }
+            c.cell = own;
+            if (own == kNoCells) continue;
+            Sum& sum = sums[own];
+            sum.first += kPi * c.gathered;
+            sum.direct += c.direct;
+            sum.albedo += c.albedo;
+            sum.directCount += float(c.directCount);
+            sum.rays += float(c.rayCount - lost);
+            sum.nearest = std::max(sum.nearest, c.nearest);
+        }
+        for (RangeOutput::Late& late : range.late) late.cell = filled[late.cell];
+    }
+    for (Sum& sum : sums) {
+        sum.rays = std::max(sum.rays, 1.0f);
+        sum.first = sum.first / sum.rays + sum.direct / sum.directCount;
+        sum.albedo /= sum.directCount;
+    }
 
     // Irradiance of one more bounce at a time: each cell's links to what their cells reflected before.
-    std::vector<vec3> reflected(count, vec3(0.0f));
-    std::vector<vec3> gathered(count);
+    std::vector<vec3> reflected(filledCount, vec3(0.0f));
+    std::vector<vec3> gathered(filledCount);
     for (int b = 1; b <= bounces; ++b) {
         std::fill(gathered.begin(), gathered.end(), vec3(0.0f));
         for (const RangeOutput& range : ranges) {
@@ -892,28 +939,30 @@ void RadianceCache::bounce(std::vector<RangeOutput>& ranges, const BakeGeometry&
                 for (uint32_t l = 0; l < c.linkCount; ++l, ++link) {
                     if (range.links[link] != kNoCells) sum += reflected[range.links[link]];
                 }
-                gathered[c.cell] += sum;
+                if (c.cell != kNoCells) gathered[c.cell] += sum;
             }
             for (const RangeOutput::Late& late : range.late) {
-                if (late.reflections < uint32_t(b)) gathered[late.cell] += late.radiance;
+                if (late.cell != kNoCells && late.reflections < uint32_t(b)) gathered[late.cell] += late.radiance;
             }
         }
-        for (std::size_t i = 0; i < count; ++i) {
-            if (rayCount[i] == 0) continue;
-            const vec3 irradiance = first[i] + gathered[i] * (kPi * share[i]);
-            reflected[i] = shading::diffuseRadiance(albedo[i], irradiance);
+        for (std::size_t i = 0; i < sums.size(); ++i) {
+            const vec3 irradiance = sums[i].first + gathered[i] * (kPi / sums[i].rays);
+            reflected[i] = shading::diffuseRadiance(sums[i].albedo, irradiance);
         }
         // Level 0 is the last bounce.
-        if (bounces - b < kLevels) levels_[std::size_t(bounces - b)] = reflected;
+        if (bounces - b >= kLevels) continue;
+        auto& level = levels_[std::size_t(bounces - b)];
+        level.resize(firstPart_.size());
+        for (std::size_t i = 0; i < level.size(); ++i) {
+            level[i] = filledFor(i) != kNoCells ? reflected[filledFor(i)] : vec3(0.0f);
+        }
     }
-    for (auto& level : levels_) {
-        if (level.empty()) continue;
-        for (std::size_t i = 0; i < count; ++i) level[i] = level[substitute_[i]];
-    }
+    gathered = {};
     cells_.resize(count);
     for (std::size_t i = 0; i < count; ++i) {
-        const uint32_t s = substitute_[i];
-        cells_[i] = {levels_[0][i], rayCount[s] > 0 && (state_[i] & kDivided) == 0 ? nearest[s] : kInfinity};
+        const uint32_t f = filledFor(i);
+        if (f == kNoCells) continue;
+        cells_[i] = {reflected[f], (state_[i] & kDivided) == 0 ? sums[f].nearest : kInfinity};
     }
     fillParts(rayCount);
 }
@@ -922,9 +971,11 @@ void RadianceCache::bounce(std::vector<RangeOutput>& ranges, const BakeGeometry&
 void RadianceCache::fillParts(const std::vector<uint32_t>& rayCount)
 {
     constexpr float kAlike = 1.5f;
-    const int width = 1 << (cellShift_ + kPartShift);
-    for (const uint32_t first : firstPart_) {
-        for (int i = 0; first != kNoCells && i < width * width; ++i) {
+    for (uint32_t cell = 0; cell < squares_; ++cell) {
+        if (firstPart_[cell] == kNoCells) continue;
+        const uint32_t first = firstPart_[cell] & kCellMask;
+        const int width = 1 << partShift(cell);
+        for (int i = 0; i < width * width; ++i) {
             const uint32_t part = first + uint32_t(i);
             if (rayCount[part] > 0 || (state_[part] & kDivided) != 0) continue;
             const ivec2 at(i % width, i / width);
@@ -933,7 +984,6 @@ void RadianceCache::fillParts(const std::vector<uint32_t>& rayCount)
             float count = 0.0f;
             Cell sum;
             sum.nearest = 0.0f;
-            std::array<vec3, kLevels> levels{};
             for (int y = std::max(at.y - 1, 0); y <= std::min(at.y + 1, width - 1); ++y) {
                 for (int x = std::max(at.x - 1, 0); x <= std::min(at.x + 1, width - 1); ++x) {
                     const uint32_t other = first + uint32_t(y * width + x);
@@ -942,17 +992,11 @@ void RadianceCache::fillParts(const std::vector<uint32_t>& rayCount)
                     most = std::max(most, luminance(cells_[other].radiance));
                     sum.radiance += cells_[other].radiance;
                     sum.nearest = std::max(sum.nearest, cells_[other].nearest);
-                    for (std::size_t l = 0; l < levels_.size(); ++l) {
-                        if (!levels_[l].empty()) levels[l] += levels_[l][other];
-                    }
                     ++count;
                 }
             }
             if (count == 0.0f || most > kAlike * least) continue;
             cells_[part] = {sum.radiance / count, sum.nearest};
-            for (std::size_t l = 0; l < levels_.size(); ++l) {
-                if (!levels_[l].empty()) levels_[l][part] = levels[l] / count;
-            }
         }
     }
 }
@@ -964,10 +1008,12 @@ bool RadianceCache::reflected(const SurfaceHit& hit, int bounces, vec3& radiance
     const Surface& s = surfaces_[recordOf(hit.index, hit.behind)];
     if ((s.firstCell & kNoCells) != 0) return false;
     const vec2 at = hit.point.barycentric;
-    uint32_t cell = cellIndex(s, at.x, at.y);
+    const uint32_t cell = cellIndex(s, at.x, at.y);
     if (!(hit.distance >= cells_[cell].nearest)) {
-        cell = partIndex(s, at.x, at.y, cell);
-        if (cell == kNoCells || !(hit.distance >= cells_[cell].nearest)) return false;
+        const uint32_t part = level == 0 ? partIndex(s, at.x, at.y, cell) : kNoCells;
+        if (part == kNoCells || !(hit.distance >= cells_[part].nearest)) return false;
+        radiance = cells_[part].radiance;
+        return true;
     }
     radiance = levels_[std::size_t(level)][cell];
     return true;

@@ -20,9 +20,9 @@ namespace halflight {
 /// further bounce is a pass over memory: radiosity (Goral et al. 1984, "Modeling the Interaction of Light Between
 /// Diffuse Surfaces") with sampled form factors, and a final gather on top of it (Reichert 1992, "A Two-Pass Radiosity
 /// Method Driven by Lights and Viewer Position"). What it leaves out is variation within a cell: rays that hit close by
-/// do not use it, nor those that hit cells with something standing across them. Such cells have parts, half a texel
-/// wide, that are gathered on their own. The backs of surfaces have cells where rays met them; small triangles without
-/// a lightmap are cells themselves, one for each side.
+/// do not use it, nor those that hit cells with something standing across them. Such cells have parts that are
+/// gathered on their own: a texel wide, or half of one where something stands. The backs of surfaces have cells where
+/// rays met them; small triangles without a lightmap are cells themselves, one for each side.
 class RadianceCache {
 public:
     /// Of one side of a hit triangle: where its cells are. Texture coordinates count cells from the corner of their
@@ -84,8 +84,13 @@ private:
     void fillParts(const std::vector<uint32_t>& rayCount);
 
     static constexpr int kLevels = 4;
-    static constexpr int kPartShift = 1; ///< a texel is 2^kPartShift parts wide
-    int cellShift_ = 0;                  ///< a cell is 2^shift texels wide
+    /// In firstPart_: parts are half a texel wide, else a texel.
+    static constexpr uint32_t kHalfTexels = 0x40000000u;
+    [[nodiscard]] int partShift(uint32_t cell) const ///< a cell is 2^shift parts wide
+    {
+        return cellShift_ + ((firstPart_[cell] & kHalfTexels) != 0 ? 1 : 0);
+    }
+    int cellShift_ = 0; ///< a cell is 2^shift texels wide
     int bounces_ = 0;
     std::vector<Surface> surfaces_;   ///< by record
     std::vector<Cell> cells_;         ///< the squares' fronts, their backs, single triangles, parts
@@ -107,9 +112,10 @@ private:
     std::vector<uint32_t> cellTriangles_;       ///< that are cells themselves: front and back of each
     uint32_t squares_ = 0;                      ///< cells of the squares' fronts, and as many of their backs
     /// By cell.
-    static constexpr uint8_t kDivided = 1; ///< something stands on it
-    static constexpr uint8_t kMetNear = 2; ///< rays hit it from close by
-    static constexpr uint8_t kWanted = 4;  ///< rays hit it: of backs and triangles, the only ones that are gathered
+    static constexpr uint8_t kDivided = 1;   ///< something stands on it
+    static constexpr uint8_t kMetNear = 2;   ///< rays hit it from close by
+    static constexpr uint8_t kWanted = 4;    ///< rays hit it: of backs and triangles, the only ones that are gathered
+    static constexpr uint8_t kTexelWide = 8; ///< of parts
     std::vector<uint8_t> state_;
     std::vector<uint32_t> substitute_; ///< for cells that no sample fell into, another one
 };

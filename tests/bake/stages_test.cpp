@@ -491,7 +491,7 @@ TEST(DenoiseS6, SunlightIsNoNoise)
     const NoisyPage page([](const Texel&) { return 1.0f; }, sun, 0.1f, 0.01f);
     EXPECT_LT(page.after, page.before / 50.0);
     for (std::size_t i = 0; i < page.estimates.size(); ++i)
-        EXPECT_NEAR(page.estimates[i].irradiance.x, page.expected[i], 0.1f);
+        EXPECT_NEAR(page.estimates[i].irradiance.x, page.expected[i], 0.2f);
 }
 
 /// A contact shadow, steep at the foot: where texels state far more variance than their noise has, as well-spread
