@@ -87,8 +87,7 @@ void FinalGather::gatherBlock(const GatherGroup& group, int block, uint64_t& ray
             uint32_t& w = where[std::size_t(cell * TexelGroup::kLanes + lane)];
             w = kMissed;
             if (hit.geomID[lane] == RTC_INVALID_GEOMETRY_ID) continue;
-            w = RadianceCache::recordOf(tracer.hitIndex(hit.geomID[lane], hit.primID[lane]),
-                                        bundle_.behind(cell, lane));
+            w = RadianceCache::recordOf(tracer, bundle_.rays[std::size_t(cell)], lane);
             if (cache_ != nullptr) __builtin_prefetch(&cache_->surface(w));
         }
     }
@@ -135,9 +134,8 @@ const vec3* FinalGather::knownRadiance(int cell, int lane, uint32_t square) cons
     const RTCRayHit8& packet = bundle_.rays[std::size_t(cell)];
     const RadianceCache::Cell* c = cache_->cells() + square;
     if (packet.ray.tfar[lane] >= c->nearest) return &c->radiance;
-    const uint32_t index = paths_.surfaces().hitIndex(packet.hit.geomID[lane], packet.hit.primID[lane]);
-    const uint32_t part = cache_->partIndex(cache_->surface(RadianceCache::recordOf(index, bundle_.behind(cell, lane))),
-                                            packet.hit.u[lane], packet.hit.v[lane], square);
+    const uint32_t record = RadianceCache::recordOf(paths_.surfaces(), packet, lane);
+    const uint32_t part = cache_->partIndex(cache_->surface(record), packet.hit.u[lane], packet.hit.v[lane], square);
     if (part == RadianceCache::kNoCells) return nullptr;
     c = cache_->cells() + part;
     return packet.ray.tfar[lane] >= c->nearest ? &c->radiance : nullptr;

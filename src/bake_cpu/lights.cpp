@@ -93,7 +93,7 @@ Emitters::Emitters(const SurfaceTracer& tracer) : tracer_(tracer)
             const float full = mean;
             mean = 0.0f;
             for (int i = 0; i < kPoints; ++i) {
-                const vec2 u = glm::fract(vec2(0.5f) + float(i) * vec2(0.7548776662f, 0.5698402910f));
+                const vec2 u = r2Point(i);
                 mean += luminance(tracer.emissionAt(t, shading::sampleTriangle(u))) / float(kPoints);
             }
             mean = std::max(mean, 0.01f * full);

@@ -289,11 +289,10 @@ public:
     {
         forGroups(items, [&](const TexelGroup& group) {
             again_.clear();
-            gatherGroup(GatherGroup(paths_, group), pass_ != Pass::Squares);
+            gatherGroup(GatherGroup(paths_, group));
             // Texels that turned out to have points inside geometry.
             for (const uint32_t texel : std::vector<uint32_t>(again_)) {
-                gatherGroup(GatherGroup(paths_, map_, std::span(&texel, 1), std::span(&outside_.masks[texel], 1)),
-                            true);
+                gatherGroup(GatherGroup(paths_, map_, std::span(&texel, 1), std::span(&outside_.masks[texel], 1)));
             }
         });
     }
@@ -352,7 +351,7 @@ private:
         return count;
     }
 
-    void gatherGroup(const GatherGroup& group, bool checked)
+    void gatherGroup(const GatherGroup& group)
     {
         const int blocks = std::max(1, effort_.rays / GatherPattern::kBlock);
         std::array<uint8_t, GatherPattern::kBlock> cells;
@@ -363,7 +362,7 @@ private:
             rays_ += uint64_t(bundle_.trace(paths_, pattern_, group, seed_, b, std::span(cells.data(), cellCount)));
             for (int lane = 0; lane < group.lanes(); ++lane) {
                 if (!use[std::size_t(lane)]) continue;
-                if (b == 0 && !checked && !allOutside(group, lane, std::span(cells.data(), cellCount))) {
+                if (b == 0 && pass_ == Pass::Squares && !allOutside(group, lane, std::span(cells.data(), cellCount))) {
                     use[std::size_t(lane)] = false;
                     continue;
                 }
@@ -384,7 +383,7 @@ private:
         std::array<uint32_t, GatherPattern::kBlock> parts{};
         for (const uint8_t cell : cells) {
             const SurfacePoint& point = group.point(lane, group.pointOf(lane, block, cell));
-            parts[cell] = sourceOf(recordOfPoint(group, lane, point), point.barycentric);
+            parts[cell] = sourceOf(group, lane, point);
         }
         std::sort(cells.begin(), cells.end(),
                   [&](uint8_t a, uint8_t b) { return parts[a] != parts[b] ? parts[a] < parts[b] : a < b; });
@@ -429,8 +428,7 @@ private:
 
     [[nodiscard]] uint32_t recordOfHit(int cell, int lane) const
     {
-        const RTCHit8& h = bundle_.rays[std::size_t(cell)].hit;
-        return recordOf(paths_.surfaces().hitIndex(h.geomID[lane], h.primID[lane]), bundle_.behind(cell, lane));
+        return recordOf(paths_.surfaces(), bundle_.rays[std::size_t(cell)], lane);
     }
     [[nodiscard]] uint32_t recordOfPoint(const TexelGroup& group, int lane, const SurfacePoint& point) const
     {
@@ -444,8 +442,10 @@ private:
     }
 
     /// The cell, or part of one, that this pass fills from a point, or kNoCells.
-    [[nodiscard]] uint32_t sourceOf(uint32_t record, vec2 at) const
+    [[nodiscard]] uint32_t sourceOf(const TexelGroup& group, int lane, const SurfacePoint& point) const
     {
+        const uint32_t record = recordOfPoint(group, lane, point);
+        const vec2 at = point.barycentric;
         if (record == ~0u || (cache_.surfaces_[record].firstCell & kNoCells) != 0) return kNoCells;
         const Surface& surface = cache_.surfaces_[record];
         const uint32_t cell = cache_.cellIndex(surface, at.x, at.y);
@@ -488,7 +488,7 @@ private:
     {
         const int number = group.pointOf(lane, block, cell);
         const SurfacePoint& point = group.points(lane)[std::size_t(number)];
-        const uint32_t source = sourceOf(recordOfPoint(group, lane, point), point.barycentric);
+        const uint32_t source = sourceOf(group, lane, point);
         if (source == kNoCells) return;
         Contribution& c = out_.at(source);
         ++c.rayCount;
@@ -541,7 +541,7 @@ private:
         const int samples = effort_.direct;
         for (int s = 0; s < samples; ++s) {
             const SurfacePoint& point = group.point(lane, group.pointOf(lane, 0, s & (kMaxTexelPoints - 1)));
-            const uint32_t source = sourceOf(recordOfPoint(group, lane, point), point.barycentric);
+            const uint32_t source = sourceOf(group, lane, point);
             if (source == kNoCells) continue;
             Sampler sampler(~seed_, group.id(lane), uint32_t(s));
             Contribution& c = out_.recent(source);
@@ -560,7 +560,7 @@ private:
     void lookAcross(const TexelGroup& group, int lane)
     {
         const SurfacePoint& point = group.points(lane)[0];
-        const uint32_t cell = sourceOf(recordOfPoint(group, lane, point), point.barycentric);
+        const uint32_t cell = sourceOf(group, lane, point);
         if (cell == kNoCells) return;
         const float lift = 0.1f * metersOf(cell, point.triangle);
         const vec3 above = point.position + lift * point.geometricNormal;
@@ -597,7 +597,7 @@ private:
         std::array<uint32_t, kMaxTexelPoints> parts;
         for (int p = 0; p < group.pointCount(lane); ++p) {
             const SurfacePoint& point = group.points(lane)[std::size_t(p)];
-            parts[std::size_t(p)] = sourceOf(recordOfPoint(group, lane, point), point.barycentric);
+            parts[std::size_t(p)] = sourceOf(group, lane, point);
         }
         const auto end = parts.begin() + group.pointCount(lane);
         for (auto part = parts.begin(); part != end; ++part) {
@@ -696,7 +696,7 @@ private:
             const float angle = 2.0f * kPi * float(k) / 7.0f;
             float farthest = -1.0f;
             for (int i = 1; i < kMaxTexelPoints; ++i) {
-                const vec2 place = glm::fract(vec2(0.5f) + float(i) * vec2(0.7548776662f, 0.5698402910f)) - 0.5f;
+                const vec2 place = r2Point(i) - 0.5f;
                 const float out = glm::dot(place, vec2(std::cos(angle), std::sin(angle)));
                 if (out <= farthest) continue;
                 farthest = out;

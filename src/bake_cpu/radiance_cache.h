@@ -54,6 +54,10 @@ public:
 
     /// Number of a side of a hit triangle.
     static uint32_t recordOf(uint32_t hitIndex, bool behind) { return 2 * hitIndex + (behind ? 1u : 0u); }
+    static uint32_t recordOf(const SurfaceTracer& tracer, const RTCRayHit8& rays, int lane)
+    {
+        return recordOf(tracer.hitIndex(rays.hit.geomID[lane], rays.hit.primID[lane]), embree::behind(rays, lane));
+    }
     [[nodiscard]] const Surface& surface(uint32_t record) const { return surfaces_[record]; }
     [[nodiscard]] uint32_t cellIndex(const Surface& s, float u, float v) const
     {

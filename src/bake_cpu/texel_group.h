@@ -74,7 +74,7 @@ public:
             l.behind = side.behind;
             l.pointCount = kTrianglePoints;
             for (int i = 0; i < kTrianglePoints; ++i) {
-                vec2 b = glm::fract(vec2(0.5f) + float(i) * vec2(0.7548776662f, 0.5698402910f));
+                vec2 b = r2Point(i);
                 if (b.x + b.y > 1.0f) b = 1.0f - b;
                 const SurfacePoint point = surfacePoint(paths.surfaces().geometry(), side.triangle, b);
                 l.points[std::size_t(i)] = side.behind ? backOf(point) : point;
