@@ -270,7 +270,7 @@ void partGather(const Options& options)
             double rawTime = 1.0e30;
             uint64_t rays = 0;
             // Turn by turn, the best of each: what else runs on the machine comes and goes.
-            for (int repeat = 0; repeat < 3; ++repeat) {
+            for (int repeat = 0; repeat < 9; ++repeat) {
                 double wall = wallSeconds();
                 double start = cpuSeconds();
                 rays = gatherAll(false);

@@ -84,14 +84,21 @@ std::vector<float> varianceScales(const TexelMap& map, const TexelGrid& grid,
     return scales;
 }
 
+/// Whether a texel is covered for the most part, and all of its points are in the open.
+bool isWhole(const TexelMap& map, const Texel& texel, const IrradianceEstimate& estimate)
+{
+    float covered = 0.0f;
+    for (uint32_t f = 0; f < texel.fragmentCount; ++f) covered += map.fragments[texel.firstFragment + f].area;
+    return covered > 0.6f && estimate.outsidePoints == 0xffff;
+}
+
 /// Outliers: a texel whose few lucky paths make it far brighter than nearly all of the 5 x 5 around it on the same
-/// chart, and whose variance or theirs says so, comes down to their brightest fifth. And a texel's variance estimate is
+/// chart, and whose variance says so, comes down to their brightest fifth. And a texel's variance estimate is
 /// itself noisy: it is averaged with its neighbours', each counted at no more than a few times the texel's own, so that
 /// a bright light's variance does not open the texels beside it to its light.
 void tameOutliers(const TexelMap& map, const TexelGrid& grid, const std::vector<IrradianceEstimate>& estimates,
                   std::vector<NoisyLight>& light, std::vector<vec3>& moments)
 {
-    constexpr uint32_t kFewSamples = 32;
     const std::vector<NoisyLight> before = light;
     parallelFor(light.size(), 2048, [&](std::size_t begin, std::size_t end) {
         std::array<float, 25> around;
@@ -125,12 +132,11 @@ void tameOutliers(const TexelMap& map, const TexelGrid& grid, const std::vector<
             std::nth_element(around.begin(), around.begin() + (n - n / 5), around.begin() + n);
             const float bright = around[std::size_t(n - n / 5)];
             const float excess = own - bright;
-            // Far too bright is what the neighbours' noise may yet explain. A variance of two blocks may be small by
-            // chance where both were lucky: there, a little too bright is noise wherever there is any.
-            const float sigma = std::sqrt(variance);
-            const bool few = estimates[i].samples <= kFewSamples;
-            const bool slight = few && own < 1.5f * bright && sigma > 0.005f * bright;
-            if (own > 1.1f * bright && excess > 0.5f * sigma && (slight || excess < 8.0f * sigma)) {
+            // One lucky path makes the texel's own blocks differ by as much as it is too bright. Where they agree, and
+            // more readily so at the rim of a surface or of what stands on it, it has light that the others do not.
+            const float sigmas = isWhole(map, map.texels[i], estimates[i]) ? 5.0f : 2.0f;
+            const bool lucky = excess <= sigmas * std::sqrt(gathered(estimates[i]).variance);
+            if (own > 1.1f * bright && excess > 0.5f * std::sqrt(variance) && lucky) {
                 const float direct = luminance(estimates[i].direct);
                 light[i].irradiance *= bright / own;
                 moments[i] *= (bright + direct) / (own + direct);

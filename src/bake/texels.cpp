@@ -1,6 +1,7 @@
 #include "bake/stages.h"
 
 #include "halflight/base/parallel.h"
+#include "halflight/base/random.h"
 
 #include <algorithm>
 #include <array>
@@ -216,6 +217,76 @@ private:
     vec3 least_{0.0f};
 };
 
+constexpr uint32_t kAllCandidates = (1u << kMaxTexelPoints) - 1u;
+
+using PointArray = std::span<SurfacePoint, kMaxTexelPoints>;
+
+struct Rectangle {
+    vec2 min{0.0f};
+    vec2 size{1.0f};
+};
+
+/// The part of a texel's rectangle that the bounds of its triangles reach.
+Rectangle coveredRectangle(const BakeGeometry& geometry, std::span<const TexelFragment> fragments, const Rectangle& in)
+{
+    vec2 min = in.min + in.size;
+    vec2 max = in.min;
+    for (const TexelFragment& fragment : fragments) {
+        const uvec3 t = geometry.triangles[fragment.triangle];
+        for (int i = 0; i < 3; ++i) {
+            min = glm::min(min, geometry.lightmapTexel[t[i]]);
+            max = glm::max(max, geometry.lightmapTexel[t[i]]);
+        }
+    }
+    min = glm::max(min, in.min);
+    return {min, glm::max(glm::min(max, in.min + in.size) - min, vec2(0.0f))};
+}
+
+/// A round of candidates for a texel's points, those of a lattice over a rectangle from number `first` on: puts into
+/// `out` what the texel's triangles cover of them. Returns a bit for each that is covered.
+uint32_t coveredPoints(const BakeGeometry& geometry, std::span<const TexelFragment> fragments, const Rectangle& in,
+                       int first, PointArray out)
+{
+    std::array<float, kMaxTexelPoints> x;
+    std::array<float, kMaxTexelPoints> y;
+    for (int i = 0; i < kMaxTexelPoints; ++i) {
+        const vec2 place = in.min + in.size * r2Point(first + i);
+        x[std::size_t(i)] = place.x;
+        y[std::size_t(i)] = place.y;
+    }
+    uint32_t found = 0;
+    for (const TexelFragment& fragment : fragments) {
+        const uvec3 t = geometry.triangles[fragment.triangle];
+        const vec2 corner = geometry.lightmapTexel[t.x];
+        const vec2 edge1 = geometry.lightmapTexel[t.y] - corner;
+        const vec2 edge2 = geometry.lightmapTexel[t.z] - corner;
+        const float area = cross2(edge1, edge2);
+        if (area == 0.0f) continue;
+        // Apart, so that the compiler handles several points at once.
+        std::array<float, kMaxTexelPoints> u;
+        std::array<float, kMaxTexelPoints> v;
+        for (std::size_t i = 0; i < kMaxTexelPoints; ++i) {
+            const float dx = x[i] - corner.x;
+            const float dy = y[i] - corner.y;
+            u[i] = (dx * edge2.y - dy * edge2.x) / area;
+            v[i] = (edge1.x * dy - edge1.y * dx) / area;
+        }
+        uint32_t covered = 0;
+        for (std::size_t i = 0; i < kMaxTexelPoints; ++i) {
+            covered |= uint32_t((u[i] >= 0.0f) & (v[i] >= 0.0f) & (u[i] + v[i] <= 1.0f)) << i;
+        }
+        covered &= ~found;
+        if (covered == 0) continue;
+        found |= covered;
+        const PointsOffEdges points(geometry, fragment.triangle);
+        for (std::size_t i = 0; i < kMaxTexelPoints; ++i) {
+            if (((covered >> i) & 1u) != 0) out[i] = points.at({u[i], v[i]});
+        }
+        if (found == kAllCandidates) break;
+    }
+    return found;
+}
+
 } // namespace
 
 TexelMap rasterizeTexels(const BakeGeometry& geometry, int pageSize, int pageCount)
@@ -283,55 +354,31 @@ TexelMap rasterizeTexels(const BakeGeometry& geometry, int pageSize, int pageCou
     return map;
 }
 
-int texelPoints(const BakeGeometry& geometry, const TexelMap& map, const Texel& texel,
-                std::span<SurfacePoint, kMaxTexelPoints> out, int batch)
+int texelPoints(const BakeGeometry& geometry, const TexelMap& map, const Texel& texel, PointArray out, int batch)
 {
-    // Candidates: a rank-1 lattice over the texel's square (Roberts 2018, the R2 sequence), each kept when a triangle
-    // of the texel covers it.
     const std::span fragments(map.fragments.data() + texel.firstFragment, texel.fragmentCount);
-    std::array<float, kMaxTexelPoints> x;
-    std::array<float, kMaxTexelPoints> y;
-    for (std::size_t i = 0; i < kMaxTexelPoints; ++i) {
-        const auto number = float(batch * kMaxTexelPoints + int(i));
-        const vec2 place =
-            vec2(texel.x, texel.y) + glm::fract(vec2(0.5f) + number * vec2(0.7548776662f, 0.5698402910f));
-        x[i] = place.x;
-        y[i] = place.y;
+    float covered = 0.0f;
+    for (const TexelFragment& fragment : fragments) covered += fragment.area;
+    // A texel that is covered in part is to have no fewer points: candidates are close to what is covered, and come in
+    // as many rounds as about fill a batch.
+    constexpr float kHalf = 0.6f;
+    constexpr int kMostRounds = 8;
+    Rectangle candidates{vec2(texel.x, texel.y)};
+    int rounds = 1;
+    if (covered < kHalf) {
+        candidates = coveredRectangle(geometry, fragments, candidates);
+        rounds = int(std::clamp(candidates.size.x * candidates.size.y / covered + 0.5f, 1.0f, float(kMostRounds)));
     }
-    constexpr uint32_t kAll = (1u << kMaxTexelPoints) - 1u;
-    uint32_t found = 0; // a bit for each candidate
-    for (const TexelFragment& fragment : fragments) {
-        const uvec3 t = geometry.triangles[fragment.triangle];
-        const vec2 corner = geometry.lightmapTexel[t.x];
-        const vec2 edge1 = geometry.lightmapTexel[t.y] - corner;
-        const vec2 edge2 = geometry.lightmapTexel[t.z] - corner;
-        const float area = cross2(edge1, edge2);
-        if (area == 0.0f) continue;
-        // Apart, so that the compiler handles several points at once.
-        std::array<float, kMaxTexelPoints> u;
-        std::array<float, kMaxTexelPoints> v;
-        for (std::size_t i = 0; i < kMaxTexelPoints; ++i) {
-            const float dx = x[i] - corner.x;
-            const float dy = y[i] - corner.y;
-            u[i] = (dx * edge2.y - dy * edge2.x) / area;
-            v[i] = (edge1.x * dy - edge1.y * dx) / area;
-        }
-        uint32_t covered = 0;
-        for (std::size_t i = 0; i < kMaxTexelPoints; ++i) {
-            covered |= uint32_t((u[i] >= 0.0f) & (v[i] >= 0.0f) & (u[i] + v[i] <= 1.0f)) << i;
-        }
-        covered &= ~found;
-        if (covered == 0) continue;
-        found |= covered;
-        const PointsOffEdges points(geometry, fragment.triangle);
-        for (int i = 0; i < kMaxTexelPoints; ++i) {
-            if (((covered >> i) & 1u) != 0) out[std::size_t(i)] = points.at({u[std::size_t(i)], v[std::size_t(i)]});
-        }
-        if (found == kAll) return kMaxTexelPoints;
-    }
+    std::array<SurfacePoint, kMaxTexelPoints> more;
     int count = 0;
-    for (int i = 0; i < kMaxTexelPoints; ++i) {
-        if (((found >> i) & 1u) != 0) out[std::size_t(count++)] = out[std::size_t(i)];
+    for (int round = 0; round < rounds && count < kMaxTexelPoints; ++round) {
+        const PointArray points = round == 0 ? out : PointArray(more);
+        const uint32_t found =
+            coveredPoints(geometry, fragments, candidates, (batch * rounds + round) * kMaxTexelPoints, points);
+        if (round == 0 && found == kAllCandidates) return kMaxTexelPoints;
+        for (int i = 0; i < kMaxTexelPoints && count < kMaxTexelPoints; ++i) {
+            if (((found >> i) & 1u) != 0) out[std::size_t(count++)] = points[std::size_t(i)];
+        }
     }
     if (count > 0) return count;
     // Slivers that no candidate meets: the centroid of the largest piece.

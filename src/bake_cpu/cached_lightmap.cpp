@@ -9,6 +9,10 @@ namespace {
 constexpr int kFirstBlocks = 2;
 constexpr int kNoiseRadius = 2;
 
+/// A texel with fewer others than this around it on its chart, in 5 x 5, has nobody to share its noise with: it gets
+/// twice the samples, or four times where there are fewer than half of these.
+constexpr int kFewAround = 12;
+
 /// A texel may lie between others whose distance, squared, times the mean of the inverse squared distances of what
 /// their rays hit is at most this: how much the light could bend between them.
 constexpr float kMostBend = 0.03f;
@@ -39,7 +43,7 @@ public:
         known_.resize(set_.size());
     }
 
-    bool work() { return gatherFirst() && (!adaptive_ || gatherMore()) && finishBetween(); }
+    bool work() { return gatherFirst() && gatherMore() && finishBetween(); }
 
     [[nodiscard]] IrradianceEstimate estimateOf(uint32_t texel) const
     {
@@ -126,7 +130,7 @@ private:
         }
     }
 
-    /// More samples for texels whose noise is above the target.
+    /// More samples for texels whose noise is above the target; without one, for those that have few around them.
     bool gatherMore()
     {
         struct Open {
@@ -136,16 +140,24 @@ private:
         std::vector<int> needed(set_.size());
         parallelFor(set_.size(), 1024, [&](std::size_t begin, std::size_t end) {
             for (std::size_t i = begin; i < end; ++i) {
-                needed[i] = known_[i].between || !wanted_->contains(set_[i]) ? 0 : blocksNeeded(set_[i]);
+                if (known_[i].between || !known_[i].active) continue;
+                if (!adaptive_) {
+                    needed[i] = most_ * timesMore(set_[i]);
+                } else if (wanted_->contains(set_[i])) {
+                    needed[i] = blocksNeeded(set_[i]);
+                }
             }
         });
+        const int first = adaptive_ ? kFirstBlocks : most_;
         std::vector<Open> open;
+        int last = 0;
         for (std::size_t i = 0; i < set_.size(); ++i) {
-            if (needed[i] > kFirstBlocks) open.push_back({uint32_t(i), needed[i]});
+            if (needed[i] > first) open.push_back({uint32_t(i), needed[i]});
         }
         // Some more for all that are not done yet, again and again, so that the texels of a group go on together.
-        for (int done = kFirstBlocks; !open.empty();) {
-            const int next = std::min(done + std::max(1, done / 2), most_);
+        for (const Open& o : open) last = std::max(last, o.blocks);
+        for (int done = first; !open.empty();) {
+            const int next = std::min(done + std::max(1, done / 2), last);
             if (!forTexelGroups<GatherGroup>(
                     lightmap_.paths_, map_, open.size(), [&](std::size_t i) { return set_[open[i].place]; },
                     [&](std::size_t i) { return known_[open[i].place].mask; }, progress_, "lightmap", rays_,
@@ -168,6 +180,13 @@ private:
         return true;
     }
 
+    [[nodiscard]] int timesMore(uint32_t texel) const
+    {
+        int around = 0;
+        lightmap_.state_->grid.around(texel, kNoiseRadius, [&](uint32_t) { ++around; });
+        return around >= kFewAround ? 1 : 2 * around >= kFewAround ? 2 : 4;
+    }
+
     /// Blocks after which the standard error of a texel's luminance is within the target, as far as the first samples
     /// of the texels around it tell. Blocks are taken for independent, though all together are spread better than that.
     [[nodiscard]] int blocksNeeded(uint32_t texel) const
@@ -184,7 +203,6 @@ private:
             mean += luminance(k.light.irradiance());
             count += 1.0f;
         });
-        if (!known_[set_.find(texel)].active) return 0;
         const float dark = 0.02f * lightmap_.mapMean_;
         const float allowed = lightmap_.settings_.noiseTarget * std::max(mean / count, dark);
         if (!(squares > 0.0f)) return kFirstBlocks;

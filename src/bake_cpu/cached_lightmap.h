@@ -17,7 +17,7 @@ class CachedLightmap {
 public:
     /// `paths` and `pattern` outlive it.
     CachedLightmap(const PathTracer& paths, const GatherPattern& pattern, const IntegrationSettings& settings)
-        : paths_(paths), pattern_(pattern), settings_(settings), validity_(paths, settings.seed)
+        : paths_(paths), pattern_(pattern), settings_(settings), validity_(paths)
     {}
 
     /// As Integrator::irradiance(), without lights that are fully baked. The first call for a map fills its radiance

@@ -59,8 +59,8 @@ struct Accumulator {
 class EmbreeIntegrator final : public Integrator {
 public:
     EmbreeIntegrator(const Scene& scene, const BakeGeometry& geometry, const IntegrationSettings& settings)
-        : geometry_(geometry), settings_(settings), paths_(scene, geometry, LightUse::Bake),
-          validity_(paths_, settings.seed), pattern_(settings.seed), lightmap_(paths_, pattern_, settings)
+        : geometry_(geometry), settings_(settings), paths_(scene, geometry, LightUse::Bake), validity_(paths_),
+          pattern_(settings.seed), lightmap_(paths_, pattern_, settings)
     {}
 
     [[nodiscard]] bool ok() const { return paths_.ok(); }
@@ -267,29 +267,13 @@ private:
         int pointCount = texelPoints(geometry_, map, texel, points);
         const uint32_t id = texelId(map, texel);
 
-        // Points inside solids are left out, found beforehand where a few rays say so, or afterwards where the gathered
-        // paths met many back faces.
-        PointMask mask = kAllPoints;
-        const bool checkedBefore = validity_.maybeInside(points, pointCount, id, rays);
-        if (checkedBefore) {
-            mask = validity_.outside(points, pointCount, id, rays);
-            PointValidity::keep(mask, points, pointCount);
-        }
-        int backFaces = 0;
-        Accumulator gathered;
-        if (mask != 0) gathered = gather(points, pointCount, samples, id, rays, backFaces);
-        if (mask != 0 && !checkedBefore && backFaces * 16 > gathered.count) {
-            mask = validity_.outside(points, pointCount, id, rays);
-            const int before = pointCount;
-            PointValidity::keep(mask, points, pointCount);
-            if (mask != 0 && pointCount < before) {
-                gathered = gather(points, pointCount, samples, id, rays, backFaces);
-            }
-        }
+        const PointMask mask = validity_.outside(points, pointCount, id, rays);
+        PointValidity::keep(mask, points, pointCount);
         IrradianceEstimate estimate;
         estimate.valid = mask != 0;
         estimate.outsidePoints = mask;
         if (!estimate.valid) return estimate;
+        const Accumulator gathered = gather(points, pointCount, samples, id, rays);
         estimate.irradiance = gathered.mean();
         estimate.moment = gathered.moment();
         estimate.varianceOfMean = gathered.varianceOfMean();
@@ -300,8 +284,7 @@ private:
 
     // Irradiance is pi times the mean of cosine-distributed radiance (pdf cos / pi), plus what sampling the emitters
     // adds.
-    Accumulator gather(const TexelPoints& points, int pointCount, int samples, uint32_t id, uint64_t& rays,
-                       int& backFaces) const
+    Accumulator gather(const TexelPoints& points, int pointCount, int samples, uint32_t id, uint64_t& rays) const
     {
         Accumulator gathered;
         for (int s = 0; s < samples; ++s) {
@@ -312,7 +295,6 @@ private:
             const PathTracer::EmitterAtSurface emitter = paths_.emitterIrradiance(point, 0.0f, sampler, rays);
             const PathTracer::Incoming in = paths_.incoming({paths_.rayOrigin(point), point.normal}, direction, pdf,
                                                             settings_.bounces, sampler, rays);
-            backFaces += in.firstHitBackFace ? 1 : 0;
             const vec3 bounced = kPi * in.radiance;
             const vec3 value = emitter.irradiance + bounced;
             // Lights of extreme size or strength can leave the range of floats.

@@ -144,13 +144,15 @@ const vec3* FinalGather::knownRadiance(int cell, int lane, uint32_t square) cons
 vec3 FinalGather::slowRadiance(const GatherGroup& group, int lane, int block, int cell, uint64_t& rays)
 {
     const GatherGroup::Origin& s = group.origin(lane, group.pointOf(lane, block, cell));
-    const SurfaceHit hit = bundle_.surface(paths_, cell, lane);
-    if (cache_ == nullptr && hit.backFace) ++backFaces_[std::size_t(lane)];
+    const RayHit at = bundle_.at(cell, lane);
+    const SurfaceTracer& tracer = paths_.surfaces();
+    if (cache_ == nullptr && at.behind && tracer.backIsHidden(tracer.triangleOf(at.geomID, at.primID)))
+        ++backFaces_[std::size_t(lane)];
     const vec3 direction = bundle_.direction(cell, lane);
     const float pdf = std::max(glm::dot(direction, s.normal), 1.0e-4f) / kPi;
     const Receiver receiver{s.position, s.normal, &cuts_[std::size_t(lane)]};
     Sampler sampler(settings_.seed, group.id(lane), uint32_t(block * GatherPattern::kBlock + cell));
-    return paths_.follow(hit, direction, receiver, pdf, settings_.bounces, sampler, rays, cache_);
+    return paths_.follow(at, direction, receiver, pdf, settings_.bounces, sampler, rays, cache_);
 }
 
 // Where emitters give little beside what the gathered rays brought, only some samples look at them.

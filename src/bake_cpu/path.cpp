@@ -206,10 +206,10 @@ PathTracer::Incoming PathTracer::incoming(const Receiver& receiver, vec3 directi
                                           Sampler& sampler, uint64_t& rays) const
 {
     ++rays;
-    const SurfaceHit hit = tracer_.intersect(receiver.position, direction, 0.0f, kInfinity);
+    const RayHit at = tracer_.nearest(receiver.position, direction, 0.0f, kInfinity);
     Incoming result;
-    result.firstHitBackFace = hit.found && hit.backFace;
-    result.radiance = follow(hit, direction, receiver, directionPdf, bounces, sampler, rays);
+    result.firstHitBackFace = at.found && at.behind && tracer_.backIsHidden(tracer_.triangleOf(at.geomID, at.primID));
+    result.radiance = follow(at, direction, receiver, directionPdf, bounces, sampler, rays);
     return result;
 }
 
@@ -217,16 +217,15 @@ vec3 PathTracer::seenFromCamera(vec3 origin, vec3 direction, float tMax, int bou
                                 uint64_t& rays) const
 {
     ++rays;
-    const SurfaceHit hit = tracer_.intersect(origin, direction, 0.0f, tMax, true);
-    if (hit.found && hit.material->unlit) return hit.albedo;
-    return follow(hit, direction, {origin}, 0.0f, bounces + 1, sampler, rays, nullptr, nullptr, true);
+    const RayHit at = tracer_.nearest(origin, direction, 0.0f, tMax, true);
+    if (const SurfaceHit hit = tracer_.surfaceAt(at); hit.found && hit.material->unlit) return hit.albedo;
+    return follow(at, direction, {origin}, 0.0f, bounces + 1, sampler, rays, nullptr, nullptr, true);
 }
 
 // Kajiya 1986, "The Rendering Equation", for diffuse surfaces: the throughput of a cosine-distributed bounce is the
 // albedo.
-vec3 PathTracer::follow(SurfaceHit hit, vec3 direction, Receiver from, float directionPdf, int bounces,
-                        Sampler& sampler, uint64_t& rays, const RadianceCache* cache, vec3* byBounce,
-                        bool directFromCamera) const
+vec3 PathTracer::follow(RayHit at, vec3 direction, Receiver from, float directionPdf, int bounces, Sampler& sampler,
+                        uint64_t& rays, const RadianceCache* cache, vec3* byBounce, bool directFromCamera) const
 {
     vec3 radiance(0.0f);
     vec3 throughput(1.0f);
@@ -235,16 +234,22 @@ vec3 PathTracer::follow(SurfaceHit hit, vec3 direction, Receiver from, float dir
         if (byBounce != nullptr) byBounce[reflections] += throughput * light;
     };
     for (int depth = 0;; ++depth) {
-        if (!hit.found) {
+        if (!at.found) {
             add(shading::skyRadiance(sky_.zenith, sky_.horizon, sky_.ground, direction), depth);
             break;
         }
-        add(weightedEmission(hit, direction, from, directionPdf), depth);
-        if (depth >= bounces || hit.albedo == vec3(0.0f)) break;
-        if (vec3 known; cache != nullptr && cache->reflected(hit, bounces - depth, known)) {
-            add(known, depth + 1);
-            break;
+        // Where the cache knows all, there is no need to look at the surface.
+        vec3 known;
+        bool isKnown = false;
+        if (cache != nullptr && depth < bounces) {
+            const uint32_t record = RadianceCache::recordOf(tracer_.hitIndex(at.geomID, at.primID), at.behind);
+            isKnown = cache->reflected(record, at.barycentric, at.distance, bounces - depth, known);
+            if (isKnown) add(known, depth + 1);
+            if (isKnown && !cache->emissive(record)) break;
         }
+        const SurfaceHit hit = tracer_.surfaceAt(at);
+        add(weightedEmission(hit, direction, from, directionPdf), depth);
+        if (depth >= bounces || isKnown || hit.albedo == vec3(0.0f)) break;
 
         // Light that reaches this surface directly.
         vec3 irradiance = punctualIrradiance(hit.point, directFromCamera && depth == 0, sampler, rays);
@@ -263,7 +268,7 @@ vec3 PathTracer::follow(SurfaceHit hit, vec3 direction, Receiver from, float dir
         directionPdf = std::max(glm::dot(direction, hit.point.normal), 1.0e-4f) / kPi;
         from = {rayOrigin(hit.point), hit.point.normal};
         ++rays;
-        hit = tracer_.intersect(from.position, direction, 0.0f, kInfinity);
+        at = tracer_.nearest(from.position, direction, 0.0f, kInfinity);
     }
     return radiance;
 }

@@ -39,7 +39,7 @@ public:
     /// Radiance that a hit sends back along `direction`, of at most `bounces` reflections. With a cache, paths end
     /// where it knows the answer. `byBounce`, if given, receives the parts of 0, 1, 2, … reflections (bounces + 1 of
     /// them).
-    vec3 follow(SurfaceHit hit, vec3 direction, Receiver from, float directionPdf, int bounces, Sampler& sampler,
+    vec3 follow(RayHit at, vec3 direction, Receiver from, float directionPdf, int bounces, Sampler& sampler,
                 uint64_t& rays, const RadianceCache* cache = nullptr, vec3* byBounce = nullptr,
                 bool directFromCamera = false) const;
 

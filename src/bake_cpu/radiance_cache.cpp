@@ -221,11 +221,12 @@ uint32_t RadianceCache::partIndex(const Surface& s, float u, float v, uint32_t c
     return (first & kCellMask) + (partOf(at.y, s.height) << shift) + partOf(at.x, s.width);
 }
 
-/// Gives parts to the squares whose fronts are in the given state: of half a texel where something stands on them or
-/// where a texel would be no smaller; where cells are of many texels, these are small enough.
-void RadianceCache::addParts(uint8_t of)
+/// Gives parts to the squares, counted from the first cell of their fronts or backs, that are in any of the given
+/// states: of half a texel where something stands on them or where a texel would be no smaller; where cells are of many
+/// texels, these are small enough.
+void RadianceCache::addParts(uint32_t firstCell, uint8_t of)
 {
-    for (uint32_t cell = 0; cell < squares_; ++cell) {
+    for (uint32_t cell = firstCell; cell < firstCell + squares_; ++cell) {
         if ((state_[cell] & of) == 0 || firstPart_[cell] != kNoCells) continue;
         const bool half = cellShift_ == 0 || (cellShift_ == 1 && (state_[cell] & kDivided) != 0);
         const std::size_t next = state_.size() + (std::size_t(1) << (2 * (cellShift_ + (half ? 1 : 0))));
@@ -267,10 +268,11 @@ std::vector<uint32_t> RadianceCache::texelsOf(const TexelMap& map, uint32_t firs
 
 /// What a round of gathering is for. The first, of the squares, finds what the others are needed for.
 enum class RadianceCache::Pass : uint32_t {
-    Squares,  ///< items are texels
-    Parts,    ///< texels of cells that have parts
-    Backs,    ///< texels of cells whose backs are wanted
-    Triangles ///< cells that are triangles, counted from the first
+    Squares,   ///< items are texels
+    Parts,     ///< texels of cells that have parts
+    Backs,     ///< texels of cells whose backs are wanted
+    BackParts, ///< of those, the ones that have parts
+    Triangles  ///< cells that are triangles, counted from the first
 };
 
 /// Gathers for one range of items.
@@ -280,8 +282,7 @@ public:
              const GatherPattern& pattern, const IntegrationSettings& settings, OutsidePoints& outside,
              RangeOutput& out)
         : cache_(cache), pass_(pass), paths_(paths), map_(map), pattern_(pattern), settings_(settings),
-          outside_(outside), out_(out), validity_(paths, settings.seed),
-          seed_(settings.seed ^ (kCacheSeed + (uint32_t(pass) << 16))),
+          outside_(outside), out_(out), validity_(paths), seed_(settings.seed ^ (kCacheSeed + (uint32_t(pass) << 16))),
           effort_(effortOf(settings, pass, cache.cellShift_)), byBounce_(std::size_t(std::max(settings.bounces, 1)) + 1)
     {}
 
@@ -302,18 +303,19 @@ public:
         forGroups(items, [&](const TexelGroup& group) {
             for (int lane = 0; lane < group.lanes(); ++lane) {
                 if (!group.active(lane)) continue;
-                pass_ == Pass::Parts ? lookAcrossParts(group, lane) : lookAcross(group, lane);
+                ofParts(pass_) ? lookAcrossParts(group, lane) : lookAcross(group, lane);
             }
         });
     }
     [[nodiscard]] uint64_t rays() const { return rays_; }
 
 private:
+    static bool ofParts(Pass pass) { return pass == Pass::Parts || pass == Pass::BackParts; }
     static Effort effortOf(const IntegrationSettings& settings, Pass pass, int cellShift)
     {
         const bool more = settings.samples >= kManySamples;
         if (pass == Pass::Triangles) return kTriangleEffort;
-        if (pass == Pass::Parts) return more ? kMorePartEffort : kPartEffort;
+        if (ofParts(pass)) return more ? kMorePartEffort : kPartEffort;
         return (more ? kMoreEffort : kEffort)[std::size_t(cellShift)];
     }
 
@@ -327,7 +329,7 @@ private:
                 for (std::size_t k = 0; k < some.size(); ++k)
                     sides[k] = {cache_.cellTriangles_[some[k] / 2], some[k] % 2 != 0};
                 body(TexelGroup::triangles(paths_, std::span(sides.data(), some.size())));
-            } else if (pass_ == Pass::Backs) {
+            } else if (pass_ == Pass::Backs || pass_ == Pass::BackParts) {
                 body(TexelGroup::backs(paths_, map_, some));
             } else {
                 for (std::size_t k = 0; k < some.size(); ++k) masks[k] = outside_.masks[some[k]];
@@ -379,7 +381,7 @@ private:
     /// What one part gathers is then one contribution.
     void sortByPart(const GatherGroup& group, int lane, int block, std::span<uint8_t> cells) const
     {
-        if (pass_ != Pass::Parts) return;
+        if (!ofParts(pass_)) return;
         std::array<uint32_t, GatherPattern::kBlock> parts{};
         for (const uint8_t cell : cells) {
             const SurfacePoint& point = group.point(lane, group.pointOf(lane, block, cell));
@@ -455,6 +457,7 @@ private:
             if ((state & kDivided) == 0) return cell;
             [[fallthrough]];
         case Pass::Parts:
+        case Pass::BackParts:
             return partOf(surface, at, cell);
         case Pass::Backs:
         case Pass::Triangles:
@@ -506,20 +509,20 @@ private:
             out_.links.push_back(target);
             ++c.linkCount;
             if (pass_ == Pass::Squares) findNear(source, target, packet, lane);
-            if ((cache_.surfaces_[record].firstCell & kEmissive) == 0) return;
+            if (!cache_.emissive(record)) return;
         }
         const GatherGroup::Origin& s = group.origin(lane, number);
         const Receiver receiver{s.position, s.normal};
-        const SurfaceHit hit = bundle_.surface(paths_, cell, lane);
+        const RayHit at = bundle_.at(cell, lane);
         const float pdf = std::max(glm::dot(direction, s.normal), 1.0e-4f) / kPi;
         if (known) {
-            c.gathered += paths_.weightedEmission(hit, direction, receiver, pdf);
+            c.gathered += paths_.weightedEmission(paths_.surfaces().surfaceAt(at), direction, receiver, pdf);
             return;
         }
         // No cell there: the path goes on to its end, its light counted by the number of reflections.
         std::fill(byBounce_.begin(), byBounce_.end(), vec3(0.0f));
         Sampler sampler(seed_, group.id(lane), uint32_t(block * GatherPattern::kBlock + cell));
-        paths_.follow(hit, direction, receiver, pdf, settings_.bounces - 1, sampler, rays_, nullptr, byBounce_.data());
+        paths_.follow(at, direction, receiver, pdf, settings_.bounces - 1, sampler, rays_, nullptr, byBounce_.data());
         c.gathered += byBounce_[0];
         for (uint32_t r = 1; r < byBounce_.size(); ++r) {
             if (byBounce_[r] != vec3(0.0f)) out_.late.push_back({source, r, byBounce_[r]});
@@ -758,19 +761,23 @@ bool RadianceCache::build(const PathTracer& paths, const TexelMap& map, const Ga
         forRanges(pass, items, ranges, [](Gatherer& g, std::span<const uint32_t> some) { g.gather(some); });
     };
     look(Pass::Squares, all);
-    addParts(kDivided);
+    addParts(0, kDivided);
     look(Pass::Parts, texelsOf(map, 0, kDivided));
     gather(Pass::Squares, all);
     all = {};
     findWanted(ranges);
-    addParts(kMetNear);
+    addParts(0, kMetNear);
     const std::vector<uint32_t> backs = texelsOf(map, squares_, kWanted);
     std::vector<uint32_t> triangles;
     for (uint32_t i = 0; i < 2 * cellTriangles_.size(); ++i) {
         if ((state_[2 * squares_ + i] & kWanted) != 0) triangles.push_back(i);
     }
     look(Pass::Backs, backs);
+    addParts(squares_, kDivided);
+    const std::vector<uint32_t> backParts = texelsOf(map, squares_, kDivided);
+    look(Pass::BackParts, backParts);
     gather(Pass::Backs, backs);
+    gather(Pass::BackParts, backParts);
     gather(Pass::Triangles, triangles);
     gather(Pass::Parts, texelsOf(map, 0, kDivided | kMetNear));
     if (progress.cancelled()) return false;
@@ -971,7 +978,7 @@ void RadianceCache::bounce(std::vector<RangeOutput>& ranges, const BakeGeometry&
 void RadianceCache::fillParts(const std::vector<uint32_t>& rayCount)
 {
     constexpr float kAlike = 1.5f;
-    for (uint32_t cell = 0; cell < squares_; ++cell) {
+    for (uint32_t cell = 0; cell < 2 * squares_; ++cell) {
         if (firstPart_[cell] == kNoCells) continue;
         const uint32_t first = firstPart_[cell] & kCellMask;
         const int width = 1 << partShift(cell);
@@ -1001,17 +1008,16 @@ void RadianceCache::fillParts(const std::vector<uint32_t>& rayCount)
     }
 }
 
-bool RadianceCache::reflected(const SurfaceHit& hit, int bounces, vec3& radiance) const
+bool RadianceCache::reflected(uint32_t record, vec2 barycentric, float distance, int bounces, vec3& radiance) const
 {
     const int level = bounces_ - bounces;
     if (level < 0 || level >= kLevels || levels_[std::size_t(level)].empty()) return false;
-    const Surface& s = surfaces_[recordOf(hit.index, hit.behind)];
+    const Surface& s = surfaces_[record];
     if ((s.firstCell & kNoCells) != 0) return false;
-    const vec2 at = hit.point.barycentric;
-    const uint32_t cell = cellIndex(s, at.x, at.y);
-    if (!(hit.distance >= cells_[cell].nearest)) {
-        const uint32_t part = level == 0 ? partIndex(s, at.x, at.y, cell) : kNoCells;
-        if (part == kNoCells || !(hit.distance >= cells_[part].nearest)) return false;
+    const uint32_t cell = cellIndex(s, barycentric.x, barycentric.y);
+    if (!(distance >= cells_[cell].nearest)) {
+        const uint32_t part = level == 0 ? partIndex(s, barycentric.x, barycentric.y, cell) : kNoCells;
+        if (part == kNoCells || !(distance >= cells_[part].nearest)) return false;
         radiance = cells_[part].radiance;
         return true;
     }

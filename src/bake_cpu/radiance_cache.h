@@ -69,8 +69,9 @@ public:
     /// The part of a cell at a place, or kNoCells.
     [[nodiscard]] uint32_t partIndex(const Surface& s, float u, float v, uint32_t cell) const;
     [[nodiscard]] const Cell* cells() const { return cells_.data(); }
-    /// Light that a hit reflects after at most `bounces` reflections, if a cell knows it.
-    [[nodiscard]] bool reflected(const SurfaceHit& hit, int bounces, vec3& radiance) const;
+    /// Light that the end of a ray of some length reflects after at most `bounces` reflections, if a cell knows it.
+    [[nodiscard]] bool reflected(uint32_t record, vec2 barycentric, float distance, int bounces, vec3& radiance) const;
+    [[nodiscard]] bool emissive(uint32_t record) const { return (surfaces_[record].firstCell & kEmissive) != 0; }
 
 private:
     struct Contribution;
@@ -79,7 +80,7 @@ private:
     class Gatherer;
     void layOut(const PathTracer& paths, const TexelMap& map);
     void layOutTriangles(const PathTracer& paths, const TexelMap& map);
-    void addParts(uint8_t of);
+    void addParts(uint32_t firstCell, uint8_t of);
     void findWanted(const std::vector<RangeOutput>& ranges);
     [[nodiscard]] std::vector<uint32_t> texelsOf(const TexelMap& map, uint32_t firstCell, uint8_t state) const;
     void findSubstituteTriangles(const std::vector<uint32_t>& rayCount, const BakeGeometry& geometry);

@@ -8,12 +8,6 @@
 
 namespace halflight {
 
-/// Point of a rank-1 lattice in the unit square (Roberts 2018, the R2 sequence), as texelPoints() takes them.
-inline vec2 r2Point(int number)
-{
-    return glm::fract(vec2(0.5f) + float(number) * vec2(0.7548776662f, 0.5698402910f));
-}
-
 /// Low-discrepancy points in the unit square: the first two dimensions of Sobol' (1967), a (0,2)-sequence, shuffled and
 /// Owen-scrambled by hashing (Burley 2020, "Practical Hash-based Owen Scrambling"), anew for each pair of dimensions.
 /// A value is a function of (texel, sample, dimension) and of the seed.

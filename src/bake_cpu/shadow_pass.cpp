@@ -12,6 +12,8 @@ namespace {
 /// texels, of a small chart, are no evidence.
 constexpr int kAgreeRadius = 3;
 constexpr int kEnoughTexels = 16;
+/// Texels on a shadow's edge get so many times the rays: they are few, and steps there are what one sees.
+constexpr int kTimesOnEdges = 2;
 
 } // namespace
 
@@ -86,57 +88,71 @@ bool traceShadows(const ShadowPass& pass, const std::vector<ShadowSource>& sourc
             }
         }
     });
+    // Two rounds: half of the rays for all that is open; for what turns out to be half lit, the rest and more.
+    const int halves = ShadowRays::halvesOf(pass.samples);
+    const int firstHalves = std::max(2, halves / 4 * 2);
+    const auto mixed = [&](const LitCount& count) { return !count.allLit() && !count.noneLit(); };
     std::vector<uint32_t> list;
-    for (std::size_t i = 0; i < pass.texels.size(); ++i) {
-        bool any = false;
-        for (std::size_t s = 0; s < sourceCount; ++s) any = any || open[i * sourceCount + s] != 0;
-        if (any) list.push_back(uint32_t(i));
-    }
-    return forTexelGroups<TexelGroup>(
-        pass.paths, pass.map, list.size(), [&](std::size_t i) { return pass.texels[list[i]]; },
-        [&](std::size_t i) { return pass.outside[list[i]]; }, pass.progress, pass.stage, pass.rays,
-        [&] {
-            return [&](const TexelGroup& group, std::size_t first, uint64_t& rays) {
-                // Texels all of whose points are in use have their first half.
-                uint32_t started = 0;
-                std::array<uint32_t, TexelGroup::kLanes> texels;
-                std::array<PointMask, TexelGroup::kLanes> masks;
-                const auto lanes = std::size_t(group.lanes());
-                for (std::size_t lane = 0; lane < lanes; ++lane) {
-                    texels[lane] = group.texel(int(lane));
-                    masks[lane] = group.mask(int(lane));
-                    started |= masks[lane] == kAllPoints ? 1u << lane : 0u;
-                    if (look && masks[lane] != kAllPoints) look(group, int(lane), list[first + lane]);
-                }
-                const auto trace = [&](const TexelGroup& points, int half) {
-                    for (std::size_t s = 0; s < sourceCount; ++s) {
-                        uint32_t wanted = 0;
-                        for (std::size_t lane = 0; lane < lanes; ++lane) {
-                            wanted |= open[list[first + lane] * sourceCount + s] != 0 ? 1u << lane : 0u;
+    const auto traceHalves = [&](int begin, int end) {
+        list.clear();
+        for (std::size_t i = 0; i < pass.texels.size(); ++i) {
+            bool any = false;
+            for (std::size_t s = 0; s < sourceCount; ++s) any = any || open[i * sourceCount + s] != 0;
+            if (any) list.push_back(uint32_t(i));
+        }
+        return forTexelGroups<TexelGroup>(
+            pass.paths, pass.map, list.size(), [&](std::size_t i) { return pass.texels[list[i]]; },
+            [&](std::size_t i) { return pass.outside[list[i]]; }, pass.progress, pass.stage, pass.rays,
+            [&] {
+                return [&](const TexelGroup& group, std::size_t first, uint64_t& rays) {
+                    const auto lanes = std::size_t(group.lanes());
+                    std::array<uint32_t, TexelGroup::kLanes> texels;
+                    std::array<PointMask, TexelGroup::kLanes> masks;
+                    // Texels all of whose points are in use have their first half.
+                    uint32_t started = 0;
+                    for (std::size_t lane = 0; lane < lanes; ++lane) {
+                        texels[lane] = group.texel(int(lane));
+                        masks[lane] = group.mask(int(lane));
+                        started |= masks[lane] == kAllPoints ? 1u << lane : 0u;
+                        if (look && begin == 0 && masks[lane] != kAllPoints) look(group, int(lane), list[first + lane]);
+                    }
+                    const auto trace = [&](const TexelGroup& points, int half) {
+                        for (std::size_t s = 0; s < sourceCount; ++s) {
+                            uint32_t wanted = 0;
+                            for (std::size_t lane = 0; lane < lanes; ++lane) {
+                                wanted |= open[list[first + lane] * sourceCount + s] != 0 ? 1u << lane : 0u;
+                            }
+                            if (half == 0) wanted &= ~started;
+                            if (wanted == 0) continue;
+                            ShadowRays(pass.paths, pass.pattern, sources[s].seed)
+                                .trace(
+                                    points, wanted, half,
+                                    [&](int, const SurfacePoint& point) { return sources[s].lightAt(point); },
+                                    [&](int lane, const SurfacePoint&, const PunctualLight&, bool visible) {
+                                        counts[list[first + std::size_t(lane)] * sourceCount + s].add(visible);
+                                    },
+                                    rays);
                         }
-                        if (half == 0) wanted &= ~started;
-                        if (wanted == 0) continue;
-                        ShadowRays(pass.paths, pass.pattern, sources[s].seed)
-                            .trace(
-                                points, wanted, half,
-                                [&](int, const SurfacePoint& point) { return sources[s].lightAt(point); },
-                                [&](int lane, const SurfacePoint&, const PunctualLight&, bool visible) {
-                                    counts[list[first + std::size_t(lane)] * sourceCount + s].add(visible);
-                                },
-                                rays);
+                    };
+                    // The group is of batch 0.
+                    for (int half = begin; half < end; half += 2) {
+                        const auto some = [&](const TexelGroup& points) {
+                            trace(points, half);
+                            trace(points, half + 1);
+                        };
+                        if (half == 0) {
+                            some(group);
+                        } else {
+                            some(TexelGroup(pass.paths, pass.map, std::span(texels.data(), lanes),
+                                            std::span(masks.data(), lanes), half / 2));
+                        }
                     }
                 };
-                const int halves = ShadowRays::halvesOf(pass.samples);
-                trace(group, 0);
-                if (halves > 1) trace(group, 1);
-                for (int half = 2; half < halves; half += 2) {
-                    const TexelGroup points(pass.paths, pass.map, std::span(texels.data(), lanes),
-                                            std::span(masks.data(), lanes), half / 2);
-                    trace(points, half);
-                    if (half + 1 < halves) trace(points, half + 1);
-                }
-            };
-        });
+            });
+    };
+    if (!traceHalves(0, firstHalves)) return false;
+    for (std::size_t i = 0; i < open.size(); ++i) open[i] = open[i] != 0 && mixed(counts[i]) ? 1 : 0;
+    return traceHalves(firstHalves, kTimesOnEdges * halves);
 }
 
 } // namespace halflight

@@ -350,7 +350,7 @@ static RTCRayHit rayHit(vec3 origin, vec3 direction, float tMin, float tMax)
     return ray;
 }
 
-SurfaceHit SurfaceTracer::intersect(vec3 origin, vec3 direction, float tMin, float tMax, bool cameraRay) const
+RayHit SurfaceTracer::nearest(vec3 origin, vec3 direction, float tMin, float tMax, bool cameraRay) const
 {
     embree::RayContext context(cameraRay);
     // Camera rays go on behind back faces they do not see. The bound is against endless loops on damaged geometry.
@@ -366,30 +366,28 @@ SurfaceHit SurfaceTracer::intersect(vec3 origin, vec3 direction, float tMin, flo
             tMin = ray.ray.tfar * (1.0f + 1.0e-6f) + epsilonAt(origin);
             continue;
         }
-        return surfaceAt(ray.hit.geomID, ray.hit.primID, vec2(ray.hit.u, ray.hit.v), ray.ray.tfar, behind);
+        return {true, behind, ray.hit.geomID, ray.hit.primID, vec2(ray.hit.u, ray.hit.v), ray.ray.tfar};
     }
     return {};
 }
 
-SurfaceHit SurfaceTracer::surfaceAt(uint32_t geomID, uint32_t primID, vec2 barycentric, float distance,
-                                    bool behind) const
+SurfaceHit SurfaceTracer::surfaceAt(const RayHit& at) const
 {
-    const uint32_t triangle = triangleOf(geomID, primID);
+    if (!at.found) return {};
+    const uint32_t triangle = triangleOf(at.geomID, at.primID);
     const TransportMaterial& material = materialOfTriangle(triangle);
     SurfaceHit hit;
     hit.found = true;
-    hit.behind = behind;
-    hit.backFace = behind && backIsHidden(triangle);
-    hit.distance = distance;
-    hit.index = hitIndex(geomID, primID);
+    hit.backFace = at.behind && backIsHidden(triangle);
+    hit.distance = at.distance;
     hit.material = &material;
-    hit.point = surfacePoint(geometry_, triangle, barycentric);
-    if (behind) {
+    hit.point = surfacePoint(geometry_, triangle, at.barycentric);
+    if (at.behind) {
         hit.point.normal = -hit.point.normal;
         hit.point.geometricNormal = -hit.point.geometricNormal;
     }
-    hit.albedo = albedoAt(triangle, barycentric);
-    if (!hit.backFace) hit.emission = emissionAt(triangle, barycentric);
+    hit.albedo = albedoAt(triangle, at.barycentric);
+    if (!hit.backFace) hit.emission = emissionAt(triangle, at.barycentric);
     return hit;
 }
 
@@ -469,7 +467,6 @@ SurfaceTracer::Crossings SurfaceTracer::crossings(vec3 origin, vec3 direction) c
         const uint32_t triangle = trianglesOfGeometry_[ray.hit.geomID][ray.hit.primID];
         const bool behind = glm::dot(vec3(ray.hit.Ng_x, ray.hit.Ng_y, ray.hit.Ng_z), direction) > 0.0f;
         const bool solid = geometry_.solid[triangle] != 0;
-        if (result.rays == 1) result.backFaceFirst = behind && backIsHidden(triangle);
         if (result.rays == 1 && behind && solid) {
             // Whatever else the ray enters it leaves again: the origin is inside.
             result.solidsLeft = 1;

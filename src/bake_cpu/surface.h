@@ -28,13 +28,21 @@ struct TransportMaterial {
     bool unlit = false;
 };
 
-/// Nearest surface along a ray. Back faces of single-sided and solid surfaces reflect like front faces but do not emit.
+/// The nearest surface along a ray, before anybody looks at what is there.
+struct RayHit {
+    bool found = false;
+    bool behind = false; ///< the back of the triangle, whatever it is
+    uint32_t geomID = 0;
+    uint32_t primID = 0;
+    vec2 barycentric{0.0f};
+    float distance = 0.0f;
+};
+
+/// What is at a ray's end. Back faces of single-sided and solid surfaces reflect like front faces but do not emit.
 struct SurfaceHit {
     bool found = false;
     bool backFace = false; ///< of a single-sided or solid surface: nobody is meant to see it
-    bool behind = false;   ///< the back of the triangle, whatever it is
     float distance = 0.0f;
-    uint32_t index = 0; ///< SurfaceTracer::hitIndex()
     const TransportMaterial* material = nullptr;
     SurfacePoint point; ///< normals face the ray's origin
     vec3 albedo{0.0f};
@@ -81,8 +89,12 @@ public:
 
     /// Nearest surface along a unit direction. Camera rays pass through back faces of single-sided surfaces, as the
     /// renderer does, and see objects that cast no shadow.
+    [[nodiscard]] RayHit nearest(vec3 origin, vec3 direction, float tMin, float tMax, bool cameraRay = false) const;
     [[nodiscard]] SurfaceHit intersect(vec3 origin, vec3 direction, float tMin, float tMax,
-                                       bool cameraRay = false) const;
+                                       bool cameraRay = false) const
+    {
+        return surfaceAt(nearest(origin, direction, tMin, tMax, cameraRay));
+    }
     /// Whether anything that casts shadows lies between. Both faces of every surface block.
     [[nodiscard]] bool occluded(vec3 origin, vec3 direction, float tMin, float tMax) const;
 
@@ -103,9 +115,8 @@ public:
     [[nodiscard]] uint32_t hitIndex(uint32_t geomID, uint32_t primID) const { return firstHit_[geomID] + primID; }
     [[nodiscard]] uint32_t hitTriangleCount() const { return firstHit_.back(); }
     [[nodiscard]] uint32_t triangleAt(uint32_t hitIndex) const;
-    /// What is at a hit. `behind`: the ray meets the back of the triangle.
-    [[nodiscard]] SurfaceHit surfaceAt(uint32_t geomID, uint32_t primID, vec2 barycentric, float distance,
-                                       bool behind) const;
+    /// What is at a hit, if it is one.
+    [[nodiscard]] SurfaceHit surfaceAt(const RayHit& at) const;
     /// Diffuse albedo, 0…1.
     [[nodiscard]] vec3 albedoAt(uint32_t triangle, vec2 barycentric) const;
     /// Whether the back of a triangle is a place nobody is meant to see: inside a solid, or behind a single side.
@@ -117,7 +128,6 @@ public:
     /// What a ray crosses on its way out of the scene.
     struct Crossings {
         int solidsLeft = 0; ///< closed objects left minus those entered: > 0 when the origin is inside one
-        bool backFaceFirst = false;
         int rays = 0;
     };
     [[nodiscard]] Crossings crossings(vec3 origin, vec3 direction) const;

@@ -218,11 +218,12 @@ struct RayBundle {
         return rays[std::size_t(cell)].hit.geomID[lane] != RTC_INVALID_GEOMETRY_ID;
     }
     [[nodiscard]] bool behind(int cell, int lane) const { return embree::behind(rays[std::size_t(cell)], lane); }
-    [[nodiscard]] SurfaceHit surface(const PathTracer& paths, int cell, int lane) const
+    [[nodiscard]] RayHit at(int cell, int lane) const
     {
         const RTCRayHit8& r = rays[std::size_t(cell)];
-        return paths.surfaces().surfaceAt(r.hit.geomID[lane], r.hit.primID[lane], vec2(r.hit.u[lane], r.hit.v[lane]),
-                                          r.ray.tfar[lane], behind(cell, lane));
+        return {
+            hit(cell, lane), behind(cell, lane), r.hit.geomID[lane], r.hit.primID[lane], {r.hit.u[lane], r.hit.v[lane]},
+            r.ray.tfar[lane]};
     }
 };
 

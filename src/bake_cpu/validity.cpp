@@ -21,14 +21,14 @@ int nthBit(PointMask mask, int n)
 
 } // namespace
 
-PointValidity::PointValidity(const PathTracer& paths, uint32_t seed) : paths_(paths), seed_(seed ^ kInsideSeed)
+PointValidity::PointValidity(const PathTracer& paths) : paths_(paths)
 {
     const std::vector<uint8_t>& solid = paths.surfaces().geometry().solid;
     anySolid_ = std::find(solid.begin(), solid.end(), uint8_t(1)) != solid.end();
 }
 
 /// Whether points that see one another lie inside solids: whether most of a few rays leave more of them than they
-/// enter.
+/// enter. From inside of something that is closed all do: the first one that does not settles it.
 bool PointValidity::insideSolids(const TexelPoints& points, PointMask together, uint32_t id, uint64_t& rays) const
 {
     const int count = std::popcount(together);
@@ -37,9 +37,10 @@ bool PointValidity::insideSolids(const TexelPoints& points, PointMask together, 
     while (rayCount < kRays) {
         const int s = rayCount++;
         const SurfacePoint& point = points[std::size_t(nthBit(together, s * count / kRays))];
-        inside += crossingsFrom(point, paths_.rayOrigin(point), id, s, rays).solidsLeft > 0 ? 1 : 0;
+        inside += crossingsFrom(point, id, s, rays).solidsLeft > 0 ? 1 : 0;
+        if (inside == 0) return false;
         // A few rays that agree are enough.
-        if (rayCount == kFewRays && (inside == 0 || inside == kFewRays)) break;
+        if (rayCount == kFewRays && inside == kFewRays) break;
     }
     return 2 * inside > rayCount;
 }
@@ -66,7 +67,7 @@ PointMask PointValidity::behindSurfaces(const TexelPoints& points, PointMask can
                 left &= PointMask(left - 1u);
                 number[std::size_t(lane)] = p;
                 const SurfacePoint& point = points[std::size_t(p)];
-                Sampler sampler(seed_, hashCombine(id, uint32_t(p)), uint32_t(s));
+                Sampler sampler(kInsideSeed, hashCombine(id, uint32_t(p)), uint32_t(s));
                 embree::setRay(packet.ray, lane, paths_.rayOrigin(point),
                                PathTracer::gatherDirection(point, sampler.next2()));
                 ++rays;
@@ -126,25 +127,14 @@ PointMask PointValidity::seenFromFirst(const TexelPoints& points, PointMask cand
     return seen;
 }
 
-SurfaceTracer::Crossings PointValidity::crossingsFrom(const SurfacePoint& point, vec3 origin, uint32_t id, int sample,
+SurfaceTracer::Crossings PointValidity::crossingsFrom(const SurfacePoint& point, uint32_t id, int sample,
                                                       uint64_t& rays) const
 {
-    Sampler sampler(seed_, id, uint32_t(sample));
+    Sampler sampler(kInsideSeed, id, uint32_t(sample));
     const SurfaceTracer::Crossings crossings =
-        paths_.surfaces().crossings(origin, PathTracer::gatherDirection(point, sampler.next2()));
+        paths_.surfaces().crossings(paths_.rayOrigin(point), PathTracer::gatherDirection(point, sampler.next2()));
     rays += uint64_t(crossings.rays);
     return crossings;
-}
-
-bool PointValidity::maybeInside(const TexelPoints& points, int pointCount, uint32_t texelId, uint64_t& rays) const
-{
-    if (!anySolid_) return false;
-    for (int i = 0; i < std::min(pointCount, 4); ++i) {
-        const SurfacePoint& point = points[std::size_t(i * pointCount / std::min(pointCount, 4))];
-        const SurfaceTracer::Crossings c = crossingsFrom(point, paths_.rayOrigin(point), texelId, i, rays);
-        if (c.solidsLeft > 0 || c.backFaceFirst) return true;
-    }
-    return false;
 }
 
 PointMask PointValidity::outsideSolids(const TexelPoints& points, int pointCount, uint32_t texelId,

@@ -26,12 +26,11 @@ struct OutsidePoints {
     std::vector<uint8_t> known;
 };
 
+/// Its rays depend on the place alone, not on any seed: a point is inside or it is not.
 class PointValidity {
 public:
-    PointValidity(const PathTracer& paths, uint32_t seed);
+    explicit PointValidity(const PathTracer& paths);
 
-    /// A first look with one ray from a few of the points: could some lie inside a solid?
-    bool maybeInside(const TexelPoints& points, int pointCount, uint32_t texelId, uint64_t& rays) const;
     /// Points outside of closed solids; kAllPoints where all of them are.
     PointMask outsideSolids(const TexelPoints& points, int pointCount, uint32_t texelId, uint64_t& rays) const;
     /// Of those, the ones that do not lie behind single-sided shells; kAllPoints where all are left, 0 where hardly
@@ -47,11 +46,9 @@ private:
     bool insideSolids(const TexelPoints& points, PointMask together, uint32_t id, uint64_t& rays) const;
     PointMask behindSurfaces(const TexelPoints& points, PointMask candidates, uint32_t id, uint64_t& rays) const;
     PointMask seenFromFirst(const TexelPoints& points, PointMask candidates, uint64_t& rays) const;
-    SurfaceTracer::Crossings crossingsFrom(const SurfacePoint& point, vec3 origin, uint32_t id, int sample,
-                                           uint64_t& rays) const;
+    SurfaceTracer::Crossings crossingsFrom(const SurfacePoint& point, uint32_t id, int sample, uint64_t& rays) const;
 
     const PathTracer& paths_;
-    uint32_t seed_;
     bool anySolid_;
 };
 

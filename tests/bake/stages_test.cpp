@@ -236,6 +236,42 @@ TEST(TexelsS6, RasterizationIsConservative)
     }
 }
 
+/// A texel that its surface covers in part has points enough to stand for that part: their mean is near its centroid,
+/// and the points of more batches close in on it.
+TEST(TexelsS6, TexelsCoveredInPartHavePointsEnough)
+{
+    Scene scene;
+    addRectangle(scene, {vec3(-2, 0, 2), vec3(4, 0, 0), vec3(0, 0, -4)}, addMaterial(scene, vec3(0.5f)), kPage,
+                 {vec2(10.3f, 10.8f), vec2(40.4f, 40.15f)});
+    const BakeGeometry geometry = flattenGeometry(scene, kPage, GeometryFilter::Static);
+    const TexelMap map = rasterizeTexels(geometry, kPage, 1);
+    int partly = 0;
+    for (const Texel& texel : map.texels) {
+        float area = 0.0f;
+        vec3 centroid(0.0f);
+        for (uint32_t f = 0; f < texel.fragmentCount; ++f) {
+            const TexelFragment& fragment = map.fragments[texel.firstFragment + f];
+            area += fragment.area;
+            centroid += fragment.area * surfacePoint(geometry, fragment.triangle, fragment.barycentric).position;
+        }
+        if (area > 0.9f || area < 0.05f) continue;
+        ++partly;
+        vec3 sum(0.0f);
+        int count = 0;
+        for (int batch = 0; batch < 4; ++batch) {
+            std::array<SurfacePoint, kMaxTexelPoints> points;
+            const int some = texelPoints(geometry, map, texel, points, batch);
+            EXPECT_GE(some, 9) << "of " << area << " at " << texel.x << ", " << texel.y;
+            for (int i = 0; i < some; ++i) sum += points[std::size_t(i)].position;
+            count += some;
+        }
+        const float texelMeters = 4.0f / 30.0f;
+        EXPECT_LT(glm::distance(sum / float(count), centroid / area), 0.06f * texelMeters)
+            << texel.x << ", " << texel.y;
+    }
+    EXPECT_GT(partly, 100);
+}
+
 TEST(TexelsS6, AreasOfAFullTexelSumToOneAndCentroidsLieInside)
 {
     Scene scene;
@@ -492,6 +528,29 @@ TEST(DenoiseS6, SunlightIsNoNoise)
     EXPECT_LT(page.after, page.before / 50.0);
     for (std::size_t i = 0; i < page.estimates.size(); ++i)
         EXPECT_NEAR(page.estimates[i].irradiance.x, page.expected[i], 0.2f);
+}
+
+/// A texel at the rim of a surface that is brighter than all others, and whose blocks agree, stays; one whose blocks do
+/// not agree does not.
+TEST(DenoiseS6, BrightRimsAreNoOutliers)
+{
+    Scene scene;
+    addRectangle(scene, {}, addMaterial(scene, vec3(0.5f)), kPage, {vec2(4.0f, 4.7f), vec2(60)});
+    const BakeGeometry geometry = flattenGeometry(scene, kPage, GeometryFilter::Static);
+    const TexelMap map = rasterizeTexels(geometry, kPage, 1);
+    for (const bool agree : {true, false}) {
+        std::vector<IrradianceEstimate> estimates(map.texels.size());
+        std::size_t rim = 0;
+        for (std::size_t i = 0; i < estimates.size(); ++i) {
+            const bool bright = map.texels[i].y == 4 && map.texels[i].x == 30;
+            if (bright) rim = i;
+            estimates[i].irradiance = vec3(bright ? 2.0f : 1.0f);
+            estimates[i].varianceOfMean = bright && !agree ? 0.9f : 0.0004f;
+            estimates[i].samples = 64;
+        }
+        denoise(geometry, map, estimates);
+        EXPECT_NEAR(estimates[rim].irradiance.x, agree ? 2.0f : 1.0f, 0.1f);
+    }
 }
 
 /// A contact shadow, steep at the foot: where texels state far more variance than their noise has, as well-spread

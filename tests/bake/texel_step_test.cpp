@@ -210,7 +210,7 @@ TEST(PointsInsideS6, EachPointOfATexelByItself)
         if (!closed) scene.objects.erase(scene.objects.end() - 2); // the face at the bottom
         Bench bench(std::move(scene), MixedLightingMode::Shadowmask, kPage, {});
         const PathTracer paths(bench.scene, bench.geometry, LightUse::Bake);
-        const PointValidity validity(paths, 1);
+        const PointValidity validity(paths);
         int under = 0;
         int mixed = 0;
         for (const Texel& texel : bench.map.texels) {

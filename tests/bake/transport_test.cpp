@@ -398,6 +398,59 @@ TEST(ShadowmaskS8, SmallChartsGetAllTheirRays)
     }
 }
 
+/// Texels on a shadow's edge get more rays than are asked for: at 16, no texel of a slanting edge without penumbra is
+/// off by more than two of its 32.
+TEST(ShadowmaskS8, EdgesGetMoreRays)
+{
+    Scene scene;
+    const int black = addMaterial(scene, vec3(0), vec3(0), true);
+    addRectangle(scene, {vec3(-2, 0, 2), vec3(4, 0, 0), vec3(0, 0, -4)}, black, kPage, {vec2(2), vec2(62)});
+    // Its edge runs through the origin at a slope of a third.
+    addRectangle(scene, {vec3(-9, 1, 3), vec3(18, 0, -6), vec3(0, 0, -9)}, black, kPage);
+    scene.lights.push_back(makeLight(LightType::Directional, vec3(0), vec3(0, -1, 0), 1.0f, LightMode::Mixed));
+    IntegrationSettings settings;
+    settings.shadowSamples = 16;
+    settings.bounces = 0;
+    Bench bench(std::move(scene), MixedLightingMode::Shadowmask, kPage, settings);
+    const auto mask = bench.shadowmask();
+    int onEdge = 0;
+    for (std::size_t i = 0; i < mask.size(); ++i) {
+        const Texel& texel = bench.map.texels[i];
+        int lit = 0;
+        constexpr int kSide = 64;
+        for (int s = 0; s < kSide * kSide; ++s) {
+            const vec2 at = (vec2(s % kSide, s / kSide) + 0.5f) / float(kSide);
+            const vec2 p = (vec2(texel.x, texel.y) + at - 2.0f) * (4.0f / 60.0f) - 2.0f; // z runs down the page
+            lit += -p.y > -p.x / 3.0f ? 1 : 0;
+        }
+        const float truth = float(lit) / float(kSide * kSide);
+        onEdge += lit > 0 && lit < kSide * kSide ? 1 : 0;
+        EXPECT_NEAR(mask[i].x, truth, 2.1f / 32.0f) << texel.x << ", " << texel.y;
+    }
+    EXPECT_GT(onEdge, 50);
+}
+
+/// Texels with few others around them, which no denoiser can draw on, get more samples.
+TEST(RadianceCacheS6, TexelsThatStandAloneGetMoreSamples)
+{
+    Scene scene;
+    scene.sky = {vec3(1), vec3(1), vec3(1)};
+    const int white = addMaterial(scene, vec3(0.8f), vec3(0.0f), true);
+    addRectangle(scene, {vec3(-4, 0, 4), vec3(8, 0, 0), vec3(0, 0, -8)}, white, kPage, {vec2(1), vec2(33)});
+    addRectangle(scene, {vec3(-1, 1, 1), vec3(1, 0, 0), vec3(0, 0, -1)}, white, kPage, {vec2(40), vec2(42)});
+    IntegrationSettings settings;
+    settings.samples = 32;
+    Bench bench(std::move(scene), MixedLightingMode::Shadowmask, kPage, settings);
+    const auto estimates = bench.irradiance();
+    for (std::size_t i = 0; i < estimates.size(); ++i) {
+        const Texel& t = bench.map.texels[i];
+        const bool alone = t.x >= 40;
+        const bool inTheMiddle = t.x > 3 && t.x < 30 && t.y > 3 && t.y < 30;
+        if (alone) EXPECT_EQ(estimates[i].samples, 128u);
+        if (inTheMiddle) EXPECT_EQ(estimates[i].samples, 32u);
+    }
+}
+
 std::vector<LightItem> randomItems(int count, bool directed)
 {
     std::vector<LightItem> items;

@@ -85,8 +85,8 @@ SurfacePoint surfacePoint(const BakeGeometry& geometry, uint32_t triangle, vec2 
 
 constexpr int kMaxTexelPoints = 16;
 
-/// Up to kMaxTexelPoints points spread evenly over the part of the texel that is covered; at least one. Each batch has
-/// points of its own, and all batches together are spread evenly too.
+/// Up to kMaxTexelPoints points spread evenly over the part of the texel that is covered; about as many wherever an
+/// eighth is covered, at least one. Each batch has points of its own, and all batches together are spread evenly too.
 int texelPoints(const BakeGeometry& geometry, const TexelMap& map, const Texel& texel,
                 std::span<SurfacePoint, kMaxTexelPoints> out, int batch = 0);
 
@@ -97,8 +97,12 @@ enum class IntegratorKind { Cache, Path };
 
 struct IntegrationSettings {
     IntegratorKind integrator = IntegratorKind::Cache;
-    int samples = 64;       ///< paths per texel (the cache takes whole blocks of 16)
-    int shadowSamples = 16; ///< rays per texel and light, for masks and for direct light that is baked
+    /// Paths per texel. The cache takes whole blocks of 16, and two or four times as many where few texels of the same
+    /// chart are around.
+    int samples = 64;
+    /// Rays per texel and light, for masks and for direct light that is baked. Texels on a shadow's edge get twice as
+    /// many, those near one half, those far from one eight.
+    int shadowSamples = 16;
     int bounces = 4;        ///< indirect bounces; 0 = direct light only
     int probeSamples = 256; ///< paths per probe
     /// With a target, a texel is done when the standard error of its luminance, estimated from the texels around it on

@@ -1,5 +1,7 @@
 #pragma once
 
+#include "halflight/base/math.h"
+
 #include <cstdint>
 
 namespace halflight {
@@ -21,6 +23,12 @@ inline uint32_t hashCombine(uint32_t a, uint32_t b)
 inline float unitFloat(uint32_t bits)
 {
     return float(bits >> 8) * 0x1.0p-24f;
+}
+
+/// Point of a rank-1 lattice in the unit square (Roberts 2018, the R2 sequence).
+inline vec2 r2Point(int number)
+{
+    return glm::fract(vec2(0.5f) + float(number) * vec2(0.7548776662f, 0.5698402910f));
 }
 
 } // namespace halflight
