@@ -14,6 +14,7 @@
 #include "halflight/bake_cpu/embree_integrator.h"
 #include "halflight/base/parallel.h"
 
+#include <array>
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
@@ -21,6 +22,8 @@
 #include <ctime>
 #include <string>
 #include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
 #include <vector>
 
 using namespace halflight;
@@ -327,26 +330,60 @@ uint64_t peakBytes()
     return uint64_t(usage.ru_maxrss) * 1024u;
 }
 
-/// The whole bake over lightmap sizes, smallest first: the peak of memory is the largest one's own.
+struct BakeCost {
+    double texels = 0.0;
+    double cpu = 0.0;
+    uint64_t peak = 0;
+};
+
+/// The whole bake in a process of its own, so that the peak of memory is its own too.
+BakeCost costOfBake(const std::string& name, int size)
+{
+    std::array<int, 2> ends{};
+    if (pipe(ends.data()) != 0) std::exit(1);
+    const pid_t child = fork();
+    if (child == 0) {
+        Scene scene = load(name, false);
+        BakeSettings settings;
+        settings.lightmapSize = size;
+        settings.samples = 32;
+        settings.shadowSamples = 16;
+        settings.uvMode = UvMode::Unwrap;
+        const double start = cpuSeconds();
+        const auto result = halflight::bake(std::move(scene), settings, makeEmbreeIntegrator);
+        BakeCost cost;
+        if (result) cost = {double(result->report.coveredTexels), cpuSeconds() - start, peakBytes()};
+        const bool written = write(ends[1], &cost, sizeof(cost)) == ssize_t(sizeof(cost));
+        _exit(written && result ? 0 : 1);
+    }
+    close(ends[1]);
+    BakeCost cost;
+    const bool read = child > 0 && ::read(ends[0], &cost, sizeof(cost)) == ssize_t(sizeof(cost));
+    close(ends[0]);
+    int status = 0;
+    waitpid(child, &status, 0);
+    if (!read || status != 0) std::exit(1);
+    return cost;
+}
+
+/// The whole bake over lightmap sizes. Nearly all memory that the smallest takes is the scene's: triangles, textures,
+/// the tree over them. Bytes are of the texels that a larger one has in addition.
 void partScaling(const Options& options)
 {
-    std::printf("%-34s %8s %10s %10s %12s %14s\n", "scene", "size", "texels", "CPU s", "us/texel", "bytes/texel");
+    std::printf("%-34s %8s %10s %10s %12s %10s %14s\n", "scene", "size", "texels", "CPU s", "us/texel", "peak MB",
+                "bytes/texel");
+    constexpr int kSmallest = 256;
     for (const std::string& name : options.scenes) {
-        for (int size = 256; size <= options.size; size *= 2) {
-            Scene scene = load(name, false);
-            BakeSettings settings;
-            settings.lightmapSize = size;
-            settings.samples = 32;
-            settings.shadowSamples = 16;
-            settings.uvMode = UvMode::Unwrap;
-            const uint64_t before = peakBytes();
-            const double start = cpuSeconds();
-            const auto result = halflight::bake(std::move(scene), settings, makeEmbreeIntegrator);
-            const double cpu = cpuSeconds() - start;
-            if (!result) std::exit(1);
-            const auto texels = double(result->report.coveredTexels);
-            std::printf("%-34s %8d %10.0f %10.2f %12.2f %14.1f\n", name.c_str(), size, texels, cpu,
-                        1.0e6 * cpu / texels, double(peakBytes() - before) / texels);
+        BakeCost own;
+        for (int size = kSmallest; size <= options.size; size *= 2) {
+            const BakeCost c = costOfBake(name, size);
+            if (size == kSmallest) own = c;
+            std::printf("%-34s %8d %10.0f %10.2f %12.2f %10.1f", name.c_str(), size, c.texels, c.cpu,
+                        1.0e6 * c.cpu / c.texels, double(c.peak) * 1.0e-6);
+            if (size > kSmallest) {
+                std::printf(" %14.1f", (double(c.peak) - double(own.peak)) / (c.texels - own.texels));
+            }
+            std::printf("\n");
             std::fflush(stdout);
         }
     }

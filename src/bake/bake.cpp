@@ -235,26 +235,29 @@ Result<BakeResult> bake(Scene scene, const BakeSettings& settings, const Integra
     StageTimer lightmapTimer(report, "lightmap");
     std::vector<IrradianceEstimate> estimates(map.texels.size());
     if (!gather.irradiance(estimates, progress)) return cancelledError();
+    integrator.releaseIrradiance();
     lightmapTimer.finish(integrator.raysTraced());
-    TexelValues values = splitEstimates(estimates);
     reportNoise(estimates, report);
-    report.invalidTexels = uint64_t(std::count(values.valid.begin(), values.valid.end(), uint8_t(0)));
+    report.invalidTexels = uint64_t(
+        std::count_if(estimates.begin(), estimates.end(), [](const IrradianceEstimate& e) { return !e.valid; }));
     if (!settings.imagesDirectory.empty()) {
-        if (Status status = dumpPages(settings, "lightmap_raw", dilate(map, values.irradiance, 0)); !status)
-            return status.error();
+        const std::vector<vec3> raw = splitEstimates(estimates).irradiance;
+        if (Status status = dumpPages(settings, "lightmap_raw", dilate(map, raw, 0)); !status) return status.error();
     }
 
     if (settings.denoise) {
         StageTimer denoiseTimer(report, "denoise");
         progress("denoise", 0.0);
         denoise(geometry, map, estimates);
-        values = splitEstimates(estimates);
         denoiseTimer.finish();
     }
+    // What a large lightmap no longer needs goes as soon as can be.
+    TexelValues values = splitEstimates(estimates);
     fillInvalid(geometry, map, values.valid, values.irradiance);
     StageTimer seamTimer(report, "seams");
     const std::vector<SeamSample> seams = findSeams(geometry, unwrapped->pageSize);
     std::vector<ImageRgb32f> pages = dilate(map, values.irradiance, kDilationRings);
+    values.irradiance = {};
     stitchSeams(seams, pages);
     seamTimer.finish();
     if (Status status = dumpPages(settings, "lightmap", pages); !status) return status.error();
@@ -269,6 +272,7 @@ Result<BakeResult> bake(Scene scene, const BakeSettings& settings, const Integra
         stitchSeams(seams, momentPages);
         baked.lightmapDirections = encodeDirections(pages, momentPages);
     }
+    pages = {};
 
     const auto hasChannel = [](const Light& light) { return light.baking.occlusionMaskChannel >= 0; };
     if (settings.mode == MixedLightingMode::Shadowmask &&
@@ -277,6 +281,7 @@ Result<BakeResult> bake(Scene scene, const BakeSettings& settings, const Integra
         const uint64_t before = integrator.raysTraced();
         std::vector<vec4> mask(map.texels.size());
         if (!gather.shadowmask(estimates, mask, progress)) return cancelledError();
+        estimates = {};
         fillInvalid(geometry, map, values.valid, mask);
         const bool distances = settings.maskEncoding == MaskEncoding::Distance;
         if (distances) {

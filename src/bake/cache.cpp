@@ -51,19 +51,6 @@ std::filesystem::path lastBake(const std::filesystem::path& folder, const std::f
     return folder / (name + kSuffix);
 }
 
-/// A part of a progress: fractions begin…end of the whole.
-Progress partOf(const Progress& whole, double begin, double end)
-{
-    Progress part;
-    part.cancel = whole.cancel;
-    if (whole.report) {
-        part.report = [&whole, begin, end](std::string_view stage, double fraction) {
-            whole.report(stage, begin + (end - begin) * fraction);
-        };
-    }
-    return part;
-}
-
 } // namespace
 
 TileFile::TileFile(const std::filesystem::path& path)

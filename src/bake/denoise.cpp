@@ -146,14 +146,21 @@ void tameOutliers(const TexelMap& map, const TexelGrid& grid, const std::vector<
     });
 }
 
-/// How alike two texels' light is, 0…1: differences that noise can explain do not count, nor those below `tolerance`.
-float likeness(const NoisyLight& a, const NoisyLight& b, float tolerance)
+/// How unlike two texels' light is, as the exponent of a weight exp(-x): differences that noise can explain do not
+/// count, nor those below `tolerance`.
+float unlikeness(const NoisyLight& a, const NoisyLight& b, float tolerance)
 {
     constexpr float kLuminanceSigmas = 2.0f;
     const float difference = luminance(b.irradiance - a.irradiance);
     const float noise =
         2.0f * kLuminanceSigmas * kLuminanceSigmas * std::min(a.variance, 4.0f * b.variance) + tolerance * tolerance;
-    return std::exp(-difference * difference / (noise + 1.0e-12f));
+    return difference * difference / (noise + 1.0e-12f);
+}
+
+float pow32(float x)
+{
+    for (int i = 0; i < 5; ++i) x *= x;
+    return x;
 }
 
 /// Weighted mean.
@@ -237,30 +244,34 @@ void denoise(const BakeGeometry& geometry, const TexelMap& map, std::vector<Irra
                         const uint32_t j = grid.at(texel, dx * step, dy * step);
                         if (j == kNoTexel || !estimates[j].valid) continue;
                         float near = kSpline[std::size_t(std::abs(dx))] * kSpline[std::size_t(std::abs(dy))];
-                        float alike = 1.0f;
-                        float alikeDirect = 1.0f;
-                        if (j != uint32_t(i)) {
+                        float away2 = 0.0f; // off the texel's plane
+                        float unlike = 0.0f;
+                        const bool other = j != uint32_t(i);
+                        if (other) {
                             const float cosine = std::max(glm::dot(guide.normal, guides[j].normal), 0.0f);
                             const vec3 offset = guides[j].position - guide.position;
                             const float plane = std::abs(glm::dot(offset, guide.normal)) * planeScale;
                             // Neighbours in the map that are far apart in the world (folded charts) are no neighbours.
                             const float away = glm::length(offset) * planeScale;
                             if (away > 8.0f) continue;
-                            near *= std::pow(cosine, 32.0f) * std::exp(-plane * plane);
-                            alike = likeness(light[i], light[j], 0.0f);
+                            near *= pow32(cosine);
+                            away2 = plane * plane;
+                            unlike = away2 + unlikeness(light[i], light[j], 0.0f);
                         }
+                        const float weight = near * std::exp(-unlike);
+                        float momentsWeight = weight;
                         if (!direct.empty()) {
-                            if (j != uint32_t(i)) {
+                            const float unlikeDirect = other ? unlikeness(direct[i], direct[j], 0.0f) : 0.0f;
+                            directMean.add(near * std::exp(-(away2 + unlikeDirect)), direct[j]);
+                            if (other) {
                                 const float tolerance = kMomentTolerance * luminance(direct[i].irradiance);
-                                alikeDirect = likeness(direct[i], direct[j], tolerance);
+                                momentsWeight *= std::exp(-unlikeness(direct[i], direct[j], tolerance));
                             }
-                            directMean.add(j != uint32_t(i) ? near * likeness(direct[i], direct[j], 0.0f) : near,
-                                           direct[j]);
                         }
                         if (level == 0 && !traced(estimates[j])) continue;
-                        lightMean.add(near * alike, light[j]);
-                        momentSum += near * alike * alikeDirect * moments[j];
-                        momentWeight += near * alike * alikeDirect;
+                        lightMean.add(weight, light[j]);
+                        momentSum += momentsWeight * moments[j];
+                        momentWeight += momentsWeight;
                     }
                 }
                 nextLight[i] = lightMean.light(light[i], kCorrelated[std::size_t(level)]);

@@ -335,9 +335,16 @@ bool CachedLightmap::irradiance(const TexelMap& map, std::span<const uint32_t> t
 {
     if (!prepare(map, progress, rays)) return false;
     const int most = std::clamp((samples + GatherPattern::kBlock - 1) / GatherPattern::kBlock, 1, 65535);
-    Run run(*this, map, texels, most, progress, rays);
-    if (!run.work()) return false;
-    for (std::size_t i = 0; i < texels.size(); ++i) out[i] = run.estimateOf(texels[i]);
+    // Some at a time: what is known of a texel while it is worked on takes more memory than its estimate.
+    constexpr std::size_t kTexelsAtOnce = 65536;
+    for (std::size_t first = 0; first < texels.size(); first += kTexelsAtOnce) {
+        const auto some = texels.subspan(first, std::min(kTexelsAtOnce, texels.size() - first));
+        const double share = 1.0 / double(texels.size());
+        const Progress part = partOf(progress, double(first) * share, double(first + some.size()) * share);
+        Run run(*this, map, some, most, part, rays);
+        if (!run.work()) return false;
+        for (std::size_t i = 0; i < some.size(); ++i) out[first + i] = run.estimateOf(some[i]);
+    }
     return true;
 }
 

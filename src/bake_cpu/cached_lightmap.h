@@ -24,6 +24,8 @@ public:
     /// cache. False when cancelled.
     bool irradiance(const TexelMap& map, std::span<const uint32_t> texels, int samples,
                     std::span<IrradianceEstimate> out, const Progress& progress, std::atomic<uint64_t>& rays);
+    /// Forgets the map.
+    void release() { state_.reset(); }
 
 private:
     /// What is known of a whole map, whichever of its texels are asked for.

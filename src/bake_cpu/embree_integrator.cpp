@@ -94,6 +94,8 @@ public:
                addBakedLights(map, request, effort, out, progress);
     }
 
+    void releaseIrradiance() override { lightmap_.release(); }
+
     bool shadowmask(const TexelMap& map, const TexelRequest& request, std::span<const IrradianceEstimate> estimates,
                     std::span<vec4> out, const Progress& progress) override
     {

@@ -96,11 +96,10 @@ void FinalGather::gatherBlock(const GatherGroup& group, int block, uint64_t& ray
         for (int lane = 0; lane < TexelGroup::kLanes; ++lane) {
             uint32_t& w = where[std::size_t(cell * TexelGroup::kLanes + lane)];
             if (w == kMissed) continue;
-            const RadianceCache::Surface& surface = cache_->surface(w);
-            w = kOther;
-            if ((surface.firstCell & RadianceCache::kHiddenBack) != 0) ++backFaces_[std::size_t(lane)];
-            if ((surface.firstCell & RadianceCache::kSlow) != 0) continue;
-            w = cache_->cellIndex(surface, packet.hit.u[lane], packet.hit.v[lane]);
+            if (cache_->hiddenBack(w)) ++backFaces_[std::size_t(lane)];
+            const bool slow = (cache_->surface(w).firstCell & RadianceCache::kSlow) != 0;
+            w = slow ? kOther : cache_->cellIndex(w, {packet.hit.u[lane], packet.hit.v[lane]});
+            if (slow) continue;
             __builtin_prefetch(cache_->cells() + w);
         }
     }
@@ -135,7 +134,7 @@ const vec3* FinalGather::knownRadiance(int cell, int lane, uint32_t square) cons
     const RadianceCache::Cell* c = cache_->cells() + square;
     if (packet.ray.tfar[lane] >= c->nearest) return &c->radiance;
     const uint32_t record = RadianceCache::recordOf(paths_.surfaces(), packet, lane);
-    const uint32_t part = cache_->partIndex(cache_->surface(record), packet.hit.u[lane], packet.hit.v[lane], square);
+    const uint32_t part = cache_->partIndex(record, {packet.hit.u[lane], packet.hit.v[lane]}, square);
     if (part == RadianceCache::kNoCells) return nullptr;
     c = cache_->cells() + part;
     return packet.ray.tfar[lane] >= c->nearest ? &c->radiance : nullptr;

@@ -2,6 +2,7 @@
 
 #include "bake_cpu/texel_group.h"
 
+#include "halflight/base/memory.h"
 #include "halflight/base/parallel.h"
 #include "halflight/shading/brdf.h"
 #include "halflight/shading/sky.h"
@@ -146,13 +147,12 @@ void RadianceCache::layOut(const PathTracer& paths, const TexelMap& map)
     }
     squares_ = uint32_t(cellCount);
 
-    surfaces_.assign(2 * std::size_t(tracer.hitTriangleCount()), {});
+    surfaces_.assign(tracer.hitTriangleCount(), {});
     hitIndexOfTriangle_.assign(geometry.triangles.size(), ~0u);
     for (uint32_t index = 0; index < tracer.hitTriangleCount(); ++index) {
         const uint32_t triangle = tracer.triangleAt(index);
         hitIndexOfTriangle_[triangle] = index;
-        Surface& s = surfaces_[recordOf(index, false)];
-        const TransportMaterial& material = tracer.materialOfTriangle(triangle);
+        Surface& s = surfaces_[index];
         s.firstCell = kNoCells;
         if (const uint32_t number = rectangleOfTriangle_[triangle];
             number != ~0u && rectangles_[number].firstCell != kNoCells) {
@@ -166,11 +166,8 @@ void RadianceCache::layOut(const PathTracer& paths, const TexelMap& map)
             s.width = uint16_t(r.max.x - r.min.x + 1);
             s.height = uint16_t(r.max.y - r.min.y + 1);
         }
-        Surface& back = surfaces_[recordOf(index, true)];
-        back = s;
-        if ((back.firstCell & kNoCells) == 0) back.firstCell += squares_;
-        if (material.emission != vec3(0.0f)) s.firstCell |= kEmissive, back.firstCell |= kEmissive;
-        if (tracer.backIsHidden(triangle)) back.firstCell |= kHiddenBack;
+        if (tracer.materialOfTriangle(triangle).emission != vec3(0.0f)) s.firstCell |= kEmissive;
+        if (tracer.backIsHidden(triangle)) s.firstCell |= kHiddenBack;
     }
     layOutTriangles(paths, map);
     state_.assign(2 * std::size_t(squares_) + 2 * cellTriangles_.size(), 0);
@@ -194,24 +191,23 @@ void RadianceCache::layOutTriangles(const PathTracer& paths, const TexelMap& map
     cellTriangles_.clear();
     for (uint32_t index = 0; index < tracer.hitTriangleCount() && cellTriangles_.size() < most; ++index) {
         const uint32_t triangle = tracer.triangleAt(index);
-        Surface& front = surfaces_[recordOf(index, false)];
-        if ((front.firstCell & kNoCells) == 0 || rectangleOfTriangle_[triangle] != ~0u) continue;
+        Surface& s = surfaces_[index];
+        if ((s.firstCell & kNoCells) == 0 || rectangleOfTriangle_[triangle] != ~0u) continue;
         if (!(longestEdgeOf(geometry, triangle) <= longest)) continue;
-        Surface& back = surfaces_[recordOf(index, true)];
         const uint32_t cell = 2 * squares_ + 2 * uint32_t(cellTriangles_.size());
         if (cell + 1 > kCellMask) break;
         cellTriangles_.push_back(triangle);
-        front.firstCell = (front.firstCell & ~(kNoCells | kCellMask)) | cell;
-        back.firstCell = (back.firstCell & ~(kNoCells | kCellMask)) | (cell + 1);
-        front.width = front.height = back.width = back.height = 1;
+        s.firstCell = (s.firstCell & ~(kNoCells | kCellMask)) | cell;
+        s.width = s.height = 1;
     }
 }
 
-uint32_t RadianceCache::partIndex(const Surface& s, float u, float v, uint32_t cell) const
+uint32_t RadianceCache::partIndex(uint32_t record, vec2 barycentric, uint32_t cell) const
 {
     const uint32_t first = firstPart_[cell];
     if (first == kNoCells) return kNoCells;
-    const vec2 at = s.origin + u * s.edgeU + v * s.edgeV;
+    const Surface& s = surface(record);
+    const vec2 at = s.origin + barycentric.x * s.edgeU + barycentric.y * s.edgeV;
     const int shift = partShift(cell);
     const int width = 1 << shift;
     const auto partOf = [&](float x, int cells) {
@@ -401,7 +397,7 @@ private:
         std::size_t inSolid = 0;
         for (const int cell : cells) {
             if (!bundle_.hit(cell, lane) || !bundle_.behind(cell, lane)) continue;
-            suspicious += (cache_.surfaces_[recordOfHit(cell, lane)].firstCell & kHiddenBack) != 0 ? 1 : 0;
+            suspicious += cache_.hiddenBack(recordOfHit(cell, lane)) ? 1 : 0;
             const RTCHit8& h = bundle_.rays[std::size_t(cell)].hit;
             const uint32_t triangle = paths_.surfaces().triangleOf(h.geomID[lane], h.primID[lane]);
             inSolid += paths_.surfaces().geometry().solid[triangle];
@@ -437,9 +433,9 @@ private:
         const uint32_t index = cache_.hitIndexOfTriangle_[point.triangle];
         return index == ~0u ? ~0u : recordOf(index, group.behind(lane));
     }
-    [[nodiscard]] uint32_t partOf(const Surface& surface, vec2 at, uint32_t cell) const
+    [[nodiscard]] uint32_t partOf(uint32_t record, vec2 at, uint32_t cell) const
     {
-        const uint32_t part = cache_.partIndex(surface, at.x, at.y, cell);
+        const uint32_t part = cache_.partIndex(record, at, cell);
         return part == kNoCells || (cache_.state_[part] & kDivided) != 0 ? kNoCells : part;
     }
 
@@ -448,9 +444,8 @@ private:
     {
         const uint32_t record = recordOfPoint(group, lane, point);
         const vec2 at = point.barycentric;
-        if (record == ~0u || (cache_.surfaces_[record].firstCell & kNoCells) != 0) return kNoCells;
-        const Surface& surface = cache_.surfaces_[record];
-        const uint32_t cell = cache_.cellIndex(surface, at.x, at.y);
+        if (record == ~0u || !cache_.hasCells(record)) return kNoCells;
+        const uint32_t cell = cache_.cellIndex(record, at);
         const uint8_t state = cache_.state_[cell];
         switch (pass_) {
         case Pass::Squares:
@@ -458,7 +453,7 @@ private:
             [[fallthrough]];
         case Pass::Parts:
         case Pass::BackParts:
-            return partOf(surface, at, cell);
+            return partOf(record, at, cell);
         case Pass::Backs:
         case Pass::Triangles:
             return (state & kWanted) != 0 && (state & kDivided) == 0 ? cell : kNoCells;
@@ -469,11 +464,10 @@ private:
     /// triangles become wanted.
     [[nodiscard]] uint32_t targetOf(uint32_t record, vec2 at) const
     {
-        const Surface& surface = cache_.surfaces_[record];
-        if ((surface.firstCell & kNoCells) != 0) return kNoCells;
-        const uint32_t cell = cache_.cellIndex(surface, at.x, at.y);
+        if (!cache_.hasCells(record)) return kNoCells;
+        const uint32_t cell = cache_.cellIndex(record, at);
         const uint8_t state = cache_.state_[cell];
-        if ((state & kDivided) != 0) return partOf(surface, at, cell);
+        if ((state & kDivided) != 0) return partOf(record, at, cell);
         const bool filled = cell < cache_.squares_ || pass_ == Pass::Squares || (state & kWanted) != 0;
         return filled ? cell : kNoCells;
     }
@@ -628,8 +622,9 @@ private:
     bool toBorder(const TexelGroup& group, int lane, const SurfacePoint& point, vec3 above,
                   std::array<vec3, embree::kPacket>& targets) const
     {
-        const Surface& surface = cache_.surfaces_[recordOfPoint(group, lane, point)];
-        const uint32_t cell = cache_.cellIndex(surface, point.barycentric.x, point.barycentric.y);
+        const uint32_t record = recordOfPoint(group, lane, point);
+        const Surface& surface = cache_.surface(record);
+        const uint32_t cell = cache_.cellIndex(record, point.barycentric);
         const float size = 1.0f / float(1 << cache_.partShift(cell)); // of a part, in cells
         const vec2 at = surface.origin + point.barycentric.x * surface.edgeU + point.barycentric.y * surface.edgeV;
         const float area = cross2(surface.edgeU, surface.edgeV);
@@ -788,6 +783,8 @@ bool RadianceCache::build(const PathTracer& paths, const TexelMap& map, const Ga
     cellTriangles_ = {};
     substitute_ = {};
     state_ = {};
+    ranges = {};
+    releaseFreeMemory();
     return true;
 }
 
@@ -1012,11 +1009,10 @@ bool RadianceCache::reflected(uint32_t record, vec2 barycentric, float distance,
 {
     const int level = bounces_ - bounces;
     if (level < 0 || level >= kLevels || levels_[std::size_t(level)].empty()) return false;
-    const Surface& s = surfaces_[record];
-    if ((s.firstCell & kNoCells) != 0) return false;
-    const uint32_t cell = cellIndex(s, barycentric.x, barycentric.y);
+    if (!hasCells(record)) return false;
+    const uint32_t cell = cellIndex(record, barycentric);
     if (!(distance >= cells_[cell].nearest)) {
-        const uint32_t part = level == 0 ? partIndex(s, barycentric.x, barycentric.y, cell) : kNoCells;
+        const uint32_t part = level == 0 ? partIndex(record, barycentric, cell) : kNoCells;
         if (part == kNoCells || !(distance >= cells_[part].nearest)) return false;
         radiance = cells_[part].radiance;
         return true;

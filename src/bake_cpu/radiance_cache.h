@@ -25,7 +25,7 @@ namespace halflight {
 /// rays met them; small triangles without a lightmap are cells themselves, one for each side.
 class RadianceCache {
 public:
-    /// Of one side of a hit triangle: where its cells are. Texture coordinates count cells from the corner of their
+    /// Of a hit triangle: where the cells of its front are. Texture coordinates count cells from the corner of their
     /// rectangle.
     struct Surface {
         vec2 origin{0.0f};
@@ -37,7 +37,7 @@ public:
     };
     static constexpr uint32_t kNoCells = 0x80000000u;
     static constexpr uint32_t kEmissive = 0x40000000u;
-    static constexpr uint32_t kHiddenBack = 0x20000000u; ///< a back that nobody is meant to see
+    static constexpr uint32_t kHiddenBack = 0x20000000u; ///< nobody is meant to see its back
     static constexpr uint32_t kSlow = kNoCells | kEmissive;
     static constexpr uint32_t kCellMask = 0x1fffffffu;
 
@@ -58,20 +58,28 @@ public:
     {
         return recordOf(tracer.hitIndex(rays.hit.geomID[lane], rays.hit.primID[lane]), embree::behind(rays, lane));
     }
-    [[nodiscard]] const Surface& surface(uint32_t record) const { return surfaces_[record]; }
-    [[nodiscard]] uint32_t cellIndex(const Surface& s, float u, float v) const
+    [[nodiscard]] const Surface& surface(uint32_t record) const { return surfaces_[record / 2]; }
+    [[nodiscard]] bool hasCells(uint32_t record) const { return (surface(record).firstCell & kNoCells) == 0; }
+    [[nodiscard]] bool emissive(uint32_t record) const { return (surface(record).firstCell & kEmissive) != 0; }
+    [[nodiscard]] bool hiddenBack(uint32_t record) const
     {
-        const vec2 at = s.origin + u * s.edgeU + v * s.edgeV;
+        return record % 2 != 0 && (surface(record).firstCell & kHiddenBack) != 0;
+    }
+    /// The cell at a place of a side that has some.
+    [[nodiscard]] uint32_t cellIndex(uint32_t record, vec2 barycentric) const
+    {
+        const Surface& s = surface(record);
+        const vec2 at = s.origin + barycentric.x * s.edgeU + barycentric.y * s.edgeV;
         const auto x = std::clamp(int(at.x), 0, int(s.width) - 1);
         const auto y = std::clamp(int(at.y), 0, int(s.height) - 1);
-        return (s.firstCell & kCellMask) + uint32_t(y) * s.width + uint32_t(x);
+        const uint32_t front = (s.firstCell & kCellMask) + uint32_t(y) * s.width + uint32_t(x);
+        return record % 2 == 0 ? front : front + (front < squares_ ? squares_ : 1);
     }
     /// The part of a cell at a place, or kNoCells.
-    [[nodiscard]] uint32_t partIndex(const Surface& s, float u, float v, uint32_t cell) const;
+    [[nodiscard]] uint32_t partIndex(uint32_t record, vec2 barycentric, uint32_t cell) const;
     [[nodiscard]] const Cell* cells() const { return cells_.data(); }
     /// Light that the end of a ray of some length reflects after at most `bounces` reflections, if a cell knows it.
     [[nodiscard]] bool reflected(uint32_t record, vec2 barycentric, float distance, int bounces, vec3& radiance) const;
-    [[nodiscard]] bool emissive(uint32_t record) const { return (surfaces_[record].firstCell & kEmissive) != 0; }
 
 private:
     struct Contribution;
@@ -97,7 +105,8 @@ private:
     }
     int cellShift_ = 0; ///< a cell is 2^shift texels wide
     int bounces_ = 0;
-    std::vector<Surface> surfaces_;   ///< by record
+    uint32_t squares_ = 0;            ///< cells of the squares' fronts, and as many of their backs
+    std::vector<Surface> surfaces_;   ///< by hit triangle
     std::vector<Cell> cells_;         ///< the squares' fronts, their backs, single triangles, parts
     std::vector<uint32_t> firstPart_; ///< by cell, but for parts; row by row from there
     /// What cells reflect after bounces_, bounces_ - 1, … reflections, for paths that reach one after some of their
@@ -115,7 +124,6 @@ private:
     std::vector<uint32_t> rectangleOfTriangle_; ///< or ~0
     std::vector<uint32_t> hitIndexOfTriangle_;  ///< or ~0
     std::vector<uint32_t> cellTriangles_;       ///< that are cells themselves: front and back of each
-    uint32_t squares_ = 0;                      ///< cells of the squares' fronts, and as many of their backs
     /// By cell.
     static constexpr uint8_t kDivided = 1;   ///< something stands on it
     static constexpr uint8_t kMetNear = 2;   ///< rays hit it from close by

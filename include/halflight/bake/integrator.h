@@ -157,6 +157,8 @@ public:
     /// others are asked for.
     virtual bool irradiance(const TexelMap& map, const TexelRequest& request, std::span<IrradianceEstimate> out,
                             const Progress& progress) = 0;
+    /// Frees what irradiance() keeps of a map from call to call; another call makes it anew.
+    virtual void releaseIrradiance() {}
 
     /// Attenuation by static casters for each light that has a channel; 1 in channels without a light in reach.
     /// `estimates` are irradiance()'s of the request's texels, which know what lies inside geometry; empty = nothing

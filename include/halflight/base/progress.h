@@ -21,4 +21,17 @@ struct Progress {
     }
 };
 
+/// A part of a progress: fractions begin…end of the whole, which outlives it.
+inline Progress partOf(const Progress& whole, double begin, double end)
+{
+    Progress part;
+    part.cancel = whole.cancel;
+    if (whole.report) {
+        part.report = [&whole, begin, end](std::string_view stage, double fraction) {
+            whole.report(stage, begin + (end - begin) * fraction);
+        };
+    }
+    return part;
+}
+
 } // namespace halflight
