@@ -367,7 +367,8 @@ int texelPoints(const BakeGeometry& geometry, const TexelMap& map, const Texel& 
     int rounds = 1;
     if (covered < kHalf) {
         candidates = coveredRectangle(geometry, fragments, candidates);
-        rounds = int(std::clamp(candidates.size.x * candidates.size.y / covered + 0.5f, 1.0f, float(kMostRounds)));
+        const float times = candidates.size.x * candidates.size.y / std::max(covered, 1.0e-6f);
+        rounds = int(std::clamp(times + 0.5f, 1.0f, float(kMostRounds)));
     }
     std::array<SurfacePoint, kMaxTexelPoints> more;
     int count = 0;
