@@ -133,6 +133,7 @@ void reportNoise(const std::vector<IrradianceEstimate>& estimates, BakeReport& r
         if (e.samples == 0) ++report.texelsBetween;
         if (report.quality.noiseTarget > 0.0f && e.samples >= most) ++report.texelsAtCap;
     }
+    report.invalidTexels = estimates.size() - valid;
     if (valid == 0) return;
     report.samplesPerTexel = samples / double(valid);
     report.noiseReached = sum > 0.0 ? float(std::sqrt(variance * double(valid)) / sum) : 0.0f;
@@ -238,8 +239,6 @@ Result<BakeResult> bake(Scene scene, const BakeSettings& settings, const Integra
     integrator.releaseIrradiance();
     lightmapTimer.finish(integrator.raysTraced());
     reportNoise(estimates, report);
-    report.invalidTexels = uint64_t(
-        std::count_if(estimates.begin(), estimates.end(), [](const IrradianceEstimate& e) { return !e.valid; }));
     if (!settings.imagesDirectory.empty()) {
         const std::vector<vec3> raw = splitEstimates(estimates).irradiance;
         if (Status status = dumpPages(settings, "lightmap_raw", dilate(map, raw, 0)); !status) return status.error();

@@ -87,9 +87,7 @@ std::vector<float> varianceScales(const TexelMap& map, const TexelGrid& grid,
 /// Whether a texel is covered for the most part, and all of its points are in the open.
 bool isWhole(const TexelMap& map, const Texel& texel, const IrradianceEstimate& estimate)
 {
-    float covered = 0.0f;
-    for (uint32_t f = 0; f < texel.fragmentCount; ++f) covered += map.fragments[texel.firstFragment + f].area;
-    return covered > 0.6f && estimate.outsidePoints == 0xffff;
+    return coveredArea(map, texel) > kMostlyCovered && estimate.outsidePoints == 0xffff;
 }
 
 /// Outliers: a texel whose few lucky paths make it far brighter than nearly all of the 5 x 5 around it on the same

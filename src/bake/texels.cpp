@@ -354,18 +354,23 @@ TexelMap rasterizeTexels(const BakeGeometry& geometry, int pageSize, int pageCou
     return map;
 }
 
+float coveredArea(const TexelMap& map, const Texel& texel)
+{
+    float covered = 0.0f;
+    for (uint32_t f = 0; f < texel.fragmentCount; ++f) covered += map.fragments[texel.firstFragment + f].area;
+    return covered;
+}
+
 int texelPoints(const BakeGeometry& geometry, const TexelMap& map, const Texel& texel, PointArray out, int batch)
 {
     const std::span fragments(map.fragments.data() + texel.firstFragment, texel.fragmentCount);
-    float covered = 0.0f;
-    for (const TexelFragment& fragment : fragments) covered += fragment.area;
+    const float covered = coveredArea(map, texel);
     // A texel that is covered in part is to have no fewer points: candidates are close to what is covered, and come in
     // as many rounds as about fill a batch.
-    constexpr float kHalf = 0.6f;
     constexpr int kMostRounds = 8;
     Rectangle candidates{vec2(texel.x, texel.y)};
     int rounds = 1;
-    if (covered < kHalf) {
+    if (covered < kMostlyCovered) {
         candidates = coveredRectangle(geometry, fragments, candidates);
         const float times = candidates.size.x * candidates.size.y / std::max(covered, 1.0e-6f);
         rounds = int(std::clamp(times + 0.5f, 1.0f, float(kMostRounds)));

@@ -110,7 +110,7 @@ private:
     void gatherChecked(const GatherGroup& group, FinalGather& gather, Known* const* known, uint64_t& rays) const
     {
         std::array<TexelLight, TexelGroup::kLanes> lights;
-        gather.add(group, 0, adaptive_ ? kFirstBlocks : most_, lights, rays);
+        gather.add(group, 0, firstBlocks(), lights, rays);
         for (int lane = 0; lane < group.lanes(); ++lane) {
             const TexelLight& light = lights[std::size_t(lane)];
             // Where there is a cache, it has looked already.
@@ -148,7 +148,7 @@ private:
                 }
             }
         });
-        const int first = adaptive_ ? kFirstBlocks : most_;
+        const int first = firstBlocks();
         std::vector<Open> open;
         int last = 0;
         for (std::size_t i = 0; i < set_.size(); ++i) {
@@ -180,6 +180,7 @@ private:
         return true;
     }
 
+    [[nodiscard]] int firstBlocks() const { return adaptive_ ? kFirstBlocks : most_; }
     [[nodiscard]] int timesMore(uint32_t texel) const
     {
         int around = 0;

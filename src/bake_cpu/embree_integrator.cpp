@@ -148,9 +148,9 @@ public:
         const float length = glm::distance(from, to);
         if (!(length > 0.0f)) return std::nullopt;
         const vec3 direction = (to - from) / length;
-        const SurfaceHit first = paths_.surfaces().intersect(from, direction, 0.0f, length);
+        const RayHit first = paths_.surfaces().nearest(from, direction, 0.0f, length);
         if (!first.found) return std::nullopt;
-        const SurfaceHit last = paths_.surfaces().intersect(to, -direction, 0.0f, length);
+        const RayHit last = paths_.surfaces().nearest(to, -direction, 0.0f, length);
         return vec2(first.distance, last.found ? length - last.distance : first.distance);
     }
 

@@ -144,9 +144,7 @@ vec3 FinalGather::slowRadiance(const GatherGroup& group, int lane, int block, in
 {
     const GatherGroup::Origin& s = group.origin(lane, group.pointOf(lane, block, cell));
     const RayHit at = bundle_.at(cell, lane);
-    const SurfaceTracer& tracer = paths_.surfaces();
-    if (cache_ == nullptr && at.behind && tracer.backIsHidden(tracer.triangleOf(at.geomID, at.primID)))
-        ++backFaces_[std::size_t(lane)];
+    if (cache_ == nullptr && paths_.surfaces().metHiddenBack(at)) ++backFaces_[std::size_t(lane)];
     const vec3 direction = bundle_.direction(cell, lane);
     const float pdf = std::max(glm::dot(direction, s.normal), 1.0e-4f) / kPi;
     const Receiver receiver{s.position, s.normal, &cuts_[std::size_t(lane)]};

@@ -208,7 +208,7 @@ PathTracer::Incoming PathTracer::incoming(const Receiver& receiver, vec3 directi
     ++rays;
     const RayHit at = tracer_.nearest(receiver.position, direction, 0.0f, kInfinity);
     Incoming result;
-    result.firstHitBackFace = at.found && at.behind && tracer_.backIsHidden(tracer_.triangleOf(at.geomID, at.primID));
+    result.firstHitBackFace = tracer_.metHiddenBack(at);
     result.radiance = follow(at, direction, receiver, directionPdf, bounces, sampler, rays);
     return result;
 }
@@ -218,7 +218,10 @@ vec3 PathTracer::seenFromCamera(vec3 origin, vec3 direction, float tMax, int bou
 {
     ++rays;
     const RayHit at = tracer_.nearest(origin, direction, 0.0f, tMax, true);
-    if (const SurfaceHit hit = tracer_.surfaceAt(at); hit.found && hit.material->unlit) return hit.albedo;
+    if (at.found) {
+        const uint32_t triangle = tracer_.triangleOf(at.geomID, at.primID);
+        if (tracer_.materialOfTriangle(triangle).unlit) return tracer_.albedoAt(triangle, at.barycentric);
+    }
     return follow(at, direction, {origin}, 0.0f, bounces + 1, sampler, rays, nullptr, nullptr, true);
 }
 

@@ -676,7 +676,8 @@ private:
             const vec3 direction(packet.dir_x[i], packet.dir_y[i], packet.dir_z[i]);
             const vec3 end = from + reach[std::size_t(i)] * direction;
             ++rays_;
-            if (!paths_.surfaces().intersect(end, -direction, 0.0f, reach[std::size_t(i)]).backFace) return true;
+            const RayHit back = paths_.surfaces().nearest(end, -direction, 0.0f, reach[std::size_t(i)]);
+            if (!paths_.surfaces().metHiddenBack(back)) return true;
         }
         return false;
     }

@@ -373,12 +373,9 @@ RayHit SurfaceTracer::nearest(vec3 origin, vec3 direction, float tMin, float tMa
 
 SurfaceHit SurfaceTracer::surfaceAt(const RayHit& at) const
 {
-    if (!at.found) return {};
     const uint32_t triangle = triangleOf(at.geomID, at.primID);
     const TransportMaterial& material = materialOfTriangle(triangle);
     SurfaceHit hit;
-    hit.found = true;
-    hit.backFace = at.behind && backIsHidden(triangle);
     hit.distance = at.distance;
     hit.material = &material;
     hit.point = surfacePoint(geometry_, triangle, at.barycentric);
@@ -387,7 +384,7 @@ SurfaceHit SurfaceTracer::surfaceAt(const RayHit& at) const
         hit.point.geometricNormal = -hit.point.geometricNormal;
     }
     hit.albedo = albedoAt(triangle, at.barycentric);
-    if (!hit.backFace) hit.emission = emissionAt(triangle, at.barycentric);
+    if (!metHiddenBack(at)) hit.emission = emissionAt(triangle, at.barycentric);
     return hit;
 }
 

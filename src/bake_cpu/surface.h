@@ -40,8 +40,6 @@ struct RayHit {
 
 /// What is at a ray's end. Back faces of single-sided and solid surfaces reflect like front faces but do not emit.
 struct SurfaceHit {
-    bool found = false;
-    bool backFace = false; ///< of a single-sided or solid surface: nobody is meant to see it
     float distance = 0.0f;
     const TransportMaterial* material = nullptr;
     SurfacePoint point; ///< normals face the ray's origin
@@ -90,11 +88,6 @@ public:
     /// Nearest surface along a unit direction. Camera rays pass through back faces of single-sided surfaces, as the
     /// renderer does, and see objects that cast no shadow.
     [[nodiscard]] RayHit nearest(vec3 origin, vec3 direction, float tMin, float tMax, bool cameraRay = false) const;
-    [[nodiscard]] SurfaceHit intersect(vec3 origin, vec3 direction, float tMin, float tMax,
-                                       bool cameraRay = false) const
-    {
-        return surfaceAt(nearest(origin, direction, tMin, tMax, cameraRay));
-    }
     /// Whether anything that casts shadows lies between. Both faces of every surface block.
     [[nodiscard]] bool occluded(vec3 origin, vec3 direction, float tMin, float tMax) const;
 
@@ -115,7 +108,7 @@ public:
     [[nodiscard]] uint32_t hitIndex(uint32_t geomID, uint32_t primID) const { return firstHit_[geomID] + primID; }
     [[nodiscard]] uint32_t hitTriangleCount() const { return firstHit_.back(); }
     [[nodiscard]] uint32_t triangleAt(uint32_t hitIndex) const;
-    /// What is at a hit, if it is one.
+    /// What is at the end of a ray that hit something.
     [[nodiscard]] SurfaceHit surfaceAt(const RayHit& at) const;
     /// Diffuse albedo, 0…1.
     [[nodiscard]] vec3 albedoAt(uint32_t triangle, vec2 barycentric) const;
@@ -123,6 +116,11 @@ public:
     [[nodiscard]] bool backIsHidden(uint32_t triangle) const
     {
         return geometry_.solid[triangle] != 0 || !materialOfTriangle(triangle).doubleSided;
+    }
+    /// Whether a ray ended at such a back.
+    [[nodiscard]] bool metHiddenBack(const RayHit& at) const
+    {
+        return at.found && at.behind && backIsHidden(triangleOf(at.geomID, at.primID));
     }
 
     /// What a ray crosses on its way out of the scene.

@@ -365,6 +365,16 @@ TEST(ShadowmaskS8, DecidedTexelsAreRight)
     EXPECT_LT(std::sqrt(squares / double(mask.size())), 0.02);
 }
 
+/// A scene under a light from straight above that has a mask and no size.
+Bench benchUnderSun(Scene scene, int shadowSamples)
+{
+    scene.lights.push_back(makeLight(LightType::Directional, vec3(0), vec3(0, -1, 0), 1.0f, LightMode::Mixed));
+    IntegrationSettings settings;
+    settings.shadowSamples = shadowSamples;
+    settings.bounces = 0;
+    return {std::move(scene), MixedLightingMode::Shadowmask, kPage, settings};
+}
+
 /// On a chart of four texels few rays agree by chance: all of them are traced.
 TEST(ShadowmaskS8, SmallChartsGetAllTheirRays)
 {
@@ -379,11 +389,7 @@ TEST(ShadowmaskS8, SmallChartsGetAllTheirRays)
         addRectangle(scene, {corner + vec3(0.2f * litShare(i), 1.0f, 0.1f), vec3(0.5f, 0, 0), vec3(0, 0, -0.4f)}, black,
                      kPage);
     }
-    scene.lights.push_back(makeLight(LightType::Directional, vec3(0), vec3(0, -1, 0), 1.0f, LightMode::Mixed));
-    IntegrationSettings settings;
-    settings.shadowSamples = 256;
-    settings.bounces = 0;
-    Bench bench(std::move(scene), MixedLightingMode::Shadowmask, kPage, settings);
+    Bench bench = benchUnderSun(std::move(scene), 256);
     const auto mask = bench.shadowmask();
     std::array<float, kCharts> sum{};
     std::array<int, kCharts> count{};
@@ -407,11 +413,7 @@ TEST(ShadowmaskS8, EdgesGetMoreRays)
     addRectangle(scene, {vec3(-2, 0, 2), vec3(4, 0, 0), vec3(0, 0, -4)}, black, kPage, {vec2(2), vec2(62)});
     // Its edge runs through the origin at a slope of a third.
     addRectangle(scene, {vec3(-9, 1, 3), vec3(18, 0, -6), vec3(0, 0, -9)}, black, kPage);
-    scene.lights.push_back(makeLight(LightType::Directional, vec3(0), vec3(0, -1, 0), 1.0f, LightMode::Mixed));
-    IntegrationSettings settings;
-    settings.shadowSamples = 16;
-    settings.bounces = 0;
-    Bench bench(std::move(scene), MixedLightingMode::Shadowmask, kPage, settings);
+    Bench bench = benchUnderSun(std::move(scene), 16);
     const auto mask = bench.shadowmask();
     int onEdge = 0;
     for (std::size_t i = 0; i < mask.size(); ++i) {
