@@ -7,6 +7,7 @@
 namespace halflight {
 namespace {
 
+constexpr std::size_t kLanes = TexelGroup::kLanes;
 constexpr uint32_t kEmitterSeed = 0x5eed0006u;
 constexpr uint32_t kRouletteSeed = 0x5eed0007u;
 
@@ -15,12 +16,31 @@ bool isFinite(vec3 v)
     return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
 }
 
+/// Points on emitters, side by side.
+struct EmitterLanes {
+    Vec3Lanes<kLanes> position;
+    Vec3Lanes<kLanes> normal;
+    std::array<float, kLanes> pdfArea;
+    std::array<int32_t, kLanes> doubleSided;
+    std::array<int32_t, kLanes> rayVisible;
+    std::array<float, kLanes> share; ///< as EmitterWay has it
+
+    void set(std::size_t lane, const EmitterSample& s)
+    {
+        position.set(lane, s.position);
+        normal.set(lane, s.normal);
+        pdfArea[lane] = s.pdfArea;
+        doubleSided[lane] = s.doubleSided ? 1 : 0;
+        rayVisible[lane] = s.rayVisible ? 1 : 0;
+    }
+};
+
 } // namespace
 
 void FinalGather::beginBlock()
 {
-    irradiance_.fill(vec3(0.0f));
-    moment_.fill(vec3(0.0f));
+    irradiance_ = {};
+    moment_ = {};
     inverseSquares_.fill(0.0f);
     backFaces_.fill(0);
 }
@@ -39,11 +59,18 @@ void FinalGather::endBlock(int lane, TexelLight& light, TexelSum& sum)
 
 void FinalGather::cutEmitters(const GatherGroup& group)
 {
-    for (int lane = 0; lane < group.lanes(); ++lane) {
-        if (!group.active(lane)) continue;
-        const GatherGroup::Origin& s = group.origin(lane, 0);
-        cuts_[std::size_t(lane)] = paths_.emitters().cut(s.position, s.normal);
+    static_assert(kLanes == LightTree::Cut::kLanes);
+    LightTree::Points positions;
+    LightTree::Points normals;
+    int any = 0;
+    while (!group.active(any) && any + 1 < group.lanes()) ++any;
+    if (!group.active(any)) return;
+    for (std::size_t lane = 0; lane < kLanes; ++lane) {
+        const GatherGroup::Origin& s = group.origin(group.active(int(lane)) ? int(lane) : any, 0);
+        positions.set(lane, s.position);
+        normals.set(lane, s.normal);
     }
+    cut_ = paths_.emitters().cut(positions, normals);
 }
 
 void FinalGather::add(const GatherGroup& group, int firstBlock, int blockCount, std::span<TexelLight> lights,
@@ -68,7 +95,10 @@ void FinalGather::addEmitters(const GatherGroup& group, std::span<TexelLight> li
     for (int lane = 0; lane < group.lanes(); ++lane)
         blocks = std::max(blocks, int(lights[std::size_t(lane)].gathered.blocks));
     cutEmitters(group);
-    for (int b = 0; b < blocks; ++b) sampleEmitters(group, b, lights, rays);
+    for (int b = 0; b < blocks; ++b) {
+        bundle_.place(group, b, kAllCells);
+        sampleEmitters(group, b, lights, rays);
+    }
 }
 
 // Irradiance is pi times the mean of cosine-distributed radiance (pdf cos / pi). Most rays are over with one look into
@@ -77,14 +107,14 @@ void FinalGather::gatherBlock(const GatherGroup& group, int block, uint64_t& ray
 {
     rays += uint64_t(bundle_.trace(paths_, pattern_, group, settings_.seed, block, kAllCells));
     const SurfaceTracer& tracer = paths_.surfaces();
-    constexpr std::size_t kRays = std::size_t(GatherPattern::kBlock) * TexelGroup::kLanes;
+    constexpr std::size_t kRays = std::size_t(GatherPattern::kBlock) * kLanes;
     constexpr uint32_t kMissed = ~0u;
     constexpr uint32_t kOther = ~0u - 1u;
     std::array<uint32_t, kRays> where; // record of the triangle, then cell
     for (int cell = 0; cell < GatherPattern::kBlock; ++cell) {
         const RTCHit8& hit = bundle_.rays[std::size_t(cell)].hit;
         for (int lane = 0; lane < TexelGroup::kLanes; ++lane) {
-            uint32_t& w = where[std::size_t(cell * TexelGroup::kLanes + lane)];
+            uint32_t& w = where[std::size_t(cell) * kLanes + std::size_t(lane)];
             w = kMissed;
             if (hit.geomID[lane] == RTC_INVALID_GEOMETRY_ID) continue;
             w = RadianceCache::recordOf(tracer, bundle_.rays[std::size_t(cell)], lane);
@@ -94,7 +124,7 @@ void FinalGather::gatherBlock(const GatherGroup& group, int block, uint64_t& ray
     for (int cell = 0; cache_ != nullptr && cell < GatherPattern::kBlock; ++cell) {
         const RTCRayHit8& packet = bundle_.rays[std::size_t(cell)];
         for (int lane = 0; lane < TexelGroup::kLanes; ++lane) {
-            uint32_t& w = where[std::size_t(cell * TexelGroup::kLanes + lane)];
+            uint32_t& w = where[std::size_t(cell) * kLanes + std::size_t(lane)];
             if (w == kMissed) continue;
             if (cache_->hiddenBack(w)) ++backFaces_[std::size_t(lane)];
             const bool slow = (cache_->surface(w).firstCell & RadianceCache::kSlow) != 0;
@@ -107,24 +137,28 @@ void FinalGather::gatherBlock(const GatherGroup& group, int block, uint64_t& ray
     const bool black = sky.black();
     for (int cell = 0; cell < GatherPattern::kBlock; ++cell) {
         const RTCRayHit8& packet = bundle_.rays[std::size_t(cell)];
-        for (int lane = 0; lane < TexelGroup::kLanes; ++lane) {
-            const uint32_t w = where[std::size_t(cell * TexelGroup::kLanes + lane)];
-            if (!group.active(lane) || (w == kMissed && black)) continue;
-            const vec3 direction = bundle_.direction(cell, lane);
-            if (w != kMissed) {
-                const float distance = packet.ray.tfar[lane];
-                inverseSquares_[std::size_t(lane)] += 1.0f / (distance * distance);
-            }
-            vec3 radiance;
-            if (w == kMissed) {
-                radiance = shading::skyRadiance(sky.zenith, sky.horizon, sky.ground, direction);
+        Vec3Lanes<kLanes> radiance;
+        for (int lane = 0; lane < int(kLanes); ++lane) {
+            const auto l = std::size_t(lane);
+            const uint32_t w = where[std::size_t(cell) * kLanes + l];
+            if (w == kMissed || !group.active(lane)) {
+                radiance.set(l, black ? vec3(0.0f)
+                                      : shading::skyRadiance(sky.zenith, sky.horizon, sky.ground,
+                                                             bundle_.direction(cell, lane)));
             } else if (const vec3* known = cache_ != nullptr && w != kOther ? knownRadiance(cell, lane, w) : nullptr) {
-                radiance = *known;
+                radiance.set(l, *known);
             } else {
-                radiance = slowRadiance(group, lane, block, cell, rays);
+                radiance.set(l, slowRadiance(group, lane, block, cell, rays));
             }
-            count(lane, kPi * radiance, direction);
         }
+        for (std::size_t l = 0; l < kLanes; ++l) {
+            const float distance = packet.ray.tfar[l];
+            inverseSquares_[l] += 1.0f / (distance * distance); // 0 where the ray missed
+            radiance.x[l] *= kPi;
+            radiance.y[l] *= kPi;
+            radiance.z[l] *= kPi;
+        }
+        count(radiance, packet.ray);
     }
 }
 
@@ -147,7 +181,7 @@ vec3 FinalGather::slowRadiance(const GatherGroup& group, int lane, int block, in
     if (cache_ == nullptr && paths_.surfaces().metHiddenBack(at)) ++backFaces_[std::size_t(lane)];
     const vec3 direction = bundle_.direction(cell, lane);
     const float pdf = std::max(glm::dot(direction, s.normal), 1.0e-4f) / kPi;
-    const Receiver receiver{s.position, s.normal, &cuts_[std::size_t(lane)]};
+    const Receiver receiver{s.position, s.normal, &cut_, std::size_t(lane)};
     Sampler sampler(settings_.seed, group.id(lane), uint32_t(block * GatherPattern::kBlock + cell));
     return paths_.follow(at, direction, receiver, pdf, settings_.bounces, sampler, rays, cache_);
 }
@@ -156,50 +190,71 @@ vec3 FinalGather::slowRadiance(const GatherGroup& group, int lane, int block, in
 void FinalGather::sampleEmitters(const GatherGroup& group, int block, std::span<TexelLight> lights, uint64_t& rays)
 {
     beginBlock();
-    std::array<bool, TexelGroup::kLanes> use{};
-    std::array<float, TexelGroup::kLanes> chance;
-    for (int lane = 0; lane < group.lanes(); ++lane) {
-        const TexelSum& gathered = lights[std::size_t(lane)].gathered;
-        use[std::size_t(lane)] = group.active(lane) && int(gathered.blocks) > block;
-        chance[std::size_t(lane)] =
-            PathTracer::emitterChance(cuts_[std::size_t(lane)].total, luminance(gathered.mean()));
+    std::array<bool, kLanes> use{};
+    std::array<float, kLanes> chance{};
+    std::array<GatherPattern::Block, kLanes> points;
+    for (int i = 0; i < group.lanes(); ++i) {
+        const auto lane = std::size_t(i);
+        const TexelSum& gathered = lights[lane].gathered;
+        use[lane] = group.active(i) && int(gathered.blocks) > block;
+        if (!use[lane]) continue;
+        chance[lane] = PathTracer::emitterChance(cut_.total[lane], luminance(gathered.mean()));
+        points[lane] = pattern_.block(hashCombine(settings_.seed ^ kEmitterSeed, group.id(i)), block);
     }
-    std::array<GatherPattern::Block, TexelGroup::kLanes> blocks;
-    for (int lane = 0; lane < group.lanes(); ++lane) {
-        blocks[std::size_t(lane)] = pattern_.block(hashCombine(settings_.seed ^ kEmitterSeed, group.id(lane)), block);
-    }
+    const auto wanted = [&](std::size_t lane, std::size_t cell) {
+        if (!use[lane] || chance[lane] >= 1.0f) return use[lane];
+        const uint32_t sample = uint32_t(block * GatherPattern::kBlock) + uint32_t(cell);
+        return unitFloat(hashCombine(settings_.seed ^ kRouletteSeed ^ group.id(int(lane)), sample)) < chance[lane];
+    };
     RTCRay8 packet;
     alignas(32) embree::LaneMask valid;
-    std::array<PathTracer::EmitterCandidate, TexelGroup::kLanes> candidates;
-    for (int cell = 0; cell < GatherPattern::kBlock; ++cell) {
-        SurfaceTracer::clear(packet);
+    std::array<EmitterSample, kLanes> chosen;
+    EmitterLanes lanes;
+    for (std::size_t cell = 0; cell < std::size_t(GatherPattern::kBlock); ++cell) {
+        const RayBundle::Frames& frame = bundle_.frame(cell);
         bool any = false;
-        for (int lane = 0; lane < TexelGroup::kLanes; ++lane) {
-            valid.lane[lane] = 0;
-            if (!use[std::size_t(lane)]) continue;
-            const float q = chance[std::size_t(lane)];
-            if (q < 1.0f) {
-                const uint32_t sample = uint32_t(block * GatherPattern::kBlock + cell);
-                if (unitFloat(hashCombine(settings_.seed ^ kRouletteSeed ^ group.id(lane), sample)) >= q) continue;
+        for (std::size_t lane = 0; lane < kLanes; ++lane) {
+            EmitterSample& e = chosen[lane];
+            e.pdfArea = 0.0f;
+            if (wanted(lane, cell)) {
+                e = paths_.emitters().sample({bundle_.origin(cell, int(lane)), frame.normal[lane], &cut_, lane},
+                                             points[lane].unit(int(cell)));
+                any = true;
             }
-            const GatherGroup::Origin& s = group.origin(lane, group.pointOf(lane, block, cell));
-            PathTracer::EmitterCandidate& c = candidates[std::size_t(lane)];
-            c = paths_.emitterCandidate({s.position, s.normal, &cuts_[std::size_t(lane)]}, s.geometricNormal,
-                                        blocks[std::size_t(lane)].unit(cell));
-            if (c.distance <= 0.0f) continue;
-            valid.lane[lane] = -1;
-            any = true;
-            ++rays;
-            embree::setRay(packet, lane, s.position, c.direction);
-            packet.tfar[lane] = c.distance * (1.0f - 1.0e-4f);
+            lanes.set(lane, e);
         }
         if (!any) continue;
-        paths_.surfaces().occluded(valid, packet);
-        for (int lane = 0; lane < TexelGroup::kLanes; ++lane) {
-            if (valid.lane[lane] == 0 || packet.tfar[lane] < 0.0f) continue;
-            count(lane, candidates[std::size_t(lane)].irradiance / chance[std::size_t(lane)],
-                  candidates[std::size_t(lane)].direction);
+        SurfaceTracer::clear(packet);
+        const RTCRay8& from = bundle_.rays[cell].ray;
+        for (std::size_t lane = 0; lane < kLanes; ++lane) {
+            const vec3 position(from.org_x[lane], from.org_y[lane], from.org_z[lane]);
+            const EmitterWay way = emitterWay(position, frame.normal[lane], frame.geometricNormal[lane],
+                                              lanes.position[lane], lanes.normal[lane], lanes.pdfArea[lane],
+                                              lanes.doubleSided[lane] != 0, lanes.rayVisible[lane] != 0);
+            lanes.share[lane] = way.share;
+            valid.lane[lane] = way.distance > 0.0f ? -1 : 0;
+            packet.org_x[lane] = position.x;
+            packet.org_y[lane] = position.y;
+            packet.org_z[lane] = position.z;
+            packet.dir_x[lane] = way.direction.x;
+            packet.dir_y[lane] = way.direction.y;
+            packet.dir_z[lane] = way.direction.z;
+            packet.tfar[lane] = way.distance * (1.0f - 1.0e-4f);
         }
+        const auto traced = std::count(valid.lane, valid.lane + kLanes, -1);
+        if (traced == 0) continue;
+        rays += uint64_t(traced);
+        paths_.surfaces().occluded(valid, packet);
+        Vec3Lanes<kLanes> irradiance;
+        for (std::size_t lane = 0; lane < kLanes; ++lane) {
+            const bool arrives = valid.lane[lane] != 0 && packet.tfar[lane] >= 0.0f;
+            irradiance.set(lane, arrives ? chosen[lane].radiance * (lanes.share[lane] / chance[lane]) : vec3(0.0f));
+            // Of lanes that nothing was sampled for, directions may be no numbers.
+            packet.dir_x[lane] = arrives ? packet.dir_x[lane] : 0.0f;
+            packet.dir_y[lane] = arrives ? packet.dir_y[lane] : 0.0f;
+            packet.dir_z[lane] = arrives ? packet.dir_z[lane] : 0.0f;
+        }
+        count(irradiance, packet);
     }
     for (int lane = 0; lane < group.lanes(); ++lane) {
         TexelLight& light = lights[std::size_t(lane)];

@@ -1,6 +1,7 @@
 #pragma once
 // The lightmap's own rays: one per sample, ending in the radiance cache.
 
+#include "bake_cpu/lanes.h"
 #include "bake_cpu/radiance_cache.h"
 #include "bake_cpu/texel_group.h"
 
@@ -68,10 +69,18 @@ private:
     /// What a cell, or its part, knows of a ray's end; null where the ray ends too close by.
     [[nodiscard]] const vec3* knownRadiance(int cell, int lane, uint32_t square) const;
     vec3 slowRadiance(const GatherGroup& group, int lane, int block, int cell, uint64_t& rays);
-    void count(int lane, vec3 irradiance, vec3 direction)
+    /// Counts light that arrives along the rays of a packet.
+    void count(const Vec3Lanes<TexelGroup::kLanes>& irradiance, const RTCRay8& rays)
     {
-        irradiance_[std::size_t(lane)] += irradiance;
-        moment_[std::size_t(lane)] += luminance(irradiance) * direction;
+        for (std::size_t lane = 0; lane < TexelGroup::kLanes; ++lane) {
+            irradiance_.x[lane] += irradiance.x[lane];
+            irradiance_.y[lane] += irradiance.y[lane];
+            irradiance_.z[lane] += irradiance.z[lane];
+            const float l = luminance(irradiance[lane]);
+            moment_.x[lane] += l * rays.dir_x[lane];
+            moment_.y[lane] += l * rays.dir_y[lane];
+            moment_.z[lane] += l * rays.dir_z[lane];
+        }
     }
 
     const PathTracer& paths_;
@@ -79,11 +88,11 @@ private:
     const RadianceCache* cache_;
     const IntegrationSettings& settings_;
     RayBundle bundle_;
-    std::array<vec3, TexelGroup::kLanes> irradiance_; ///< of the block, summed over its samples
-    std::array<vec3, TexelGroup::kLanes> moment_;
+    Vec3Lanes<TexelGroup::kLanes> irradiance_; ///< of the block, summed over its samples
+    Vec3Lanes<TexelGroup::kLanes> moment_;
     std::array<float, TexelGroup::kLanes> inverseSquares_;
     std::array<uint16_t, TexelGroup::kLanes> backFaces_;
-    std::array<LightTree::Cut, TexelGroup::kLanes> cuts_;
+    LightTree::Cut cut_; ///< of the group's texels
 };
 
 } // namespace halflight

@@ -189,34 +189,46 @@ uint32_t LightTree::build(std::span<BuildItem> items, uint32_t parent)
     return number;
 }
 
-float LightTree::importance(const Node& node, vec3 position, vec3 normal) const
+// Without branches on the point: for points side by side the compiler works on several at once.
+inline float LightTree::importance(const Node& node, vec3 position, vec3 normal)
 {
     const vec3 to = node.center - position;
     const float distance2 = glm::dot(to, to);
-    if (node.range > 0.0f) {
-        const float reach = node.range + node.radius;
-        if (distance2 > reach * reach) return 0.0f;
-    }
     const float radius2 = node.radius * node.radius;
-    if (distance2 <= radius2 || distance2 < 1.0e-12f) return node.power / std::max(radius2, 1.0e-12f);
+    const float within = node.power / std::max(radius2, 1.0e-12f);
+    const float reach = node.range > 0.0f ? node.range + node.radius : kInfinity;
     // Angles of the sphere around the node, of the receiver's normal and of the emitters' normals.
     const float inverse = 1.0f / std::sqrt(distance2);
     const vec3 direction = to * inverse;
     const float sinSphere = node.radius * inverse;
     const float cosSphere = sineOf(sinSphere);
-    float received = 1.0f;
-    if (normal != vec3(0.0f)) {
-        const float cosine = std::min(glm::dot(normal, direction), 1.0f);
-        received = std::max(cosineOfDifference(cosine, cosSphere, sinSphere), kLeastCosine);
-    }
+    const float cosine = std::min(glm::dot(normal, direction), 1.0f);
+    const float facing = std::max(cosineOfDifference(cosine, cosSphere, sinSphere), kLeastCosine);
+    const float received = glm::dot(normal, normal) > 0.0f ? facing : 1.0f;
     float emitted = 1.0f;
     if (node.cosSpread > -1.0f) {
-        float cosine = std::clamp(-glm::dot(node.axis, direction), -1.0f, 1.0f);
-        if (node.twoSided) cosine = std::abs(cosine);
-        const float cosOut = cosineOfDifference(cosine, node.cosSpread, node.sinSpread);
+        const float front = std::min(std::max(-glm::dot(node.axis, direction), -1.0f), 1.0f);
+        const float cosAxis = node.twoSided ? std::abs(front) : front;
+        const float cosOut = cosineOfDifference(cosAxis, node.cosSpread, node.sinSpread);
         emitted = std::max(cosineOfDifference(cosOut, cosSphere, sinSphere), kLeastCosine);
     }
-    return node.power * received * emitted * (inverse * inverse);
+    const float outside = node.power * received * emitted * (inverse * inverse);
+    const float weight = distance2 <= radius2 || distance2 < 1.0e-12f ? within : outside;
+    return distance2 > reach * reach ? 0.0f : weight;
+}
+
+LightTree::Weights LightTree::importance(const Node& node, const Points& positions, const Points& normals)
+{
+    Weights weights;
+    for (std::size_t lane = 0; lane < Cut::kLanes; ++lane) {
+        weights[lane] = importance(node, positions[lane], normals[lane]);
+    }
+    return weights;
+}
+
+float LightTree::total(vec3 position, vec3 normal) const
+{
+    return importance(nodes_[kRoot], position, normal);
 }
 
 float LightTree::firstProbability(uint32_t node, vec3 position, vec3 normal) const
@@ -254,14 +266,14 @@ LightTree::Choice LightTree::sample(vec3 position, vec3 normal, float u, uint32_
     return choice;
 }
 
-float LightTree::climb(uint32_t item, const Cut* cut, vec3 position, vec3 normal, int& cutIndex) const
+float LightTree::climb(uint32_t item, const Cut* cut, vec3 position, vec3 normal, std::size_t& cutIndex) const
 {
     float probability = 1.0f;
     uint32_t node = leafOfItem_[item];
     if (nodes_[node].range > 0.0f && importance(nodes_[node], position, normal) <= 0.0f) return 0.0f;
     for (;;) {
-        for (int i = 0; cut != nullptr && i < cut->count; ++i) {
-            if (cut->node[std::size_t(i)] != node) continue;
+        for (std::size_t i = 0; cut != nullptr && i < cut->count; ++i) {
+            if (cut->node[i] != node) continue;
             cutIndex = i;
             return probability;
         }
@@ -276,65 +288,59 @@ float LightTree::climb(uint32_t item, const Cut* cut, vec3 position, vec3 normal
 
 float LightTree::probability(uint32_t item, vec3 position, vec3 normal) const
 {
-    int unused = 0;
+    std::size_t unused = 0;
     return climb(item, nullptr, position, normal, unused);
 }
 
-LightTree::Cut LightTree::cut(vec3 position, vec3 normal) const
+LightTree::Cut LightTree::cut(const Points& positions, const Points& normals) const
 {
     Cut cut;
     if (nodes_.empty()) return cut;
-    // Open the node that could contribute most, over and over.
-    std::array<float, Cut::kMaxNodes> weight{};
-    cut.count = 1;
-    cut.node[0] = kRoot;
-    weight[0] = importance(nodes_[kRoot], position, normal);
+    // Open the node that could contribute most to any of the points, over and over.
+    std::array<Weights, Cut::kMaxNodes> weight;
+    std::array<float, Cut::kMaxNodes> most{};
+    const auto set = [&](std::size_t place, uint32_t node) {
+        cut.node[place] = node;
+        weight[place] = importance(nodes_[node], positions, normals);
+        most[place] = nodes_[node].leaf ? -1.0f : *std::max_element(weight[place].begin(), weight[place].end());
+    };
+    set(cut.count++, kRoot);
     while (cut.count < Cut::kMaxNodes) {
-        int widest = -1;
-        for (int i = 0; i < cut.count; ++i) {
-            if (nodes_[cut.node[std::size_t(i)]].leaf) continue;
-            if (widest < 0 || weight[std::size_t(i)] > weight[std::size_t(widest)]) widest = i;
-        }
-        if (widest < 0) break;
-        const uint32_t opened = cut.node[std::size_t(widest)];
-        const uint32_t children[2] = {opened + 1, nodes_[opened].second};
-        const int places[2] = {widest, cut.count++};
-        for (int i = 0; i < 2; ++i) {
-            cut.node[std::size_t(places[i])] = children[i];
-            weight[std::size_t(places[i])] = importance(nodes_[children[i]], position, normal);
-        }
+        const auto widest =
+            std::size_t(std::max_element(most.begin(), most.begin() + std::ptrdiff_t(cut.count)) - most.begin());
+        if (!(most[widest] >= 0.0f)) break;
+        const uint32_t opened = cut.node[widest];
+        set(widest, opened + 1);
+        set(cut.count++, nodes_[opened].second);
     }
     // The probabilities are worked out at one point and used at others: no node of the cut is left without a share.
-    float total = 0.0f;
-    for (int i = 0; i < cut.count; ++i) total += weight[std::size_t(i)];
-    cut.total = total;
-    if (!(total > 0.0f) || !std::isfinite(total)) {
-        for (int i = 0; i < cut.count; ++i) cut.probability[std::size_t(i)] = 1.0f / float(cut.count);
-        return cut;
+    Weights below{};
+    Weights share;
+    Weights scale;
+    for (std::size_t lane = 0; lane < Cut::kLanes; ++lane) {
+        for (std::size_t i = 0; i < cut.count; ++i) cut.total[lane] += weight[i][lane];
+        const bool usable = cut.total[lane] > 0.0f && cut.total[lane] < kInfinity;
+        share[lane] = (usable ? 0.01f : 1.0f) / float(cut.count);
+        scale[lane] = usable ? 0.99f / cut.total[lane] : 0.0f;
     }
-    const float share = 0.01f / float(cut.count);
-    for (int i = 0; i < cut.count; ++i) {
-        cut.probability[std::size_t(i)] = share + 0.99f * weight[std::size_t(i)] / total;
+    for (std::size_t i = 0; i < cut.count; ++i) {
+        const Node& node = nodes_[cut.node[i]];
+        cut.item[i] = node.leaf && node.range <= 0.0f ? node.second : ~0u;
+        for (std::size_t lane = 0; lane < Cut::kLanes; ++lane) {
+            const float w = scale[lane] > 0.0f ? scale[lane] * weight[i][lane] : 0.0f;
+            cut.probability[i][lane] = share[lane] + w;
+            cut.below[i][lane] = below[lane];
+            below[lane] += share[lane] + w;
+        }
     }
     return cut;
 }
 
-LightTree::Choice LightTree::sample(const Cut& cut, vec3 position, vec3 normal, float u) const
+float LightTree::probability(const Cut& cut, std::size_t lane, uint32_t item, vec3 position, vec3 normal) const
 {
-    int i = 0;
-    while (i + 1 < cut.count && u >= cut.probability[std::size_t(i)]) u -= cut.probability[std::size_t(i++)];
-    const float probability = cut.probability[std::size_t(i)];
-    u = std::clamp(u / probability, 0.0f, 0x1.fffffep-1f);
-    Choice choice = sample(position, normal, u, cut.node[std::size_t(i)]);
-    choice.probability *= probability;
-    return choice;
-}
-
-float LightTree::probability(const Cut& cut, uint32_t item, vec3 position, vec3 normal) const
-{
-    int index = -1;
+    std::size_t index = cut.count;
     const float below = climb(item, &cut, position, normal, index);
-    return index < 0 ? 0.0f : below * cut.probability[std::size_t(index)];
+    return index == cut.count ? 0.0f : below * cut.probability[index][lane];
 }
 
 } // namespace halflight

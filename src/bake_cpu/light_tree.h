@@ -1,8 +1,11 @@
 #pragma once
 // Choosing one of many lights in time that grows with the logarithm of their number.
 
+#include "bake_cpu/lanes.h"
+
 #include "halflight/base/math.h"
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <span>
@@ -42,20 +45,39 @@ public:
     [[nodiscard]] float probability(uint32_t item, vec3 position, vec3 normal) const;
 
     /// About what all lights together give a point unshadowed, in the unit of power over area.
-    [[nodiscard]] float total(vec3 position, vec3 normal) const { return importance(nodes_[kRoot], position, normal); }
+    [[nodiscard]] float total(vec3 position, vec3 normal) const;
 
-    /// A level through the tree that suits all points near one place (the paper's tree splitting, here once for all the
-    /// samples of a texel): every item is below exactly one of its nodes.
+    /// A level through the tree that suits all points near some that lie side by side (the paper's tree splitting, here
+    /// once for all the samples of a group of texels): every item is below exactly one of its nodes.
     struct Cut {
-        static constexpr int kMaxNodes = 12;
-        int count = 0;
-        float total = 0.0f; ///< about what all lights together give here unshadowed, in the unit of power over area
+        static constexpr std::size_t kLanes = 8;
+        static constexpr std::size_t kMaxNodes = 32;
+        std::size_t count = 0;
+        std::array<float, kLanes> total{}; ///< about what all lights give without shadows, as total()
         std::array<uint32_t, kMaxNodes> node{};
-        std::array<float, kMaxNodes> probability{};
+        std::array<uint32_t, kMaxNodes> item{}; ///< where the node is a single light that reaches everywhere, or ~0
+        std::array<std::array<float, kLanes>, kMaxNodes> probability{};
+        std::array<std::array<float, kLanes>, kMaxNodes> below{}; ///< of the nodes before
     };
-    [[nodiscard]] Cut cut(vec3 position, vec3 normal) const;
-    [[nodiscard]] Choice sample(const Cut& cut, vec3 position, vec3 normal, float u) const;
-    [[nodiscard]] float probability(const Cut& cut, uint32_t item, vec3 position, vec3 normal) const;
+    using Points = Vec3Lanes<Cut::kLanes>;
+    [[nodiscard]] Cut cut(const Points& positions, const Points& normals) const;
+    [[nodiscard]] Choice sample(const Cut& cut, std::size_t lane, const vec3& position, const vec3& normal,
+                                float u) const
+    {
+        std::size_t i = 0;
+        for (std::size_t n = cut.count; n > 1;) {
+            const std::size_t half = n / 2;
+            i = u >= cut.below[i + half][lane] ? i + half : i;
+            n -= half;
+        }
+        const float probability = cut.probability[i][lane];
+        u = std::clamp((u - cut.below[i][lane]) / probability, 0.0f, 0x1.fffffep-1f);
+        if (cut.item[i] != ~0u) return {cut.item[i], probability, u};
+        Choice choice = sample(position, normal, u, cut.node[i]);
+        choice.probability *= probability;
+        return choice;
+    }
+    [[nodiscard]] float probability(const Cut& cut, std::size_t lane, uint32_t item, vec3 position, vec3 normal) const;
 
 private:
     struct Node {
@@ -73,11 +95,13 @@ private:
     };
     struct BuildItem;
     uint32_t build(std::span<BuildItem> items, uint32_t parent);
-    [[nodiscard]] float importance(const Node& node, vec3 position, vec3 normal) const;
+    [[nodiscard]] static float importance(const Node& node, vec3 position, vec3 normal);
+    using Weights = std::array<float, Cut::kLanes>;
+    [[nodiscard]] static Weights importance(const Node& node, const Points& positions, const Points& normals);
     /// Probability of the first child; negative when neither side is in range.
     [[nodiscard]] float firstProbability(uint32_t node, vec3 position, vec3 normal) const;
-    /// Walks up from an item's leaf; stops at the root or at a node of the cut and returns which.
-    float climb(uint32_t item, const Cut* cut, vec3 position, vec3 normal, int& cutIndex) const;
+    /// Walks up from an item's leaf; stops at the root or at a node of the cut and tells which.
+    float climb(uint32_t item, const Cut* cut, vec3 position, vec3 normal, std::size_t& cutIndex) const;
 
     std::vector<Node> nodes_;
     std::vector<uint32_t> leafOfItem_;

@@ -7,6 +7,7 @@
 
 #include "halflight/scene/scene.h"
 #include "halflight/shading/light.h"
+#include "halflight/shading/sampling.h"
 
 #include <vector>
 
@@ -63,7 +64,35 @@ struct Receiver {
     vec3 position{0.0f};
     vec3 normal{0.0f};
     const LightTree::Cut* cut = nullptr;
+    std::size_t lane = 0; ///< of the cut
 };
+
+/// The way from a receiver to a point on an emitter.
+struct EmitterWay {
+    vec3 direction{0.0f};
+    float distance = 0.0f; ///< 0: nothing arrives
+    float share = 0.0f;    ///< irradiance without shadows over the emitter's radiance; 1 / (pdf per steradian) is in it
+};
+
+/// Veach and Guibas 1995, "Optimally Combining Sampling Techniques for Monte Carlo Rendering": area samples of emitters
+/// against cosine-distributed directions, where rays can hit the emitter. pdfs per steradian; the cosine-distributed
+/// one is cos / pi. Without branches: loops over many receivers work on several at once.
+inline EmitterWay emitterWay(vec3 position, vec3 normal, vec3 geometricNormal, vec3 emitterPosition, vec3 emitterNormal,
+                             float pdfArea, bool doubleSided, bool rayVisible)
+{
+    const vec3 way = emitterPosition - position;
+    const float distance2 = glm::dot(way, way);
+    const float distance = std::sqrt(distance2);
+    const vec3 direction = way * (1.0f / distance);
+    const float cosine = glm::dot(normal, direction);
+    const float front = -glm::dot(emitterNormal, direction);
+    const float emitterCosine = doubleSided ? std::abs(front) : front;
+    const float inversePdf = emitterCosine / (pdfArea * distance2);
+    const float weight = rayVisible ? shading::powerHeuristic(1.0f, cosine / kPi * inversePdf) : 1.0f;
+    const bool arrives = pdfArea > 0.0f && distance2 > 0.0f && cosine > 0.0f && emitterCosine > 0.0f &&
+                         glm::dot(direction, geometricNormal) > 0.0f;
+    return {direction, arrives ? distance : 0.0f, arrives ? cosine * inversePdf * weight : 0.0f};
+}
 
 /// A point on an emissive triangle.
 struct EmitterSample {
@@ -73,6 +102,12 @@ struct EmitterSample {
     bool doubleSided = false;
     bool rayVisible = true; ///< rays can hit it too: false when its object casts no shadow
     float pdfArea = 0.0f;   ///< per square metre; 0: there is no sample
+
+    [[nodiscard]] EmitterWay from(vec3 receiver, vec3 receiverNormal, vec3 geometricNormal) const
+    {
+        return emitterWay(receiver, receiverNormal, geometricNormal, position, normal, pdfArea, doubleSided,
+                          rayVisible);
+    }
 };
 
 /// All emissive triangles in a tree of lights; uniform on the chosen triangle.
@@ -80,7 +115,10 @@ class Emitters {
 public:
     explicit Emitters(const SurfaceTracer& tracer);
     [[nodiscard]] bool empty() const { return triangles_.empty(); }
-    [[nodiscard]] LightTree::Cut cut(vec3 position, vec3 normal) const { return tree_.cut(position, normal); }
+    [[nodiscard]] LightTree::Cut cut(const LightTree::Points& positions, const LightTree::Points& normals) const
+    {
+        return tree_.cut(positions, normals);
+    }
     /// About what all of them together give a point without shadows, in lux.
     [[nodiscard]] float unshadowed(vec3 position, vec3 normal) const { return tree_.total(position, normal); }
     [[nodiscard]] EmitterSample sample(const Receiver& receiver, vec2 u) const;

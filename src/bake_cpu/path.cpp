@@ -138,26 +138,6 @@ vec3 PathTracer::punctualIrradiance(const SurfacePoint& point, bool direct, Samp
     return contribution * (shadow * total / chosenWeight);
 }
 
-// Veach and Guibas 1995, "Optimally Combining Sampling Techniques for Monte Carlo Rendering": area samples of emitters
-// against cosine-distributed directions. pdfs per steradian; the cosine-distributed one is cos / pi.
-PathTracer::EmitterCandidate PathTracer::emitterCandidate(const Receiver& receiver, vec3 geometricNormal, vec2 u) const
-{
-    const EmitterSample s = emitters_.sample(receiver, u);
-    if (s.pdfArea <= 0.0f || s.radiance == vec3(0.0f)) return {};
-    const vec3 toEmitter = s.position - receiver.position;
-    const float distance2 = glm::dot(toEmitter, toEmitter);
-    if (distance2 <= 0.0f) return {};
-    const float distance = std::sqrt(distance2);
-    const vec3 direction = toEmitter / distance;
-    const float cosine = glm::dot(receiver.normal, direction);
-    float emitterCosine = -glm::dot(s.normal, direction);
-    if (s.doubleSided) emitterCosine = std::abs(emitterCosine);
-    if (cosine <= 0.0f || emitterCosine <= 0.0f || glm::dot(direction, geometricNormal) <= 0.0f) return {};
-    const float pdf = s.pdfArea * distance2 / emitterCosine;
-    return {direction, distance,
-            s.radiance * (cosine / pdf * (s.rayVisible ? powerHeuristic(pdf, cosine / kPi) : 1.0f))};
-}
-
 PathTracer::EmitterAtSurface PathTracer::emitterIrradiance(const SurfacePoint& point, float beside, Sampler& sampler,
                                                            uint64_t& rays) const
 {
@@ -166,11 +146,12 @@ PathTracer::EmitterAtSurface PathTracer::emitterIrradiance(const SurfacePoint& p
     const float chance =
         beside > 0.0f ? emitterChance(emitters_.unshadowed(receiver.position, receiver.normal), beside) : 1.0f;
     if (chance < 1.0f && sampler.next1() >= chance) return {};
-    const EmitterCandidate c = emitterCandidate(receiver, point.geometricNormal, sampler.next2());
-    if (c.distance <= 0.0f) return {};
+    const EmitterSample s = emitters_.sample(receiver, sampler.next2());
+    const EmitterWay way = s.from(receiver.position, receiver.normal, point.geometricNormal);
+    if (way.distance <= 0.0f || s.radiance == vec3(0.0f)) return {};
     ++rays;
-    if (tracer_.occluded(receiver.position, c.direction, 0.0f, c.distance * (1.0f - 1.0e-4f))) return {};
-    return {c.direction, c.irradiance / chance};
+    if (tracer_.occluded(receiver.position, way.direction, 0.0f, way.distance * (1.0f - 1.0e-4f))) return {};
+    return {way.direction, s.radiance * (way.share / chance)};
 }
 
 PathTracer::EmitterInSpace PathTracer::emitterInSpace(vec3 position, float directionPdf, Sampler& sampler,
@@ -243,12 +224,14 @@ vec3 PathTracer::follow(RayHit at, vec3 direction, Receiver from, float directio
         }
         // Where the cache knows all, there is no need to look at the surface.
         vec3 known;
+        vec3 about(0.0f);
         bool isKnown = false;
         if (cache != nullptr && depth < bounces) {
             const uint32_t record = RadianceCache::recordOf(tracer_.hitIndex(at.geomID, at.primID), at.behind);
             isKnown = cache->reflected(record, at.barycentric, at.distance, bounces - depth, known);
             if (isKnown) add(known, depth + 1);
             if (isKnown && !cache->emissive(record)) break;
+            about = cache->about(record, at.barycentric);
         }
         const SurfaceHit hit = tracer_.surfaceAt(at);
         add(weightedEmission(hit, direction, from, directionPdf), depth);
@@ -256,7 +239,8 @@ vec3 PathTracer::follow(RayHit at, vec3 direction, Receiver from, float directio
 
         // Light that reaches this surface directly.
         vec3 irradiance = punctualIrradiance(hit.point, directFromCamera && depth == 0, sampler, rays);
-        irradiance += emitterIrradiance(hit.point, luminance(irradiance), sampler, rays).irradiance;
+        const float beside = std::max(luminance(irradiance), kPi * luminance(about) / luminance(hit.albedo));
+        irradiance += emitterIrradiance(hit.point, beside, sampler, rays).irradiance;
         add(shading::diffuseRadiance(hit.albedo, irradiance), depth + 1);
 
         // Russian roulette (Arvo and Kirk 1990) once a path has lost most of its light.

@@ -65,13 +65,6 @@ public:
         constexpr float kLittle = 0.1f;
         return beside > 0.0f ? std::clamp(emitted / (kLittle * beside), 1.0f / 8.0f, 1.0f) : 1.0f;
     }
-    /// The same before visibility is known: unshadowed irradiance, to count if the way to `distance` is free.
-    struct EmitterCandidate {
-        vec3 direction{0.0f};
-        float distance = 0.0f; ///< 0: nothing arrives
-        vec3 irradiance{0.0f};
-    };
-    [[nodiscard]] EmitterCandidate emitterCandidate(const Receiver& receiver, vec3 geometricNormal, vec2 u) const;
 
     /// Irradiance of one of the lights that bounce, over the probability of its choice.
     vec3 punctualIrradiance(const SurfacePoint& point, bool direct, Sampler& sampler, uint64_t& rays) const;

@@ -2,6 +2,7 @@
 // Eight texels side by side, and the bundles of rays that leave them together.
 
 #include "bake_cpu/gather_pattern.h"
+#include "bake_cpu/lanes.h"
 #include "bake_cpu/path.h"
 #include "bake_cpu/validity.h"
 
@@ -151,6 +152,8 @@ public:
     {
         return origins_[std::size_t(lane)][std::size_t(point)];
     }
+    /// Whether all points of all texels have the frame of the first one of theirs.
+    [[nodiscard]] bool flat() const { return flat_; }
 
 private:
     void arrange(const PathTracer& paths, int lane)
@@ -158,7 +161,11 @@ private:
         for (int p = 0; p < pointCount(lane); ++p) {
             Origin& origin = origins_[std::size_t(lane)][std::size_t(p)];
             const SurfacePoint& point = points(lane)[std::size_t(p)];
+            const Origin& first = origins_[std::size_t(lane)][0];
+            if (p > 0 && point.normal == first.normal && point.geometricNormal == first.geometricNormal) origin = first;
             origin.position = paths.rayOrigin(point);
+            if (p > 0 && point.normal == first.normal && point.geometricNormal == first.geometricNormal) continue;
+            flat_ = flat_ && p == 0;
             origin.normal = point.normal;
             origin.geometricNormal = point.geometricNormal;
             shading::orthonormalBasis(point.normal, origin.tangent, origin.bitangent);
@@ -166,6 +173,7 @@ private:
     }
 
     std::array<std::array<Origin, kMaxTexelPoints>, kLanes> origins_;
+    bool flat_ = true;
 };
 
 /// All cells of a block.
@@ -176,38 +184,81 @@ inline constexpr std::array<uint8_t, GatherPattern::kBlock> kAllCells = {0, 1, 2
 struct RayBundle {
     std::array<RTCRayHit8, GatherPattern::kBlock> rays;
 
+    /// Sets the origins of the given cells of block `number`.
+    void place(const GatherGroup& group, int number, std::span<const uint8_t> cells)
+    {
+        flat_ = group.flat();
+        for (const uint8_t cell : cells) {
+            RTCRay8& packet = rays[cell].ray;
+            Frames& frame = frames_[flat_ ? 0 : cell];
+            const bool setFrame = !flat_ || cell == cells.front();
+            for (int lane = 0; lane < TexelGroup::kLanes; ++lane) {
+                const bool active = group.active(lane);
+                const GatherGroup::Origin& s =
+                    group.origin(active ? lane : 0, active ? group.pointOf(lane, number, cell) : 0);
+                packet.org_x[lane] = s.position.x;
+                packet.org_y[lane] = s.position.y;
+                packet.org_z[lane] = s.position.z;
+                if (!setFrame) continue;
+                const auto l = std::size_t(lane);
+                frame.tangent.set(l, s.tangent);
+                frame.bitangent.set(l, s.bitangent);
+                frame.normal.set(l, s.normal);
+                frame.geometricNormal.set(l, s.geometricNormal);
+            }
+        }
+    }
+
     /// Traces the given cells of block `number`; `seed` separates uses of the same texel. Returns the number of rays.
     int trace(const PathTracer& paths, const GatherPattern& pattern, const GatherGroup& group, uint32_t seed,
               int number, std::span<const uint8_t> cells)
     {
+        place(group, number, cells);
         alignas(32) embree::LaneMask valid;
         std::array<GatherPattern::Block, TexelGroup::kLanes> blocks;
         int active = 0;
         for (int lane = 0; lane < TexelGroup::kLanes; ++lane) {
             valid.lane[lane] = group.active(lane) ? -1 : 0;
-            if (!group.active(lane)) continue;
-            blocks[std::size_t(lane)] = pattern.block(hashCombine(seed, group.id(lane)), number);
-            ++active;
+            blocks[std::size_t(lane)] =
+                pattern.block(hashCombine(seed, group.active(lane) ? group.id(lane) : 0), number);
+            active += group.active(lane) ? 1 : 0;
         }
-        for (const int cell : cells) {
-            RTCRayHit8& packet = rays[std::size_t(cell)];
+        Vec3Lanes<TexelGroup::kLanes> local;
+        for (const uint8_t cell : cells) {
+            RTCRayHit8& packet = rays[cell];
             SurfaceTracer::clear(packet.ray);
-            for (int lane = 0; lane < TexelGroup::kLanes; ++lane) {
-                if (valid.lane[lane] == 0) {
-                    packet.hit.geomID[lane] = RTC_INVALID_GEOMETRY_ID;
-                    continue;
-                }
-                const GatherGroup::Origin& s = group.origin(lane, group.pointOf(lane, number, cell));
-                const vec3 local = pattern.direction(blocks[std::size_t(lane)].bits(cell));
-                vec3 d = local.x * s.tangent + local.y * s.bitangent + local.z * s.normal;
-                // As PathTracer::gatherDirection(): never below the surface.
-                const float side = glm::dot(d, s.geometricNormal);
-                if (side < 0.0f) d -= 2.0f * side * s.geometricNormal;
-                embree::setRay(packet.ray, lane, s.position, d);
+            for (std::size_t lane = 0; lane < TexelGroup::kLanes; ++lane) {
+                local.set(lane, pattern.direction(blocks[lane].bits(cell)));
             }
+            const Frames& f = frame(cell);
+            Vec3Lanes<TexelGroup::kLanes> direction;
+            for (std::size_t l = 0; l < TexelGroup::kLanes; ++l) {
+                const vec3 g = f.geometricNormal[l];
+                vec3 d = local.x[l] * f.tangent[l] + local.y[l] * f.bitangent[l] + local.z[l] * f.normal[l];
+                // As PathTracer::gatherDirection(): never below the surface.
+                const float side = glm::dot(d, g);
+                d -= (side < 0.0f ? 2.0f * side : 0.0f) * g;
+                direction.set(l, d);
+            }
+            std::copy(direction.x.begin(), direction.x.end(), packet.ray.dir_x);
+            std::copy(direction.y.begin(), direction.y.end(), packet.ray.dir_y);
+            std::copy(direction.z.begin(), direction.z.end(), packet.ray.dir_z);
             paths.surfaces().intersect(valid, packet);
         }
         return active * int(cells.size());
+    }
+    /// Of the texels' points that a cell's rays leave from.
+    struct Frames {
+        Vec3Lanes<TexelGroup::kLanes> tangent;
+        Vec3Lanes<TexelGroup::kLanes> bitangent;
+        Vec3Lanes<TexelGroup::kLanes> normal;
+        Vec3Lanes<TexelGroup::kLanes> geometricNormal;
+    };
+    [[nodiscard]] const Frames& frame(std::size_t cell) const { return frames_[flat_ ? 0 : cell]; }
+    [[nodiscard]] vec3 origin(std::size_t cell, int lane) const
+    {
+        const RTCRay8& r = rays[cell].ray;
+        return {r.org_x[lane], r.org_y[lane], r.org_z[lane]};
     }
     [[nodiscard]] vec3 direction(int cell, int lane) const
     {
@@ -225,6 +276,10 @@ struct RayBundle {
             hit(cell, lane), behind(cell, lane), r.hit.geomID[lane], r.hit.primID[lane], {r.hit.u[lane], r.hit.v[lane]},
             r.ray.tfar[lane]};
     }
+
+private:
+    std::array<Frames, GatherPattern::kBlock> frames_;
+    bool flat_ = true; ///< all cells have the first one's
 };
 
 /// Calls a body for texels 0…count-1 of a list, eight at a time, on all threads: texelAt(i) and maskAt(i) tell which

@@ -480,7 +480,15 @@ TEST(LightTreeS6, ProbabilitiesAddUpAndMatchSamples)
         const LightTree tree(items);
         for (const vec3 position : {vec3(0), vec3(5), vec3(20, -3, 4)}) {
             const vec3 normal = glm::normalize(vec3(0.3f, 1.0f, -0.2f));
-            const LightTree::Cut cut = tree.cut(position, normal);
+            // A cut for several points, this one and some beside it.
+            LightTree::Points positions;
+            LightTree::Points normals;
+            constexpr std::size_t kLane = 5;
+            for (std::size_t lane = 0; lane < LightTree::Cut::kLanes; ++lane) {
+                positions.set(lane, position + 0.3f * (float(lane) - float(kLane)) * vec3(1.0f, 0.1f, 0.0f));
+                normals.set(lane, normal);
+            }
+            const LightTree::Cut cut = tree.cut(positions, normals);
             double sum = 0.0;
             double cutSum = 0.0;
             std::vector<float> expected;
@@ -489,7 +497,7 @@ TEST(LightTreeS6, ProbabilitiesAddUpAndMatchSamples)
                 EXPECT_GT(p, 0.0f);
                 expected.push_back(p);
                 sum += double(p);
-                cutSum += double(tree.probability(cut, uint32_t(i), position, normal));
+                cutSum += double(tree.probability(cut, kLane, uint32_t(i), position, normal));
             }
             EXPECT_NEAR(sum, 1.0, 1e-3);
             EXPECT_NEAR(cutSum, 1.0, 1e-3);
@@ -502,8 +510,8 @@ TEST(LightTreeS6, ProbabilitiesAddUpAndMatchSamples)
                 EXPECT_NEAR(choice.probability, expected[choice.item], 1e-4f + 1e-2f * expected[choice.item]);
                 EXPECT_TRUE(choice.u >= 0.0f && choice.u < 1.0f);
                 seen[choice.item] += 1.0 / kSamples;
-                const LightTree::Choice byCut = tree.sample(cut, position, normal, u);
-                const float p = tree.probability(cut, byCut.item, position, normal);
+                const LightTree::Choice byCut = tree.sample(cut, kLane, position, normal, u);
+                const float p = tree.probability(cut, kLane, byCut.item, position, normal);
                 EXPECT_NEAR(byCut.probability, p, 1e-4f + 1e-2f * p);
             }
             for (int i = 0; i < count; ++i) EXPECT_NEAR(seen[std::size_t(i)], expected[std::size_t(i)], 2e-3) << i;

@@ -54,14 +54,7 @@ HL_FN vec3 sampleSphere(vec2 u)
 // Between Triangle and Square".
 HL_FN vec2 sampleTriangle(vec2 u)
 {
-    if (u.y > u.x) {
-        u.x *= 0.5f;
-        u.y -= u.x;
-    } else {
-        u.y *= 0.5f;
-        u.x -= u.y;
-    }
-    return u;
+    return u - 0.5f * min(u.x, u.y);
 }
 
 // Veach 1997, "Robust Monte Carlo Methods for Light Transport Simulation", section 9.2.4: power heuristic, beta = 2.

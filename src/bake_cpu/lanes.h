@@ -1,0 +1,26 @@
+#pragma once
+// Values side by side, in loops that the compiler turns into vector instructions.
+
+#include "halflight/base/math.h"
+
+#include <array>
+#include <cstddef>
+
+namespace halflight {
+
+/// Vectors as three arrays.
+template<std::size_t N> struct alignas(32) Vec3Lanes {
+    std::array<float, N> x;
+    std::array<float, N> y;
+    std::array<float, N> z;
+
+    void set(std::size_t lane, vec3 v)
+    {
+        x[lane] = v.x;
+        y[lane] = v.y;
+        z[lane] = v.z;
+    }
+    [[nodiscard]] vec3 operator[](std::size_t lane) const { return {x[lane], y[lane], z[lane]}; }
+};
+
+} // namespace halflight
