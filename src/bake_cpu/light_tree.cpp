@@ -205,22 +205,49 @@ inline float LightTree::importance(const Node& node, vec3 position, vec3 normal)
     const float cosine = std::min(glm::dot(normal, direction), 1.0f);
     const float facing = std::max(cosineOfDifference(cosine, cosSphere, sinSphere), kLeastCosine);
     const float received = glm::dot(normal, normal) > 0.0f ? facing : 1.0f;
-    float emitted = 1.0f;
-    if (node.cosSpread > -1.0f) {
-        const float front = std::min(std::max(-glm::dot(node.axis, direction), -1.0f), 1.0f);
-        const float cosAxis = node.twoSided ? std::abs(front) : front;
-        const float cosOut = cosineOfDifference(cosAxis, node.cosSpread, node.sinSpread);
-        emitted = std::max(cosineOfDifference(cosOut, cosSphere, sinSphere), kLeastCosine);
-    }
+    const float front = std::min(std::max(-glm::dot(node.axis, direction), -1.0f), 1.0f);
+    const float cosAxis = node.twoSided ? std::abs(front) : front;
+    const float cosOut = cosineOfDifference(cosAxis, node.cosSpread, node.sinSpread);
+    const float shining = std::max(cosineOfDifference(cosOut, cosSphere, sinSphere), kLeastCosine);
+    const float emitted = node.cosSpread > -1.0f ? shining : 1.0f;
     const float outside = node.power * received * emitted * (inverse * inverse);
     const float weight = distance2 <= radius2 || distance2 < 1.0e-12f ? within : outside;
     return distance2 > reach * reach ? 0.0f : weight;
 }
 
-LightTree::Weights LightTree::importance(const Node& node, const Points& positions, const Points& normals)
+LightTree::Weights LightTree::importance(const Cut::Lanes<uint32_t>& nodes, const Points& positions,
+                                         const Points& normals) const
 {
+    Points center;
+    Points axis;
+    Weights radius;
+    Weights cosSpread;
+    Weights sinSpread;
+    Weights power;
+    Weights range;
+    Cut::Lanes<int32_t> twoSided;
+    for (std::size_t lane = 0; lane < Cut::kLanes; ++lane) {
+        const Node& node = nodes_[nodes[lane]];
+        center.set(lane, node.center);
+        axis.set(lane, node.axis);
+        radius[lane] = node.radius;
+        cosSpread[lane] = node.cosSpread;
+        sinSpread[lane] = node.sinSpread;
+        power[lane] = node.power;
+        range[lane] = node.range;
+        twoSided[lane] = node.twoSided ? 1 : 0;
+    }
     Weights weights;
     for (std::size_t lane = 0; lane < Cut::kLanes; ++lane) {
+        Node node;
+        node.center = center[lane];
+        node.radius = radius[lane];
+        node.axis = axis[lane];
+        node.cosSpread = cosSpread[lane];
+        node.sinSpread = sinSpread[lane];
+        node.power = power[lane];
+        node.range = range[lane];
+        node.twoSided = twoSided[lane] != 0;
         weights[lane] = importance(node, positions[lane], normals[lane]);
     }
     return weights;
@@ -266,14 +293,15 @@ LightTree::Choice LightTree::sample(vec3 position, vec3 normal, float u, uint32_
     return choice;
 }
 
-float LightTree::climb(uint32_t item, const Cut* cut, vec3 position, vec3 normal, std::size_t& cutIndex) const
+float LightTree::climb(uint32_t item, const Cut* cut, std::size_t lane, vec3 position, vec3 normal,
+                       std::size_t& cutIndex) const
 {
     float probability = 1.0f;
     uint32_t node = leafOfItem_[item];
     if (nodes_[node].range > 0.0f && importance(nodes_[node], position, normal) <= 0.0f) return 0.0f;
     for (;;) {
         for (std::size_t i = 0; cut != nullptr && i < cut->count; ++i) {
-            if (cut->node[i] != node) continue;
+            if (cut->node[i][lane] != node) continue;
             cutIndex = i;
             return probability;
         }
@@ -289,48 +317,57 @@ float LightTree::climb(uint32_t item, const Cut* cut, vec3 position, vec3 normal
 float LightTree::probability(uint32_t item, vec3 position, vec3 normal) const
 {
     std::size_t unused = 0;
-    return climb(item, nullptr, position, normal, unused);
+    return climb(item, nullptr, 0, position, normal, unused);
 }
 
 LightTree::Cut LightTree::cut(const Points& positions, const Points& normals) const
 {
     Cut cut;
     if (nodes_.empty()) return cut;
-    // Open the node that could contribute most to any of the points, over and over.
+    // Each point opens the node that could contribute most, over and over. All have as many.
     std::array<Weights, Cut::kMaxNodes> weight;
-    std::array<float, Cut::kMaxNodes> most{};
-    const auto set = [&](std::size_t place, uint32_t node) {
-        cut.node[place] = node;
-        weight[place] = importance(nodes_[node], positions, normals);
-        most[place] = nodes_[node].leaf ? -1.0f : *std::max_element(weight[place].begin(), weight[place].end());
+    std::array<Weights, Cut::kMaxNodes> toOpen; ///< the same, negative where there is nothing to open
+    const auto set = [&](const Cut::Lanes<std::size_t>& places, const Cut::Lanes<uint32_t>& nodes) {
+        const Weights w = importance(nodes, positions, normals);
+        for (std::size_t lane = 0; lane < Cut::kLanes; ++lane) {
+            const std::size_t place = places[lane];
+            const Node& node = nodes_[nodes[lane]];
+            cut.node[place][lane] = nodes[lane];
+            cut.item[place][lane] = node.leaf && node.range <= 0.0f ? node.second : ~0u;
+            weight[place][lane] = w[lane];
+            toOpen[place][lane] = node.leaf ? -1.0f : w[lane];
+        }
     };
-    set(cut.count++, kRoot);
-    while (cut.count < Cut::kMaxNodes) {
-        const auto widest =
-            std::size_t(std::max_element(most.begin(), most.begin() + std::ptrdiff_t(cut.count)) - most.begin());
-        if (!(most[widest] >= 0.0f)) break;
-        const uint32_t opened = cut.node[widest];
-        set(widest, opened + 1);
-        set(cut.count++, nodes_[opened].second);
+    set({}, {});
+    const std::size_t most = std::min(Cut::kMaxNodes, leafOfItem_.size());
+    for (cut.count = 1; cut.count < most; ++cut.count) {
+        Cut::Lanes<std::size_t> widest{};
+        Cut::Lanes<std::size_t> last;
+        Cut::Lanes<uint32_t> first;
+        Cut::Lanes<uint32_t> second;
+        for (std::size_t lane = 0; lane < Cut::kLanes; ++lane) {
+            for (std::size_t i = 1; i < cut.count; ++i) {
+                if (toOpen[i][lane] > toOpen[widest[lane]][lane]) widest[lane] = i;
+            }
+            const uint32_t opened = cut.node[widest[lane]][lane];
+            first[lane] = opened + 1;
+            second[lane] = nodes_[opened].second;
+            last[lane] = cut.count;
+        }
+        set(widest, first);
+        set(last, second);
     }
     // The probabilities are worked out at one point and used at others: no node of the cut is left without a share.
-    Weights below{};
-    Weights share;
-    Weights scale;
     for (std::size_t lane = 0; lane < Cut::kLanes; ++lane) {
-        for (std::size_t i = 0; i < cut.count; ++i) cut.total[lane] += weight[i][lane];
-        const bool usable = cut.total[lane] > 0.0f && cut.total[lane] < kInfinity;
-        share[lane] = (usable ? 0.01f : 1.0f) / float(cut.count);
-        scale[lane] = usable ? 0.99f / cut.total[lane] : 0.0f;
-    }
-    for (std::size_t i = 0; i < cut.count; ++i) {
-        const Node& node = nodes_[cut.node[i]];
-        cut.item[i] = node.leaf && node.range <= 0.0f ? node.second : ~0u;
-        for (std::size_t lane = 0; lane < Cut::kLanes; ++lane) {
-            const float w = scale[lane] > 0.0f ? scale[lane] * weight[i][lane] : 0.0f;
-            cut.probability[i][lane] = share[lane] + w;
-            cut.below[i][lane] = below[lane];
-            below[lane] += share[lane] + w;
+        float& total = cut.total[lane];
+        for (std::size_t i = 0; i < cut.count; ++i) total += weight[i][lane];
+        const bool usable = total > 0.0f && total < kInfinity;
+        const float share = (usable ? 0.01f : 1.0f) / float(cut.count);
+        float below = 0.0f;
+        for (std::size_t i = 0; i < cut.count; ++i) {
+            cut.probability[i][lane] = share + (usable ? 0.99f * weight[i][lane] / total : 0.0f);
+            cut.below[i][lane] = below;
+            below += cut.probability[i][lane];
         }
     }
     return cut;
@@ -339,7 +376,7 @@ LightTree::Cut LightTree::cut(const Points& positions, const Points& normals) co
 float LightTree::probability(const Cut& cut, std::size_t lane, uint32_t item, vec3 position, vec3 normal) const
 {
     std::size_t index = cut.count;
-    const float below = climb(item, &cut, position, normal, index);
+    const float below = climb(item, &cut, lane, position, normal, index);
     return index == cut.count ? 0.0f : below * cut.probability[index][lane];
 }
 

@@ -47,17 +47,20 @@ public:
     /// About what all lights together give a point unshadowed, in the unit of power over area.
     [[nodiscard]] float total(vec3 position, vec3 normal) const;
 
-    /// A level through the tree that suits all points near some that lie side by side (the paper's tree splitting, here
-    /// once for all the samples of a group of texels): every item is below exactly one of its nodes.
+    /// For each of some points a level through the tree that suits all places near it (the paper's tree splitting, here
+    /// once for all the samples of a texel): every item is below exactly one of its nodes. Side by side only because
+    /// that is faster.
     struct Cut {
         static constexpr std::size_t kLanes = 8;
         static constexpr std::size_t kMaxNodes = 32;
+        template<typename T> using Lanes = std::array<T, kLanes>;
         std::size_t count = 0;
-        std::array<float, kLanes> total{}; ///< about what all lights give without shadows, as total()
-        std::array<uint32_t, kMaxNodes> node{};
-        std::array<uint32_t, kMaxNodes> item{}; ///< where the node is a single light that reaches everywhere, or ~0
-        std::array<std::array<float, kLanes>, kMaxNodes> probability{};
-        std::array<std::array<float, kLanes>, kMaxNodes> below{}; ///< of the nodes before
+        Lanes<float> total{}; ///< about what all lights give without shadows, as total()
+        std::array<Lanes<uint32_t>, kMaxNodes> node;
+        std::array<Lanes<uint32_t>, kMaxNodes>
+            item; ///< where the node is a single light that reaches everywhere, or ~0
+        std::array<Lanes<float>, kMaxNodes> probability;
+        std::array<Lanes<float>, kMaxNodes> below; ///< probability of the nodes before
     };
     using Points = Vec3Lanes<Cut::kLanes>;
     [[nodiscard]] Cut cut(const Points& positions, const Points& normals) const;
@@ -72,8 +75,8 @@ public:
         }
         const float probability = cut.probability[i][lane];
         u = std::clamp((u - cut.below[i][lane]) / probability, 0.0f, 0x1.fffffep-1f);
-        if (cut.item[i] != ~0u) return {cut.item[i], probability, u};
-        Choice choice = sample(position, normal, u, cut.node[i]);
+        if (cut.item[i][lane] != ~0u) return {cut.item[i][lane], probability, u};
+        Choice choice = sample(position, normal, u, cut.node[i][lane]);
         choice.probability *= probability;
         return choice;
     }
@@ -96,12 +99,14 @@ private:
     struct BuildItem;
     uint32_t build(std::span<BuildItem> items, uint32_t parent);
     [[nodiscard]] static float importance(const Node& node, vec3 position, vec3 normal);
-    using Weights = std::array<float, Cut::kLanes>;
-    [[nodiscard]] static Weights importance(const Node& node, const Points& positions, const Points& normals);
+    using Weights = Cut::Lanes<float>;
+    [[nodiscard]] Weights importance(const Cut::Lanes<uint32_t>& nodes, const Points& positions,
+                                     const Points& normals) const;
     /// Probability of the first child; negative when neither side is in range.
     [[nodiscard]] float firstProbability(uint32_t node, vec3 position, vec3 normal) const;
     /// Walks up from an item's leaf; stops at the root or at a node of the cut and tells which.
-    float climb(uint32_t item, const Cut* cut, vec3 position, vec3 normal, std::size_t& cutIndex) const;
+    float climb(uint32_t item, const Cut* cut, std::size_t lane, vec3 position, vec3 normal,
+                std::size_t& cutIndex) const;
 
     std::vector<Node> nodes_;
     std::vector<uint32_t> leafOfItem_;
