@@ -45,6 +45,8 @@ struct TexelLight {
     uint16_t backFaces = 0;      ///< rays that met the inside of a surface
 
     [[nodiscard]] vec3 irradiance() const { return gathered.mean() + emitted.mean(); }
+    /// Of its blocks' differences from their means, in luminance.
+    [[nodiscard]] float squares() const { return std::max(gathered.squares, 0.0f) + std::max(emitted.squares, 0.0f); }
 };
 
 class FinalGather {

@@ -117,9 +117,9 @@ Emitters::Emitters(const SurfaceTracer& tracer) : tracer_(tracer)
 
 EmitterSample Emitters::sample(const Receiver& receiver, vec2 u) const
 {
-    const LightTree::Choice choice = receiver.cut != nullptr
-                                         ? tree_.sample(*receiver.cut, receiver.lane, receiver.position, receiver.normal, u.x)
-                                         : tree_.sample(receiver.position, receiver.normal, u.x);
+    const LightTree::Choice choice =
+        receiver.cut != nullptr ? tree_.sample(*receiver.cut, receiver.lane, receiver.position, receiver.normal, u.x)
+                                : tree_.sample(receiver.position, receiver.normal, u.x);
     EmitterSample s;
     if (choice.probability <= 0.0f) return s;
     const Emissive& e = triangles_[choice.item];
@@ -141,9 +141,9 @@ float Emitters::pdfArea(const Receiver& receiver, uint32_t triangle) const
 {
     if (itemOfTriangle_.empty() || itemOfTriangle_[triangle] == ~0u) return 0.0f;
     const uint32_t item = itemOfTriangle_[triangle];
-    const float probability = receiver.cut != nullptr
-                                  ? tree_.probability(*receiver.cut, receiver.lane, item, receiver.position, receiver.normal)
-                                  : tree_.probability(item, receiver.position, receiver.normal);
+    const float probability = receiver.cut != nullptr ? tree_.probability(*receiver.cut, receiver.lane, item,
+                                                                          receiver.position, receiver.normal)
+                                                      : tree_.probability(item, receiver.position, receiver.normal);
     return probability * triangles_[item].inverseArea;
 }
 

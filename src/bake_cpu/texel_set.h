@@ -20,8 +20,14 @@ public:
     template<typename Others> void extend(const Others& others)
     {
         if (whole_) return;
+        // Nearly all of them are in the set already where it is a piece of the map.
+        const uint32_t first = texels_.empty() ? 0 : texels_.front();
+        const uint32_t last = texels_.empty() ? 0 : texels_.back();
+        const bool piece = texels_.size() == std::size_t(last - first) + 1;
         for (std::size_t i = 0, count = texels_.size(); i < count; ++i) {
-            others(texels_[i], [&](uint32_t other) { texels_.push_back(other); });
+            others(texels_[i], [&](uint32_t other) {
+                if (!piece || other < first || other > last) texels_.push_back(other);
+            });
         }
         sort();
     }
