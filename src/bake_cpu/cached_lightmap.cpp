@@ -13,12 +13,6 @@ constexpr int kNoiseRadius = 2;
 /// twice the samples, or four times where there are fewer than half of these.
 constexpr int kFewAround = 12;
 
-/// Without a target, a texel whose samples deviate more than so many times as much as the map's do on average gets more
-/// of them, in proportion, which makes the most of all samples (Neyman 1934, "On the Two Different Aspects of the
-/// Representative Method"); up to four times as many.
-constexpr float kMuchNoise = 2.0f;
-constexpr float kMostTimes = 4.0f;
-
 /// A texel may lie between others whose distance, squared, times the mean of the inverse squared distances of what
 /// their rays hit is at most this: how much the light could bend between them.
 constexpr float kMostBend = 0.03f;
@@ -27,8 +21,7 @@ constexpr float kMostBend = 0.03f;
 
 class CachedLightmap::Run {
 public:
-    /// `exact`: no more samples where there is more noise.
-    Run(const CachedLightmap& lightmap, const TexelMap& map, std::span<const uint32_t> texels, int most, bool exact,
+    Run(const CachedLightmap& lightmap, const TexelMap& map, std::span<const uint32_t> texels, int most,
         const Progress& progress, std::atomic<uint64_t>& rays)
         : lightmap_(lightmap), map_(map), most_(most), progress_(progress), rays_(rays),
           adaptive_(lightmap.settings_.noiseTarget > 0.0f && most > kFirstBlocks),
@@ -41,7 +34,7 @@ public:
             for (int step = lattice_.step(); step > 1; step /= 2) set_.extend(neighbours);
         };
         addNeighbours();
-        if (adaptive_ || !exact) {
+        if (adaptive_) {
             wanted_ = std::make_unique<TexelSet>(set_);
             set_.extend(
                 [&](uint32_t texel, const auto& add) { lightmap.state_->grid.around(texel, kNoiseRadius, add); });
@@ -121,7 +114,7 @@ private:
         for (int lane = 0; lane < group.lanes(); ++lane) {
             const TexelLight& light = lights[std::size_t(lane)];
             // Where there is a cache, it has looked already.
-            const int allowed = lightmap_.cache() != nullptr ? light.gathered.blocks : 0; // a sixteenth of the rays
+            const uint32_t allowed = lightmap_.cache() != nullptr ? light.gathered.blocks : 0u; // a sixteenth of the rays
             if (group.active(lane) && lightmap_.state_->outside.known[group.texel(lane)] == 0 &&
                 group.mask(lane) == kAllPoints && light.backFaces > allowed) {
                 const PointMask mask =
@@ -148,21 +141,22 @@ private:
         parallelFor(set_.size(), 1024, [&](std::size_t begin, std::size_t end) {
             for (std::size_t i = begin; i < end; ++i) {
                 if (known_[i].between || !known_[i].active) continue;
-                if (wanted_ != nullptr && !wanted_->contains(set_[i])) continue;
-                needed[i] = adaptive_ ? blocksNeeded(set_[i])
-                                      : int(std::lround(float(most_ * timesLonelier(set_[i])) * timesNoisier(set_[i])));
+                if (!adaptive_) {
+                    needed[i] = most_ * timesMore(set_[i]);
+                } else if (wanted_->contains(set_[i])) {
+                    needed[i] = blocksNeeded(set_[i]);
+                }
             }
         });
         const int first = firstBlocks();
         std::vector<Open> open;
-        int last = 0;
         for (std::size_t i = 0; i < set_.size(); ++i) {
             if (needed[i] > first) open.push_back({uint32_t(i), needed[i]});
         }
-        // Some more for all that are not done yet, again and again, so that the texels of a group go on together.
-        for (const Open& o : open) last = std::max(last, o.blocks);
+        // Some more for all that are not done yet, again and again, so that the texels of a group go on together: the
+        // same steps whichever texels there are.
         for (int done = first; !open.empty();) {
-            const int next = std::min(done + std::max(1, done / 2), last);
+            const int next = adaptive_ ? std::min(done + std::max(1, done / 2), most_) : 2 * done;
             if (!forTexelGroups<GatherGroup>(
                     lightmap_.paths_, map_, open.size(), [&](std::size_t i) { return set_[open[i].place]; },
                     [&](std::size_t i) { return known_[open[i].place].mask; }, progress_, "lightmap", rays_,
@@ -186,57 +180,34 @@ private:
     }
 
     [[nodiscard]] int firstBlocks() const { return adaptive_ ? kFirstBlocks : most_; }
-    [[nodiscard]] int timesLonelier(uint32_t texel) const
+    [[nodiscard]] int timesMore(uint32_t texel) const
     {
         int around = 0;
         lightmap_.state_->grid.around(texel, kNoiseRadius, [&](uint32_t) { ++around; });
         return around >= kFewAround ? 1 : 2 * around >= kFewAround ? 2 : 4;
     }
 
-    /// As the first samples of the texels around it tell. Its own do not count: more samples for those of which a few
-    /// happened to find much light would make the map darker (Kirk and Arvo 1991, "Unbiased Sampling Techniques for
-    /// Image Synthesis").
-    [[nodiscard]] float timesNoisier(uint32_t texel) const
-    {
-        if (wanted_ == nullptr) return 1.0f;
-        const Spread around = spreadAround(texel, false);
-        const float much = kMuchNoise * lightmap_.mapDeviation_;
-        if (!(around.squares > 0.0f) || !(much > 0.0f)) return 1.0f;
-        return std::clamp(std::sqrt(around.squares / around.freedom) / much, 1.0f, kMostTimes);
-    }
-
-    /// How far blocks of samples lie apart within the texels around one, and their mean luminance.
-    struct Spread {
-        float squares = 0.0f;
-        float freedom = 0.0f;
-        float mean = 0.0f;
-    };
-    [[nodiscard]] Spread spreadAround(uint32_t texel, bool withItself) const
-    {
-        Spread s;
-        float count = 0.0f;
-        lightmap_.state_->grid.around(texel, kNoiseRadius, [&](uint32_t other) {
-            const Known& k = known_[set_.find(other)];
-            if (!k.active || k.between || (other == texel && !withItself)) return;
-            s.squares += k.light.squares();
-            s.freedom += float(k.light.gathered.blocks - 1);
-            s.mean += luminance(k.light.irradiance());
-            count += 1.0f;
-        });
-        s.mean /= std::max(count, 1.0f);
-        return s;
-    }
-
     /// Blocks after which the standard error of a texel's luminance is within the target, as far as the first samples
     /// of the texels around it tell. Blocks are taken for independent, though all together are spread better than that.
     [[nodiscard]] int blocksNeeded(uint32_t texel) const
     {
-        const Spread around = spreadAround(texel, true);
+        float squares = 0.0f;
+        float freedom = 0.0f;
+        float mean = 0.0f;
+        float count = 0.0f;
+        lightmap_.state_->grid.around(texel, kNoiseRadius, [&](uint32_t other) {
+            const Known& k = known_[set_.find(other)];
+            if (!k.active || k.between) return;
+            squares += std::max(k.light.gathered.squares, 0.0f) + std::max(k.light.emitted.squares, 0.0f);
+            freedom += float(k.light.gathered.blocks - 1);
+            mean += luminance(k.light.irradiance());
+            count += 1.0f;
+        });
         const float dark = 0.02f * lightmap_.mapMean_;
-        const float allowed = lightmap_.settings_.noiseTarget * std::max(around.mean, dark);
-        if (!(around.squares > 0.0f)) return kFirstBlocks;
+        const float allowed = lightmap_.settings_.noiseTarget * std::max(mean / count, dark);
+        if (!(squares > 0.0f)) return kFirstBlocks;
         if (!(allowed > 0.0f)) return most_;
-        const float blocks = around.squares / around.freedom / (allowed * allowed);
+        const float blocks = squares / freedom / (allowed * allowed);
         return blocks >= float(most_) ? most_ : std::max(int(std::ceil(blocks)), kFirstBlocks);
     }
 
@@ -334,62 +305,43 @@ bool CachedLightmap::prepare(const TexelMap& map, const Progress& progress, std:
         !state->cache.build(paths_, map, pattern_, settings_, state->outside, progress, rays)) {
         return false;
     }
+    // What counts as dark, for the noise target: a fiftieth of the mean, here of a few texels spread over the map.
+    double sum = 0.0;
+    std::size_t count = 0;
+    constexpr std::size_t kProbedGroups = 128;
+    FinalGather gather(paths_, pattern_, settings_.bounces > 0 ? &state->cache : nullptr, settings_);
+    const std::size_t step = std::max<std::size_t>(1, map.texels.size() / kProbedGroups);
+    for (std::size_t i = 0; settings_.noiseTarget > 0.0f && i < map.texels.size(); i += step) {
+        const auto texel = uint32_t(i);
+        std::array<TexelLight, TexelGroup::kLanes> lights;
+        const GatherGroup group(paths_, map, std::span(&texel, 1), std::span(&state->outside.masks[i], 1));
+        uint64_t traced = 0;
+        gather.add(group, 0, 1, lights, traced);
+        rays += traced;
+        if (!group.active(0)) continue;
+        sum += double(luminance(lights[0].irradiance()));
+        ++count;
+    }
+    mapMean_ = count > 0 ? float(sum / double(count)) : 0.0f;
     state_ = std::move(state);
     map_ = &map;
     mapTexels_ = map.texels.size();
-    probe(map, rays);
     return true;
 }
 
-void CachedLightmap::probe(const TexelMap& map, std::atomic<uint64_t>& rays)
-{
-    constexpr std::size_t kGroups = 64;
-    constexpr int kBlocks = 4;
-    FinalGather gather(paths_, pattern_, cache(), settings_);
-    double sum = 0.0;
-    double deviations = 0.0;
-    std::size_t count = 0;
-    uint64_t traced = 0;
-    const std::size_t most = std::min(kGroups * TexelGroup::kLanes, map.texels.size());
-    std::array<uint32_t, TexelGroup::kLanes> texels;
-    std::array<PointMask, TexelGroup::kLanes> masks;
-    for (std::size_t first = 0; first < most; first += TexelGroup::kLanes) {
-        const std::size_t lanes = std::min(most - first, std::size_t(TexelGroup::kLanes));
-        for (std::size_t lane = 0; lane < lanes; ++lane) {
-            texels[lane] = uint32_t((first + lane) * map.texels.size() / most);
-            masks[lane] = state_->outside.masks[texels[lane]];
-        }
-        const GatherGroup group(paths_, map, std::span(texels.data(), lanes), std::span(masks.data(), lanes));
-        std::array<TexelLight, TexelGroup::kLanes> lights;
-        gather.add(group, 0, kBlocks, lights, traced);
-        for (int lane = 0; lane < group.lanes(); ++lane) {
-            if (!group.active(lane)) continue;
-            const TexelLight& light = lights[std::size_t(lane)];
-            sum += double(luminance(light.irradiance()));
-            deviations += std::sqrt(double(light.squares()) / double(kBlocks - 1));
-            ++count;
-        }
-    }
-    rays += traced;
-    mapMean_ = count > 0 ? float(sum / double(count)) : 0.0f;
-    mapDeviation_ = count > 0 ? float(deviations / double(count)) : 0.0f;
-}
-
-bool CachedLightmap::irradiance(const TexelMap& map, const TexelRequest& request, std::span<IrradianceEstimate> out,
-                                const Progress& progress, std::atomic<uint64_t>& rays)
+bool CachedLightmap::irradiance(const TexelMap& map, std::span<const uint32_t> texels, int samples,
+                                std::span<IrradianceEstimate> out, const Progress& progress,
+                                std::atomic<uint64_t>& rays)
 {
     if (!prepare(map, progress, rays)) return false;
-    // One block knows nothing of its variance, without which nobody can tell noise from light.
-    const bool exact = request.samples > 0;
-    const int samples = exact ? request.samples : std::max(settings_.samples, kFirstBlocks * GatherPattern::kBlock);
     const int most = std::clamp((samples + GatherPattern::kBlock - 1) / GatherPattern::kBlock, 1, 65535);
     // Some at a time: what is known of a texel while it is worked on takes more memory than its estimate.
     constexpr std::size_t kTexelsAtOnce = 65536;
-    for (std::size_t first = 0; first < request.texels.size(); first += kTexelsAtOnce) {
-        const auto some = request.texels.subspan(first, std::min(kTexelsAtOnce, request.texels.size() - first));
-        const double share = 1.0 / double(request.texels.size());
+    for (std::size_t first = 0; first < texels.size(); first += kTexelsAtOnce) {
+        const auto some = texels.subspan(first, std::min(kTexelsAtOnce, texels.size() - first));
+        const double share = 1.0 / double(texels.size());
         const Progress part = partOf(progress, double(first) * share, double(first + some.size()) * share);
-        Run run(*this, map, some, most, exact, part, rays);
+        Run run(*this, map, some, most, part, rays);
         if (!run.work()) return false;
         for (std::size_t i = 0; i < some.size(); ++i) out[first + i] = run.estimateOf(some[i]);
     }

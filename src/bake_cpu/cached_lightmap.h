@@ -1,6 +1,6 @@
 #pragma once
-// The lightmap by final gathering from the radiance cache, as many samples for each texel as its noise asks for; where
-// light hardly changes, texels lie between traced ones.
+// The lightmap by final gathering from the radiance cache, the same number of samples for all texels or as many as each
+// needs; where light hardly changes, texels lie between traced ones.
 
 #include "bake_cpu/final_gather.h"
 #include "bake_cpu/radiance_cache.h"
@@ -21,10 +21,9 @@ public:
     {}
 
     /// As Integrator::irradiance(), without lights that are fully baked. The first call for a map fills its radiance
-    /// cache. Where a request says how many samples, how much noise there is elsewhere makes no difference. False when
-    /// cancelled.
-    bool irradiance(const TexelMap& map, const TexelRequest& request, std::span<IrradianceEstimate> out,
-                    const Progress& progress, std::atomic<uint64_t>& rays);
+    /// cache. False when cancelled.
+    bool irradiance(const TexelMap& map, std::span<const uint32_t> texels, int samples,
+                    std::span<IrradianceEstimate> out, const Progress& progress, std::atomic<uint64_t>& rays);
     /// Forgets the map.
     void release() { state_.reset(); }
 
@@ -46,10 +45,7 @@ private:
     std::unique_ptr<MapState> state_;
     const TexelMap* map_ = nullptr;
     std::size_t mapTexels_ = 0;
-    void probe(const TexelMap& map, std::atomic<uint64_t>& rays);
-    /// Of some texels spread over the map: mean luminance, and mean standard deviation of a block of samples.
     float mapMean_ = 0.0f;
-    float mapDeviation_ = 0.0f;
 };
 
 } // namespace halflight

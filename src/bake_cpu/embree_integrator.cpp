@@ -79,7 +79,9 @@ public:
     {
         const Effort effort = effortOf(request);
         if (settings_.integrator == IntegratorKind::Cache) {
-            return lightmap_.irradiance(map, request, out, progress, rays_) &&
+            // One block knows nothing of its variance, without which nobody can tell noise from light.
+            const int samples = request.samples > 0 ? request.samples : std::max(settings_.samples, kFewestSamples);
+            return lightmap_.irradiance(map, request.texels, samples, out, progress, rays_) &&
                    addBakedLights(map, request, effort, out, progress);
         }
         return parallelFor(request.texels.size(), kTexelGrain, progress, "lightmap",
@@ -157,6 +159,7 @@ private:
         int samples;
         int shadowSamples;
     };
+    static constexpr int kFewestSamples = 2 * GatherPattern::kBlock;
 
     [[nodiscard]] Effort effortOf(const TexelRequest& request) const
     {

@@ -54,7 +54,7 @@ void FinalGather::endBlock(int lane, TexelLight& light, TexelSum& sum)
     const bool finite = isFinite(irradiance) && isFinite(moment_[l]);
     sum.add(finite ? irradiance : vec3(0.0f), finite ? moment_[l] * kShare : vec3(0.0f));
     light.inverseSquares += inverseSquares_[l];
-    light.backFaces = uint16_t(light.backFaces + backFaces_[l]);
+    light.backFaces += backFaces_[l];
 }
 
 void FinalGather::cutEmitters(const GatherGroup& group)
@@ -219,6 +219,7 @@ void FinalGather::sampleEmitters(const GatherGroup& group, int block, std::span<
             if (wanted(lane, cell)) {
                 e = paths_.emitters().sample({bundle_.origin(cell, int(lane)), frame.normal[lane], &cut_, lane},
                                              points[lane].unit(int(cell)));
+                if (e.radiance == vec3(0.0f)) e.pdfArea = 0.0f;
                 any = true;
             }
             lanes.set(lane, e);

@@ -12,7 +12,7 @@ struct TexelSum {
     vec3 sum{0.0f};       ///< of the blocks' irradiance
     vec3 moment{0.0f};    ///< of their first moments
     float squares = 0.0f; ///< of the blocks' differences from their mean, in luminance (Welford 1962)
-    uint16_t blocks = 0;
+    uint32_t blocks = 0;
 
     void add(vec3 irradiance, vec3 firstMoment)
     {
@@ -29,7 +29,7 @@ struct TexelSum {
     static TexelSum of(vec3 mean, vec3 meanMoment, float varianceOfMean, int blocks)
     {
         return {mean * float(blocks), meanMoment * float(blocks), varianceOfMean * float(blocks) * float(blocks - 1),
-                uint16_t(blocks)};
+                uint32_t(blocks)};
     }
     [[nodiscard]] float varianceOfMean() const
     {
@@ -42,11 +42,9 @@ struct TexelLight {
     TexelSum gathered;           ///< along rays spread over the hemisphere
     TexelSum emitted;            ///< from points sampled on emitters
     float inverseSquares = 0.0f; ///< of the distances of the rays' hits, summed: 1 / m^2
-    uint16_t backFaces = 0;      ///< rays that met the inside of a surface
+    uint32_t backFaces = 0;      ///< rays that met the inside of a surface
 
     [[nodiscard]] vec3 irradiance() const { return gathered.mean() + emitted.mean(); }
-    /// Of its blocks' differences from their means, in luminance.
-    [[nodiscard]] float squares() const { return std::max(gathered.squares, 0.0f) + std::max(emitted.squares, 0.0f); }
 };
 
 class FinalGather {
@@ -67,6 +65,7 @@ private:
     void endBlock(int lane, TexelLight& light, TexelSum& sum);
     void cutEmitters(const GatherGroup& group);
     void gatherBlock(const GatherGroup& group, int block, uint64_t& rays);
+    /// From where the bundle's rays of the same block start.
     void sampleEmitters(const GatherGroup& group, int block, std::span<TexelLight> lights, uint64_t& rays);
     /// What a cell, or its part, knows of a ray's end; null where the ray ends too close by.
     [[nodiscard]] const vec3* knownRadiance(int cell, int lane, uint32_t square) const;
@@ -93,7 +92,7 @@ private:
     Vec3Lanes<TexelGroup::kLanes> irradiance_; ///< of the block, summed over its samples
     Vec3Lanes<TexelGroup::kLanes> moment_;
     std::array<float, TexelGroup::kLanes> inverseSquares_;
-    std::array<uint16_t, TexelGroup::kLanes> backFaces_;
+    std::array<uint32_t, TexelGroup::kLanes> backFaces_;
     LightTree::Cut cut_; ///< of the group's texels
 };
 

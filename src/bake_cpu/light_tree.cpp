@@ -190,7 +190,7 @@ uint32_t LightTree::build(std::span<BuildItem> items, uint32_t parent)
 }
 
 // Without branches on the point: for points side by side the compiler works on several at once.
-inline float LightTree::importance(const Node& node, vec3 position, vec3 normal)
+float LightTree::importance(const Node& node, vec3 position, vec3 normal)
 {
     const vec3 to = node.center - position;
     const float distance2 = glm::dot(to, to);
@@ -335,7 +335,7 @@ LightTree::Cut LightTree::cut(const Points& positions, const Points& normals) co
             cut.node[place][lane] = nodes[lane];
             cut.item[place][lane] = node.leaf && node.range <= 0.0f ? node.second : ~0u;
             weight[place][lane] = w[lane];
-            toOpen[place][lane] = node.leaf ? -1.0f : w[lane];
+            toOpen[place][lane] = node.leaf ? -1.0f : std::max(0.0f, w[lane]); // 0 if that is no number
         }
     };
     set({}, {});

@@ -98,7 +98,7 @@ private:
     };
     struct BuildItem;
     uint32_t build(std::span<BuildItem> items, uint32_t parent);
-    [[nodiscard]] static float importance(const Node& node, vec3 position, vec3 normal);
+    [[nodiscard]] static inline float importance(const Node& node, vec3 position, vec3 normal);
     using Weights = Cut::Lanes<float>;
     [[nodiscard]] Weights importance(const Cut::Lanes<uint32_t>& nodes, const Points& positions,
                                      const Points& normals) const;

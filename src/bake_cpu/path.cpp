@@ -224,14 +224,12 @@ vec3 PathTracer::follow(RayHit at, vec3 direction, Receiver from, float directio
         }
         // Where the cache knows all, there is no need to look at the surface.
         vec3 known;
-        vec3 about(0.0f);
         bool isKnown = false;
         if (cache != nullptr && depth < bounces) {
             const uint32_t record = RadianceCache::recordOf(tracer_.hitIndex(at.geomID, at.primID), at.behind);
             isKnown = cache->reflected(record, at.barycentric, at.distance, bounces - depth, known);
             if (isKnown) add(known, depth + 1);
             if (isKnown && !cache->emissive(record)) break;
-            about = cache->about(record, at.barycentric);
         }
         const SurfaceHit hit = tracer_.surfaceAt(at);
         add(weightedEmission(hit, direction, from, directionPdf), depth);
@@ -239,8 +237,7 @@ vec3 PathTracer::follow(RayHit at, vec3 direction, Receiver from, float directio
 
         // Light that reaches this surface directly.
         vec3 irradiance = punctualIrradiance(hit.point, directFromCamera && depth == 0, sampler, rays);
-        const float beside = std::max(luminance(irradiance), kPi * luminance(about) / luminance(hit.albedo));
-        irradiance += emitterIrradiance(hit.point, beside, sampler, rays).irradiance;
+        irradiance += emitterIrradiance(hit.point, luminance(irradiance), sampler, rays).irradiance;
         add(shading::diffuseRadiance(hit.albedo, irradiance), depth + 1);
 
         // Russian roulette (Arvo and Kirk 1990) once a path has lost most of its light.

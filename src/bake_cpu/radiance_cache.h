@@ -77,11 +77,6 @@ public:
     }
     /// The part of a cell at a place, or kNoCells.
     [[nodiscard]] uint32_t partIndex(uint32_t record, vec2 barycentric, uint32_t cell) const;
-    /// About what an end of a ray reflects that no cell answers for; 0 where nobody knows.
-    [[nodiscard]] vec3 about(uint32_t record, vec2 barycentric) const
-    {
-        return hasCells(record) ? cells_[cellIndex(record, barycentric)].radiance : vec3(0.0f);
-    }
     [[nodiscard]] const Cell* cells() const { return cells_.data(); }
     /// Light that the end of a ray of some length reflects after at most `bounces` reflections, if a cell knows it.
     [[nodiscard]] bool reflected(uint32_t record, vec2 barycentric, float distance, int bounces, vec3& radiance) const;

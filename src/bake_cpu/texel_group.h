@@ -162,13 +162,15 @@ private:
             Origin& origin = origins_[std::size_t(lane)][std::size_t(p)];
             const SurfacePoint& point = points(lane)[std::size_t(p)];
             const Origin& first = origins_[std::size_t(lane)][0];
-            if (p > 0 && point.normal == first.normal && point.geometricNormal == first.geometricNormal) origin = first;
+            if (p > 0 && point.normal == first.normal && point.geometricNormal == first.geometricNormal) {
+                origin = first;
+            } else {
+                flat_ = flat_ && p == 0;
+                origin.normal = point.normal;
+                origin.geometricNormal = point.geometricNormal;
+                shading::orthonormalBasis(point.normal, origin.tangent, origin.bitangent);
+            }
             origin.position = paths.rayOrigin(point);
-            if (p > 0 && point.normal == first.normal && point.geometricNormal == first.geometricNormal) continue;
-            flat_ = flat_ && p == 0;
-            origin.normal = point.normal;
-            origin.geometricNormal = point.geometricNormal;
-            shading::orthonormalBasis(point.normal, origin.tangent, origin.bitangent);
         }
     }
 
@@ -184,18 +186,20 @@ inline constexpr std::array<uint8_t, GatherPattern::kBlock> kAllCells = {0, 1, 2
 struct RayBundle {
     std::array<RTCRayHit8, GatherPattern::kBlock> rays;
 
-    /// Sets the origins of the given cells of block `number`.
+    /// Sets the origins of the given cells of block `number`, and their frames. Lanes without a texel have another's.
     void place(const GatherGroup& group, int number, std::span<const uint8_t> cells)
     {
         flat_ = group.flat();
+        int any = 0;
+        while (any + 1 < group.lanes() && !group.active(any)) ++any;
+        if (!group.active(any)) return;
         for (const uint8_t cell : cells) {
             RTCRay8& packet = rays[cell].ray;
             Frames& frame = frames_[flat_ ? 0 : cell];
             const bool setFrame = !flat_ || cell == cells.front();
             for (int lane = 0; lane < TexelGroup::kLanes; ++lane) {
-                const bool active = group.active(lane);
-                const GatherGroup::Origin& s =
-                    group.origin(active ? lane : 0, active ? group.pointOf(lane, number, cell) : 0);
+                const int from = group.active(lane) ? lane : any;
+                const GatherGroup::Origin& s = group.origin(from, group.pointOf(from, number, cell));
                 packet.org_x[lane] = s.position.x;
                 packet.org_y[lane] = s.position.y;
                 packet.org_z[lane] = s.position.z;

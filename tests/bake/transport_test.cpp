@@ -447,69 +447,10 @@ TEST(RadianceCacheS6, TexelsThatStandAloneGetMoreSamples)
     for (std::size_t i = 0; i < estimates.size(); ++i) {
         const Texel& t = bench.map.texels[i];
         const bool alone = t.x >= 40;
-        const bool inTheOpen = t.x > 26 && t.x < 30 && t.y > 3 && t.y < 30;
-        if (alone) EXPECT_GE(estimates[i].samples, 128u);
-        if (inTheOpen) EXPECT_EQ(estimates[i].samples, 32u);
+        const bool inTheMiddle = t.x > 3 && t.x < 30 && t.y > 3 && t.y < 30;
+        if (alone) EXPECT_EQ(estimates[i].samples, 128u);
+        if (inTheMiddle) EXPECT_EQ(estimates[i].samples, 32u);
     }
-}
-
-/// A small bright plate over a floor: what few rays hit is noise below it, none far away. The floor gets its samples
-/// where the noise is, but for where exactly as many are asked for; more of them leave less noise, and as much light.
-TEST(RadianceCacheS6, NoisySurroundingsGetMoreSamples)
-{
-    const auto floorUnderPlate = [](uint32_t seed) {
-        Scene scene;
-        const int white = addMaterial(scene, vec3(0.8f), vec3(0.0f), true);
-        addRectangle(scene, {vec3(-4, 0, 4), vec3(8, 0, 0), vec3(0, 0, -8)}, white, kPage, {vec2(1), vec2(41)});
-        addRectangle(scene, {vec3(-0.15f, 0.5f, 0.15f), vec3(0.3f, 0, 0), vec3(0, 0, -0.3f)}, white, kPage,
-                     {vec2(45), vec2(61)});
-        scene.lights.push_back(makeLight(LightType::Point, vec3(0, 0.4f, 0), vec3(0, -1, 0), 10.0f, LightMode::Baked));
-        IntegrationSettings settings;
-        settings.samples = 32;
-        settings.seed = seed;
-        return Bench(std::move(scene), MixedLightingMode::Shadowmask, kPage, settings);
-    };
-    std::array<std::vector<IrradianceEstimate>, 2> asked;
-    std::array<std::vector<IrradianceEstimate>, 2> exact;
-    for (uint32_t seed = 0; seed < 2; ++seed) {
-        Bench bench = floorUnderPlate(seed + 1);
-        asked[seed] = bench.irradiance();
-        exact[seed].resize(asked[seed].size());
-        bench.integrator->irradiance(bench.map, {allIndices(bench.map.texels.size()), 32}, exact[seed], {});
-    }
-    const Bench bench = floorUnderPlate(1);
-    int below = 0;
-    int far = 0;
-    double samplesFar = 0.0;
-    double noiseAsked = 0.0;
-    double noiseExact = 0.0;
-    double sumAsked = 0.0;
-    double sumExact = 0.0;
-    const auto gathered = [](const IrradianceEstimate& e) { return double(luminance(e.irradiance - e.direct)); };
-    for (std::size_t i = 0; i < bench.map.texels.size(); ++i) {
-        const Texel& t = bench.map.texels[i];
-        if (t.x > 41) continue;
-        const float distance = glm::length(vec2(t.x, t.y) - 20.5f);
-        const bool inTheMiddle = t.x > 3 && t.x < 38 && t.y > 3 && t.y < 38;
-        if (inTheMiddle) EXPECT_EQ(exact[0][i].samples, 32u);
-        if (inTheMiddle && distance > 14.0f) {
-            ++far;
-            samplesFar += asked[0][i].samples;
-        }
-        if (distance > 3.0f) continue;
-        EXPECT_GT(asked[0][i].samples, 64u) << t.x << ", " << t.y;
-        ++below;
-        noiseAsked += std::pow(gathered(asked[0][i]) - gathered(asked[1][i]), 2.0);
-        noiseExact += std::pow(gathered(exact[0][i]) - gathered(exact[1][i]), 2.0);
-        for (const int k : {0, 1}) {
-            sumAsked += gathered(asked[std::size_t(k)][i]);
-            sumExact += gathered(exact[std::size_t(k)][i]);
-        }
-    }
-    EXPECT_GT(below, 20);
-    EXPECT_LT(samplesFar / far, 48.0); // a ray of one of them may hit the plate
-    EXPECT_LT(noiseAsked, 0.7 * noiseExact);
-    EXPECT_NEAR(sumAsked, sumExact, 0.04 * sumExact);
 }
 
 std::vector<LightItem> randomItems(int count, bool directed)
@@ -562,6 +503,7 @@ TEST(LightTreeS6, ProbabilitiesAddUpAndMatchSamples)
             EXPECT_NEAR(cutSum, 1.0, 1e-3);
             constexpr int kSamples = 20000;
             std::vector<double> seen(std::size_t(count), 0.0);
+            std::vector<double> seenByCut(std::size_t(count), 0.0);
             for (int s = 0; s < kSamples; ++s) {
                 const float u = (float(s) + 0.5f) / float(kSamples);
                 const LightTree::Choice choice = tree.sample(position, normal, u);
@@ -572,8 +514,13 @@ TEST(LightTreeS6, ProbabilitiesAddUpAndMatchSamples)
                 const LightTree::Choice byCut = tree.sample(cut, kLane, position, normal, u);
                 const float p = tree.probability(cut, kLane, byCut.item, position, normal);
                 EXPECT_NEAR(byCut.probability, p, 1e-4f + 1e-2f * p);
+                EXPECT_TRUE(byCut.u >= 0.0f && byCut.u < 1.0f);
+                seenByCut[byCut.item] += 1.0 / kSamples;
             }
-            for (int i = 0; i < count; ++i) EXPECT_NEAR(seen[std::size_t(i)], expected[std::size_t(i)], 2e-3) << i;
+            for (uint32_t i = 0; i < uint32_t(count); ++i) {
+                EXPECT_NEAR(seen[i], expected[i], 2e-3) << i;
+                EXPECT_NEAR(seenByCut[i], tree.probability(cut, kLane, i, position, normal), 2e-3) << i;
+            }
         }
     }
 }

@@ -97,8 +97,8 @@ enum class IntegratorKind { Cache, Path };
 
 struct IntegrationSettings {
     IntegratorKind integrator = IntegratorKind::Cache;
-    /// Paths per texel. The cache takes whole blocks of 16, two or four times as many where few texels of the same chart
-    /// are around, and up to four times as many where there is much more noise around than on the map's average.
+    /// Paths per texel. The cache takes whole blocks of 16, and two or four times as many where few texels of the same
+    /// chart are around.
     int samples = 64;
     /// Rays per texel and light, for masks and for direct light that is baked. Texels on a shadow's edge get twice as
     /// many, those near one half, those far from one eight.
@@ -139,7 +139,7 @@ struct ProbeEstimate {
 /// Which texels to work on, and how hard.
 struct TexelRequest {
     std::span<const uint32_t> texels; ///< indices into TexelMap::texels
-    int samples = 0;                  ///< paths per texel, wherever it is; 0 = as IntegrationSettings say
+    int samples = 0;                  ///< paths per texel; 0 = as IntegrationSettings say
     int shadowSamples = 0;            ///< rays per texel and light; 0 = as IntegrationSettings say
 };
 
