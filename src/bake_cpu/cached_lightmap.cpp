@@ -114,7 +114,8 @@ private:
         for (int lane = 0; lane < group.lanes(); ++lane) {
             const TexelLight& light = lights[std::size_t(lane)];
             // Where there is a cache, it has looked already.
-            const uint32_t allowed = lightmap_.cache() != nullptr ? light.gathered.blocks : 0u; // a sixteenth of the rays
+            const uint32_t allowed =
+                lightmap_.cache() != nullptr ? light.gathered.blocks : 0u; // a sixteenth of the rays
             if (group.active(lane) && lightmap_.state_->outside.known[group.texel(lane)] == 0 &&
                 group.mask(lane) == kAllPoints && light.backFaces > allowed) {
                 const PointMask mask =
