@@ -62,9 +62,8 @@ void FinalGather::cutEmitters(const GatherGroup& group)
     static_assert(kLanes == LightTree::Cut::kLanes);
     LightTree::Points positions;
     LightTree::Points normals;
-    int any = 0;
-    while (!group.active(any) && any + 1 < group.lanes()) ++any;
-    if (!group.active(any)) return;
+    const int any = group.firstActive();
+    if (any == group.lanes()) return;
     for (std::size_t lane = 0; lane < kLanes; ++lane) {
         const GatherGroup::Origin& s = group.origin(group.active(int(lane)) ? int(lane) : any, 0);
         positions.set(lane, s.position);
@@ -226,20 +225,14 @@ void FinalGather::sampleEmitters(const GatherGroup& group, int block, std::span<
         }
         if (!any) continue;
         SurfaceTracer::clear(packet);
-        const RTCRay8& from = bundle_.rays[cell].ray;
         for (std::size_t lane = 0; lane < kLanes; ++lane) {
-            const vec3 position(from.org_x[lane], from.org_y[lane], from.org_z[lane]);
+            const vec3 position = bundle_.origin(cell, int(lane));
             const EmitterWay way = emitterWay(position, frame.normal[lane], frame.geometricNormal[lane],
                                               lanes.position[lane], lanes.normal[lane], lanes.pdfArea[lane],
                                               lanes.doubleSided[lane] != 0, lanes.rayVisible[lane] != 0);
             lanes.share[lane] = way.share;
             valid.lane[lane] = way.distance > 0.0f ? -1 : 0;
-            packet.org_x[lane] = position.x;
-            packet.org_y[lane] = position.y;
-            packet.org_z[lane] = position.z;
-            packet.dir_x[lane] = way.direction.x;
-            packet.dir_y[lane] = way.direction.y;
-            packet.dir_z[lane] = way.direction.z;
+            embree::setRay(packet, int(lane), position, way.direction);
             packet.tfar[lane] = way.distance * (1.0f - 1.0e-4f);
         }
         const auto traced = std::count(valid.lane, valid.lane + kLanes, -1);

@@ -86,6 +86,13 @@ public:
 
     [[nodiscard]] int lanes() const { return lanes_; }
     [[nodiscard]] bool active(int lane) const { return lane < lanes_ && lane_[std::size_t(lane)].pointCount > 0; }
+    /// The first lane with a texel that has points; lanes() if there is none.
+    [[nodiscard]] int firstActive() const
+    {
+        int lane = 0;
+        while (lane < lanes_ && !active(lane)) ++lane;
+        return lane;
+    }
     [[nodiscard]] uint32_t texel(int lane) const { return lane_[std::size_t(lane)].texel; }
     [[nodiscard]] uint32_t id(int lane) const { return lane_[std::size_t(lane)].id; }
     [[nodiscard]] const TexelPoints& points(int lane) const { return lane_[std::size_t(lane)].points; }
@@ -190,9 +197,8 @@ struct RayBundle {
     void place(const GatherGroup& group, int number, std::span<const uint8_t> cells)
     {
         flat_ = group.flat();
-        int any = 0;
-        while (any + 1 < group.lanes() && !group.active(any)) ++any;
-        if (!group.active(any)) return;
+        const int any = group.firstActive();
+        if (any == group.lanes()) return;
         for (const uint8_t cell : cells) {
             RTCRay8& packet = rays[cell].ray;
             Frames& frame = frames_[flat_ ? 0 : cell];
@@ -223,8 +229,7 @@ struct RayBundle {
         int active = 0;
         for (int lane = 0; lane < TexelGroup::kLanes; ++lane) {
             valid.lane[lane] = group.active(lane) ? -1 : 0;
-            blocks[std::size_t(lane)] =
-                pattern.block(hashCombine(seed, group.active(lane) ? group.id(lane) : 0), number);
+            blocks[std::size_t(lane)] = pattern.block(hashCombine(seed, group.id(lane)), number);
             active += group.active(lane) ? 1 : 0;
         }
         Vec3Lanes<TexelGroup::kLanes> local;
