@@ -365,7 +365,7 @@ Figures measureContact(const std::filesystem::path& assets, int truthSamples)
         double limitAll;
         double limitContact;
     };
-    for (const Case c : {Case{32, 0.8, 0.9}, Case{128, 0.85, 1.1}}) {
+    for (const Case c : {Case{32, 0.85, 0.9}, Case{128, 0.85, 1.1}}) {
         const std::optional<Errors> raw = errorsOf(c.samples, false);
         const std::optional<Errors> finished = errorsOf(c.samples, true);
         if (!raw || !finished) return failed("noise", scene, {ErrorCode::FileInvalid, "could not be baked"});

@@ -24,8 +24,6 @@ std::vector<uint8_t> markSolids(const BakeGeometry& geometry);
 /// Conservative rasterization of all lightmapped triangles.
 TexelMap rasterizeTexels(const BakeGeometry& geometry, int pageSize, int pageCount);
 
-/// Share of a texel's square that its triangles cover, 0…1; more where they overlap.
-float coveredArea(const TexelMap& map, const Texel& texel);
 /// A texel that is covered less than this is at the rim of its surface.
 constexpr float kMostlyCovered = 0.6f;
 

@@ -1,6 +1,7 @@
 #include "bake/stages.h"
 
 #include "halflight/base/parallel.h"
+#include "halflight/base/polygon.h"
 #include "halflight/base/random.h"
 
 #include <algorithm>
@@ -10,30 +11,6 @@
 
 namespace halflight {
 namespace {
-
-/// A convex polygon of at most 7 vertices: a triangle cut by a square.
-struct Polygon {
-    std::array<vec2, 8> points;
-    int count = 0;
-};
-
-/// Keeps the part where sign * p[axis] >= sign * bound (Sutherland and Hodgman 1974, "Reentrant Polygon Clipping").
-Polygon clip(const Polygon& in, int axis, float bound, float sign)
-{
-    Polygon out;
-    for (int i = 0; i < in.count; ++i) {
-        const vec2 a = in.points[std::size_t(i)];
-        const vec2 b = in.points[std::size_t((i + 1) % in.count)];
-        const float da = sign * (a[axis] - bound);
-        const float db = sign * (b[axis] - bound);
-        if (da >= 0.0f) out.points[std::size_t(out.count++)] = a;
-        if ((da > 0.0f && db < 0.0f) || (da < 0.0f && db > 0.0f)) {
-            out.points[std::size_t(out.count++)] = a + (b - a) * (da / (da - db));
-        }
-        if (out.count >= 8) break;
-    }
-    return out;
-}
 
 /// Barycentric weights of vertices 1 and 2 at p; false for a triangle without area in the lightmap.
 bool barycentricAt(vec2 a, vec2 b, vec2 c, vec2 p, vec2& out)
@@ -90,7 +67,7 @@ void rasterizeTriangle(const BakeGeometry& geometry, uint32_t triangle, int page
     whole.points[2] = c;
     whole.count = 3;
     for (int y = lower.y; y <= upper.y; ++y) {
-        const Polygon row = clip(clip(whole, 1, float(y), 1.0f), 1, float(y + 1), -1.0f);
+        const Polygon row = clip(clip(whole, {0.0f, 1.0f}, float(y)), {0.0f, -1.0f}, -float(y + 1));
         if (row.count < 3) continue;
         float rowMin = kInfinity;
         float rowMax = -kInfinity;
@@ -101,7 +78,7 @@ void rasterizeTriangle(const BakeGeometry& geometry, uint32_t triangle, int page
         const int x0 = std::max(int(std::floor(rowMin)), 0);
         const int x1 = std::min(int(std::floor(rowMax)), pageSize - 1);
         for (int x = x0; x <= x1; ++x) {
-            const Polygon piece = clip(clip(row, 0, float(x), 1.0f), 0, float(x + 1), -1.0f);
+            const Polygon piece = clip(clip(row, {1.0f, 0.0f}, float(x)), {-1.0f, 0.0f}, -float(x + 1));
             if (piece.count < 3) continue;
             // Area and centroid relative to the texel's corner, where floats are small.
             const vec2 corner(static_cast<float>(x), static_cast<float>(y));

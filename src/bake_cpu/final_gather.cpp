@@ -10,11 +10,20 @@ namespace {
 constexpr std::size_t kLanes = TexelGroup::kLanes;
 constexpr uint32_t kEmitterSeed = 0x5eed0006u;
 constexpr uint32_t kRouletteSeed = 0x5eed0007u;
+constexpr uint32_t kBrightSeed = 0x5eed0008u;
 
 bool isFinite(vec3 v)
 {
     return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
 }
+
+/// Noise that bright cells bring, as their guides have it, from which on a quarter of a block's samples look at them:
+/// more than that and what else is noise shows more. Half of them do, or all, where the noise is that of much light:
+/// where rays often meet something much brighter than all that arrives.
+constexpr float kLittleNoise = 0.1f;
+constexpr float kMuchNoise = 1.0f;
+constexpr float kSomeShare = 0.01f;
+constexpr float kLargeShare = 0.04f;
 
 /// Points on emitters, side by side.
 struct EmitterLanes {
@@ -72,14 +81,35 @@ void FinalGather::cutEmitters(const GatherGroup& group)
     cut_ = paths_.emitters().cut(positions, normals);
 }
 
+void FinalGather::prepareBright(const GatherGroup& group)
+{
+    brightSamples_.fill(0);
+    if (cache_ == nullptr || cache_->bright().empty()) return;
+    for (int i = 0; i < group.lanes(); ++i) {
+        if (!group.active(i)) continue;
+        const auto lane = std::size_t(i);
+        const BrightCells::Guide guide = cache_->guide(group.point(i, 0));
+        guides_[lane] = guide;
+        constexpr int kAll = GatherPattern::kBlock;
+        const bool much = guide.noise >= kMuchNoise;
+        brightSamples_[lane] = guide.noise < kLittleNoise           ? 0
+                               : much && guide.share >= kLargeShare ? kAll
+                               : much && guide.share >= kSomeShare  ? kAll / 2
+                                                                    : kAll / 4;
+    }
+}
+
 void FinalGather::add(const GatherGroup& group, int firstBlock, int blockCount, std::span<TexelLight> lights,
                       uint64_t& rays)
 {
     const bool emitters = !paths_.emitters().empty();
     if (emitters) cutEmitters(group);
+    prepareBright(group);
+    const bool bright = std::any_of(brightSamples_.begin(), brightSamples_.end(), [](int n) { return n > 0; });
     for (int b = firstBlock; b < firstBlock + blockCount; ++b) {
         beginBlock();
         gatherBlock(group, b, rays);
+        if (bright) sampleBright(group, b, rays);
         for (int lane = 0; lane < group.lanes(); ++lane) {
             TexelLight& light = lights[std::size_t(lane)];
             if (group.active(lane)) endBlock(lane, light, light.gathered);
@@ -134,6 +164,7 @@ void FinalGather::gatherBlock(const GatherGroup& group, int block, uint64_t& ray
     }
     const Sky& sky = paths_.sky();
     const bool black = sky.black();
+    const bool bright = cache_ != nullptr && !cache_->bright().empty();
     for (int cell = 0; cell < GatherPattern::kBlock; ++cell) {
         const RTCRayHit8& packet = bundle_.rays[std::size_t(cell)];
         Vec3Lanes<kLanes> radiance;
@@ -145,7 +176,9 @@ void FinalGather::gatherBlock(const GatherGroup& group, int block, uint64_t& ray
                                       : shading::skyRadiance(sky.zenith, sky.horizon, sky.ground,
                                                              bundle_.direction(cell, lane)));
             } else if (const vec3* known = cache_ != nullptr && w != kOther ? knownRadiance(cell, lane, w) : nullptr) {
-                radiance.set(l, *known);
+                radiance.set(l, bright && cache_->cells()[w].bright() && brightSamples_[l] > 0
+                                    ? *known * brightWeight(cell, lane, w)
+                                    : *known);
             } else {
                 radiance.set(l, slowRadiance(group, lane, block, cell, rays));
             }
@@ -165,12 +198,63 @@ const vec3* FinalGather::knownRadiance(int cell, int lane, uint32_t square) cons
 {
     const RTCRayHit8& packet = bundle_.rays[std::size_t(cell)];
     const RadianceCache::Cell* c = cache_->cells() + square;
-    if (packet.ray.tfar[lane] >= c->nearest) return &c->radiance;
+    if (c->answers(packet.ray.tfar[lane])) return &c->radiance;
     const uint32_t record = RadianceCache::recordOf(paths_.surfaces(), packet, lane);
-    const uint32_t part = cache_->partIndex(record, {packet.hit.u[lane], packet.hit.v[lane]}, square);
-    if (part == RadianceCache::kNoCells) return nullptr;
-    c = cache_->cells() + part;
-    return packet.ray.tfar[lane] >= c->nearest ? &c->radiance : nullptr;
+    return cache_->known(record, {packet.hit.u[lane], packet.hit.v[lane]}, square, packet.ray.tfar[lane]);
+}
+
+float FinalGather::brightWeight(int cell, int lane, uint32_t square) const
+{
+    const RTCRayHit8& packet = bundle_.rays[std::size_t(cell)];
+    const auto l = std::size_t(lane);
+    const vec3 direction = bundle_.direction(cell, lane);
+    const vec3 normal = glm::normalize(vec3(packet.hit.Ng_x[lane], packet.hit.Ng_y[lane], packet.hit.Ng_z[lane]));
+    const vec3 receiverNormal = bundle_.frame(std::size_t(cell)).normal[l];
+    const float distance = packet.ray.tfar[lane];
+    const float pdfArea = brightShare(l) * cache_->bright().pdfArea(guides_[l], square);
+    const float pdf = pdfArea * distance * distance / std::max(std::abs(glm::dot(normal, direction)), 1.0e-6f);
+    return shading::powerHeuristic(std::max(glm::dot(receiverNormal, direction), 1.0e-4f) / kPi, pdf);
+}
+
+void FinalGather::sampleBright(const GatherGroup& group, int block, uint64_t& rays)
+{
+    // In sweeps, so that each sweep's memory is on its way while others are worked on.
+    const BrightCells& bright = cache_->bright();
+    constexpr std::size_t kSamples = std::size_t(GatherPattern::kBlock) * kLanes;
+    std::array<BrightCells::Choice, kSamples> choices;
+    for (int i = 0; i < group.lanes(); ++i) {
+        const auto lane = std::size_t(i);
+        if (!group.active(i) || brightSamples_[lane] == 0) continue;
+        const GatherPattern::Block points =
+            pattern_.block(hashCombine(settings_.seed ^ kBrightSeed, group.id(i)), block);
+        for (int cell = 0; cell < GatherPattern::kBlock; ++cell) {
+            if (!looksAtBright(lane, block, cell)) continue;
+            choices[std::size_t(cell) * kLanes + lane] = bright.choose(guides_[lane], points.unit(cell));
+        }
+    }
+    std::array<BrightCells::Place, kSamples> places;
+    for (std::size_t i = 0; i < kSamples; ++i) {
+        if (choices[i].piece == ~0u) continue;
+        places[i] = bright.place(choices[i]);
+        __builtin_prefetch(cache_->cells() + places[i].cell);
+    }
+    const SurfaceTracer& tracer = paths_.surfaces();
+    countLights(
+        [&](std::size_t lane, int cell) {
+            const BrightCells::Place& place = places[std::size_t(cell) * kLanes + lane];
+            EmitterSample e;
+            if (place.pdfArea <= 0.0f) return e;
+            const float distance = glm::distance(bundle_.origin(std::size_t(cell), int(lane)), place.position);
+            const vec3* known = cache_->known(place.record, place.barycentric, place.cell, distance);
+            if (known == nullptr) return e;
+            e.position = place.position;
+            e.normal = place.normal;
+            // Through holes light from elsewhere comes.
+            e.radiance = *known * tracer.coverageOfHit(place.record / 2, place.barycentric);
+            e.pdfArea = place.pdfArea * brightShare(lane);
+            return e;
+        },
+        rays);
 }
 
 vec3 FinalGather::slowRadiance(const GatherGroup& group, int lane, int block, int cell, uint64_t& rays)
@@ -183,6 +267,51 @@ vec3 FinalGather::slowRadiance(const GatherGroup& group, int lane, int block, in
     const Receiver receiver{s.position, s.normal, &cut_, std::size_t(lane)};
     Sampler sampler(settings_.seed, group.id(lane), uint32_t(block * GatherPattern::kBlock + cell));
     return paths_.follow(at, direction, receiver, pdf, settings_.bounces, sampler, rays, cache_);
+}
+
+template<typename Choose> void FinalGather::countLights(const Choose& choose, uint64_t& rays)
+{
+    RTCRay8 packet;
+    alignas(32) embree::LaneMask valid;
+    std::array<EmitterSample, kLanes> chosen;
+    EmitterLanes lanes;
+    for (std::size_t cell = 0; cell < std::size_t(GatherPattern::kBlock); ++cell) {
+        const RayBundle::Frames& frame = bundle_.frame(cell);
+        bool any = false;
+        for (std::size_t lane = 0; lane < kLanes; ++lane) {
+            EmitterSample& e = chosen[lane];
+            e = choose(lane, int(cell));
+            if (e.radiance == vec3(0.0f)) e.pdfArea = 0.0f;
+            any = any || e.pdfArea > 0.0f;
+            lanes.set(lane, e);
+        }
+        if (!any) continue;
+        SurfaceTracer::clear(packet);
+        for (std::size_t lane = 0; lane < kLanes; ++lane) {
+            const vec3 position = bundle_.origin(cell, int(lane));
+            const EmitterWay way = emitterWay(position, frame.normal[lane], frame.geometricNormal[lane],
+                                              lanes.position[lane], lanes.normal[lane], lanes.pdfArea[lane],
+                                              lanes.doubleSided[lane] != 0, lanes.rayVisible[lane] != 0);
+            lanes.share[lane] = way.share;
+            valid.lane[lane] = way.distance > 0.0f ? -1 : 0;
+            embree::setRay(packet, int(lane), position, way.direction);
+            packet.tfar[lane] = way.distance * (1.0f - 1.0e-4f);
+        }
+        const auto traced = std::count(valid.lane, valid.lane + kLanes, -1);
+        if (traced == 0) continue;
+        rays += uint64_t(traced);
+        paths_.surfaces().occluded(valid, packet);
+        Vec3Lanes<kLanes> irradiance;
+        for (std::size_t lane = 0; lane < kLanes; ++lane) {
+            const bool arrives = valid.lane[lane] != 0 && packet.tfar[lane] >= 0.0f;
+            irradiance.set(lane, arrives ? chosen[lane].radiance * lanes.share[lane] : vec3(0.0f));
+            // Of lanes that nothing was sampled for, directions may be no numbers.
+            packet.dir_x[lane] = arrives ? packet.dir_x[lane] : 0.0f;
+            packet.dir_y[lane] = arrives ? packet.dir_y[lane] : 0.0f;
+            packet.dir_z[lane] = arrives ? packet.dir_z[lane] : 0.0f;
+        }
+        count(irradiance, packet);
+    }
 }
 
 // Where emitters give little beside what the gathered rays brought, only some samples look at them.
@@ -205,51 +334,17 @@ void FinalGather::sampleEmitters(const GatherGroup& group, int block, std::span<
         const uint32_t sample = uint32_t(block * GatherPattern::kBlock) + uint32_t(cell);
         return unitFloat(hashCombine(settings_.seed ^ kRouletteSeed ^ group.id(int(lane)), sample)) < chance[lane];
     };
-    RTCRay8 packet;
-    alignas(32) embree::LaneMask valid;
-    std::array<EmitterSample, kLanes> chosen;
-    EmitterLanes lanes;
-    for (std::size_t cell = 0; cell < std::size_t(GatherPattern::kBlock); ++cell) {
-        const RayBundle::Frames& frame = bundle_.frame(cell);
-        bool any = false;
-        for (std::size_t lane = 0; lane < kLanes; ++lane) {
-            EmitterSample& e = chosen[lane];
-            e.pdfArea = 0.0f;
-            if (wanted(lane, cell)) {
-                e = paths_.emitters().sample({bundle_.origin(cell, int(lane)), frame.normal[lane], &cut_, lane},
-                                             points[lane].unit(int(cell)));
-                if (e.radiance == vec3(0.0f)) e.pdfArea = 0.0f;
-                any = true;
-            }
-            lanes.set(lane, e);
-        }
-        if (!any) continue;
-        SurfaceTracer::clear(packet);
-        for (std::size_t lane = 0; lane < kLanes; ++lane) {
-            const vec3 position = bundle_.origin(cell, int(lane));
-            const EmitterWay way = emitterWay(position, frame.normal[lane], frame.geometricNormal[lane],
-                                              lanes.position[lane], lanes.normal[lane], lanes.pdfArea[lane],
-                                              lanes.doubleSided[lane] != 0, lanes.rayVisible[lane] != 0);
-            lanes.share[lane] = way.share;
-            valid.lane[lane] = way.distance > 0.0f ? -1 : 0;
-            embree::setRay(packet, int(lane), position, way.direction);
-            packet.tfar[lane] = way.distance * (1.0f - 1.0e-4f);
-        }
-        const auto traced = std::count(valid.lane, valid.lane + kLanes, -1);
-        if (traced == 0) continue;
-        rays += uint64_t(traced);
-        paths_.surfaces().occluded(valid, packet);
-        Vec3Lanes<kLanes> irradiance;
-        for (std::size_t lane = 0; lane < kLanes; ++lane) {
-            const bool arrives = valid.lane[lane] != 0 && packet.tfar[lane] >= 0.0f;
-            irradiance.set(lane, arrives ? chosen[lane].radiance * (lanes.share[lane] / chance[lane]) : vec3(0.0f));
-            // Of lanes that nothing was sampled for, directions may be no numbers.
-            packet.dir_x[lane] = arrives ? packet.dir_x[lane] : 0.0f;
-            packet.dir_y[lane] = arrives ? packet.dir_y[lane] : 0.0f;
-            packet.dir_z[lane] = arrives ? packet.dir_z[lane] : 0.0f;
-        }
-        count(irradiance, packet);
-    }
+    countLights(
+        [&](std::size_t lane, int cell) {
+            EmitterSample e;
+            if (!wanted(lane, std::size_t(cell))) return e;
+            e = paths_.emitters().sample({bundle_.origin(std::size_t(cell), int(lane)),
+                                          bundle_.frame(std::size_t(cell)).normal[lane], &cut_, lane},
+                                         points[lane].unit(cell));
+            e.radiance /= chance[lane];
+            return e;
+        },
+        rays);
     for (int lane = 0; lane < group.lanes(); ++lane) {
         TexelLight& light = lights[std::size_t(lane)];
         if (use[std::size_t(lane)]) endBlock(lane, light, light.emitted);

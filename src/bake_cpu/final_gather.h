@@ -64,6 +64,26 @@ private:
     void beginBlock();
     void endBlock(int lane, TexelLight& light, TexelSum& sum);
     void cutEmitters(const GatherGroup& group);
+    /// Decides how many of a block's samples look at bright cells.
+    void prepareBright(const GatherGroup& group);
+    [[nodiscard]] bool looksAtBright(std::size_t lane, int block, int cell) const
+    {
+        // A quarter or half of a block is one or two in each row and each column of the pattern.
+        constexpr int kQuarter = GatherPattern::kBlock / 4;
+        const int diagonal = ((cell >> 2) ^ cell ^ block) & 3;
+        return brightSamples_[lane] == 4 * kQuarter || (brightSamples_[lane] == 2 * kQuarter && (diagonal & 1) == 0) ||
+               (brightSamples_[lane] == kQuarter && diagonal == 0);
+    }
+    [[nodiscard]] float brightShare(std::size_t lane) const
+    {
+        return float(brightSamples_[lane]) / float(GatherPattern::kBlock);
+    }
+    /// What a ray that met a bright cell counts beside samples of it.
+    [[nodiscard]] float brightWeight(int cell, int lane, uint32_t square) const;
+    void sampleBright(const GatherGroup& group, int block, uint64_t& rays);
+    /// Counts light from points that choose(lane, cell) tells, where nothing stands between: an EmitterSample, its
+    /// pdfArea 0 where there is none.
+    template<typename Choose> void countLights(const Choose& choose, uint64_t& rays);
     void gatherBlock(const GatherGroup& group, int block, uint64_t& rays);
     /// From where the bundle's rays of the same block start.
     void sampleEmitters(const GatherGroup& group, int block, std::span<TexelLight> lights, uint64_t& rays);
@@ -93,7 +113,9 @@ private:
     Vec3Lanes<TexelGroup::kLanes> moment_;
     std::array<float, TexelGroup::kLanes> inverseSquares_;
     std::array<uint32_t, TexelGroup::kLanes> backFaces_;
-    LightTree::Cut cut_; ///< of the group's texels
+    LightTree::Cut cut_;                                        ///< of the group's texels
+    std::array<BrightCells::Guide, TexelGroup::kLanes> guides_; ///< to bright cells
+    std::array<int, TexelGroup::kLanes> brightSamples_{};       ///< of a block, for each texel
 };
 
 } // namespace halflight

@@ -29,6 +29,8 @@ constexpr Effort kTriangleEffort = {8, 4};
 constexpr Effort kPartEffort = {8, 4};
 constexpr Effort kMorePartEffort = {16, 8};
 constexpr float kHalfTexel = 0.5f;
+/// Covered areas above this are a whole texel, but for rounding.
+constexpr float kWhole = 0.999f;
 /// A triangle is a cell if no edge is longer than so many cells are wide.
 constexpr float kLongestEdgeInCells = 2.0f;
 /// Rays shorter than this many cells would see their squares.
@@ -185,7 +187,8 @@ void RadianceCache::layOutTriangles(const PathTracer& paths, const TexelMap& map
         meters += double(f.area) * double(texelMetersOf(geometry, f.triangle));
         texels += double(f.area);
     }
-    const float longest = kLongestEdgeInCells * float(1 << cellShift_) * (texels > 0.0 ? float(meters / texels) : 0.0f);
+    texelMeters_ = texels > 0.0 ? float(meters / texels) : 0.0f;
+    const float longest = kLongestEdgeInCells * float(1 << cellShift_) * texelMeters_;
     // More of them than texels would cost more than they save.
     const std::size_t most = map.texels.size();
     cellTriangles_.clear();
@@ -241,20 +244,25 @@ void RadianceCache::findWanted(const std::vector<RangeOutput>& ranges)
     }
 }
 
+/// The square that a texel is in, on the front of a triangle, or kNoCells.
+uint32_t RadianceCache::cellOf(const Texel& texel, uint32_t triangle) const
+{
+    const uint32_t number = rectangleOfTriangle_[triangle];
+    if (number == ~0u || rectangles_[number].firstCell == kNoCells) return kNoCells;
+    const Rectangle& r = rectangles_[number];
+    const ivec2 at = ivec2(texel.x >> cellShift_, texel.y >> cellShift_) - r.min;
+    return r.firstCell + uint32_t(at.y * (r.max.x - r.min.x + 1) + at.x);
+}
+
 /// Texels that lie in cells of a given state, counted from the first cell of the squares' fronts or backs.
 std::vector<uint32_t> RadianceCache::texelsOf(const TexelMap& map, uint32_t firstCell, uint8_t state) const
 {
     std::vector<uint32_t> texels;
     for (std::size_t i = 0; i < map.texels.size(); ++i) {
         const Texel& texel = map.texels[i];
-        const ivec2 block(texel.x >> cellShift_, texel.y >> cellShift_);
         for (uint32_t f = 0; f < texel.fragmentCount; ++f) {
-            const uint32_t number = rectangleOfTriangle_[map.fragments[texel.firstFragment + f].triangle];
-            if (number == ~0u || rectangles_[number].firstCell == kNoCells) continue;
-            const Rectangle& r = rectangles_[number];
-            const ivec2 at = block - r.min;
-            const uint32_t cell = r.firstCell + uint32_t(at.y * (r.max.x - r.min.x + 1) + at.x);
-            if ((state_[firstCell + cell] & state) == 0) continue;
+            const uint32_t cell = cellOf(texel, map.fragments[texel.firstFragment + f].triangle);
+            if (cell == kNoCells || (state_[firstCell + cell] & state) == 0) continue;
             texels.push_back(uint32_t(i));
             break;
         }
@@ -563,10 +571,11 @@ private:
         const vec3 above = point.position + lift * point.geometricNormal;
         std::array<vec3, embree::kPacket> targets;
         targets[0] = previousCell_ == cell ? previous_ : above;
+        const int count = group.pointCount(lane);
+        const bool whole = coveredArea(map_, map_.texels[group.texel(lane)]) > kWhole;
         for (std::size_t i = 1; i < targets.size(); ++i) {
-            const int count = group.pointCount(lane);
-            if (count == kMaxTexelPoints) {
-                // The surface fills the whole texel: as far as its border.
+            if (whole && count == kMaxTexelPoints) {
+                // As far as the texel's border.
                 const Rim& rim = rim_[i - 1];
                 const SurfacePoint& p = group.points(lane)[std::size_t(rim.point)];
                 targets[i] = above + rim.toBorder * (p.position + lift * p.geometricNormal - above);
@@ -582,7 +591,6 @@ private:
         // Points that do not see one another may lie inside solids.
         if ((blocked & ~1u) == 0 || pass_ != Pass::Squares) return;
         const TexelPoints& points = group.points(lane);
-        const int count = group.pointCount(lane);
         const PointMask mask = validity_.outsideSolids(points, count, group.id(lane), rays_);
         if (mask == kAllPoints) return;
         setOutside(group.texel(lane), validity_.outsideShells(points, count, mask, group.id(lane), rays_));
@@ -777,8 +785,7 @@ bool RadianceCache::build(const PathTracer& paths, const TexelMap& map, const Ga
     gather(Pass::Triangles, triangles);
     gather(Pass::Parts, texelsOf(map, 0, kDivided | kMetNear));
     if (progress.cancelled()) return false;
-    bounce(ranges, paths.surfaces().geometry(), settings.bounces);
-    hitIndexOfTriangle_ = {};
+    bounce(ranges, map, paths.surfaces(), settings.bounces);
     rectangleOfTriangle_ = {};
     rectangles_ = {};
     cellTriangles_ = {};
@@ -867,7 +874,8 @@ void RadianceCache::findSubstitutes(const std::vector<uint32_t>& rayCount, const
     }
 }
 
-void RadianceCache::bounce(std::vector<RangeOutput>& ranges, const BakeGeometry& geometry, int bounces)
+void RadianceCache::bounce(std::vector<RangeOutput>& ranges, const TexelMap& map, const SurfaceTracer& tracer,
+                           int bounces)
 {
     const std::size_t count = state_.size();
     bounces_ = bounces;
@@ -884,7 +892,7 @@ void RadianceCache::bounce(std::vector<RangeOutput>& ranges, const BakeGeometry&
             if (anyDirect[i] == 0 || (state_[i] & kDivided) != 0) rayCount[i] = 0;
         }
     }
-    findSubstitutes(rayCount, geometry);
+    findSubstitutes(rayCount, tracer.geometry());
 
     // Cells that know something, one after the other: many do not.
     std::vector<uint32_t> filled(count, kNoCells);
@@ -964,12 +972,27 @@ void RadianceCache::bounce(std::vector<RangeOutput>& ranges, const BakeGeometry&
     }
     gathered = {};
     cells_.resize(count);
+    std::vector<CellLight> lights(firstPart_.size());
     for (std::size_t i = 0; i < count; ++i) {
         const uint32_t f = filledFor(i);
         if (f == kNoCells) continue;
+        if (i < lights.size()) {
+            lights[i].illuminance = luminance(sums[f].first); // so far
+        }
         cells_[i] = {reflected[f], (state_[i] & kDivided) == 0 ? sums[f].nearest : kInfinity};
     }
     fillParts(rayCount);
+    // Whose number is whose: parts count as their cell.
+    std::vector<uint32_t> owner(filledCount, kNoCells);
+    for (uint32_t cell = 0; cell < firstPart_.size(); ++cell) {
+        if (filled[cell] != kNoCells) owner[filled[cell]] = cell;
+        if (firstPart_[cell] == kNoCells) continue;
+        const uint32_t first = firstPart_[cell] & kCellMask;
+        for (uint32_t p = first; p < first + (1u << (2 * partShift(cell))); ++p) {
+            if (filled[p] != kNoCells) owner[filled[p]] = cell;
+        }
+    }
+    findBright(ranges, map, tracer, owner, std::move(lights));
 }
 
 /// Parts that no sample fell into are like those around them, where these are like one another.
@@ -1006,20 +1029,94 @@ void RadianceCache::fillParts(const std::vector<uint32_t>& rayCount)
     }
 }
 
+/// Tells what cells are like, and which of them rays met, so that the brightest can be sampled.
+void RadianceCache::findBright(const std::vector<RangeOutput>& ranges, const TexelMap& map, const SurfaceTracer& tracer,
+                               std::span<const uint32_t> ownerOfFilled, std::vector<CellLight> lights)
+{
+    const BakeGeometry& geometry = tracer.geometry();
+    for (const Texel& texel : map.texels) {
+        for (uint32_t f = 0; f < texel.fragmentCount; ++f) {
+            const TexelFragment& fragment = map.fragments[texel.firstFragment + f];
+            const uint32_t cell = cellOf(texel, fragment.triangle);
+            if (cell == kNoCells || lights[cell].receives) continue;
+            const uvec3 t = geometry.triangles[fragment.triangle];
+            const vec3 a = geometry.positions[t.x];
+            CellLight& front = lights[cell];
+            CellLight& back = lights[backOf(cell)];
+            front.position = back.position = a + fragment.barycentric.x * (geometry.positions[t.y] - a) +
+                                             fragment.barycentric.y * (geometry.positions[t.z] - a);
+            front.direction = uint8_t(rectangleOfTriangle_[fragment.triangle] % kDirections);
+            back.direction = front.direction ^ 1u;
+            front.receives = true;
+        }
+    }
+    for (std::size_t i = 0; i < cellTriangles_.size(); ++i) {
+        CellLight& front = lights[2 * squares_ + 2 * i];
+        CellLight& back = lights[2 * squares_ + 2 * i + 1];
+        front.position = back.position = geometry.positions[geometry.triangles[cellTriangles_[i]].x];
+        front.direction = uint8_t(directionOf(geometry.geometricNormal(cellTriangles_[i])));
+        back.direction = front.direction ^ 1u;
+    }
+    // Of cells that something stands on, the parts know more.
+    for (std::size_t i = 0; i < lights.size(); ++i) {
+        lights[i].radiance = luminance(cells_[i].radiance);
+        if (firstPart_[i] == kNoCells || cells_[i].nearest < kInfinity) continue;
+        const uint32_t first = firstPart_[i] & kCellMask;
+        float sum = 0.0f;
+        float count = 0.0f;
+        for (uint32_t p = first; p < first + (1u << (2 * partShift(uint32_t(i)))); ++p) {
+            if (!(cells_[p].nearest < kInfinity)) continue;
+            sum += luminance(cells_[p].radiance);
+            ++count;
+        }
+        lights[i].radiance = count > 0.0f ? sum / count : 0.0f;
+    }
+    // Links are numbers of filled cells by now.
+    const auto forContributions = [&](const auto& body) {
+        for (const RangeOutput& range : ranges) {
+            std::size_t link = 0;
+            for (const Contribution& c : range.contributions) {
+                const std::span<const uint32_t> links = std::span(range.links).subspan(link, c.linkCount);
+                link += c.linkCount;
+                if (c.cell != kNoCells && ownerOfFilled[c.cell] < squares_) body(ownerOfFilled[c.cell], c, links);
+            }
+        }
+    };
+    std::vector<float> gathered(squares_);
+    forContributions([&](uint32_t cell, const Contribution& c, std::span<const uint32_t> links) {
+        lights[cell].rays += float(c.rayCount);
+        for (const uint32_t target : links) {
+            if (target != kNoCells) gathered[cell] += lights[ownerOfFilled[target]].radiance;
+        }
+    });
+    for (uint32_t cell = 0; cell < squares_; ++cell) {
+        lights[cell].illuminance += kPi * gathered[cell] / std::max(lights[cell].rays, 1.0f);
+    }
+    bright_ = BrightCells(*this, tracer, lights, texelMeters_, [&](const auto& sighting) {
+        forContributions([&](uint32_t cell, const Contribution&, std::span<const uint32_t> links) {
+            for (const uint32_t target : links) {
+                if (target != kNoCells) sighting(cell, ownerOfFilled[target]);
+            }
+        });
+    });
+    for (uint32_t cell = 0; cell < lights.size(); ++cell) {
+        if (bright_.contains(cell)) cells_[cell].nearest = -cells_[cell].nearest;
+    }
+}
+
 bool RadianceCache::reflected(uint32_t record, vec2 barycentric, float distance, int bounces, vec3& radiance) const
 {
     const int level = bounces_ - bounces;
     if (level < 0 || level >= kLevels || levels_[std::size_t(level)].empty()) return false;
     if (!hasCells(record)) return false;
     const uint32_t cell = cellIndex(record, barycentric);
-    if (!(distance >= cells_[cell].nearest)) {
-        const uint32_t part = level == 0 ? partIndex(record, barycentric, cell) : kNoCells;
-        if (part == kNoCells || !(distance >= cells_[part].nearest)) return false;
-        radiance = cells_[part].radiance;
+    if (cells_[cell].answers(distance)) {
+        radiance = levels_[std::size_t(level)][cell];
         return true;
     }
-    radiance = levels_[std::size_t(level)][cell];
-    return true;
+    const vec3* light = level == 0 ? known(record, barycentric, cell, distance) : nullptr;
+    if (light != nullptr) radiance = *light;
+    return light != nullptr;
 }
 
 } // namespace halflight

@@ -1,6 +1,7 @@
 #pragma once
 // Reflected light of the lightmapped surfaces, in cells of a few texels: where the gather's rays end.
 
+#include "bake_cpu/bright_cells.h"
 #include "bake_cpu/gather_pattern.h"
 #include "bake_cpu/path.h"
 #include "bake_cpu/validity.h"
@@ -10,6 +11,7 @@
 #include <algorithm>
 #include <array>
 #include <atomic>
+#include <cmath>
 #include <span>
 #include <vector>
 
@@ -42,8 +44,11 @@ public:
     static constexpr uint32_t kCellMask = 0x1fffffffu;
 
     struct Cell {
-        vec3 radiance{0.0f};       ///< reflected, after all bounces
-        float nearest = kInfinity; ///< rays that hit at less than this many metres do not use the cell
+        vec3 radiance{0.0f}; ///< reflected, after all bounces
+        /// Rays that hit at less than this many metres do not use the cell; negated where the cell is a bright one.
+        float nearest = kInfinity;
+        [[nodiscard]] bool answers(float distance) const { return distance >= std::abs(nearest); }
+        [[nodiscard]] bool bright() const { return std::signbit(nearest); }
     };
 
     /// Gathers what the cells reflect after up to `settings.bounces` bounces (at least 1). Looks closer at texels whose
@@ -73,11 +78,32 @@ public:
         const auto x = std::clamp(int(at.x), 0, int(s.width) - 1);
         const auto y = std::clamp(int(at.y), 0, int(s.height) - 1);
         const uint32_t front = (s.firstCell & kCellMask) + uint32_t(y) * s.width + uint32_t(x);
-        return record % 2 == 0 ? front : front + (front < squares_ ? squares_ : 1);
+        return record % 2 == 0 ? front : backOf(front);
     }
+    /// The back of a front's cell.
+    [[nodiscard]] uint32_t backOf(uint32_t front) const { return front + (front < squares_ ? squares_ : 1); }
     /// The part of a cell at a place, or kNoCells.
     [[nodiscard]] uint32_t partIndex(uint32_t record, vec2 barycentric, uint32_t cell) const;
     [[nodiscard]] const Cell* cells() const { return cells_.data(); }
+    /// What a cell that a side's place is in, or its part, reflects towards the other end of a ray of some length; null
+    /// where that is too close by.
+    [[nodiscard]] const vec3* known(uint32_t record, vec2 barycentric, uint32_t cell, float distance) const
+    {
+        const Cell* c = cells() + cell;
+        if (c->answers(distance)) return &c->radiance;
+        const uint32_t part = partIndex(record, barycentric, cell);
+        if (part == kNoCells) return nullptr;
+        c = cells() + part;
+        return c->answers(distance) ? &c->radiance : nullptr;
+    }
+    [[nodiscard]] const BrightCells& bright() const { return bright_; }
+    /// What is known of bright cells at a point of a front.
+    [[nodiscard]] BrightCells::Guide guide(const SurfacePoint& point) const
+    {
+        const uint32_t index = hitIndexOfTriangle_[point.triangle];
+        if (bright_.empty() || index == ~0u || !hasCells(recordOf(index, false))) return {};
+        return bright_.guide(cellIndex(recordOf(index, false), point.barycentric));
+    }
     /// Light that the end of a ray of some length reflects after at most `bounces` reflections, if a cell knows it.
     [[nodiscard]] bool reflected(uint32_t record, vec2 barycentric, float distance, int bounces, vec3& radiance) const;
 
@@ -90,11 +116,14 @@ private:
     void layOutTriangles(const PathTracer& paths, const TexelMap& map);
     void addParts(uint32_t firstCell, uint8_t of);
     void findWanted(const std::vector<RangeOutput>& ranges);
+    [[nodiscard]] uint32_t cellOf(const Texel& texel, uint32_t triangle) const;
     [[nodiscard]] std::vector<uint32_t> texelsOf(const TexelMap& map, uint32_t firstCell, uint8_t state) const;
     void findSubstituteTriangles(const std::vector<uint32_t>& rayCount, const BakeGeometry& geometry);
     void findSubstitutes(const std::vector<uint32_t>& rayCount, const BakeGeometry& geometry);
-    void bounce(std::vector<RangeOutput>& ranges, const BakeGeometry& geometry, int bounces);
+    void bounce(std::vector<RangeOutput>& ranges, const TexelMap& map, const SurfaceTracer& tracer, int bounces);
     void fillParts(const std::vector<uint32_t>& rayCount);
+    void findBright(const std::vector<RangeOutput>& ranges, const TexelMap& map, const SurfaceTracer& tracer,
+                    std::span<const uint32_t> ownerOfFilled, std::vector<CellLight> lights);
 
     static constexpr int kLevels = 4;
     /// In firstPart_: parts are half a texel wide, else a texel.
@@ -103,7 +132,8 @@ private:
     {
         return cellShift_ + ((firstPart_[cell] & kHalfTexels) != 0 ? 1 : 0);
     }
-    int cellShift_ = 0; ///< a cell is 2^shift texels wide
+    int cellShift_ = 0;        ///< a cell is 2^shift texels wide
+    float texelMeters_ = 0.0f; ///< mean width of a texel
     int bounces_ = 0;
     uint32_t squares_ = 0;            ///< cells of the squares' fronts, and as many of their backs
     std::vector<Surface> surfaces_;   ///< by hit triangle
@@ -112,6 +142,9 @@ private:
     /// What cells reflect after bounces_, bounces_ - 1, … reflections, for paths that reach one after some of their
     /// own.
     std::array<std::vector<vec3>, kLevels> levels_;
+
+    std::vector<uint32_t> hitIndexOfTriangle_; ///< or ~0
+    BrightCells bright_;
 
     // While building.
     struct Rectangle {
@@ -122,7 +155,6 @@ private:
     };
     std::vector<Rectangle> rectangles_;         ///< by chart and direction, six for each chart
     std::vector<uint32_t> rectangleOfTriangle_; ///< or ~0
-    std::vector<uint32_t> hitIndexOfTriangle_;  ///< or ~0
     std::vector<uint32_t> cellTriangles_;       ///< that are cells themselves: front and back of each
     /// By cell.
     static constexpr uint8_t kDivided = 1;   ///< something stands on it

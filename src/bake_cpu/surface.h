@@ -134,6 +134,11 @@ public:
     [[nodiscard]] vec3 emissionAt(uint32_t triangle, vec2 barycentric) const;
     /// Share of rays that meet the surface there: 1 opaque, 0 or 1 masked, alpha blended.
     [[nodiscard]] float coverageAt(uint32_t triangle, vec2 barycentric) const;
+    [[nodiscard]] float coverageOfHit(uint32_t hitIndex, vec2 barycentric) const
+    {
+        const bool opaque = hitIndex < firstHit_[1];
+        return opaque ? 1.0f : coverageAt(triangleAt(hitIndex), barycentric);
+    }
     [[nodiscard]] const BakeGeometry& geometry() const { return geometry_; }
     [[nodiscard]] bool ok() const { return scene_ != nullptr; }
 

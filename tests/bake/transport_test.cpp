@@ -8,6 +8,7 @@
 #include "bake_cpu/light_tree.h"
 #include "bake_cpu/path.h"
 
+#include "halflight/base/image.h"
 #include "halflight/base/parallel.h"
 #include "halflight/base/random.h"
 #include "halflight/shading/sh.h"
@@ -168,6 +169,114 @@ TEST(RadianceCacheS6, AgreesWithPathTracing)
         EXPECT_LT(std::abs(d.bias), 0.01);
         EXPECT_LT(d.rmse, 0.07);
         EXPECT_LT(std::abs(d.momentBias), 0.02);
+    }
+}
+
+/// A dark room, four metres wide, in which lamps light two spots on the floor. Its ceiling and walls receive light from
+/// there alone.
+struct LitSpots {
+    static constexpr float kWidth = 4.0f;
+    static constexpr float kHeight = 3.0f;
+    static constexpr float kAlbedo = 0.8f;
+    Scene scene;
+
+    /// `half`: one half of the floor is a hole above nothing but black.
+    explicit LitSpots(bool half)
+    {
+        const int white = addMaterial(scene, vec3(kAlbedo));
+        const int black = addMaterial(scene, vec3(0.0f));
+        int floor = white;
+        if (half) {
+            Texture texture;
+            texture.pixels = ImageRgba8(2, 1, u8vec4(255));
+            texture.pixels(1, 0).w = 0;
+            texture.nearest = true;
+            scene.textures.push_back(texture);
+            floor = addMaterial(scene, vec3(kAlbedo), vec3(0.0f), true);
+            scene.materials[std::size_t(floor)].alphaMode = Material::AlphaMode::Mask;
+            scene.materials[std::size_t(floor)].baseColorTexture.texture = 0;
+        }
+        const vec3 x(kWidth, 0, 0);
+        const vec3 y(0, kHeight, 0);
+        const vec3 z(0, 0, kWidth);
+        // The floor's u goes along x: its first half has no holes.
+        addRectangle(scene, {z, x, -z}, floor, kPage, {vec2(1), vec2(29)});
+        addRectangle(scene, {vec3(0, -1, 0) + z, x, -z}, black, kPage);
+        addRectangle(scene, {y, x, z}, white, kPage, {vec2(31, 1), vec2(45, 15)});
+        addRectangle(scene, {vec3(0), x, y}, white, kPage, {vec2(47, 1), vec2(61, 15)});
+        addRectangle(scene, {z + x, -x, y}, white, kPage, {vec2(31, 17), vec2(45, 31)});
+        addRectangle(scene, {z, -z, y}, white, kPage, {vec2(47, 17), vec2(61, 31)});
+        addRectangle(scene, {x, z, y}, white, kPage, {vec2(1, 31), vec2(15, 45)});
+        for (const float at : {0.25f, 0.75f}) {
+            Light lamp = makeLight(LightType::Spot, vec3(at * kWidth, kHeight - 0.2f, 0.5f * kWidth), vec3(0, -1, 0),
+                                   1000.0f, LightMode::Mixed);
+            // Without a sharp rim, which few texels would show roughly.
+            lamp.innerConeRadians = 0.0f;
+            lamp.outerConeRadians = 0.2f;
+            scene.lights.push_back(lamp);
+        }
+    }
+
+    /// What a place receives from the floor after one reflection, summed over the floor.
+    [[nodiscard]] double illuminance(vec3 position, vec3 normal, bool half) const
+    {
+        constexpr int kSteps = 100;
+        constexpr float kRadius = 0.6f;
+        double sum = 0.0;
+        for (const PunctualLight& lamp : punctualLights(scene, LightUse::Bake)) {
+            if (half && lamp.position.x > 0.5f * kWidth) continue;
+            for (int i = 0; i < kSteps * kSteps; ++i) {
+                const vec2 u((float(i % kSteps) + 0.5f) / float(kSteps), (float(i / kSteps) + 0.5f) / float(kSteps));
+                const vec2 at = vec2(lamp.position.x, lamp.position.z) + kRadius * (2.0f * u - 1.0f);
+                const vec3 p(at.x, 0.0f, at.y);
+                const shading::LightSample s = lamp.at(p);
+                const vec3 way = position - p;
+                const float d2 = glm::dot(way, way);
+                const float cosines = std::max(way.y, 0.0f) * std::max(-glm::dot(way, normal), 0.0f) / d2;
+                sum += double(s.illuminance.y * s.direction.y * kAlbedo / kPi * cosines / d2);
+            }
+        }
+        return sum * double(4.0f * kRadius * kRadius) / double(kSteps * kSteps);
+    }
+};
+
+/// Where one ray in a hundred meets what is bright, 32 rays would be off by more than 100 %: the gather looks there
+/// with little noise, and counts nothing twice. Light comes from where there is no hole; that samples are lost on the
+/// hole costs some noise.
+TEST(BrightCellsS6, LitSpotsAreNoNoise)
+{
+    for (const bool half : {false, true}) {
+        SCOPED_TRACE(half ? "half of it holes" : "no holes");
+        IntegrationSettings settings;
+        settings.samples = 32;
+        settings.shadowSamples = 8;
+        settings.bounces = 1;
+        double bias = 0.0;
+        double squares = 0.0;
+        double sum = 0.0;
+        int count = 0;
+        for (const uint32_t seed : {1u, 2u, 3u, 4u}) {
+            settings.seed = seed;
+            LitSpots spots(half);
+            Bench bench(spots.scene, MixedLightingMode::Shadowmask, kPage, settings);
+            const auto estimates = bench.irradiance();
+            for (std::size_t i = 0; i < estimates.size(); ++i) {
+                const Texel& texel = bench.map.texels[i];
+                const SurfacePoint point =
+                    surfacePoint(bench.geometry, bench.map.fragments[texel.firstFragment].triangle,
+                                 bench.map.fragments[texel.firstFragment].barycentric);
+                if (point.normal.y > 0.5f || !estimates[i].valid) continue;
+                const double truth = spots.illuminance(bench.positionOf(texel), point.normal, half);
+                const double error = double(estimates[i].irradiance.y) - truth;
+                bias += error;
+                squares += error * error;
+                sum += truth;
+                ++count;
+            }
+        }
+        ASSERT_GT(count, 2000);
+        EXPECT_LT(std::abs(bias), 0.015 * sum);
+        EXPECT_LT(std::sqrt(squares / count), (half ? 0.35 : 0.12) * sum / count);
     }
 }
 

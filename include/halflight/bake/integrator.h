@@ -83,6 +83,9 @@ struct SurfacePoint {
 /// The point of a triangle at barycentric weights (of vertices 1 and 2).
 SurfacePoint surfacePoint(const BakeGeometry& geometry, uint32_t triangle, vec2 barycentric);
 
+/// Share of a texel's square that its triangles cover, 0…1; more where they overlap.
+float coveredArea(const TexelMap& map, const Texel& texel);
+
 constexpr int kMaxTexelPoints = 16;
 
 /// Up to kMaxTexelPoints points spread evenly over the part of the texel that is covered; about as many wherever an

@@ -1,0 +1,360 @@
+#include "bake_cpu/bright_cells.h"
+
+#include "bake_cpu/radiance_cache.h"
+
+#include "halflight/base/polygon.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace halflight {
+namespace {
+
+/// Bright cells have at least so many times the radiosity that would make all that their receivers receive.
+constexpr float kBrighter = 1.0f;
+/// Bright cells are put together to patches over so many texels, and receivers to guides. Receivers around tell one
+/// another, each ray for so much of one.
+constexpr float kPatchTexels = 32.0f;
+constexpr float kGuideTexels = 8.0f;
+constexpr float kNeighbourWeight = 0.5f;
+constexpr std::size_t kMostEntries = 64; ///< of a guide
+/// Pieces take memory: for each cell there are so many at most, or so many for small lightmaps.
+constexpr float kMostPiecesForCell = 0.5f;
+constexpr std::size_t kFewPieces = 65536;
+
+/// Cubes of space, six of each for the directions that surfaces in them face, whatever charts these are on.
+class Cubes {
+public:
+    explicit Cubes(float width) : width_(width) {}
+    [[nodiscard]] uint64_t key(vec3 position, int direction) const
+    {
+        return pack(ivec3(glm::floor(position / width_)), direction);
+    }
+    /// Calls body(key) for a cube and those around it.
+    template<typename Body> static void around(uint64_t key, const Body& body)
+    {
+        const ivec3 at(int(key >> 40 & kMask), int(key >> 20 & kMask), int(key & kMask));
+        for (int i = 0; i < 27; ++i) body(pack(at + ivec3(i % 3 - 1, i / 3 % 3 - 1, i / 9 - 1), int(key >> 60)));
+    }
+
+private:
+    static constexpr uint64_t kMask = (1u << 20) - 1u;
+    static uint64_t pack(ivec3 at, int direction)
+    {
+        return uint64_t(direction) << 60 | (uint64_t(at.x) & kMask) << 40 | (uint64_t(at.y) & kMask) << 20 |
+               (uint64_t(at.z) & kMask);
+    }
+    float width_;
+};
+
+/// Gives each key but `none` a number, and returns the keys in the order of their numbers.
+std::vector<uint64_t> numberKeys(std::span<const uint64_t> keys, uint64_t none, std::vector<uint32_t>& numbers)
+{
+    std::vector<uint64_t> sorted(keys.begin(), keys.end());
+    std::erase(sorted, none);
+    std::sort(sorted.begin(), sorted.end());
+    sorted.erase(std::unique(sorted.begin(), sorted.end()), sorted.end());
+    numbers.assign(keys.size(), ~0u);
+    for (std::size_t i = 0; i < keys.size(); ++i) {
+        if (keys[i] == none) continue;
+        numbers[i] = uint32_t(std::lower_bound(sorted.begin(), sorted.end(), keys[i]) - sorted.begin());
+    }
+    return sorted;
+}
+
+/// Calls body(cell, x, y) for each cell of a front that the bounds of a triangle reach.
+template<typename Body> void forCells(const RadianceCache::Surface& s, const Body& body)
+{
+    const vec2 low = s.origin + glm::min(vec2(0.0f), glm::min(s.edgeU, s.edgeV));
+    const vec2 high = s.origin + glm::max(vec2(0.0f), glm::max(s.edgeU, s.edgeV));
+    const ivec2 last(int(s.width) - 1, int(s.height) - 1);
+    const ivec2 from = glm::clamp(ivec2(low), ivec2(0), last);
+    const ivec2 to = glm::clamp(ivec2(high), ivec2(0), last);
+    for (int y = from.y; y <= to.y; ++y) {
+        for (int x = from.x; x <= to.x; ++x) {
+            body((s.firstCell & RadianceCache::kCellMask) + uint32_t(y) * s.width + uint32_t(x), x, y);
+        }
+    }
+}
+
+/// What of a triangle lies in one of its cells, in barycentric weights. What lies beyond the rectangle of cells belongs
+/// to those at its border, as in RadianceCache::cellIndex().
+Polygon pieceIn(const RadianceCache::Surface& s, int x, int y)
+{
+    Polygon piece;
+    piece.points = {{{0.0f, 0.0f}, {1.0f, 0.0f}, {0.0f, 1.0f}}};
+    piece.count = 3;
+    const auto between = [&](vec2 along, float origin, int i, int count) {
+        if (i > 0) piece = clip(piece, along, float(i) - origin);
+        if (i + 1 < count) piece = clip(piece, -along, origin - float(i + 1));
+    };
+    between({s.edgeU.y, s.edgeV.y}, s.origin.y, y, s.height);
+    between({s.edgeU.x, s.edgeV.x}, s.origin.x, x, s.width);
+    return piece;
+}
+
+/// The first of a range of ascending numbers, from one on, that is above a random one, or the last; the random number
+/// is stretched again over its share.
+std::size_t chooseOne(std::span<const float> ends, std::size_t from, float& u)
+{
+    std::size_t i = from;
+    while (i + 1 < ends.size() && ends[i] <= u) ++i;
+    const float begin = i == 0 ? 0.0f : ends[i - 1];
+    u = std::clamp((u - begin) / std::max(ends[i] - begin, 1.0e-12f), 0.0f, 0x1.fffffep-1f);
+    return i;
+}
+
+} // namespace
+
+/// Light that came from a patch.
+struct BrightCells::Seen {
+    uint32_t patch = 0;
+    float light = 0.0f;
+    float squares = 0.0f;
+};
+
+BrightCells::BrightCells(const RadianceCache& cache, const SurfaceTracer& tracer, std::span<const CellLight> cells,
+                         float texelMeters, const Sightings& sightings)
+{
+    if (!(texelMeters > 0.0f)) return;
+    members_.resize(cells.size());
+    makeGuides(cells, texelMeters, sightings);
+    keepPatches(cache, tracer);
+    findPieces(cache, tracer, cells);
+}
+
+/// Who sees what: neighbouring receivers' rays put together. All that a guide says follows from what its receivers see,
+/// not from light elsewhere: what changes in one room must not change another's random numbers.
+void BrightCells::makeGuides(std::span<const CellLight> cells, float texelMeters, const Sightings& sightings)
+{
+    constexpr uint64_t kNone = ~uint64_t(0);
+    const Cubes guideCubes(kGuideTexels * texelMeters);
+    std::vector<uint64_t> keys(cells.size(), kNone);
+    for (std::size_t i = 0; i < cells.size(); ++i) {
+        const CellLight& c = cells[i];
+        if (c.receives && c.direction != CellLight::kNowhere) keys[i] = guideCubes.key(c.position, c.direction);
+    }
+    const std::vector<uint64_t> places = numberKeys(keys, kNone, guideOfCell_);
+    guides_.resize(places.size());
+    std::vector<float> illuminance(places.size());
+    std::vector<float> count(places.size());
+    std::vector<float> rays(places.size());
+    for (std::size_t i = 0; i < cells.size(); ++i) {
+        if (guideOfCell_[i] == ~0u || !(cells[i].rays > 0.0f)) continue;
+        rays[guideOfCell_[i]] += cells[i].rays;
+        illuminance[guideOfCell_[i]] += cells[i].illuminance;
+        ++count[guideOfCell_[i]];
+    }
+    for (std::size_t g = 0; g < places.size(); ++g) illuminance[g] /= std::max(count[g], 1.0f);
+
+    struct Sighting {
+        uint32_t guide;
+        uint32_t cell;
+    };
+    std::vector<Sighting> own;
+    const auto bright = [&](std::size_t guide, uint32_t cell) {
+        const float radiosity = kPi * cells[cell].radiance;
+        return radiosity > 0.0f && radiosity < kInfinity && radiosity >= kBrighter * illuminance[guide];
+    };
+    sightings([&](uint32_t from, uint32_t cell) {
+        const uint32_t guide = guideOfCell_[from];
+        if (guide == ~0u || cells[cell].direction == CellLight::kNowhere || !bright(guide, cell)) return;
+        own.push_back({guide, cell});
+    });
+    std::sort(own.begin(), own.end(), [](const Sighting& a, const Sighting& b) {
+        return a.guide != b.guide ? a.guide < b.guide : a.cell < b.cell;
+    });
+    std::vector<std::size_t> first(places.size() + 1);
+    for (const Sighting& s : own) ++first[s.guide + 1];
+    for (std::size_t g = 0; g < places.size(); ++g) first[g + 1] += first[g];
+
+    // Patches of the cells that were seen.
+    const Cubes patchCubes(kPatchTexels * texelMeters);
+    std::fill(keys.begin(), keys.end(), kNone);
+    for (const Sighting& s : own) keys[s.cell] = patchCubes.key(cells[s.cell].position, cells[s.cell].direction);
+    std::vector<uint32_t> patchOf;
+    patches_.resize(numberKeys(keys, kNone, patchOf).size());
+    for (std::size_t i = 0; i < cells.size(); ++i) members_[i].patch = patchOf[i];
+
+    std::vector<Seen> seen;
+    for (std::size_t g = 0; g < places.size(); ++g) {
+        seen.clear();
+        float allRays = 0.0f;
+        Cubes::around(places[g], [&](uint64_t key) {
+            const auto found = std::lower_bound(places.begin(), places.end(), key);
+            if (found == places.end() || *found != key) return;
+            const auto other = std::size_t(found - places.begin());
+            const float weight = other == g ? 1.0f : kNeighbourWeight;
+            allRays += weight * rays[other];
+            for (std::size_t i = first[other]; i < first[other + 1]; ++i) {
+                if (!bright(g, own[i].cell)) continue;
+                const float radiance = cells[own[i].cell].radiance;
+                seen.push_back({members_[own[i].cell].patch, weight * radiance, weight * radiance * radiance});
+            }
+        });
+        addGuide(seen, allRays, illuminance[g], guides_[g]);
+    }
+}
+
+void BrightCells::addGuide(std::vector<Seen>& seen, float rays, float illuminance, Guide& guide)
+{
+    std::stable_sort(seen.begin(), seen.end(), [](const Seen& a, const Seen& b) { return a.patch < b.patch; });
+    std::size_t count = 0;
+    for (const Seen& s : seen) {
+        if (count > 0 && seen[count - 1].patch == s.patch) {
+            seen[count - 1].light += s.light;
+            seen[count - 1].squares += s.squares;
+        } else {
+            seen[count++] = s;
+        }
+    }
+    seen.resize(count);
+    if (count > kMostEntries) {
+        std::stable_sort(seen.begin(), seen.end(), [](const Seen& a, const Seen& b) { return a.light > b.light; });
+        seen.resize(kMostEntries);
+        std::sort(seen.begin(), seen.end(), [](const Seen& a, const Seen& b) { return a.patch < b.patch; });
+    }
+    double light = 0.0;
+    double squares = 0.0;
+    for (const Seen& s : seen) {
+        light += double(s.light);
+        squares += double(s.squares);
+    }
+    if (!(light > 0.0 && light < double(kInfinity) && rays > 0.0f && illuminance > 0.0f)) return;
+    guide.first = uint32_t(entries_.size());
+    guide.count = uint32_t(seen.size());
+    const double brought = double(kPi) / double(illuminance);
+    guide.noise = float(brought * brought * squares / double(rays));
+    guide.share = float(light * light / (squares * double(rays)));
+    double sum = 0.0;
+    for (const Seen& s : seen) {
+        sum += double(s.light);
+        entries_.push_back({s.patch, float(double(s.light) / light)});
+        entryEnds_.push_back(float(sum / light));
+    }
+}
+
+/// Leaves out the patches that no guide names, and if pieces would be too many, those that bring least light for each.
+void BrightCells::keepPatches(const RadianceCache& cache, const SurfaceTracer& tracer)
+{
+    std::vector<float> use(patches_.size());
+    for (const Entry& e : entries_) use[e.patch] += e.probability;
+    std::vector<uint32_t> pieces(patches_.size());
+    for (uint32_t index = 0; index < tracer.hitTriangleCount(); ++index) {
+        const uint32_t front = RadianceCache::recordOf(index, false);
+        if (!cache.hasCells(front)) continue;
+        forCells(cache.surface(front), [&](uint32_t cell, int, int) {
+            for (const uint32_t side : {cell, cache.backOf(cell)}) {
+                if (members_[side].patch != ~0u) ++pieces[members_[side].patch];
+            }
+        });
+    }
+    std::vector<uint32_t> order;
+    for (uint32_t p = 0; p < patches_.size(); ++p) {
+        if (use[p] > 0.0f) order.push_back(p);
+    }
+    std::sort(order.begin(), order.end(), [&](uint32_t a, uint32_t b) {
+        const float left = use[a] * float(pieces[b]);
+        const float right = use[b] * float(pieces[a]);
+        return left != right ? left > right : a < b;
+    });
+    std::vector<bool> keep(patches_.size());
+    const std::size_t most = std::max(kFewPieces, std::size_t(kMostPiecesForCell * float(members_.size())));
+    std::size_t count = 0;
+    for (const uint32_t p : order) {
+        if (count + pieces[p] > most) break;
+        count += pieces[p];
+        keep[p] = true;
+    }
+    for (Member& m : members_) {
+        if (m.patch != ~0u && !keep[m.patch]) m.patch = ~0u;
+    }
+}
+
+void BrightCells::findPieces(const RadianceCache& cache, const SurfaceTracer& tracer, std::span<const CellLight> cells)
+{
+    const BakeGeometry& geometry = tracer.geometry();
+    for (uint32_t index = 0; index < tracer.hitTriangleCount(); ++index) {
+        const uint32_t front = RadianceCache::recordOf(index, false);
+        // Rays do not use the cells of emitters alone, and do not meet what casts no shadow.
+        if (!cache.hasCells(front) || cache.emissive(front)) continue;
+        const uint32_t triangle = tracer.triangleAt(index);
+        if (!geometry.parts[geometry.partOfTriangle[triangle]].castShadows) continue;
+        const uvec3 t = geometry.triangles[triangle];
+        const vec3 origin = geometry.positions[t.x];
+        const vec3 edge1 = geometry.positions[t.y] - origin;
+        const vec3 edge2 = geometry.positions[t.z] - origin;
+        const auto along = [&](vec2 b) { return b.x * edge1 + b.y * edge2; };
+        Piece piece;
+        forCells(cache.surface(front), [&](uint32_t cell, int x, int y) {
+            for (const bool behind : {false, true}) {
+                piece.cell = behind ? cache.backOf(cell) : cell;
+                if (members_[piece.cell].patch == ~0u) continue;
+                piece.record = RadianceCache::recordOf(index, behind);
+                piece.normal = geometry.geometricNormal(triangle) * (behind ? -1.0f : 1.0f);
+                const Polygon polygon = pieceIn(cache.surface(front), x, y);
+                for (std::size_t i = 1; i + 1 < std::size_t(polygon.count); ++i) {
+                    piece.corners = {polygon.points[0], polygon.points[i], polygon.points[i + 1]};
+                    piece.origin = origin + along(piece.corners[0]);
+                    piece.edge1 = along(piece.corners[1] - piece.corners[0]);
+                    piece.edge2 = along(piece.corners[2] - piece.corners[0]);
+                    if (piece.area() > 0.0f) pieces_.push_back(piece);
+                }
+            }
+        });
+    }
+    const auto patchOf = [&](const Piece& piece) { return members_[piece.cell].patch; };
+    std::stable_sort(pieces_.begin(), pieces_.end(),
+                     [&](const Piece& a, const Piece& b) { return patchOf(a) < patchOf(b); });
+    pieceEnds_.resize(pieces_.size());
+    pieceFrom_.resize(pieces_.size());
+    for (std::size_t first = 0; first < pieces_.size();) {
+        std::size_t end = first;
+        double power = 0.0;
+        for (; end < pieces_.size() && patchOf(pieces_[end]) == patchOf(pieces_[first]); ++end) {
+            power += double(pieces_[end].area()) * double(cells[pieces_[end].cell].radiance);
+        }
+        double sum = 0.0;
+        for (std::size_t i = first; i < end; ++i) {
+            const float radiance = cells[pieces_[i].cell].radiance;
+            sum += double(pieces_[i].area()) * double(radiance);
+            pieceEnds_[i] = float(sum / power);
+            pieces_[i].pdfArea = members_[pieces_[i].cell].pdfArea = float(double(radiance) / power);
+        }
+        patches_[patchOf(pieces_[first])] = {uint32_t(first), uint32_t(end - first)};
+        uint32_t from = 0;
+        for (std::size_t i = first; i < end; ++i) {
+            while (first + from + 1 < end && pieceEnds_[first + from] <= float(i - first) / float(end - first)) ++from;
+            pieceFrom_[i] = from;
+        }
+        first = end;
+    }
+}
+
+float BrightCells::pdfArea(const Guide& guide, uint32_t cell) const
+{
+    const Member& m = members_[cell];
+    const auto first = entries_.begin() + guide.first;
+    const auto last = first + guide.count;
+    const auto entry =
+        std::lower_bound(first, last, m.patch, [](const Entry& e, uint32_t patch) { return e.patch < patch; });
+    return entry != last && entry->patch == m.patch ? entry->probability * m.pdfArea : 0.0f;
+}
+
+BrightCells::Choice BrightCells::choose(const Guide& guide, vec2 u) const
+{
+    if (guide.count == 0) return {};
+    const std::span<const float> entryEnds = std::span(entryEnds_).subspan(guide.first, guide.count);
+    const auto above = std::upper_bound(entryEnds.begin(), entryEnds.end() - 1, u.x);
+    const Entry& entry = entries_[guide.first + chooseOne(entryEnds, std::size_t(above - entryEnds.begin()), u.x)];
+    const Patch& patch = patches_[entry.patch];
+    if (patch.pieceCount == 0) return {};
+    const std::span<const float> pieceEnds = std::span(pieceEnds_).subspan(patch.firstPiece, patch.pieceCount);
+    const uint32_t part = std::min(uint32_t(u.x * float(patch.pieceCount)), patch.pieceCount - 1);
+    const std::size_t piece = patch.firstPiece + chooseOne(pieceEnds, pieceFrom_[patch.firstPiece + part], u.x);
+    __builtin_prefetch(&pieces_[piece]);
+    __builtin_prefetch(reinterpret_cast<const char*>(&pieces_[piece]) + 64);
+    return {uint32_t(piece), entry.probability, u};
+}
+
+} // namespace halflight

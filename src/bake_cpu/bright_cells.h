@@ -1,0 +1,141 @@
+#pragma once
+// The brightest cells of the radiance cache, sampled as light sources.
+
+#include "bake_cpu/sampler.h"
+#include "bake_cpu/surface.h"
+
+#include "halflight/base/math.h"
+#include "halflight/shading/sampling.h"
+
+#include <array>
+#include <cstdint>
+#include <functional>
+#include <span>
+#include <vector>
+
+namespace halflight {
+
+class RadianceCache;
+
+/// What bright cells are chosen by, of one cell of the cache.
+struct CellLight {
+    static constexpr uint8_t kNowhere = 255;
+    vec3 position{0.0f};          ///< of some point in it
+    uint8_t direction = kNowhere; ///< of the six of the axes, the one it faces
+    bool receives = false;        ///< texels gather there
+    float radiance = 0.0f;        ///< luminance of what it reflects, in nits
+    float illuminance = 0.0f;     ///< what it receives, in lux
+    float rays = 0.0f;            ///< that were gathered for it
+};
+
+/// Where the sun or a lamp close by lights a small part of what is around, few of the rays that a texel spreads over
+/// its hemisphere meet it, and these bring most of the noise. So the gather aims samples at such cells too, weighted
+/// against the rays that meet them as emitters' samples are (Veach and Guibas 1995). What is seen from where is known
+/// from the rays that filled the cache (Jensen 1995, "Importance Driven Path Tracing using the Photon Map"): receivers
+/// that lie together share a guide, a list of patches of bright cells with the share of light that came from each.
+/// What a guide does not know of is left to the rays.
+class BrightCells {
+public:
+    /// Tells body(receiving cell, cell) of rays that met cells.
+    using Sightings = std::function<void(const std::function<void(uint32_t, uint32_t)>& body)>;
+
+    BrightCells() = default;
+    /// `cache` has its surfaces and cells; `cells`: all but parts. Of what lies within some texels' width, given in
+    /// metres, cells are put together.
+    BrightCells(const RadianceCache& cache, const SurfaceTracer& tracer, std::span<const CellLight> cells,
+                float texelMeters, const Sightings& sightings);
+
+    [[nodiscard]] bool empty() const { return pieces_.empty(); }
+    [[nodiscard]] bool contains(uint32_t cell) const { return cell < members_.size() && members_[cell].pdfArea > 0.0f; }
+
+    /// What receivers know.
+    struct Guide {
+        uint32_t first = 0;
+        uint32_t count = 0;
+        float noise = 0.0f; ///< mean square of what a ray brings of the guide's light, over the square of all light
+        float share = 0.0f; ///< of the rays that meet what the guide names, weighted by brightness
+    };
+    /// Of a cell that receives.
+    [[nodiscard]] Guide guide(uint32_t cell) const
+    {
+        return cell < guideOfCell_.size() && guideOfCell_[cell] != ~0u ? guides_[guideOfCell_[cell]] : Guide{};
+    }
+
+    /// A sample, first as the piece of surface that it is on: what that is like is on its way through memory when
+    /// others are chosen before it is looked at.
+    struct Choice {
+        uint32_t piece = ~0u; ///< none
+        float probability = 0.0f;
+        vec2 u{0.0f};
+    };
+    [[nodiscard]] Choice choose(const Guide& guide, vec2 u) const;
+    struct Place {
+        uint32_t record = 0; ///< as RadianceCache::recordOf()
+        uint32_t cell = 0;
+        vec2 barycentric{0.0f};
+        vec3 position{0.0f};
+        vec3 normal{0.0f};    ///< geometric, of the side that is the cell
+        float pdfArea = 0.0f; ///< per square metre
+    };
+    [[nodiscard]] Place place(const Choice& choice) const
+    {
+        const Piece& piece = pieces_[choice.piece];
+        const vec2 at = shading::sampleTriangle(choice.u);
+        Place place;
+        place.record = piece.record;
+        place.cell = piece.cell;
+        place.barycentric = piece.corners[0] + at.x * (piece.corners[1] - piece.corners[0]) +
+                            at.y * (piece.corners[2] - piece.corners[0]);
+        place.position = piece.origin + at.x * piece.edge1 + at.y * piece.edge2;
+        place.normal = piece.normal;
+        place.pdfArea = choice.probability * piece.pdfArea;
+        return place;
+    }
+    /// Density, per square metre, of the samples on a cell; 0 where there are none.
+    [[nodiscard]] float pdfArea(const Guide& guide, uint32_t cell) const;
+
+private:
+    /// Triangle, or part of one, that lies in a cell.
+    struct Piece {
+        uint32_t record = 0;
+        uint32_t cell = 0;
+        std::array<vec2, 3> corners; ///< barycentric
+        vec3 origin{0.0f};
+        vec3 edge1{0.0f};
+        vec3 edge2{0.0f};
+        vec3 normal{0.0f};    ///< of its side
+        float pdfArea = 0.0f; ///< given the patch
+        [[nodiscard]] float area() const { return 0.5f * glm::length(glm::cross(edge1, edge2)); }
+    };
+    struct Patch {
+        uint32_t firstPiece = 0;
+        uint32_t pieceCount = 0;
+    };
+    struct Member {
+        uint32_t patch = ~0u;
+        float pdfArea = 0.0f; ///< given the patch; 0: no member of any
+    };
+    struct Entry {
+        uint32_t patch = 0;
+        float probability = 0.0f;
+    };
+    struct Seen;
+    void makeGuides(std::span<const CellLight> cells, float texelMeters, const Sightings& sightings);
+    void addGuide(std::vector<Seen>& seen, float rays, float illuminance, Guide& guide);
+    void keepPatches(const RadianceCache& cache, const SurfaceTracer& tracer);
+    void findPieces(const RadianceCache& cache, const SurfaceTracer& tracer, std::span<const CellLight> cells);
+
+    std::vector<Patch> patches_;
+    std::vector<Piece> pieces_;    ///< patch by patch
+    std::vector<float> pieceEnds_; ///< probability of the patch's pieces up to each
+    /// Of n pieces of a patch, where to begin to look for random numbers from 0/n, 1/n, … on (Chen and Asau 1974, "On
+    /// Generating Random Variates from an Empirical Distribution").
+    std::vector<uint32_t> pieceFrom_;
+    std::vector<Member> members_;       ///< by cell
+    std::vector<uint32_t> guideOfCell_; ///< or ~0
+    std::vector<Guide> guides_;
+    std::vector<Entry> entries_;   ///< guide by guide, in ascending order of patches
+    std::vector<float> entryEnds_; ///< probability of the guide's entries up to each
+};
+
+} // namespace halflight
