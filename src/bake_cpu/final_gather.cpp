@@ -18,12 +18,13 @@ bool isFinite(vec3 v)
 }
 
 /// Noise that bright cells bring, as their guides have it, from which on a quarter of a block's samples look at them:
-/// more than that and what else is noise shows more. Half of them do, or all, where the noise is that of much light:
-/// where rays often meet something much brighter than all that arrives.
+/// below it, other noise shows more. Half of them do, or all, where there is much noise and the rays that bring it are
+/// neither so few that little light is at stake nor so many that they do without.
 constexpr float kLittleNoise = 0.1f;
 constexpr float kMuchNoise = 1.0f;
 constexpr float kSomeShare = 0.01f;
 constexpr float kLargeShare = 0.04f;
+constexpr float kOftenEnough = 0.1f;
 
 /// Points on emitters, side by side.
 struct EmitterLanes {
@@ -91,7 +92,7 @@ void FinalGather::prepareBright(const GatherGroup& group)
         const BrightCells::Guide guide = cache_->guide(group.point(i, 0));
         guides_[lane] = guide;
         constexpr int kAll = GatherPattern::kBlock;
-        const bool much = guide.noise >= kMuchNoise;
+        const bool much = guide.noise >= kMuchNoise && guide.share < kOftenEnough;
         brightSamples_[lane] = guide.noise < kLittleNoise           ? 0
                                : much && guide.share >= kLargeShare ? kAll
                                : much && guide.share >= kSomeShare  ? kAll / 2
@@ -220,28 +221,37 @@ void FinalGather::sampleBright(const GatherGroup& group, int block, uint64_t& ra
 {
     // In sweeps, so that each sweep's memory is on its way while others are worked on.
     const BrightCells& bright = cache_->bright();
-    constexpr std::size_t kSamples = std::size_t(GatherPattern::kBlock) * kLanes;
-    std::array<BrightCells::Choice, kSamples> choices;
-    for (int i = 0; i < group.lanes(); ++i) {
+    std::array<uint8_t, GatherPattern::kBlock> cells;
+    std::size_t cellCount = 0;
+    for (int cell = 0; cell < GatherPattern::kBlock; ++cell) {
+        bool any = false;
+        for (std::size_t lane = 0; lane < kLanes; ++lane) any = any || looksAtBright(lane, block, cell);
+        if (any) cells[cellCount++] = uint8_t(cell);
+    }
+    const std::span<const uint8_t> used(cells.data(), cellCount);
+    for (int i = 0; i < int(kLanes); ++i) {
         const auto lane = std::size_t(i);
-        if (!group.active(i) || brightSamples_[lane] == 0) continue;
         const GatherPattern::Block points =
-            pattern_.block(hashCombine(settings_.seed ^ kBrightSeed, group.id(i)), block);
-        for (int cell = 0; cell < GatherPattern::kBlock; ++cell) {
-            if (!looksAtBright(lane, block, cell)) continue;
-            choices[std::size_t(cell) * kLanes + lane] = bright.choose(guides_[lane], points.unit(cell));
+            pattern_.block(hashCombine(settings_.seed ^ kBrightSeed, group.active(i) ? group.id(i) : 0u), block);
+        for (const uint8_t cell : used) {
+            const bool looks = looksAtBright(lane, block, cell);
+            choices_[cell * kLanes + lane] =
+                looks ? bright.choose(guides_[lane], points.unit(cell)) : BrightCells::Choice{};
         }
     }
-    std::array<BrightCells::Place, kSamples> places;
-    for (std::size_t i = 0; i < kSamples; ++i) {
-        if (choices[i].piece == ~0u) continue;
-        places[i] = bright.place(choices[i]);
-        __builtin_prefetch(cache_->cells() + places[i].cell);
+    for (const uint8_t cell : used) {
+        for (std::size_t i = cell * kLanes; i < (cell + 1u) * kLanes; ++i) {
+            places_[i].pdfArea = 0.0f;
+            if (choices_[i].piece == ~0u) continue;
+            places_[i] = bright.place(choices_[i]);
+            __builtin_prefetch(cache_->cells() + places_[i].cell);
+        }
     }
     const SurfaceTracer& tracer = paths_.surfaces();
     countLights(
+        used,
         [&](std::size_t lane, int cell) {
-            const BrightCells::Place& place = places[std::size_t(cell) * kLanes + lane];
+            const BrightCells::Place& place = places_[std::size_t(cell) * kLanes + lane];
             EmitterSample e;
             if (place.pdfArea <= 0.0f) return e;
             const float distance = glm::distance(bundle_.origin(std::size_t(cell), int(lane)), place.position);
@@ -269,13 +279,14 @@ vec3 FinalGather::slowRadiance(const GatherGroup& group, int lane, int block, in
     return paths_.follow(at, direction, receiver, pdf, settings_.bounces, sampler, rays, cache_);
 }
 
-template<typename Choose> void FinalGather::countLights(const Choose& choose, uint64_t& rays)
+template<typename Choose>
+void FinalGather::countLights(std::span<const uint8_t> cells, const Choose& choose, uint64_t& rays)
 {
     RTCRay8 packet;
     alignas(32) embree::LaneMask valid;
     std::array<EmitterSample, kLanes> chosen;
     EmitterLanes lanes;
-    for (std::size_t cell = 0; cell < std::size_t(GatherPattern::kBlock); ++cell) {
+    for (const std::size_t cell : cells) {
         const RayBundle::Frames& frame = bundle_.frame(cell);
         bool any = false;
         for (std::size_t lane = 0; lane < kLanes; ++lane) {
@@ -335,6 +346,7 @@ void FinalGather::sampleEmitters(const GatherGroup& group, int block, std::span<
         return unitFloat(hashCombine(settings_.seed ^ kRouletteSeed ^ group.id(int(lane)), sample)) < chance[lane];
     };
     countLights(
+        kAllCells,
         [&](std::size_t lane, int cell) {
             EmitterSample e;
             if (!wanted(lane, std::size_t(cell))) return e;

@@ -81,9 +81,9 @@ private:
     /// What a ray that met a bright cell counts beside samples of it.
     [[nodiscard]] float brightWeight(int cell, int lane, uint32_t square) const;
     void sampleBright(const GatherGroup& group, int block, uint64_t& rays);
-    /// Counts light from points that choose(lane, cell) tells, where nothing stands between: an EmitterSample, its
-    /// pdfArea 0 where there is none.
-    template<typename Choose> void countLights(const Choose& choose, uint64_t& rays);
+    /// Counts light from points that choose(lane, cell) tells for the given cells, where nothing stands between: an
+    /// EmitterSample, its pdfArea 0 where there is none.
+    template<typename Choose> void countLights(std::span<const uint8_t> cells, const Choose& choose, uint64_t& rays);
     void gatherBlock(const GatherGroup& group, int block, uint64_t& rays);
     /// From where the bundle's rays of the same block start.
     void sampleEmitters(const GatherGroup& group, int block, std::span<TexelLight> lights, uint64_t& rays);
@@ -116,6 +116,9 @@ private:
     LightTree::Cut cut_;                                        ///< of the group's texels
     std::array<BrightCells::Guide, TexelGroup::kLanes> guides_; ///< to bright cells
     std::array<int, TexelGroup::kLanes> brightSamples_{};       ///< of a block, for each texel
+    static constexpr std::size_t kSamples = std::size_t(GatherPattern::kBlock) * TexelGroup::kLanes;
+    std::array<BrightCells::Choice, kSamples> choices_; ///< of a block, by cell and lane: for cells in use
+    std::array<BrightCells::Place, kSamples> places_;
 };
 
 } // namespace halflight
