@@ -11,7 +11,7 @@ namespace halflight {
 namespace {
 
 /// Bright cells have at least so many times the radiosity that would make all that their receivers receive.
-constexpr float kBrighter = 1.0f;
+constexpr float kBrighter = 3.0f;
 /// Bright cells are put together to patches over so many texels, and receivers to guides. Receivers around tell one
 /// another, each ray for so much of one.
 constexpr float kPatchTexels = 32.0f;
