@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 
 namespace halflight {
 namespace {
@@ -19,8 +20,8 @@ constexpr float kGuideTexels = 8.0f;
 constexpr float kNeighbourWeight = 0.5f;
 constexpr std::size_t kMostEntries = 64; ///< of a guide
 /// Pieces take memory: for each cell there are so many at most, or so many for small lightmaps.
-constexpr float kMostPiecesForCell = 0.5f;
-constexpr std::size_t kFewPieces = 65536;
+constexpr float kMostPiecesForCell = 0.125f;
+constexpr std::size_t kFewPieces = 24576;
 
 /// Cubes of space, six of each for the directions that surfaces in them face, whatever charts these are on.
 class Cubes {
@@ -50,8 +51,8 @@ private:
 /// Gives each key but `none` a number, and returns the keys in the order of their numbers.
 std::vector<uint64_t> numberKeys(std::span<const uint64_t> keys, uint64_t none, std::vector<uint32_t>& numbers)
 {
-    std::vector<uint64_t> sorted(keys.begin(), keys.end());
-    std::erase(sorted, none);
+    std::vector<uint64_t> sorted;
+    std::copy_if(keys.begin(), keys.end(), std::back_inserter(sorted), [&](uint64_t key) { return key != none; });
     std::sort(sorted.begin(), sorted.end());
     sorted.erase(std::unique(sorted.begin(), sorted.end()), sorted.end());
     numbers.assign(keys.size(), ~0u);
@@ -172,9 +173,9 @@ void BrightCells::makeGuides(std::span<const CellLight> cells, float texelMeters
     const Cubes patchCubes(kPatchTexels * texelMeters);
     std::fill(keys.begin(), keys.end(), kNone);
     for (const Sighting& s : own) keys[s.cell] = patchCubes.key(cells[s.cell].position, cells[s.cell].direction);
-    std::vector<uint32_t> patchOf;
-    patches_.resize(numberKeys(keys, kNone, patchOf).size());
-    for (std::size_t i = 0; i < cells.size(); ++i) members_[i].patch = patchOf[i];
+    std::vector<uint32_t> patchNumbers;
+    patches_.resize(numberKeys(keys, kNone, patchNumbers).size());
+    for (std::size_t i = 0; i < cells.size(); ++i) members_[i].patch = patchNumbers[i];
 
     std::vector<Seen> seen;
     for (std::size_t g = 0; g < places.size(); ++g) {
@@ -245,7 +246,7 @@ void BrightCells::keepPatches(const RadianceCache& cache, const SurfaceTracer& t
         if (!cache.hasCells(front)) continue;
         forCells(cache.surface(front), [&](uint32_t cell, int, int) {
             for (const uint32_t side : {cell, cache.backOf(cell)}) {
-                if (members_[side].patch != ~0u) ++pieces[members_[side].patch];
+                if (patchOf(side) != ~0u) ++pieces[patchOf(side)];
             }
         });
     }
@@ -289,7 +290,7 @@ void BrightCells::findPieces(const RadianceCache& cache, const SurfaceTracer& tr
         forCells(cache.surface(front), [&](uint32_t cell, int x, int y) {
             for (const bool behind : {false, true}) {
                 piece.cell = behind ? cache.backOf(cell) : cell;
-                if (members_[piece.cell].patch == ~0u) continue;
+                if (patchOf(piece.cell) == ~0u) continue;
                 piece.record = RadianceCache::recordOf(index, behind);
                 piece.normal = geometry.geometricNormal(triangle) * (behind ? -1.0f : 1.0f);
                 const Polygon polygon = pieceIn(cache.surface(front), x, y);
@@ -303,15 +304,14 @@ void BrightCells::findPieces(const RadianceCache& cache, const SurfaceTracer& tr
             }
         });
     }
-    const auto patchOf = [&](const Piece& piece) { return members_[piece.cell].patch; };
     std::stable_sort(pieces_.begin(), pieces_.end(),
-                     [&](const Piece& a, const Piece& b) { return patchOf(a) < patchOf(b); });
+                     [&](const Piece& a, const Piece& b) { return patchOf(a.cell) < patchOf(b.cell); });
     pieceEnds_.resize(pieces_.size());
     pieceFrom_.resize(pieces_.size());
     for (std::size_t first = 0; first < pieces_.size();) {
         std::size_t end = first;
         double power = 0.0;
-        for (; end < pieces_.size() && patchOf(pieces_[end]) == patchOf(pieces_[first]); ++end) {
+        for (; end < pieces_.size() && patchOf(pieces_[end].cell) == patchOf(pieces_[first].cell); ++end) {
             power += double(pieces_[end].area()) * double(cells[pieces_[end].cell].radiance);
         }
         double sum = 0.0;
@@ -321,7 +321,7 @@ void BrightCells::findPieces(const RadianceCache& cache, const SurfaceTracer& tr
             pieceEnds_[i] = float(sum / power);
             pieces_[i].pdfArea = members_[pieces_[i].cell].pdfArea = float(double(radiance) / power);
         }
-        patches_[patchOf(pieces_[first])] = {uint32_t(first), uint32_t(end - first)};
+        patches_[patchOf(pieces_[first].cell)] = {uint32_t(first), uint32_t(end - first)};
         uint32_t from = 0;
         for (std::size_t i = first; i < end; ++i) {
             while (first + from + 1 < end && pieceEnds_[first + from] <= float(i - first) / float(end - first)) ++from;

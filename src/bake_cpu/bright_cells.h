@@ -40,7 +40,7 @@ public:
     using Sightings = std::function<void(const std::function<void(uint32_t, uint32_t)>& body)>;
 
     BrightCells() = default;
-    /// `cache` has its surfaces and cells; `cells`: all but parts. Of what lies within some texels' width, given in
+    /// `cache` has its surfaces and cells; `cells`: its squares. Of what lies within some texels' width, given in
     /// metres, cells are put together.
     BrightCells(const RadianceCache& cache, const SurfaceTracer& tracer, std::span<const CellLight> cells,
                 float texelMeters, const Sightings& sightings);
@@ -119,6 +119,7 @@ private:
         uint32_t patch = 0;
         float probability = 0.0f;
     };
+    [[nodiscard]] uint32_t patchOf(uint32_t cell) const { return cell < members_.size() ? members_[cell].patch : ~0u; }
     struct Seen;
     void makeGuides(std::span<const CellLight> cells, float texelMeters, const Sightings& sightings);
     void addGuide(std::vector<Seen>& seen, float rays, float illuminance, Guide& guide);

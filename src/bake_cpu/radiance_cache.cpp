@@ -972,7 +972,7 @@ void RadianceCache::bounce(std::vector<RangeOutput>& ranges, const TexelMap& map
     }
     gathered = {};
     cells_.resize(count);
-    std::vector<CellLight> lights(firstPart_.size());
+    std::vector<CellLight> lights(2 * std::size_t(squares_));
     for (std::size_t i = 0; i < count; ++i) {
         const uint32_t f = filledFor(i);
         if (f == kNoCells) continue;
@@ -992,6 +992,10 @@ void RadianceCache::bounce(std::vector<RangeOutput>& ranges, const TexelMap& map
             if (filled[p] != kNoCells) owner[filled[p]] = cell;
         }
     }
+    sums = {};
+    reflected = {};
+    filled = {};
+    rayCount = {};
     findBright(ranges, map, tracer, owner, std::move(lights));
 }
 
@@ -1029,7 +1033,8 @@ void RadianceCache::fillParts(const std::vector<uint32_t>& rayCount)
     }
 }
 
-/// Tells what cells are like, and which of them rays met, so that the brightest can be sampled.
+/// Tells what squares are like, and which of them rays met, so that the brightest can be sampled. Single triangles,
+/// leaves mostly, are left to the rays: knowing them all takes memory.
 void RadianceCache::findBright(const std::vector<RangeOutput>& ranges, const TexelMap& map, const SurfaceTracer& tracer,
                                std::span<const uint32_t> ownerOfFilled, std::vector<CellLight> lights)
 {
@@ -1049,13 +1054,6 @@ void RadianceCache::findBright(const std::vector<RangeOutput>& ranges, const Tex
             back.direction = front.direction ^ 1u;
             front.receives = true;
         }
-    }
-    for (std::size_t i = 0; i < cellTriangles_.size(); ++i) {
-        CellLight& front = lights[2 * squares_ + 2 * i];
-        CellLight& back = lights[2 * squares_ + 2 * i + 1];
-        front.position = back.position = geometry.positions[geometry.triangles[cellTriangles_[i]].x];
-        front.direction = uint8_t(directionOf(geometry.geometricNormal(cellTriangles_[i])));
-        back.direction = front.direction ^ 1u;
     }
     // Of cells that something stands on, the parts know more.
     for (std::size_t i = 0; i < lights.size(); ++i) {
@@ -1086,7 +1084,7 @@ void RadianceCache::findBright(const std::vector<RangeOutput>& ranges, const Tex
     forContributions([&](uint32_t cell, const Contribution& c, std::span<const uint32_t> links) {
         lights[cell].rays += float(c.rayCount);
         for (const uint32_t target : links) {
-            if (target != kNoCells) gathered[cell] += lights[ownerOfFilled[target]].radiance;
+            if (target != kNoCells) gathered[cell] += luminance(cells_[ownerOfFilled[target]].radiance);
         }
     });
     for (uint32_t cell = 0; cell < squares_; ++cell) {
@@ -1095,7 +1093,7 @@ void RadianceCache::findBright(const std::vector<RangeOutput>& ranges, const Tex
     bright_ = BrightCells(*this, tracer, lights, texelMeters_, [&](const auto& sighting) {
         forContributions([&](uint32_t cell, const Contribution&, std::span<const uint32_t> links) {
             for (const uint32_t target : links) {
-                if (target != kNoCells) sighting(cell, ownerOfFilled[target]);
+                if (target != kNoCells && ownerOfFilled[target] < 2 * squares_) sighting(cell, ownerOfFilled[target]);
             }
         });
     });
