@@ -293,7 +293,7 @@ private:
             const SurfacePoint& point = points[std::size_t(s % pointCount)];
             Sampler sampler(settings_.seed, id, uint32_t(s));
             const vec3 direction = PathTracer::gatherDirection(point, sampler.next2());
-            const float pdf = std::max(glm::dot(direction, point.normal), 1.0e-4f) / kPi;
+            const float pdf = PathTracer::gatherPdf(point.normal, direction);
             const PathTracer::EmitterAtSurface emitter = paths_.emitterIrradiance(point, 0.0f, sampler, rays);
             const PathTracer::Incoming in = paths_.incoming({paths_.rayOrigin(point), point.normal}, direction, pdf,
                                                             settings_.bounces, sampler, rays);

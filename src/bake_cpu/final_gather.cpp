@@ -165,7 +165,6 @@ void FinalGather::gatherBlock(const GatherGroup& group, int block, uint64_t& ray
     }
     const Sky& sky = paths_.sky();
     const bool black = sky.black();
-    const bool bright = cache_ != nullptr && !cache_->bright().empty();
     for (int cell = 0; cell < GatherPattern::kBlock; ++cell) {
         const RTCRayHit8& packet = bundle_.rays[std::size_t(cell)];
         Vec3Lanes<kLanes> radiance;
@@ -177,7 +176,7 @@ void FinalGather::gatherBlock(const GatherGroup& group, int block, uint64_t& ray
                                       : shading::skyRadiance(sky.zenith, sky.horizon, sky.ground,
                                                              bundle_.direction(cell, lane)));
             } else if (const vec3* known = cache_ != nullptr && w != kOther ? knownRadiance(cell, lane, w) : nullptr) {
-                radiance.set(l, bright && cache_->cells()[w].bright() && brightSamples_[l] > 0
+                radiance.set(l, brightSamples_[l] > 0 && cache_->cells()[w].bright()
                                     ? *known * brightWeight(cell, lane, w)
                                     : *known);
             } else {
@@ -211,10 +210,9 @@ float FinalGather::brightWeight(int cell, int lane, uint32_t square) const
     const vec3 direction = bundle_.direction(cell, lane);
     const vec3 normal = glm::normalize(vec3(packet.hit.Ng_x[lane], packet.hit.Ng_y[lane], packet.hit.Ng_z[lane]));
     const vec3 receiverNormal = bundle_.frame(std::size_t(cell)).normal[l];
-    const float distance = packet.ray.tfar[lane];
     const float pdfArea = brightShare(l) * cache_->bright().pdfArea(guides_[l], square);
-    const float pdf = pdfArea * distance * distance / std::max(std::abs(glm::dot(normal, direction)), 1.0e-6f);
-    return shading::powerHeuristic(std::max(glm::dot(receiverNormal, direction), 1.0e-4f) / kPi, pdf);
+    const float cosine = std::max(std::abs(glm::dot(normal, direction)), 1.0e-6f);
+    return rayWeight(PathTracer::gatherPdf(receiverNormal, direction), pdfArea, packet.ray.tfar[lane], cosine);
 }
 
 void FinalGather::sampleBright(const GatherGroup& group, int block, uint64_t& rays)
@@ -273,7 +271,7 @@ vec3 FinalGather::slowRadiance(const GatherGroup& group, int lane, int block, in
     const RayHit at = bundle_.at(cell, lane);
     if (cache_ == nullptr && paths_.surfaces().metHiddenBack(at)) ++backFaces_[std::size_t(lane)];
     const vec3 direction = bundle_.direction(cell, lane);
-    const float pdf = std::max(glm::dot(direction, s.normal), 1.0e-4f) / kPi;
+    const float pdf = PathTracer::gatherPdf(s.normal, direction);
     const Receiver receiver{s.position, s.normal, &cut_, std::size_t(lane)};
     Sampler sampler(settings_.seed, group.id(lane), uint32_t(block * GatherPattern::kBlock + cell));
     return paths_.follow(at, direction, receiver, pdf, settings_.bounces, sampler, rays, cache_);

@@ -94,6 +94,13 @@ inline EmitterWay emitterWay(vec3 position, vec3 normal, vec3 geometricNormal, v
     return {direction, arrives ? distance : 0.0f, arrives ? cosine * inversePdf * weight : 0.0f};
 }
 
+/// What a ray that hit a sampled surface counts beside the samples of it (same source). directionPdf: per steradian;
+/// pdfArea: of the samples at the hit, per square metre; cosine: at the hit.
+inline float rayWeight(float directionPdf, float pdfArea, float distance, float cosine)
+{
+    return shading::powerHeuristic(directionPdf, pdfArea * distance * distance / cosine);
+}
+
 /// A point on an emissive triangle.
 struct EmitterSample {
     vec3 position{0.0f};

@@ -179,8 +179,8 @@ vec3 PathTracer::weightedEmission(const SurfaceHit& hit, vec3 direction, const R
     if (hit.emission == vec3(0.0f) || directionPdf <= 0.0f) return hit.emission;
     const float cosine = std::abs(glm::dot(hit.point.geometricNormal, direction));
     if (cosine <= 0.0f) return hit.emission;
-    const float pdf = emitters_.pdfArea(from, hit.point.triangle) * hit.distance * hit.distance / cosine;
-    return hit.emission * powerHeuristic(directionPdf, pdf);
+    const float pdfArea = emitters_.pdfArea(from, hit.point.triangle);
+    return hit.emission * rayWeight(directionPdf, pdfArea, hit.distance, cosine);
 }
 
 PathTracer::Incoming PathTracer::incoming(const Receiver& receiver, vec3 direction, float directionPdf, int bounces,
@@ -249,7 +249,7 @@ vec3 PathTracer::follow(RayHit at, vec3 direction, Receiver from, float directio
             throughput /= survival;
         }
         direction = gatherDirection(hit.point, uDirection);
-        directionPdf = std::max(glm::dot(direction, hit.point.normal), 1.0e-4f) / kPi;
+        directionPdf = gatherPdf(hit.point.normal, direction);
         from = {rayOrigin(hit.point), hit.point.normal};
         ++rays;
         at = tracer_.nearest(from.position, direction, 0.0f, kInfinity);

@@ -85,6 +85,8 @@ public:
 
     /// A gather direction around the point's normal, cosine-distributed, never below the surface.
     static vec3 gatherDirection(const SurfacePoint& point, vec2 u);
+    /// Its density, per steradian: above zero for directions that were mirrored out of the surface too.
+    static float gatherPdf(vec3 normal, vec3 direction) { return std::max(glm::dot(normal, direction), 1.0e-4f) / kPi; }
     [[nodiscard]] vec3 rayOrigin(const SurfacePoint& point) const;
 
 private:

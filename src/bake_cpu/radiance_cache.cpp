@@ -516,7 +516,7 @@ private:
         const GatherGroup::Origin& s = group.origin(lane, number);
         const Receiver receiver{s.position, s.normal};
         const RayHit at = bundle_.at(cell, lane);
-        const float pdf = std::max(glm::dot(direction, s.normal), 1.0e-4f) / kPi;
+        const float pdf = PathTracer::gatherPdf(s.normal, direction);
         if (known) {
             c.gathered += paths_.weightedEmission(paths_.surfaces().surfaceAt(at), direction, receiver, pdf);
             return;
@@ -988,7 +988,7 @@ void RadianceCache::bounce(std::vector<RangeOutput>& ranges, const TexelMap& map
         if (filled[cell] != kNoCells) owner[filled[cell]] = cell;
         if (firstPart_[cell] == kNoCells) continue;
         const uint32_t first = firstPart_[cell] & kCellMask;
-        for (uint32_t p = first; p < first + (1u << (2 * partShift(cell))); ++p) {
+        for (uint32_t p = first; p < first + partCount(cell); ++p) {
             if (filled[p] != kNoCells) owner[filled[p]] = cell;
         }
     }
@@ -1007,9 +1007,9 @@ void RadianceCache::fillParts(const std::vector<uint32_t>& rayCount)
         if (firstPart_[cell] == kNoCells) continue;
         const uint32_t first = firstPart_[cell] & kCellMask;
         const int width = 1 << partShift(cell);
-        for (int i = 0; i < width * width; ++i) {
-            const uint32_t part = first + uint32_t(i);
+        for (uint32_t part = first; part < first + partCount(cell); ++part) {
             if (rayCount[part] > 0 || (state_[part] & kDivided) != 0) continue;
+            const auto i = int(part - first);
             const ivec2 at(i % width, i / width);
             float least = kInfinity;
             float most = 0.0f;
@@ -1062,7 +1062,7 @@ void RadianceCache::findBright(const std::vector<RangeOutput>& ranges, const Tex
         const uint32_t first = firstPart_[i] & kCellMask;
         float sum = 0.0f;
         float count = 0.0f;
-        for (uint32_t p = first; p < first + (1u << (2 * partShift(uint32_t(i)))); ++p) {
+        for (uint32_t p = first; p < first + partCount(uint32_t(i)); ++p) {
             if (!(cells_[p].nearest < kInfinity)) continue;
             sum += luminance(cells_[p].radiance);
             ++count;

@@ -132,6 +132,7 @@ private:
     {
         return cellShift_ + ((firstPart_[cell] & kHalfTexels) != 0 ? 1 : 0);
     }
+    [[nodiscard]] uint32_t partCount(uint32_t cell) const { return 1u << (2 * partShift(cell)); }
     int cellShift_ = 0;        ///< a cell is 2^shift texels wide
     float texelMeters_ = 0.0f; ///< mean width of a texel
     int bounces_ = 0;
