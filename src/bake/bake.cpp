@@ -4,6 +4,7 @@
 #include "bake/stages.h"
 
 #include "halflight/base/file.h"
+#include "halflight/base/memory.h"
 #include "halflight/base/parallel.h"
 
 #include <chrono>
@@ -256,7 +257,7 @@ Result<BakeResult> bake(Scene scene, const BakeSettings& settings, const Integra
     StageTimer seamTimer(report, "seams");
     const std::vector<SeamSample> seams = findSeams(geometry, unwrapped->pageSize);
     std::vector<ImageRgb32f> pages = dilate(map, values.irradiance, kDilationRings);
-    values.irradiance = {};
+    release(values.irradiance);
     stitchSeams(seams, pages);
     seamTimer.finish();
     if (Status status = dumpPages(settings, "lightmap", pages); !status) return status.error();
@@ -271,7 +272,7 @@ Result<BakeResult> bake(Scene scene, const BakeSettings& settings, const Integra
         stitchSeams(seams, momentPages);
         baked.lightmapDirections = encodeDirections(pages, momentPages);
     }
-    pages = {};
+    release(pages);
 
     const auto hasChannel = [](const Light& light) { return light.baking.occlusionMaskChannel >= 0; };
     if (settings.mode == MixedLightingMode::Shadowmask &&
@@ -280,7 +281,7 @@ Result<BakeResult> bake(Scene scene, const BakeSettings& settings, const Integra
         const uint64_t before = integrator.raysTraced();
         std::vector<vec4> mask(map.texels.size());
         if (!gather.shadowmask(estimates, mask, progress)) return cancelledError();
-        estimates = {};
+        release(estimates);
         fillInvalid(geometry, map, values.valid, mask);
         const bool distances = settings.maskEncoding == MaskEncoding::Distance;
         if (distances) {

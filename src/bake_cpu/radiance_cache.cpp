@@ -235,12 +235,13 @@ void RadianceCache::addParts(uint32_t firstCell, uint8_t of)
     }
 }
 
-/// Which backs and triangles rays hit.
-void RadianceCache::findWanted(const std::vector<RangeOutput>& ranges)
+/// Which backs and triangles rays hit, and which squares from close by.
+void RadianceCache::findWanted(std::vector<RangeOutput>& ranges)
 {
-    for (const RangeOutput& range : ranges) {
+    for (RangeOutput& range : ranges) {
         for (const uint32_t cell : range.links) state_[cell] |= kWanted;
         for (const uint32_t cell : range.near) state_[cell] |= kMetNear;
+        release(range.near);
     }
 }
 
@@ -749,6 +750,8 @@ bool RadianceCache::build(const PathTracer& paths, const TexelMap& map, const Ga
                 Gatherer gatherer(*this, pass, paths, map, pattern, settings, outside, out[first + r]);
                 const std::size_t item = r * kRangeItems;
                 work(gatherer, items.subspan(item, std::min(kRangeItems, items.size() - item)));
+                out[first + r].contributions.shrink_to_fit();
+                out[first + r].links.shrink_to_fit();
                 rays += gatherer.rays();
             }
         });
@@ -768,7 +771,7 @@ bool RadianceCache::build(const PathTracer& paths, const TexelMap& map, const Ga
     addParts(0, kDivided);
     look(Pass::Parts, texelsOf(map, 0, kDivided));
     gather(Pass::Squares, all);
-    all = {};
+    release(all);
     findWanted(ranges);
     addParts(0, kMetNear);
     const std::vector<uint32_t> backs = texelsOf(map, squares_, kWanted);
@@ -786,12 +789,11 @@ bool RadianceCache::build(const PathTracer& paths, const TexelMap& map, const Ga
     gather(Pass::Parts, texelsOf(map, 0, kDivided | kMetNear));
     if (progress.cancelled()) return false;
     bounce(ranges, map, paths.surfaces(), settings.bounces);
-    rectangleOfTriangle_ = {};
-    rectangles_ = {};
-    cellTriangles_ = {};
-    substitute_ = {};
-    state_ = {};
-    ranges = {};
+    release(rectangleOfTriangle_);
+    release(rectangles_);
+    release(cellTriangles_);
+    release(state_);
+    release(ranges);
     releaseFreeMemory();
     return true;
 }
@@ -962,25 +964,30 @@ void RadianceCache::bounce(std::vector<RangeOutput>& ranges, const TexelMap& map
             const vec3 irradiance = sums[i].first + gathered[i] * (kPi / sums[i].rays);
             reflected[i] = shading::diffuseRadiance(sums[i].albedo, irradiance);
         }
-        // Level 0 is the last bounce.
-        if (bounces - b >= kLevels) continue;
-        auto& level = levels_[std::size_t(bounces - b)];
+        if (b == bounces || bounces - b > int(levels_.size())) continue;
+        auto& level = levels_[std::size_t(bounces - b - 1)];
         level.resize(firstPart_.size());
         for (std::size_t i = 0; i < level.size(); ++i) {
             level[i] = filledFor(i) != kNoCells ? reflected[filledFor(i)] : vec3(0.0f);
         }
     }
-    gathered = {};
-    cells_.resize(count);
-    std::vector<CellLight> lights(2 * std::size_t(squares_));
-    for (std::size_t i = 0; i < count; ++i) {
-        const uint32_t f = filledFor(i);
-        if (f == kNoCells) continue;
-        if (i < lights.size()) {
-            lights[i].illuminance = luminance(sums[f].first); // so far
-        }
-        cells_[i] = {reflected[f], (state_[i] & kDivided) == 0 ? sums[f].nearest : kInfinity};
+    // From here on, less is needed of each.
+    std::vector<Cell> cellOfFilled(filledCount);
+    std::vector<float> illuminance(squares_); // that needs no cells
+    for (std::size_t i = 0; i < sums.size(); ++i) cellOfFilled[i] = {reflected[i], sums[i].nearest};
+    for (std::size_t i = 0; i < squares_; ++i) {
+        if (filledFor(i) != kNoCells) illuminance[i] = luminance(sums[filledFor(i)].first);
     }
+    release(gathered);
+    release(reflected);
+    release(sums);
+    cells_.resize(count);
+    for (std::size_t i = 0; i < count; ++i) {
+        if (filledFor(i) == kNoCells) continue;
+        cells_[i] = cellOfFilled[filledFor(i)];
+        if ((state_[i] & kDivided) != 0) cells_[i].nearest = kInfinity;
+    }
+    release(cellOfFilled);
     fillParts(rayCount);
     // Whose number is whose: parts count as their cell.
     std::vector<uint32_t> owner(filledCount, kNoCells);
@@ -992,11 +999,10 @@ void RadianceCache::bounce(std::vector<RangeOutput>& ranges, const TexelMap& map
             if (filled[p] != kNoCells) owner[filled[p]] = cell;
         }
     }
-    sums = {};
-    reflected = {};
-    filled = {};
-    rayCount = {};
-    findBright(ranges, map, tracer, owner, std::move(lights));
+    release(filled);
+    release(rayCount);
+    release(substitute_);
+    findBright(ranges, map, tracer, owner, illuminance);
 }
 
 /// Parts that no sample fell into are like those around them, where these are like one another.
@@ -1036,9 +1042,10 @@ void RadianceCache::fillParts(const std::vector<uint32_t>& rayCount)
 /// Tells what squares are like, and which of them rays met, so that the brightest can be sampled. Single triangles,
 /// leaves mostly, are left to the rays: knowing them all takes memory.
 void RadianceCache::findBright(const std::vector<RangeOutput>& ranges, const TexelMap& map, const SurfaceTracer& tracer,
-                               std::span<const uint32_t> ownerOfFilled, std::vector<CellLight> lights)
+                               std::span<const uint32_t> ownerOfFilled, std::span<const float> illuminance)
 {
     const BakeGeometry& geometry = tracer.geometry();
+    std::vector<CellLight> lights(2 * std::size_t(squares_));
     for (const Texel& texel : map.texels) {
         for (uint32_t f = 0; f < texel.fragmentCount; ++f) {
             const TexelFragment& fragment = map.fragments[texel.firstFragment + f];
@@ -1088,7 +1095,7 @@ void RadianceCache::findBright(const std::vector<RangeOutput>& ranges, const Tex
         }
     });
     for (uint32_t cell = 0; cell < squares_; ++cell) {
-        lights[cell].illuminance += kPi * gathered[cell] / std::max(lights[cell].rays, 1.0f);
+        lights[cell].illuminance = illuminance[cell] + kPi * gathered[cell] / std::max(lights[cell].rays, 1.0f);
     }
     bright_ = BrightCells(*this, tracer, lights, texelMeters_, [&](const auto& sighting) {
         forContributions([&](uint32_t cell, const Contribution&, std::span<const uint32_t> links) {
@@ -1104,15 +1111,15 @@ void RadianceCache::findBright(const std::vector<RangeOutput>& ranges, const Tex
 
 bool RadianceCache::reflected(uint32_t record, vec2 barycentric, float distance, int bounces, vec3& radiance) const
 {
-    const int level = bounces_ - bounces;
-    if (level < 0 || level >= kLevels || levels_[std::size_t(level)].empty()) return false;
-    if (!hasCells(record)) return false;
+    const int fewer = bounces_ - bounces;
+    if (fewer < 0 || fewer > int(levels_.size()) || !hasCells(record)) return false;
     const uint32_t cell = cellIndex(record, barycentric);
-    if (cells_[cell].answers(distance)) {
-        radiance = levels_[std::size_t(level)][cell];
-        return true;
+    const vec3* light = nullptr;
+    if (fewer == 0) {
+        light = known(record, barycentric, cell, distance);
+    } else if (!levels_[std::size_t(fewer - 1)].empty() && cells_[cell].answers(distance)) {
+        light = &levels_[std::size_t(fewer - 1)][cell];
     }
-    const vec3* light = level == 0 ? known(record, barycentric, cell, distance) : nullptr;
     if (light != nullptr) radiance = *light;
     return light != nullptr;
 }

@@ -115,7 +115,7 @@ private:
     void layOut(const PathTracer& paths, const TexelMap& map);
     void layOutTriangles(const PathTracer& paths, const TexelMap& map);
     void addParts(uint32_t firstCell, uint8_t of);
-    void findWanted(const std::vector<RangeOutput>& ranges);
+    void findWanted(std::vector<RangeOutput>& ranges);
     [[nodiscard]] uint32_t cellOf(const Texel& texel, uint32_t triangle) const;
     [[nodiscard]] std::vector<uint32_t> texelsOf(const TexelMap& map, uint32_t firstCell, uint8_t state) const;
     void findSubstituteTriangles(const std::vector<uint32_t>& rayCount, const BakeGeometry& geometry);
@@ -123,9 +123,8 @@ private:
     void bounce(std::vector<RangeOutput>& ranges, const TexelMap& map, const SurfaceTracer& tracer, int bounces);
     void fillParts(const std::vector<uint32_t>& rayCount);
     void findBright(const std::vector<RangeOutput>& ranges, const TexelMap& map, const SurfaceTracer& tracer,
-                    std::span<const uint32_t> ownerOfFilled, std::vector<CellLight> lights);
+                    std::span<const uint32_t> ownerOfFilled, std::span<const float> illuminance);
 
-    static constexpr int kLevels = 4;
     /// In firstPart_: parts are half a texel wide, else a texel.
     static constexpr uint32_t kHalfTexels = 0x40000000u;
     [[nodiscard]] int partShift(uint32_t cell) const ///< a cell is 2^shift parts wide
@@ -140,9 +139,9 @@ private:
     std::vector<Surface> surfaces_;   ///< by hit triangle
     std::vector<Cell> cells_;         ///< the squares' fronts, their backs, single triangles, parts
     std::vector<uint32_t> firstPart_; ///< by cell, but for parts; row by row from there
-    /// What cells reflect after bounces_, bounces_ - 1, … reflections, for paths that reach one after some of their
-    /// own.
-    std::array<std::vector<vec3>, kLevels> levels_;
+    /// What cells reflect after bounces_ - 1, bounces_ - 2, … reflections, for paths that reach one after some of
+    /// their own.
+    std::array<std::vector<vec3>, 3> levels_;
 
     std::vector<uint32_t> hitIndexOfTriangle_; ///< or ~0
     BrightCells bright_;

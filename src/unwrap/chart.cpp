@@ -3,6 +3,8 @@
 #include "unwrap/outline.h"
 #include "unwrap/overlap.h"
 
+#include "halflight/base/memory.h"
+
 #include <Eigen/IterativeLinearSolvers>
 #include <Eigen/SparseCholesky>
 #include <algorithm>
@@ -184,7 +186,7 @@ std::vector<dvec2> relax(const Piece& piece, std::span<const dvec2> guess)
     const auto n = Eigen::Index(vertexCount) - 1;
     Eigen::SparseMatrix<double> laplacian(n, n);
     laplacian.setFromTriplets(entries.begin(), entries.end());
-    entries = {};
+    release(entries);
     // Factors grow faster than charts do.
     const bool direct = vertexCount <= kMostFactored || guess.empty();
     Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> solver;
