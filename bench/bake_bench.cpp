@@ -1,6 +1,7 @@
 // Measures the bake's light transport and prints plain tables. Every ratio is of two measurements of the same run;
 // times are CPU seconds of the process, summed over threads, so that a busy machine disturbs them little.
 //   bench_bake PART [--scene FILE]... [--size N] [--points N] [--reference N]
+//              [--samples N] [--references DIR]
 //   PART: gather | error | masks | scaling | lights | triangles
 // Scenes: the built-in "cornell" (a box with an emissive quad), or glTF files; FILE@sun leaves them the sun and the
 // sky.
@@ -20,6 +21,8 @@
 #include <cstdlib>
 #include <cstring>
 #include <ctime>
+#include <filesystem>
+#include <fstream>
 #include <string>
 #include <sys/resource.h>
 #include <sys/wait.h>
@@ -51,6 +54,8 @@ struct Options {
     int size = 512;
     int points = 8192;    ///< texels with a reference
     int reference = 4096; ///< paths for each of them
+    int samples = 0;      ///< the only number that errors are measured of; 0: those that the target takes
+    std::string folder;   ///< where references are kept, so that versions of the bake compare with the same
     int bounces = 4;
     double target = 0.03;
 };
@@ -154,6 +159,41 @@ private:
     double lastError_ = 0.0;
 };
 
+/// Path tracing of many samples, or what a folder has kept of it.
+std::vector<IrradianceEstimate> referenceOf(const Options& options, const std::string& name, const Prepared& p,
+                                            const TexelMap& subset)
+{
+    std::vector<vec4> kept(subset.texels.size()); // irradiance, and 1 where valid
+    std::filesystem::path file;
+    if (!options.folder.empty()) {
+        const std::string key = std::filesystem::path(name).filename().string();
+        file = std::filesystem::path(options.folder) /
+               (key + "-" + std::to_string(options.size) + "-" + std::to_string(subset.texels.size()) + "-" +
+                std::to_string(options.reference) + "-" + std::to_string(options.bounces));
+    }
+    std::vector<IrradianceEstimate> reference(kept.size());
+    const auto bytes = std::streamsize(kept.size() * sizeof(vec4));
+    if (std::ifstream in(file, std::ios::binary); in.read(reinterpret_cast<char*>(kept.data()), bytes)) {
+        for (std::size_t i = 0; i < kept.size(); ++i) {
+            reference[i].irradiance = vec3(kept[i]);
+            reference[i].valid = kept[i].w > 0.0f;
+        }
+        return reference;
+    }
+    IntegrationSettings settings;
+    settings.bounces = options.bounces;
+    settings.integrator = IntegratorKind::Path;
+    settings.samples = options.reference;
+    settings.shadowSamples = 256;
+    settings.seed = 77;
+    reference = integrate(p, subset, settings).estimates;
+    for (std::size_t i = 0; i < kept.size(); ++i) {
+        kept[i] = vec4(reference[i].irradiance, reference[i].valid ? 1.0f : 0.0f);
+    }
+    if (!file.empty()) std::ofstream(file, std::ios::binary).write(reinterpret_cast<const char*>(kept.data()), bytes);
+    return reference;
+}
+
 /// Time to a given error against a converged path traced reference, by both integrators; the cache's light as it is and
 /// denoised, the time for that included.
 void partError(const Options& options)
@@ -165,21 +205,17 @@ void partError(const Options& options)
         Prepared p = prepare(name, options.size, true);
         std::vector<uint32_t> chosen;
         const TexelMap subset = subsetOf(p.map, options.points, chosen);
+        const std::vector<IrradianceEstimate> reference = referenceOf(options, name, p, subset);
         IntegrationSettings settings;
         settings.bounces = options.bounces;
-        settings.shadowSamples = 64;
         settings.integrator = IntegratorKind::Path;
-        settings.samples = options.reference;
-        settings.seed = 77;
-        settings.shadowSamples = 256;
-        const Run reference = integrate(p, subset, settings);
         settings.seed = 1;
         settings.samples = 64;
         settings.shadowSamples = 64;
         const Run path = integrate(p, subset, settings);
         const double scale = double(p.map.texels.size()) / double(subset.texels.size());
         // The reference has noise of its own.
-        Error pathError = compare(path.estimates, nullptr, reference.estimates);
+        Error pathError = compare(path.estimates, nullptr, reference);
         const double noise = pathError.rmse * std::sqrt(64.0 / double(options.reference + 64));
         const auto without = [&](double rmse) { return std::sqrt(std::max(rmse * rmse - noise * noise, 1.0e-12)); };
         pathError.rmse = without(pathError.rmse);
@@ -194,16 +230,19 @@ void partError(const Options& options)
         settings.integrator = IntegratorKind::Cache;
         // All texels, and with those in between where light hardly changes.
         for (const int step : {1, 2}) {
+            if (step > 1 && options.samples > 0) break;
             settings.texelStep = step;
             const char* label = step == 1 ? "cache" : "step 2";
             TimeToTarget raw(options.target);
             TimeToTarget denoised(options.target);
-            for (int samples = 16; samples <= 512 && !(raw.reached() && denoised.reached()); samples *= 2) {
+            const int first = options.samples > 0 ? options.samples : 16;
+            const int last = options.samples > 0 ? options.samples : 512;
+            for (int samples = first; samples <= last && !(raw.reached() && denoised.reached()); samples *= 2) {
                 settings.samples = samples;
                 settings.shadowSamples = std::max(64, samples);
                 Run run = integrate(p, p.map, settings);
                 const auto errorNow = [&] {
-                    Error e = compare(run.estimates, &chosen, reference.estimates);
+                    Error e = compare(run.estimates, &chosen, reference);
                     e.rmse = without(e.rmse);
                     return e;
                 };
@@ -454,6 +493,10 @@ int main(int argc, char** argv)
             options.reference = std::atoi(argv[++i]);
         } else if (option("--bounces")) {
             options.bounces = std::atoi(argv[++i]);
+        } else if (option("--samples")) {
+            options.samples = std::atoi(argv[++i]);
+        } else if (option("--references")) {
+            options.folder = argv[++i];
         } else if (option("--target")) {
             options.target = std::atof(argv[++i]) / 100.0;
         } else {
@@ -477,7 +520,7 @@ int main(int argc, char** argv)
         std::fprintf(
             stderr,
             "usage: bench_bake gather|error|masks|scaling|lights|triangles [--scene FILE|cornell]... [--size N] "
-            "[--points N] [--reference N] [--bounces N] [--target PERCENT]\n");
+            "[--points N] [--reference N] [--bounces N] [--target PERCENT] [--samples N] [--references DIR]\n");
         return 2;
     }
     return 0;
