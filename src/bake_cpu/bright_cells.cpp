@@ -277,9 +277,9 @@ void BrightCells::findPieces(const RadianceCache& cache, const SurfaceTracer& tr
     const BakeGeometry& geometry = tracer.geometry();
     for (uint32_t index = 0; index < tracer.hitTriangleCount(); ++index) {
         const uint32_t front = RadianceCache::recordOf(index, false);
-        // Rays do not use the cells of emitters alone, and do not meet what casts no shadow.
-        if (!cache.hasCells(front) || cache.emissive(front)) continue;
+        if (!cache.hasCells(front)) continue;
         const uint32_t triangle = tracer.triangleAt(index);
+        // Rays do not meet what casts no shadow.
         if (!geometry.parts[geometry.partOfTriangle[triangle]].castShadows) continue;
         const uvec3 t = geometry.triangles[triangle];
         const vec3 origin = geometry.positions[t.x];

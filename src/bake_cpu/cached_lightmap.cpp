@@ -1,6 +1,8 @@
 #include "bake_cpu/cached_lightmap.h"
 
+#include <algorithm>
 #include <cmath>
+#include <numeric>
 
 namespace halflight {
 namespace {
@@ -13,6 +15,13 @@ constexpr int kNoiseRadius = 2;
 /// twice the samples, or four times where there are fewer than half of these.
 constexpr int kFewAround = 12;
 
+/// Without a noise target, texels get up to so many times the samples while the standard error of most around them is
+/// above this share of the geometric mean of the light there and of all light: noise in dark places shows less than its
+/// share of their light, but more than its share of all. Of most: where a few rays in a thousand meet something very
+/// bright, more samples would make blotches of the dots that the denoiser takes out.
+constexpr int kMostTimes = 8;
+constexpr float kMuchNoise = 0.3f;
+
 /// A texel may lie between others whose distance, squared, times the mean of the inverse squared distances of what
 /// their rays hit is at most this: how much the light could bend between them.
 constexpr float kMostBend = 0.03f;
@@ -24,7 +33,7 @@ public:
     Run(const CachedLightmap& lightmap, const TexelMap& map, std::span<const uint32_t> texels, int most,
         const Progress& progress, std::atomic<uint64_t>& rays)
         : lightmap_(lightmap), map_(map), most_(most), progress_(progress), rays_(rays),
-          adaptive_(lightmap.settings_.noiseTarget > 0.0f && most > kFirstBlocks),
+          adaptive_(lightmap.settings_.noiseTarget > 0.0f && most > kFirstBlocks), knowsNoise_(most >= kFirstBlocks),
           lattice_(lightmap.paths_.surfaces().geometry(), map, lightmap.state_->grid, lightmap.settings_.texelStep),
           set_(map, texels)
     {
@@ -34,7 +43,7 @@ public:
             for (int step = lattice_.step(); step > 1; step /= 2) set_.extend(neighbours);
         };
         addNeighbours();
-        if (adaptive_) {
+        if (knowsNoise_) {
             wanted_ = std::make_unique<TexelSet>(set_);
             set_.extend(
                 [&](uint32_t texel, const auto& add) { lightmap.state_->grid.around(texel, kNoiseRadius, add); });
@@ -131,7 +140,8 @@ private:
         }
     }
 
-    /// More samples for texels whose noise is above the target; without one, for those that have few around them.
+    /// More samples for texels whose noise is above the target; without one, for those with much noise, or few texels
+    /// around them.
     bool gatherMore()
     {
         struct Open {
@@ -142,11 +152,8 @@ private:
         parallelFor(set_.size(), 1024, [&](std::size_t begin, std::size_t end) {
             for (std::size_t i = begin; i < end; ++i) {
                 if (known_[i].between || !known_[i].active) continue;
-                if (!adaptive_) {
-                    needed[i] = most_ * timesMore(set_[i]);
-                } else if (wanted_->contains(set_[i])) {
-                    needed[i] = blocksNeeded(set_[i]);
-                }
+                if (wanted_ != nullptr && !wanted_->contains(set_[i])) continue;
+                needed[i] = adaptive_ ? blocksNeeded(set_[i]) : most_ * timesMore(set_[i]);
             }
         });
         const int first = firstBlocks();
@@ -185,30 +192,53 @@ private:
     {
         int around = 0;
         lightmap_.state_->grid.around(texel, kNoiseRadius, [&](uint32_t) { ++around; });
-        return around >= kFewAround ? 1 : 2 * around >= kFewAround ? 2 : 4;
+        int times = around >= kFewAround ? 1 : 2 * around >= kFewAround ? 2 : 4;
+        if (!knowsNoise_) return times;
+        const Noise noise = noiseAround(texel);
+        const float allowed = kMuchNoise * kMuchNoise * noise.mean * lightmap_.mapMean_;
+        while (times < kMostTimes && noise.ofMost > allowed * float(most_ * times)) times *= 2;
+        return times;
     }
 
-    /// Blocks after which the standard error of a texel's luminance is within the target, as far as the first samples
-    /// of the texels around it tell. Blocks are taken for independent, though all together are spread better than that.
-    [[nodiscard]] int blocksNeeded(uint32_t texel) const
+    /// What the first samples of the texels around one tell, of luminance. Blocks are taken for independent, though all
+    /// together are spread better than that.
+    struct Noise {
+        float variance = 0.0f; ///< of a block
+        float ofMost = 0.0f;   ///< the same without the fifth of the texels that have most
+        float mean = 0.0f;
+    };
+    [[nodiscard]] Noise noiseAround(uint32_t texel) const
     {
         float squares = 0.0f;
         float freedom = 0.0f;
         float mean = 0.0f;
-        float count = 0.0f;
+        std::array<float, (2 * kNoiseRadius + 1) * (2 * kNoiseRadius + 1)> own;
+        std::size_t count = 0;
         lightmap_.state_->grid.around(texel, kNoiseRadius, [&](uint32_t other) {
             const Known& k = known_[set_.find(other)];
             if (!k.active || k.between) return;
-            squares += std::max(k.light.gathered.squares, 0.0f) + std::max(k.light.emitted.squares, 0.0f);
+            own[count] = std::max(k.light.gathered.squares, 0.0f) + std::max(k.light.emitted.squares, 0.0f);
+            squares += own[count++];
             freedom += float(k.light.gathered.blocks - 1);
             mean += luminance(k.light.irradiance());
-            count += 1.0f;
         });
+        if (count == 0 || !(freedom > 0.0f)) return {};
+        const std::size_t most = count - (count + 4) / 5;
+        std::nth_element(own.begin(), own.begin() + most, own.begin() + count);
+        const float ofMost =
+            std::accumulate(own.begin(), own.begin() + most, 0.0f) / float(std::max<std::size_t>(most, 1));
+        return {squares / freedom, ofMost * float(count) / freedom, mean / float(count)};
+    }
+
+    /// Blocks after which the standard error of a texel's luminance is within the target.
+    [[nodiscard]] int blocksNeeded(uint32_t texel) const
+    {
+        const Noise noise = noiseAround(texel);
         const float dark = 0.02f * lightmap_.mapMean_;
-        const float allowed = lightmap_.settings_.noiseTarget * std::max(mean / count, dark);
-        if (!(squares > 0.0f)) return kFirstBlocks;
+        const float allowed = lightmap_.settings_.noiseTarget * std::max(noise.mean, dark);
+        if (!(noise.variance > 0.0f)) return kFirstBlocks;
         if (!(allowed > 0.0f)) return most_;
-        const float blocks = squares / freedom / (allowed * allowed);
+        const float blocks = noise.variance / (allowed * allowed);
         return blocks >= float(most_) ? most_ : std::max(int(std::ceil(blocks)), kFirstBlocks);
     }
 
@@ -292,9 +322,10 @@ private:
     const Progress& progress_;
     std::atomic<uint64_t>& rays_;
     bool adaptive_;
+    bool knowsNoise_; ///< texels have blocks enough to tell
     TexelLattice lattice_;
     TexelSet set_;
-    std::unique_ptr<TexelSet> wanted_; ///< of the set, those that must reach the noise target; null without one
+    std::unique_ptr<TexelSet> wanted_; ///< of the set, those that may need more samples; null: all
     std::vector<Known> known_;         ///< of the set
 };
 
@@ -306,13 +337,14 @@ bool CachedLightmap::prepare(const TexelMap& map, const Progress& progress, std:
         !state->cache.build(paths_, map, pattern_, settings_, state->outside, progress, rays)) {
         return false;
     }
-    // What counts as dark, for the noise target: a fiftieth of the mean, here of a few texels spread over the map.
+    // How bright the map is, of a few texels spread over it: roughly, so that small changes somewhere are none
+    // elsewhere.
     double sum = 0.0;
     std::size_t count = 0;
     constexpr std::size_t kProbedGroups = 128;
     FinalGather gather(paths_, pattern_, settings_.bounces > 0 ? &state->cache : nullptr, settings_);
     const std::size_t step = std::max<std::size_t>(1, map.texels.size() / kProbedGroups);
-    for (std::size_t i = 0; settings_.noiseTarget > 0.0f && i < map.texels.size(); i += step) {
+    for (std::size_t i = 0; i < map.texels.size(); i += step) {
         const auto texel = uint32_t(i);
         std::array<TexelLight, TexelGroup::kLanes> lights;
         const GatherGroup group(paths_, map, std::span(&texel, 1), std::span(&state->outside.masks[i], 1));
@@ -323,7 +355,7 @@ bool CachedLightmap::prepare(const TexelMap& map, const Progress& progress, std:
         sum += double(luminance(lights[0].irradiance()));
         ++count;
     }
-    mapMean_ = count > 0 ? float(sum / double(count)) : 0.0f;
+    mapMean_ = sum > 0.0 ? float(std::exp2(std::round(std::log2(sum / double(count))))) : 0.0f;
     state_ = std::move(state);
     map_ = &map;
     mapTexels_ = map.texels.size();

@@ -22,6 +22,9 @@ constexpr std::size_t kTexelGrain = 64;
 constexpr uint32_t kShadowSeed = 0x5eed0001u;
 constexpr uint32_t kDirectSeed = 0x5eed0002u;
 constexpr uint32_t kProbeSeed = 0x5eed0003u;
+/// Masks are stored in steps of a 255th, and multiply light; light itself is stored as it is.
+constexpr int kTimesOnMaskEdges = 2;
+constexpr int kTimesOnLightEdges = 4;
 
 bool isFinite(vec3 v)
 {
@@ -120,7 +123,7 @@ public:
         }
         std::vector<LitCount> counts;
         if (!traceShadows({paths_, pattern_, map, gridOf(map), request.texels, masksOf(request, estimates),
-                           effortOf(request).shadowSamples, progress, "shadowmask", rays_},
+                           effortOf(request).shadowSamples, kTimesOnMaskEdges, progress, "shadowmask", rays_},
                           sources, {}, counts)) {
             return false;
         }
@@ -219,7 +222,7 @@ private:
             };
             std::vector<LitCount> counts;
             if (!traceShadows({paths_, pattern_, map, gridOf(map), request.texels, masks, effort.shadowSamples,
-                               progress, "lights", rays_},
+                               kTimesOnLightEdges, progress, "lights", rays_},
                               sources, look, counts)) {
                 return false;
             }

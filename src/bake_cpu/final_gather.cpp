@@ -157,10 +157,14 @@ void FinalGather::gatherBlock(const GatherGroup& group, int block, uint64_t& ray
             uint32_t& w = where[std::size_t(cell) * kLanes + std::size_t(lane)];
             if (w == kMissed) continue;
             if (cache_->hiddenBack(w)) ++backFaces_[std::size_t(lane)];
-            const bool slow = (cache_->surface(w).firstCell & RadianceCache::kSlow) != 0;
-            w = slow ? kOther : cache_->cellIndex(w, {packet.hit.u[lane], packet.hit.v[lane]});
-            if (slow) continue;
-            __builtin_prefetch(cache_->cells() + w);
+            if (!cache_->hasCells(w)) {
+                w = kOther;
+                continue;
+            }
+            const uint32_t glows = cache_->surface(w).firstCell & RadianceCache::kEmissive;
+            const uint32_t square = cache_->cellIndex(w, {packet.hit.u[lane], packet.hit.v[lane]});
+            __builtin_prefetch(cache_->cells() + square);
+            w = square | glows;
         }
     }
     const Sky& sky = paths_.sky();
@@ -175,10 +179,16 @@ void FinalGather::gatherBlock(const GatherGroup& group, int block, uint64_t& ray
                 radiance.set(l, black ? vec3(0.0f)
                                       : shading::skyRadiance(sky.zenith, sky.horizon, sky.ground,
                                                              bundle_.direction(cell, lane)));
-            } else if (const vec3* known = cache_ != nullptr && w != kOther ? knownRadiance(cell, lane, w) : nullptr) {
-                radiance.set(l, brightSamples_[l] > 0 && cache_->cells()[w].bright()
-                                    ? *known * brightWeight(cell, lane, w)
+                continue;
+            }
+            const uint32_t square = w & RadianceCache::kCellMask;
+            const vec3* known = cache_ != nullptr && w != kOther ? knownRadiance(cell, lane, square) : nullptr;
+            if (known != nullptr) {
+                radiance.set(l, brightSamples_[l] > 0 && cache_->cells()[square].bright()
+                                    ? *known * brightWeight(cell, lane, square)
                                     : *known);
+                if ((w & RadianceCache::kEmissive) != 0)
+                    radiance.set(l, radiance[l] + emission(group, lane, block, cell));
             } else {
                 radiance.set(l, slowRadiance(group, lane, block, cell, rays));
             }
@@ -263,6 +273,15 @@ void FinalGather::sampleBright(const GatherGroup& group, int block, uint64_t& ra
             return e;
         },
         rays);
+}
+
+vec3 FinalGather::emission(const GatherGroup& group, int lane, int block, int cell) const
+{
+    const GatherGroup::Origin& s = group.origin(lane, group.pointOf(lane, block, cell));
+    const vec3 direction = bundle_.direction(cell, lane);
+    const Receiver receiver{s.position, s.normal, &cut_, std::size_t(lane)};
+    return paths_.weightedEmission(paths_.surfaces().surfaceAt(bundle_.at(cell, lane)), direction, receiver,
+                                   PathTracer::gatherPdf(s.normal, direction));
 }
 
 vec3 FinalGather::slowRadiance(const GatherGroup& group, int lane, int block, int cell, uint64_t& rays)

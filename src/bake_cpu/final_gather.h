@@ -89,6 +89,9 @@ private:
     void sampleEmitters(const GatherGroup& group, int block, std::span<TexelLight> lights, uint64_t& rays);
     /// What a cell, or its part, knows of a ray's end; null where the ray ends too close by.
     [[nodiscard]] const vec3* knownRadiance(int cell, int lane, uint32_t square) const;
+    /// What the end of a ray emits, as it counts beside samples of emitters.
+    [[nodiscard]] vec3 emission(const GatherGroup& group, int lane, int block, int cell) const;
+    /// What a ray brings whose end has no cell, or is too close by for it.
     vec3 slowRadiance(const GatherGroup& group, int lane, int block, int cell, uint64_t& rays);
     /// Counts light that arrives along the rays of a packet.
     void count(const Vec3Lanes<TexelGroup::kLanes>& irradiance, const RTCRay8& rays)

@@ -40,7 +40,6 @@ public:
     static constexpr uint32_t kNoCells = 0x80000000u;
     static constexpr uint32_t kEmissive = 0x40000000u;
     static constexpr uint32_t kHiddenBack = 0x20000000u; ///< nobody is meant to see its back
-    static constexpr uint32_t kSlow = kNoCells | kEmissive;
     static constexpr uint32_t kCellMask = 0x1fffffffu;
 
     struct Cell {

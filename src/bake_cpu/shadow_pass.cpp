@@ -12,8 +12,6 @@ namespace {
 /// texels, of a small chart, are no evidence.
 constexpr int kAgreeRadius = 3;
 constexpr int kEnoughTexels = 16;
-/// Texels on a shadow's edge get so many times the rays: they are few, and steps there are what one sees.
-constexpr int kTimesOnEdges = 2;
 
 } // namespace
 
@@ -152,7 +150,7 @@ bool traceShadows(const ShadowPass& pass, const std::vector<ShadowSource>& sourc
     };
     if (!traceHalves(0, firstHalves)) return false;
     for (std::size_t i = 0; i < open.size(); ++i) open[i] = open[i] != 0 && mixed(counts[i]) ? 1 : 0;
-    return traceHalves(firstHalves, kTimesOnEdges * halves);
+    return traceHalves(firstHalves, pass.timesOnEdges * halves);
 }
 
 } // namespace halflight

@@ -42,7 +42,8 @@ struct ShadowPass {
     const TexelGrid& grid;
     std::span<const uint32_t> texels;   ///< in ascending order
     std::span<const PointMask> outside; ///< of each of these
-    int samples;                        ///< rays per texel and source, at most
+    int samples;                        ///< rays per texel and source
+    int timesOnEdges; ///< so many times these where a shadow's edge is: few texels, and what one sees of a shadow
     const Progress& progress;
     const char* stage;
     std::atomic<uint64_t>& rays;

@@ -183,11 +183,12 @@ struct LitSpots {
     Scene scene;
     Holes holes;
 
-    explicit LitSpots(Holes floorHoles) : holes(floorHoles)
+    /// `glows`: the floor is a light source, though a faint one.
+    explicit LitSpots(Holes floorHoles, bool glows = false) : holes(floorHoles)
     {
         const int white = addMaterial(scene, vec3(kAlbedo));
         const int black = addMaterial(scene, vec3(0.0f));
-        int floor = white;
+        int floor = glows ? addMaterial(scene, vec3(kAlbedo), vec3(1.0e-6f)) : white;
         if (holes != Holes::None) {
             const int size = holes == Holes::Half ? 2 : 128;
             Texture texture;
@@ -252,14 +253,16 @@ TEST(BrightCellsS6, LitSpotsAreNoNoise)
 {
     struct Case {
         LitSpots::Holes holes;
+        bool glows;
         double bias;
         double noise;
     };
     // Samples that are lost on holes cost some noise.
-    for (const auto& [holes, mostBias, mostNoise] : {Case{LitSpots::Holes::None, 0.015, 0.12},
-                                                     {LitSpots::Holes::Half, 0.015, 0.35},
-                                                     {LitSpots::Holes::Pattern, 0.04, 0.9}}) {
-        SCOPED_TRACE(testing::Message() << "holes " << int(holes));
+    for (const auto& [holes, glows, mostBias, mostNoise] : {Case{LitSpots::Holes::None, false, 0.015, 0.12},
+                                                            {LitSpots::Holes::None, true, 0.015, 0.12},
+                                                            {LitSpots::Holes::Half, false, 0.015, 0.35},
+                                                            {LitSpots::Holes::Pattern, false, 0.04, 0.9}}) {
+        SCOPED_TRACE(testing::Message() << "holes " << int(holes) << (glows ? ", glows" : ""));
         IntegrationSettings settings;
         settings.samples = 32;
         settings.shadowSamples = 8;
@@ -270,7 +273,7 @@ TEST(BrightCellsS6, LitSpotsAreNoNoise)
         int count = 0;
         for (const uint32_t seed : {1u, 2u, 3u, 4u}) {
             settings.seed = seed;
-            LitSpots spots(holes);
+            LitSpots spots(holes, glows);
             Bench bench(spots.scene, MixedLightingMode::Shadowmask, kPage, settings);
             const auto estimates = bench.irradiance();
             for (std::size_t i = 0; i < estimates.size(); ++i) {
@@ -573,6 +576,57 @@ TEST(RadianceCacheS6, TexelsThatStandAloneGetMoreSamples)
         if (alone) EXPECT_EQ(estimates[i].samples, 128u);
         if (inTheMiddle) EXPECT_EQ(estimates[i].samples, 32u);
     }
+}
+
+/// A floor under a black roof with a hole in every so many squares of a fine pattern, and the sky above it.
+Bench underHoles(int every)
+{
+    Scene scene;
+    scene.sky = {vec3(1000), vec3(0), vec3(0)}; // none comes in below the roof's edges
+    Texture texture;
+    texture.pixels = ImageRgba8(256, 256, u8vec4(255));
+    for (int y = 0; y < 256; y += every) {
+        for (int x = 0; x < 256; x += every) texture.pixels(x, y).w = 0;
+    }
+    texture.nearest = true;
+    scene.textures.push_back(texture);
+    const int white = addMaterial(scene, vec3(0.8f), vec3(0.0f), true);
+    const int black = addMaterial(scene, vec3(0.0f), vec3(0.0f), true);
+    scene.materials[std::size_t(black)].alphaMode = Material::AlphaMode::Mask;
+    scene.materials[std::size_t(black)].baseColorTexture.texture = 0;
+    addRectangle(scene, {vec3(-1, 0, 1), vec3(2, 0, 0), vec3(0, 0, -2)}, white, kPage, {vec2(1), vec2(33)});
+    addRectangle(scene, {vec3(-4, 0.3f, -4), vec3(8, 0, 0), vec3(0, 0, 8)}, black, kPage);
+    IntegrationSettings settings;
+    settings.samples = 32;
+    return Bench(std::move(scene), MixedLightingMode::Shadowmask, kPage, settings);
+}
+
+/// Share of the floor's texels, but for its rim, that get more samples than they were to have.
+double shareWithMoreSamples(Bench& bench)
+{
+    const auto estimates = bench.irradiance();
+    int more = 0;
+    int count = 0;
+    for (std::size_t i = 0; i < estimates.size(); ++i) {
+        const Texel& t = bench.map.texels[i];
+        if (t.x < 4 || t.x > 29 || t.y < 4 || t.y > 29) continue;
+        EXPECT_GE(estimates[i].samples, 32u);
+        EXPECT_LE(estimates[i].samples, 8u * 32u);
+        more += estimates[i].samples > 32 ? 1 : 0;
+        ++count;
+    }
+    EXPECT_GT(count, 600);
+    return double(more) / double(count);
+}
+
+/// Where all around are noisy, texels get more samples; not where a few rays in a thousand meet light, which leaves
+/// dots that a denoiser can take out.
+TEST(NoiseS6, MoreSamplesWhereMostAreNoisy)
+{
+    Bench often = underHoles(4);
+    EXPECT_GT(shareWithMoreSamples(often), 0.7);
+    Bench seldom = underHoles(32);
+    EXPECT_LT(shareWithMoreSamples(seldom), 0.15);
 }
 
 std::vector<LightItem> randomItems(int count, bool directed)
