@@ -97,12 +97,16 @@ bool isWhole(const TexelMap& map, const Texel& texel, const IrradianceEstimate& 
 void tameOutliers(const TexelMap& map, const TexelGrid& grid, const std::vector<IrradianceEstimate>& estimates,
                   std::vector<NoisyLight>& light, std::vector<vec3>& moments)
 {
+    constexpr float kTraces = 0.25f;
+    constexpr uint32_t kSamplesToBelieve = 128;
     const std::vector<NoisyLight> before = light;
     parallelFor(light.size(), 2048, [&](std::size_t begin, std::size_t end) {
         std::array<float, 25> around;
         std::array<float, 25> variancesAround;
         for (std::size_t i = begin; i < end; ++i) {
             int n = 0;
+            int adjacent = 0;
+            vec2 brightestAdjacent(0.0f); ///< and the one after it
             float varianceSum = 0.0f;
             float weight = 0.0f;
             const float own = luminance(before[i].irradiance);
@@ -113,6 +117,12 @@ void tameOutliers(const TexelMap& map, const TexelGrid& grid, const std::vector<
                     if (j == kNoTexel || !estimates[j].valid) continue;
                     if (j != uint32_t(i)) {
                         around[std::size_t(n)] = luminance(before[j].irradiance);
+                        if (std::max(std::abs(dx), std::abs(dy)) == 1) {
+                            ++adjacent;
+                            const float other = around[std::size_t(n)];
+                            brightestAdjacent.y = std::max(brightestAdjacent.y, std::min(brightestAdjacent.x, other));
+                            brightestAdjacent.x = std::max(brightestAdjacent.x, other);
+                        }
                         variancesAround[std::size_t(n++)] = before[j].variance;
                     }
                     const float w = 1.0f / float(1 + dx * dx + dy * dy);
@@ -132,8 +142,13 @@ void tameOutliers(const TexelMap& map, const TexelGrid& grid, const std::vector<
             const float excess = own - bright;
             // One lucky path makes the texel's own blocks differ by as much as it is too bright. Where they agree, and
             // more readily so at the rim of a surface or of what stands on it, it has light that the others do not.
-            const float sigmas = isWhole(map, map.texels[i], estimates[i]) ? 5.0f : 2.0f;
-            const bool lucky = excess <= sigmas * std::sqrt(gathered(estimates[i]).variance);
+            const bool whole = isWhole(map, map.texels[i], estimates[i]);
+            const float sigmas = whole ? 5.0f : 2.0f;
+            // Two blocks agree by chance in one of some thousand such texels: what no two of the eight next to it have
+            // is believed of more blocks alone.
+            const bool alone = whole && adjacent == 8 && brightestAdjacent.y - bright < kTraces * excess &&
+                               estimates[i].samples < kSamplesToBelieve;
+            const bool lucky = alone || excess <= sigmas * std::sqrt(gathered(estimates[i]).variance);
             if (own > 1.1f * bright && excess > 0.5f * std::sqrt(variance) && lucky) {
                 const float direct = luminance(estimates[i].direct);
                 light[i].irradiance *= bright / own;

@@ -553,6 +553,37 @@ TEST(DenoiseS6, BrightRimsAreNoOutliers)
     }
 }
 
+/// A texel, or two side by side, brighter than all around though its blocks agree: that is luck when these are few, and
+/// light when they are many or when more texels have it.
+TEST(DenoiseS6, FewBlocksAgreeByChance)
+{
+    Scene scene;
+    addRectangle(scene, {}, addMaterial(scene, vec3(0.5f)), kPage, {vec2(4), vec2(60)});
+    const BakeGeometry geometry = flattenGeometry(scene, kPage, GeometryFilter::Static);
+    const TexelMap map = rasterizeTexels(geometry, kPage, 1);
+    struct Case {
+        int width;
+        int height;
+        uint32_t samples;
+        float expected;
+    };
+    for (const Case& c : {Case{1, 1, 32, 1.0f}, {2, 1, 32, 1.0f}, {2, 2, 32, 2.0f}, {1, 1, 256, 2.0f}}) {
+        SCOPED_TRACE(testing::Message() << c.width << " x " << c.height << ", " << c.samples << " samples");
+        std::vector<IrradianceEstimate> estimates(map.texels.size());
+        std::size_t bright = 0;
+        for (std::size_t i = 0; i < estimates.size(); ++i) {
+            const Texel& t = map.texels[i];
+            const bool isBright = t.x >= 30 && t.x < 30 + c.width && t.y >= 30 && t.y < 30 + c.height;
+            if (isBright) bright = i;
+            estimates[i].irradiance = vec3(isBright ? 2.0f : 1.0f);
+            estimates[i].varianceOfMean = 0.0004f;
+            estimates[i].samples = c.samples;
+        }
+        denoise(geometry, map, estimates);
+        EXPECT_NEAR(estimates[bright].irradiance.x, c.expected, 0.1f);
+    }
+}
+
 /// A contact shadow, steep at the foot: where texels state far more variance than their noise has, as well-spread
 /// samples do, what their neighbours show counts, and the shadow stays.
 TEST(DenoiseS6, TrustsNeighboursMoreThanStatedVariance)
