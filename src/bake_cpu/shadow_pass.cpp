@@ -12,6 +12,8 @@ namespace {
 /// texels, of a small chart, are no evidence.
 constexpr int kAgreeRadius = 3;
 constexpr int kEnoughTexels = 16;
+/// More rays, in pairs of halves, could not be counted.
+constexpr int kMostHalves = LitCount::kMost / (2 * ShadowRays::kHalf) * 2;
 
 } // namespace
 
@@ -150,7 +152,7 @@ bool traceShadows(const ShadowPass& pass, const std::vector<ShadowSource>& sourc
     };
     if (!traceHalves(0, firstHalves)) return false;
     for (std::size_t i = 0; i < open.size(); ++i) open[i] = open[i] != 0 && mixed(counts[i]) ? 1 : 0;
-    return traceHalves(firstHalves, pass.timesOnEdges * halves);
+    return traceHalves(firstHalves, std::min(pass.timesOnEdges * halves, kMostHalves));
 }
 
 } // namespace halflight

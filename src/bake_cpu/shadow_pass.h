@@ -16,6 +16,7 @@ namespace halflight {
 
 /// What a texel's rays to one light have told so far.
 struct LitCount {
+    static constexpr int kMost = 65535; ///< rays that can be counted
     uint16_t lit = 0;
     uint16_t all = 0;
 
