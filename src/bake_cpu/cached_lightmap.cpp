@@ -33,7 +33,7 @@ public:
     Run(const CachedLightmap& lightmap, const TexelMap& map, std::span<const uint32_t> texels, int most,
         const Progress& progress, std::atomic<uint64_t>& rays)
         : lightmap_(lightmap), map_(map), most_(most), progress_(progress), rays_(rays),
-          adaptive_(lightmap.settings_.noiseTarget > 0.0f && most > kFirstBlocks), knowsNoise_(most >= kFirstBlocks),
+          adaptive_(lightmap.settings_.noiseTarget > 0.0f && most > kFirstBlocks),
           lattice_(lightmap.paths_.surfaces().geometry(), map, lightmap.state_->grid, lightmap.settings_.texelStep),
           set_(map, texels)
     {
@@ -43,7 +43,7 @@ public:
             for (int step = lattice_.step(); step > 1; step /= 2) set_.extend(neighbours);
         };
         addNeighbours();
-        if (knowsNoise_) {
+        if (most >= kFirstBlocks) {
             wanted_ = std::make_unique<TexelSet>(set_);
             set_.extend(
                 [&](uint32_t texel, const auto& add) { lightmap.state_->grid.around(texel, kNoiseRadius, add); });
@@ -193,7 +193,7 @@ private:
         int around = 0;
         lightmap_.state_->grid.around(texel, kNoiseRadius, [&](uint32_t) { ++around; });
         int times = around >= kFewAround ? 1 : 2 * around >= kFewAround ? 2 : 4;
-        if (!knowsNoise_) return times;
+        if (wanted_ == nullptr) return times;
         const Noise noise = noiseAround(texel);
         const float allowed = kMuchNoise * kMuchNoise * noise.mean * lightmap_.mapMean_;
         while (times < kMostTimes && noise.ofMost > allowed * float(most_ * times)) times *= 2;
@@ -322,10 +322,9 @@ private:
     const Progress& progress_;
     std::atomic<uint64_t>& rays_;
     bool adaptive_;
-    bool knowsNoise_; ///< texels have blocks enough to tell
     TexelLattice lattice_;
     TexelSet set_;
-    std::unique_ptr<TexelSet> wanted_; ///< of the set, those that may need more samples; null: all
+    std::unique_ptr<TexelSet> wanted_; ///< of the set, what may get more samples; null: too few blocks to tell
     std::vector<Known> known_;         ///< of the set
 };
 

@@ -277,21 +277,19 @@ void FinalGather::sampleBright(const GatherGroup& group, int block, uint64_t& ra
 
 vec3 FinalGather::emission(const GatherGroup& group, int lane, int block, int cell) const
 {
-    const GatherGroup::Origin& s = group.origin(lane, group.pointOf(lane, block, cell));
+    const Receiver receiver = receiverOf(group, lane, block, cell);
     const vec3 direction = bundle_.direction(cell, lane);
-    const Receiver receiver{s.position, s.normal, &cut_, std::size_t(lane)};
     return paths_.weightedEmission(paths_.surfaces().surfaceAt(bundle_.at(cell, lane)), direction, receiver,
-                                   PathTracer::gatherPdf(s.normal, direction));
+                                   PathTracer::gatherPdf(receiver.normal, direction));
 }
 
 vec3 FinalGather::slowRadiance(const GatherGroup& group, int lane, int block, int cell, uint64_t& rays)
 {
-    const GatherGroup::Origin& s = group.origin(lane, group.pointOf(lane, block, cell));
+    const Receiver receiver = receiverOf(group, lane, block, cell);
     const RayHit at = bundle_.at(cell, lane);
     if (cache_ == nullptr && paths_.surfaces().metHiddenBack(at)) ++backFaces_[std::size_t(lane)];
     const vec3 direction = bundle_.direction(cell, lane);
-    const float pdf = PathTracer::gatherPdf(s.normal, direction);
-    const Receiver receiver{s.position, s.normal, &cut_, std::size_t(lane)};
+    const float pdf = PathTracer::gatherPdf(receiver.normal, direction);
     Sampler sampler(settings_.seed, group.id(lane), uint32_t(block * GatherPattern::kBlock + cell));
     return paths_.follow(at, direction, receiver, pdf, settings_.bounces, sampler, rays, cache_);
 }

@@ -89,6 +89,12 @@ private:
     void sampleEmitters(const GatherGroup& group, int block, std::span<TexelLight> lights, uint64_t& rays);
     /// What a cell, or its part, knows of a ray's end; null where the ray ends too close by.
     [[nodiscard]] const vec3* knownRadiance(int cell, int lane, uint32_t square) const;
+    /// Who asks for the light that a ray brings.
+    [[nodiscard]] Receiver receiverOf(const GatherGroup& group, int lane, int block, int cell) const
+    {
+        const GatherGroup::Origin& s = group.origin(lane, group.pointOf(lane, block, cell));
+        return {s.position, s.normal, &cut_, std::size_t(lane)};
+    }
     /// What the end of a ray emits, as it counts beside samples of emitters.
     [[nodiscard]] vec3 emission(const GatherGroup& group, int lane, int block, int cell) const;
     /// What a ray brings whose end has no cell, or is too close by for it.

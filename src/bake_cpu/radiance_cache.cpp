@@ -107,6 +107,15 @@ struct RadianceCache::RangeOutput {
         if (contributions.empty() || contributions.back().cell != cell) contributions.push_back({cell});
         return contributions.back();
     }
+    /// Calls body(contribution, its links) for all of a range that may be const.
+    template<typename Range, typename Body> static void forContributions(Range& range, const Body& body)
+    {
+        std::size_t link = 0;
+        for (auto& c : range.contributions) {
+            body(c, std::span(range.links).subspan(link, c.linkCount));
+            link += c.linkCount;
+        }
+    }
 };
 
 void RadianceCache::layOut(const PathTracer& paths, const TexelMap& map)
@@ -913,18 +922,16 @@ void RadianceCache::bounce(std::vector<RangeOutput>& ranges, const TexelMap& map
     };
     std::vector<Sum> sums(filledCount);
     for (RangeOutput& range : ranges) {
-        std::size_t link = 0;
-        for (Contribution& c : range.contributions) {
+        RangeOutput::forContributions(range, [&](Contribution& c, std::span<uint32_t> links) {
             const uint32_t own = filled[c.cell];
             // Rays that met what turned out to be no cell are left out.
             uint32_t lost = 0;
-            for (uint32_t l = 0; l < c.linkCount; ++l, ++link) {
-                uint32_t& target = range.links[link];
+            for (uint32_t& target : links) {
                 target = (state_[target] & kDivided) != 0 ? kNoCells : filledFor(target);
                 if (target == kNoCells) ++lost;
             }
             c.cell = own;
-            if (own == kNoCells) continue;
+            if (own == kNoCells) return;
             Sum& sum = sums[own];
             sum.first += kPi * c.gathered;
             sum.direct += c.direct;
@@ -932,7 +939,7 @@ void RadianceCache::bounce(std::vector<RangeOutput>& ranges, const TexelMap& map
             sum.directCount += float(c.directCount);
             sum.rays += float(c.rayCount - lost);
             sum.nearest = std::max(sum.nearest, c.nearest);
-        }
+        });
         for (RangeOutput::Late& late : range.late) late.cell = filled[late.cell];
     }
     for (Sum& sum : sums) {
@@ -948,14 +955,13 @@ void RadianceCache::bounce(std::vector<RangeOutput>& ranges, const TexelMap& map
         std::fill(gathered.begin(), gathered.end(), vec3(0.0f));
         for (const RangeOutput& range : ranges) {
             if (b == 1) break;
-            std::size_t link = 0;
-            for (const Contribution& c : range.contributions) {
+            RangeOutput::forContributions(range, [&](const Contribution& c, std::span<const uint32_t> links) {
                 vec3 sum(0.0f);
-                for (uint32_t l = 0; l < c.linkCount; ++l, ++link) {
-                    if (range.links[link] != kNoCells) sum += reflected[range.links[link]];
+                for (const uint32_t target : links) {
+                    if (target != kNoCells) sum += reflected[target];
                 }
                 if (c.cell != kNoCells) gathered[c.cell] += sum;
-            }
+            });
             for (const RangeOutput::Late& late : range.late) {
                 if (late.cell != kNoCells && late.reflections < uint32_t(b)) gathered[late.cell] += late.radiance;
             }
@@ -1079,12 +1085,9 @@ void RadianceCache::findBright(const std::vector<RangeOutput>& ranges, const Tex
     // Links are numbers of filled cells by now.
     const auto forContributions = [&](const auto& body) {
         for (const RangeOutput& range : ranges) {
-            std::size_t link = 0;
-            for (const Contribution& c : range.contributions) {
-                const std::span<const uint32_t> links = std::span(range.links).subspan(link, c.linkCount);
-                link += c.linkCount;
+            RangeOutput::forContributions(range, [&](const Contribution& c, std::span<const uint32_t> links) {
                 if (c.cell != kNoCells && ownerOfFilled[c.cell] < squares_) body(ownerOfFilled[c.cell], c, links);
-            }
+            });
         }
     };
     std::vector<float> gathered(squares_);

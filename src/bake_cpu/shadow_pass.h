@@ -9,6 +9,7 @@
 
 #include <atomic>
 #include <functional>
+#include <limits>
 #include <span>
 #include <vector>
 
@@ -16,7 +17,7 @@ namespace halflight {
 
 /// What a texel's rays to one light have told so far.
 struct LitCount {
-    static constexpr int kMost = 65535; ///< rays that can be counted
+    static constexpr int kMost = std::numeric_limits<uint16_t>::max(); ///< rays that can be counted
     uint16_t lit = 0;
     uint16_t all = 0;
 

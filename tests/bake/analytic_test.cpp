@@ -369,14 +369,9 @@ TEST(ShadowmaskS8, AlphaMaskedHolesLetLightThrough)
     Scene scene;
     const int black = addMaterial(scene, vec3(0));
     // Left half of the texture is a hole.
-    Texture texture;
-    texture.pixels = ImageRgba8(2, 1, u8vec4(255));
-    texture.pixels(0, 0) = u8vec4(255, 255, 255, 0);
-    texture.nearest = true;
-    scene.textures.push_back(texture);
-    const int grate = addMaterial(scene, vec3(0));
-    scene.materials[std::size_t(grate)].alphaMode = Material::AlphaMode::Mask;
-    scene.materials[std::size_t(grate)].baseColorTexture.texture = 0;
+    ImageRgba8 pixels(2, 1, u8vec4(255));
+    pixels(0, 0).w = 0;
+    const int grate = addMaterialWithHoles(scene, vec3(0), std::move(pixels));
     addRectangle(scene, {vec3(-1, 0, 1), vec3(2, 0, 0), vec3(0, 0, -2)}, black, kPage, {vec2(1), vec2(63)});
     addRectangle(scene, {vec3(-1, 1, 1), vec3(2, 0, 0), vec3(0, 0, -2)}, grate, kPage);
     scene.lights.push_back(makeLight(LightType::Directional, vec3(0), vec3(0, -1, 0), 1.0f, LightMode::Mixed));

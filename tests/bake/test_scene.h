@@ -4,11 +4,13 @@
 
 #include "bake/stages.h"
 #include "halflight/bake_cpu/embree_integrator.h"
+#include "halflight/base/image.h"
 #include "halflight/scene/scene.h"
 
 #include <glm/gtc/matrix_transform.hpp>
 
 #include <memory>
+#include <utility>
 #include <vector>
 
 namespace halflight::test {
@@ -34,6 +36,19 @@ inline int addMaterial(Scene& scene, vec3 albedo, vec3 emission = vec3(0.0f), bo
     material.doubleSided = doubleSided;
     scene.materials.push_back(material);
     return int(scene.materials.size()) - 1;
+}
+
+/// A material with holes where the picture's alpha is 0.
+inline int addMaterialWithHoles(Scene& scene, vec3 albedo, ImageRgba8 pixels, bool doubleSided = false)
+{
+    Texture texture;
+    texture.pixels = std::move(pixels);
+    texture.nearest = true;
+    scene.textures.push_back(std::move(texture));
+    const int material = addMaterial(scene, albedo, vec3(0.0f), doubleSided);
+    scene.materials[std::size_t(material)].alphaMode = Material::AlphaMode::Mask;
+    scene.materials[std::size_t(material)].baseColorTexture.texture = int(scene.textures.size()) - 1;
+    return material;
 }
 
 inline int addRectangle(Scene& scene, const Rectangle& r, int material, int pageSize, Place place = {})

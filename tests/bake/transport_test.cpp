@@ -8,7 +8,6 @@
 #include "bake_cpu/light_tree.h"
 #include "bake_cpu/path.h"
 
-#include "halflight/base/image.h"
 #include "halflight/base/parallel.h"
 #include "halflight/base/random.h"
 #include "halflight/shading/sh.h"
@@ -191,16 +190,11 @@ struct LitSpots {
         int floor = glows ? addMaterial(scene, vec3(kAlbedo), vec3(1.0e-6f)) : white;
         if (holes != Holes::None) {
             const int size = holes == Holes::Half ? 2 : 128;
-            Texture texture;
-            texture.pixels = ImageRgba8(size, size, u8vec4(255));
+            ImageRgba8 pixels(size, size, u8vec4(255));
             for (int y = 0; y < size; ++y) {
-                for (int x = holes == Holes::Half ? 1 : y % 2; x < size; x += 2) texture.pixels(x, y).w = 0;
+                for (int x = holes == Holes::Half ? 1 : y % 2; x < size; x += 2) pixels(x, y).w = 0;
             }
-            texture.nearest = true;
-            scene.textures.push_back(texture);
-            floor = addMaterial(scene, vec3(kAlbedo), vec3(0.0f), true);
-            scene.materials[std::size_t(floor)].alphaMode = Material::AlphaMode::Mask;
-            scene.materials[std::size_t(floor)].baseColorTexture.texture = 0;
+            floor = addMaterialWithHoles(scene, vec3(kAlbedo), std::move(pixels), true);
         }
         const vec3 x(kWidth, 0, 0);
         const vec3 y(0, kHeight, 0);
@@ -594,17 +588,12 @@ Bench underHoles(int every)
 {
     Scene scene;
     scene.sky = {vec3(1000), vec3(0), vec3(0)}; // none comes in below the roof's edges
-    Texture texture;
-    texture.pixels = ImageRgba8(256, 256, u8vec4(255));
+    ImageRgba8 pixels(256, 256, u8vec4(255));
     for (int y = 0; y < 256; y += every) {
-        for (int x = 0; x < 256; x += every) texture.pixels(x, y).w = 0;
+        for (int x = 0; x < 256; x += every) pixels(x, y).w = 0;
     }
-    texture.nearest = true;
-    scene.textures.push_back(texture);
     const int white = addMaterial(scene, vec3(0.8f), vec3(0.0f), true);
-    const int black = addMaterial(scene, vec3(0.0f), vec3(0.0f), true);
-    scene.materials[std::size_t(black)].alphaMode = Material::AlphaMode::Mask;
-    scene.materials[std::size_t(black)].baseColorTexture.texture = 0;
+    const int black = addMaterialWithHoles(scene, vec3(0.0f), std::move(pixels), true);
     addRectangle(scene, {vec3(-1, 0, 1), vec3(2, 0, 0), vec3(0, 0, -2)}, white, kPage, {vec2(1), vec2(33)});
     addRectangle(scene, {vec3(-4, 0.3f, -4), vec3(8, 0, 0), vec3(0, 0, 8)}, black, kPage);
     IntegrationSettings settings;
