@@ -103,17 +103,15 @@ TriangleFrame::TriangleFrame(const BakeGeometry& geometry, uint32_t triangle)
     if (flat_) normals_[0] = shadingNormal(normals_[0]);
 }
 
-SurfacePoint TriangleFrame::at(vec2 barycentric) const
+void TriangleFrame::put(vec2 barycentric, SurfacePoint& p) const
 {
     const float w = 1.0f - barycentric.x - barycentric.y;
-    SurfacePoint p;
     p.triangle = triangle_;
     p.barycentric = barycentric;
     p.position = w * positions_[0] + barycentric.x * positions_[1] + barycentric.y * positions_[2];
     p.geometricNormal = geometricNormal_;
     p.normal = flat_ ? normals_[0]
                      : shadingNormal(w * normals_[0] + barycentric.x * normals_[1] + barycentric.y * normals_[2]);
-    return p;
 }
 
 /// Smooth normals that lean behind the triangle (or files whose normals contradict the winding) would put the whole

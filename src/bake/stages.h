@@ -102,7 +102,14 @@ class TriangleFrame {
 public:
     TriangleFrame(const BakeGeometry& geometry, uint32_t triangle);
     /// The point at barycentric weights (of vertices 1 and 2).
-    [[nodiscard]] SurfacePoint at(vec2 barycentric) const;
+    [[nodiscard]] SurfacePoint at(vec2 barycentric) const
+    {
+        SurfacePoint point;
+        put(barycentric, point);
+        return point;
+    }
+    /// The same, written where it is to be: copies of what was just written in parts make the processor wait.
+    void put(vec2 barycentric, SurfacePoint& out) const;
 
 private:
     [[nodiscard]] vec3 shadingNormal(vec3 sum) const;

@@ -183,10 +183,10 @@ public:
             least_[i] = std::min(kTexels / std::max(area / base, 1.0e-6f), 1.0f / 3.0f);
         }
     }
-    [[nodiscard]] SurfacePoint at(vec2 barycentric) const
+    void put(vec2 barycentric, SurfacePoint& out) const
     {
         const vec3 weights = glm::max(vec3(1.0f - barycentric.x - barycentric.y, barycentric.x, barycentric.y), least_);
-        return frame_.at(vec2(weights.y, weights.z) / (weights.x + weights.y + weights.z));
+        frame_.put(vec2(weights.y, weights.z) / (weights.x + weights.y + weights.z), out);
     }
 
 private:
@@ -257,7 +257,7 @@ uint32_t coveredPoints(const BakeGeometry& geometry, std::span<const TexelFragme
         found |= covered;
         const PointsOffEdges points(geometry, fragment.triangle);
         for (std::size_t i = 0; i < kMaxTexelPoints; ++i) {
-            if (((covered >> i) & 1u) != 0) out[i] = points.at({u[i], v[i]});
+            if (((covered >> i) & 1u) != 0) points.put({u[i], v[i]}, out[i]);
         }
         if (found == kAllCandidates) break;
     }
@@ -368,7 +368,7 @@ int texelPoints(const BakeGeometry& geometry, const TexelMap& map, const Texel& 
     const auto largest =
         std::max_element(fragments.begin(), fragments.end(),
                          [](const TexelFragment& a, const TexelFragment& b) { return a.area < b.area; });
-    out[0] = PointsOffEdges(geometry, largest->triangle).at(largest->barycentric);
+    PointsOffEdges(geometry, largest->triangle).put(largest->barycentric, out[0]);
     return 1;
 }
 

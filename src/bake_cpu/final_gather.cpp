@@ -30,7 +30,8 @@ constexpr float kOftenEnough = 0.1f;
 struct EmitterLanes {
     Vec3Lanes<kLanes> position;
     Vec3Lanes<kLanes> normal;
-    std::array<float, kLanes> pdfArea;
+    Vec3Lanes<kLanes> radiance;
+    std::array<float, kLanes> pdfArea; ///< 0: there is none
     std::array<int32_t, kLanes> doubleSided;
     std::array<int32_t, kLanes> rayVisible;
     std::array<float, kLanes> share; ///< as EmitterWay has it
@@ -39,7 +40,8 @@ struct EmitterLanes {
     {
         position.set(lane, s.position);
         normal.set(lane, s.normal);
-        pdfArea[lane] = s.pdfArea;
+        radiance.set(lane, s.radiance);
+        pdfArea[lane] = s.radiance != vec3(0.0f) ? s.pdfArea : 0.0f;
         doubleSided[lane] = s.doubleSided ? 1 : 0;
         rayVisible[lane] = s.rayVisible ? 1 : 0;
     }
@@ -258,19 +260,19 @@ void FinalGather::sampleBright(const GatherGroup& group, int block, uint64_t& ra
     const SurfaceTracer& tracer = paths_.surfaces();
     countLights(
         used,
-        [&](std::size_t lane, int cell) {
+        [&](std::size_t lane, int cell, const auto& take) {
             const BrightCells::Place& place = places_[std::size_t(cell) * kLanes + lane];
-            EmitterSample e;
-            if (place.pdfArea <= 0.0f) return e;
+            if (place.pdfArea <= 0.0f) return;
             const float distance = glm::distance(bundle_.origin(std::size_t(cell), int(lane)), place.position);
             const vec3* known = cache_->known(place.record, place.barycentric, place.cell, distance);
-            if (known == nullptr) return e;
+            if (known == nullptr) return;
+            EmitterSample e;
             e.position = place.position;
             e.normal = place.normal;
             // Through holes light from elsewhere comes.
             e.radiance = *known * tracer.coverageOfHit(place.record / 2, place.barycentric);
             e.pdfArea = place.pdfArea * brightShare(lane);
-            return e;
+            take(e);
         },
         rays);
 }
@@ -299,17 +301,14 @@ void FinalGather::countLights(std::span<const uint8_t> cells, const Choose& choo
 {
     RTCRay8 packet;
     alignas(32) embree::LaneMask valid;
-    std::array<EmitterSample, kLanes> chosen;
-    EmitterLanes lanes;
+    EmitterLanes lanes{};
     for (const std::size_t cell : cells) {
         const RayBundle::Frames& frame = bundle_.frame(cell);
         bool any = false;
         for (std::size_t lane = 0; lane < kLanes; ++lane) {
-            EmitterSample& e = chosen[lane];
-            e = choose(lane, int(cell));
-            if (e.radiance == vec3(0.0f)) e.pdfArea = 0.0f;
-            any = any || e.pdfArea > 0.0f;
-            lanes.set(lane, e);
+            lanes.pdfArea[lane] = 0.0f;
+            choose(lane, int(cell), [&](const EmitterSample& e) { lanes.set(lane, e); });
+            any = any || lanes.pdfArea[lane] > 0.0f;
         }
         if (!any) continue;
         SurfaceTracer::clear(packet);
@@ -330,7 +329,7 @@ void FinalGather::countLights(std::span<const uint8_t> cells, const Choose& choo
         Vec3Lanes<kLanes> irradiance;
         for (std::size_t lane = 0; lane < kLanes; ++lane) {
             const bool arrives = valid.lane[lane] != 0 && packet.tfar[lane] >= 0.0f;
-            irradiance.set(lane, arrives ? chosen[lane].radiance * lanes.share[lane] : vec3(0.0f));
+            irradiance.set(lane, arrives ? lanes.radiance[lane] * lanes.share[lane] : vec3(0.0f));
             // Of lanes that nothing was sampled for, directions may be no numbers.
             packet.dir_x[lane] = arrives ? packet.dir_x[lane] : 0.0f;
             packet.dir_y[lane] = arrives ? packet.dir_y[lane] : 0.0f;
@@ -362,14 +361,13 @@ void FinalGather::sampleEmitters(const GatherGroup& group, int block, std::span<
     };
     countLights(
         kAllCells,
-        [&](std::size_t lane, int cell) {
-            EmitterSample e;
-            if (!wanted(lane, std::size_t(cell))) return e;
-            e = paths_.emitters().sample({bundle_.origin(std::size_t(cell), int(lane)),
-                                          bundle_.frame(std::size_t(cell)).normal[lane], &cut_, lane},
-                                         points[lane].unit(cell));
+        [&](std::size_t lane, int cell, const auto& take) {
+            if (!wanted(lane, std::size_t(cell))) return;
+            EmitterSample e = paths_.emitters().sample({bundle_.origin(std::size_t(cell), int(lane)),
+                                                        bundle_.frame(std::size_t(cell)).normal[lane], &cut_, lane},
+                                                       points[lane].unit(cell));
             e.radiance /= chance[lane];
-            return e;
+            take(e);
         },
         rays);
     for (int lane = 0; lane < group.lanes(); ++lane) {

@@ -35,7 +35,7 @@ bool traceShadows(const ShadowPass& pass, const std::vector<ShadowSource>& sourc
         number = asked.find(texel);
         return whole || (number < asked.size() && asked[number] == texel);
     };
-    if (!forTexelGroups<TexelGroup>(
+    if (!forTexelGroups<ShadowGroup>(
             pass.paths, pass.map, set.size(), [&](std::size_t i) { return set[i]; },
             [](std::size_t) { return kAllPoints; }, pass.progress, pass.stage, pass.rays,
             [&] {
@@ -69,7 +69,10 @@ bool traceShadows(const ShadowPass& pass, const std::vector<ShadowSource>& sourc
             }
         }
     });
-    // Where points lie inside geometry the first look counts for nothing.
+    // Where points lie inside geometry the first look counts for nothing. Beside a texel that an edge crosses, an edge
+    // is easily overlooked.
+    constexpr uint8_t kOpen = 1;
+    constexpr uint8_t kBesideEdge = 2;
     std::vector<uint8_t> open(pass.texels.size() * sourceCount);
     parallelFor(pass.texels.size(), 4096, [&](std::size_t begin, std::size_t end) {
         for (std::size_t i = begin; i < end; ++i) {
@@ -81,17 +84,32 @@ bool traceShadows(const ShadowPass& pass, const std::vector<ShadowSource>& sourc
                 ++around;
             });
             if (around < kEnoughTexels) agreed = 0;
+            unsigned mixed = 0; // the lower one of a source's bits
+            pass.grid.around(pass.texels[i], 1, [&](uint32_t other) {
+                const unsigned bits = found[set.find(other)];
+                mixed |= ~(bits | bits >> 1);
+            });
             for (std::size_t s = 0; s < sourceCount; ++s) {
                 const bool decided = ((agreed >> (2 * s)) & 3u) != 0;
                 if (pass.outside[i] == kAllPoints) counts[i * sourceCount + s] = firstLook[own * sourceCount + s];
-                open[i * sourceCount + s] = pass.outside[i] != 0 && (!decided || pass.outside[i] != kAllPoints) ? 1 : 0;
+                if (pass.outside[i] == 0 || (decided && pass.outside[i] == kAllPoints)) continue;
+                const bool besideEdge = ((mixed >> (2 * s)) & 1u) != 0;
+                open[i * sourceCount + s] = kOpen | (besideEdge ? kBesideEdge : uint8_t(0));
             }
         }
     });
-    // Two rounds: half of the rays for all that is open; for what turns out to be half lit, the rest and more.
+    // Three rounds: half of the rays for all that is open; the rest for what lies beside an edge or turns out to be
+    // half lit; for what is half lit then, more.
     const int halves = ShadowRays::halvesOf(pass.samples);
     const int firstHalves = std::max(2, halves / 4 * 2);
-    const auto mixed = [&](const LitCount& count) { return !count.allLit() && !count.noneLit(); };
+    const int lastHalves = std::min(pass.timesOnEdges * halves, kMostHalves);
+    const int nextHalves = std::min(2 * firstHalves, lastHalves);
+    const auto keepOpen = [&](uint8_t beside) {
+        for (std::size_t i = 0; i < open.size(); ++i) {
+            const bool mixed = !counts[i].allLit() && !counts[i].noneLit();
+            if (!mixed && (open[i] & beside) == 0) open[i] = 0;
+        }
+    };
     std::vector<uint32_t> list;
     const auto traceHalves = [&](int begin, int end) {
         list.clear();
@@ -100,7 +118,7 @@ bool traceShadows(const ShadowPass& pass, const std::vector<ShadowSource>& sourc
             for (std::size_t s = 0; s < sourceCount; ++s) any = any || open[i * sourceCount + s] != 0;
             if (any) list.push_back(uint32_t(i));
         }
-        return forTexelGroups<TexelGroup>(
+        return forTexelGroups<ShadowGroup>(
             pass.paths, pass.map, list.size(), [&](std::size_t i) { return pass.texels[list[i]]; },
             [&](std::size_t i) { return pass.outside[list[i]]; }, pass.progress, pass.stage, pass.rays,
             [&] {
@@ -143,16 +161,18 @@ bool traceShadows(const ShadowPass& pass, const std::vector<ShadowSource>& sourc
                         if (half == 0) {
                             some(group);
                         } else {
-                            some(TexelGroup(pass.paths, pass.map, std::span(texels.data(), lanes),
-                                            std::span(masks.data(), lanes), half / 2));
+                            some(ShadowGroup(pass.paths, pass.map, std::span(texels.data(), lanes),
+                                             std::span(masks.data(), lanes), half / 2));
                         }
                     }
                 };
             });
     };
     if (!traceHalves(0, firstHalves)) return false;
-    for (std::size_t i = 0; i < open.size(); ++i) open[i] = open[i] != 0 && mixed(counts[i]) ? 1 : 0;
-    return traceHalves(firstHalves, std::min(pass.timesOnEdges * halves, kMostHalves));
+    keepOpen(kBesideEdge);
+    if (!traceHalves(firstHalves, nextHalves)) return false;
+    keepOpen(0);
+    return traceHalves(nextHalves, lastHalves);
 }
 
 } // namespace halflight

@@ -3,9 +3,44 @@
 
 #include "bake_cpu/texel_group.h"
 
+#include <algorithm>
 #include <array>
+#include <utility>
+#include <vector>
 
 namespace halflight {
+
+/// Texels whose batches of points begin here and there: where a shadow's edge along a row of texels slips between the
+/// points of one, it meets its neighbours'.
+class ShadowGroup : public TexelGroup {
+public:
+    ShadowGroup(const PathTracer& paths, const TexelMap& map, std::span<const uint32_t> texels,
+                std::span<const PointMask> outside, int batch = 0)
+        : TexelGroup(paths, map, texels, outside, [&](uint32_t id) { return batch + firstBatch(id); })
+    {}
+
+private:
+    /// One of those, among many, whose points' mean is nearest to the middle of the square: they have the light of a
+    /// whole texel where that changes across it.
+    static int firstBatch(uint32_t id)
+    {
+        constexpr int kMany = 32768;
+        constexpr std::size_t kFew = 256;
+        static const std::vector<int> few = [] {
+            std::vector<std::pair<float, int>> batches;
+            for (int batch = 0; batch < kMany; ++batch) {
+                vec2 sum(0.0f);
+                for (int i = 0; i < kMaxTexelPoints; ++i) sum += r2Point(batch * kMaxTexelPoints + i) - 0.5f;
+                batches.emplace_back(glm::length(sum), batch);
+            }
+            std::sort(batches.begin(), batches.end());
+            std::vector<int> nearest;
+            for (std::size_t i = 0; i < kFew; ++i) nearest.push_back(batches[i].second);
+            return nearest;
+        }();
+        return few[hashPcg(id) % kFew];
+    }
+};
 
 /// Samples come in halves of eight, each at points of the texel of its own: two halves use up a batch of texelPoints().
 /// So shadow edges are antialiased by as many points as there are rays, and lights without extent gain from more rays

@@ -361,9 +361,8 @@ RayHit SurfaceTracer::nearest(vec3 origin, vec3 direction, float tMin, float tMa
         embree::intersect(scene_, context, ray);
         if (ray.hit.geomID == RTC_INVALID_GEOMETRY_ID) return {};
 
-        const uint32_t triangle = trianglesOfGeometry_[ray.hit.geomID][ray.hit.primID];
         const bool behind = ray.hit.Ng_x * direction.x + ray.hit.Ng_y * direction.y + ray.hit.Ng_z * direction.z > 0.0f;
-        if (cameraRay && behind && !materialOfTriangle(triangle).doubleSided) {
+        if (cameraRay && behind && !materialOfTriangle(triangleOf(ray.hit.geomID, ray.hit.primID)).doubleSided) {
             tMin = ray.ray.tfar * (1.0f + 1.0e-6f) + epsilonAt(origin);
             continue;
         }
@@ -376,10 +375,7 @@ SurfaceHit SurfaceTracer::surfaceAt(const RayHit& at) const
 {
     const uint32_t triangle = triangleOf(at.geomID, at.primID);
     const TransportMaterial& material = materialOfTriangle(triangle);
-    SurfaceHit hit;
-    hit.distance = at.distance;
-    hit.material = &material;
-    hit.point = surfacePoint(geometry_, triangle, at.barycentric);
+    SurfaceHit hit{at.distance, &material, surfacePoint(geometry_, triangle, at.barycentric)};
     if (at.behind) {
         hit.point.normal = -hit.point.normal;
         hit.point.geometricNormal = -hit.point.geometricNormal;

@@ -28,9 +28,10 @@ public:
     static constexpr int kLanes = embree::kPacket;
 
     /// `outside`: which of each texel's points to use. Those are told of batch 0; texels of which some points are left
-    /// out have no others.
+    /// out have no others. batchOf(id) names the batch of the others.
+    template<typename BatchOf>
     TexelGroup(const PathTracer& paths, const TexelMap& map, std::span<const uint32_t> texels,
-               std::span<const PointMask> outside, int batch = 0)
+               std::span<const PointMask> outside, const BatchOf& batchOf)
         : lanes_(int(texels.size()))
     {
         const BakeGeometry& geometry = paths.surfaces().geometry();
@@ -41,10 +42,14 @@ public:
             l.id = texelId(map, texel);
             l.mask = outside[std::size_t(lane)];
             if (l.mask == 0) continue;
-            l.pointCount = texelPoints(geometry, map, texel, l.points, l.mask == kAllPoints ? batch : 0);
+            l.pointCount = texelPoints(geometry, map, texel, l.points, l.mask == kAllPoints ? batchOf(l.id) : 0);
             PointValidity::keep(l.mask, l.points, l.pointCount);
         }
     }
+    TexelGroup(const PathTracer& paths, const TexelMap& map, std::span<const uint32_t> texels,
+               std::span<const PointMask> outside)
+        : TexelGroup(paths, map, texels, outside, [](uint32_t) { return 0; })
+    {}
     /// The backs of texels: all points of each.
     static TexelGroup backs(const PathTracer& paths, const TexelMap& map, std::span<const uint32_t> texels)
     {

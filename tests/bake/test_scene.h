@@ -147,11 +147,12 @@ struct Bench {
     /// Mean world position of a texel's surface.
     [[nodiscard]] vec3 positionOf(const Texel& texel) const
     {
-        std::array<SurfacePoint, kMaxTexelPoints> points;
-        const int count = texelPoints(geometry, map, texel, points);
         vec3 sum(0.0f);
-        for (int i = 0; i < count; ++i) sum += points[std::size_t(i)].position;
-        return sum / float(count);
+        for (uint32_t f = 0; f < texel.fragmentCount; ++f) {
+            const TexelFragment& fragment = map.fragments[texel.firstFragment + f];
+            sum += fragment.area * surfacePoint(geometry, fragment.triangle, fragment.barycentric).position;
+        }
+        return sum / coveredArea(map, texel);
     }
 };
 

@@ -28,7 +28,10 @@ inline float unitFloat(uint32_t bits)
 /// Point of a rank-1 lattice in the unit square (Roberts 2018, the R2 sequence).
 inline vec2 r2Point(int number)
 {
-    return glm::fract(vec2(0.5f) + float(number) * vec2(0.7548776662f, 0.5698402910f));
+    // Fractions of 32 bits, as exact for large numbers as for small ones.
+    constexpr uint32_t kX = 3242174889u; // 0.7548776662
+    constexpr uint32_t kY = 2447445413u; // 0.5698402910
+    return {unitFloat(0x80000000u + uint32_t(number) * kX), unitFloat(0x80000000u + uint32_t(number) * kY)};
 }
 
 } // namespace halflight
