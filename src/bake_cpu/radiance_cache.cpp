@@ -577,30 +577,36 @@ private:
         const SurfacePoint& point = group.points(lane)[0];
         const uint32_t cell = sourceOf(group, lane, point);
         if (cell == kNoCells) return;
+        const TexelPoints& points = group.points(lane);
+        const int count = group.pointCount(lane);
         const float lift = 0.1f * metersOf(cell, point.triangle);
-        const vec3 above = point.position + lift * point.geometricNormal;
+        const auto overPoint = [&](int number) {
+            const SurfacePoint& p = points[std::size_t(std::min(number, count - 1))];
+            return p.position + lift * p.geometricNormal;
+        };
+        const vec3 above = overPoint(0);
         std::array<vec3, embree::kPacket> targets;
         targets[0] = previousCell_ == cell ? previous_ : above;
-        const int count = group.pointCount(lane);
-        const bool whole = coveredArea(map_, map_.texels[group.texel(lane)]) > kWhole;
-        for (std::size_t i = 1; i < targets.size(); ++i) {
-            if (whole && count == kMaxTexelPoints) {
-                // As far as the texel's border.
-                const Rim& rim = rim_[i - 1];
-                const SurfacePoint& p = group.points(lane)[std::size_t(rim.point)];
-                targets[i] = above + rim.toBorder * (p.position + lift * p.geometricNormal - above);
-            } else {
-                const SurfacePoint& p = group.points(lane)[i * std::size_t(count - 1) / (embree::kPacket - 1)];
-                targets[i] = p.position + lift * p.geometricNormal;
-            }
+        const bool whole = count == kMaxTexelPoints && coveredArea(map_, map_.texels[group.texel(lane)]) > kWhole;
+        for (int i = 1; i < embree::kPacket; ++i) {
+            // As far as the texel's border, or to all points of it.
+            const Rim& rim = rim_[std::size_t(i - 1)];
+            targets[std::size_t(i)] = whole ? above + rim.toBorder * (overPoint(rim.point) - above) : overPoint(i);
         }
         uint32_t blocked = 0;
-        if (lookBetween(above, targets, blocked)) out_.divided.push_back(cell);
+        bool divided = lookBetween(above, targets, blocked);
+        bool hidden = (blocked & ~1u) != 0;
+        if (!whole && count > embree::kPacket) {
+            for (int i = 0; i < embree::kPacket; ++i) targets[std::size_t(i)] = overPoint(embree::kPacket + i);
+            blocked = 0;
+            divided = lookBetween(above, targets, blocked) || divided;
+            hidden = hidden || blocked != 0;
+        }
+        if (divided) out_.divided.push_back(cell);
         previousCell_ = cell;
         previous_ = above;
         // Points that do not see one another may lie inside solids.
-        if ((blocked & ~1u) == 0 || pass_ != Pass::Squares) return;
-        const TexelPoints& points = group.points(lane);
+        if (!hidden || pass_ != Pass::Squares) return;
         const PointMask mask = validity_.outsideSolids(points, count, group.id(lane), rays_);
         if (mask == kAllPoints) return;
         setOutside(group.texel(lane), validity_.outsideShells(points, count, mask, group.id(lane), rays_));
