@@ -356,18 +356,19 @@ void partShadows(const Options& options)
         settings.samples = 1;
         settings.bounces = 1;
         settings.shadowSamples = 64;
-        const Run run = integrate(p, subset, settings);
+        Run run = integrate(p, subset, settings);
         settings.shadowSamples = 4096;
         settings.seed = 77;
-        const Run reference = integrate(p, subset, settings);
-        std::vector<IrradianceEstimate> direct[2] = {run.estimates, reference.estimates};
+        Run reference = integrate(p, subset, settings);
         std::size_t overlooked = 0; // lit a little, and taken for dark
         for (std::size_t i = 0; i < subset.texels.size(); ++i) {
-            for (auto& estimates : direct) estimates[i].irradiance = estimates[i].direct;
-            const bool lit = luminance(direct[1][i].irradiance) > 0.0f;
-            overlooked += lit && luminance(direct[0][i].irradiance) == 0.0f ? 1 : 0;
+            IrradianceEstimate& a = run.estimates[i];
+            IrradianceEstimate& b = reference.estimates[i];
+            a.irradiance = a.direct;
+            b.irradiance = b.direct;
+            overlooked += luminance(b.direct) > 0.0f && luminance(a.direct) == 0.0f ? 1 : 0;
         }
-        const Error e = compare(direct[0], nullptr, direct[1]);
+        const Error e = compare(run.estimates, nullptr, reference.estimates);
         std::printf("%-34s %8zu %10.2f %10.1f %11.2f%% %11.2f%%\n", name.c_str(), subset.texels.size(), run.cpu,
                     double(run.rays) * 1.0e-6, 100.0 * e.rmse,
                     100.0 * double(overlooked) / double(subset.texels.size()));
@@ -551,10 +552,10 @@ int main(int argc, char** argv)
     } else if (options.part == "triangles") {
         partTriangles(options);
     } else {
-        std::fprintf(
-            stderr, "usage: bench_bake gather|error|shadows|masks|scaling|lights|triangles [--scene FILE|cornell]... "
-                    "[--size N] "
-                    "[--points N] [--reference N] [--bounces N] [--target PERCENT] [--samples N] [--references DIR]\n");
+        std::fprintf(stderr,
+                     "usage: bench_bake gather|error|shadows|masks|scaling|lights|triangles [--scene FILE|cornell]... "
+                     "[--size N] [--points N] [--reference N] [--bounces N] [--target PERCENT] [--samples N] "
+                     "[--references DIR]\n");
         return 2;
     }
     return 0;

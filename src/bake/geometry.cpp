@@ -125,7 +125,9 @@ vec3 TriangleFrame::shadingNormal(vec3 sum) const
 
 SurfacePoint surfacePoint(const BakeGeometry& geometry, uint32_t triangle, vec2 barycentric)
 {
-    return TriangleFrame(geometry, triangle).at(barycentric);
+    SurfacePoint point;
+    TriangleFrame(geometry, triangle).put(barycentric, point);
+    return point;
 }
 
 } // namespace halflight

@@ -101,14 +101,8 @@ ImageRgb32f decodeLightmap(const Image<uint32_t>& page, float unitLux);
 class TriangleFrame {
 public:
     TriangleFrame(const BakeGeometry& geometry, uint32_t triangle);
-    /// The point at barycentric weights (of vertices 1 and 2).
-    [[nodiscard]] SurfacePoint at(vec2 barycentric) const
-    {
-        SurfacePoint point;
-        put(barycentric, point);
-        return point;
-    }
-    /// The same, written where it is to be: copies of what was just written in parts make the processor wait.
+    /// Writes the point at barycentric weights (of vertices 1 and 2) where it is to be: copies of what was just written
+    /// in parts make the processor wait.
     void put(vec2 barycentric, SurfacePoint& out) const;
 
 private:

@@ -574,12 +574,11 @@ private:
     /// A thin wall has different light on its two sides. Looks along the surface, a tenth of a cell above it.
     void lookAcross(const TexelGroup& group, int lane)
     {
-        const SurfacePoint& point = group.points(lane)[0];
-        const uint32_t cell = sourceOf(group, lane, point);
-        if (cell == kNoCells) return;
         const TexelPoints& points = group.points(lane);
+        const uint32_t cell = sourceOf(group, lane, points[0]);
+        if (cell == kNoCells) return;
         const int count = group.pointCount(lane);
-        const float lift = 0.1f * metersOf(cell, point.triangle);
+        const float lift = 0.1f * metersOf(cell, points[0].triangle);
         const auto overPoint = [&](int number) {
             const SurfacePoint& p = points[std::size_t(std::min(number, count - 1))];
             return p.position + lift * p.geometricNormal;

@@ -3,6 +3,7 @@
 #include "bake_cpu/shadow_rays.h"
 #include "bake_cpu/texel_set.h"
 
+#include <algorithm>
 #include <cassert>
 
 namespace halflight {
@@ -71,30 +72,33 @@ bool traceShadows(const ShadowPass& pass, const std::vector<ShadowSource>& sourc
     });
     // Where points lie inside geometry the first look counts for nothing. Beside a texel that an edge crosses, an edge
     // is easily overlooked.
-    constexpr uint8_t kOpen = 1;
-    constexpr uint8_t kBesideEdge = 2;
-    std::vector<uint8_t> open(pass.texels.size() * sourceCount);
+    enum Open : uint8_t { Closed, Undecided, BesideEdge };
+    std::vector<Open> open(pass.texels.size() * sourceCount, Closed);
+    // Bits of sources that were neither all lit nor all dark: the lower one of each source's two.
+    const unsigned sourceBits = 0x5555u & ((1u << (2 * sourceCount)) - 1u);
+    const auto mixedIn = [&](unsigned bits) { return ~(bits | bits >> 1) & sourceBits; };
     parallelFor(pass.texels.size(), 4096, [&](std::size_t begin, std::size_t end) {
         for (std::size_t i = begin; i < end; ++i) {
-            const std::size_t own = set.find(pass.texels[i]);
-            unsigned agreed = 0xffffu;
-            int around = 0;
-            pass.grid.around(pass.texels[i], kAgreeRadius, [&](uint32_t other) {
-                agreed &= found[set.find(other)];
-                ++around;
-            });
-            if (around < kEnoughTexels) agreed = 0;
-            unsigned mixed = 0; // the lower one of a source's bits
-            pass.grid.around(pass.texels[i], 1, [&](uint32_t other) {
-                const unsigned bits = found[set.find(other)];
-                mixed |= ~(bits | bits >> 1);
-            });
+            if (pass.outside[i] == 0) continue;
+            unsigned undecided = sourceBits;
+            if (pass.outside[i] == kAllPoints) {
+                const std::size_t own = set.find(pass.texels[i]);
+                std::copy_n(&firstLook[own * sourceCount], sourceCount, &counts[i * sourceCount]);
+                unsigned agreed = 0xffffu;
+                int around = 0;
+                pass.grid.around(pass.texels[i], kAgreeRadius, [&](uint32_t other) {
+                    agreed &= found[set.find(other)];
+                    ++around;
+                });
+                if (around < kEnoughTexels) agreed = 0;
+                undecided = mixedIn(agreed);
+            }
+            if (undecided == 0) continue;
+            unsigned mixed = 0;
+            pass.grid.around(pass.texels[i], 1, [&](uint32_t other) { mixed |= mixedIn(found[set.find(other)]); });
             for (std::size_t s = 0; s < sourceCount; ++s) {
-                const bool decided = ((agreed >> (2 * s)) & 3u) != 0;
-                if (pass.outside[i] == kAllPoints) counts[i * sourceCount + s] = firstLook[own * sourceCount + s];
-                if (pass.outside[i] == 0 || (decided && pass.outside[i] == kAllPoints)) continue;
-                const bool besideEdge = ((mixed >> (2 * s)) & 1u) != 0;
-                open[i * sourceCount + s] = kOpen | (besideEdge ? kBesideEdge : uint8_t(0));
+                const unsigned bit = 1u << (2 * s);
+                if ((undecided & bit) != 0) open[i * sourceCount + s] = (mixed & bit) != 0 ? BesideEdge : Undecided;
             }
         }
     });
@@ -104,10 +108,11 @@ bool traceShadows(const ShadowPass& pass, const std::vector<ShadowSource>& sourc
     const int firstHalves = std::max(2, halves / 4 * 2);
     const int lastHalves = std::min(pass.timesOnEdges * halves, kMostHalves);
     const int nextHalves = std::min(2 * firstHalves, lastHalves);
-    const auto keepOpen = [&](uint8_t beside) {
+    // What is half lit stays open, and what is in a given state.
+    const auto keepOpen = [&](Open state) {
         for (std::size_t i = 0; i < open.size(); ++i) {
             const bool mixed = !counts[i].allLit() && !counts[i].noneLit();
-            if (!mixed && (open[i] & beside) == 0) open[i] = 0;
+            if (!mixed && open[i] != state) open[i] = Closed;
         }
     };
     std::vector<uint32_t> list;
@@ -115,7 +120,7 @@ bool traceShadows(const ShadowPass& pass, const std::vector<ShadowSource>& sourc
         list.clear();
         for (std::size_t i = 0; i < pass.texels.size(); ++i) {
             bool any = false;
-            for (std::size_t s = 0; s < sourceCount; ++s) any = any || open[i * sourceCount + s] != 0;
+            for (std::size_t s = 0; s < sourceCount; ++s) any = any || open[i * sourceCount + s] != Closed;
             if (any) list.push_back(uint32_t(i));
         }
         return forTexelGroups<ShadowGroup>(
@@ -138,7 +143,7 @@ bool traceShadows(const ShadowPass& pass, const std::vector<ShadowSource>& sourc
                         for (std::size_t s = 0; s < sourceCount; ++s) {
                             uint32_t wanted = 0;
                             for (std::size_t lane = 0; lane < lanes; ++lane) {
-                                wanted |= open[list[first + lane] * sourceCount + s] != 0 ? 1u << lane : 0u;
+                                wanted |= open[list[first + lane] * sourceCount + s] != Closed ? 1u << lane : 0u;
                             }
                             if (half == 0) wanted &= ~started;
                             if (wanted == 0) continue;
@@ -169,9 +174,9 @@ bool traceShadows(const ShadowPass& pass, const std::vector<ShadowSource>& sourc
             });
     };
     if (!traceHalves(0, firstHalves)) return false;
-    keepOpen(kBesideEdge);
+    keepOpen(BesideEdge);
     if (!traceHalves(firstHalves, nextHalves)) return false;
-    keepOpen(0);
+    keepOpen(Closed);
     return traceHalves(nextHalves, lastHalves);
 }
 

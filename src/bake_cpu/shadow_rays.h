@@ -26,19 +26,19 @@ private:
     {
         constexpr int kMany = 32768;
         constexpr std::size_t kFew = 256;
-        static const std::vector<int> few = [] {
+        static const std::vector<std::pair<float, int>> few = [] {
             std::vector<std::pair<float, int>> batches;
             for (int batch = 0; batch < kMany; ++batch) {
                 vec2 sum(0.0f);
                 for (int i = 0; i < kMaxTexelPoints; ++i) sum += r2Point(batch * kMaxTexelPoints + i) - 0.5f;
                 batches.emplace_back(glm::length(sum), batch);
             }
-            std::sort(batches.begin(), batches.end());
-            std::vector<int> nearest;
-            for (std::size_t i = 0; i < kFew; ++i) nearest.push_back(batches[i].second);
-            return nearest;
+            std::partial_sort(batches.begin(), batches.begin() + kFew, batches.end());
+            batches.resize(kFew);
+            batches.shrink_to_fit();
+            return batches;
         }();
-        return few[hashPcg(id) % kFew];
+        return few[hashPcg(id) % kFew].second;
     }
 };
 

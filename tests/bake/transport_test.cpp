@@ -611,16 +611,13 @@ TEST(ShadowmaskS8, EdgesAlongRowsOfTexelsAreFound)
         const int black = addMaterial(scene, vec3(0), vec3(0), true);
         addRectangle(scene, {vec3(-2, 0, 2), vec3(4, 0, 0), vec3(0, 0, -4)}, black, kPage,
                      {vec2(2), vec2(2 + kTexels)});
-        // The sun is overhead: the roof begins so far from the floor's rim.
-        const float edge = -2.0f + dark * kTexel;
+        // The sun is overhead. The roof's edge is so far from the floor's rim, and the roof beyond the rim, or over all
+        // else.
         const bool most = dark > 0.5f;
-        if (most) {
-            // All but a strip at the rim is dark.
-            addRectangle(scene, {vec3(-9, 1, 9), vec3(18, 0, 0), vec3(0, 0, -(9.0f + 2.0f) + (1.0f - dark) * kTexel)},
-                         black, kPage);
-        } else {
-            addRectangle(scene, {vec3(-9, 1, edge), vec3(18, 0, 0), vec3(0, 0, -9)}, black, kPage);
-        }
+        const float edge = -2.0f + (most ? 1.0f - dark : dark) * kTexel;
+        const float begin = most ? 9.0f : edge;
+        const float end = most ? edge : -11.0f;
+        addRectangle(scene, {vec3(-9, 1, begin), vec3(18, 0, 0), vec3(0, 0, end - begin)}, black, kPage);
         Bench bench = benchUnderSun(std::move(scene), 64);
         const auto mask = bench.shadowmask();
         double sum = 0.0;
