@@ -122,11 +122,8 @@ private:
         gather.add(group, 0, firstBlocks(), lights, rays);
         for (int lane = 0; lane < group.lanes(); ++lane) {
             const TexelLight& light = lights[std::size_t(lane)];
-            // Where there is a cache, it has looked already.
-            const uint32_t allowed =
-                lightmap_.cache() != nullptr ? light.gathered.blocks : 0u; // a sixteenth of the rays
             if (group.active(lane) && lightmap_.state_->outside.known[group.texel(lane)] == 0 &&
-                group.mask(lane) == kAllPoints && light.backFaces > allowed) {
+                group.mask(lane) == kAllPoints && light.backFaces > 0) {
                 const PointMask mask =
                     lightmap_.validity_.outside(group.points(lane), group.pointCount(lane), group.id(lane), rays);
                 if (mask != kAllPoints) {
