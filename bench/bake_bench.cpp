@@ -235,9 +235,10 @@ void partError(const Options& options)
             const char* label = step == 1 ? "cache" : "step 2";
             TimeToTarget raw(options.target);
             TimeToTarget denoised(options.target);
-            const int first = options.samples > 0 ? options.samples : 16;
+            const int first = options.samples > 0 ? options.samples : 8;
             const int last = options.samples > 0 ? options.samples : 512;
-            for (int samples = first; samples <= last && !(raw.reached() && denoised.reached()); samples *= 2) {
+            for (int samples = first; samples <= last && !(raw.reached() && denoised.reached());
+                 samples += (samples & (samples - 1)) == 0 ? samples / 2 : samples / 3) {
                 settings.samples = samples;
                 settings.shadowSamples = std::max(64, samples);
                 Run run = integrate(p, p.map, settings);

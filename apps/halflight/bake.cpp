@@ -297,9 +297,9 @@ Command addBakeCommand(CLI::App& parent)
                               "rays that end in a radiance cache, or whole unbiased paths: the slow reference (default "
                               "cache)");
     addInt(app, "--samples", bake.samples, 1, 1 << 20,
-           "rays or paths per texel (default by quality); with --noise, the most");
+           "rays or paths per texel, about (default by quality); with --noise, the most");
     addPercent(app, "--noise", bake.noiseTarget, 0.1f, 100.0f,
-               "noise at which a texel has enough samples, such as 2% (default: the same number for all)");
+               "noise at which a texel has enough samples, such as 2% (default: --samples on average)");
     addChoice<int>(
         app, "--texel-step", bake.texelStep, {{"1", 1}, {"2", 2}, {"4", 4}},
         "2 or 4: trace every so many texels whatever is around them, and those in between only where light can "

@@ -91,13 +91,16 @@ bool isWhole(const TexelMap& map, const Texel& texel, const IrradianceEstimate& 
 }
 
 /// Outliers: a texel whose few lucky paths make it far brighter than nearly all of the 5 x 5 around it on the same
-/// chart, and whose variance says so, comes down to their brightest fifth. And a texel's variance estimate is
-/// itself noisy: it is averaged with its neighbours', each counted at no more than a few times the texel's own, so that
-/// a bright light's variance does not open the texels beside it to its light.
+/// chart, and whose variance says so, comes down to their brightest eighth. And a texel's variance estimate is itself
+/// noisy: it is averaged with its neighbours', each counted at no more than a few times the texel's own, so that a
+/// bright light's variance does not open the texels beside it to its light. Where an eighth of those around have more,
+/// in the midst of a surface, it was mere chance that the texel itself met nothing: dots that are too many to be
+/// outliers are to be spread.
 void tameOutliers(const TexelMap& map, const TexelGrid& grid, const std::vector<IrradianceEstimate>& estimates,
                   std::vector<NoisyLight>& light, std::vector<vec3>& moments)
 {
     constexpr float kTraces = 0.25f;
+    constexpr int kManyAround = 20;
     constexpr uint32_t kSamplesToBelieve = 128;
     const std::vector<NoisyLight> before = light;
     parallelFor(light.size(), 2048, [&](std::size_t begin, std::size_t end) {
@@ -130,19 +133,24 @@ void tameOutliers(const TexelMap& map, const TexelGrid& grid, const std::vector<
                     weight += w;
                 }
             }
+            const bool whole = isWhole(map, map.texels[i], estimates[i]);
+            const int eighth = n - n / 8; // from there on
             float& variance = light[i].variance;
             variance = weight > 0.0f ? std::max(varianceSum / weight, 0.25f * ownVariance) : ownVariance;
             if (n > 0) {
-                std::nth_element(variancesAround.begin(), variancesAround.begin() + n / 2, variancesAround.begin() + n);
+                const auto end = variancesAround.begin() + n;
+                std::nth_element(variancesAround.begin(), variancesAround.begin() + eighth, end);
+                if (whole && n >= kManyAround)
+                    variance = std::max(variance, 0.5f * variancesAround[std::size_t(eighth)]);
+                std::nth_element(variancesAround.begin(), variancesAround.begin() + n / 2, end);
                 variance = std::max(variance, variancesAround[std::size_t(n / 2)]);
             }
             if (n < 8) continue;
-            std::nth_element(around.begin(), around.begin() + (n - n / 5), around.begin() + n);
-            const float bright = around[std::size_t(n - n / 5)];
+            std::nth_element(around.begin(), around.begin() + eighth, around.begin() + n);
+            const float bright = around[std::size_t(eighth)];
             const float excess = own - bright;
             // One lucky path makes the texel's own blocks differ by as much as it is too bright. Where they agree, and
             // more readily so at the rim of a surface or of what stands on it, it has light that the others do not.
-            const bool whole = isWhole(map, map.texels[i], estimates[i]);
             const float sigmas = whole ? 5.0f : 2.0f;
             // Two blocks agree by chance in one of some thousand such texels: what no two of the eight next to it have
             // is believed of more blocks alone.
@@ -174,6 +182,12 @@ float pow32(float x)
 {
     for (int i = 0; i < 5; ++i) x *= x;
     return x;
+}
+
+/// exp(-x), nearly: (1 - x / 32)^32, and 0 from 32 on.
+float falloff(float x)
+{
+    return pow32(std::max(1.0f - x * (1.0f / 32.0f), 0.0f));
 }
 
 /// Weighted mean.
@@ -226,9 +240,15 @@ void denoise(const BakeGeometry& geometry, const TexelMap& map, std::vector<Irra
                 direct.push_back({e.direct, kDirectVariance * e.varianceOfDirect});
         }
     }
-    std::vector<TexelPlace> guides(count);
+    struct Guide {
+        TexelPlace place;
+        bool valid = false;
+        bool traced = false;
+    };
+    std::vector<Guide> guides(count);
     parallelFor(count, 4096, [&](std::size_t begin, std::size_t end) {
-        for (std::size_t i = begin; i < end; ++i) guides[i] = placeOf(geometry, map, map.texels[i]);
+        for (std::size_t i = begin; i < end; ++i)
+            guides[i] = {placeOf(geometry, map, map.texels[i]), estimates[i].valid, traced(estimates[i])};
     });
     tameOutliers(map, grid, estimates, light, moments);
 
@@ -246,7 +266,8 @@ void denoise(const BakeGeometry& geometry, const TexelMap& map, std::vector<Irra
         parallelFor(count, 2048, [&](std::size_t begin, std::size_t end) {
             for (std::size_t i = begin; i < end; ++i) {
                 const Texel& texel = map.texels[i];
-                const TexelPlace& guide = guides[i];
+                if (!guides[i].valid) continue;
+                const TexelPlace& guide = guides[i].place;
                 const float planeScale = 1.0f / (float(step) * guide.texelMeters);
                 Mean lightMean;
                 Mean directMean;
@@ -255,14 +276,15 @@ void denoise(const BakeGeometry& geometry, const TexelMap& map, std::vector<Irra
                 for (int dy = -2; dy <= 2; ++dy) {
                     for (int dx = -2; dx <= 2; ++dx) {
                         const uint32_t j = grid.at(texel, dx * step, dy * step);
-                        if (j == kNoTexel || !estimates[j].valid) continue;
+                        if (j == kNoTexel || !guides[j].valid) continue;
                         float near = kSpline[std::size_t(std::abs(dx))] * kSpline[std::size_t(std::abs(dy))];
                         float away2 = 0.0f; // off the texel's plane
                         float unlike = 0.0f;
                         const bool other = j != uint32_t(i);
                         if (other) {
-                            const float cosine = std::max(glm::dot(guide.normal, guides[j].normal), 0.0f);
-                            const vec3 offset = guides[j].position - guide.position;
+                            const TexelPlace& place = guides[j].place;
+                            const float cosine = std::max(glm::dot(guide.normal, place.normal), 0.0f);
+                            const vec3 offset = place.position - guide.position;
                             const float plane = std::abs(glm::dot(offset, guide.normal)) * planeScale;
                             // Neighbours in the map that are far apart in the world (folded charts) are no neighbours.
                             const float away = glm::length(offset) * planeScale;
@@ -271,17 +293,17 @@ void denoise(const BakeGeometry& geometry, const TexelMap& map, std::vector<Irra
                             away2 = plane * plane;
                             unlike = away2 + unlikeness(light[i], light[j], 0.0f);
                         }
-                        const float weight = near * std::exp(-unlike);
+                        const float weight = near * falloff(unlike);
                         float momentsWeight = weight;
                         if (!direct.empty()) {
                             const float unlikeDirect = other ? unlikeness(direct[i], direct[j], 0.0f) : 0.0f;
-                            directMean.add(near * std::exp(-(away2 + unlikeDirect)), direct[j]);
+                            directMean.add(near * falloff(away2 + unlikeDirect), direct[j]);
                             if (other) {
                                 const float tolerance = kMomentTolerance * luminance(direct[i].irradiance);
-                                momentsWeight *= std::exp(-unlikeness(direct[i], direct[j], tolerance));
+                                momentsWeight *= falloff(unlikeness(direct[i], direct[j], tolerance));
                             }
                         }
-                        if (level == 0 && !traced(estimates[j])) continue;
+                        if (level == 0 && !guides[j].traced) continue;
                         lightMean.add(weight, light[j]);
                         momentSum += momentsWeight * moments[j];
                         momentWeight += momentsWeight;

@@ -3,24 +3,28 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <optional>
 
 namespace halflight {
 namespace {
 
-/// Blocks that all traced texels get, and around how many texels of theirs the noise is estimated: 5 x 5.
+/// Blocks that all traced texels get where there is a noise target, and around how many texels of theirs the noise is
+/// estimated: 5 x 5.
 constexpr int kFirstBlocks = 2;
 constexpr int kNoiseRadius = 2;
 
-/// A texel with fewer others than this around it on its chart, in 5 x 5, has nobody to share its noise with: it gets
-/// twice the samples, or four times where there are fewer than half of these.
-constexpr int kFewAround = 12;
+/// Without a noise target, texels get as many times the samples, within these bounds, as the standard deviation of half
+/// a block is of this share of the light: samples in proportion to it leave the least noise altogether (Neyman 1934,
+/// "On the Two Different Aspects of the Representative Method"). The light is the geometric mean of that around the
+/// texel, counted once, and that of the map, counted three times: noise in dark places shows less than its share of
+/// their light, but more than its share of all.
+constexpr float kFewestTimes = 0.5f;
+constexpr float kMostTimes = 16.0f;
+constexpr float kNoise = 0.15f;
 
-/// Without a noise target, texels get up to so many times the samples while the standard error of most around them is
-/// above this share of the geometric mean of the light there and of all light: noise in dark places shows less than its
-/// share of their light, but more than its share of all. Of most: where a few rays in a thousand meet something very
-/// bright, more samples would make blotches of the dots that the denoiser takes out.
-constexpr int kMostTimes = 8;
-constexpr float kMuchNoise = 0.3f;
+/// A texel with fewer others than this around it on its chart, in 5 x 5, has nobody to share its noise with: it gets at
+/// least twice the samples, or four times where there are fewer than half of these.
+constexpr int kFewAround = 12;
 
 /// A texel may lie between others whose distance, squared, times the mean of the inverse squared distances of what
 /// their rays hit is at most this: how much the light could bend between them.
@@ -30,10 +34,10 @@ constexpr float kMostBend = 0.03f;
 
 class CachedLightmap::Run {
 public:
-    Run(const CachedLightmap& lightmap, const TexelMap& map, std::span<const uint32_t> texels, int most,
+    Run(const CachedLightmap& lightmap, const TexelMap& map, std::span<const uint32_t> texels, int samples,
         const Progress& progress, std::atomic<uint64_t>& rays)
-        : lightmap_(lightmap), map_(map), most_(most), progress_(progress), rays_(rays),
-          adaptive_(lightmap.settings_.noiseTarget > 0.0f && most > kFirstBlocks),
+        : lightmap_(lightmap), map_(map), blocks_(float(samples) / float(GatherPattern::kBlock)), progress_(progress),
+          rays_(rays), adaptive_(lightmap.settings_.noiseTarget > 0.0f),
           lattice_(lightmap.paths_.surfaces().geometry(), map, lightmap.state_->grid, lightmap.settings_.texelStep),
           set_(map, texels)
     {
@@ -43,12 +47,9 @@ public:
             for (int step = lattice_.step(); step > 1; step /= 2) set_.extend(neighbours);
         };
         addNeighbours();
-        if (most >= kFirstBlocks) {
-            wanted_ = std::make_unique<TexelSet>(set_);
-            set_.extend(
-                [&](uint32_t texel, const auto& add) { lightmap.state_->grid.around(texel, kNoiseRadius, add); });
-            addNeighbours();
-        }
+        wanted_.emplace(set_);
+        set_.extend([&](uint32_t texel, const auto& add) { lightmap.state_->grid.around(texel, kNoiseRadius, add); });
+        addNeighbours();
         known_.resize(set_.size());
     }
 
@@ -64,7 +65,7 @@ public:
         estimate.irradiance = k.light.irradiance();
         estimate.moment = k.light.gathered.meanMoment() + k.light.emitted.meanMoment();
         estimate.varianceOfMean = k.light.gathered.varianceOfMean() + k.light.emitted.varianceOfMean();
-        estimate.samples = k.between ? 0 : uint32_t(k.light.gathered.blocks) * GatherPattern::kBlock;
+        estimate.samples = k.between ? 0 : k.light.gathered.blocks() * uint32_t(GatherPattern::kBlock);
         return estimate;
     }
 
@@ -137,72 +138,73 @@ private:
         }
     }
 
-    /// More samples for texels whose noise is above the target; without one, for those with much noise, or few texels
-    /// around them.
+    /// More samples for texels whose noise is above the target; without one, the more the more noise they have, and for
+    /// those with few texels around them.
     bool gatherMore()
     {
-        struct Open {
-            uint32_t place;
-            int blocks;
-        };
         std::vector<int> needed(set_.size());
         parallelFor(set_.size(), 1024, [&](std::size_t begin, std::size_t end) {
             for (std::size_t i = begin; i < end; ++i) {
                 if (known_[i].between || !known_[i].active) continue;
-                if (wanted_ != nullptr && !wanted_->contains(set_[i])) continue;
-                needed[i] = adaptive_ ? blocksNeeded(set_[i]) : most_ * timesMore(set_[i]);
+                if (wanted_->contains(set_[i])) needed[i] = adaptive_ ? blocksNeeded(set_[i]) : blocksWanted(set_[i]);
             }
         });
+        // Texels with about as many samples to come go on together, in the same steps whichever texels there are.
+        std::vector<uint32_t> places;
         const int first = firstBlocks();
-        std::vector<Open> open;
-        for (std::size_t i = 0; i < set_.size(); ++i) {
-            if (needed[i] > first) open.push_back({uint32_t(i), needed[i]});
-        }
-        // Some more for all that are not done yet, again and again, so that the texels of a group go on together: the
-        // same steps whichever texels there are.
-        for (int done = first; !open.empty();) {
-            const int next = adaptive_ ? std::min(done + std::max(1, done / 2), most_) : 2 * done;
+        const int most = *std::max_element(needed.begin(), needed.end());
+        for (int done = first; done < most;) {
+            const int next = std::min(done + std::max(1, done / 2), mostBlocks());
+            places.clear();
+            for (std::size_t i = 0; i < set_.size(); ++i) {
+                if (needed[i] > done && needed[i] <= next) places.push_back(uint32_t(i));
+            }
+            done = next;
             if (!forTexelGroups<GatherGroup>(
-                    lightmap_.paths_, map_, open.size(), [&](std::size_t i) { return set_[open[i].place]; },
-                    [&](std::size_t i) { return known_[open[i].place].mask; }, progress_, "lightmap", rays_,
+                    lightmap_.paths_, map_, places.size(), [&](std::size_t i) { return set_[places[i]]; },
+                    [&](std::size_t i) { return known_[places[i]].mask; }, progress_, "lightmap", rays_,
                     [&] {
                         return [&, gather = makeGather()](const GatherGroup& group, std::size_t i,
                                                           uint64_t& traced) mutable {
                             std::array<TexelLight, TexelGroup::kLanes> lights;
                             for (int lane = 0; lane < group.lanes(); ++lane)
-                                lights[std::size_t(lane)] = known_[open[i + std::size_t(lane)].place].light;
-                            gather.add(group, done, next - done, lights, traced);
+                                lights[std::size_t(lane)] = known_[places[i + std::size_t(lane)]].light;
+                            gather.add(group, first, next - first, lights, traced);
                             for (int lane = 0; lane < group.lanes(); ++lane)
-                                known_[open[i + std::size_t(lane)].place].light = lights[std::size_t(lane)];
+                                known_[places[i + std::size_t(lane)]].light = lights[std::size_t(lane)];
                         };
                     })) {
                 return false;
             }
-            done = next;
-            std::erase_if(open, [&](const Open& o) { return o.blocks <= done; });
         }
         return true;
     }
 
-    [[nodiscard]] int firstBlocks() const { return adaptive_ ? kFirstBlocks : most_; }
-    [[nodiscard]] int timesMore(uint32_t texel) const
+    [[nodiscard]] int firstBlocks() const
     {
-        int around = 0;
-        lightmap_.state_->grid.around(texel, kNoiseRadius, [&](uint32_t) { ++around; });
-        int times = around >= kFewAround ? 1 : 2 * around >= kFewAround ? 2 : 4;
-        if (wanted_ == nullptr) return times;
+        const int fewest = std::max(1, int(std::lround(kFewestTimes * blocks_)));
+        return adaptive_ ? std::min(fewest, kFirstBlocks) : fewest;
+    }
+    [[nodiscard]] int mostBlocks() const { return int(std::ceil(adaptive_ ? blocks_ : kMostTimes * blocks_)); }
+    /// Blocks for a texel where there is no noise target.
+    [[nodiscard]] int blocksWanted(uint32_t texel) const
+    {
         const Noise noise = noiseAround(texel);
-        const float allowed = kMuchNoise * kMuchNoise * noise.mean * lightmap_.mapMean_;
-        while (times < kMostTimes && noise.ofMost > allowed * float(most_ * times)) times *= 2;
-        return times;
+        const float fewest = noise.texels >= kFewAround ? kFewestTimes : 2 * noise.texels >= kFewAround ? 2.0f : 4.0f;
+        const float light = std::sqrt(std::sqrt(noise.mean * lightmap_.mapMean_) * lightmap_.mapMean_);
+        const float times = light > 0.0f ? std::sqrt(noise.ofMost) / (kNoise * light) : 0.0f;
+        return int(std::lround(std::min(std::max(times, fewest), kMostTimes) * blocks_));
     }
 
-    /// What the first samples of the texels around one tell, of luminance. Blocks are taken for independent, though all
-    /// together are spread better than that.
+    /// What the first samples of the texels around one tell, of luminance. Halves of blocks are taken for independent,
+    /// though all together are spread better than that.
     struct Noise {
-        float variance = 0.0f; ///< of a block
-        float ofMost = 0.0f;   ///< the same without the fifth of the texels that have most
+        float variance = 0.0f; ///< of half a block
+        /// The same without the fifth of the texels that have most: where a few rays in a thousand meet something very
+        /// bright, more samples would make blotches of the dots that the denoiser takes out.
+        float ofMost = 0.0f;
         float mean = 0.0f;
+        int texels = 0; ///< around and including it, of whatever is known of them
     };
     [[nodiscard]] Noise noiseAround(uint32_t texel) const
     {
@@ -211,20 +213,21 @@ private:
         float mean = 0.0f;
         std::array<float, (2 * kNoiseRadius + 1) * (2 * kNoiseRadius + 1)> own;
         std::size_t count = 0;
+        int texels = 0;
         lightmap_.state_->grid.around(texel, kNoiseRadius, [&](uint32_t other) {
+            ++texels;
             const Known& k = known_[set_.find(other)];
             if (!k.active || k.between) return;
             own[count] = std::max(k.light.gathered.squares, 0.0f) + std::max(k.light.emitted.squares, 0.0f);
             squares += own[count++];
-            freedom += float(k.light.gathered.blocks - 1);
+            freedom += float(k.light.gathered.halves - 1);
             mean += luminance(k.light.irradiance());
         });
-        if (count == 0 || !(freedom > 0.0f)) return {};
-        const std::size_t most = count - (count + 4) / 5;
+        if (count == 0) return {.texels = texels};
+        const std::size_t most = count - count / 5;
         std::nth_element(own.begin(), own.begin() + most, own.begin() + count);
-        const float ofMost =
-            std::accumulate(own.begin(), own.begin() + most, 0.0f) / float(std::max<std::size_t>(most, 1));
-        return {squares / freedom, ofMost * float(count) / freedom, mean / float(count)};
+        const float ofMost = std::accumulate(own.begin(), own.begin() + most, 0.0f) / float(most);
+        return {squares / freedom, ofMost * float(count) / freedom, mean / float(count), texels};
     }
 
     /// Blocks after which the standard error of a texel's luminance is within the target.
@@ -233,10 +236,9 @@ private:
         const Noise noise = noiseAround(texel);
         const float dark = 0.02f * lightmap_.mapMean_;
         const float allowed = lightmap_.settings_.noiseTarget * std::max(noise.mean, dark);
-        if (!(noise.variance > 0.0f)) return kFirstBlocks;
-        if (!(allowed > 0.0f)) return most_;
-        const float blocks = noise.variance / (allowed * allowed);
-        return blocks >= float(most_) ? most_ : std::max(int(std::ceil(blocks)), kFirstBlocks);
+        if (!(noise.variance > 0.0f)) return 0;
+        if (!(allowed > 0.0f)) return mostBlocks();
+        return int(std::ceil(std::min(noise.variance / (2.0f * allowed * allowed), blocks_)));
     }
 
     /// Decides whether a texel can lie between others, all of which are known.
@@ -248,8 +250,8 @@ private:
         for (int i = 0; i < around.count; ++i) {
             const Known& k = known_[set_.find(around.texels[std::size_t(i)])];
             if (!k.active || k.mask != kAllPoints || k.light.backFaces > 0) return;
-            inverseSquares +=
-                k.light.inverseSquares / (float(k.light.gathered.blocks * GatherPattern::kBlock) * float(around.count));
+            inverseSquares += k.light.inverseSquares /
+                              (float(k.light.gathered.blocks() * GatherPattern::kBlock) * float(around.count));
         }
         if (!(inverseSquares * around.meters * around.meters <= kMostBend)) return;
         Known& k = known_[place];
@@ -266,17 +268,17 @@ private:
         vec3 moment(0.0f);
         float variance = 0.0f;
         float inverseSquares = 0.0f; // mean over the rays
-        int blocks = most_;
+        uint32_t halves = ~0u;
         for (int i = 0; i < around.count; ++i) {
             const TexelLight& light = known_[set_.find(around.texels[std::size_t(i)])].light;
             irradiance += share * light.gathered.mean();
             moment += share * light.gathered.meanMoment();
             variance += share * share * light.gathered.varianceOfMean();
-            inverseSquares += share * light.inverseSquares / float(light.gathered.blocks);
-            blocks = std::min(blocks, int(light.gathered.blocks));
+            inverseSquares += share * light.inverseSquares / float(light.gathered.halves);
+            halves = std::min(halves, light.gathered.halves);
         }
-        k.light.gathered = TexelSum::of(irradiance, moment, variance, blocks);
-        k.light.inverseSquares = inverseSquares * float(blocks);
+        k.light.gathered = TexelSum::of(irradiance, moment, variance, halves);
+        k.light.inverseSquares = inverseSquares * float(halves);
     }
 
     /// Texels between others get what these gather in the end. Emitters they look at themselves: shadows of small ones
@@ -315,14 +317,14 @@ private:
 
     const CachedLightmap& lightmap_;
     const TexelMap& map_;
-    int most_; ///< blocks of a texel
+    float blocks_; ///< asked for, of a texel
     const Progress& progress_;
     std::atomic<uint64_t>& rays_;
     bool adaptive_;
     TexelLattice lattice_;
     TexelSet set_;
-    std::unique_ptr<TexelSet> wanted_; ///< of the set, what may get more samples; null: too few blocks to tell
-    std::vector<Known> known_;         ///< of the set
+    std::optional<TexelSet> wanted_; ///< of the set, what may get more samples
+    std::vector<Known> known_;       ///< of the set
 };
 
 bool CachedLightmap::prepare(const TexelMap& map, const Progress& progress, std::atomic<uint64_t>& rays)
@@ -363,14 +365,13 @@ bool CachedLightmap::irradiance(const TexelMap& map, std::span<const uint32_t> t
                                 std::atomic<uint64_t>& rays)
 {
     if (!prepare(map, progress, rays)) return false;
-    const int most = std::clamp((samples + GatherPattern::kBlock - 1) / GatherPattern::kBlock, 1, 65535);
     // Some at a time: what is known of a texel while it is worked on takes more memory than its estimate.
     constexpr std::size_t kTexelsAtOnce = 65536;
     for (std::size_t first = 0; first < texels.size(); first += kTexelsAtOnce) {
         const auto some = texels.subspan(first, std::min(kTexelsAtOnce, texels.size() - first));
         const double share = 1.0 / double(texels.size());
         const Progress part = partOf(progress, double(first) * share, double(first + some.size()) * share);
-        Run run(*this, map, some, most, part, rays);
+        Run run(*this, map, some, samples, part, rays);
         if (!run.work()) return false;
         for (std::size_t i = 0; i < some.size(); ++i) out[first + i] = run.estimateOf(some[i]);
     }

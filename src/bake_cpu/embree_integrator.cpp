@@ -82,9 +82,7 @@ public:
     {
         const Effort effort = effortOf(request);
         if (settings_.integrator == IntegratorKind::Cache) {
-            // One block knows nothing of its variance, without which nobody can tell noise from light.
-            const int samples = request.samples > 0 ? request.samples : std::max(settings_.samples, kFewestSamples);
-            return lightmap_.irradiance(map, request.texels, samples, out, progress, rays_) &&
+            return lightmap_.irradiance(map, request.texels, effort.samples, out, progress, rays_) &&
                    addBakedLights(map, request, effort, out, progress);
         }
         return parallelFor(request.texels.size(), kTexelGrain, progress, "lightmap",
@@ -162,7 +160,6 @@ private:
         int samples;
         int shadowSamples;
     };
-    static constexpr int kFewestSamples = 2 * GatherPattern::kBlock;
 
     [[nodiscard]] Effort effortOf(const TexelRequest& request) const
     {

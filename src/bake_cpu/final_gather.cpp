@@ -51,20 +51,22 @@ struct EmitterLanes {
 
 void FinalGather::beginBlock()
 {
-    irradiance_ = {};
-    moment_ = {};
+    halves_ = {};
     inverseSquares_.fill(0.0f);
     backFaces_.fill(0);
 }
 
 void FinalGather::endBlock(int lane, TexelLight& light, TexelSum& sum)
 {
-    constexpr float kShare = 1.0f / float(GatherPattern::kBlock);
+    constexpr float kShare = 2.0f / float(GatherPattern::kBlock);
     const auto l = std::size_t(lane);
-    // Lights of extreme size or strength can leave the range of floats.
-    const vec3 irradiance = irradiance_[l] * kShare;
-    const bool finite = isFinite(irradiance) && isFinite(moment_[l]);
-    sum.add(finite ? irradiance : vec3(0.0f), finite ? moment_[l] * kShare : vec3(0.0f));
+    for (const Half& half : halves_) {
+        // Lights of extreme size or strength can leave the range of floats.
+        const vec3 irradiance = half.irradiance[l] * kShare;
+        const vec3 moment = half.moment[l] * kShare;
+        const bool finite = isFinite(irradiance) && isFinite(moment);
+        sum.add(finite ? irradiance : vec3(0.0f), finite ? moment : vec3(0.0f));
+    }
     light.inverseSquares += inverseSquares_[l];
     light.backFaces += backFaces_[l];
 }
@@ -125,7 +127,7 @@ void FinalGather::addEmitters(const GatherGroup& group, std::span<TexelLight> li
 {
     int blocks = 0;
     for (int lane = 0; lane < group.lanes(); ++lane)
-        blocks = std::max(blocks, int(lights[std::size_t(lane)].gathered.blocks));
+        blocks = std::max(blocks, int(lights[std::size_t(lane)].gathered.blocks()));
     cutEmitters(group);
     for (int b = 0; b < blocks; ++b) {
         bundle_.place(group, b, kAllCells);
@@ -202,7 +204,7 @@ void FinalGather::gatherBlock(const GatherGroup& group, int block, uint64_t& ray
             radiance.y[l] *= kPi;
             radiance.z[l] *= kPi;
         }
-        count(radiance, packet.ray);
+        count(std::size_t(cell), radiance, packet.ray);
     }
 }
 
@@ -335,7 +337,7 @@ void FinalGather::countLights(std::span<const uint8_t> cells, const Choose& choo
             packet.dir_y[lane] = arrives ? packet.dir_y[lane] : 0.0f;
             packet.dir_z[lane] = arrives ? packet.dir_z[lane] : 0.0f;
         }
-        count(irradiance, packet);
+        count(cell, irradiance, packet);
     }
 }
 
@@ -349,7 +351,7 @@ void FinalGather::sampleEmitters(const GatherGroup& group, int block, std::span<
     for (int i = 0; i < group.lanes(); ++i) {
         const auto lane = std::size_t(i);
         const TexelSum& gathered = lights[lane].gathered;
-        use[lane] = group.active(i) && int(gathered.blocks) > block;
+        use[lane] = group.active(i) && int(gathered.blocks()) > block;
         if (!use[lane]) continue;
         chance[lane] = PathTracer::emitterChance(cut_.total[lane], luminance(gathered.mean()));
         points[lane] = pattern_.block(hashCombine(settings_.seed ^ kEmitterSeed, group.id(i)), block);

@@ -7,33 +7,34 @@
 
 namespace halflight {
 
-/// Running mean of one texel's blocks of samples.
+/// Running mean of one texel's samples, in halves of blocks: so that two tell of noise after one block.
 struct TexelSum {
-    vec3 sum{0.0f};       ///< of the blocks' irradiance
+    vec3 sum{0.0f};       ///< of the halves' irradiance
     vec3 moment{0.0f};    ///< of their first moments
-    float squares = 0.0f; ///< of the blocks' differences from their mean, in luminance (Welford 1962)
-    uint32_t blocks = 0;
+    float squares = 0.0f; ///< of the halves' differences from their mean, in luminance (Welford 1962)
+    uint32_t halves = 0;
 
     void add(vec3 irradiance, vec3 firstMoment)
     {
-        const float before = blocks > 0 ? luminance(sum) / float(blocks) : 0.0f;
+        const float before = halves > 0 ? luminance(sum) / float(halves) : 0.0f;
         const float value = luminance(irradiance);
         sum += irradiance;
         moment += firstMoment;
-        ++blocks;
-        squares += (value - before) * (value - luminance(sum) / float(blocks));
+        ++halves;
+        squares += (value - before) * (value - luminance(sum) / float(halves));
     }
-    [[nodiscard]] vec3 mean() const { return blocks > 0 ? sum / float(blocks) : vec3(0.0f); }
-    [[nodiscard]] vec3 meanMoment() const { return blocks > 0 ? moment / float(blocks) : vec3(0.0f); }
+    [[nodiscard]] uint32_t blocks() const { return halves / 2; }
+    [[nodiscard]] vec3 mean() const { return halves > 0 ? sum / float(halves) : vec3(0.0f); }
+    [[nodiscard]] vec3 meanMoment() const { return halves > 0 ? moment / float(halves) : vec3(0.0f); }
     /// One that has the given means.
-    static TexelSum of(vec3 mean, vec3 meanMoment, float varianceOfMean, int blocks)
+    static TexelSum of(vec3 mean, vec3 meanMoment, float varianceOfMean, uint32_t halves)
     {
-        return {mean * float(blocks), meanMoment * float(blocks), varianceOfMean * float(blocks) * float(blocks - 1),
-                uint32_t(blocks)};
+        const auto n = float(halves);
+        return {mean * n, meanMoment * n, varianceOfMean * n * (n - 1.0f), halves};
     }
     [[nodiscard]] float varianceOfMean() const
     {
-        return blocks > 1 ? std::max(squares, 0.0f) / (float(blocks) * float(blocks - 1)) : 0.0f;
+        return halves > 1 ? std::max(squares, 0.0f) / (float(halves) * float(halves - 1)) : 0.0f;
     }
 };
 
@@ -100,26 +101,33 @@ private:
     /// What a ray brings whose end has no cell, or is too close by for it.
     vec3 slowRadiance(const GatherGroup& group, int lane, int block, int cell, uint64_t& rays);
     /// Counts light that arrives along the rays of a packet.
-    void count(const Vec3Lanes<TexelGroup::kLanes>& irradiance, const RTCRay8& rays)
+    void count(std::size_t cell, const Vec3Lanes<TexelGroup::kLanes>& irradiance, const RTCRay8& rays)
     {
+        Half& half = halves_[halfOf(cell)];
         for (std::size_t lane = 0; lane < TexelGroup::kLanes; ++lane) {
-            irradiance_.x[lane] += irradiance.x[lane];
-            irradiance_.y[lane] += irradiance.y[lane];
-            irradiance_.z[lane] += irradiance.z[lane];
+            half.irradiance.x[lane] += irradiance.x[lane];
+            half.irradiance.y[lane] += irradiance.y[lane];
+            half.irradiance.z[lane] += irradiance.z[lane];
             const float l = luminance(irradiance[lane]);
-            moment_.x[lane] += l * rays.dir_x[lane];
-            moment_.y[lane] += l * rays.dir_y[lane];
-            moment_.z[lane] += l * rays.dir_z[lane];
+            half.moment.x[lane] += l * rays.dir_x[lane];
+            half.moment.y[lane] += l * rays.dir_y[lane];
+            half.moment.z[lane] += l * rays.dir_z[lane];
         }
     }
+    /// Each half has two cells of each row and each column of the pattern, and half of those that look at bright cells.
+    static std::size_t halfOf(std::size_t cell) { return ((cell >> 2) ^ (cell >> 1)) & 1u; }
 
     const PathTracer& paths_;
     const GatherPattern& pattern_;
     const RadianceCache* cache_;
     const IntegrationSettings& settings_;
     RayBundle bundle_;
-    Vec3Lanes<TexelGroup::kLanes> irradiance_; ///< of the block, summed over its samples
-    Vec3Lanes<TexelGroup::kLanes> moment_;
+    /// Of a block, summed over its samples.
+    struct Half {
+        Vec3Lanes<TexelGroup::kLanes> irradiance;
+        Vec3Lanes<TexelGroup::kLanes> moment;
+    };
+    std::array<Half, 2> halves_;
     std::array<float, TexelGroup::kLanes> inverseSquares_;
     std::array<uint32_t, TexelGroup::kLanes> backFaces_;
     LightTree::Cut cut_;                                        ///< of the group's texels

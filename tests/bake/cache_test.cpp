@@ -193,7 +193,8 @@ TEST_F(CacheTest, ALightReachesOnlyItsOwnRoom)
     // stand where the light needs them, so they are all new.
     EXPECT_GT(counts.unchanged, counts.tiles * 2 / 5);
     EXPECT_LT(counts.unchanged, counts.tiles * 9 / 10);
-    EXPECT_LT(difference(run(scene, false).baked, changed.baked), 0.002);
+    // From scratch the other room gets fewer samples, as its noise is less beside the brighter map's light.
+    EXPECT_LT(difference(run(scene, false).baked, changed.baked), 0.004);
 }
 
 TEST_F(CacheTest, AMovedObjectReachesOnlyItsOwnRoom)

@@ -584,6 +584,48 @@ TEST(DenoiseS6, FewBlocksAgreeByChance)
     }
 }
 
+/// Few rays of many texels meet something bright: texels in which one did, and whose variance says so, do not stay
+/// brighter than the others, be they one in fifty or every other one.
+TEST(DenoiseS6, SpreadsDotsThatAreMany)
+{
+    Scene scene;
+    addRectangle(scene, {}, addMaterial(scene, vec3(0.5f)), kPage, {vec2(4), vec2(60)});
+    const BakeGeometry geometry = flattenGeometry(scene, kPage, GeometryFilter::Static);
+    const TexelMap map = rasterizeTexels(geometry, kPage, 1);
+    constexpr int kParts = 8; // of a texel's samples, which tell of its variance
+    constexpr float kHit = 4.0f;
+    for (const float share : {0.02f, 0.05f, 0.1f, 0.15f, 0.2f, 0.3f, 0.5f}) {
+        SCOPED_TRACE(testing::Message() << share << " of the texels");
+        std::mt19937 random(11);
+        std::uniform_real_distribution<float> unit;
+        std::normal_distribution<float> noise(0.0f, 0.05f);
+        std::vector<IrradianceEstimate> estimates(map.texels.size());
+        for (IrradianceEstimate& e : estimates) {
+            float sum = 0.0f;
+            float squares = 0.0f;
+            for (int part = 0; part < kParts; ++part) {
+                const float value = 1.0f + noise(random) + (unit(random) < share / float(kParts) ? kHit : 0.0f);
+                sum += value;
+                squares += value * value;
+            }
+            const float mean = sum / float(kParts);
+            e.irradiance = vec3(mean);
+            e.varianceOfMean = (squares / float(kParts) - mean * mean) / float(kParts - 1);
+            e.samples = 256;
+        }
+        denoise(geometry, map, estimates);
+        // Away from the rim, where fewer are around.
+        int dots = 0;
+        for (std::size_t i = 0; i < estimates.size(); ++i) {
+            const Texel& t = map.texels[i];
+            if (t.x < 8 || t.x >= 56 || t.y < 8 || t.y >= 56) continue;
+            const float expected = 1.0f + share * kHit / float(kParts);
+            dots += estimates[i].irradiance.x > expected + 0.4f * kHit / float(kParts) ? 1 : 0;
+        }
+        EXPECT_LE(dots, 2);
+    }
+}
+
 /// A contact shadow, steep at the foot: where texels state far more variance than their noise has, as well-spread
 /// samples do, what their neighbours show counts, and the shadow stays.
 TEST(DenoiseS6, TrustsNeighboursMoreThanStatedVariance)

@@ -74,7 +74,7 @@ TEST(TexelStepS6, OpenFloorIsInterpolatedAndRight)
     EXPECT_EQ(compare(truth, truth, false).count, 0);
     int before = 0;
     for (const int step : {2, 4}) {
-        Bench bench(floorWithBox(false), MixedLightingMode::Shadowmask, kPage, settingsWith(step, 512));
+        Bench bench(floorWithBox(false), MixedLightingMode::Shadowmask, kPage, settingsWith(step, 1024));
         const auto estimates = bench.irradiance();
         const Comparison traced = compare(estimates, truth, true);
         const Comparison between = compare(estimates, truth, false);
@@ -83,7 +83,7 @@ TEST(TexelStepS6, OpenFloorIsInterpolatedAndRight)
         // The mean of two or four is less noisy than one, if it means the same.
         EXPECT_LT(between.error, traced.error) << "step " << step;
         EXPECT_LT(between.error, 0.005) << "step " << step;
-        EXPECT_LT(between.largest, 0.02) << "step " << step;
+        EXPECT_LT(between.largest, 0.025) << "step " << step; // the truth has noise of 0.005
         // Beside the box light bends: everything is traced there, and what is under the box lies inside.
         for (std::size_t i = 0; i < estimates.size(); ++i) {
             const vec3 p = bench.positionOf(bench.map.texels[i]);

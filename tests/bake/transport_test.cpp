@@ -436,6 +436,45 @@ TEST(RadianceCacheS6, LeavesOutPointsInsideSolidsAtTheRim)
     EXPECT_GT(across, 100);
 }
 
+/// So are points inside shells, be it one of a texel: thin posts without a bottom, that nothing but their backs tells
+/// of.
+TEST(RadianceCacheS6, LeavesOutSinglePointsInsideShells)
+{
+    const auto bakeOver = [](IntegratorKind kind) {
+        Scene scene;
+        scene.sky = {vec3(1), vec3(1), vec3(1)};
+        const int white = addMaterial(scene, vec3(0.8f));
+        addRectangle(scene, {vec3(-4, 0, 4), vec3(8, 0, 0), vec3(0, 0, -8)}, white, 512, {vec2(4), vec2(340)});
+        constexpr float kTexel = 8.0f / 336.0f;
+        constexpr float kWidth = 0.3f * kTexel;
+        for (int i = 0; i < 200; ++i) {
+            const vec2 at(8.0f + 16.0f * float(i % 15) + 0.05f * float(i % 13), 8.0f + 16.0f * float(i / 15));
+            const vec3 corner(-4.0f + at.x * kTexel, -0.1f, -4.0f + (at.y + 0.05f * float(i % 11)) * kTexel);
+            const vec3 x(kWidth, 0, 0);
+            const vec3 y(0, 1, 0);
+            const vec3 z(0, 0, kWidth);
+            for (const Rectangle& face : {Rectangle{corner, y, x}, Rectangle{corner + z, x, y}, Rectangle{corner, z, y},
+                                          Rectangle{corner + x, y, z}, Rectangle{corner + y, z, x}}) {
+                addRectangle(scene, face, white, 512);
+            }
+        }
+        IntegrationSettings settings;
+        settings.samples = kind == IntegratorKind::Cache ? 32 : 1;
+        settings.integrator = kind;
+        return Bench(std::move(scene), MixedLightingMode::Shadowmask, 512, settings).irradiance();
+    };
+    const auto cached = bakeOver(IntegratorKind::Cache);
+    const auto paths = bakeOver(IntegratorKind::Path);
+    int few = 0;
+    int different = 0;
+    for (std::size_t i = 0; i < paths.size(); ++i) {
+        few += paths[i].outsidePoints != 0xffff && std::popcount(paths[i].outsidePoints) >= kMaxTexelPoints - 2 ? 1 : 0;
+        different += cached[i].outsidePoints != paths[i].outsidePoints ? 1 : 0;
+    }
+    EXPECT_GT(few, 100);
+    EXPECT_EQ(different, 0);
+}
+
 TEST(RadianceCacheS6, ThreadsChangeNoBit)
 {
     std::vector<IrradianceEstimate> first;
@@ -648,8 +687,8 @@ TEST(RadianceCacheS6, TexelsThatStandAloneGetMoreSamples)
         const Texel& t = bench.map.texels[i];
         const bool alone = t.x >= 40;
         const bool inTheMiddle = t.x > 3 && t.x < 30 && t.y > 3 && t.y < 30;
-        if (alone) EXPECT_EQ(estimates[i].samples, 128u);
-        if (inTheMiddle) EXPECT_EQ(estimates[i].samples, 32u);
+        if (alone) EXPECT_GE(estimates[i].samples, 128u);
+        if (inTheMiddle) EXPECT_EQ(estimates[i].samples, 16u);
     }
 }
 
@@ -680,8 +719,8 @@ double shareWithMoreSamples(Bench& bench)
     for (std::size_t i = 0; i < estimates.size(); ++i) {
         const Texel& t = bench.map.texels[i];
         if (t.x < 4 || t.x > 29 || t.y < 4 || t.y > 29) continue;
-        EXPECT_GE(estimates[i].samples, 32u);
-        EXPECT_LE(estimates[i].samples, 8u * 32u);
+        EXPECT_GE(estimates[i].samples, 16u);
+        EXPECT_LE(estimates[i].samples, 16u * 32u);
         more += estimates[i].samples > 32 ? 1 : 0;
         ++count;
     }

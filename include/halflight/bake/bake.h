@@ -31,7 +31,7 @@ struct BakeSettings {
     int bounces = -1;      ///< indirect bounces, 0 = direct light only; -1 = by quality
     IntegratorKind integrator = IntegratorKind::Cache;
     /// Relative standard error at which a texel has enough samples (IntegrationSettings::noiseTarget); `samples` is
-    /// then the most a texel gets, 4096 when it is 0. 0 = the same number of samples for all.
+    /// then the most a texel gets, 4096 when it is 0. 0 = no target.
     float noiseTarget = 0.0f;
     int texelStep = 1; ///< IntegrationSettings::texelStep
     UvMode uvMode = UvMode::Auto;

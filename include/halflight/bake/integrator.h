@@ -100,8 +100,8 @@ enum class IntegratorKind { Cache, Path };
 
 struct IntegrationSettings {
     IntegratorKind integrator = IntegratorKind::Cache;
-    /// Paths per texel. The cache takes whole blocks of 16, and two or four times as many where few texels of the same
-    /// chart are around.
+    /// Paths per texel. The cache takes whole blocks of 16: from half to sixteen times as many, in proportion to the
+    /// standard deviation of the noise, and at least twice as many where few texels of the same chart are around.
     int samples = 64;
     /// Rays per texel and light, for masks and for direct light that is baked. Texels on a shadow's edge get twice as
     /// many, those near one half, those far from one eight.
