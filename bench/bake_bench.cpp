@@ -97,6 +97,14 @@ Run integrate(const Prepared& p, const TexelMap& map, const IntegrationSettings&
     return run;
 }
 
+/// Of all texels together: not as many as were asked for.
+double samplesOf(const Run& run)
+{
+    double sum = 0.0;
+    for (const IrradianceEstimate& e : run.estimates) sum += double(e.samples);
+    return sum;
+}
+
 struct Error {
     double rmse = 0.0; ///< of luminance, over the mean of the reference
     double bias = 0.0;
@@ -486,7 +494,7 @@ void partLights(const Options& options)
         const Run run = integrate(p, p.map, settings);
         const Error e = compare(run.estimates, &chosen, reference.estimates);
         std::printf("%8d %10zu %10.2f %10.3f %8.2f%% %8.2f%%\n", quads, p.map.texels.size(), run.cpu,
-                    1.0e6 * run.cpu / double(p.map.texels.size()) / 64.0, 100.0 * e.rmse, 100.0 * e.bias);
+                    1.0e6 * run.cpu / samplesOf(run), 100.0 * e.rmse, 100.0 * e.bias);
         std::fflush(stdout);
     }
 }
@@ -505,7 +513,7 @@ void partTriangles(const Options& options)
         const double build = cpuSeconds() - start;
         const Run run = integrate(p, p.map, settings);
         std::printf("%10zu %10zu %10.2f %10.2f %10.3f\n", p.geometry.triangles.size(), p.map.texels.size(), build,
-                    run.cpu, 1.0e6 * run.cpu / double(p.map.texels.size()) / 64.0);
+                    run.cpu, 1.0e6 * run.cpu / samplesOf(run));
         std::fflush(stdout);
     }
 }
