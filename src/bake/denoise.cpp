@@ -135,19 +135,16 @@ void tameOutliers(const TexelMap& map, const TexelGrid& grid, const std::vector<
             }
             const bool whole = isWhole(map, map.texels[i], estimates[i]);
             const int eighth = n - n / 8; // from there on
+            const auto nth = [n](std::array<float, 25>& values, int number) {
+                std::nth_element(values.begin(), values.begin() + number, values.begin() + n);
+                return values[std::size_t(number)];
+            };
             float& variance = light[i].variance;
             variance = weight > 0.0f ? std::max(varianceSum / weight, 0.25f * ownVariance) : ownVariance;
-            if (n > 0) {
-                const auto end = variancesAround.begin() + n;
-                std::nth_element(variancesAround.begin(), variancesAround.begin() + eighth, end);
-                if (whole && n >= kManyAround)
-                    variance = std::max(variance, 0.5f * variancesAround[std::size_t(eighth)]);
-                std::nth_element(variancesAround.begin(), variancesAround.begin() + n / 2, end);
-                variance = std::max(variance, variancesAround[std::size_t(n / 2)]);
-            }
+            if (n > 0) variance = std::max(variance, nth(variancesAround, n / 2));
+            if (whole && n >= kManyAround) variance = std::max(variance, 0.5f * nth(variancesAround, eighth));
             if (n < 8) continue;
-            std::nth_element(around.begin(), around.begin() + eighth, around.begin() + n);
-            const float bright = around[std::size_t(eighth)];
+            const float bright = nth(around, eighth);
             const float excess = own - bright;
             // One lucky path makes the texel's own blocks differ by as much as it is too bright. Where they agree, and
             // more readily so at the rim of a surface or of what stands on it, it has light that the others do not.

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numeric>
 #include <optional>
+#include <span>
 
 namespace halflight {
 namespace {
@@ -160,22 +161,9 @@ private:
                 if (needed[i] > done && needed[i] <= next) places.push_back(uint32_t(i));
             }
             done = next;
-            if (!forTexelGroups<GatherGroup>(
-                    lightmap_.paths_, map_, places.size(), [&](std::size_t i) { return set_[places[i]]; },
-                    [&](std::size_t i) { return known_[places[i]].mask; }, progress_, "lightmap", rays_,
-                    [&] {
-                        return [&, gather = makeGather()](const GatherGroup& group, std::size_t i,
-                                                          uint64_t& traced) mutable {
-                            std::array<TexelLight, TexelGroup::kLanes> lights;
-                            for (int lane = 0; lane < group.lanes(); ++lane)
-                                lights[std::size_t(lane)] = known_[places[i + std::size_t(lane)]].light;
-                            gather.add(group, first, next - first, lights, traced);
-                            for (int lane = 0; lane < group.lanes(); ++lane)
-                                known_[places[i + std::size_t(lane)]].light = lights[std::size_t(lane)];
-                        };
-                    })) {
-                return false;
-            }
+            const auto more = [&](FinalGather& gather, const GatherGroup& group, std::span<TexelLight> lights,
+                                  uint64_t& rays) { gather.add(group, first, next - first, lights, rays); };
+            if (!addTo(places, more)) return false;
         }
         return true;
     }
@@ -300,15 +288,23 @@ private:
             });
         }
         if (lightmap_.paths_.emitters().empty()) return true;
+        return addTo(places, [](FinalGather& gather, const GatherGroup& group, std::span<TexelLight> lights,
+                                uint64_t& rays) { gather.addEmitters(group, lights, rays); });
+    }
+
+    /// Calls add(gather, group, lights, rays) for groups of texels that something is known of already, named by their
+    /// places in the set.
+    template<typename Add> bool addTo(const std::vector<uint32_t>& places, const Add& add)
+    {
         return forTexelGroups<GatherGroup>(
             lightmap_.paths_, map_, places.size(), [&](std::size_t i) { return set_[places[i]]; },
-            [](std::size_t) { return kAllPoints; }, progress_, "lightmap", rays_,
+            [&](std::size_t i) { return known_[places[i]].mask; }, progress_, "lightmap", rays_,
             [&] {
                 return [&, gather = makeGather()](const GatherGroup& group, std::size_t i, uint64_t& traced) mutable {
                     std::array<TexelLight, TexelGroup::kLanes> lights;
                     for (int lane = 0; lane < group.lanes(); ++lane)
                         lights[std::size_t(lane)] = known_[places[i + std::size_t(lane)]].light;
-                    gather.addEmitters(group, lights, traced);
+                    add(gather, group, std::span<TexelLight>(lights), traced);
                     for (int lane = 0; lane < group.lanes(); ++lane)
                         known_[places[i + std::size_t(lane)]].light = lights[std::size_t(lane)];
                 };
