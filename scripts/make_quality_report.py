@@ -19,6 +19,7 @@ BAKE = ["--quality", "preview", "--lightmap-size", "512", "--probe-spacing", "10
 PICTURES = {
     "edges": ("rims", ["--texels-per-meter", "37"], ["--view", "lightmap", "--exposure", "1"]),
     "seams": ("seams", ["--texels-per-meter", "20", "--samples", "256"], ["--exposure", "2"]),
+    "hems": ("curtain", ["--texels-per-meter", "10", "--bounces", "0"], ["--view", "lightmap", "--exposure", "2.2"]),
     "mask-attenuation": ("mask_edges", ["--texels-per-meter", "10"], ["--exposure", "0"]),
     "mask-distance": ("mask_edges", ["--texels-per-meter", "10", "--shadowmask-encoding", "distance-field"], ["--exposure", "0"]),
     "terminator": ("terminator", ["--texels-per-meter", "24"], ["--exposure", "0"]),

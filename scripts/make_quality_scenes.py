@@ -111,6 +111,29 @@ def seams():
     return doc
 
 
+def curtain():
+    """A curtain of two sheets whose normals run smoothly round its hems, as modellers' do, one side in the sun: the other has no light,
+    up to the hem, however its charts are stitched."""
+    doc = document("curtain", ("grey",), ((0.0, 0.0, 0.0),) * 3)
+    cloth = Mesh()
+    n, thick = 24, 0.01
+    xs = [-1.0 + 2.0 * i / n for i in range(n + 1)]
+    front = [(x, 0.06 * math.sin(9.0 * x) + thick) for x in xs]
+    back = [(x, 0.06 * math.sin(9.0 * x) - thick) for x in xs]
+    around = front + back[::-1]
+    for (x0, z0), (x1, z1) in zip(around, around[1:] + around[:1]):
+        for y in (0.0, 0.8):
+            cloth.quad((x0, y, z0), (x1, y, z1), (x1, y + 0.8, z1), (x0, y + 0.8, z0))
+    for (x0, f0), (x1, f1), (_, b0), (_, b1) in zip(front, front[1:], back, back[1:]):
+        cloth.quad((x0, 1.6, f0), (x1, 1.6, f1), (x1, 1.6, b1), (x0, 1.6, b0))
+        cloth.quad((x0, 0.0, b0), (x1, 0.0, b1), (x1, 0.0, f1), (x0, 0.0, f0))
+    doc.mesh("curtain", [(cloth, "grey", 1.0)], crease=180.0)
+    doc.node("curtain", "curtain")
+    doc.light("sun", "directional", (1, 1, 1), 10.0, (0, 0, 10), (0, 0, 0), extras=dict(BAKED))
+    doc.camera("main", (-1.3, 1.5, 1.9), (0.0, 0.75, 0.0), 50)
+    return doc
+
+
 def mask_edges():
     """A floor under a board with a straight edge that runs askew to the texels, and an upright round hole's worth of teeth; a sun without
     extent straight above: the mask is the board's outline, antialiased."""
@@ -182,4 +205,4 @@ def probe_rooms():
 
 
 if __name__ == "__main__":
-    gltf.write_scenes("quality", (leaks, rims, seams, mask_edges, terminator, contact, probe_rooms))
+    gltf.write_scenes("quality", (leaks, rims, seams, curtain, mask_edges, terminator, contact, probe_rooms))

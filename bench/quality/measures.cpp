@@ -114,6 +114,35 @@ Figures measureEdges(const std::filesystem::path& assets)
     return figures;
 }
 
+// The front of a curtain has the sun's light by its cosine, the back none, on either side of hems with smooth normals.
+static Figures measureHems(const std::filesystem::path& assets)
+{
+    Figures figures;
+    for (const float density : {10.0f, 25.0f}) {
+        auto baked =
+            bakeFile(assets / "quality/curtain.glb", settingsFor(MixedLightingMode::Shadowmask, density, 1, 0));
+        if (!baked) return failed("seams", "quality/curtain.glb", baked.error());
+        double back = 0.0;
+        double front = 0.0;
+        std::size_t count = 0;
+        const double sun = 10.0;
+        forSurface(*baked, [&](const SurfaceSample& s) {
+            const double light = luminanceOf(baked->light(s.page, s.texel)) / sun;
+            if (s.geometricNormal.z < -0.5f) back = std::max(back, light);
+            if (s.geometricNormal.z < 0.5f) return;
+            const double error = light - double(s.normal.z);
+            front += error * error;
+            ++count;
+        });
+        const std::string at = ", " + std::to_string(int(density)) + " texels/m";
+        figures.push_back({"seams", "quality/curtain.glb", "hems: brightest point of the back, of the sun's light" + at,
+                           100.0 * back, 0.1, "%"});
+        figures.push_back({"seams", "quality/curtain.glb", "hems: RMS error of the front, of the sun's light" + at,
+                           100.0 * std::sqrt(front / double(count)), 3.0, "%"});
+    }
+    return figures;
+}
+
 Figures measureSeams(const std::filesystem::path& assets)
 {
     auto baked = bakeFile(assets / "quality/seams.glb", settingsFor(MixedLightingMode::Shadowmask, 20.0f, 256, 2));
@@ -140,6 +169,8 @@ Figures measureSeams(const std::filesystem::path& assets)
         figures.push_back({"seams", "quality/seams.glb", std::string(names[kind]) + ", 99th percentile",
                            100.0 * percentile(steps[kind], 0.99), 1.0, "%"});
     }
+    const Figures hems = measureHems(assets);
+    figures.insert(figures.end(), hems.begin(), hems.end());
     return figures;
 }
 

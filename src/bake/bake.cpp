@@ -258,7 +258,8 @@ Result<BakeResult> bake(Scene scene, const BakeSettings& settings, const Integra
     const std::vector<SeamSample> seams = findSeams(geometry, unwrapped->pageSize);
     std::vector<ImageRgb32f> pages = dilate(map, values.irradiance, kDilationRings);
     release(values.irradiance);
-    stitchSeams(seams, pages);
+    const std::vector<float> seamWeight = seamWeights(seams, pages);
+    stitchSeams(seams, seamWeight, pages);
     seamTimer.finish();
     if (Status status = dumpPages(settings, "lightmap", pages); !status) return status.error();
     baked.lightmapUnitLux = lightmapUnitFor(pages);
@@ -269,7 +270,7 @@ Result<BakeResult> bake(Scene scene, const BakeSettings& settings, const Integra
         for (const IrradianceEstimate& e : estimates) moments.push_back(e.moment);
         fillInvalid(geometry, map, values.valid, moments);
         std::vector<ImageRgb32f> momentPages = dilate(map, moments, kDilationRings);
-        stitchSeams(seams, momentPages);
+        stitchSeams(seams, seamWeight, momentPages);
         baked.lightmapDirections = encodeDirections(pages, momentPages);
     }
     release(pages);
@@ -292,7 +293,7 @@ Result<BakeResult> bake(Scene scene, const BakeSettings& settings, const Integra
             }
         }
         std::vector<ImageRgba32f> maskPages = dilate(map, mask, kDilationRings, distances);
-        stitchSeams(seams, maskPages);
+        stitchSeams(seams, seamWeights(seams, maskPages), maskPages);
         baked.shadowmasks = encodeShadowmask(maskPages);
         maskTimer.finish(integrator.raysTraced() - before);
     }

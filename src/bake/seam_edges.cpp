@@ -13,6 +13,7 @@ namespace halflight {
 namespace {
 
 constexpr float kSmoothCosine = 0.95f;    ///< edges whose normals differ more are corners: light may differ there
+constexpr float kFoldCosine = 0.0f;       ///< so are hems, whose triangles face apart, however smooth their normals
 constexpr float kLineTexels = 0.05f;      ///< edges this close to one line lie on it
 constexpr std::size_t kMostPartners = 64; ///< an edge with more neighbours on its line is no seam but a bush
 
@@ -24,6 +25,7 @@ struct EdgeSide {
     vec2 to{0.0f};
     vec3 normalFrom{0.0f}; ///< unit
     vec3 normalTo{0.0f};
+    vec3 geometricNormal{0.0f};
 
     /// Of the stretch from share s to share t of the edge.
     [[nodiscard]] EdgeSide part(float s, float t) const
@@ -76,6 +78,7 @@ EdgeMap collectEdges(const BakeGeometry& geometry)
         if (part.page < 0) continue;
         for (uint32_t t = part.firstTriangle; t < part.firstTriangle + part.triangleCount; ++t) {
             const uvec3 v = geometry.triangles[t];
+            const vec3 geometricNormal = geometry.geometricNormal(t);
             for (int e = 0; e < 3; ++e) {
                 uint32_t a = v[e];
                 uint32_t b = v[(e + 1) % 3];
@@ -90,7 +93,7 @@ EdgeMap collectEdges(const BakeGeometry& geometry)
                 std::copy(bitsA.begin(), bitsA.end(), key.bits.begin());
                 std::copy(bitsB.begin(), bitsB.end(), key.bits.begin() + 3);
                 edges[key].push_back({part.object, part.page, geometry.lightmapTexel[a], geometry.lightmapTexel[b],
-                                      geometry.normals[a], geometry.normals[b]});
+                                      geometry.normals[a], geometry.normals[b], geometricNormal});
             }
         }
     }
@@ -102,7 +105,8 @@ bool isSeam(const EdgeSide& a, const EdgeSide& b)
     const bool samePlace =
         a.page == b.page && glm::distance(a.from, b.from) < 1.0e-3f && glm::distance(a.to, b.to) < 1.0e-3f;
     return !samePlace && glm::dot(a.normalFrom, b.normalFrom) > kSmoothCosine &&
-           glm::dot(a.normalTo, b.normalTo) > kSmoothCosine;
+           glm::dot(a.normalTo, b.normalTo) > kSmoothCosine &&
+           glm::dot(a.geometricNormal, b.geometricNormal) >= kFoldCosine;
 }
 
 void addSamples(const EdgeSide& a, const EdgeSide& b, int pageSize, std::vector<SeamSample>& samples)

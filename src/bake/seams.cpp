@@ -8,12 +8,17 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <span>
+#include <utility>
 
 namespace halflight {
 namespace {
 
 constexpr uint32_t kNoUnknown = ~0u;
 constexpr double kKeepWeight = 0.001; ///< pull of a texel towards its own value, against 1 for each seam sample
+/// Seam samples whose sides differ by more than this lose their weight, so fast that beyond 0.8 little is stitched.
+constexpr float kAlike = 0.5f;
+constexpr float kFalloff = 64.0f;
 
 /// The four texels that bilinear filtering at `place` reads, with weights; texels outside the page are clamped into it.
 struct Footprint {
@@ -36,11 +41,59 @@ Footprint footprintAt(int page, vec2 place, int size)
     return out;
 }
 
+template<typename T> T filtered(const std::vector<Image<T>>& pages, const Footprint& f)
+{
+    const std::size_t perPage = pages[0].texelCount();
+    T sum(0.0f);
+    for (std::size_t i = 0; i < 4; ++i) sum += f.weight[i] * pages[f.texel[i] / perPage].data()[f.texel[i] % perPage];
+    return sum;
+}
+
+/// Of masks: what part of a light.
+float difference(vec4 a, vec4 b, float)
+{
+    const vec4 d = glm::abs(a - b);
+    return std::max({d.x, d.y, d.z, d.w});
+}
+/// Of light: over the darker side.
+float difference(vec3 a, vec3 b, float dark)
+{
+    const float la = luminance(a);
+    const float lb = luminance(b);
+    return std::abs(la - lb) / (std::min(la, lb) + dark);
+}
+
 } // namespace
+
+// Where light changes at once, at the hem of a curtain between sun and shade or where a wall stands on the seam, the
+// texels of both sides straddle the change, and would carry light to the dark side: there they are right to differ.
+template<typename T>
+std::vector<float> seamWeights(const std::vector<SeamSample>& seams, const std::vector<Image<T>>& pages)
+{
+    constexpr float kDark = 1.0e-3f; ///< of the mean along the seams: differences below are none
+    std::vector<float> weights(seams.size(), 0.0f);
+    if (seams.empty() || pages.empty()) return weights;
+    const int size = pages[0].width();
+    std::vector<std::pair<T, T>> sides;
+    sides.reserve(seams.size());
+    double sum = 0.0;
+    for (const SeamSample& seam : seams) {
+        sides.emplace_back(filtered(pages, footprintAt(seam.pageA, seam.texelA, size)),
+                           filtered(pages, footprintAt(seam.pageB, seam.texelB, size)));
+        sum += double(luminance(vec3(sides.back().first) + vec3(sides.back().second)));
+    }
+    const float dark = kDark * float(0.5 * sum / double(seams.size()));
+    for (std::size_t i = 0; i < seams.size(); ++i) {
+        const float excess = difference(sides[i].first, sides[i].second, std::max(dark, 1.0e-20f)) - kAlike;
+        weights[i] = excess > 0.0f ? std::exp(-kFalloff * excess * excess) : 1.0f;
+    }
+    return weights;
+}
 
 // Least squares over the texels that seams read: each sample along a seam asks both sides' bilinear values to be equal,
 // each texel asks to stay what it is (Iwanicki 2013, "Lighting Technology of The Last of Us").
-template<typename T> void stitchSeams(const std::vector<SeamSample>& seams, std::vector<Image<T>>& pages)
+template<typename T>
+void stitchSeams(const std::vector<SeamSample>& seams, std::span<const float> weights, std::vector<Image<T>>& pages)
 {
     if (seams.empty() || pages.empty()) return;
     const int size = pages[0].width();
@@ -59,9 +112,10 @@ template<typename T> void stitchSeams(const std::vector<SeamSample>& seams, std:
     for (std::size_t row = 0; row < seams.size(); ++row) {
         const Footprint a = footprintAt(seams[row].pageA, seams[row].texelA, size);
         const Footprint b = footprintAt(seams[row].pageB, seams[row].texelB, size);
+        const float weight = std::sqrt(weights[row]); // of the square
         for (std::size_t i = 0; i < 4; ++i) {
-            entries.emplace_back(int(row), int(unknown(a.texel[i])), a.weight[i]);
-            entries.emplace_back(int(row), int(unknown(b.texel[i])), -b.weight[i]);
+            entries.emplace_back(int(row), int(unknown(a.texel[i])), weight * a.weight[i]);
+            entries.emplace_back(int(row), int(unknown(b.texel[i])), -weight * b.weight[i]);
         }
     }
     const auto count = Eigen::Index(texels.size());
@@ -101,7 +155,9 @@ template<typename T> void stitchSeams(const std::vector<SeamSample>& seams, std:
     }
 }
 
-template void stitchSeams(const std::vector<SeamSample>&, std::vector<Image<vec3>>&);
-template void stitchSeams(const std::vector<SeamSample>&, std::vector<Image<vec4>>&);
+template std::vector<float> seamWeights(const std::vector<SeamSample>&, const std::vector<Image<vec3>>&);
+template std::vector<float> seamWeights(const std::vector<SeamSample>&, const std::vector<Image<vec4>>&);
+template void stitchSeams(const std::vector<SeamSample>&, std::span<const float>, std::vector<Image<vec3>>&);
+template void stitchSeams(const std::vector<SeamSample>&, std::span<const float>, std::vector<Image<vec4>>&);
 
 } // namespace halflight

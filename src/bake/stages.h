@@ -5,6 +5,7 @@
 #include "halflight/bake/integrator.h"
 
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -79,8 +80,13 @@ struct SeamSample {
 };
 std::vector<SeamSample> findSeams(const BakeGeometry& geometry, int pageSize);
 
-/// Makes bilinear values on both sides of each seam agree. Works on dilated pages: filtering at an edge reads padding.
-template<typename T> void stitchSeams(const std::vector<SeamSample>& seams, std::vector<Image<T>>& pages);
+/// How much the sides of each seam are to agree, 0…1: wholly where they do nearly, not at all where one has several
+/// times the other's light. Works on dilated pages: filtering at an edge reads padding.
+template<typename T>
+std::vector<float> seamWeights(const std::vector<SeamSample>& seams, const std::vector<Image<T>>& pages);
+/// Makes bilinear values on both sides of each seam agree, by their weights. Works on dilated pages.
+template<typename T>
+void stitchSeams(const std::vector<SeamSample>& seams, std::span<const float> weights, std::vector<Image<T>>& pages);
 
 /// The largest value RGB9E5 holds.
 constexpr float kMaxRgb9e5 = 65408.0f;

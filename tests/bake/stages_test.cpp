@@ -640,43 +640,90 @@ TEST(DenoiseS6, TrustsNeighboursMoreThanStatedVariance)
     }
 }
 
-/// A plane cut into two charts, lit by a gradient that each side holds with an offset: after stitching the bilinear
-/// values on both sides of the cut agree to a hundredth, and texels away from it are untouched.
-TEST(SeamsS6, BothSidesAgree)
-{
-    Scene scene;
-    const int grey = addMaterial(scene, vec3(0.5f));
-    addRectangle(scene, {vec3(0, 0, 0), vec3(1, 0, 0), vec3(0, 0, -1)}, grey, kPage,
-                 {vec2(4.3f, 4.6f), vec2(20.3f, 20.6f)});
-    addRectangle(scene, {vec3(1, 0, 0), vec3(1, 0, 0), vec3(0, 0, -1)}, grey, kPage,
-                 {vec2(30.8f, 30.1f), vec2(46.8f, 46.1f)});
-    const BakeGeometry geometry = flattenGeometry(scene, kPage, GeometryFilter::Static);
-    const TexelMap map = rasterizeTexels(geometry, kPage, 1);
-    std::vector<vec3> values(map.texels.size());
-    for (std::size_t i = 0; i < values.size(); ++i) {
-        const float offset = map.texels[i].x < 25 ? 0.1f : -0.1f;
-        values[i] = vec3(2.0f + offset, 1.0f, 0.5f - offset);
+namespace {
+
+/// A plane cut into two charts, each of which holds light of its own.
+struct CutPlane {
+    CutPlane(vec3 left, vec3 right)
+    {
+        const int grey = addMaterial(scene, vec3(0.5f));
+        addRectangle(scene, {vec3(0, 0, 0), vec3(1, 0, 0), vec3(0, 0, -1)}, grey, kPage,
+                     {vec2(4.3f, 4.6f), vec2(20.3f, 20.6f)});
+        addRectangle(scene, {vec3(1, 0, 0), vec3(1, 0, 0), vec3(0, 0, -1)}, grey, kPage,
+                     {vec2(30.8f, 30.1f), vec2(46.8f, 46.1f)});
+        const BakeGeometry geometry = flattenGeometry(scene, kPage, GeometryFilter::Static);
+        const TexelMap map = rasterizeTexels(geometry, kPage, 1);
+        std::vector<vec3> values;
+        for (const Texel& t : map.texels) values.push_back(t.x < 25 ? left : right);
+        pages = dilate(map, values, 2);
+        before = pages[0];
+        seams = findSeams(geometry, kPage);
+        stitchSeams(seams, seamWeights(seams, pages), pages);
     }
-    std::vector<Image<vec3>> pages = dilate(map, values, 2);
-    const Image<vec3> before = pages[0];
-    const std::vector<SeamSample> seams = findSeams(geometry, kPage);
-    ASSERT_GE(seams.size(), 16u);
-    stitchSeams(seams, pages);
-    const auto bilinear = [&](vec2 place) {
+    [[nodiscard]] vec3 bilinear(vec2 place) const
+    {
         const vec2 p = place - 0.5f;
         const ivec2 b(glm::floor(p));
         const vec2 f = p - vec2(b);
         return glm::mix(glm::mix(pages[0](b.x, b.y), pages[0](b.x + 1, b.y), f.x),
                         glm::mix(pages[0](b.x, b.y + 1), pages[0](b.x + 1, b.y + 1), f.x), f.y);
-    };
-    for (const SeamSample& seam : seams) {
-        const vec3 a = bilinear(seam.texelA);
-        const vec3 b = bilinear(seam.texelB);
+    }
+
+    Scene scene;
+    std::vector<SeamSample> seams;
+    std::vector<Image<vec3>> pages;
+    Image<vec3> before;
+};
+
+} // namespace
+
+/// Light that both sides of a cut hold with an offset: after stitching the bilinear values on both sides agree to a
+/// hundredth, and texels away from it are untouched.
+TEST(SeamsS6, BothSidesAgree)
+{
+    const CutPlane plane(vec3(2.1f, 1.0f, 0.4f), vec3(1.9f, 1.0f, 0.6f));
+    ASSERT_GE(plane.seams.size(), 16u);
+    for (const SeamSample& seam : plane.seams) {
+        const vec3 a = plane.bilinear(seam.texelA);
+        const vec3 b = plane.bilinear(seam.texelB);
         EXPECT_NEAR(a.x, b.x, 0.01f * 2.0f);
         EXPECT_NEAR(a.x, 2.0f, 0.06f);
         EXPECT_NEAR(a.z, b.z, 0.01f);
     }
-    for (int y = 6; y < 19; ++y) EXPECT_EQ(pages[0](10, y), before(10, y));
+    for (int y = 6; y < 19; ++y) EXPECT_EQ(plane.pages[0](10, y), plane.before(10, y));
+}
+
+/// Where one side lies in the sun and the other in the shade, something must stand on the cut: no light comes over.
+TEST(SeamsS6, SunIsNotStitchedToShade)
+{
+    for (const float shade : {0.0f, 0.001f, 0.3f}) {
+        const CutPlane plane(vec3(1.0f), vec3(shade));
+        for (const SeamSample& seam : plane.seams) {
+            EXPECT_NEAR(plane.bilinear(seam.texelA).x, 1.0f, 0.02f);
+            EXPECT_NEAR(plane.bilinear(seam.texelB).x, shade, 0.02f);
+        }
+    }
+}
+
+/// The two sides of a curtain meet in a hem whose normals are as smooth as a bend's. The bend is a seam, the hem is
+/// not.
+TEST(SeamsS6, HemsAreCorners)
+{
+    for (const float degrees : {20.0f, 60.0f, 150.0f, 180.0f}) {
+        const float angle = glm::radians(degrees);
+        Scene scene;
+        const int grey = addMaterial(scene, vec3(0.5f));
+        const vec3 normal(std::sin(0.5f * angle), 0, std::cos(0.5f * angle));
+        addRectangle(scene, {vec3(0), vec3(1, 0, 0), vec3(0, 1, 0)}, grey, kPage, {vec2(4), vec2(20)});
+        std::vector<vec3>& left = scene.meshes.back().parts[0].normals;
+        left[1] = left[2] = normal;
+        addRectangle(scene, {vec3(1, 0, 0), vec3(std::cos(angle), 0, -std::sin(angle)), vec3(0, 1, 0)}, grey, kPage,
+                     {vec2(30), vec2(46)});
+        std::vector<vec3>& right = scene.meshes.back().parts[0].normals;
+        right[0] = right[3] = normal;
+        const BakeGeometry geometry = flattenGeometry(scene, kPage, GeometryFilter::Static);
+        EXPECT_EQ(findSeams(geometry, kPage).empty(), degrees > 90.0f) << degrees;
+    }
 }
 
 /// Neighbours that are cut differently, and one that is not quite where it should be: every place along the common line
