@@ -140,6 +140,23 @@ void reportNoise(const std::vector<IrradianceEstimate>& estimates, BakeReport& r
     report.noiseReached = sum > 0.0 ? float(std::sqrt(variance * double(valid)) / sum) : 0.0f;
 }
 
+/// Objects that were baked from their other side.
+void reportTurned(const Scene& scene, const BakeGeometry& geometry, BakeReport& report)
+{
+    std::size_t count = 0;
+    std::string first;
+    for (std::size_t i = 0; i < geometry.parts.size(); ++i) {
+        const BakeGeometry::Part& part = geometry.parts[i];
+        const auto begin = geometry.turned.begin() + std::ptrdiff_t(part.firstTriangle);
+        if (std::none_of(begin, begin + std::ptrdiff_t(part.triangleCount), [](uint8_t t) { return t != 0; })) continue;
+        if (count++ == 0) first = scene.objects[std::size_t(part.object)].name;
+    }
+    if (count == 0) return;
+    report.warnings.push_back("\"" + first + "\"" +
+                              (count > 1 ? " and " + std::to_string(count - 1) + " others" : std::string()) +
+                              ": closed, double-sided and empty, but facing inward; baked as seen from outside");
+}
+
 } // namespace
 
 BakeQuality resolveQuality(const BakeSettings& settings)
@@ -201,6 +218,7 @@ Result<BakeResult> bake(Scene scene, const BakeSettings& settings, const Integra
 
     StageTimer rasterTimer(report, "rasterize");
     const BakeGeometry geometry = flattenGeometry(baked.scene, unwrapped->pageSize, GeometryFilter::Static);
+    reportTurned(baked.scene, geometry, report);
     const TexelMap map = rasterizeTexels(geometry, unwrapped->pageSize, unwrapped->pageCount);
     report.triangleCount = geometry.triangles.size();
     report.coveredTexels = map.texels.size();

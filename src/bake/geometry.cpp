@@ -87,7 +87,7 @@ BakeGeometry flattenGeometry(const Scene& scene, int pageSize, GeometryFilter fi
             }
         }
     });
-    g.solid = markSolids(g);
+    findSolids(scene, g);
     return g;
 }
 

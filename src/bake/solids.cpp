@@ -8,6 +8,7 @@
 #include <numeric>
 #include <span>
 #include <tuple>
+#include <utility>
 
 namespace halflight {
 namespace {
@@ -150,6 +151,11 @@ double windingNumber(const BakeGeometry& geometry, const Piece& piece, vec3 poin
     return sum / (2.0 * double(kPi));
 }
 
+bool within(const Bounds& inner, const Bounds& outer)
+{
+    return glm::all(glm::lessThanEqual(outer.min, inner.min)) && glm::all(glm::greaterThanEqual(outer.max, inner.max));
+}
+
 /// The cavity of a hollow body is closed on its own and faces inward: it lies within a solid. Its surface is then the
 /// solid's too, so that a ray from within the cavity enters the solid before it leaves it. (An inward-facing room that
 /// lies in no solid is not one itself: what stands in it would not be solid any more.)
@@ -158,31 +164,147 @@ bool isCavity(const BakeGeometry& geometry, const Piece& piece, std::span<const 
     const uvec3 v = geometry.triangles[piece.triangles.front()];
     const vec3 point = (geometry.positions[v.x] + geometry.positions[v.y] + geometry.positions[v.z]) / 3.0f;
     return std::any_of(solids.begin(), solids.end(), [&](const Piece& solid) {
-        return glm::all(glm::lessThanEqual(solid.bounds.min, piece.bounds.min)) &&
-               glm::all(glm::greaterThanEqual(solid.bounds.max, piece.bounds.max)) &&
-               windingNumber(geometry, solid, point) > 0.5;
+        return within(piece.bounds, solid.bounds) && windingNumber(geometry, solid, point) > 0.5;
     });
 }
 
-/// Marks the solids among the listed triangles.
-void markPieces(const BakeGeometry& geometry, std::span<const uint32_t> triangles, std::vector<uint8_t>& solid)
+/// Some triangles in the order of their least x.
+class TrianglesByPlace {
+public:
+    TrianglesByPlace(const BakeGeometry& geometry, std::span<const uint32_t> triangles) : geometry_(geometry)
+    {
+        for (const uint32_t t : triangles) places_.emplace_back(boundsOf(t).min.x, t);
+        std::sort(places_.begin(), places_.end());
+    }
+    /// Whether body(triangle, its middle) holds for any that lie within bounds.
+    template<typename Body> [[nodiscard]] bool anyWithin(const Bounds& bounds, const Body& body) const
+    {
+        auto place = std::lower_bound(places_.begin(), places_.end(), std::pair(bounds.min.x, 0u));
+        for (; place != places_.end() && place->first <= bounds.max.x; ++place) {
+            const Bounds b = boundsOf(place->second);
+            const uvec3 v = geometry_.triangles[place->second];
+            const std::vector<vec3>& p = geometry_.positions;
+            if (within(b, bounds) && body(place->second, (p[v.x] + p[v.y] + p[v.z]) / 3.0f)) return true;
+        }
+        return false;
+    }
+
+private:
+    [[nodiscard]] Bounds boundsOf(uint32_t triangle) const
+    {
+        Bounds bounds;
+        for (int corner = 0; corner < 3; ++corner)
+            bounds.extend(geometry_.positions[geometry_.triangles[triangle][corner]]);
+        return bounds;
+    }
+    const BakeGeometry& geometry_;
+    std::vector<std::pair<float, uint32_t>> places_;
+};
+
+/// Tells which closed pieces face inward by mistake.
+class InsideOut {
+public:
+    InsideOut(const Scene& scene, const BakeGeometry& geometry) : scene_(scene), geometry_(geometry)
+    {
+        for (const BakeGeometry::Part& part : geometry.parts) {
+            Bounds& bounds = boundsOfPart_.emplace_back();
+            for (uint32_t v = part.firstVertex; v < part.firstVertex + part.vertexCount; ++v)
+                bounds.extend(geometry.positions[v]);
+        }
+    }
+
+    /// Of a piece that faces inward, and the triangles that it was found among: whether it is seen from both sides,
+    /// dark and empty inside, and not all there is. A room has something in it, or a light, or is the whole scene.
+    [[nodiscard]] bool is(const Piece& piece, const TrianglesByPlace& beside) const
+    {
+        std::vector<uint32_t> own;
+        for (const uint32_t t : piece.triangles) {
+            const uint32_t part = geometry_.partOfTriangle[t];
+            if (own.empty() || own.back() != part) own.push_back(part);
+        }
+        std::sort(own.begin(), own.end());
+        own.erase(std::unique(own.begin(), own.end()), own.end());
+        for (const uint32_t part : own) {
+            const int material = geometry_.parts[part].material;
+            if (material < 0) return false;
+            const Material& m = scene_.materials[std::size_t(material)];
+            if (!m.doubleSided || m.emissiveNits != vec3(0.0f)) return false;
+        }
+        bool all = true;
+        for (uint32_t part = 0; part < boundsOfPart_.size(); ++part) {
+            const Bounds& bounds = boundsOfPart_[part];
+            if (bounds.empty()) continue;
+            const bool inside = within(bounds, piece.bounds);
+            all = all && inside;
+            if (std::binary_search(own.begin(), own.end(), part)) continue;
+            if (inside && encloses(piece, geometry_.positions[geometry_.parts[part].firstVertex])) return false;
+        }
+        if (all || beside.anyWithin(piece.bounds, [&](uint32_t triangle, vec3 middle) {
+                return !std::binary_search(piece.triangles.begin(), piece.triangles.end(), triangle) &&
+                       encloses(piece, middle);
+            })) {
+            return false;
+        }
+        const auto enclosesPose = [&](const mat4& worldFrom) { return encloses(piece, vec3(worldFrom[3])); };
+        return std::none_of(scene_.lights.begin(), scene_.lights.end(),
+                            [&](const Light& light) {
+                                return light.type != LightType::Directional && encloses(piece, light.position());
+                            }) &&
+               std::none_of(scene_.cameras.begin(), scene_.cameras.end(),
+                            [&](const Camera& camera) { return enclosesPose(camera.worldFromCamera); }) &&
+               std::none_of(scene_.objects.begin(), scene_.objects.end(), [&](const Object& object) {
+                   return !object.isStatic && enclosesPose(object.worldFromObject);
+               });
+    }
+
+private:
+    [[nodiscard]] bool encloses(const Piece& piece, vec3 point) const
+    {
+        Bounds bounds;
+        bounds.extend(point);
+        return within(bounds, piece.bounds) && windingNumber(geometry_, piece, point) < -0.5;
+    }
+    const Scene& scene_;
+    const BakeGeometry& geometry_;
+    std::vector<Bounds> boundsOfPart_;
+};
+
+/// Marks the solids among the listed triangles, and turns those around that are inside out.
+void markPieces(BakeGeometry& geometry, std::span<const uint32_t> triangles, const InsideOut& insideOut)
 {
     const Pieces pieces = closedPieces(geometry, triangles);
     const auto mark = [&](const Piece& piece) {
-        for (const uint32_t t : piece.triangles) solid[t] = 1;
+        for (const uint32_t t : piece.triangles) geometry.solid[t] = 1;
     };
     for (const Piece& piece : pieces.solids) mark(piece);
+    if (pieces.inward.empty()) return;
+    const TrianglesByPlace byPlace(geometry, triangles);
     for (const Piece& piece : pieces.inward) {
-        if (isCavity(geometry, piece, pieces.solids)) mark(piece);
+        if (isCavity(geometry, piece, pieces.solids)) {
+            mark(piece);
+        } else if (insideOut.is(piece, byPlace)) {
+            mark(piece);
+            for (const uint32_t t : piece.triangles) {
+                geometry.turned[t] = 1;
+                uvec3& v = geometry.triangles[t];
+                std::swap(v.y, v.z);
+                for (int corner = 0; corner < 3; ++corner) {
+                    vec3& normal = geometry.normals[v[corner]];
+                    if (glm::dot(normal, geometry.geometricNormal(t)) < 0.0f) normal = -normal;
+                }
+            }
+        }
     }
 }
 
 } // namespace
 
-std::vector<uint8_t> markSolids(const BakeGeometry& geometry)
+void findSolids(const Scene& scene, BakeGeometry& geometry)
 {
     // Object by object first: things that stand on one another must not hang together where they touch.
-    std::vector<uint8_t> solid(geometry.triangles.size(), 0);
+    geometry.solid.assign(geometry.triangles.size(), 0);
+    geometry.turned.assign(geometry.triangles.size(), 0);
+    const InsideOut insideOut(scene, geometry);
     std::vector<std::vector<uint32_t>> objects;
     for (std::size_t i = 0; i < geometry.parts.size();) {
         std::vector<uint32_t>& list = objects.emplace_back();
@@ -194,7 +316,7 @@ std::vector<uint8_t> markSolids(const BakeGeometry& geometry)
     }
     parallelFor(objects.size(), 1, [&](std::size_t begin, std::size_t end) {
         for (std::size_t o = begin; o < end; ++o) {
-            if (!objects[o].empty()) markPieces(geometry, objects[o], solid);
+            if (!objects[o].empty()) markPieces(geometry, objects[o], insideOut);
         }
     });
 
@@ -202,10 +324,9 @@ std::vector<uint8_t> markSolids(const BakeGeometry& geometry)
     constexpr std::size_t kMaxTogether = 4'000'000;
     std::vector<uint32_t> rest;
     for (uint32_t t = 0; t < geometry.triangles.size(); ++t) {
-        if (!solid[t]) rest.push_back(t);
+        if (!geometry.solid[t]) rest.push_back(t);
     }
-    if (!rest.empty() && rest.size() <= kMaxTogether) markPieces(geometry, rest, solid);
-    return solid;
+    if (!rest.empty() && rest.size() <= kMaxTogether) markPieces(geometry, rest, insideOut);
 }
 
 } // namespace halflight

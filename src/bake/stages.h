@@ -17,10 +17,11 @@ struct Gather;
 enum class GeometryFilter { Static, All };
 BakeGeometry flattenGeometry(const Scene& scene, int pageSize, GeometryFilter filter);
 
-/// For each triangle, 1 when it belongs to a closed piece of one object, or of several together, whose faces look
-/// outward. Such a piece has an inside that nobody sees, even when its material is double-sided (as many exporters
-/// write for everything).
-std::vector<uint8_t> markSolids(const BakeGeometry& geometry);
+/// Fills BakeGeometry::solid: closed pieces of one object, or of several together, whose faces look outward. Such a
+/// piece has an inside that nobody sees, even when its material is double-sided (as many exporters write for
+/// everything). Double-sided ones that look inward though there is nothing inside, not even light, are turned around:
+/// they are seen from outside, and have their light there.
+void findSolids(const Scene& scene, BakeGeometry& geometry);
 
 /// Conservative rasterization of all lightmapped triangles.
 TexelMap rasterizeTexels(const BakeGeometry& geometry, int pageSize, int pageCount);

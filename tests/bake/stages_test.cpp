@@ -840,6 +840,52 @@ TEST(GeometryS6, CavitiesBelongToTheirSolid)
     EXPECT_EQ(solids(vec3(2, 2, 2)), beside) << "reaches out of the solid";
 }
 
+/// A closed box whose faces look inward, with nothing and no light inside, is a modeller's slip where its material has
+/// two sides: it has its light where it is seen from. A room is not.
+TEST(GeometryS6, ThingsThatAreInsideOutAreTurned)
+{
+    struct Case {
+        const char* what;
+        bool doubleSided = true;
+        bool alone = false;
+        bool boxInside = false;
+        bool oneMesh = false;
+        bool lightInside = false;
+        bool cameraInside = false;
+        bool glows = false;
+        bool turned = false;
+    };
+    const Case cases[] = {
+        {.what = "empty", .turned = true},          {.what = "one-sided", .doubleSided = false},
+        {.what = "the whole scene", .alone = true}, {.what = "furnished", .boxInside = true},
+        {.what = "lit", .lightInside = true},       {.what = "looked at from inside", .cameraInside = true},
+        {.what = "glowing", .glows = true},
+    };
+    for (const Case& c : cases) {
+        SCOPED_TRACE(c.what);
+        Scene scene;
+        scene.sky = {vec3(1), vec3(1), vec3(1)};
+        const int grey = addMaterial(scene, vec3(0.0f), vec3(c.glows ? 1.0f : 0.0f), c.doubleSided);
+        addBox(scene, vec3(-1), vec3(1), grey, true, kPage);
+        if (!c.alone) addBox(scene, vec3(50, -1, -1), vec3(52, 1, 1), grey, false);
+        if (c.boxInside) addBox(scene, vec3(-0.5f), vec3(0.5f), grey, false);
+        for (std::size_t i = 1; c.oneMesh && i < scene.meshes.size(); ++i)
+            scene.meshes[0].parts.push_back(scene.meshes[i].parts[0]);
+        if (c.oneMesh) scene.objects.resize(1);
+        if (c.lightInside) scene.lights.push_back(pointAt("p", vec3(0.5f), 1.0f));
+        if (c.cameraInside) scene.cameras.push_back({.name = "c"});
+        Bench bench(std::move(scene), MixedLightingMode::Shadowmask, kPage, {.samples = 16, .bounces = 0});
+        const std::vector<uint8_t>& turned = bench.geometry.turned;
+        EXPECT_EQ(std::count(turned.begin(), turned.end(), 1), c.turned ? 12 : 0);
+        EXPECT_EQ(bench.geometry.solid[0] != 0, c.turned);
+        EXPECT_GT(glm::dot(bench.geometry.normals[0], bench.geometry.geometricNormal(0)), 0.99f);
+        if (c.lightInside || c.glows) continue;
+        for (const IrradianceEstimate& e : bench.irradiance()) {
+            if (e.valid) EXPECT_NEAR(e.irradiance.x, c.turned ? kPi : 0.0f, 0.1f);
+        }
+    }
+}
+
 TEST(GeometryS6, MirroredAndShearedObjectsKeepOutwardNormals)
 {
     Scene scene;

@@ -39,6 +39,8 @@ struct BakeGeometry {
     std::vector<vec4> colors;     ///< vertex colours; empty when no part has any
     std::vector<uint8_t> solid; ///< 1 for triangles of closed, outward-facing pieces and of the cavities in them: their
                                 ///< back faces are inside a solid
+    std::vector<uint8_t> turned; ///< 1 for triangles that the scene has the other way round: of closed, double-sided
+                                 ///< pieces that face inward though nothing is inside
     std::vector<vec2> lightmapTexel; ///< lightmap coordinate in texels of the page; zero for parts without lightmap
 
     /// Unit, or zero for a degenerate triangle.
