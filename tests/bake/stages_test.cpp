@@ -869,9 +869,10 @@ TEST(GeometryS6, ThingsThatAreInsideOutAreTurned)
         addBox(scene, vec3(-1), vec3(1), grey, true, kPage);
         if (!c.alone) addBox(scene, vec3(50, -1, -1), vec3(52, 1, 1), grey, false);
         if (c.boxInside) addBox(scene, vec3(-0.5f), vec3(0.5f), grey, false);
-        for (std::size_t i = 1; c.oneMesh && i < scene.meshes.size(); ++i)
-            scene.meshes[0].parts.push_back(scene.meshes[i].parts[0]);
-        if (c.oneMesh) scene.objects.resize(1);
+        // The box is one mesh, as a modeller would have it; with what is inside, or without.
+        const std::size_t joined = c.oneMesh ? scene.meshes.size() : 6;
+        for (std::size_t i = 1; i < joined; ++i) scene.meshes[0].parts.push_back(scene.meshes[i].parts[0]);
+        scene.objects.erase(scene.objects.begin() + 1, scene.objects.begin() + std::ptrdiff_t(joined));
         if (c.lightInside) scene.lights.push_back(pointAt("p", vec3(0.5f), 1.0f));
         if (c.cameraInside) scene.cameras.push_back({.name = "c"});
         Bench bench(std::move(scene), MixedLightingMode::Shadowmask, kPage, {.samples = 16, .bounces = 0});
