@@ -206,6 +206,7 @@ std::vector<IrradianceEstimate> referenceOf(const Options& options, const std::s
 /// denoised, the time for that included.
 void partError(const Options& options)
 {
+    constexpr int kShadowSamples = 32; // as medium quality has them
     std::printf("relative RMSE: of luminance over all valid texels, divided by their mean\n");
     std::printf("time to %.1f %%: from the measured points, error falling with the root of the samples\n\n",
                 100.0 * options.target);
@@ -219,7 +220,7 @@ void partError(const Options& options)
         settings.integrator = IntegratorKind::Path;
         settings.seed = 1;
         settings.samples = 64;
-        settings.shadowSamples = 64;
+        settings.shadowSamples = kShadowSamples;
         const Run path = integrate(p, subset, settings);
         const double scale = double(p.map.texels.size()) / double(subset.texels.size());
         // The reference has noise of its own.
@@ -243,12 +244,12 @@ void partError(const Options& options)
             const char* label = step == 1 ? "cache" : "step 2";
             TimeToTarget raw(options.target);
             TimeToTarget denoised(options.target);
-            const int first = options.samples > 0 ? options.samples : 8;
+            const int first = options.samples > 0 ? options.samples : 4;
             const int last = options.samples > 0 ? options.samples : 512;
             for (int samples = first; samples <= last && !(raw.reached() && denoised.reached());
                  samples += (samples & (samples - 1)) == 0 ? samples / 2 : samples / 3) {
                 settings.samples = samples;
-                settings.shadowSamples = std::max(64, samples);
+                settings.shadowSamples = std::max(kShadowSamples, samples / 2);
                 Run run = integrate(p, p.map, settings);
                 const auto errorNow = [&] {
                     Error e = compare(run.estimates, &chosen, reference);
