@@ -6,6 +6,7 @@
 #include "halflight/base/file.h"
 #include "halflight/base/memory.h"
 #include "halflight/base/parallel.h"
+#include "halflight/base/text.h"
 
 #include <chrono>
 #include <cmath>
@@ -143,17 +144,17 @@ void reportNoise(const std::vector<IrradianceEstimate>& estimates, BakeReport& r
 /// Objects that were baked from their other side.
 void reportTurned(const Scene& scene, const BakeGeometry& geometry, BakeReport& report)
 {
-    std::size_t count = 0;
-    std::string first;
-    for (std::size_t i = 0; i < geometry.parts.size(); ++i) {
-        const BakeGeometry::Part& part = geometry.parts[i];
+    std::vector<std::string> names;
+    int last = -1; // parts of an object follow one another
+    for (const BakeGeometry::Part& part : geometry.parts) {
         const auto begin = geometry.turned.begin() + std::ptrdiff_t(part.firstTriangle);
-        if (std::none_of(begin, begin + std::ptrdiff_t(part.triangleCount), [](uint8_t t) { return t != 0; })) continue;
-        if (count++ == 0) first = scene.objects[std::size_t(part.object)].name;
+        const auto end = begin + std::ptrdiff_t(part.triangleCount);
+        if (part.object == last || std::find(begin, end, uint8_t(1)) == end) continue;
+        names.push_back(scene.objects[std::size_t(part.object)].name);
+        last = part.object;
     }
-    if (count == 0) return;
-    report.warnings.push_back("\"" + first + "\"" +
-                              (count > 1 ? " and " + std::to_string(count - 1) + " others" : std::string()) +
+    if (names.empty()) return;
+    report.warnings.push_back(listOf(names) +
                               ": closed, double-sided and empty, but facing inward; baked as seen from outside");
 }
 

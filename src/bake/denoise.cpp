@@ -27,7 +27,7 @@ NoisyLight gathered(const IrradianceEstimate& e)
     return {e.irradiance - e.direct, std::max(e.varianceOfMean - e.varianceOfDirect, 0.0f)};
 }
 
-/// What the variances that estimates state have to be multiplied with. They take a texel's blocks of samples for
+/// What the variances that estimates state have to be multiplied with. They take halves of blocks of samples for
 /// independent, which are spread better than that: the true noise is less, the more so the more blocks there are. How
 /// much there is shows between neighbours: in second differences along both axes, which smooth light leaves at zero
 /// (Immerkaer 1996, "Fast Noise Variance Estimation"), squared and summed over a few texels around, over what the
@@ -146,11 +146,11 @@ void tameOutliers(const TexelMap& map, const TexelGrid& grid, const std::vector<
             if (n < 8) continue;
             const float bright = nth(around, eighth);
             const float excess = own - bright;
-            // One lucky path makes the texel's own blocks differ by as much as it is too bright. Where they agree, and
+            // One lucky path makes the texel's own halves differ by as much as it is too bright. Where they agree, and
             // more readily so at the rim of a surface or of what stands on it, it has light that the others do not.
             const float sigmas = whole ? 5.0f : 2.0f;
-            // Two blocks agree by chance in one of some thousand such texels: what no two of the eight next to it have
-            // is believed of more blocks alone.
+            // Few halves agree by chance in one of some thousand such texels: what no two of the eight next to it have
+            // is believed of more samples alone.
             const bool alone = whole && adjacent == 8 && brightestAdjacent.y - bright < kTraces * excess &&
                                estimates[i].samples < kSamplesToBelieve;
             const bool lucky = alone || excess <= sigmas * std::sqrt(gathered(estimates[i]).variance);

@@ -58,6 +58,12 @@ struct Piece {
 struct Pieces {
     std::vector<Piece> solids; ///< facing outward
     std::vector<Piece> inward; ///< facing inward: rooms, or the cavities of hollow bodies
+    /// What hangs together, closed or open: one of its triangles, and its bounds.
+    struct Thing {
+        uint32_t triangle = 0;
+        Bounds bounds;
+    };
+    std::vector<Thing> things;
 };
 
 /// The closed pieces among the listed triangles.
@@ -122,12 +128,16 @@ Pieces closedPieces(const BakeGeometry& geometry, std::span<const uint32_t> tria
     std::size_t nextInward = 0;
     for (const uint32_t root : roots)
         pieceOf[root] = outward(root) ? &pieces.solids[nextSolid++] : &pieces.inward[nextInward++];
+    std::vector<Bounds> bounds(triangles.size()); // by root
     for (std::size_t t = 0; t < triangles.size(); ++t) {
-        Piece* piece = pieceOf[find(parent, uint32_t(t))];
-        if (!piece) continue;
-        piece->triangles.push_back(triangles[t]);
-        for (int corner = 0; corner < 3; ++corner)
-            piece->bounds.extend(geometry.positions[geometry.triangles[triangles[t]][corner]]);
+        const uint32_t root = find(parent, uint32_t(t));
+        bounds[root].extend(geometry.boundsOf(triangles[t]));
+        if (pieceOf[root]) pieceOf[root]->triangles.push_back(triangles[t]);
+    }
+    for (std::size_t t = 0; t < triangles.size(); ++t) {
+        if (find(parent, uint32_t(t)) != t) continue;
+        pieces.things.push_back({triangles[t], bounds[t]});
+        if (pieceOf[t]) pieceOf[t]->bounds = bounds[t];
     }
     return pieces;
 }
@@ -161,47 +171,14 @@ bool within(const Bounds& inner, const Bounds& outer)
 /// lies in no solid is not one itself: what stands in it would not be solid any more.)
 bool isCavity(const BakeGeometry& geometry, const Piece& piece, std::span<const Piece> solids)
 {
-    const uvec3 v = geometry.triangles[piece.triangles.front()];
-    const vec3 point = (geometry.positions[v.x] + geometry.positions[v.y] + geometry.positions[v.z]) / 3.0f;
+    const vec3 point = geometry.centroid(piece.triangles.front());
     return std::any_of(solids.begin(), solids.end(), [&](const Piece& solid) {
         return within(piece.bounds, solid.bounds) && windingNumber(geometry, solid, point) > 0.5;
     });
 }
 
-/// Some triangles in the order of their least x.
-class TrianglesByPlace {
-public:
-    TrianglesByPlace(const BakeGeometry& geometry, std::span<const uint32_t> triangles) : geometry_(geometry)
-    {
-        for (const uint32_t t : triangles) places_.emplace_back(boundsOf(t).min.x, t);
-        std::sort(places_.begin(), places_.end());
-    }
-    /// Whether body(triangle, its middle) holds for any that lie within bounds.
-    template<typename Body> [[nodiscard]] bool anyWithin(const Bounds& bounds, const Body& body) const
-    {
-        auto place = std::lower_bound(places_.begin(), places_.end(), std::pair(bounds.min.x, 0u));
-        for (; place != places_.end() && place->first <= bounds.max.x; ++place) {
-            const Bounds b = boundsOf(place->second);
-            const uvec3 v = geometry_.triangles[place->second];
-            const std::vector<vec3>& p = geometry_.positions;
-            if (within(b, bounds) && body(place->second, (p[v.x] + p[v.y] + p[v.z]) / 3.0f)) return true;
-        }
-        return false;
-    }
-
-private:
-    [[nodiscard]] Bounds boundsOf(uint32_t triangle) const
-    {
-        Bounds bounds;
-        for (int corner = 0; corner < 3; ++corner)
-            bounds.extend(geometry_.positions[geometry_.triangles[triangle][corner]]);
-        return bounds;
-    }
-    const BakeGeometry& geometry_;
-    std::vector<std::pair<float, uint32_t>> places_;
-};
-
-/// Tells which closed pieces face inward by mistake.
+/// Tells which closed pieces that face inward do so by mistake: those that are seen from both sides, dark and empty
+/// inside, and not all there is. A room has something in it, or a light, or is the whole scene.
 class InsideOut {
 public:
     InsideOut(const Scene& scene, const BakeGeometry& geometry) : scene_(scene), geometry_(geometry)
@@ -210,89 +187,106 @@ public:
             Bounds& bounds = boundsOfPart_.emplace_back();
             for (uint32_t v = part.firstVertex; v < part.firstVertex + part.vertexCount; ++v)
                 bounds.extend(geometry.positions[v]);
+            bounds_.extend(bounds);
         }
     }
 
-    /// Of a piece that faces inward, and the triangles that it was found among: whether it is seen from both sides,
-    /// dark and empty inside, and not all there is. A room has something in it, or a light, or is the whole scene.
-    [[nodiscard]] bool is(const Piece& piece, const TrianglesByPlace& beside) const
+    /// Whether a piece has two sides, does not glow, and is not the whole scene.
+    [[nodiscard]] bool canBe(const Piece& piece) const
     {
-        std::vector<uint32_t> own;
-        for (const uint32_t t : piece.triangles) {
-            const uint32_t part = geometry_.partOfTriangle[t];
-            if (own.empty() || own.back() != part) own.push_back(part);
+        return !within(bounds_, piece.bounds) &&
+               std::all_of(piece.triangles.begin(), piece.triangles.end(), [&](uint32_t t) {
+                   const int material = geometry_.parts[geometry_.partOfTriangle[t]].material;
+                   if (material < 0) return false;
+                   const Material& m = scene_.materials[std::size_t(material)];
+                   return m.doubleSided && m.emissiveNits == vec3(0.0f);
+               });
+    }
+    /// Whether nothing is in a piece as a whole: none of the things that it was found among, in ascending order of
+    /// their bounds' least x, no part that it has no triangle of, no light, nothing that looks or moves. What only
+    /// reaches in does not count: plants grow in ponds.
+    [[nodiscard]] bool isEmpty(const Piece& piece, std::span<const Pieces::Thing> among) const
+    {
+        auto thing = std::lower_bound(among.begin(), among.end(), piece.bounds.min.x,
+                                      [](const Pieces::Thing& t, float x) { return t.bounds.min.x < x; });
+        for (; thing != among.end() && thing->bounds.min.x <= piece.bounds.max.x; ++thing) {
+            const bool own = std::binary_search(piece.triangles.begin(), piece.triangles.end(), thing->triangle);
+            if (!own && within(thing->bounds, piece.bounds) && holds(piece, geometry_.centroid(thing->triangle)))
+                return false;
         }
-        std::sort(own.begin(), own.end());
-        own.erase(std::unique(own.begin(), own.end()), own.end());
-        for (const uint32_t part : own) {
-            const int material = geometry_.parts[part].material;
-            if (material < 0) return false;
-            const Material& m = scene_.materials[std::size_t(material)];
-            if (!m.doubleSided || m.emissiveNits != vec3(0.0f)) return false;
+        for (uint32_t i = 0; i < boundsOfPart_.size(); ++i) {
+            const BakeGeometry::Part& part = geometry_.parts[i];
+            const bool inside = !boundsOfPart_[i].empty() && within(boundsOfPart_[i], piece.bounds);
+            if (inside && !hasTriangleOf(piece, part) && holds(piece, geometry_.positions[part.firstVertex]))
+                return false;
         }
-        bool all = true;
-        for (uint32_t part = 0; part < boundsOfPart_.size(); ++part) {
-            const Bounds& bounds = boundsOfPart_[part];
-            if (bounds.empty()) continue;
-            const bool inside = within(bounds, piece.bounds);
-            all = all && inside;
-            if (std::binary_search(own.begin(), own.end(), part)) continue;
-            if (inside && encloses(piece, geometry_.positions[geometry_.parts[part].firstVertex])) return false;
-        }
-        if (all || beside.anyWithin(piece.bounds, [&](uint32_t triangle, vec3 middle) {
-                return !std::binary_search(piece.triangles.begin(), piece.triangles.end(), triangle) &&
-                       encloses(piece, middle);
-            })) {
-            return false;
-        }
-        const auto enclosesPose = [&](const mat4& worldFrom) { return encloses(piece, vec3(worldFrom[3])); };
+        const auto holdsPose = [&](const mat4& worldFrom) { return holds(piece, vec3(worldFrom[3])); };
         return std::none_of(scene_.lights.begin(), scene_.lights.end(),
                             [&](const Light& light) {
-                                return light.type != LightType::Directional && encloses(piece, light.position());
+                                return light.type != LightType::Directional && holds(piece, light.position());
                             }) &&
                std::none_of(scene_.cameras.begin(), scene_.cameras.end(),
-                            [&](const Camera& camera) { return enclosesPose(camera.worldFromCamera); }) &&
+                            [&](const Camera& camera) { return holdsPose(camera.worldFromCamera); }) &&
                std::none_of(scene_.objects.begin(), scene_.objects.end(), [&](const Object& object) {
-                   return !object.isStatic && enclosesPose(object.worldFromObject);
+                   return !object.isStatic && holdsPose(object.worldFromObject);
                });
     }
 
 private:
-    [[nodiscard]] bool encloses(const Piece& piece, vec3 point) const
+    [[nodiscard]] bool holds(const Piece& piece, vec3 point) const
     {
-        Bounds bounds;
-        bounds.extend(point);
-        return within(bounds, piece.bounds) && windingNumber(geometry_, piece, point) < -0.5;
+        return within({point, point}, piece.bounds) && windingNumber(geometry_, piece, point) < -0.5;
     }
+    static bool hasTriangleOf(const Piece& piece, const BakeGeometry::Part& part)
+    {
+        const auto next = std::lower_bound(piece.triangles.begin(), piece.triangles.end(), part.firstTriangle);
+        return next != piece.triangles.end() && *next < part.firstTriangle + part.triangleCount;
+    }
+
     const Scene& scene_;
     const BakeGeometry& geometry_;
     std::vector<Bounds> boundsOfPart_;
+    Bounds bounds_;
 };
 
-/// Marks the solids among the listed triangles, and turns those around that are inside out.
-void markPieces(BakeGeometry& geometry, std::span<const uint32_t> triangles, const InsideOut& insideOut)
+void turnAround(BakeGeometry& geometry, const Piece& piece)
 {
-    const Pieces pieces = closedPieces(geometry, triangles);
+    for (const uint32_t t : piece.triangles) {
+        geometry.turned[t] = 1;
+        uvec3& v = geometry.triangles[t];
+        std::swap(v.y, v.z);
+        for (int corner = 0; corner < 3; ++corner) {
+            vec3& normal = geometry.normals[v[corner]];
+            if (glm::dot(normal, geometry.geometricNormal(t)) < 0.0f) normal = -normal;
+        }
+    }
+}
+
+bool ofOneObject(const BakeGeometry& geometry, const Piece& piece)
+{
+    const auto objectOf = [&](uint32_t t) { return geometry.parts[geometry.partOfTriangle[t]].object; };
+    return objectOf(piece.triangles.front()) == objectOf(piece.triangles.back()); // objects' triangles are in order
+}
+
+/// Marks the solids among the listed triangles, and turns those around that are inside out. `together`: of several
+/// objects, which have been looked at one by one.
+void markPieces(BakeGeometry& geometry, std::span<const uint32_t> triangles, const InsideOut& insideOut, bool together)
+{
+    Pieces pieces = closedPieces(geometry, triangles);
     const auto mark = [&](const Piece& piece) {
         for (const uint32_t t : piece.triangles) geometry.solid[t] = 1;
     };
     for (const Piece& piece : pieces.solids) mark(piece);
     if (pieces.inward.empty()) return;
-    const TrianglesByPlace byPlace(geometry, triangles);
+    std::sort(pieces.things.begin(), pieces.things.end(),
+              [](const auto& a, const auto& b) { return a.bounds.min.x < b.bounds.min.x; });
     for (const Piece& piece : pieces.inward) {
         if (isCavity(geometry, piece, pieces.solids)) {
             mark(piece);
-        } else if (insideOut.is(piece, byPlace)) {
+        } else if (insideOut.canBe(piece) && !(together && ofOneObject(geometry, piece)) &&
+                   insideOut.isEmpty(piece, pieces.things)) {
+            turnAround(geometry, piece);
             mark(piece);
-            for (const uint32_t t : piece.triangles) {
-                geometry.turned[t] = 1;
-                uvec3& v = geometry.triangles[t];
-                std::swap(v.y, v.z);
-                for (int corner = 0; corner < 3; ++corner) {
-                    vec3& normal = geometry.normals[v[corner]];
-                    if (glm::dot(normal, geometry.geometricNormal(t)) < 0.0f) normal = -normal;
-                }
-            }
         }
     }
 }
@@ -316,7 +310,7 @@ void findSolids(const Scene& scene, BakeGeometry& geometry)
     }
     parallelFor(objects.size(), 1, [&](std::size_t begin, std::size_t end) {
         for (std::size_t o = begin; o < end; ++o) {
-            if (!objects[o].empty()) markPieces(geometry, objects[o], insideOut);
+            if (!objects[o].empty()) markPieces(geometry, objects[o], insideOut, false);
         }
     });
 
@@ -326,7 +320,7 @@ void findSolids(const Scene& scene, BakeGeometry& geometry)
     for (uint32_t t = 0; t < geometry.triangles.size(); ++t) {
         if (!geometry.solid[t]) rest.push_back(t);
     }
-    if (!rest.empty() && rest.size() <= kMaxTogether) markPieces(geometry, rest, insideOut);
+    if (!rest.empty() && rest.size() <= kMaxTogether) markPieces(geometry, rest, insideOut, true);
 }
 
 } // namespace halflight

@@ -817,14 +817,10 @@ bool RadianceCache::build(const PathTracer& paths, const TexelMap& map, const Ga
 void RadianceCache::findSubstituteTriangles(const std::vector<uint32_t>& rayCount, const BakeGeometry& geometry)
 {
     constexpr std::ptrdiff_t kReach = 8;
-    const auto centroid = [&](uint32_t triangle) {
-        const uvec3 t = geometry.triangles[triangle];
-        return (geometry.positions[t.x] + geometry.positions[t.y] + geometry.positions[t.z]) / 3.0f;
-    };
     const auto count = std::ptrdiff_t(cellTriangles_.size());
     for (std::ptrdiff_t i = 0; i < count; ++i) {
         const uint32_t triangle = cellTriangles_[std::size_t(i)];
-        const vec3 from = centroid(triangle);
+        const vec3 from = geometry.centroid(triangle);
         for (uint32_t side = 0; side < 2; ++side) {
             const uint32_t cell = 2 * squares_ + 2 * uint32_t(i) + side;
             float best = longestEdgeOf(geometry, triangle);
@@ -834,7 +830,7 @@ void RadianceCache::findSubstituteTriangles(const std::vector<uint32_t>& rayCoun
                 const uint32_t otherTriangle = cellTriangles_[std::size_t(j)];
                 if (rayCount[other] == 0 || geometry.partOfTriangle[otherTriangle] != geometry.partOfTriangle[triangle])
                     continue;
-                const float distance = glm::distance(from, centroid(otherTriangle));
+                const float distance = glm::distance(from, geometry.centroid(otherTriangle));
                 if (distance > best) continue;
                 best = distance;
                 substitute_[cell] = other;

@@ -1,3 +1,4 @@
+#include "halflight/base/text.h"
 #include "halflight/scene/fingerprint.h"
 #include "scene/ktx2.h"
 #include "scene/nodes.h"
@@ -241,16 +242,6 @@ Status readBindings(const SourceDocument& document, BakedScene& baked)
         if (Status s = readLightmapUv(document, scene.meshes[std::size_t(object.mesh)], it->second); !s) return s;
     }
     return {};
-}
-
-/// "A", "B" and 7 more.
-std::string listOf(const std::vector<std::string>& names)
-{
-    constexpr std::size_t kShown = 4;
-    std::string text;
-    for (std::size_t i = 0; i < std::min(names.size(), kShown); ++i) text += (i > 0 ? ", \"" : "\"") + names[i] + '"';
-    if (names.size() > kShown) text += " and " + std::to_string(names.size() - kShown) + " more";
-    return text;
 }
 
 // Warns of what was changed in the file since its bake: the light of such objects is that of what they were.

@@ -849,17 +849,21 @@ TEST(GeometryS6, ThingsThatAreInsideOutAreTurned)
         bool doubleSided = true;
         bool alone = false;
         bool boxInside = false;
-        bool oneMesh = false;
+        bool onePart = false;
         bool lightInside = false;
         bool cameraInside = false;
         bool glows = false;
         bool turned = false;
     };
     const Case cases[] = {
-        {.what = "empty", .turned = true},          {.what = "one-sided", .doubleSided = false},
-        {.what = "the whole scene", .alone = true}, {.what = "furnished", .boxInside = true},
-        {.what = "lit", .lightInside = true},       {.what = "looked at from inside", .cameraInside = true},
+        {.what = "empty", .turned = true},
+        {.what = "one-sided", .doubleSided = false},
+        {.what = "the whole scene", .alone = true},
+        {.what = "furnished", .boxInside = true},
+        {.what = "lit", .lightInside = true},
+        {.what = "looked at from inside", .cameraInside = true},
         {.what = "glowing", .glows = true},
+        {.what = "furnished, of one part", .boxInside = true, .onePart = true},
     };
     for (const Case& c : cases) {
         SCOPED_TRACE(c.what);
@@ -869,9 +873,23 @@ TEST(GeometryS6, ThingsThatAreInsideOutAreTurned)
         addBox(scene, vec3(-1), vec3(1), grey, true, kPage);
         if (!c.alone) addBox(scene, vec3(50, -1, -1), vec3(52, 1, 1), grey, false);
         if (c.boxInside) addBox(scene, vec3(-0.5f), vec3(0.5f), grey, false);
-        // The box is one mesh, as a modeller would have it; with what is inside, or without.
-        const std::size_t joined = c.oneMesh ? scene.meshes.size() : 6;
-        for (std::size_t i = 1; i < joined; ++i) scene.meshes[0].parts.push_back(scene.meshes[i].parts[0]);
+        // The box is one mesh, as a modeller would have it; of one part with what is inside, or of one for each face.
+        const std::size_t joined = c.onePart ? scene.meshes.size() : 6;
+        for (std::size_t i = 1; i < joined; ++i) {
+            const MeshPart& from = scene.meshes[i].parts[0];
+            MeshPart& to = scene.meshes[0].parts[0];
+            if (!c.onePart) {
+                scene.meshes[0].parts.push_back(from);
+                continue;
+            }
+            const auto first = uint32_t(to.positions.size());
+            for (const uint32_t index : from.indices) to.indices.push_back(first + index);
+            to.positions.insert(to.positions.end(), from.positions.begin(), from.positions.end());
+            to.normals.insert(to.normals.end(), from.normals.begin(), from.normals.end());
+            to.uv[0].insert(to.uv[0].end(), from.uv[0].begin(), from.uv[0].end());
+            to.lightmapUv.insert(to.lightmapUv.end(), from.lightmapUv.begin(), from.lightmapUv.end());
+            to.lightmapUv.resize(to.positions.size()); // none where it has none
+        }
         scene.objects.erase(scene.objects.begin() + 1, scene.objects.begin() + std::ptrdiff_t(joined));
         if (c.lightInside) scene.lights.push_back(pointAt("p", vec3(0.5f), 1.0f));
         if (c.cameraInside) scene.cameras.push_back({.name = "c"});

@@ -45,6 +45,17 @@ struct BakeGeometry {
 
     /// Unit, or zero for a degenerate triangle.
     [[nodiscard]] vec3 geometricNormal(uint32_t triangle) const;
+    [[nodiscard]] vec3 centroid(uint32_t triangle) const
+    {
+        const uvec3 t = triangles[triangle];
+        return (positions[t.x] + positions[t.y] + positions[t.z]) / 3.0f;
+    }
+    [[nodiscard]] Bounds boundsOf(uint32_t triangle) const
+    {
+        Bounds bounds;
+        for (int corner = 0; corner < 3; ++corner) bounds.extend(positions[triangles[triangle][corner]]);
+        return bounds;
+    }
 };
 
 /// The piece of a triangle that lies in one texel's square.
