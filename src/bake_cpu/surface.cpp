@@ -33,7 +33,7 @@ vec3 linearOf(u8vec4 texel)
 }
 
 /// Averages blocks of texels in linear light; data textures (not sRGB) go through the same curve and back, which
-/// changes a mean of metallic values a little and nothing else.
+/// changes a mean of metallic and roughness values a little and nothing else.
 ImageRgba8 shrink(const ImageRgba8& image)
 {
     const int factor =
@@ -116,11 +116,12 @@ TransportMaterial transportMaterial(const Scene& scene, const Material& m)
     };
     TransportMaterial t;
     t.baseColor = usable(m.baseColorTexture);
-    t.metallic = usable(m.metallicRoughnessTexture);
+    t.metallicRoughness = usable(m.metallicRoughnessTexture);
     t.emissive = usable(m.emissiveTexture);
     // Unlit surfaces show their colour whatever the light; they reflect it as a diffuse surface would.
     t.metallicFactor = m.unlit ? 0.0f : m.metallic;
-    t.diffuseAlbedo = vec3(m.baseColor);
+    t.roughnessFactor = m.roughness;
+    t.baseColorFactor = vec3(m.baseColor);
     t.opacity = m.baseColor.w;
     t.emission = m.emissiveNits;
     t.alphaMode = m.alphaMode;
@@ -395,7 +396,7 @@ uint32_t SurfaceTracer::triangleAt(uint32_t hitIndex) const
 vec3 SurfaceTracer::albedoAt(uint32_t triangle, vec2 barycentric) const
 {
     const TransportMaterial& material = materialOfTriangle(triangle);
-    vec3 base = material.diffuseAlbedo;
+    vec3 base = material.baseColorFactor;
     if (material.baseColor) {
         const auto index = std::size_t(material.baseColor.texture);
         base *= linearOf(nearestTexel(sceneData_.textures[index], smallTextures_[index],
@@ -407,14 +408,16 @@ vec3 SurfaceTracer::albedoAt(uint32_t triangle, vec2 barycentric) const
                      barycentric.x * geometry_.colors[t.y] + barycentric.y * geometry_.colors[t.z]);
     }
     float metallic = material.metallicFactor;
-    if (material.metallic && metallic > 0.0f) {
-        const auto index = std::size_t(material.metallic.texture);
-        metallic *= float(nearestTexel(sceneData_.textures[index], smallTextures_[index],
-                                       textureCoordinate(triangle, barycentric, material.metallic))
-                              .z) /
-                    255.0f;
+    float roughness = material.roughnessFactor;
+    if (material.metallicRoughness && metallic > 0.0f) {
+        const auto index = std::size_t(material.metallicRoughness.texture);
+        const u8vec4 texel = nearestTexel(sceneData_.textures[index], smallTextures_[index],
+                                          textureCoordinate(triangle, barycentric, material.metallicRoughness));
+        metallic *= float(texel.z) / 255.0f;
+        roughness *= float(texel.y) / 255.0f;
     }
-    return glm::clamp(shading::diffuseAlbedoOf(base, metallic), 0.0f, 1.0f);
+    base = glm::clamp(base, 0.0f, 1.0f);
+    return metallic > 0.0f ? shading::transportAlbedo(base, metallic, roughness) : base;
 }
 
 void SurfaceTracer::clear(RTCRay8& rays)

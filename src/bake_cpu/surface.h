@@ -15,12 +15,13 @@ namespace halflight {
 
 /// A material as light transport sees it.
 struct TransportMaterial {
-    vec3 diffuseAlbedo{0.0f}; ///< base colour * (1 - metallic), before textures
-    float opacity = 1.0f;     ///< base colour alpha
-    vec3 emission{0.0f};      ///< nits
+    vec3 baseColorFactor{0.0f};
+    float opacity = 1.0f; ///< base colour alpha
+    vec3 emission{0.0f};  ///< nits
     TextureRef baseColor;
-    TextureRef metallic; ///< B channel scales metallic
+    TextureRef metallicRoughness; ///< B channel scales metallic, G roughness
     float metallicFactor = 0.0f;
+    float roughnessFactor = 1.0f;
     TextureRef emissive;
     Material::AlphaMode alphaMode = Material::AlphaMode::Opaque;
     float alphaCutoff = 0.5f;

@@ -41,7 +41,7 @@ Hash128 lightShapeHash(const Light& light)
 Hash128 hashOf(const Material& material, const std::vector<Hash128>& pixels)
 {
     Hasher hasher;
-    hasher.add(material.baseColor).add(material.metallic).add(material.emissiveNits);
+    hasher.add(material.baseColor).add(material.metallic).add(material.roughness).add(material.emissiveNits);
     hasher.add(int(material.alphaMode)).add(material.alphaMode == Material::AlphaMode::Mask ? material.alphaCutoff : 0);
     hasher.add(int(material.doubleSided)).add(int(material.unlit)).add(int(material.castShadows));
     addTexture(hasher, material.baseColorTexture, pixels);

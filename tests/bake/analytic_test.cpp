@@ -2,6 +2,7 @@
 
 #include "bake/test_scene.h"
 
+#include "halflight/shading/brdf.h"
 #include "halflight/shading/sh.h"
 
 #include <gtest/gtest.h>
@@ -73,6 +74,35 @@ TEST_P(FurnaceS6, ClosedRoomReachesEmissionOverOneMinusAlbedo)
         const Statistics s = compare(bench.irradiance(), expected);
         EXPECT_NEAR(s.mean, expected, 0.01 * expected) << "albedo " << albedo;
         EXPECT_LT(s.worst, 0.15) << "albedo " << albedo;
+    }
+}
+
+/// Metals carry light on as well, as much as their lobe reflects: a texture's blue scales metallic, its green
+/// roughness.
+TEST_P(FurnaceS6, MetalsReflectWhatTheirLobeDoes)
+{
+    for (const u8vec4 texel : {u8vec4(255, 255, 255, 255), u8vec4(0, 51, 255, 255), u8vec4(0, 204, 102, 255)}) {
+        Scene scene;
+        const int walls = addMaterial(scene, vec3(0.8f), vec3(2.0f));
+        Texture texture;
+        texture.pixels = ImageRgba8(1, 1);
+        texture.pixels(0, 0) = texel;
+        scene.textures.push_back(std::move(texture));
+        Material& material = scene.materials[std::size_t(walls)];
+        material.metallic = 1.0f;
+        material.roughness = 0.5f;
+        material.metallicRoughnessTexture.texture = 0;
+        addBox(scene, vec3(-1, -2, -3), vec3(1, 2, 3), walls, true, kPage);
+        IntegrationSettings settings = transport();
+        settings.samples = 256;
+        settings.bounces = 64;
+        Bench bench(std::move(scene), MixedLightingMode::Shadowmask, kPage, settings);
+        const float metallic = float(texel.z) / 255.0f;
+        const float roughness = 0.5f * float(texel.y) / 255.0f;
+        const float lobe = shading::averageSpecular(vec3(0.8f), 1.0f, roughness).x;
+        const double expected = kPi * 2.0 / (1.0 - (metallic * lobe + (1.0f - metallic) * 0.8f));
+        EXPECT_NEAR(compare(bench.irradiance(), expected).mean, expected, 0.01 * expected)
+            << metallic << " " << roughness;
     }
 }
 

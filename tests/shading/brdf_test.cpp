@@ -153,5 +153,28 @@ TEST(Brdf, EnvironmentFitFollowsIntegration)
     }
 }
 
+TEST(Brdf, AverageSpecularFollowsIntegration)
+{
+    constexpr int kViews = 12;
+    for (const float roughness : {0.0f, 0.25f, 0.5f, 0.75f, 1.0f}) {
+        for (const float f0 : {0.0f, 0.5f, 1.0f}) {
+            double truth = 0.0;
+            for (int i = 0; i < kViews; ++i) { // evenly in cosine squared: each view counts by its cosine
+                const float cosine = std::sqrt((float(i) + 0.5f) / kViews);
+                truth += double(directionalAlbedo(vec3(f0), 1.0f, roughness, viewAt(cosine)).x) / kViews;
+            }
+            EXPECT_NEAR(averageSpecular(vec3(f0), 1.0f, roughness).x, truth, 0.01) << roughness << " " << f0;
+        }
+    }
+}
+
+TEST(Brdf, TransportAlbedoIsThatOfTheDielectricOrTheMetal)
+{
+    const vec3 color(0.9f, 0.5f, 0.1f);
+    EXPECT_EQ(transportAlbedo(color, 0.0f, 0.3f), color);
+    EXPECT_EQ(transportAlbedo(color, 1.0f, 0.3f), averageSpecular(color, 1.0f, 0.3f));
+    for (int i = 0; i <= 100; ++i) EXPECT_LE(transportAlbedo(vec3(1.0f), 1.0f, float(i) * 0.01f).x, 1.0f);
+}
+
 } // namespace
 } // namespace halflight::shading

@@ -9,8 +9,7 @@ Result<std::unique_ptr<Integrator>> makeEmbreeIntegrator(const Scene& scene, con
                                                          const IntegrationSettings& settings);
 
 /// The picture `halflight render --reference SPP` writes: the whole scene, static and dynamic, path traced with the
-/// integrator of the bake from the given camera; linear radiance. Surfaces are diffuse (albedo = base colour * (1 -
-/// metallic)).
+/// integrator of the bake from the given camera; linear radiance. Surfaces are diffuse, of shading::transportAlbedo().
 Result<ImageRgb32f> renderReference(const Scene& scene, const Camera& camera, ivec2 size, int samplesPerPixel,
                                     int bounces, uint32_t seed, const Progress& progress = {});
 
