@@ -94,6 +94,27 @@ private:
     std::vector<std::size_t> used_;
 };
 
+// KHR_materials_transmission as coverage, so that light passes glass and one sees through it: what the glass reflects
+// and what it lacks in transmission stays. Light goes straight on and takes no colour; metals let none through, and
+// cutouts stay cutouts.
+Status readTransmission(const Json& json, const std::string& path, Material& material)
+{
+    constexpr float kReflected = 0.04f; // by a face, at normal incidence: index of refraction 1.5
+    float transmission = 0.0f;
+    if (Status s =
+            Fields(extensionOf(json, "KHR_materials_transmission"), path + "/extensions/KHR_materials_transmission")
+                .number("transmissionFactor", 0.0f, 1.0f, transmission);
+        !s) {
+        return s;
+    }
+    const float passes = transmission * (1.0f - material.metallic) * (1.0f - kReflected);
+    if (passes <= 0.0f || material.alphaMode == Material::AlphaMode::Mask) return {};
+    if (material.alphaMode == Material::AlphaMode::Opaque) material.baseColor.w = 1.0f;
+    material.alphaMode = Material::AlphaMode::Blend;
+    material.baseColor.w *= 1.0f - passes;
+    return {};
+}
+
 Status readMaterial(const Json& json, const std::string& path, TextureTable& textures, Material& material,
                     std::vector<std::string>& warnings)
 {
@@ -159,6 +180,7 @@ Status readMaterial(const Json& json, const std::string& path, TextureTable& tex
     } else if (!mode.is_null() && mode != "OPAQUE") {
         warnings.push_back(path + ": unknown alphaMode is read as OPAQUE");
     }
+    if (Status s = readTransmission(json, path, material); !s) return s;
     const Json& doubleSided = member(json, "doubleSided");
     material.doubleSided = doubleSided.is_boolean() && doubleSided.get<bool>();
     material.unlit = extensionOf(json, "KHR_materials_unlit").is_object();

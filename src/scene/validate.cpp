@@ -13,14 +13,21 @@ constexpr uint64_t kMaxImplicitElements = 1u << 20;
 constexpr uint64_t kMaxInt = 0x7fffffff;
 constexpr uint64_t kMaxByteLength = 0xffffffff;
 
-constexpr std::array<std::string_view, 14> kSupportedExtensions = {
-    "KHR_lights_punctual",     "KHR_materials_emissive_strength",
-    "KHR_texture_transform",   "KHR_mesh_quantization",
-    "EXT_mesh_gpu_instancing", "KHR_node_visibility",
-    "KHR_materials_unlit",     "KHR_materials_variants",
-    "KHR_materials_specular",  "HALFLIGHT_mixed_lighting",
-    "HALFLIGHT_node",          "HALFLIGHT_material",
-    "HALFLIGHT_light",         "MOZ_lightmap"};
+constexpr std::array<std::string_view, 15> kSupportedExtensions = {"KHR_lights_punctual",
+                                                                   "KHR_materials_emissive_strength",
+                                                                   "KHR_texture_transform",
+                                                                   "KHR_mesh_quantization",
+                                                                   "EXT_mesh_gpu_instancing",
+                                                                   "KHR_node_visibility",
+                                                                   "KHR_materials_unlit",
+                                                                   "KHR_materials_variants",
+                                                                   "KHR_materials_specular",
+                                                                   "KHR_materials_transmission",
+                                                                   "HALFLIGHT_mixed_lighting",
+                                                                   "HALFLIGHT_node",
+                                                                   "HALFLIGHT_material",
+                                                                   "HALFLIGHT_light",
+                                                                   "MOZ_lightmap"};
 
 constexpr std::array<const char*, 13> kArrays = {"buffers",  "bufferViews", "accessors", "images", "textures",
                                                  "samplers", "materials",   "meshes",    "nodes",  "skins",
