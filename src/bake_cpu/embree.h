@@ -9,7 +9,23 @@
 
 #include "halflight/base/math.h"
 
+#include <array>
+#include <cstdint>
+
 namespace halflight::embree {
+
+/// Eight rays at once, for rays that start side by side in similar directions. Lanes with valid 0 are left alone.
+constexpr int kPacket = 8;
+struct alignas(32) LaneMask {
+    int lane[kPacket]; ///< -1 = trace
+};
+
+/// What blended surfaces leave of a ray's light.
+struct Dimming {
+    float share = 1.0f;
+    int count = 0;                    ///< of those met
+    std::array<uint32_t, 4> triangle; ///< those met; at others the ray passes by chance
+};
 
 /// What a ray carries to the filter function. The library's context comes first, so that one pointer is both.
 struct RayContext {
@@ -18,7 +34,8 @@ struct RayContext {
 #else
     RTCIntersectContext base;
 #endif
-    bool camera = false; ///< camera rays see objects that cast no shadow; others pass through them
+    bool camera = false;        ///< camera rays see objects that cast no shadow; others pass through them
+    Dimming* dimming = nullptr; ///< by ray id: of rays that are not to pass blended surfaces by chance
 
     explicit RayContext(bool isCamera) : camera(isCamera)
     {
@@ -53,12 +70,6 @@ inline void occluded(RTCScene scene, RayContext& context, RTCRay& ray)
     rtcOccluded1(scene, &context.base, &ray);
 #endif
 }
-
-/// Eight rays at once, for rays that start side by side in similar directions. Lanes with valid 0 are left alone.
-constexpr int kPacket = 8;
-struct alignas(32) LaneMask {
-    int lane[kPacket]; ///< -1 = trace
-};
 
 inline void setRay(RTCRay8& rays, int lane, vec3 origin, vec3 direction)
 {

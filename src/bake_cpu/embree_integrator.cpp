@@ -234,7 +234,7 @@ private:
                     out[i].direct += arrives * light.irradiance;
                     out[i].moment += arrives * light.moment;
                     // Of a share of so many yes-or-no rays, as if they were independent.
-                    const float contrast = luminance(light.irradiance) * strength;
+                    const float contrast = lit.mixed() ? luminance(light.irradiance) * strength : 0.0f;
                     const float variance = contrast * contrast * lit.share() * (1.0f - lit.share()) / float(lit.all);
                     out[i].varianceOfMean += variance;
                     out[i].varianceOfDirect += variance;

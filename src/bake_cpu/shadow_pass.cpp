@@ -49,8 +49,8 @@ bool traceShadows(const ShadowPass& pass, const std::vector<ShadowSource>& sourc
                         const ShadowRays shadows(pass.paths, pass.pattern, sources[s].seed);
                         shadows.trace(
                             group, ~0u, 0, [&](int, const SurfacePoint& point) { return sources[s].lightAt(point); },
-                            [&](int lane, const SurfacePoint&, const PunctualLight&, bool visible) {
-                                firstLook[(first + std::size_t(lane)) * sourceCount + s].add(visible);
+                            [&](int lane, float share) {
+                                firstLook[(first + std::size_t(lane)) * sourceCount + s].add(share);
                             },
                             rays);
                     }
@@ -59,45 +59,36 @@ bool traceShadows(const ShadowPass& pass, const std::vector<ShadowSource>& sourc
         return false;
     }
 
-    // What all rays of a texel found, two bits for each source: all lit, none lit.
-    std::vector<uint16_t> found(set.size());
-    parallelFor(set.size(), 4096, [&](std::size_t begin, std::size_t end) {
-        for (std::size_t i = begin; i < end; ++i) {
-            for (std::size_t s = 0; s < sourceCount; ++s) {
-                const LitCount& count = firstLook[i * sourceCount + s];
-                const unsigned bits = (count.allLit() ? 1u : 0u) | (count.noneLit() ? 2u : 0u);
-                found[i] = uint16_t(found[i] | (bits << (2 * s)));
-            }
-        }
-    });
     // Where points lie inside geometry the first look counts for nothing. Beside a texel that an edge crosses, an edge
     // is easily overlooked.
     enum Open : uint8_t { Closed, Undecided, BesideEdge };
     std::vector<Open> open(pass.texels.size() * sourceCount, Closed);
-    // Bits of sources that were neither all lit nor all dark: the lower one of each source's two.
-    const unsigned sourceBits = 0x5555u & ((1u << (2 * sourceCount)) - 1u);
-    const auto mixedIn = [&](unsigned bits) { return ~(bits | bits >> 1) & sourceBits; };
     parallelFor(pass.texels.size(), 4096, [&](std::size_t begin, std::size_t end) {
+        std::array<LitCount, kMaxShadowSources> together; // of the texels around
         for (std::size_t i = begin; i < end; ++i) {
             if (pass.outside[i] == 0) continue;
-            unsigned undecided = sourceBits;
+            int around = 0;
+            together.fill({});
             if (pass.outside[i] == kAllPoints) {
                 const std::size_t own = set.find(pass.texels[i]);
                 std::copy_n(&firstLook[own * sourceCount], sourceCount, &counts[i * sourceCount]);
-                unsigned agreed = 0xffffu;
-                int around = 0;
                 pass.grid.around(pass.texels[i], kAgreeRadius, [&](uint32_t other) {
-                    agreed &= found[set.find(other)];
+                    const LitCount* found = &firstLook[set.find(other) * sourceCount];
+                    for (std::size_t s = 0; s < sourceCount; ++s) together[s].addRange(found[s]);
                     ++around;
                 });
-                if (around < kEnoughTexels) agreed = 0;
-                undecided = mixedIn(agreed);
             }
+            unsigned undecided = 0;
+            for (std::size_t s = 0; s < sourceCount; ++s)
+                undecided |= around < kEnoughTexels || together[s].mixed() ? 1u << s : 0u;
             if (undecided == 0) continue;
             unsigned mixed = 0;
-            pass.grid.around(pass.texels[i], 1, [&](uint32_t other) { mixed |= mixedIn(found[set.find(other)]); });
+            pass.grid.around(pass.texels[i], 1, [&](uint32_t other) {
+                const LitCount* found = &firstLook[set.find(other) * sourceCount];
+                for (std::size_t s = 0; s < sourceCount; ++s) mixed |= found[s].mixed() ? 1u << s : 0u;
+            });
             for (std::size_t s = 0; s < sourceCount; ++s) {
-                const unsigned bit = 1u << (2 * s);
+                const unsigned bit = 1u << s;
                 if ((undecided & bit) != 0) open[i * sourceCount + s] = (mixed & bit) != 0 ? BesideEdge : Undecided;
             }
         }
@@ -111,8 +102,7 @@ bool traceShadows(const ShadowPass& pass, const std::vector<ShadowSource>& sourc
     // What is half lit stays open, and what is in a given state.
     const auto keepOpen = [&](Open state) {
         for (std::size_t i = 0; i < open.size(); ++i) {
-            const bool mixed = !counts[i].allLit() && !counts[i].noneLit();
-            if (!mixed && open[i] != state) open[i] = Closed;
+            if (!counts[i].mixed() && open[i] != state) open[i] = Closed;
         }
     };
     std::vector<uint32_t> list;
@@ -151,8 +141,8 @@ bool traceShadows(const ShadowPass& pass, const std::vector<ShadowSource>& sourc
                                 .trace(
                                     points, wanted, half,
                                     [&](int, const SurfacePoint& point) { return sources[s].lightAt(point); },
-                                    [&](int lane, const SurfacePoint&, const PunctualLight&, bool visible) {
-                                        counts[list[first + std::size_t(lane)] * sourceCount + s].add(visible);
+                                    [&](int lane, float share) {
+                                        counts[list[first + std::size_t(lane)] * sourceCount + s].add(share);
                                     },
                                     rays);
                         }

@@ -7,6 +7,7 @@
 
 #include "halflight/bake/texel_grid.h"
 
+#include <algorithm>
 #include <atomic>
 #include <functional>
 #include <limits>
@@ -18,17 +19,32 @@ namespace halflight {
 /// What a texel's rays to one light have told so far.
 struct LitCount {
     static constexpr int kMost = std::numeric_limits<uint16_t>::max(); ///< rays that can be counted
-    uint16_t lit = 0;
+    static constexpr int kLit = 254;                                   ///< of a ray all of whose light arrives
+    /// Rays that differ no more than this find the same: light through one pane of glass, say.
+    static constexpr int kAlike = 8;
+    uint32_t lit = 0; ///< kLit for each ray, or what arrives of that
     uint16_t all = 0;
+    uint8_t least = kLit;
+    uint8_t most = 0;
 
-    void add(bool visible)
+    /// A ray of whose light a share arrives.
+    void add(float share)
     {
-        lit = uint16_t(lit + (visible ? 1 : 0));
+        const auto value = uint8_t(share * float(kLit) + 0.5f);
+        lit += value;
         ++all;
+        least = std::min(least, value);
+        most = std::max(most, value);
     }
-    [[nodiscard]] bool allLit() const { return lit == all; }
-    [[nodiscard]] bool noneLit() const { return lit == 0; }
-    [[nodiscard]] float share() const { return all > 0 ? float(lit) / float(all) : 1.0f; }
+    /// Takes in what another's rays found, but for their number and sum.
+    void addRange(const LitCount& other)
+    {
+        least = std::min(least, other.least);
+        most = std::max(most, other.most);
+    }
+    /// Whether rays found one thing and others another.
+    [[nodiscard]] bool mixed() const { return int(most) - int(least) > kAlike; }
+    [[nodiscard]] float share() const { return all > 0 ? float(lit) / float(kLit * all) : 1.0f; }
 };
 
 /// A light, or several that never meet: which one a point looks at, null for none.

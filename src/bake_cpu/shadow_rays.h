@@ -57,8 +57,8 @@ public:
     static int halvesOf(int samples) { return std::max(1, (samples + kHalf - 1) / kHalf); }
 
     /// One half for all active lanes that `wanted` names (a bit each), from the points of its batch. lightAt(lane,
-    /// point) gives the light to look at, null for none; result(lane, point, light, visible) is called for each sample
-    /// with a light.
+    /// point) gives the light to look at, null for none; result(lane, share) is called for each sample with a light:
+    /// what of its light arrives.
     template<typename LightAt, typename Result> void trace(const TexelGroup& group, uint32_t wanted, int half,
                                                            const LightAt& lightAt, const Result& result,
                                                            uint64_t& rays) const
@@ -84,11 +84,12 @@ public:
                 any = true;
                 ++rays;
             }
-            if (any) paths_.surfaces().occluded(valid, packet);
+            std::array<float, TexelGroup::kLanes> shares{};
+            if (any) shares = paths_.surfaces().arriving(valid, packet);
             for (int lane = 0; lane < TexelGroup::kLanes; ++lane) {
                 const auto l = std::size_t(lane);
                 if (lights[l] == nullptr) continue;
-                result(lane, *points[l], *lights[l], valid.lane[lane] == 0 || packet.tfar[lane] >= 0.0f);
+                result(lane, valid.lane[lane] == 0 ? 1.0f : shares[l]);
             }
         }
     }

@@ -303,6 +303,20 @@ bool SurfaceTracer::passes(uint32_t triangle, vec2 barycentric, const float* ray
     return unitFloat(bits) >= coverage;
 }
 
+/// Whether a ray goes on behind a blended surface, dimmed by it.
+bool SurfaceTracer::passesDimmed(uint32_t triangle, vec2 barycentric, embree::Dimming& ray) const
+{
+    if (materialOfTriangle(triangle).alphaMode != Material::AlphaMode::Blend) return false;
+    // Where triangles are split, Embree may bring one more than once (RTC_BUILD_QUALITY_HIGH).
+    const auto end = ray.triangle.begin() + ray.count;
+    if (std::find(ray.triangle.begin(), end, triangle) != end) return true;
+    const float coverage = coverageAt(triangle, barycentric);
+    if (coverage >= 1.0f || end == ray.triangle.end()) return false;
+    ray.triangle[std::size_t(ray.count++)] = triangle;
+    ray.share *= 1.0f - coverage;
+    return true;
+}
+
 void SurfaceTracer::filter(const RTCFilterFunctionNArguments* arguments)
 {
     const auto* user = static_cast<const GeometryUser*>(arguments->geometryUserPtr);
@@ -316,6 +330,11 @@ void SurfaceTracer::filter(const RTCFilterFunctionNArguments* arguments)
         }
         const uint32_t triangle = (*user->triangles)[RTCHitN_primID(arguments->hit, count, i)];
         const vec2 barycentric(RTCHitN_u(arguments->hit, count, i), RTCHitN_v(arguments->hit, count, i));
+        if (context->dimming != nullptr &&
+            user->tracer->passesDimmed(triangle, barycentric, context->dimming[RTCRayN_id(arguments->ray, count, i)])) {
+            arguments->valid[i] = 0;
+            continue;
+        }
         const float ray[6] = {RTCRayN_org_x(arguments->ray, count, i), RTCRayN_org_y(arguments->ray, count, i),
                               RTCRayN_org_z(arguments->ray, count, i), RTCRayN_dir_x(arguments->ray, count, i),
                               RTCRayN_dir_y(arguments->ray, count, i), RTCRayN_dir_z(arguments->ray, count, i)};
@@ -448,6 +467,19 @@ void SurfaceTracer::occluded(const embree::LaneMask& valid, RTCRay8& rays) const
     embree::RayContext context(false);
     if (rayLog != nullptr) logPacket(RayLog::Call::Occluded8, valid, rays);
     embree::occluded8(scene_, context, valid, rays);
+}
+
+std::array<float, embree::kPacket> SurfaceTracer::arriving(const embree::LaneMask& valid, RTCRay8& rays) const
+{
+    std::array<embree::Dimming, embree::kPacket> dimming{};
+    embree::RayContext context(false);
+    context.dimming = dimming.data();
+    for (unsigned i = 0; i < embree::kPacket; ++i) rays.id[i] = i;
+    if (rayLog != nullptr) logPacket(RayLog::Call::Occluded8, valid, rays);
+    embree::occluded8(scene_, context, valid, rays);
+    std::array<float, embree::kPacket> shares;
+    for (std::size_t i = 0; i < embree::kPacket; ++i) shares[i] = rays.tfar[i] < 0.0f ? 0.0f : dimming[i].share;
+    return shares;
 }
 
 SurfaceTracer::Crossings SurfaceTracer::crossings(vec3 origin, vec3 direction) const

@@ -8,6 +8,7 @@
 #include "halflight/base/math.h"
 #include "halflight/scene/scene.h"
 
+#include <array>
 #include <memory>
 #include <vector>
 
@@ -96,6 +97,9 @@ public:
     /// primID, u, v, Ng and ray.tfar; a blocked shadow ray has a negative tfar.
     void intersect(const embree::LaneMask& valid, RTCRayHit8& rays) const;
     void occluded(const embree::LaneMask& valid, RTCRay8& rays) const;
+    /// What of the light along eight rays arrives: 0 where anything opaque lies between, dimmed by what blended
+    /// surfaces cover.
+    [[nodiscard]] std::array<float, embree::kPacket> arriving(const embree::LaneMask& valid, RTCRay8& rays) const;
     /// Traces logged rays once more, ignoring what they hit.
     void replay(const RayLog& log) const;
     /// Sets what all rays of a packet share.
@@ -151,6 +155,7 @@ private:
     struct GeometryUser;
     static void filter(const RTCFilterFunctionNArguments* arguments);
     [[nodiscard]] bool passes(uint32_t triangle, vec2 barycentric, const float* rayBits) const;
+    [[nodiscard]] bool passesDimmed(uint32_t triangle, vec2 barycentric, embree::Dimming& ray) const;
     [[nodiscard]] vec2 textureCoordinate(uint32_t triangle, vec2 barycentric, const TextureRef& ref) const;
     [[nodiscard]] float alphaAt(uint32_t triangle, vec2 barycentric, const TransportMaterial& material) const;
 

@@ -231,6 +231,44 @@ TEST_P(EmitterS6, UnseenAndTransparentLampsLightRight)
     EXPECT_NEAR(irradianceUnder(true, Material::AlphaMode::Blend, 0.2f), 0.2 * full, 0.02 * full);
 }
 
+/// Shadows of blended surfaces are as even as these are, not speckled by rays that pass by chance, in masks and in
+/// direct light.
+TEST(ShadowmaskS8, PanesDimEvenly)
+{
+    for (const LightMode mode : {LightMode::Mixed, LightMode::Baked}) {
+        Scene scene;
+        const int black = addMaterial(scene, vec3(0));
+        addRectangle(scene, {vec3(-2, 0, 2), vec3(4, 0, 0), vec3(0, 0, -4)}, black, kPage, {vec2(1), vec2(63)});
+        const auto addPane = [&](float height, float coverage, float halfWidth) {
+            const int pane = addMaterial(scene, vec3(0.5f), vec3(0.0f), true);
+            scene.materials[std::size_t(pane)].alphaMode = Material::AlphaMode::Blend;
+            scene.materials[std::size_t(pane)].baseColor.w = coverage;
+            const float w = halfWidth;
+            addRectangle(scene, {vec3(-w, height, w), vec3(2 * w, 1.5f, 0), vec3(0, 0, -2 * w)}, pane, kPage);
+        };
+        addPane(1.0f, 0.3f, 6.0f);
+        addPane(2.0f, 0.1f, 9.0f);
+        addPane(3.0f, 0.2f, 7.0f);
+        scene.lights.push_back(
+            makeLight(LightType::Directional, vec3(0), glm::normalize(vec3(0.3f, -1, 0.2f)), 10.0f, mode));
+        IntegrationSettings settings;
+        settings.samples = 16;
+        settings.bounces = 0;
+        settings.shadowSamples = 32;
+        Bench bench(std::move(scene), MixedLightingMode::Shadowmask, kPage, settings);
+        const float arrives = 0.7f * 0.9f * 0.8f;
+        const float cosine = 1.0f / std::sqrt(1.0f + 0.3f * 0.3f + 0.2f * 0.2f);
+        for (const IrradianceEstimate& e : bench.irradiance()) {
+            if (mode == LightMode::Baked) EXPECT_NEAR(e.irradiance.x, 10.0f * cosine * arrives, 0.005f * 10.0f);
+        }
+        if (mode == LightMode::Baked) continue;
+        const uint64_t before = bench.integrator->raysTraced();
+        for (const vec4 m : bench.shadowmask()) EXPECT_NEAR(m.x, arrives, 0.005f);
+        // Few rays tell, as where all is lit.
+        EXPECT_LT(double(bench.integrator->raysTraced() - before), 8.5 * double(bench.map.texels.size()));
+    }
+}
+
 /// A light that is off in the file has its mask all the same: it may be switched on at run time.
 TEST(ShadowmaskS29, LightsThatAreOffHaveAMask)
 {
