@@ -327,11 +327,11 @@ void FinalGather::countLights(std::span<const uint8_t> cells, const Choose& choo
         const auto traced = std::count(valid.lane, valid.lane + kLanes, -1);
         if (traced == 0) continue;
         rays += uint64_t(traced);
-        paths_.surfaces().occluded(valid, packet);
+        const std::array<float, kLanes> shares = paths_.surfaces().arriving(valid, packet);
         Vec3Lanes<kLanes> irradiance;
         for (std::size_t lane = 0; lane < kLanes; ++lane) {
-            const bool arrives = valid.lane[lane] != 0 && packet.tfar[lane] >= 0.0f;
-            irradiance.set(lane, arrives ? lanes.radiance[lane] * lanes.share[lane] : vec3(0.0f));
+            const bool arrives = valid.lane[lane] != 0 && shares[lane] > 0.0f;
+            irradiance.set(lane, arrives ? lanes.radiance[lane] * (lanes.share[lane] * shares[lane]) : vec3(0.0f));
             // Of lanes that nothing was sampled for, directions may be no numbers.
             packet.dir_x[lane] = arrives ? packet.dir_x[lane] : 0.0f;
             packet.dir_y[lane] = arrives ? packet.dir_y[lane] : 0.0f;

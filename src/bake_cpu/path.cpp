@@ -82,7 +82,7 @@ float PathTracer::lightVisibility(const PunctualLight& light, const SurfacePoint
     const LightRay ray = sampleLightRay(light, origin, shading::sampleDisc(u));
     ++rays;
     const float epsilon = tracer_.epsilonAt(point.position);
-    return tracer_.occluded(origin, ray.direction, epsilon, ray.distance * (1.0f - 1.0e-4f)) ? 0.0f : 1.0f;
+    return tracer_.arriving(origin, ray.direction, epsilon, ray.distance * (1.0f - 1.0e-4f));
 }
 
 float PathTracer::lightVisibilityInSpace(const PunctualLight& light, vec3 position, vec2 u, uint64_t& rays) const
@@ -90,7 +90,7 @@ float PathTracer::lightVisibilityInSpace(const PunctualLight& light, vec3 positi
     if (!light.castShadows) return 1.0f;
     const LightRay ray = sampleLightRay(light, position, shading::sampleDisc(u));
     ++rays;
-    return tracer_.occluded(position, ray.direction, 0.0f, ray.distance * (1.0f - 1.0e-4f)) ? 0.0f : 1.0f;
+    return tracer_.arriving(position, ray.direction, 0.0f, ray.distance * (1.0f - 1.0e-4f));
 }
 
 // One light per call, chosen in proportion to what each would contribute unshadowed (Shirley et al. 1996, "Monte Carlo
@@ -150,8 +150,8 @@ PathTracer::EmitterAtSurface PathTracer::emitterIrradiance(const SurfacePoint& p
     const EmitterWay way = s.from(receiver.position, receiver.normal, point.geometricNormal);
     if (way.distance <= 0.0f || s.radiance == vec3(0.0f)) return {};
     ++rays;
-    if (tracer_.occluded(receiver.position, way.direction, 0.0f, way.distance * (1.0f - 1.0e-4f))) return {};
-    return {way.direction, s.radiance * (way.share / chance)};
+    const float arriving = tracer_.arriving(receiver.position, way.direction, 0.0f, way.distance * (1.0f - 1.0e-4f));
+    return {way.direction, s.radiance * (arriving * way.share / chance)};
 }
 
 PathTracer::EmitterInSpace PathTracer::emitterInSpace(vec3 position, float directionPdf, Sampler& sampler,
@@ -170,8 +170,8 @@ PathTracer::EmitterInSpace PathTracer::emitterInSpace(vec3 position, float direc
     if (emitterCosine <= 0.0f) return {};
     const float pdf = s.pdfArea * distance2 / emitterCosine;
     ++rays;
-    if (tracer_.occluded(position, direction, 0.0f, distance * (1.0f - 1.0e-4f))) return {};
-    return {direction, s.radiance * ((s.rayVisible ? powerHeuristic(pdf, directionPdf) : 1.0f) / pdf)};
+    const float arriving = tracer_.arriving(position, direction, 0.0f, distance * (1.0f - 1.0e-4f));
+    return {direction, s.radiance * (arriving * (s.rayVisible ? powerHeuristic(pdf, directionPdf) : 1.0f) / pdf)};
 }
 
 vec3 PathTracer::weightedEmission(const SurfaceHit& hit, vec3 direction, const Receiver& from, float directionPdf) const

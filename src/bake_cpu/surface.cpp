@@ -510,6 +510,19 @@ SurfaceTracer::Crossings SurfaceTracer::crossings(vec3 origin, vec3 direction) c
 bool SurfaceTracer::occluded(vec3 origin, vec3 direction, float tMin, float tMax) const
 {
     embree::RayContext context(false);
+    return occluded(context, origin, direction, tMin, tMax);
+}
+
+float SurfaceTracer::arriving(vec3 origin, vec3 direction, float tMin, float tMax) const
+{
+    embree::Dimming dimming;
+    embree::RayContext context(false);
+    context.dimming = &dimming;
+    return occluded(context, origin, direction, tMin, tMax) ? 0.0f : dimming.share;
+}
+
+bool SurfaceTracer::occluded(embree::RayContext& context, vec3 origin, vec3 direction, float tMin, float tMax) const
+{
     RTCRay ray{};
     ray.org_x = origin.x;
     ray.org_y = origin.y;

@@ -92,13 +92,14 @@ public:
     [[nodiscard]] RayHit nearest(vec3 origin, vec3 direction, float tMin, float tMax, bool cameraRay = false) const;
     /// Whether anything that casts shadows lies between. Both faces of every surface block.
     [[nodiscard]] bool occluded(vec3 origin, vec3 direction, float tMin, float tMax) const;
+    /// What of the light along a ray arrives: 0 where anything opaque lies between, dimmed by what blended surfaces
+    /// cover.
+    [[nodiscard]] float arriving(vec3 origin, vec3 direction, float tMin, float tMax) const;
 
     /// The same for eight rays at once, without looking at what they hit: fill `rays` (see clear()), read hit.geomID,
     /// primID, u, v, Ng and ray.tfar; a blocked shadow ray has a negative tfar.
     void intersect(const embree::LaneMask& valid, RTCRayHit8& rays) const;
     void occluded(const embree::LaneMask& valid, RTCRay8& rays) const;
-    /// What of the light along eight rays arrives: 0 where anything opaque lies between, dimmed by what blended
-    /// surfaces cover.
     [[nodiscard]] std::array<float, embree::kPacket> arriving(const embree::LaneMask& valid, RTCRay8& rays) const;
     /// Traces logged rays once more, ignoring what they hit.
     void replay(const RayLog& log) const;
@@ -153,6 +154,7 @@ public:
 
 private:
     struct GeometryUser;
+    bool occluded(embree::RayContext& context, vec3 origin, vec3 direction, float tMin, float tMax) const;
     static void filter(const RTCFilterFunctionNArguments* arguments);
     [[nodiscard]] bool passes(uint32_t triangle, vec2 barycentric, const float* rayBits) const;
     [[nodiscard]] bool passesDimmed(uint32_t triangle, vec2 barycentric, embree::Dimming& ray) const;

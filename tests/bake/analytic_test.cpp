@@ -231,8 +231,8 @@ TEST_P(EmitterS6, UnseenAndTransparentLampsLightRight)
     EXPECT_NEAR(irradianceUnder(true, Material::AlphaMode::Blend, 0.2f), 0.2 * full, 0.02 * full);
 }
 
-/// Shadows of blended surfaces are as even as these are, not speckled by rays that pass by chance, in masks and in
-/// direct light.
+/// Shadows of blended surfaces are as even as these are, not speckled by rays that pass by chance, in masks, in
+/// direct light and in probes.
 TEST(ShadowmaskS8, PanesDimEvenly)
 {
     for (const LightMode mode : {LightMode::Mixed, LightMode::Baked}) {
@@ -266,6 +266,11 @@ TEST(ShadowmaskS8, PanesDimEvenly)
         for (const vec4 m : bench.shadowmask()) EXPECT_NEAR(m.x, arrives, 0.005f);
         // Few rays tell, as where all is lit.
         EXPECT_LT(double(bench.integrator->raysTraced() - before), 8.5 * double(bench.map.texels.size()));
+        const vec3 position(0.0f, 0.2f, 0.0f);
+        const uint32_t which = 0;
+        ProbeEstimate probe;
+        bench.integrator->probes(std::span(&position, 1), std::span(&which, 1), 64, std::span(&probe, 1), {});
+        EXPECT_NEAR(probe.occlusion.x, arrives, 1.0e-4f);
     }
 }
 
