@@ -151,6 +151,7 @@ PathTracer::EmitterAtSurface PathTracer::emitterIrradiance(const SurfacePoint& p
     if (way.distance <= 0.0f || s.radiance == vec3(0.0f)) return {};
     ++rays;
     const float arriving = tracer_.arriving(receiver.position, way.direction, 0.0f, way.distance * (1.0f - 1.0e-4f));
+    if (arriving <= 0.0f) return {};
     return {way.direction, s.radiance * (arriving * way.share / chance)};
 }
 
@@ -171,6 +172,7 @@ PathTracer::EmitterInSpace PathTracer::emitterInSpace(vec3 position, float direc
     const float pdf = s.pdfArea * distance2 / emitterCosine;
     ++rays;
     const float arriving = tracer_.arriving(position, direction, 0.0f, distance * (1.0f - 1.0e-4f));
+    if (arriving <= 0.0f) return {};
     return {direction, s.radiance * (arriving * (s.rayVisible ? powerHeuristic(pdf, directionPdf) : 1.0f) / pdf)};
 }
 

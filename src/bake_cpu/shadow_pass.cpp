@@ -30,7 +30,8 @@ bool traceShadows(const ShadowPass& pass, const std::vector<ShadowSource>& sourc
     const TexelSet asked(pass.map, pass.texels);
     TexelSet set = asked;
     set.extend([&](uint32_t texel, const auto& add) { pass.grid.around(texel, kAgreeRadius, add); });
-    std::vector<LitCount> firstLook(set.size() * sourceCount);
+    std::vector<FirstLitCount> firstLook(set.size() * sourceCount);
+    static_assert(sizeof(FirstLitCount) == 4 && FirstLitCount::kMost >= ShadowRays::kHalf);
     const bool whole = set.size() == asked.size();
     const auto isAsked = [&](uint32_t texel, std::size_t& number) {
         number = asked.find(texel);
@@ -71,9 +72,12 @@ bool traceShadows(const ShadowPass& pass, const std::vector<ShadowSource>& sourc
             together.fill({});
             if (pass.outside[i] == kAllPoints) {
                 const std::size_t own = set.find(pass.texels[i]);
-                std::copy_n(&firstLook[own * sourceCount], sourceCount, &counts[i * sourceCount]);
+                for (std::size_t s = 0; s < sourceCount; ++s) {
+                    const FirstLitCount& first = firstLook[own * sourceCount + s];
+                    counts[i * sourceCount + s] = {first.lit, first.all, first.least, first.most};
+                }
                 pass.grid.around(pass.texels[i], kAgreeRadius, [&](uint32_t other) {
-                    const LitCount* found = &firstLook[set.find(other) * sourceCount];
+                    const FirstLitCount* found = &firstLook[set.find(other) * sourceCount];
                     for (std::size_t s = 0; s < sourceCount; ++s) together[s].addRange(found[s]);
                     ++around;
                 });
@@ -84,7 +88,7 @@ bool traceShadows(const ShadowPass& pass, const std::vector<ShadowSource>& sourc
             if (undecided == 0) continue;
             unsigned mixed = 0;
             pass.grid.around(pass.texels[i], 1, [&](uint32_t other) {
-                const LitCount* found = &firstLook[set.find(other) * sourceCount];
+                const FirstLitCount* found = &firstLook[set.find(other) * sourceCount];
                 for (std::size_t s = 0; s < sourceCount; ++s) mixed |= found[s].mixed() ? 1u << s : 0u;
             });
             for (std::size_t s = 0; s < sourceCount; ++s) {
@@ -93,6 +97,7 @@ bool traceShadows(const ShadowPass& pass, const std::vector<ShadowSource>& sourc
             }
         }
     });
+    std::vector<FirstLitCount>().swap(firstLook);
     // Three rounds: half of the rays for all that is open; the rest for what lies beside an edge or turns out to be
     // half lit; for what is half lit then, more.
     const int halves = ShadowRays::halvesOf(pass.samples);

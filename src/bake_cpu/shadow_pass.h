@@ -10,42 +10,44 @@
 #include <algorithm>
 #include <atomic>
 #include <functional>
-#include <limits>
 #include <span>
 #include <vector>
 
 namespace halflight {
 
-/// What a texel's rays to one light have told so far.
-struct LitCount {
-    static constexpr int kMost = std::numeric_limits<uint16_t>::max(); ///< rays that can be counted
-    static constexpr int kLit = 254;                                   ///< of a ray all of whose light arrives
+/// What a texel's rays to one light have told so far, in one word: the number of rays takes kAllBits.
+template<typename Word, int kAllBits> struct LitCountIn {
+    static constexpr int kMost = (1 << kAllBits) - 1; ///< rays that can be counted
+    static constexpr int kLit = 254;                  ///< of a ray all of whose light arrives
     /// Rays that differ no more than this find the same: light through one pane of glass, say.
     static constexpr int kAlike = 8;
-    uint32_t lit = 0; ///< kLit for each ray, or what arrives of that
-    uint16_t all = 0;
-    uint8_t least = kLit;
-    uint8_t most = 0;
+    Word lit : kAllBits + 8 = 0; ///< kLit for each ray, or what arrives of that
+    Word all : kAllBits = 0;
+    Word least : 8 = kLit;
+    Word most : 8 = 0;
 
     /// A ray of whose light a share arrives.
     void add(float share)
     {
-        const auto value = uint8_t(share * float(kLit) + 0.5f);
+        const auto value = Word(share * float(kLit) + 0.5f);
         lit += value;
         ++all;
-        least = std::min(least, value);
-        most = std::max(most, value);
+        least = std::min(Word(least), value);
+        most = std::max(Word(most), value);
     }
     /// Takes in what another's rays found, but for their number and sum.
-    void addRange(const LitCount& other)
+    template<typename Other> void addRange(const Other& other)
     {
-        least = std::min(least, other.least);
-        most = std::max(most, other.most);
+        least = std::min(Word(least), Word(other.least));
+        most = std::max(Word(most), Word(other.most));
     }
     /// Whether rays found one thing and others another.
     [[nodiscard]] bool mixed() const { return int(most) - int(least) > kAlike; }
-    [[nodiscard]] float share() const { return all > 0 ? float(lit) / float(kLit * all) : 1.0f; }
+    [[nodiscard]] float share() const { return all > 0 ? float(Word(lit)) / float(kLit * int(all)) : 1.0f; }
 };
+using LitCount = LitCountIn<uint64_t, 16>;
+/// Of the first few rays: half as large, since there is one for each texel and light at once.
+using FirstLitCount = LitCountIn<uint32_t, 4>;
 
 /// A light, or several that never meet: which one a point looks at, null for none.
 struct ShadowSource {

@@ -168,6 +168,7 @@ struct SurfaceTracer::GeometryUser {
     const SurfaceTracer* tracer = nullptr;
     const std::vector<uint32_t>* triangles = nullptr;
     bool castShadows = true;
+    bool blended = false; ///< some of them are
 };
 
 SurfaceTracer::SurfaceTracer(const Scene& scene, const BakeGeometry& geometry) : geometry_(geometry), sceneData_(scene)
@@ -185,6 +186,7 @@ SurfaceTracer::SurfaceTracer(const Scene& scene, const BakeGeometry& geometry) :
     // cameras see.
     enum { Solid, Holes, NoShadow, Count };
     trianglesOfGeometry_.resize(Count);
+    std::array<bool, Count> blended{};
     Bounds bounds;
     for (const BakeGeometry::Part& part : geometry.parts) {
         if (part.triangleCount == 0) continue;
@@ -192,6 +194,7 @@ SurfaceTracer::SurfaceTracer(const Scene& scene, const BakeGeometry& geometry) :
         const int kind = !part.castShadows                                   ? NoShadow
                          : material.alphaMode != Material::AlphaMode::Opaque ? Holes
                                                                              : Solid;
+        blended[std::size_t(kind)] |= material.alphaMode == Material::AlphaMode::Blend;
         for (uint32_t t = part.firstTriangle; t < part.firstTriangle + part.triangleCount; ++t) {
             trianglesOfGeometry_[std::size_t(kind)].push_back(t);
             for (int i = 0; i < 3; ++i) bounds.extend(geometry.positions[geometry.triangles[t][i]]);
@@ -221,7 +224,8 @@ SurfaceTracer::SurfaceTracer(const Scene& scene, const BakeGeometry& geometry) :
         }
         std::copy(geometry.positions.begin(), geometry.positions.end(), vertices);
         for (std::size_t i = 0; i < list.size(); ++i) indices[i] = geometry.triangles[list[i]];
-        users_.push_back(std::make_unique<GeometryUser>(GeometryUser{this, &list, kind != NoShadow}));
+        users_.push_back(
+            std::make_unique<GeometryUser>(GeometryUser{this, &list, kind != NoShadow, blended[std::size_t(kind)]}));
         rtcSetGeometryUserData(mesh, users_.back().get());
         if (kind != Solid) {
             rtcSetGeometryIntersectFilterFunction(mesh, filter);
@@ -330,7 +334,7 @@ void SurfaceTracer::filter(const RTCFilterFunctionNArguments* arguments)
         }
         const uint32_t triangle = (*user->triangles)[RTCHitN_primID(arguments->hit, count, i)];
         const vec2 barycentric(RTCHitN_u(arguments->hit, count, i), RTCHitN_v(arguments->hit, count, i));
-        if (context->dimming != nullptr &&
+        if (context->dimming != nullptr && user->blended &&
             user->tracer->passesDimmed(triangle, barycentric, context->dimming[RTCRayN_id(arguments->ray, count, i)])) {
             arguments->valid[i] = 0;
             continue;
