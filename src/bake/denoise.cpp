@@ -187,6 +187,17 @@ float falloff(float x)
     return pow32(std::max(1.0f - x * (1.0f / 32.0f), 0.0f));
 }
 
+/// The lesser of two differences, where both have one sign (the minmod limiter, Roe 1986): of what rises or falls
+/// evenly, that; of edges, creases and noise, little or nothing.
+vec3 lesser(vec3 a, vec3 b)
+{
+    vec3 least(0.0f);
+    for (int c = 0; c < 3; ++c) {
+        if (a[c] * b[c] > 0.0f) least[c] = std::abs(a[c]) < std::abs(b[c]) ? a[c] : b[c];
+    }
+    return least;
+}
+
 /// Weighted mean.
 struct Mean {
     vec3 sum{0.0f};
@@ -213,8 +224,11 @@ struct Mean {
 // Illumination Filtering"), its luminance edge-stopping function scaled by the estimates' standard deviation as in
 // Schied et al. 2017 ("Spatiotemporal Variance-Guided Filtering"): differences that noise can explain are smoothed,
 // larger ones (contact shadows) stay. Texels of other charts never take part. Those that are the mean of others are no
-// witnesses beside these: the first level averages traced texels alone. Light of fully baked lights goes by its own
-// edges and its own noise, and hides none of the other light's.
+// witnesses beside these: the first level averages traced texels alone. From the second level on, light that rises or
+// falls evenly across a surface is level: texels are compared, and averaged, with what the slope adds to them taken off
+// (a first-order regression in the manner of Bitterli et al. 2016, "Nonlinearly Weighted First-order Regression for
+// Denoising Monte Carlo Renderings"); otherwise only those along lines of equal light would come together. Light of
+// fully baked lights goes by its own edges and its own noise, and hides none of the other light's.
 void denoise(const BakeGeometry& geometry, const TexelMap& map, std::vector<IrradianceEstimate>& estimates)
 {
     const std::size_t count = map.texels.size();
@@ -266,6 +280,22 @@ void denoise(const BakeGeometry& geometry, const TexelMap& map, std::vector<Irra
                 if (!guides[i].valid) continue;
                 const TexelPlace& guide = guides[i].place;
                 const float planeScale = 1.0f / (float(step) * guide.texelMeters);
+                // What light gains from texel to texel of this level.
+                const auto slopeAlong = [&](int x, int y) {
+                    constexpr int kSpan = 2;
+                    constexpr float kSameSide = 0.9f; // cosine between normals
+                    if (level == 0) return vec3(0.0f);
+                    const uint32_t ahead = grid.at(texel, kSpan * step * x, kSpan * step * y);
+                    const uint32_t behind = grid.at(texel, -kSpan * step * x, -kSpan * step * y);
+                    for (const uint32_t j : {ahead, behind}) {
+                        if (j == kNoTexel || !guides[j].valid) return vec3(0.0f);
+                        if (glm::dot(guides[j].place.normal, guide.normal) < kSameSide) return vec3(0.0f);
+                    }
+                    const vec3 own = light[i].irradiance;
+                    return lesser(light[ahead].irradiance - own, own - light[behind].irradiance) / float(kSpan);
+                };
+                const vec3 slopeX = slopeAlong(1, 0);
+                const vec3 slopeY = slopeAlong(0, 1);
                 Mean lightMean;
                 Mean directMean;
                 vec3 momentSum(0.0f);
@@ -277,6 +307,8 @@ void denoise(const BakeGeometry& geometry, const TexelMap& map, std::vector<Irra
                         float near = kSpline[std::size_t(std::abs(dx))] * kSpline[std::size_t(std::abs(dy))];
                         float away2 = 0.0f; // off the texel's plane
                         float unlike = 0.0f;
+                        const NoisyLight flat = {light[j].irradiance - float(dx) * slopeX - float(dy) * slopeY,
+                                                 light[j].variance};
                         const bool other = j != uint32_t(i);
                         if (other) {
                             const TexelPlace& place = guides[j].place;
@@ -288,7 +320,7 @@ void denoise(const BakeGeometry& geometry, const TexelMap& map, std::vector<Irra
                             if (away > 8.0f) continue;
                             near *= pow32(cosine);
                             away2 = plane * plane;
-                            unlike = away2 + unlikeness(light[i], light[j], 0.0f);
+                            unlike = away2 + unlikeness(light[i], flat, 0.0f);
                         }
                         const float weight = near * falloff(unlike);
                         float momentsWeight = weight;
@@ -301,7 +333,7 @@ void denoise(const BakeGeometry& geometry, const TexelMap& map, std::vector<Irra
                             }
                         }
                         if (level == 0 && !guides[j].traced) continue;
-                        lightMean.add(weight, light[j]);
+                        lightMean.add(weight, flat);
                         momentSum += momentsWeight * moments[j];
                         momentWeight += momentsWeight;
                     }

@@ -520,6 +520,15 @@ TEST(DenoiseS6, LeavesNoBlotchesOnEvenLight)
     EXPECT_LT(std::sqrt(page.after / double(page.estimates.size())), 0.01);
 }
 
+/// Light that falls off across a wall is smoothed across its slope too, not along lines of equal light alone (which
+/// leaves 0.048).
+TEST(DenoiseS6, SlopesAreSmoothedAcross)
+{
+    const auto slope = [](const Texel& t) { return 1.0f + 0.04f * float(t.x) + 0.02f * float(t.y); };
+    const NoisyPage page(slope, 0.1f, 0.01f);
+    EXPECT_LT(std::sqrt(page.after / double(page.estimates.size())), 0.036);
+}
+
 /// Single sunlit texels among unlit ones are no outliers, and the noise of other light beside them goes.
 TEST(DenoiseS6, SunlightIsNoNoise)
 {
