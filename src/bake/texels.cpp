@@ -1,5 +1,6 @@
 #include "bake/stages.h"
 
+#include "halflight/base/memory.h"
 #include "halflight/base/parallel.h"
 #include "halflight/base/polygon.h"
 #include "halflight/base/random.h"
@@ -289,7 +290,7 @@ TexelMap rasterizeTexels(const BakeGeometry& geometry, int pageSize, int pageCou
     fragments.reserve(total);
     for (auto& list : perPart) {
         fragments.insert(fragments.end(), list.begin(), list.end());
-        std::vector<RasterFragment>().swap(list);
+        release(list);
     }
     std::sort(fragments.begin(), fragments.end(), [](const RasterFragment& a, const RasterFragment& b) {
         return a.key != b.key ? a.key < b.key : a.fragment.triangle < b.fragment.triangle;

@@ -3,6 +3,8 @@
 #include "bake_cpu/shadow_rays.h"
 #include "bake_cpu/texel_set.h"
 
+#include "halflight/base/memory.h"
+
 #include <algorithm>
 #include <cassert>
 
@@ -65,7 +67,7 @@ bool traceShadows(const ShadowPass& pass, const std::vector<ShadowSource>& sourc
     enum Open : uint8_t { Closed, Undecided, BesideEdge };
     std::vector<Open> open(pass.texels.size() * sourceCount, Closed);
     parallelFor(pass.texels.size(), 4096, [&](std::size_t begin, std::size_t end) {
-        std::array<LitCount, kMaxShadowSources> together; // of the texels around
+        std::array<FirstLitCount, kMaxShadowSources> together; // of the texels around
         for (std::size_t i = begin; i < end; ++i) {
             if (pass.outside[i] == 0) continue;
             int around = 0;
@@ -97,7 +99,7 @@ bool traceShadows(const ShadowPass& pass, const std::vector<ShadowSource>& sourc
             }
         }
     });
-    std::vector<FirstLitCount>().swap(firstLook);
+    release(firstLook);
     // Three rounds: half of the rays for all that is open; the rest for what lies beside an edge or turns out to be
     // half lit; for what is half lit then, more.
     const int halves = ShadowRays::halvesOf(pass.samples);

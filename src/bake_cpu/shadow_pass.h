@@ -36,7 +36,7 @@ template<typename Word, int kAllBits> struct LitCountIn {
         most = std::max(Word(most), value);
     }
     /// Takes in what another's rays found, but for their number and sum.
-    template<typename Other> void addRange(const Other& other)
+    void addRange(const LitCountIn& other)
     {
         least = std::min(Word(least), Word(other.least));
         most = std::max(Word(most), Word(other.most));

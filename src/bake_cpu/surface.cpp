@@ -168,7 +168,6 @@ struct SurfaceTracer::GeometryUser {
     const SurfaceTracer* tracer = nullptr;
     const std::vector<uint32_t>* triangles = nullptr;
     bool castShadows = true;
-    bool blended = false; ///< some of them are
 };
 
 SurfaceTracer::SurfaceTracer(const Scene& scene, const BakeGeometry& geometry) : geometry_(geometry), sceneData_(scene)
@@ -186,7 +185,6 @@ SurfaceTracer::SurfaceTracer(const Scene& scene, const BakeGeometry& geometry) :
     // cameras see.
     enum { Solid, Holes, NoShadow, Count };
     trianglesOfGeometry_.resize(Count);
-    std::array<bool, Count> blended{};
     Bounds bounds;
     for (const BakeGeometry::Part& part : geometry.parts) {
         if (part.triangleCount == 0) continue;
@@ -194,10 +192,10 @@ SurfaceTracer::SurfaceTracer(const Scene& scene, const BakeGeometry& geometry) :
         const int kind = !part.castShadows                                   ? NoShadow
                          : material.alphaMode != Material::AlphaMode::Opaque ? Holes
                                                                              : Solid;
-        blended[std::size_t(kind)] |= material.alphaMode == Material::AlphaMode::Blend;
+        anyBlended_ = anyBlended_ || material.alphaMode == Material::AlphaMode::Blend;
         for (uint32_t t = part.firstTriangle; t < part.firstTriangle + part.triangleCount; ++t) {
             trianglesOfGeometry_[std::size_t(kind)].push_back(t);
-            for (int i = 0; i < 3; ++i) bounds.extend(geometry.positions[geometry.triangles[t][i]]);
+            bounds.extend(geometry.boundsOf(t));
         }
     }
     firstHit_.assign(1, 0u);
@@ -224,8 +222,7 @@ SurfaceTracer::SurfaceTracer(const Scene& scene, const BakeGeometry& geometry) :
         }
         std::copy(geometry.positions.begin(), geometry.positions.end(), vertices);
         for (std::size_t i = 0; i < list.size(); ++i) indices[i] = geometry.triangles[list[i]];
-        users_.push_back(
-            std::make_unique<GeometryUser>(GeometryUser{this, &list, kind != NoShadow, blended[std::size_t(kind)]}));
+        users_.push_back(std::make_unique<GeometryUser>(GeometryUser{this, &list, kind != NoShadow}));
         rtcSetGeometryUserData(mesh, users_.back().get());
         if (kind != Solid) {
             rtcSetGeometryIntersectFilterFunction(mesh, filter);
@@ -334,7 +331,7 @@ void SurfaceTracer::filter(const RTCFilterFunctionNArguments* arguments)
         }
         const uint32_t triangle = (*user->triangles)[RTCHitN_primID(arguments->hit, count, i)];
         const vec2 barycentric(RTCHitN_u(arguments->hit, count, i), RTCHitN_v(arguments->hit, count, i));
-        if (context->dimming != nullptr && user->blended &&
+        if (context->dimming != nullptr &&
             user->tracer->passesDimmed(triangle, barycentric, context->dimming[RTCRayN_id(arguments->ray, count, i)])) {
             arguments->valid[i] = 0;
             continue;
@@ -469,18 +466,22 @@ void SurfaceTracer::intersect(const embree::LaneMask& valid, RTCRayHit8& rays) c
 void SurfaceTracer::occluded(const embree::LaneMask& valid, RTCRay8& rays) const
 {
     embree::RayContext context(false);
+    occluded(context, valid, rays);
+}
+
+void SurfaceTracer::occluded(embree::RayContext& context, const embree::LaneMask& valid, RTCRay8& rays) const
+{
     if (rayLog != nullptr) logPacket(RayLog::Call::Occluded8, valid, rays);
     embree::occluded8(scene_, context, valid, rays);
 }
 
 std::array<float, embree::kPacket> SurfaceTracer::arriving(const embree::LaneMask& valid, RTCRay8& rays) const
 {
-    std::array<embree::Dimming, embree::kPacket> dimming{};
+    std::array<embree::Dimming, embree::kPacket> dimming;
     embree::RayContext context(false);
-    context.dimming = dimming.data();
+    if (anyBlended_) context.dimming = dimming.data();
     for (unsigned i = 0; i < embree::kPacket; ++i) rays.id[i] = i;
-    if (rayLog != nullptr) logPacket(RayLog::Call::Occluded8, valid, rays);
-    embree::occluded8(scene_, context, valid, rays);
+    occluded(context, valid, rays);
     std::array<float, embree::kPacket> shares;
     for (std::size_t i = 0; i < embree::kPacket; ++i) shares[i] = rays.tfar[i] < 0.0f ? 0.0f : dimming[i].share;
     return shares;
@@ -521,22 +522,13 @@ float SurfaceTracer::arriving(vec3 origin, vec3 direction, float tMin, float tMa
 {
     embree::Dimming dimming;
     embree::RayContext context(false);
-    context.dimming = &dimming;
+    if (anyBlended_) context.dimming = &dimming;
     return occluded(context, origin, direction, tMin, tMax) ? 0.0f : dimming.share;
 }
 
 bool SurfaceTracer::occluded(embree::RayContext& context, vec3 origin, vec3 direction, float tMin, float tMax) const
 {
-    RTCRay ray{};
-    ray.org_x = origin.x;
-    ray.org_y = origin.y;
-    ray.org_z = origin.z;
-    ray.dir_x = direction.x;
-    ray.dir_y = direction.y;
-    ray.dir_z = direction.z;
-    ray.tnear = tMin;
-    ray.tfar = tMax;
-    ray.mask = ~0u;
+    RTCRay ray = rayHit(origin, direction, tMin, tMax).ray;
     if (rayLog != nullptr) logRay(RayLog::Call::Occluded, origin, direction, tMin, tMax);
     embree::occluded(scene_, context, ray);
     return ray.tfar < 0.0f;

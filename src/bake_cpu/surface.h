@@ -155,6 +155,7 @@ public:
 private:
     struct GeometryUser;
     bool occluded(embree::RayContext& context, vec3 origin, vec3 direction, float tMin, float tMax) const;
+    void occluded(embree::RayContext& context, const embree::LaneMask& valid, RTCRay8& rays) const;
     static void filter(const RTCFilterFunctionNArguments* arguments);
     [[nodiscard]] bool passes(uint32_t triangle, vec2 barycentric, const float* rayBits) const;
     [[nodiscard]] bool passesDimmed(uint32_t triangle, vec2 barycentric, embree::Dimming& ray) const;
@@ -172,6 +173,7 @@ private:
     RTCDevice device_ = nullptr;
     RTCScene scene_ = nullptr;
     float sceneScale_ = 1.0f;
+    bool anyBlended_ = false; ///< there is something that dims rays
 };
 
 } // namespace halflight
