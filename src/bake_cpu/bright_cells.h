@@ -24,7 +24,7 @@ struct CellLight {
     uint8_t direction = kNowhere; ///< of the six of the axes, the one it faces
     bool receives = false;        ///< texels gather there
     float radiance = 0.0f;        ///< luminance of what it reflects, in nits
-    float illuminance = 0.0f;     ///< what it receives, in lux
+    float illuminance = 0.0f;     ///< what rays bring it, in lux: lights are sampled apart
     float rays = 0.0f;            ///< that were gathered for it
 };
 

@@ -914,7 +914,7 @@ void RadianceCache::bounce(std::vector<RangeOutput>& ranges, const TexelMap& map
     }
     const auto filledFor = [&](std::size_t cell) { return filled[substitute_[cell]]; };
     struct Sum {
-        vec3 first{0.0f}; ///< irradiance that needs no cells
+        vec3 first{0.0f}; ///< irradiance that rays bring and no cell has to tell
         vec3 direct{0.0f};
         vec3 albedo{0.0f};
         float directCount = 0.0f;
@@ -945,7 +945,8 @@ void RadianceCache::bounce(std::vector<RangeOutput>& ranges, const TexelMap& map
     }
     for (Sum& sum : sums) {
         sum.rays = std::max(sum.rays, 1.0f);
-        sum.first = sum.first / sum.rays + sum.direct / sum.directCount;
+        sum.first /= sum.rays;
+        sum.direct /= sum.directCount;
         sum.albedo /= sum.directCount;
     }
 
@@ -968,7 +969,7 @@ void RadianceCache::bounce(std::vector<RangeOutput>& ranges, const TexelMap& map
             }
         }
         for (std::size_t i = 0; i < sums.size(); ++i) {
-            const vec3 irradiance = sums[i].first + gathered[i] * (kPi / sums[i].rays);
+            const vec3 irradiance = sums[i].first + sums[i].direct + gathered[i] * (kPi / sums[i].rays);
             reflected[i] = shading::diffuseRadiance(sums[i].albedo, irradiance);
         }
         if (b == bounces || bounces - b > int(levels_.size())) continue;
@@ -980,7 +981,7 @@ void RadianceCache::bounce(std::vector<RangeOutput>& ranges, const TexelMap& map
     }
     // From here on, less is needed of each.
     std::vector<Cell> cellOfFilled(filledCount);
-    std::vector<float> illuminance(squares_); // that needs no cells
+    std::vector<float> illuminance(squares_); // that rays bring and no cell has to tell
     for (std::size_t i = 0; i < sums.size(); ++i) cellOfFilled[i] = {reflected[i], sums[i].nearest};
     for (std::size_t i = 0; i < squares_; ++i) {
         if (filledFor(i) != kNoCells) illuminance[i] = luminance(sums[filledFor(i)].first);

@@ -182,11 +182,13 @@ struct LitSpots {
     Scene scene;
     Holes holes;
 
-    /// `glows`: the floor is a light source, though a faint one.
-    explicit LitSpots(Holes floorHoles, bool glows = false) : holes(floorHoles)
+    /// `glows`: the floor is a light source, though a faint one. `sunlit`: walls are black, and lit far brighter than
+    /// the floor lights them.
+    explicit LitSpots(Holes floorHoles, bool glows = false, bool sunlit = false) : holes(floorHoles)
     {
-        const int white = addMaterial(scene, vec3(kAlbedo));
         const int black = addMaterial(scene, vec3(0.0f));
+        const int white = addMaterial(scene, vec3(kAlbedo));
+        const int wall = sunlit ? black : white;
         int floor = glows ? addMaterial(scene, vec3(kAlbedo), vec3(1.0e-6f)) : white;
         if (holes != Holes::None) {
             const int size = holes == Holes::Half ? 2 : 128;
@@ -202,11 +204,18 @@ struct LitSpots {
         // The floor's u goes along x: its first half has no holes.
         addRectangle(scene, {z, x, -z}, floor, kPage, {vec2(1), vec2(29)});
         addRectangle(scene, {vec3(0, -1, 0) + z, x, -z}, black, kPage);
-        addRectangle(scene, {y, x, z}, white, kPage, {vec2(31, 1), vec2(45, 15)});
-        addRectangle(scene, {vec3(0), x, y}, white, kPage, {vec2(47, 1), vec2(61, 15)});
-        addRectangle(scene, {z + x, -x, y}, white, kPage, {vec2(31, 17), vec2(45, 31)});
-        addRectangle(scene, {z, -z, y}, white, kPage, {vec2(47, 17), vec2(61, 31)});
-        addRectangle(scene, {x, z, y}, white, kPage, {vec2(1, 31), vec2(15, 45)});
+        addRectangle(scene, {y, x, z}, wall, kPage, {vec2(31, 1), vec2(45, 15)});
+        addRectangle(scene, {vec3(0), x, y}, wall, kPage, {vec2(47, 1), vec2(61, 15)});
+        addRectangle(scene, {z + x, -x, y}, wall, kPage, {vec2(31, 17), vec2(45, 31)});
+        addRectangle(scene, {z, -z, y}, wall, kPage, {vec2(47, 17), vec2(61, 31)});
+        addRectangle(scene, {x, z, y}, wall, kPage, {vec2(1, 31), vec2(15, 45)});
+        for (const vec3 direction : {vec3(1, 0, 1), vec3(-1, 0, -1)}) {
+            if (!sunlit) break;
+            Light sun =
+                makeLight(LightType::Directional, vec3(0), glm::normalize(direction), 10000.0f, LightMode::Mixed);
+            sun.castShadows = false;
+            scene.lights.push_back(sun);
+        }
         for (const float at : {0.25f, 0.75f}) {
             Light lamp = makeLight(LightType::Spot, vec3(at * kWidth, kHeight - 0.2f, 0.5f * kWidth), vec3(0, -1, 0),
                                    1000.0f, LightMode::Mixed);
@@ -224,6 +233,7 @@ struct LitSpots {
         constexpr float kRadius = 0.6f;
         double sum = 0.0;
         for (const PunctualLight& lamp : punctualLights(scene, LightUse::Bake)) {
+            if (lamp.type == shading::kLightDirectional) continue; // along the floor
             if (holes == Holes::Half && lamp.position.x > 0.5f * kWidth) continue;
             for (int i = 0; i < kSteps * kSteps; ++i) {
                 const vec2 u((float(i % kSteps) + 0.5f) / float(kSteps), (float(i / kSteps) + 0.5f) / float(kSteps));
@@ -248,15 +258,19 @@ TEST(BrightCellsS6, LitSpotsAreNoNoise)
     struct Case {
         LitSpots::Holes holes;
         bool glows;
+        bool sunlit;
         double bias;
         double noise;
     };
     // Samples that are lost on holes cost some noise.
-    for (const auto& [holes, glows, mostBias, mostNoise] : {Case{LitSpots::Holes::None, false, 0.015, 0.12},
-                                                            {LitSpots::Holes::None, true, 0.015, 0.12},
-                                                            {LitSpots::Holes::Half, false, 0.015, 0.35},
-                                                            {LitSpots::Holes::Pattern, false, 0.04, 0.9}}) {
-        SCOPED_TRACE(testing::Message() << "holes " << int(holes) << (glows ? ", glows" : ""));
+    for (const auto& [holes, glows, sunlit, mostBias, mostNoise] :
+         {Case{LitSpots::Holes::None, false, false, 0.015, 0.12},
+          {LitSpots::Holes::None, true, false, 0.015, 0.12},
+          {LitSpots::Holes::None, false, true, 0.015, 0.12},
+          {LitSpots::Holes::Half, false, false, 0.015, 0.35},
+          {LitSpots::Holes::Pattern, false, false, 0.04, 0.9}}) {
+        SCOPED_TRACE(testing::Message() << "holes " << int(holes) << (glows ? ", glows" : "")
+                                        << (sunlit ? ", sunlit" : ""));
         IntegrationSettings settings;
         settings.samples = 32;
         settings.shadowSamples = 8;
@@ -267,7 +281,7 @@ TEST(BrightCellsS6, LitSpotsAreNoNoise)
         int count = 0;
         for (const uint32_t seed : {1u, 2u, 3u, 4u}) {
             settings.seed = seed;
-            LitSpots spots(holes, glows);
+            LitSpots spots(holes, glows, sunlit);
             Bench bench(spots.scene, MixedLightingMode::Shadowmask, kPage, settings);
             const auto estimates = bench.irradiance();
             for (std::size_t i = 0; i < estimates.size(); ++i) {
