@@ -1,7 +1,7 @@
 // Measures the bake's light transport and prints plain tables. Every ratio is of two measurements of the same run;
 // times are CPU seconds of the process, summed over threads, so that a busy machine disturbs them little.
 //   bench_bake PART [--scene FILE]... [--size N] [--points N] [--reference N]
-//              [--samples N] [--references DIR]
+//              [--samples N] [--seeds N] [--references DIR]
 //   PART: gather | error | shadows | masks | scaling | lights | triangles
 // Scenes: the built-in "cornell" (a box with an emissive quad), or glTF files; FILE@sun leaves them the sun and the
 // sky.
@@ -55,6 +55,7 @@ struct Options {
     int points = 8192;    ///< texels with a reference
     int reference = 4096; ///< paths for each of them
     int samples = 0;      ///< the only number that errors are measured of; 0: those that the target takes
+    int seeds = 3;        ///< of which times and errors are the mean: single texels weigh much in one alone
     std::string folder;   ///< where references are kept, so that versions of the bake compare with the same
     int bounces = 4;
     double target = 0.03;
@@ -136,6 +137,26 @@ Error compare(const std::vector<IrradianceEstimate>& run, const std::vector<uint
     return {std::sqrt(squares / double(count)) / (sum / double(count)), difference / sum};
 }
 
+/// Of several seeds together: the root mean square of their errors, and their mean time.
+class MeanError {
+public:
+    void add(double cpu, Error error)
+    {
+        cpu_ += cpu;
+        squares_ += error.rmse * error.rmse;
+        bias_ += error.bias;
+        ++count_;
+    }
+    [[nodiscard]] double cpu() const { return cpu_ / count_; }
+    [[nodiscard]] Error error() const { return {std::sqrt(squares_ / count_), bias_ / count_}; }
+
+private:
+    double cpu_ = 0.0;
+    double squares_ = 0.0;
+    double bias_ = 0.0;
+    double count_ = 0.0;
+};
+
 /// CPU seconds after which an error reaches a target, of points measured with ever more samples.
 class TimeToTarget {
 public:
@@ -153,6 +174,7 @@ public:
         lastError_ = error;
     }
     [[nodiscard]] bool reached() const { return found_ > 0.0; }
+    /// `pathTime`: path tracing's.
     void print(const char* label, double pathTime) const
     {
         if (!reached()) return;
@@ -207,6 +229,7 @@ std::vector<IrradianceEstimate> referenceOf(const Options& options, const std::s
 void partError(const Options& options)
 {
     constexpr int kShadowSamples = 32; // as medium quality has them
+    constexpr int kPathSamples = 64;
     std::printf("relative RMSE: of luminance over all valid texels, divided by their mean\n");
     std::printf("time to %.1f %%: from the measured points, error falling with the root of the samples\n\n",
                 100.0 * options.target);
@@ -217,25 +240,33 @@ void partError(const Options& options)
         const std::vector<IrradianceEstimate> reference = referenceOf(options, name, p, subset);
         IntegrationSettings settings;
         settings.bounces = options.bounces;
-        settings.integrator = IntegratorKind::Path;
-        settings.seed = 1;
-        settings.samples = 64;
-        settings.shadowSamples = kShadowSamples;
-        const Run path = integrate(p, subset, settings);
         const double scale = double(p.map.texels.size()) / double(subset.texels.size());
+        MeanError pathMean;
+        double pathRays = 0.0;
+        const auto tracePaths = [&](int seed) {
+            IntegrationSettings paths = settings;
+            paths.integrator = IntegratorKind::Path;
+            paths.seed = uint32_t(seed);
+            paths.samples = kPathSamples;
+            paths.shadowSamples = kShadowSamples;
+            const Run run = integrate(p, subset, paths);
+            pathMean.add(run.cpu * scale, compare(run.estimates, nullptr, reference));
+            pathRays = double(run.rays) * scale;
+        };
+        for (int seed = 1; seed <= options.seeds; ++seed) tracePaths(seed);
         // The reference has noise of its own.
-        Error pathError = compare(path.estimates, nullptr, reference);
-        const double noise = pathError.rmse * std::sqrt(64.0 / double(options.reference + 64));
+        Error pathError = pathMean.error();
+        const double noise = pathError.rmse * std::sqrt(kPathSamples / double(options.reference + kPathSamples));
         const auto without = [&](double rmse) { return std::sqrt(std::max(rmse * rmse - noise * noise, 1.0e-12)); };
         pathError.rmse = without(pathError.rmse);
-        const double pathTime = path.cpu * scale * std::pow(pathError.rmse / options.target, 2.0);
+        const auto pathTime = [&] { return pathMean.cpu() * std::pow(pathError.rmse / options.target, 2.0); };
         std::printf("%s: %zu texels, %zu triangles, reference %d paths on %zu texels\n", name.c_str(),
                     p.map.texels.size(), p.geometry.triangles.size(), options.reference, subset.texels.size());
         std::printf("  %-8s %8s %10s %10s %9s %9s %10s %9s %9s\n", "", "samples", "CPU s", "Mrays", "RMSE", "bias",
                     "denoised s", "RMSE", "bias");
-        std::printf("  %-8s %8d %10.2f %10.1f %8.2f%% %8.2f%%   (scaled from %zu texels)\n", "path", 64,
-                    path.cpu * scale, double(path.rays) * scale * 1.0e-6, 100.0 * pathError.rmse,
-                    100.0 * pathError.bias, subset.texels.size());
+        std::printf("  %-8s %8d %10.2f %10.1f %8.2f%% %8.2f%%   (scaled from %zu texels)\n", "path", kPathSamples,
+                    pathMean.cpu(), pathRays * 1.0e-6, 100.0 * pathError.rmse, 100.0 * pathError.bias,
+                    subset.texels.size());
         settings.integrator = IntegratorKind::Cache;
         // All texels, and with those in between where light hardly changes.
         for (const int step : {1, 2}) {
@@ -250,26 +281,32 @@ void partError(const Options& options)
                  samples += (samples & (samples - 1)) == 0 ? samples / 2 : samples / 3) {
                 settings.samples = samples;
                 settings.shadowSamples = std::max(kShadowSamples, samples / 2);
-                Run run = integrate(p, p.map, settings);
-                const auto errorNow = [&] {
-                    Error e = compare(run.estimates, &chosen, reference);
-                    e.rmse = without(e.rmse);
-                    return e;
-                };
-                const Error before = errorNow();
-                const double start = cpuSeconds();
-                denoise(p.geometry, p.map, run.estimates);
-                const double cpu = run.cpu + cpuSeconds() - start;
-                const Error after = errorNow();
+                MeanError rawMean;
+                MeanError denoisedMean;
+                double rays = 0.0;
+                for (int seed = 1; seed <= options.seeds; ++seed) {
+                    settings.seed = uint32_t(seed);
+                    Run run = integrate(p, p.map, settings);
+                    rays += double(run.rays) / options.seeds;
+                    rawMean.add(run.cpu, compare(run.estimates, &chosen, reference));
+                    const double start = cpuSeconds();
+                    denoise(p.geometry, p.map, run.estimates);
+                    const double cpu = run.cpu + cpuSeconds() - start;
+                    denoisedMean.add(cpu, compare(run.estimates, &chosen, reference));
+                    // Beside it, for the speed of the machine now.
+                    tracePaths(seed);
+                }
+                const Error before = {without(rawMean.error().rmse), rawMean.error().bias};
+                const Error after = {without(denoisedMean.error().rmse), denoisedMean.error().bias};
                 std::printf("  %-8s %8d %10.2f %10.1f %8.2f%% %8.2f%% %10.2f %8.2f%% %8.2f%%\n", label, samples,
-                            run.cpu, double(run.rays) * 1.0e-6, 100.0 * before.rmse, 100.0 * before.bias, cpu,
+                            rawMean.cpu(), rays * 1.0e-6, 100.0 * before.rmse, 100.0 * before.bias, denoisedMean.cpu(),
                             100.0 * after.rmse, 100.0 * after.bias);
                 std::fflush(stdout);
-                raw.add(run.cpu, before.rmse);
-                denoised.add(cpu, after.rmse);
+                raw.add(rawMean.cpu(), before.rmse);
+                denoised.add(denoisedMean.cpu(), after.rmse);
             }
-            raw.print(label, pathTime);
-            denoised.print((std::string(label) + " denoised").c_str(), pathTime);
+            raw.print(label, pathTime());
+            denoised.print((std::string(label) + " denoised").c_str(), pathTime());
         }
         std::printf("\n");
     }
@@ -538,6 +575,8 @@ int main(int argc, char** argv)
             options.bounces = std::atoi(argv[++i]);
         } else if (option("--samples")) {
             options.samples = std::atoi(argv[++i]);
+        } else if (option("--seeds")) {
+            options.seeds = std::max(1, std::atoi(argv[++i]));
         } else if (option("--references")) {
             options.folder = argv[++i];
         } else if (option("--target")) {

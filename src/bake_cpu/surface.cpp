@@ -16,20 +16,15 @@ namespace {
 
 constexpr int kSmallTextureSide = 256;
 
-const std::array<float, 256>& linearTable()
-{
-    static const std::array<float, 256> table = [] {
-        std::array<float, 256> t{};
-        for (int i = 0; i < 256; ++i) t[std::size_t(i)] = shading::linearFromSrgb(float(i) / 255.0f);
-        return t;
-    }();
-    return table;
-}
+const std::array<float, 256> kLinear = [] {
+    std::array<float, 256> t{};
+    for (int i = 0; i < 256; ++i) t[std::size_t(i)] = shading::linearFromSrgb(float(i) / 255.0f);
+    return t;
+}();
 
 vec3 linearOf(u8vec4 texel)
 {
-    const auto& table = linearTable();
-    return {table[texel.x], table[texel.y], table[texel.z]};
+    return {kLinear[texel.x], kLinear[texel.y], kLinear[texel.z]};
 }
 
 /// Averages blocks of texels in linear light; data textures (not sRGB) go through the same curve and back, which
@@ -41,21 +36,23 @@ ImageRgba8 shrink(const ImageRgba8& image)
     if (factor == 1) return image;
     ImageRgba8 out(std::max(1, image.width() / factor), std::max(1, image.height() / factor));
     for (int y = 0; y < out.height(); ++y) {
+        const int endY = std::min((y + 1) * factor, image.height());
         for (int x = 0; x < out.width(); ++x) {
+            const int beginX = x * factor;
+            const int endX = std::min(beginX + factor, image.width());
             vec3 sum(0.0f);
-            float alpha = 0.0f;
-            int count = 0;
-            for (int dy = 0; dy < factor && y * factor + dy < image.height(); ++dy) {
-                for (int dx = 0; dx < factor && x * factor + dx < image.width(); ++dx) {
-                    const u8vec4 texel = image(x * factor + dx, y * factor + dy);
-                    sum += linearOf(texel);
-                    alpha += float(texel.w);
-                    ++count;
+            int alpha = 0;
+            for (int py = y * factor; py < endY; ++py) {
+                const u8vec4* row = &image(beginX, py);
+                for (int i = 0; i < endX - beginX; ++i) {
+                    sum += linearOf(row[i]);
+                    alpha += row[i].w;
                 }
             }
+            const int count = (endY - y * factor) * (endX - beginX);
             const vec3 mean = shading::srgbFromLinear(sum / float(count)) * 255.0f + 0.5f;
             out(x, y) = u8vec4(u8vec4::value_type(mean.x), u8vec4::value_type(mean.y), u8vec4::value_type(mean.z),
-                               u8vec4::value_type(alpha / float(count) + 0.5f));
+                               u8vec4::value_type(float(alpha) / float(count) + 0.5f));
         }
     }
     return out;
@@ -174,10 +171,16 @@ SurfaceTracer::SurfaceTracer(const Scene& scene, const BakeGeometry& geometry) :
 {
     for (const Material& material : scene.materials) materials_.push_back(transportMaterial(scene, material));
     materials_.push_back(transportMaterial(scene, defaultMaterial()));
+    std::vector<uint8_t> used(scene.textures.size(), 0);
+    for (const TransportMaterial& m : materials_) {
+        for (const TextureRef& ref : {m.baseColor, m.emissive, m.metallicRoughness}) {
+            if (ref) used[std::size_t(ref.texture)] = 1;
+        }
+    }
     smallTextures_.resize(scene.textures.size());
     parallelFor(scene.textures.size(), 1, [&](std::size_t begin, std::size_t end) {
         for (std::size_t i = begin; i < end; ++i) {
-            if (!scene.textures[i].pixels.empty()) smallTextures_[i] = shrink(scene.textures[i].pixels);
+            if (used[i] != 0) smallTextures_[i] = shrink(scene.textures[i].pixels);
         }
     });
 
