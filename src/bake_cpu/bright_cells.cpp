@@ -15,12 +15,12 @@ namespace {
 constexpr float kBrighter = 3.0f;
 /// Bright cells are put together to patches over so many texels, and receivers to guides. Receivers around tell one
 /// another, each ray for so much of one.
-constexpr float kPatchTexels = 8.0f;
+constexpr float kPatchTexels = 32.0f;
 constexpr float kGuideTexels = 8.0f;
 constexpr float kNeighbourWeight = 0.5f;
 constexpr std::size_t kMostEntries = 64; ///< of a guide
 /// Pieces take memory: for each cell there are so many at most, or so many for small lightmaps.
-constexpr float kMostPiecesForCell = 0.5f;
+constexpr float kMostPiecesForCell = 0.125f;
 constexpr std::size_t kFewPieces = 24576;
 
 /// Cubes of space, six of each for the directions that surfaces in them face, whatever charts these are on.
