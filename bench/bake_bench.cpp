@@ -137,21 +137,24 @@ Error compare(const std::vector<IrradianceEstimate>& run, const std::vector<uint
     return {std::sqrt(squares / double(count)) / (sum / double(count)), difference / sum};
 }
 
-/// Of several seeds together: the root mean square of their errors, and their mean time.
+/// Of several seeds together: the root mean square of their errors, their mean time and number of rays.
 class MeanError {
 public:
-    void add(double cpu, Error error)
+    void add(double cpu, double rays, Error error)
     {
         cpu_ += cpu;
+        rays_ += rays;
         squares_ += error.rmse * error.rmse;
         bias_ += error.bias;
         ++count_;
     }
     [[nodiscard]] double cpu() const { return cpu_ / count_; }
+    [[nodiscard]] double rays() const { return rays_ / count_; }
     [[nodiscard]] Error error() const { return {std::sqrt(squares_ / count_), bias_ / count_}; }
 
 private:
     double cpu_ = 0.0;
+    double rays_ = 0.0;
     double squares_ = 0.0;
     double bias_ = 0.0;
     double count_ = 0.0;
@@ -174,7 +177,6 @@ public:
         lastError_ = error;
     }
     [[nodiscard]] bool reached() const { return found_ > 0.0; }
-    /// `pathTime`: path tracing's.
     void print(const char* label, double pathTime) const
     {
         if (!reached()) return;
@@ -242,7 +244,6 @@ void partError(const Options& options)
         settings.bounces = options.bounces;
         const double scale = double(p.map.texels.size()) / double(subset.texels.size());
         MeanError pathMean;
-        double pathRays = 0.0;
         const auto tracePaths = [&](int seed) {
             IntegrationSettings paths = settings;
             paths.integrator = IntegratorKind::Path;
@@ -250,22 +251,24 @@ void partError(const Options& options)
             paths.samples = kPathSamples;
             paths.shadowSamples = kShadowSamples;
             const Run run = integrate(p, subset, paths);
-            pathMean.add(run.cpu * scale, compare(run.estimates, nullptr, reference));
-            pathRays = double(run.rays) * scale;
+            pathMean.add(run.cpu * scale, double(run.rays) * scale, compare(run.estimates, nullptr, reference));
         };
         for (int seed = 1; seed <= options.seeds; ++seed) tracePaths(seed);
         // The reference has noise of its own.
-        Error pathError = pathMean.error();
-        const double noise = pathError.rmse * std::sqrt(kPathSamples / double(options.reference + kPathSamples));
-        const auto without = [&](double rmse) { return std::sqrt(std::max(rmse * rmse - noise * noise, 1.0e-12)); };
-        pathError.rmse = without(pathError.rmse);
+        const double noise = pathMean.error().rmse * std::sqrt(kPathSamples / double(options.reference + kPathSamples));
+        const auto errorOf = [&](const MeanError& mean) {
+            Error e = mean.error();
+            e.rmse = std::sqrt(std::max(e.rmse * e.rmse - noise * noise, 1.0e-12));
+            return e;
+        };
+        const Error pathError = errorOf(pathMean);
         const auto pathTime = [&] { return pathMean.cpu() * std::pow(pathError.rmse / options.target, 2.0); };
         std::printf("%s: %zu texels, %zu triangles, reference %d paths on %zu texels\n", name.c_str(),
                     p.map.texels.size(), p.geometry.triangles.size(), options.reference, subset.texels.size());
         std::printf("  %-8s %8s %10s %10s %9s %9s %10s %9s %9s\n", "", "samples", "CPU s", "Mrays", "RMSE", "bias",
                     "denoised s", "RMSE", "bias");
         std::printf("  %-8s %8d %10.2f %10.1f %8.2f%% %8.2f%%   (scaled from %zu texels)\n", "path", kPathSamples,
-                    pathMean.cpu(), pathRays * 1.0e-6, 100.0 * pathError.rmse, 100.0 * pathError.bias,
+                    pathMean.cpu(), pathMean.rays() * 1.0e-6, 100.0 * pathError.rmse, 100.0 * pathError.bias,
                     subset.texels.size());
         settings.integrator = IntegratorKind::Cache;
         // All texels, and with those in between where light hardly changes.
@@ -283,24 +286,22 @@ void partError(const Options& options)
                 settings.shadowSamples = std::max(kShadowSamples, samples / 2);
                 MeanError rawMean;
                 MeanError denoisedMean;
-                double rays = 0.0;
                 for (int seed = 1; seed <= options.seeds; ++seed) {
                     settings.seed = uint32_t(seed);
                     Run run = integrate(p, p.map, settings);
-                    rays += double(run.rays) / options.seeds;
-                    rawMean.add(run.cpu, compare(run.estimates, &chosen, reference));
+                    rawMean.add(run.cpu, double(run.rays), compare(run.estimates, &chosen, reference));
                     const double start = cpuSeconds();
                     denoise(p.geometry, p.map, run.estimates);
                     const double cpu = run.cpu + cpuSeconds() - start;
-                    denoisedMean.add(cpu, compare(run.estimates, &chosen, reference));
+                    denoisedMean.add(cpu, double(run.rays), compare(run.estimates, &chosen, reference));
                     // Beside it, for the speed of the machine now.
                     tracePaths(seed);
                 }
-                const Error before = {without(rawMean.error().rmse), rawMean.error().bias};
-                const Error after = {without(denoisedMean.error().rmse), denoisedMean.error().bias};
+                const Error before = errorOf(rawMean);
+                const Error after = errorOf(denoisedMean);
                 std::printf("  %-8s %8d %10.2f %10.1f %8.2f%% %8.2f%% %10.2f %8.2f%% %8.2f%%\n", label, samples,
-                            rawMean.cpu(), rays * 1.0e-6, 100.0 * before.rmse, 100.0 * before.bias, denoisedMean.cpu(),
-                            100.0 * after.rmse, 100.0 * after.bias);
+                            rawMean.cpu(), rawMean.rays() * 1.0e-6, 100.0 * before.rmse, 100.0 * before.bias,
+                            denoisedMean.cpu(), 100.0 * after.rmse, 100.0 * after.bias);
                 std::fflush(stdout);
                 raw.add(rawMean.cpu(), before.rmse);
                 denoised.add(denoisedMean.cpu(), after.rmse);

@@ -186,8 +186,8 @@ struct LitSpots {
     /// the floor lights them.
     explicit LitSpots(Holes floorHoles, bool glows = false, bool sunlit = false) : holes(floorHoles)
     {
-        const int black = addMaterial(scene, vec3(0.0f));
         const int white = addMaterial(scene, vec3(kAlbedo));
+        const int black = addMaterial(scene, vec3(0.0f));
         const int wall = sunlit ? black : white;
         int floor = glows ? addMaterial(scene, vec3(kAlbedo), vec3(1.0e-6f)) : white;
         if (holes != Holes::None) {
@@ -209,12 +209,13 @@ struct LitSpots {
         addRectangle(scene, {z + x, -x, y}, wall, kPage, {vec2(31, 17), vec2(45, 31)});
         addRectangle(scene, {z, -z, y}, wall, kPage, {vec2(47, 17), vec2(61, 31)});
         addRectangle(scene, {x, z, y}, wall, kPage, {vec2(1, 31), vec2(15, 45)});
-        for (const vec3 direction : {vec3(1, 0, 1), vec3(-1, 0, -1)}) {
-            if (!sunlit) break;
-            Light sun =
-                makeLight(LightType::Directional, vec3(0), glm::normalize(direction), 10000.0f, LightMode::Mixed);
-            sun.castShadows = false;
-            scene.lights.push_back(sun);
+        if (sunlit) {
+            for (const vec3 direction : {vec3(1, 0, 1), vec3(-1, 0, -1)}) {
+                Light sun =
+                    makeLight(LightType::Directional, vec3(0), glm::normalize(direction), 10000.0f, LightMode::Mixed);
+                sun.castShadows = false;
+                scene.lights.push_back(sun);
+            }
         }
         for (const float at : {0.25f, 0.75f}) {
             Light lamp = makeLight(LightType::Spot, vec3(at * kWidth, kHeight - 0.2f, 0.5f * kWidth), vec3(0, -1, 0),
