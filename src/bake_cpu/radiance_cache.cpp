@@ -410,26 +410,31 @@ private:
     bool allOutside(const TexelGroup& group, int lane, std::span<const uint8_t> cells)
     {
         if (outside_.known[group.texel(lane)] != 0) return true;
-        constexpr std::size_t kEnough = 8;
+        const SurfaceTracer& tracer = paths_.surfaces();
         std::size_t suspicious = 0;
         std::size_t inSolid = 0;
+        PointMask others = kAllPoints; // that had no ray
         for (const int cell : cells) {
+            others &= PointMask(~(1u << group.pointOf(lane, 0, cell)));
             if (!bundle_.hit(cell, lane) || !bundle_.behind(cell, lane)) continue;
             suspicious += cache_.hiddenBack(recordOfHit(cell, lane)) ? 1 : 0;
             const RTCHit8& h = bundle_.rays[std::size_t(cell)].hit;
-            const uint32_t triangle = paths_.surfaces().triangleOf(h.geomID[lane], h.primID[lane]);
-            inSolid += paths_.surfaces().geometry().solid[triangle];
+            inSolid += tracer.geometry().solid[tracer.triangleOf(h.geomID[lane], h.primID[lane])];
         }
         if (suspicious == 0) return true;
-        if (inSolid == cells.size() && inSolid >= kEnough && group.pointCount(lane) == kMaxTexelPoints) {
-            setOutside(group.texel(lane), 0);
-            return false;
-        }
         const TexelPoints& points = group.points(lane);
         const int count = group.pointCount(lane);
-        const PointMask outside =
-            inSolid > 0 ? validity_.outsideSolids(points, count, group.id(lane), rays_) : kAllPoints;
-        const PointMask mask = validity_.outsideShells(points, count, outside, group.id(lane), rays_);
+        const uint32_t id = group.id(lane);
+        if (inSolid == cells.size() && count == kMaxTexelPoints) {
+            constexpr std::size_t kEnough = 8;
+            while (std::popcount(others) > embree::kPacket) others &= PointMask(others - 1u);
+            if (inSolid >= kEnough || validity_.allInSolids(points, others, id, rays_)) {
+                setOutside(group.texel(lane), 0);
+                return false;
+            }
+        }
+        const PointMask outside = inSolid > 0 ? validity_.outsideSolids(points, count, id, rays_) : kAllPoints;
+        const PointMask mask = validity_.outsideShells(points, count, outside, suspicious == cells.size(), id, rays_);
         setOutside(group.texel(lane), mask);
         if (mask == kAllPoints) return true;
         if (mask != 0) again_.push_back(group.texel(lane));
@@ -592,23 +597,23 @@ private:
             const Rim& rim = rim_[std::size_t(i - 1)];
             targets[std::size_t(i)] = whole ? above + rim.toBorder * (overPoint(rim.point) - above) : overPoint(i);
         }
-        uint32_t blocked = 0;
-        bool divided = lookBetween(above, targets, blocked);
-        bool hidden = (blocked & ~1u) != 0;
+        Between between = lookBetween(above, targets, ~1u);
         if (!whole && count > embree::kPacket) {
             for (int i = 0; i < embree::kPacket; ++i) targets[std::size_t(i)] = overPoint(embree::kPacket + i);
-            blocked = 0;
-            divided = lookBetween(above, targets, blocked) || divided;
-            hidden = hidden || blocked != 0;
+            const Between others = lookBetween(above, targets, ~0u);
+            between.divides = between.divides || others.divides;
+            between.hides = between.hides || others.hides;
+            between.solid = between.solid || others.solid;
         }
-        if (divided) out_.divided.push_back(cell);
+        if (between.divides) out_.divided.push_back(cell);
         previousCell_ = cell;
         previous_ = above;
-        // Points that do not see one another may lie inside solids.
-        if (!hidden || pass_ != Pass::Squares) return;
+        // Points that do not see one another may lie inside solids, among others that do not.
+        if (!between.hides || pass_ != Pass::Squares) return;
+        if (!between.solid && !validity_.firstInSolid(points, group.id(lane), rays_)) return;
         const PointMask mask = validity_.outsideSolids(points, count, group.id(lane), rays_);
         if (mask == kAllPoints) return;
-        setOutside(group.texel(lane), validity_.outsideShells(points, count, mask, group.id(lane), rays_));
+        setOutside(group.texel(lane), validity_.outsideShells(points, count, mask, false, group.id(lane), rays_));
     }
 
     /// The same for the parts that a texel's points are in: from one of them to the part's border, or to the others.
@@ -635,8 +640,7 @@ private:
                     targets[count++] = p.position + lift * p.geometricNormal;
                 }
             }
-            uint32_t blocked = 0;
-            if (lookBetween(above, targets, blocked)) out_.divided.push_back(*part);
+            if (lookBetween(above, targets, 0).divides) out_.divided.push_back(*part);
         }
     }
 
@@ -672,37 +676,61 @@ private:
         return true;
     }
 
-    /// Whether something that has two sides stands between a point and others. What lies inside a solid is no other
-    /// side: nobody sees it. `blocked`: a bit for each that does not see the point, whatever is between.
-    bool lookBetween(vec3 from, const std::array<vec3, embree::kPacket>& targets, uint32_t& blocked)
+    /// What stands between a point and others.
+    struct Between {
+        bool divides = false; ///< something that has two sides: what lies inside a solid is none, nobody sees it
+        bool hides = false;   ///< anything, of those asked for
+        bool solid = false;   ///< and a solid
+    };
+    /// `asked`: a bit for each of the others that tells of what hides it, too.
+    Between lookBetween(vec3 from, const std::array<vec3, embree::kPacket>& targets, uint32_t asked)
     {
-        RTCRay8 packet;
+        const SurfaceTracer& tracer = paths_.surfaces();
+        RTCRayHit8 packet;
         alignas(32) embree::LaneMask valid;
         std::array<float, embree::kPacket> reach{};
-        SurfaceTracer::clear(packet);
+        SurfaceTracer::clear(packet.ray);
         for (int i = 0; i < embree::kPacket; ++i) {
             const vec3 target = targets[std::size_t(i)];
             const float length = glm::distance(from, target);
             valid.lane[i] = length > 0.0f ? -1 : 0;
             if (valid.lane[i] == 0) continue;
-            embree::setRay(packet, i, from, (target - from) / length);
+            embree::setRay(packet.ray, i, from, (target - from) / length);
             reach[std::size_t(i)] = 0.999f * length;
-            packet.tfar[i] = reach[std::size_t(i)];
+            packet.ray.tfar[i] = reach[std::size_t(i)];
             ++rays_;
         }
-        paths_.surfaces().occluded(valid, packet);
+        tracer.intersect(valid, packet);
+        const auto solid = [&](int lane) {
+            const uint32_t triangle = tracer.triangleOf(packet.hit.geomID[lane], packet.hit.primID[lane]);
+            return ((asked >> lane) & 1u) != 0 && tracer.geometry().solid[triangle] != 0;
+        };
+        Between between;
+        // And back again from where the way is blocked.
+        bool any = false;
         for (int i = 0; i < embree::kPacket; ++i) {
-            if (valid.lane[i] != 0 && packet.tfar[i] < 0.0f) blocked |= 1u << i;
-        }
-        for (int i = 0; i < embree::kPacket; ++i) {
-            if (((blocked >> i) & 1u) == 0) continue;
-            const vec3 direction(packet.dir_x[i], packet.dir_y[i], packet.dir_z[i]);
-            const vec3 end = from + reach[std::size_t(i)] * direction;
+            if (valid.lane[i] == 0) continue;
+            valid.lane[i] = packet.hit.geomID[i] != RTC_INVALID_GEOMETRY_ID ? -1 : 0;
+            if (valid.lane[i] == 0) continue;
+            any = true;
+            between.hides = between.hides || ((asked >> i) & 1u) != 0;
+            between.solid = between.solid || solid(i);
+            const vec3 direction = embree::directionOf(packet.ray, i);
+            embree::setRay(packet.ray, i, from + reach[std::size_t(i)] * direction, -direction);
+            packet.ray.tfar[i] = reach[std::size_t(i)];
             ++rays_;
-            const RayHit back = paths_.surfaces().nearest(end, -direction, 0.0f, reach[std::size_t(i)]);
-            if (!paths_.surfaces().metHiddenBack(back)) return true;
         }
-        return false;
+        if (!any) return between;
+        tracer.intersect(valid, packet);
+        for (int i = 0; i < embree::kPacket; ++i) {
+            if (valid.lane[i] == 0) continue;
+            const bool found = packet.hit.geomID[i] != RTC_INVALID_GEOMETRY_ID;
+            between.solid = between.solid || (found && solid(i));
+            const bool inside = found && embree::behind(packet, i) &&
+                                tracer.backIsHidden(tracer.triangleOf(packet.hit.geomID[i], packet.hit.primID[i]));
+            between.divides = between.divides || !inside;
+        }
+        return between;
     }
 
     /// Those of texelPoints()'s points that lie farthest out in seven directions, and how much farther the texel's

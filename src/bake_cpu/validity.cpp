@@ -11,6 +11,8 @@ constexpr int kRays = 8;
 constexpr int kFewRays = 3;
 constexpr int kEnoughBacks = 5;
 constexpr int kManyBacks = 32;
+constexpr int kManyMoreBacks = 16; ///< where some rays met nothing else before
+constexpr int kOtherRay = kRays;   ///< number of a ray that is none of the others
 
 /// Number of the n-th bit that is set.
 int nthBit(PointMask mask, int n)
@@ -45,51 +47,69 @@ bool PointValidity::insideSolids(const TexelPoints& points, PointMask together, 
     return 2 * inside > rayCount;
 }
 
+/// Those of some points of which a ray meets the hidden back of a surface first, or the inside of a solid; `round`
+/// numbers a point's rays.
+PointMask PointValidity::meetBacks(const TexelPoints& points, PointMask which, bool ofSolids, uint32_t id, int round,
+                                   uint64_t& rays) const
+{
+    const SurfaceTracer& tracer = paths_.surfaces();
+    RTCRayHit8 packet;
+    alignas(32) embree::LaneMask valid;
+    PointMask met = 0;
+    while (which != 0) {
+        std::array<int, embree::kPacket> number{};
+        SurfaceTracer::clear(packet.ray);
+        for (int lane = 0; lane < embree::kPacket; ++lane) {
+            valid.lane[lane] = which != 0 ? -1 : 0;
+            if (which == 0) continue;
+            const int p = std::countr_zero(which);
+            which &= PointMask(which - 1u);
+            number[std::size_t(lane)] = p;
+            const SurfacePoint& point = points[std::size_t(p)];
+            Sampler sampler(kInsideSeed, hashCombine(id, uint32_t(p)), uint32_t(round));
+            embree::setRay(packet.ray, lane, paths_.rayOrigin(point),
+                           PathTracer::gatherDirection(point, sampler.next2()));
+            ++rays;
+        }
+        tracer.intersect(valid, packet);
+        for (int lane = 0; lane < embree::kPacket; ++lane) {
+            if (valid.lane[lane] == 0 || packet.hit.geomID[lane] == RTC_INVALID_GEOMETRY_ID) continue;
+            if (!embree::behind(packet, lane)) continue;
+            const uint32_t triangle = tracer.triangleOf(packet.hit.geomID[lane], packet.hit.primID[lane]);
+            const bool counts = ofSolids ? tracer.geometry().solid[triangle] != 0 : tracer.backIsHidden(triangle);
+            if (counts) met |= PointMask(1u << number[std::size_t(lane)]);
+        }
+    }
+    return met;
+}
+
+bool PointValidity::allInSolids(const TexelPoints& points, PointMask which, uint32_t texelId, uint64_t& rays) const
+{
+    return meetBacks(points, which, true, texelId, kOtherRay, rays) == which;
+}
+
 /// Those of `candidates` whose rays meet the hidden backs of surfaces first, (nearly) all of them: points inside
 /// single-sided shells that are not closed. A point beside the rim of one sees those inside.
-PointMask PointValidity::behindSurfaces(const TexelPoints& points, PointMask candidates, uint32_t id,
+PointMask PointValidity::behindSurfaces(const TexelPoints& points, PointMask candidates, bool allHidden, uint32_t id,
                                         uint64_t& rays) const
 {
     std::array<int, kMaxTexelPoints> backs{};
-    RTCRayHit8 packet;
-    alignas(32) embree::LaneMask valid;
     PointMask open = candidates;
     PointMask behind = 0;
+    const int enough = allHidden ? kManyMoreBacks : kManyBacks;
     for (int s = 0; s < kRays && open != 0; ++s) {
-        PointMask left = open;
-        while (left != 0) {
-            std::array<int, embree::kPacket> number{};
-            SurfaceTracer::clear(packet.ray);
-            for (int lane = 0; lane < embree::kPacket; ++lane) {
-                valid.lane[lane] = left != 0 ? -1 : 0;
-                if (left == 0) continue;
-                const int p = std::countr_zero(left);
-                left &= PointMask(left - 1u);
-                number[std::size_t(lane)] = p;
-                const SurfacePoint& point = points[std::size_t(p)];
-                Sampler sampler(kInsideSeed, hashCombine(id, uint32_t(p)), uint32_t(s));
-                embree::setRay(packet.ray, lane, paths_.rayOrigin(point),
-                               PathTracer::gatherDirection(point, sampler.next2()));
-                ++rays;
-            }
-            paths_.surfaces().intersect(valid, packet);
-            for (int lane = 0; lane < embree::kPacket; ++lane) {
-                if (valid.lane[lane] == 0 || packet.hit.geomID[lane] == RTC_INVALID_GEOMETRY_ID) continue;
-                const uint32_t triangle =
-                    paths_.surfaces().triangleOf(packet.hit.geomID[lane], packet.hit.primID[lane]);
-                const bool back = embree::behind(packet, lane) && paths_.surfaces().backIsHidden(triangle);
-                backs[std::size_t(number[std::size_t(lane)])] += back ? 1 : 0;
-            }
-        }
+        const PointMask met = meetBacks(points, open, false, id, s, rays);
         // One ray may slip through between surfaces.
         for (int p = 0; p < kMaxTexelPoints; ++p) {
+            backs[std::size_t(p)] += (met >> p) & 1;
             if (s - backs[std::size_t(p)] >= 1) open &= PointMask(~(1u << p));
             if (s + 1 != kEnoughBacks || backs[std::size_t(p)] != kEnoughBacks) continue;
             behind |= open & PointMask(1u << p);
             open &= PointMask(~(1u << p));
         }
         // Many points of which no ray has seen anything else.
-        if (open == candidates && std::popcount(open) * (s + 1) >= kManyBacks) break;
+        const bool allMet = s == 0 ? met == candidates : open == candidates;
+        if (allMet && std::popcount(open) * (s + 1) >= enough) break;
     }
     return behind | open;
 }
@@ -155,18 +175,18 @@ PointMask PointValidity::outsideSolids(const TexelPoints& points, int pointCount
 }
 
 PointMask PointValidity::outsideShells(const TexelPoints& points, int pointCount, PointMask outsideSolids,
-                                       uint32_t texelId, uint64_t& rays) const
+                                       bool allHidden, uint32_t texelId, uint64_t& rays) const
 {
     const auto all = PointMask((1u << pointCount) - 1u);
     PointMask mask = all & outsideSolids;
-    mask &= PointMask(~behindSurfaces(points, mask, texelId, rays));
+    mask &= PointMask(~behindSurfaces(points, mask, allHidden, texelId, rays));
     return mask == all ? kAllPoints : std::popcount(mask) * 8 < pointCount ? PointMask(0) : mask;
 }
 
 PointMask PointValidity::outside(const TexelPoints& points, int pointCount, uint32_t texelId, uint64_t& rays) const
 {
     const PointMask mask = outsideSolids(points, pointCount, texelId, rays);
-    return outsideShells(points, pointCount, mask, texelId, rays);
+    return outsideShells(points, pointCount, mask, false, texelId, rays);
 }
 
 void PointValidity::keep(PointMask mask, TexelPoints& points, int& pointCount)

@@ -34,17 +34,27 @@ public:
     /// Points outside of closed solids; kAllPoints where all of them are.
     PointMask outsideSolids(const TexelPoints& points, int pointCount, uint32_t texelId, uint64_t& rays) const;
     /// Of those, the ones that do not lie behind single-sided shells; kAllPoints where all are left, 0 where hardly
-    /// any.
-    PointMask outsideShells(const TexelPoints& points, int pointCount, PointMask outsideSolids, uint32_t texelId,
-                            uint64_t& rays) const;
+    /// any. `allHidden`: the texel's rays so far met nothing but hidden backs.
+    PointMask outsideShells(const TexelPoints& points, int pointCount, PointMask outsideSolids, bool allHidden,
+                            uint32_t texelId, uint64_t& rays) const;
     /// Outside of both.
     PointMask outside(const TexelPoints& points, int pointCount, uint32_t texelId, uint64_t& rays) const;
+    /// Whether the first of a texel's points lies inside a solid.
+    bool firstInSolid(const TexelPoints& points, uint32_t texelId, uint64_t& rays) const
+    {
+        return anySolid_ && insideSolids(points, 1, texelId, rays);
+    }
+    /// Whether another ray from each of some points meets the inside of a solid first.
+    bool allInSolids(const TexelPoints& points, PointMask which, uint32_t texelId, uint64_t& rays) const;
     /// Leaves only the points of the mask.
     static void keep(PointMask mask, TexelPoints& points, int& pointCount);
 
 private:
     bool insideSolids(const TexelPoints& points, PointMask together, uint32_t id, uint64_t& rays) const;
-    PointMask behindSurfaces(const TexelPoints& points, PointMask candidates, uint32_t id, uint64_t& rays) const;
+    PointMask behindSurfaces(const TexelPoints& points, PointMask candidates, bool allHidden, uint32_t id,
+                             uint64_t& rays) const;
+    PointMask meetBacks(const TexelPoints& points, PointMask which, bool ofSolids, uint32_t id, int round,
+                        uint64_t& rays) const;
     PointMask seenFromFirst(const TexelPoints& points, PointMask candidates, uint64_t& rays) const;
     SurfaceTracer::Crossings crossingsFrom(const SurfacePoint& point, uint32_t id, int sample, uint64_t& rays) const;
 
