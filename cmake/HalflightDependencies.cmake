@@ -33,8 +33,11 @@ if(NOT embree_FOUND)
 endif()
 message(STATUS "Embree ${EMBREE_VERSION}")
 
-# Optional: a better denoiser where the distribution carries it.
+# Optional: another denoiser, where the distribution carries it.
 find_package(OpenImageDenoise QUIET)
+if(OpenImageDenoise_FOUND)
+    message(STATUS "Open Image Denoise ${OpenImageDenoise_VERSION}")
+endif()
 
 if(HALFLIGHT_TESTS)
     find_package(GTest REQUIRED)

@@ -203,6 +203,9 @@ int runBake(const BakeOptions& options)
     if (options.bake.noiseTarget > 0.0f && options.bake.integrator == IntegratorKind::Path) {
         return wrongUsage("bake", "--noise needs --integrator cache");
     }
+    if (options.bake.denoiser == Denoiser::OpenImage && !hasOpenImageDenoise()) {
+        return wrongUsage("bake", "--denoise oidn needs a build with Open Image Denoise, and this one has none");
+    }
     std::filesystem::path culprit;
     if (Status status = checkPaths(options, culprit); !status) return fail(culprit, status.error());
 
@@ -314,8 +317,9 @@ Command addBakeCommand(CLI::App& parent)
     addChoice<UvMode>(
         app, "--uv", bake.uvMode, {{"auto", UvMode::Auto}, {"keep", UvMode::Keep}, {"unwrap", UvMode::Unwrap}},
         "the file's TEXCOORD_1: keep it where it is valid, keep it or fail, or unwrap anew (default auto)");
-    addChoice<bool>(app, "--denoise", bake.denoise, {{"on", true}, {"off", false}},
-                    "denoise the lightmap (default on)");
+    addChoice<Denoiser>(app, "--denoise", bake.denoiser,
+                        {{"on", Denoiser::BuiltIn}, {"off", Denoiser::Off}, {"oidn", Denoiser::OpenImage}},
+                        "denoise the lightmap; oidn: with Open Image Denoise, in builds that have it (default on)");
     addChoice<bool>(app, "--directional", bake.directional, {{"on", true}, {"off", false}},
                     "keep the mean direction of lightmap light too, so that normal maps respond to it (default off)");
     addChoice<MaskEncoding>(app, "--shadowmask-encoding", bake.maskEncoding,

@@ -345,7 +345,7 @@ Figures measureContact(const std::filesystem::path& assets, int truthSamples)
 {
     const std::filesystem::path file = assets / "quality/contact.glb";
     BakeSettings settings = settingsFor(MixedLightingMode::Shadowmask, 14.0f, 32, 1);
-    settings.denoise = false;
+    settings.denoiser = Denoiser::Off;
     settings.texelStep = 1;
     settings.samples = truthSamples;
     settings.seed = 99;
@@ -371,7 +371,7 @@ Figures measureContact(const std::filesystem::path& assets, int truthSamples)
     const auto errorsOf = [&](int samples, bool finished) -> std::optional<Errors> {
         settings.seed = 1;
         settings.samples = samples;
-        settings.denoise = finished;
+        settings.denoiser = finished ? Denoiser::BuiltIn : Denoiser::Off;
         settings.texelStep = finished ? BakeSettings().texelStep : 1;
         const auto baked = bakeFile(file, settings);
         if (!baked) return std::nullopt;

@@ -264,10 +264,19 @@ Result<BakeResult> bake(Scene scene, const BakeSettings& settings, const Integra
         if (Status status = dumpPages(settings, "lightmap_raw", dilate(map, raw, 0)); !status) return status.error();
     }
 
-    if (settings.denoise) {
+    const bool denoised = settings.denoiser != Denoiser::Off;
+    if (denoised) {
         StageTimer denoiseTimer(report, "denoise");
         progress("denoise", 0.0);
+        std::vector<vec3> gathered; // as it is
+        if (settings.denoiser == Denoiser::OpenImage) {
+            gathered.reserve(estimates.size());
+            for (const IrradianceEstimate& e : estimates) gathered.push_back(e.irradiance - e.direct);
+        }
         denoise(geometry, map, estimates);
+        if (settings.denoiser == Denoiser::OpenImage) {
+            if (Status status = imageDenoise(map, gathered, estimates, progress); !status) return status.error();
+        }
         denoiseTimer.finish();
     }
     // What a large lightmap no longer needs goes as soon as can be.
@@ -320,7 +329,7 @@ Result<BakeResult> bake(Scene scene, const BakeSettings& settings, const Integra
     StageTimer probeTimer(report, "probes");
     const uint64_t before = integrator.raysTraced();
     std::optional<ProbeSet> probes =
-        bakeProbes(baked.scene, settings.probeSpacingMeters, settings.denoise, gather, report.warnings, progress);
+        bakeProbes(baked.scene, settings.probeSpacingMeters, denoised, gather, report.warnings, progress);
     if (!probes) return cancelledError();
     baked.probes = std::move(*probes);
     report.probeCount = int(baked.probes.probes.size());

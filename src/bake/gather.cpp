@@ -55,7 +55,7 @@ Hash128 bakeHash(const Scene& scene, const BakeSettings& settings)
     // Every setting by name, so that a new one cannot be forgotten here. Left out below: what resolveQuality()
     // replaces, and what changes no byte of the output file.
     [[maybe_unused]] const auto& [mode, quality, samples, shadowSamples, bounces, integrator, noiseTarget, texelStep,
-                                  uvMode, texelsPerMeter, lightmapSize, paddingTexels, denoise, directional,
+                                  uvMode, texelsPerMeter, lightmapSize, paddingTexels, denoiser, directional,
                                   maskEncoding, probeSpacingMeters, threads, seed, imagesDirectory, cacheDirectory] =
         settings;
     const BakeQuality q = resolveQuality(settings);
@@ -66,7 +66,7 @@ Hash128 bakeHash(const Scene& scene, const BakeSettings& settings)
         .add(texelStep)
         .add(texelsPerMeter)
         .add(paddingTexels)
-        .add(int(denoise))
+        .add(int(denoiser))
         .add(int(directional));
     return hasher.add(int(maskEncoding)).add(probeSpacingMeters).add(seed).hash();
 }

@@ -46,6 +46,13 @@ std::optional<ProbeSet> bakeProbes(const Scene& scene, float spacingMeters, bool
 /// Edge-stopping à-trous filter within charts, guided by position, normal and the estimates' variance.
 void denoise(const BakeGeometry& geometry, const TexelMap& map, std::vector<IrradianceEstimate>& estimates);
 
+/// Replaces what the estimates have of `gathered` light (IrradianceEstimate::irradiance less direct, in lux, by number
+/// of texel, before any denoising) by what Open Image Denoise's filter for lightmaps makes of it, each chart apart on
+/// an image of its own; first moments keep their mean directions. Charts a few texels wide stay as they are. Fails
+/// where the build has no such library, or where that fails.
+Status imageDenoise(const TexelMap& map, const std::vector<vec3>& gathered, std::vector<IrradianceEstimate>& estimates,
+                    const Progress& progress);
+
 /// Gives texels that lie inside geometry (valid 0) other texels' values: those of valid texels of their own chart next
 /// to them; else the mean of valid texels of any chart that lie within a few texels in the world and face the same way
 /// (a moulding pressed into a wall, of which a sliver shows); else what grows in from farther away on their own chart.

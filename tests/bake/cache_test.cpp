@@ -148,7 +148,7 @@ TEST_F(CacheTest, TheHashFollowsEverySettingThatTheFileFollows)
     changes("density", [](BakeSettings& s) { s.texelsPerMeter = 20.0f; });
     changes("size", [](BakeSettings& s) { s.lightmapSize = 256; });
     changes("padding", [](BakeSettings& s) { s.paddingTexels = 4; });
-    changes("denoiser", [](BakeSettings& s) { s.denoise = false; });
+    changes("denoiser", [](BakeSettings& s) { s.denoiser = Denoiser::Off; });
     changes("directional", [](BakeSettings& s) { s.directional = true; });
     changes("mask encoding", [](BakeSettings& s) { s.maskEncoding = MaskEncoding::Distance; });
     changes("probe spacing", [](BakeSettings& s) { s.probeSpacingMeters = 1.0f; });

@@ -23,6 +23,12 @@ enum class Quality { Preview, Medium, High, Ultra };
 /// others.
 enum class MaskEncoding { Attenuation, Distance };
 
+/// BuiltIn: an edge-stopping filter within charts, guided by position, normal and the estimates' variance. OpenImage:
+/// what rays gather by Open Image Denoise's network for lightmaps, chart by chart, all else as BuiltIn; for builds that
+/// have it (hasOpenImageDenoise()).
+enum class Denoiser { Off, BuiltIn, OpenImage };
+bool hasOpenImageDenoise();
+
 struct BakeSettings {
     MixedLightingMode mode = MixedLightingMode::Shadowmask;
     Quality quality = Quality::Medium;
@@ -38,7 +44,7 @@ struct BakeSettings {
     float texelsPerMeter = 0.0f; ///< 0 = fit one page of lightmapSize
     int lightmapSize = 0;        ///< 0 = by quality
     int paddingTexels = 2;       ///< UnwrapSettings::paddingTexels
-    bool denoise = true;
+    Denoiser denoiser = Denoiser::BuiltIn;
     bool directional = false; ///< also keep the mean direction of lightmap light, for normal maps (spec S32)
     MaskEncoding maskEncoding = MaskEncoding::Attenuation;
     float probeSpacingMeters = 0.0f; ///< 0 = by the scene's size
