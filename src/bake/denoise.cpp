@@ -294,8 +294,12 @@ void denoise(const BakeGeometry& geometry, const TexelMap& map, std::vector<Irra
                     const vec3 own = light[i].irradiance;
                     return lesser(light[ahead].irradiance - own, own - light[behind].irradiance) / float(kSpan);
                 };
+                // Direct light without noise is what it is.
+                const bool noisyDirect = !direct.empty() && direct[i].variance > 0.0f;
                 const vec3 slopeX = slopeAlong(1, 0);
                 const vec3 slopeY = slopeAlong(0, 1);
+                const float momentTolerance =
+                    direct.empty() ? 0.0f : kMomentTolerance * luminance(direct[i].irradiance);
                 Mean lightMean;
                 Mean directMean;
                 vec3 momentSum(0.0f);
@@ -324,13 +328,12 @@ void denoise(const BakeGeometry& geometry, const TexelMap& map, std::vector<Irra
                         }
                         const float weight = near * falloff(unlike);
                         float momentsWeight = weight;
-                        if (!direct.empty()) {
+                        if (noisyDirect) {
                             const float unlikeDirect = other ? unlikeness(direct[i], direct[j], 0.0f) : 0.0f;
                             directMean.add(near * falloff(away2 + unlikeDirect), direct[j]);
-                            if (other) {
-                                const float tolerance = kMomentTolerance * luminance(direct[i].irradiance);
-                                momentsWeight *= falloff(unlikeness(direct[i], direct[j], tolerance));
-                            }
+                        }
+                        if (!direct.empty() && other) {
+                            momentsWeight *= falloff(unlikeness(direct[i], direct[j], momentTolerance));
                         }
                         if (level == 0 && !guides[j].traced) continue;
                         lightMean.add(weight, flat);

@@ -36,12 +36,12 @@ public:
     /// Of a texel that is in the set.
     [[nodiscard]] std::size_t find(uint32_t texel) const
     {
-        if (whole_) return texel;
+        if (texel - run_.texel < run_.length) return run_.place + (texel - run_.texel);
         return std::size_t(std::lower_bound(texels_.begin(), texels_.end(), texel) - texels_.begin());
     }
     [[nodiscard]] bool contains(uint32_t texel) const
     {
-        return whole_ || std::binary_search(texels_.begin(), texels_.end(), texel);
+        return texel - run_.texel < run_.length || std::binary_search(texels_.begin(), texels_.end(), texel);
     }
 
 private:
@@ -50,10 +50,22 @@ private:
         std::sort(texels_.begin(), texels_.end());
         texels_.erase(std::unique(texels_.begin(), texels_.end()), texels_.end());
         whole_ = texels_.size() == map_.texels.size();
+        run_ = {};
+        for (std::size_t first = 0, end = 0; first < texels_.size(); first = end) {
+            for (end = first + 1; end < texels_.size() && texels_[end] == texels_[end - 1] + 1;) ++end;
+            if (end - first > run_.length) run_ = {texels_[first], uint32_t(end - first), first};
+        }
     }
 
     const TexelMap& map_;
     bool whole_ = false;
+    /// The longest run of texels one after the other: where these are need not be searched for.
+    struct Run {
+        uint32_t texel = 0;
+        uint32_t length = 0;
+        std::size_t place = 0;
+    };
+    Run run_;
     std::vector<uint32_t> texels_;
 };
 
