@@ -75,14 +75,21 @@ vec3 PathTracer::shadowOrigin(const SurfacePoint& point, uint64_t& rays) const
     return tracer_.occluded(flat, (origin - flat) / lift, 0.0f, lift) ? flat : origin;
 }
 
-float PathTracer::lightVisibility(const PunctualLight& light, const SurfacePoint& point, vec2 u, uint64_t& rays) const
+PathTracer::ShadowRay PathTracer::shadowRay(const PunctualLight& light, const SurfacePoint& point, vec2 disc,
+                                            uint64_t& rays) const
+{
+    const vec3 origin = shadowOrigin(point, rays);
+    const LightRay ray = sampleLightRay(light, origin, disc);
+    ++rays;
+    return {origin, ray.direction, tracer_.epsilonAt(point.position), ray.distance * (1.0f - 1.0e-4f)};
+}
+
+float PathTracer::lightVisibility(const PunctualLight& light, const SurfacePoint& point, vec2 disc,
+                                  uint64_t& rays) const
 {
     if (!light.castShadows) return 1.0f;
-    const vec3 origin = shadowOrigin(point, rays);
-    const LightRay ray = sampleLightRay(light, origin, shading::sampleDisc(u));
-    ++rays;
-    const float epsilon = tracer_.epsilonAt(point.position);
-    return tracer_.arriving(origin, ray.direction, epsilon, ray.distance * (1.0f - 1.0e-4f));
+    const ShadowRay ray = shadowRay(light, point, disc, rays);
+    return tracer_.arriving(ray.origin, ray.direction, ray.tMin, ray.tMax);
 }
 
 float PathTracer::lightVisibilityInSpace(const PunctualLight& light, vec3 position, vec2 u, uint64_t& rays) const
@@ -98,9 +105,9 @@ float PathTracer::lightVisibilityInSpace(const PunctualLight& light, vec3 positi
 // weighted reservoir of one (Chao 1982, "A General Purpose Unequal Probability Sampling Plan"), its random number used
 // up and stretched again at each light, so any number of lights needs no memory. Where lights are many, one of them,
 // chosen by the tree, stands for all point and spot lights: its contribution over its probability.
-vec3 PathTracer::punctualIrradiance(const SurfacePoint& point, bool direct, Sampler& sampler, uint64_t& rays) const
+PathTracer::LightChoice PathTracer::choosePunctual(const SurfacePoint& point, bool direct, Sampler& sampler) const
 {
-    if (lights_.empty()) return vec3(0.0f);
+    if (lights_.empty()) return {};
     float u = sampler.next1();
     const vec2 uLight = sampler.next2();
     float total = 0.0f;
@@ -132,10 +139,15 @@ vec3 PathTracer::punctualIrradiance(const SurfacePoint& point, bool direct, Samp
         const LightTree::Choice choice = punctualTree_.sample(point.position, point.normal, sampler.next1());
         if (choice.probability > 0.0f) consider(lights_[lightOfItem_[choice.item]], choice.probability);
     }
-    if (chosen == nullptr) return vec3(0.0f);
-    const float visibility = lightVisibility(*chosen, point, uLight, rays);
-    const float shadow = glm::mix(1.0f, visibility, chosen->shadowStrength);
-    return contribution * (shadow * total / chosenWeight);
+    if (chosen == nullptr) return {};
+    return {chosen, contribution * (total / chosenWeight), shading::sampleDisc(uLight)};
+}
+
+vec3 PathTracer::punctualIrradiance(const SurfacePoint& point, bool direct, Sampler& sampler, uint64_t& rays) const
+{
+    const LightChoice choice = choosePunctual(point, direct, sampler);
+    if (choice.light == nullptr) return vec3(0.0f);
+    return choice.irradiance(lightVisibility(*choice.light, point, choice.disc, rays));
 }
 
 PathTracer::EmitterAtSurface PathTracer::emitterIrradiance(const SurfacePoint& point, float beside, Sampler& sampler,
@@ -242,11 +254,14 @@ vec3 PathTracer::follow(RayHit at, vec3 direction, Receiver from, float directio
         irradiance += emitterIrradiance(hit.point, luminance(irradiance), sampler, rays).irradiance;
         add(shading::diffuseRadiance(hit.albedo, irradiance), depth + 1);
 
-        // Russian roulette (Arvo and Kirk 1990) once a path has lost most of its light.
+        // Russian roulette (Arvo and Kirk 1990) once a path has lost most of its light; of paths that end in a cache,
+        // where they met something dark first.
         throughput *= hit.albedo;
         const vec2 uDirection = sampler.next2();
-        const float survival = std::max({throughput.x, throughput.y, throughput.z});
-        if (depth >= 1 && survival < 0.7f) {
+        constexpr float kFirst = 1.4f;
+        const bool first = depth == 0;
+        const float survival = (first ? kFirst : 1.0f) * std::max({throughput.x, throughput.y, throughput.z});
+        if ((!first || cache != nullptr) && survival < 0.7f) {
             if (sampler.next1() >= survival) break;
             throughput /= survival;
         }

@@ -66,7 +66,19 @@ public:
         return beside > 0.0f ? std::clamp(emitted / (kLittle * beside), 1.0f / 8.0f, 1.0f) : 1.0f;
     }
 
-    /// Irradiance of one of the lights that bounce, over the probability of its choice.
+    /// One of the lights that bounce, if any reaches a point, and where on its disc to look.
+    struct LightChoice {
+        const PunctualLight* light = nullptr;
+        vec3 unshadowed{0.0f}; ///< irradiance over the probability of the choice
+        vec2 disc{0.0f};
+
+        /// `share`: what of its light arrives.
+        [[nodiscard]] vec3 irradiance(float share) const
+        {
+            return light != nullptr ? unshadowed * glm::mix(1.0f, share, light->shadowStrength) : vec3(0.0f);
+        }
+    };
+    LightChoice choosePunctual(const SurfacePoint& point, bool direct, Sampler& sampler) const;
     vec3 punctualIrradiance(const SurfacePoint& point, bool direct, Sampler& sampler, uint64_t& rays) const;
     /// A sampled emitter seen from a point in space: radiance over pdf (per steradian), with its direction.
     struct EmitterInSpace {
@@ -75,9 +87,17 @@ public:
     };
     EmitterInSpace emitterInSpace(vec3 position, float directionPdf, Sampler& sampler, uint64_t& rays) const;
 
-    /// Share of the light's disc seen from a surface point along one sampled ray: 0 or 1 (1 for lights without
-    /// shadows).
-    float lightVisibility(const PunctualLight& light, const SurfacePoint& point, vec2 u, uint64_t& rays) const;
+    /// A ray from a surface point to a place on a light's disc.
+    struct ShadowRay {
+        vec3 origin;
+        vec3 direction;
+        float tMin;
+        float tMax;
+    };
+    ShadowRay shadowRay(const PunctualLight& light, const SurfacePoint& point, vec2 disc, uint64_t& rays) const;
+    /// What of the light that such a ray looks at arrives: 0…1, 1 of lights without shadows.
+    float lightVisibility(const PunctualLight& light, const SurfacePoint& point, vec2 disc, uint64_t& rays) const;
+    /// The same from a point in space, along one sampled ray.
     float lightVisibilityInSpace(const PunctualLight& light, vec3 position, vec2 u, uint64_t& rays) const;
 
     /// Where shadow rays leave a surface point.
@@ -97,5 +117,13 @@ private:
     std::vector<uint32_t> lightOfItem_;
     Sky sky_;
 };
+
+/// Puts a shadow ray into a packet.
+inline void setRay(RTCRay8& rays, int lane, const PathTracer::ShadowRay& ray)
+{
+    embree::setRay(rays, lane, ray.origin, ray.direction);
+    rays.tnear[lane] = ray.tMin;
+    rays.tfar[lane] = ray.tMax;
+}
 
 } // namespace halflight

@@ -386,10 +386,7 @@ private:
                 for (std::size_t c = 0; c < cellCount; ++c) addRay(group, lane, b, cells[c]);
             }
         }
-        for (int lane = 0; lane < group.lanes(); ++lane) {
-            if (!use[std::size_t(lane)]) continue;
-            addDirect(group, lane);
-        }
+        for (int s = 0; s < effort_.direct; ++s) addDirect(group, use, s);
     }
 
     /// What one part gathers is then one contribution.
@@ -556,22 +553,48 @@ private:
         if (source < cache_.squares_) out_.near.push_back(source);
     }
 
-    void addDirect(const TexelGroup& group, int lane)
+    /// One sample of the lights for each lane in use.
+    void addDirect(const TexelGroup& group, const std::array<bool, TexelGroup::kLanes>& use, int sample)
     {
-        const int samples = effort_.direct;
-        for (int s = 0; s < samples; ++s) {
-            const SurfacePoint& point = group.point(lane, group.pointOf(lane, 0, s & (kMaxTexelPoints - 1)));
-            const uint32_t source = sourceOf(group, lane, point);
-            if (source == kNoCells) continue;
-            Sampler sampler(~seed_, group.id(lane), uint32_t(s));
-            Contribution& c = out_.recent(source);
-            const vec3 irradiance = paths_.punctualIrradiance(point, false, sampler, rays_);
+        struct Look {
+            uint32_t source = kNoCells;
+            const SurfacePoint* point = nullptr;
+            Sampler sampler{0, 0, 0};
+            PathTracer::LightChoice choice;
+        };
+        std::array<Look, TexelGroup::kLanes> looks;
+        RTCRay8 packet;
+        alignas(32) embree::LaneMask valid;
+        SurfaceTracer::clear(packet);
+        bool any = false;
+        for (int lane = 0; lane < TexelGroup::kLanes; ++lane) {
+            Look& look = looks[std::size_t(lane)];
+            valid.lane[lane] = 0;
+            if (!use[std::size_t(lane)]) continue;
+            look.point = &group.point(lane, group.pointOf(lane, 0, sample & (kMaxTexelPoints - 1)));
+            look.source = sourceOf(group, lane, *look.point);
+            if (look.source == kNoCells) continue;
+            look.sampler = Sampler(~seed_, group.id(lane), uint32_t(sample));
+            look.choice = paths_.choosePunctual(*look.point, false, look.sampler);
+            if (look.choice.light == nullptr || !look.choice.light->castShadows) continue;
+            setRay(packet, lane, paths_.shadowRay(*look.choice.light, *look.point, look.choice.disc, rays_));
+            valid.lane[lane] = -1;
+            any = true;
+        }
+        std::array<float, TexelGroup::kLanes> shares{};
+        if (any) shares = paths_.surfaces().arriving(valid, packet);
+        for (int lane = 0; lane < TexelGroup::kLanes; ++lane) {
+            Look& look = looks[std::size_t(lane)];
+            if (look.source == kNoCells) continue;
+            const SurfacePoint& point = *look.point;
+            Contribution& c = out_.recent(look.source);
+            const vec3 irradiance = look.choice.irradiance(valid.lane[lane] != 0 ? shares[std::size_t(lane)] : 1.0f);
             c.direct += irradiance;
-            c.direct += paths_.emitterIrradiance(point, luminance(irradiance), sampler, rays_).irradiance;
+            c.direct += paths_.emitterIrradiance(point, luminance(irradiance), look.sampler, rays_).irradiance;
             c.albedo += paths_.surfaces().albedoAt(point.triangle, point.barycentric);
             ++c.directCount;
-            const float cells = source < cache_.firstPart_.size() ? kNearestInCells : kNearestInParts;
-            c.nearest = std::max(c.nearest, cells * metersOf(source, point.triangle));
+            const float cells = look.source < cache_.firstPart_.size() ? kNearestInCells : kNearestInParts;
+            c.nearest = std::max(c.nearest, cells * metersOf(look.source, point.triangle));
         }
     }
 

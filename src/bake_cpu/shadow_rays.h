@@ -79,10 +79,9 @@ public:
                 lights[l] = lightAt(lane, *points[l]);
                 if (lights[l] == nullptr || !lights[l]->castShadows) continue;
                 const vec2 disc = pattern_.disc(hashCombine(seed_, group.id(lane)), uint32_t(half * kHalf + i));
-                aim(*lights[l], *points[l], disc, packet, lane, rays);
+                setRay(packet, lane, paths_.shadowRay(*lights[l], *points[l], disc, rays));
                 valid.lane[lane] = -1;
                 any = true;
-                ++rays;
             }
             std::array<float, TexelGroup::kLanes> shares{};
             if (any) shares = paths_.surfaces().arriving(valid, packet);
@@ -95,16 +94,6 @@ public:
     }
 
 private:
-    void aim(const PunctualLight& light, const SurfacePoint& point, vec2 disc, RTCRay8& packet, int lane,
-             uint64_t& rays) const
-    {
-        const vec3 origin = paths_.shadowOrigin(point, rays);
-        const LightRay ray = sampleLightRay(light, origin, disc);
-        embree::setRay(packet, lane, origin, ray.direction);
-        packet.tnear[lane] = paths_.surfaces().epsilonAt(point.position);
-        packet.tfar[lane] = ray.distance * (1.0f - 1.0e-4f);
-    }
-
     const PathTracer& paths_;
     const GatherPattern& pattern_;
     uint32_t seed_;
