@@ -7,7 +7,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
+#include <span>
+#include <string>
 #endif
 
 namespace halflight {
@@ -20,7 +21,7 @@ namespace {
 constexpr int kMarginTexels = 16;
 /// Narrower charts are left as they are: hardly anything in them has neighbours on all sides.
 constexpr int kNarrowTexels = 6;
-/// What Open Image Denoise maps the logarithmic mean of an image to when it has to find a scale itself.
+/// What the mean of all texels is shown to the network as: about where it puts an image's mean by itself.
 constexpr float kMiddleGrey = 0.18f;
 
 /// Widths and heights of the images: a filter is built for each, so they are few.
@@ -166,7 +167,7 @@ Status imageDenoise(const TexelMap& map, const std::vector<vec3>& gathered, std:
     for (const uint32_t i : texels) mean += double(luminance(gathered[i])) / double(texels.size());
     if (charts.empty() || !(mean > 0.0)) return {};
 
-    // The processor's: the same result on every machine, and no memory to share with another device.
+    // The processor's: there need be no other device, nor memory that is shared with one.
     oidn::DeviceRef device = oidn::newDevice(oidn::DeviceType::CPU);
     if (!device) return Error{ErrorCode::DeviceFailed, "Open Image Denoise has no device for this processor"};
     device.set("numThreads", threadCount());
@@ -179,7 +180,7 @@ Status imageDenoise(const TexelMap& map, const std::vector<vec3>& gathered, std:
         const ivec2 size = charts[first].tile();
         Tile tile(size);
         oidn::FilterRef filter = device.newFilter("RTLightmap");
-        if (!filter) return statusOf(device);
+        if (!filter) return Error{ErrorCode::DeviceFailed, "this Open Image Denoise has no filter for lightmaps"};
         const auto width = std::size_t(size.x);
         const auto height = std::size_t(size.y);
         filter.setImage("color", tile.image().data(), oidn::Format::Float3, width, height);

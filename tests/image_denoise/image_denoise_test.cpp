@@ -8,6 +8,7 @@
 
 #include <OpenImageDenoise/oidn.hpp>
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <atomic>
@@ -120,6 +121,10 @@ TEST_F(ImageDenoiseS6, WhatTheLibraryCannotDoIsSaid)
     const Status none = denoiseAll();
     ASSERT_FALSE(none);
     EXPECT_EQ(none.error().code, ErrorCode::DeviceFailed);
+    oidn::standIn = {.hasFilter = false};
+    const Status other = denoiseAll();
+    ASSERT_FALSE(other);
+    EXPECT_THAT(other.error().message, testing::HasSubstr("no filter for lightmaps"));
     oidn::standIn = {};
     const std::atomic<bool> cancel = true;
     Progress cancelled;

@@ -24,6 +24,7 @@ struct StandIn {
     std::vector<Execution> executions;
     bool fails = false;
     bool hasDevice = true;
+    bool hasFilter = true;
     Error error = Error::None;
     std::string message;
 
@@ -102,7 +103,7 @@ public:
     void commit() { committed_ = true; }
     [[nodiscard]] FilterRef newFilter(const char* type) const
     {
-        const bool known = std::strcmp(type, "RTLightmap") == 0;
+        const bool known = standIn.hasFilter && std::strcmp(type, "RTLightmap") == 0;
         if (!known || !committed_) standIn.setError("no such filter");
         return FilterRef(known && committed_);
     }
