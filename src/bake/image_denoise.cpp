@@ -118,7 +118,6 @@ Status statusOf(oidn::DeviceRef& device)
 std::vector<Chart> chartsBySize(const TexelMap& map, const std::vector<IrradianceEstimate>& estimates,
                                 std::vector<uint32_t>& texels)
 {
-    texels.clear();
     for (std::size_t i = 0; i < map.texels.size(); ++i) {
         if (estimates[i].valid) texels.push_back(uint32_t(i));
     }

@@ -8,6 +8,7 @@
 #include "halflight/scene/scene.h"
 
 #include <algorithm>
+#include <array>
 #include <cstdint>
 #include <vector>
 
@@ -118,12 +119,39 @@ private:
     Sky sky_;
 };
 
-/// Puts a shadow ray into a packet.
-inline void setRay(RTCRay8& rays, int lane, const PathTracer::ShadowRay& ray)
-{
-    embree::setRay(rays, lane, ray.origin, ray.direction);
-    rays.tnear[lane] = ray.tMin;
-    rays.tfar[lane] = ray.tMax;
-}
+/// PathTracer::lightVisibility() for eight points at once.
+class ShadowPacket {
+public:
+    explicit ShadowPacket(const PathTracer& paths) : paths_(paths) { SurfaceTracer::clear(packet_); }
+
+    void add(int lane, const PunctualLight& light, const SurfacePoint& point, vec2 disc, uint64_t& rays)
+    {
+        if (!light.castShadows) return;
+        const PathTracer::ShadowRay ray = paths_.shadowRay(light, point, disc, rays);
+        embree::setRay(packet_, lane, ray.origin, ray.direction);
+        packet_.tnear[lane] = ray.tMin;
+        packet_.tfar[lane] = ray.tMax;
+        valid_.lane[lane] = -1;
+        any_ = true;
+    }
+    /// What of each lane's light arrives, 0…1; 1 where it throws no shadows.
+    std::array<float, embree::kPacket> trace()
+    {
+        std::array<float, embree::kPacket> shares;
+        shares.fill(1.0f);
+        if (!any_) return shares;
+        const std::array<float, embree::kPacket> arriving = paths_.surfaces().arriving(valid_, packet_);
+        for (std::size_t lane = 0; lane < shares.size(); ++lane) {
+            if (valid_.lane[lane] != 0) shares[lane] = arriving[lane];
+        }
+        return shares;
+    }
+
+private:
+    const PathTracer& paths_;
+    RTCRay8 packet_;
+    alignas(32) embree::LaneMask valid_{};
+    bool any_ = false;
+};
 
 } // namespace halflight

@@ -563,32 +563,25 @@ private:
             PathTracer::LightChoice choice;
         };
         std::array<Look, TexelGroup::kLanes> looks;
-        RTCRay8 packet;
-        alignas(32) embree::LaneMask valid;
-        SurfaceTracer::clear(packet);
-        bool any = false;
+        ShadowPacket packet(paths_);
         for (int lane = 0; lane < TexelGroup::kLanes; ++lane) {
             Look& look = looks[std::size_t(lane)];
-            valid.lane[lane] = 0;
             if (!use[std::size_t(lane)]) continue;
             look.point = &group.point(lane, group.pointOf(lane, 0, sample & (kMaxTexelPoints - 1)));
             look.source = sourceOf(group, lane, *look.point);
             if (look.source == kNoCells) continue;
             look.sampler = Sampler(~seed_, group.id(lane), uint32_t(sample));
             look.choice = paths_.choosePunctual(*look.point, false, look.sampler);
-            if (look.choice.light == nullptr || !look.choice.light->castShadows) continue;
-            setRay(packet, lane, paths_.shadowRay(*look.choice.light, *look.point, look.choice.disc, rays_));
-            valid.lane[lane] = -1;
-            any = true;
+            if (look.choice.light == nullptr) continue;
+            packet.add(lane, *look.choice.light, *look.point, look.choice.disc, rays_);
         }
-        std::array<float, TexelGroup::kLanes> shares{};
-        if (any) shares = paths_.surfaces().arriving(valid, packet);
+        const std::array<float, TexelGroup::kLanes> shares = packet.trace();
         for (int lane = 0; lane < TexelGroup::kLanes; ++lane) {
             Look& look = looks[std::size_t(lane)];
             if (look.source == kNoCells) continue;
             const SurfacePoint& point = *look.point;
             Contribution& c = out_.recent(look.source);
-            const vec3 irradiance = look.choice.irradiance(valid.lane[lane] != 0 ? shares[std::size_t(lane)] : 1.0f);
+            const vec3 irradiance = look.choice.irradiance(shares[std::size_t(lane)]);
             c.direct += irradiance;
             c.direct += paths_.emitterIrradiance(point, luminance(irradiance), look.sampler, rays_).irradiance;
             c.albedo += paths_.surfaces().albedoAt(point.triangle, point.barycentric);

@@ -63,32 +63,22 @@ public:
                                                            const LightAt& lightAt, const Result& result,
                                                            uint64_t& rays) const
     {
-        RTCRay8 packet;
-        alignas(32) embree::LaneMask valid;
         std::array<const PunctualLight*, TexelGroup::kLanes> lights;
-        std::array<const SurfacePoint*, TexelGroup::kLanes> points;
         for (int i = 0; i < kHalf; ++i) {
-            SurfaceTracer::clear(packet);
-            bool any = false;
+            ShadowPacket packet(paths_);
             for (int lane = 0; lane < TexelGroup::kLanes; ++lane) {
                 const auto l = std::size_t(lane);
-                valid.lane[lane] = 0;
                 lights[l] = nullptr;
                 if (!group.active(lane) || ((wanted >> lane) & 1u) == 0) continue;
-                points[l] = &group.point(lane, half * kHalf + i);
-                lights[l] = lightAt(lane, *points[l]);
-                if (lights[l] == nullptr || !lights[l]->castShadows) continue;
-                const vec2 disc = pattern_.disc(hashCombine(seed_, group.id(lane)), uint32_t(half * kHalf + i));
-                setRay(packet, lane, paths_.shadowRay(*lights[l], *points[l], disc, rays));
-                valid.lane[lane] = -1;
-                any = true;
-            }
-            std::array<float, TexelGroup::kLanes> shares{};
-            if (any) shares = paths_.surfaces().arriving(valid, packet);
-            for (int lane = 0; lane < TexelGroup::kLanes; ++lane) {
-                const auto l = std::size_t(lane);
+                const SurfacePoint& point = group.point(lane, half * kHalf + i);
+                lights[l] = lightAt(lane, point);
                 if (lights[l] == nullptr) continue;
-                result(lane, valid.lane[lane] == 0 ? 1.0f : shares[l]);
+                const vec2 disc = pattern_.disc(hashCombine(seed_, group.id(lane)), uint32_t(half * kHalf + i));
+                packet.add(lane, *lights[l], point, disc, rays);
+            }
+            const std::array<float, TexelGroup::kLanes> shares = packet.trace();
+            for (int lane = 0; lane < TexelGroup::kLanes; ++lane) {
+                if (lights[std::size_t(lane)] != nullptr) result(lane, shares[std::size_t(lane)]);
             }
         }
     }

@@ -19,14 +19,11 @@ public:
     /// Adds for each texel those that `others(texel, add)` calls add() with.
     template<typename Others> void extend(const Others& others)
     {
-        if (whole_) return;
+        if (size() == map_.texels.size()) return;
         // Nearly all of them are in the set already where it is a piece of the map.
-        const uint32_t first = texels_.empty() ? 0 : texels_.front();
-        const uint32_t last = texels_.empty() ? 0 : texels_.back();
-        const bool piece = texels_.size() == std::size_t(last - first) + 1;
         for (std::size_t i = 0, count = texels_.size(); i < count; ++i) {
             others(texels_[i], [&](uint32_t other) {
-                if (!piece || other < first || other > last) texels_.push_back(other);
+                if (!inRun(other)) texels_.push_back(other);
             });
         }
         sort();
@@ -36,20 +33,20 @@ public:
     /// Of a texel that is in the set.
     [[nodiscard]] std::size_t find(uint32_t texel) const
     {
-        if (texel - run_.texel < run_.length) return run_.place + (texel - run_.texel);
+        if (inRun(texel)) return run_.place + (texel - run_.texel);
         return std::size_t(std::lower_bound(texels_.begin(), texels_.end(), texel) - texels_.begin());
     }
     [[nodiscard]] bool contains(uint32_t texel) const
     {
-        return texel - run_.texel < run_.length || std::binary_search(texels_.begin(), texels_.end(), texel);
+        return inRun(texel) || std::binary_search(texels_.begin(), texels_.end(), texel);
     }
 
 private:
+    [[nodiscard]] bool inRun(uint32_t texel) const { return texel - run_.texel < run_.length; }
     void sort()
     {
         std::sort(texels_.begin(), texels_.end());
         texels_.erase(std::unique(texels_.begin(), texels_.end()), texels_.end());
-        whole_ = texels_.size() == map_.texels.size();
         run_ = {};
         for (std::size_t first = 0, end = 0; first < texels_.size(); first = end) {
             for (end = first + 1; end < texels_.size() && texels_[end] == texels_[end - 1] + 1;) ++end;
@@ -58,7 +55,6 @@ private:
     }
 
     const TexelMap& map_;
-    bool whole_ = false;
     /// The longest run of texels one after the other: where these are need not be searched for.
     struct Run {
         uint32_t texel = 0;
