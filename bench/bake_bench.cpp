@@ -2,11 +2,12 @@
 // times are CPU seconds of the process, summed over threads, so that a busy machine disturbs them little.
 //   bench_bake PART [--scene FILE]... [--size N] [--points N] [--reference N]
 //              [--samples N] [--seeds N] [--references DIR]
-//   PART: gather | error | shadows | masks | scaling | lights | triangles
+//   PART: gather | error | shadows | seams | masks | scaling | lights | triangles
 // Scenes: the built-in "cornell" (a box with an emissive quad), or glTF files; FILE@sun leaves them the sun and the
 // sky.
 
 #include "bench_scenes.h"
+#include "bilinear.h"
 
 #include "bake/stages.h"
 #include "bake_cpu/final_gather.h"
@@ -423,6 +424,77 @@ void partShadows(const Options& options)
     }
 }
 
+/// Light along the seams, on both their sides: its difference where light has none, and its distance from the truth,
+/// for which a map of four times as many texels in each direction stands; before and after stitching.
+void partSeams(const Options& options)
+{
+    constexpr int kFiner = 4;
+    constexpr int kRings = 4;
+    constexpr float kNone = 0.05f; // difference of the sides in the finer map, over the larger
+    std::printf("%-34s %8s %22s %10s %22s %10s\n", "scene", "places", "step, where none is", "stitched",
+                "error at seams", "stitched");
+    for (const std::string& name : options.scenes) {
+        const Prepared p = prepare(name, options.size, true);
+        const auto pagesOf = [&](const Prepared& scene) {
+            IntegrationSettings settings;
+            settings.bounces = options.bounces;
+            settings.samples = options.samples > 0 ? options.samples : 16;
+            settings.shadowSamples = 32;
+            std::vector<IrradianceEstimate> estimates = integrate(scene, scene.map, settings).estimates;
+            denoise(scene.geometry, scene.map, estimates);
+            std::vector<vec3> values;
+            std::vector<uint8_t> valid;
+            for (const IrradianceEstimate& e : estimates) {
+                values.push_back(e.irradiance);
+                valid.push_back(e.valid ? 1 : 0);
+            }
+            fillInvalid(scene.geometry, scene.map, valid, values);
+            return halflight::dilate(scene.map, values, kRings);
+        };
+        const std::vector<SeamSample> seams = findSeams(p.geometry, p.map.pageSize);
+        const std::vector<ImageRgb32f> before = pagesOf(p);
+        std::vector<ImageRgb32f> after = before;
+        stitchSeams(p.map, seams, seamWeights(seams, before), after);
+        Prepared finer = p;
+        for (vec2& texel : finer.geometry.lightmapTexel) texel *= float(kFiner);
+        finer.map = rasterizeTexels(finer.geometry, p.map.pageSize * kFiner, p.map.pageCount);
+        const std::vector<ImageRgb32f> truth = pagesOf(finer);
+        const auto lightAt = [](const std::vector<ImageRgb32f>& pages, const SeamSample& seam, float scale) {
+            return vec2(luminance(bilinear(pages[std::size_t(seam.pageA)], scale * seam.texelA)),
+                        luminance(bilinear(pages[std::size_t(seam.pageB)], scale * seam.texelB)));
+        };
+        double mean = 0.0;
+        double length = 0.0;
+        for (const SeamSample& seam : seams) {
+            const vec2 light = lightAt(truth, seam, kFiner);
+            mean += 0.5 * double(seam.texels * (light.x + light.y));
+            length += double(seam.texels);
+        }
+        mean /= length;
+        const auto stepOf = [&](vec2 light) {
+            return std::abs(light.x - light.y) / (std::max(light.x, light.y) + 1.0e-3f * float(mean));
+        };
+        std::array<double, 2> steps{};
+        std::array<double, 2> squares{};
+        double smooth = 0.0;
+        for (const SeamSample& seam : seams) {
+            const vec2 expected = lightAt(truth, seam, kFiner);
+            const bool none = stepOf(expected) < kNone;
+            if (none) smooth += double(seam.texels);
+            for (int i = 0; i < 2; ++i) {
+                const vec2 light = lightAt(i == 0 ? before : after, seam, 1.0f);
+                const vec2 error = light - expected;
+                squares[std::size_t(i)] += 0.5 * double(seam.texels * glm::dot(error, error));
+                if (none) steps[std::size_t(i)] += double(seam.texels * stepOf(light));
+            }
+        }
+        const auto errorOf = [&](int i) { return 100.0 * std::sqrt(squares[std::size_t(i)] / length) / mean; };
+        std::printf("%-34s %8zu %21.2f%% %9.2f%% %21.2f%% %9.2f%%\n", name.c_str(), seams.size(),
+                    100.0 * steps[0] / smooth, 100.0 * steps[1] / smooth, errorOf(0), errorOf(1));
+        std::fflush(stdout);
+    }
+}
+
 /// Shadowmasks: CPU seconds for each light, and the difference from masks with every ray traced.
 void partMasks(const Options& options)
 {
@@ -593,6 +665,8 @@ int main(int argc, char** argv)
         partError(options);
     } else if (options.part == "shadows") {
         partShadows(options);
+    } else if (options.part == "seams") {
+        partSeams(options);
     } else if (options.part == "masks") {
         partMasks(options);
     } else if (options.part == "scaling") {
@@ -602,10 +676,11 @@ int main(int argc, char** argv)
     } else if (options.part == "triangles") {
         partTriangles(options);
     } else {
-        std::fprintf(stderr,
-                     "usage: bench_bake gather|error|shadows|masks|scaling|lights|triangles [--scene FILE|cornell]... "
-                     "[--size N] [--points N] [--reference N] [--bounces N] [--target PERCENT] [--samples N] "
-                     "[--references DIR]\n");
+        std::fprintf(
+            stderr,
+            "usage: bench_bake gather|error|shadows|seams|masks|scaling|lights|triangles [--scene FILE|cornell]... "
+            "[--size N] [--points N] [--reference N] [--bounces N] [--target PERCENT] [--samples N] "
+            "[--references DIR]\n");
         return 2;
     }
     return 0;

@@ -1,5 +1,7 @@
 #include "quality/baked.h"
 
+#include "bilinear.h"
+
 #include "halflight/bake_cpu/embree_integrator.h"
 #include "halflight/scene/gltf.h"
 #include "halflight/shading/mask.h"
@@ -10,19 +12,8 @@
 namespace halflight::quality {
 namespace {
 
-template<typename T> T texelClamped(const Image<T>& page, int x, int y)
-{
-    return page(std::clamp(x, 0, page.width() - 1), std::clamp(y, 0, page.height() - 1));
-}
-
-template<typename T> T bilinear(const Image<T>& page, vec2 texel)
-{
-    const vec2 p = texel - 0.5f;
-    const ivec2 b(glm::floor(p));
-    const vec2 f = p - vec2(b);
-    return glm::mix(glm::mix(texelClamped(page, b.x, b.y), texelClamped(page, b.x + 1, b.y), f.x),
-                    glm::mix(texelClamped(page, b.x, b.y + 1), texelClamped(page, b.x + 1, b.y + 1), f.x), f.y);
-}
+using bench::bilinear;
+using bench::texelClamped;
 
 /// Weights of the four texels around a place between the second and the third: the uniform cubic B-spline, what games
 /// filter lightmaps with (Sigg and Hadwiger 2005, "Fast Third-Order Texture Filtering").

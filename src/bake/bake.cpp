@@ -287,7 +287,7 @@ Result<BakeResult> bake(Scene scene, const BakeSettings& settings, const Integra
     std::vector<ImageRgb32f> pages = dilate(map, values.irradiance, kDilationRings);
     release(values.irradiance);
     const std::vector<float> seamWeight = seamWeights(seams, pages);
-    stitchSeams(seams, seamWeight, pages);
+    stitchSeams(map, seams, seamWeight, pages);
     seamTimer.finish();
     if (Status status = dumpPages(settings, "lightmap", pages); !status) return status.error();
     baked.lightmapUnitLux = lightmapUnitFor(pages);
@@ -298,7 +298,7 @@ Result<BakeResult> bake(Scene scene, const BakeSettings& settings, const Integra
         for (const IrradianceEstimate& e : estimates) moments.push_back(e.moment);
         fillInvalid(geometry, map, values.valid, moments);
         std::vector<ImageRgb32f> momentPages = dilate(map, moments, kDilationRings);
-        stitchSeams(seams, seamWeight, momentPages);
+        stitchSeams(map, seams, seamWeight, momentPages);
         baked.lightmapDirections = encodeDirections(pages, momentPages);
     }
     release(pages);
@@ -321,7 +321,7 @@ Result<BakeResult> bake(Scene scene, const BakeSettings& settings, const Integra
             }
         }
         std::vector<ImageRgba32f> maskPages = dilate(map, mask, kDilationRings, distances);
-        stitchSeams(seams, seamWeights(seams, maskPages), maskPages);
+        stitchSeams(map, seams, seamWeights(seams, maskPages), maskPages);
         baked.shadowmasks = encodeShadowmask(maskPages);
         maskTimer.finish(integrator.raysTraced() - before);
     }

@@ -115,7 +115,8 @@ void addSamples(const EdgeSide& a, const EdgeSide& b, int pageSize, std::vector<
     const int count = std::clamp(int(std::ceil(2.0f * length)), 1, 4 * pageSize);
     for (int s = 0; s < count; ++s) {
         const float t = (float(s) + 0.5f) / float(count);
-        samples.push_back({a.object, a.page, b.page, glm::mix(a.from, a.to, t), glm::mix(b.from, b.to, t)});
+        samples.push_back(
+            {a.object, a.page, b.page, glm::mix(a.from, a.to, t), glm::mix(b.from, b.to, t), length / float(count)});
     }
 }
 

@@ -15,7 +15,11 @@ namespace halflight {
 namespace {
 
 constexpr uint32_t kNoUnknown = ~0u;
-constexpr double kKeepWeight = 0.001; ///< pull of a texel towards its own value, against 1 for each seam sample
+/// Pull of a texel towards its own value, against 1 for a seam as long as a texel: of one that surface covers, and of
+/// padding. Padding is read at edges alone, and what is good there is its only purpose: with it free to give way the
+/// sides agree without the covered texels' light being moved along the seam, which in narrow charts is all they have.
+constexpr float kKeepCovered = 0.002f;
+constexpr float kKeepPadding = 2.0e-5f;
 /// Seam samples whose sides differ by more than this lose their weight, so fast that beyond 0.8 little is stitched.
 constexpr float kAlike = 0.5f;
 constexpr float kFalloff = 64.0f;
@@ -92,8 +96,8 @@ std::vector<float> seamWeights(const std::vector<SeamSample>& seams, const std::
 
 // Least squares over the texels that seams read: each sample along a seam asks both sides' bilinear values to be equal,
 // each texel asks to stay what it is (Iwanicki 2013, "Lighting Technology of The Last of Us").
-template<typename T>
-void stitchSeams(const std::vector<SeamSample>& seams, std::span<const float> weights, std::vector<Image<T>>& pages)
+template<typename T> void stitchSeams(const TexelMap& map, const std::vector<SeamSample>& seams,
+                                      std::span<const float> weights, std::vector<Image<T>>& pages)
 {
     if (seams.empty() || pages.empty()) return;
     const int size = pages[0].width();
@@ -112,7 +116,7 @@ void stitchSeams(const std::vector<SeamSample>& seams, std::span<const float> we
     for (std::size_t row = 0; row < seams.size(); ++row) {
         const Footprint a = footprintAt(seams[row].pageA, seams[row].texelA, size);
         const Footprint b = footprintAt(seams[row].pageB, seams[row].texelB, size);
-        const float weight = std::sqrt(weights[row]); // of the square
+        const float weight = std::sqrt(weights[row] * seams[row].texels); // of the square
         for (std::size_t i = 0; i < 4; ++i) {
             entries.emplace_back(int(row), int(unknown(a.texel[i])), weight * a.weight[i]);
             entries.emplace_back(int(row), int(unknown(b.texel[i])), -weight * b.weight[i]);
@@ -123,9 +127,12 @@ void stitchSeams(const std::vector<SeamSample>& seams, std::span<const float> we
     constraints.setFromTriplets(entries.begin(), entries.end());
     std::vector<Eigen::Triplet<float>>().swap(entries);
     Eigen::SparseMatrix<float> normal = constraints.transpose() * constraints;
-    Eigen::SparseMatrix<float> identity(count, count);
-    identity.setIdentity();
-    normal += identity * float(kKeepWeight);
+    Eigen::VectorXf keep = Eigen::VectorXf::Constant(count, kKeepPadding);
+    for (const Texel& t : map.texels) {
+        const uint32_t u = unknownOf[(std::size_t(t.page) * std::size_t(size) + t.y) * std::size_t(size) + t.x];
+        if (u != kNoUnknown) keep[Eigen::Index(u)] = kKeepCovered;
+    }
+    normal.diagonal() += keep;
 
     const auto texelAt = [&](uint64_t texel) -> T& {
         const std::size_t perPage = std::size_t(size) * std::size_t(size);
@@ -141,7 +148,7 @@ void stitchSeams(const std::vector<SeamSample>& seams, std::span<const float> we
         for (std::size_t c = begin; c < end; ++c) {
             Eigen::VectorXf before(count);
             for (Eigen::Index i = 0; i < count; ++i) before[i] = texelAt(texels[std::size_t(i)])[int(c)];
-            const Eigen::VectorXf right = before * float(kKeepWeight);
+            const Eigen::VectorXf right = before.cwiseProduct(keep);
             solution[c] = solver.solveWithGuess(right, before);
         }
     });
@@ -157,7 +164,9 @@ void stitchSeams(const std::vector<SeamSample>& seams, std::span<const float> we
 
 template std::vector<float> seamWeights(const std::vector<SeamSample>&, const std::vector<Image<vec3>>&);
 template std::vector<float> seamWeights(const std::vector<SeamSample>&, const std::vector<Image<vec4>>&);
-template void stitchSeams(const std::vector<SeamSample>&, std::span<const float>, std::vector<Image<vec3>>&);
-template void stitchSeams(const std::vector<SeamSample>&, std::span<const float>, std::vector<Image<vec4>>&);
+template void stitchSeams(const TexelMap&, const std::vector<SeamSample>&, std::span<const float>,
+                          std::vector<Image<vec3>>&);
+template void stitchSeams(const TexelMap&, const std::vector<SeamSample>&, std::span<const float>,
+                          std::vector<Image<vec4>>&);
 
 } // namespace halflight

@@ -85,6 +85,7 @@ struct SeamSample {
     int pageB = 0;
     vec2 texelA{0.0f};
     vec2 texelB{0.0f};
+    float texels = 1.0f; ///< length of the stretch it stands for, on the side where it is longer
 };
 std::vector<SeamSample> findSeams(const BakeGeometry& geometry, int pageSize);
 
@@ -92,9 +93,10 @@ std::vector<SeamSample> findSeams(const BakeGeometry& geometry, int pageSize);
 /// times the other's light. Works on dilated pages: filtering at an edge reads padding.
 template<typename T>
 std::vector<float> seamWeights(const std::vector<SeamSample>& seams, const std::vector<Image<T>>& pages);
-/// Makes bilinear values on both sides of each seam agree, by their weights. Works on dilated pages.
-template<typename T>
-void stitchSeams(const std::vector<SeamSample>& seams, std::span<const float> weights, std::vector<Image<T>>& pages);
+/// Makes bilinear values on both sides of each seam agree, by their weights. Works on dilated pages; padding gives way
+/// rather than what `map` says is covered.
+template<typename T> void stitchSeams(const TexelMap& map, const std::vector<SeamSample>& seams,
+                                      std::span<const float> weights, std::vector<Image<T>>& pages);
 
 /// The largest value RGB9E5 holds.
 constexpr float kMaxRgb9e5 = 65408.0f;

@@ -651,24 +651,31 @@ TEST(DenoiseS6, TrustsNeighboursMoreThanStatedVariance)
 
 namespace {
 
-/// A plane cut into two charts, each of which holds light of its own.
+/// A plane cut into two charts, as wide in texels as told, each of which holds light of its own: lightAt(left, texels
+/// up from the foot of the cut).
 struct CutPlane {
-    CutPlane(vec3 left, vec3 right)
+    static constexpr vec2 kLeft{4.3f, 4.6f};
+    static constexpr vec2 kRight{30.8f, 30.1f};
+    template<typename LightAt> CutPlane(float texels, const LightAt& lightAt)
     {
         const int grey = addMaterial(scene, vec3(0.5f));
-        addRectangle(scene, {vec3(0, 0, 0), vec3(1, 0, 0), vec3(0, 0, -1)}, grey, kPage,
-                     {vec2(4.3f, 4.6f), vec2(20.3f, 20.6f)});
-        addRectangle(scene, {vec3(1, 0, 0), vec3(1, 0, 0), vec3(0, 0, -1)}, grey, kPage,
-                     {vec2(30.8f, 30.1f), vec2(46.8f, 46.1f)});
+        const vec2 size(texels, 16.0f);
+        const vec3 across(texels / 16.0f, 0, 0);
+        addRectangle(scene, {vec3(0, 0, 0), across, vec3(0, 0, -1)}, grey, kPage, {kLeft, kLeft + size});
+        addRectangle(scene, {across, across, vec3(0, 0, -1)}, grey, kPage, {kRight, kRight + size});
         const BakeGeometry geometry = flattenGeometry(scene, kPage, GeometryFilter::Static);
-        const TexelMap map = rasterizeTexels(geometry, kPage, 1);
+        map = rasterizeTexels(geometry, kPage, 1);
         std::vector<vec3> values;
-        for (const Texel& t : map.texels) values.push_back(t.x < 25 ? left : right);
+        for (const Texel& t : map.texels) {
+            const bool left = t.x < 25;
+            values.push_back(lightAt(left, float(t.y) + 0.5f - (left ? kLeft.y : kRight.y)));
+        }
         pages = dilate(map, values, 2);
         before = pages[0];
         seams = findSeams(geometry, kPage);
-        stitchSeams(seams, seamWeights(seams, pages), pages);
+        stitchSeams(map, seams, seamWeights(seams, pages), pages);
     }
+    CutPlane(vec3 left, vec3 right) : CutPlane(16.0f, [&](bool isLeft, float) { return isLeft ? left : right; }) {}
     [[nodiscard]] vec3 bilinear(vec2 place) const
     {
         const vec2 p = place - 0.5f;
@@ -679,6 +686,7 @@ struct CutPlane {
     }
 
     Scene scene;
+    TexelMap map;
     std::vector<SeamSample> seams;
     std::vector<Image<vec3>> pages;
     Image<vec3> before;
@@ -700,6 +708,29 @@ TEST(SeamsS6, BothSidesAgree)
         EXPECT_NEAR(a.z, b.z, 0.01f);
     }
     for (int y = 6; y < 19; ++y) EXPECT_EQ(plane.pages[0](10, y), plane.before(10, y));
+}
+
+/// Both sides of a cut have the same shadow across it, and nearly agree; but their texels lie differently along the
+/// cut, so that bilinear light can only be the same on both where it runs straight. Charts of a few texels must not
+/// lose their shadow for that: padding gives way, and the light of what is covered stays.
+TEST(SeamsS6, NarrowChartsKeepTheirLight)
+{
+    for (const float texels : {2.0f, 3.0f, 5.0f}) {
+        SCOPED_TRACE(testing::Message() << texels << " texels wide");
+        const CutPlane plane(texels,
+                             [](bool, float up) { return vec3(1.0f - 0.6f * glm::smoothstep(6.0f, 9.0f, up)); });
+        double steps = 0.0;
+        for (const SeamSample& seam : plane.seams)
+            steps += double(std::abs(plane.bilinear(seam.texelA).x - plane.bilinear(seam.texelB).x));
+        EXPECT_LT(steps / double(plane.seams.size()), 0.01);
+        double squares = 0.0;
+        for (const Texel& t : plane.map.texels) {
+            const double change = double(plane.pages[0](t.x, t.y).x - plane.before(t.x, t.y).x);
+            EXPECT_LT(std::abs(change), 0.08) << t.x << ", " << t.y;
+            squares += change * change;
+        }
+        EXPECT_LT(std::sqrt(squares / double(plane.map.texels.size())), 0.02);
+    }
 }
 
 /// Where one side lies in the sun and the other in the shade, something must stand on the cut: no light comes over.
