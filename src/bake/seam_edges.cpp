@@ -39,21 +39,6 @@ struct EdgeSide {
     }
 };
 
-struct EdgeKey {
-    std::array<uint32_t, 6> bits{}; ///< of both end positions, lower one first
-
-    bool operator==(const EdgeKey& other) const { return bits == other.bits; }
-};
-
-struct EdgeKeyHash {
-    std::size_t operator()(const EdgeKey& key) const
-    {
-        std::size_t h = 0xcbf29ce484222325u;
-        for (const uint32_t b : key.bits) h = (h ^ b) * 0x100000001b3u;
-        return h ^ (h >> 29);
-    }
-};
-
 std::array<uint32_t, 3> positionBits(vec3 p)
 {
     p += vec3(0.0f); // -0 becomes +0
@@ -62,23 +47,37 @@ std::array<uint32_t, 3> positionBits(vec3 p)
     return bits;
 }
 
-vec3 positionOf(std::array<uint32_t, 3> bits)
-{
-    vec3 p;
-    std::memcpy(&p, bits.data(), sizeof(p));
-    return p;
-}
+/// An edge of a triangle, with the bits of both its ends' positions, lower one first: equal where triangles share it.
+struct Edge {
+    std::array<uint32_t, 6> ends{};
+    uint32_t from = 0; ///< vertices
+    uint32_t to = 0;
+    uint32_t triangle = 0;
+    uint32_t part = 0;
 
-using EdgeMap = std::unordered_map<EdgeKey, std::vector<EdgeSide>, EdgeKeyHash>;
+    [[nodiscard]] EdgeSide side(const BakeGeometry& geometry) const
+    {
+        const BakeGeometry::Part& p = geometry.parts[part];
+        return {p.object,
+                p.page,
+                geometry.lightmapTexel[from],
+                geometry.lightmapTexel[to],
+                geometry.normals[from],
+                geometry.normals[to],
+                geometry.geometricNormal(triangle)};
+    }
+};
 
-EdgeMap collectEdges(const BakeGeometry& geometry)
+/// All edges, those that lie in the same place one after the other.
+std::vector<Edge> collectEdges(const BakeGeometry& geometry)
 {
-    EdgeMap edges;
-    for (const BakeGeometry::Part& part : geometry.parts) {
+    std::vector<Edge> edges;
+    edges.reserve(3 * geometry.triangles.size());
+    for (std::size_t number = 0; number < geometry.parts.size(); ++number) {
+        const BakeGeometry::Part& part = geometry.parts[number];
         if (part.page < 0) continue;
         for (uint32_t t = part.firstTriangle; t < part.firstTriangle + part.triangleCount; ++t) {
             const uvec3 v = geometry.triangles[t];
-            const vec3 geometricNormal = geometry.geometricNormal(t);
             for (int e = 0; e < 3; ++e) {
                 uint32_t a = v[e];
                 uint32_t b = v[(e + 1) % 3];
@@ -89,14 +88,19 @@ EdgeMap collectEdges(const BakeGeometry& geometry)
                     std::swap(a, b);
                     std::swap(bitsA, bitsB);
                 }
-                EdgeKey key;
-                std::copy(bitsA.begin(), bitsA.end(), key.bits.begin());
-                std::copy(bitsB.begin(), bitsB.end(), key.bits.begin() + 3);
-                edges[key].push_back({part.object, part.page, geometry.lightmapTexel[a], geometry.lightmapTexel[b],
-                                      geometry.normals[a], geometry.normals[b], geometricNormal});
+                Edge& edge = edges.emplace_back();
+                std::copy(bitsA.begin(), bitsA.end(), edge.ends.begin());
+                std::copy(bitsB.begin(), bitsB.end(), edge.ends.begin() + 3);
+                edge.from = a;
+                edge.to = b;
+                edge.triangle = t;
+                edge.part = uint32_t(number);
             }
         }
     }
+    std::sort(edges.begin(), edges.end(), [](const Edge& a, const Edge& b) {
+        return a.ends != b.ends ? a.ends < b.ends : a.triangle < b.triangle;
+    });
     return edges;
 }
 
@@ -207,31 +211,24 @@ void addCommonStretch(const OpenEdge& a, const OpenEdge& b, int pageSize, std::v
 std::vector<SeamSample> findSeams(const BakeGeometry& geometry, int pageSize)
 {
     std::vector<SeamSample> samples;
-    const EdgeMap edges = collectEdges(geometry);
-    // The map's order depends on the library: sort what comes out of it.
-    std::vector<const EdgeMap::value_type*> ordered;
-    for (const auto& entry : edges) ordered.push_back(&entry);
-    std::sort(ordered.begin(), ordered.end(),
-              [](const auto* a, const auto* b) { return a->first.bits < b->first.bits; });
+    const std::vector<Edge> edges = collectEdges(geometry);
     std::vector<OpenEdge> open;
-    for (const auto* entry : ordered) {
-        const std::vector<EdgeSide>& sides = entry->second;
+    std::vector<EdgeSide> sides;
+    for (std::size_t first = 0, end = 0; first < edges.size(); first = end) {
+        while (end < edges.size() && edges[end].ends == edges[first].ends) ++end;
+        if (end - first > 4) continue; // a bush of triangles on one edge has no two sides
+        sides.clear();
+        for (std::size_t i = first; i < end; ++i) sides.push_back(edges[i].side(geometry));
         if (sides.size() == 1) {
-            const auto& bits = entry->first.bits;
-            OpenEdge edge{sides[0], positionOf({bits[0], bits[1], bits[2]}), positionOf({bits[3], bits[4], bits[5]}),
-                          0};
+            OpenEdge edge{sides[0], geometry.positions[edges[first].from], geometry.positions[edges[first].to], 0};
             const float texels = glm::distance(edge.side.from, edge.side.to);
             edge.texelMeters = texels > 0.0f ? glm::distance(edge.a, edge.b) / texels : 0.0f;
             if (edge.texelMeters > 0.0f) open.push_back(edge);
             continue;
         }
-        if (sides.size() > 4) continue; // a bush of triangles on one edge has no two sides
         for (std::size_t i = 0; i < sides.size(); ++i) {
             for (std::size_t j = i + 1; j < sides.size(); ++j) {
-                const EdgeSide& a = sides[i];
-                const EdgeSide& b = sides[j];
-                if (!isSeam(a, b)) continue;
-                addSamples(a, b, pageSize, samples);
+                if (isSeam(sides[i], sides[j])) addSamples(sides[i], sides[j], pageSize, samples);
             }
         }
     }

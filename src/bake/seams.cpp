@@ -1,9 +1,10 @@
 // Makes light agree along the seams that seam_edges.cpp finds.
 #include "bake/stages.h"
 
+#include "halflight/base/memory.h"
 #include "halflight/base/parallel.h"
 
-#include <Eigen/IterativeLinearSolvers>
+#include <Eigen/SparseCholesky>
 #include <Eigen/SparseCore>
 #include <algorithm>
 #include <array>
@@ -18,8 +19,8 @@ constexpr uint32_t kNoUnknown = ~0u;
 /// Pull of a texel towards its own value, against 1 for a seam as long as a texel: of one that surface covers, and of
 /// padding. Padding is read at edges alone, and what is good there is its only purpose: with it free to give way the
 /// sides agree without the covered texels' light being moved along the seam, which in narrow charts is all they have.
-constexpr float kKeepCovered = 0.002f;
-constexpr float kKeepPadding = 2.0e-5f;
+constexpr double kKeepCovered = 0.002;
+constexpr double kKeepPadding = 2.0e-5;
 /// Seam samples whose sides differ by more than this lose their weight, so fast that beyond 0.8 little is stitched.
 constexpr float kAlike = 0.5f;
 constexpr float kFalloff = 64.0f;
@@ -111,52 +112,56 @@ template<typename T> void stitchSeams(const TexelMap& map, const std::vector<Sea
         }
         return u;
     };
-    std::vector<Eigen::Triplet<float>> entries;
+    using Matrix = Eigen::SparseMatrix<double>;
+    std::vector<Eigen::Triplet<double>> entries;
     entries.reserve(seams.size() * 8);
     for (std::size_t row = 0; row < seams.size(); ++row) {
         const Footprint a = footprintAt(seams[row].pageA, seams[row].texelA, size);
         const Footprint b = footprintAt(seams[row].pageB, seams[row].texelB, size);
-        const float weight = std::sqrt(weights[row] * seams[row].texels); // of the square
+        const double weight = std::sqrt(double(weights[row] * seams[row].texels)); // of the square
         for (std::size_t i = 0; i < 4; ++i) {
-            entries.emplace_back(int(row), int(unknown(a.texel[i])), weight * a.weight[i]);
-            entries.emplace_back(int(row), int(unknown(b.texel[i])), -weight * b.weight[i]);
+            entries.emplace_back(int(row), int(unknown(a.texel[i])), weight * double(a.weight[i]));
+            entries.emplace_back(int(row), int(unknown(b.texel[i])), -weight * double(b.weight[i]));
         }
     }
     const auto count = Eigen::Index(texels.size());
-    Eigen::SparseMatrix<float> constraints(Eigen::Index(seams.size()), count);
-    constraints.setFromTriplets(entries.begin(), entries.end());
-    std::vector<Eigen::Triplet<float>>().swap(entries);
-    Eigen::SparseMatrix<float> normal = constraints.transpose() * constraints;
-    Eigen::VectorXf keep = Eigen::VectorXf::Constant(count, kKeepPadding);
+    Matrix normal;
+    {
+        Matrix constraints(Eigen::Index(seams.size()), count);
+        constraints.setFromTriplets(entries.begin(), entries.end());
+        release(entries);
+        normal = constraints.transpose() * constraints;
+    }
+    Eigen::VectorXd keep = Eigen::VectorXd::Constant(count, kKeepPadding);
     for (const Texel& t : map.texels) {
         const uint32_t u = unknownOf[(std::size_t(t.page) * std::size_t(size) + t.y) * std::size_t(size) + t.x];
         if (u != kNoUnknown) keep[Eigen::Index(u)] = kKeepCovered;
     }
+    release(unknownOf);
     normal.diagonal() += keep;
+    // Seams are lines, beside which unknowns lie in a few rows: factors have hardly more entries than the matrix.
+    const Eigen::SimplicialLDLT<Matrix> factors(normal);
+    if (factors.info() != Eigen::Success) return; // of light that is no number
 
     const auto texelAt = [&](uint64_t texel) -> T& {
         const std::size_t perPage = std::size_t(size) * std::size_t(size);
         return pages[texel / perPage].data()[texel % perPage];
     };
     constexpr int kComponents = T::length();
-    std::array<Eigen::VectorXf, std::size_t(kComponents)> solution;
-    Eigen::ConjugateGradient<Eigen::SparseMatrix<float>, Eigen::Lower | Eigen::Upper> solver;
-    solver.setMaxIterations(400);
-    solver.setTolerance(1.0e-5f);
-    solver.compute(normal);
+    std::array<Eigen::VectorXd, std::size_t(kComponents)> solution;
     parallelFor(std::size_t(kComponents), 1, [&](std::size_t begin, std::size_t end) {
         for (std::size_t c = begin; c < end; ++c) {
-            Eigen::VectorXf before(count);
-            for (Eigen::Index i = 0; i < count; ++i) before[i] = texelAt(texels[std::size_t(i)])[int(c)];
-            const Eigen::VectorXf right = before.cwiseProduct(keep);
-            solution[c] = solver.solveWithGuess(right, before);
+            Eigen::VectorXd right(count);
+            for (Eigen::Index i = 0; i < count; ++i)
+                right[i] = keep[i] * double(texelAt(texels[std::size_t(i)])[int(c)]);
+            solution[c] = factors.solve(right);
         }
     });
     for (Eigen::Index i = 0; i < count; ++i) {
         T& texel = texelAt(texels[std::size_t(i)]);
         for (int c = 0; c < kComponents; ++c) {
             // Never outside what is physical; a value that did not come out finite stays as it was.
-            const float value = solution[std::size_t(c)][i];
+            const auto value = float(solution[std::size_t(c)][i]);
             if (std::isfinite(value)) texel[c] = std::max(value, 0.0f);
         }
     }
