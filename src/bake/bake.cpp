@@ -233,6 +233,7 @@ Result<BakeResult> bake(Scene scene, const BakeSettings& settings, const Integra
     integration.integrator = settings.integrator;
     integration.noiseTarget = settings.noiseTarget;
     integration.texelStep = settings.texelStep;
+    integration.denoised = settings.denoiser != Denoiser::Off;
     integration.samples = report.quality.samples;
     integration.shadowSamples = report.quality.shadowSamples;
     integration.bounces = report.quality.bounces;

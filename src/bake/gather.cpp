@@ -10,7 +10,7 @@
 namespace halflight {
 namespace {
 
-constexpr uint32_t kCacheVersion = 13; ///< to be raised when estimates of the same input change
+constexpr uint32_t kCacheVersion = 14; ///< to be raised when estimates of the same input change
 
 /// Small, so that a small change shows in a tile's sum of witnesses.
 constexpr std::size_t kTexelTile = 256;
@@ -78,6 +78,7 @@ Hash128 layoutHash(const TexelMap& map, const IntegrationSettings& settings, Mix
     hasher.add(int(settings.integrator))
         .add(settings.noiseTarget)
         .add(settings.texelStep)
+        .add(int(settings.denoised))
         .add(settings.probeSamples)
         .add(settings.seed);
     hasher.add(map.pageSize).add(map.pageCount);

@@ -3,6 +3,7 @@
 #include "halflight/base/parallel.h"
 
 #include <algorithm>
+#include <cmath>
 
 namespace halflight {
 
@@ -12,6 +13,16 @@ vec3 BakeGeometry::geometricNormal(uint32_t triangle) const
     const vec3 n = glm::cross(positions[t.y] - positions[t.x], positions[t.z] - positions[t.x]);
     const float length = glm::length(n);
     return length > 0.0f ? n / length : vec3(0.0f);
+}
+
+float BakeGeometry::texelMeters(uint32_t triangle) const
+{
+    const uvec3 t = triangles[triangle];
+    const vec2 a = lightmapTexel[t.y] - lightmapTexel[t.x];
+    const vec2 b = lightmapTexel[t.z] - lightmapTexel[t.x];
+    const float texels = std::abs(cross2(a, b));
+    const float meters2 = glm::length(glm::cross(positions[t.y] - positions[t.x], positions[t.z] - positions[t.x]));
+    return texels > 0.0f ? std::sqrt(meters2 / texels) : 0.0f;
 }
 
 BakeGeometry flattenGeometry(const Scene& scene, int pageSize, GeometryFilter filter)

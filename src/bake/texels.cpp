@@ -381,13 +381,7 @@ TexelPlace placeOf(const BakeGeometry& geometry, const TexelMap& map, const Texe
         if (fragment.area > largest->area) largest = &fragment;
     }
     const SurfacePoint point = surfacePoint(geometry, largest->triangle, largest->barycentric);
-    const uvec3 t = geometry.triangles[largest->triangle];
-    const vec2 a = geometry.lightmapTexel[t.y] - geometry.lightmapTexel[t.x];
-    const vec2 b = geometry.lightmapTexel[t.z] - geometry.lightmapTexel[t.x];
-    const float texelArea = std::max(std::abs(cross2(a, b)), 1.0e-12f);
-    const float worldArea = glm::length(glm::cross(geometry.positions[t.y] - geometry.positions[t.x],
-                                                   geometry.positions[t.z] - geometry.positions[t.x]));
-    return {point.position, point.normal, std::sqrt(worldArea / texelArea)};
+    return {point.position, point.normal, geometry.texelMeters(largest->triangle)};
 }
 
 std::vector<uint32_t> allIndices(std::size_t count)

@@ -23,6 +23,12 @@ constexpr float kFewestTimes = 0.5f;
 constexpr float kMostTimes = 16.0f;
 constexpr float kNoise = 0.15f;
 
+/// What the denoiser leaves of the noise is a share of about (w / d)^(2/3) where texels are w wide and their rays end d
+/// away: from a twentieth at w / d = 0.02 to nearly all from 2 on, in the scenes of `bench_bake error`. Samples are in
+/// proportion to the root of that, too: so many times as many where w is d, and at most.
+constexpr float kDetail = 1.4f;
+constexpr float kMostForDetail = 2.0f;
+
 /// A texel with fewer others than this around it on its chart, in 5 x 5, has nobody to share its noise with: it gets at
 /// least twice the samples, or four times where there are fewer than half of these.
 constexpr int kFewAround = 12;
@@ -180,7 +186,8 @@ private:
         const Noise noise = noiseAround(texel);
         const float fewest = noise.texels >= kFewAround ? kFewestTimes : 2 * noise.texels >= kFewAround ? 2.0f : 4.0f;
         const float light = std::sqrt(std::sqrt(noise.mean * lightmap_.mapMean_) * lightmap_.mapMean_);
-        const float times = light > 0.0f ? std::sqrt(noise.ofMost) / (kNoise * light) : 0.0f;
+        const float detail = lightmap_.settings_.denoised ? detailAt(texel, noise) : 1.0f;
+        const float times = light > 0.0f ? detail * std::sqrt(noise.ofMost) / (kNoise * light) : 0.0f;
         return int(std::lround(std::min(std::max(times, fewest), kMostTimes) * blocks_));
     }
 
@@ -192,13 +199,15 @@ private:
         /// bright, more samples would make blotches of the dots that the denoiser takes out.
         float ofMost = 0.0f;
         float mean = 0.0f;
-        int texels = 0; ///< around and including it, of whatever is known of them
+        int texels = 0;              ///< around and including it, of whatever is known of them
+        float inverseSquares = 0.0f; ///< of the rays' lengths, on average: 1 / m^2
     };
     [[nodiscard]] Noise noiseAround(uint32_t texel) const
     {
         float squares = 0.0f;
         float freedom = 0.0f;
         float mean = 0.0f;
+        float inverseSquares = 0.0f;
         std::array<float, (2 * kNoiseRadius + 1) * (2 * kNoiseRadius + 1)> own;
         std::size_t count = 0;
         int texels = 0;
@@ -210,12 +219,22 @@ private:
             squares += own[count++];
             freedom += float(k.light.gathered.halves - 1);
             mean += luminance(k.light.irradiance());
+            inverseSquares += k.light.inverseSquaresOfRay();
         });
         if (count == 0) return {.texels = texels};
         const std::size_t most = count - count / 5;
         std::nth_element(own.begin(), own.begin() + most, own.begin() + count);
         const float ofMost = std::accumulate(own.begin(), own.begin() + most, 0.0f) / float(most);
-        return {squares / freedom, ofMost * float(count) / freedom, mean / float(count), texels};
+        return {squares / freedom, ofMost * float(count) / freedom, mean / float(count), texels,
+                inverseSquares / float(count)};
+    }
+
+    /// How much of a texel's noise is its own to get rid of, as a factor of its samples.
+    [[nodiscard]] float detailAt(uint32_t texel, const Noise& noise) const
+    {
+        const uint32_t triangle = map_.fragments[map_.texels[texel].firstFragment].triangle;
+        const float width = lightmap_.paths_.surfaces().geometry().texelMeters(triangle);
+        return std::min(kDetail * std::cbrt(width * std::sqrt(noise.inverseSquares)), kMostForDetail);
     }
 
     /// Blocks after which the standard error of a texel's luminance is within the target.
@@ -238,8 +257,7 @@ private:
         for (int i = 0; i < around.count; ++i) {
             const Known& k = known_[set_.find(around.texels[std::size_t(i)])];
             if (!k.active || k.mask != kAllPoints || k.light.backFaces > 0) return;
-            inverseSquares += k.light.inverseSquares /
-                              (float(k.light.gathered.blocks() * GatherPattern::kBlock) * float(around.count));
+            inverseSquares += k.light.inverseSquaresOfRay() / float(around.count);
         }
         if (!(inverseSquares * around.meters * around.meters <= kMostBend)) return;
         Known& k = known_[place];

@@ -46,6 +46,11 @@ struct TexelLight {
     uint32_t backFaces = 0;      ///< rays that met the inside of a surface
 
     [[nodiscard]] vec3 irradiance() const { return gathered.mean() + emitted.mean(); }
+    /// On average.
+    [[nodiscard]] float inverseSquaresOfRay() const
+    {
+        return inverseSquares / float(gathered.blocks() * uint32_t(GatherPattern::kBlock));
+    }
 };
 
 class FinalGather {

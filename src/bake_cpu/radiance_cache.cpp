@@ -44,18 +44,6 @@ int directionOf(vec3 normal)
     return 2 * axis + (normal[axis] < 0.0f ? 1 : 0);
 }
 
-/// Metres per texel at a triangle; 0 where its lightmap triangle has no area.
-float texelMetersOf(const BakeGeometry& geometry, uint32_t triangle)
-{
-    const uvec3 t = geometry.triangles[triangle];
-    const vec2 a = geometry.lightmapTexel[t.y] - geometry.lightmapTexel[t.x];
-    const vec2 b = geometry.lightmapTexel[t.z] - geometry.lightmapTexel[t.x];
-    const float texels = std::abs(cross2(a, b));
-    const float meters2 = glm::length(glm::cross(geometry.positions[t.y] - geometry.positions[t.x],
-                                                 geometry.positions[t.z] - geometry.positions[t.x]));
-    return texels > 0.0f ? std::sqrt(meters2 / texels) : 0.0f;
-}
-
 float longestEdgeOf(const BakeGeometry& geometry, uint32_t triangle)
 {
     const uvec3 t = geometry.triangles[triangle];
@@ -193,7 +181,7 @@ void RadianceCache::layOutTriangles(const PathTracer& paths, const TexelMap& map
     double meters = 0.0;
     double texels = 0.0;
     for (const TexelFragment& f : map.fragments) {
-        meters += double(f.area) * double(texelMetersOf(geometry, f.triangle));
+        meters += double(f.area) * double(geometry.texelMeters(f.triangle));
         texels += double(f.area);
     }
     texelMeters_ = texels > 0.0 ? float(meters / texels) : 0.0f;
@@ -498,7 +486,7 @@ private:
         if (cell >= 2 * cache_.squares_ && cell < cache_.firstPart_.size()) return longestEdgeOf(geometry, triangle);
         float texels = float(1 << cache_.cellShift_);
         if (cell >= cache_.firstPart_.size()) texels = (cache_.state_[cell] & kTexelWide) != 0 ? 1.0f : kHalfTexel;
-        return texels * texelMetersOf(geometry, triangle);
+        return texels * geometry.texelMeters(triangle);
     }
 
     void addRay(const GatherGroup& group, int lane, int block, int cell)

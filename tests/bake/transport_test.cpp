@@ -708,7 +708,7 @@ TEST(RadianceCacheS6, TexelsThatStandAloneGetMoreSamples)
 }
 
 /// A floor under a black roof with a hole in every so many squares of a fine pattern, and the sky above it.
-Bench underHoles(int every)
+Bench underHoles(int every, float height = 0.3f, bool denoised = true)
 {
     Scene scene;
     scene.sky = {vec3(1000), vec3(0), vec3(0)}; // none comes in below the roof's edges
@@ -719,9 +719,10 @@ Bench underHoles(int every)
     const int white = addMaterial(scene, vec3(0.8f), vec3(0.0f), true);
     const int black = addMaterialWithHoles(scene, vec3(0.0f), std::move(pixels), true);
     addRectangle(scene, {vec3(-1, 0, 1), vec3(2, 0, 0), vec3(0, 0, -2)}, white, kPage, {vec2(1), vec2(33)});
-    addRectangle(scene, {vec3(-4, 0.3f, -4), vec3(8, 0, 0), vec3(0, 0, 8)}, black, kPage);
+    addRectangle(scene, {vec3(-4, height, -4), vec3(8, 0, 0), vec3(0, 0, 8)}, black, kPage);
     IntegrationSettings settings;
     settings.samples = 32;
+    settings.denoised = denoised;
     return Bench(std::move(scene), MixedLightingMode::Shadowmask, kPage, settings);
 }
 
@@ -751,6 +752,20 @@ TEST(NoiseS6, MoreSamplesWhereMostAreNoisy)
     EXPECT_GT(shareWithMoreSamples(often), 0.7);
     Bench seldom = underHoles(32);
     EXPECT_LT(shareWithMoreSamples(seldom), 0.15);
+}
+
+/// A denoiser draws on neighbours where what they see is many texels away, and can not where it is near: samples go
+/// there, if there is to be one.
+TEST(NoiseS6, MoreSamplesWhereNeighboursTellLittle)
+{
+    const auto samplesOf = [](float height, bool denoised) {
+        Bench bench = underHoles(4, height, denoised);
+        double sum = 0.0;
+        for (const IrradianceEstimate& e : bench.irradiance()) sum += double(e.samples);
+        return sum;
+    };
+    EXPECT_GT(samplesOf(0.05f, true), 1.2 * samplesOf(0.05f, false));
+    EXPECT_LT(samplesOf(1.0f, true), 0.8 * samplesOf(1.0f, false));
 }
 
 std::vector<LightItem> randomItems(int count, bool directed)

@@ -45,6 +45,8 @@ struct BakeGeometry {
 
     /// Unit, or zero for a degenerate triangle.
     [[nodiscard]] vec3 geometricNormal(uint32_t triangle) const;
+    /// Width of a lightmap texel on a triangle, in metres; 0 where its lightmap triangle has no area.
+    [[nodiscard]] float texelMeters(uint32_t triangle) const;
     [[nodiscard]] vec3 centroid(uint32_t triangle) const
     {
         const uvec3 t = triangles[triangle];
@@ -114,7 +116,8 @@ enum class IntegratorKind { Cache, Path };
 struct IntegrationSettings {
     IntegratorKind integrator = IntegratorKind::Cache;
     /// Paths per texel. The cache takes whole blocks of 16: from half to sixteen times as many, in proportion to the
-    /// standard deviation of the noise, and at least twice as many where few texels of the same chart are around.
+    /// standard deviation of the noise (of what the denoiser leaves of it, see `denoised`), and at least twice as many
+    /// where few texels of the same chart are around.
     int samples = 64;
     /// Rays per texel and light, for masks and for direct light that is baked. Texels on a shadow's edge get twice as
     /// many, those near one half, those far from one eight.
@@ -130,6 +133,9 @@ struct IntegrationSettings {
     /// each texel. Less noise for the time before denoising; a denoiser makes as much of all texels' rays, and
     /// smoother. Cache integrator only.
     int texelStep = 1;
+    /// Whether the lightmap is going to be denoised: without a noise target, samples then go where light changes from
+    /// texel to texel, rather than where neighbours tell as much. Cache integrator only.
+    bool denoised = true;
     uint32_t seed = 1;
 };
 
