@@ -429,7 +429,6 @@ void partShadows(const Options& options)
 void partSeams(const Options& options)
 {
     constexpr int kFiner = 4;
-    constexpr int kRings = 4;
     constexpr float kNone = 0.05f; // difference of the sides in the finer map, over the larger
     std::printf("%-34s %8s %22s %10s %22s %10s\n", "scene", "places", "step, where none is", "stitched",
                 "error at seams", "stitched");
@@ -442,14 +441,9 @@ void partSeams(const Options& options)
             settings.shadowSamples = 32;
             std::vector<IrradianceEstimate> estimates = integrate(scene, scene.map, settings).estimates;
             denoise(scene.geometry, scene.map, estimates);
-            std::vector<vec3> values;
-            std::vector<uint8_t> valid;
-            for (const IrradianceEstimate& e : estimates) {
-                values.push_back(e.irradiance);
-                valid.push_back(e.valid ? 1 : 0);
-            }
-            fillInvalid(scene.geometry, scene.map, valid, values);
-            return halflight::dilate(scene.map, values, kRings);
+            TexelValues values = splitEstimates(estimates);
+            fillInvalid(scene.geometry, scene.map, values.valid, values.irradiance);
+            return halflight::dilate(scene.map, values.irradiance, kDilationRings);
         };
         const std::vector<SeamSample> seams = findSeams(p.geometry, p.map.pageSize);
         const std::vector<ImageRgb32f> before = pagesOf(p);

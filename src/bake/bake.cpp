@@ -19,9 +19,6 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-/// Rings of texels that dilation adds around charts: what bilinear filtering can touch, and one more for bicubic.
-constexpr int kDilationRings = 2; // never more than the padding: a ring past it would meet another chart
-
 Error cancelledError()
 {
     return {ErrorCode::Cancelled, "interrupted"};
@@ -100,24 +97,6 @@ Status dumpResult(const BakeSettings& settings, const BakedScene& baked)
     return {};
 }
 
-/// One quantity of every texel as a vector, and the same laid out on pages.
-struct TexelValues {
-    std::vector<vec3> irradiance;
-    std::vector<uint8_t> valid;
-};
-
-TexelValues splitEstimates(const std::vector<IrradianceEstimate>& estimates)
-{
-    TexelValues values;
-    values.irradiance.reserve(estimates.size());
-    values.valid.reserve(estimates.size());
-    for (const IrradianceEstimate& e : estimates) {
-        values.irradiance.push_back(e.irradiance);
-        values.valid.push_back(e.valid ? 1 : 0);
-    }
-    return values;
-}
-
 /// How far the estimates got.
 void reportNoise(const std::vector<IrradianceEstimate>& estimates, BakeReport& report)
 {
@@ -159,6 +138,18 @@ void reportTurned(const Scene& scene, const BakeGeometry& geometry, BakeReport& 
 }
 
 } // namespace
+
+TexelValues splitEstimates(const std::vector<IrradianceEstimate>& estimates)
+{
+    TexelValues values;
+    values.irradiance.reserve(estimates.size());
+    values.valid.reserve(estimates.size());
+    for (const IrradianceEstimate& e : estimates) {
+        values.irradiance.push_back(e.irradiance);
+        values.valid.push_back(e.valid ? 1 : 0);
+    }
+    return values;
+}
 
 BakeQuality resolveQuality(const BakeSettings& settings)
 {
@@ -265,8 +256,7 @@ Result<BakeResult> bake(Scene scene, const BakeSettings& settings, const Integra
         if (Status status = dumpPages(settings, "lightmap_raw", dilate(map, raw, 0)); !status) return status.error();
     }
 
-    const bool denoised = settings.denoiser != Denoiser::Off;
-    if (denoised) {
+    if (integration.denoised) {
         StageTimer denoiseTimer(report, "denoise");
         progress("denoise", 0.0);
         std::vector<vec3> gathered; // as it is
@@ -330,7 +320,7 @@ Result<BakeResult> bake(Scene scene, const BakeSettings& settings, const Integra
     StageTimer probeTimer(report, "probes");
     const uint64_t before = integrator.raysTraced();
     std::optional<ProbeSet> probes =
-        bakeProbes(baked.scene, settings.probeSpacingMeters, denoised, gather, report.warnings, progress);
+        bakeProbes(baked.scene, settings.probeSpacingMeters, integration.denoised, gather, report.warnings, progress);
     if (!probes) return cancelledError();
     baked.probes = std::move(*probes);
     report.probeCount = int(baked.probes.probes.size());

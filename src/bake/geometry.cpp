@@ -22,7 +22,8 @@ float BakeGeometry::texelMeters(uint32_t triangle) const
     const vec2 b = lightmapTexel[t.z] - lightmapTexel[t.x];
     const float texels = std::abs(cross2(a, b));
     const float meters2 = glm::length(glm::cross(positions[t.y] - positions[t.x], positions[t.z] - positions[t.x]));
-    return texels > 0.0f ? std::sqrt(meters2 / texels) : 0.0f;
+    constexpr float kLeast = 1.0e-12f; // slivers' widths stay numbers
+    return texels > 0.0f ? std::sqrt(meters2 / std::max(texels, kLeast)) : 0.0f;
 }
 
 BakeGeometry flattenGeometry(const Scene& scene, int pageSize, GeometryFilter filter)

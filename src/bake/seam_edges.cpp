@@ -7,6 +7,7 @@
 #include <array>
 #include <cmath>
 #include <cstring>
+#include <tuple>
 #include <unordered_map>
 
 namespace halflight {
@@ -98,9 +99,8 @@ std::vector<Edge> collectEdges(const BakeGeometry& geometry)
             }
         }
     }
-    std::sort(edges.begin(), edges.end(), [](const Edge& a, const Edge& b) {
-        return a.ends != b.ends ? a.ends < b.ends : a.triangle < b.triangle;
-    });
+    std::sort(edges.begin(), edges.end(),
+              [](const Edge& a, const Edge& b) { return std::tie(a.ends, a.triangle) < std::tie(b.ends, b.triangle); });
     return edges;
 }
 

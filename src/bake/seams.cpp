@@ -25,9 +25,15 @@ constexpr double kKeepPadding = 2.0e-5;
 constexpr float kAlike = 0.5f;
 constexpr float kFalloff = 64.0f;
 
+/// Number of a texel among those of all pages.
+uint64_t numberOf(uint64_t page, int x, int y, int size)
+{
+    return (page * uint64_t(size) + uint64_t(y)) * uint64_t(size) + uint64_t(x);
+}
+
 /// The four texels that bilinear filtering at `place` reads, with weights; texels outside the page are clamped into it.
 struct Footprint {
-    std::array<uint64_t, 4> texel{}; ///< (page * size + y) * size + x
+    std::array<uint64_t, 4> texel{}; ///< numbers
     std::array<float, 4> weight{};
 };
 
@@ -40,7 +46,7 @@ Footprint footprintAt(int page, vec2 place, int size)
     for (int i = 0; i < 4; ++i) {
         const int x = std::clamp(base.x + (i & 1), 0, size - 1);
         const int y = std::clamp(base.y + (i >> 1), 0, size - 1);
-        out.texel[std::size_t(i)] = (uint64_t(page) * uint64_t(size) + uint64_t(y)) * uint64_t(size) + uint64_t(x);
+        out.texel[std::size_t(i)] = numberOf(uint64_t(page), x, y, size);
         out.weight[std::size_t(i)] = ((i & 1) ? f.x : 1.0f - f.x) * ((i >> 1) ? f.y : 1.0f - f.y);
     }
     return out;
@@ -134,7 +140,7 @@ template<typename T> void stitchSeams(const TexelMap& map, const std::vector<Sea
     }
     Eigen::VectorXd keep = Eigen::VectorXd::Constant(count, kKeepPadding);
     for (const Texel& t : map.texels) {
-        const uint32_t u = unknownOf[(std::size_t(t.page) * std::size_t(size) + t.y) * std::size_t(size) + t.x];
+        const uint32_t u = unknownOf[numberOf(t.page, t.x, t.y, size)];
         if (u != kNoUnknown) keep[Eigen::Index(u)] = kKeepCovered;
     }
     release(unknownOf);

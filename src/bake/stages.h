@@ -72,6 +72,16 @@ TexelPlace placeOf(const BakeGeometry& geometry, const TexelMap& map, const Texe
 /// attenuation. Returns how each is to be read.
 std::array<MaskChannel, 4> maskToDistances(const TexelMap& map, std::vector<vec4>& mask);
 
+/// What the lightmap is made of, by texel.
+struct TexelValues {
+    std::vector<vec3> irradiance;
+    std::vector<uint8_t> valid;
+};
+TexelValues splitEstimates(const std::vector<IrradianceEstimate>& estimates);
+
+/// Rings of texels that dilation adds around charts: what bilinear filtering can touch, and one more for bicubic. Never
+/// more than the padding: a ring past it would meet another chart.
+constexpr int kDilationRings = 2;
 /// Values of the covered texels laid out on their pages and grown into the padding: each empty texel takes the mean of
 /// its nearest covered neighbours, all of one chart; with `extrapolate` what goes on in a straight line through two of
 /// them (distances do, light need not).
