@@ -7,23 +7,21 @@
 
 namespace halflight {
 
-vec3 BakeGeometry::geometricNormal(uint32_t triangle) const
+void BakeGeometry::findFrames()
 {
-    const uvec3 t = triangles[triangle];
-    const vec3 n = glm::cross(positions[t.y] - positions[t.x], positions[t.z] - positions[t.x]);
-    const float length = glm::length(n);
-    return length > 0.0f ? n / length : vec3(0.0f);
-}
-
-float BakeGeometry::texelMeters(uint32_t triangle) const
-{
-    const uvec3 t = triangles[triangle];
-    const vec2 a = lightmapTexel[t.y] - lightmapTexel[t.x];
-    const vec2 b = lightmapTexel[t.z] - lightmapTexel[t.x];
-    const float texels = std::abs(cross2(a, b));
-    const float meters2 = glm::length(glm::cross(positions[t.y] - positions[t.x], positions[t.z] - positions[t.x]));
-    constexpr float kLeast = 1.0e-12f; // slivers' widths stay numbers
-    return texels > 0.0f ? std::sqrt(meters2 / std::max(texels, kLeast)) : 0.0f;
+    frames.resize(triangles.size());
+    parallelFor(triangles.size(), 4096, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t i = begin; i < end; ++i) {
+            const uvec3 t = triangles[i];
+            const vec3 n = glm::cross(positions[t.y] - positions[t.x], positions[t.z] - positions[t.x]);
+            const float meters2 = glm::length(n);
+            const float texels =
+                std::abs(cross2(lightmapTexel[t.y] - lightmapTexel[t.x], lightmapTexel[t.z] - lightmapTexel[t.x]));
+            constexpr float kLeast = 1.0e-12f; // slivers' widths stay numbers
+            frames[i] = {meters2 > 0.0f ? n / meters2 : vec3(0.0f),
+                         texels > 0.0f ? std::sqrt(meters2 / std::max(texels, kLeast)) : 0.0f};
+        }
+    });
 }
 
 BakeGeometry flattenGeometry(const Scene& scene, int pageSize, GeometryFilter filter)
@@ -99,40 +97,9 @@ BakeGeometry flattenGeometry(const Scene& scene, int pageSize, GeometryFilter fi
             }
         }
     });
+    g.findFrames();
     findSolids(scene, g);
     return g;
-}
-
-TriangleFrame::TriangleFrame(const BakeGeometry& geometry, uint32_t triangle)
-    : triangle_(triangle), geometricNormal_(geometry.geometricNormal(triangle))
-{
-    const uvec3 t = geometry.triangles[triangle];
-    for (int i = 0; i < 3; ++i) {
-        positions_[i] = geometry.positions[t[i]];
-        normals_[i] = geometry.normals[t[i]];
-    }
-    flat_ = normals_[0] == normals_[1] && normals_[0] == normals_[2];
-    if (flat_) normals_[0] = shadingNormal(normals_[0]);
-}
-
-void TriangleFrame::put(vec2 barycentric, SurfacePoint& p) const
-{
-    const float w = 1.0f - barycentric.x - barycentric.y;
-    p.triangle = triangle_;
-    p.barycentric = barycentric;
-    p.position = w * positions_[0] + barycentric.x * positions_[1] + barycentric.y * positions_[2];
-    p.geometricNormal = geometricNormal_;
-    p.normal = flat_ ? normals_[0]
-                     : shadingNormal(w * normals_[0] + barycentric.x * normals_[1] + barycentric.y * normals_[2]);
-}
-
-/// Smooth normals that lean behind the triangle (or files whose normals contradict the winding) would put the whole
-/// hemisphere inside the surface; the triangle's own normal is the safe choice there.
-vec3 TriangleFrame::shadingNormal(vec3 sum) const
-{
-    const float length = glm::length(sum);
-    const vec3 normal = length > 0.0f ? sum / length : geometricNormal_;
-    return glm::dot(normal, geometricNormal_) > 0.0f ? normal : geometricNormal_;
 }
 
 SurfacePoint surfacePoint(const BakeGeometry& geometry, uint32_t triangle, vec2 barycentric)

@@ -255,6 +255,7 @@ void turnAround(BakeGeometry& geometry, const Piece& piece)
         geometry.turned[t] = 1;
         uvec3& v = geometry.triangles[t];
         std::swap(v.y, v.z);
+        geometry.frames[t].normal = -geometry.frames[t].normal;
         for (int corner = 0; corner < 3; ++corner) {
             vec3& normal = geometry.normals[v[corner]];
             if (glm::dot(normal, geometry.geometricNormal(t)) < 0.0f) normal = -normal;

@@ -126,13 +126,39 @@ ImageRgb32f decodeLightmap(const Image<uint32_t>& page, float unitLux);
 /// What all points of a triangle share.
 class TriangleFrame {
 public:
-    TriangleFrame(const BakeGeometry& geometry, uint32_t triangle);
+    TriangleFrame(const BakeGeometry& geometry, uint32_t triangle)
+        : triangle_(triangle), geometricNormal_(geometry.geometricNormal(triangle))
+    {
+        const uvec3 t = geometry.triangles[triangle];
+        for (int i = 0; i < 3; ++i) {
+            positions_[i] = geometry.positions[t[i]];
+            normals_[i] = geometry.normals[t[i]];
+        }
+        flat_ = normals_[0] == normals_[1] && normals_[0] == normals_[2];
+        if (flat_) normals_[0] = shadingNormal(normals_[0]);
+    }
     /// Writes the point at barycentric weights (of vertices 1 and 2) where it is to be: copies of what was just written
     /// in parts make the processor wait.
-    void put(vec2 barycentric, SurfacePoint& out) const;
+    void put(vec2 barycentric, SurfacePoint& p) const
+    {
+        const float w = 1.0f - barycentric.x - barycentric.y;
+        p.triangle = triangle_;
+        p.barycentric = barycentric;
+        p.position = w * positions_[0] + barycentric.x * positions_[1] + barycentric.y * positions_[2];
+        p.geometricNormal = geometricNormal_;
+        p.normal = flat_ ? normals_[0]
+                         : shadingNormal(w * normals_[0] + barycentric.x * normals_[1] + barycentric.y * normals_[2]);
+    }
 
 private:
-    [[nodiscard]] vec3 shadingNormal(vec3 sum) const;
+    /// Smooth normals that lean behind the triangle (or files whose normals contradict the winding) would put the whole
+    /// hemisphere inside the surface; the triangle's own normal is the safe choice there.
+    [[nodiscard]] vec3 shadingNormal(vec3 sum) const
+    {
+        const float length = glm::length(sum);
+        const vec3 normal = length > 0.0f ? sum * (1.0f / length) : geometricNormal_;
+        return glm::dot(normal, geometricNormal_) > 0.0f ? normal : geometricNormal_;
+    }
 
     uint32_t triangle_;
     vec3 geometricNormal_;

@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
 #include <numeric>
 
@@ -177,17 +178,18 @@ public:
         const uvec3 t = geometry.triangles[triangle];
         vec2 corners[3];
         for (int i = 0; i < 3; ++i) corners[i] = geometry.lightmapTexel[t[i]];
+        // As weights: over the triangle's heights, which are its area over its edges.
         constexpr float kTexels = 4.0e-3f;
         const float area = std::abs(cross2(corners[1] - corners[0], corners[2] - corners[0]));
+        const float weightOfEdge = kTexels / std::max(area, 1.0e-12f);
         for (int i = 0; i < 3; ++i) {
-            const float base = std::max(glm::distance(corners[(i + 1) % 3], corners[(i + 2) % 3]), 1.0e-6f);
-            least_[i] = std::min(kTexels / std::max(area / base, 1.0e-6f), 1.0f / 3.0f);
+            least_[i] = std::min(weightOfEdge * glm::distance(corners[(i + 1) % 3], corners[(i + 2) % 3]), 1.0f / 3.0f);
         }
     }
     void put(vec2 barycentric, SurfacePoint& out) const
     {
         const vec3 weights = glm::max(vec3(1.0f - barycentric.x - barycentric.y, barycentric.x, barycentric.y), least_);
-        frame_.put(vec2(weights.y, weights.z) / (weights.x + weights.y + weights.z), out);
+        frame_.put(vec2(weights.y, weights.z) * (1.0f / (weights.x + weights.y + weights.z)), out);
     }
 
 private:
@@ -196,6 +198,11 @@ private:
 };
 
 constexpr uint32_t kAllCandidates = (1u << kMaxTexelPoints) - 1u;
+constexpr std::array<uint32_t, kMaxTexelPoints> kBits = [] {
+    std::array<uint32_t, kMaxTexelPoints> bits{};
+    for (std::size_t i = 0; i < bits.size(); ++i) bits[i] = 1u << i;
+    return bits;
+}();
 
 using PointArray = std::span<SurfacePoint, kMaxTexelPoints>;
 
@@ -239,19 +246,22 @@ uint32_t coveredPoints(const BakeGeometry& geometry, std::span<const TexelFragme
         const vec2 edge1 = geometry.lightmapTexel[t.y] - corner;
         const vec2 edge2 = geometry.lightmapTexel[t.z] - corner;
         const float area = cross2(edge1, edge2);
-        if (area == 0.0f) continue;
+        if (std::abs(area) < 1.0e-20f) continue;
+        const float inverse = 1.0f / area;
         // Apart, so that the compiler handles several points at once.
         std::array<float, kMaxTexelPoints> u;
         std::array<float, kMaxTexelPoints> v;
         for (std::size_t i = 0; i < kMaxTexelPoints; ++i) {
             const float dx = x[i] - corner.x;
             const float dy = y[i] - corner.y;
-            u[i] = (dx * edge2.y - dy * edge2.x) / area;
-            v[i] = (edge1.x * dy - edge1.y * dx) / area;
+            u[i] = (dx * edge2.y - dy * edge2.x) * inverse;
+            v[i] = (edge1.x * dy - edge1.y * dx) * inverse;
         }
         uint32_t covered = 0;
         for (std::size_t i = 0; i < kMaxTexelPoints; ++i) {
-            covered |= uint32_t((u[i] >= 0.0f) & (v[i] >= 0.0f) & (u[i] + v[i] <= 1.0f)) << i;
+            // Where the least weight has no sign. (Its sign bit: compilers make scalar code of comparisons here.)
+            const float least = std::min(std::min(u[i], v[i]), 1.0f - (u[i] + v[i])) + 0.0f;
+            covered |= kBits[i] & ~uint32_t(std::bit_cast<int32_t>(least) >> 31);
         }
         covered &= ~found;
         if (covered == 0) continue;
@@ -327,6 +337,9 @@ TexelMap rasterizeTexels(const BakeGeometry& geometry, int pageSize, int pageCou
             if (charts[fragments[i].fragment.triangle] == chart) map.fragments.push_back(fragments[i].fragment);
         }
         texel.fragmentCount = uint32_t(map.fragments.size()) - texel.firstFragment;
+        // The largest first: most points lie in a few.
+        std::stable_sort(map.fragments.end() - texel.fragmentCount, map.fragments.end(),
+                         [](const TexelFragment& a, const TexelFragment& b) { return a.area > b.area; });
         map.texels.push_back(texel);
     }
     return map;
@@ -353,35 +366,31 @@ int texelPoints(const BakeGeometry& geometry, const TexelMap& map, const Texel& 
         const float times = candidates.size.x * candidates.size.y / std::max(covered, 1.0e-6f);
         rounds = int(std::clamp(times + 0.5f, 1.0f, float(kMostRounds)));
     }
-    std::array<SurfacePoint, kMaxTexelPoints> more;
     int count = 0;
-    for (int round = 0; round < rounds && count < kMaxTexelPoints; ++round) {
-        const PointArray points = round == 0 ? out : PointArray(more);
+    const auto addRound = [&](int round, PointArray points) {
         const uint32_t found =
             coveredPoints(geometry, fragments, candidates, (batch * rounds + round) * kMaxTexelPoints, points);
-        if (round == 0 && found == kAllCandidates) return kMaxTexelPoints;
         for (int i = 0; i < kMaxTexelPoints && count < kMaxTexelPoints; ++i) {
             if (((found >> i) & 1u) != 0) out[std::size_t(count++)] = points[std::size_t(i)];
         }
+    };
+    addRound(0, out);
+    if (count == kMaxTexelPoints) return count;
+    if (rounds > 1) {
+        std::array<SurfacePoint, kMaxTexelPoints> more;
+        for (int round = 1; round < rounds && count < kMaxTexelPoints; ++round) addRound(round, more);
     }
     if (count > 0) return count;
     // Slivers that no candidate meets: the centroid of the largest piece.
-    const auto largest =
-        std::max_element(fragments.begin(), fragments.end(),
-                         [](const TexelFragment& a, const TexelFragment& b) { return a.area < b.area; });
-    PointsOffEdges(geometry, largest->triangle).put(largest->barycentric, out[0]);
+    PointsOffEdges(geometry, fragments.front().triangle).put(fragments.front().barycentric, out[0]);
     return 1;
 }
 
 TexelPlace placeOf(const BakeGeometry& geometry, const TexelMap& map, const Texel& texel)
 {
-    const TexelFragment* largest = &map.fragments[texel.firstFragment];
-    for (uint32_t f = 1; f < texel.fragmentCount; ++f) {
-        const TexelFragment& fragment = map.fragments[texel.firstFragment + f];
-        if (fragment.area > largest->area) largest = &fragment;
-    }
-    const SurfacePoint point = surfacePoint(geometry, largest->triangle, largest->barycentric);
-    return {point.position, point.normal, geometry.texelMeters(largest->triangle)};
+    const TexelFragment& largest = map.fragments[texel.firstFragment];
+    const SurfacePoint point = surfacePoint(geometry, largest.triangle, largest.barycentric);
+    return {point.position, point.normal, geometry.texelMeters(largest.triangle)};
 }
 
 std::vector<uint32_t> allIndices(std::size_t count)

@@ -111,13 +111,7 @@ public:
             }
             if (owners.empty()) continue;
             channels.push_back(channel);
-            sources.push_back({[owners](const SurfacePoint& point) -> const PunctualLight* {
-                                   for (const PunctualLight* light : owners) {
-                                       if (light->reaches(point.position)) return light;
-                                   }
-                                   return nullptr;
-                               },
-                               hashCombine(settings_.seed ^ kShadowSeed, uint32_t(channel))});
+            sources.push_back({owners, false, hashCombine(settings_.seed ^ kShadowSeed, uint32_t(channel))});
         }
         std::vector<LitCount> counts;
         if (!traceShadows({paths_, pattern_, map, gridOf(map), request.texels, masksOf(request, estimates),
@@ -202,13 +196,8 @@ private:
             const std::size_t count = std::min(kLightsAtOnce, lights.size() - first);
             sources.clear();
             for (std::size_t l = 0; l < count; ++l) {
-                const PunctualLight& light = *lights[first + l];
-                sources.push_back({[&light](const SurfacePoint& point) -> const PunctualLight* {
-                                       const shading::LightSample s = light.at(point.position);
-                                       const bool reaches = s.illuminance.x + s.illuminance.y + s.illuminance.z > 0.0f;
-                                       return reaches && glm::dot(point.normal, s.direction) > 0.0f ? &light : nullptr;
-                                   },
-                                   hashCombine(settings_.seed ^ kDirectSeed, uint32_t(first + l))});
+                sources.push_back(
+                    {{lights[first + l]}, true, hashCombine(settings_.seed ^ kDirectSeed, uint32_t(first + l))});
             }
             std::vector<Unshadowed> unshadowed(request.texels.size() * count);
             const auto look = [&](const TexelGroup& group, int lane, std::size_t number) {
@@ -252,11 +241,11 @@ private:
     static Unshadowed unshadowedLight(const PunctualLight& light, const TexelPoints& points, int pointCount)
     {
         Unshadowed u;
+        const float share = 1.0f / float(pointCount);
         for (int p = 0; p < pointCount; ++p) {
             const SurfacePoint& point = points[std::size_t(p)];
             const shading::LightSample s = light.at(point.position);
-            const vec3 value =
-                s.illuminance * (std::max(glm::dot(point.normal, s.direction), 0.0f) / float(pointCount));
+            const vec3 value = s.illuminance * (std::max(glm::dot(point.normal, s.direction), 0.0f) * share);
             u.irradiance += value;
             u.moment += luminance(value) * s.direction;
         }

@@ -18,6 +18,7 @@ std::vector<PunctualLight> punctualLights(const Scene& scene, LightUse use)
         p.colorIntensity = light.color * light.intensity;
         p.position = light.position();
         p.axis = light.direction();
+        shading::orthonormalBasis(-p.axis, p.tangent, p.bitangent);
         p.range = light.rangeMeters;
         p.spotConstants = shading::spotConstants(light.innerConeRadians, light.outerConeRadians);
         p.cosOuterCone = std::cos(light.outerConeRadians);
@@ -45,18 +46,17 @@ std::vector<PunctualLight> punctualLights(const Scene& scene, LightUse use)
 
 LightRay sampleLightRay(const PunctualLight& light, vec3 origin, vec2 disc)
 {
-    vec3 tangent;
-    vec3 bitangent;
     if (light.type == shading::kLightDirectional) {
         if (light.tanAngularRadius <= 0.0f) return {-light.axis, 1.0e30f};
-        shading::orthonormalBasis(-light.axis, tangent, bitangent);
-        return {glm::normalize(-light.axis + light.tanAngularRadius * (disc.x * tangent + disc.y * bitangent)),
-                1.0e30f};
+        const vec3 offset = light.tanAngularRadius * (disc.x * light.tangent + disc.y * light.bitangent);
+        return {glm::normalize(offset - light.axis), 1.0e30f};
     }
     vec3 toLight = light.position - origin;
     if (light.radius > 0.0f) {
         const float length = glm::length(toLight);
         if (length > 0.0f) {
+            vec3 tangent;
+            vec3 bitangent;
             shading::orthonormalBasis(toLight / length, tangent, bitangent);
             toLight += light.radius * (disc.x * tangent + disc.y * bitangent);
         }

@@ -19,6 +19,8 @@ struct PunctualLight {
     vec3 colorIntensity{0.0f};
     vec3 position{0.0f};
     vec3 axis{0.0f};
+    vec3 tangent{0.0f}; ///< with bitangent and axis an orthonormal basis
+    vec3 bitangent{0.0f};
     float range = 0.0f;
     vec2 spotConstants{0.0f};
     float cosOuterCone = -1.0f;
@@ -36,6 +38,12 @@ struct PunctualLight {
     [[nodiscard]] shading::LightSample at(vec3 point) const
     {
         return shading::sampleLight(type, colorIntensity, position, axis, range, spotConstants, point);
+    }
+    /// Whether an unoccluded point with a normal receives anything.
+    [[nodiscard]] bool lights(vec3 point, vec3 normal) const
+    {
+        const shading::LightSample s = at(point);
+        return s.illuminance.x + s.illuminance.y + s.illuminance.z > 0.0f && glm::dot(normal, s.direction) > 0.0f;
     }
     /// Whether a point is within range and cone. A light that is switched off in the file still reaches: it may be
     /// switched on at run time (spec S29), and its mask must be there then.

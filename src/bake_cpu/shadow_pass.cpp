@@ -20,6 +20,14 @@ constexpr int kMostHalves = LitCount::kMost / (2 * ShadowRays::kHalf) * 2;
 
 } // namespace
 
+const PunctualLight* ShadowSource::lightAt(const SurfacePoint& point) const
+{
+    for (const PunctualLight* light : lights) {
+        if (lit ? light->lights(point.position, point.normal) : light->reaches(point.position)) return light;
+    }
+    return nullptr;
+}
+
 bool traceShadows(const ShadowPass& pass, const std::vector<ShadowSource>& sources,
                   const std::function<void(const TexelGroup&, int, std::size_t)>& look, std::vector<LitCount>& counts)
 {

@@ -49,10 +49,14 @@ using LitCount = LitCountIn<uint64_t, 16>;
 /// Of the first few rays: half as large, since there is one for each texel and light at once.
 using FirstLitCount = LitCountIn<uint32_t, 4>;
 
-/// A light, or several that never meet: which one a point looks at, null for none.
+/// A light, or several that never meet.
 struct ShadowSource {
-    std::function<const PunctualLight*(const SurfacePoint&)> lightAt;
+    std::vector<const PunctualLight*> lights;
+    bool lit = false; ///< only points that would be lit look: those that face the light, which is not dark there
     uint32_t seed = 0;
+
+    /// The light that a point looks at, null for none.
+    [[nodiscard]] const PunctualLight* lightAt(const SurfacePoint& point) const;
 };
 
 struct ShadowPass {

@@ -43,10 +43,18 @@ struct BakeGeometry {
                                  ///< pieces that face inward though nothing is inside
     std::vector<vec2> lightmapTexel; ///< lightmap coordinate in texels of the page; zero for parts without lightmap
 
+    /// What follows of the above for each triangle, and is asked for again and again: findFrames() works it out.
+    struct Frame {
+        vec3 normal{0.0f};
+        float texelMeters = 0.0f;
+    };
+    std::vector<Frame> frames;
+    void findFrames();
+
     /// Unit, or zero for a degenerate triangle.
-    [[nodiscard]] vec3 geometricNormal(uint32_t triangle) const;
+    [[nodiscard]] vec3 geometricNormal(uint32_t triangle) const { return frames[triangle].normal; }
     /// Width of a lightmap texel on a triangle, in metres; 0 where its lightmap triangle has no area.
-    [[nodiscard]] float texelMeters(uint32_t triangle) const;
+    [[nodiscard]] float texelMeters(uint32_t triangle) const { return frames[triangle].texelMeters; }
     [[nodiscard]] vec3 centroid(uint32_t triangle) const
     {
         const uvec3 t = triangles[triangle];
@@ -73,7 +81,7 @@ struct Texel {
     uint16_t y = 0;
     uint32_t page = 0;
     uint32_t chart = 0; ///< texels of one chart are one continuous piece of surface
-    uint32_t firstFragment = 0;
+    uint32_t firstFragment = 0; ///< the largest one
     uint32_t fragmentCount = 0;
 };
 
