@@ -80,7 +80,7 @@ struct Texel {
     uint16_t x = 0;
     uint16_t y = 0;
     uint32_t page = 0;
-    uint32_t chart = 0; ///< texels of one chart are one continuous piece of surface
+    uint32_t chart = 0;         ///< texels of one chart are one continuous piece of surface
     uint32_t firstFragment = 0; ///< the largest one
     uint32_t fragmentCount = 0;
 };
