@@ -292,7 +292,7 @@ void partError(const Options& options)
                     Run run = integrate(p, p.map, settings);
                     rawMean.add(run.cpu, double(run.rays), compare(run.estimates, &chosen, reference));
                     const double start = cpuSeconds();
-                    denoise(p.geometry, p.map, run.estimates);
+                    denoise(p.geometry, p.map, run.estimates, false);
                     const double cpu = run.cpu + cpuSeconds() - start;
                     denoisedMean.add(cpu, double(run.rays), compare(run.estimates, &chosen, reference));
                     // Beside it, for the speed of the machine now.

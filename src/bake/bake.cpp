@@ -264,7 +264,7 @@ Result<BakeResult> bake(Scene scene, const BakeSettings& settings, const Integra
             gathered.reserve(estimates.size());
             for (const IrradianceEstimate& e : estimates) gathered.push_back(e.irradiance - e.direct);
         }
-        denoise(geometry, map, estimates);
+        denoise(geometry, map, estimates, settings.directional);
         if (settings.denoiser == Denoiser::OpenImage) {
             if (Status status = imageDenoise(map, gathered, estimates, progress); !status) return status.error();
         }

@@ -139,11 +139,19 @@ void tameOutliers(const TexelMap& map, const TexelGrid& grid, const std::vector<
                 std::nth_element(values.begin(), values.begin() + number, values.begin() + n);
                 return values[std::size_t(number)];
             };
+            // Whether the one of a number in ascending order is above a bound: mostly it is not, and need not be found.
+            const auto nthIsAbove = [n](const std::array<float, 25>& values, int number, float bound) {
+                int above = 0;
+                for (int k = 0; k < n; ++k) above += values[std::size_t(k)] > bound ? 1 : 0;
+                return above >= n - number;
+            };
             float& variance = light[i].variance;
             variance = weight > 0.0f ? std::max(varianceSum / weight, 0.25f * ownVariance) : ownVariance;
-            if (n > 0) variance = std::max(variance, nth(variancesAround, n / 2));
-            if (whole && n >= kManyAround) variance = std::max(variance, 0.5f * nth(variancesAround, eighth));
-            if (n < 8) continue;
+            if (n > 0 && nthIsAbove(variancesAround, n / 2, variance)) variance = nth(variancesAround, n / 2);
+            if (whole && n >= kManyAround && nthIsAbove(variancesAround, eighth, 2.0f * variance))
+                variance = 0.5f * nth(variancesAround, eighth);
+            constexpr float kBrighter = 1.1f;
+            if (n < 8 || nthIsAbove(around, eighth, own / kBrighter)) continue;
             const float bright = nth(around, eighth);
             const float excess = own - bright;
             // One lucky path makes the texel's own halves differ by as much as it is too bright. Where they agree, and
@@ -154,7 +162,7 @@ void tameOutliers(const TexelMap& map, const TexelGrid& grid, const std::vector<
             const bool alone = whole && adjacent == 8 && brightestAdjacent.y - bright < kTraces * excess &&
                                estimates[i].samples < kSamplesToBelieve;
             const bool lucky = alone || excess <= sigmas * std::sqrt(gathered(estimates[i]).variance);
-            if (own > 1.1f * bright && excess > 0.5f * std::sqrt(variance) && lucky) {
+            if (own > kBrighter * bright && excess > 0.5f * std::sqrt(variance) && lucky) {
                 const float direct = luminance(estimates[i].direct);
                 light[i].irradiance *= bright / own;
                 moments[i] *= (bright + direct) / (own + direct);
@@ -229,7 +237,8 @@ struct Mean {
 // (a first-order regression in the manner of Bitterli et al. 2016, "Nonlinearly Weighted First-order Regression for
 // Denoising Monte Carlo Renderings"); otherwise only those along lines of equal light would come together. Light of
 // fully baked lights goes by its own edges and its own noise, and hides none of the other light's.
-void denoise(const BakeGeometry& geometry, const TexelMap& map, std::vector<IrradianceEstimate>& estimates)
+void denoise(const BakeGeometry& geometry, const TexelMap& map, std::vector<IrradianceEstimate>& estimates,
+             bool directions)
 {
     const std::size_t count = map.texels.size();
     const TexelGrid grid(map);
@@ -320,25 +329,27 @@ void denoise(const BakeGeometry& geometry, const TexelMap& map, std::vector<Irra
                             const vec3 offset = place.position - guide.position;
                             const float plane = std::abs(glm::dot(offset, guide.normal)) * planeScale;
                             // Neighbours in the map that are far apart in the world (folded charts) are no neighbours.
-                            const float away = glm::length(offset) * planeScale;
-                            if (away > 8.0f) continue;
+                            constexpr float kFarApart = 8.0f;
+                            constexpr float kNothing = 1.0e-6f;
+                            if (glm::dot(offset, offset) * planeScale * planeScale > kFarApart * kFarApart) continue;
                             near *= pow32(cosine);
+                            if (near < kNothing) continue;
                             away2 = plane * plane;
                             unlike = away2 + unlikeness(light[i], flat, 0.0f);
                         }
                         const float weight = near * falloff(unlike);
-                        float momentsWeight = weight;
                         if (noisyDirect) {
                             const float unlikeDirect = other ? unlikeness(direct[i], direct[j], 0.0f) : 0.0f;
                             directMean.add(near * falloff(away2 + unlikeDirect), direct[j]);
                         }
-                        if (!direct.empty() && other) {
-                            momentsWeight *= falloff(unlikeness(direct[i], direct[j], momentTolerance));
-                        }
                         if (level == 0 && !guides[j].traced) continue;
                         lightMean.add(weight, flat);
-                        momentSum += momentsWeight * moments[j];
-                        momentWeight += momentsWeight;
+                        if (!directions) continue;
+                        const float alike = !direct.empty() && other
+                                                ? falloff(unlikeness(direct[i], direct[j], momentTolerance))
+                                                : 1.0f;
+                        momentSum += weight * alike * moments[j];
+                        momentWeight += weight * alike;
                     }
                 }
                 nextLight[i] = lightMean.light(light[i], kCorrelated[std::size_t(level)]);

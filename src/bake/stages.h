@@ -43,8 +43,10 @@ ProbeSet probeGrid(const Scene& scene, float spacingMeters, std::vector<std::str
 std::optional<ProbeSet> bakeProbes(const Scene& scene, float spacingMeters, bool denoise, const Gather& gather,
                                    std::vector<std::string>& warnings, const Progress& progress);
 
-/// Edge-stopping à-trous filter within charts, guided by position, normal and the estimates' variance.
-void denoise(const BakeGeometry& geometry, const TexelMap& map, std::vector<IrradianceEstimate>& estimates);
+/// Edge-stopping à-trous filter within charts, guided by position, normal and the estimates' variance. `directions`:
+/// their first moments too, which directional lightmaps alone have a use for.
+void denoise(const BakeGeometry& geometry, const TexelMap& map, std::vector<IrradianceEstimate>& estimates,
+             bool directions = true);
 
 /// Replaces what the estimates have of `gathered` light (IrradianceEstimate::irradiance less direct, in lux, by number
 /// of texel, before any denoising) by what Open Image Denoise's filter for lightmaps makes of it, each chart apart on

@@ -145,12 +145,11 @@ class GatherGroup : public TexelGroup {
 public:
     GatherGroup(const PathTracer& paths, const TexelMap& map, std::span<const uint32_t> texels,
                 std::span<const PointMask> outside)
-        : GatherGroup(paths, TexelGroup(paths, map, texels, outside))
-    {}
-    GatherGroup(const PathTracer& paths, const TexelGroup& group) : TexelGroup(group)
+        : TexelGroup(paths, map, texels, outside)
     {
-        for (int lane = 0; lane < lanes(); ++lane) arrange(paths, lane);
+        arrange(paths);
     }
+    GatherGroup(const PathTracer& paths, const TexelGroup& group) : TexelGroup(group) { arrange(paths); }
 
     /// A ray's origin with its frame.
     struct Origin {
@@ -168,6 +167,10 @@ public:
     [[nodiscard]] bool flat() const { return flat_; }
 
 private:
+    void arrange(const PathTracer& paths)
+    {
+        for (int lane = 0; lane < lanes(); ++lane) arrange(paths, lane);
+    }
     void arrange(const PathTracer& paths, int lane)
     {
         for (int p = 0; p < pointCount(lane); ++p) {

@@ -635,6 +635,41 @@ TEST(DenoiseS6, SpreadsDotsThatAreMany)
     }
 }
 
+/// First moments are denoised where a directional lightmap needs them, as their light is; light is the same either way.
+TEST(DenoiseS6, DirectionsAreDenoisedWhereAskedFor)
+{
+    Scene scene;
+    addRectangle(scene, {}, addMaterial(scene, vec3(0.5f)), kPage, {vec2(0), vec2(64)});
+    const BakeGeometry geometry = flattenGeometry(scene, kPage, GeometryFilter::Static);
+    const TexelMap map = rasterizeTexels(geometry, kPage, 1);
+    std::mt19937 random(5);
+    constexpr float kSigma = 0.1f;
+    std::normal_distribution<float> noise(0.0f, kSigma);
+    std::vector<IrradianceEstimate> noisy(map.texels.size());
+    for (IrradianceEstimate& e : noisy) {
+        e.irradiance = vec3(1.0f + noise(random));
+        e.moment = vec3(noise(random), 0.5f + noise(random), noise(random));
+        e.varianceOfMean = kSigma * kSigma;
+        e.samples = 64;
+    }
+    std::vector<IrradianceEstimate> with = noisy;
+    std::vector<IrradianceEstimate> without = noisy;
+    denoise(geometry, map, with, true);
+    denoise(geometry, map, without, false);
+    const auto squares = [&](const std::vector<IrradianceEstimate>& estimates) {
+        double sum = 0.0;
+        for (const IrradianceEstimate& e : estimates)
+            sum += double(glm::dot(e.moment - vec3(0, 0.5f, 0), e.moment - vec3(0, 0.5f, 0)));
+        return sum;
+    };
+    EXPECT_LT(squares(with), 0.1 * squares(noisy));
+    for (std::size_t i = 0; i < noisy.size(); ++i) {
+        ASSERT_EQ(with[i].irradiance, without[i].irradiance);
+        ASSERT_EQ(with[i].varianceOfMean, without[i].varianceOfMean);
+    }
+    EXPECT_GT(squares(without), 0.5 * squares(noisy));
+}
+
 /// A contact shadow, steep at the foot: where texels state far more variance than their noise has, as well-spread
 /// samples do, what their neighbours show counts, and the shadow stays.
 TEST(DenoiseS6, TrustsNeighboursMoreThanStatedVariance)
