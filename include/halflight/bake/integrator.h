@@ -43,7 +43,7 @@ struct BakeGeometry {
                                  ///< pieces that face inward though nothing is inside
     std::vector<vec2> lightmapTexel; ///< lightmap coordinate in texels of the page; zero for parts without lightmap
 
-    /// What follows of the above for each triangle, and is asked for again and again: findFrames() works it out.
+    /// What follows from the above for each triangle; findFrames() works it out.
     struct Frame {
         vec3 normal{0.0f};
         float texelMeters = 0.0f;
