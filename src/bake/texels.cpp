@@ -338,8 +338,10 @@ TexelMap rasterizeTexels(const BakeGeometry& geometry, int pageSize, int pageCou
         }
         texel.fragmentCount = uint32_t(map.fragments.size()) - texel.firstFragment;
         // The largest first: most points lie in a few.
-        std::stable_sort(map.fragments.end() - texel.fragmentCount, map.fragments.end(),
-                         [](const TexelFragment& a, const TexelFragment& b) { return a.area > b.area; });
+        std::sort(map.fragments.end() - texel.fragmentCount, map.fragments.end(),
+                  [](const TexelFragment& a, const TexelFragment& b) {
+                      return a.area != b.area ? a.area > b.area : a.triangle < b.triangle;
+                  });
         map.texels.push_back(texel);
     }
     return map;

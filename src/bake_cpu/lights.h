@@ -40,7 +40,7 @@ struct PunctualLight {
         return shading::sampleLight(type, colorIntensity, position, axis, range, spotConstants, point);
     }
     /// Whether an unoccluded point with a normal receives anything.
-    [[nodiscard]] bool lights(vec3 point, vec3 normal) const
+    [[nodiscard]] bool illuminates(vec3 point, vec3 normal) const
     {
         const shading::LightSample s = at(point);
         return s.illuminance.x + s.illuminance.y + s.illuminance.z > 0.0f && glm::dot(normal, s.direction) > 0.0f;

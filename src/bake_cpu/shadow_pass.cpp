@@ -23,7 +23,7 @@ constexpr int kMostHalves = LitCount::kMost / (2 * ShadowRays::kHalf) * 2;
 const PunctualLight* ShadowSource::lightAt(const SurfacePoint& point) const
 {
     for (const PunctualLight* light : lights) {
-        if (lit ? light->lights(point.position, point.normal) : light->reaches(point.position)) return light;
+        if (lit ? light->illuminates(point.position, point.normal) : light->reaches(point.position)) return light;
     }
     return nullptr;
 }
