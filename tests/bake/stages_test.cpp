@@ -973,8 +973,11 @@ TEST(GeometryS6, ThingsThatAreInsideOutAreTurned)
         EXPECT_EQ(std::count(turned.begin(), turned.end(), 1), c.turned ? 12 : 0);
         EXPECT_EQ(bench.geometry.solid[0] != 0, c.turned);
         EXPECT_GT(glm::dot(bench.geometry.normals[0], bench.geometry.geometricNormal(0)), 0.99f);
+        EXPECT_EQ(glm::dot(bench.geometry.geometricNormal(0), bench.geometry.centroid(0)) > 0.0f, c.turned);
         if (c.lightInside || c.glows) continue;
-        for (const IrradianceEstimate& e : bench.irradiance()) {
+        const std::vector<IrradianceEstimate> estimates = bench.irradiance();
+        EXPECT_TRUE(std::any_of(estimates.begin(), estimates.end(), [](const auto& e) { return e.valid; }));
+        for (const IrradianceEstimate& e : estimates) {
             if (e.valid) EXPECT_NEAR(e.irradiance.x, c.turned ? kPi : 0.0f, 0.1f);
         }
     }
