@@ -440,7 +440,7 @@ void partSeams(const Options& options)
             settings.samples = options.samples > 0 ? options.samples : 16;
             settings.shadowSamples = 32;
             std::vector<IrradianceEstimate> estimates = integrate(scene, scene.map, settings).estimates;
-            denoise(scene.geometry, scene.map, estimates);
+            denoise(scene.geometry, scene.map, estimates, false);
             TexelValues values = splitEstimates(estimates);
             fillInvalid(scene.geometry, scene.map, values.valid, values.irradiance);
             return halflight::dilate(scene.map, values.irradiance, kDilationRings);

@@ -280,7 +280,7 @@ void denoise(const BakeGeometry& geometry, const TexelMap& map, std::vector<Irra
     constexpr std::array<float, 4> kCorrelated = {1.0f, 2.7f, 3.2f, 3.3f};
     std::vector<NoisyLight> nextLight(count);
     std::vector<NoisyLight> nextDirect(direct.size());
-    std::vector<vec3> nextMoments(count);
+    std::vector<vec3> nextMoments(directions ? count : 0);
     for (int level = 0; level < int(kCorrelated.size()); ++level) {
         const int step = 1 << level;
         parallelFor(count, 2048, [&](std::size_t begin, std::size_t end) {
@@ -353,13 +353,13 @@ void denoise(const BakeGeometry& geometry, const TexelMap& map, std::vector<Irra
                     }
                 }
                 nextLight[i] = lightMean.light(light[i], kCorrelated[std::size_t(level)]);
-                nextMoments[i] = momentWeight > 0.0f ? momentSum / momentWeight : moments[i];
+                if (directions) nextMoments[i] = momentWeight > 0.0f ? momentSum / momentWeight : moments[i];
                 if (!direct.empty()) nextDirect[i] = directMean.light(direct[i], kCorrelated[std::size_t(level)]);
             }
         });
         light.swap(nextLight);
         direct.swap(nextDirect);
-        moments.swap(nextMoments);
+        if (directions) moments.swap(nextMoments);
     }
     for (std::size_t i = 0; i < count; ++i) {
         if (!estimates[i].valid) continue;

@@ -368,19 +368,22 @@ int texelPoints(const BakeGeometry& geometry, const TexelMap& map, const Texel& 
         const float times = candidates.size.x * candidates.size.y / std::max(covered, 1.0e-6f);
         rounds = int(std::clamp(times + 0.5f, 1.0f, float(kMostRounds)));
     }
+    const auto findRound = [&](int round, PointArray points) {
+        return coveredPoints(geometry, fragments, candidates, (batch * rounds + round) * kMaxTexelPoints, points);
+    };
     int count = 0;
-    const auto addRound = [&](int round, PointArray points) {
-        const uint32_t found =
-            coveredPoints(geometry, fragments, candidates, (batch * rounds + round) * kMaxTexelPoints, points);
+    const auto keep = [&](uint32_t found, PointArray points) {
         for (int i = 0; i < kMaxTexelPoints && count < kMaxTexelPoints; ++i) {
             if (((found >> i) & 1u) != 0) out[std::size_t(count++)] = points[std::size_t(i)];
         }
     };
-    addRound(0, out);
-    if (count == kMaxTexelPoints) return count;
+    // Most texels have all of their points where they are to be.
+    const uint32_t found = findRound(0, out);
+    if (found == kAllCandidates) return kMaxTexelPoints;
+    keep(found, out);
     if (rounds > 1) {
         std::array<SurfacePoint, kMaxTexelPoints> more;
-        for (int round = 1; round < rounds && count < kMaxTexelPoints; ++round) addRound(round, more);
+        for (int round = 1; round < rounds && count < kMaxTexelPoints; ++round) keep(findRound(round, more), more);
     }
     if (count > 0) return count;
     // Slivers that no candidate meets: the centroid of the largest piece.
