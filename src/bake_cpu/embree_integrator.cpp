@@ -1,5 +1,6 @@
 #include "halflight/bake_cpu/embree_integrator.h"
 
+#include "bake_cpu/baked_lights.h"
 #include "bake_cpu/cached_lightmap.h"
 #include "bake_cpu/path.h"
 #include "bake_cpu/shadow_pass.h"
@@ -116,7 +117,7 @@ public:
         std::vector<LitCount> counts;
         if (!traceShadows({paths_, pattern_, map, gridOf(map), request.texels, masksOf(request, estimates),
                            effortOf(request).shadowSamples, kTimesOnMaskEdges, progress, "shadowmask", rays_},
-                          sources, {}, counts)) {
+                          sources, counts)) {
             return false;
         }
         for (std::size_t i = 0; i < request.texels.size(); ++i) {
@@ -180,76 +181,13 @@ private:
         return *grid_;
     }
 
-    /// Direct light of lights that are fully baked: unshadowed light at the texel's points times the share of rays that
-    /// arrive. A few lights at a time, so that memory stays small.
     bool addBakedLights(const TexelMap& map, const TexelRequest& request, const Effort& effort,
                         std::span<IrradianceEstimate> out, const Progress& progress)
     {
-        constexpr std::size_t kLightsAtOnce = 4;
-        std::vector<ShadowSource> sources;
-        std::vector<const PunctualLight*> lights;
-        for (std::size_t l = 0; l < paths_.lights().size(); ++l) {
-            if (paths_.lights()[l].directAtTexels) lights.push_back(&paths_.lights()[l]);
-        }
         const std::vector<PointMask> masks = masksOf(request, out);
-        for (std::size_t first = 0; first < lights.size(); first += kLightsAtOnce) {
-            const std::size_t count = std::min(kLightsAtOnce, lights.size() - first);
-            sources.clear();
-            for (std::size_t l = 0; l < count; ++l) {
-                sources.push_back(
-                    {{lights[first + l]}, true, hashCombine(settings_.seed ^ kDirectSeed, uint32_t(first + l))});
-            }
-            std::vector<Unshadowed> unshadowed(request.texels.size() * count);
-            const auto look = [&](const TexelGroup& group, int lane, std::size_t number) {
-                for (std::size_t l = 0; l < count; ++l) {
-                    unshadowed[number * count + l] =
-                        unshadowedLight(*lights[first + l], group.points(lane), group.pointCount(lane));
-                }
-            };
-            std::vector<LitCount> counts;
-            if (!traceShadows({paths_, pattern_, map, gridOf(map), request.texels, masks, effort.shadowSamples,
-                               kTimesOnLightEdges, progress, "lights", rays_},
-                              sources, look, counts)) {
-                return false;
-            }
-            for (std::size_t i = 0; i < request.texels.size(); ++i) {
-                for (std::size_t l = 0; l < count; ++l) {
-                    const LitCount& lit = counts[i * count + l];
-                    if (lit.all == 0 || !out[i].valid) continue;
-                    const Unshadowed& light = unshadowed[i * count + l];
-                    const float strength = lights[first + l]->shadowStrength;
-                    const float arrives = glm::mix(1.0f, lit.share(), strength);
-                    out[i].irradiance += arrives * light.irradiance;
-                    out[i].direct += arrives * light.irradiance;
-                    out[i].moment += arrives * light.moment;
-                    // Of a share of so many yes-or-no rays, as if they were independent.
-                    const float contrast = lit.mixed() ? luminance(light.irradiance) * strength : 0.0f;
-                    const float variance = contrast * contrast * lit.share() * (1.0f - lit.share()) / float(lit.all);
-                    out[i].varianceOfMean += variance;
-                    out[i].varianceOfDirect += variance;
-                }
-            }
-        }
-        return true;
-    }
-
-    /// What a light gives a texel's points on average, and its first moment.
-    struct Unshadowed {
-        vec3 irradiance{0.0f};
-        vec3 moment{0.0f};
-    };
-    static Unshadowed unshadowedLight(const PunctualLight& light, const TexelPoints& points, int pointCount)
-    {
-        Unshadowed u;
-        const float share = 1.0f / float(pointCount);
-        for (int p = 0; p < pointCount; ++p) {
-            const SurfacePoint& point = points[std::size_t(p)];
-            const shading::LightSample s = light.at(point.position);
-            const vec3 value = s.illuminance * (std::max(glm::dot(point.normal, s.direction), 0.0f) * share);
-            u.irradiance += value;
-            u.moment += luminance(value) * s.direction;
-        }
-        return u;
+        return halflight::addBakedLights({paths_, pattern_, map, gridOf(map), request.texels, masks,
+                                          effort.shadowSamples, kTimesOnLightEdges, progress, "lights", rays_},
+                                         settings_.seed ^ kDirectSeed, out);
     }
 
     IrradianceEstimate texelIrradiance(const TexelMap& map, const Texel& texel, int samples, uint64_t& rays) const

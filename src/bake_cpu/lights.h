@@ -39,11 +39,11 @@ struct PunctualLight {
     {
         return shading::sampleLight(type, colorIntensity, position, axis, range, spotConstants, point);
     }
-    /// Whether an unoccluded point with a normal receives anything.
-    [[nodiscard]] bool illuminates(vec3 point, vec3 normal) const
+    /// Irradiance of an unoccluded point with a normal.
+    [[nodiscard]] vec3 irradianceAt(vec3 point, vec3 normal) const
     {
         const shading::LightSample s = at(point);
-        return s.illuminance.x + s.illuminance.y + s.illuminance.z > 0.0f && glm::dot(normal, s.direction) > 0.0f;
+        return s.illuminance * std::max(glm::dot(normal, s.direction), 0.0f);
     }
     /// Whether a point is within range and cone. A light that is switched off in the file still reaches: it may be
     /// switched on at run time (spec S29), and its mask must be there then.

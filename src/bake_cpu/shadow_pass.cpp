@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <cassert>
+#include <limits>
 
 namespace halflight {
 namespace {
@@ -16,20 +17,24 @@ namespace {
 constexpr int kAgreeRadius = 3;
 constexpr int kEnoughTexels = 16;
 /// More rays, in pairs of halves, could not be counted.
-constexpr int kMostHalves = LitCount::kMost / (2 * ShadowRays::kHalf) * 2;
+constexpr int kMostHalves = std::numeric_limits<uint16_t>::max() / (2 * ShadowRays::kHalf) * 2;
 
 } // namespace
 
-const PunctualLight* ShadowSource::lightAt(const SurfacePoint& point) const
+ShadowRays::Aim ShadowSource::aimOf(const SurfacePoint& point) const
 {
     for (const PunctualLight* light : lights) {
-        if (lit ? light->illuminates(point.position, point.normal) : light->reaches(point.position)) return light;
+        if (lit) {
+            const float weight = luminance(light->irradianceAt(point.position, point.normal));
+            if (weight > 0.0f) return {light, weight};
+        } else if (light->reaches(point.position)) {
+            return {light, 1.0f};
+        }
     }
-    return nullptr;
+    return {};
 }
 
-bool traceShadows(const ShadowPass& pass, const std::vector<ShadowSource>& sources,
-                  const std::function<void(const TexelGroup&, int, std::size_t)>& look, std::vector<LitCount>& counts)
+bool traceShadows(const ShadowPass& pass, const std::vector<ShadowSource>& sources, std::vector<LitCount>& counts)
 {
     const std::size_t sourceCount = sources.size();
     assert(sourceCount <= kMaxShadowSources);
@@ -40,8 +45,7 @@ bool traceShadows(const ShadowPass& pass, const std::vector<ShadowSource>& sourc
     const TexelSet asked(pass.map, pass.texels);
     TexelSet set = asked;
     set.extend([&](uint32_t texel, const auto& add) { pass.grid.around(texel, kAgreeRadius, add); });
-    std::vector<FirstLitCount> firstLook(set.size() * sourceCount);
-    static_assert(sizeof(FirstLitCount) == 4 && FirstLitCount::kMost >= ShadowRays::kHalf);
+    std::vector<LitRange> firstLook(set.size() * sourceCount);
     const bool whole = set.size() == asked.size();
     const auto isAsked = [&](uint32_t texel, std::size_t& number) {
         number = asked.find(texel);
@@ -52,16 +56,21 @@ bool traceShadows(const ShadowPass& pass, const std::vector<ShadowSource>& sourc
             [](std::size_t) { return kAllPoints; }, pass.progress, pass.stage, pass.rays,
             [&] {
                 return [&](const TexelGroup& group, std::size_t first, uint64_t& rays) {
+                    // Where points lie inside geometry the first look counts for nothing.
+                    std::array<LitCount*, TexelGroup::kLanes> counted{};
                     for (int lane = 0; lane < group.lanes(); ++lane) {
                         std::size_t number = 0;
-                        if (look && isAsked(group.texel(lane), number)) look(group, lane, number);
+                        if (isAsked(group.texel(lane), number) && pass.outside[number] == kAllPoints)
+                            counted[std::size_t(lane)] = &counts[number * sourceCount];
                     }
                     for (std::size_t s = 0; s < sourceCount; ++s) {
                         const ShadowRays shadows(pass.paths, pass.pattern, sources[s].seed);
                         shadows.trace(
-                            group, ~0u, 0, [&](int, const SurfacePoint& point) { return sources[s].lightAt(point); },
-                            [&](int lane, float share) {
+                            group, ~0u, 0, [&](const SurfacePoint& point) { return sources[s].aimOf(point); },
+                            [&](int lane, float share, float weight) {
                                 firstLook[(first + std::size_t(lane)) * sourceCount + s].add(share);
+                                LitCount* own = counted[std::size_t(lane)];
+                                if (own != nullptr) own[s].add(share, weight);
                             },
                             rays);
                     }
@@ -70,25 +79,19 @@ bool traceShadows(const ShadowPass& pass, const std::vector<ShadowSource>& sourc
         return false;
     }
 
-    // Where points lie inside geometry the first look counts for nothing. Beside a texel that an edge crosses, an edge
-    // is easily overlooked.
+    // Beside a texel that an edge crosses, an edge is easily overlooked.
     enum Open : uint8_t { Closed, Undecided, BesideEdge };
     std::vector<Open> open(pass.texels.size() * sourceCount, Closed);
     parallelFor(pass.texels.size(), 4096, [&](std::size_t begin, std::size_t end) {
-        std::array<FirstLitCount, kMaxShadowSources> together; // of the texels around
+        std::array<LitRange, kMaxShadowSources> together; // of the texels around
         for (std::size_t i = begin; i < end; ++i) {
             if (pass.outside[i] == 0) continue;
             int around = 0;
             together.fill({});
             if (pass.outside[i] == kAllPoints) {
-                const std::size_t own = set.find(pass.texels[i]);
-                for (std::size_t s = 0; s < sourceCount; ++s) {
-                    const FirstLitCount& first = firstLook[own * sourceCount + s];
-                    counts[i * sourceCount + s] = {first.lit, first.all, first.least, first.most};
-                }
                 pass.grid.around(pass.texels[i], kAgreeRadius, [&](uint32_t other) {
-                    const FirstLitCount* found = &firstLook[set.find(other) * sourceCount];
-                    for (std::size_t s = 0; s < sourceCount; ++s) together[s].addRange(found[s]);
+                    const LitRange* found = &firstLook[set.find(other) * sourceCount];
+                    for (std::size_t s = 0; s < sourceCount; ++s) together[s].add(found[s]);
                     ++around;
                 });
             }
@@ -98,7 +101,7 @@ bool traceShadows(const ShadowPass& pass, const std::vector<ShadowSource>& sourc
             if (undecided == 0) continue;
             unsigned mixed = 0;
             pass.grid.around(pass.texels[i], 1, [&](uint32_t other) {
-                const FirstLitCount* found = &firstLook[set.find(other) * sourceCount];
+                const LitRange* found = &firstLook[set.find(other) * sourceCount];
                 for (std::size_t s = 0; s < sourceCount; ++s) mixed |= found[s].mixed() ? 1u << s : 0u;
             });
             for (std::size_t s = 0; s < sourceCount; ++s) {
@@ -142,7 +145,6 @@ bool traceShadows(const ShadowPass& pass, const std::vector<ShadowSource>& sourc
                         texels[lane] = group.texel(int(lane));
                         masks[lane] = group.mask(int(lane));
                         started |= masks[lane] == kAllPoints ? 1u << lane : 0u;
-                        if (look && begin == 0 && masks[lane] != kAllPoints) look(group, int(lane), list[first + lane]);
                     }
                     const auto trace = [&](const TexelGroup& points, int half) {
                         for (std::size_t s = 0; s < sourceCount; ++s) {
@@ -155,9 +157,9 @@ bool traceShadows(const ShadowPass& pass, const std::vector<ShadowSource>& sourc
                             ShadowRays(pass.paths, pass.pattern, sources[s].seed)
                                 .trace(
                                     points, wanted, half,
-                                    [&](int, const SurfacePoint& point) { return sources[s].lightAt(point); },
-                                    [&](int lane, float share) {
-                                        counts[list[first + std::size_t(lane)] * sourceCount + s].add(share);
+                                    [&](const SurfacePoint& point) { return sources[s].aimOf(point); },
+                                    [&](int lane, float share, float weight) {
+                                        counts[list[first + std::size_t(lane)] * sourceCount + s].add(share, weight);
                                     },
                                     rays);
                         }

@@ -19,7 +19,6 @@ public:
         : TexelGroup(paths, map, texels, outside, [&](uint32_t id) { return batch + firstBatch(id); })
     {}
 
-private:
     /// One of those, among many, whose points' mean is nearest to the middle of the square: they have the light of a
     /// whole texel where that changes across it.
     static int firstBatch(uint32_t id)
@@ -56,29 +55,34 @@ public:
     /// Halves that `samples` rays for each texel come to.
     static int halvesOf(int samples) { return std::max(1, (samples + kHalf - 1) / kHalf); }
 
-    /// One half for all active lanes that `wanted` names (a bit each), from the points of its batch. lightAt(lane,
-    /// point) gives the light to look at, null for none; result(lane, share) is called for each sample with a light:
-    /// what of its light arrives.
-    template<typename LightAt, typename Result> void trace(const TexelGroup& group, uint32_t wanted, int half,
-                                                           const LightAt& lightAt, const Result& result,
-                                                           uint64_t& rays) const
+    /// The light that a point looks at, null for none, and what its ray counts.
+    struct Aim {
+        const PunctualLight* light = nullptr;
+        float weight = 1.0f;
+    };
+
+    /// One half for all active lanes that `wanted` names (a bit each), from the points of its batch. aimOf(point) tells
+    /// where to look; result(lane, share, weight) is called for each sample with a light: what of its light arrives.
+    template<typename AimOf, typename Result> void trace(const TexelGroup& group, uint32_t wanted, int half,
+                                                         const AimOf& aimOf, const Result& result, uint64_t& rays) const
     {
-        std::array<const PunctualLight*, TexelGroup::kLanes> lights;
+        std::array<Aim, TexelGroup::kLanes> aims;
         for (int i = 0; i < kHalf; ++i) {
             ShadowPacket packet(paths_);
             for (int lane = 0; lane < TexelGroup::kLanes; ++lane) {
                 const auto l = std::size_t(lane);
-                lights[l] = nullptr;
+                aims[l] = {};
                 if (!group.active(lane) || ((wanted >> lane) & 1u) == 0) continue;
                 const SurfacePoint& point = group.point(lane, half * kHalf + i);
-                lights[l] = lightAt(lane, point);
-                if (lights[l] == nullptr) continue;
+                aims[l] = aimOf(point);
+                if (aims[l].light == nullptr) continue;
                 const vec2 disc = pattern_.disc(hashCombine(seed_, group.id(lane)), uint32_t(half * kHalf + i));
-                packet.add(lane, *lights[l], point, disc, rays);
+                packet.add(lane, *aims[l].light, point, disc, rays);
             }
             const std::array<float, TexelGroup::kLanes> shares = packet.trace();
             for (int lane = 0; lane < TexelGroup::kLanes; ++lane) {
-                if (lights[std::size_t(lane)] != nullptr) result(lane, shares[std::size_t(lane)]);
+                const Aim& aim = aims[std::size_t(lane)];
+                if (aim.light != nullptr) result(lane, shares[std::size_t(lane)], aim.weight);
             }
         }
     }

@@ -156,6 +156,48 @@ TEST_P(DirectS6, MixedLightsAreInTheLightmapOnlyInSubtractive)
     }
 }
 
+/// Folds finer than texels: each texel is half a slope that faces the sun, behind a screen, and half one that the sun
+/// grazes. Its light is the grazed half's, not half of what both have without the screen.
+TEST_P(DirectS6, ShadowsOnTheBrighterSideOfFoldsCountAsMuch)
+{
+    constexpr int kFolds = 24;
+    const vec3 facing(0, 0.8f, 0.6f);
+    const vec3 grazed(0, 0.8f, -0.6f);
+    Scene scene;
+    const int black = addMaterial(scene, vec3(0), vec3(0), true);
+    MeshPart part;
+    part.material = black;
+    const auto addSlope = [&](vec3 from, vec3 to, vec3 normal, float row) {
+        const vec3 along(24, 0, 0);
+        const auto first = uint32_t(part.positions.size());
+        for (const vec3 corner : {from, to, to + along, from + along}) part.positions.push_back(corner);
+        part.normals.insert(part.normals.end(), 4, normal);
+        for (const vec2 texel : {vec2(2, row), vec2(2, row + 0.5f), vec2(26, row + 0.5f), vec2(26, row)})
+            part.lightmapUv.push_back(texel / float(kPage));
+        for (const uint32_t corner : {0u, 1u, 2u, 0u, 2u, 3u}) part.indices.push_back(first + corner);
+    };
+    for (int i = 0; i < kFolds; ++i) {
+        const vec3 top(0, 0.375f, float(i));
+        const vec3 foot(0, 0, float(i) + 0.5f);
+        addSlope(top, foot, facing, 2.0f + float(i));
+        addSlope(foot, top + vec3(0, 0, 1), grazed, 2.5f + float(i));
+        addRectangle(scene, {top + 0.01f * facing, foot - top, vec3(24, 0, 0)}, black, kPage);
+    }
+    Mesh mesh;
+    mesh.parts.push_back(part);
+    Object object;
+    object.mesh = int(scene.meshes.size());
+    object.lightmap.page = 0;
+    scene.meshes.push_back(mesh);
+    scene.objects.push_back(object);
+    scene.lights.push_back(makeLight(LightType::Directional, vec3(0), -facing, 1.0f, LightMode::Baked));
+    Bench bench(std::move(scene), MixedLightingMode::Shadowmask, kPage, transport());
+    const double expected = 0.5 * double(glm::dot(grazed, facing));
+    const Statistics s = compare(bench.irradiance(), expected);
+    EXPECT_NEAR(s.mean, expected, 0.04 * expected);
+    EXPECT_LT(s.worst, 0.2);
+}
+
 /// A mixed light's bounce is baked, scaled by its indirect multiplier: floor lit by a sun, ceiling sees the floor.
 TEST_P(IndirectS5, MixedLightBouncesTimesItsMultiplier)
 {
