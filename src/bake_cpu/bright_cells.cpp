@@ -2,11 +2,13 @@
 
 #include "bake_cpu/radiance_cache.h"
 
+#include "halflight/base/memory.h"
 #include "halflight/base/polygon.h"
 
 #include <algorithm>
 #include <cmath>
 #include <iterator>
+#include <numeric>
 
 namespace halflight {
 namespace {
@@ -17,11 +19,25 @@ constexpr float kBrighter = 3.0f;
 /// another, each ray for so much of one.
 constexpr float kPatchTexels = 32.0f;
 constexpr float kGuideTexels = 8.0f;
+/// Where more than this share of sightings are the only ones of a cell, cells around that are bright as this share of
+/// the mean count as seen.
+constexpr float kManyOnce = 0.2f;
+constexpr float kAsBright = 0.5f;
 constexpr float kNeighbourWeight = 0.5f;
+/// Where so few of their rays met bright cells, receivers ask in cubes so many times as wide, and again.
+constexpr float kEnoughSightings = 128.0f;
+constexpr float kWider = 3.0f;
+constexpr int kGuideLevels = 4;
 constexpr std::size_t kMostEntries = 64; ///< of a guide
 /// Pieces take memory: for each cell there are so many at most, or so many for small lightmaps.
 constexpr float kMostPiecesForCell = 0.125f;
 constexpr std::size_t kFewPieces = 24576;
+
+bool isBright(float radiance, float illuminance)
+{
+    const float radiosity = kPi * radiance;
+    return radiosity > 0.0f && radiosity < kInfinity && radiosity >= kBrighter * illuminance;
+}
 
 /// Cubes of space, six of each for the directions that surfaces in them face, whatever charts these are on.
 class Cubes {
@@ -107,12 +123,89 @@ std::size_t chooseOne(std::span<const float> ends, std::size_t from, float& u)
 
 } // namespace
 
-/// Light that came from a patch.
+/// Rays that met a patch, and the luminance they brought.
 struct BrightCells::Seen {
     uint32_t patch = 0;
+    float rays = 0.0f;
     float light = 0.0f;
     float squares = 0.0f;
+
+    /// Leaves one of each patch, in ascending order.
+    static void join(std::vector<Seen>& all, std::size_t from = 0)
+    {
+        std::stable_sort(all.begin() + std::ptrdiff_t(from), all.end(),
+                         [](const Seen& a, const Seen& b) { return a.patch < b.patch; });
+        std::size_t end = from;
+        for (std::size_t i = from; i < all.size(); ++i) {
+            const Seen s = all[i];
+            if (end == from || all[end - 1].patch != s.patch) {
+                all[end++] = s;
+                continue;
+            }
+            all[end - 1].rays += s.rays;
+            all[end - 1].light += s.light;
+            all[end - 1].squares += s.squares;
+        }
+        all.resize(end);
+    }
+    [[nodiscard]] Seen times(float weight) const { return {patch, weight * rays, weight * light, weight * squares}; }
 };
+
+/// Receivers by cubes of one width: what reaches them, and what their rays met.
+struct BrightCells::Receivers {
+    struct Cube {
+        uint64_t key = 0;
+        vec3 position{0.0f}; ///< of one of them
+        int direction = 0;
+        float cells = 0.0f;
+        float rays = 0.0f;
+        float illuminances = 0.0f; ///< their sum
+        std::size_t firstSeen = 0;
+
+        [[nodiscard]] float illuminance() const { return illuminances / std::max(cells, 1.0f); }
+    };
+    std::vector<Cube> cubes; ///< in ascending order of keys
+    std::vector<Seen> seen;  ///< cube by cube
+
+    [[nodiscard]] std::span<const Seen> seenFrom(std::size_t cube) const
+    {
+        const std::size_t end = cube + 1 < cubes.size() ? cubes[cube + 1].firstSeen : seen.size();
+        return std::span(seen).subspan(cubes[cube].firstSeen, end - cubes[cube].firstSeen);
+    }
+    /// The same in wider cubes. Returns the one of each of the narrower.
+    std::vector<uint32_t> widen(float width);
+};
+
+std::vector<uint32_t> BrightCells::Receivers::widen(float width)
+{
+    const Cubes wider(width);
+    std::vector<uint64_t> keys;
+    for (const Cube& c : cubes) keys.push_back(wider.key(c.position, c.direction));
+    std::vector<uint32_t> parents;
+    Receivers result;
+    for (const uint64_t key : numberKeys(keys, ~uint64_t(0), parents)) result.cubes.push_back({.key = key});
+    std::vector<uint32_t> order(cubes.size());
+    std::iota(order.begin(), order.end(), 0u);
+    std::stable_sort(order.begin(), order.end(), [&](uint32_t a, uint32_t b) { return parents[a] < parents[b]; });
+    for (std::size_t i = 0; i < order.size();) {
+        const uint32_t parent = parents[order[i]];
+        Cube& to = result.cubes[parent];
+        to.position = cubes[order[i]].position;
+        to.direction = cubes[order[i]].direction;
+        to.firstSeen = result.seen.size();
+        for (; i < order.size() && parents[order[i]] == parent; ++i) {
+            const Cube& from = cubes[order[i]];
+            to.cells += from.cells;
+            to.rays += from.rays;
+            to.illuminances += from.illuminances;
+            const auto own = seenFrom(order[i]);
+            result.seen.insert(result.seen.end(), own.begin(), own.end());
+        }
+        Seen::join(result.seen, to.firstSeen);
+    }
+    *this = std::move(result);
+    return parents;
+}
 
 BrightCells::BrightCells(const RadianceCache& cache, const SurfaceTracer& tracer, std::span<const CellLight> cells,
                          float texelMeters, const Sightings& sightings)
@@ -124,92 +217,133 @@ BrightCells::BrightCells(const RadianceCache& cache, const SurfaceTracer& tracer
     findPieces(cache, tracer, cells);
 }
 
-/// Who sees what: neighbouring receivers' rays put together. All that a guide says follows from what its receivers see,
-/// not from light elsewhere: what changes in one room must not change another's random numbers.
+/// Who sees what: neighbouring receivers' rays put together, of ever more around where few of them met bright cells.
+/// All that a guide says follows from what those see, not from light elsewhere: what changes in one room must not
+/// change another's random numbers.
 void BrightCells::makeGuides(std::span<const CellLight> cells, float texelMeters, const Sightings& sightings)
 {
     constexpr uint64_t kNone = ~uint64_t(0);
-    const Cubes guideCubes(kGuideTexels * texelMeters);
+    float width = kGuideTexels * texelMeters;
+    const Cubes guideCubes(width);
     std::vector<uint64_t> keys(cells.size(), kNone);
     for (std::size_t i = 0; i < cells.size(); ++i) {
         const CellLight& c = cells[i];
         if (c.receives && c.direction != CellLight::kNowhere) keys[i] = guideCubes.key(c.position, c.direction);
     }
-    const std::vector<uint64_t> places = numberKeys(keys, kNone, guideOfCell_);
-    guides_.resize(places.size());
-    std::vector<float> illuminance(places.size());
-    std::vector<float> count(places.size());
-    std::vector<float> rays(places.size());
+    Receivers receivers;
+    for (const uint64_t key : numberKeys(keys, kNone, guideOfCell_)) receivers.cubes.push_back({.key = key});
     for (std::size_t i = 0; i < cells.size(); ++i) {
-        if (guideOfCell_[i] == ~0u || !(cells[i].rays > 0.0f)) continue;
-        rays[guideOfCell_[i]] += cells[i].rays;
-        illuminance[guideOfCell_[i]] += cells[i].illuminance;
-        ++count[guideOfCell_[i]];
+        if (guideOfCell_[i] == ~0u) continue;
+        Receivers::Cube& cube = receivers.cubes[guideOfCell_[i]];
+        cube.position = cells[i].position;
+        cube.direction = cells[i].direction;
+        if (!(cells[i].rays > 0.0f)) continue;
+        cube.rays += cells[i].rays;
+        cube.illuminances += cells[i].illuminance;
+        ++cube.cells;
     }
-    for (std::size_t g = 0; g < places.size(); ++g) illuminance[g] /= std::max(count[g], 1.0f);
 
     struct Sighting {
         uint32_t guide;
         uint32_t cell;
     };
     std::vector<Sighting> own;
-    const auto bright = [&](std::size_t guide, uint32_t cell) {
-        const float radiosity = kPi * cells[cell].radiance;
-        return radiosity > 0.0f && radiosity < kInfinity && radiosity >= kBrighter * illuminance[guide];
-    };
     sightings([&](uint32_t from, uint32_t cell) {
         const uint32_t guide = guideOfCell_[from];
-        if (guide == ~0u || cells[cell].direction == CellLight::kNowhere || !bright(guide, cell)) return;
-        own.push_back({guide, cell});
+        if (guide == ~0u || cells[cell].direction == CellLight::kNowhere) return;
+        if (isBright(cells[cell].radiance, receivers.cubes[guide].illuminance())) own.push_back({guide, cell});
     });
     std::sort(own.begin(), own.end(), [](const Sighting& a, const Sighting& b) {
         return a.guide != b.guide ? a.guide < b.guide : a.cell < b.cell;
     });
-    std::vector<std::size_t> first(places.size() + 1);
-    for (const Sighting& s : own) ++first[s.guide + 1];
-    for (std::size_t g = 0; g < places.size(); ++g) first[g + 1] += first[g];
 
-    // Patches of the cells that were seen.
+    // Patches of the cells that were seen, and of those as bright around them where many were seen only once: then
+    // there are more that nobody happened to see (Good 1953, "The Population Frequencies of Species").
     const Cubes patchCubes(kPatchTexels * texelMeters);
     std::fill(keys.begin(), keys.end(), kNone);
-    for (const Sighting& s : own) keys[s.cell] = patchCubes.key(cells[s.cell].position, cells[s.cell].direction);
-    std::vector<uint32_t> patchNumbers;
-    patches_.resize(numberKeys(keys, kNone, patchNumbers).size());
-    for (std::size_t i = 0; i < cells.size(); ++i) members_[i].patch = patchNumbers[i];
+    std::vector<uint32_t> timesSeen(cells.size());
+    for (const Sighting& s : own) {
+        keys[s.cell] = patchCubes.key(cells[s.cell].position, cells[s.cell].direction);
+        ++timesSeen[s.cell];
+    }
+    std::vector<uint32_t> patchOfSeen;
+    const std::vector<uint64_t> patchKeys = numberKeys(keys, kNone, patchOfSeen);
+    release(keys);
+    struct Seeing {
+        float cells = 0.0f;
+        float once = 0.0f; ///< of these
+        float times = 0.0f;
+        float radiance = 0.0f; ///< sum over the cells
+    };
+    std::vector<Seeing> seeing(patchKeys.size());
+    for (std::size_t i = 0; i < cells.size(); ++i) {
+        if (timesSeen[i] == 0) continue;
+        Seeing& s = seeing[patchOfSeen[i]];
+        ++s.cells;
+        s.once += timesSeen[i] == 1 ? 1.0f : 0.0f;
+        s.times += float(timesSeen[i]);
+        s.radiance += cells[i].radiance;
+    }
+    patches_.resize(patchKeys.size());
+    for (std::size_t i = 0; i < cells.size(); ++i) {
+        const CellLight& cell = cells[i];
+        members_[i].patch = patchOfSeen[i];
+        if (timesSeen[i] > 0 || cell.direction == CellLight::kNowhere || !(cell.radiance < kInfinity)) continue;
+        const uint64_t key = patchCubes.key(cell.position, cell.direction);
+        const auto found = std::lower_bound(patchKeys.begin(), patchKeys.end(), key);
+        if (found == patchKeys.end() || *found != key) continue;
+        const Seeing& s = seeing[std::size_t(found - patchKeys.begin())];
+        if (s.once < kManyOnce * s.times || cell.radiance * s.cells < kAsBright * s.radiance) continue;
+        members_[i].patch = uint32_t(found - patchKeys.begin());
+    }
+    std::size_t next = 0;
+    for (std::size_t g = 0; g < receivers.cubes.size(); ++g) {
+        const std::size_t first = receivers.cubes[g].firstSeen = receivers.seen.size();
+        for (; next < own.size() && own[next].guide == g; ++next) {
+            const float radiance = cells[own[next].cell].radiance;
+            receivers.seen.push_back({members_[own[next].cell].patch, 1.0f, radiance, radiance * radiance});
+        }
+        Seen::join(receivers.seen, first);
+    }
+    release(own);
 
-    std::vector<Seen> seen;
-    for (std::size_t g = 0; g < places.size(); ++g) {
-        seen.clear();
-        float allRays = 0.0f;
-        Cubes::around(places[g], [&](uint64_t key) {
-            const auto found = std::lower_bound(places.begin(), places.end(), key);
-            if (found == places.end() || *found != key) return;
-            const auto other = std::size_t(found - places.begin());
-            const float weight = other == g ? 1.0f : kNeighbourWeight;
-            allRays += weight * rays[other];
-            for (std::size_t i = first[other]; i < first[other + 1]; ++i) {
-                if (!bright(g, own[i].cell)) continue;
-                const float radiance = cells[own[i].cell].radiance;
-                seen.push_back({members_[own[i].cell].patch, weight * radiance, weight * radiance * radiance});
-            }
-        });
-        addGuide(seen, allRays, illuminance[g], guides_[g]);
+    guides_.resize(receivers.cubes.size());
+    std::vector<uint32_t> open(guides_.size());
+    std::iota(open.begin(), open.end(), 0u);
+    std::vector<uint32_t> cubeOfGuide = open;
+    for (int level = 1; !open.empty(); ++level) {
+        const float enough = level < kGuideLevels ? kEnoughSightings : 0.0f;
+        std::erase_if(open, [&](uint32_t g) { return addGuide(receivers, cubeOfGuide[g], enough, guides_[g]); });
+        if (open.empty()) break;
+        width *= kWider;
+        const std::vector<uint32_t> parents = receivers.widen(width);
+        for (uint32_t& cube : cubeOfGuide) cube = parents[cube];
     }
 }
 
-void BrightCells::addGuide(std::vector<Seen>& seen, float rays, float illuminance, Guide& guide)
+/// The guide of the receivers in a cube; false where their rays and those around met bright cells too seldom.
+bool BrightCells::addGuide(const Receivers& receivers, uint32_t cube, float enough, Guide& guide)
 {
-    std::stable_sort(seen.begin(), seen.end(), [](const Seen& a, const Seen& b) { return a.patch < b.patch; });
-    std::size_t count = 0;
-    for (const Seen& s : seen) {
-        if (count > 0 && seen[count - 1].patch == s.patch) {
-            seen[count - 1].light += s.light;
-            seen[count - 1].squares += s.squares;
-        } else {
-            seen[count++] = s;
+    const float illuminance = receivers.cubes[cube].illuminance();
+    std::vector<Seen> seen;
+    float rays = 0.0f;
+    float met = 0.0f;
+    Cubes::around(receivers.cubes[cube].key, [&](uint64_t key) {
+        const auto found = std::lower_bound(receivers.cubes.begin(), receivers.cubes.end(), key,
+                                            [](const Receivers::Cube& c, uint64_t k) { return c.key < k; });
+        if (found == receivers.cubes.end() || found->key != key) return;
+        const auto other = std::size_t(found - receivers.cubes.begin());
+        const float weight = other == cube ? 1.0f : kNeighbourWeight;
+        rays += weight * found->rays;
+        for (const Seen& s : receivers.seenFrom(other)) {
+            if (!isBright(s.light / s.rays, illuminance)) continue;
+            seen.push_back(s.times(weight));
+            met += s.rays;
         }
-    }
-    seen.resize(count);
+    });
+    if (met < enough) return false;
+    Seen::join(seen);
+    const std::size_t count = seen.size();
     if (count > kMostEntries) {
         std::stable_sort(seen.begin(), seen.end(), [](const Seen& a, const Seen& b) { return a.light > b.light; });
         seen.resize(kMostEntries);
@@ -221,7 +355,7 @@ void BrightCells::addGuide(std::vector<Seen>& seen, float rays, float illuminanc
         light += double(s.light);
         squares += double(s.squares);
     }
-    if (!(light > 0.0 && light < double(kInfinity) && rays > 0.0f && illuminance > 0.0f)) return;
+    if (!(light > 0.0 && light < double(kInfinity) && rays > 0.0f && illuminance > 0.0f)) return true;
     guide.first = uint32_t(entries_.size());
     guide.count = uint32_t(seen.size());
     const double brought = double(kPi) / double(illuminance);
@@ -233,6 +367,7 @@ void BrightCells::addGuide(std::vector<Seen>& seen, float rays, float illuminanc
         entries_.push_back({s.patch, float(double(s.light) / light)});
         entryEnds_.push_back(float(sum / light));
     }
+    return true;
 }
 
 /// Leaves out the patches that no guide names, and if pieces would be too many, those that bring least light for each.

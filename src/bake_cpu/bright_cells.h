@@ -121,8 +121,9 @@ private:
     };
     [[nodiscard]] uint32_t patchOf(uint32_t cell) const { return cell < members_.size() ? members_[cell].patch : ~0u; }
     struct Seen;
+    struct Receivers;
     void makeGuides(std::span<const CellLight> cells, float texelMeters, const Sightings& sightings);
-    void addGuide(std::vector<Seen>& seen, float rays, float illuminance, Guide& guide);
+    bool addGuide(const Receivers& receivers, uint32_t cube, float enough, Guide& guide);
     void keepPatches(const RadianceCache& cache, const SurfaceTracer& tracer);
     void findPieces(const RadianceCache& cache, const SurfaceTracer& tracer, std::span<const CellLight> cells);
 

@@ -305,6 +305,56 @@ TEST(BrightCellsS6, LitSpotsAreNoNoise)
     }
 }
 
+/// A small sunlit board at the end of a wide black floor: from afar one ray in some ten thousand meets it. That few of
+/// the rays around do is enough to aim at it, the whole of it and from everywhere.
+TEST(BrightCellsS6, SmallThingsAreSeenFromAfar)
+{
+    constexpr int kSize = 256;
+    const vec3 toSun = glm::normalize(vec3(0, 1, 1));
+    const Rectangle board{vec3(-0.5f, 0, -8), vec3(1, 0, 0), vec3(0, 1, 0)};
+    Scene scene;
+    const int black = addMaterial(scene, vec3(0.0f));
+    const int white = addMaterial(scene, vec3(0.8f));
+    addRectangle(scene, {vec3(-8, 0, 8), vec3(16, 0, 0), vec3(0, 0, -16)}, black, kSize, {vec2(1), vec2(161)});
+    addRectangle(scene, board, white, kSize, {vec2(170, 1), vec2(234, 65)});
+    scene.lights.push_back(makeLight(LightType::Directional, vec3(0), -toSun, 10.0f, LightMode::Mixed));
+    const double radiance = 10.0 * double(toSun.z) * 0.8 / double(kPi);
+    // Lambert 1760, "Photometria": a polygon's irradiance is a sum over its edges.
+    const auto truthAt = [&](vec3 point) {
+        const std::array<vec3, 4> corners = {board.origin, board.origin + board.edgeU,
+                                             board.origin + board.edgeU + board.edgeV, board.origin + board.edgeV};
+        double sum = 0.0;
+        for (std::size_t i = 0; i < 4; ++i) {
+            const vec3 a = glm::normalize(corners[i] - point);
+            const vec3 b = glm::normalize(corners[(i + 1) % 4] - point);
+            sum += std::acos(double(glm::dot(a, b))) * double(glm::normalize(glm::cross(a, b)).y);
+        }
+        return 0.5 * radiance * std::abs(sum);
+    };
+    IntegrationSettings settings;
+    settings.samples = 32;
+    settings.bounces = 1;
+    Bench bench(std::move(scene), MixedLightingMode::Shadowmask, kSize, settings);
+    const auto estimates = bench.irradiance();
+    double bias = 0.0;
+    double squares = 0.0;
+    int count = 0;
+    int dark = 0;
+    for (std::size_t i = 0; i < estimates.size(); ++i) {
+        const vec3 point = bench.positionOf(bench.map.texels[i]);
+        if (point.y > 0.0f || point.z < 0.0f) continue; // eight metres from the board and more
+        const double error = double(estimates[i].irradiance.y) / truthAt(point) - 1.0;
+        dark += error < -0.9 ? 1 : 0;
+        bias += error;
+        squares += error * error;
+        ++count;
+    }
+    ASSERT_GT(count, 10000);
+    EXPECT_LT(std::abs(bias / count), 0.02);
+    EXPECT_LT(std::sqrt(squares / count), 0.3);
+    EXPECT_LT(dark, count / 1000);
+}
+
 /// A floor that runs on under a thin wall from daylight into a closed, dark room: no cell of the cache carries light
 /// through.
 TEST(RadianceCacheS6, NoLightUnderThinWalls)
