@@ -12,6 +12,7 @@ namespace {
 
 /// Where a texel's points receive amounts that differ by more than this share of the most, more points are asked.
 constexpr float kAlike = 0.2f;
+constexpr int kMostBatches = 16;
 
 /// What lights without shadows give a texel, on average over its points.
 class Unshadowed {
@@ -31,7 +32,7 @@ public:
         float most = 0.0f;
         Light sum;
         std::size_t count = 0;
-        const auto add = [&](std::size_t batch) {
+        const auto add = [&](int batch) {
             for (const SurfacePoint& point : pointsOf(batch)) {
                 const shading::LightSample s = light.at(point.position);
                 const vec3 value = s.illuminance * std::max(glm::dot(point.normal, s.direction), 0.0f);
@@ -46,22 +47,23 @@ public:
         add(0);
         // Folded texels have as many points as shadow edges have rays. Those with points left out have no others.
         if (most - least > kAlike * most && mask_ == kAllPoints) {
-            const auto batches = std::size_t(pass_.timesOnEdges * pass_.samples / kMaxTexelPoints);
-            for (std::size_t batch = 1; batch < batches; ++batch) add(batch);
+            const int batches = std::min(pass_.timesOnEdges * pass_.samples / kMaxTexelPoints, kMostBatches);
+            for (int batch = 1; batch < batches; ++batch) add(batch);
         }
         return {sum.irradiance / float(count), sum.moment / float(count)};
     }
 
 private:
-    std::span<const SurfacePoint> pointsOf(std::size_t batch)
+    std::span<const SurfacePoint> pointsOf(int batch)
     {
-        if (batch == batches_.size()) {
+        if (std::size_t(batch) == batches_.size()) {
             Batch& b = batches_.emplace_back();
             const int first = mask_ == kAllPoints ? ShadowGroup::firstBatch(texelId(pass_.map, texel_)) : 0;
-            b.count = texelPoints(pass_.paths.surfaces().geometry(), pass_.map, texel_, b.points, first + int(batch));
+            b.count = texelPoints(pass_.paths.surfaces().geometry(), pass_.map, texel_, b.points, first + batch);
             PointValidity::keep(mask_, b.points, b.count);
         }
-        return {batches_[batch].points.data(), std::size_t(batches_[batch].count)};
+        const Batch& b = batches_[std::size_t(batch)];
+        return {b.points.data(), std::size_t(b.count)};
     }
 
     struct Batch {
@@ -91,7 +93,7 @@ bool addBakedLights(const ShadowPass& pass, uint32_t seed, std::span<IrradianceE
             sources.push_back({{lights[l]}, true, hashCombine(seed, uint32_t(l))});
         std::vector<LitCount> counts;
         if (!traceShadows(pass, sources, counts)) return false;
-        parallelFor(pass.texels.size(), 1024, [&](std::size_t begin, std::size_t end) {
+        const auto addLights = [&](std::size_t begin, std::size_t end) {
             for (std::size_t i = begin; i < end; ++i) {
                 if (!out[i].valid) continue;
                 Unshadowed unshadowed(pass, i);
@@ -112,7 +114,8 @@ bool addBakedLights(const ShadowPass& pass, uint32_t seed, std::span<IrradianceE
                     out[i].varianceOfDirect += variance;
                 }
             }
-        });
+        };
+        if (!parallelFor(pass.texels.size(), 1024, pass.progress, pass.stage, addLights)) return false;
     }
     return true;
 }

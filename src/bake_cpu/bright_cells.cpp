@@ -313,7 +313,19 @@ void BrightCells::makeGuides(std::span<const CellLight> cells, float texelMeters
     std::vector<uint32_t> cubeOfGuide = open;
     for (int level = 1; !open.empty(); ++level) {
         const float enough = level < kGuideLevels ? kEnoughSightings : 0.0f;
-        std::erase_if(open, [&](uint32_t g) { return addGuide(receivers, cubeOfGuide[g], enough, guides_[g]); });
+        struct Asked {
+            bool yet = false;
+            bool enough = false;
+            Guide guide;
+        };
+        std::vector<Asked> asked(receivers.cubes.size());
+        std::erase_if(open, [&](uint32_t g) {
+            Asked& cube = asked[cubeOfGuide[g]];
+            if (!cube.yet) cube.enough = addGuide(receivers, cubeOfGuide[g], enough, cube.guide);
+            cube.yet = true;
+            guides_[g] = cube.guide;
+            return cube.enough;
+        });
         if (open.empty()) break;
         width *= kWider;
         const std::vector<uint32_t> parents = receivers.widen(width);

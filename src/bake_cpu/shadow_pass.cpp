@@ -25,7 +25,8 @@ ShadowRays::Aim ShadowSource::aimOf(const SurfacePoint& point) const
 {
     for (const PunctualLight* light : lights) {
         if (lit) {
-            const float weight = luminance(light->irradianceAt(point.position, point.normal));
+            constexpr float kMost = 1.0e30f; // so that sums are numbers
+            const float weight = std::min(luminance(light->irradianceAt(point.position, point.normal)), kMost);
             if (weight > 0.0f) return {light, weight};
         } else if (light->reaches(point.position)) {
             return {light, 1.0f};
