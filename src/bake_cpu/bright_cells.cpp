@@ -24,10 +24,12 @@ constexpr float kGuideTexels = 8.0f;
 constexpr float kManyOnce = 0.2f;
 constexpr float kAsBright = 0.5f;
 constexpr float kNeighbourWeight = 0.5f;
-/// Where so few of their rays met bright cells, receivers ask in cubes so many times as wide, and again.
+/// Where so few of their rays met bright cells, receivers ask in cubes so many times as wide, and again. What they hear
+/// is of use where it makes nearly all of the noise: it may be hidden from some of them.
 constexpr float kEnoughSightings = 128.0f;
 constexpr float kWider = 3.0f;
 constexpr int kGuideLevels = 4;
+constexpr float kNoiseFromAfar = 10.0f;
 constexpr std::size_t kMostEntries = 64; ///< of a guide
 /// Pieces take memory: for each cell there are so many at most, or so many for small lightmaps.
 constexpr float kMostPiecesForCell = 0.125f;
@@ -311,30 +313,31 @@ void BrightCells::makeGuides(std::span<const CellLight> cells, float texelMeters
     std::vector<uint32_t> open(guides_.size());
     std::iota(open.begin(), open.end(), 0u);
     std::vector<uint32_t> cubeOfGuide = open;
-    for (int level = 1; !open.empty(); ++level) {
-        const float enough = level < kGuideLevels ? kEnoughSightings : 0.0f;
+    std::erase_if(open, [&](uint32_t g) { return addGuide(receivers, g, {}, guides_[g]) >= kEnoughSightings; });
+    for (int level = 2; level <= kGuideLevels && !open.empty(); ++level) {
+        width *= kWider;
+        const std::vector<uint32_t> parents = receivers.widen(width);
+        for (uint32_t& cube : cubeOfGuide) cube = parents[cube];
+        const Least least{level < kGuideLevels ? kEnoughSightings : 0.0f, kNoiseFromAfar};
         struct Asked {
             bool yet = false;
-            bool enough = false;
+            float sightings = 0.0f;
             Guide guide;
         };
         std::vector<Asked> asked(receivers.cubes.size());
         std::erase_if(open, [&](uint32_t g) {
             Asked& cube = asked[cubeOfGuide[g]];
-            if (!cube.yet) cube.enough = addGuide(receivers, cubeOfGuide[g], enough, cube.guide);
+            if (!cube.yet) cube.sightings = addGuide(receivers, cubeOfGuide[g], least, cube.guide);
             cube.yet = true;
-            guides_[g] = cube.guide;
-            return cube.enough;
+            if (cube.guide.count > 0) guides_[g] = cube.guide;
+            return cube.sightings >= least.sightings;
         });
-        if (open.empty()) break;
-        width *= kWider;
-        const std::vector<uint32_t> parents = receivers.widen(width);
-        for (uint32_t& cube : cubeOfGuide) cube = parents[cube];
     }
 }
 
-/// The guide of the receivers in a cube; false where their rays and those around met bright cells too seldom.
-bool BrightCells::addGuide(const Receivers& receivers, uint32_t cube, float enough, Guide& guide)
+/// Makes the guide of the receivers in a cube, if they and those around have as many sightings of bright cells and as
+/// much noise from them as it takes. Returns the number of sightings.
+float BrightCells::addGuide(const Receivers& receivers, uint32_t cube, const Least& least, Guide& guide)
 {
     const float illuminance = receivers.cubes[cube].illuminance();
     std::vector<Seen> seen;
@@ -353,7 +356,7 @@ bool BrightCells::addGuide(const Receivers& receivers, uint32_t cube, float enou
             met += s.rays;
         }
     });
-    if (met < enough) return false;
+    if (met < least.sightings) return met;
     Seen::join(seen);
     const std::size_t count = seen.size();
     if (count > kMostEntries) {
@@ -367,11 +370,13 @@ bool BrightCells::addGuide(const Receivers& receivers, uint32_t cube, float enou
         light += double(s.light);
         squares += double(s.squares);
     }
-    if (!(light > 0.0 && light < double(kInfinity) && rays > 0.0f && illuminance > 0.0f)) return true;
+    if (!(light > 0.0 && light < double(kInfinity) && rays > 0.0f && illuminance > 0.0f)) return met;
+    const double brought = double(kPi) / double(illuminance);
+    const auto noise = float(brought * brought * squares / double(rays));
+    if (noise < least.noise) return met;
     guide.first = uint32_t(entries_.size());
     guide.count = uint32_t(seen.size());
-    const double brought = double(kPi) / double(illuminance);
-    guide.noise = float(brought * brought * squares / double(rays));
+    guide.noise = noise;
     guide.share = float(light * light / (squares * double(rays)));
     double sum = 0.0;
     for (const Seen& s : seen) {
@@ -379,7 +384,7 @@ bool BrightCells::addGuide(const Receivers& receivers, uint32_t cube, float enou
         entries_.push_back({s.patch, float(double(s.light) / light)});
         entryEnds_.push_back(float(sum / light));
     }
-    return true;
+    return met;
 }
 
 /// Leaves out the patches that no guide names, and if pieces would be too many, those that bring least light for each.

@@ -124,7 +124,11 @@ private:
     struct Seen;
     struct Receivers;
     void makeGuides(std::span<const CellLight> cells, float texelMeters, const Sightings& sightings);
-    bool addGuide(const Receivers& receivers, uint32_t cube, float enough, Guide& guide);
+    struct Least {
+        float sightings = 0.0f;
+        float noise = 0.0f;
+    };
+    float addGuide(const Receivers& receivers, uint32_t cube, const Least& least, Guide& guide);
     void keepPatches(const RadianceCache& cache, const SurfaceTracer& tracer);
     void findPieces(const RadianceCache& cache, const SurfaceTracer& tracer, std::span<const CellLight> cells);
 
