@@ -86,6 +86,7 @@ bool addBakedLights(const ShadowPass& pass, uint32_t seed, std::span<IrradianceE
     for (const PunctualLight& light : pass.paths.lights()) {
         if (light.directAtTexels) lights.push_back(&light);
     }
+    const auto rays = float(pass.timesOnEdges * pass.samples);
     for (std::size_t first = 0; first < lights.size(); first += kLightsAtOnce) {
         const std::size_t count = std::min(kLightsAtOnce, lights.size() - first);
         std::vector<ShadowSource> sources;
@@ -99,7 +100,7 @@ bool addBakedLights(const ShadowPass& pass, uint32_t seed, std::span<IrradianceE
                 Unshadowed unshadowed(pass, i);
                 for (std::size_t l = 0; l < count; ++l) {
                     const LitCount& lit = counts[i * count + l];
-                    if (!(lit.all > 0.0f)) continue;
+                    if (!lit.any()) continue;
                     const float strength = lights[first + l]->shadowStrength;
                     const float arrives = glm::mix(1.0f, lit.share(), strength);
                     if (arrives <= 0.0f) continue;
@@ -107,9 +108,9 @@ bool addBakedLights(const ShadowPass& pass, uint32_t seed, std::span<IrradianceE
                     out[i].irradiance += arrives * light.irradiance;
                     out[i].direct += arrives * light.irradiance;
                     out[i].moment += arrives * light.moment;
-                    // Of a share of so many yes-or-no rays, as if they were independent.
+                    // Of a share of so many yes-or-no rays, as if they were independent: texels lit in part have all.
                     const float contrast = lit.mixed() ? luminance(light.irradiance) * strength : 0.0f;
-                    const float variance = contrast * contrast * lit.share() * (1.0f - lit.share()) / float(lit.rays);
+                    const float variance = contrast * contrast * lit.share() * (1.0f - lit.share()) / rays;
                     out[i].varianceOfMean += variance;
                     out[i].varianceOfDirect += variance;
                 }

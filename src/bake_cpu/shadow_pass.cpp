@@ -7,7 +7,6 @@
 
 #include <algorithm>
 #include <cassert>
-#include <limits>
 
 namespace halflight {
 namespace {
@@ -17,7 +16,7 @@ namespace {
 constexpr int kAgreeRadius = 3;
 constexpr int kEnoughTexels = 16;
 /// More rays, in pairs of halves, could not be counted.
-constexpr int kMostHalves = std::numeric_limits<uint16_t>::max() / (2 * ShadowRays::kHalf) * 2;
+constexpr int kMostHalves = LitCount::kMostRays / (2 * ShadowRays::kHalf) * 2;
 
 } // namespace
 

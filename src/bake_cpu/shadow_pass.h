@@ -10,6 +10,7 @@
 
 #include <algorithm>
 #include <atomic>
+#include <bit>
 #include <span>
 #include <vector>
 
@@ -39,24 +40,35 @@ struct LitRange {
     [[nodiscard]] bool mixed() const { return int(most) - int(least) > kAlike; }
 };
 
-/// What a texel's rays to one light have told so far.
+/// What a texel's rays to one light have told so far, in one word: there is one for each texel and light at once. Sums
+/// are floats without their last eight bits, which hold whole numbers up to kMostRays.
 struct LitCount {
-    float lit = 0.0f; ///< of `all`, what arrives
-    float all = 0.0f; ///< weights of the rays
-    uint16_t rays = 0;
-    LitRange range;
+    static constexpr int kMostRays = 1 << 16;
+    uint64_t lit : 24 = 0; ///< of `all`, what arrives
+    uint64_t all : 24 = 0; ///< weights of the rays
+    uint64_t least : 8 = LitRange{}.least;
+    uint64_t most : 8 = LitRange{}.most;
 
     /// A ray that counts so much, of whose light a share arrives.
     void add(float share, float weight)
     {
-        lit += weight * share;
-        all += weight;
-        ++rays;
-        range.add(share);
+        lit = shortened(lengthened(lit) + weight * share);
+        all = shortened(lengthened(all) + weight);
+        LitRange both = range();
+        both.add(share);
+        least = both.least;
+        most = both.most;
     }
-    [[nodiscard]] bool mixed() const { return range.mixed(); }
-    [[nodiscard]] float share() const { return all > 0.0f ? lit / all : 1.0f; }
+    [[nodiscard]] bool any() const { return all > 0; }
+    [[nodiscard]] bool mixed() const { return range().mixed(); }
+    [[nodiscard]] float share() const { return any() ? std::min(lengthened(lit) / lengthened(all), 1.0f) : 1.0f; }
+
+private:
+    [[nodiscard]] LitRange range() const { return {uint8_t(least), uint8_t(most)}; }
+    static float lengthened(uint64_t bits) { return std::bit_cast<float>(uint32_t(bits) << 8); }
+    static uint64_t shortened(float sum) { return (std::bit_cast<uint32_t>(sum) + 0x80u) >> 8; }
 };
+static_assert(sizeof(LitCount) == 8);
 
 /// A light, or several that never meet.
 struct ShadowSource {
