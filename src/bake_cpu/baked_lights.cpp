@@ -5,7 +5,6 @@
 #include "halflight/base/parallel.h"
 
 #include <algorithm>
-#include <cmath>
 
 namespace halflight {
 namespace {
@@ -35,7 +34,7 @@ public:
         const auto add = [&](int batch) {
             for (const SurfacePoint& point : pointsOf(batch)) {
                 const shading::LightSample s = light.at(point.position);
-                const vec3 value = s.illuminance * std::max(glm::dot(point.normal, s.direction), 0.0f);
+                const vec3 value = irradianceOn(point.normal, s);
                 const float weight = luminance(value);
                 sum.irradiance += value;
                 sum.moment += weight * s.direction;

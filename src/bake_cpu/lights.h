@@ -13,6 +13,12 @@
 
 namespace halflight {
 
+/// Irradiance of a surface with a normal, of what an unoccluded light brings to its place.
+inline vec3 irradianceOn(vec3 normal, const shading::LightSample& light)
+{
+    return light.illuminance * std::max(glm::dot(normal, light.direction), 0.0f);
+}
+
 /// A punctual light with its constants worked out.
 struct PunctualLight {
     int type = shading::kLightPoint;
@@ -40,11 +46,7 @@ struct PunctualLight {
         return shading::sampleLight(type, colorIntensity, position, axis, range, spotConstants, point);
     }
     /// Irradiance of an unoccluded point with a normal.
-    [[nodiscard]] vec3 irradianceAt(vec3 point, vec3 normal) const
-    {
-        const shading::LightSample s = at(point);
-        return s.illuminance * std::max(glm::dot(normal, s.direction), 0.0f);
-    }
+    [[nodiscard]] vec3 irradianceAt(vec3 point, vec3 normal) const { return irradianceOn(normal, at(point)); }
     /// Whether a point is within range and cone. A light that is switched off in the file still reaches: it may be
     /// switched on at run time (spec S29), and its mask must be there then.
     [[nodiscard]] bool reaches(vec3 point) const
