@@ -259,45 +259,10 @@ void BrightCells::makeGuides(std::span<const CellLight> cells, float texelMeters
         return a.guide != b.guide ? a.guide < b.guide : a.cell < b.cell;
     });
 
-    // Patches of the cells that were seen, and of those as bright around them where many were seen only once: then
-    // there are more that nobody happened to see (Good 1953, "The Population Frequencies of Species").
-    const Cubes patchCubes(kPatchTexels * texelMeters);
-    std::fill(keys.begin(), keys.end(), kNone);
-    std::vector<uint32_t> timesSeen(cells.size());
-    for (const Sighting& s : own) {
-        keys[s.cell] = patchCubes.key(cells[s.cell].position, cells[s.cell].direction);
-        ++timesSeen[s.cell];
-    }
-    std::vector<uint32_t> patchOfSeen;
-    const std::vector<uint64_t> patchKeys = numberKeys(keys, kNone, patchOfSeen);
     release(keys);
-    struct Seeing {
-        float cells = 0.0f;
-        float once = 0.0f; ///< of these
-        float times = 0.0f;
-        float radiance = 0.0f; ///< sum over the cells
-    };
-    std::vector<Seeing> seeing(patchKeys.size());
-    for (std::size_t i = 0; i < cells.size(); ++i) {
-        if (timesSeen[i] == 0) continue;
-        Seeing& s = seeing[patchOfSeen[i]];
-        ++s.cells;
-        s.once += timesSeen[i] == 1 ? 1.0f : 0.0f;
-        s.times += float(timesSeen[i]);
-        s.radiance += cells[i].radiance;
-    }
-    patches_.resize(patchKeys.size());
-    for (std::size_t i = 0; i < cells.size(); ++i) {
-        const CellLight& cell = cells[i];
-        members_[i].patch = patchOfSeen[i];
-        if (timesSeen[i] > 0 || cell.direction == CellLight::kNowhere || !(cell.radiance < kInfinity)) continue;
-        const uint64_t key = patchCubes.key(cell.position, cell.direction);
-        const auto found = std::lower_bound(patchKeys.begin(), patchKeys.end(), key);
-        if (found == patchKeys.end() || *found != key) continue;
-        const Seeing& s = seeing[std::size_t(found - patchKeys.begin())];
-        if (s.once < kManyOnce * s.times || cell.radiance * s.cells < kAsBright * s.radiance) continue;
-        members_[i].patch = uint32_t(found - patchKeys.begin());
-    }
+    std::vector<uint32_t> timesSeen(cells.size());
+    for (const Sighting& s : own) ++timesSeen[s.cell];
+    makePatches(cells, timesSeen, texelMeters);
     std::size_t next = 0;
     for (std::size_t g = 0; g < receivers.cubes.size(); ++g) {
         const std::size_t first = receivers.cubes[g].firstSeen = receivers.seen.size();
@@ -332,6 +297,48 @@ void BrightCells::makeGuides(std::span<const CellLight> cells, float texelMeters
             if (cube.guide.count > 0) guides_[g] = cube.guide;
             return cube.sightings >= least.sightings;
         });
+    }
+}
+
+/// Patches of the cells that were seen, and of those as bright around them where many were seen only once: then there
+/// are more that nobody happened to see (Good 1953, "The Population Frequencies of Species").
+void BrightCells::makePatches(std::span<const CellLight> cells, std::span<const uint32_t> timesSeen, float texelMeters)
+{
+    constexpr uint64_t kNone = ~uint64_t(0);
+    const Cubes patchCubes(kPatchTexels * texelMeters);
+    std::vector<uint64_t> keys(cells.size(), kNone);
+    for (std::size_t i = 0; i < cells.size(); ++i) {
+        if (timesSeen[i] > 0) keys[i] = patchCubes.key(cells[i].position, cells[i].direction);
+    }
+    std::vector<uint32_t> patchOfSeen;
+    const std::vector<uint64_t> patchKeys = numberKeys(keys, kNone, patchOfSeen);
+    release(keys);
+    struct Seeing {
+        float cells = 0.0f;
+        float once = 0.0f; ///< of these
+        float times = 0.0f;
+        float radiance = 0.0f; ///< sum over the cells
+    };
+    std::vector<Seeing> seeing(patchKeys.size());
+    for (std::size_t i = 0; i < cells.size(); ++i) {
+        if (timesSeen[i] == 0) continue;
+        Seeing& s = seeing[patchOfSeen[i]];
+        ++s.cells;
+        s.once += timesSeen[i] == 1 ? 1.0f : 0.0f;
+        s.times += float(timesSeen[i]);
+        s.radiance += cells[i].radiance;
+    }
+    patches_.resize(patchKeys.size());
+    for (std::size_t i = 0; i < cells.size(); ++i) {
+        const CellLight& cell = cells[i];
+        members_[i].patch = patchOfSeen[i];
+        if (timesSeen[i] > 0 || cell.direction == CellLight::kNowhere || !(cell.radiance < kInfinity)) continue;
+        const uint64_t key = patchCubes.key(cell.position, cell.direction);
+        const auto found = std::lower_bound(patchKeys.begin(), patchKeys.end(), key);
+        if (found == patchKeys.end() || *found != key) continue;
+        const Seeing& s = seeing[std::size_t(found - patchKeys.begin())];
+        if (s.once < kManyOnce * s.times || cell.radiance * s.cells < kAsBright * s.radiance) continue;
+        members_[i].patch = uint32_t(found - patchKeys.begin());
     }
 }
 

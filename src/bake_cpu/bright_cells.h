@@ -124,6 +124,7 @@ private:
     struct Seen;
     struct Receivers;
     void makeGuides(std::span<const CellLight> cells, float texelMeters, const Sightings& sightings);
+    void makePatches(std::span<const CellLight> cells, std::span<const uint32_t> timesSeen, float texelMeters);
     struct Least {
         float sightings = 0.0f;
         float noise = 0.0f;
