@@ -10,8 +10,8 @@ namespace halflight {
 namespace {
 
 /// Where a texel's points receive amounts that differ by more than this share of the most, more points are asked.
-constexpr float kAlike = 0.2f;
-constexpr int kMostBatches = 16;
+constexpr float kAlike = 0.05f;
+constexpr int kMostBatches = 64;
 
 /// What lights without shadows give a texel, on average over its points.
 class Unshadowed {

@@ -20,7 +20,7 @@ constexpr int kNoiseRadius = 2;
 /// texel, counted once, and that of the map, counted three times: noise in dark places shows less than its share of
 /// their light, but more than its share of all.
 constexpr float kFewestTimes = 0.5f;
-constexpr float kMostTimes = 16.0f;
+constexpr float kMostTimes = 32.0f;
 constexpr float kNoise = 0.15f;
 
 /// What the denoiser leaves of the noise is a share of about (w / d)^(2/3) where texels are w wide and their rays end d
@@ -131,9 +131,12 @@ private:
         for (int lane = 0; lane < group.lanes(); ++lane) {
             const TexelLight& light = lights[std::size_t(lane)];
             if (group.active(lane) && lightmap_.state_->outside.known[group.texel(lane)] == 0 &&
-                group.mask(lane) == kAllPoints && light.backFaces > 0) {
+                group.mask(lane) == kAllPoints && light.backFaces.hidden > 0) {
+                // As many rays have left all of its points.
+                const PointValidity::Met met{int(light.gathered.blocks()) * GatherPattern::kBlock,
+                                             int(light.backFaces.hidden), int(light.backFaces.solids), 0};
                 const PointMask mask =
-                    lightmap_.validity_.outside(group.points(lane), group.pointCount(lane), group.id(lane), rays);
+                    lightmap_.validity_.outside(group.points(lane), group.pointCount(lane), met, group.id(lane), rays);
                 if (mask != kAllPoints) {
                     const uint32_t texel = group.texel(lane);
                     gatherChecked(GatherGroup(lightmap_.paths_, map_, std::span(&texel, 1), std::span(&mask, 1)),
@@ -256,7 +259,7 @@ private:
         float inverseSquares = 0.0f; // mean over the rays
         for (int i = 0; i < around.count; ++i) {
             const Known& k = known_[set_.find(around.texels[std::size_t(i)])];
-            if (!k.active || k.mask != kAllPoints || k.light.backFaces > 0) return;
+            if (!k.active || k.mask != kAllPoints || k.light.backFaces.hidden > 0) return;
             inverseSquares += k.light.inverseSquaresOfRay() / float(around.count);
         }
         if (!(inverseSquares * around.meters * around.meters <= kMostBend)) return;

@@ -53,7 +53,7 @@ void FinalGather::beginBlock()
 {
     halves_ = {};
     inverseSquares_.fill(0.0f);
-    backFaces_.fill(0);
+    backFaces_.fill({});
 }
 
 void FinalGather::endBlock(int lane, TexelLight& light, TexelSum& sum)
@@ -68,7 +68,7 @@ void FinalGather::endBlock(int lane, TexelLight& light, TexelSum& sum)
         sum.add(finite ? irradiance : vec3(0.0f), finite ? moment : vec3(0.0f));
     }
     light.inverseSquares += inverseSquares_[l];
-    light.backFaces += backFaces_[l];
+    light.backFaces.add(backFaces_[l]);
 }
 
 void FinalGather::cutEmitters(const GatherGroup& group)
@@ -160,7 +160,7 @@ void FinalGather::gatherBlock(const GatherGroup& group, int block, uint64_t& ray
         for (int lane = 0; lane < TexelGroup::kLanes; ++lane) {
             uint32_t& w = where[std::size_t(cell) * kLanes + std::size_t(lane)];
             if (w == kMissed) continue;
-            if (cache_->hiddenBack(w)) ++backFaces_[std::size_t(lane)];
+            if (cache_->hiddenBack(w)) countBack(lane, tracer.triangleAt(w / 2));
             if (!cache_->hasCells(w)) {
                 w = kOther;
                 continue;
@@ -291,7 +291,8 @@ vec3 FinalGather::slowRadiance(const GatherGroup& group, int lane, int block, in
 {
     const Receiver receiver = receiverOf(group, lane, block, cell);
     const RayHit at = bundle_.at(cell, lane);
-    if (cache_ == nullptr && paths_.surfaces().metHiddenBack(at)) ++backFaces_[std::size_t(lane)];
+    if (cache_ == nullptr && paths_.surfaces().metHiddenBack(at))
+        countBack(lane, paths_.surfaces().triangleOf(at.geomID, at.primID));
     const vec3 direction = bundle_.direction(cell, lane);
     const float pdf = PathTracer::gatherPdf(receiver.normal, direction);
     Sampler sampler(settings_.seed, group.id(lane), uint32_t(block * GatherPattern::kBlock + cell));

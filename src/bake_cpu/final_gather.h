@@ -38,12 +38,24 @@ struct TexelSum {
     }
 };
 
+/// Rays that met the inside of a surface; from 65535 on they are not counted.
+struct BackFaces {
+    uint16_t hidden = 0; ///< that nobody is meant to see
+    uint16_t solids = 0; ///< of them, those of solids
+
+    void add(BackFaces other)
+    {
+        hidden = uint16_t(std::min(hidden + other.hidden, 0xffff));
+        solids = uint16_t(std::min(solids + other.solids, 0xffff));
+    }
+};
+
 /// Running estimate of one texel.
 struct TexelLight {
     TexelSum gathered;           ///< along rays spread over the hemisphere
     TexelSum emitted;            ///< from points sampled on emitters
     float inverseSquares = 0.0f; ///< of the distances of the rays' hits, summed: 1 / m^2
-    uint32_t backFaces = 0;      ///< rays that met the inside of a surface
+    BackFaces backFaces;
 
     [[nodiscard]] vec3 irradiance() const { return gathered.mean() + emitted.mean(); }
     /// On average.
@@ -103,6 +115,13 @@ private:
     }
     /// What the end of a ray emits, as it counts beside samples of emitters.
     [[nodiscard]] vec3 emission(const GatherGroup& group, int lane, int block, int cell) const;
+    /// Counts a ray that met a hidden back.
+    void countBack(int lane, uint32_t triangle)
+    {
+        BackFaces& met = backFaces_[std::size_t(lane)];
+        ++met.hidden;
+        met.solids += paths_.surfaces().geometry().solid[triangle];
+    }
     /// What a ray brings whose end has no cell, or is too close by for it.
     vec3 slowRadiance(const GatherGroup& group, int lane, int block, int cell, uint64_t& rays);
     /// Counts light that arrives along the rays of a packet.
@@ -134,7 +153,7 @@ private:
     };
     std::array<Half, 2> halves_;
     std::array<float, TexelGroup::kLanes> inverseSquares_;
-    std::array<uint32_t, TexelGroup::kLanes> backFaces_;
+    std::array<BackFaces, TexelGroup::kLanes> backFaces_;
     LightTree::Cut cut_;                                        ///< of the group's texels
     std::array<BrightCells::Guide, TexelGroup::kLanes> guides_; ///< to bright cells
     std::array<int, TexelGroup::kLanes> brightSamples_{};       ///< of a block, for each texel

@@ -21,9 +21,10 @@ constexpr std::size_t kRangeItems = 256;
 struct Effort {
     int rays;
     int direct;
+    int every = 1; ///< in cells that texels cover, or nearly, only one of so many gathers
 };
-constexpr std::array<Effort, 4> kEffort = {{{16, 8}, {4, 2}, {4, 1}, {4, 1}}};
-constexpr std::array<Effort, 4> kMoreEffort = {{{32, 16}, {8, 4}, {4, 2}, {4, 1}}};
+constexpr std::array<Effort, 4> kEffort = {{{16, 8}, {4, 2}, {4, 1, 2}, {4, 1, 4}}};
+constexpr std::array<Effort, 4> kMoreEffort = {{{32, 16}, {8, 4}, {4, 2}, {4, 1, 2}}};
 constexpr int kManySamples = 96;
 constexpr Effort kTriangleEffort = {8, 4};
 constexpr Effort kPartEffort = {8, 4};
@@ -36,6 +37,11 @@ constexpr float kLongestEdgeInCells = 2.0f;
 /// Rays shorter than this many cells would see their squares.
 constexpr float kNearestInCells = 0.5f;
 constexpr float kNearestInParts = 0.25f;
+
+Effort squareEffort(const IntegrationSettings& settings, int cellShift)
+{
+    return (settings.samples >= kManySamples ? kMoreEffort : kEffort)[std::size_t(cellShift)];
+}
 
 int directionOf(vec3 normal)
 {
@@ -268,6 +274,34 @@ std::vector<uint32_t> RadianceCache::texelsOf(const TexelMap& map, uint32_t firs
     return texels;
 }
 
+/// The square that most of a texel is in.
+uint32_t RadianceCache::cellOf(const TexelMap& map, uint32_t texel) const
+{
+    const Texel& t = map.texels[texel];
+    return cellOf(t, map.fragments[t.firstFragment].triangle);
+}
+
+/// Takes all but one texel of `every` out of cells that texels cover, or nearly, and returns them.
+std::vector<uint32_t> RadianceCache::thinOut(std::vector<uint32_t>& texels, const TexelMap& map, int every) const
+{
+    std::vector<uint32_t> rest;
+    if (every == 1) return rest;
+    std::vector<uint8_t> counts(squares_);
+    for (const uint32_t texel : texels) {
+        if (const uint32_t cell = cellOf(map, texel); cell != kNoCells) ++counts[cell];
+    }
+    const int enough = 3 << (2 * cellShift_ - 2);
+    std::erase_if(texels, [&](uint32_t texel) {
+        const uint32_t cell = cellOf(map, texel);
+        // On lines that are no rows or columns.
+        const int line = map.texels[texel].x + every / 2 * map.texels[texel].y;
+        if (cell == kNoCells || counts[cell] < enough || line % every == 0) return false;
+        rest.push_back(texel);
+        return true;
+    });
+    return rest;
+}
+
 /// What a round of gathering is for. The first, of the squares, finds what the others are needed for.
 enum class RadianceCache::Pass : uint32_t {
     Squares,   ///< items are texels
@@ -315,10 +349,9 @@ private:
     static bool ofParts(Pass pass) { return pass == Pass::Parts || pass == Pass::BackParts; }
     static Effort effortOf(const IntegrationSettings& settings, Pass pass, int cellShift)
     {
-        const bool more = settings.samples >= kManySamples;
         if (pass == Pass::Triangles) return kTriangleEffort;
-        if (ofParts(pass)) return more ? kMorePartEffort : kPartEffort;
-        return (more ? kMoreEffort : kEffort)[std::size_t(cellShift)];
+        if (ofParts(pass)) return settings.samples >= kManySamples ? kMorePartEffort : kPartEffort;
+        return squareEffort(settings, cellShift);
     }
 
     template<typename Body> void forGroups(std::span<const uint32_t> items, const Body& body) const
@@ -359,7 +392,8 @@ private:
     {
         const int blocks = std::max(1, effort_.rays / GatherPattern::kBlock);
         std::array<uint8_t, GatherPattern::kBlock> cells;
-        const auto cellCount = std::size_t(cellsOf(group.texel(0) / TexelGroup::kLanes, cells));
+        const auto cellCount =
+            std::size_t(cellsOf(group.texel(0) / (TexelGroup::kLanes * uint32_t(effort_.every)), cells));
         std::array<bool, TexelGroup::kLanes> use{};
         for (int lane = 0; lane < group.lanes(); ++lane) use[std::size_t(lane)] = group.active(lane);
         for (int b = 0; b < blocks; ++b) {
@@ -390,39 +424,26 @@ private:
                   [&](uint8_t a, uint8_t b) { return parts[a] != parts[b] ? parts[a] < parts[b] : a < b; });
     }
 
-    /// Looks closer where a ray met the inside of a surface first. Where all rays, from as many points, met the inside
-    /// of solids, there is nothing to look for.
+    /// Looks closer where a ray met the inside of a surface first.
     bool allOutside(const TexelGroup& group, int lane, std::span<const uint8_t> cells)
     {
-        if (outside_.known[group.texel(lane)] != 0) return true;
+        const uint32_t texel = group.texel(lane);
+        if (outside_.known[texel] != 0) return true;
         const SurfaceTracer& tracer = paths_.surfaces();
-        std::size_t suspicious = 0;
-        std::size_t inSolid = 0;
-        PointMask others = kAllPoints; // that had no ray
+        PointValidity::Met met{int(cells.size()), 0, 0, kAllPoints};
         for (const int cell : cells) {
-            others &= PointMask(~(1u << group.pointOf(lane, 0, cell)));
+            met.others &= PointMask(~(1u << group.pointOf(lane, 0, cell)));
             if (!bundle_.hit(cell, lane) || !bundle_.behind(cell, lane)) continue;
-            suspicious += cache_.hiddenBack(recordOfHit(cell, lane)) ? 1 : 0;
+            met.hidden += cache_.hiddenBack(recordOfHit(cell, lane)) ? 1 : 0;
             const RTCHit8& h = bundle_.rays[std::size_t(cell)].hit;
-            inSolid += tracer.geometry().solid[tracer.triangleOf(h.geomID[lane], h.primID[lane])];
+            met.solids += tracer.geometry().solid[tracer.triangleOf(h.geomID[lane], h.primID[lane])];
         }
-        if (suspicious == 0) return true;
-        const TexelPoints& points = group.points(lane);
-        const int count = group.pointCount(lane);
-        const uint32_t id = group.id(lane);
-        if (inSolid == cells.size() && count == kMaxTexelPoints) {
-            constexpr std::size_t kEnough = 8;
-            while (std::popcount(others) > embree::kPacket) others &= PointMask(others - 1u);
-            if (inSolid >= kEnough || validity_.allInSolids(points, others, id, rays_)) {
-                setOutside(group.texel(lane), 0);
-                return false;
-            }
-        }
-        const PointMask outside = inSolid > 0 ? validity_.outsideSolids(points, count, id, rays_) : kAllPoints;
-        const PointMask mask = validity_.outsideShells(points, count, outside, suspicious == cells.size(), id, rays_);
-        setOutside(group.texel(lane), mask);
+        if (met.hidden == 0) return true;
+        const PointMask mask =
+            validity_.outside(group.points(lane), group.pointCount(lane), met, group.id(lane), rays_);
+        setOutside(texel, mask);
         if (mask == kAllPoints) return true;
-        if (mask != 0) again_.push_back(group.texel(lane));
+        if (mask != 0) again_.push_back(texel);
         return false;
     }
 
@@ -816,8 +837,18 @@ bool RadianceCache::build(const PathTracer& paths, const TexelMap& map, const Ga
     look(Pass::Squares, all);
     addParts(0, kDivided);
     look(Pass::Parts, texelsOf(map, 0, kDivided));
+    // Where texels turn out to lie inside geometry, the others of the same cell are looked at too.
+    std::vector<uint32_t> rest = thinOut(all, map, squareEffort(settings, cellShift_).every);
     gather(Pass::Squares, all);
+    std::vector<uint8_t> doubtful(squares_);
+    for (const uint32_t texel : all) {
+        if (const uint32_t cell = cellOf(map, texel); cell != kNoCells && outside.masks[texel] != kAllPoints)
+            doubtful[cell] = 1;
+    }
     release(all);
+    std::erase_if(rest, [&](uint32_t texel) { return doubtful[cellOf(map, texel)] == 0; });
+    gather(Pass::Squares, rest);
+    release(rest);
     findWanted(ranges);
     addParts(0, kMetNear);
     const std::vector<uint32_t> backs = texelsOf(map, squares_, kWanted);

@@ -116,6 +116,8 @@ private:
     void addParts(uint32_t firstCell, uint8_t of);
     void findWanted(std::vector<RangeOutput>& ranges);
     [[nodiscard]] uint32_t cellOf(const Texel& texel, uint32_t triangle) const;
+    [[nodiscard]] uint32_t cellOf(const TexelMap& map, uint32_t texel) const;
+    std::vector<uint32_t> thinOut(std::vector<uint32_t>& texels, const TexelMap& map, int every) const;
     [[nodiscard]] std::vector<uint32_t> texelsOf(const TexelMap& map, uint32_t firstCell, uint8_t state) const;
     void findSubstituteTriangles(const std::vector<uint32_t>& rayCount, const BakeGeometry& geometry);
     void findSubstitutes(const std::vector<uint32_t>& rayCount, const BakeGeometry& geometry);

@@ -20,20 +20,6 @@ constexpr int kMostHalves = LitCount::kMostRays / (2 * ShadowRays::kHalf) * 2;
 
 } // namespace
 
-ShadowRays::Aim ShadowSource::aimOf(const SurfacePoint& point) const
-{
-    for (const PunctualLight* light : lights) {
-        if (lit) {
-            constexpr float kMost = 1.0e30f; // so that sums are numbers
-            const float weight = std::min(luminance(light->irradianceAt(point.position, point.normal)), kMost);
-            if (weight > 0.0f) return {light, weight};
-        } else if (light->reaches(point.position)) {
-            return {light, 1.0f};
-        }
-    }
-    return {};
-}
-
 bool traceShadows(const ShadowPass& pass, const std::vector<ShadowSource>& sources, std::vector<LitCount>& counts)
 {
     const std::size_t sourceCount = sources.size();
@@ -64,15 +50,12 @@ bool traceShadows(const ShadowPass& pass, const std::vector<ShadowSource>& sourc
                             counted[std::size_t(lane)] = &counts[number * sourceCount];
                     }
                     for (std::size_t s = 0; s < sourceCount; ++s) {
-                        const ShadowRays shadows(pass.paths, pass.pattern, sources[s].seed);
-                        shadows.trace(
-                            group, ~0u, 0, [&](const SurfacePoint& point) { return sources[s].aimOf(point); },
-                            [&](int lane, float share, float weight) {
-                                firstLook[(first + std::size_t(lane)) * sourceCount + s].add(share);
-                                LitCount* own = counted[std::size_t(lane)];
-                                if (own != nullptr) own[s].add(share, weight);
-                            },
-                            rays);
+                        const ShadowRays shadows(pass.paths, pass.pattern, sources[s]);
+                        const ShadowRays::Sums sums = shadows.trace(group, ~0u, 0, rays);
+                        for (std::size_t lane = 0; lane < std::size_t(group.lanes()); ++lane) {
+                            firstLook[(first + lane) * sourceCount + s] = sums[lane].range;
+                            if (counted[lane] != nullptr) counted[lane][s].add(sums[lane]);
+                        }
                     }
                 };
             })) {
@@ -154,14 +137,10 @@ bool traceShadows(const ShadowPass& pass, const std::vector<ShadowSource>& sourc
                             }
                             if (half == 0) wanted &= ~started;
                             if (wanted == 0) continue;
-                            ShadowRays(pass.paths, pass.pattern, sources[s].seed)
-                                .trace(
-                                    points, wanted, half,
-                                    [&](const SurfacePoint& point) { return sources[s].aimOf(point); },
-                                    [&](int lane, float share, float weight) {
-                                        counts[list[first + std::size_t(lane)] * sourceCount + s].add(share, weight);
-                                    },
-                                    rays);
+                            const ShadowRays shadows(pass.paths, pass.pattern, sources[s]);
+                            const ShadowRays::Sums sums = shadows.trace(points, wanted, half, rays);
+                            for (std::size_t lane = 0; lane < lanes; ++lane)
+                                counts[list[first + lane] * sourceCount + s].add(sums[lane]);
                         }
                     };
                     // The group is of batch 0.

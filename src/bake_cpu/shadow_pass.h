@@ -16,32 +16,9 @@
 
 namespace halflight {
 
-/// Between what shares the rays to one light arrived from a texel.
-struct LitRange {
-    static constexpr int kLit = 254; ///< of a ray all of whose light arrives
-    /// Rays that differ no more than this find the same: light through one pane of glass, say.
-    static constexpr int kAlike = 8;
-    uint8_t least = kLit;
-    uint8_t most = 0;
-
-    void add(float share)
-    {
-        const auto value = uint8_t(share * float(kLit) + 0.5f);
-        least = std::min(least, value);
-        most = std::max(most, value);
-    }
-    /// Takes in what another's rays found.
-    void add(LitRange other)
-    {
-        least = std::min(least, other.least);
-        most = std::max(most, other.most);
-    }
-    /// Whether rays found one thing and others another.
-    [[nodiscard]] bool mixed() const { return int(most) - int(least) > kAlike; }
-};
-
 /// What a texel's rays to one light have told so far, in one word: there is one for each texel and light at once. Sums
-/// are floats without their last eight bits, which hold whole numbers up to kMostRays.
+/// are floats without their last eight bits; of kMostRays, the last eight still count within a thirtieth of what they
+/// should.
 struct LitCount {
     static constexpr int kMostRays = 1 << 16;
     uint64_t lit : 24 = 0; ///< of `all`, what arrives
@@ -49,13 +26,12 @@ struct LitCount {
     uint64_t least : 8 = LitRange{}.least;
     uint64_t most : 8 = LitRange{}.most;
 
-    /// A ray that counts so much, of whose light a share arrives.
-    void add(float share, float weight)
+    void add(const LitSum& sum)
     {
-        lit = shortened(lengthened(lit) + weight * share);
-        all = shortened(lengthened(all) + weight);
+        lit = shortened(lengthened(lit) + sum.lit);
+        all = shortened(lengthened(all) + sum.all);
         LitRange both = range();
-        both.add(share);
+        both.add(sum.range);
         least = both.least;
         most = both.most;
     }
@@ -69,17 +45,6 @@ private:
     static uint64_t shortened(float sum) { return (std::bit_cast<uint32_t>(sum) + 0x80u) >> 8; }
 };
 static_assert(sizeof(LitCount) == 8);
-
-/// A light, or several that never meet.
-struct ShadowSource {
-    std::vector<const PunctualLight*> lights;
-    /// Only points that would be lit look, those that face the light, which is not dark there; and their rays count as
-    /// much as they would receive.
-    bool lit = false;
-    uint32_t seed = 0;
-
-    [[nodiscard]] ShadowRays::Aim aimOf(const SurfacePoint& point) const;
-};
 
 struct ShadowPass {
     const PathTracer& paths;

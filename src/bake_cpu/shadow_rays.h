@@ -41,6 +41,73 @@ public:
     }
 };
 
+/// Between what shares the rays to one light arrived from a texel.
+struct LitRange {
+    static constexpr int kLit = 254; ///< of a ray all of whose light arrives
+    /// Rays that differ no more than this find the same: light through one pane of glass, say.
+    static constexpr int kAlike = 8;
+    uint8_t least = kLit;
+    uint8_t most = 0;
+
+    void add(float share)
+    {
+        const auto value = uint8_t(share * float(kLit) + 0.5f);
+        least = std::min(least, value);
+        most = std::max(most, value);
+    }
+    /// Takes in what another's rays found.
+    void add(LitRange other)
+    {
+        least = std::min(least, other.least);
+        most = std::max(most, other.most);
+    }
+    /// Whether rays found one thing and others another.
+    [[nodiscard]] bool mixed() const { return int(most) - int(least) > kAlike; }
+};
+
+/// Of some rays to one light.
+struct LitSum {
+    float lit = 0.0f; ///< of `all`, what arrives
+    float all = 0.0f; ///< weights of the rays
+    LitRange range;
+
+    /// A ray that counts so much, of whose light a share arrives.
+    void add(float share, float weight)
+    {
+        lit += weight * share;
+        all += weight;
+        range.add(share);
+    }
+};
+
+/// A light, or several that never meet.
+struct ShadowSource {
+    std::vector<const PunctualLight*> lights;
+    /// Only points that would be lit look, those that face the light, which is not dark there; and their rays count as
+    /// much as they would receive.
+    bool lit = false;
+    uint32_t seed = 0;
+
+    /// The light that a point looks at, null for none, and what its ray counts.
+    struct Aim {
+        const PunctualLight* light = nullptr;
+        float weight = 1.0f;
+    };
+    [[nodiscard]] Aim aimOf(const SurfacePoint& point) const
+    {
+        for (const PunctualLight* light : lights) {
+            if (lit) {
+                constexpr float kMost = 1.0e30f; // so that sums are numbers
+                const float weight = std::min(luminance(light->irradianceAt(point.position, point.normal)), kMost);
+                if (weight > 0.0f) return {light, weight};
+            } else if (light->reaches(point.position)) {
+                return {light, 1.0f};
+            }
+        }
+        return {};
+    }
+};
+
 /// Samples come in halves of eight, each at points of the texel of its own: two halves use up a batch of texelPoints().
 /// So shadow edges are antialiased by as many points as there are rays, and lights without extent gain from more rays
 /// like the others.
@@ -48,25 +115,19 @@ class ShadowRays {
 public:
     static constexpr int kHalf = 8;
 
-    ShadowRays(const PathTracer& paths, const GatherPattern& pattern, uint32_t seed)
-        : paths_(paths), pattern_(pattern), seed_(seed)
+    ShadowRays(const PathTracer& paths, const GatherPattern& pattern, const ShadowSource& source)
+        : paths_(paths), pattern_(pattern), source_(source)
     {}
 
     /// Halves that `samples` rays for each texel come to.
     static int halvesOf(int samples) { return std::max(1, (samples + kHalf - 1) / kHalf); }
 
-    /// The light that a point looks at, null for none, and what its ray counts.
-    struct Aim {
-        const PunctualLight* light = nullptr;
-        float weight = 1.0f;
-    };
-
-    /// One half for all active lanes that `wanted` names (a bit each), from the points of its batch. aimOf(point) tells
-    /// where to look; result(lane, share, weight) is called for each sample with a light: what of its light arrives.
-    template<typename AimOf, typename Result> void trace(const TexelGroup& group, uint32_t wanted, int half,
-                                                         const AimOf& aimOf, const Result& result, uint64_t& rays) const
+    /// One half for all active lanes that `wanted` names (a bit each), from the points of its batch. By lane.
+    using Sums = std::array<LitSum, TexelGroup::kLanes>;
+    Sums trace(const TexelGroup& group, uint32_t wanted, int half, uint64_t& rays) const
     {
-        std::array<Aim, TexelGroup::kLanes> aims;
+        Sums sums;
+        std::array<ShadowSource::Aim, TexelGroup::kLanes> aims;
         for (int i = 0; i < kHalf; ++i) {
             ShadowPacket packet(paths_);
             for (int lane = 0; lane < TexelGroup::kLanes; ++lane) {
@@ -74,23 +135,24 @@ public:
                 aims[l] = {};
                 if (!group.active(lane) || ((wanted >> lane) & 1u) == 0) continue;
                 const SurfacePoint& point = group.point(lane, half * kHalf + i);
-                aims[l] = aimOf(point);
+                aims[l] = source_.aimOf(point);
                 if (aims[l].light == nullptr) continue;
-                const vec2 disc = pattern_.disc(hashCombine(seed_, group.id(lane)), uint32_t(half * kHalf + i));
+                const vec2 disc = pattern_.disc(hashCombine(source_.seed, group.id(lane)), uint32_t(half * kHalf + i));
                 packet.add(lane, *aims[l].light, point, disc, rays);
             }
             const std::array<float, TexelGroup::kLanes> shares = packet.trace();
             for (int lane = 0; lane < TexelGroup::kLanes; ++lane) {
-                const Aim& aim = aims[std::size_t(lane)];
-                if (aim.light != nullptr) result(lane, shares[std::size_t(lane)], aim.weight);
+                const ShadowSource::Aim& aim = aims[std::size_t(lane)];
+                if (aim.light != nullptr) sums[std::size_t(lane)].add(shares[std::size_t(lane)], aim.weight);
             }
         }
+        return sums;
     }
 
 private:
     const PathTracer& paths_;
     const GatherPattern& pattern_;
-    uint32_t seed_;
+    const ShadowSource& source_;
 };
 
 } // namespace halflight

@@ -12,7 +12,8 @@ constexpr int kFewRays = 3;
 constexpr int kEnoughBacks = 5;
 constexpr int kManyBacks = 32;
 constexpr int kManyMoreBacks = 16; ///< where some rays met nothing else before
-constexpr int kOtherRay = kRays;   ///< number of a ray that is none of the others
+constexpr int kEnoughInSolids = 8;
+constexpr int kOtherRay = kRays; ///< number of a ray that is none of the others
 
 /// Number of the n-th bit that is set.
 int nthBit(PointMask mask, int n)
@@ -81,11 +82,6 @@ PointMask PointValidity::meetBacks(const TexelPoints& points, PointMask which, b
         }
     }
     return met;
-}
-
-bool PointValidity::allInSolids(const TexelPoints& points, PointMask which, uint32_t texelId, uint64_t& rays) const
-{
-    return meetBacks(points, which, true, texelId, kOtherRay, rays) == which;
 }
 
 /// Those of `candidates` whose rays meet the hidden backs of surfaces first, (nearly) all of them: points inside
@@ -187,6 +183,19 @@ PointMask PointValidity::outside(const TexelPoints& points, int pointCount, uint
 {
     const PointMask mask = outsideSolids(points, pointCount, texelId, rays);
     return outsideShells(points, pointCount, mask, false, texelId, rays);
+}
+
+PointMask PointValidity::outside(const TexelPoints& points, int pointCount, Met met, uint32_t texelId,
+                                 uint64_t& rays) const
+{
+    // Where all rays, from as many points, met the inside of solids, there is nothing to look for.
+    if (met.solids == met.rays && pointCount == kMaxTexelPoints) {
+        if (met.solids >= kEnoughInSolids) return 0;
+        while (std::popcount(met.others) > embree::kPacket) met.others &= PointMask(met.others - 1u);
+        if (meetBacks(points, met.others, true, texelId, kOtherRay, rays) == met.others) return 0;
+    }
+    const PointMask mask = met.solids > 0 ? outsideSolids(points, pointCount, texelId, rays) : kAllPoints;
+    return outsideShells(points, pointCount, mask, met.hidden == met.rays, texelId, rays);
 }
 
 void PointValidity::keep(PointMask mask, TexelPoints& points, int& pointCount)

@@ -39,13 +39,20 @@ public:
                             uint32_t texelId, uint64_t& rays) const;
     /// Outside of both.
     PointMask outside(const TexelPoints& points, int pointCount, uint32_t texelId, uint64_t& rays) const;
+    /// What some rays of a texel met first.
+    struct Met {
+        int rays = 0;
+        int hidden = 0;       ///< of them, those that met hidden backs
+        int solids = 0;       ///< and those that met the inside of a solid
+        PointMask others = 0; ///< points that none of them left
+    };
+    /// The same where some met a hidden back: looks only for what that can mean.
+    PointMask outside(const TexelPoints& points, int pointCount, Met met, uint32_t texelId, uint64_t& rays) const;
     /// Whether the first of a texel's points lies inside a solid.
     bool firstInSolid(const TexelPoints& points, uint32_t texelId, uint64_t& rays) const
     {
         return anySolid_ && insideSolids(points, 1, texelId, rays);
     }
-    /// Whether another ray from each of some points meets the inside of a solid first.
-    bool allInSolids(const TexelPoints& points, PointMask which, uint32_t texelId, uint64_t& rays) const;
     /// Leaves only the points of the mask.
     static void keep(PointMask mask, TexelPoints& points, int& pointCount);
 

@@ -2,6 +2,7 @@
 
 #include "bake/test_scene.h"
 
+#include "halflight/base/random.h"
 #include "halflight/shading/brdf.h"
 #include "halflight/shading/sh.h"
 
@@ -196,6 +197,54 @@ TEST_P(DirectS6, ShadowsOnTheBrighterSideOfFoldsCountAsMuch)
     const Statistics s = compare(bench.irradiance(), expected);
     EXPECT_NEAR(s.mean, expected, 0.04 * expected);
     EXPECT_LT(s.worst, 0.2);
+}
+
+/// Stripes finer than texels whose normals lean to all sides, a little: their light differs by a tenth, and a texel's
+/// is their mean.
+TEST_P(DirectS6, GentleFoldsHaveTheirMean)
+{
+    constexpr int kRows = 32;
+    constexpr int kStripes = 5; // of a texel
+    Scene scene;
+    MeshPart part;
+    part.material = addMaterial(scene, vec3(0));
+    std::vector<float> expected;
+    for (int row = 0; row < kRows; ++row) {
+        float sum = 0.0f;
+        for (int stripe = 0; stripe < kStripes; ++stripe) {
+            const auto first = uint32_t(part.positions.size());
+            const float lean = 0.5f * unitFloat(hashPcg(first));
+            for (const vec2 corner : {vec2(0, 0), vec2(0, 1), vec2(1, 1), vec2(1, 0)}) {
+                const vec2 at(float(kRows) * corner.x, float(row) + (float(stripe) + corner.y) / float(kStripes));
+                part.positions.emplace_back(at.x, 0.0f, at.y);
+                part.normals.emplace_back(std::sin(lean), std::cos(lean), 0.0f);
+                part.lightmapUv.push_back((vec2(2) + at) / float(kPage));
+            }
+            for (const uint32_t corner : {0u, 1u, 2u, 0u, 2u, 3u}) part.indices.push_back(first + corner);
+            sum += std::cos(lean) / float(kStripes);
+        }
+        expected.push_back(sum);
+    }
+    Mesh mesh;
+    mesh.parts.push_back(part);
+    Object object;
+    object.mesh = int(scene.meshes.size());
+    object.lightmap.page = 0;
+    scene.meshes.push_back(mesh);
+    scene.objects.push_back(object);
+    scene.lights.push_back(makeLight(LightType::Directional, vec3(0), vec3(0, -1, 0), 1.0f, LightMode::Baked));
+    IntegrationSettings settings = transport();
+    settings.shadowSamples = 32;
+    Bench bench(std::move(scene), MixedLightingMode::Shadowmask, kPage, settings);
+    const std::vector<IrradianceEstimate> estimates = bench.irradiance();
+    double squares = 0.0;
+    for (std::size_t i = 0; i < estimates.size(); ++i) {
+        const int row = int(bench.map.texels[i].y) - 2;
+        ASSERT_TRUE(row >= 0 && row < kRows);
+        const float error = estimates[i].irradiance.x / expected[std::size_t(row)] - 1.0f;
+        squares += double(error * error) / double(estimates.size());
+    }
+    EXPECT_LT(std::sqrt(squares), 0.0025);
 }
 
 /// A mixed light's bounce is baked, scaled by its indirect multiplier: floor lit by a sun, ceiling sees the floor.

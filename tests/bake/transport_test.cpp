@@ -540,6 +540,54 @@ TEST(RadianceCacheS6, LeavesOutSinglePointsInsideShells)
     EXPECT_EQ(different, 0);
 }
 
+TEST(RadianceCacheS6, LargeCellsTellAsMuchByFewerTexels)
+{
+    // A floor of so many texels that cells are 4 x 4 of them, of which every second one gathers; a block stands in it,
+    // and a wall beside it sees its light.
+    constexpr int kSize = 704;
+    Scene scene;
+    scene.sky = {vec3(1), vec3(1), vec3(1)};
+    const int grey = addMaterial(scene, vec3(0.5f));
+    addRectangle(scene, {vec3(-5, 0, 5), vec3(10, 0, 0), vec3(0, 0, -10)}, grey, kSize, {vec2(2), vec2(662)});
+    addRectangle(scene, {vec3(-5, 0, -5), vec3(10, 0, 0), vec3(0, 0.5f, 0)}, grey, kSize,
+                 {vec2(2, 666), vec2(662, 699)});
+    const std::size_t block = scene.meshes.size();
+    addBox(scene, vec3(-2, -1, -2), vec3(1, 1, 2), grey, false);
+    for (std::size_t i = block + 1; i < block + 6; ++i) scene.meshes[block].parts.push_back(scene.meshes[i].parts[0]);
+    scene.meshes.resize(block + 1);
+    scene.objects.resize(block + 1);
+    IntegrationSettings settings;
+    settings.samples = 16;
+    settings.shadowSamples = 8;
+    Bench bench(scene, MixedLightingMode::Shadowmask, kSize, settings);
+    const std::vector<IrradianceEstimate> estimates = bench.irradiance();
+    settings.integrator = IntegratorKind::Path;
+    settings.samples = 512;
+    Bench truth(scene, MixedLightingMode::Shadowmask, kSize, settings);
+
+    // 28.7 if all texels gathered for their cells, and more if none did.
+    EXPECT_LT(double(bench.integrator->raysTraced()), 27.5 * double(estimates.size()));
+    std::vector<uint32_t> chosen; // on the wall
+    for (uint32_t i = 0; i < uint32_t(estimates.size()); ++i) {
+        const vec3 at = bench.positionOf(bench.map.texels[i]);
+        if (at.y > 0.01f && i % 64 == 0) chosen.push_back(i);
+        // A texel is 15 mm wide.
+        const float depth = std::min(1.5f - std::abs(at.x + 0.5f), 2.0f - std::abs(at.z));
+        if (at.y > 0.01f || std::abs(depth) < 0.02f) continue;
+        ASSERT_EQ(estimates[i].valid, depth < 0.0f) << at.x << ", " << at.z;
+    }
+    ASSERT_GT(chosen.size(), 200u);
+    std::vector<IrradianceEstimate> traced(chosen.size());
+    truth.integrator->irradiance(truth.map, {chosen}, traced, {});
+    double sum = 0.0;
+    double expected = 0.0;
+    for (std::size_t i = 0; i < chosen.size(); ++i) {
+        sum += double(estimates[chosen[i]].irradiance.y);
+        expected += double(traced[i].irradiance.y);
+    }
+    EXPECT_NEAR(sum, expected, 0.01 * expected);
+}
+
 TEST(RadianceCacheS6, ThreadsChangeNoBit)
 {
     std::vector<IrradianceEstimate> first;

@@ -123,7 +123,7 @@ enum class IntegratorKind { Cache, Path };
 
 struct IntegrationSettings {
     IntegratorKind integrator = IntegratorKind::Cache;
-    /// Paths per texel. The cache takes whole blocks of 16: from half to sixteen times as many, in proportion to the
+    /// Paths per texel. The cache takes whole blocks of 16: from half to 32 times as many, in proportion to the
     /// standard deviation of the noise (of what the denoiser leaves of it, see `denoised`), and at least twice as many
     /// where few texels of the same chart are around.
     int samples = 64;
