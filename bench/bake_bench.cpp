@@ -178,6 +178,11 @@ public:
         lastError_ = error;
     }
     [[nodiscard]] bool reached() const { return found_ > 0.0; }
+    /// As if the error fell with the root of the time from the last point on, where it is not reached.
+    [[nodiscard]] double time() const
+    {
+        return reached() ? found_ : lastTime_ * (lastError_ / target_) * (lastError_ / target_);
+    }
     void print(const char* label, double pathTime) const
     {
         if (!reached()) return;
@@ -231,8 +236,9 @@ std::vector<IrradianceEstimate> referenceOf(const Options& options, const std::s
 /// denoised, the time for that included.
 void partError(const Options& options)
 {
-    constexpr int kShadowSamples = 32; // as medium quality has them
     constexpr int kPathSamples = 64;
+    // As medium quality has them, and more where so many samples are taken that shadows would be rougher than the rest.
+    const auto shadowSamplesFor = [](int samples) { return std::max(32, samples / 2); };
     std::printf("relative RMSE: of luminance over all valid texels, divided by their mean\n");
     std::printf("time to %.1f %%: from the measured points, error falling with the root of the samples\n\n",
                 100.0 * options.target);
@@ -244,17 +250,21 @@ void partError(const Options& options)
         IntegrationSettings settings;
         settings.bounces = options.bounces;
         const double scale = double(p.map.texels.size()) / double(subset.texels.size());
-        MeanError pathMean;
-        const auto tracePaths = [&](int seed) {
+        const auto tracePaths = [&](int samples, int seed, MeanError& mean) {
             IntegrationSettings paths = settings;
             paths.integrator = IntegratorKind::Path;
             paths.seed = uint32_t(seed);
-            paths.samples = kPathSamples;
-            paths.shadowSamples = kShadowSamples;
+            paths.samples = samples;
+            paths.shadowSamples = shadowSamplesFor(samples);
             const Run run = integrate(p, subset, paths);
-            pathMean.add(run.cpu * scale, double(run.rays) * scale, compare(run.estimates, nullptr, reference));
+            mean.add(run.cpu * scale, double(run.rays) * scale, compare(run.estimates, nullptr, reference));
         };
-        for (int seed = 1; seed <= options.seeds; ++seed) tracePaths(seed);
+        const auto tracedPaths = [&](int samples) {
+            MeanError mean;
+            for (int seed = 1; seed <= options.seeds; ++seed) tracePaths(samples, seed, mean);
+            return mean;
+        };
+        MeanError pathMean = tracedPaths(kPathSamples);
         // The reference has noise of its own.
         const double noise = pathMean.error().rmse * std::sqrt(kPathSamples / double(options.reference + kPathSamples));
         const auto errorOf = [&](const MeanError& mean) {
@@ -263,7 +273,15 @@ void partError(const Options& options)
             return e;
         };
         const Error pathError = errorOf(pathMean);
-        const auto pathTime = [&] { return pathMean.cpu() * std::pow(pathError.rmse / options.target, 2.0); };
+        // In times of what few samples take, which is measured again and again.
+        TimeToTarget pathTarget(options.target);
+        MeanError pathAtTarget = pathMean;
+        for (int samples = kPathSamples; !pathTarget.reached() && samples <= options.reference / 4; samples *= 2) {
+            if (samples > kPathSamples) pathAtTarget = tracedPaths(samples);
+            pathTarget.add(pathAtTarget.cpu(), errorOf(pathAtTarget).rmse);
+        }
+        const double pathTimes = pathTarget.time() / pathMean.cpu();
+        const auto pathTime = [&] { return pathMean.cpu() * pathTimes; };
         std::printf("%s: %zu texels, %zu triangles, reference %d paths on %zu texels\n", name.c_str(),
                     p.map.texels.size(), p.geometry.triangles.size(), options.reference, subset.texels.size());
         std::printf("  %-8s %8s %10s %10s %9s %9s %10s %9s %9s\n", "", "samples", "CPU s", "Mrays", "RMSE", "bias",
@@ -284,7 +302,7 @@ void partError(const Options& options)
             for (int samples = first; samples <= last && !(raw.reached() && denoised.reached());
                  samples += (samples & (samples - 1)) == 0 ? samples / 2 : samples / 3) {
                 settings.samples = samples;
-                settings.shadowSamples = std::max(kShadowSamples, samples / 2);
+                settings.shadowSamples = shadowSamplesFor(samples);
                 MeanError rawMean;
                 MeanError denoisedMean;
                 for (int seed = 1; seed <= options.seeds; ++seed) {
@@ -296,7 +314,7 @@ void partError(const Options& options)
                     const double cpu = run.cpu + cpuSeconds() - start;
                     denoisedMean.add(cpu, double(run.rays), compare(run.estimates, &chosen, reference));
                     // Beside it, for the speed of the machine now.
-                    tracePaths(seed);
+                    tracePaths(kPathSamples, seed, pathMean);
                 }
                 const Error before = errorOf(rawMean);
                 const Error after = errorOf(denoisedMean);

@@ -25,7 +25,7 @@ constexpr uint32_t kDirectSeed = 0x5eed0002u;
 constexpr uint32_t kProbeSeed = 0x5eed0003u;
 /// Masks are stored in steps of a 255th, and multiply light; light itself is stored as it is.
 constexpr int kTimesOnMaskEdges = 2;
-constexpr int kTimesOnLightEdges = 4;
+constexpr int kTimesOnLightEdges = 8;
 
 bool isFinite(vec3 v)
 {
