@@ -297,7 +297,7 @@ void partError(const Options& options)
             const char* label = step == 1 ? "cache" : "step 2";
             TimeToTarget raw(options.target);
             TimeToTarget denoised(options.target);
-            const int first = options.samples > 0 ? options.samples : 4;
+            const int first = options.samples > 0 ? options.samples : 2;
             const int last = options.samples > 0 ? options.samples : 512;
             for (int samples = first; samples <= last && !(raw.reached() && denoised.reached());
                  samples += (samples & (samples - 1)) == 0 ? samples / 2 : samples / 3) {
