@@ -275,10 +275,10 @@ void partError(const Options& options)
         const Error pathError = errorOf(pathMean);
         // In times of what few samples take, which is measured again and again.
         TimeToTarget pathTarget(options.target);
-        MeanError pathAtTarget = pathMean;
-        for (int samples = kPathSamples; !pathTarget.reached() && samples <= options.reference / 4; samples *= 2) {
-            if (samples > kPathSamples) pathAtTarget = tracedPaths(samples);
-            pathTarget.add(pathAtTarget.cpu(), errorOf(pathAtTarget).rmse);
+        pathTarget.add(pathMean.cpu(), pathError.rmse);
+        for (int samples = 2 * kPathSamples; !pathTarget.reached() && samples <= options.reference / 4; samples *= 2) {
+            const MeanError mean = tracedPaths(samples);
+            pathTarget.add(mean.cpu(), errorOf(mean).rmse);
         }
         const double pathTimes = pathTarget.time() / pathMean.cpu();
         const auto pathTime = [&] { return pathMean.cpu() * pathTimes; };

@@ -302,6 +302,19 @@ std::vector<uint32_t> RadianceCache::thinOut(std::vector<uint32_t>& texels, cons
     return rest;
 }
 
+/// Leaves those of `rest` that are in a cell with one of `gathered` that turned out to lie inside geometry.
+void RadianceCache::keepDoubtful(std::vector<uint32_t>& rest, std::span<const uint32_t> gathered, const TexelMap& map,
+                                 const OutsidePoints& outside) const
+{
+    if (rest.empty()) return;
+    std::vector<uint8_t> doubtful(squares_);
+    for (const uint32_t texel : gathered) {
+        if (const uint32_t cell = cellOf(map, texel); cell != kNoCells && outside.masks[texel] != kAllPoints)
+            doubtful[cell] = 1;
+    }
+    std::erase_if(rest, [&](uint32_t texel) { return doubtful[cellOf(map, texel)] == 0; });
+}
+
 /// What a round of gathering is for. The first, of the squares, finds what the others are needed for.
 enum class RadianceCache::Pass : uint32_t {
     Squares,   ///< items are texels
@@ -837,16 +850,10 @@ bool RadianceCache::build(const PathTracer& paths, const TexelMap& map, const Ga
     look(Pass::Squares, all);
     addParts(0, kDivided);
     look(Pass::Parts, texelsOf(map, 0, kDivided));
-    // Where texels turn out to lie inside geometry, the others of the same cell are looked at too.
     std::vector<uint32_t> rest = thinOut(all, map, squareEffort(settings, cellShift_).every);
     gather(Pass::Squares, all);
-    std::vector<uint8_t> doubtful(squares_);
-    for (const uint32_t texel : all) {
-        if (const uint32_t cell = cellOf(map, texel); cell != kNoCells && outside.masks[texel] != kAllPoints)
-            doubtful[cell] = 1;
-    }
+    keepDoubtful(rest, all, map, outside);
     release(all);
-    std::erase_if(rest, [&](uint32_t texel) { return doubtful[cellOf(map, texel)] == 0; });
     gather(Pass::Squares, rest);
     release(rest);
     findWanted(ranges);

@@ -118,6 +118,8 @@ private:
     [[nodiscard]] uint32_t cellOf(const Texel& texel, uint32_t triangle) const;
     [[nodiscard]] uint32_t cellOf(const TexelMap& map, uint32_t texel) const;
     std::vector<uint32_t> thinOut(std::vector<uint32_t>& texels, const TexelMap& map, int every) const;
+    void keepDoubtful(std::vector<uint32_t>& rest, std::span<const uint32_t> gathered, const TexelMap& map,
+                      const OutsidePoints& outside) const;
     [[nodiscard]] std::vector<uint32_t> texelsOf(const TexelMap& map, uint32_t firstCell, uint8_t state) const;
     void findSubstituteTriangles(const std::vector<uint32_t>& rayCount, const BakeGeometry& geometry);
     void findSubstitutes(const std::vector<uint32_t>& rayCount, const BakeGeometry& geometry);

@@ -184,13 +184,7 @@ TEST_P(DirectS6, ShadowsOnTheBrighterSideOfFoldsCountAsMuch)
         addSlope(foot, top + vec3(0, 0, 1), grazed, 2.5f + float(i));
         addRectangle(scene, {top + 0.01f * facing, foot - top, vec3(24, 0, 0)}, black, kPage);
     }
-    Mesh mesh;
-    mesh.parts.push_back(part);
-    Object object;
-    object.mesh = int(scene.meshes.size());
-    object.lightmap.page = 0;
-    scene.meshes.push_back(mesh);
-    scene.objects.push_back(object);
+    addObject(scene, std::move(part));
     scene.lights.push_back(makeLight(LightType::Directional, vec3(0), -facing, 1.0f, LightMode::Baked));
     Bench bench(std::move(scene), MixedLightingMode::Shadowmask, kPage, transport());
     const double expected = 0.5 * double(glm::dot(grazed, facing));
@@ -225,13 +219,7 @@ TEST_P(DirectS6, GentleFoldsHaveTheirMean)
         }
         expected.push_back(sum);
     }
-    Mesh mesh;
-    mesh.parts.push_back(part);
-    Object object;
-    object.mesh = int(scene.meshes.size());
-    object.lightmap.page = 0;
-    scene.meshes.push_back(mesh);
-    scene.objects.push_back(object);
+    addObject(scene, std::move(part));
     scene.lights.push_back(makeLight(LightType::Directional, vec3(0), vec3(0, -1, 0), 1.0f, LightMode::Baked));
     IntegrationSettings settings = transport();
     settings.shadowSamples = 32;
@@ -677,12 +665,7 @@ TEST(ProbeS14, OcclusionUnderADisc)
             }
             part.normals.assign(part.positions.size(), vec3(0, 1, 0));
             part.material = black;
-            Mesh mesh;
-            mesh.parts.push_back(part);
-            scene.meshes.push_back(mesh);
-            Object object;
-            object.mesh = 0;
-            scene.objects.push_back(object);
+            addObject(scene, std::move(part));
         }
         scene.lights.push_back(makeLight(LightType::Point, vec3(0, 4, 0), vec3(0, -1, 0), 8.0f, LightMode::Mixed));
         scene.lights[0].radiusMeters = 0.6f;
@@ -738,10 +721,7 @@ TEST_P(LeaksS6, TexelsInsideNestedSolidsAreMarked)
         const std::size_t first = scene.meshes.size();
         const vec3 center(0, half == 1.0f ? 0.0f : 0.15f, 0);
         addBox(scene, center - half, center + half, grey, false);
-        for (std::size_t i = first + 1; i < first + 6; ++i)
-            scene.meshes[first].parts.push_back(scene.meshes[i].parts[0]);
-        scene.meshes.resize(first + 1);
-        scene.objects.resize(first + 1);
+        joinObjects(scene, first);
     }
     Bench bench(std::move(scene), MixedLightingMode::Shadowmask, kPage, transport());
     for (const IrradianceEstimate& e : bench.irradiance()) EXPECT_FALSE(e.valid);
@@ -755,14 +735,10 @@ TEST(LeaksS6, RoomsInHollowBodiesAreLit)
     const int grey = addMaterial(scene, vec3(0.5f));
     addBox(scene, vec3(-2.2f, -0.2f, -2.2f), vec3(2.2f, 2.7f, 2.2f), grey, false);
     addBox(scene, vec3(-2, 0, -2), vec3(2, 2.5f, 2), grey, true);
-    for (std::size_t i = 1; i < scene.meshes.size(); ++i) scene.meshes[0].parts.push_back(scene.meshes[i].parts[0]);
-    scene.meshes.resize(1);
-    scene.objects.resize(1);
+    joinObjects(scene, 0);
     const std::size_t block = scene.meshes.size();
     addBox(scene, vec3(-0.5f, -0.1f, -0.5f), vec3(0.5f, 1, 0.5f), grey, false);
-    for (std::size_t i = block + 1; i < block + 6; ++i) scene.meshes[block].parts.push_back(scene.meshes[i].parts[0]);
-    scene.meshes.resize(block + 1);
-    scene.objects.resize(block + 1);
+    joinObjects(scene, block);
     // Two sheets to look with: on the floor, half of it under the block, and in the wall's core.
     addRectangle(scene, {vec3(-0.5f, 0.01f, 0.4f), vec3(2, 0, 0), vec3(0, 0, -0.8f)}, grey, kPage,
                  {vec2(1), vec2(31, 15)});

@@ -199,13 +199,7 @@ TEST(TexelsS6, RasterizationIsConservative)
         }
     }
     part.material = grey;
-    Mesh mesh;
-    mesh.parts.push_back(part);
-    scene.meshes.push_back(mesh);
-    Object object;
-    object.mesh = 0;
-    object.lightmap.page = 0;
-    scene.objects.push_back(object);
+    addObject(scene, std::move(part));
     const BakeGeometry geometry = flattenGeometry(scene, kPage, GeometryFilter::Static);
     const TexelMap map = rasterizeTexels(geometry, kPage, 1);
     std::set<std::pair<int, int>> covered;
@@ -904,8 +898,7 @@ TEST(GeometryS6, CavitiesBelongToTheirSolid)
         const int grey = addMaterial(scene, vec3(0.5f));
         addBox(scene, vec3(-3), vec3(3), grey, false);
         addBox(scene, innerCenter - vec3(2), innerCenter + vec3(2), grey, true);
-        for (std::size_t i = 1; i < scene.meshes.size(); ++i) scene.meshes[0].parts.push_back(scene.meshes[i].parts[0]);
-        scene.objects.resize(1);
+        joinObjects(scene, 0);
         return flattenGeometry(scene, kPage, GeometryFilter::Static).solid;
     };
     EXPECT_EQ(solids(vec3(0)), std::vector<uint8_t>(24, 1));

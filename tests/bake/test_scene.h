@@ -51,6 +51,19 @@ inline int addMaterialWithHoles(Scene& scene, vec3 albedo, ImageRgba8 pixels, bo
     return material;
 }
 
+/// An object of one part; on page 0 where that has lightmap coordinates. Returns the number of its mesh.
+inline int addObject(Scene& scene, MeshPart part)
+{
+    Object object;
+    object.mesh = int(scene.meshes.size());
+    if (!part.lightmapUv.empty()) object.lightmap.page = 0;
+    Mesh mesh;
+    mesh.parts.push_back(std::move(part));
+    scene.meshes.push_back(std::move(mesh));
+    scene.objects.push_back(object);
+    return object.mesh;
+}
+
 inline int addRectangle(Scene& scene, const Rectangle& r, int material, int pageSize, Place place = {})
 {
     MeshPart part;
@@ -59,19 +72,12 @@ inline int addRectangle(Scene& scene, const Rectangle& r, int material, int page
     part.uv[0] = {{0, 0}, {1, 0}, {1, 1}, {0, 1}};
     part.indices = {0, 1, 2, 0, 2, 3};
     part.material = material;
-    Object object;
-    object.mesh = int(scene.meshes.size());
     if (place.min != place.max) {
         const vec2 a = place.min / float(pageSize);
         const vec2 b = place.max / float(pageSize);
         part.lightmapUv = {a, {b.x, a.y}, b, {a.x, b.y}};
-        object.lightmap.page = 0;
     }
-    Mesh mesh;
-    mesh.parts.push_back(part);
-    scene.meshes.push_back(mesh);
-    scene.objects.push_back(object);
-    return object.mesh;
+    return addObject(scene, std::move(part));
 }
 
 /// Faces of an axis-aligned box turned inward (a room) or outward; no lightmap unless `pageSize` > 0, then each face
@@ -94,6 +100,15 @@ inline void addBox(Scene& scene, vec3 lower, vec3 upper, int material, bool inwa
         }
         addRectangle(scene, face, material, pageSize, place);
     }
+}
+
+/// Makes one mesh, and one object, of those from number `first` on: what is closed only together is a solid then.
+inline void joinObjects(Scene& scene, std::size_t first)
+{
+    for (std::size_t i = first + 1; i < scene.meshes.size(); ++i)
+        scene.meshes[first].parts.push_back(scene.meshes[i].parts[0]);
+    scene.meshes.resize(first + 1);
+    scene.objects.resize(first + 1);
 }
 
 /// A light's pose: at `position`, shining along `direction`.

@@ -553,9 +553,7 @@ TEST(RadianceCacheS6, LargeCellsTellAsMuchByFewerTexels)
                  {vec2(2, 666), vec2(662, 699)});
     const std::size_t block = scene.meshes.size();
     addBox(scene, vec3(-2, -1, -2), vec3(1, 1, 2), grey, false);
-    for (std::size_t i = block + 1; i < block + 6; ++i) scene.meshes[block].parts.push_back(scene.meshes[i].parts[0]);
-    scene.meshes.resize(block + 1);
-    scene.objects.resize(block + 1);
+    joinObjects(scene, block);
     IntegrationSettings settings;
     settings.samples = 16;
     settings.shadowSamples = 8;
