@@ -188,8 +188,12 @@ public:
     }
     void put(vec2 barycentric, SurfacePoint& out) const
     {
-        const vec3 weights = glm::max(vec3(1.0f - barycentric.x - barycentric.y, barycentric.x, barycentric.y), least_);
-        frame_.put(vec2(weights.y, weights.z) * (1.0f / (weights.x + weights.y + weights.z)), out);
+        const float w = 1.0f - barycentric.x - barycentric.y;
+        if (w < least_[0] || barycentric.x < least_[1] || barycentric.y < least_[2]) {
+            const vec3 weights = glm::max(vec3(w, barycentric.x, barycentric.y), least_);
+            barycentric = vec2(weights.y, weights.z) * (1.0f / (weights.x + weights.y + weights.z));
+        }
+        frame_.put(barycentric, out);
     }
 
 private:
@@ -257,18 +261,20 @@ uint32_t coveredPoints(const BakeGeometry& geometry, std::span<const TexelFragme
             u[i] = (dx * edge2.y - dy * edge2.x) * inverse;
             v[i] = (edge1.x * dy - edge1.y * dx) * inverse;
         }
+        std::array<float, kMaxTexelPoints> least;
+        for (std::size_t i = 0; i < kMaxTexelPoints; ++i)
+            least[i] = std::min(std::min(u[i], v[i]), 1.0f - (u[i] + v[i])) + 0.0f;
+        // Where the least weight has no sign. (Its sign bit: compilers make scalar code of comparisons here.)
+        const auto bits = std::bit_cast<std::array<int32_t, kMaxTexelPoints>>(least);
         uint32_t covered = 0;
-        for (std::size_t i = 0; i < kMaxTexelPoints; ++i) {
-            // Where the least weight has no sign. (Its sign bit: compilers make scalar code of comparisons here.)
-            const float least = std::min(std::min(u[i], v[i]), 1.0f - (u[i] + v[i])) + 0.0f;
-            covered |= kBits[i] & ~uint32_t(std::bit_cast<int32_t>(least) >> 31);
-        }
+        for (std::size_t i = 0; i < kMaxTexelPoints; ++i) covered |= kBits[i] & ~uint32_t(bits[i] >> 31);
         covered &= ~found;
         if (covered == 0) continue;
         found |= covered;
         const PointsOffEdges points(geometry, fragment.triangle);
-        for (std::size_t i = 0; i < kMaxTexelPoints; ++i) {
-            if (((covered >> i) & 1u) != 0) points.put({u[i], v[i]}, out[i]);
+        for (uint32_t rest = covered; rest != 0; rest &= rest - 1u) {
+            const auto i = std::size_t(std::countr_zero(rest));
+            points.put({u[i], v[i]}, out[i]);
         }
         if (found == kAllCandidates) break;
     }
