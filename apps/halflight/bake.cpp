@@ -304,9 +304,9 @@ Command addBakeCommand(CLI::App& parent)
     addPercent(app, "--noise", bake.noiseTarget, 0.1f, 100.0f,
                "noise at which a texel has enough samples, such as 2% (default: --samples on average)");
     addChoice<int>(
-        app, "--texel-step", bake.texelStep, {{"1", 1}, {"2", 2}, {"4", 4}},
+        app, "--texel-step", bake.texelStep, {{"auto", 0}, {"1", 1}, {"2", 2}, {"4", 4}},
         "2 or 4: trace every so many texels whatever is around them, and those in between only where light can "
-        "change; pays without denoising (default 1)");
+        "change (default auto: 2 in large lightmaps, else 1)");
     addInt(app, "--shadow-samples", bake.shadowSamples, 1, 1 << 16,
            "shadow rays per texel and masked light (default by quality)");
     addInt(app, "--bounces", bake.bounces, 0, 64, "indirect bounces, 0 = direct light only (default by quality)");

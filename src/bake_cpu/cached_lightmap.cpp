@@ -33,11 +33,20 @@ constexpr float kMostForDetail = 2.0f;
 /// least twice the samples, or four times where there are fewer than half of these.
 constexpr int kFewAround = 12;
 
+/// From so many texels on, in the open, one in four has rays enough for all.
+constexpr std::size_t kManyTexels = 400'000;
+
 /// A texel may lie between others whose distance, squared, times the mean of the inverse squared distances of what
 /// their rays hit is at most this: how much the light could bend between them.
 constexpr float kMostBend = 0.03f;
 
 } // namespace
+
+int texelStepOf(const IntegrationSettings& settings, const TexelMap& map)
+{
+    if (settings.texelStep > 0) return settings.texelStep;
+    return map.texels.size() > kManyTexels ? 2 : 1;
+}
 
 class CachedLightmap::Run {
 public:
@@ -45,7 +54,8 @@ public:
         const Progress& progress, std::atomic<uint64_t>& rays)
         : lightmap_(lightmap), map_(map), blocks_(float(samples) / float(GatherPattern::kBlock)), progress_(progress),
           rays_(rays), adaptive_(lightmap.settings_.noiseTarget > 0.0f),
-          lattice_(lightmap.paths_.surfaces().geometry(), map, lightmap.state_->grid, lightmap.settings_.texelStep),
+          lattice_(lightmap.paths_.surfaces().geometry(), map, lightmap.state_->grid,
+                   texelStepOf(lightmap.settings_, map)),
           set_(map, texels)
     {
         // What a texel may lie between, and what these may lie between.
@@ -133,8 +143,8 @@ private:
             if (group.active(lane) && lightmap_.state_->outside.known[group.texel(lane)] == 0 &&
                 group.mask(lane) == kAllPoints && light.backFaces.hidden > 0) {
                 // As many rays have left all of its points.
-                const PointValidity::Met met{int(light.gathered.blocks()) * GatherPattern::kBlock,
-                                             int(light.backFaces.hidden), int(light.backFaces.solids), 0};
+                const PointValidity::Met met{int(light.gathered.blocks()) * GatherPattern::kBlock, light.backFaces, 0,
+                                             lightmap_.state_->outside.together[group.texel(lane)] != 0};
                 const PointMask mask =
                     lightmap_.validity_.outside(group.points(lane), group.pointCount(lane), met, group.id(lane), rays);
                 if (mask != kAllPoints) {

@@ -13,6 +13,9 @@
 
 namespace halflight {
 
+/// IntegrationSettings::texelStep, or what 0 comes to for a map: 1, 2 or 4.
+int texelStepOf(const IntegrationSettings& settings, const TexelMap& map);
+
 class CachedLightmap {
 public:
     /// `paths` and `pattern` outlive it.

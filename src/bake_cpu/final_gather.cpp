@@ -160,7 +160,7 @@ void FinalGather::gatherBlock(const GatherGroup& group, int block, uint64_t& ray
         for (int lane = 0; lane < TexelGroup::kLanes; ++lane) {
             uint32_t& w = where[std::size_t(cell) * kLanes + std::size_t(lane)];
             if (w == kMissed) continue;
-            if (cache_->hiddenBack(w)) countBack(lane, tracer.triangleAt(w / 2));
+            if (cache_->hiddenBack(w)) countBack(lane, cell, tracer.triangleAt(w / 2));
             if (!cache_->hasCells(w)) {
                 w = kOther;
                 continue;
@@ -292,7 +292,7 @@ vec3 FinalGather::slowRadiance(const GatherGroup& group, int lane, int block, in
     const Receiver receiver = receiverOf(group, lane, block, cell);
     const RayHit at = bundle_.at(cell, lane);
     if (cache_ == nullptr && paths_.surfaces().metHiddenBack(at))
-        countBack(lane, paths_.surfaces().triangleOf(at.geomID, at.primID));
+        countBack(lane, cell, paths_.surfaces().triangleOf(at.geomID, at.primID));
     const vec3 direction = bundle_.direction(cell, lane);
     const float pdf = PathTracer::gatherPdf(receiver.normal, direction);
     Sampler sampler(settings_.seed, group.id(lane), uint32_t(block * GatherPattern::kBlock + cell));

@@ -38,18 +38,6 @@ struct TexelSum {
     }
 };
 
-/// Rays that met the inside of a surface; from 65535 on they are not counted.
-struct BackFaces {
-    uint16_t hidden = 0; ///< that nobody is meant to see
-    uint16_t solids = 0; ///< of them, those of solids
-
-    void add(BackFaces other)
-    {
-        hidden = uint16_t(std::min(hidden + other.hidden, 0xffff));
-        solids = uint16_t(std::min(solids + other.solids, 0xffff));
-    }
-};
-
 /// Running estimate of one texel.
 struct TexelLight {
     TexelSum gathered;           ///< along rays spread over the hemisphere
@@ -115,12 +103,11 @@ private:
     }
     /// What the end of a ray emits, as it counts beside samples of emitters.
     [[nodiscard]] vec3 emission(const GatherGroup& group, int lane, int block, int cell) const;
-    /// Counts a ray that met a hidden back.
-    void countBack(int lane, uint32_t triangle)
+    /// Counts a cell's ray that met a hidden back.
+    void countBack(int lane, int cell, uint32_t triangle)
     {
-        BackFaces& met = backFaces_[std::size_t(lane)];
-        ++met.hidden;
-        met.solids += paths_.surfaces().geometry().solid[triangle];
+        const uint8_t solid = paths_.surfaces().geometry().solid[triangle];
+        backFaces_[std::size_t(lane)].add({1, solid, bundle_.rays[std::size_t(cell)].ray.tfar[lane]});
     }
     /// What a ray brings whose end has no cell, or is too close by for it.
     vec3 slowRadiance(const GatherGroup& group, int lane, int block, int cell, uint64_t& rays);

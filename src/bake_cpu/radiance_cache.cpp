@@ -443,15 +443,16 @@ private:
         const uint32_t texel = group.texel(lane);
         if (outside_.known[texel] != 0) return true;
         const SurfaceTracer& tracer = paths_.surfaces();
-        PointValidity::Met met{int(cells.size()), 0, 0, kAllPoints};
+        PointValidity::Met met{int(cells.size()), {}, kAllPoints, outside_.together[texel] != 0};
         for (const int cell : cells) {
             met.others &= PointMask(~(1u << group.pointOf(lane, 0, cell)));
             if (!bundle_.hit(cell, lane) || !bundle_.behind(cell, lane)) continue;
-            met.hidden += cache_.hiddenBack(recordOfHit(cell, lane)) ? 1 : 0;
-            const RTCHit8& h = bundle_.rays[std::size_t(cell)].hit;
-            met.solids += tracer.geometry().solid[tracer.triangleOf(h.geomID[lane], h.primID[lane])];
+            if (!cache_.hiddenBack(recordOfHit(cell, lane))) continue;
+            const RTCRayHit8& packet = bundle_.rays[std::size_t(cell)];
+            const uint32_t triangle = tracer.triangleOf(packet.hit.geomID[lane], packet.hit.primID[lane]);
+            met.backs.add({1, tracer.geometry().solid[triangle], packet.ray.tfar[lane]});
         }
-        if (met.hidden == 0) return true;
+        if (met.backs.hidden == 0) return true;
         const PointMask mask =
             validity_.outside(group.points(lane), group.pointCount(lane), met, group.id(lane), rays_);
         setOutside(texel, mask);
@@ -647,7 +648,9 @@ private:
         previousCell_ = cell;
         previous_ = above;
         // Points that do not see one another may lie inside solids, among others that do not.
-        if (!between.hides || pass_ != Pass::Squares) return;
+        if (pass_ != Pass::Squares) return;
+        outside_.together[group.texel(lane)] = between.hides ? 0 : 1;
+        if (!between.hides) return;
         if (!between.solid && !validity_.firstInSolid(points, group.id(lane), rays_)) return;
         const PointMask mask = validity_.outsideSolids(points, count, group.id(lane), rays_);
         if (mask == kAllPoints) return;

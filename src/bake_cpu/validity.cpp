@@ -50,13 +50,13 @@ bool PointValidity::insideSolids(const TexelPoints& points, PointMask together, 
 
 /// Those of some points of which a ray meets the hidden back of a surface first, or the inside of a solid; `round`
 /// numbers a point's rays.
-PointMask PointValidity::meetBacks(const TexelPoints& points, PointMask which, bool ofSolids, uint32_t id, int round,
-                                   uint64_t& rays) const
+PointValidity::MetPoints PointValidity::meetBacks(const TexelPoints& points, PointMask which, bool ofSolids,
+                                                  uint32_t id, int round, uint64_t& rays) const
 {
     const SurfaceTracer& tracer = paths_.surfaces();
     RTCRayHit8 packet;
     alignas(32) embree::LaneMask valid;
-    PointMask met = 0;
+    MetPoints met;
     while (which != 0) {
         std::array<int, embree::kPacket> number{};
         SurfaceTracer::clear(packet.ray);
@@ -78,7 +78,9 @@ PointMask PointValidity::meetBacks(const TexelPoints& points, PointMask which, b
             if (!embree::behind(packet, lane)) continue;
             const uint32_t triangle = tracer.triangleOf(packet.hit.geomID[lane], packet.hit.primID[lane]);
             const bool counts = ofSolids ? tracer.geometry().solid[triangle] != 0 : tracer.backIsHidden(triangle);
-            if (counts) met |= PointMask(1u << number[std::size_t(lane)]);
+            if (!counts) continue;
+            met.points |= PointMask(1u << number[std::size_t(lane)]);
+            met.nearest = std::min(met.nearest, packet.ray.tfar[lane]);
         }
     }
     return met;
@@ -94,7 +96,7 @@ PointMask PointValidity::behindSurfaces(const TexelPoints& points, PointMask can
     PointMask behind = 0;
     const int enough = allHidden ? kManyMoreBacks : kManyBacks;
     for (int s = 0; s < kRays && open != 0; ++s) {
-        const PointMask met = meetBacks(points, open, false, id, s, rays);
+        const PointMask met = meetBacks(points, open, false, id, s, rays).points;
         // One ray may slip through between surfaces.
         for (int p = 0; p < kMaxTexelPoints; ++p) {
             backs[std::size_t(p)] += (met >> p) & 1;
@@ -179,6 +181,37 @@ PointMask PointValidity::outsideShells(const TexelPoints& points, int pointCount
     return mask == all ? kAllPoints : std::popcount(mask) * 8 < pointCount ? PointMask(0) : mask;
 }
 
+/// Whether points lie outside of geometry that see one another, and that all geometry is so far away from that they see
+/// the same of it; nothing where they are to be looked at one by one. Something low on the surface may hide some of
+/// them and stand between none, but is near.
+std::optional<bool> PointValidity::outsideTogether(const TexelPoints& points, int pointCount, const Met& met,
+                                                   uint32_t id, uint64_t& rays) const
+{
+    constexpr float kNearInTexels = 2.0f;
+    const float near = kNearInTexels * paths_.surfaces().geometry().texelMeters(points[0].triangle);
+    if (!met.together || met.backs.nearest < near) return std::nullopt;
+    const auto all = PointMask((1u << pointCount) - 1u);
+    if (met.backs.solids > 0 && insideSolids(points, all, id, rays)) return false;
+    // Few rays tell where most meet one thing; where they do not, a fifth has to meet something else than backs.
+    constexpr int kEnoughOthers = 4;
+    constexpr int kBacksForOneOther = 12;
+    constexpr int kMostRays = 40;
+    int rayCount = met.rays;
+    int others = met.rays - met.backs.hidden;
+    for (int round = 0;; ++round) {
+        if (others >= kEnoughOthers && 4 * others >= rayCount) return true;
+        if (rayCount >= kBacksForOneOther * (others + 1)) return false;
+        if (rayCount >= kMostRays) return 5 * others >= rayCount;
+        // Every other point, then the rest.
+        const auto some = PointMask(all & (round % 2 == 0 ? 0x5555u : 0xaaaau));
+        const PointMask which = some != 0 ? some : all;
+        const MetPoints found = meetBacks(points, which, false, id, round / 2, rays);
+        if (found.nearest < near) return std::nullopt;
+        rayCount += std::popcount(which);
+        others += std::popcount(which) - std::popcount(found.points);
+    }
+}
+
 PointMask PointValidity::outside(const TexelPoints& points, int pointCount, uint32_t texelId, uint64_t& rays) const
 {
     const PointMask mask = outsideSolids(points, pointCount, texelId, rays);
@@ -189,13 +222,14 @@ PointMask PointValidity::outside(const TexelPoints& points, int pointCount, Met 
                                  uint64_t& rays) const
 {
     // Where all rays, from as many points, met the inside of solids, there is nothing to look for.
-    if (met.solids == met.rays && pointCount == kMaxTexelPoints) {
-        if (met.solids >= kEnoughInSolids) return 0;
+    if (met.backs.solids == met.rays && pointCount == kMaxTexelPoints) {
+        if (met.rays >= kEnoughInSolids) return 0;
         while (std::popcount(met.others) > embree::kPacket) met.others &= PointMask(met.others - 1u);
-        if (meetBacks(points, met.others, true, texelId, kOtherRay, rays) == met.others) return 0;
+        if (meetBacks(points, met.others, true, texelId, kOtherRay, rays).points == met.others) return 0;
     }
-    const PointMask mask = met.solids > 0 ? outsideSolids(points, pointCount, texelId, rays) : kAllPoints;
-    return outsideShells(points, pointCount, mask, met.hidden == met.rays, texelId, rays);
+    if (const auto all = outsideTogether(points, pointCount, met, texelId, rays)) return *all ? kAllPoints : 0;
+    const PointMask mask = met.backs.solids > 0 ? outsideSolids(points, pointCount, texelId, rays) : kAllPoints;
+    return outsideShells(points, pointCount, mask, met.backs.hidden == met.rays, texelId, rays);
 }
 
 void PointValidity::keep(PointMask mask, TexelPoints& points, int& pointCount)

@@ -5,8 +5,10 @@
 
 #include "halflight/bake/integrator.h"
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 namespace halflight {
@@ -18,12 +20,26 @@ using PointMask = uint16_t;
 static_assert(kMaxTexelPoints <= 16);
 constexpr PointMask kAllPoints = 0xffff;
 
-/// Of a map's texels, by their number: which of their points lie outside geometry, and whether that has been looked at
-/// point by point.
+/// Of a map's texels, by their number: which of their points lie outside geometry.
 struct OutsidePoints {
-    explicit OutsidePoints(std::size_t texels) : masks(texels, kAllPoints), known(texels, 0) {}
+    explicit OutsidePoints(std::size_t texels) : masks(texels, kAllPoints), known(texels, 0), together(texels, 0) {}
     std::vector<PointMask> masks;
-    std::vector<uint8_t> known;
+    std::vector<uint8_t> known;    ///< whether that has been looked at
+    std::vector<uint8_t> together; ///< whether nothing was found that stands between the points
+};
+
+/// Rays that met the inside of a surface; from 65535 on they are not counted.
+struct BackFaces {
+    uint16_t hidden = 0;       ///< that nobody is meant to see
+    uint16_t solids = 0;       ///< of them, those of solids
+    float nearest = kInfinity; ///< distance of the nearest hidden one
+
+    void add(BackFaces other)
+    {
+        hidden = uint16_t(std::min(hidden + other.hidden, 0xffff));
+        solids = uint16_t(std::min(solids + other.solids, 0xffff));
+        nearest = std::min(nearest, other.nearest);
+    }
 };
 
 /// Its rays depend on the place alone, not on any seed: a point is inside or it is not.
@@ -42,11 +58,12 @@ public:
     /// What some rays of a texel met first.
     struct Met {
         int rays = 0;
-        int hidden = 0;       ///< of them, those that met hidden backs
-        int solids = 0;       ///< and those that met the inside of a solid
-        PointMask others = 0; ///< points that none of them left
+        BackFaces backs;
+        PointMask others = 0;  ///< points that none of them left
+        bool together = false; ///< whether nothing was found that stands between the points
     };
-    /// The same where some met a hidden back: looks only for what that can mean.
+    /// The same where some met a hidden back: looks only for what that can mean. Points that nothing stands between,
+    /// and nothing near, are outside all together or not at all.
     PointMask outside(const TexelPoints& points, int pointCount, Met met, uint32_t texelId, uint64_t& rays) const;
     /// Whether the first of a texel's points lies inside a solid.
     bool firstInSolid(const TexelPoints& points, uint32_t texelId, uint64_t& rays) const
@@ -60,8 +77,14 @@ private:
     bool insideSolids(const TexelPoints& points, PointMask together, uint32_t id, uint64_t& rays) const;
     PointMask behindSurfaces(const TexelPoints& points, PointMask candidates, bool allHidden, uint32_t id,
                              uint64_t& rays) const;
-    PointMask meetBacks(const TexelPoints& points, PointMask which, bool ofSolids, uint32_t id, int round,
+    struct MetPoints {
+        PointMask points = 0;
+        float nearest = kInfinity;
+    };
+    MetPoints meetBacks(const TexelPoints& points, PointMask which, bool ofSolids, uint32_t id, int round,
                         uint64_t& rays) const;
+    std::optional<bool> outsideTogether(const TexelPoints& points, int pointCount, const Met& met, uint32_t id,
+                                        uint64_t& rays) const;
     PointMask seenFromFirst(const TexelPoints& points, PointMask candidates, uint64_t& rays) const;
     SurfaceTracer::Crossings crossingsFrom(const SurfacePoint& point, uint32_t id, int sample, uint64_t& rays) const;
 

@@ -3,6 +3,7 @@
 
 #include "bake/test_scene.h"
 
+#include "bake_cpu/cached_lightmap.h"
 #include "bake_cpu/texel_lattice.h"
 #include "bake_cpu/validity.h"
 
@@ -10,6 +11,7 @@
 
 #include <cmath>
 #include <cstring>
+#include <utility>
 
 namespace halflight::test {
 namespace {
@@ -197,6 +199,16 @@ TEST(TexelStepS6, LiesBetweenOnEvenSurfacesOfOneChartAlone)
     EXPECT_EQ(betweenAt(90.0f, 21, 10, 2), 2);
 }
 
+TEST(TexelStepS6, LargeMapsHaveOneOfTheirOwn)
+{
+    TexelMap map;
+    map.texels.resize(400'000);
+    EXPECT_EQ(texelStepOf({}, map), 1);
+    map.texels.emplace_back();
+    EXPECT_EQ(texelStepOf({}, map), 2);
+    for (const int step : {1, 2, 4}) EXPECT_EQ(texelStepOf(settingsWith(step, 16), map), step);
+}
+
 /// What stands on a texel covers some of its points: a closed box, and a single-sided shell without a bottom that does
 /// not even touch the floor.
 TEST(PointsInsideS6, EachPointOfATexelByItself)
@@ -234,6 +246,60 @@ TEST(PointsInsideS6, EachPointOfATexelByItself)
         EXPECT_GT(under, 40);
         EXPECT_GT(mixed, 20);
     }
+}
+
+/// Deep inside of something large or far outside of it, a texel's points are alike: few rays tell what each point by
+/// itself would. Beside its wall, or under something low, they are not alike even if they see one another.
+TEST(PointsInsideS6, PointsThatSeeOneAnotherAreAskedTogether)
+{
+    Scene scene;
+    const int grey = addMaterial(scene, vec3(0.5f));
+    addRectangle(scene, {vec3(-1, 0, 1), vec3(2, 0, 0), vec3(0, 0, -2)}, grey, kPage, {vec2(2), vec2(62)});
+    // A hall without a floor, seen from outside alone; and a low plate, that shades a third of a row of texels.
+    addBox(scene, vec3(-0.4f, 0.001f, -0.4f), vec3(0.4f, 0.8f, 0.4f), grey, false);
+    scene.objects.erase(scene.objects.end() - 2);
+    constexpr float kTexel = 2.0f / 60.0f;
+    const Bounds plate{vec3(-0.9f, 0.004f, 0.6f + 0.33f * kTexel), vec3(0.9f, 0.004f, 0.8f)};
+    addRectangle(scene,
+                 {vec3(plate.min.x, plate.min.y, plate.max.z), vec3(1.8f, 0, 0), vec3(0, 0, plate.min.z - plate.max.z)},
+                 grey, kPage);
+    Bench bench(std::move(scene), MixedLightingMode::Shadowmask, kPage, {});
+    const PathTracer paths(bench.scene, bench.geometry, LightUse::Bake);
+    const PointValidity validity(paths);
+    uint64_t raysApart = 0; // of texels deep inside
+    uint64_t raysTogether = 0;
+    int deep = 0;
+    int mixed = 0;
+    for (const Texel& texel : bench.map.texels) {
+        TexelPoints points;
+        const int count = texelPoints(bench.geometry, bench.map, texel, points);
+        const uint32_t id = texelId(bench.map, texel);
+        PointValidity::Met met{4, {}, 0, true};
+        for (int i = 0; i < met.rays; ++i) {
+            const SurfacePoint& point = points[std::size_t(4 * i % count)];
+            Sampler sampler(7, id, uint32_t(i));
+            const RayHit hit = paths.surfaces().nearest(
+                paths.rayOrigin(point), PathTracer::gatherDirection(point, sampler.next2()), 0.0f, kInfinity);
+            if (paths.surfaces().metHiddenBack(hit)) met.backs.add({1, 0, hit.distance});
+        }
+        if (met.backs.hidden == 0) continue;
+        uint64_t rays = 0;
+        const PointMask together = validity.outside(points, count, met, id, rays);
+        const uint64_t raysOfAll = std::exchange(rays, 0);
+        met.together = false;
+        const PointMask apart = validity.outside(points, count, met, id, rays);
+        EXPECT_EQ(together, apart) << "texel " << texel.x << ", " << texel.y;
+        mixed += apart != 0 && apart != kAllPoints ? 1 : 0;
+        const vec3 at = bench.positionOf(texel);
+        if (std::max(std::abs(at.x), std::abs(at.z)) > 0.25f) continue;
+        ++deep;
+        EXPECT_EQ(apart, 0);
+        raysTogether += raysOfAll;
+        raysApart += rays;
+    }
+    EXPECT_GT(deep, 200);
+    EXPECT_GT(mixed, 20);
+    EXPECT_LT(double(raysTogether), 0.6 * double(raysApart));
 }
 
 } // namespace

@@ -557,6 +557,7 @@ TEST(RadianceCacheS6, LargeCellsTellAsMuchByFewerTexels)
     IntegrationSettings settings;
     settings.samples = 16;
     settings.shadowSamples = 8;
+    settings.texelStep = 1;
     Bench bench(scene, MixedLightingMode::Shadowmask, kSize, settings);
     const std::vector<IrradianceEstimate> estimates = bench.irradiance();
     settings.integrator = IntegratorKind::Path;

@@ -39,7 +39,7 @@ struct BakeSettings {
     /// Relative standard error at which a texel has enough samples (IntegrationSettings::noiseTarget); `samples` is
     /// then the most a texel gets, 4096 when it is 0. 0 = no target.
     float noiseTarget = 0.0f;
-    int texelStep = 1; ///< IntegrationSettings::texelStep
+    int texelStep = 0; ///< IntegrationSettings::texelStep
     UvMode uvMode = UvMode::Auto;
     float texelsPerMeter = 0.0f; ///< 0 = fit one page of lightmapSize
     int lightmapSize = 0;        ///< 0 = by quality
