@@ -93,8 +93,23 @@ inline bool behind(const RTCRayHit8& rays, int lane)
     return glm::dot(vec3(h.Ng_x[lane], h.Ng_y[lane], h.Ng_z[lane]), directionOf(rays.ray, lane)) > 0.0f;
 }
 
-inline void intersect8(RTCScene scene, RayContext& context, const LaneMask& valid, RTCRayHit8& rays)
+/// Whether a device has instructions for eight rays. Without them (processors without AVX) the library takes packets of
+/// eight for full ones, whatever lanes are valid; there they are to be traced ray by ray.
+[[nodiscard]] inline bool takesPackets(RTCDevice device)
 {
+    return rtcGetDeviceProperty(device, RTC_DEVICE_PROPERTY_NATIVE_RAY8_SUPPORTED) != 0;
+}
+
+inline void intersect8(RTCScene scene, RayContext& context, const LaneMask& valid, RTCRayHit8& rays, bool asPacket)
+{
+    for (unsigned lane = 0; !asPacket && lane < kPacket; ++lane) {
+        if (valid.lane[lane] == 0) continue;
+        RTCRayHit ray = rtcGetRayHitFromRayHitN(reinterpret_cast<RTCRayHitN*>(&rays), kPacket, lane);
+        intersect(scene, context, ray);
+        rays.ray.tfar[lane] = ray.ray.tfar;
+        rtcCopyHitToHitN(reinterpret_cast<RTCHitN*>(&rays.hit), &ray.hit, kPacket, lane);
+    }
+    if (!asPacket) return;
 #if RTC_VERSION_MAJOR >= 4
     RTCIntersectArguments arguments;
     rtcInitIntersectArguments(&arguments);
@@ -105,8 +120,15 @@ inline void intersect8(RTCScene scene, RayContext& context, const LaneMask& vali
 #endif
 }
 
-inline void occluded8(RTCScene scene, RayContext& context, const LaneMask& valid, RTCRay8& rays)
+inline void occluded8(RTCScene scene, RayContext& context, const LaneMask& valid, RTCRay8& rays, bool asPacket)
 {
+    for (unsigned lane = 0; !asPacket && lane < kPacket; ++lane) {
+        if (valid.lane[lane] == 0) continue;
+        RTCRay ray = rtcGetRayFromRayN(reinterpret_cast<RTCRayN*>(&rays), kPacket, lane);
+        occluded(scene, context, ray);
+        rays.tfar[lane] = ray.tfar;
+    }
+    if (!asPacket) return;
 #if RTC_VERSION_MAJOR >= 4
     RTCOccludedArguments arguments;
     rtcInitOccludedArguments(&arguments);

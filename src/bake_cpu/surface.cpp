@@ -167,7 +167,8 @@ struct SurfaceTracer::GeometryUser {
     bool castShadows = true;
 };
 
-SurfaceTracer::SurfaceTracer(const Scene& scene, const BakeGeometry& geometry) : geometry_(geometry), sceneData_(scene)
+SurfaceTracer::SurfaceTracer(const Scene& scene, const BakeGeometry& geometry, const char* device)
+    : geometry_(geometry), sceneData_(scene)
 {
     for (const Material& material : scene.materials) materials_.push_back(transportMaterial(scene, material));
     materials_.push_back(transportMaterial(scene, defaultMaterial()));
@@ -205,8 +206,9 @@ SurfaceTracer::SurfaceTracer(const Scene& scene, const BakeGeometry& geometry) :
     for (const auto& list : trianglesOfGeometry_) firstHit_.push_back(firstHit_.back() + uint32_t(list.size()));
     sceneScale_ = bounds.empty() ? 1.0f : glm::length(bounds.size());
 
-    device_ = rtcNewDevice(nullptr);
+    device_ = rtcNewDevice(device);
     if (device_ == nullptr) return;
+    packets_ = embree::takesPackets(device_);
     RTCScene embreeScene = rtcNewScene(device_);
     // Its rays are many: a tree that takes three times as long to build is well worth it.
     rtcSetSceneBuildQuality(embreeScene, RTC_BUILD_QUALITY_HIGH);
@@ -463,7 +465,7 @@ void SurfaceTracer::intersect(const embree::LaneMask& valid, RTCRayHit8& rays) c
         rays.hit.instID[0][i] = RTC_INVALID_GEOMETRY_ID;
     }
     if (rayLog != nullptr) logPacket(RayLog::Call::Intersect8, valid, rays.ray);
-    embree::intersect8(scene_, context, valid, rays);
+    embree::intersect8(scene_, context, valid, rays, packets_);
 }
 
 void SurfaceTracer::occluded(const embree::LaneMask& valid, RTCRay8& rays) const
@@ -475,7 +477,7 @@ void SurfaceTracer::occluded(const embree::LaneMask& valid, RTCRay8& rays) const
 void SurfaceTracer::occluded(embree::RayContext& context, const embree::LaneMask& valid, RTCRay8& rays) const
 {
     if (rayLog != nullptr) logPacket(RayLog::Call::Occluded8, valid, rays);
-    embree::occluded8(scene_, context, valid, rays);
+    embree::occluded8(scene_, context, valid, rays, packets_);
 }
 
 std::array<float, embree::kPacket> SurfaceTracer::arriving(const embree::LaneMask& valid, RTCRay8& rays) const
@@ -569,14 +571,14 @@ void SurfaceTracer::replay(const RayLog& log) const
         }
         embree::RayContext context(false);
         if (call.kind == RayLog::Call::Occluded8) {
-            embree::occluded8(scene_, context, valid, packet.ray);
+            embree::occluded8(scene_, context, valid, packet.ray, packets_);
             continue;
         }
         for (int i = 0; i < embree::kPacket; ++i) {
             packet.hit.geomID[i] = RTC_INVALID_GEOMETRY_ID;
             packet.hit.instID[0][i] = RTC_INVALID_GEOMETRY_ID;
         }
-        embree::intersect8(scene_, context, valid, packet);
+        embree::intersect8(scene_, context, valid, packet, packets_);
     }
 }
 

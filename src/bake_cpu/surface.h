@@ -81,8 +81,8 @@ private:
 /// Embree scene over flattened geometry. Immutable after construction; all queries are thread-safe.
 class SurfaceTracer {
 public:
-    /// `geometry` and `scene` outlive the tracer.
-    SurfaceTracer(const Scene& scene, const BakeGeometry& geometry);
+    /// `geometry` and `scene` outlive the tracer. `device`: what rtcNewDevice() takes; null for this processor's best.
+    SurfaceTracer(const Scene& scene, const BakeGeometry& geometry, const char* device = nullptr);
     ~SurfaceTracer();
     SurfaceTracer(const SurfaceTracer&) = delete;
     SurfaceTracer& operator=(const SurfaceTracer&) = delete;
@@ -171,6 +171,7 @@ private:
     std::vector<uint32_t> firstHit_; ///< by geometry, hit triangles before it; at the end, all of them
     std::vector<std::unique_ptr<GeometryUser>> users_;
     RTCDevice device_ = nullptr;
+    bool packets_ = false; ///< eight rays at once are faster than one by one
     RTCScene scene_ = nullptr;
     float sceneScale_ = 1.0f;
     bool anyBlended_ = false; ///< there is something that dims rays

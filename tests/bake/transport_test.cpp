@@ -587,6 +587,52 @@ TEST(RadianceCacheS6, LargeCellsTellAsMuchByFewerTexels)
     EXPECT_NEAR(sum, expected, 0.01 * expected);
 }
 
+/// Old processors, and what virtual machines make of new ones, have no instructions for eight rays at once: lanes that
+/// are not in use must not be traced there, whatever is in them, and the others meet what they meet elsewhere.
+TEST(RaysS6, LanesOutOfUseAreLeftAloneOnAllProcessors)
+{
+    const Scene scene = room(true, true, true);
+    const Bench bench(scene, MixedLightingMode::Shadowmask, kPage, {});
+    const SurfaceTracer tracer(bench.scene, bench.geometry);
+    const SurfaceTracer old(bench.scene, bench.geometry, "isa=sse2");
+    ASSERT_TRUE(tracer.ok() && old.ok());
+    int hits = 0;
+    int blocked = 0;
+    for (uint32_t packet = 0; packet < 64; ++packet) {
+        RTCRayHit8 rays;
+        std::memset(&rays, 0xff, sizeof(rays)); // no numbers
+        embree::LaneMask valid;
+        SurfaceTracer::clear(rays.ray);
+        for (int lane = 0; lane < embree::kPacket; ++lane) {
+            Sampler sampler(1, packet, uint32_t(lane));
+            valid.lane[lane] = sampler.next1() < 0.6f ? -1 : 0;
+            if (valid.lane[lane] == 0) continue;
+            embree::setRay(rays.ray, lane, bench.positionOf(bench.map.texels[packet * 7]) + vec3(0, 0.5f, 0),
+                           shading::sampleSphere(sampler.next2()));
+        }
+        RTCRayHit8 same = rays;
+        tracer.intersect(valid, rays);
+        old.intersect(valid, same);
+        RTCRay8 shadows = rays.ray;
+        for (float& tfar : shadows.tfar) tfar *= 1.5f;
+        RTCRay8 sameShadows = shadows;
+        tracer.occluded(valid, shadows);
+        old.occluded(valid, sameShadows);
+        for (int lane = 0; lane < embree::kPacket; ++lane) {
+            if (valid.lane[lane] == 0) continue;
+            ASSERT_EQ(rays.hit.geomID[lane], same.hit.geomID[lane]);
+            EXPECT_EQ(shadows.tfar[lane] < 0.0f, sameShadows.tfar[lane] < 0.0f);
+            blocked += shadows.tfar[lane] < 0.0f ? 1 : 0;
+            if (rays.hit.geomID[lane] == RTC_INVALID_GEOMETRY_ID) continue;
+            ++hits;
+            EXPECT_EQ(rays.hit.primID[lane], same.hit.primID[lane]);
+            EXPECT_NEAR(rays.ray.tfar[lane], same.ray.tfar[lane], 1.0e-4f);
+        }
+    }
+    EXPECT_GT(hits, 100);
+    EXPECT_GT(blocked, 100);
+}
+
 TEST(RadianceCacheS6, ThreadsChangeNoBit)
 {
     std::vector<IrradianceEstimate> first;
