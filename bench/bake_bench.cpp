@@ -10,7 +10,7 @@
 #include "bilinear.h"
 
 #include "bake/stages.h"
-#include "bake_cpu/final_gather.h"
+#include "bake_cpu/cached_lightmap.h"
 
 #include "halflight/bake/bake.h"
 #include "halflight/bake_cpu/embree_integrator.h"
@@ -183,11 +183,11 @@ public:
     {
         return reached() ? found_ : lastTime_ * (lastError_ / target_) * (lastError_ / target_);
     }
-    void print(const char* label, double pathTime) const
+    void print(const std::string& label, double pathTime) const
     {
         if (!reached()) return;
-        std::printf("  CPU s to %.1f %%: path %.1f, %s %.2f, ratio %.1f\n", 100.0 * target_, pathTime, label, found_,
-                    pathTime / found_);
+        std::printf("  CPU s to %.1f %%: path %.1f, %s %.2f, ratio %.1f\n", 100.0 * target_, pathTime, label.c_str(),
+                    found_, pathTime / found_);
     }
 
 private:
@@ -290,11 +290,11 @@ void partError(const Options& options)
                     pathMean.cpu(), pathMean.rays() * 1.0e-6, 100.0 * pathError.rmse, 100.0 * pathError.bias,
                     subset.texels.size());
         settings.integrator = IntegratorKind::Cache;
-        // All texels, and with those in between where light hardly changes.
-        for (const int step : {1, 2}) {
-            if (step > 1 && options.samples > 0) break;
+        // As it is by default, and with all texels traced or not where they are not or are then.
+        for (const int step : {0, texelStepOf(IntegrationSettings(), p.map) == 1 ? 2 : 1}) {
+            if (step > 0 && options.samples > 0) break;
             settings.texelStep = step;
-            const char* label = step == 1 ? "cache" : "step 2";
+            const std::string label = step == 0 ? "cache" : "step " + std::to_string(step);
             TimeToTarget raw(options.target);
             TimeToTarget denoised(options.target);
             const int first = options.samples > 0 ? options.samples : 2;
@@ -318,7 +318,7 @@ void partError(const Options& options)
                 }
                 const Error before = errorOf(rawMean);
                 const Error after = errorOf(denoisedMean);
-                std::printf("  %-8s %8d %10.2f %10.1f %8.2f%% %8.2f%% %10.2f %8.2f%% %8.2f%%\n", label, samples,
+                std::printf("  %-8s %8d %10.2f %10.1f %8.2f%% %8.2f%% %10.2f %8.2f%% %8.2f%%\n", label.c_str(), samples,
                             rawMean.cpu(), rawMean.rays() * 1.0e-6, 100.0 * before.rmse, 100.0 * before.bias,
                             denoisedMean.cpu(), 100.0 * after.rmse, 100.0 * after.bias);
                 std::fflush(stdout);
@@ -326,7 +326,7 @@ void partError(const Options& options)
                 denoised.add(denoisedMean.cpu(), after.rmse);
             }
             raw.print(label, pathTime());
-            denoised.print((std::string(label) + " denoised").c_str(), pathTime());
+            denoised.print(label + " denoised", pathTime());
         }
         std::printf("\n");
     }
