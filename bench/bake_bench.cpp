@@ -290,7 +290,7 @@ void partError(const Options& options)
                     pathMean.cpu(), pathMean.rays() * 1.0e-6, 100.0 * pathError.rmse, 100.0 * pathError.bias,
                     subset.texels.size());
         settings.integrator = IntegratorKind::Cache;
-        // As it is by default, and with all texels traced or not where they are not or are then.
+        // With the step between traced texels that is the default for the map, and with the other one.
         for (const int step : {0, texelStepOf(IntegrationSettings(), p.map) == 1 ? 2 : 1}) {
             if (step > 0 && options.samples > 0) break;
             settings.texelStep = step;

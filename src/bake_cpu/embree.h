@@ -102,14 +102,16 @@ inline bool behind(const RTCRayHit8& rays, int lane)
 
 inline void intersect8(RTCScene scene, RayContext& context, const LaneMask& valid, RTCRayHit8& rays, bool asPacket)
 {
-    for (unsigned lane = 0; !asPacket && lane < kPacket; ++lane) {
-        if (valid.lane[lane] == 0) continue;
-        RTCRayHit ray = rtcGetRayHitFromRayHitN(reinterpret_cast<RTCRayHitN*>(&rays), kPacket, lane);
-        intersect(scene, context, ray);
-        rays.ray.tfar[lane] = ray.ray.tfar;
-        rtcCopyHitToHitN(reinterpret_cast<RTCHitN*>(&rays.hit), &ray.hit, kPacket, lane);
+    if (!asPacket) {
+        for (unsigned lane = 0; lane < kPacket; ++lane) {
+            if (valid.lane[lane] == 0) continue;
+            RTCRayHit ray = rtcGetRayHitFromRayHitN(reinterpret_cast<RTCRayHitN*>(&rays), kPacket, lane);
+            intersect(scene, context, ray);
+            rays.ray.tfar[lane] = ray.ray.tfar;
+            rtcCopyHitToHitN(reinterpret_cast<RTCHitN*>(&rays.hit), &ray.hit, kPacket, lane);
+        }
+        return;
     }
-    if (!asPacket) return;
 #if RTC_VERSION_MAJOR >= 4
     RTCIntersectArguments arguments;
     rtcInitIntersectArguments(&arguments);
@@ -122,13 +124,15 @@ inline void intersect8(RTCScene scene, RayContext& context, const LaneMask& vali
 
 inline void occluded8(RTCScene scene, RayContext& context, const LaneMask& valid, RTCRay8& rays, bool asPacket)
 {
-    for (unsigned lane = 0; !asPacket && lane < kPacket; ++lane) {
-        if (valid.lane[lane] == 0) continue;
-        RTCRay ray = rtcGetRayFromRayN(reinterpret_cast<RTCRayN*>(&rays), kPacket, lane);
-        occluded(scene, context, ray);
-        rays.tfar[lane] = ray.tfar;
+    if (!asPacket) {
+        for (unsigned lane = 0; lane < kPacket; ++lane) {
+            if (valid.lane[lane] == 0) continue;
+            RTCRay ray = rtcGetRayFromRayN(reinterpret_cast<RTCRayN*>(&rays), kPacket, lane);
+            occluded(scene, context, ray);
+            rays.tfar[lane] = ray.tfar;
+        }
+        return;
     }
-    if (!asPacket) return;
 #if RTC_VERSION_MAJOR >= 4
     RTCOccludedArguments arguments;
     rtcInitOccludedArguments(&arguments);
