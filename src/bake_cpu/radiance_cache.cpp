@@ -446,11 +446,11 @@ private:
         PointValidity::Met met{int(cells.size()), {}, kAllPoints, outside_.together[texel] != 0};
         for (const int cell : cells) {
             met.others &= PointMask(~(1u << group.pointOf(lane, 0, cell)));
-            if (!bundle_.hit(cell, lane) || !bundle_.behind(cell, lane)) continue;
-            if (!cache_.hiddenBack(recordOfHit(cell, lane))) continue;
-            const RTCRayHit8& packet = bundle_.rays[std::size_t(cell)];
-            const uint32_t triangle = tracer.triangleOf(packet.hit.geomID[lane], packet.hit.primID[lane]);
-            met.backs.add({1, tracer.geometry().solid[triangle], packet.ray.tfar[lane]});
+            if (!bundle_.hit(cell, lane)) continue;
+            const uint32_t record = recordOfHit(cell, lane);
+            if (!cache_.hiddenBack(record)) continue;
+            const uint8_t solid = tracer.geometry().solid[tracer.triangleAt(record / 2)];
+            met.backs.add({1, solid, bundle_.rays[std::size_t(cell)].ray.tfar[lane]});
         }
         if (met.backs.hidden == 0) return true;
         const PointMask mask =
