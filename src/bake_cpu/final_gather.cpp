@@ -26,27 +26,6 @@ constexpr float kSomeShare = 0.01f;
 constexpr float kLargeShare = 0.04f;
 constexpr float kOftenEnough = 0.1f;
 
-/// Points on emitters, side by side.
-struct EmitterLanes {
-    Vec3Lanes<kLanes> position;
-    Vec3Lanes<kLanes> normal;
-    Vec3Lanes<kLanes> radiance;
-    std::array<float, kLanes> pdfArea; ///< 0: there is none
-    std::array<int32_t, kLanes> doubleSided;
-    std::array<int32_t, kLanes> rayVisible;
-    std::array<float, kLanes> share; ///< as EmitterWay has it
-
-    void set(std::size_t lane, const EmitterSample& s)
-    {
-        position.set(lane, s.position);
-        normal.set(lane, s.normal);
-        radiance.set(lane, s.radiance);
-        pdfArea[lane] = s.radiance != vec3(0.0f) ? s.pdfArea : 0.0f;
-        doubleSided[lane] = s.doubleSided ? 1 : 0;
-        rayVisible[lane] = s.rayVisible ? 1 : 0;
-    }
-};
-
 } // namespace
 
 void FinalGather::beginBlock()
@@ -262,19 +241,22 @@ void FinalGather::sampleBright(const GatherGroup& group, int block, uint64_t& ra
     const SurfaceTracer& tracer = paths_.surfaces();
     countLights(
         used,
-        [&](std::size_t lane, int cell, const auto& take) {
-            const BrightCells::Place& place = places_[std::size_t(cell) * kLanes + lane];
-            if (place.pdfArea <= 0.0f) return;
-            const float distance = glm::distance(bundle_.origin(std::size_t(cell), int(lane)), place.position);
-            const vec3* known = cache_->known(place.record, place.barycentric, place.cell, distance);
-            if (known == nullptr) return;
-            EmitterSample e;
-            e.position = place.position;
-            e.normal = place.normal;
-            // Through holes light from elsewhere comes.
-            e.radiance = *known * tracer.coverageOfHit(place.record / 2, place.barycentric);
-            e.pdfArea = place.pdfArea * brightShare(lane);
-            take(e);
+        [&](std::size_t cell, EmitterLanes& lanes) {
+            for (std::size_t lane = 0; lane < kLanes; ++lane) {
+                const BrightCells::Place& place = places_[cell * kLanes + lane];
+                lanes.pdfArea[lane] = 0.0f;
+                if (place.pdfArea <= 0.0f) continue;
+                const float distance = glm::distance(bundle_.origin(cell, int(lane)), place.position);
+                const vec3* known = cache_->known(place.record, place.barycentric, place.cell, distance);
+                if (known == nullptr) continue;
+                EmitterSample e;
+                e.position = place.position;
+                e.normal = place.normal;
+                // Through holes light from elsewhere comes.
+                e.radiance = *known * tracer.coverageOfHit(place.record / 2, place.barycentric);
+                e.pdfArea = place.pdfArea * brightShare(lane);
+                lanes.set(lane, e);
+            }
         },
         rays);
 }
@@ -305,22 +287,16 @@ void FinalGather::countLights(std::span<const uint8_t> cells, const Choose& choo
     RTCRay8 packet;
     alignas(32) embree::LaneMask valid;
     EmitterLanes lanes{};
+    std::array<float, kLanes> unshadowed; ///< as EmitterWay has it
     for (const std::size_t cell : cells) {
         const RayBundle::Frames& frame = bundle_.frame(cell);
-        bool any = false;
-        for (std::size_t lane = 0; lane < kLanes; ++lane) {
-            lanes.pdfArea[lane] = 0.0f;
-            choose(lane, int(cell), [&](const EmitterSample& e) { lanes.set(lane, e); });
-            any = any || lanes.pdfArea[lane] > 0.0f;
-        }
-        if (!any) continue;
+        choose(cell, lanes);
+        if (std::none_of(lanes.pdfArea.begin(), lanes.pdfArea.end(), [](float pdf) { return pdf > 0.0f; })) continue;
         SurfaceTracer::clear(packet);
         for (std::size_t lane = 0; lane < kLanes; ++lane) {
             const vec3 position = bundle_.origin(cell, int(lane));
-            const EmitterWay way = emitterWay(position, frame.normal[lane], frame.geometricNormal[lane],
-                                              lanes.position[lane], lanes.normal[lane], lanes.pdfArea[lane],
-                                              lanes.doubleSided[lane] != 0, lanes.rayVisible[lane] != 0);
-            lanes.share[lane] = way.share;
+            const EmitterWay way = lanes.from(lane, position, frame.normal[lane], frame.geometricNormal[lane]);
+            unshadowed[lane] = way.share;
             valid.lane[lane] = way.distance > 0.0f ? -1 : 0;
             embree::setRay(packet, int(lane), position, way.direction);
             packet.tfar[lane] = way.distance * (1.0f - 1.0e-4f);
@@ -332,7 +308,7 @@ void FinalGather::countLights(std::span<const uint8_t> cells, const Choose& choo
         Vec3Lanes<kLanes> irradiance;
         for (std::size_t lane = 0; lane < kLanes; ++lane) {
             const bool arrives = valid.lane[lane] != 0 && shares[lane] > 0.0f;
-            irradiance.set(lane, arrives ? lanes.radiance[lane] * (lanes.share[lane] * shares[lane]) : vec3(0.0f));
+            irradiance.set(lane, arrives ? lanes.radiance[lane] * (unshadowed[lane] * shares[lane]) : vec3(0.0f));
             // Of lanes that nothing was sampled for, directions may be no numbers.
             packet.dir_x[lane] = arrives ? packet.dir_x[lane] : 0.0f;
             packet.dir_y[lane] = arrives ? packet.dir_y[lane] : 0.0f;
@@ -347,7 +323,8 @@ void FinalGather::sampleEmitters(const GatherGroup& group, int block, std::span<
 {
     beginBlock();
     std::array<bool, kLanes> use{};
-    std::array<float, kLanes> chance{};
+    std::array<float, kLanes> chance;
+    chance.fill(1.0f);
     std::array<GatherPattern::Block, kLanes> points;
     for (int i = 0; i < group.lanes(); ++i) {
         const auto lane = std::size_t(i);
@@ -364,13 +341,21 @@ void FinalGather::sampleEmitters(const GatherGroup& group, int block, std::span<
     };
     countLights(
         kAllCells,
-        [&](std::size_t lane, int cell, const auto& take) {
-            if (!wanted(lane, std::size_t(cell))) return;
-            EmitterSample e = paths_.emitters().sample({bundle_.origin(std::size_t(cell), int(lane)),
-                                                        bundle_.frame(std::size_t(cell)).normal[lane], &cut_, lane},
-                                                       points[lane].unit(cell));
-            e.radiance /= chance[lane];
-            take(e);
+        [&](std::size_t cell, EmitterLanes& lanes) {
+            LightTree::Points positions;
+            LightTree::Cut::Lanes<bool> looks;
+            LightTree::Cut::Lanes<vec2> u;
+            for (std::size_t lane = 0; lane < kLanes; ++lane) {
+                positions.set(lane, bundle_.origin(cell, int(lane)));
+                looks[lane] = wanted(lane, cell);
+                if (looks[lane]) u[lane] = points[lane].unit(int(cell));
+            }
+            paths_.emitters().sample(cut_, positions, bundle_.frame(cell).normal, looks, u, lanes);
+            for (std::size_t lane = 0; lane < kLanes; ++lane) {
+                lanes.radiance.x[lane] /= chance[lane];
+                lanes.radiance.y[lane] /= chance[lane];
+                lanes.radiance.z[lane] /= chance[lane];
+            }
         },
         rays);
     for (int lane = 0; lane < group.lanes(); ++lane) {

@@ -87,8 +87,7 @@ private:
     /// What a ray that met a bright cell counts beside samples of it.
     [[nodiscard]] float brightWeight(int cell, int lane, uint32_t square) const;
     void sampleBright(const GatherGroup& group, int block, uint64_t& rays);
-    /// Counts light from points that choose(lane, cell, take) tells for the given cells, where nothing stands between:
-    /// it calls take(EmitterSample) where there is one.
+    /// Counts light from points that choose(cell, lanes) tells for the given cells, where nothing stands between.
     template<typename Choose> void countLights(std::span<const uint8_t> cells, const Choose& choose, uint64_t& rays);
     void gatherBlock(const GatherGroup& group, int block, uint64_t& rays);
     /// From where the bundle's rays of the same block start.

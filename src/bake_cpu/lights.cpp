@@ -115,15 +115,11 @@ Emitters::Emitters(const SurfaceTracer& tracer) : tracer_(tracer)
     tree_ = LightTree(items);
 }
 
-EmitterSample Emitters::sample(const Receiver& receiver, vec2 u) const
+inline EmitterSample Emitters::at(const LightTree::Choice& choice, float v) const
 {
-    const LightTree::Choice choice =
-        receiver.cut != nullptr ? tree_.sample(*receiver.cut, receiver.lane, receiver.position, receiver.normal, u.x)
-                                : tree_.sample(receiver.position, receiver.normal, u.x);
-    EmitterSample s;
-    if (choice.probability <= 0.0f) return s;
     const Emissive& e = triangles_[choice.item];
-    const vec2 barycentric = shading::sampleTriangle(vec2(choice.u, u.y));
+    const vec2 barycentric = shading::sampleTriangle(vec2(choice.u, v));
+    EmitterSample s;
     s.position = e.origin + barycentric.x * e.edge1 + barycentric.y * e.edge2;
     s.normal = e.normal;
     s.radiance = e.radiance;
@@ -135,6 +131,24 @@ EmitterSample Emitters::sample(const Receiver& receiver, vec2 u) const
     s.doubleSided = e.doubleSided;
     s.pdfArea = choice.probability * e.inverseArea;
     return s;
+}
+
+EmitterSample Emitters::sample(vec3 position, vec3 normal, vec2 u) const
+{
+    const LightTree::Choice choice = tree_.sample(position, normal, u.x);
+    return choice.probability > 0.0f ? at(choice, u.y) : EmitterSample{};
+}
+
+void Emitters::sample(const LightTree::Cut& cut, const LightTree::Points& positions, const LightTree::Points& normals,
+                      const LightTree::Cut::Lanes<bool>& wanted, const LightTree::Cut::Lanes<vec2>& u,
+                      EmitterLanes& samples) const
+{
+    for (std::size_t lane = 0; lane < EmitterLanes::kLanes; ++lane) {
+        samples.pdfArea[lane] = 0.0f;
+        if (!wanted[lane]) continue;
+        const LightTree::Choice choice = tree_.sample(cut, lane, positions[lane], normals[lane], u[lane].x);
+        if (choice.probability > 0.0f) samples.set(lane, at(choice, u[lane].y));
+    }
 }
 
 float Emitters::pdfArea(const Receiver& receiver, uint32_t triangle) const

@@ -127,6 +127,32 @@ struct EmitterSample {
     }
 };
 
+/// The same for eight receivers, side by side.
+struct EmitterLanes {
+    static constexpr std::size_t kLanes = LightTree::Cut::kLanes;
+    Vec3Lanes<kLanes> position;
+    Vec3Lanes<kLanes> normal;
+    Vec3Lanes<kLanes> radiance;
+    std::array<float, kLanes> pdfArea;
+    std::array<int32_t, kLanes> doubleSided;
+    std::array<int32_t, kLanes> rayVisible;
+
+    void set(std::size_t lane, const EmitterSample& s)
+    {
+        position.set(lane, s.position);
+        normal.set(lane, s.normal);
+        radiance.set(lane, s.radiance);
+        pdfArea[lane] = s.radiance != vec3(0.0f) ? s.pdfArea : 0.0f; // nothing to look at
+        doubleSided[lane] = s.doubleSided ? 1 : 0;
+        rayVisible[lane] = s.rayVisible ? 1 : 0;
+    }
+    [[nodiscard]] EmitterWay from(std::size_t lane, vec3 receiver, vec3 receiverNormal, vec3 geometricNormal) const
+    {
+        return emitterWay(receiver, receiverNormal, geometricNormal, position[lane], normal[lane], pdfArea[lane],
+                          doubleSided[lane] != 0, rayVisible[lane] != 0);
+    }
+};
+
 /// All emissive triangles in a tree of lights; uniform on the chosen triangle.
 class Emitters {
 public:
@@ -138,7 +164,11 @@ public:
     }
     /// About what all of them together give a point without shadows, in lux.
     [[nodiscard]] float unshadowed(vec3 position, vec3 normal) const { return tree_.total(position, normal); }
-    [[nodiscard]] EmitterSample sample(const Receiver& receiver, vec2 u) const;
+    [[nodiscard]] EmitterSample sample(vec3 position, vec3 normal, vec2 u) const;
+    /// The same for those lanes of a cut that are wanted; no sample in the others.
+    void sample(const LightTree::Cut& cut, const LightTree::Points& positions, const LightTree::Points& normals,
+                const LightTree::Cut::Lanes<bool>& wanted, const LightTree::Cut::Lanes<vec2>& u,
+                EmitterLanes& samples) const;
     /// Density, per square metre, with which sample() chooses points of a triangle; 0 when it is no emitter.
     [[nodiscard]] float pdfArea(const Receiver& receiver, uint32_t triangle) const;
 
@@ -156,6 +186,9 @@ private:
         bool doubleSided = false;
         bool rayVisible = true;
     };
+    /// On the chosen triangle.
+    [[nodiscard]] inline EmitterSample at(const LightTree::Choice& choice, float v) const;
+
     const SurfaceTracer& tracer_;
     std::vector<Emissive> triangles_;
     std::vector<uint32_t> itemOfTriangle_; ///< ~0 = none; empty without emitters

@@ -158,7 +158,7 @@ PathTracer::EmitterAtSurface PathTracer::emitterIrradiance(const SurfacePoint& p
     const float chance =
         beside > 0.0f ? emitterChance(emitters_.unshadowed(receiver.position, receiver.normal), beside) : 1.0f;
     if (chance < 1.0f && sampler.next1() >= chance) return {};
-    const EmitterSample s = emitters_.sample(receiver, sampler.next2());
+    const EmitterSample s = emitters_.sample(receiver.position, receiver.normal, sampler.next2());
     const EmitterWay way = s.from(receiver.position, receiver.normal, point.geometricNormal);
     if (way.distance <= 0.0f || s.radiance == vec3(0.0f)) return {};
     ++rays;
@@ -171,7 +171,7 @@ PathTracer::EmitterInSpace PathTracer::emitterInSpace(vec3 position, float direc
                                                       uint64_t& rays) const
 {
     if (emitters_.empty()) return {};
-    const EmitterSample s = emitters_.sample({position}, sampler.next2());
+    const EmitterSample s = emitters_.sample(position, vec3(0.0f), sampler.next2());
     if (s.pdfArea <= 0.0f) return {};
     const vec3 toEmitter = s.position - position;
     const float distance2 = glm::dot(toEmitter, toEmitter);
