@@ -9,6 +9,7 @@
 #include <cmath>
 #include <iterator>
 #include <numeric>
+#include <tuple>
 
 namespace halflight {
 namespace {
@@ -30,6 +31,10 @@ constexpr float kEnoughSightings = 128.0f;
 constexpr float kWider = 3.0f;
 constexpr int kGuideLevels = 4;
 constexpr float kNoiseFromAfar = 10.0f;
+/// The others ask in cubes of this level for what they have not met, and send so many of their samples there where it
+/// makes as much noise.
+constexpr int kFarLevel = 3;
+constexpr float kNoiseUnseen = 0.5f;
 constexpr std::size_t kMostEntries = 64; ///< of a guide
 /// Pieces take memory: for each cell there are so many at most, or so many for small lightmaps.
 constexpr float kMostPiecesForCell = 0.125f;
@@ -209,6 +214,32 @@ std::vector<uint32_t> BrightCells::Receivers::widen(float width)
     return parents;
 }
 
+/// Patches and receivers that belong together: a patch and those that have met it, whatever else these have met, and so
+/// on. What is behind closed doors is apart.
+class BrightCells::Company {
+public:
+    Company(const Receivers& receivers, std::size_t patches) : of_(patches)
+    {
+        std::iota(of_.begin(), of_.end(), 0u);
+        for (std::size_t cube = 0; cube < receivers.cubes.size(); ++cube) {
+            const std::span<const Seen> seen = receivers.seenFrom(cube);
+            for (const Seen& s : seen) of_[find(s.patch)] = find(seen.front().patch);
+            receivers_.push_back(seen.empty() ? ~0u : seen.front().patch);
+        }
+    }
+    [[nodiscard]] uint32_t ofPatch(uint32_t patch) { return find(patch); }
+    [[nodiscard]] uint32_t ofReceivers(uint32_t cube) { return receivers_[cube] != ~0u ? find(receivers_[cube]) : ~0u; }
+
+private:
+    uint32_t find(uint32_t patch)
+    {
+        while (of_[patch] != patch) patch = of_[patch] = of_[of_[patch]];
+        return patch;
+    }
+    std::vector<uint32_t> of_;
+    std::vector<uint32_t> receivers_; ///< a patch of each, or ~0
+};
+
 BrightCells::BrightCells(const RadianceCache& cache, const SurfaceTracer& tracer, std::span<const CellLight> cells,
                          float texelMeters, const Sightings& sightings)
 {
@@ -278,8 +309,11 @@ void BrightCells::makeGuides(std::span<const CellLight> cells, float texelMeters
     std::vector<uint32_t> open(guides_.size());
     std::iota(open.begin(), open.end(), 0u);
     std::vector<uint32_t> cubeOfGuide = open;
+    Company company(receivers, patches_.size());
+    std::vector<float> illuminances;
+    for (const Receivers::Cube& cube : receivers.cubes) illuminances.push_back(cube.illuminance());
     std::erase_if(open, [&](uint32_t g) { return addGuide(receivers, g, {}, guides_[g]) >= kEnoughSightings; });
-    for (int level = 2; level <= kGuideLevels && !open.empty(); ++level) {
+    for (int level = 2; level <= kGuideLevels; ++level) {
         width *= kWider;
         const std::vector<uint32_t> parents = receivers.widen(width);
         for (uint32_t& cube : cubeOfGuide) cube = parents[cube];
@@ -294,9 +328,10 @@ void BrightCells::makeGuides(std::span<const CellLight> cells, float texelMeters
             Asked& cube = asked[cubeOfGuide[g]];
             if (!cube.yet) cube.sightings = addGuide(receivers, cubeOfGuide[g], least, cube.guide);
             cube.yet = true;
-            if (cube.guide.count > 0) guides_[g] = cube.guide;
+            if (cube.guide.own.count > 0) guides_[g] = cube.guide;
             return cube.sightings >= least.sightings;
         });
+        if (level == kFarLevel) addFar(receivers, cubeOfGuide, illuminances, company);
     }
 }
 
@@ -342,14 +377,31 @@ void BrightCells::makePatches(std::span<const CellLight> cells, std::span<const 
     }
 }
 
-/// Makes the guide of the receivers in a cube, if they and those around have as many sightings of bright cells and as
-/// much noise from them as it takes. Returns the number of sightings.
-float BrightCells::addGuide(const Receivers& receivers, uint32_t cube, const Least& least, Guide& guide)
-{
-    const float illuminance = receivers.cubes[cube].illuminance();
-    std::vector<Seen> seen;
+/// What the receivers in a cube and those around have met that is bright beside some light.
+struct BrightCells::Sight {
+    std::vector<Seen> seen; ///< in ascending order of patches
     float rays = 0.0f;
-    float met = 0.0f;
+    float met = 0.0f; ///< sightings of bright cells
+
+    Sight(const Receivers& receivers, uint32_t cube, float illuminance);
+    /// Leaves no more than a guide may have, those of the highest rank.
+    template<typename Rank> void cut(const Rank& rank)
+    {
+        if (seen.size() <= kMostEntries) return;
+        std::stable_sort(seen.begin(), seen.end(), [&](const Seen& a, const Seen& b) { return rank(a) > rank(b); });
+        seen.resize(kMostEntries);
+        std::sort(seen.begin(), seen.end(), [](const Seen& a, const Seen& b) { return a.patch < b.patch; });
+    }
+    /// Noise that patches bring whose squares are so much, where others bring so much light.
+    [[nodiscard]] float noise(double squares, float illuminance) const
+    {
+        const double brought = double(kPi) / double(illuminance);
+        return float(brought * brought * squares / double(rays));
+    }
+};
+
+BrightCells::Sight::Sight(const Receivers& receivers, uint32_t cube, float illuminance)
+{
     Cubes::around(receivers.cubes[cube].key, [&](uint64_t key) {
         const auto found = std::lower_bound(receivers.cubes.begin(), receivers.cubes.end(), key,
                                             [](const Receivers::Cube& c, uint64_t k) { return c.key < k; });
@@ -363,35 +415,86 @@ float BrightCells::addGuide(const Receivers& receivers, uint32_t cube, const Lea
             met += s.rays;
         }
     });
-    if (met < least.sightings) return met;
     Seen::join(seen);
-    const std::size_t count = seen.size();
-    if (count > kMostEntries) {
-        std::stable_sort(seen.begin(), seen.end(), [](const Seen& a, const Seen& b) { return a.light > b.light; });
-        seen.resize(kMostEntries);
-        std::sort(seen.begin(), seen.end(), [](const Seen& a, const Seen& b) { return a.patch < b.patch; });
+}
+
+/// Patches with probabilities in proportion to their weights.
+template<typename Weight> BrightCells::List BrightCells::addList(std::span<const Seen> seen, const Weight& weight)
+{
+    const List list{uint32_t(entries_.size()), uint32_t(seen.size())};
+    double total = 0.0;
+    for (const Seen& s : seen) total += double(weight(s));
+    double sum = 0.0;
+    for (const Seen& s : seen) {
+        sum += double(weight(s));
+        entries_.push_back({s.patch, float(double(weight(s)) / total)});
+        entryEnds_.push_back(float(sum / total));
     }
+    return list;
+}
+
+/// Makes the guide of the receivers in a cube, if they and those around have as many sightings of bright cells and as
+/// much noise from them as it takes. Returns the number of sightings.
+float BrightCells::addGuide(const Receivers& receivers, uint32_t cube, const Least& least, Guide& guide)
+{
+    const float illuminance = receivers.cubes[cube].illuminance();
+    Sight sight(receivers, cube, illuminance);
+    if (sight.met < least.sightings) return sight.met;
+    const auto lightOf = [](const Seen& s) { return s.light; };
+    sight.cut(lightOf);
     double light = 0.0;
     double squares = 0.0;
-    for (const Seen& s : seen) {
+    for (const Seen& s : sight.seen) {
         light += double(s.light);
         squares += double(s.squares);
     }
-    if (!(light > 0.0 && light < double(kInfinity) && rays > 0.0f && illuminance > 0.0f)) return met;
-    const double brought = double(kPi) / double(illuminance);
-    const auto noise = float(brought * brought * squares / double(rays));
-    if (noise < least.noise) return met;
-    guide.first = uint32_t(entries_.size());
-    guide.count = uint32_t(seen.size());
+    if (!(light > 0.0 && light < double(kInfinity) && sight.rays > 0.0f && illuminance > 0.0f)) return sight.met;
+    const float noise = sight.noise(squares, illuminance);
+    if (noise < least.noise) return sight.met;
+    guide.own = addList(sight.seen, lightOf);
     guide.noise = noise;
-    guide.share = float(light * light / (squares * double(rays)));
-    double sum = 0.0;
-    for (const Seen& s : seen) {
-        sum += double(s.light);
-        entries_.push_back({s.patch, float(double(s.light) / light)});
-        entryEnds_.push_back(float(sum / light));
+    guide.share = float(light * light / (squares * double(sight.rays)));
+    return sight.met;
+}
+
+/// Tells guides of what others farther around have met and their own receivers have not.
+void BrightCells::addFar(const Receivers& receivers, std::span<const uint32_t> cubeOfGuide,
+                         std::span<const float> illuminances, Company& company)
+{
+    struct Group {
+        uint32_t cube;
+        uint32_t company;
+        uint32_t guide;
+        [[nodiscard]] bool sameAs(const Group& g) const { return cube == g.cube && company == g.company; }
+    };
+    std::vector<Group> order;
+    for (uint32_t g = 0; g < guides_.size(); ++g) {
+        if (company.ofReceivers(g) != ~0u) order.push_back({cubeOfGuide[g], company.ofReceivers(g), g});
     }
-    return met;
+    std::sort(order.begin(), order.end(), [](const Group& a, const Group& b) {
+        return std::tie(a.cube, a.company, a.guide) < std::tie(b.cube, b.company, b.guide);
+    });
+    for (std::size_t i = 0; i < order.size();) {
+        const Group group = order[i];
+        Sight sight(receivers, group.cube, 0.0f);
+        std::erase_if(sight.seen, [&](const Seen& s) { return company.ofPatch(s.patch) != group.company; });
+        // By what they are to the noise: a few rays that bring much.
+        const auto rank = [](const Seen& s) { return std::sqrt(s.squares); };
+        sight.cut(rank);
+        List list;
+        for (; i < order.size() && order[i].sameAs(group); ++i) {
+            Guide& guide = guides_[order[i].guide];
+            double unseen = 0.0;
+            for (const Seen& s : sight.seen) {
+                if (probability(guide.own, s.patch) <= 0.0f) unseen += double(s.squares);
+            }
+            const float noise = sight.noise(unseen, illuminances[order[i].guide]);
+            if (!(noise >= kNoiseUnseen && noise < kInfinity)) continue;
+            if (list.count == 0) list = addList(sight.seen, rank);
+            guide.far = list;
+            guide.noise += noise;
+        }
+    }
 }
 
 /// Leaves out the patches that no guide names, and if pieces would be too many, those that bring least light for each.
@@ -490,30 +593,50 @@ void BrightCells::findPieces(const RadianceCache& cache, const SurfaceTracer& tr
     }
 }
 
+float BrightCells::probability(const List& list, uint32_t patch) const
+{
+    const auto first = entries_.begin() + list.first;
+    const auto last = first + list.count;
+    const auto entry = std::lower_bound(first, last, patch, [](const Entry& e, uint32_t p) { return e.patch < p; });
+    return entry != last && entry->patch == patch ? entry->probability : 0.0f;
+}
+
+float BrightCells::probability(const Guide& guide, uint32_t patch) const
+{
+    const float own = probability(guide.own, patch);
+    if (guide.far.count == 0) return own;
+    return (1.0f - guide.farShare()) * own + guide.farShare() * probability(guide.far, patch);
+}
+
 float BrightCells::pdfArea(const Guide& guide, uint32_t cell) const
 {
     const Member& m = members_[cell];
-    const auto first = entries_.begin() + guide.first;
-    const auto last = first + guide.count;
-    const auto entry =
-        std::lower_bound(first, last, m.patch, [](const Entry& e, uint32_t patch) { return e.patch < patch; });
-    return entry != last && entry->patch == m.patch ? entry->probability * m.pdfArea : 0.0f;
+    return probability(guide, m.patch) * m.pdfArea;
 }
 
 BrightCells::Choice BrightCells::choose(const Guide& guide, vec2 u) const
 {
-    if (guide.count == 0) return {};
-    const std::span<const float> entryEnds = std::span(entryEnds_).subspan(guide.first, guide.count);
+    const List* list = &guide.own;
+    if (guide.far.count > 0) {
+        // One of the two lists; the random number is stretched again over its share.
+        const float farShare = guide.farShare();
+        const bool far = u.x < farShare;
+        if (far) list = &guide.far;
+        u.x = std::min(far ? u.x / farShare : (u.x - farShare) / (1.0f - farShare), 0x1.fffffep-1f);
+    }
+    if (list->count == 0) return {};
+    const std::span<const float> entryEnds = std::span(entryEnds_).subspan(list->first, list->count);
     const auto above = std::upper_bound(entryEnds.begin(), entryEnds.end() - 1, u.x);
-    const Entry& entry = entries_[guide.first + chooseOne(entryEnds, std::size_t(above - entryEnds.begin()), u.x)];
+    const Entry& entry = entries_[list->first + chooseOne(entryEnds, std::size_t(above - entryEnds.begin()), u.x)];
     const Patch& patch = patches_[entry.patch];
     if (patch.pieceCount == 0) return {};
+    const float probability = guide.far.count > 0 ? this->probability(guide, entry.patch) : entry.probability;
     const std::span<const float> pieceEnds = std::span(pieceEnds_).subspan(patch.firstPiece, patch.pieceCount);
     const uint32_t part = std::min(uint32_t(u.x * float(patch.pieceCount)), patch.pieceCount - 1);
     const std::size_t piece = patch.firstPiece + chooseOne(pieceEnds, pieceFrom_[patch.firstPiece + part], u.x);
     __builtin_prefetch(&pieces_[piece]);
     __builtin_prefetch(reinterpret_cast<const char*>(&pieces_[piece]) + 64);
-    return {uint32_t(piece), entry.probability, u};
+    return {uint32_t(piece), probability, u};
 }
 
 } // namespace halflight

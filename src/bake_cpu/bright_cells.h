@@ -49,12 +49,21 @@ public:
     [[nodiscard]] bool empty() const { return pieces_.empty(); }
     [[nodiscard]] bool contains(uint32_t cell) const { return cell < members_.size() && members_[cell].pdfArea > 0.0f; }
 
-    /// What receivers know.
-    struct Guide {
+    static constexpr float kFarShare = 0.25f;
+    /// Patches that receivers know of, each with a probability.
+    struct List {
         uint32_t first = 0;
         uint32_t count = 0;
+    };
+    /// What receivers know.
+    struct Guide {
+        List own;
+        List far;           ///< of receivers farther around: what is so small that few of their own rays meet it
         float noise = 0.0f; ///< mean square of what a ray brings of the guide's light, over the square of all light
         float share = 0.0f; ///< of the rays that meet what the guide names, weighted by brightness
+
+        /// Of the samples, those that look for what the far list names.
+        [[nodiscard]] float farShare() const { return far.count == 0 ? 0.0f : own.count == 0 ? 1.0f : kFarShare; }
     };
     /// Of a cell that receives.
     [[nodiscard]] Guide guide(uint32_t cell) const
@@ -121,6 +130,9 @@ private:
         float probability = 0.0f;
     };
     [[nodiscard]] uint32_t patchOf(uint32_t cell) const { return cell < members_.size() ? members_[cell].patch : ~0u; }
+    /// How often a guide's samples are of a patch.
+    [[nodiscard]] float probability(const Guide& guide, uint32_t patch) const;
+    [[nodiscard]] float probability(const List& list, uint32_t patch) const;
     struct Seen;
     struct Receivers;
     void makeGuides(std::span<const CellLight> cells, float texelMeters, const Sightings& sightings);
@@ -129,7 +141,12 @@ private:
         float sightings = 0.0f;
         float noise = 0.0f;
     };
+    struct Sight;
+    class Company;
     float addGuide(const Receivers& receivers, uint32_t cube, const Least& least, Guide& guide);
+    template<typename Weight> List addList(std::span<const Seen> seen, const Weight& weight);
+    void addFar(const Receivers& receivers, std::span<const uint32_t> cubeOfGuide, std::span<const float> illuminances,
+                Company& company);
     void keepPatches(const RadianceCache& cache, const SurfaceTracer& tracer);
     void findPieces(const RadianceCache& cache, const SurfaceTracer& tracer, std::span<const CellLight> cells);
 
