@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cstring>
 #include <fstream>
+#include <iterator>
 
 namespace halflight {
 namespace {
@@ -178,6 +179,7 @@ bool BakeCache::run(const Work<Value, Witness>& work, std::span<Value> out, cons
         if (Status s = TileFile::append(file_, records); !s && status_) status_ = s;
     };
 
+    std::map<std::size_t, std::vector<Witness>> witnessesOf; // of open tiles, where they were asked already
     const double witnessShare = candidates.empty() ? 0.0 : 0.1;
     if (!candidates.empty()) {
         const std::vector<uint32_t> items = itemsOf(candidates);
@@ -190,8 +192,10 @@ bool BakeCache::run(const Work<Value, Witness>& work, std::span<Value> out, cons
             const auto record = before_.find(work.stage, uint32_t(t), surfaces[t]);
             std::vector<Witness> before(sizeOf(t));
             std::memcpy(before.data(), &record[sizeOf(t) * sizeof(Value)], sizeOf(t) * sizeof(Witness));
-            if (work.changed(before, std::span<const Witness>(now).subspan(at, sizeOf(t)))) {
+            const auto own = std::span<const Witness>(now).subspan(at, sizeOf(t));
+            if (work.changed(before, own)) {
                 open.push_back(t);
+                witnessesOf.emplace(t, std::vector<Witness>(own.begin(), own.end()));
             } else {
                 take(t, record);
                 kept.push_back(t);
@@ -217,9 +221,24 @@ bool BakeCache::run(const Work<Value, Witness>& work, std::span<Value> out, cons
         const Progress part = partOf(progress, fraction(first), fraction(first + tiles.size()));
         const std::vector<uint32_t> items = itemsOf(tiles);
         std::vector<Value> values(items.size());
-        std::vector<Witness> witnesses(items.size());
         if (!work.compute(items, values, part)) return false;
-        if (!work.witness(items, witnesses, Progress{{}, progress.cancel})) return false;
+        std::vector<std::size_t> unasked;
+        std::copy_if(tiles.begin(), tiles.end(), std::back_inserter(unasked),
+                     [&](std::size_t t) { return !witnessesOf.contains(t); });
+        const std::vector<uint32_t> askedNow = itemsOf(unasked);
+        std::vector<Witness> answers(askedNow.size());
+        if (!askedNow.empty() && !work.witness(askedNow, answers, Progress{{}, progress.cancel})) return false;
+        std::vector<Witness> witnesses;
+        auto answer = answers.begin();
+        for (const std::size_t t : tiles) {
+            const auto known = witnessesOf.find(t);
+            if (known != witnessesOf.end()) {
+                witnesses.insert(witnesses.end(), known->second.begin(), known->second.end());
+            } else {
+                witnesses.insert(witnesses.end(), answer, answer + std::ptrdiff_t(sizeOf(t)));
+                answer += std::ptrdiff_t(sizeOf(t));
+            }
+        }
         for (std::size_t i = 0; i < items.size(); ++i) out[items[i]] = values[i];
         store(tiles, witnesses);
     }
