@@ -228,16 +228,15 @@ bool BakeCache::run(const Work<Value, Witness>& work, std::span<Value> out, cons
         const std::vector<uint32_t> askedNow = itemsOf(unasked);
         std::vector<Witness> answers(askedNow.size());
         if (!askedNow.empty() && !work.witness(askedNow, answers, Progress{{}, progress.cancel})) return false;
-        std::vector<Witness> witnesses;
         auto answer = answers.begin();
+        for (const std::size_t t : unasked) {
+            witnessesOf[t].assign(answer, answer + std::ptrdiff_t(sizeOf(t)));
+            answer += std::ptrdiff_t(sizeOf(t));
+        }
+        std::vector<Witness> witnesses;
         for (const std::size_t t : tiles) {
-            const auto known = witnessesOf.find(t);
-            if (known != witnessesOf.end()) {
-                witnesses.insert(witnesses.end(), known->second.begin(), known->second.end());
-            } else {
-                witnesses.insert(witnesses.end(), answer, answer + std::ptrdiff_t(sizeOf(t)));
-                answer += std::ptrdiff_t(sizeOf(t));
-            }
+            const std::vector<Witness> own = std::move(witnessesOf.extract(t).mapped());
+            witnesses.insert(witnesses.end(), own.begin(), own.end());
         }
         for (std::size_t i = 0; i < items.size(); ++i) out[items[i]] = values[i];
         store(tiles, witnesses);

@@ -33,7 +33,8 @@ struct CellLight {
 /// against the rays that meet them as emitters' samples are (Veach and Guibas 1995). What is seen from where is known
 /// from the rays that filled the cache (Jensen 1995, "Importance Driven Path Tracing using the Photon Map"): receivers
 /// that lie together share a guide, a list of patches of bright cells with the share of light that came from each. The
-/// fewer of their rays met any, the farther around they ask.
+/// fewer of their rays met any, the farther around they ask; and all are told of what makes much noise and only others
+/// around have met.
 /// What a guide does not know of is left to the rays.
 class BrightCells {
 public:

@@ -9,6 +9,9 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <array>
+
 namespace halflight::test {
 namespace {
 
@@ -195,6 +198,56 @@ TEST_F(CacheTest, ALightReachesOnlyItsOwnRoom)
     EXPECT_LT(counts.unchanged, counts.tiles * 9 / 10);
     // From scratch the other room gets fewer samples, as its noise is less beside the brighter map's light.
     EXPECT_LT(difference(run(scene, false).baked, changed.baked), 0.004);
+}
+
+/// Witnesses take rays as well: each tile's are asked for once in a bake, whatever becomes of the tile, and the next
+/// bake is compared with what they said.
+TEST_F(CacheTest, WitnessesAreAskedOnce)
+{
+    constexpr std::size_t kTiles = 6;
+    constexpr std::size_t kTile = 4;
+    constexpr std::size_t kCount = kTiles * kTile - 1; // the last tile is smaller
+    const auto bakeWith = [&](uint32_t bake, float witnessOfTile2, std::vector<uint32_t>& asked) {
+        Result<BakeCache> cache = BakeCache::open(folder / "tiles", Hasher().add(bake).hash(), Hasher().add(1u).hash());
+        EXPECT_TRUE(cache);
+        BakeCache::Work<IrradianceEstimate, float> work;
+        work.stage = CachedStage::Lightmap;
+        work.count = kCount;
+        work.tileSize = kTile;
+        work.surface = [](std::size_t first, std::size_t) { return Hasher().add(uint32_t(first)).hash(); };
+        work.compute = [&](std::span<const uint32_t> items, std::span<IrradianceEstimate> out, const Progress&) {
+            for (std::size_t i = 0; i < items.size(); ++i) out[i].irradiance = vec3(float(bake), float(items[i]), 0.0f);
+            return true;
+        };
+        work.witness = [&](std::span<const uint32_t> items, std::span<float> out, const Progress&) {
+            for (std::size_t i = 0; i < items.size(); ++i) {
+                asked.push_back(items[i]);
+                out[i] = float(items[i]) + (items[i] / kTile == 2 ? witnessOfTile2 : 0.0f);
+            }
+            return true;
+        };
+        work.changed = [](std::span<const float> before, std::span<const float> now) {
+            return !std::equal(before.begin(), before.end(), now.begin(), now.end());
+        };
+        std::vector<IrradianceEstimate> out(kCount);
+        EXPECT_TRUE(cache->run(work, std::span<IrradianceEstimate>(out), Progress{}));
+        cache->finish();
+        return out;
+    };
+    // From nothing; then tile 2 changes; then nothing does.
+    const std::array<float, 3> witness = {0.0f, 0.5f, 0.5f};
+    const std::array<float, 3> bakeOfTile2 = {1.0f, 2.0f, 2.0f};
+    for (uint32_t i = 0; i < 3; ++i) {
+        SCOPED_TRACE(i);
+        std::vector<uint32_t> asked;
+        const std::vector<IrradianceEstimate> out = bakeWith(i + 1, witness[i], asked);
+        std::sort(asked.begin(), asked.end());
+        EXPECT_EQ(asked, allIndices(kCount));
+        for (std::size_t item = 0; item < kCount; ++item) {
+            const float expected = item / kTile == 2 ? bakeOfTile2[i] : 1.0f;
+            EXPECT_EQ(out[item].irradiance, vec3(expected, float(item), 0.0f)) << item;
+        }
+    }
 }
 
 TEST_F(CacheTest, AMovedObjectReachesOnlyItsOwnRoom)
