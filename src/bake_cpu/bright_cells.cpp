@@ -36,9 +36,9 @@ constexpr float kNoiseFromAfar = 10.0f;
 constexpr int kFarLevel = 3;
 constexpr float kNoiseUnseen = 0.5f;
 constexpr std::size_t kMostEntries = 64; ///< of a guide
-/// Pieces take memory: for each cell there are so many at most, or so many for small lightmaps.
-constexpr float kMostPiecesForCell = 0.125f;
-constexpr std::size_t kFewPieces = 24576;
+/// Pieces take memory: there are so many at most, or one for so many of the lightmap's texels.
+constexpr std::size_t kFewPieces = 81920;
+constexpr std::size_t kTexelsForPiece = 6;
 
 bool isBright(float radiance, float illuminance)
 {
@@ -241,12 +241,12 @@ private:
 };
 
 BrightCells::BrightCells(const RadianceCache& cache, const SurfaceTracer& tracer, std::span<const CellLight> cells,
-                         float texelMeters, const Sightings& sightings)
+                         float texelMeters, std::size_t texels, const Sightings& sightings)
 {
     if (!(texelMeters > 0.0f)) return;
     members_.resize(cells.size());
     makeGuides(cells, texelMeters, sightings);
-    keepPatches(cache, tracer);
+    keepPatches(cache, tracer, texels);
     findPieces(cache, tracer, cells);
 }
 
@@ -497,44 +497,9 @@ void BrightCells::addFar(const Receivers& receivers, std::span<const uint32_t> c
     }
 }
 
-/// Leaves out the patches that no guide names, and if pieces would be too many, those that bring least light for each.
-void BrightCells::keepPatches(const RadianceCache& cache, const SurfaceTracer& tracer)
-{
-    std::vector<float> use(patches_.size());
-    for (const Entry& e : entries_) use[e.patch] += e.probability;
-    std::vector<uint32_t> pieces(patches_.size());
-    for (uint32_t index = 0; index < tracer.hitTriangleCount(); ++index) {
-        const uint32_t front = RadianceCache::recordOf(index, false);
-        if (!cache.hasCells(front)) continue;
-        forCells(cache.surface(front), [&](uint32_t cell, int, int) {
-            for (const uint32_t side : {cell, cache.backOf(cell)}) {
-                if (patchOf(side) != ~0u) ++pieces[patchOf(side)];
-            }
-        });
-    }
-    std::vector<uint32_t> order;
-    for (uint32_t p = 0; p < patches_.size(); ++p) {
-        if (use[p] > 0.0f) order.push_back(p);
-    }
-    std::sort(order.begin(), order.end(), [&](uint32_t a, uint32_t b) {
-        const float left = use[a] * float(pieces[b]);
-        const float right = use[b] * float(pieces[a]);
-        return left != right ? left > right : a < b;
-    });
-    std::vector<bool> keep(patches_.size());
-    const std::size_t most = std::max(kFewPieces, std::size_t(kMostPiecesForCell * float(members_.size())));
-    std::size_t count = 0;
-    for (const uint32_t p : order) {
-        if (count + pieces[p] > most) break;
-        count += pieces[p];
-        keep[p] = true;
-    }
-    for (Member& m : members_) {
-        if (m.patch != ~0u && !keep[m.patch]) m.patch = ~0u;
-    }
-}
-
-void BrightCells::findPieces(const RadianceCache& cache, const SurfaceTracer& tracer, std::span<const CellLight> cells)
+/// Calls body(piece) for each triangle of what lies in the cells of patches.
+template<typename Body>
+void BrightCells::forPieces(const RadianceCache& cache, const SurfaceTracer& tracer, const Body& body) const
 {
     const BakeGeometry& geometry = tracer.geometry();
     for (uint32_t index = 0; index < tracer.hitTriangleCount(); ++index) {
@@ -561,35 +526,72 @@ void BrightCells::findPieces(const RadianceCache& cache, const SurfaceTracer& tr
                     piece.origin = origin + along(piece.corners[0]);
                     piece.edge1 = along(piece.corners[1] - piece.corners[0]);
                     piece.edge2 = along(piece.corners[2] - piece.corners[0]);
-                    if (piece.area() > 0.0f) pieces_.push_back(piece);
+                    if (piece.area() > 0.0f) body(piece);
                 }
             }
         });
     }
-    std::stable_sort(pieces_.begin(), pieces_.end(),
-                     [&](const Piece& a, const Piece& b) { return patchOf(a.cell) < patchOf(b.cell); });
+}
+
+/// Leaves out the patches that no guide names, and if pieces would be too many, those that bring least light for each;
+/// the others get room for their pieces.
+void BrightCells::keepPatches(const RadianceCache& cache, const SurfaceTracer& tracer, std::size_t texels)
+{
+    std::vector<float> use(patches_.size());
+    for (const Entry& e : entries_) use[e.patch] += e.probability;
+    for (Member& m : members_) {
+        if (m.patch != ~0u && use[m.patch] <= 0.0f) m.patch = ~0u;
+    }
+    std::vector<uint32_t> pieces(patches_.size());
+    forPieces(cache, tracer, [&](const Piece& piece) { ++pieces[patchOf(piece.cell)]; });
+    std::vector<uint32_t> order;
+    for (uint32_t p = 0; p < patches_.size(); ++p) {
+        if (pieces[p] > 0) order.push_back(p);
+    }
+    std::sort(order.begin(), order.end(), [&](uint32_t a, uint32_t b) {
+        const float left = use[a] * float(pieces[b]);
+        const float right = use[b] * float(pieces[a]);
+        return left != right ? left > right : a < b;
+    });
+    const std::size_t most = std::max(kFewPieces, texels / kTexelsForPiece);
+    std::size_t count = 0;
+    for (const uint32_t p : order) {
+        if (count + pieces[p] > most) break;
+        patches_[p] = {uint32_t(count), pieces[p]};
+        count += pieces[p];
+    }
+    for (Member& m : members_) {
+        if (m.patch != ~0u && patches_[m.patch].pieceCount == 0) m.patch = ~0u;
+    }
+    pieces_.resize(count);
+}
+
+void BrightCells::findPieces(const RadianceCache& cache, const SurfaceTracer& tracer, std::span<const CellLight> cells)
+{
+    std::vector<uint32_t> found(patches_.size());
+    forPieces(cache, tracer, [&](const Piece& piece) {
+        const uint32_t patch = patchOf(piece.cell);
+        pieces_[patches_[patch].firstPiece + found[patch]++] = piece;
+    });
     pieceEnds_.resize(pieces_.size());
     pieceFrom_.resize(pieces_.size());
-    for (std::size_t first = 0; first < pieces_.size();) {
-        std::size_t end = first;
+    for (const Patch& patch : patches_) {
+        const std::span<Piece> pieces = std::span(pieces_).subspan(patch.firstPiece, patch.pieceCount);
+        const std::span<float> ends = std::span(pieceEnds_).subspan(patch.firstPiece, patch.pieceCount);
         double power = 0.0;
-        for (; end < pieces_.size() && patchOf(pieces_[end].cell) == patchOf(pieces_[first].cell); ++end) {
-            power += double(pieces_[end].area()) * double(cells[pieces_[end].cell].radiance);
-        }
+        for (const Piece& p : pieces) power += double(p.area()) * double(cells[p.cell].radiance);
         double sum = 0.0;
-        for (std::size_t i = first; i < end; ++i) {
-            const float radiance = cells[pieces_[i].cell].radiance;
-            sum += double(pieces_[i].area()) * double(radiance);
-            pieceEnds_[i] = float(sum / power);
-            pieces_[i].pdfArea = members_[pieces_[i].cell].pdfArea = float(double(radiance) / power);
+        for (std::size_t i = 0; i < pieces.size(); ++i) {
+            const float radiance = cells[pieces[i].cell].radiance;
+            sum += double(pieces[i].area()) * double(radiance);
+            ends[i] = float(sum / power);
+            pieces[i].pdfArea = members_[pieces[i].cell].pdfArea = float(double(radiance) / power);
         }
-        patches_[patchOf(pieces_[first].cell)] = {uint32_t(first), uint32_t(end - first)};
         uint32_t from = 0;
-        for (std::size_t i = first; i < end; ++i) {
-            while (first + from + 1 < end && pieceEnds_[first + from] <= float(i - first) / float(end - first)) ++from;
-            pieceFrom_[i] = from;
+        for (std::size_t i = 0; i < pieces.size(); ++i) {
+            while (from + 1 < pieces.size() && ends[from] <= float(i) / float(pieces.size())) ++from;
+            pieceFrom_[patch.firstPiece + i] = from;
         }
-        first = end;
     }
 }
 

@@ -43,9 +43,9 @@ public:
 
     BrightCells() = default;
     /// `cache` has its surfaces and cells; `cells`: its squares. Of what lies within some texels' width, given in
-    /// metres, cells are put together.
+    /// metres, cells are put together. `texels`: of the lightmap, by which memory is held down.
     BrightCells(const RadianceCache& cache, const SurfaceTracer& tracer, std::span<const CellLight> cells,
-                float texelMeters, const Sightings& sightings);
+                float texelMeters, std::size_t texels, const Sightings& sightings);
 
     [[nodiscard]] bool empty() const { return pieces_.empty(); }
     [[nodiscard]] bool contains(uint32_t cell) const { return cell < members_.size() && members_[cell].pdfArea > 0.0f; }
@@ -148,7 +148,9 @@ private:
     template<typename Weight> List addList(std::span<const Seen> seen, const Weight& weight);
     void addFar(const Receivers& receivers, std::span<const uint32_t> cubeOfGuide, std::span<const float> illuminances,
                 Company& company);
-    void keepPatches(const RadianceCache& cache, const SurfaceTracer& tracer);
+    template<typename Body>
+    void forPieces(const RadianceCache& cache, const SurfaceTracer& tracer, const Body& body) const;
+    void keepPatches(const RadianceCache& cache, const SurfaceTracer& tracer, std::size_t texels);
     void findPieces(const RadianceCache& cache, const SurfaceTracer& tracer, std::span<const CellLight> cells);
 
     std::vector<Patch> patches_;

@@ -1175,7 +1175,7 @@ void RadianceCache::findBright(const std::vector<RangeOutput>& ranges, const Tex
     for (uint32_t cell = 0; cell < squares_; ++cell) {
         lights[cell].illuminance = illuminance[cell] + kPi * gathered[cell] / std::max(lights[cell].rays, 1.0f);
     }
-    bright_ = BrightCells(*this, tracer, lights, texelMeters_, [&](const auto& sighting) {
+    bright_ = BrightCells(*this, tracer, lights, texelMeters_, map.texels.size(), [&](const auto& sighting) {
         forContributions([&](uint32_t cell, const Contribution&, std::span<const uint32_t> links) {
             for (const uint32_t target : links) {
                 if (target != kNoCells && ownerOfFilled[target] < 2 * squares_) sighting(cell, ownerOfFilled[target]);
