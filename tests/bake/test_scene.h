@@ -64,18 +64,25 @@ inline int addObject(Scene& scene, MeshPart part)
     return object.mesh;
 }
 
-inline int addRectangle(Scene& scene, const Rectangle& r, int material, int pageSize, Place place = {})
+/// Cut into `divisions` by as many pieces of two triangles.
+inline int addRectangle(Scene& scene, const Rectangle& r, int material, int pageSize, Place place = {},
+                        int divisions = 1)
 {
     MeshPart part;
-    part.positions = {r.origin, r.origin + r.edgeU, r.origin + r.edgeU + r.edgeV, r.origin + r.edgeV};
-    part.normals.assign(4, glm::normalize(glm::cross(r.edgeU, r.edgeV)));
-    part.uv[0] = {{0, 0}, {1, 0}, {1, 1}, {0, 1}};
-    part.indices = {0, 1, 2, 0, 2, 3};
     part.material = material;
-    if (place.min != place.max) {
-        const vec2 a = place.min / float(pageSize);
-        const vec2 b = place.max / float(pageSize);
-        part.lightmapUv = {a, {b.x, a.y}, b, {a.x, b.y}};
+    const auto line = uint32_t(divisions + 1);
+    for (uint32_t y = 0; y < line; ++y) {
+        for (uint32_t x = 0; x < line; ++x) {
+            const vec2 at = vec2(float(x), float(y)) / float(divisions);
+            part.positions.push_back(r.origin + at.x * r.edgeU + at.y * r.edgeV);
+            part.normals.push_back(glm::normalize(glm::cross(r.edgeU, r.edgeV)));
+            part.uv[0].push_back(at);
+            if (place.min != place.max) part.lightmapUv.push_back(glm::mix(place.min, place.max, at) / float(pageSize));
+            if (x == 0 || y == 0) continue;
+            const uint32_t last = y * line + x;
+            const uint32_t before = last - line;
+            part.indices.insert(part.indices.end(), {before - 1, before, last, before - 1, last, last - 1});
+        }
     }
     return addObject(scene, std::move(part));
 }

@@ -308,7 +308,7 @@ TEST(BrightCellsS6, LitSpotsAreNoNoise)
 /// A small sunlit board at the end of a wide black floor, before a large wall that may reflect a little.
 class BoardFromAfar {
 public:
-    explicit BoardFromAfar(float wallAlbedo) : wallAlbedo_(wallAlbedo) {}
+    explicit BoardFromAfar(float wallAlbedo, int divisions = 1) : wallAlbedo_(wallAlbedo), divisions_(divisions) {}
 
     /// Of the floor's light eight metres from the board and more, over the truth.
     struct Errors {
@@ -322,7 +322,8 @@ public:
         Scene scene;
         const int black = addMaterial(scene, vec3(0.0f));
         addRectangle(scene, {vec3(-8, 0, 8), vec3(16, 0, 0), vec3(0, 0, -16)}, black, kSize, {vec2(1), vec2(161)});
-        addRectangle(scene, board_, addMaterial(scene, vec3(kAlbedo)), kSize, {vec2(170, 1), vec2(234, 65)});
+        addRectangle(scene, board_, addMaterial(scene, vec3(kAlbedo)), kSize, {vec2(170, 1), vec2(234, 65)},
+                     divisions_);
         if (wallAlbedo_ > 0.0f) {
             addRectangle(scene, wall_, addMaterial(scene, vec3(wallAlbedo_)), kSize, {vec2(1, 165), vec2(41, 205)});
         }
@@ -374,6 +375,7 @@ private:
     }
 
     float wallAlbedo_;
+    int divisions_; ///< of the board
     vec3 toSun_ = glm::normalize(vec3(0, 1, 1));
     Rectangle board_{vec3(-0.5f, 0, -8), vec3(1, 0, 0), vec3(0, 1, 0)};
     Rectangle wall_{vec3(-30, 0, -14), vec3(60, 0, 0), vec3(0, 60, 0)};
@@ -387,6 +389,14 @@ TEST(BrightCellsS6, SmallThingsAreSeenFromAfar)
     EXPECT_LT(std::abs(errors.bias), 0.02);
     EXPECT_LT(errors.noise, 0.3);
     EXPECT_LT(errors.dark, 0.001);
+}
+
+/// The same of a board of many small triangles, as cloth has them: all of it is aimed at.
+TEST(BrightCellsS6, FineMeshesAreAimedAtWhole)
+{
+    const BoardFromAfar::Errors errors = BoardFromAfar(0.0f, 80).errors();
+    EXPECT_LT(std::abs(errors.bias), 0.02);
+    EXPECT_LT(errors.noise, 0.3);
 }
 
 /// The same where a wall that everybody sees brings most of the light: who has much to aim at still hears of the board.
