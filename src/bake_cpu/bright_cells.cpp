@@ -117,15 +117,16 @@ Polygon pieceIn(const RadianceCache::Surface& s, int x, int y)
     return piece;
 }
 
-/// The first of a range of ascending numbers, from one on, that is above a random one, or the last; the random number
-/// is stretched again over its share.
-std::size_t chooseOne(std::span<const float> ends, std::size_t from, float& u)
+/// The last of a range for which isBefore(i) holds, or the first one; it holds for none behind one for which it does
+/// not. Without branches that nobody could foretell.
+template<typename IsBefore> std::size_t lastBefore(std::size_t first, std::size_t count, const IsBefore& isBefore)
 {
-    std::size_t i = from;
-    while (i + 1 < ends.size() && ends[i] <= u) ++i;
-    const float begin = i == 0 ? 0.0f : ends[i - 1];
-    u = std::clamp((u - begin) / std::max(ends[i] - begin, 1.0e-12f), 0.0f, 0x1.fffffep-1f);
-    return i;
+    while (count > 1) {
+        const std::size_t half = count / 2;
+        first += isBefore(first + half) ? half : 0;
+        count -= half;
+    }
+    return first;
 }
 
 } // namespace
@@ -573,34 +574,53 @@ void BrightCells::findPieces(const RadianceCache& cache, const SurfaceTracer& tr
         const uint32_t patch = patchOf(piece.cell);
         pieces_[patches_[patch].firstPiece + found[patch]++] = piece;
     });
-    pieceEnds_.resize(pieces_.size());
-    pieceFrom_.resize(pieces_.size());
+    columns_.resize(pieces_.size());
     for (const Patch& patch : patches_) {
         const std::span<Piece> pieces = std::span(pieces_).subspan(patch.firstPiece, patch.pieceCount);
-        const std::span<float> ends = std::span(pieceEnds_).subspan(patch.firstPiece, patch.pieceCount);
+        std::vector<double> shares(pieces.size());
         double power = 0.0;
-        for (const Piece& p : pieces) power += double(p.area()) * double(cells[p.cell].radiance);
-        double sum = 0.0;
         for (std::size_t i = 0; i < pieces.size(); ++i) {
+            shares[i] = double(pieces[i].area()) * double(cells[pieces[i].cell].radiance);
+            power += shares[i];
+        }
+        for (std::size_t i = 0; i < pieces.size(); ++i) {
+            shares[i] /= power;
             const float radiance = cells[pieces[i].cell].radiance;
-            sum += double(pieces[i].area()) * double(radiance);
-            ends[i] = float(sum / power);
             pieces[i].pdfArea = members_[pieces[i].cell].pdfArea = float(double(radiance) / power);
         }
-        uint32_t from = 0;
-        for (std::size_t i = 0; i < pieces.size(); ++i) {
-            while (from + 1 < pieces.size() && ends[from] <= float(i) / float(pieces.size())) ++from;
-            pieceFrom_[patch.firstPiece + i] = from;
-        }
+        fillColumns(shares, std::span(columns_).subspan(patch.firstPiece, patch.pieceCount));
+    }
+}
+
+// What is short of a column is filled from what another has too much.
+void BrightCells::fillColumns(std::span<double> shares, std::span<Column> columns)
+{
+    const auto count = double(columns.size());
+    std::vector<uint32_t> low;
+    std::vector<uint32_t> high;
+    for (uint32_t i = 0; i < columns.size(); ++i) {
+        columns[i] = {1.0f, 0};
+        shares[i] *= count;
+        (shares[i] < 1.0 ? low : high).push_back(i);
+    }
+    while (!low.empty() && !high.empty()) {
+        const uint32_t filled = low.back();
+        const uint32_t from = high.back();
+        low.pop_back();
+        columns[filled] = {float(shares[filled]), from - filled};
+        shares[from] -= 1.0 - shares[filled];
+        if (shares[from] >= 1.0) continue;
+        high.pop_back();
+        low.push_back(from);
     }
 }
 
 float BrightCells::probability(const List& list, uint32_t patch) const
 {
-    const auto first = entries_.begin() + list.first;
-    const auto last = first + list.count;
-    const auto entry = std::lower_bound(first, last, patch, [](const Entry& e, uint32_t p) { return e.patch < p; });
-    return entry != last && entry->patch == patch ? entry->probability : 0.0f;
+    if (list.count == 0) return 0.0f;
+    const Entry& entry =
+        entries_[lastBefore(list.first, list.count, [&](std::size_t i) { return entries_[i].patch <= patch; })];
+    return entry.patch == patch ? entry.probability : 0.0f;
 }
 
 float BrightCells::probability(const Guide& guide, uint32_t patch) const
@@ -616,7 +636,7 @@ float BrightCells::pdfArea(const Guide& guide, uint32_t cell) const
     return probability(guide, m.patch) * m.pdfArea;
 }
 
-BrightCells::Choice BrightCells::choose(const Guide& guide, vec2 u) const
+BrightCells::Choice BrightCells::choosePatch(const Guide& guide, vec2 u) const
 {
     const List* list = &guide.own;
     if (guide.far.count > 0) {
@@ -627,18 +647,14 @@ BrightCells::Choice BrightCells::choose(const Guide& guide, vec2 u) const
         u.x = std::min(far ? u.x / farShare : (u.x - farShare) / (1.0f - farShare), 0x1.fffffep-1f);
     }
     if (list->count == 0) return {};
-    const std::span<const float> entryEnds = std::span(entryEnds_).subspan(list->first, list->count);
-    const auto above = std::upper_bound(entryEnds.begin(), entryEnds.end() - 1, u.x);
-    const Entry& entry = entries_[list->first + chooseOne(entryEnds, std::size_t(above - entryEnds.begin()), u.x)];
-    const Patch& patch = patches_[entry.patch];
-    if (patch.pieceCount == 0) return {};
+    const std::size_t number =
+        lastBefore(list->first, list->count, [&](std::size_t i) { return entryEnds_[i - 1] <= u.x; });
+    const float begin = number == list->first ? 0.0f : entryEnds_[number - 1];
+    u.x = std::clamp((u.x - begin) / std::max(entryEnds_[number] - begin, 1.0e-12f), 0.0f, 0x1.fffffep-1f);
+    const Entry& entry = entries_[number];
+    __builtin_prefetch(&patches_[entry.patch]);
     const float probability = guide.far.count > 0 ? this->probability(guide, entry.patch) : entry.probability;
-    const std::span<const float> pieceEnds = std::span(pieceEnds_).subspan(patch.firstPiece, patch.pieceCount);
-    const uint32_t part = std::min(uint32_t(u.x * float(patch.pieceCount)), patch.pieceCount - 1);
-    const std::size_t piece = patch.firstPiece + chooseOne(pieceEnds, pieceFrom_[patch.firstPiece + part], u.x);
-    __builtin_prefetch(&pieces_[piece]);
-    __builtin_prefetch(reinterpret_cast<const char*>(&pieces_[piece]) + 64);
-    return {uint32_t(piece), probability, u};
+    return {entry.patch, probability, u};
 }
 
 } // namespace halflight

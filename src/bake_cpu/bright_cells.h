@@ -72,14 +72,37 @@ public:
         return cell < guideOfCell_.size() && guideOfCell_[cell] != ~0u ? guides_[guideOfCell_[cell]] : Guide{};
     }
 
-    /// A sample, first as the piece of surface that it is on: what that is like is on its way through memory when
-    /// others are chosen before it is looked at.
+    /// A sample, step by step: what each step needs to know is on its way through memory while others take the one
+    /// before.
     struct Choice {
-        uint32_t piece = ~0u; ///< none
+        static constexpr uint32_t kNone = ~0u;
+        uint32_t number = kNone; ///< of a patch, then a column, then a piece of surface
         float probability = 0.0f;
         vec2 u{0.0f};
     };
-    [[nodiscard]] Choice choose(const Guide& guide, vec2 u) const;
+    [[nodiscard]] Choice choosePatch(const Guide& guide, vec2 u) const;
+    void chooseColumn(Choice& choice) const
+    {
+        const Patch& patch = patches_[choice.number];
+        choice.number = Choice::kNone;
+        if (patch.pieceCount == 0) return;
+        const float at = choice.u.x * float(patch.pieceCount);
+        const uint32_t column = std::min(uint32_t(at), patch.pieceCount - 1);
+        choice.number = patch.firstPiece + column;
+        choice.u.x = at - float(column);
+        __builtin_prefetch(&columns_[choice.number]);
+    }
+    void choosePiece(Choice& choice) const
+    {
+        const Column& column = columns_[choice.number];
+        const bool own = choice.u.x < column.share;
+        const float u = own ? choice.u.x / column.share : (choice.u.x - column.share) / (1.0f - column.share);
+        choice.u.x = std::min(u, 0x1.fffffep-1f);
+        choice.number += own ? 0 : column.other;
+        const char* piece = reinterpret_cast<const char*>(&pieces_[choice.number]);
+        __builtin_prefetch(piece);
+        __builtin_prefetch(piece + sizeof(Piece) - 1);
+    }
     struct Place {
         uint32_t record = 0; ///< as RadianceCache::recordOf()
         uint32_t cell = 0;
@@ -90,7 +113,7 @@ public:
     };
     [[nodiscard]] Place place(const Choice& choice) const
     {
-        const Piece& piece = pieces_[choice.piece];
+        const Piece& piece = pieces_[choice.number];
         const vec2 at = shading::sampleTriangle(choice.u);
         Place place;
         place.record = piece.record;
@@ -117,6 +140,14 @@ private:
         vec3 normal{0.0f};    ///< of its side
         float pdfArea = 0.0f; ///< given the patch
         [[nodiscard]] float area() const { return 0.5f * glm::length(glm::cross(edge1, edge2)); }
+    };
+    /// One of as many equal parts as a patch has pieces: a share of it stands for a piece of the same number, the rest
+    /// for another (Walker 1977, "An Efficient Method for Generating Discrete Random Variables with General
+    /// Distributions"; filled as in Vose 1991, "A Linear Algorithm for Generating Random Numbers with a Given
+    /// Distribution").
+    struct Column {
+        float share = 1.0f;
+        uint32_t other = 0; ///< how many pieces farther on, modulo 2^32
     };
     struct Patch {
         uint32_t firstPiece = 0;
@@ -151,14 +182,12 @@ private:
     template<typename Body>
     void forPieces(const RadianceCache& cache, const SurfaceTracer& tracer, const Body& body) const;
     void keepPatches(const RadianceCache& cache, const SurfaceTracer& tracer, std::size_t texels);
+    static void fillColumns(std::span<double> shares, std::span<Column> columns);
     void findPieces(const RadianceCache& cache, const SurfaceTracer& tracer, std::span<const CellLight> cells);
 
     std::vector<Patch> patches_;
-    std::vector<Piece> pieces_;    ///< patch by patch
-    std::vector<float> pieceEnds_; ///< probability of the patch's pieces up to each
-    /// Of n pieces of a patch, where to begin to look for random numbers from 0/n, 1/n, … on (Chen and Asau 1974, "On
-    /// Generating Random Variates from an Empirical Distribution").
-    std::vector<uint32_t> pieceFrom_;
+    std::vector<Piece> pieces_;         ///< patch by patch
+    std::vector<Column> columns_;       ///< as many
     std::vector<Member> members_;       ///< by cell
     std::vector<uint32_t> guideOfCell_; ///< or ~0
     std::vector<Guide> guides_;

@@ -220,23 +220,33 @@ void FinalGather::sampleBright(const GatherGroup& group, int block, uint64_t& ra
         if (any) cells[cellCount++] = uint8_t(cell);
     }
     const std::span<const uint8_t> used(cells.data(), cellCount);
+    std::array<uint8_t, kSamples> chosen;
+    std::size_t count = 0;
     for (int i = 0; i < int(kLanes); ++i) {
         const auto lane = std::size_t(i);
+        if (brightSamples_[lane] == 0) continue;
         const GatherPattern::Block points =
-            pattern_.block(hashCombine(settings_.seed ^ kBrightSeed, group.active(i) ? group.id(i) : 0u), block);
+            pattern_.block(hashCombine(settings_.seed ^ kBrightSeed, group.id(i)), block);
         for (const uint8_t cell : used) {
-            const bool looks = looksAtBright(lane, block, cell);
-            choices_[cell * kLanes + lane] =
-                looks ? bright.choose(guides_[lane], points.unit(cell)) : BrightCells::Choice{};
+            if (!looksAtBright(lane, block, cell)) continue;
+            const std::size_t sample = cell * kLanes + lane;
+            choices_[sample] = bright.choosePatch(guides_[lane], points.unit(cell));
+            if (choices_[sample].number != BrightCells::Choice::kNone) chosen[count++] = uint8_t(sample);
         }
     }
+    for (std::size_t i = 0; i < count; ++i) bright.chooseColumn(choices_[chosen[i]]);
+    for (std::size_t i = 0; i < count; ++i) {
+        if (choices_[chosen[i]].number != BrightCells::Choice::kNone) bright.choosePiece(choices_[chosen[i]]);
+    }
     for (const uint8_t cell : used) {
-        for (std::size_t i = cell * kLanes; i < (cell + 1u) * kLanes; ++i) {
-            places_[i].pdfArea = 0.0f;
-            if (choices_[i].piece == ~0u) continue;
-            places_[i] = bright.place(choices_[i]);
-            __builtin_prefetch(cache_->cells() + places_[i].cell);
-        }
+        for (std::size_t lane = 0; lane < kLanes; ++lane) places_[cell * kLanes + lane].pdfArea = 0.0f;
+    }
+    for (std::size_t i = 0; i < count; ++i) {
+        const BrightCells::Choice& choice = choices_[chosen[i]];
+        if (choice.number == BrightCells::Choice::kNone) continue;
+        const BrightCells::Place& place = places_[chosen[i]] = bright.place(choice);
+        __builtin_prefetch(cache_->cells() + place.cell);
+        __builtin_prefetch(&cache_->surface(place.record));
     }
     const SurfaceTracer& tracer = paths_.surfaces();
     countLights(

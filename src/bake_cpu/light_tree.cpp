@@ -78,6 +78,45 @@ LightTree::LightTree(std::span<const LightItem> items)
     nodes_.reserve(2 * items.size());
     leafOfItem_.resize(items.size());
     this->build(build, ~0u);
+    makeQuads();
+}
+
+void LightTree::Quad::set(std::size_t lane, uint32_t number, const Node& from)
+{
+    center.set(lane, from.center);
+    axis.set(lane, from.axis);
+    radius[lane] = from.radius;
+    cosSpread[lane] = from.cosSpread;
+    sinSpread[lane] = from.sinSpread;
+    power[lane] = from.power;
+    range[lane] = from.range;
+    twoSided[lane] = from.twoSided ? 1 : 0;
+    node[lane] = number;
+}
+
+void LightTree::makeQuads()
+{
+    for (uint32_t n = 0; n < nodes_.size(); ++n) {
+        if (nodes_[n].leaf) continue;
+        nodes_[n].quad = uint32_t(quads_.size());
+        Quad& quad = quads_.emplace_back();
+        std::size_t lane = 0;
+        const auto add = [&](uint32_t node) { quad.set(lane++, node, nodes_[node]); };
+        for (const uint32_t child : {n + 1, nodes_[n].second}) {
+            if (nodes_[child].leaf) {
+                add(child);
+                continue;
+            }
+            add(child + 1);
+            add(nodes_[child].second);
+        }
+        // The others are empty.
+        for (; lane < Quad::kLanes; ++lane) {
+            Node none;
+            none.center = quad.center[0];
+            quad.set(lane, ~0u, none);
+        }
+    }
 }
 
 uint32_t LightTree::build(std::span<BuildItem> items, uint32_t parent)
@@ -258,15 +297,35 @@ float LightTree::total(vec3 position, vec3 normal) const
     return importance(nodes_[kRoot], position, normal);
 }
 
-float LightTree::firstProbability(uint32_t node, vec3 position, vec3 normal) const
+LightTree::Quad::Lanes<float> LightTree::probabilities(const Quad& quad, vec3 position, vec3 normal) const
 {
-    const float first = importance(nodes_[node + 1], position, normal);
-    const float second = importance(nodes_[nodes_[node].second], position, normal);
-    const float sum = first + second;
-    if (!(sum > 0.0f)) return -1.0f;
-    const float p = first / sum;
-    // Sums that overflow or probabilities that vanish in a float: an even chance is always right.
-    return p >= 0.0f && p <= 1.0f ? p : 0.5f;
+    Quad::Lanes<float> weights;
+    for (std::size_t lane = 0; lane < Quad::kLanes; ++lane) {
+        Node node;
+        node.center = quad.center[lane];
+        node.radius = quad.radius[lane];
+        node.axis = quad.axis[lane];
+        node.cosSpread = quad.cosSpread[lane];
+        node.sinSpread = quad.sinSpread[lane];
+        node.power = quad.power[lane];
+        node.range = quad.range[lane];
+        node.twoSided = quad.twoSided[lane] != 0;
+        weights[lane] = importance(node, position, normal);
+    }
+    const float sum = (weights[0] + weights[1]) + (weights[2] + weights[3]);
+    if (!(sum > 0.0f && sum < kInfinity)) {
+        if (sum <= 0.0f) return {};
+        // Sums beyond floats: an even chance is always right.
+        const auto count =
+            float(std::count_if(quad.node.begin(), quad.node.end(), [](uint32_t n) { return n != ~0u; }));
+        for (std::size_t lane = 0; lane < Quad::kLanes; ++lane) {
+            weights[lane] = quad.node[lane] != ~0u ? 1.0f / count : 0.0f;
+        }
+        return weights;
+    }
+    const float inverse = 1.0f / sum;
+    for (float& weight : weights) weight *= inverse;
+    return weights;
 }
 
 LightTree::Choice LightTree::sample(vec3 position, vec3 normal, float u, uint32_t node) const
@@ -276,18 +335,22 @@ LightTree::Choice LightTree::sample(vec3 position, vec3 normal, float u, uint32_
         return {~0u, 0.0f, u};
     }
     while (!nodes_[node].leaf) {
-        const float first = firstProbability(node, position, normal);
-        if (first < 0.0f) return {~0u, 0.0f, u};
-        if (choice.u < first) {
-            choice.u /= first;
-            choice.probability *= first;
-            node = node + 1;
-        } else {
-            choice.u = (choice.u - first) / (1.0f - first);
-            choice.probability *= 1.0f - first;
-            node = nodes_[node].second;
+        const Quad& quad = quads_[nodes_[node].quad];
+        const Quad::Lanes<float> p = probabilities(quad, position, normal);
+        float below = 0.0f;
+        std::size_t lane = 0;
+        std::size_t last = Quad::kLanes; // that can be chosen
+        for (; lane < Quad::kLanes; ++lane) {
+            if (!(p[lane] > 0.0f)) continue;
+            last = lane;
+            if (choice.u < below + p[lane]) break;
+            below += p[lane];
         }
-        choice.u = std::min(choice.u, 0x1.fffffep-1f);
+        if (last == Quad::kLanes) return {~0u, 0.0f, u};
+        if (lane == Quad::kLanes) below -= p[last]; // rounding
+        choice.u = std::clamp((choice.u - below) / p[last], 0.0f, 0x1.fffffep-1f);
+        choice.probability *= p[last];
+        node = quad.node[last];
     }
     choice.item = nodes_[node].second;
     return choice;
@@ -296,22 +359,34 @@ LightTree::Choice LightTree::sample(vec3 position, vec3 normal, float u, uint32_
 float LightTree::climb(uint32_t item, const Cut* cut, std::size_t lane, vec3 position, vec3 normal,
                        std::size_t& cutIndex) const
 {
-    float probability = 1.0f;
     uint32_t node = leafOfItem_[item];
     if (nodes_[node].range > 0.0f && importance(nodes_[node], position, normal) <= 0.0f) return 0.0f;
-    for (;;) {
+    // Where the walk down began, and after how many levels it got here.
+    const auto isTop = [&](uint32_t n) {
         for (std::size_t i = 0; cut != nullptr && i < cut->count; ++i) {
-            if (cut->node[i][lane] != node) continue;
+            if (cut->node[i][lane] != n) continue;
             cutIndex = i;
-            return probability;
+            return true;
         }
-        const uint32_t parent = nodes_[node].parent;
-        if (parent == ~0u) return cut == nullptr ? probability : 0.0f;
-        const float first = firstProbability(parent, position, normal);
-        if (first < 0.0f) return 0.0f;
-        probability *= node == parent + 1 ? first : 1.0f - first;
-        node = parent;
+        return cut == nullptr && n == kRoot;
+    };
+    int levels = 0;
+    for (uint32_t n = node; !isTop(n); n = nodes_[n].parent, ++levels) {
+        if (n == kRoot) return 0.0f;
     }
+    float probability = 1.0f;
+    while (levels > 0) {
+        // Two at once, but for the last one of an odd number.
+        const int step = levels % 2 == 0 ? 2 : 1;
+        const uint32_t parent = nodes_[node].parent;
+        const uint32_t from = step == 2 ? nodes_[parent].parent : parent;
+        const Quad& quad = quads_[nodes_[from].quad];
+        const Quad::Lanes<float> p = probabilities(quad, position, normal);
+        probability *= p[std::size_t(std::find(quad.node.begin(), quad.node.end(), node) - quad.node.begin())];
+        node = from;
+        levels -= step;
+    }
+    return probability;
 }
 
 float LightTree::probability(uint32_t item, vec3 position, vec3 normal) const
@@ -327,7 +402,7 @@ LightTree::Cut LightTree::cut(const Points& positions, const Points& normals) co
     // Each point opens the node that could contribute most, over and over. All have as many.
     std::array<Weights, Cut::kMaxNodes> weight;
     std::array<Weights, Cut::kMaxNodes> toOpen; ///< the same, negative where there is nothing to open
-    const auto set = [&](const Cut::Lanes<std::size_t>& places, const Cut::Lanes<uint32_t>& nodes) {
+    const auto set = [&](const Cut::Lanes<uint32_t>& places, const Cut::Lanes<uint32_t>& nodes) {
         const Weights w = importance(nodes, positions, normals);
         for (std::size_t lane = 0; lane < Cut::kLanes; ++lane) {
             const std::size_t place = places[lane];
@@ -339,20 +414,25 @@ LightTree::Cut LightTree::cut(const Points& positions, const Points& normals) co
         }
     };
     set({}, {});
-    const std::size_t most = std::min(Cut::kMaxNodes, leafOfItem_.size());
-    for (cut.count = 1; cut.count < most; ++cut.count) {
-        Cut::Lanes<std::size_t> widest{};
-        Cut::Lanes<std::size_t> last;
+    const std::size_t nodes = std::min(Cut::kMaxNodes, leafOfItem_.size());
+    for (cut.count = 1; cut.count < nodes; ++cut.count) {
+        Weights most = toOpen[0];
+        Cut::Lanes<uint32_t> widest{};
+        for (uint32_t i = 1; i < cut.count; ++i) {
+            for (std::size_t lane = 0; lane < Cut::kLanes; ++lane) {
+                const bool more = toOpen[i][lane] > most[lane];
+                most[lane] = more ? toOpen[i][lane] : most[lane];
+                widest[lane] = more ? i : widest[lane];
+            }
+        }
+        Cut::Lanes<uint32_t> last;
         Cut::Lanes<uint32_t> first;
         Cut::Lanes<uint32_t> second;
         for (std::size_t lane = 0; lane < Cut::kLanes; ++lane) {
-            for (std::size_t i = 1; i < cut.count; ++i) {
-                if (toOpen[i][lane] > toOpen[widest[lane]][lane]) widest[lane] = i;
-            }
             const uint32_t opened = cut.node[widest[lane]][lane];
             first[lane] = opened + 1;
             second[lane] = nodes_[opened].second;
-            last[lane] = cut.count;
+            last[lane] = uint32_t(cut.count);
         }
         set(widest, first);
         set(last, second);

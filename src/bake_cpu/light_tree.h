@@ -93,8 +93,24 @@ private:
         float range = 0.0f;  ///< the largest below; 0 = unlimited
         uint32_t second = 0; ///< second child (the first one follows its parent); of a leaf: the item
         uint32_t parent = ~0u;
+        uint32_t quad = 0; ///< but for leaves
         bool leaf = false;
         bool twoSided = false;
+    };
+    /// A node's grandchildren, side by side, and those of its children that are leaves. Walks take two levels at once.
+    struct Quad {
+        static constexpr std::size_t kLanes = 4;
+        template<typename T> using Lanes = std::array<T, kLanes>;
+        alignas(16) Vec3Lanes<kLanes> center;
+        Vec3Lanes<kLanes> axis;
+        Lanes<float> radius{};
+        Lanes<float> cosSpread{};
+        Lanes<float> sinSpread{};
+        Lanes<float> power{}; ///< 0 where there is none
+        Lanes<float> range{};
+        Lanes<int32_t> twoSided{};
+        Lanes<uint32_t> node{};
+        void set(std::size_t lane, uint32_t number, const Node& from);
     };
     struct BuildItem;
     uint32_t build(std::span<BuildItem> items, uint32_t parent);
@@ -102,13 +118,15 @@ private:
     using Weights = Cut::Lanes<float>;
     [[nodiscard]] Weights importance(const Cut::Lanes<uint32_t>& nodes, const Points& positions,
                                      const Points& normals) const;
-    /// Probability of the first child; negative when neither side is in range.
-    [[nodiscard]] float firstProbability(uint32_t node, vec3 position, vec3 normal) const;
+    void makeQuads();
+    /// Probabilities of what a quad holds; all zero when nothing is in range.
+    [[nodiscard]] Quad::Lanes<float> probabilities(const Quad& quad, vec3 position, vec3 normal) const;
     /// Walks up from an item's leaf; stops at the root or at a node of the cut and tells which.
     float climb(uint32_t item, const Cut* cut, std::size_t lane, vec3 position, vec3 normal,
                 std::size_t& cutIndex) const;
 
     std::vector<Node> nodes_;
+    std::vector<Quad> quads_;
     std::vector<uint32_t> leafOfItem_;
 };
 
