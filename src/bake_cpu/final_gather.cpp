@@ -11,10 +11,18 @@ constexpr std::size_t kLanes = TexelGroup::kLanes;
 constexpr uint32_t kEmitterSeed = 0x5eed0006u;
 constexpr uint32_t kRouletteSeed = 0x5eed0007u;
 constexpr uint32_t kBrightSeed = 0x5eed0008u;
+constexpr uint32_t kTurnSeed = 0x5eed0011u;
 
 bool isFinite(vec3 v)
 {
     return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
+}
+
+/// Where some cells of a block stand for all of them, which part of the unit square each of them looks at is a texel's
+/// own: a number that changes places of cells, so that rows, columns and neighbourhoods stay such.
+int cellTurn(uint32_t texelId)
+{
+    return int(hashCombine(kTurnSeed, texelId) & (GatherPattern::kBlock - 1));
 }
 
 /// Noise that bright cells bring, as their guides have it, from which on a quarter of a block's samples look at them:
@@ -227,10 +235,11 @@ void FinalGather::sampleBright(const GatherGroup& group, int block, uint64_t& ra
         if (brightSamples_[lane] == 0) continue;
         const GatherPattern::Block points =
             pattern_.block(hashCombine(settings_.seed ^ kBrightSeed, group.id(i)), block);
+        const int turn = brightSamples_[lane] < GatherPattern::kBlock ? cellTurn(group.id(i)) : 0;
         for (const uint8_t cell : used) {
             if (!looksAtBright(lane, block, cell)) continue;
             const std::size_t sample = cell * kLanes + lane;
-            choices_[sample] = bright.choosePatch(guides_[lane], points.unit(cell));
+            choices_[sample] = bright.choosePatch(guides_[lane], points.unit(cell ^ turn));
             if (choices_[sample].number != BrightCells::Choice::kNone) chosen[count++] = uint8_t(sample);
         }
     }
@@ -328,43 +337,45 @@ void FinalGather::countLights(std::span<const uint8_t> cells, const Choose& choo
     }
 }
 
-// Where emitters give little beside what the gathered rays brought, only some samples look at them.
+// Where emitters give little beside what the gathered rays brought, only some samples look at them: as many of each
+// block, those of the same cells for all texels, so that their rays fill packets.
 void FinalGather::sampleEmitters(const GatherGroup& group, int block, std::span<TexelLight> lights, uint64_t& rays)
 {
+    constexpr int kBlock = GatherPattern::kBlock;
     beginBlock();
     std::array<bool, kLanes> use{};
-    std::array<float, kLanes> chance;
-    chance.fill(1.0f);
+    std::array<int, kLanes> looking{}; ///< samples of the block
     std::array<GatherPattern::Block, kLanes> points;
+    std::array<int, kLanes> turn{};
     for (int i = 0; i < group.lanes(); ++i) {
         const auto lane = std::size_t(i);
         const TexelSum& gathered = lights[lane].gathered;
         use[lane] = group.active(i) && int(gathered.blocks()) > block;
         if (!use[lane]) continue;
-        chance[lane] = PathTracer::emitterChance(cut_.total[lane], luminance(gathered.mean()));
+        const float chance = PathTracer::emitterChance(cut_.total[lane], luminance(gathered.mean()));
+        const uint32_t roulette = hashCombine(settings_.seed ^ kRouletteSeed ^ group.id(i), uint32_t(block));
+        looking[lane] = std::min(int(chance * float(kBlock) + unitFloat(roulette)), kBlock);
+        if (looking[lane] < kBlock) turn[lane] = cellTurn(group.id(i));
         points[lane] = pattern_.block(hashCombine(settings_.seed ^ kEmitterSeed, group.id(i)), block);
     }
-    const auto wanted = [&](std::size_t lane, std::size_t cell) {
-        if (!use[lane] || chance[lane] >= 1.0f) return use[lane];
-        const uint32_t sample = uint32_t(block * GatherPattern::kBlock) + uint32_t(cell);
-        return unitFloat(hashCombine(settings_.seed ^ kRouletteSeed ^ group.id(int(lane)), sample)) < chance[lane];
-    };
     countLights(
         kAllCells,
         [&](std::size_t cell, EmitterLanes& lanes) {
             LightTree::Points positions;
             LightTree::Cut::Lanes<bool> looks;
             LightTree::Cut::Lanes<vec2> u;
+            const int rank = GatherPattern::rankOf(int(cell), block);
             for (std::size_t lane = 0; lane < kLanes; ++lane) {
                 positions.set(lane, bundle_.origin(cell, int(lane)));
-                looks[lane] = wanted(lane, cell);
-                if (looks[lane]) u[lane] = points[lane].unit(int(cell));
+                looks[lane] = rank < looking[lane];
+                if (looks[lane]) u[lane] = points[lane].unit(int(cell) ^ turn[lane]);
             }
             paths_.emitters().sample(cut_, positions, bundle_.frame(cell).normal, looks, u, lanes);
             for (std::size_t lane = 0; lane < kLanes; ++lane) {
-                lanes.radiance.x[lane] /= chance[lane];
-                lanes.radiance.y[lane] /= chance[lane];
-                lanes.radiance.z[lane] /= chance[lane];
+                const float times = float(kBlock) / float(std::max(looking[lane], 1));
+                lanes.radiance.x[lane] *= times;
+                lanes.radiance.y[lane] *= times;
+                lanes.radiance.z[lane] *= times;
             }
         },
         rays);

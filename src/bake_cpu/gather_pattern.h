@@ -76,6 +76,21 @@ public:
         return {r.x * a.x, r.x * a.y, r.y};
     }
 
+    /// Where a few cells of a block are to stand for all of them, those of the lowest ranks, 0 … kBlock - 1, are well
+    /// spread, half of them in either half; over four blocks a quarter of each is all of them. Cells in the order of a
+    /// (0,2)-sequence (Sobol' 1967, "On the Distribution of Points in a Cube and the Approximate Evaluation of
+    /// Integrals").
+    static int rankOf(int cell, int block)
+    {
+        // The sequence's first coordinate is the cell's row, which tells the low bits of the number; the second one,
+        // its column, the others.
+        const int bit0 = cell >> 3 & 1;
+        const int bit1 = cell >> 2 & 1;
+        const int bit3 = (cell & 1) ^ bit1;
+        const int bit2 = (cell >> 1 & 1) ^ bit0 ^ bit1 ^ bit3;
+        return ((bit0 | bit1 << 1 | bit2 << 2 | bit3 << 3) - 4 * block) & (kBlock - 1);
+    }
+
     /// The n-th of a texel's points of the unit disc: an Owen-scrambled (0,2)-sequence, one coordinate the squared
     /// radius, the other the angle. Beside the lattice of texelPoints() these leave less noise in penumbrae than points
     /// that keep the square's neighbourhoods.

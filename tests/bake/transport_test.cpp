@@ -1103,6 +1103,38 @@ TEST(LightTreeS6, ManyLightsSumToTheirTotal)
     EXPECT_NEAR(together, alone, 0.02 * alone);
 }
 
+/// Where a few cells stand for a block, they are spread over it: the two of lowest rank in the two halves that tell of
+/// noise, four in all rows and all columns; four blocks have other fours, which are all cells together.
+TEST(GatherPatternS6, FewCellsOfABlockAreSpread)
+{
+    constexpr int kBlock = GatherPattern::kBlock;
+    for (const int first : {0, 1, 5}) {
+        std::array<int, kBlock> times{};
+        for (int block = first; block < first + 4; ++block) {
+            std::array<int, kBlock> cellOfRank;
+            cellOfRank.fill(-1);
+            for (int cell = 0; cell < kBlock; ++cell) {
+                const auto rank = std::size_t(GatherPattern::rankOf(cell, block));
+                ASSERT_LT(rank, std::size_t(kBlock));
+                EXPECT_EQ(cellOfRank[rank], -1);
+                cellOfRank[rank] = cell;
+            }
+            const auto half = [&](std::size_t rank) { return (cellOfRank[rank] >> 2 ^ cellOfRank[rank] >> 1) & 1; };
+            unsigned rows = 0;
+            unsigned columns = 0;
+            for (std::size_t rank = 0; rank < 4; ++rank) {
+                rows |= 1u << (cellOfRank[rank] >> 2);
+                columns |= 1u << (cellOfRank[rank] & 3);
+                ++times[std::size_t(cellOfRank[rank])];
+                EXPECT_NE(half(rank), half(rank ^ 1u));
+            }
+            EXPECT_EQ(rows, 15u);
+            EXPECT_EQ(columns, 15u);
+        }
+        for (const int n : times) EXPECT_EQ(n, 1);
+    }
+}
+
 /// Each block has one point in each cell, at the place of the cell, and all blocks together fill the square evenly.
 TEST(GatherPatternS6, BlocksAreStratified)
 {
