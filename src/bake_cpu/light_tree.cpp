@@ -81,19 +81,6 @@ LightTree::LightTree(std::span<const LightItem> items)
     makeQuads();
 }
 
-void LightTree::Quad::set(std::size_t lane, uint32_t number, const Node& from)
-{
-    center.set(lane, from.center);
-    axis.set(lane, from.axis);
-    radius[lane] = from.radius;
-    cosSpread[lane] = from.cosSpread;
-    sinSpread[lane] = from.sinSpread;
-    power[lane] = from.power;
-    range[lane] = from.range;
-    twoSided[lane] = from.twoSided ? 1 : 0;
-    node[lane] = number;
-}
-
 void LightTree::makeQuads()
 {
     for (uint32_t n = 0; n < nodes_.size(); ++n) {
@@ -101,21 +88,21 @@ void LightTree::makeQuads()
         nodes_[n].quad = uint32_t(quads_.size());
         Quad& quad = quads_.emplace_back();
         std::size_t lane = 0;
-        const auto add = [&](uint32_t node) { quad.set(lane++, node, nodes_[node]); };
+        const auto add = [&](uint32_t number, const Node& node) {
+            quad.nodes.set(lane, node);
+            quad.number[lane++] = number;
+        };
         for (const uint32_t child : {n + 1, nodes_[n].second}) {
             if (nodes_[child].leaf) {
-                add(child);
+                add(child, nodes_[child]);
                 continue;
             }
-            add(child + 1);
-            add(nodes_[child].second);
+            add(child + 1, nodes_[child + 1]);
+            add(nodes_[child].second, nodes_[nodes_[child].second]);
         }
-        // The others are empty.
-        for (; lane < Quad::kLanes; ++lane) {
-            Node none;
-            none.center = quad.center[0];
-            quad.set(lane, ~0u, none);
-        }
+        Node none;
+        none.center = quad.nodes.center[0];
+        while (lane < Quad::kLanes) add(~0u, none);
     }
 }
 
@@ -257,37 +244,11 @@ float LightTree::importance(const Node& node, vec3 position, vec3 normal)
 LightTree::Weights LightTree::importance(const Cut::Lanes<uint32_t>& nodes, const Points& positions,
                                          const Points& normals) const
 {
-    Points center;
-    Points axis;
-    Weights radius;
-    Weights cosSpread;
-    Weights sinSpread;
-    Weights power;
-    Weights range;
-    Cut::Lanes<int32_t> twoSided;
-    for (std::size_t lane = 0; lane < Cut::kLanes; ++lane) {
-        const Node& node = nodes_[nodes[lane]];
-        center.set(lane, node.center);
-        axis.set(lane, node.axis);
-        radius[lane] = node.radius;
-        cosSpread[lane] = node.cosSpread;
-        sinSpread[lane] = node.sinSpread;
-        power[lane] = node.power;
-        range[lane] = node.range;
-        twoSided[lane] = node.twoSided ? 1 : 0;
-    }
+    NodeLanes<Cut::kLanes> lanes;
+    for (std::size_t lane = 0; lane < Cut::kLanes; ++lane) lanes.set(lane, nodes_[nodes[lane]]);
     Weights weights;
     for (std::size_t lane = 0; lane < Cut::kLanes; ++lane) {
-        Node node;
-        node.center = center[lane];
-        node.radius = radius[lane];
-        node.axis = axis[lane];
-        node.cosSpread = cosSpread[lane];
-        node.sinSpread = sinSpread[lane];
-        node.power = power[lane];
-        node.range = range[lane];
-        node.twoSided = twoSided[lane] != 0;
-        weights[lane] = importance(node, positions[lane], normals[lane]);
+        weights[lane] = importance(lanes[lane], positions[lane], normals[lane]);
     }
     return weights;
 }
@@ -301,25 +262,16 @@ LightTree::Quad::Lanes<float> LightTree::probabilities(const Quad& quad, vec3 po
 {
     Quad::Lanes<float> weights;
     for (std::size_t lane = 0; lane < Quad::kLanes; ++lane) {
-        Node node;
-        node.center = quad.center[lane];
-        node.radius = quad.radius[lane];
-        node.axis = quad.axis[lane];
-        node.cosSpread = quad.cosSpread[lane];
-        node.sinSpread = quad.sinSpread[lane];
-        node.power = quad.power[lane];
-        node.range = quad.range[lane];
-        node.twoSided = quad.twoSided[lane] != 0;
-        weights[lane] = importance(node, position, normal);
+        weights[lane] = importance(quad.nodes[lane], position, normal);
     }
     const float sum = (weights[0] + weights[1]) + (weights[2] + weights[3]);
     if (!(sum > 0.0f && sum < kInfinity)) {
         if (sum <= 0.0f) return {};
         // Sums beyond floats: an even chance is always right.
         const auto count =
-            float(std::count_if(quad.node.begin(), quad.node.end(), [](uint32_t n) { return n != ~0u; }));
+            float(std::count_if(quad.number.begin(), quad.number.end(), [](uint32_t n) { return n != ~0u; }));
         for (std::size_t lane = 0; lane < Quad::kLanes; ++lane) {
-            weights[lane] = quad.node[lane] != ~0u ? 1.0f / count : 0.0f;
+            weights[lane] = quad.number[lane] != ~0u ? 1.0f / count : 0.0f;
         }
         return weights;
     }
@@ -350,7 +302,7 @@ LightTree::Choice LightTree::sample(vec3 position, vec3 normal, float u, uint32_
         if (lane == Quad::kLanes) below -= p[last]; // rounding
         choice.u = std::clamp((choice.u - below) / p[last], 0.0f, 0x1.fffffep-1f);
         choice.probability *= p[last];
-        node = quad.node[last];
+        node = quad.number[last];
     }
     choice.item = nodes_[node].second;
     return choice;
@@ -382,7 +334,7 @@ float LightTree::climb(uint32_t item, const Cut* cut, std::size_t lane, vec3 pos
         const uint32_t from = step == 2 ? nodes_[parent].parent : parent;
         const Quad& quad = quads_[nodes_[from].quad];
         const Quad::Lanes<float> p = probabilities(quad, position, normal);
-        probability *= p[std::size_t(std::find(quad.node.begin(), quad.node.end(), node) - quad.node.begin())];
+        probability *= p[std::size_t(std::find(quad.number.begin(), quad.number.end(), node) - quad.number.begin())];
         node = from;
         levels -= step;
     }

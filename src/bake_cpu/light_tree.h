@@ -97,20 +97,48 @@ private:
         bool leaf = false;
         bool twoSided = false;
     };
-    /// A node's grandchildren, side by side, and those of its children that are leaves. Walks take two levels at once.
+    /// What importance() reads of nodes, side by side.
+    template<std::size_t N> struct NodeLanes {
+        Vec3Lanes<N> center;
+        Vec3Lanes<N> axis;
+        std::array<float, N> radius;
+        std::array<float, N> cosSpread;
+        std::array<float, N> sinSpread;
+        std::array<float, N> power;
+        std::array<float, N> range;
+        std::array<int32_t, N> twoSided;
+
+        void set(std::size_t lane, const Node& node)
+        {
+            center.set(lane, node.center);
+            axis.set(lane, node.axis);
+            radius[lane] = node.radius;
+            cosSpread[lane] = node.cosSpread;
+            sinSpread[lane] = node.sinSpread;
+            power[lane] = node.power;
+            range[lane] = node.range;
+            twoSided[lane] = node.twoSided ? 1 : 0;
+        }
+        [[nodiscard]] Node operator[](std::size_t lane) const
+        {
+            Node node;
+            node.center = center[lane];
+            node.axis = axis[lane];
+            node.radius = radius[lane];
+            node.cosSpread = cosSpread[lane];
+            node.sinSpread = sinSpread[lane];
+            node.power = power[lane];
+            node.range = range[lane];
+            node.twoSided = twoSided[lane] != 0;
+            return node;
+        }
+    };
+    /// A node's grandchildren, and those of its children that are leaves. Walks take two levels at once.
     struct Quad {
         static constexpr std::size_t kLanes = 4;
         template<typename T> using Lanes = std::array<T, kLanes>;
-        alignas(16) Vec3Lanes<kLanes> center;
-        Vec3Lanes<kLanes> axis;
-        Lanes<float> radius{};
-        Lanes<float> cosSpread{};
-        Lanes<float> sinSpread{};
-        Lanes<float> power{}; ///< 0 where there is none
-        Lanes<float> range{};
-        Lanes<int32_t> twoSided{};
-        Lanes<uint32_t> node{};
-        void set(std::size_t lane, uint32_t number, const Node& from);
+        NodeLanes<kLanes> nodes;
+        Lanes<uint32_t> number; ///< ~0 where there is none, of no power
     };
     struct BuildItem;
     uint32_t build(std::span<BuildItem> items, uint32_t parent);
