@@ -111,11 +111,10 @@ public:
         vec3 normal{0.0f};    ///< geometric, of the side that is the cell
         float pdfArea = 0.0f; ///< per square metre
     };
-    [[nodiscard]] Place place(const Choice& choice) const
+    void place(const Choice& choice, Place& place) const
     {
         const Piece& piece = pieces_[choice.number];
         const vec2 at = shading::sampleTriangle(choice.u);
-        Place place;
         place.record = piece.record;
         place.cell = piece.cell;
         place.barycentric = piece.corners[0] + at.x * (piece.corners[1] - piece.corners[0]) +
@@ -123,7 +122,6 @@ public:
         place.position = piece.origin + at.x * piece.edge1 + at.y * piece.edge2;
         place.normal = piece.normal;
         place.pdfArea = choice.probability * piece.pdfArea;
-        return place;
     }
     /// Density, per square metre, of the samples on a cell; 0 where there are none.
     [[nodiscard]] float pdfArea(const Guide& guide, uint32_t cell) const;

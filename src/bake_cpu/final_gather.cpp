@@ -128,24 +128,25 @@ void FinalGather::gatherBlock(const GatherGroup& group, int block, uint64_t& ray
 {
     rays += uint64_t(bundle_.trace(paths_, pattern_, group, settings_.seed, block, kAllCells));
     const SurfaceTracer& tracer = paths_.surfaces();
-    constexpr std::size_t kRays = std::size_t(GatherPattern::kBlock) * kLanes;
     constexpr uint32_t kMissed = ~0u;
     constexpr uint32_t kOther = ~0u - 1u;
-    std::array<uint32_t, kRays> where; // record of the triangle, then cell
+    std::array<uint32_t, kSamples> where; // record of the triangle, then cell
     for (int cell = 0; cell < GatherPattern::kBlock; ++cell) {
         const RTCHit8& hit = bundle_.rays[std::size_t(cell)].hit;
         for (int lane = 0; lane < TexelGroup::kLanes; ++lane) {
-            uint32_t& w = where[std::size_t(cell) * kLanes + std::size_t(lane)];
+            uint32_t& w = where[sampleOf(cell, lane)];
             w = kMissed;
             if (hit.geomID[lane] == RTC_INVALID_GEOMETRY_ID) continue;
             w = RadianceCache::recordOf(tracer, bundle_.rays[std::size_t(cell)], lane);
             if (cache_ != nullptr) __builtin_prefetch(&cache_->surface(w));
         }
     }
+    SampleList inCells;
     for (int cell = 0; cache_ != nullptr && cell < GatherPattern::kBlock; ++cell) {
         const RTCRayHit8& packet = bundle_.rays[std::size_t(cell)];
         for (int lane = 0; lane < TexelGroup::kLanes; ++lane) {
-            uint32_t& w = where[std::size_t(cell) * kLanes + std::size_t(lane)];
+            const std::size_t sample = sampleOf(cell, lane);
+            uint32_t& w = where[sample];
             if (w == kMissed) continue;
             if (cache_->hiddenBack(w)) countBack(lane, cell, tracer.triangleAt(w / 2));
             if (!cache_->hasCells(w)) {
@@ -156,52 +157,92 @@ void FinalGather::gatherBlock(const GatherGroup& group, int block, uint64_t& ray
             const uint32_t square = cache_->cellIndex(w, {packet.hit.u[lane], packet.hit.v[lane]});
             __builtin_prefetch(cache_->cells() + square);
             w = square | glows;
+            knowing_[sample] = square;
+            inCells.add(sample);
         }
     }
+    findKnowing(
+        inCells.samples(), [&](std::size_t sample) { return packetOf(sample).ray.tfar[laneOf(sample)]; },
+        [&](std::size_t sample) {
+            const RTCRayHit8& packet = packetOf(sample);
+            const int lane = laneOf(sample);
+            return SidePlace{RadianceCache::recordOf(tracer, packet, lane), {packet.hit.u[lane], packet.hit.v[lane]}};
+        });
     const Sky& sky = paths_.sky();
     const bool black = sky.black();
+    std::array<Vec3Lanes<kLanes>, GatherPattern::kBlock> radiance;
+    SampleList slow;
+    SampleList bright;
+    SampleList glowing;
     for (int cell = 0; cell < GatherPattern::kBlock; ++cell) {
-        const RTCRayHit8& packet = bundle_.rays[std::size_t(cell)];
-        Vec3Lanes<kLanes> radiance;
+        Vec3Lanes<kLanes>& r = radiance[std::size_t(cell)];
         for (int lane = 0; lane < int(kLanes); ++lane) {
             const auto l = std::size_t(lane);
-            const uint32_t w = where[std::size_t(cell) * kLanes + l];
+            const std::size_t sample = sampleOf(cell, lane);
+            const uint32_t w = where[sample];
             if (w == kMissed || !group.active(lane)) {
-                radiance.set(l, black ? vec3(0.0f)
-                                      : shading::skyRadiance(sky.zenith, sky.horizon, sky.ground,
-                                                             bundle_.direction(cell, lane)));
+                r.set(l,
+                      black ? vec3(0.0f)
+                            : shading::skyRadiance(sky.zenith, sky.horizon, sky.ground, bundle_.direction(cell, lane)));
+                continue;
+            }
+            if (cache_ == nullptr || w == kOther || knowing_[sample] == RadianceCache::kNoCells) {
+                slow.add(sample);
                 continue;
             }
             const uint32_t square = w & RadianceCache::kCellMask;
-            const vec3* known = cache_ != nullptr && w != kOther ? knownRadiance(cell, lane, square) : nullptr;
-            if (known != nullptr) {
-                radiance.set(l, brightSamples_[l] > 0 && cache_->cells()[square].bright()
-                                    ? *known * brightWeight(cell, lane, square)
-                                    : *known);
-                if ((w & RadianceCache::kEmissive) != 0)
-                    radiance.set(l, radiance[l] + emission(group, lane, block, cell));
-            } else {
-                radiance.set(l, slowRadiance(group, lane, block, cell, rays));
-            }
+            r.set(l, cache_->cells()[knowing_[sample]].radiance);
+            if ((w & RadianceCache::kEmissive) != 0) glowing.add(sample);
+            bright.addIf(brightSamples_[l] > 0 && cache_->cells()[square].bright(), sample);
         }
+    }
+    const auto radianceOf = [&](std::size_t sample) { return radiance[cellOf(sample)][std::size_t(laneOf(sample))]; };
+    const auto setRadiance = [&](std::size_t sample, vec3 r) {
+        radiance[cellOf(sample)].set(std::size_t(laneOf(sample)), r);
+    };
+    for (const std::size_t sample : bright.samples()) {
+        const uint32_t square = where[sample] & RadianceCache::kCellMask;
+        setRadiance(sample, radianceOf(sample) * brightWeight(int(cellOf(sample)), laneOf(sample), square));
+    }
+    for (const std::size_t sample : glowing.samples())
+        setRadiance(sample, radianceOf(sample) + emission(group, laneOf(sample), block, int(cellOf(sample))));
+    for (const std::size_t sample : slow.samples())
+        setRadiance(sample, slowRadiance(group, laneOf(sample), block, int(cellOf(sample)), rays));
+    // What was written number by number is read as vectors only now: right away, the processor would wait for it.
+    for (std::size_t cell = 0; cell < radiance.size(); ++cell) {
+        const RTCRay8& packet = bundle_.rays[cell].ray;
+        Vec3Lanes<kLanes>& r = radiance[cell];
         for (std::size_t l = 0; l < kLanes; ++l) {
-            const float distance = packet.ray.tfar[l];
+            const float distance = packet.tfar[l];
             inverseSquares_[l] += 1.0f / (distance * distance); // 0 where the ray missed
-            radiance.x[l] *= kPi;
-            radiance.y[l] *= kPi;
-            radiance.z[l] *= kPi;
+            r.x[l] *= kPi;
+            r.y[l] *= kPi;
+            r.z[l] *= kPi;
         }
-        count(std::size_t(cell), radiance, packet.ray);
+        count(cell, r, packet);
     }
 }
 
-const vec3* FinalGather::knownRadiance(int cell, int lane, uint32_t square) const
+template<typename DistanceOf, typename PlaceOf>
+void FinalGather::findKnowing(std::span<const uint8_t> samples, const DistanceOf& distanceOf, const PlaceOf& placeOf)
 {
-    const RTCRayHit8& packet = bundle_.rays[std::size_t(cell)];
-    const RadianceCache::Cell* c = cache_->cells() + square;
-    if (c->answers(packet.ray.tfar[lane])) return &c->radiance;
-    const uint32_t record = RadianceCache::recordOf(paths_.surfaces(), packet, lane);
-    return cache_->known(record, {packet.hit.u[lane], packet.hit.v[lane]}, square, packet.ray.tfar[lane]);
+    if (samples.empty()) return;
+    const RadianceCache::Cell* cells = cache_->cells();
+    SampleList parts;
+    for (const std::size_t sample : samples) {
+        if (cells[knowing_[sample]].answers(distanceOf(sample))) continue;
+        parts.add(sample);
+        cache_->prefetchParts(knowing_[sample]);
+    }
+    for (const std::size_t sample : parts.samples()) {
+        const SidePlace place = placeOf(sample);
+        knowing_[sample] = cache_->partIndex(place.record, place.barycentric, knowing_[sample]);
+        if (knowing_[sample] != RadianceCache::kNoCells) __builtin_prefetch(cells + knowing_[sample]);
+    }
+    for (const std::size_t sample : parts.samples()) {
+        uint32_t& part = knowing_[sample];
+        if (part != RadianceCache::kNoCells && !cells[part].answers(distanceOf(sample))) part = RadianceCache::kNoCells;
+    }
 }
 
 float FinalGather::brightWeight(int cell, int lane, uint32_t square) const
@@ -228,8 +269,7 @@ void FinalGather::sampleBright(const GatherGroup& group, int block, uint64_t& ra
         if (any) cells[cellCount++] = uint8_t(cell);
     }
     const std::span<const uint8_t> used(cells.data(), cellCount);
-    std::array<uint8_t, kSamples> chosen;
-    std::size_t count = 0;
+    SampleList chosen;
     for (int i = 0; i < int(kLanes); ++i) {
         const auto lane = std::size_t(i);
         if (brightSamples_[lane] == 0) continue;
@@ -240,39 +280,52 @@ void FinalGather::sampleBright(const GatherGroup& group, int block, uint64_t& ra
             if (!looksAtBright(lane, block, cell)) continue;
             const std::size_t sample = cell * kLanes + lane;
             choices_[sample] = bright.choosePatch(guides_[lane], points.unit(cell ^ turn));
-            if (choices_[sample].number != BrightCells::Choice::kNone) chosen[count++] = uint8_t(sample);
+            chosen.addIf(choices_[sample].number != BrightCells::Choice::kNone, sample);
         }
     }
-    for (std::size_t i = 0; i < count; ++i) bright.chooseColumn(choices_[chosen[i]]);
-    for (std::size_t i = 0; i < count; ++i) {
-        if (choices_[chosen[i]].number != BrightCells::Choice::kNone) bright.choosePiece(choices_[chosen[i]]);
+    for (const std::size_t sample : chosen.samples()) bright.chooseColumn(choices_[sample]);
+    for (const std::size_t sample : chosen.samples()) {
+        if (choices_[sample].number != BrightCells::Choice::kNone) bright.choosePiece(choices_[sample]);
     }
     for (const uint8_t cell : used) {
         for (std::size_t lane = 0; lane < kLanes; ++lane) places_[cell * kLanes + lane].pdfArea = 0.0f;
     }
-    for (std::size_t i = 0; i < count; ++i) {
-        const BrightCells::Choice& choice = choices_[chosen[i]];
+    SampleList placed;
+    for (const std::size_t sample : chosen.samples()) {
+        const BrightCells::Choice& choice = choices_[sample];
         if (choice.number == BrightCells::Choice::kNone) continue;
-        const BrightCells::Place& place = places_[chosen[i]] = bright.place(choice);
+        BrightCells::Place& place = places_[sample];
+        bright.place(choice, place);
+        if (place.pdfArea <= 0.0f) continue;
+        placed.add(sample);
+        knowing_[sample] = place.cell;
         __builtin_prefetch(cache_->cells() + place.cell);
         __builtin_prefetch(&cache_->surface(place.record));
     }
+    findKnowing(
+        placed.samples(),
+        [&](std::size_t sample) {
+            return glm::distance(bundle_.origin(cellOf(sample), laneOf(sample)), places_[sample].position);
+        },
+        [&](std::size_t sample) {
+            return SidePlace{places_[sample].record, places_[sample].barycentric};
+        });
     const SurfaceTracer& tracer = paths_.surfaces();
     countLights(
         used,
         [&](std::size_t cell, EmitterLanes& lanes) {
             for (std::size_t lane = 0; lane < kLanes; ++lane) {
-                const BrightCells::Place& place = places_[cell * kLanes + lane];
+                const std::size_t sample = cell * kLanes + lane;
+                const BrightCells::Place& place = places_[sample];
                 lanes.pdfArea[lane] = 0.0f;
-                if (place.pdfArea <= 0.0f) continue;
-                const float distance = glm::distance(bundle_.origin(cell, int(lane)), place.position);
-                const vec3* known = cache_->known(place.record, place.barycentric, place.cell, distance);
-                if (known == nullptr) continue;
+                lanes.times[lane] = 1.0f;
+                if (place.pdfArea <= 0.0f || knowing_[sample] == RadianceCache::kNoCells) continue;
                 EmitterSample e;
                 e.position = place.position;
                 e.normal = place.normal;
                 // Through holes light from elsewhere comes.
-                e.radiance = *known * tracer.coverageOfHit(place.record / 2, place.barycentric);
+                const float coverage = tracer.coverageOfHit(place.record / 2, place.barycentric);
+                e.radiance = cache_->cells()[knowing_[sample]].radiance * coverage;
                 e.pdfArea = place.pdfArea * brightShare(lane);
                 lanes.set(lane, e);
             }
@@ -303,38 +356,44 @@ vec3 FinalGather::slowRadiance(const GatherGroup& group, int lane, int block, in
 template<typename Choose>
 void FinalGather::countLights(std::span<const uint8_t> cells, const Choose& choose, uint64_t& rays)
 {
+    // Points are chosen one cell ahead: what was written number by number is read as vectors later.
+    std::array<EmitterLanes, 2> lanes{};
+    for (std::size_t i = 0; i <= cells.size(); ++i) {
+        if (i < cells.size()) choose(std::size_t(cells[i]), lanes[i % 2]);
+        if (i > 0) countLights(cells[i - 1], lanes[(i - 1) % 2], rays);
+    }
+}
+
+void FinalGather::countLights(std::size_t cell, const EmitterLanes& lanes, uint64_t& rays)
+{
+    if (std::none_of(lanes.pdfArea.begin(), lanes.pdfArea.end(), [](float pdf) { return pdf > 0.0f; })) return;
+    const RayBundle::Frames& frame = bundle_.frame(cell);
     RTCRay8 packet;
     alignas(32) embree::LaneMask valid;
-    EmitterLanes lanes{};
     std::array<float, kLanes> unshadowed; ///< as EmitterWay has it
-    for (const std::size_t cell : cells) {
-        const RayBundle::Frames& frame = bundle_.frame(cell);
-        choose(cell, lanes);
-        if (std::none_of(lanes.pdfArea.begin(), lanes.pdfArea.end(), [](float pdf) { return pdf > 0.0f; })) continue;
-        SurfaceTracer::clear(packet);
-        for (std::size_t lane = 0; lane < kLanes; ++lane) {
-            const vec3 position = bundle_.origin(cell, int(lane));
-            const EmitterWay way = lanes.from(lane, position, frame.normal[lane], frame.geometricNormal[lane]);
-            unshadowed[lane] = way.share;
-            valid.lane[lane] = way.distance > 0.0f ? -1 : 0;
-            embree::setRay(packet, int(lane), position, way.direction);
-            packet.tfar[lane] = way.distance * (1.0f - 1.0e-4f);
-        }
-        const auto traced = std::count(valid.lane, valid.lane + kLanes, -1);
-        if (traced == 0) continue;
-        rays += uint64_t(traced);
-        const std::array<float, kLanes> shares = paths_.surfaces().arriving(valid, packet);
-        Vec3Lanes<kLanes> irradiance;
-        for (std::size_t lane = 0; lane < kLanes; ++lane) {
-            const bool arrives = valid.lane[lane] != 0 && shares[lane] > 0.0f;
-            irradiance.set(lane, arrives ? lanes.radiance[lane] * (unshadowed[lane] * shares[lane]) : vec3(0.0f));
-            // Of lanes that nothing was sampled for, directions may be no numbers.
-            packet.dir_x[lane] = arrives ? packet.dir_x[lane] : 0.0f;
-            packet.dir_y[lane] = arrives ? packet.dir_y[lane] : 0.0f;
-            packet.dir_z[lane] = arrives ? packet.dir_z[lane] : 0.0f;
-        }
-        count(cell, irradiance, packet);
+    SurfaceTracer::clear(packet);
+    for (std::size_t lane = 0; lane < kLanes; ++lane) {
+        const vec3 position = bundle_.origin(cell, int(lane));
+        const EmitterWay way = lanes.from(lane, position, frame.normal[lane], frame.geometricNormal[lane]);
+        unshadowed[lane] = way.share * lanes.times[lane];
+        valid.lane[lane] = way.distance > 0.0f ? -1 : 0;
+        embree::setRay(packet, int(lane), position, way.direction);
+        packet.tfar[lane] = way.distance * (1.0f - 1.0e-4f);
     }
+    const auto traced = std::count(valid.lane, valid.lane + kLanes, -1);
+    if (traced == 0) return;
+    rays += uint64_t(traced);
+    const std::array<float, kLanes> shares = paths_.surfaces().arriving(valid, packet);
+    Vec3Lanes<kLanes> irradiance;
+    for (std::size_t lane = 0; lane < kLanes; ++lane) {
+        const bool arrives = valid.lane[lane] != 0 && shares[lane] > 0.0f;
+        irradiance.set(lane, arrives ? lanes.radiance[lane] * (unshadowed[lane] * shares[lane]) : vec3(0.0f));
+        // Of lanes that nothing was sampled for, directions may be no numbers.
+        packet.dir_x[lane] = arrives ? packet.dir_x[lane] : 0.0f;
+        packet.dir_y[lane] = arrives ? packet.dir_y[lane] : 0.0f;
+        packet.dir_z[lane] = arrives ? packet.dir_z[lane] : 0.0f;
+    }
+    count(cell, irradiance, packet);
 }
 
 // Where emitters give little beside what the gathered rays brought, only some samples look at them: as many of each
@@ -363,20 +422,16 @@ void FinalGather::sampleEmitters(const GatherGroup& group, int block, std::span<
         [&](std::size_t cell, EmitterLanes& lanes) {
             LightTree::Points positions;
             LightTree::Cut::Lanes<bool> looks;
-            LightTree::Cut::Lanes<vec2> u;
+            Vec2Lanes<kLanes> u{};
             const int rank = GatherPattern::rankOf(int(cell), block);
             for (std::size_t lane = 0; lane < kLanes; ++lane) {
                 positions.set(lane, bundle_.origin(cell, int(lane)));
                 looks[lane] = rank < looking[lane];
-                if (looks[lane]) u[lane] = points[lane].unit(int(cell) ^ turn[lane]);
+                if (looks[lane]) u.set(lane, points[lane].unit(int(cell) ^ turn[lane]));
             }
             paths_.emitters().sample(cut_, positions, bundle_.frame(cell).normal, looks, u, lanes);
-            for (std::size_t lane = 0; lane < kLanes; ++lane) {
-                const float times = float(kBlock) / float(std::max(looking[lane], 1));
-                lanes.radiance.x[lane] *= times;
-                lanes.radiance.y[lane] *= times;
-                lanes.radiance.z[lane] *= times;
-            }
+            for (std::size_t lane = 0; lane < kLanes; ++lane)
+                lanes.times[lane] = float(kBlock) / float(std::max(looking[lane], 1));
         },
         rays);
     for (int lane = 0; lane < group.lanes(); ++lane) {

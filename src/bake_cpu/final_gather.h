@@ -89,11 +89,20 @@ private:
     void sampleBright(const GatherGroup& group, int block, uint64_t& rays);
     /// Counts light from points that choose(cell, lanes) tells for the given cells, where nothing stands between.
     template<typename Choose> void countLights(std::span<const uint8_t> cells, const Choose& choose, uint64_t& rays);
+    void countLights(std::size_t cell, const EmitterLanes& lanes, uint64_t& rays);
     void gatherBlock(const GatherGroup& group, int block, uint64_t& rays);
     /// From where the bundle's rays of the same block start.
     void sampleEmitters(const GatherGroup& group, int block, std::span<TexelLight> lights, uint64_t& rays);
-    /// What a cell, or its part, knows of a ray's end; null where the ray ends too close by.
-    [[nodiscard]] const vec3* knownRadiance(int cell, int lane, uint32_t square) const;
+    /// Place on a side of a triangle.
+    struct SidePlace {
+        uint32_t record = 0; ///< as RadianceCache::recordOf()
+        vec2 barycentric{0.0f};
+    };
+    /// As RadianceCache::known() for many samples, in sweeps. knowing_ has the cells of their places; after it, what
+    /// knows light from there over distanceOf(sample): them, parts of them, or RadianceCache::kNoCells.
+    /// placeOf(sample): asked for parts.
+    template<typename DistanceOf, typename PlaceOf>
+    void findKnowing(std::span<const uint8_t> samples, const DistanceOf& distanceOf, const PlaceOf& placeOf);
     /// Who asks for the light that a ray brings.
     [[nodiscard]] Receiver receiverOf(const GatherGroup& group, int lane, int block, int cell) const
     {
@@ -127,6 +136,27 @@ private:
     /// Each half has two cells of each row and each column of the pattern, and half of those that look at bright cells.
     static std::size_t halfOf(std::size_t cell) { return ((cell >> 2) ^ (cell >> 1)) & 1u; }
 
+    /// Samples of a block are numbered by cell, then lane.
+    static constexpr std::size_t kSamples = std::size_t(GatherPattern::kBlock) * TexelGroup::kLanes;
+    class SampleList {
+    public:
+        void add(std::size_t sample) { list_[count_++] = uint8_t(sample); }
+        void addIf(bool wanted, std::size_t sample) ///< without a branch that nobody could foretell
+        {
+            list_[count_] = uint8_t(sample);
+            count_ += wanted ? 1 : 0;
+        }
+        [[nodiscard]] std::span<const uint8_t> samples() const { return {list_.data(), count_}; }
+
+    private:
+        std::array<uint8_t, kSamples + 1> list_;
+        std::size_t count_ = 0;
+    };
+    static std::size_t sampleOf(int cell, int lane) { return std::size_t(cell * TexelGroup::kLanes + lane); }
+    static std::size_t cellOf(std::size_t sample) { return sample / TexelGroup::kLanes; }
+    static int laneOf(std::size_t sample) { return int(sample % TexelGroup::kLanes); }
+    [[nodiscard]] const RTCRayHit8& packetOf(std::size_t sample) const { return bundle_.rays[cellOf(sample)]; }
+
     const PathTracer& paths_;
     const GatherPattern& pattern_;
     const RadianceCache* cache_;
@@ -143,8 +173,8 @@ private:
     LightTree::Cut cut_;                                        ///< of the group's texels
     std::array<BrightCells::Guide, TexelGroup::kLanes> guides_; ///< to bright cells
     std::array<int, TexelGroup::kLanes> brightSamples_{};       ///< of a block, for each texel
-    static constexpr std::size_t kSamples = std::size_t(GatherPattern::kBlock) * TexelGroup::kLanes;
-    std::array<BrightCells::Choice, kSamples> choices_; ///< of a block, by cell and lane: for cells in use
+    std::array<uint32_t, kSamples> knowing_;                    ///< of a block's samples
+    std::array<BrightCells::Choice, kSamples> choices_;         ///< of a block's samples: for cells in use
     std::array<BrightCells::Place, kSamples> places_;
 };
 

@@ -23,4 +23,15 @@ template<std::size_t N> struct alignas(32) Vec3Lanes {
     [[nodiscard]] vec3 operator[](std::size_t lane) const { return {x[lane], y[lane], z[lane]}; }
 };
 
+template<std::size_t N> struct alignas(32) Vec2Lanes {
+    std::array<float, N> x;
+    std::array<float, N> y;
+
+    void set(std::size_t lane, vec2 v)
+    {
+        x[lane] = v.x;
+        y[lane] = v.y;
+    }
+};
+
 } // namespace halflight

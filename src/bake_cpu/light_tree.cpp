@@ -308,6 +308,32 @@ LightTree::Choice LightTree::sample(vec3 position, vec3 normal, float u, uint32_
     return choice;
 }
 
+void LightTree::sample(const Cut& cut, const Points& positions, const Points& normals, const Cut::Lanes<bool>& wanted,
+                       const Cut::Lanes<float>& u, Cut::Lanes<Choice>& choices) const
+{
+    // The last node below which a number lies, for all lanes step by step.
+    Cut::Lanes<uint32_t> place{};
+    for (auto n = uint32_t(cut.count); n > 1; n -= n / 2) {
+        for (std::size_t lane = 0; lane < Cut::kLanes; ++lane) {
+            const uint32_t half = place[lane] + n / 2;
+            place[lane] = u[lane] >= cut.below[half][lane] ? half : place[lane];
+        }
+    }
+    Cut::Lanes<float> probability;
+    Cut::Lanes<float> rest;
+    for (std::size_t lane = 0; lane < Cut::kLanes; ++lane) {
+        probability[lane] = cut.probability[place[lane]][lane];
+        rest[lane] = (u[lane] - cut.below[place[lane]][lane]) / probability[lane];
+        rest[lane] = std::min(std::max(rest[lane], 0.0f), 0x1.fffffep-1f);
+    }
+    for (std::size_t lane = 0; lane < Cut::kLanes; ++lane) {
+        choices[lane] = {cut.item[place[lane]][lane], wanted[lane] ? probability[lane] : 0.0f, rest[lane]};
+        if (!wanted[lane] || choices[lane].item != ~0u) continue;
+        choices[lane] = sample(positions[lane], normals[lane], rest[lane], cut.node[place[lane]][lane]);
+        choices[lane].probability *= probability[lane];
+    }
+}
+
 float LightTree::climb(uint32_t item, const Cut* cut, std::size_t lane, vec3 position, vec3 normal,
                        std::size_t& cutIndex) const
 {

@@ -64,22 +64,9 @@ public:
     };
     using Points = Vec3Lanes<Cut::kLanes>;
     [[nodiscard]] Cut cut(const Points& positions, const Points& normals) const;
-    [[nodiscard]] Choice sample(const Cut& cut, std::size_t lane, const vec3& position, const vec3& normal,
-                                float u) const
-    {
-        std::size_t i = 0;
-        for (std::size_t n = cut.count; n > 1;) {
-            const std::size_t half = n / 2;
-            i = u >= cut.below[i + half][lane] ? i + half : i;
-            n -= half;
-        }
-        const float probability = cut.probability[i][lane];
-        u = std::clamp((u - cut.below[i][lane]) / probability, 0.0f, 0x1.fffffep-1f);
-        if (cut.item[i][lane] != ~0u) return {cut.item[i][lane], probability, u};
-        Choice choice = sample(position, normal, u, cut.node[i][lane]);
-        choice.probability *= probability;
-        return choice;
-    }
+    /// Chooses a light for those lanes that are wanted; none for the others.
+    void sample(const Cut& cut, const Points& positions, const Points& normals, const Cut::Lanes<bool>& wanted,
+                const Cut::Lanes<float>& u, Cut::Lanes<Choice>& choices) const;
     [[nodiscard]] float probability(const Cut& cut, std::size_t lane, uint32_t item, vec3 position, vec3 normal) const;
 
 private:

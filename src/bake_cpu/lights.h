@@ -136,6 +136,7 @@ struct EmitterLanes {
     std::array<float, kLanes> pdfArea;
     std::array<int32_t, kLanes> doubleSided;
     std::array<int32_t, kLanes> rayVisible;
+    std::array<float, kLanes> times; ///< how many samples each stands for
 
     void set(std::size_t lane, const EmitterSample& s)
     {
@@ -167,7 +168,7 @@ public:
     [[nodiscard]] EmitterSample sample(vec3 position, vec3 normal, vec2 u) const;
     /// The same for those lanes of a cut that are wanted; no sample in the others.
     void sample(const LightTree::Cut& cut, const LightTree::Points& positions, const LightTree::Points& normals,
-                const LightTree::Cut::Lanes<bool>& wanted, const LightTree::Cut::Lanes<vec2>& u,
+                const LightTree::Cut::Lanes<bool>& wanted, const Vec2Lanes<LightTree::Cut::kLanes>& u,
                 EmitterLanes& samples) const;
     /// Density, per square metre, with which sample() chooses points of a triangle; 0 when it is no emitter.
     [[nodiscard]] float pdfArea(const Receiver& receiver, uint32_t triangle) const;

@@ -83,6 +83,7 @@ public:
     [[nodiscard]] uint32_t backOf(uint32_t front) const { return front + (front < squares_ ? squares_ : 1); }
     /// The part of a cell at a place, or kNoCells.
     [[nodiscard]] uint32_t partIndex(uint32_t record, vec2 barycentric, uint32_t cell) const;
+    void prefetchParts(uint32_t cell) const { __builtin_prefetch(&firstPart_[cell]); }
     [[nodiscard]] const Cell* cells() const { return cells_.data(); }
     /// What a cell that a side's place is in, or its part, reflects towards the other end of a ray of some length; null
     /// where that is too close by.

@@ -240,13 +240,16 @@ struct RayBundle {
             blocks[std::size_t(lane)] = pattern.block(hashCombine(seed, group.id(lane)), number);
             active += group.active(lane) ? 1 : 0;
         }
-        Vec3Lanes<TexelGroup::kLanes> local;
+        std::array<Vec3Lanes<TexelGroup::kLanes>, GatherPattern::kBlock> locals;
         for (const uint8_t cell : cells) {
+            for (std::size_t lane = 0; lane < TexelGroup::kLanes; ++lane) {
+                locals[cell].set(lane, pattern.direction(blocks[lane].bits(cell)));
+            }
+        }
+        for (const uint8_t cell : cells) {
+            const Vec3Lanes<TexelGroup::kLanes>& local = locals[cell];
             RTCRayHit8& packet = rays[cell];
             SurfaceTracer::clear(packet.ray);
-            for (std::size_t lane = 0; lane < TexelGroup::kLanes; ++lane) {
-                local.set(lane, pattern.direction(blocks[lane].bits(cell)));
-            }
             const Frames& f = frame(cell);
             Vec3Lanes<TexelGroup::kLanes> direction;
             for (std::size_t l = 0; l < TexelGroup::kLanes; ++l) {

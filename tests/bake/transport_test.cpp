@@ -999,6 +999,9 @@ TEST(LightTreeS6, ProbabilitiesAddUpAndMatchSamples)
                 normals.set(lane, normal);
             }
             const LightTree::Cut cut = tree.cut(positions, normals);
+            LightTree::Cut::Lanes<bool> onlyOne{};
+            onlyOne[kLane] = true;
+            LightTree::Cut::Lanes<LightTree::Choice> choices;
             double sum = 0.0;
             double cutSum = 0.0;
             std::vector<float> expected;
@@ -1021,7 +1024,8 @@ TEST(LightTreeS6, ProbabilitiesAddUpAndMatchSamples)
                 EXPECT_NEAR(choice.probability, expected[choice.item], 1e-4f + 1e-2f * expected[choice.item]);
                 EXPECT_TRUE(choice.u >= 0.0f && choice.u < 1.0f);
                 seen[choice.item] += 1.0 / kSamples;
-                const LightTree::Choice byCut = tree.sample(cut, kLane, position, normal, u);
+                tree.sample(cut, positions, normals, onlyOne, {u, u, u, u, u, u, u, u}, choices);
+                const LightTree::Choice byCut = choices[kLane];
                 const float p = tree.probability(cut, kLane, byCut.item, position, normal);
                 EXPECT_NEAR(byCut.probability, p, 1e-4f + 1e-2f * p);
                 EXPECT_TRUE(byCut.u >= 0.0f && byCut.u < 1.0f);
