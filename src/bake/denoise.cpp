@@ -96,12 +96,17 @@ bool isWhole(const TexelMap& map, const Texel& texel, const IrradianceEstimate& 
 /// bright light's variance does not open the texels beside it to its light. Where an eighth of those around have more,
 /// in the midst of a surface, it was mere chance that the texel itself met nothing: dots that are too many to be
 /// outliers are to be spread.
+/// Texels that are the mean of traced ones tell nothing about these: where they are most of those around, a traced
+/// texel is held against traced ones twice as far away. Those beside an outlier have a share of it, and come down to
+/// the brightest of the traced ones next to them.
 void tameOutliers(const TexelMap& map, const TexelGrid& grid, const std::vector<IrradianceEstimate>& estimates,
                   std::vector<NoisyLight>& light, std::vector<vec3>& moments)
 {
     constexpr float kTraces = 0.25f;
     constexpr int kManyAround = 20;
     constexpr uint32_t kSamplesToBelieve = 128;
+    constexpr int kManyBetween = 12;
+    constexpr float kLeft = 0.04f; ///< variance of what was an outlier, of its light squared
     const std::vector<NoisyLight> before = light;
     parallelFor(light.size(), 2048, [&](std::size_t begin, std::size_t end) {
         std::array<float, 25> around;
@@ -114,10 +119,16 @@ void tameOutliers(const TexelMap& map, const TexelGrid& grid, const std::vector<
             float weight = 0.0f;
             const float own = luminance(before[i].irradiance);
             const float ownVariance = before[i].variance;
+            const bool isTraced = traced(estimates[i]);
+            int between = 0;
+            grid.around(uint32_t(i), 2, [&](uint32_t j) {
+                between += isTraced && estimates[j].valid && !traced(estimates[j]) ? 1 : 0;
+            });
+            const int step = between > kManyBetween ? 2 : 1;
             for (int dy = -2; dy <= 2; ++dy) {
                 for (int dx = -2; dx <= 2; ++dx) {
-                    const uint32_t j = grid.at(map.texels[i], dx, dy);
-                    if (j == kNoTexel || !estimates[j].valid) continue;
+                    const uint32_t j = grid.at(map.texels[i], dx * step, dy * step);
+                    if (j == kNoTexel || !estimates[j].valid || (isTraced && !traced(estimates[j]))) continue;
                     if (j != uint32_t(i)) {
                         around[std::size_t(n)] = luminance(before[j].irradiance);
                         if (std::max(std::abs(dx), std::abs(dy)) == 1) {
@@ -151,7 +162,7 @@ void tameOutliers(const TexelMap& map, const TexelGrid& grid, const std::vector<
             if (whole && n >= kManyAround && nthIsAbove(variancesAround, eighth, 2.0f * variance))
                 variance = 0.5f * nth(variancesAround, eighth);
             constexpr float kBrighter = 1.1f;
-            if (n < 8 || nthIsAbove(around, eighth, own / kBrighter)) continue;
+            if (!isTraced || n < 8 || nthIsAbove(around, eighth, own / kBrighter)) continue;
             const float bright = nth(around, eighth);
             const float excess = own - bright;
             // One lucky path makes the texel's own halves differ by as much as it is too bright. Where they agree, and
@@ -166,8 +177,26 @@ void tameOutliers(const TexelMap& map, const TexelGrid& grid, const std::vector<
                 const float direct = luminance(estimates[i].direct);
                 light[i].irradiance *= bright / own;
                 moments[i] *= (bright + direct) / (own + direct);
-                variance = std::min(variance, bright * bright * 0.04f);
+                variance = std::min(variance, bright * bright * kLeft);
             }
+        }
+    });
+    parallelFor(light.size(), 2048, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t i = begin; i < end; ++i) {
+            if (!estimates[i].valid || traced(estimates[i])) continue;
+            bool tamed = false;
+            float brightest = 0.0f;
+            grid.around(uint32_t(i), 1, [&](uint32_t j) {
+                if (!traced(estimates[j])) return;
+                tamed = tamed || light[j].irradiance != before[j].irradiance;
+                brightest = std::max(brightest, luminance(light[j].irradiance));
+            });
+            const float own = luminance(light[i].irradiance);
+            if (!tamed || own <= brightest) continue;
+            const float direct = luminance(estimates[i].direct);
+            light[i].irradiance *= brightest / own;
+            moments[i] *= (brightest + direct) / (own + direct);
+            light[i].variance = std::min(light[i].variance, brightest * brightest * kLeft);
         }
     });
 }

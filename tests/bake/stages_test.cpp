@@ -556,6 +556,32 @@ TEST(DenoiseS6, BrightRimsAreNoOutliers)
     }
 }
 
+/// Where only every other texel is traced, those between have a share of what a lucky path brought the one beside them.
+TEST(DenoiseS6, OutliersGoFromTexelsBetween)
+{
+    Scene scene;
+    addRectangle(scene, {}, addMaterial(scene, vec3(0.5f)), kPage, {vec2(4), vec2(60)});
+    const BakeGeometry geometry = flattenGeometry(scene, kPage, GeometryFilter::Static);
+    const TexelMap map = rasterizeTexels(geometry, kPage, 1);
+    const auto lightAt = [](int x, int y) { return (x == 30 || x == 32) && y == 30 ? 20.0f : 1.0f; };
+    std::vector<IrradianceEstimate> estimates(map.texels.size());
+    for (std::size_t i = 0; i < estimates.size(); ++i) {
+        const int x = map.texels[i].x;
+        const int y = map.texels[i].y;
+        const bool isTraced = x % 2 == 0 && y % 2 == 0;
+        // The mean of two or four.
+        const float mean = 0.25f * (lightAt(x & ~1, y & ~1) + lightAt((x + 1) & ~1, y & ~1) +
+                                    lightAt(x & ~1, (y + 1) & ~1) + lightAt((x + 1) & ~1, (y + 1) & ~1));
+        estimates[i].irradiance = vec3(mean);
+        const float excess = mean - 1.0f;
+        estimates[i].varianceOfMean = excess * excess + 0.0004f;
+        estimates[i].samples = isTraced ? 256 : 0;
+    }
+    denoise(geometry, map, estimates);
+    for (std::size_t i = 0; i < estimates.size(); ++i)
+        EXPECT_NEAR(estimates[i].irradiance.x, 1.0f, 0.02f) << map.texels[i].x << ", " << map.texels[i].y;
+}
+
 /// A texel, or two side by side, brighter than all around though its blocks agree: that is luck when these are few, and
 /// light when they are many or when more texels have it.
 TEST(DenoiseS6, FewBlocksAgreeByChance)
