@@ -97,11 +97,12 @@ bool isWhole(const TexelMap& map, const Texel& texel, const IrradianceEstimate& 
 /// in the midst of a surface, it was mere chance that the texel itself met nothing: dots that are too many to be
 /// outliers are to be spread.
 /// Texels that are the mean of traced ones tell nothing about these: where they are most of those around, a traced
-/// texel is held against traced ones twice as far away. Those beside an outlier have a share of it, and come down to
+/// texel is held against traced ones of 9 x 9. Those beside an outlier have a share of it, and come down to
 /// the brightest of the traced ones next to them.
 void tameOutliers(const TexelMap& map, const TexelGrid& grid, const std::vector<IrradianceEstimate>& estimates,
                   std::vector<NoisyLight>& light, std::vector<vec3>& moments)
 {
+    using Values = std::array<float, 81>; ///< of up to 9 x 9
     constexpr float kTraces = 0.25f;
     constexpr int kManyAround = 20;
     constexpr uint32_t kSamplesToBelieve = 128;
@@ -109,8 +110,8 @@ void tameOutliers(const TexelMap& map, const TexelGrid& grid, const std::vector<
     constexpr float kLeft = 0.04f; ///< variance of what was an outlier, of its light squared
     const std::vector<NoisyLight> before = light;
     parallelFor(light.size(), 2048, [&](std::size_t begin, std::size_t end) {
-        std::array<float, 25> around;
-        std::array<float, 25> variancesAround;
+        Values around;
+        Values variancesAround;
         for (std::size_t i = begin; i < end; ++i) {
             int n = 0;
             int adjacent = 0;
@@ -125,13 +126,13 @@ void tameOutliers(const TexelMap& map, const TexelGrid& grid, const std::vector<
                 between += isTraced && estimates[j].valid && !traced(estimates[j]) ? 1 : 0;
             });
             const int step = between > kManyBetween ? 2 : 1;
-            for (int dy = -2; dy <= 2; ++dy) {
-                for (int dx = -2; dx <= 2; ++dx) {
-                    const uint32_t j = grid.at(map.texels[i], dx * step, dy * step);
+            for (int dy = -2 * step; dy <= 2 * step; ++dy) {
+                for (int dx = -2 * step; dx <= 2 * step; ++dx) {
+                    const uint32_t j = grid.at(map.texels[i], dx, dy);
                     if (j == kNoTexel || !estimates[j].valid || (isTraced && !traced(estimates[j]))) continue;
                     if (j != uint32_t(i)) {
                         around[std::size_t(n)] = luminance(before[j].irradiance);
-                        if (std::max(std::abs(dx), std::abs(dy)) == 1) {
+                        if (std::max(std::abs(dx), std::abs(dy)) <= step) {
                             ++adjacent;
                             const float other = around[std::size_t(n)];
                             brightestAdjacent.y = std::max(brightestAdjacent.y, std::min(brightestAdjacent.x, other));
@@ -139,19 +140,19 @@ void tameOutliers(const TexelMap& map, const TexelGrid& grid, const std::vector<
                         }
                         variancesAround[std::size_t(n++)] = before[j].variance;
                     }
-                    const float w = 1.0f / float(1 + dx * dx + dy * dy);
+                    const float w = 1.0f / (1.0f + float(dx * dx + dy * dy) / float(step * step));
                     varianceSum += w * std::min(before[j].variance, 4.0f * ownVariance + 1.0e-12f);
                     weight += w;
                 }
             }
             const bool whole = isWhole(map, map.texels[i], estimates[i]);
             const int eighth = n - n / 8; // from there on
-            const auto nth = [n](std::array<float, 25>& values, int number) {
+            const auto nth = [n](Values& values, int number) {
                 std::nth_element(values.begin(), values.begin() + number, values.begin() + n);
                 return values[std::size_t(number)];
             };
             // Whether the one of a number in ascending order is above a bound: mostly it is not, and need not be found.
-            const auto nthIsAbove = [n](const std::array<float, 25>& values, int number, float bound) {
+            const auto nthIsAbove = [n](const Values& values, int number, float bound) {
                 int above = 0;
                 for (int k = 0; k < n; ++k) above += values[std::size_t(k)] > bound ? 1 : 0;
                 return above >= n - number;
@@ -170,7 +171,7 @@ void tameOutliers(const TexelMap& map, const TexelGrid& grid, const std::vector<
             const float sigmas = whole ? 5.0f : 2.0f;
             // Few halves agree by chance in one of some thousand such texels: what no two of the eight next to it have
             // is believed of more samples alone.
-            const bool alone = whole && adjacent == 8 && brightestAdjacent.y - bright < kTraces * excess &&
+            const bool alone = whole && adjacent >= 8 && brightestAdjacent.y - bright < kTraces * excess &&
                                estimates[i].samples < kSamplesToBelieve;
             const bool lucky = alone || excess <= sigmas * std::sqrt(gathered(estimates[i]).variance);
             if (own > kBrighter * bright && excess > 0.5f * std::sqrt(variance) && lucky) {

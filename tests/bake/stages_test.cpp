@@ -568,10 +568,12 @@ TEST(DenoiseS6, OutliersGoFromTexelsBetween)
     for (std::size_t i = 0; i < estimates.size(); ++i) {
         const int x = map.texels[i].x;
         const int y = map.texels[i].y;
-        const bool isTraced = x % 2 == 0 && y % 2 == 0;
+        const bool odd = x == 41 && y == 41; // traced for some reason, without others around
+        const bool isTraced = odd || (x % 2 == 0 && y % 2 == 0);
         // The mean of two or four.
-        const float mean = 0.25f * (lightAt(x & ~1, y & ~1) + lightAt((x + 1) & ~1, y & ~1) +
-                                    lightAt(x & ~1, (y + 1) & ~1) + lightAt((x + 1) & ~1, (y + 1) & ~1));
+        const float shared = 0.25f * (lightAt(x & ~1, y & ~1) + lightAt((x + 1) & ~1, y & ~1) +
+                                      lightAt(x & ~1, (y + 1) & ~1) + lightAt((x + 1) & ~1, (y + 1) & ~1));
+        const float mean = odd ? 20.0f : shared;
         estimates[i].irradiance = vec3(mean);
         const float excess = mean - 1.0f;
         estimates[i].varianceOfMean = excess * excess + 0.0004f;
