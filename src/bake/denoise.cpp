@@ -109,6 +109,14 @@ void tameOutliers(const TexelMap& map, const TexelGrid& grid, const std::vector<
     constexpr int kManyBetween = 12;
     constexpr float kLeft = 0.04f; ///< variance of what was an outlier, of its light squared
     const std::vector<NoisyLight> before = light;
+    const auto isBetween = [](const IrradianceEstimate& e) { return e.valid && !traced(e); };
+    const bool anyBetween = std::any_of(estimates.begin(), estimates.end(), isBetween);
+    const auto bringDown = [&](std::size_t i, float own, float bright) {
+        const float direct = luminance(estimates[i].direct);
+        light[i].irradiance *= bright / own;
+        moments[i] *= (bright + direct) / (own + direct);
+        light[i].variance = std::min(light[i].variance, bright * bright * kLeft);
+    };
     parallelFor(light.size(), 2048, [&](std::size_t begin, std::size_t end) {
         Values around;
         Values variancesAround;
@@ -122,9 +130,8 @@ void tameOutliers(const TexelMap& map, const TexelGrid& grid, const std::vector<
             const float ownVariance = before[i].variance;
             const bool isTraced = traced(estimates[i]);
             int between = 0;
-            grid.around(uint32_t(i), 2, [&](uint32_t j) {
-                between += isTraced && estimates[j].valid && !traced(estimates[j]) ? 1 : 0;
-            });
+            if (isTraced && anyBetween)
+                grid.around(uint32_t(i), 2, [&](uint32_t j) { between += isBetween(estimates[j]) ? 1 : 0; });
             const int step = between > kManyBetween ? 2 : 1;
             for (int dy = -2 * step; dy <= 2 * step; ++dy) {
                 for (int dx = -2 * step; dx <= 2 * step; ++dx) {
@@ -174,17 +181,13 @@ void tameOutliers(const TexelMap& map, const TexelGrid& grid, const std::vector<
             const bool alone = whole && adjacent >= 8 && brightestAdjacent.y - bright < kTraces * excess &&
                                estimates[i].samples < kSamplesToBelieve;
             const bool lucky = alone || excess <= sigmas * std::sqrt(gathered(estimates[i]).variance);
-            if (own > kBrighter * bright && excess > 0.5f * std::sqrt(variance) && lucky) {
-                const float direct = luminance(estimates[i].direct);
-                light[i].irradiance *= bright / own;
-                moments[i] *= (bright + direct) / (own + direct);
-                variance = std::min(variance, bright * bright * kLeft);
-            }
+            if (own > kBrighter * bright && excess > 0.5f * std::sqrt(variance) && lucky) bringDown(i, own, bright);
         }
     });
+    if (!anyBetween) return;
     parallelFor(light.size(), 2048, [&](std::size_t begin, std::size_t end) {
         for (std::size_t i = begin; i < end; ++i) {
-            if (!estimates[i].valid || traced(estimates[i])) continue;
+            if (!isBetween(estimates[i])) continue;
             bool tamed = false;
             float brightest = 0.0f;
             grid.around(uint32_t(i), 1, [&](uint32_t j) {
@@ -193,11 +196,7 @@ void tameOutliers(const TexelMap& map, const TexelGrid& grid, const std::vector<
                 brightest = std::max(brightest, luminance(light[j].irradiance));
             });
             const float own = luminance(light[i].irradiance);
-            if (!tamed || own <= brightest) continue;
-            const float direct = luminance(estimates[i].direct);
-            light[i].irradiance *= brightest / own;
-            moments[i] *= (brightest + direct) / (own + direct);
-            light[i].variance = std::min(light[i].variance, brightest * brightest * kLeft);
+            if (tamed && own > brightest) bringDown(i, own, brightest);
         }
     });
 }

@@ -123,7 +123,7 @@ void FinalGather::addEmitters(const GatherGroup& group, std::span<TexelLight> li
 }
 
 // Irradiance is pi times the mean of cosine-distributed radiance (pdf cos / pi). Most rays are over with one look into
-// the cache: they are handled in three sweeps, so that each sweep's memory is on its way while others are worked on.
+// the cache: they are handled in sweeps, so that each sweep's memory is on its way while others are worked on.
 void FinalGather::gatherBlock(const GatherGroup& group, int block, uint64_t& rays)
 {
     rays += uint64_t(bundle_.trace(paths_, pattern_, group, settings_.seed, block, kAllCells));
@@ -278,7 +278,7 @@ void FinalGather::sampleBright(const GatherGroup& group, int block, uint64_t& ra
         const int turn = brightSamples_[lane] < GatherPattern::kBlock ? cellTurn(group.id(i)) : 0;
         for (const uint8_t cell : used) {
             if (!looksAtBright(lane, block, cell)) continue;
-            const std::size_t sample = cell * kLanes + lane;
+            const std::size_t sample = sampleOf(cell, i);
             choices_[sample] = bright.choosePatch(guides_[lane], points.unit(cell ^ turn));
             chosen.addIf(choices_[sample].number != BrightCells::Choice::kNone, sample);
         }
