@@ -96,9 +96,11 @@ bool isWhole(const TexelMap& map, const Texel& texel, const IrradianceEstimate& 
 /// bright light's variance does not open the texels beside it to its light. Where an eighth of those around have more,
 /// in the midst of a surface, it was mere chance that the texel itself met nothing: dots that are too many to be
 /// outliers are to be spread.
-/// Texels that are the mean of traced ones tell nothing about these: where they are most of those around, a traced
+/// Texels that are the mean of traced ones tell nothing about these: where they are many of those around, a traced
 /// texel is held against traced ones of 9 x 9. Those beside an outlier have a share of it, and come down to
 /// the brightest of the traced ones next to them.
+/// A texel alone that met so little that it is darker than nearly all around it, and knows of no noise, would stay as a
+/// dark speck: it comes up to their darkest eighth.
 void tameOutliers(const TexelMap& map, const TexelGrid& grid, const std::vector<IrradianceEstimate>& estimates,
                   std::vector<NoisyLight>& light, std::vector<vec3>& moments)
 {
@@ -106,7 +108,7 @@ void tameOutliers(const TexelMap& map, const TexelGrid& grid, const std::vector<
     constexpr float kTraces = 0.25f;
     constexpr int kManyAround = 20;
     constexpr uint32_t kSamplesToBelieve = 128;
-    constexpr int kManyBetween = 12;
+    constexpr int kManyBetween = 6;
     constexpr float kLeft = 0.04f; ///< variance of what was an outlier, of its light squared
     const std::vector<NoisyLight> before = light;
     const auto isBetween = [](const IrradianceEstimate& e) { return e.valid && !traced(e); };
@@ -117,6 +119,13 @@ void tameOutliers(const TexelMap& map, const TexelGrid& grid, const std::vector<
         moments[i] *= (bright + direct) / (own + direct);
         light[i].variance = std::min(light[i].variance, bright * bright * kLeft);
     };
+    // What it lacks has the colour of those around it: of black there is none to tell.
+    const auto bringUp = [&](std::size_t i, float own, float dark, vec3 sumAround) {
+        const float all = own + luminance(estimates[i].direct);
+        light[i].irradiance += sumAround * ((dark - own) / luminance(sumAround));
+        if (all > 0.0f) moments[i] *= (all + dark - own) / all;
+        light[i].variance = std::max(light[i].variance, dark * dark * kLeft);
+    };
     parallelFor(light.size(), 2048, [&](std::size_t begin, std::size_t end) {
         Values around;
         Values variancesAround;
@@ -124,6 +133,8 @@ void tameOutliers(const TexelMap& map, const TexelGrid& grid, const std::vector<
             int n = 0;
             int adjacent = 0;
             vec2 brightestAdjacent(0.0f); ///< and the one after it
+            vec2 darkestAdjacent(kInfinity);
+            vec3 sumAround(0.0f);
             float varianceSum = 0.0f;
             float weight = 0.0f;
             const float own = luminance(before[i].irradiance);
@@ -138,12 +149,15 @@ void tameOutliers(const TexelMap& map, const TexelGrid& grid, const std::vector<
                     const uint32_t j = grid.at(map.texels[i], dx, dy);
                     if (j == kNoTexel || !estimates[j].valid || (isTraced && !traced(estimates[j]))) continue;
                     if (j != uint32_t(i)) {
+                        sumAround += before[j].irradiance;
                         around[std::size_t(n)] = luminance(before[j].irradiance);
                         if (std::max(std::abs(dx), std::abs(dy)) <= step) {
                             ++adjacent;
                             const float other = around[std::size_t(n)];
                             brightestAdjacent.y = std::max(brightestAdjacent.y, std::min(brightestAdjacent.x, other));
                             brightestAdjacent.x = std::max(brightestAdjacent.x, other);
+                            darkestAdjacent.y = std::min(darkestAdjacent.y, std::max(darkestAdjacent.x, other));
+                            darkestAdjacent.x = std::min(darkestAdjacent.x, other);
                         }
                         variancesAround[std::size_t(n++)] = before[j].variance;
                     }
@@ -170,16 +184,24 @@ void tameOutliers(const TexelMap& map, const TexelGrid& grid, const std::vector<
             if (whole && n >= kManyAround && nthIsAbove(variancesAround, eighth, 2.0f * variance))
                 variance = 0.5f * nth(variancesAround, eighth);
             constexpr float kBrighter = 1.1f;
-            if (!isTraced || n < 8 || nthIsAbove(around, eighth, own / kBrighter)) continue;
+            if (!isTraced || n < 8) continue;
+            // Few halves agree by chance in one of some thousand texels in the midst of a surface: what no two of those
+            // next to it have is believed of more samples alone. Off the lattice, half as many are next to it.
+            const bool few = whole && adjacent * step >= 8 && estimates[i].samples < kSamplesToBelieve;
+            if (few && nthIsAbove(around, n / 8, kBrighter * own)) {
+                const float dark = nth(around, n / 8);
+                const float lack = dark - own;
+                if (dark - darkestAdjacent.y < kTraces * lack && lack > 0.5f * std::sqrt(variance))
+                    bringUp(i, own, dark, sumAround);
+                continue;
+            }
+            if (nthIsAbove(around, eighth, own / kBrighter)) continue;
             const float bright = nth(around, eighth);
             const float excess = own - bright;
             // One lucky path makes the texel's own halves differ by as much as it is too bright. Where they agree, and
             // more readily so at the rim of a surface or of what stands on it, it has light that the others do not.
             const float sigmas = whole ? 5.0f : 2.0f;
-            // Few halves agree by chance in one of some thousand such texels: what no two of the eight next to it have
-            // is believed of more samples alone.
-            const bool alone = whole && adjacent >= 8 && brightestAdjacent.y - bright < kTraces * excess &&
-                               estimates[i].samples < kSamplesToBelieve;
+            const bool alone = few && brightestAdjacent.y - bright < kTraces * excess;
             const bool lucky = alone || excess <= sigmas * std::sqrt(gathered(estimates[i]).variance);
             if (own > kBrighter * bright && excess > 0.5f * std::sqrt(variance) && lucky) bringDown(i, own, bright);
         }

@@ -615,6 +615,67 @@ TEST(DenoiseS6, FewBlocksAgreeByChance)
     }
 }
 
+// Rows of traced texels with rows between: of 5 x 5, too few are traced to tell two dots from light.
+TEST(DenoiseS6, OutliersGoWhereHalfLieBetween)
+{
+    Scene scene;
+    addRectangle(scene, {}, addMaterial(scene, vec3(0.5f)), kPage, {vec2(4), vec2(60)});
+    const BakeGeometry geometry = flattenGeometry(scene, kPage, GeometryFilter::Static);
+    const TexelMap map = rasterizeTexels(geometry, kPage, 1);
+    const auto lightAt = [](int x, int y) { return (x == 30 || x == 32) && y == 30 ? 2.0f : 1.0f; };
+    std::vector<IrradianceEstimate> estimates(map.texels.size());
+    for (std::size_t i = 0; i < estimates.size(); ++i) {
+        const Texel& t = map.texels[i];
+        const bool isTraced = t.y % 2 == 0;
+        estimates[i].irradiance =
+            vec3(isTraced ? lightAt(t.x, t.y) : 0.5f * (lightAt(t.x, t.y - 1) + lightAt(t.x, t.y + 1)));
+        estimates[i].varianceOfMean = 0.0004f;
+        estimates[i].samples = isTraced ? 32 : 0;
+    }
+    denoise(geometry, map, estimates);
+    for (std::size_t i = 0; i < estimates.size(); ++i)
+        EXPECT_NEAR(estimates[i].irradiance.x, 1.0f, 0.02f) << map.texels[i].x << ", " << map.texels[i].y;
+}
+
+TEST(DenoiseS6, DarkSpecksGoAndShadowsStay)
+{
+    Scene scene;
+    addRectangle(scene, {}, addMaterial(scene, vec3(0.5f)), kPage, {vec2(4), vec2(60)});
+    const BakeGeometry geometry = flattenGeometry(scene, kPage, GeometryFilter::Static);
+    const TexelMap map = rasterizeTexels(geometry, kPage, 1);
+    struct Case {
+        int width;
+        int height;
+        float dark;
+        uint32_t samples;
+        float expected;
+    };
+    for (const Case& c : {Case{1, 1, 0.5f, 32, 1.0f},
+                          {1, 1, 0.0f, 32, 1.0f},
+                          {2, 2, 0.5f, 32, 0.5f},
+                          {8, 1, 0.5f, 32, 0.5f},
+                          {1, 1, 0.5f, 256, 0.5f}}) {
+        SCOPED_TRACE(testing::Message() << c.width << " x " << c.height << ", " << c.dark << ", " << c.samples);
+        std::vector<IrradianceEstimate> estimates(map.texels.size());
+        std::size_t dark = 0;
+        for (std::size_t i = 0; i < estimates.size(); ++i) {
+            const Texel& t = map.texels[i];
+            const bool isDark = t.x >= 30 && t.x < 30 + c.width && t.y >= 30 && t.y < 30 + c.height;
+            if (isDark && t.x == 30 + c.width / 2) dark = i;
+            const float light = isDark ? c.dark : 1.0f;
+            estimates[i].irradiance = vec3(0.5f, 1.0f, 2.0f) * (light / luminance(vec3(0.5f, 1.0f, 2.0f)));
+            estimates[i].moment = vec3(0.0f, 0.5f, 0.0f) * light;
+            estimates[i].varianceOfMean = 0.0004f;
+            estimates[i].samples = c.samples;
+        }
+        denoise(geometry, map, estimates, true);
+        const vec3 after = estimates[dark].irradiance;
+        EXPECT_NEAR(luminance(after), c.expected, 0.05f);
+        if (luminance(after) > 0.0f) EXPECT_NEAR(after.x / after.z, 0.25f, 0.01f);
+        EXPECT_NEAR(estimates[dark].moment.y, 0.5f * c.expected, 0.05f);
+    }
+}
+
 /// Few rays of many texels meet something bright: texels in which one did, and whose variance says so, do not stay
 /// brighter than the others, be they one in fifty or every other one.
 TEST(DenoiseS6, SpreadsDotsThatAreMany)
