@@ -113,17 +113,19 @@ void tameOutliers(const TexelMap& map, const TexelGrid& grid, const std::vector<
     const std::vector<NoisyLight> before = light;
     const auto isBetween = [](const IrradianceEstimate& e) { return e.valid && !traced(e); };
     const bool anyBetween = std::any_of(estimates.begin(), estimates.end(), isBetween);
-    const auto bringDown = [&](std::size_t i, float own, float bright) {
+    const auto scaleMoment = [&](std::size_t i, float own, float now) {
         const float direct = luminance(estimates[i].direct);
+        if (own + direct > 0.0f) moments[i] *= (now + direct) / (own + direct);
+    };
+    const auto bringDown = [&](std::size_t i, float own, float bright) {
         light[i].irradiance *= bright / own;
-        moments[i] *= (bright + direct) / (own + direct);
+        scaleMoment(i, own, bright);
         light[i].variance = std::min(light[i].variance, bright * bright * kLeft);
     };
     // What it lacks has the colour of those around it: of black there is none to tell.
     const auto bringUp = [&](std::size_t i, float own, float dark, vec3 sumAround) {
-        const float all = own + luminance(estimates[i].direct);
         light[i].irradiance += sumAround * ((dark - own) / luminance(sumAround));
-        if (all > 0.0f) moments[i] *= (all + dark - own) / all;
+        scaleMoment(i, own, dark);
         light[i].variance = std::max(light[i].variance, dark * dark * kLeft);
     };
     parallelFor(light.size(), 2048, [&](std::size_t begin, std::size_t end) {

@@ -288,7 +288,7 @@ void FinalGather::sampleBright(const GatherGroup& group, int block, uint64_t& ra
         if (choices_[sample].number != BrightCells::Choice::kNone) bright.choosePiece(choices_[sample]);
     }
     for (const uint8_t cell : used) {
-        for (std::size_t lane = 0; lane < kLanes; ++lane) places_[cell * kLanes + lane].pdfArea = 0.0f;
+        for (std::size_t lane = 0; lane < kLanes; ++lane) places_[sampleOf(cell, int(lane))].pdfArea = 0.0f;
     }
     SampleList placed;
     for (const std::size_t sample : chosen.samples()) {
@@ -315,7 +315,7 @@ void FinalGather::sampleBright(const GatherGroup& group, int block, uint64_t& ra
         used,
         [&](std::size_t cell, EmitterLanes& lanes) {
             for (std::size_t lane = 0; lane < kLanes; ++lane) {
-                const std::size_t sample = cell * kLanes + lane;
+                const std::size_t sample = sampleOf(int(cell), int(lane));
                 const BrightCells::Place& place = places_[sample];
                 lanes.pdfArea[lane] = 0.0f;
                 lanes.times[lane] = 1.0f;

@@ -457,6 +457,38 @@ TEST(DilateS8, DistancesAreExtrapolated)
     }
 }
 
+/// One chart on a page: a rectangle between two corners, in texels.
+struct OneChart {
+    explicit OneChart(vec2 low, vec2 high)
+    {
+        Scene scene;
+        addRectangle(scene, {}, addMaterial(scene, vec3(0.5f)), kPage, {low, high});
+        geometry = flattenGeometry(scene, kPage, GeometryFilter::Static);
+        map = rasterizeTexels(geometry, kPage, 1);
+    }
+    /// Denoises what estimateOf(texel) tells of each texel.
+    template<typename EstimateOf>
+    [[nodiscard]] std::vector<IrradianceEstimate> denoised(const EstimateOf& estimateOf, bool directions = false) const
+    {
+        std::vector<IrradianceEstimate> estimates;
+        for (const Texel& texel : map.texels) estimates.push_back(estimateOf(texel));
+        denoise(geometry, map, estimates, directions);
+        return estimates;
+    }
+    void expectEven(const std::vector<IrradianceEstimate>& estimates) const ///< light of 1 everywhere
+    {
+        for (std::size_t i = 0; i < estimates.size(); ++i)
+            EXPECT_NEAR(estimates[i].irradiance.x, 1.0f, 0.02f) << map.texels[i].x << ", " << map.texels[i].y;
+    }
+    [[nodiscard]] std::size_t at(int x, int y) const ///< number of a texel
+    {
+        const auto isThere = [&](const Texel& t) { return t.x == x && t.y == y; };
+        return std::size_t(std::find_if(map.texels.begin(), map.texels.end(), isThere) - map.texels.begin());
+    }
+    BakeGeometry geometry;
+    TexelMap map;
+};
+
 /// A page of noisy estimates of light that is known, before and after denoising.
 struct NoisyPage {
     template<typename Truth> NoisyPage(const Truth& truth, float sigma, float variance)
@@ -467,10 +499,7 @@ struct NoisyPage {
     template<typename Truth, typename Direct>
     NoisyPage(const Truth& truth, const Direct& direct, float sigma, float variance)
     {
-        Scene scene;
-        addRectangle(scene, {}, addMaterial(scene, vec3(0.5f)), kPage, {vec2(0), vec2(64)});
-        const BakeGeometry geometry = flattenGeometry(scene, kPage, GeometryFilter::Static);
-        const TexelMap map = rasterizeTexels(geometry, kPage, 1);
+        const auto [geometry, map] = OneChart(vec2(0), vec2(64));
         std::mt19937 random(9);
         std::normal_distribution<float> noise(0.0f, sigma);
         estimates.resize(map.texels.size());
@@ -537,153 +566,117 @@ TEST(DenoiseS6, SunlightIsNoNoise)
 /// not agree does not.
 TEST(DenoiseS6, BrightRimsAreNoOutliers)
 {
-    Scene scene;
-    addRectangle(scene, {}, addMaterial(scene, vec3(0.5f)), kPage, {vec2(4.0f, 4.7f), vec2(60)});
-    const BakeGeometry geometry = flattenGeometry(scene, kPage, GeometryFilter::Static);
-    const TexelMap map = rasterizeTexels(geometry, kPage, 1);
+    const OneChart chart(vec2(4.0f, 4.7f), vec2(60));
     for (const bool agree : {true, false}) {
-        std::vector<IrradianceEstimate> estimates(map.texels.size());
-        std::size_t rim = 0;
-        for (std::size_t i = 0; i < estimates.size(); ++i) {
-            const bool bright = map.texels[i].y == 4 && map.texels[i].x == 30;
-            if (bright) rim = i;
-            estimates[i].irradiance = vec3(bright ? 2.0f : 1.0f);
-            estimates[i].varianceOfMean = bright && !agree ? 0.9f : 0.0004f;
-            estimates[i].samples = 64;
-        }
-        denoise(geometry, map, estimates);
-        EXPECT_NEAR(estimates[rim].irradiance.x, agree ? 2.0f : 1.0f, 0.1f);
+        const auto estimates = chart.denoised([&](const Texel& t) {
+            const bool bright = t.y == 4 && t.x == 30;
+            IrradianceEstimate e;
+            e.irradiance = vec3(bright ? 2.0f : 1.0f);
+            e.varianceOfMean = bright && !agree ? 0.9f : 0.0004f;
+            e.samples = 64;
+            return e;
+        });
+        EXPECT_NEAR(estimates[chart.at(30, 4)].irradiance.x, agree ? 2.0f : 1.0f, 0.1f);
     }
 }
 
 /// Where only every other texel is traced, those between have a share of what a lucky path brought the one beside them.
 TEST(DenoiseS6, OutliersGoFromTexelsBetween)
 {
-    Scene scene;
-    addRectangle(scene, {}, addMaterial(scene, vec3(0.5f)), kPage, {vec2(4), vec2(60)});
-    const BakeGeometry geometry = flattenGeometry(scene, kPage, GeometryFilter::Static);
-    const TexelMap map = rasterizeTexels(geometry, kPage, 1);
+    const OneChart chart(vec2(4), vec2(60));
     const auto lightAt = [](int x, int y) { return (x == 30 || x == 32) && y == 30 ? 20.0f : 1.0f; };
-    std::vector<IrradianceEstimate> estimates(map.texels.size());
-    for (std::size_t i = 0; i < estimates.size(); ++i) {
-        const int x = map.texels[i].x;
-        const int y = map.texels[i].y;
+    chart.expectEven(chart.denoised([&](const Texel& t) {
+        const int x = t.x;
+        const int y = t.y;
         const bool odd = x == 41 && y == 41; // traced for some reason, without others around
         const bool isTraced = odd || (x % 2 == 0 && y % 2 == 0);
         // The mean of two or four.
         const float shared = 0.25f * (lightAt(x & ~1, y & ~1) + lightAt((x + 1) & ~1, y & ~1) +
                                       lightAt(x & ~1, (y + 1) & ~1) + lightAt((x + 1) & ~1, (y + 1) & ~1));
         const float mean = odd ? 20.0f : shared;
-        estimates[i].irradiance = vec3(mean);
         const float excess = mean - 1.0f;
-        estimates[i].varianceOfMean = excess * excess + 0.0004f;
-        estimates[i].samples = isTraced ? 256 : 0;
-    }
-    denoise(geometry, map, estimates);
-    for (std::size_t i = 0; i < estimates.size(); ++i)
-        EXPECT_NEAR(estimates[i].irradiance.x, 1.0f, 0.02f) << map.texels[i].x << ", " << map.texels[i].y;
+        IrradianceEstimate e;
+        e.irradiance = vec3(mean);
+        e.varianceOfMean = excess * excess + 0.0004f;
+        e.samples = isTraced ? 256 : 0;
+        return e;
+    }));
 }
+
+/// Rows of traced texels with rows between: of 5 x 5, too few are traced to tell two dots from light.
+TEST(DenoiseS6, OutliersGoWhereHalfLieBetween)
+{
+    const OneChart chart(vec2(4), vec2(60));
+    const auto lightAt = [](int x, int y) { return (x == 30 || x == 32) && y == 30 ? 2.0f : 1.0f; };
+    chart.expectEven(chart.denoised([&](const Texel& t) {
+        const bool isTraced = t.y % 2 == 0;
+        const float shared = 0.5f * (lightAt(t.x, t.y - 1) + lightAt(t.x, t.y + 1));
+        IrradianceEstimate e;
+        e.irradiance = vec3(isTraced ? lightAt(t.x, t.y) : shared);
+        e.varianceOfMean = 0.0004f;
+        e.samples = isTraced ? 32 : 0;
+        return e;
+    }));
+}
+
+/// Texels that differ from all around though their blocks agree: some side by side, from (30, 30) on.
+struct OddTexels {
+    int width;
+    int height;
+    float light; ///< all others have 1
+    uint32_t samples;
+    float expected;
+
+    [[nodiscard]] IrradianceEstimate estimateOf(const Texel& t) const
+    {
+        const bool odd = t.x >= 30 && t.x < 30 + width && t.y >= 30 && t.y < 30 + height;
+        const vec3 color(0.5f, 1.0f, 2.0f);
+        IrradianceEstimate e;
+        e.irradiance = color * ((odd ? light : 1.0f) / luminance(color));
+        e.moment = vec3(0.0f, 0.5f, 0.0f) * (odd ? light : 1.0f);
+        e.varianceOfMean = 0.0004f;
+        e.samples = samples;
+        return e;
+    }
+    void check(const OneChart& chart, float tolerance) const
+    {
+        SCOPED_TRACE(testing::Message() << width << " x " << height << " of " << light << ", " << samples
+                                        << " samples");
+        const auto estimates = chart.denoised([&](const Texel& t) { return estimateOf(t); }, true);
+        const IrradianceEstimate& e = estimates[chart.at(30 + width / 2, 30 + height / 2)];
+        EXPECT_NEAR(luminance(e.irradiance), expected, tolerance);
+        EXPECT_NEAR(e.irradiance.x / e.irradiance.z, 0.25f, 0.01f);
+        EXPECT_NEAR(e.moment.y, 0.5f * expected, tolerance);
+    }
+};
 
 /// A texel, or two side by side, brighter than all around though its blocks agree: that is luck when these are few, and
 /// light when they are many or when more texels have it.
 TEST(DenoiseS6, FewBlocksAgreeByChance)
 {
-    Scene scene;
-    addRectangle(scene, {}, addMaterial(scene, vec3(0.5f)), kPage, {vec2(4), vec2(60)});
-    const BakeGeometry geometry = flattenGeometry(scene, kPage, GeometryFilter::Static);
-    const TexelMap map = rasterizeTexels(geometry, kPage, 1);
-    struct Case {
-        int width;
-        int height;
-        uint32_t samples;
-        float expected;
-    };
-    for (const Case& c : {Case{1, 1, 32, 1.0f}, {2, 1, 32, 1.0f}, {2, 2, 32, 2.0f}, {1, 1, 256, 2.0f}}) {
-        SCOPED_TRACE(testing::Message() << c.width << " x " << c.height << ", " << c.samples << " samples");
-        std::vector<IrradianceEstimate> estimates(map.texels.size());
-        std::size_t bright = 0;
-        for (std::size_t i = 0; i < estimates.size(); ++i) {
-            const Texel& t = map.texels[i];
-            const bool isBright = t.x >= 30 && t.x < 30 + c.width && t.y >= 30 && t.y < 30 + c.height;
-            if (isBright) bright = i;
-            estimates[i].irradiance = vec3(isBright ? 2.0f : 1.0f);
-            estimates[i].varianceOfMean = 0.0004f;
-            estimates[i].samples = c.samples;
-        }
-        denoise(geometry, map, estimates);
-        EXPECT_NEAR(estimates[bright].irradiance.x, c.expected, 0.1f);
-    }
+    const OneChart chart(vec2(4), vec2(60));
+    for (const OddTexels& bright :
+         {OddTexels{1, 1, 2.0f, 32, 1.0f}, {2, 1, 2.0f, 32, 1.0f}, {2, 2, 2.0f, 32, 2.0f}, {1, 1, 2.0f, 256, 2.0f}})
+        bright.check(chart, 0.1f);
 }
 
-// Rows of traced texels with rows between: of 5 x 5, too few are traced to tell two dots from light.
-TEST(DenoiseS6, OutliersGoWhereHalfLieBetween)
-{
-    Scene scene;
-    addRectangle(scene, {}, addMaterial(scene, vec3(0.5f)), kPage, {vec2(4), vec2(60)});
-    const BakeGeometry geometry = flattenGeometry(scene, kPage, GeometryFilter::Static);
-    const TexelMap map = rasterizeTexels(geometry, kPage, 1);
-    const auto lightAt = [](int x, int y) { return (x == 30 || x == 32) && y == 30 ? 2.0f : 1.0f; };
-    std::vector<IrradianceEstimate> estimates(map.texels.size());
-    for (std::size_t i = 0; i < estimates.size(); ++i) {
-        const Texel& t = map.texels[i];
-        const bool isTraced = t.y % 2 == 0;
-        estimates[i].irradiance =
-            vec3(isTraced ? lightAt(t.x, t.y) : 0.5f * (lightAt(t.x, t.y - 1) + lightAt(t.x, t.y + 1)));
-        estimates[i].varianceOfMean = 0.0004f;
-        estimates[i].samples = isTraced ? 32 : 0;
-    }
-    denoise(geometry, map, estimates);
-    for (std::size_t i = 0; i < estimates.size(); ++i)
-        EXPECT_NEAR(estimates[i].irradiance.x, 1.0f, 0.02f) << map.texels[i].x << ", " << map.texels[i].y;
-}
-
+/// The same of one that is darker.
 TEST(DenoiseS6, DarkSpecksGoAndShadowsStay)
 {
-    Scene scene;
-    addRectangle(scene, {}, addMaterial(scene, vec3(0.5f)), kPage, {vec2(4), vec2(60)});
-    const BakeGeometry geometry = flattenGeometry(scene, kPage, GeometryFilter::Static);
-    const TexelMap map = rasterizeTexels(geometry, kPage, 1);
-    struct Case {
-        int width;
-        int height;
-        float dark;
-        uint32_t samples;
-        float expected;
-    };
-    for (const Case& c : {Case{1, 1, 0.5f, 32, 1.0f},
-                          {1, 1, 0.0f, 32, 1.0f},
-                          {2, 2, 0.5f, 32, 0.5f},
-                          {8, 1, 0.5f, 32, 0.5f},
-                          {1, 1, 0.5f, 256, 0.5f}}) {
-        SCOPED_TRACE(testing::Message() << c.width << " x " << c.height << ", " << c.dark << ", " << c.samples);
-        std::vector<IrradianceEstimate> estimates(map.texels.size());
-        std::size_t dark = 0;
-        for (std::size_t i = 0; i < estimates.size(); ++i) {
-            const Texel& t = map.texels[i];
-            const bool isDark = t.x >= 30 && t.x < 30 + c.width && t.y >= 30 && t.y < 30 + c.height;
-            if (isDark && t.x == 30 + c.width / 2) dark = i;
-            const float light = isDark ? c.dark : 1.0f;
-            estimates[i].irradiance = vec3(0.5f, 1.0f, 2.0f) * (light / luminance(vec3(0.5f, 1.0f, 2.0f)));
-            estimates[i].moment = vec3(0.0f, 0.5f, 0.0f) * light;
-            estimates[i].varianceOfMean = 0.0004f;
-            estimates[i].samples = c.samples;
-        }
-        denoise(geometry, map, estimates, true);
-        const vec3 after = estimates[dark].irradiance;
-        EXPECT_NEAR(luminance(after), c.expected, 0.05f);
-        if (luminance(after) > 0.0f) EXPECT_NEAR(after.x / after.z, 0.25f, 0.01f);
-        EXPECT_NEAR(estimates[dark].moment.y, 0.5f * c.expected, 0.05f);
-    }
+    const OneChart chart(vec2(4), vec2(60));
+    for (const OddTexels& dark : {OddTexels{1, 1, 0.5f, 32, 1.0f},
+                                  {1, 1, 0.0f, 32, 1.0f},
+                                  {2, 2, 0.5f, 32, 0.5f},
+                                  {8, 1, 0.5f, 32, 0.5f},
+                                  {1, 1, 0.5f, 256, 0.5f}})
+        dark.check(chart, 0.05f);
 }
 
 /// Few rays of many texels meet something bright: texels in which one did, and whose variance says so, do not stay
 /// brighter than the others, be they one in fifty or every other one.
 TEST(DenoiseS6, SpreadsDotsThatAreMany)
 {
-    Scene scene;
-    addRectangle(scene, {}, addMaterial(scene, vec3(0.5f)), kPage, {vec2(4), vec2(60)});
-    const BakeGeometry geometry = flattenGeometry(scene, kPage, GeometryFilter::Static);
-    const TexelMap map = rasterizeTexels(geometry, kPage, 1);
+    const auto [geometry, map] = OneChart(vec2(4), vec2(60));
     constexpr int kParts = 8; // of a texel's samples, which tell of its variance
     constexpr float kHit = 4.0f;
     for (const float share : {0.02f, 0.05f, 0.1f, 0.15f, 0.2f, 0.3f, 0.5f}) {
@@ -721,10 +714,7 @@ TEST(DenoiseS6, SpreadsDotsThatAreMany)
 /// First moments are denoised where a directional lightmap needs them, as their light is; light is the same either way.
 TEST(DenoiseS6, DirectionsAreDenoisedWhereAskedFor)
 {
-    Scene scene;
-    addRectangle(scene, {}, addMaterial(scene, vec3(0.5f)), kPage, {vec2(0), vec2(64)});
-    const BakeGeometry geometry = flattenGeometry(scene, kPage, GeometryFilter::Static);
-    const TexelMap map = rasterizeTexels(geometry, kPage, 1);
+    const auto [geometry, map] = OneChart(vec2(0), vec2(64));
     std::mt19937 random(5);
     constexpr float kSigma = 0.1f;
     std::normal_distribution<float> noise(0.0f, kSigma);
