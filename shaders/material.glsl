@@ -13,7 +13,11 @@ vec4 materialTexture(int material, int slot, vec4 uv, vec4 absent)
     vec4 m = materials[material].textures[slot].matrix;
     vec2 t = info.y == 0 ? uv.xy : uv.zw;
     t = vec2(dot(m.xy, t), dot(m.zw, t)) + materials[material].textures[slot].offset.xy;
-    return texture(textures[info.x], t);
+    vec4 value = texture(textures[info.x], t);
+    // Where all pixels have one coordinate, anisotropy is nothing over nothing, and some drivers (Mesa's llvmpipe)
+    // answer with black.
+    if (all(lessThan(fwidth(t), vec2(1.0e-9)))) value = textureLod(textures[info.x], t, 0.0);
+    return value;
 }
 
 #endif

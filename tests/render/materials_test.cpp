@@ -266,6 +266,27 @@ TEST_P(Materials, EmissiveUnlitAndVertexColors)
     EXPECT_TRUE(near(pixel(render(wall.baked, camera, settingsFor(GetParam()))), point.baseColor));
 }
 
+// Meshes whose texture coordinates are the same all over have their texel's colour, filtered or not.
+TEST_P(Materials, OneTextureCoordinateEverywhere)
+{
+    for (const bool nearest : {true, false}) {
+        Wall wall(vec3(0, 0.2f, 1));
+        Texture color;
+        color.pixels = ImageRgba8(4, 4, u8vec4(188, 188, 188, 255)); // 0.5029 linear
+        color.nearest = nearest;
+        wall.baked.scene.textures = {color};
+        wall.material().baseColor = vec4(1.0f);
+        wall.material().baseColorTexture.texture = 0;
+        for (vec2& uv : wall.baked.scene.meshes[0].parts[0].uv[0]) uv = vec2(0.0f, 1.0f);
+        const Camera camera = from(2.0f);
+        ShadedPoint point = middle(camera, vec3(0, 0, 1));
+        point.baseColor = vec3(std::pow((188 / 255.0f + 0.055f) / 1.055f, 2.4f));
+        EXPECT_TRUE(near(pixel(render(wall.baked, camera, settingsFor(GetParam()))),
+                         directRadiance(point, wall.sun, 1.0f), 3e-3f))
+            << nearest;
+    }
+}
+
 // Base colour is sRGB, metallic-roughness is not, and KHR_texture_transform moves what is read.
 TEST_P(Materials, TexturesSrgbTransformAndMetallicRoughness)
 {
