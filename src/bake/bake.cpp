@@ -134,7 +134,7 @@ void reportTurned(const Scene& scene, const BakeGeometry& geometry, BakeReport& 
     }
     if (names.empty()) return;
     report.warnings.push_back(listOf(names) +
-                              ": closed, double-sided and empty, but facing inward; baked as seen from outside");
+                              ": double-sided faces look into closed, empty hollows; baked as seen from outside");
 }
 
 } // namespace
@@ -208,18 +208,12 @@ Result<BakeResult> bake(Scene scene, const BakeSettings& settings, const Integra
     report.warnings.insert(report.warnings.end(), unwrapped->warnings.begin(), unwrapped->warnings.end());
     unwrapTimer.finish();
 
-    StageTimer rasterTimer(report, "rasterize");
-    const BakeGeometry geometry = flattenGeometry(baked.scene, unwrapped->pageSize, GeometryFilter::Static);
-    reportTurned(baked.scene, geometry, report);
-    const TexelMap map = rasterizeTexels(geometry, unwrapped->pageSize, unwrapped->pageCount);
-    report.triangleCount = geometry.triangles.size();
-    report.coveredTexels = map.texels.size();
-    rasterTimer.finish();
-
     assignShadowmaskChannels(baked.scene, settings.mode);
     reportLights(baked.scene, report);
 
     StageTimer buildTimer(report, "build");
+    BakeGeometry geometry = flattenGeometry(baked.scene, unwrapped->pageSize, GeometryFilter::Static);
+    report.triangleCount = geometry.triangles.size();
     IntegrationSettings integration;
     integration.integrator = settings.integrator;
     integration.noiseTarget = settings.noiseTarget;
@@ -232,8 +226,19 @@ Result<BakeResult> bake(Scene scene, const BakeSettings& settings, const Integra
     integration.seed = settings.seed;
     Result<std::unique_ptr<Integrator>> made = integratorFactory(baked.scene, geometry, integration);
     if (!made) return made.error();
+    if (turnHollows(baked.scene, geometry, **made)) {
+        made = integratorFactory(baked.scene, geometry, integration);
+        if (!made) return made.error();
+    }
     Integrator& integrator = **made;
     report.integrator = integrator.description();
+    reportTurned(baked.scene, geometry, report);
+    buildTimer.finish();
+
+    StageTimer rasterTimer(report, "rasterize");
+    const TexelMap map = rasterizeTexels(geometry, unwrapped->pageSize, unwrapped->pageCount);
+    report.coveredTexels = map.texels.size();
+    rasterTimer.finish();
     std::optional<BakeCache> cache;
     if (!settings.cacheDirectory.empty()) {
         const Hash128 layout = layoutHash(map, integration, settings.mode);
@@ -243,7 +248,6 @@ Result<BakeResult> bake(Scene scene, const BakeSettings& settings, const Integra
         cache.emplace(std::move(*opened));
     }
     const Gather gather{integrator, geometry, map, integration, cache ? &*cache : nullptr};
-    buildTimer.finish();
 
     StageTimer lightmapTimer(report, "lightmap");
     std::vector<IrradianceEstimate> estimates(map.texels.size());

@@ -50,6 +50,44 @@ std::vector<uvec3> weld(const BakeGeometry& geometry, std::span<const uint32_t> 
     return welded;
 }
 
+/// The edges of welded triangles, those of the same two places side by side.
+std::vector<DirectedEdge> edgesOf(std::span<const uvec3> welded)
+{
+    std::vector<DirectedEdge> edges;
+    edges.reserve(welded.size() * 3);
+    for (std::size_t t = 0; t < welded.size(); ++t) {
+        const uvec3 w = welded[t];
+        if (w[0] == w[1] || w[1] == w[2] || w[2] == w[0]) continue; // collapsed: encloses nothing
+        for (int e = 0; e < 3; ++e) {
+            const uint32_t a = w[e];
+            const uint32_t b = w[(e + 1) % 3];
+            edges.push_back({std::min(a, b), std::max(a, b), uint32_t(t), a < b});
+        }
+    }
+    std::sort(edges.begin(), edges.end(), [](const DirectedEdge& a, const DirectedEdge& b) {
+        return std::tie(a.low, a.high, a.triangle) < std::tie(b.low, b.high, b.triangle);
+    });
+    return edges;
+}
+
+/// Calls body(edges) for those of each two places.
+template<typename Body> void forEdges(std::span<const DirectedEdge> edges, const Body& body)
+{
+    for (std::size_t i = 0; i < edges.size();) {
+        std::size_t j = i;
+        while (j < edges.size() && edges[j].low == edges[i].low && edges[j].high == edges[i].high) ++j;
+        body(edges.subspan(i, j - i));
+        i = j;
+    }
+}
+
+void unite(std::vector<uint32_t>& parent, uint32_t a, uint32_t b)
+{
+    a = find(parent, a);
+    b = find(parent, b);
+    if (a != b) parent[std::max(a, b)] = std::min(a, b);
+}
+
 /// A closed surface.
 struct Piece {
     std::vector<uint32_t> triangles;
@@ -69,39 +107,21 @@ struct Pieces {
 /// The closed pieces among the listed triangles.
 Pieces closedPieces(const BakeGeometry& geometry, std::span<const uint32_t> triangles)
 {
-    const std::vector<uvec3> welded = weld(geometry, triangles);
-    std::vector<DirectedEdge> edges;
-    edges.reserve(triangles.size() * 3);
-    for (std::size_t t = 0; t < triangles.size(); ++t) {
-        const uvec3 w = welded[t];
-        if (w[0] == w[1] || w[1] == w[2] || w[2] == w[0]) continue; // collapsed: encloses nothing
-        for (int e = 0; e < 3; ++e) {
-            const uint32_t a = w[e];
-            const uint32_t b = w[(e + 1) % 3];
-            edges.push_back({std::min(a, b), std::max(a, b), uint32_t(t), a < b});
-        }
-    }
-    std::sort(edges.begin(), edges.end(), [](const DirectedEdge& a, const DirectedEdge& b) {
-        return std::tie(a.low, a.high, a.triangle) < std::tie(b.low, b.high, b.triangle);
-    });
+    const std::vector<DirectedEdge> edges = edgesOf(weld(geometry, triangles));
 
     // Pieces hang together across edges; a piece is open as soon as as many triangles do not pass one of its edges in
     // one direction as in the other.
     std::vector<uint32_t> parent(triangles.size());
     std::iota(parent.begin(), parent.end(), 0u);
     std::vector<uint32_t> openTriangles;
-    for (std::size_t i = 0; i < edges.size();) {
-        std::size_t j = i;
+    forEdges(edges, [&](std::span<const DirectedEdge> same) {
         int balance = 0;
-        for (; j < edges.size() && edges[j].low == edges[i].low && edges[j].high == edges[i].high; ++j) {
-            balance += edges[j].forward ? 1 : -1;
-            const uint32_t a = find(parent, edges[i].triangle);
-            const uint32_t b = find(parent, edges[j].triangle);
-            if (a != b) parent[std::max(a, b)] = std::min(a, b);
+        for (const DirectedEdge& edge : same) {
+            balance += edge.forward ? 1 : -1;
+            unite(parent, same.front().triangle, edge.triangle);
         }
-        if (balance != 0) openTriangles.push_back(edges[i].triangle);
-        i = j;
-    }
+        if (balance != 0) openTriangles.push_back(same.front().triangle);
+    });
     std::vector<uint8_t> open(triangles.size(), 0);
     for (const uint32_t t : openTriangles) open[find(parent, t)] = 1;
 
@@ -249,20 +269,6 @@ private:
     Bounds bounds_;
 };
 
-void turnAround(BakeGeometry& geometry, const Piece& piece)
-{
-    for (const uint32_t t : piece.triangles) {
-        geometry.turned[t] = 1;
-        uvec3& v = geometry.triangles[t];
-        std::swap(v.y, v.z);
-        geometry.frames[t].normal = -geometry.frames[t].normal;
-        for (int corner = 0; corner < 3; ++corner) {
-            vec3& normal = geometry.normals[v[corner]];
-            if (glm::dot(normal, geometry.geometricNormal(t)) < 0.0f) normal = -normal;
-        }
-    }
-}
-
 bool ofOneObject(const BakeGeometry& geometry, const Piece& piece)
 {
     const auto objectOf = [&](uint32_t t) { return geometry.parts[geometry.partOfTriangle[t]].object; };
@@ -286,13 +292,53 @@ void markPieces(BakeGeometry& geometry, std::span<const uint32_t> triangles, con
             mark(piece);
         } else if (insideOut.canBe(piece) && !(together && ofOneObject(geometry, piece)) &&
                    insideOut.isEmpty(piece, pieces.things)) {
-            turnAround(geometry, piece);
+            turnAround(geometry, piece.triangles);
             mark(piece);
         }
     }
 }
 
 } // namespace
+
+void turnAround(BakeGeometry& geometry, std::span<const uint32_t> triangles)
+{
+    for (const uint32_t t : triangles) {
+        geometry.turned[t] = 1;
+        uvec3& v = geometry.triangles[t];
+        std::swap(v.y, v.z);
+        geometry.frames[t].normal = -geometry.frames[t].normal;
+        for (int corner = 0; corner < 3; ++corner) {
+            vec3& normal = geometry.normals[v[corner]];
+            if (glm::dot(normal, geometry.geometricNormal(t)) < 0.0f) normal = -normal;
+        }
+    }
+}
+
+std::vector<std::vector<uint32_t>> facingPatches(const BakeGeometry& geometry, std::span<const uint32_t> triangles)
+{
+    constexpr float kSharp = 0.64f; // cosine of 50 degrees
+    if (triangles.empty()) return {};
+    std::vector<uint32_t> parent(triangles.size());
+    std::iota(parent.begin(), parent.end(), 0u);
+    const std::vector<DirectedEdge> edges = edgesOf(weld(geometry, triangles));
+    forEdges(edges, [&](std::span<const DirectedEdge> same) {
+        if (same.size() != 2 || same[0].forward == same[1].forward) return;
+        const vec3 normal = geometry.geometricNormal(triangles[same[0].triangle]);
+        if (glm::dot(normal, geometry.geometricNormal(triangles[same[1].triangle])) < kSharp) return;
+        unite(parent, same[0].triangle, same[1].triangle);
+    });
+    std::vector<std::vector<uint32_t>> patches;
+    std::vector<uint32_t> patchOf(triangles.size());
+    for (uint32_t t = 0; t < triangles.size(); ++t) {
+        const uint32_t root = find(parent, t);
+        if (root == t) {
+            patchOf[t] = uint32_t(patches.size());
+            patches.emplace_back();
+        }
+        patches[patchOf[root]].push_back(triangles[t]);
+    }
+    return patches;
+}
 
 void findSolids(const Scene& scene, BakeGeometry& geometry)
 {

@@ -23,6 +23,19 @@ BakeGeometry flattenGeometry(const Scene& scene, int pageSize, GeometryFilter fi
 /// they are seen from outside, and have their light there.
 void findSolids(const Scene& scene, BakeGeometry& geometry);
 
+/// Turns triangles around: their front is where their back was, with the light that is there.
+void turnAround(BakeGeometry& geometry, std::span<const uint32_t> triangles);
+
+/// The given triangles in patches that face one way, about: across edges of two of them that look to the same side and
+/// do not turn sharply there.
+std::vector<std::vector<uint32_t>> facingPatches(const BakeGeometry& geometry, std::span<const uint32_t> triangles);
+
+/// Surfaces that look to both sides have light for one of them, their front. Where that is in a narrow hollow (of a
+/// chair's rail, say, some of whose faces look inward, as modellers without a care for sides leave them) it would be
+/// black, and is seen from the back alone. Turns those around, and returns whether there are any; what has been made of
+/// the geometry, the integrator too, is out of date then.
+bool turnHollows(const Scene& scene, BakeGeometry& geometry, const Integrator& integrator);
+
 /// Conservative rasterization of all lightmapped triangles.
 TexelMap rasterizeTexels(const BakeGeometry& geometry, int pageSize, int pageCount);
 

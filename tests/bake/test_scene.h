@@ -148,9 +148,11 @@ struct Bench {
     Bench(Scene s, MixedLightingMode mode, int pageSize, const IntegrationSettings& settings) : scene(std::move(s))
     {
         geometry = flattenGeometry(scene, pageSize, GeometryFilter::Static);
-        map = rasterizeTexels(geometry, pageSize, 1);
         assignShadowmaskChannels(scene, mode);
         integrator = std::move(*makeEmbreeIntegrator(scene, geometry, settings));
+        if (turnHollows(scene, geometry, *integrator))
+            integrator = std::move(*makeEmbreeIntegrator(scene, geometry, settings));
+        map = rasterizeTexels(geometry, pageSize, 1);
     }
     std::vector<IrradianceEstimate> irradiance()
     {
