@@ -19,7 +19,7 @@ struct Beam {
     bool doubleSided = true;
     float times = 1.0f;  ///< as wide as it is
     float height = 2.0f; ///< above the floor
-    bool open = false;   ///< one end is missing
+    float open = 0.0f;   ///< share of the upper end that is missing
     bool lightInside = false;
     bool cameraInside = false;
     bool glows = false;
@@ -38,7 +38,9 @@ Scene beamScene(const Beam& beam)
     for (std::size_t i = 0; i < inward.indices.size(); i += 3) std::swap(inward.indices[i + 1], inward.indices[i + 2]);
     for (vec3& normal : inward.normals) normal = -normal;
     joinObjects(scene, 0);
-    if (beam.open) scene.meshes[0].parts.pop_back();
+    // The last face is the upper end.
+    MeshPart& end = scene.meshes[0].parts.back();
+    for (vec3& position : end.positions) position.z -= beam.open * std::max(position.z + 0.5f * size.z, 0.0f);
     const float floor = -0.5f * size.y - beam.height;
     addRectangle(scene, {vec3(-200, floor, -200), vec3(0, 0, 400), vec3(400, 0, 0)}, black, kPage);
     if (beam.lightInside)
@@ -57,7 +59,8 @@ TEST(HollowsS6, FacesThatLookIntoThemAreTurned)
         {.what = "a beam on the floor", .height = 0.01f, .turned = true},
         {.what = "one-sided", .doubleSided = false},
         {.what = "a chamber", .times = 4.0f},
-        {.what = "open at one end", .open = true},
+        {.what = "open at one end", .open = 0.99f},
+        {.what = "with a slit", .open = 0.3f},
         {.what = "lit from within", .lightInside = true},
         {.what = "looked at from within", .cameraInside = true},
         {.what = "glowing", .glows = true},
