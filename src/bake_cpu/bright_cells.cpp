@@ -29,7 +29,7 @@ constexpr float kNeighbourWeight = 0.5f;
 /// is of use where it makes nearly all of the noise: it may be hidden from some of them.
 constexpr float kEnoughSightings = 128.0f;
 constexpr float kWider = 3.0f;
-constexpr int kGuideLevels = 4;
+constexpr int kGuideLevels = 5;
 constexpr float kNoiseFromAfar = 10.0f;
 /// The others ask in cubes of this level for what they have not met, and send so many of their samples there where it
 /// makes as much noise.
@@ -382,9 +382,11 @@ void BrightCells::makePatches(std::span<const CellLight> cells, std::span<const 
 struct BrightCells::Sight {
     std::vector<Seen> seen; ///< in ascending order of patches
     float rays = 0.0f;
-    float met = 0.0f; ///< sightings of bright cells
+    float met = 0.0f;         ///< sightings of bright cells
+    float illuminance = 0.0f; ///< of the cube's receivers; where no ray brought these anything, of those around them
 
-    Sight(const Receivers& receivers, uint32_t cube, float illuminance);
+    /// Of what is bright beside `light`, as isBright() has it.
+    Sight(const Receivers& receivers, uint32_t cube, float light);
     /// Leaves no more than a guide may have, those of the highest rank.
     template<typename Rank> void cut(const Rank& rank)
     {
@@ -394,15 +396,17 @@ struct BrightCells::Sight {
         std::sort(seen.begin(), seen.end(), [](const Seen& a, const Seen& b) { return a.patch < b.patch; });
     }
     /// Noise that patches bring whose squares are so much, where others bring so much light.
-    [[nodiscard]] float noise(double squares, float illuminance) const
+    [[nodiscard]] float noise(double squares, float light) const
     {
-        const double brought = double(kPi) / double(illuminance);
+        const double brought = double(kPi) / double(light);
         return float(brought * brought * squares / double(rays));
     }
 };
 
-BrightCells::Sight::Sight(const Receivers& receivers, uint32_t cube, float illuminance)
+BrightCells::Sight::Sight(const Receivers& receivers, uint32_t cube, float light)
 {
+    float cells = 0.0f;
+    float illuminances = 0.0f;
     Cubes::around(receivers.cubes[cube].key, [&](uint64_t key) {
         const auto found = std::lower_bound(receivers.cubes.begin(), receivers.cubes.end(), key,
                                             [](const Receivers::Cube& c, uint64_t k) { return c.key < k; });
@@ -410,13 +414,17 @@ BrightCells::Sight::Sight(const Receivers& receivers, uint32_t cube, float illum
         const auto other = std::size_t(found - receivers.cubes.begin());
         const float weight = other == cube ? 1.0f : kNeighbourWeight;
         rays += weight * found->rays;
+        cells += weight * found->cells;
+        illuminances += weight * found->illuminances;
         for (const Seen& s : receivers.seenFrom(other)) {
-            if (!isBright(s.light / s.rays, illuminance)) continue;
+            if (!isBright(s.light / s.rays, light)) continue;
             seen.push_back(s.times(weight));
             met += s.rays;
         }
     });
     Seen::join(seen);
+    illuminance = receivers.cubes[cube].illuminance();
+    if (!(illuminance > 0.0f)) illuminance = illuminances / std::max(cells, 1.0f);
 }
 
 /// Patches with probabilities in proportion to their weights.
@@ -438,8 +446,7 @@ template<typename Weight> BrightCells::List BrightCells::addList(std::span<const
 /// much noise from them as it takes. Returns the number of sightings.
 float BrightCells::addGuide(const Receivers& receivers, uint32_t cube, const Least& least, Guide& guide)
 {
-    const float illuminance = receivers.cubes[cube].illuminance();
-    Sight sight(receivers, cube, illuminance);
+    Sight sight(receivers, cube, receivers.cubes[cube].illuminance());
     if (sight.met < least.sightings) return sight.met;
     const auto lightOf = [](const Seen& s) { return s.light; };
     sight.cut(lightOf);
@@ -449,8 +456,8 @@ float BrightCells::addGuide(const Receivers& receivers, uint32_t cube, const Lea
         light += double(s.light);
         squares += double(s.squares);
     }
-    if (!(light > 0.0 && light < double(kInfinity) && sight.rays > 0.0f && illuminance > 0.0f)) return sight.met;
-    const float noise = sight.noise(squares, illuminance);
+    if (!(light > 0.0 && light < double(kInfinity) && sight.rays > 0.0f && sight.illuminance > 0.0f)) return sight.met;
+    const float noise = sight.noise(squares, sight.illuminance);
     if (noise < least.noise) return sight.met;
     guide.own = addList(sight.seen, lightOf);
     guide.noise = noise;
