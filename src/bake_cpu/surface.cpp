@@ -167,7 +167,7 @@ struct SurfaceTracer::GeometryUser {
     bool castShadows = true;
 };
 
-SurfaceTracer::SurfaceTracer(const Scene& scene, const BakeGeometry& geometry, const char* device)
+SurfaceTracer::SurfaceTracer(const Scene& scene, const BakeGeometry& geometry, const char* device, RTCBuildQuality tree)
     : geometry_(geometry), sceneData_(scene)
 {
     for (const Material& material : scene.materials) materials_.push_back(transportMaterial(scene, material));
@@ -210,8 +210,7 @@ SurfaceTracer::SurfaceTracer(const Scene& scene, const BakeGeometry& geometry, c
     if (device_ == nullptr) return;
     packets_ = embree::takesPackets(device_);
     RTCScene embreeScene = rtcNewScene(device_);
-    // Its rays are many: a tree that takes three times as long to build is well worth it.
-    rtcSetSceneBuildQuality(embreeScene, RTC_BUILD_QUALITY_HIGH);
+    rtcSetSceneBuildQuality(embreeScene, tree);
     for (int kind = 0; kind < Count; ++kind) {
         const std::vector<uint32_t>& list = trianglesOfGeometry_[std::size_t(kind)];
         if (list.empty()) continue;

@@ -82,7 +82,10 @@ private:
 class SurfaceTracer {
 public:
     /// `geometry` and `scene` outlive the tracer. `device`: what rtcNewDevice() takes; null for this processor's best.
-    SurfaceTracer(const Scene& scene, const BakeGeometry& geometry, const char* device = nullptr);
+    /// `tree`: by default one that takes three times as long to build as Embree's own default; rays are many, and well
+    /// worth it.
+    SurfaceTracer(const Scene& scene, const BakeGeometry& geometry, const char* device = nullptr,
+                  RTCBuildQuality tree = RTC_BUILD_QUALITY_HIGH);
     ~SurfaceTracer();
     SurfaceTracer(const SurfaceTracer&) = delete;
     SurfaceTracer& operator=(const SurfaceTracer&) = delete;
