@@ -28,21 +28,23 @@ public:
         lift_ = kLift * diagonal;
     }
 
-    /// Whether a patch's front faces a narrow, empty hollow that nothing sees into, and its back the open.
+    /// Whether a patch's front faces a narrow, empty hollow that is closed but for a little, and its back the open.
     [[nodiscard]] bool facedBy(std::span<const uint32_t> patch) const
     {
-        // A few rays tell of nearly all that it is not so; many, of the others, that there is no window.
+        // A few rays tell of nearly all that it is not so; many, of the others, how wide its openings are.
         std::vector<float> front;
-        if (!staysWithin(patch, kManyRays / kFewRays, 0, front)) return false;
+        if (!staysWithin(patch, kManyRays / kFewRays, 2 * kStrayRays * kFewRays / kManyRays, front)) return false;
         if (!staysWithin(patch, 1, kStrayRays, front)) return false;
         std::vector<float> back;
-        for (int ray = 0; ray < kManyRays; ray += kManyRays / kFewRays) {
+        for (int ray = 0; ray < kManyRays; ray += kManyRays / kBackRays) {
             const Start s = startOf(patch, ray);
             back.push_back(freeWay(s.position - lift_ * s.normal, -s.direction));
         }
-        // An eighth of them at least get out of what is narrow.
-        return quantile(back, 7, 8) > widest_ && quantile(back, 3, 4) >= kMoreOpen * quantile(front, 1, 2) &&
-               isEmpty(patch);
+        const auto isFar = [&](float length) { return !(length <= widest_); };
+        const auto strays = float(std::count_if(front.begin(), front.end(), isFar)) / float(front.size());
+        const auto open = float(std::count_if(back.begin(), back.end(), isFar)) / float(back.size());
+        return open >= std::max(kLeastOpen, kMoreOpen * strays) &&
+               quantile(back, 3, 4) >= kMoreSpace * quantile(front, 1, 2) && isEmpty(patch);
     }
 
 private:
@@ -50,9 +52,12 @@ private:
     static constexpr float kWidestShare = 0.1f;  ///< of the scene
     static constexpr float kLift = 1.0e-5f;      ///< of the scene: past faces in the same place
     static constexpr int kFewRays = 32;
+    static constexpr int kBackRays = 128;
     static constexpr int kManyRays = 1024;
-    static constexpr int kStrayRays = 10; ///< that get out between faces that do not quite meet
-    static constexpr float kMoreOpen = 4.0f;
+    static constexpr int kStrayRays = 50;        ///< at most, that get out where faces are missing or do not quite meet
+    static constexpr float kLeastOpen = 0.0625f; ///< share of the back's rays that get out
+    static constexpr float kMoreOpen = 8.0f;     ///< so many times as many as the front's
+    static constexpr float kMoreSpace = 4.0f;
     static constexpr uint32_t kSeed = 0x5eed0021u;
 
     struct Start {

@@ -30,10 +30,10 @@ void turnAround(BakeGeometry& geometry, std::span<const uint32_t> triangles);
 /// do not turn sharply there.
 std::vector<std::vector<uint32_t>> facingPatches(const BakeGeometry& geometry, std::span<const uint32_t> triangles);
 
-/// Surfaces that look to both sides have light for one of them, their front. Where that is in a narrow hollow (of a
-/// chair's rail, say, some of whose faces look inward, as modellers without a care for sides leave them) it would be
-/// black, and is seen from the back alone. Turns those around, and returns whether there are any; what has been made of
-/// the geometry, the integrator too, is out of date then.
+/// Surfaces that look to both sides have light for one of them, their front. Where that is in a narrow hollow, closed
+/// but for a little (of a chair's rail, say, some of whose faces look inward, as modellers without a care for sides
+/// leave them), it would be all but black, and is seen from the back alone. Turns those around, and returns whether
+/// there are any; what has been made of the geometry, the integrator too, is out of date then.
 bool turnHollows(const Scene& scene, BakeGeometry& geometry, const Integrator& integrator);
 
 /// Conservative rasterization of all lightmapped triangles.

@@ -57,10 +57,11 @@ TEST(HollowsS6, FacesThatLookIntoThemAreTurned)
     const Beam beams[] = {
         {.what = "a beam", .turned = true},
         {.what = "a beam on the floor", .height = 0.01f, .turned = true},
+        {.what = "a beam with a slit", .open = 0.3f, .turned = true},
         {.what = "one-sided", .doubleSided = false},
         {.what = "a chamber", .times = 4.0f},
         {.what = "open at one end", .open = 0.99f},
-        {.what = "with a slit", .open = 0.3f},
+        {.what = "half open at one end", .open = 0.7f},
         {.what = "lit from within", .lightInside = true},
         {.what = "looked at from within", .cameraInside = true},
         {.what = "glowing", .glows = true},
