@@ -392,21 +392,21 @@ void partGather(const Options& options)
             double start = cpuSeconds();
             rays = gatherAll(false);
             const int times = std::max(1, int(kTurnSeconds / (cpuSeconds() - start)));
+            const auto replayTime = [&](const SurfaceTracer& tracer) {
+                const double begun = cpuSeconds();
+                for (int i = 0; i < times; ++i) {
+                    parallelFor(runs, 4, [&](std::size_t begin, std::size_t end) {
+                        for (std::size_t r = begin; r < end; ++r) tracer.replay(logs[r]);
+                    });
+                }
+                return (cpuSeconds() - begun) / times;
+            };
             for (int repeat = 0; repeat < 9; ++repeat) {
                 const double wall = wallSeconds();
                 start = cpuSeconds();
                 for (int i = 0; i < times; ++i) gatherAll(false);
                 gatherTime = std::min(gatherTime, (cpuSeconds() - start) / times);
                 gatherWall = std::min(gatherWall, (wallSeconds() - wall) / times);
-                const auto replayTime = [&](const SurfaceTracer& tracer) {
-                    const double begun = cpuSeconds();
-                    for (int i = 0; i < times; ++i) {
-                        parallelFor(runs, 4, [&](std::size_t begin, std::size_t end) {
-                            for (std::size_t r = begin; r < end; ++r) tracer.replay(logs[r]);
-                        });
-                    }
-                    return (cpuSeconds() - begun) / times;
-                };
                 rawTime = std::min(rawTime, replayTime(paths.surfaces()));
                 plainTime = std::min(plainTime, replayTime(plain));
             }

@@ -224,12 +224,8 @@ Result<BakeResult> bake(Scene scene, const BakeSettings& settings, const Integra
     integration.bounces = report.quality.bounces;
     integration.probeSamples = report.quality.probeSamples;
     integration.seed = settings.seed;
-    Result<std::unique_ptr<Integrator>> made = integratorFactory(baked.scene, geometry, integration);
+    Result<std::unique_ptr<Integrator>> made = turnHollows(integratorFactory, baked.scene, geometry, integration);
     if (!made) return made.error();
-    if (turnHollows(baked.scene, geometry, **made)) {
-        made = integratorFactory(baked.scene, geometry, integration);
-        if (!made) return made.error();
-    }
     Integrator& integrator = **made;
     report.integrator = integrator.description();
     reportTurned(baked.scene, geometry, report);

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <memory>
 #include <optional>
 #include <span>
 #include <vector>
@@ -18,7 +19,7 @@ namespace {
 class Hollows {
 public:
     Hollows(const Scene& scene, const BakeGeometry& geometry, const Integrator& integrator)
-        : scene_(scene), geometry_(geometry), integrator_(integrator)
+        : geometry_(geometry), integrator_(integrator), places_(lightsAndLookers(scene))
     {
         Bounds bounds;
         for (const vec3 position : geometry.positions) bounds.extend(position);
@@ -69,12 +70,11 @@ private:
     [[nodiscard]] Start startOf(std::span<const uint32_t> patch, int ray) const
     {
         const uint32_t triangle = patch[std::size_t(ray) * patch.size() / kManyRays];
-        const uvec3 t = geometry_.triangles[triangle];
         const vec2 b = shading::sampleTriangle(r2Point(int(hashCombine(kSeed, uint32_t(ray)) >> 8)));
-        const vec3 origin = geometry_.positions[t.x];
+        const SurfacePoint point = surfacePoint(geometry_, triangle, b);
         Start s;
-        s.position = origin + b.x * (geometry_.positions[t.y] - origin) + b.y * (geometry_.positions[t.z] - origin);
-        s.normal = geometry_.geometricNormal(triangle);
+        s.position = point.position;
+        s.normal = point.geometricNormal;
         vec3 tangent;
         vec3 bitangent;
         shading::orthonormalBasis(s.normal, tangent, bitangent);
@@ -107,7 +107,7 @@ private:
     /// Whether no light is in front of a patch, close by and in sight, and nothing that looks or moves.
     [[nodiscard]] bool isEmpty(std::span<const uint32_t> patch) const
     {
-        const auto sees = [&](vec3 place) {
+        return std::none_of(places_.begin(), places_.end(), [&](vec3 place) {
             for (int ray = 0; ray < kManyRays; ray += kManyRays / kFewRays) {
                 const Start s = startOf(patch, ray);
                 const vec3 from = s.position + lift_ * s.normal;
@@ -115,21 +115,12 @@ private:
                 if (!integrator_.surfacesBetween(from, place)) return true;
             }
             return false;
-        };
-        const auto seesPose = [&](const mat4& worldFrom) { return sees(vec3(worldFrom[3])); };
-        return std::none_of(scene_.lights.begin(), scene_.lights.end(),
-                            [&](const Light& light) {
-                                return light.type != LightType::Directional && sees(light.position());
-                            }) &&
-               std::none_of(scene_.cameras.begin(), scene_.cameras.end(),
-                            [&](const Camera& camera) { return seesPose(camera.worldFromCamera); }) &&
-               std::none_of(scene_.objects.begin(), scene_.objects.end(),
-                            [&](const Object& object) { return !object.isStatic && seesPose(object.worldFromObject); });
+        });
     }
 
-    const Scene& scene_;
     const BakeGeometry& geometry_;
     const Integrator& integrator_;
+    std::vector<vec3> places_; ///< of lights and lookers
     float far_ = 0.0f;
     float widest_ = 0.0f;
     float lift_ = 0.0f;
@@ -154,8 +145,7 @@ std::vector<std::vector<uint32_t>> candidates(const Scene& scene, const BakeGeom
     return objects;
 }
 
-} // namespace
-
+/// Whether there were any.
 bool turnHollows(const Scene& scene, BakeGeometry& geometry, const Integrator& integrator)
 {
     const std::vector<std::vector<uint32_t>> objects = candidates(scene, geometry);
@@ -174,6 +164,16 @@ bool turnHollows(const Scene& scene, BakeGeometry& geometry, const Integrator& i
         if (turns[i] != 0) turnAround(geometry, patches[i]);
     }
     return std::find(turns.begin(), turns.end(), uint8_t(1)) != turns.end();
+}
+
+} // namespace
+
+Result<std::unique_ptr<Integrator>> turnHollows(const IntegratorFactory& factory, const Scene& scene,
+                                                BakeGeometry& geometry, const IntegrationSettings& settings)
+{
+    Result<std::unique_ptr<Integrator>> integrator = factory(scene, geometry, settings);
+    if (!integrator || !turnHollows(scene, geometry, **integrator)) return integrator;
+    return factory(scene, geometry, settings);
 }
 
 } // namespace halflight

@@ -201,7 +201,8 @@ bool isCavity(const BakeGeometry& geometry, const Piece& piece, std::span<const 
 /// inside, and not all there is. A room has something in it, or a light, or is the whole scene.
 class InsideOut {
 public:
-    InsideOut(const Scene& scene, const BakeGeometry& geometry) : scene_(scene), geometry_(geometry)
+    InsideOut(const Scene& scene, const BakeGeometry& geometry)
+        : scene_(scene), geometry_(geometry), places_(lightsAndLookers(scene))
     {
         for (const BakeGeometry::Part& part : geometry.parts) {
             Bounds& bounds = boundsOfPart_.emplace_back();
@@ -240,16 +241,7 @@ public:
             if (inside && !hasTriangleOf(piece, part) && holds(piece, geometry_.positions[part.firstVertex]))
                 return false;
         }
-        const auto holdsPose = [&](const mat4& worldFrom) { return holds(piece, vec3(worldFrom[3])); };
-        return std::none_of(scene_.lights.begin(), scene_.lights.end(),
-                            [&](const Light& light) {
-                                return light.type != LightType::Directional && holds(piece, light.position());
-                            }) &&
-               std::none_of(scene_.cameras.begin(), scene_.cameras.end(),
-                            [&](const Camera& camera) { return holdsPose(camera.worldFromCamera); }) &&
-               std::none_of(scene_.objects.begin(), scene_.objects.end(), [&](const Object& object) {
-                   return !object.isStatic && holdsPose(object.worldFromObject);
-               });
+        return std::none_of(places_.begin(), places_.end(), [&](vec3 place) { return holds(piece, place); });
     }
 
 private:
@@ -265,6 +257,7 @@ private:
 
     const Scene& scene_;
     const BakeGeometry& geometry_;
+    std::vector<vec3> places_; ///< of lights and lookers
     std::vector<Bounds> boundsOfPart_;
     Bounds bounds_;
 };
@@ -299,6 +292,19 @@ void markPieces(BakeGeometry& geometry, std::span<const uint32_t> triangles, con
 }
 
 } // namespace
+
+std::vector<vec3> lightsAndLookers(const Scene& scene)
+{
+    std::vector<vec3> places;
+    for (const Light& light : scene.lights) {
+        if (light.type != LightType::Directional) places.push_back(light.position());
+    }
+    for (const Camera& camera : scene.cameras) places.emplace_back(camera.worldFromCamera[3]);
+    for (const Object& object : scene.objects) {
+        if (!object.isStatic) places.emplace_back(object.worldFromObject[3]);
+    }
+    return places;
+}
 
 void turnAround(BakeGeometry& geometry, std::span<const uint32_t> triangles)
 {

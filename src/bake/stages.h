@@ -4,6 +4,7 @@
 #include "halflight/bake/bake.h"
 #include "halflight/bake/integrator.h"
 
+#include <memory>
 #include <optional>
 #include <span>
 #include <string>
@@ -23,6 +24,9 @@ BakeGeometry flattenGeometry(const Scene& scene, int pageSize, GeometryFilter fi
 /// they are seen from outside, and have their light there.
 void findSolids(const Scene& scene, BakeGeometry& geometry);
 
+/// Where local lights, cameras and moving objects are: what makes the inside of something a place to be seen.
+std::vector<vec3> lightsAndLookers(const Scene& scene);
+
 /// Turns triangles around: their front is where their back was, with the light that is there.
 void turnAround(BakeGeometry& geometry, std::span<const uint32_t> triangles);
 
@@ -32,9 +36,10 @@ std::vector<std::vector<uint32_t>> facingPatches(const BakeGeometry& geometry, s
 
 /// Surfaces that look to both sides have light for one of them, their front. Where that is in a narrow hollow, closed
 /// but for a little (of a chair's rail, say, some of whose faces look inward, as modellers without a care for sides
-/// leave them), it would be all but black, and is seen from the back alone. Turns those around, and returns whether
-/// there are any; what has been made of the geometry, the integrator too, is out of date then.
-bool turnHollows(const Scene& scene, BakeGeometry& geometry, const Integrator& integrator);
+/// leave them), it would be all but black, and is seen from the back alone. Turns those around. Which they are an
+/// integrator tells; returns the one for the geometry as it is then.
+Result<std::unique_ptr<Integrator>> turnHollows(const IntegratorFactory& factory, const Scene& scene,
+                                                BakeGeometry& geometry, const IntegrationSettings& settings);
 
 /// Conservative rasterization of all lightmapped triangles.
 TexelMap rasterizeTexels(const BakeGeometry& geometry, int pageSize, int pageCount);

@@ -149,9 +149,7 @@ struct Bench {
     {
         geometry = flattenGeometry(scene, pageSize, GeometryFilter::Static);
         assignShadowmaskChannels(scene, mode);
-        integrator = std::move(*makeEmbreeIntegrator(scene, geometry, settings));
-        if (turnHollows(scene, geometry, *integrator))
-            integrator = std::move(*makeEmbreeIntegrator(scene, geometry, settings));
+        integrator = std::move(*turnHollows(makeEmbreeIntegrator, scene, geometry, settings));
         map = rasterizeTexels(geometry, pageSize, 1);
     }
     std::vector<IrradianceEstimate> irradiance()
