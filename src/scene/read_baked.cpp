@@ -2,6 +2,7 @@
 #include "halflight/scene/fingerprint.h"
 #include "scene/ktx2.h"
 #include "scene/nodes.h"
+#include "scene/read_parts.h"
 #include "scene/read_scene.h"
 
 #include <algorithm>
@@ -160,6 +161,10 @@ Status readProbes(const SourceDocument& document, const Json& json, ProbeSet& se
 // Lightmap coordinates of a mesh from the TEXCOORD_n that its node names.
 Status readLightmapUv(const SourceDocument& document, Mesh& mesh, int texCoord)
 {
+    // A TEXCOORD_1 that a texture reads too is the author's: the bake kept it.
+    const bool isAuthors = std::any_of(mesh.parts.begin(), mesh.parts.end(), [&](const MeshPart& part) {
+        return readsTexCoord(element(document.json, "materials", part.material), texCoord);
+    });
     for (MeshPart& part : mesh.parts) {
         const auto& primitive =
             document.model.meshes[std::size_t(mesh.sourceMesh)].primitives[std::size_t(part.sourcePrimitive)];
@@ -177,7 +182,7 @@ Status readLightmapUv(const SourceDocument& document, Mesh& mesh, int texCoord)
             part.lightmapUv[i] = (*uv)[part.sourceVertex.empty() ? i : part.sourceVertex[i]];
         }
         part.lightmapTexCoord = texCoord;
-        if (texCoord == 1) part.uv[1].clear(); // the bake's, not the author's
+        if (texCoord == 1 && !isAuthors) part.uv[1].clear();
     }
     return {};
 }

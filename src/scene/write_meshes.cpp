@@ -136,11 +136,20 @@ Result<Json> MeshWriter::primitiveJson(const MeshPart& part, const Json& source,
     const int lightmapUv = patcher_.addAccessor(
         {{"componentType", TINYGLTF_COMPONENT_TYPE_FLOAT}, {"count", count}, {"type", "VEC2"}}, std::move(uvs));
     json["attributes"]["TEXCOORD_" + std::to_string(part.lightmapTexCoord)] = lightmapUv;
-    // glTF wants the sets numbered without gaps: the lightmap's stands in for missing ones.
+    // glTF wants the sets numbered without gaps: the lightmap's stands in for missing ones. Textures of a part that
+    // lacks the set they read are seen at (0, 0), so for those it is zeros.
+    int zeroUv = -1;
     for (int k = 0; k < part.lightmapTexCoord; ++k) {
         Json& attributes = json["attributes"];
         const std::string name = "TEXCOORD_" + std::to_string(k);
-        if (!attributes.contains(name)) attributes[name] = lightmapUv;
+        if (attributes.contains(name)) continue;
+        const bool isRead = readsTexCoord(element(source_.json, "materials", part.material), k);
+        if (isRead && zeroUv < 0) {
+            zeroUv = patcher_.addAccessor(
+                {{"componentType", TINYGLTF_COMPONENT_TYPE_FLOAT}, {"count", count}, {"type", "VEC2"}},
+                {std::vector<std::byte>(count * sizeof(vec2)), 0, TINYGLTF_TARGET_ARRAY_BUFFER});
+        }
+        attributes[name] = isRead ? zeroUv : lightmapUv;
     }
     return json;
 }
