@@ -1,6 +1,7 @@
 // halflight bake: scene in, baked glTF out.
 
 #include "console.h"
+#include "terminal.h"
 
 #include "halflight/bake/bake.h"
 #include "halflight/bake_cpu/embree_integrator.h"
@@ -117,56 +118,55 @@ void printLights(const BakeReport& report)
 {
     if (report.lights.empty()) return;
     std::size_t width = 5;
-    for (const LightReport& light : report.lights) width = std::max(width, light.name.size());
-    fmt::print("\n{:<{}}  {:<11}  {:<8}  {:<8}  {:<7}  {}\n", "light", width, "type", "mode", "baked as", "channel",
-               "reason");
+    for (const LightReport& light : report.lights) width = std::max(width, printable(light.name).size());
+    print("\n{:<{}}  {:<11}  {:<8}  {:<8}  {:<7}  {}\n", "light", width, "type", "mode", "baked as", "channel",
+          "reason");
     for (const LightReport& light : report.lights) {
-        const std::string line =
-            fmt::format("{:<{}}  {:<11}  {:<8}  {:<8}  {:<7}  {}", light.name, width, nameOf(light.type),
-                        nameOf(light.authoredMode), nameOf(light.bakedAs), channelName(light.channel), light.reason);
-        fmt::print("{}\n", line.substr(0, line.find_last_not_of(' ') + 1));
+        const std::string line = fmt::format("{:<{}}  {:<11}  {:<8}  {:<8}  {:<7}  {}", printable(light.name), width,
+                                             nameOf(light.type), nameOf(light.authoredMode), nameOf(light.bakedAs),
+                                             channelName(light.channel), printable(light.reason));
+        print("{}\n", line.substr(0, line.find_last_not_of(' ') + 1));
     }
 }
 
 void printSummary(const BakeOptions& options, const BakeReport& report)
 {
-    fmt::print("{}: {} in {}, peak memory {}, {}\n", options.output.string(), nameOf(options.bake.mode),
-               clockTime(report.seconds), megabytes(report.peakMemoryBytes), report.integrator);
+    print("{}: {} in {}, peak memory {}, {}\n", options.output.string(), nameOf(options.bake.mode),
+          clockTime(report.seconds), megabytes(report.peakMemoryBytes), report.integrator);
     printLights(report);
 
-    fmt::print("\nlightmap   {} page{} of {} x {}, {:.2f} texels/m, {:.0f} % filled\n", report.pageCount,
-               report.pageCount == 1 ? "" : "s", report.pageSize, report.pageSize, report.texelsPerMeter,
-               100.0 * double(report.atlasCoverage));
-    fmt::print("           {} charts, {} texels, {} of them inside geometry\n", grouped(uint64_t(report.chartCount)),
-               grouped(report.coveredTexels), grouped(report.invalidTexels));
+    print("\nlightmap   {} page{} of {} x {}, {:.2f} texels/m, {:.0f} % filled\n", report.pageCount,
+          report.pageCount == 1 ? "" : "s", report.pageSize, report.pageSize, report.texelsPerMeter,
+          100.0 * double(report.atlasCoverage));
+    print("           {} charts, {} texels, {} of them inside geometry\n", grouped(uint64_t(report.chartCount)),
+          grouped(report.coveredTexels), grouped(report.invalidTexels));
     if (report.cache.tiles > 0) {
         const std::size_t baked = report.cache.tiles - report.cache.same - report.cache.unchanged;
-        fmt::print("cache      {} of {} tiles baked, {} taken as they were, {} not reached by what changed\n",
-                   grouped(baked), grouped(report.cache.tiles), grouped(report.cache.same),
-                   grouped(report.cache.unchanged));
+        print("cache      {} of {} tiles baked, {} taken as they were, {} not reached by what changed\n",
+              grouped(baked), grouped(report.cache.tiles), grouped(report.cache.same), grouped(report.cache.unchanged));
     }
-    fmt::print("geometry   {} static triangles\n", grouped(report.triangleCount));
-    fmt::print("probes     {} of {} valid\n", grouped(uint64_t(report.validProbeCount)),
-               grouped(uint64_t(report.probeCount)));
-    fmt::print("samples    {:.0f} per texel, {} per masked light, {} bounces, {} per probe\n", report.samplesPerTexel,
-               report.quality.shadowSamples, report.quality.bounces, report.quality.probeSamples);
+    print("geometry   {} static triangles\n", grouped(report.triangleCount));
+    print("probes     {} of {} valid\n", grouped(uint64_t(report.validProbeCount)),
+          grouped(uint64_t(report.probeCount)));
+    print("samples    {:.0f} per texel, {} per masked light, {} bounces, {} per probe\n", report.samplesPerTexel,
+          report.quality.shadowSamples, report.quality.bounces, report.quality.probeSamples);
     if (report.texelsBetween > 0) {
-        fmt::print("between    {} texels take the mean of those around them\n", grouped(report.texelsBetween));
+        print("between    {} texels take the mean of those around them\n", grouped(report.texelsBetween));
     }
-    fmt::print("noise      {:.1f} % before denoising", 100.0 * double(report.noiseReached));
+    print("noise      {:.1f} % before denoising", 100.0 * double(report.noiseReached));
     if (report.quality.noiseTarget > 0.0f) {
-        fmt::print(", target {:.1f} %; {} texels stopped at {} samples", 100.0 * double(report.quality.noiseTarget),
-                   grouped(report.texelsAtCap), report.quality.samples);
+        print(", target {:.1f} %; {} texels stopped at {} samples", 100.0 * double(report.quality.noiseTarget),
+              grouped(report.texelsAtCap), report.quality.samples);
     }
-    fmt::print("\n\n");
+    print("\n\n");
 
-    fmt::print("{:<16} {:>9} {:>10} {:>10}\n", "stage", "seconds", "rays", "rays/s");
+    print("{:<16} {:>9} {:>10} {:>10}\n", "stage", "seconds", "rays", "rays/s");
     for (const StageReport& stage : report.stages) {
         const bool rate = stage.rays > 0 && stage.seconds > 0.0;
         const std::string line = fmt::format("{:<16} {:>9.2f} {:>10} {:>10}", stage.name, stage.seconds,
                                              stage.rays > 0 ? withUnit(double(stage.rays)) : "",
                                              rate ? withUnit(double(stage.rays) / stage.seconds) : "");
-        fmt::print("{}\n", line.substr(0, line.find_last_not_of(' ') + 1));
+        print("{}\n", line.substr(0, line.find_last_not_of(' ') + 1));
     }
 }
 
@@ -232,8 +232,8 @@ int runBake(const BakeOptions& options)
         if (onlyOutput && finished->isUpToDate()) {
             display.reset();
             if (!options.quiet) {
-                fmt::print("{} is up to date: the scene and the settings are those it was baked with; nothing to do\n",
-                           options.output.string());
+                print("{} is up to date: the scene and the settings are those it was baked with; nothing to do\n",
+                      options.output.string());
             }
             return kOk;
         }
@@ -266,7 +266,7 @@ int runBake(const BakeOptions& options)
         for (const std::string& warning : lightWarnings(result->report)) warn(options.scene, warning);
     }
     if (options.json) {
-        fmt::print("{}\n", json);
+        printJson(json);
     } else if (!options.quiet) {
         printSummary(options, result->report);
     }

@@ -1,5 +1,7 @@
 #include "console.h"
 
+#include "terminal.h"
+
 #include "halflight/base/file.h"
 
 #include <spdlog/fmt/fmt.h>
@@ -9,7 +11,6 @@
 #include <cctype>
 #include <cmath>
 #include <csignal>
-#include <cstdio>
 #include <cstdlib>
 #include <unistd.h>
 
@@ -27,25 +28,10 @@ void requestCancel(int signal)
     std::signal(signal, SIG_DFL);
 }
 
-// Messages may quote a file's own names: nothing in them may break the line or steer the terminal.
-std::string oneLine(std::string_view text)
-{
-    std::string line;
-    for (const char c : text) {
-        const bool control = static_cast<unsigned char>(c) < 0x20 || c == 0x7f;
-        if (!control) {
-            line += c;
-        } else if (!line.empty() && line.back() != ' ') {
-            line += ' ';
-        }
-    }
-    while (!line.empty() && line.back() == ' ') line.pop_back();
-    return line;
-}
-
 void printError(const std::string& text)
 {
-    fmt::print(stderr, "halflight: {}\n", oneLine(text));
+    // Messages may quote a file's own names: nothing in them may break the line or steer the terminal.
+    say(fmt::format("halflight: {}\n", printable(text)));
 }
 
 std::string shortNumber(double value)
@@ -318,32 +304,34 @@ void ProgressDisplay::report(std::string_view stage, double fraction)
         stage_ = stage;
         stageStart_ = now;
         lastShown_ = terminal_ ? Clock::time_point() : now;
-        if (!terminal_) fmt::print(stderr, "{} ...\n", stage_);
+        if (!terminal_) say(fmt::format("{:<14}", stage_));
     }
-    // Ten pictures a second on a terminal; in a log a line each ten seconds.
+    // Ten pictures a second on a terminal. In a log each stage is one line, which grows every ten seconds.
     if (duration<double>(now - lastShown_).count() < (terminal_ ? 0.1 : 10.0)) return;
     lastShown_ = now;
     fraction = std::clamp(fraction, 0.0, 1.0);
+    const int percent = int(100.0 * fraction);
+    if (!terminal_) {
+        say(fmt::format(" {} %", percent));
+        return;
+    }
     const double elapsed = duration<double>(now - stageStart_).count();
     const bool known = fraction > 0.01 && elapsed > 0.5;
     const std::string left = known ? clockTime(elapsed * (1.0 - fraction) / fraction) + " left" : "";
-    const int percent = int(100.0 * fraction);
-    if (terminal_) {
-        constexpr int kWidth = 30;
-        const int full = int(kWidth * fraction);
-        fmt::print(stderr, "\r{:<14.14} [{:=<{}}{:<{}}] {:>3} %  {}\x1b[K", stage_, "", full, "", kWidth - full,
-                   percent, left);
-    } else {
-        fmt::print(stderr, "{} {} %{}{}\n", stage_, percent, known ? ", " : "", left);
-    }
-    std::fflush(stderr);
+    constexpr int kWidth = 30;
+    const int full = int(kWidth * fraction);
+    say(fmt::format("\r{:<14.14} [{:=<{}}{:<{}}] {:>3} %  {}\x1b[K", stage_, "", full, "", kWidth - full, percent,
+                    left));
 }
 
 void ProgressDisplay::endStage()
 {
     const double seconds = std::chrono::duration<double>(Clock::now() - stageStart_).count();
-    fmt::print(stderr, "{}{:<14} {:.1f} s{}\n", terminal_ ? "\r" : "", stage_, seconds, terminal_ ? "\x1b[K" : "");
-    std::fflush(stderr);
+    if (terminal_) {
+        say(fmt::format("\r{:<14} {:.1f} s\x1b[K\n", stage_, seconds));
+    } else {
+        say(fmt::format(" {:.1f} s\n", seconds));
+    }
     stage_.clear();
 }
 

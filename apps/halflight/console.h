@@ -30,6 +30,15 @@ Command addBakeCommand(CLI::App& parent);
 Command addRenderCommand(CLI::App& parent);
 Command addInfoCommand(CLI::App& parent);
 
+/// The option that a command was given and does not have, as it was typed; empty when there is none.
+std::string unknownOption(const CLI::App* command);
+/// What a command line that does not parse most likely meant: "did you mean --samples?", or that the output needs -o.
+/// Empty when there is no good guess. `command` is the subcommand that was named, or null.
+std::string usageHint(const CLI::App& program, const CLI::App* command, const std::vector<std::string>& arguments);
+/// The word of `candidates` that `word` is a slip of: the nearest by edit distance, at most a third of its letters
+/// away. Empty when none is that near.
+std::string nearestWord(const std::string& word, const std::vector<std::string>& candidates);
+
 /// Prints "halflight: FILE: object: reason" to standard error, on one line, and returns kFailed. A cancelled run prints
 /// "halflight: interrupted".
 int fail(const std::filesystem::path& file, const Error& error);
@@ -91,7 +100,7 @@ template<typename T> CLI::Option* addChoice(CLI::App& app, const std::string& na
 /// A finite number, the whole of `text`; false when it is anything else.
 bool parseNumber(const std::string& text, double& value);
 
-/// Progress on standard error: a bar with percent and time left on a terminal, a few plain lines elsewhere.
+/// Progress on standard error: a bar with percent and time left on a terminal, one line a stage elsewhere.
 class ProgressDisplay {
 public:
     /// quiet: shows nothing; progress() still carries the cancel flag.

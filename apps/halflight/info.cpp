@@ -1,6 +1,7 @@
 // halflight info: what a glTF file, plain or baked, holds.
 
 #include "console.h"
+#include "terminal.h"
 
 #include "halflight/scene/gltf.h"
 
@@ -131,16 +132,16 @@ Json infoJson(const InfoOptions& options, const BakedScene& baked)
 void printLights(const std::vector<Light>& lights)
 {
     std::size_t width = 5;
-    for (const Light& light : lights) width = std::max(width, light.name.size());
-    fmt::print("\n{:<{}}  {:<11}  {:<8}  {:<8}  {:<7}  {}\n", "light", width, "type", "mode", "baked as", "channel",
-               "intensity");
+    for (const Light& light : lights) width = std::max(width, printable(light.name).size());
+    print("\n{:<{}}  {:<11}  {:<8}  {:<8}  {:<7}  {}\n", "light", width, "type", "mode", "baked as", "channel",
+          "intensity");
     for (const Light& light : lights) {
         const BakingOutput& baking = light.baking;
-        fmt::print("{:<{}}  {:<11}  {:<8}  {:<8}  {:<7}  {:g} {}{}\n", light.name, width, nameOf(light.type),
-                   nameOf(light.mode), baking.isBaked ? nameOf(baking.bakeType) : "-",
-                   channelName(baking.occlusionMaskChannel), light.intensity,
-                   light.type == LightType::Directional ? "lux" : "cd",
-                   baking.reason.empty() ? "" : "  (" + baking.reason + ")");
+        print("{:<{}}  {:<11}  {:<8}  {:<8}  {:<7}  {:g} {}{}\n", printable(light.name), width, nameOf(light.type),
+              nameOf(light.mode), baking.isBaked ? nameOf(baking.bakeType) : "-",
+              channelName(baking.occlusionMaskChannel), light.intensity,
+              light.type == LightType::Directional ? "lux" : "cd",
+              baking.reason.empty() ? "" : "  (" + printable(baking.reason) + ")");
     }
 }
 
@@ -149,39 +150,39 @@ void printInfo(const InfoOptions& options, const BakedScene& baked)
     const Scene& scene = baked.scene;
     const Counts counts = countScene(baked);
     if (baked.isBaked) {
-        fmt::print("{}: baked, {}\n\n", options.file.string(), nameOf(baked.mode));
+        print("{}: baked, {}\n\n", options.file.string(), nameOf(baked.mode));
     } else {
-        fmt::print("{}: not baked\n\n", options.file.string());
+        print("{}: not baked\n\n", options.file.string());
     }
-    fmt::print("objects     {} ({} static, {} dynamic)\n", grouped(scene.objects.size()), grouped(counts.staticObjects),
-               grouped(scene.objects.size() - counts.staticObjects));
-    fmt::print("meshes      {} with {} primitives\n", grouped(scene.meshes.size()), grouped(counts.parts));
-    fmt::print("triangles   {} stored, {} drawn\n", grouped(counts.storedTriangles), grouped(counts.drawnTriangles));
-    fmt::print("materials   {} ({} opaque, {} mask, {} blend)\n", scene.materials.size(),
-               countAlphaMode(scene, Material::AlphaMode::Opaque), countAlphaMode(scene, Material::AlphaMode::Mask),
-               countAlphaMode(scene, Material::AlphaMode::Blend));
-    fmt::print("textures    {} with {} pixels\n", scene.textures.size(), withUnit(double(counts.texturePixels)));
+    print("objects     {} ({} static, {} dynamic)\n", grouped(scene.objects.size()), grouped(counts.staticObjects),
+          grouped(scene.objects.size() - counts.staticObjects));
+    print("meshes      {} with {} primitives\n", grouped(scene.meshes.size()), grouped(counts.parts));
+    print("triangles   {} stored, {} drawn\n", grouped(counts.storedTriangles), grouped(counts.drawnTriangles));
+    print("materials   {} ({} opaque, {} mask, {} blend)\n", scene.materials.size(),
+          countAlphaMode(scene, Material::AlphaMode::Opaque), countAlphaMode(scene, Material::AlphaMode::Mask),
+          countAlphaMode(scene, Material::AlphaMode::Blend));
+    print("textures    {} with {} pixels\n", scene.textures.size(), withUnit(double(counts.texturePixels)));
     const Bounds bounds = scene.bounds();
     const vec3 size = bounds.size();
     if (bounds.empty()) {
-        fmt::print("bounds      empty\n");
+        print("bounds      empty\n");
     } else {
-        fmt::print("bounds      {:.4g} x {:.4g} x {:.4g} m, from ({:.4g}, {:.4g}, {:.4g})\n", size.x, size.y, size.z,
-                   bounds.min.x, bounds.min.y, bounds.min.z);
+        print("bounds      {:.4g} x {:.4g} x {:.4g} m, from ({:.4g}, {:.4g}, {:.4g})\n", size.x, size.y, size.z,
+              bounds.min.x, bounds.min.y, bounds.min.z);
     }
     std::string cameras;
-    for (const Camera& camera : scene.cameras) cameras += (cameras.empty() ? "" : ", ") + camera.name;
-    fmt::print("cameras     {}{}{}\n", scene.cameras.size(), cameras.empty() ? "" : ": ", cameras);
+    for (const Camera& camera : scene.cameras) cameras += (cameras.empty() ? "" : ", ") + printable(camera.name);
+    print("cameras     {}{}{}\n", scene.cameras.size(), cameras.empty() ? "" : ": ", cameras);
     if (baked.isBaked) {
         const int lightmapSize = baked.lightmaps.empty() ? 0 : baked.lightmaps.front().width();
         const int maskSize = baked.shadowmasks.empty() ? 0 : baked.shadowmasks.front().width();
-        fmt::print("lightmap    {} of {} x {}{}, for {} objects\n", baked.lightmaps.size(), lightmapSize, lightmapSize,
-                   baked.lightmapDirections.empty() ? "" : ", directional", grouped(counts.lightmappedObjects));
-        fmt::print("shadowmask  {} of {} x {}\n", baked.shadowmasks.size(), maskSize, maskSize);
+        print("lightmap    {} of {} x {}{}, for {} objects\n", baked.lightmaps.size(), lightmapSize, lightmapSize,
+              baked.lightmapDirections.empty() ? "" : ", directional", grouped(counts.lightmappedObjects));
+        print("shadowmask  {} of {} x {}\n", baked.shadowmasks.size(), maskSize, maskSize);
         const ivec3 grid = baked.probes.size;
-        fmt::print("probes      {} ({} valid)", grouped(baked.probes.probes.size()), grouped(counts.validProbes));
-        if (grid.x > 0) fmt::print(", grid {} x {} x {}", grid.x, grid.y, grid.z);
-        fmt::print("\n");
+        print("probes      {} ({} valid)", grouped(baked.probes.probes.size()), grouped(counts.validProbes));
+        if (grid.x > 0) print(", grid {} x {} x {}", grid.x, grid.y, grid.z);
+        print("\n");
     }
     if (!scene.lights.empty()) printLights(scene.lights);
 }
@@ -199,7 +200,7 @@ int runInfo(const InfoOptions& options)
     }
     if (options.json) {
         // Names come from the file and may hold any bytes: what is not UTF-8 becomes U+FFFD instead of an exception.
-        fmt::print("{}\n", infoJson(options, *baked).dump(2, ' ', false, Json::error_handler_t::replace));
+        printJson(infoJson(options, *baked).dump(2, ' ', false, Json::error_handler_t::replace));
         return kOk;
     }
     printInfo(options, *baked);

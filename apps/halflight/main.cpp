@@ -1,10 +1,9 @@
 // halflight: bake mixed lighting into a glTF file, render it, look into it.
 
 #include "console.h"
+#include "terminal.h"
 
-#include <spdlog/fmt/fmt.h>
-
-#include <cstdio>
+#include <algorithm>
 #include <exception>
 #include <new>
 
@@ -14,41 +13,76 @@ using namespace halflight::cli;
 namespace {
 
 int reportParseError(const CLI::App& app, const std::vector<Command>& commands, const CLI::ParseError& error,
-                     const std::string& firstArgument)
+                     const std::vector<std::string>& arguments)
 {
     if (error.get_exit_code() == 0) return app.exit(error); // --help, --version
-    std::string name;
+    const CLI::App* named = nullptr;
     for (const Command& command : commands) {
-        if (command.app->parsed()) name = command.app->get_name();
+        if (command.app->parsed()) named = command.app;
     }
-    if (name.empty() && !firstArgument.empty() && firstArgument.front() != '-') {
-        return wrongUsage(name, "there is no command '" + firstArgument + "'; there are bake, render and info");
+    std::string sentence = error.what();
+    if (named == nullptr && !arguments.empty() && !arguments[0].starts_with('-')) {
+        std::string names;
+        for (const Command& command : commands) names += (names.empty() ? "" : ", ") + command.app->get_name();
+        sentence = "there is no command '" + arguments[0] + "'; there are " + names;
     }
-    return wrongUsage(name, error.what());
+    if (const std::string option = unknownOption(named); !option.empty()) {
+        sentence = "there is no option '" + option + "'";
+    }
+    const std::string hint = usageHint(app, named, arguments);
+    if (!hint.empty()) sentence += "; " + hint;
+    return wrongUsage(named != nullptr ? named->get_name() : "", sentence);
+}
+
+// `halflight help COMMAND` is `halflight COMMAND --help`; no arguments are --help.
+std::vector<std::string> withHelpWords(std::vector<std::string> arguments)
+{
+    if (arguments.empty()) return {"--help"};
+    if (arguments[0] != "help") return arguments;
+    arguments.erase(arguments.begin());
+    arguments.emplace_back("--help");
+    return arguments;
+}
+
+int runProgram(const std::vector<std::string>& arguments)
+{
+    CLI::App app("Halflight: mixed lighting for any engine. glTF in, baked glTF out, baked and realtime shadows mixed.",
+                 "halflight");
+    app.set_version_flag("-V,--version", std::string("halflight ") + HALFLIGHT_VERSION);
+    app.require_subcommand(1);
+    const std::vector<Command> commands = {addBakeCommand(app), addRenderCommand(app), addInfoCommand(app)};
+    app.footer("halflight COMMAND --help, or halflight help COMMAND, tells more. Exit codes: 0 done, 1 failed, 2 wrong "
+               "usage.");
+    const auto isCommand = [&](const std::string& word) {
+        return std::any_of(commands.begin(), commands.end(),
+                           [&](const Command& command) { return command.app->get_name() == word; });
+    };
+    try {
+        const bool helps = !arguments.empty() && arguments.back() == "--help";
+        if (helps && !arguments[0].starts_with('-') && !isCommand(arguments[0])) {
+            throw CLI::ExtrasError({arguments[0]});
+        }
+        // CLI11 takes the arguments from the back of the list.
+        app.parse(std::vector<std::string>(arguments.rbegin(), arguments.rend()));
+        for (const Command& command : commands) {
+            if (command.app->parsed()) return command.run();
+        }
+        return kWrongUsage;
+    } catch (const CLI::ParseError& error) {
+        return reportParseError(app, commands, error, arguments);
+    } catch (const std::bad_alloc&) {
+        return fail({}, Error{ErrorCode::Unsupported, "out of memory"});
+    } catch (const std::exception& error) {
+        return fail({}, Error{ErrorCode::Unsupported, error.what()});
+    }
 }
 
 } // namespace
 
 int main(int argc, char** argv)
 {
-    CLI::App app("Halflight: mixed lighting for any engine. glTF in, baked glTF out, baked and realtime shadows mixed.",
-                 "halflight");
-    app.set_version_flag("--version", std::string("halflight ") + HALFLIGHT_VERSION);
-    app.require_subcommand(1);
-    const std::vector<Command> commands = {addBakeCommand(app), addRenderCommand(app), addInfoCommand(app)};
-    app.footer("halflight COMMAND --help tells more. Exit codes: 0 done, 1 failed, 2 wrong usage.");
-
-    try {
-        app.parse(argc, argv);
-        for (const Command& command : commands) {
-            if (command.app->parsed()) return command.run();
-        }
-        return kWrongUsage;
-    } catch (const CLI::ParseError& error) {
-        return reportParseError(app, commands, error, argc > 1 ? argv[1] : "");
-    } catch (const std::bad_alloc&) {
-        return fail({}, Error{ErrorCode::Unsupported, "out of memory"});
-    } catch (const std::exception& error) {
-        return fail({}, Error{ErrorCode::Unsupported, error.what()});
-    }
+    prepareStreams();
+    const int code = runProgram(withHelpWords(std::vector<std::string>(argv + 1, argv + argc)));
+    if (Status status = finishResults(); !status && code == kOk) return fail({}, status.error());
+    return code;
 }

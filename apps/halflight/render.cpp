@@ -3,6 +3,7 @@
 #include "camera.h"
 #include "console.h"
 #include "light_override.h"
+#include "terminal.h"
 
 #include "halflight/bake_cpu/embree_integrator.h"
 #include "halflight/base/parallel.h"
@@ -105,7 +106,7 @@ Result<Picture> renderPicture(const RenderOptions& options, const BakedScene& ba
     if (!frame) return frame.error();
 
     const std::vector<std::string> messages = (*renderer)->validationMessages();
-    for (const std::string& message : messages) fmt::print(stderr, "{}\n", message);
+    for (const std::string& message : messages) say(printable(message) + "\n");
     if (!messages.empty()) {
         return Error{ErrorCode::DeviceFailed,
                      fmt::format("the Vulkan validation layer had {} complaints", messages.size())};
@@ -201,28 +202,28 @@ void describeView(const RenderOptions& options, const Camera& camera, Json& summ
 
 void printPasses(const Json& passes)
 {
-    fmt::print("{:<20} {:>10} {:>7} {:>10} {:>12}\n", "pass", "ms", "draws", "instances", "triangles");
+    print("{:<20} {:>10} {:>7} {:>10} {:>12}\n", "pass", "ms", "draws", "instances", "triangles");
     for (const Json& pass : passes) {
         const std::string time = pass.contains("milliseconds")
                                      ? fmt::format("{:.3f}", pass["milliseconds"].get<double>())
                                      : std::string("-");
-        fmt::print("{:<20} {:>10} {:>7} {:>10} {:>12}\n", pass["name"].get<std::string>(), time,
-                   pass["draws"].get<int>(), pass["instances"].get<int64_t>(), pass["triangles"].get<int64_t>());
+        print("{:<20} {:>10} {:>7} {:>10} {:>12}\n", pass["name"].get<std::string>(), time, pass["draws"].get<int>(),
+              pass["instances"].get<int64_t>(), pass["triangles"].get<int64_t>());
     }
 }
 
 void printSummary(const RenderOptions& options, const Json& summary)
 {
-    fmt::print("{}: {} x {}, {}", options.output.string(), options.render.size.x, options.render.size.y,
-               summary["mode"].get<std::string>());
+    print("{}: {} x {}, {}", options.output.string(), options.render.size.x, options.render.size.y,
+          summary["mode"].get<std::string>());
     if (summary.contains("exposure")) {
-        fmt::print(", --exposure {:.3f}{}", summary["exposure"].get<float>(), options.exposureEv ? "" : " (automatic)");
+        print(", --exposure {:.3f}{}", summary["exposure"].get<float>(), options.exposureEv ? "" : " (automatic)");
     }
-    fmt::print(", {}\n", summary["device"].get<std::string>());
+    print(", {}\n", summary["device"].get<std::string>());
     if (summary.contains("lights")) {
         const Json& lights = summary["lights"];
-        fmt::print("lights in view {}, with baked shadows {}, with realtime shadows {}\n", lights["inView"].dump(),
-                   lights["bakedShadows"].dump(), lights["realtimeShadows"].dump());
+        print("lights in view {}, with baked shadows {}, with realtime shadows {}\n", lights["inView"].dump(),
+              lights["bakedShadows"].dump(), lights["realtimeShadows"].dump());
     }
     if (options.render.timings && summary.contains("passes")) printPasses(summary["passes"]);
 }
@@ -276,7 +277,7 @@ int runRender(RenderOptions options)
         Json summary = {{"file", options.file.string()}, {"output", options.output.string()}};
         summary.update(picture->summary);
         summary["warnings"] = picture->warnings;
-        fmt::print("{}\n", summary.dump(2, ' ', false, Json::error_handler_t::replace));
+        printJson(summary.dump(2, ' ', false, Json::error_handler_t::replace));
     } else if (!options.quiet) {
         printSummary(options, picture->summary);
     }

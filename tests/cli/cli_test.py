@@ -128,7 +128,16 @@ class Help(Case):
     def test_version(self):
         result = run("--version")
         self.assertEqual(result.returncode, 0)
-        self.assertRegex(result.stdout, r"^halflight \d+\.\d+\.\d+\n$")
+        self.assertRegex(result.stdout, r"^halflight \d+\.\d+\.\d+\n")
+        self.assertEqual(run("-V").stdout, result.stdout)
+
+    def test_help_words(self):
+        top = run("--help").stdout
+        for arguments in ([], ["help"]):
+            result = run(*arguments)
+            self.assertEqual((result.returncode, result.stdout, result.stderr), (0, top, ""))
+        for command in ("bake", "render", "info"):
+            self.assertEqual(run("help", command).stdout, run(command, "--help").stdout)
 
 
 class Usage(Case):
@@ -136,8 +145,15 @@ class Usage(Case):
         scene = self.scene()
         out, png = self.path("out.glb"), self.path("out.png")
         cases = [
-            ([], "subcommand"),
-            (["bakery"], "bakery"),
+            (["bakery"], "no command 'bakery'"),
+            (["bakke"], "no command 'bakke'", "did you mean bake?"),
+            (["help", "rendr"], "no command 'rendr'", "did you mean render?"),
+            (["bake", scene, "-o", out, "--sampels", "3"], "no option '--sampels'", "did you mean --samples?"),
+            (["bake", scene, "-o", out, "--texels-per-metre=3"], "did you mean --texels-per-meter?"),
+            (["render", scene, "-o", png, "--shadow-dist", "3"], "did you mean --shadow-distance?"),
+            (["info", scene, "--jsno"], "did you mean --json?"),
+            (["bake", scene, out], "--output", "the output goes after -o: -o " + out),
+            (["render", scene, png], "--output", "the output goes after -o: -o " + png),
             (["bake"], "SCENE"),
             (["bake", scene], "--output"),
             (["bake", scene, "-o", self.path("out.png")], ".glb"),
@@ -266,6 +282,104 @@ class Usage(Case):
             run("render", scene, "-o", self.path("o.png"), "--light", "nope:intensity=1"), 1, "nope", "sun", "spot 0"
         )
         self.assert_folder_holds("tiny.gltf")
+
+
+class Streams(Case):
+    """Messages never end a bake; results that cannot be written are failures; names cannot steer a terminal."""
+
+    def shell(self, command, **variables):
+        return subprocess.run(
+            ["bash", "-c", command], capture_output=True, text=True, timeout=240, env={**os.environ, **variables}
+        )
+
+    def bake_in_shell(self, redirection):
+        out = self.path("out.glb")
+        result = self.shell(
+            '"$H" bake "$S" -o "$O" ' + " ".join(QUICK) + " " + redirection, H=HALFLIGHT, S=self.scene(), O=out
+        )
+        whole = os.path.exists(out) and read(out)[:4] == b"glTF"
+        if whole:
+            self.assertEqual(run("info", out).returncode, 0)
+            os.remove(out)
+        return result, whole
+
+    def test_messages_that_cannot_be_written_lose_nothing(self):
+        for redirection in ("2>/dev/full >/dev/null", "2>&- >/dev/null", ">/dev/null 2> >(exec true)"):
+            with self.subTest(redirection=redirection):
+                result, whole = self.bake_in_shell(redirection)
+                self.assertEqual((result.returncode, whole), (0, True), result.stderr)
+
+    def test_results_that_cannot_be_written_are_1(self):
+        for redirection in (">/dev/full", ">&-", "--json >/dev/full", "--json > >(exec true)", ">/dev/full 2>/dev/full"):
+            with self.subTest(redirection=redirection):
+                result, whole = self.bake_in_shell(redirection)
+                self.assertEqual((result.returncode, whole), (1, True), result.stderr)
+                if "2>" not in redirection:
+                    self.assertIn("standard output cannot be written", result.stderr.splitlines()[-1])
+        for command in ("info", "--help", "--version", "bake --help"):
+            result = self.shell(f'"$H" {command} {chr(34) + "$S" + chr(34) if command == "info" else ""} >/dev/full',
+                                H=HALFLIGHT, S=self.scene())
+            self.assertEqual(result.returncode, 1, command)
+
+    def test_a_file_size_limit_is_an_error_of_writing(self):
+        result, whole = self.bake_in_shell("2>&1 >/dev/null | cat; exit ${PIPESTATUS[0]}")
+        self.assertEqual((result.returncode, whole), (0, True), result.stdout)
+        out = self.path("out.glb")
+        result = self.shell(
+            'ulimit -f 4; "$H" bake "$S" -o "$O" ' + " ".join(QUICK) + " 2>&1 >/dev/null | cat; exit ${PIPESTATUS[0]}",
+            H=HALFLIGHT, S=self.scene(), O=out,
+        )
+        self.assertEqual(result.returncode, 1, result.stdout)
+        self.assertIn(out + ": could not be written", result.stdout.splitlines()[-1])
+        self.assert_folder_holds("tiny.gltf")
+
+    def test_progress_in_a_log_is_one_line_a_stage(self):
+        result = run("bake", self.scene(), "-o", self.path("out.glb"), *QUICK)
+        self.assertEqual(result.returncode, 0, result.stderr)
+        lines = result.stderr.splitlines()
+        stages = [line.split()[0] for line in lines]
+        self.assertEqual(len(stages), len(set(stages)), result.stderr)
+        for line in lines:
+            self.assertRegex(line, r"^[a-z ]+( \d+ %)* \d+\.\d s$")
+
+    def test_names_cannot_steer_the_terminal(self):
+        bad = "a\n\x1b[31m\x9b2J\u009b1m\u202eb\x7f"
+        path = self.path("named.gltf")
+        tiny_scene.write(path)
+        with open(path) as file:
+            document = json.load(file)
+        for kind in ("nodes", "cameras", "meshes", "materials"):
+            for element in document.get(kind, []):
+                element["name"] = bad
+        for light in document["extensions"]["KHR_lights_punctual"]["lights"]:
+            light["name"] = bad
+        document["nodes"][0].setdefault("extras", {})["halflight_nonsense" + bad] = 1
+        with open(path, "w") as file:
+            json.dump(document, file)
+        out, png = self.path("out.glb"), self.path("out.png")
+        commands = (
+            ["info", path], ["info", path, "--json"], ["bake", path, "-o", out, *QUICK],
+            ["bake", path, "-o", out, *QUICK, "--json"], ["render", path, "-o", png, "--size", "16x16"],
+            ["render", path, "-o", png, "--size", "16x16", "--json"], ["render", path, "-o", png, "--camera", "x"],
+            ["render", path, "-o", png, "--light", "x:intensity=1"],
+        )
+        for command in commands:
+            with self.subTest(command=command):
+                result = run(*command)
+                for text in (result.stdout, result.stderr):
+                    for control in ("\x1b", "\x9b", "\u202e", "\x7f"):
+                        self.assertNotIn(control, text)
+                if "--json" in command:
+                    self.assertIn(bad, "\n".join(self.strings(json.loads(result.stdout))))
+                for line in result.stderr.splitlines():
+                    self.assertRegex(line, r"^(halflight: |[a-z ]+ \d)")
+
+    def strings(self, value):
+        if isinstance(value, str):
+            yield value
+        elif isinstance(value, (list, dict)):
+            for item in value.values() if isinstance(value, dict) else value:
+                yield from self.strings(item)
 
 
 class Malformed(Case):
@@ -467,22 +581,23 @@ class Interrupt(Case):
     def interrupt(self, number, *arguments):
         """Sends the signal once the program has named the stage of tracing rays; returns exit code and last line."""
         process = subprocess.Popen(
-            [HALFLIGHT, *arguments], stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True, bufsize=1
+            [HALFLIGHT, *arguments], stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, bufsize=0
         )
         watchdog = threading.Timer(120, process.kill)
         watchdog.start()
         last = ""
         sent = False
-        for line in process.stderr:
-            last = line
-            if not sent and line.endswith("...\n") and self.long_stage in line:
+        # A stage's line ends when the stage does, so lines are read as they grow.
+        while piece := os.read(process.stderr.fileno(), 4096).decode():
+            last += piece
+            if not sent and self.long_stage in last:
                 process.send_signal(number)
                 sent = True
         process.stderr.close()
         code = process.wait()
         watchdog.cancel()
         self.assertTrue(sent, "no stage named " + self.long_stage)
-        return code, last
+        return code, last.splitlines(keepends=True)[-1]
 
     def test_interrupted_bake_leaves_nothing(self):
         self.long_stage = "lightmap"
@@ -497,7 +612,7 @@ class Interrupt(Case):
             self.assert_folder_holds("tiny.gltf")
 
     def test_interrupted_reference_leaves_nothing(self):
-        self.long_stage = ""
+        self.long_stage = "reference"
         scene = self.scene()
         code, last = self.interrupt(signal.SIGINT, "render", scene, "-o", self.path("out.png"), "--reference", "100000")
         self.assertEqual((code, last), (1, "halflight: interrupted\n"))
