@@ -13,16 +13,18 @@ bool finite(vec3 v)
     return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
 }
 
-// Adds the morph targets at the mesh's default weights to an attribute (glTF 2.0, section 3.7.2.2).
-Status morph(const SourceDocument& document, const tinygltf::Primitive& primitive, const std::vector<double>& weights,
-             const char* attribute, std::vector<vec3>& values)
+// Adds the weighted morph targets to an attribute (glTF 2.0, section 3.7.2.2). Tangents' signs are not morphed.
+template<typename Vec> Status morph(const SourceDocument& document, const tinygltf::Primitive& primitive,
+                                    const std::vector<double>& weights, const char* attribute, std::vector<Vec>& values)
 {
     for (std::size_t t = 0; t < primitive.targets.size() && t < weights.size(); ++t) {
         const auto it = primitive.targets[t].find(attribute);
         if (it == primitive.targets[t].end() || weights[t] == 0.0) continue;
         const auto offsets = readVectors<3>(document, it->second);
         if (!offsets) return offsets.error();
-        for (std::size_t i = 0; i < values.size(); ++i) values[i] += float(weights[t]) * (*offsets)[i];
+        for (std::size_t i = 0; i < values.size(); ++i) {
+            for (int c = 0; c < 3; ++c) values[i][c] += float(weights[t]) * (*offsets)[i][c];
+        }
     }
     return {};
 }
@@ -97,7 +99,8 @@ mat2 linearPart(const TextureRef& ref)
 }
 
 Result<std::optional<MeshPart>> readPart(const SourceDocument& document, int meshIndex, int primitiveIndex,
-                                         const std::vector<Material>& materials, MeshRead& read)
+                                         const std::vector<double>& weights, const std::vector<Material>& materials,
+                                         MeshRead& read)
 {
     const tinygltf::Mesh& mesh = document.model.meshes[std::size_t(meshIndex)];
     const tinygltf::Primitive& primitive = mesh.primitives[std::size_t(primitiveIndex)];
@@ -119,7 +122,7 @@ Result<std::optional<MeshPart>> readPart(const SourceDocument& document, int mes
     auto positions = readVectors<3>(document, position->second);
     if (!positions) return positions.error();
     part.positions = std::move(*positions);
-    if (Status s = morph(document, primitive, mesh.weights, "POSITION", part.positions); !s) return s.error();
+    if (Status s = morph(document, primitive, weights, "POSITION", part.positions); !s) return s.error();
     for (std::size_t i = 0; i < part.positions.size(); ++i) {
         if (!finite(part.positions[i]))
             return invalid(path, "position " + std::to_string(i) + " is not a finite number");
@@ -147,7 +150,7 @@ Result<std::optional<MeshPart>> readPart(const SourceDocument& document, int mes
     AttributeReader attributes(document, primitive, path, read.warnings);
     part.normals = attributes.read<3>("NORMAL");
     if (!part.normals.empty()) {
-        if (Status s = morph(document, primitive, mesh.weights, "NORMAL", part.normals); !s) return s.error();
+        if (Status s = morph(document, primitive, weights, "NORMAL", part.normals); !s) return s.error();
     }
     part.uv[0] = attributes.read<2>("TEXCOORD_0");
     part.uv[1] = attributes.read<2>("TEXCOORD_1");
@@ -171,6 +174,9 @@ Result<std::optional<MeshPart>> readPart(const SourceDocument& document, int mes
             read.warnings.push_back(path + ": " + std::to_string(repaired) + " normals of length 0 are replaced");
         }
         if (needsTangents) part.tangents = attributes.read<4>("TANGENT"); // without normals glTF ignores tangents
+        if (!part.tangents.empty()) {
+            if (Status s = morph(document, primitive, weights, "TANGENT", part.tangents); !s) return s.error();
+        }
         for (vec4& tangent : part.tangents) {
             const float length = glm::length(vec3(tangent));
             if (!(length > 1.0e-12f)) {
@@ -210,14 +216,15 @@ std::vector<uint32_t> trianglesOf(int mode, const std::vector<uint32_t>& indices
     return triangles;
 }
 
-Result<MeshRead> readMesh(const SourceDocument& document, int index, const std::vector<Material>& materials)
+Result<MeshRead> readMesh(const SourceDocument& document, int index, const std::vector<double>& weights,
+                          const std::vector<Material>& materials)
 {
     MeshRead read;
     const tinygltf::Mesh& source = document.model.meshes[std::size_t(index)];
     read.mesh.name = source.name;
     read.mesh.sourceMesh = index;
     for (std::size_t p = 0; p < source.primitives.size(); ++p) {
-        auto part = readPart(document, index, int(p), materials, read);
+        auto part = readPart(document, index, int(p), weights, materials, read);
         if (!part) return part.error();
         if (*part) read.mesh.parts.push_back(std::move(**part));
     }

@@ -22,7 +22,9 @@ struct MeshRead {
     std::size_t flatParts = 0;    ///< parts whose normals were invented
     std::size_t tangentParts = 0; ///< parts whose tangents were
 };
-Result<MeshRead> readMesh(const SourceDocument& document, int mesh, const std::vector<Material>& materials);
+/// `weights` of the morph targets: the node's, or the mesh's own where the node has none.
+Result<MeshRead> readMesh(const SourceDocument& document, int mesh, const std::vector<double>& weights,
+                          const std::vector<Material>& materials);
 
 /// Whether a texture of the material, those of extensions included, reads TEXCOORD_n.
 bool readsTexCoord(const Json& material, int n);

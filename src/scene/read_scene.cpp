@@ -4,50 +4,96 @@
 #include "scene/nodes.h"
 #include "scene/read_lights.h"
 #include "scene/read_parts.h"
+#include "scene/skin.h"
 
 #include <algorithm>
 #include <cmath>
+#include <map>
+#include <set>
 
 namespace halflight {
 
 namespace {
 
-// Meshes that shown nodes use, in the file's order, all cores at work. Returns the scene's mesh of each source mesh.
-Result<std::vector<int>> readMeshes(const SourceDocument& document, const std::vector<NodeState>& nodes, Scene& scene)
+// What makes the shape of a node's mesh: nodes that agree in all of it share a scene mesh.
+struct MeshKey {
+    int mesh = -1;
+    std::vector<double> weights; // of morph targets
+    int skinnedNode = -1;        // joints place its vertices: a mesh of its own
+    auto operator<=>(const MeshKey&) const = default;
+};
+
+MeshKey meshKey(const SourceDocument& document, int nodeIndex)
 {
-    std::vector<int> sceneMesh(document.model.meshes.size(), -1);
+    const tinygltf::Node& node = document.model.nodes[std::size_t(nodeIndex)];
+    const std::vector<double>& ofMesh = document.model.meshes[std::size_t(node.mesh)].weights;
+    return {node.mesh, node.weights.empty() ? ofMesh : node.weights, isSkinned(document, nodeIndex) ? nodeIndex : -1};
+}
+
+/// A node's shape in the scene.
+struct NodeMesh {
+    int mesh = -1;                             // in the scene; -1 = nothing to be lit
+    std::optional<glm::dmat4> worldFromObject; // of skinned ones; others are where their node is
+};
+
+// Meshes that shown nodes use, in the file's order, all cores at work. Returns the mesh of each state.
+Result<std::vector<NodeMesh>> readMeshes(const SourceDocument& document, const std::vector<NodeState>& nodes,
+                                         Scene& scene)
+{
+    std::map<MeshKey, NodeMesh> meshes;
+    bool anySkin = false;
     for (const NodeState& state : nodes) {
-        const int mesh = document.model.nodes[std::size_t(state.node)].mesh;
-        if (mesh >= 0 && state.visible) sceneMesh[std::size_t(mesh)] = 0;
+        if (document.model.nodes[std::size_t(state.node)].mesh < 0 || !state.visible) continue;
+        const auto it = meshes.try_emplace(meshKey(document, state.node)).first;
+        anySkin = anySkin || it->first.skinnedNode >= 0;
     }
-    std::vector<int> used;
-    for (std::size_t i = 0; i < sceneMesh.size(); ++i) {
-        if (sceneMesh[i] >= 0) used.push_back(int(i));
+    std::vector<glm::dmat4> worldFromNode;
+    if (anySkin) {
+        auto transforms = worldTransforms(document);
+        if (!transforms) return transforms.error();
+        worldFromNode = std::move(*transforms);
     }
+    std::vector<std::pair<const MeshKey, NodeMesh>*> used;
+    for (auto& item : meshes) used.push_back(&item);
     std::vector<std::optional<Result<MeshRead>>> reads(used.size());
     parallelFor(used.size(), 1, [&](std::size_t begin, std::size_t end) {
-        for (std::size_t i = begin; i < end; ++i) reads[i] = readMesh(document, used[i], scene.materials);
+        for (std::size_t i = begin; i < end; ++i) {
+            const MeshKey& key = used[i]->first;
+            reads[i] = readMesh(document, key.mesh, key.weights, scene.materials);
+            if (key.skinnedNode < 0 || !*reads[i] || (*reads[i])->mesh.parts.empty()) continue;
+            auto placed = skinMesh(document, key.skinnedNode, worldFromNode, (*reads[i])->mesh, (*reads[i])->warnings);
+            if (placed) {
+                used[i]->second.worldFromObject = *placed;
+            } else {
+                reads[i] = placed.error();
+            }
+        }
     });
     std::size_t flatParts = 0;
     std::size_t tangentParts = 0;
+    std::set<std::string> said; // shapes of one mesh warn of the same
     for (std::size_t i = 0; i < used.size(); ++i) {
         Result<MeshRead>& read = *reads[i];
         if (!read) return read.error();
-        scene.warnings.insert(scene.warnings.end(), read->warnings.begin(), read->warnings.end());
+        for (std::string& warning : read->warnings) {
+            if (said.insert(warning).second) scene.warnings.push_back(std::move(warning));
+        }
         flatParts += read->flatParts;
         tangentParts += read->tangentParts;
-        if (read->mesh.parts.empty()) {
-            sceneMesh[std::size_t(used[i])] = -1;
-            continue;
-        }
-        sceneMesh[std::size_t(used[i])] = int(scene.meshes.size());
+        if (read->mesh.parts.empty()) continue;
+        used[i]->second.mesh = int(scene.meshes.size());
         scene.meshes.push_back(std::move(read->mesh));
     }
     if (flatParts > 0)
         scene.warnings.push_back(std::to_string(flatParts) + " primitives without normals got flat ones");
     if (tangentParts > 0)
         scene.warnings.push_back(std::to_string(tangentParts) + " normal-mapped primitives got generated tangents");
-    return sceneMesh;
+    std::vector<NodeMesh> ofState(nodes.size());
+    for (std::size_t i = 0; i < nodes.size(); ++i) {
+        if (document.model.nodes[std::size_t(nodes[i].node)].mesh >= 0 && nodes[i].visible)
+            ofState[i] = meshes.at(meshKey(document, nodes[i].node));
+    }
+    return ofState;
 }
 
 // Beyond this, floats no longer tell a metre from the next, and squares of lengths overflow soon after.
@@ -75,7 +121,7 @@ Status checkExtent(const Mesh& mesh, const Bounds& bounds, const glm::dmat4& wor
     return {};
 }
 
-Status addObjects(const SourceDocument& document, const NodeState& state, int mesh, Scene& scene)
+Status addObjects(const SourceDocument& document, const NodeState& state, const NodeMesh& placed, Scene& scene)
 {
     const auto& node = document.model.nodes[std::size_t(state.node)];
     const Json& json = document.json["nodes"][std::size_t(state.node)];
@@ -88,26 +134,30 @@ Status addObjects(const SourceDocument& document, const NodeState& state, int me
     }
     Object object;
     object.name = state.name;
-    object.mesh = mesh;
-    object.worldFromObject = mat4(state.worldFromNode);
+    object.mesh = placed.mesh;
+    const glm::dmat4 worldFromShape = placed.worldFromObject.value_or(state.worldFromNode);
+    object.worldFromObject = mat4(worldFromShape);
     const bool moves = state.animated || morphs || node.skin >= 0;
     object.isStatic = state.settings.isStatic.value_or(!moves);
     if (object.isStatic && moves)
         scene.warnings.push_back(path + ": " + state.name + " moves, but is static by its settings");
-    if (node.skin >= 0) scene.warnings.push_back(path + ": " + state.name + " is skinned and stays in its bind pose");
+    if (node.skin >= 0 && !placed.worldFromObject) {
+        scene.warnings.push_back(path + ": " + state.name +
+                                 " has a skin, but instances or no joints and weights: it is where its node is");
+    }
     object.castShadows = state.settings.castShadows.value_or(true);
     object.receiveShadows = state.settings.receiveShadows.value_or(true);
     object.lightmapScale = state.settings.lightmapScale.value_or(1.0f);
     object.probeLighting = state.settings.probeLighting.value_or(ProbeLighting::Automatic);
     object.probeResolution = state.settings.probeResolution.value_or(ivec3(0));
     object.sourceNode = state.node;
-    const Mesh& shape = scene.meshes[std::size_t(mesh)];
+    const Mesh& shape = scene.meshes[std::size_t(placed.mesh)];
     Bounds bounds;
     for (const MeshPart& part : shape.parts) {
         for (const vec3& p : part.positions) bounds.extend(p);
     }
     if (extensionOf(json, "EXT_mesh_gpu_instancing").is_null()) {
-        if (Status s = checkExtent(shape, bounds, state.worldFromNode, object.name, path); !s) return s;
+        if (Status s = checkExtent(shape, bounds, worldFromShape, object.name, path); !s) return s;
         scene.objects.push_back(std::move(object));
         return {};
     }
@@ -234,12 +284,12 @@ Result<Scene> sceneFromDocument(std::shared_ptr<const SourceDocument> document, 
 
     const auto nodes = walkNodes(*document, file, scene.warnings);
     if (!nodes) return nodes.error();
-    const auto sceneMesh = readMeshes(*document, *nodes, scene);
-    if (!sceneMesh) return sceneMesh.error();
-    for (const NodeState& state : *nodes) {
-        const int mesh = document->model.nodes[std::size_t(state.node)].mesh;
-        if (state.visible && mesh >= 0 && (*sceneMesh)[std::size_t(mesh)] >= 0) {
-            if (Status s = addObjects(*document, state, (*sceneMesh)[std::size_t(mesh)], scene); !s) return s.error();
+    const auto nodeMeshes = readMeshes(*document, *nodes, scene);
+    if (!nodeMeshes) return nodeMeshes.error();
+    for (std::size_t i = 0; i < nodes->size(); ++i) {
+        const NodeState& state = (*nodes)[i];
+        if ((*nodeMeshes)[i].mesh >= 0) {
+            if (Status s = addObjects(*document, state, (*nodeMeshes)[i], scene); !s) return s.error();
         }
         if (state.visible) {
             auto light = readLight(*document, state, file, scene.warnings);

@@ -217,7 +217,11 @@ private:
                 materials[p] = mozMaterial(primitive.value("material", -1), first.lightmap, texCoord);
             }
         }
-        return meshes_.setNodeMesh(node, first.mesh, materials);
+        // A mesh without lightmap coordinates stays as the source has it, with its skin, whatever its shape in the
+        // scene.
+        const bool isPatched = std::any_of(mesh.parts.begin(), mesh.parts.end(),
+                                           [](const MeshPart& part) { return !part.lightmapUv.empty(); });
+        return isPatched ? meshes_.setNodeMesh(node, first.mesh, materials) : Status();
     }
 
     void writeInstances(int node, const std::vector<const Object*>& objects)
