@@ -38,20 +38,6 @@ glm::dmat4 compose(const glm::dvec3& t, glm::dquat q, const glm::dvec3& s)
     return m;
 }
 
-std::vector<bool> animatedNodes(const SourceDocument& document)
-{
-    std::vector<bool> animated(document.model.nodes.size(), false);
-    for (const auto& animation : document.model.animations) {
-        for (const auto& channel : animation.channels) {
-            if (channel.target_node < 0 || std::size_t(channel.target_node) >= animated.size()) continue;
-            const std::string& path = channel.target_path;
-            if (path == "translation" || path == "rotation" || path == "scale")
-                animated[std::size_t(channel.target_node)] = true;
-        }
-    }
-    return animated;
-}
-
 // What an earlier bake wrote down about the node (HALFLIGHT_node): stronger than extras, since it has their values and
 // those of the settings file of that bake.
 ObjectSettings bakedRecord(const Json& node)
@@ -158,8 +144,8 @@ const Json& activeScene(const SourceDocument& document)
     return element(document.json, "scenes", scene);
 }
 
-Result<std::vector<NodeState>> walkNodes(const SourceDocument& document, FileSettings& file,
-                                         std::vector<std::string>& warnings)
+Result<std::vector<NodeState>> walkNodes(const SourceDocument& document, const AnimatedThings& animated,
+                                         FileSettings& file, std::vector<std::string>& warnings)
 {
     const auto& model = document.model;
     std::vector<int> roots;
@@ -176,7 +162,6 @@ Result<std::vector<NodeState>> walkNodes(const SourceDocument& document, FileSet
     }
 
     // A stack, not recursion: hierarchies may be as deep as the file is long.
-    const std::vector<bool> animated = animatedNodes(document);
     std::vector<bool> visited(model.nodes.size(), false);
     std::vector<NodeState> states;
     struct Pending {
@@ -210,7 +195,8 @@ Result<std::vector<NodeState>> walkNodes(const SourceDocument& document, FileSet
         if (!finite(state.worldFromNode)) return invalid(path, "world transform is not finite");
         const Json& visible = member(extensionOf(json, "KHR_node_visibility"), "visible");
         if (visible.is_boolean()) state.visible = state.visible && visible.get<bool>();
-        state.animated = state.animated || animated[index];
+        state.animated = state.animated || animated.movedNodes[index];
+        state.morphed = animated.morphedNodes[index];
 
         const Json& extras = member(json, "extras");
         const auto authored = objectSettingsOf(extras, path);

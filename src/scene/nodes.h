@@ -1,6 +1,7 @@
 #pragma once
 // The node hierarchy: which nodes are shown, where they are, what moves.
 
+#include "scene/animation.h"
 #include "scene/document.h"
 #include "scene/settings.h"
 
@@ -14,7 +15,8 @@ struct NodeState {
     std::string name; ///< the node's, or "node 12"
     glm::dmat4 worldFromNode{1.0};
     bool visible = true;                ///< KHR_node_visibility, ancestors included
-    bool animated = false;              ///< it or an ancestor is moved by an animation
+    bool animated = false;              ///< it or an ancestor is moved, shown or hidden by an animation
+    bool morphed = false;               ///< an animation changes its morph weights
     std::optional<bool> isStaticExtras; ///< halflight_static of the nearest ancestor that has it
     std::optional<bool> isStaticFile;   ///< the same of the settings file
     ObjectSettings settings; ///< extras, then a bake's record, then the settings file; isStatic from the two above
@@ -22,8 +24,8 @@ struct NodeState {
 
 /// The nodes of the default scene (all root nodes where the file has no scene), parents before children, siblings in
 /// the file's order. Marks the rules of `file` that matched.
-Result<std::vector<NodeState>> walkNodes(const SourceDocument& document, FileSettings& file,
-                                         std::vector<std::string>& warnings);
+Result<std::vector<NodeState>> walkNodes(const SourceDocument& document, const AnimatedThings& animated,
+                                         FileSettings& file, std::vector<std::string>& warnings);
 
 /// The JSON of the scene that walkNodes() walks, or null.
 const Json& activeScene(const SourceDocument& document);

@@ -1,5 +1,6 @@
 #include "scene/read_lights.h"
 
+#include "halflight/base/text.h"
 #include "scene/pose.h"
 
 #include <cmath>
@@ -50,9 +51,30 @@ void readRecord(const Json& record, Light& light)
     readMatrix(member(baking, "worldFromLight"), light.baking.worldFromLight);
 }
 
+// What of a baked light an animation of its members leaves behind.
+void warnAnimatedLight(const Light& light, const std::set<std::string>& members, const std::string& path,
+                       std::vector<std::string>& warnings)
+{
+    if (light.mode == LightMode::Realtime) return;
+    const std::string what = path + ": light " + light.name + " is " + nameOf(light.mode) +
+                             ", but an animation changes its " +
+                             listOf(std::vector<std::string>(members.begin(), members.end())) + ": ";
+    if (light.mode == LightMode::Baked) {
+        warnings.push_back(what + "all of its light stays as baked; halflight_mode = \"realtime\" makes it change");
+        return;
+    }
+    const bool shape = members.count("range") != 0 || members.count("spot/outerConeAngle") != 0;
+    if (!shape && light.indirectMultiplier == 0.0f) return; // the seeds' remedy: nothing of it is baked but shadows
+    warnings.push_back(what + (shape
+                                   ? "its baked shadows and bounced light stay; halflight_mode = \"realtime\" is right"
+                                   : "its bounced light stays as baked; halflight_indirect_multiplier = 0 leaves it "
+                                     "out of the bake"));
+}
+
 } // namespace
 
-Result<std::optional<Light>> readLight(const SourceDocument& document, const NodeState& state, FileSettings& file,
+Result<std::optional<Light>> readLight(const SourceDocument& document, const NodeState& state,
+                                       const AnimatedThings& animated, FileSettings& file,
                                        std::vector<std::string>& warnings)
 {
     const Json& node = document.json["nodes"][std::size_t(state.node)];
@@ -138,40 +160,49 @@ Result<std::optional<Light>> readLight(const SourceDocument& document, const Nod
         warnings.push_back(nodePath + ": light " + light.name + " is animated, but " + nameOf(light.mode) +
                            " by its settings");
     }
+    if (const auto it = animated.lights.find(index.get<int>()); it != animated.lights.end())
+        warnAnimatedLight(light, it->second, nodePath, warnings);
     return std::optional<Light>(std::move(light));
 }
 
-Result<std::optional<Camera>> readCamera(const SourceDocument& document, const NodeState& state)
+std::optional<Camera> readCamera(const SourceDocument& document, const NodeState& state,
+                                 std::vector<std::string>& warnings)
 {
-    const int index = document.model.nodes[std::size_t(state.node)].camera;
-    if (index < 0) return std::optional<Camera>();
-    const Json& json = document.json["cameras"][std::size_t(index)];
-    const std::string path = pathOf("cameras", std::size_t(index));
+    const Json& json = element(document.json, "cameras", document.model.nodes[std::size_t(state.node)].camera);
+    if (json.is_null()) return std::nullopt;
     Camera camera;
     const Json& name = member(json, "name");
     camera.name = name.is_string() && !name.get<std::string>().empty() ? name.get<std::string>() : state.name;
     camera.worldFromCamera = rigidPose(mat4(state.worldFromNode));
-    constexpr float kMax = std::numeric_limits<float>::max();
-    constexpr float kTiny = 1.0e-6f;
     const bool perspective = member(json, "type") != "orthographic";
     const Json& lens = member(json, perspective ? "perspective" : "orthographic");
+    const auto number = [&](const char* key, float absent) {
+        const Json& value = member(lens, key);
+        return value.is_number() ? value.get<float>() : value.is_null() ? absent : NAN;
+    };
+    const auto positive = [](float value) { return value > 0.0f && std::isfinite(value); };
+    camera.orthographic = !perspective;
+    camera.nearMeters = number("znear", NAN);
+    camera.farMeters = number("zfar", perspective ? std::max(camera.farMeters, 10.0f * camera.nearMeters) : NAN);
+    const char* wrong = nullptr;
     if (perspective) {
-        if (Status s = readNumber(lens, "yfov", 1.0e-3f, 0.999f * kPi, path, camera.verticalFovRadians); !s)
-            return s.error();
-        if (Status s = readNumber(lens, "znear", kTiny, kMax, path, camera.nearMeters); !s) return s.error();
+        camera.verticalFovRadians = number("yfov", NAN);
+        if (!(camera.verticalFovRadians > 1.0e-3f && camera.verticalFovRadians < 0.999f * kPi))
+            wrong = "yfov is not an angle between 0 and 180 degrees";
+        if (!positive(camera.nearMeters)) wrong = "znear is not above 0";
     } else {
-        camera.orthographic = true;
-        float half = 0.5f;
-        if (Status s = readNumber(lens, "ymag", kTiny, kMax, path, half); !s) return s.error();
-        camera.orthographicHeightMeters = 2.0f * half;
-        if (Status s = readNumber(lens, "znear", 0.0f, kMax, path, camera.nearMeters); !s) return s.error();
+        camera.orthographicHeightMeters = 2.0f * std::abs(number("ymag", NAN));
+        if (!positive(camera.orthographicHeightMeters)) wrong = "ymag is 0 or no number";
+        if (!(camera.nearMeters >= 0.0f)) wrong = "znear is below 0 or no number";
     }
-    if (Status s = readNumber(lens, "zfar", kTiny, kMax, path, camera.farMeters); !s) return s.error();
-    if (camera.farMeters <= camera.nearMeters) {
-        if (!member(lens, "zfar").is_null()) return invalid(path, "zfar is not beyond znear");
-        camera.farMeters = 10000.0f * camera.nearMeters; // an infinite projection: far is ours to choose
+    if (wrong == nullptr && !(std::isfinite(camera.farMeters) && camera.farMeters > camera.nearMeters))
+        wrong = "zfar is not beyond znear";
+    if (wrong != nullptr) {
+        warnings.push_back(pathOf("cameras", std::size_t(document.model.nodes[std::size_t(state.node)].camera)) +
+                           ": camera " + camera.name + " is left out: " + wrong);
+        return std::nullopt;
     }
-    return std::optional<Camera>(std::move(camera));
+    return camera;
 }
 
 } // namespace halflight

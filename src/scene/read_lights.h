@@ -6,10 +6,12 @@
 namespace halflight {
 
 /// The light of KHR_lights_punctual on a node; nothing where it has none. Marks matching rules of `file`.
-Result<std::optional<Light>> readLight(const SourceDocument& document, const NodeState& state, FileSettings& file,
+Result<std::optional<Light>> readLight(const SourceDocument& document, const NodeState& state,
+                                       const AnimatedThings& animated, FileSettings& file,
                                        std::vector<std::string>& warnings);
 
-/// The camera on a node; nothing where it has none.
-Result<std::optional<Camera>> readCamera(const SourceDocument& document, const NodeState& state);
+/// The camera on a node; nothing where it has none, or one that shows nothing (with a warning).
+std::optional<Camera> readCamera(const SourceDocument& document, const NodeState& state,
+                                 std::vector<std::string>& warnings);
 
 } // namespace halflight

@@ -115,6 +115,37 @@ Status readTransmission(const Json& json, const std::string& path, Material& mat
     return {};
 }
 
+// KHR_materials_pbrSpecularGlossiness, where a material has no pbrMetallicRoughness beside it: diffuse is the base
+// colour of a dielectric. What is lost is the colour of the specular reflection and the glossiness of its texture.
+Status readSpecularGlossiness(const Json& json, const std::string& path, TextureTable& textures, Material& material,
+                              std::vector<std::string>& warnings)
+{
+    const char* const kName = "KHR_materials_pbrSpecularGlossiness";
+    const Json& extension = extensionOf(json, kName);
+    if (!extension.is_object() || member(json, "pbrMetallicRoughness").is_object()) return {};
+    const std::string where = path + "/extensions/" + kName;
+    const Fields fields(extension, where);
+    vec3 specular(1.0f);
+    float glossiness = 1.0f;
+    if (Status s = fields.vector<4>("diffuseFactor", material.baseColor); !s) return s;
+    if (Status s = fields.vector<3>("specularFactor", specular); !s) return s;
+    if (Status s = fields.number("glossinessFactor", 0.0f, 1.0f, glossiness); !s) return s;
+    if (Status s = textures.read(member(extension, "diffuseTexture"), where + "/diffuseTexture",
+                                 material.baseColorTexture, warnings);
+        !s) {
+        return s;
+    }
+    constexpr float kDielectric = 0.04f; // what specular = 1 stands for
+    material.baseColor = glm::max(material.baseColor, vec4(0.0f));
+    material.metallic = 0.0f;
+    material.roughness = 1.0f - glossiness;
+    material.specular = glm::clamp(std::max({specular.x, specular.y, specular.z}) / kDielectric, 0.0f, 1.0f);
+    warnings.push_back(where +
+                       ": read as diffuse colour and roughness; its specular colour is approximated by that of " +
+                       "a dielectric (convert the file to metallic-roughness for more)");
+    return {};
+}
+
 Status readMaterial(const Json& json, const std::string& path, TextureTable& textures, Material& material,
                     std::vector<std::string>& warnings)
 {
@@ -140,6 +171,7 @@ Status readMaterial(const Json& json, const std::string& path, TextureTable& tex
         !s) {
         return s;
     }
+    if (Status s = readSpecularGlossiness(json, path, textures, material, warnings); !s) return s;
     if (Status s = slot(normal, path + "/normalTexture", material.normalTexture); !s) return s;
     if (Status s = slot(occlusion, path + "/occlusionTexture", material.occlusionTexture); !s) return s;
     if (Status s = slot(member(json, "emissiveTexture"), path + "/emissiveTexture", material.emissiveTexture); !s)

@@ -1,6 +1,8 @@
 #include "scene/read_scene.h"
 
 #include "halflight/base/parallel.h"
+#include "halflight/base/text.h"
+#include "scene/extensions.h"
 #include "scene/nodes.h"
 #include "scene/read_lights.h"
 #include "scene/read_parts.h"
@@ -126,18 +128,12 @@ Status addObjects(const SourceDocument& document, const NodeState& state, const 
     const auto& node = document.model.nodes[std::size_t(state.node)];
     const Json& json = document.json["nodes"][std::size_t(state.node)];
     const std::string path = pathOf("nodes", std::size_t(state.node));
-    bool morphs = false; // animated weights
-    for (const auto& animation : document.model.animations) {
-        for (const auto& channel : animation.channels) {
-            morphs = morphs || (channel.target_node == state.node && channel.target_path == "weights");
-        }
-    }
     Object object;
     object.name = state.name;
     object.mesh = placed.mesh;
     const glm::dmat4 worldFromShape = placed.worldFromObject.value_or(state.worldFromNode);
     object.worldFromObject = mat4(worldFromShape);
-    const bool moves = state.animated || morphs || node.skin >= 0;
+    const bool moves = state.animated || state.morphed || node.skin >= 0;
     object.isStatic = state.settings.isStatic.value_or(!moves);
     if (object.isStatic && moves)
         scene.warnings.push_back(path + ": " + state.name + " moves, but is static by its settings");
@@ -241,6 +237,26 @@ Status applySceneSettings(const SourceDocument& document, const FileSettings& fi
     return {};
 }
 
+// Of materials that an animation changes and that static objects have: their light in the bake does not change.
+void warnAnimatedMaterials(const AnimatedThings& animated, Scene& scene)
+{
+    std::set<int> ofStatic;
+    for (const Object& object : scene.objects) {
+        if (!object.isStatic) continue;
+        for (const MeshPart& part : scene.meshes[std::size_t(object.mesh)].parts) ofStatic.insert(part.material);
+    }
+    std::vector<std::string> names;
+    for (const auto& [index, members] : animated.materials) {
+        if (index < 0 || std::size_t(index) >= scene.materials.size() || ofStatic.count(index) == 0) continue;
+        const std::string& name = scene.materials[std::size_t(index)].name;
+        names.push_back(name.empty() ? "material " + std::to_string(index) : name);
+    }
+    if (!names.empty()) {
+        scene.warnings.push_back("animated materials of static objects: " + listOf(names) +
+                                 "; the bake has the light they give and reflect at rest");
+    }
+}
+
 // [[add_light]] of the settings file. A light that an earlier bake with the same file added is replaced, not doubled.
 void addLights(const SourceDocument& document, const FileSettings& file, Scene& scene)
 {
@@ -282,7 +298,11 @@ Result<Scene> sceneFromDocument(std::shared_ptr<const SourceDocument> document, 
     scene.textures = std::move(materials->textures);
     scene.warnings = std::move(materials->warnings);
 
-    const auto nodes = walkNodes(*document, file, scene.warnings);
+    const std::vector<std::string> ofExtensions = extensionWarnings(document->json);
+    scene.warnings.insert(scene.warnings.end(), ofExtensions.begin(), ofExtensions.end());
+
+    const AnimatedThings animated = animatedThings(*document);
+    const auto nodes = walkNodes(*document, animated, file, scene.warnings);
     if (!nodes) return nodes.error();
     const auto nodeMeshes = readMeshes(*document, *nodes, scene);
     if (!nodeMeshes) return nodeMeshes.error();
@@ -292,15 +312,14 @@ Result<Scene> sceneFromDocument(std::shared_ptr<const SourceDocument> document, 
             if (Status s = addObjects(*document, state, (*nodeMeshes)[i], scene); !s) return s.error();
         }
         if (state.visible) {
-            auto light = readLight(*document, state, file, scene.warnings);
+            auto light = readLight(*document, state, animated, file, scene.warnings);
             if (!light) return light.error();
             if (*light) scene.lights.push_back(std::move(**light));
         }
-        auto camera = readCamera(*document, state);
-        if (!camera) return camera.error();
-        if (*camera) scene.cameras.push_back(std::move(**camera));
+        if (auto camera = readCamera(*document, state, scene.warnings)) scene.cameras.push_back(std::move(*camera));
     }
     addLights(*document, file, scene);
+    warnAnimatedMaterials(animated, scene);
     if (Status s = applySceneSettings(*document, file, scene); !s) return s.error();
 
     const auto warnUnmatched = [&](const auto& rules, const char* table) {

@@ -1,5 +1,7 @@
 #include "scene/validate.h"
 
+#include "scene/extensions.h"
+
 #include <algorithm>
 #include <array>
 #include <string_view>
@@ -13,7 +15,7 @@ constexpr uint64_t kMaxImplicitElements = 1u << 20;
 constexpr uint64_t kMaxInt = 0x7fffffff;
 constexpr uint64_t kMaxByteLength = 0xffffffff;
 
-constexpr std::array<std::string_view, 15> kSupportedExtensions = {"KHR_lights_punctual",
+constexpr std::array<std::string_view, 17> kSupportedExtensions = {"KHR_lights_punctual",
                                                                    "KHR_materials_emissive_strength",
                                                                    "KHR_texture_transform",
                                                                    "KHR_mesh_quantization",
@@ -23,6 +25,8 @@ constexpr std::array<std::string_view, 15> kSupportedExtensions = {"KHR_lights_p
                                                                    "KHR_materials_variants",
                                                                    "KHR_materials_specular",
                                                                    "KHR_materials_transmission",
+                                                                   "KHR_materials_pbrSpecularGlossiness",
+                                                                   "KHR_animation_pointer",
                                                                    "HALFLIGHT_mixed_lighting",
                                                                    "HALFLIGHT_node",
                                                                    "HALFLIGHT_material",
@@ -71,7 +75,7 @@ Status checkExtensions(const Json& json)
     for (const Json& name : required) {
         if (!name.is_string()) return invalid("/extensionsRequired", "holds something that is not a name");
         const auto text = name.get<std::string>();
-        if (std::find(kSupportedExtensions.begin(), kSupportedExtensions.end(), text) == kSupportedExtensions.end()) {
+        if (!isSupportedExtension(text) && !isHarmlessExtension(text)) {
             return Error{ErrorCode::Unsupported, "the file requires the extension " + text + ", which is not supported",
                          "/extensionsRequired"};
         }
@@ -322,6 +326,11 @@ Status checkTextures(const SourceDocument& document)
 }
 
 } // namespace
+
+bool isSupportedExtension(std::string_view name)
+{
+    return std::find(kSupportedExtensions.begin(), kSupportedExtensions.end(), name) != kSupportedExtensions.end();
+}
 
 Status checkBeforeParsing(const Json& json, bool isBinary)
 {

@@ -1,0 +1,189 @@
+// Files as in the wild: extensions that baked light does not need, animation by pointer, old materials, odd cameras.
+
+#include "fixtures.h"
+
+#include <functional>
+#include <gmock/gmock.h>
+
+namespace halflight {
+namespace {
+
+using namespace test;
+using testing::Contains;
+using testing::HasSubstr;
+using testing::Not;
+
+Scene readOrDie(const std::filesystem::path& path)
+{
+    auto scene = readScene(path);
+    EXPECT_TRUE(scene) << scene.error().text();
+    return scene ? std::move(*scene) : Scene();
+}
+
+Scene readWith(const std::function<void(GltfBuilder&)>& change)
+{
+    const TemporaryFolder folder;
+    GltfBuilder file;
+    file.triangle();
+    change(file);
+    return readOrDie(file.write(folder));
+}
+
+TEST(Extensions, ThoseWithoutABearingOnBakedLightNeverRefuseAFile)
+{
+    for (const char* name :
+         {"KHR_materials_ior", "KHR_materials_clearcoat", "KHR_materials_volume", "KHR_materials_sheen",
+          "KHR_materials_iridescence", "KHR_materials_anisotropy", "KHR_materials_dispersion",
+          "KHR_materials_diffuse_transmission", "KHR_xmp_json_ld", "MSFT_lod"}) {
+        const Scene scene = readWith([&](GltfBuilder& file) {
+            file.json["extensionsUsed"] = {name};
+            file.json["extensionsRequired"] = {name};
+            file.json["materials"] = {{{"extensions", {{name, {{"ior", 1.4}}}}}}};
+        });
+        EXPECT_EQ(scene.objects.size(), 1u);
+        EXPECT_THAT(scene.warnings, Contains(HasSubstr(name)));
+    }
+    // One warning for all of them; one for what is unknown, and nothing about what is read.
+    const Scene scene = readWith([](GltfBuilder& file) {
+        file.json["extensionsUsed"] = {"KHR_materials_ior", "KHR_materials_sheen", "ACME_rocket", "KHR_lights_punctual",
+                                       "KHR_animation_pointer"};
+    });
+    EXPECT_THAT(scene.warnings, Contains(HasSubstr("\"KHR_materials_ior\", \"KHR_materials_sheen\"")));
+    EXPECT_THAT(scene.warnings, Contains(HasSubstr("does not know them: \"ACME_rocket\"")));
+    EXPECT_THAT(scene.warnings, Not(Contains(HasSubstr("KHR_animation_pointer"))));
+    // What is unknown may be anything: a file that requires it is refused.
+    const TemporaryFolder folder;
+    GltfBuilder file;
+    file.triangle();
+    file.json["extensionsRequired"] = {"ACME_rocket"};
+    EXPECT_FALSE(readScene(file.write(folder)));
+}
+
+TEST(Extensions, SpecularGlossinessGivesItsDiffuseColour)
+{
+    const Json old = {{"diffuseFactor", {0.5, 0.25, 0.125, 1}},
+                      {"diffuseTexture", {{"index", 0}}},
+                      {"specularFactor", {0.02, 0.02, 0.02}},
+                      {"glossinessFactor", 0.75}};
+    const TemporaryFolder folder;
+    GltfBuilder file;
+    file.triangle();
+    ASSERT_TRUE(writePng(folder / "a.png", ImageRgba8(2, 1, u8vec4(9, 8, 7, 6))));
+    file.json["images"] = {{{"uri", "a.png"}}};
+    file.json["textures"] = {{{"source", 0}}};
+    file.json["materials"] = {{{"extensions", {{"KHR_materials_pbrSpecularGlossiness", old}}}}};
+    file.json["extensionsRequired"] = {"KHR_materials_pbrSpecularGlossiness"};
+    Scene scene = readOrDie(file.write(folder));
+    const Material& material = scene.materials.at(0);
+    EXPECT_EQ(material.baseColor, vec4(0.5f, 0.25f, 0.125f, 1));
+    EXPECT_TRUE(material.baseColorTexture);
+    EXPECT_EQ(material.metallic, 0.0f);
+    EXPECT_EQ(material.roughness, 0.25f);
+    EXPECT_FLOAT_EQ(material.specular, 0.5f);
+    EXPECT_THAT(scene.warnings, Contains(HasSubstr("/materials/0/extensions/KHR_materials_pbrSpecularGlossiness")));
+    // The fallback that its author wrote beside it is for programs like this one.
+    file.json["materials"][0]["pbrMetallicRoughness"] = {{"baseColorFactor", {1, 0, 0, 1}}, {"metallicFactor", 0.5}};
+    scene = readOrDie(file.write(folder));
+    EXPECT_EQ(scene.materials.at(0).baseColor, vec4(1, 0, 0, 1));
+    EXPECT_EQ(scene.materials.at(0).metallic, 0.5f);
+}
+
+/// A file whose only animation targets `pointer`.
+void animate(GltfBuilder& file, const std::string& pointer)
+{
+    const int times = file.floats({0, 1}, "SCALAR", 1);
+    const int values = file.floats({0, 0, 0, 1, 0, 0}, "VEC3", 3);
+    file.json["extensionsUsed"] = {"KHR_animation_pointer"};
+    file.json["animations"] = {
+        {{"samplers", {{{"input", times}, {"output", values}}}},
+         {"channels",
+          {{{"sampler", 0},
+            {"target", {{"path", "pointer"}, {"extensions", {{"KHR_animation_pointer", {{"pointer", pointer}}}}}}}}}}}};
+}
+
+TEST(AnimationPointer, NodesThatItMovesShowsOrMorphsAreDynamic)
+{
+    for (const char* pointer :
+         {"/nodes/1/translation", "/nodes/1/rotation", "/nodes/1/scale", "/nodes/0/translation", "/nodes/1/weights",
+          "/nodes/1/weights/0", "/meshes/0/weights", "/nodes/1/extensions/KHR_node_visibility/visible"}) {
+        const Scene scene = readWith([&](GltfBuilder& file) {
+            file.json["nodes"] = {{{"children", {1}}}, {{"mesh", 0}}};
+            animate(file, pointer);
+        });
+        EXPECT_FALSE(scene.objects.at(0).isStatic) << pointer;
+    }
+    for (const char* pointer : {"/nodes/0/translation", "/nodes/1/name", "/nodes/12/translation", "/nodes/1",
+                                "/nodes//translation", "nonsense", ""}) {
+        const Scene scene = readWith([&](GltfBuilder& file) {
+            file.json["nodes"] = {{{"name", "empty"}}, {{"mesh", 0}}};
+            file.json["scenes"] = {{{"nodes", {0, 1}}}};
+            animate(file, pointer);
+        });
+        EXPECT_TRUE(scene.objects.at(0).isStatic) << pointer;
+    }
+}
+
+TEST(AnimationPointer, LightsAndMaterialsOfTheBakeAreNamed)
+{
+    const auto warningsOf = [](const std::string& pointer, const Json& extras) {
+        return readWith([&](GltfBuilder& file) {
+                   file.json["extensions"]["KHR_lights_punctual"]["lights"] = {{{"type", "point"}, {"extras", extras}}};
+                   file.json["nodes"].push_back(
+                       {{"name", "lamp"}, {"extensions", {{"KHR_lights_punctual", {{"light", 0}}}}}});
+                   file.json["scenes"] = {{{"nodes", {0, 1}}}};
+                   file.json["materials"] = {{{"name", "screen"}}};
+                   file.json["meshes"][0]["primitives"][0]["material"] = 0;
+                   animate(file, pointer);
+               })
+            .warnings;
+    };
+    const std::string lights = "/extensions/KHR_lights_punctual/lights/0/";
+    EXPECT_THAT(warningsOf(lights + "intensity", {}), Contains(HasSubstr("its bounced light stays as baked")));
+    EXPECT_THAT(warningsOf(lights + "range", {}), Contains(HasSubstr("baked shadows and bounced light stay")));
+    EXPECT_THAT(warningsOf(lights + "color", {{"halflight_mode", "baked"}}), Contains(HasSubstr("all of its light")));
+    EXPECT_THAT(warningsOf(lights + "color", {{"halflight_mode", "realtime"}}), Not(Contains(HasSubstr("lamp"))));
+    EXPECT_THAT(warningsOf(lights + "color", {{"halflight_indirect_multiplier", 0}}), Not(Contains(HasSubstr("lamp"))));
+    EXPECT_THAT(warningsOf("/materials/0/emissiveFactor", {}), Contains(HasSubstr("\"screen\"")));
+    EXPECT_THAT(warningsOf("/materials/7/emissiveFactor", {}), Not(Contains(HasSubstr("animated materials"))));
+}
+
+TEST(Cameras, OddOnesAreLeftOutWithTheReasonAndTheRestIsRead)
+{
+    const auto read = [](const Json& camera) {
+        return readWith([&](GltfBuilder& file) {
+            file.json["cameras"] = {camera};
+            file.json["nodes"][0]["camera"] = 0;
+        });
+    };
+    const auto perspective = [](Json lens) { return Json{{"type", "perspective"}, {"perspective", std::move(lens)}}; };
+    const auto orthographic = [](Json lens) {
+        return Json{{"type", "orthographic"}, {"orthographic", std::move(lens)}};
+    };
+    const std::vector<std::pair<Json, const char*>> odd = {
+        {perspective({{"yfov", 0.8}, {"znear", 0}, {"zfar", 1000}}), "znear is not above 0"},
+        {perspective({{"yfov", 0.8}, {"znear", -1}}), "znear is not above 0"},
+        {perspective({{"yfov", 0.8}, {"znear", 1}, {"zfar", 0.5}}), "zfar is not beyond znear"},
+        {perspective({{"yfov", 0}, {"znear", 1}}), "yfov"},
+        {perspective({{"yfov", 3.5}, {"znear", 1}}), "yfov"},
+        {orthographic({{"xmag", 1}, {"ymag", 0}, {"znear", 0}, {"zfar", 10}}), "ymag"},
+        {orthographic({{"xmag", 1}, {"ymag", 1}, {"znear", -1}, {"zfar", 10}}), "znear is below 0"},
+        {orthographic({{"xmag", 1}, {"ymag", 1}, {"znear", 3}, {"zfar", 3}}), "zfar is not beyond znear"},
+    };
+    for (const auto& [camera, reason] : odd) {
+        const Scene scene = read(camera);
+        EXPECT_EQ(scene.cameras.size(), 0u) << camera;
+        EXPECT_EQ(scene.objects.size(), 1u);
+        EXPECT_THAT(scene.warnings, Contains(testing::AllOf(HasSubstr("/cameras/0"), HasSubstr(reason)))) << camera;
+    }
+    const Scene tiny = read(perspective({{"yfov", 0.8}, {"znear", 5e-7}, {"zfar", 0.1}, {"aspectRatio", 0}}));
+    ASSERT_EQ(tiny.cameras.size(), 1u);
+    EXPECT_EQ(tiny.cameras[0].nearMeters, 5e-7f);
+    EXPECT_EQ(tiny.cameras[0].farMeters, 0.1f);
+    const Scene infinite = read(perspective({{"yfov", 0.8}, {"znear", 5000}}));
+    ASSERT_EQ(infinite.cameras.size(), 1u);
+    EXPECT_GT(infinite.cameras[0].farMeters, 5000.0f);
+    EXPECT_EQ(read(orthographic({{"xmag", -1}, {"ymag", -1}, {"znear", 0}, {"zfar", 3}})).cameras.size(), 1u);
+}
+
+} // namespace
+} // namespace halflight
