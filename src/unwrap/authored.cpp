@@ -124,38 +124,64 @@ AuthoredLayout readAuthoredLayout(const Mesh& mesh, const Surface& surface)
     return layout;
 }
 
-bool chartsTooClose(std::span<const AuthoredLayout* const> layouts, double texelsPerUnit, int padding)
+namespace {
+
+constexpr uint32_t kFree = kNone;
+
+/// Who touches which texel, or nothing when a texel is touched by two. The image holds what the layouts touch and no
+/// more. `ownerOf(layout, triangle)` is a number below kFree, or kFree for triangles that do not count.
+template<typename OwnerOf> std::optional<Image<uint32_t>> ownersOfTexels(std::span<const AuthoredLayout* const> layouts,
+                                                                         double texelsPerUnit, OwnerOf ownerOf)
 {
-    constexpr uint32_t kFree = kNone;
-    const int size = int(std::ceil(texelsPerUnit)) + 2; // a texel around, for what the margin touches beyond [0,1]
-    Image<uint32_t> owner(size, size, kFree);
-    bool tooClose = false;
-    uint32_t firstChart = 0;
+    dvec2 least(1e300), most(-1e300);
     for (const AuthoredLayout* layout : layouts) {
-        for (std::size_t t = 0; t < layout->triangles.size(); ++t) {
-            if (layout->chartOfTriangle[t] == kNone) continue;
-            const uint32_t chart = firstChart + layout->chartOfTriangle[t];
+        least = glm::min(least, layout->least);
+        most = glm::max(most, layout->most);
+    }
+    const ivec2 corner(glm::floor(least * texelsPerUnit - 2.0 * kRasterMargin));
+    const ivec2 size = ivec2(glm::floor(most * texelsPerUnit + 2.0 * kRasterMargin)) + 1 - corner;
+    Image<uint32_t> owners(size.x, size.y, kFree);
+    bool shared = false;
+    for (std::size_t l = 0; l < layouts.size() && !shared; ++l) {
+        const AuthoredLayout& layout = *layouts[l];
+        for (std::size_t t = 0; t < layout.triangles.size() && !shared; ++t) {
+            const uint32_t owner = ownerOf(l, t);
+            if (owner == kFree) continue;
             dvec2 corners[3];
-            for (int k = 0; k < 3; ++k) corners[k] = layout->triangles[t].corners[k] * texelsPerUnit + 1.0;
+            for (int k = 0; k < 3; ++k) corners[k] = layout.triangles[t].corners[k] * texelsPerUnit - dvec2(corner);
             forTouchedTexels(corners, kRasterMargin, [&](int y, int first, int last) {
-                if (y < 0 || y >= size) return;
-                for (int x = std::max(first, 0); x <= std::min(last, size - 1); ++x) {
-                    tooClose |= owner(x, y) != kFree && owner(x, y) != chart;
-                    owner(x, y) = chart;
+                if (y < 0 || y >= size.y) return;
+                for (int x = std::max(first, 0); x <= std::min(last, size.x - 1); ++x) {
+                    shared |= owners(x, y) != kFree && owners(x, y) != owner;
+                    owners(x, y) = owner;
                 }
             });
-            if (tooClose) return true;
         }
-        firstChart += layout->chartCount;
     }
-    // Along a row, then between rows: whoever has another chart's texel in the square of half side `padding` around it.
-    for (int y = 0; y < size; ++y) {
-        for (int x = 0; x < size; ++x) {
-            const uint32_t mine = owner(x, y);
+    if (shared) return std::nullopt;
+    return owners;
+}
+
+} // namespace
+
+bool chartsTooClose(std::span<const AuthoredLayout* const> layouts, double texelsPerUnit, int padding)
+{
+    std::vector<uint32_t> firstChart(layouts.size(), 0);
+    for (std::size_t l = 1; l < layouts.size(); ++l) firstChart[l] = firstChart[l - 1] + layouts[l - 1]->chartCount;
+    const auto owners = ownersOfTexels(layouts, texelsPerUnit, [&](std::size_t l, std::size_t t) {
+        const uint32_t chart = layouts[l]->chartOfTriangle[t];
+        return chart == kNone ? kFree : firstChart[l] + chart;
+    });
+    if (!owners) return true;
+    // Along a row, then between rows: a texel of another chart in the square of half side `padding` around one.
+    for (int y = 0; y < owners->height(); ++y) {
+        for (int x = 0; x < owners->width(); ++x) {
+            const uint32_t mine = (*owners)(x, y);
             if (mine == kFree) continue;
-            for (int dy = 0; dy <= padding && y + dy < size; ++dy) {
-                for (int i = std::max(x - padding, 0), end = std::min(x + padding, size - 1); i <= end; ++i) {
-                    if (owner(i, y + dy) != kFree && owner(i, y + dy) != mine) return true;
+            for (int dy = 0; dy <= padding && y + dy < owners->height(); ++dy) {
+                for (int i = std::max(x - padding, 0), end = std::min(x + padding, owners->width() - 1); i <= end;
+                     ++i) {
+                    if ((*owners)(i, y + dy) != kFree && (*owners)(i, y + dy) != mine) return true;
                 }
             }
         }
@@ -163,15 +189,9 @@ bool chartsTooClose(std::span<const AuthoredLayout* const> layouts, double texel
     return false;
 }
 
-bool layoutsOverlap(std::span<const AuthoredLayout* const> layouts)
+bool layoutsShareTexel(std::span<const AuthoredLayout* const> layouts, int pageSize)
 {
-    std::vector<FlatTriangle> solid;
-    for (const AuthoredLayout* layout : layouts) {
-        for (std::size_t t = 0; t < layout->triangles.size(); ++t) {
-            if (layout->chartOfTriangle[t] != kNone) solid.push_back(layout->triangles[t]);
-        }
-    }
-    return findOverlap(solid, kOverlapTolerance).has_value();
+    return !ownersOfTexels(layouts, double(pageSize), [](std::size_t l, std::size_t) { return uint32_t(l); });
 }
 
 } // namespace halflight::charts

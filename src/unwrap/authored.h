@@ -32,7 +32,7 @@ AuthoredLayout readAuthoredLayout(const Mesh& mesh, const Surface& surface);
 /// is the corner of a texel. `layouts` share one uv square.
 bool chartsTooClose(std::span<const AuthoredLayout* const> layouts, double texelsPerUnit, int padding);
 
-/// Whether triangles of two layouts overlap when both are laid on one page as they stand.
-bool layoutsOverlap(std::span<const AuthoredLayout* const> layouts);
+/// Whether two layouts touch one texel when all are laid on one page of `pageSize` texels as they stand.
+bool layoutsShareTexel(std::span<const AuthoredLayout* const> layouts, int pageSize);
 
 } // namespace halflight::charts

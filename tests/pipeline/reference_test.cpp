@@ -1,6 +1,8 @@
 // From scene to picture, against the path-traced reference of the same camera: what is baked, what is realtime and how
 // they mix adds up to the light there is (spec S6–S8, S10, S12, S13, S21).
 
+#include "pipeline/pictures.h"
+
 #include "halflight/bake/bake.h"
 #include "halflight/bake_cpu/embree_integrator.h"
 #include "halflight/render/renderer.h"
@@ -8,7 +10,6 @@
 
 #include <gtest/gtest.h>
 
-#include <cmath>
 #include <filesystem>
 #include <glm/gtc/matrix_transform.hpp>
 #include <numeric>
@@ -121,28 +122,6 @@ BakedScene bakeRoom(const Scene& scene, MixedLightingMode mode)
     return std::move(result->baked);
 }
 
-/// Means of |difference| / reference over pixels, each averaged over 2 x 2 so that edges' antialiasing does not count.
-double meanRelativeError(const ImageRgba32f& picture, const ImageRgb32f& reference)
-{
-    double mean = 0.0;
-    for (const vec3 c : reference.texels()) mean += luminance(c) / double(reference.texelCount());
-    double error = 0.0;
-    int count = 0;
-    for (int y = 0; y + 1 < reference.height(); y += 2) {
-        for (int x = 0; x + 1 < reference.width(); x += 2) {
-            double a = 0.0;
-            double b = 0.0;
-            for (int i = 0; i < 4; ++i) {
-                a += luminance(vec3(picture(x + (i & 1), y + (i >> 1)))) / 4.0;
-                b += luminance(reference(x + (i & 1), y + (i >> 1))) / 4.0;
-            }
-            error += std::abs(a - b) / (b + 0.01 * mean);
-            ++count;
-        }
-    }
-    return error / count;
-}
-
 class ReferencePicture : public testing::Test {
 protected:
     static void SetUpTestSuite()
@@ -160,18 +139,7 @@ protected:
 
     static double error(const BakedScene& baked, RunMode mode)
     {
-        RendererOptions options;
-        options.validation = true;
-        auto renderer = Renderer::create(options);
-        EXPECT_TRUE(renderer) << renderer.error().text();
-        EXPECT_TRUE((*renderer)->load(baked));
-        RenderSettings settings;
-        settings.mode = mode;
-        settings.size = kSize;
-        auto frame = (*renderer)->render(scene_->cameras[0], settings);
-        EXPECT_TRUE(frame) << frame.error().text();
-        for (const std::string& message : (*renderer)->validationMessages()) ADD_FAILURE() << message;
-        return meanRelativeError(frame->radiance, *reference_);
+        return meanRelativeError(drawPicture(baked, scene_->cameras[0], mode, kSize), *reference_);
     }
 
     static Scene* scene_;

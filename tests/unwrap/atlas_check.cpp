@@ -16,6 +16,7 @@ using glm::dvec3;
 struct PageTriangle {
     dvec2 corners[3]; ///< texels
     uint32_t chart;
+    int object;
     int page;
     bool degenerate;
     bool first; ///< on the first object with its mesh: overlaps within charts are looked for once
@@ -114,6 +115,7 @@ std::string collect(const UnwrappedScene& unwrapped, std::vector<PageTriangle>& 
                 }
                 for (int k = 1; k < 3; ++k) parent[find(pointOf[k])] = find(pointOf[0]);
                 triangle.page = binding.page;
+                triangle.object = int(&object - unwrapped.scene.objects.data());
                 triangle.first = meshSeen[std::size_t(object.mesh)] == 0;
                 triangle.chart = pointOf[0];
                 const double worldArea = 0.5 * glm::length(glm::cross(p[1] - p[0], p[2] - p[0]));
@@ -210,6 +212,51 @@ AtlasCheck checkAtlas(const UnwrappedScene& unwrapped, int paddingTexels)
         }
     }
     return check;
+}
+
+std::string findSharedTexel(const UnwrappedScene& unwrapped)
+{
+    AtlasCheck unused;
+    std::vector<PageTriangle> triangles;
+    if (std::string fault = collect(unwrapped, triangles, unused); !fault.empty()) return fault;
+    std::vector<char> kept(unwrapped.scene.meshes.size(), 0);
+    for (const MeshUnwrapReport& report : unwrapped.meshes) kept[std::size_t(report.mesh)] |= report.kept ? 1 : 2;
+    struct Owner {
+        int object = -1;
+        uint32_t chart = 0;
+        bool solid = false;
+    };
+    const int size = unwrapped.pageSize;
+    std::vector<Image<Owner>> pages(std::size_t(unwrapped.pageCount), Image<Owner>(size, size));
+    for (const PageTriangle& triangle : triangles) {
+        const Object& object = unwrapped.scene.objects[std::size_t(triangle.object)];
+        if (kept[std::size_t(object.mesh)] == 3) return fmt::format("mesh {} is kept and is not", object.mesh);
+        const bool chartsMayMeet = kept[std::size_t(object.mesh)] == 1;
+        const auto& c = triangle.corners;
+        const int x0 = std::max(int(std::floor(std::min({c[0].x, c[1].x, c[2].x}))), 0);
+        const int y0 = std::max(int(std::floor(std::min({c[0].y, c[1].y, c[2].y}))), 0);
+        const int x1 = std::min(int(std::floor(std::max({c[0].x, c[1].x, c[2].x}))), size - 1);
+        const int y1 = std::min(int(std::floor(std::max({c[0].y, c[1].y, c[2].y}))), size - 1);
+        for (int y = y0; y <= y1; ++y) {
+            for (int x = x0; x <= x1; ++x) {
+                if (!touches(c, x, y)) continue;
+                Owner& owner = pages[std::size_t(triangle.page)](x, y);
+                if (owner.object >= 0 && owner.object != triangle.object) {
+                    return fmt::format("texel {},{} of page {} belongs to objects {} and {}", x, y, triangle.page,
+                                       owner.object, triangle.object);
+                }
+                if (owner.solid && !triangle.degenerate && !chartsMayMeet && owner.chart != triangle.chart) {
+                    return fmt::format("texel {},{} of page {} belongs to two charts of object {}", x, y, triangle.page,
+                                       triangle.object);
+                }
+                owner.object = triangle.object;
+                if (triangle.degenerate) continue;
+                owner.chart = triangle.chart;
+                owner.solid = true;
+            }
+        }
+    }
+    return {};
 }
 
 std::string checkMeshes(const Scene& before, const UnwrappedScene& after)

@@ -22,6 +22,10 @@ struct AtlasCheck {
 /// chart overlap; a triangle with an area on the surface has one on the page.
 AtlasCheck checkAtlas(const UnwrappedScene& unwrapped, int paddingTexels);
 
+/// Brute force: the first texel that triangles of two objects touch, or triangles of two charts of a layout that is not
+/// the file's own; empty when there is none. Also a fault: a mesh that is reported as kept and as unwrapped.
+std::string findSharedTexel(const UnwrappedScene& unwrapped);
+
 /// What every mesh must keep: vertex arrays of one length, valid indices, sourceVertex pointing at equal vertices of
 /// the source part. Compares with the scene before unwrapping. Returns the first fault.
 std::string checkMeshes(const Scene& before, const UnwrappedScene& after);

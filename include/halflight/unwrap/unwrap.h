@@ -63,8 +63,11 @@ struct UnwrappedScene {
 /// lightmapUv in page coordinates (scale 1, offset 0). Density is measured in the world: texelsPerMeter times the
 /// object's lightmapScale.
 ///
+/// With UvMode::Keep, charts of one kept layout may come closer than the padding (a warning); two objects never touch
+/// one texel, in any mix of kept and new layouts. The result is rasterized to check that.
+///
 /// Errors: InvalidArgument (settings; a density that needs more than kMaxPages pages), FileInvalid (UvMode::Keep, with
-/// the reason), Cancelled.
+/// the reason), Unsupported (the check failed, with the objects' names), Cancelled.
 Result<UnwrappedScene> unwrap(Scene scene, const UnwrapSettings& settings, const Progress& progress = {});
 
 } // namespace halflight
