@@ -30,11 +30,12 @@ vec3 indirectLight(MeshSurface mesh, vec3 lightmap)
         surroundings = mix(skyRadiance(frame.skyZenith.rgb, frame.skyHorizon.rgb, frame.skyGround.rgb, mirror),
                            surroundings, s.roughness);
 
-    vec3 diffuse = diffuseRadiance(diffuseAlbedoOf(s.baseColor, s.metallic), irradiance);
-    float nDotV = max(abs(dot(s.normal, s.view)), 1.0e-4);
-    vec3 specular = environmentSpecular(specularF0Of(s.baseColor, s.metallic, s.specular),
-                                        specularF90Of(s.metallic, s.specular), s.roughness, nDotV) *
-                    surroundings;
+    float nDotV = clamp(abs(dot(s.normal, s.view)), 1.0e-4, 1.0);
+    vec3 f0 = specularF0Of(s.baseColor, s.metallic, s.specular);
+    float f90 = specularF90Of(s.metallic, s.specular);
+    vec3 albedo = diffuseAlbedoOf(s.baseColor, s.metallic) * diffuseShare(f0, f90, nDotV);
+    vec3 diffuse = diffuseRadiance(albedo, irradiance);
+    vec3 specular = environmentSpecular(f0, f90, s.roughness, nDotV) * surroundings;
     return (diffuse + specular) * mesh.occlusion;
 }
 

@@ -208,22 +208,134 @@ PathTracer::Incoming PathTracer::incoming(const Receiver& receiver, vec3 directi
     return result;
 }
 
+// The BRDF of a point as a camera sees it, and its directions: from the specular lobe with a chance of about its share
+// of the reflected light, else cosine-distributed.
+class PathTracer::Gloss {
+public:
+    Gloss(const SurfacePoint& point, const SurfaceReflectance& surface, vec3 view)
+        : point_(point), surface_(surface), view_(view), nDotV_(std::max(glm::dot(point.normal, view), 1.0e-4f)),
+          alpha_(shading::square(std::max(surface.roughness, 0.045f)))
+    {
+        shading::orthonormalBasis(point.normal, tangent_, bitangent_);
+        const vec3 f0 = shading::specularF0Of(surface.baseColor, surface.metallic, surface.specular);
+        const float f90 = shading::specularF90Of(surface.metallic, surface.specular);
+        const float specular = luminance(shading::environmentSpecular(f0, f90, surface.roughness, nDotV_));
+        const float diffuse = luminance(shading::diffuseAlbedoOf(surface.baseColor, surface.metallic));
+        constexpr float kLeast = 0.1f; // neither lobe is left out for a wrong guess
+        if (!(f90 > 0.0f))
+            specularChance_ = 0.0f;
+        else if (!(diffuse > 0.0f))
+            specularChance_ = 1.0f;
+        else
+            specularChance_ = std::clamp(specular / (specular + diffuse), kLeast, 1.0f - kLeast);
+    }
+
+    /// Radiance towards the view of light from a direction, of this illuminance on a surface that faces it.
+    [[nodiscard]] vec3 reflected(vec3 direction, vec3 illuminance) const
+    {
+        return shading::reflectLight(surface_.baseColor, surface_.metallic, surface_.roughness, surface_.specular,
+                                     point_.normal, view_, direction, illuminance);
+    }
+
+    /// A direction; those of the lobe can lead into the surface, and count for nothing there.
+    [[nodiscard]] vec3 direction(float uLobe, vec2 u) const
+    {
+        if (uLobe >= specularChance_) return gatherDirection(point_, u);
+        // Dupuy and Benyoub 2023, "Sampling Visible GGX Normals with Spherical Caps".
+        const vec3 v(glm::dot(view_, tangent_), glm::dot(view_, bitangent_), nDotV_);
+        const vec3 stretched = glm::normalize(vec3(alpha_ * v.x, alpha_ * v.y, v.z));
+        const float phi = 2.0f * kPi * u.x;
+        const float z = 1.0f - u.y * (1.0f + stretched.z);
+        const float sine = std::sqrt(std::clamp(1.0f - z * z, 0.0f, 1.0f));
+        const vec3 cap = vec3(sine * std::cos(phi), sine * std::sin(phi), z) + stretched;
+        const vec3 h = glm::normalize(vec3(alpha_ * cap.x, alpha_ * cap.y, std::max(cap.z, 1.0e-6f)));
+        const vec3 local = 2.0f * glm::dot(v, h) * h - v;
+        return glm::normalize(local.x * tangent_ + local.y * bitangent_ + local.z * point_.normal);
+    }
+
+    /// Density of direction(), per steradian.
+    [[nodiscard]] float pdf(vec3 direction) const
+    {
+        const float diffuse = gatherPdf(point_.normal, direction);
+        if (specularChance_ <= 0.0f) return diffuse;
+        const float a2 = alpha_ * alpha_;
+        const vec3 h = glm::normalize(direction + view_);
+        const float d = shading::distributionGgx(shading::saturate(glm::dot(point_.normal, h)), alpha_);
+        // D G1(v) / (4 N.v), G1 = 2 N.v / (N.v + sqrt(a2 + (1 - a2) (N.v)^2)).
+        const float specular = 0.5f * d / (nDotV_ + std::sqrt(a2 + (1.0f - a2) * nDotV_ * nDotV_));
+        return glm::mix(diffuse, specular, specularChance_);
+    }
+
+private:
+    const SurfacePoint& point_;
+    SurfaceReflectance surface_;
+    vec3 view_;
+    float nDotV_;
+    float alpha_;
+    float specularChance_;
+    vec3 tangent_;
+    vec3 bitangent_;
+};
+
+vec3 PathTracer::punctualRadiance(const SurfacePoint& point, const Gloss& gloss, Sampler& sampler, uint64_t& rays) const
+{
+    const LightChoice choice = choosePunctual(point, true, sampler);
+    if (choice.light == nullptr) return vec3(0.0f);
+    const vec3 direction = choice.light->at(point.position).direction;
+    const float cosine = glm::dot(point.normal, direction); // in what is unshadowed already; above 0
+    return gloss.reflected(direction, choice.irradiance(lightVisibility(*choice.light, point, choice.disc, rays))) /
+           cosine;
+}
+
+vec3 PathTracer::emitterRadiance(const SurfacePoint& point, const Gloss& gloss, Sampler& sampler, uint64_t& rays) const
+{
+    if (emitters_.empty()) return vec3(0.0f);
+    const vec3 origin = rayOrigin(point);
+    const EmitterSample s = emitters_.sample(origin, point.normal, sampler.next2());
+    const vec3 way = s.position - origin;
+    const float distance2 = glm::dot(way, way);
+    if (s.pdfArea <= 0.0f || s.radiance == vec3(0.0f) || distance2 <= 0.0f) return vec3(0.0f);
+    const float distance = std::sqrt(distance2);
+    const vec3 direction = way / distance;
+    const float front = -glm::dot(s.normal, direction);
+    const float emitterCosine = s.doubleSided ? std::abs(front) : front;
+    if (emitterCosine <= 0.0f || glm::dot(direction, point.geometricNormal) <= 0.0f) return vec3(0.0f);
+    const float pdf = s.pdfArea * distance2 / emitterCosine;
+    const float weight = s.rayVisible ? powerHeuristic(pdf, gloss.pdf(direction)) : 1.0f;
+    ++rays;
+    const float arriving = tracer_.arriving(origin, direction, 0.0f, distance * (1.0f - 1.0e-4f));
+    return gloss.reflected(direction, s.radiance) * (arriving * weight / pdf);
+}
+
 vec3 PathTracer::seenFromCamera(vec3 origin, vec3 direction, float tMax, int bounces, Sampler& sampler,
                                 uint64_t& rays) const
 {
     ++rays;
     const RayHit at = tracer_.nearest(origin, direction, 0.0f, tMax, true);
-    if (at.found) {
-        const uint32_t triangle = tracer_.triangleOf(at.geomID, at.primID);
-        if (tracer_.materialOfTriangle(triangle).unlit) return tracer_.albedoAt(triangle, at.barycentric);
-    }
-    return follow(at, direction, {origin}, 0.0f, bounces + 1, sampler, rays, nullptr, nullptr, true);
+    if (!at.found) return shading::skyRadiance(sky_.zenith, sky_.horizon, sky_.ground, direction);
+    const uint32_t triangle = tracer_.triangleOf(at.geomID, at.primID);
+    const SurfaceReflectance surface = tracer_.reflectanceAt(triangle, at.barycentric);
+    if (tracer_.materialOfTriangle(triangle).unlit) return surface.baseColor;
+    const SurfaceHit hit = tracer_.surfaceAt(at);
+    const Gloss gloss(hit.point, surface, -direction);
+    vec3 radiance = hit.emission + punctualRadiance(hit.point, gloss, sampler, rays) +
+                    emitterRadiance(hit.point, gloss, sampler, rays);
+    const float uLobe = sampler.next1();
+    const vec3 onward = gloss.direction(uLobe, sampler.next2());
+    if (glm::dot(onward, hit.point.geometricNormal) <= 0.0f) return radiance;
+    const float pdf = gloss.pdf(onward);
+    const vec3 throughput = gloss.reflected(onward, vec3(1.0f)) / pdf;
+    if (throughput == vec3(0.0f)) return radiance;
+    const Receiver from{rayOrigin(hit.point), hit.point.normal};
+    ++rays;
+    const RayHit next = tracer_.nearest(from.position, onward, 0.0f, kInfinity);
+    return radiance + throughput * follow(next, onward, from, pdf, bounces, sampler, rays);
 }
 
 // Kajiya 1986, "The Rendering Equation", for diffuse surfaces: the throughput of a cosine-distributed bounce is the
 // albedo.
 vec3 PathTracer::follow(RayHit at, vec3 direction, Receiver from, float directionPdf, int bounces, Sampler& sampler,
-                        uint64_t& rays, const RadianceCache* cache, vec3* byBounce, bool directFromCamera) const
+                        uint64_t& rays, const RadianceCache* cache, vec3* byBounce) const
 {
     vec3 radiance(0.0f);
     vec3 throughput(1.0f);
@@ -250,7 +362,7 @@ vec3 PathTracer::follow(RayHit at, vec3 direction, Receiver from, float directio
         if (depth >= bounces || isKnown || hit.albedo == vec3(0.0f)) break;
 
         // Light that reaches this surface directly.
-        vec3 irradiance = punctualIrradiance(hit.point, directFromCamera && depth == 0, sampler, rays);
+        vec3 irradiance = punctualIrradiance(hit.point, false, sampler, rays);
         irradiance += emitterIrradiance(hit.point, luminance(irradiance), sampler, rays).irradiance;
         add(shading::diffuseRadiance(hit.albedo, irradiance), depth + 1);
 

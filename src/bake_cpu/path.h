@@ -41,14 +41,15 @@ public:
     /// where it knows the answer. `byBounce`, if given, receives the parts of 0, 1, 2, … reflections (bounces + 1 of
     /// them).
     vec3 follow(RayHit at, vec3 direction, Receiver from, float directionPdf, int bounces, Sampler& sampler,
-                uint64_t& rays, const RadianceCache* cache = nullptr, vec3* byBounce = nullptr,
-                bool directFromCamera = false) const;
+                uint64_t& rays, const RadianceCache* cache = nullptr, vec3* byBounce = nullptr) const;
 
     /// Emission of a hit as it counts beside emitter samples taken at `from`.
     [[nodiscard]] vec3 weightedEmission(const SurfaceHit& hit, vec3 direction, const Receiver& from,
                                         float directionPdf) const;
 
-    /// Radiance that leaves a surface seen from a camera: linear, diffuse surfaces.
+    /// Radiance that leaves a surface seen from a camera, linear: glTF's BRDF there (shading/brdf.h, without normal
+    /// maps), diffuse surfaces of shading::transportAlbedo() from the first bounce on. `origin` is in front of whatever
+    /// is to be seen.
     vec3 seenFromCamera(vec3 origin, vec3 direction, float tMax, int bounces, Sampler& sampler, uint64_t& rays) const;
 
     /// Irradiance from emissive triangles, one sample, weighted against cosine-distributed directions; the direction
@@ -111,6 +112,12 @@ public:
     [[nodiscard]] vec3 rayOrigin(const SurfacePoint& point) const;
 
 private:
+    class Gloss;
+    [[nodiscard]] vec3 punctualRadiance(const SurfacePoint& point, const Gloss& gloss, Sampler& sampler,
+                                        uint64_t& rays) const;
+    [[nodiscard]] vec3 emitterRadiance(const SurfacePoint& point, const Gloss& gloss, Sampler& sampler,
+                                       uint64_t& rays) const;
+
     SurfaceTracer tracer_;
     std::vector<PunctualLight> lights_;
     Emitters emitters_;

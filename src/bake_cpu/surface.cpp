@@ -118,6 +118,7 @@ TransportMaterial transportMaterial(const Scene& scene, const Material& m)
     // Unlit surfaces show their colour whatever the light; they reflect it as a diffuse surface would.
     t.metallicFactor = m.unlit ? 0.0f : m.metallic;
     t.roughnessFactor = m.roughness;
+    t.specular = m.specular;
     t.baseColorFactor = vec3(m.baseColor);
     t.opacity = m.baseColor.w;
     t.emission = m.emissiveNits;
@@ -417,7 +418,7 @@ uint32_t SurfaceTracer::triangleAt(uint32_t hitIndex) const
     return trianglesOfGeometry_[geometry][hitIndex - firstHit_[geometry]];
 }
 
-vec3 SurfaceTracer::albedoAt(uint32_t triangle, vec2 barycentric) const
+SurfaceReflectance SurfaceTracer::reflectanceAt(uint32_t triangle, vec2 barycentric) const
 {
     const TransportMaterial& material = materialOfTriangle(triangle);
     vec3 base = material.baseColorFactor;
@@ -433,15 +434,20 @@ vec3 SurfaceTracer::albedoAt(uint32_t triangle, vec2 barycentric) const
     }
     float metallic = material.metallicFactor;
     float roughness = material.roughnessFactor;
-    if (material.metallicRoughness && metallic > 0.0f) {
+    if (material.metallicRoughness) {
         const auto index = std::size_t(material.metallicRoughness.texture);
         const u8vec4 texel = nearestTexel(sceneData_.textures[index], smallTextures_[index],
                                           textureCoordinate(triangle, barycentric, material.metallicRoughness));
         metallic *= float(texel.z) / 255.0f;
         roughness *= float(texel.y) / 255.0f;
     }
-    base = glm::clamp(base, 0.0f, 1.0f);
-    return metallic > 0.0f ? shading::transportAlbedo(base, metallic, roughness) : base;
+    return {glm::clamp(base, 0.0f, 1.0f), metallic, roughness, material.specular};
+}
+
+vec3 SurfaceTracer::albedoAt(uint32_t triangle, vec2 barycentric) const
+{
+    const SurfaceReflectance r = reflectanceAt(triangle, barycentric);
+    return r.metallic > 0.0f ? shading::transportAlbedo(r.baseColor, r.metallic, r.roughness) : r.baseColor;
 }
 
 void SurfaceTracer::clear(RTCRay8& rays)

@@ -23,6 +23,7 @@ struct TransportMaterial {
     TextureRef metallicRoughness; ///< B channel scales metallic, G roughness
     float metallicFactor = 0.0f;
     float roughnessFactor = 1.0f;
+    float specular = 1.0f; ///< KHR_materials_specular's factor
     TextureRef emissive;
     Material::AlphaMode alphaMode = Material::AlphaMode::Opaque;
     float alphaCutoff = 0.5f;
@@ -38,6 +39,14 @@ struct RayHit {
     uint32_t primID = 0;
     vec2 barycentric{0.0f};
     float distance = 0.0f;
+};
+
+/// Parameters of the BRDF at one point (shading/brdf.h).
+struct SurfaceReflectance {
+    vec3 baseColor{0.0f}; ///< 0…1
+    float metallic = 0.0f;
+    float roughness = 1.0f;
+    float specular = 1.0f;
 };
 
 /// What is at a ray's end. Back faces of single-sided and solid surfaces reflect like front faces but do not emit.
@@ -119,7 +128,8 @@ public:
     [[nodiscard]] uint32_t triangleAt(uint32_t hitIndex) const;
     /// What is at the end of a ray that hit something.
     [[nodiscard]] SurfaceHit surfaceAt(const RayHit& at) const;
-    /// Diffuse albedo, 0…1.
+    [[nodiscard]] SurfaceReflectance reflectanceAt(uint32_t triangle, vec2 barycentric) const;
+    /// Diffuse albedo that carries light on (shading::transportAlbedo()), 0…1.
     [[nodiscard]] vec3 albedoAt(uint32_t triangle, vec2 barycentric) const;
     /// Whether the back of a triangle is a place nobody is meant to see: inside a solid, or behind a single side.
     [[nodiscard]] bool backIsHidden(uint32_t triangle) const

@@ -147,10 +147,11 @@ vec3 directRadiance(const ShadedPoint& point, const Light& light, float attenuat
 vec3 indirectRadiance(const ShadedPoint& point, vec3 irradiance)
 {
     const float nDotV = std::max(std::abs(glm::dot(point.normal, point.view)), 1.0e-4f);
-    return shading::diffuseRadiance(shading::diffuseAlbedoOf(point.baseColor, point.metallic), irradiance) +
-           shading::environmentSpecular(shading::specularF0Of(point.baseColor, point.metallic, 1.0f), 1.0f,
-                                        point.roughness, nDotV) *
-               irradiance * (1.0f / kPi);
+    const vec3 f0 = shading::specularF0Of(point.baseColor, point.metallic, 1.0f);
+    const vec3 albedo =
+        shading::diffuseAlbedoOf(point.baseColor, point.metallic) * shading::diffuseShare(f0, 1.0f, nDotV);
+    return shading::diffuseRadiance(albedo, irradiance) +
+           shading::environmentSpecular(f0, 1.0f, point.roughness, nDotV) * irradiance * (1.0f / kPi);
 }
 
 PictureDifference compare(const ImageRgba32f& a, const ImageRgba32f& b)

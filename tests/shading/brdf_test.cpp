@@ -141,14 +141,29 @@ TEST(Brdf, DiffuseRadianceOfIrradiance)
     EXPECT_NEAR(diffuseRadiance(vec3(0.5f), vec3(2.0f * kShadingPi)).x, 1.0f, 1e-6f);
 }
 
-// Karis's fit was made for another masking term, and is coarse: worst near roughness 1.
 TEST(Brdf, EnvironmentFitFollowsIntegration)
 {
-    for (const float roughness : {0.1f, 0.4f, 0.7f, 1.0f}) {
-        for (const float cosine : {0.2f, 0.5f, 0.9f}) {
-            const vec3 f0(0.9f);
-            const float truth = directionalAlbedo(f0, 1.0f, roughness, viewAt(cosine)).x;
-            EXPECT_NEAR(environmentSpecular(f0, 1.0f, roughness, cosine).x, truth, 0.18f) << roughness << " " << cosine;
+    for (const float roughness : {0.0f, 0.1f, 0.3f, 0.5f, 0.7f, 0.9f, 1.0f}) {
+        for (const float cosine : {0.1f, 0.2f, 0.5f, 0.9f, 1.0f}) {
+            for (const float f0 : {0.04f, 0.5f, 0.9f, 1.0f}) {
+                const float truth = directionalAlbedo(vec3(f0), 1.0f, roughness, viewAt(cosine)).x;
+                EXPECT_NEAR(environmentSpecular(vec3(f0), 1.0f, roughness, cosine).x, truth,
+                            cosine < 0.5f ? 0.09f : 0.04f)
+                    << roughness << " " << cosine << " " << f0;
+            }
+        }
+    }
+}
+
+// Diffuse and specular together: what a dull dielectric sends to the view of uniform light, to half a percent.
+TEST(Brdf, DullDielectricInUniformLightFollowsIntegration)
+{
+    for (const float cosine : {0.1f, 0.3f, 0.6f, 0.9f, 1.0f}) {
+        for (const float color : {0.2f, 0.8f, 1.0f}) {
+            const vec3 f0 = specularF0Of(vec3(color), 0.0f, 1.0f);
+            const float sum = color * diffuseShare(f0, 1.0f, cosine).x + environmentSpecular(f0, 1.0f, 1.0f, cosine).x;
+            EXPECT_NEAR(sum, directionalAlbedo(vec3(color), 0.0f, 1.0f, viewAt(cosine)).x, 0.005f)
+                << cosine << " " << color;
         }
     }
 }
