@@ -28,6 +28,7 @@ struct BakeOptions {
     std::filesystem::path settingsFile;
     std::filesystem::path reportFile;
     BakeSettings bake;
+    WriteOptions write;
     vec3 skyNits{0.0f};
     bool skyGiven = false;
     int device = 0; ///< one so far: the CPU
@@ -89,12 +90,29 @@ Status checkPaths(const BakeOptions& options, std::filesystem::path& culprit)
     return checkImages(options.bake.imagesDirectory, files, culprit);
 }
 
+// The files beside a .gltf output may not replace those that the scene's document names.
+Status checkFilesBeside(const BakeOptions& options, const Scene& scene)
+{
+    if (lowerExtension(options.output) != ".gltf") return {};
+    const std::string stem = options.output.stem().string();
+    for (const std::filesystem::path& file : externalFiles(scene)) {
+        const std::string name = file.filename().string();
+        const bool takenName = name == stem + ".bin" || name.starts_with(stem + "_image_");
+        if (!takenName || !sameFile(file, options.output.parent_path() / name)) continue;
+        return Error{ErrorCode::InvalidArgument,
+                     "its file " + name + " would replace one of the scene's; choose another name for the output"};
+    }
+    return {};
+}
+
+// A folder that the bake writes into, tried before it begins.
 Status makeFolder(const std::filesystem::path& folder)
 {
+    if (folder.empty()) return {};
     std::error_code ec;
-    if (!folder.empty()) std::filesystem::create_directories(folder, ec);
+    std::filesystem::create_directories(folder, ec);
     if (ec) return Error{ErrorCode::WriteFailed, "cannot be made into a folder (" + ec.message() + ")"};
-    return {};
+    return tryWriting(folder);
 }
 
 // Lights that are not what their author asked for, where no other warning speaks of them yet.
@@ -174,7 +192,7 @@ void printSummary(const BakeOptions& options, const BakeReport& report)
 class FinishedBake {
 public:
     FinishedBake(const BakeOptions& options, const Scene& scene)
-        : output_(options.output), file_(options.bake.cacheDirectory / (bakeHash(scene, options.bake).hex() + ".done"))
+        : output_(options.output), file_(options.bake.cacheDirectory / (hashOf(options, scene).hex() + ".done"))
     {}
     [[nodiscard]] bool isUpToDate() const
     {
@@ -186,6 +204,10 @@ public:
     [[nodiscard]] Status note() const { return writeFileAtomically(file_, outputHash()); }
 
 private:
+    static Hash128 hashOf(const BakeOptions& options, const Scene& scene)
+    {
+        return Hasher().add(bakeHash(scene, options.bake)).add(uint8_t(options.write.mozLightmap)).hash();
+    }
     [[nodiscard]] std::string outputHash() const
     {
         const Result<std::vector<std::byte>> bytes = readFile(output_);
@@ -197,8 +219,9 @@ private:
 
 int runBake(const BakeOptions& options)
 {
-    if (lowerExtension(options.output) != ".glb") {
-        return wrongUsage("bake", fmt::format("--output must end in .glb, not '{}'", options.output.string()));
+    const std::string extension = lowerExtension(options.output);
+    if (extension != ".glb" && extension != ".gltf") {
+        return wrongUsage("bake", fmt::format("--output must end in .glb or .gltf, not '{}'", options.output.string()));
     }
     if (options.bake.noiseTarget > 0.0f && options.bake.integrator == IntegratorKind::Path) {
         return wrongUsage("bake", "--noise needs --integrator cache");
@@ -219,14 +242,21 @@ int runBake(const BakeOptions& options)
         display.reset();
         return fail(options.scene, scene.error());
     }
-    if (Status status = makeFolder(options.bake.imagesDirectory); !status) {
+    if (Status status = checkFilesBeside(options, *scene); !status) {
         display.reset();
-        return fail(options.bake.imagesDirectory, status.error());
+        return fail(options.output, status.error());
+    }
+    for (const std::filesystem::path& folder : {options.bake.imagesDirectory, options.bake.cacheDirectory}) {
+        if (Status status = makeFolder(folder); !status) {
+            display.reset();
+            return fail(folder, status.error());
+        }
     }
     if (options.skyGiven) scene->sky = {options.skyNits, options.skyNits, options.skyNits};
 
     std::optional<FinishedBake> finished;
-    if (!options.bake.cacheDirectory.empty()) {
+    // A .gltf is more than one file, of which any may have changed since.
+    if (!options.bake.cacheDirectory.empty() && extension == ".glb") {
         finished.emplace(options, *scene);
         const bool onlyOutput = options.reportFile.empty() && options.bake.imagesDirectory.empty() && !options.json;
         if (onlyOutput && finished->isUpToDate()) {
@@ -243,16 +273,15 @@ int runBake(const BakeOptions& options)
     if (result && interrupted()) result = Error{ErrorCode::Cancelled, "interrupted"};
     if (!result) {
         display.reset();
-        // A dump that cannot be written names its own file.
-        const bool ofDump = result.error().code == ErrorCode::WriteFailed;
-        return fail(ofDump ? std::filesystem::path() : options.scene, result.error());
+        return fail(options.scene, result.error());
     }
     progress("write", 0.0);
-    const Status written = writeBakedScene(options.output, result->baked);
+    const Status written = writeBakedScene(options.output, result->baked, options.write);
     display.reset();
     if (!written) return fail(options.output, written.error());
     if (finished) {
-        if (Status status = finished->note(); !status) return fail(options.bake.cacheDirectory, status.error());
+        if (Status status = finished->note(); !status)
+            result->report.warnings.push_back(cacheWarning(options.bake.cacheDirectory, status.error()));
     }
 
     const std::string json = reportJson(result->report);
@@ -261,6 +290,8 @@ int runBake(const BakeOptions& options)
             return fail(options.reportFile, status.error());
         }
     }
+    // A picture that cannot be written names its own file.
+    if (!result->images) return fail({}, result->images.error());
     if (!options.quiet) {
         for (const std::string& warning : result->report.warnings) warn(options.scene, warning);
         for (const std::string& warning : lightWarnings(result->report)) warn(options.scene, warning);
@@ -280,7 +311,9 @@ Command addBakeCommand(CLI::App& parent)
     auto options = std::make_shared<BakeOptions>();
     CLI::App& app = *parent.add_subcommand("bake", "Bake lightmaps, shadowmasks and probes into a glTF file");
     app.add_option("SCENE", options->scene, "the scene, .glb or .gltf")->required()->type_name(" ");
-    app.add_option("-o,--output", options->output, "the baked file to write, .glb")->required()->type_name("OUT.glb");
+    app.add_option("-o,--output", options->output, "the baked file to write: .glb, or .gltf with its files beside it")
+        ->required()
+        ->type_name("OUT.glb");
 
     BakeSettings& bake = options->bake;
     app.option_defaults()->group("Bake");
@@ -346,6 +379,8 @@ Command addBakeCommand(CLI::App& parent)
         ->type_name("DIR");
 
     app.option_defaults()->group("Output");
+    app.add_flag("--moz-lightmap", options->write.mozLightmap,
+                 "write MOZ_lightmap materials too, for loaders that know them; much larger files");
     app.add_option("--report", options->reportFile, "write what the bake did: lights, charts, rays, seconds, warnings")
         ->type_name("FILE.json");
     app.add_option("--write-images", bake.imagesDirectory, "write lightmaps, shadowmasks and probes as plain files too")

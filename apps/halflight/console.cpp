@@ -96,18 +96,9 @@ void warn(const std::filesystem::path& file, std::string_view sentence)
 
 Status checkOutput(const std::filesystem::path& output)
 {
-    std::error_code ec;
     const Result<std::filesystem::path> file = replacedFile(output);
     if (!file) return file.error();
-    std::filesystem::path folder = file->parent_path();
-    if (folder.empty()) folder = ".";
-    if (!std::filesystem::is_directory(folder, ec)) {
-        return Error{ErrorCode::WriteFailed, "the folder " + folder.string() + " does not exist"};
-    }
-    if (::access(folder.c_str(), W_OK) != 0) {
-        return Error{ErrorCode::WriteFailed, "the folder " + folder.string() + " cannot be written to"};
-    }
-    return {};
+    return tryWriting(file->parent_path());
 }
 
 bool sameFile(const std::filesystem::path& a, const std::filesystem::path& b)

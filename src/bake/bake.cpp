@@ -55,6 +55,12 @@ void reportLights(const Scene& scene, BakeReport& report)
     }
 }
 
+/// Keeps the first error.
+void note(Status& first, const Status& status)
+{
+    if (first && !status) first = status;
+}
+
 /// Writes pages as PREFIX_N.exr into the images directory, when there is one.
 template<typename Page>
 Status dumpPages(const BakeSettings& settings, const std::string& prefix, const std::vector<Page>& pages)
@@ -138,6 +144,11 @@ void reportTurned(const Scene& scene, const BakeGeometry& geometry, BakeReport& 
 }
 
 } // namespace
+
+std::string cacheWarning(const std::filesystem::path& folder, const Error& error)
+{
+    return "the cache " + folder.string() + " is not complete, so the next bake computes more: " + error.message;
+}
 
 TexelValues splitEstimates(const std::vector<IrradianceEstimate>& estimates)
 {
@@ -240,8 +251,11 @@ Result<BakeResult> bake(Scene scene, const BakeSettings& settings, const Integra
         const Hash128 layout = layoutHash(map, integration, settings.mode);
         Result<BakeCache> opened =
             BakeCache::open(settings.cacheDirectory, lightHash(layout, baked.scene, geometry), layout);
-        if (!opened) return opened.error();
-        cache.emplace(std::move(*opened));
+        if (opened) {
+            cache.emplace(std::move(*opened));
+        } else {
+            report.warnings.push_back(cacheWarning(settings.cacheDirectory, opened.error()));
+        }
     }
     const Gather gather{integrator, geometry, map, integration, cache ? &*cache : nullptr};
 
@@ -253,7 +267,7 @@ Result<BakeResult> bake(Scene scene, const BakeSettings& settings, const Integra
     reportNoise(estimates, report);
     if (!settings.imagesDirectory.empty()) {
         const std::vector<vec3> raw = splitEstimates(estimates).irradiance;
-        if (Status status = dumpPages(settings, "lightmap_raw", dilate(map, raw, 0)); !status) return status.error();
+        note(result.images, dumpPages(settings, "lightmap_raw", dilate(map, raw, 0)));
     }
 
     if (integration.denoised) {
@@ -280,7 +294,7 @@ Result<BakeResult> bake(Scene scene, const BakeSettings& settings, const Integra
     const std::vector<float> seamWeight = seamWeights(seams, pages);
     stitchSeams(map, seams, seamWeight, pages);
     seamTimer.finish();
-    if (Status status = dumpPages(settings, "lightmap", pages); !status) return status.error();
+    note(result.images, dumpPages(settings, "lightmap", pages));
     baked.lightmapUnitLux = lightmapUnitFor(pages);
     baked.lightmaps = encodeLightmap(pages, baked.lightmapUnitLux);
     if (settings.directional) {
@@ -330,10 +344,10 @@ Result<BakeResult> bake(Scene scene, const BakeSettings& settings, const Integra
 
     if (cache) {
         cache->finish();
-        if (!cache->status()) return cache->status().error();
+        if (!cache->status()) report.warnings.push_back(cacheWarning(settings.cacheDirectory, cache->status().error()));
         report.cache = cache->counts();
     }
-    if (Status status = dumpResult(settings, baked); !status) return status.error();
+    note(result.images, dumpResult(settings, baked));
     report.peakMemoryBytes = peakMemory();
     report.seconds = std::chrono::duration<double>(Clock::now() - start).count();
     return result;

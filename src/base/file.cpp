@@ -52,6 +52,26 @@ Result<std::filesystem::path> replacedFile(const std::filesystem::path& path)
     return file;
 }
 
+Status tryWriting(const std::filesystem::path& folder)
+{
+    const std::filesystem::path where = folder.empty() ? std::filesystem::path(".") : folder;
+    std::error_code ec;
+    if (!std::filesystem::is_directory(where, ec)) {
+        return Error{ErrorCode::WriteFailed, "the folder " + where.string() + " does not exist"};
+    }
+    const std::filesystem::path trial = where / (".halflight-trial" + std::to_string(::getpid()));
+    errno = 0;
+    std::ofstream stream(trial, std::ios::binary | std::ios::trunc);
+    const std::string block(4096, '\0'); // one block of usual file systems: an empty file fits a full disk
+    stream.write(block.data(), std::streamsize(block.size()));
+    stream.close();
+    const bool written = bool(stream);
+    const std::string reason = std::strerror(errno != 0 ? errno : EIO);
+    std::filesystem::remove(trial, ec);
+    if (written) return {};
+    return Error{ErrorCode::WriteFailed, "the folder " + where.string() + " cannot be written to (" + reason + ")"};
+}
+
 Status replaceAtomically(const std::filesystem::path& path,
                          const std::function<Status(const std::filesystem::path& temporary)>& write)
 {

@@ -366,6 +366,23 @@ std::string percentDecoded(std::string_view uri)
     return text;
 }
 
+std::string percentEncoded(std::string_view name)
+{
+    constexpr std::string_view kDigits = "0123456789ABCDEF";
+    std::string uri;
+    for (const char c : name) {
+        const auto byte = static_cast<unsigned char>(c);
+        const bool letter = (byte | 32) >= 'a' && (byte | 32) <= 'z';
+        const bool digit = byte >= '0' && byte <= '9';
+        if (letter || digit || c == '-' || c == '.' || c == '_' || c == '~') {
+            uri += c;
+        } else {
+            uri += {'%', kDigits[byte >> 4], kDigits[byte & 15]};
+        }
+    }
+    return uri;
+}
+
 Result<std::vector<std::byte>> imageBytes(const SourceDocument& document, int index)
 {
     const tinygltf::Model& model = document.model;

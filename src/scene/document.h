@@ -84,5 +84,7 @@ Result<std::vector<std::byte>> imageBytes(const SourceDocument& document, int im
 
 /// "%20" and the like of a URI resolved to bytes.
 std::string percentDecoded(std::string_view uri);
+/// A file's name as a relative URI (RFC 3986): unreserved characters as they are, all other bytes as %XX.
+std::string percentEncoded(std::string_view name);
 
 } // namespace halflight

@@ -192,7 +192,8 @@ Status giveSourceDocument(Scene& scene)
         if (text.find(std::string("\"") + name + "\"") != std::string::npos) used.emplace_back(name);
     }
     if (!used.empty()) patcher.json["extensionsUsed"] = used;
-    const auto glb = patcher.finish();
+    const FinishedDocument finished = patcher.finish();
+    const auto glb = makeGlb(finished.json, finished.binary);
     if (!glb) return glb.error();
     auto document = parseDocument(*glb, {});
     if (!document) return document.error();

@@ -157,10 +157,10 @@ int DocumentPatcher::append(const char* array, Json object)
     return int(list.size()) - 1;
 }
 
-Status DocumentPatcher::embedImages()
+void DocumentPatcher::embedImages()
 {
     Json* images = find(json, "images");
-    if (images == nullptr) return {};
+    if (images == nullptr) return;
     for (std::size_t i = 0; i < images->size(); ++i) {
         Json& image = (*images)[i];
         if (!image.contains("uri") || i >= source_.model.images.size()) continue;
@@ -172,7 +172,26 @@ Status DocumentPatcher::embedImages()
         image["mimeType"] = mime;
         image["bufferView"] = addView({std::move(*bytes), 0, 0});
     }
-    return {};
+}
+
+std::vector<FinishedDocument::File> DocumentPatcher::takeOutImages(const std::string& prefix)
+{
+    std::vector<FinishedDocument::File> files;
+    Json* images = find(json, "images");
+    for (std::size_t i = 0; images != nullptr && i < std::min(images->size(), source_.model.images.size()); ++i) {
+        auto bytes = imageBytes(source_, int(i));
+        if (!bytes) continue; // an image that no material uses may be missing: it stays as it is
+        const std::string mime = mimeTypeOf(*bytes);
+        if (mime.empty()) continue;
+        const std::string extension = mime == "image/jpeg" ? "jpg" : mime.substr(mime.find('/') + 1);
+        const std::string name = prefix + "_" + std::to_string(i) + "." + extension;
+        Json& image = (*images)[i];
+        image.erase("bufferView");
+        image.erase("mimeType");
+        image["uri"] = percentEncoded(name);
+        files.push_back({name, std::move(*bytes)});
+    }
+    return files;
 }
 
 // Gives every new accessor and view a place: first those that fell vacant, then new ones at the end.
@@ -302,29 +321,39 @@ std::vector<std::byte> DocumentPatcher::assemble()
     return binary;
 }
 
-Result<std::vector<std::byte>> DocumentPatcher::finish()
+FinishedDocument DocumentPatcher::finish(const std::string& imagePrefix)
 {
-    if (Status s = embedImages(); !s) return s.error();
+    FinishedDocument document;
+    if (imagePrefix.empty()) {
+        embedImages();
+    } else {
+        document.images = takeOutImages(imagePrefix);
+    }
     place();
-    const std::vector<std::byte> binary = assemble();
-    if (binary.empty()) {
+    document.binary = assemble();
+    if (document.binary.empty()) {
         json.erase("buffers");
     } else {
-        json["buffers"] = Json::array({{{"byteLength", binary.size()}}});
+        json["buffers"] = Json::array({{{"byteLength", document.binary.size()}}});
     }
-    auto glb = makeGlb(json, binary);
-    if (glb.size() > std::numeric_limits<uint32_t>::max()) {
-        return Error{ErrorCode::WriteFailed, "the file would be larger than the 4 GiB that GLB allows", ""};
-    }
-    return glb;
+    document.json = std::move(json);
+    return document;
 }
 
-std::vector<std::byte> makeGlb(const Json& json, std::span<const std::byte> binary)
+std::string textOf(const Json& json)
 {
-    std::string text = json.dump(-1, ' ', false, Json::error_handler_t::replace);
+    return json.dump(-1, ' ', false, Json::error_handler_t::replace);
+}
+
+Result<std::vector<std::byte>> makeGlb(const Json& json, std::span<const std::byte> binary)
+{
+    std::string text = textOf(json);
     while (text.size() % 4 != 0) text += ' ';
     const std::size_t binaryBytes = (binary.size() + 3) / 4 * 4;
     const std::size_t total = 12 + 8 + text.size() + (binary.empty() ? 0 : 8 + binaryBytes);
+    if (total > std::numeric_limits<uint32_t>::max()) {
+        return Error{ErrorCode::WriteFailed, "the file would be larger than the 4 GiB that GLB allows"};
+    }
     std::vector<std::byte> glb;
     glb.reserve(total);
     const auto u32 = [&](std::size_t value) {

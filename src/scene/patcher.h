@@ -39,6 +39,17 @@ template<typename T> std::vector<std::byte> bytesOf(const std::vector<T>& values
     return {bytes.begin(), bytes.end()};
 }
 
+/// A finished document: one GLB, or JSON with its files beside it.
+struct FinishedDocument {
+    Json json;
+    std::vector<std::byte> binary; ///< buffer 0
+    struct File {
+        std::string name; ///< also the image's uri
+        std::vector<std::byte> bytes;
+    };
+    std::vector<File> images; ///< only where images were taken out
+};
+
 class DocumentPatcher {
 public:
     explicit DocumentPatcher(const SourceDocument& source);
@@ -51,13 +62,14 @@ public:
     /// Appends to a top-level array and returns the index.
     int append(const char* array, Json object);
 
-    /// Replaces indices by final ones, drops what is no longer used, and makes the GLB. Images move into the binary
-    /// chunk.
-    Result<std::vector<std::byte>> finish();
+    /// Replaces indices by final ones and drops what is no longer used. Images move into the binary chunk; with
+    /// `imagePrefix` not empty, into files of their own, PREFIX_N.png and the like.
+    FinishedDocument finish(const std::string& imagePrefix = {});
 
 private:
     void collectReferences(const Json& document, std::set<int>& accessors, std::set<int>& views) const;
-    Status embedImages();
+    void embedImages();
+    std::vector<FinishedDocument::File> takeOutImages(const std::string& prefix);
     void place();
     std::vector<std::byte> assemble();
 
@@ -74,8 +86,11 @@ private:
 void visitAccessors(Json& document, const std::function<void(Json&)>& visit);
 void visitViews(Json& document, const std::function<void(Json&)>& visit);
 
-/// A GLB from JSON and binary chunk.
-std::vector<std::byte> makeGlb(const Json& json, std::span<const std::byte> binary);
+/// JSON as files hold it; bytes of names that are not UTF-8 become U+FFFD.
+std::string textOf(const Json& json);
+
+/// A GLB from JSON and binary chunk; WriteFailed above the 4 GiB that the format allows.
+Result<std::vector<std::byte>> makeGlb(const Json& json, std::span<const std::byte> binary);
 
 /// "image/png" and the like from an encoded image's first bytes; empty when unknown.
 std::string mimeTypeOf(std::span<const std::byte> image);

@@ -9,6 +9,7 @@
 #include "scene/write_meshes.h"
 
 #include <algorithm>
+#include <cctype>
 
 namespace halflight {
 
@@ -18,7 +19,16 @@ constexpr const char* kRootExtension = "HALFLIGHT_mixed_lighting";
 constexpr const char* kNodeExtension = "HALFLIGHT_node";
 constexpr const char* kMaterialExtension = "HALFLIGHT_material";
 constexpr const char* kLightExtension = "HALFLIGHT_light";
+constexpr const char* kImageInfix = "_image"; // OUT_image_0.png
 constexpr int kNoMaterial = -2;
+
+Status writeBeside(const std::filesystem::path& path, const std::string& name, const std::vector<std::byte>& bytes)
+{
+    const std::filesystem::path file = path.parent_path() / name;
+    Status status = writeFileAtomically(file, bytes.data(), bytes.size());
+    if (status) return status;
+    return Error{status.error().code, file.string() + " " + status.error().message};
+}
 
 void eraseExtension(Json& object, const char* name)
 {
@@ -34,7 +44,8 @@ public:
           fingerprints_(baked.scene), meshes_(patcher_, source_, scene_)
     {}
 
-    Result<std::vector<std::byte>> write()
+    /// `imagePrefix`: see DocumentPatcher::finish().
+    Result<FinishedDocument> write(const std::string& imagePrefix)
     {
         removeEarlierBake();
         if (Status s = writeImages(); !s) return s.error();
@@ -44,7 +55,7 @@ public:
         if (Status s = writeLights(); !s) return s.error();
         writeRoot();
         writeExtensionsUsed();
-        return patcher_.finish();
+        return patcher_.finish(imagePrefix);
     }
 
 private:
@@ -483,18 +494,51 @@ private:
 
 } // namespace
 
+std::vector<std::filesystem::path> externalFiles(const Scene& scene)
+{
+    std::vector<std::filesystem::path> files;
+    if (!scene.source) return files;
+    for (const char* array : {"buffers", "images"}) {
+        for (const Json& object : member(scene.source->json, array)) {
+            const Json& uri = member(object, "uri");
+            if (!uri.is_string() || uri.get<std::string>().starts_with("data:")) continue;
+            files.push_back(scene.source->directory / percentDecoded(uri.get<std::string>()));
+        }
+    }
+    return files;
+}
+
 Status writeBakedScene(const std::filesystem::path& path, const BakedScene& baked, const WriteOptions& options)
 {
-    Result<std::vector<std::byte>> glb = std::vector<std::byte>();
+    std::string extension = path.extension().string();
+    std::transform(extension.begin(), extension.end(), extension.begin(),
+                   [](unsigned char c) { return char(std::tolower(c)); });
+    const bool separate = extension == ".gltf";
+    const std::string stem = path.stem().string();
+    const std::string imagePrefix = separate ? stem + kImageInfix : std::string();
+    Result<FinishedDocument> document = FinishedDocument();
     if (baked.scene.source) {
-        glb = Writer(baked, options).write();
+        document = Writer(baked, options).write(imagePrefix);
     } else {
         BakedScene withSource = baked;
         if (Status s = giveSourceDocument(withSource.scene); !s) return s;
-        glb = Writer(withSource, options).write();
+        document = Writer(withSource, options).write(imagePrefix);
     }
-    if (!glb) return glb.error();
-    return writeFileAtomically(path, glb->data(), glb->size());
+    if (!document) return document.error();
+    if (!separate) {
+        const auto glb = makeGlb(document->json, document->binary);
+        if (!glb) return glb.error();
+        return writeFileAtomically(path, glb->data(), glb->size());
+    }
+    // The document comes last, when all that it names is there.
+    for (const FinishedDocument::File& image : document->images) {
+        if (Status s = writeBeside(path, image.name, image.bytes); !s) return s;
+    }
+    if (!document->binary.empty()) {
+        document->json["buffers"][0]["uri"] = percentEncoded(stem + ".bin");
+        if (Status s = writeBeside(path, stem + ".bin", document->binary); !s) return s;
+    }
+    return writeFileAtomically(path, textOf(document->json));
 }
 
 } // namespace halflight

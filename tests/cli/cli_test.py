@@ -2,6 +2,7 @@
 
 Exits with 77 (ctest: skipped) when every test that ran was skipped."""
 
+import base64
 import json
 import os
 import signal
@@ -282,6 +283,94 @@ class Usage(Case):
             run("render", scene, "-o", self.path("o.png"), "--light", "nope:intensity=1"), 1, "nope", "sun", "spot 0"
         )
         self.assert_folder_holds("tiny.gltf")
+
+
+class Places(Case):
+    """Places that are written at the end are tried at the start; a cache that fails on the way costs no bake."""
+
+    def test_places_that_cannot_be_written_are_found_before_the_bake(self):
+        scene, out, file = self.scene(), self.path("out.glb"), self.path("file")
+        with open(file, "w"):
+            pass
+        cases = [
+            ["-o", "/proc/out.glb"],
+            ["-o", out, "--report", "/proc/report.json"],
+            ["-o", out, "--write-images", file],
+            ["-o", out, "--write-images", "/proc/images"],
+            ["-o", out, "--cache", file],
+            ["-o", out, "--cache", "/proc/cache"],
+        ]
+        for arguments in cases:
+            with self.subTest(arguments=arguments):
+                result = run("bake", scene, *arguments, *QUICK)
+                self.assert_one_sentence(result, 1, arguments[-1])  # one sentence: no stage has begun
+                self.assert_folder_holds("file", "tiny.gltf")
+
+    def test_a_cache_that_fails_on_the_way_is_a_warning(self):
+        scene, out, cache = self.scene(), self.path("out.glb"), self.path("cache")
+        self.bake(scene, "out.glb", "--cache", cache)
+        expected = read(out)
+        os.remove(out)
+        for name in os.listdir(cache):  # folders where files would be written
+            os.remove(os.path.join(cache, name))
+            os.mkdir(os.path.join(cache, name))
+            open(os.path.join(cache, name, "full"), "w").close()
+        result = run("bake", scene, "-o", out, *QUICK, "--cache", cache)
+        self.assertEqual(result.returncode, 0, result.stderr)
+        self.assertIn("the cache " + cache, result.stderr)
+        self.assertEqual(read(out), expected)
+
+    def test_pictures_that_cannot_be_written_cost_no_bake(self):
+        scene, out, images = self.scene(), self.path("out.glb"), self.path("images")
+        os.makedirs(os.path.join(images, "lightmap_0.exr"))
+        result = run("bake", scene, "-o", out, *QUICK, "--write-images", images)
+        self.assertEqual(result.returncode, 1)
+        self.assertIn("lightmap_0.exr", result.stderr.splitlines()[-1])
+        self.assertEqual(run("info", out).returncode, 0)
+
+    def test_gltf_with_files_beside_it(self):
+        scene = self.scene()
+        one, _ = self.bake(scene, "one.glb")
+        separate, _ = self.bake(scene, "separate.gltf")
+        self.assert_folder_holds("one.glb", "separate.bin", "separate.gltf", "tiny.gltf")
+        info = [json.loads(run("info", file, "--json").stdout) for file in (one, separate)]
+        for result in info:
+            del result["file"]
+        self.assertEqual(*info)
+        pictures = []
+        for file in (one, separate):
+            picture = self.path("picture.png")
+            self.assertEqual(run("render", file, "-o", picture, "--size", "32x32").returncode, 0)
+            pictures.append(read(picture))
+        self.assertEqual(*pictures)
+
+    def test_files_beside_a_gltf_never_replace_the_scenes(self):
+        scene, buffer = self.path("scene.gltf"), self.path("baked.bin")
+        tiny_scene.write(scene)
+        with open(scene) as file:
+            document = json.load(file)
+        with open(buffer, "wb") as file:
+            file.write(base64.b64decode(document["buffers"][0]["uri"].split(",")[1]))
+        document["buffers"][0]["uri"] = "baked.bin"
+        with open(scene, "w") as file:
+            json.dump(document, file)
+        before = read(buffer)
+        result = run("bake", scene, "-o", self.path("baked.gltf"), *QUICK)
+        self.assert_one_sentence(result, 1, "baked.gltf", "baked.bin", "another name")
+        self.assertEqual(read(buffer), before)
+
+    def test_moz_lightmap_is_opt_in(self):
+        scene, cache = self.scene(), self.path("cache")
+        plain, _ = self.bake(scene, "plain.glb")
+        moz, _ = self.bake(scene, "moz.glb", "--moz-lightmap")
+        self.assertNotIn(b"MOZ_", read(plain))
+        self.assertIn(b"MOZ_lightmap", read(moz))
+        # What is written is part of what makes an output up to date.
+        out = self.path("out.glb")
+        run("bake", scene, "-o", out, *QUICK, "--cache", cache)
+        again = run("bake", scene, "-o", out, *QUICK, "--cache", cache, "--moz-lightmap")
+        self.assertEqual(again.returncode, 0, again.stderr)
+        self.assertEqual(read(out), read(moz))
 
 
 class Streams(Case):

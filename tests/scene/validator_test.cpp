@@ -26,8 +26,12 @@ TEST(Validator, BakedSharedScenesHaveNoErrors)
         files.push_back(folder / name);
         auto again = readScene(folder / name, {.decodeTextures = false});
         ASSERT_TRUE(again) << again.error().text();
-        ASSERT_TRUE(writeBakedScene(folder / ("again_" + std::string(name)), pretendToBake(std::move(*again), false)));
-        files.push_back(folder / ("again_" + std::string(name)));
+        const BakedScene rebaked = pretendToBake(std::move(*again), false);
+        ASSERT_TRUE(writeBakedScene(folder / ("moz_" + std::string(name)), rebaked, {.mozLightmap = true}));
+        files.push_back(folder / ("moz_" + std::string(name)));
+        const std::filesystem::path separate = folder / (files.back().stem().string() + ".gltf");
+        ASSERT_TRUE(writeBakedScene(separate, rebaked));
+        files.push_back(separate);
     }
     validate(files);
 }

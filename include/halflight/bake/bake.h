@@ -121,7 +121,11 @@ struct BakeReport {
 struct BakeResult {
     BakedScene baked;
     BakeReport report;
+    Status images; ///< the first of BakeSettings::imagesDirectory's files that could not be written, by name
 };
+
+/// What a report says when tiles could not be kept in the folder: the next bake computes them again.
+std::string cacheWarning(const std::filesystem::path& folder, const Error& error);
 
 /// Runs the whole bake with the given integrator.
 Result<BakeResult> bake(Scene scene, const BakeSettings& settings, const IntegratorFactory& integratorFactory,

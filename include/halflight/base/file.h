@@ -16,6 +16,10 @@ Result<std::vector<std::byte>> readFile(const std::filesystem::path& path);
 /// leads to. Error when a folder or something else that is not a regular file (a pipe, a device) is there.
 Result<std::filesystem::path> replacedFile(const std::filesystem::path& path);
 
+/// Writes a small file into a folder and removes it again: WriteFailed, with the reason, where that does not work (no
+/// such folder, no right to write, a full or read-only disk). For places that a long run writes at its end.
+Status tryWriting(const std::filesystem::path& folder);
+
 /// Calls `write` with a temporary name beside replacedFile(path) and renames what it wrote, so that `path` is either
 /// the old file or the whole new one. A symbolic link stays one. On an error nothing is left under the temporary name.
 Status replaceAtomically(const std::filesystem::path& path,

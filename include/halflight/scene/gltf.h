@@ -6,6 +6,7 @@
 
 #include <filesystem>
 #include <string>
+#include <vector>
 
 namespace halflight {
 
@@ -23,12 +24,19 @@ Result<Scene> readScene(const std::filesystem::path& path, const ReadOptions& op
 Result<BakedScene> readBakedScene(const std::filesystem::path& path, const ReadOptions& options = {});
 
 struct WriteOptions {
-    bool mozLightmap = true; ///< also write material-level MOZ_lightmap (RGBE image), for existing loaders
+    /// Also write material-level MOZ_lightmap (RGBE image) for loaders that know it: a material for each object and
+    /// material, and a third to a half of the file.
+    bool mozLightmap = false;
     std::string generator = "Halflight";
 };
 
-/// Writes one .glb: the source document with lightmap coordinates and Halflight's extensions added (a document made
-/// from the Scene when it has no source). Atomic: a failed write leaves no file.
+/// Writes the source document with lightmap coordinates and Halflight's extensions added (a document made from the
+/// Scene when it has no source). A path that ends in .gltf gets its files beside it: STEM.bin and STEM_image_N.png,
+/// .jpg and so on, written before the document. Any other path is one GLB. Atomic file by file: a failed write leaves
+/// no part of a file, and the document only when all of its files are whole.
 Status writeBakedScene(const std::filesystem::path& path, const BakedScene& baked, const WriteOptions& options = {});
+
+/// The files that a scene's document names: external buffers and images. A .gltf must not be written over them.
+std::vector<std::filesystem::path> externalFiles(const Scene& scene);
 
 } // namespace halflight
