@@ -19,6 +19,8 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
+constexpr int kFewestSamples = 16; ///< per texel, of the cache integrator: one block
+
 Error cancelledError()
 {
     return {ErrorCode::Cancelled, "interrupted"};
@@ -122,7 +124,8 @@ void reportNoise(const std::vector<IrradianceEstimate>& estimates, BakeReport& r
     }
     report.invalidTexels = estimates.size() - valid;
     if (valid == 0) return;
-    report.samplesPerTexel = samples / double(valid);
+    const uint64_t traced = valid - report.texelsBetween;
+    report.samplesPerTexel = traced > 0 ? samples / double(traced) : 0.0;
     report.noiseReached = sum > 0.0 ? float(std::sqrt(variance * double(valid)) / sum) : 0.0f;
 }
 
@@ -235,6 +238,10 @@ Result<BakeResult> bake(Scene scene, const BakeSettings& settings, const Integra
     integration.bounces = report.quality.bounces;
     integration.probeSamples = report.quality.probeSamples;
     integration.seed = settings.seed;
+    if (settings.integrator == IntegratorKind::Cache && settings.samples > 0 && settings.samples < kFewestSamples) {
+        report.warnings.push_back(std::to_string(settings.samples) + " samples per texel are asked for: the cache " +
+                                  "integrator takes " + std::to_string(kFewestSamples) + " at least (one block)");
+    }
     Result<std::unique_ptr<Integrator>> made = turnHollows(integratorFactory, baked.scene, geometry, integration);
     if (!made) return made.error();
     Integrator& integrator = **made;
@@ -326,7 +333,7 @@ Result<BakeResult> bake(Scene scene, const BakeSettings& settings, const Integra
             }
         }
         std::vector<ImageRgba32f> maskPages = dilate(map, mask, kDilationRings, distances);
-        stitchSeams(map, seams, seamWeights(seams, maskPages), maskPages);
+        stitchSeams(map, seams, seamWeights(seams, maskPages), maskPages, !distances);
         baked.shadowmasks = encodeShadowmask(maskPages);
         maskTimer.finish(integrator.raysTraced() - before);
     }

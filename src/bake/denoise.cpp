@@ -360,6 +360,19 @@ void denoise(const BakeGeometry& geometry, const TexelMap& map, std::vector<Irra
                 const bool noisyDirect = !direct.empty() && direct[i].variance > 0.0f;
                 const vec3 slopeX = slopeAlong(1, 0);
                 const vec3 slopeY = slopeAlong(0, 1);
+                // At the rim of a chart, a texel without a counterpart on the other side would move the mean to its
+                // side: in a dark corner, into the light. There those along the rim alone take part, but for texels
+                // that have no pairs of others around them.
+                std::array<uint32_t, 25> around;
+                for (int k = 0; k < 25; ++k) {
+                    const uint32_t j = grid.at(texel, (k % 5 - 2) * step, (k / 5 - 2) * step);
+                    around[std::size_t(k)] = j != kNoTexel && guides[j].valid ? j : kNoTexel;
+                }
+                const auto counts = [&](std::size_t k) {
+                    return around[k] != kNoTexel && (level > 0 || guides[around[k]].traced);
+                };
+                bool pairs = false;
+                for (std::size_t k = 0; k < 12; ++k) pairs = pairs || (counts(k) && counts(24 - k));
                 const float momentTolerance =
                     direct.empty() ? 0.0f : kMomentTolerance * luminance(direct[i].irradiance);
                 Mean lightMean;
@@ -368,8 +381,9 @@ void denoise(const BakeGeometry& geometry, const TexelMap& map, std::vector<Irra
                 float momentWeight = 0.0f;
                 for (int dy = -2; dy <= 2; ++dy) {
                     for (int dx = -2; dx <= 2; ++dx) {
-                        const uint32_t j = grid.at(texel, dx * step, dy * step);
-                        if (j == kNoTexel || !guides[j].valid) continue;
+                        const auto k = std::size_t(5 * dy + dx + 12);
+                        const uint32_t j = around[k];
+                        if (j == kNoTexel || (pairs && j != uint32_t(i) && !counts(24 - k))) continue;
                         float near = kSpline[std::size_t(std::abs(dx))] * kSpline[std::size_t(std::abs(dy))];
                         float away2 = 0.0f; // off the texel's plane
                         float unlike = 0.0f;

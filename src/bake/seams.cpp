@@ -74,6 +74,185 @@ float difference(vec3 a, vec3 b, float dark)
     return std::abs(la - lb) / (std::min(la, lb) + dark);
 }
 
+/// Least squares over the texels that seams read.
+template<typename T> class Stitcher {
+public:
+    Stitcher(const TexelMap& map, const std::vector<SeamSample>& seams, std::span<const float> weights,
+             std::vector<Image<T>>& pages)
+        : seams_(seams), weights_(weights), pages_(pages), size_(pages[0].width()),
+          unknownOf_(pages.size() * pages[0].texelCount(), kNoUnknown), covered_(unknownOf_.size(), 0)
+    {
+        for (const Texel& t : map.texels) covered_[numberOf(t.page, t.x, t.y, size_)] = 1;
+    }
+
+    /// False for light that is no number.
+    bool solve();
+    /// Ties padding that left the range of the covered texels next to it to the nearest of them: it is to have that
+    /// one's value. True when there was any.
+    bool tiePadding();
+    void write(bool bounded);
+
+private:
+    struct Range {
+        T least = T(kInfinity);
+        T most = T(-kInfinity);
+        uint64_t nearest = 0; ///< number of the texel whose value is nearest to the one asked about
+        [[nodiscard]] bool empty() const { return least[0] > most[0]; }
+    };
+
+    T& texelAt(uint64_t texel)
+    {
+        const std::size_t perPage = pages_[0].texelCount();
+        return pages_[texel / perPage].data()[texel % perPage];
+    }
+    uint32_t unknown(uint64_t texel)
+    {
+        uint32_t& u = unknownOf_[texel];
+        if (u == kNoUnknown) {
+            u = uint32_t(texels_.size());
+            texels_.push_back(texel);
+            tied_.push_back(u);
+        }
+        return u;
+    }
+    /// What the solver makes of a texel: never outside what is physical; a value that did not come out finite stays.
+    T valueOf(uint64_t texel)
+    {
+        T value = texelAt(texel);
+        const uint32_t u = unknownOf_[texel];
+        if (u == kNoUnknown || Eigen::Index(tied_[u]) >= solution_[0].size()) return value;
+        for (int c = 0; c < T::length(); ++c) {
+            const auto solved = float(solution_[std::size_t(c)][Eigen::Index(tied_[u])]);
+            if (std::isfinite(solved)) value[c] = std::max(solved, 0.0f);
+        }
+        return value;
+    }
+    /// Of the covered texels in the first ring around a texel, or, where none is there, in the second.
+    Range coveredAround(uint64_t texel, T value);
+
+    const std::vector<SeamSample>& seams_;
+    std::span<const float> weights_;
+    std::vector<Image<T>>& pages_;
+    int size_;
+    std::vector<uint32_t> unknownOf_;
+    std::vector<uint8_t> covered_;
+    std::vector<uint64_t> texels_; ///< of the unknowns
+    std::vector<uint32_t> tied_;   ///< by unknown, whose value it has: mostly its own
+    std::array<Eigen::VectorXd, std::size_t(T::length())> solution_;
+};
+
+template<typename T> bool Stitcher<T>::solve()
+{
+    using Matrix = Eigen::SparseMatrix<double>;
+    std::vector<Eigen::Triplet<double>> entries;
+    entries.reserve(seams_.size() * 8);
+    for (std::size_t row = 0; row < seams_.size(); ++row) {
+        const Footprint a = footprintAt(seams_[row].pageA, seams_[row].texelA, size_);
+        const Footprint b = footprintAt(seams_[row].pageB, seams_[row].texelB, size_);
+        const double weight = std::sqrt(double(weights_[row] * seams_[row].texels)); // of the square
+        for (std::size_t i = 0; i < 4; ++i) {
+            entries.emplace_back(int(row), int(tied_[unknown(a.texel[i])]), weight * double(a.weight[i]));
+            entries.emplace_back(int(row), int(tied_[unknown(b.texel[i])]), -weight * double(b.weight[i]));
+        }
+    }
+    const auto count = Eigen::Index(texels_.size());
+    Matrix normal;
+    {
+        Matrix constraints(Eigen::Index(seams_.size()), count);
+        constraints.setFromTriplets(entries.begin(), entries.end());
+        release(entries);
+        normal = constraints.transpose() * constraints;
+    }
+    Eigen::VectorXd keep(count);
+    for (Eigen::Index i = 0; i < count; ++i)
+        keep[i] = covered_[texels_[std::size_t(i)]] != 0 ? kKeepCovered : kKeepPadding;
+    Matrix diagonal(count, count); // of tied unknowns too, in whose columns nothing else is
+    diagonal.setIdentity();
+    diagonal.diagonal() = keep;
+    normal += diagonal;
+    // Seams are lines, beside which unknowns lie in a few rows: factors have hardly more entries than the matrix.
+    const Eigen::SimplicialLDLT<Matrix> factors(normal);
+    if (factors.info() != Eigen::Success) return false;
+    parallelFor(solution_.size(), 1, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t c = begin; c < end; ++c) {
+            Eigen::VectorXd right(count);
+            for (Eigen::Index i = 0; i < count; ++i)
+                right[i] = keep[i] * double(texelAt(texels_[std::size_t(i)])[int(c)]);
+            solution_[c] = factors.solve(right);
+        }
+    });
+    return true;
+}
+
+template<typename T> typename Stitcher<T>::Range Stitcher<T>::coveredAround(uint64_t texel, T value)
+{
+    const std::size_t perPage = pages_[0].texelCount();
+    const auto place = int(texel % perPage);
+    const ivec2 center(place % size_, place / size_);
+    Range range;
+    float nearest = kInfinity;
+    for (int ring = 1; ring <= 2 && range.empty(); ++ring) {
+        for (int y = std::max(center.y - ring, 0); y <= std::min(center.y + ring, size_ - 1); ++y) {
+            for (int x = std::max(center.x - ring, 0); x <= std::min(center.x + ring, size_ - 1); ++x) {
+                const uint64_t other = numberOf(texel / perPage, x, y, size_);
+                if (covered_[other] == 0) continue;
+                const T v = valueOf(other);
+                range.least = glm::min(range.least, v);
+                range.most = glm::max(range.most, v);
+                const float distance = glm::dot(v - value, v - value);
+                if (distance >= nearest) continue;
+                nearest = distance;
+                range.nearest = other;
+            }
+        }
+    }
+    return range;
+}
+
+template<typename T> bool Stitcher<T>::tiePadding()
+{
+    constexpr float kBeyond = 0.01f; ///< of the value: less is left to the last clamp
+    std::vector<std::pair<uint32_t, uint64_t>> ties;
+    for (uint32_t u = 0; u < texels_.size(); ++u) {
+        if (covered_[texels_[u]] != 0) continue;
+        const T value = valueOf(texels_[u]);
+        const Range range = coveredAround(texels_[u], value);
+        if (range.empty()) continue;
+        bool beyond = false;
+        for (int c = 0; c < T::length(); ++c) {
+            const float more = kBeyond * range.most[c];
+            beyond = beyond || value[c] > range.most[c] + more || value[c] < range.least[c] - more;
+        }
+        if (beyond) ties.emplace_back(u, range.nearest);
+    }
+    for (const auto& [u, covered] : ties) tied_[u] = unknown(covered);
+    return !ties.empty();
+}
+
+template<typename T> void Stitcher<T>::write(bool bounded)
+{
+    std::vector<T> values(texels_.size());
+    for (std::size_t i = 0; i < texels_.size(); ++i) values[i] = valueOf(texels_[i]);
+    for (std::size_t i = 0; i < texels_.size(); ++i) texelAt(texels_[i]) = values[i];
+    for (Eigen::VectorXd& component : solution_) component.resize(0); // from here on pages tell
+    if (!bounded) return;
+    // Padding around covered texels that moved, whether seams read it or not.
+    const std::size_t perPage = pages_[0].texelCount();
+    for (const uint64_t texel : texels_) {
+        if (covered_[texel] == 0) continue;
+        const auto place = int(texel % perPage);
+        const ivec2 center(place % size_, place / size_);
+        for (int y = std::max(center.y - 2, 0); y <= std::min(center.y + 2, size_ - 1); ++y) {
+            for (int x = std::max(center.x - 2, 0); x <= std::min(center.x + 2, size_ - 1); ++x) {
+                const uint64_t other = numberOf(texel / perPage, x, y, size_);
+                if (covered_[other] != 0) continue;
+                const Range range = coveredAround(other, texelAt(other));
+                if (!range.empty()) texelAt(other) = glm::clamp(texelAt(other), range.least, range.most);
+            }
+        }
+    }
+}
+
 } // namespace
 
 // Where light changes at once, at the hem of a curtain between sun and shade or where a wall stands on the seam, the
@@ -102,82 +281,24 @@ std::vector<float> seamWeights(const std::vector<SeamSample>& seams, const std::
 }
 
 // Least squares over the texels that seams read: each sample along a seam asks both sides' bilinear values to be equal,
-// each texel asks to stay what it is (Iwanicki 2013, "Lighting Technology of The Last of Us").
+// each texel asks to stay what it is (Iwanicki 2013, "Lighting Technology of The Last of Us"). Padding that would have
+// to be brighter or darker than all covered texels next to it, to make up for a difference between the sides, shows as
+// a rim: it takes the value of one of those, and the covered texels give way in a second solution.
 template<typename T> void stitchSeams(const TexelMap& map, const std::vector<SeamSample>& seams,
-                                      std::span<const float> weights, std::vector<Image<T>>& pages)
+                                      std::span<const float> weights, std::vector<Image<T>>& pages, bool bounded)
 {
     if (seams.empty() || pages.empty()) return;
-    const int size = pages[0].width();
-    std::vector<uint32_t> unknownOf(pages.size() * std::size_t(size) * std::size_t(size), kNoUnknown);
-    std::vector<uint64_t> texels;
-    const auto unknown = [&](uint64_t texel) {
-        uint32_t& u = unknownOf[texel];
-        if (u == kNoUnknown) {
-            u = uint32_t(texels.size());
-            texels.push_back(texel);
-        }
-        return u;
-    };
-    using Matrix = Eigen::SparseMatrix<double>;
-    std::vector<Eigen::Triplet<double>> entries;
-    entries.reserve(seams.size() * 8);
-    for (std::size_t row = 0; row < seams.size(); ++row) {
-        const Footprint a = footprintAt(seams[row].pageA, seams[row].texelA, size);
-        const Footprint b = footprintAt(seams[row].pageB, seams[row].texelB, size);
-        const double weight = std::sqrt(double(weights[row] * seams[row].texels)); // of the square
-        for (std::size_t i = 0; i < 4; ++i) {
-            entries.emplace_back(int(row), int(unknown(a.texel[i])), weight * double(a.weight[i]));
-            entries.emplace_back(int(row), int(unknown(b.texel[i])), -weight * double(b.weight[i]));
-        }
-    }
-    const auto count = Eigen::Index(texels.size());
-    Matrix normal;
-    {
-        Matrix constraints(Eigen::Index(seams.size()), count);
-        constraints.setFromTriplets(entries.begin(), entries.end());
-        release(entries);
-        normal = constraints.transpose() * constraints;
-    }
-    Eigen::VectorXd keep = Eigen::VectorXd::Constant(count, kKeepPadding);
-    for (const Texel& t : map.texels) {
-        const uint32_t u = unknownOf[numberOf(t.page, t.x, t.y, size)];
-        if (u != kNoUnknown) keep[Eigen::Index(u)] = kKeepCovered;
-    }
-    release(unknownOf);
-    normal.diagonal() += keep;
-    // Seams are lines, beside which unknowns lie in a few rows: factors have hardly more entries than the matrix.
-    const Eigen::SimplicialLDLT<Matrix> factors(normal);
-    if (factors.info() != Eigen::Success) return; // of light that is no number
-
-    const auto texelAt = [&](uint64_t texel) -> T& {
-        const std::size_t perPage = std::size_t(size) * std::size_t(size);
-        return pages[texel / perPage].data()[texel % perPage];
-    };
-    constexpr int kComponents = T::length();
-    std::array<Eigen::VectorXd, std::size_t(kComponents)> solution;
-    parallelFor(std::size_t(kComponents), 1, [&](std::size_t begin, std::size_t end) {
-        for (std::size_t c = begin; c < end; ++c) {
-            Eigen::VectorXd right(count);
-            for (Eigen::Index i = 0; i < count; ++i)
-                right[i] = keep[i] * double(texelAt(texels[std::size_t(i)])[int(c)]);
-            solution[c] = factors.solve(right);
-        }
-    });
-    for (Eigen::Index i = 0; i < count; ++i) {
-        T& texel = texelAt(texels[std::size_t(i)]);
-        for (int c = 0; c < kComponents; ++c) {
-            // Never outside what is physical; a value that did not come out finite stays as it was.
-            const auto value = float(solution[std::size_t(c)][i]);
-            if (std::isfinite(value)) texel[c] = std::max(value, 0.0f);
-        }
-    }
+    Stitcher<T> stitcher(map, seams, weights, pages);
+    if (!stitcher.solve()) return;
+    if (bounded && stitcher.tiePadding() && !stitcher.solve()) return;
+    stitcher.write(bounded);
 }
 
 template std::vector<float> seamWeights(const std::vector<SeamSample>&, const std::vector<Image<vec3>>&);
 template std::vector<float> seamWeights(const std::vector<SeamSample>&, const std::vector<Image<vec4>>&);
 template void stitchSeams(const TexelMap&, const std::vector<SeamSample>&, std::span<const float>,
-                          std::vector<Image<vec3>>&);
+                          std::vector<Image<vec3>>&, bool);
 template void stitchSeams(const TexelMap&, const std::vector<SeamSample>&, std::span<const float>,
-                          std::vector<Image<vec4>>&);
+                          std::vector<Image<vec4>>&, bool);
 
 } // namespace halflight

@@ -124,9 +124,11 @@ std::vector<SeamSample> findSeams(const BakeGeometry& geometry, int pageSize);
 template<typename T>
 std::vector<float> seamWeights(const std::vector<SeamSample>& seams, const std::vector<Image<T>>& pages);
 /// Makes bilinear values on both sides of each seam agree, by their weights. Works on dilated pages; padding gives way
-/// rather than what `map` says is covered.
+/// rather than what `map` says is covered. `bounded`: padding stays between the least and the most of the covered
+/// texels next to it, but where padding was extrapolated.
 template<typename T> void stitchSeams(const TexelMap& map, const std::vector<SeamSample>& seams,
-                                      std::span<const float> weights, std::vector<Image<T>>& pages);
+                                      std::span<const float> weights, std::vector<Image<T>>& pages,
+                                      bool bounded = true);
 
 /// The largest value RGB9E5 holds.
 constexpr float kMaxRgb9e5 = 65408.0f;
