@@ -5,6 +5,8 @@
 #include <numeric>
 #include <optional>
 #include <span>
+#include <utility>
+#include <vector>
 
 namespace halflight {
 namespace {
@@ -14,11 +16,12 @@ namespace {
 constexpr int kFirstBlocks = 2;
 constexpr int kNoiseRadius = 2;
 
-/// Without a noise target, texels get as many times the samples, within these bounds, as the standard deviation of half
-/// a block is of this share of the light: samples in proportion to it leave the least noise altogether (Neyman 1934,
-/// "On the Two Different Aspects of the Representative Method"). The light is the geometric mean of that around the
-/// texel, counted once, and that of the map, counted three times: noise in dark places shows less than its share of
-/// their light, but more than its share of all.
+/// Without a noise target, texels want as many times the samples, within these bounds, as the standard deviation of
+/// half a block is of this share of the light, and get what they want times a factor that makes all of a map's samples
+/// as many as asked for: samples in proportion to it leave the least noise altogether (Neyman 1934, "On the Two
+/// Different Aspects of the Representative Method"). The light is the geometric mean of that around the texel, counted
+/// once, and that of the map, counted three times: noise in dark places shows less than its share of their light, but
+/// more than its share of all.
 constexpr float kFewestTimes = 0.5f;
 constexpr float kMostTimes = 32.0f;
 constexpr float kNoise = 0.15f;
@@ -36,6 +39,14 @@ constexpr int kFewAround = 12;
 /// From so many texels on, in the open, one in four has rays enough for all.
 constexpr std::size_t kManyTexels = 400'000;
 
+/// That factor follows from the wishes of all texels, or, in maps of more than this, of so many runs of so many texels
+/// that lie side by side, spread evenly over the map. It is rounded to a 16th of a power of two: so small changes
+/// somewhere are none elsewhere.
+constexpr std::size_t kMostLookedAt = 65'536;
+constexpr std::size_t kRuns = 512;
+constexpr std::size_t kTexelsOfRun = 64;
+constexpr float kShareSteps = 16.0f;
+
 /// A texel may lie between others whose distance, squared, times the mean of the inverse squared distances of what
 /// their rays hit is at most this: how much the light could bend between them.
 constexpr float kMostBend = 0.03f;
@@ -50,10 +61,11 @@ int texelStepOf(const IntegrationSettings& settings, const TexelMap& map)
 
 class CachedLightmap::Run {
 public:
-    Run(const CachedLightmap& lightmap, const TexelMap& map, std::span<const uint32_t> texels, int samples,
+    /// `share`: what texels' wishes are multiplied with; 0: all get the same.
+    Run(const CachedLightmap& lightmap, const TexelMap& map, std::span<const uint32_t> texels, int samples, float share,
         const Progress& progress, std::atomic<uint64_t>& rays)
-        : lightmap_(lightmap), map_(map), blocks_(float(samples) / float(GatherPattern::kBlock)), progress_(progress),
-          rays_(rays), adaptive_(lightmap.settings_.noiseTarget > 0.0f),
+        : lightmap_(lightmap), map_(map), blocks_(float(samples) / float(GatherPattern::kBlock)), share_(share),
+          progress_(progress), rays_(rays), adaptive_(lightmap.settings_.noiseTarget > 0.0f),
           lattice_(lightmap.paths_.surfaces().geometry(), map, lightmap.state_->grid,
                    texelStepOf(lightmap.settings_, map)),
           set_(map, texels)
@@ -71,6 +83,36 @@ public:
     }
 
     bool work() { return gatherFirst() && gatherMore() && finishBetween(); }
+    bool lookFirst() { return gatherFirst(); }
+    [[nodiscard]] FirstLook takeFirstLook() { return {std::move(set_), std::move(known_)}; }
+
+    /// After the first look: the factor with which texels come to the samples asked for, on average over those that
+    /// are traced.
+    [[nodiscard]] float findShare() const
+    {
+        std::vector<float> wishes(set_.size(), 0.0f);
+        parallelFor(set_.size(), 1024, [&](std::size_t begin, std::size_t end) {
+            for (std::size_t i = begin; i < end; ++i) {
+                if (isTraced(i) && wanted_->contains(set_[i])) wishes[i] = timesWanted(set_[i]);
+            }
+        });
+        std::erase(wishes, 0.0f);
+        if (wishes.empty()) return 1.0f;
+        const auto mean = [&](float share) {
+            double sum = 0.0;
+            for (const float wish : wishes) sum += double(blocksOf(share * wish)) / double(wishes.size());
+            return sum;
+        };
+        // Between a first look for all and the most for all, there is one.
+        float low = -kMostSteps;
+        float high = kMostSteps;
+        while (high - low > 1.0f) {
+            const float middle = std::floor(0.5f * (low + high));
+            (mean(std::exp2(middle / kShareSteps)) < double(blocks_) ? low : high) = middle;
+        }
+        const auto off = [&](float steps) { return std::abs(mean(std::exp2(steps / kShareSteps)) - double(blocks_)); };
+        return std::exp2((off(low) <= off(high) ? low : high) / kShareSteps);
+    }
 
     [[nodiscard]] IrradianceEstimate estimateOf(uint32_t texel) const
     {
@@ -87,14 +129,9 @@ public:
     }
 
 private:
-    /// What is known of a texel while others still need it.
-    struct Known {
-        TexelLight light;
-        PointMask mask = 0;
-        bool active = false;
-        bool between = false; ///< not traced, but the mean of others
-    };
+    static constexpr float kMostSteps = 10.0f * kShareSteps; ///< a factor of 1024 either way
 
+    [[nodiscard]] bool isTraced(std::size_t place) const { return known_[place].active && !known_[place].between; }
     [[nodiscard]] PointMask outside(uint32_t texel) const { return lightmap_.state_->outside.masks[texel]; }
     [[nodiscard]] FinalGather makeGather() const
     {
@@ -114,7 +151,7 @@ private:
             parallelFor(places.size(), 256, [&](std::size_t begin, std::size_t end) {
                 for (std::size_t i = begin; i < end; ++i) goBetween(places[i]);
             });
-            std::erase_if(places, [&](uint32_t place) { return known_[place].between; });
+            std::erase_if(places, [&](uint32_t place) { return known_[place].between || isLookedAt(place); });
             const bool done = forTexelGroups<GatherGroup>(
                 lightmap_.paths_, map_, places.size(), [&](std::size_t i) { return set_[places[i]]; },
                 [&](std::size_t i) { return outside(set_[places[i]]); }, progress_, "lightmap", rays_,
@@ -129,6 +166,15 @@ private:
                 });
             if (!done) return false;
         }
+        return true;
+    }
+
+    /// Takes a texel's first samples from findShare()'s look, where that had it.
+    bool isLookedAt(uint32_t place)
+    {
+        const std::optional<FirstLook>& looked = lightmap_.state_->looked;
+        if (!looked || share_ <= 0.0f || !looked->texels.contains(set_[place])) return false;
+        known_[place] = looked->known[looked->texels.find(set_[place])];
         return true;
     }
 
@@ -165,8 +211,8 @@ private:
         std::vector<int> needed(set_.size());
         parallelFor(set_.size(), 1024, [&](std::size_t begin, std::size_t end) {
             for (std::size_t i = begin; i < end; ++i) {
-                if (known_[i].between || !known_[i].active) continue;
-                if (wanted_->contains(set_[i])) needed[i] = adaptive_ ? blocksNeeded(set_[i]) : blocksWanted(set_[i]);
+                if (isTraced(i) && wanted_->contains(set_[i]))
+                    needed[i] = adaptive_ ? blocksNeeded(set_[i]) : blocksGiven(set_[i]);
             }
         });
         // Texels with about as many samples to come go on together, in the same steps whichever texels there are.
@@ -174,7 +220,7 @@ private:
         const int first = firstBlocks();
         const int most = *std::max_element(needed.begin(), needed.end());
         for (int done = first; done < most;) {
-            const int next = std::min(done + std::max(1, done / 2), mostBlocks());
+            const int next = nextStep(done);
             places.clear();
             for (std::size_t i = 0; i < set_.size(); ++i) {
                 if (needed[i] > done && needed[i] <= next) places.push_back(uint32_t(i));
@@ -193,15 +239,34 @@ private:
         return adaptive_ ? std::min(fewest, kFirstBlocks) : fewest;
     }
     [[nodiscard]] int mostBlocks() const { return int(std::ceil(adaptive_ ? blocks_ : kMostTimes * blocks_)); }
-    /// Blocks for a texel where there is no noise target.
-    [[nodiscard]] int blocksWanted(uint32_t texel) const
+    [[nodiscard]] int nextStep(int blocks) const { return std::min(blocks + std::max(1, blocks / 2), mostBlocks()); }
+    /// Blocks that so many times the samples asked for come to, the first look's at least.
+    [[nodiscard]] float blocksOf(float times) const
+    {
+        return std::clamp(times * blocks_, float(firstBlocks()), float(std::max(mostBlocks(), firstBlocks())));
+    }
+    /// Blocks for a texel where there is no noise target: of the two steps around what it is to have, one or the other,
+    /// so that texels have that on average.
+    [[nodiscard]] int blocksGiven(uint32_t texel) const
+    {
+        const float blocks = blocksOf(share_ > 0.0f ? share_ * timesWanted(texel) : 1.0f);
+        int below = firstBlocks();
+        while (below < mostBlocks() && float(nextStep(below)) <= blocks) below = nextStep(below);
+        const int above = nextStep(below);
+        if (above <= below) return below;
+        const Texel& t = map_.texels[texel];
+        const float chance = (blocks - float(below)) / float(above - below);
+        return unitFloat(hashCombine(hashCombine(t.page, t.x), t.y)) < chance ? above : below;
+    }
+    /// How many times the samples asked for a texel wants.
+    [[nodiscard]] float timesWanted(uint32_t texel) const
     {
         const Noise noise = noiseAround(texel);
         const float fewest = noise.texels >= kFewAround ? kFewestTimes : 2 * noise.texels >= kFewAround ? 2.0f : 4.0f;
         const float light = std::sqrt(std::sqrt(noise.mean * lightmap_.mapMean_) * lightmap_.mapMean_);
         const float detail = lightmap_.settings_.denoised ? detailAt(texel, noise) : 1.0f;
         const float times = light > 0.0f ? detail * std::sqrt(noise.ofMost) / (kNoise * light) : 0.0f;
-        return int(std::lround(std::min(std::max(times, fewest), kMostTimes) * blocks_));
+        return std::clamp(times, fewest, kMostTimes);
     }
 
     /// What the first samples of the texels around one tell, of luminance. Halves of blocks are taken for independent,
@@ -345,6 +410,7 @@ private:
     const CachedLightmap& lightmap_;
     const TexelMap& map_;
     float blocks_; ///< asked for, of a texel
+    float share_;
     const Progress& progress_;
     std::atomic<uint64_t>& rays_;
     bool adaptive_;
@@ -357,7 +423,7 @@ private:
 bool CachedLightmap::prepare(const TexelMap& map, const Progress& progress, std::atomic<uint64_t>& rays)
 {
     if (state_ != nullptr && map_ == &map && mapTexels_ == map.texels.size()) return true;
-    auto state = std::make_unique<MapState>(MapState{TexelGrid(map), {}, OutsidePoints(map.texels.size())});
+    auto state = std::make_unique<MapState>(MapState{TexelGrid(map), {}, OutsidePoints(map.texels.size()), {}, 0.0f});
     if (settings_.bounces > 0 &&
         !state->cache.build(paths_, map, pattern_, settings_, state->outside, progress, rays)) {
         return false;
@@ -387,18 +453,42 @@ bool CachedLightmap::prepare(const TexelMap& map, const Progress& progress, std:
     return true;
 }
 
+// A texel's samples are the same whichever others are asked for, so the factor is the whole map's.
+bool CachedLightmap::findShare(const TexelMap& map, const Progress& progress, std::atomic<uint64_t>& rays)
+{
+    if (state_->share > 0.0f) return true;
+    std::vector<uint32_t> some(map.texels.size() <= kMostLookedAt ? map.texels.size() : kRuns * kTexelsOfRun);
+    if (some.size() == map.texels.size()) {
+        std::iota(some.begin(), some.end(), 0u);
+    } else {
+        for (std::size_t i = 0; i < some.size(); ++i) {
+            const std::size_t first = i / kTexelsOfRun * (map.texels.size() - kTexelsOfRun) / (kRuns - 1);
+            some[i] = uint32_t(first + i % kTexelsOfRun);
+        }
+    }
+    Run run(*this, map, some, settings_.samples, 0.0f, progress, rays);
+    if (!run.lookFirst()) return false;
+    state_->share = run.findShare();
+    state_->looked.emplace(run.takeFirstLook());
+    return true;
+}
+
 bool CachedLightmap::irradiance(const TexelMap& map, std::span<const uint32_t> texels, int samples,
                                 std::span<IrradianceEstimate> out, const Progress& progress,
                                 std::atomic<uint64_t>& rays)
 {
+    if (texels.empty()) return true;
     if (!prepare(map, progress, rays)) return false;
+    // Witnesses of a change have fewer samples than the map, all as many.
+    const bool shares = settings_.noiseTarget <= 0.0f && samples == settings_.samples;
+    if (shares && !findShare(map, partOf(progress, 0.0, 0.0), rays)) return false;
     // Some at a time: what is known of a texel while it is worked on takes more memory than its estimate.
     constexpr std::size_t kTexelsAtOnce = 65536;
     for (std::size_t first = 0; first < texels.size(); first += kTexelsAtOnce) {
         const auto some = texels.subspan(first, std::min(kTexelsAtOnce, texels.size() - first));
         const double share = 1.0 / double(texels.size());
         const Progress part = partOf(progress, double(first) * share, double(first + some.size()) * share);
-        Run run(*this, map, some, samples, part, rays);
+        Run run(*this, map, some, samples, shares ? state_->share : 0.0f, part, rays);
         if (!run.work()) return false;
         for (std::size_t i = 0; i < some.size(); ++i) out[first + i] = run.estimateOf(some[i]);
     }

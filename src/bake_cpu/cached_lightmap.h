@@ -10,6 +10,8 @@
 
 #include <atomic>
 #include <memory>
+#include <optional>
+#include <vector>
 
 namespace halflight {
 
@@ -31,13 +33,28 @@ public:
     void release() { state_.reset(); }
 
 private:
+    /// What is known of a texel while others still need it.
+    struct Known {
+        TexelLight light;
+        PointMask mask = 0;
+        bool active = false;
+        bool between = false; ///< not traced, but the mean of others
+    };
+    /// First samples of some texels.
+    struct FirstLook {
+        TexelSet texels;
+        std::vector<Known> known;
+    };
     /// What is known of a whole map, whichever of its texels are asked for.
     struct MapState {
         TexelGrid grid;
         RadianceCache cache;
         OutsidePoints outside;
+        std::optional<FirstLook> looked; ///< by findShare()
+        float share = 0.0f;              ///< what a texel's wish for samples is multiplied with; 0 = not known yet
     };
     class Run; // works on the texels asked for and on those they depend on
+    bool findShare(const TexelMap& map, const Progress& progress, std::atomic<uint64_t>& rays);
     bool prepare(const TexelMap& map, const Progress& progress, std::atomic<uint64_t>& rays);
     [[nodiscard]] const RadianceCache* cache() const { return settings_.bounces > 0 ? &state_->cache : nullptr; }
 
