@@ -1,10 +1,13 @@
 #include "bake_cpu/baked_lights.h"
 
+#include "bake_cpu/light_reach.h"
 #include "bake_cpu/shadow_rays.h"
 
 #include "halflight/base/parallel.h"
 
 #include <algorithm>
+#include <utility>
+#include <vector>
 
 namespace halflight {
 namespace {
@@ -75,49 +78,78 @@ private:
     std::vector<Batch> batches_;
 };
 
+/// Adds the lights' direct light to the texels of a pass; texel i of it has its estimate at out[places[i]].
+bool addLights(const ShadowPass& pass, std::span<const PunctualLight* const> lights,
+               const std::vector<ShadowSource>& sources, std::span<const uint32_t> places,
+               std::span<IrradianceEstimate> out)
+{
+    const auto rays = float(pass.timesOnEdges * pass.samples);
+    const Progress shadows = partOf(pass.progress, 0.0, 0.9);
+    const ShadowPass shadowPass{pass.paths,   pass.pattern,      pass.map, pass.grid,  pass.texels, pass.outside,
+                                pass.samples, pass.timesOnEdges, shadows,  pass.stage, pass.rays};
+    std::vector<LitCount> counts;
+    if (!traceShadows(shadowPass, sources, counts)) return false;
+    const auto addTo = [&](std::size_t begin, std::size_t end) {
+        for (std::size_t i = begin; i < end; ++i) {
+            IrradianceEstimate& estimate = out[places[i]];
+            if (!estimate.valid) continue;
+            Unshadowed unshadowed(pass, i);
+            for (std::size_t l = 0; l < lights.size(); ++l) {
+                const LitCount& lit = counts[i * lights.size() + l];
+                if (!lit.any()) continue;
+                const float strength = lights[l]->shadowStrength;
+                const float arrives = glm::mix(1.0f, lit.share(), strength);
+                if (arrives <= 0.0f) continue;
+                const Unshadowed::Light light = unshadowed.of(*lights[l]);
+                estimate.irradiance += arrives * light.irradiance;
+                estimate.direct += arrives * light.irradiance;
+                estimate.moment += arrives * light.moment;
+                // Of a share of so many yes-or-no rays, as if they were independent: texels lit in part have all.
+                const float contrast = lit.mixed() ? luminance(light.irradiance) * strength : 0.0f;
+                const float variance = contrast * contrast * lit.share() * (1.0f - lit.share()) / rays;
+                estimate.varianceOfMean += variance;
+                estimate.varianceOfDirect += variance;
+            }
+        }
+    };
+    return parallelFor(pass.texels.size(), 1024, partOf(pass.progress, 0.9, 1.0), pass.stage, addTo);
+}
+
 } // namespace
 
+// A few lights at a time, so that memory stays small, and for each few only the texels that one of them can reach: what
+// a light costs follows from these, not from the size of the map.
 bool addBakedLights(const ShadowPass& pass, uint32_t seed, std::span<IrradianceEstimate> out)
 {
-    // A few lights at a time, so that memory stays small.
     constexpr std::size_t kLightsAtOnce = 4;
     std::vector<const PunctualLight*> lights;
     for (const PunctualLight& light : pass.paths.lights()) {
         if (light.directAtTexels) lights.push_back(&light);
     }
-    const auto rays = float(pass.timesOnEdges * pass.samples);
+    if (lights.empty()) return true;
+    const TexelRuns runs(pass.paths.surfaces().geometry(), pass.map, pass.texels);
     for (std::size_t first = 0; first < lights.size(); first += kLightsAtOnce) {
-        const std::size_t count = std::min(kLightsAtOnce, lights.size() - first);
+        const auto some = std::span(lights).subspan(first, std::min(kLightsAtOnce, lights.size() - first));
+        const std::vector<uint32_t> places = runs.reachedBy(some);
+        if (places.empty()) continue;
         std::vector<ShadowSource> sources;
-        for (std::size_t l = first; l < first + count; ++l)
-            sources.push_back({{lights[l]}, true, hashCombine(seed, uint32_t(l))});
-        std::vector<LitCount> counts;
-        if (!traceShadows(pass, sources, counts)) return false;
-        const auto addLights = [&](std::size_t begin, std::size_t end) {
-            for (std::size_t i = begin; i < end; ++i) {
-                if (!out[i].valid) continue;
-                Unshadowed unshadowed(pass, i);
-                for (std::size_t l = 0; l < count; ++l) {
-                    const LitCount& lit = counts[i * count + l];
-                    if (!lit.any()) continue;
-                    const float strength = lights[first + l]->shadowStrength;
-                    const float arrives = glm::mix(1.0f, lit.share(), strength);
-                    if (arrives <= 0.0f) continue;
-                    const Unshadowed::Light light = unshadowed.of(*lights[first + l]);
-                    out[i].irradiance += arrives * light.irradiance;
-                    out[i].direct += arrives * light.irradiance;
-                    out[i].moment += arrives * light.moment;
-                    // Of a share of so many yes-or-no rays, as if they were independent: texels lit in part have all.
-                    const float contrast = lit.mixed() ? luminance(light.irradiance) * strength : 0.0f;
-                    const float variance = contrast * contrast * lit.share() * (1.0f - lit.share()) / rays;
-                    out[i].varianceOfMean += variance;
-                    out[i].varianceOfDirect += variance;
-                }
-            }
-        };
-        if (!parallelFor(pass.texels.size(), 1024, pass.progress, pass.stage, addLights)) return false;
+        for (std::size_t l = 0; l < some.size(); ++l)
+            sources.push_back({LightReach(std::vector{some[l]}), true, hashCombine(seed, uint32_t(first + l))});
+        std::vector<uint32_t> texels;
+        std::vector<PointMask> outside;
+        for (const uint32_t place : places) {
+            texels.push_back(pass.texels[place]);
+            outside.push_back(pass.outside[place]);
+        }
+        const double share = 1.0 / double(lights.size());
+        const Progress part = partOf(pass.progress, double(first) * share, double(first + some.size()) * share);
+        if (!addLights({pass.paths, pass.pattern, pass.map, pass.grid, texels, outside, pass.samples, pass.timesOnEdges,
+                        part, pass.stage, pass.rays},
+                       some, sources, places, out)) {
+            return false;
+        }
     }
-    return true;
+    return !pass.progress.cancelled();
 }
 
 } // namespace halflight

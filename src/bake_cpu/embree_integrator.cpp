@@ -112,7 +112,8 @@ public:
             }
             if (owners.empty()) continue;
             channels.push_back(channel);
-            sources.push_back({owners, false, hashCombine(settings_.seed ^ kShadowSeed, uint32_t(channel))});
+            sources.push_back(
+                {LightReach(owners), false, hashCombine(settings_.seed ^ kShadowSeed, uint32_t(channel))});
         }
         std::vector<LitCount> counts;
         if (!traceShadows({paths_, pattern_, map, gridOf(map), request.texels, masksOf(request, estimates),

@@ -39,7 +39,7 @@ bool traceShadows(const ShadowPass& pass, const std::vector<ShadowSource>& sourc
     };
     if (!forTexelGroups<ShadowGroup>(
             pass.paths, pass.map, set.size(), [&](std::size_t i) { return set[i]; },
-            [](std::size_t) { return kAllPoints; }, pass.progress, pass.stage, pass.rays,
+            [](std::size_t) { return kAllPoints; }, partOf(pass.progress, 0.0, 0.5), pass.stage, pass.rays,
             [&] {
                 return [&](const TexelGroup& group, std::size_t first, uint64_t& rays) {
                     // Where points lie inside geometry the first look counts for nothing.
@@ -107,7 +107,7 @@ bool traceShadows(const ShadowPass& pass, const std::vector<ShadowSource>& sourc
         }
     };
     std::vector<uint32_t> list;
-    const auto traceHalves = [&](int begin, int end) {
+    const auto traceHalves = [&](int begin, int end, const Progress& progress) {
         list.clear();
         for (std::size_t i = 0; i < pass.texels.size(); ++i) {
             bool any = false;
@@ -116,7 +116,7 @@ bool traceShadows(const ShadowPass& pass, const std::vector<ShadowSource>& sourc
         }
         return forTexelGroups<ShadowGroup>(
             pass.paths, pass.map, list.size(), [&](std::size_t i) { return pass.texels[list[i]]; },
-            [&](std::size_t i) { return pass.outside[list[i]]; }, pass.progress, pass.stage, pass.rays,
+            [&](std::size_t i) { return pass.outside[list[i]]; }, progress, pass.stage, pass.rays,
             [&] {
                 return [&](const TexelGroup& group, std::size_t first, uint64_t& rays) {
                     const auto lanes = std::size_t(group.lanes());
@@ -159,11 +159,11 @@ bool traceShadows(const ShadowPass& pass, const std::vector<ShadowSource>& sourc
                 };
             });
     };
-    if (!traceHalves(0, firstHalves)) return false;
+    if (!traceHalves(0, firstHalves, partOf(pass.progress, 0.5, 0.7))) return false;
     keepOpen(BesideEdge);
-    if (!traceHalves(firstHalves, nextHalves)) return false;
+    if (!traceHalves(firstHalves, nextHalves, partOf(pass.progress, 0.7, 0.85))) return false;
     keepOpen(Closed);
-    return traceHalves(nextHalves, lastHalves);
+    return traceHalves(nextHalves, lastHalves, partOf(pass.progress, 0.85, 1.0));
 }
 
 } // namespace halflight

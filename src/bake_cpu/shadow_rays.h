@@ -1,6 +1,7 @@
 #pragma once
 // Rays towards punctual lights, in bundles: for shadowmasks and for direct light that is baked.
 
+#include "bake_cpu/light_reach.h"
 #include "bake_cpu/texel_group.h"
 
 #include <algorithm>
@@ -82,7 +83,7 @@ struct LitSum {
 
 /// A light, or several that never meet.
 struct ShadowSource {
-    std::vector<const PunctualLight*> lights;
+    LightReach lights;
     /// Only points that would be lit look, those that face the light, which is not dark there; and their rays count as
     /// much as they would receive.
     bool lit = false;
@@ -95,14 +96,11 @@ struct ShadowSource {
     };
     [[nodiscard]] Aim aimOf(const SurfacePoint& point) const
     {
-        for (const PunctualLight* light : lights) {
-            if (lit) {
-                constexpr float kMost = 1.0e30f; // so that sums are numbers
-                const float weight = std::min(luminance(light->irradianceAt(point.position, point.normal)), kMost);
-                if (weight > 0.0f) return {light, weight};
-            } else if (light->reaches(point.position)) {
-                return {light, 1.0f};
-            }
+        if (!lit) return {lights.at(point.position), 1.0f};
+        for (const PunctualLight* light : lights.lights()) {
+            constexpr float kMost = 1.0e30f; // so that sums are numbers
+            const float weight = std::min(luminance(light->irradianceAt(point.position, point.normal)), kMost);
+            if (weight > 0.0f) return {light, weight};
         }
         return {};
     }

@@ -1,0 +1,155 @@
+// Many lights of short range: what they cost follows from the texels that each reaches, and the light is that of all of
+// them (spec S6, S9).
+#include "bake/test_scene.h"
+#include "bake_cpu/light_reach.h"
+
+#include "halflight/base/random.h"
+#include "halflight/shading/color.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace halflight {
+namespace {
+
+using namespace test;
+
+constexpr int kPage = 128;
+
+/// Numbers from 0 to 1, one after the other.
+struct Numbers {
+    uint32_t state = 7;
+    float next() { return unitFloat(state = hashPcg(state)); }
+};
+
+std::vector<PunctualLight> randomLights(int count, float range)
+{
+    Numbers numbers;
+    std::vector<PunctualLight> lights;
+    for (int i = 0; i < count; ++i) {
+        PunctualLight light;
+        light.position = 40.0f * vec3(numbers.next(), 0.2f * numbers.next(), numbers.next());
+        light.colorIntensity = vec3(1.0f);
+        light.range = range * (0.5f + numbers.next());
+        if (i % 5 == 0) {
+            light.type = shading::kLightSpot;
+            light.axis = vec3(0, -1, 0);
+            light.spotConstants = shading::spotConstants(0.3f, 0.6f);
+        }
+        lights.push_back(light);
+    }
+    return lights;
+}
+
+/// The tree finds the light that a walk along the list finds, near, far, and at the end of ranges.
+TEST(LightReachS9, FindsWhatTheListFinds)
+{
+    for (const int count : {0, 1, 3, 40, 500}) {
+        std::vector<PunctualLight> lights = randomLights(count, 4.0f);
+        if (count == 40) lights[17].range = 0.0f; // everywhere
+        std::vector<const PunctualLight*> list;
+        for (const PunctualLight& light : lights) list.push_back(&light);
+        const LightReach reach(list);
+        Numbers numbers{99};
+        for (int i = 0; i < 4000; ++i) {
+            vec3 point = 44.0f * vec3(numbers.next(), 0.2f * numbers.next(), numbers.next()) - 2.0f;
+            if (count > 0 && i % 4 == 0) { // just within a range
+                const PunctualLight& light = lights[std::size_t(i) % lights.size()];
+                point = light.position + vec3(0, 0, light.range * 0.99999f);
+            }
+            const auto first =
+                std::find_if(list.begin(), list.end(), [&](const PunctualLight* l) { return l->reaches(point); });
+            ASSERT_EQ(reach.at(point), first == list.end() ? nullptr : *first) << count;
+        }
+    }
+}
+
+/// A floor 32 m wide under `count` lights that are 2 m above it and reach 3 m, and a wall across it.
+Scene makeFloor(int count)
+{
+    Scene scene;
+    const int black = addMaterial(scene, vec3(0.0f), vec3(0.0f), true);
+    addRectangle(scene, {vec3(-16, 0, 16), vec3(32, 0, 0), vec3(0, 0, -32)}, black, kPage, {vec2(2), vec2(98)});
+    Numbers numbers;
+    for (int i = 0; i < count; ++i) {
+        const vec3 place(30.0f * numbers.next() - 15.0f, 2.0f, 30.0f * numbers.next() - 15.0f);
+        Light light = makeLight(LightType::Point, place, vec3(0, -1, 0), 10.0f, LightMode::Baked);
+        light.rangeMeters = 3.0f;
+        scene.lights.push_back(light);
+    }
+    return scene;
+}
+
+IntegrationSettings directOnly()
+{
+    IntegrationSettings settings;
+    settings.samples = 16;
+    settings.bounces = 0;
+    settings.shadowSamples = 16;
+    return settings;
+}
+
+TEST(ManyLightsS6, TheFloorHasTheLightOfAllThatReachIt)
+{
+    Bench bench(makeFloor(150), MixedLightingMode::Shadowmask, kPage, directOnly());
+    const std::vector<IrradianceEstimate> estimates = bench.irradiance();
+    double worst = 0.0;
+    double brightest = 0.0;
+    for (std::size_t i = 0; i < estimates.size(); ++i) {
+        // Over the texel, not at its middle: at the end of a range light changes within one.
+        const vec3 center = bench.positionOf(bench.map.texels[i]);
+        double expected = 0.0;
+        for (const Light& light : bench.scene.lights) {
+            for (int k = 0; k < 16; ++k) {
+                const vec3 p = center + vec3(float(k % 4) - 1.5f, 0.0f, float(k / 4) - 1.5f) / 12.0f;
+                const vec3 way = light.position() - p;
+                const double d2 = double(glm::dot(way, way));
+                const double window = std::max(0.0, 1.0 - d2 * d2 / 81.0);
+                expected += 10.0 * window / d2 * double(way.y) / std::sqrt(d2) / 16.0;
+            }
+        }
+        worst = std::max(worst, std::abs(double(estimates[i].irradiance.x) - expected));
+        brightest = std::max(brightest, expected);
+    }
+    EXPECT_GT(brightest, 2.0);
+    EXPECT_LT(worst, 0.02 * brightest);
+}
+
+/// Ten times the lights on ten times the floor cost ten times as much, not a hundred times: rays that look for lights
+/// are as many for each.
+TEST(ManyLightsS6, RaysFollowTheTexelsInReach)
+{
+    const auto raysOf = [](int lights) {
+        Bench bench(makeFloor(lights), MixedLightingMode::Shadowmask, kPage, directOnly());
+        bench.irradiance();
+        return double(bench.integrator->raysTraced());
+    };
+    const double none = raysOf(0);
+    const double few = (raysOf(10) - none) / 10.0;
+    const double many = (raysOf(200) - none) / 200.0;
+    EXPECT_GT(few, 1000.0);
+    EXPECT_LT(many, 1.5 * few);
+    EXPECT_GT(many, 0.5 * few);
+
+    // What is looked at at all: a light of 3 m on a floor of 32 m, whose texels are a third of a metre wide, has some
+    // 254 of 9,216 in reach.
+    Bench bench(makeFloor(1), MixedLightingMode::Shadowmask, kPage, directOnly());
+    const std::vector<uint32_t> all = allIndices(bench.map.texels.size());
+    const TexelRuns runs(bench.geometry, bench.map, all);
+    const std::vector<PunctualLight> lights = punctualLights(bench.scene, LightUse::Bake);
+    const PunctualLight* one = lights.data();
+    const std::vector<uint32_t> reached = runs.reachedBy(std::span(&one, 1));
+    EXPECT_LT(reached.size(), 1500u);
+    std::size_t inReach = 0;
+    for (std::size_t i = 0; i < bench.map.texels.size(); ++i) {
+        if (!lights[0].reaches(bench.positionOf(bench.map.texels[i]))) continue;
+        ++inReach;
+        EXPECT_TRUE(std::binary_search(reached.begin(), reached.end(), uint32_t(i)));
+    }
+    EXPECT_GT(inReach, 100u);
+}
+
+} // namespace
+} // namespace halflight
