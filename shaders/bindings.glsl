@@ -13,6 +13,7 @@ layout(std430, set = 0, binding = kBindClusters) readonly buffer ClusterBlock { 
 layout(std430, set = 0, binding = kBindInstances) readonly buffer InstanceBlock { uint instanceObjects[]; };
 layout(set = 0, binding = kBindLightmaps) uniform sampler2DArray lightmaps;
 layout(set = 0, binding = kBindLightmapDirections) uniform sampler2DArray lightmapDirections;
+layout(set = 0, binding = kBindDynamicLightmaps) uniform sampler2DArray dynamicLightmaps;
 layout(set = 0, binding = kBindShadowmasks) uniform sampler2DArray shadowmasks;
 layout(set = 0, binding = kBindCascades) uniform sampler2DArrayShadow cascadeMaps;
 layout(set = 0, binding = kBindAtlas) uniform sampler2DArrayShadow atlasMap;

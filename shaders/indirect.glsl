@@ -9,7 +9,7 @@
 bool usesLightmap(Surface s) { return s.lightmapped && frame.mode.x != kModeRealtime; }
 
 // Radiance towards the camera. Lightmap and surroundings reflect diffusely and in the specular lobe. `lightmap` is the
-// irradiance there, read only where usesLightmap().
+// irradiance there, after subtraction, read only where usesLightmap(); the dynamic lightmap is added to it.
 vec3 indirectLight(MeshSurface mesh, vec3 lightmap)
 {
     Surface s = mesh.lit;
@@ -19,8 +19,9 @@ vec3 indirectLight(MeshSurface mesh, vec3 lightmap)
     vec3 mirror = reflect(-s.view, s.normal);
     vec3 lobe = normalize(mix(mirror, s.normal, s.roughness * s.roughness));
     if (usesLightmap(s)) {
-        irradiance = lightmap * lightmapScale(mesh, s.normal);
-        surroundings = lightmap * lightmapScale(mesh, lobe);
+        vec3 dynamic = dynamicIrradiance();
+        irradiance = lightmap * lightmapScale(mesh, s.normal) + dynamic;
+        surroundings = lightmap * lightmapScale(mesh, lobe) + dynamic;
     } else {
         irradiance = irradianceFrom(mesh.probes, s.normal);
         surroundings = irradianceFrom(mesh.probes, lobe);

@@ -23,12 +23,22 @@ float readRealtime(int light, Surface s, LightSample incoming)
     return realtimeAttenuation(light, s.position, n, incoming.direction, s.cameraDistance);
 }
 
+// B of a light that has a channel.
+float bakedAttenuation(int light, Surface s)
+{
+    vec3 fromLight = s.position - lights[light].bakedReach.xyz;
+    float distanceMeters = max(length(fromLight), 1.0e-6);
+    float cosAngle = dot(fromLight, lights[light].bakedCone.xyz) / distanceMeters;
+    return bakedWithinReach(s.baked[lights[light].info.z], distanceMeters, lights[light].bakedReach.w, cosAngle,
+                            lights[light].bakedCone.w);
+}
+
 // What the point gets of a light after shadows.
 float shadowAttenuation(int light, Surface s, LightSample incoming)
 {
     if (!s.receiveShadows) return 1.0;
     bool hasBaked = (lights[light].info.y & kLightHasBaked) != 0;
-    float baked = hasBaked ? s.baked[lights[light].info.z] : 1.0;
+    float baked = hasBaked ? bakedAttenuation(light, s) : 1.0;
     return mixShadows(frame.mode.x, hasBaked, baked, hasRealtime(light), readRealtime(light, s, incoming), s.fade,
                       lights[light].colorIntensity.w);
 }

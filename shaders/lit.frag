@@ -15,7 +15,8 @@ vec3 debugView(MeshSurface mesh)
     Surface s = mesh.lit;
     float shade = 0.25 + 0.75 * abs(dot(s.normal, s.view));
     if (frame.mode.y == kViewShadowmask) return s.baked.rgb * mix(0.5, 1.0, s.baked.a);
-    if (frame.mode.y == kViewLightmap) return s.lightmapped ? lightmapIrradiance() * (1.0 / kShadingPi) : vec3(0.0);
+    if (frame.mode.y == kViewLightmap)
+        return s.lightmapped ? (lightmapIrradiance() + dynamicIrradiance()) * (1.0 / kShadingPi) : vec3(0.0);
     if (frame.mode.y == kViewProbes) return irradianceFrom(mesh.probes, s.normal) * (1.0 / kShadingPi);
     if (frame.mode.y == kViewFade) return vec3(s.fade);
     if (frame.mode.y == kViewCascades) {
@@ -25,12 +26,13 @@ vec3 debugView(MeshSurface mesh)
         vec3 color = mix(colors[cascade], colors[min(cascade + 1, 3)], nextWeight);
         return mix(color, vec3(1.0), s.fade) * shade;
     }
-    // Lights with a mask channel that reach the fragment: none black, 1 blue, 2 green, 3 yellow, 4 red, more white.
+    // Lights with a mask channel, or for which none was left, that reach the fragment: none black, 1 blue, 2 green,
+    // 3 yellow, 4 red, more white.
     int count = 0;
     int cluster = clusterOf(s.position);
     for (int light = 0; light < frame.mode.w; ++light) {
         if ((clusterWords[cluster + light / 32] >> (light % 32) & 1u) == 0u) continue;
-        if ((lights[light].info.y & kLightHasBaked) == 0) continue;
+        if ((lights[light].info.y & (kLightHasBaked | kLightOverflowed)) == 0) continue;
         if (sampleFrameLight(light, s.position).illuminance != vec3(0.0)) ++count;
     }
     vec3 ramp[6] = vec3[6](vec3(0.0), vec3(0.0, 0.0, 1.0), vec3(0.0, 1.0, 0.0), vec3(1.0, 1.0, 0.0), vec3(1.0, 0.0, 0.0),

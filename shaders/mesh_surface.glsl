@@ -110,4 +110,11 @@ vec3 lightmapIrradiance()
     return textureLod(lightmaps, vec3(inLightmapUv, objects[inObject].info.y), 0.0).rgb * frame.subtractiveShadowColor.w;
 }
 
+// S32. Irradiance that the application adds to the lightmap's, in lux: Renderer::setDynamicLightmaps().
+vec3 dynamicIrradiance()
+{
+    if (frame.baked.y == 0) return vec3(0.0);
+    return textureLod(dynamicLightmaps, vec3(inLightmapUv, objects[inObject].info.y), 0.0).rgb * frame.dynamicLightmap.x;
+}
+
 #endif

@@ -44,13 +44,14 @@ const float kMinSlopeCosine = 0.1;
 // "Shadow Mapping: GPU-based Tips and Techniques"; planes stay planes in clip space, so the slope is exact for
 // perspective tiles too), the receiver moves along its normal, the more the more it is tilted, and towards the light by
 // the constant bias.
-float tileShadow(bool cascade, int tile, vec3 position, vec3 n, vec3 l, float distanceFactor)
+float tileShadow(bool cascade, int light, int tile, vec3 position, vec3 n, vec3 l, float distanceFactor)
 {
     if (tiles[tile].parameters.y == 0.0) return 1.0;
     float texelMeters = tiles[tile].parameters.x * distanceFactor;
     float cosine = saturate(dot(n, l));
     float sine = sqrt(1.0 - cosine * cosine);
-    vec3 p = position + n * (frame.shadowBias.y * texelMeters * sine) + l * (frame.shadowBias.x * texelMeters);
+    vec2 bias = lights[light].shadowBias.xy;
+    vec3 p = position + n * (bias.y * texelMeters * sine) + l * (bias.x * texelMeters);
     vec4 clip = tiles[tile].clipFromWorld * vec4(p, 1.0);
     if (clip.w <= 0.0) return 1.0;
     vec3 ndc = clip.xyz / clip.w;
@@ -111,17 +112,17 @@ float realtimeAttenuation(int light, vec3 position, vec3 n, vec3 l, float camera
     if (type == kLightDirectional) {
         float nextWeight;
         int cascade = selectCascade(cameraDistance, nextWeight);
-        float shadow = tileShadow(true, firstTile + cascade, position, n, l, 1.0);
+        float shadow = tileShadow(true, light, firstTile + cascade, position, n, l, 1.0);
         if (nextWeight > 0.0)
-            shadow = mix(shadow, tileShadow(true, firstTile + cascade + 1, position, n, l, 1.0), nextWeight);
+            shadow = mix(shadow, tileShadow(true, light, firstTile + cascade + 1, position, n, l, 1.0), nextWeight);
         return shadow;
     }
     vec3 fromLight = position - lights[light].positionRange.xyz;
     if (lights[light].spot.z < 2.0)
-        return tileShadow(false, firstTile, position, n, l, max(dot(fromLight, lights[light].axis.xyz), 0.0));
+        return tileShadow(false, light, firstTile, position, n, l, max(dot(fromLight, lights[light].axis.xyz), 0.0));
     float axisDistance;
     int face = cubeFace(fromLight, axisDistance);
-    return tileShadow(false, firstTile + face, position, n, l, axisDistance);
+    return tileShadow(false, light, firstTile + face, position, n, l, axisDistance);
 }
 
 #endif

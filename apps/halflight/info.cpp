@@ -194,10 +194,6 @@ int runInfo(const InfoOptions& options)
     readOptions.settingsFile = options.settingsFile;
     Result<BakedScene> baked = readBakedScene(options.file, readOptions);
     if (!baked) return fail(options.file, baked.error());
-    for (const Light& light : baked->scene.lights) {
-        if (movedSinceBake(light))
-            baked->scene.warnings.push_back("is stale: light \"" + light.name + "\" was moved since its bake");
-    }
     if (options.json) {
         // Names come from the file and may hold any bytes: what is not UTF-8 becomes U+FFFD instead of an exception.
         printJson(infoJson(options, *baked).dump(2, ' ', false, Json::error_handler_t::replace));

@@ -11,8 +11,9 @@
 namespace halflight::cli {
 namespace {
 
-constexpr const char* kForm = "must be NAME:intensity=X,color=R,G,B,direction=X,Y,Z,position=X,Y,Z,range=X,strength=X "
-                              "(any of these)";
+constexpr const char* kForm = "must be NAME:intensity=X,color=R,G,B,direction=X,Y,Z,position=X,Y,Z,range=X,strength=X,"
+                              "inner-cone=DEGREES,outer-cone=DEGREES,depth-bias=X,slope-bias=X,normal-bias=X (any of "
+                              "these)";
 
 Error malformed(const std::string& text, std::string_view why)
 {
@@ -53,6 +54,15 @@ bool assignKey(LightOverride& change, const std::string& key, const std::vector<
     if (key == "intensity") return assign(change.intensity, numbers, kMax);
     if (key == "range") return assign(change.rangeMeters, numbers, kMax);
     if (key == "strength") return assign(change.shadowStrength, numbers, 1.0f);
+    if (key == "inner-cone" || key == "outer-cone") {
+        std::optional<float>& radians = key == "inner-cone" ? change.innerConeRadians : change.outerConeRadians;
+        if (!assign(radians, numbers, 90.0f)) return false;
+        *radians = glm::radians(*radians);
+        return true;
+    }
+    if (key == "depth-bias") return assign(change.shadowBias.depthTexels, numbers, kMaxShadowBias);
+    if (key == "slope-bias") return assign(change.shadowBias.slope, numbers, kMaxShadowBias);
+    if (key == "normal-bias") return assign(change.shadowBias.normalTexels, numbers, kMaxNormalBiasTexels);
     if (key == "position") return assign(change.position, numbers);
     if (key == "color") return assign(change.color, numbers) && glm::all(glm::greaterThanEqual(*change.color, vec3(0)));
     if (key == "direction") return assign(change.direction, numbers) && glm::length(*change.direction) > 1.0e-6f;
@@ -98,6 +108,14 @@ Light overridden(Light light, const LightOverride& change)
     light.color = change.color.value_or(light.color);
     light.rangeMeters = change.rangeMeters.value_or(light.rangeMeters);
     light.shadowStrength = change.shadowStrength.value_or(light.shadowStrength);
+    light.innerConeRadians = change.innerConeRadians.value_or(light.innerConeRadians);
+    light.outerConeRadians = change.outerConeRadians.value_or(light.outerConeRadians);
+    const auto assign = [](const std::optional<float>& from, std::optional<float>& to) {
+        if (from) to = from;
+    };
+    assign(change.shadowBias.depthTexels, light.shadowBias.depthTexels);
+    assign(change.shadowBias.slope, light.shadowBias.slope);
+    assign(change.shadowBias.normalTexels, light.shadowBias.normalTexels);
     if (change.direction) light.worldFromLight = posed(light.position(), *change.direction);
     if (change.position) light.worldFromLight[3] = vec4(*change.position, 1.0f);
     return light;

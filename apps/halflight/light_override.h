@@ -1,5 +1,6 @@
 #pragma once
-// `--light NAME:intensity=…,color=r,g,b,direction=x,y,z`: a light changed at run time.
+// `--light NAME:intensity=…,color=r,g,b,direction=x,y,z`: a light changed at run time, by the keys of
+// light_override.cpp.
 
 #include "halflight/base/result.h"
 #include "halflight/scene/scene.h"
@@ -16,7 +17,10 @@ struct LightOverride {
     std::optional<vec3> direction;
     std::optional<vec3> position;
     std::optional<float> rangeMeters;
+    std::optional<float> innerConeRadians;
+    std::optional<float> outerConeRadians;
     std::optional<float> shadowStrength;
+    ShadowBias shadowBias;
 };
 
 /// InvalidArgument with what is wrong in the text.

@@ -33,6 +33,8 @@ struct RenderOptions {
     RenderSettings render;
     RendererOptions device;
     std::vector<LightOverride> lights;
+    int cascades = 0;                 ///< 0 = not given
+    std::vector<float> cascadeSplits; ///< empty = not given
     CameraChoice camera;
     vec3 eye{0.0f};
     bool eyeGiven = false;
@@ -92,10 +94,30 @@ Status changeLights(Renderer& renderer, const std::vector<LightOverride>& change
     return {};
 }
 
+/// What the frame did with a light; empty reasons are left out.
+Json jsonOf(const LightRow& row, const Light& light)
+{
+    Json json = {{"name", light.name},
+                 {"type", nameOf(light.type)},
+                 {"mode", nameOf(light.mode)},
+                 {"bakedAs", nameOf(light.baking.bakeType)},
+                 {"channel", light.baking.occlusionMaskChannel},
+                 {"inFrame", row.frameLight >= 0}};
+    if (!row.notInFrame.empty()) json["reason"] = row.notInFrame;
+    json["bakedShadow"] = {{"used", row.bakedChannel >= 0}};
+    if (!row.noBakedShadow.empty()) json["bakedShadow"]["reason"] = row.noBakedShadow;
+    json["realtimeShadow"] = {
+        {"used", row.realtimeShadow}, {"cascades", row.cascades},           {"tiles", row.tiles},
+        {"texels", row.tileTexels},   {"staticCasters", row.staticCasters}, {"dynamicCasters", row.dynamicCasters}};
+    if (!row.noRealtimeShadow.empty()) json["realtimeShadow"]["reason"] = row.noRealtimeShadow;
+    return json;
+}
+
 Result<Picture> renderPicture(const RenderOptions& options, const BakedScene& baked, const Camera& camera)
 {
     RenderSettings settings = options.render;
     settings.mode = options.mode.value_or(defaultRunMode(baked));
+    settings.lightRows = options.json;
     if (Status status = checkRunMode(baked, settings.mode); !status) return status.error();
 
     Result<std::unique_ptr<Renderer>> renderer = Renderer::create(options.device);
@@ -121,9 +143,12 @@ Result<Picture> renderPicture(const RenderOptions& options, const BakedScene& ba
     picture.summary["path"] = settings.path == RenderPath::Deferred ? "deferred" : "forward";
     picture.summary["gBufferTargets"] = frame->gBufferTargets;
     picture.summary["lights"] = {
-        {"inView", plan.lights.size()},
+        {"inView", count([](const FrameLight& light) { return !light.overflowed; })},
         {"bakedShadows", count([](const FrameLight& light) { return light.hasBaked; })},
         {"realtimeShadows", count([](const FrameLight& light) { return light.hasRealtimeShadow; })}};
+    picture.summary["lights"]["rows"] = Json::array();
+    for (const LightRow& row : frame->lights)
+        picture.summary["lights"]["rows"].push_back(jsonOf(row, (*renderer)->scene().lights[std::size_t(row.light)]));
     picture.summary["passes"] = Json::array();
     for (const PassReport& pass : frame->passes) {
         Json& entry = picture.summary["passes"].emplace_back();
@@ -134,7 +159,7 @@ Result<Picture> renderPicture(const RenderOptions& options, const BakedScene& ba
     if (options.render.timings && !frame->timed) {
         picture.warnings.emplace_back("the Vulkan device has no timestamps, so passes are counted but not timed");
     }
-    picture.warnings = plan.warnings;
+    picture.warnings.insert(picture.warnings.end(), plan.warnings.begin(), plan.warnings.end());
     picture.radiance = std::move(frame->radiance);
     return picture;
 }
@@ -235,6 +260,11 @@ std::string contradiction(const RenderOptions& options)
     if (extension != ".png" && extension != ".exr") {
         return fmt::format("--output must end in .png or .exr, not '{}'", options.output.string());
     }
+    if (options.cascades > 0 && !options.cascadeSplits.empty() &&
+        options.cascadeSplits.size() + 1 != std::size_t(options.cascades)) {
+        return fmt::format("--cascades {} needs {} --cascade-splits, not {}", options.cascades, options.cascades - 1,
+                           options.cascadeSplits.size());
+    }
     if (options.eyeGiven && options.eye == options.camera.target) return "--eye and --target are the same point";
     if (options.referenceSamples > 0 &&
         (options.render.timings || !options.lights.empty() || options.mode || options.render.view != DebugView::Lit ||
@@ -242,6 +272,16 @@ std::string contradiction(const RenderOptions& options)
         return "--reference is path traced and knows no --mode, --view, --path, --light or --timings";
     }
     return {};
+}
+
+/// Adds what is not said yet. The reader puts "is stale: " before what a frame says of a changed light, too.
+void addNew(std::vector<std::string>& warnings, const std::vector<std::string>& more)
+{
+    for (const std::string& warning : more) {
+        const bool said = std::any_of(warnings.begin(), warnings.end(),
+                                      [&](const std::string& earlier) { return earlier.ends_with(warning); });
+        if (!said) warnings.push_back(warning);
+    }
 }
 
 int runRender(RenderOptions options)
@@ -254,12 +294,20 @@ int runRender(RenderOptions options)
     }
     if (Status status = checkOutput(options.output); !status) return fail(options.output, status.error());
     if (options.eyeGiven) options.camera.eye = options.eye;
+    if (!options.cascadeSplits.empty()) options.cascades = int(options.cascadeSplits.size()) + 1;
+    if (options.cascades > 0) options.render.shadows.cascades = options.cascades;
     options.camera.verticalFovRadians = glm::radians(options.fovDegrees);
 
     ReadOptions readOptions;
     readOptions.settingsFile = options.settingsFile;
     const Result<BakedScene> baked = readBakedScene(options.file, readOptions);
     if (!baked) return fail(options.file, baked.error());
+    std::vector<std::string> warnings;
+    addNew(warnings, baked->scene.warnings);
+    const auto sayFrom = [&](std::size_t first) {
+        for (std::size_t i = first; i < warnings.size() && !options.quiet; ++i) warn(options.file, warnings[i]);
+    };
+    sayFrom(0);
     const float aspect = float(options.render.size.x) / float(options.render.size.y);
     const Result<Camera> camera = chooseCamera(baked->scene, options.camera, aspect);
     if (!camera) return fail(options.file, camera.error());
@@ -270,13 +318,13 @@ int runRender(RenderOptions options)
     describeView(options, *camera, picture->summary);
     if (Status status = writePicture(options, *picture); !status) return fail(options.output, status.error());
 
-    if (!options.quiet) {
-        for (const std::string& warning : picture->warnings) warn(options.file, warning);
-    }
+    const std::size_t said = warnings.size();
+    addNew(warnings, picture->warnings);
+    sayFrom(said);
     if (options.json) {
         Json summary = {{"file", options.file.string()}, {"output", options.output.string()}};
         summary.update(picture->summary);
-        summary["warnings"] = picture->warnings;
+        summary["warnings"] = warnings;
         printJson(summary.dump(2, ' ', false, Json::error_handler_t::replace));
     } else if (!options.quiet) {
         printSummary(options, picture->summary);
@@ -290,6 +338,21 @@ bool parseSize(const std::string& text, ivec2& size)
     int end = 0;
     return std::sscanf(text.c_str(), "%5dx%5d%n", &size.x, &size.y, &end) == 2 && std::size_t(end) == text.size() &&
            size.x >= 16 && size.x <= 8192 && size.y >= 16 && size.y <= 8192;
+}
+
+// "0.1,0.3,0.6".
+bool parseSplits(const std::string& text, std::vector<float>& splits)
+{
+    splits.clear();
+    for (std::size_t begin = 0; begin <= text.size();) {
+        const std::size_t end = std::min(text.find(',', begin), text.size());
+        double split = 0.0;
+        const double before = splits.empty() ? 0.0 : double(splits.back());
+        if (!parseNumber(text.substr(begin, end - begin), split) || !(split > before && split < 1.0)) return false;
+        splits.push_back(float(split));
+        begin = end + 1;
+    }
+    return splits.size() <= 3;
 }
 
 void addPictureOptions(CLI::App& app, RenderOptions& options)
@@ -328,7 +391,8 @@ void addPictureOptions(CLI::App& app, RenderOptions& options)
            [&options](const std::vector<std::string>& texts) {
                for (const std::string& text : texts) options.lights.push_back(*parseLightOverride(text));
            },
-           "change a light since its bake: intensity, color, direction, position, range, strength; may be repeated")
+           "change a light since its bake: intensity, color, direction, position, range, strength, inner-cone, "
+           "outer-cone (degrees), depth-bias, slope-bias, normal-bias; may be repeated")
         ->check(CLI::Validator(checkLight, std::string()))
         ->type_size(1)
         ->allow_extra_args(false)
@@ -380,7 +444,24 @@ void addShadowOptions(CLI::App& app, RenderOptions& options)
              "no realtime shadow from here on (default 60)");
     addFloat(app, "--shadow-fade-range", shadows.fadeRangeMeters, 0.01f, 100000.0f, "METERS",
              "they fade over this range before it (default 1)");
-    addInt(app, "--cascades", shadows.cascades, 1, 4, "cascades of directional lights (default 4)");
+    addInt(app, "--cascades", options.cascades, 1, 4, "cascades of directional lights (default 4, or by the splits)");
+    const auto checkSplits = [](std::string& text) {
+        std::vector<float> splits;
+        if (parseSplits(text, splits)) return std::string();
+        return fmt::format("must be one to three ascending numbers above 0 and below 1, not '{}'", text);
+    };
+    app.add_option_function<std::string>(
+           "--cascade-splits",
+           [&options](const std::string& text) {
+               parseSplits(text, options.cascadeSplits);
+               std::copy(options.cascadeSplits.begin(), options.cascadeSplits.end(),
+                         options.render.shadows.cascadeSplits.begin());
+           },
+           "where cascades end, as shares of the shadow distance, one fewer than there are cascades (default: by the "
+           "logarithm of the distance for the most part)")
+        ->check(CLI::Validator(checkSplits, std::string()))
+        ->multi_option_policy(CLI::MultiOptionPolicy::TakeLast)
+        ->type_name("A,B,C");
     addChoice<CascadeBlend>(
         app, "--cascade-blend", shadows.cascadeBlend,
         {{"hard", CascadeBlend::Hard}, {"dithered", CascadeBlend::Dithered}, {"soft", CascadeBlend::Soft}},

@@ -236,6 +236,9 @@ Result<BakeResult> bake(Scene scene, const BakeSettings& settings, const Integra
     integration.samples = report.quality.samples;
     integration.shadowSamples = report.quality.shadowSamples;
     integration.bounces = report.quality.bounces;
+    if (integration.bounces == 0) {
+        for (Light& light : baked.scene.lights) light.baking.atBake.indirectMultiplier = 0.0f; // nothing bounced
+    }
     integration.probeSamples = report.quality.probeSamples;
     integration.seed = settings.seed;
     if (settings.integrator == IntegratorKind::Cache && settings.samples > 0 && settings.samples < kFewestSamples) {

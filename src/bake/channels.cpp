@@ -198,6 +198,9 @@ void assignShadowmaskChannels(Scene& scene, MixedLightingMode mode)
         light.baking.bakeType = light.mode;
         light.baking.mixedMode = mode;
         light.baking.worldFromLight = light.worldFromLight;
+        light.baking.reachMeters = light.type == LightType::Directional ? 0.0f : light.rangeMeters;
+        light.baking.outerConeRadians = light.outerConeRadians;
+        light.baking.atBake = lightAtBake(light);
         if (light.mode == LightMode::Mixed) mixed.push_back(int(i));
     }
     if (mode == MixedLightingMode::Shadowmask) {

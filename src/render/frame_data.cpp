@@ -66,8 +66,7 @@ shading::GpuFrame gpuFrame(const GpuScene& scene, const FrameView& view, const R
     frame.pictureSize = vec4(view.size, 0.0f, 0.0f);
     frame.fade = vec4(plan.fadeConstants, 0.0f, 0.0f);
     frame.cascadeFar = vec4(plan.cascadeFar[0], plan.cascadeFar[1], plan.cascadeFar[2], plan.cascadeFar[3]);
-    frame.shadowBias = vec4(settings.shadows.depthBias, settings.shadows.normalBiasTexels,
-                            settings.shadows.cascadeBlendFraction, 0.0f);
+    frame.shadowBias = vec4(0.0f, 0.0f, settings.shadows.cascadeBlendFraction, 0.0f);
     frame.skyZenith = vec4(sky.zenith, 0.0f);
     frame.skyHorizon = vec4(sky.horizon, 0.0f);
     frame.skyGround = vec4(sky.ground, 0.0f);
@@ -83,12 +82,27 @@ shading::GpuFrame gpuFrame(const GpuScene& scene, const FrameView& view, const R
     frame.shadow = ivec4(filterHalfWidth(settings.shadows.filter), settings.shadows.cascades,
                          int(settings.shadows.cascadeBlend), settings.proxyVolumes ? 1 : 0);
     const bool directional = settings.directionalLightmaps && !scene.outline.lightmapDirections.empty();
-    frame.baked = ivec4(directional ? 1 : 0, 0, 0, 0);
+    frame.baked = ivec4(directional ? 1 : 0, scene.hasDynamicLightmaps ? 1 : 0, 0, 0);
+    frame.dynamicLightmap.x = scene.dynamicUnitLux;
     std::copy(std::begin(scene.skySh), std::end(scene.skySh), std::begin(frame.skySh));
     return frame;
 }
 
-std::vector<shading::GpuLight> gpuLights(const Scene& scene, const FramePlan& plan)
+namespace {
+
+/// Where the light's channel holds for.
+void setBakedReach(const Light& light, shading::GpuLight& out)
+{
+    constexpr float kNoCone = -2.0f;
+    const BakingOutput& baking = light.baking;
+    out.bakedReach = vec4(vec3(baking.worldFromLight[3]), baking.reachMeters);
+    out.bakedCone = vec4(-glm::normalize(vec3(baking.worldFromLight[2])),
+                         light.type == LightType::Spot ? std::cos(baking.outerConeRadians) : kNoCone);
+}
+
+} // namespace
+
+std::vector<shading::GpuLight> gpuLights(const Scene& scene, const FramePlan& plan, const ShadowSettings& shadows)
 {
     std::vector<shading::GpuLight> result;
     for (const FrameLight& frameLight : plan.lights) {
@@ -102,8 +116,12 @@ std::vector<shading::GpuLight> gpuLights(const Scene& scene, const FramePlan& pl
         const int flags = (frameLight.hasBaked ? shading::kLightHasBaked : 0) |
                           (frameLight.hasRealtimeShadow ? shading::kLightHasRealtime : 0) |
                           (frameLight.skipStatic ? shading::kLightSkipStatic : 0) |
-                          (frameLight.skipDynamic ? shading::kLightSkipDynamic : 0);
+                          (frameLight.skipDynamic ? shading::kLightSkipDynamic : 0) |
+                          (frameLight.overflowed ? shading::kLightOverflowed : 0);
         out.info = ivec4(int(light.type), flags, std::max(frameLight.channel, 0), std::max(frameLight.firstTile, 0));
+        const ShadowSettings biased = shadowSettingsOf(light, shadows);
+        out.shadowBias = vec4(biased.depthBias, biased.normalBiasTexels, 0.0f, 0.0f);
+        setBakedReach(light, out);
         result.push_back(out);
     }
     return result;

@@ -11,7 +11,7 @@ namespace halflight {
 
 shading::GpuFrame gpuFrame(const GpuScene& scene, const FrameView& view, const RenderSettings& settings,
                            const FramePlan& plan);
-std::vector<shading::GpuLight> gpuLights(const Scene& scene, const FramePlan& plan);
+std::vector<shading::GpuLight> gpuLights(const Scene& scene, const FramePlan& plan, const ShadowSettings& shadows);
 std::vector<shading::GpuTile> gpuTiles(const FramePlan& plan);
 
 } // namespace halflight

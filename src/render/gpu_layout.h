@@ -33,7 +33,8 @@ HL_CONST int kBindDepth = 15;
 HL_CONST int kBindProbeVolumes = 16;
 HL_CONST int kBindProbeTexture = 17;
 HL_CONST int kBindLightmapDirections = 18;
-HL_CONST int kBindTextures = 19; // the last: its length varies
+HL_CONST int kBindDynamicLightmaps = 19;
+HL_CONST int kBindTextures = 20; // the last: its length varies
 
 // Debug views: the values of DebugView in renderer.h.
 HL_CONST int kViewLit = 0;
@@ -66,7 +67,7 @@ struct GpuFrame {
     vec4 pictureSize;    // xy pixels
     vec4 fade;           // xy: fadeConstants()
     vec4 cascadeFar;     // radial metres where each cascade ends
-    vec4 shadowBias;     // x depth bias in texels, y normal bias in texels, z cascade blend fraction
+    vec4 shadowBias;     // z cascade blend fraction; the biases are in GpuLight
     vec4 skyZenith;      // rgb cd/m2
     vec4 skyHorizon;
     vec4 skyGround;
@@ -78,7 +79,8 @@ struct GpuFrame {
     ivec4 mode;                  // x run mode, y debug view, z main light (-1 none), w light count
     ivec4 shadow;                // x filter half-width, y cascades per directional light, z how cascades blend,
                                  // w 1 = objects that have a proxy volume take probe light from it
-    ivec4 baked;                 // x 1 = the lightmap has directions
+    ivec4 baked;                 // x 1 = the lightmap has directions, y 1 = dynamic lightmap pages are set
+    vec4 dynamicLightmap;        // x lux that a texel of 1 stands for
     vec4 skySh[9];               // rgb radiance coefficients of the sky
 };
 
@@ -129,6 +131,7 @@ HL_CONST int kLightHasBaked = 1;
 HL_CONST int kLightHasRealtime = 2;
 HL_CONST int kLightSkipStatic = 4;
 HL_CONST int kLightSkipDynamic = 8;
+HL_CONST int kLightOverflowed = 16; // there for the overlap view alone
 
 struct GpuLight {
     vec4 positionRange;  // xyz world, w range in metres (0 = unlimited)
@@ -136,6 +139,9 @@ struct GpuLight {
     vec4 axis;           // xyz unit, along which the light shines
     vec4 spot;           // xy: spotConstants(); z number of shadow tiles
     ivec4 info;          // x type, y flags, z channel, w first tile
+    vec4 shadowBias;     // x depth bias, y normal bias, in texels
+    vec4 bakedReach;     // xyz world: where the light was baked; w metres from there its channel holds for, 0 = all
+    vec4 bakedCone;      // xyz unit: axis at the bake; w cosine of the cone its channel holds for, -2 = all
 };
 
 struct GpuTile {

@@ -264,6 +264,8 @@ GpuScene uploadScene(gpu::Device& device, const BakedScene& baked)
     result.lightmaps = uploadPages(device, uploader, baked.lightmaps, VK_FORMAT_E5B9G9R9_UFLOAT_PACK32, uint32_t(0));
     result.lightmapDirections =
         uploadPages(device, uploader, baked.lightmapDirections, VK_FORMAT_R8G8B8A8_UNORM, u8vec4(128));
+    result.dynamicLightmaps =
+        uploadPages(device, uploader, std::vector<Image<uint32_t>>(), VK_FORMAT_E5B9G9R9_UFLOAT_PACK32, uint32_t(0));
     result.shadowmasks = uploadPages(device, uploader, baked.shadowmasks, VK_FORMAT_R8G8B8A8_UNORM, u8vec4(255));
 
     result.bounds = objectBounds(scene);

@@ -40,6 +40,9 @@ struct GpuScene {
     gpu::Image lightmaps;
     gpu::Image lightmapDirections;
     gpu::Image shadowmasks;
+    gpu::Image dynamicLightmaps;      ///< one black texel while the application has set none
+    bool hasDynamicLightmaps = false; ///< it has
+    float dynamicUnitLux = 1.0f;      ///< lux that a texel of 1 stands for
 
     std::vector<std::vector<DrawPart>> meshes;
     std::vector<bool> mirrored;    ///< per object: its transform turns front faces clockwise
@@ -70,6 +73,10 @@ struct LitVertex {
 /// gpu::Failure when the device cannot hold it.
 Status checkScene(const BakedScene& baked);
 GpuScene uploadScene(gpu::Device& device, const BakedScene& baked);
+/// Irradiance pages (lux) as the scene's dynamic lightmaps; an empty span takes them away. True when the image was made
+/// anew, so that its descriptor must be written. Pages have passed checkDynamicLightmaps().
+bool uploadDynamicLightmaps(gpu::Device& device, GpuScene& scene, std::span<const ImageRgb32f> irradiance);
+Status checkDynamicLightmaps(const BakedScene& baked, std::span<const ImageRgb32f> irradiance);
 /// Brings changed objects to the device, with their bounds and the probe light where they are now.
 void uploadChangedObjects(gpu::Device& device, GpuScene& scene);
 

@@ -164,9 +164,9 @@ std::vector<gpu::Binding> frameBindings(const gpu::Device& device)
 {
     const VkPhysicalDeviceLimits& limits = device.properties().limits;
     const uint32_t textures =
-        std::min({kMaxTextures, limits.maxPerStageDescriptorSampledImages - 12,
-                  limits.maxPerStageDescriptorSamplers - 12, limits.maxPerStageResources - 32,
-                  limits.maxDescriptorSetSamplers - 12, limits.maxDescriptorSetSampledImages - 12});
+        std::min({kMaxTextures, limits.maxPerStageDescriptorSampledImages - 13,
+                  limits.maxPerStageDescriptorSamplers - 13, limits.maxPerStageResources - 32,
+                  limits.maxDescriptorSetSamplers - 13, limits.maxDescriptorSetSampledImages - 13});
     std::vector<gpu::Binding> bindings(shading::kBindTextures + 1);
     bindings[shading::kBindFrame].type = VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER;
     for (int i = shading::kBindLightmaps; i <= shading::kBindTextures; ++i)
@@ -325,13 +325,13 @@ void beginShadowLayer(const PassContext& context, VkImageView layer, ivec2 low, 
     beginRendering(context, {}, depth, high - low, low);
 }
 
-void drawShadowTiles(const PassContext& context, std::span<const ShadowDraws> tiles, float slopeBias)
+void drawShadowTiles(const PassContext& context, std::span<const ShadowDraws> tiles)
 {
     for (const ShadowDraws& tile : tiles) {
         if (tile.draws.empty()) continue;
         setViewport(context, tile.offset, ivec2(tile.size));
         pushClipFromWorld(context, tile.clipFromWorld);
-        context.device.vk.CmdSetDepthBias(context.commands, 0.0f, 0.0f, slopeBias);
+        context.device.vk.CmdSetDepthBias(context.commands, 0.0f, 0.0f, tile.slopeBias);
         // Both sides of every surface cast, as in the bake, whose rays are stopped by both.
         drawSolid(context, tile.draws, context.pipelines.shadow.get(), context.pipelines.shadowMasked.get(),
                   Culling::None);

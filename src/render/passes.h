@@ -68,11 +68,12 @@ struct ShadowDraws {
     mat4 clipFromWorld{1.0f};
     ivec2 offset{0};
     int size = 0;
+    float slopeBias = 0.0f; ///< Vulkan's depthBiasSlopeFactor
     std::vector<Draw> draws;
 };
 /// Clears a rectangle of one layer to "lit"; tiles are drawn into it until endRendering().
 void beginShadowLayer(const PassContext& context, VkImageView layer, ivec2 low, ivec2 high);
-void drawShadowTiles(const PassContext& context, std::span<const ShadowDraws> tiles, float slopeBias);
+void drawShadowTiles(const PassContext& context, std::span<const ShadowDraws> tiles);
 
 /// What the camera sees. Each solid part is in one of two lists.
 struct CameraDraws {

@@ -1,5 +1,6 @@
 #include "halflight/render/renderer.h"
 
+#include "render/frame/frame_internal.h"
 #include "render/frame_data.h"
 #include "render/passes.h"
 
@@ -85,16 +86,18 @@ struct ShadowPasses {
     std::vector<ShadowDraws> points;
 };
 
-ShadowPasses shadowPasses(const Scene& scene, const FramePlan& plan, DrawLists& lists)
+ShadowPasses shadowPasses(const Scene& scene, const FramePlan& plan, const ShadowSettings& settings, DrawLists& lists)
 {
     ShadowPasses passes;
     passes.cascades.resize(std::size_t(std::max(plan.directionalLayers, 0)));
     for (const FrameLight& light : plan.lights) {
         const LightType type = scene.lights[std::size_t(light.light)].type;
+        const float slopeBias = shadowSettingsOf(scene.lights[std::size_t(light.light)], settings).slopeBias;
         for (int i = light.firstTile; i < light.firstTile + light.tileCount; ++i) {
             const ShadowTile& tile = plan.tiles[std::size_t(i)];
             if (plan.castersOf(i).empty()) continue; // shaders know, and do not look
-            ShadowDraws draws{tile.clipFromWorld, tile.atlasOffset, tile.size, lists.casters(plan.castersOf(i))};
+            ShadowDraws draws{tile.clipFromWorld, tile.atlasOffset, tile.size, slopeBias,
+                              lists.casters(plan.castersOf(i))};
             if (type == LightType::Directional)
                 passes.cascades[std::size_t(tile.layer)].push_back(std::move(draws));
             else
@@ -151,6 +154,11 @@ const char* problemOf(const Light& light)
     if (!(light.innerConeRadians >= 0.0f && light.innerConeRadians <= light.outerConeRadians &&
           light.outerConeRadians <= kPi / 2.0f))
         return "the light's inner cone must be 0 to its outer cone, and that at most 90 degrees";
+    const ShadowBias& bias = light.shadowBias;
+    const auto within = [](const std::optional<float>& x, float most) { return !x || (*x >= 0.0f && *x <= most); };
+    if (!within(bias.depthTexels, kMaxShadowBias) || !within(bias.slope, kMaxShadowBias) ||
+        !within(bias.normalTexels, kMaxNormalBiasTexels))
+        return "the light's biases must be 0 to 100 (depth, slope) and 0 to 8 (normal)";
     return nullptr;
 }
 
@@ -210,6 +218,7 @@ struct Renderer::Impl {
         set.buffer(shading::kBindMaterials, scene->materials);
         set.image(shading::kBindLightmaps, scene->lightmaps.view(), pageSampler.get());
         set.image(shading::kBindLightmapDirections, scene->lightmapDirections.view(), pageSampler.get());
+        set.image(shading::kBindDynamicLightmaps, scene->dynamicLightmaps.view(), pageSampler.get());
         set.image(shading::kBindShadowmasks, scene->shadowmasks.view(), pageSampler.get());
         set.buffer(shading::kBindProbeVolumes, scene->probeVolumes.buffer());
         set.image(shading::kBindProbeTexture, scene->probeVolumes.texture().view(), pageSampler.get());
@@ -226,7 +235,7 @@ struct Renderer::Impl {
                      const std::vector<uint32_t>& instances);
     ImageRgba32f readPicture() const;
     void endPass(VkCommandBuffer commands, const char* name);
-    void recordShadows(const PassContext& context, const ShadowPasses& shadows, float slopeBias);
+    void recordShadows(const PassContext& context, const ShadowPasses& shadows);
     void recordDeferred(const PassContext& context, const CameraDraws& draws);
     Result<RenderedFrame> render(const Camera& camera, const RenderSettings& settings);
 
@@ -316,7 +325,8 @@ void Renderer::Impl::uploadFrame(const FrameView& view, const RenderSettings& se
     };
     const shading::GpuFrame frame = gpuFrame(*scene, view, settings, plan);
     bind(shading::kBindFrame, frameBuffer, frameBuffer.write(device, &frame, sizeof(frame)));
-    bind(shading::kBindLights, lightBuffer, lightBuffer.write(device, gpuLights(scene->outline.scene, plan)));
+    bind(shading::kBindLights, lightBuffer,
+         lightBuffer.write(device, gpuLights(scene->outline.scene, plan, settings.shadows)));
     bind(shading::kBindTiles, tileBuffer, tileBuffer.write(device, gpuTiles(plan)));
     bind(shading::kBindClusters, clusterBuffer, clusterBuffer.write(device, plan.clusters.words));
     bind(shading::kBindInstances, instanceBuffer, instanceBuffer.write(device, instances));
@@ -344,7 +354,7 @@ void Renderer::Impl::endPass(VkCommandBuffer commands, const char* name)
     if (timed) timer.mark(commands, name);
 }
 
-void Renderer::Impl::recordShadows(const PassContext& context, const ShadowPasses& shadows, float slopeBias)
+void Renderer::Impl::recordShadows(const PassContext& context, const ShadowPasses& shadows)
 {
     VkCommandBuffer commands = context.commands;
     gpu::transition(device, commands, cascades.image, gpu::state::kUndefined, gpu::state::kDepthAttachment);
@@ -352,7 +362,7 @@ void Renderer::Impl::recordShadows(const PassContext& context, const ShadowPasse
     for (std::size_t i = 0; i < shadows.cascades.size(); ++i) {
         if (shadows.cascades[i].empty()) continue;
         beginShadowLayer(context, cascades.layers[i].get(), ivec2(0), ivec2(int(cascades.image.info().width)));
-        drawShadowTiles(context, shadows.cascades[i], slopeBias);
+        drawShadowTiles(context, shadows.cascades[i]);
         endRendering(context);
     }
     endPass(commands, "directional shadows");
@@ -367,9 +377,9 @@ void Renderer::Impl::recordShadows(const PassContext& context, const ShadowPasse
         }
     }
     if (hasAtlas) beginShadowLayer(context, atlas.layers[0].get(), low, high);
-    drawShadowTiles(context, shadows.spots, slopeBias);
+    drawShadowTiles(context, shadows.spots);
     endPass(commands, "spot shadows");
-    drawShadowTiles(context, shadows.points, slopeBias);
+    drawShadowTiles(context, shadows.points);
     if (hasAtlas) endRendering(context);
     endPass(commands, "point shadows");
     gpu::transition(device, commands, cascades.image, gpu::state::kDepthAttachment, gpu::state::kFragmentRead);
@@ -412,8 +422,10 @@ Result<RenderedFrame> Renderer::Impl::render(const Camera& camera, const RenderS
     const FrameView view{camera, settings.size * settings.supersampling};
     FramePlan plan = planFrame(scene->outline, scene->bounds, view, settings.mode, settings.shadows);
 
+    if (settings.view == DebugView::Overlap) addOverflowedLights(scene->outline, scene->bounds, view, plan);
+
     DrawLists lists(*scene);
-    const ShadowPasses shadows = shadowPasses(scene->outline.scene, plan, lists);
+    const ShadowPasses shadows = shadowPasses(scene->outline.scene, plan, settings.shadows, lists);
     CameraDraws draws;
     draws.clipFromWorld = view.clipFromView() * view.viewFromWorld();
     const std::vector<uint32_t> visible = objectsInView(scene->bounds, draws.clipFromWorld);
@@ -438,7 +450,7 @@ Result<RenderedFrame> Renderer::Impl::render(const Camera& camera, const RenderS
         if (timed) timer.begin(commands);
         bindScene(context);
 
-        recordShadows(context, shadows, settings.shadows.slopeBias);
+        recordShadows(context, shadows);
 
         gpu::transition(device, commands, color, gpu::state::kUndefined, gpu::state::kColorAttachment);
         gpu::transition(device, commands, depth, gpu::state::kUndefined, gpu::state::kDepthAttachment);
@@ -464,6 +476,7 @@ Result<RenderedFrame> Renderer::Impl::render(const Camera& camera, const RenderS
     frame.radiance = downsampled(readPicture(), settings.supersampling);
     frame.forwardObjects = int(toForward.size());
     frame.gBufferTargets = deferred ? int(gBuffer.images().size()) + 1 : 0;
+    if (settings.lightRows) frame.lights = lightRows(scene->outline, view, plan);
     frame.plan = std::move(plan);
     frame.timed = timed;
     frame.passes = std::move(reports);
@@ -545,6 +558,23 @@ Status Renderer::setObjectShadows(int object, bool castShadows, bool receiveShad
     current.receiveShadows = receiveShadows;
     impl_->scene->changedObjects.push_back(uint32_t(object));
     return {};
+}
+
+Status Renderer::setDynamicLightmaps(std::span<const ImageRgb32f> irradiance)
+{
+    if (!impl_->scene) return Error{ErrorCode::InvalidArgument, "no scene was loaded", ""};
+    if (Status status = checkDynamicLightmaps(impl_->scene->outline, irradiance); !status) return status;
+    const int limit = int(impl_->device.properties().limits.maxImageDimension2D);
+    if (!irradiance.empty() && (irradiance[0].width() > limit || irradiance[0].height() > limit))
+        return Error{ErrorCode::InvalidArgument,
+                     "dynamic lightmap pages are larger than the Vulkan device's images, " + std::to_string(limit), ""};
+    const Result<bool> done = guarded<bool>([&]() -> Result<bool> {
+        if (uploadDynamicLightmaps(impl_->device, *impl_->scene, irradiance))
+            impl_->set.image(shading::kBindDynamicLightmaps, impl_->scene->dynamicLightmaps.view(),
+                             impl_->pageSampler.get());
+        return true;
+    });
+    return done ? Status() : Status(done.error());
 }
 
 Result<RenderedFrame> Renderer::render(const Camera& camera, const RenderSettings& settings)

@@ -94,7 +94,12 @@ Hash128 contentHash(const Scene& scene)
         hasher.add(int(object.isStatic)).add(int(object.castShadows)).add(int(object.receiveShadows));
         hasher.add(int(object.probeLighting)).add(object.probeResolution);
     }
-    for (const Light& light : scene.lights) hasher.add(std::string_view(light.name)).add(lightHash(light));
+    for (const Light& light : scene.lights) {
+        hasher.add(std::string_view(light.name)).add(lightHash(light));
+        for (const std::optional<float>& bias :
+             {light.shadowBias.depthTexels, light.shadowBias.slope, light.shadowBias.normalTexels})
+            hasher.add(int(bias.has_value())).add(bias.value_or(0.0f));
+    }
     hasher.add(scene.sky.zenith).add(scene.sky.horizon).add(scene.sky.ground);
     return hasher.add(scene.subtractiveShadowColor).add(scene.probePositions).hash();
 }
@@ -133,7 +138,10 @@ std::string SceneFingerprints::ofLight(const Light& light) const
     if (!light.baking.isBaked || light.baking.bakeType == LightMode::Realtime) return {};
     Hasher hasher;
     hasher.add(lightShapeHash(light));
-    if (light.baking.bakeType == LightMode::Baked) hasher.add(light.color).add(light.intensity);
+    // A subtractive lightmap holds direct light of mixed lights, too; fingerprints of versions that kept no LightAtBake
+    // do not say so.
+    const bool known = light.baking.bakeType == LightMode::Baked || light.baking.atBake.known;
+    if (directLightIsBaked(light) && known) hasher.add(light.color).add(light.intensity);
     return hasher.hash().hex();
 }
 

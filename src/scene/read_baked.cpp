@@ -252,6 +252,14 @@ Status readBindings(const SourceDocument& document, BakedScene& baked)
 // Warns of what was changed in the file since its bake: the light of such objects is that of what they were.
 void checkFingerprints(const SourceDocument& document, const Json& root, Scene& scene)
 {
+    const std::size_t warningsBefore = scene.warnings.size();
+    const auto sentencesOf = [](const Light& light) {
+        const bool bakedShadows = light.baking.occlusionMaskChannel >= 0;
+        return changesSinceBake(light, "light \"" + light.name + "\"", bakedShadows);
+    };
+    for (const Light& light : scene.lights) {
+        for (const std::string& sentence : sentencesOf(light)) scene.warnings.push_back("is stale: " + sentence);
+    }
     const Json& ofScene = member(root, "fingerprint");
     if (!ofScene.is_string()) return; // of a version that kept none
     const SceneFingerprints fingerprints(scene);
@@ -265,12 +273,13 @@ void checkFingerprints(const SourceDocument& document, const Json& root, Scene& 
         const std::string now = fingerprints.ofObjects(objects);
         if (now != (stored.is_string() ? stored.get<std::string>() : "")) changed.push_back(objects.front()->name);
     }
-    std::vector<std::string> changedLights;
+    std::vector<std::string> changedLights; // in what no sentence above speaks of: a size, say
     for (const Light& light : scene.lights) {
         const Json& record = extensionOf(document.json["nodes"][std::size_t(light.sourceNode)], "HALFLIGHT_light");
         const Json& stored = member(member(record, "baking"), "fingerprint");
         if (!stored.is_string()) continue; // realtime, or added since: it lights at run time
-        if (fingerprints.ofLight(light) != stored.get<std::string>()) changedLights.push_back(light.name);
+        if (sentencesOf(light).empty() && fingerprints.ofLight(light) != stored.get<std::string>())
+            changedLights.push_back(light.name);
     }
     if (!changed.empty()) {
         scene.warnings.push_back("is stale: changed since its bake: objects " + listOf(changed) +
@@ -280,11 +289,58 @@ void checkFingerprints(const SourceDocument& document, const Json& root, Scene& 
         scene.warnings.push_back("is stale: changed since its bake: lights " + listOf(changedLights) +
                                  "; baked light and shadows are those of before, bake the scene again");
     }
-    if (changed.empty() && changedLights.empty() && fingerprints.ofScene() != ofScene.get<std::string>()) {
+    const bool noneNamed = changed.empty() && changedLights.empty() && scene.warnings.size() == warningsBefore;
+    if (noneNamed && fingerprints.ofScene() != ofScene.get<std::string>()) {
         scene.warnings.emplace_back(
             "is stale: the sky changed, or static objects or lights were removed since its bake; "
             "bake the scene again");
     }
+}
+
+// Warns of settings that say something else than at the bake, where a bake alone can heed them. Extras of a baked file
+// give way to its record, so what differs from the record comes from a settings file.
+void checkSettingsOfBake(const SourceDocument& document, const Json& root, Scene& scene)
+{
+    const auto add = [&](const std::string& what, const std::vector<std::string>& names) {
+        if (names.empty()) return;
+        scene.warnings.push_back("settings file: " + what + " of " + listOf(names) +
+                                 " has no effect on a baked file; bake the scene again with these settings");
+    };
+    const auto differs = [](const Json& recorded, float now) {
+        return recorded.is_number() && recorded.get<float>() != now;
+    };
+    std::vector<std::string> mode;
+    std::vector<std::string> multiplier;
+    std::vector<std::string> added;
+    for (const Light& light : scene.lights) {
+        const Json& record = extensionOf(element(document.json, "nodes", light.sourceNode), "HALFLIGHT_light");
+        if (!record.is_object()) {
+            if (light.mode != LightMode::Realtime) added.push_back(light.name);
+            continue;
+        }
+        const Json& recorded = member(record, "mode");
+        if (recorded.is_string() && recorded != nameOf(light.mode)) mode.push_back(light.name);
+        if (differs(member(record, "indirectMultiplier"), light.indirectMultiplier)) multiplier.push_back(light.name);
+    }
+    add("mode", mode);
+    add("indirect_multiplier", multiplier);
+    if (!added.empty()) {
+        scene.warnings.push_back("lights " + listOf(added) +
+                                 " are not in the bake: they light at run time, without baked shadows and bounced "
+                                 "light; bake the scene again");
+    }
+    std::vector<std::string> density;
+    for (const Object& object : scene.objects) {
+        const Json& record = extensionOf(document.json["nodes"][std::size_t(object.sourceNode)], "HALFLIGHT_node");
+        const Json& scale = member(record, "lightmapScale");
+        if (record.is_object() && (scale.is_number() ? scale.get<float>() : 1.0f) != object.lightmapScale)
+            density.push_back(object.name);
+    }
+    add("lightmap_scale", density);
+    const Json& probes = member(root, "authoredProbes");
+    if (probes.size() != scene.probePositions.size())
+        scene.warnings.emplace_back(
+            "settings file: probes has no effect on a baked file; bake the scene again with these settings");
 }
 
 } // namespace
@@ -317,6 +373,7 @@ Result<BakedScene> readBakedScene(const std::filesystem::path& path, const ReadO
     if (Status s = readProbes(document, member(root, "probes"), baked.probes); !s) return s.error();
     if (Status s = readBindings(document, baked); !s) return s.error();
     checkFingerprints(document, root, baked.scene);
+    checkSettingsOfBake(document, root, baked.scene);
     return baked;
 }
 

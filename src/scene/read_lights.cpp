@@ -4,6 +4,7 @@
 #include "scene/pose.h"
 
 #include <cmath>
+#include <limits>
 
 namespace halflight {
 
@@ -19,6 +20,31 @@ Status readNumber(const Json& object, const char* key, float low, float high, co
     }
     out = number;
     return {};
+}
+
+// The light's values at the bake; unknown unless all of them are there.
+void readAtBake(const Json& json, LightAtBake& out)
+{
+    constexpr float kMax = std::numeric_limits<float>::max();
+    LightAtBake read;
+    bool good = json.is_object();
+    const auto number = [&](const Json& value, float high, float& target) {
+        good = good && value.is_number() && value.get<float>() >= 0.0f && value.get<float>() <= high;
+        if (good) target = value.get<float>();
+    };
+    const Json& color = member(json, "colorIntensity");
+    good = good && color.is_array() && color.size() == 3;
+    for (std::size_t c = 0; good && c < 3; ++c) number(color[c], kMax, read.colorIntensity[int(c)]);
+    number(member(json, "indirectMultiplier"), kMax, read.indirectMultiplier);
+    number(member(json, "range"), kMax, read.rangeMeters);
+    number(member(json, "innerConeAngle"), kPi, read.innerConeRadians);
+    number(member(json, "shadowStrength"), 1.0f, read.shadowStrength);
+    const Json& cast = member(json, "castShadows");
+    good = good && cast.is_boolean();
+    if (!good) return;
+    read.castShadows = cast.get<bool>();
+    read.known = true;
+    out = read;
 }
 
 // What an earlier bake wrote down about the light (HALFLIGHT_light): its settings and the bake's output.
@@ -38,6 +64,15 @@ void readRecord(const Json& record, Light& light)
     const Json& cast = member(record, "castShadows");
     if (cast.is_boolean()) light.castShadows = cast.get<bool>();
 
+    const Json& bias = member(record, "shadowBias");
+    const auto biasNumber = [&](const char* key, float high, std::optional<float>& out) {
+        const Json& value = member(bias, key);
+        if (value.is_number() && value.get<float>() >= 0.0f && value.get<float>() <= high) out = value.get<float>();
+    };
+    biasNumber("depth", kMaxShadowBias, light.shadowBias.depthTexels);
+    biasNumber("slope", kMaxShadowBias, light.shadowBias.slope);
+    biasNumber("normal", kMaxNormalBiasTexels, light.shadowBias.normalTexels);
+
     const Json& baking = member(record, "baking");
     if (!baking.is_object()) return;
     light.baking.isBaked = true;
@@ -49,6 +84,17 @@ void readRecord(const Json& record, Light& light)
         light.baking.occlusionMaskChannel = int(std::clamp<int64_t>(channel.get<int64_t>(), -1, 3));
     light.baking.reason = text(member(baking, "reason"));
     readMatrix(member(baking, "worldFromLight"), light.baking.worldFromLight);
+    // Lights without a range have no reach unless the bake gave them one; other lights without a record are of files
+    // of earlier versions, and are taken to be as they were.
+    light.baking.reachMeters = light.type == LightType::Directional ? 0.0f : light.rangeMeters;
+    light.baking.outerConeRadians = light.outerConeRadians;
+    const auto baked = [&](const char* key, float high, float& out) {
+        const Json& value = member(baking, key);
+        if (value.is_number() && value.get<float>() > 0.0f && value.get<float>() <= high) out = value.get<float>();
+    };
+    baked("reach", std::numeric_limits<float>::max(), light.baking.reachMeters);
+    baked("outerConeAngle", kPi, light.baking.outerConeRadians);
+    readAtBake(member(baking, "atBake"), light.baking.atBake);
 }
 
 // What of a baked light an animation of its members leaves behind.

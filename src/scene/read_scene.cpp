@@ -269,8 +269,10 @@ void addLights(const SourceDocument& document, const FileSettings& file, Scene& 
         const auto earlier = std::find_if(scene.lights.begin(), scene.lights.end(), isSame);
         if (earlier != scene.lights.end()) {
             const int node = earlier->sourceNode;
+            const BakingOutput baking = earlier->baking; // what the bake made of it stays, whatever the file says now
             *earlier = added;
             earlier->sourceNode = node;
+            earlier->baking = baking;
         } else {
             scene.lights.push_back(added);
         }

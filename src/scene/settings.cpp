@@ -144,6 +144,18 @@ const std::vector<Key<LightSettings>>& lightKeys()
          [](const Json& v, LightSettings& s) {
              return readNumber(v, 0.0, 180.0, "a number of degrees from 0 to 180", s.angularDiameterDegrees);
          }},
+        {"depth_bias",
+         [](const Json& v, LightSettings& s) {
+             return readNumber(v, 0.0, kMaxShadowBias, "a number from 0 to 100", s.shadowBias.depthTexels);
+         }},
+        {"slope_bias",
+         [](const Json& v, LightSettings& s) {
+             return readNumber(v, 0.0, kMaxShadowBias, "a number from 0 to 100", s.shadowBias.slope);
+         }},
+        {"normal_bias",
+         [](const Json& v, LightSettings& s) {
+             return readNumber(v, 0.0, kMaxNormalBiasTexels, "a number from 0 to 8", s.shadowBias.normalTexels);
+         }},
         {"range",
          [](const Json& v, LightSettings& s) { return readNumber(v, 0.0, kHuge, kNotNegative, s.rangeMeters); }},
         {"intensity",
@@ -470,6 +482,12 @@ void applySettings(const LightSettings& settings, Light& light)
     light.radiusMeters = settings.radiusMeters.value_or(light.radiusMeters);
     if (settings.angularDiameterDegrees)
         light.angularRadiusRadians = glm::radians(0.5f * *settings.angularDiameterDegrees);
+    const auto assign = [](const std::optional<float>& from, std::optional<float>& to) {
+        if (from) to = from;
+    };
+    assign(settings.shadowBias.depthTexels, light.shadowBias.depthTexels);
+    assign(settings.shadowBias.slope, light.shadowBias.slope);
+    assign(settings.shadowBias.normalTexels, light.shadowBias.normalTexels);
     light.rangeMeters = settings.rangeMeters.value_or(light.rangeMeters);
     light.intensity = settings.intensity.value_or(light.intensity);
     light.color = settings.color.value_or(light.color);

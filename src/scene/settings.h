@@ -32,6 +32,7 @@ struct LightSettings {
     std::optional<float> indirectMultiplier;
     std::optional<float> radiusMeters;
     std::optional<float> angularDiameterDegrees;
+    ShadowBias shadowBias;
     std::optional<float> rangeMeters;
     std::optional<float> intensity;
     std::optional<vec3> color;

@@ -15,7 +15,7 @@ constexpr uint64_t kMaxImplicitElements = 1u << 20;
 constexpr uint64_t kMaxInt = 0x7fffffff;
 constexpr uint64_t kMaxByteLength = 0xffffffff;
 
-constexpr std::array<std::string_view, 17> kSupportedExtensions = {"KHR_lights_punctual",
+constexpr std::array<std::string_view, 18> kSupportedExtensions = {"KHR_lights_punctual",
                                                                    "KHR_materials_emissive_strength",
                                                                    "KHR_texture_transform",
                                                                    "KHR_mesh_quantization",
@@ -31,7 +31,8 @@ constexpr std::array<std::string_view, 17> kSupportedExtensions = {"KHR_lights_p
                                                                    "HALFLIGHT_node",
                                                                    "HALFLIGHT_material",
                                                                    "HALFLIGHT_light",
-                                                                   "MOZ_lightmap"};
+                                                                   "MOZ_lightmap",
+                                                                   "MOZ_texture_rgbe"};
 
 constexpr std::array<const char*, 13> kArrays = {"buffers",  "bufferViews", "accessors", "images", "textures",
                                                  "samplers", "materials",   "meshes",    "nodes",  "skins",

@@ -37,6 +37,26 @@ void eraseExtension(Json& object, const char* name)
     if (object["extensions"].empty()) object.erase("extensions");
 }
 
+Json atBakeJson(const LightAtBake& atBake)
+{
+    return {{"colorIntensity", numbers(atBake.colorIntensity)},
+            {"indirectMultiplier", atBake.indirectMultiplier},
+            {"range", atBake.rangeMeters},
+            {"innerConeAngle", atBake.innerConeRadians},
+            {"castShadows", atBake.castShadows},
+            {"shadowStrength", atBake.shadowStrength}};
+}
+
+/// The biases that the light has of its own.
+Json biasJson(const ShadowBias& bias)
+{
+    Json json = Json::object();
+    if (bias.depthTexels) json["depth"] = *bias.depthTexels;
+    if (bias.slope) json["slope"] = *bias.slope;
+    if (bias.normalTexels) json["normal"] = *bias.normalTexels;
+    return json;
+}
+
 class Writer {
 public:
     Writer(const BakedScene& baked, const WriteOptions& options)
@@ -352,6 +372,7 @@ private:
                            {"castShadows", light.castShadows},
                            {"radius", light.radiusMeters}};
             if (light.type == LightType::Directional) record["angularRadius"] = light.angularRadiusRadians;
+            if (const Json bias = biasJson(light.shadowBias); !bias.empty()) record["shadowBias"] = bias;
             if (added) record["added"] = true;
             if (light.baking.isBaked) {
                 Json& baking = record["baking"];
@@ -359,6 +380,10 @@ private:
                           {"mixedLightingMode", nameOf(light.baking.mixedMode)},
                           {"occlusionMaskChannel", light.baking.occlusionMaskChannel},
                           {"worldFromLight", numbers(light.baking.worldFromLight)}};
+                if (light.type != LightType::Directional && light.baking.reachMeters > 0.0f)
+                    baking["reach"] = light.baking.reachMeters;
+                if (light.type == LightType::Spot) baking["outerConeAngle"] = light.baking.outerConeRadians;
+                if (light.baking.atBake.known) baking["atBake"] = atBakeJson(light.baking.atBake);
                 if (!light.baking.reason.empty()) baking["reason"] = light.baking.reason;
                 const std::string fingerprint = fingerprints_.ofLight(light);
                 if (fingerprinted() && !fingerprint.empty()) baking["fingerprint"] = fingerprint;

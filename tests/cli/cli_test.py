@@ -14,6 +14,7 @@ import threading
 import unittest
 import zlib
 
+import json_schema
 import tiny_scene
 
 HALFLIGHT = ""
@@ -118,7 +119,7 @@ class Help(Case):
             "--mode auto|realtime|baked-indirect|shadowmask|distance-shadowmask|subtractive,--shadow-distance,"
             "--shadow-fade-range,--cascades 1..4,--size,--camera,--eye,--target,--fov,--exposure,--reference,"
             "--view lit|shadowmask|lightmap|probes|cascades|fade|overlap,--shadow-filter hard|pcf|soft,--validation,"
-            "--path forward|deferred,--light"
+            "--path forward|deferred,--light,--cascade-splits"
         ).split(","):
             self.assertIn(option, render)
 
@@ -593,6 +594,124 @@ class Chain(Case):
         self.assertIn('"spot 0"', warnings[0])
         _, warnings, _ = picture("--light", "sun:direction=1,-1,0", "--mode", "realtime")
         self.assertEqual(warnings, [], "in realtime mode nothing baked is read")
+
+    def rendered(self, baked, *options):
+        """Summary and standard error of a small picture."""
+        picture = self.path("picture.exr")
+        result = run("render", baked, "-o", picture, "--size", "32x24", "--json", *options)
+        self.assertEqual(result.returncode, 0, result.stderr)
+        return json.loads(result.stdout), result.stderr
+
+    def test_changes_that_do_not_show_are_said(self):
+        """S29: each once, in the messages and in the JSON, on both paths, with what helps."""
+        settings = self.path("settings.toml")
+        with open(settings, "w", encoding="utf-8") as file:
+            file.write('[[light]]\npattern = "spot*"\nmode = "baked"\n')
+        baked, _ = self.bake(self.scene(), "baked.glb", "--settings", settings)
+        subtractive, _ = self.bake(self.scene(), "subtractive.glb", "--mode", "subtractive")
+        for file, options, words in (
+            (baked, ["--light", "spot 0:intensity=1"], ['"spot 0"', "no effect", "fully baked", "mixed"]),
+            (baked, ["--light", "spot 0:range=2"], ['"spot 0"', "range", "no effect"]),
+            (baked, ["--light", "sun:intensity=100"], ['"sun"', "factor of 20", "indirect multiplier of 0"]),
+            (subtractive, ["--light", "sun:color=1,0,0"], ['"sun"', "static objects", "shadowmask mode"]),
+            (subtractive, ["--light", "spot 0:intensity=70"], ['"spot 0"', "static objects"]),
+        ):
+            for path in ("forward", "deferred"):
+                with self.subTest(options=options, path=path):
+                    summary, errors = self.rendered(file, *options, "--path", path)
+                    self.assertEqual(len(summary["warnings"]), 1, summary["warnings"])
+                    self.assertEqual(errors.count("\n"), 1, errors)
+                    for word in words:
+                        self.assertIn(word, summary["warnings"][0])
+                        self.assertIn(word, errors)
+        self.assertEqual(self.rendered(baked, "--light", "spot 0:intensity=1", "--mode", "realtime")[0]["warnings"], [])
+        # As at the bake, and a setting that only a bake heeds.
+        self.assertEqual(self.rendered(baked, "--settings", settings)[0]["warnings"], [])
+        with open(settings, "a", encoding="utf-8") as file:
+            file.write('[[light]]\npattern = "sun"\nmode = "realtime"\n')
+        warnings = self.rendered(baked, "--settings", settings)[0]["warnings"]
+        self.assertEqual(len(warnings), 1, warnings)
+        self.assertIn("mode of \"sun\" has no effect on a baked file", warnings[0])
+        self.assertEqual(self.rendered(baked, "--settings", settings, "--reference", "1")[0]["warnings"], warnings)
+
+    def test_what_the_reader_found_is_printed(self):
+        """As info prints it, and what the frame says of the same light is not said again."""
+        baked, _ = self.bake(self.scene(), "baked.glb", "--mode", "subtractive")
+        data = bytearray(read(baked))
+        at = data.index(b'"intensity":5')
+        data[at : at + 13] = b'"intensity":7'
+        stale = self.path("stale.glb")
+        with open(stale, "wb") as file:
+            file.write(data)
+        found = json.loads(run("info", stale, "--json").stdout)["warnings"]
+        self.assertEqual(len(found), 1, found)
+        for word in ("is stale", '"sun"', "static objects"):
+            self.assertIn(word, found[0])
+        for options in ([], ["--path", "deferred"], ["--reference", "1"]):
+            summary, errors = self.rendered(stale, *options)
+            self.assertEqual(summary["warnings"], found)
+            self.assertIn("is stale", errors)
+        # Its own warnings come beside them.
+        result = run("render", stale, "-o", self.path("p.exr"), "--size", "32x24", "--json", "--exposure", "1")
+        warnings = json.loads(result.stdout)["warnings"]
+        self.assertEqual(warnings[:-1], found)
+        self.assertIn("--exposure has no effect", warnings[-1])
+        quiet = run("render", stale, "-o", self.path("p.exr"), "--size", "32x24", "--quiet")
+        self.assertEqual((quiet.returncode, quiet.stderr), (0, ""))
+
+    def test_a_row_for_each_light(self):
+        """S5, S10, S12: every light says what it has in the frame, or why not."""
+        baked, report = self.bake(self.scene(spots=5), "baked.glb")
+        lost = {light["name"] for light in report["lights"] if light["channel"] < 0}
+        summary, _ = self.rendered(baked, "--mode", "shadowmask")
+        rows = {row["name"]: row for row in summary["lights"]["rows"]}
+        self.assertEqual(len(rows), 6)
+        for name, row in rows.items():
+            if name in lost:
+                self.assertFalse(row["inFrame"])
+                self.assertIn("no shadowmask channel was left", row["reason"])
+                continue
+            self.assertTrue(row["bakedShadow"]["used"])
+            shadow = row["realtimeShadow"]
+            self.assertEqual((shadow["used"], shadow["staticCasters"], shadow["dynamicCasters"]), (True, 0, 1))
+            self.assertEqual((shadow["cascades"], shadow["tiles"]), (4, 0) if name == "sun" else (0, 1))
+        self.assertEqual(summary["lights"]["inView"], 4)
+        sun = self.rendered(baked, "--mode", "distance-shadowmask", "--cascade-splits", "0.2,0.5")[0]["lights"]["rows"][0]
+        self.assertEqual(sun["realtimeShadow"]["cascades"], 3)
+        self.assertEqual(sun["realtimeShadow"]["staticCasters"], 4)
+        off = self.rendered(baked, "--light", "sun:strength=0")[0]["lights"]["rows"][0]
+        self.assertIn("strength is 0", off["realtimeShadow"]["reason"])
+
+        # Lights that lost their channels are counted where they reach: the floor's middle is white, not red.
+        overlap = self.path("overlap.png")
+        result = run("render", baked, "-o", overlap, "--view", "overlap", "--size", "64x48")
+        self.assertEqual(result.returncode, 0, result.stderr)
+        self.assertIn((255, 255, 255), {pixel for row in decode_png(overlap)[2] for pixel in row})
+
+    def test_cascade_splits_are_checked(self):
+        for splits in ("0.5,0.2", "0", "1", "0.1,0.2,0.3,0.4", "a", "0.1,,0.2"):
+            result = run("render", "x.glb", "-o", self.path("p.exr"), "--cascade-splits", splits)
+            self.assert_one_sentence(result, 2, "ascending numbers")
+        result = run("render", "x.glb", "-o", self.path("p.exr"), "--cascade-splits", "0.5", "--cascades", "4")
+        self.assert_one_sentence(result, 2, "--cascades 4 needs 3")
+
+    def test_json_follows_its_schemas(self):
+        plain = self.scene(spots=5)
+        baked, report = self.bake(plain, "baked.glb")
+        values = [(report, "bake_report")]
+        for file in (plain, baked):
+            values.append((json.loads(run("info", file, "--json").stdout), "info_output"))
+            for options in ([], ["--path", "deferred", "--timings"], ["--reference", "1"], ["--view", "overlap"]):
+                values.append((self.rendered(file, *options)[0], "render_output"))
+        for value, name in values:
+            self.assertEqual(json_schema.check(value, name), [])
+        # The checker finds what is wrong.
+        rendered = values[-1][0]
+        for path, wrong in (("mode", "half-baked"), ("size", [1]), ("warnings", "none"), ("extra", 1)):
+            self.assertNotEqual(json_schema.problems({**rendered, path: wrong}, json_schema.load("render_output")), [])
+        row = rendered["lights"]["rows"][0]
+        del row["bakedShadow"]
+        self.assertNotEqual(json_schema.problems(rendered, json_schema.load("render_output")), [])
 
     def test_every_view(self):
         baked, _ = self.bake(self.scene(), "baked.glb")

@@ -8,6 +8,8 @@ namespace halflight {
 namespace {
 
 using namespace test;
+using testing::AllOf;
+using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::IsEmpty;
 
@@ -100,6 +102,72 @@ TEST_F(StaleFile, AColorOfAMixedLightMayChangeAndABakedOneMayNot)
     const auto warnings = warningsAfter(recolor("baked"));
     ASSERT_EQ(warnings.size(), 1u);
     EXPECT_THAT(warnings[0], HasSubstr("lights"));
+}
+
+// Subtractive lightmaps hold direct light of mixed lights, too.
+TEST_F(StaleFile, AChangedMixedLightMakesASubtractiveFileStale)
+{
+    for (const MixedLightingMode mode : {MixedLightingMode::Subtractive, MixedLightingMode::Shadowmask}) {
+        BakedScene baked = pretendToBake(engineScene(), false);
+        for (Texture& texture : baked.scene.textures)
+            if (texture.pixels.empty()) texture.pixels = ImageRgba8(2, 2, u8vec4(9));
+        baked.mode = mode;
+        for (Light& light : baked.scene.lights) {
+            light.mode = light.baking.bakeType = LightMode::Mixed;
+            light.baking.isBaked = true;
+            light.baking.mixedMode = mode;
+            light.baking.reachMeters = light.rangeMeters;
+            light.baking.outerConeRadians = light.outerConeRadians;
+            light.baking.atBake = lightAtBake(light);
+        }
+        baked.scene.warnings.clear();
+        ASSERT_TRUE(writeBakedScene(file, baked));
+        const auto brighten = [](float factor) {
+            return [factor](Json& json) {
+                Json& light = json["extensions"]["KHR_lights_punctual"]["lights"][0];
+                light["intensity"] = factor * light.value("intensity", 1.0f);
+            };
+        };
+        const auto doubled = warningsAfter(brighten(2.0f));
+        const auto tenfold = warningsAfter(brighten(10.0f));
+        ASSERT_EQ(tenfold.size(), 1u);
+        if (mode == MixedLightingMode::Subtractive) {
+            ASSERT_EQ(doubled.size(), 1u);
+            EXPECT_THAT(doubled[0], AllOf(HasSubstr("is stale"), HasSubstr("static objects")));
+        } else {
+            EXPECT_THAT(doubled, IsEmpty());
+            EXPECT_THAT(tenfold[0], AllOf(HasSubstr("is stale"), HasSubstr("bounced light")));
+        }
+    }
+}
+
+// Settings that only a bake can heed have no effect on a baked file, and say so; those that a renderer heeds say
+// nothing.
+TEST_F(StaleFile, SettingsThatOnlyABakeHeedsAreNamed)
+{
+    const auto warningsWith = [&](const std::string& toml) {
+        writeText(folder / "settings.toml", toml);
+        Result<BakedScene> read = readBakedScene(file, {.settingsFile = folder / "settings.toml"});
+        return read ? read->scene.warnings : std::vector{"unreadable: " + read.error().text()};
+    };
+    const Result<BakedScene> plain = readBakedScene(file);
+    ASSERT_TRUE(plain);
+    const Light& light = plain->scene.lights.front();
+    const std::string rule = "[[light]]\npattern = \"" + light.name + "\"\n";
+    const char* other = light.mode == LightMode::Baked ? "mixed" : "baked";
+    EXPECT_THAT(warningsWith(rule + "mode = \"" + other + "\""),
+                ElementsAre(AllOf(HasSubstr("mode of"), HasSubstr(light.name), HasSubstr("no effect"))));
+    EXPECT_THAT(warningsWith(rule + "mode = \"" + nameOf(light.mode) + "\""), IsEmpty()) << "as at the bake";
+    EXPECT_THAT(warningsWith(rule + "indirect_multiplier = 7"), ElementsAre(HasSubstr("indirect_multiplier of")));
+    EXPECT_THAT(warningsWith("[[node]]\npattern = \"*\"\nlightmap_scale = 3"),
+                ElementsAre(HasSubstr("lightmap_scale of")));
+    EXPECT_THAT(warningsWith("[scene]\nprobes = [[0, 1, 0], [0, 2, 0], [1, 2, 0], [1, 3, 0], [2, 2, 2]]"),
+                ElementsAre(HasSubstr("probes has no effect")));
+    EXPECT_THAT(warningsWith("[[add_light]]\ntype = \"point\"\nname = \"new\""),
+                ElementsAre(AllOf(HasSubstr("new"), HasSubstr("not in the bake"))));
+    EXPECT_THAT(warningsWith("[[add_light]]\ntype = \"point\"\nname = \"new\"\nmode = \"realtime\""), IsEmpty());
+    EXPECT_THAT(warningsWith(rule + "normal_bias = 3\nshadow_strength = " + std::to_string(light.shadowStrength)),
+                IsEmpty());
 }
 
 TEST_F(StaleFile, AChangedSkyIsStale)

@@ -43,6 +43,9 @@ struct ShadowSettings {
     int cascades = 4;             ///< 1…4
     float cascadeSplitLambda =
         0.7f; ///< 0 uniform … 1 logarithmic splits (Zhang et al. 2006, parallel-split shadow maps)
+    /// Where cascades end, as shares of the shadow distance: ascending, above 0 and below 1, one fewer than there are
+    /// cascades (the rest is not read). 0 first: by cascadeSplitLambda.
+    std::array<float, 3> cascadeSplits{};
     CascadeBlend cascadeBlend = CascadeBlend::Soft;
     /// Cascade i blends into i + 1 from radial distance (1 - fraction) * cascadeFar[i] on; 0…0.5. Every cascade covers
     /// the blend band of the one before it.
@@ -54,7 +57,7 @@ struct ShadowSettings {
     ShadowFilter filter = ShadowFilter::Pcf;
     /// Receiver moved towards the light by this many shadow-map texels. Covers the rounding of depths and positions,
     /// which no slope covers on surfaces that face the light straight (the deferred path knows positions by depth
-    /// alone).
+    /// alone). A light's own ShadowBias comes before this bias and the next two.
     float depthBias = 0.1f;
     float slopeBias = 1.5f; ///< Vulkan's depthBiasSlopeFactor
     /// Receiver moved along its normal by this many shadow-map texels for each two texels of filterReachTexels() (at
@@ -64,6 +67,8 @@ struct ShadowSettings {
 
 /// InvalidArgument naming the first setting outside its limits.
 Status checkShadowSettings(const ShadowSettings& settings);
+/// The settings with the light's own biases, where it has some.
+ShadowSettings shadowSettingsOf(const Light& light, const ShadowSettings& settings);
 
 /// World-space bounds of every object, empty where a mesh has no vertices. Compute once per scene, and again for an
 /// object that moved.
@@ -90,6 +95,18 @@ struct ShadowTile {
     float farMeters = 0.0f; ///< z = 1
 };
 
+/// Why a light of the frame has no realtime shadow.
+enum class NoShadow {
+    None,              ///< it has one
+    CastShadowsOff,    ///< Light::castShadows
+    StrengthZero,      ///< Light::shadowStrength
+    PointShadowsOff,   ///< ShadowSettings::pointShadows
+    BeyondDistance,    ///< all it lights is beyond the shadow distance
+    NoCaster,          ///< no object that may cast into its map reaches what the camera sees of it
+    DirectionalsTaken, ///< kMaxDirectionalShadows other directional lights have one
+    AtlasFull
+};
+
 /// A light as this frame sees it.
 struct FrameLight {
     int light = -1; ///< index into Scene::lights
@@ -98,9 +115,13 @@ struct FrameLight {
     int channel = -1;
     bool skipStatic = false; ///< no direct light on static receivers: baked there already (subtractive; see lights.cpp)
     bool skipDynamic = false;
-    bool hasRealtimeShadow = false; ///< it got tiles and at least one caster reaches them this frame
-    bool staticCasters = true;      ///< static objects are drawn into its shadow map (law: staticCastersInShadowMap)
-    int firstTile = -1;             ///< into FramePlan::tiles; -1 without realtime shadow
+    bool hasRealtimeShadow = false;         ///< it got tiles and at least one caster reaches them this frame
+    NoShadow noShadow = NoShadow::NoCaster; ///< why not
+    bool staticCasters = true; ///< static objects are drawn into its shadow map (law: staticCastersInShadowMap)
+    /// Fully baked, as no shadowmask channel was left for it; it lights nothing, and is in the frame for the overlap
+    /// view alone.
+    bool overflowed = false;
+    int firstTile = -1; ///< into FramePlan::tiles; -1 without realtime shadow
     /// Directional: cascades. Spot: 1, or 6 when its cone is wider than one tile can show. Point: 6. Six tiles are the
     /// world's axes +X -X +Y -Y +Z -Z, to be chosen by the largest component of (point - light).
     int tileCount = 0;
@@ -158,13 +179,33 @@ struct FramePlan {
             .subspan(tileCasterBegin[std::size_t(tile)],
                      tileCasterBegin[std::size_t(tile) + 1] - tileCasterBegin[std::size_t(tile)]);
     }
-    std::vector<std::string>
-        warnings; ///< lights left out beyond 256, lights that got no tile, lights out of step with their bake
+    /// Lights left out beyond 256, lights that got no tile, and what was changed of lights since their bake that shows
+    /// nowhere or in part (changesSinceBake()).
+    std::vector<std::string> warnings;
 };
 
 /// Selects lights, fits cascades, places tiles, tests casters, fills clusters. `bounds` is objectBounds(baked.scene);
 /// `mode` and `shadows` have passed their checks.
 FramePlan planFrame(const BakedScene& baked, std::span<const Bounds> bounds, const FrameView& view, RunMode mode,
                     const ShadowSettings& shadows);
+
+/// What a frame does with one light of the scene, for a frame debugger.
+struct LightRow {
+    int light = -1;         ///< index into Scene::lights
+    int frameLight = -1;    ///< index into FramePlan::lights, -1 = not in the frame
+    std::string notInFrame; ///< why not
+    /// Mask channel whose baked attenuation B the light's shadow is mixed with, -1 = none.
+    int bakedChannel = -1;
+    std::string noBakedShadow; ///< why none
+    bool realtimeShadow = false;
+    std::string noRealtimeShadow; ///< why none
+    int cascades = 0;             ///< of a directional light
+    int tiles = 0;                ///< in the atlas, of a spot or point light
+    int tileTexels = 0;           ///< side of one cascade or tile
+    int staticCasters = 0;        ///< objects that are drawn into one of its maps at least
+    int dynamicCasters = 0;
+};
+/// One row for each light of the scene, in the scene's order. `view` is that the plan was made with.
+std::vector<LightRow> lightRows(const BakedScene& baked, const FrameView& view, const FramePlan& plan);
 
 } // namespace halflight

@@ -9,6 +9,7 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -36,6 +37,7 @@ struct RenderSettings {
     int supersampling = 1; ///< 1…4: each pixel is the mean radiance of supersampling^2 samples on a regular grid
     /// Objects that have a proxy volume (Object::probeLighting) are lit by it; false: every object by one probe sample.
     bool proxyVolumes = true;
+    bool lightRows = false; ///< fill RenderedFrame::lights
     /// Measure each pass. The device then ends one before it begins the next, so a frame may take a little longer.
     bool timings = false;
 };
@@ -52,6 +54,7 @@ struct PassReport {
 struct RenderedFrame {
     ImageRgba32f radiance; ///< linear, no exposure, no tone mapping; alpha 1
     FramePlan plan;
+    std::vector<LightRow> lights; ///< one for each light of the scene; only where RenderSettings::lightRows asks
     /// In the order of drawing: "directional shadows", "spot shadows", "point shadows", "depth", in the deferred path
     /// "g-buffer" and "deferred light", then "forward", "sky", "blended", "readback" (the picture to the host).
     std::vector<PassReport> passes;
@@ -93,11 +96,18 @@ public:
     /// nothing changes then.
     ///
     /// Everything of a light but its name, its type and what the bake made of it. Baked shadows stay right when colour
-    /// or intensity change; a baked or mixed light that was moved or turned is named in FramePlan::warnings.
+    /// or intensity change. FramePlan::warnings names each change that shows nowhere or in part: changesSinceBake().
     Status setLight(int light, const Light& changed);
     /// A dynamic object takes the probe light of its new place. A static one keeps its lightmap.
     Status setObjectTransform(int object, const mat4& worldFromObject);
     Status setObjectShadows(int object, bool castShadows, bool receiveShadows);
+
+    /// S32. Irradiance (lux) that is added to the lightmap's in every mode that reads lightmaps, after subtraction: one
+    /// page for each lightmap page, in the lightmap's layout and of any one size. Pages of the size before are written
+    /// into the same image, so that a set may be passed each frame. It has no direction, and neither subtraction nor
+    /// shadows dim it. An empty span takes the set away; load() does, too. InvalidArgument for another number of pages,
+    /// pages that differ in size, and values that are below 0 or not finite; nothing changes then.
+    Status setDynamicLightmaps(std::span<const ImageRgb32f> irradiance);
 
     /// InvalidArgument for settings outside their limits, a camera without extent, or a mode the bake holds no data
     /// for.

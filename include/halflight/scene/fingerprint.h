@@ -1,6 +1,6 @@
 #pragma once
 // What of a scene a bake depends on, as hashes that the baked file keeps: whoever reads the file can tell what was
-// changed since. Colour and intensity of mixed lights are left out, which may change at run time.
+// changed since. Colour and intensity of mixed lights are left out where they may change at run time.
 
 #include "halflight/base/hash.h"
 #include "halflight/scene/scene.h"
@@ -31,7 +31,8 @@ public:
     /// Of a node's objects (several for instances): shape, place, materials, part in the bake. Vertices that are copies
     /// of one another do not change it. Dynamic objects have an empty one: no bake sees them.
     [[nodiscard]] std::string ofObjects(std::span<const Object* const> objects) const;
-    /// Of a light that is baked or mixed, but not its pose, which movedSinceBake() judges. Empty for realtime lights.
+    /// Of a light that is baked or mixed, but not its pose, which movedSinceBake() judges; of colour and intensity only
+    /// where directLightIsBaked(). Empty for realtime lights.
     [[nodiscard]] std::string ofLight(const Light& light) const;
     /// Of the sky and the number of static objects and baked lights.
     [[nodiscard]] std::string ofScene() const;

@@ -8,6 +8,7 @@
 #include <array>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -130,6 +131,17 @@ const char* nameOf(LightType type);
 const char* nameOf(LightMode mode);
 const char* nameOf(MixedLightingMode mode);
 
+/// What the bake saw of a light's values that may be changed since: see changesSinceBake().
+struct LightAtBake {
+    bool known = false;              ///< false: not baked, or by a version that did not record it
+    vec3 colorIntensity{0.0f};       ///< Light::color times Light::intensity
+    float indirectMultiplier = 1.0f; ///< 0 where lightmap and probes hold no bounced light of this light
+    float rangeMeters = 0.0f;        ///< as Light::rangeMeters: 0 = unlimited
+    float innerConeRadians = 0.0f;
+    bool castShadows = true;
+    float shadowStrength = 1.0f;
+};
+
 /// What the bake did with a light (spec: baking output). The renderer follows this, not the light's authored mode.
 struct BakingOutput {
     bool isBaked = false;                     ///< false for realtime lights and unbaked files
@@ -138,6 +150,22 @@ struct BakingOutput {
     int occlusionMaskChannel = -1; ///< -1 none, 0…3 = R, G, B, A of shadowmask and probe occlusion
     std::string reason;            ///< why bakeType differs from the authored mode; empty when it does not
     mat4 worldFromLight{1.0f};     ///< pose at bake time, to tell a light that was moved since
+    /// Point, spot: the mask and the probes hold this light's shadow up to here, and B is 1 beyond (spec section 4).
+    /// The range at bake time, or the effective reach of a light without one; 0 = unlimited.
+    float reachMeters = 0.0f;
+    float outerConeRadians = kPi / 2.0f; ///< spot: half angle at bake time; B is 1 outside of it
+    LightAtBake atBake;
+};
+
+constexpr float kMaxShadowBias = 100.0f; ///< of a light's own depth bias and slope bias
+constexpr float kMaxNormalBiasTexels = 8.0f;
+
+/// Bias of one light's realtime shadow maps. Without a value the frame's setting counts (ShadowSettings, whose units
+/// these have).
+struct ShadowBias {
+    std::optional<float> depthTexels;
+    std::optional<float> slope;
+    std::optional<float> normalTexels;
 };
 
 struct Light {
@@ -155,6 +183,7 @@ struct Light {
     float indirectMultiplier = 1.0f;   ///< scales this light's bounced light in the bake
     float radiusMeters = 0.0f;         ///< point, spot: radius of the emitting sphere or disc, for baked penumbrae
     float angularRadiusRadians = 0.0f; ///< directional: half the source's angular diameter (the sun: 0.00465)
+    ShadowBias shadowBias;
     BakingOutput baking;
     int sourceNode = -1;
 
@@ -166,6 +195,20 @@ struct Light {
 /// Whether the part of a mixed or baked light's pose that matters to its kind differs from the pose at bake time by
 /// more than a millimetre or a milliradian (spec S29): its baked light and shadows are out of step then.
 bool movedSinceBake(const Light& light);
+
+/// The values of the light that LightAtBake keeps, as they are now.
+LightAtBake lightAtBake(const Light& light);
+
+/// A change of luminance by more than this factor leaves bounced light visibly out of step.
+constexpr float kBouncedLightFactor = 4.0f;
+
+/// Whether the light's direct light on static objects is in the lightmap: fully baked, or mixed in a subtractive bake.
+bool directLightIsBaked(const Light& light);
+
+/// Sentences about what was changed of a baked or mixed light since its bake and shows nowhere, or only in part (spec
+/// S29), and what to do about it. Empty when the light is in step. `name` stands for the light in them: light "sun".
+/// `bakedShadows`: the light's baked shadows are in use, so that a move is said of them.
+std::vector<std::string> changesSinceBake(const Light& light, const std::string& name, bool bakedShadows);
 
 struct Camera {
     std::string name;

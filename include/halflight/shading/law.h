@@ -54,6 +54,15 @@ HL_FN bool modeUsesBakedShadows(int mode)
     return mode == kModeShadowmask || mode == kModeDistanceShadowmask || mode == kModeSubtractive;
 }
 
+// B of a light at a point. Beyond the reach that the light had at its bake its channel says nothing of it, and may hold
+// another light's shadows: there B is 1. distanceMeters and cosAngle are the point's distance and the cosine of its
+// angle to the axis, as seen from where the light was baked; reachMeters 0 = unlimited; cosCone below -1 = no cone.
+HL_FN float bakedWithinReach(float baked, float distanceMeters, float reachMeters, float cosAngle, float cosCone)
+{
+    bool within = (reachMeters <= 0.0f || distanceMeters <= reachMeters) && cosAngle >= cosCone;
+    return within ? baked : 1.0f;
+}
+
 // The law, without strength. hasBaked: the light has a channel (in subtractive mode: the receiver is dynamic and the
 // light is the main light). hasRealtime: the light has a shadow map this frame; realtime is read only if so.
 HL_FN float mixShadowsFullStrength(int mode, bool hasBaked, float baked, bool hasRealtime, float realtime, float fade)

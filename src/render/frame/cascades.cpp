@@ -53,7 +53,10 @@ CascadeSlices sliceView(const FrameView& view, const ShadowSettings& settings)
         const float part = float(i + 1) / float(slices.count);
         const float logarithmic = nearMeters * std::pow(farMeters / nearMeters, part);
         const float uniform = nearMeters + (farMeters - nearMeters) * part;
-        slices.farMeters[std::size_t(i)] = glm::mix(uniform, logarithmic, settings.cascadeSplitLambda);
+        const float split = settings.cascadeSplits[std::size_t(i)];
+        slices.farMeters[std::size_t(i)] = settings.cascadeSplits[0] != 0.0f
+                                               ? std::min(split * settings.distanceMeters, farMeters)
+                                               : glm::mix(uniform, logarithmic, settings.cascadeSplitLambda);
     }
 
     for (int i = 0; i < slices.count; ++i) {

@@ -48,6 +48,17 @@ std::string nameOf(const Scene& scene, int light);
 /// Fills plan.lights, plan.mainLight and plan.usesMask (spec S5, S9, S11, S18, S29); adds warnings.
 void selectLights(const BakedScene& baked, const FrameView& view, FramePlan& plan);
 
+/// A mixed light of a baked scene that no shadowmask channel was left for (spec S10).
+inline bool lostItsChannel(const Light& light)
+{
+    return light.baking.isBaked && light.mode == LightMode::Mixed && light.baking.bakeType == LightMode::Baked;
+}
+
+/// Adds the lights that no shadowmask channel was left for, as far as there is room, and fills the clusters anew: for
+/// the overlap view.
+void addOverflowedLights(const BakedScene& baked, std::span<const Bounds> bounds, const FrameView& view,
+                         FramePlan& plan);
+
 /// What cascades share by camera and settings, whatever the light.
 struct CascadeSlices {
     int count = 0;

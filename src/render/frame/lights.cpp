@@ -74,9 +74,10 @@ void selectLights(const BakedScene& baked, const FrameView& view, FramePlan& pla
 
     for (int i = 0; i < int(scene.lights.size()); ++i) {
         const Light& light = scene.lights[std::size_t(i)];
-        if (usesBake && movedSinceBake(light)) {
-            const char* what = shading::modeUsesBakedShadows(mode) && isMixed(light) ? "shadows are" : "light is";
-            plan.warnings.push_back(nameOf(scene, i) + " was moved after the bake; its baked " + what + " out of step");
+        if (usesBake) {
+            const bool bakedShadows = shading::modeUsesBakedShadows(mode) && isMixed(light);
+            for (std::string& sentence : changesSinceBake(light, nameOf(scene, i), bakedShadows))
+                plan.warnings.push_back(std::move(sentence));
         }
         // S5: a baked light is wholly in lightmap and probes.
         if (usesBake && light.baking.isBaked && light.baking.bakeType == LightMode::Baked) continue;
@@ -115,6 +116,28 @@ void selectLights(const BakedScene& baked, const FrameView& view, FramePlan& pla
         frameLight.staticCasters = shading::staticCastersInShadowMap(mode, frameLight.hasBaked || inLightmap);
         plan.usesMask = plan.usesMask || (frameLight.hasBaked && !subtractive);
     }
+}
+
+void addOverflowedLights(const BakedScene& baked, std::span<const Bounds> bounds, const FrameView& view,
+                         FramePlan& plan)
+{
+    const Scene& scene = baked.scene;
+    const Planes frustum = planesOf(view.clipFromView() * view.viewFromWorld());
+    for (int i = 0; i < int(scene.lights.size()); ++i) {
+        const Light& light = scene.lights[std::size_t(i)];
+        if (!lostItsChannel(light) || !(power(light) > 0.0f) || !meets(volumeOf(light), frustum)) continue;
+        if (plan.lights.size() == std::size_t(kMaxFrameLights)) break;
+        FrameLight frameLight;
+        frameLight.light = i;
+        frameLight.skipStatic = true;
+        frameLight.skipDynamic = true;
+        frameLight.overflowed = true;
+        frameLight.importance = importanceOf(light, vec3(view.camera.worldFromCamera[3]));
+        plan.lights.push_back(frameLight);
+    }
+    Bounds sceneBounds;
+    for (const Bounds& box : bounds) sceneBounds.extend(box);
+    plan.clusters = clusterLights(scene, view, sceneBounds, plan.lights);
 }
 
 } // namespace halflight

@@ -75,6 +75,15 @@ Status checkShadowSettings(const ShadowSettings& s)
     if (s.cascades < 1 || s.cascades > 4) return outside("the number of cascades", "1…4");
     if (!(s.cascadeSplitLambda >= 0.0f && s.cascadeSplitLambda <= 1.0f))
         return outside("the cascade split lambda", "0…1");
+    if (s.cascadeSplits[0] != 0.0f) {
+        float before = 0.0f;
+        for (int i = 0; i + 1 < s.cascades; ++i) {
+            const float split = s.cascadeSplits[std::size_t(i)];
+            if (!(split > before && split < 1.0f))
+                return outside("cascade splits", "ascending shares of the shadow distance above 0 and below 1");
+            before = split;
+        }
+    }
     if (!(s.cascadeBlendFraction >= 0.0f && s.cascadeBlendFraction <= 0.5f)) {
         return outside("the cascade blend fraction", "0…0.5");
     }
@@ -85,6 +94,15 @@ Status checkShadowSettings(const ShadowSettings& s)
     if (!std::isfinite(s.depthBias) || !std::isfinite(s.slopeBias)) return outside("shadow biases", "finite");
     if (!(s.normalBiasTexels >= 0.0f && s.normalBiasTexels <= 8.0f)) return outside("the normal bias", "0…8 texels");
     return {};
+}
+
+ShadowSettings shadowSettingsOf(const Light& light, const ShadowSettings& settings)
+{
+    ShadowSettings result = settings;
+    result.depthBias = light.shadowBias.depthTexels.value_or(settings.depthBias);
+    result.slopeBias = light.shadowBias.slope.value_or(settings.slopeBias);
+    result.normalBiasTexels = light.shadowBias.normalTexels.value_or(settings.normalBiasTexels);
+    return result;
 }
 
 } // namespace halflight

@@ -27,20 +27,23 @@ struct ShadowContext {
     Bounds sceneBounds;
 };
 
-/// Whether a shadow map of the light could change a pixel at all.
-bool wantsShadowMap(const ShadowContext& context, const Light& light)
+/// Why a shadow map of the light could change no pixel; None where it could.
+NoShadow needsNoShadowMap(const ShadowContext& context, const Light& light)
 {
-    if (!light.castShadows || !(light.shadowStrength > 0.0f)) return false;
-    if (light.type == LightType::Directional) return true;
-    if (light.type == LightType::Point && !context.settings.pointShadows) return false;
+    if (!light.castShadows) return NoShadow::CastShadowsOff;
+    if (!(light.shadowStrength > 0.0f)) return NoShadow::StrengthZero;
+    if (light.type == LightType::Directional) return NoShadow::None;
+    if (light.type == LightType::Point && !context.settings.pointShadows) return NoShadow::PointShadowsOff;
     // Its light begins where shadows have already faded.
     const float distance = glm::distance(light.position(), vec3(context.view.camera.worldFromCamera[3]));
-    return light.rangeMeters <= 0.0f || distance - light.rangeMeters < context.settings.distanceMeters;
+    const bool near = light.rangeMeters <= 0.0f || distance - light.rangeMeters < context.settings.distanceMeters;
+    return near ? NoShadow::None : NoShadow::BeyondDistance;
 }
 
 void appendTiles(FramePlan& plan, FrameLight& light, std::span<const ShadowTile> tiles, const CasterLists& casters)
 {
     light.hasRealtimeShadow = true;
+    light.noShadow = NoShadow::None;
     light.firstTile = int(plan.tiles.size());
     light.tileCount = int(tiles.size());
     for (std::size_t i = 0; i < tiles.size(); ++i) {
@@ -58,17 +61,22 @@ void planDirectionalShadows(const ShadowContext& context, FramePlan& plan)
     int shadowedLights = 0;
     for (FrameLight& frameLight : plan.lights) {
         const Light& light = context.scene.lights[std::size_t(frameLight.light)];
-        if (light.type != LightType::Directional || !wantsShadowMap(context, light)) continue;
+        if (light.type != LightType::Directional) continue;
+        if (const NoShadow why = needsNoShadowMap(context, light); why != NoShadow::None) {
+            frameLight.noShadow = why;
+            continue;
+        }
+        const ShadowSettings biased = shadowSettingsOf(light, context.settings);
         std::vector<ShadowTile> tiles;
         CasterLists casters;
         for (int i = 0; i < slices.count; ++i) {
-            tiles.push_back(
-                fitCascade(context.view, context.settings, slices, i, light.direction(), context.sceneBounds));
+            tiles.push_back(fitCascade(context.view, biased, slices, i, light.direction(), context.sceneBounds));
             casters.push_back(castersOfTile(context.scene, context.bounds, volumeOf(light), frameLight.staticCasters,
                                             tiles.back().clipFromWorld));
         }
         if (!anyCaster(casters)) continue;
         if (shadowedLights == kMaxDirectionalShadows) {
+            frameLight.noShadow = NoShadow::DirectionalsTaken;
             plan.warnings.push_back(nameOf(context.scene, frameLight.light) + " gets no realtime shadow: only " +
                                     std::to_string(kMaxDirectionalShadows) + " directional lights can have one");
             continue;
@@ -104,10 +112,11 @@ void planLocalShadows(const ShadowContext& context, FramePlan& plan)
     const auto fit = [&](const FrameLight& frameLight, int tileSize, std::vector<ShadowTile>& tiles,
                          CasterLists& casters) {
         const Light& light = context.scene.lights[std::size_t(frameLight.light)];
+        const ShadowSettings biased = shadowSettingsOf(light, context.settings);
         tiles.clear();
         casters.clear();
         for (int face = 0; face < localTileCount(light); ++face) {
-            tiles.push_back(fitLocalTile(light, face, tileSize, context.settings, context.sceneBounds));
+            tiles.push_back(fitLocalTile(light, face, tileSize, biased, context.sceneBounds));
             casters.push_back(castersOfTile(context.scene, context.bounds, volumeOf(light), frameLight.staticCasters,
                                             tiles.back().clipFromWorld));
         }
@@ -122,7 +131,11 @@ void planLocalShadows(const ShadowContext& context, FramePlan& plan)
     std::vector<AtlasRequest> requests;
     for (std::size_t i = 0; i < plan.lights.size(); ++i) {
         const Light& light = context.scene.lights[std::size_t(plan.lights[i].light)];
-        if (light.type == LightType::Directional || !wantsShadowMap(context, light)) continue;
+        if (light.type == LightType::Directional) continue;
+        if (const NoShadow why = needsNoShadowMap(context, light); why != NoShadow::None) {
+            plan.lights[i].noShadow = why;
+            continue;
+        }
         if (!fit(plan.lights[i], kMinTileSize, tiles, casters)) continue;
         candidates.push_back(i);
         requests.push_back({localTileCount(light), wantedTileSize(context, light)});
@@ -132,6 +145,7 @@ void planLocalShadows(const ShadowContext& context, FramePlan& plan)
     for (std::size_t n = 0; n < candidates.size(); ++n) {
         FrameLight& frameLight = plan.lights[candidates[n]];
         if (placement.sizes[n] == 0) {
+            frameLight.noShadow = NoShadow::AtlasFull;
             plan.warnings.push_back(nameOf(context.scene, frameLight.light) +
                                     " gets no realtime shadow: the shadow atlas is full");
             continue;
@@ -156,9 +170,10 @@ void findMainShadowReceivers(const ShadowContext& context, FramePlan& plan)
     }
     std::sort(casters.begin(), casters.end());
     casters.erase(std::unique(casters.begin(), casters.end()), casters.end());
+    const Light& light = context.scene.lights[std::size_t(main.light)];
     plan.mainShadowReceivers =
-        directionalShadowReceivers(context.bounds, casters, context.scene.lights[std::size_t(main.light)].direction(),
-                                   float(borderTexels(context.settings)) * texelMeters,
+        directionalShadowReceivers(context.bounds, casters, light.direction(),
+                                   float(borderTexels(shadowSettingsOf(light, context.settings))) * texelMeters,
                                    vec3(context.view.camera.worldFromCamera[3]), context.settings.distanceMeters);
 }
 
