@@ -81,6 +81,33 @@ TEST_P(ChangesS29, LightColorAndIntensity)
     expectLoaded(changed, before);
 }
 
+// A light's own biases draw what the same settings draw for all lights.
+TEST_P(ChangesS29, BiasesOfALight)
+{
+    settings.mode = RunMode::DistanceShadowmask;
+    ASSERT_TRUE(renderer->load(baked));
+    const ImageRgba32f before = draw();
+    const ShadowSettings plain = settings.shadows;
+    for (int which = 0; which < 3; ++which) {
+        settings.shadows = plain;
+        Light light = baked.scene.lights[0];
+        if (which == 0) light.shadowBias.depthTexels = settings.shadows.depthBias = 20.0f;
+        if (which == 1) light.shadowBias.slope = settings.shadows.slopeBias = 60.0f;
+        if (which == 2) light.shadowBias.normalTexels = settings.shadows.normalBiasTexels = 8.0f;
+        ASSERT_TRUE(renderer->setLight(0, baked.scene.lights[0]));
+        const ImageRgba32f bySetting = draw();
+        settings.shadows = plain;
+        ASSERT_TRUE(renderer->setLight(0, light));
+        EXPECT_EQ(draw().texels(), bySetting.texels()) << which;
+        EXPECT_NE(before.texels(), bySetting.texels()) << which;
+    }
+    Light wrong = baked.scene.lights[0];
+    wrong.shadowBias.normalTexels = 9.0f;
+    EXPECT_FALSE(renderer->setLight(0, wrong));
+    wrong.shadowBias = {NAN, {}, {}};
+    EXPECT_FALSE(renderer->setLight(0, wrong));
+}
+
 TEST_P(ChangesS29, TurnedLightIsReported)
 {
     ASSERT_TRUE(renderer->load(baked));

@@ -126,8 +126,8 @@ TEST_P(DebugViewsS31, Cascades)
     }
 }
 
-// Lights with a channel that reach the point: black, blue, green, yellow, red, and white from five on (two that share a
-// channel may both reach it only where the bake was wrong, or the lights moved). Lights without a channel do not count.
+// Lights that reach the point with a channel, or that overflowed: black, blue, green, yellow, red, and white from five
+// on. Other lights without a channel do not count.
 TEST_P(DebugViewsS31, OverlapCountsMaskedLights)
 {
     BakedScene baked;
@@ -150,6 +150,12 @@ TEST_P(DebugViewsS31, OverlapCountsMaskedLights)
     Light unmasked = scene.lights[0];
     unmasked.baking.occlusionMaskChannel = -1;
     scene.lights.push_back(unmasked);
+    unmasked.mode = unmasked.baking.bakeType = LightMode::Baked; // as its author wished
+    scene.lights.push_back(unmasked);
+    for (const std::size_t overflowed : {2, 5}) { // S10: mixed, and no channel was left
+        scene.lights[overflowed].baking.bakeType = LightMode::Baked;
+        scene.lights[overflowed].baking.occlusionMaskChannel = -1;
+    }
     ASSERT_TRUE(renderer->load(baked));
     const Camera camera = lookAt(vec3(0, 20, 0.01f), vec3(0.0f), 1.2f);
     RenderSettings settings;

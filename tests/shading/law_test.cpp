@@ -269,6 +269,22 @@ TEST(LawS22, NeverBrighterThanTheLightmap)
 
 // Casters: shadowmask and subtractive draw dynamic objects only for lights that have a channel (or are fully baked for
 // static receivers); distance shadowmask, baked indirect and realtime lights draw all.
+// Spec section 4: B is 1 beyond the reach of the bake, by distance or by angle, and as baked within.
+TEST(LawS29, BakedShadowsEndAtTheReachOfTheBake)
+{
+    constexpr float kB = 0.25f;
+    const float cone = std::cos(0.5f);
+    for (const float distance : {0.0f, 3.0f, 5.0f, 5.001f, 80.0f}) {
+        for (const float angle : {0.0f, 0.4f, 0.499f, 0.501f, 2.0f}) {
+            const float cosine = std::cos(angle);
+            EXPECT_EQ(bakedWithinReach(kB, distance, 0.0f, cosine, -2.0f), kB) << "unlimited";
+            EXPECT_EQ(bakedWithinReach(kB, distance, 5.0f, cosine, -2.0f), distance <= 5.0f ? kB : 1.0f);
+            EXPECT_EQ(bakedWithinReach(kB, distance, 0.0f, cosine, cone), angle < 0.5f ? kB : 1.0f);
+            EXPECT_EQ(bakedWithinReach(kB, distance, 5.0f, cosine, cone), distance <= 5.0f && angle < 0.5f ? kB : 1.0f);
+        }
+    }
+}
+
 TEST(LawS12, StaticCasters)
 {
     EXPECT_FALSE(staticCastersInShadowMap(kModeShadowmask, true));
