@@ -10,7 +10,7 @@
 namespace halflight {
 namespace {
 
-constexpr uint32_t kCacheVersion = 28; ///< to be raised when estimates of the same input change
+constexpr uint32_t kCacheVersion = 29; ///< to be raised when estimates of the same input change
 
 /// Small, so that a small change shows in a tile's sum of witnesses.
 constexpr std::size_t kTexelTile = 256;

@@ -12,6 +12,7 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
+#include <unordered_map>
 #include <unordered_set>
 
 namespace halflight {
@@ -31,6 +32,14 @@ constexpr float kWallShare = 0.36f;
 constexpr float kShortestShare = 0.3f; ///< of the grid's distance: links shorter than that are not halved
 constexpr float kSamePlaceShare = 0.05f;
 constexpr float kFloorShare = 0.02f; ///< height of the probes on floors, of the grid's distance
+
+/// Shadow edges: cells of the first grid are halved this often along each axis, until this many times the first grid's
+/// probes are added.
+constexpr int kShadowLevels = 2;
+constexpr std::size_t kShadowGrowth = 2;
+constexpr int kTestPaths = 8; ///< of places that are looked at: they tell what lies inside geometry
+/// In larger grids only cells whose corners disagree are looked into.
+constexpr std::size_t kMostCellsTested = 4096;
 
 /// Two probes that stand next to each other.
 struct Link {
@@ -92,6 +101,123 @@ public:
 private:
     float cell_;
     std::unordered_set<uint64_t> taken_;
+};
+
+/// Cells of a grid whose probes' occlusion says something else in between than the probes do: where a shadow's edge
+/// passes. Places are lattice points, of which a side of the grid's cells has kShadowLevels halvings.
+class ShadowCells {
+public:
+    struct Cell {
+        ivec3 low{0};
+        int size = 0; ///< lattice points along a side
+        float error = 0.0f;
+    };
+    struct Place {
+        vec4 occlusion{1.0f};
+        bool valid = false;
+        std::optional<uint32_t> probe;
+    };
+
+    ShadowCells(const ProbeSet& grid, const std::vector<Probe>& probes) : grid_(grid)
+    {
+        for (int z = 0; z < grid.size.z; ++z) {
+            for (int y = 0; y < grid.size.y; ++y) {
+                for (int x = 0; x < grid.size.x; ++x) {
+                    const auto index = uint32_t((z * grid.size.y + y) * grid.size.x + x);
+                    const ivec3 at = kSide * ivec3(x, y, z);
+                    places_[cellKey(at)] = {probes[index].occlusion, probes[index].valid, index};
+                    if (x + 1 < grid.size.x && y + 1 < grid.size.y && z + 1 < grid.size.z)
+                        cells_.push_back({at, kSide});
+                }
+            }
+        }
+        if (cells_.size() > kMostCellsTested) std::erase_if(cells_, [&](const Cell& c) { return !cornersDisagree(c); });
+    }
+
+    [[nodiscard]] const std::vector<Cell>& cells() const { return cells_; }
+    [[nodiscard]] vec3 positionOf(ivec3 at) const
+    {
+        return grid_.origin + grid_.spacingMeters * (vec3(at) / float(kSide));
+    }
+    [[nodiscard]] Place& at(ivec3 place) { return places_[cellKey(place)]; }
+
+    /// The cell's 27 places: corners, and the middles of edges, faces and the cell. One of three numbers each, 0 to 2.
+    template<typename Body> static void forPlaces(const Cell& cell, const Body& body)
+    {
+        for (int k = 0; k < 27; ++k) {
+            const ivec3 number(k % 3, k / 3 % 3, k / 9);
+            body(cell.low + number * (cell.size / 2), number);
+        }
+    }
+    /// Places of the cells that nothing is known of.
+    [[nodiscard]] std::vector<ivec3> unknownPlaces() const
+    {
+        std::vector<ivec3> unknown;
+        std::unordered_set<uint64_t> listed;
+        for (const Cell& cell : cells_) {
+            forPlaces(cell, [&](ivec3 place, ivec3) {
+                if (places_.count(cellKey(place)) == 0 && listed.insert(cellKey(place)).second)
+                    unknown.push_back(place);
+            });
+        }
+        return unknown;
+    }
+    /// How far interpolation between the corners is off, at most. Corners inside geometry take no part.
+    void findErrors()
+    {
+        for (Cell& cell : cells_) {
+            cell.error = 0.0f;
+            forPlaces(cell, [&](ivec3 place, ivec3 number) {
+                const Place& truth = at(place);
+                if (!truth.valid) return;
+                vec4 sum(0.0f);
+                float weight = 0.0f;
+                for (int corner = 0; corner < 8; ++corner) {
+                    const ivec3 c(corner & 1, corner >> 1 & 1, corner >> 2);
+                    const Place& known = at(cell.low + c * cell.size);
+                    const vec3 share = 1.0f - glm::abs(vec3(c) - 0.5f * vec3(number));
+                    const float w = known.valid ? share.x * share.y * share.z : 0.0f;
+                    sum += w * known.occlusion;
+                    weight += w;
+                }
+                const vec4 off = weight > 0.0f ? glm::abs(sum / weight - truth.occlusion) : vec4(1.0f);
+                cell.error = std::max({cell.error, off.x, off.y, off.z, off.w});
+            });
+        }
+        std::erase_if(cells_, [](const Cell& c) { return c.error < kShadowDisagrees; });
+        std::stable_sort(cells_.begin(), cells_.end(), [](const Cell& a, const Cell& b) { return a.error > b.error; });
+    }
+    /// Goes on with the halves of the first `count` cells.
+    void descend(std::size_t count)
+    {
+        std::vector<Cell> halves;
+        for (std::size_t i = 0; i < count && cells_[i].size > 2; ++i) {
+            const int half = cells_[i].size / 2;
+            for (int k = 0; k < 8; ++k)
+                halves.push_back({cells_[i].low + half * ivec3(k & 1, k >> 1 & 1, k >> 2), half});
+        }
+        cells_ = std::move(halves);
+    }
+
+private:
+    static constexpr int kSide = 1 << kShadowLevels;
+
+    [[nodiscard]] bool cornersDisagree(const Cell& cell)
+    {
+        vec4 least(1.0f);
+        vec4 most(0.0f);
+        for (int corner = 0; corner < 8; ++corner) {
+            const Place& place = at(cell.low + ivec3(corner & 1, corner >> 1 & 1, corner >> 2) * cell.size);
+            if (!place.valid) continue;
+            least = glm::min(least, place.occlusion);
+            most = glm::max(most, place.occlusion);
+        }
+        return glm::any(glm::greaterThan(most - least, vec4(kShadowDisagrees)));
+    }
+
+    const ProbeSet& grid_;
+    std::unordered_map<uint64_t, Place> places_;
+    std::vector<Cell> cells_;
 };
 
 /// Bakes probes in batches, and knows which stand next to each other.
@@ -186,6 +312,38 @@ public:
         return positions.empty() || add(positions);
     }
 
+    /// Probes along the edges of shadows, at most so many; `links` gets theirs. The cells left over are counted.
+    bool refineShadows(const ProbeSet& grid, std::size_t most, std::vector<Link>& links, std::size_t& unresolved)
+    {
+        unresolved = 0;
+        ShadowCells shadows(grid, probes);
+        Progress quiet;
+        quiet.cancel = progress_.cancel;
+        std::size_t added = 0;
+        for (int level = 0; level < kShadowLevels && !shadows.cells().empty(); ++level) {
+            const std::vector<ivec3> places = shadows.unknownPlaces();
+            std::vector<vec3> positions;
+            positions.reserve(places.size());
+            for (const ivec3 place : places) positions.push_back(shadows.positionOf(place));
+            std::vector<ProbeEstimate> tests(places.size());
+            if (!gather_.integrator.probes(positions, allIndices(places.size()), kTestPaths, tests, quiet))
+                return false;
+            for (std::size_t i = 0; i < places.size(); ++i)
+                shadows.at(places[i]) = {tests[i].occlusion, tests[i].valid, std::nullopt};
+            shadows.findErrors();
+
+            positions.clear();
+            std::size_t taken = 0;
+            for (; taken < shadows.cells().size() && added + positions.size() + 19 <= most; ++taken)
+                addCell(shadows, shadows.cells()[taken], positions, links);
+            unresolved += shadows.cells().size() - taken;
+            added += positions.size();
+            shadows.descend(taken);
+            if (!positions.empty() && !add(positions)) return false;
+        }
+        return true;
+    }
+
     // Probes on the floors below the others. Things stand on floors: without these, what is lower than the lowest
     // probes above a floor lies in tetrahedra that go down to probes on the other side of it, or, where nothing is
     // below, to ones far beyond its rim. Other surfaces have no such layer: what touches walls and ceilings is seldom
@@ -253,6 +411,26 @@ public:
     }
 
 private:
+    /// Lists the places of a cell that are to have probes, with their links along the axes.
+    void addCell(ShadowCells& shadows, const ShadowCells::Cell& cell, std::vector<vec3>& positions,
+                 std::vector<Link>& links) const
+    {
+        ShadowCells::forPlaces(cell, [&](ivec3 place, ivec3 number) {
+            ShadowCells::Place& known = shadows.at(place);
+            const bool isNew = known.valid && !known.probe;
+            if (isNew) {
+                known.probe = uint32_t(probes.size() + positions.size());
+                positions.push_back(shadows.positionOf(place));
+            }
+            for (int axis = 0; axis < 3; ++axis) {
+                ivec3 before = place;
+                before[axis] -= cell.size / 2;
+                if (!known.probe || number[axis] == 0 || !shadows.at(before).probe) continue;
+                links.push_back({*shadows.at(before).probe, *known.probe});
+            }
+        });
+    }
+
     const Gather& gather_;
     const Progress& progress_;
     int batches_ = 0;
@@ -334,6 +512,16 @@ std::optional<ProbeSet> bakeProbes(const Scene& scene, float spacingMeters, bool
     for (int level = 0; level < kLevels && !links.empty(); ++level) {
         if (!bake.refine(links, spacing, kGrowth * positions.size())) return std::nullopt;
         all.insert(all.end(), links.begin(), links.end());
+    }
+    std::size_t unresolved = 0;
+    const bool masked = std::any_of(scene.lights.begin(), scene.lights.end(),
+                                    [](const Light& light) { return light.baking.occlusionMaskChannel >= 0; });
+    if (masked && !bake.refineShadows(set, kShadowGrowth * positions.size(), all, unresolved)) return std::nullopt;
+    if (unresolved > 0) {
+        warnings.push_back(
+            "probes: shadow edges cross " + std::to_string(unresolved) +
+            " more places than there are probes for; moving objects there have shadows blurred over up to " +
+            std::to_string(std::max({s.x, s.y, s.z})) + " m; --probe-spacing makes all probes denser");
     }
     if (!bake.addFloors(all, spacing, s.y)) return std::nullopt;
     if (denoise) bake.denoise(all);
