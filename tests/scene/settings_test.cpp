@@ -113,6 +113,52 @@ TEST(SettingsS30, SwitchesOfMaterials)
     EXPECT_FALSE(json["materials"][1].value("extensions", Json::object()).contains("HALFLIGHT_material"));
 }
 
+// Biases of a light: extras, a stronger settings file, and a baked file that keeps them; 0 is a bias, too.
+TEST(SettingsS2, BiasesOfALight)
+{
+    const TemporaryFolder folder;
+    GltfBuilder file = litFile();
+    file.json["nodes"][1]["extras"]["halflight_depth_bias"] = 0;
+    file.json["nodes"][1]["extras"]["halflight_normal_bias"] = 2.5;
+    writeText(folder / "s.toml", "[[light]]\npattern = \"Sun\"\nslope_bias = 7\nnormal_bias = 8\n");
+    const auto path = file.write(folder);
+    auto scene = readScene(path, {.settingsFile = folder / "s.toml"});
+    ASSERT_TRUE(scene) << scene.error().text();
+    ASSERT_TRUE(writeBakedScene(folder / "baked.glb", pretendToBake(std::move(*scene))));
+    const auto baked = readBakedScene(folder / "baked.glb");
+    ASSERT_TRUE(baked) << baked.error().text();
+    const ShadowBias& sun = baked->scene.lights.at(0).shadowBias;
+    EXPECT_EQ(sun.depthTexels, std::optional(0.0f));
+    EXPECT_EQ(sun.slope, std::optional(7.0f));
+    EXPECT_EQ(sun.normalTexels, std::optional(8.0f));
+    const ShadowBias& lamp = baked->scene.lights.at(1).shadowBias;
+    EXPECT_FALSE(lamp.depthTexels || lamp.slope || lamp.normalTexels);
+    for (const char* wrong : {"normal_bias = 9", "normal_bias = -1", "depth_bias = 101", "slope_bias = \"a\""}) {
+        writeText(folder / "s.toml", std::string("[[light]]\npattern = \"Sun\"\n") + wrong);
+        EXPECT_FALSE(readScene(path, {.settingsFile = folder / "s.toml"})) << wrong;
+    }
+}
+
+// A light that a settings file added keeps what the bake made of it when the baked file is read with the same settings.
+TEST(SettingsS5, AnAddedLightKeepsItsBake)
+{
+    const TemporaryFolder folder;
+    writeText(folder / "s.toml", "[[add_light]]\ntype = \"point\"\nname = \"bulb\"\nintensity = 3\n");
+    auto scene = readScene(litFile().write(folder), {.settingsFile = folder / "s.toml"});
+    ASSERT_TRUE(scene) << scene.error().text();
+    BakedScene bake = pretendToBake(std::move(*scene));
+    BakingOutput& output = bake.scene.lights.back().baking;
+    output.isBaked = true;
+    output.bakeType = LightMode::Mixed;
+    output.occlusionMaskChannel = 3;
+    ASSERT_TRUE(writeBakedScene(folder / "baked.glb", bake));
+    const auto baked = readBakedScene(folder / "baked.glb", {.settingsFile = folder / "s.toml"});
+    ASSERT_TRUE(baked) << baked.error().text();
+    ASSERT_EQ(baked->scene.lights.back().name, "bulb");
+    EXPECT_TRUE(baked->scene.lights.back().baking.isBaked);
+    EXPECT_EQ(baked->scene.lights.back().baking.occlusionMaskChannel, 3);
+}
+
 TEST(SettingsS5, FileIsStrongerThanExtras)
 {
     const TemporaryFolder folder;
