@@ -827,12 +827,17 @@ class Interrupt(Case):
         self.assert_folder_holds("tiny.gltf")
 
 
-if __name__ == "__main__":
-    HALFLIGHT, SHARED = sys.argv[1:3]
-    program = unittest.main(argv=sys.argv[:1] + sys.argv[3:], exit=False, verbosity=1)
+def main(names):
+    """Runs the tests of the calling program; exits with 77 when all were skipped."""
+    program = unittest.main(argv=sys.argv[:1] + names, exit=False, verbosity=1)
     outcome = program.result
     for test, reason in outcome.skipped:
         print(f"[  SKIPPED ] {test.id()}: {reason}")
     if outcome.wasSuccessful() and outcome.testsRun == len(outcome.skipped):
         sys.exit(77)
     sys.exit(0 if outcome.wasSuccessful() else 1)
+
+
+if __name__ == "__main__":
+    HALFLIGHT, SHARED = sys.argv[1:3]
+    main(sys.argv[3:])
