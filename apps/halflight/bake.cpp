@@ -1,6 +1,7 @@
 // halflight bake: scene in, baked glTF out.
 
 #include "console.h"
+#include "interrupt.h"
 #include "terminal.h"
 
 #include "halflight/bake/bake.h"
@@ -147,15 +148,39 @@ void printLights(const BakeReport& report)
     }
 }
 
+std::string_view densityReason(DensityFrom from)
+{
+    switch (from) {
+    case DensityFrom::Asked:
+        return "as asked";
+    case DensityFrom::Page:
+        return "what fits one page";
+    case DensityFrom::Scene:
+        return "by the scene's size (--texels-per-meter sets it)";
+    }
+    return "";
+}
+
+void printBytes(const BakeReport& report)
+{
+    const WrittenBytes& bytes = report.written;
+    const auto mb = [](double count) { return fmt::format("{:.2f} MB", count * 1e-6); };
+    const double pages = std::max(report.pageCount, 1);
+    print("file       {}: lightmap {} a page", mb(double(bytes.file)), mb(double(bytes.lightmaps) / pages));
+    if (bytes.lightmapDirections > 0) print(", directions {} a page", mb(double(bytes.lightmapDirections) / pages));
+    if (bytes.shadowmasks > 0) print(", mask {} a page", mb(double(bytes.shadowmasks) / pages));
+    print(", probes {}\n", mb(double(bytes.probes)));
+}
+
 void printSummary(const BakeOptions& options, const BakeReport& report)
 {
     print("{}: {} in {}, peak memory {}, {}\n", options.output.string(), nameOf(options.bake.mode),
           clockTime(report.seconds), megabytes(report.peakMemoryBytes), report.integrator);
     printLights(report);
 
-    print("\nlightmap   {} page{} of {} x {}, {:.2f} texels/m, {:.0f} % filled\n", report.pageCount,
-          report.pageCount == 1 ? "" : "s", report.pageSize, report.pageSize, report.texelsPerMeter,
-          100.0 * double(report.atlasCoverage));
+    print("\nlightmap   {} page{} of {} x {}, {:.0f} % filled\n", report.pageCount, report.pageCount == 1 ? "" : "s",
+          report.pageSize, report.pageSize, 100.0 * double(report.atlasCoverage));
+    print("           {:.4g} texels/m, {}\n", report.texelsPerMeter, densityReason(report.densityFrom));
     print("           {} charts, {} texels, {} of them inside geometry\n", grouped(uint64_t(report.chartCount)),
           grouped(report.coveredTexels), grouped(report.invalidTexels));
     if (report.cache.tiles > 0) {
@@ -166,6 +191,7 @@ void printSummary(const BakeOptions& options, const BakeReport& report)
     print("geometry   {} static triangles\n", grouped(report.triangleCount));
     print("probes     {} of {} valid\n", grouped(uint64_t(report.validProbeCount)),
           grouped(uint64_t(report.probeCount)));
+    printBytes(report);
     print("samples    {:.0f} per texel, {} per masked light, {} bounces, {} per probe\n", report.samplesPerTexel,
           report.quality.shadowSamples, report.quality.bounces, report.quality.probeSamples);
     if (report.texelsBetween > 0) {
@@ -232,6 +258,7 @@ int runBake(const BakeOptions& options)
     std::filesystem::path culprit;
     if (Status status = checkPaths(options, culprit); !status) return fail(culprit, status.error());
 
+    removeTemporaryOf(options.output);
     // The display is up before the scene is read, so that Ctrl-C is heard from the start.
     std::optional<ProgressDisplay> display(std::in_place, options.quiet);
     const Progress progress = display->progress();
@@ -276,7 +303,11 @@ int runBake(const BakeOptions& options)
         return fail(options.scene, result.error());
     }
     progress("write", 0.0);
-    const Status written = writeBakedScene(options.output, result->baked, options.write);
+    WriteOptions writeOptions = options.write;
+    writeOptions.written = &result->report.written;
+    writeOptions.progress = progress;
+    writeOptions.mayReplace = commitOutput;
+    const Status written = writeBakedScene(options.output, result->baked, writeOptions);
     display.reset();
     if (!written) return fail(options.output, written.error());
     if (finished) {
@@ -344,8 +375,9 @@ Command addBakeCommand(CLI::App& parent)
            "shadow rays per texel and masked light (default by quality)");
     addInt(app, "--bounces", bake.bounces, 0, 64, "indirect bounces, 0 = direct light only (default by quality)");
     addFloat(app, "--texels-per-meter", bake.texelsPerMeter, 0.001f, 10000.0f, "X",
-             "lightmap density; as many pages as that takes (default: what fits one page)");
-    addInt(app, "--lightmap-size", bake.lightmapSize, 64, 8192, "width of a page in texels (default by quality)");
+             "lightmap density; as many pages as that takes (default: by the scene's size, and what fits one page)");
+    addInt(app, "--lightmap-size", bake.lightmapSize, 64, 8192,
+           "width of a page in texels; alone, the density is what fits one (default: by quality, cut to what is used)");
     addInt(app, "--padding", bake.paddingTexels, 1, 16, "empty texels between charts (default 2)");
     addChoice<UvMode>(
         app, "--uv", bake.uvMode, {{"auto", UvMode::Auto}, {"keep", UvMode::Keep}, {"unwrap", UvMode::Unwrap}},

@@ -1,5 +1,6 @@
 #include "console.h"
 
+#include "interrupt.h"
 #include "terminal.h"
 
 #include "halflight/base/file.h"
@@ -7,26 +8,14 @@
 #include <spdlog/fmt/fmt.h>
 
 #include <algorithm>
-#include <atomic>
 #include <cctype>
 #include <cmath>
-#include <csignal>
 #include <cstdlib>
 #include <unistd.h>
 
 namespace halflight::cli {
 
 namespace {
-
-// The one global of the program: a signal handler can reach nothing else.
-std::atomic<bool> cancelRequested{false};
-static_assert(std::atomic<bool>::is_always_lock_free, "a signal handler writes it");
-
-void requestCancel(int signal)
-{
-    cancelRequested.store(true, std::memory_order_relaxed);
-    std::signal(signal, SIG_DFL);
-}
 
 void printError(const std::string& text)
 {
@@ -273,10 +262,8 @@ ProgressDisplay::~ProgressDisplay()
 
 Progress ProgressDisplay::progress()
 {
-    std::signal(SIGINT, requestCancel);
-    std::signal(SIGTERM, requestCancel);
     Progress progress;
-    progress.cancel = &cancelRequested;
+    progress.cancel = &listenForInterrupts();
     if (!quiet_) progress.report = [this](std::string_view stage, double fraction) { report(stage, fraction); };
     return progress;
 }
@@ -324,11 +311,6 @@ void ProgressDisplay::endStage()
         say(fmt::format(" {:.1f} s\n", seconds));
     }
     stage_.clear();
-}
-
-bool interrupted()
-{
-    return cancelRequested.load(std::memory_order_relaxed);
 }
 
 } // namespace halflight::cli

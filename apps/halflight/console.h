@@ -110,7 +110,7 @@ public:
     ProgressDisplay(const ProgressDisplay&) = delete;
     ProgressDisplay& operator=(const ProgressDisplay&) = delete;
 
-    /// Valid while the display lives. The first call makes Ctrl-C set the cancel flag; a second Ctrl-C kills as usual.
+    /// Valid while the display lives. The first call makes Ctrl-C set the cancel flag (interrupt.h).
     Progress progress();
     void finish();
 
@@ -125,8 +125,5 @@ private:
     Clock::time_point stageStart_;
     Clock::time_point lastShown_;
 };
-
-/// True once Ctrl-C (SIGINT) or SIGTERM arrived after ProgressDisplay::progress().
-bool interrupted();
 
 } // namespace halflight::cli

@@ -2,6 +2,7 @@
 
 #include "camera.h"
 #include "console.h"
+#include "interrupt.h"
 #include "light_override.h"
 #include "terminal.h"
 
@@ -316,6 +317,7 @@ int runRender(RenderOptions options)
                                                            : renderPicture(options, *baked, *camera);
     if (!picture) return fail(options.file, picture.error());
     describeView(options, *camera, picture->summary);
+    if (!commitOutput()) return fail(options.file, Error{ErrorCode::Cancelled, "interrupted"});
     if (Status status = writePicture(options, *picture); !status) return fail(options.output, status.error());
 
     const std::size_t said = warnings.size();

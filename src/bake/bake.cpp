@@ -207,6 +207,9 @@ Result<BakeResult> bake(Scene scene, const BakeSettings& settings, const Integra
     unwrapSettings.texelsPerMeter = settings.texelsPerMeter;
     unwrapSettings.pageSize = report.quality.lightmapSize;
     unwrapSettings.paddingTexels = settings.paddingTexels;
+    unwrapSettings.cutPage = settings.lightmapSize == 0;
+    if (settings.lightmapSize == 0 && settings.texelsPerMeter == 0.0f)
+        unwrapSettings.mostTexelsPerMeter = sceneDensity(scene, unwrapSettings.pageSize);
     Result<UnwrappedScene> unwrapped = unwrap(std::move(scene), unwrapSettings, progress);
     if (!unwrapped) return unwrapped.error();
     BakedScene& baked = result.baked;
@@ -218,6 +221,7 @@ Result<BakeResult> bake(Scene scene, const BakeSettings& settings, const Integra
     report.pageSize = unwrapped->pageSize;
     report.chartCount = unwrapped->chartCount;
     report.texelsPerMeter = unwrapped->texelsPerMeter;
+    report.densityFrom = unwrapped->densityFrom;
     report.atlasCoverage = unwrapped->coverage;
     report.warnings.insert(report.warnings.end(), unwrapped->warnings.begin(), unwrapped->warnings.end());
     unwrapTimer.finish();
@@ -247,6 +251,7 @@ Result<BakeResult> bake(Scene scene, const BakeSettings& settings, const Integra
     }
     Result<std::unique_ptr<Integrator>> made = turnHollows(integratorFactory, baked.scene, geometry, integration);
     if (!made) return made.error();
+    if (progress.cancelled()) return cancelledError();
     Integrator& integrator = **made;
     report.integrator = integrator.description();
     reportTurned(baked.scene, geometry, report);
@@ -256,6 +261,7 @@ Result<BakeResult> bake(Scene scene, const BakeSettings& settings, const Integra
     const TexelMap map = rasterizeTexels(geometry, unwrapped->pageSize, unwrapped->pageCount);
     report.coveredTexels = map.texels.size();
     rasterTimer.finish();
+    if (progress.cancelled()) return cancelledError();
     std::optional<BakeCache> cache;
     if (!settings.cacheDirectory.empty()) {
         const Hash128 layout = layoutHash(map, integration, settings.mode);
@@ -293,6 +299,7 @@ Result<BakeResult> bake(Scene scene, const BakeSettings& settings, const Integra
             if (Status status = imageDenoise(map, gathered, estimates, progress); !status) return status.error();
         }
         denoiseTimer.finish();
+        if (progress.cancelled()) return cancelledError();
     }
     // What a large lightmap no longer needs goes as soon as can be.
     TexelValues values = splitEstimates(estimates);
@@ -304,6 +311,7 @@ Result<BakeResult> bake(Scene scene, const BakeSettings& settings, const Integra
     const std::vector<float> seamWeight = seamWeights(seams, pages);
     stitchSeams(map, seams, seamWeight, pages);
     seamTimer.finish();
+    if (progress.cancelled()) return cancelledError();
     note(result.images, dumpPages(settings, "lightmap", pages));
     baked.lightmapUnitLux = lightmapUnitFor(pages);
     baked.lightmaps = encodeLightmap(pages, baked.lightmapUnitLux);
@@ -339,6 +347,7 @@ Result<BakeResult> bake(Scene scene, const BakeSettings& settings, const Integra
         stitchSeams(map, seams, seamWeights(seams, maskPages), maskPages, !distances);
         baked.shadowmasks = encodeShadowmask(maskPages);
         maskTimer.finish(integrator.raysTraced() - before);
+        if (progress.cancelled()) return cancelledError();
     }
 
     StageTimer probeTimer(report, "probes");

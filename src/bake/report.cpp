@@ -4,6 +4,19 @@
 
 namespace halflight {
 
+const char* nameOf(DensityFrom from)
+{
+    switch (from) {
+    case DensityFrom::Asked:
+        return "asked";
+    case DensityFrom::Page:
+        return "page";
+    case DensityFrom::Scene:
+        return "scene";
+    }
+    return "";
+}
+
 std::string reportJson(const BakeReport& report)
 {
     using nlohmann::json;
@@ -51,9 +64,16 @@ std::string reportJson(const BakeReport& report)
           {"coveredTexels", report.coveredTexels},
           {"invalidTexels", report.invalidTexels},
           {"texelsPerMeter", report.texelsPerMeter},
+          {"densityFrom", nameOf(report.densityFrom)},
           {"coverage", report.atlasCoverage}}},
         {"cache", {{"tiles", report.cache.tiles}, {"same", report.cache.same}, {"unchanged", report.cache.unchanged}}},
         {"probes", {{"count", report.probeCount}, {"valid", report.validProbeCount}}},
+        {"bytes",
+         {{"file", report.written.file},
+          {"lightmaps", report.written.lightmaps},
+          {"lightmapDirections", report.written.lightmapDirections},
+          {"shadowmasks", report.written.shadowmasks},
+          {"probes", report.written.probes}}},
         {"triangles", report.triangleCount},
         {"lights", std::move(lights)},
         {"stages", std::move(stages)},

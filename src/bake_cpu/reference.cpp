@@ -14,6 +14,7 @@ Result<ImageRgb32f> renderReference(const Scene& scene, const Camera& camera, iv
 {
     const BakeGeometry geometry = flattenGeometry(scene, 1, GeometryFilter::All);
     const PathTracer paths(scene, geometry, LightUse::Reference);
+    if (progress.cancelled()) return Error{ErrorCode::Cancelled, "interrupted"};
     if (!paths.ok()) return Error{ErrorCode::DeviceFailed, "Embree could not build the scene (out of memory?)"};
 
     const float aspect = float(size.x) / float(size.y);
@@ -28,7 +29,7 @@ Result<ImageRgb32f> renderReference(const Scene& scene, const Camera& camera, iv
             for (std::size_t i = begin; i < end && !progress.cancelled(); ++i) {
                 const vec2 pixel(float(i % std::size_t(size.x)), float(i / std::size_t(size.x)));
                 vec3 sum(0.0f);
-                for (int s = 0; s < samplesPerPixel; ++s) {
+                for (int s = 0; s < samplesPerPixel && !progress.cancelled(); ++s) {
                     Sampler sampler(seed, uint32_t(i), uint32_t(s));
                     // Box filter over the pixel; the camera looks along -Z with +Y up.
                     const vec2 ndc = (pixel + sampler.next2()) / vec2(size) * vec2(2.0f, -2.0f) + vec2(-1.0f, 1.0f);

@@ -72,13 +72,19 @@ Status tryWriting(const std::filesystem::path& folder)
     return Error{ErrorCode::WriteFailed, "the folder " + where.string() + " cannot be written to (" + reason + ")"};
 }
 
+std::filesystem::path temporaryOf(const std::filesystem::path& file)
+{
+    std::filesystem::path temporary = file;
+    temporary += ".tmp" + std::to_string(::getpid());
+    return temporary;
+}
+
 Status replaceAtomically(const std::filesystem::path& path,
                          const std::function<Status(const std::filesystem::path& temporary)>& write)
 {
     const Result<std::filesystem::path> file = replacedFile(path);
     if (!file) return file.error();
-    std::filesystem::path temporary = *file;
-    temporary += ".tmp" + std::to_string(::getpid());
+    const std::filesystem::path temporary = temporaryOf(*file);
     std::error_code ec;
     if (Status status = write(temporary); !status) {
         std::filesystem::remove(temporary, ec);
@@ -93,7 +99,8 @@ Status replaceAtomically(const std::filesystem::path& path,
     return {};
 }
 
-Status writeFileAtomically(const std::filesystem::path& path, const void* bytes, std::size_t byteCount)
+Status writeFileAtomically(const std::filesystem::path& path, const void* bytes, std::size_t byteCount,
+                           const std::function<bool()>& mayReplace)
 {
     return replaceAtomically(path, [&](const std::filesystem::path& temporary) -> Status {
         std::ofstream stream(temporary, std::ios::binary | std::ios::trunc);
@@ -103,6 +110,7 @@ Status writeFileAtomically(const std::filesystem::path& path, const void* bytes,
         stream.write(static_cast<const char*>(bytes), std::streamsize(byteCount));
         stream.close();
         if (!stream) return Error{ErrorCode::WriteFailed, "could not be written to its end (disk full?)"};
+        if (mayReplace && !mayReplace()) return Error{ErrorCode::Cancelled, "interrupted"};
         return {};
     });
 }

@@ -57,6 +57,11 @@ Json biasJson(const ShadowBias& bias)
     return json;
 }
 
+Error cancelledError()
+{
+    return {ErrorCode::Cancelled, "writing was cancelled", ""};
+}
+
 class Writer {
 public:
     Writer(const BakedScene& baked, const WriteOptions& options)
@@ -77,6 +82,8 @@ public:
         writeExtensionsUsed();
         return patcher_.finish(imagePrefix);
     }
+
+    [[nodiscard]] const WrittenBytes& bytes() const { return bytes_; }
 
 private:
     [[nodiscard]] bool fingerprinted() const { return baked_.isBaked && fingerprints_.complete(); }
@@ -113,20 +120,25 @@ private:
     Status writeImages()
     {
         for (const auto& lightmap : baked_.lightmaps) {
+            if (options_.progress.cancelled()) return cancelledError();
             auto ktx2 = encodeKtx2(lightmap);
             if (!ktx2) return ktx2.error();
+            bytes_.lightmaps += ktx2->size();
             root_["lightmaps"].push_back(
                 {{"bufferView", patcher_.addView({std::move(*ktx2), 0, 0})}, {"mimeType", "image/ktx2"}});
         }
-        if (Status s = writePngs("lightmapDirections", baked_.lightmapDirections); !s) return s;
-        return writePngs("shadowmasks", baked_.shadowmasks);
+        if (Status s = writePngs("lightmapDirections", baked_.lightmapDirections, bytes_.lightmapDirections); !s)
+            return s;
+        return writePngs("shadowmasks", baked_.shadowmasks, bytes_.shadowmasks);
     }
 
-    Status writePngs(const char* key, const std::vector<ImageRgba8>& pages)
+    Status writePngs(const char* key, const std::vector<ImageRgba8>& pages, uint64_t& bytes)
     {
         for (const auto& page : pages) {
+            if (options_.progress.cancelled()) return cancelledError();
             auto png = encodePng(page);
             if (!png) return png.error();
+            bytes += png->size();
             root_[key].push_back(
                 {{"bufferView", patcher_.addView({std::move(*png), 0, 0})}, {"mimeType", "image/png"}});
         }
@@ -474,6 +486,7 @@ private:
             {"radiance", add("VEC3", kFloat, radiance.size(), NewView{bytesOf(radiance)})},
             {"occlusion", add("VEC4", kFloat, occlusion.size(), NewView{bytesOf(occlusion)})},
             {"valid", add("SCALAR", TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE, valid.size(), NewView{bytesOf(valid)})}};
+        bytes_.probes = probes.size() * (sizeof(vec3) + sizeof(SphericalHarmonicsL2) + sizeof(vec4) + sizeof(uint8_t));
         const ProbeSet& set = baked_.probes;
         if (set.size.x > 0 && set.size.y > 0 && set.size.z > 0) {
             json["grid"] = {
@@ -510,6 +523,7 @@ private:
     DocumentPatcher patcher_;
     SceneFingerprints fingerprints_;
     MeshWriter meshes_;
+    WrittenBytes bytes_;
     Json root_;
     Json moz_;
     bool materialRecords_ = false;   // any material got one
@@ -540,30 +554,37 @@ Status writeBakedScene(const std::filesystem::path& path, const BakedScene& bake
                    [](unsigned char c) { return char(std::tolower(c)); });
     const bool separate = extension == ".gltf";
     const std::string stem = path.stem().string();
-    const std::string imagePrefix = separate ? stem + kImageInfix : std::string();
-    Result<FinishedDocument> document = FinishedDocument();
-    if (baked.scene.source) {
-        document = Writer(baked, options).write(imagePrefix);
-    } else {
-        BakedScene withSource = baked;
+    BakedScene withSource;
+    if (!baked.scene.source) {
+        withSource = baked;
         if (Status s = giveSourceDocument(withSource.scene); !s) return s;
-        document = Writer(withSource, options).write(imagePrefix);
     }
+    Writer writer(baked.scene.source ? baked : withSource, options);
+    Result<FinishedDocument> document = writer.write(separate ? stem + kImageInfix : std::string());
     if (!document) return document.error();
+    WrittenBytes written = writer.bytes();
     if (!separate) {
         const auto glb = makeGlb(document->json, document->binary);
         if (!glb) return glb.error();
-        return writeFileAtomically(path, glb->data(), glb->size());
+        written.file = glb->size();
+        if (options.written != nullptr) *options.written = written;
+        return writeFileAtomically(path, glb->data(), glb->size(), options.mayReplace);
     }
+    if (options.mayReplace && !options.mayReplace()) return cancelledError();
     // The document comes last, when all that it names is there.
     for (const FinishedDocument::File& image : document->images) {
+        written.file += image.bytes.size();
         if (Status s = writeBeside(path, image.name, image.bytes); !s) return s;
     }
     if (!document->binary.empty()) {
         document->json["buffers"][0]["uri"] = percentEncoded(stem + ".bin");
+        written.file += document->binary.size();
         if (Status s = writeBeside(path, stem + ".bin", document->binary); !s) return s;
     }
-    return writeFileAtomically(path, textOf(document->json));
+    const std::string text = textOf(document->json);
+    written.file += text.size();
+    if (options.written != nullptr) *options.written = written;
+    return writeFileAtomically(path, text);
 }
 
 } // namespace halflight

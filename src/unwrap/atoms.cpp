@@ -53,10 +53,10 @@ public:
         }
     }
 
-    Atoms run()
+    Atoms run(const Progress& progress)
     {
         constexpr int kMostRounds = 64;
-        for (int round = 0; round < kMostRounds; ++round) {
+        for (int round = 0; round < kMostRounds && !progress.cancelled(); ++round) {
             const std::size_t before = atoms_.size();
             chooseBest();
             contract();
@@ -172,9 +172,9 @@ private:
 
 } // namespace
 
-Atoms gatherAtoms(const Surface& surface, uint32_t mostTriangles)
+Atoms gatherAtoms(const Surface& surface, uint32_t mostTriangles, const Progress& progress)
 {
-    return Gathering(surface, mostTriangles).run();
+    return Gathering(surface, mostTriangles).run(progress);
 }
 
 } // namespace halflight::charts

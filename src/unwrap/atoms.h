@@ -1,5 +1,6 @@
 #pragma once
 
+#include "halflight/base/progress.h"
 #include "unwrap/surface.h"
 
 namespace halflight::charts {
@@ -12,6 +13,6 @@ struct Atoms {
 
 /// Joins in rounds what is each other's best neighbour, on all threads: clusterTriangles() takes the one best pair of
 /// all at a time, which is too slow for millions of triangles.
-Atoms gatherAtoms(const Surface& surface, uint32_t mostTriangles);
+Atoms gatherAtoms(const Surface& surface, uint32_t mostTriangles, const Progress& progress);
 
 } // namespace halflight::charts

@@ -43,10 +43,10 @@ public:
         mergeCoplanar();
     }
 
-    Regions run()
+    Regions run(const Progress& progress)
     {
         buildRegions();
-        while (!queue_.empty()) {
+        while (!queue_.empty() && !progress.cancelled()) {
             const Candidate candidate = queue_.top();
             queue_.pop();
             const uint32_t a = find(candidate.a), b = find(candidate.b);
@@ -194,9 +194,9 @@ private:
 
 } // namespace
 
-Regions clusterTriangles(const Surface& surface, std::span<const uint32_t> together)
+Regions clusterTriangles(const Surface& surface, std::span<const uint32_t> together, const Progress& progress)
 {
-    return Clustering(surface, together).run();
+    return Clustering(surface, together).run(progress);
 }
 
 } // namespace halflight::charts

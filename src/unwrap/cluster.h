@@ -1,5 +1,6 @@
 #pragma once
 
+#include "halflight/base/progress.h"
 #include "unwrap/surface.h"
 
 #include <span>
@@ -17,6 +18,6 @@ struct Regions {
 /// "Hierarchical Face Clustering on Polygonal Surfaces"; the cost counts lost flatness, bent borders and ragged
 /// outlines. `together` may name for each triangle the first of a connected set (itself, for that one) that is to stay
 /// in one piece.
-Regions clusterTriangles(const Surface& surface, std::span<const uint32_t> together = {});
+Regions clusterTriangles(const Surface& surface, std::span<const uint32_t> together, const Progress& progress = {});
 
 } // namespace halflight::charts

@@ -19,28 +19,31 @@ constexpr double kRimTolerance = 0.2;
 /// From atoms to fans. An atom whose outline is not one loop, or that its centroid does not see all of, is cut in two.
 class Coarsening {
 public:
-    explicit Coarsening(const Surface& fine) : fine_(fine)
+    Coarsening(const Surface& fine, const Progress& progress) : fine_(fine), progress_(progress)
     {
         // Enough atoms to tell charts apart by, about six coarse triangles each.
         constexpr uint32_t kAtomsWanted = 3000, kSmallest = 32, kLargest = 1024;
         const auto wanted = uint32_t(fine.triangleCount() / kAtomsWanted);
-        Atoms atoms = gatherAtoms(fine, std::clamp(wanted, kSmallest, kLargest));
+        Atoms atoms = gatherAtoms(fine, std::clamp(wanted, kSmallest, kLargest), progress);
         result_.atomOfTriangle = std::move(atoms.ofTriangle);
         count_ = atoms.count;
     }
 
     CoarseSurface run()
     {
+        if (progress_.cancelled()) return {};
         listMembers();
         cutWhile([&](std::size_t a) { return !hasOneLoop(a); }, ~0u);
         // A fan that still faces the wrong way somewhere only keeps its atom from being joined to others.
         constexpr int kTries = 6;
         for (int i = 0; i < kTries; ++i) {
+            if (progress_.cancelled()) return {};
             findRims();
             if (!cutWhile([&](std::size_t a) { return !hubOf(a).seesAll; }, 1)) break;
             cutWhile([&](std::size_t a) { return !hasOneLoop(a); }, ~0u);
             if (i + 1 == kTries) findRims();
         }
+        if (progress_.cancelled()) return {}; // atoms may be what cutting has not got to
         drawFans();
         return std::move(result_);
     }
@@ -269,7 +272,7 @@ private:
         bool any = false;
         std::vector<uint32_t> asked(count_);
         std::iota(asked.begin(), asked.end(), 0u);
-        for (uint32_t round = 0; round < mostRounds; ++round) {
+        for (uint32_t round = 0; round < mostRounds && !progress_.cancelled(); ++round) {
             std::vector<std::vector<std::vector<uint32_t>>> pieces(asked.size());
             parallelFor(asked.size(), kGrain, [&](std::size_t begin, std::size_t end) {
                 for (std::size_t i = begin; i < end; ++i) {
@@ -360,6 +363,7 @@ private:
     }
 
     const Surface& fine_;
+    const Progress& progress_;
     CoarseSurface result_;
     uint32_t count_ = 0;
     std::vector<uint32_t> members_, memberStart_;
@@ -368,9 +372,9 @@ private:
 
 } // namespace
 
-CoarseSurface coarsen(const Surface& fine)
+CoarseSurface coarsen(const Surface& fine, const Progress& progress)
 {
-    return Coarsening(fine).run();
+    return Coarsening(fine, progress).run();
 }
 
 } // namespace halflight::charts

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "halflight/base/progress.h"
 #include "unwrap/surface.h"
 
 namespace halflight::charts {
@@ -13,6 +14,6 @@ struct CoarseSurface {
     std::vector<uint32_t> fanStart;       ///< by atom: its first triangle in `surface`; one more at the end
 };
 
-CoarseSurface coarsen(const Surface& fine);
+CoarseSurface coarsen(const Surface& fine, const Progress& progress);
 
 } // namespace halflight::charts

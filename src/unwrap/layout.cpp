@@ -91,7 +91,8 @@ Layout collect(const Surface& surface, std::vector<std::vector<Chart>> charts)
 Layout layoutOf(const Surface& surface, std::span<const uint32_t> together, double texelMeters,
                 const Progress& progress)
 {
-    const Regions regions = clusterTriangles(surface, together);
+    const Regions regions = clusterTriangles(surface, together, progress);
+    if (progress.cancelled()) return {};
     std::vector<std::vector<uint32_t>> members(regions.count);
     for (uint32_t t = 0; t < surface.triangleCount(); ++t) {
         if (regions.ofTriangle[t] != kNone) members[regions.ofTriangle[t]].push_back(t);
@@ -101,6 +102,7 @@ Layout layoutOf(const Surface& surface, std::span<const uint32_t> together, doub
         for (std::size_t r = begin; r < end; ++r)
             flattenOrSplit(surface, {std::move(members[r])}, {}, charts[r], progress);
     });
+    if (progress.cancelled()) return {}; // some triangles are in no chart
     Layout layout = collect(surface, std::move(charts));
     mergeCharts(surface, layout.charts, layout.chartOfTriangle, texelMeters, progress);
     return layout;
@@ -179,7 +181,8 @@ private:
 /// Charts are found on a coarse copy and then flattened as they are.
 Layout layoutOfLarge(const Surface& surface, double texelMeters, const Progress& progress)
 {
-    const CoarseSurface coarse = coarsen(surface);
+    const CoarseSurface coarse = coarsen(surface, progress);
+    if (progress.cancelled()) return {};
     // Boxes, leaves and the like: nothing to be gained where all is small pieces.
     if (2 * coarse.surface.triangleCount() > surface.triangleCount())
         return layoutOf(surface, {}, texelMeters, progress);
@@ -187,6 +190,7 @@ Layout layoutOfLarge(const Surface& surface, double texelMeters, const Progress&
     for (std::size_t a = 0; a + 1 < coarse.fanStart.size(); ++a)
         std::fill(together.begin() + coarse.fanStart[a], together.begin() + coarse.fanStart[a + 1], coarse.fanStart[a]);
     const Layout rough = layoutOf(coarse.surface, together, texelMeters, progress);
+    if (progress.cancelled()) return {};
     const AtomMaps maps(coarse, rough);
     std::vector<std::vector<uint32_t>> members(rough.charts.size() + 1); // the last: atoms that got into no chart
     for (uint32_t t = 0; t < surface.triangleCount(); ++t) {

@@ -299,7 +299,8 @@ std::vector<uint32_t> largestFirst(const std::vector<PackItem>& items)
     return order;
 }
 
-std::vector<std::vector<Shape>> allShapes(const std::vector<PackItem>& items, int padding)
+/// Some are empty when cancelled.
+std::vector<std::vector<Shape>> allShapes(const std::vector<PackItem>& items, int padding, const Progress& progress)
 {
     // Very many items are small ones, which fit about as well in two orientations, and take a quarter of the time.
     constexpr std::size_t kMany = 50000;
@@ -309,7 +310,8 @@ std::vector<std::vector<Shape>> allShapes(const std::vector<PackItem>& items, in
         items.size() < kMany ? std::span<const int>(kAll) : std::span<const int>(kUprightAndLying);
     std::vector<std::vector<Shape>> shapes(items.size());
     parallelFor(items.size(), 64, [&](std::size_t begin, std::size_t end) {
-        for (std::size_t i = begin; i < end; ++i) shapes[i] = shapesOf(items[i], padding, orientations);
+        for (std::size_t i = begin; i < end && !progress.cancelled(); ++i)
+            shapes[i] = shapesOf(items[i], padding, orientations);
     });
     return shapes;
 }
@@ -322,7 +324,7 @@ std::vector<Placement> packOnePage(const std::vector<PackItem>& items, ivec2 pag
     std::size_t texels = 0;
     for (const PackItem& item : items) texels += item.footprint->count();
     if (texels > std::size_t(pageSize.x) * std::size_t(pageSize.y)) return {};
-    const std::vector<std::vector<Shape>> shapes = allShapes(items, padding);
+    const std::vector<std::vector<Shape>> shapes = allShapes(items, padding, progress);
     Packing packing(pageSize, padding);
     std::vector<Placement> placements(items.size());
     for (const uint32_t i : largestFirst(items)) {
@@ -336,7 +338,7 @@ std::vector<Placement> packOnePage(const std::vector<PackItem>& items, ivec2 pag
 std::vector<Placement> packPages(const std::vector<PackItem>& items, ivec2 pageSize, int padding,
                                  const Progress& progress)
 {
-    const std::vector<std::vector<Shape>> shapes = allShapes(items, padding);
+    const std::vector<std::vector<Shape>> shapes = allShapes(items, padding, progress);
     // Groups by area, largest first; within a group, items by size.
     uint32_t groupCount = 0;
     for (const PackItem& item : items) groupCount = std::max(groupCount, item.group + 1);
@@ -368,7 +370,7 @@ std::vector<Placement> packPages(const std::vector<PackItem>& items, ivec2 pageS
             bool fits = true;
             for (const uint32_t i : members[group]) {
                 const Shape* shape = nullptr;
-                fits = packing.place(shapes[i], placements[i], shape);
+                fits = !progress.cancelled() && packing.place(shapes[i], placements[i], shape);
                 if (!fits) break;
                 done.emplace_back(shape, placements[i].at);
             }
@@ -404,7 +406,7 @@ std::optional<Block> packBlock(const std::vector<PackItem>& items, ivec2 most, i
         tall = std::max(tall, item.footprint->height());
     }
     if (least.x > most.x || least.y > most.y) return std::nullopt;
-    const std::vector<std::vector<Shape>> shapes = allShapes(items, padding);
+    const std::vector<std::vector<Shape>> shapes = allShapes(items, padding, progress);
     const std::vector<uint32_t> order = largestFirst(items);
     std::optional<Block> best;
     const double side = std::sqrt(double(area));
@@ -421,7 +423,7 @@ std::optional<Block> packBlock(const std::vector<PackItem>& items, ivec2 most, i
         bool fits = true;
         for (const uint32_t i : order) {
             const Shape* used = nullptr;
-            fits = packing.place(shapes[i], block.placements[i], used);
+            fits = !progress.cancelled() && packing.place(shapes[i], block.placements[i], used);
             if (!fits) break;
             block.placements[i].page = 0;
             block.size = glm::max(block.size, block.placements[i].at + used->size);

@@ -123,6 +123,7 @@ Pages attempt(const std::vector<GroupLayout>& groups, const PageSettings& settin
 {
     Pages pages;
     pages.texelsPerMeter = texelsPerMeter;
+    pages.pageSize = settings.pageSize;
     pages.rasters.resize(groups.size());
     tooLarge.clear();
     const double page = double(settings.pageSize) * double(settings.pageSize);
@@ -218,6 +219,33 @@ Status checkPageCount(const std::vector<GroupLayout>& groups, double texelsPerMe
                  fmt::format("{}: {:.4g} texels per metre would fit", needed, std::floor(fits / unit) * unit), ""};
 }
 
+/// The smallest page that everything fits at the density of `whole`, which is one page. Each trial is a whole packing.
+Pages cutPage(const std::vector<GroupLayout>& groups, PageSettings settings, Pages whole, const Progress& progress)
+{
+    constexpr int kTrials = 10;
+    int fails = kLeastCutPage - 4, fits = settings.pageSize;
+    int size = roundedUpToBlocks(std::sqrt(estimateTexels(groups, whole.texelsPerMeter, settings.padding) / 0.95));
+    bool fittedOnce = false;
+    for (int trial = 0; trial < kTrials && fits - fails > std::max(4, fits / 64); ++trial) {
+        size = std::clamp(size, fails + 4, std::max(roundedUpToBlocks(fits) - 4, fails + 4));
+        if (size >= fits || progress.cancelled()) break;
+        settings.pageSize = size;
+        std::vector<std::size_t> tooLarge;
+        Pages pages = attempt(groups, settings, whole.texelsPerMeter, true, tooLarge, progress);
+        if (pages.pageCount == 1 && tooLarge.empty()) {
+            fits = size;
+            fittedOnce = true;
+            pages.densityFrom = whole.densityFrom;
+            whole = std::move(pages);
+        } else {
+            fails = size;
+        }
+        // From an estimate that is good to some percent: up in small steps, then halves of what is left.
+        size = fittedOnce ? roundedUpToBlocks(0.5 * (fails + fits)) : roundedUpToBlocks(1.04 * size + 1.0);
+    }
+    return whole;
+}
+
 std::string nameOf(const GroupLayout& group)
 {
     return fmt::format("mesh {}", group.group.mesh);
@@ -274,11 +302,18 @@ Result<Pages> placeOnPages(std::vector<GroupLayout>& groups, const PageSettings&
     }
     std::vector<std::size_t> tooLarge;
     double density = settings.texelsPerMeter;
+    const auto finished = [&](Pages pages, DensityFrom from) {
+        pages.densityFrom = from;
+        if (!settings.cutPage || pages.pageCount != 1 || progress.cancelled()) return pages;
+        return cutPage(groups, settings, std::move(pages), progress);
+    };
+    DensityFrom from = DensityFrom::Asked;
     if (density <= 0.0) {
+        const double most = settings.mostTexelsPerMeter > 0.0 ? settings.mostTexelsPerMeter : 1e30;
         // Bracket the greatest density that fits, then halve the bracket. Each trial is a whole packing.
         double fits = 0.0, fails = 0.0;
         Pages best;
-        density = estimateDensity(groups, settings, 0.93);
+        density = std::min(estimateDensity(groups, settings, 0.93), most);
         constexpr int kTrials = 9;
         for (int trial = 0; trial < kTrials && !progress.cancelled(); ++trial) {
             progress("pack", double(trial) / kTrials);
@@ -289,17 +324,21 @@ Result<Pages> placeOnPages(std::vector<GroupLayout>& groups, const PageSettings&
             } else {
                 fails = density;
             }
+            if (fits >= most) break;
             if (fits > 0.0 && fails > 0.0) {
                 if (fails / fits < 1.008) break;
                 density = std::sqrt(fits * fails);
             } else {
                 const double step = trial < 2 ? 1.06 : trial < 4 ? 1.25 : 3.0;
-                density = fits > 0.0 ? fits * step : fails / step;
+                density = fits > 0.0 ? std::min(fits * step, most) : fails / step;
             }
         }
-        if (best.pageCount == 1 || progress.cancelled()) return best;
+        if (progress.cancelled()) return Pages{};
+        if (best.pageCount == 1)
+            return finished(std::move(best), fits >= most ? DensityFrom::Scene : DensityFrom::Page);
+        from = DensityFrom::Page;
         // So many charts that their padding alone fills a page.
-        density = estimateDensity(groups, settings, 0.9);
+        density = std::min(estimateDensity(groups, settings, 0.9), most);
         const double least = estimateTexels(groups, 0.0, settings.padding);
         const double page = double(settings.pageSize) * double(settings.pageSize);
         if (least > 0.5 * page) density = estimateDensity(groups, settings, 2.0 * least / page);
@@ -313,7 +352,8 @@ Result<Pages> placeOnPages(std::vector<GroupLayout>& groups, const PageSettings&
     while (!progress.cancelled()) {
         progress("pack", 0.0);
         Pages pages = attempt(groups, settings, density, false, tooLarge, progress);
-        if (tooLarge.empty()) return progress.cancelled() ? Pages{} : pages;
+        if (progress.cancelled()) break;
+        if (tooLarge.empty()) return finished(std::move(pages), from);
         for (const std::size_t g : tooLarge) {
             const double extent = largestExtent(groups[g]) * texelsPerUnit(groups[g], density);
             double shrink = extent > settings.pageSize - 1 ? 0.999 * (settings.pageSize - 1) / extent : 0.9;

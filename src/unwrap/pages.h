@@ -3,11 +3,13 @@
 
 #include "halflight/base/progress.h"
 #include "halflight/base/result.h"
+#include "halflight/unwrap/unwrap.h"
 #include "unwrap/authored.h"
 #include "unwrap/layout.h"
 #include "unwrap/objects.h"
 #include "unwrap/packer.h"
 
+#include <cmath>
 #include <memory>
 #include <string>
 #include <vector>
@@ -40,6 +42,8 @@ struct GroupRaster {
 /// Everything placed.
 struct Pages {
     double texelsPerMeter = 0.0;
+    DensityFrom densityFrom = DensityFrom::Page;
+    int pageSize = 0;
     int pageCount = 0;
     std::vector<GroupRaster> rasters;               ///< by group
     std::vector<std::vector<Placement>> placements; ///< by group: of each chart when loose, else of each object
@@ -50,8 +54,18 @@ struct Pages {
 struct PageSettings {
     int pageSize = 1024;
     int padding = 2;
-    double texelsPerMeter = 0.0; ///< 0 = the most that fits one page
+    double texelsPerMeter = 0.0;     ///< 0 = the most that fits one page, but not more than the next
+    double mostTexelsPerMeter = 0.0; ///< 0 = no limit
+    bool cutPage = false;            ///< UnwrapSettings::cutPage
 };
+
+/// A page that is cut has so many texels on a side at least.
+inline constexpr int kLeastCutPage = 16;
+/// The next multiple of the 4 texels that pages are cut to: blocks of compressed textures.
+inline int roundedUpToBlocks(double texels)
+{
+    return 4 * int(std::ceil(texels / 4.0));
+}
 
 /// Places all groups. Cancelled: pageCount is 0 while there are groups. Errors: InvalidArgument, when they would need
 /// more than kMaxPages pages.

@@ -32,6 +32,9 @@ Status checkSettings(const UnwrapSettings& settings)
     if (!(settings.texelsPerMeter >= 0.0f) || !std::isfinite(settings.texelsPerMeter)) {
         return fail("texels per metre must be positive, or 0 to fit one page");
     }
+    if (!(settings.mostTexelsPerMeter >= 0.0f) || !std::isfinite(settings.mostTexelsPerMeter)) {
+        return fail("the most texels per metre must be positive, or 0 for no limit");
+    }
     return {};
 }
 
@@ -65,7 +68,7 @@ Status measureGroups(const Scene& scene, const UnwrapSettings& settings, std::ve
 bool makeLayouts(std::vector<GroupLayout>& groups, const std::vector<Surface>& surfaces, const UnwrapSettings& settings,
                  const Progress& progress)
 {
-    // The texel's size to come, as if charts filled two thirds of the page.
+    // The texel's size to come, as if charts filled two thirds of the page, and not smaller than the limit.
     double texelMeters = 0.0;
     if (settings.texelsPerMeter > 0.0f) {
         texelMeters = 1.0 / double(settings.texelsPerMeter);
@@ -77,6 +80,8 @@ bool makeLayouts(std::vector<GroupLayout>& groups, const std::vector<Surface>& s
             area += own * double(groups[g].group.objects.size());
         }
         texelMeters = std::sqrt(area / 0.66) / double(settings.pageSize);
+        if (settings.mostTexelsPerMeter > 0.0f)
+            texelMeters = std::max(texelMeters, 1.0 / double(settings.mostTexelsPerMeter));
     }
     return parallelFor(groups.size(), 1, progress, "charts", [&](std::size_t begin, std::size_t end) {
         for (std::size_t g = begin; g < end; ++g) {
@@ -95,7 +100,7 @@ std::string nameOf(const Scene& scene, const GroupLayout& group)
 
 /// The file's own atlas: when every object has a layout of its own in TEXCOORD_1 and no two share a texel, the uv
 /// square is the page as it stands. Its size is pageSize, or what the asked density makes it.
-std::optional<Pages> keepAtlas(const std::vector<GroupLayout>& groups, const UnwrapSettings& settings, int& pageSize,
+std::optional<Pages> keepAtlas(const std::vector<GroupLayout>& groups, const UnwrapSettings& settings,
                                std::vector<std::string>& warnings)
 {
     std::vector<const AuthoredLayout*> layouts;
@@ -107,12 +112,22 @@ std::optional<Pages> keepAtlas(const std::vector<GroupLayout>& groups, const Unw
         uvArea += group.authored->uvArea;
     }
     const double texelsPerMeterOfPage = std::sqrt(uvArea / worldArea); // for a page of one texel
+    const auto pageFor = [&](double density) { return roundedUpToBlocks(density / texelsPerMeterOfPage); };
     int size = settings.pageSize;
+    DensityFrom from = DensityFrom::Page;
     if (settings.texelsPerMeter > 0.0f) {
         const double wanted = double(settings.texelsPerMeter) / texelsPerMeterOfPage;
-        size = int(std::clamp(4.0 * std::ceil(wanted / 4.0), 64.0, 8192.0));
+        size = int(std::clamp(4.0 * std::ceil(wanted / 4.0), double(settings.cutPage ? kLeastCutPage : 64), 8192.0));
+        from = DensityFrom::Asked;
         if (wanted > 8192.0)
             warnings.push_back("the file's lightmap atlas would need more than 8192 texels for the asked density");
+    } else if (settings.cutPage && double(settings.mostTexelsPerMeter) > 0.0 &&
+               double(settings.mostTexelsPerMeter) / texelsPerMeterOfPage < settings.pageSize - 4) {
+        // The smallest page from there on that keeps the charts apart: authors leave gaps for the page they think of.
+        size = std::max(pageFor(double(settings.mostTexelsPerMeter)), kLeastCutPage);
+        from = DensityFrom::Scene;
+        while (size < settings.pageSize && chartsTooClose(layouts, double(size), settings.paddingTexels))
+            size = std::min(roundedUpToBlocks(1.25 * size), settings.pageSize);
     }
     if (layoutsShareTexel(layouts, size)) return std::nullopt;
     if (chartsTooClose(layouts, double(size), settings.paddingTexels)) {
@@ -121,8 +136,9 @@ std::optional<Pages> keepAtlas(const std::vector<GroupLayout>& groups, const Unw
             fmt::format("charts of TEXCOORD_1 come closer than {} texels to one another on a page of {} texels",
                         settings.paddingTexels, size));
     }
-    pageSize = size;
     Pages pages;
+    pages.densityFrom = from;
+    pages.pageSize = size;
     pages.pageCount = 1;
     pages.texelsPerMeter = texelsPerMeterOfPage * double(size);
     for (const AuthoredLayout* layout : layouts) {
@@ -183,6 +199,26 @@ Result<bool> dropUnfitLayouts(const Scene& scene, std::vector<GroupLayout>& grou
 
 } // namespace
 
+float sceneDensity(const Scene& scene, int pageSize)
+{
+    constexpr float kPage = 2048.0f;
+    constexpr float kTexelsPerMeter = 40.0f; // a texel of 25 mm: what an eye at 1.5 m sees under one degree
+    constexpr float kTexelsAlongScene = 256.0f;
+    Bounds bounds;
+    for (const Object& object : scene.objects) {
+        if (!object.isStatic || !(object.lightmapScale > 0.0f) || object.mesh < 0) continue;
+        for (const MeshPart& part : scene.meshes[std::size_t(object.mesh)].parts) {
+            for (const vec3 position : part.positions) {
+                const vec3 world(object.worldFromObject * vec4(position, 1.0f));
+                if (std::isfinite(world.x + world.y + world.z)) bounds.extend(world);
+            }
+        }
+    }
+    const float diagonal = bounds.empty() ? 0.0f : glm::length(bounds.size());
+    if (!(diagonal > 0.0f)) return 0.0f;
+    return std::max(kTexelsPerMeter, kTexelsAlongScene / diagonal) * float(pageSize) / kPage;
+}
+
 Result<UnwrappedScene> unwrap(Scene scene, const UnwrapSettings& settings, const Progress& progress)
 {
     if (const Status status = checkSettings(settings); !status) return status.error();
@@ -198,8 +234,9 @@ Result<UnwrappedScene> unwrap(Scene scene, const UnwrapSettings& settings, const
     std::vector<Surface> surfaces;
     if (const Status status = measureGroups(result.scene, settings, groups, surfaces, progress); !status)
         return status.error();
-    const PageSettings pageSettings{settings.pageSize, settings.paddingTexels, double(settings.texelsPerMeter)};
-    std::optional<Pages> pages = keepAtlas(groups, settings, result.pageSize, result.warnings);
+    const PageSettings pageSettings{settings.pageSize, settings.paddingTexels, double(settings.texelsPerMeter),
+                                    double(settings.mostTexelsPerMeter), settings.cutPage};
+    std::optional<Pages> pages = keepAtlas(groups, settings, result.warnings);
     while (!pages) {
         if (!makeLayouts(groups, surfaces, settings, progress)) return cancelledError();
         const std::size_t warningsBefore = result.warnings.size();
@@ -213,7 +250,9 @@ Result<UnwrappedScene> unwrap(Scene scene, const UnwrapSettings& settings, const
         result.warnings.resize(warningsBefore);
         pages.reset();
     }
+    result.pageSize = pages->pageSize;
     result.pageCount = pages->pageCount;
+    result.densityFrom = pages->densityFrom;
     writeGroups(result, groups, surfaces, *pages);
     if (const Status status = checkSharedTexels(result, groups, progress); !status) return status.error();
     result.texelsPerMeter = float(pages->texelsPerMeter);

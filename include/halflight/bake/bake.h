@@ -7,6 +7,7 @@
 #include "halflight/base/progress.h"
 #include "halflight/base/result.h"
 #include "halflight/scene/baked_scene.h"
+#include "halflight/scene/written_bytes.h"
 #include "halflight/unwrap/unwrap.h"
 
 #include <cstdint>
@@ -41,8 +42,8 @@ struct BakeSettings {
     float noiseTarget = 0.0f;
     int texelStep = 0; ///< IntegrationSettings::texelStep
     UvMode uvMode = UvMode::Auto;
-    float texelsPerMeter = 0.0f; ///< 0 = fit one page of lightmapSize
-    int lightmapSize = 0;        ///< 0 = by quality
+    float texelsPerMeter = 0.0f; ///< 0 = what fits one page; without a lightmapSize at most sceneDensity()
+    int lightmapSize = 0;        ///< 0 = at most what the quality says, cut to what is used
     int paddingTexels = 2;       ///< UnwrapSettings::paddingTexels
     Denoiser denoiser = Denoiser::BuiltIn;
     bool directional = false; ///< also keep the mean direction of lightmap light, for normal maps (spec S32)
@@ -110,7 +111,9 @@ struct BakeReport {
     uint64_t texelsAtCap = 0;   ///< texels that a noise target would have given more samples than allowed
     uint64_t invalidTexels = 0; ///< texels inside geometry, filled from neighbours
     float texelsPerMeter = 0.0f;
+    DensityFrom densityFrom = DensityFrom::Page;
     float atlasCoverage = 0.0f; ///< 0…1
+    WrittenBytes written;       ///< of the output file; zero until it is written
     int probeCount = 0;
     int validProbeCount = 0;
     uint64_t triangleCount = 0; ///< static, drawn
@@ -133,6 +136,9 @@ Result<BakeResult> bake(Scene scene, const BakeSettings& settings, const Integra
 
 /// Of all that decides a bake's output file: equal hashes, equal bytes.
 Hash128 bakeHash(const Scene& scene, const BakeSettings& settings);
+
+/// Why the density is what it is: "asked", "page", "scene".
+const char* nameOf(DensityFrom from);
 
 /// The report as the JSON that `halflight bake --report` writes.
 std::string reportJson(const BakeReport& report);

@@ -20,13 +20,18 @@ Result<std::filesystem::path> replacedFile(const std::filesystem::path& path);
 /// such folder, no right to write, a full or read-only disk). For places that a long run writes at its end.
 Status tryWriting(const std::filesystem::path& folder);
 
+/// The temporary name under which replaceAtomically() writes: beside the file, with this process's number.
+std::filesystem::path temporaryOf(const std::filesystem::path& file);
+
 /// Calls `write` with a temporary name beside replacedFile(path) and renames what it wrote, so that `path` is either
 /// the old file or the whole new one. A symbolic link stays one. On an error nothing is left under the temporary name.
 Status replaceAtomically(const std::filesystem::path& path,
                          const std::function<Status(const std::filesystem::path& temporary)>& write);
 
-/// The same for bytes that are there already.
-Status writeFileAtomically(const std::filesystem::path& path, const void* bytes, std::size_t byteCount);
+/// The same for bytes that are there already. `mayReplace` is asked when they are written; false ends with
+/// ErrorCode::Cancelled and leaves nothing.
+Status writeFileAtomically(const std::filesystem::path& path, const void* bytes, std::size_t byteCount,
+                           const std::function<bool()>& mayReplace = {});
 Status writeFileAtomically(const std::filesystem::path& path, std::string_view text);
 
 } // namespace halflight

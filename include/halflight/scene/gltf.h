@@ -1,10 +1,13 @@
 #pragma once
 // glTF 2.0 in and out: the only code that knows the format. docs/format.md documents the extensions written.
 
+#include "halflight/base/progress.h"
 #include "halflight/base/result.h"
 #include "halflight/scene/baked_scene.h"
+#include "halflight/scene/written_bytes.h"
 
 #include <filesystem>
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -28,6 +31,11 @@ struct WriteOptions {
     /// material, and a third to a half of the file.
     bool mozLightmap = false;
     std::string generator = "Halflight";
+    WrittenBytes* written = nullptr; ///< is told what was written; may be null
+    Progress progress;               ///< its cancel flag ends writing between pages (ErrorCode::Cancelled)
+    /// Called once, right before the first file takes its name (of a GLB, when all bytes are in its temporary file).
+    /// False leaves none: Cancelled. Empty = always.
+    std::function<bool()> mayReplace;
 };
 
 /// Writes the source document with lightmap coordinates and Halflight's extensions added (a document made from the

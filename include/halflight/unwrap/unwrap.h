@@ -21,10 +21,24 @@ enum class UvMode {
 
 struct UnwrapSettings {
     UvMode uvMode = UvMode::Auto;
-    float texelsPerMeter = 0.0f; ///< 0 = chosen so that everything fits one page of pageSize
-    int pageSize = 1024;         ///< width and height of a page in texels, 64…8192
-    int paddingTexels = 2;       ///< empty texels between charts, >= 1 (2: bilinear filtering and one ring of dilation)
+    float texelsPerMeter = 0.0f;     ///< 0 = what fits one page of pageSize, but at most mostTexelsPerMeter
+    float mostTexelsPerMeter = 0.0f; ///< limits a density of 0, such as sceneDensity(); 0 = no limit
+    int pageSize = 1024;             ///< width and height of a page in texels, 64…8192
+    bool cutPage = false;  ///< where one page is enough, it is cut to the smallest square that is: a multiple of 4
+    int paddingTexels = 2; ///< empty texels between charts, >= 1 (2: bilinear filtering and one ring of dilation)
 };
+
+/// What decided the density.
+enum class DensityFrom {
+    Asked, ///< UnwrapSettings::texelsPerMeter
+    Page,  ///< what fits one page
+    Scene, ///< UnwrapSettings::mostTexelsPerMeter
+};
+
+/// Texels per metre beyond which a scene gains little. With a page of 2048 texels: 40 per metre, or 256 along the
+/// diagonal of what is lightmapped where that is more (scenes below 6.4 m); in proportion for other pages. 0 for a
+/// scene without size.
+float sceneDensity(const Scene& scene, int pageSize);
 
 /// How one mesh got its coordinates, for the report.
 struct MeshUnwrapReport {
@@ -40,9 +54,10 @@ struct UnwrappedScene {
     /// (MeshPart::sourceVertex), meshes duplicated where objects need layouts of their own, and each static object's
     /// LightmapBinding set.
     Scene scene;
-    int pageSize = 0;
+    int pageSize = 0; ///< of every page; UnwrapSettings::pageSize, or less where pages may be cut
     int pageCount = 0;
-    float texelsPerMeter = 0.0f;      ///< the density reached
+    float texelsPerMeter = 0.0f; ///< the density reached
+    DensityFrom densityFrom = DensityFrom::Page;
     int chartCount = 0;               ///< over all objects
     float coverage = 0.0f;            ///< texels that triangles touch / all texels of all pages
     float coverageWithPadding = 0.0f; ///< the same, each chart with its half of the padding around it

@@ -1,0 +1,75 @@
+#include "interrupt.h"
+
+#include "halflight/base/file.h"
+
+#include <array>
+#include <cerrno>
+#include <csignal>
+#include <cstring>
+#include <string>
+#include <unistd.h>
+
+namespace halflight::cli {
+
+namespace {
+
+// The globals of the program: a signal handler can reach nothing else.
+enum State : int { kRunning, kCancelled, kCommitted };
+std::atomic<int> state{kRunning};
+std::atomic<bool> cancelRequested{false};
+std::array<char, 4096> temporaryFile{}; // written before listening starts to matter, empty = none
+static_assert(std::atomic<int>::is_always_lock_free && std::atomic<bool>::is_always_lock_free,
+              "a signal handler writes them");
+
+constexpr unsigned kGraceSeconds = 1;
+
+// Only functions that POSIX calls async-signal-safe.
+void endNow(int)
+{
+    if (state.load() != kCancelled) return;
+    if (temporaryFile[0] != '\0') ::unlink(temporaryFile.data());
+    constexpr char kMessage[] = "\nhalflight: interrupted\n";
+    [[maybe_unused]] const auto written = ::write(STDERR_FILENO, kMessage, sizeof kMessage - 1);
+    ::_exit(1);
+}
+
+void requestCancel(int signal)
+{
+    int expected = kRunning;
+    if (state.compare_exchange_strong(expected, kCancelled)) {
+        cancelRequested.store(true);
+        ::alarm(kGraceSeconds);
+    }
+    std::signal(signal, SIG_DFL);
+}
+
+} // namespace
+
+const std::atomic<bool>& listenForInterrupts()
+{
+    std::signal(SIGALRM, endNow);
+    std::signal(SIGINT, requestCancel);
+    std::signal(SIGTERM, requestCancel);
+    return cancelRequested;
+}
+
+bool interrupted()
+{
+    return cancelRequested.load();
+}
+
+void removeTemporaryOf(const std::filesystem::path& output)
+{
+    const Result<std::filesystem::path> file = replacedFile(output);
+    if (!file) return; // writing it will say why
+    const std::string name = temporaryOf(*file).string();
+    if (name.size() < temporaryFile.size()) std::memcpy(temporaryFile.data(), name.c_str(), name.size() + 1);
+}
+
+bool commitOutput()
+{
+    int expected = kRunning;
+    return state.compare_exchange_strong(expected, kCommitted) || expected == kCommitted;
+}
+
+} // namespace halflight::cli
