@@ -128,8 +128,17 @@ bool addBakedLights(const ShadowPass& pass, uint32_t seed, std::span<IrradianceE
     }
     if (lights.empty()) return true;
     const TexelRuns runs(pass.paths.surfaces().geometry(), pass.map, pass.texels);
-    for (std::size_t first = 0; first < lights.size(); first += kLightsAtOnce) {
-        const auto some = std::span(lights).subspan(first, std::min(kLightsAtOnce, lights.size() - first));
+    // Lights with a range go one by one: few texels are in reach of several that follow one another.
+    const auto atOnce = [&](std::size_t first) {
+        std::size_t count = 1;
+        while (count < std::min(kLightsAtOnce, lights.size() - first) && reachesEverywhere(*lights[first]) &&
+               reachesEverywhere(*lights[first + count]))
+            ++count;
+        return count;
+    };
+    for (std::size_t first = 0, count = 0; first < lights.size(); first += count) {
+        count = atOnce(first);
+        const auto some = std::span(lights).subspan(first, count);
         const std::vector<uint32_t> places = runs.reachedBy(some);
         if (places.empty()) continue;
         std::vector<ShadowSource> sources;

@@ -13,11 +13,6 @@ namespace {
 constexpr uint32_t kLeaf = 4;
 constexpr std::size_t kRun = 64; ///< texels; in the map's order they are a patch of about 8 x 8
 
-bool reachesEverywhere(const PunctualLight& light)
-{
-    return light.type == shading::kLightDirectional || !(light.range > 0.0f);
-}
-
 /// Rounding must not take a point at the end of the range; beyond it there is no light anyway.
 float reachOf(const PunctualLight& light)
 {
@@ -59,6 +54,11 @@ void extendByPiece(const BakeGeometry& geometry, const TexelFragment& piece, Bou
 }
 
 } // namespace
+
+bool reachesEverywhere(const PunctualLight& light)
+{
+    return light.type == shading::kLightDirectional || !(light.range > 0.0f);
+}
 
 LightReach::LightReach(std::vector<const PunctualLight*> lights) : lights_(std::move(lights))
 {

@@ -11,6 +11,9 @@
 
 namespace halflight {
 
+/// Whether a light has no range.
+bool reachesEverywhere(const PunctualLight& light);
+
 /// Of lights that never meet, such as those of one mask channel, the one that reaches a point: a tree of the boxes
 /// around their ranges.
 class LightReach {
