@@ -39,6 +39,16 @@ if(OpenImageDenoise_FOUND)
     message(STATUS "Open Image Denoise ${OpenImageDenoise_VERSION}")
 endif()
 
+# Optional: decoders of compressed glTF. A file that needs one that is missing is refused with the command that helps.
+find_package(draco CONFIG QUIET)
+find_package(meshoptimizer CONFIG QUIET)
+pkg_check_modules(WEBP QUIET IMPORTED_TARGET libwebp)
+foreach(decoder draco meshoptimizer WEBP)
+    if(NOT ${decoder}_FOUND)
+        message(STATUS "${decoder} not found: glTF files that need it are not read")
+    endif()
+endforeach()
+
 if(HALFLIGHT_TESTS)
     find_package(GTest REQUIRED)
     include(GoogleTest)

@@ -10,6 +10,14 @@ else()
     set(HALFLIGHT_USES_OIDN FALSE)
 endif()
 
+foreach(decoder draco meshoptimizer WEBP)
+    if(${decoder}_FOUND)
+        set(HALFLIGHT_USES_${decoder} TRUE)
+    else()
+        set(HALFLIGHT_USES_${decoder} FALSE)
+    endif()
+endforeach()
+
 install(TARGETS halflight RUNTIME)
 install(TARGETS halflight_base halflight_shading halflight_scene halflight_unwrap halflight_bake halflight_bake_cpu
                 halflight_gpu halflight_frame halflight_render

@@ -19,6 +19,7 @@ packages=(
   build-essential cmake ninja-build pkg-config ccache git python3 ca-certificates
   libembree-dev libtbb-dev libglm-dev libtinygltf-dev libopenexr-dev libstb-dev libzstd-dev libeigen3-dev
   libcli11-dev libspdlog-dev libfmt-dev nlohmann-json3-dev libtomlplusplus-dev libpng-dev zlib1g-dev libxxhash-dev
+  libdraco-dev libmeshoptimizer-dev libwebp-dev
   libvulkan-dev libvulkan1 vulkan-validationlayers mesa-vulkan-drivers glslang-tools spirv-tools
   libgtest-dev libgmock-dev libbenchmark-dev clang-format
   imagemagick fonts-dejavu-core

@@ -29,6 +29,8 @@ ALLOWED = {
 CONFINED = [
     (re.compile(r"(^|/)tiny_gltf(_v\d+)?\.h$"), ("src/scene/",)),
     (re.compile(r"^(vulkan/|vk_video/|volk\.h|vk_mem_alloc)"), ("src/gpu/", "src/render/", "src/bake_gpu/", "apps/")),
+    (re.compile(r"^(draco/|meshoptimizer\.h$)"), ("src/scene/",)),
+    (re.compile(r"^webp/"), ("src/base/",)),
     (re.compile(r"^(embree\d*/|rtcore)"), ("src/bake_cpu/",)),
 ]
 # ... and folders inside those that may not.
@@ -134,6 +136,8 @@ def self_test():
         ("src/render/x.cpp", "#include <tiny_gltf.h>\n", "only src/scene/"),
         ("apps/tool/x.cpp", "#include <tiny_gltf.h>\n", "only src/scene/"),
         ("src/bake/x.cpp", "#include <embree4/rtcore.h>\n", "only src/bake_cpu/"),
+        ("apps/tool/x.cpp", "#include <draco/mesh/mesh.h>\n", "only src/scene/"),
+        ("src/scene/x.cpp", "#include <webp/decode.h>\n", "only src/base/"),
         ("include/halflight/render/x.h", "#include <vulkan/vulkan.h>\n", "only src/gpu/"),
         ("include/halflight/render/x.h", '#include "gpu/device.h"\n', "private gpu/device.h"),
         ("src/stray/x.cpp", "\n", "belongs to no module"),

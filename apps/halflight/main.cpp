@@ -1,6 +1,7 @@
 // halflight: bake mixed lighting into a glTF file, render it, look into it.
 
 #include "console.h"
+#include "halflight/scene/compression.h"
 #include "terminal.h"
 
 #include <algorithm>
@@ -48,7 +49,10 @@ int runProgram(const std::vector<std::string>& arguments)
 {
     CLI::App app("Halflight: mixed lighting for any engine. glTF in, baked glTF out, baked and realtime shadows mixed.",
                  "halflight");
-    app.set_version_flag("-V,--version", std::string("halflight ") + HALFLIGHT_VERSION);
+    std::string version = std::string("halflight ") + HALFLIGHT_VERSION;
+    const std::vector<std::string> compression = readableCompression();
+    for (const std::string& name : compression) version += (&name == &compression[0] ? "\nreads " : ", ") + name;
+    app.set_version_flag("-V,--version", version);
     app.require_subcommand(1);
     const std::vector<Command> commands = {addBakeCommand(app), addRenderCommand(app), addInfoCommand(app)};
     app.footer("halflight COMMAND --help, or halflight help COMMAND, tells more. Exit codes: 0 done, 1 failed, 2 wrong "

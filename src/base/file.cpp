@@ -1,5 +1,6 @@
 #include "halflight/base/file.h"
 
+#include <algorithm>
 #include <cerrno>
 #include <cstring>
 #include <fstream>
@@ -8,7 +9,7 @@
 
 namespace halflight {
 
-Result<std::vector<std::byte>> readFile(const std::filesystem::path& path)
+Result<std::vector<std::byte>> readFile(const std::filesystem::path& path, uint64_t firstBytes)
 {
     std::error_code ec;
     const std::filesystem::file_status status = std::filesystem::status(path, ec);
@@ -22,9 +23,9 @@ Result<std::vector<std::byte>> readFile(const std::filesystem::path& path)
                      errno == ENOENT ? "no such file" : std::string("cannot be opened (") + std::strerror(errno) + ")"};
     }
     const std::streamoff size = stream.tellg();
-    std::vector<std::byte> bytes(size > 0 ? std::size_t(size) : 0);
+    std::vector<std::byte> bytes(size > 0 ? std::size_t(std::min(uint64_t(size), firstBytes)) : 0);
     stream.seekg(0);
-    if (!bytes.empty() && !stream.read(reinterpret_cast<char*>(bytes.data()), size)) {
+    if (!bytes.empty() && !stream.read(reinterpret_cast<char*>(bytes.data()), std::streamsize(bytes.size()))) {
         return Error{ErrorCode::FileInvalid, "could not be read to its end"};
     }
     return bytes;

@@ -1,5 +1,6 @@
+#include "base/webp.h"
+#include "halflight/base/encoded_image.h"
 #include "halflight/base/file.h"
-#include "halflight/base/image.h"
 
 #include <algorithm>
 #include <cstring>
@@ -51,26 +52,47 @@ Result<ImageRgba8> readPng(const std::filesystem::path& path)
     return decodeImage(bytes->data(), bytes->size());
 }
 
-Result<ImageRgba8> decodeImage(const std::byte* bytes, std::size_t byteCount)
+Result<ivec2> encodedImageSize(const std::byte* bytes, std::size_t byteCount)
 {
     if (byteCount == 0 || byteCount > std::size_t(std::numeric_limits<int>::max())) {
         return Error{ErrorCode::FileInvalid, byteCount == 0 ? "image is empty" : "image is larger than 2 GiB"};
     }
-    const auto* data = reinterpret_cast<const stbi_uc*>(bytes);
     int width = 0;
     int height = 0;
-    int channels = 0;
-    // The header first, so that a forged size is refused before it is allocated.
-    constexpr int kMaxSide = 32768;
-    if (!stbi_info_from_memory(data, int(byteCount), &width, &height, &channels) || width > kMaxSide ||
-        height > kMaxSide) {
-        return Error{ErrorCode::FileInvalid, "image is neither PNG nor JPEG, or is damaged"};
+    if (isWebp(bytes, byteCount)) {
+        if (!decodesWebp()) return Error{ErrorCode::Unsupported, "image is WebP, and this build has no libwebp"};
+        if (!webpSize(bytes, byteCount, width, height)) return Error{ErrorCode::FileInvalid, "WebP image is damaged"};
+    } else {
+        constexpr int kMaxSide = 32768;
+        int channels = 0;
+        const auto* data = reinterpret_cast<const stbi_uc*>(bytes);
+        if (!stbi_info_from_memory(data, int(byteCount), &width, &height, &channels) || width > kMaxSide ||
+            height > kMaxSide) {
+            return Error{ErrorCode::FileInvalid, "image is neither PNG nor JPEG, or is damaged"};
+        }
     }
     // Deflate packs 1032:1 at best (RFC 1951) and JPEG less, so more texels than that are forged; small ones need no
     // proof.
     if (std::size_t(width) * std::size_t(height) > std::max<std::size_t>(std::size_t(1) << 24, byteCount * 1032)) {
         return Error{ErrorCode::FileInvalid, "image claims more texels than its bytes can hold"};
     }
+    return ivec2(width, height);
+}
+
+Result<ImageRgba8> decodeImage(const std::byte* bytes, std::size_t byteCount)
+{
+    // The header first, so that a forged size is refused before it is allocated.
+    const auto size = encodedImageSize(bytes, byteCount);
+    if (!size) return size.error();
+    if (isWebp(bytes, byteCount)) {
+        ImageRgba8 image(size->x, size->y);
+        if (!decodeWebp(bytes, byteCount, image)) return Error{ErrorCode::FileInvalid, "WebP image is damaged"};
+        return image;
+    }
+    const auto* data = reinterpret_cast<const stbi_uc*>(bytes);
+    int width = 0;
+    int height = 0;
+    int channels = 0;
     const std::unique_ptr<stbi_uc, void (*)(void*)> pixels(
         stbi_load_from_memory(data, int(byteCount), &width, &height, &channels, 4), stbi_image_free);
     if (!pixels) {

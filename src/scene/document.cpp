@@ -1,7 +1,9 @@
 #include "scene/document.h"
 
 #include "halflight/base/file.h"
+#include "scene/decompress.h"
 #include "scene/strip.h"
+#include "scene/uri.h"
 #include "scene/validate.h"
 
 #include <cstring>
@@ -12,8 +14,10 @@ namespace {
 
 const Json kNull;
 
-constexpr uint32_t kGlbMagic = 0x46546C67;  // "glTF"
-constexpr uint32_t kChunkJson = 0x4E4F534A; // "JSON"
+constexpr uint32_t kGlbMagic = 0x46546C67;     // "glTF"
+constexpr uint32_t kChunkJson = 0x4E4F534A;    // "JSON"
+constexpr uint32_t kChunkBinary = 0x004E4942;  // "BIN"
+constexpr uint64_t kMaxFileBytes = 0xffffffff; // what GLB can hold
 constexpr int kMaxJsonDepth = 128;
 
 uint32_t readU32(std::span<const std::byte> bytes, std::size_t offset)
@@ -23,10 +27,15 @@ uint32_t readU32(std::span<const std::byte> bytes, std::size_t offset)
     return value;
 }
 
-// The JSON text of a GLB (its first chunk) or of a .gltf (all of it). Every chunk header is checked against the file.
-Result<std::string_view> jsonText(std::span<const std::byte> bytes, bool& isBinary)
+struct Chunks {
+    std::string_view json;
+    std::span<const std::byte> binary; ///< a GLB's second chunk, where that is binary data
+    bool isBinary = false;             ///< a GLB
+};
+
+// The chunks of a GLB, or all of a .gltf as JSON. Every chunk header is checked against the file.
+Result<Chunks> chunksOf(std::span<const std::byte> bytes)
 {
-    isBinary = false;
     if (bytes.empty()) return Error{ErrorCode::FileInvalid, "the file is empty"};
     if (bytes.size() < 4 || readU32(bytes, 0) != kGlbMagic) {
         std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
@@ -35,9 +44,8 @@ Result<std::string_view> jsonText(std::span<const std::byte> bytes, bool& isBina
         if (first == std::string_view::npos || text[first] != '{') {
             return Error{ErrorCode::FileInvalid, "the file is neither a GLB (wrong magic) nor glTF JSON"};
         }
-        return text;
+        return Chunks{text, {}, false};
     }
-    isBinary = true;
     if (bytes.size() < 20) return Error{ErrorCode::FileInvalid, "the GLB ends within its header"};
     if (readU32(bytes, 4) != 2) {
         return Error{ErrorCode::Unsupported, "GLB version " + std::to_string(readU32(bytes, 4)) + " is not 2"};
@@ -54,7 +62,8 @@ Result<std::string_view> jsonText(std::span<const std::byte> bytes, bool& isBina
     if (readU32(bytes, 16) != kChunkJson)
         return Error{ErrorCode::FileInvalid, "the first chunk of the GLB is not JSON"};
     uint64_t offset = 12;
-    std::string_view text;
+    Chunks chunks;
+    chunks.isBinary = true;
     for (int chunk = 0; offset < length; ++chunk) {
         if (length - offset < 8) return Error{ErrorCode::FileInvalid, "the GLB ends within a chunk header"};
         const uint64_t chunkLength = readU32(bytes, offset);
@@ -62,10 +71,12 @@ Result<std::string_view> jsonText(std::span<const std::byte> bytes, bool& isBina
             return Error{ErrorCode::FileInvalid,
                          "chunk " + std::to_string(chunk) + " of the GLB is longer than the file"};
         }
-        if (chunk == 0) text = {reinterpret_cast<const char*>(bytes.data()) + 20, std::size_t(chunkLength)};
+        const auto content = bytes.subspan(std::size_t(offset) + 8, std::size_t(chunkLength));
+        if (chunk == 0) chunks.json = {reinterpret_cast<const char*>(content.data()), content.size()};
+        if (chunk == 1 && readU32(bytes, offset + 4) == kChunkBinary) chunks.binary = content;
         offset += 8 + chunkLength;
     }
-    return text;
+    return chunks;
 }
 
 // Parsers and visitors recurse by nesting depth; no sensible document comes near the limit.
@@ -92,22 +103,99 @@ bool nestsTooDeep(std::string_view text)
     return false;
 }
 
-// tinygltf's image hook: keeps the encoded bytes of data: URIs; those in buffer views are found there when they are
-// needed.
-bool keepEncodedImage(tinygltf::Image* image, const int, std::string*, std::string*, int, int,
-                      const unsigned char* bytes, int byteCount, void*)
-{
-    image->as_is = true;
-    if (image->bufferView < 0 && byteCount > 0) image->image.assign(bytes, bytes + byteCount);
-    return true;
-}
-
 std::string firstSentence(std::string text)
 {
     text = text.substr(0, text.find('\n'));
     while (!text.empty() && (text.back() == '.' || text.back() == ' ')) text.pop_back();
     if (text.size() > 300) text.resize(300); // an error that quotes a data: URI
     return text.empty() ? "the file cannot be read as glTF" : text;
+}
+
+// The data of each buffer: at least as long as byteLength in its file (glTF 2.0, section 3.6.1.1), cut to that here.
+Status loadBuffers(SourceDocument& document, std::span<const std::byte> binary, std::vector<tinygltf::Buffer>& buffers)
+{
+    if (member(document.json, "buffers").is_null()) return {};
+    Json& list = document.json["buffers"];
+    uint64_t sum = 0;
+    for (std::size_t i = 0; i < list.size(); ++i) {
+        sum += isFallbackBuffer(list[i]) ? 0 : list[i]["byteLength"].get<uint64_t>();
+        if (sum > kMaxFileBytes) {
+            return Error{ErrorCode::Unsupported, "buffers of 4 GiB and more in all are not supported",
+                         pathOf("buffers", i)};
+        }
+    }
+    for (std::size_t i = 0; i < list.size(); ++i) {
+        const auto length = list[i]["byteLength"].get<uint64_t>();
+        const std::string path = pathOf("buffers", i);
+        tinygltf::Buffer& buffer = buffers.emplace_back();
+        if (isFallbackBuffer(list[i])) continue; // decompress() fills its place
+        std::vector<std::byte> read;
+        std::span<const std::byte> bytes = binary;
+        if (const Json& uri = member(list[i], "uri"); !uri.is_null()) {
+            const auto& text = uri.get_ref<const std::string&>();
+            auto result = readUri(text, document.directory, length);
+            if (!result) return Error{result.error().code, result.error().message, path};
+            read = std::move(*result);
+            bytes = read;
+            if (!isDataUri(text)) document.bufferUris.push_back(text);
+            list[i].erase("uri"); // may be megabytes of base64
+        }
+        if (bytes.size() < length) {
+            return invalid(path, "byteLength is " + std::to_string(length) + ", but it holds " +
+                                     std::to_string(bytes.size()) + " bytes");
+        }
+        const auto* first = reinterpret_cast<const unsigned char*>(bytes.data());
+        buffer.data.assign(first, first + length);
+    }
+    return {};
+}
+
+// tinygltf's typed view of the JSON. Buffers and images are read by this program: tinygltf would wait for pipes, and
+// decode URIs of HTML forms.
+Status readTypedView(SourceDocument& document, std::vector<tinygltf::Buffer> buffers)
+{
+    Json& json = document.json;
+    Json bufferJson;
+    Json imageJson;
+    const auto exchange = [&] {
+        for (const auto& [key, value] : {std::pair("buffers", &bufferJson), std::pair("images", &imageJson)}) {
+            Json kept = std::move(*value);
+            *value = member(json, key).is_null() ? Json() : std::move(json[key]);
+            json.erase(key);
+            if (!kept.is_null()) json[key] = std::move(kept);
+        }
+    };
+    exchange();
+    const std::string text = json.dump();
+    exchange();
+    tinygltf::TinyGLTF loader;
+    std::string error;
+    std::string warning;
+    if (!loader.LoadASCIIFromString(&document.model, &error, &warning, text.data(), unsigned(text.size()), ".",
+                                    tinygltf::NO_REQUIRE)) {
+        return Error{ErrorCode::FileInvalid, firstSentence(error)};
+    }
+    document.model.buffers = std::move(buffers);
+    for (const Json& image : member(json, "images")) {
+        tinygltf::Image& typed = document.model.images.emplace_back();
+        const auto text = [&](const char* key) {
+            const Json& value = member(image, key);
+            return value.is_string() ? value.get<std::string>() : std::string();
+        };
+        typed.name = text("name");
+        typed.mimeType = text("mimeType");
+        typed.uri = text("uri");
+        if (const Json& view = member(image, "bufferView"); !view.is_null()) typed.bufferView = view.get<int>();
+    }
+    // EXT_texture_webp names the image to prefer over the texture's own, which is for programs without WebP.
+    for (std::size_t i = 0; readsCompression("EXT_texture_webp") && i < document.model.textures.size(); ++i) {
+        const Json& source = member(extensionOf(json["textures"][i], "EXT_texture_webp"), "source");
+        if (source.is_null()) continue;
+        if (!source.is_number_unsigned() || source.get<uint64_t>() >= document.model.images.size())
+            return invalid(pathOf("textures", i) + "/extensions/EXT_texture_webp", "source is not an image's index");
+        document.model.textures[i].source = source.get<int>();
+    }
+    return {};
 }
 
 float normalizedFloat(const std::byte* p, int componentType, bool normalized)
@@ -199,46 +287,32 @@ std::size_t elementBytes(int componentType, int type)
 Result<std::shared_ptr<const SourceDocument>> parseDocument(std::span<const std::byte> bytes,
                                                             const std::filesystem::path& directory)
 {
-    bool isBinary = false;
-    const auto text = jsonText(bytes, isBinary);
-    if (!text) return text.error();
-    if (nestsTooDeep(*text)) return Error{ErrorCode::FileInvalid, "the JSON is nested more than 128 levels deep"};
+    if (bytes.size() > kMaxFileBytes) return Error{ErrorCode::Unsupported, "files of 4 GiB and more are not supported"};
+    const auto chunks = chunksOf(bytes);
+    if (!chunks) return chunks.error();
+    if (nestsTooDeep(chunks->json))
+        return Error{ErrorCode::FileInvalid, "the JSON is nested more than 128 levels deep"};
 
     auto document = std::make_shared<SourceDocument>();
     document->directory = directory;
     // Both libraries may throw: on syntax, on types that are not what they expect, when memory runs out.
     try {
-        document->json = Json::parse(text->begin(), text->end());
+        document->json = Json::parse(chunks->json.begin(), chunks->json.end());
     } catch (const std::exception& e) {
         const std::string what = e.what(); // "[json.exception.parse_error.101] parse error at line 1, …"
         const std::size_t bracket = what.find("] ");
         return Error{ErrorCode::FileInvalid,
                      "the JSON is broken: " + (bracket == std::string::npos ? what : what.substr(bracket + 2))};
     }
-    if (Status status = checkBeforeParsing(document->json, isBinary); !status) return status.error();
-
-    tinygltf::TinyGLTF loader;
-    loader.SetImageLoader(&keepEncodedImage, nullptr);
-    std::string error;
-    std::string warning;
-    bool loaded = false;
-    if (bytes.size() > std::numeric_limits<uint32_t>::max()) {
-        return Error{ErrorCode::Unsupported, "files of 4 GiB and more are not supported"};
-    }
     try {
-        const std::string base = directory.empty() ? std::string(".") : directory.string();
-        if (isBinary) {
-            loaded = loader.LoadBinaryFromMemory(&document->model, &error, &warning,
-                                                 reinterpret_cast<const unsigned char*>(bytes.data()),
-                                                 unsigned(bytes.size()), base, tinygltf::NO_REQUIRE);
-        } else {
-            loaded = loader.LoadASCIIFromString(&document->model, &error, &warning, text->data(),
-                                                unsigned(text->size()), base, tinygltf::NO_REQUIRE);
-        }
+        if (Status status = checkBeforeParsing(document->json, chunks->isBinary); !status) return status.error();
+        std::vector<tinygltf::Buffer> buffers;
+        if (Status s = loadBuffers(*document, chunks->binary, buffers); !s) return s.error();
+        if (Status s = decompress(document->json, buffers); !s) return s.error();
+        if (Status s = readTypedView(*document, std::move(buffers)); !s) return s.error();
     } catch (const std::exception& e) {
         return Error{ErrorCode::FileInvalid, std::string("the file cannot be read as glTF (") + e.what() + ")"};
     }
-    if (!loaded) return Error{ErrorCode::FileInvalid, firstSentence(error)};
     if (Status status = checkAfterParsing(*document); !status) return status.error();
     stripEarlierBake(*document);
     return std::shared_ptr<const SourceDocument>(std::move(document));
@@ -246,6 +320,9 @@ Result<std::shared_ptr<const SourceDocument>> parseDocument(std::span<const std:
 
 Result<std::shared_ptr<const SourceDocument>> loadDocument(const std::filesystem::path& path)
 {
+    std::error_code ec;
+    if (const auto size = std::filesystem::file_size(path, ec); !ec && size > kMaxFileBytes)
+        return Error{ErrorCode::Unsupported, "files of 4 GiB and more are not supported"};
     const auto bytes = readFile(path);
     if (!bytes) return bytes.error();
     return parseDocument(*bytes, path.parent_path());
@@ -349,40 +426,6 @@ Result<std::vector<uint32_t>> readIntegers(const SourceDocument& document, int a
     return values;
 }
 
-std::string percentDecoded(std::string_view uri)
-{
-    std::string text;
-    const auto digit = [](char c) {
-        return c >= '0' && c <= '9' ? c - '0' : (c | 32) >= 'a' && (c | 32) <= 'f' ? (c | 32) - 'a' + 10 : -1;
-    };
-    for (std::size_t i = 0; i < uri.size(); ++i) {
-        if (uri[i] == '%' && i + 2 < uri.size() && digit(uri[i + 1]) >= 0 && digit(uri[i + 2]) >= 0) {
-            text += char(digit(uri[i + 1]) * 16 + digit(uri[i + 2]));
-            i += 2;
-        } else {
-            text += uri[i];
-        }
-    }
-    return text;
-}
-
-std::string percentEncoded(std::string_view name)
-{
-    constexpr std::string_view kDigits = "0123456789ABCDEF";
-    std::string uri;
-    for (const char c : name) {
-        const auto byte = static_cast<unsigned char>(c);
-        const bool letter = (byte | 32) >= 'a' && (byte | 32) <= 'z';
-        const bool digit = byte >= '0' && byte <= '9';
-        if (letter || digit || c == '-' || c == '.' || c == '_' || c == '~') {
-            uri += c;
-        } else {
-            uri += {'%', kDigits[byte >> 4], kDigits[byte & 15]};
-        }
-    }
-    return uri;
-}
-
 Result<std::vector<std::byte>> imageBytes(const SourceDocument& document, int index)
 {
     const tinygltf::Model& model = document.model;
@@ -395,14 +438,9 @@ Result<std::vector<std::byte>> imageBytes(const SourceDocument& document, int in
             reinterpret_cast<const std::byte*>(model.buffers[std::size_t(view.buffer)].data.data()) + view.byteOffset;
         return std::vector<std::byte>(first, first + view.byteLength);
     }
-    if (!image.image.empty()) {
-        const auto* first = reinterpret_cast<const std::byte*>(image.image.data());
-        return std::vector<std::byte>(first, first + image.image.size());
-    }
-    const std::string name = percentDecoded(image.uri);
-    auto bytes = readFile(document.directory / name);
-    if (!bytes)
-        return Error{bytes.error().code, "image file " + name + " cannot be read: " + bytes.error().message, object};
+    constexpr uint64_t kMaxImageBytes = uint64_t(1) << 31; // decoders count bytes in 31 bits
+    auto bytes = readUri(image.uri, document.directory, kMaxImageBytes);
+    if (!bytes) return Error{bytes.error().code, "image " + bytes.error().message, object};
     return bytes;
 }
 

@@ -20,9 +20,10 @@ using Json = nlohmann::json;
 
 struct SourceDocument {
     Json json;
-    tinygltf::Model model;           ///< buffers resolved; images not decoded
-    std::filesystem::path directory; ///< what relative URIs are relative to
-    std::vector<int> strippedViews;  ///< buffer views that only an earlier bake's MOZ_lightmap used
+    tinygltf::Model model;               ///< buffers resolved and decompressed; images not decoded
+    std::filesystem::path directory;     ///< what relative URIs are relative to
+    std::vector<std::string> bufferUris; ///< of the file's buffers that are files of their own
+    std::vector<int> strippedViews;      ///< buffer views that only an earlier bake's MOZ_lightmap used
 };
 
 /// Reads and checks a .glb or .gltf file.
@@ -81,10 +82,5 @@ Result<std::vector<uint32_t>> readIntegers(const SourceDocument& document, int a
 
 /// The encoded bytes of an image (PNG, JPEG, …), wherever they are stored.
 Result<std::vector<std::byte>> imageBytes(const SourceDocument& document, int image);
-
-/// "%20" and the like of a URI resolved to bytes.
-std::string percentDecoded(std::string_view uri);
-/// A file's name as a relative URI (RFC 3986): unreserved characters as they are, all other bytes as %XX.
-std::string percentEncoded(std::string_view name);
 
 } // namespace halflight

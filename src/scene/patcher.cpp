@@ -1,5 +1,7 @@
 #include "scene/patcher.h"
 
+#include "scene/uri.h"
+
 #include <algorithm>
 #include <cstring>
 #include <string_view>
@@ -38,7 +40,8 @@ template<typename Visit> void each(Json* array, const Visit& visit)
 void collectUnknown(const Json& json, bool unknown, std::set<int>& integers)
 {
     constexpr std::string_view kKnown[] = {"KHR_lights_punctual",     "KHR_texture_transform", "KHR_node_visibility",
-                                           "EXT_mesh_gpu_instancing", "KHR_mesh_quantization", "KHR_xmp_json_ld"};
+                                           "EXT_mesh_gpu_instancing", "KHR_mesh_quantization", "KHR_xmp_json_ld",
+                                           "EXT_texture_webp"};
     if (unknown && isOld(json)) integers.insert(json.get<int>());
     if (json.is_array()) {
         for (const Json& item : json) collectUnknown(item, unknown, integers);

@@ -1,3 +1,6 @@
+#include "scene/read_baked.h"
+
+#include "halflight/base/encoded_image.h"
 #include "halflight/base/text.h"
 #include "halflight/scene/fingerprint.h"
 #include "scene/ktx2.h"
@@ -50,9 +53,29 @@ template<typename Vec> bool readVector(const Json& json, Vec& out)
     return true;
 }
 
+// Texels of all pages together; buffer views may overlap.
+class PageTexels {
+public:
+    explicit PageTexels(const SourceDocument& document)
+    {
+        uint64_t bytes = 0;
+        for (const auto& buffer : document.model.buffers) bytes += buffer.data.size();
+        left_ = mostTexels(bytes);
+    }
+    Status take(uint64_t texels, const std::string& path)
+    {
+        if (texels > left_) return invalid(path, "pages have more texels in all than a file of this size may ask for");
+        left_ -= texels;
+        return {};
+    }
+
+private:
+    uint64_t left_ = 0;
+};
+
 // Images of which there are as many as lightmap pages, or none.
 Status readPngs(const SourceDocument& document, const Json& root, const char* key, std::size_t pageCount,
-                std::vector<ImageRgba8>& pages)
+                PageTexels& texels, std::vector<ImageRgba8>& pages)
 {
     const Json& images = member(root, key);
     for (std::size_t i = 0; i < images.size(); ++i) {
@@ -61,6 +84,7 @@ Status readPngs(const SourceDocument& document, const Json& root, const char* ke
         if (!bytes) return bytes.error();
         auto image = decodeImage(bytes->data(), bytes->size());
         if (!image) return Error{image.error().code, image.error().message, path};
+        if (Status s = texels.take(image->texelCount(), path); !s) return s;
         pages.push_back(std::move(*image));
     }
     if (!pages.empty() && pages.size() != pageCount) {
@@ -72,6 +96,7 @@ Status readPngs(const SourceDocument& document, const Json& root, const char* ke
 
 Status readImages(const SourceDocument& document, const Json& root, BakedScene& baked)
 {
+    PageTexels texels(document);
     const Json& lightmaps = member(root, "lightmaps");
     for (std::size_t i = 0; i < lightmaps.size(); ++i) {
         const std::string path = kPath + "/lightmaps/" + std::to_string(i);
@@ -79,6 +104,7 @@ Status readImages(const SourceDocument& document, const Json& root, BakedScene& 
         if (!bytes) return bytes.error();
         auto image = decodeKtx2(*bytes);
         if (!image) return Error{image.error().code, image.error().message, path};
+        if (Status s = texels.take(image->texelCount(), path); !s) return s;
         baked.lightmaps.push_back(std::move(*image));
     }
     if (const Json& unit = member(root, "lightmapUnitLux"); !unit.is_null()) {
@@ -86,9 +112,10 @@ Status readImages(const SourceDocument& document, const Json& root, BakedScene& 
         if (!(baked.lightmapUnitLux > 0.0f) || !std::isfinite(baked.lightmapUnitLux))
             return invalid(kPath, "lightmapUnitLux is not a number above 0");
     }
-    if (Status s = readPngs(document, root, "lightmapDirections", baked.lightmaps.size(), baked.lightmapDirections); !s)
+    const std::size_t pages = baked.lightmaps.size();
+    if (Status s = readPngs(document, root, "lightmapDirections", pages, texels, baked.lightmapDirections); !s)
         return s;
-    return readPngs(document, root, "shadowmasks", baked.lightmaps.size(), baked.shadowmasks);
+    return readPngs(document, root, "shadowmasks", pages, texels, baked.shadowmasks);
 }
 
 Status readMaskChannels(const Json& json, BakedScene& baked)
@@ -349,12 +376,18 @@ Result<BakedScene> readBakedScene(const std::filesystem::path& path, const ReadO
 {
     auto loaded = loadDocument(path);
     if (!loaded) return loaded.error();
-    const SourceDocument& document = **loaded;
-    auto scene = sceneFromDocument(*loaded, options);
+    auto baked = bakedFromDocument(std::move(*loaded), options);
+    if (baked && baked->scene.name.empty()) baked->scene.name = path.stem().string();
+    return baked;
+}
+
+Result<BakedScene> bakedFromDocument(std::shared_ptr<const SourceDocument> source, const ReadOptions& options)
+{
+    const SourceDocument& document = *source;
+    auto scene = sceneFromDocument(source, options);
     if (!scene) return scene.error();
     BakedScene baked;
     baked.scene = std::move(*scene);
-    if (baked.scene.name.empty()) baked.scene.name = path.stem().string();
     const Json& root = extensionOf(document.json, "HALFLIGHT_mixed_lighting");
     if (root.is_null()) {
         for (Light& light : baked.scene.lights) light.baking = {};

@@ -1,10 +1,14 @@
+#include "halflight/base/encoded_image.h"
 #include "halflight/base/parallel.h"
+#include "scene/decompress.h"
 #include "scene/read_parts.h"
 
 #include <algorithm>
 #include <cmath>
 #include <map>
 #include <set>
+#include <string_view>
+#include <tuple>
 
 namespace halflight {
 
@@ -43,7 +47,38 @@ private:
     std::string path_;
 };
 
-// A texture slot. Textures get their index in the scene as they are met.
+Texture::Wrap wrapOf(int mode)
+{
+    return mode == TINYGLTF_TEXTURE_WRAP_CLAMP_TO_EDGE     ? Texture::Wrap::ClampToEdge
+           : mode == TINYGLTF_TEXTURE_WRAP_MIRRORED_REPEAT ? Texture::Wrap::MirroredRepeat
+                                                           : Texture::Wrap::Repeat;
+}
+
+// Where an image's bytes are: a buffer view or a URI. Images that name the same place are one.
+using ImagePlace = std::pair<int, std::string_view>;
+ImagePlace placeOf(const tinygltf::Image& image)
+{
+    return {image.bufferView, image.bufferView >= 0 ? std::string_view() : std::string_view(image.uri)};
+}
+
+// The texture without its pixels: name and sampler.
+Texture textureOf(const SourceDocument& document, std::size_t index)
+{
+    const auto& source = document.model.textures[index];
+    Texture texture;
+    texture.name = !source.name.empty() ? source.name : document.model.images[std::size_t(source.source)].name;
+    texture.sourceTexture = int(index);
+    if (source.sampler >= 0) {
+        const auto& sampler = document.model.samplers[std::size_t(source.sampler)];
+        texture.wrapU = wrapOf(sampler.wrapS);
+        texture.wrapV = wrapOf(sampler.wrapT);
+        texture.nearest = sampler.magFilter == TINYGLTF_TEXTURE_FILTER_NEAREST;
+    }
+    return texture;
+}
+
+// A texture slot. Textures get their index in the scene as they are met; those that show the same image in the same way
+// are one.
 class TextureTable {
 public:
     explicit TextureTable(const SourceDocument& document) : document_(document) {}
@@ -58,8 +93,12 @@ public:
         }
         const auto source = index.get<std::size_t>();
         if (document_.model.textures[source].source < 0) {
+            std::string hint;
+            for (const char* name : {"KHR_texture_basisu", "EXT_texture_webp", "EXT_texture_avif"}) {
+                if (!extensionOf(textures[source], name).is_null()) hint = conversionHint(name);
+            }
             warnings.push_back(path + ": texture " + std::to_string(source) +
-                               " has no image this program reads; left out");
+                               " has no image this program reads; left out" + hint);
             return {};
         }
         uint64_t texCoord = 0;
@@ -80,18 +119,21 @@ public:
             texCoord = 0;
         }
         ref.texCoord = int(texCoord);
-        const auto [it, isNew] = indexOf_.try_emplace(source, int(used_.size()));
-        if (isNew) used_.push_back(source);
+        Texture texture = textureOf(document_, source);
+        const auto& image = document_.model.images[std::size_t(document_.model.textures[source].source)];
+        const auto key = std::make_tuple(placeOf(image), texture.wrapU, texture.wrapV, texture.nearest);
+        const auto [it, isNew] = indexOf_.try_emplace(key, int(used_.size()));
+        if (isNew) used_.push_back(std::move(texture));
         ref.texture = it->second;
         return {};
     }
 
-    [[nodiscard]] const std::vector<std::size_t>& used() const { return used_; }
+    [[nodiscard]] std::vector<Texture> take() { return std::move(used_); }
 
 private:
     const SourceDocument& document_;
-    std::map<std::size_t, int> indexOf_;
-    std::vector<std::size_t> used_;
+    std::map<std::tuple<ImagePlace, Texture::Wrap, Texture::Wrap, bool>, int> indexOf_;
+    std::vector<Texture> used_;
 };
 
 // KHR_materials_transmission as coverage, so that light passes glass and one sees through it: what the glass reflects
@@ -242,43 +284,67 @@ Status readSwitches(const Json& json, const std::string& path, FileSettings& fil
     return {};
 }
 
-Texture::Wrap wrapOf(int mode)
-{
-    return mode == TINYGLTF_TEXTURE_WRAP_CLAMP_TO_EDGE     ? Texture::Wrap::ClampToEdge
-           : mode == TINYGLTF_TEXTURE_WRAP_MIRRORED_REPEAT ? Texture::Wrap::MirroredRepeat
-                                                           : Texture::Wrap::Repeat;
-}
-
-// Decodes each image once, all cores at work; textures that share an image get copies.
+// Decodes each image once, all cores at work; textures that show it with different samplers get copies.
 Status decodeTextures(const SourceDocument& document, std::vector<Texture>& textures)
 {
-    std::map<int, std::vector<std::size_t>> texturesOfImage;
+    struct Encoded {
+        int image = -1;
+        std::vector<std::size_t> textures;
+        std::vector<std::byte> bytes;
+        uint64_t texels = 0;
+        Status status;
+    };
+    std::map<ImagePlace, std::size_t> indexOf;
+    std::vector<Encoded> images;
     for (std::size_t i = 0; i < textures.size(); ++i) {
-        texturesOfImage[document.model.textures[std::size_t(textures[i].sourceTexture)].source].push_back(i);
+        const int image = document.model.textures[std::size_t(textures[i].sourceTexture)].source;
+        const auto [it, isNew] = indexOf.try_emplace(placeOf(document.model.images[std::size_t(image)]), images.size());
+        if (isNew) images.emplace_back().image = image;
+        images[it->second].textures.push_back(i);
     }
-    const std::vector<std::pair<int, std::vector<std::size_t>>> images(texturesOfImage.begin(), texturesOfImage.end());
-    std::vector<Status> statuses(images.size());
-    parallelFor(images.size(), 1, [&](std::size_t begin, std::size_t end) {
-        for (std::size_t i = begin; i < end; ++i) {
-            const auto bytes = imageBytes(document, images[i].first);
-            if (!bytes) {
-                statuses[i] = bytes.error();
-                continue;
-            }
-            auto pixels = decodeImage(bytes->data(), bytes->size());
-            if (!pixels) {
-                statuses[i] =
-                    Error{pixels.error().code, pixels.error().message, pathOf("images", std::size_t(images[i].first))};
-                continue;
-            }
-            for (std::size_t k = 1; k < images[i].second.size(); ++k) textures[images[i].second[k]].pixels = *pixels;
-            textures[images[i].second[0]].pixels = std::move(*pixels);
+    const auto forEach = [&](const auto& work) -> Status {
+        parallelFor(images.size(), 1, [&](std::size_t begin, std::size_t end) {
+            for (std::size_t i = begin; i < end; ++i) images[i].status = work(images[i]);
+        });
+        for (const Encoded& image : images) {
+            if (!image.status) return image.status;
         }
+        return {};
+    };
+    const auto at = [](const Encoded& image, const Error& error) {
+        return Error{error.code, error.message, pathOf("images", std::size_t(image.image))};
+    };
+    Status status = forEach([&](Encoded& image) -> Status {
+        auto bytes = imageBytes(document, image.image);
+        if (!bytes) return bytes.error();
+        const auto size = encodedImageSize(bytes->data(), bytes->size());
+        if (!size) return at(image, size.error());
+        image.bytes = std::move(*bytes);
+        image.texels = uint64_t(size->x) * uint64_t(size->y);
+        return {};
     });
-    for (const Status& status : statuses) {
-        if (!status) return status;
+    if (!status) return status;
+    uint64_t texels = 0;
+    uint64_t bytesInFiles = 0;
+    uint64_t bytesInBuffers = 0; // buffer views may overlap: no more than there is
+    for (const auto& buffer : document.model.buffers) bytesInBuffers += buffer.data.size();
+    for (const Encoded& image : images) {
+        texels += image.texels * image.textures.size();
+        if (document.model.images[std::size_t(image.image)].bufferView < 0) bytesInFiles += image.bytes.size();
     }
-    return {};
+    if (const uint64_t most = mostTexels(bytesInFiles + bytesInBuffers); texels > most) {
+        return invalid("/images", "decoded, they hold " + std::to_string(texels) +
+                                      " texels in all, more than the limit of " + std::to_string(most) +
+                                      " for a file of this size");
+    }
+    return forEach([&](Encoded& image) -> Status {
+        auto pixels = decodeImage(image.bytes.data(), image.bytes.size());
+        if (!pixels) return at(image, pixels.error());
+        image.bytes = {};
+        for (std::size_t k = 1; k < image.textures.size(); ++k) textures[image.textures[k]].pixels = *pixels;
+        textures[image.textures[0]].pixels = std::move(*pixels);
+        return {};
+    });
 }
 
 // All "texCoord" values of a material's texture slots, those of extensions too; not the lightmap's own.
@@ -318,19 +384,7 @@ Result<MaterialsRead> readMaterials(const SourceDocument& document, FileSettings
             return s.error();
         read.materials.push_back(std::move(material));
     }
-    for (const std::size_t index : table.used()) {
-        const auto& source = document.model.textures[index];
-        Texture texture;
-        texture.name = !source.name.empty() ? source.name : document.model.images[std::size_t(source.source)].name;
-        texture.sourceTexture = int(index);
-        if (source.sampler >= 0) {
-            const auto& sampler = document.model.samplers[std::size_t(source.sampler)];
-            texture.wrapU = wrapOf(sampler.wrapS);
-            texture.wrapV = wrapOf(sampler.wrapT);
-            texture.nearest = sampler.magFilter == TINYGLTF_TEXTURE_FILTER_NEAREST;
-        }
-        read.textures.push_back(std::move(texture));
-    }
+    read.textures = table.take();
     if (decode) {
         if (Status s = decodeTextures(document, read.textures); !s) return s.error();
     }

@@ -79,6 +79,8 @@ void warnUnknownExtras(const Json& extras, ExtrasOwner owner, const std::string&
                        std::vector<std::string>& warnings);
 
 Result<FileSettings> readSettingsFile(const std::filesystem::path& path);
+/// The same from the file's text. Errors name the line.
+Result<FileSettings> parseSettings(std::string_view toml);
 /// The same from the file's tables as JSON.
 Result<FileSettings> settingsFromTables(const Json& root);
 

@@ -35,16 +35,21 @@ Result<FileSettings> readSettingsFile(const std::filesystem::path& path)
     const std::string name = "settings file " + path.string();
     const auto bytes = readFile(path);
     if (!bytes) return Error{bytes.error().code, name + ": " + bytes.error().message, ""};
+    auto settings = parseSettings({reinterpret_cast<const char*>(bytes->data()), bytes->size()});
+    if (settings) return settings;
+    const std::string& message = settings.error().message;
+    return Error{settings.error().code, name + (message.starts_with("line ") ? ", " : ": ") + message, ""};
+}
+
+Result<FileSettings> parseSettings(std::string_view text)
+{
     try {
-        const toml::table root =
-            toml::parse(std::string_view(reinterpret_cast<const char*>(bytes->data()), bytes->size()));
-        auto settings = settingsFromTables(jsonFrom(root));
-        if (!settings) return Error{settings.error().code, name + ": " + settings.error().text(), ""};
+        auto settings = settingsFromTables(jsonFrom(toml::parse(text)));
+        if (!settings) return Error{settings.error().code, settings.error().text()};
         return settings;
     } catch (const toml::parse_error& e) {
         return Error{ErrorCode::FileInvalid,
-                     name + ", line " + std::to_string(e.source().begin.line) + ": " + std::string(e.description()),
-                     ""};
+                     "line " + std::to_string(e.source().begin.line) + ": " + std::string(e.description())};
     }
 }
 

@@ -1,6 +1,8 @@
 #include "scene/validate.h"
 
+#include "scene/decompress.h"
 #include "scene/extensions.h"
+#include "scene/patcher.h"
 
 #include <algorithm>
 #include <array>
@@ -77,7 +79,8 @@ Status checkExtensions(const Json& json)
         if (!name.is_string()) return invalid("/extensionsRequired", "holds something that is not a name");
         const auto text = name.get<std::string>();
         if (!isSupportedExtension(text) && !isHarmlessExtension(text)) {
-            return Error{ErrorCode::Unsupported, "the file requires the extension " + text + ", which is not supported",
+            return Error{ErrorCode::Unsupported,
+                         "the file requires the extension " + text + ", which is not supported" + conversionHint(text),
                          "/extensionsRequired"};
         }
     }
@@ -93,7 +96,8 @@ Status checkBuffers(const Json& json, bool isBinary)
         if (Status s = checkUnsigned(buffers[i], "byteLength", true, kMaxByteLength, path, length); !s) return s;
         if (length == 0) return invalid(path, "byteLength is 0");
         const Json& uri = member(buffers[i], "uri");
-        if (uri.is_null() && !(isBinary && i == 0)) return invalid(path, "has neither a uri nor a binary chunk");
+        if (uri.is_null() && !(isBinary && i == 0) && !isFallbackBuffer(buffers[i]))
+            return invalid(path, "has neither a uri nor a binary chunk");
         if (!uri.is_null() && !uri.is_string()) return invalid(path, "uri is not a string");
     }
     const Json& views = member(json, "bufferViews");
@@ -259,6 +263,26 @@ Status checkMeshes(const tinygltf::Model& model)
     return {};
 }
 
+// Each reference to an accessor costs memory, the accessor's bytes are in the file once at most. 2^23 elements over all
+// references are free (some 0.5 GiB as vertices); beyond that, 8 for each byte of the buffers: data without an accessor
+// of its own is shared, in files of a sensible kind, by a few meshes.
+Status checkElementSum(const SourceDocument& document)
+{
+    constexpr uint64_t kFree = uint64_t(1) << 23;
+    uint64_t limit = kFree;
+    for (const auto& buffer : document.model.buffers) limit += 8 * uint64_t(buffer.data.size());
+    uint64_t sum = 0;
+    auto& json = const_cast<Json&>(document.json); // the visitor below only reads
+    visitAccessors(json, [&](Json& index) {
+        if (index.is_number_unsigned() && index.get<uint64_t>() < document.model.accessors.size())
+            sum += document.model.accessors[index.get<std::size_t>()].count;
+    });
+    if (sum <= limit) return {};
+    return invalid("/accessors", "meshes, nodes and animations read " + std::to_string(sum) +
+                                     " elements in all, more than the limit of " + std::to_string(limit) +
+                                     " for a file with so little data");
+}
+
 Status checkNodes(const tinygltf::Model& model)
 {
     const std::size_t count = model.nodes.size();
@@ -330,7 +354,8 @@ Status checkTextures(const SourceDocument& document)
 
 bool isSupportedExtension(std::string_view name)
 {
-    return std::find(kSupportedExtensions.begin(), kSupportedExtensions.end(), name) != kSupportedExtensions.end();
+    return readsCompression(name) ||
+           std::find(kSupportedExtensions.begin(), kSupportedExtensions.end(), name) != kSupportedExtensions.end();
 }
 
 Status checkBeforeParsing(const Json& json, bool isBinary)
@@ -364,6 +389,7 @@ Status checkAfterParsing(const SourceDocument& document)
     }
     if (Status s = checkAccessors(model); !s) return s;
     if (Status s = checkMeshes(model); !s) return s;
+    if (Status s = checkElementSum(document); !s) return s;
     if (Status s = checkTextures(document); !s) return s;
     if (model.defaultScene != -1) {
         if (Status s = checkIndex(model.defaultScene, model.scenes.size(), "scene", "/scene"); !s) return s;

@@ -6,6 +6,7 @@
 #include "scene/read_lights.h"
 #include "scene/rgbe.h"
 #include "scene/settings.h"
+#include "scene/uri.h"
 #include "scene/write_meshes.h"
 
 #include <algorithm>
@@ -537,12 +538,14 @@ std::vector<std::filesystem::path> externalFiles(const Scene& scene)
 {
     std::vector<std::filesystem::path> files;
     if (!scene.source) return files;
-    for (const char* array : {"buffers", "images"}) {
-        for (const Json& object : member(scene.source->json, array)) {
-            const Json& uri = member(object, "uri");
-            if (!uri.is_string() || uri.get<std::string>().starts_with("data:")) continue;
-            files.push_back(scene.source->directory / percentDecoded(uri.get<std::string>()));
-        }
+    std::vector<std::string> uris = scene.source->bufferUris;
+    for (const auto& image : scene.source->model.images) uris.push_back(image.uri);
+    for (const std::string& uri : uris) {
+        if (uri.empty() || isDataUri(uri)) continue;
+        files.push_back(scene.source->directory / percentDecoded(uri));
+        const std::filesystem::path asItStands = scene.source->directory / uri; // readUri() takes either name
+        std::error_code ec;
+        if (asItStands != files.back() && std::filesystem::exists(asItStands, ec)) files.push_back(asItStands);
     }
     return files;
 }

@@ -132,6 +132,8 @@ class Help(Case):
         self.assertEqual(result.returncode, 0)
         self.assertRegex(result.stdout, r"^halflight \d+\.\d+\.\d+\n")
         self.assertEqual(run("-V").stdout, result.stdout)
+        for line in result.stdout.splitlines()[1:]:
+            self.assertRegex(line, r"^reads (KHR|EXT)_\w+(, (KHR|EXT)_\w+)*$")
 
     def test_help_words(self):
         top = run("--help").stdout

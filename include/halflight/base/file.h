@@ -3,14 +3,19 @@
 #include "halflight/base/result.h"
 
 #include <cstddef>
+#include <cstdint>
 #include <filesystem>
 #include <functional>
+#include <limits>
 #include <string_view>
 #include <vector>
 
 namespace halflight {
 
-Result<std::vector<std::byte>> readFile(const std::filesystem::path& path);
+/// A regular file's bytes, at most the first `firstBytes` of them. Folders, pipes and devices are errors; none is
+/// opened.
+Result<std::vector<std::byte>> readFile(const std::filesystem::path& path,
+                                        uint64_t firstBytes = std::numeric_limits<uint64_t>::max());
 
 /// The file that writing to `path` replaces, there or not yet: `path` itself or, when that is a symbolic link, what it
 /// leads to. Error when a folder or something else that is not a regular file (a pipe, a device) is there.

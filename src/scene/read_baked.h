@@ -1,0 +1,12 @@
+#pragma once
+// What readBakedScene() does once the document is loaded.
+
+#include "halflight/scene/gltf.h"
+#include "scene/document.h"
+
+namespace halflight {
+
+/// isBaked is false for a document without HALFLIGHT_mixed_lighting.
+Result<BakedScene> bakedFromDocument(std::shared_ptr<const SourceDocument> source, const ReadOptions& options);
+
+} // namespace halflight
