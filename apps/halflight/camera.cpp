@@ -235,7 +235,8 @@ Result<Camera> chooseCamera(const Scene& scene, const CameraChoice& choice, floa
 {
     Camera camera;
     if (choice.eye) {
-        camera = lookAt(*choice.eye, choice.target, kPi / 3.0f, scene.bounds());
+        camera = lookAt(vec3(*choice.eye - scene.originMeters), vec3(choice.target - scene.originMeters), kPi / 3.0f,
+                        scene.bounds());
     } else if (!choice.name.empty()) {
         const auto named = [&](const Camera& candidate) { return candidate.name == choice.name; };
         const auto found = std::find_if(scene.cameras.begin(), scene.cameras.end(), named);

@@ -11,8 +11,8 @@ namespace halflight::cli {
 
 struct CameraChoice {
     std::string name;        ///< --camera; empty = none
-    std::optional<vec3> eye; ///< --eye with --target
-    vec3 target{0.0f};
+    std::optional<dvec3> eye; ///< --eye with --target; both in the file's world
+    dvec3 target{0.0};
     float verticalFovRadians = 0.0f; ///< --fov; 0 = the camera's own
 };
 

@@ -211,27 +211,44 @@ CLI::Option* addPercent(CLI::App& app, const std::string& name, float& value, fl
         "PERCENT", help);
 }
 
-CLI::Option* addVec3(CLI::App& app, const std::string& name, vec3& value, float min, float max,
-                     const std::string& metavar, const std::string& help)
+namespace {
+
+template<typename T> CLI::Option* addThree(CLI::App& app, const std::string& name, glm::vec<3, T>& value, T min, T max,
+                                           const std::string& metavar, const std::string& help)
 {
-    const auto parse = [min, max](const std::string& text, vec3& out) {
+    const auto parse = [min, max](const std::string& text, glm::vec<3, T>& out) {
         const std::vector<std::string> parts = splitAtCommas(text);
         if (parts.size() != 3) return false;
         for (int i = 0; i < 3; ++i) {
             double number = 0.0;
-            if (!parseNumber(parts[std::size_t(i)], number) || number < min || number > max) return false;
-            out[i] = float(number);
+            if (!parseNumber(parts[std::size_t(i)], number) || number < double(min) || number > double(max))
+                return false;
+            out[i] = T(number);
         }
         return true;
     };
     const auto check = [parse, min, max](const std::string& text) {
-        vec3 ignored;
+        glm::vec<3, T> ignored;
         if (parse(text, ignored)) return std::string();
         return fmt::format("must be three numbers from {} to {} with commas between them, not '{}'", shortNumber(min),
                            shortNumber(max), text);
     };
     return addChecked(
         app, name, check, [parse, &value](const std::string& text) { parse(text, value); }, metavar, help);
+}
+
+} // namespace
+
+CLI::Option* addVec3(CLI::App& app, const std::string& name, vec3& value, float min, float max,
+                     const std::string& metavar, const std::string& help)
+{
+    return addThree(app, name, value, min, max, metavar, help);
+}
+
+CLI::Option* addPosition(CLI::App& app, const std::string& name, dvec3& value, const std::string& help)
+{
+    constexpr double kFarthestMeters = 1.0e8; // the reader takes no scene that reaches so far
+    return addThree(app, name, value, -kFarthestMeters, kFarthestMeters, "X,Y,Z", help);
 }
 
 CLI::Option* addChoiceByIndex(CLI::App& app, const std::string& name, const std::vector<std::string>& names,

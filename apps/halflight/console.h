@@ -83,6 +83,8 @@ CLI::Option* addPercent(CLI::App& app, const std::string& name, float& value, fl
 /// "x,y,z".
 CLI::Option* addVec3(CLI::App& app, const std::string& name, vec3& value, float min, float max,
                      const std::string& metavar, const std::string& help);
+/// A place in the world, in double precision.
+CLI::Option* addPosition(CLI::App& app, const std::string& name, dvec3& value, const std::string& help);
 
 template<typename T> using Choices = std::vector<std::pair<std::string, T>>;
 CLI::Option* addChoiceByIndex(CLI::App& app, const std::string& name, const std::vector<std::string>& names,

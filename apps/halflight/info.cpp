@@ -64,6 +64,11 @@ Json jsonOf(vec3 v)
     return Json::array({v.x, v.y, v.z});
 }
 
+Json jsonOf(const dvec3& v)
+{
+    return Json::array({v.x, v.y, v.z});
+}
+
 Json jsonOf(const Light& light)
 {
     Json json = {{"name", light.name},
@@ -110,11 +115,13 @@ Json infoJson(const InfoOptions& options, const BakedScene& baked)
     json["sky"] = {{"zenith", jsonOf(scene.sky.zenith)},
                    {"horizon", jsonOf(scene.sky.horizon)},
                    {"ground", jsonOf(scene.sky.ground)}};
+    json["origin"] = jsonOf(scene.originMeters);
     const Bounds bounds = scene.bounds();
     if (bounds.empty()) {
         json["bounds"] = nullptr;
     } else {
-        json["bounds"] = {{"min", jsonOf(bounds.min)}, {"max", jsonOf(bounds.max)}};
+        json["bounds"] = {{"min", jsonOf(scene.originMeters + dvec3(bounds.min))},
+                          {"max", jsonOf(scene.originMeters + dvec3(bounds.max))}};
     }
     json["lightmap"] = {{"pages", baked.lightmaps.size()},
                         {"size", baked.lightmaps.empty() ? 0 : baked.lightmaps.front().width()},
@@ -167,8 +174,14 @@ void printInfo(const InfoOptions& options, const BakedScene& baked)
     if (bounds.empty()) {
         print("bounds      empty\n");
     } else {
-        print("bounds      {:.4g} x {:.4g} x {:.4g} m, from ({:.4g}, {:.4g}, {:.4g})\n", size.x, size.y, size.z,
-              bounds.min.x, bounds.min.y, bounds.min.z);
+        const dvec3 corner = scene.originMeters + dvec3(bounds.min);
+        const int digits = scene.originMeters == dvec3(0.0) ? 4 : 9;
+        print("bounds      {:.4g} x {:.4g} x {:.4g} m, from ({:.{}g}, {:.{}g}, {:.{}g})\n", size.x, size.y, size.z,
+              corner.x, digits, corner.y, digits, corner.z, digits);
+    }
+    if (scene.originMeters != dvec3(0.0)) {
+        print("origin      ({}, {}, {}): far from the world's, so that positions are relative to it\n",
+              scene.originMeters.x, scene.originMeters.y, scene.originMeters.z);
     }
     std::string cameras;
     for (const Camera& camera : scene.cameras) cameras += (cameras.empty() ? "" : ", ") + printable(camera.name);

@@ -21,48 +21,48 @@ Error malformed(const std::string& text, std::string_view why)
 }
 
 /// Numbers with commas between them.
-std::vector<float> numbersOf(const std::string& text)
+std::vector<double> numbersOf(const std::string& text)
 {
-    std::vector<float> numbers;
+    std::vector<double> numbers;
     for (std::size_t begin = 0; begin <= text.size();) {
         const std::size_t end = std::min(text.find(',', begin), text.size());
         double number = 0.0;
         if (!parseNumber(text.substr(begin, end - begin), number)) return {};
-        numbers.push_back(float(number));
+        numbers.push_back(number);
         begin = end + 1;
     }
     return numbers;
 }
 
-bool assign(std::optional<float>& target, const std::vector<float>& numbers, float max)
+bool assign(std::optional<float>& target, const std::vector<double>& numbers, double max)
 {
-    if (numbers.size() != 1 || !(numbers[0] >= 0.0f && numbers[0] <= max)) return false;
-    target = numbers[0];
+    if (numbers.size() != 1 || !(numbers[0] >= 0.0 && numbers[0] <= max)) return false;
+    target = float(numbers[0]);
     return true;
 }
 
-bool assign(std::optional<vec3>& target, const std::vector<float>& numbers)
+template<typename T> bool assign(std::optional<glm::vec<3, T>>& target, const std::vector<double>& numbers)
 {
     if (numbers.size() != 3) return false;
-    target = vec3(numbers[0], numbers[1], numbers[2]);
+    target = glm::vec<3, T>(numbers[0], numbers[1], numbers[2]);
     return true;
 }
 
-bool assignKey(LightOverride& change, const std::string& key, const std::vector<float>& numbers)
+bool assignKey(LightOverride& change, const std::string& key, const std::vector<double>& numbers)
 {
-    constexpr float kMax = 1.0e12f;
+    constexpr double kMax = 1.0e12;
     if (key == "intensity") return assign(change.intensity, numbers, kMax);
     if (key == "range") return assign(change.rangeMeters, numbers, kMax);
-    if (key == "strength") return assign(change.shadowStrength, numbers, 1.0f);
+    if (key == "strength") return assign(change.shadowStrength, numbers, 1.0);
     if (key == "inner-cone" || key == "outer-cone") {
         std::optional<float>& radians = key == "inner-cone" ? change.innerConeRadians : change.outerConeRadians;
-        if (!assign(radians, numbers, 90.0f)) return false;
+        if (!assign(radians, numbers, 90.0)) return false;
         *radians = glm::radians(*radians);
         return true;
     }
-    if (key == "depth-bias") return assign(change.shadowBias.depthTexels, numbers, kMaxShadowBias);
-    if (key == "slope-bias") return assign(change.shadowBias.slope, numbers, kMaxShadowBias);
-    if (key == "normal-bias") return assign(change.shadowBias.normalTexels, numbers, kMaxNormalBiasTexels);
+    if (key == "depth-bias") return assign(change.shadowBias.depthTexels, numbers, double(kMaxShadowBias));
+    if (key == "slope-bias") return assign(change.shadowBias.slope, numbers, double(kMaxShadowBias));
+    if (key == "normal-bias") return assign(change.shadowBias.normalTexels, numbers, double(kMaxNormalBiasTexels));
     if (key == "position") return assign(change.position, numbers);
     if (key == "color") return assign(change.color, numbers) && glm::all(glm::greaterThanEqual(*change.color, vec3(0)));
     if (key == "direction") return assign(change.direction, numbers) && glm::length(*change.direction) > 1.0e-6f;
@@ -102,7 +102,7 @@ Result<LightOverride> parseLightOverride(const std::string& text)
     return change;
 }
 
-Light overridden(Light light, const LightOverride& change)
+Light overridden(Light light, const LightOverride& change, const dvec3& originMeters)
 {
     light.intensity = change.intensity.value_or(light.intensity);
     light.color = change.color.value_or(light.color);
@@ -117,7 +117,7 @@ Light overridden(Light light, const LightOverride& change)
     assign(change.shadowBias.slope, light.shadowBias.slope);
     assign(change.shadowBias.normalTexels, light.shadowBias.normalTexels);
     if (change.direction) light.worldFromLight = posed(light.position(), *change.direction);
-    if (change.position) light.worldFromLight[3] = vec4(*change.position, 1.0f);
+    if (change.position) light.worldFromLight[3] = vec4(vec3(*change.position - originMeters), 1.0f);
     return light;
 }
 

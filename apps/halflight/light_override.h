@@ -15,7 +15,7 @@ struct LightOverride {
     std::optional<float> intensity;
     std::optional<vec3> color;
     std::optional<vec3> direction;
-    std::optional<vec3> position;
+    std::optional<dvec3> position; ///< in the file's world
     std::optional<float> rangeMeters;
     std::optional<float> innerConeRadians;
     std::optional<float> outerConeRadians;
@@ -25,7 +25,7 @@ struct LightOverride {
 
 /// InvalidArgument with what is wrong in the text.
 Result<LightOverride> parseLightOverride(const std::string& text);
-/// The light with those changes.
-Light overridden(Light light, const LightOverride& change);
+/// The light with those changes. `originMeters` is the scene's.
+Light overridden(Light light, const LightOverride& change, const dvec3& originMeters);
 
 } // namespace halflight::cli

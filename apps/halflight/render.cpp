@@ -37,7 +37,7 @@ struct RenderOptions {
     int cascades = 0;                 ///< 0 = not given
     std::vector<float> cascadeSplits; ///< empty = not given
     CameraChoice camera;
-    vec3 eye{0.0f};
+    dvec3 eye{0.0};
     bool eyeGiven = false;
     float fovDegrees = 0.0f;
     std::optional<float> exposureEv; ///< empty = auto
@@ -83,7 +83,8 @@ Status changeLights(Renderer& renderer, const std::vector<LightOverride>& change
             const Light& light = renderer.scene().lights[std::size_t(i)];
             if (light.name != change.name) continue;
             found = true;
-            if (Status status = renderer.setLight(i, overridden(light, change)); !status) return status;
+            if (Status status = renderer.setLight(i, overridden(light, change, renderer.scene().originMeters)); !status)
+                return status;
         }
         if (found) continue;
         std::string names;
@@ -211,18 +212,18 @@ Status writePicture(const RenderOptions& options, Picture& picture)
     return writePng(options.output, displayedPicture(picture.radiance, ev));
 }
 
-Json jsonOf(vec3 v)
+Json jsonOf(const dvec3& v)
 {
     return Json::array({v.x, v.y, v.z});
 }
 
-void describeView(const RenderOptions& options, const Camera& camera, Json& summary)
+void describeView(const RenderOptions& options, const Scene& scene, const Camera& camera, Json& summary)
 {
-    const vec3 eye = vec3(camera.worldFromCamera[3]);
+    const dvec3 eye = scene.originMeters + dvec3(camera.worldFromCamera[3]);
     summary["size"] = {options.render.size.x, options.render.size.y};
     summary["camera"] = {{"name", camera.name},
                          {"eye", jsonOf(eye)},
-                         {"target", jsonOf(eye - vec3(camera.worldFromCamera[2]))},
+                         {"target", jsonOf(eye - dvec3(camera.worldFromCamera[2]))},
                          {"verticalFovDegrees", glm::degrees(camera.verticalFovRadians)}};
 }
 
@@ -316,7 +317,7 @@ int runRender(RenderOptions options)
     Result<Picture> picture = options.referenceSamples > 0 ? tracePicture(options, baked->scene, *camera)
                                                            : renderPicture(options, *baked, *camera);
     if (!picture) return fail(options.file, picture.error());
-    describeView(options, *camera, picture->summary);
+    describeView(options, baked->scene, *camera, picture->summary);
     if (!commitOutput()) return fail(options.file, Error{ErrorCode::Cancelled, "interrupted"});
     if (Status status = writePicture(options, *picture); !status) return fail(options.output, status.error());
 
@@ -431,8 +432,8 @@ void addCameraOptions(CLI::App& app, RenderOptions& options)
 {
     app.option_defaults()->group("Camera (default: the file's first, else a view of the whole scene)");
     CLI::Option* name = app.add_option("--camera", options.camera.name, "one of the file's cameras")->type_name("NAME");
-    CLI::Option* eye = addVec3(app, "--eye", options.eye, -1.0e6f, 1.0e6f, "X,Y,Z", "camera position");
-    CLI::Option* target = addVec3(app, "--target", options.camera.target, -1.0e6f, 1.0e6f, "X,Y,Z", "what it looks at");
+    CLI::Option* eye = addPosition(app, "--eye", options.eye, "camera position");
+    CLI::Option* target = addPosition(app, "--target", options.camera.target, "what it looks at");
     eye->needs(target)->excludes(name)->each([&options](const std::string&) { options.eyeGiven = true; });
     target->needs(eye);
     addFloat(app, "--fov", options.fovDegrees, 1.0f, 170.0f, "DEGREES", "vertical field of view");

@@ -101,6 +101,7 @@ Hash128 contentHash(const Scene& scene)
             hasher.add(int(bias.has_value())).add(bias.value_or(0.0f));
     }
     hasher.add(scene.sky.zenith).add(scene.sky.horizon).add(scene.sky.ground);
+    hasher.add(scene.originMeters);
     return hasher.add(scene.subtractiveShadowColor).add(scene.probePositions).hash();
 }
 

@@ -1,5 +1,6 @@
 #include "scene/make_document.h"
 
+#include "scene/origin.h"
 #include "scene/patcher.h"
 
 #include <algorithm>
@@ -132,11 +133,11 @@ void writeMeshes(DocumentPatcher& patcher, Scene& scene)
     }
 }
 
-int addNode(DocumentPatcher& patcher, const std::string& name, const mat4& worldFromNode)
+int addNode(DocumentPatcher& patcher, const std::string& name, const dmat4& worldFromNode)
 {
     Json node = Json::object();
     if (!name.empty()) node["name"] = name;
-    if (worldFromNode != mat4(1.0f)) node["matrix"] = numbers(worldFromNode);
+    if (worldFromNode != dmat4(1.0)) node["matrix"] = numbers(worldFromNode);
     const int index = patcher.append("nodes", std::move(node));
     patcher.json["scenes"][0]["nodes"].push_back(index);
     return index;
@@ -158,7 +159,7 @@ void writeCameras(DocumentPatcher& patcher, const Scene& scene)
                 {"yfov", camera.verticalFovRadians}, {"znear", camera.nearMeters}, {"zfar", camera.farMeters}};
         }
         const int index = patcher.append("cameras", std::move(json));
-        const int node = addNode(patcher, camera.name, camera.worldFromCamera);
+        const int node = addNode(patcher, camera.name, worldFromLocal(camera.worldFromCamera, scene.originMeters));
         patcher.json["nodes"][std::size_t(node)]["camera"] = index;
     }
 }
@@ -178,7 +179,7 @@ Status giveSourceDocument(Scene& scene)
     }
     writeMeshes(patcher, scene);
     for (Object& object : scene.objects) {
-        object.sourceNode = addNode(patcher, object.name, object.worldFromObject);
+        object.sourceNode = addNode(patcher, object.name, worldFromLocal(object.worldFromObject, scene.originMeters));
         object.sourceInstance = -1;
         if (object.mesh >= 0) patcher.json["nodes"][std::size_t(object.sourceNode)]["mesh"] = object.mesh;
     }

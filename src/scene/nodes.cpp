@@ -63,11 +63,11 @@ ObjectSettings bakedRecord(const Json& node)
 
 } // namespace
 
-bool readMatrix(const Json& value, mat4& matrix)
+bool readMatrix(const Json& value, glm::dmat4& matrix)
 {
     double numbers[16];
     if (!readNumbers(value, 16, numbers)) return false;
-    for (int i = 0; i < 16; ++i) matrix[i / 4][i % 4] = float(numbers[i]);
+    for (int i = 0; i < 16; ++i) matrix[i / 4][i % 4] = numbers[i];
     return true;
 }
 

@@ -13,6 +13,7 @@ namespace halflight {
 struct NodeState {
     int node = -1;
     std::string name; ///< the node's, or "node 12"
+    /// To the file's world; once the scene's local origin is known, to the scene's space.
     glm::dmat4 worldFromNode{1.0};
     bool visible = true;                ///< KHR_node_visibility, ancestors included
     bool animated = false;              ///< it or an ancestor is moved, shown or hidden by an animation
@@ -37,6 +38,6 @@ Result<glm::dmat4> localTransform(const Json& node, const std::string& path);
 Result<std::vector<glm::dmat4>> instanceTransforms(const SourceDocument& document, int node);
 
 /// A 4x4 matrix of an extension: 16 numbers, columns first.
-bool readMatrix(const Json& value, mat4& matrix);
+bool readMatrix(const Json& value, glm::dmat4& matrix);
 
 } // namespace halflight

@@ -26,7 +26,7 @@ template<typename Vec> Json numbers(const Vec& v)
     for (int i = 0; i < Vec::length(); ++i) list.push_back(v[i]);
     return list;
 }
-inline Json numbers(const mat4& m)
+template<typename T> Json numbers(const glm::mat<4, 4, T>& m)
 {
     Json list = Json::array();
     for (int i = 0; i < 16; ++i) list.push_back(m[i / 4][i % 4]);

@@ -141,7 +141,8 @@ Status readMaskChannels(const Json& json, BakedScene& baked)
     return {};
 }
 
-Status readProbes(const SourceDocument& document, const Json& json, ProbeSet& set)
+// `shift` takes positions relative to the file's origin to the scene's: zero but for files that were moved.
+Status readProbes(const SourceDocument& document, const Json& json, const glm::dvec3& shift, ProbeSet& set)
 {
     if (json.is_null()) return {};
     const std::string path = kPath + "/probes";
@@ -167,7 +168,7 @@ Status readProbes(const SourceDocument& document, const Json& json, ProbeSet& se
     set.probes.resize(n);
     for (std::size_t i = 0; i < n; ++i) {
         Probe& probe = set.probes[i];
-        probe.position = (*p)[i];
+        probe.position = vec3(glm::dvec3((*p)[i]) + shift);
         for (std::size_t k = 0; k < 9; ++k) probe.radiance[k] = (*r)[9 * i + k];
         probe.occlusion = (*o)[i];
         probe.valid = (*v)[i] != 0;
@@ -178,6 +179,7 @@ Status readProbes(const SourceDocument& document, const Json& json, ProbeSet& se
         !readVector(member(grid, "size"), set.size)) {
         return invalid(path + "/grid", "origin, spacing and size are not three numbers each");
     }
+    set.origin = vec3(glm::dvec3(set.origin) + shift);
     if (set.size.x < 1 || set.size.y < 1 || set.size.z < 1 || glm::any(glm::greaterThan(set.size, ivec3(1 << 20))) ||
         uint64_t(set.size.x) * uint64_t(set.size.y) * uint64_t(set.size.z) != n) {
         return invalid(path + "/grid", "its size does not multiply to the number of probes");
@@ -403,7 +405,10 @@ Result<BakedScene> bakedFromDocument(std::shared_ptr<const SourceDocument> sourc
     baked.isBaked = true;
     if (Status s = readImages(document, root, baked); !s) return s.error();
     if (Status s = readMaskChannels(member(root, "shadowmaskChannels"), baked); !s) return s.error();
-    if (Status s = readProbes(document, member(root, "probes"), baked.probes); !s) return s.error();
+    const auto origin = recordedOrigin(document);
+    if (!origin) return origin.error();
+    const glm::dvec3 shift = *origin - baked.scene.originMeters;
+    if (Status s = readProbes(document, member(root, "probes"), shift, baked.probes); !s) return s.error();
     if (Status s = readBindings(document, baked); !s) return s.error();
     checkFingerprints(document, root, baked.scene);
     checkSettingsOfBake(document, root, baked.scene);

@@ -1,6 +1,7 @@
 #include "scene/read_lights.h"
 
 #include "halflight/base/text.h"
+#include "scene/origin.h"
 #include "scene/pose.h"
 
 #include <cmath>
@@ -48,7 +49,7 @@ void readAtBake(const Json& json, LightAtBake& out)
 }
 
 // What an earlier bake wrote down about the light (HALFLIGHT_light): its settings and the bake's output.
-void readRecord(const Json& record, Light& light)
+void readRecord(const Json& record, const glm::dvec3& origin, Light& light)
 {
     const auto number = [&](const char* key, float low, float high, float& out) {
         const Json& value = member(record, key);
@@ -83,7 +84,8 @@ void readRecord(const Json& record, Light& light)
     if (channel.is_number_integer())
         light.baking.occlusionMaskChannel = int(std::clamp<int64_t>(channel.get<int64_t>(), -1, 3));
     light.baking.reason = text(member(baking, "reason"));
-    readMatrix(member(baking, "worldFromLight"), light.baking.worldFromLight);
+    if (glm::dmat4 pose(1.0); readMatrix(member(baking, "worldFromLight"), pose))
+        light.baking.worldFromLight = localFromWorld(pose, origin);
     // Lights without a range have no reach unless the bake gave them one; other lights without a record are of files
     // of earlier versions, and are taken to be as they were.
     light.baking.reachMeters = light.type == LightType::Directional ? 0.0f : light.rangeMeters;
@@ -119,7 +121,7 @@ void warnAnimatedLight(const Light& light, const std::set<std::string>& members,
 
 } // namespace
 
-Result<std::optional<Light>> readLight(const SourceDocument& document, const NodeState& state,
+Result<std::optional<Light>> readLight(const SourceDocument& document, const NodeState& state, const glm::dvec3& origin,
                                        const AnimatedThings& animated, FileSettings& file,
                                        std::vector<std::string>& warnings)
 {
@@ -196,7 +198,7 @@ Result<std::optional<Light>> readLight(const SourceDocument& document, const Nod
         if (owner == ExtrasOwner::Light) warnUnknownExtras(extras, owner, where, warnings);
         applySettings(*settings, light);
     }
-    readRecord(extensionOf(node, "HALFLIGHT_light"), light);
+    readRecord(extensionOf(node, "HALFLIGHT_light"), origin, light);
     for (auto& rule : file.lights) {
         if (!matchesPattern(rule.pattern, light.name) && !matchesPattern(rule.pattern, state.name)) continue;
         rule.matched = true;

@@ -4,6 +4,7 @@
 #include "halflight/base/text.h"
 #include "scene/extensions.h"
 #include "scene/nodes.h"
+#include "scene/origin.h"
 #include "scene/read_lights.h"
 #include "scene/read_parts.h"
 #include "scene/skin.h"
@@ -38,9 +39,16 @@ struct NodeMesh {
     std::optional<glm::dmat4> worldFromObject; // of skinned ones; others are where their node is
 };
 
+/// Where the parts of a scene go while its local origin is not known yet.
+struct Placement {
+    std::vector<glm::dvec3> meshOffset; ///< by Scene::meshes: what centreMesh() took off the positions
+    std::vector<Bounds> meshBounds;     ///< by Scene::meshes
+    std::vector<glm::dmat4> fromObject; ///< by Scene::objects: transform to the file's world
+};
+
 // Meshes that shown nodes use, in the file's order, all cores at work. Returns the mesh of each state.
 Result<std::vector<NodeMesh>> readMeshes(const SourceDocument& document, const std::vector<NodeState>& nodes,
-                                         Scene& scene)
+                                         Scene& scene, Placement& placement)
 {
     std::map<MeshKey, NodeMesh> meshes;
     bool anySkin = false;
@@ -84,6 +92,10 @@ Result<std::vector<NodeMesh>> readMeshes(const SourceDocument& document, const s
         tangentParts += read->tangentParts;
         if (read->mesh.parts.empty()) continue;
         used[i]->second.mesh = int(scene.meshes.size());
+        placement.meshOffset.push_back(centreMesh(read->mesh));
+        if (auto coarse = coarseVerticesWarning(read->mesh, placement.meshOffset.back()); !coarse.empty())
+            scene.warnings.push_back(std::move(coarse));
+        placement.meshBounds.push_back(boundsOf(read->mesh));
         scene.meshes.push_back(std::move(read->mesh));
     }
     if (flatParts > 0)
@@ -98,32 +110,66 @@ Result<std::vector<NodeMesh>> readMeshes(const SourceDocument& document, const s
     return ofState;
 }
 
-// Beyond this, floats no longer tell a metre from the next, and squares of lengths overflow soon after.
+// From the scene's local origin. Beyond it, floats no longer tell a metre from the next, and squares of lengths
+// overflow soon after.
 constexpr double kFarthestMeters = 1.0e7;
+// From the world's origin: 2^24 m, beyond which the floats of a file's vertices are coarser than a metre.
+constexpr double kFarthestFromWorldMeters = 16777216.0;
 
-bool tooFar(glm::dvec3 p)
+bool tooFar(glm::dvec3 p, double limit = kFarthestMeters)
 {
-    return !(std::abs(p.x) <= kFarthestMeters && std::abs(p.y) <= kFarthestMeters && std::abs(p.z) <= kFarthestMeters);
+    return !(std::abs(p.x) <= limit && std::abs(p.y) <= limit && std::abs(p.z) <= limit);
 }
 
 // The corners of its bounds tell for nearly every object; vertices are looked at where a corner is too far.
-Status checkExtent(const Mesh& mesh, const Bounds& bounds, const glm::dmat4& worldFromObject, const std::string& name,
-                   const std::string& path)
+bool reachesTooFar(const Mesh& mesh, const Bounds& bounds, const glm::dmat4& fromObject, double limit)
 {
-    const auto far = [&](vec3 p) { return tooFar(glm::dvec3(worldFromObject * glm::dvec4(glm::dvec3(p), 1.0))); };
-    bool suspect = false;
-    for (int corner = 0; corner < 8; ++corner) {
-        suspect = suspect || far({(corner & 1 ? bounds.max : bounds.min).x, (corner & 2 ? bounds.max : bounds.min).y,
-                                  (corner & 4 ? bounds.max : bounds.min).z});
+    const WideBounds box = transformedBounds(bounds, fromObject);
+    if (box.empty() || !(tooFar(box.min, limit) || tooFar(box.max, limit))) return false;
+    const auto far = [&](vec3 p) { return tooFar(glm::dvec3(fromObject * glm::dvec4(glm::dvec3(p), 1.0)), limit); };
+    return std::any_of(mesh.parts.begin(), mesh.parts.end(), [&](const MeshPart& part) {
+        return std::any_of(part.positions.begin(), part.positions.end(), far);
+    });
+}
+
+// Finds the scene's local origin (a baked file brings its own) and makes objects and nodes relative to it.
+Status placeScene(const SourceDocument& document, std::vector<NodeState>& nodes, const Placement& placement,
+                  Scene& scene)
+{
+    const auto reaches = [&](std::size_t i, double limit) {
+        const auto mesh = std::size_t(scene.objects[i].mesh);
+        return reachesTooFar(scene.meshes[mesh], placement.meshBounds[mesh], placement.fromObject[i], limit);
+    };
+    const auto refused = [&](std::size_t i, const std::string& where) {
+        const Object& object = scene.objects[i];
+        return invalid(pathOf("nodes", std::size_t(object.sourceNode)),
+                       "\"" + object.name + "\" reaches farther than " + where);
+    };
+    std::vector<WideBounds> boxes;
+    for (std::size_t i = 0; i < scene.objects.size(); ++i) {
+        if (reaches(i, kFarthestFromWorldMeters)) return refused(i, "16777 km from the world's origin");
+        boxes.push_back(
+            transformedBounds(placement.meshBounds[std::size_t(scene.objects[i].mesh)], placement.fromObject[i]));
     }
-    for (const MeshPart& part : mesh.parts) {
-        if (suspect && std::any_of(part.positions.begin(), part.positions.end(), far))
-            return invalid(path, "\"" + name + "\" reaches farther than 10000 km from the scene's origin");
+    const auto recorded = recordedOrigin(document);
+    if (!recorded) return recorded.error();
+    scene.originMeters = localOrigin(boxes, *recorded);
+    for (std::size_t i = 0; i < scene.objects.size(); ++i) {
+        glm::dmat4 local = placement.fromObject[i];
+        local[3] -= glm::dvec4(scene.originMeters, 0.0);
+        const auto mesh = std::size_t(scene.objects[i].mesh);
+        if (reachesTooFar(scene.meshes[mesh], placement.meshBounds[mesh], local, kFarthestMeters))
+            return refused(i, "10000 km from the scene's middle");
+        scene.objects[i].worldFromObject = mat4(local);
     }
+    for (NodeState& state : nodes) state.worldFromNode[3] -= glm::dvec4(scene.originMeters, 0.0);
+    if (std::string warning = coarseObjectsWarning(scene); !warning.empty())
+        scene.warnings.push_back(std::move(warning));
     return {};
 }
 
-Status addObjects(const SourceDocument& document, const NodeState& state, const NodeMesh& placed, Scene& scene)
+Status addObjects(const SourceDocument& document, const NodeState& state, const NodeMesh& placed, Scene& scene,
+                  Placement& placement)
 {
     const auto& node = document.model.nodes[std::size_t(state.node)];
     const Json& json = document.json["nodes"][std::size_t(state.node)];
@@ -132,7 +178,6 @@ Status addObjects(const SourceDocument& document, const NodeState& state, const 
     object.name = state.name;
     object.mesh = placed.mesh;
     const glm::dmat4 worldFromShape = placed.worldFromObject.value_or(state.worldFromNode);
-    object.worldFromObject = mat4(worldFromShape);
     const bool moves = state.animated || state.morphed || node.skin >= 0;
     object.isStatic = state.settings.isStatic.value_or(!moves);
     if (object.isStatic && moves)
@@ -147,13 +192,9 @@ Status addObjects(const SourceDocument& document, const NodeState& state, const 
     object.probeLighting = state.settings.probeLighting.value_or(ProbeLighting::Automatic);
     object.probeResolution = state.settings.probeResolution.value_or(ivec3(0));
     object.sourceNode = state.node;
-    const Mesh& shape = scene.meshes[std::size_t(placed.mesh)];
-    Bounds bounds;
-    for (const MeshPart& part : shape.parts) {
-        for (const vec3& p : part.positions) bounds.extend(p);
-    }
+    const glm::dmat4 fromCentred = glm::translate(glm::dmat4(1.0), placement.meshOffset[std::size_t(placed.mesh)]);
     if (extensionOf(json, "EXT_mesh_gpu_instancing").is_null()) {
-        if (Status s = checkExtent(shape, bounds, worldFromShape, object.name, path); !s) return s;
+        placement.fromObject.push_back(worldFromShape * fromCentred);
         scene.objects.push_back(std::move(object));
         return {};
     }
@@ -162,9 +203,7 @@ Status addObjects(const SourceDocument& document, const NodeState& state, const 
     for (std::size_t i = 0; i < instances->size(); ++i) {
         Object instance = object;
         instance.name += " #" + std::to_string(i);
-        const glm::dmat4 worldFromObject = state.worldFromNode * (*instances)[i];
-        if (Status s = checkExtent(shape, bounds, worldFromObject, instance.name, path); !s) return s;
-        instance.worldFromObject = mat4(worldFromObject);
+        placement.fromObject.push_back(state.worldFromNode * (*instances)[i] * fromCentred);
         instance.sourceInstance = int(i);
         instance.probeGroup = state.node;
         scene.objects.push_back(std::move(instance));
@@ -216,9 +255,10 @@ Status applySceneSettings(const SourceDocument& document, const FileSettings& fi
     scene.sky.horizon = settings.skyHorizon.value_or(vec3(0.0f));
     scene.sky.ground = settings.skyGround.value_or(vec3(0.0f));
     scene.subtractiveShadowColor = settings.shadowColor.value_or(vec3(0.0f));
-    scene.probePositions = settings.probes.value_or(std::vector<vec3>());
-    for (const vec3& p : scene.probePositions) {
-        if (tooFar(p)) return invalid(path, "a light probe lies farther than 10000 km from the scene's origin");
+    for (const glm::dvec3& p : settings.probes.value_or(std::vector<glm::dvec3>())) {
+        if (tooFar(p - scene.originMeters))
+            return invalid(path, "a light probe lies farther than 10000 km from the scene's middle");
+        scene.probePositions.emplace_back(p - scene.originMeters);
     }
 
     // A plain model with nothing that shines would bake to black.
@@ -260,7 +300,9 @@ void warnAnimatedMaterials(const AnimatedThings& animated, Scene& scene)
 // [[add_light]] of the settings file. A light that an earlier bake with the same file added is replaced, not doubled.
 void addLights(const SourceDocument& document, const FileSettings& file, Scene& scene)
 {
-    for (const Light& added : file.addedLights) {
+    for (const auto& [authored, position] : file.addedLights) {
+        Light added = authored;
+        added.worldFromLight[3] = vec4(vec3(position - scene.originMeters), 1.0f);
         const auto isSame = [&](const Light& light) {
             const Json& node = element(document.json, "nodes", light.sourceNode);
             const Json& flag = member(extensionOf(node, "HALFLIGHT_light"), "added");
@@ -304,17 +346,19 @@ Result<Scene> sceneFromDocument(std::shared_ptr<const SourceDocument> document, 
     scene.warnings.insert(scene.warnings.end(), ofExtensions.begin(), ofExtensions.end());
 
     const AnimatedThings animated = animatedThings(*document);
-    const auto nodes = walkNodes(*document, animated, file, scene.warnings);
+    auto nodes = walkNodes(*document, animated, file, scene.warnings);
     if (!nodes) return nodes.error();
-    const auto nodeMeshes = readMeshes(*document, *nodes, scene);
+    Placement placement;
+    const auto nodeMeshes = readMeshes(*document, *nodes, scene, placement);
     if (!nodeMeshes) return nodeMeshes.error();
     for (std::size_t i = 0; i < nodes->size(); ++i) {
-        const NodeState& state = (*nodes)[i];
-        if ((*nodeMeshes)[i].mesh >= 0) {
-            if (Status s = addObjects(*document, state, (*nodeMeshes)[i], scene); !s) return s.error();
-        }
+        if ((*nodeMeshes)[i].mesh < 0) continue;
+        if (Status s = addObjects(*document, (*nodes)[i], (*nodeMeshes)[i], scene, placement); !s) return s.error();
+    }
+    if (Status s = placeScene(*document, *nodes, placement, scene); !s) return s.error();
+    for (const NodeState& state : *nodes) {
         if (state.visible) {
-            auto light = readLight(*document, state, animated, file, scene.warnings);
+            auto light = readLight(*document, state, scene.originMeters, animated, file, scene.warnings);
             if (!light) return light.error();
             if (*light) scene.lights.push_back(std::move(**light));
         }
@@ -336,6 +380,21 @@ Result<Scene> sceneFromDocument(std::shared_ptr<const SourceDocument> document, 
     warnUnmatched(file.materials, "material");
     warnUnmatched(file.lights, "light");
     return scene;
+}
+
+Result<glm::dvec3> recordedOrigin(const SourceDocument& document)
+{
+    const Json& json = member(extensionOf(document.json, "HALFLIGHT_mixed_lighting"), "origin");
+    glm::dvec3 origin(0.0);
+    if (json.is_null()) return origin;
+    bool good = json.is_array() && json.size() == 3;
+    for (std::size_t c = 0; good && c < 3; ++c) {
+        good = json[c].is_number();
+        if (good) origin[int(c)] = json[c].get<double>();
+    }
+    if (!good || tooFar(origin, 2.0 * kFarthestFromWorldMeters))
+        return invalid("/extensions/HALFLIGHT_mixed_lighting", "origin is not three numbers within 33554 km");
+    return origin;
 }
 
 Result<Scene> readScene(const std::filesystem::path& path, const ReadOptions& options)

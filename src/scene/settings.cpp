@@ -37,13 +37,13 @@ Expectation readNumber(const Json& value, double low, double high, Expectation e
     return nullptr;
 }
 
-bool readVec3(const Json& value, vec3& out)
+template<typename T> bool readVec3(const Json& value, glm::vec<3, T>& out)
 {
     if (!value.is_array() || value.size() != 3) return false;
     for (int c = 0; c < 3; ++c) {
         if (!value[std::size_t(c)].is_number()) return false;
-        out[c] = float(value[std::size_t(c)].get<double>());
-        if (!std::isfinite(out[c])) return false;
+        out[c] = T(value[std::size_t(c)].get<double>());
+        if (!std::isfinite(float(out[c]))) return false;
     }
     return true;
 }
@@ -62,21 +62,21 @@ Expectation readColor(const Json& value, std::optional<vec3>& out)
 }
 
 // [[x, y, z], …], or one flat list, since some tools (Blender) know no lists of lists.
-Expectation readPoints(const Json& value, std::optional<std::vector<vec3>>& out)
+Expectation readPoints(const Json& value, std::optional<std::vector<glm::dvec3>>& out)
 {
     constexpr Expectation kExpectation = "a list of [x, y, z]";
     if (!value.is_array()) return kExpectation;
-    std::vector<vec3> points;
+    std::vector<glm::dvec3> points;
     if (!value.empty() && value[0].is_number()) {
         if (value.size() % 3 != 0) return kExpectation;
         for (std::size_t i = 0; i < value.size(); i += 3) {
-            vec3 p;
+            glm::dvec3 p;
             if (!readVec3(Json::array({value[i], value[i + 1], value[i + 2]}), p)) return kExpectation;
             points.push_back(p);
         }
     } else {
         for (const Json& item : value) {
-            vec3 p;
+            glm::dvec3 p;
             if (!readVec3(item, p)) return kExpectation;
             points.push_back(p);
         }
@@ -188,7 +188,7 @@ const std::vector<Key<SceneSettings>>& sceneKeys()
 struct AddedLight {
     Light light;
     LightSettings settings;
-    vec3 position{0.0f};
+    glm::dvec3 position{0.0};
     vec3 direction{0.0f, -1.0f, 0.0f};
     bool hasType = false;
 };
@@ -300,7 +300,7 @@ template<typename Settings> Status readRules(const Json& tables, const char* nam
     return {};
 }
 
-Status readAddedLights(const Json& tables, std::vector<Light>& lights)
+Status readAddedLights(const Json& tables, std::vector<FileSettings::AddedLight>& lights)
 {
     if (!tables.is_array()) return Error{ErrorCode::FileInvalid, "must be written as [[add_light]]", "add_light"};
     for (std::size_t i = 0; i < tables.size(); ++i) {
@@ -313,8 +313,8 @@ Status readAddedLights(const Json& tables, std::vector<Light>& lights)
         }
         if (added.light.name.empty()) added.light.name = "added light " + std::to_string(i);
         applySettings(added.settings, added.light);
-        added.light.worldFromLight = poseLookingAlong(added.position, added.direction);
-        lights.push_back(std::move(added.light));
+        added.light.worldFromLight = poseLookingAlong(vec3(0.0f), added.direction);
+        lights.push_back({std::move(added.light), added.position});
     }
     return {};
 }

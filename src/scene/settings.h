@@ -43,7 +43,7 @@ struct SceneSettings {
     std::optional<vec3> skyHorizon;
     std::optional<vec3> skyGround;
     std::optional<vec3> shadowColor;
-    std::optional<std::vector<vec3>> probes;
+    std::optional<std::vector<glm::dvec3>> probes; ///< in the file's world
 };
 
 /// "single" or "volume"; nothing for other words.
@@ -61,7 +61,11 @@ struct FileSettings {
     std::vector<Rule<ObjectSettings>> nodes;
     std::vector<Rule<MaterialSettings>> materials;
     std::vector<Rule<LightSettings>> lights;
-    std::vector<Light> addedLights;
+    struct AddedLight {
+        Light light;         ///< its pose has the direction only
+        glm::dvec3 position; ///< in the file's world
+    };
+    std::vector<AddedLight> addedLights;
     SceneSettings scene;
 };
 

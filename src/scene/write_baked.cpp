@@ -3,6 +3,7 @@
 #include "halflight/scene/gltf.h"
 #include "scene/ktx2.h"
 #include "scene/make_document.h"
+#include "scene/origin.h"
 #include "scene/read_lights.h"
 #include "scene/rgbe.h"
 #include "scene/settings.h"
@@ -87,6 +88,11 @@ public:
     [[nodiscard]] const WrittenBytes& bytes() const { return bytes_; }
 
 private:
+    /// A pose in the world's coordinates, in double precision.
+    [[nodiscard]] Json worldNumbers(const mat4& pose) const
+    {
+        return numbers(worldFromLocal(pose, scene_.originMeters));
+    }
     [[nodiscard]] bool fingerprinted() const { return baked_.isBaked && fingerprints_.complete(); }
     Json& nodeJson(int node) { return patcher_.json["nodes"][std::size_t(node)]; }
 
@@ -367,7 +373,8 @@ private:
                 const std::size_t index = lightList().size();
                 lightList().push_back(lightJson(light));
                 Json json = {{"name", light.name}, {"extensions", {{"KHR_lights_punctual", {{"light", index}}}}}};
-                if (light.worldFromLight != mat4(1.0f)) json["matrix"] = numbers(light.worldFromLight);
+                if (light.worldFromLight != mat4(1.0f) || scene_.originMeters != dvec3(0.0))
+                    json["matrix"] = worldNumbers(light.worldFromLight);
                 node = patcher_.append("nodes", std::move(json));
                 addToScene(node);
             } else if (wasAdded) {
@@ -375,7 +382,7 @@ private:
                 added = true;
                 const auto index = nodeJson(node)["extensions"]["KHR_lights_punctual"]["light"].get<std::size_t>();
                 lightList()[index] = lightJson(light);
-                nodeJson(node)["matrix"] = numbers(light.worldFromLight);
+                nodeJson(node)["matrix"] = worldNumbers(light.worldFromLight);
             } else {
                 patchLight(light);
             }
@@ -392,7 +399,7 @@ private:
                 baking = {{"bakeType", nameOf(light.baking.bakeType)},
                           {"mixedLightingMode", nameOf(light.baking.mixedMode)},
                           {"occlusionMaskChannel", light.baking.occlusionMaskChannel},
-                          {"worldFromLight", numbers(light.baking.worldFromLight)}};
+                          {"worldFromLight", worldNumbers(light.baking.worldFromLight)}};
                 if (light.type != LightType::Directional && light.baking.reachMeters > 0.0f)
                     baking["reach"] = light.baking.reachMeters;
                 if (light.type == LightType::Spot) baking["outerConeAngle"] = light.baking.outerConeRadians;
@@ -428,6 +435,7 @@ private:
     {
         root_["version"] = 1;
         root_["mode"] = nameOf(baked_.mode);
+        if (scene_.originMeters != dvec3(0.0)) root_["origin"] = numbers(scene_.originMeters);
         if (fingerprinted()) root_["fingerprint"] = fingerprints_.ofScene();
         if (std::any_of(baked_.maskChannels.begin(), baked_.maskChannels.end(),
                         [](const MaskChannel& c) { return c.rangeTexels > 0.0f; })) {
@@ -446,7 +454,8 @@ private:
                         {"ground", numbers(scene_.sky.ground)}};
         root_["subtractiveShadowColor"] = numbers(scene_.subtractiveShadowColor);
         if (!scene_.probePositions.empty()) {
-            for (const vec3& p : scene_.probePositions) root_["authoredProbes"].push_back(numbers(p));
+            for (const vec3& p : scene_.probePositions)
+                root_["authoredProbes"].push_back(numbers(scene_.originMeters + dvec3(p)));
         }
         if (!moz_.is_null()) root_["mozLightmap"] = moz_;
         writeProbes();

@@ -141,7 +141,7 @@ TEST(CommandLineCamera, ChoiceOfCamera)
     ASSERT_FALSE(missing);
     EXPECT_NE(missing.error().message.find("'first', 'second'"), std::string::npos) << missing.error().message;
     choice = {};
-    choice.eye = vec3(1, 2, 3);
+    choice.eye = dvec3(1, 2, 3);
     choice.verticalFovRadians = 0.5f;
     const Result<Camera> given = chooseCamera(scene, choice, 1.0f);
     ASSERT_TRUE(given);

@@ -16,6 +16,8 @@
 
 namespace halflight {
 
+using glm::dmat4;
+using glm::dvec3;
 using glm::ivec2;
 using glm::ivec3;
 using glm::ivec4;

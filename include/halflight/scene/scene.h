@@ -1,6 +1,9 @@
 #pragma once
 // The scene: plain structs, filled by the glTF reader (gltf.h) or by an engine. Right-handed, Y up, metres, seconds;
 // colours are linear Rec. 709. A light shines along its local -Z, a camera looks along its local -Z (as in glTF).
+//
+// "World" in names of transforms and positions means the scene's own space, whose origin lies at
+// Scene::originMeters of the file's or engine's world. The two are the same for scenes near the world's origin.
 
 #include "halflight/base/image.h"
 #include "halflight/base/math.h"
@@ -234,6 +237,10 @@ struct SourceDocument;
 
 struct Scene {
     std::string name;
+    /// World position of the scene's local origin. All positions and transforms of the scene, its bake and its cameras
+    /// are relative to it: world = originMeters + local. Zero unless the scene is far from the world's origin for its
+    /// size (see recenter()). Directions and bounds' sizes are the same in both spaces.
+    dvec3 originMeters{0.0};
     std::vector<Texture> textures;
     std::vector<Material> materials;
     std::vector<Mesh> meshes;
@@ -250,6 +257,17 @@ struct Scene {
     /// World-space bounds of all objects (static only, if asked).
     [[nodiscard]] Bounds bounds(bool staticOnly = false) const;
 };
+
+/// Makes a scene that an engine filled relative to a world position near its middle, before it is baked. Floats are
+/// 6 cm apart at 1e6 m and rays need more, so positions far from the origin have to be relative to one near by. Does
+/// nothing where the middle of most objects is nearer than 64 times the radius that holds them. Vertices far from
+/// their mesh's origin move to it, and their objects' transforms make up for it. Returns whether it changed anything.
+///
+/// What the floats had lost before stays lost: at 5e6 m half a metre. An engine with far scenes should subtract a
+/// local origin in double precision itself, and put it into originMeters. The glTF reader does so.
+bool recenter(Scene& scene);
+/// Whether recenter() would move the scene: floats are coarse where most of its objects are. bake() warns of it.
+bool farFromOrigin(const Scene& scene);
 
 /// glTF's default material.
 const Material& defaultMaterial();
