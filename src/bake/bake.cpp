@@ -49,11 +49,20 @@ private:
 
 void reportLights(const Scene& scene, BakeReport& report)
 {
+    std::vector<std::string> ended;
     for (const Light& light : scene.lights) {
         report.lights.push_back({light.name, light.type, light.mode, light.baking.bakeType,
-                                 light.baking.occlusionMaskChannel, light.baking.reason});
+                                 light.baking.occlusionMaskChannel, light.baking.reason, light.baking.reachMeters});
         if (!light.baking.reason.empty())
             report.warnings.push_back("light \"" + light.name + "\" " + light.baking.reason);
+        if (light.type != LightType::Directional && light.rangeMeters <= 0.0f && light.baking.reachMeters > 0.0f)
+            ended.push_back(light.name);
+    }
+    if (!ended.empty()) {
+        report.warnings.push_back("lights " + listOf(ended) +
+                                  " have no range, and there are not enough shadowmask channels for lights that reach "
+                                  "everything: their baked shadows end where they add little light (reach in the "
+                                  "report); give them a range to choose it yourself");
     }
 }
 
@@ -93,7 +102,8 @@ Status dumpResult(const BakeSettings& settings, const BakedScene& baked)
     for (const Probe& probe : baked.probes.probes) {
         nlohmann::json coefficients = nlohmann::json::array();
         for (const vec3 c : probe.radiance) coefficients.push_back({c.x, c.y, c.z});
-        probes.push_back({{"position", {probe.position.x, probe.position.y, probe.position.z}},
+        const dvec3 position = baked.scene.originMeters + dvec3(probe.position);
+        probes.push_back({{"position", {position.x, position.y, position.z}},
                           {"valid", probe.valid},
                           {"occlusion", {probe.occlusion.x, probe.occlusion.y, probe.occlusion.z, probe.occlusion.w}},
                           {"radiance", std::move(coefficients)}});
@@ -200,6 +210,11 @@ Result<BakeResult> bake(Scene scene, const BakeSettings& settings, const Integra
     BakeReport& report = result.report;
     report.quality = resolveQuality(settings);
     report.warnings = scene.warnings;
+    if (farFromOrigin(scene)) {
+        report.warnings.emplace_back(
+            "the scene lies far from its origin for its size, where positions are coarse: call "
+            "recenter() before baking");
+    }
 
     StageTimer unwrapTimer(report, "unwrap");
     UnwrapSettings unwrapSettings;

@@ -1,8 +1,12 @@
 #include "bake/stages.h"
 
+#include "halflight/base/text.h"
+#include "halflight/shading/light.h"
+
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <functional>
 #include <numeric>
 
 namespace halflight {
@@ -14,7 +18,7 @@ constexpr int kChannels = 4;
 constexpr int kColoringBudget = 4'000'000;
 constexpr std::size_t kMaxRecolored = 128;
 
-/// Sphere that holds all a light with a range can reach; a spot's is the tighter of its cone's bounding spheres.
+/// Sphere that holds all a light with a reach can reach; a spot's is the tighter of its cone's bounding spheres.
 struct Reach {
     vec3 center{0.0f};
     float radius = kInfinity;
@@ -22,10 +26,10 @@ struct Reach {
 
 Reach reachOf(const Light& light)
 {
-    if (light.type == LightType::Directional || light.rangeMeters <= 0.0f) return {};
-    if (light.type == LightType::Point) return {light.position(), light.rangeMeters};
+    const float range = light.baking.reachMeters;
+    if (light.type == LightType::Directional || range <= 0.0f) return {};
+    if (light.type == LightType::Point) return {light.position(), range};
     // The cone's cap included. Narrow cones: the sphere through apex and rim; wide ones: around the rim.
-    const float range = light.rangeMeters;
     const float cosine = std::cos(light.outerConeRadians);
     if (light.outerConeRadians >= kPi / 4.0f) {
         const float along = std::max(range * cosine, 0.0f);
@@ -129,27 +133,26 @@ std::vector<int> connectedTo(const Graph& graph, const std::vector<int>& placed,
     return reached;
 }
 
-void assignShadowmask(Scene& scene, std::vector<int> mixed)
+/// Channels of some lights, most important first.
+struct Coloring {
+    std::vector<int> channel;              ///< by light; -1: none is left
+    std::vector<std::vector<int>> holders; ///< by light without channel: lights that hold the four
+    std::size_t overflow = 0;              ///< lights without channel
+};
+
+/// One light after another, the important ones first: the lowest free channel; if none is free, all so far are
+/// coloured anew together; if that fails too, the light goes without.
+Coloring colorLights(const std::vector<const Light*>& lights)
 {
-    std::sort(mixed.begin(), mixed.end(),
-              [&](int a, int b) { return moreImportant(scene.lights[std::size_t(a)], scene.lights[std::size_t(b)]); });
-    // Lights without shadows are lit everywhere: they need no channel.
-    std::erase_if(mixed, [&](int l) {
-        const Light& light = scene.lights[std::size_t(l)];
-        return !light.castShadows || light.shadowStrength <= 0.0f;
-    });
-    const std::size_t n = mixed.size();
+    const std::size_t n = lights.size();
     Graph graph(n, std::vector<bool>(n, false));
     for (std::size_t i = 0; i < n; ++i) {
-        for (std::size_t j = i + 1; j < n; ++j) {
-            graph[i][j] = graph[j][i] =
-                lightsOverlap(scene.lights[std::size_t(mixed[i])], scene.lights[std::size_t(mixed[j])]);
-        }
+        for (std::size_t j = i + 1; j < n; ++j) graph[i][j] = graph[j][i] = lightsOverlap(*lights[i], *lights[j]);
     }
-
-    // One light after another, the important ones first: the lowest free channel; if none is free, all so far are
-    // coloured anew together; if that fails too, this light is baked.
-    std::vector<int> color(n, -1);
+    Coloring result;
+    result.holders.resize(n);
+    std::vector<int>& color = result.channel;
+    color.assign(n, -1);
     std::vector<int> placed;
     for (int i = 0; i < int(n); ++i) {
         std::array<int, kChannels> holder;
@@ -172,17 +175,182 @@ void assignShadowmask(Scene& scene, std::vector<int> mixed)
             placed.push_back(i);
             continue;
         }
-        std::string names;
-        for (const int other : holder) {
-            names += (names.empty() ? "" : ", ") + scene.lights[std::size_t(mixed[std::size_t(other)])].name;
-        }
-        BakingOutput& baking = scene.lights[std::size_t(mixed[std::size_t(i)])].baking;
-        baking.bakeType = LightMode::Baked;
-        baking.reason = "overlaps four other mixed lights that hold all shadowmask channels (" + names +
-                        "), so it is fully baked; a shorter range would free it";
+        result.holders[std::size_t(i)].assign(holder.begin(), holder.end());
+        ++result.overflow;
     }
-    for (const int i : placed) {
-        scene.lights[std::size_t(mixed[std::size_t(i)])].baking.occlusionMaskChannel = color[std::size_t(i)];
+    return result;
+}
+
+/// Shares of the scene's light at which lights without a range may end, finest first: the first at which every light
+/// gets a channel is taken. The light that leaks through walls beyond a reach stays below the last one.
+constexpr std::array kReachShares = {1.0f / 320.0f, 1.0f / 160.0f, 1.0f / 80.0f, 1.0f / 40.0f, 1.0f / 20.0f};
+
+bool hasNoRange(const Light& light)
+{
+    return light.type != LightType::Directional && light.rangeMeters <= 0.0f;
+}
+
+/// Points spread evenly over the surfaces of static objects: of a low-discrepancy sequence along their summed area.
+std::vector<vec3> surfacePoints(const Scene& scene)
+{
+    struct Triangle {
+        vec3 a, ab, ac;
+        double areaBefore;
+    };
+    std::vector<Triangle> triangles;
+    double area = 0.0;
+    for (const Object& object : scene.objects) {
+        if (!object.isStatic || object.mesh < 0) continue;
+        for (const MeshPart& part : scene.meshes[std::size_t(object.mesh)].parts) {
+            const auto at = [&](std::size_t i) {
+                return vec3(object.worldFromObject * vec4(part.positions[part.indices[i]], 1.0f));
+            };
+            for (std::size_t i = 0; i + 2 < part.indices.size(); i += 3) {
+                const vec3 a = at(i);
+                triangles.push_back({a, at(i + 1) - a, at(i + 2) - a, area});
+                area += 0.5 * double(glm::length(glm::cross(triangles.back().ab, triangles.back().ac)));
+            }
+        }
+    }
+    std::vector<vec3> points;
+    if (!(area > 0.0)) return points;
+    constexpr int kPoints = 4096; // the brightest tenth of the light is then known to a few per cent
+    for (int i = 0; i < kPoints; ++i) {
+        // Roberts 2018, "The Unreasonable Effectiveness of Quasirandom Sequences": R3.
+        const glm::dvec3 u =
+            glm::fract(0.5 + double(i) * glm::dvec3(0.8191725133961645, 0.6710436067037893, 0.5497004779019703));
+        const double place = u.x * area;
+        const auto after = std::upper_bound(triangles.begin(), triangles.end(), place,
+                                            [](double p, const Triangle& t) { return p < t.areaBefore; });
+        const Triangle& t = *(after - 1);
+        const float root = std::sqrt(float(u.y));
+        points.push_back(t.a + root * ((1.0f - float(u.z)) * t.ab + float(u.z) * t.ac));
+    }
+    return points;
+}
+
+/// Illuminance without shadows; nearer than a metre counts as a metre, or the lamp's own housing would set the level.
+float illuminanceAt(const Light& light, vec3 point)
+{
+    const vec3 away = point - light.position();
+    const float distance = std::max(glm::length(away), 1.0f);
+    float attenuation = shading::distanceAttenuation(distance, light.rangeMeters);
+    if (light.type == LightType::Spot) {
+        const vec2 cone = shading::spotConstants(light.innerConeRadians, light.outerConeRadians);
+        attenuation *= shading::spotAttenuation(glm::dot(away, light.direction()) / distance, cone);
+    }
+    return luminance(light.color) * light.intensity * attenuation;
+}
+
+/// The level that the brightest tenth of what the lights bring to surfaces exceeds: what one sees a leak beside.
+float brightLevel(std::vector<float> levels)
+{
+    std::sort(levels.begin(), levels.end(), std::greater<>());
+    double sum = 0.0;
+    for (const float level : levels) sum += double(level);
+    double brightest = 0.0;
+    for (const float level : levels) {
+        brightest += double(level);
+        if (brightest >= 0.1 * sum) return level;
+    }
+    return 0.0f;
+}
+
+/// For each light without a range, sqrt(I / E): times 1 / sqrt(share) the distance at which its illuminance I / d^2 is
+/// that share of the level E of all other point and spot lights. Sun and sky do not count, since a sun may be dimmed at
+/// run time and lamps have to keep their shadows then. Infinite where nothing else shines.
+std::vector<float> levelDistances(const Scene& scene, const std::vector<const Light*>& lights)
+{
+    const std::vector<vec3> points = surfacePoints(scene);
+    std::vector<float> total(points.size(), 0.0f);
+    for (const Light& light : scene.lights) {
+        if (light.type == LightType::Directional) continue;
+        for (std::size_t p = 0; p < points.size(); ++p) total[p] += illuminanceAt(light, points[p]);
+    }
+    std::vector<float> distances(lights.size(), kInfinity);
+    for (std::size_t i = 0; i < lights.size(); ++i) {
+        if (!hasNoRange(*lights[i])) continue;
+        std::vector<float> others(points.size());
+        for (std::size_t p = 0; p < points.size(); ++p)
+            others[p] = std::max(total[p] - illuminanceAt(*lights[i], points[p]), 0.0f);
+        const float level = brightLevel(std::move(others));
+        const float candela = luminance(lights[i]->color) * lights[i]->intensity;
+        if (level > 0.0f && candela > 0.0f) distances[i] = std::sqrt(candela / level);
+    }
+    return distances;
+}
+
+/// Colours lights; where channels run out, lights without a range get an effective reach, as far as channels allow.
+Coloring colorWithinReach(const Scene& scene, const std::vector<Light*>& mixed)
+{
+    const std::vector<const Light*> lights(mixed.begin(), mixed.end());
+    Coloring best = colorLights(lights);
+    const bool limitless = std::any_of(lights.begin(), lights.end(), [](const Light* l) { return hasNoRange(*l); });
+    if (best.overflow == 0 || !limitless) return best;
+    const std::vector<float> distances = levelDistances(scene, lights);
+    const auto setReach = [&](float share) { // 0: none
+        for (std::size_t i = 0; i < mixed.size(); ++i) {
+            if (!hasNoRange(*mixed[i])) continue;
+            const float reach = share > 0.0f ? distances[i] / std::sqrt(share) : 0.0f;
+            mixed[i]->baking.reachMeters = std::isfinite(reach) ? reach : 0.0f;
+        }
+    };
+    float bestShare = 0.0f;
+    for (const float share : kReachShares) {
+        setReach(share);
+        Coloring coloring = colorLights(lights);
+        if (coloring.overflow >= best.overflow) continue;
+        best = std::move(coloring);
+        bestShare = share;
+        if (best.overflow == 0) break;
+    }
+    setReach(bestShare);
+    // A light that shares its channel with none needs no end.
+    for (std::size_t i = 0; i < mixed.size(); ++i) {
+        const auto users = std::count(best.channel.begin(), best.channel.end(), best.channel[i]);
+        if (hasNoRange(*mixed[i]) && (best.channel[i] < 0 || users == 1)) mixed[i]->baking.reachMeters = 0.0f;
+    }
+    return best;
+}
+
+/// Why a light is baked, and what to do about it.
+std::string overflowReason(const Light& light, const std::vector<const Light*>& holders)
+{
+    std::vector<std::string> names;
+    std::vector<std::string> limitless;
+    if (hasNoRange(light)) limitless.push_back(light.name);
+    for (const Light* holder : holders) {
+        names.push_back(holder->name);
+        if (hasNoRange(*holder)) limitless.push_back(holder->name);
+    }
+    std::string text = "overlaps four other mixed lights that hold all shadowmask channels (" + listOf(names) +
+                       "), so it is fully baked; ";
+    if (limitless.empty()) return text + "a shorter range would free it";
+    return text + "give " + listOf(limitless) +
+           " a range (halflight_range, or range of KHR_lights_punctual): without " +
+           (limitless.size() == 1 ? "one it reaches" : "one they reach") + " everything";
+}
+
+void assignShadowmask(Scene& scene, std::vector<int> mixed)
+{
+    std::sort(mixed.begin(), mixed.end(),
+              [&](int a, int b) { return moreImportant(scene.lights[std::size_t(a)], scene.lights[std::size_t(b)]); });
+    // Lights without shadows are lit everywhere: they need no channel.
+    std::erase_if(mixed, [&](int l) {
+        const Light& light = scene.lights[std::size_t(l)];
+        return !light.castShadows || light.shadowStrength <= 0.0f;
+    });
+    std::vector<Light*> lights;
+    for (const int l : mixed) lights.push_back(&scene.lights[std::size_t(l)]);
+    const Coloring coloring = colorWithinReach(scene, lights);
+    for (std::size_t i = 0; i < lights.size(); ++i) {
+        BakingOutput& baking = lights[i]->baking;
+        baking.occlusionMaskChannel = coloring.channel[i];
+        if (coloring.channel[i] >= 0) continue;
+        std::vector<const Light*> holders;
+        for (const int h : coloring.holders[i]) holders.push_back(lights[std::size_t(h)]);
+        baking.bakeType = LightMode::Baked;
+        baking.reason = overflowReason(*lights[i], holders);
     }
 }
 

@@ -27,6 +27,7 @@ std::string reportJson(const BakeReport& report)
                           {"mode", nameOf(light.authoredMode)},
                           {"bakedAs", nameOf(light.bakedAs)},
                           {"channel", light.channel},
+                          {"reach", light.reachMeters},
                           {"maskEncoding", light.distanceMask ? "distance" : "attenuation"},
                           {"reason", light.reason}});
     }

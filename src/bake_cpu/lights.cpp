@@ -38,6 +38,7 @@ std::vector<PunctualLight> punctualLights(const Scene& scene, LightUse use)
             p.bounces = baked || mixed;
             p.indirectMultiplier = light.indirectMultiplier;
             p.channel = light.baking.occlusionMaskChannel;
+            if (light.type != LightType::Directional) p.reach = light.baking.reachMeters;
         }
         lights.push_back(p);
     }

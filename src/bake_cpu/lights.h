@@ -28,6 +28,7 @@ struct PunctualLight {
     vec3 tangent{0.0f}; ///< with bitangent and axis an orthonormal basis
     vec3 bitangent{0.0f};
     float range = 0.0f;
+    float reach = 0.0f; ///< metres up to which its mask holds its shadow; 0 = unlimited
     vec2 spotConstants{0.0f};
     float cosOuterCone = -1.0f;
     float radius = 0.0f;           ///< metres; point and spot
@@ -47,11 +48,13 @@ struct PunctualLight {
     }
     /// Irradiance of an unoccluded point with a normal.
     [[nodiscard]] vec3 irradianceAt(vec3 point, vec3 normal) const { return irradianceOn(normal, at(point)); }
-    /// Whether a point is within range and cone. A light that is switched off in the file still reaches: it may be
-    /// switched on at run time (spec S29), and its mask must be there then.
+    /// Whether a point is within range, reach and cone. A light that is switched off in the file still reaches: it may
+    /// be switched on at run time (spec S29), and its mask must be there then.
     [[nodiscard]] bool reaches(vec3 point) const
     {
-        return shading::sampleLight(type, vec3(1.0f), position, axis, range, spotConstants, point).illuminance.x > 0.0f;
+        const shading::LightSample light =
+            shading::sampleLight(type, vec3(1.0f), position, axis, range, spotConstants, point);
+        return light.illuminance.x > 0.0f && (reach <= 0.0f || light.distance <= reach);
     }
 };
 

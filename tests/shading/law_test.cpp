@@ -4,6 +4,8 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 namespace halflight::shading {
 namespace {
 
@@ -32,6 +34,20 @@ TEST(LawS1, FadeIsOneMultiplyAdd)
         EXPECT_FLOAT_EQ(constants.x, 1.0f / row.r);
         EXPECT_FLOAT_EQ(constants.y, 1.0f - row.s / row.r);
         EXPECT_NEAR(shadowFade(row.c, constants), row.t, 1e-3f) << "s " << row.s << " r " << row.r << " c " << row.c;
+    }
+}
+
+// "Beyond the reach a light had at its bake (range, cone) B is 1".
+TEST(LawS9, BakedShadowsEndAtTheReachAndConeOfTheBake)
+{
+    const float cone = std::cos(0.5f);
+    for (const float baked : {0.0f, 0.3f, 1.0f}) {
+        EXPECT_EQ(bakedWithinReach(baked, 1.0e6f, 0.0f, -1.0f, -1.0f), baked) << "no reach, no cone";
+        EXPECT_EQ(bakedWithinReach(baked, 7.99f, 8.0f, -1.0f, -1.0f), baked);
+        EXPECT_EQ(bakedWithinReach(baked, 8.01f, 8.0f, -1.0f, -1.0f), 1.0f);
+        EXPECT_EQ(bakedWithinReach(baked, 3.0f, 8.0f, std::cos(0.49f), cone), baked);
+        EXPECT_EQ(bakedWithinReach(baked, 3.0f, 8.0f, std::cos(0.51f), cone), 1.0f);
+        EXPECT_EQ(bakedWithinReach(baked, 9.0f, 0.0f, std::cos(0.51f), cone), 1.0f);
     }
 }
 

@@ -76,6 +76,7 @@ struct LightReport {
     LightMode bakedAs = LightMode::Mixed;
     int channel = -1;
     std::string reason;        ///< empty when the light is what its author asked for
+    float reachMeters = 0.0f;  ///< BakingOutput::reachMeters
     bool distanceMask = false; ///< its channel holds distances (MaskEncoding::Distance), not attenuation
 };
 
