@@ -12,10 +12,14 @@ namespace {
 
 struct Hit {
     float distance = kInfinity;
-    bool front = false; ///< on a front face, or on a double-sided surface
+    bool front = false;       ///< on a front face, or on a double-sided surface
+    bool doubleSided = false; ///< on a double-sided surface
+
+    explicit operator bool() const { return distance < kInfinity; }
 };
 
-// A few hundred rays at most are cast here, so triangles are tried one by one behind each object's bounds.
+// Few rays are cast here, about a thousand, so triangles are tried one by one behind each object's bounds. Panes of
+// glass are left out: a view goes through them.
 class Caster {
 public:
     explicit Caster(const Scene& scene) : scene_(scene)
@@ -34,6 +38,8 @@ public:
             if (!(std::abs(determinant) > std::numeric_limits<float>::min())) continue;
             const Mesh& mesh = scene.meshes[std::size_t(object.mesh)];
             for (std::size_t i = 0; i < mesh.parts.size(); ++i) {
+                const Material& material = materialOf(scene, mesh.parts[i]);
+                if (material.alphaMode == Material::AlphaMode::Blend && material.baseColor.w < 0.5f) continue;
                 items_.push_back(
                     {&mesh.parts[i], meshBounds[std::size_t(object.mesh)][i], glm::inverse(object.worldFromObject)});
             }
@@ -93,7 +99,7 @@ private:
             if (!(v >= 0.0f && u + v <= 1.0f)) continue;
             const float t = glm::dot(ac, q) / determinant;
             // Seen from object space the front is counter-clockwise, mirrored or not (glTF 2.0, section 3.7.4).
-            if (t > 0.0f && t < hit.distance) hit = {t, doubleSided || determinant > 0.0f};
+            if (t > 0.0f && t < hit.distance) hit = {t, doubleSided || determinant > 0.0f, doubleSided};
         }
     }
 
@@ -110,12 +116,64 @@ vec3 fibonacciDirection(int i, int count)
     return {r * std::cos(phi), z, r * std::sin(phi)};
 }
 
-bool walledIn(const Caster& caster, vec3 point)
+// Whether a ray from either side of a surface point gets out of the scene.
+bool seenFromOutside(const Caster& caster, vec3 point, vec3 towards, float margin)
+{
+    constexpr int kRays = 8;
+    for (const float side : {-1.0f, 1.0f}) {
+        for (int i = 0; i < kRays; ++i) {
+            if (!caster.cast(point + side * margin * towards, fibonacciDirection(i, kRays))) return true;
+        }
+    }
+    return false;
+}
+
+// Whether the walls around a point hold things that nobody outside sees: a light, or surfaces with more behind them
+// than the two sides of a wall.
+bool holdsThings(const Scene& scene, const Caster& caster, const Bounds& box, vec3 point)
 {
     constexpr int kRays = 64;
-    int hits = 0;
-    for (int i = 0; i < kRays; ++i) hits += caster.cast(point, fibonacciDirection(i, kRays)).front;
-    return hits > kRays * 3 / 4;
+    constexpr int kEnough = kRays / 8;
+    const float margin = 1.0e-4f * glm::length(box.size());
+    for (const Light& light : scene.lights) {
+        const vec3 p = light.position();
+        if (light.type == LightType::Directional || glm::any(glm::lessThan(p, box.min)) ||
+            glm::any(glm::greaterThan(p, box.max)))
+            continue;
+        int hits = 0;
+        for (int i = 0; i < kRays; ++i) hits += bool(caster.cast(p, fibonacciDirection(i, kRays)));
+        if (hits > kRays * 3 / 4) return true;
+    }
+    int things = 0;
+    for (int i = 0; i < kRays && things < kEnough; ++i) {
+        const vec3 direction = fibonacciDirection(i, kRays);
+        vec3 at = point;
+        vec3 first(0.0f);
+        int surfaces = 0;
+        while (surfaces < 3) {
+            const Hit hit = caster.cast(at, direction);
+            if (!hit) break;
+            at += (hit.distance + margin) * direction;
+            if (surfaces++ == 0) first = at - margin * direction;
+        }
+        things += surfaces == 3 && !seenFromOutside(caster, first, direction, margin);
+    }
+    return things >= kEnough;
+}
+
+// Whether the scene is a room, to be seen from its middle: walls on nearly all sides that face inward. Walls with two
+// sides may be an object's, too: those make a room when something is in it.
+bool isRoom(const Scene& scene, const Caster& caster, const Bounds& box)
+{
+    constexpr int kRays = 64;
+    int oneSided = 0;
+    int doubleSided = 0;
+    for (int i = 0; i < kRays; ++i) {
+        const Hit hit = caster.cast(box.center(), fibonacciDirection(i, kRays));
+        (hit.doubleSided ? doubleSided : oneSided) += hit.front;
+    }
+    if (oneSided + doubleSided <= kRays * 3 / 4) return false;
+    return oneSided >= doubleSided || holdsThings(scene, caster, box, box.center());
 }
 
 // How much of the scene a view shows: the share of rays on front faces, times how deep into the bounds they go on
@@ -177,8 +235,8 @@ std::vector<Camera> viewsFromOutside(const Bounds& box, float aspect)
     for (int i = 0; i < 8; ++i) {
         const float angle = (0.35f + 0.5f * float(i)) * 0.5f * kPi;
         const vec3 direction = glm::normalize(vec3(std::sin(angle), 0.45f, std::cos(angle)));
-        Camera camera = lookAt(box.center() + direction, box.center(), kPi * 45.0f / 180.0f, box);
-        const float distance = 1.05f * std::max(fittingDistance(box, camera, aspect), 0.01f);
+        const Camera camera = lookAt(direction, vec3(0.0f), kPi * 45.0f / 180.0f, box); // its turn is what counts
+        const float distance = 1.05f * fittingDistance(box, camera, aspect);
         views.push_back(lookAt(box.center() + distance * direction, box.center(), camera.verticalFovRadians, box));
     }
     return views;
@@ -197,7 +255,8 @@ Camera lookAt(vec3 eye, vec3 target, float verticalFovRadians, const Bounds& bou
     camera.verticalFovRadians = verticalFovRadians;
     if (!bounds.empty()) {
         const float diagonal = glm::length(bounds.size());
-        camera.nearMeters = std::clamp(0.001f * diagonal, 0.001f, 0.05f);
+        // As near as the smallest scene needs: reversed depth in floats resolves all beyond it alike.
+        camera.nearMeters = std::clamp(0.001f * diagonal, 1.0e-7f, 0.05f);
         camera.farMeters = std::max(100.0f, 2.0f * (diagonal + glm::distance(eye, bounds.center())));
     }
     return camera;
@@ -223,7 +282,7 @@ Camera automaticCamera(const Scene& scene, float aspect)
         return *chosen;
     };
     float score = 0.0f;
-    if (walledIn(caster, box.center())) {
+    if (isRoom(scene, caster, box)) {
         const Camera camera = best(viewsFromInside(box), score);
         if (score > 0.1f) return camera;
     }

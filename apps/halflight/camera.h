@@ -10,7 +10,7 @@
 namespace halflight::cli {
 
 struct CameraChoice {
-    std::string name;        ///< --camera; empty = none
+    std::string name;         ///< --camera; empty = none
     std::optional<dvec3> eye; ///< --eye with --target; both in the file's world
     dvec3 target{0.0};
     float verticalFovRadians = 0.0f; ///< --fov; 0 = the camera's own
@@ -22,7 +22,8 @@ Result<Camera> chooseCamera(const Scene& scene, const CameraChoice& choice, floa
 /// At `eye`, looking at `target`, y up as far as possible.
 Camera lookAt(vec3 eye, vec3 target, float verticalFovRadians, const Bounds& bounds);
 
-/// A view that shows the scene: from inside when its middle is walled in (a room), else from outside with the bounds
+/// A view that shows the scene: from inside when its middle is walled in (a room: walls that face inward, or
+/// double-sided ones around a light or around things that nobody outside sees), else from outside with the bounds
 /// fitted into the picture, from the side that lets the eye in deepest (into a box with an open front, say).
 Camera automaticCamera(const Scene& scene, float aspect);
 
