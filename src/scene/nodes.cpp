@@ -40,10 +40,11 @@ glm::dmat4 compose(const glm::dvec3& t, glm::dquat q, const glm::dvec3& s)
 
 // What an earlier bake wrote down about the node (HALFLIGHT_node): stronger than extras, since it has their values and
 // those of the settings file of that bake.
-ObjectSettings bakedRecord(const Json& node)
+Result<ObjectSettings> bakedRecord(const Json& node, const std::string& nodePath)
 {
     ObjectSettings settings;
     const Json& record = extensionOf(node, "HALFLIGHT_node");
+    const std::string path = nodePath + "/extensions/HALFLIGHT_node";
     const auto flag = [&](const char* key, std::optional<bool>& out) {
         const Json& value = member(record, key);
         if (value.is_boolean()) out = value.get<bool>();
@@ -51,13 +52,20 @@ ObjectSettings bakedRecord(const Json& node)
     flag("static", settings.isStatic);
     flag("castShadows", settings.castShadows);
     flag("receiveShadows", settings.receiveShadows);
-    const Json& scale = member(record, "lightmapScale");
-    if (scale.is_number() && std::isfinite(scale.get<float>()) && scale.get<float>() >= 0.0f)
+    if (const Json& scale = member(record, "lightmapScale"); scale.is_number()) {
+        if (!(scale.get<double>() >= 0.0)) return invalid(path + "/lightmapScale", "is below 0");
         settings.lightmapScale = scale.get<float>();
-    const Json& probes = member(record, "probes");
-    if (probes.is_string()) settings.probeLighting = probeLightingNamed(probes.get<std::string>());
-    ivec3 resolution;
-    if (readProbeResolution(member(record, "probeResolution"), resolution)) settings.probeResolution = resolution;
+    }
+    if (const Json& probes = member(record, "probes"); probes.is_string()) {
+        settings.probeLighting = probeLightingNamed(probes.get<std::string>());
+        if (!settings.probeLighting) return invalid(path + "/probes", "is neither single nor volume");
+    }
+    if (const Json& texels = member(record, "probeResolution"); !texels.is_null()) {
+        ivec3 resolution;
+        if (!readProbeResolution(texels, resolution))
+            return invalid(path + "/probeResolution", "is not three numbers from 1 to 64");
+        settings.probeResolution = resolution;
+    }
     return settings;
 }
 
@@ -210,10 +218,11 @@ Result<std::vector<NodeState>> walkNodes(const SourceDocument& document, const A
         }
         if (authored->isStatic) state.isStaticExtras = authored->isStatic;
         if (fromFile.isStatic) state.isStaticFile = fromFile.isStatic;
-        const ObjectSettings record = bakedRecord(json);
-        state.settings = mergeSettings(mergeSettings(*authored, record), fromFile);
+        const auto record = bakedRecord(json, path);
+        if (!record) return record.error();
+        state.settings = mergeSettings(mergeSettings(*authored, *record), fromFile);
         state.settings.isStatic = state.isStaticFile ? state.isStaticFile
-                                  : record.isStatic  ? record.isStatic
+                                  : record->isStatic ? record->isStatic
                                                      : state.isStaticExtras;
 
         states.push_back(std::move(state));

@@ -4,6 +4,7 @@
 #include "halflight/base/text.h"
 #include "halflight/scene/fingerprint.h"
 #include "scene/ktx2.h"
+#include "scene/limits.h"
 #include "scene/nodes.h"
 #include "scene/read_parts.h"
 #include "scene/read_scene.h"
@@ -410,6 +411,7 @@ Result<BakedScene> bakedFromDocument(std::shared_ptr<const SourceDocument> sourc
     const glm::dvec3 shift = *origin - baked.scene.originMeters;
     if (Status s = readProbes(document, member(root, "probes"), shift, baked.probes); !s) return s.error();
     if (Status s = readBindings(document, baked); !s) return s.error();
+    if (Status s = checkFinite(baked); !s) return s.error();
     checkFingerprints(document, root, baked.scene);
     checkSettingsOfBake(document, root, baked.scene);
     return baked;

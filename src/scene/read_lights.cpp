@@ -48,20 +48,29 @@ void readAtBake(const Json& json, LightAtBake& out)
     out = read;
 }
 
-// What an earlier bake wrote down about the light (HALFLIGHT_light): its settings and the bake's output.
-void readRecord(const Json& record, const glm::dvec3& origin, Light& light)
+// A name of an enumeration by its inverse of nameOf(); absent: unchanged.
+template<typename Enum, typename Named>
+Status readName(const Json& object, const char* key, const Named& named, const std::string& path, Enum& out)
 {
-    const auto number = [&](const char* key, float low, float high, float& out) {
-        const Json& value = member(record, key);
-        if (value.is_number() && value.get<float>() >= low && value.get<float>() <= high) out = value.get<float>();
-    };
-    const auto text = [](const Json& value) { return value.is_string() ? value.get<std::string>() : std::string(); };
-    if (!record.is_object()) return;
-    light.mode = lightModeNamed(text(member(record, "mode"))).value_or(light.mode);
-    number("shadowStrength", 0.0f, 1.0f, light.shadowStrength);
-    number("indirectMultiplier", 0.0f, std::numeric_limits<float>::max(), light.indirectMultiplier);
-    number("radius", 0.0f, std::numeric_limits<float>::max(), light.radiusMeters);
-    number("angularRadius", 0.0f, kPi, light.angularRadiusRadians);
+    const Json& value = member(object, key);
+    if (value.is_null()) return {};
+    const auto known = named(value.get<std::string>());
+    if (!known) return invalid(path + "/" + key, "is no " + std::string(key) + " that this program knows");
+    out = *known;
+    return {};
+}
+
+// What an earlier bake wrote down about the light (HALFLIGHT_light): its settings and the bake's output. checkTypes()
+// has seen the types.
+Status readRecord(const Json& record, const std::string& path, const glm::dvec3& origin, Light& light)
+{
+    if (!record.is_object()) return {};
+    constexpr float kMax = std::numeric_limits<float>::max();
+    if (Status s = readName(record, "mode", lightModeNamed, path, light.mode); !s) return s;
+    if (Status s = readNumber(record, "shadowStrength", 0.0f, 1.0f, path, light.shadowStrength); !s) return s;
+    if (Status s = readNumber(record, "indirectMultiplier", 0.0f, kMax, path, light.indirectMultiplier); !s) return s;
+    if (Status s = readNumber(record, "radius", 0.0f, kMax, path, light.radiusMeters); !s) return s;
+    if (Status s = readNumber(record, "angularRadius", 0.0f, kPi, path, light.angularRadiusRadians); !s) return s;
     const Json& cast = member(record, "castShadows");
     if (cast.is_boolean()) light.castShadows = cast.get<bool>();
 
@@ -75,17 +84,24 @@ void readRecord(const Json& record, const glm::dvec3& origin, Light& light)
     biasNumber("normal", kMaxNormalBiasTexels, light.shadowBias.normalTexels);
 
     const Json& baking = member(record, "baking");
-    if (!baking.is_object()) return;
-    light.baking.isBaked = true;
-    light.baking.bakeType = lightModeNamed(text(member(baking, "bakeType"))).value_or(LightMode::Realtime);
-    light.baking.mixedMode =
-        mixedLightingModeNamed(text(member(baking, "mixedLightingMode"))).value_or(MixedLightingMode::Shadowmask);
+    if (!baking.is_object()) return {};
+    BakingOutput& output = light.baking;
+    output.isBaked = true;
+    if (Status s = readName(baking, "bakeType", lightModeNamed, path + "/baking", output.bakeType); !s) return s;
+    if (Status s = readName(baking, "mixedLightingMode", mixedLightingModeNamed, path + "/baking", output.mixedMode);
+        !s) {
+        return s;
+    }
     const Json& channel = member(baking, "occlusionMaskChannel");
-    if (channel.is_number_integer())
-        light.baking.occlusionMaskChannel = int(std::clamp<int64_t>(channel.get<int64_t>(), -1, 3));
-    light.baking.reason = text(member(baking, "reason"));
+    if (channel.is_number_integer()) {
+        if (channel.get<int64_t>() < -1 || channel.get<int64_t>() > 3 || channel > 3)
+            return invalid(path + "/baking/occlusionMaskChannel", "is not -1 to 3");
+        output.occlusionMaskChannel = channel.get<int>();
+    }
+    const Json& reason = member(baking, "reason");
+    if (reason.is_string()) output.reason = reason.get<std::string>();
     if (glm::dmat4 pose(1.0); readMatrix(member(baking, "worldFromLight"), pose))
-        light.baking.worldFromLight = localFromWorld(pose, origin);
+        output.worldFromLight = localFromWorld(pose, origin);
     // Lights without a range have no reach unless the bake gave them one; other lights without a record are of files
     // of earlier versions, and are taken to be as they were.
     light.baking.reachMeters = light.type == LightType::Directional ? 0.0f : light.rangeMeters;
@@ -97,6 +113,7 @@ void readRecord(const Json& record, const glm::dvec3& origin, Light& light)
     baked("reach", std::numeric_limits<float>::max(), light.baking.reachMeters);
     baked("outerConeAngle", kPi, light.baking.outerConeRadians);
     readAtBake(member(baking, "atBake"), light.baking.atBake);
+    return {};
 }
 
 // What of a baked light an animation of its members leaves behind.
@@ -198,7 +215,8 @@ Result<std::optional<Light>> readLight(const SourceDocument& document, const Nod
         if (owner == ExtrasOwner::Light) warnUnknownExtras(extras, owner, where, warnings);
         applySettings(*settings, light);
     }
-    readRecord(extensionOf(node, "HALFLIGHT_light"), origin, light);
+    const std::string recordPath = nodePath + "/extensions/HALFLIGHT_light";
+    if (Status s = readRecord(extensionOf(node, "HALFLIGHT_light"), recordPath, origin, light); !s) return s.error();
     for (auto& rule : file.lights) {
         if (!matchesPattern(rule.pattern, light.name) && !matchesPattern(rule.pattern, state.name)) continue;
         rule.matched = true;

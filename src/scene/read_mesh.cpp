@@ -1,5 +1,6 @@
 #include "scene/geometry.h"
 #include "scene/read_parts.h"
+#include "scene/tangents.h"
 
 #include <algorithm>
 #include <cmath>

@@ -2,7 +2,9 @@
 
 #include "halflight/base/parallel.h"
 #include "halflight/base/text.h"
+#include "scene/advice.h"
 #include "scene/extensions.h"
+#include "scene/limits.h"
 #include "scene/nodes.h"
 #include "scene/origin.h"
 #include "scene/read_lights.h"
@@ -263,6 +265,8 @@ Status applySceneSettings(const SourceDocument& document, const FileSettings& fi
 
     // A plain model with nothing that shines would bake to black.
     const bool skyAuthored = settings.skyZenith || settings.skyHorizon || settings.skyGround;
+    const std::vector<std::string> advice = adviceFor(scene, document.json, skyAuthored);
+    scene.warnings.insert(scene.warnings.end(), advice.begin(), advice.end());
     bool emits = false;
     for (const Object& object : scene.objects) {
         for (const MeshPart& part : scene.meshes[std::size_t(object.mesh)].parts) {
@@ -367,6 +371,7 @@ Result<Scene> sceneFromDocument(std::shared_ptr<const SourceDocument> document, 
     addLights(*document, file, scene);
     warnAnimatedMaterials(animated, scene);
     if (Status s = applySceneSettings(*document, file, scene); !s) return s.error();
+    if (Status s = checkBrightness(scene); !s) return s.error();
 
     const auto warnUnmatched = [&](const auto& rules, const char* table) {
         for (const auto& rule : rules) {

@@ -257,9 +257,8 @@ Result<Settings> fromExtras(const Json& extras, const std::vector<Key<Settings>>
     Settings settings;
     for (const auto& key : keys) {
         const std::string name = std::string(kPrefix) + key.name;
-        const Json& value = member(extras, name.c_str());
-        if (value.is_null()) continue;
-        if (const Expectation wrong = key.set(value, settings)) return wrongValue(path + "/extras", name, wrong);
+        if (!extras.is_object() || !extras.contains(name)) continue;
+        if (const Expectation wrong = key.set(extras[name], settings)) return wrongValue(path + "/extras", name, wrong);
     }
     return settings;
 }

@@ -3,6 +3,7 @@
 #include "scene/decompress.h"
 #include "scene/extensions.h"
 #include "scene/patcher.h"
+#include "scene/types.h"
 
 #include <algorithm>
 #include <array>
@@ -35,10 +36,6 @@ constexpr std::array<std::string_view, 18> kSupportedExtensions = {"KHR_lights_p
                                                                    "HALFLIGHT_light",
                                                                    "MOZ_lightmap",
                                                                    "MOZ_texture_rgbe"};
-
-constexpr std::array<const char*, 13> kArrays = {"buffers",  "bufferViews", "accessors", "images", "textures",
-                                                 "samplers", "materials",   "meshes",    "nodes",  "skins",
-                                                 "cameras",  "animations",  "scenes"};
 
 // A non-negative integer member up to `limit`. `required`: it must be there.
 Status checkUnsigned(const Json& object, const char* key, bool required, uint64_t limit, const std::string& path,
@@ -74,9 +71,7 @@ Status checkExtensions(const Json& json)
 {
     const Json& required = member(json, "extensionsRequired");
     if (required.is_null()) return {};
-    if (!required.is_array()) return invalid("/extensionsRequired", "is not an array");
     for (const Json& name : required) {
-        if (!name.is_string()) return invalid("/extensionsRequired", "holds something that is not a name");
         const auto text = name.get<std::string>();
         if (!isSupportedExtension(text) && !isHarmlessExtension(text)) {
             return Error{ErrorCode::Unsupported,
@@ -98,7 +93,6 @@ Status checkBuffers(const Json& json, bool isBinary)
         const Json& uri = member(buffers[i], "uri");
         if (uri.is_null() && !(isBinary && i == 0) && !isFallbackBuffer(buffers[i]))
             return invalid(path, "has neither a uri nor a binary chunk");
-        if (!uri.is_null() && !uri.is_string()) return invalid(path, "uri is not a string");
     }
     const Json& views = member(json, "bufferViews");
     for (std::size_t i = 0; i < views.size(); ++i) {
@@ -131,7 +125,6 @@ Status checkBuffers(const Json& json, bool isBinary)
                            "refers to buffer view " + std::to_string(view) + " of " + std::to_string(views.size()));
         }
         if (hasView == images[i].contains("uri")) return invalid(path, "needs either a uri or a bufferView");
-        if (!hasView && !images[i]["uri"].is_string()) return invalid(path, "uri is not a string");
     }
     return {};
 }
@@ -139,9 +132,13 @@ Status checkBuffers(const Json& json, bool isBinary)
 // The numbers that tinygltf narrows to int.
 Status checkAccessorNumbers(const Json& json)
 {
+    constexpr std::string_view kTypes[] = {"SCALAR", "VEC2", "VEC3", "VEC4", "MAT2", "MAT3", "MAT4"};
     const Json& accessors = member(json, "accessors");
     for (std::size_t i = 0; i < accessors.size(); ++i) {
         const std::string path = pathOf("accessors", i);
+        const auto type = accessors[i]["type"].get<std::string>();
+        if (std::find(std::begin(kTypes), std::end(kTypes), type) == std::end(kTypes))
+            return invalid(path, "has an unknown type");
         uint64_t value = 0;
         for (const char* key : {"bufferView", "byteOffset"}) {
             if (Status s = checkUnsigned(accessors[i], key, false, kMaxInt, path, value); !s) return s;
@@ -160,6 +157,19 @@ Status checkAccessorNumbers(const Json& json)
         }
         if (Status s = checkUnsigned(member(sparse, "indices"), "componentType", true, kMaxInt, sparsePath, value); !s)
             return s;
+    }
+    return {};
+}
+
+// A camera has the lens that its type says.
+Status checkCameras(const Json& json)
+{
+    const Json& cameras = member(json, "cameras");
+    for (std::size_t i = 0; i < cameras.size(); ++i) {
+        const auto type = cameras[i]["type"].get<std::string>();
+        if (type != "perspective" && type != "orthographic")
+            return invalid(pathOf("cameras", i), "type is neither perspective nor orthographic");
+        if (!cameras[i].contains(type)) return invalid(pathOf("cameras", i), "has no " + type);
     }
     return {};
 }
@@ -362,16 +372,10 @@ Status checkBeforeParsing(const Json& json, bool isBinary)
 {
     if (!json.is_object()) return Error{ErrorCode::FileInvalid, "the JSON is not an object"};
     if (Status s = checkVersion(json); !s) return s;
+    if (Status s = checkTypes(json); !s) return s;
     if (Status s = checkExtensions(json); !s) return s;
-    for (const char* name : kArrays) {
-        const Json& array = member(json, name);
-        if (array.is_null()) continue;
-        if (!array.is_array()) return invalid(std::string("/") + name, "is not an array");
-        for (std::size_t i = 0; i < array.size(); ++i) {
-            if (!array[i].is_object()) return invalid(pathOf(name, i), "is not an object");
-        }
-    }
     if (Status s = checkBuffers(json, isBinary); !s) return s;
+    if (Status s = checkCameras(json); !s) return s;
     return checkAccessorNumbers(json);
 }
 

@@ -2,6 +2,7 @@
 #include "halflight/scene/fingerprint.h"
 #include "halflight/scene/gltf.h"
 #include "scene/ktx2.h"
+#include "scene/limits.h"
 #include "scene/make_document.h"
 #include "scene/origin.h"
 #include "scene/read_lights.h"
@@ -561,6 +562,8 @@ std::vector<std::filesystem::path> externalFiles(const Scene& scene)
 
 Status writeBakedScene(const std::filesystem::path& path, const BakedScene& baked, const WriteOptions& options)
 {
+    if (Status status = checkFinite(baked); !status)
+        return Error{ErrorCode::InvalidArgument, status.error().message + " and is not written", status.error().object};
     std::string extension = path.extension().string();
     std::transform(extension.begin(), extension.end(), extension.begin(),
                    [](unsigned char c) { return char(std::tolower(c)); });

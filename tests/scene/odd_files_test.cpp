@@ -185,5 +185,111 @@ TEST(Cameras, OddOnesAreLeftOutWithTheReasonAndTheRestIsRead)
     EXPECT_EQ(read(orthographic({{"xmag", -1}, {"ymag", -1}, {"znear", 0}, {"zfar", 3}})).cameras.size(), 1u);
 }
 
+TEST(Brightness, BeyondWhatABakeCanSumIsRefusedWithItsPath)
+{
+    const auto errorOf = [](const std::function<void(GltfBuilder&)>& change) {
+        const TemporaryFolder folder;
+        GltfBuilder file;
+        file.triangle();
+        change(file);
+        const auto scene = readScene(file.write(folder));
+        return scene ? std::string("loaded") : scene.error().text();
+    };
+    const auto emission = [](double strength) {
+        return [=](GltfBuilder& f) {
+            f.json["materials"] = {
+                {{"emissiveFactor", {0, 0.5, 0}},
+                 {"extensions", {{"KHR_materials_emissive_strength", {{"emissiveStrength", strength}}}}}}};
+        };
+    };
+    const auto lamp = [](double intensity, const Json& extras) {
+        return [=](GltfBuilder& f) {
+            f.json["extensions"]["KHR_lights_punctual"]["lights"] = {
+                {{"type", "point"}, {"intensity", intensity}, {"extras", extras}}};
+            f.json["nodes"][0]["extensions"]["KHR_lights_punctual"]["light"] = 0;
+        };
+    };
+    const auto sky = [](double radiance) {
+        return [=](GltfBuilder& f) { f.json["scenes"][0]["extras"]["halflight_sky_ground"] = radiance; };
+    };
+    EXPECT_EQ(errorOf(emission(1.9e12)), "loaded");
+    EXPECT_THAT(errorOf(emission(2.1e12)), HasSubstr("/materials/0: its emission is brighter than 1e12"));
+    EXPECT_EQ(errorOf(lamp(1e12, {})), "loaded");
+    EXPECT_THAT(errorOf(lamp(1e30, {})), HasSubstr("/nodes/0: light \"triangle\" is brighter"));
+    EXPECT_THAT(errorOf(lamp(1e3, {{"halflight_indirect_multiplier", 1e10}})), HasSubstr("/nodes/0"));
+    EXPECT_EQ(errorOf(sky(1e12)), "loaded");
+    EXPECT_THAT(errorOf(sky(1e30)), HasSubstr("/scenes/0: its sky"));
+}
+
+TEST(Brightness, NoNumberThatIsNotFiniteIsWrittenOrRead)
+{
+    const TemporaryFolder folder;
+    const float bad = std::numeric_limits<float>::infinity();
+    const std::vector<std::function<void(BakedScene&)>> changes = {
+        [&](BakedScene& b) { b.probes.probes[3].radiance[8].z = bad; },
+        [&](BakedScene& b) { b.probes.probes[0].occlusion.w = bad - bad; },
+        [&](BakedScene& b) { b.probes.probes[7].position.x = bad; },
+        [&](BakedScene& b) { b.lightmapUnitLux = bad; },
+        [&](BakedScene& b) { b.scene.objects[0].lightmap.offset.y = bad; },
+        [&](BakedScene& b) { b.scene.meshes[0].parts[1].lightmapUv[2].x = bad - bad; }};
+    for (std::size_t i = 0; i < changes.size(); ++i) {
+        BakedScene baked = pretendToBake(engineScene(), false);
+        changes[i](baked);
+        const Status written = writeBakedScene(folder / "baked.glb", baked);
+        EXPECT_FALSE(written) << i;
+        EXPECT_FALSE(std::filesystem::exists(folder / "baked.glb"));
+    }
+    // A file from elsewhere, with a NaN in its probes' radiance.
+    ASSERT_TRUE(writeBakedScene(folder / "baked.glb", pretendToBake(engineScene(), false)));
+    std::vector<char> binary;
+    const Json json = jsonOfGlb(folder / "baked.glb", &binary);
+    const auto accessor = json["extensions"]["HALFLIGHT_mixed_lighting"]["probes"]["radiance"].get<std::size_t>();
+    const Json& view = json["bufferViews"][json["accessors"][accessor]["bufferView"].get<std::size_t>()];
+    std::fstream file(folder / "baked.glb", std::ios::in | std::ios::out | std::ios::binary);
+    file.seekp(std::streamoff(std::filesystem::file_size(folder / "baked.glb") - binary.size() +
+                              view.value("byteOffset", std::size_t(0)) + 40));
+    file.write("\xff\xff\xff\xff", 4);
+    file.close();
+    const auto read = readBakedScene(folder / "baked.glb");
+    ASSERT_FALSE(read);
+    EXPECT_THAT(read.error().text(), HasSubstr("/extensions/HALFLIGHT_mixed_lighting/probes: probe 0 is not finite"));
+}
+
+TEST(Advice, BlenderFilesWithoutLightsAndRoomsInCentimetres)
+{
+    const auto blender = [](const std::string& generator, bool sky) {
+        return readWith([&](GltfBuilder& file) {
+                   file.json["asset"]["generator"] = generator;
+                   if (sky) file.json["scenes"][0]["extras"]["halflight_sky"] = 1;
+               })
+            .warnings;
+    };
+    const auto named = testing::AllOf(HasSubstr("Punctual Lights"), HasSubstr("Custom Properties"));
+    EXPECT_THAT(blender("Khronos glTF Blender I/O v4.2.60", false), Contains(named));
+    EXPECT_THAT(blender("Khronos glTF Blender I/O v4.2.60", true), Not(Contains(named)));
+    EXPECT_THAT(blender("Another", false), Not(Contains(named)));
+    // A room of 5 x 3 x 5 with furniture, by the length of its unit; and the same with small things in it.
+    const auto room = [](float unit, float small) {
+        return readWith([&](GltfBuilder& file) {
+                   Json nodes = Json::array();
+                   const auto add = [&](vec3 at, float size) {
+                       nodes.push_back({{"mesh", 0},
+                                        {"translation", {unit * at.x, unit * at.y, unit * at.z}},
+                                        {"scale", {unit * size, unit * size, unit * size}}});
+                   };
+                   add({0, 0, 0}, 5.0f);
+                   add({0, 2, 3}, 1.0f);
+                   for (int i = 0; i < 4; ++i) add({float(i), 0, 1}, 0.5f);
+                   for (int i = 0; i < 4; ++i) add({float(i), 1, 1}, small);
+                   file.json["nodes"] = nodes;
+                   file.json["scenes"] = {{{"nodes", {0, 1, 2, 3, 4, 5, 6, 7, 8, 9}}}};
+               })
+            .warnings;
+    };
+    EXPECT_THAT(room(100.0f, 0.5f), Contains(HasSubstr("centimetres")));
+    EXPECT_THAT(room(1.0f, 0.5f), Not(Contains(HasSubstr("centimetres"))));
+    EXPECT_THAT(room(100.0f, 0.01f), Not(Contains(HasSubstr("centimetres"))));
+}
+
 } // namespace
 } // namespace halflight

@@ -144,8 +144,8 @@ TEST(ReaderGeometry, TangentsFollowTextureAndMirroredSeamsSplit)
     ASSERT_EQ(part.sourceVertex.size(), 6u);
     for (int corner = 0; corner < 6; ++corner) {
         const vec4 t = part.tangents[part.indices[std::size_t(corner)]];
-        EXPECT_EQ(t, corner < 3 ? vec4(1, 0, 0, -1) : vec4(-1, 0, 0, 1))
-            << corner; // v grows downwards: w = -1 unmirrored
+        // v grows downwards and a normal map's green upwards: w = 1 unmirrored
+        EXPECT_EQ(t, corner < 3 ? vec4(1, 0, 0, 1) : vec4(-1, 0, 0, -1)) << corner;
     }
     EXPECT_EQ(scene.materials[0].normalScale, 0.5f);
     EXPECT_EQ(scene.textures.at(0).pixels(0, 0), u8vec4(128, 128, 255, 255));
@@ -361,7 +361,7 @@ TEST(ReaderErrors, EachNamesItsObject)
                 }),
                 HasSubstr("no data"));
     EXPECT_THAT(errorOf([](auto& f) { f.json["accessors"][0]["byteOffset"] = -4; }),
-                HasSubstr("byteOffset is not an unsigned integer"));
+                HasSubstr("/accessors/0/byteOffset: is -4, not an unsigned integer"));
     EXPECT_THAT(errorOf([](auto& f) { f.json["extensionsRequired"] = {"KHR_texture_basisu"}; }),
                 HasSubstr("`npx @gltf-transform/cli ktxdecompress IN.glb OUT.glb` makes a file without it"));
     EXPECT_THAT(errorOf([](auto& f) { f.json["nodes"][0]["children"] = {0}; }), HasSubstr("/nodes/0"));
@@ -371,7 +371,7 @@ TEST(ReaderErrors, EachNamesItsObject)
                     f.json["nodes"][0]["extensions"]["EXT_mesh_gpu_instancing"]["attributes"]["SCALE"] = 99;
                 }),
                 HasSubstr("accessor"));
-    EXPECT_THAT(errorOf([](auto& f) { f.json["nodes"] = "none"; }), HasSubstr("/nodes: is not an array"));
+    EXPECT_THAT(errorOf([](auto& f) { f.json["nodes"] = "none"; }), HasSubstr("/nodes: is \"none\", not an array"));
     EXPECT_THAT(
         errorOf([](auto& f) { f.json["extras"] = Json::parse(std::string(2000, '[') + std::string(2000, ']')); }),
         HasSubstr("nested"));
