@@ -132,7 +132,7 @@ const Malformed kMalformed[] = {
     {"material_unresolved_texture.gltf", ErrorCode::FileInvalid, "/materials/0", "does not exist"},
     {"image_truncated_png.gltf", ErrorCode::FileInvalid, "/images/0", "image"},
     {"light_unresolved_index.gltf", ErrorCode::FileInvalid, "/nodes/0", "light that does not exist"},
-    {"integer_overflow_byte_length.gltf", ErrorCode::FileInvalid, "/bufferViews/0", "byteLength"},
+    {"integer_overflow_byte_length.gltf", ErrorCode::FileInvalid, "/bufferViews/0/byteLength", "unsigned integer"},
     {"invalid_buffer_index.gltf", ErrorCode::FileInvalid, "/bufferViews/", "buffer 1 of 1"},
     {"positions_nan_inf.glb", ErrorCode::FileInvalid, "/meshes/0/primitives/0", "not a finite number"},
     {"required_ext_meshopt_box.glb", ErrorCode::Unsupported, "/extensionsRequired", "EXT_meshopt_compression"},
