@@ -12,10 +12,12 @@ layout(location = 3) in vec4 inColor;
 invariant gl_Position;
 layout(location = 0) out vec4 outUv;
 layout(location = 1) out float outAlpha;
+layout(location = 2) flat out uint outObject;
 
 void main()
 {
-    vec4 position = objects[instanceObjects[gl_InstanceIndex]].worldFromObject * vec4(inPosition, 1.0);
+    outObject = instanceObjects[gl_InstanceIndex];
+    vec4 position = objects[outObject].worldFromObject * vec4(inPosition, 1.0);
     gl_Position = push.clipFromWorld * position;
     outUv = vec4(inUv0, inUv1);
     outAlpha = inColor.a;

@@ -44,7 +44,7 @@ float shadowAttenuation(int light, Surface s, LightSample incoming)
 }
 
 // Subtractive: the lightmap's irradiance at a point with this interpolated normal, less what dynamic objects keep from it
-// of the main light.
+// of the main light. s.baked is the main light's own mask where the file has one, else 1.
 vec3 subtractDynamicShadows(vec3 lightmap, Surface s, vec3 vertexNormal)
 {
     int mainLight = frame.mode.z;
@@ -53,8 +53,8 @@ vec3 subtractDynamicShadows(vec3 lightmap, Surface s, vec3 vertexNormal)
     vec3 mainIrradiance = incoming.illuminance * saturate(dot(vertexNormal, incoming.direction));
     float faded = mixShadowsFullStrength(frame.mode.x, false, 1.0, hasRealtime(mainLight),
                                          readRealtime(mainLight, s, incoming), s.fade);
-    return subtractiveIrradiance(lightmap, mainIrradiance, faded, frame.subtractiveShadowColor.rgb,
-                                 lights[mainLight].colorIntensity.w);
+    return subtractiveIrradiance(lightmap, mainIrradiance, s.baked[lights[mainLight].info.z], faded,
+                                 frame.subtractiveShadowColor.rgb, lights[mainLight].colorIntensity.w);
 }
 
 // Cluster of the fragment: picture tile and exponential depth slice (see LightClusters in frame.h).

@@ -9,6 +9,8 @@
 #include "halflight/shading/directional.h"
 #include "halflight/shading/mask.h"
 
+layout(constant_id = 1) const bool kReadsMask = true; // false in frames that use no shadowmask (S11)
+
 layout(location = 0) in vec3 inPosition;
 layout(location = 1) in vec3 inNormal;
 layout(location = 2) in vec4 inTangent;
@@ -83,7 +85,8 @@ MeshSurface readSurface()
     ivec4 info = objects[inObject].info;
     s.lightmapped = (info.x & kObjectLightmapped) != 0;
     s.receiveShadows = (info.x & kObjectReceiveShadows) != 0 && materials[material].info.y != 0;
-    vec4 mask = readShadowmask(inLightmapUv, info.y); // derivatives want uniform control flow
+    vec4 mask = vec4(1.0);
+    if (kReadsMask) mask = readShadowmask(inLightmapUv, info.y); // derivatives want uniform control flow
     if (frame.mode.x == kModeRealtime && frame.mode.y == kViewLit)
         mesh.probes = openSky();
     else if (!s.lightmapped || frame.mode.y != kViewLit)

@@ -189,6 +189,12 @@ void printSummary(const BakeOptions& options, const BakeReport& report)
               grouped(baked), grouped(report.cache.tiles), grouped(report.cache.same), grouped(report.cache.unchanged));
     }
     print("geometry   {} static triangles\n", grouped(report.triangleCount));
+    if (const auto& main = report.mainLight) {
+        const vec3 color = main->shadowColor;
+        print("subtracted {}, {} mask, down to {:.3g}, {:.3g}, {:.3g} lux{}\n", printable(main->name),
+              main->mask ? "with its own" : "without a", color.r, color.g, color.b,
+              main->colorByBake ? " (chosen by the bake)" : "");
+    }
     print("probes     {} of {} valid\n", grouped(uint64_t(report.validProbeCount)),
           grouped(uint64_t(report.probeCount)));
     printBytes(report);
@@ -391,6 +397,9 @@ Command addBakeCommand(CLI::App& parent)
                             {{"attenuation", MaskEncoding::Attenuation}, {"distance-field", MaskEncoding::Distance}},
                             "what shadowmask texels hold; distance fields keep hard edges crisp at half the density, "
                             "for lights with narrow penumbrae (default attenuation)");
+    addChoice<bool>(app, "--subtractive-mask", bake.subtractiveMask, {{"on", true}, {"off", false}},
+                    "subtractive: store the main light's own mask, so that dynamic shadows take away only light that "
+                    "arrives (default on)");
     addFloat(app, "--probe-spacing", bake.probeSpacingMeters, 0.01f, 10000.0f, "METERS",
              "distance between light probes (default by the scene's size)");
     addVec3(app, "--sky", options->skyNits, 0.0f, 1.0e6f, "R,G,B",

@@ -128,6 +128,11 @@ Json infoJson(const InfoOptions& options, const BakedScene& baked)
                         {"directional", !baked.lightmapDirections.empty()}};
     json["shadowmask"] = {{"pages", baked.shadowmasks.size()},
                           {"size", baked.shadowmasks.empty() ? 0 : baked.shadowmasks.front().width()}};
+    if (baked.mode == MixedLightingMode::Subtractive) {
+        json["subtractive"] = {{"mask", !baked.shadowmasks.empty()},
+                               {"shadowColor", jsonOf(subtractiveShadowColor(baked))},
+                               {"shadowColorFromBake", !scene.subtractiveShadowColor.has_value()}};
+    }
     json["probes"] = {{"total", baked.probes.probes.size()},
                       {"valid", counts.validProbes},
                       {"grid", Json::array({baked.probes.size.x, baked.probes.size.y, baked.probes.size.z})},
@@ -192,6 +197,12 @@ void printInfo(const InfoOptions& options, const BakedScene& baked)
         print("lightmap    {} of {} x {}{}, for {} objects\n", baked.lightmaps.size(), lightmapSize, lightmapSize,
               baked.lightmapDirections.empty() ? "" : ", directional", grouped(counts.lightmappedObjects));
         print("shadowmask  {} of {} x {}\n", baked.shadowmasks.size(), maskSize, maskSize);
+        if (baked.mode == MixedLightingMode::Subtractive) {
+            const vec3 color = subtractiveShadowColor(baked);
+            print("subtracted  {} main light's mask, down to {:.3g}, {:.3g}, {:.3g} lux{}\n",
+                  baked.shadowmasks.empty() ? "without the" : "with the", color.r, color.g, color.b,
+                  scene.subtractiveShadowColor ? "" : " (chosen by the bake)");
+        }
         const ivec3 grid = baked.probes.size;
         print("probes      {} ({} valid)", grouped(baked.probes.probes.size()), grouped(counts.validProbes));
         if (grid.x > 0) print(", grid {} x {} x {}", grid.x, grid.y, grid.z);

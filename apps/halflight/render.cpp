@@ -39,6 +39,7 @@ struct RenderOptions {
     CameraChoice camera;
     dvec3 eye{0.0};
     bool eyeGiven = false;
+    vec3 shadowColor{0.0f}; ///< counts when settings have one
     float fovDegrees = 0.0f;
     std::optional<float> exposureEv; ///< empty = auto
     bool exposureGiven = false;
@@ -298,6 +299,7 @@ int runRender(RenderOptions options)
     if (options.eyeGiven) options.camera.eye = options.eye;
     if (!options.cascadeSplits.empty()) options.cascades = int(options.cascadeSplits.size()) + 1;
     if (options.cascades > 0) options.render.shadows.cascades = options.cascades;
+    if (options.render.subtractiveShadowColor) options.render.subtractiveShadowColor = options.shadowColor;
     options.camera.verticalFovRadians = glm::radians(options.fovDegrees);
 
     ReadOptions readOptions;
@@ -480,6 +482,9 @@ void addShadowOptions(CLI::App& app, RenderOptions& options)
     addFloat(app, "--shadow-depth-bias", shadows.depthBias, 0.0f, 100.0f, "TEXELS",
              "receivers move towards the light by this (default 0.1)");
     addFloat(app, "--shadow-slope-bias", shadows.slopeBias, 0.0f, 100.0f, "X", "slope-scaled depth bias (default 1.5)");
+    addVec3(app, "--shadow-color", options.shadowColor, 0.0f, 1.0e9f, "R,G,B",
+            "lower limit of subtractive shadows in lux, instead of the file's")
+        ->each([&options](const std::string&) { options.render.subtractiveShadowColor = vec3(0.0f); });
     addFloat(app, "--shadow-normal-bias", shadows.normalBiasTexels, 0.0f, 8.0f, "TEXELS",
              "receivers move along their normal by this (default 1.2)");
 }

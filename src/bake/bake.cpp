@@ -1,6 +1,7 @@
 #include "halflight/bake/bake.h"
 
 #include "bake/gather.h"
+#include "bake/main_light.h"
 #include "bake/stages.h"
 
 #include "halflight/base/file.h"
@@ -115,19 +116,22 @@ Status dumpResult(const BakeSettings& settings, const BakedScene& baked)
     return {};
 }
 
-/// How far the estimates got.
-void reportNoise(const std::vector<IrradianceEstimate>& estimates, BakeReport& report)
+/// How far the estimates got. `main`: light that is in the lightmap beside them.
+void reportNoise(const std::vector<IrradianceEstimate>& estimates, const std::optional<MainLight>& main,
+                 BakeReport& report)
 {
     double variance = 0.0;
     double sum = 0.0;
     double samples = 0.0;
     uint64_t valid = 0;
     const auto most = uint32_t(report.quality.samples);
-    for (const IrradianceEstimate& e : estimates) {
+    for (std::size_t i = 0; i < estimates.size(); ++i) {
+        const IrradianceEstimate& e = estimates[i];
         if (!e.valid) continue;
         ++valid;
         variance += double(e.varianceOfMean);
         sum += double(luminance(e.irradiance));
+        if (main) sum += double(luminance(main->at(i)));
         samples += double(e.samples);
         if (e.samples == 0) ++report.texelsBetween;
         if (report.quality.noiseTarget > 0.0f && e.samples >= most) ++report.texelsAtCap;
@@ -137,6 +141,29 @@ void reportNoise(const std::vector<IrradianceEstimate>& estimates, BakeReport& r
     const uint64_t traced = valid - report.texelsBetween;
     report.samplesPerTexel = traced > 0 ? samples / double(traced) : 0.0;
     report.noiseReached = sum > 0.0 ? float(std::sqrt(variance * double(valid)) / sum) : 0.0f;
+}
+
+/// A mask's pages: filled inside geometry, dilated, stitched.
+std::vector<ImageRgba8> maskPages(const BakeGeometry& geometry, const TexelMap& map, const std::vector<uint8_t>& valid,
+                                  const std::vector<SeamSample>& seams, std::vector<vec4> mask, bool distances,
+                                  std::array<MaskChannel, 4>& channels)
+{
+    fillInvalid(geometry, map, valid, mask);
+    if (distances) channels = maskToDistances(map, mask);
+    std::vector<ImageRgba32f> pages = dilate(map, mask, kDilationRings, distances);
+    stitchSeams(map, seams, seamWeights(seams, pages), pages, !distances);
+    return encodeShadowmask(pages);
+}
+
+/// What a subtractive bake knows of its main light, for the report and for whoever reads it.
+void reportMainLight(const BakedScene& baked, const MainLight& main, const BakeSettings& settings, BakeReport& report)
+{
+    report.mainLight = {main.name, !baked.shadowmasks.empty(), subtractiveShadowColor(baked),
+                        !baked.scene.subtractiveShadowColor.has_value()};
+    if (settings.maskEncoding == MaskEncoding::Distance && report.mainLight->mask) {
+        report.warnings.emplace_back("a subtractive bake's mask holds attenuation, as the lightmap does: distance "
+                                     "fields are for shadowmask bakes");
+    }
 }
 
 /// Objects that were baked from their other side.
@@ -295,9 +322,17 @@ Result<BakeResult> bake(Scene scene, const BakeSettings& settings, const Integra
     if (!gather.irradiance(estimates, progress)) return cancelledError();
     integrator.releaseIrradiance();
     lightmapTimer.finish(integrator.raysTraced());
-    reportNoise(estimates, report);
+    std::optional<MainLight> main = findMainLight(baked.scene);
+    if (main) {
+        StageTimer mainTimer(report, "main light");
+        const uint64_t before = integrator.raysTraced();
+        if (!bakeMainLight(gather, estimates, *main, progress)) return cancelledError();
+        mainTimer.finish(integrator.raysTraced() - before);
+    }
+    reportNoise(estimates, main, report);
     if (!settings.imagesDirectory.empty()) {
-        const std::vector<vec3> raw = splitEstimates(estimates).irradiance;
+        std::vector<vec3> raw = splitEstimates(estimates).irradiance;
+        if (main) main->addTo(raw);
         note(result.images, dumpPages(settings, "lightmap_raw", dilate(map, raw, 0)));
     }
 
@@ -318,6 +353,10 @@ Result<BakeResult> bake(Scene scene, const BakeSettings& settings, const Integra
     }
     // What a large lightmap no longer needs goes as soon as can be.
     TexelValues values = splitEstimates(estimates);
+    if (main) {
+        baked.defaultShadowColor = chooseShadowColor(*main, values.irradiance, values.valid, settings.subtractiveMask);
+        main->addTo(values.irradiance);
+    }
     fillInvalid(geometry, map, values.valid, values.irradiance);
     StageTimer seamTimer(report, "seams");
     const std::vector<SeamSample> seams = findSeams(geometry, unwrapped->pageSize);
@@ -334,6 +373,7 @@ Result<BakeResult> bake(Scene scene, const BakeSettings& settings, const Integra
         std::vector<vec3> moments;
         moments.reserve(estimates.size());
         for (const IrradianceEstimate& e : estimates) moments.push_back(e.moment);
+        if (main) main->addMomentTo(moments);
         fillInvalid(geometry, map, values.valid, moments);
         std::vector<ImageRgb32f> momentPages = dilate(map, moments, kDilationRings);
         stitchSeams(map, seams, seamWeight, momentPages);
@@ -349,21 +389,18 @@ Result<BakeResult> bake(Scene scene, const BakeSettings& settings, const Integra
         std::vector<vec4> mask(map.texels.size());
         if (!gather.shadowmask(estimates, mask, progress)) return cancelledError();
         release(estimates);
-        fillInvalid(geometry, map, values.valid, mask);
-        const bool distances = settings.maskEncoding == MaskEncoding::Distance;
-        if (distances) {
-            baked.maskChannels = maskToDistances(map, mask);
-            for (LightReport& light : report.lights) {
-                light.distanceMask =
-                    light.channel >= 0 && baked.maskChannels[std::size_t(light.channel)].rangeTexels > 0.0f;
-            }
+        baked.shadowmasks = maskPages(geometry, map, values.valid, seams, std::move(mask),
+                                      settings.maskEncoding == MaskEncoding::Distance, baked.maskChannels);
+        for (LightReport& light : report.lights) {
+            light.distanceMask =
+                light.channel >= 0 && baked.maskChannels[std::size_t(light.channel)].rangeTexels > 0.0f;
         }
-        std::vector<ImageRgba32f> maskPages = dilate(map, mask, kDilationRings, distances);
-        stitchSeams(map, seams, seamWeights(seams, maskPages), maskPages, !distances);
-        baked.shadowmasks = encodeShadowmask(maskPages);
         maskTimer.finish(integrator.raysTraced() - before);
         if (progress.cancelled()) return cancelledError();
     }
+    if (main && settings.subtractiveMask)
+        baked.shadowmasks = maskPages(geometry, map, values.valid, seams, main->mask(), false, baked.maskChannels);
+    if (main) reportMainLight(baked, *main, settings, report);
 
     StageTimer probeTimer(report, "probes");
     const uint64_t before = integrator.raysTraced();

@@ -10,7 +10,7 @@
 namespace halflight {
 namespace {
 
-constexpr uint32_t kCacheVersion = 29; ///< to be raised when estimates of the same input change
+constexpr uint32_t kCacheVersion = 30; ///< to be raised when estimates of the same input change
 
 /// Small, so that a small change shows in a tile's sum of witnesses.
 constexpr std::size_t kTexelTile = 256;
@@ -56,8 +56,8 @@ Hash128 bakeHash(const Scene& scene, const BakeSettings& settings)
     // replaces, and what changes no byte of the output file.
     [[maybe_unused]] const auto& [mode, quality, samples, shadowSamples, bounces, integrator, noiseTarget, texelStep,
                                   uvMode, texelsPerMeter, lightmapSize, paddingTexels, denoiser, directional,
-                                  maskEncoding, probeSpacingMeters, threads, seed, imagesDirectory, cacheDirectory] =
-        settings;
+                                  maskEncoding, subtractiveMask, probeSpacingMeters, threads, seed, imagesDirectory,
+                                  cacheDirectory] = settings;
     const BakeQuality q = resolveQuality(settings);
     Hasher hasher;
     hasher.add(kCacheVersion).add(contentHash(scene)).add(int(mode)).add(int(integrator)).add(int(uvMode));
@@ -68,7 +68,7 @@ Hash128 bakeHash(const Scene& scene, const BakeSettings& settings)
         .add(paddingTexels)
         .add(int(denoiser))
         .add(int(directional));
-    return hasher.add(int(maskEncoding)).add(probeSpacingMeters).add(seed).hash();
+    return hasher.add(int(maskEncoding)).add(int(subtractiveMask)).add(probeSpacingMeters).add(seed).hash();
 }
 
 Hash128 layoutHash(const TexelMap& map, const IntegrationSettings& settings, MixedLightingMode mode)
@@ -93,7 +93,8 @@ Hash128 lightHash(Hash128 layout, const Scene& scene, const BakeGeometry& geomet
     hasher.add(geometry.uv[0]).add(geometry.uv[1]).add(geometry.colors).add(geometry.lightmapTexel);
     const std::vector<Hash128> materials = materialHashes(scene);
     for (const BakeGeometry::Part& part : geometry.parts) {
-        hasher.add(materialHash(materials, part.material)).add(int(part.castShadows)).add(part.firstTriangle);
+        hasher.add(materialHash(materials, part.material)).add(int(part.castShadows)).add(int(part.receiveShadows));
+        hasher.add(part.firstTriangle);
     }
     for (const Light& light : scene.lights)
         hasher.add(lightHash(light)).add(int(light.baking.bakeType)).add(light.baking.occlusionMaskChannel);

@@ -47,6 +47,7 @@ BakeGeometry flattenGeometry(const Scene& scene, int pageSize, GeometryFilter fi
             out.firstVertex = vertexCount;
             out.vertexCount = uint32_t(part.positions.size());
             out.castShadows = object.castShadows && materialOf(scene, part).castShadows;
+            out.receiveShadows = object.receiveShadows && materialOf(scene, part).receiveShadows;
             out.page = part.lightmapUv.empty() ? -1 : object.lightmap.page;
             triangleCount += out.triangleCount;
             vertexCount += out.vertexCount;

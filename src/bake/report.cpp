@@ -43,7 +43,7 @@ std::string reportJson(const BakeReport& report)
                           {"charts", mesh.charts},
                           {"areaStretch", mesh.areaStretch}});
     }
-    const json root = {
+    json root = {
         {"integrator", report.integrator},
         {"seconds", report.seconds},
         {"peakMemoryBytes", report.peakMemoryBytes},
@@ -81,6 +81,13 @@ std::string reportJson(const BakeReport& report)
         {"meshes", std::move(meshes)},
         {"warnings", report.warnings},
     };
+    if (const auto& main = report.mainLight) {
+        const vec3 color = main->shadowColor;
+        root["mainLight"] = {{"name", main->name},
+                             {"mask", main->mask},
+                             {"shadowColor", {color.r, color.g, color.b}},
+                             {"shadowColorFromBake", main->colorByBake}};
+    }
     return root.dump(2, ' ', false, json::error_handler_t::replace);
 }
 

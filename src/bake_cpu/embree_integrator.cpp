@@ -105,6 +105,7 @@ public:
         // Lights that share a channel do not reach the same places.
         std::vector<ShadowSource> sources;
         std::vector<int> channels;
+        int timesOnEdges = kTimesOnMaskEdges;
         for (int channel = 0; channel < 4; ++channel) {
             std::vector<const PunctualLight*> owners;
             for (const PunctualLight& light : paths_.lights()) {
@@ -112,18 +113,22 @@ public:
             }
             if (owners.empty()) continue;
             channels.push_back(channel);
+            const bool ofLight = owners.front()->maskOfLight;
+            if (ofLight) timesOnEdges = kTimesOnLightEdges;
             sources.push_back(
-                {LightReach(owners), false, hashCombine(settings_.seed ^ kShadowSeed, uint32_t(channel))});
+                {LightReach(owners), ofLight, hashCombine(settings_.seed ^ kShadowSeed, uint32_t(channel))});
         }
         std::vector<LitCount> counts;
         if (!traceShadows({paths_, pattern_, map, gridOf(map), request.texels, masksOf(request, estimates),
-                           effortOf(request).shadowSamples, kTimesOnMaskEdges, progress, "shadowmask", rays_},
+                           effortOf(request).shadowSamples, timesOnEdges, progress, "shadowmask", rays_},
                           sources, counts)) {
             return false;
         }
         for (std::size_t i = 0; i < request.texels.size(); ++i) {
             for (std::size_t c = 0; c < channels.size(); ++c) {
-                out[i][channels[c]] = counts[i * channels.size() + c].share();
+                const LitCount& count = counts[i * channels.size() + c];
+                // Nothing arrives where there would be no light without shadows either.
+                out[i][channels[c]] = sources[c].lit && !count.any() ? 0.0f : count.share();
             }
         }
         return true;

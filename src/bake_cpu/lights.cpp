@@ -33,7 +33,9 @@ std::vector<PunctualLight> punctualLights(const Scene& scene, LightUse use)
             // time, so the probes never do.
             const bool mixed = light.baking.bakeType == LightMode::Mixed;
             const bool baked = light.baking.bakeType == LightMode::Baked;
-            p.directAtTexels = baked || (mixed && light.baking.mixedMode == MixedLightingMode::Subtractive);
+            const bool subtractive = mixed && light.baking.mixedMode == MixedLightingMode::Subtractive;
+            p.maskOfLight = subtractive && light.baking.occlusionMaskChannel >= 0;
+            p.directAtTexels = baked || (subtractive && !p.maskOfLight);
             p.directAtProbes = baked;
             p.bounces = baked || mixed;
             p.indirectMultiplier = light.indirectMultiplier;

@@ -40,6 +40,9 @@ struct PunctualLight {
     bool directAtProbes = false; ///< its direct light is in the probes
     bool bounces = false;        ///< its bounced light is baked
     int channel = -1;
+    /// Its mask says what of the light that a texel would have arrives, and its direct light in the lightmap is made of
+    /// the mask later (subtractive's main light).
+    bool maskOfLight = false;
 
     /// What an unoccluded surface point receives.
     [[nodiscard]] shading::LightSample at(vec3 point) const

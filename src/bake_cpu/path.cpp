@@ -87,7 +87,7 @@ PathTracer::ShadowRay PathTracer::shadowRay(const PunctualLight& light, const Su
 float PathTracer::lightVisibility(const PunctualLight& light, const SurfacePoint& point, vec2 disc,
                                   uint64_t& rays) const
 {
-    if (!light.castShadows) return 1.0f;
+    if (!shadowsFall(light, point)) return 1.0f;
     const ShadowRay ray = shadowRay(light, point, disc, rays);
     return tracer_.arriving(ray.origin, ray.direction, ray.tMin, ray.tMax);
 }

@@ -102,6 +102,13 @@ public:
     /// The same from a point in space, along one sampled ray.
     float lightVisibilityInSpace(const PunctualLight& light, vec3 position, vec2 u, uint64_t& rays) const;
 
+    /// Whether shadows of the light fall on a point: they do by the light's, the object's and the material's switches.
+    [[nodiscard]] bool shadowsFall(const PunctualLight& light, const SurfacePoint& point) const
+    {
+        const BakeGeometry& geometry = tracer_.geometry();
+        return light.castShadows && geometry.parts[geometry.partOfTriangle[point.triangle]].receiveShadows;
+    }
+
     /// Where shadow rays leave a surface point.
     [[nodiscard]] vec3 shadowOrigin(const SurfacePoint& point, uint64_t& rays) const;
 
@@ -133,7 +140,7 @@ public:
 
     void add(int lane, const PunctualLight& light, const SurfacePoint& point, vec2 disc, uint64_t& rays)
     {
-        if (!light.castShadows) return;
+        if (!paths_.shadowsFall(light, point)) return;
         const PathTracer::ShadowRay ray = paths_.shadowRay(light, point, disc, rays);
         embree::setRay(packet_, lane, ray.origin, ray.direction);
         packet_.tnear[lane] = ray.tMin;

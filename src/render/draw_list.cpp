@@ -44,8 +44,7 @@ std::vector<Draw> DrawLists::solid(std::span<const uint32_t> objects)
 
 std::vector<Draw> DrawLists::casters(std::span<const uint32_t> objects)
 {
-    return drawsOf(
-        objects, [](const DrawPart& part) { return part.alphaMode != Material::AlphaMode::Blend && part.castShadows; });
+    return drawsOf(objects, [](const DrawPart& part) { return part.castShadows; });
 }
 
 std::vector<Draw> DrawLists::blended(std::span<const uint32_t> objects, vec3 eye)

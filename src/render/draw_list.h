@@ -23,7 +23,7 @@ public:
 
     /// Opaque and masked parts of the objects, objects that share a mesh as instances of one draw.
     std::vector<Draw> solid(std::span<const uint32_t> objects);
-    /// Those of them that throw shadows.
+    /// All parts of the objects that throw shadows, blended ones too.
     std::vector<Draw> casters(std::span<const uint32_t> objects);
     /// Blended parts, farthest first from `eye`.
     std::vector<Draw> blended(std::span<const uint32_t> objects, vec3 eye);

@@ -49,6 +49,9 @@ HL_CONST int kViewOverlap = 6;
 HL_CONST int kFilterHalfWidthPcf = 2;
 HL_CONST int kFilterHalfWidthSoft = 4;
 
+// Thresholds of blended surfaces in shadow maps repeat after so many texels; a power of two.
+HL_CONST int kAlphaPeriod = 32;
+
 // How cascades blend: the values of CascadeBlend in frame.h.
 HL_CONST int kBlendHard = 0;
 HL_CONST int kBlendDithered = 1;
@@ -154,7 +157,8 @@ struct GpuTile {
 
 struct GpuPush {
     mat4 clipFromWorld;
-    ivec4 info; // x material
+    ivec4
+        info; // x material; yz in shadow maps: the texel from which alpha thresholds count (shaders/hashed_alpha.glsl)
 };
 
 HL_NAMESPACE_END

@@ -241,6 +241,7 @@ BakedScene outlineOf(const BakedScene& baked)
     outline.scene.lights = baked.scene.lights;
     outline.scene.sky = baked.scene.sky;
     outline.scene.subtractiveShadowColor = baked.scene.subtractiveShadowColor;
+    outline.defaultShadowColor = baked.defaultShadowColor;
     return outline;
 }
 

@@ -1,6 +1,7 @@
 #include "render/passes.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
@@ -67,25 +68,30 @@ void bindPipeline(const PassContext& context, VkPipeline pipeline)
     context.device.vk.CmdBindPipeline(context.commands, VK_PIPELINE_BIND_POINT_GRAPHICS, pipeline);
 }
 
+/// All parts of one alpha mode.
+void drawMode(const PassContext& context, std::span<const Draw> draws, Material::AlphaMode mode, VkPipeline pipeline,
+              Culling culling)
+{
+    bool bound = false;
+    for (const Draw& draw : draws) {
+        if (draw.part->alphaMode != mode) continue;
+        if (!bound) bindPipeline(context, pipeline);
+        bound = true;
+        drawPart(context, draw, culling);
+    }
+}
+
 /// All opaque parts with one pipeline, then all masked ones with the other.
 void drawSolid(const PassContext& context, std::span<const Draw> draws, VkPipeline opaque, VkPipeline masked,
                Culling culling)
 {
-    for (const auto& [mode, pipeline] :
-         {std::pair(Material::AlphaMode::Opaque, opaque), std::pair(Material::AlphaMode::Mask, masked)}) {
-        bool bound = false;
-        for (const Draw& draw : draws) {
-            if (draw.part->alphaMode != mode) continue;
-            if (!bound) bindPipeline(context, pipeline);
-            bound = true;
-            drawPart(context, draw, culling);
-        }
-    }
+    drawMode(context, draws, Material::AlphaMode::Opaque, opaque, culling);
+    drawMode(context, draws, Material::AlphaMode::Mask, masked, culling);
 }
 
-void pushClipFromWorld(const PassContext& context, const mat4& clipFromWorld)
+void pushClipFromWorld(const PassContext& context, const mat4& clipFromWorld, ivec2 firstTexel = ivec2(0))
 {
-    const GpuPush push{clipFromWorld, ivec4(0)};
+    const GpuPush push{clipFromWorld, ivec4(0, firstTexel, 0)};
     context.device.vk.CmdPushConstants(context.commands, context.pipelines.layout.get(),
                                        VK_SHADER_STAGE_VERTEX_BIT | VK_SHADER_STAGE_FRAGMENT_BIT, 0, sizeof(push),
                                        &push);
@@ -97,6 +103,21 @@ void setViewport(const PassContext& context, ivec2 offset, ivec2 size)
     const VkRect2D scissor{{offset.x, offset.y}, {uint32_t(size.x), uint32_t(size.y)}};
     context.device.vk.CmdSetViewport(context.commands, 0, 1, &viewport);
     context.device.vk.CmdSetScissor(context.commands, 0, 1, &scissor);
+}
+
+/// Where alpha thresholds count from. Cascades move in whole texels, and the world's origin moves in the map with them,
+/// so that thresholds rest on what they cover. Other tiles rest anyway.
+ivec2 firstAlphaTexel(const ShadowDraws& tile)
+{
+    const glm::dmat4 m(tile.clipFromWorld);
+    if (m[0].w != 0.0 || m[1].w != 0.0 || m[2].w != 0.0) return tile.offset; // perspective
+    const auto wrapped = [&](double clip) {
+        constexpr double kPeriod = shading::kAlphaPeriod;
+        // A quarter of a texel off the integers on which the origin lies, so that rounding changes nothing.
+        const double texel = std::floor((0.5 * clip + 0.5) * double(tile.size) + 0.25);
+        return int(texel - std::floor(texel / kPeriod) * kPeriod);
+    };
+    return tile.offset + ivec2(wrapped(m[3].x), wrapped(m[3].y));
 }
 
 ivec2 imageSize(const gpu::Image& image)
@@ -200,8 +221,6 @@ Pipelines::Pipelines(const gpu::Device& device, VkDescriptorSetLayout set, VkFor
 {
     const gpu::UniqueShader depthVertex = gpu::makeShader(device, depth_vert);
     const gpu::UniqueShader maskFragment = gpu::makeShader(device, depth_masked_frag);
-    const gpu::UniqueShader meshVertex = gpu::makeShader(device, mesh_vert);
-    const gpu::UniqueShader litFragment = gpu::makeShader(device, lit_frag);
     const gpu::UniqueShader skyVertex = gpu::makeShader(device, sky_vert);
     const gpu::UniqueShader skyFragment = gpu::makeShader(device, sky_frag);
 
@@ -217,22 +236,15 @@ Pipelines::Pipelines(const gpu::Device& device, VkDescriptorSetLayout set, VkFor
     shadowInfo.depthBias = true;
     shadow = gpu::makePipeline(device, shadowInfo);
     shadowInfo.fragment = maskFragment.get();
+    shadowInfo.constants = {uint32_t(shading::kAlphaMask)};
     shadowMasked = gpu::makePipeline(device, shadowInfo);
+    shadowInfo.constants = {uint32_t(shading::kAlphaBlend)};
+    shadowBlended = gpu::makePipeline(device, shadowInfo);
 
     depth = gpu::makePipeline(device, depthInfo);
     depthInfo.fragment = maskFragment.get();
+    depthInfo.constants = {uint32_t(shading::kAlphaMask)};
     depthMasked = gpu::makePipeline(device, depthInfo);
-
-    gpu::GraphicsPipelineInfo litInfo = meshPipelineInfo(layout.get(), meshVertex.get(), litFragment.get());
-    litInfo.colorFormats = {colorFormat};
-    litInfo.constants = {uint32_t(shading::kAlphaOpaque)};
-    lit = gpu::makePipeline(device, litInfo);
-
-    gpu::GraphicsPipelineInfo blendInfo = litInfo;
-    blendInfo.depthCompare = VK_COMPARE_OP_GREATER_OR_EQUAL;
-    blendInfo.blend = gpu::Blend::Premultiplied;
-    blendInfo.constants = {uint32_t(shading::kAlphaBlend)};
-    blend = gpu::makePipeline(device, blendInfo);
 
     gpu::GraphicsPipelineInfo skyInfo;
     skyInfo.layout = layout.get();
@@ -242,6 +254,23 @@ Pipelines::Pipelines(const gpu::Device& device, VkDescriptorSetLayout set, VkFor
     skyInfo.depthFormat = kDepthFormat;
     skyInfo.depthWrite = false;
     sky = gpu::makePipeline(device, skyInfo);
+}
+
+ForwardPipelines::ForwardPipelines(const gpu::Device& device, VkPipelineLayout layout, VkFormat colorFormat,
+                                   bool readsMask)
+{
+    const gpu::UniqueShader meshVertex = gpu::makeShader(device, mesh_vert);
+    const gpu::UniqueShader litFragment = gpu::makeShader(device, lit_frag);
+    gpu::GraphicsPipelineInfo litInfo = meshPipelineInfo(layout, meshVertex.get(), litFragment.get());
+    litInfo.colorFormats = {colorFormat};
+    litInfo.constants = {uint32_t(shading::kAlphaOpaque), uint32_t(readsMask)};
+    lit = gpu::makePipeline(device, litInfo);
+
+    gpu::GraphicsPipelineInfo blendInfo = litInfo;
+    blendInfo.depthCompare = VK_COMPARE_OP_GREATER_OR_EQUAL;
+    blendInfo.blend = gpu::Blend::Premultiplied;
+    blendInfo.constants = {uint32_t(shading::kAlphaBlend), uint32_t(readsMask)};
+    blend = gpu::makePipeline(device, blendInfo);
 }
 
 bool GBuffer::ensure(const gpu::Device& device, ivec2 size, bool usesMask)
@@ -283,6 +312,7 @@ DeferredPipelines::DeferredPipelines(const gpu::Device& device, VkPipelineLayout
         usesMask ? gpu::makeShader(device, light_mask_frag) : gpu::makeShader(device, light_frag);
 
     gpu::GraphicsPipelineInfo gBufferInfo = meshPipelineInfo(layout, meshVertex.get(), gBufferFragment.get());
+    gBufferInfo.constants = {uint32_t(shading::kAlphaOpaque), uint32_t(usesMask)};
     gBufferInfo.colorFormats.assign(std::begin(kGBufferFormats), std::end(kGBufferFormats));
     gBufferInfo.colorFormats.push_back(colorFormat);
     if (usesMask) gBufferInfo.colorFormats.push_back(kGBufferMaskFormat);
@@ -330,11 +360,12 @@ void drawShadowTiles(const PassContext& context, std::span<const ShadowDraws> ti
     for (const ShadowDraws& tile : tiles) {
         if (tile.draws.empty()) continue;
         setViewport(context, tile.offset, ivec2(tile.size));
-        pushClipFromWorld(context, tile.clipFromWorld);
+        pushClipFromWorld(context, tile.clipFromWorld, firstAlphaTexel(tile));
         context.device.vk.CmdSetDepthBias(context.commands, 0.0f, 0.0f, tile.slopeBias);
         // Both sides of every surface cast, as in the bake, whose rays are stopped by both.
         drawSolid(context, tile.draws, context.pipelines.shadow.get(), context.pipelines.shadowMasked.get(),
                   Culling::None);
+        drawMode(context, tile.draws, Material::AlphaMode::Blend, context.pipelines.shadowBlended.get(), Culling::None);
     }
 }
 
@@ -355,10 +386,10 @@ void beginForward(const PassContext& context, const gpu::Image& color, const gpu
     beginRendering(context, {&attachment, 1}, depthAttachment(depth, VK_ATTACHMENT_LOAD_OP_LOAD), imageSize(color));
 }
 
-void drawLit(const PassContext& context, const CameraDraws& draws)
+void drawLit(const PassContext& context, const ForwardPipelines& pipelines, const CameraDraws& draws)
 {
     pushClipFromWorld(context, draws.clipFromWorld);
-    drawSolid(context, draws.forward, context.pipelines.lit.get(), context.pipelines.lit.get(), Culling::AsMaterial);
+    drawSolid(context, draws.forward, pipelines.lit.get(), pipelines.lit.get(), Culling::AsMaterial);
 }
 
 void drawSky(const PassContext& context)
@@ -366,11 +397,11 @@ void drawSky(const PassContext& context)
     drawWholePicture(context, context.pipelines.sky.get());
 }
 
-void drawBlended(const PassContext& context, const CameraDraws& draws)
+void drawBlended(const PassContext& context, const ForwardPipelines& pipelines, const CameraDraws& draws)
 {
     if (draws.blended.empty()) return;
     pushClipFromWorld(context, draws.clipFromWorld);
-    bindPipeline(context, context.pipelines.blend.get());
+    bindPipeline(context, pipelines.blend.get());
     for (const Draw& draw : draws.blended) {
         // Of a closed double-sided surface the far side comes first.
         if (draw.part->doubleSided) drawPart(context, draw, Culling::Front);

@@ -23,11 +23,18 @@ struct Pipelines {
     gpu::UniquePipelineLayout layout;
     gpu::UniquePipeline shadow;
     gpu::UniquePipeline shadowMasked;
+    gpu::UniquePipeline shadowBlended;
     gpu::UniquePipeline depth;
     gpu::UniquePipeline depthMasked;
+    gpu::UniquePipeline sky;
+};
+
+/// Surfaces that are lit as they are drawn, for frames that read the shadowmask and for frames that do not (spec S11).
+struct ForwardPipelines {
+    ForwardPipelines(const gpu::Device& device, VkPipelineLayout layout, VkFormat colorFormat, bool readsMask);
+
     gpu::UniquePipeline lit;
     gpu::UniquePipeline blend;
-    gpu::UniquePipeline sky;
 };
 
 /// What the deferred path draws into besides the picture: see shaders/gbuffer.glsl.
@@ -93,9 +100,9 @@ void drawDeferredLight(const PassContext& context, const DeferredPipelines& pipe
 /// The forward passes, within one rendering scope: lit surfaces, sky, blended surfaces.
 void beginForward(const PassContext& context, const gpu::Image& color, const gpu::Image& depth,
                   VkAttachmentLoadOp loadColor);
-void drawLit(const PassContext& context, const CameraDraws& draws);
+void drawLit(const PassContext& context, const ForwardPipelines& pipelines, const CameraDraws& draws);
 void drawSky(const PassContext& context);
-void drawBlended(const PassContext& context, const CameraDraws& draws);
+void drawBlended(const PassContext& context, const ForwardPipelines& pipelines, const CameraDraws& draws);
 void endRendering(const PassContext& context);
 
 } // namespace halflight

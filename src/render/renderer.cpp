@@ -3,6 +3,7 @@
 #include "render/frame/frame_internal.h"
 #include "render/frame_data.h"
 #include "render/passes.h"
+#include "render/shadow_switches.h"
 
 #include <glm/gtc/packing.hpp>
 
@@ -213,6 +214,7 @@ struct Renderer::Impl {
         scene.reset(); // before the next one, so that both need not fit
         set = {};
         scene = std::make_unique<GpuScene>(uploadScene(device, baked));
+        switchesAtBake = shadowSwitches(baked.scene);
         set = gpu::DescriptorSet(device, setLayout.get(), bindings, uint32_t(scene->textures.size()));
         set.buffer(shading::kBindObjects, scene->objects);
         set.buffer(shading::kBindMaterials, scene->materials);
@@ -244,7 +246,8 @@ struct Renderer::Impl {
     gpu::UniqueSetLayout setLayout;
     VkFormat colorFormat;
     Pipelines pipelines;
-    std::unique_ptr<DeferredPipelines> deferredPipelines[2]; ///< without and with mask, made when first used
+    std::unique_ptr<ForwardPipelines> forwardPipelines[2];   ///< without and with mask, made when first used
+    std::unique_ptr<DeferredPipelines> deferredPipelines[2]; ///< the same
     gpu::UniqueSampler pageSampler;
     gpu::UniqueSampler shadowSampler;
     gpu::UniqueSampler texelSampler;
@@ -255,6 +258,7 @@ struct Renderer::Impl {
 
     const Scene noScene;
     std::unique_ptr<GpuScene> scene;
+    std::vector<ShadowSwitches> switchesAtBake; ///< of the scene's objects
     gpu::DescriptorSet set;
     bool bindAll = true; ///< the set is new: frame buffers and shadow maps are to be bound
     bool bindGBuffer = true;
@@ -414,6 +418,10 @@ Result<RenderedFrame> Renderer::Impl::render(const Camera& camera, const RenderS
         std::min(kMaxPictureSize, int(device.properties().limits.maxImageDimension2D)) / settings.supersampling;
     if (settings.size.x < 1 || settings.size.y < 1 || settings.size.x > limit || settings.size.y > limit)
         return Error{ErrorCode::InvalidArgument, "the picture's size must be 1…" + std::to_string(limit), ""};
+    const vec3 shadowColor = settings.subtractiveShadowColor.value_or(vec3(0.0f));
+    for (int c = 0; c < 3; ++c)
+        if (!(std::isfinite(shadowColor[c]) && shadowColor[c] >= 0.0f))
+            return Error{ErrorCode::InvalidArgument, "the subtractive shadow colour is not finite or negative", ""};
     for (const Status& status :
          {checkCamera(camera), checkShadowSettings(settings.shadows), checkRunMode(scene->outline, settings.mode)})
         if (!status) return status.error();
@@ -421,6 +429,8 @@ Result<RenderedFrame> Renderer::Impl::render(const Camera& camera, const RenderS
     uploadChangedObjects(device, *scene);
     const FrameView view{camera, settings.size * settings.supersampling};
     FramePlan plan = planFrame(scene->outline, scene->bounds, view, settings.mode, settings.shadows);
+    for (std::string& warning : switchWarnings(scene->outline, switchesAtBake, settings.mode))
+        plan.warnings.push_back(std::move(warning));
 
     if (settings.view == DebugView::Overlap) addOverflowedLights(scene->outline, scene->bounds, view, plan);
 
@@ -440,6 +450,9 @@ Result<RenderedFrame> Renderer::Impl::render(const Camera& camera, const RenderS
 
     ensureTargets(view.size, plan, settings.shadows);
     if (deferred) ensureGBuffer(plan);
+    const bool readsMask = plan.usesMask || plan.subtractsByMask || settings.view == DebugView::Shadowmask;
+    std::unique_ptr<ForwardPipelines>& forward = forwardPipelines[readsMask];
+    if (!forward) forward = std::make_unique<ForwardPipelines>(device, pipelines.layout.get(), colorFormat, readsMask);
     uploadFrame(view, settings, plan, lists.instances());
 
     device.execute([&](VkCommandBuffer commands) {
@@ -459,11 +472,11 @@ Result<RenderedFrame> Renderer::Impl::render(const Camera& camera, const RenderS
         endPass(commands, "depth");
         if (deferred) recordDeferred(context, draws);
         beginForward(context, color, depth, deferred ? VK_ATTACHMENT_LOAD_OP_LOAD : VK_ATTACHMENT_LOAD_OP_CLEAR);
-        drawLit(context, draws);
+        drawLit(context, *forward, draws);
         endPass(commands, "forward");
         drawSky(context);
         endPass(commands, "sky");
-        drawBlended(context, draws);
+        drawBlended(context, *forward, draws);
         endPass(commands, "blended");
         endRendering(context);
 
@@ -474,6 +487,7 @@ Result<RenderedFrame> Renderer::Impl::render(const Camera& camera, const RenderS
 
     RenderedFrame frame;
     frame.radiance = downsampled(readPicture(), settings.supersampling);
+    frame.forwardReadsMask = readsMask;
     frame.forwardObjects = int(toForward.size());
     frame.gBufferTargets = deferred ? int(gBuffer.images().size()) + 1 : 0;
     if (settings.lightRows) frame.lights = lightRows(scene->outline, view, plan);

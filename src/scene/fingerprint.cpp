@@ -44,6 +44,7 @@ Hash128 hashOf(const Material& material, const std::vector<Hash128>& pixels)
     hasher.add(material.baseColor).add(material.metallic).add(material.roughness).add(material.emissiveNits);
     hasher.add(int(material.alphaMode)).add(material.alphaMode == Material::AlphaMode::Mask ? material.alphaCutoff : 0);
     hasher.add(int(material.doubleSided)).add(int(material.unlit)).add(int(material.castShadows));
+    if (!material.receiveShadows) hasher.add(int(material.receiveShadows)); // files of before hash what they did
     addTexture(hasher, material.baseColorTexture, pixels);
     addTexture(hasher, material.metallicRoughnessTexture, pixels);
     addTexture(hasher, material.emissiveTexture, pixels);
@@ -88,7 +89,6 @@ Hash128 contentHash(const Scene& scene)
         for (const tinygltf::Buffer& buffer : scene.source->model.buffers) hasher.add(buffer.data);
     }
     hasher.add(textureHashes(scene)).add(materialHashes(scene));
-    for (const Material& material : scene.materials) hasher.add(int(material.receiveShadows));
     for (const Mesh& mesh : scene.meshes) {
         for (const MeshPart& part : mesh.parts) {
             hasher.add(part.positions).add(part.normals).add(part.tangents).add(part.uv[0]).add(part.uv[1]);
@@ -109,7 +109,8 @@ Hash128 contentHash(const Scene& scene)
     }
     hasher.add(scene.sky.zenith).add(scene.sky.horizon).add(scene.sky.ground);
     hasher.add(scene.originMeters);
-    return hasher.add(scene.subtractiveShadowColor).add(scene.probePositions).hash();
+    hasher.add(int(scene.subtractiveShadowColor.has_value())).add(scene.subtractiveShadowColor.value_or(vec3(0.0f)));
+    return hasher.add(scene.probePositions).hash();
 }
 
 SceneFingerprints::SceneFingerprints(const Scene& scene)
@@ -126,6 +127,7 @@ std::string SceneFingerprints::ofObjects(std::span<const Object* const> objects)
         if (!object->isStatic || object->mesh < 0) continue;
         any = true;
         hasher.add(object->worldFromObject).add(int(object->castShadows)).add(object->sourceInstance);
+        if (!object->receiveShadows) hasher.add(int(object->receiveShadows));
         for (const MeshPart& part : scene_.meshes[std::size_t(object->mesh)].parts) {
             hasher.add(materialHash(materials_, part.material));
             const auto vertices = [&](const auto& values) {

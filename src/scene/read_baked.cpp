@@ -142,6 +142,22 @@ Status readMaskChannels(const Json& json, BakedScene& baked)
     return {};
 }
 
+// Where the bake chose the shadow colour; the author's is among the scene's settings.
+Status readDefaultShadowColor(const Json& root, BakedScene& baked)
+{
+    if (const Json& fromBake = member(root, "shadowColorFromBake"); !fromBake.is_null() && !fromBake.is_boolean())
+        return invalid(kPath, "shadowColorFromBake is not true or false");
+    const Json& color = member(root, "subtractiveShadowColor");
+    if (color.is_null()) return {};
+    if (!readVector(color, baked.defaultShadowColor))
+        return invalid(kPath, "subtractiveShadowColor is not three numbers");
+    for (int c = 0; c < 3; ++c) {
+        if (!std::isfinite(baked.defaultShadowColor[c]) || baked.defaultShadowColor[c] < 0.0f)
+            return invalid(kPath, "subtractiveShadowColor has a value that is not a number of 0 or more");
+    }
+    return {};
+}
+
 // `shift` takes positions relative to the file's origin to the scene's: zero but for files that were moved.
 Status readProbes(const SourceDocument& document, const Json& json, const glm::dvec3& shift, ProbeSet& set)
 {
@@ -410,6 +426,7 @@ Result<BakedScene> bakedFromDocument(std::shared_ptr<const SourceDocument> sourc
     const auto origin = recordedOrigin(document);
     if (!origin) return origin.error();
     const glm::dvec3 shift = *origin - baked.scene.originMeters;
+    if (Status s = readDefaultShadowColor(root, baked); !s) return s.error();
     if (Status s = readProbes(document, member(root, "probes"), shift, baked.probes); !s) return s.error();
     if (Status s = readBindings(document, baked); !s) return s.error();
     if (Status s = checkFinite(baked); !s) return s.error();

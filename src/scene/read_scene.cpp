@@ -239,7 +239,11 @@ Status applySceneSettings(const SourceDocument& document, const FileSettings& fi
         record.skyHorizon = color("horizon");
         record.skyGround = color("ground");
     }
-    if (const Json& shadow = member(root, "subtractiveShadowColor"); shadow.is_array()) {
+    // Not the author's: what a bake chose, and black in files that do not say whose it is.
+    const Json& shadow = member(root, "subtractiveShadowColor");
+    const Json& fromBake = member(root, "shadowColorFromBake");
+    const bool authoredShadow = fromBake.is_boolean() ? !fromBake.get<bool>() : shadow != Json::array({0, 0, 0});
+    if (shadow.is_array() && authoredShadow) {
         const auto settings =
             sceneSettingsOf(Json{{"halflight_shadow_color", shadow}}, "/extensions/HALFLIGHT_mixed_lighting");
         if (!settings) return settings.error();
@@ -256,7 +260,7 @@ Status applySceneSettings(const SourceDocument& document, const FileSettings& fi
     scene.sky.zenith = settings.skyZenith.value_or(vec3(0.0f));
     scene.sky.horizon = settings.skyHorizon.value_or(vec3(0.0f));
     scene.sky.ground = settings.skyGround.value_or(vec3(0.0f));
-    scene.subtractiveShadowColor = settings.shadowColor.value_or(vec3(0.0f));
+    scene.subtractiveShadowColor = settings.shadowColor;
     for (const glm::dvec3& p : settings.probes.value_or(std::vector<glm::dvec3>())) {
         if (tooFar(p - scene.originMeters))
             return invalid(path, "a light probe lies farther than 10000 km from the scene's middle");

@@ -453,7 +453,8 @@ private:
         root_["sky"] = {{"zenith", numbers(scene_.sky.zenith)},
                         {"horizon", numbers(scene_.sky.horizon)},
                         {"ground", numbers(scene_.sky.ground)}};
-        root_["subtractiveShadowColor"] = numbers(scene_.subtractiveShadowColor);
+        root_["subtractiveShadowColor"] = numbers(subtractiveShadowColor(baked_));
+        root_["shadowColorFromBake"] = !scene_.subtractiveShadowColor.has_value();
         if (!scene_.probePositions.empty()) {
             for (const vec3& p : scene_.probePositions)
                 root_["authoredProbes"].push_back(numbers(scene_.originMeters + dvec3(p)));

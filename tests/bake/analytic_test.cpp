@@ -2,6 +2,9 @@
 
 #include "bake/test_scene.h"
 
+#include "bake/gather.h"
+#include "bake/main_light.h"
+
 #include "halflight/base/random.h"
 #include "halflight/shading/brdf.h"
 #include "halflight/shading/sh.h"
@@ -140,7 +143,8 @@ TEST_P(DirectS6, PointLightFollowsCosineAndInverseSquare)
     }
 }
 
-/// The lightmap holds no direct light of a mixed light, but all of a baked one; subtractive holds both.
+/// The lightmap holds no direct light of a mixed light, but all of a baked one; subtractive holds both. What the
+/// integrator does not bring of subtractive's main light, a directional one, is made of its mask.
 TEST_P(DirectS6, MixedLightsAreInTheLightmapOnlyInSubtractive)
 {
     for (const LightMode mode : {LightMode::Realtime, LightMode::Mixed, LightMode::Baked}) {
@@ -152,8 +156,128 @@ TEST_P(DirectS6, MixedLightsAreInTheLightmapOnlyInSubtractive)
             Bench bench(std::move(scene), mixing, kPage, transport());
             const bool direct =
                 mode == LightMode::Baked || (mode == LightMode::Mixed && mixing == MixedLightingMode::Subtractive);
-            EXPECT_NEAR(bench.irradiance()[20].irradiance.x, direct ? 7.0f : 0.0f, 1e-4f);
+            std::vector<IrradianceEstimate> estimates = bench.irradiance();
+            std::vector<vec3> irradiance = splitEstimates(estimates).irradiance;
+            std::optional<MainLight> main = findMainLight(bench.scene);
+            EXPECT_EQ(main.has_value(), mode == LightMode::Mixed && mixing == MixedLightingMode::Subtractive);
+            if (main) {
+                EXPECT_EQ(irradiance[20].x, 0.0f);
+                const IntegrationSettings settings = transport();
+                ASSERT_TRUE(bakeMainLight({*bench.integrator, bench.geometry, bench.map, settings}, estimates, *main, {}));
+                main->addTo(irradiance);
+            }
+            EXPECT_NEAR(irradiance[20].x, direct ? 7.0f : 0.0f, 1e-4f);
         }
+    }
+}
+
+/// Subtractive's main light in the lightmap is its mask times what it gives without shadows, strength included; below a
+/// pane and a wall, and on the side that faces away.
+TEST_P(DirectS6, SubtractiveMainLightIsWhatItsMaskLetsArrive)
+{
+    Scene scene;
+    const int black = addMaterial(scene, vec3(0));
+    addRectangle(scene, {vec3(-2, 0, 2), vec3(4, 0, 0), vec3(0, 0, -4)}, black, kPage, {vec2(1), vec2(41)});
+    addRectangle(scene, {vec3(-2, -1, -2), vec3(4, 0, 0), vec3(0, 0, 4)}, black, kPage, {vec2(43, 1), vec2(51, 9)});
+    const int pane = addMaterial(scene, vec3(0.5f), vec3(0), true);
+    scene.materials[std::size_t(pane)].alphaMode = Material::AlphaMode::Blend;
+    scene.materials[std::size_t(pane)].baseColor.w = 0.6f;
+    addRectangle(scene, {vec3(-9, 1, 9), vec3(8, 0, 0), vec3(0, 0, -18)}, pane, kPage);
+    const int wall = addMaterial(scene, vec3(0), vec3(0), true);
+    addRectangle(scene, {vec3(1, 1, 9), vec3(8, 0, 0), vec3(0, 0, -18)}, wall, kPage);
+    scene.lights.push_back(makeLight(LightType::Directional, vec3(0), vec3(0, -1, 0), 10.0f, LightMode::Mixed));
+    scene.lights[0].shadowStrength = 0.5f;
+    IntegrationSettings settings = transport();
+    settings.bounces = 0;
+    Bench bench(std::move(scene), MixedLightingMode::Subtractive, kPage, settings);
+    const std::vector<IrradianceEstimate> estimates = bench.irradiance();
+    std::optional<MainLight> main = findMainLight(bench.scene);
+    ASSERT_TRUE(main);
+    ASSERT_TRUE(bakeMainLight({*bench.integrator, bench.geometry, bench.map, settings}, estimates, *main, {}));
+    int seen[4] = {};
+    for (std::size_t i = 0; i < estimates.size(); ++i) {
+        const vec3 place = bench.positionOf(bench.map.texels[i]);
+        if (place.y < -0.5f) { // faces down
+            EXPECT_EQ(main->at(i), vec3(0.0f));
+            EXPECT_EQ(main->mask()[i], vec4(0, 1, 1, 1));
+            ++seen[0];
+        } else if (std::abs(place.x + 1.0f) > 0.1f && std::abs(place.x - 1.0f) > 0.1f) {
+            const int kind = place.x < -1.0f ? 1 : place.x < 1.0f ? 2 : 3;
+            const float arrives = kind == 1 ? 0.4f : kind == 2 ? 1.0f : 0.0f;
+            EXPECT_NEAR(main->arriving[i], arrives, 0.002f);
+            EXPECT_NEAR(main->at(i).x, 10.0f * (0.5f + 0.5f * main->arriving[i]), 1e-4f);
+            ++seen[kind];
+        }
+    }
+    for (const int count : seen) EXPECT_GT(count, 30);
+}
+
+/// The bake's shadow colour: the median of the light in the main light's shadow, by channel; the darkest twentieth with a
+/// mask; what there would be where nothing is shadowed.
+TEST(ShadowColorS23, IsTheLightWhereTheMainLightIsShadowed)
+{
+    MainLight main;
+    std::vector<vec3> light;
+    for (int i = 0; i < 100; ++i) { // in the sun, which tells nothing
+        main.arriving.push_back(1.0f);
+        main.unshadowed.emplace_back(5.0f);
+        light.emplace_back(50.0f);
+    }
+    for (int i = 0; i < 100; ++i) { // faces away
+        main.arriving.push_back(0.0f);
+        main.unshadowed.emplace_back(0.0f);
+        light.emplace_back(70.0f);
+    }
+    for (int i = 0; i <= 100; ++i) { // shadowed: 1…2, 3…2, 4
+        main.arriving.push_back(0.0f);
+        main.unshadowed.emplace_back(5.0f);
+        light.emplace_back(1.0f + 0.01f * float(i), 3.0f - 0.01f * float(i), 4.0f);
+    }
+    for (int i = 0; i < 40; ++i) { // and covered by what stands there
+        main.arriving.push_back(0.0f);
+        main.unshadowed.emplace_back(5.0f);
+        light.emplace_back(0.001f);
+    }
+    std::vector<uint8_t> valid(light.size(), 1);
+    const auto near = [](vec3 a, vec3 b) { return glm::length(a - b) < 0.02f; };
+    EXPECT_TRUE(near(chooseShadowColor(main, light, valid, false), vec3(1.5f, 2.5f, 4.0f)));
+    EXPECT_TRUE(near(chooseShadowColor(main, light, valid, true), vec3(1.05f, 2.05f, 4.0f)));
+    std::fill(valid.begin() + 200, valid.end(), uint8_t(0));
+    EXPECT_EQ(chooseShadowColor(main, light, valid, false), vec3(50.0f)) << "no shadow: the light beside the sun's";
+    std::fill(valid.begin(), valid.end(), uint8_t(0));
+    EXPECT_EQ(chooseShadowColor(main, light, valid, false), vec3(0.0f));
+}
+
+/// Objects and materials that receive no shadows: their baked direct light, and masks of 1.
+TEST_P(DirectS6, SurfacesWithoutShadowsAreLitAsIfNothingStoodThereS30)
+{
+    for (const bool byMaterial : {false, true}) {
+        Scene scene;
+        const int plain = addMaterial(scene, vec3(0));
+        const int unshadowed = addMaterial(scene, vec3(0));
+        scene.materials[std::size_t(unshadowed)].receiveShadows = !byMaterial;
+        addRectangle(scene, {vec3(-2, 0, 2), vec3(2, 0, 0), vec3(0, 0, -4)}, plain, kPage, {vec2(1), vec2(21, 41)});
+        addRectangle(scene, {vec3(0, 0, 2), vec3(2, 0, 0), vec3(0, 0, -4)}, unshadowed, kPage,
+                     {vec2(31, 1), vec2(51, 41)});
+        scene.objects.back().receiveShadows = byMaterial;
+        const int roof = addMaterial(scene, vec3(0), vec3(0), true);
+        addRectangle(scene, {vec3(-9, 1, 9), vec3(18, 0, 0), vec3(0, 0, -18)}, roof, kPage); // over both
+        scene.lights.push_back(makeLight(LightType::Directional, vec3(0), vec3(0, -1, 0), 10.0f, LightMode::Baked));
+        scene.lights.push_back(makeLight(LightType::Directional, vec3(0), vec3(0, -1, 0), 3.0f, LightMode::Mixed));
+        IntegrationSettings settings = transport();
+        settings.bounces = 0;
+        Bench bench(std::move(scene), MixedLightingMode::Shadowmask, kPage, settings);
+        const std::vector<IrradianceEstimate> estimates = bench.irradiance();
+        const std::vector<vec4> mask = bench.shadowmask();
+        int seen[2] = {};
+        for (std::size_t i = 0; i < estimates.size(); ++i) {
+            const bool receives = bench.map.texels[i].x < 25;
+            EXPECT_NEAR(estimates[i].irradiance.x, receives ? 0.0f : 10.0f, 1e-4f);
+            EXPECT_EQ(mask[i].x, receives ? 0.0f : 1.0f);
+            ++seen[receives ? 1 : 0];
+        }
+        EXPECT_GT(seen[0], 500);
+        EXPECT_GT(seen[1], 500);
     }
 }
 

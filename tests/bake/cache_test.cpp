@@ -154,6 +154,7 @@ TEST_F(CacheTest, TheHashFollowsEverySettingThatTheFileFollows)
     changes("denoiser", [](BakeSettings& s) { s.denoiser = Denoiser::Off; });
     changes("directional", [](BakeSettings& s) { s.directional = true; });
     changes("mask encoding", [](BakeSettings& s) { s.maskEncoding = MaskEncoding::Distance; });
+    changes("subtractive mask", [](BakeSettings& s) { s.subtractiveMask = false; });
     changes("probe spacing", [](BakeSettings& s) { s.probeSpacingMeters = 1.0f; });
     changes("seed", [](BakeSettings& s) { s.seed = 2; });
 

@@ -111,7 +111,7 @@ class Help(Case):
         for option in (
             "--mode baked-indirect|shadowmask|subtractive,--quality preview|medium|high|ultra,--samples,--bounces,"
             "--device,--texels-per-meter,--lightmap-size,--uv auto|keep|unwrap,--denoise on|off,--probe-spacing,"
-            "--threads,--seed,--settings,--write-images,--report,--sky,--padding,--quiet"
+            "--threads,--seed,--settings,--write-images,--report,--sky,--padding,--quiet,--subtractive-mask on|off"
         ).split(","):
             self.assertIn(option, bake)
         render = run("render", "--help").stdout
@@ -119,7 +119,7 @@ class Help(Case):
             "--mode auto|realtime|baked-indirect|shadowmask|distance-shadowmask|subtractive,--shadow-distance,"
             "--shadow-fade-range,--cascades 1..4,--size,--camera,--eye,--target,--fov,--exposure,--reference,"
             "--view lit|shadowmask|lightmap|probes|cascades|fade|overlap,--shadow-filter hard|pcf|soft,--validation,"
-            "--path forward|deferred,--light,--cascade-splits"
+            "--path forward|deferred,--light,--cascade-splits,--shadow-color R,G,B"
         ).split(","):
             self.assertIn(option, render)
 
@@ -568,6 +568,35 @@ class Chain(Case):
                     else:
                         self.assert_one_sentence(result, 1, baked, "can only be drawn in")
                         self.assertFalse(os.path.exists(picture))
+
+    def test_subtractive_mask_and_shadow_colour(self):
+        """S22, S23: the main light's mask by default; the bake's colour unless the author or --shadow-color says another."""
+        scene = self.scene()
+        described = {}
+        for mask in ("on", "off"):
+            options = ("--mode", "subtractive") + (() if mask == "on" else ("--subtractive-mask", "off"))
+            baked, _ = self.bake(scene, mask + ".glb", *options)
+            described[mask] = json.loads(run("info", baked, "--json").stdout)["subtractive"]
+            self.assertEqual(described[mask]["mask"], mask == "on")
+            self.assertTrue(described[mask]["shadowColorFromBake"])
+            self.assertGreater(min(described[mask]["shadowColor"]), 0.0)
+        self.assertGreaterEqual(described["off"]["shadowColor"][1], described["on"]["shadowColor"][1])
+
+        def picture(name, *options):
+            path = self.path("picture.png")
+            result = run("render", self.path(name), "-o", path, "--size", "64x48", "--exposure", "3", *options)
+            self.assertEqual(result.returncode, 0, result.stderr)
+            return read(path)
+
+        self.assertNotEqual(picture("off.glb"), picture("off.glb", "--shadow-color", "1e6,1e6,1e6"))
+        wrong = run("render", self.path("on.glb"), "-o", self.path("p.png"), "--shadow-color", "-1,0,0")
+        self.assertEqual(wrong.returncode, 2)
+
+        # Baked again, from the file and through a cache: what the bake chose is no wish of the author's.
+        again, report = self.bake(self.path("on.glb"), "again.glb", "--mode", "subtractive", "--cache", self.path("tiles"))
+        self.assertTrue(json.loads(run("info", again, "--json").stdout)["subtractive"]["shadowColorFromBake"])
+        third, _ = self.bake(self.path("on.glb"), "third.glb", "--mode", "subtractive", "--cache", self.path("tiles"))
+        self.assertEqual(read(again), read(third))
 
     def test_lights_change_after_the_bake(self):
         """S29: brightness and colour are taken as they come, in proportion; a turned or moved light is named."""

@@ -191,6 +191,40 @@ TEST_F(RenderTest, FifthTargetOnlyWithMaskS26)
     EXPECT_EQ(targets(RunMode::Subtractive), 4);
 }
 
+// S11. What is lit as it is drawn reads the mask in frames that use one, and in no others, whatever was drawn before.
+TEST_F(RenderTest, ForwardReadsMaskOnlyInFramesThatUseOneS11)
+{
+    BakedScene baked = gallery(MixedLightingMode::Shadowmask);
+    ASSERT_TRUE(renderer->load(baked));
+    auto readsMask = [&](RunMode mode, DebugView view = DebugView::Lit) {
+        RenderSettings settings = settingsFor(mode, RenderPath::Forward);
+        settings.view = view;
+        const auto frame = renderer->render(galleryCamera(), settings);
+        EXPECT_TRUE(frame);
+        return frame->forwardReadsMask;
+    };
+    EXPECT_TRUE(readsMask(RunMode::Shadowmask));
+    EXPECT_FALSE(readsMask(RunMode::BakedIndirect));
+    EXPECT_TRUE(readsMask(RunMode::DistanceShadowmask));
+    EXPECT_FALSE(readsMask(RunMode::Realtime));
+    EXPECT_TRUE(readsMask(RunMode::BakedIndirect, DebugView::Shadowmask));
+    for (Light& light : baked.scene.lights) light.castShadows = false;
+    ASSERT_TRUE(renderer->load(baked));
+    EXPECT_FALSE(readsMask(RunMode::Shadowmask));
+    // Subtractive: with pages, while a dynamic shadow of the main light is in view.
+    baked = gallery(MixedLightingMode::Subtractive);
+    const std::vector<ImageRgba8> pages = gallery(MixedLightingMode::Shadowmask).shadowmasks;
+    baked.shadowmasks.clear();
+    ASSERT_TRUE(renderer->load(baked));
+    EXPECT_FALSE(readsMask(RunMode::Subtractive));
+    baked.shadowmasks = pages;
+    ASSERT_TRUE(renderer->load(baked));
+    EXPECT_TRUE(readsMask(RunMode::Subtractive));
+    for (Object& object : baked.scene.objects) object.castShadows = false;
+    ASSERT_TRUE(renderer->load(baked));
+    EXPECT_FALSE(readsMask(RunMode::Subtractive));
+}
+
 // S27. In subtractive mode static receivers go forward while realtime shadows of the sun can fall on them, and only
 // then. (That their pixels are right: LawPixels, EqualsForward.)
 TEST_F(RenderTest, SubtractiveReceiversGoForwardS27)

@@ -4,6 +4,8 @@
 
 #include <glm/gtc/packing.hpp>
 
+#include <algorithm>
+
 namespace halflight::test {
 namespace {
 
@@ -80,6 +82,103 @@ TEST_P(LawPixels, StaticReceiver)
         const vec3 direct = directRadiance(site.point, scene.lights[0], attenuation);
         return mode == RunMode::Realtime ? direct : direct + indirectRadiance(site.point, lightmap);
     });
+}
+
+/// Subtractive with the main light's own mask, at both strengths.
+class SubtractiveMaskS22 : public RenderTest, public testing::WithParamInterface<ModeStrengthPath> {};
+INSTANTIATE_TEST_SUITE_P(, SubtractiveMaskS22,
+                         testing::Combine(testing::Values(RunMode::Subtractive), testing::Values(1.0f, 0.6f),
+                                          kBothPaths),
+                         modeStrengthPathName);
+
+TEST_P(SubtractiveMaskS22, OnlyLightThatArrivesIsTakenAway)
+{
+    const auto [mode, strength, path] = GetParam();
+    LawScene law = makeScene(MixedLightingMode::Subtractive);
+    addMainLightMask(law);
+    law.baked.scene.lights[0].shadowStrength = strength;
+    law.baked.scene.subtractiveShadowColor = vec3(0.0f);
+    const RenderedFrame frame = render(law.baked, makeCamera(), settingsFor(mode, path));
+    EXPECT_TRUE(frame.plan.subtractsByMask);
+    EXPECT_TRUE(frame.forwardReadsMask);
+    expectSites(frame, [&, strength = strength](const Site& site) {
+        return indirectRadiance(site.point, subtractiveByHand(lightmapOf(site.column), vec3(kSunLux * kToSun.y),
+                                                              realtimeOf(RunMode::Subtractive, site.column), site.fade,
+                                                              vec3(0.0f), strength, maskOf(site.column)));
+    });
+}
+
+// A mask is of use to the light that holds its channel alone: where the main light has none, B is 1.
+TEST_P(SubtractiveMaskS22, MaskOfNobodyCountsForNothing)
+{
+    const auto [mode, strength, path] = GetParam();
+    LawScene law = makeScene(MixedLightingMode::Subtractive);
+    addMainLightMask(law);
+    law.baked.scene.lights[0].shadowStrength = strength;
+    law.baked.scene.lights[0].baking.occlusionMaskChannel = -1;
+    const RenderedFrame frame = render(law.baked, makeCamera(), settingsFor(mode, path));
+    EXPECT_FALSE(frame.forwardReadsMask);
+    expectSites(frame, [&, strength = strength](const Site& site) {
+        return indirectRadiance(site.point, subtractiveByHand(lightmapOf(site.column), vec3(kSunLux * kToSun.y),
+                                                              realtimeOf(RunMode::Subtractive, site.column), site.fade,
+                                                              vec3(0.0f), strength));
+    });
+}
+
+// S23. The setting comes before the author's colour, which comes before the bake's.
+TEST_P(SubtractiveMaskS22, ShadowColorOfSettingsAuthorAndBake)
+{
+    const auto [mode, strength, path] = GetParam();
+    LawScene law = makeScene(MixedLightingMode::Subtractive);
+    law.baked.scene.lights[0].shadowStrength = strength;
+    RenderSettings settings = settingsFor(mode, path);
+    const auto expectColor = [&, strength = strength](vec3 color) {
+        expectSites(render(law.baked, makeCamera(), settings), [&](const Site& site) {
+            return indirectRadiance(site.point, subtractiveByHand(lightmapOf(site.column), vec3(kSunLux * kToSun.y),
+                                                                  realtimeOf(RunMode::Subtractive, site.column),
+                                                                  site.fade, color, strength));
+        });
+    };
+    law.baked.defaultShadowColor = vec3(0.125f, 0.25f, 0.5f);
+    expectColor(law.baked.defaultShadowColor);
+    law.baked.scene.subtractiveShadowColor = kShadowColor;
+    expectColor(kShadowColor);
+    settings.subtractiveShadowColor = vec3(0.0f);
+    expectColor(vec3(0.0f));
+    settings.subtractiveShadowColor = vec3(-1.0f, 0.0f, 0.0f);
+    ASSERT_TRUE(renderer->load(law.baked));
+    EXPECT_FALSE(renderer->render(makeCamera(), settings));
+}
+
+/// A light whose shadows are off has no shadow of any kind (spec section 4): static and dynamic receivers.
+class LightWithoutShadowsS20 : public RenderTest, public testing::WithParamInterface<ModePath> {};
+INSTANTIATE_TEST_SUITE_P(, LightWithoutShadowsS20, testing::Combine(kAllModes, kBothPaths), modePathName);
+
+TEST_P(LightWithoutShadowsS20, NeitherBakedNorRealtime)
+{
+    const auto [mode, path] = GetParam();
+    for (const bool byStrength : {false, true}) {
+        for (const bool isDynamic : {false, true}) {
+            LawScene law = makeScene(bakeModeFor(mode));
+            if (isDynamic) makeFloorDynamic(law);
+            Light& sun = law.baked.scene.lights[0];
+            if (byStrength)
+                sun.shadowStrength = 0.0f;
+            else
+                sun.castShadows = false;
+            const RenderedFrame frame = render(law.baked, makeCamera(), settingsFor(mode, path));
+            EXPECT_FALSE(frame.plan.usesMask);
+            EXPECT_FALSE(frame.forwardReadsMask);
+            expectSites(frame, [&, mode = mode](const Site& site) {
+                const vec3 irradiance = isDynamic ? kProbeRadiance * kPi : lightmapOf(site.column);
+                const vec3 direct = directRadiance(site.point, sun, 1.0f);
+                if (mode == RunMode::Realtime) return direct;
+                // Subtractive's lightmap holds the direct light, shadows and all.
+                const bool inLightmap = mode == RunMode::Subtractive && !isDynamic;
+                return indirectRadiance(site.point, irradiance) + (inLightmap ? vec3(0.0f) : direct);
+            });
+        }
+    }
 }
 
 class LightmapUnitS6 : public BothPaths {};
@@ -233,6 +332,54 @@ TEST_P(ReceiveShadowsS30, CastOffLeavesOneCasterOut)
                                   attenuationByHand(mode, true, maskOf(site.column), true, realtime, site.fade, 1.0f));
         });
     }
+}
+
+// Switches of static objects that are turned after the bake: baked shadows stay as they are, and a warning says so.
+TEST_P(ReceiveShadowsS30, TurnedSinceTheBakeIsSaid)
+{
+    const auto [mode, path] = GetParam();
+    LawScene law = makeScene(bakeModeFor(mode));
+    Scene& scene = law.baked.scene;
+    int caster = -1; // the static slab of the second column
+    for (const int blocker : law.blockers) {
+        Object& object = scene.objects[std::size_t(blocker)];
+        object.name = "slab " + std::to_string(blocker);
+        if (object.isStatic && object.worldFromObject[3].x < kColumns[2]) caster = blocker;
+    }
+    ASSERT_GE(caster, 0);
+    scene.objects[std::size_t(law.floor)].name = "floor";
+    ASSERT_TRUE(renderer->load(law.baked));
+    const auto draw = [&, path = path](RunMode drawn) {
+        auto frame = renderer->render(makeCamera(), settingsFor(drawn, path));
+        EXPECT_TRUE(frame);
+        return std::move(*frame);
+    };
+    const auto said = [&](const FramePlan& plan, const std::string& words) {
+        return std::any_of(plan.warnings.begin(), plan.warnings.end(), [&](const std::string& warning) {
+            return warning.find(words) != std::string::npos;
+        });
+    };
+    EXPECT_TRUE(draw(mode).plan.warnings.empty());
+
+    ASSERT_TRUE(renderer->setObjectShadows(caster, false, true));
+    const RenderedFrame frame = draw(mode);
+    EXPECT_TRUE(said(frame.plan, "\"slab " + std::to_string(caster) + "\": castShadows was switched off"));
+    expectSites(frame, [&, mode = mode](const Site& site) {
+        const vec3 lightmap = lightmapOf(site.column);
+        const float realtime = site.column == 1 ? 1.0f : realtimeOf(mode, site.column);
+        if (mode == RunMode::Subtractive)
+            return indirectRadiance(site.point, subtractiveByHand(lightmap, vec3(kSunLux * kToSun.y), realtime,
+                                                                  site.fade, vec3(0.0f), 1.0f));
+        return indirectRadiance(site.point, lightmap) +
+               directRadiance(site.point, scene.lights[0],
+                              attenuationByHand(mode, true, maskOf(site.column), true, realtime, site.fade, 1.0f));
+    });
+    EXPECT_TRUE(draw(RunMode::Realtime).plan.warnings.empty());
+    ASSERT_TRUE(renderer->setObjectShadows(caster, true, true));
+    EXPECT_TRUE(draw(mode).plan.warnings.empty());
+
+    ASSERT_TRUE(renderer->setObjectShadows(law.floor, true, false));
+    EXPECT_EQ(said(draw(mode).plan, "\"floor\": receiveShadows was switched off"), mode == RunMode::Subtractive);
 }
 
 class OtherLights : public RenderTest, public testing::WithParamInterface<ModePath> {};

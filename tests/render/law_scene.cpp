@@ -66,9 +66,13 @@ LawScene makeScene(MixedLightingMode bakeMode)
     }
     baked.lightmaps.push_back(lightmap);
     if (bakeMode == MixedLightingMode::Shadowmask) baked.shadowmasks.push_back(mask);
-    // Subtractive keeps channel 0 for probes; pages exist so that the file counts as whole.
-    if (bakeMode == MixedLightingMode::Subtractive) baked.shadowmasks.push_back(mask);
+    result.mask = std::move(mask);
     return result;
+}
+
+void addMainLightMask(LawScene& law)
+{
+    law.baked.shadowmasks.push_back(law.mask);
 }
 
 RenderSettings settingsFor(RunMode mode, RenderPath path)
@@ -128,11 +132,14 @@ float attenuationByHand(RunMode mode, bool hasBaked, float baked, bool hasRealti
     return 1.0f - strength + strength * attenuation;
 }
 
-vec3 subtractiveByHand(vec3 lightmap, vec3 mainIrradiance, float realtime, float fade, vec3 shadowColor, float strength)
+vec3 subtractiveByHand(vec3 lightmap, vec3 mainIrradiance, float realtime, float fade, vec3 shadowColor, float strength,
+                       float baked)
 {
+    const float faded = realtime + (1.0f - realtime) * fade;
+    const float lost = faded < baked ? baked - faded : 0.0f; // B - min(B, F)
     vec3 result;
     for (int c = 0; c < 3; ++c) {
-        const float guess = mainIrradiance[c] * (1.0f - realtime) * (1.0f - fade); // L saturate(N.l) (1 - F)
+        const float guess = mainIrradiance[c] * lost;
         const float left = lightmap[c] - guess > shadowColor[c] ? lightmap[c] - guess : shadowColor[c];
         const float mixed = (1.0f - strength) * lightmap[c] + strength * left;
         result[c] = mixed < lightmap[c] ? mixed : lightmap[c];

@@ -42,9 +42,12 @@ struct LawScene {
     BakedScene baked;
     int floor = -1;
     std::vector<int> blockers;
+    ImageRgba8 mask; ///< of the floor's page
 };
 /// The floor's page holds it in its middle half, so that scale and offset count; the rest has other values.
 LawScene makeScene(MixedLightingMode bakeMode);
+/// Gives a subtractive scene the main light's own mask.
+void addMainLightMask(LawScene& law);
 MixedLightingMode bakeModeFor(RunMode mode);
 Camera makeCamera();
 RenderSettings settingsFor(RunMode mode, RenderPath path = RenderPath::Forward);
@@ -65,7 +68,7 @@ void expectSites(const RenderedFrame& frame, const std::function<vec3(const Site
 /// this, not with the code that made it.
 float attenuationByHand(RunMode mode, bool hasBaked, float baked, bool hasRealtime, float realtime, float fade,
                         float strength);
-vec3 subtractiveByHand(vec3 lightmap, vec3 mainIrradiance, float realtime, float fade, vec3 shadowColor,
-                       float strength);
+vec3 subtractiveByHand(vec3 lightmap, vec3 mainIrradiance, float realtime, float fade, vec3 shadowColor, float strength,
+                       float baked = 1.0f);
 
 } // namespace halflight::test::law

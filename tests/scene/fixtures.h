@@ -235,6 +235,7 @@ inline BakedScene pretendToBake(Scene scene, bool splitVertices = true)
         object.lightmap.offset = {random(i, 4), 0.5f * random(i, 5)};
     }
     baked.lightmapUnitLux = 4.0f;
+    baked.defaultShadowColor = {0.5f, 0.25f, 0.125f};
     baked.maskChannels[2] = {4.0f, 0.75f};
     for (int page = 0; page < 2; ++page) {
         Image<uint32_t> lightmap(33, 17);

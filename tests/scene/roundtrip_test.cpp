@@ -46,6 +46,7 @@ void expectSame(const BakedScene& a, const BakedScene& b)
     EXPECT_EQ(a.scene.sky.horizon, b.scene.sky.horizon);
     EXPECT_EQ(a.scene.sky.ground, b.scene.sky.ground);
     EXPECT_EQ(a.scene.subtractiveShadowColor, b.scene.subtractiveShadowColor);
+    EXPECT_EQ(subtractiveShadowColor(a), subtractiveShadowColor(b));
     EXPECT_EQ(a.scene.probePositions, b.scene.probePositions);
     EXPECT_EQ(a.scene.materials.size(), b.scene.materials.size());
 

@@ -159,6 +159,27 @@ TEST(SettingsS5, AnAddedLightKeepsItsBake)
     EXPECT_EQ(baked->scene.lights.back().baking.occlusionMaskChannel, 3);
 }
 
+// S23. What the bake chose is no wish of the author's: another bake chooses anew. The author's colour stays, black too.
+TEST(SettingsS23, ShadowColorOfTheBakeAndOfTheAuthor)
+{
+    const TemporaryFolder folder;
+    for (const std::optional<vec3> color : {std::optional<vec3>(), std::optional(vec3(0.0f)), std::optional(vec3(2.0f))}) {
+        Scene scene = engineScene();
+        scene.subtractiveShadowColor = color;
+        const BakedScene baked = pretendToBake(scene);
+        ASSERT_TRUE(writeBakedScene(folder / "baked.glb", baked));
+        const Json root = jsonOfGlb(folder / "baked.glb")["extensions"]["HALFLIGHT_mixed_lighting"];
+        EXPECT_EQ(root["shadowColorFromBake"], !color.has_value());
+        const auto read = readBakedScene(folder / "baked.glb");
+        ASSERT_TRUE(read) << read.error().text();
+        EXPECT_EQ(read->scene.subtractiveShadowColor, color);
+        EXPECT_EQ(subtractiveShadowColor(*read), color.value_or(baked.defaultShadowColor));
+        const auto again = readScene(folder / "baked.glb");
+        ASSERT_TRUE(again) << again.error().text();
+        EXPECT_EQ(again->subtractiveShadowColor, color);
+    }
+}
+
 TEST(SettingsS5, FileIsStrongerThanExtras)
 {
     const TemporaryFolder folder;

@@ -229,13 +229,14 @@ TEST(LawS13, ContinuousThroughTheShadowDistance)
     }
 }
 
-// Subtractive, static receiver. guess = L saturate(N.l) (1 - F), F without strength; S = max(G - guess, shadowColour);
-// result = min(G, lerp(G, S, k)).
+// Subtractive, static receiver. guess = L saturate(N.l) (B - min(B, F)), B and F without strength, B = 1 without the
+// main light's mask; S = max(G - guess, shadowColour); result = min(G, lerp(G, S, k)).
 TEST(LawS22, SubtractiveStaticReceiver)
 {
     const struct {
         const char* line;
         float lightmap, mainIrradiance, faded, shadowColor, strength, expected;
+        float baked = 1.0f;
     } table[] = {
         {"lit: G unchanged", 10, 8, 1, 0, 1, 10},
         {"S22 full shadow removes the main light", 10, 8, 0, 0, 1, 2},
@@ -250,9 +251,18 @@ TEST(LawS22, SubtractiveStaticReceiver)
         {"S24 strength once", 10, 8, 0, 0, 0.5f, 6},
         {"unlit side: N.l = 0", 10, 0, 0, 0, 1, 10},
         {"already in baked shadow: the guess is too large", 1, 8, 0, 0.5f, 1, 0.5f},
+        {"mask 1: as without", 10, 8, 0, 0, 1, 2, 1},
+        {"mask: in baked shadow nothing is left to take", 2, 8, 0, 0, 1, 2, 0},
+        {"mask: nor is the shadow colour above it of any use", 2, 8, 0, 3, 1, 2, 0},
+        {"mask: penumbra, full dynamic shadow takes what arrives", 4, 8, 0, 0, 1, 2, 0.25f},
+        {"mask: dynamic shadow lighter than the baked one takes nothing", 4, 8, 0.5f, 0, 1, 4, 0.25f},
+        {"mask: dynamic shadow darker than the baked one takes the rest", 6, 8, 0.25f, 0, 1, 4, 0.5f},
+        {"mask: strength 0.5 of a lightmap baked with it: 2 + 8 (0.5 + 0.5 min(0.5, 0.25))", 8, 8, 0.25f, 0, 0.5f, 7,
+         0.5f},
+        {"mask: the shadow colour limits as ever", 6, 8, 0, 3, 1, 3, 0.5f},
     };
     for (const auto& row : table) {
-        const vec3 result = subtractiveIrradiance(vec3(row.lightmap), vec3(row.mainIrradiance), row.faded,
+        const vec3 result = subtractiveIrradiance(vec3(row.lightmap), vec3(row.mainIrradiance), row.baked, row.faded,
                                                   vec3(row.shadowColor), row.strength);
         for (int c = 0; c < 3; ++c) EXPECT_NEAR(result[c], row.expected, 1e-5f) << row.line;
     }
@@ -260,7 +270,7 @@ TEST(LawS22, SubtractiveStaticReceiver)
 
 TEST(LawS23, ChannelsAreIndependent)
 {
-    const vec3 result = subtractiveIrradiance({10, 5, 1}, {8, 8, 8}, 0.25f, {0, 2, 3}, 1.0f);
+    const vec3 result = subtractiveIrradiance({10, 5, 1}, {8, 8, 8}, 1.0f, 0.25f, {0, 2, 3}, 1.0f);
     EXPECT_NEAR(result.x, 4.0f, 1e-5f); // 10 - 6
     EXPECT_NEAR(result.y, 2.0f, 1e-5f); // limited by the colour
     EXPECT_NEAR(result.z, 1.0f, 1e-5f); // darker than the colour already
@@ -273,9 +283,11 @@ TEST(LawS22, NeverBrighterThanTheLightmap)
             for (const float f : {0.0f, 0.4f, 1.0f}) {
                 for (const float colour : {0.0f, 1.0f, 100.0f}) {
                     for (const float k : {0.0f, 0.5f, 1.0f}) {
-                        const float s = subtractiveIrradiance(vec3(g), vec3(e), f, vec3(colour), k).x;
-                        EXPECT_LE(s, g);
-                        EXPECT_GE(s, std::min(g, colour) - 1e-6f);
+                        for (const float b : {0.0f, 0.3f, 1.0f}) {
+                            const float s = subtractiveIrradiance(vec3(g), vec3(e), b, f, vec3(colour), k).x;
+                            EXPECT_LE(s, g);
+                            EXPECT_GE(s, std::min(g, colour) - 1e-6f);
+                        }
                     }
                 }
             }

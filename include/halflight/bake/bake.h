@@ -12,6 +12,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -47,7 +48,10 @@ struct BakeSettings {
     int paddingTexels = 2;       ///< UnwrapSettings::paddingTexels
     Denoiser denoiser = Denoiser::BuiltIn;
     bool directional = false; ///< also keep the mean direction of lightmap light, for normal maps (spec S32)
-    MaskEncoding maskEncoding = MaskEncoding::Attenuation;
+    MaskEncoding maskEncoding = MaskEncoding::Attenuation; ///< shadowmask bakes
+    /// Subtractive bakes: also store the main light's own mask, so that dynamic shadows take away only light that
+    /// arrives (subtractiveIrradiance() in shading/law.h).
+    bool subtractiveMask = true;
     float probeSpacingMeters = 0.0f; ///< 0 = by the scene's size
     int threads = 0;                 ///< 0 = all cores; changes no byte of the result
     uint32_t seed = 1;
@@ -80,6 +84,14 @@ struct LightReport {
     bool distanceMask = false; ///< its channel holds distances (MaskEncoding::Distance), not attenuation
 };
 
+/// Subtractive's main light and what its dynamic shadows are limited by.
+struct MainLightReport {
+    std::string name;
+    bool mask = false;        ///< the file holds its own mask
+    vec3 shadowColor{0.0f};   ///< lower limit of its dynamic shadows, lux
+    bool colorByBake = false; ///< the author named none, so the bake chose
+};
+
 struct StageReport {
     std::string name;
     double seconds = 0.0;
@@ -95,6 +107,7 @@ struct TileCounts {
 
 struct BakeReport {
     std::vector<LightReport> lights;
+    std::optional<MainLightReport> mainLight; ///< of subtractive bakes that have one
     std::vector<StageReport> stages;
     std::vector<MeshUnwrapReport> meshes;
     std::vector<std::string> warnings;

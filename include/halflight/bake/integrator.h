@@ -28,7 +28,8 @@ struct BakeGeometry {
         uint32_t firstVertex = 0;
         uint32_t vertexCount = 0;
         bool castShadows = true;
-        int page = -1; ///< lightmap page, -1 = none
+        bool receiveShadows = true; ///< false: lights reach it as if nothing stood in their way
+        int page = -1;              ///< lightmap page, -1 = none
     };
     std::vector<Part> parts;
     std::vector<uint32_t> partOfTriangle;
@@ -184,14 +185,16 @@ public:
     [[nodiscard]] virtual std::string description() const = 0;
 
     /// What the lightmap holds (spec S6): emitters and sky, direct light of lights that are baked for static receivers,
-    /// bounced light of mixed and baked lights. One estimate per texel of the request; a texel's is the same whatever
+    /// bounced light of mixed and baked lights; all but the direct light of subtractive's main light, which is made of
+    /// its mask. One estimate per texel of the request; a texel's is the same whatever
     /// others are asked for.
     virtual bool irradiance(const TexelMap& map, const TexelRequest& request, std::span<IrradianceEstimate> out,
                             const Progress& progress) = 0;
     /// Frees what irradiance() keeps of a map from call to call; another call makes it anew.
     virtual void releaseIrradiance() {}
 
-    /// Attenuation by static casters for each light that has a channel; 1 in channels without a light in reach.
+    /// Attenuation by static casters for each light that has a channel; 1 in channels without a light in reach. Of
+    /// subtractive's main light: what share of the light that the texel would have arrives, 0 where it would have none.
     /// `estimates` are irradiance()'s of the request's texels, which know what lies inside geometry; empty = nothing
     /// does.
     virtual bool shadowmask(const TexelMap& map, const TexelRequest& request,

@@ -168,8 +168,10 @@ struct FramePlan {
     /// lightmap (spec S22, S27). Empty when the main light has no map.
     std::vector<uint8_t> mainShadowReceivers;
     LightClusters clusters;
-    bool usesMask = false; ///< any light reads a shadowmask channel this frame (spec S11); never in subtractive, whose
-                           ///< baked attenuation is in the probes only
+    bool usesMask = false; ///< any light reads a shadowmask channel this frame (spec S11); never in subtractive
+    /// Subtractive: the main light's own mask says how much of its light arrives where its realtime shadow is
+    /// subtracted (spec S22). False without such a shadow, and for files that hold no mask.
+    bool subtractsByMask = false;
     /// Objects to draw into tile i, ascending: tileCasters[tileCasterBegin[i] … tileCasterBegin[i + 1]).
     std::vector<uint32_t> tileCasters;
     std::vector<uint32_t> tileCasterBegin; ///< one more than tiles

@@ -32,6 +32,9 @@ struct RenderSettings {
     RenderPath path = RenderPath::Forward;
     ShadowSettings shadows;
     DebugView view = DebugView::Lit;
+    /// Lower limit of subtractive shadows, irradiance in lux, each >= 0; none: the file's (subtractiveShadowColor() of
+    /// baked_scene.h).
+    std::optional<vec3> subtractiveShadowColor;
     bool directionalLightmaps = true; ///< let normal maps and mirrors see where lightmap light came from, if baked
     ivec2 size{1280, 720};
     int supersampling = 1; ///< 1…4: each pixel is the mean radiance of supersampling^2 samples on a regular grid
@@ -62,6 +65,9 @@ struct RenderedFrame {
     /// Targets of the G-buffer, the picture itself among them: 4, and a fifth for baked shadows in frames that use a
     /// mask (plan.usesMask); 0 when all was drawn forward.
     int gBufferTargets = 0;
+    /// Whether surfaces lit as they were drawn read the shadowmask (spec S11): in frames where a light uses it, where
+    /// subtractive shadows need it, and in the view of it.
+    bool forwardReadsMask = false;
     int forwardObjects = 0; ///< objects in view whose opaque and masked parts were lit as they were drawn
 };
 
@@ -72,8 +78,9 @@ struct RenderedFrame {
 /// middle or from its proxy volume; in realtime mode neither, but the open sky (nothing where the sky is black). Either
 /// reflects diffusely and, blurred, in the specular lobe, dimmed by the material's occlusion texture.
 ///
-/// Both sides of opaque and alpha-masked surfaces cast realtime shadows, as they stop the bake's rays; alpha-blended
-/// surfaces cast none. They are drawn after all others, the farthest middle of a mesh part first.
+/// Both sides of surfaces cast realtime shadows, as they stop the bake's rays; alpha-blended ones keep back the share
+/// of light that their alpha says, as in the bake. They are drawn after all others, the farthest middle of a mesh part
+/// first.
 ///
 /// No function of it throws: a device that is lost or out of memory is ErrorCode::DeviceFailed.
 class Renderer {
@@ -100,6 +107,7 @@ public:
     Status setLight(int light, const Light& changed);
     /// A dynamic object takes the probe light of its new place. A static one keeps its lightmap.
     Status setObjectTransform(int object, const mat4& worldFromObject);
+    /// Baked shadows do not follow: FramePlan::warnings names static objects whose switches differ from the bake's.
     Status setObjectShadows(int object, bool castShadows, bool receiveShadows);
 
     /// S32. Irradiance (lux) that is added to the lightmap's in every mode that reads lightmaps, after subtraction: one

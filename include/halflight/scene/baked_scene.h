@@ -51,10 +51,20 @@ struct BakedScene {
     std::vector<ImageRgba8> lightmapDirections;
     /// Lux that a texel of 1 stands for; above 1 where light is brighter than RGB9E5's 65,408 (full daylight is).
     float lightmapUnitLux = 1.0f;
-    /// Baked attenuation by channel, 255 = lit; one per page, or none when no light has a channel.
+    /// Baked attenuation by channel, 255 = lit; one per page, or none when no light has a channel. A subtractive bake
+    /// holds the main light's alone, in channel 0, or none (BakeSettings::subtractiveMask).
     std::vector<ImageRgba8> shadowmasks;
     std::array<MaskChannel, 4> maskChannels{};
+    /// Lower limit of subtractive shadows that the bake chose, irradiance in lux (spec S23): the light where the main
+    /// light is shadowed. Counts where the author asks for none.
+    vec3 defaultShadowColor{0.0f};
     ProbeSet probes;
 };
+
+/// Lower limit of subtractive shadows, irradiance in lux: the author's, else the bake's.
+inline vec3 subtractiveShadowColor(const BakedScene& baked)
+{
+    return baked.scene.subtractiveShadowColor.value_or(baked.defaultShadowColor);
+}
 
 } // namespace halflight

@@ -248,7 +248,9 @@ struct Scene {
     std::vector<Light> lights;
     std::vector<Camera> cameras;
     Sky sky;
-    vec3 subtractiveShadowColor{0.0f}; ///< lower limit of subtractive shadows, as irradiance in lux (spec S23)
+    /// Lower limit of subtractive shadows that the author asks for, as irradiance in lux (spec S23); none: the bake's
+    /// choice (BakedScene::defaultShadowColor).
+    std::optional<vec3> subtractiveShadowColor;
     /// Centres that the file or settings give for light probes; empty = placed automatically.
     std::vector<vec3> probePositions;
     std::vector<std::string> warnings; ///< what was odd in the file: skipped primitives, invented normals, …

@@ -84,10 +84,12 @@ HL_FN float mixShadows(int mode, bool hasBaked, float baked, bool hasRealtime, f
 
 // S21…S24. Irradiance of a static receiver in subtractive mode: lightmap G (which holds the main light's direct light
 // already) darkened where dynamic objects shadow the main light. mainIrradiance is the main light's unshadowed
-// irradiance on the surface, L * saturate(N.l); faded is F, without strength.
-HL_FN vec3 subtractiveIrradiance(vec3 lightmap, vec3 mainIrradiance, float faded, vec3 shadowColor, float strength)
+// irradiance on the surface, L * saturate(N.l). baked is B, the main light's own mask: only light that arrives is taken
+// away. Without a mask B is 1, and the guess is L * saturate(N.l) * (1 - F). faded is F; neither B nor F has strength.
+HL_FN vec3 subtractiveIrradiance(vec3 lightmap, vec3 mainIrradiance, float baked, float faded, vec3 shadowColor,
+                                 float strength)
 {
-    vec3 guess = mainIrradiance * (1.0f - faded);
+    vec3 guess = mainIrradiance * (baked - min(baked, faded));
     vec3 shadowed = max(lightmap - guess, shadowColor);
     return min(lightmap, mix(lightmap, shadowed, strength));
 }

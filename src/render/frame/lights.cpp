@@ -106,9 +106,11 @@ void selectLights(const BakedScene& baked, const FrameView& view, FramePlan& pla
         const Light& light = scene.lights[std::size_t(frameLight.light)];
         const bool mixed = usesBake && isMixed(light);
         const bool inLightmap = subtractive && mixed; // direct light too (spec S6)
-        // S18, S25: in subtractive mode only the main light is mixed with a baked shadow, on dynamic receivers.
-        frameLight.hasBaked = mixed && shading::modeUsesBakedShadows(mode) && light.baking.occlusionMaskChannel >= 0 &&
-                              (!subtractive || int(i) == plan.mainLight);
+        // S18, S25: in subtractive mode only the main light is mixed with a baked shadow. A light whose shadows are off
+        // has none of any kind.
+        const bool throwsShadows = light.castShadows && light.shadowStrength > 0.0f;
+        frameLight.hasBaked = mixed && throwsShadows && shading::modeUsesBakedShadows(mode) &&
+                              light.baking.occlusionMaskChannel >= 0 && (!subtractive || int(i) == plan.mainLight);
         frameLight.channel = frameLight.hasBaked ? light.baking.occlusionMaskChannel : -1;
         frameLight.skipStatic = inLightmap;
         // Casters by spec section 2: "dynamic only, for lights that have a channel (or are fully baked for static)".

@@ -25,6 +25,7 @@ struct ShadowContext {
     const FrameView& view;
     const ShadowSettings& settings;
     Bounds sceneBounds;
+    bool hasMask = false; ///< the file holds shadowmask pages
 };
 
 /// Why a shadow map of the light could change no pixel; None where it could.
@@ -175,6 +176,7 @@ void findMainShadowReceivers(const ShadowContext& context, FramePlan& plan)
         directionalShadowReceivers(context.bounds, casters, light.direction(),
                                    float(borderTexels(shadowSettingsOf(light, context.settings))) * texelMeters,
                                    vec3(context.view.camera.worldFromCamera[3]), context.settings.distanceMeters);
+    plan.subtractsByMask = main.hasBaked && context.hasMask;
 }
 
 } // namespace
@@ -184,7 +186,7 @@ FramePlan planFrame(const BakedScene& baked, std::span<const Bounds> bounds, con
 {
     assert(bounds.size() == baked.scene.objects.size());
     assert(checkShadowSettings(shadows));
-    ShadowContext context{baked.scene, bounds, view, shadows, {}};
+    ShadowContext context{baked.scene, bounds, view, shadows, {}, !baked.shadowmasks.empty()};
     for (const Bounds& box : bounds) context.sceneBounds.extend(box);
 
     FramePlan plan;

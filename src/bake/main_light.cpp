@@ -1,0 +1,143 @@
+// Subtractive's main light. Its direct light in the lightmap is made of its mask, so that what is subtracted from the
+// lightmap at run time is what is in it (spec S22).
+#include "bake/main_light.h"
+
+#include "bake/gather.h"
+#include "bake/stages.h"
+
+#include "halflight/base/parallel.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+namespace halflight {
+namespace {
+
+/// Points of a texel whose irradiance differs by more than this share of the most are followed by more points.
+constexpr float kEven = 0.05f;
+constexpr int kMostBatches = 16;
+
+/// What the light gives a texel without shadows, on average over its points outside geometry.
+vec3 unshadowedIrradiance(const BakeGeometry& geometry, const TexelMap& map, const Texel& texel, uint16_t outside,
+                          vec3 towardsLight, vec3 illuminance)
+{
+    constexpr uint16_t kAllPoints = 0xffff;
+    float least = kInfinity;
+    float most = 0.0f;
+    float sum = 0.0f;
+    int count = 0;
+    std::array<SurfacePoint, kMaxTexelPoints> points;
+    for (int batch = 0; batch < kMostBatches; ++batch) {
+        const int size = texelPoints(geometry, map, texel, points, batch);
+        for (int p = 0; p < size; ++p) {
+            if (((outside >> p) & 1) == 0) continue;
+            const float cosine = std::max(glm::dot(points[std::size_t(p)].normal, towardsLight), 0.0f);
+            sum += cosine;
+            least = std::min(least, cosine);
+            most = std::max(most, cosine);
+            ++count;
+        }
+        if (most - least <= kEven * most || outside != kAllPoints) break;
+    }
+    return count > 0 ? illuminance * (sum / float(count)) : vec3(0.0f);
+}
+
+/// The value below which a share of them lies; reorders them.
+float quantile(std::vector<float>& values, float share)
+{
+    const auto middle = values.begin() + std::ptrdiff_t(share * float(values.size() - 1));
+    std::nth_element(values.begin(), middle, values.end());
+    return *middle;
+}
+
+} // namespace
+
+std::optional<MainLight> findMainLight(const Scene& scene)
+{
+    for (const Light& light : scene.lights) {
+        if (light.baking.mixedMode != MixedLightingMode::Subtractive || light.baking.occlusionMaskChannel < 0) continue;
+        MainLight main;
+        main.name = light.name;
+        main.towardsLight = -light.direction();
+        main.illuminance = light.color * light.intensity;
+        main.shadowStrength = light.shadowStrength;
+        main.channel = light.baking.occlusionMaskChannel;
+        return main;
+    }
+    return std::nullopt;
+}
+
+bool bakeMainLight(const Gather& gather, std::span<const IrradianceEstimate> estimates, MainLight& main,
+                   const Progress& progress)
+{
+    std::vector<vec4> mask(estimates.size());
+    if (!gather.shadowmask(estimates, mask, progress)) return false;
+    main.unshadowed.assign(estimates.size(), vec3(0.0f));
+    main.arriving.assign(estimates.size(), 0.0f);
+    parallelFor(estimates.size(), 1024, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t i = begin; i < end; ++i) {
+            if (!estimates[i].valid) continue;
+            main.arriving[i] = std::round(mask[i][main.channel] * 255.0f) / 255.0f; // as the mask stores it
+            main.unshadowed[i] = unshadowedIrradiance(gather.geometry, gather.map, gather.map.texels[i],
+                                                      estimates[i].outsidePoints, main.towardsLight, main.illuminance);
+        }
+    });
+    return true;
+}
+
+void MainLight::addTo(std::vector<vec3>& irradiance) const
+{
+    for (std::size_t i = 0; i < irradiance.size(); ++i) irradiance[i] += at(i);
+}
+
+void MainLight::addMomentTo(std::vector<vec3>& moments) const
+{
+    for (std::size_t i = 0; i < moments.size(); ++i) moments[i] += luminance(at(i)) * towardsLight;
+}
+
+std::vector<vec4> MainLight::mask() const
+{
+    std::vector<vec4> values(arriving.size(), vec4(1.0f));
+    for (std::size_t i = 0; i < values.size(); ++i) values[i][channel] = arriving[i];
+    return values;
+}
+
+vec3 chooseShadowColor(const MainLight& main, const std::vector<vec3>& otherLight, const std::vector<uint8_t>& valid,
+                       bool hasMask)
+{
+    // Without a mask the light in its shadows stands for that of all shadows. With one nothing but rounding is to be
+    // held back, so that the colour is that of the darkest places.
+    constexpr float kTypical = 0.5f;
+    constexpr float kDarkest = 0.05f;
+    constexpr float kShadowed = 0.02f; // arrives at most
+    /// Of their mean: texels with less are covered by something that stands on them.
+    constexpr float kCovered = 0.1f;
+    const auto faces = [&](std::size_t i) { return luminance(main.unshadowed[i]) > 0.0f; };
+    const auto shadowed = [&](std::size_t i) { return faces(i) && main.arriving[i] <= kShadowed; };
+    const auto colorOf = [&](const auto& counts) -> std::optional<vec3> {
+        double sum = 0.0;
+        std::size_t count = 0;
+        for (std::size_t i = 0; i < otherLight.size(); ++i) {
+            if (valid[i] == 0 || !counts(i)) continue;
+            sum += double(luminance(otherLight[i]));
+            ++count;
+        }
+        if (count == 0) return std::nullopt;
+        const auto least = float(double(kCovered) * sum / double(count));
+        vec3 color;
+        for (int c = 0; c < 3; ++c) {
+            std::vector<float> values;
+            for (std::size_t i = 0; i < otherLight.size(); ++i) {
+                if (valid[i] != 0 && counts(i) && luminance(otherLight[i]) >= least) values.push_back(otherLight[i][c]);
+            }
+            color[c] = quantile(values, hasMask ? kDarkest : kTypical);
+        }
+        return color;
+    };
+    if (const auto color = colorOf(shadowed)) return *color;
+    if (const auto color = colorOf(faces)) return *color; // no shadow anywhere: what there would be in one
+    return colorOf([](std::size_t) { return true; }).value_or(vec3(0.0f));
+}
+
+} // namespace halflight
