@@ -4,8 +4,8 @@
 #
 #   scripts/test.sh [--asan] [--no-install]
 #
-# --asan tests a build with AddressSanitizer and UndefinedBehaviorSanitizer. The Khronos glTF validator comes from npm;
-# without a network the tests that need it are skipped, as are those of shared scenes where there are none. The last line
+# --asan tests a build with AddressSanitizer and UndefinedBehaviorSanitizer. The Khronos glTF validator and MikkTSpace come
+# from npm; without a network the tests that need them are skipped, as are those of shared scenes where there are none. The last line
 # says how many were skipped, and why.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
@@ -22,12 +22,15 @@ done
 
 if [ "$install" -eq 1 ]; then scripts/install-packages.sh --node; fi
 
-if [ ! -d build/node_modules/gltf-validator ] && command -v npm >/dev/null; then
+node_packages=(gltf-validator mikktspace)
+missing_packages=()
+for package in "${node_packages[@]}"; do [ -d "build/node_modules/$package" ] || missing_packages+=("$package"); done
+if [ "${#missing_packages[@]}" -gt 0 ] && command -v npm >/dev/null; then
   mkdir -p build
-  timeout 120 npm install --prefix build --no-save --no-audit --no-fund --loglevel=error gltf-validator ||
-    echo "test.sh: the glTF validator could not be had from npm; its tests will be skipped" >&2
+  timeout 120 npm install --prefix build --no-save --no-audit --no-fund --loglevel=error "${node_packages[@]}" ||
+    echo "test.sh: npm gave no ${missing_packages[*]}; tests that need them will be skipped" >&2
 fi
-if [ -d build/node_modules/gltf-validator ]; then export HALFLIGHT_NODE_MODULES="$PWD/build/node_modules"; fi
+if [ -d build/node_modules ]; then export HALFLIGHT_NODE_MODULES="$PWD/build/node_modules"; fi
 
 cmake --preset "$preset" --log-level=WARNING
 cmake --build --preset "$preset"

@@ -41,7 +41,7 @@ Status checkBrightness(const Scene& scene)
     const Sky& sky = scene.sky;
     if (tooBright(sky.zenith) || tooBright(sky.horizon) || tooBright(sky.ground))
         return invalid("/scenes/0", std::string("its sky") + kTooBright);
-    if (tooBright(scene.subtractiveShadowColor))
+    if (tooBright(scene.subtractiveShadowColor.value_or(vec3(0.0f))))
         return invalid("/scenes/0", std::string("its subtractive shadow colour") + kTooBright);
     return {};
 }

@@ -199,6 +199,8 @@ constexpr Rule kRules[] = {
     {"extensions/HALFLIGHT_mixed_lighting/sky/horizon", Kind::Numbers, 3},
     {"extensions/HALFLIGHT_mixed_lighting/sky/ground", Kind::Numbers, 3},
     {"extensions/HALFLIGHT_mixed_lighting/subtractiveShadowColor", Kind::Numbers, 3},
+    {"extensions/HALFLIGHT_mixed_lighting/shadowColorFromBake", Kind::Flag},
+    {"extensions/HALFLIGHT_mixed_lighting/origin", Kind::Numbers, 3},
     {"extensions/HALFLIGHT_mixed_lighting/authoredProbes", Kind::Array},
     {"extensions/HALFLIGHT_mixed_lighting/probes/count", Kind::Length},
     {"extensions/HALFLIGHT_mixed_lighting/probes/positions", Kind::Index},

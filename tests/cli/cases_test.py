@@ -2,7 +2,9 @@
 Usage: cases_test.py HALFLIGHT SHARED_DIR [TestClass[.test]] …   The inputs lie in SHARED_DIR/cases; without them all is
 skipped (exit code 77, ctest: skipped). The kinds that they belong to have tests beside the code."""
 
+import itertools
 import json
+import math
 import os
 import resource
 import struct
@@ -88,12 +90,30 @@ class Pictures(SharedCase):
             self.assertGreater(len(colours), 2, "the checks are one colour")
 
     def test_default_view_is_outside(self):
-        rows = self.picture(cases("default-view", "cube.gltf"))
-        corners = [rows[y][x] for y in (0, -1) for x in (0, -1)]
-        middle = rows[60][80]
-        for corner in corners:
-            self.assertGreater(max(abs(a - b) for a, b in zip(corner, middle)), 0.02, "the view stands inside")
-        self.assertEqual(corners.count(corners[0]), 4, "the cube reaches out of the picture")
+        scene = cases("default-view", "cube.gltf")
+        bounds = self.info(scene)["bounds"]
+        result = run("render", scene, "-o", self.path("picture.png"), *VIEW, "--json")
+        self.assertEqual(result.returncode, 0, result.stderr)
+        camera = json.loads(result.stdout)["camera"]
+        eye, target = camera["eye"], camera["target"]
+        inside = [low <= e <= high for low, e, high in zip(bounds["min"], eye, bounds["max"])]
+        self.assertFalse(all(inside), "the view stands inside")
+        # All corners of the bounds lie within the picture, 160 x 120, Y up.
+        forward = [t - e for t, e in zip(target, eye)]
+        right = [-forward[2], 0, forward[0]]
+        up = [
+            right[1] * forward[2] - right[2] * forward[1],
+            right[2] * forward[0] - right[0] * forward[2],
+            right[0] * forward[1] - right[1] * forward[0],
+        ]
+        forward, right, up = ([c / math.hypot(*axis) for c in axis] for axis in (forward, right, up))
+        half = math.tan(math.radians(camera["verticalFovDegrees"]) / 2)
+        for corner in itertools.product(*zip(bounds["min"], bounds["max"])):
+            way = [c - e for c, e in zip(corner, eye)]
+            along, x, y = (sum(a * w for a, w in zip(axis, way)) for axis in (forward, right, up))
+            self.assertGreater(along, 0)
+            self.assertLess(abs(y), half * along)
+            self.assertLess(abs(x), half * along * 160 / 120)
 
     def test_georeferenced(self):
         scene = cases("georeferenced", "geo_utm.glb")
