@@ -14,7 +14,8 @@ std::vector<ShadowSwitches> shadowSwitches(const Scene& scene)
     return switches;
 }
 
-std::vector<std::string> switchWarnings(const BakedScene& baked, const std::vector<ShadowSwitches>& atBake, RunMode mode)
+std::vector<std::string> switchWarnings(const BakedScene& baked, const std::vector<ShadowSwitches>& atBake,
+                                        RunMode mode)
 {
     if (!baked.isBaked || mode == RunMode::Realtime) return {};
     const auto anyLight = [&](const auto& test) {

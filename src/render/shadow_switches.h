@@ -18,6 +18,7 @@ std::vector<ShadowSwitches> shadowSwitches(const Scene& scene);
 
 /// Sentences about static objects whose switches differ from those of the bake: baked shadows do not follow. Empty for
 /// modes and lights that have no baked shadows.
-std::vector<std::string> switchWarnings(const BakedScene& baked, const std::vector<ShadowSwitches>& atBake, RunMode mode);
+std::vector<std::string> switchWarnings(const BakedScene& baked, const std::vector<ShadowSwitches>& atBake,
+                                        RunMode mode);
 
 } // namespace halflight

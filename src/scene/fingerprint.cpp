@@ -51,13 +51,6 @@ Hash128 hashOf(const Material& material, const std::vector<Hash128>& pixels)
     return hasher.hash();
 }
 
-/// Whether light of the material depends on MeshPart::uv[1].
-bool readsSecondSet(const Material& material)
-{
-    return material.baseColorTexture.texCoord == 1 || material.metallicRoughnessTexture.texCoord == 1 ||
-           material.emissiveTexture.texCoord == 1;
-}
-
 } // namespace
 
 std::vector<Hash128> materialHashes(const Scene& scene)
@@ -137,7 +130,6 @@ std::string SceneFingerprints::ofObjects(std::span<const Object* const> objects)
             hasher.add(uint64_t(part.indices.size()));
             vertices(part.positions);
             vertices(part.uv[0]);
-            if (readsSecondSet(materialOf(scene_, part))) vertices(part.uv[1]);
             vertices(part.colors);
         }
     }

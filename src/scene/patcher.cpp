@@ -164,22 +164,27 @@ void DocumentPatcher::embedImages()
 {
     Json* images = find(json, "images");
     if (images == nullptr) return;
+    std::map<std::string, int> viewOfUri; // images may share a file
     for (std::size_t i = 0; i < images->size(); ++i) {
         Json& image = (*images)[i];
         if (!image.contains("uri") || i >= source_.model.images.size()) continue;
+        const std::string uri = member(image, "uri").dump();
         auto bytes = imageBytes(source_, int(i));
         if (!bytes) continue; // an image that no material uses may be missing: it stays as it is
         std::string mime = mimeTypeOf(*bytes);
         if (mime.empty()) continue;
         image.erase("uri");
         image["mimeType"] = mime;
-        image["bufferView"] = addView({std::move(*bytes), 0, 0});
+        const auto [view, isNew] = viewOfUri.try_emplace(uri, 0);
+        if (isNew) view->second = addView({std::move(*bytes), 0, 0});
+        image["bufferView"] = view->second;
     }
 }
 
 std::vector<FinishedDocument::File> DocumentPatcher::takeOutImages(const std::string& prefix)
 {
     std::vector<FinishedDocument::File> files;
+    std::map<std::string, std::string> nameOf; // by the image's place in the source: images may share it
     Json* images = find(json, "images");
     for (std::size_t i = 0; images != nullptr && i < std::min(images->size(), source_.model.images.size()); ++i) {
         auto bytes = imageBytes(source_, int(i));
@@ -187,12 +192,14 @@ std::vector<FinishedDocument::File> DocumentPatcher::takeOutImages(const std::st
         const std::string mime = mimeTypeOf(*bytes);
         if (mime.empty()) continue;
         const std::string extension = mime == "image/jpeg" ? "jpg" : mime.substr(mime.find('/') + 1);
-        const std::string name = prefix + "_" + std::to_string(i) + "." + extension;
         Json& image = (*images)[i];
+        const std::string place = member(image, "bufferView").dump() + member(image, "uri").dump();
+        const auto [it, isNew] = nameOf.try_emplace(place, prefix + "_" + std::to_string(i) + "." + extension);
+        const std::string name = it->second;
         image.erase("bufferView");
         image.erase("mimeType");
         image["uri"] = percentEncoded(name);
-        files.push_back({name, std::move(*bytes)});
+        if (isNew) files.push_back({name, std::move(*bytes)});
     }
     return files;
 }

@@ -228,8 +228,7 @@ Status readLightmapUv(const SourceDocument& document, Mesh& mesh, int texCoord)
             part.lightmapUv[i] = (*uv)[part.sourceVertex.empty() ? i : part.sourceVertex[i]];
         }
         part.lightmapTexCoord = texCoord;
-        if (texCoord == secondTexCoord(element(document.json, "materials", part.material)) && !isAuthors)
-            part.uv[1].clear();
+        if (texCoord == 1 && !isAuthors) part.uv[1].clear();
     }
     return {};
 }

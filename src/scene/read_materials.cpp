@@ -77,15 +77,6 @@ Texture textureOf(const SourceDocument& document, std::size_t index)
     return texture;
 }
 
-// Which TEXCOORD_n a texture slot reads: KHR_texture_transform overrides the slot. checkTypes() has seen the types.
-uint64_t texCoordOf(const Json& slot)
-{
-    const Json& own = member(slot, "texCoord");
-    const Json& transformed = member(extensionOf(slot, "KHR_texture_transform"), "texCoord");
-    const Json& value = transformed.is_null() ? own : transformed;
-    return value.is_number_unsigned() ? value.get<uint64_t>() : 0;
-}
-
 // A texture slot. Textures get their index in the scene as they are met; those that show the same image in the same way
 // are one.
 class TextureTable {
@@ -110,19 +101,24 @@ public:
                                " has no image this program reads; left out" + hint);
             return {};
         }
+        uint64_t texCoord = 0;
+        const auto readTexCoord = [&](const Json& value) {
+            if (value.is_number_unsigned()) texCoord = value.get<uint64_t>();
+        };
+        readTexCoord(member(slot, "texCoord"));
         const Json& transform = extensionOf(slot, "KHR_texture_transform");
         if (transform.is_object()) {
             const Fields fields(transform, path + "/extensions/KHR_texture_transform");
             if (Status s = fields.vector<2>("offset", ref.offset); !s) return s;
             if (Status s = fields.vector<2>("scale", ref.scale); !s) return s;
             if (Status s = fields.number("rotation", -1.0e6f, 1.0e6f, ref.rotationRadians); !s) return s;
+            readTexCoord(member(transform, "texCoord"));
         }
-        const uint64_t texCoord = texCoordOf(slot);
-        ref.texCoord = texCoord == uint64_t(second) ? 1 : 0;
-        if (texCoord != 0 && ref.texCoord == 0) {
-            warnings.push_back(path + ": TEXCOORD_" + std::to_string(texCoord) +
-                               " is the third set of its material; read as TEXCOORD_0");
+        if (texCoord > 1) {
+            warnings.push_back(path + ": TEXCOORD_" + std::to_string(texCoord) + " is read as TEXCOORD_0");
+            texCoord = 0;
         }
+        ref.texCoord = int(texCoord);
         Texture texture = textureOf(document_, source);
         const auto& image = document_.model.images[std::size_t(document_.model.textures[source].source)];
         const auto key = std::make_tuple(placeOf(image), texture.wrapU, texture.wrapV, texture.nearest);
@@ -133,8 +129,6 @@ public:
     }
 
     [[nodiscard]] std::vector<Texture> take() { return std::move(used_); }
-
-    int second = 1; ///< secondTexCoord() of the material that is read
 
 private:
     const SourceDocument& document_;
@@ -199,7 +193,6 @@ Status readMaterial(const Json& json, const std::string& path, TextureTable& tex
 {
     const Json& name = member(json, "name");
     if (name.is_string()) material.name = name.get<std::string>();
-    textures.second = secondTexCoord(json);
     const Json& pbr = member(json, "pbrMetallicRoughness");
     const std::string pbrPath = path + "/pbrMetallicRoughness";
     const Fields pbrFields(pbr, pbrPath);
@@ -375,20 +368,6 @@ bool readsTexCoord(const Json& material, int n)
     std::set<uint64_t> used;
     collectTexCoords(material, used);
     return used.count(uint64_t(n)) != 0;
-}
-
-int secondTexCoord(const Json& material)
-{
-    const Json& pbr = member(material, "pbrMetallicRoughness");
-    const Json& old = extensionOf(material, "KHR_materials_pbrSpecularGlossiness");
-    uint64_t second = 0;
-    for (const Json* slot : {&member(pbr, "baseColorTexture"), &member(pbr, "metallicRoughnessTexture"),
-                             &member(material, "normalTexture"), &member(material, "occlusionTexture"),
-                             &member(material, "emissiveTexture"), &member(old, "diffuseTexture")}) {
-        const uint64_t set = texCoordOf(*slot);
-        if (set > 0 && (second == 0 || set < second)) second = set;
-    }
-    return second == 0 ? 1 : int(second);
 }
 
 Result<MaterialsRead> readMaterials(const SourceDocument& document, FileSettings& file, bool decode)

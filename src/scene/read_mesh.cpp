@@ -154,8 +154,7 @@ Result<std::optional<MeshPart>> readPart(const SourceDocument& document, int mes
         if (Status s = morph(document, primitive, weights, "NORMAL", part.normals); !s) return s.error();
     }
     part.uv[0] = attributes.read<2>("TEXCOORD_0");
-    const int second = secondTexCoord(element(document.json, "materials", part.material));
-    part.uv[1] = attributes.read<2>(("TEXCOORD_" + std::to_string(second)).c_str());
+    part.uv[1] = attributes.read<2>("TEXCOORD_1");
     if (const auto color = primitive.attributes.find("COLOR_0"); color != primitive.attributes.end()) {
         if (document.model.accessors[std::size_t(color->second)].type == TINYGLTF_TYPE_VEC3) {
             for (const vec3& c : attributes.read<3>("COLOR_0")) part.colors.emplace_back(c, 1.0f);
@@ -230,12 +229,8 @@ Result<MeshRead> readMesh(const SourceDocument& document, int index, const std::
         if (!part) return part.error();
         if (*part) read.mesh.parts.push_back(std::move(**part));
     }
-    // One slot for the whole mesh, since a node names one. Where uv[1] is not TEXCOORD_1, the unwrapper cannot know
-    // which sets are taken: it gets one beyond the two it knows.
-    const bool isMapped = std::any_of(read.mesh.parts.begin(), read.mesh.parts.end(), [&](const MeshPart& part) {
-        return secondTexCoord(element(document.json, "materials", part.material)) > 1;
-    });
-    int texCoord = isMapped ? 2 : 1;
+    // One slot for the whole mesh, since a node names one.
+    int texCoord = 1;
     const auto taken = [&](int n) {
         return std::any_of(read.mesh.parts.begin(), read.mesh.parts.end(), [&](const MeshPart& part) {
             return readsTexCoord(element(document.json, "materials", part.material), n);

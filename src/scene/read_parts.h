@@ -29,10 +29,6 @@ Result<MeshRead> readMesh(const SourceDocument& document, int mesh, const std::v
 /// Whether a texture of the material, those of extensions included, reads TEXCOORD_n.
 bool readsTexCoord(const Json& material, int n);
 
-/// The set that MeshPart::uv[1] of the material's parts holds: the lowest above TEXCOORD_0 that its textures read, else
-/// TEXCOORD_1. TextureRef::texCoord 1 means this set.
-int secondTexCoord(const Json& material);
-
 /// Triangle list of a glTF primitive's mode from its indices (empty: 0, 1, 2, … vertexCount - 1).
 std::vector<uint32_t> trianglesOf(int mode, const std::vector<uint32_t>& indices, std::size_t vertexCount);
 

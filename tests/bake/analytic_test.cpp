@@ -163,7 +163,8 @@ TEST_P(DirectS6, MixedLightsAreInTheLightmapOnlyInSubtractive)
             if (main) {
                 EXPECT_EQ(irradiance[20].x, 0.0f);
                 const IntegrationSettings settings = transport();
-                ASSERT_TRUE(bakeMainLight({*bench.integrator, bench.geometry, bench.map, settings}, estimates, *main, {}));
+                ASSERT_TRUE(
+                    bakeMainLight({*bench.integrator, bench.geometry, bench.map, settings}, estimates, *main, {}));
                 main->addTo(irradiance);
             }
             EXPECT_NEAR(irradiance[20].x, direct ? 7.0f : 0.0f, 1e-4f);
@@ -212,8 +213,8 @@ TEST_P(DirectS6, SubtractiveMainLightIsWhatItsMaskLetsArrive)
     for (const int count : seen) EXPECT_GT(count, 30);
 }
 
-/// The bake's shadow colour: the median of the light in the main light's shadow, by channel; the darkest twentieth with a
-/// mask; what there would be where nothing is shadowed.
+/// The bake's shadow colour: the median of the light in the main light's shadow, by channel; the darkest twentieth with
+/// a mask; what there would be where nothing is shadowed.
 TEST(ShadowColorS23, IsTheLightWhereTheMainLightIsShadowed)
 {
     MainLight main;

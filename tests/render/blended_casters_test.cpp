@@ -1,5 +1,5 @@
-// Blended surfaces keep back the share of light that their alpha says, in realtime shadow maps as in the bake (the bake's
-// side: ShadowmaskS8.PanesDimEvenly; both in one picture: MixedPicture.BlendedShadowsDoNotPopS13).
+// Blended surfaces keep back the share of light that their alpha says, in realtime shadow maps as in the bake (the
+// bake's side: ShadowmaskS8.PanesDimEvenly; both in one picture: MixedPicture.BlendedShadowsDoNotPopS13).
 #include "render/render_test.h"
 
 #include <glm/gtc/matrix_transform.hpp>
@@ -9,7 +9,7 @@
 namespace halflight::test {
 namespace {
 
-constexpr ivec2 kSize{256, 144};
+constexpr ivec2 kSize{512, 288};
 const vec3 kAlbedo(0.5f);
 
 int addSheetMaterial(Scene& scene, float alpha)
@@ -67,8 +67,8 @@ protected:
         double sum = 0.0;
         double squares = 0.0;
         int count = 0;
-        const ivec2 low = pixelOf(stage.camera, kSize, vec3(-1.0f, 0, -1.5f));
-        const ivec2 high = pixelOf(stage.camera, kSize, vec3(1.0f, 0, 1.5f));
+        const ivec2 low = pixelOf(stage.camera, kSize, vec3(-2.0f, 0, -2.0f));
+        const ivec2 high = pixelOf(stage.camera, kSize, vec3(2.0f, 0, 2.0f));
         for (int y = low.y; y <= high.y; ++y) {
             for (int x = low.x; x <= high.x; ++x) {
                 const double share = double(shadowed.radiance(x, y).x) / double(unshadowed.radiance(x, y).x);
@@ -129,6 +129,9 @@ TEST_P(BlendedCasters, SheetsMultiply)
             part.normals.push_back(-part.normals[i]);
             part.uv[0].push_back(part.uv[0][i]);
             part.lightmapUv.push_back(part.lightmapUv[i]);
+            if (!part.tangents.empty()) part.tangents.push_back(part.tangents[i]);
+            if (!part.uv[1].empty()) part.uv[1].push_back(part.uv[1][i]);
+            if (!part.colors.empty()) part.colors.push_back(part.colors[i]);
         }
         const std::vector<uint32_t> upper = part.indices;
         for (std::size_t i = 0; i < upper.size(); i += 3)
@@ -147,7 +150,7 @@ TEST_F(RenderTest, BlendedShadowsRestUnderMotionS2)
     stage.settings.shadows.cascades = 1;
     stage.settings.shadows.distanceMeters = 15.0f;
     stage.camera.orthographic = true;
-    stage.camera.orthographicHeightMeters = 1.44f;
+    stage.camera.orthographicHeightMeters = 2.88f;
     stage.camera.nearMeters = 0.05f;
     stage.camera.farMeters = 30.0f;
     constexpr int kStep = 37; // pixels of a centimetre

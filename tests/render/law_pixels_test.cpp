@@ -355,9 +355,8 @@ TEST_P(ReceiveShadowsS30, TurnedSinceTheBakeIsSaid)
         return std::move(*frame);
     };
     const auto said = [&](const FramePlan& plan, const std::string& words) {
-        return std::any_of(plan.warnings.begin(), plan.warnings.end(), [&](const std::string& warning) {
-            return warning.find(words) != std::string::npos;
-        });
+        return std::any_of(plan.warnings.begin(), plan.warnings.end(),
+                           [&](const std::string& warning) { return warning.find(words) != std::string::npos; });
     };
     EXPECT_TRUE(draw(mode).plan.warnings.empty());
 

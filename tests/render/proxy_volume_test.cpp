@@ -225,6 +225,7 @@ TEST_P(ProxyGroupS17, OneDrawForGroupsVolumesAndSingleProbes)
         Object object = first;
         object.worldFromObject =
             glm::translate(mat4(1.0f), vec3(float(i % 6) - 2.5f, 0.1f * float(i % 4), float(i / 6) - 1.5f));
+        object.castShadows = false; // no realtime shadow of one on another
         if (i % 3 != 0) object.probeLighting = ProbeLighting::Volume;
         object.probeGroup = i % 3 == 1 ? 5 : -1;
         object.probeResolution = ivec3(6, 3, 6);
@@ -232,7 +233,6 @@ TEST_P(ProxyGroupS17, OneDrawForGroupsVolumesAndSingleProbes)
     }
     Light sun = directionalLight(vec3(0.3f, 1, 0.2f), 2.0f);
     bakeAsMixed(sun, MixedLightingMode::Shadowmask, 1);
-    sun.castShadows = false; // no realtime shadow of one on another
     baked.scene.lights.push_back(sun);
     const Camera camera = lookAt(vec3(0, 6, 0.01f), vec3(0));
     const RenderedFrame frame = render(baked, camera, settingsFor(GetParam(), RunMode::Shadowmask));

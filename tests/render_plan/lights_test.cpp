@@ -403,7 +403,9 @@ TEST(OnlyBakedS19, NoCasterMeansNoShadowMap)
         EXPECT_FALSE(light->hasRealtimeShadow) << why;
         EXPECT_EQ(light->firstTile, -1);
         EXPECT_EQ(light->tileCount, 0);
-        EXPECT_TRUE(light->hasBaked) << "baked shadows stay";
+        const Light& source = changed.scene.lights[std::size_t(light->light)];
+        const bool throwsShadows = source.castShadows && source.shadowStrength > 0.0f;
+        EXPECT_EQ(light->hasBaked, throwsShadows) << "baked shadows stay, but for lights whose shadows are off";
     };
     BakedScene away = baked;
     away.scene.objects[1].worldFromObject[3] = vec4(9, 1, 0, 1);

@@ -291,7 +291,7 @@ TEST(LocalOrigin, ARecordThatIsNoneIsAnError)
         file.json["extensionsUsed"] = {"HALFLIGHT_mixed_lighting"};
         const auto scene = readScene(file.write(folder));
         ASSERT_FALSE(scene) << origin;
-        EXPECT_EQ(scene.error().object, "/extensions/HALFLIGHT_mixed_lighting");
+        EXPECT_TRUE(scene.error().object.starts_with("/extensions/HALFLIGHT_mixed_lighting")) << scene.error().text();
     }
 }
 

@@ -163,7 +163,8 @@ TEST(SettingsS5, AnAddedLightKeepsItsBake)
 TEST(SettingsS23, ShadowColorOfTheBakeAndOfTheAuthor)
 {
     const TemporaryFolder folder;
-    for (const std::optional<vec3> color : {std::optional<vec3>(), std::optional(vec3(0.0f)), std::optional(vec3(2.0f))}) {
+    for (const std::optional<vec3> color :
+         {std::optional<vec3>(), std::optional(vec3(0.0f)), std::optional(vec3(2.0f))}) {
         Scene scene = engineScene();
         scene.subtractiveShadowColor = color;
         const BakedScene baked = pretendToBake(scene);

@@ -2,8 +2,6 @@
 
 #include "fixtures.h"
 
-#include <gmock/gmock.h>
-
 namespace halflight {
 namespace {
 
@@ -97,42 +95,6 @@ TEST(TextureSets, PartWithoutTheSetItsMaterialReadsStaysAtZero)
     const Json one = {{"index", 0}, {"texCoord", 1}};
     expectKept(twoParts(folder, {{{"index", 0}}, one}, {{}, {0}}), folder, false);
     expectKept(twoParts(folder, {one, {{"index", 0}}}, {{0, 1}, {}}), folder, false);
-}
-
-TEST(TextureSets, HigherSetsAreReadAsTheyAreAndStayAfterTheBake)
-{
-    const TemporaryFolder folder;
-    const Json two = {{"index", 0}, {"texCoord", 2}};
-    const Json three = {{"index", 0}, {"extensions", {{"KHR_texture_transform", {{"texCoord", 3}}}}}};
-    const Json one = {{"index", 0}, {"texCoord", 1}};
-    const auto path = twoParts(folder, {two, three}, {{0, 1, 2}, {0, 1, 2, 3}});
-    const auto scene = readScene(path);
-    ASSERT_TRUE(scene) << scene.error().text();
-    const std::vector<vec2> corners = textureCorners(*scene);
-    EXPECT_EQ(corners.at(0), vec2(0.1f * 2.0f));
-    EXPECT_EQ(corners.at(3), vec2(0.1f * 3.0f + 0.5f));
-    EXPECT_EQ(scene->meshes[0].parts[0].lightmapTexCoord, 4);
-    for (const bool keep : {false, true}) {
-        expectKept(path, folder, keep);
-        expectKept(twoParts(folder, {two, one}, {{0, 1, 2}, {0, 1}}), folder, false);
-        expectKept(twoParts(folder, {two, {{"index", 0}}}, {{0, 1, 2}, {0}}), folder, false);
-    }
-}
-
-TEST(TextureSets, AThirdSetOfAMaterialIsNamed)
-{
-    const TemporaryFolder folder;
-    const auto path = twoParts(folder, {{{"index", 0}, {"texCoord", 2}}}, {{0, 1, 2, 3}});
-    std::ifstream stream(path);
-    Json json = Json::parse(stream);
-    json["materials"][0]["emissiveTexture"] = {{"index", 0}, {"texCoord", 3}};
-    writeText(path, json.dump());
-    const auto scene = readScene(path);
-    ASSERT_TRUE(scene) << scene.error().text();
-    EXPECT_EQ(scene->materials.at(0).baseColorTexture.texCoord, 1);
-    EXPECT_EQ(scene->materials.at(0).emissiveTexture.texCoord, 0);
-    EXPECT_THAT(scene->warnings,
-                testing::Contains(testing::HasSubstr("/materials/0/emissiveTexture: TEXCOORD_3 is the third")));
 }
 
 } // namespace
