@@ -240,6 +240,7 @@ BakedScene outlineOf(const BakedScene& baked)
     outline.scene.materials = baked.scene.materials;
     outline.scene.lights = baked.scene.lights;
     outline.scene.sky = baked.scene.sky;
+    outline.scene.originMeters = baked.scene.originMeters;
     outline.scene.subtractiveShadowColor = baked.scene.subtractiveShadowColor;
     outline.defaultShadowColor = baked.defaultShadowColor;
     return outline;

@@ -426,7 +426,7 @@ class Streams(Case):
         self.assert_folder_holds("tiny.gltf")
 
     def test_progress_in_a_log_is_one_line_a_stage(self):
-        result = run("bake", self.scene(), "-o", self.path("out.glb"), *QUICK)
+        result = run("bake", self.scene(), "-o", self.path("out.glb"), *QUICK, "--samples", "16")
         self.assertEqual(result.returncode, 0, result.stderr)
         lines = result.stderr.splitlines()
         stages = [line.split()[0] for line in lines]
@@ -913,7 +913,8 @@ class Reach(Case):
 
     def picture(self, scene, *arguments):
         png = self.path("picture.png")
-        result = run("render", scene, "-o", png, "--size", "144x32", "--json", *arguments)
+        size = [] if "--size" in arguments else ["--size", "144x32"]
+        result = run("render", scene, "-o", png, *size, "--json", *arguments)
         self.assertEqual(result.returncode, 0, result.stderr)
         return decode_png(png)[2]
 
