@@ -281,9 +281,9 @@ std::vector<float> seamWeights(const std::vector<SeamSample>& seams, const std::
 }
 
 // Least squares over the texels that seams read: each sample along a seam asks both sides' bilinear values to be equal,
-// each texel asks to stay what it is (Iwanicki 2013, "Lighting Technology of The Last of Us"). Padding that would have
-// to be brighter or darker than all covered texels next to it, to make up for a difference between the sides, shows as
-// a rim: it takes the value of one of those, and the covered texels give way in a second solution.
+// a term for each texel keeps its value (Iwanicki 2013, "Lighting Technology of The Last of Us"). Padding that would
+// have to be brighter or darker than all covered texels next to it, to make up for a difference between the sides,
+// shows as a rim: it takes the value of one of those, and the covered texels give way in a second solution.
 template<typename T> void stitchSeams(const TexelMap& map, const std::vector<SeamSample>& seams,
                                       std::span<const float> weights, std::vector<Image<T>>& pages, bool bounded)
 {
