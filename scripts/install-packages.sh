@@ -3,7 +3,8 @@
 # available; safe to run again (it asks the package manager only when something is missing).
 #
 #   scripts/install-packages.sh          build, test and render
-#   scripts/install-packages.sh --node   also Node.js and npm, for the Khronos glTF validator test
+#   scripts/install-packages.sh --node   also what only tests use: Node.js and npm (Khronos glTF validator), clang with
+#                                        libFuzzer (scripts/fuzz.sh); tests are skipped where they cannot be had
 set -euo pipefail
 
 sudo=""
@@ -50,4 +51,14 @@ if [ "$system" = "debian 12" ] && [ "$(mesa_major)" -lt 25 ]; then
     apt_get update -qq || true
   fi
   apt_get install -y -qq --no-install-recommends -t "$suite" mesa-vulkan-drivers
+fi
+
+# libFuzzer belongs to clang's runtime, whose package is named after clang's version.
+if [ "${1:-}" = "--node" ]; then
+  installed clang || apt_get install -y -qq --no-install-recommends clang || true
+  clang_major=$(clang --version 2>/dev/null | sed -n 's/.*version \([0-9]*\)\..*/\1/p')
+  if [ -n "$clang_major" ] && ! installed "libclang-rt-$clang_major-dev"; then
+    apt_get install -y -qq --no-install-recommends "libclang-rt-$clang_major-dev" ||
+      echo "install-packages.sh: no libFuzzer for clang $clang_major: readers will not be fuzzed" >&2
+  fi
 fi

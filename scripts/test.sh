@@ -4,7 +4,8 @@
 #
 #   scripts/test.sh [--asan] [--no-install]
 #
-# --asan tests a build with AddressSanitizer and UndefinedBehaviorSanitizer. The Khronos glTF validator and MikkTSpace come
+# --asan tests a build with AddressSanitizer and UndefinedBehaviorSanitizer. Where clang has libFuzzer, the readers are
+# fuzzed for a minute. The Khronos glTF validator and MikkTSpace come
 # from npm; without a network the tests that need them are skipped, as are those of shared scenes where there are none. The last line
 # says how many were skipped, and why.
 set -euo pipefail
@@ -37,6 +38,9 @@ cmake --build --preset "$preset"
 log="build/$preset/ctest.log"
 status=0
 ctest --preset "$preset" -j2 2>&1 | tee "$log" || status=$?
+
+# A minute of fuzzing, a quarter of it for each reader; scripts/fuzz.sh SECONDS runs longer.
+if [ "$preset" = dev ]; then scripts/fuzz.sh 15 || status=1; fi
 
 # Other versions of clang-format lay some lines out differently.
 if command -v clang-format >/dev/null && clang-format --version | grep -q 'version 14\.'; then

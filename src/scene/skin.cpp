@@ -185,7 +185,8 @@ Result<glm::dmat4> skinMesh(const SourceDocument& document, int node, const std:
                 mirror * (influences->joints.empty() ? worldFromNode[std::size_t(node)]
                                                      : blend(*influences, *joints, source, beyond));
             positions[p][v] = glm::dvec3(placed * glm::dvec4(glm::dvec3(part.positions[v]), 1.0));
-            if (!std::isfinite(positions[p][v].x + positions[p][v].y + positions[p][v].z))
+            constexpr double kEnd = std::numeric_limits<float>::max() / 4; // differences of positions are floats too
+            if (!glm::all(glm::lessThan(glm::abs(positions[p][v]), glm::dvec3(kEnd))))
                 return invalid(path, "its skin puts a vertex where numbers end");
             low = glm::min(low, positions[p][v]);
             high = glm::max(high, positions[p][v]);

@@ -157,6 +157,25 @@ TEST(DecodeImage, DamagedBytesGiveErrorsOrPictures)
     }
 }
 
+// PNG allows image data chunks of no bytes (section 11.2.4): the first one here.
+TEST(DecodeImage, EmptyDataChunksChangeNothing)
+{
+    auto png = encodePng(noise(4, 4));
+    ASSERT_TRUE(png);
+    const auto whole = decodeImage(png->data(), png->size());
+    ASSERT_TRUE(whole);
+    const std::string type = "IDAT";
+    const auto at = std::search(png->begin(), png->end(), type.begin(), type.end(),
+                                [](std::byte a, char b) { return a == std::byte(b); });
+    ASSERT_NE(at, png->end());
+    constexpr unsigned char kEmpty[12] = {0, 0, 0, 0, 'I', 'D', 'A', 'T', 0x35, 0xaf, 0x06, 0x1e};
+    const auto bytes = std::as_bytes(std::span(kEmpty));
+    png->insert(at - 4, bytes.begin(), bytes.end()); // before the chunk's length
+    const auto image = decodeImage(png->data(), png->size());
+    ASSERT_TRUE(image) << image.error().message;
+    EXPECT_TRUE(std::ranges::equal(image->texels(), whole->texels()));
+}
+
 TEST(DecodeImage, ForgedSizeIsRefusedAtOnce)
 {
     auto png = encodePng(noise(4, 4));

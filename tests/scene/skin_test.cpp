@@ -167,6 +167,16 @@ TEST(SkinAtRest, BrokenSkinsAreNamed)
                 HasSubstr("/skins/0: inverseBindMatrices are not"));
     EXPECT_THAT(errorOf([](auto& f) { f.attributes()["JOINTS_0"] = f.attributes()["WEIGHTS_0"]; }),
                 HasSubstr("/meshes/0/primitives/0: JOINTS_0"));
+    // Finite in double precision, not in the floats that a mesh holds.
+    EXPECT_THAT(errorOf([](auto& f) {
+                    std::vector<float> matrices(32, 0.0f);
+                    for (const std::size_t i : {0u, 5u, 10u, 15u, 16u, 21u, 26u, 31u}) matrices[i] = 1.0f;
+                    matrices[0] = 3.0e38f;
+                    matrices[16] = 3.0e38f;
+                    f.json["skins"][0]["inverseBindMatrices"] = f.floats(matrices, "MAT4", 16);
+                    f.json["nodes"][3]["scale"] = {100, 100, 100};
+                }),
+                HasSubstr("/nodes/0: its skin puts a vertex where numbers end"));
 }
 
 TEST(MorphWeights, OfTheNodeOverrideThoseOfTheMesh)
