@@ -332,18 +332,14 @@ void partError(const Options& options)
     }
 }
 
-/// Rays per second of the gather, shading and sampling included, over the same rays replayed from memory.
+/// Rays per second of the gather, shading and sampling included, on one thread and on two.
 void partGather(const Options& options)
 {
-    std::printf(
-        "gather: points, sampling, tracing, looking up light. raw: the same rays in the same calls from memory\n");
-    std::printf("plain: the same through the tree that Embree builds by default\n");
-    std::printf("%-34s %8s %8s %12s %12s %8s %12s %8s\n", "scene", "threads", "Mrays", "gather Mr/s", "raw Mr/s",
-                "ratio", "plain Mr/s", "ratio");
+    std::printf("gather: points, sampling, tracing, looking up light\n");
+    std::printf("%-34s %8s %8s %12s\n", "scene", "threads", "Mrays", "gather Mr/s");
     for (const std::string& name : options.scenes) {
         Prepared p = prepare(name, options.size, true);
         const PathTracer paths(p.scene, p.geometry, LightUse::Bake);
-        const SurfaceTracer plain(p.scene, p.geometry, nullptr, RTC_BUILD_QUALITY_MEDIUM);
         const GatherPattern pattern(1);
         IntegrationSettings settings;
         settings.bounces = options.bounces;
@@ -355,70 +351,46 @@ void partGather(const Options& options)
         subsetOf(p.map, 8192, chosen);
         constexpr std::size_t kRun = 64;
         const std::size_t runs = chosen.size() / kRun;
-        std::vector<RayLog> logs(runs);
-        const auto gatherAll = [&](bool record) {
+        const auto gatherAll = [&] {
             std::atomic<uint64_t> total{0};
             parallelFor(runs, 4, [&](std::size_t begin, std::size_t end) {
                 FinalGather gather(paths, pattern, &cache, settings);
                 uint64_t rays = 0;
-                for (std::size_t r = begin; r < end; ++r) {
-                    const RayLogScope scope(record ? &logs[r] : nullptr);
-                    for (std::size_t g = 0; g < kRun; g += TexelGroup::kLanes) {
-                        std::array<PointMask, TexelGroup::kLanes> masks;
-                        for (std::size_t k = 0; k < masks.size(); ++k)
-                            masks[k] = outside.masks[chosen[r * kRun + g + k]];
-                        const GatherGroup group(paths, p.map, std::span(&chosen[r * kRun + g], TexelGroup::kLanes),
-                                                masks);
-                        std::array<TexelLight, TexelGroup::kLanes> lights;
-                        gather.add(group, 0, 4, lights, rays);
-                    }
+                for (std::size_t g = begin * kRun; g < end * kRun; g += TexelGroup::kLanes) {
+                    std::array<PointMask, TexelGroup::kLanes> masks;
+                    for (std::size_t k = 0; k < masks.size(); ++k) masks[k] = outside.masks[chosen[g + k]];
+                    const GatherGroup group(paths, p.map, std::span(&chosen[g], TexelGroup::kLanes), masks);
+                    std::array<TexelLight, TexelGroup::kLanes> lights;
+                    gather.add(group, 0, 4, lights, rays);
                 }
                 total += rays;
             });
             return total.load();
         };
-        gatherAll(true);
         double single = 0.0;
         for (const int threads : {1, 2}) {
             const ThreadLimit limit(threads);
-            double gatherTime = 1.0e30;
-            double gatherWall = 1.0e30;
-            double rawTime = 1.0e30;
-            double plainTime = 1.0e30;
-            uint64_t rays = 0;
-            // Turn by turn, the best of each: what else runs on the machine comes and goes. Turns last long enough that
-            // the end, where one thread waits for the other, is little of them.
+            // The best of nine turns, each long enough that its end, where one thread waits for the other, is little.
             constexpr double kTurnSeconds = 0.25;
             double start = cpuSeconds();
-            rays = gatherAll(false);
+            const uint64_t rays = gatherAll();
             const int times = std::max(1, int(kTurnSeconds / (cpuSeconds() - start)));
-            const auto replayTime = [&](const SurfaceTracer& tracer) {
-                const double begun = cpuSeconds();
-                for (int i = 0; i < times; ++i) {
-                    parallelFor(runs, 4, [&](std::size_t begin, std::size_t end) {
-                        for (std::size_t r = begin; r < end; ++r) tracer.replay(logs[r]);
-                    });
-                }
-                return (cpuSeconds() - begun) / times;
-            };
+            double cpu = 1.0e30;
+            double wall = 1.0e30;
             for (int repeat = 0; repeat < 9; ++repeat) {
-                const double wall = wallSeconds();
+                const double wallStart = wallSeconds();
                 start = cpuSeconds();
-                for (int i = 0; i < times; ++i) gatherAll(false);
-                gatherTime = std::min(gatherTime, (cpuSeconds() - start) / times);
-                gatherWall = std::min(gatherWall, (wallSeconds() - wall) / times);
-                rawTime = std::min(rawTime, replayTime(paths.surfaces()));
-                plainTime = std::min(plainTime, replayTime(plain));
+                for (int i = 0; i < times; ++i) gatherAll();
+                cpu = std::min(cpu, (cpuSeconds() - start) / times);
+                wall = std::min(wall, (wallSeconds() - wallStart) / times);
             }
             const double mrays = double(rays) * 1.0e-6;
-            std::printf("%-34s %8d %8.1f %12.2f %12.2f %7.0f%% %12.2f %7.0f%%", name.c_str(), threads, mrays,
-                        mrays / gatherTime * threads, mrays / rawTime * threads, 100.0 * rawTime / gatherTime,
-                        mrays / plainTime * threads, 100.0 * plainTime / gatherTime);
+            std::printf("%-34s %8d %8.1f %12.2f", name.c_str(), threads, mrays, mrays / cpu * threads);
             if (threads == 1) {
-                single = gatherWall;
+                single = wall;
                 std::printf("\n");
             } else {
-                std::printf("   wall: %.2f x one thread\n", single / gatherWall);
+                std::printf("   wall: %.2f x one thread\n", single / wall);
             }
             std::fflush(stdout);
         }

@@ -25,14 +25,33 @@ ALLOWED = {
     "render": {"render/frame", "scene", "shading", "gpu", "base"},
 }
 
-# Libraries that only some folders may see.
+# Libraries that only some folders may see: the last column of the table in docs/architecture.md, which the check compares
+# with the names here.
 CONFINED = [
-    (re.compile(r"(^|/)tiny_gltf(_v\d+)?\.h$"), ("src/scene/",)),
-    (re.compile(r"^(vulkan/|vk_video/|volk\.h|vk_mem_alloc)"), ("src/gpu/", "src/render/", "src/bake_gpu/", "apps/")),
-    (re.compile(r"^(draco/|meshoptimizer\.h$)"), ("src/scene/",)),
-    (re.compile(r"^webp/"), ("src/base/",)),
-    (re.compile(r"^(embree\d*/|rtcore)"), ("src/bake_cpu/",)),
+    ("GLM", r"^glm/", ("include/", "src/", "apps/")),
+    ("fmt", r"^(fmt/|spdlog/fmt/)", ("src/unwrap/", "apps/")),
+    ("spdlog", r"^spdlog/(?!fmt/)", ("include/halflight/base/",)),
+    ("OpenEXR", r"^(Imf|Imath|Iex)\w*\.h$", ("src/base/",)),
+    ("libpng", r"^png\.h$", ("src/base/",)),
+    ("libwebp", r"^webp/", ("src/base/",)),
+    ("stb", r"^stb_\w+\.h$", ("src/base/",)),
+    ("oneTBB", r"^(tbb|oneapi)/", ("src/base/",)),
+    ("xxHash", r"^xxhash\.h$", ("src/base/",)),
+    ("tinygltf", r"(^|/)tiny_gltf(_v\d+)?\.h$", ("src/scene/",)),
+    ("toml++", r"^toml\+\+/", ("src/scene/",)),
+    ("zstd", r"^zstd\.h$", ("src/scene/",)),
+    ("Draco", r"^draco/", ("src/scene/",)),
+    ("meshoptimizer", r"^meshoptimizer\.h$", ("src/scene/",)),
+    ("nlohmann-json", r"^nlohmann/", ("src/scene/", "src/bake/", "apps/")),
+    ("Eigen", r"^Eigen/", ("src/unwrap/", "src/bake/")),
+    ("Open Image Denoise", r"^OpenImageDenoise/", ("src/bake/",)),
+    ("Embree", r"^(embree\d*/|rtcore)", ("src/bake_cpu/",)),
+    ("Vulkan", r"^(vulkan/|vk_video/|volk\.h|vk_mem_alloc)", ("src/gpu/", "src/render/", "src/bake_gpu/")),
+    ("CLI11", r"^CLI/", ("apps/",)),
 ]
+CONFINED = [(name, re.compile(pattern), folders) for name, pattern, folders in CONFINED]
+# Headers of the language and of the operating system.
+SYSTEM = re.compile(r"^([a-z_0-9]+|c?(unistd|fcntl|malloc|dlfcn|windows|signal|io|process|sys/\w+)\.h)$")
 # ... and folders inside those that may not.
 EXCLUDED = [(re.compile(r"^(vulkan/|vk_video/|volk\.h|vk_mem_alloc)"), "src/render/frame/")]
 
@@ -74,9 +93,15 @@ def broken_rules(root):
             for match in INCLUDE.finditer(text):
                 name = match.group(1) or match.group(2)
                 line = text.count("\n", 0, match.start(1) if match.group(1) else match.start(2)) + 1
-                for pattern, folders in CONFINED:
-                    if pattern.search(name) and not where.startswith(folders):
+                known = bool(match.group(2)) or name.startswith("halflight/") or bool(SYSTEM.search(name))
+                for _, pattern, folders in CONFINED:
+                    if not pattern.search(name):
+                        continue
+                    known = True
+                    if not where.startswith(folders):
                         problems.append(f"{where}:{line}: includes {name}, which only {', '.join(folders)} may")
+                if not known:
+                    problems.append(f"{where}:{line}: includes {name}, of a library that docs/architecture.md does not list")
                 for pattern, folder in EXCLUDED:
                     if pattern.search(name) and where.startswith(folder):
                         problems.append(f"{where}:{line}: includes {name}, which {folder} may not")
@@ -102,6 +127,36 @@ def broken_rules(root):
                     problems.append(f"{where}:{line}: {owner} may not include {target} ({name})")
     if count == 0:
         problems.append(f"{root}: no sources found")
+    return problems
+
+
+def table_problems(text):
+    """Differences between the module table of docs/architecture.md and the rules above."""
+    problems = []
+    rows = re.findall(r"^\| `([\w/]+)`[^|]*\|([^|]*)\|[^|]*\|([^|]*)\|$", text, re.MULTILINE)
+    listed = {}
+    for module, may, libraries in rows:
+        folder = "apps/" if module.startswith("apps") else module
+        for library in filter(None, (word.strip() for word in libraries.split(","))):
+            listed.setdefault(library, set()).add(folder)
+        if module in ALLOWED:
+            direct = {"render/frame" if word.strip() == "frame" else word.strip() for word in may.split(",")} - {""}
+            reached = set(direct)
+            for name in direct:
+                reached |= ALLOWED.get(name, set())
+            if reached != ALLOWED[module]:
+                problems.append(f"docs/architecture.md: {module} may include {may.strip() or 'nothing'}, the check says "
+                                f"{', '.join(sorted(ALLOWED[module])) or 'nothing'}")
+    for library, _, folders in CONFINED:
+        if folders == ("include/", "src/", "apps/"):
+            continue
+        allowed = {f if f == "apps/" else re.sub(r"^(src|include/halflight)/|/$", "", f) for f in folders}
+        allowed -= {"bake_gpu"}  # planned
+        if listed.get(library, set()) != allowed:
+            problems.append(f"docs/architecture.md: {library} is listed for {sorted(listed.get(library, set()))}, "
+                            f"the check allows {sorted(allowed)}")
+    for library in sorted(set(listed) - {name for name, _, _ in CONFINED}):
+        problems.append(f"docs/architecture.md: the check does not know {library}")
     return problems
 
 
@@ -140,6 +195,9 @@ def self_test():
         ("src/scene/x.cpp", "#include <webp/decode.h>\n", "only src/base/"),
         ("include/halflight/render/x.h", "#include <vulkan/vulkan.h>\n", "only src/gpu/"),
         ("include/halflight/render/x.h", '#include "gpu/device.h"\n', "private gpu/device.h"),
+        ("src/scene/x.cpp", "#include <tbb/parallel_for.h>\n", "only src/base/"),
+        ("src/render/x.cpp", "#include <Eigen/Dense>\n", "only src/unwrap/"),
+        ("src/scene/x.cpp", "#include <boost/optional.hpp>\n", "does not list"),
         ("src/stray/x.cpp", "\n", "belongs to no module"),
         ("src/base/x.cpp", '#include "halflight/nowhere/x.h"\n', "in no module"),
     ]
@@ -166,6 +224,10 @@ def self_test():
         problems = check(files)
         if not any(name in problem and complaint in problem for problem in problems):
             failures.append(f"misses {name} with {contents.strip()!r}: says {problems}")
+    page = (pathlib.Path(__file__).resolve().parent.parent / "docs/architecture.md").read_text(encoding="utf-8")
+    for old, new in (("tinygltf, ", ""), ("| Embree |", "| Embree, Boost |"), ("| unwrap, shading |", "| scene |")):
+        if old not in page or not table_problems(page.replace(old, new)):
+            failures.append(f"is content with the table when {old!r} becomes {new!r}")
     return failures
 
 
@@ -173,7 +235,11 @@ def main():
     if len(sys.argv) != 2:
         print(__doc__.strip(), file=sys.stderr)
         return 2
-    problems = self_test() if sys.argv[1] == "--self-test" else broken_rules(pathlib.Path(sys.argv[1]).resolve())
+    if sys.argv[1] == "--self-test":
+        problems = self_test()
+    else:
+        root = pathlib.Path(sys.argv[1]).resolve()
+        problems = broken_rules(root) + table_problems((root / "docs/architecture.md").read_text(encoding="utf-8"))
     for problem in problems:
         print(problem)
     return 1 if problems else 0

@@ -1,5 +1,6 @@
 #include "bake/stages.h"
 
+#include "halflight/base/cone.h"
 #include "halflight/base/text.h"
 #include "halflight/shading/light.h"
 
@@ -40,17 +41,11 @@ Reach reachOf(const Light& light)
     return {light.position() + radius * light.direction(), radius};
 }
 
-/// Whether a spot's infinite cone meets a sphere. The sphere's centre is compared with the cone moved back by
-/// radius / sin(angle), whose surface is the set of centres of touching spheres; exact but around the apex, where it
-/// errs towards "meets".
-bool coneMeetsSphere(const Light& spot, const Reach& sphere)
+/// Whether a spot's cone reaches into a sphere.
+bool spotMeets(const Light& spot, const Reach& sphere)
 {
-    if (!std::isfinite(sphere.radius) || spot.outerConeRadians >= kPi / 2.0f) return true;
-    const float sine = std::max(std::sin(spot.outerConeRadians), 1.0e-4f);
-    const vec3 apex = spot.position() - spot.direction() * (sphere.radius / sine);
-    const vec3 toCenter = sphere.center - apex;
-    const float distance = glm::length(toCenter);
-    return glm::dot(toCenter, spot.direction()) >= distance * std::cos(spot.outerConeRadians) - 1.0e-5f * distance;
+    return !std::isfinite(sphere.radius) ||
+           coneMeetsBall(spot.position(), spot.direction(), spot.outerConeRadians, sphere.center, sphere.radius);
 }
 
 /// Whether some point may be reached by both lights. Never false when there is one.
@@ -62,8 +57,8 @@ bool lightsOverlap(const Light& a, const Light& b)
         glm::distance(ra.center, rb.center) > ra.radius + rb.radius) {
         return false;
     }
-    if (a.type == LightType::Spot && !coneMeetsSphere(a, rb)) return false;
-    if (b.type == LightType::Spot && !coneMeetsSphere(b, ra)) return false;
+    if (a.type == LightType::Spot && !spotMeets(a, rb)) return false;
+    if (b.type == LightType::Spot && !spotMeets(b, ra)) return false;
     return true;
 }
 

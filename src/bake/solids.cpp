@@ -1,5 +1,6 @@
 #include "bake/stages.h"
 
+#include "halflight/base/disjoint_sets.h"
 #include "halflight/base/parallel.h"
 
 #include <algorithm>
@@ -20,15 +21,6 @@ struct DirectedEdge {
     uint32_t triangle = 0;
     bool forward = false; ///< from low to high
 };
-
-uint32_t find(std::vector<uint32_t>& parent, uint32_t i)
-{
-    while (parent[i] != i) {
-        parent[i] = parent[parent[i]];
-        i = parent[i];
-    }
-    return i;
-}
 
 /// The corners of the listed triangles as numbers of places: equal positions get equal numbers.
 std::vector<uvec3> weld(const BakeGeometry& geometry, std::span<const uint32_t> triangles)
@@ -81,13 +73,6 @@ template<typename Body> void forEdges(std::span<const DirectedEdge> edges, const
     }
 }
 
-void unite(std::vector<uint32_t>& parent, uint32_t a, uint32_t b)
-{
-    a = find(parent, a);
-    b = find(parent, b);
-    if (a != b) parent[std::max(a, b)] = std::min(a, b);
-}
-
 /// A closed surface.
 struct Piece {
     std::vector<uint32_t> triangles;
@@ -111,26 +96,25 @@ Pieces closedPieces(const BakeGeometry& geometry, std::span<const uint32_t> tria
 
     // Pieces hang together across edges; a piece is open as soon as as many triangles do not pass one of its edges in
     // one direction as in the other.
-    std::vector<uint32_t> parent(triangles.size());
-    std::iota(parent.begin(), parent.end(), 0u);
+    DisjointSets sets(triangles.size());
     std::vector<uint32_t> openTriangles;
     forEdges(edges, [&](std::span<const DirectedEdge> same) {
         int balance = 0;
         for (const DirectedEdge& edge : same) {
             balance += edge.forward ? 1 : -1;
-            unite(parent, same.front().triangle, edge.triangle);
+            sets.join(same.front().triangle, edge.triangle);
         }
         if (balance != 0) openTriangles.push_back(same.front().triangle);
     });
     std::vector<uint8_t> open(triangles.size(), 0);
-    for (const uint32_t t : openTriangles) open[find(parent, t)] = 1;
+    for (const uint32_t t : openTriangles) open[sets.find(t)] = 1;
 
     // Outward or inward: the sign of the enclosed volume.
     std::vector<double> volume(triangles.size(), 0.0);
     const vec3 reference = geometry.positions[geometry.triangles[triangles[0]].x];
     for (std::size_t t = 0; t < triangles.size(); ++t) {
         const uvec3 v = geometry.triangles[triangles[t]];
-        volume[find(parent, uint32_t(t))] +=
+        volume[sets.find(uint32_t(t))] +=
             double(glm::dot(geometry.positions[v.x] - reference,
                             glm::cross(geometry.positions[v.y] - reference, geometry.positions[v.z] - reference)));
     }
@@ -138,7 +122,7 @@ Pieces closedPieces(const BakeGeometry& geometry, std::span<const uint32_t> tria
     std::vector<Piece*> pieceOf(triangles.size(), nullptr);
     std::vector<uint32_t> roots;
     for (std::size_t t = 0; t < triangles.size(); ++t) {
-        if (find(parent, uint32_t(t)) == t && !open[t] && volume[t] != 0.0) roots.push_back(uint32_t(t));
+        if (sets.find(uint32_t(t)) == t && !open[t] && volume[t] != 0.0) roots.push_back(uint32_t(t));
     }
     const auto outward = [&](uint32_t root) { return volume[root] > 0.0; };
     const auto count = std::size_t(std::count_if(roots.begin(), roots.end(), outward));
@@ -150,12 +134,12 @@ Pieces closedPieces(const BakeGeometry& geometry, std::span<const uint32_t> tria
         pieceOf[root] = outward(root) ? &pieces.solids[nextSolid++] : &pieces.inward[nextInward++];
     std::vector<Bounds> bounds(triangles.size()); // by root
     for (std::size_t t = 0; t < triangles.size(); ++t) {
-        const uint32_t root = find(parent, uint32_t(t));
+        const uint32_t root = sets.find(uint32_t(t));
         bounds[root].extend(geometry.boundsOf(triangles[t]));
         if (pieceOf[root]) pieceOf[root]->triangles.push_back(triangles[t]);
     }
     for (std::size_t t = 0; t < triangles.size(); ++t) {
-        if (find(parent, uint32_t(t)) != t) continue;
+        if (sets.find(uint32_t(t)) != t) continue;
         pieces.things.push_back({triangles[t], bounds[t]});
         if (pieceOf[t]) pieceOf[t]->bounds = bounds[t];
     }
@@ -324,19 +308,18 @@ std::vector<std::vector<uint32_t>> facingPatches(const BakeGeometry& geometry, s
 {
     constexpr float kSharp = 0.64f; // cosine of 50 degrees
     if (triangles.empty()) return {};
-    std::vector<uint32_t> parent(triangles.size());
-    std::iota(parent.begin(), parent.end(), 0u);
+    DisjointSets sets(triangles.size());
     const std::vector<DirectedEdge> edges = edgesOf(weld(geometry, triangles));
     forEdges(edges, [&](std::span<const DirectedEdge> same) {
         if (same.size() != 2 || same[0].forward == same[1].forward) return;
         const vec3 normal = geometry.geometricNormal(triangles[same[0].triangle]);
         if (glm::dot(normal, geometry.geometricNormal(triangles[same[1].triangle])) < kSharp) return;
-        unite(parent, same[0].triangle, same[1].triangle);
+        sets.join(same[0].triangle, same[1].triangle);
     });
     std::vector<std::vector<uint32_t>> patches;
     std::vector<uint32_t> patchOf(triangles.size());
     for (uint32_t t = 0; t < triangles.size(); ++t) {
-        const uint32_t root = find(parent, t);
+        const uint32_t root = sets.find(t);
         if (root == t) {
             patchOf[t] = uint32_t(patches.size());
             patches.emplace_back();

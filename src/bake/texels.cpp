@@ -1,5 +1,6 @@
 #include "bake/stages.h"
 
+#include "halflight/base/disjoint_sets.h"
 #include "halflight/base/memory.h"
 #include "halflight/base/parallel.h"
 #include "halflight/base/polygon.h"
@@ -130,29 +131,16 @@ std::vector<uint32_t> chartsOfTriangles(const BakeGeometry& geometry, uint32_t& 
         const auto kb = key(b);
         return ka != kb ? ka < kb : a.vertex < b.vertex;
     });
-    std::vector<uint32_t> parent(geometry.positions.size());
-    std::iota(parent.begin(), parent.end(), 0u);
-    const auto find = [&](uint32_t v) {
-        while (parent[v] != v) {
-            parent[v] = parent[parent[v]];
-            v = parent[v];
-        }
-        return v;
-    };
-    const auto unite = [&](uint32_t a, uint32_t b) {
-        a = find(a);
-        b = find(b);
-        if (a != b) parent[std::max(a, b)] = std::min(a, b);
-    };
+    DisjointSets vertices(geometry.positions.size());
     for (std::size_t i = 1; i < corners.size(); ++i) {
-        if (key(corners[i - 1]) == key(corners[i])) unite(corners[i - 1].vertex, corners[i].vertex);
+        if (key(corners[i - 1]) == key(corners[i])) vertices.join(corners[i - 1].vertex, corners[i].vertex);
     }
     for (const BakeGeometry::Part& part : geometry.parts) {
         if (part.page < 0) continue;
         for (uint32_t t = part.firstTriangle; t < part.firstTriangle + part.triangleCount; ++t) {
             const uvec3 triangle = geometry.triangles[t];
-            unite(triangle.x, triangle.y);
-            unite(triangle.x, triangle.z);
+            vertices.join(triangle.x, triangle.y);
+            vertices.join(triangle.x, triangle.z);
         }
     }
     std::vector<uint32_t> chartOfRoot(geometry.positions.size(), ~0u);
@@ -161,7 +149,7 @@ std::vector<uint32_t> chartsOfTriangles(const BakeGeometry& geometry, uint32_t& 
     for (const BakeGeometry::Part& part : geometry.parts) {
         if (part.page < 0) continue;
         for (uint32_t t = part.firstTriangle; t < part.firstTriangle + part.triangleCount; ++t) {
-            uint32_t& chart = chartOfRoot[find(geometry.triangles[t].x)];
+            uint32_t& chart = chartOfRoot[vertices.find(geometry.triangles[t].x)];
             if (chart == ~0u) chart = chartCount++;
             charts[t] = chart;
         }

@@ -2,6 +2,7 @@
 
 #include "bake_cpu/radiance_cache.h"
 
+#include "halflight/base/disjoint_sets.h"
 #include "halflight/base/memory.h"
 #include "halflight/base/polygon.h"
 
@@ -219,25 +220,22 @@ std::vector<uint32_t> BrightCells::Receivers::widen(float width)
 /// on. What is behind closed doors is apart.
 class BrightCells::Company {
 public:
-    Company(const Receivers& receivers, std::size_t patches) : of_(patches)
+    Company(const Receivers& receivers, std::size_t patches) : patches_(patches)
     {
-        std::iota(of_.begin(), of_.end(), 0u);
         for (std::size_t cube = 0; cube < receivers.cubes.size(); ++cube) {
             const std::span<const Seen> seen = receivers.seenFrom(cube);
-            for (const Seen& s : seen) of_[find(s.patch)] = find(seen.front().patch);
+            for (const Seen& s : seen) patches_.join(s.patch, seen.front().patch);
             receivers_.push_back(seen.empty() ? ~0u : seen.front().patch);
         }
     }
-    [[nodiscard]] uint32_t ofPatch(uint32_t patch) { return find(patch); }
-    [[nodiscard]] uint32_t ofReceivers(uint32_t cube) { return receivers_[cube] != ~0u ? find(receivers_[cube]) : ~0u; }
+    [[nodiscard]] uint32_t ofPatch(uint32_t patch) { return patches_.find(patch); }
+    [[nodiscard]] uint32_t ofReceivers(uint32_t cube)
+    {
+        return receivers_[cube] != ~0u ? patches_.find(receivers_[cube]) : ~0u;
+    }
 
 private:
-    uint32_t find(uint32_t patch)
-    {
-        while (of_[patch] != patch) patch = of_[patch] = of_[of_[patch]];
-        return patch;
-    }
-    std::vector<uint32_t> of_;
+    DisjointSets patches_;
     std::vector<uint32_t> receivers_; ///< a patch of each, or ~0
 };
 

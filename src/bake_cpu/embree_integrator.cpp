@@ -7,6 +7,7 @@
 #include "bake_cpu/texel_set.h"
 #include "bake_cpu/validity.h"
 
+#include "halflight/base/finite.h"
 #include "halflight/base/parallel.h"
 #include "halflight/shading/sampling.h"
 #include "halflight/shading/sh.h"
@@ -26,11 +27,6 @@ constexpr uint32_t kProbeSeed = 0x5eed0003u;
 /// Masks are stored in steps of a 255th, and multiply light; light itself is stored as it is.
 constexpr int kTimesOnMaskEdges = 2;
 constexpr int kTimesOnLightEdges = 8;
-
-bool isFinite(vec3 v)
-{
-    return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
-}
 
 /// Mean, first moment and variance of the mean of a stream of irradiance samples.
 struct Accumulator {

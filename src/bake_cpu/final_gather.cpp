@@ -1,5 +1,6 @@
 #include "bake_cpu/final_gather.h"
 
+#include "halflight/base/finite.h"
 #include "halflight/shading/sky.h"
 
 #include <cmath>
@@ -12,11 +13,6 @@ constexpr uint32_t kEmitterSeed = 0x5eed0006u;
 constexpr uint32_t kRouletteSeed = 0x5eed0007u;
 constexpr uint32_t kBrightSeed = 0x5eed0008u;
 constexpr uint32_t kTurnSeed = 0x5eed0011u;
-
-bool isFinite(vec3 v)
-{
-    return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
-}
 
 /// Where some cells of a block stand for all of them, which part of the unit square each of them looks at is a texel's
 /// own: a number that changes places of cells, so that rows, columns and neighbourhoods stay such.

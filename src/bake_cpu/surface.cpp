@@ -4,6 +4,7 @@
 #include "halflight/base/random.h"
 #include "halflight/shading/brdf.h"
 #include "halflight/shading/color.h"
+#include "halflight/shading/srgb_table.h"
 
 #include <algorithm>
 #include <array>
@@ -16,15 +17,9 @@ namespace {
 
 constexpr int kSmallTextureSide = 256;
 
-const std::array<float, 256> kLinear = [] {
-    std::array<float, 256> t{};
-    for (int i = 0; i < 256; ++i) t[std::size_t(i)] = shading::linearFromSrgb(float(i) / 255.0f);
-    return t;
-}();
-
 vec3 linearOf(u8vec4 texel)
 {
-    return {kLinear[texel.x], kLinear[texel.y], kLinear[texel.z]};
+    return {shading::kLinearFromSrgb8[texel.x], shading::kLinearFromSrgb8[texel.y], shading::kLinearFromSrgb8[texel.z]};
 }
 
 /// Averages blocks of texels in linear light; data textures (not sRGB) go through the same curve and back, which
@@ -129,38 +124,7 @@ TransportMaterial transportMaterial(const Scene& scene, const Material& m)
     return t;
 }
 
-/// The one thing here that is not passed along: a benchmark's log of the rays a thread traces.
-thread_local RayLog* rayLog = nullptr;
-
-void logRay(RayLog::Call::Kind kind, vec3 origin, vec3 direction, float tMin, float tMax)
-{
-    rayLog->calls.push_back({kind, 1, uint32_t(rayLog->rays.size())});
-    rayLog->rays.push_back({origin, direction, tMin, tMax});
-}
-
-void logPacket(RayLog::Call::Kind kind, const embree::LaneMask& valid, const RTCRay8& r)
-{
-    RayLog::Call call{kind, 0, uint32_t(rayLog->rays.size())};
-    for (int i = 0; i < embree::kPacket; ++i) {
-        if (valid.lane[i] == 0) continue;
-        call.lanes = uint8_t(call.lanes | (1u << i));
-        rayLog->rays.push_back({vec3(r.org_x[i], r.org_y[i], r.org_z[i]), vec3(r.dir_x[i], r.dir_y[i], r.dir_z[i]),
-                                r.tnear[i], r.tfar[i]});
-    }
-    rayLog->calls.push_back(call);
-}
-
 } // namespace
-
-RayLogScope::RayLogScope(RayLog* log) : previous_(rayLog)
-{
-    rayLog = log;
-}
-
-RayLogScope::~RayLogScope()
-{
-    rayLog = previous_;
-}
 
 struct SurfaceTracer::GeometryUser {
     const SurfaceTracer* tracer = nullptr;
@@ -383,7 +347,6 @@ RayHit SurfaceTracer::nearest(vec3 origin, vec3 direction, float tMin, float tMa
     // Camera rays go on behind back faces they do not see. The bound is against endless loops on damaged geometry.
     for (int layer = 0; layer < 256; ++layer) {
         RTCRayHit ray = rayHit(origin, direction, tMin, tMax);
-        if (rayLog != nullptr) logRay(RayLog::Call::Intersect, origin, direction, tMin, tMax);
         embree::intersect(scene_, context, ray);
         if (ray.hit.geomID == RTC_INVALID_GEOMETRY_ID) return {};
 
@@ -469,7 +432,6 @@ void SurfaceTracer::intersect(const embree::LaneMask& valid, RTCRayHit8& rays) c
         rays.hit.geomID[i] = RTC_INVALID_GEOMETRY_ID;
         rays.hit.instID[0][i] = RTC_INVALID_GEOMETRY_ID;
     }
-    if (rayLog != nullptr) logPacket(RayLog::Call::Intersect8, valid, rays.ray);
     embree::intersect8(scene_, context, valid, rays, packets_);
 }
 
@@ -481,7 +443,6 @@ void SurfaceTracer::occluded(const embree::LaneMask& valid, RTCRay8& rays) const
 
 void SurfaceTracer::occluded(embree::RayContext& context, const embree::LaneMask& valid, RTCRay8& rays) const
 {
-    if (rayLog != nullptr) logPacket(RayLog::Call::Occluded8, valid, rays);
     embree::occluded8(scene_, context, valid, rays, packets_);
 }
 
@@ -539,52 +500,8 @@ float SurfaceTracer::arriving(vec3 origin, vec3 direction, float tMin, float tMa
 bool SurfaceTracer::occluded(embree::RayContext& context, vec3 origin, vec3 direction, float tMin, float tMax) const
 {
     RTCRay ray = rayHit(origin, direction, tMin, tMax).ray;
-    if (rayLog != nullptr) logRay(RayLog::Call::Occluded, origin, direction, tMin, tMax);
     embree::occluded(scene_, context, ray);
     return ray.tfar < 0.0f;
-}
-
-void SurfaceTracer::replay(const RayLog& log) const
-{
-    alignas(32) embree::LaneMask valid;
-    RTCRayHit8 packet;
-    for (const RayLog::Call& call : log.calls) {
-        const RayLog::Ray* ray = &log.rays[call.first];
-        if (call.kind == RayLog::Call::Intersect || call.kind == RayLog::Call::Occluded) {
-            embree::RayContext context(false);
-            RTCRayHit single = rayHit(ray->origin, ray->direction, ray->tMin, ray->tMax);
-            if (call.kind == RayLog::Call::Intersect) {
-                embree::intersect(scene_, context, single);
-            } else {
-                embree::occluded(scene_, context, single.ray);
-            }
-            continue;
-        }
-        clear(packet.ray);
-        for (int i = 0; i < embree::kPacket; ++i) {
-            valid.lane[i] = (call.lanes >> i) & 1u ? -1 : 0;
-            if (valid.lane[i] == 0) continue;
-            packet.ray.org_x[i] = ray->origin.x;
-            packet.ray.org_y[i] = ray->origin.y;
-            packet.ray.org_z[i] = ray->origin.z;
-            packet.ray.dir_x[i] = ray->direction.x;
-            packet.ray.dir_y[i] = ray->direction.y;
-            packet.ray.dir_z[i] = ray->direction.z;
-            packet.ray.tnear[i] = ray->tMin;
-            packet.ray.tfar[i] = ray->tMax;
-            ++ray;
-        }
-        embree::RayContext context(false);
-        if (call.kind == RayLog::Call::Occluded8) {
-            embree::occluded8(scene_, context, valid, packet.ray, packets_);
-            continue;
-        }
-        for (int i = 0; i < embree::kPacket; ++i) {
-            packet.hit.geomID[i] = RTC_INVALID_GEOMETRY_ID;
-            packet.hit.instID[0][i] = RTC_INVALID_GEOMETRY_ID;
-        }
-        embree::intersect8(scene_, context, valid, packet, packets_);
-    }
 }
 
 } // namespace halflight

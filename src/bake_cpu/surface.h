@@ -58,35 +58,6 @@ struct SurfaceHit {
     vec3 emission{0.0f};
 };
 
-/// Rays as they were traced, to trace them again: for benchmarks.
-struct RayLog {
-    struct Call {
-        enum Kind : uint8_t { Intersect, Occluded, Intersect8, Occluded8 } kind;
-        uint8_t lanes = 1; ///< a bit for each
-        uint32_t first = 0;
-    };
-    struct Ray {
-        vec3 origin;
-        vec3 direction;
-        float tMin;
-        float tMax;
-    };
-    std::vector<Call> calls;
-    std::vector<Ray> rays;
-};
-
-/// While it lives, this thread's rays are written to a log (none: not).
-class RayLogScope {
-public:
-    explicit RayLogScope(RayLog* log);
-    ~RayLogScope();
-    RayLogScope(const RayLogScope&) = delete;
-    RayLogScope& operator=(const RayLogScope&) = delete;
-
-private:
-    RayLog* previous_;
-};
-
 /// Embree scene over flattened geometry. Immutable after construction; all queries are thread-safe.
 class SurfaceTracer {
 public:
@@ -113,8 +84,6 @@ public:
     void intersect(const embree::LaneMask& valid, RTCRayHit8& rays) const;
     void occluded(const embree::LaneMask& valid, RTCRay8& rays) const;
     [[nodiscard]] std::array<float, embree::kPacket> arriving(const embree::LaneMask& valid, RTCRay8& rays) const;
-    /// Traces logged rays once more, ignoring what they hit.
-    void replay(const RayLog& log) const;
     /// Sets what all rays of a packet share.
     static void clear(RTCRay8& rays);
 

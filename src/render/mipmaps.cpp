@@ -2,6 +2,7 @@
 
 #include "halflight/base/parallel.h"
 #include "halflight/shading/color.h"
+#include "halflight/shading/srgb_table.h"
 
 #include <algorithm>
 #include <array>
@@ -33,20 +34,14 @@ std::vector<Taps> boxTaps(int from, int to)
     return result;
 }
 
-std::array<float, 256> decodeTable(bool srgb)
-{
-    std::array<float, 256> table;
-    for (int i = 0; i < 256; ++i)
-        table[std::size_t(i)] = srgb ? shading::linearFromSrgb(float(i) / 255.0f) : float(i) / 255.0f;
-    return table;
-}
-
 ImageRgba8 nextLevel(const ImageRgba8& image, bool srgb)
 {
     const ivec2 size = glm::max(image.size() / 2, ivec2(1));
     const std::vector<Taps> columns = boxTaps(image.width(), size.x);
     const std::vector<Taps> rows = boxTaps(image.height(), size.y);
-    const std::array<float, 256> color = decodeTable(srgb);
+    const auto color = [srgb](uint8_t value) {
+        return srgb ? shading::kLinearFromSrgb8[value] : float(value) / 255.0f;
+    };
     ImageRgba8 result(size.x, size.y);
     parallelFor(std::size_t(size.y), 16, [&](std::size_t begin, std::size_t end) {
         for (std::size_t y = begin; y < end; ++y) {
@@ -59,7 +54,7 @@ ImageRgba8 nextLevel(const ImageRgba8& image, bool srgb)
                         if (weight == 0.0f) continue;
                         const u8vec4 texel =
                             image(columns[std::size_t(x)].index[std::size_t(i)], rows[y].index[std::size_t(j)]);
-                        sum += weight * vec4(color[texel.r], color[texel.g], color[texel.b], float(texel.a) / 255.0f);
+                        sum += weight * vec4(color(texel.r), color(texel.g), color(texel.b), float(texel.a) / 255.0f);
                     }
                 }
                 if (srgb) sum = vec4(shading::srgbFromLinear(vec3(sum)), sum.a);

@@ -1,4 +1,5 @@
 #include "halflight/render/renderer.h"
+#include "halflight/base/finite.h"
 
 #include "render/frame/frame_internal.h"
 #include "render/frame_data.h"
@@ -125,14 +126,6 @@ ImageRgba32f downsampled(const ImageRgba32f& image, int factor)
     for (int y = 0; y < image.height(); ++y)
         for (int x = 0; x < image.width(); ++x) result(x / factor, y / factor) += weight * image(x, y);
     return result;
-}
-
-bool isFinite(const mat4& m)
-{
-    for (int i = 0; i < 4; ++i)
-        for (int j = 0; j < 4; ++j)
-            if (!std::isfinite(m[i][j])) return false;
-    return true;
 }
 
 template<typename T> bool has(const std::vector<T>& values, int index)

@@ -2,6 +2,8 @@
 
 #include "scene/document.h"
 
+#include "halflight/base/finite.h"
+
 #include <algorithm>
 #include <cmath>
 
@@ -14,14 +16,6 @@ constexpr const char* kTooBright = " is brighter than 1e12, the limit that keeps
 bool tooBright(vec3 light)
 {
     return !(light.x <= kBrightest && light.y <= kBrightest && light.z <= kBrightest);
-}
-
-template<typename Vec> bool isFinite(const Vec& v)
-{
-    for (int c = 0; c < Vec::length(); ++c) {
-        if (!std::isfinite(v[c])) return false;
-    }
-    return true;
 }
 
 } // namespace

@@ -1,5 +1,7 @@
 #include "scene/nodes.h"
 
+#include "halflight/base/finite.h"
+
 #include <algorithm>
 #include <cmath>
 
@@ -14,16 +16,6 @@ bool readNumbers(const Json& value, std::size_t count, double* out)
         if (!value[i].is_number()) return false;
         out[i] = value[i].get<double>();
         if (!std::isfinite(out[i])) return false;
-    }
-    return true;
-}
-
-bool finite(const glm::dmat4& m)
-{
-    for (int c = 0; c < 4; ++c) {
-        for (int r = 0; r < 4; ++r) {
-            if (!std::isfinite(float(m[c][r]))) return false;
-        }
     }
     return true;
 }
@@ -102,7 +94,7 @@ Result<glm::dmat4> localTransform(const Json& node, const std::string& path)
         if (!read("scale", 3, s)) return invalid(path, "scale is not 3 finite numbers");
         local = compose({t[0], t[1], t[2]}, glm::dquat(r[3], r[0], r[1], r[2]), {s[0], s[1], s[2]});
     }
-    if (!finite(local)) return invalid(path, "transform is not finite");
+    if (!isFinite(mat4(local))) return invalid(path, "transform is not finite");
     return local;
 }
 
@@ -141,7 +133,7 @@ Result<std::vector<glm::dmat4>> instanceTransforms(const SourceDocument& documen
         const vec4 r = rotation.empty() ? vec4(0, 0, 0, 1) : rotation[i];
         const vec3 s = scale.empty() ? vec3(1) : scale[i];
         transforms[i] = compose(glm::dvec3(t), glm::dquat(r.w, r.x, r.y, r.z), glm::dvec3(s));
-        if (!finite(transforms[i])) return invalid(path, "instance " + std::to_string(i) + " is not finite");
+        if (!isFinite(mat4(transforms[i]))) return invalid(path, "instance " + std::to_string(i) + " is not finite");
     }
     return transforms;
 }
@@ -200,7 +192,7 @@ Result<std::vector<NodeState>> walkNodes(const SourceDocument& document, const A
         const auto local = localTransform(json, path);
         if (!local) return local.error();
         state.worldFromNode = state.worldFromNode * *local;
-        if (!finite(state.worldFromNode)) return invalid(path, "world transform is not finite");
+        if (!isFinite(mat4(state.worldFromNode))) return invalid(path, "world transform is not finite");
         const Json& visible = member(extensionOf(json, "KHR_node_visibility"), "visible");
         if (visible.is_boolean()) state.visible = state.visible && visible.get<bool>();
         state.animated = state.animated || animated.movedNodes[index];

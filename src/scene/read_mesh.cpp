@@ -2,17 +2,14 @@
 #include "scene/read_parts.h"
 #include "scene/tangents.h"
 
+#include "halflight/base/finite.h"
+
 #include <algorithm>
 #include <cmath>
 
 namespace halflight {
 
 namespace {
-
-bool finite(vec3 v)
-{
-    return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
-}
 
 // Adds the weighted morph targets to an attribute (glTF 2.0, section 3.7.2.2). Tangents' signs are not morphed.
 template<typename Vec> Status morph(const SourceDocument& document, const tinygltf::Primitive& primitive,
@@ -125,7 +122,7 @@ Result<std::optional<MeshPart>> readPart(const SourceDocument& document, int mes
     part.positions = std::move(*positions);
     if (Status s = morph(document, primitive, weights, "POSITION", part.positions); !s) return s.error();
     for (std::size_t i = 0; i < part.positions.size(); ++i) {
-        if (!finite(part.positions[i]))
+        if (!isFinite(part.positions[i]))
             return invalid(path, "position " + std::to_string(i) + " is not a finite number");
     }
 

@@ -2,11 +2,12 @@
 
 #include "unwrap/footprint.h"
 
+#include "halflight/base/disjoint_sets.h"
+
 #include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
 #include <map>
-#include <numeric>
 
 namespace halflight::charts {
 namespace {
@@ -27,25 +28,19 @@ constexpr double kOverlapTolerance = 1.0 / 65536.0;
 /// Charts are triangles that share an edge on the surface and in uv.
 void findCharts(AuthoredLayout& layout, const Surface& surface)
 {
-    std::vector<uint32_t> parent(surface.triangleCount());
-    std::iota(parent.begin(), parent.end(), 0u);
-    const auto find = [&](uint32_t t) {
-        while (parent[t] != t) t = parent[t] = parent[parent[t]];
-        return t;
-    };
+    DisjointSets charts(surface.triangleCount());
     for (uint32_t half = 0; half < surface.neighbors.size(); ++half) {
         const uint32_t other = surface.neighbors[half];
         if (other == kNone || half > other) continue;
         const auto& mine = layout.triangles[half / 3].corners;
         const auto& theirs = layout.triangles[other / 3].corners;
         if (mine[half % 3] != theirs[(other % 3 + 1) % 3] || mine[(half % 3 + 1) % 3] != theirs[other % 3]) continue;
-        const uint32_t a = find(half / 3), b = find(other / 3);
-        parent[std::max(a, b)] = std::min(a, b);
+        charts.join(half / 3, other / 3);
     }
     layout.chartOfTriangle.assign(surface.triangleCount(), kNone);
     for (uint32_t t = 0; t < surface.triangleCount(); ++t) {
         if (surface.degenerate(t)) continue;
-        const uint32_t root = find(t);
+        const uint32_t root = charts.find(t);
         layout.chartOfTriangle[t] = root == t ? layout.chartCount++ : layout.chartOfTriangle[root];
     }
 }

@@ -3,13 +3,13 @@
 #include "unwrap/outline.h"
 #include "unwrap/overlap.h"
 
+#include "halflight/base/disjoint_sets.h"
 #include "halflight/base/memory.h"
 
 #include <Eigen/IterativeLinearSolvers>
 #include <Eigen/SparseCholesky>
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 #include <queue>
 
 namespace halflight::charts {
@@ -65,13 +65,8 @@ struct Piece {
 private:
     void joinCorners()
     {
-        std::vector<uint32_t> parent(3 * triangles.size());
-        std::iota(parent.begin(), parent.end(), 0u);
-        const auto find = [&](uint32_t c) {
-            while (parent[c] != c) c = parent[c] = parent[parent[c]];
-            return c;
-        };
-        std::vector<char> borderCorner(parent.size(), 0);
+        DisjointSets joined(3 * triangles.size()); // corners at one place
+        std::vector<char> borderCorner(joined.size(), 0);
         for (uint32_t i = 0; i < triangles.size(); ++i) {
             for (uint32_t k = 0; k < 3; ++k) {
                 const uint32_t half = surface.neighbors[3 * triangles[i] + k];
@@ -81,16 +76,14 @@ private:
                     perimeter += glm::distance(surface.corner(triangles[i], int(k)),
                                                surface.corner(triangles[i], int((k + 1) % 3)));
                 } else if (i < j) {
-                    const uint32_t a = find(3 * i + k), b = find(3 * j + (half % 3 + 1) % 3);
-                    parent[std::max(a, b)] = std::min(a, b);
-                    const uint32_t c = find(3 * i + (k + 1) % 3), d = find(3 * j + half % 3);
-                    parent[std::max(c, d)] = std::min(c, d);
+                    joined.join(3 * i + k, 3 * j + (half % 3 + 1) % 3);
+                    joined.join(3 * i + (k + 1) % 3, 3 * j + half % 3);
                 }
             }
         }
-        corners.assign(parent.size(), kNone);
-        for (uint32_t c = 0; c < parent.size(); ++c) {
-            const uint32_t root = find(c);
+        corners.assign(joined.size(), kNone);
+        for (uint32_t c = 0; c < joined.size(); ++c) {
+            const uint32_t root = joined.find(c);
             if (corners[root] == kNone) {
                 corners[root] = uint32_t(positions.size());
                 positions.push_back(surface.corner(triangles[root / 3], int(root % 3)));

@@ -3,8 +3,10 @@
 #include "halflight/base/image.h"
 #include "halflight/base/random.h"
 
+#include <algorithm>
 #include <cstring>
 #include <gtest/gtest.h>
+#include <span>
 
 namespace halflight {
 namespace {

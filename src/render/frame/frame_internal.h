@@ -34,8 +34,6 @@ LightVolume volumeOf(const Light& light);
 bool meets(const LightVolume& volume, const Planes& planes);
 /// False only when no point of the volume is in the box.
 bool meets(const LightVolume& volume, const Bounds& box);
-/// False only when no point of a cone with this apex, axis and half angle is in the ball.
-bool coneMeetsBall(vec3 apex, vec3 axis, float halfAngle, vec3 center, float radius);
 
 /// Smallest distance from a point to a box; 0 inside.
 float distanceTo(const Bounds& box, vec3 point);

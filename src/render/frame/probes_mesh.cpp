@@ -1,6 +1,8 @@
 // Building the mesh: from probe positions to lattice points, tetrahedra, hull and starting cells. Then finding a point.
 #include "render/frame/probes_mesh.h"
 
+#include "halflight/base/finite.h"
+
 #include <algorithm>
 #include <cassert>
 #include <cmath>
@@ -16,11 +18,6 @@ using glm::dvec3;
 
 /// An extent below this share of the largest one is none: probes meant to lie in a plane or on a line, in floats.
 constexpr double kFlat = 1.0e-5;
-
-bool isFinite(vec3 v)
-{
-    return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
-}
 
 /// Orthonormal axes along which points spread most, second most and least, and along how many of them they do.
 struct Spread {

@@ -1,6 +1,8 @@
 // Camera matrices, and what is inside what.
 #include "render/frame/frame_internal.h"
 
+#include "halflight/base/cone.h"
+
 #include <algorithm>
 #include <cmath>
 
@@ -131,18 +133,6 @@ bool meets(const LightVolume& volume, const Planes& planes)
         if (glm::dot(n, volume.center) + plane.w + reach < -slack) return false;
     }
     return true;
-}
-
-// Wronski 2017, "Cull that cone! Improved cone/spotlight visibility tests for tiled and clustered lighting".
-bool coneMeetsBall(vec3 apex, vec3 axis, float halfAngle, vec3 center, float radius)
-{
-    if (halfAngle >= 0.5f * kPi) return true;
-    const vec3 v = center - apex;
-    const float along = glm::dot(v, axis);
-    const float across = std::sqrt(std::max(0.0f, glm::dot(v, v) - along * along));
-    const float outside = std::cos(halfAngle) * across - along * std::sin(halfAngle);
-    const float slack = 1.0e-4f * (1.0f + glm::length(v));
-    return outside <= radius + slack && along >= -radius - slack;
 }
 
 bool meets(const LightVolume& volume, const Bounds& box)

@@ -1,0 +1,108 @@
+#!/usr/bin/env python3
+"""Checks that source files stay short enough to read.
+
+    file_sizes.py ROOT          exit 1 and one line per file that is too long
+    file_sizes.py --self-test   shows that each rule can fail
+
+A file has at most 400 lines. Files that were longer when the rule came may only shrink: LONGER has their limits, and a
+limit that a file no longer needs is an error too, so that the list ends some day.
+"""
+
+import pathlib
+import sys
+import tempfile
+
+LIMIT = 400
+FOLDERS = ("apps", "bench", "examples", "include", "scripts", "shaders", "src", "tests")
+SUFFIXES = {".h", ".cpp", ".py", ".glsl", ".vert", ".frag", ".js", ".mjs", ".ts", ".sh"}
+
+LONGER = {
+    "apps/halflight/bake.cpp": 435,
+    "apps/halflight/render.cpp": 529,
+    "bench/bake_bench.cpp": 687,
+    "bench/quality/measures.cpp": 478,
+    "scripts/make_courtyard.py": 402,
+    "scripts/scenekit/mesh.py": 519,
+    "src/bake/bake.cpp": 427,
+    "src/bake/denoise.cpp": 442,
+    "src/bake/probes.cpp": 537,
+    "src/bake/texels.cpp": 402,
+    "src/bake_cpu/bright_cells.cpp": 665,
+    "src/bake_cpu/cached_lightmap.cpp": 498,
+    "src/bake_cpu/final_gather.cpp": 439,
+    "src/bake_cpu/light_tree.cpp": 441,
+    "src/bake_cpu/radiance_cache.cpp": 1205,
+    "src/bake_cpu/surface.cpp": 507,
+    "src/render/frame/probes_mesh.cpp": 406,
+    "src/render/passes.cpp": 441,
+    "src/render/renderer.cpp": 597,
+    "src/scene/decompress.cpp": 461,
+    "src/scene/document.cpp": 447,
+    "src/scene/patcher.cpp": 403,
+    "src/scene/read_baked.cpp": 437,
+    "src/scene/read_scene.cpp": 421,
+    "src/scene/settings.cpp": 517,
+    "src/scene/types.cpp": 429,
+    "src/scene/validate.cpp": 404,
+    "src/scene/write_baked.cpp": 606,
+    "src/unwrap/chart.cpp": 532,
+    "src/unwrap/packer.cpp": 437,
+    "tests/bake/analytic_test.cpp": 904,
+    "tests/bake/stages_test.cpp": 1080,
+    "tests/bake/transport_test.cpp": 1235,
+    "tests/cli/cli_test.py": 1034,
+    "tests/render/law_pixels_test.cpp": 470,
+    "tests/render_plan/lights_test.cpp": 449,
+    "tests/render_plan/probes_test.cpp": 464,
+    "tests/scene/reader_test.cpp": 413,
+    "tests/unwrap/unwrap_test.cpp": 565,
+}
+
+
+def problems_of(root, longer):
+    problems = []
+    seen = set()
+    for folder in FOLDERS:
+        for path in sorted((root / folder).rglob("*")):
+            if path.suffix not in SUFFIXES or not path.is_file() or "node_modules" in path.parts:
+                continue
+            name = path.relative_to(root).as_posix()
+            seen.add(name)
+            lines = len(path.read_text(encoding="utf-8", errors="replace").splitlines())
+            limit = longer.get(name, LIMIT)
+            if lines > limit:
+                problems.append(f"{name}: {lines} lines, at most {limit}: split it by what it holds")
+            elif name in longer and lines <= LIMIT:
+                problems.append(f"{name}: {lines} lines: take it out of LONGER in tests/file_sizes.py")
+    problems += [f"{name}: is in LONGER of tests/file_sizes.py and does not exist" for name in longer if name not in seen]
+    return problems
+
+
+def self_test():
+    with tempfile.TemporaryDirectory() as folder:
+        root = pathlib.Path(folder)
+        (root / "src").mkdir()
+        (root / "src/short.cpp").write_text("\n" * LIMIT)
+        assert problems_of(root, {}) == []
+        (root / "src/long.cpp").write_text("\n" * (LIMIT + 5))
+        assert len(problems_of(root, {})) == 1
+        assert problems_of(root, {"src/long.cpp": LIMIT + 5}) == []
+        assert len(problems_of(root, {"src/long.cpp": LIMIT + 4})) == 1
+        assert len(problems_of(root, {"src/long.cpp": LIMIT + 5, "src/short.cpp": 500})) == 1
+        assert len(problems_of(root, {"src/long.cpp": LIMIT + 5, "src/gone.cpp": 500})) == 1
+
+
+def main():
+    if sys.argv[1:] == ["--self-test"]:
+        self_test()
+        return 0
+    if len(sys.argv) != 2:
+        print(__doc__, file=sys.stderr)
+        return 2
+    problems = problems_of(pathlib.Path(sys.argv[1]), LONGER)
+    print("\n".join(problems) or "every file is short enough")
+    return 1 if problems else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
