@@ -10,7 +10,7 @@
 #include "bilinear.h"
 
 #include "bake/stages.h"
-#include "bake_cpu/cached_lightmap.h"
+#include "bake_cpu/lightmap/cached_lightmap.h"
 
 #include "halflight/bake/bake.h"
 #include "halflight/bake_cpu/embree_integrator.h"
@@ -340,7 +340,7 @@ void partGather(const Options& options)
     for (const std::string& name : options.scenes) {
         Prepared p = prepare(name, options.size, true);
         const PathTracer paths(p.scene, p.geometry, LightUse::Bake);
-        const GatherPattern pattern(1);
+        const StratifiedPattern pattern(1);
         IntegrationSettings settings;
         settings.bounces = options.bounces;
         OutsidePoints outside(p.map.texels.size());

@@ -1,11 +1,11 @@
 #include "halflight/bake_cpu/embree_integrator.h"
 
-#include "bake_cpu/baked_lights.h"
-#include "bake_cpu/cached_lightmap.h"
-#include "bake_cpu/path.h"
-#include "bake_cpu/shadow_pass.h"
-#include "bake_cpu/texel_set.h"
-#include "bake_cpu/validity.h"
+#include "bake_cpu/lightmap/cached_lightmap.h"
+#include "bake_cpu/sample/path_tracer.h"
+#include "bake_cpu/shadows/baked_lights.h"
+#include "bake_cpu/shadows/shadow_pass.h"
+#include "bake_cpu/texels/texel_set.h"
+#include "bake_cpu/texels/texel_validity.h"
 
 #include "halflight/base/finite.h"
 #include "halflight/base/parallel.h"
@@ -199,7 +199,7 @@ private:
         const uint32_t id = texelId(map, texel);
 
         const PointMask mask = validity_.outside(points, pointCount, id, rays);
-        PointValidity::keep(mask, points, pointCount);
+        TexelValidity::keep(mask, points, pointCount);
         IrradianceEstimate estimate;
         estimate.valid = mask != 0;
         estimate.outsidePoints = mask;
@@ -312,8 +312,8 @@ private:
     const BakeGeometry& geometry_;
     IntegrationSettings settings_;
     PathTracer paths_;
-    PointValidity validity_;
-    GatherPattern pattern_;
+    TexelValidity validity_;
+    StratifiedPattern pattern_;
     CachedLightmap lightmap_;
     std::unique_ptr<TexelGrid> grid_; ///< of the map asked for last
     const TexelMap* gridMap_ = nullptr;

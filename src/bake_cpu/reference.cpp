@@ -1,7 +1,7 @@
 #include "halflight/bake_cpu/embree_integrator.h"
 
 #include "bake/stages.h"
-#include "bake_cpu/path.h"
+#include "bake_cpu/sample/path_tracer.h"
 
 #include "halflight/base/parallel.h"
 

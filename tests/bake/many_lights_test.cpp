@@ -1,7 +1,7 @@
 // Many lights of short range: what they cost follows from the texels that each reaches, and the light is that of all of
 // them (spec S6, S9).
 #include "bake/test_scene.h"
-#include "bake_cpu/light_reach.h"
+#include "bake_cpu/shadows/light_reach.h"
 
 #include "halflight/base/random.h"
 #include "halflight/shading/color.h"

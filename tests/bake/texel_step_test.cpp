@@ -3,9 +3,9 @@
 
 #include "bake/test_scene.h"
 
-#include "bake_cpu/cached_lightmap.h"
-#include "bake_cpu/texel_lattice.h"
-#include "bake_cpu/validity.h"
+#include "bake_cpu/lightmap/cached_lightmap.h"
+#include "bake_cpu/texels/sparse_grid.h"
+#include "bake_cpu/texels/texel_validity.h"
 
 #include <gtest/gtest.h>
 
@@ -171,10 +171,10 @@ TEST(TexelStepS6, LiesBetweenOnEvenSurfacesOfOneChartAlone)
         const BakeGeometry geometry = flattenGeometry(scene, kPage, GeometryFilter::Static);
         const TexelMap map = rasterizeTexels(geometry, kPage, 1);
         const TexelGrid grid(map);
-        const TexelLattice lattice(geometry, map, grid, step);
+        const SparseGrid lattice(geometry, map, grid, step);
         for (uint32_t i = 0; i < map.texels.size(); ++i) {
             if (map.texels[i].x != x || map.texels[i].y != y) continue;
-            TexelLattice::Around around;
+            SparseGrid::Around around;
             if (!lattice.around(i, around)) return 0;
             for (int k = 0; k < around.count; ++k) {
                 const Texel& t = map.texels[around.texels[std::size_t(k)]];
@@ -211,7 +211,7 @@ TEST(TexelStepS6, LargeMapsHaveOneOfTheirOwn)
 
 /// What stands on a texel covers some of its points: a closed box, and a single-sided shell without a bottom that does
 /// not even touch the floor.
-TEST(PointsInsideS6, EachPointOfATexelByItself)
+TEST(TexelValidityS6, EachPointOfATexelByItself)
 {
     for (const bool closed : {true, false}) {
         Scene scene;
@@ -222,7 +222,7 @@ TEST(PointsInsideS6, EachPointOfATexelByItself)
         if (!closed) scene.objects.erase(scene.objects.end() - 2); // the face at the bottom
         Bench bench(std::move(scene), MixedLightingMode::Shadowmask, kPage, {});
         const PathTracer paths(bench.scene, bench.geometry, LightUse::Bake);
-        const PointValidity validity(paths);
+        const TexelValidity validity(paths);
         int under = 0;
         int mixed = 0;
         for (const Texel& texel : bench.map.texels) {
@@ -250,7 +250,7 @@ TEST(PointsInsideS6, EachPointOfATexelByItself)
 
 /// Deep inside of something large or far outside of it, a texel's points are alike: few rays tell what each point by
 /// itself would. Beside its wall, or under something low, they are not alike even if they see one another.
-TEST(PointsInsideS6, PointsThatSeeOneAnotherAreAskedTogether)
+TEST(TexelValidityS6, PointsThatSeeOneAnotherAreAskedTogether)
 {
     Scene scene;
     const int grey = addMaterial(scene, vec3(0.5f));
@@ -265,7 +265,7 @@ TEST(PointsInsideS6, PointsThatSeeOneAnotherAreAskedTogether)
                  grey, kPage);
     Bench bench(std::move(scene), MixedLightingMode::Shadowmask, kPage, {});
     const PathTracer paths(bench.scene, bench.geometry, LightUse::Bake);
-    const PointValidity validity(paths);
+    const TexelValidity validity(paths);
     uint64_t raysApart = 0; // of texels deep inside
     uint64_t raysTogether = 0;
     int deep = 0;
@@ -274,7 +274,7 @@ TEST(PointsInsideS6, PointsThatSeeOneAnotherAreAskedTogether)
         TexelPoints points;
         const int count = texelPoints(bench.geometry, bench.map, texel, points);
         const uint32_t id = texelId(bench.map, texel);
-        PointValidity::Met met{4, {}, 0, true};
+        TexelValidity::Met met{4, {}, 0, true};
         for (int i = 0; i < met.rays; ++i) {
             const SurfacePoint& point = points[std::size_t(4 * i % count)];
             Sampler sampler(7, id, uint32_t(i));

@@ -4,9 +4,9 @@
 #include "bake/gather.h"
 #include "bake/test_scene.h"
 
-#include "bake_cpu/gather_pattern.h"
-#include "bake_cpu/light_tree.h"
-#include "bake_cpu/path.h"
+#include "bake_cpu/sample/stratified_pattern.h"
+#include "bake_cpu/sample/light_tree.h"
+#include "bake_cpu/sample/path_tracer.h"
 
 #include "halflight/base/parallel.h"
 #include "halflight/base/random.h"
@@ -254,7 +254,7 @@ struct LitSpots {
 
 /// Where one ray in a hundred meets what is bright, 32 rays would be off by more than 100 %: the gather looks there
 /// with little noise, and counts nothing twice. Light comes from where there is no hole.
-TEST(BrightCellsS6, LitSpotsAreNoNoise)
+TEST(GuidesS6, LitSpotsAreNoNoise)
 {
     struct Case {
         LitSpots::Holes holes;
@@ -387,7 +387,7 @@ private:
 
 /// From afar one ray in some ten thousand meets the board. That few of the rays around do is enough to aim at it, the
 /// whole of it and from everywhere.
-TEST(BrightCellsS6, SmallThingsAreSeenFromAfar)
+TEST(GuidesS6, SmallThingsAreSeenFromAfar)
 {
     const BoardFromAfar::Errors errors = BoardFromAfar(0.0f).errors();
     EXPECT_LT(std::abs(errors.bias), 0.02);
@@ -396,7 +396,7 @@ TEST(BrightCellsS6, SmallThingsAreSeenFromAfar)
 }
 
 /// From so far away that none of the rays of all that is within twenty metres meets the board: those beyond tell.
-TEST(BrightCellsS6, SmallThingsAreSeenFromFarther)
+TEST(GuidesS6, SmallThingsAreSeenFromFarther)
 {
     const BoardFromAfar::Errors errors = BoardFromAfar(0.0f, 1, 100).errors();
     EXPECT_LT(std::abs(errors.bias), 0.02);
@@ -405,7 +405,7 @@ TEST(BrightCellsS6, SmallThingsAreSeenFromFarther)
 }
 
 /// The same of a board of many small triangles, as cloth has them: all of it is aimed at.
-TEST(BrightCellsS6, FineMeshesAreAimedAtWhole)
+TEST(GuidesS6, FineMeshesAreAimedAtWhole)
 {
     const BoardFromAfar::Errors errors = BoardFromAfar(0.0f, 80).errors();
     EXPECT_LT(std::abs(errors.bias), 0.02);
@@ -413,7 +413,7 @@ TEST(BrightCellsS6, FineMeshesAreAimedAtWhole)
 }
 
 /// The same where a wall that everybody sees brings most of the light: who has much to aim at still hears of the board.
-TEST(BrightCellsS6, SmallThingsAreSeenBesideLargeOnes)
+TEST(GuidesS6, SmallThingsAreSeenBesideLargeOnes)
 {
     const BoardFromAfar::Errors errors = BoardFromAfar(0.005f).errors();
     EXPECT_LT(std::abs(errors.bias), 0.02);
@@ -658,8 +658,8 @@ TEST(RaysS6, LanesOutOfUseAreLeftAloneOnAllProcessors)
 {
     const Scene scene = room(true, true, true);
     const Bench bench(scene, MixedLightingMode::Shadowmask, kPage, {});
-    const SurfaceTracer tracer(bench.scene, bench.geometry);
-    const SurfaceTracer old(bench.scene, bench.geometry, "isa=sse2");
+    const RayTracer tracer(bench.scene, bench.geometry);
+    const RayTracer old(bench.scene, bench.geometry, "isa=sse2");
     ASSERT_TRUE(tracer.ok() && old.ok());
     int hits = 0;
     int blocked = 0;
@@ -667,7 +667,7 @@ TEST(RaysS6, LanesOutOfUseAreLeftAloneOnAllProcessors)
         RTCRayHit8 rays;
         std::memset(&rays, 0xff, sizeof(rays)); // no numbers
         embree::LaneMask valid;
-        SurfaceTracer::clear(rays.ray);
+        RayTracer::clear(rays.ray);
         for (int lane = 0; lane < embree::kPacket; ++lane) {
             Sampler sampler(1, packet, uint32_t(lane));
             valid.lane[lane] = sampler.next1() < 0.6f ? -1 : 0;
@@ -1183,16 +1183,16 @@ TEST(LightTreeS6, ManyLightsSumToTheirTotal)
 
 /// Where a few cells stand for a block, they are spread over it: the two of lowest rank in the two halves that tell of
 /// noise, four in all rows and all columns; four blocks have other fours, which are all cells together.
-TEST(GatherPatternS6, FewCellsOfABlockAreSpread)
+TEST(StratifiedPatternS6, FewCellsOfABlockAreSpread)
 {
-    constexpr int kBlock = GatherPattern::kBlock;
+    constexpr int kBlock = StratifiedPattern::kBlock;
     for (const int first : {0, 1, 5}) {
         std::array<int, kBlock> times{};
         for (int block = first; block < first + 4; ++block) {
             std::array<int, kBlock> cellOfRank;
             cellOfRank.fill(-1);
             for (int cell = 0; cell < kBlock; ++cell) {
-                const auto rank = std::size_t(GatherPattern::rankOf(cell, block));
+                const auto rank = std::size_t(StratifiedPattern::strataOrder(cell, block));
                 ASSERT_LT(rank, std::size_t(kBlock));
                 EXPECT_EQ(cellOfRank[rank], -1);
                 cellOfRank[rank] = cell;
@@ -1214,14 +1214,14 @@ TEST(GatherPatternS6, FewCellsOfABlockAreSpread)
 }
 
 /// Each block has one point in each cell, at the place of the cell, and all blocks together fill the square evenly.
-TEST(GatherPatternS6, BlocksAreStratified)
+TEST(StratifiedPatternS6, BlocksAreStratified)
 {
-    const GatherPattern pattern(3);
+    const StratifiedPattern pattern(3);
     for (uint32_t texel = 0; texel < 50; ++texel) {
         std::vector<int> rows(64, 0);
         for (int b = 0; b < 4; ++b) {
-            const GatherPattern::Block block = pattern.block(hashPcg(texel), b);
-            for (int cell = 0; cell < GatherPattern::kBlock; ++cell) {
+            const StratifiedPattern::Block block = pattern.block(hashPcg(texel), b);
+            for (int cell = 0; cell < StratifiedPattern::kBlock; ++cell) {
                 const vec2 u = block.unit(cell);
                 EXPECT_EQ(int(u.x * 4.0f) * 4 + int(u.y * 4.0f), cell);
                 ++rows[std::size_t(u.x * 64.0f)];

@@ -1,0 +1,164 @@
+#include "bake_cpu/shadows/baked_lights.h"
+
+#include "bake_cpu/shadows/light_reach.h"
+#include "bake_cpu/shadows/shadow_rays.h"
+
+#include "halflight/base/parallel.h"
+
+#include <algorithm>
+#include <utility>
+#include <vector>
+
+namespace halflight {
+namespace {
+
+/// Where a texel's points receive amounts that differ by more than this share of the most, more points are asked.
+constexpr float kAlike = 0.05f;
+constexpr int kMostBatches = 64;
+
+/// What lights without shadows give a texel, on average over its points.
+class Unshadowed {
+public:
+    struct Light {
+        vec3 irradiance{0.0f};
+        vec3 moment{0.0f}; ///< first moment of its luminance's direction
+    };
+
+    Unshadowed(const ShadowPass& pass, std::size_t number)
+        : pass_(pass), texel_(pass.map.texels[pass.texels[number]]), mask_(pass.outside[number])
+    {}
+
+    Light of(const PunctualLight& light)
+    {
+        float least = kInfinity;
+        float most = 0.0f;
+        Light sum;
+        std::size_t count = 0;
+        const auto add = [&](int batch) {
+            for (const SurfacePoint& point : pointsOf(batch)) {
+                const shading::LightSample s = light.at(point.position);
+                const vec3 value = irradianceOn(point.normal, s);
+                const float weight = luminance(value);
+                sum.irradiance += value;
+                sum.moment += weight * s.direction;
+                least = std::min(least, weight);
+                most = std::max(most, weight);
+                ++count;
+            }
+        };
+        add(0);
+        // Folded texels have as many points as shadow edges have rays. Those with points left out have no others.
+        if (most - least > kAlike * most && mask_ == kAllPoints) {
+            const int batches = std::min(pass_.timesOnEdges * pass_.samples / kMaxTexelPoints, kMostBatches);
+            for (int batch = 1; batch < batches; ++batch) add(batch);
+        }
+        return {sum.irradiance / float(count), sum.moment / float(count)};
+    }
+
+private:
+    std::span<const SurfacePoint> pointsOf(int batch)
+    {
+        if (std::size_t(batch) == batches_.size()) {
+            Batch& b = batches_.emplace_back();
+            const int first = mask_ == kAllPoints ? ShadowGroup::firstBatch(texelId(pass_.map, texel_)) : 0;
+            b.count = texelPoints(pass_.paths.surfaces().geometry(), pass_.map, texel_, b.points, first + batch);
+            TexelValidity::keep(mask_, b.points, b.count);
+        }
+        const Batch& b = batches_[std::size_t(batch)];
+        return {b.points.data(), std::size_t(b.count)};
+    }
+
+    struct Batch {
+        TexelPoints points;
+        int count = 0;
+    };
+    const ShadowPass& pass_;
+    const Texel& texel_;
+    PointMask mask_;
+    std::vector<Batch> batches_;
+};
+
+/// Adds the lights' direct light to the texels of a pass; texel i of it has its estimate at out[places[i]].
+bool addLights(const ShadowPass& pass, std::span<const PunctualLight* const> lights,
+               const std::vector<ShadowSource>& sources, std::span<const uint32_t> places,
+               std::span<IrradianceEstimate> out)
+{
+    const auto rays = float(pass.timesOnEdges * pass.samples);
+    const Progress shadows = partOf(pass.progress, 0.0, 0.9);
+    const ShadowPass shadowPass{pass.paths,   pass.pattern,      pass.map, pass.grid,  pass.texels, pass.outside,
+                                pass.samples, pass.timesOnEdges, shadows,  pass.stage, pass.rays};
+    std::vector<LitCount> counts;
+    if (!traceShadows(shadowPass, sources, counts)) return false;
+    const auto addTo = [&](std::size_t begin, std::size_t end) {
+        for (std::size_t i = begin; i < end; ++i) {
+            IrradianceEstimate& estimate = out[places[i]];
+            if (!estimate.valid) continue;
+            Unshadowed unshadowed(pass, i);
+            for (std::size_t l = 0; l < lights.size(); ++l) {
+                const LitCount& lit = counts[i * lights.size() + l];
+                if (!lit.any()) continue;
+                const float strength = lights[l]->shadowStrength;
+                const float arrives = glm::mix(1.0f, lit.share(), strength);
+                if (arrives <= 0.0f) continue;
+                const Unshadowed::Light light = unshadowed.of(*lights[l]);
+                estimate.irradiance += arrives * light.irradiance;
+                estimate.direct += arrives * light.irradiance;
+                estimate.moment += arrives * light.moment;
+                // Of a share of so many yes-or-no rays, as if they were independent: texels lit in part have all.
+                const float contrast = lit.mixed() ? luminance(light.irradiance) * strength : 0.0f;
+                const float variance = contrast * contrast * lit.share() * (1.0f - lit.share()) / rays;
+                estimate.varianceOfMean += variance;
+                estimate.varianceOfDirect += variance;
+            }
+        }
+    };
+    return parallelFor(pass.texels.size(), 1024, partOf(pass.progress, 0.9, 1.0), pass.stage, addTo);
+}
+
+} // namespace
+
+// A few lights at a time, so that memory stays small, and for each few only the texels that one of them can reach: what
+// a light costs follows from these, not from the size of the map.
+bool addBakedLights(const ShadowPass& pass, uint32_t seed, std::span<IrradianceEstimate> out)
+{
+    constexpr std::size_t kLightsAtOnce = 4;
+    std::vector<const PunctualLight*> lights;
+    for (const PunctualLight& light : pass.paths.lights()) {
+        if (light.directAtTexels) lights.push_back(&light);
+    }
+    if (lights.empty()) return true;
+    const TexelRuns runs(pass.paths.surfaces().geometry(), pass.map, pass.texels);
+    // Lights with a range go one by one: few texels are in reach of several that follow one another.
+    const auto atOnce = [&](std::size_t first) {
+        std::size_t count = 1;
+        while (count < std::min(kLightsAtOnce, lights.size() - first) && reachesEverywhere(*lights[first]) &&
+               reachesEverywhere(*lights[first + count]))
+            ++count;
+        return count;
+    };
+    for (std::size_t first = 0, count = 0; first < lights.size(); first += count) {
+        count = atOnce(first);
+        const auto some = std::span(lights).subspan(first, count);
+        const std::vector<uint32_t> places = runs.reachedBy(some);
+        if (places.empty()) continue;
+        std::vector<ShadowSource> sources;
+        for (std::size_t l = 0; l < some.size(); ++l)
+            sources.push_back({LightReach(std::vector{some[l]}), true, hashCombine(seed, uint32_t(first + l))});
+        std::vector<uint32_t> texels;
+        std::vector<PointMask> outside;
+        for (const uint32_t place : places) {
+            texels.push_back(pass.texels[place]);
+            outside.push_back(pass.outside[place]);
+        }
+        const double share = 1.0 / double(lights.size());
+        const Progress part = partOf(pass.progress, double(first) * share, double(first + some.size()) * share);
+        if (!addLights({pass.paths, pass.pattern, pass.map, pass.grid, texels, outside, pass.samples, pass.timesOnEdges,
+                        part, pass.stage, pass.rays},
+                       some, sources, places, out)) {
+            return false;
+        }
+    }
+    return !pass.progress.cancelled();
+}
+
+} // namespace halflight
