@@ -18,7 +18,6 @@ SUFFIXES = {".h", ".cpp", ".py", ".glsl", ".vert", ".frag", ".js", ".mjs", ".ts"
 
 LONGER = {
     "apps/halflight/bake.cpp": 435,
-    "apps/halflight/render.cpp": 529,
     "bench/bake_bench.cpp": 687,
     "bench/quality/measures.cpp": 478,
     "scripts/make_courtyard.py": 402,

@@ -1,9 +1,7 @@
 // halflight render: a baked (or plain) glTF file in, a picture out.
 
-#include "camera.h"
-#include "console.h"
 #include "interrupt.h"
-#include "light_override.h"
+#include "render_options.h"
 #include "terminal.h"
 
 #include "halflight/bake_cpu/embree_integrator.h"
@@ -18,38 +16,12 @@
 #include <cmath>
 #include <cstdio>
 #include <memory>
-#include <optional>
 
 namespace halflight::cli {
 
 namespace {
 
 using Json = nlohmann::ordered_json;
-
-struct RenderOptions {
-    std::filesystem::path file;
-    std::filesystem::path output;
-    std::filesystem::path settingsFile;
-    std::optional<RunMode> mode; ///< empty = auto
-    RenderSettings render;
-    RendererOptions device;
-    std::vector<LightOverride> lights;
-    int cascades = 0;                 ///< 0 = not given
-    std::vector<float> cascadeSplits; ///< empty = not given
-    CameraChoice camera;
-    dvec3 eye{0.0};
-    bool eyeGiven = false;
-    vec3 shadowColor{0.0f}; ///< counts when settings have one
-    float fovDegrees = 0.0f;
-    std::optional<float> exposureEv; ///< empty = auto
-    bool exposureGiven = false;
-    int referenceSamples = 0;
-    int bounces = 8;
-    uint32_t seed = 1;
-    int threads = 0;
-    bool quiet = false;
-    bool json = false;
-};
 
 /// A picture and what there is to say about it.
 struct Picture {
@@ -116,12 +88,64 @@ Json jsonOf(const LightRow& row, const Light& light)
     return json;
 }
 
+/// Side of the regular grid of samples in a pixel.
+int supersamplingOf(const RenderOptions& options)
+{
+    if (options.samples > 0) return int(std::lround(std::sqrt(double(options.samples))));
+    // A picture of 16 million pixels and four samples fills 1 GiB of radiance.
+    constexpr int64_t kMostPixels = 4096 * 4096;
+    const bool small = int64_t(options.render.size.x) * options.render.size.y <= kMostPixels;
+    return options.render.view == DebugView::Lit && small ? 2 : 1;
+}
+
+/// Share of the picture's pixels that show surfaces beyond the shadow distance, counted in a small picture.
+Result<double> shareBeyondShadows(Renderer& renderer, const Camera& camera, RenderSettings settings)
+{
+    constexpr int kSide = 160; // pixels: shares to a hundredth of a percent
+    settings.view = DebugView::Fade;
+    settings.size = glm::max(settings.size * kSide / std::max(settings.size.x, settings.size.y), ivec2(1));
+    settings.supersampling = 1;
+    settings.timings = false;
+    settings.lightRows = false;
+    const Result<RenderedFrame> frame = renderer.render(camera, settings);
+    if (!frame) return frame.error();
+    const std::vector<vec4>& texels = frame->radiance.texels();
+    return double(std::count_if(texels.begin(), texels.end(), [](vec4 fade) { return fade.x >= 1.0f; })) /
+           double(texels.size());
+}
+
+/// Where realtime shadows end, and a warning where that is within the picture. Distance shadowmask is made for it.
+Status describeShadows(const RenderOptions& options, const RenderSettings& settings, float farthest, Renderer& renderer,
+                       const Camera& camera, Picture& picture)
+{
+    const float distance = settings.shadows.distanceMeters;
+    Json& shadows = picture.summary["shadows"];
+    shadows = {{"distance", distance}, {"given", options.shadowDistanceGiven}, {"farthestInView", farthest}};
+    if (farthest <= distance) {
+        shadows["shareBeyond"] = 0.0;
+        return {};
+    }
+    const Result<double> share = shareBeyondShadows(renderer, camera, settings);
+    if (!share) return share.error();
+    shadows["shareBeyond"] = *share;
+    if (*share == 0.0 || settings.mode == RunMode::DistanceShadowmask || settings.view != DebugView::Lit) return {};
+    picture.warnings.push_back(
+        fmt::format("realtime shadows end {:.4g} m from the camera, and {:.2g} % of the picture lies beyond: "
+                    "--shadow-distance {:.4g} reaches all of it",
+                    distance, 100.0 * *share, std::ceil(farthest + settings.shadows.fadeRangeMeters)));
+    return {};
+}
+
 Result<Picture> renderPicture(const RenderOptions& options, const BakedScene& baked, const Camera& camera)
 {
     RenderSettings settings = options.render;
     settings.mode = options.mode.value_or(defaultRunMode(baked));
     settings.lightRows = options.json;
+    settings.supersampling = supersamplingOf(options);
     if (Status status = checkRunMode(baked, settings.mode); !status) return status.error();
+    const FrameView view{camera, settings.size};
+    const std::vector<Bounds> bounds = objectBounds(baked.scene);
+    if (!options.shadowDistanceGiven) settings.shadows = shadowsForView(view, bounds, settings.shadows);
 
     Result<std::unique_ptr<Renderer>> renderer = Renderer::create(options.device);
     if (!renderer) return renderer.error();
@@ -144,6 +168,7 @@ Result<Picture> renderPicture(const RenderOptions& options, const BakedScene& ba
     picture.summary["driver"] = (*renderer)->driver();
     picture.summary["mode"] = nameOf(settings.mode);
     picture.summary["path"] = settings.path == RenderPath::Deferred ? "deferred" : "forward";
+    picture.summary["samples"] = settings.supersampling * settings.supersampling;
     picture.summary["gBufferTargets"] = frame->gBufferTargets;
     picture.summary["lights"] = {
         {"inView", count([](const FrameLight& light) { return !light.overflowed; })},
@@ -164,6 +189,10 @@ Result<Picture> renderPicture(const RenderOptions& options, const BakedScene& ba
     }
     picture.warnings.insert(picture.warnings.end(), plan.warnings.begin(), plan.warnings.end());
     picture.radiance = std::move(frame->radiance);
+    if (Status status = describeShadows(options, settings, farthestInView(view, bounds), **renderer, camera, picture);
+        !status) {
+        return status.error();
+    }
     return picture;
 }
 
@@ -250,8 +279,9 @@ void printSummary(const RenderOptions& options, const Json& summary)
     print(", {}\n", summary["device"].get<std::string>());
     if (summary.contains("lights")) {
         const Json& lights = summary["lights"];
-        print("lights in view {}, with baked shadows {}, with realtime shadows {}\n", lights["inView"].dump(),
-              lights["bakedShadows"].dump(), lights["realtimeShadows"].dump());
+        print("lights in view {}, with baked shadows {}, with realtime shadows {} to {:.4g} m\n",
+              lights["inView"].dump(), lights["bakedShadows"].dump(), lights["realtimeShadows"].dump(),
+              summary["shadows"]["distance"].get<float>());
     }
     if (options.render.timings && summary.contains("passes")) printPasses(summary["passes"]);
 }
@@ -271,8 +301,10 @@ std::string contradiction(const RenderOptions& options)
     if (options.eyeGiven && options.eye == options.camera.target) return "--eye and --target are the same point";
     if (options.referenceSamples > 0 &&
         (options.render.timings || !options.lights.empty() || options.mode || options.render.view != DebugView::Lit ||
-         options.render.path != RenderPath::Forward)) {
-        return "--reference is path traced and knows no --mode, --view, --path, --light or --timings";
+         options.render.path != RenderPath::Forward || options.samples > 0 || options.shadowDistanceGiven)) {
+        return "--reference N path traces with N samples; --mode, --view, --path, --light, --samples, "
+               "--shadow-distance "
+               "and --timings do not go with it";
     }
     return {};
 }
@@ -337,192 +369,13 @@ int runRender(RenderOptions options)
     return kOk;
 }
 
-// "1280x720".
-bool parseSize(const std::string& text, ivec2& size)
-{
-    int end = 0;
-    return std::sscanf(text.c_str(), "%5dx%5d%n", &size.x, &size.y, &end) == 2 && std::size_t(end) == text.size() &&
-           size.x >= 16 && size.x <= 8192 && size.y >= 16 && size.y <= 8192;
-}
-
-// "0.1,0.3,0.6".
-bool parseSplits(const std::string& text, std::vector<float>& splits)
-{
-    splits.clear();
-    for (std::size_t begin = 0; begin <= text.size();) {
-        const std::size_t end = std::min(text.find(',', begin), text.size());
-        double split = 0.0;
-        const double before = splits.empty() ? 0.0 : double(splits.back());
-        if (!parseNumber(text.substr(begin, end - begin), split) || !(split > before && split < 1.0)) return false;
-        splits.push_back(float(split));
-        begin = end + 1;
-    }
-    return splits.size() <= 3;
-}
-
-void addPictureOptions(CLI::App& app, RenderOptions& options)
-{
-    app.option_defaults()->group("Picture");
-    addChoice<std::optional<RunMode>>(app, "--mode", options.mode,
-                                      {{"auto", std::nullopt},
-                                       {"realtime", RunMode::Realtime},
-                                       {"baked-indirect", RunMode::BakedIndirect},
-                                       {"shadowmask", RunMode::Shadowmask},
-                                       {"distance-shadowmask", RunMode::DistanceShadowmask},
-                                       {"subtractive", RunMode::Subtractive}},
-                                      "lighting mode (default auto: as baked; realtime when not baked)");
-    addChoice<DebugView>(app, "--view", options.render.view,
-                         {{"lit", DebugView::Lit},
-                          {"shadowmask", DebugView::Shadowmask},
-                          {"lightmap", DebugView::Lightmap},
-                          {"probes", DebugView::Probes},
-                          {"cascades", DebugView::Cascades},
-                          {"fade", DebugView::Fade},
-                          {"overlap", DebugView::Overlap}},
-                         "the picture, or what is behind it (default lit)");
-    addChoice<RenderPath>(app, "--path", options.render.path,
-                          {{"forward", RenderPath::Forward}, {"deferred", RenderPath::Deferred}},
-                          "light surfaces as they are drawn, or from a G-buffer (default forward)");
-    addChoice<bool>(app, "--proxy-volumes", options.render.proxyVolumes, {{"on", true}, {"off", false}},
-                    "large objects are lit by the probes around each point; off: by one sample each (default on)");
-    addChoice<bool>(app, "--directional", options.render.directionalLightmaps, {{"on", true}, {"off", false}},
-                    "use the lightmap's directions where the bake has them (default on)");
-    const auto checkLight = [](std::string& text) {
-        const Result<LightOverride> change = parseLightOverride(text);
-        return change ? std::string() : change.error().message;
-    };
-    app.add_option_function<std::vector<std::string>>(
-           "--light",
-           [&options](const std::vector<std::string>& texts) {
-               for (const std::string& text : texts) options.lights.push_back(*parseLightOverride(text));
-           },
-           "change a light since its bake: intensity, color, direction, position, range, strength, inner-cone, "
-           "outer-cone (degrees), depth-bias, slope-bias, normal-bias; may be repeated")
-        ->check(CLI::Validator(checkLight, std::string()))
-        ->type_size(1)
-        ->allow_extra_args(false)
-        ->type_name("NAME:KEY=VALUE,…");
-    const auto checkSize = [](std::string& text) {
-        ivec2 ignored;
-        if (parseSize(text, ignored)) return std::string();
-        return fmt::format("must be WIDTHxHEIGHT with both from 16 to 8192, not '{}'", text);
-    };
-    app.add_option_function<std::string>(
-           "--size", [&options](const std::string& text) { parseSize(text, options.render.size); },
-           "width and height in pixels (default 1280x720)")
-        ->check(CLI::Validator(checkSize, std::string()))
-        ->type_name("WxH");
-    const auto checkExposure = [](std::string& text) {
-        double ev = 0.0;
-        if (text == "auto" || (parseNumber(text, ev) && ev >= -40.0 && ev <= 40.0)) return std::string();
-        return fmt::format("must be auto or a number from -40 to 40, not '{}'", text);
-    };
-    app.add_option_function<std::string>(
-           "--exposure",
-           [&options](const std::string& text) {
-               double ev = 0.0;
-               options.exposureEv = parseNumber(text, ev) ? std::optional(float(ev)) : std::nullopt;
-               options.exposureGiven = true;
-           },
-           "EV: radiance is multiplied by 2^-EV; auto puts the picture's log average at middle grey and prints the EV "
-           "(default auto; .png only)")
-        ->check(CLI::Validator(checkExposure, std::string()))
-        ->type_name("EV|auto");
-}
-
-void addCameraOptions(CLI::App& app, RenderOptions& options)
-{
-    app.option_defaults()->group("Camera (default: the file's first, else a view of the whole scene)");
-    CLI::Option* name = app.add_option("--camera", options.camera.name, "one of the file's cameras")->type_name("NAME");
-    CLI::Option* eye = addPosition(app, "--eye", options.eye, "camera position");
-    CLI::Option* target = addPosition(app, "--target", options.camera.target, "what it looks at");
-    eye->needs(target)->excludes(name)->each([&options](const std::string&) { options.eyeGiven = true; });
-    target->needs(eye);
-    addFloat(app, "--fov", options.fovDegrees, 1.0f, 170.0f, "DEGREES", "vertical field of view");
-}
-
-void addShadowOptions(CLI::App& app, RenderOptions& options)
-{
-    ShadowSettings& shadows = options.render.shadows;
-    app.option_defaults()->group("Realtime shadows");
-    addFloat(app, "--shadow-distance", shadows.distanceMeters, 0.01f, 100000.0f, "METERS",
-             "no realtime shadow from here on (default 60)");
-    addFloat(app, "--shadow-fade-range", shadows.fadeRangeMeters, 0.01f, 100000.0f, "METERS",
-             "they fade over this range before it (default 1)");
-    addInt(app, "--cascades", options.cascades, 1, 4, "cascades of directional lights (default 4, or by the splits)");
-    const auto checkSplits = [](std::string& text) {
-        std::vector<float> splits;
-        if (parseSplits(text, splits)) return std::string();
-        return fmt::format("must be one to three ascending numbers above 0 and below 1, not '{}'", text);
-    };
-    app.add_option_function<std::string>(
-           "--cascade-splits",
-           [&options](const std::string& text) {
-               parseSplits(text, options.cascadeSplits);
-               std::copy(options.cascadeSplits.begin(), options.cascadeSplits.end(),
-                         options.render.shadows.cascadeSplits.begin());
-           },
-           "where cascades end, as shares of the shadow distance, one fewer than there are cascades (default: by the "
-           "logarithm of the distance for the most part)")
-        ->check(CLI::Validator(checkSplits, std::string()))
-        ->multi_option_policy(CLI::MultiOptionPolicy::TakeLast)
-        ->type_name("A,B,C");
-    addChoice<CascadeBlend>(
-        app, "--cascade-blend", shadows.cascadeBlend,
-        {{"hard", CascadeBlend::Hard}, {"dithered", CascadeBlend::Dithered}, {"soft", CascadeBlend::Soft}},
-        "where one cascade ends and the next begins (default soft)");
-    addChoice<bool>(app, "--point-shadows", shadows.pointShadows, {{"on", true}, {"off", false}},
-                    "realtime shadows of point lights; off leaves them the baked ones (default on)");
-    addChoice<ShadowFilter>(app, "--shadow-filter", shadows.filter,
-                            {{"hard", ShadowFilter::Hard}, {"pcf", ShadowFilter::Pcf}, {"soft", ShadowFilter::Soft}},
-                            "edge of a shadow (default pcf)");
-    addInt(app, "--shadow-map-size", shadows.directionalMapSize, 128, 8192, "texels of a cascade (default 2048)");
-    addInt(app, "--shadow-atlas-size", shadows.atlasSize, 256, 8192,
-           "texels of the atlas of spot and point lights (default 4096)");
-    addFloat(app, "--shadow-depth-bias", shadows.depthBias, 0.0f, 100.0f, "TEXELS",
-             "receivers move towards the light by this (default 0.1)");
-    addFloat(app, "--shadow-slope-bias", shadows.slopeBias, 0.0f, 100.0f, "X", "slope-scaled depth bias (default 1.5)");
-    addVec3(app, "--shadow-color", options.shadowColor, 0.0f, 1.0e9f, "R,G,B",
-            "lower limit of subtractive shadows in lux, instead of the file's")
-        ->each([&options](const std::string&) { options.render.subtractiveShadowColor = vec3(0.0f); });
-    addFloat(app, "--shadow-normal-bias", shadows.normalBiasTexels, 0.0f, 8.0f, "TEXELS",
-             "receivers move along their normal by this (default 1.2)");
-}
-
 } // namespace
 
 Command addRenderCommand(CLI::App& parent)
 {
     auto options = std::make_shared<RenderOptions>();
     CLI::App& app = *parent.add_subcommand("render", "Render a picture of a baked or plain glTF file");
-    app.add_option("FILE", options->file, "the file, .glb or .gltf")->required()->type_name(" ");
-    app.add_option("-o,--output", options->output, ".png: the displayed picture; .exr: linear radiance")
-        ->required()
-        ->type_name("IMAGE");
-    addPictureOptions(app, *options);
-    addCameraOptions(app, *options);
-    addShadowOptions(app, *options);
-
-    app.option_defaults()->group("Reference");
-    CLI::Option* reference = addInt(app, "--reference", options->referenceSamples, 1, 1 << 20,
-                                    "path trace with N samples per pixel instead, by the bake's integrator");
-    addInt(app, "--bounces", options->bounces, 0, 64, "bounces of the reference (default 8)")->needs(reference);
-    addUint(app, "--seed", options->seed, "random numbers of the reference (default 1)")->needs(reference);
-    addInt(app, "--threads", options->threads, 0, 4096, "of the reference, 0 = all cores (default 0)")
-        ->needs(reference);
-
-    app.option_defaults()->group("Run");
-    app.add_option("--settings", options->settingsFile, "light and object settings by name pattern, for plain files")
-        ->type_name("FILE.toml");
-    addChoice<bool>(app, "--device", options->device.preferCpu, {{"auto", false}, {"cpu", true}},
-                    "Vulkan device: the best one, or the CPU driver (default auto)");
-    app.add_flag("--validation", options->device.validation,
-                 "turn the Vulkan validation layer on and fail when it complains");
-    app.add_flag("--timings", options->render.timings,
-                 "measure the passes on the GPU and print a table: milliseconds, draw calls, instances, triangles");
-    app.add_flag("--json", options->json, "print a summary as JSON on standard output");
-    app.add_flag("-q,--quiet", options->quiet, "print errors only");
-    app.footer("Example: halflight render baked.glb -o picture.png --mode distance-shadowmask --shadow-distance 20");
+    addRenderOptions(app, *options);
     return {&app, [options] { return runRender(*options); }};
 }
 

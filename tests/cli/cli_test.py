@@ -82,6 +82,13 @@ class Case(unittest.TestCase):
         self.assertEqual(result.returncode, 0, result.stderr)
         return output, json.loads(result.stdout)
 
+    def rendered(self, baked, *options):
+        """Summary and standard error of a small picture."""
+        picture = self.path("picture.exr")
+        result = run("render", baked, "-o", picture, "--size", "32x24", "--json", *options)
+        self.assertEqual(result.returncode, 0, result.stderr)
+        return json.loads(result.stdout), result.stderr
+
     def assert_one_sentence(self, result, code, *words):
         self.assertEqual(result.returncode, code, result.stderr)
         lines = result.stderr.splitlines()
@@ -625,13 +632,6 @@ class Chain(Case):
         self.assertIn('"spot 0"', warnings[0])
         _, warnings, _ = picture("--light", "sun:direction=1,-1,0", "--mode", "realtime")
         self.assertEqual(warnings, [], "in realtime mode nothing baked is read")
-
-    def rendered(self, baked, *options):
-        """Summary and standard error of a small picture."""
-        picture = self.path("picture.exr")
-        result = run("render", baked, "-o", picture, "--size", "32x24", "--json", *options)
-        self.assertEqual(result.returncode, 0, result.stderr)
-        return json.loads(result.stdout), result.stderr
 
     def test_changes_that_do_not_show_are_said(self):
         """S29: each once, in the messages and in the JSON, on both paths, with what helps."""

@@ -81,6 +81,17 @@ struct FrameView {
     [[nodiscard]] mat4 clipFromView() const; ///< Vulkan clip space: y down, z 0…1, reversed (near = 1)
 };
 
+/// Distance in metres from the camera to the farthest point that the bounds of objects have in view, 0 where none is.
+/// `bounds` is objectBounds(scene).
+float farthestInView(const FrameView& view, std::span<const Bounds> bounds);
+
+/// Metres. The first of four cascades of 2048 texels then ends 16 m from the camera, and its texels are 1.5 cm wide.
+constexpr float kLongestShadowDistance = 2000.0f;
+/// The settings with a shadow distance that holds all in view and the fade range beyond it, at most
+/// kLongestShadowDistance, and with splits (cascadeSplitLambda) that leave the first cascades near the camera. Settings
+/// without an object in view stay as they are.
+ShadowSettings shadowsForView(const FrameView& view, std::span<const Bounds> bounds, ShadowSettings settings);
+
 /// One shadow map region: a cascade's layer or a tile of the atlas.
 struct ShadowTile {
     mat4 clipFromWorld{1.0f}; ///< z 0 near … 1 far (not reversed)
