@@ -6,6 +6,7 @@
 #include "material.glsl"
 #include "probes.glsl"
 #include "surface.glsl"
+#include "halflight/shading/brdf.h"
 #include "halflight/shading/directional.h"
 #include "halflight/shading/mask.h"
 
@@ -57,6 +58,11 @@ MeshSurface readSurface()
     s.roughness = saturate(materials[material].parameters.x * metallicRoughness.g);
     s.specular = materials[material].reflection.x;
     s.metallic = saturate(materials[material].emissiveMetallic.a * metallicRoughness.b);
+    if (frame.baked.z != 0 && materials[material].info.x == 0) {
+        s.baseColor = transportAlbedo(s.baseColor, s.metallic, s.roughness);
+        s.metallic = 0.0;
+        s.specular = 0.0;
+    }
     float occlusion = materialTexture(material, kTextureOcclusion, inUv, vec4(1.0)).r;
     mesh.occlusion = 1.0 + materials[material].parameters.z * (occlusion - 1.0);
     mesh.emissive = materials[material].emissiveMetallic.rgb *

@@ -301,8 +301,9 @@ std::string contradiction(const RenderOptions& options)
     if (options.eyeGiven && options.eye == options.camera.target) return "--eye and --target are the same point";
     if (options.referenceSamples > 0 &&
         (options.render.timings || !options.lights.empty() || options.mode || options.render.view != DebugView::Lit ||
-         options.render.path != RenderPath::Forward || options.samples > 0 || options.shadowDistanceGiven)) {
-        return "--reference N path traces with N samples; --mode, --view, --path, --light, --samples, "
+         options.render.path != RenderPath::Forward || options.samples > 0 || options.shadowDistanceGiven ||
+         !options.render.specular)) {
+        return "--reference N path traces with N samples; --mode, --view, --path, --light, --specular, --samples, "
                "--shadow-distance "
                "and --timings do not go with it";
     }

@@ -83,7 +83,7 @@ shading::GpuFrame gpuFrame(const GpuScene& scene, const FrameView& view, const R
     frame.shadow = ivec4(filterHalfWidth(settings.shadows.filter), settings.shadows.cascades,
                          int(settings.shadows.cascadeBlend), settings.proxyVolumes ? 1 : 0);
     const bool directional = settings.directionalLightmaps && !scene.outline.lightmapDirections.empty();
-    frame.baked = ivec4(directional ? 1 : 0, scene.hasDynamicLightmaps ? 1 : 0, 0, 0);
+    frame.baked = ivec4(directional ? 1 : 0, scene.hasDynamicLightmaps ? 1 : 0, settings.specular ? 0 : 1, 0);
     frame.dynamicLightmap.x = scene.dynamicUnitLux;
     std::copy(std::begin(scene.skySh), std::end(scene.skySh), std::begin(frame.skySh));
     return frame;

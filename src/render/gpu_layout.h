@@ -82,7 +82,8 @@ struct GpuFrame {
     ivec4 mode;                  // x run mode, y debug view, z main light (-1 none), w light count
     ivec4 shadow;                // x filter half-width, y cascades per directional light, z how cascades blend,
                                  // w 1 = objects that have a proxy volume take probe light from it
-    ivec4 baked;                 // x 1 = the lightmap has directions, y 1 = dynamic lightmap pages are set
+    ivec4 baked;                 // x 1 = the lightmap has directions, y 1 = dynamic lightmap pages are set,
+                                 // z 1 = surfaces are diffuse, of transportAlbedo()
     vec4 dynamicLightmap;        // x lux that a texel of 1 stands for
     vec4 skySh[9];               // rgb radiance coefficients of the sky
 };

@@ -5,6 +5,7 @@
 #include "halflight/bake/bake.h"
 #include "halflight/bake_cpu/embree_integrator.h"
 #include "halflight/render/renderer.h"
+#include "halflight/shading/brdf.h"
 
 #include <gtest/gtest.h>
 
@@ -82,7 +83,8 @@ template<typename Picture> double meanOf(const Picture& picture)
     return sum;
 }
 
-double realtimePicture(const Scene& scene, MixedLightingMode bakeMode, RunMode mode)
+double realtimePicture(const Scene& scene, MixedLightingMode bakeMode, RunMode mode, bool specular = true,
+                       RenderPath path = RenderPath::Forward)
 {
     BakeSettings settings;
     settings.mode = bakeMode;
@@ -97,6 +99,8 @@ double realtimePicture(const Scene& scene, MixedLightingMode bakeMode, RunMode m
     RenderSettings render;
     render.mode = mode;
     render.size = kSize;
+    render.specular = specular;
+    render.path = path;
     auto frame = (*renderer)->render(scene.cameras[0], render);
     EXPECT_TRUE(frame) << frame.error().text();
     return meanOf(frame->radiance);
@@ -172,6 +176,25 @@ TEST(OnePlaneS6S7, DullDielectricThreeTimes)
             EXPECT_NEAR(realtimePicture(scene, MixedLightingMode::Shadowmask, RunMode::Shadowmask), expected,
                         0.002 * expected)
                 << surface.name << " realtime, cosine " << cosine;
+        }
+    }
+}
+
+/// Without specular every surface is as diffuse as in the bake: a dielectric of its colour, a metal of what its lobe
+/// reflects to all sides.
+TEST(OnePlaneS6S7, WithoutSpecularSurfacesAreAsInTheBake)
+{
+    for (const Surface& surface : {kDiffuse, kSatinDielectric, kMetal, kDullMetal}) {
+        Scene scene = makePlane(surface);
+        const float albedo = shading::transportAlbedo(vec3(surface.color), surface.metallic, surface.roughness).x;
+        const double expected = double(albedo) * kSunLux * 0.5 / 3.14159265358979;
+        for (const LightMode mode : {LightMode::Baked, LightMode::Realtime}) {
+            for (const RenderPath path : {RenderPath::Forward, RenderPath::Deferred}) {
+                scene.lights = {makeSun(0.5, mode)};
+                EXPECT_NEAR(realtimePicture(scene, MixedLightingMode::Shadowmask, RunMode::Shadowmask, false, path),
+                            expected, 0.004 * expected)
+                    << surface.name << (mode == LightMode::Baked ? ", baked" : ", realtime");
+            }
         }
     }
 }

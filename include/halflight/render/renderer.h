@@ -36,6 +36,9 @@ struct RenderSettings {
     /// baked_scene.h).
     std::optional<vec3> subtractiveShadowColor;
     bool directionalLightmaps = true; ///< let normal maps and mirrors see where lightmap light came from, if baked
+    /// False: surfaces are diffuse, of the albedo by which the bake carries light on (shading::transportAlbedo()), so
+    /// that a bake can be judged without what its renderer adds.
+    bool specular = true;
     ivec2 size{1280, 720};
     int supersampling = 1; ///< 1…4: each pixel is the mean radiance of supersampling^2 samples on a regular grid
     /// Objects that have a proxy volume (Object::probeLighting) are lit by it; false: every object by one probe sample.
