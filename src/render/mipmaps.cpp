@@ -1,8 +1,9 @@
 #include "render/mipmaps.h"
 
+#include "shading/srgb_table.h"
+
 #include "halflight/base/parallel.h"
 #include "halflight/shading/color.h"
-#include "halflight/shading/srgb_table.h"
 
 #include <algorithm>
 #include <array>

@@ -1,10 +1,11 @@
 #include "bake_cpu/trace/ray_tracer.h"
 
+#include "shading/srgb_table.h"
+
 #include "halflight/base/parallel.h"
 #include "halflight/base/random.h"
 #include "halflight/shading/brdf.h"
 #include "halflight/shading/color.h"
-#include "halflight/shading/srgb_table.h"
 
 #include <algorithm>
 #include <array>
