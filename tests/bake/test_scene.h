@@ -178,4 +178,13 @@ struct Bench {
     }
 };
 
+/// A mixed point light with a name and a range.
+inline Light pointAt(const std::string& name, vec3 position, float range, float intensity = 10.0f)
+{
+    Light light = makeLight(LightType::Point, position, vec3(0, -1, 0), intensity, LightMode::Mixed);
+    light.name = name;
+    light.rangeMeters = range;
+    return light;
+}
+
 } // namespace halflight::test

@@ -1,0 +1,334 @@
+// The radiance cache against path tracing (spec S6).
+
+#include "bake/test_room.h"
+#include "bake_cpu/sample/path_tracer.h"
+
+#include "halflight/base/parallel.h"
+#include "halflight/base/random.h"
+#include "halflight/shading/sampling.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cmath>
+#include <cstring>
+#include <span>
+#include <utility>
+#include <vector>
+
+namespace halflight::test {
+namespace {
+
+constexpr int kPage = 64;
+
+/// The mean within 1 % of path tracing's, and no texel-sized errors beyond the noise of both.
+TEST(RadianceCacheS6, AgreesWithPathTracing)
+{
+    for (const auto& [lamp, sun, sky, bounces] : {std::array{1, 0, 0, 4}, {0, 1, 0, 1}, {0, 0, 1, 2}, {1, 1, 1, 4}}) {
+        const auto reference = bakeWith(room(lamp, sun, sky), IntegratorKind::Path, 192, bounces);
+        const auto cached = bakeWith(room(lamp, sun, sky), IntegratorKind::Cache, 256, bounces);
+        const Difference d = difference(cached, reference);
+        SCOPED_TRACE(testing::Message() << "lamp " << lamp << " sun " << sun << " sky " << sky << " bounces "
+                                        << bounces);
+        EXPECT_LT(std::abs(d.bias), 0.01);
+        EXPECT_LT(d.rmse, 0.07);
+        EXPECT_LT(std::abs(d.momentBias), 0.02);
+    }
+}
+
+/// A floor that runs on under a thin wall from daylight into a closed, dark room: no cell of the cache carries light
+/// through.
+TEST(RadianceCacheS6, NoLightUnderThinWalls)
+{
+    Scene scene;
+    scene.sky = {vec3(1000), vec3(1000), vec3(1000)};
+    const int white = addMaterial(scene, vec3(0.8f), vec3(0.0f), true);
+    addRectangle(scene, {vec3(-4, 0, 4), vec3(8, 0, 0), vec3(0, 0, -8)}, white, kPage, {vec2(1), vec2(32)});
+    // Walls and a lid of zero thickness, set into the floor where no texel's edge is.
+    const vec3 lower(-1.03f, -0.1f, -1.07f);
+    const vec3 upper(1.09f, 1.5f, 1.01f);
+    const vec3 s = upper - lower;
+    addRectangle(scene, {lower, vec3(s.x, 0, 0), vec3(0, s.y, 0)}, white, kPage, {vec2(34, 1), vec2(48, 15)});
+    addRectangle(scene, {lower + vec3(0, 0, s.z), vec3(s.x, 0, 0), vec3(0, s.y, 0)}, white, kPage,
+                 {vec2(34, 17), vec2(48, 31)});
+    addRectangle(scene, {lower, vec3(0, 0, s.z), vec3(0, s.y, 0)}, white, kPage, {vec2(34, 33), vec2(48, 47)});
+    addRectangle(scene, {lower + vec3(s.x, 0, 0), vec3(0, 0, s.z), vec3(0, s.y, 0)}, white, kPage,
+                 {vec2(49, 1), vec2(63, 15)});
+    addRectangle(scene, {lower + vec3(0, s.y, 0), vec3(s.x, 0, 0), vec3(0, 0, s.z)}, white, kPage,
+                 {vec2(49, 17), vec2(63, 31)});
+    IntegrationSettings settings;
+    settings.samples = 128;
+    Bench bench(std::move(scene), MixedLightingMode::Shadowmask, kPage, settings);
+    const auto estimates = bench.irradiance();
+    double inside = 0.0;
+    int count = 0;
+    for (std::size_t i = 0; i < estimates.size(); ++i) {
+        const vec3 p = bench.positionOf(bench.map.texels[i]);
+        if (p.y != 0.0f || glm::max(std::abs(p.x), std::abs(p.z)) > 0.8f) continue;
+        inside += double(estimates[i].irradiance.y);
+        ++count;
+    }
+    ASSERT_GT(count, 20);
+    EXPECT_LT(inside / count, 0.001 * 1000.0 * kPi);
+}
+
+/// Rays end in the cache wherever they go: on the back of a cloth, on leaves without a lightmap, beside the foot of a
+/// thin wall. The light is right, and few rays go on as paths.
+TEST(RadianceCacheS6, KnowsBacksLeavesAndBothSidesOfAWall)
+{
+    Scene scene;
+    scene.sky = {vec3(1.0f), vec3(0.6f), vec3(0.2f)};
+    scene.lights.push_back(
+        makeLight(LightType::Directional, vec3(0), vec3(-0.6f, -0.8f, -0.3f), 6.0f, LightMode::Mixed));
+    const int white = addMaterial(scene, vec3(0.8f), vec3(0.0f), true);
+    const int red = addMaterial(scene, vec3(0.7f, 0.2f, 0.1f), vec3(0.0f), true);
+    const int green = addMaterial(scene, vec3(0.2f, 0.6f, 0.1f), vec3(0.0f), true);
+    addRectangle(scene, {vec3(-2, 0, 2), vec3(4, 0, 0), vec3(0, 0, -4)}, white, kPage, {vec2(1), vec2(33)});
+    // The cloth's texels are on top; the floor sees its back.
+    addRectangle(scene, {vec3(-1.9f, 1.2f, 1.9f), vec3(1.6f, 0, 0), vec3(0, 0.3f, -3.8f)}, red, kPage,
+                 {vec2(35, 1), vec2(49, 31)});
+    addRectangle(scene, {vec3(0.07f, -0.1f, -1.5f), vec3(0, 0, 3.0f), vec3(0, 0.9f, 0)}, white, kPage,
+                 {vec2(1, 35), vec2(25, 43)});
+    for (int i = 0; i < 150; ++i) {
+        const auto random = [&](int k) { return unitFloat(hashCombine(uint32_t(i), uint32_t(k))); };
+        const vec3 corner(0.6f + random(0), 0.1f + 0.8f * random(1), -0.8f + 1.6f * random(2));
+        const vec3 along = 0.12f * glm::normalize(vec3(random(3), random(4), random(5)) - 0.5f);
+        const vec3 across = 0.12f * glm::normalize(glm::cross(along, vec3(random(6), random(7), random(8))));
+        addRectangle(scene, {corner, along, across}, green, kPage);
+    }
+    IntegrationSettings settings;
+    settings.bounces = 3;
+    settings.samples = 128;
+    settings.shadowSamples = 16;
+    Bench bench(scene, MixedLightingMode::Shadowmask, kPage, settings);
+    const auto cached = bench.irradiance();
+    const uint64_t first = bench.integrator->raysTraced();
+    bench.irradiance(); // with the cache as it is
+    const double perSample =
+        double(bench.integrator->raysTraced() - first) / (double(cached.size()) * double(settings.samples));
+    EXPECT_LT(perSample, 1.1);
+    const auto reference = bakeWith(scene, IntegratorKind::Path, 512, settings.bounces);
+    const Difference d = difference(cached, reference);
+    EXPECT_LT(std::abs(d.bias), 0.01);
+    EXPECT_LT(d.rmse, 0.06);
+}
+
+/// A floor with boxes sunk into it, each with a board inside, just above the floor, that hides the box's faces from
+/// there.
+Bench solidsOnFloor(int page, Place place, std::span<const Bounds> boxes, IntegratorKind kind)
+{
+    Scene scene;
+    scene.sky = {vec3(1), vec3(1), vec3(1)};
+    const int white = addMaterial(scene, vec3(0.8f), vec3(0.0f), true);
+    addRectangle(scene, {vec3(-4, 0, 4), vec3(8, 0, 0), vec3(0, 0, -8)}, white, page, place);
+    for (const Bounds& box : boxes) {
+        addBox(scene, box.min, box.max, white, false);
+        const vec3 s = 0.98f * box.size();
+        addRectangle(scene,
+                     {vec3(box.min.x + 0.01f * s.x, 0.01f, box.min.z + 0.01f * s.z), vec3(s.x, 0, 0), vec3(0, 0, s.z)},
+                     white, page);
+    }
+    IntegrationSettings settings;
+    settings.samples = kind == IntegratorKind::Cache ? 32 : 1;
+    settings.integrator = kind;
+    return {std::move(scene), MixedLightingMode::Shadowmask, page, settings};
+}
+
+/// Points of a texel that lie inside a solid are left out, even where something in there hides the solid's faces.
+TEST(RadianceCacheS6, LeavesOutPointsInsideSolidsThatAreNotEmpty)
+{
+    const Bounds box{vec3(-1.03f, -0.5f, -1.07f), vec3(1.09f, 1.5f, 1.01f)};
+    Bench bench = solidsOnFloor(kPage, {vec2(1), vec2(33)}, std::span(&box, 1), IntegratorKind::Cache);
+    const auto estimates = bench.irradiance();
+    int across = 0;
+    for (std::size_t i = 0; i < estimates.size(); ++i) {
+        std::array<SurfacePoint, kMaxTexelPoints> points;
+        const int count = texelPoints(bench.geometry, bench.map, bench.map.texels[i], points);
+        uint32_t outside = 0;
+        for (int p = 0; p < count; ++p) {
+            const vec3 at = points[std::size_t(p)].position;
+            const bool inside = at.x > box.min.x && at.x < box.max.x && at.z > box.min.z && at.z < box.max.z;
+            outside |= inside ? 0u : 1u << p;
+        }
+        const int left = std::popcount(outside);
+        if (left == count || left * 8 < count) continue;
+        ++across;
+        EXPECT_EQ(estimates[i].outsidePoints, outside) << "texel " << i;
+    }
+    EXPECT_GT(across, 12);
+}
+
+/// In texels that a surface covers in part too, few rays for each: the cache finds what path tracing finds, which looks
+/// at all points of all texels.
+TEST(RadianceCacheS6, LeavesOutPointsInsideSolidsAtTheRim)
+{
+    // Thin posts at the floor's rim, each somewhere else in its texel.
+    constexpr float kTexel = 8.0f / 330.2f;
+    std::vector<Bounds> boxes;
+    for (int i = 0; i < 200; ++i) {
+        const vec2 at(1.4f * float(i) + 10.0f, 330.2f - 0.6f + 0.04f * float(i % 11));
+        const vec3 low(-4.0f + at.x * kTexel, -0.5f, -4.0f + at.y * kTexel);
+        boxes.push_back({low, low + vec3(0.3f * kTexel, 2.0f, 0.3f * kTexel)});
+    }
+    constexpr Place kPlace{vec2(1.4f), vec2(331.6f)};
+    const auto cached = solidsOnFloor(512, kPlace, boxes, IntegratorKind::Cache).irradiance();
+    const auto paths = solidsOnFloor(512, kPlace, boxes, IntegratorKind::Path).irradiance();
+    int across = 0;
+    for (std::size_t i = 0; i < paths.size(); ++i) {
+        if (paths[i].outsidePoints == 0xffff) continue;
+        ++across;
+        EXPECT_EQ(cached[i].outsidePoints, paths[i].outsidePoints) << "texel " << i;
+    }
+    EXPECT_GT(across, 100);
+}
+
+/// So are points inside shells, be it one of a texel: thin posts without a bottom, that nothing but their backs tells
+/// of.
+TEST(RadianceCacheS6, LeavesOutSinglePointsInsideShells)
+{
+    const auto bakeOver = [](IntegratorKind kind) {
+        Scene scene;
+        scene.sky = {vec3(1), vec3(1), vec3(1)};
+        const int white = addMaterial(scene, vec3(0.8f));
+        addRectangle(scene, {vec3(-4, 0, 4), vec3(8, 0, 0), vec3(0, 0, -8)}, white, 512, {vec2(4), vec2(340)});
+        constexpr float kTexel = 8.0f / 336.0f;
+        constexpr float kWidth = 0.3f * kTexel;
+        for (int i = 0; i < 200; ++i) {
+            const vec2 at(8.0f + 16.0f * float(i % 15) + 0.05f * float(i % 13), 8.0f + 16.0f * float(i / 15));
+            const vec3 corner(-4.0f + at.x * kTexel, -0.1f, -4.0f + (at.y + 0.05f * float(i % 11)) * kTexel);
+            const vec3 x(kWidth, 0, 0);
+            const vec3 y(0, 1, 0);
+            const vec3 z(0, 0, kWidth);
+            for (const Rectangle& face : {Rectangle{corner, y, x}, Rectangle{corner + z, x, y}, Rectangle{corner, z, y},
+                                          Rectangle{corner + x, y, z}, Rectangle{corner + y, z, x}}) {
+                addRectangle(scene, face, white, 512);
+            }
+        }
+        IntegrationSettings settings;
+        settings.samples = kind == IntegratorKind::Cache ? 32 : 1;
+        settings.integrator = kind;
+        return Bench(std::move(scene), MixedLightingMode::Shadowmask, 512, settings).irradiance();
+    };
+    const auto cached = bakeOver(IntegratorKind::Cache);
+    const auto paths = bakeOver(IntegratorKind::Path);
+    int few = 0;
+    int different = 0;
+    for (std::size_t i = 0; i < paths.size(); ++i) {
+        few += paths[i].outsidePoints != 0xffff && std::popcount(paths[i].outsidePoints) >= kMaxTexelPoints - 2 ? 1 : 0;
+        different += cached[i].outsidePoints != paths[i].outsidePoints ? 1 : 0;
+    }
+    EXPECT_GT(few, 100);
+    EXPECT_EQ(different, 0);
+}
+
+TEST(RadianceCacheS6, LargeCellsTellAsMuchByFewerTexels)
+{
+    // A floor of so many texels that cells are 4 x 4 of them, of which every second one gathers; a block stands in it,
+    // and a wall beside it sees its light.
+    constexpr int kSize = 704;
+    Scene scene;
+    scene.sky = {vec3(1), vec3(1), vec3(1)};
+    const int grey = addMaterial(scene, vec3(0.5f));
+    addRectangle(scene, {vec3(-5, 0, 5), vec3(10, 0, 0), vec3(0, 0, -10)}, grey, kSize, {vec2(2), vec2(662)});
+    addRectangle(scene, {vec3(-5, 0, -5), vec3(10, 0, 0), vec3(0, 0.5f, 0)}, grey, kSize,
+                 {vec2(2, 666), vec2(662, 699)});
+    const std::size_t block = scene.meshes.size();
+    addBox(scene, vec3(-2, -1, -2), vec3(1, 1, 2), grey, false);
+    joinObjects(scene, block);
+    IntegrationSettings settings;
+    settings.samples = 16;
+    settings.shadowSamples = 8;
+    settings.texelStep = 1;
+    Bench bench(scene, MixedLightingMode::Shadowmask, kSize, settings);
+    const std::vector<IrradianceEstimate> estimates = bench.irradiance();
+    settings.integrator = IntegratorKind::Path;
+    settings.samples = 512;
+    Bench truth(scene, MixedLightingMode::Shadowmask, kSize, settings);
+
+    // 28.7 if all texels gathered for their cells, and more if none did.
+    EXPECT_LT(double(bench.integrator->raysTraced()), 27.5 * double(estimates.size()));
+    std::vector<uint32_t> chosen; // on the wall
+    for (uint32_t i = 0; i < uint32_t(estimates.size()); ++i) {
+        const vec3 at = bench.positionOf(bench.map.texels[i]);
+        if (at.y > 0.01f && i % 64 == 0) chosen.push_back(i);
+        // A texel is 15 mm wide.
+        const float depth = std::min(1.5f - std::abs(at.x + 0.5f), 2.0f - std::abs(at.z));
+        if (at.y > 0.01f || std::abs(depth) < 0.02f) continue;
+        ASSERT_EQ(estimates[i].valid, depth < 0.0f) << at.x << ", " << at.z;
+    }
+    ASSERT_GT(chosen.size(), 200u);
+    std::vector<IrradianceEstimate> traced(chosen.size());
+    truth.integrator->irradiance(truth.map, {chosen}, traced, {});
+    double sum = 0.0;
+    double expected = 0.0;
+    for (std::size_t i = 0; i < chosen.size(); ++i) {
+        sum += double(estimates[chosen[i]].irradiance.y);
+        expected += double(traced[i].irradiance.y);
+    }
+    EXPECT_NEAR(sum, expected, 0.01 * expected);
+}
+
+/// Old processors, and what virtual machines make of new ones, have no instructions for eight rays at once: lanes that
+/// are not in use must not be traced there, whatever is in them, and the others meet what they meet elsewhere.
+TEST(RaysS6, LanesOutOfUseAreLeftAloneOnAllProcessors)
+{
+    const Scene scene = room(true, true, true);
+    const Bench bench(scene, MixedLightingMode::Shadowmask, kPage, {});
+    const RayTracer tracer(bench.scene, bench.geometry);
+    const RayTracer old(bench.scene, bench.geometry, "isa=sse2");
+    ASSERT_TRUE(tracer.ok() && old.ok());
+    int hits = 0;
+    int blocked = 0;
+    for (uint32_t packet = 0; packet < 64; ++packet) {
+        RTCRayHit8 rays;
+        std::memset(&rays, 0xff, sizeof(rays)); // no numbers
+        embree::LaneMask valid;
+        RayTracer::clear(rays.ray);
+        for (int lane = 0; lane < embree::kPacket; ++lane) {
+            Sampler sampler(1, packet, uint32_t(lane));
+            valid.lane[lane] = sampler.next1() < 0.6f ? -1 : 0;
+            if (valid.lane[lane] == 0) continue;
+            embree::setRay(rays.ray, lane, bench.positionOf(bench.map.texels[packet * 7]) + vec3(0, 0.5f, 0),
+                           shading::sampleSphere(sampler.next2()));
+        }
+        RTCRayHit8 same = rays;
+        tracer.intersect(valid, rays);
+        old.intersect(valid, same);
+        RTCRay8 shadows = rays.ray;
+        for (float& tfar : shadows.tfar) tfar *= 1.5f;
+        RTCRay8 sameShadows = shadows;
+        tracer.occluded(valid, shadows);
+        old.occluded(valid, sameShadows);
+        for (int lane = 0; lane < embree::kPacket; ++lane) {
+            if (valid.lane[lane] == 0) continue;
+            ASSERT_EQ(rays.hit.geomID[lane], same.hit.geomID[lane]);
+            EXPECT_EQ(shadows.tfar[lane] < 0.0f, sameShadows.tfar[lane] < 0.0f);
+            blocked += shadows.tfar[lane] < 0.0f ? 1 : 0;
+            if (rays.hit.geomID[lane] == RTC_INVALID_GEOMETRY_ID) continue;
+            ++hits;
+            EXPECT_EQ(rays.hit.primID[lane], same.hit.primID[lane]);
+            EXPECT_NEAR(rays.ray.tfar[lane], same.ray.tfar[lane], 1.0e-4f);
+        }
+    }
+    EXPECT_GT(hits, 100);
+    EXPECT_GT(blocked, 100);
+}
+
+TEST(RadianceCacheS6, ThreadsChangeNoBit)
+{
+    std::vector<IrradianceEstimate> first;
+    for (const int threads : {1, 2, 5}) {
+        const ThreadLimit limit(threads);
+        const auto estimates = bakeWith(room(true, true, true), IntegratorKind::Cache, 64, 3, 0.05f);
+        if (first.empty()) first = estimates;
+        for (std::size_t i = 0; i < first.size(); ++i) {
+            ASSERT_EQ(std::memcmp(&first[i].irradiance, &estimates[i].irradiance, sizeof(vec3)), 0) << i;
+            ASSERT_EQ(first[i].samples, estimates[i].samples);
+        }
+    }
+}
+
+} // namespace
+} // namespace halflight::test
