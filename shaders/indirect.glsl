@@ -3,7 +3,7 @@
 #define HALFLIGHT_INDIRECT_GLSL
 
 #include "mesh_surface.glsl"
-#include "halflight/shading/brdf.h"
+#include "halflight/shading/indirect.h"
 #include "halflight/shading/sky.h"
 
 bool usesLightmap(Surface s) { return s.lightmapped && frame.mode.x != kModeRealtime; }
@@ -16,8 +16,7 @@ vec3 indirectLight(MeshSurface mesh, vec3 lightmap)
     bool realtime = frame.mode.x == kModeRealtime;
     vec3 irradiance;
     vec3 surroundings; // in the mirror, blurrier when rougher; a lightmap without directions knows one value only
-    vec3 mirror = reflect(-s.view, s.normal);
-    vec3 lobe = normalize(mix(mirror, s.normal, s.roughness * s.roughness));
+    vec3 lobe = specularLookup(s.view, s.normal, s.roughness);
     if (usesLightmap(s)) {
         vec3 dynamic = dynamicIrradiance();
         irradiance = lightmap * lightmapScale(mesh, s.normal) + dynamic;
@@ -28,16 +27,13 @@ vec3 indirectLight(MeshSurface mesh, vec3 lightmap)
     }
     surroundings *= 1.0 / kShadingPi;
     if (realtime)
-        surroundings = mix(skyRadiance(frame.skyZenith.rgb, frame.skyHorizon.rgb, frame.skyGround.rgb, mirror),
+        surroundings = mix(skyRadiance(frame.skyZenith.rgb, frame.skyHorizon.rgb, frame.skyGround.rgb,
+                                       reflect(-s.view, s.normal)),
                            surroundings, s.roughness);
 
     float nDotV = clamp(abs(dot(s.normal, s.view)), 1.0e-4, 1.0);
-    vec3 f0 = specularF0Of(s.baseColor, s.metallic, s.specular);
-    float f90 = specularF90Of(s.metallic, s.specular);
-    vec3 albedo = diffuseAlbedoOf(s.baseColor, s.metallic) * diffuseShare(f0, f90, nDotV);
-    vec3 diffuse = diffuseRadiance(albedo, irradiance);
-    vec3 specular = environmentSpecular(f0, f90, s.roughness, nDotV) * surroundings;
-    return (diffuse + specular) * mesh.occlusion;
+    return reflectIndirect(s.baseColor, s.metallic, s.roughness, s.specular, nDotV, irradiance, surroundings) *
+           mesh.occlusion;
 }
 
 #endif

@@ -22,12 +22,15 @@ HL_FN float distanceAttenuation(float distanceMeters, float rangeMeters)
 }
 
 // Scale and offset that turn cos(angle to axis) into cone attenuation (KHR_lights_punctual, "Inner and Outer Cone
-// Angles").
+// Angles"), from the cosines of both angles.
+HL_FN vec2 spotConstantsOfCosines(float cosInner, float cosOuter)
+{
+    float scale = 1.0f / max(0.001f, cosInner - cosOuter);
+    return vec2(scale, -cosOuter * scale);
+}
 HL_FN vec2 spotConstants(float innerConeRadians, float outerConeRadians)
 {
-    float cosOuter = cos(outerConeRadians);
-    float scale = 1.0f / max(0.001f, cos(innerConeRadians) - cosOuter);
-    return vec2(scale, -cosOuter * scale);
+    return spotConstantsOfCosines(cos(innerConeRadians), cos(outerConeRadians));
 }
 
 HL_FN float spotAttenuation(float cosAngle, vec2 constants)
