@@ -1,0 +1,18 @@
+// The committed shader text is what the shading headers give.
+import assert from 'node:assert/strict';
+import { execFileSync } from 'node:child_process';
+import { join } from 'node:path';
+import { test } from 'node:test';
+
+import { preprocess, prefixed } from '../scripts/headers.mjs';
+import { web } from './harness.mjs';
+
+test('generated files are what the headers give', () => {
+    execFileSync(process.execPath, [join(web, 'scripts/generate.mjs'), '--check'], { stdio: 'pipe' });
+});
+
+test('a changed header changes the text', () => {
+    const header = (body) => preprocess(['a.h'], () => `#ifdef __cplusplus\nint c;\n#else\n#endif\nHL_FN float half(float x)\n{\n    return ${body}; // comment\n}\n`);
+    assert.equal(prefixed(header('0.5f * x')), 'float hlHalf(float x)\n{\n    return 0.5 * x;\n}\n');
+    assert.notEqual(header('0.5f * x'), header('0.25f * x'));
+});

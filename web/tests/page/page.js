@@ -1,0 +1,209 @@
+// Functions that the tests call in the browser: draw a file, compare with a picture of the program.
+import * as THREE from 'three';
+import { HalflightPlugin } from '@halflight/three';
+import { EXRLoader } from 'three/addons/loaders/EXRLoader.js';
+import { GLTFLoader } from 'three/addons/loaders/GLTFLoader.js';
+
+const loaded = {};
+
+async function load({ file, options }) {
+    loaded.halflight?.dispose();
+    const loader = new GLTFLoader();
+    let plugin;
+    loader.register((parser) => (plugin = new HalflightPlugin(parser, options)));
+    const gltf = await loader.loadAsync(file);
+    loaded.gltf = gltf;
+    loaded.halflight = plugin.scene;
+    loaded.scene = new THREE.Scene();
+    loaded.scene.add(gltf.scene);
+    gltf.scene.traverse((object) => {
+        for (const material of object.isMesh ? [object.material].flat() : [])
+            for (const value of Object.values(material)) if (value?.isTexture) value.anisotropy = 8; // as the program
+    });
+    return { modes: plugin.scene?.modes, objects: plugin.scene?.objects.length };
+}
+
+function makeRenderer(width, height) {
+    if (loaded.renderer) return loaded.renderer;
+    const renderer = new THREE.WebGLRenderer({ antialias: false });
+    renderer.setPixelRatio(1);
+    renderer.shadowMap.enabled = true;
+    renderer.shadowMap.type = THREE.PCFShadowMap;
+    renderer.setSize(width, height);
+    loaded.renderer = renderer;
+    return renderer;
+}
+
+function viewOf(camera, aspect) {
+    const view = new THREE.PerspectiveCamera(camera.fov, aspect, 0.05, 200);
+    view.position.fromArray(camera.eye);
+    view.lookAt(new THREE.Vector3().fromArray(camera.target));
+    view.updateMatrixWorld();
+    return view;
+}
+
+/** Linear radiance, rows from the top. */
+async function draw({ width, height, camera, settings = {} }) {
+    const renderer = makeRenderer(width, height);
+    const { scene, halflight } = loaded;
+    const view = viewOf(camera, width / height);
+    Object.assign(halflight, settings);
+    const target = new THREE.WebGLRenderTarget(width, height, { type: THREE.FloatType, colorSpace: THREE.LinearSRGBColorSpace });
+    halflight.update(renderer, view);
+    renderer.setRenderTarget(target);
+    const start = performance.now();
+    renderer.render(scene, view);
+    const pixels = new Float32Array(width * height * 4);
+    renderer.readRenderTargetPixels(target, 0, 0, width, height, pixels);
+    const milliseconds = performance.now() - start;
+    renderer.setRenderTarget(null);
+    target.dispose();
+    const rows = new Float32Array(width * height * 3);
+    for (let y = 0; y < height; ++y)
+        for (let x = 0; x < width; ++x)
+            for (let c = 0; c < 3; ++c) rows[3 * (y * width + x) + c] = pixels[4 * ((height - 1 - y) * width + x) + c];
+    loaded.picture = { width, height, rows };
+    return { milliseconds, calls: renderer.info.render.calls, warnings: [...halflight.warnings] };
+}
+
+async function readReference(url) {
+    const loader = new EXRLoader();
+    loader.setDataType(THREE.FloatType);
+    const bytes = await (await fetch(url)).arrayBuffer();
+    const exr = loader.parse(bytes);
+    const channels = exr.data.length / (exr.width * exr.height);
+    const rows = new Float32Array(exr.width * exr.height * 3);
+    for (let y = 0; y < exr.height; ++y)
+        for (let x = 0; x < exr.width; ++x)
+            for (let c = 0; c < 3; ++c)
+                rows[3 * (y * exr.width + x) + c] = exr.data[channels * ((exr.height - 1 - y) * exr.width + x) + c];
+    return { width: exr.width, height: exr.height, rows };
+}
+
+const encode = (x) => (x <= 0.0031308 ? 12.92 * x : 1.055 * x ** (1 / 2.4) - 0.055);
+const clamp = (x) => Math.min(Math.max(x, 0), 1);
+
+/** The factor that puts the log-average luminance at middle grey. */
+function exposureOf(picture) {
+    let sum = 0;
+    for (let i = 0; i < picture.rows.length; i += 3)
+        sum += Math.log(1e-4 + 0.2126 * picture.rows[i] + 0.7152 * picture.rows[i + 1] + 0.0722 * picture.rows[i + 2]);
+    return 0.18 / Math.exp(sum / (picture.rows.length / 3));
+}
+
+/** Mean difference in 255ths at one exposure, of linear and of sRGB-encoded values; and pictures to look at. */
+async function compare({ reference, pictures = false, other = null }) {
+    const a = loaded.picture;
+    const b = other ? loaded[other] : await readReference(reference);
+    if (a.width !== b.width || a.height !== b.height) throw new Error('the pictures differ in size');
+    const exposure = exposureOf(b);
+    let linear = 0;
+    let encoded = 0;
+    const differences = new Float32Array(a.rows.length);
+    for (let i = 0; i < a.rows.length; ++i) {
+        const p = clamp(a.rows[i] * exposure);
+        const q = clamp(b.rows[i] * exposure);
+        linear += Math.abs(p - q);
+        differences[i] = Math.abs(encode(p) - encode(q));
+        encoded += differences[i];
+    }
+    const n = a.rows.length / 255;
+    const sorted = Float32Array.from(differences).sort();
+    const result = { linear: linear / n, encoded: encoded / n, median: 255 * sorted[sorted.length >> 1], p99: 255 * sorted[Math.floor(sorted.length * 0.99)] };
+    if (pictures) {
+        result.ours = png(a, (x) => encode(clamp(x * exposure)));
+        result.reference = png(b, (x) => encode(clamp(x * exposure)));
+        result.difference = png({ ...a, rows: differences }, (x) => clamp(x * 8));
+    }
+    return result;
+}
+
+function png({ width, height, rows }, display) {
+    const canvas = document.createElement('canvas');
+    Object.assign(canvas, { width, height });
+    const context = canvas.getContext('2d');
+    const image = context.createImageData(width, height);
+    for (let i = 0; i < width * height; ++i) {
+        for (let c = 0; c < 3; ++c) image.data[4 * i + c] = Math.round(255 * display(rows[3 * i + c]));
+        image.data[4 * i + 3] = 255;
+    }
+    context.putImageData(image, 0, 0);
+    return canvas.toDataURL('image/png').split(',')[1];
+}
+
+/** Linear values where the picture shows points of the world, and the points of those pixels' centres at that height. */
+async function atPoints({ points, camera }) {
+    const { width, height, rows } = loaded.picture;
+    const view = viewOf(camera, width / height);
+    return points.map((p) => {
+        const ndc = new THREE.Vector3().fromArray(p).project(view);
+        const x = Math.floor((ndc.x * 0.5 + 0.5) * width);
+        const y = Math.floor((0.5 - ndc.y * 0.5) * height);
+        const ray = new THREE.Vector3(((x + 0.5) / width) * 2 - 1, 1 - ((y + 0.5) / height) * 2, 0.5).unproject(view).sub(view.position);
+        const at = view.position.clone().addScaledVector(ray, (p[1] - view.position.y) / ray.y);
+        return { value: [...rows.subarray(3 * (y * width + x), 3 * (y * width + x) + 3)], at: at.toArray() };
+    });
+}
+
+const lightNames = async () => loaded.halflight.lights.map((l) => l.name);
+const intensityOf = async ({ index }) => loaded.halflight.lights[index].light.intensity;
+
+async function changeLight({ index, intensity, strength }) {
+    const state = loaded.halflight.lights[index];
+    state.light.intensity *= intensity;
+    state.shadowStrength = strength;
+}
+
+/** What the plug-in may change, as text. */
+function stateOf(scene) {
+    const result = [];
+    scene.traverse((o) => {
+        const own = ['onBeforeRender'].filter((name) => Object.hasOwn(o, name));
+        const entry = [o.name, o.type, o.castShadow, o.receiveShadow, o.layers.mask, o.visible, own.join()];
+        if (o.isMesh) entry.push(Object.keys(o.geometry.attributes).join(), o.material.shadowSide, ...['onBeforeCompile', 'customProgramCacheKey'].filter((name) => Object.hasOwn(o.material, name)));
+        if (o.isLight) entry.push(o.intensity, o.shadow?.mapSize.x, o.shadow?.camera.layers.mask, Object.keys(o.shadow?.getFrustum() ?? {}).join());
+        result.push(entry.join(' '));
+    });
+    return result;
+}
+
+async function disposeTest({ file, width, height, camera }) {
+    await load({ file });
+    const { scene, halflight } = loaded;
+    const plain = { update() {}, warnings: [] };
+    const before = stateOf(scene);
+    const drawWith = async (object) => {
+        loaded.halflight = object;
+        await draw({ width, height, camera });
+        return loaded.picture.rows;
+    };
+    const first = await drawWith(plain);
+    const withPlugin = await drawWith(halflight);
+    halflight.dispose();
+    const after = stateOf(scene);
+    const last = await drawWith(plain);
+    const mean = (a, b) => a.reduce((sum, x, i) => sum + Math.abs(x - b[i]), 0) / a.length;
+    loaded.halflight = null;
+    return {
+        changed: before.flatMap((line, i) => (line === after[i] ? [] : [`${line} -> ${after[i]}`])),
+        largest: last.reduce((m, x, i) => Math.max(m, Math.abs(x - first[i])), 0),
+        withPlugin: mean(withPlugin, first),
+    };
+}
+
+async function sentences() {
+    let sentence = '';
+    try {
+        loaded.halflight.mode = 'subtractive';
+    } catch (error) {
+        sentence = error.message;
+    }
+    const json = { asset: { version: '2.0' }, scenes: [{}], scene: 0 };
+    const loader = new GLTFLoader();
+    loader.register((parser) => new HalflightPlugin(parser));
+    const plain = await loader.parseAsync(JSON.stringify(json), '');
+    return [sentence, plain.userData.halflight];
+}
+
+window.halflightTest = { load, draw, compare, atPoints, lightNames, intensityOf, changeLight, disposeTest, sentences };
+window.ready = true;

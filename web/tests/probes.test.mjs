@@ -1,0 +1,106 @@
+// Interpolation between probes: against exact answers.
+import assert from 'node:assert/strict';
+import { test } from 'node:test';
+
+import { shIrradianceWeight } from '../three/src/generated/shading.js';
+import { ProbeField, skyProbe } from '../three/src/probes/field.js';
+import { removeRinging } from '../three/src/probes/ringing.js';
+import { Tetrahedra } from '../three/src/probes/tetrahedra.js';
+
+const BLACK = { zenith: [0, 0, 0], horizon: [0, 0, 0], ground: [0, 0, 0] };
+
+/** Numbers below n, the same in each run. */
+function randomizer(seed) {
+    let state = seed;
+    return (n) => {
+        state = (Math.imul(state, 1664525) + 1013904223) >>> 0;
+        return (state / 2 ** 32) * n;
+    };
+}
+
+function volumeOf(points) {
+    const mesh = new Tetrahedra(Int32Array.from(points));
+    const cells = mesh.build();
+    let sum = 0;
+    for (let c = 0; c < cells.vertices.length / 4; ++c) {
+        const v = mesh.volume(...cells.vertices.slice(4 * c, 4 * c + 4));
+        assert.ok(v > 0, 'no cell is flat or turned over');
+        sum += v / 6;
+    }
+    return sum;
+}
+
+test('tetrahedra fill a grid, where every sphere test is a tie', () => {
+    const points = [];
+    for (let x = 0; x < 6; ++x) for (let y = 0; y < 5; ++y) for (let z = 0; z < 4; ++z) points.push(x, y, z);
+    assert.ok(Math.abs(volumeOf(points) - 5 * 4 * 3) < 1e-9);
+});
+
+test('tetrahedra fill the hull of random points', () => {
+    const random = randomizer(1);
+    const side = 2 ** 22;
+    const points = [];
+    for (let i = 0; i < 8; ++i) points.push(i & 1 ? side : 0, i & 2 ? side : 0, i & 4 ? side : 0);
+    for (let i = 0; i < 900; ++i) points.push(Math.floor(random(side)));
+    assert.ok(Math.abs(volumeOf(points) / side ** 3 - 1) < 1e-9);
+});
+
+function fieldOf(positions, value) {
+    const count = positions.length / 3;
+    const radiance = new Float32Array(27 * count);
+    for (let i = 0; i < count; ++i) radiance[27 * i] = value(...positions.slice(3 * i, 3 * i + 3));
+    const probes = { count, positions: Float32Array.from(positions), radiance, occlusion: new Float32Array(4 * count).fill(1), valid: new Uint8Array(count).fill(1), grid: null, tetrahedra: null };
+    return new ProbeField(probes, BLACK);
+}
+
+test('linear fields are exact inside, and held at the nearest point outside', () => {
+    const random = randomizer(2);
+    const positions = [0, 0, 0, 10, 0, 0, 0, 10, 0, 0, 0, 10, 10, 10, 0, 10, 0, 10, 0, 10, 10, 10, 10, 10];
+    for (let i = 0; i < 600; ++i) positions.push(random(10));
+    const linear = (x, y, z) => 1 + x + 2 * y + 3 * z;
+    const field = fieldOf(positions, linear);
+    for (let i = 0; i < 200; ++i) {
+        const p = [random(14) - 2, random(14) - 2, random(14) - 2];
+        const held = p.map((x) => Math.min(Math.max(x, 0), 10));
+        assert.ok(Math.abs(field.sample(p).radiance[0] - linear(...held)) < 2e-4, `${p}`);
+    }
+});
+
+test('probes in a plane, on a line, at one place', () => {
+    const plane = fieldOf([0, 1, 0, 4, 1, 0, 0, 1, 4, 4, 1, 4], (x, y, z) => x + z);
+    assert.ok(Math.abs(plane.sample([1, 5, 2]).radiance[0] - 3) < 1e-5);
+    const line = fieldOf([0, 0, 0, 0, 2, 0, 0, 4, 0], (x, y) => y);
+    assert.ok(Math.abs(line.sample([3, 1, 0]).radiance[0] - 1) < 1e-5);
+    assert.ok(Math.abs(fieldOf([1, 2, 3], () => 7).sample([9, 9, 9]).radiance[0] - 7) < 1e-5);
+});
+
+const irradiance = (radiance, n) => {
+    let sum = 0;
+    for (let i = 0; i < 9; ++i) sum += radiance[3 * i] * shIrradianceWeight(i, n);
+    return sum;
+};
+
+test('light without ringing is negative on no normal, and keeps its mean', () => {
+    const random = randomizer(3);
+    const radiance = new Float64Array(27);
+    for (let i = 0; i < 9; ++i) radiance.fill(shIrradianceWeight(i, { x: 0, y: 0.6, z: 0.8 }) * (i === 0 ? 1 : 3), 3 * i, 3 * i + 3);
+    const before = radiance[0];
+    let least = Infinity;
+    const normals = Array.from({ length: 2000 }, () => {
+        const v = [random(2) - 1, random(2) - 1, random(2) - 1];
+        const length = Math.hypot(...v);
+        return { x: v[0] / length, y: v[1] / length, z: v[2] / length };
+    });
+    assert.ok(Math.min(...normals.map((n) => irradiance(radiance, n))) < 0, 'it rings before');
+    removeRinging(radiance);
+    for (const n of normals) least = Math.min(least, irradiance(radiance, n));
+    assert.ok(least > -1e-9 && least < 0.05 * radiance[0]);
+    assert.equal(radiance[0], before);
+});
+
+test('the sky as a probe lights a level surface by its own integral', () => {
+    // Over a hemisphere: integral of (h + (z - h) cos) cos = pi h + 2 pi / 3 (z - h).
+    const sky = skyProbe({ zenith: [2, 2, 2], horizon: [1, 1, 1], ground: [0.5, 0.5, 0.5] });
+    const exact = Math.PI + (2 * Math.PI) / 3;
+    assert.ok(Math.abs(irradiance(sky.radiance, { x: 0, y: 1, z: 0 }) / exact - 1) < 0.02);
+});

@@ -1,0 +1,62 @@
+// The bake's pictures as texels. Their values are data: nothing may multiply by alpha or convert colours.
+import { read as readKtx2 } from 'three/addons/libs/ktx-parse.module.js';
+import { ZSTDDecoder } from 'three/addons/libs/zstddec.module.js';
+
+const RGB9E5 = 123; // VK_FORMAT_E5B9G9R9_UFLOAT_PACK32
+const ZSTANDARD = 2;
+
+/** @param {Uint8Array} bytes @param {string} mimeType @param {string} name */
+export async function readRgb9e5(bytes, mimeType, name) {
+    const file = readKtx2(bytes);
+    if (file.vkFormat !== RGB9E5) throw new Error(`${name}: KTX2 format ${file.vkFormat} is not RGB9E5`);
+    let texels = file.levels[0].levelData;
+    const size = file.pixelWidth * file.pixelHeight * 4;
+    if (file.supercompressionScheme === ZSTANDARD) {
+        const decoder = new ZSTDDecoder();
+        await decoder.init();
+        texels = decoder.decode(texels, size);
+    } else if (file.supercompressionScheme !== 0) {
+        throw new Error(`${name}: KTX2 supercompression ${file.supercompressionScheme} is not Zstandard`);
+    }
+    if (texels.byteLength !== size) throw new Error(`${name}: ${texels.byteLength} bytes of texels instead of ${size}`);
+    return { width: file.pixelWidth, height: file.pixelHeight, data: new Uint32Array(texels.slice().buffer) };
+}
+
+/** @param {Uint8Array} bytes @param {string} mimeType @param {string} name */
+export async function decodeImage(bytes, mimeType, name) {
+    let bitmap;
+    try {
+        bitmap = await createImageBitmap(new Blob([bytes], { type: mimeType }), {
+            premultiplyAlpha: 'none',
+            colorSpaceConversion: 'none',
+        });
+    } catch (error) {
+        throw new Error(`${name}: the browser cannot decode this ${mimeType}: ${error}`);
+    }
+    const pixels = pixelsOf(bitmap);
+    bitmap.close();
+    return pixels;
+}
+
+let context = null;
+
+/** A 2D canvas would multiply by alpha, so WebGL reads the texels back. @param {ImageBitmap} bitmap */
+function pixelsOf(bitmap) {
+    context ??= new OffscreenCanvas(1, 1).getContext('webgl2');
+    if (!context) throw new Error('the bake\'s pictures cannot be read: the browser has no WebGL 2');
+    const gl = context;
+    const { width, height } = bitmap;
+    const texture = gl.createTexture();
+    const framebuffer = gl.createFramebuffer();
+    gl.bindTexture(gl.TEXTURE_2D, texture);
+    gl.pixelStorei(gl.UNPACK_PREMULTIPLY_ALPHA_WEBGL, false);
+    gl.pixelStorei(gl.UNPACK_COLORSPACE_CONVERSION_WEBGL, gl.NONE);
+    gl.texImage2D(gl.TEXTURE_2D, 0, gl.RGBA8, gl.RGBA, gl.UNSIGNED_BYTE, bitmap);
+    gl.bindFramebuffer(gl.FRAMEBUFFER, framebuffer);
+    gl.framebufferTexture2D(gl.FRAMEBUFFER, gl.COLOR_ATTACHMENT0, gl.TEXTURE_2D, texture, 0);
+    const data = new Uint8Array(width * height * 4);
+    gl.readPixels(0, 0, width, height, gl.RGBA, gl.UNSIGNED_BYTE, data);
+    gl.deleteFramebuffer(framebuffer);
+    gl.deleteTexture(texture);
+    return { width, height, data };
+}

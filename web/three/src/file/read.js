@@ -1,0 +1,206 @@
+// A baked file's JSON and accessors as plain data: no three.js here. docs/format.md says what each property means.
+import { readRgb9e5, decodeImage } from './images.js';
+
+const ROOT = 'HALFLIGHT_mixed_lighting';
+const NODE = 'HALFLIGHT_node';
+const LIGHT = 'HALFLIGHT_light';
+const MATERIAL = 'HALFLIGHT_material';
+
+/**
+ * What the reader takes from a glTF file.
+ * @typedef {object} Source
+ * @property {any} json
+ * @property {(index: number) => Promise<{array: ArrayLike<number>, itemSize: number, count: number}>} accessor
+ * @property {(index: number) => Promise<ArrayBuffer | Uint8Array>} bufferView
+ */
+
+/** @typedef {{width: number, height: number, data: Uint32Array | Uint8Array}} Pixels */
+/** @typedef {{page: number, scale: number[], offset: number[], texCoord: number, perInstance: boolean}} Placement */
+
+/**
+ * @typedef {object} NodeData
+ * @property {boolean} isStatic
+ * @property {boolean} castShadows
+ * @property {boolean} receiveShadows
+ * @property {Placement | null} lightmap
+ * @property {'automatic' | 'single' | 'volume'} probes
+ * @property {number[]} probeResolution
+ */
+
+/**
+ * @typedef {object} LightData
+ * @property {boolean} castShadows
+ * @property {number} shadowStrength
+ * @property {{depth?: number, slope?: number, normal?: number}} shadowBias
+ * @property {boolean} isBaked
+ * @property {'realtime' | 'mixed' | 'baked'} bakeType
+ * @property {number} channel
+ * @property {string} reason
+ * @property {number[]} worldFromLight
+ * @property {number} reach
+ * @property {number} outerCone
+ */
+
+/**
+ * @typedef {object} ProbeData
+ * @property {number} count
+ * @property {Float32Array} positions world
+ * @property {Float32Array} radiance nine RGB coefficients for each probe
+ * @property {Float32Array} occlusion four channels for each probe
+ * @property {Uint8Array} valid
+ * @property {{origin: number[], spacing: number[], size: number[]} | null} grid
+ * @property {Uint32Array | null} tetrahedra
+ */
+
+/**
+ * @typedef {object} BakedData
+ * @property {number} version
+ * @property {'baked-indirect' | 'shadowmask' | 'subtractive'} mode
+ * @property {number} unitLux
+ * @property {Pixels[]} lightmaps RGB9E5
+ * @property {Pixels[]} directions RGBA8, none when the bake was not directional
+ * @property {Pixels[]} masks RGBA8, none when no light has a channel
+ * @property {{rangeTexels: number, penumbraTexels: number}[]} maskChannels
+ * @property {ProbeData | null} probes
+ * @property {{zenith: number[], horizon: number[], ground: number[]}} sky
+ * @property {number[]} shadowColor
+ * @property {Map<number, NodeData>} nodes
+ * @property {Map<number, LightData>} lights
+ * @property {Map<number, {castShadows: boolean, receiveShadows: boolean}>} materials
+ * @property {{lightmaps: number, masks: number, directions: number, probes: number}} bytes in the file
+ */
+
+/** @param {any} json @returns {boolean} whether the file holds a bake */
+export function isBaked(json) {
+    return json.extensions?.[ROOT] !== undefined;
+}
+
+/** @param {Source} source @returns {Promise<BakedData>} */
+export async function readBaked(source) {
+    const root = source.json.extensions?.[ROOT];
+    if (!root) throw new Error('the file is not baked: it has no HALFLIGHT_mixed_lighting');
+    if (root.version !== 1)
+        throw new Error(`the bake's format is version ${root.version}; this program reads version 1`);
+    const bytes = { lightmaps: 0, masks: 0, directions: 0, probes: 0 };
+    const pages = async (list, part, decode) =>
+        Promise.all(
+            (list ?? []).map(async (entry, page) => {
+                const data = bytesOf(await source.bufferView(entry.bufferView));
+                bytes[part] += data.byteLength;
+                return decode(data, entry.mimeType, `${part} page ${page}`);
+            })
+        );
+    const [lightmaps, directions, masks, probes] = await Promise.all([
+        pages(root.lightmaps, 'lightmaps', readRgb9e5),
+        pages(root.lightmapDirections, 'directions', decodeImage),
+        pages(root.shadowmasks, 'masks', decodeImage),
+        readProbes(source, root),
+    ]);
+    if (probes) bytes.probes = probes.count * (12 + 108 + 16 + 1);
+    checkPages(lightmaps, directions, masks);
+    return {
+        version: root.version,
+        mode: root.mode,
+        unitLux: root.lightmapUnitLux ?? 1,
+        lightmaps,
+        directions,
+        masks,
+        maskChannels: readChannels(root.shadowmaskChannels),
+        probes,
+        sky: root.sky ?? { zenith: [0, 0, 0], horizon: [0, 0, 0], ground: [0, 0, 0] },
+        shadowColor: root.subtractiveShadowColor ?? [0, 0, 0],
+        nodes: collect(source.json.nodes, NODE, nodeData),
+        lights: collect(source.json.nodes, LIGHT, lightData),
+        materials: collect(source.json.materials, MATERIAL, (e) => ({
+            castShadows: e.castShadows ?? true,
+            receiveShadows: e.receiveShadows ?? true,
+        })),
+        bytes,
+    };
+}
+
+function checkPages(lightmaps, directions, masks) {
+    const first = lightmaps[0];
+    for (const [name, pages] of Object.entries({ lightmap: lightmaps, direction: directions, shadowmask: masks })) {
+        if (pages.length > 0 && pages.length < lightmaps.length)
+            throw new Error(`the file has ${lightmaps.length} lightmap pages but ${pages.length} ${name} pages`);
+        for (const page of pages) {
+            if (page.width !== (pages[0] ?? first).width || page.height !== (pages[0] ?? first).height)
+                throw new Error(`the file's ${name} pages differ in size`);
+        }
+    }
+}
+
+function readChannels(channels) {
+    return [0, 1, 2, 3].map((c) => {
+        const channel = channels?.[c];
+        if (channel?.encoding !== 'distance') return { rangeTexels: 0, penumbraTexels: 0 };
+        return { rangeTexels: channel.rangeTexels, penumbraTexels: channel.penumbraTexels };
+    });
+}
+
+async function readProbes(source, root) {
+    const p = root.probes;
+    if (!p || !(p.count > 0)) return null;
+    const floats = async (index) => Float32Array.from((await source.accessor(index)).array);
+    const [positions, radiance, occlusion, valid] = await Promise.all([
+        floats(p.positions),
+        floats(p.radiance),
+        floats(p.occlusion),
+        source.accessor(p.valid).then((a) => Uint8Array.from(a.array)),
+    ]);
+    const origin = root.origin ?? [0, 0, 0];
+    for (let i = 0; i < positions.length; ++i) positions[i] += origin[i % 3];
+    const grid = p.grid ? { ...p.grid, origin: p.grid.origin.map((x, axis) => x + origin[axis]) } : null;
+    return { count: p.count, positions, radiance, occlusion, valid, grid, tetrahedra: null };
+}
+
+function collect(list, extension, convert) {
+    const result = new Map();
+    (list ?? []).forEach((entry, index) => {
+        const e = entry.extensions?.[extension];
+        if (e) result.set(index, convert(e));
+    });
+    return result;
+}
+
+function nodeData(e) {
+    const l = e.lightmap;
+    const lightmap = l && {
+        page: l.page ?? 0,
+        scale: l.scale ?? [1, 1],
+        offset: l.offset ?? [0, 0],
+        texCoord: l.texCoord ?? 1,
+        perInstance: l.perInstance ?? false,
+    };
+    return {
+        isStatic: e.static ?? false,
+        castShadows: e.castShadows ?? true,
+        receiveShadows: e.receiveShadows ?? true,
+        lightmap: lightmap ?? null,
+        probes: e.probes ?? 'automatic',
+        probeResolution: e.probeResolution ?? [0, 0, 0],
+    };
+}
+
+function lightData(e) {
+    const b = e.baking;
+    return {
+        castShadows: e.castShadows ?? true,
+        shadowStrength: e.shadowStrength ?? 1,
+        shadowBias: e.shadowBias ?? {},
+        isBaked: b !== undefined,
+        bakeType: b?.bakeType ?? 'realtime',
+        channel: b?.occlusionMaskChannel ?? -1,
+        reason: b?.reason ?? '',
+        worldFromLight: b?.worldFromLight ?? [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1],
+        reach: b?.reach ?? 0,
+        outerCone: b?.outerConeAngle ?? Math.PI / 2,
+    };
+}
+
+/** @param {ArrayBuffer | ArrayBufferView} data */
+function bytesOf(data) {
+    if (data instanceof ArrayBuffer) return new Uint8Array(data);
+    return new Uint8Array(data.buffer, data.byteOffset, data.byteLength);
+}

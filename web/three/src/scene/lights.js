@@ -1,0 +1,116 @@
+// Lights of the file: what the bake made of each, and what a frame does with it.
+import { Vector3 } from 'three';
+
+import { distanceAttenuation, modeUsesBakedShadows, staticCastersInShadowMap } from '../generated/shading.js';
+import { MODES } from './modes.js';
+
+const NO_CONE = -2;
+export const SKIP_LIGHTMAPPED = 1;
+export const MAIN_LIGHT = 4;
+export const OVERLAPS = 8;
+
+const unbaked = {
+    castShadows: true, shadowStrength: 1, shadowBias: {}, isBaked: false, bakeType: 'realtime', channel: -1, reason: '',
+    worldFromLight: [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1], reach: 0, outerCone: Math.PI / 2,
+};
+
+/** Texels of a shadow map's side, as far as the application left three.js's default. */
+function mapSize(light) {
+    if (light.isDirectionalLight) return 4096;
+    return light.isSpotLight ? 1024 : 512;
+}
+
+export class BakedLight {
+    /** @param {any} light three's @param {import('../file/read.js').LightData | undefined} data @param {string} name */
+    constructor(light, data, name) {
+        this.light = light;
+        this.name = name;
+        this.data = data ?? unbaked;
+        /** Whether it casts any shadow, baked or realtime. */
+        this.castShadows = this.data.castShadows;
+        /** 0…1, applied once, after mixing. */
+        this.shadowStrength = this.data.shadowStrength;
+        /** Whether a texture unit is left for its shadow map. */
+        this.mapAllowed = true;
+        this.plan = { channel: -1, staticCasters: true, flags: 0, drawn: true };
+        this.before = { castShadow: light.castShadow, layers: light.layers.mask, shadowLayers: light.shadow?.camera.layers.mask, mapSize: light.shadow?.mapSize.x };
+        if (light.shadow && light.shadow.mapSize.x === 512) light.shadow.mapSize.setScalar(mapSize(light)); // three.js's default
+        const m = this.data.worldFromLight;
+        this.bakedPosition = [m[12], m[13], m[14]];
+        this.bakedAxis = new Vector3(-m[8], -m[9], -m[10]).normalize().toArray();
+    }
+
+    get isMixed() {
+        return this.data.isBaked && this.data.bakeType === 'mixed';
+    }
+
+    power() {
+        const { r, g, b } = this.light.color;
+        return (0.2126 * r + 0.7152 * g + 0.0722 * b) * this.light.intensity;
+    }
+
+    /** Illuminance that it may bring to where the camera is, nearer than a metre counting as a metre. */
+    importance(camera) {
+        if (this.light.isDirectionalLight) return Infinity;
+        const position = new Vector3().setFromMatrixPosition(this.light.matrixWorld);
+        const distance = Math.max(position.distanceTo(new Vector3().setFromMatrixPosition(camera.matrixWorld)), 1);
+        return this.power() * distanceAttenuation(distance, 0);
+    }
+
+    /** What the mode makes of the light: docs/conventions.md, "Who is lit by what". @param {string} mode */
+    planFor(mode, isMainLight) {
+        const number = MODES.indexOf(mode);
+        const usesBake = mode !== 'realtime';
+        const subtractive = mode === 'subtractive';
+        const mixed = usesBake && this.isMixed;
+        const inLightmap = subtractive && mixed; // direct light too
+        const casts = this.castShadows && this.shadowStrength > 0;
+        const hasBaked =
+            mixed && casts && modeUsesBakedShadows(number) && this.data.channel >= 0 && (!subtractive || isMainLight);
+        const overflowed = this.data.isBaked && this.data.bakeType === 'baked' && this.data.reason !== '';
+        this.plan = {
+            channel: hasBaked ? this.data.channel : -1,
+            staticCasters: staticCastersInShadowMap(number, hasBaked || inLightmap),
+            flags:
+                (inLightmap ? SKIP_LIGHTMAPPED : 0) | (subtractive && isMainLight ? MAIN_LIGHT : 0) |
+                (hasBaked || overflowed ? OVERLAPS : 0),
+            drawn: !(usesBake && this.data.isBaked && this.data.bakeType === 'baked'),
+        };
+    }
+
+    /** Uniforms of the light; `hasMap`: it has a shadow map this frame. */
+    uniforms(hasMap) {
+        const isSpot = this.light.isSpotLight === true;
+        return {
+            flags: [this.plan.channel, hasMap ? 1 : 0, this.plan.flags, this.castShadows ? this.shadowStrength : 0],
+            reach: [...this.bakedPosition, this.light.isDirectionalLight ? 0 : this.data.reach],
+            cone: [...this.bakedAxis, isSpot ? Math.cos(this.data.outerCone) : NO_CONE],
+        };
+    }
+
+    /** A sentence where the light stands elsewhere than at its bake, else null. */
+    moved() {
+        if (!this.isMixed || this.data.channel < 0) return null;
+        const m = this.light.matrixWorld.elements;
+        const position = new Vector3(m[12], m[13], m[14]);
+        const axis = new Vector3(-m[8], -m[9], -m[10]).normalize();
+        const shifted = !this.light.isDirectionalLight && position.distanceTo(new Vector3(...this.bakedPosition)) > 1e-3;
+        const turned = !this.light.isPointLight && axis.angleTo(new Vector3(...this.bakedAxis)) > 1e-3;
+        return shifted || turned ? `light "${this.name}" moved since its bake: its baked shadows and bounced light stay behind` : null;
+    }
+
+    restore() {
+        const { light, before } = this;
+        light.castShadow = before.castShadow;
+        light.layers.mask = before.layers;
+        if (!light.shadow) return;
+        light.shadow.camera.layers.mask = before.shadowLayers;
+        light.shadow.mapSize.setScalar(before.mapSize);
+    }
+}
+
+/** Subtractive's main light: the mixed directional light of channel 0; if none has it, the brightest. */
+export function findMainLight(lights) {
+    const candidates = lights.filter((l) => l.light.isDirectionalLight && l.isMixed && l.power() > 0);
+    return candidates.find((l) => l.data.channel === 0) ?? candidates.sort((a, b) => b.power() - a.power())[0] ?? null;
+}

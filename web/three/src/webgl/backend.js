@@ -1,0 +1,111 @@
+// The bake as WebGLRenderer draws it: textures, uniforms, patched materials.
+import {
+    ClampToEdgeWrapping, DataArrayTexture, LinearFilter, NoColorSpace, RGBAFormat, RGBFormat, UnsignedByteType, UnsignedInt5999Type,
+    Vector2, Vector3, Vector4,
+} from 'three';
+
+import { MODES, VIEWS } from '../scene/modes.js';
+import { MaterialPatches } from './patch.js';
+
+const NO_LIGHT = { flags: new Vector4(-1, 0, 0, 1), reach: new Vector4(), cone: new Vector4(0, 0, 0, -2) };
+
+/** Pages of one kind as one array texture. @param {import('../file/read.js').Pixels[]} pages */
+function arrayTexture(pages, format, type) {
+    const { width, height } = pages[0];
+    const texels = pages[0].data.length;
+    const data = new pages[0].data.constructor(texels * pages.length);
+    pages.forEach((page, i) => data.set(page.data, i * texels));
+    const texture = new DataArrayTexture(data, width, height, pages.length);
+    Object.assign(texture, { format, type, minFilter: LinearFilter, magFilter: LinearFilter, colorSpace: NoColorSpace });
+    texture.wrapS = texture.wrapT = ClampToEdgeWrapping;
+    texture.generateMipmaps = false;
+    texture.needsUpdate = true;
+    return texture;
+}
+
+const vectors = (...colors) => colors.map((c) => new Vector3(c[0], c[1], c[2]));
+
+export class WebGLBackend {
+    /** @param {import('../scene/scene.js').HalflightScene} scene */
+    constructor(scene) {
+        this.scene = scene;
+        const { data, table, volumes } = scene;
+        this.textures = [];
+        const features = [];
+        const pages = (name, feature, list, format, type) => {
+            if (list.length === 0) return {};
+            features.push(feature);
+            const texture = arrayTexture(list, format, type);
+            this.textures.push(texture);
+            return { [name]: { value: texture } };
+        };
+        const sh = Array.from({ length: 9 }, (_, i) => scene.field.sky.radiance.subarray(3 * i, 3 * i + 3));
+        this.uniforms = {
+            ...pages('hlLightmaps', 'HL_LIGHTMAPS', data.lightmaps, RGBFormat, UnsignedInt5999Type),
+            ...pages('hlDirections', 'HL_DIRECTIONS', data.directions, RGBAFormat, UnsignedByteType),
+            ...pages('hlMasks', 'HL_MASKS', data.masks, RGBAFormat, UnsignedByteType),
+            hlTable: { value: table.texture },
+            hlPointLights: { value: [] },
+            hlSpotLights: { value: [] },
+            hlDirectionalLights: { value: [] },
+            hlMode: { value: 0 },
+            hlView: { value: 0 },
+            hlShadow: { value: new Vector2() },
+            hlUnitLux: { value: data.unitLux },
+            hlShadowColor: { value: new Vector3(...data.shadowColor) },
+            hlSky: { value: vectors(data.sky.zenith, data.sky.horizon, data.sky.ground) },
+            hlSkySh: { value: vectors(...sh) },
+            hlMaskRange: { value: new Vector4(...data.maskChannels.map((c) => c.rangeTexels)) },
+            hlMaskPenumbra: { value: new Vector4(...data.maskChannels.map((c) => c.penumbraTexels)) },
+        };
+        if (volumes) {
+            features.push('HL_VOLUMES');
+            this.uniforms.hlVolumes = { value: volumes.texture };
+        }
+        this.ownSamplers = 1 + features.length;
+        this.patches = new MaterialPatches(this.uniforms, features, scene.options.brdf === 'three');
+    }
+
+    /** Texture units of a fragment shader besides shadow maps: the plug-in's, three.js's table, the material's. */
+    samplers() {
+        const maps = (material) => Object.values(material).filter((value) => value?.isTexture).length;
+        return this.ownSamplers + 1 + Math.max(0, ...[...this.patches.patched.keys()].map(maps));
+    }
+
+    /** @param {import('three').Mesh} mesh */
+    patchMesh(mesh) {
+        for (const material of [mesh.material].flat()) if (material.isMeshStandardMaterial) this.patches.apply(material);
+    }
+
+    /**
+     * The lights' uniforms in three.js's order: those of each kind as the scene holds them, casters first, then those with
+     * a texture (shadowCastingAndTexturingLightsFirst() in WebGLLights).
+     * @param {any[]} lights in the scene's order @param {(light: any) => any} uniformsOf
+     */
+    setLights(lights, uniformsOf) {
+        const rank = (light) => (light.castShadow ? 2 : 0) + (light.map ? 1 : 0);
+        const sorted = [...lights].sort((a, b) => rank(b) - rank(a));
+        for (const [name, kind] of [['hlPointLights', 'isPointLight'], ['hlSpotLights', 'isSpotLight'], ['hlDirectionalLights', 'isDirectionalLight']]) {
+            const list = sorted.filter((light) => light[kind]).map((light) => {
+                const u = uniformsOf(light);
+                return { flags: new Vector4(...u.flags), reach: new Vector4(...u.reach), cone: new Vector4(...u.cone) };
+            });
+            while (list.length < 32) list.push(NO_LIGHT); // a program may still hold more than are left
+            this.uniforms[name].value = list;
+        }
+    }
+
+    update() {
+        const { scene, uniforms } = this;
+        uniforms.hlMode.value = MODES.indexOf(scene.mode);
+        uniforms.hlView.value = VIEWS.indexOf(scene.debugView);
+        uniforms.hlShadow.value.set(scene.shadowDistance, scene.shadowFadeRange);
+        uniforms.hlTable.value = scene.table.texture;
+        uniforms.hlShadowColor.value.set(...scene.shadowColor);
+    }
+
+    dispose() {
+        this.patches.dispose();
+        for (const texture of this.textures) texture.dispose();
+    }
+}

@@ -1,0 +1,121 @@
+// Patches MeshStandardMaterial and MeshPhysicalMaterial for WebGLRenderer through onBeforeCompile, and takes it back.
+import { ShaderChunk } from 'three';
+
+import shading from '../generated/shading.glsl.js';
+import * as text from './shader_text.js';
+
+/** Replaces exactly `times` occurrences; another number means that three.js's shaders changed. */
+function replaceExactly(source, search, replacement, times, where) {
+    const parts = source.split(search);
+    if (parts.length !== times + 1)
+        throw new Error(`Halflight does not fit this release of three.js: ${where} has ${parts.length - 1} of "${search}"`);
+    return parts.join(replacement);
+}
+
+/** lights_pars_begin with the attenuation of KHR_lights_punctual. */
+function lightDeclarations() {
+    const chunk = 'lights_pars_begin';
+    let source = ShaderChunk[chunk];
+    for (const light of ['pointLight', 'spotLight']) {
+        const call = `getDistanceAttenuation( lightDistance, ${light}.distance, ${light}.decay )`;
+        const ours = `hlLightDistance( lightDistance, ${light}.distance, ${light}.decay )`;
+        source = replaceExactly(source, call, ours, 1, chunk);
+    }
+    const cone = 'getSpotAttenuation( spotLight.coneCos, spotLight.penumbraCos, angleCos )';
+    return replaceExactly(source, cone, cone.replace('getSpotAttenuation', 'hlLightCone'), 1, chunk);
+}
+
+/** lights_fragment_begin: each light's shadow goes through the law instead of straight into its colour. */
+function lightLoops() {
+    const chunk = 'lights_fragment_begin';
+    let source = ShaderChunk[chunk];
+    for (const [kind, lights] of [['Point', 'hlPointLights'], ['Spot', 'hlSpotLights'], ['Directional', 'hlDirectionalLights']]) {
+        const begin = source.indexOf(`get${kind}LightInfo(`);
+        const end = source.indexOf('#pragma unroll_loop_end', begin);
+        if (begin < 0 || end < 0) throw new Error(`Halflight does not fit this release of three.js: ${chunk} has no ${kind} loop`);
+        let loop = source.slice(begin, end);
+        const read = 'directLight.color *= ( directLight.visible && receiveShadow ) ? get';
+        loop = replaceExactly(loop, read, `hlRealtime = hlReads( ${lights}[ i ], directLight.visible ) ? get`, 1, chunk);
+        const call = 'RE_Direct( directLight';
+        const shade = `hlShade( ${lights}[ i ], hlRealtime, directLight );\n\t\thlRealtime = 1.0;\n\t\thlDirect( directLight`;
+        loop = replaceExactly(loop, call, shade, 1, chunk);
+        loop = loop.replace(/\b\w+LightShadow\.shadowIntensity/g, '1.0'); // the law applies strength, once
+        source = source.slice(0, begin) + loop + source.slice(end);
+    }
+    return source;
+}
+
+/** Whether a material has layers that glTF's plain metallic-roughness BRDF lacks; three.js then lights it. */
+function hasLayers(material) {
+    if (!material.isMeshPhysicalMaterial) return false;
+    const amounts = ['clearcoat', 'sheen', 'iridescence', 'anisotropy', 'transmission', 'diffuseRoughness', 'retroreflectivity'];
+    if (amounts.some((name) => material[name] > 0)) return true;
+    return material.ior !== 1.5 || material.specularColor.getHex() !== 0xffffff || material.specularColorMap !== null;
+}
+
+export class MaterialPatches {
+    /** @param {Record<string, {value: any}>} uniforms @param {string[]} features defines of the shaders */
+    constructor(uniforms, features, threeBrdf = false) {
+        this.uniforms = uniforms;
+        this.features = features;
+        this.threeBrdf = threeBrdf;
+        this.declarations = lightDeclarations();
+        this.loops = lightLoops();
+        this.patched = new Map();
+    }
+
+    apply(material) {
+        if (this.patched.has(material)) return;
+        const own = {
+            onBeforeCompile: Object.hasOwn(material, 'onBeforeCompile') ? material.onBeforeCompile : null,
+            customProgramCacheKey: Object.hasOwn(material, 'customProgramCacheKey') ? material.customProgramCacheKey : null,
+            shadowSide: material.shadowSide,
+        };
+        this.patched.set(material, own);
+        const before = material.onBeforeCompile;
+        const beforeKey = material.customProgramCacheKey.call({ onBeforeCompile: before });
+        const defines = [...this.features, ...(this.threeBrdf || hasLayers(material) ? ['HL_THREE_BRDF'] : [])];
+        material.onBeforeCompile = (shader, renderer) => {
+            before.call(material, shader, renderer);
+            this.patch(shader, defines);
+        };
+        material.customProgramCacheKey = () => `halflight ${defines.join()} ${beforeKey}`;
+        material.shadowSide = 2; // DoubleSide: both sides stop the bake's rays
+        material.needsUpdate = true;
+    }
+
+    patch(shader, defines) {
+        const where = 'the material\'s shader';
+        const vertex = (search, ours) => {
+            shader.vertexShader = replaceExactly(shader.vertexShader, search, ours, 1, where);
+        };
+        const fragment = (search, ours) => {
+            shader.fragmentShader = replaceExactly(shader.fragmentShader, search, ours, 1, where);
+        };
+        vertex('#include <common>', `#include <common>\n${text.vertexPars}`);
+        vertex('#include <project_vertex>', `#include <project_vertex>\n${text.vertexMain}`);
+        const defined = defines.map((name) => `#define ${name}\n`).join('');
+        fragment('#include <lights_pars_begin>', `${defined}${shading}${text.attenuation}${this.declarations}`);
+        fragment('#include <lights_physical_pars_fragment>', `#include <lights_physical_pars_fragment>\n${text.fragmentPars}`);
+        fragment('#include <lights_fragment_begin>', text.fragmentBegin + this.loops);
+        fragment('#include <aomap_fragment>', `#include <aomap_fragment>\n${text.fragmentIndirect}`);
+        fragment('#include <opaque_fragment>', `${text.fragmentView}\n#include <opaque_fragment>`);
+        Object.assign(shader.uniforms, this.uniforms);
+    }
+
+    remove(material) {
+        const own = this.patched.get(material);
+        if (!own) return;
+        this.patched.delete(material);
+        for (const name of ['onBeforeCompile', 'customProgramCacheKey']) {
+            if (own[name]) material[name] = own[name];
+            else delete material[name];
+        }
+        material.shadowSide = own.shadowSide;
+        material.needsUpdate = true;
+    }
+
+    dispose() {
+        for (const material of [...this.patched.keys()]) this.remove(material);
+    }
+}

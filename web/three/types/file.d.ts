@@ -1,0 +1,69 @@
+export interface Pixels {
+    width: number;
+    height: number;
+    data: Uint32Array | Uint8Array;
+}
+
+export interface NodeData {
+    isStatic: boolean;
+    castShadows: boolean;
+    receiveShadows: boolean;
+    lightmap: { page: number; scale: number[]; offset: number[]; texCoord: number; perInstance: boolean } | null;
+    probes: 'automatic' | 'single' | 'volume';
+    probeResolution: number[];
+}
+
+export interface LightData {
+    castShadows: boolean;
+    shadowStrength: number;
+    shadowBias: { depth?: number; slope?: number; normal?: number };
+    isBaked: boolean;
+    bakeType: 'realtime' | 'mixed' | 'baked';
+    /** -1 none */
+    channel: number;
+    reason: string;
+    worldFromLight: number[];
+    reach: number;
+    outerCone: number;
+}
+
+export interface ProbeData {
+    count: number;
+    /** World. */
+    positions: Float32Array;
+    /** Nine RGB coefficients for each probe. */
+    radiance: Float32Array;
+    /** Four channels for each probe. */
+    occlusion: Float32Array;
+    valid: Uint8Array;
+    grid: { origin: number[]; spacing: number[]; size: number[] } | null;
+}
+
+export interface BakedData {
+    version: number;
+    mode: 'baked-indirect' | 'shadowmask' | 'subtractive';
+    unitLux: number;
+    /** RGB9E5 texels. */
+    lightmaps: Pixels[];
+    /** RGBA8 texels. */
+    directions: Pixels[];
+    /** RGBA8 texels. */
+    masks: Pixels[];
+    maskChannels: { rangeTexels: number; penumbraTexels: number }[];
+    probes: ProbeData | null;
+    sky: { zenith: number[]; horizon: number[]; ground: number[] };
+    shadowColor: number[];
+    nodes: Map<number, NodeData>;
+    lights: Map<number, LightData>;
+    materials: Map<number, { castShadows: boolean; receiveShadows: boolean }>;
+    bytes: { lightmaps: number; masks: number; directions: number; probes: number };
+}
+
+export interface Source {
+    json: unknown;
+    accessor(index: number): Promise<{ array: ArrayLike<number>; itemSize: number; count: number }>;
+    bufferView(index: number): Promise<ArrayBuffer | Uint8Array>;
+}
+
+export function isBaked(json: unknown): boolean;
+export function readBaked(source: Source): Promise<BakedData>;

@@ -1,0 +1,61 @@
+import type { Camera, Light, Object3D } from 'three';
+import type { GLTFParser, GLTFLoaderPlugin } from 'three/addons/loaders/GLTFLoader.js';
+import type { BakedData } from './file.js';
+
+export type Mode = 'realtime' | 'baked-indirect' | 'shadowmask' | 'distance-shadowmask' | 'subtractive';
+export type View = 'lit' | 'shadowmask' | 'lightmap' | 'probes' | 'fade' | 'overlap';
+
+export interface Options {
+    /** Draw the bake's gradient sky; true when absent. */
+    sky?: boolean;
+    /** 'gltf' (when absent): direct light by glTF's BRDF, as in the bake. 'three': by three.js's own. */
+    brdf?: 'gltf' | 'three';
+    /** Layer that dynamic objects are on, for shadow cameras; 31 when absent. */
+    dynamicLayer?: number;
+}
+
+/** A light of the file. Colour, intensity and place are those of `light`. */
+export interface BakedLight {
+    readonly light: Light;
+    readonly name: string;
+    /** Whether it casts any shadow, baked or realtime. */
+    castShadows: boolean;
+    /** 0…1. */
+    shadowStrength: number;
+}
+
+export class HalflightScene {
+    /** Throws where the bake holds no data for the mode. */
+    mode: Mode;
+    readonly modes: Mode[];
+    debugView: View;
+    /** Metres; from here on no realtime shadow is sampled. */
+    shadowDistance: number;
+    /** Metres before the shadow distance over which shadows fade. */
+    shadowFadeRange: number;
+    /** Lower limit of subtractive shadows, lux. */
+    shadowColor: [number, number, number];
+    readonly data: BakedData;
+    readonly lights: BakedLight[];
+    /** Sentences about what is left out or shows in part. */
+    readonly warnings: Set<string>;
+    /** Call before each frame. */
+    update(renderer: object, camera: Camera): void;
+    /** Lights an object of the application by the bake's probes. */
+    add(object: Object3D): void;
+    /** Takes every change of materials, lights and objects back. */
+    dispose(): void;
+}
+
+export class HalflightPlugin implements GLTFLoaderPlugin {
+    constructor(parser: GLTFParser, options?: Options);
+    readonly name: string;
+    /** null until the file is loaded, and for files that are not baked. Also gltf.userData.halflight. */
+    readonly scene: HalflightScene | null;
+    afterRoot(gltf: object): Promise<void>;
+}
+
+export const MODES: readonly Mode[];
+export const VIEWS: readonly View[];
+/** Releases of three.js that the plug-in fits, as in REVISION. */
+export const RELEASES: readonly string[];
