@@ -32,16 +32,24 @@ export function halflight(...args) {
     return execFileSync(findProgram(), args, { encoding: 'utf8', maxBuffer: 2 ** 26 });
 }
 
-const types = { '.html': 'text/html', '.js': 'text/javascript', '.mjs': 'text/javascript', '.json': 'application/json', '.wasm': 'application/wasm' };
+const types = { '.html': 'text/html', '.js': 'text/javascript', '.mjs': 'text/javascript', '.css': 'text/css', '.json': 'application/json', '.wasm': 'application/wasm' };
 
 /** Serves web/ as /web/, a package of three.js as /three/, and a folder of files as /files/. */
-export async function serve(files, three = 'three') {
-    const roots = { '/three/': join(web, 'node_modules', three), '/files/': files, '/web/': web };
+export function serve(files, three = 'three') {
+    return serveRoots({ '/three/': join(web, 'node_modules', three), '/files/': files, '/web/': web });
+}
+
+/** Serves one folder as /. */
+export function serveFolder(folder) {
+    return serveRoots({ '/': folder });
+}
+
+async function serveRoots(roots) {
     const server = createServer((request, response) => {
         const path = normalize(decodeURIComponent(new URL(request.url, 'http://localhost').pathname));
         const prefix = Object.keys(roots).find((p) => path.startsWith(p));
-        const file = prefix ? join(roots[prefix], path.slice(prefix.length)) : "";
-        if (!prefix || !existsSync(file) || !statSync(file).isFile()) {
+        const file = prefix && join(roots[prefix], path.slice(prefix.length));
+        if (!file || !existsSync(file) || !statSync(file).isFile()) {
             response.writeHead(404).end();
             return;
         }
