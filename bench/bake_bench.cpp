@@ -10,7 +10,8 @@
 #include "bilinear.h"
 
 #include "bake/stages.h"
-#include "bake_cpu/lightmap/cached_lightmap.h"
+#include "bake_cpu/guiding/build_guides.h"
+#include "bake_cpu/lightmap/lightmap_run.h"
 
 #include "halflight/bake/bake.h"
 #include "halflight/bake_cpu/embree_integrator.h"
@@ -341,12 +342,11 @@ void partGather(const Options& options)
         Prepared p = prepare(name, options.size, true);
         const PathTracer paths(p.scene, p.geometry, LightUse::Bake);
         const StratifiedPattern pattern(1);
-        IntegrationSettings settings;
-        settings.bounces = options.bounces;
-        OutsidePoints outside(p.map.texels.size());
-        RadianceCache cache;
+        const IntegrationSettings settings{.bounces = options.bounces};
+        ValidPoints valid(p.map.texels.size());
         std::atomic<uint64_t> ignored{0};
-        cache.build(paths, p.map, pattern, settings, outside, {}, ignored);
+        const auto radiosity = buildRadiosity({paths, p.map, pattern, settings, valid}, {}, ignored);
+        const Guides guides = buildGuides(*radiosity, p.map, paths.surfaces());
         std::vector<uint32_t> chosen;
         subsetOf(p.map, 8192, chosen);
         constexpr std::size_t kRun = 64;
@@ -354,14 +354,14 @@ void partGather(const Options& options)
         const auto gatherAll = [&] {
             std::atomic<uint64_t> total{0};
             parallelFor(runs, 4, [&](std::size_t begin, std::size_t end) {
-                FinalGather gather(paths, pattern, &cache, settings);
+                FinalGather gather(paths, pattern, &radiosity->solution.cache, &guides, settings);
                 uint64_t rays = 0;
                 for (std::size_t g = begin * kRun; g < end * kRun; g += TexelGroup::kLanes) {
                     std::array<PointMask, TexelGroup::kLanes> masks;
-                    for (std::size_t k = 0; k < masks.size(); ++k) masks[k] = outside.masks[chosen[g + k]];
+                    for (std::size_t k = 0; k < masks.size(); ++k) masks[k] = valid.masks[chosen[g + k]];
                     const GatherGroup group(paths, p.map, std::span(&chosen[g], TexelGroup::kLanes), masks);
-                    std::array<TexelLight, TexelGroup::kLanes> lights;
-                    gather.add(group, 0, 4, lights, rays);
+                    std::array<TexelEstimate, TexelGroup::kLanes> estimates;
+                    gather.add(group, 0, 4, estimates, rays);
                 }
                 total += rays;
             });

@@ -25,6 +25,20 @@ ALLOWED = {
     "render": {"render/frame", "scene", "shading", "gpu", "base"},
 }
 
+# Folders inside a module -> folders of the same module they may include besides themselves. Files outside these folders
+# may include all of them, and none of the folders may include such a file.
+FOLDERS = {
+    "bake_cpu": {
+        "trace": set(),
+        "sample": {"trace"},
+        "texels": {"sample", "trace"},
+        "radiosity": {"texels", "sample", "trace"},
+        "shadows": {"texels", "sample", "trace"},
+        "guiding": {"radiosity", "texels", "sample", "trace"},
+        "lightmap": {"guiding", "radiosity", "texels", "sample", "trace"},
+    },
+}
+
 # Libraries that only some folders may see: the last column of the table in docs/architecture.md, which the check compares
 # with the names here.
 CONFINED = [
@@ -75,6 +89,22 @@ def module_of_file(relative):
     return None
 
 
+def folder_problem(where, name, target_file):
+    """What is wrong with an include inside a module that has FOLDERS, None if nothing is."""
+    parts = pathlib.PurePosixPath(where).parts
+    target = target_file.parts
+    if parts[0] != "src" or target[0] != "src" or parts[1] != target[1] or parts[1] not in FOLDERS or len(parts) < 4:
+        return None
+    folders = FOLDERS[parts[1]]
+    folder = parts[2]
+    other = target[2] if len(target) > 3 else None
+    if folder not in folders:
+        return f"{where}: {parts[1]}/{folder} is not in FOLDERS of tests/module_directions.py"
+    if other == folder or other in folders[folder]:
+        return None
+    return f"{parts[1]}/{folder} may not include {name}"
+
+
 def broken_rules(root):
     problems = []
     count = 0
@@ -109,6 +139,12 @@ def broken_rules(root):
                     continue
                 # Relative to the including file first, as the compiler looks it up; then by the include path.
                 beside = path.parent / name
+                inside = root / "src" / name
+                file = beside if beside.is_file() else inside
+                if match.group(2) and file.is_file():
+                    problem = folder_problem(where, name, file.resolve().relative_to(root))
+                    if problem is not None:
+                        problems.append(f"{where}:{line}: {problem}")
                 if match.group(2) and beside.is_file():
                     target = module_of_file(beside.resolve().relative_to(root))
                 else:
@@ -170,6 +206,10 @@ def self_test():
         "include/halflight/bake/bake.h": '#include "halflight/scene/scene.h"\n',
         "src/scene/reader.cpp": "#include <tiny_gltf.h>\n",
         "src/bake_cpu/trace.cpp": '#include <embree3/rtcore.h>\n#include "halflight/bake/bake.h"\n',
+        "src/bake_cpu/trace/tracer.h": "#include <embree3/rtcore.h>\n",
+        "src/bake_cpu/sample/light.h": '#include "bake_cpu/trace/tracer.h"\n',
+        "src/bake_cpu/lightmap/gather.cpp": '#include "bake_cpu/sample/light.h"\n#include "bake_cpu/trace/tracer.h"\n',
+        "src/bake_cpu/wiring.h": '#include "bake_cpu/sample/light.h"\n',
         "src/gpu/device.h": "#include <vulkan/vulkan.hpp>\n",
         "src/render/pass.cpp": '#include "gpu/device.h"\n#include "render/frame/plan.h"\n#include <vulkan/vulkan.hpp>\n',
         "src/render/frame/plan.h": '#include "halflight/render/frame.h"\n#include "halflight/shading/law.h"\n',
@@ -191,6 +231,10 @@ def self_test():
         ("src/render/x.cpp", "#include <tiny_gltf.h>\n", "only src/scene/"),
         ("apps/tool/x.cpp", "#include <tiny_gltf.h>\n", "only src/scene/"),
         ("src/bake/x.cpp", "#include <embree4/rtcore.h>\n", "only src/bake_cpu/"),
+        ("src/bake_cpu/trace/x.cpp", '#include "bake_cpu/sample/light.h"\n', "bake_cpu/trace may not include"),
+        ("src/bake_cpu/trace/y.cpp", '#include "../sample/light.h"\n', "bake_cpu/trace may not include"),
+        ("src/bake_cpu/sample/x.cpp", '#include "bake_cpu/wiring.h"\n', "bake_cpu/sample may not include"),
+        ("src/bake_cpu/stray/x.cpp", '#include "bake_cpu/trace/tracer.h"\n', "is not in FOLDERS"),
         ("apps/tool/x.cpp", "#include <draco/mesh/mesh.h>\n", "only src/scene/"),
         ("src/scene/x.cpp", "#include <webp/decode.h>\n", "only src/base/"),
         ("include/halflight/render/x.h", "#include <vulkan/vulkan.h>\n", "only src/gpu/"),

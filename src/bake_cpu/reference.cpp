@@ -44,7 +44,7 @@ Result<ImageRgb32f> renderReference(const Scene& scene, const Camera& camera, iv
                         nearest *= glm::length(direction);
                     }
                     direction = glm::normalize(direction);
-                    sum += paths.seenFromCamera(origin + direction * nearest, direction, kInfinity, bounces, sampler,
+                    sum += paths.cameraRadiance(origin + direction * nearest, direction, kInfinity, bounces, sampler,
                                                 rays);
                 }
                 picture.data()[i] = sum / float(samplesPerPixel);

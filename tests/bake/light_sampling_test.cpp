@@ -160,30 +160,30 @@ TEST(LightTreeS6, ManyLightsSumToTheirTotal)
     EXPECT_NEAR(together, alone, 0.02 * alone);
 }
 
-/// Where a few cells stand for a block, they are spread over it: the two of lowest rank in the two halves that tell of
-/// noise, four in all rows and all columns; four blocks have other fours, which are all cells together.
-TEST(StratifiedPatternS6, FewCellsOfABlockAreSpread)
+/// The first strata in the order of a block are spread evenly: each pair has one stratum in each half of the block, the
+/// first four are in all rows and columns, and over four blocks the first four of each are all strata.
+TEST(StratifiedPatternS6, FewStrataOfABlockAreSpread)
 {
     constexpr int kBlock = StratifiedPattern::kBlock;
     for (const int first : {0, 1, 5}) {
         std::array<int, kBlock> times{};
         for (int block = first; block < first + 4; ++block) {
-            std::array<int, kBlock> cellOfRank;
-            cellOfRank.fill(-1);
-            for (int cell = 0; cell < kBlock; ++cell) {
-                const auto rank = std::size_t(StratifiedPattern::strataOrder(cell, block));
-                ASSERT_LT(rank, std::size_t(kBlock));
-                EXPECT_EQ(cellOfRank[rank], -1);
-                cellOfRank[rank] = cell;
+            std::array<int, kBlock> stratumAt;
+            stratumAt.fill(-1);
+            for (int stratum = 0; stratum < kBlock; ++stratum) {
+                const auto order = std::size_t(StratifiedPattern::orderOf(stratum, block));
+                ASSERT_LT(order, std::size_t(kBlock));
+                EXPECT_EQ(stratumAt[order], -1);
+                stratumAt[order] = stratum;
             }
-            const auto half = [&](std::size_t rank) { return (cellOfRank[rank] >> 2 ^ cellOfRank[rank] >> 1) & 1; };
+            const auto half = [&](std::size_t order) { return (stratumAt[order] >> 2 ^ stratumAt[order] >> 1) & 1; };
             unsigned rows = 0;
             unsigned columns = 0;
-            for (std::size_t rank = 0; rank < 4; ++rank) {
-                rows |= 1u << (cellOfRank[rank] >> 2);
-                columns |= 1u << (cellOfRank[rank] & 3);
-                ++times[std::size_t(cellOfRank[rank])];
-                EXPECT_NE(half(rank), half(rank ^ 1u));
+            for (std::size_t order = 0; order < 4; ++order) {
+                rows |= 1u << (stratumAt[order] >> 2);
+                columns |= 1u << (stratumAt[order] & 3);
+                ++times[std::size_t(stratumAt[order])];
+                EXPECT_NE(half(order), half(order ^ 1u));
             }
             EXPECT_EQ(rows, 15u);
             EXPECT_EQ(columns, 15u);
@@ -192,7 +192,7 @@ TEST(StratifiedPatternS6, FewCellsOfABlockAreSpread)
     }
 }
 
-/// Each block has one point in each cell, at the place of the cell, and all blocks together fill the square evenly.
+/// Each block has one point in each stratum, in the order of the strata, and all blocks together are stratified.
 TEST(StratifiedPatternS6, BlocksAreStratified)
 {
     const StratifiedPattern pattern(3);
@@ -200,9 +200,9 @@ TEST(StratifiedPatternS6, BlocksAreStratified)
         std::vector<int> rows(64, 0);
         for (int b = 0; b < 4; ++b) {
             const StratifiedPattern::Block block = pattern.block(hashPcg(texel), b);
-            for (int cell = 0; cell < StratifiedPattern::kBlock; ++cell) {
-                const vec2 u = block.unit(cell);
-                EXPECT_EQ(int(u.x * 4.0f) * 4 + int(u.y * 4.0f), cell);
+            for (int stratum = 0; stratum < StratifiedPattern::kBlock; ++stratum) {
+                const vec2 u = block.unit(stratum);
+                EXPECT_EQ(int(u.x * 4.0f) * 4 + int(u.y * 4.0f), stratum);
                 ++rows[std::size_t(u.x * 64.0f)];
             }
         }

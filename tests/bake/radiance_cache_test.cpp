@@ -285,7 +285,7 @@ TEST(RaysS6, LanesOutOfUseAreLeftAloneOnAllProcessors)
         RTCRayHit8 rays;
         std::memset(&rays, 0xff, sizeof(rays)); // no numbers
         embree::LaneMask valid;
-        RayTracer::clear(rays.ray);
+        embree::clear(rays.ray);
         for (int lane = 0; lane < embree::kPacket; ++lane) {
             Sampler sampler(1, packet, uint32_t(lane));
             valid.lane[lane] = sampler.next1() < 0.6f ? -1 : 0;

@@ -164,39 +164,39 @@ Scene bentStrip(float degrees)
     return scene;
 }
 
-TEST(TexelStepS6, LiesBetweenOnEvenSurfacesOfOneChartAlone)
+TEST(TexelStepS6, InterpolatesOnSmoothSurfacesOfOneChartAlone)
 {
-    const auto betweenAt = [](float degrees, int x, int y, int step) {
+    const auto anchorsAt = [](float degrees, int x, int y, int step) {
         const Scene scene = bentStrip(degrees);
         const BakeGeometry geometry = flattenGeometry(scene, kPage, GeometryFilter::Static);
         const TexelMap map = rasterizeTexels(geometry, kPage, 1);
         const TexelGrid grid(map);
-        const SparseGrid lattice(geometry, map, grid, step);
+        const SparseGrid sparse(geometry, map, grid, step);
         for (uint32_t i = 0; i < map.texels.size(); ++i) {
             if (map.texels[i].x != x || map.texels[i].y != y) continue;
-            SparseGrid::Around around;
-            if (!lattice.around(i, around)) return 0;
-            for (int k = 0; k < around.count; ++k) {
-                const Texel& t = map.texels[around.texels[std::size_t(k)]];
-                EXPECT_EQ(std::max(std::abs(int(t.x) - x), std::abs(int(t.y) - y)), lattice.spacingOf(i));
-                EXPECT_GT(lattice.spacingOf(around.texels[std::size_t(k)]), lattice.spacingOf(i));
+            SparseGrid::Anchors anchors;
+            if (!sparse.anchorsOf(i, anchors)) return 0;
+            for (int k = 0; k < anchors.count; ++k) {
+                const Texel& t = map.texels[anchors.texels[std::size_t(k)]];
+                EXPECT_EQ(std::max(std::abs(int(t.x) - x), std::abs(int(t.y) - y)), sparse.spacingOf(i));
+                EXPECT_GT(sparse.spacingOf(anchors.texels[std::size_t(k)]), sparse.spacingOf(i));
             }
-            return around.count;
+            return anchors.count;
         }
         ADD_FAILURE() << "no texel at " << x << ", " << y;
         return -1;
     };
-    EXPECT_EQ(betweenAt(0.0f, 10, 10, 2), 0); // of the lattice
-    EXPECT_EQ(betweenAt(0.0f, 11, 10, 2), 2);
-    EXPECT_EQ(betweenAt(0.0f, 10, 11, 2), 2);
-    EXPECT_EQ(betweenAt(0.0f, 11, 11, 2), 4);
-    EXPECT_EQ(betweenAt(0.0f, 10, 10, 4), 4);
-    EXPECT_EQ(betweenAt(0.0f, 11, 11, 1), 0);
-    EXPECT_EQ(betweenAt(0.0f, 35, 10, 2), 0); // its neighbour would be beyond the chart
-    // Across the fold, whose normals are smooth: twenty degrees are even enough, ninety are a corner.
-    EXPECT_EQ(betweenAt(20.0f, 19, 10, 2), 2);
-    EXPECT_EQ(betweenAt(90.0f, 19, 10, 2), 0);
-    EXPECT_EQ(betweenAt(90.0f, 21, 10, 2), 2);
+    EXPECT_EQ(anchorsAt(0.0f, 10, 10, 2), 0); // on the sparse grid
+    EXPECT_EQ(anchorsAt(0.0f, 11, 10, 2), 2);
+    EXPECT_EQ(anchorsAt(0.0f, 10, 11, 2), 2);
+    EXPECT_EQ(anchorsAt(0.0f, 11, 11, 2), 4);
+    EXPECT_EQ(anchorsAt(0.0f, 10, 10, 4), 4);
+    EXPECT_EQ(anchorsAt(0.0f, 11, 11, 1), 0);
+    EXPECT_EQ(anchorsAt(0.0f, 35, 10, 2), 0); // its neighbour would be beyond the chart
+    // Across the fold, whose normals are interpolated: 20 degrees are smooth, 90 degrees are a corner.
+    EXPECT_EQ(anchorsAt(20.0f, 19, 10, 2), 2);
+    EXPECT_EQ(anchorsAt(90.0f, 19, 10, 2), 0);
+    EXPECT_EQ(anchorsAt(90.0f, 21, 10, 2), 2);
 }
 
 TEST(TexelStepS6, LargeMapsHaveOneOfTheirOwn)
@@ -209,8 +209,8 @@ TEST(TexelStepS6, LargeMapsHaveOneOfTheirOwn)
     for (const int step : {1, 2, 4}) EXPECT_EQ(texelStepOf(settingsWith(step, 16), map), step);
 }
 
-/// What stands on a texel covers some of its points: a closed box, and a single-sided shell without a bottom that does
-/// not even touch the floor.
+/// Points of a texel are tested one by one, under a closed box and under a single-sided shell without a bottom that
+/// does not touch the floor.
 TEST(TexelValidityS6, EachPointOfATexelByItself)
 {
     for (const bool closed : {true, false}) {
@@ -229,7 +229,7 @@ TEST(TexelValidityS6, EachPointOfATexelByItself)
             TexelPoints points;
             const int count = texelPoints(bench.geometry, bench.map, texel, points);
             uint64_t rays = 0;
-            const PointMask mask = validity.outside(points, count, texelId(bench.map, texel), rays);
+            const PointMask mask = validity.validPoints(points, count, texelId(bench.map, texel), rays);
             int outside = 0;
             PointMask expected = 0;
             for (int p = 0; p < count; ++p) {
@@ -248,9 +248,9 @@ TEST(TexelValidityS6, EachPointOfATexelByItself)
     }
 }
 
-/// Deep inside of something large or far outside of it, a texel's points are alike: few rays tell what each point by
-/// itself would. Beside its wall, or under something low, they are not alike even if they see one another.
-TEST(TexelValidityS6, PointsThatSeeOneAnotherAreAskedTogether)
+/// Mutually visible points deep inside a large object, or far from it, are tested together with few rays and the same
+/// result. Beside its wall, or under a low plate, they are tested one by one.
+TEST(TexelValidityS6, MutuallyVisiblePointsAreTestedTogether)
 {
     Scene scene;
     const int grey = addMaterial(scene, vec3(0.5f));
@@ -274,20 +274,20 @@ TEST(TexelValidityS6, PointsThatSeeOneAnotherAreAskedTogether)
         TexelPoints points;
         const int count = texelPoints(bench.geometry, bench.map, texel, points);
         const uint32_t id = texelId(bench.map, texel);
-        TexelValidity::Met met{4, {}, 0, true};
-        for (int i = 0; i < met.rays; ++i) {
+        TexelValidity::FirstHits hits{4, {}, 0, true};
+        for (int i = 0; i < hits.rays; ++i) {
             const SurfacePoint& point = points[std::size_t(4 * i % count)];
             Sampler sampler(7, id, uint32_t(i));
             const RayHit hit = paths.surfaces().nearest(
                 paths.rayOrigin(point), PathTracer::gatherDirection(point, sampler.next2()), 0.0f, kInfinity);
-            if (paths.surfaces().metHiddenBack(hit)) met.backs.add({1, 0, hit.distance});
+            if (paths.surfaces().hitHiddenBack(hit)) hits.backs.add({1, 0, hit.distance});
         }
-        if (met.backs.hidden == 0) continue;
+        if (hits.backs.hidden == 0) continue;
         uint64_t rays = 0;
-        const PointMask together = validity.outside(points, count, met, id, rays);
+        const PointMask together = validity.validPoints(points, count, hits, id, rays);
         const uint64_t raysOfAll = std::exchange(rays, 0);
-        met.together = false;
-        const PointMask apart = validity.outside(points, count, met, id, rays);
+        hits.mutuallyVisible = false;
+        const PointMask apart = validity.validPoints(points, count, hits, id, rays);
         EXPECT_EQ(together, apart) << "texel " << texel.x << ", " << texel.y;
         mixed += apart != 0 && apart != kAllPoints ? 1 : 0;
         const vec3 at = bench.positionOf(texel);

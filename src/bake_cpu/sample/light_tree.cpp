@@ -6,216 +6,18 @@
 namespace halflight {
 namespace {
 
-/// Directions within an angle of an axis.
-struct Cone {
-    vec3 axis{0.0f, 0.0f, 1.0f};
-    float cosine = 1.0f; ///< -1 = all directions
-};
-
-Cone uniteCones(const Cone& a, const Cone& b)
-{
-    if (a.cosine <= -1.0f || b.cosine <= -1.0f) return {a.axis, -1.0f};
-    const float angleA = std::acos(a.cosine);
-    const float angleB = std::acos(b.cosine);
-    const float between = std::acos(std::clamp(glm::dot(a.axis, b.axis), -1.0f, 1.0f));
-    if (std::min(between + angleB, kPi) <= angleA) return a;
-    if (std::min(between + angleA, kPi) <= angleB) return b;
-    const float angle = 0.5f * (angleA + between + angleB);
-    if (angle >= kPi) return {a.axis, -1.0f};
-    // Turn a's axis towards b's.
-    const vec3 side = b.axis - a.axis * glm::dot(a.axis, b.axis);
-    const float length = glm::length(side);
-    if (length < 1.0e-6f) return {a.axis, -1.0f};
-    const float turn = angle - angleA;
-    return {glm::normalize(a.axis * std::cos(turn) + side * (std::sin(turn) / length)), std::cos(angle)};
-}
-
-/// The paper's measure of a node's orientation: the solid angle into which its lights shine, for lights that shine into
-/// the hemisphere of each normal.
-float orientationMeasure(float cosSpread)
-{
-    const float spread = std::acos(std::clamp(cosSpread, -1.0f, 1.0f));
-    const float widest = std::min(spread + 0.5f * kPi, kPi);
-    const float sine = std::sin(spread);
-    return 2.0f * kPi * (1.0f - cosSpread) +
-           0.5f * kPi * (2.0f * widest * sine - std::cos(spread - 2.0f * widest) - 2.0f * spread * sine + cosSpread);
-}
-
-float surfaceArea(const Bounds& b)
-{
-    const vec3 s = b.size();
-    return s.x * s.y + s.y * s.z + s.z * s.x;
-}
-
-float sineOf(float cosine)
-{
-    return std::sqrt(std::max(0.0f, 1.0f - cosine * cosine));
-}
-
-/// cos(max(0, a - b)) from the cosines of two angles in 0…pi and the sine of the second.
-float cosineOfDifference(float cosA, float cosB, float sinB)
-{
-    return cosA > cosB ? 1.0f : cosA * cosB + sineOf(cosA) * sinB;
-}
-
-/// What a node contributes at least of its power over distance squared: keeps every light possible where the bounds of
-/// its node are only nearly right.
+/// Lower bound of both cosines: rounding errors of a node's bounds must not give a light probability 0.
 constexpr float kLeastCosine = 0.02f;
 
 } // namespace
 
-struct LightTree::BuildItem {
-    LightItem light;
-    uint32_t index = 0;
-    vec3 center{0.0f};
-};
-
-LightTree::LightTree(std::span<const LightItem> items)
+/// cos(max(0, a - b)) from the cosines of two angles in 0…pi and the sine of the second.
+inline float LightTree::cosineOfDifference(float cosA, float cosB, float sinB)
 {
-    if (items.empty()) return;
-    std::vector<BuildItem> build(items.size());
-    for (std::size_t i = 0; i < items.size(); ++i) build[i] = {items[i], uint32_t(i), items[i].bounds.center()};
-    nodes_.reserve(2 * items.size());
-    leafOfItem_.resize(items.size());
-    this->build(build, ~0u);
-    makeQuads();
+    return cosA > cosB ? 1.0f : cosA * cosB + sineOf(cosA) * sinB;
 }
 
-void LightTree::makeQuads()
-{
-    for (uint32_t n = 0; n < nodes_.size(); ++n) {
-        if (nodes_[n].leaf) continue;
-        nodes_[n].quad = uint32_t(quads_.size());
-        Quad& quad = quads_.emplace_back();
-        std::size_t lane = 0;
-        const auto add = [&](uint32_t number, const Node& node) {
-            quad.nodes.set(lane, node);
-            quad.number[lane++] = number;
-        };
-        for (const uint32_t child : {n + 1, nodes_[n].second}) {
-            if (nodes_[child].leaf) {
-                add(child, nodes_[child]);
-                continue;
-            }
-            add(child + 1, nodes_[child + 1]);
-            add(nodes_[child].second, nodes_[nodes_[child].second]);
-        }
-        Node none;
-        none.center = quad.nodes.center[0];
-        while (lane < Quad::kLanes) add(~0u, none);
-    }
-}
-
-uint32_t LightTree::build(std::span<BuildItem> items, uint32_t parent)
-{
-    const auto number = uint32_t(nodes_.size());
-    nodes_.emplace_back();
-    Bounds bounds;
-    Bounds centers;
-    Cone cone{items[0].light.axis, items[0].light.cosSpread};
-    float power = 0.0f;
-    float range = 0.0f;
-    bool unlimited = false;
-    bool twoSided = false;
-    for (const BuildItem& item : items) {
-        bounds.extend(item.light.bounds);
-        centers.extend(item.center);
-        cone = uniteCones(cone, {item.light.axis, item.light.cosSpread});
-        power += item.light.power;
-        range = std::max(range, item.light.range);
-        unlimited = unlimited || item.light.range <= 0.0f;
-        twoSided = twoSided || item.light.twoSided;
-    }
-    Node node;
-    node.center = bounds.center();
-    node.radius = 0.5f * glm::length(bounds.size());
-    node.axis = cone.axis;
-    node.cosSpread = cone.cosine;
-    node.sinSpread = sineOf(cone.cosine);
-    node.power = power;
-    node.range = unlimited ? 0.0f : range;
-    node.twoSided = twoSided;
-    node.parent = parent;
-    if (items.size() == 1) {
-        node.leaf = true;
-        node.second = items[0].index;
-        leafOfItem_[items[0].index] = number;
-        nodes_[number] = node;
-        return number;
-    }
-
-    // Surface area orientation heuristic over bins of the centres; halves where no plane divides them.
-    constexpr int kBins = 12;
-    struct Bin {
-        Bounds bounds;
-        Cone cone;
-        float power = 0.0f;
-        int count = 0;
-        void add(const LightItem& light)
-        {
-            cone = count == 0 ? Cone{light.axis, light.cosSpread} : uniteCones(cone, {light.axis, light.cosSpread});
-            bounds.extend(light.bounds);
-            power += light.power;
-            ++count;
-        }
-        void add(const Bin& other)
-        {
-            if (other.count == 0) return;
-            cone = count == 0 ? other.cone : uniteCones(cone, other.cone);
-            bounds.extend(other.bounds);
-            power += other.power;
-            count += other.count;
-        }
-        [[nodiscard]] float cost() const
-        {
-            return count == 0 ? 0.0f : power * orientationMeasure(cone.cosine) * surfaceArea(bounds);
-        }
-    };
-    const vec3 extent = centers.size();
-    const auto binOf = [&](const BuildItem& item, int axis) {
-        return std::clamp(int(float(kBins) * (item.center[axis] - centers.min[axis]) / extent[axis]), 0, kBins - 1);
-    };
-    float bestCost = kInfinity;
-    int bestAxis = -1;
-    int bestBin = 0;
-    const float longest = std::max({extent.x, extent.y, extent.z});
-    for (int axis = 0; axis < 3; ++axis) {
-        if (!(extent[axis] > 0.0f)) continue;
-        std::array<Bin, kBins> bins;
-        for (const BuildItem& item : items) bins[std::size_t(binOf(item, axis))].add(item.light);
-        std::array<float, kBins> below{};
-        Bin left;
-        for (int b = 0; b + 1 < kBins; ++b) {
-            left.add(bins[std::size_t(b)]);
-            below[std::size_t(b)] = left.count == 0 ? kInfinity : left.cost();
-        }
-        Bin right;
-        for (int b = kBins - 1; b > 0; --b) {
-            right.add(bins[std::size_t(b)]);
-            if (right.count == 0) continue;
-            // Thin nodes are penalized, as in the paper.
-            const float cost = longest / extent[axis] * (below[std::size_t(b - 1)] + right.cost());
-            if (cost < bestCost) {
-                bestCost = cost;
-                bestAxis = axis;
-                bestBin = b;
-            }
-        }
-    }
-    auto middle = items.begin() + std::ptrdiff_t(items.size() / 2);
-    if (bestAxis >= 0) {
-        const auto split = std::stable_partition(
-            items.begin(), items.end(), [&](const BuildItem& item) { return binOf(item, bestAxis) < bestBin; });
-        if (split != items.begin() && split != items.end()) middle = split;
-    }
-    const auto leftCount = std::size_t(middle - items.begin());
-    nodes_[number] = node;
-    build(items.first(leftCount), number);
-    nodes_[number].second = build(items.subspan(leftCount), number);
-    return number;
-}
-
-// Without branches on the point: for points side by side the compiler works on several at once.
+// Without branches on the point, so that loops over points are vectorized.
 float LightTree::importance(const Node& node, vec3 position, vec3 normal)
 {
     const vec3 to = node.center - position;
@@ -223,7 +25,7 @@ float LightTree::importance(const Node& node, vec3 position, vec3 normal)
     const float radius2 = node.radius * node.radius;
     const float within = node.power / std::max(radius2, 1.0e-12f);
     const float reach = node.range > 0.0f ? node.range + node.radius : kInfinity;
-    // Angles of the sphere around the node, of the receiver's normal and of the emitters' normals.
+    // Angles of the node's bounding sphere, the receiver's normal and the emitters' normals.
     const float inverse = 1.0f / std::sqrt(distance2);
     const vec3 direction = to * inverse;
     const float sinSphere = node.radius * inverse;
@@ -267,7 +69,7 @@ LightTree::Quad::Lanes<float> LightTree::probabilities(const Quad& quad, vec3 po
     const float sum = (weights[0] + weights[1]) + (weights[2] + weights[3]);
     if (!(sum > 0.0f && sum < kInfinity)) {
         if (sum <= 0.0f) return {};
-        // Sums beyond floats: an even chance is always right.
+        // The sum overflowed; uniform probabilities are unbiased.
         const auto count =
             float(std::count_if(quad.number.begin(), quad.number.end(), [](uint32_t n) { return n != ~0u; }));
         for (std::size_t lane = 0; lane < Quad::kLanes; ++lane) {
@@ -291,7 +93,7 @@ LightTree::Choice LightTree::sample(vec3 position, vec3 normal, float u, uint32_
         const Quad::Lanes<float> p = probabilities(quad, position, normal);
         float below = 0.0f;
         std::size_t lane = 0;
-        std::size_t last = Quad::kLanes; // that can be chosen
+        std::size_t last = Quad::kLanes; // with a probability above 0
         for (; lane < Quad::kLanes; ++lane) {
             if (!(p[lane] > 0.0f)) continue;
             last = lane;
@@ -311,7 +113,7 @@ LightTree::Choice LightTree::sample(vec3 position, vec3 normal, float u, uint32_
 void LightTree::sample(const Cut& cut, const Points& positions, const Points& normals, const Cut::Lanes<bool>& wanted,
                        const Cut::Lanes<float>& u, Cut::Lanes<Choice>& choices) const
 {
-    // The last node below which a number lies, for all lanes step by step.
+    // Binary search for the node of each lane's random number, all lanes in step.
     Cut::Lanes<uint32_t> place{};
     for (auto n = uint32_t(cut.count); n > 1; n -= n / 2) {
         for (std::size_t lane = 0; lane < Cut::kLanes; ++lane) {
@@ -339,7 +141,7 @@ float LightTree::climb(uint32_t item, const Cut* cut, std::size_t lane, vec3 pos
 {
     uint32_t node = leafOfItem_[item];
     if (nodes_[node].range > 0.0f && importance(nodes_[node], position, normal) <= 0.0f) return 0.0f;
-    // Where the walk down began, and after how many levels it got here.
+    // Number of levels between the leaf and the node where the traversal began.
     const auto isTop = [&](uint32_t n) {
         for (std::size_t i = 0; cut != nullptr && i < cut->count; ++i) {
             if (cut->node[i][lane] != n) continue;
@@ -354,7 +156,7 @@ float LightTree::climb(uint32_t item, const Cut* cut, std::size_t lane, vec3 pos
     }
     float probability = 1.0f;
     while (levels > 0) {
-        // Two at once, but for the last one of an odd number.
+        // Quads cover two levels; one level is left if their number is odd.
         const int step = levels % 2 == 0 ? 2 : 1;
         const uint32_t parent = nodes_[node].parent;
         const uint32_t from = step == 2 ? nodes_[parent].parent : parent;
@@ -377,9 +179,9 @@ LightTree::Cut LightTree::cut(const Points& positions, const Points& normals) co
 {
     Cut cut;
     if (nodes_.empty()) return cut;
-    // Each point opens the node that could contribute most, over and over. All have as many.
+    // Each point repeatedly opens the node of largest importance. All points have equally many nodes.
     std::array<Weights, Cut::kMaxNodes> weight;
-    std::array<Weights, Cut::kMaxNodes> toOpen; ///< the same, negative where there is nothing to open
+    std::array<Weights, Cut::kMaxNodes> toOpen; ///< weight, negative for leaves
     const auto set = [&](const Cut::Lanes<uint32_t>& places, const Cut::Lanes<uint32_t>& nodes) {
         const Weights w = importance(nodes, positions, normals);
         for (std::size_t lane = 0; lane < Cut::kLanes; ++lane) {
@@ -388,7 +190,7 @@ LightTree::Cut LightTree::cut(const Points& positions, const Points& normals) co
             cut.node[place][lane] = nodes[lane];
             cut.item[place][lane] = node.leaf && node.range <= 0.0f ? node.second : ~0u;
             weight[place][lane] = w[lane];
-            toOpen[place][lane] = node.leaf ? -1.0f : std::max(0.0f, w[lane]); // 0 if that is no number
+            toOpen[place][lane] = node.leaf ? -1.0f : std::max(0.0f, w[lane]); // 0 if it is NaN
         }
     };
     set({}, {});
@@ -415,7 +217,7 @@ LightTree::Cut LightTree::cut(const Points& positions, const Points& normals) co
         set(widest, first);
         set(last, second);
     }
-    // The probabilities are worked out at one point and used at others: no node of the cut is left without a share.
+    // The probabilities are of one point and used at others near it, so every node keeps at least 1 % / count.
     for (std::size_t lane = 0; lane < Cut::kLanes; ++lane) {
         float& total = cut.total[lane];
         for (std::size_t i = 0; i < cut.count; ++i) total += weight[i][lane];

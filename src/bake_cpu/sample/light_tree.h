@@ -1,5 +1,5 @@
 #pragma once
-// Choosing one of many lights in time that grows with the logarithm of their number.
+// Importance sampling of many lights in logarithmic time.
 
 #include "bake_cpu/trace/lanes.h"
 
@@ -7,25 +7,26 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstdint>
 #include <span>
 #include <vector>
 
 namespace halflight {
 
-/// What the tree knows of a light: where it is, how strong, and where it shines.
+/// A light reduced to bounds of its position, its directions and its flux.
 struct LightItem {
     Bounds bounds;
-    vec3 axis{0.0f};        ///< mean direction of its normals; unused when spread is all around
-    float cosSpread = 1.0f; ///< cosine of the half angle around the axis that holds all normals; -1 = all around
+    vec3 axis{0.0f};        ///< mean direction of its normals; unused if cosSpread is -1
+    float cosSpread = 1.0f; ///< cosine of the half angle of the cone of normals; -1 = all directions
     bool twoSided = false;
-    float power = 0.0f; ///< flux, in any unit that all items share
-    float range = 0.0f; ///< metres beyond which it gives nothing; 0 = unlimited
+    float power = 0.0f; ///< flux, in any unit common to all items
+    float range = 0.0f; ///< metres; no light beyond; 0 = unlimited
 };
 
-/// Bounding volume hierarchy over lights: Conty Estevez and Kulla 2018, "Importance Sampling of Many Lights with
-/// Adaptive Tree Splitting". A light is chosen by walking down, at each node in proportion to what either side could
-/// contribute at the receiving point, without shadows. No light in range has probability 0.
+/// Bounding volume hierarchy over lights (Conty Estevez and Kulla 2018, "Importance Sampling of Many Lights with
+/// Adaptive Tree Splitting"). sample() descends from the root, at each node in proportion to the unshadowed
+/// contribution that its children may have. It has probability 0 for lights whose range ends before the receiver.
 class LightTree {
 public:
     static constexpr uint32_t kRoot = 0;
@@ -36,35 +37,33 @@ public:
 
     struct Choice {
         uint32_t item = ~0u;
-        float probability = 0.0f; ///< given the node that the walk began at; 0: nothing in range
-        float u = 0.0f;           ///< what is left of the random number, again uniform in [0, 1)
+        float probability = 0.0f; ///< given the node of the cut; 0 = no light in range
+        float u = 0.0f;           ///< the random number, rescaled to [0, 1)
     };
-    /// `normal` zero: the point is in space and receives from all sides.
+    /// `normal` zero = the point receives from all directions.
     [[nodiscard]] Choice sample(vec3 position, vec3 normal, float u, uint32_t node = kRoot) const;
     /// Probability with which sample() chooses `item` from the root.
     [[nodiscard]] float probability(uint32_t item, vec3 position, vec3 normal) const;
 
-    /// About what all lights together give a point unshadowed, in the unit of power over area.
+    /// Estimate of the unshadowed illuminance from all lights, in units of power per area.
     [[nodiscard]] float total(vec3 position, vec3 normal) const;
 
-    /// For each of some points a level through the tree that suits all places near it (the paper's tree splitting, here
-    /// once for all the samples of a texel): every item is below exactly one of its nodes. Side by side only because
-    /// that is faster.
+    /// Cuts through the tree of eight points, by lane: every item is below exactly one node of a cut. A texel's samples
+    /// choose among the nodes of one cut (the paper's tree splitting, once per texel).
     struct Cut {
         static constexpr std::size_t kLanes = 8;
         static constexpr std::size_t kMaxNodes = 32;
         template<typename T> using Lanes = std::array<T, kLanes>;
         std::size_t count = 0;
-        Lanes<float> total{}; ///< about what all lights give without shadows, as total()
+        Lanes<float> total{}; ///< as total()
         std::array<Lanes<uint32_t>, kMaxNodes> node;
-        std::array<Lanes<uint32_t>, kMaxNodes>
-            item; ///< where the node is a single light that reaches everywhere, or ~0
+        std::array<Lanes<uint32_t>, kMaxNodes> item; ///< of a node that is one light without a range, else ~0
         std::array<Lanes<float>, kMaxNodes> probability;
-        std::array<Lanes<float>, kMaxNodes> below; ///< probability of the nodes before
+        std::array<Lanes<float>, kMaxNodes> below; ///< cumulative probability of the nodes before
     };
     using Points = Vec3Lanes<Cut::kLanes>;
     [[nodiscard]] Cut cut(const Points& positions, const Points& normals) const;
-    /// Chooses a light for those lanes that are wanted; none for the others.
+    /// Chooses a light for the lanes in `wanted`; the other lanes have none.
     void sample(const Cut& cut, const Points& positions, const Points& normals, const Cut::Lanes<bool>& wanted,
                 const Cut::Lanes<float>& u, Cut::Lanes<Choice>& choices) const;
     [[nodiscard]] float probability(const Cut& cut, std::size_t lane, uint32_t item, vec3 position, vec3 normal) const;
@@ -77,14 +76,14 @@ private:
         float cosSpread = 1.0f;
         float sinSpread = 0.0f;
         float power = 0.0f;
-        float range = 0.0f;  ///< the largest below; 0 = unlimited
-        uint32_t second = 0; ///< second child (the first one follows its parent); of a leaf: the item
+        float range = 0.0f;  ///< largest of its lights; 0 = unlimited
+        uint32_t second = 0; ///< second child (the first follows its parent); of a leaf, the item
         uint32_t parent = ~0u;
-        uint32_t quad = 0; ///< but for leaves
+        uint32_t quad = 0; ///< of inner nodes
         bool leaf = false;
         bool twoSided = false;
     };
-    /// What importance() reads of nodes, side by side.
+    /// Inputs of importance() by lane.
     template<std::size_t N> struct NodeLanes {
         Vec3Lanes<N> center;
         Vec3Lanes<N> axis;
@@ -120,23 +119,27 @@ private:
             return node;
         }
     };
-    /// A node's grandchildren, and those of its children that are leaves. Walks take two levels at once.
+    /// Grandchildren of a node and those of its children that are leaves: traversal takes two levels per step.
     struct Quad {
         static constexpr std::size_t kLanes = 4;
         template<typename T> using Lanes = std::array<T, kLanes>;
         NodeLanes<kLanes> nodes;
-        Lanes<uint32_t> number; ///< ~0 where there is none, of no power
+        Lanes<uint32_t> number; ///< ~0 = none, with power 0
     };
     struct BuildItem;
+    static Node nodeOf(std::span<const BuildItem> items);
+    static std::size_t split(std::span<BuildItem> items);
     uint32_t build(std::span<BuildItem> items, uint32_t parent);
+    static float sineOf(float cosine) { return std::sqrt(std::max(0.0f, 1.0f - cosine * cosine)); }
+    static float cosineOfDifference(float cosA, float cosB, float sinB);
     [[nodiscard]] static inline float importance(const Node& node, vec3 position, vec3 normal);
     using Weights = Cut::Lanes<float>;
     [[nodiscard]] Weights importance(const Cut::Lanes<uint32_t>& nodes, const Points& positions,
                                      const Points& normals) const;
     void makeQuads();
-    /// Probabilities of what a quad holds; all zero when nothing is in range.
+    /// Probabilities of a quad's nodes; all zero if no light is in range.
     [[nodiscard]] Quad::Lanes<float> probabilities(const Quad& quad, vec3 position, vec3 normal) const;
-    /// Walks up from an item's leaf; stops at the root or at a node of the cut and tells which.
+    /// Probability of an item given the root, or given the node of the cut above it, whose index is written.
     float climb(uint32_t item, const Cut* cut, std::size_t lane, vec3 position, vec3 normal,
                 std::size_t& cutIndex) const;
 

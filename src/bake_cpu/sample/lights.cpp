@@ -29,8 +29,8 @@ std::vector<PunctualLight> punctualLights(const Scene& scene, LightUse use)
         if (use == LightUse::Reference) {
             p.directAtTexels = p.directAtProbes = p.bounces = true;
         } else {
-            // Spec S6. Subtractive lightmaps hold the direct light of mixed lights too; dynamic objects get it at run
-            // time, so the probes never do.
+            // Spec S6. Subtractive lightmaps contain the direct light of mixed lights. Probes do not: dynamic objects
+            // receive it at run time.
             const bool mixed = light.baking.bakeType == LightMode::Mixed;
             const bool baked = light.baking.bakeType == LightMode::Baked;
             const bool subtractive = mixed && light.baking.mixedMode == MixedLightingMode::Subtractive;
@@ -66,102 +66,6 @@ LightRay sampleLightRay(const PunctualLight& light, vec3 origin, vec2 disc)
     }
     const float distance = std::max(glm::length(toLight), 1.0e-20f);
     return {toLight / distance, distance};
-}
-
-Emitters::Emitters(const RayTracer& tracer) : tracer_(tracer)
-{
-    const BakeGeometry& geometry = tracer.geometry();
-    std::vector<LightItem> items;
-    for (uint32_t t = 0; t < geometry.triangles.size(); ++t) {
-        const TransportMaterial& material = tracer.materialOfTriangle(t);
-        if (material.emission == vec3(0.0f)) continue;
-        const uvec3 v = geometry.triangles[t];
-        Emissive e;
-        e.triangle = t;
-        e.origin = geometry.positions[v.x];
-        e.edge1 = geometry.positions[v.y] - e.origin;
-        e.edge2 = geometry.positions[v.z] - e.origin;
-        e.normal = geometry.geometricNormal(t);
-        const float area = 0.5f * glm::length(glm::cross(e.edge1, e.edge2));
-        if (!(area > 0.0f)) continue;
-        e.inverseArea = 1.0f / area;
-        e.uniform = !material.emissive && material.alphaMode == Material::AlphaMode::Opaque;
-        e.radiance = material.emission;
-        e.doubleSided = material.doubleSided;
-        e.rayVisible = geometry.parts[geometry.partOfTriangle[t]].castShadows;
-        // Mean emission over a few points; textured triangles keep a small share whatever the points say.
-        float mean = luminance(material.emission);
-        if (material.emissive) {
-            constexpr int kPoints = 16;
-            const float full = mean;
-            mean = 0.0f;
-            for (int i = 0; i < kPoints; ++i) {
-                const vec2 u = r2Point(i);
-                mean += luminance(tracer.emissionAt(t, shading::sampleTriangle(u))) / float(kPoints);
-            }
-            mean = std::max(mean, 0.01f * full);
-        }
-        if (!(mean > 0.0f)) continue;
-        LightItem item;
-        item.bounds.extend(e.origin);
-        item.bounds.extend(e.origin + e.edge1);
-        item.bounds.extend(e.origin + e.edge2);
-        item.axis = e.normal;
-        item.twoSided = e.doubleSided;
-        item.power = area * mean * (e.doubleSided ? 2.0f : 1.0f);
-        items.push_back(item);
-        triangles_.push_back(e);
-    }
-    if (triangles_.empty()) return;
-    itemOfTriangle_.assign(geometry.triangles.size(), ~0u);
-    for (std::size_t i = 0; i < triangles_.size(); ++i) itemOfTriangle_[triangles_[i].triangle] = uint32_t(i);
-    tree_ = LightTree(items);
-}
-
-inline EmitterSample Emitters::at(const LightTree::Choice& choice, float v) const
-{
-    const Emissive& e = triangles_[choice.item];
-    const vec2 barycentric = shading::sampleTriangle(vec2(choice.u, v));
-    EmitterSample s;
-    s.position = e.origin + barycentric.x * e.edge1 + barycentric.y * e.edge2;
-    s.normal = e.normal;
-    s.radiance = e.radiance;
-    // Holes do not shine, and what is half transparent shines by half.
-    if (!e.uniform) {
-        s.radiance = tracer_.emissionAt(e.triangle, barycentric) * tracer_.coverageAt(e.triangle, barycentric);
-    }
-    s.rayVisible = e.rayVisible;
-    s.doubleSided = e.doubleSided;
-    s.pdfArea = choice.probability * e.inverseArea;
-    return s;
-}
-
-EmitterSample Emitters::sample(vec3 position, vec3 normal, vec2 u) const
-{
-    const LightTree::Choice choice = tree_.sample(position, normal, u.x);
-    return choice.probability > 0.0f ? at(choice, u.y) : EmitterSample{};
-}
-
-void Emitters::sample(const LightTree::Cut& cut, const LightTree::Points& positions, const LightTree::Points& normals,
-                      const LightTree::Cut::Lanes<bool>& wanted, const Vec2Lanes<LightTree::Cut::kLanes>& u,
-                      EmitterLanes& samples) const
-{
-    LightTree::Cut::Lanes<LightTree::Choice> choices;
-    tree_.sample(cut, positions, normals, wanted, u.x, choices);
-    for (std::size_t lane = 0; lane < EmitterLanes::kLanes; ++lane) {
-        samples.pdfArea[lane] = 0.0f;
-        if (choices[lane].probability > 0.0f) samples.set(lane, at(choices[lane], u.y[lane]));
-    }
-}
-
-float Emitters::pdfArea(const Receiver& receiver, uint32_t triangle) const
-{
-    if (itemOfTriangle_.empty() || itemOfTriangle_[triangle] == ~0u) return 0.0f;
-    const uint32_t item = itemOfTriangle_[triangle];
-    const float probability = receiver.cut != nullptr ? tree_.probability(*receiver.cut, receiver.lane, item,
-                                                                          receiver.position, receiver.normal)
-                                                      : tree_.probability(item, receiver.position, receiver.normal);
-    return probability * triangles_[item].inverseArea;
 }
 
 LightTree punctualTree(const std::vector<PunctualLight>& lights, std::vector<uint32_t>& itemLights)

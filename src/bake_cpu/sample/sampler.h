@@ -8,9 +8,9 @@
 
 namespace halflight {
 
-/// Low-discrepancy points in the unit square: the first two dimensions of Sobol' (1967), a (0,2)-sequence, shuffled and
-/// Owen-scrambled by hashing (Burley 2020, "Practical Hash-based Owen Scrambling"), anew for each pair of dimensions.
-/// A value is a function of (texel, sample, dimension) and of the seed.
+/// Owen-scrambled Sobol' points in the unit square (Sobol' 1967; Burley 2020, "Practical Hash-based Owen Scrambling").
+/// Each pair of dimensions is the first two of Sobol', shuffled and scrambled with its own seed. A value is a function
+/// of (seed, texel, sample, dimension).
 class Sampler {
 public:
     Sampler(uint32_t seed, uint32_t texel, uint32_t sample) : texel_(hashCombine(seed, texel)), sample_(sample) {}
@@ -29,7 +29,7 @@ public:
         return unitFloat(owenScramble(sobolFirst(owenScramble(sample_, seed)), hashPcg(seed + 1u)));
     }
 
-    /// A point of the sequence, scrambled but not shuffled, as 32-bit fractions.
+    /// Point `index` of the sequence as 32-bit fractions: scrambled, not shuffled.
     static uvec2 scrambledBits(uint32_t index, uint32_t seed)
     {
         return {owenScramble(sobolFirst(index), hashPcg(seed + 1u)),

@@ -12,20 +12,20 @@
 namespace halflight {
 namespace {
 
-/// Where a texel's points receive amounts that differ by more than this share of the most, more points are asked.
+/// If the irradiances of a texel's points differ by more than this share of the largest, further batches are evaluated.
 constexpr float kAlike = 0.05f;
 constexpr int kMostBatches = 64;
 
-/// What lights without shadows give a texel, on average over its points.
+/// Mean irradiance without shadows over the points of a texel.
 class Unshadowed {
 public:
     struct Light {
         vec3 irradiance{0.0f};
-        vec3 moment{0.0f}; ///< first moment of its luminance's direction
+        vec3 moment{0.0f}; ///< luminance times direction
     };
 
     Unshadowed(const ShadowPass& pass, std::size_t number)
-        : pass_(pass), texel_(pass.map.texels[pass.texels[number]]), mask_(pass.outside[number])
+        : pass_(pass), texel_(pass.map.texels[pass.texels[number]]), mask_(pass.valid[number])
     {}
 
     Light of(const PunctualLight& light)
@@ -47,7 +47,7 @@ public:
             }
         };
         add(0);
-        // Folded texels have as many points as shadow edges have rays. Those with points left out have no others.
+        // Texels across a fold take as many points as shadow edges have rays. Partly valid texels have batch 0 only.
         if (most - least > kAlike * most && mask_ == kAllPoints) {
             const int batches = std::min(pass_.timesOnEdges * pass_.samples / kMaxTexelPoints, kMostBatches);
             for (int batch = 1; batch < batches; ++batch) add(batch);
@@ -62,7 +62,7 @@ private:
             Batch& b = batches_.emplace_back();
             const int first = mask_ == kAllPoints ? ShadowGroup::firstBatch(texelId(pass_.map, texel_)) : 0;
             b.count = texelPoints(pass_.paths.surfaces().geometry(), pass_.map, texel_, b.points, first + batch);
-            TexelValidity::keep(mask_, b.points, b.count);
+            keepPoints(mask_, b.points, b.count);
         }
         const Batch& b = batches_[std::size_t(batch)];
         return {b.points.data(), std::size_t(b.count)};
@@ -78,14 +78,14 @@ private:
     std::vector<Batch> batches_;
 };
 
-/// Adds the lights' direct light to the texels of a pass; texel i of it has its estimate at out[places[i]].
+/// Adds the lights' direct light to the texels of a pass. The estimate of its texel i is out[places[i]].
 bool addLights(const ShadowPass& pass, std::span<const PunctualLight* const> lights,
                const std::vector<ShadowSource>& sources, std::span<const uint32_t> places,
                std::span<IrradianceEstimate> out)
 {
     const auto rays = float(pass.timesOnEdges * pass.samples);
     const Progress shadows = partOf(pass.progress, 0.0, 0.9);
-    const ShadowPass shadowPass{pass.paths,   pass.pattern,      pass.map, pass.grid,  pass.texels, pass.outside,
+    const ShadowPass shadowPass{pass.paths,   pass.pattern,      pass.map, pass.grid,  pass.texels, pass.valid,
                                 pass.samples, pass.timesOnEdges, shadows,  pass.stage, pass.rays};
     std::vector<LitCount> counts;
     if (!traceShadows(shadowPass, sources, counts)) return false;
@@ -98,13 +98,13 @@ bool addLights(const ShadowPass& pass, std::span<const PunctualLight* const> lig
                 const LitCount& lit = counts[i * lights.size() + l];
                 if (!lit.any()) continue;
                 const float strength = lights[l]->shadowStrength;
-                const float arrives = glm::mix(1.0f, lit.share(), strength);
-                if (arrives <= 0.0f) continue;
+                const float transmittance = glm::mix(1.0f, lit.share(), strength);
+                if (transmittance <= 0.0f) continue;
                 const Unshadowed::Light light = unshadowed.of(*lights[l]);
-                estimate.irradiance += arrives * light.irradiance;
-                estimate.direct += arrives * light.irradiance;
-                estimate.moment += arrives * light.moment;
-                // Of a share of so many yes-or-no rays, as if they were independent: texels lit in part have all.
+                estimate.irradiance += transmittance * light.irradiance;
+                estimate.direct += transmittance * light.irradiance;
+                estimate.moment += transmittance * light.moment;
+                // Binomial variance of the lit share; partly lit texels have all rays.
                 const float contrast = lit.mixed() ? luminance(light.irradiance) * strength : 0.0f;
                 const float variance = contrast * contrast * lit.share() * (1.0f - lit.share()) / rays;
                 estimate.varianceOfMean += variance;
@@ -117,8 +117,7 @@ bool addLights(const ShadowPass& pass, std::span<const PunctualLight* const> lig
 
 } // namespace
 
-// A few lights at a time, so that memory stays small, and for each few only the texels that one of them can reach: what
-// a light costs follows from these, not from the size of the map.
+// Up to four lights at a time limit the memory. The cost of a light follows from the texels that it may reach.
 bool addBakedLights(const ShadowPass& pass, uint32_t seed, std::span<IrradianceEstimate> out)
 {
     constexpr std::size_t kLightsAtOnce = 4;
@@ -128,7 +127,7 @@ bool addBakedLights(const ShadowPass& pass, uint32_t seed, std::span<IrradianceE
     }
     if (lights.empty()) return true;
     const TexelRuns runs(pass.paths.surfaces().geometry(), pass.map, pass.texels);
-    // Lights with a range go one by one: few texels are in reach of several that follow one another.
+    // Lights with a range are traced alone, because few texels are in reach of several.
     const auto atOnce = [&](std::size_t first) {
         std::size_t count = 1;
         while (count < std::min(kLightsAtOnce, lights.size() - first) && reachesEverywhere(*lights[first]) &&
@@ -145,14 +144,14 @@ bool addBakedLights(const ShadowPass& pass, uint32_t seed, std::span<IrradianceE
         for (std::size_t l = 0; l < some.size(); ++l)
             sources.push_back({LightReach(std::vector{some[l]}), true, hashCombine(seed, uint32_t(first + l))});
         std::vector<uint32_t> texels;
-        std::vector<PointMask> outside;
+        std::vector<PointMask> valid;
         for (const uint32_t place : places) {
             texels.push_back(pass.texels[place]);
-            outside.push_back(pass.outside[place]);
+            valid.push_back(pass.valid[place]);
         }
         const double share = 1.0 / double(lights.size());
         const Progress part = partOf(pass.progress, double(first) * share, double(first + some.size()) * share);
-        if (!addLights({pass.paths, pass.pattern, pass.map, pass.grid, texels, outside, pass.samples, pass.timesOnEdges,
+        if (!addLights({pass.paths, pass.pattern, pass.map, pass.grid, texels, valid, pass.samples, pass.timesOnEdges,
                         part, pass.stage, pass.rays},
                        some, sources, places, out)) {
             return false;

@@ -5,8 +5,8 @@
 
 namespace halflight {
 
-/// Adds the direct light of all lights that the lightmap holds to the texels of a pass: what they would have without
-/// shadows, times the share of rays that arrive. False when cancelled.
+/// Adds the direct light of all fully baked lights to the texels of a pass: unshadowed irradiance times the lit share
+/// of the shadow rays. False when cancelled.
 bool addBakedLights(const ShadowPass& pass, uint32_t seed, std::span<IrradianceEstimate> out);
 
 } // namespace halflight

@@ -11,9 +11,9 @@ namespace halflight {
 namespace {
 
 constexpr uint32_t kLeaf = 4;
-constexpr std::size_t kRun = 64; ///< texels; in the map's order they are a patch of about 8 x 8
+constexpr std::size_t kRun = 64; ///< texels; in the map's order about 8 x 8 neighbours
 
-/// Rounding must not take a point at the end of the range; beyond it there is no light anyway.
+/// Range with a margin for rounding errors; a light gives nothing beyond its range.
 float reachOf(const PunctualLight& light)
 {
     return 1.001f * light.range;
@@ -32,7 +32,7 @@ bool contains(const Bounds& bounds, vec3 point)
     return glm::all(glm::lessThanEqual(bounds.min, point)) && glm::all(glm::lessThanEqual(point, bounds.max));
 }
 
-/// Everything of a texel's square on a triangle lies within this box around the piece's centroid.
+/// Extends bounds by a box around a fragment's centroid that contains the texel's square on the fragment's triangle.
 void extendByPiece(const BakeGeometry& geometry, const TexelFragment& piece, Bounds& bounds)
 {
     const uvec3 t = geometry.triangles[piece.triangle];
@@ -42,7 +42,7 @@ void extendByPiece(const BakeGeometry& geometry, const TexelFragment& piece, Bou
     const vec2 texel2 = geometry.lightmapTexel[t.z] - geometry.lightmapTexel[t.x];
     const float area = cross2(texel1, texel2);
     const vec3 center = geometry.positions[t.x] + piece.barycentric.x * edge1 + piece.barycentric.y * edge2;
-    // A step of a texel to the right, and one upwards, both without their signs: twice what the square needs.
+    // Sum of the absolute steps of one texel along both axes: twice the half size of the square.
     const vec3 half = (glm::abs(edge1 * texel2.y - edge2 * texel1.y) + glm::abs(edge2 * texel1.x - edge1 * texel2.x)) /
                       std::abs(area);
     if (!(half.x + half.y + half.z < kInfinity)) {

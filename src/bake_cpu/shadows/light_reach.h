@@ -1,5 +1,5 @@
 #pragma once
-// Which of many lights reach a place: what a light costs follows from the texels within its range.
+// Lights by range: which of many lights reach a point, and which texels a light may reach.
 
 #include "bake_cpu/sample/lights.h"
 
@@ -11,18 +11,18 @@
 
 namespace halflight {
 
-/// Whether a light has no range.
+/// Whether a light has no range, so that it may reach every texel.
 bool reachesEverywhere(const PunctualLight& light);
 
-/// Of lights that never meet, such as those of one mask channel, the one that reaches a point: a tree of the boxes
-/// around their ranges.
+/// Bounding volume hierarchy over the ranges of lights of which at most one reaches any point, such as the lights of
+/// one mask channel.
 class LightReach {
 public:
     LightReach() = default;
     /// The lights outlive it.
     explicit LightReach(std::vector<const PunctualLight*> lights);
 
-    /// The first in the list's order that reaches the point; null where none does.
+    /// The first light in the list's order that reaches the point, or null.
     [[nodiscard]] const PunctualLight* at(vec3 point) const;
     [[nodiscard]] const std::vector<const PunctualLight*>& lights() const { return lights_; }
 
@@ -35,18 +35,18 @@ private:
     uint32_t build(uint32_t first, uint32_t end);
 
     std::vector<const PunctualLight*> lights_;
-    std::vector<uint32_t> everywhere_; ///< numbers of lights without a range
-    std::vector<uint32_t> items_;      ///< numbers of the others, by leaf
+    std::vector<uint32_t> everywhere_; ///< indices of lights without a range
+    std::vector<uint32_t> items_;      ///< indices of the others, by leaf
     std::vector<Node> nodes_;
 };
 
-/// Texels in runs that lie side by side on the map, with a box around each.
+/// Runs of 64 texels that are neighbours on the map, with their bounds.
 class TexelRuns {
 public:
     /// `texels` in ascending order.
     TexelRuns(const BakeGeometry& geometry, const TexelMap& map, std::span<const uint32_t> texels);
 
-    /// Places, in the list of texels, of all runs that one of the lights may reach, in ascending order.
+    /// Indices into the list of texels, in ascending order, of all runs that one of the lights may reach.
     [[nodiscard]] std::vector<uint32_t> reachedBy(std::span<const PunctualLight* const> lights) const;
 
 private:

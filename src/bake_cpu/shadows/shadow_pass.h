@@ -1,10 +1,7 @@
 #pragma once
-// How much of each light's disc the texels see: the rays of shadowmasks and of direct light that is baked.
+// Transmittance from texels to lights, for shadowmasks and for baked direct light.
 
-#include "bake_cpu/sample/path_tracer.h"
-#include "bake_cpu/sample/stratified_pattern.h"
 #include "bake_cpu/shadows/shadow_rays.h"
-#include "bake_cpu/texels/ray_bundle.h"
 
 #include "halflight/bake/texel_grid.h"
 
@@ -16,13 +13,12 @@
 
 namespace halflight {
 
-/// What a texel's rays to one light have told so far, in one word: there is one for each texel and light at once. Sums
-/// are floats without their last eight bits; of kMostRays, the last eight still count within a thirtieth of what they
-/// should.
+/// Rays of one texel to one light in one word, because there is one for every pair. Sums are floats without their last
+/// eight bits; of kMostRays rays, each of the last eight still counts within 1/30 of its weight.
 struct LitCount {
     static constexpr int kMostRays = 1 << 16;
-    uint64_t lit : 24 = 0; ///< of `all`, what arrives
-    uint64_t all : 24 = 0; ///< weights of the rays
+    uint64_t lit : 24 = 0; ///< as LitSum::lit
+    uint64_t all : 24 = 0;
     uint64_t least : 8 = LitRange{}.least;
     uint64_t most : 8 = LitRange{}.most;
 
@@ -51,17 +47,18 @@ struct ShadowPass {
     const StratifiedPattern& pattern;
     const TexelMap& map;
     const TexelGrid& grid;
-    std::span<const uint32_t> texels;   ///< in ascending order
-    std::span<const PointMask> outside; ///< of each of these
-    int samples;                        ///< rays per texel and source
-    int timesOnEdges; ///< so many times these where a shadow's edge is: few texels, and what one sees of a shadow
+    std::span<const uint32_t> texels; ///< in ascending order
+    std::span<const PointMask> valid; ///< their valid points
+    int samples;                      ///< rays per texel and source
+    int timesOnEdges;                 ///< factor of `samples` on shadow edges
     const Progress& progress;
     const char* stage;
     std::atomic<uint64_t>& rays;
 };
 
-/// Rays to lights, few at first: where all of a texel's and its neighbours' rays agree, lit or shadowed, the answer
-/// stands; the others get all of theirs. Counts are by texel of the pass and source. At most kMaxShadowSources at once.
+/// Traces 8 rays per texel and source. Where all rays within 3 texels agree, lit or shadowed, that is the result. The
+/// other texels get half of `samples`, texels beside an edge all, and partly lit ones `timesOnEdges` times as many.
+/// Counts are by texel and source. False when cancelled.
 constexpr std::size_t kMaxShadowSources = 8;
 bool traceShadows(const ShadowPass& pass, const std::vector<ShadowSource>& sources, std::vector<LitCount>& counts);
 

@@ -1,8 +1,9 @@
 #pragma once
-// Rays towards punctual lights, in bundles: for shadowmasks and for direct light that is baked.
+// Packets of shadow rays from texels to lights.
 
+#include "bake_cpu/sample/shadow_packet.h"
 #include "bake_cpu/shadows/light_reach.h"
-#include "bake_cpu/texels/ray_bundle.h"
+#include "bake_cpu/texels/texel_group.h"
 
 #include <algorithm>
 #include <array>
@@ -11,17 +12,17 @@
 
 namespace halflight {
 
-/// Texels whose batches of points begin here and there: where a shadow's edge along a row of texels slips between the
-/// points of one, it meets its neighbours'.
+/// Texels that start at different batches of texelPoints(). A shadow edge along a row of texels may pass between the
+/// points of one batch, but not between those of all neighbours.
 class ShadowGroup : public TexelGroup {
 public:
     ShadowGroup(const PathTracer& paths, const TexelMap& map, std::span<const uint32_t> texels,
-                std::span<const PointMask> outside, int batch = 0)
-        : TexelGroup(paths, map, texels, outside, [&](uint32_t id) { return batch + firstBatch(id); })
+                std::span<const PointMask> valid, int batch = 0)
+        : TexelGroup(paths, map, texels, valid, [&](uint32_t id) { return batch + firstBatch(id); })
     {}
 
-    /// One of those, among many, whose points' mean is nearest to the middle of the square: they have the light of a
-    /// whole texel where that changes across it.
+    /// One of the 256 batches, of 32768, whose mean point is closest to the texel's centre: their mean light is that of
+    /// the whole texel to first order.
     static int firstBatch(uint32_t id)
     {
         constexpr int kMany = 32768;
@@ -42,63 +43,59 @@ public:
     }
 };
 
-/// Between what shares the rays to one light arrived from a texel.
+/// Least and largest transmittance of a texel's rays to one light.
 struct LitRange {
-    static constexpr int kLit = 254; ///< of a ray all of whose light arrives
-    /// Rays that differ no more than this find the same: light through one pane of glass, say.
+    static constexpr int kLit = 254; ///< transmittance 1
+    /// Rays that differ by at most this agree: all pass through the same pane of glass, for example.
     static constexpr int kAlike = 8;
     uint8_t least = kLit;
     uint8_t most = 0;
 
-    void add(float share)
+    void add(float transmittance)
     {
-        const auto value = uint8_t(share * float(kLit) + 0.5f);
+        const auto value = uint8_t(transmittance * float(kLit) + 0.5f);
         least = std::min(least, value);
         most = std::max(most, value);
     }
-    /// Takes in what another's rays found.
     void add(LitRange other)
     {
         least = std::min(least, other.least);
         most = std::max(most, other.most);
     }
-    /// Whether rays found one thing and others another.
     [[nodiscard]] bool mixed() const { return int(most) - int(least) > kAlike; }
 };
 
-/// Of some rays to one light.
+/// Weighted sum of the transmittances of some rays to one light.
 struct LitSum {
-    float lit = 0.0f; ///< of `all`, what arrives
-    float all = 0.0f; ///< weights of the rays
+    float lit = 0.0f;
+    float all = 0.0f; ///< sum of weights
     LitRange range;
 
-    /// A ray that counts so much, of whose light a share arrives.
-    void add(float share, float weight)
+    void add(float transmittance, float weight)
     {
-        lit += weight * share;
+        lit += weight * transmittance;
         all += weight;
-        range.add(share);
+        range.add(transmittance);
     }
 };
 
-/// A light, or several that never meet.
+/// A light, or several of which at most one reaches any point.
 struct ShadowSource {
     LightReach lights;
-    /// Only points that would be lit look, those that face the light, which is not dark there; and their rays count as
-    /// much as they would receive.
+    /// Only points that the light would illuminate trace rays, with their unshadowed irradiance as weight.
     bool lit = false;
     uint32_t seed = 0;
 
-    /// The light that a point looks at, null for none, and what its ray counts.
-    struct Aim {
+    struct Target {
         const PunctualLight* light = nullptr;
         float weight = 1.0f;
     };
-    [[nodiscard]] Aim aimOf(const SurfacePoint& point) const
+    /// The light that a point traces a ray to, if any.
+    [[nodiscard]] Target targetOf(const SurfacePoint& point) const
     {
         if (!lit) return {lights.at(point.position), 1.0f};
         for (const PunctualLight* light : lights.lights()) {
-            constexpr float kMost = 1.0e30f; // so that sums are numbers
+            constexpr float kMost = 1.0e30f; // sums of weights must be finite
             const float weight = std::min(luminance(light->irradianceAt(point.position, point.normal)), kMost);
             if (weight > 0.0f) return {light, weight};
         }
@@ -106,9 +103,8 @@ struct ShadowSource {
     }
 };
 
-/// Samples come in halves of eight, each at points of the texel of its own: two halves use up a batch of texelPoints().
-/// So shadow edges are antialiased by as many points as there are rays, and lights without extent gain from more rays
-/// like the others.
+/// Traces half-batches of eight rays, each ray from its own point of the texel. So shadow edges are antialiased by as
+/// many points as there are rays, for lights without extent too.
 class ShadowRays {
 public:
     static constexpr int kHalf = 8;
@@ -117,31 +113,31 @@ public:
         : paths_(paths), pattern_(pattern), source_(source)
     {}
 
-    /// Halves that `samples` rays for each texel come to.
+    /// Half-batches of `samples` rays.
     static int halvesOf(int samples) { return std::max(1, (samples + kHalf - 1) / kHalf); }
 
-    /// One half for all active lanes that `wanted` names (a bit each), from the points of its batch. By lane.
+    /// One half-batch of all active lanes in `wanted` (a bit each), from the points of the group. By lane.
     using Sums = std::array<LitSum, TexelGroup::kLanes>;
     Sums trace(const TexelGroup& group, uint32_t wanted, int half, uint64_t& rays) const
     {
         Sums sums;
-        std::array<ShadowSource::Aim, TexelGroup::kLanes> aims;
+        std::array<ShadowSource::Target, TexelGroup::kLanes> targets;
         for (int i = 0; i < kHalf; ++i) {
             ShadowPacket packet(paths_);
             for (int lane = 0; lane < TexelGroup::kLanes; ++lane) {
                 const auto l = std::size_t(lane);
-                aims[l] = {};
+                targets[l] = {};
                 if (!group.active(lane) || ((wanted >> lane) & 1u) == 0) continue;
                 const SurfacePoint& point = group.point(lane, half * kHalf + i);
-                aims[l] = source_.aimOf(point);
-                if (aims[l].light == nullptr) continue;
+                targets[l] = source_.targetOf(point);
+                if (targets[l].light == nullptr) continue;
                 const vec2 disc = pattern_.disc(hashCombine(source_.seed, group.id(lane)), uint32_t(half * kHalf + i));
-                packet.add(lane, *aims[l].light, point, disc, rays);
+                packet.add(lane, *targets[l].light, point, disc, rays);
             }
-            const std::array<float, TexelGroup::kLanes> shares = packet.trace();
-            for (int lane = 0; lane < TexelGroup::kLanes; ++lane) {
-                const ShadowSource::Aim& aim = aims[std::size_t(lane)];
-                if (aim.light != nullptr) sums[std::size_t(lane)].add(shares[std::size_t(lane)], aim.weight);
+            const std::array<float, TexelGroup::kLanes> transmittance = packet.trace();
+            for (std::size_t lane = 0; lane < TexelGroup::kLanes; ++lane) {
+                const ShadowSource::Target& target = targets[lane];
+                if (target.light != nullptr) sums[lane].add(transmittance[lane], target.weight);
             }
         }
         return sums;

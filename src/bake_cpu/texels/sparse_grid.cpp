@@ -6,10 +6,10 @@ namespace halflight {
 namespace {
 
 constexpr float kCovered = 0.999f;
-/// How far the surface may bend between two texels that another lies between: the angle of each to the one between
-/// (cos 4 degrees), and how far that one is from the middle of the others, as a share of its distance to them.
+/// Limits of a smooth surface. Cosine of the angle between the normals of a texel and an anchor: 4 degrees.
 constexpr float kCosBend = 0.9976f;
-constexpr float kOffMiddle = 0.1f;
+/// Distance of a texel from the mean of its anchors, as a share of its distance to them.
+constexpr float kOffCenter = 0.1f;
 
 } // namespace
 
@@ -25,11 +25,11 @@ SparseGrid::Offsets SparseGrid::offsetsOf(uint32_t texel) const
     if (spacing >= step_) return {};
     const int dx = map_.texels[texel].x & spacing;
     const int dy = map_.texels[texel].y & spacing;
-    // On the lattice twice as wide in x, in y or in none of them: two neighbours in a row, or four at the corners.
+    // Two neighbours along an axis if the texel is on the coarser grid in the other axis, else four at the corners.
     return {{ivec2(-dx, -dy), ivec2(dx, dy), ivec2(dx, -dy), ivec2(-dx, dy)}, dx != 0 && dy != 0 ? 4 : 2};
 }
 
-bool SparseGrid::around(uint32_t texel, Around& out) const
+bool SparseGrid::anchorsOf(uint32_t texel, Anchors& out) const
 {
     const Offsets offsets = offsetsOf(texel);
     if (offsets.count == 0) return false;
@@ -37,23 +37,23 @@ bool SparseGrid::around(uint32_t texel, Around& out) const
     out.meters = 0.0f;
     forNeighbours(texel, [&](uint32_t other) { out.texels[std::size_t(out.count++)] = other; });
     if (out.count < offsets.count) return false;
-    Middle here;
-    if (!middleOf(texel, here)) return false;
+    Center here;
+    if (!centerOf(texel, here)) return false;
     vec3 mean(0.0f);
     for (int i = 0; i < out.count; ++i) {
-        Middle there;
-        if (!middleOf(out.texels[std::size_t(i)], there) || glm::dot(there.normal, here.normal) < kCosBend)
+        Center there;
+        if (!centerOf(out.texels[std::size_t(i)], there) || glm::dot(there.normal, here.normal) < kCosBend)
             return false;
         out.meters = std::max(out.meters, glm::distance(there.position, here.position));
         mean += there.position / float(out.count);
     }
-    return glm::distance(mean, here.position) <= kOffMiddle * out.meters;
+    return glm::distance(mean, here.position) <= kOffCenter * out.meters;
 }
 
-bool SparseGrid::middleOf(uint32_t texel, Middle& out) const
+bool SparseGrid::centerOf(uint32_t texel, Center& out) const
 {
     const Texel& t = map_.texels[texel];
-    const vec2 middle = vec2(t.x, t.y) + 0.5f;
+    const vec2 center = vec2(t.x, t.y) + 0.5f;
     float covered = 0.0f;
     bool found = false;
     for (uint32_t f = t.firstFragment; f < t.firstFragment + t.fragmentCount; ++f) {
@@ -63,9 +63,9 @@ bool SparseGrid::middleOf(uint32_t texel, Middle& out) const
         const uvec3 v = geometry_.triangles[triangle];
         const vec2 edge1 = geometry_.lightmapTexel[v.y] - geometry_.lightmapTexel[v.x];
         const vec2 edge2 = geometry_.lightmapTexel[v.z] - geometry_.lightmapTexel[v.x];
-        const vec2 place = middle - geometry_.lightmapTexel[v.x];
+        const vec2 place = center - geometry_.lightmapTexel[v.x];
         const vec2 w = vec2(cross2(place, edge2), cross2(edge1, place)) / cross2(edge1, edge2);
-        constexpr float kSlack = 1.0e-4f; // on an edge between two triangles either will do
+        constexpr float kSlack = 1.0e-4f; // on an edge either of its triangles will do
         found = w.x >= -kSlack && w.y >= -kSlack && w.x + w.y <= 1.0f + kSlack;
         if (!found) continue;
         const SurfacePoint point = surfacePoint(geometry_, triangle, w);

@@ -1,5 +1,5 @@
 #pragma once
-// Texels that need not be traced: those that lie between traced ones where light hardly changes.
+// Interpolated texels: which texels need no rays because traced ones surround them on a smooth surface.
 
 #include "halflight/bake/texel_grid.h"
 
@@ -7,23 +7,22 @@
 
 namespace halflight {
 
-/// A map's texels in levels: first those of a lattice several texels wide, then the ones halfway between these, and so
-/// on down to every texel. A texel of one level may take the mean of those of the levels before that lie symmetrically
-/// around it on the same smooth, fully covered piece of surface (irradiance is linear there to the second order:
-/// Ward, Rubinstein and Clear 1988, "A Ray Tracing Solution for Diffuse Interreflection").
+/// A map's texels in levels: a sparse grid several texels wide, the texels halfway between its points, and so on down
+/// to every texel. A texel may be interpolated between texels of earlier levels that lie symmetrically around it on one
+/// smooth, fully covered piece of surface: irradiance is linear there to second order (Ward, Rubinstein and Clear 1988,
+/// "A Ray Tracing Solution for Diffuse Interreflection").
 class SparseGrid {
 public:
-    /// `step`: width of the first lattice in texels, a power of two; 1 = all texels are of the first level. Geometry
-    /// and map outlive the lattice, the grid too.
+    /// `step`: width of the grid in texels, a power of two; 1 = all texels are of the first level. Geometry, map and
+    /// grid outlive it.
     SparseGrid(const BakeGeometry& geometry, const TexelMap& map, const TexelGrid& grid, int step)
         : geometry_(geometry), map_(map), grid_(grid), step_(step)
     {}
 
-    /// Distance in texels to those that a texel may lie between; the step for texels of the first level, which lie
-    /// between none.
+    /// Distance in texels to the anchors of a texel; the step for texels of the first level, which have none.
     [[nodiscard]] int spacingOf(uint32_t texel) const;
     [[nodiscard]] int step() const { return step_; }
-    /// Calls body(index) for those that a texel may lie between, of its chart.
+    /// Calls body(index) for the possible anchors of a texel on its chart.
     template<typename Body> void forNeighbours(uint32_t texel, const Body& body) const
     {
         const Offsets offsets = offsetsOf(texel);
@@ -34,17 +33,17 @@ public:
         }
     }
 
-    /// The texels that another lies between: two or four.
-    struct Around {
+    /// Texels that another one is interpolated between: two or four.
+    struct Anchors {
         std::array<uint32_t, 4> texels{};
         int count = 0;
         float meters = 0.0f; ///< distance of the farthest
     };
-    /// False where the texel is of the first level, or where the surface does not go on evenly around it.
-    bool around(uint32_t texel, Around& out) const;
+    /// False for texels of the first level and where the surface around the texel is not smooth.
+    bool anchorsOf(uint32_t texel, Anchors& out) const;
 
 private:
-    struct Middle {
+    struct Center {
         vec3 position{0.0f};
         vec3 normal{0.0f};
     };
@@ -53,8 +52,8 @@ private:
         int count = 0;
     };
     [[nodiscard]] Offsets offsetsOf(uint32_t texel) const;
-    /// The middle of a texel that is covered all over.
-    bool middleOf(uint32_t texel, Middle& out) const;
+    /// Centre of a texel; false if the texel is not fully covered.
+    bool centerOf(uint32_t texel, Center& out) const;
 
     const BakeGeometry& geometry_;
     const TexelMap& map_;

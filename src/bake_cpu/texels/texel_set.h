@@ -1,5 +1,5 @@
 #pragma once
-// Some of a lightmap's texels.
+// Sorted subset of a lightmap's texels.
 
 #include "halflight/bake/texel_grid.h"
 
@@ -9,18 +9,18 @@
 
 namespace halflight {
 
-/// Some texels of a map, in ascending order, and where each is among them.
+/// Texels of a map in ascending order, with lookup of their positions in the set.
 class TexelSet {
 public:
     TexelSet(const TexelMap& map, std::span<const uint32_t> texels) : map_(map), texels_(texels.begin(), texels.end())
     {
         sort();
     }
-    /// Adds for each texel those that `others(texel, add)` calls add() with.
+    /// Calls others(texel, add) for each texel; add(other) adds a texel to the set.
     template<typename Others> void extend(const Others& others)
     {
         if (size() == map_.texels.size()) return;
-        // Nearly all of them are in the set already where it is a piece of the map.
+        // In a contiguous set nearly all others are members already.
         for (std::size_t i = 0, count = texels_.size(); i < count; ++i) {
             others(texels_[i], [&](uint32_t other) {
                 if (!inRun(other)) texels_.push_back(other);
@@ -30,10 +30,10 @@ public:
     }
     [[nodiscard]] std::size_t size() const { return texels_.size(); }
     [[nodiscard]] uint32_t operator[](std::size_t i) const { return texels_[i]; }
-    /// Of a texel that is in the set.
+    /// Position of a member.
     [[nodiscard]] std::size_t find(uint32_t texel) const
     {
-        if (inRun(texel)) return run_.place + (texel - run_.texel);
+        if (inRun(texel)) return run_.position + (texel - run_.texel);
         return std::size_t(std::lower_bound(texels_.begin(), texels_.end(), texel) - texels_.begin());
     }
     [[nodiscard]] bool contains(uint32_t texel) const
@@ -55,11 +55,11 @@ private:
     }
 
     const TexelMap& map_;
-    /// The longest run of texels one after the other: where these are need not be searched for.
+    /// Longest run of consecutive texels. Positions in it need no search.
     struct Run {
         uint32_t texel = 0;
         uint32_t length = 0;
-        std::size_t place = 0;
+        std::size_t position = 0;
     };
     Run run_;
     std::vector<uint32_t> texels_;

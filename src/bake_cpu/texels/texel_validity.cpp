@@ -7,15 +7,16 @@ namespace halflight {
 namespace {
 
 constexpr uint32_t kInsideSeed = 0x5eed0004u;
+/// Rays per group of points in solids, and per point behind shells.
 constexpr int kRays = 8;
-constexpr int kFewRays = 3;
-constexpr int kEnoughBacks = 5;
-constexpr int kManyBacks = 32;
-constexpr int kManyMoreBacks = 16; ///< where some rays met nothing else before
-constexpr int kEnoughInSolids = 8;
-constexpr int kOtherRay = kRays; ///< number of a ray that is none of the others
+constexpr int kFewRays = 3;           ///< enough if all of them agree
+constexpr int kEnoughBacks = 5;       ///< hidden backs hit by all rays of one point
+constexpr int kManyBacks = 32;        ///< hidden backs hit by all rays of all points together
+constexpr int kManyMoreBacks = 16;    ///< the same after earlier rays that hit nothing else
+constexpr int kEnoughInSolids = 8;    ///< backs of solids hit by all rays of a texel
+constexpr int kUntestedRound = kRays; ///< number of the ray of points that no ray has left yet
 
-/// Number of the n-th bit that is set.
+/// Index of the n-th bit that is set.
 int nthBit(PointMask mask, int n)
 {
     for (; n > 0; --n) mask &= PointMask(mask - 1u);
@@ -30,36 +31,34 @@ TexelValidity::TexelValidity(const PathTracer& paths) : paths_(paths)
     anySolid_ = std::find(solid.begin(), solid.end(), uint8_t(1)) != solid.end();
 }
 
-/// Whether points that see one another lie inside solids: whether most of a few rays leave more of them than they
-/// enter. From inside of something that is closed all do: the first one that does not settles it.
-bool TexelValidity::insideSolids(const TexelPoints& points, PointMask together, uint32_t id, uint64_t& rays) const
+/// Whether a group of mutually visible points is inside solids: most of up to 8 rays leave more solids than they enter.
+/// Inside a closed solid all rays do, so the first ray that does not ends the test.
+bool TexelValidity::insideSolids(const TexelPoints& points, PointMask group, uint32_t id, uint64_t& rays) const
 {
-    const int count = std::popcount(together);
+    const int count = std::popcount(group);
     int inside = 0;
     int rayCount = 0;
     while (rayCount < kRays) {
         const int s = rayCount++;
-        const SurfacePoint& point = points[std::size_t(nthBit(together, s * count / kRays))];
+        const SurfacePoint& point = points[std::size_t(nthBit(group, s * count / kRays))];
         inside += crossingsFrom(point, id, s, rays).solidsLeft > 0 ? 1 : 0;
         if (inside == 0) return false;
-        // A few rays that agree are enough.
         if (rayCount == kFewRays && inside == kFewRays) break;
     }
     return 2 * inside > rayCount;
 }
 
-/// Those of some points of which a ray meets the hidden back of a surface first, or the inside of a solid; `round`
-/// numbers a point's rays.
-TexelValidity::MetPoints TexelValidity::meetBacks(const TexelPoints& points, PointMask which, bool ofSolids,
-                                                  uint32_t id, int round, uint64_t& rays) const
+/// Points of `which` whose ray number `round` first hits a hidden back, or the back of a solid.
+TexelValidity::BackHits TexelValidity::hitBacks(const TexelPoints& points, PointMask which, bool ofSolids, uint32_t id,
+                                                int round, uint64_t& rays) const
 {
     const RayTracer& tracer = paths_.surfaces();
     RTCRayHit8 packet;
     alignas(32) embree::LaneMask valid;
-    MetPoints met;
+    BackHits hits;
     while (which != 0) {
         std::array<int, embree::kPacket> number{};
-        RayTracer::clear(packet.ray);
+        embree::clear(packet.ray);
         for (int lane = 0; lane < embree::kPacket; ++lane) {
             valid.lane[lane] = which != 0 ? -1 : 0;
             if (which == 0) continue;
@@ -74,62 +73,63 @@ TexelValidity::MetPoints TexelValidity::meetBacks(const TexelPoints& points, Poi
         }
         tracer.intersect(valid, packet);
         for (int lane = 0; lane < embree::kPacket; ++lane) {
-            if (valid.lane[lane] == 0 || packet.hit.geomID[lane] == RTC_INVALID_GEOMETRY_ID) continue;
-            if (!embree::behind(packet, lane)) continue;
+            if (valid.lane[lane] == 0 || !embree::found(packet, lane)) continue;
+            if (!embree::hitBack(packet, lane)) continue;
             const uint32_t triangle = tracer.triangleOf(packet.hit.geomID[lane], packet.hit.primID[lane]);
-            const bool counts = ofSolids ? tracer.geometry().solid[triangle] != 0 : tracer.backIsHidden(triangle);
+            const bool counts =
+                ofSolids ? tracer.geometry().solid[triangle] != 0 : tracer.materials().backIsHidden(triangle);
             if (!counts) continue;
-            met.points |= PointMask(1u << number[std::size_t(lane)]);
-            met.nearest = std::min(met.nearest, packet.ray.tfar[lane]);
+            hits.points |= PointMask(1u << number[std::size_t(lane)]);
+            hits.nearest = std::min(hits.nearest, packet.ray.tfar[lane]);
         }
     }
-    return met;
+    return hits;
 }
 
-/// Those of `candidates` whose rays meet the hidden backs of surfaces first, (nearly) all of them: points inside
-/// single-sided shells that are not closed. A point beside the rim of one sees those inside.
-PointMask TexelValidity::behindSurfaces(const TexelPoints& points, PointMask candidates, bool allHidden, uint32_t id,
-                                        uint64_t& rays) const
+/// Candidates whose rays, all but one at most, first hit hidden backs: points inside single-sided shells that are not
+/// closed. A point outside, beside the shell's rim, hits such backs with some of its rays only.
+PointMask TexelValidity::behindShells(const TexelPoints& points, PointMask candidates, bool allHidden, uint32_t id,
+                                      uint64_t& rays) const
 {
     std::array<int, kMaxTexelPoints> backs{};
     PointMask open = candidates;
     PointMask behind = 0;
     const int enough = allHidden ? kManyMoreBacks : kManyBacks;
     for (int s = 0; s < kRays && open != 0; ++s) {
-        const PointMask met = meetBacks(points, open, false, id, s, rays).points;
-        // One ray may slip through between surfaces.
+        const PointMask hit = hitBacks(points, open, false, id, s, rays).points;
+        // One ray of a point may pass through a gap between surfaces.
         for (int p = 0; p < kMaxTexelPoints; ++p) {
-            backs[std::size_t(p)] += (met >> p) & 1;
+            backs[std::size_t(p)] += (hit >> p) & 1;
             if (s - backs[std::size_t(p)] >= 1) open &= PointMask(~(1u << p));
             if (s + 1 != kEnoughBacks || backs[std::size_t(p)] != kEnoughBacks) continue;
             behind |= open & PointMask(1u << p);
             open &= PointMask(~(1u << p));
         }
-        // Many points of which no ray has seen anything else.
-        const bool allMet = s == 0 ? met == candidates : open == candidates;
-        if (allMet && std::popcount(open) * (s + 1) >= enough) break;
+        // The test ends early if all rays of many points hit hidden backs.
+        const bool allHit = s == 0 ? hit == candidates : open == candidates;
+        if (allHit && std::popcount(open) * (s + 1) >= enough) break;
     }
     return behind | open;
 }
 
-/// Those of `candidates` that nothing hides from the first of them, which is one of the answer.
-PointMask TexelValidity::seenFromFirst(const TexelPoints& points, PointMask candidates, uint64_t& rays) const
+/// Candidates visible from the first one, which is among them.
+PointMask TexelValidity::visibleFromFirst(const TexelPoints& points, PointMask candidates, uint64_t& rays) const
 {
     const int first = std::countr_zero(candidates);
     const vec3 origin = paths_.rayOrigin(points[std::size_t(first)]);
-    auto seen = PointMask(1u << first);
-    PointMask open = candidates & PointMask(~seen);
+    auto visible = PointMask(1u << first);
+    PointMask open = candidates & PointMask(~visible);
     RTCRay8 packet;
     alignas(32) embree::LaneMask valid;
     while (open != 0) {
         std::array<int, embree::kPacket> point{};
-        RayTracer::clear(packet);
+        embree::clear(packet);
         for (int lane = 0; lane < embree::kPacket; ++lane) {
             valid.lane[lane] = open != 0 ? -1 : 0;
             if (open == 0) continue;
             point[std::size_t(lane)] = std::countr_zero(open);
             open &= PointMask(open - 1u);
-            // As long as the way is, the direction is.
+            // The direction is not normalized: tfar 1 is the other point.
             const vec3 way = paths_.rayOrigin(points[std::size_t(point[std::size_t(lane)])]) - origin;
             embree::setRay(packet, lane, origin, way);
             packet.tfar[lane] = 1.0f;
@@ -138,11 +138,11 @@ PointMask TexelValidity::seenFromFirst(const TexelPoints& points, PointMask cand
         paths_.surfaces().occluded(valid, packet);
         for (int lane = 0; lane < embree::kPacket; ++lane) {
             if (valid.lane[lane] != 0 && packet.tfar[lane] >= 0.0f) {
-                seen |= PointMask(1u << point[std::size_t(lane)]);
+                visible |= PointMask(1u << point[std::size_t(lane)]);
             }
         }
     }
-    return seen;
+    return visible;
 }
 
 RayTracer::Crossings TexelValidity::crossingsFrom(const SurfacePoint& point, uint32_t id, int sample,
@@ -162,12 +162,12 @@ PointMask TexelValidity::outsideSolids(const TexelPoints& points, int pointCount
     const auto all = PointMask((1u << pointCount) - 1u);
     PointMask open = all;
     PointMask mask = 0;
-    // Points that see one another are in the same solids.
+    // Mutually visible points are inside the same solids.
     while (open != 0) {
-        const PointMask together = seenFromFirst(points, open, rays);
+        const PointMask group = visibleFromFirst(points, open, rays);
         const uint32_t id = hashCombine(texelId, uint32_t(std::countr_zero(open)));
-        if (!insideSolids(points, together, id, rays)) mask |= together;
-        open &= PointMask(~together);
+        if (!insideSolids(points, group, id, rays)) mask |= group;
+        open &= PointMask(~group);
     }
     return mask == all ? kAllPoints : mask;
 }
@@ -177,68 +177,59 @@ PointMask TexelValidity::outsideShells(const TexelPoints& points, int pointCount
 {
     const auto all = PointMask((1u << pointCount) - 1u);
     PointMask mask = all & outsideSolids;
-    mask &= PointMask(~behindSurfaces(points, mask, allHidden, texelId, rays));
+    mask &= PointMask(~behindShells(points, mask, allHidden, texelId, rays));
     return mask == all ? kAllPoints : std::popcount(mask) * 8 < pointCount ? PointMask(0) : mask;
 }
 
-/// Whether points lie outside of geometry that see one another, and that all geometry is so far away from that they see
-/// the same of it; nothing where they are to be looked at one by one. Something low on the surface may hide some of
-/// them and stand between none, but is near.
-std::optional<bool> TexelValidity::outsideTogether(const TexelPoints& points, int pointCount, const Met& met,
-                                                   uint32_t id, uint64_t& rays) const
+/// Whether mutually visible points, all far from geometry, are outside it; nothing if the points have to be tested one
+/// by one. A surface that lies low above some of the points is between none of them, but it is near.
+std::optional<bool> TexelValidity::validTogether(const TexelPoints& points, int pointCount, const FirstHits& hits,
+                                                 uint32_t id, uint64_t& rays) const
 {
     constexpr float kNearInTexels = 2.0f;
     const float near = kNearInTexels * paths_.surfaces().geometry().texelMeters(points[0].triangle);
-    if (!met.together || met.backs.nearest < near) return std::nullopt;
+    if (!hits.mutuallyVisible || hits.backs.nearest < near) return std::nullopt;
     const auto all = PointMask((1u << pointCount) - 1u);
-    if (met.backs.solids > 0 && insideSolids(points, all, id, rays)) return false;
-    // Few rays tell where most meet one thing; where they do not, a fifth has to meet something else than backs.
+    if (hits.backs.solids > 0 && insideSolids(points, all, id, rays)) return false;
+    // Sequential test of the share of rays that hit anything but hidden backs. It ends early above a quarter and below
+    // a twelfth; after 40 rays a fifth decides.
     constexpr int kEnoughOthers = 4;
     constexpr int kBacksForOneOther = 12;
     constexpr int kMostRays = 40;
-    int rayCount = met.rays;
-    int others = met.rays - met.backs.hidden;
+    int rayCount = hits.rays;
+    int others = hits.rays - hits.backs.hidden;
     for (int round = 0;; ++round) {
         if (others >= kEnoughOthers && 4 * others >= rayCount) return true;
         if (rayCount >= kBacksForOneOther * (others + 1)) return false;
         if (rayCount >= kMostRays) return 5 * others >= rayCount;
-        // Every other point, then the rest.
+        // Even points and odd points alternate.
         const auto some = PointMask(all & (round % 2 == 0 ? 0x5555u : 0xaaaau));
         const PointMask which = some != 0 ? some : all;
-        const MetPoints found = meetBacks(points, which, false, id, round / 2, rays);
+        const BackHits found = hitBacks(points, which, false, id, round / 2, rays);
         if (found.nearest < near) return std::nullopt;
         rayCount += std::popcount(which);
         others += std::popcount(which) - std::popcount(found.points);
     }
 }
 
-PointMask TexelValidity::outside(const TexelPoints& points, int pointCount, uint32_t texelId, uint64_t& rays) const
+PointMask TexelValidity::validPoints(const TexelPoints& points, int pointCount, uint32_t texelId, uint64_t& rays) const
 {
     const PointMask mask = outsideSolids(points, pointCount, texelId, rays);
     return outsideShells(points, pointCount, mask, false, texelId, rays);
 }
 
-PointMask TexelValidity::outside(const TexelPoints& points, int pointCount, Met met, uint32_t texelId,
-                                 uint64_t& rays) const
+PointMask TexelValidity::validPoints(const TexelPoints& points, int pointCount, FirstHits hits, uint32_t texelId,
+                                     uint64_t& rays) const
 {
-    // Where all rays, from as many points, met the inside of solids, there is nothing to look for.
-    if (met.backs.solids == met.rays && pointCount == kMaxTexelPoints) {
-        if (met.rays >= kEnoughInSolids) return 0;
-        while (std::popcount(met.others) > embree::kPacket) met.others &= PointMask(met.others - 1u);
-        if (meetBacks(points, met.others, true, texelId, kOtherRay, rays).points == met.others) return 0;
+    // If the rays of all points hit backs of solids, the texel is invalid. Untested points trace one ray each.
+    if (hits.backs.solids == hits.rays && pointCount == kMaxTexelPoints) {
+        if (hits.rays >= kEnoughInSolids) return 0;
+        while (std::popcount(hits.untested) > embree::kPacket) hits.untested &= PointMask(hits.untested - 1u);
+        if (hitBacks(points, hits.untested, true, texelId, kUntestedRound, rays).points == hits.untested) return 0;
     }
-    if (const auto all = outsideTogether(points, pointCount, met, texelId, rays)) return *all ? kAllPoints : 0;
-    const PointMask mask = met.backs.solids > 0 ? outsideSolids(points, pointCount, texelId, rays) : kAllPoints;
-    return outsideShells(points, pointCount, mask, met.backs.hidden == met.rays, texelId, rays);
-}
-
-void TexelValidity::keep(PointMask mask, TexelPoints& points, int& pointCount)
-{
-    int kept = 0;
-    for (int p = 0; p < pointCount; ++p) {
-        if (mask & (1u << p)) points[std::size_t(kept++)] = points[std::size_t(p)];
-    }
-    pointCount = kept;
+    if (const auto all = validTogether(points, pointCount, hits, texelId, rays)) return *all ? kAllPoints : 0;
+    const PointMask mask = hits.backs.solids > 0 ? outsideSolids(points, pointCount, texelId, rays) : kAllPoints;
+    return outsideShells(points, pointCount, mask, hits.backs.hidden == hits.rays, texelId, rays);
 }
 
 } // namespace halflight

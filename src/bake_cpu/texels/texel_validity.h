@@ -1,38 +1,18 @@
 #pragma once
-// Which of a texel's points lie outside of geometry.
+// Validity of sample points: which of a texel's points are outside geometry.
 
 #include "bake_cpu/sample/path_tracer.h"
+#include "bake_cpu/texels/texel_points.h"
 
-#include "halflight/bake/integrator.h"
-
-#include <algorithm>
-#include <array>
-#include <cstdint>
 #include <optional>
-#include <vector>
 
 namespace halflight {
 
-using TexelPoints = std::array<SurfacePoint, kMaxTexelPoints>;
-
-/// Bit i: point i of a texel lies outside geometry; 0: (nearly) none does.
-using PointMask = uint16_t;
-static_assert(kMaxTexelPoints <= 16);
-constexpr PointMask kAllPoints = 0xffff;
-
-/// Of a map's texels, by their number: which of their points lie outside geometry.
-struct ValidPoints {
-    explicit ValidPoints(std::size_t texels) : masks(texels, kAllPoints), known(texels, 0), together(texels, 0) {}
-    std::vector<PointMask> masks;
-    std::vector<uint8_t> known;    ///< whether that has been looked at
-    std::vector<uint8_t> together; ///< whether nothing was found that stands between the points
-};
-
-/// Rays that met the inside of a surface; from 65535 on they are not counted.
+/// Rays whose first hit is the hidden back of a surface (Materials::backIsHidden()). Counts saturate at 65535.
 struct BackFaceHits {
-    uint16_t hidden = 0;       ///< that nobody is meant to see
-    uint16_t solids = 0;       ///< of them, those of solids
-    float nearest = kInfinity; ///< distance of the nearest hidden one
+    uint16_t hidden = 0;
+    uint16_t solids = 0;       ///< of these, backs of solids
+    float nearest = kInfinity; ///< distance of the nearest hidden back
 
     void add(BackFaceHits other)
     {
@@ -42,60 +22,55 @@ struct BackFaceHits {
     }
 };
 
-/// Its rays depend on the place alone, not on any seed: a point is inside or it is not.
+/// Tests points by rays. The rays depend on the texel alone, not on the bake's seed: validity is a property of the
+/// scene.
 class TexelValidity {
 public:
     explicit TexelValidity(const PathTracer& paths);
 
-    /// Points outside of closed solids; kAllPoints where all of them are.
+    /// Points outside closed solids; kAllPoints if all are.
     PointMask outsideSolids(const TexelPoints& points, int pointCount, uint32_t texelId, uint64_t& rays) const;
-    /// Of those, the ones that do not lie behind single-sided shells; kAllPoints where all are left, 0 where hardly
-    /// any. `allHidden`: the texel's rays so far met nothing but hidden backs.
+    /// Points of `outsideSolids` that are not behind single-sided shells; kAllPoints if all are, 0 if fewer than an
+    /// eighth are. `allHidden` = all rays of the texel so far hit hidden backs.
     PointMask outsideShells(const TexelPoints& points, int pointCount, PointMask outsideSolids, bool allHidden,
                             uint32_t texelId, uint64_t& rays) const;
-    /// Outside of both.
-    PointMask outside(const TexelPoints& points, int pointCount, uint32_t texelId, uint64_t& rays) const;
-    /// What some rays of a texel met first.
-    struct Met {
+    /// Points outside both.
+    PointMask validPoints(const TexelPoints& points, int pointCount, uint32_t texelId, uint64_t& rays) const;
+
+    /// First hits of rays that a texel has traced already.
+    struct FirstHits {
         int rays = 0;
         BackFaceHits backs;
-        PointMask others = 0;  ///< points that none of them left
-        bool together = false; ///< whether nothing was found that stands between the points
+        PointMask untested = 0;       ///< points that none of the rays left
+        bool mutuallyVisible = false; ///< no surface was found between the points
     };
-    /// The same where some met a hidden back: looks only for what that can mean. Points that nothing stands between,
-    /// and nothing near, are outside all together or not at all.
-    PointMask outside(const TexelPoints& points, int pointCount, Met met, uint32_t texelId, uint64_t& rays) const;
-    /// Whether the first of a texel's points lies inside a solid.
+    /// The same for a texel with a hidden back among its first hits. These restrict the tests: solids are tested only
+    /// if one was hit, and mutually visible points far from all geometry are tested together.
+    PointMask validPoints(const TexelPoints& points, int pointCount, FirstHits hits, uint32_t texelId,
+                          uint64_t& rays) const;
+    /// Whether the first of a texel's points is inside a solid.
     bool firstInSolid(const TexelPoints& points, uint32_t texelId, uint64_t& rays) const
     {
         return anySolid_ && insideSolids(points, 1, texelId, rays);
     }
-    /// Leaves only the points of the mask.
-    static void keep(PointMask mask, TexelPoints& points, int& pointCount);
 
 private:
-    bool insideSolids(const TexelPoints& points, PointMask together, uint32_t id, uint64_t& rays) const;
-    PointMask behindSurfaces(const TexelPoints& points, PointMask candidates, bool allHidden, uint32_t id,
-                             uint64_t& rays) const;
-    struct MetPoints {
+    bool insideSolids(const TexelPoints& points, PointMask group, uint32_t id, uint64_t& rays) const;
+    PointMask behindShells(const TexelPoints& points, PointMask candidates, bool allHidden, uint32_t id,
+                           uint64_t& rays) const;
+    struct BackHits {
         PointMask points = 0;
         float nearest = kInfinity;
     };
-    MetPoints meetBacks(const TexelPoints& points, PointMask which, bool ofSolids, uint32_t id, int round,
-                        uint64_t& rays) const;
-    std::optional<bool> outsideTogether(const TexelPoints& points, int pointCount, const Met& met, uint32_t id,
-                                        uint64_t& rays) const;
-    PointMask seenFromFirst(const TexelPoints& points, PointMask candidates, uint64_t& rays) const;
+    BackHits hitBacks(const TexelPoints& points, PointMask which, bool ofSolids, uint32_t id, int round,
+                      uint64_t& rays) const;
+    std::optional<bool> validTogether(const TexelPoints& points, int pointCount, const FirstHits& hits, uint32_t id,
+                                      uint64_t& rays) const;
+    PointMask visibleFromFirst(const TexelPoints& points, PointMask candidates, uint64_t& rays) const;
     RayTracer::Crossings crossingsFrom(const SurfacePoint& point, uint32_t id, int sample, uint64_t& rays) const;
 
     const PathTracer& paths_;
     bool anySolid_;
 };
-
-/// What seeds a texel's random numbers: its place, whatever else the bake covers.
-inline uint32_t texelId(const TexelMap& map, const Texel& texel)
-{
-    return (texel.page * uint32_t(map.pageSize) + texel.y) * uint32_t(map.pageSize) + texel.x;
-}
 
 } // namespace halflight

@@ -1,5 +1,5 @@
 #pragma once
-// Embree 3 and 4 behind one face: headers and the calls whose shape differs.
+// Embree 3 and 4 behind one interface: headers and the calls whose signatures differ.
 
 #if __has_include(<embree4/rtcore.h>)
 #include <embree4/rtcore.h>
@@ -7,35 +7,34 @@
 #include <embree3/rtcore.h>
 #endif
 
-#include "halflight/base/math.h"
-
 #include <array>
 #include <cstdint>
 
 namespace halflight::embree {
 
-/// Eight rays at once, for rays that start side by side in similar directions. Lanes with valid 0 are left alone.
+/// Rays of one packet. Packets are fast where their rays start side by side in similar directions.
 constexpr int kPacket = 8;
+/// Lanes with value 0 are neither read nor written.
 struct alignas(32) LaneMask {
     int lane[kPacket]; ///< -1 = trace
 };
 
-/// What blended surfaces leave of a ray's light.
+/// Transmittance of the blended surfaces along one ray.
 struct BlendedTransmittance {
-    float share = 1.0f;
-    int count = 0;                    ///< of those met
-    std::array<uint32_t, 4> triangle; ///< those met; at others the ray passes by chance
+    float transmittance = 1.0f;
+    int count = 0;                    ///< of `triangle`
+    std::array<uint32_t, 4> triangle; ///< surfaces that count; further ones are opaque or transparent by chance
 };
 
-/// What a ray carries to the filter function. The library's context comes first, so that one pointer is both.
+/// Per-call data of the filter function. The library's context is the first member, so that one pointer is both.
 struct RayContext {
 #if RTC_VERSION_MAJOR >= 4
     RTCRayQueryContext base;
 #else
     RTCIntersectContext base;
 #endif
-    bool camera = false;                     ///< camera rays see objects that cast no shadow; others pass through them
-    BlendedTransmittance* blended = nullptr; ///< by ray id: of rays that are not to pass blended surfaces by chance
+    bool camera = false;                     ///< camera rays hit objects that cast no shadow; other rays do not
+    BlendedTransmittance* blended = nullptr; ///< by ray id; null = blended surfaces are hit by chance
 
     explicit RayContext(bool isCamera) : camera(isCamera)
     {
@@ -71,30 +70,8 @@ inline void occluded(RTCScene scene, RayContext& context, RTCRay& ray)
 #endif
 }
 
-inline void setRay(RTCRay8& rays, int lane, vec3 origin, vec3 direction)
-{
-    rays.org_x[lane] = origin.x;
-    rays.org_y[lane] = origin.y;
-    rays.org_z[lane] = origin.z;
-    rays.dir_x[lane] = direction.x;
-    rays.dir_y[lane] = direction.y;
-    rays.dir_z[lane] = direction.z;
-}
-
-inline vec3 directionOf(const RTCRay8& rays, int lane)
-{
-    return {rays.dir_x[lane], rays.dir_y[lane], rays.dir_z[lane]};
-}
-
-/// Whether a ray met the back of what it hit.
-inline bool behind(const RTCRayHit8& rays, int lane)
-{
-    const RTCHit8& h = rays.hit;
-    return glm::dot(vec3(h.Ng_x[lane], h.Ng_y[lane], h.Ng_z[lane]), directionOf(rays.ray, lane)) > 0.0f;
-}
-
-/// Whether a device has instructions for eight rays. Without them (processors without AVX) the library takes packets of
-/// eight for full ones, whatever lanes are valid; there they are to be traced ray by ray.
+/// Whether a device has instructions for packets of eight. Without them (processors without AVX) Embree ignores the
+/// lane mask, so the rays are traced one by one.
 [[nodiscard]] inline bool takesPackets(RTCDevice device)
 {
     return rtcGetDeviceProperty(device, RTC_DEVICE_PROPERTY_NATIVE_RAY8_SUPPORTED) != 0;

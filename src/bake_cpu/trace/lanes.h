@@ -1,5 +1,5 @@
 #pragma once
-// Values side by side, in loops that the compiler turns into vector instructions.
+// Values by lane, in arrays: compilers turn loops over them into vector instructions.
 
 #include "halflight/base/math.h"
 
@@ -8,7 +8,7 @@
 
 namespace halflight {
 
-/// Vectors as three arrays.
+/// N vectors as three arrays.
 template<std::size_t N> struct alignas(32) Vec3Lanes {
     std::array<float, N> x;
     std::array<float, N> y;

@@ -1,0 +1,332 @@
+#include "bake_cpu/guiding/build_guides.h"
+
+#include "bake_cpu/guiding/receiver_grid.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <tuple>
+
+namespace halflight {
+namespace {
+
+/// Width of a receiver region.
+constexpr float kGuideTexels = 8.0f;
+/// A region with fewer hits on secondary sources takes the guide of a region three times as wide, up to this level. The
+/// guide of a wider region is used only if its sources cause most of the variance, because they may be occluded from
+/// some of its receivers.
+constexpr float kEnoughHits = 128.0f;
+constexpr float kWider = 3.0f;
+constexpr int kGuideLevels = 5;
+constexpr float kVarianceOfWider = 10.0f;
+/// Level of the regions whose hits make shared lists, and the variance due to clusters that the local list lacks from
+/// which on a guide has one.
+constexpr int kSharedLevel = 3;
+constexpr float kVarianceMissed = 0.5f;
+constexpr std::size_t kMostEntries = 64; ///< of a list
+
+/// Observations of patches by receivers, from the samples of the radiosity stage.
+class PatchObservations {
+public:
+    explicit PatchObservations(const Radiosity& radiosity)
+        : solution_(radiosity.solution), chartPatches_(radiosity.solution.cache.layout().chartPatches)
+    {}
+    /// Calls body(receiving front patch, samples, links) for samples of front patches. Links are unknowns.
+    template<typename Body> void forSamples(const Body& body) const
+    {
+        for (const FormFactorRange& range : solution_.factors) {
+            FormFactorRange::forSamples(range, [&](const PatchSamples& s, std::span<const PatchId> links) {
+                if (s.patch != kNoPatch && patchOf(s.patch) < chartPatches_) body(patchOf(s.patch), s, links);
+            });
+        }
+    }
+    /// Calls body(receiver, patch) for each ray from a front patch to a chart patch.
+    template<typename Body> void forRays(const Body& body) const
+    {
+        forSamples([&](PatchId receiver, const PatchSamples&, std::span<const PatchId> links) {
+            for (const PatchId target : links) {
+                if (target != kNoPatch && patchOf(target) < 2 * chartPatches_) body(receiver, patchOf(target));
+            }
+        });
+    }
+    [[nodiscard]] PatchId patchOf(uint32_t unknown) const { return solution_.patchOfUnknown[unknown]; }
+
+private:
+    const RadiositySolution& solution_;
+    uint32_t chartPatches_;
+};
+
+/// Places of chart patches. Triangle patches (leaves, mostly) are no sources, because they are many.
+std::vector<PatchLight> placePatches(const Radiosity& radiosity, const TexelMap& map, const BakeGeometry& geometry)
+{
+    const PatchLayout& layout = radiosity.solution.cache.layout();
+    std::vector<PatchLight> lights(2 * std::size_t(layout.chartPatches));
+    for (const Texel& texel : map.texels) {
+        for (uint32_t f = 0; f < texel.fragmentCount; ++f) {
+            const TexelFragment& fragment = map.fragments[texel.firstFragment + f];
+            const PatchId patch = radiosity.patches.charts.patchOf(texel, fragment.triangle);
+            if (patch == kNoPatch || lights[patch].receives) continue;
+            const uvec3 t = geometry.triangles[fragment.triangle];
+            const vec3 a = geometry.positions[t.x];
+            PatchLight& front = lights[patch];
+            PatchLight& back = lights[layout.backOf(patch)];
+            front.position = back.position = a + fragment.barycentric.x * (geometry.positions[t.y] - a) +
+                                             fragment.barycentric.y * (geometry.positions[t.z] - a);
+            front.axis = uint8_t(radiosity.patches.charts.axisOf(fragment.triangle));
+            back.axis = front.axis ^ 1u;
+            front.receives = true;
+        }
+    }
+    return lights;
+}
+
+std::vector<PatchLight> findPatchLights(const Radiosity& radiosity, const TexelMap& map, const BakeGeometry& geometry)
+{
+    const RadianceCache& cache = radiosity.solution.cache;
+    const PatchLayout& layout = cache.layout();
+    std::vector<PatchLight> lights = placePatches(radiosity, map, geometry);
+    for (std::size_t i = 0; i < lights.size(); ++i) {
+        lights[i].radiance = luminance(cache.patches()[i].radiance);
+        if (layout.elements[i].split == 0 || cache.patches()[i].minDistance < kInfinity) continue;
+        // The radiance of an occluded patch is the mean of its elements.
+        const PatchId first = layout.elements[i].first;
+        float sum = 0.0f;
+        float count = 0.0f;
+        for (PatchId e = first; e < first + layout.elementCount(PatchId(i)); ++e) {
+            if (!(cache.patches()[e].minDistance < kInfinity)) continue;
+            sum += luminance(cache.patches()[e].radiance);
+            ++count;
+        }
+        lights[i].radiance = count > 0.0f ? sum / count : 0.0f;
+    }
+    const PatchObservations observations(radiosity);
+    std::vector<float> gathered(layout.chartPatches);
+    observations.forSamples([&](PatchId patch, const PatchSamples& s, std::span<const PatchId> links) {
+        lights[patch].rays += float(s.rayCount);
+        for (const PatchId target : links) {
+            if (target == kNoPatch) continue;
+            gathered[patch] += luminance(cache.patches()[observations.patchOf(target)].radiance);
+        }
+    });
+    for (PatchId patch = 0; patch < layout.chartPatches; ++patch) {
+        lights[patch].illuminance =
+            radiosity.solution.illuminance[patch] + kPi * gathered[patch] / std::max(lights[patch].rays, 1.0f);
+    }
+    return lights;
+}
+
+} // namespace
+
+class GuideBuilder {
+public:
+    GuideBuilder(std::span<const PatchLight> patches, float texelMeters)
+        : patches_(patches), width_(kGuideTexels * texelMeters)
+    {}
+
+    Guides build(const PatchObservations& observations, const PatchLayout& layout, const RayTracer& tracer,
+                 std::size_t texels)
+    {
+        makeRegions();
+        addHits(observations, layout.texelMeters);
+        addGuides();
+        std::vector<float> use(guides_.clusters_.size());
+        for (const Guides::Entry& e : guides_.entries_) use[e.cluster] += e.probability;
+        guides_.clusters_.finish(layout, tracer, patches_, use, texels);
+        return std::move(guides_);
+    }
+
+private:
+    struct Limits {
+        float hits = 0.0f;
+        float variance = 0.0f;
+    };
+
+    void makeRegions()
+    {
+        const HashGrid hashGrid(width_);
+        std::vector<uint64_t> keys(patches_.size(), HashGrid::kNone);
+        for (std::size_t i = 0; i < patches_.size(); ++i) {
+            const PatchLight& p = patches_[i];
+            if (p.receives && p.axis != PatchLight::kNoAxis) keys[i] = hashGrid.key(p.position, p.axis);
+        }
+        std::vector<uint32_t>& regionOfPatch = guides_.guideOfPatch_;
+        for (const uint64_t key : HashGrid::numberKeys(keys, regionOfPatch)) grid_.regions.push_back({.key = key});
+        for (std::size_t i = 0; i < patches_.size(); ++i) {
+            if (regionOfPatch[i] == ~0u) continue;
+            ReceiverGrid::Region& region = grid_.regions[regionOfPatch[i]];
+            region.position = patches_[i].position;
+            region.axis = patches_[i].axis;
+            if (!(patches_[i].rays > 0.0f)) continue;
+            region.rays += patches_[i].rays;
+            region.illuminances += patches_[i].illuminance;
+            ++region.receivers;
+        }
+    }
+
+    /// Clusters the secondary sources that rays hit, and adds the hits to the regions.
+    void addHits(const PatchObservations& observations, float texelMeters)
+    {
+        struct Hit {
+            uint32_t region;
+            PatchId patch;
+        };
+        std::vector<Hit> hits;
+        observations.forRays([&](PatchId receiver, PatchId patch) {
+            const uint32_t region = guides_.guideOfPatch_[receiver];
+            if (region == ~0u || patches_[patch].axis == PatchLight::kNoAxis) return;
+            if (isSecondarySource(patches_[patch].radiance, grid_.regions[region].illuminance()))
+                hits.push_back({region, patch});
+        });
+        std::sort(hits.begin(), hits.end(), [](const Hit& a, const Hit& b) {
+            return a.region != b.region ? a.region < b.region : a.patch < b.patch;
+        });
+        std::vector<uint32_t> timesHit(patches_.size());
+        for (const Hit& h : hits) ++timesHit[h.patch];
+        guides_.clusters_ = LightClusters(patches_, timesHit, texelMeters);
+        std::size_t next = 0;
+        for (std::size_t region = 0; region < grid_.regions.size(); ++region) {
+            const std::size_t first = grid_.regions[region].firstHit = grid_.hits.size();
+            for (; next < hits.size() && hits[next].region == region; ++next) {
+                const float radiance = patches_[hits[next].patch].radiance;
+                grid_.hits.push_back(
+                    {guides_.clusters_.clusterOf(hits[next].patch), 1.0f, radiance, radiance * radiance});
+            }
+            HitStatistics::merge(grid_.hits, first);
+        }
+    }
+
+    /// Guides of regions with enough hits, then of ever wider regions for the others.
+    void addGuides()
+    {
+        guides_.guides_.resize(grid_.regions.size());
+        std::vector<uint32_t> open(guides_.guides_.size());
+        std::iota(open.begin(), open.end(), 0u);
+        std::vector<uint32_t> regionOfGuide = open;
+        ConnectedComponents components(grid_, guides_.clusters_.size());
+        std::vector<float> illuminances;
+        for (const ReceiverGrid::Region& region : grid_.regions) illuminances.push_back(region.illuminance());
+        std::erase_if(open, [&](uint32_t g) { return addGuide(g, {}, guides_.guides_[g]) >= kEnoughHits; });
+        for (int level = 2; level <= kGuideLevels; ++level) {
+            width_ *= kWider;
+            const std::vector<uint32_t> parents = grid_.coarsen(width_);
+            for (uint32_t& region : regionOfGuide) region = parents[region];
+            addWiderGuides(open, regionOfGuide, {level < kGuideLevels ? kEnoughHits : 0.0f, kVarianceOfWider});
+            if (level == kSharedLevel) addShared(regionOfGuide, illuminances, components);
+        }
+    }
+
+    void addWiderGuides(std::vector<uint32_t>& open, std::span<const uint32_t> regionOfGuide, const Limits& limits)
+    {
+        struct RegionGuide {
+            bool made = false;
+            float hits = 0.0f;
+            Guide guide;
+        };
+        std::vector<RegionGuide> ofRegion(grid_.regions.size());
+        std::erase_if(open, [&](uint32_t g) {
+            RegionGuide& r = ofRegion[regionOfGuide[g]];
+            if (!r.made) r.hits = addGuide(regionOfGuide[g], limits, r.guide);
+            r.made = true;
+            if (r.guide.local.count > 0) guides_.guides_[g] = r.guide;
+            return r.hits >= limits.hits;
+        });
+    }
+
+    /// Makes a region's guide if its hits and their variance reach the limits. Returns the number of hits.
+    float addGuide(uint32_t region, const Limits& limits, Guide& guide)
+    {
+        Observations observed(grid_, region, grid_.regions[region].illuminance());
+        if (observed.hitCount < limits.hits) return observed.hitCount;
+        const auto lightOf = [](const HitStatistics& h) { return h.light; };
+        observed.keepHighest(kMostEntries, lightOf);
+        double light = 0.0;
+        double squares = 0.0;
+        for (const HitStatistics& h : observed.hits) {
+            light += double(h.light);
+            squares += double(h.squares);
+        }
+        if (!(light > 0.0 && light < double(kInfinity) && observed.rays > 0.0f && observed.illuminance > 0.0f))
+            return observed.hitCount;
+        const float variance = observed.relativeVariance(squares, observed.illuminance);
+        if (variance < limits.variance) return observed.hitCount;
+        guide.local = addList(observed.hits, lightOf);
+        guide.relativeVariance = variance;
+        guide.hitShare = float(light * light / (squares * double(observed.rays)));
+        return observed.hitCount;
+    }
+
+    /// A list of clusters with probabilities in proportion to weights.
+    template<typename Weight> GuideList addList(std::span<const HitStatistics> hits, const Weight& weight)
+    {
+        const GuideList list{uint32_t(guides_.entries_.size()), uint32_t(hits.size())};
+        double total = 0.0;
+        for (const HitStatistics& h : hits) total += double(weight(h));
+        double sum = 0.0;
+        for (const HitStatistics& h : hits) {
+            sum += double(weight(h));
+            guides_.entries_.push_back({h.cluster, float(double(weight(h)) / total)});
+            guides_.cumulative_.push_back(float(sum / total));
+        }
+        return list;
+    }
+
+    /// Gives guides the list of a wider region in the same component, if local rays missed much of its light.
+    void addShared(std::span<const uint32_t> regionOfGuide, std::span<const float> illuminances,
+                   ConnectedComponents& components)
+    {
+        struct Member {
+            uint32_t region;
+            uint32_t component;
+            uint32_t guide;
+            [[nodiscard]] bool together(const Member& m) const
+            {
+                return region == m.region && component == m.component;
+            }
+        };
+        std::vector<Member> order;
+        for (uint32_t g = 0; g < guides_.guides_.size(); ++g) {
+            if (components.ofRegion(g) != ~0u) order.push_back({regionOfGuide[g], components.ofRegion(g), g});
+        }
+        std::sort(order.begin(), order.end(), [](const Member& a, const Member& b) {
+            return std::tie(a.region, a.component, a.guide) < std::tie(b.region, b.component, b.guide);
+        });
+        for (std::size_t i = 0; i < order.size();) {
+            const Member first = order[i];
+            Observations observed(grid_, first.region, 0.0f);
+            std::erase_if(observed.hits,
+                          [&](const HitStatistics& h) { return components.ofCluster(h.cluster) != first.component; });
+            // Root of the sum of squares: a cluster's contribution to the standard deviation.
+            const auto deviation = [](const HitStatistics& h) { return std::sqrt(h.squares); };
+            observed.keepHighest(kMostEntries, deviation);
+            GuideList list;
+            for (; i < order.size() && order[i].together(first); ++i) {
+                Guide& guide = guides_.guides_[order[i].guide];
+                double missed = 0.0;
+                for (const HitStatistics& h : observed.hits) {
+                    if (guides_.probability(guide.local, h.cluster) <= 0.0f) missed += double(h.squares);
+                }
+                const float variance = observed.relativeVariance(missed, illuminances[order[i].guide]);
+                if (!(variance >= kVarianceMissed && variance < kInfinity)) continue;
+                if (list.count == 0) list = addList(observed.hits, deviation);
+                guide.shared = list;
+                guide.relativeVariance += variance;
+            }
+        }
+    }
+
+    std::span<const PatchLight> patches_;
+    float width_; ///< of the current regions
+    ReceiverGrid grid_;
+    Guides guides_;
+};
+
+Guides buildGuides(const Radiosity& radiosity, const TexelMap& map, const RayTracer& tracer)
+{
+    const PatchLayout& layout = radiosity.solution.cache.layout();
+    const std::vector<PatchLight> patches = findPatchLights(radiosity, map, tracer.geometry());
+    if (!(layout.texelMeters > 0.0f)) return {};
+    return GuideBuilder(patches, layout.texelMeters)
+        .build(PatchObservations(radiosity), layout, tracer, map.texels.size());
+}
+
+} // namespace halflight

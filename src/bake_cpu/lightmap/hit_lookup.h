@@ -1,0 +1,119 @@
+#pragma once
+// Radiance of the patches that a block's rays hit.
+
+#include "bake_cpu/lightmap/block_sums.h"
+#include "bake_cpu/radiosity/radiance_cache.h"
+
+namespace halflight {
+
+/// Looks up many hits in sweeps: each sweep prefetches the memory that the next one reads.
+class HitLookup {
+public:
+    /// `cache` null = no hit has a patch.
+    HitLookup(const RayTracer& tracer, const RadianceCache* cache) : tracer_(tracer), cache_(cache) {}
+
+    /// Looks up the hits of all rays of a bundle. Calls onHiddenBack(lane, stratum, triangle) for hidden backs, if
+    /// there is a cache.
+    template<typename OnHiddenBack> void lookUp(const RayBundle& bundle, const OnHiddenBack& onHiddenBack);
+
+    [[nodiscard]] bool missed(std::size_t sample) const { return !hits_[sample].found; }
+    [[nodiscard]] bool emissive(std::size_t sample) const { return hits_[sample].emissive; }
+    /// The patch that a ray hits, or kNoPatch; its elements have their own radiance.
+    [[nodiscard]] PatchId patch(std::size_t sample) const { return hits_[sample].patch; }
+    /// Radiance at the end of a ray; null if it is not known.
+    [[nodiscard]] const vec3* radiance(std::size_t sample) const
+    {
+        return known_[sample] != kNoPatch ? &cache_->patches()[known_[sample]].radiance : nullptr;
+    }
+
+    /// First step for points that no bundle has: sets the patch of a sample.
+    void setPatch(std::size_t sample, FaceId face, PatchId patch)
+    {
+        known_[sample] = patch;
+        __builtin_prefetch(cache_->patches() + patch);
+        __builtin_prefetch(&cache_->layout().surface(face));
+    }
+    struct FacePoint {
+        FaceId face;
+        vec2 barycentric{0.0f};
+    };
+    /// Second step, RadianceCache::find() for samples whose patches are set: radiance() is that of the patch or element
+    /// over distanceOf(sample). pointOf(sample) is called for elements.
+    template<typename DistanceOf, typename PointOf>
+    void find(std::span<const uint8_t> samples, const DistanceOf& distanceOf, const PointOf& pointOf);
+
+private:
+    struct Hit {
+        PatchId patch = kNoPatch;
+        bool found = false;
+        bool emissive = false;
+    };
+    const RayTracer& tracer_;
+    const RadianceCache* cache_;
+    std::array<Hit, kBlockSamples> hits_;
+    std::array<PatchId, kBlockSamples> known_; ///< patch or element whose radiance is usable, or kNoPatch
+};
+
+template<typename OnHiddenBack> void HitLookup::lookUp(const RayBundle& bundle, const OnHiddenBack& onHiddenBack)
+{
+    std::array<FaceId, kBlockSamples> faces;
+    for (int stratum = 0; stratum < StratifiedPattern::kBlock; ++stratum) {
+        for (int lane = 0; lane < TexelGroup::kLanes; ++lane) {
+            const std::size_t sample = sampleOf(stratum, lane);
+            hits_[sample] = {kNoPatch, bundle.found(stratum, lane), false};
+            known_[sample] = kNoPatch;
+            if (!hits_[sample].found) continue;
+            faces[sample] = tracer_.faceOf(bundle.rays[std::size_t(stratum)], lane);
+            if (cache_ != nullptr) __builtin_prefetch(&cache_->layout().surface(faces[sample]));
+        }
+    }
+    if (cache_ == nullptr) return;
+    const PatchLayout& layout = cache_->layout();
+    SampleList onPatches;
+    for (int stratum = 0; stratum < StratifiedPattern::kBlock; ++stratum) {
+        const RTCRayHit8& packet = bundle.rays[std::size_t(stratum)];
+        for (int lane = 0; lane < TexelGroup::kLanes; ++lane) {
+            const std::size_t sample = sampleOf(stratum, lane);
+            Hit& hit = hits_[sample];
+            if (!hit.found) continue;
+            const FaceId face = faces[sample];
+            if (layout.isHiddenBack(face)) onHiddenBack(lane, stratum, tracer_.triangleAt(face.hitIndex));
+            if (!layout.hasPatches(face)) continue;
+            hit.emissive = layout.emissive(face);
+            hit.patch = layout.patchAt(face, embree::barycentricOf(packet, lane));
+            __builtin_prefetch(cache_->patches() + hit.patch);
+            known_[sample] = hit.patch;
+            onPatches.add(sample);
+        }
+    }
+    find(
+        onPatches.samples(),
+        [&](std::size_t sample) { return bundle.distance(int(stratumOf(sample)), laneOf(sample)); },
+        [&](std::size_t sample) {
+            return FacePoint{faces[sample], embree::barycentricOf(bundle.rays[stratumOf(sample)], laneOf(sample))};
+        });
+}
+
+template<typename DistanceOf, typename PointOf>
+void HitLookup::find(std::span<const uint8_t> samples, const DistanceOf& distanceOf, const PointOf& pointOf)
+{
+    if (samples.empty()) return;
+    const PatchRadiance* patches = cache_->patches();
+    SampleList inElements;
+    for (const std::size_t sample : samples) {
+        if (patches[known_[sample]].usableAt(distanceOf(sample))) continue;
+        inElements.add(sample);
+        cache_->layout().prefetchElements(known_[sample]);
+    }
+    for (const std::size_t sample : inElements.samples()) {
+        const FacePoint point = pointOf(sample);
+        known_[sample] = cache_->layout().elementAt(point.face, point.barycentric, known_[sample]);
+        if (known_[sample] != kNoPatch) __builtin_prefetch(patches + known_[sample]);
+    }
+    for (const std::size_t sample : inElements.samples()) {
+        PatchId& element = known_[sample];
+        if (element != kNoPatch && !patches[element].usableAt(distanceOf(sample))) element = kNoPatch;
+    }
+}
+
+} // namespace halflight

@@ -1,0 +1,249 @@
+#include "bake_cpu/lightmap/next_event.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace halflight {
+namespace {
+
+constexpr uint32_t kEmitterSeed = 0x5eed0006u;
+constexpr uint32_t kRouletteSeed = 0x5eed0007u;
+constexpr uint32_t kSourceSeed = 0x5eed0008u;
+constexpr uint32_t kShuffleSeed = 0x5eed0011u;
+
+/// XOR shuffle of the strata of a texel that samples only some of a block's: each texel samples other parts of the unit
+/// square in the same strata. Rows and columns of the pattern remain such.
+int xorShuffle(uint32_t texelId)
+{
+    return int(hashCombine(kShuffleSeed, texelId) & (StratifiedPattern::kBlock - 1));
+}
+
+/// Relative variance due to a guide's sources from which on a quarter of a block samples them; below, other variance
+/// dominates.
+constexpr float kLittleVariance = 0.1f;
+/// Above this variance half of the block samples sources if they have at least 1 % of the rays (weighted by radiance),
+/// all if they have 4 %; a quarter if they have 10 %, because the rays suffice then.
+constexpr float kMuchVariance = 1.0f;
+constexpr float kSomeHits = 0.01f;
+constexpr float kManyHits = 0.04f;
+constexpr float kEnoughHits = 0.1f;
+
+} // namespace
+
+void NextEvent::prepareEmitters(const GatherGroup& group)
+{
+    static_assert(kLanes == LightTree::Cut::kLanes);
+    LightTree::Points positions;
+    LightTree::Points normals;
+    const int any = group.firstActive();
+    if (any == group.lanes()) return;
+    for (std::size_t lane = 0; lane < kLanes; ++lane) {
+        const GatherGroup::Origin& s = group.origin(group.active(int(lane)) ? int(lane) : any, 0);
+        positions.set(lane, s.position);
+        normals.set(lane, s.normal);
+    }
+    cut_ = paths_.emitters().cut(positions, normals);
+}
+
+void NextEvent::prepareSources(const GatherGroup& group)
+{
+    sourceSamples_.fill(0);
+    if (guides_ == nullptr || guides_->empty()) return;
+    for (int i = 0; i < group.lanes(); ++i) {
+        if (!group.active(i)) continue;
+        const auto lane = std::size_t(i);
+        const Guide guide = guides_->guideAt(cache_->layout(), group.point(i, 0));
+        guide_[lane] = guide;
+        constexpr int kAll = StratifiedPattern::kBlock;
+        const bool much = guide.relativeVariance >= kMuchVariance && guide.hitShare < kEnoughHits;
+        sourceSamples_[lane] = guide.relativeVariance < kLittleVariance ? 0
+                               : much && guide.hitShare >= kManyHits    ? kAll
+                               : much && guide.hitShare >= kSomeHits    ? kAll / 2
+                                                                        : kAll / 4;
+    }
+}
+
+bool NextEvent::samplesSources() const
+{
+    return std::any_of(sourceSamples_.begin(), sourceSamples_.end(), [](int n) { return n > 0; });
+}
+
+float NextEvent::misWeightOfHit(const RayBundle& bundle, int stratum, int lane, PatchId patch) const
+{
+    const RTCRayHit8& packet = bundle.rays[std::size_t(stratum)];
+    const auto l = std::size_t(lane);
+    const vec3 direction = bundle.direction(stratum, lane);
+    const vec3 normal = glm::normalize(embree::normalOf(packet, lane));
+    const vec3 receiverNormal = bundle.frame(std::size_t(stratum)).normal[l];
+    const float pdfArea = sourceFraction(l) * guides_->pdfArea(guide_[l], patch);
+    const float cosine = std::max(std::abs(glm::dot(normal, direction)), 1.0e-6f);
+    return misWeightOfRay(PathTracer::gatherPdf(receiverNormal, direction), pdfArea, packet.ray.tfar[lane], cosine);
+}
+
+/// Chooses points of sources for all samples, in sweeps that prefetch for one another.
+void NextEvent::chooseSources(const GatherGroup& group, int number, std::span<const uint8_t> strata, GatherBlock& block)
+{
+    const LightClusters& clusters = guides_->clusters();
+    SampleList chosen;
+    for (int i = 0; i < int(kLanes); ++i) {
+        const auto lane = std::size_t(i);
+        if (sourceSamples_[lane] == 0) continue;
+        const StratifiedPattern::Block points =
+            pattern_.block(hashCombine(settings_.seed ^ kSourceSeed, group.id(i)), number);
+        const int shuffle = sourceSamples_[lane] < StratifiedPattern::kBlock ? xorShuffle(group.id(i)) : 0;
+        for (const uint8_t stratum : strata) {
+            if (!samplesSource(lane, number, stratum)) continue;
+            const std::size_t sample = sampleOf(stratum, i);
+            choices_[sample] = guides_->chooseCluster(guide_[lane], points.unit(stratum ^ shuffle));
+            chosen.addIf(choices_[sample].index != SourceChoice::kNone, sample);
+        }
+    }
+    for (const std::size_t sample : chosen.samples()) clusters.chooseBin(choices_[sample]);
+    for (const std::size_t sample : chosen.samples()) {
+        if (choices_[sample].index != SourceChoice::kNone) clusters.chooseTriangle(choices_[sample]);
+    }
+    for (const uint8_t stratum : strata) {
+        for (std::size_t lane = 0; lane < kLanes; ++lane) points_[sampleOf(stratum, int(lane))].pdfArea = 0.0f;
+    }
+    SampleList withPoint;
+    for (const std::size_t sample : chosen.samples()) {
+        if (choices_[sample].index == SourceChoice::kNone) continue;
+        SourcePoint& point = points_[sample];
+        clusters.choosePoint(choices_[sample], point);
+        if (point.pdfArea <= 0.0f) continue;
+        withPoint.add(sample);
+        block.hits.setPatch(sample, point.face, point.patch);
+    }
+    block.hits.find(
+        withPoint.samples(),
+        [&](std::size_t sample) {
+            return glm::distance(block.bundle.origin(stratumOf(sample), laneOf(sample)), points_[sample].position);
+        },
+        [&](std::size_t sample) {
+            return HitLookup::FacePoint{points_[sample].face, points_[sample].barycentric};
+        });
+}
+
+/// Turns a sample of a source into an emitter sample, if the radiance of its point is known.
+void NextEvent::setSource(std::size_t sample, const HitLookup& hits, EmitterLanes& lanes) const
+{
+    const auto lane = std::size_t(laneOf(sample));
+    const SourcePoint& point = points_[sample];
+    lanes.pdfArea[lane] = 0.0f;
+    lanes.weight[lane] = 1.0f;
+    if (point.pdfArea <= 0.0f) return;
+    const vec3* radiance = hits.radiance(sample);
+    if (radiance == nullptr) return;
+    EmitterSample e;
+    e.position = point.position;
+    e.normal = point.normal;
+    // A ray passes through the uncovered part.
+    const float coverage = paths_.surfaces().coverageOfHit(point.face.hitIndex, point.barycentric);
+    e.radiance = *radiance * coverage;
+    e.pdfArea = point.pdfArea * sourceFraction(lane);
+    lanes.set(lane, e);
+}
+
+void NextEvent::sampleSources(const GatherGroup& group, int number, GatherBlock& block, uint64_t& rays)
+{
+    std::array<uint8_t, StratifiedPattern::kBlock> all;
+    std::size_t count = 0;
+    for (int stratum = 0; stratum < StratifiedPattern::kBlock; ++stratum) {
+        bool any = false;
+        for (std::size_t lane = 0; lane < kLanes; ++lane) any = any || samplesSource(lane, number, stratum);
+        if (any) all[count++] = uint8_t(stratum);
+    }
+    const std::span<const uint8_t> strata(all.data(), count);
+    chooseSources(group, number, strata, block);
+    addSamples(
+        strata,
+        [&](std::size_t stratum, EmitterLanes& lanes) {
+            for (int lane = 0; lane < int(kLanes); ++lane) setSource(sampleOf(int(stratum), lane), block.hits, lanes);
+        },
+        block, rays);
+}
+
+void NextEvent::sampleEmitters(const GatherGroup& group, int number, GatherBlock& block,
+                               std::span<const TexelEstimate> estimates, uint64_t& rays)
+{
+    constexpr int kBlock = StratifiedPattern::kBlock;
+    block.sums.begin();
+    emitterLanes_.fill(false);
+    std::array<int, kLanes> sampled{}; ///< strata of the block
+    std::array<StratifiedPattern::Block, kLanes> points;
+    std::array<int, kLanes> shuffle{};
+    for (int i = 0; i < group.lanes(); ++i) {
+        const auto lane = std::size_t(i);
+        emitterLanes_[lane] = group.active(i) && int(estimates[lane].blocks()) > number;
+        if (!emitterLanes_[lane]) continue;
+        const float gathered = luminance(estimates[lane].gathered.mean());
+        const float survival = PathTracer::rouletteSurvival(cut_.total[lane], gathered);
+        const uint32_t roulette = hashCombine(settings_.seed ^ kRouletteSeed ^ group.id(i), uint32_t(number));
+        sampled[lane] = std::min(int(survival * float(kBlock) + unitFloat(roulette)), kBlock);
+        if (sampled[lane] < kBlock) shuffle[lane] = xorShuffle(group.id(i));
+        points[lane] = pattern_.block(hashCombine(settings_.seed ^ kEmitterSeed, group.id(i)), number);
+    }
+    addSamples(
+        kAllStrata,
+        [&](std::size_t stratum, EmitterLanes& lanes) {
+            LightTree::Points positions;
+            LightTree::Cut::Lanes<bool> wanted;
+            Vec2Lanes<kLanes> u{};
+            const int order = StratifiedPattern::orderOf(int(stratum), number);
+            for (std::size_t lane = 0; lane < kLanes; ++lane) {
+                positions.set(lane, block.bundle.origin(stratum, int(lane)));
+                wanted[lane] = order < sampled[lane];
+                if (wanted[lane]) u.set(lane, points[lane].unit(int(stratum) ^ shuffle[lane]));
+            }
+            paths_.emitters().sample(cut_, positions, block.bundle.frame(stratum).normal, wanted, u, lanes);
+            for (std::size_t lane = 0; lane < kLanes; ++lane)
+                lanes.weight[lane] = float(kBlock) / float(std::max(sampled[lane], 1));
+        },
+        block, rays);
+}
+
+/// Adds the light of the samples that choose(stratum, lanes) returns for the given strata.
+template<typename Choose>
+void NextEvent::addSamples(std::span<const uint8_t> strata, const Choose& choose, GatherBlock& block, uint64_t& rays)
+{
+    // Samples are chosen one stratum ahead. Vector loads right after scalar stores to the same memory would stall.
+    std::array<EmitterLanes, 2> lanes{};
+    for (std::size_t i = 0; i <= strata.size(); ++i) {
+        if (i < strata.size()) choose(std::size_t(strata[i]), lanes[i % 2]);
+        if (i > 0) addSamples(strata[i - 1], lanes[(i - 1) % 2], block, rays);
+    }
+}
+
+void NextEvent::addSamples(std::size_t stratum, const EmitterLanes& lanes, GatherBlock& block, uint64_t& rays)
+{
+    if (std::none_of(lanes.pdfArea.begin(), lanes.pdfArea.end(), [](float pdf) { return pdf > 0.0f; })) return;
+    const RayBundle::Frames& frame = block.bundle.frame(stratum);
+    RTCRay8 packet;
+    alignas(32) embree::LaneMask valid;
+    std::array<float, kLanes> unshadowed; ///< irradiance per radiance
+    embree::clear(packet);
+    for (std::size_t lane = 0; lane < kLanes; ++lane) {
+        const vec3 position = block.bundle.origin(stratum, int(lane));
+        const NextEventContribution next = lanes.from(lane, position, frame.normal[lane], frame.geometricNormal[lane]);
+        unshadowed[lane] = next.factor * lanes.weight[lane];
+        valid.lane[lane] = next.distance > 0.0f ? -1 : 0;
+        embree::setRay(packet, int(lane), position, next.direction);
+        packet.tfar[lane] = next.distance * (1.0f - 1.0e-4f);
+    }
+    const auto traced = std::count(valid.lane, valid.lane + kLanes, -1);
+    if (traced == 0) return;
+    rays += uint64_t(traced);
+    const std::array<float, kLanes> transmittance = paths_.surfaces().transmittance(valid, packet);
+    Vec3Lanes<kLanes> irradiance;
+    for (std::size_t lane = 0; lane < kLanes; ++lane) {
+        const bool lit = valid.lane[lane] != 0 && transmittance[lane] > 0.0f;
+        irradiance.set(lane, lit ? lanes.radiance[lane] * (unshadowed[lane] * transmittance[lane]) : vec3(0.0f));
+        // Directions of lanes without a sample may be NaN.
+        packet.dir_x[lane] = lit ? packet.dir_x[lane] : 0.0f;
+        packet.dir_y[lane] = lit ? packet.dir_y[lane] : 0.0f;
+        packet.dir_z[lane] = lit ? packet.dir_z[lane] : 0.0f;
+    }
+    block.sums.add(stratum, irradiance, packet);
+}
+
+} // namespace halflight

@@ -1,0 +1,68 @@
+#include "bake_cpu/lightmap/path_lightmap.h"
+
+#include "bake_cpu/sample/running_moments.h"
+
+#include "halflight/base/finite.h"
+#include "halflight/base/parallel.h"
+
+namespace halflight {
+namespace {
+
+/// Irradiance is pi times the mean radiance of cosine-distributed paths (pdf cos / pi), plus emitter samples.
+LongMoments gather(const PathTracer& paths, const IntegrationSettings& settings, const TexelPoints& points,
+                   int pointCount, int samples, uint32_t id, uint64_t& rays)
+{
+    LongMoments gathered;
+    for (int s = 0; s < samples; ++s) {
+        const SurfacePoint& point = points[std::size_t(s % pointCount)];
+        Sampler sampler(settings.seed, id, uint32_t(s));
+        const vec3 direction = PathTracer::gatherDirection(point, sampler.next2());
+        const float pdf = PathTracer::gatherPdf(point.normal, direction);
+        const PathTracer::EmitterAtSurface emitter = paths.emitterIrradiance(point, 0.0f, sampler, rays);
+        const PathTracer::Incoming in =
+            paths.incoming({paths.rayOrigin(point), point.normal}, direction, pdf, settings.bounces, sampler, rays);
+        const vec3 bounced = kPi * in.radiance;
+        const vec3 value = emitter.irradiance + bounced;
+        // Lights of extreme size or intensity may overflow.
+        const bool finite = isFinite(value);
+        gathered.add(finite ? value : vec3(0.0f));
+        if (!finite) continue;
+        gathered.addDirection(emitter.irradiance, emitter.direction);
+        gathered.addDirection(bounced, direction);
+    }
+    return gathered;
+}
+
+} // namespace
+
+bool tracePathLightmap(const PathTracer& paths, const TexelValidity& validity, const IntegrationSettings& settings,
+                       const TexelMap& map, std::span<const uint32_t> texels, int samples,
+                       std::span<IrradianceEstimate> out, const Progress& progress, std::atomic<uint64_t>& rays)
+{
+    constexpr std::size_t kTexelGrain = 64;
+    const auto estimateOf = [&](const Texel& texel, uint64_t& traced) {
+        TexelPoints points;
+        int pointCount = texelPoints(paths.surfaces().geometry(), map, texel, points);
+        const uint32_t id = texelId(map, texel);
+        const PointMask mask = validity.validPoints(points, pointCount, id, traced);
+        keepPoints(mask, points, pointCount);
+        IrradianceEstimate estimate;
+        estimate.valid = mask != 0;
+        estimate.outsidePoints = mask;
+        if (!estimate.valid) return estimate;
+        const LongMoments gathered = gather(paths, settings, points, pointCount, samples, id, traced);
+        estimate.irradiance = gathered.mean();
+        estimate.moment = gathered.meanMoment();
+        estimate.varianceOfMean = gathered.varianceOfMean();
+        estimate.samples = uint32_t(gathered.count);
+        return estimate;
+    };
+    return parallelFor(texels.size(), kTexelGrain, progress, "lightmap", [&](std::size_t begin, std::size_t end) {
+        uint64_t traced = 0;
+        for (std::size_t i = begin; i < end && !progress.cancelled(); ++i)
+            out[i] = estimateOf(map.texels[texels[i]], traced);
+        rays += traced;
+    });
+}
+
+} // namespace halflight

@@ -1,0 +1,123 @@
+#include "bake_cpu/probes.h"
+
+#include "bake_cpu/sample/running_moments.h"
+
+#include "halflight/base/parallel.h"
+#include "halflight/shading/sampling.h"
+#include "halflight/shading/sh.h"
+
+#include <algorithm>
+#include <array>
+
+namespace halflight {
+namespace {
+
+constexpr uint32_t kProbeSeed = 0x5eed0003u;
+
+class ProbeTracer {
+public:
+    ProbeTracer(const PathTracer& paths, const IntegrationSettings& settings, int samples)
+        : paths_(paths), settings_(settings), samples_(samples)
+    {}
+
+    ProbeEstimate trace(uint32_t id, vec3 position, uint64_t& rays) const
+    {
+        ProbeEstimate estimate;
+        gather(id, position, estimate, rays);
+        addBakedLights(id, position, estimate, rays);
+        for (int channel = 0; channel < 4; ++channel) {
+            uint32_t index = 0;
+            if (const PunctualLight* light = ownerOfChannel(channel, position, index)) {
+                estimate.occlusion[channel] = visibility(*light, index, id, position, rays);
+            }
+        }
+        return estimate;
+    }
+
+private:
+    /// Projects radiance along uniformly distributed directions on spherical harmonics.
+    void gather(uint32_t id, vec3 position, ProbeEstimate& estimate, uint64_t& rays) const
+    {
+        std::array<vec3, 9> sum{};
+        int backFaces = 0;
+        LongMoments mean; // of incoming radiance
+        constexpr float kUniformPdf = 1.0f / (4.0f * kPi);
+        const auto add = [&](vec3 direction, vec3 weightedRadiance) {
+            for (int i = 0; i < 9; ++i) sum[std::size_t(i)] += weightedRadiance * shading::shBasis(i, direction);
+        };
+        for (int s = 0; s < samples_; ++s) {
+            Sampler sampler(settings_.seed ^ kProbeSeed, id, uint32_t(s));
+            const vec3 direction = shading::sampleSphere(sampler.next2());
+            const PathTracer::EmitterInSpace emitter = paths_.emitterInSpace(position, kUniformPdf, sampler, rays);
+            if (emitter.radianceOverPdf != vec3(0.0f)) add(emitter.direction, emitter.radianceOverPdf);
+            const PathTracer::Incoming in =
+                paths_.incoming({position}, direction, kUniformPdf, settings_.bounces, sampler, rays);
+            backFaces += in.firstHitBackFace ? 1 : 0;
+            add(direction, in.radiance / kUniformPdf);
+            mean.add(in.radiance + emitter.radianceOverPdf * kUniformPdf);
+        }
+        for (int i = 0; i < 9; ++i) estimate.radiance[std::size_t(i)] = sum[std::size_t(i)] / float(samples_);
+        // A coefficient is 4 pi times the mean of radiance times a basis function, whose mean square is 1 / (4 pi).
+        estimate.variance = 4.0f * kPi * mean.varianceOfMean();
+        estimate.valid = backFaces * 4 < samples_;
+    }
+
+    /// A fully baked light is a delta distribution of directions: its coefficients are illuminance times basis
+    /// functions.
+    void addBakedLights(uint32_t id, vec3 position, ProbeEstimate& estimate, uint64_t& rays) const
+    {
+        for (std::size_t l = 0; l < paths_.lights().size(); ++l) {
+            const PunctualLight& light = paths_.lights()[l];
+            if (!light.directAtProbes) continue;
+            const shading::LightSample sample = light.at(position);
+            if (sample.illuminance == vec3(0.0f)) continue;
+            const float visible = visibility(light, uint32_t(l), id, position, rays);
+            const vec3 illuminance = sample.illuminance * glm::mix(1.0f, visible, light.shadowStrength);
+            for (int i = 0; i < 9; ++i)
+                estimate.radiance[std::size_t(i)] += illuminance * shading::shBasis(i, sample.direction);
+        }
+    }
+
+    /// The light of a mask channel that reaches a point, or null: at most one does.
+    const PunctualLight* ownerOfChannel(int channel, vec3 position, uint32_t& index) const
+    {
+        for (std::size_t l = 0; l < paths_.lights().size(); ++l) {
+            const PunctualLight& light = paths_.lights()[l];
+            if (light.channel != channel) continue;
+            index = uint32_t(l);
+            if (light.reaches(position)) return &light;
+        }
+        return nullptr;
+    }
+
+    float visibility(const PunctualLight& light, uint32_t lightIndex, uint32_t id, vec3 position, uint64_t& rays) const
+    {
+        const int samples = std::max(settings_.shadowSamples, 16);
+        float sum = 0.0f;
+        for (int s = 0; s < samples; ++s) {
+            Sampler sampler(settings_.seed ^ kShadowSeed, hashCombine(~id, lightIndex), uint32_t(s));
+            sum += paths_.lightVisibilityInSpace(light, position, sampler.next2(), rays);
+        }
+        return sum / float(samples);
+    }
+
+    const PathTracer& paths_;
+    const IntegrationSettings& settings_;
+    int samples_;
+};
+
+} // namespace
+
+bool traceProbes(const PathTracer& paths, const IntegrationSettings& settings, std::span<const vec3> positions,
+                 std::span<const uint32_t> which, int samples, std::span<ProbeEstimate> out, const Progress& progress,
+                 std::atomic<uint64_t>& rays)
+{
+    const ProbeTracer tracer(paths, settings, samples > 0 ? samples : settings.probeSamples);
+    return parallelFor(which.size(), 1, progress, "probes", [&](std::size_t begin, std::size_t end) {
+        uint64_t traced = 0;
+        for (std::size_t i = begin; i < end; ++i) out[i] = tracer.trace(which[i], positions[which[i]], traced);
+        rays += traced;
+    });
+}
+
+} // namespace halflight

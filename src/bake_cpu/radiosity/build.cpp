@@ -1,0 +1,170 @@
+#include "bake_cpu/radiosity/build.h"
+
+#include "bake_cpu/radiosity/split_patches.h"
+
+#include "halflight/base/memory.h"
+#include "halflight/base/parallel.h"
+
+#include <numeric>
+
+namespace halflight {
+namespace {
+
+/// Moves texels out of a list so that large patches are gathered by one texel in `every`; returns the moved ones.
+/// Patches with fewer than 3/4 of their texels keep all.
+std::vector<uint32_t> thinOut(std::vector<uint32_t>& texels, const TexelMap& map, const ChartPatches& charts, int every)
+{
+    std::vector<uint32_t> rest;
+    if (every == 1) return rest;
+    std::vector<uint8_t> counts(charts.patchCount());
+    for (const uint32_t texel : texels) {
+        if (const PatchId patch = charts.patchOf(map, texel); patch != kNoPatch) ++counts[patch];
+    }
+    const int enough = 3 << (2 * charts.shift() - 2);
+    std::erase_if(texels, [&](uint32_t texel) {
+        const PatchId patch = charts.patchOf(map, texel);
+        // Diagonal lines, because rows and columns of texels often coincide with features.
+        const int line = map.texels[texel].x + every / 2 * map.texels[texel].y;
+        if (patch == kNoPatch || counts[patch] < enough || line % every == 0) return false;
+        rest.push_back(texel);
+        return true;
+    });
+    return rest;
+}
+
+class RadiosityBuilder {
+public:
+    RadiosityBuilder(const RadiosityInput& input, const Progress& progress, std::atomic<uint64_t>& rays)
+        : input_(input), progress_(progress), rays_(rays), patches_(input.paths.surfaces(), input.map)
+    {}
+
+    std::optional<Radiosity> build()
+    {
+        buildFronts();
+        buildBacks();
+        gather(PassKind::Elements,
+               patches_.texelsIn(input_.map, 0, [](PatchState s) { return s.occluded || s.hitNear; }));
+        if (progress_.cancelled()) return std::nullopt;
+        RadiositySolution solution =
+            solveRadiosity(patches_, std::move(factors_), input_.paths.surfaces().geometry(), input_.settings.bounces);
+        return Radiosity{std::move(patches_), std::move(solution)};
+    }
+
+private:
+    static constexpr std::size_t kRangeItems = 256;
+    static bool isOccluded(PatchState s) { return s.occluded; }
+    static bool isHit(PatchState s) { return s.hit; }
+
+    void buildFronts()
+    {
+        std::vector<uint32_t> texels(input_.map.texels.size());
+        std::iota(texels.begin(), texels.end(), 0u);
+        findOccluded(PassKind::Fronts, texels);
+        patches_.split(0, isOccluded);
+        findOccluded(PassKind::Elements, patches_.texelsIn(input_.map, 0, isOccluded));
+        const int every = effortOf(input_.settings, PassKind::Fronts, patches_.charts.shift()).every;
+        std::vector<uint32_t> rest = thinOut(texels, input_.map, patches_.charts, every);
+        gather(PassKind::Fronts, texels);
+        keepDoubtful(rest, texels);
+        gather(PassKind::Fronts, rest);
+        markHits();
+        patches_.split(0, [](PatchState s) { return s.hitNear; });
+    }
+
+    /// Backs and triangles that rays of the fronts hit.
+    void buildBacks()
+    {
+        const uint32_t fronts = patches_.layout.chartPatches;
+        const std::vector<uint32_t> backs = patches_.texelsIn(input_.map, fronts, isHit);
+        std::vector<uint32_t> triangles;
+        for (uint32_t i = 0; i < 2 * patches_.triangles.size(); ++i) {
+            if (patches_.state[2 * fronts + i].hit) triangles.push_back(i);
+        }
+        findOccluded(PassKind::Backs, backs);
+        patches_.split(fronts, isOccluded);
+        const std::vector<uint32_t> backElements = patches_.texelsIn(input_.map, fronts, isOccluded);
+        findOccluded(PassKind::BackElements, backElements);
+        gather(PassKind::Backs, backs);
+        gather(PassKind::BackElements, backElements);
+        gather(PassKind::Triangles, triangles);
+    }
+
+    /// Calls work(range, items) for ranges of the items, on all threads.
+    template<typename Work> void forRanges(std::span<const uint32_t> items, const Work& work) const
+    {
+        const std::size_t ranges = (items.size() + kRangeItems - 1) / kRangeItems;
+        parallelFor(ranges, 1, progress_, "bounces", [&](std::size_t begin, std::size_t end) {
+            for (std::size_t r = begin; r < end && !progress_.cancelled(); ++r) {
+                const std::size_t item = r * kRangeItems;
+                work(r, items.subspan(item, std::min(kRangeItems, items.size() - item)));
+            }
+        });
+    }
+
+    void findOccluded(PassKind kind, std::span<const uint32_t> items)
+    {
+        const PatchPass pass(kind, patches_, input_);
+        std::vector<std::vector<PatchId>> found((items.size() + kRangeItems - 1) / kRangeItems);
+        forRanges(items, [&](std::size_t range, std::span<const uint32_t> some) {
+            OccluderSearch search(pass);
+            search.search(some);
+            found[range] = search.occluded();
+            rays_ += search.rays();
+        });
+        for (const std::vector<PatchId>& range : found) {
+            for (const PatchId patch : range) patches_.state[patch].occluded = true;
+        }
+    }
+
+    void gather(PassKind kind, std::span<const uint32_t> items)
+    {
+        const PatchPass pass(kind, patches_, input_);
+        const std::size_t first = factors_.size();
+        factors_.resize(first + (items.size() + kRangeItems - 1) / kRangeItems);
+        forRanges(items, [&](std::size_t range, std::span<const uint32_t> some) {
+            FormFactorRange& out = factors_[first + range];
+            FormFactorSampler sampler(pass, out);
+            sampler.gather(some);
+            out.samples.shrink_to_fit();
+            out.links.shrink_to_fit();
+            rays_ += sampler.rays();
+        });
+    }
+
+    /// Keeps the texels of `rest` whose patch has a gathered texel with invalid points.
+    void keepDoubtful(std::vector<uint32_t>& rest, std::span<const uint32_t> gathered) const
+    {
+        if (rest.empty()) return;
+        std::vector<uint8_t> doubtful(patches_.charts.patchCount());
+        for (const uint32_t texel : gathered) {
+            const PatchId patch = patches_.charts.patchOf(input_.map, texel);
+            if (patch != kNoPatch && input_.valid.masks[texel] != kAllPoints) doubtful[patch] = 1;
+        }
+        std::erase_if(rest, [&](uint32_t texel) { return doubtful[patches_.charts.patchOf(input_.map, texel)] == 0; });
+    }
+
+    void markHits()
+    {
+        for (FormFactorRange& range : factors_) {
+            for (const PatchId patch : range.links) patches_.state[patch].hit = true;
+            for (const PatchId patch : range.hitNear) patches_.state[patch].hitNear = true;
+            release(range.hitNear);
+        }
+    }
+
+    const RadiosityInput& input_;
+    const Progress& progress_;
+    std::atomic<uint64_t>& rays_;
+    Patches patches_;
+    FormFactors factors_;
+};
+
+} // namespace
+
+std::optional<Radiosity> buildRadiosity(const RadiosityInput& input, const Progress& progress,
+                                        std::atomic<uint64_t>& rays)
+{
+    return RadiosityBuilder(input, progress, rays).build();
+}
+
+} // namespace halflight

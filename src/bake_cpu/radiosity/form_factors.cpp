@@ -1,0 +1,225 @@
+#include "bake_cpu/radiosity/form_factors.h"
+
+#include "bake_cpu/sample/shadow_packet.h"
+
+#include "halflight/shading/sky.h"
+
+#include <algorithm>
+
+namespace halflight {
+namespace {
+
+constexpr uint32_t kCacheSeed = 0x5eed0005u;
+/// By the logarithm of a patch's width: 16 rays and 8 light samples for each patch or more. Twice as many from 96
+/// samples per texel on, because the patches' variance would be visible beside the smaller variance of the texels.
+constexpr std::array<FormFactorEffort, 4> kEffort = {{{16, 8}, {4, 2}, {4, 1, 2}, {4, 1, 4}}};
+constexpr std::array<FormFactorEffort, 4> kMoreEffort = {{{32, 16}, {8, 4}, {4, 2}, {4, 1, 2}}};
+constexpr FormFactorEffort kTriangleEffort = {8, 4};
+constexpr FormFactorEffort kElementEffort = {8, 4};
+constexpr FormFactorEffort kMoreElementEffort = {16, 8};
+constexpr int kManySamples = 96;
+/// Rays shorter than this many widths would show that the radiance of a patch or element is constant.
+constexpr float kNearestInPatches = 0.5f;
+constexpr float kNearestInElements = 0.25f;
+
+} // namespace
+
+FormFactorEffort effortOf(const IntegrationSettings& settings, PassKind kind, int patchShift)
+{
+    const bool more = settings.samples >= kManySamples;
+    if (kind == PassKind::Triangles) return kTriangleEffort;
+    if (kind == PassKind::Elements || kind == PassKind::BackElements) return more ? kMoreElementEffort : kElementEffort;
+    return (more ? kMoreEffort : kEffort)[std::size_t(patchShift)];
+}
+
+FormFactorSampler::FormFactorSampler(const PatchPass& pass, FormFactorRange& out)
+    : pass_(pass), paths_(pass.input().paths), tracer_(paths_.surfaces()), out_(out), validity_(paths_),
+      seed_(pass.input().settings.seed ^ (kCacheSeed + (uint32_t(pass.kind()) << 16))),
+      effort_(effortOf(pass.input().settings, pass.kind(), pass.layout().patchShift)),
+      byBounce_(std::size_t(std::max(pass.input().settings.bounces, 1)) + 1)
+{}
+
+void FormFactorSampler::gather(std::span<const uint32_t> items)
+{
+    pass_.forGroups(items, [&](const TexelGroup& group) {
+        partlyValid_.clear();
+        gatherGroup(GatherGroup(paths_, group));
+        const RadiosityInput& input = pass_.input();
+        for (const uint32_t texel : std::vector<uint32_t>(partlyValid_)) {
+            gatherGroup(GatherGroup(paths_, input.map, std::span(&texel, 1), std::span(&input.valid.masks[texel], 1)));
+        }
+    });
+}
+
+/// Strata of the rays of one texel: one in each row and column of the pattern for every four rays. Consecutive groups
+/// take complementary strata. Returns their number.
+std::size_t FormFactorSampler::strataOf(uint32_t group, Strata& strata) const
+{
+    const int diagonals = std::min(effort_.rays / 4, 4);
+    std::size_t count = 0;
+    for (int d = 0; d < diagonals; ++d) {
+        const uint32_t flip = diagonals == 1   ? group & 3u
+                              : diagonals == 2 ? (group & 1u) ^ uint32_t(2 * d)
+                                               : uint32_t(d);
+        for (uint32_t x = 0; x < 4; ++x) strata[count++] = uint8_t((x << 2) | (x ^ flip));
+    }
+    return count;
+}
+
+void FormFactorSampler::gatherGroup(const GatherGroup& group)
+{
+    const int blocks = std::max(1, effort_.rays / StratifiedPattern::kBlock);
+    Strata all;
+    const std::size_t count = strataOf(group.texel(0) / (TexelGroup::kLanes * uint32_t(effort_.every)), all);
+    const std::span<uint8_t> strata(all.data(), count);
+    std::array<bool, TexelGroup::kLanes> use{};
+    for (int lane = 0; lane < group.lanes(); ++lane) use[std::size_t(lane)] = group.active(lane);
+    for (int b = 0; b < blocks; ++b) {
+        rays_ += uint64_t(bundle_.trace(paths_, pass_.input().pattern, group, seed_, b, strata));
+        for (int lane = 0; lane < group.lanes(); ++lane) {
+            if (!use[std::size_t(lane)]) continue;
+            if (b == 0 && pass_.kind() == PassKind::Fronts && !allValid(group, lane, strata)) {
+                use[std::size_t(lane)] = false;
+                continue;
+            }
+            sortByElement(group, lane, b, strata);
+            for (const uint8_t stratum : strata) addRay(group, lane, b, stratum);
+        }
+    }
+    for (int s = 0; s < effort_.direct; ++s) addDirect(group, use, s);
+}
+
+/// Sorts strata by the element that their rays start from, so that each element has one entry of samples.
+void FormFactorSampler::sortByElement(const GatherGroup& group, int lane, int block, std::span<uint8_t> strata) const
+{
+    if (!pass_.ofElements()) return;
+    std::array<PatchId, StratifiedPattern::kBlock> elements{};
+    for (const uint8_t stratum : strata) {
+        const SurfacePoint& point = group.point(lane, group.pointOf(lane, block, stratum));
+        elements[stratum] = pass_.sourceOf(group, lane, point);
+    }
+    std::sort(strata.begin(), strata.end(),
+              [&](uint8_t a, uint8_t b) { return elements[a] != elements[b] ? elements[a] < elements[b] : a < b; });
+}
+
+/// Tests the texel's points if a ray first hits a hidden back. False if some are invalid; the texel is gathered again
+/// with the others.
+bool FormFactorSampler::allValid(const TexelGroup& group, int lane, std::span<const uint8_t> strata)
+{
+    const uint32_t texel = group.texel(lane);
+    ValidPoints& valid = pass_.input().valid;
+    if (valid.checked[texel] != 0) return true;
+    TexelValidity::FirstHits hits{int(strata.size()), {}, kAllPoints, valid.mutuallyVisible[texel] != 0};
+    for (const int stratum : strata) {
+        hits.untested &= PointMask(~(1u << group.pointOf(lane, 0, stratum)));
+        if (!bundle_.found(stratum, lane)) continue;
+        const FaceId face = faceOf(stratum, lane);
+        if (!pass_.layout().isHiddenBack(face)) continue;
+        const uint8_t solid = tracer_.geometry().solid[tracer_.triangleAt(face.hitIndex)];
+        hits.backs.add({1, solid, bundle_.distance(stratum, lane)});
+    }
+    if (hits.backs.hidden == 0) return true;
+    const PointMask mask =
+        validity_.validPoints(group.points(lane), group.pointCount(lane), hits, group.id(lane), rays_);
+    valid.masks[texel] = mask;
+    valid.checked[texel] = 1;
+    if (mask == kAllPoints) return true;
+    if (mask != 0) partlyValid_.push_back(texel);
+    return false;
+}
+
+void FormFactorSampler::addRay(const GatherGroup& group, int lane, int block, int stratum)
+{
+    const int number = group.pointOf(lane, block, stratum);
+    const SurfacePoint& point = group.points(lane)[std::size_t(number)];
+    const PatchId source = pass_.sourceOf(group, lane, point);
+    if (source == kNoPatch) return;
+    PatchSamples& samples = out_.last(source);
+    ++samples.rayCount;
+    const vec3 direction = bundle_.direction(stratum, lane);
+    if (!bundle_.found(stratum, lane)) {
+        const Sky& sky = paths_.sky();
+        samples.gathered += shading::skyRadiance(sky.zenith, sky.horizon, sky.ground, direction);
+        return;
+    }
+    const RTCRayHit8& packet = bundle_.rays[std::size_t(stratum)];
+    const FaceId face = faceOf(stratum, lane);
+    const PatchId target = pass_.targetOf(face, embree::barycentricOf(packet, lane));
+    if (target == kNoPatch) {
+        addPath(group, lane, block, stratum, source);
+        return;
+    }
+    out_.links.push_back(target);
+    ++samples.linkCount;
+    if (pass_.kind() == PassKind::Fronts) findNear(source, target, packet, lane);
+    if (!pass_.layout().emissive(face)) return;
+    const GatherGroup::Origin& s = group.origin(lane, number);
+    samples.gathered += paths_.weightedEmission(tracer_.surfaceAt(bundle_.hit(stratum, lane)), direction,
+                                                {s.position, s.normal}, PathTracer::gatherPdf(s.normal, direction));
+}
+
+/// Continues a ray that hits no patch as a path. Its radiance is split by the number of reflections.
+void FormFactorSampler::addPath(const GatherGroup& group, int lane, int block, int stratum, PatchId source)
+{
+    const GatherGroup::Origin& s = group.origin(lane, group.pointOf(lane, block, stratum));
+    const vec3 direction = bundle_.direction(stratum, lane);
+    std::fill(byBounce_.begin(), byBounce_.end(), vec3(0.0f));
+    Sampler sampler(seed_, group.id(lane), uint32_t(block * StratifiedPattern::kBlock + stratum));
+    paths_.pathRadiance(bundle_.hit(stratum, lane), direction, {s.position, s.normal},
+                        PathTracer::gatherPdf(s.normal, direction), pass_.input().settings.bounces - 1, sampler, rays_,
+                        {}, byBounce_.data());
+    out_.last(source).gathered += byBounce_[0];
+    for (uint32_t r = 1; r < byBounce_.size(); ++r) {
+        if (byBounce_[r] != vec3(0.0f)) out_.late.push_back({source, r, byBounce_[r]});
+    }
+}
+
+/// Marks both ends of a short ray: later rays will hit them from as near.
+void FormFactorSampler::findNear(PatchId source, PatchId target, const RTCRayHit8& packet, int lane)
+{
+    if (target >= pass_.layout().chartPatches) return;
+    const uint32_t triangle = tracer_.triangleOf(packet.hit.geomID[lane], packet.hit.primID[lane]);
+    if (!(packet.ray.tfar[lane] < kNearestInPatches * pass_.widthOf(target, triangle))) return;
+    out_.hitNear.push_back(target);
+    if (source < pass_.layout().chartPatches) out_.hitNear.push_back(source);
+}
+
+/// One sample of the lights for each lane in use.
+void FormFactorSampler::addDirect(const TexelGroup& group, const std::array<bool, TexelGroup::kLanes>& use, int sample)
+{
+    struct LaneSample {
+        PatchId source = kNoPatch;
+        const SurfacePoint* point = nullptr;
+        Sampler sampler{0, 0, 0};
+        PathTracer::LightChoice choice;
+    };
+    std::array<LaneSample, TexelGroup::kLanes> samples;
+    ShadowPacket packet(paths_);
+    for (int lane = 0; lane < TexelGroup::kLanes; ++lane) {
+        LaneSample& s = samples[std::size_t(lane)];
+        if (!use[std::size_t(lane)]) continue;
+        s.point = &group.point(lane, group.pointOf(lane, 0, sample & (kMaxTexelPoints - 1)));
+        s.source = pass_.sourceOf(group, lane, *s.point);
+        if (s.source == kNoPatch) continue;
+        s.sampler = Sampler(~seed_, group.id(lane), uint32_t(sample));
+        s.choice = paths_.choosePunctual(*s.point, false, s.sampler);
+        if (s.choice.light == nullptr) continue;
+        packet.add(lane, *s.choice.light, *s.point, s.choice.disc, rays_);
+    }
+    const std::array<float, TexelGroup::kLanes> transmittance = packet.trace();
+    for (int lane = 0; lane < TexelGroup::kLanes; ++lane) {
+        LaneSample& s = samples[std::size_t(lane)];
+        if (s.source == kNoPatch) continue;
+        const SurfacePoint& point = *s.point;
+        PatchSamples& sums = out_.recent(s.source);
+        const vec3 irradiance = s.choice.irradiance(transmittance[std::size_t(lane)]);
+        sums.direct += irradiance;
+        sums.direct += paths_.emitterIrradiance(point, luminance(irradiance), s.sampler, rays_).irradiance;
+        sums.albedo += tracer_.materials().albedoAt(point.triangle, point.barycentric);
+        ++sums.directCount;
+        const float widths = s.source < pass_.layout().patchCount() ? kNearestInPatches : kNearestInElements;
+        sums.minDistance = std::max(sums.minDistance, widths * pass_.widthOf(s.source, point.triangle));
+    }
+}
+
+} // namespace halflight

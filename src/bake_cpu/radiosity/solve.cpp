@@ -1,0 +1,241 @@
+#include "bake_cpu/radiosity/solve.h"
+
+#include "bake_cpu/radiosity/substitutes.h"
+
+#include "halflight/base/memory.h"
+#include "halflight/shading/brdf.h"
+
+#include <algorithm>
+
+namespace halflight {
+namespace {
+
+class RadiositySolver {
+public:
+    RadiositySolver(Patches& patches, FormFactors factors, const BakeGeometry& geometry, int bounces)
+        : patches_(patches), factors_(std::move(factors)), bounces_(bounces)
+    {
+        countRays();
+        substitute_ = findSubstitutes(patches, rayCount_, geometry);
+    }
+
+    RadiositySolution solve()
+    {
+        numberUnknowns();
+        sumSamples();
+        iterate();
+        RadiositySolution solution;
+        findIlluminance(solution.illuminance);
+        fillPatches();
+        fillElements();
+        findOwners(solution.patchOfUnknown);
+        solution.cache = {std::move(patches_.layout), std::move(radiance_), std::move(levels_), bounces_};
+        solution.factors = std::move(factors_);
+        return solution;
+    }
+
+private:
+    /// Unknown of the linear system with its constants.
+    struct Unknown {
+        vec3 gathered{0.0f}; ///< irradiance of sky and emitters along rays
+        vec3 direct{0.0f};   ///< irradiance of sampled lights
+        vec3 albedo{0.0f};
+        float directCount = 0.0f;
+        float rays = 0.0f;
+        float minDistance = 0.0f;
+    };
+
+    /// Rays of each patch and element; 0 for occluded ones and for those without light samples.
+    void countRays()
+    {
+        const std::size_t count = patches_.state.size();
+        rayCount_.resize(count);
+        std::vector<uint8_t> anyDirect(count);
+        for (const FormFactorRange& range : factors_) {
+            for (const PatchSamples& s : range.samples) {
+                rayCount_[s.patch] += s.rayCount;
+                if (s.directCount > 0) anyDirect[s.patch] = 1;
+            }
+        }
+        for (std::size_t i = 0; i < count; ++i) {
+            if (anyDirect[i] == 0 || patches_.state[i].occluded) rayCount_[i] = 0;
+        }
+    }
+
+    void numberUnknowns()
+    {
+        unknown_.assign(rayCount_.size(), kNoPatch);
+        for (std::size_t i = 0; i < rayCount_.size(); ++i) {
+            if (rayCount_[i] > 0) unknown_[i] = unknownCount_++;
+        }
+    }
+    [[nodiscard]] uint32_t unknownOf(std::size_t patch) const { return unknown_[substitute_[patch]]; }
+
+    /// Sums the samples of each unknown, and replaces patches by unknowns in the form factors.
+    void sumSamples()
+    {
+        unknowns_.resize(unknownCount_);
+        for (FormFactorRange& range : factors_) {
+            FormFactorRange::forSamples(range, [&](PatchSamples& s, std::span<PatchId> links) {
+                const uint32_t own = unknown_[s.patch];
+                // Rays that hit occluded patches are left out.
+                uint32_t lost = 0;
+                for (PatchId& target : links) {
+                    target = patches_.state[target].occluded ? kNoPatch : unknownOf(target);
+                    if (target == kNoPatch) ++lost;
+                }
+                s.patch = own;
+                if (own == kNoPatch) return;
+                Unknown& u = unknowns_[own];
+                u.gathered += kPi * s.gathered;
+                u.direct += s.direct;
+                u.albedo += s.albedo;
+                u.directCount += float(s.directCount);
+                u.rays += float(s.rayCount - lost);
+                u.minDistance = std::max(u.minDistance, s.minDistance);
+            });
+            for (FormFactorRange::LateRadiance& late : range.late) late.patch = unknown_[late.patch];
+        }
+        for (Unknown& u : unknowns_) {
+            u.rays = std::max(u.rays, 1.0f);
+            u.gathered /= u.rays;
+            u.direct /= u.directCount;
+            u.albedo /= u.directCount;
+        }
+    }
+
+    void iterate()
+    {
+        reflected_.assign(unknownCount_, vec3(0.0f));
+        std::vector<vec3> gathered(unknownCount_);
+        for (int b = 1; b <= bounces_; ++b) {
+            std::fill(gathered.begin(), gathered.end(), vec3(0.0f));
+            if (b > 1) sweep(b, gathered);
+            for (std::size_t i = 0; i < unknowns_.size(); ++i) {
+                const Unknown& u = unknowns_[i];
+                const vec3 irradiance = u.gathered + u.direct + gathered[i] * (kPi / u.rays);
+                reflected_[i] = shading::diffuseRadiance(u.albedo, irradiance);
+            }
+            if (b == bounces_ || bounces_ - b > RadianceCache::kLevels) continue;
+            auto& level = levels_[std::size_t(bounces_ - b - 1)];
+            level.resize(patches_.layout.patchCount());
+            for (std::size_t i = 0; i < level.size(); ++i) {
+                level[i] = unknownOf(i) != kNoPatch ? reflected_[unknownOf(i)] : vec3(0.0f);
+            }
+        }
+    }
+
+    /// Sums for each unknown the radiance at the ends of its links, and radiance by way of surfaces without patches.
+    void sweep(int bounce, std::vector<vec3>& gathered) const
+    {
+        for (const FormFactorRange& range : factors_) {
+            FormFactorRange::forSamples(range, [&](const PatchSamples& s, std::span<const PatchId> links) {
+                vec3 sum(0.0f);
+                for (const PatchId target : links) {
+                    if (target != kNoPatch) sum += reflected_[target];
+                }
+                if (s.patch != kNoPatch) gathered[s.patch] += sum;
+            });
+            for (const FormFactorRange::LateRadiance& late : range.late) {
+                if (late.patch != kNoPatch && late.reflections < uint32_t(bounce))
+                    gathered[late.patch] += late.radiance;
+            }
+        }
+    }
+
+    void findIlluminance(std::vector<float>& illuminance) const
+    {
+        illuminance.resize(patches_.layout.chartPatches);
+        for (std::size_t i = 0; i < illuminance.size(); ++i) {
+            if (unknownOf(i) != kNoPatch) illuminance[i] = luminance(unknowns_[unknownOf(i)].gathered);
+        }
+    }
+
+    void fillPatches()
+    {
+        std::vector<PatchRadiance> ofUnknown(unknownCount_);
+        for (std::size_t i = 0; i < unknowns_.size(); ++i) ofUnknown[i] = {reflected_[i], unknowns_[i].minDistance};
+        release(reflected_);
+        release(unknowns_);
+        radiance_.resize(rayCount_.size());
+        for (std::size_t i = 0; i < radiance_.size(); ++i) {
+            if (unknownOf(i) == kNoPatch) continue;
+            radiance_[i] = ofUnknown[unknownOf(i)];
+            if (patches_.state[i].occluded) radiance_[i].minDistance = kInfinity;
+        }
+    }
+
+    /// Elements without samples take the mean of the 3 x 3 elements around, if the radiance of these differs by less
+    /// than a factor of 1.5.
+    void fillElements()
+    {
+        const PatchLayout& layout = patches_.layout;
+        for (PatchId patch = 0; patch < 2 * layout.chartPatches; ++patch) {
+            if (layout.elements[patch].split == 0) continue;
+            const PatchId first = layout.elements[patch].first;
+            for (PatchId element = first; element < first + layout.elementCount(patch); ++element) {
+                if (rayCount_[element] == 0 && !patches_.state[element].occluded)
+                    fillElement(first, 1 << layout.elementShift(patch), element);
+            }
+        }
+    }
+    void fillElement(PatchId first, int width, PatchId element)
+    {
+        constexpr float kAlike = 1.5f;
+        const auto i = int(element - first);
+        const ivec2 at(i % width, i / width);
+        float least = kInfinity;
+        float most = 0.0f;
+        float count = 0.0f;
+        PatchRadiance sum;
+        sum.minDistance = 0.0f;
+        for (int y = std::max(at.y - 1, 0); y <= std::min(at.y + 1, width - 1); ++y) {
+            for (int x = std::max(at.x - 1, 0); x <= std::min(at.x + 1, width - 1); ++x) {
+                const PatchId other = first + uint32_t(y * width + x);
+                if (rayCount_[other] == 0) continue;
+                least = std::min(least, luminance(radiance_[other].radiance));
+                most = std::max(most, luminance(radiance_[other].radiance));
+                sum.radiance += radiance_[other].radiance;
+                sum.minDistance = std::max(sum.minDistance, radiance_[other].minDistance);
+                ++count;
+            }
+        }
+        if (count == 0.0f || most > kAlike * least) return;
+        radiance_[element] = {sum.radiance / count, sum.minDistance};
+    }
+
+    void findOwners(std::vector<PatchId>& owner) const
+    {
+        const PatchLayout& layout = patches_.layout;
+        owner.assign(unknownCount_, kNoPatch);
+        for (PatchId patch = 0; patch < layout.patchCount(); ++patch) {
+            if (unknown_[patch] != kNoPatch) owner[unknown_[patch]] = patch;
+            if (layout.elements[patch].split == 0) continue;
+            const PatchId first = layout.elements[patch].first;
+            for (PatchId e = first; e < first + layout.elementCount(patch); ++e) {
+                if (unknown_[e] != kNoPatch) owner[unknown_[e]] = patch;
+            }
+        }
+    }
+
+    Patches& patches_;
+    FormFactors factors_;
+    int bounces_;
+    std::vector<uint32_t> rayCount_; ///< by patch and element
+    std::vector<PatchId> substitute_;
+    std::vector<uint32_t> unknown_; ///< number of the unknown, or kNoPatch
+    uint32_t unknownCount_ = 0;
+    std::vector<Unknown> unknowns_;
+    std::vector<vec3> reflected_; ///< by unknown
+    RadianceCache::Levels levels_;
+    std::vector<PatchRadiance> radiance_;
+};
+
+} // namespace
+
+RadiositySolution solveRadiosity(Patches& patches, FormFactors factors, const BakeGeometry& geometry, int bounces)
+{
+    return RadiositySolver(patches, std::move(factors), geometry, bounces).solve();
+}
+
+} // namespace halflight

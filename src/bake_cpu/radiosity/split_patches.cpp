@@ -1,0 +1,218 @@
+#include "bake_cpu/radiosity/split_patches.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace halflight {
+namespace {
+
+/// Height of the rays above the surface, in widths of the patch or element.
+constexpr float kLift = 0.1f;
+/// Texels covered by more than this are whole texels, but for rounding.
+constexpr float kWhole = 0.999f;
+
+/// Outermost of texelPoints()'s points in seven directions, and the distance of the texel's border relative to theirs.
+struct RimPoint {
+    int point = 0;
+    float toBorder = 1.0f;
+};
+
+std::array<RimPoint, 7> makeRimPoints()
+{
+    std::array<RimPoint, 7> rim{};
+    for (int k = 0; k < 7; ++k) {
+        const float angle = 2.0f * kPi * float(k) / 7.0f;
+        float farthest = -1.0f;
+        for (int i = 1; i < kMaxTexelPoints; ++i) {
+            const vec2 place = r2Point(i) - 0.5f;
+            const float out = glm::dot(place, vec2(std::cos(angle), std::sin(angle)));
+            if (out <= farthest) continue;
+            farthest = out;
+            rim[std::size_t(k)] = {i, 0.5f / std::max(std::abs(place.x), std::abs(place.y))};
+        }
+    }
+    return rim;
+}
+
+const std::array<RimPoint, 7>& rimPoints()
+{
+    static const std::array<RimPoint, 7> rim = makeRimPoints();
+    return rim;
+}
+
+} // namespace
+
+void OccluderSearch::search(std::span<const uint32_t> items)
+{
+    pass_.forGroups(items, [&](const TexelGroup& group) {
+        for (int lane = 0; lane < group.lanes(); ++lane) {
+            if (!group.active(lane)) continue;
+            pass_.ofElements() ? searchElements(group, lane) : searchPatch(group, lane);
+        }
+    });
+}
+
+/// Rays from above a texel's first point to the border of the texel, and to the previous texel of the same patch.
+void OccluderSearch::searchPatch(const TexelGroup& group, int lane)
+{
+    const TexelPoints& points = group.points(lane);
+    const PatchId patch = pass_.sourceOf(group, lane, points[0]);
+    if (patch == kNoPatch) return;
+    const int count = group.pointCount(lane);
+    const float lift = kLift * pass_.widthOf(patch, points[0].triangle);
+    const auto abovePoint = [&](int number) {
+        const SurfacePoint& p = points[std::size_t(std::min(number, count - 1))];
+        return p.position + lift * p.geometricNormal;
+    };
+    const vec3 above = abovePoint(0);
+    Targets targets;
+    targets[0] = previousPatch_ == patch ? previous_ : above;
+    const TexelMap& map = pass_.input().map;
+    const bool whole = count == kMaxTexelPoints && coveredArea(map, map.texels[group.texel(lane)]) > kWhole;
+    for (int i = 1; i < embree::kPacket; ++i) {
+        // The targets of partly covered texels are their sample points.
+        const RimPoint& rim = rimPoints()[std::size_t(i - 1)];
+        targets[std::size_t(i)] = whole ? above + rim.toBorder * (abovePoint(rim.point) - above) : abovePoint(i);
+    }
+    Between found = between(above, targets, ~1u);
+    if (!whole && count > embree::kPacket) {
+        for (int i = 0; i < embree::kPacket; ++i) targets[std::size_t(i)] = abovePoint(embree::kPacket + i);
+        const Between others = between(above, targets, ~0u);
+        found.occluder = found.occluder || others.occluder;
+        found.hides = found.hides || others.hides;
+        found.solid = found.solid || others.solid;
+    }
+    if (found.occluder) occluded_.push_back(patch);
+    previousPatch_ = patch;
+    previous_ = above;
+    if (pass_.kind() == PassKind::Fronts) testPoints(group, lane, found);
+}
+
+/// Points that are not mutually visible may be partly inside solids.
+void OccluderSearch::testPoints(const TexelGroup& group, int lane, const Between& between)
+{
+    const uint32_t texel = group.texel(lane);
+    const TexelPoints& points = group.points(lane);
+    const int count = group.pointCount(lane);
+    ValidPoints& valid = pass_.input().valid;
+    valid.mutuallyVisible[texel] = between.hides ? 0 : 1;
+    if (!between.hides) return;
+    if (!between.solid && !validity_.firstInSolid(points, group.id(lane), rays_)) return;
+    const PointMask mask = validity_.outsideSolids(points, count, group.id(lane), rays_);
+    if (mask == kAllPoints) return;
+    valid.masks[texel] = validity_.outsideShells(points, count, mask, false, group.id(lane), rays_);
+    valid.checked[texel] = 1;
+}
+
+/// Rays from one point of each element to the element's border, or to its other points in partly covered texels.
+void OccluderSearch::searchElements(const TexelGroup& group, int lane)
+{
+    std::array<PatchId, kMaxTexelPoints> elements;
+    for (int p = 0; p < group.pointCount(lane); ++p) {
+        const SurfacePoint& point = group.points(lane)[std::size_t(p)];
+        elements[std::size_t(p)] = pass_.sourceOf(group, lane, point);
+    }
+    const auto end = elements.begin() + group.pointCount(lane);
+    for (auto element = elements.begin(); element != end; ++element) {
+        if (*element == kNoPatch || std::find(elements.begin(), element, *element) != element) continue;
+        const SurfacePoint& point = group.points(lane)[std::size_t(element - elements.begin())];
+        const float lift = kLift * pass_.widthOf(*element, point.triangle);
+        const vec3 above = point.position + lift * point.geometricNormal;
+        Targets targets;
+        targets.fill(above);
+        if (group.pointCount(lane) < kMaxTexelPoints || !borderOfElement(group, lane, point, above, targets)) {
+            std::size_t count = 0;
+            for (auto other = element + 1; other != end && count < targets.size(); ++other) {
+                if (*other != *element) continue;
+                const SurfacePoint& p = group.points(lane)[std::size_t(other - elements.begin())];
+                targets[count++] = p.position + lift * p.geometricNormal;
+            }
+        }
+        if (between(above, targets, 0).occluder) occluded_.push_back(*element);
+    }
+}
+
+/// Corners and edge midpoints of a point's element, at the height of `above`. False for degenerate lightmap triangles.
+bool OccluderSearch::borderOfElement(const TexelGroup& group, int lane, const SurfacePoint& point, vec3 above,
+                                     Targets& targets) const
+{
+    FaceId face;
+    if (!pass_.layout().faceOf(point.triangle, group.onBack(lane), face)) return false;
+    const PatchLayout::Surface& surface = pass_.layout().surface(face);
+    const PatchId patch = pass_.layout().patchAt(face, point.barycentric);
+    const float size = 1.0f / float(1 << pass_.layout().elementShift(patch)); // in patches
+    const vec2 at = surface.origin + point.barycentric.x * surface.edgeU + point.barycentric.y * surface.edgeV;
+    const float area = cross2(surface.edgeU, surface.edgeV);
+    if (std::abs(area) < 1.0e-12f) return false;
+    const BakeGeometry& geometry = tracer_.geometry();
+    const uvec3 t = geometry.triangles[point.triangle];
+    const vec3 edge1 = geometry.positions[t.y] - geometry.positions[t.x];
+    const vec3 edge2 = geometry.positions[t.z] - geometry.positions[t.x];
+    const vec2 corner = size * glm::floor(at / size);
+    constexpr std::array<vec2, embree::kPacket> kBorder = {{{0.0f, 0.0f},
+                                                            {0.5f, 0.0f},
+                                                            {1.0f, 0.0f},
+                                                            {1.0f, 0.5f},
+                                                            {1.0f, 1.0f},
+                                                            {0.5f, 1.0f},
+                                                            {0.0f, 1.0f},
+                                                            {0.0f, 0.5f}}};
+    for (std::size_t i = 0; i < targets.size(); ++i) {
+        const vec2 way = corner + size * kBorder[i] - at;
+        targets[i] = above + (cross2(way, surface.edgeV) * edge1 + cross2(surface.edgeU, way) * edge2) / area;
+    }
+    return true;
+}
+
+/// Surfaces between a point and targets. Bit i of `samplePoints`: target i is a sample point. A blocked ray is traced
+/// in reverse too: if that ray leaves a hidden back, the target is inside a solid or behind a shell, and the surface
+/// between is no occluder.
+OccluderSearch::Between OccluderSearch::between(vec3 from, const Targets& targets, uint32_t samplePoints)
+{
+    RTCRayHit8 packet;
+    alignas(32) embree::LaneMask valid;
+    std::array<float, embree::kPacket> reach{};
+    embree::clear(packet.ray);
+    for (int i = 0; i < embree::kPacket; ++i) {
+        const vec3 target = targets[std::size_t(i)];
+        const float length = glm::distance(from, target);
+        valid.lane[i] = length > 0.0f ? -1 : 0;
+        if (valid.lane[i] == 0) continue;
+        embree::setRay(packet.ray, i, from, (target - from) / length);
+        reach[std::size_t(i)] = 0.999f * length;
+        packet.ray.tfar[i] = reach[std::size_t(i)];
+        ++rays_;
+    }
+    tracer_.intersect(valid, packet);
+    const auto triangleOf = [&](int lane) {
+        return tracer_.triangleOf(packet.hit.geomID[lane], packet.hit.primID[lane]);
+    };
+    const auto hidesPoint = [&](int lane) { return ((samplePoints >> lane) & 1u) != 0; };
+    const auto solid = [&](int lane) { return hidesPoint(lane) && tracer_.geometry().solid[triangleOf(lane)] != 0; };
+    Between result;
+    bool any = false;
+    for (int i = 0; i < embree::kPacket; ++i) {
+        if (valid.lane[i] == 0) continue;
+        valid.lane[i] = embree::found(packet, i) ? -1 : 0;
+        if (valid.lane[i] == 0) continue;
+        any = true;
+        result.hides = result.hides || hidesPoint(i);
+        result.solid = result.solid || solid(i);
+        const vec3 direction = embree::directionOf(packet.ray, i);
+        embree::setRay(packet.ray, i, from + reach[std::size_t(i)] * direction, -direction);
+        packet.ray.tfar[i] = reach[std::size_t(i)];
+        ++rays_;
+    }
+    if (!any) return result;
+    tracer_.intersect(valid, packet);
+    for (int i = 0; i < embree::kPacket; ++i) {
+        if (valid.lane[i] == 0) continue;
+        const bool found = embree::found(packet, i);
+        result.solid = result.solid || (found && solid(i));
+        const bool inside = found && embree::hitBack(packet, i) && tracer_.materials().backIsHidden(triangleOf(i));
+        result.occluder = result.occluder || !inside;
+    }
+    return result;
+}
+
+} // namespace halflight

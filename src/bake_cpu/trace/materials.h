@@ -1,0 +1,71 @@
+#pragma once
+// Material properties at points of triangles: coverage, emission, reflectance.
+
+#include "halflight/bake/integrator.h"
+#include "halflight/base/image.h"
+#include "halflight/base/math.h"
+#include "halflight/scene/scene.h"
+
+#include <cstdint>
+#include <vector>
+
+namespace halflight {
+
+/// A material reduced to what light transport reads.
+struct TransportMaterial {
+    vec3 baseColorFactor{0.0f};
+    float opacity = 1.0f; ///< base colour alpha
+    vec3 emission{0.0f};  ///< nits
+    TextureRef baseColor;
+    TextureRef metallicRoughness; ///< B channel scales metallic, G roughness
+    float metallicFactor = 0.0f;
+    float roughnessFactor = 1.0f;
+    float specular = 1.0f; ///< KHR_materials_specular's factor
+    TextureRef emissive;
+    Material::AlphaMode alphaMode = Material::AlphaMode::Opaque;
+    float alphaCutoff = 0.5f;
+    bool doubleSided = false;
+    bool unlit = false;
+};
+
+/// Parameters of the BRDF at one point (shading/brdf.h).
+struct SurfaceReflectance {
+    vec3 baseColor{0.0f}; ///< 0…1
+    float metallic = 0.0f;
+    float roughness = 1.0f;
+    float specular = 1.0f;
+};
+
+/// Materials of flattened geometry with their textures. Immutable after construction.
+class Materials {
+public:
+    /// `geometry` and `scene` outlive it.
+    Materials(const Scene& scene, const BakeGeometry& geometry);
+
+    [[nodiscard]] const TransportMaterial& of(uint32_t triangle) const;
+    /// Probability that a ray hits the surface there: 1 opaque, 0 or 1 masked, alpha blended.
+    [[nodiscard]] float coverageAt(uint32_t triangle, vec2 barycentric) const;
+    [[nodiscard]] vec3 emissionAt(uint32_t triangle, vec2 barycentric) const;
+    [[nodiscard]] SurfaceReflectance reflectanceAt(uint32_t triangle, vec2 barycentric) const;
+    /// Diffuse albedo of all bounces (shading::transportAlbedo()), 0…1.
+    [[nodiscard]] vec3 albedoAt(uint32_t triangle, vec2 barycentric) const;
+    /// Whether the back of a triangle is hidden: inside a solid, or the back of a single-sided surface.
+    [[nodiscard]] bool backIsHidden(uint32_t triangle) const
+    {
+        return geometry_.solid[triangle] != 0 || !of(triangle).doubleSided;
+    }
+
+private:
+    [[nodiscard]] vec2 textureCoordinate(uint32_t triangle, vec2 barycentric, const TextureRef& ref) const;
+    [[nodiscard]] float alphaAt(uint32_t triangle, vec2 barycentric, const TransportMaterial& material) const;
+    [[nodiscard]] u8vec4 smallTexel(uint32_t triangle, vec2 barycentric, const TextureRef& ref) const;
+
+    const Scene& scene_;
+    const BakeGeometry& geometry_;
+    std::vector<TransportMaterial> materials_; ///< the last one is glTF's default material
+    /// Textures averaged down to at most 256 texels a side. Diffuse transport needs no finer detail, and they fit
+    /// caches.
+    std::vector<ImageRgba8> smallTextures_;
+};
+
+} // namespace halflight
