@@ -321,7 +321,7 @@ void checkFingerprints(const SourceDocument& document, const Json& root, Scene& 
     }
     std::vector<std::string> changedLights; // in what no sentence above speaks of: a size, say
     for (const Light& light : scene.lights) {
-        const Json& record = extensionOf(document.json["nodes"][std::size_t(light.sourceNode)], "HALFLIGHT_light");
+        const Json& record = extensionOf(element(document.json, "nodes", light.sourceNode), "HALFLIGHT_light");
         const Json& stored = member(member(record, "baking"), "fingerprint");
         if (!stored.is_string()) continue; // realtime, or added since: it lights at run time
         if (sentencesOf(light).empty() && fingerprints.ofLight(light) != stored.get<std::string>())
