@@ -14,8 +14,7 @@ namespace {
 
 constexpr int kPage = 64;
 
-/// Texels stop when they are good enough: the error is near the target, a lower target takes more samples, and smooth
-/// places get fewer than others.
+/// The error is near the target, a lower target takes more samples, and smooth places take fewer than others.
 TEST(AdaptiveSamplingS6, ReachesItsTarget)
 {
     const auto reference = bakeWith(room(true, false, true), IntegratorKind::Cache, 2048, 3);
@@ -45,7 +44,7 @@ TEST(AdaptiveSamplingS6, ReachesItsTarget)
     }
 }
 
-/// Texels with few others around them, which no denoiser can draw on, get more samples.
+/// Texels with few neighbours, over which no denoiser can average, take more samples.
 TEST(RadianceCacheS6, TexelsThatStandAloneGetMoreSamples)
 {
     Scene scene;
@@ -94,7 +93,7 @@ Bench underHoles(int every, float height = 0.3f, bool denoised = true)
     return Bench(std::move(scene), MixedLightingMode::Shadowmask, kPage, settings);
 }
 
-/// How many times the samples of a texel in the open, of the middle of each floor, one under the roof gets on average.
+/// Mean samples of the texels under the roof over those of the texels in the open, in the middle of each floor.
 double timesUnderTheRoof(Bench& bench)
 {
     const auto estimates = bench.irradiance();
@@ -115,8 +114,8 @@ double timesUnderTheRoof(Bench& bench)
     return sum[0] / count[0] * count[1] / sum[1];
 }
 
-/// Where all around are noisy, texels get more samples; not where a few rays in a thousand meet light, which leaves
-/// dots that a denoiser can take out.
+/// Texels take more samples where the whole neighbourhood is noisy. They do not where a few rays in a thousand hit
+/// light: a denoiser removes such outliers.
 TEST(NoiseS6, MoreSamplesWhereMostAreNoisy)
 {
     Bench often = underHoles(4);
@@ -125,8 +124,8 @@ TEST(NoiseS6, MoreSamplesWhereMostAreNoisy)
     EXPECT_LT(timesUnderTheRoof(seldom), 1.3);
 }
 
-/// A denoiser draws on neighbours where what they see is many texels away, and can not where it is near: samples go
-/// there, if there is to be one.
+/// A denoiser averages over neighbours where rays end many texels away, not where they end near by. With a denoiser,
+/// the samples go to the latter.
 TEST(NoiseS6, MoreSamplesWhereNeighboursTellLittle)
 {
     const auto timesOf = [](float height, bool denoised) {
@@ -137,7 +136,7 @@ TEST(NoiseS6, MoreSamplesWhereNeighboursTellLittle)
     EXPECT_LT(timesOf(1.0f, true), 0.9 * timesOf(1.0f, false));
 }
 
-/// A budget is a budget: on average over the traced texels as many samples as asked for, wherever noise sends them.
+/// The mean over the traced texels is the number of samples asked for.
 TEST(NoiseS6, SamplesAreAsManyAsAskedForOnAverage)
 {
     for (const bool denoised : {true, false}) {

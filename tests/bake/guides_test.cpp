@@ -15,19 +15,18 @@ namespace {
 
 constexpr int kPage = 64;
 
-/// A dark room, four metres wide, in which lamps light two spots on the floor. Its ceiling and walls receive light from
-/// there alone.
+/// A dark room, four metres wide, in which lamps light two spots on the floor. Its ceiling and walls receive only the
+/// light that the spots reflect.
 struct LitSpots {
     static constexpr float kWidth = 4.0f;
     static constexpr float kHeight = 3.0f;
     static constexpr float kAlbedo = 0.8f;
-    /// Of the floor, above nothing but black: none, all of one half, or every other square of a fine pattern.
+    /// Holes in the floor, above a black void: none, one half, or every other square of a fine pattern.
     enum class Holes { None, Half, Pattern };
     Scene scene;
     Holes holes;
 
-    /// `glows`: the floor is a light source, though a faint one. `sunlit`: walls are black, and lit far brighter than
-    /// the floor lights them.
+    /// `glows`: the floor emits a little light. `sunlit`: the walls are black, and lit much brighter than by the floor.
     explicit LitSpots(Holes floorHoles, bool glows = false, bool sunlit = false) : holes(floorHoles)
     {
         const int white = addMaterial(scene, vec3(kAlbedo));
@@ -64,14 +63,14 @@ struct LitSpots {
         for (const float at : {0.25f, 0.75f}) {
             Light lamp = makeLight(LightType::Spot, vec3(at * kWidth, kHeight - 0.2f, 0.5f * kWidth), vec3(0, -1, 0),
                                    1000.0f, LightMode::Mixed);
-            // Without a sharp rim, which few texels would show roughly.
+            // Soft rims: few texels would show a sharp rim roughly.
             lamp.innerConeRadians = 0.0f;
             lamp.outerConeRadians = 0.2f;
             scene.lights.push_back(lamp);
         }
     }
 
-    /// What a place receives from the floor after one reflection, summed over the floor.
+    /// Irradiance from the floor after one reflection, as a sum over the floor.
     [[nodiscard]] double illuminance(vec3 position, vec3 normal) const
     {
         constexpr int kSteps = 100;
@@ -96,8 +95,8 @@ struct LitSpots {
     }
 };
 
-/// Where one ray in a hundred meets what is bright, 32 rays would be off by more than 100 %: the gather looks there
-/// with little noise, and counts nothing twice. Light comes from where there is no hole.
+/// Where one ray in a hundred hits a bright spot, 32 rays have an error above 100 %. With samples of the spot the error
+/// is small, the MIS weights add up to one, and holes give no light.
 TEST(GuidesS6, LitSpotsAreNoNoise)
 {
     struct Case {
@@ -107,7 +106,7 @@ TEST(GuidesS6, LitSpotsAreNoNoise)
         double bias;
         double noise;
     };
-    // Samples that are lost on holes cost some noise.
+    // Samples on holes are lost, which costs variance.
     for (const auto& [holes, glows, sunlit, mostBias, mostNoise] :
          {Case{LitSpots::Holes::None, false, false, 0.015, 0.12},
           {LitSpots::Holes::None, true, false, 0.015, 0.12},
@@ -156,7 +155,7 @@ public:
         : wallAlbedo_(wallAlbedo), divisions_(divisions), meters_(meters)
     {}
 
-    /// Of the floor's light eight metres from the board and more, over the truth.
+    /// Light of the floor eight metres from the board and more, relative to the truth.
     struct Errors {
         double bias = 0.0;
         double noise = 0.0; ///< root mean square
@@ -199,8 +198,8 @@ private:
     static constexpr float kAlbedo = 0.8f;
     static constexpr float kLux = 10.0f;
 
-    /// What a rectangle of radiance one brings to a point of the floor. Lambert 1760, "Photometria": a polygon's
-    /// irradiance is a sum over its edges.
+    /// Irradiance of a point of the floor from a rectangle of radiance one (Lambert 1760, "Photometria": a sum over its
+    /// edges).
     static double from(const Rectangle& r, vec3 point)
     {
         const std::array<vec3, 4> corners = {r.origin, r.origin + r.edgeU, r.origin + r.edgeU + r.edgeV,
@@ -216,7 +215,7 @@ private:
     [[nodiscard]] double truthAt(vec3 point) const
     {
         const double radiosity = double(kLux) * double(toSun_.z);
-        // The board hides some of the wall.
+        // The board occludes a part of the wall.
         return radiosity / double(kPi) *
                (double(wallAlbedo_) * from(wall_, point) + double(kAlbedo - wallAlbedo_) * from(board_, point));
     }
@@ -229,8 +228,8 @@ private:
     Rectangle wall_{vec3(-30, 0, -14), vec3(60, 0, 0), vec3(0, 60, 0)};
 };
 
-/// From afar one ray in some ten thousand meets the board. That few of the rays around do is enough to aim at it, the
-/// whole of it and from everywhere.
+/// Far away one ray in ten thousand hits the board. The hits of a wider region put the whole board into the guides of
+/// all its receivers.
 TEST(GuidesS6, SmallThingsAreSeenFromAfar)
 {
     const BoardFromAfar::Errors errors = BoardFromAfar(0.0f).errors();
@@ -239,7 +238,7 @@ TEST(GuidesS6, SmallThingsAreSeenFromAfar)
     EXPECT_LT(errors.dark, 0.001);
 }
 
-/// From so far away that none of the rays of all that is within twenty metres meets the board: those beyond tell.
+/// So far away that no ray within twenty metres hits the board: the guide comes from a still wider region.
 TEST(GuidesS6, SmallThingsAreSeenFromFarther)
 {
     const BoardFromAfar::Errors errors = BoardFromAfar(0.0f, 1, 100).errors();
@@ -248,7 +247,7 @@ TEST(GuidesS6, SmallThingsAreSeenFromFarther)
     EXPECT_LT(errors.dark, 0.001);
 }
 
-/// The same of a board of many small triangles, as cloth has them: all of it is aimed at.
+/// The same for a board of many small triangles, as cloth has them: all of them are sampled.
 TEST(GuidesS6, FineMeshesAreAimedAtWhole)
 {
     const BoardFromAfar::Errors errors = BoardFromAfar(0.0f, 80).errors();
@@ -256,7 +255,8 @@ TEST(GuidesS6, FineMeshesAreAimedAtWhole)
     EXPECT_LT(errors.noise, 0.3);
 }
 
-/// The same where a wall that everybody sees brings most of the light: who has much to aim at still hears of the board.
+/// The same beside a wall that gives most of the light: guides with many local hits have the board in their shared
+/// list.
 TEST(GuidesS6, SmallThingsAreSeenBesideLargeOnes)
 {
     const BoardFromAfar::Errors errors = BoardFromAfar(0.005f).errors();

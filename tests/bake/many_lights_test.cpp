@@ -1,5 +1,4 @@
-// Many lights of short range: what they cost follows from the texels that each reaches, and the light is that of all of
-// them (spec S6, S9).
+// Many lights of short range: their cost is that of the texels within reach, and their light adds up (spec S6, S9).
 #include "bake/test_scene.h"
 #include "bake_cpu/shadows/light_reach.h"
 
@@ -43,7 +42,7 @@ std::vector<PunctualLight> randomLights(int count, float range)
     return lights;
 }
 
-/// The tree finds the light that a walk along the list finds, near, far, and at the end of ranges.
+/// The tree returns the same light as a linear search: near, far, and at the end of ranges.
 TEST(LightReachS9, FindsWhatTheListFinds)
 {
     for (const int count : {0, 1, 3, 40, 500}) {
@@ -98,7 +97,7 @@ TEST(ManyLightsS6, TheFloorHasTheLightOfAllThatReachIt)
     double worst = 0.0;
     double brightest = 0.0;
     for (std::size_t i = 0; i < estimates.size(); ++i) {
-        // Over the texel, not at its middle: at the end of a range light changes within one.
+        // The mean over the texel: at the end of a range light changes within one texel.
         const vec3 center = bench.positionOf(bench.map.texels[i]);
         double expected = 0.0;
         for (const Light& light : bench.scene.lights) {
@@ -117,8 +116,7 @@ TEST(ManyLightsS6, TheFloorHasTheLightOfAllThatReachIt)
     EXPECT_LT(worst, 0.02 * brightest);
 }
 
-/// Ten times the lights on ten times the floor cost ten times as much, not a hundred times: rays that look for lights
-/// are as many for each.
+/// Ten times the lights on ten times the floor cost ten times as many shadow rays, not a hundred times.
 TEST(ManyLightsS6, RaysFollowTheTexelsInReach)
 {
     const auto raysOf = [](int lights) {
@@ -133,8 +131,7 @@ TEST(ManyLightsS6, RaysFollowTheTexelsInReach)
     EXPECT_LT(many, 1.5 * few);
     EXPECT_GT(many, 0.5 * few);
 
-    // What is looked at at all: a light of 3 m on a floor of 32 m, whose texels are a third of a metre wide, has some
-    // 254 of 9,216 in reach.
+    // A light of 3 m range reaches 254 of the 9,216 texels of a floor of 32 m.
     Bench bench(makeFloor(1), MixedLightingMode::Shadowmask, kPage, directOnly());
     const std::vector<uint32_t> all = allIndices(bench.map.texels.size());
     const TexelRuns runs(bench.geometry, bench.map, all);

@@ -23,7 +23,7 @@ namespace {
 
 constexpr int kPage = 64;
 
-/// The mean within 1 % of path tracing's, and no texel-sized errors beyond the noise of both.
+/// The mean is within 1 % of path tracing's, and no texel differs by more than the noise of both.
 TEST(RadianceCacheS6, AgreesWithPathTracing)
 {
     for (const auto& [lamp, sun, sky, bounces] : {std::array{1, 0, 0, 4}, {0, 1, 0, 1}, {0, 0, 1, 2}, {1, 1, 1, 4}}) {
@@ -38,15 +38,14 @@ TEST(RadianceCacheS6, AgreesWithPathTracing)
     }
 }
 
-/// A floor that runs on under a thin wall from daylight into a closed, dark room: no cell of the cache carries light
-/// through.
+/// A floor continues under a thin wall from daylight into a closed, dark room. No patch carries light through the wall.
 TEST(RadianceCacheS6, NoLightUnderThinWalls)
 {
     Scene scene;
     scene.sky = {vec3(1000), vec3(1000), vec3(1000)};
     const int white = addMaterial(scene, vec3(0.8f), vec3(0.0f), true);
     addRectangle(scene, {vec3(-4, 0, 4), vec3(8, 0, 0), vec3(0, 0, -8)}, white, kPage, {vec2(1), vec2(32)});
-    // Walls and a lid of zero thickness, set into the floor where no texel's edge is.
+    // Walls and a lid of zero thickness, inside texels of the floor.
     const vec3 lower(-1.03f, -0.1f, -1.07f);
     const vec3 upper(1.09f, 1.5f, 1.01f);
     const vec3 s = upper - lower;
@@ -74,9 +73,9 @@ TEST(RadianceCacheS6, NoLightUnderThinWalls)
     EXPECT_LT(inside / count, 0.001 * 1000.0 * kPi);
 }
 
-/// Rays end in the cache wherever they go: on the back of a cloth, on leaves without a lightmap, beside the foot of a
-/// thin wall. The light is right, and few rays go on as paths.
-TEST(RadianceCacheS6, KnowsBacksLeavesAndBothSidesOfAWall)
+/// Backs of a cloth, leaves without a lightmap and both sides of a thin wall have patches. The light is right, and few
+/// rays continue as paths.
+TEST(RadianceCacheS6, HasPatchesForBacksLeavesAndBothSidesOfAWall)
 {
     Scene scene;
     scene.sky = {vec3(1.0f), vec3(0.6f), vec3(0.2f)};
@@ -86,7 +85,7 @@ TEST(RadianceCacheS6, KnowsBacksLeavesAndBothSidesOfAWall)
     const int red = addMaterial(scene, vec3(0.7f, 0.2f, 0.1f), vec3(0.0f), true);
     const int green = addMaterial(scene, vec3(0.2f, 0.6f, 0.1f), vec3(0.0f), true);
     addRectangle(scene, {vec3(-2, 0, 2), vec3(4, 0, 0), vec3(0, 0, -4)}, white, kPage, {vec2(1), vec2(33)});
-    // The cloth's texels are on top; the floor sees its back.
+    // The cloth's texels are on top; the floor receives light from its back.
     addRectangle(scene, {vec3(-1.9f, 1.2f, 1.9f), vec3(1.6f, 0, 0), vec3(0, 0.3f, -3.8f)}, red, kPage,
                  {vec2(35, 1), vec2(49, 31)});
     addRectangle(scene, {vec3(0.07f, -0.1f, -1.5f), vec3(0, 0, 3.0f), vec3(0, 0.9f, 0)}, white, kPage,
@@ -115,8 +114,7 @@ TEST(RadianceCacheS6, KnowsBacksLeavesAndBothSidesOfAWall)
     EXPECT_LT(d.rmse, 0.06);
 }
 
-/// A floor with boxes sunk into it, each with a board inside, just above the floor, that hides the box's faces from
-/// there.
+/// A floor with boxes sunk into it. A board inside each, just above the floor, occludes the box's faces from the floor.
 Bench solidsOnFloor(int page, Place place, std::span<const Bounds> boxes, IntegratorKind kind)
 {
     Scene scene;
@@ -136,7 +134,7 @@ Bench solidsOnFloor(int page, Place place, std::span<const Bounds> boxes, Integr
     return {std::move(scene), MixedLightingMode::Shadowmask, page, settings};
 }
 
-/// Points of a texel that lie inside a solid are left out, even where something in there hides the solid's faces.
+/// Points inside a solid are invalid, even where a surface inside occludes the solid's faces.
 TEST(RadianceCacheS6, LeavesOutPointsInsideSolidsThatAreNotEmpty)
 {
     const Bounds box{vec3(-1.03f, -0.5f, -1.07f), vec3(1.09f, 1.5f, 1.01f)};
@@ -160,11 +158,11 @@ TEST(RadianceCacheS6, LeavesOutPointsInsideSolidsThatAreNotEmpty)
     EXPECT_GT(across, 12);
 }
 
-/// In texels that a surface covers in part too, few rays for each: the cache finds what path tracing finds, which looks
-/// at all points of all texels.
+/// In partly covered texels with few rays, the cache finds the same valid points as path tracing, which tests all
+/// points.
 TEST(RadianceCacheS6, LeavesOutPointsInsideSolidsAtTheRim)
 {
-    // Thin posts at the floor's rim, each somewhere else in its texel.
+    // Thin posts at the floor's rim, each at another place of its texel.
     constexpr float kTexel = 8.0f / 330.2f;
     std::vector<Bounds> boxes;
     for (int i = 0; i < 200; ++i) {
@@ -184,8 +182,7 @@ TEST(RadianceCacheS6, LeavesOutPointsInsideSolidsAtTheRim)
     EXPECT_GT(across, 100);
 }
 
-/// So are points inside shells, be it one of a texel: thin posts without a bottom, that nothing but their backs tells
-/// of.
+/// Single points inside shells are invalid too: thin posts without a bottom, of which rays hit only hidden backs.
 TEST(RadianceCacheS6, LeavesOutSinglePointsInsideShells)
 {
     const auto bakeOver = [](IntegratorKind kind) {
@@ -223,10 +220,10 @@ TEST(RadianceCacheS6, LeavesOutSinglePointsInsideShells)
     EXPECT_EQ(different, 0);
 }
 
-TEST(RadianceCacheS6, LargeCellsTellAsMuchByFewerTexels)
+TEST(RadianceCacheS6, LargePatchesAreGatheredByFewerTexels)
 {
-    // A floor of so many texels that cells are 4 x 4 of them, of which every second one gathers; a block stands in it,
-    // and a wall beside it sees its light.
+    // A floor with so many texels that patches are 4 x 4 texels wide, of which every second one gathers. A block stands
+    // on it, and a wall beside it receives its light.
     constexpr int kSize = 704;
     Scene scene;
     scene.sky = {vec3(1), vec3(1), vec3(1)};
@@ -247,7 +244,7 @@ TEST(RadianceCacheS6, LargeCellsTellAsMuchByFewerTexels)
     settings.samples = 512;
     Bench truth(scene, MixedLightingMode::Shadowmask, kSize, settings);
 
-    // 28.7 if all texels gathered for their cells, and more if none did.
+    // 28.7 if all texels gathered for their patches, and more if none did.
     EXPECT_LT(double(bench.integrator->raysTraced()), 27.5 * double(estimates.size()));
     std::vector<uint32_t> chosen; // on the wall
     for (uint32_t i = 0; i < uint32_t(estimates.size()); ++i) {
@@ -270,8 +267,8 @@ TEST(RadianceCacheS6, LargeCellsTellAsMuchByFewerTexels)
     EXPECT_NEAR(sum, expected, 0.01 * expected);
 }
 
-/// Old processors, and what virtual machines make of new ones, have no instructions for eight rays at once: lanes that
-/// are not in use must not be traced there, whatever is in them, and the others meet what they meet elsewhere.
+/// Processors without AVX have no instructions for packets. Inactive lanes must not be traced there, whatever they
+/// contain, and the others have the same hits.
 TEST(RaysS6, LanesOutOfUseAreLeftAloneOnAllProcessors)
 {
     const Scene scene = room(true, true, true);

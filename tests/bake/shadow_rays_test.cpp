@@ -16,7 +16,7 @@ namespace {
 
 constexpr int kPage = 64;
 
-/// Shadow rays are left out where a few decide, and the mask is what all of them would have given.
+/// Where the first shadow rays agree the others are left out, and the mask is that of all rays.
 TEST(ShadowmaskS8, DecidedTexelsAreRight)
 {
     Scene scene;
@@ -103,7 +103,7 @@ TEST(ShadowmaskS8, EdgesGetMoreRays)
         float meanSquare; ///< its root
         int leastOnEdge;
     };
-    // The most that can be asked for must not be more than what counts them can hold.
+    // The largest number of rays must not exceed the range of LitCount.
     for (const Case& c : {Case{16, 60, 3.1f / 32.0f, 0.042f, 50}, {65536, 12, 0.005f, 0.003f, 10}}) {
         Scene scene;
         const int black = addMaterial(scene, vec3(0), vec3(0), true);
@@ -135,8 +135,8 @@ TEST(ShadowmaskS8, EdgesGetMoreRays)
     }
 }
 
-/// A shadow that covers a small part of a row of texels at the rim of a chart, along it, is found wherever between the
-/// points of one texel its edge lies; so is one that nearly covers the row.
+/// A shadow along a row of texels at a chart's rim, narrower than a texel, is found wherever its edge is. So is one
+/// that covers nearly the whole row.
 TEST(ShadowmaskS8, EdgesAlongRowsOfTexelsAreFound)
 {
     constexpr int kTexels = 40;

@@ -1,5 +1,4 @@
-// Texels that take the mean of those around them: which they are, and that they are right (spec S6). Which points of a
-// texel lie inside geometry.
+// Interpolated texels: which they are, and their error (spec S6). Validity of sample points.
 
 #include "bake/test_scene.h"
 
@@ -19,7 +18,7 @@ namespace {
 constexpr int kPage = 64;
 constexpr float kMeters = 4.0f; ///< width of the floor, on which a texel is 1/15 m wide
 
-/// A floor with a box on it, under a sky; perhaps with a small lamp that a blade halfway up shades from a part of it.
+/// A floor with a box on it, under a sky. Optionally a blade halfway up shades a part of it from a small lamp.
 Scene floorWithBox(bool lamp)
 {
     Scene scene;
@@ -50,7 +49,7 @@ struct Comparison {
     double largest = 0.0;
     int count = 0;
 };
-/// Of the texels of `estimates` that have samples of their own, or of those that have none.
+/// Error of traced or of interpolated texels.
 Comparison compare(const std::vector<IrradianceEstimate>& estimates, const std::vector<IrradianceEstimate>& truth,
                    bool traced)
 {
@@ -82,11 +81,12 @@ TEST(TexelStepS6, OpenFloorIsInterpolatedAndRight)
         const Comparison between = compare(estimates, truth, false);
         EXPECT_GT(between.count, before + 200) << "step " << step;
         before = between.count;
-        // The mean of two or four is hardly noisier than one of those, which get more samples where noise is.
+        // The mean of two or four anchors has about the noise of a traced texel, which takes more samples where noise
+        // is large.
         EXPECT_LT(between.error, 1.2 * traced.error) << "step " << step;
         EXPECT_LT(between.error, 0.005) << "step " << step;
         EXPECT_LT(between.largest, 0.025) << "step " << step; // the truth has noise of 0.005
-        // Beside the box light bends: everything is traced there, and what is under the box lies inside.
+        // Beside the box irradiance is not linear, so all texels are traced. Texels under the box are invalid.
         for (std::size_t i = 0; i < estimates.size(); ++i) {
             const vec3 p = bench.positionOf(bench.map.texels[i]);
             const vec2 beyond = glm::max(glm::abs(vec2(p.x, p.z) + 1.2f) - 0.3f, vec2(0.0f));
@@ -95,7 +95,7 @@ TEST(TexelStepS6, OpenFloorIsInterpolatedAndRight)
     }
 }
 
-/// The edges of a small lamp's shadow are sharp, though nothing is near the floor there.
+/// The edges of a small lamp's shadow are sharp, although the texels there are interpolated.
 TEST(TexelStepS6, ShadowsOfEmittersStaySharp)
 {
     const auto truth =
@@ -117,7 +117,7 @@ TEST(TexelStepS6, ShadowsOfEmittersStaySharp)
     EXPECT_GT(brightest, 2.0 * darkest);
 }
 
-/// A texel's estimate does not depend on which others are asked for.
+/// A texel's estimate does not depend on the other texels of the request.
 TEST(TexelStepS6, PartsAreLikeTheWhole)
 {
     for (const float noise : {0.0f, 0.03f}) {
@@ -255,7 +255,7 @@ TEST(TexelValidityS6, MutuallyVisiblePointsAreTestedTogether)
     Scene scene;
     const int grey = addMaterial(scene, vec3(0.5f));
     addRectangle(scene, {vec3(-1, 0, 1), vec3(2, 0, 0), vec3(0, 0, -2)}, grey, kPage, {vec2(2), vec2(62)});
-    // A hall without a floor, seen from outside alone; and a low plate, that shades a third of a row of texels.
+    // A single-sided hall without a floor, and a low plate above a third of a row of texels.
     addBox(scene, vec3(-0.4f, 0.001f, -0.4f), vec3(0.4f, 0.8f, 0.4f), grey, false);
     scene.objects.erase(scene.objects.end() - 2);
     constexpr float kTexel = 2.0f / 60.0f;

@@ -12,15 +12,15 @@ namespace {
 
 /// Width of a receiver region.
 constexpr float kGuideTexels = 8.0f;
-/// A region with fewer hits on secondary sources takes the guide of a region three times as wide, up to this level. The
-/// guide of a wider region is used only if its sources cause most of the variance, because they may be occluded from
-/// some of its receivers.
+/// A region with fewer hits on secondary sources takes the guide of a region three times as wide, up to this level. Its
+/// sources may be occluded from some of the receivers. So a guide of a wider region is used only if they cause most of
+/// the variance.
 constexpr float kEnoughHits = 128.0f;
 constexpr float kWider = 3.0f;
 constexpr int kGuideLevels = 5;
 constexpr float kVarianceOfWider = 10.0f;
-/// Level of the regions whose hits make shared lists, and the variance due to clusters that the local list lacks from
-/// which on a guide has one.
+/// Level of the regions whose hits make shared lists. A guide has one if the clusters that its local list lacks cause
+/// at least this relative variance.
 constexpr int kSharedLevel = 3;
 constexpr float kVarianceMissed = 0.5f;
 constexpr std::size_t kMostEntries = 64; ///< of a list

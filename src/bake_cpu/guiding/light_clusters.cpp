@@ -16,7 +16,7 @@ constexpr float kClusterTexels = 32.0f;
 constexpr float kManyOnce = 0.2f;
 /// Of these, patches with at least this share of the mean radiance are members.
 constexpr float kAsBright = 0.5f;
-/// Limit of the source triangles, which take 100 bytes each: this many, or one for so many texels.
+/// Limit of the source triangles, which take 92 bytes each: this many, or one for six texels of the map.
 constexpr std::size_t kFewTriangles = 81920;
 constexpr std::size_t kTexelsForTriangle = 6;
 

@@ -11,9 +11,9 @@
 
 namespace halflight {
 
-/// Cells of a hash grid (Müller, Gross and Novák 2017, "Practical Path Guiding for Efficient Light-Transport
-/// Simulation", use a tree instead): cubes of space, with one key for each of the six axes that surfaces in the cube
-/// face.
+/// Hash grid of receivers: cubes of space, with one key for each of the six axes that surfaces in the cube face. It has
+/// the role of the tree of Müller, Gross and Novák 2017, "Practical Path Guiding for Efficient Light-Transport
+/// Simulation".
 class HashGrid {
 public:
     static constexpr uint64_t kNone = ~uint64_t(0);

@@ -11,8 +11,8 @@
 namespace halflight {
 namespace {
 
-/// The scale of the sample plan follows from all texels, or in maps with more than this, from 512 runs of 64
-/// neighbouring texels spread evenly over the map.
+/// The scale of the sample plan follows from all texels. In maps with more than this, it follows from 512 runs of 64
+/// neighbouring texels, spread evenly.
 constexpr std::size_t kMostInFirstPass = 65'536;
 constexpr std::size_t kRuns = 512;
 constexpr std::size_t kTexelsOfRun = 64;
@@ -39,8 +39,8 @@ bool CachedLightmap::prepare(const TexelMap& map, const Progress& progress, std:
     return true;
 }
 
-/// Mean luminance over 128 texels spread over the map, rounded to a power of two, so that a small change of the scene
-/// does not change it.
+/// Mean luminance over 128 texels spread over the map. It is rounded to a power of two, so that small changes of the
+/// scene do not change it.
 float CachedLightmap::meanOf(const LightmapInput& input, std::atomic<uint64_t>& rays) const
 {
     double sum = 0.0;

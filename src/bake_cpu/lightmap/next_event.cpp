@@ -21,8 +21,8 @@ int xorShuffle(uint32_t texelId)
 /// Relative variance due to a guide's sources from which on a quarter of a block samples them; below, other variance
 /// dominates.
 constexpr float kLittleVariance = 0.1f;
-/// Above this variance half of the block samples sources if they have at least 1 % of the rays (weighted by radiance),
-/// all if they have 4 %; a quarter if they have 10 %, because the rays suffice then.
+/// Above this variance, half of the block samples sources that get 1 % of the rays (weighted by radiance), all of it
+/// those that get 4 %. From 10 % on the rays suffice, and a quarter does.
 constexpr float kMuchVariance = 1.0f;
 constexpr float kSomeHits = 0.01f;
 constexpr float kManyHits = 0.04f;

@@ -141,8 +141,8 @@ float SamplePlan::detail(uint32_t texel, const Noise& noise) const
     return std::min(kDetail * std::cbrt(width * std::sqrt(noise.meanInverseSquare)), kMostForDetail);
 }
 
-/// Blocks after which the standard error of a texel's luminance is within the target, relative to the light but at
-/// least to 2 % of the map's mean.
+/// Blocks after which the standard error of a texel's luminance is within the target. The target is relative to the
+/// light, but at least to 2 % of the map's mean.
 int SamplePlan::blocksForTarget(uint32_t texel, const TexelStates& states) const
 {
     const Noise noise = noiseAround(texel, states);

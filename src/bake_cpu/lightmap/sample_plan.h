@@ -26,9 +26,9 @@ struct TexelStates {
     [[nodiscard]] const TexelState& of(uint32_t texel) const { return states[texels.find(texel)]; }
 };
 
-/// Without a noise target, texels take samples in proportion to the standard deviation of a sample (Neyman allocation:
-/// Neyman 1934, "On the Two Different Aspects of the Representative Method"), so that the sum over the map is the
-/// number asked for. With a target, they take as many as the target needs.
+/// Without a noise target, a texel's samples are in proportion to the standard deviation of one (Neyman allocation:
+/// Neyman 1934, "On the Two Different Aspects of the Representative Method"). Their mean over the map is the number
+/// asked for. With a target, they take as many as the target needs.
 class SamplePlan {
 public:
     /// `samples` per texel; `scale` = samples of a texel per unit of demand; 0 = all texels take the same number.

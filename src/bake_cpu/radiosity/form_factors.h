@@ -18,9 +18,9 @@ struct PatchSamples {
     float minDistance = 0.0f; ///< as PatchRadiance::minDistance
 };
 
-/// Samples of a range of items. A link is a ray from a patch to a patch, so the number of links between two patches
-/// over the number of rays estimates their form factor (Goral, Torrance, Greenberg and Battaile 1984, "Modeling the
-/// Interaction of Light Between Diffuse Surfaces").
+/// Samples of a range of items. A link is a ray from a patch to a patch. The share of a patch's rays that link it to
+/// another estimates their form factor (Goral, Torrance, Greenberg and Battaile 1984, "Modeling the Interaction of
+/// Light Between Diffuse Surfaces").
 struct FormFactorRange {
     std::vector<PatchSamples> samples;
     std::vector<PatchId> links; ///< of all samples in turn

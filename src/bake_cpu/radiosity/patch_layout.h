@@ -15,9 +15,9 @@ using PatchId = uint32_t;
 constexpr PatchId kNoPatch = ~0u;
 constexpr PatchId kMaxPatches = 0x1fffffffu;
 
-/// A patch is a square of 1, 4, 16 or 64 lightmap texels on one chart, facing one of six axes, or a small triangle
-/// without a lightmap. Both sides of each are patches. Elements subdivide a patch (Cohen, Greenberg, Immel and Brock
-/// 1986, "An Efficient Radiosity Approach for Realistic Image Synthesis").
+/// A chart patch is a square of 1, 4, 16 or 64 lightmap texels on one chart that faces one of six axes. Small triangles
+/// without a lightmap are patches too. Both sides of each are patches. Elements subdivide a patch (Cohen, Greenberg,
+/// Immel and Brock 1986, "An Efficient Radiosity Approach for Realistic Image Synthesis").
 struct PatchLayout {
     /// Patches of a hit triangle's front: a rectangle, row by row. Texture coordinates are in patches from its corner.
     struct Surface {

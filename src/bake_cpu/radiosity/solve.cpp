@@ -165,8 +165,8 @@ private:
         }
     }
 
-    /// Elements without samples take the mean of the 3 x 3 elements around, if the radiance of these differs by less
-    /// than a factor of 1.5.
+    /// Elements without samples take the mean of the 3 x 3 elements around, if their radiances differ by less than a
+    /// factor of 1.5.
     void fillElements()
     {
         const PatchLayout& layout = patches_.layout;

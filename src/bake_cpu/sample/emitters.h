@@ -9,8 +9,8 @@
 
 namespace halflight {
 
-/// A point that receives light, with its shading normal (zero for probes, which receive from all directions) and its
-/// lane of a cut through the light tree (null = the root).
+/// A point that receives light. Its shading normal is zero for probes, which receive from all directions. Its samples
+/// use a lane of a cut through the light tree (null = the root).
 struct Receiver {
     vec3 position{0.0f};
     vec3 normal{0.0f};

@@ -36,8 +36,8 @@ struct PunctualLight {
     bool directAtProbes = false; ///< the probes contain its direct light
     bool bounces = false;        ///< its bounced light is baked
     int channel = -1;
-    /// Subtractive's main light: its mask is the transmitted fraction of the light that a texel would receive, and a
-    /// later stage adds its direct light from the stored mask.
+    /// Subtractive's main light. Its mask is the transmitted fraction of the light that a texel would receive. A later
+    /// stage adds its direct light from the stored mask.
     bool maskOfLight = false;
 
     /// Illuminance and direction at an unoccluded point.

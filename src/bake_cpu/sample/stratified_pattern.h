@@ -93,8 +93,8 @@ public:
     }
 
     /// Point `number` of a texel in the unit disc: an Owen-scrambled (0,2)-sequence of squared radius and angle. With
-    /// texelPoints() as origins, this mapping leaves less noise in penumbrae than the concentric one (Shirley and Chiu
-    /// 1997, "A Low Distortion Map Between Disk and Square").
+    /// texelPoints() as origins, this mapping leaves less noise in penumbrae than one that preserves the neighbourhoods
+    /// of the square.
     [[nodiscard]] vec2 disc(uint32_t texelHash, uint32_t number) const
     {
         const uvec2 bits = Sampler::scrambledBits(number, texelHash);

@@ -33,20 +33,20 @@ bool contains(const Bounds& bounds, vec3 point)
 }
 
 /// Extends bounds by a box around a fragment's centroid that contains the texel's square on the fragment's triangle.
-void extendByPiece(const BakeGeometry& geometry, const TexelFragment& piece, Bounds& bounds)
+void extendByFragment(const BakeGeometry& geometry, const TexelFragment& fragment, Bounds& bounds)
 {
-    const uvec3 t = geometry.triangles[piece.triangle];
+    const uvec3 t = geometry.triangles[fragment.triangle];
     const vec3 edge1 = geometry.positions[t.y] - geometry.positions[t.x];
     const vec3 edge2 = geometry.positions[t.z] - geometry.positions[t.x];
     const vec2 texel1 = geometry.lightmapTexel[t.y] - geometry.lightmapTexel[t.x];
     const vec2 texel2 = geometry.lightmapTexel[t.z] - geometry.lightmapTexel[t.x];
     const float area = cross2(texel1, texel2);
-    const vec3 center = geometry.positions[t.x] + piece.barycentric.x * edge1 + piece.barycentric.y * edge2;
+    const vec3 center = geometry.positions[t.x] + fragment.barycentric.x * edge1 + fragment.barycentric.y * edge2;
     // Sum of the absolute steps of one texel along both axes: twice the half size of the square.
     const vec3 half = (glm::abs(edge1 * texel2.y - edge2 * texel1.y) + glm::abs(edge2 * texel1.x - edge1 * texel2.x)) /
                       std::abs(area);
     if (!(half.x + half.y + half.z < kInfinity)) {
-        bounds.extend(geometry.boundsOf(piece.triangle));
+        bounds.extend(geometry.boundsOf(fragment.triangle));
         return;
     }
     bounds.extend(center - half);
@@ -123,7 +123,7 @@ TexelRuns::TexelRuns(const BakeGeometry& geometry, const TexelMap& map, std::spa
             for (std::size_t i = run * kRun; i < std::min((run + 1) * kRun, count_); ++i) {
                 const Texel& texel = map.texels[texels[i]];
                 for (uint32_t f = 0; f < texel.fragmentCount; ++f)
-                    extendByPiece(geometry, map.fragments[texel.firstFragment + f], bounds_[run]);
+                    extendByFragment(geometry, map.fragments[texel.firstFragment + f], bounds_[run]);
             }
         }
     });
