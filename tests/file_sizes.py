@@ -23,8 +23,6 @@ LONGER = {
     "scripts/make_courtyard.py": 402,
     "scripts/scenekit/mesh.py": 519,
     "src/bake/bake.cpp": 427,
-    "src/bake/denoise.cpp": 442,
-    "src/bake/probes.cpp": 537,
     "src/bake/texels.cpp": 402,
     "src/render/frame/probes_mesh.cpp": 406,
     "src/render/passes.cpp": 441,

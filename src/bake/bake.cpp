@@ -172,7 +172,7 @@ void reportTurned(const Scene& scene, const BakeGeometry& geometry, BakeReport& 
     std::vector<std::string> names;
     int last = -1; // parts of an object follow one another
     for (const BakeGeometry::Part& part : geometry.parts) {
-        const auto begin = geometry.turned.begin() + std::ptrdiff_t(part.firstTriangle);
+        const auto begin = geometry.flipped.begin() + std::ptrdiff_t(part.firstTriangle);
         const auto end = begin + std::ptrdiff_t(part.triangleCount);
         if (part.object == last || std::find(begin, end, uint8_t(1)) == end) continue;
         names.push_back(scene.objects[std::size_t(part.object)].name);

@@ -1,4 +1,4 @@
-#include "bake/cells.h"
+#include "bake/hash_grid.h"
 #include "bake/stages.h"
 
 #include "halflight/bake/texel_grid.h"
@@ -71,23 +71,23 @@ template<typename T> void adoptNeighbors(const BakeGeometry& geometry, const Tex
     // Only cells next to a texel that wants a value are filled.
     std::unordered_map<uint64_t, std::vector<uint32_t>> grid;
     for (const TexelPlace& place : wanting) {
-        const ivec3 cell = cellOf(place.position, reach);
-        for (int n = 0; n < 27; ++n) grid.try_emplace(cellKey(cell + ivec3(n % 3, n / 3 % 3, n / 9) - 1));
+        const ivec3 cell = gridCell(place.position, reach);
+        for (int n = 0; n < 27; ++n) grid.try_emplace(gridKey(cell + ivec3(n % 3, n / 3 % 3, n / 9) - 1));
     }
     for (std::size_t j = 0; j < map.texels.size(); ++j) {
         if (!valid[j]) continue;
-        const auto cell = grid.find(cellKey(cellOf(placeOf(geometry, map, map.texels[j]).position, reach)));
+        const auto cell = grid.find(gridKey(gridCell(placeOf(geometry, map, map.texels[j]).position, reach)));
         if (cell != grid.end()) cell->second.push_back(uint32_t(j));
     }
     std::vector<T> adopted(open.size());
     std::vector<uint8_t> found(open.size(), 0);
     parallelFor(open.size(), 64, [&](std::size_t begin, std::size_t end) {
         for (std::size_t i = begin; i < end; ++i) {
-            const ivec3 cell = cellOf(wanting[i].position, reach);
+            const ivec3 cell = gridCell(wanting[i].position, reach);
             T sum{};
             float weight = 0.0f;
             for (int n = 0; n < 27; ++n) {
-                for (const uint32_t j : grid.at(cellKey(cell + ivec3(n % 3, n / 3 % 3, n / 9) - 1))) {
+                for (const uint32_t j : grid.at(gridKey(cell + ivec3(n % 3, n / 3 % 3, n / 9) - 1))) {
                     const TexelPlace place = placeOf(geometry, map, map.texels[j]);
                     const float distance = glm::distance(place.position, wanting[i].position) / reach;
                     const float facing = glm::dot(place.normal, wanting[i].normal);

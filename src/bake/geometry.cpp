@@ -103,6 +103,13 @@ BakeGeometry flattenGeometry(const Scene& scene, int pageSize, GeometryFilter fi
     return g;
 }
 
+void Integrator::surfacesAlong(std::span<const Segment> segments, std::span<std::optional<vec2>> out) const
+{
+    parallelFor(segments.size(), 16, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t i = begin; i < end; ++i) out[i] = surfacesBetween(segments[i].from, segments[i].to);
+    });
+}
+
 SurfacePoint surfacePoint(const BakeGeometry& geometry, uint32_t triangle, vec2 barycentric)
 {
     SurfacePoint point;

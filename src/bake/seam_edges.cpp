@@ -1,6 +1,6 @@
 // Where the lightmap is cut though the surface goes on: edges that two triangles share with different places in the
 // lightmap, and edges of neighbours that are cut differently and so share only a stretch of a line.
-#include "bake/cells.h"
+#include "bake/hash_grid.h"
 #include "bake/stages.h"
 
 #include <algorithm>
@@ -175,7 +175,7 @@ private:
             const vec3 p = glm::mix(edge.a, edge.b, float(s) / float(steps));
             for (int corner = 0; corner < (margin > 0.0f ? 8 : 1); ++corner) {
                 const vec3 q = p + margin * vec3(corner & 1 ? 1 : -1, corner & 2 ? 1 : -1, corner & 4 ? 1 : -1);
-                const uint64_t cell = cellKey(cellOf(q, cell_));
+                const uint64_t cell = gridKey(gridCell(q, cell_));
                 if (cell != last) body(cell);
                 last = cell;
             }

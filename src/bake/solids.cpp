@@ -293,7 +293,7 @@ std::vector<vec3> lightsAndLookers(const Scene& scene)
 void turnAround(BakeGeometry& geometry, std::span<const uint32_t> triangles)
 {
     for (const uint32_t t : triangles) {
-        geometry.turned[t] = 1;
+        geometry.flipped[t] = 1;
         uvec3& v = geometry.triangles[t];
         std::swap(v.y, v.z);
         geometry.frames[t].normal = -geometry.frames[t].normal;
@@ -333,7 +333,7 @@ void findSolids(const Scene& scene, BakeGeometry& geometry)
 {
     // Object by object first: things that stand on one another must not hang together where they touch.
     geometry.solid.assign(geometry.triangles.size(), 0);
-    geometry.turned.assign(geometry.triangles.size(), 0);
+    geometry.flipped.assign(geometry.triangles.size(), 0);
     const InsideOut insideOut(scene, geometry);
     std::vector<std::vector<uint32_t>> objects;
     for (std::size_t i = 0; i < geometry.parts.size();) {

@@ -137,7 +137,7 @@ TEST(GeometryS6, ThingsThatAreInsideOutAreTurned)
         if (c.lightInside) scene.lights.push_back(pointAt("p", vec3(0.5f), 1.0f));
         if (c.cameraInside) scene.cameras.push_back({.name = "c"});
         Bench bench(std::move(scene), MixedLightingMode::Shadowmask, kPage, {.samples = 16, .bounces = 0});
-        const std::vector<uint8_t>& turned = bench.geometry.turned;
+        const std::vector<uint8_t>& turned = bench.geometry.flipped;
         EXPECT_EQ(std::count(turned.begin(), turned.end(), 1), c.turned ? 12 : 0);
         EXPECT_EQ(bench.geometry.solid[0] != 0, c.turned);
         EXPECT_GT(glm::dot(bench.geometry.normals[0], bench.geometry.geometricNormal(0)), 0.99f);

@@ -69,7 +69,7 @@ TEST(HollowsS6, FacesThatLookIntoThemAreTurned)
     for (const Beam& beam : beams) {
         SCOPED_TRACE(beam.what);
         Bench bench(beamScene(beam), MixedLightingMode::Shadowmask, kPage, {.samples = 64, .bounces = 0});
-        const std::vector<uint8_t>& turned = bench.geometry.turned;
+        const std::vector<uint8_t>& turned = bench.geometry.flipped;
         EXPECT_EQ(std::count(turned.begin(), turned.end(), 1), beam.turned ? 2 : 0);
         int inward = 0;
         for (uint32_t t = 0; t < 10; ++t) {

@@ -1,5 +1,6 @@
 #pragma once
-// The one virtual interface of the project: what traces the bake's rays. src/bake_cpu implements it with Embree.
+// The interface between the stages of a bake and the code that traces its rays. src/bake_cpu implements it with Embree.
+// All positions are in world space, in metres, relative to Scene::originMeters.
 
 #include "halflight/base/progress.h"
 #include "halflight/base/result.h"
@@ -15,39 +16,40 @@
 
 namespace halflight {
 
-/// World-space triangles of the scene's objects, flattened: what rays hit and texels lie on.
+/// World-space triangles of the scene's objects in one list: rays hit them, texels lie on them.
 struct BakeGeometry {
-    /// One object's part: its triangles are [firstTriangle, firstTriangle + triangleCount).
+    /// One part of an object's mesh. Its triangles are [firstTriangle, firstTriangle + triangleCount), its vertices
+    /// [firstVertex, firstVertex + vertexCount). Parts of one object are adjacent.
     struct Part {
-        int object = -1; ///< index into Scene::objects
-        int mesh = -1;
-        int part = -1;
+        int object = -1;   ///< index into Scene::objects
+        int mesh = -1;     ///< index into Scene::meshes
+        int part = -1;     ///< index into Mesh::parts
         int material = -1; ///< index into Scene::materials, -1 = default
         uint32_t firstTriangle = 0;
         uint32_t triangleCount = 0;
         uint32_t firstVertex = 0;
         uint32_t vertexCount = 0;
         bool castShadows = true;
-        bool receiveShadows = true; ///< false: lights reach it as if nothing stood in their way
+        bool receiveShadows = true; ///< false: lights are unoccluded
         int page = -1;              ///< lightmap page, -1 = none
     };
     std::vector<Part> parts;
-    std::vector<uint32_t> partOfTriangle;
+    // By triangle.
+    std::vector<uint32_t> partOfTriangle; ///< index into `parts`
     std::vector<uvec3> triangles; ///< vertex indices, counter-clockwise seen from the front (mirroring is undone)
-    std::vector<vec3> positions;  ///< world space
-    std::vector<vec3> normals;    ///< world space, unit
-    std::vector<vec2> uv[2];      ///< zero where the part has none
-    std::vector<vec4> colors;     ///< vertex colours; empty when no part has any
-    std::vector<uint8_t> solid; ///< 1 for triangles of closed, outward-facing pieces and of the cavities in them: their
-                                ///< back faces are inside a solid
-    std::vector<uint8_t> turned; ///< 1 for triangles that the scene has the other way round: of closed, double-sided
-                                 ///< pieces that face inward though nothing is inside
-    std::vector<vec2> lightmapTexel; ///< lightmap coordinate in texels of the page; zero for parts without lightmap
+    std::vector<uint8_t> solid;   ///< 1: of a closed, outward-facing surface or a cavity in one; its back is inside
+    std::vector<uint8_t> flipped; ///< 1: orientation repair reversed its winding
+    // By vertex.
+    std::vector<vec3> positions;     ///< world space, metres
+    std::vector<vec3> normals;       ///< world space, unit
+    std::vector<vec2> uv[2];         ///< zero where the part has none
+    std::vector<vec4> colors;        ///< linear; empty when no part has any
+    std::vector<vec2> lightmapTexel; ///< in texels of the page; zero for parts without lightmap
 
-    /// What follows from the above for each triangle; findFrames() works it out.
+    /// Derived values by triangle; findFrames() computes them from the above.
     struct Frame {
-        vec3 normal{0.0f};
-        float texelMeters = 0.0f;
+        vec3 normal{0.0f};        ///< unit, or zero
+        float texelMeters = 0.0f; ///< see texelMeters()
     };
     std::vector<Frame> frames;
     void findFrames();
@@ -69,26 +71,27 @@ struct BakeGeometry {
     }
 };
 
-/// The piece of a triangle that lies in one texel's square.
+/// The intersection of a triangle and one texel's square.
 struct TexelFragment {
     uint32_t triangle = 0;
-    vec2 barycentric{0.0f}; ///< weights of vertices 1 and 2 at the piece's centroid
-    float area = 0.0f;      ///< of the texel's unit square, 0…1
+    vec2 barycentric{0.0f}; ///< weights of vertices 1 and 2 at the fragment's centroid
+    float area = 0.0f;      ///< over that of the texel's square, 0…1
 };
 
-/// A texel that at least one triangle touches.
+/// A texel that at least one triangle overlaps.
 struct Texel {
-    uint16_t x = 0;
+    uint16_t x = 0; ///< column and row on the page
     uint16_t y = 0;
     uint32_t page = 0;
-    uint32_t chart = 0;         ///< texels of one chart are one continuous piece of surface
-    uint32_t firstFragment = 0; ///< the largest one
+    uint32_t chart = 0;         ///< number of the connected piece of surface
+    uint32_t firstFragment = 0; ///< index into TexelMap::fragments, of the largest one
     uint32_t fragmentCount = 0;
 };
 
-/// All covered texels of all pages (conservative: any overlap counts), in an order that keeps neighbours together.
+/// All covered texels of all pages. Coverage is conservative: any overlap counts. Texels are sorted by page, then by
+/// Morton code, so that neighbours on the page are close in memory.
 struct TexelMap {
-    int pageSize = 0;
+    int pageSize = 0; ///< width and height in texels
     int pageCount = 0;
     uint32_t chartCount = 0;
     std::vector<Texel> texels;
@@ -107,76 +110,81 @@ struct SurfacePoint {
 /// The point of a triangle at barycentric weights (of vertices 1 and 2).
 SurfacePoint surfacePoint(const BakeGeometry& geometry, uint32_t triangle, vec2 barycentric);
 
-/// Share of a texel's square that its triangles cover, 0…1; more where they overlap.
+/// Sum of a texel's fragment areas over the area of its square: 0…1, more where triangles overlap.
 float coveredArea(const TexelMap& map, const Texel& texel);
 
 constexpr int kMaxTexelPoints = 16;
 
-/// Up to kMaxTexelPoints points spread evenly over the part of the texel that is covered; about as many wherever an
-/// eighth is covered, at least one. Each batch has points of its own, and all batches together are spread evenly too.
+/// Writes 1 to kMaxTexelPoints sample points, stratified over the covered part of the texel, and returns their number.
+/// Texels with a coverage of 1/8 and more get nearly kMaxTexelPoints. Batches have different points; the union of
+/// batches is stratified too.
 int texelPoints(const BakeGeometry& geometry, const TexelMap& map, const Texel& texel,
                 std::span<SurfacePoint, kMaxTexelPoints> out, int batch = 0);
 
-/// How lightmap texels get their light. Path: each sample is a path traced to its end, without bias: the reference.
-/// Cache: each sample is one ray that ends in light known at the surface it meets; many times faster, its mean within 1
-/// %.
+/// Estimator of lightmaps. Path: path tracing, unbiased, the reference. Cache: final gathering from a radiance cache,
+/// many times faster; the bias of the mean is below 1 %.
 enum class IntegratorKind { Cache, Path };
 
 struct IntegrationSettings {
     IntegratorKind integrator = IntegratorKind::Cache;
-    /// Paths per texel. The cache takes whole blocks of 16: from half to 32 times as many, in proportion to the
-    /// standard deviation of the noise (of what the denoiser leaves of it, see `denoised`), and at least twice as many
-    /// where few texels of the same chart are around.
+    /// Mean number of paths per traced texel, at least 1. The cache integrator works in blocks of 16 samples. It gives
+    /// a texel between 1/2 and 32 times the mean, in proportion to the standard deviation of its noise (see
+    /// `denoised`). Texels with few neighbours on their chart get at least twice the mean.
     int samples = 64;
-    /// Rays per texel and light, for masks and for direct light that is baked. Texels on a shadow's edge get twice as
-    /// many, those near one half, those far from one eight.
+    /// Rays per texel and light, for masks and for baked direct light, at least 1. Texels on a shadow edge get up to
+    /// twice the number, their neighbours half, texels far from an edge 1/8.
     int shadowSamples = 16;
-    int bounces = 4;        ///< indirect bounces; 0 = direct light only
-    int probeSamples = 256; ///< paths per probe
-    /// With a target, a texel is done when the standard error of its luminance, estimated from the texels around it on
-    /// its chart, is at most this share of their mean (of a fiftieth of the map's mean, where it is darker); `samples`
-    /// is then the most it gets. 0 = none. Cache integrator only.
+    int bounces = 4;        ///< indirect bounces, 0 or more; 0 = direct light only
+    int probeSamples = 256; ///< paths per probe, at least 1
+    /// Largest standard error of a texel's luminance, relative to the mean of the texels around it on its chart (to
+    /// 1/50 of the map's mean in darker places). `samples` is then the most a texel gets. 0 = no target. Cache
+    /// integrator only.
     float noiseTarget = 0.0f;
-    /// Every how many texels are traced whatever is around them: 1, 2 or 4. Those in between take their neighbours'
-    /// mean where the surface is smooth and nothing is near, else they are traced too; emitters are always sampled at
-    /// each texel. Less noise for the time before denoising; a denoiser makes as much of all texels' rays, and
-    /// smoother. 0: 2 in maps of more than 400,000 texels, which have more rays in the open than that takes, else 1.
-    /// Cache integrator only.
+    /// Spacing of the sparse grid of texels that are always traced: 1, 2 or 4 texels. The others are interpolated where
+    /// the surface is smooth and no hit is near (Ward 1988), else traced. Emitters are sampled at every texel. 0 = 2 in
+    /// maps of more than 400,000 texels, else 1. Cache integrator only.
     int texelStep = 0;
-    /// Whether the lightmap is going to be denoised: without a noise target, samples then go where light changes from
-    /// texel to texel, rather than where neighbours tell as much. Cache integrator only.
+    /// Whether denoising follows. Without a noise target, samples are then allocated to the noise that the denoiser
+    /// leaves: to texels where light varies from texel to texel. Cache integrator only.
     bool denoised = true;
     uint32_t seed = 1;
 };
 
-/// Lightmap value of one texel with the statistics the denoiser wants.
+/// Lightmap value of one texel, with the statistics for the denoiser.
 struct IrradianceEstimate {
-    vec3 irradiance{0.0f};       ///< lux
-    vec3 moment{0.0f};           ///< lux, first moment: luminance of radiance times cosine times direction, integrated
-    float varianceOfMean = 0.0f; ///< of the luminance of `irradiance`
-    vec3 direct{0.0f};           ///< lux, what fully baked lights add to `irradiance` directly
-    float varianceOfDirect = 0.0f;   ///< of its luminance; counted in varianceOfMean too
-    uint32_t samples = 0;            ///< rays or paths it took
-    bool valid = true;               ///< false: the texel lies inside geometry (its rays meet back faces)
-    uint16_t outsidePoints = 0xffff; ///< bit i: point i of texelPoints() lies outside geometry; shadowmasks need it too
+    vec3 irradiance{0.0f};         ///< lux
+    vec3 moment{0.0f};             ///< lux: integral of luminance of radiance × cosine × direction (first moment)
+    float varianceOfMean = 0.0f;   ///< of the luminance of `irradiance`, lux²
+    vec3 direct{0.0f};             ///< lux: the part of `irradiance` that fully baked lights contribute directly
+    float varianceOfDirect = 0.0f; ///< of its luminance, lux²; included in varianceOfMean
+    uint32_t samples = 0;          ///< number of rays or paths; 0: interpolated
+    bool valid = true;             ///< false: the texel lies inside geometry (its rays hit back faces)
+    uint16_t outsidePoints =
+        0xffff; ///< valid sample points: bit i is set if point i of texelPoints() is outside geometry
 };
 
 struct ProbeEstimate {
     SphericalHarmonicsL2 radiance{};
-    vec4 occlusion{1.0f};
+    vec4 occlusion{1.0f};  ///< attenuation by mask channel, 0…1
     float variance = 0.0f; ///< of the luminance of a coefficient, mean over the nine
-    bool valid = true;
+    bool valid = true;     ///< false: inside geometry
 };
 
-/// Which texels to work on, and how hard.
+/// Texels to work on, and the effort.
 struct TexelRequest {
     std::span<const uint32_t> texels; ///< indices into TexelMap::texels
-    int samples = 0;                  ///< paths per texel; 0 = as IntegrationSettings say
-    int shadowSamples = 0;            ///< rays per texel and light; 0 = as IntegrationSettings say
+    int samples = 0;                  ///< paths per texel; 0 = IntegrationSettings::samples
+    int shadowSamples = 0;            ///< rays per texel and light; 0 = IntegrationSettings::shadowSamples
 };
 
-/// Estimates light by tracing rays. All functions are deterministic: results depend on the scene, the settings and the
-/// texel, never on threads. They return false when cancelled.
+/// A line between two points.
+struct Segment {
+    vec3 from{0.0f}; ///< world space, metres
+    vec3 to{0.0f};
+};
+
+/// Estimates light by tracing rays. Results depend on the scene, the settings and the texel or probe alone: not on
+/// threads, nor on what else is requested. Functions that return bool return false when cancelled.
 class Integrator {
 public:
     virtual ~Integrator() = default;
@@ -184,30 +192,32 @@ public:
     /// One line for reports: device, library, threads.
     [[nodiscard]] virtual std::string description() const = 0;
 
-    /// What the lightmap holds (spec S6): emitters and sky, direct light of lights that are baked for static receivers,
-    /// bounced light of mixed and baked lights; all but the direct light of subtractive's main light, which is made of
-    /// its mask. One estimate per texel of the request; a texel's is the same whatever
-    /// others are asked for.
+    /// The light of the lightmap (spec S6), one estimate per texel of the request: emitters, the sky, direct light of
+    /// lights that are baked for static receivers, bounced light of mixed and baked lights. The direct light of
+    /// subtractive's main light is not included; bakeMainLight() derives it from the mask.
     virtual bool irradiance(const TexelMap& map, const TexelRequest& request, std::span<IrradianceEstimate> out,
                             const Progress& progress) = 0;
-    /// Frees what irradiance() keeps of a map from call to call; another call makes it anew.
+    /// Frees data that irradiance() keeps between calls for one map. Later calls rebuild it.
     virtual void releaseIrradiance() {}
 
-    /// Attenuation by static casters for each light that has a channel; 1 in channels without a light in reach. Of
-    /// subtractive's main light: what share of the light that the texel would have arrives, 0 where it would have none.
-    /// `estimates` are irradiance()'s of the request's texels, which know what lies inside geometry; empty = nothing
-    /// does.
+    /// Attenuation by static casters for each light with a mask channel, 0…1; 1 in channels without a light in reach.
+    /// For subtractive's main light: shadowed over unshadowed irradiance, 0 where both are 0. `estimates` are those of
+    /// irradiance() for the request's texels and say which points are valid; empty = all are.
     virtual bool shadowmask(const TexelMap& map, const TexelRequest& request,
                             std::span<const IrradianceEstimate> estimates, std::span<vec4> out,
                             const Progress& progress) = 0;
 
-    /// Light and occlusion at points in space: at positions[i] for each i of `which`, with `samples` paths (0 = as
-    /// IntegrationSettings say).
+    /// Light and occlusion at positions[i] for each i of `which`, with `samples` paths each (0 =
+    /// IntegrationSettings::probeSamples).
     virtual bool probes(std::span<const vec3> positions, std::span<const uint32_t> which, int samples,
                         std::span<ProbeEstimate> out, const Progress& progress) = 0;
 
-    /// How far from `from` the first and the last surface on the way to `to` are; nothing when the way is free.
+    /// Distances in metres from `from` to the first and the last surface on the way to `to`; nothing if the segment is
+    /// unoccluded.
     [[nodiscard]] virtual std::optional<vec2> surfacesBetween(vec3 from, vec3 to) const = 0;
+    /// surfacesBetween() of many segments at once; `out` has one entry per segment. The stages of the bake use this
+    /// form alone. The default runs surfacesBetween() in parallel.
+    virtual void surfacesAlong(std::span<const Segment> segments, std::span<std::optional<vec2>> out) const;
 
     [[nodiscard]] virtual uint64_t raysTraced() const = 0;
 };

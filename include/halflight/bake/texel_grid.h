@@ -1,5 +1,5 @@
 #pragma once
-// Who lies beside whom on the lightmap.
+// Neighbours of texels on the lightmap.
 
 #include "halflight/bake/integrator.h"
 #include "halflight/base/image.h"
@@ -12,7 +12,7 @@ namespace halflight {
 
 constexpr uint32_t kNoTexel = ~0u;
 
-/// Covered texels by their place. The map outlives it.
+/// Index of the covered texel at each place of each page. The map outlives it.
 class TexelGrid {
 public:
     explicit TexelGrid(const TexelMap& map)
@@ -24,7 +24,7 @@ public:
         }
     }
 
-    /// Index of the texel at an offset from another, or kNoTexel when there is none or it is on another chart.
+    /// Index of the texel at an offset in texels from another; kNoTexel if there is none on the same chart.
     [[nodiscard]] uint32_t at(const Texel& texel, int dx, int dy) const
     {
         const int x = int(texel.x) + dx;
@@ -34,7 +34,8 @@ public:
         return other != kNoTexel && map_.texels[other].chart == texel.chart ? other : kNoTexel;
     }
 
-    /// Calls body(index) for each texel within `radius` on the same chart, the texel itself among them.
+    /// Calls body(index) for each texel of the same chart at most `radius` texels away along both axes, and for the
+    /// texel itself.
     template<typename Body> void around(uint32_t texel, int radius, const Body& body) const
     {
         for (int dy = -radius; dy <= radius; ++dy) {

@@ -1,0 +1,60 @@
+#include "bake/stages.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace halflight {
+namespace {
+
+constexpr double kDefaultProbes = 600.0; ///< of the grid, unless a spacing is asked for
+constexpr double kMaxProbes = 500000.0;  ///< of the grid, whatever spacing is asked for
+
+/// Probes of a grid over a box (metres) with the given spacing.
+double countAt(vec3 size, double spacing)
+{
+    double count = 1.0;
+    for (int axis = 0; axis < 3; ++axis) count *= std::max(2.0, std::ceil(double(size[axis]) / spacing) + 1.0);
+    return count;
+}
+
+} // namespace
+
+ProbeSet probeGrid(const Scene& scene, float spacingMeters, std::vector<std::string>& warnings)
+{
+    ProbeSet set;
+    const Bounds bounds = scene.bounds(true);
+    if (bounds.empty()) return set;
+    const vec3 size =
+        glm::max(bounds.size(), vec3(1.0e-3f * std::max({bounds.size().x, bounds.size().y, bounds.size().z, 1.0e-6f})));
+    double spacing = spacingMeters;
+    if (spacing <= 0.0) {
+        spacing = std::cbrt(double(size.x) * double(size.y) * double(size.z) / kDefaultProbes);
+        while (countAt(size, spacing) > kDefaultProbes) spacing *= 1.05;
+    }
+    while (countAt(size, spacing) > kMaxProbes) spacing *= 1.05;
+    if (spacingMeters > 0.0f && spacing > double(spacingMeters)) {
+        warnings.push_back("a probe every " + std::to_string(spacingMeters) + " m would be more than " +
+                           std::to_string(int(kMaxProbes)) + " probes: there is one every " + std::to_string(spacing) +
+                           " m");
+    }
+
+    // The inset keeps the outermost probes out of floors and outer walls.
+    for (int axis = 0; axis < 3; ++axis) {
+        const float inset = std::min(0.1f * float(spacing), 0.05f * size[axis]);
+        set.size[axis] = std::max(2, int(std::ceil(double(size[axis]) / spacing)) + 1);
+        set.origin[axis] = bounds.min[axis] + inset;
+        set.spacingMeters[axis] = (size[axis] - 2.0f * inset) / float(set.size[axis] - 1);
+    }
+    for (int z = 0; z < set.size.z; ++z) {
+        for (int y = 0; y < set.size.y; ++y) {
+            for (int x = 0; x < set.size.x; ++x) {
+                Probe probe;
+                probe.position = set.origin + set.spacingMeters * vec3(x, y, z);
+                set.probes.push_back(probe);
+            }
+        }
+    }
+    return set;
+}
+
+} // namespace halflight
