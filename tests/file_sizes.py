@@ -22,8 +22,6 @@ LONGER = {
     "bench/quality/measures.cpp": 478,
     "scripts/make_courtyard.py": 402,
     "scripts/scenekit/mesh.py": 519,
-    "src/bake/bake.cpp": 427,
-    "src/bake/texels.cpp": 402,
     "src/render/frame/probes_mesh.cpp": 406,
     "src/render/passes.cpp": 441,
     "src/render/renderer.cpp": 597,

@@ -200,8 +200,8 @@ void printSummary(const BakeOptions& options, const BakeReport& report)
     printBytes(report);
     print("samples    {:.0f} per texel, {} per masked light, {} bounces, {} per probe\n", report.samplesPerTexel,
           report.quality.shadowSamples, report.quality.bounces, report.quality.probeSamples);
-    if (report.texelsBetween > 0) {
-        print("between    {} texels take the mean of those around them\n", grouped(report.texelsBetween));
+    if (report.interpolatedTexels > 0) {
+        print("           {} texels are interpolated\n", grouped(report.interpolatedTexels));
     }
     print("noise      {:.1f} % before denoising", 100.0 * double(report.noiseReached));
     if (report.quality.noiseTarget > 0.0f) {

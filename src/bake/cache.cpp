@@ -7,6 +7,8 @@
 #include <cstring>
 #include <fstream>
 #include <iterator>
+#include <optional>
+#include <utility>
 
 namespace halflight {
 namespace {
@@ -116,7 +118,7 @@ Result<BakeCache> BakeCache::open(const std::filesystem::path& folder, Hash128 b
         return Error{ErrorCode::WriteFailed, folder.string() + " cannot be made into a folder (" + ec.message() + ")"};
     }
     BakeCache cache(folder, bake, layout);
-    // Half a record at the end would hide what is appended behind it.
+    // Records behind an incomplete one could not be found.
     if (cache.own_.byteCount() == 0) {
         std::filesystem::remove(cache.file_, ec);
     } else {
@@ -133,115 +135,176 @@ void BakeCache::finish()
     if (Status s = writeFileAtomically(lastFile_, bake_.hex()); !s && status_) status_ = s;
 }
 
-template<typename Value, typename Witness>
-bool BakeCache::run(const Work<Value, Witness>& work, std::span<Value> out, const Progress& progress)
-{
-    const std::size_t tileCount = (work.count + work.tileSize - 1) / work.tileSize;
-    const auto firstOf = [&](std::size_t tile) { return tile * work.tileSize; };
-    const auto sizeOf = [&](std::size_t tile) { return std::min(work.tileSize, work.count - firstOf(tile)); };
-    const auto bytesOf = [&](std::size_t tile) { return sizeOf(tile) * (sizeof(Value) + sizeof(Witness)); };
-    std::vector<Hash128> surfaces(tileCount);
-    for (std::size_t t = 0; t < tileCount; ++t) surfaces[t] = work.surface(firstOf(t), sizeOf(t));
+namespace {
 
-    const auto take = [&](std::size_t tile, std::span<const std::byte> record) {
-        std::memcpy(&out[firstOf(tile)], record.data(), sizeOf(tile) * sizeof(Value));
-    };
-    std::vector<std::size_t> open;       // to be computed
-    std::vector<std::size_t> candidates; // to be asked for their witnesses
-    counts_.tiles += tileCount;
-    for (std::size_t t = 0; t < tileCount; ++t) {
-        const auto own = own_.find(work.stage, uint32_t(t), surfaces[t]);
-        if (own.size() == bytesOf(t)) {
-            take(t, own);
-            ++counts_.same;
+/// Share of a stage's progress that the comparison of check samples takes.
+constexpr double kComparisonShare = 0.1;
+/// Items that are computed between two writes: what an interruption can lose.
+constexpr std::size_t kBatchItems = 1 << 15;
+
+/// Check samples by tile, of tiles that were compared and have changed.
+template<typename Check> using ChecksOfTiles = std::map<std::size_t, std::vector<Check>>;
+
+std::vector<uint32_t> itemsOf(const Tiling& tiling, std::span<const std::size_t> tiles)
+{
+    std::vector<uint32_t> items;
+    for (const std::size_t t : tiles)
+        for (std::size_t i = 0; i < tiling.size(t); ++i) items.push_back(uint32_t(tiling.first(t) + i));
+    return items;
+}
+
+/// A record holds a tile's values, then its check samples.
+template<typename Value, typename Check> std::size_t recordBytes(const Tiling& tiling, std::size_t tile)
+{
+    return tiling.size(tile) * (sizeof(Value) + sizeof(Check));
+}
+template<typename Value>
+void mergeRecord(const Tiling& tiling, std::size_t tile, std::span<const std::byte> record, std::span<Value> out)
+{
+    std::memcpy(&out[tiling.first(tile)], record.data(), tiling.size(tile) * sizeof(Value));
+}
+template<typename Value, typename Check>
+std::vector<Check> checksIn(const Tiling& tiling, std::size_t tile, std::span<const std::byte> record)
+{
+    std::vector<Check> checks(tiling.size(tile));
+    std::memcpy(checks.data(), &record[tiling.size(tile) * sizeof(Value)], tiling.size(tile) * sizeof(Check));
+    return checks;
+}
+
+/// Records of tiles whose values are in `out`; `checks` holds the check samples of all of them in order.
+template<typename Value, typename Check>
+std::vector<TileFile::Record> recordsOf(CachedStage stage, const TilePlan& plan, std::span<const std::size_t> tiles,
+                                        std::span<const Value> out, std::span<const Check> checks)
+{
+    const Tiling& tiling = plan.tiling;
+    std::vector<TileFile::Record> records;
+    for (const std::size_t t : tiles) {
+        const std::size_t size = tiling.size(t);
+        TileFile::Record record{stage, uint32_t(t), plan.surfaces[t],
+                                std::vector<std::byte>(recordBytes<Value, Check>(tiling, t))};
+        std::memcpy(record.bytes.data(), &out[tiling.first(t)], size * sizeof(Value));
+        std::memcpy(&record.bytes[size * sizeof(Value)], checks.data(), size * sizeof(Check));
+        checks = checks.subspan(size);
+        records.push_back(std::move(record));
+    }
+    return records;
+}
+
+/// Check samples of the given tiles, in order: those of `known` (which lose them), the others computed now. Nothing
+/// when cancelled.
+template<typename Value, typename Check>
+std::optional<std::vector<Check>> checksOf(const BakeCache::Work<Value, Check>& work, const Tiling& tiling,
+                                           std::span<const std::size_t> tiles, ChecksOfTiles<Check>& known,
+                                           const Progress& progress)
+{
+    std::vector<std::size_t> unknown;
+    std::copy_if(tiles.begin(), tiles.end(), std::back_inserter(unknown),
+                 [&](std::size_t t) { return !known.contains(t); });
+    const std::vector<uint32_t> items = itemsOf(tiling, unknown);
+    std::vector<Check> computed(items.size());
+    if (!items.empty() && !work.check(items, computed, Progress{{}, progress.cancel})) return std::nullopt;
+    auto next = computed.begin();
+    std::vector<Check> checks;
+    for (const std::size_t t : tiles) {
+        if (auto found = known.extract(t)) {
+            checks.insert(checks.end(), found.mapped().begin(), found.mapped().end());
+        } else {
+            const auto end = next + std::ptrdiff_t(tiling.size(t));
+            checks.insert(checks.end(), next, end);
+            next = end;
+        }
+    }
+    return checks;
+}
+
+} // namespace
+
+template<typename Value, typename Check> TilePlan BakeCache::plan(const Work<Value, Check>& work) const
+{
+    TilePlan plan;
+    plan.tiling = {work.count, work.tileSize};
+    for (std::size_t t = 0; t < plan.tiling.tileCount(); ++t) {
+        plan.surfaces.push_back(work.surface(plan.tiling.first(t), plan.tiling.size(t)));
+        const std::size_t bytes = recordBytes<Value, Check>(plan.tiling, t);
+        const auto holds = [&](const TileFile& file) {
+            return file.find(work.stage, uint32_t(t), plan.surfaces[t]).size() == bytes;
+        };
+        (holds(own_) ? plan.reuse : holds(before_) ? plan.compare : plan.compute).push_back(t);
+    }
+    return plan;
+}
+
+void BakeCache::append(std::span<const TileFile::Record> records)
+{
+    if (Status s = TileFile::append(file_, records); !s && status_) status_ = s;
+}
+
+template<typename Value, typename Check>
+bool BakeCache::compare(const Work<Value, Check>& work, TilePlan& plan, std::span<Value> out,
+                        std::map<std::size_t, std::vector<Check>>& changedChecks, const Progress& progress)
+{
+    const std::vector<uint32_t> items = itemsOf(plan.tiling, plan.compare);
+    std::vector<Check> now(items.size());
+    if (!work.check(items, now, progress)) return false;
+    std::vector<std::size_t> unchanged;
+    std::vector<Check> unchangedChecks;
+    std::span<const Check> rest(now);
+    for (const std::size_t t : plan.compare) {
+        const auto record = before_.find(work.stage, uint32_t(t), plan.surfaces[t]);
+        const std::vector<Check> before = checksIn<Value, Check>(plan.tiling, t, record);
+        const auto own = rest.first(plan.tiling.size(t));
+        rest = rest.subspan(own.size());
+        if (work.changed(before, own)) {
+            plan.compute.push_back(t);
+            changedChecks.emplace(t, std::vector<Check>(own.begin(), own.end()));
             continue;
         }
-        const bool known = before_.find(work.stage, uint32_t(t), surfaces[t]).size() == bytesOf(t);
-        (known ? candidates : open).push_back(t);
+        mergeRecord(plan.tiling, t, record, out);
+        unchanged.push_back(t);
+        // The record keeps the old check samples, so that a series of small changes adds up until it is detected.
+        unchangedChecks.insert(unchangedChecks.end(), before.begin(), before.end());
     }
+    counts_.unchanged += unchanged.size();
+    std::sort(plan.compute.begin(), plan.compute.end());
+    append(recordsOf<Value, Check>(work.stage, plan, unchanged, out, unchangedChecks));
+    return true;
+}
 
-    const auto itemsOf = [&](std::span<const std::size_t> tiles) {
-        std::vector<uint32_t> items;
-        for (const std::size_t t : tiles)
-            for (std::size_t i = 0; i < sizeOf(t); ++i) items.push_back(uint32_t(firstOf(t) + i));
-        return items;
-    };
-    const auto store = [&](std::span<const std::size_t> tiles, std::span<const Witness> witnesses) {
-        std::vector<TileFile::Record> records;
-        std::size_t at = 0;
-        for (const std::size_t t : tiles) {
-            TileFile::Record record{work.stage, uint32_t(t), surfaces[t], std::vector<std::byte>(bytesOf(t))};
-            std::memcpy(record.bytes.data(), &out[firstOf(t)], sizeOf(t) * sizeof(Value));
-            std::memcpy(&record.bytes[sizeOf(t) * sizeof(Value)], &witnesses[at], sizeOf(t) * sizeof(Witness));
-            at += sizeOf(t);
-            records.push_back(std::move(record));
-        }
-        if (Status s = TileFile::append(file_, records); !s && status_) status_ = s;
-    };
-
-    std::map<std::size_t, std::vector<Witness>> witnessesOf; // of open tiles, where they were asked already
-    const double witnessShare = candidates.empty() ? 0.0 : 0.1;
-    if (!candidates.empty()) {
-        const std::vector<uint32_t> items = itemsOf(candidates);
-        std::vector<Witness> now(items.size());
-        if (!work.witness(items, now, partOf(progress, 0.0, witnessShare))) return false;
-        std::vector<std::size_t> kept;
-        std::vector<Witness> keptWitnesses;
-        std::size_t at = 0;
-        for (const std::size_t t : candidates) {
-            const auto record = before_.find(work.stage, uint32_t(t), surfaces[t]);
-            std::vector<Witness> before(sizeOf(t));
-            std::memcpy(before.data(), &record[sizeOf(t) * sizeof(Value)], sizeOf(t) * sizeof(Witness));
-            const auto own = std::span<const Witness>(now).subspan(at, sizeOf(t));
-            if (work.changed(before, own)) {
-                open.push_back(t);
-                witnessesOf.emplace(t, std::vector<Witness>(own.begin(), own.end()));
-            } else {
-                take(t, record);
-                kept.push_back(t);
-                // The old witnesses stay: small changes, one after another, must not creep in unseen.
-                keptWitnesses.insert(keptWitnesses.end(), before.begin(), before.end());
-                ++counts_.unchanged;
-            }
-            at += sizeOf(t);
-        }
-        std::sort(open.begin(), open.end());
-        store(kept, keptWitnesses);
-    }
-
-    // In batches, so that an interruption loses little.
-    constexpr std::size_t kBatchItems = 1 << 15;
+template<typename Value, typename Check>
+bool BakeCache::compute(const Work<Value, Check>& work, const TilePlan& plan, std::span<Value> out,
+                        std::map<std::size_t, std::vector<Check>>& changedChecks, const Progress& progress)
+{
+    const std::span<const std::size_t> all(plan.compute);
     const std::size_t batchTiles = std::max<std::size_t>(1, kBatchItems / work.tileSize);
-    for (std::size_t first = 0; first < open.size(); first += batchTiles) {
-        const std::span<const std::size_t> tiles =
-            std::span(open).subspan(first, std::min(batchTiles, open.size() - first));
-        const auto fraction = [&](std::size_t done) {
-            return witnessShare + (1.0 - witnessShare) * double(done) / double(open.size());
-        };
-        const Progress part = partOf(progress, fraction(first), fraction(first + tiles.size()));
-        const std::vector<uint32_t> items = itemsOf(tiles);
+    for (std::size_t first = 0; first < all.size(); first += batchTiles) {
+        const auto tiles = all.subspan(first, std::min(batchTiles, all.size() - first));
+        const Progress part =
+            partOf(progress, double(first) / double(all.size()), double(first + tiles.size()) / double(all.size()));
+        const std::vector<uint32_t> items = itemsOf(plan.tiling, tiles);
         std::vector<Value> values(items.size());
         if (!work.compute(items, values, part)) return false;
-        std::vector<std::size_t> unasked;
-        std::copy_if(tiles.begin(), tiles.end(), std::back_inserter(unasked),
-                     [&](std::size_t t) { return !witnessesOf.contains(t); });
-        const std::vector<uint32_t> askedNow = itemsOf(unasked);
-        std::vector<Witness> answers(askedNow.size());
-        if (!askedNow.empty() && !work.witness(askedNow, answers, Progress{{}, progress.cancel})) return false;
-        auto answer = answers.begin();
-        for (const std::size_t t : unasked) {
-            witnessesOf[t].assign(answer, answer + std::ptrdiff_t(sizeOf(t)));
-            answer += std::ptrdiff_t(sizeOf(t));
-        }
-        std::vector<Witness> witnesses;
-        for (const std::size_t t : tiles) {
-            const std::vector<Witness> own = std::move(witnessesOf.extract(t).mapped());
-            witnesses.insert(witnesses.end(), own.begin(), own.end());
-        }
+        const auto checks = checksOf<Value, Check>(work, plan.tiling, tiles, changedChecks, progress);
+        if (!checks) return false;
         for (std::size_t i = 0; i < items.size(); ++i) out[items[i]] = values[i];
-        store(tiles, witnesses);
+        append(recordsOf<Value, Check>(work.stage, plan, tiles, out, *checks));
     }
-    if (open.empty()) progress(work.name, 1.0);
+    return true;
+}
+
+template<typename Value, typename Check>
+bool BakeCache::run(const Work<Value, Check>& work, std::span<Value> out, const Progress& progress)
+{
+    TilePlan plan = this->plan(work);
+    counts_.tiles += plan.tiling.tileCount();
+    counts_.same += plan.reuse.size();
+    for (const std::size_t t : plan.reuse)
+        mergeRecord(plan.tiling, t, own_.find(work.stage, uint32_t(t), plan.surfaces[t]), out);
+    ChecksOfTiles<Check> changedChecks;
+    const double compared = plan.compare.empty() ? 0.0 : kComparisonShare;
+    if (!plan.compare.empty() && !compare(work, plan, out, changedChecks, partOf(progress, 0.0, compared)))
+        return false;
+    if (!compute(work, plan, out, changedChecks, partOf(progress, compared, 1.0))) return false;
+    if (plan.compute.empty()) progress(work.name, 1.0);
     return true;
 }
 

@@ -10,24 +10,24 @@
 namespace halflight {
 namespace {
 
-constexpr uint32_t kCacheVersion = 30; ///< to be raised when estimates of the same input change
+constexpr uint32_t kCacheVersion = 30; ///< raised when estimates of the same input change
 
-/// Small, so that a small change shows in a tile's sum of witnesses.
+/// Items per tile: few, so that a local change is large in the tile's sum of check samples.
 constexpr std::size_t kTexelTile = 256;
 constexpr std::size_t kProbeTile = 8;
 
-/// Relative difference that counts as a change: well below what the bake's own noise leaves.
-constexpr double kWitnessTolerance = 0.005;
+/// Relative difference of a tile's check samples that counts as a change; well below the noise of a bake.
+constexpr double kCheckTolerance = 0.005;
 
-int witnessSamples(int samples)
+int checkSamples(int samples)
 {
     return std::clamp(samples / 24, 2, 8);
 }
 
-/// Whether values differ by more than the tolerance, in the mean of their magnitudes.
+/// `difference` and `before`: sums of absolute differences and of absolute values.
 bool differ(double difference, double before)
 {
-    return !(difference <= kWitnessTolerance * before); // true for what is not a number
+    return !(difference <= kCheckTolerance * before); // NaN differs
 }
 
 Hash128 surfaceHash(const BakeGeometry& geometry, const TexelMap& map, std::size_t first, std::size_t count)
@@ -52,8 +52,8 @@ Hash128 surfaceHash(const BakeGeometry& geometry, const TexelMap& map, std::size
 
 Hash128 bakeHash(const Scene& scene, const BakeSettings& settings)
 {
-    // Every setting by name, so that a new one cannot be forgotten here. Left out below: what resolveQuality()
-    // replaces, and what changes no byte of the output file.
+    // Structured bindings name every setting: a new setting is a compile error here. The hash leaves out settings that
+    // resolveQuality() replaces, and those that change no byte of the output file.
     [[maybe_unused]] const auto& [mode, quality, samples, shadowSamples, bounces, integrator, noiseTarget, texelStep,
                                   uvMode, texelsPerMeter, lightmapSize, paddingTexels, denoiser, directional,
                                   maskEncoding, subtractiveMask, probeSpacingMeters, threads, seed, imagesDirectory,
@@ -113,12 +113,12 @@ bool Gather::irradiance(std::span<IrradianceEstimate> out, const Progress& progr
     work.compute = [&](std::span<const uint32_t> items, std::span<IrradianceEstimate> values, const Progress& part) {
         return integrator.irradiance(map, {items}, values, part);
     };
-    const int samples = witnessSamples(settings.samples);
-    const int shadowSamples = witnessSamples(settings.shadowSamples);
-    work.witness = [&](std::span<const uint32_t> items, std::span<float> values, const Progress& part) {
+    const int samples = checkSamples(settings.samples);
+    const int shadowSamples = checkSamples(settings.shadowSamples);
+    work.check = [&](std::span<const uint32_t> items, std::span<float> values, const Progress& part) {
         std::vector<IrradianceEstimate> estimates(items.size());
         if (!integrator.irradiance(map, {items, samples, shadowSamples}, estimates, part)) return false;
-        // What is found inside geometry stands for a value of its own, so that a change of that shows too.
+        // A negative value marks texels inside geometry, so that a change of validity counts.
         for (std::size_t i = 0; i < items.size(); ++i)
             values[i] = estimates[i].valid ? luminance(estimates[i].irradiance) : -1.0f;
         return true;
@@ -161,11 +161,11 @@ bool Gather::shadowmask(std::span<const IrradianceEstimate> estimates, std::span
     work.compute = [&](std::span<const uint32_t> items, std::span<vec4> values, const Progress& part) {
         return integrator.shadowmask(map, {items}, estimatesOf(items), values, part);
     };
-    work.witness = [&](std::span<const uint32_t> items, std::span<vec4> values, const Progress& part) {
-        const TexelRequest request{items, 0, witnessSamples(settings.shadowSamples)};
+    work.check = [&](std::span<const uint32_t> items, std::span<vec4> values, const Progress& part) {
+        const TexelRequest request{items, 0, checkSamples(settings.shadowSamples)};
         return integrator.shadowmask(map, request, estimatesOf(items), values, part);
     };
-    // Shadows have no noise to hide in: any ray that ends otherwise counts.
+    // With equal random numbers any difference is a ray with another result.
     work.changed = [](std::span<const vec4> before, std::span<const vec4> now) {
         return !std::equal(before.begin(), before.end(), now.begin());
     };
@@ -188,7 +188,7 @@ bool Gather::probes(std::span<const vec3> positions, std::span<ProbeEstimate> ou
         return integrator.probes(positions, items, 0, values, part);
     };
     const int samples = std::max(settings.probeSamples / 4, 16);
-    work.witness = [&](std::span<const uint32_t> items, std::span<ProbeEstimate> values, const Progress& part) {
+    work.check = [&](std::span<const uint32_t> items, std::span<ProbeEstimate> values, const Progress& part) {
         return integrator.probes(positions, items, samples, values, part);
     };
     work.changed = [](std::span<const ProbeEstimate> before, std::span<const ProbeEstimate> now) {

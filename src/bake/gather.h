@@ -1,18 +1,18 @@
 #pragma once
-// The part of a bake that traces rays, with or without a cache.
+// Integrator calls of a bake, with or without the tile cache.
 
 #include "bake/cache.h"
 
 namespace halflight {
 
-/// Of the texels and of what decides how they are sampled: bakes that agree in it can be compared tile by tile.
+/// Hash of the texels and the sampling settings: bakes with equal layouts are comparable tile by tile.
 Hash128 layoutHash(const TexelMap& map, const IntegrationSettings& settings, MixedLightingMode mode);
 
-/// Of all that light does in a bake of that layout.
+/// Hash of all inputs that affect light in a bake of that layout.
 Hash128 lightHash(Hash128 layout, const Scene& scene, const BakeGeometry& geometry);
 
-/// Integrator calls for all texels and probes. With a cache, tiles come from it where they can. All return false when
-/// cancelled.
+/// Integrator calls for all texels and probes; with a cache, only for tiles that it does not hold. All return false
+/// when cancelled.
 struct Gather {
     Integrator& integrator;
     const BakeGeometry& geometry;
@@ -23,7 +23,7 @@ struct Gather {
     bool irradiance(std::span<IrradianceEstimate> out, const Progress& progress) const;
     /// `estimates` are those of irradiance().
     bool shadowmask(std::span<const IrradianceEstimate> estimates, std::span<vec4> out, const Progress& progress) const;
-    /// `batch`: a bake may ask for several sets of probes, 0, 1, 2…, each kept by the cache for itself.
+    /// `batch`: number of the set of probes, 0, 1, 2…; the cache stores each set separately.
     bool probes(std::span<const vec3> positions, std::span<ProbeEstimate> out, int batch,
                 const Progress& progress) const;
 };

@@ -1,3 +1,5 @@
+// Solids: closed surfaces that face outward, found by connectivity alone. Inward-facing ones that are no rooms are
+// flipped.
 #include "bake/stages.h"
 
 #include "halflight/base/disjoint_sets.h"
@@ -22,7 +24,7 @@ struct DirectedEdge {
     bool forward = false; ///< from low to high
 };
 
-/// The corners of the listed triangles as numbers of places: equal positions get equal numbers.
+/// The corners of the listed triangles as indices of welded vertices: equal positions get equal indices.
 std::vector<uvec3> weld(const BakeGeometry& geometry, std::span<const uint32_t> triangles)
 {
     std::vector<uint32_t> corners(triangles.size() * 3); // 3 * index into `triangles` + corner
@@ -34,22 +36,22 @@ std::vector<uvec3> weld(const BakeGeometry& geometry, std::span<const uint32_t> 
         return std::tie(p.x, p.y, p.z, a) < std::tie(q.x, q.y, q.z, b);
     });
     std::vector<uvec3> welded(triangles.size());
-    uint32_t place = 0;
+    uint32_t vertex = 0;
     for (std::size_t i = 0; i < corners.size(); ++i) {
-        if (i > 0 && at(corners[i]) != at(corners[i - 1])) ++place;
-        welded[corners[i] / 3][int(corners[i] % 3)] = place;
+        if (i > 0 && at(corners[i]) != at(corners[i - 1])) ++vertex;
+        welded[corners[i] / 3][int(corners[i] % 3)] = vertex;
     }
     return welded;
 }
 
-/// The edges of welded triangles, those of the same two places side by side.
+/// The edges of welded triangles, sorted so that edges with equal ends are adjacent.
 std::vector<DirectedEdge> edgesOf(std::span<const uvec3> welded)
 {
     std::vector<DirectedEdge> edges;
     edges.reserve(welded.size() * 3);
     for (std::size_t t = 0; t < welded.size(); ++t) {
         const uvec3 w = welded[t];
-        if (w[0] == w[1] || w[1] == w[2] || w[2] == w[0]) continue; // collapsed: encloses nothing
+        if (w[0] == w[1] || w[1] == w[2] || w[2] == w[0]) continue; // degenerate
         for (int e = 0; e < 3; ++e) {
             const uint32_t a = w[e];
             const uint32_t b = w[(e + 1) % 3];
@@ -62,7 +64,7 @@ std::vector<DirectedEdge> edgesOf(std::span<const uvec3> welded)
     return edges;
 }
 
-/// Calls body(edges) for those of each two places.
+/// Calls body(edges) for each group of edges with equal ends.
 template<typename Body> void forEdges(std::span<const DirectedEdge> edges, const Body& body)
 {
     for (std::size_t i = 0; i < edges.size();) {
@@ -73,29 +75,29 @@ template<typename Body> void forEdges(std::span<const DirectedEdge> edges, const
     }
 }
 
-/// A closed surface.
-struct Piece {
+/// A closed surface: a connected component of triangles.
+struct Component {
     std::vector<uint32_t> triangles;
     Bounds bounds;
 };
-struct Pieces {
-    std::vector<Piece> solids; ///< facing outward
-    std::vector<Piece> inward; ///< facing inward: rooms, or the cavities of hollow bodies
-    /// What hangs together, closed or open: one of its triangles, and its bounds.
-    struct Thing {
+struct Components {
+    std::vector<Component> solids; ///< facing outward
+    std::vector<Component> inward; ///< facing inward: rooms, cavities of solids, or inverted surfaces
+    /// A component, closed or open: one of its triangles, and its bounds.
+    struct Any {
         uint32_t triangle = 0;
         Bounds bounds;
     };
-    std::vector<Thing> things;
+    std::vector<Any> all;
 };
 
-/// The closed pieces among the listed triangles.
-Pieces closedPieces(const BakeGeometry& geometry, std::span<const uint32_t> triangles)
+/// The connected components of the listed triangles.
+Components componentsOf(const BakeGeometry& geometry, std::span<const uint32_t> triangles)
 {
     const std::vector<DirectedEdge> edges = edgesOf(weld(geometry, triangles));
 
-    // Pieces hang together across edges; a piece is open as soon as as many triangles do not pass one of its edges in
-    // one direction as in the other.
+    // Components are connected across edges. A component is closed if each edge has as many triangles in one direction
+    // as in the other.
     DisjointSets sets(triangles.size());
     std::vector<uint32_t> openTriangles;
     forEdges(edges, [&](std::span<const DirectedEdge> same) {
@@ -109,7 +111,7 @@ Pieces closedPieces(const BakeGeometry& geometry, std::span<const uint32_t> tria
     std::vector<uint8_t> open(triangles.size(), 0);
     for (const uint32_t t : openTriangles) open[sets.find(t)] = 1;
 
-    // Outward or inward: the sign of the enclosed volume.
+    // The sign of the enclosed volume is positive for outward-facing components.
     std::vector<double> volume(triangles.size(), 0.0);
     const vec3 reference = geometry.positions[geometry.triangles[triangles[0]].x];
     for (std::size_t t = 0; t < triangles.size(); ++t) {
@@ -118,40 +120,41 @@ Pieces closedPieces(const BakeGeometry& geometry, std::span<const uint32_t> tria
             double(glm::dot(geometry.positions[v.x] - reference,
                             glm::cross(geometry.positions[v.y] - reference, geometry.positions[v.z] - reference)));
     }
-    Pieces pieces;
-    std::vector<Piece*> pieceOf(triangles.size(), nullptr);
+    Components components;
+    std::vector<Component*> componentOf(triangles.size(), nullptr);
     std::vector<uint32_t> roots;
     for (std::size_t t = 0; t < triangles.size(); ++t) {
         if (sets.find(uint32_t(t)) == t && !open[t] && volume[t] != 0.0) roots.push_back(uint32_t(t));
     }
     const auto outward = [&](uint32_t root) { return volume[root] > 0.0; };
     const auto count = std::size_t(std::count_if(roots.begin(), roots.end(), outward));
-    pieces.solids.resize(count); // never again, so that pointers stay
-    pieces.inward.resize(roots.size() - count);
+    components.solids.resize(count); // once: componentOf points into the list
+    components.inward.resize(roots.size() - count);
     std::size_t nextSolid = 0;
     std::size_t nextInward = 0;
     for (const uint32_t root : roots)
-        pieceOf[root] = outward(root) ? &pieces.solids[nextSolid++] : &pieces.inward[nextInward++];
+        componentOf[root] = outward(root) ? &components.solids[nextSolid++] : &components.inward[nextInward++];
     std::vector<Bounds> bounds(triangles.size()); // by root
     for (std::size_t t = 0; t < triangles.size(); ++t) {
         const uint32_t root = sets.find(uint32_t(t));
         bounds[root].extend(geometry.boundsOf(triangles[t]));
-        if (pieceOf[root]) pieceOf[root]->triangles.push_back(triangles[t]);
+        if (componentOf[root]) componentOf[root]->triangles.push_back(triangles[t]);
     }
     for (std::size_t t = 0; t < triangles.size(); ++t) {
         if (sets.find(uint32_t(t)) != t) continue;
-        pieces.things.push_back({triangles[t], bounds[t]});
-        if (pieceOf[t]) pieceOf[t]->bounds = bounds[t];
+        components.all.push_back({triangles[t], bounds[t]});
+        if (componentOf[t]) componentOf[t]->bounds = bounds[t];
     }
-    return pieces;
+    return components;
 }
 
-/// How often a closed piece winds around a point, 1 inside and 0 outside: the solid angles of its triangles over 4 pi
-/// (Van Oosterom and Strackee 1983, "The Solid Angle of a Plane Triangle", eq. 8).
-double windingNumber(const BakeGeometry& geometry, const Piece& piece, vec3 point)
+/// Winding number of a closed component around a point: the sum of its triangles' solid angles over 4 pi, 1 inside an
+/// outward-facing one, -1 inside an inward-facing one, 0 outside (Van Oosterom and Strackee 1983, "The Solid Angle of a
+/// Plane Triangle", eq. 8).
+double windingNumber(const BakeGeometry& geometry, const Component& component, vec3 point)
 {
     double sum = 0.0;
-    for (const uint32_t t : piece.triangles) {
+    for (const uint32_t t : component.triangles) {
         const uvec3 v = geometry.triangles[t];
         const glm::dvec3 a(geometry.positions[v.x] - point);
         const glm::dvec3 b(geometry.positions[v.y] - point);
@@ -170,23 +173,23 @@ bool within(const Bounds& inner, const Bounds& outer)
     return glm::all(glm::lessThanEqual(outer.min, inner.min)) && glm::all(glm::greaterThanEqual(outer.max, inner.max));
 }
 
-/// The cavity of a hollow body is closed on its own and faces inward: it lies within a solid. Its surface is then the
-/// solid's too, so that a ray from within the cavity enters the solid before it leaves it. (An inward-facing room that
-/// lies in no solid is not one itself: what stands in it would not be solid any more.)
-bool isCavity(const BakeGeometry& geometry, const Piece& piece, std::span<const Piece> solids)
+/// A cavity is an inward-facing component within a solid. It counts as part of the solid, so that a ray from within the
+/// cavity enters the solid before it leaves it. An inward-facing room within no solid is none: objects in the room
+/// would lie inside it.
+bool isCavity(const BakeGeometry& geometry, const Component& component, std::span<const Component> solids)
 {
-    const vec3 point = geometry.centroid(piece.triangles.front());
-    return std::any_of(solids.begin(), solids.end(), [&](const Piece& solid) {
-        return within(piece.bounds, solid.bounds) && windingNumber(geometry, solid, point) > 0.5;
+    const vec3 point = geometry.centroid(component.triangles.front());
+    return std::any_of(solids.begin(), solids.end(), [&](const Component& solid) {
+        return within(component.bounds, solid.bounds) && windingNumber(geometry, solid, point) > 0.5;
     });
 }
 
-/// Tells which closed pieces that face inward do so by mistake: those that are seen from both sides, dark and empty
-/// inside, and not all there is. A room has something in it, or a light, or is the whole scene.
-class InsideOut {
+/// Finds inverted components: inward-facing ones that are double-sided, not emissive, empty, and not the whole scene. A
+/// room has objects, a light or a camera in it, or is the whole scene.
+class InversionTest {
 public:
-    InsideOut(const Scene& scene, const BakeGeometry& geometry)
-        : scene_(scene), geometry_(geometry), places_(lightsAndLookers(scene))
+    InversionTest(const Scene& scene, const BakeGeometry& geometry)
+        : scene_(scene), geometry_(geometry), points_(lightAndViewPoints(scene))
     {
         for (const BakeGeometry::Part& part : geometry.parts) {
             Bounds& bounds = boundsOfPart_.emplace_back();
@@ -196,101 +199,105 @@ public:
         }
     }
 
-    /// Whether a piece has two sides, does not glow, and is not the whole scene.
-    [[nodiscard]] bool canBe(const Piece& piece) const
+    /// Whether a component is double-sided, not emissive, and not the whole scene.
+    [[nodiscard]] bool canBeInverted(const Component& component) const
     {
-        return !within(bounds_, piece.bounds) &&
-               std::all_of(piece.triangles.begin(), piece.triangles.end(), [&](uint32_t t) {
+        return !within(bounds_, component.bounds) &&
+               std::all_of(component.triangles.begin(), component.triangles.end(), [&](uint32_t t) {
                    const int material = geometry_.parts[geometry_.partOfTriangle[t]].material;
                    if (material < 0) return false;
                    const Material& m = scene_.materials[std::size_t(material)];
                    return m.doubleSided && m.emissiveNits == vec3(0.0f);
                });
     }
-    /// Whether nothing is in a piece as a whole: none of the things that it was found among, in ascending order of
-    /// their bounds' least x, no part that it has no triangle of, no light, nothing that looks or moves. What only
-    /// reaches in does not count: plants grow in ponds.
-    [[nodiscard]] bool isEmpty(const Piece& piece, std::span<const Pieces::Thing> among) const
+    /// Whether a component contains nothing as a whole: no component of `among` (sorted by their bounds' least x), no
+    /// part without triangles in it, no point of lightAndViewPoints(). Objects that cross its surface do not count,
+    /// such as plants in a pond.
+    [[nodiscard]] bool isEmpty(const Component& component, std::span<const Components::Any> among) const
     {
-        auto thing = std::lower_bound(among.begin(), among.end(), piece.bounds.min.x,
-                                      [](const Pieces::Thing& t, float x) { return t.bounds.min.x < x; });
-        for (; thing != among.end() && thing->bounds.min.x <= piece.bounds.max.x; ++thing) {
-            const bool own = std::binary_search(piece.triangles.begin(), piece.triangles.end(), thing->triangle);
-            if (!own && within(thing->bounds, piece.bounds) && holds(piece, geometry_.centroid(thing->triangle)))
+        auto other = std::lower_bound(among.begin(), among.end(), component.bounds.min.x,
+                                      [](const Components::Any& c, float x) { return c.bounds.min.x < x; });
+        for (; other != among.end() && other->bounds.min.x <= component.bounds.max.x; ++other) {
+            const bool own =
+                std::binary_search(component.triangles.begin(), component.triangles.end(), other->triangle);
+            if (!own && within(other->bounds, component.bounds) &&
+                holds(component, geometry_.centroid(other->triangle)))
                 return false;
         }
         for (uint32_t i = 0; i < boundsOfPart_.size(); ++i) {
             const BakeGeometry::Part& part = geometry_.parts[i];
-            const bool inside = !boundsOfPart_[i].empty() && within(boundsOfPart_[i], piece.bounds);
-            if (inside && !hasTriangleOf(piece, part) && holds(piece, geometry_.positions[part.firstVertex]))
+            const bool inside = !boundsOfPart_[i].empty() && within(boundsOfPart_[i], component.bounds);
+            if (inside && !hasTriangleOf(component, part) && holds(component, geometry_.positions[part.firstVertex]))
                 return false;
         }
-        return std::none_of(places_.begin(), places_.end(), [&](vec3 place) { return holds(piece, place); });
+        return std::none_of(points_.begin(), points_.end(), [&](vec3 point) { return holds(component, point); });
     }
 
 private:
-    [[nodiscard]] bool holds(const Piece& piece, vec3 point) const
+    [[nodiscard]] bool holds(const Component& component, vec3 point) const
     {
-        return within({point, point}, piece.bounds) && windingNumber(geometry_, piece, point) < -0.5;
+        return within({point, point}, component.bounds) && windingNumber(geometry_, component, point) < -0.5;
     }
-    static bool hasTriangleOf(const Piece& piece, const BakeGeometry::Part& part)
+    static bool hasTriangleOf(const Component& component, const BakeGeometry::Part& part)
     {
-        const auto next = std::lower_bound(piece.triangles.begin(), piece.triangles.end(), part.firstTriangle);
-        return next != piece.triangles.end() && *next < part.firstTriangle + part.triangleCount;
+        const auto next = std::lower_bound(component.triangles.begin(), component.triangles.end(), part.firstTriangle);
+        return next != component.triangles.end() && *next < part.firstTriangle + part.triangleCount;
     }
 
     const Scene& scene_;
     const BakeGeometry& geometry_;
-    std::vector<vec3> places_; ///< of lights and lookers
+    std::vector<vec3> points_;
     std::vector<Bounds> boundsOfPart_;
     Bounds bounds_;
 };
 
-bool ofOneObject(const BakeGeometry& geometry, const Piece& piece)
+bool ofOneObject(const BakeGeometry& geometry, const Component& component)
 {
     const auto objectOf = [&](uint32_t t) { return geometry.parts[geometry.partOfTriangle[t]].object; };
-    return objectOf(piece.triangles.front()) == objectOf(piece.triangles.back()); // objects' triangles are in order
+    return objectOf(component.triangles.front()) ==
+           objectOf(component.triangles.back()); // triangles are sorted by object
 }
 
-/// Marks the solids among the listed triangles, and turns those around that are inside out. `together`: of several
-/// objects, which have been looked at one by one.
-void markPieces(BakeGeometry& geometry, std::span<const uint32_t> triangles, const InsideOut& insideOut, bool together)
+/// Marks the solids among the listed triangles, and flips inverted components. `together`: the triangles are of several
+/// objects, each of which has been tested by itself.
+void markSolids(BakeGeometry& geometry, std::span<const uint32_t> triangles, const InversionTest& inversion,
+                bool together)
 {
-    Pieces pieces = closedPieces(geometry, triangles);
-    const auto mark = [&](const Piece& piece) {
-        for (const uint32_t t : piece.triangles) geometry.solid[t] = 1;
+    Components components = componentsOf(geometry, triangles);
+    const auto mark = [&](const Component& component) {
+        for (const uint32_t t : component.triangles) geometry.solid[t] = 1;
     };
-    for (const Piece& piece : pieces.solids) mark(piece);
-    if (pieces.inward.empty()) return;
-    std::sort(pieces.things.begin(), pieces.things.end(),
+    for (const Component& component : components.solids) mark(component);
+    if (components.inward.empty()) return;
+    std::sort(components.all.begin(), components.all.end(),
               [](const auto& a, const auto& b) { return a.bounds.min.x < b.bounds.min.x; });
-    for (const Piece& piece : pieces.inward) {
-        if (isCavity(geometry, piece, pieces.solids)) {
-            mark(piece);
-        } else if (insideOut.canBe(piece) && !(together && ofOneObject(geometry, piece)) &&
-                   insideOut.isEmpty(piece, pieces.things)) {
-            turnAround(geometry, piece.triangles);
-            mark(piece);
+    for (const Component& component : components.inward) {
+        if (isCavity(geometry, component, components.solids)) {
+            mark(component);
+        } else if (inversion.canBeInverted(component) && !(together && ofOneObject(geometry, component)) &&
+                   inversion.isEmpty(component, components.all)) {
+            flipTriangles(geometry, component.triangles);
+            mark(component);
         }
     }
 }
 
 } // namespace
 
-std::vector<vec3> lightsAndLookers(const Scene& scene)
+std::vector<vec3> lightAndViewPoints(const Scene& scene)
 {
-    std::vector<vec3> places;
+    std::vector<vec3> points;
     for (const Light& light : scene.lights) {
-        if (light.type != LightType::Directional) places.push_back(light.position());
+        if (light.type != LightType::Directional) points.push_back(light.position());
     }
-    for (const Camera& camera : scene.cameras) places.emplace_back(camera.worldFromCamera[3]);
+    for (const Camera& camera : scene.cameras) points.emplace_back(camera.worldFromCamera[3]);
     for (const Object& object : scene.objects) {
-        if (!object.isStatic) places.emplace_back(object.worldFromObject[3]);
+        if (!object.isStatic) points.emplace_back(object.worldFromObject[3]);
     }
-    return places;
+    return points;
 }
 
-void turnAround(BakeGeometry& geometry, std::span<const uint32_t> triangles)
+void flipTriangles(BakeGeometry& geometry, std::span<const uint32_t> triangles)
 {
     for (const uint32_t t : triangles) {
         geometry.flipped[t] = 1;
@@ -304,7 +311,7 @@ void turnAround(BakeGeometry& geometry, std::span<const uint32_t> triangles)
     }
 }
 
-std::vector<std::vector<uint32_t>> facingPatches(const BakeGeometry& geometry, std::span<const uint32_t> triangles)
+std::vector<std::vector<uint32_t>> facetPatches(const BakeGeometry& geometry, std::span<const uint32_t> triangles)
 {
     constexpr float kSharp = 0.64f; // cosine of 50 degrees
     if (triangles.empty()) return {};
@@ -331,10 +338,10 @@ std::vector<std::vector<uint32_t>> facingPatches(const BakeGeometry& geometry, s
 
 void findSolids(const Scene& scene, BakeGeometry& geometry)
 {
-    // Object by object first: things that stand on one another must not hang together where they touch.
+    // Object by object first: objects that touch must not be connected.
     geometry.solid.assign(geometry.triangles.size(), 0);
     geometry.flipped.assign(geometry.triangles.size(), 0);
-    const InsideOut insideOut(scene, geometry);
+    const InversionTest inversion(scene, geometry);
     std::vector<std::vector<uint32_t>> objects;
     for (std::size_t i = 0; i < geometry.parts.size();) {
         std::vector<uint32_t>& list = objects.emplace_back();
@@ -346,17 +353,18 @@ void findSolids(const Scene& scene, BakeGeometry& geometry)
     }
     parallelFor(objects.size(), 1, [&](std::size_t begin, std::size_t end) {
         for (std::size_t o = begin; o < end; ++o) {
-            if (!objects[o].empty()) markPieces(geometry, objects[o], insideOut, false);
+            if (!objects[o].empty()) markSolids(geometry, objects[o], inversion, false);
         }
     });
 
-    // Then what is left of all objects together: buildings are often one closed surface cut into several objects.
+    // Then the remaining triangles of all objects together: buildings are often one closed surface cut into several
+    // objects.
     constexpr std::size_t kMaxTogether = 4'000'000;
     std::vector<uint32_t> rest;
     for (uint32_t t = 0; t < geometry.triangles.size(); ++t) {
         if (!geometry.solid[t]) rest.push_back(t);
     }
-    if (!rest.empty() && rest.size() <= kMaxTogether) markPieces(geometry, rest, insideOut, true);
+    if (!rest.empty() && rest.size() <= kMaxTogether) markSolids(geometry, rest, inversion, true);
 }
 
 } // namespace halflight

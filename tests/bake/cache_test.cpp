@@ -203,14 +203,13 @@ TEST_F(CacheTest, ALightReachesOnlyItsOwnRoom)
     EXPECT_LT(difference(run(scene, false).baked, changed.baked), 0.004);
 }
 
-/// Witnesses take rays as well: each tile's are asked for once in a bake, whatever becomes of the tile, and the next
-/// bake is compared with what they said.
-TEST_F(CacheTest, WitnessesAreAskedOnce)
+/// Check samples cost rays: a bake computes those of each tile once, and the next bake is compared with them.
+TEST_F(CacheTest, CheckSamplesAreComputedOnce)
 {
     constexpr std::size_t kTiles = 6;
     constexpr std::size_t kTile = 4;
     constexpr std::size_t kCount = kTiles * kTile - 1; // the last tile is smaller
-    const auto bakeWith = [&](uint32_t bake, float witnessOfTile2, std::vector<uint32_t>& asked) {
+    const auto bakeWith = [&](uint32_t bake, float checkOfTile2, std::vector<uint32_t>& checked) {
         Result<BakeCache> cache = BakeCache::open(folder / "tiles", Hasher().add(bake).hash(), Hasher().add(1u).hash());
         EXPECT_TRUE(cache);
         BakeCache::Work<IrradianceEstimate, float> work;
@@ -222,10 +221,10 @@ TEST_F(CacheTest, WitnessesAreAskedOnce)
             for (std::size_t i = 0; i < items.size(); ++i) out[i].irradiance = vec3(float(bake), float(items[i]), 0.0f);
             return true;
         };
-        work.witness = [&](std::span<const uint32_t> items, std::span<float> out, const Progress&) {
+        work.check = [&](std::span<const uint32_t> items, std::span<float> out, const Progress&) {
             for (std::size_t i = 0; i < items.size(); ++i) {
-                asked.push_back(items[i]);
-                out[i] = float(items[i]) + (items[i] / kTile == 2 ? witnessOfTile2 : 0.0f);
+                checked.push_back(items[i]);
+                out[i] = float(items[i]) + (items[i] / kTile == 2 ? checkOfTile2 : 0.0f);
             }
             return true;
         };
@@ -238,14 +237,14 @@ TEST_F(CacheTest, WitnessesAreAskedOnce)
         return out;
     };
     // From nothing; then tile 2 changes; then nothing does.
-    const std::array<float, 3> witness = {0.0f, 0.5f, 0.5f};
+    const std::array<float, 3> check = {0.0f, 0.5f, 0.5f};
     const std::array<float, 3> bakeOfTile2 = {1.0f, 2.0f, 2.0f};
     for (uint32_t i = 0; i < 3; ++i) {
         SCOPED_TRACE(i);
-        std::vector<uint32_t> asked;
-        const std::vector<IrradianceEstimate> out = bakeWith(i + 1, witness[i], asked);
-        std::sort(asked.begin(), asked.end());
-        EXPECT_EQ(asked, allIndices(kCount));
+        std::vector<uint32_t> checked;
+        const std::vector<IrradianceEstimate> out = bakeWith(i + 1, check[i], checked);
+        std::sort(checked.begin(), checked.end());
+        EXPECT_EQ(checked, allIndices(kCount));
         for (std::size_t item = 0; item < kCount; ++item) {
             const float expected = item / kTile == 2 ? bakeOfTile2[i] : 1.0f;
             EXPECT_EQ(out[item].irradiance, vec3(expected, float(item), 0.0f)) << item;

@@ -138,7 +138,7 @@ TEST(DenoiseS6, BrightRimsAreNoOutliers)
 }
 
 /// Where only every other texel is traced, those between have a share of what a lucky path brought the one beside them.
-TEST(DenoiseS6, OutliersGoFromTexelsBetween)
+TEST(DenoiseS6, OutliersLeaveInterpolatedTexels)
 {
     const OneChart chart(vec2(4), vec2(60));
     const auto lightAt = [](int x, int y) { return (x == 30 || x == 32) && y == 30 ? 20.0f : 1.0f; };
@@ -161,7 +161,7 @@ TEST(DenoiseS6, OutliersGoFromTexelsBetween)
 }
 
 /// Rows of traced texels with rows between: of 5 x 5, too few are traced to tell two dots from light.
-TEST(DenoiseS6, OutliersGoWhereHalfLieBetween)
+TEST(DenoiseS6, OutliersGoWhereHalfAreInterpolated)
 {
     const OneChart chart(vec2(4), vec2(60));
     const auto lightAt = [](int x, int y) { return (x == 30 || x == 32) && y == 30 ? 2.0f : 1.0f; };

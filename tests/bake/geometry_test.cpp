@@ -85,7 +85,7 @@ TEST(GeometryS6, CavitiesBelongToTheirSolid)
 
 /// A closed box whose faces look inward, with nothing and no light inside, is a modeller's slip where its material has
 /// two sides: it has its light where it is seen from. A room is not.
-TEST(GeometryS6, ThingsThatAreInsideOutAreTurned)
+TEST(GeometryS6, InvertedSurfacesAreFlipped)
 {
     struct Case {
         const char* what;
@@ -96,10 +96,10 @@ TEST(GeometryS6, ThingsThatAreInsideOutAreTurned)
         bool lightInside = false;
         bool cameraInside = false;
         bool glows = false;
-        bool turned = false;
+        bool flipped = false;
     };
     const Case cases[] = {
-        {.what = "empty", .turned = true},
+        {.what = "empty", .flipped = true},
         {.what = "one-sided", .doubleSided = false},
         {.what = "the whole scene", .alone = true},
         {.what = "furnished", .boxInside = true},
@@ -137,16 +137,16 @@ TEST(GeometryS6, ThingsThatAreInsideOutAreTurned)
         if (c.lightInside) scene.lights.push_back(pointAt("p", vec3(0.5f), 1.0f));
         if (c.cameraInside) scene.cameras.push_back({.name = "c"});
         Bench bench(std::move(scene), MixedLightingMode::Shadowmask, kPage, {.samples = 16, .bounces = 0});
-        const std::vector<uint8_t>& turned = bench.geometry.flipped;
-        EXPECT_EQ(std::count(turned.begin(), turned.end(), 1), c.turned ? 12 : 0);
-        EXPECT_EQ(bench.geometry.solid[0] != 0, c.turned);
+        const std::vector<uint8_t>& flipped = bench.geometry.flipped;
+        EXPECT_EQ(std::count(flipped.begin(), flipped.end(), 1), c.flipped ? 12 : 0);
+        EXPECT_EQ(bench.geometry.solid[0] != 0, c.flipped);
         EXPECT_GT(glm::dot(bench.geometry.normals[0], bench.geometry.geometricNormal(0)), 0.99f);
-        EXPECT_EQ(glm::dot(bench.geometry.geometricNormal(0), bench.geometry.centroid(0)) > 0.0f, c.turned);
+        EXPECT_EQ(glm::dot(bench.geometry.geometricNormal(0), bench.geometry.centroid(0)) > 0.0f, c.flipped);
         if (c.lightInside || c.glows) continue;
         const std::vector<IrradianceEstimate> estimates = bench.irradiance();
         EXPECT_TRUE(std::any_of(estimates.begin(), estimates.end(), [](const auto& e) { return e.valid; }));
         for (const IrradianceEstimate& e : estimates) {
-            if (e.valid) EXPECT_NEAR(e.irradiance.x, c.turned ? kPi : 0.0f, 0.1f);
+            if (e.valid) EXPECT_NEAR(e.irradiance.x, c.flipped ? kPi : 0.0f, 0.1f);
         }
     }
 }

@@ -80,7 +80,7 @@ TEST_F(ImageDenoiseS6, ChartsSideBySideDoNotMix)
         ASSERT_NEAR(gatheredOf(i).x / (i < 256 ? 1.0f : 1000.0f), 1.0f, 1.0e-4f) << i;
 }
 
-TEST_F(ImageDenoiseS6, TexelsInsideGeometryAreNoWitnesses)
+TEST_F(ImageDenoiseS6, TexelsInsideGeometryDoNotCount)
 {
     addChart({0, 0}, {16, 16}, [](int, int) { return vec3(1.0f); });
     for (const std::size_t inside : {0u, 17u, 100u, 101u, 255u}) {

@@ -1,6 +1,6 @@
 #pragma once
-// The bake: scene in, lightmaps, shadowmasks and probes out. bake() runs all stages; each stage is a function of its
-// own in src/bake/.
+// The bake: from a scene to lightmaps, shadowmasks and probes. bake() runs all stages; each stage is a function in
+// src/bake/.
 
 #include "halflight/bake/integrator.h"
 #include "halflight/base/hash.h"
@@ -20,14 +20,13 @@ namespace halflight {
 
 enum class Quality { Preview, Medium, High, Ultra };
 
-/// What shadowmask texels hold. Distance: distance to the shadow's edge for channels whose shadows have narrow
-/// penumbrae (about two texels), so that hard edges stay crisp with a quarter of the texels; attenuation for the
-/// others.
+/// Content of shadowmask texels. Distance: signed distance to the shadow's edge in channels with narrow penumbrae (up
+/// to about two texels), which keeps hard edges sharp with a quarter of the texels; attenuation in the other channels.
 enum class MaskEncoding { Attenuation, Distance };
 
-/// BuiltIn: an edge-stopping filter within charts, guided by position, normal and the estimates' variance. OpenImage:
-/// what rays gather by Open Image Denoise's network for lightmaps, chart by chart, all else as BuiltIn; for builds that
-/// have it (hasOpenImageDenoise()).
+/// BuiltIn: an edge-avoiding filter within charts, guided by position, normal and the estimates' variance. OpenImage:
+/// Open Image Denoise's lightmap filter for gathered light, chart by chart, BuiltIn for the rest; an error in builds
+/// without the library (hasOpenImageDenoise()).
 enum class Denoiser { Off, BuiltIn, OpenImage };
 bool hasOpenImageDenoise();
 
@@ -38,31 +37,31 @@ struct BakeSettings {
     int shadowSamples = 0; ///< rays per texel and masked light; 0 = by quality
     int bounces = -1;      ///< indirect bounces, 0 = direct light only; -1 = by quality
     IntegratorKind integrator = IntegratorKind::Cache;
-    /// Relative standard error at which a texel has enough samples (IntegrationSettings::noiseTarget); `samples` is
-    /// then the most a texel gets, 4096 when it is 0. 0 = no target.
+    /// Relative standard error up to which a texel is sampled (IntegrationSettings::noiseTarget). `samples` is then the
+    /// most that a texel gets, 4096 if it is 0. 0 = no target.
     float noiseTarget = 0.0f;
     int texelStep = 0; ///< IntegrationSettings::texelStep
     UvMode uvMode = UvMode::Auto;
-    float texelsPerMeter = 0.0f; ///< 0 = what fits one page; without a lightmapSize at most sceneDensity()
-    int lightmapSize = 0;        ///< 0 = at most what the quality says, cut to what is used
+    float texelsPerMeter = 0.0f; ///< 0 = as many as fit one page; without a lightmapSize at most sceneDensity()
+    int lightmapSize = 0;        ///< texels; 0 = at most the quality's, cut to the used part
     int paddingTexels = 2;       ///< UnwrapSettings::paddingTexels
     Denoiser denoiser = Denoiser::BuiltIn;
-    bool directional = false; ///< also keep the mean direction of lightmap light, for normal maps (spec S32)
+    bool directional = false;                              ///< also bakes mean directions, for normal maps (spec S32)
     MaskEncoding maskEncoding = MaskEncoding::Attenuation; ///< shadowmask bakes
-    /// Subtractive bakes: also store the main light's own mask, so that dynamic shadows take away only light that
-    /// arrives (subtractiveIrradiance() in shading/law.h).
+    /// Subtractive bakes: also stores the main light's own mask, so that dynamic shadows subtract only unoccluded light
+    /// (subtractiveIrradiance() in shading/law.h).
     bool subtractiveMask = true;
     float probeSpacingMeters = 0.0f; ///< 0 = by the scene's size
     int threads = 0;                 ///< 0 = all cores; changes no byte of the result
     uint32_t seed = 1;
-    /// Every stage's result is written here (lightmap_N.exr, shadowmask_N.png, probes.json, and more); empty = nowhere.
+    /// Directory for every stage's result (lightmap_N.exr, shadowmask_N.png, probes.json, …); empty = none.
     std::filesystem::path imagesDirectory;
-    /// Finished tiles are kept here and taken from here: an interrupted bake goes on, a changed scene is baked anew
-    /// only where the change shows (within noise). May be deleted at any time; empty = none.
+    /// Directory of the tile cache; empty = none. With it an interrupted bake continues, and a bake of a changed scene
+    /// computes only the tiles that the change affects (beyond 0.5 %). It may be deleted at any time.
     std::filesystem::path cacheDirectory;
 };
 
-/// What a quality stands for, with the explicit settings applied.
+/// The numbers of a quality, with explicit settings applied.
 struct BakeQuality {
     int samples;
     int shadowSamples;
@@ -79,17 +78,17 @@ struct LightReport {
     LightMode authoredMode = LightMode::Mixed;
     LightMode bakedAs = LightMode::Mixed;
     int channel = -1;
-    std::string reason;        ///< empty when the light is what its author asked for
+    std::string reason;        ///< why it is not baked as authored; empty if it is
     float reachMeters = 0.0f;  ///< BakingOutput::reachMeters
     bool distanceMask = false; ///< its channel holds distances (MaskEncoding::Distance), not attenuation
 };
 
-/// Subtractive's main light and what its dynamic shadows are limited by.
+/// Subtractive's main light, and the lower limit of its dynamic shadows.
 struct MainLightReport {
     std::string name;
     bool mask = false;        ///< the file holds its own mask
     vec3 shadowColor{0.0f};   ///< lower limit of its dynamic shadows, lux
-    bool colorByBake = false; ///< the author named none, so the bake chose
+    bool colorByBake = false; ///< the scene has no colour, so the bake chose it
 };
 
 struct StageReport {
@@ -98,11 +97,11 @@ struct StageReport {
     uint64_t rays = 0;
 };
 
-/// Where the tiles of a bake with a cache came from; the rest was baked.
+/// Number of tiles of a bake with a cache, by source; the rest was computed.
 struct TileCounts {
     std::size_t tiles = 0;
-    std::size_t same = 0;      ///< of this very bake, interrupted or finished earlier
-    std::size_t unchanged = 0; ///< of the bake before, whose change does not reach them
+    std::size_t same = 0;      ///< written by an earlier run of the same bake
+    std::size_t unchanged = 0; ///< of the last bake, not affected by the change
 };
 
 struct BakeReport {
@@ -119,11 +118,11 @@ struct BakeReport {
     int chartCount = 0;
     uint64_t coveredTexels = 0;
     double samplesPerTexel = 0.0; ///< mean
-    float noiseReached =
-        0.0f; ///< standard error of a texel's luminance before denoising over the mean, root mean square
-    uint64_t texelsBetween = 0; ///< texels that take the mean of those around them (IntegrationSettings::texelStep)
-    uint64_t texelsAtCap = 0;   ///< texels that a noise target would have given more samples than allowed
-    uint64_t invalidTexels = 0; ///< texels inside geometry, filled from neighbours
+    /// Root mean square over the texels of the standard error of luminance before denoising, over the mean luminance.
+    float noiseReached = 0.0f;
+    uint64_t interpolatedTexels = 0; ///< see IntegrationSettings::texelStep
+    uint64_t texelsAtCap = 0;        ///< texels that reached `samples` before the noise target
+    uint64_t invalidTexels = 0;      ///< texels inside geometry, filled from neighbours
     float texelsPerMeter = 0.0f;
     DensityFrom densityFrom = DensityFrom::Page;
     float atlasCoverage = 0.0f; ///< 0…1
@@ -138,20 +137,21 @@ struct BakeReport {
 struct BakeResult {
     BakedScene baked;
     BakeReport report;
-    Status images; ///< the first of BakeSettings::imagesDirectory's files that could not be written, by name
+    Status images; ///< the first error of a file in BakeSettings::imagesDirectory
 };
 
-/// What a report says when tiles could not be kept in the folder: the next bake computes them again.
+/// The warning for tiles that could not be written to the cache.
 std::string cacheWarning(const std::filesystem::path& folder, const Error& error);
 
-/// Runs the whole bake with the given integrator.
+/// Runs the whole bake. `integratorFactory` makes its integrator (makeEmbreeIntegrator() of bake_cpu, say). Errors:
+/// those of unwrap() and of the integrator, Cancelled, and Unsupported for a denoiser that the build lacks.
 Result<BakeResult> bake(Scene scene, const BakeSettings& settings, const IntegratorFactory& integratorFactory,
                         const Progress& progress = {});
 
-/// Of all that decides a bake's output file: equal hashes, equal bytes.
+/// Hash of all inputs that affect the output file: equal hashes mean equal bytes.
 Hash128 bakeHash(const Scene& scene, const BakeSettings& settings);
 
-/// Why the density is what it is: "asked", "page", "scene".
+/// "asked", "page" or "scene".
 const char* nameOf(DensityFrom from);
 
 /// The report as the JSON that `halflight bake --report` writes.

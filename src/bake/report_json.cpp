@@ -49,7 +49,7 @@ std::string reportJson(const BakeReport& report)
         {"peakMemoryBytes", report.peakMemoryBytes},
         {"samplesPerTexel", report.samplesPerTexel},
         {"noise", report.noiseReached},
-        {"texelsBetweenOthers", report.texelsBetween},
+        {"interpolatedTexels", report.interpolatedTexels},
         {"texelsAtSampleLimit", report.texelsAtCap},
         {"quality",
          {{"samples", report.quality.samples},

@@ -1,4 +1,4 @@
-// Faces that look into hollows (spec S6): which of them have their light on the side that is seen.
+// Orientation repair of double-sided faces that bound cavities (spec S6).
 
 #include "test_scene.h"
 
@@ -22,16 +22,16 @@ struct Beam {
     float open = 0.0f;   ///< share of the upper end that is missing
     bool lightInside = false;
     bool cameraInside = false;
-    bool glows = false;
-    bool turned = false;
+    bool emissive = false;
+    bool flipped = false;
 };
 
-/// A hollow beam on a wide black floor under a white sky; one of its six faces looks inward.
+/// A hollow beam on a wide black floor under a white sky; one of its six faces is inverted.
 Scene beamScene(const Beam& beam)
 {
     Scene scene;
     scene.sky = {vec3(1), vec3(1), vec3(1)};
-    const int black = addMaterial(scene, vec3(0.0f), vec3(beam.glows ? 1.0f : 0.0f), beam.doubleSided);
+    const int black = addMaterial(scene, vec3(0.0f), vec3(beam.emissive ? 1.0f : 0.0f), beam.doubleSided);
     const vec3 size = beam.times * kSize;
     addBox(scene, -0.5f * size, 0.5f * size, black, false, kPage);
     MeshPart& inward = scene.meshes[2].parts[0];
@@ -50,27 +50,26 @@ Scene beamScene(const Beam& beam)
     return scene;
 }
 
-/// One face of a hollow thing that looks the other way than the rest is a modeller's slip, and would be black: it has
-/// its light where it is seen from. Nothing else is turned.
-TEST(HollowsS6, FacesThatLookIntoThemAreTurned)
+/// The inverted face of a hollow beam is flipped, and no other face: its front would be black.
+TEST(FacetOrientationS6, FacesOfCavitiesAreFlipped)
 {
     const Beam beams[] = {
-        {.what = "a beam", .turned = true},
-        {.what = "a beam on the floor", .height = 0.01f, .turned = true},
-        {.what = "a beam with a slit", .open = 0.3f, .turned = true},
+        {.what = "a beam", .flipped = true},
+        {.what = "a beam on the floor", .height = 0.01f, .flipped = true},
+        {.what = "a beam with a slit", .open = 0.3f, .flipped = true},
         {.what = "one-sided", .doubleSided = false},
         {.what = "a chamber", .times = 4.0f},
         {.what = "open at one end", .open = 0.99f},
         {.what = "half open at one end", .open = 0.7f},
-        {.what = "lit from within", .lightInside = true},
-        {.what = "looked at from within", .cameraInside = true},
-        {.what = "glowing", .glows = true},
+        {.what = "a light inside", .lightInside = true},
+        {.what = "a camera inside", .cameraInside = true},
+        {.what = "emissive", .emissive = true},
     };
     for (const Beam& beam : beams) {
         SCOPED_TRACE(beam.what);
         Bench bench(beamScene(beam), MixedLightingMode::Shadowmask, kPage, {.samples = 64, .bounces = 0});
-        const std::vector<uint8_t>& turned = bench.geometry.flipped;
-        EXPECT_EQ(std::count(turned.begin(), turned.end(), 1), beam.turned ? 2 : 0);
+        const std::vector<uint8_t>& flipped = bench.geometry.flipped;
+        EXPECT_EQ(std::count(flipped.begin(), flipped.end(), 1), beam.flipped ? 2 : 0);
         int inward = 0;
         for (uint32_t t = 0; t < 10; ++t) {
             const float out = glm::dot(bench.geometry.geometricNormal(t), bench.geometry.centroid(t));
@@ -79,11 +78,11 @@ TEST(HollowsS6, FacesThatLookIntoThemAreTurned)
                 glm::dot(bench.geometry.normals[bench.geometry.triangles[t].x], bench.geometry.geometricNormal(t)),
                 0.99f);
         }
-        EXPECT_EQ(inward, beam.turned ? 0 : 2);
+        EXPECT_EQ(inward, beam.flipped ? 0 : 2);
     }
 }
 
-TEST(HollowsS6, TurnedFacesHaveTheLightOfTheirNeighbours)
+TEST(FacetOrientationS6, FlippedFacesHaveTheLightOfTheirNeighbours)
 {
     Bench bench(beamScene({.what = "a beam"}), MixedLightingMode::Shadowmask, kPage, {.samples = 64, .bounces = 0});
     const std::vector<IrradianceEstimate> estimates = bench.irradiance();

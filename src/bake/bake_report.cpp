@@ -1,0 +1,92 @@
+#include "bake/bake_report.h"
+
+#include "bake/stages.h"
+
+#include "halflight/base/text.h"
+
+#include <algorithm>
+#include <cmath>
+#include <sys/resource.h>
+#include <vector>
+
+namespace halflight {
+
+void reportLights(const Scene& scene, BakeReport& report)
+{
+    std::vector<std::string> ended;
+    for (const Light& light : scene.lights) {
+        report.lights.push_back({light.name, light.type, light.mode, light.baking.bakeType,
+                                 light.baking.occlusionMaskChannel, light.baking.reason, light.baking.reachMeters});
+        if (!light.baking.reason.empty())
+            report.warnings.push_back("light \"" + light.name + "\" " + light.baking.reason);
+        if (light.type != LightType::Directional && light.rangeMeters <= 0.0f && light.baking.reachMeters > 0.0f)
+            ended.push_back(light.name);
+    }
+    if (!ended.empty()) {
+        report.warnings.push_back("lights " + listOf(ended) +
+                                  " have no range, and there are not enough shadowmask channels for lights that reach "
+                                  "everything: their baked shadows end where they add little light (reach in the "
+                                  "report); give them a range to choose it yourself");
+    }
+}
+
+void reportNoise(std::span<const IrradianceEstimate> estimates, const std::optional<MainLight>& main,
+                 BakeReport& report)
+{
+    double variance = 0.0;
+    double sum = 0.0;
+    double samples = 0.0;
+    uint64_t valid = 0;
+    const auto most = uint32_t(report.quality.samples);
+    for (std::size_t i = 0; i < estimates.size(); ++i) {
+        const IrradianceEstimate& e = estimates[i];
+        if (!e.valid) continue;
+        ++valid;
+        variance += double(e.varianceOfMean);
+        sum += double(luminance(e.irradiance));
+        if (main) sum += double(luminance(main->at(i)));
+        samples += double(e.samples);
+        if (e.samples == 0) ++report.interpolatedTexels;
+        if (report.quality.noiseTarget > 0.0f && e.samples >= most) ++report.texelsAtCap;
+    }
+    report.invalidTexels = estimates.size() - valid;
+    if (valid == 0) return;
+    const uint64_t traced = valid - report.interpolatedTexels;
+    report.samplesPerTexel = traced > 0 ? samples / double(traced) : 0.0;
+    report.noiseReached = sum > 0.0 ? float(std::sqrt(variance * double(valid)) / sum) : 0.0f;
+}
+
+void reportFlipped(const Scene& scene, const BakeGeometry& geometry, BakeReport& report)
+{
+    std::vector<std::string> names;
+    int last = -1; // parts of an object follow one another
+    for (const BakeGeometry::Part& part : geometry.parts) {
+        const auto begin = geometry.flipped.begin() + std::ptrdiff_t(part.firstTriangle);
+        const auto end = begin + std::ptrdiff_t(part.triangleCount);
+        if (part.object == last || std::find(begin, end, uint8_t(1)) == end) continue;
+        names.push_back(scene.objects[std::size_t(part.object)].name);
+        last = part.object;
+    }
+    if (names.empty()) return;
+    report.warnings.push_back(
+        listOf(names) +
+        ": double-sided faces bound a closed, empty cavity; they are flipped, and baked as seen from outside");
+}
+
+void reportMainLight(const BakedScene& baked, const MainLight& main, const BakeSettings& settings, BakeReport& report)
+{
+    report.mainLight = {main.name, !baked.shadowmasks.empty(), subtractiveShadowColor(baked),
+                        !baked.scene.subtractiveShadowColor.has_value()};
+    if (settings.maskEncoding == MaskEncoding::Distance && report.mainLight->mask) {
+        report.warnings.emplace_back("a subtractive bake's mask holds attenuation, as the lightmap does: distance "
+                                     "fields are for shadowmask bakes");
+    }
+}
+
+uint64_t peakMemory()
+{
+    rusage usage{};
+    return getrusage(RUSAGE_SELF, &usage) == 0 ? uint64_t(usage.ru_maxrss) * 1024u : 0u;
+}
+
+} // namespace halflight

@@ -1,0 +1,220 @@
+// Orientation repair of double-sided faces by ray casting, patch by patch (Takayama et al. 2014, "A Simple Method for
+// Correcting Facet Orientations in Polygon Meshes Based on Ray Casting"). A lightmap stores light for the front side. A
+// face whose front bounds a narrow, closed cavity would be black there, and is seen from its back alone.
+#include "bake/stages.h"
+
+#include "halflight/base/parallel.h"
+#include "halflight/base/random.h"
+#include "halflight/shading/sampling.h"
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <optional>
+#include <span>
+#include <vector>
+
+namespace halflight {
+namespace {
+
+constexpr float kWidestMeters = 1.0f; ///< a cavity is narrower than rooms,
+constexpr float kWidestShare = 0.1f;  ///< and than this share of the scene's diagonal
+constexpr float kLift = 1.0e-5f;      ///< start of rays above the surface, over the diagonal: skips coincident faces
+constexpr int kFrontRays = 1024;
+constexpr int kTestRays = 32; ///< of them, enough to reject most patches
+constexpr int kBackRays = 128;
+constexpr int kStrayRays = 50; ///< front rays that may leave the cavity, where faces are missing or do not quite meet
+constexpr float kLeastOpen = 0.0625f; ///< share of back rays that are longer than a cavity is wide
+constexpr float kMoreOpen = 8.0f;     ///< ratio of these shares, back over front
+constexpr float kMoreSpace = 4.0f;    ///< 3/4 quantile of the back rays' lengths over the median of the front rays'
+constexpr uint32_t kSeed = 0x5eed0021u;
+constexpr std::size_t kBlockPatches = 4096; ///< patches that are tested at a time, which bounds memory
+
+using Patch = std::span<const uint32_t>; ///< triangles
+
+/// A patch that may face a cavity, with the lengths of its rays in metres (infinite: nothing hit).
+struct Candidate {
+    Patch patch;
+    std::vector<float> front{};
+    std::vector<float> back{};
+};
+
+/// The value below which `times` / `over` of the values lie; reorders them.
+float quantile(std::vector<float>& values, std::size_t times, std::size_t over)
+{
+    const auto at = values.begin() + std::ptrdiff_t(values.size() * times / over);
+    std::nth_element(values.begin(), at, values.end());
+    return *at;
+}
+
+class CavityTest {
+public:
+    CavityTest(const Scene& scene, const BakeGeometry& geometry, const Integrator& integrator)
+        : geometry_(geometry), integrator_(integrator), points_(lightAndViewPoints(scene))
+    {
+        Bounds bounds;
+        for (const vec3 position : geometry.positions) bounds.extend(position);
+        const float diagonal = bounds.empty() ? 0.0f : glm::length(bounds.size());
+        far_ = diagonal;
+        widest_ = std::min(kWidestMeters, kWidestShare * diagonal);
+        lift_ = kLift * diagonal;
+    }
+
+    /// The patches whose front faces a narrow, empty, nearly closed cavity and whose back faces open space.
+    [[nodiscard]] std::vector<Patch> facingCavities(std::span<const Patch> patches) const
+    {
+        std::vector<Patch> found;
+        for (std::size_t first = 0; first < patches.size(); first += kBlockPatches) {
+            std::vector<Candidate> candidates;
+            for (const Patch patch : patches.subspan(first, std::min(kBlockPatches, patches.size() - first)))
+                candidates.push_back({patch});
+            castFront(candidates, kFrontRays / kTestRays, 2 * kStrayRays * kTestRays / kFrontRays, 4);
+            castFront(candidates, 1, kStrayRays, 64);
+            cast(candidates, 0, kFrontRays, kFrontRays / kBackRays, true);
+            for (Candidate& c : candidates) {
+                if (isBackOpen(c) && isEmpty(c.patch)) found.push_back(c.patch);
+            }
+        }
+        return found;
+    }
+
+private:
+    struct Start {
+        vec3 position;
+        vec3 normal;
+        vec3 direction; ///< cosine-distributed
+    };
+    /// Ray `ray` of kFrontRays. All patches use the same random numbers, so that results do not depend on other
+    /// patches.
+    [[nodiscard]] Start startOf(Patch patch, int ray) const
+    {
+        const uint32_t triangle = patch[std::size_t(ray) * patch.size() / kFrontRays];
+        const vec2 b = shading::sampleTriangle(r2Point(int(hashCombine(kSeed, uint32_t(ray)) >> 8)));
+        const SurfacePoint point = surfacePoint(geometry_, triangle, b);
+        Start s;
+        s.position = point.position;
+        s.normal = point.geometricNormal;
+        vec3 tangent;
+        vec3 bitangent;
+        shading::orthonormalBasis(s.normal, tangent, bitangent);
+        const vec3 local = shading::sampleCosineHemisphere(r2Point(ray));
+        s.direction = local.x * tangent + local.y * bitangent + local.z * s.normal;
+        return s;
+    }
+    /// Casts the rays begin, begin + every, … below end of all candidates in one batch and stores their lengths.
+    void cast(std::vector<Candidate>& candidates, int begin, int end, int every, bool back) const
+    {
+        const auto count = std::size_t((end - begin + every - 1) / every);
+        std::vector<Segment> segments(candidates.size() * count);
+        parallelFor(candidates.size(), 16, [&](std::size_t first, std::size_t last) {
+            for (std::size_t c = first; c < last; ++c) {
+                for (std::size_t r = 0; r < count; ++r) {
+                    const Start s = startOf(candidates[c].patch, begin + int(r) * every);
+                    const float side = back ? -1.0f : 1.0f;
+                    const vec3 from = s.position + side * lift_ * s.normal;
+                    segments[c * count + r] = {from, from + far_ * (side * s.direction)};
+                }
+            }
+        });
+        std::vector<std::optional<vec2>> surfaces(segments.size());
+        integrator_.surfacesAlong(segments, surfaces);
+        for (std::size_t i = 0; i < segments.size(); ++i) {
+            Candidate& c = candidates[i / count];
+            (back ? c.back : c.front).push_back(surfaces[i] ? surfaces[i]->x : kInfinity);
+        }
+    }
+    /// Casts every n-th front ray, `batch` rays at a time, and drops candidates with more than `strays` that leave.
+    void castFront(std::vector<Candidate>& candidates, int every, int strays, int batch) const
+    {
+        std::size_t known = candidates.empty() ? 0 : candidates.front().front.size();
+        for (int ray = 0; ray < kFrontRays && !candidates.empty(); ray += batch * every) {
+            cast(candidates, ray, std::min(ray + batch * every, kFrontRays), every, false);
+            std::erase_if(candidates, [&](const Candidate& c) {
+                return std::count_if(c.front.begin() + std::ptrdiff_t(known), c.front.end(),
+                                     [&](float length) { return leaves(length); }) > strays;
+            });
+        }
+    }
+    /// Whether a ray is longer than a cavity is wide; true for NaN.
+    [[nodiscard]] bool leaves(float length) const { return !(length <= widest_); }
+    [[nodiscard]] float shareThatLeaves(const std::vector<float>& lengths) const
+    {
+        const auto count = std::count_if(lengths.begin(), lengths.end(), [&](float l) { return leaves(l); });
+        return float(count) / float(lengths.size());
+    }
+    [[nodiscard]] bool isBackOpen(Candidate& c) const
+    {
+        const float strays = shareThatLeaves(c.front);
+        const float open = shareThatLeaves(c.back);
+        return open >= std::max(kLeastOpen, kMoreOpen * strays) &&
+               quantile(c.back, 3, 4) >= kMoreSpace * quantile(c.front, 1, 2);
+    }
+    /// Whether no light, camera or dynamic object is visible close by in front of a patch.
+    [[nodiscard]] bool isEmpty(Patch patch) const
+    {
+        std::vector<Segment> segments;
+        for (const vec3 point : points_) {
+            for (int ray = 0; ray < kFrontRays; ray += kFrontRays / kTestRays) {
+                const Start s = startOf(patch, ray);
+                const vec3 from = s.position + lift_ * s.normal;
+                if (glm::dot(point - from, s.normal) <= 0.0f || glm::distance(from, point) > widest_) continue;
+                segments.push_back({from, point});
+            }
+        }
+        std::vector<std::optional<vec2>> surfaces(segments.size());
+        integrator_.surfacesAlong(segments, surfaces);
+        return std::all_of(surfaces.begin(), surfaces.end(), [](const auto& s) { return s.has_value(); });
+    }
+
+    const BakeGeometry& geometry_;
+    const Integrator& integrator_;
+    std::vector<vec3> points_;
+    float far_ = 0.0f;
+    float widest_ = 0.0f;
+    float lift_ = 0.0f;
+};
+
+/// Triangles that can be flipped, by object: double-sided, not emissive, not of a solid.
+std::vector<std::vector<uint32_t>> flippableTriangles(const Scene& scene, const BakeGeometry& geometry)
+{
+    std::vector<std::vector<uint32_t>> objects;
+    int last = -1; // parts of an object are adjacent
+    for (const BakeGeometry::Part& part : geometry.parts) {
+        if (part.material < 0 || part.page < 0) continue;
+        const Material& m = scene.materials[std::size_t(part.material)];
+        if (!m.doubleSided || m.emissiveNits != vec3(0.0f)) continue;
+        if (part.object != last) objects.emplace_back();
+        last = part.object;
+        for (uint32_t t = part.firstTriangle; t < part.firstTriangle + part.triangleCount; ++t) {
+            if (geometry.solid[t] == 0 && geometry.geometricNormal(t) != vec3(0.0f)) objects.back().push_back(t);
+        }
+    }
+    return objects;
+}
+
+/// Flips the patches that face cavities. Whether there are any.
+bool flipCavityFaces(const Scene& scene, BakeGeometry& geometry, const Integrator& integrator)
+{
+    const std::vector<std::vector<uint32_t>> objects = flippableTriangles(scene, geometry);
+    std::vector<std::vector<std::vector<uint32_t>>> patchesOf(objects.size());
+    parallelFor(objects.size(), 1, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t o = begin; o < end; ++o) patchesOf[o] = facetPatches(geometry, objects[o]);
+    });
+    std::vector<Patch> patches;
+    for (const auto& ofObject : patchesOf) patches.insert(patches.end(), ofObject.begin(), ofObject.end());
+    const std::vector<Patch> wrong = CavityTest(scene, geometry, integrator).facingCavities(patches);
+    for (const Patch patch : wrong) flipTriangles(geometry, patch);
+    return !wrong.empty();
+}
+
+} // namespace
+
+Result<std::unique_ptr<Integrator>> repairOrientation(const IntegratorFactory& factory, const Scene& scene,
+                                                      BakeGeometry& geometry, const IntegrationSettings& settings)
+{
+    Result<std::unique_ptr<Integrator>> integrator = factory(scene, geometry, settings);
+    if (!integrator || !flipCavityFaces(scene, geometry, **integrator)) return integrator;
+    return factory(scene, geometry, settings);
+}
+
+} // namespace halflight

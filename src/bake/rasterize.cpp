@@ -1,0 +1,260 @@
+// Conservative rasterization of the lightmapped triangles on their pages.
+#include "bake/stages.h"
+
+#include "halflight/base/disjoint_sets.h"
+#include "halflight/base/memory.h"
+#include "halflight/base/parallel.h"
+#include "halflight/base/polygon.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <span>
+#include <tuple>
+#include <utility>
+
+namespace halflight {
+namespace {
+
+/// Barycentric weights of vertices 1 and 2 at p; false for a triangle without area in the lightmap.
+bool barycentricAt(vec2 a, vec2 b, vec2 c, vec2 p, vec2& out)
+{
+    const float area = cross2(b - a, c - a);
+    if (area == 0.0f) return false;
+    out = vec2(cross2(p - a, c - a), cross2(b - a, p - a)) / area;
+    return true;
+}
+
+struct RasterFragment {
+    uint64_t key; ///< page and Morton code of the texel: the order of TexelMap::texels
+    TexelFragment fragment;
+};
+
+/// Interleaves the low 16 bits of x and y (Morton 1966): texels close on the page are close in memory.
+uint32_t mortonCode(uint32_t x, uint32_t y)
+{
+    const auto spread = [](uint32_t v) {
+        v = (v | (v << 8)) & 0x00ff00ffu;
+        v = (v | (v << 4)) & 0x0f0f0f0fu;
+        v = (v | (v << 2)) & 0x33333333u;
+        return (v | (v << 1)) & 0x55555555u;
+    };
+    return spread(x) | (spread(y) << 1);
+}
+
+ivec2 mortonDecode(uint32_t code)
+{
+    const auto compact = [](uint32_t v) {
+        v &= 0x55555555u;
+        v = (v | (v >> 1)) & 0x33333333u;
+        v = (v | (v >> 2)) & 0x0f0f0f0fu;
+        v = (v | (v >> 4)) & 0x00ff00ffu;
+        return int((v | (v >> 8)) & 0x0000ffffu);
+    };
+    return {compact(code), compact(code >> 1)};
+}
+
+/// Clips a triangle against the squares of the texels that it overlaps.
+void rasterizeTriangle(const BakeGeometry& geometry, uint32_t triangle, int page, int pageSize,
+                       std::vector<RasterFragment>& out)
+{
+    const uvec3 t = geometry.triangles[triangle];
+    const vec2 a = geometry.lightmapTexel[t.x];
+    const vec2 b = geometry.lightmapTexel[t.y];
+    const vec2 c = geometry.lightmapTexel[t.z];
+    if (cross2(b - a, c - a) == 0.0f || geometry.geometricNormal(triangle) == vec3(0.0f)) return;
+    const ivec2 lower = glm::max(ivec2(glm::floor(glm::min(a, glm::min(b, c)))), ivec2(0));
+    const ivec2 upper = glm::min(ivec2(glm::floor(glm::max(a, glm::max(b, c)))), ivec2(pageSize - 1));
+    Polygon whole;
+    whole.points[0] = a;
+    whole.points[1] = b;
+    whole.points[2] = c;
+    whole.count = 3;
+    for (int y = lower.y; y <= upper.y; ++y) {
+        const Polygon row = clip(clip(whole, {0.0f, 1.0f}, float(y)), {0.0f, -1.0f}, -float(y + 1));
+        if (row.count < 3) continue;
+        float rowMin = kInfinity;
+        float rowMax = -kInfinity;
+        for (int i = 0; i < row.count; ++i) {
+            rowMin = std::min(rowMin, row.points[std::size_t(i)].x);
+            rowMax = std::max(rowMax, row.points[std::size_t(i)].x);
+        }
+        const int x0 = std::max(int(std::floor(rowMin)), 0);
+        const int x1 = std::min(int(std::floor(rowMax)), pageSize - 1);
+        for (int x = x0; x <= x1; ++x) {
+            const Polygon piece = clip(clip(row, {1.0f, 0.0f}, float(x)), {-1.0f, 0.0f}, -float(x + 1));
+            if (piece.count < 3) continue;
+            // Relative to the texel's corner: small numbers keep the area's precision.
+            const vec2 corner(static_cast<float>(x), static_cast<float>(y));
+            float doubleArea = 0.0f;
+            vec2 weighted(0.0f);
+            vec2 mean(0.0f);
+            for (int i = 0; i < piece.count; ++i) {
+                const vec2 p = piece.points[std::size_t(i)] - corner;
+                const vec2 q = piece.points[std::size_t((i + 1) % piece.count)] - corner;
+                const float w = cross2(p, q);
+                doubleArea += w;
+                weighted += (p + q) * w;
+                mean += p;
+            }
+            const float area = 0.5f * std::abs(doubleArea);
+            vec2 centroid = area > 1.0e-6f ? weighted / (3.0f * doubleArea) : mean / float(piece.count);
+            centroid = glm::clamp(centroid, vec2(0.0f), vec2(1.0f)) + corner;
+            vec2 barycentric;
+            if (!barycentricAt(a, b, c, centroid, barycentric)) continue;
+            barycentric = glm::clamp(barycentric, vec2(0.0f), vec2(1.0f));
+            if (const float sum = barycentric.x + barycentric.y; sum > 1.0f) barycentric /= sum;
+            out.push_back({(uint64_t(page) << 32) | mortonCode(uint32_t(x), uint32_t(y)),
+                           {triangle, barycentric, std::max(area, 1.0e-9f)}});
+        }
+    }
+}
+
+/// Chart of each triangle: the connected components of an object's triangles, where two triangles are connected by a
+/// vertex with equal position and equal lightmap coordinate.
+std::vector<uint32_t> chartsOfTriangles(const BakeGeometry& geometry, uint32_t& chartCount)
+{
+    struct Corner {
+        int object;
+        uint32_t vertex;
+    };
+    std::vector<Corner> corners;
+    for (const BakeGeometry::Part& part : geometry.parts) {
+        if (part.page < 0) continue;
+        for (uint32_t v = 0; v < part.vertexCount; ++v) corners.push_back({part.object, part.firstVertex + v});
+    }
+    const auto key = [&](const Corner& c) {
+        const vec3 p = geometry.positions[c.vertex];
+        const vec2 l = geometry.lightmapTexel[c.vertex];
+        return std::make_tuple(c.object, l.x, l.y, p.x, p.y, p.z);
+    };
+    std::sort(corners.begin(), corners.end(), [&](const Corner& a, const Corner& b) {
+        const auto ka = key(a);
+        const auto kb = key(b);
+        return ka != kb ? ka < kb : a.vertex < b.vertex;
+    });
+    DisjointSets vertices(geometry.positions.size());
+    for (std::size_t i = 1; i < corners.size(); ++i) {
+        if (key(corners[i - 1]) == key(corners[i])) vertices.join(corners[i - 1].vertex, corners[i].vertex);
+    }
+    for (const BakeGeometry::Part& part : geometry.parts) {
+        if (part.page < 0) continue;
+        for (uint32_t t = part.firstTriangle; t < part.firstTriangle + part.triangleCount; ++t) {
+            const uvec3 triangle = geometry.triangles[t];
+            vertices.join(triangle.x, triangle.y);
+            vertices.join(triangle.x, triangle.z);
+        }
+    }
+    std::vector<uint32_t> chartOfRoot(geometry.positions.size(), ~0u);
+    std::vector<uint32_t> charts(geometry.triangles.size(), ~0u);
+    chartCount = 0;
+    for (const BakeGeometry::Part& part : geometry.parts) {
+        if (part.page < 0) continue;
+        for (uint32_t t = part.firstTriangle; t < part.firstTriangle + part.triangleCount; ++t) {
+            uint32_t& chart = chartOfRoot[vertices.find(geometry.triangles[t].x)];
+            if (chart == ~0u) chart = chartCount++;
+            charts[t] = chart;
+        }
+    }
+    return charts;
+}
+
+/// Fragments of all triangles, in the order of their texels, then of their triangles.
+std::vector<RasterFragment> sortedFragments(const BakeGeometry& geometry, int pageSize)
+{
+    std::vector<std::vector<RasterFragment>> perPart(geometry.parts.size());
+    parallelFor(geometry.parts.size(), 1, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t i = begin; i < end; ++i) {
+            const BakeGeometry::Part& part = geometry.parts[i];
+            if (part.page < 0) continue;
+            for (uint32_t t = 0; t < part.triangleCount; ++t) {
+                rasterizeTriangle(geometry, part.firstTriangle + t, part.page, pageSize, perPart[i]);
+            }
+        }
+    });
+    std::vector<RasterFragment> fragments;
+    std::size_t total = 0;
+    for (const auto& list : perPart) total += list.size();
+    fragments.reserve(total);
+    for (auto& list : perPart) {
+        fragments.insert(fragments.end(), list.begin(), list.end());
+        release(list);
+    }
+    std::sort(fragments.begin(), fragments.end(), [](const RasterFragment& a, const RasterFragment& b) {
+        return a.key != b.key ? a.key < b.key : a.fragment.triangle < b.fragment.triangle;
+    });
+    return fragments;
+}
+
+/// The chart that covers the largest part of a texel. Charts share texels only in layouts that a file brought along.
+uint32_t dominantChart(std::span<const RasterFragment> fragments, const std::vector<uint32_t>& charts,
+                       std::vector<std::pair<uint32_t, float>>& areaOfChart)
+{
+    areaOfChart.clear();
+    for (const RasterFragment& f : fragments) {
+        const uint32_t chart = charts[f.fragment.triangle];
+        const auto found =
+            std::find_if(areaOfChart.begin(), areaOfChart.end(), [&](const auto& e) { return e.first == chart; });
+        if (found == areaOfChart.end()) {
+            areaOfChart.emplace_back(chart, f.fragment.area);
+        } else {
+            found->second += f.fragment.area;
+        }
+    }
+    return std::max_element(areaOfChart.begin(), areaOfChart.end(),
+                            [](const auto& a, const auto& b) {
+                                return a.second != b.second ? a.second < b.second : a.first > b.first;
+                            })
+        ->first;
+}
+
+/// Adds a texel with its fragments of one chart, the largest first: most sample points lie in the first few.
+void addTexel(std::span<const RasterFragment> fragments, const std::vector<uint32_t>& charts, uint32_t chart,
+              TexelMap& map)
+{
+    const uint64_t key = fragments.front().key;
+    const ivec2 place = mortonDecode(uint32_t(key));
+    Texel texel;
+    texel.x = uint16_t(place.x);
+    texel.y = uint16_t(place.y);
+    texel.page = uint32_t(key >> 32);
+    texel.chart = chart;
+    texel.firstFragment = uint32_t(map.fragments.size());
+    for (const RasterFragment& f : fragments) {
+        if (charts[f.fragment.triangle] == chart) map.fragments.push_back(f.fragment);
+    }
+    texel.fragmentCount = uint32_t(map.fragments.size()) - texel.firstFragment;
+    std::sort(map.fragments.end() - texel.fragmentCount, map.fragments.end(),
+              [](const TexelFragment& a, const TexelFragment& b) {
+                  return a.area != b.area ? a.area > b.area : a.triangle < b.triangle;
+              });
+    map.texels.push_back(texel);
+}
+
+} // namespace
+
+TexelMap rasterizeTexels(const BakeGeometry& geometry, int pageSize, int pageCount)
+{
+    TexelMap map;
+    map.pageSize = pageSize;
+    map.pageCount = pageCount;
+    const std::vector<uint32_t> charts = chartsOfTriangles(geometry, map.chartCount);
+    const std::vector<RasterFragment> fragments = sortedFragments(geometry, pageSize);
+    map.fragments.reserve(fragments.size());
+    std::vector<std::pair<uint32_t, float>> areaOfChart;
+    for (std::size_t i = 0, end = 0; i < fragments.size(); i = end) {
+        while (end < fragments.size() && fragments[end].key == fragments[i].key) ++end;
+        const std::span<const RasterFragment> ofTexel(&fragments[i], end - i);
+        addTexel(ofTexel, charts, dominantChart(ofTexel, charts, areaOfChart), map);
+    }
+    return map;
+}
+
+std::vector<uint32_t> allIndices(std::size_t count)
+{
+    std::vector<uint32_t> all(count);
+    std::iota(all.begin(), all.end(), 0u);
+    return all;
+}
+
+} // namespace halflight
