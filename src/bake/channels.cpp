@@ -1,3 +1,4 @@
+// Shadowmask channels: colouring of the graph of mixed lights whose reaches overlap (spec S9, S10).
 #include "bake/stages.h"
 
 #include "halflight/base/cone.h"
@@ -14,12 +15,12 @@ namespace halflight {
 namespace {
 
 constexpr int kChannels = 4;
-/// Comparisons of lights that one attempt at recolouring may take. A step compares all pairs, so groups of lights that
-/// hang together by the hundred are coloured greedily alone.
+/// Limit on pairs of lights that one attempt at recolouring compares. A step compares all pairs, so connected groups of
+/// more than kMaxRecolored lights are only coloured greedily.
 constexpr int kColoringBudget = 4'000'000;
 constexpr std::size_t kMaxRecolored = 128;
 
-/// Sphere that holds all a light with a reach can reach; a spot's is the tighter of its cone's bounding spheres.
+/// Bounding sphere of the points that a light reaches; of a spot's, the smaller of two spheres around its cone.
 struct Reach {
     vec3 center{0.0f};
     float radius = kInfinity;
@@ -30,7 +31,7 @@ Reach reachOf(const Light& light)
     const float range = light.baking.reachMeters;
     if (light.type == LightType::Directional || range <= 0.0f) return {};
     if (light.type == LightType::Point) return {light.position(), range};
-    // The cone's cap included. Narrow cones: the sphere through apex and rim; wide ones: around the rim.
+    // With the cone's cap. Narrow cones: the sphere through apex and rim; wide ones: the sphere around the rim.
     const float cosine = std::cos(light.outerConeRadians);
     if (light.outerConeRadians >= kPi / 4.0f) {
         const float along = std::max(range * cosine, 0.0f);
@@ -48,7 +49,7 @@ bool spotMeets(const Light& spot, const Reach& sphere)
            coneMeetsBall(spot.position(), spot.direction(), spot.outerConeRadians, sphere.center, sphere.radius);
 }
 
-/// Whether some point may be reached by both lights. Never false when there is one.
+/// Whether both lights may reach a common point (conservative).
 bool lightsOverlap(const Light& a, const Light& b)
 {
     const Reach ra = reachOf(a);
@@ -111,7 +112,7 @@ bool colorGraph(const Graph& graph, const std::vector<int>& nodes, std::vector<i
     return false;
 }
 
-/// `node` and the placed nodes that hang together with it; empty when they are too many to recolour.
+/// The connected component of `node` among the placed nodes; empty if it is too large to recolour.
 std::vector<int> connectedTo(const Graph& graph, const std::vector<int>& placed, int node)
 {
     std::vector<int> reached = {node};
@@ -130,13 +131,13 @@ std::vector<int> connectedTo(const Graph& graph, const std::vector<int>& placed,
 
 /// Channels of some lights, most important first.
 struct Coloring {
-    std::vector<int> channel;              ///< by light; -1: none is left
-    std::vector<std::vector<int>> holders; ///< by light without channel: lights that hold the four
+    std::vector<int> channel;              ///< by light; -1: none
+    std::vector<std::vector<int>> holders; ///< by light without channel: the lights with the four channels
     std::size_t overflow = 0;              ///< lights without channel
 };
 
-/// One light after another, the important ones first: the lowest free channel; if none is free, all so far are
-/// coloured anew together; if that fails too, the light goes without.
+/// Greedy colouring, important lights first, with the lowest free channel. If none is free, the light's connected
+/// component is coloured again; if that fails, the light gets no channel.
 Coloring colorLights(const std::vector<const Light*>& lights)
 {
     const std::size_t n = lights.size();
@@ -176,8 +177,8 @@ Coloring colorLights(const std::vector<const Light*>& lights)
     return result;
 }
 
-/// Shares of the scene's light at which lights without a range may end, finest first: the first at which every light
-/// gets a channel is taken. The light that leaks through walls beyond a reach stays below the last one.
+/// Shares of the scene's bright level at which the reach of lights without a range may end, smallest first. The first
+/// share that leaves no light without channel is used. It bounds the light that leaks through walls beyond a reach.
 constexpr std::array kReachShares = {1.0f / 320.0f, 1.0f / 160.0f, 1.0f / 80.0f, 1.0f / 40.0f, 1.0f / 20.0f};
 
 bool hasNoRange(const Light& light)
@@ -185,7 +186,7 @@ bool hasNoRange(const Light& light)
     return light.type != LightType::Directional && light.rangeMeters <= 0.0f;
 }
 
-/// Points spread evenly over the surfaces of static objects: of a low-discrepancy sequence along their summed area.
+/// Points of a low-discrepancy sequence over the area of static objects.
 std::vector<vec3> surfacePoints(const Scene& scene)
 {
     struct Triangle {
@@ -209,7 +210,7 @@ std::vector<vec3> surfacePoints(const Scene& scene)
     }
     std::vector<vec3> points;
     if (!(area > 0.0)) return points;
-    constexpr int kPoints = 4096; // the brightest tenth of the light is then known to a few per cent
+    constexpr int kPoints = 4096; // a few per cent of error in the brightest tenth of the light
     for (int i = 0; i < kPoints; ++i) {
         // Roberts 2018, "The Unreasonable Effectiveness of Quasirandom Sequences": R3.
         const glm::dvec3 u =
@@ -224,7 +225,7 @@ std::vector<vec3> surfacePoints(const Scene& scene)
     return points;
 }
 
-/// Illuminance without shadows; nearer than a metre counts as a metre, or the lamp's own housing would set the level.
+/// Unoccluded illuminance in lux. Distances below 1 m count as 1 m, so that a lamp's housing does not set the level.
 float illuminanceAt(const Light& light, vec3 point)
 {
     const vec3 away = point - light.position();
@@ -237,7 +238,7 @@ float illuminanceAt(const Light& light, vec3 point)
     return luminance(light.color) * light.intensity * attenuation;
 }
 
-/// The level that the brightest tenth of what the lights bring to surfaces exceeds: what one sees a leak beside.
+/// The level above which the brightest tenth of the light lies: leaks are visible relative to it.
 float brightLevel(std::vector<float> levels)
 {
     std::sort(levels.begin(), levels.end(), std::greater<>());
@@ -251,9 +252,9 @@ float brightLevel(std::vector<float> levels)
     return 0.0f;
 }
 
-/// For each light without a range, sqrt(I / E): times 1 / sqrt(share) the distance at which its illuminance I / d^2 is
-/// that share of the level E of all other point and spot lights. Sun and sky do not count, since a sun may be dimmed at
-/// run time and lamps have to keep their shadows then. Infinite where nothing else shines.
+/// For each light without a range, sqrt(I / E) in metres, with E the bright level of all other point and spot lights.
+/// At sqrt(I / E) / sqrt(share) its illuminance I / d² is that share of E. Sun and sky do not count, since a sun may be
+/// dimmed at run time. Infinite without other lights.
 std::vector<float> levelDistances(const Scene& scene, const std::vector<const Light*>& lights)
 {
     const std::vector<vec3> points = surfacePoints(scene);
@@ -275,7 +276,7 @@ std::vector<float> levelDistances(const Scene& scene, const std::vector<const Li
     return distances;
 }
 
-/// Colours lights; where channels run out, lights without a range get an effective reach, as far as channels allow.
+/// Colours lights. If some get no channel, lights without a range get the longest effective reach that helps.
 Coloring colorWithinReach(const Scene& scene, const std::vector<Light*>& mixed)
 {
     const std::vector<const Light*> lights(mixed.begin(), mixed.end());
@@ -300,7 +301,7 @@ Coloring colorWithinReach(const Scene& scene, const std::vector<Light*>& mixed)
         if (best.overflow == 0) break;
     }
     setReach(bestShare);
-    // A light that shares its channel with none needs no end.
+    // A light with a channel of its own needs no limit.
     for (std::size_t i = 0; i < mixed.size(); ++i) {
         const auto users = std::count(best.channel.begin(), best.channel.end(), best.channel[i]);
         if (hasNoRange(*mixed[i]) && (best.channel[i] < 0 || users == 1)) mixed[i]->baking.reachMeters = 0.0f;
@@ -308,7 +309,7 @@ Coloring colorWithinReach(const Scene& scene, const std::vector<Light*>& mixed)
     return best;
 }
 
-/// Why a light is baked, and what to do about it.
+/// Why a light is fully baked, and the cure.
 std::string overflowReason(const Light& light, const std::vector<const Light*>& holders)
 {
     std::vector<std::string> names;
@@ -330,7 +331,7 @@ void assignShadowmask(Scene& scene, std::vector<int> mixed)
 {
     std::sort(mixed.begin(), mixed.end(),
               [&](int a, int b) { return moreImportant(scene.lights[std::size_t(a)], scene.lights[std::size_t(b)]); });
-    // Lights without shadows are lit everywhere: they need no channel.
+    // Lights without shadows need no channel.
     std::erase_if(mixed, [&](int l) {
         const Light& light = scene.lights[std::size_t(l)];
         return !light.castShadows || light.shadowStrength <= 0.0f;

@@ -10,15 +10,15 @@
 namespace halflight {
 namespace {
 
-constexpr int kNearRings = 2; ///< so far a chart's own values come before those of other charts nearby
+constexpr int kNearRings = 2; ///< rings in which values of the same chart precede those of other charts
 
-/// Weight of a neighbour at offset (dx, dy): by distance, so that straight edges extend straight.
+/// Weight of a neighbour at offset (dx, dy): the inverse distance, so that straight edges extend straight.
 float neighborWeight(int dx, int dy)
 {
     return dx != 0 && dy != 0 ? 0.70710678f : 1.0f;
 }
 
-/// Ring by ring from the known texels of each chart into its open ones.
+/// Ring by ring, texels of `open` take the weighted mean of the known texels next to them on their chart.
 template<typename T> void growWithinCharts(const TexelMap& map, const TexelGrid& grid, int rings,
                                            std::vector<uint8_t>& known, std::vector<uint32_t>& open,
                                            std::vector<T>& values)
@@ -53,7 +53,7 @@ template<typename T> void growWithinCharts(const TexelMap& map, const TexelGrid&
     }
 }
 
-/// The texels in `open` take the mean of valid texels around them in the world, wherever those are in the lightmap.
+/// Texels of `open` take the weighted mean of valid texels close by in the world, of any chart.
 template<typename T> void adoptNeighbors(const BakeGeometry& geometry, const TexelMap& map,
                                          const std::vector<uint8_t>& valid, std::vector<uint8_t>& known,
                                          std::vector<uint32_t>& open, std::vector<T>& values)
@@ -61,16 +61,16 @@ template<typename T> void adoptNeighbors(const BakeGeometry& geometry, const Tex
     if (open.empty()) return;
     constexpr float kReachTexels = 3.0f;
     constexpr float kFacing = 0.5f;
-    std::vector<TexelPlace> wanting(open.size());
+    std::vector<TexelPlace> missing(open.size());
     float reach = 0.0f;
     for (std::size_t i = 0; i < open.size(); ++i) {
-        wanting[i] = placeOf(geometry, map, map.texels[open[i]]);
-        reach += kReachTexels * wanting[i].texelMeters / float(open.size());
+        missing[i] = placeOf(geometry, map, map.texels[open[i]]);
+        reach += kReachTexels * missing[i].texelMeters / float(open.size());
     }
     if (!(reach > 0.0f)) return;
-    // Only cells next to a texel that wants a value are filled.
+    // Only grid cells next to a texel without value are filled.
     std::unordered_map<uint64_t, std::vector<uint32_t>> grid;
-    for (const TexelPlace& place : wanting) {
+    for (const TexelPlace& place : missing) {
         const ivec3 cell = gridCell(place.position, reach);
         for (int n = 0; n < 27; ++n) grid.try_emplace(gridKey(cell + ivec3(n % 3, n / 3 % 3, n / 9) - 1));
     }
@@ -83,14 +83,14 @@ template<typename T> void adoptNeighbors(const BakeGeometry& geometry, const Tex
     std::vector<uint8_t> found(open.size(), 0);
     parallelFor(open.size(), 64, [&](std::size_t begin, std::size_t end) {
         for (std::size_t i = begin; i < end; ++i) {
-            const ivec3 cell = gridCell(wanting[i].position, reach);
+            const ivec3 cell = gridCell(missing[i].position, reach);
             T sum{};
             float weight = 0.0f;
             for (int n = 0; n < 27; ++n) {
                 for (const uint32_t j : grid.at(gridKey(cell + ivec3(n % 3, n / 3 % 3, n / 9) - 1))) {
                     const TexelPlace place = placeOf(geometry, map, map.texels[j]);
-                    const float distance = glm::distance(place.position, wanting[i].position) / reach;
-                    const float facing = glm::dot(place.normal, wanting[i].normal);
+                    const float distance = glm::distance(place.position, missing[i].position) / reach;
+                    const float facing = glm::dot(place.normal, missing[i].normal);
                     if (distance >= 1.0f || facing <= kFacing) continue;
                     const float w = (1.0f - distance) * (facing - kFacing);
                     sum += values[j] * w;
@@ -135,8 +135,8 @@ template<typename T>
 std::vector<Image<T>> dilate(const TexelMap& map, const std::vector<T>& values, int rings, bool extrapolate)
 {
     std::vector<Image<T>> pages(std::size_t(map.pageCount), Image<T>(map.pageSize, map.pageSize));
-    // chart + 1 of each place's value, 0 = empty. A place between two charts goes to the one reached first, or, in the
-    // same ring, to the lower number.
+    // Chart + 1 of each place, 0 = empty. A place between two charts belongs to the nearer one, at equal distance to
+    // the lower number.
     std::vector<Image<uint32_t>> charts(std::size_t(map.pageCount), Image<uint32_t>(map.pageSize, map.pageSize, 0u));
     for (std::size_t i = 0; i < map.texels.size(); ++i) {
         const Texel& texel = map.texels[i];
@@ -151,7 +151,6 @@ std::vector<Image<T>> dilate(const TexelMap& map, const std::vector<T>& values, 
     for (std::size_t p = 0; p < pages.size(); ++p) {
         Image<T>& page = pages[p];
         Image<uint32_t>& chart = charts[p];
-        // The first ring looks at every place, the following ones only around what the last one added.
         std::vector<ivec2> candidates;
         for (int y = 0; y < map.pageSize; ++y) {
             for (int x = 0; x < map.pageSize; ++x) {

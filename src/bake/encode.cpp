@@ -10,8 +10,8 @@
 namespace halflight {
 namespace {
 
-/// EXT_texture_shared_exponent (Khronos 2009), "Encoding of RGB components": nine bits of mantissa each, one exponent
-/// with bias 15. GLM's packer stops at half of the format's range.
+/// EXT_texture_shared_exponent (Khronos 2009): mantissas of nine bits, one exponent with bias 15. GLM's packer covers
+/// only half of the format's range.
 uint32_t packRgb9e5(vec3 color)
 {
     for (int c = 0; c < 3; ++c) color[c] = color[c] > 0.0f ? std::min(color[c], kMaxRgb9e5) : 0.0f; // NaN too

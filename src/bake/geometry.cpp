@@ -17,7 +17,7 @@ void BakeGeometry::findFrames()
             const float meters2 = glm::length(n);
             const float texels =
                 std::abs(cross2(lightmapTexel[t.y] - lightmapTexel[t.x], lightmapTexel[t.z] - lightmapTexel[t.x]));
-            constexpr float kLeast = 1.0e-12f; // slivers' widths stay numbers
+            constexpr float kLeast = 1.0e-12f; // keeps the width of slivers finite
             frames[i] = {meters2 > 0.0f ? n / meters2 : vec3(0.0f),
                          texels > 0.0f ? std::sqrt(meters2 / std::max(texels, kLeast)) : 0.0f};
         }
@@ -26,7 +26,7 @@ void BakeGeometry::findFrames()
 
 BakeGeometry flattenGeometry(const Scene& scene, int pageSize, GeometryFilter filter)
 {
-    // Sizes first, so that every part knows its ranges and all parts can be filled at once.
+    // Ranges first, so that all parts can be filled in parallel.
     BakeGeometry g;
     uint32_t triangleCount = 0;
     uint32_t vertexCount = 0;
@@ -70,8 +70,8 @@ BakeGeometry flattenGeometry(const Scene& scene, int pageSize, GeometryFilter fi
             const MeshPart& part = scene.meshes[std::size_t(out.mesh)].parts[std::size_t(out.part)];
             const mat3 linear(object.worldFromObject);
             const bool mirrored = glm::determinant(linear) < 0.0f;
-            // Normals follow the inverse transpose; the cofactor matrix is the same up to scale and exists when the
-            // transform flattens the object.
+            // Normals transform by the inverse transpose. The cofactor matrix is equal up to scale, and also exists for
+            // transforms that flatten the object.
             const mat3 cofactor(glm::cross(linear[1], linear[2]), glm::cross(linear[2], linear[0]),
                                 glm::cross(linear[0], linear[1]));
             const mat3 worldFromNormal = mirrored ? -cofactor : cofactor;

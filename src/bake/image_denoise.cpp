@@ -1,3 +1,4 @@
+// Open Image Denoise for gathered light, chart by chart.
 #include "bake/stages.h"
 
 #include "halflight/base/parallel.h"
@@ -17,14 +18,14 @@ namespace halflight {
 
 namespace {
 
-/// Around each chart its own values are extended so far: what the filter is to see there.
+/// Width of the extrapolated margin around a chart.
 constexpr int kMarginTexels = 16;
-/// Narrower charts are left as they are: hardly anything in them has neighbours on all sides.
+/// Narrower charts stay unfiltered: few of their texels have neighbours on all sides.
 constexpr int kNarrowTexels = 6;
-/// What the mean of all texels is shown to the network as: about where it puts an image's mean by itself.
+/// The network's input for the mean of all texels, close to its own choice for an image.
 constexpr float kMiddleGrey = 0.18f;
 
-/// Widths and heights of the images: a filter is built for each, so they are few.
+/// Width or height of the image for a chart: 2^n or 1.5 × 2^n from 32 on, so that few filters have to be built.
 int tileSide(int texels)
 {
     int side = 32;
@@ -42,7 +43,7 @@ struct Chart {
     [[nodiscard]] ivec2 tile() const { return {tileSide(size().x), tileSide(size().y)}; }
 };
 
-/// A chart's values on an image of their own. No other chart is on it, so none can bleed into it.
+/// The image of one chart.
 class Tile {
 public:
     explicit Tile(ivec2 size) : image_(size.x, size.y), result_(size.x, size.y), ring_(size.x, size.y) {}
@@ -60,7 +61,7 @@ public:
         ring_(at.x, at.y) = 0;
         edge_.push_back(at);
     }
-    /// Ring by ring around what was put, each texel is the mean of those of the ring before beside it.
+    /// Extends the values ring by ring: each texel is the mean of its neighbours in earlier rings.
     void extend()
     {
         for (uint32_t ring = 1; !edge_.empty(); ++ring) {
@@ -101,7 +102,7 @@ private:
 
     ImageRgb32f image_;
     ImageRgb32f result_;
-    Image<uint32_t> ring_; ///< 0: was put
+    Image<uint32_t> ring_; ///< by texel; 0: a value of the chart
     std::vector<ivec2> edge_;
     std::vector<ivec2> next_;
 };
@@ -114,7 +115,7 @@ Status statusOf(oidn::DeviceRef& device)
                  std::string("Open Image Denoise: ") + (message != nullptr ? message : "unknown error")};
 }
 
-/// The charts, in the order of their tiles' sizes, and their valid texels.
+/// The charts, sorted by the sizes of their tiles, and their valid texels.
 std::vector<Chart> chartsBySize(const TexelMap& map, const std::vector<IrradianceEstimate>& estimates,
                                 std::vector<uint32_t>& texels)
 {
@@ -139,7 +140,7 @@ std::vector<Chart> chartsBySize(const TexelMap& map, const std::vector<Irradianc
     return charts;
 }
 
-/// Replaces what a texel gathers; the mean direction stays.
+/// Replaces the gathered light of an estimate; the mean direction stays.
 void replaceGathered(IrradianceEstimate& e, vec3 gathered)
 {
     gathered = glm::max(gathered, vec3(0.0f));
@@ -166,7 +167,7 @@ Status imageDenoise(const TexelMap& map, const std::vector<vec3>& gathered, std:
     for (const uint32_t i : texels) mean += double(luminance(gathered[i])) / double(texels.size());
     if (charts.empty() || !(mean > 0.0)) return {};
 
-    // The processor's: there need be no other device, nor memory that is shared with one.
+    // The CPU device needs no other memory.
     oidn::DeviceRef device = oidn::newDevice(oidn::DeviceType::CPU);
     if (!device) return Error{ErrorCode::DeviceFailed, "Open Image Denoise has no device for this processor"};
     device.set("numThreads", threadCount());
@@ -184,7 +185,7 @@ Status imageDenoise(const TexelMap& map, const std::vector<vec3>& gathered, std:
         const auto height = std::size_t(size.y);
         filter.setImage("color", tile.image().data(), oidn::Format::Float3, width, height);
         filter.setImage("output", tile.result().data(), oidn::Format::Float3, width, height);
-        // One scale for all charts: what is alike stays alike across seams.
+        // One scale for all charts, so that both sides of a seam are filtered alike.
         filter.set("inputScale", kMiddleGrey / float(mean));
         filter.commit();
         for (; first < charts.size() && charts[first].tile() == size; ++first) {

@@ -1,5 +1,5 @@
-// Subtractive's main light. Its direct light in the lightmap is made of its mask, so that what is subtracted from the
-// lightmap at run time is what is in it (spec S22).
+// Subtractive's main light. The lightmap's share of its direct light is computed from the stored mask, so that the
+// renderer subtracts exactly the light that the lightmap contains (spec S22).
 #include "bake/main_light.h"
 
 #include "bake/gather.h"
@@ -14,12 +14,13 @@
 namespace halflight {
 namespace {
 
-/// Points of a texel whose irradiance differs by more than this share of the most are followed by more points.
+/// More batches of points follow while the irradiance of a texel's points varies by more than this share of its
+/// maximum.
 constexpr float kEven = 0.05f;
 constexpr int kMostBatches = 16;
 
-/// What the light gives a texel without shadows, on average over its points outside geometry.
-vec3 unshadowedIrradiance(const BakeGeometry& geometry, const TexelMap& map, const Texel& texel, uint16_t outside,
+/// Unoccluded irradiance in lux, the mean over the texel's valid points.
+vec3 unshadowedIrradiance(const BakeGeometry& geometry, const TexelMap& map, const Texel& texel, uint16_t validPoints,
                           vec3 towardsLight, vec3 illuminance)
 {
     constexpr uint16_t kAllPoints = 0xffff;
@@ -31,19 +32,19 @@ vec3 unshadowedIrradiance(const BakeGeometry& geometry, const TexelMap& map, con
     for (int batch = 0; batch < kMostBatches; ++batch) {
         const int size = texelPoints(geometry, map, texel, points, batch);
         for (int p = 0; p < size; ++p) {
-            if (((outside >> p) & 1) == 0) continue;
+            if (((validPoints >> p) & 1) == 0) continue;
             const float cosine = std::max(glm::dot(points[std::size_t(p)].normal, towardsLight), 0.0f);
             sum += cosine;
             least = std::min(least, cosine);
             most = std::max(most, cosine);
             ++count;
         }
-        if (most - least <= kEven * most || outside != kAllPoints) break;
+        if (most - least <= kEven * most || validPoints != kAllPoints) break;
     }
     return count > 0 ? illuminance * (sum / float(count)) : vec3(0.0f);
 }
 
-/// The value below which a share of them lies; reorders them.
+/// Quantile; reorders the values.
 float quantile(std::vector<float>& values, float share)
 {
     const auto middle = values.begin() + std::ptrdiff_t(share * float(values.size() - 1));
@@ -74,11 +75,11 @@ bool bakeMainLight(const Gather& gather, std::span<const IrradianceEstimate> est
     std::vector<vec4> mask(estimates.size());
     if (!gather.shadowmask(estimates, mask, progress)) return false;
     main.unshadowed.assign(estimates.size(), vec3(0.0f));
-    main.arriving.assign(estimates.size(), 0.0f);
+    main.transmittance.assign(estimates.size(), 0.0f);
     parallelFor(estimates.size(), 1024, [&](std::size_t begin, std::size_t end) {
         for (std::size_t i = begin; i < end; ++i) {
             if (!estimates[i].valid) continue;
-            main.arriving[i] = std::round(mask[i][main.channel] * 255.0f) / 255.0f; // as the mask stores it
+            main.transmittance[i] = std::round(mask[i][main.channel] * 255.0f) / 255.0f; // as the mask stores it
             main.unshadowed[i] = unshadowedIrradiance(gather.geometry, gather.map, gather.map.texels[i],
                                                       estimates[i].outsidePoints, main.towardsLight, main.illuminance);
         }
@@ -98,23 +99,23 @@ void MainLight::addMomentTo(std::vector<vec3>& moments) const
 
 std::vector<vec4> MainLight::mask() const
 {
-    std::vector<vec4> values(arriving.size(), vec4(1.0f));
-    for (std::size_t i = 0; i < values.size(); ++i) values[i][channel] = arriving[i];
+    std::vector<vec4> values(transmittance.size(), vec4(1.0f));
+    for (std::size_t i = 0; i < values.size(); ++i) values[i][channel] = transmittance[i];
     return values;
 }
 
 vec3 chooseShadowColor(const MainLight& main, const std::vector<vec3>& otherLight, const std::vector<uint8_t>& valid,
                        bool hasMask)
 {
-    // Without a mask the light in its shadows stands for that of all shadows. With one nothing but rounding is to be
-    // held back, so that the colour is that of the darkest places.
+    // Without a mask the colour is the typical light in the main light's shadows. With a mask it only limits rounding,
+    // so that it is the light of the darkest places.
     constexpr float kTypical = 0.5f;
     constexpr float kDarkest = 0.05f;
-    constexpr float kShadowed = 0.02f; // arrives at most
-    /// Of their mean: texels with less are covered by something that stands on them.
-    constexpr float kCovered = 0.1f;
+    constexpr float kShadowed = 0.02f; // largest transmittance in shadow
+    constexpr float kCovered = 0.1f;   // of the mean: darker texels lie under an object
+
     const auto faces = [&](std::size_t i) { return luminance(main.unshadowed[i]) > 0.0f; };
-    const auto shadowed = [&](std::size_t i) { return faces(i) && main.arriving[i] <= kShadowed; };
+    const auto shadowed = [&](std::size_t i) { return faces(i) && main.transmittance[i] <= kShadowed; };
     const auto colorOf = [&](const auto& counts) -> std::optional<vec3> {
         double sum = 0.0;
         std::size_t count = 0;
@@ -136,7 +137,7 @@ vec3 chooseShadowColor(const MainLight& main, const std::vector<vec3>& otherLigh
         return color;
     };
     if (const auto color = colorOf(shadowed)) return *color;
-    if (const auto color = colorOf(faces)) return *color; // no shadow anywhere: what there would be in one
+    if (const auto color = colorOf(faces)) return *color; // no shadow in the scene: the light without the main light
     return colorOf([](std::size_t) { return true; }).value_or(vec3(0.0f));
 }
 

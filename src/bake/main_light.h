@@ -15,35 +15,34 @@ struct Gather;
 struct MainLight {
     std::string name;
     vec3 towardsLight{0.0f}; ///< unit
-    vec3 illuminance{0.0f};  ///< lux, on a surface that faces it
+    vec3 illuminance{0.0f};  ///< lux, on a surface perpendicular to it
     float shadowStrength = 1.0f;
     int channel = 0;
-    std::vector<vec3> unshadowed; ///< lux by texel, without shadows; 0 inside geometry
-    std::vector<float> arriving;  ///< of that by texel, 0…1 in steps of a 255th, without the shadow strength
+    std::vector<vec3> unshadowed;     ///< lux by texel, unoccluded; 0 inside geometry
+    std::vector<float> transmittance; ///< by texel, 0…1 in steps of 1/255, without the shadow strength
 
     /// Its direct light in the lightmap, lux.
     [[nodiscard]] vec3 at(std::size_t texel) const
     {
-        return glm::mix(1.0f, arriving[texel], shadowStrength) * unshadowed[texel];
+        return glm::mix(1.0f, transmittance[texel], shadowStrength) * unshadowed[texel];
     }
     void addTo(std::vector<vec3>& irradiance) const;
     /// Adds its first moments (IrradianceEstimate::moment).
     void addMomentTo(std::vector<vec3>& moments) const;
-    /// `arriving` in its channel, 1 in the others.
+    /// `transmittance` in its channel, 1 in the others.
     [[nodiscard]] std::vector<vec4> mask() const;
 };
 
-/// The scene's, without values by texel; none when it has none, or is baked for another mode.
+/// The scene's main light, without values by texel; nothing without one, or in other mixing modes.
 std::optional<MainLight> findMainLight(const Scene& scene);
 
-/// Fills in what the light gives each texel of the map. `estimates` are those of Gather::irradiance(). False when
-/// cancelled.
+/// Fills in the values by texel. `estimates` are those of Gather::irradiance(). False when cancelled.
 bool bakeMainLight(const Gather& gather, std::span<const IrradianceEstimate> estimates, MainLight& main,
                    const Progress& progress);
 
-/// The lower limit of subtractive shadows for scenes whose author names none, lux: `otherLight`, all but the main
-/// light's direct light, of texels that face the main light and lie in its shadow; by colour channel their median. With
-/// a mask the guess is exact, so that the limit only covers rounding: a value that one in twenty of them is below.
+/// Lower limit of subtractive shadows in lux, for scenes that set none: by colour channel the median of `otherLight`
+/// over texels that face the main light and lie in its shadow. `otherLight`: all light but the main light's direct
+/// light, by texel. With a mask the subtraction is exact and the limit covers rounding: the 0.05 quantile.
 vec3 chooseShadowColor(const MainLight& main, const std::vector<vec3>& otherLight, const std::vector<uint8_t>& valid,
                        bool hasMask);
 

@@ -1,4 +1,4 @@
-// Shadowmask channels as distance fields: see shading/mask.h for what they say.
+// Shadowmask channels as signed distance fields (shading/mask.h).
 #include "bake/stages.h"
 
 #include "halflight/bake/texel_grid.h"
@@ -12,13 +12,13 @@ namespace halflight {
 namespace {
 
 constexpr float kRangeTexels = 4.0f;
-constexpr int kReach = 5; ///< texels searched for edges: the range, and the half texel an edge may lie off its texel
-/// Penumbrae wider than this many texels are smooth enough for bilinear filtering, and their shape says more than a
-/// distance can: such channels stay attenuation.
+constexpr int kReach = 5; ///< texels searched for edges: the range, and half a texel between an edge and its texel
+/// Channels with wider penumbrae (texels) stay attenuation: bilinear filtering suffices, and a distance loses their
+/// shape.
 constexpr float kWidestPenumbra = 2.0f;
 constexpr float kPartial = 0.02f; ///< attenuation within this of 0 or 1 counts as in shadow or lit
 
-/// The piece of a shadow's edge in one texel: a point relative to the texel's centre, and which way the light is.
+/// A shadow's edge in one texel: a point relative to the texel's centre, and the direction of the lit side.
 struct Edge {
     vec2 point{0.0f};
     vec2 towardsLight{0.0f};
@@ -31,14 +31,14 @@ float centerDistance(vec2 g, float a)
 {
     g = glm::abs(g);
     if (g.x < g.y) std::swap(g.x, g.y);
-    const float corner = 0.5f * g.y / g.x; // share of light from which on the edge no longer cuts off a corner
+    const float corner = 0.5f * g.y / g.x; // largest share for which the edge cuts off a corner
     if (a < corner) return -(0.5f * (g.x + g.y) - std::sqrt(2.0f * g.x * g.y * a));
     if (a < 1.0f - corner) return -(0.5f - a) * g.x;
     return 0.5f * (g.x + g.y) - std::sqrt(2.0f * g.x * g.y * (1.0f - a));
 }
 
-/// Mean width of a channel's penumbrae in texels, less the texel that sampling a hard edge spreads over: partly lit
-/// texels over places where neighbours lie on the two sides of one half. Below 0 when there is no edge.
+/// Mean width of a channel's penumbrae in texels, less 1, the width of a sampled hard edge: the number of partly lit
+/// texels over the number of adjacent pairs on different sides of 0.5. Negative without such pairs.
 float meanPenumbra(const TexelMap& map, const TexelGrid& grid, const std::vector<vec4>& mask, int channel)
 {
     uint64_t partial = 0;
@@ -58,7 +58,7 @@ Edge edgeIn(const TexelMap& map, const TexelGrid& grid, const std::vector<vec4>&
 {
     const Texel& texel = map.texels[i];
     const float a = mask[i][channel];
-    // Sobel's gradient with Gustavson's weights; a missing neighbour continues across the texel from the opposite one.
+    // Sobel's gradient with Gustavson's weights; a missing neighbour is extrapolated from the opposite one.
     const auto value = [&](int dx, int dy) {
         if (const uint32_t j = grid.at(texel, dx, dy); j != kNoTexel) return mask[j][channel];
         if (const uint32_t j = grid.at(texel, -dx, -dy); j != kNoTexel)
@@ -75,7 +75,7 @@ Edge edgeIn(const TexelMap& map, const TexelGrid& grid, const std::vector<vec4>&
     if (length < 1.0e-3f) return {};
     g /= length;
     if (a > 0.0f && a < 1.0f) return {-centerDistance(g, a) * g, g, true};
-    // Fully lit or shadowed, and a neighbour is the opposite: the edge runs between the two.
+    // Fully lit beside fully shadowed: the edge lies between both texels.
     for (const ivec2 d : {ivec2(1, 0), ivec2(-1, 0), ivec2(0, 1), ivec2(0, -1)}) {
         const uint32_t j = grid.at(texel, d.x, d.y);
         if (j != kNoTexel && mask[j][channel] == 1.0f - a) return {0.5f * vec2(d), g, true};
@@ -99,7 +99,7 @@ std::array<MaskChannel, 4> maskToDistances(const TexelMap& map, std::vector<vec4
         parallelFor(edges.size(), 2048, [&](std::size_t begin, std::size_t end) {
             for (std::size_t i = begin; i < end; ++i) edges[i] = edgeIn(map, grid, mask, channel, i);
         });
-        // The nearest edge, each taken as a straight piece as long as a texel's diagonal.
+        // Distance to the nearest edge; each edge is a straight segment as long as a texel's diagonal.
         parallelFor(edges.size(), 512, [&](std::size_t begin, std::size_t end) {
             constexpr float kHalfPiece = 0.70710678f;
             for (std::size_t i = begin; i < end; ++i) {

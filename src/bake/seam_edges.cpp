@@ -1,5 +1,5 @@
-// Where the lightmap is cut though the surface goes on: edges that two triangles share with different places in the
-// lightmap, and edges of neighbours that are cut differently and so share only a stretch of a line.
+// Seams: edges of a continuous surface at which the lightmap is cut. Two triangles share the edge and have different
+// lightmap coordinates there, or their edges overlap on one line without equal ends.
 #include "bake/hash_grid.h"
 #include "bake/stages.h"
 
@@ -13,10 +13,12 @@
 namespace halflight {
 namespace {
 
-constexpr float kSmoothCosine = 0.95f;    ///< edges whose normals differ more are corners: light may differ there
-constexpr float kFoldCosine = 0.0f;       ///< so are hems, whose triangles face apart, however smooth their normals
-constexpr float kLineTexels = 0.05f;      ///< edges this close to one line lie on it
-constexpr std::size_t kMostPartners = 64; ///< an edge with more neighbours on its line is no seam but a bush
+constexpr float kSmoothCosine =
+    0.95f; ///< with a smaller cosine between normals an edge is a corner, where light may differ
+constexpr float kFoldCosine =
+    0.0f; ///< with a smaller cosine between geometric normals it is a hem, whatever the shading normals
+constexpr float kLineTexels = 0.05f;      ///< edges within this distance of a line lie on it
+constexpr std::size_t kMostPartners = 64; ///< an edge with more neighbours on its line is no seam
 
 /// One side of a seam: where an edge of a triangle lies in the lightmap.
 struct EdgeSide {
@@ -28,7 +30,7 @@ struct EdgeSide {
     vec3 normalTo{0.0f};
     vec3 geometricNormal{0.0f};
 
-    /// Of the stretch from share s to share t of the edge.
+    /// The part of the edge between the parameters s and t, 0…1.
     [[nodiscard]] EdgeSide part(float s, float t) const
     {
         EdgeSide side = *this;
@@ -48,7 +50,7 @@ std::array<uint32_t, 3> positionBits(vec3 p)
     return bits;
 }
 
-/// An edge of a triangle, with the bits of both its ends' positions, lower one first: equal where triangles share it.
+/// An edge of a triangle. `ends`: bits of both ends' positions, the lower end first; equal for triangles that share it.
 struct Edge {
     std::array<uint32_t, 6> ends{};
     uint32_t from = 0; ///< vertices
@@ -69,7 +71,7 @@ struct Edge {
     }
 };
 
-/// All edges, those that lie in the same place one after the other.
+/// All edges, sorted so that edges with equal ends are adjacent.
 std::vector<Edge> collectEdges(const BakeGeometry& geometry)
 {
     std::vector<Edge> edges;
@@ -124,7 +126,7 @@ void addSamples(const EdgeSide& a, const EdgeSide& b, int pageSize, std::vector<
     }
 }
 
-/// An edge of one triangle alone.
+/// An edge that no other triangle shares.
 struct OpenEdge {
     EdgeSide side;
     vec3 a{0.0f};
@@ -132,7 +134,7 @@ struct OpenEdge {
     float texelMeters = 0.0f;
 };
 
-/// Open edges by the cells of space that they pass through.
+/// Open edges in a hash grid, in all cells that they pass through.
 class OpenEdges {
 public:
     explicit OpenEdges(std::vector<OpenEdge> edges) : edges_(std::move(edges))
@@ -149,7 +151,7 @@ public:
 
     [[nodiscard]] const std::vector<OpenEdge>& edges() const { return edges_; }
 
-    /// Later edges that pass near this one, ascending.
+    /// Edges of higher index close to this one, ascending.
     [[nodiscard]] std::vector<uint32_t> near(uint32_t index) const
     {
         std::vector<uint32_t> found;
@@ -166,7 +168,7 @@ public:
     }
 
 private:
-    /// Calls body for each cell that the edge, as thick as `margin` on each side, passes through; for some twice.
+    /// Calls body(key) for each grid cell within `margin` of the edge; for some cells more than once.
     template<typename Body> void forCells(const OpenEdge& edge, float margin, const Body& body) const
     {
         const int steps = std::max(1, int(std::ceil(8.0f * glm::distance(edge.a, edge.b) / cell_)));
@@ -187,8 +189,7 @@ private:
     float cell_ = 1.0f;
 };
 
-/// The stretch that two edges have in common, as a seam; nothing when they lie on different lines or touch at ends
-/// only.
+/// Adds the overlap of two edges as a seam; none where they lie on different lines, or only touch.
 void addCommonStretch(const OpenEdge& a, const OpenEdge& b, int pageSize, std::vector<SeamSample>& samples)
 {
     const float length = glm::distance(a.a, a.b);
@@ -216,7 +217,7 @@ std::vector<SeamSample> findSeams(const BakeGeometry& geometry, int pageSize)
     std::vector<EdgeSide> sides;
     for (std::size_t first = 0, end = 0; first < edges.size(); first = end) {
         while (end < edges.size() && edges[end].ends == edges[first].ends) ++end;
-        if (end - first > 4) continue; // a bush of triangles on one edge has no two sides
+        if (end - first > 4) continue; // more than four triangles on one edge have no two sides
         sides.clear();
         for (std::size_t i = first; i < end; ++i) sides.push_back(edges[i].side(geometry));
         if (sides.size() == 1) {

@@ -1,4 +1,4 @@
-// Makes light agree along the seams that seam_edges.cpp finds.
+// Stitches light along the seams that seam_edges.cpp finds.
 #include "bake/stages.h"
 
 #include "halflight/base/memory.h"
@@ -16,16 +16,16 @@ namespace halflight {
 namespace {
 
 constexpr uint32_t kNoUnknown = ~0u;
-/// Pull of a texel towards its own value, against 1 for a seam as long as a texel: of one that surface covers, and of
-/// padding. Padding is read at edges alone, and what is good there is its only purpose: with it free to give way the
-/// sides agree without the covered texels' light being moved along the seam, which in narrow charts is all they have.
+/// Weight of the term that keeps a texel's value, over that of a seam one texel long, for covered texels and for
+/// padding. Padding is read at edges alone, so its weight is 1/100: the sides agree with little change of covered
+/// texels, which in narrow charts all lie at seams.
 constexpr double kKeepCovered = 0.002;
 constexpr double kKeepPadding = 2.0e-5;
-/// Seam samples whose sides differ by more than this lose their weight, so fast that beyond 0.8 little is stitched.
+/// A seam sample whose sides differ by d > kAlike has the weight exp(-kFalloff (d - kAlike)²), which is 0.003 at 0.8.
 constexpr float kAlike = 0.5f;
 constexpr float kFalloff = 64.0f;
 
-/// Number of a texel among those of all pages.
+/// Index of a texel over all pages.
 uint64_t numberOf(uint64_t page, int x, int y, int size)
 {
     return (page * uint64_t(size) + uint64_t(y)) * uint64_t(size) + uint64_t(x);
@@ -33,7 +33,7 @@ uint64_t numberOf(uint64_t page, int x, int y, int size)
 
 /// The four texels that bilinear filtering at `place` reads, with weights; texels outside the page are clamped into it.
 struct Footprint {
-    std::array<uint64_t, 4> texel{}; ///< numbers
+    std::array<uint64_t, 4> texel{}; ///< indices, see numberOf()
     std::array<float, 4> weight{};
 };
 
@@ -60,13 +60,13 @@ template<typename T> T filtered(const std::vector<Image<T>>& pages, const Footpr
     return sum;
 }
 
-/// Of masks: what part of a light.
+/// Difference of masks, 0…1.
 float difference(vec4 a, vec4 b, float)
 {
     const vec4 d = glm::abs(a - b);
     return std::max({d.x, d.y, d.z, d.w});
 }
-/// Of light: over the darker side.
+/// Difference of luminance over that of the darker side. `dark`: luminance that is added to it.
 float difference(vec3 a, vec3 b, float dark)
 {
     const float la = luminance(a);
@@ -74,7 +74,7 @@ float difference(vec3 a, vec3 b, float dark)
     return std::abs(la - lb) / (std::min(la, lb) + dark);
 }
 
-/// Least squares over the texels that seams read.
+/// The least-squares problem over the texels that seams read.
 template<typename T> class Stitcher {
 public:
     Stitcher(const TexelMap& map, const std::vector<SeamSample>& seams, std::span<const float> weights,
@@ -85,10 +85,10 @@ public:
         for (const Texel& t : map.texels) covered_[numberOf(t.page, t.x, t.y, size_)] = 1;
     }
 
-    /// False for light that is no number.
+    /// False if the matrix cannot be factored (light that is not finite).
     bool solve();
-    /// Ties padding that left the range of the covered texels next to it to the nearest of them: it is to have that
-    /// one's value. True when there was any.
+    /// Ties padding outside the range of its adjacent covered texels to the one with the nearest value: both become one
+    /// unknown. True if there was any.
     bool tiePadding();
     void write(bool bounded);
 
@@ -96,7 +96,7 @@ private:
     struct Range {
         T least = T(kInfinity);
         T most = T(-kInfinity);
-        uint64_t nearest = 0; ///< number of the texel whose value is nearest to the one asked about
+        uint64_t nearest = 0; ///< index of the texel with the nearest value
         [[nodiscard]] bool empty() const { return least[0] > most[0]; }
     };
 
@@ -115,7 +115,7 @@ private:
         }
         return u;
     }
-    /// What the solver makes of a texel: never outside what is physical; a value that did not come out finite stays.
+    /// A texel's solution, clamped to 0; its own value where the solution is not finite or there is none.
     T valueOf(uint64_t texel)
     {
         T value = texelAt(texel);
@@ -127,7 +127,7 @@ private:
         }
         return value;
     }
-    /// Of the covered texels in the first ring around a texel, or, where none is there, in the second.
+    /// Range of the covered texels in the first ring around a texel that has any, of two.
     Range coveredAround(uint64_t texel, T value);
 
     const std::vector<SeamSample>& seams_;
@@ -136,8 +136,8 @@ private:
     int size_;
     std::vector<uint32_t> unknownOf_;
     std::vector<uint8_t> covered_;
-    std::vector<uint64_t> texels_; ///< of the unknowns
-    std::vector<uint32_t> tied_;   ///< by unknown, whose value it has: mostly its own
+    std::vector<uint64_t> texels_; ///< by unknown
+    std::vector<uint32_t> tied_;   ///< by unknown: the unknown that holds its value, mostly itself
     std::array<Eigen::VectorXd, std::size_t(T::length())> solution_;
 };
 
@@ -166,11 +166,11 @@ template<typename T> bool Stitcher<T>::solve()
     Eigen::VectorXd keep(count);
     for (Eigen::Index i = 0; i < count; ++i)
         keep[i] = covered_[texels_[std::size_t(i)]] != 0 ? kKeepCovered : kKeepPadding;
-    Matrix diagonal(count, count); // of tied unknowns too, in whose columns nothing else is
+    Matrix diagonal(count, count); // also of tied unknowns, whose columns are empty otherwise
     diagonal.setIdentity();
     diagonal.diagonal() = keep;
     normal += diagonal;
-    // Seams are lines, beside which unknowns lie in a few rows: factors have hardly more entries than the matrix.
+    // Unknowns lie in a few rows along seams, so that factors have hardly more entries than the matrix.
     const Eigen::SimplicialLDLT<Matrix> factors(normal);
     if (factors.info() != Eigen::Success) return false;
     parallelFor(solution_.size(), 1, [&](std::size_t begin, std::size_t end) {
@@ -211,7 +211,7 @@ template<typename T> typename Stitcher<T>::Range Stitcher<T>::coveredAround(uint
 
 template<typename T> bool Stitcher<T>::tiePadding()
 {
-    constexpr float kBeyond = 0.01f; ///< of the value: less is left to the last clamp
+    constexpr float kBeyond = 0.01f; ///< of the value; write() clamps smaller excesses
     std::vector<std::pair<uint32_t, uint64_t>> ties;
     for (uint32_t u = 0; u < texels_.size(); ++u) {
         if (covered_[texels_[u]] != 0) continue;
@@ -234,9 +234,9 @@ template<typename T> void Stitcher<T>::write(bool bounded)
     std::vector<T> values(texels_.size());
     for (std::size_t i = 0; i < texels_.size(); ++i) values[i] = valueOf(texels_[i]);
     for (std::size_t i = 0; i < texels_.size(); ++i) texelAt(texels_[i]) = values[i];
-    for (Eigen::VectorXd& component : solution_) component.resize(0); // from here on pages tell
+    for (Eigen::VectorXd& component : solution_) component.resize(0); // the pages hold the values now
     if (!bounded) return;
-    // Padding around covered texels that moved, whether seams read it or not.
+    // All padding around changed covered texels, also where no seam reads it.
     const std::size_t perPage = pages_[0].texelCount();
     for (const uint64_t texel : texels_) {
         if (covered_[texel] == 0) continue;
@@ -255,12 +255,12 @@ template<typename T> void Stitcher<T>::write(bool bounded)
 
 } // namespace
 
-// Where light changes at once, at the hem of a curtain between sun and shade or where a wall stands on the seam, the
-// texels of both sides straddle the change, and would carry light to the dark side: there they are right to differ.
+// Light can be discontinuous across a seam: at the hem of a curtain between sun and shade, or where a wall stands on
+// the seam. Texels of both sides straddle the discontinuity there, and stitching would move light to the dark side.
 template<typename T>
 std::vector<float> seamWeights(const std::vector<SeamSample>& seams, const std::vector<Image<T>>& pages)
 {
-    constexpr float kDark = 1.0e-3f; ///< of the mean along the seams: differences below are none
+    constexpr float kDark = 1.0e-3f; ///< of the mean luminance along the seams
     std::vector<float> weights(seams.size(), 0.0f);
     if (seams.empty() || pages.empty()) return weights;
     const int size = pages[0].width();
@@ -280,10 +280,10 @@ std::vector<float> seamWeights(const std::vector<SeamSample>& seams, const std::
     return weights;
 }
 
-// Least squares over the texels that seams read: each sample along a seam asks both sides' bilinear values to be equal,
-// a term for each texel keeps its value (Iwanicki 2013, "Lighting Technology of The Last of Us"). Padding that would
-// have to be brighter or darker than all covered texels next to it, to make up for a difference between the sides,
-// shows as a rim: it takes the value of one of those, and the covered texels give way in a second solution.
+// Least squares over the texels that seams read (Iwanicki 2013, "Lighting Technology of The Last of Us"): one term per
+// seam sample for the difference of both sides' bilinear values, one per texel for the change of its value. Padding
+// outside the range of its adjacent covered texels would be visible as a rim. It is tied to one of these, and a second
+// solution changes the covered texels instead.
 template<typename T> void stitchSeams(const TexelMap& map, const std::vector<SeamSample>& seams,
                                       std::span<const float> weights, std::vector<Image<T>>& pages, bool bounded)
 {

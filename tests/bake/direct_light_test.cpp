@@ -116,22 +116,22 @@ TEST(ShadowColorS23, IsTheLightWhereTheMainLightIsShadowed)
     MainLight main;
     std::vector<vec3> light;
     for (int i = 0; i < 100; ++i) { // in the sun, which tells nothing
-        main.arriving.push_back(1.0f);
+        main.transmittance.push_back(1.0f);
         main.unshadowed.emplace_back(5.0f);
         light.emplace_back(50.0f);
     }
     for (int i = 0; i < 100; ++i) { // faces away
-        main.arriving.push_back(0.0f);
+        main.transmittance.push_back(0.0f);
         main.unshadowed.emplace_back(0.0f);
         light.emplace_back(70.0f);
     }
     for (int i = 0; i <= 100; ++i) { // shadowed: 1…2, 3…2, 4
-        main.arriving.push_back(0.0f);
+        main.transmittance.push_back(0.0f);
         main.unshadowed.emplace_back(5.0f);
         light.emplace_back(1.0f + 0.01f * float(i), 3.0f - 0.01f * float(i), 4.0f);
     }
     for (int i = 0; i < 40; ++i) { // and covered by what stands there
-        main.arriving.push_back(0.0f);
+        main.transmittance.push_back(0.0f);
         main.unshadowed.emplace_back(5.0f);
         light.emplace_back(0.001f);
     }
