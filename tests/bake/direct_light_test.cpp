@@ -101,8 +101,8 @@ TEST_P(DirectS6, SubtractiveMainLightIsWhatItsMaskLetsArrive)
         } else if (std::abs(place.x + 1.0f) > 0.1f && std::abs(place.x - 1.0f) > 0.1f) {
             const int kind = place.x < -1.0f ? 1 : place.x < 1.0f ? 2 : 3;
             const float arrives = kind == 1 ? 0.4f : kind == 2 ? 1.0f : 0.0f;
-            EXPECT_NEAR(main->arriving[i], arrives, 0.002f);
-            EXPECT_NEAR(main->at(i).x, 10.0f * (0.5f + 0.5f * main->arriving[i]), 1e-4f);
+            EXPECT_NEAR(main->transmittance[i], arrives, 0.002f);
+            EXPECT_NEAR(main->at(i).x, 10.0f * (0.5f + 0.5f * main->transmittance[i]), 1e-4f);
             ++seen[kind];
         }
     }

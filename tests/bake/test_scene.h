@@ -149,7 +149,7 @@ struct Bench {
     {
         geometry = flattenGeometry(scene, pageSize, GeometryFilter::Static);
         assignShadowmaskChannels(scene, mode);
-        integrator = std::move(*turnHollows(makeEmbreeIntegrator, scene, geometry, settings));
+        integrator = std::move(*repairOrientation(makeEmbreeIntegrator, scene, geometry, settings));
         map = rasterizeTexels(geometry, pageSize, 1);
     }
     std::vector<IrradianceEstimate> irradiance()
