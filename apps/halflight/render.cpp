@@ -143,9 +143,8 @@ Result<Picture> renderPicture(const RenderOptions& options, const BakedScene& ba
     settings.lightRows = options.json;
     settings.supersampling = supersamplingOf(options);
     if (Status status = checkRunMode(baked, settings.mode); !status) return status.error();
-    const FrameView view{camera, settings.size};
-    const std::vector<Bounds> bounds = objectBounds(baked.scene);
-    if (!options.shadowDistanceGiven) settings.shadows = shadowsForView(view, bounds, settings.shadows);
+    const float farthest = farthestInView({camera, settings.size}, objectBounds(baked.scene));
+    if (!options.shadowDistanceGiven) settings.shadows = shadowsReaching(farthest, settings.shadows);
 
     Result<std::unique_ptr<Renderer>> renderer = Renderer::create(options.device);
     if (!renderer) return renderer.error();
@@ -189,10 +188,8 @@ Result<Picture> renderPicture(const RenderOptions& options, const BakedScene& ba
     }
     picture.warnings.insert(picture.warnings.end(), plan.warnings.begin(), plan.warnings.end());
     picture.radiance = std::move(frame->radiance);
-    if (Status status = describeShadows(options, settings, farthestInView(view, bounds), **renderer, camera, picture);
-        !status) {
+    if (Status status = describeShadows(options, settings, farthest, **renderer, camera, picture); !status)
         return status.error();
-    }
     return picture;
 }
 
@@ -304,8 +301,7 @@ std::string contradiction(const RenderOptions& options)
          options.render.path != RenderPath::Forward || options.samples > 0 || options.shadowDistanceGiven ||
          !options.render.specular)) {
         return "--reference N path traces with N samples; --mode, --view, --path, --light, --specular, --samples, "
-               "--shadow-distance "
-               "and --timings do not go with it";
+               "--shadow-distance and --timings do not go with it";
     }
     return {};
 }

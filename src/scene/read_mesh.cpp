@@ -41,10 +41,7 @@ public:
         if (it == primitive_.attributes.end()) return {};
         auto values = readVectors<N>(document_, it->second);
         if (values) {
-            bool good = true;
-            for (const auto& value : *values) {
-                for (int c = 0; c < N; ++c) good = good && std::isfinite(value[c]);
-            }
+            const bool good = std::all_of(values->begin(), values->end(), [](const auto& v) { return isFinite(v); });
             if (good) return std::move(*values);
         }
         warnings_.push_back(path_ + ": " + name + " is left out (" +

@@ -3,6 +3,7 @@
 #include "unwrap/footprint.h"
 
 #include "halflight/base/disjoint_sets.h"
+#include "halflight/base/finite.h"
 
 #include <algorithm>
 #include <cmath>
@@ -68,9 +69,8 @@ AuthoredLayout readAuthoredLayout(const Mesh& mesh, const Surface& surface)
                 const vec2 uv = part.uv[1][part.indices[i + k]];
                 flat.corners[k] = dvec2(uv);
                 if (!(uv.x >= 0.0f && uv.x <= 1.0f && uv.y >= 0.0f && uv.y <= 1.0f)) {
-                    layout.fault = std::isfinite(uv.x) && std::isfinite(uv.y)
-                                       ? fmt::format("TEXCOORD_1 leaves [0,1] ({})", nameOf(mesh, triangle))
-                                       : fmt::format("TEXCOORD_1 is not finite ({})", nameOf(mesh, triangle));
+                    layout.fault = isFinite(uv) ? fmt::format("TEXCOORD_1 leaves [0,1] ({})", nameOf(mesh, triangle))
+                                                : fmt::format("TEXCOORD_1 is not finite ({})", nameOf(mesh, triangle));
                     return layout;
                 }
             }

@@ -48,7 +48,7 @@ TEST(ShadowmaskS8, PanesDimEvenly)
         if (mode == LightMode::Baked) continue;
         const uint64_t before = bench.integrator->raysTraced();
         for (const vec4 m : bench.shadowmask()) EXPECT_NEAR(m.x, arrives, 0.005f);
-        // Few rays tell, as where all is lit.
+        // Few rays are enough, as where all is lit.
         EXPECT_LT(double(bench.integrator->raysTraced() - before), 8.5 * double(bench.map.texels.size()));
         const vec3 position(0.0f, 0.2f, 0.0f);
         const uint32_t which = 0;

@@ -1,4 +1,4 @@
-// The shadow distance that a view needs: farthestInView(), shadowsForView().
+// The shadow distance that a view needs: farthestInView(), shadowsReaching().
 
 #include "plan_scene.h"
 
@@ -73,7 +73,7 @@ TEST(ShadowDistance, HoldsTheSceneAndKeepsNearCascadesNear)
     float before = 0.0f;
     for (const float distance : {3.0f, 30.0f, 300.0f, 900.0f}) {
         const std::vector<Bounds> scene{box({0, 0, -distance}, {1, 1, 0})};
-        const ShadowSettings fitted = shadowsForView(view, scene, given);
+        const ShadowSettings fitted = shadowsReaching(farthestInView(view, scene), given);
         EXPECT_GE(fitted.distanceMeters, farthestInView(view, scene) + 2.0f) << "nothing in view fades";
         EXPECT_LE(fitted.distanceMeters, 1.1f * distance + 3.0f);
         EXPECT_TRUE(checkShadowSettings(fitted));
@@ -88,8 +88,9 @@ TEST(ShadowDistance, HoldsTheSceneAndKeepsNearCascadesNear)
     const std::vector<Bounds> huge{box({0, 0, -9000}, {1, 1, 0})};
     FrameView far = view;
     far.camera.farMeters = 1.0e5f;
-    EXPECT_EQ(shadowsForView(far, huge, given).distanceMeters, kLongestShadowDistance);
-    EXPECT_EQ(shadowsForView(view, {}, given).distanceMeters, given.distanceMeters) << "nothing in view";
+    EXPECT_EQ(shadowsReaching(farthestInView(far, huge), given).distanceMeters, kLongestShadowDistance);
+    EXPECT_EQ(shadowsReaching(farthestInView(view, {}), given).distanceMeters, given.distanceMeters)
+        << "nothing in view";
 }
 
 } // namespace

@@ -87,10 +87,10 @@ float farthestInView(const FrameView& view, std::span<const Bounds> bounds);
 
 /// Metres. The first of four cascades of 2048 texels then ends 16 m from the camera, and its texels are 1.5 cm wide.
 constexpr float kLongestShadowDistance = 2000.0f;
-/// The settings with a shadow distance that holds all in view and the fade range beyond it, at most
-/// kLongestShadowDistance, and with splits (cascadeSplitLambda) that leave the first cascades near the camera. Settings
-/// without an object in view stay as they are.
-ShadowSettings shadowsForView(const FrameView& view, std::span<const Bounds> bounds, ShadowSettings settings);
+/// The settings with a shadow distance that holds `farthestMeters` (farthestInView()) and the fade range beyond it, at
+/// most kLongestShadowDistance, and with splits (cascadeSplitLambda) that leave the first cascades near the camera. At
+/// 0, where no object is in view, they stay as they are.
+ShadowSettings shadowsReaching(float farthestMeters, ShadowSettings settings);
 
 /// One shadow map region: a cascade's layer or a tile of the atlas.
 struct ShadowTile {

@@ -82,12 +82,11 @@ float farthestInView(const FrameView& view, std::span<const Bounds> bounds)
     return farthest;
 }
 
-ShadowSettings shadowsForView(const FrameView& view, std::span<const Bounds> bounds, ShadowSettings settings)
+ShadowSettings shadowsReaching(float farthestMeters, ShadowSettings settings)
 {
     const ShadowSettings usual;
-    const float farthest = farthestInView(view, bounds);
-    if (!(farthest > 0.0f)) return settings; // nothing in view
-    settings.distanceMeters = std::min(1.001f * farthest + settings.fadeRangeMeters, kLongestShadowDistance);
+    if (!(farthestMeters > 0.0f)) return settings; // nothing in view
+    settings.distanceMeters = std::min(1.001f * farthestMeters + settings.fadeRangeMeters, kLongestShadowDistance);
     // Beyond the usual distance the uniform part of the splits would move the first cascade away from the camera.
     const float share = std::min(usual.distanceMeters / settings.distanceMeters, 1.0f);
     settings.cascadeSplitLambda = 1.0f - (1.0f - settings.cascadeSplitLambda) * share;
