@@ -37,6 +37,16 @@ export function preprocess(paths, read) {
         .concat('\n');
 }
 
+/**
+ * The text as three.js's transpiler reads it. Literals become float(…): its output calls methods on them, and a sign before
+ * a plain number would apply to the result. Structs are left out; no TSL function uses one.
+ */
+export function tslSource(glsl) {
+    return glsl
+        .replace(/^struct (\w+) \{[\s\S]*?^\};\n(?:\1 \w+\([\s\S]*?^\}\n)?/gm, '')
+        .replace(/(?<![\w.])(\d+\.\d*(?:e[-+]?\d+)?)/g, 'float($1)');
+}
+
 const typeNames = 'void|bool|int|uint|float|vec2|vec3|vec4';
 
 /** Names that the text defines: functions, constants, structs. */

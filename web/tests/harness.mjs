@@ -70,14 +70,14 @@ export async function launch() {
 }
 
 /** The test page, with its errors thrown here. */
-export async function openPage(browser, url) {
+export async function openPage(browser, url, renderer = 'webgl') {
     const page = await browser.newPage();
     const errors = [];
     page.on('pageerror', (error) => errors.push(String(error)));
     page.on('console', (message) => {
-        if (message.type() === 'error' || process.env.HALFLIGHT_WEB_VERBOSE) errors.push(message.text());
+        if ((message.type() === 'error' && !message.text().includes('favicon')) || process.env.HALFLIGHT_WEB_VERBOSE) errors.push(message.text());
     });
-    await page.goto(`${url}/web/tests/page/index.html`);
+    await page.goto(`${url}/web/tests/page/${renderer === 'webgl' ? 'index' : 'webgpu'}.html?renderer=${renderer}`);
     await page.waitForFunction('window.ready === true', null, { timeout: 60000 }).catch((error) => {
         throw new Error(`${error}\n${errors.join('\n')}`);
     });

@@ -1,12 +1,9 @@
-// The plug-in's pictures in a real browser against those of the program. Figures are printed; pictures go to
-// HALFLIGHT_WEB_PICTURES where it names a folder.
+// The plug-in's pictures by WebGLRenderer in a real browser against those of the program.
 import assert from 'node:assert/strict';
-import { mkdirSync, mkdtempSync, rmSync, writeFileSync } from 'node:fs';
-import { tmpdir } from 'node:os';
-import { join } from 'node:path';
-import { after, before, test } from 'node:test';
+import { after, test } from 'node:test';
 
-import { halflight, launch, missing, openPage, repository, serve } from './harness.mjs';
+import { missing } from './harness.mjs';
+import { SIZE, Studio } from './studio.mjs';
 
 const reason = missing();
 if (reason) {
@@ -14,61 +11,8 @@ if (reason) {
     process.exit(0);
 }
 
-const SIZE = [480, 270];
-const LIMIT = 1.5; // mean difference in 255ths
-const look = process.env.HALFLIGHT_WEB_PICTURES;
-const files = mkdtempSync(join(tmpdir(), 'halflight-web-'));
-const baked = new Set();
-let browser;
-const servers = new Map();
-const pages = new Map();
-
-before(async () => {
-    if (look) mkdirSync(look, { recursive: true });
-    browser = await launch();
-});
-after(async () => {
-    await browser?.close();
-    for (const server of servers.values()) server.close();
-    rmSync(files, { recursive: true });
-});
-
-/** The test page with a release of three.js. */
-async function pageOf(three) {
-    if (!pages.has(three)) {
-        servers.set(three, await serve(files, three));
-        pages.set(three, await openPage(browser, servers.get(three).url));
-    }
-    return pages.get(three);
-}
-
-function bake(scene, name, ...options) {
-    if (baked.has(name)) return;
-    halflight('bake', join(repository, 'assets', `${scene}.glb`), '-o', join(files, `${name}.glb`), '--quality', 'preview', '-q', ...options);
-    baked.add(name);
-}
-
-/** The program's picture, and what the page needs to draw the same. */
-function reference(name, mode, options) {
-    const picture = join(files, 'reference.exr');
-    const size = SIZE.join('x');
-    const info = JSON.parse(halflight('render', join(files, `${name}.glb`), '-o', picture, '--mode', mode, '--samples', '1', '--size', size, '--json', ...options));
-    return { fov: info.camera.verticalFovDegrees, eye: info.camera.eye, target: info.camera.target };
-}
-
-async function compare(call, label, mode, { name, settings = {}, options = [] }) {
-    const shadow = ['--shadow-distance', String(settings.shadowDistance ?? 60), '--shadow-fade-range', String(settings.shadowFadeRange ?? 1)];
-    const camera = reference(name, mode, [...shadow, ...options]);
-    const drawn = await call('draw', { width: SIZE[0], height: SIZE[1], camera, settings: { shadowDistance: 60, shadowFadeRange: 1, ...settings, mode } });
-    const result = await call('compare', { reference: '/files/reference.exr', pictures: look !== undefined });
-    for (const picture of look ? ['ours', 'reference', 'difference'] : [])
-        writeFileSync(join(look, `${label} ${mode} ${picture}.png`.replaceAll(' ', '-')), Buffer.from(result[picture], 'base64'));
-    const figures = ['linear', 'encoded', 'median', 'p99'].map((key) => `${key} ${result[key].toFixed(3)}`).join(', ');
-    console.log(`${label}, ${mode}: ${figures} of 255; ${drawn.calls} draw calls`);
-    assert.ok(result.linear <= LIMIT, `${label}, ${mode}: mean difference ${result.linear} of 255`);
-    assert.ok(result.encoded <= LIMIT, `${label}, ${mode}: mean difference ${result.encoded} of 255, sRGB-encoded`);
-    return { ...result, ...drawn };
-}
+const studio = new Studio();
+after(() => studio.close());
 
 const MIXED = ['realtime', 'baked-indirect', 'shadowmask', 'distance-shadowmask'];
 const scenes = [
@@ -89,21 +33,21 @@ const scenes = [
 for (const { label, scene, bake: options = [], modes, settings } of scenes) {
     test(label, async () => {
         const name = label.replaceAll(' ', '-');
-        bake(scene, name, ...options);
-        const { call } = await pageOf('three');
+        studio.bake(scene, name, ...options);
+        const { call } = await studio.pageOf('three');
         await call('load', { file: `/files/${name}.glb` });
-        for (const mode of modes) await compare(call, label, mode, { name, settings });
+        for (const mode of modes) await studio.compare(call, label, mode, { name, settings });
     });
 }
 
 test('casters by mode: static objects leave the shadow maps of shadowmask mode', async () => {
-    bake('tests/five_lights', 'a-fully-baked-light');
+    studio.bake('tests/five_lights', 'a-fully-baked-light');
     for (const three of ['three', 'three-0.186', 'three-0.185']) {
-        const { call } = await pageOf(three);
+        const { call } = await studio.pageOf(three);
         await call('load', { file: '/files/a-fully-baked-light.glb' });
         const calls = {};
         for (const mode of ['shadowmask', 'distance-shadowmask']) {
-            const result = await compare(call, `five lights, ${three}`, mode, { name: 'a-fully-baked-light' });
+            const result = await studio.compare(call, `five lights, ${three}`, mode, { name: 'a-fully-baked-light' });
             calls[mode] = result.calls;
         }
         assert.ok(calls.shadowmask < calls['distance-shadowmask'] / 2, `${three}: ${JSON.stringify(calls)} draw calls`);
@@ -111,28 +55,28 @@ test('casters by mode: static objects leave the shadow maps of shadowmask mode',
 });
 
 test('lights changed at run time', async () => {
-    bake('tests/four_lights', 'four-masks');
-    const { call } = await pageOf('three');
+    studio.bake('tests/four_lights', 'four-masks');
+    const { call } = await studio.pageOf('three');
     await call('load', { file: '/files/four-masks.glb' });
     const names = await call('lightNames');
     await call('changeLight', { index: 0, intensity: 3, strength: 0.5 });
     const options = ['--light', `${names[0]}:intensity=${await call('intensityOf', { index: 0 })},strength=0.5`];
-    await compare(call, 'changed light', 'shadowmask', { name: 'four-masks', options });
+    await studio.compare(call, 'changed light', 'shadowmask', { name: 'four-masks', options });
 });
 
 test('debug views', async () => {
-    bake('tests/four_lights', 'four-masks');
-    const { call } = await pageOf('three');
-    await call('load', { file: '/files/four-masks.glb' });
+    studio.bake('tests/five_lights', 'a-fully-baked-light');
+    const { call } = await studio.pageOf('three');
+    await call('load', { file: '/files/a-fully-baked-light.glb' });
     for (const view of ['shadowmask', 'lightmap', 'probes', 'fade', 'overlap'])
-        await compare(call, `view ${view}`, 'shadowmask', { name: 'four-masks', settings: { debugView: view }, options: ['--view', view] });
+        await studio.compare(call, `view ${view}`, 'shadowmask', { name: 'a-fully-baked-light', settings: { debugView: view, shadowDistance: 8, shadowFadeRange: 5 }, options: ['--view', view] });
 });
 
 test('penumbra: the mask and the lit floor have their known values', async () => {
-    bake('tests/penumbra', 'penumbra', '--shadow-samples', '1024');
-    const { call } = await pageOf('three');
+    studio.bake('tests/penumbra', 'penumbra', '--shadow-samples', '1024');
+    const { call } = await studio.pageOf('three');
     await call('load', { file: '/files/penumbra.glb' });
-    const camera = reference('penumbra', 'shadowmask', []);
+    const camera = studio.reference('penumbra', 'shadowmask', []);
     const draw = (settings) => call('draw', { width: SIZE[0], height: SIZE[1], camera, settings: { mode: 'shadowmask', debugView: 'lit', ...settings } });
     await draw({ debugView: 'shadowmask' });
     const width = 2 * Math.tan((2 * Math.PI) / 180);
@@ -155,9 +99,9 @@ test('penumbra: the mask and the lit floor have their known values', async () =>
 });
 
 test('dispose gives everything back', async () => {
-    bake('tests/five_lights', 'a-fully-baked-light');
-    const { call } = await pageOf('three');
-    const camera = reference('a-fully-baked-light', 'shadowmask', []);
+    studio.bake('tests/five_lights', 'a-fully-baked-light');
+    const { call } = await studio.pageOf('three');
+    const camera = studio.reference('a-fully-baked-light', 'shadowmask', []);
     const result = await call('disposeTest', { file: '/files/a-fully-baked-light.glb', width: SIZE[0], height: SIZE[1], camera });
     assert.deepEqual(result.changed, []);
     assert.equal(result.largest, 0, 'three.js draws the file as without the plug-in');
@@ -165,8 +109,8 @@ test('dispose gives everything back', async () => {
 });
 
 test('other files and modes: one sentence', async () => {
-    bake('tests/sphere_on_floor', 'sphere-on-floor');
-    const { call } = await pageOf('three');
+    studio.bake('tests/sphere_on_floor', 'sphere-on-floor');
+    const { call } = await studio.pageOf('three');
     await call('load', { file: '/files/sphere-on-floor.glb' });
     const [sentence, plain] = await call('sentences');
     assert.match(sentence, /baked for shadowmask, so it can only be drawn in mode/);

@@ -23,9 +23,13 @@ async function load({ file, options }) {
     return { modes: plugin.scene?.modes, objects: plugin.scene?.objects.length };
 }
 
-function makeRenderer(width, height) {
+const kind = new URLSearchParams(location.search).get('renderer') ?? 'webgl';
+
+async function makeRenderer(width, height) {
     if (loaded.renderer) return loaded.renderer;
-    const renderer = new THREE.WebGLRenderer({ antialias: false });
+    const renderer = kind === 'webgl' ? new THREE.WebGLRenderer({ antialias: false }) : new THREE.WebGPURenderer({ antialias: false, forceWebGL: kind === 'webgl2-nodes' });
+    await renderer.init?.();
+    if (kind === 'webgpu' && !renderer.backend.isWebGPUBackend) throw new Error('the browser has no WebGPU');
     renderer.setPixelRatio(1);
     renderer.shadowMap.enabled = true;
     renderer.shadowMap.type = THREE.PCFShadowMap;
@@ -44,26 +48,32 @@ function viewOf(camera, aspect) {
 
 /** Linear radiance, rows from the top. */
 async function draw({ width, height, camera, settings = {} }) {
-    const renderer = makeRenderer(width, height);
+    const renderer = await makeRenderer(width, height);
     const { scene, halflight } = loaded;
     const view = viewOf(camera, width / height);
     Object.assign(halflight, settings);
-    const target = new THREE.WebGLRenderTarget(width, height, { type: THREE.FloatType, colorSpace: THREE.LinearSRGBColorSpace });
+    const target = new (THREE.WebGLRenderTarget ?? THREE.RenderTarget)(width, height, { type: THREE.FloatType, colorSpace: THREE.LinearSRGBColorSpace });
     halflight.update(renderer, view);
     renderer.setRenderTarget(target);
     const start = performance.now();
     renderer.render(scene, view);
-    const pixels = new Float32Array(width * height * 4);
-    renderer.readRenderTargetPixels(target, 0, 0, width, height, pixels);
+    const pixels = await read(renderer, target, width, height);
     const milliseconds = performance.now() - start;
     renderer.setRenderTarget(null);
     target.dispose();
     const rows = new Float32Array(width * height * 3);
     for (let y = 0; y < height; ++y)
         for (let x = 0; x < width; ++x)
-            for (let c = 0; c < 3; ++c) rows[3 * (y * width + x) + c] = pixels[4 * ((height - 1 - y) * width + x) + c];
+            for (let c = 0; c < 3; ++c) rows[3 * (y * width + x) + c] = pixels[4 * ((kind === 'webgpu' ? y : height - 1 - y) * width + x) + c];
     loaded.picture = { width, height, rows };
     return { milliseconds, calls: renderer.info.render.calls, warnings: [...halflight.warnings] };
+}
+
+async function read(renderer, target, width, height) {
+    if (kind !== 'webgl') return renderer.readRenderTargetPixelsAsync(target, 0, 0, width, height);
+    const pixels = new Float32Array(width * height * 4);
+    renderer.readRenderTargetPixels(target, 0, 0, width, height, pixels);
+    return pixels;
 }
 
 async function readReference(url) {
@@ -131,6 +141,31 @@ function png({ width, height, rows }, display) {
     return canvas.toDataURL('image/png').split(',')[1];
 }
 
+const bytesToText = (bytes) => {
+    let text = '';
+    for (let i = 0; i < bytes.length; i += 8192) text += String.fromCharCode(...bytes.subarray(i, i + 8192));
+    return btoa(text);
+};
+
+/** The last picture, for another page to compare with. */
+async function picture() {
+    return bytesToText(new Uint8Array(loaded.picture.rows.buffer));
+}
+
+/** Agreement with another page's picture, sRGB-encoded at one exposure. */
+async function agreement({ other }) {
+    const rows = new Float32Array(Uint8Array.from(atob(other), (c) => c.charCodeAt(0)).buffer);
+    const exposure = exposureOf({ rows });
+    let sum = 0;
+    let within = 0;
+    for (let i = 0; i < rows.length; i += 3) {
+        const d = [0, 1, 2].map((c) => 255 * Math.abs(encode(clamp(loaded.picture.rows[i + c] * exposure)) - encode(clamp(rows[i + c] * exposure))));
+        sum += d[0] + d[1] + d[2];
+        within += Math.max(...d) <= 1 ? 1 : 0;
+    }
+    return { mean: sum / rows.length, within: within / (rows.length / 3) };
+}
+
 /** Linear values where the picture shows points of the world, and the points of those pixels' centres at that height. */
 async function atPoints({ points, camera }) {
     const { width, height, rows } = loaded.picture;
@@ -160,7 +195,7 @@ function stateOf(scene) {
     scene.traverse((o) => {
         const own = ['onBeforeRender'].filter((name) => Object.hasOwn(o, name));
         const entry = [o.name, o.type, o.castShadow, o.receiveShadow, o.layers.mask, o.visible, own.join()];
-        if (o.isMesh) entry.push(Object.keys(o.geometry.attributes).join(), o.material.shadowSide, ...['onBeforeCompile', 'customProgramCacheKey'].filter((name) => Object.hasOwn(o.material, name)));
+        if (o.isMesh) entry.push(Object.keys(o.geometry.attributes).join(), o.material.shadowSide, ...['onBeforeCompile', 'customProgramCacheKey', 'setupLightingModel', 'setupOutput', 'contextNode', 'halflight'].filter((name) => Object.hasOwn(o.material, name)));
         if (o.isLight) entry.push(o.intensity, o.shadow?.mapSize.x, o.shadow?.camera.layers.mask, Object.keys(o.shadow?.getFrustum() ?? {}).join());
         result.push(entry.join(' '));
     });
@@ -194,9 +229,9 @@ async function disposeTest({ file, width, height, camera }) {
 /** Milliseconds of a frame, the median of several, with the plug-in or of three.js alone with the same lights and shadows. */
 async function frameCost({ file, width, height, camera, mode, frames }) {
     await load({ file });
-    const renderer = makeRenderer(width, height);
+    const renderer = await makeRenderer(width, height);
     const view = viewOf(camera, width / height);
-    const target = new THREE.WebGLRenderTarget(width, height, { type: THREE.HalfFloatType });
+    const target = new (THREE.WebGLRenderTarget ?? THREE.RenderTarget)(width, height, { type: THREE.HalfFloatType });
     const { scene, halflight } = loaded;
     if (mode === 'three.js') {
         // The plug-in's shadow cameras and map sizes, every object a caster; then its patches are taken back.
@@ -247,5 +282,5 @@ async function sentences() {
     return [sentence, plain.userData.halflight];
 }
 
-window.halflightTest = { load, draw, compare, atPoints, lightNames, intensityOf, changeLight, disposeTest, frameCost, sentences };
+window.halflightTest = { load, draw, compare, picture, agreement, atPoints, lightNames, intensityOf, changeLight, disposeTest, frameCost, sentences };
 window.ready = true;

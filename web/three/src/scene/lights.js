@@ -6,6 +6,7 @@ import { MODES } from './modes.js';
 
 const NO_CONE = -2;
 export const SKIP_LIGHTMAPPED = 1;
+export const SKIP_OTHERS = 2;
 export const MAIN_LIGHT = 4;
 export const OVERLAPS = 8;
 
@@ -32,7 +33,7 @@ export class BakedLight {
         this.shadowStrength = this.data.shadowStrength;
         /** Whether a texture unit is left for its shadow map. */
         this.mapAllowed = true;
-        this.plan = { channel: -1, staticCasters: true, flags: 0, drawn: true };
+        this.plan = { channel: -1, staticCasters: true, flags: 0, drawn: true, casts: true };
         this.before = { castShadow: light.castShadow, layers: light.layers.mask, shadowLayers: light.shadow?.camera.layers.mask, mapSize: light.shadow?.mapSize.x };
         if (light.shadow && light.shadow.mapSize.x === 512) light.shadow.mapSize.setScalar(mapSize(light)); // three.js's default
         const m = this.data.worldFromLight;
@@ -57,8 +58,8 @@ export class BakedLight {
         return this.power() * distanceAttenuation(distance, 0);
     }
 
-    /** What the mode makes of the light: docs/conventions.md, "Who is lit by what". @param {string} mode */
-    planFor(mode, isMainLight) {
+    /** What the mode makes of the light: docs/conventions.md, "Who is lit by what". @param {string} mode @param {boolean} isMainLight @param {string} view */
+    planFor(mode, isMainLight, view) {
         const number = MODES.indexOf(mode);
         const usesBake = mode !== 'realtime';
         const subtractive = mode === 'subtractive';
@@ -67,14 +68,16 @@ export class BakedLight {
         const casts = this.castShadows && this.shadowStrength > 0;
         const hasBaked =
             mixed && casts && modeUsesBakedShadows(number) && this.data.channel >= 0 && (!subtractive || isMainLight);
-        const overflowed = this.data.isBaked && this.data.bakeType === 'baked' && this.data.reason !== '';
+        const fullyBaked = usesBake && this.data.isBaked && this.data.bakeType === 'baked';
+        const overflowed = fullyBaked && this.data.reason !== ''; // it is in the frame for the overlap view alone
         this.plan = {
             channel: hasBaked ? this.data.channel : -1,
             staticCasters: staticCastersInShadowMap(number, hasBaked || inLightmap),
             flags:
-                (inLightmap ? SKIP_LIGHTMAPPED : 0) | (subtractive && isMainLight ? MAIN_LIGHT : 0) |
+                (inLightmap ? SKIP_LIGHTMAPPED : 0) | (fullyBaked ? SKIP_LIGHTMAPPED | SKIP_OTHERS : 0) | (subtractive && isMainLight ? MAIN_LIGHT : 0) |
                 (hasBaked || overflowed ? OVERLAPS : 0),
-            drawn: !(usesBake && this.data.isBaked && this.data.bakeType === 'baked'),
+            drawn: !fullyBaked || (overflowed && view === 'overlap'),
+            casts: casts && !fullyBaked,
         };
     }
 

@@ -1,11 +1,9 @@
 // A baked scene in three.js: what the application holds.
 import { ProbeField } from '../probes/field.js';
-import { WebGLBackend } from '../webgl/backend.js';
 import { BakedLight, findMainLight } from './lights.js';
 import { checkMode, MODES, VIEWS } from './modes.js';
 import { BakedObject } from './objects.js';
 import { boundsOf, chooseCasters, fitShadow, releaseCasters } from './shadows.js';
-import { makeSky } from './sky.js';
 import { ObjectTable } from './table.js';
 import { planVolumes, ProxyVolumes } from './volumes.js';
 
@@ -13,6 +11,13 @@ const DYNAMIC = { isStatic: false, castShadows: true, receiveShadows: true, ligh
 const DYNAMIC_LAYER = 31;
 
 /** @typedef {{sky?: boolean, brdf?: 'gltf' | 'three', dynamicLayer?: number}} Options */
+
+const backends = {};
+
+/** A backend for renderers that have a property set. */
+export function useBackend(property, backend) {
+    backends[property] = backend;
+}
 
 export class HalflightScene {
     #mode;
@@ -110,13 +115,15 @@ export class HalflightScene {
     }
 
     #start(renderer) {
-        if (!renderer.isWebGLRenderer) throw new Error('Halflight draws with WebGLRenderer only so far');
-        this.backend = new WebGLBackend(this);
+        const kind = Object.keys(backends).find((name) => renderer[name] === true);
+        if (!kind)
+            throw new Error("import the plug-in from '@halflight/three' for WebGLRenderer, from '@halflight/three/webgpu' for WebGPURenderer");
+        this.backend = new backends[kind](this);
         for (const object of this.objects) {
             this.#attach(object);
         }
         if (this.options.sky !== false && Object.values(this.data.sky).flat().some((x) => x > 0)) {
-            this.sky = makeSky(this.backend.uniforms.hlSky, this.backend.uniforms.hlView);
+            this.sky = this.backend.makeSky();
             this.root.add(this.sky);
         }
     }
@@ -153,8 +160,9 @@ export class HalflightScene {
 
     #updateLights(renderer, camera, top) {
         const main = this.mode === 'subtractive' ? findMainLight(this.lights) : null;
+        this.mainLight = findMainLight(this.lights)?.light ?? null;
         const shadows = renderer.shadowMap.enabled;
-        for (const state of this.lights) state.planFor(this.mode, state === main);
+        for (const state of this.lights) state.planFor(this.mode, state === main, this.debugView);
         this.#limitShadowMaps(renderer, camera);
         for (const state of this.lights) {
             const { light } = state;
@@ -184,20 +192,21 @@ export class HalflightScene {
     }
 
     #wantsMap(state) {
-        if (!state.plan.drawn || !state.castShadows || !(state.shadowStrength > 0)) return false;
+        if (!state.plan.casts) return false;
         return state.plan.staticCasters || this.objects.some((o) => !o.isStatic && o.meshes.some((m) => m.castShadow));
     }
 
     /** Each shadow map takes a texture unit of the fragment shader. Lights that get none keep their baked shadows. */
     #limitShadowMaps(renderer, camera) {
         const wanting = this.lights.filter((state) => this.#wantsMap(state));
-        const most = Math.max(renderer.capabilities.maxTextures - this.backend.samplers(), 0);
+        const units = renderer.capabilities?.maxTextures ?? Infinity; // of fragment shaders
+        const most = Math.max(units - this.backend.samplers(), 0);
         for (const state of wanting) state.mapAllowed = true;
         if (wanting.length <= most) return;
         wanting.sort((a, b) => b.importance(camera) - a.importance(camera));
         for (const state of wanting.slice(most)) {
             state.mapAllowed = false;
-            this.warnings.add(`light "${state.name}" gets no realtime shadow: the browser's shaders read ${renderer.capabilities.maxTextures} textures at most`);
+            this.warnings.add(`light "${state.name}" gets no realtime shadow: the browser's shaders read ${units} textures at most`);
         }
     }
 

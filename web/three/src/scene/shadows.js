@@ -3,7 +3,7 @@ import { Box3, Matrix4, REVISION, Sphere, Vector3 } from 'three';
 
 const CASTERS_OF_A_LIGHT_HAVE_LAYERS = Number.parseInt(REVISION, 10) >= 187;
 /** Texels by which a receiver moves along its normal, as ShadowSettings::normalBiasTexels. */
-const NORMAL_BIAS = 1.2;
+const NORMAL_BIAS = 1.8;
 const NEAREST_METERS = 0.02;
 
 /** What the camera sees nearer than the shadow distance. @returns {Sphere} */

@@ -1,27 +1,12 @@
 // The bake as WebGLRenderer draws it: textures, uniforms, patched materials.
-import {
-    ClampToEdgeWrapping, DataArrayTexture, LinearFilter, NoColorSpace, RGBAFormat, RGBFormat, UnsignedByteType, UnsignedInt5999Type,
-    Vector2, Vector3, Vector4,
-} from 'three';
+import { Vector2, Vector3, Vector4 } from 'three';
 
 import { MODES, VIEWS } from '../scene/modes.js';
+import { makeSky } from '../scene/sky.js';
+import { arrayTexture, FORMATS } from '../scene/textures.js';
 import { MaterialPatches } from './patch.js';
 
 const NO_LIGHT = { flags: new Vector4(-1, 0, 0, 1), reach: new Vector4(), cone: new Vector4(0, 0, 0, -2) };
-
-/** Pages of one kind as one array texture. @param {import('../file/read.js').Pixels[]} pages */
-function arrayTexture(pages, format, type) {
-    const { width, height } = pages[0];
-    const texels = pages[0].data.length;
-    const data = new pages[0].data.constructor(texels * pages.length);
-    pages.forEach((page, i) => data.set(page.data, i * texels));
-    const texture = new DataArrayTexture(data, width, height, pages.length);
-    Object.assign(texture, { format, type, minFilter: LinearFilter, magFilter: LinearFilter, colorSpace: NoColorSpace });
-    texture.wrapS = texture.wrapT = ClampToEdgeWrapping;
-    texture.generateMipmaps = false;
-    texture.needsUpdate = true;
-    return texture;
-}
 
 const vectors = (...colors) => colors.map((c) => new Vector3(c[0], c[1], c[2]));
 
@@ -32,18 +17,18 @@ export class WebGLBackend {
         const { data, table, volumes } = scene;
         this.textures = [];
         const features = [];
-        const pages = (name, feature, list, format, type) => {
+        const pages = (name, feature, list, kind) => {
             if (list.length === 0) return {};
             features.push(feature);
-            const texture = arrayTexture(list, format, type);
+            const texture = arrayTexture(list, FORMATS[kind]);
             this.textures.push(texture);
             return { [name]: { value: texture } };
         };
         const sh = Array.from({ length: 9 }, (_, i) => scene.field.sky.radiance.subarray(3 * i, 3 * i + 3));
         this.uniforms = {
-            ...pages('hlLightmaps', 'HL_LIGHTMAPS', data.lightmaps, RGBFormat, UnsignedInt5999Type),
-            ...pages('hlDirections', 'HL_DIRECTIONS', data.directions, RGBAFormat, UnsignedByteType),
-            ...pages('hlMasks', 'HL_MASKS', data.masks, RGBAFormat, UnsignedByteType),
+            ...pages('hlLightmaps', 'HL_LIGHTMAPS', data.lightmaps, 'rgb9e5'),
+            ...pages('hlDirections', 'HL_DIRECTIONS', data.directions, 'rgba8'),
+            ...pages('hlMasks', 'HL_MASKS', data.masks, 'rgba8'),
             hlTable: { value: table.texture },
             hlPointLights: { value: [] },
             hlSpotLights: { value: [] },
@@ -93,6 +78,10 @@ export class WebGLBackend {
             while (list.length < 32) list.push(NO_LIGHT); // a program may still hold more than are left
             this.uniforms[name].value = list;
         }
+    }
+
+    makeSky() {
+        return makeSky(this.uniforms.hlSky, this.uniforms.hlView);
     }
 
     update() {

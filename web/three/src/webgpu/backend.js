@@ -1,0 +1,183 @@
+// The bake as WebGPURenderer draws it: hooks on materials' lighting models. Materials stay the application's own.
+import { AmbientLight, BackSide, BoxGeometry, Color, DoubleSide, Mesh, MeshPhysicalNodeMaterial, MeshStandardNodeMaterial, NodeMaterial, Vector2, Vector3, Vector4 } from 'three/webgpu';
+import { context, emissive, float, positionLocal, renderGroup, select, uniform, uniformArray, vec3, vec4 } from 'three/tsl';
+
+import { MODES, VIEWS } from '../scene/modes.js';
+import { arrayTexture, FORMATS } from '../scene/textures.js';
+import { SceneNodes, skyNodes } from './nodes.js';
+
+const HOOKS = ['setupLightingModel', 'setupOutput', 'contextNode', 'halflight', 'shadowSide'];
+let scenes = 0;
+
+const shared = (value, type) => uniform(value, type).setGroup(renderGroup);
+
+/** Uniforms of one light. */
+function lightUniforms() {
+    return {
+        flags: shared(new Vector4(-1, 0, 0, 1)), reach: shared(new Vector4()), cone: shared(new Vector4(0, 0, 0, -2)),
+        position: shared(new Vector4()), axis: shared(new Vector3(0, -1, 0)), color: shared(new Color()), spot: shared(new Vector2()),
+    };
+}
+
+const kindOf = (light) => (light.isDirectionalLight ? 'directional' : light.isSpotLight ? 'spot' : light.isPointLight ? 'point' : null);
+
+export class WebGPUBackend {
+    /** @param {import('../scene/scene.js').HalflightScene} scene */
+    constructor(scene) {
+        this.scene = scene;
+        this.id = `scene ${++scenes}`;
+        const { data, table, volumes } = scene;
+        const pages = (list, kind) => (list.length > 0 ? arrayTexture(list, FORMATS[kind]) : null);
+        const colors = (list) => uniformArray(list.map((c) => new Vector3(c[0], c[1], c[2])), 'vec3');
+        this.textures = { lightmaps: pages(data.lightmaps, 'rgb9e5'), directions: pages(data.directions, 'rgba8'), masks: pages(data.masks, 'rgba8') };
+        const channels = (key) => shared(new Vector4(...data.maskChannels.map((c) => c[key])));
+        this.u = {
+            ...this.textures,
+            table: table.texture,
+            volumes: volumes?.texture ?? null,
+            mode: shared(0, 'int'),
+            view: shared(0, 'int'),
+            shadow: shared(new Vector2()),
+            unitLux: shared(data.unitLux),
+            shadowColor: shared(new Vector3()),
+            sky: colors([data.sky.zenith, data.sky.horizon, data.sky.ground]),
+            skySh: colors(Array.from({ length: 9 }, (_, i) => scene.field.sky.radiance.subarray(3 * i, 3 * i + 3))),
+            maskRange: channels('rangeTexels'),
+            maskPenumbra: channels('penumbraTexels'),
+        };
+        this.rows = new Map();
+        this.nodes = new SceneNodes(this.u, (object) => this.rows.get(object) ?? 0);
+        this.lights = new Map();
+        this.noLight = new AmbientLight(0x000000, 0); // without any light three.js leaves lighting out altogether
+        scene.root.add(this.noLight);
+        this.patched = new Map();
+        // Lights with a shadow map reach the lighting model without their shadow, which the law applies.
+        this.context = context(vec3(0), {
+            getShadow: (lightNode, builder) => {
+                (builder.halflightShadows ??= new Map()).set(lightNode.light, lightNode.shadowNode);
+                return lightNode.baseColorNode;
+            },
+        });
+    }
+
+    uniformsOf(light) {
+        if (!this.lights.has(light)) this.lights.set(light, lightUniforms());
+        return this.lights.get(light);
+    }
+
+    patchMesh(mesh) {
+        for (const object of this.scene.objects) for (const m of object.meshes) if (m === mesh) this.rows.set(mesh, object.firstRow);
+        for (const material of [mesh.material].flat()) if (material.isMeshStandardMaterial || material.isMeshStandardNodeMaterial) this.apply(material);
+    }
+
+    apply(material) {
+        if (this.patched.has(material)) return;
+        const before = Object.fromEntries(HOOKS.filter((name) => Object.hasOwn(material, name)).map((name) => [name, material[name]]));
+        this.patched.set(material, before);
+        const backend = this;
+        const base = material.isMeshPhysicalMaterial || material.isMeshPhysicalNodeMaterial ? MeshPhysicalNodeMaterial : MeshStandardNodeMaterial;
+        material.setupLightingModel = function (builder) {
+            return backend.lightingModel(base.prototype.setupLightingModel.call(this, builder));
+        };
+        material.setupOutput = function (builder, output) {
+            const lit = base.prototype.setupOutput.call(this, builder, output);
+            const shown = select(backend.u.view.equal(0), vec3(0), emissive); // views show no emission
+            return vec4(lit.rgb.sub(shown), lit.a);
+        };
+        material.contextNode = this.context;
+        material.halflight = this.id; // part of the program's key: another scene has other textures
+        material.shadowSide = DoubleSide;
+        material.needsUpdate = true;
+    }
+
+    lightingModel(model) {
+        const { nodes } = this;
+        const { direct, indirect, finish } = model;
+        const surfaceOf = (builder) => (builder.halflightSurface ??= nodes.surface(builder));
+        model.direct = (data, builder) => {
+            const { light } = data.lightNode;
+            const kind = kindOf(light);
+            if (!kind) return direct.call(model, data, builder);
+            const s = surfaceOf(builder);
+            const u = this.uniformsOf(light);
+            const shadow = s.receive && light.castShadow ? builder.halflightShadows?.get(light) : null;
+            const realtime = shadow ? vec3(shadow).x.toVar() : float(1);
+            const { direction, illuminance } = nodes.sample(s, u, kind);
+            if (this.scene.mainLight === light) builder.halflightMain = { light: u, hasMap: Boolean(shadow), realtime };
+            const counts = u.flags.z.toInt().bitAnd(8).greaterThan(0).and(illuminance.length().greaterThan(0));
+            builder.halflightOverlap = (builder.halflightOverlap ?? float(0)).add(counts.select(float(1), float(0)));
+            const skipped = s.lightmapped.select(u.flags.z.toInt().bitAnd(1), u.flags.z.toInt().bitAnd(2)).greaterThan(0);
+            const attenuation = nodes.attenuation(s, u, Boolean(shadow), realtime);
+            const radiance = nodes.reflected(s, direction, illuminance.mul(attenuation));
+            data.reflectedLight.directDiffuse.addAssign(skipped.select(vec3(0), radiance));
+        };
+        model.indirect = (builder) => {
+            const s = surfaceOf(builder);
+            builder.context.reflectedLight.indirectDiffuse.addAssign(nodes.indirect(s, builder.halflightMain));
+            indirect.call(model, builder);
+        };
+        model.finish = (builder) => {
+            finish.call(model, builder);
+            const { outgoingLight } = builder.context;
+            outgoingLight.assign(nodes.debugView(surfaceOf(builder), outgoingLight, builder.halflightOverlap ?? float(0)));
+        };
+        return model;
+    }
+
+    setLights(lights, uniformsOf) {
+        const position = new Vector3();
+        const target = new Vector3();
+        for (const light of lights) {
+            if (!kindOf(light)) continue;
+            const u = this.uniformsOf(light);
+            const { flags, reach, cone } = uniformsOf(light);
+            u.flags.value.set(...flags);
+            u.reach.value.set(...reach);
+            u.cone.value.set(...cone);
+            position.setFromMatrixPosition(light.matrixWorld);
+            u.position.value.set(position.x, position.y, position.z, light.distance ?? 0);
+            if (light.target) u.axis.value.copy(target.setFromMatrixPosition(light.target.matrixWorld).sub(position).normalize());
+            u.color.value.copy(light.color).multiplyScalar(light.intensity);
+            if (light.isSpotLight) u.spot.value.set(Math.cos(light.angle * (1 - light.penumbra)), Math.cos(light.angle));
+        }
+    }
+
+    makeSky() {
+        const material = new NodeMaterial();
+        Object.assign(material, { name: 'halflight sky', side: BackSide, depthTest: false, depthWrite: false });
+        Object.assign(material, skyNodes(this.u, positionLocal));
+        const mesh = new Mesh(new BoxGeometry(2, 2, 2), material);
+        Object.assign(mesh, { name: 'halflight sky', renderOrder: -1e9, frustumCulled: false, raycast: () => {} });
+        return mesh;
+    }
+
+    update() {
+        const { scene, u } = this;
+        if (u.table !== scene.table.texture) {
+            u.table = scene.table.texture; // it grew; programs hold the one before
+            for (const material of this.patched.keys()) material.needsUpdate = true;
+        }
+        u.mode.value = MODES.indexOf(scene.mode);
+        u.view.value = VIEWS.indexOf(scene.debugView);
+        u.shadow.value.set(scene.shadowDistance, scene.shadowFadeRange);
+        u.shadowColor.value.set(...scene.shadowColor);
+    }
+
+    /** WebGPU has no such limit within reach of a scene's lights. */
+    samplers() {
+        return 0;
+    }
+
+    dispose() {
+        for (const [material, before] of this.patched) {
+            for (const name of HOOKS) {
+                if (Object.hasOwn(before, name)) material[name] = before[name];
+                else delete material[name];
+            }
+            material.needsUpdate = true;
+        }
+        this.patched.clear();
+        this.noLight.removeFromParent();
+        for (const texture of Object.values(this.textures)) texture?.dispose();
+    }
+}

@@ -1,0 +1,197 @@
+// The glue of webgl/shader_text.js as nodes of WebGPURenderer. Formulas are the headers', by generated/shading.tsl.js.
+import {
+    attribute, cameraPosition, cameraProjectionMatrix, cameraViewMatrix, dFdx, dFdy, diffuseColor, faceDirection, float, int, ivec2, mat4,
+    materialMetalness, materialRoughness, materialSpecularIntensity, mix, negateOnBackSide, normalView, normalViewGeometry, positionViewDirection,
+    positionWorld, reflect, select, texture, texture3D, textureLoad, uniform, varying, vec2, vec3, vec4, instanceIndex,
+} from 'three/tsl';
+
+import * as hl from '../generated/shading.tsl.js';
+import { COLUMNS, ROWS } from '../webgl/shader_text.js';
+
+const REALTIME = 0;
+const SUBTRACTIVE = 4;
+
+const toWorld = (v) => vec4(v, 0).mul(cameraViewMatrix).xyz.normalize();
+/** Component `index` of a vec4, which is no constant. */
+const component = (v, index) => select(index.equal(0), v.x, select(index.equal(1), v.y, select(index.equal(2), v.z, v.w)));
+
+/** Nodes that a scene's materials share. */
+export class SceneNodes {
+    /** @param {any} u uniforms and textures: see WebGPUBackend @param {(object: any) => number} rowOf */
+    constructor(u, rowOf) {
+        this.u = u;
+        this.row = uniform(0, 'int').onObjectUpdate(({ object }) => rowOf(object));
+    }
+
+    cell(row, column) {
+        const x = row.div(ROWS).mul(COLUMNS).add(column);
+        return textureLoad(this.u.table, ivec2(x, row.mod(ROWS)));
+    }
+
+    /** The fragment as lights see it: HlSurface of shader_text.js. */
+    surface(builder) {
+        const { u } = this;
+        const { object, geometry, material } = builder;
+        const s = {};
+        const row = object.isInstancedMesh ? varying(this.row.add(int(instanceIndex)).toFloat()).add(0.5).toInt() : this.row;
+        s.row = row.toVar();
+        const info = this.cell(s.row, 1).toVar();
+        s.lightmapped = info.x.greaterThan(0.5).toVar();
+        s.page = int(info.y.add(0.5));
+        s.volume = int(info.z).toVar();
+        s.position = positionWorld;
+        s.normal = toWorld(normalView).toVar();
+        s.vertexNormal = toWorld(negateOnBackSide(normalViewGeometry)).toVar();
+        s.side = faceDirection;
+        s.view = toWorld(positionViewDirection).toVar();
+        s.fade = hl.hlShadowFade(cameraPosition.sub(positionWorld).length(), hl.hlFadeConstants(u.shadow.x, u.shadow.y)).toVar();
+        s.receive = object.receiveShadow;
+        s.baseColor = diffuseColor.rgb;
+        s.metallic = materialMetalness.clamp();
+        s.roughness = materialRoughness.clamp().toVar();
+        s.specular = material.isMeshPhysicalNodeMaterial || material.isMeshPhysicalMaterial ? materialSpecularIntensity : float(1);
+        s.uv = null;
+        if (geometry.hasAttribute('hlLightmapUv')) {
+            const place = this.cell(s.row, 0);
+            s.uv = attribute('hlLightmapUv', 'vec2').mul(place.xy).add(place.zw).toVar();
+        }
+        const occlusion = this.probeOcclusion(s);
+        s.baked = (s.uv && u.masks ? select(s.lightmapped, this.mask(s), occlusion) : select(s.lightmapped, vec4(1), occlusion)).toVar();
+        return s;
+    }
+
+    mask(s) {
+        const { u } = this;
+        const stored = texture(u.masks, s.uv).depth(s.page).level(0);
+        const { width, height } = u.masks.image;
+        const across = (d) => d.mul(vec2(width, height)).length();
+        const footprint = across(dFdx(s.uv)).max(across(dFdy(s.uv)));
+        const decode = (c) => hl.hlDecodeMask(stored[c], u.maskRange[c], u.maskPenumbra[c], footprint);
+        return vec4(decode('x'), decode('y'), decode('z'), decode('w'));
+    }
+
+    volumeTexture(s, slab) {
+        const row = s.volume.max(0);
+        const slabFromWorld = mat4(this.cell(row, 0), this.cell(row, 1), this.cell(row, 2), this.cell(row, 3));
+        const at = slabFromWorld.mul(vec4(s.position, 1)).xyz.clamp(this.cell(row, 4).xyz, this.cell(row, 5).xyz);
+        return texture3D(this.u.volumes, at.add(vec3(0, 0, slab / 8))).level(0);
+    }
+
+    probeOcclusion(s) {
+        const own = this.cell(s.row, 2);
+        return this.u.volumes ? select(s.volume.greaterThanEqual(0), this.volumeTexture(s, 3), own) : own;
+    }
+
+    /** Irradiance from the object's probes. */
+    probeIrradiance(s, n) {
+        const weight = (i) => hl.hlShIrradianceWeight(int(i), n);
+        let own = vec3(0);
+        for (let i = 0; i < 9; ++i) own = own.add(this.cell(s.row, 3 + i).rgb.mul(weight(i)));
+        if (!this.u.volumes) return own.max(0);
+        const low = vec4(weight(0), weight(1), weight(2), weight(3));
+        const high = vec4(weight(4), weight(5), weight(6), weight(7));
+        const channel = (c) => this.volumeTexture(s, c).dot(low).add(this.volumeTexture(s, 4 + c).dot(high));
+        const volume = vec3(channel(0), channel(1), channel(2)).add(this.volumeTexture(s, 7).rgb.mul(weight(8)));
+        return select(s.volume.greaterThanEqual(0), volume.mul(this.cell(s.volume.max(0), 4).w), own).max(0);
+    }
+
+    skyIrradiance(n) {
+        let sum = vec3(0);
+        for (let i = 0; i < 9; ++i) sum = sum.add(this.u.skySh.element(i).mul(hl.hlShIrradianceWeight(int(i), n)));
+        return sum.max(0);
+    }
+
+    /** B of a light, within the reach that it had at its bake. @param {any} light uniforms of one light */
+    baked(s, light) {
+        const fromLight = s.position.sub(light.reach.xyz);
+        const distance = fromLight.length().max(1e-6);
+        const cosAngle = fromLight.dot(light.cone.xyz).div(distance);
+        const channel = int(light.flags.x.max(0));
+        return hl.hlBakedWithinReach(component(s.baked, channel), distance, light.reach.w, cosAngle, light.cone.w);
+    }
+
+    /** Irradiance on a surface that faces the light, without shadow, and its direction. */
+    sample(s, light, kind) {
+        if (kind === 'directional') return { direction: light.axis.negate(), illuminance: light.color };
+        const toLight = light.position.xyz.sub(s.position);
+        const distance = toLight.length().max(1e-6);
+        const direction = toLight.div(distance);
+        let attenuation = hl.hlDistanceAttenuation(distance, light.position.w);
+        if (kind === 'spot') {
+            const constants = hl.hlSpotConstantsOfCosines(light.spot.x, light.spot.y);
+            attenuation = attenuation.mul(hl.hlSpotAttenuation(direction.negate().dot(light.axis), constants));
+        }
+        return { direction, illuminance: light.color.mul(attenuation) };
+    }
+
+    attenuation(s, light, hasMap, realtime) {
+        if (!s.receive) return float(1);
+        const hasBaked = light.flags.x.greaterThanEqual(0);
+        const has = hasMap ? light.flags.y.greaterThan(0.5) : float(0).greaterThan(0.5);
+        return hl.hlMixShadows(this.u.mode, hasBaked, this.baked(s, light), has, realtime, s.fade, light.flags.w);
+    }
+
+    reflected(s, direction, light) {
+        return hl.hlReflectLight(s.baseColor, s.metallic, s.roughness, s.specular, s.normal, s.view, direction, light);
+    }
+
+    lightmap(s) {
+        if (!s.uv || !this.u.lightmaps) return vec3(0);
+        return texture(this.u.lightmaps, s.uv).depth(s.page).level(0).rgb.mul(this.u.unitLux);
+    }
+
+    /** Lightmap less what dynamic objects keep from it of the main light. @param {any} main see WebGPUBackend */
+    subtracted(s, main) {
+        const lightmap = this.lightmap(s);
+        if (!main || !s.receive) return lightmap;
+        const { light, hasMap, realtime } = main;
+        const irradiance = light.color.mul(s.vertexNormal.dot(light.axis.negate()).clamp());
+        const has = hasMap ? light.flags.y.greaterThan(0.5) : float(0).greaterThan(0.5);
+        const faded = hl.hlMixShadowsFullStrength(this.u.mode, float(0).greaterThan(0.5), float(1), has, realtime, s.fade);
+        const baked = select(light.flags.x.greaterThanEqual(0), component(s.baked, int(light.flags.x.max(0))), float(1));
+        const result = hl.hlSubtractiveIrradiance(lightmap, irradiance, baked, faded, this.u.shadowColor, light.flags.w);
+        return select(this.u.mode.equal(SUBTRACTIVE).and(int(light.flags.z).bitAnd(4).greaterThan(0)), result, lightmap);
+    }
+
+    lightmapScale(s, normal) {
+        if (!s.uv || !this.u.directions) return float(1);
+        const direction = hl.hlDecodeMeanDirection(texture(this.u.directions, s.uv).depth(s.page).level(0).rgb);
+        return hl.hlDirectionalIrradianceScale(direction, s.vertexNormal.mul(s.side), normal.mul(s.side));
+    }
+
+    /** Radiance of light without single directions. */
+    indirect(s, main) {
+        const openSky = this.u.mode.equal(REALTIME);
+        const lobe = hl.hlSpecularLookup(s.view, s.normal, s.roughness).toVar();
+        const lightmap = this.subtracted(s, main).toVar();
+        const at = (n) => {
+            const probes = select(s.lightmapped, lightmap.mul(this.lightmapScale(s, n)), this.probeIrradiance(s, n));
+            return select(openSky, this.skyIrradiance(n), probes);
+        };
+        const around = at(lobe).mul(1 / Math.PI).toVar();
+        const mirror = hl.hlSkyRadiance(this.u.sky.element(0), this.u.sky.element(1), this.u.sky.element(2), reflect(s.view.negate(), s.normal));
+        const surroundings = select(openSky, mix(mirror, around, s.roughness), around);
+        const nDotV = s.normal.dot(s.view).abs().clamp(1e-4, 1);
+        return hl.hlReflectIndirect(s.baseColor, s.metallic, s.roughness, s.specular, nDotV, at(s.normal), surroundings);
+    }
+
+    /** @param {any} lit the picture's radiance @param {any} overlap lights with a channel, or that lost theirs, that reach the fragment */
+    debugView(s, lit, overlap) {
+        const { view } = this.u;
+        const mask = s.baked.rgb.mul(mix(float(0.5), float(1), s.baked.a));
+        const lightmap = select(s.lightmapped, this.lightmap(s).mul(1 / Math.PI), vec3(0));
+        const probes = this.probeIrradiance(s, s.normal).mul(1 / Math.PI);
+        const ramp = [vec3(0), vec3(0, 0, 1), vec3(0, 1, 0), vec3(1, 1, 0), vec3(1, 0, 0), vec3(1)];
+        const count = ramp.reduceRight((rest, color, i) => (rest ? select(overlap.lessThan(i + 0.5), color, rest) : color), null);
+        const numbers = select(view.equal(3), probes, select(view.equal(4), vec3(s.fade), count));
+        const other = select(view.equal(1), mask, select(view.equal(2), lightmap, numbers));
+        return select(view.equal(0), lit, other);
+    }
+}
+
+/** Nodes of the sky: where a box around the camera is drawn, and its colour. */
+export function skyNodes(u, position) {
+    const clip = cameraProjectionMatrix.mul(vec4(cameraViewMatrix.mul(vec4(position, 0)).xyz, 1));
+    const radiance = hl.hlSkyRadiance(u.sky.element(0), u.sky.element(1), u.sky.element(2), position.normalize());
+    return { vertexNode: clip, fragmentNode: vec4(select(u.view.equal(0), radiance, vec3(0)), 1) };
+}
