@@ -24,8 +24,8 @@ constexpr std::array<float, 3> kSpline = {3.0f / 8.0f, 1.0f / 4.0f, 1.0f / 16.0f
 constexpr int kTaps = 25;                                                          ///< 5 × 5
 constexpr int kMiddleTap = 12;
 /// Ratio of the true variance of a weighted mean to that of independent values, by level. Values of level 2 and up
-/// share texels. On an even surface k levels are a kernel of variance (4^k - 1) / 3 along each axis, which stands
-/// for 12.6, 63, 264 and 1070 texels, where independent values would give a factor of 13.4 at each level.
+/// share texels. On an even surface k levels are a kernel of variance (4^k - 1) / 3 along each axis. These kernels
+/// average 12.6, 63, 264 and 1070 texels. Independent values would multiply the number by 13.4 at each level.
 constexpr std::array<float, 4> kCorrelation = {1.0f, 2.7f, 3.2f, 3.3f};
 /// Direct light is stratified over texel and light; its stated variance is that of independent rays.
 constexpr float kDirectVarianceScale = 0.1f;

@@ -54,8 +54,8 @@ std::span<const float> luminancesOf(const NeighbourStats& stats)
     return {stats.luminances.data(), std::size_t(stats.count)};
 }
 
-/// Few samples in the midst of a surface: half blocks of samples agree by chance in one of some thousand texels, so
-/// that the stated variance alone does not prove light to be real.
+/// Few samples, in the midst of a surface. Half blocks agree by chance in one of some thousand such texels, so that a
+/// small stated variance does not prove light to be real.
 bool mayAgreeByChance(const NeighbourStats& stats, const OutlierTexel& texel)
 {
     return texel.isWhole && stats.adjacentCount * stats.step >= 8 && texel.samples < kReliableSamples;

@@ -1,5 +1,5 @@
-// Subtractive's main light. The lightmap's share of its direct light is computed from the stored mask, so that the
-// renderer subtracts exactly the light that the lightmap contains (spec S22).
+// Subtractive's main light. Its direct light in the lightmap is computed from the stored mask. The renderer then
+// subtracts exactly the light that the lightmap contains (spec S22).
 #include "bake/main_light.h"
 
 #include "bake/gather.h"

@@ -18,9 +18,9 @@ namespace {
 constexpr float kLightDisagrees = 0.35f; ///< difference of irradiance over the larger of both
 /// Irradiance below this share of the median probe's counts as dark, so that its differences count little.
 constexpr float kDarkShare = 0.05f;
-/// Distance of a probe from a wall, over the spacing. With layers of probes at this distance on both sides of a wall,
-/// at twice the distance from each other, no Delaunay tetrahedron reaches through both layers: the smallest sphere
-/// around a triangle of one layer, half a diagonal of the grid in radius, ends before the other layer.
+/// Distance of a probe from a wall, over the spacing. Probes on both sides of a wall are two layers at twice this
+/// distance from each other. No Delaunay tetrahedron reaches through both: the smallest sphere around a triangle of one
+/// layer, half a diagonal of the grid in radius, ends before the other.
 constexpr float kWallShare = 0.36f;
 constexpr float kShortestShare = 0.3f; ///< a link is halved if both halves are longer than this share of the spacing
 constexpr float kFloorShare = 0.02f;   ///< height of the probes on floors, over the spacing

@@ -13,10 +13,10 @@
 namespace halflight {
 namespace {
 
-constexpr float kSmoothCosine =
-    0.95f; ///< with a smaller cosine between normals an edge is a corner, where light may differ
-constexpr float kFoldCosine =
-    0.0f; ///< with a smaller cosine between geometric normals it is a hem, whatever the shading normals
+/// Smallest cosine between both sides' shading normals; below it the edge is a corner, where light may differ.
+constexpr float kSmoothCosine = 0.95f;
+/// Smallest cosine between geometric normals; below it the edge is a hem, whatever the shading normals.
+constexpr float kFoldCosine = 0.0f;
 constexpr float kLineTexels = 0.05f;      ///< edges within this distance of a line lie on it
 constexpr std::size_t kMostPartners = 64; ///< an edge with more neighbours on its line is no seam
 

@@ -148,9 +148,9 @@ Components componentsOf(const BakeGeometry& geometry, std::span<const uint32_t> 
     return components;
 }
 
-/// Winding number of a closed component around a point: the sum of its triangles' solid angles over 4 pi, 1 inside an
-/// outward-facing one, -1 inside an inward-facing one, 0 outside (Van Oosterom and Strackee 1983, "The Solid Angle of a
-/// Plane Triangle", eq. 8).
+/// Winding number of a closed component around a point, the sum of its triangles' solid angles over 4 pi. It is 1
+/// inside an outward-facing component, -1 inside an inward-facing one, 0 outside (Van Oosterom and Strackee 1983, "The
+/// Solid Angle of a Plane Triangle", eq. 8).
 double windingNumber(const BakeGeometry& geometry, const Component& component, vec3 point)
 {
     double sum = 0.0;

@@ -159,8 +159,8 @@ struct IrradianceEstimate {
     float varianceOfDirect = 0.0f; ///< of its luminance, lux²; included in varianceOfMean
     uint32_t samples = 0;          ///< number of rays or paths; 0: interpolated
     bool valid = true;             ///< false: the texel lies inside geometry (its rays hit back faces)
-    uint16_t outsidePoints =
-        0xffff; ///< valid sample points: bit i is set if point i of texelPoints() is outside geometry
+    /// Valid sample points: bit i is set if point i of texelPoints() lies outside geometry.
+    uint16_t outsidePoints = 0xffff;
 };
 
 struct ProbeEstimate {
