@@ -108,8 +108,14 @@ def main():
 
     document, binary = glb_parts(baked)
     root = document["extensions"]["HALFLIGHT_mixed_lighting"]
-    decoder("lightmap.ktx2", 1, view_bytes(document, binary, root["lightmaps"][0]["bufferView"]))
-    decoder("mask.png", 0, view_bytes(document, binary, root["shadowmasks"][0]["bufferView"]))
+
+    def picture(reference):
+        texture = document["textures"][reference["index"]]
+        source = texture.get("extensions", {}).get("HALFLIGHT_texture_ktx2", texture)["source"]
+        return view_bytes(document, binary, document["images"][source]["bufferView"])
+
+    decoder("lightmap.ktx2", 1, picture(root["lightmaps"][0]))
+    decoder("mask.png", 0, picture(root["shadowmasks"][0]))
     document, binary = glb_parts(TESTS / "compressed" / "webp.glb")
     decoder("green.webp", 0, view_bytes(document, binary, document["images"][1]["bufferView"]))
     for method in ("edgebreaker", "sequential"):

@@ -137,6 +137,7 @@ Json infoJson(const InfoOptions& options, const BakedScene& baked)
                       {"valid", counts.validProbes},
                       {"grid", Json::array({baked.probes.size.x, baked.probes.size.y, baked.probes.size.z})},
                       {"spacingMeters", jsonOf(baked.probes.spacingMeters)}};
+    json["lost"] = baked.lost;
     json["warnings"] = scene.warnings;
     return json;
 }

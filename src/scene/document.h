@@ -9,6 +9,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <map>
 #include <nlohmann/json.hpp>
 #include <span>
 #include <string>
@@ -23,7 +24,9 @@ struct SourceDocument {
     tinygltf::Model model;               ///< buffers resolved and decompressed; images not decoded
     std::filesystem::path directory;     ///< what relative URIs are relative to
     std::vector<std::string> bufferUris; ///< of the file's buffers that are files of their own
-    std::vector<int> strippedViews;      ///< buffer views that only an earlier bake's MOZ_lightmap used
+    /// By mesh, what takes TEXCOORD_1 back to the shape it had before a bake stretched it: see lightmap_layout.h.
+    std::map<int, vec2> stretchedLayouts;
+    std::vector<int> strippedViews; ///< buffer views that only an earlier bake's MOZ_lightmap used
 };
 
 /// Reads and checks a .glb or .gltf file.

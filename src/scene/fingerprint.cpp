@@ -44,7 +44,7 @@ Hash128 hashOf(const Material& material, const std::vector<Hash128>& pixels)
     hasher.add(material.baseColor).add(material.metallic).add(material.roughness).add(material.emissiveNits);
     hasher.add(int(material.alphaMode)).add(material.alphaMode == Material::AlphaMode::Mask ? material.alphaCutoff : 0);
     hasher.add(int(material.doubleSided)).add(int(material.unlit)).add(int(material.castShadows));
-    if (!material.receiveShadows) hasher.add(int(material.receiveShadows)); // files of before hash what they did
+    hasher.add(int(material.receiveShadows));
     addTexture(hasher, material.baseColorTexture, pixels);
     addTexture(hasher, material.metallicRoughnessTexture, pixels);
     addTexture(hasher, material.emissiveTexture, pixels);
@@ -104,61 +104,6 @@ Hash128 contentHash(const Scene& scene)
     hasher.add(scene.originMeters);
     hasher.add(int(scene.subtractiveShadowColor.has_value())).add(scene.subtractiveShadowColor.value_or(vec3(0.0f)));
     return hasher.add(scene.probePositions).hash();
-}
-
-SceneFingerprints::SceneFingerprints(const Scene& scene)
-    : scene_(scene), complete_(std::none_of(scene.textures.begin(), scene.textures.end(),
-                                            [](const Texture& texture) { return texture.pixels.empty(); })),
-      materials_(materialHashes(scene))
-{}
-
-std::string SceneFingerprints::ofObjects(std::span<const Object* const> objects) const
-{
-    Hasher hasher;
-    bool any = false;
-    for (const Object* object : objects) {
-        if (!object->isStatic || object->mesh < 0) continue;
-        any = true;
-        hasher.add(object->worldFromObject).add(int(object->castShadows)).add(object->sourceInstance);
-        if (!object->receiveShadows) hasher.add(int(object->receiveShadows));
-        for (const MeshPart& part : scene_.meshes[std::size_t(object->mesh)].parts) {
-            hasher.add(materialHash(materials_, part.material));
-            const auto vertices = [&](const auto& values) {
-                if (values.empty()) return;
-                for (const uint32_t index : part.indices) hasher.add(values[index]);
-            };
-            hasher.add(uint64_t(part.indices.size()));
-            vertices(part.positions);
-            vertices(part.uv[0]);
-            vertices(part.colors);
-        }
-    }
-    return any ? hasher.hash().hex() : std::string();
-}
-
-std::string SceneFingerprints::ofLight(const Light& light) const
-{
-    if (!light.baking.isBaked || light.baking.bakeType == LightMode::Realtime) return {};
-    Hasher hasher;
-    hasher.add(lightShapeHash(light));
-    // A subtractive lightmap holds direct light of mixed lights, too; fingerprints of versions that kept no LightAtBake
-    // do not say so.
-    const bool known = light.baking.bakeType == LightMode::Baked || light.baking.atBake.known;
-    if (directLightIsBaked(light) && known) hasher.add(light.color).add(light.intensity);
-    return hasher.hash().hex();
-}
-
-std::string SceneFingerprints::ofScene() const
-{
-    const auto isStatic = [](const Object& object) { return object.isStatic && object.mesh >= 0; };
-    const auto isBaked = [](const Light& light) {
-        return light.baking.isBaked && light.baking.bakeType != LightMode::Realtime;
-    };
-    Hasher hasher;
-    hasher.add(scene_.sky.zenith).add(scene_.sky.horizon).add(scene_.sky.ground);
-    hasher.add(int64_t(std::count_if(scene_.objects.begin(), scene_.objects.end(), isStatic)));
-    hasher.add(int64_t(std::count_if(scene_.lights.begin(), scene_.lights.end(), isBaked)));
-    return hasher.hash().hex();
 }
 
 } // namespace halflight

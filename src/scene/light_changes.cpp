@@ -109,6 +109,8 @@ LightAtBake lightAtBake(const Light& light)
     result.innerConeRadians = light.innerConeRadians;
     result.castShadows = light.castShadows;
     result.shadowStrength = light.shadowStrength;
+    result.radiusMeters = light.radiusMeters;
+    result.angularRadiusRadians = light.angularRadiusRadians;
     return result;
 }
 

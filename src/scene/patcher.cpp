@@ -12,6 +12,7 @@ namespace {
 
 // Indices of things that have no place yet.
 constexpr int kNewBase = 1 << 30;
+constexpr const char* kProbeAccessors[] = {"positions", "radiance", "occlusion", "valid", "tetrahedra", "neighbors"};
 
 // Indices set by this program are signed integers to nlohmann's JSON, those of a file unsigned ones.
 bool isNew(const Json& index)
@@ -93,7 +94,7 @@ void visitAccessors(Json& document, const std::function<void(Json&)>& visit)
     if (Json* extensions = find(document, "extensions")) {
         if (Json* root = find(*extensions, "HALFLIGHT_mixed_lighting")) {
             if (Json* probes = find(*root, "probes")) {
-                for (const char* key : {"positions", "radiance", "occlusion", "valid"}) visitMember(*probes, key);
+                for (const char* key : kProbeAccessors) visitMember(*probes, key);
             }
         }
     }
@@ -187,6 +188,7 @@ std::vector<FinishedDocument::File> DocumentPatcher::takeOutImages(const std::st
     std::map<std::string, std::string> nameOf; // by the image's place in the source: images may share it
     Json* images = find(json, "images");
     for (std::size_t i = 0; images != nullptr && i < std::min(images->size(), source_.model.images.size()); ++i) {
+        if (isNew(member((*images)[i], "bufferView"))) continue; // the bake's own, in a place of an earlier bake
         auto bytes = imageBytes(source_, int(i));
         if (!bytes) continue; // an image that no material uses may be missing: it stays as it is
         const std::string mime = mimeTypeOf(*bytes);
@@ -394,9 +396,7 @@ std::string mimeTypeOf(std::span<const std::byte> image)
     if (startsWith("\x89PNG")) return "image/png";
     if (startsWith("\xFF\xD8\xFF")) return "image/jpeg";
     if (startsWith("RIFF") && startsWith("WEBP", 8)) return "image/webp";
-    if (startsWith("\xAB"
-                   "KTX 20"))
-        return "image/ktx2";
+    if (startsWith("KTX 20", 1)) return "image/ktx2";
     return "";
 }
 

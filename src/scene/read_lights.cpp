@@ -43,6 +43,13 @@ void readAtBake(const Json& json, LightAtBake& out)
     const Json& cast = member(json, "castShadows");
     good = good && cast.is_boolean();
     if (!good) return;
+    const auto recorded = [&](const char* key, float high) {
+        const Json& value = member(json, key);
+        const bool inRange = value.is_number() && value.get<float>() >= 0.0f && value.get<float>() <= high;
+        return inRange ? value.get<float>() : -1.0f;
+    };
+    read.radiusMeters = recorded("radius", kMax);
+    read.angularRadiusRadians = recorded("angularRadius", kPi);
     read.castShadows = cast.get<bool>();
     read.known = true;
     out = read;

@@ -223,6 +223,12 @@ Result<MeshRead> readMesh(const SourceDocument& document, int index, const std::
         if (!part) return part.error();
         if (*part) read.mesh.parts.push_back(std::move(**part));
     }
+    if (const auto it = document.stretchedLayouts.find(index); it != document.stretchedLayouts.end()) {
+        for (MeshPart& part : read.mesh.parts) {
+            if (readsTexCoord(element(document.json, "materials", part.material), 1)) continue;
+            for (vec2& uv : part.uv[1]) uv *= it->second;
+        }
+    }
     // One slot for the whole mesh, since a node names one.
     int texCoord = 1;
     const auto taken = [&](int n) {

@@ -389,7 +389,7 @@ void warnUnknownExtras(const Json& extras, ExtrasOwner owner, const std::string&
     if (!extras.is_object()) return;
     for (const auto& item : extras.items()) {
         const std::string_view name = item.key();
-        if (name.substr(0, kPrefix.size()) != kPrefix) continue;
+        if (name.substr(0, kPrefix.size()) != kPrefix || name == kBakeMark) continue;
         const auto knows = [&](const auto& keys) {
             for (const auto& key : keys) {
                 if (name.substr(kPrefix.size()) == key.name) return true;

@@ -11,6 +11,9 @@
 
 namespace halflight {
 
+/// Key of the scene's extras that says what a bake wrote: it outlives tools that drop unknown extensions.
+constexpr const char* kBakeMark = "halflight_baked";
+
 struct ObjectSettings {
     std::optional<bool> isStatic;
     std::optional<bool> castShadows;

@@ -1,5 +1,6 @@
 #include "scene/strip.h"
 
+#include "scene/lightmap_layout.h"
 #include "scene/read_parts.h"
 
 #include <map>
@@ -137,6 +138,7 @@ void stripEarlierBake(SourceDocument& document)
     stripMaterials(document);
     stripStandIns(document);
     mergeMeshes(document);
+    document.stretchedLayouts = stretchedLayouts(document);
 }
 
 } // namespace halflight

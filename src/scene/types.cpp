@@ -1,5 +1,7 @@
 #include "scene/types.h"
 
+#include "scene/bake_types.h"
+
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -9,27 +11,6 @@
 namespace halflight {
 
 namespace {
-
-enum class Kind {
-    Any,
-    Object,
-    Array,
-    Text,
-    Flag,
-    Number,
-    Index,   // unsigned, at most 31 bits: indices, enumerators, small counts
-    Length,  // unsigned, any size: bytes and counts, whose limits validate.cpp knows
-    Signed,  // an integer
-    Indices, // an array of `count` unsigned integers
-    Numbers, // an array of `count` numbers; 0 = any number of them
-    Bounds   // an array of numbers of any size or null, as exporters write NaN: read by nobody
-};
-
-struct Rule {
-    std::string_view path; // from the document's root; * is any index or name
-    Kind kind;
-    std::size_t count = 0;
-};
 
 // Arrays and objects that other rules lead through need no rule of their own: "a/*/b" says that a is an array and its
 // items are objects, "a/{}/b" that a is an object with any names.
@@ -91,8 +72,6 @@ constexpr Rule kRules[] = {
     {"materials/*/extensions/KHR_materials_pbrSpecularGlossiness/diffuseFactor", Kind::Numbers, 4},
     {"materials/*/extensions/KHR_materials_pbrSpecularGlossiness/specularFactor", Kind::Numbers, 3},
     {"materials/*/extensions/KHR_materials_pbrSpecularGlossiness/glossinessFactor", Kind::Number},
-    {"materials/*/extensions/HALFLIGHT_material/castShadows", Kind::Flag},
-    {"materials/*/extensions/HALFLIGHT_material/receiveShadows", Kind::Flag},
 
     {"meshes/*/weights", Kind::Numbers},
     {"meshes/*/primitives/*/attributes/{}", Kind::Index},
@@ -137,42 +116,6 @@ constexpr Rule kRules[] = {
     {"nodes/*/extensions/KHR_lights_punctual/light", Kind::Index},
     {"nodes/*/extensions/KHR_node_visibility/visible", Kind::Flag},
     {"nodes/*/extensions/EXT_mesh_gpu_instancing/attributes/{}", Kind::Index},
-    {"nodes/*/extensions/HALFLIGHT_node/static", Kind::Flag},
-    {"nodes/*/extensions/HALFLIGHT_node/castShadows", Kind::Flag},
-    {"nodes/*/extensions/HALFLIGHT_node/receiveShadows", Kind::Flag},
-    {"nodes/*/extensions/HALFLIGHT_node/lightmapScale", Kind::Number},
-    {"nodes/*/extensions/HALFLIGHT_node/probes", Kind::Text},
-    {"nodes/*/extensions/HALFLIGHT_node/probeResolution", Kind::Indices, 3},
-    {"nodes/*/extensions/HALFLIGHT_node/fingerprint", Kind::Text},
-    {"nodes/*/extensions/HALFLIGHT_node/lightmap/page", Kind::Index},
-    {"nodes/*/extensions/HALFLIGHT_node/lightmap/scale", Kind::Numbers, 2},
-    {"nodes/*/extensions/HALFLIGHT_node/lightmap/offset", Kind::Numbers, 2},
-    {"nodes/*/extensions/HALFLIGHT_node/lightmap/texCoord", Kind::Index},
-    {"nodes/*/extensions/HALFLIGHT_node/lightmap/perInstance", Kind::Flag},
-    {"nodes/*/extensions/HALFLIGHT_light/mode", Kind::Text},
-    {"nodes/*/extensions/HALFLIGHT_light/shadowStrength", Kind::Number},
-    {"nodes/*/extensions/HALFLIGHT_light/indirectMultiplier", Kind::Number},
-    {"nodes/*/extensions/HALFLIGHT_light/castShadows", Kind::Flag},
-    {"nodes/*/extensions/HALFLIGHT_light/radius", Kind::Number},
-    {"nodes/*/extensions/HALFLIGHT_light/angularRadius", Kind::Number},
-    {"nodes/*/extensions/HALFLIGHT_light/added", Kind::Flag},
-    {"nodes/*/extensions/HALFLIGHT_light/shadowBias/depth", Kind::Number},
-    {"nodes/*/extensions/HALFLIGHT_light/shadowBias/slope", Kind::Number},
-    {"nodes/*/extensions/HALFLIGHT_light/shadowBias/normal", Kind::Number},
-    {"nodes/*/extensions/HALFLIGHT_light/baking/bakeType", Kind::Text},
-    {"nodes/*/extensions/HALFLIGHT_light/baking/mixedLightingMode", Kind::Text},
-    {"nodes/*/extensions/HALFLIGHT_light/baking/occlusionMaskChannel", Kind::Signed},
-    {"nodes/*/extensions/HALFLIGHT_light/baking/reason", Kind::Text},
-    {"nodes/*/extensions/HALFLIGHT_light/baking/fingerprint", Kind::Text},
-    {"nodes/*/extensions/HALFLIGHT_light/baking/worldFromLight", Kind::Numbers, 16},
-    {"nodes/*/extensions/HALFLIGHT_light/baking/reach", Kind::Number},
-    {"nodes/*/extensions/HALFLIGHT_light/baking/outerConeAngle", Kind::Number},
-    {"nodes/*/extensions/HALFLIGHT_light/baking/atBake/colorIntensity", Kind::Numbers, 3},
-    {"nodes/*/extensions/HALFLIGHT_light/baking/atBake/indirectMultiplier", Kind::Number},
-    {"nodes/*/extensions/HALFLIGHT_light/baking/atBake/range", Kind::Number},
-    {"nodes/*/extensions/HALFLIGHT_light/baking/atBake/innerConeAngle", Kind::Number},
-    {"nodes/*/extensions/HALFLIGHT_light/baking/atBake/shadowStrength", Kind::Number},
-    {"nodes/*/extensions/HALFLIGHT_light/baking/atBake/castShadows", Kind::Flag},
 
     {"extensions/KHR_lights_punctual/lights/*/name", Kind::Text},
     {"extensions/KHR_lights_punctual/lights/*/type", Kind::Text},
@@ -182,38 +125,6 @@ constexpr Rule kRules[] = {
     {"extensions/KHR_lights_punctual/lights/*/spot/innerConeAngle", Kind::Number},
     {"extensions/KHR_lights_punctual/lights/*/spot/outerConeAngle", Kind::Number},
 
-    {"extensions/HALFLIGHT_mixed_lighting/version", Kind::Index},
-    {"extensions/HALFLIGHT_mixed_lighting/mode", Kind::Text},
-    {"extensions/HALFLIGHT_mixed_lighting/fingerprint", Kind::Text},
-    {"extensions/HALFLIGHT_mixed_lighting/lightmapUnitLux", Kind::Number},
-    {"extensions/HALFLIGHT_mixed_lighting/lightmaps/*/bufferView", Kind::Index},
-    {"extensions/HALFLIGHT_mixed_lighting/lightmaps/*/mimeType", Kind::Text},
-    {"extensions/HALFLIGHT_mixed_lighting/lightmapDirections/*/bufferView", Kind::Index},
-    {"extensions/HALFLIGHT_mixed_lighting/lightmapDirections/*/mimeType", Kind::Text},
-    {"extensions/HALFLIGHT_mixed_lighting/shadowmasks/*/bufferView", Kind::Index},
-    {"extensions/HALFLIGHT_mixed_lighting/shadowmasks/*/mimeType", Kind::Text},
-    {"extensions/HALFLIGHT_mixed_lighting/shadowmaskChannels/*/encoding", Kind::Text},
-    {"extensions/HALFLIGHT_mixed_lighting/shadowmaskChannels/*/rangeTexels", Kind::Number},
-    {"extensions/HALFLIGHT_mixed_lighting/shadowmaskChannels/*/penumbraTexels", Kind::Number},
-    {"extensions/HALFLIGHT_mixed_lighting/sky/zenith", Kind::Numbers, 3},
-    {"extensions/HALFLIGHT_mixed_lighting/sky/horizon", Kind::Numbers, 3},
-    {"extensions/HALFLIGHT_mixed_lighting/sky/ground", Kind::Numbers, 3},
-    {"extensions/HALFLIGHT_mixed_lighting/subtractiveShadowColor", Kind::Numbers, 3},
-    {"extensions/HALFLIGHT_mixed_lighting/shadowColorFromBake", Kind::Flag},
-    {"extensions/HALFLIGHT_mixed_lighting/origin", Kind::Numbers, 3},
-    {"extensions/HALFLIGHT_mixed_lighting/authoredProbes", Kind::Array},
-    {"extensions/HALFLIGHT_mixed_lighting/probes/count", Kind::Length},
-    {"extensions/HALFLIGHT_mixed_lighting/probes/positions", Kind::Index},
-    {"extensions/HALFLIGHT_mixed_lighting/probes/radiance", Kind::Index},
-    {"extensions/HALFLIGHT_mixed_lighting/probes/occlusion", Kind::Index},
-    {"extensions/HALFLIGHT_mixed_lighting/probes/valid", Kind::Index},
-    {"extensions/HALFLIGHT_mixed_lighting/probes/grid/origin", Kind::Numbers, 3},
-    {"extensions/HALFLIGHT_mixed_lighting/probes/grid/spacing", Kind::Numbers, 3},
-    {"extensions/HALFLIGHT_mixed_lighting/probes/grid/size", Kind::Indices, 3},
-    {"extensions/HALFLIGHT_mixed_lighting/mozLightmap/materials/*/material", Kind::Index},
-    {"extensions/HALFLIGHT_mixed_lighting/mozLightmap/materials/*/source", Kind::Index},
-    {"extensions/HALFLIGHT_mixed_lighting/mozLightmap/textures/*", Kind::Index},
-    {"extensions/HALFLIGHT_mixed_lighting/mozLightmap/images/*", Kind::Index},
 };
 
 // Members without which the parser gives up on the whole file, with a sentence that names no object.
@@ -296,6 +207,7 @@ Shape makeShape()
 {
     Shape shape;
     for (const Rule& rule : kRules) shape.add(rule.path, rule.kind, rule.count);
+    for (const Rule& rule : kBakeRules) shape.add(rule.path, rule.kind, rule.count);
     for (const std::string_view slot : kTextureSlots) {
         for (const Rule& rule : kTextureRules)
             shape.add(std::string(slot) + "/" + std::string(rule.path), rule.kind, rule.count);

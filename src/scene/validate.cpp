@@ -10,7 +10,6 @@
 #include <string_view>
 
 namespace halflight {
-
 namespace {
 
 // An element without data behind it costs no file bytes, so a small file could ask for any amount of memory.
@@ -18,7 +17,7 @@ constexpr uint64_t kMaxImplicitElements = 1u << 20;
 constexpr uint64_t kMaxInt = 0x7fffffff;
 constexpr uint64_t kMaxByteLength = 0xffffffff;
 
-constexpr std::array<std::string_view, 18> kSupportedExtensions = {"KHR_lights_punctual",
+constexpr std::array<std::string_view, 19> kSupportedExtensions = {"KHR_lights_punctual",
                                                                    "KHR_materials_emissive_strength",
                                                                    "KHR_texture_transform",
                                                                    "KHR_mesh_quantization",
@@ -34,6 +33,7 @@ constexpr std::array<std::string_view, 18> kSupportedExtensions = {"KHR_lights_p
                                                                    "HALFLIGHT_node",
                                                                    "HALFLIGHT_material",
                                                                    "HALFLIGHT_light",
+                                                                   "HALFLIGHT_texture_ktx2",
                                                                    "MOZ_lightmap",
                                                                    "MOZ_texture_rgbe"};
 

@@ -1,15 +1,18 @@
 #include "halflight/base/file.h"
-#include "halflight/scene/fingerprint.h"
 #include "halflight/scene/gltf.h"
+#include "scene/at_bake.h"
 #include "scene/ktx2.h"
+#include "scene/lightmap_layout.h"
 #include "scene/limits.h"
 #include "scene/make_document.h"
-#include "scene/origin.h"
-#include "scene/read_lights.h"
+#include "scene/read_baked.h"
 #include "scene/rgbe.h"
 #include "scene/settings.h"
 #include "scene/uri.h"
+#include "scene/write_lights.h"
 #include "scene/write_meshes.h"
+#include "scene/write_pictures.h"
+#include "scene/write_probes.h"
 
 #include <algorithm>
 #include <cctype>
@@ -21,7 +24,6 @@ namespace {
 constexpr const char* kRootExtension = "HALFLIGHT_mixed_lighting";
 constexpr const char* kNodeExtension = "HALFLIGHT_node";
 constexpr const char* kMaterialExtension = "HALFLIGHT_material";
-constexpr const char* kLightExtension = "HALFLIGHT_light";
 constexpr const char* kImageInfix = "_image"; // OUT_image_0.png
 constexpr int kNoMaterial = -2;
 
@@ -40,26 +42,6 @@ void eraseExtension(Json& object, const char* name)
     if (object["extensions"].empty()) object.erase("extensions");
 }
 
-Json atBakeJson(const LightAtBake& atBake)
-{
-    return {{"colorIntensity", numbers(atBake.colorIntensity)},
-            {"indirectMultiplier", atBake.indirectMultiplier},
-            {"range", atBake.rangeMeters},
-            {"innerConeAngle", atBake.innerConeRadians},
-            {"castShadows", atBake.castShadows},
-            {"shadowStrength", atBake.shadowStrength}};
-}
-
-/// The biases that the light has of its own.
-Json biasJson(const ShadowBias& bias)
-{
-    Json json = Json::object();
-    if (bias.depthTexels) json["depth"] = *bias.depthTexels;
-    if (bias.slope) json["slope"] = *bias.slope;
-    if (bias.normalTexels) json["normal"] = *bias.normalTexels;
-    return json;
-}
-
 Error cancelledError()
 {
     return {ErrorCode::Cancelled, "writing was cancelled", ""};
@@ -69,7 +51,8 @@ class Writer {
 public:
     Writer(const BakedScene& baked, const WriteOptions& options)
         : baked_(baked), scene_(baked.scene), options_(options), source_(*baked.scene.source), patcher_(source_),
-          fingerprints_(baked.scene), meshes_(patcher_, source_, scene_)
+          pictures_(patcher_, source_), atBake_(baked.scene), layouts_(fileLayouts(scene_, source_)),
+          meshes_(patcher_, source_, scene_, layouts_)
     {}
 
     /// `imagePrefix`: see DocumentPatcher::finish().
@@ -80,7 +63,7 @@ public:
         writeMaterials(); // before their copies with lightmaps are made
         if (Status s = writeObjects(); !s) return s.error();
         meshes_.finish();
-        if (Status s = writeLights(); !s) return s.error();
+        if (Status s = writeLights(patcher_, source_, scene_); !s) return s.error();
         writeRoot();
         writeExtensionsUsed();
         return patcher_.finish(imagePrefix);
@@ -89,12 +72,6 @@ public:
     [[nodiscard]] const WrittenBytes& bytes() const { return bytes_; }
 
 private:
-    /// A pose in the world's coordinates, in double precision.
-    [[nodiscard]] Json worldNumbers(const mat4& pose) const
-    {
-        return numbers(worldFromLocal(pose, scene_.originMeters));
-    }
-    [[nodiscard]] bool fingerprinted() const { return baked_.isBaked && fingerprints_.complete(); }
     Json& nodeJson(int node) { return patcher_.json["nodes"][std::size_t(node)]; }
 
     void removeEarlierBake()
@@ -127,28 +104,31 @@ private:
 
     Status writeImages()
     {
-        for (const auto& lightmap : baked_.lightmaps) {
-            if (options_.progress.cancelled()) return cancelledError();
-            auto ktx2 = encodeKtx2(lightmap);
-            if (!ktx2) return ktx2.error();
-            bytes_.lightmaps += ktx2->size();
-            root_["lightmaps"].push_back(
-                {{"bufferView", patcher_.addView({std::move(*ktx2), 0, 0})}, {"mimeType", "image/ktx2"}});
-        }
-        if (Status s = writePngs("lightmapDirections", baked_.lightmapDirections, bytes_.lightmapDirections); !s)
+        if (Status s = writePages(
+                "lightmaps", "lightmap", baked_.lightmaps, [](const auto& page) { return encodeKtx2(page); },
+                bytes_.lightmaps);
+            !s)
             return s;
-        return writePngs("shadowmasks", baked_.shadowmasks, bytes_.shadowmasks);
+        if (Status s = writePages("lightmapDirections", "lightmap directions", baked_.lightmapDirections, encodePng,
+                                  bytes_.lightmapDirections);
+            !s)
+            return s;
+        if (Status s = writePages("shadowmasks", "shadowmask", baked_.shadowmasks, encodePng, bytes_.shadowmasks); !s)
+            return s;
+        pictures_.finish();
+        return {};
     }
 
-    Status writePngs(const char* key, const std::vector<ImageRgba8>& pages, uint64_t& bytes)
+    template<typename Page, typename Encode> Status writePages(const char* key, const std::string& name,
+                                                               const std::vector<Page>& pages, const Encode& encode,
+                                                               uint64_t& bytes)
     {
-        for (const auto& page : pages) {
+        for (std::size_t i = 0; i < pages.size(); ++i) {
             if (options_.progress.cancelled()) return cancelledError();
-            auto png = encodePng(page);
-            if (!png) return png.error();
-            bytes += png->size();
-            root_[key].push_back(
-                {{"bufferView", patcher_.addView({std::move(*png), 0, 0})}, {"mimeType", "image/png"}});
+            auto encoded = encode(pages[i]);
+            if (!encoded) return encoded.error();
+            bytes += encoded->size();
+            root_[key].push_back(pictures_.add(name + " " + std::to_string(i), std::move(*encoded)));
         }
         return {};
     }
@@ -245,17 +225,20 @@ private:
             record["probes"] = first.probeLighting == ProbeLighting::Volume ? "volume" : "single";
         if (const ivec3 texels = first.probeResolution; texels != ivec3(0))
             record["probeResolution"] = {texels.x, texels.y, texels.z};
-        const std::string fingerprint = fingerprints_.ofObjects(objects);
-        if (fingerprinted() && !fingerprint.empty()) record["fingerprint"] = fingerprint;
+        if (const auto surface = atBake_.ofObjects(objects); baked_.isBaked && surface)
+            record["atBake"] = surface->json();
         const bool instanced = first.sourceInstance >= 0;
         const int texCoord = mesh.parts.empty() ? 1 : mesh.parts[0].lightmapTexCoord;
+        const LightmapBinding binding = layouts_[std::size_t(first.mesh)].binding(first.lightmap);
         if (lightmapped && !instanced) {
-            record["lightmap"] = {{"page", first.lightmap.page},
-                                  {"scale", numbers(first.lightmap.scale)},
-                                  {"offset", numbers(first.lightmap.offset)},
+            record["lightmap"] = {{"page", binding.page},
+                                  {"scale", numbers(binding.scale)},
+                                  {"offset", numbers(binding.offset)},
                                   {"texCoord", texCoord}};
+            ++lightmappedNodes_;
         } else if (lightmapped) {
             record["lightmap"] = {{"perInstance", true}, {"texCoord", texCoord}};
+            ++lightmappedNodes_;
             writeInstances(node, objects);
         }
         nodeJson(node)["extensions"][kNodeExtension] = std::move(record);
@@ -265,7 +248,7 @@ private:
             for (std::size_t p = 0; p < mesh.parts.size(); ++p) {
                 const Json& primitive = source_.json["meshes"][std::size_t(mesh.sourceMesh)]["primitives"]
                                                     [std::size_t(mesh.parts[p].sourcePrimitive)];
-                materials[p] = mozMaterial(primitive.value("material", -1), first.lightmap, texCoord);
+                materials[p] = mozMaterial(primitive.value("material", -1), binding, texCoord);
             }
         }
         // A mesh without lightmap coordinates stays as the source has it, with its skin, whatever its shape in the
@@ -283,7 +266,8 @@ private:
         std::vector<float> page(count, -1.0f);
         for (const Object* object : objects) {
             const auto i = std::size_t(object->sourceInstance);
-            st[i] = vec4(object->lightmap.scale, object->lightmap.offset);
+            const LightmapBinding binding = layouts_[std::size_t(object->mesh)].binding(object->lightmap);
+            st[i] = vec4(binding.scale, binding.offset);
             page[i] = float(object->lightmap.page);
         }
         Json& attributes = nodeJson(node)["extensions"]["EXT_mesh_gpu_instancing"]["attributes"];
@@ -295,149 +279,12 @@ private:
             NewView{bytesOf(page)});
     }
 
-    static Json lightJson(const Light& light)
-    {
-        constexpr const char* kTypes[] = {"directional", "point", "spot"};
-        Json json = {{"name", light.name},
-                     {"type", kTypes[int(light.type)]},
-                     {"color", numbers(light.color)},
-                     {"intensity", light.intensity}};
-        if (light.type != LightType::Directional && light.rangeMeters > 0.0f) json["range"] = light.rangeMeters;
-        if (light.type == LightType::Spot) {
-            json["spot"] = {{"innerConeAngle", light.innerConeRadians}, {"outerConeAngle", light.outerConeRadians}};
-        }
-        return json;
-    }
-
-    Json& lightList()
-    {
-        Json& list = patcher_.json["extensions"]["KHR_lights_punctual"]["lights"];
-        if (!list.is_array()) list = Json::array();
-        return list;
-    }
-
-    // What settings changed of a light of the file: changed in the light itself, or in a copy where nodes share it.
-    void patchLight(const Light& light)
-    {
-        Json& reference = nodeJson(light.sourceNode)["extensions"]["KHR_lights_punctual"]["light"];
-        const auto index = reference.get<std::size_t>();
-        Json json = lightList()[index];
-        const Json before = json;
-        const float defaultIntensity = json.value("intensity", 1.0f);
-        if (light.intensity != defaultIntensity) json["intensity"] = light.intensity;
-        if (numbers(light.color) != json.value("color", numbers(vec3(1.0f))) && !sameColor(json, light.color))
-            json["color"] = numbers(light.color);
-        if (light.type != LightType::Directional && light.rangeMeters != json.value("range", 0.0f)) {
-            if (light.rangeMeters > 0.0f) {
-                json["range"] = light.rangeMeters;
-            } else {
-                json.erase("range");
-            }
-        }
-        if (json == before) return;
-        std::size_t users = 0;
-        for (const Json& node : patcher_.json["nodes"]) {
-            const Json& other = member(extensionOf(node, "KHR_lights_punctual"), "light");
-            users += other.is_number_integer() && other.get<std::size_t>() == index;
-        }
-        if (users > 1) {
-            reference = lightList().size();
-            lightList().push_back(std::move(json));
-        } else {
-            lightList()[index] = std::move(json);
-        }
-    }
-
-    static bool sameColor(const Json& json, vec3 color)
-    {
-        const Json& list = member(json, "color");
-        for (std::size_t c = 0; c < 3; ++c) {
-            if ((list.is_array() && list.size() == 3 ? list[c].get<float>() : 1.0f) != color[int(c)]) return false;
-        }
-        return true;
-    }
-
-    Status writeLights()
-    {
-        for (const Light& light : scene_.lights) {
-            int node = light.sourceNode;
-            bool added = false;
-            if (node >= 0 && std::size_t(node) >= source_.model.nodes.size()) {
-                return Error{ErrorCode::InvalidArgument, "light \"" + light.name + "\" has no node in the source file",
-                             ""};
-            }
-            const bool wasAdded =
-                node >= 0 &&
-                member(extensionOf(source_.json["nodes"][std::size_t(node)], kLightExtension), "added") == true;
-            if (node < 0) {
-                added = true;
-                const std::size_t index = lightList().size();
-                lightList().push_back(lightJson(light));
-                Json json = {{"name", light.name}, {"extensions", {{"KHR_lights_punctual", {{"light", index}}}}}};
-                if (light.worldFromLight != mat4(1.0f) || scene_.originMeters != dvec3(0.0))
-                    json["matrix"] = worldNumbers(light.worldFromLight);
-                node = patcher_.append("nodes", std::move(json));
-                addToScene(node);
-            } else if (wasAdded) {
-                // Its settings file is its source: it may say something else by now.
-                added = true;
-                const auto index = nodeJson(node)["extensions"]["KHR_lights_punctual"]["light"].get<std::size_t>();
-                lightList()[index] = lightJson(light);
-                nodeJson(node)["matrix"] = worldNumbers(light.worldFromLight);
-            } else {
-                patchLight(light);
-            }
-            Json record = {{"mode", nameOf(light.mode)},
-                           {"shadowStrength", light.shadowStrength},
-                           {"indirectMultiplier", light.indirectMultiplier},
-                           {"castShadows", light.castShadows},
-                           {"radius", light.radiusMeters}};
-            if (light.type == LightType::Directional) record["angularRadius"] = light.angularRadiusRadians;
-            if (const Json bias = biasJson(light.shadowBias); !bias.empty()) record["shadowBias"] = bias;
-            if (added) record["added"] = true;
-            if (light.baking.isBaked) {
-                Json& baking = record["baking"];
-                baking = {{"bakeType", nameOf(light.baking.bakeType)},
-                          {"mixedLightingMode", nameOf(light.baking.mixedMode)},
-                          {"occlusionMaskChannel", light.baking.occlusionMaskChannel},
-                          {"worldFromLight", worldNumbers(light.baking.worldFromLight)}};
-                if (light.type != LightType::Directional && light.baking.reachMeters > 0.0f)
-                    baking["reach"] = light.baking.reachMeters;
-                if (light.type == LightType::Spot) baking["outerConeAngle"] = light.baking.outerConeRadians;
-                if (light.baking.atBake.known) baking["atBake"] = atBakeJson(light.baking.atBake);
-                if (!light.baking.reason.empty()) baking["reason"] = light.baking.reason;
-                const std::string fingerprint = fingerprints_.ofLight(light);
-                if (fingerprinted() && !fingerprint.empty()) baking["fingerprint"] = fingerprint;
-            }
-            nodeJson(node)["extensions"][kLightExtension] = std::move(record);
-        }
-        return {};
-    }
-
-    void addToScene(int node)
-    {
-        Json& scenes = patcher_.json["scenes"];
-        if (!scenes.is_array() || scenes.empty()) {
-            // Without scenes all root nodes are shown: a scene that lists them, and the new node, shows the same.
-            std::set<int> children;
-            for (const auto& n : source_.model.nodes) children.insert(n.children.begin(), n.children.end());
-            Json nodes = Json::array();
-            for (std::size_t i = 0; i < source_.model.nodes.size(); ++i) {
-                if (children.count(int(i)) == 0) nodes.push_back(i);
-            }
-            scenes = Json::array({{{"nodes", nodes}}});
-            patcher_.json["scene"] = 0;
-        }
-        const auto index = std::size_t(std::max(0, source_.model.defaultScene));
-        scenes[index]["nodes"].push_back(node);
-    }
-
     void writeRoot()
     {
-        root_["version"] = 1;
+        root_["version"] = kFormatVersion;
         root_["mode"] = nameOf(baked_.mode);
         if (scene_.originMeters != dvec3(0.0)) root_["origin"] = numbers(scene_.originMeters);
-        if (fingerprinted()) root_["fingerprint"] = fingerprints_.ofScene();
+        if (baked_.isBaked) root_["atBake"] = atBake_.sceneJson(lightmappedNodes_);
         if (std::any_of(baked_.maskChannels.begin(), baked_.maskChannels.end(),
                         [](const MaskChannel& c) { return c.rangeTexels > 0.0f; })) {
             for (const MaskChannel& channel : baked_.maskChannels) {
@@ -460,51 +307,21 @@ private:
                 root_["authoredProbes"].push_back(numbers(scene_.originMeters + dvec3(p)));
         }
         if (!moz_.is_null()) root_["mozLightmap"] = moz_;
-        writeProbes();
+        writeMark();
+        if (Json probes = probesJson(patcher_, baked_.probes, bytes_.probes); !probes.is_null())
+            root_["probes"] = std::move(probes);
         patcher_.json["extensions"][kRootExtension] = std::move(root_);
     }
 
-    void writeProbes()
+    /// In the scene's extras, which tools keep that drop extensions they do not know.
+    void writeMark()
     {
-        const auto& probes = baked_.probes.probes;
-        if (probes.empty()) return;
-        std::vector<vec3> positions;
-        std::vector<vec3> radiance;
-        std::vector<vec4> occlusion;
-        std::vector<uint8_t> valid;
-        vec3 low(kInfinity);
-        vec3 high(-kInfinity);
-        for (const Probe& probe : probes) {
-            positions.push_back(probe.position);
-            radiance.insert(radiance.end(), probe.radiance.begin(), probe.radiance.end());
-            occlusion.push_back(probe.occlusion);
-            valid.push_back(probe.valid ? 1 : 0);
-            low = glm::min(low, probe.position);
-            high = glm::max(high, probe.position);
-        }
-        const auto add = [&](const char* type, int componentType, std::size_t count, NewView view) {
-            return patcher_.addAccessor({{"componentType", componentType}, {"count", count}, {"type", type}},
-                                        std::move(view));
-        };
-        constexpr int kFloat = TINYGLTF_COMPONENT_TYPE_FLOAT;
-        Json json = {
-            {"count", probes.size()},
-            {"positions", patcher_.addAccessor({{"componentType", kFloat},
-                                                {"count", probes.size()},
-                                                {"type", "VEC3"},
-                                                {"min", numbers(low)},
-                                                {"max", numbers(high)}},
-                                               NewView{bytesOf(positions)})},
-            {"radiance", add("VEC3", kFloat, radiance.size(), NewView{bytesOf(radiance)})},
-            {"occlusion", add("VEC4", kFloat, occlusion.size(), NewView{bytesOf(occlusion)})},
-            {"valid", add("SCALAR", TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE, valid.size(), NewView{bytesOf(valid)})}};
-        bytes_.probes = probes.size() * (sizeof(vec3) + sizeof(SphericalHarmonicsL2) + sizeof(vec4) + sizeof(uint8_t));
-        const ProbeSet& set = baked_.probes;
-        if (set.size.x > 0 && set.size.y > 0 && set.size.z > 0) {
-            json["grid"] = {
-                {"origin", numbers(set.origin)}, {"spacing", numbers(set.spacingMeters)}, {"size", numbers(set.size)}};
-        }
-        root_["probes"] = std::move(json);
+        if (!baked_.isBaked || !patcher_.json.contains("scenes")) return;
+        Json& scene = patcher_.json["scenes"][std::size_t(std::max(0, source_.model.defaultScene))];
+        if (scene.contains("extras") && !scene["extras"].is_object()) return;
+        scene["extras"][kBakeMark] = std::string(nameOf(baked_.mode)) + ", " + std::to_string(lightmappedNodes_) +
+                                     " lightmapped objects, " + std::to_string(baked_.lightmaps.size()) +
+                                     " lightmap pages, " + std::to_string(baked_.probes.probes.size()) + " probes";
     }
 
     void writeExtensionsUsed()
@@ -518,6 +335,7 @@ private:
         if (!scene_.objects.empty()) used.insert(kNodeExtension);
         if (materialRecords_) used.insert(kMaterialExtension);
         if (!scene_.lights.empty()) used.insert({kLightExtension, "KHR_lights_punctual"});
+        used.insert(pictures_.extensions().begin(), pictures_.extensions().end());
         if (!moz_.is_null()) {
             used.insert({"MOZ_lightmap", "MOZ_texture_rgbe", "KHR_texture_transform"});
         } else if (extensionOf(source_.json, kRootExtension).contains("mozLightmap")) {
@@ -533,11 +351,14 @@ private:
     const WriteOptions& options_;
     const SourceDocument& source_;
     DocumentPatcher patcher_;
-    SceneFingerprints fingerprints_;
+    PictureWriter pictures_;
+    AtBake atBake_;
+    std::vector<FileLayout> layouts_; // by scene mesh
     MeshWriter meshes_;
     WrittenBytes bytes_;
     Json root_;
     Json moz_;
+    std::size_t lightmappedNodes_ = 0;
     bool materialRecords_ = false;   // any material got one
     std::map<int, int> mozTextures_; // page -> texture
     std::map<std::string, int> mozMaterials_;

@@ -48,8 +48,9 @@ void setBounds(Json& accessor, const AccessorView& view)
 
 } // namespace
 
-MeshWriter::MeshWriter(DocumentPatcher& patcher, const SourceDocument& source, const Scene& scene)
-    : patcher_(patcher), source_(source), scene_(scene)
+MeshWriter::MeshWriter(DocumentPatcher& patcher, const SourceDocument& source, const Scene& scene,
+                       const std::vector<FileLayout>& layouts)
+    : patcher_(patcher), source_(source), scene_(scene), layouts_(layouts)
 {}
 
 // The accessor with one element per vertex of the part, copied byte by byte: no format changes on the way.
@@ -79,8 +80,8 @@ Result<int> MeshWriter::remap(const MeshPart& part, int accessor)
     return index;
 }
 
-Result<Json> MeshWriter::primitiveJson(const MeshPart& part, const Json& source, const tinygltf::Primitive& primitive,
-                                       const std::string& path)
+Result<Json> MeshWriter::primitiveJson(const MeshPart& part, const FileLayout& layout, const Json& source,
+                                       const tinygltf::Primitive& primitive, const std::string& path)
 {
     Json json = source;
     const std::size_t sourceCount = source_.model.accessors[std::size_t(primitive.attributes.at("POSITION"))].count;
@@ -131,8 +132,10 @@ Result<Json> MeshWriter::primitiveJson(const MeshPart& part, const Json& source,
     }
     NewView uvs;
     uvs.target = TINYGLTF_TARGET_ARRAY_BUFFER;
-    uvs.bytes.resize(count * sizeof(vec2));
-    std::memcpy(uvs.bytes.data(), part.lightmapUv.data(), uvs.bytes.size());
+    std::vector<vec2> coordinates(count);
+    std::transform(part.lightmapUv.begin(), part.lightmapUv.end(), coordinates.begin(),
+                   [&](vec2 uv) { return layout.coordinate(uv); });
+    uvs.bytes = bytesOf(coordinates);
     const int lightmapUv = patcher_.addAccessor(
         {{"componentType", TINYGLTF_COMPONENT_TYPE_FLOAT}, {"count", count}, {"type", "VEC2"}}, std::move(uvs));
     json["attributes"]["TEXCOORD_" + std::to_string(part.lightmapTexCoord)] = lightmapUv;
@@ -167,7 +170,8 @@ Result<Json> MeshWriter::meshJson(int sceneMesh)
         }
         if (part.lightmapUv.empty()) continue;
         Json& primitive = json["primitives"][std::size_t(part.sourcePrimitive)];
-        auto patched = primitiveJson(part, primitive, model.primitives[std::size_t(part.sourcePrimitive)], path);
+        auto patched = primitiveJson(part, layouts_[std::size_t(sceneMesh)], primitive,
+                                     model.primitives[std::size_t(part.sourcePrimitive)], path);
         if (!patched) return patched;
         primitive = std::move(*patched);
     }

@@ -1,6 +1,7 @@
 #pragma once
 // How the writer puts lightmap coordinates into a document's meshes.
 
+#include "scene/lightmap_layout.h"
 #include "scene/patcher.h"
 
 #include "halflight/scene/baked_scene.h"
@@ -11,7 +12,9 @@ namespace halflight {
 /// nodes need materials of their own (MOZ_lightmap). All share accessors.
 class MeshWriter {
 public:
-    MeshWriter(DocumentPatcher& patcher, const SourceDocument& source, const Scene& scene);
+    /// `layouts`: of each scene mesh; outlives this.
+    MeshWriter(DocumentPatcher& patcher, const SourceDocument& source, const Scene& scene,
+               const std::vector<FileLayout>& layouts);
 
     /// Points the node at the scene mesh's place in the file. `materialOf` gives the material of each part (-1
     /// default); nodes with equal `materials` share a mesh.
@@ -21,13 +24,14 @@ public:
 
 private:
     Result<Json> meshJson(int sceneMesh);
-    Result<Json> primitiveJson(const MeshPart& part, const Json& source, const tinygltf::Primitive& primitive,
-                               const std::string& path);
+    Result<Json> primitiveJson(const MeshPart& part, const FileLayout& layout, const Json& source,
+                               const tinygltf::Primitive& primitive, const std::string& path);
     Result<int> remap(const MeshPart& part, int accessor);
 
     DocumentPatcher& patcher_;
     const SourceDocument& source_;
     const Scene& scene_;
+    const std::vector<FileLayout>& layouts_;
     std::map<int, Json> patched_;                                   ///< by scene mesh
     std::map<std::pair<int, std::vector<int>>, std::size_t> byKey_; ///< index into meshes_
     std::vector<std::pair<int, Json>> meshes_;                      ///< source mesh, JSON

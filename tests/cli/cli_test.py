@@ -826,10 +826,10 @@ class Georeferenced(Case):
         document = json.loads(data[20 : 20 + length])
         root = document["extensions"]["HALFLIGHT_mixed_lighting"]
         images = []
-        for image in root["lightmaps"] + root["shadowmasks"]:
+        for texture in [document["textures"][p["index"]] for p in root["lightmaps"] + root["shadowmasks"]]:
+            image = document["images"][texture.get("extensions", {}).get("HALFLIGHT_texture_ktx2", texture)["source"]]
             view = document["bufferViews"][image["bufferView"]]
-            begin = 28 + length + view.get("byteOffset", 0)
-            images.append(data[begin : begin + view["byteLength"]])
+            images.append(data[28 + length + view.get("byteOffset", 0) :][: view["byteLength"]])
         return root, images
 
     def picture(self, scene, *arguments):

@@ -1,6 +1,6 @@
 // The Delaunay tetrahedra themselves, against their definition by brute force in exact integers.
+#include "halflight/scene/tetrahedra.h"
 #include "plan_scene.h"
-#include "render/frame/tetrahedra.h"
 
 #include <gtest/gtest.h>
 

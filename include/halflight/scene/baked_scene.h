@@ -1,9 +1,11 @@
 #pragma once
 
 #include "halflight/scene/scene.h"
+#include "halflight/scene/tetrahedra.h"
 
 #include <array>
 #include <cstdint>
+#include <string>
 #include <vector>
 
 namespace halflight {
@@ -29,6 +31,9 @@ struct ProbeSet {
     vec3 spacingMeters{1.0f};
     ivec3 size{0};
     std::vector<Probe> probes;
+    /// Delaunay tetrahedra between the valid probes, as a file brought them; vertices are indices into `probes`. Empty:
+    /// probeCells() makes them.
+    std::vector<Tetrahedron> tetrahedra;
 };
 
 /// How a channel of the shadowmask is to be read: see decodeMask() in shading/mask.h.
@@ -59,6 +64,8 @@ struct BakedScene {
     /// light is shadowed. Counts where the author asks for none.
     vec3 defaultShadowColor{0.0f};
     ProbeSet probes;
+    /// What a tool dropped of the bake since it was written, as phrases; scene.warnings has them as sentences.
+    std::vector<std::string> lost;
 };
 
 /// Lower limit of subtractive shadows, irradiance in lux: the author's, else the bake's.

@@ -143,6 +143,8 @@ struct LightAtBake {
     float innerConeRadians = 0.0f;
     bool castShadows = true;
     float shadowStrength = 1.0f;
+    float radiusMeters = -1.0f;         ///< below 0: not recorded
+    float angularRadiusRadians = -1.0f; ///< below 0: not recorded
 };
 
 /// What the bake did with a light (spec: baking output). The renderer follows this, not the light's authored mode.

@@ -2,7 +2,7 @@
 // Point location in the tetrahedra between probes, and the nearest point of their hull.
 
 #include "halflight/render/probes.h"
-#include "render/frame/tetrahedra.h"
+#include "halflight/scene/probe_cells.h"
 
 #include <glm/gtc/type_precision.hpp>
 
@@ -50,8 +50,8 @@ public:
     [[nodiscard]] ProbeWeights weights(vec3 position) const;
     [[nodiscard]] const std::vector<Probe>& probes() const { return probes_; }
     [[nodiscard]] const std::vector<uint32_t>& sources() const { return sources_; } ///< their indices in the scene
-    [[nodiscard]] std::size_t tetrahedronCount() const { return cells_.size(); }
-    [[nodiscard]] vec3 spacingMeters() const { return spacing_; }
+    [[nodiscard]] std::size_t tetrahedronCount() const { return mesh_.cells.size(); }
+    [[nodiscard]] vec3 spacingMeters() const { return mesh_.spacingMeters; }
     [[nodiscard]] const ProbeSample& sky() const { return sky_; }
 
 private:
@@ -61,27 +61,19 @@ private:
         std::array<double, 4> weights{};
     };
 
-    void placeVertices(const ProbeSet& set, std::vector<ivec3>& lattice);
-    void peelFlatCells();
     void buildHull();
     void buildStarts();
     [[nodiscard]] Where walk(uint32_t start, glm::dvec3 point) const;
     [[nodiscard]] std::array<double, 4> weightsIn(const Tetrahedron& cell, glm::dvec3 point) const;
     [[nodiscard]] std::size_t startCellOf(glm::dvec3 point) const;
 
+    /// Copies of a probe along flat axes follow the probes, as many in each layer.
+    [[nodiscard]] uint32_t placeOf(uint32_t vertex) const { return uint32_t(vertex % mesh_.probeCount); }
+
     std::vector<Probe> probes_;
     std::vector<uint32_t> sources_;
     ProbeSample sky_;
-    vec3 spacing_{kInfinity};
-
-    // The mesh lives in a space of its own: p = transpose(frame) * (world - origin), metres.
-    glm::dvec3 origin_{0.0};
-    glm::dmat3 frame_{1.0};
-    glm::bvec3 flat_{false};  ///< axes along which probes do not differ: points are taken to 0 there
-    double stepMeters_ = 0.0; ///< rounding of positions to the lattice; 0 for grids
-    std::vector<glm::dvec3> vertices_;
-    std::vector<uint32_t> probeOf_; ///< vertex → place in probes_
-    std::vector<Tetrahedron> cells_;
+    ProbeCells mesh_;
     HullFaces hull_;
 
     // Where a walk begins, by the point's place in a coarse grid.

@@ -79,15 +79,16 @@ export function isBaked(json) {
 export async function readBaked(source) {
     const root = source.json.extensions?.[ROOT];
     if (!root) throw new Error('the file is not baked: it has no HALFLIGHT_mixed_lighting');
-    if (root.version !== 1)
-        throw new Error(`the bake's format is version ${root.version}; this program reads version 1`);
+    if (root.version !== 1 && root.version !== 2)
+        throw new Error(`the bake's format is version ${root.version}; this program reads versions 1 and 2`);
     const bytes = { lightmaps: 0, masks: 0, directions: 0, probes: 0 };
     const pages = async (list, part, decode) =>
         Promise.all(
             (list ?? []).map(async (entry, page) => {
-                const data = bytesOf(await source.bufferView(entry.bufferView));
+                const image = pictureOf(source.json, entry);
+                const data = bytesOf(await source.bufferView(image.bufferView));
                 bytes[part] += data.byteLength;
-                return decode(data, entry.mimeType, `${part} page ${page}`);
+                return decode(data, image.mimeType, `${part} page ${page}`);
             })
         );
     const [lightmaps, directions, masks, probes] = await Promise.all([
@@ -117,6 +118,14 @@ export async function readBaked(source) {
         })),
         bytes,
     };
+}
+
+/** The image of a page: that of a texture, or in version 1 of the format the page itself. */
+function pictureOf(json, entry) {
+    if (entry.index === undefined) return entry;
+    const texture = json.textures[entry.index];
+    const { HALFLIGHT_texture_ktx2: ktx2, EXT_texture_webp: webp } = texture.extensions ?? {};
+    return json.images[(ktx2 ?? webp ?? texture).source];
 }
 
 function checkPages(lightmaps, directions, masks) {

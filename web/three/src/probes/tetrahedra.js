@@ -1,5 +1,5 @@
 // Delaunay tetrahedra of points on an integer lattice, for files that hold none. The same algorithm as
-// src/render/frame/tetrahedra.cpp: incremental insertion (Bowyer 1981; Watson 1981) with exact predicates, and ties broken
+// src/scene/tetrahedra.cpp: incremental insertion (Bowyer 1981; Watson 1981) with exact predicates, and ties broken
 // by a symbolic perturbation of the lifted heights (Devillers and Teillaud 2011), so both give the same cells.
 
 const INFINITE = 0xffffffff;

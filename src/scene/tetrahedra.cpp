@@ -3,7 +3,7 @@
 // the hull is full of coplanar points: floating point gives holes, or flat cells, there. So all predicates are exact
 // integers, and ties fall by a symbolic perturbation of the lifted heights (Devillers and Teillaud 2011, "Perturbations
 // for Delaunay and Weighted Delaunay 3D Triangulations"), under which no four points of a plane ever become a cell.
-#include "render/frame/tetrahedra.h"
+#include "halflight/scene/tetrahedra.h"
 
 #include <algorithm>
 #include <cassert>

@@ -1,0 +1,127 @@
+#include "scene/read_probes.h"
+
+#include "scene/bake_members.h"
+
+#include <algorithm>
+
+namespace halflight {
+
+namespace {
+
+// Elements of a VEC4 accessor of unsigned integers, flat.
+Result<std::vector<uint32_t>> readQuadruples(const SourceDocument& document, const Json& json, const char* key,
+                                             std::size_t count, const std::string& path)
+{
+    const auto index = accessorIndex(document, json, key, count, path);
+    if (!index) return index.error();
+    const auto view = viewAccessor(document, *index);
+    if (!view) return view.error();
+    if (view->components != 4 || view->componentType != TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT)
+        return invalid(path, std::string(key) + " is not VEC4 of unsigned int");
+    std::vector<uint32_t> values;
+    values.reserve(4 * count);
+    for (std::size_t i = 0; i < count; ++i) {
+        for (int c = 0; c < 4; ++c) values.push_back(view->integer(i, c));
+    }
+    return values;
+}
+
+// Whether a neighbour names the cell back, across a face of the same three vertices.
+bool meet(const std::vector<Tetrahedron>& cells, uint32_t cell, std::size_t face)
+{
+    const Tetrahedron& a = cells[cell];
+    if (a.neighbor[face] == cell) return false;
+    const Tetrahedron& b = cells[a.neighbor[face]];
+    const auto back = std::find(b.neighbor.begin(), b.neighbor.end(), cell);
+    if (back == b.neighbor.end()) return false;
+    for (std::size_t i = 0; i < 4; ++i) {
+        if (i == face) continue;
+        const auto same = std::find(b.vertex.begin(), b.vertex.end(), a.vertex[i]);
+        if (same == b.vertex.end() || same - b.vertex.begin() == back - b.neighbor.begin()) return false;
+    }
+    return true;
+}
+
+Status readTetrahedra(const SourceDocument& document, const Json& json, ProbeSet& set)
+{
+    const std::string path = kBakePath + "/probes";
+    const Json& reference = member(json, "tetrahedra");
+    if (reference.is_null()) return {};
+    if (!reference.is_number_unsigned() || reference.get<uint64_t>() >= document.model.accessors.size())
+        return invalid(path, "tetrahedra refers to an accessor that does not exist");
+    const std::size_t count = document.model.accessors[reference.get<std::size_t>()].count;
+    const auto vertices = readQuadruples(document, json, "tetrahedra", count, path);
+    if (!vertices) return vertices.error();
+    const auto neighbors = readQuadruples(document, json, "neighbors", count, path);
+    if (!neighbors) return neighbors.error();
+    set.tetrahedra.resize(count);
+    for (std::size_t i = 0; i < count; ++i) {
+        std::copy_n(vertices->begin() + std::ptrdiff_t(4 * i), 4, set.tetrahedra[i].vertex.begin());
+        std::copy_n(neighbors->begin() + std::ptrdiff_t(4 * i), 4, set.tetrahedra[i].neighbor.begin());
+    }
+    for (uint32_t i = 0; i < count; ++i) {
+        for (const uint32_t vertex : set.tetrahedra[i].vertex) {
+            if (vertex >= set.probes.size() || !set.probes[vertex].valid)
+                return invalid(path, "tetrahedron " + std::to_string(i) + " has a vertex that is no valid probe");
+        }
+    }
+    for (uint32_t i = 0; i < count; ++i) {
+        const Tetrahedron& cell = set.tetrahedra[i];
+        for (std::size_t k = 0; k < 4; ++k) {
+            if (cell.neighbor[k] == kOutside) continue;
+            if (cell.neighbor[k] >= count || !meet(set.tetrahedra, i, k))
+                return invalid(path, "tetrahedron " + std::to_string(i) + " has a neighbour that is not beside it");
+        }
+    }
+    return {};
+}
+
+} // namespace
+
+Status readProbes(const SourceDocument& document, const Json& json, const glm::dvec3& shift, ProbeSet& set)
+{
+    if (json.is_null()) return {};
+    const std::string path = kBakePath + "/probes";
+    const Json& count = member(json, "count");
+    if (!count.is_number_unsigned() || count.get<uint64_t>() > (1u << 28))
+        return invalid(path, "count is not a number of probes");
+    const auto n = count.get<std::size_t>();
+    const auto positions = accessorIndex(document, json, "positions", n, path);
+    const auto radiance = accessorIndex(document, json, "radiance", 9 * n, path);
+    const auto occlusion = accessorIndex(document, json, "occlusion", n, path);
+    const auto valid = accessorIndex(document, json, "valid", n, path);
+    for (const auto* index : {&positions, &radiance, &occlusion, &valid}) {
+        if (!*index) return index->error();
+    }
+    const auto p = readVectors<3>(document, *positions);
+    const auto r = readVectors<3>(document, *radiance);
+    const auto o = readVectors<4>(document, *occlusion);
+    const auto v = readIntegers(document, *valid);
+    if (!p) return p.error();
+    if (!r) return r.error();
+    if (!o) return o.error();
+    if (!v) return v.error();
+    set.probes.resize(n);
+    for (std::size_t i = 0; i < n; ++i) {
+        Probe& probe = set.probes[i];
+        probe.position = vec3(glm::dvec3((*p)[i]) + shift);
+        for (std::size_t k = 0; k < 9; ++k) probe.radiance[k] = (*r)[9 * i + k];
+        probe.occlusion = (*o)[i];
+        probe.valid = (*v)[i] != 0;
+    }
+    if (Status s = readTetrahedra(document, json, set); !s) return s;
+    const Json& grid = member(json, "grid");
+    if (grid.is_null()) return {};
+    if (!readVector(member(grid, "origin"), set.origin) || !readVector(member(grid, "spacing"), set.spacingMeters) ||
+        !readVector(member(grid, "size"), set.size)) {
+        return invalid(path + "/grid", "origin, spacing and size are not three numbers each");
+    }
+    set.origin = vec3(glm::dvec3(set.origin) + shift);
+    if (set.size.x < 1 || set.size.y < 1 || set.size.z < 1 || glm::any(glm::greaterThan(set.size, ivec3(1 << 20))) ||
+        uint64_t(set.size.x) * uint64_t(set.size.y) * uint64_t(set.size.z) != n) {
+        return invalid(path + "/grid", "its size does not multiply to the number of probes");
+    }
+    return {};
+}
+
+} // namespace halflight

@@ -1,0 +1,48 @@
+#pragma once
+// The bake's pictures in a document: glTF textures and images like any other.
+
+#include "scene/patcher.h"
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace halflight {
+
+/// Texture extension for images that core glTF does not allow as a texture's source.
+constexpr const char* kKtx2Extension = "HALFLIGHT_texture_ktx2";
+/// Members of the root extension that hold the bake's pictures, one per lightmap page.
+constexpr std::string_view kPictureLists[] = {"lightmaps", "lightmapDirections", "shadowmasks"};
+
+class PictureWriter {
+public:
+    /// Textures and images of an earlier bake in `source` give their places to the new ones, as no index may shift.
+    PictureWriter(DocumentPatcher& patcher, const SourceDocument& source);
+
+    /// Adds an encoded KTX2, PNG or WebP image and its texture; the result is a reference {index} to the texture.
+    Json add(const std::string& name, std::vector<std::byte> bytes);
+    /// Takes out places of an earlier bake that are left: to be called once, after the last add().
+    void finish();
+
+    /// Extensions that the pictures use.
+    [[nodiscard]] const std::set<std::string>& extensions() const { return extensions_; }
+
+private:
+    int place(const char* array, std::vector<int>& free, Json object);
+    int placeholder();
+    int sampler();
+    void removeLast(const char* array, std::vector<int>& free);
+
+    DocumentPatcher& patcher_;
+    std::vector<int> freeTextures_; ///< descending
+    std::vector<int> freeImages_;
+    std::set<std::string> extensions_;
+    int placeholder_ = -1;
+    int sampler_ = -1;
+};
+
+/// Index of the image that holds a texture's picture: that of an extension this program reads, else its source; -1 for
+/// none.
+int pictureImage(const Json& document, int texture);
+
+} // namespace halflight

@@ -1,0 +1,12 @@
+#pragma once
+#include "scene/patcher.h"
+
+#include "halflight/scene/baked_scene.h"
+
+namespace halflight {
+
+/// `probes` of the root extension, its accessors added to the document; null without probes. `bytes` is told how many
+/// bytes they are.
+Json probesJson(DocumentPatcher& patcher, const ProbeSet& set, uint64_t& bytes);
+
+} // namespace halflight
