@@ -29,6 +29,7 @@ struct Command {
 Command addBakeCommand(CLI::App& parent);
 Command addRenderCommand(CLI::App& parent);
 Command addInfoCommand(CLI::App& parent);
+Command addOptimizeCommand(CLI::App& parent);
 
 /// The option that a command was given and does not have, as it was typed; empty when there is none.
 std::string unknownOption(const CLI::App* command);

@@ -54,7 +54,8 @@ int runProgram(const std::vector<std::string>& arguments)
     for (const std::string& name : compression) version += (&name == &compression[0] ? "\nreads " : ", ") + name;
     app.set_version_flag("-V,--version", version);
     app.require_subcommand(1);
-    const std::vector<Command> commands = {addBakeCommand(app), addRenderCommand(app), addInfoCommand(app)};
+    const std::vector<Command> commands = {addBakeCommand(app), addRenderCommand(app), addInfoCommand(app),
+                                           addOptimizeCommand(app)};
     app.footer("halflight COMMAND --help, or halflight help COMMAND, tells more. Exit codes: 0 done, 1 failed, 2 wrong "
                "usage.");
     const auto isCommand = [&](const std::string& word) {

@@ -4,6 +4,7 @@
 
 #if HALFLIGHT_WEBP
 #include <webp/decode.h>
+#include <webp/encode.h>
 #endif
 
 namespace halflight {
@@ -38,7 +39,68 @@ bool decodeWebp(const std::byte* bytes, std::size_t byteCount, ImageRgba8& image
                               image.width() * int(sizeof(u8vec4))) != nullptr;
 }
 
+namespace {
+
+// Takes the picture as a whole, so that `exact` can be set: the simple functions of libwebp drop colour where alpha is
+// 0.
+Result<std::vector<std::byte>> encode(const ImageRgba8& image, WebPConfig config)
+{
+    const auto failed = [] { return Error{ErrorCode::WriteFailed, "WebP encoding failed", ""}; };
+    WebPPicture picture;
+    if (!WebPPictureInit(&picture) || !WebPValidateConfig(&config)) return failed();
+    picture.use_argb = config.lossless;
+    picture.width = image.width();
+    picture.height = image.height();
+    WebPMemoryWriter writer;
+    WebPMemoryWriterInit(&writer);
+    picture.writer = WebPMemoryWrite;
+    picture.custom_ptr = &writer;
+    const bool done = WebPPictureImportRGBA(&picture, reinterpret_cast<const uint8_t*>(image.data()),
+                                            image.width() * int(sizeof(u8vec4))) != 0 &&
+                      WebPEncode(&config, &picture) != 0;
+    std::vector<std::byte> bytes;
+    if (done) {
+        const auto* first = reinterpret_cast<const std::byte*>(writer.mem);
+        bytes.assign(first, first + writer.size);
+    }
+    WebPPictureFree(&picture);
+    WebPMemoryWriterClear(&writer);
+    if (!done) return failed();
+    return bytes;
+}
+
+} // namespace
+
+Result<std::vector<std::byte>> encodeWebp(const ImageRgba8& image, int quality)
+{
+    WebPConfig config;
+    if (!WebPConfigPreset(&config, WEBP_PRESET_DEFAULT, float(quality)))
+        return Error{ErrorCode::WriteFailed, "WebP encoding failed", ""};
+    config.method = 6;
+    config.use_sharp_yuv = 1;
+    return encode(image, config);
+}
+
+Result<std::vector<std::byte>> encodeWebpLossless(const ImageRgba8& image)
+{
+    WebPConfig config;
+    if (!WebPConfigInit(&config) || !WebPConfigLosslessPreset(&config, 9))
+        return Error{ErrorCode::WriteFailed, "WebP encoding failed", ""};
+    config.exact = 1;
+    return encode(image, config);
+}
+
 #else // without the library
+
+Result<std::vector<std::byte>> encodeWebp(const ImageRgba8&, int)
+{
+    return Error{ErrorCode::Unsupported, "this build has no libwebp", ""};
+}
+
+Result<std::vector<std::byte>> encodeWebpLossless(const ImageRgba8&)
+{
+    return Error{ErrorCode::Unsupported, "this build has no libwebp", ""};
+}
 
 bool decodesWebp()
 {

@@ -14,7 +14,8 @@ namespace {
 
 constexpr int kSmallTexels = 256; // side of the copies that textures are sampled from
 constexpr int kSamplesOfPart = 2048;
-constexpr int kMostSamples = 256; // of a triangle
+constexpr int kFewestSamples = 4; // of a triangle, three points each
+constexpr int kMostSamples = 128;
 
 // Tolerances. Tools store positions with 14 bits of a mesh's or the scene's extent and simplify within 1e-4 of it.
 constexpr float kPositionMeters = 1.0e-3f;
@@ -24,17 +25,20 @@ constexpr float kColor = 0.03f;
 constexpr float kEmissionShare = 0.03f;
 constexpr float kSwitch = 0.02f;
 
-// Six digits, so that JSON holds no more of them than the tolerances need.
-double rounded(float value)
+// Absent members of a record: casts and receives shadows, is one-sided and lit.
+constexpr std::array<float, 4> kUsualSwitches = {1.0f, 1.0f, 0.0f, 0.0f};
+
+// JSON holds no more digits than the tolerances need.
+double rounded(float value, int digits)
 {
     std::array<char, 32> text{};
-    std::snprintf(text.data(), text.size(), "%.6g", double(value));
+    std::snprintf(text.data(), text.size(), "%.*g", digits, double(value));
     return std::strtod(text.data(), nullptr);
 }
 
-Json rounded(vec3 v)
+Json rounded(vec3 v, int digits)
 {
-    return Json::array({rounded(v.x), rounded(v.y), rounded(v.z)});
+    return Json::array({rounded(v.x, digits), rounded(v.y, digits), rounded(v.z, digits)});
 }
 
 template<typename Values> bool readNumbers(const Json& json, Values& out, std::size_t count)
@@ -69,19 +73,24 @@ vec3 encoded(vec3 linear)
     return glm::pow(glm::max(linear, vec3(0.0f)), vec3(1.0f / 2.2f));
 }
 
-// A texture's means over blocks of texels.
+// A texture's means over blocks of texels. Colours count by their alpha: codecs change what nobody sees.
 Image<vec4> smallCopy(const ImageRgba8& pixels)
 {
     const ivec2 step = (pixels.size() + kSmallTexels - 1) / kSmallTexels;
     const ivec2 size = (pixels.size() + step - 1) / step;
     Image<vec4> small(size.x, size.y, vec4(0.0f));
     for (int y = 0; y < pixels.height(); ++y) {
-        for (int x = 0; x < pixels.width(); ++x) small(x / step.x, y / step.y) += vec4(pixels(x, y)) / 255.0f;
+        for (int x = 0; x < pixels.width(); ++x) {
+            const vec4 texel = vec4(pixels(x, y)) / 255.0f;
+            small(x / step.x, y / step.y) += vec4(vec3(texel) * texel.w, texel.w);
+        }
     }
     for (int y = 0; y < size.y; ++y) {
         for (int x = 0; x < size.x; ++x) {
             const ivec2 texels = glm::min(step, pixels.size() - ivec2(x, y) * step);
-            small(x, y) /= float(texels.x * texels.y);
+            vec4& mean = small(x, y);
+            if (mean.w > 0.0f) mean = vec4(vec3(mean) / mean.w, mean.w);
+            mean.w /= float(texels.x * texels.y);
         }
     }
     return small;
@@ -121,15 +130,19 @@ bool differ(vec3 a, vec3 b, float tolerance)
 
 Json SurfaceAtBake::json() const
 {
-    Json json = {{"min", rounded(low)},       {"max", rounded(high)},  {"centroid", rounded(centroid)},
-                 {"spread", rounded(spread)}, {"area", rounded(area)}, {"switches", Json::array()}};
-    for (const float share : switches) json["switches"].push_back(rounded(share));
-    if (hasColors) {
-        json["color"] = rounded(color);
-        json["emission"] = rounded(emission);
-        json["opacity"] = rounded(opacity);
-        json["metallic"] = rounded(metallic);
+    Json json = {{"min", rounded(low, 6)},
+                 {"max", rounded(high, 6)},
+                 {"centroid", rounded(centroid, 6)},
+                 {"spread", rounded(spread, 5)},
+                 {"area", rounded(area, 5)}};
+    if (switches != kUsualSwitches) {
+        for (const float share : switches) json["switches"].push_back(rounded(share, 4));
     }
+    if (!hasColors) return json;
+    json["color"] = rounded(color, 4);
+    if (emission != vec3(0.0f)) json["emission"] = rounded(emission, 4);
+    if (opacity != 1.0f) json["opacity"] = rounded(opacity, 4);
+    if (metallic != 0.0f) json["metallic"] = rounded(metallic, 4);
     return json;
 }
 
@@ -138,11 +151,15 @@ std::optional<SurfaceAtBake> SurfaceAtBake::from(const Json& json, const glm::dv
     SurfaceAtBake s;
     const bool good = readVec3(member(json, "min"), s.low) && readVec3(member(json, "max"), s.high) &&
                       readVec3(member(json, "centroid"), s.centroid) && readVec3(member(json, "spread"), s.spread) &&
-                      readFloat(member(json, "area"), s.area) && readNumbers(member(json, "switches"), s.switches, 4);
+                      readFloat(member(json, "area"), s.area);
     if (!good) return std::nullopt;
     for (vec3* position : {&s.low, &s.high, &s.centroid}) *position = vec3(glm::dvec3(*position) + shift);
-    s.hasColors = readVec3(member(json, "color"), s.color) && readVec3(member(json, "emission"), s.emission) &&
-                  readFloat(member(json, "opacity"), s.opacity) && readFloat(member(json, "metallic"), s.metallic);
+    s.switches = kUsualSwitches;
+    readNumbers(member(json, "switches"), s.switches, 4);
+    s.hasColors = readVec3(member(json, "color"), s.color);
+    readVec3(member(json, "emission"), s.emission);
+    readFloat(member(json, "opacity"), s.opacity);
+    readFloat(member(json, "metallic"), s.metallic);
     return s;
 }
 
@@ -225,8 +242,10 @@ void AtBake::addTriangle(const MeshPart& part, const Material& material, std::si
     sums.first += area / 3.0 * sum;
     sums.second += area / 12.0 * (p[0] * p[0] + p[1] * p[1] + p[2] * p[2] + sum * sum);
     if (!hasColors_) return;
-    for (int i = 0; i < samples; ++i) {
-        const vec3 weights = pointInTriangle(i);
+    // Each point from all three corners: tools may begin a triangle at any of them.
+    for (int i = 0; i < 3 * samples; ++i) {
+        const vec3 point = pointInTriangle(i / 3);
+        const vec3 weights(point[i % 3], point[(i + 1) % 3], point[(i + 2) % 3]);
         vec4 color = vec4(encoded(vec3(material.baseColor)), material.baseColor.w) *
                      sample(material.baseColorTexture, part, triangle, weights);
         vec4 ofVertices(0.0f);
@@ -235,11 +254,11 @@ void AtBake::addTriangle(const MeshPart& part, const Material& material, std::si
         if (!part.colors.empty()) color *= vec4(encoded(vec3(ofVertices)), ofVertices.w);
         const vec3 emission =
             encoded(material.emissiveNits) * vec3(sample(material.emissiveTexture, part, triangle, weights));
-        const double share = area / samples;
+        const double share = area / (3.0 * samples);
         float opacity = 1.0f;
         if (material.alphaMode == Material::AlphaMode::Blend) opacity = color.w;
         if (material.alphaMode == Material::AlphaMode::Mask) opacity = color.w >= material.alphaCutoff ? 1.0f : 0.0f;
-        sums.color += share * glm::dvec3(color);
+        sums.color += share * double(opacity) * glm::dvec3(color);
         sums.emission += share * glm::dvec3(emission);
         sums.opacity += share * double(opacity);
         sums.metallic +=
@@ -251,8 +270,8 @@ void AtBake::add(const Object& object, const MeshPart& part, Sums& sums) const
 {
     const Material& material = materialOf(scene_, part);
     const std::size_t triangles = part.indices.size() / 3;
-    const int samples =
-        int(std::clamp<std::size_t>(kSamplesOfPart / std::max<std::size_t>(triangles, 1), 1, kMostSamples));
+    const int samples = int(
+        std::clamp<std::size_t>(kSamplesOfPart / std::max<std::size_t>(triangles, 1), kFewestSamples, kMostSamples));
     const double before = sums.area;
     for (std::size_t t = 0; t < triangles; ++t) addTriangle(part, material, t, object, samples, sums);
     sums.switches += (sums.area - before) * glm::dvec4(object.castShadows && material.castShadows,
@@ -281,7 +300,7 @@ std::optional<SurfaceAtBake> AtBake::ofObjects(std::span<const Object* const> ob
     surface.centroid = vec3(centroid);
     surface.spread = vec3(glm::sqrt(glm::max(sums.second / sums.area - centroid * centroid, glm::dvec3(0.0))));
     for (int i = 0; i < 4; ++i) surface.switches[std::size_t(i)] = float(sums.switches[i] / sums.area);
-    surface.color = vec3(sums.color / sums.area);
+    if (sums.opacity > 0.0) surface.color = vec3(sums.color / sums.opacity);
     surface.emission = vec3(sums.emission / sums.area);
     surface.opacity = float(sums.opacity / sums.area);
     surface.metallic = float(sums.metallic / sums.area);

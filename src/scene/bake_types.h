@@ -91,6 +91,8 @@ inline constexpr Rule kBakeRules[] = {
     {"extensions/HALFLIGHT_mixed_lighting/lightmapDirections/*/bufferView", Kind::Index},
     {"extensions/HALFLIGHT_mixed_lighting/shadowmasks/*/bufferView", Kind::Index},
     {"extensions/HALFLIGHT_mixed_lighting/lightmapUnitLux", Kind::Number},
+    {"extensions/HALFLIGHT_mixed_lighting/lightmapEncoding/scale", Kind::Number},
+    {"extensions/HALFLIGHT_mixed_lighting/lightmapEncoding/exponent", Kind::Number},
     {"extensions/HALFLIGHT_mixed_lighting/shadowmaskChannels/*/encoding", Kind::Text},
     {"extensions/HALFLIGHT_mixed_lighting/shadowmaskChannels/*/rangeTexels", Kind::Number},
     {"extensions/HALFLIGHT_mixed_lighting/shadowmaskChannels/*/penumbraTexels", Kind::Number},

@@ -1,6 +1,8 @@
 #include "scene/ktx2.h"
 
+#include <algorithm>
 #include <array>
+#include <cassert>
 #include <cstring>
 #include <string>
 #include <string_view>
@@ -18,7 +20,6 @@ constexpr uint32_t kSchemeZstandard = 2;
 constexpr std::size_t kHeaderBytes = 80;
 constexpr std::size_t kLevelBytes = 24;
 constexpr uint32_t kMaxSide = 16384;
-constexpr int kZstdLevel = 12;
 
 class Bytes {
 public:
@@ -98,12 +99,12 @@ Error broken(const char* what)
 
 } // namespace
 
-Result<std::vector<std::byte>> encodeKtx2(const Image<uint32_t>& image)
+Result<std::vector<std::byte>> encodeKtx2(const Image<uint32_t>& image, int zstdLevel)
 {
     assert(!image.empty());
     const std::size_t rawBytes = image.texelCount() * sizeof(uint32_t);
     std::vector<std::byte> compressed(ZSTD_compressBound(rawBytes));
-    const std::size_t size = ZSTD_compress(compressed.data(), compressed.size(), image.data(), rawBytes, kZstdLevel);
+    const std::size_t size = ZSTD_compress(compressed.data(), compressed.size(), image.data(), rawBytes, zstdLevel);
     if (ZSTD_isError(size)) {
         return Error{ErrorCode::WriteFailed, std::string("Zstandard failed: ") + ZSTD_getErrorName(size), ""};
     }
@@ -134,6 +135,20 @@ Result<std::vector<std::byte>> encodeKtx2(const Image<uint32_t>& image)
     assert(bytes.size() == dataOffset);
     bytes.insert(bytes.end(), compressed.begin(), compressed.begin() + std::ptrdiff_t(size));
     return std::move(bytes);
+}
+
+void roundMantissas(Image<uint32_t>& image, int bits)
+{
+    assert(bits >= 1 && bits <= 9);
+    const uint32_t step = 1u << (9 - bits);
+    for (uint32_t& texel : image.texels()) {
+        uint32_t rounded = texel & 0xf8000000u;
+        for (int shift = 0; shift < 27; shift += 9) {
+            const uint32_t mantissa = (texel >> shift & 511u) + step / 2;
+            rounded |= std::min(mantissa - mantissa % step, 512u - step) << shift;
+        }
+        texel = rounded;
+    }
 }
 
 Result<Image<uint32_t>> decodeKtx2(std::span<const std::byte> bytes)

@@ -8,7 +8,11 @@
 namespace halflight {
 
 /// VK_FORMAT_E5B9G9R9_UFLOAT_PACK32, no mipmaps, supercompression scheme 2 (Zstandard).
-Result<std::vector<std::byte>> encodeKtx2(const Image<uint32_t>& rgb9e5);
+Result<std::vector<std::byte>> encodeKtx2(const Image<uint32_t>& rgb9e5, int zstdLevel = 12);
+
+/// Keeps so many bits (1…9) of each mantissa, the rest rounded: texels that Zstandard finds more alike. The brightest
+/// channel of a texel errs by at most 2^-bits of its value.
+void roundMantissas(Image<uint32_t>& rgb9e5, int bits);
 
 /// Reads what encodeKtx2 writes, and the same uncompressed.
 Result<Image<uint32_t>> decodeKtx2(std::span<const std::byte> bytes);

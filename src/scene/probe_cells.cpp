@@ -333,14 +333,55 @@ ProbeCells probeCells(const ProbeSet& set)
     return CellBuilder(set).build();
 }
 
+namespace {
+
+// Vertices in ascending order, but for the last two where that would turn the tetrahedron inside out.
+void turnForward(Tetrahedron& cell)
+{
+    const auto exchange = [&](std::size_t a, std::size_t b) {
+        std::swap(cell.vertex[a], cell.vertex[b]);
+        std::swap(cell.neighbor[a], cell.neighbor[b]);
+    };
+    bool isTurned = false;
+    for (std::size_t end = 3; end > 0; --end) {
+        for (std::size_t i = 0; i < end; ++i) {
+            if (cell.vertex[i] < cell.vertex[i + 1]) continue;
+            exchange(i, i + 1);
+            isTurned = !isTurned;
+        }
+    }
+    if (isTurned) exchange(2, 3);
+}
+
+} // namespace
+
+// In the order of their first probes, each with its first probe first, so that the lists compress well.
 std::vector<Tetrahedron> fileTetrahedra(const ProbeCells& cells)
 {
     if (glm::any(cells.flat)) return {};
     std::vector<Tetrahedron> list = cells.cells;
     for (Tetrahedron& cell : list) {
         for (uint32_t& vertex : cell.vertex) vertex = cells.probeOf[vertex];
+        turnForward(cell);
     }
-    return list;
+    const auto key = [&](uint32_t i) {
+        std::array<uint32_t, 4> vertices = list[i].vertex;
+        std::sort(vertices.begin(), vertices.end());
+        return vertices;
+    };
+    std::vector<uint32_t> order(list.size());
+    std::iota(order.begin(), order.end(), 0u);
+    std::sort(order.begin(), order.end(), [&](uint32_t a, uint32_t b) { return key(a) < key(b); });
+    std::vector<uint32_t> place(list.size());
+    for (uint32_t i = 0; i < order.size(); ++i) place[order[i]] = i;
+    std::vector<Tetrahedron> sorted;
+    for (const uint32_t i : order) {
+        Tetrahedron& cell = sorted.emplace_back(list[i]);
+        for (uint32_t& neighbor : cell.neighbor) {
+            if (neighbor != kOutside) neighbor = place[neighbor];
+        }
+    }
+    return sorted;
 }
 
 } // namespace halflight

@@ -3,6 +3,7 @@
 #include "halflight/base/encoded_image.h"
 #include "scene/bake_members.h"
 #include "scene/ktx2.h"
+#include "scene/lightmap_curve.h"
 #include "scene/write_pictures.h"
 
 #include <cmath>
@@ -76,6 +77,21 @@ Status readPages(const SourceDocument& document, const Json& root, const char* k
     return {};
 }
 
+// RGB9E5 in KTX2, or 8 bits a channel by the file's curve.
+Result<Image<uint32_t>> decodeLightmap(std::span<const std::byte> bytes, const Json& encoding)
+{
+    if (encoding.is_null()) return decodeKtx2(bytes);
+    const Json& scale = member(encoding, "scale");
+    const Json& exponent = member(encoding, "exponent");
+    const LightmapCurve curve{scale.is_number() ? scale.get<float>() : 0.0f,
+                              exponent.is_number() ? exponent.get<float>() : 0.0f};
+    if (!(curve.scale > 0.0f && curve.scale <= 65408.0f && curve.exponent > 0.0f && curve.exponent <= 16.0f))
+        return Error{ErrorCode::FileInvalid, "lightmapEncoding has a scale or an exponent that is out of range", ""};
+    const auto image = decodeImage(bytes.data(), bytes.size());
+    if (!image) return image.error();
+    return decodeByCurve(*image, curve);
+}
+
 } // namespace
 
 Status readPictures(const SourceDocument& document, const Json& root, BakedScene& baked)
@@ -86,7 +102,7 @@ Status readPictures(const SourceDocument& document, const Json& root, BakedScene
         const std::string path = kBakePath + "/lightmaps/" + std::to_string(i);
         const auto bytes = pictureBytes(document, lightmaps[i], path);
         if (!bytes) return bytes.error();
-        auto image = decodeKtx2(*bytes);
+        auto image = decodeLightmap(*bytes, member(root, "lightmapEncoding"));
         if (!image) return Error{image.error().code, image.error().message, path};
         if (Status s = texels.take(image->texelCount(), path); !s) return s;
         baked.lightmaps.push_back(std::move(*image));

@@ -3,6 +3,8 @@
 #include "scene/bake_members.h"
 
 #include <algorithm>
+#include <array>
+#include <tuple>
 
 namespace halflight {
 
@@ -42,6 +44,33 @@ bool meet(const std::vector<Tetrahedron>& cells, uint32_t cell, std::size_t face
     return true;
 }
 
+// Tetrahedra of the same three vertices are neighbours across that face.
+void findNeighbors(std::vector<Tetrahedron>& cells)
+{
+    struct Face {
+        std::array<uint32_t, 3> vertices{};
+        uint32_t cell = 0;
+        uint32_t face = 0;
+    };
+    std::vector<Face> faces;
+    for (uint32_t i = 0; i < cells.size(); ++i) {
+        cells[i].neighbor.fill(kOutside);
+        for (uint32_t k = 0; k < 4; ++k) {
+            const auto& v = cells[i].vertex;
+            Face face{{v[(k + 1) % 4], v[(k + 2) % 4], v[(k + 3) % 4]}, i, k};
+            std::sort(face.vertices.begin(), face.vertices.end());
+            faces.push_back(face);
+        }
+    }
+    std::sort(faces.begin(), faces.end(),
+              [](const Face& a, const Face& b) { return std::tie(a.vertices, a.cell) < std::tie(b.vertices, b.cell); });
+    for (std::size_t i = 0; i + 1 < faces.size(); ++i) {
+        if (faces[i].vertices != faces[i + 1].vertices) continue;
+        cells[faces[i].cell].neighbor[faces[i].face] = faces[i + 1].cell;
+        cells[faces[i + 1].cell].neighbor[faces[i + 1].face] = faces[i].cell;
+    }
+}
+
 Status readTetrahedra(const SourceDocument& document, const Json& json, ProbeSet& set)
 {
     const std::string path = kBakePath + "/probes";
@@ -52,12 +81,16 @@ Status readTetrahedra(const SourceDocument& document, const Json& json, ProbeSet
     const std::size_t count = document.model.accessors[reference.get<std::size_t>()].count;
     const auto vertices = readQuadruples(document, json, "tetrahedra", count, path);
     if (!vertices) return vertices.error();
-    const auto neighbors = readQuadruples(document, json, "neighbors", count, path);
-    if (!neighbors) return neighbors.error();
     set.tetrahedra.resize(count);
-    for (std::size_t i = 0; i < count; ++i) {
+    for (std::size_t i = 0; i < count; ++i)
         std::copy_n(vertices->begin() + std::ptrdiff_t(4 * i), 4, set.tetrahedra[i].vertex.begin());
-        std::copy_n(neighbors->begin() + std::ptrdiff_t(4 * i), 4, set.tetrahedra[i].neighbor.begin());
+    if (member(json, "neighbors").is_null()) {
+        findNeighbors(set.tetrahedra);
+    } else {
+        const auto neighbors = readQuadruples(document, json, "neighbors", count, path);
+        if (!neighbors) return neighbors.error();
+        for (std::size_t i = 0; i < count; ++i)
+            std::copy_n(neighbors->begin() + std::ptrdiff_t(4 * i), 4, set.tetrahedra[i].neighbor.begin());
     }
     for (uint32_t i = 0; i < count; ++i) {
         for (const uint32_t vertex : set.tetrahedra[i].vertex) {

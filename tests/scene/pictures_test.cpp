@@ -130,7 +130,6 @@ TEST(ProbeTetrahedra, AreThoseOfTheFile)
     const ProbeCells before = probeCells(baked.probes);
     const ProbeCells after = probeCells(read->probes);
     ASSERT_EQ(after.cells.size(), before.cells.size());
-    EXPECT_EQ(after.cells[3].vertex, before.cells[3].vertex);
     EXPECT_EQ(after.vertices, before.vertices);
 
     // They are used as they are: with one of them only, there is one.

@@ -21,7 +21,12 @@ constexpr uint64_t mostTexels(uint64_t encodedBytes)
     return encodedBytes < kMost / 1032 ? std::min(kMost, kFree + 1032 * encodedBytes) : kMost;
 }
 
-/// Whether decodeImage() reads WebP: this build was made with libwebp.
+/// Whether decodeImage() reads WebP, and the functions below write it: this build was made with libwebp.
 bool decodesWebp();
+
+/// Lossy WebP of quality 1…100.
+Result<std::vector<std::byte>> encodeWebp(const ImageRgba8& image, int quality);
+/// Lossless WebP that keeps colour where alpha is 0.
+Result<std::vector<std::byte>> encodeWebpLossless(const ImageRgba8& image);
 
 } // namespace halflight

@@ -38,6 +38,28 @@ export async function decodeImage(bytes, mimeType, name) {
     return pixels;
 }
 
+/**
+ * A lightmap of 8 bits a channel as RGB9E5: filters need linear light.
+ * @param {Uint8Array} bytes @param {string} mimeType @param {string} name @param {{scale: number, exponent: number}} curve
+ */
+export async function readByCurve(bytes, mimeType, name, curve) {
+    const { width, height, data } = await decodeImage(bytes, mimeType, name);
+    const values = Float32Array.from({ length: 256 }, (_, c) => curve.scale * (c / 255) ** curve.exponent);
+    const texels = new Uint32Array(width * height);
+    for (let i = 0; i < texels.length; ++i)
+        texels[i] = packRgb9e5(values[data[4 * i]], values[data[4 * i + 1]], values[data[4 * i + 2]]);
+    return { width, height, data: texels };
+}
+
+function packRgb9e5(r, g, b) {
+    const brightest = Math.max(r, g, b);
+    if (!(brightest > 0)) return 0;
+    let exponent = Math.max(-16, Math.floor(Math.log2(brightest))) + 1;
+    if (Math.round(brightest / 2 ** (exponent - 9)) > 511) ++exponent;
+    const mantissa = (x) => Math.min(511, Math.round(x / 2 ** (exponent - 9)));
+    return (mantissa(r) | (mantissa(g) << 9) | (mantissa(b) << 18) | ((exponent + 15) << 27)) >>> 0;
+}
+
 let context = null;
 
 /** A 2D canvas would multiply by alpha, so WebGL reads the texels back. @param {ImageBitmap} bitmap */

@@ -1,5 +1,5 @@
 // A baked file's JSON and accessors as plain data: no three.js here. docs/format.md says what each property means.
-import { readRgb9e5, decodeImage } from './images.js';
+import { readByCurve, readRgb9e5, decodeImage } from './images.js';
 
 const ROOT = 'HALFLIGHT_mixed_lighting';
 const NODE = 'HALFLIGHT_node';
@@ -92,7 +92,11 @@ export async function readBaked(source) {
             })
         );
     const [lightmaps, directions, masks, probes] = await Promise.all([
-        pages(root.lightmaps, 'lightmaps', readRgb9e5),
+        pages(root.lightmaps, 'lightmaps', (data, mimeType, name) =>
+            root.lightmapEncoding
+                ? readByCurve(data, mimeType, name, root.lightmapEncoding)
+                : readRgb9e5(data, mimeType, name)
+        ),
         pages(root.lightmapDirections, 'directions', decodeImage),
         pages(root.shadowmasks, 'masks', decodeImage),
         readProbes(source, root),
