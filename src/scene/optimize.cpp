@@ -10,6 +10,7 @@
 #include "scene/validate.h"
 
 #include <array>
+#include <cmath>
 #include <cstdio>
 #include <cstdlib>
 
@@ -46,6 +47,10 @@ void shortenFloats(Json& json)
         for (Json& item : json) shortenFloats(item);
     } else if (json.is_number_float()) {
         const auto value = json.get<double>();
+        if (std::abs(value) < 1.0e9 && value == std::floor(value)) { // without ".0"
+            json = int64_t(value);
+            return;
+        }
         if (double(float(value)) != value) return;
         std::array<char, 32> text{};
         for (int digits = 6; digits <= 9; ++digits) {

@@ -19,7 +19,7 @@ constexpr int kPositionBits = 14;
 constexpr int kCoordinateBits = 16; // of texture coordinates outside 0…1
 constexpr int kDeltaBits = 14;      // of morph targets
 constexpr int kRadianceBits = 10;
-constexpr int kOcclusionBits = 12;
+constexpr int kOcclusionBits = 10;
 constexpr int kUnitBits = 8; // of normals and tangents
 
 enum class Kind { Position, Unit, Coordinates, Color, Delta, Radiance, Occlusion, Other };

@@ -13,7 +13,7 @@ namespace halflight {
 namespace {
 
 constexpr int kZstdLevel = 19;
-constexpr int kDataQuality = 95; // of normal maps and other textures that are no colours
+constexpr int kDataQuality = 90; // of normal maps and other textures that are no colours
 
 enum class Use { None, Color, Data, Mask, Lightmap };
 
