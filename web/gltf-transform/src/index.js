@@ -1,0 +1,233 @@
+// glTF Transform extensions for files that Halflight baked: docs/format.md of that project describes them.
+import { Extension, PropertyType } from '@gltf-transform/core';
+import { LIGHT, MATERIAL, MIXED_LIGHTING, NODE, PICTURE_LISTS, PROBE_ACCESSORS, TEXTURE_KTX2 } from './names.js';
+import { LightRecord, MaterialSwitches, MixedLighting, NodeLighting, SurfaceOfNode } from './properties.js';
+import { mergeSurfaces, splitSurfaces } from './surfaces.js';
+
+export { LightRecord, MaterialSwitches, MixedLighting, NodeLighting, SurfaceOfNode };
+
+const LINEAR = 9729;
+const CLAMP_TO_EDGE = 33071;
+
+/**
+ * Texels of the bake are data: lossy codecs, and lossless ones that drop colour where alpha is 0, would break them.
+ * glTF Transform writes images before it asks extensions, so the texture itself keeps what it was read with.
+ */
+function keepAsItIs(texture, logger) {
+    const refuse = () => {
+        logger.info(`halflight: "${texture.getName()}" stays as it is, its texels are data`);
+        return texture;
+    };
+    texture.setImage = refuse;
+    texture.setMimeType = () => texture;
+}
+
+export class HalflightMixedLighting extends Extension {
+    static EXTENSION_NAME = MIXED_LIGHTING;
+    extensionName = MIXED_LIGHTING;
+
+    createMixedLighting() {
+        return new MixedLighting(this.document.getGraph());
+    }
+
+    read(context) {
+        const { json } = context.jsonDoc;
+        const record = structuredClone(json.extensions?.[MIXED_LIGHTING]);
+        if (!record) return this;
+        if (record.version !== 2) {
+            throw new Error(
+                `the bake is of version ${record.version} of the format, and tools keep version 2: bake the file again`
+            );
+        }
+        const lighting = this.createMixedLighting();
+        for (const list of PICTURE_LISTS) {
+            (record[list] ?? []).forEach((reference, page) => {
+                const def = json.textures[reference.index];
+                const source = pictureSource(def);
+                const texture = context.textures[source];
+                keepAsItIs(texture, this.document.getLogger());
+                lighting.setPicture(`${list}/${page}`, texture);
+                if (def.source !== undefined && def.source !== source)
+                    lighting.setPlaceholder(context.textures[def.source]);
+            });
+            if (record[list]) record[list] = record[list].length;
+        }
+        for (const name of PROBE_ACCESSORS) {
+            if (record.probes?.[name] === undefined) continue;
+            const accessor = context.accessors[record.probes[name]];
+            // Meshopt pads elements to four bytes, and outside of vertex attributes glTF Transform writes no stride.
+            if (name === 'valid') accessor.setArray(Uint32Array.from(accessor.getArray()));
+            lighting.setProbeAccessor(name, accessor);
+            delete record.probes[name];
+        }
+        if (record.mozLightmap) {
+            this.document.getLogger().warn('halflight: materials with MOZ_lightmap become ordinary ones');
+            delete record.mozLightmap;
+        }
+        this.document.getRoot().setExtension(MIXED_LIGHTING, lighting.setRecord(record));
+        return this;
+    }
+
+    write(context) {
+        const lighting = this.document.getRoot().getExtension(MIXED_LIGHTING);
+        if (!lighting) return this;
+        const { json } = context.jsonDoc;
+        const record = lighting.getRecord();
+        for (const list of PICTURE_LISTS) {
+            if (!record[list]) continue;
+            record[list] = Array.from({ length: record[list] }, (_, page) => ({
+                index: writeTexture(context, lighting.getPicture(`${list}/${page}`), lighting.getPlaceholder()),
+            }));
+        }
+        for (const name of PROBE_ACCESSORS) {
+            const accessor = lighting.getProbeAccessor(name);
+            if (accessor) record.probes[name] = context.accessorIndexMap.get(accessor);
+        }
+        json.extensions = { ...json.extensions, [MIXED_LIGHTING]: record };
+        return this;
+    }
+}
+
+/** Index of the image that a texture of the bake shows. */
+function pictureSource(def) {
+    return (
+        def.extensions?.[TEXTURE_KTX2]?.source ?? def.extensions?.EXT_texture_webp?.source ?? def.source
+    );
+}
+
+/** Appends a texture for a picture and returns its index. */
+function writeTexture(context, texture, placeholder) {
+    const { json } = context.jsonDoc;
+    const source = context.imageIndexMap.get(texture);
+    const sampler = { magFilter: LINEAR, minFilter: LINEAR, wrapS: CLAMP_TO_EDGE, wrapT: CLAMP_TO_EDGE };
+    json.samplers ??= [];
+    json.textures ??= [];
+    let samplerIndex = json.samplers.findIndex((other) => JSON.stringify(other) === JSON.stringify(sampler));
+    if (samplerIndex < 0) samplerIndex = json.samplers.push(sampler) - 1;
+    const def = { name: texture.getName(), sampler: samplerIndex };
+    const extension = { 'image/ktx2': TEXTURE_KTX2, 'image/webp': 'EXT_texture_webp' }[texture.getMimeType()];
+    if (!extension) {
+        def.source = source;
+    } else {
+        def.extensions = { [extension]: { source } };
+        if (placeholder) def.source = context.imageIndexMap.get(placeholder);
+        json.extensionsUsed ??= [];
+        if (!json.extensionsUsed.includes(extension)) json.extensionsUsed.push(extension);
+    }
+    return json.textures.push(def) - 1;
+}
+
+/** Nodes of a JSON document that have the extension, with its record. */
+function* records(defs, properties, name) {
+    for (const [index, def] of (defs ?? []).entries()) {
+        const record = def.extensions?.[name];
+        if (record) yield [properties[index], record];
+    }
+}
+
+function writeRecords(properties, indexMap, defs, name) {
+    for (const property of properties) {
+        const extension = property.getExtension(name);
+        if (!extension) continue;
+        const def = defs[indexMap.get(property)];
+        def.extensions = { ...def.extensions, [name]: extension.getRecord() };
+    }
+}
+
+export class HalflightNode extends Extension {
+    static EXTENSION_NAME = NODE;
+    extensionName = NODE;
+    prewriteTypes = [PropertyType.ACCESSOR];
+
+    createNodeLighting() {
+        return new NodeLighting(this.document.getGraph());
+    }
+    createSurface() {
+        return new SurfaceOfNode(this.document.getGraph());
+    }
+
+    read(context) {
+        const nodes = [];
+        for (const [node, record] of records(context.jsonDoc.json.nodes, context.nodes, NODE)) {
+            const lighting = this.createNodeLighting().setRecord(record);
+            node.setExtension(NODE, lighting);
+            nodes.push({ node, lighting });
+        }
+        const root = this.document.getRoot().getExtension(MIXED_LIGHTING);
+        splitSurfaces(this, nodes, (page) => root?.getPicture(`lightmaps/${page}`) ?? null);
+        return this;
+    }
+
+    prewrite() {
+        mergeSurfaces(this.document);
+        return this;
+    }
+
+    write(context) {
+        writeRecords(this.document.getRoot().listNodes(), context.nodeIndexMap, context.jsonDoc.json.nodes, NODE);
+        return this;
+    }
+}
+
+export class HalflightLight extends Extension {
+    static EXTENSION_NAME = LIGHT;
+    extensionName = LIGHT;
+
+    createLightRecord() {
+        return new LightRecord(this.document.getGraph());
+    }
+
+    read(context) {
+        for (const [node, record] of records(context.jsonDoc.json.nodes, context.nodes, LIGHT))
+            node.setExtension(LIGHT, this.createLightRecord().setRecord(record));
+        return this;
+    }
+
+    write(context) {
+        writeRecords(this.document.getRoot().listNodes(), context.nodeIndexMap, context.jsonDoc.json.nodes, LIGHT);
+        return this;
+    }
+}
+
+export class HalflightMaterial extends Extension {
+    static EXTENSION_NAME = MATERIAL;
+    extensionName = MATERIAL;
+
+    createMaterialSwitches() {
+        return new MaterialSwitches(this.document.getGraph());
+    }
+
+    read(context) {
+        for (const [material, record] of records(context.jsonDoc.json.materials, context.materials, MATERIAL))
+            material.setExtension(MATERIAL, this.createMaterialSwitches().setRecord(record));
+        return this;
+    }
+
+    write(context) {
+        const { json } = context.jsonDoc;
+        writeRecords(this.document.getRoot().listMaterials(), context.materialIndexMap, json.materials, MATERIAL);
+        return this;
+    }
+}
+
+/** A texture whose image is a KTX 2.0 file of any format. HalflightMixedLighting reads and writes it. */
+export class HalflightTextureKtx2 extends Extension {
+    static EXTENSION_NAME = TEXTURE_KTX2;
+    extensionName = TEXTURE_KTX2;
+
+    read() {
+        return this;
+    }
+    write() {
+        return this;
+    }
+}
+
+/** All of them, for NodeIO.registerExtensions() and for the command line's configuration. */
+export const HALFLIGHT_EXTENSIONS = [
+    HalflightLight,
+    HalflightMaterial,
+    HalflightMixedLighting,
+    HalflightNode,
+    HalflightTextureKtx2,
+];

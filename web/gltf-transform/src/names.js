@@ -1,0 +1,11 @@
+// Names of docs/format.md.
+export const MIXED_LIGHTING = 'HALFLIGHT_mixed_lighting';
+export const NODE = 'HALFLIGHT_node';
+export const LIGHT = 'HALFLIGHT_light';
+export const MATERIAL = 'HALFLIGHT_material';
+export const TEXTURE_KTX2 = 'HALFLIGHT_texture_ktx2';
+
+/** Members of the root extension that list one picture per lightmap page. */
+export const PICTURE_LISTS = ['lightmaps', 'lightmapDirections', 'shadowmasks'];
+/** Members of `probes` that are accessors. */
+export const PROBE_ACCESSORS = ['positions', 'radiance', 'occlusion', 'valid', 'tetrahedra', 'neighbors'];

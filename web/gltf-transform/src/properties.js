@@ -1,0 +1,139 @@
+// The bake as properties of a glTF Transform document.
+import { ExtensionProperty, PropertyType, RefMap, TextureInfo } from '@gltf-transform/core';
+import { LIGHT, MATERIAL, MIXED_LIGHTING, NODE } from './names.js';
+
+/** A record of JSON, kept as text: glTF Transform compares and copies properties by value. */
+class RecordProperty extends ExtensionProperty {
+    getDefaults() {
+        return Object.assign(super.getDefaults(), { record: '{}' });
+    }
+    getRecord() {
+        return JSON.parse(this.get('record'));
+    }
+    setRecord(record) {
+        return this.set('record', JSON.stringify(record));
+    }
+}
+
+/** HALFLIGHT_mixed_lighting of the document: its pictures and probes by reference, the rest as a record. */
+export class MixedLighting extends RecordProperty {
+    static EXTENSION_NAME = MIXED_LIGHTING;
+
+    init() {
+        this.extensionName = MIXED_LIGHTING;
+        this.propertyType = 'HalflightMixedLighting';
+        this.parentTypes = [PropertyType.ROOT];
+    }
+    getDefaults() {
+        return Object.assign(super.getDefaults(), {
+            pictures: new RefMap(),
+            accessors: new RefMap(),
+            placeholder: null,
+        });
+    }
+    /** @param {string} key such as "shadowmasks/0" */
+    getPicture(key) {
+        return this.getRefMap('pictures', key);
+    }
+    setPicture(key, texture) {
+        return this.setRefMap('pictures', key, texture);
+    }
+    listPictures() {
+        return this.listRefMapKeys('pictures').map((key) => [key, this.getPicture(key)]);
+    }
+    /** @param {string} key such as "positions" */
+    getProbeAccessor(key) {
+        return this.getRefMap('accessors', key);
+    }
+    setProbeAccessor(key, accessor) {
+        return this.setRefMap('accessors', key, accessor);
+    }
+    /** The grey texel that textures name whose picture core glTF does not allow. */
+    getPlaceholder() {
+        return this.getRef('placeholder');
+    }
+    setPlaceholder(texture) {
+        return this.setRef('placeholder', texture);
+    }
+}
+
+/** HALFLIGHT_node of a node with a mesh. */
+export class NodeLighting extends RecordProperty {
+    static EXTENSION_NAME = NODE;
+
+    init() {
+        this.extensionName = NODE;
+        this.propertyType = 'HalflightNode';
+        this.parentTypes = [PropertyType.NODE];
+    }
+    getDefaults() {
+        return Object.assign(super.getDefaults(), { mesh: -1 });
+    }
+}
+
+/** HALFLIGHT_light of a node with a light. */
+export class LightRecord extends RecordProperty {
+    static EXTENSION_NAME = LIGHT;
+
+    init() {
+        this.extensionName = LIGHT;
+        this.propertyType = 'HalflightLight';
+        this.parentTypes = [PropertyType.NODE];
+    }
+}
+
+/** HALFLIGHT_material. */
+export class MaterialSwitches extends RecordProperty {
+    static EXTENSION_NAME = MATERIAL;
+
+    init() {
+        this.extensionName = MATERIAL;
+        this.propertyType = 'HalflightMaterial';
+        this.parentTypes = [PropertyType.MATERIAL];
+    }
+}
+
+/**
+ * Makes the material of a node's primitive differ from all others while tools work, and tells them that it reads the
+ * lightmap's texture coordinates. It is not written.
+ */
+export class SurfaceOfNode extends ExtensionProperty {
+    static EXTENSION_NAME = NODE;
+
+    init() {
+        this.extensionName = NODE;
+        this.propertyType = 'HalflightSurface';
+        this.parentTypes = [PropertyType.MATERIAL];
+    }
+    getDefaults() {
+        return Object.assign(super.getDefaults(), {
+            key: 0,
+            wasDefault: false,
+            lightmapTexture: null,
+            lightmapTextureInfo: new TextureInfo(this.graph, 'lightmapTextureInfo'),
+        });
+    }
+    setLightmap(texture, texCoord) {
+        this.setRef('lightmapTexture', texture);
+        this.getRef('lightmapTextureInfo').setTexCoord(texCoord);
+        return this;
+    }
+    hasLightmap() {
+        return this.getRef('lightmapTexture') !== null;
+    }
+    getTexCoord() {
+        return this.getRef('lightmapTextureInfo').getTexCoord();
+    }
+    getKey() {
+        return this.get('key');
+    }
+    setKey(key) {
+        return this.set('key', key);
+    }
+    wasDefault() {
+        return this.get('wasDefault');
+    }
+    setWasDefault(value) {
+        return this.set('wasDefault', value);
+    }
+}
