@@ -38,9 +38,10 @@ FileLayout layoutOf(const Mesh& mesh, const MeshUse& use)
     vec2 low(kInfinity);
     vec2 high(-kInfinity);
     for (const MeshPart& part : mesh.parts) {
-        for (const vec2 uv : part.lightmapUv) {
-            low = glm::min(low, uv);
-            high = glm::max(high, uv);
+        if (part.lightmapUv.size() != part.positions.size()) return {}; // the writer refuses it
+        for (const uint32_t index : part.indices) {                     // vertices of no triangle may be anywhere
+            low = glm::min(low, part.lightmapUv[index]);
+            high = glm::max(high, part.lightmapUv[index]);
         }
     }
     FileLayout layout;

@@ -199,7 +199,7 @@ inline void expectSameTexels(const Scene& a, const Object& x, const Scene& b, co
     float farthest = 0.0f;
     for (std::size_t p = 0; p < m.parts.size(); ++p) {
         ASSERT_EQ(m.parts[p].lightmapUv.size(), n.parts[p].lightmapUv.size());
-        for (std::size_t v = 0; v < m.parts[p].lightmapUv.size(); ++v) {
+        for (const uint32_t v : m.parts[p].indices) {
             const vec2 first = x.lightmap.scale * m.parts[p].lightmapUv[v] + x.lightmap.offset;
             const vec2 second = y.lightmap.scale * n.parts[p].lightmapUv[v] + y.lightmap.offset;
             farthest = std::max(farthest, glm::distance(first, second));

@@ -30,6 +30,16 @@ BakedScene withMadeUpLight(const UnwrappedScene& unwrapped)
     return baked;
 }
 
+bool texturesReadIt(const Scene& scene, const Mesh& mesh)
+{
+    return std::any_of(mesh.parts.begin(), mesh.parts.end(), [&](const MeshPart& part) {
+        const Material& m = materialOf(scene, part);
+        const auto reads = [&](const TextureRef& ref) { return ref && ref.texCoord == part.lightmapTexCoord; };
+        return reads(m.baseColorTexture) || reads(m.metallicRoughnessTexture) || reads(m.normalTexture) ||
+               reads(m.occlusionTexture) || reads(m.emissiveTexture);
+    });
+}
+
 /// Every corner of every object is where it was, on the surface and on its page.
 void expectSamePlaces(const Scene& written, const Scene& read)
 {
@@ -40,8 +50,11 @@ void expectSamePlaces(const Scene& written, const Scene& read)
         ASSERT_EQ(a.lightmap.page, b.lightmap.page) << a.name;
         ASSERT_EQ(a.worldFromObject, b.worldFromObject) << a.name;
         if (a.lightmap.page < 0) continue;
-        ASSERT_EQ(a.lightmap.scale, b.lightmap.scale) << a.name;
-        ASSERT_EQ(a.lightmap.offset, b.lightmap.offset) << a.name;
+        const bool isTextures = texturesReadIt(read, read.meshes[std::size_t(b.mesh)]); // stays as the source has it
+        for (int axis = 0; axis < 2 && !isTextures; ++axis) { // the rectangle lies on its page
+            ASSERT_GE(b.lightmap.offset[axis], -1.0e-6f) << a.name;
+            ASSERT_LE(b.lightmap.offset[axis] + b.lightmap.scale[axis], 1.0f + 1.0e-6f) << a.name;
+        }
         if (i > 0 && a.mesh == written.objects[i - 1].mesh && b.mesh == read.objects[i - 1].mesh) continue;
         const Mesh &meshA = written.meshes[std::size_t(a.mesh)], &meshB = read.meshes[std::size_t(b.mesh)];
         ASSERT_EQ(meshA.parts.size(), meshB.parts.size()) << a.name;
@@ -53,7 +66,9 @@ void expectSamePlaces(const Scene& written, const Scene& read)
             for (std::size_t k = 0; k < partA.indices.size(); ++k) {
                 const uint32_t u = partA.indices[k], v = partB.indices[k];
                 ASSERT_EQ(partA.positions[u], partB.positions[v]) << a.name;
-                ASSERT_EQ(partA.lightmapUv[u], partB.lightmapUv[v]) << a.name;
+                const vec2 placeA = a.lightmap.scale * partA.lightmapUv[u] + a.lightmap.offset;
+                const vec2 placeB = b.lightmap.scale * partB.lightmapUv[v] + b.lightmap.offset;
+                ASSERT_LT(glm::distance(placeA, placeB), 1.0e-6f) << a.name;
             }
         }
     }
