@@ -25,6 +25,7 @@ const scene = new THREE.Scene();
 let shown = null;
 let changed = true;
 let seconds = 0;
+let trouble = '';
 const redraw = () => (changed = true);
 
 function resize() {
@@ -34,8 +35,10 @@ function resize() {
     redraw();
 }
 
-function say(sentence) {
-    element('message').textContent = sentence;
+/** What is wrong with the last file, and what the one that is shown leaves out. */
+function say(sentence = trouble) {
+    trouble = sentence;
+    element('message').textContent = [trouble, ...(shown?.halflight.warnings ?? [])].filter(Boolean).join(' ');
 }
 
 async function open(bytes, name) {
@@ -151,7 +154,7 @@ renderer.setAnimationLoop((time) => {
     renderer.render(scene, camera);
     seconds = (performance.now() - start) / 1000;
     showStatistics(element('statistics'), shown, renderer, seconds);
-    say([...shown.halflight.warnings].join(' '));
+    say();
     document.body.dataset.frames = String(Number(document.body.dataset.frames ?? 0) + 1);
 });
 

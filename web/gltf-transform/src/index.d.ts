@@ -4,7 +4,10 @@ import type { Accessor, Document, Extension, ExtensionProperty, ReaderContext, T
 export type PictureKey = `${'lightmaps' | 'lightmapDirections' | 'shadowmasks'}/${number}`;
 export type ProbeAccessor = 'positions' | 'radiance' | 'occlusion' | 'valid' | 'tetrahedra' | 'neighbors';
 
-declare class RecordProperty extends ExtensionProperty {
+declare abstract class RecordProperty extends ExtensionProperty {
+    readonly extensionName: string;
+    readonly propertyType: string;
+    readonly parentTypes: string[];
     protected init(): void;
     /** The extension's JSON without references to textures and accessors. */
     getRecord(): Record<string, unknown>;

@@ -1,4 +1,6 @@
 // The plug-in of three.js's GLTFLoader: loader.register((parser) => new HalflightPlugin(parser)).
+import { LoaderUtils } from 'three';
+
 import { isBaked, readBaked } from './file/read.js';
 import { checkRelease } from './releases.js';
 import { HalflightScene } from './scene/scene.js';
@@ -23,6 +25,7 @@ export class HalflightPlugin {
             json: parser.json,
             accessor: async (index) => plainAccessor(await parser.getDependency('accessor', index)),
             bufferView: (index) => parser.getDependency('bufferView', index),
+            file: (uri) => parser.fileLoader.loadAsync(LoaderUtils.resolveURL(uri, parser.options.path)),
         });
         const { objects, lights } = collect(gltf.scene, parser);
         this.scene = new HalflightScene(gltf.scene, data, objects, lights, this.options);

@@ -37,6 +37,8 @@ export interface ProbeData {
     occlusion: Float32Array;
     valid: Uint8Array;
     grid: { origin: number[]; spacing: number[]; size: number[] } | null;
+    /** Tetrahedra: four indices of probes and of neighbours for each; null in version 1 of the format, and where probes lie in one plane. */
+    cells: { vertices: Uint32Array; neighbors: Uint32Array } | null;
 }
 
 export interface BakedData {
@@ -63,6 +65,8 @@ export interface Source {
     json: unknown;
     accessor(index: number): Promise<{ array: ArrayLike<number>; itemSize: number; count: number }>;
     bufferView(index: number): Promise<ArrayBuffer | Uint8Array>;
+    /** Bytes of a URI relative to the document, or of a data URI. */
+    file(uri: string): Promise<ArrayBuffer | Uint8Array>;
 }
 
 export function isBaked(json: unknown): boolean;

@@ -1,4 +1,4 @@
-import type { Camera, Light, Object3D } from 'three';
+import type { Box3, Camera, Light, Object3D } from 'three';
 import type { GLTFParser, GLTFLoaderPlugin } from 'three/addons/loaders/GLTFLoader.js';
 import type { BakedData } from './file.js';
 
@@ -43,6 +43,14 @@ export class HalflightScene {
     update(renderer: object, camera: Camera): void;
     /** Lights an object of the application by the bake's probes. */
     add(object: Object3D): void;
+    /**
+     * The probes as three.js's LightProbeGrid: pass the class of its addons, LightProbeGridWebGL for WebGLRenderer (LightProbeGrid
+     * in 0.185) or LightProbeGrid for WebGPURenderer. Covers the scene, with probes as far apart as the bake's, where options are absent.
+     */
+    toLightProbeGrid<Grid extends Object3D>(
+        Grid: new (width?: number, height?: number, depth?: number, x?: number, y?: number, z?: number) => Grid,
+        options?: { box?: Box3; resolution?: [number, number, number] }
+    ): Grid;
     /** Takes every change of materials, lights and objects back. */
     dispose(): void;
 }

@@ -1,4 +1,5 @@
 // A baked file's JSON and accessors as plain data: no three.js here. docs/format.md says what each property means.
+import { readCells } from '../probes/cells.js';
 import { readByCurve, readRgb9e5, decodeImage } from './images.js';
 
 const ROOT = 'HALFLIGHT_mixed_lighting';
@@ -12,6 +13,7 @@ const MATERIAL = 'HALFLIGHT_material';
  * @property {any} json
  * @property {(index: number) => Promise<{array: ArrayLike<number>, itemSize: number, count: number}>} accessor
  * @property {(index: number) => Promise<ArrayBuffer | Uint8Array>} bufferView
+ * @property {(uri: string) => Promise<ArrayBuffer | Uint8Array>} file of a URI relative to the document, or a data URI
  */
 
 /** @typedef {{width: number, height: number, data: Uint32Array | Uint8Array}} Pixels */
@@ -49,7 +51,7 @@ const MATERIAL = 'HALFLIGHT_material';
  * @property {Float32Array} occlusion four channels for each probe
  * @property {Uint8Array} valid
  * @property {{origin: number[], spacing: number[], size: number[]} | null} grid
- * @property {Uint32Array | null} tetrahedra
+ * @property {import('../probes/cells.js').Cells | null} cells null in version 1 of the format, and where probes lie in one plane
  */
 
 /**
@@ -86,9 +88,9 @@ export async function readBaked(source) {
         Promise.all(
             (list ?? []).map(async (entry, page) => {
                 const image = pictureOf(source.json, entry);
-                const data = bytesOf(await source.bufferView(image.bufferView));
+                const data = bytesOf(await (image.bufferView === undefined ? source.file(image.uri) : source.bufferView(image.bufferView)));
                 bytes[part] += data.byteLength;
-                return decode(data, image.mimeType, `${part} page ${page}`);
+                return decode(data, image.mimeType ?? '', `${part} page ${page}`);
             })
         );
     const [lightmaps, directions, masks, probes] = await Promise.all([
@@ -101,7 +103,7 @@ export async function readBaked(source) {
         pages(root.shadowmasks, 'masks', decodeImage),
         readProbes(source, root),
     ]);
-    if (probes) bytes.probes = probes.count * (12 + 108 + 16 + 1);
+    bytes.probes = bytesOfProbes(source.json, root.probes);
     checkPages(lightmaps, directions, masks);
     return {
         version: root.version,
@@ -156,16 +158,28 @@ async function readProbes(source, root) {
     const p = root.probes;
     if (!p || !(p.count > 0)) return null;
     const floats = async (index) => Float32Array.from((await source.accessor(index)).array);
-    const [positions, radiance, occlusion, valid] = await Promise.all([
+    const integers = async (index) => (index === undefined ? null : (await source.accessor(index)).array);
+    const [positions, radiance, occlusion, valid, tetrahedra, neighbors] = await Promise.all([
         floats(p.positions),
         floats(p.radiance),
         floats(p.occlusion),
         source.accessor(p.valid).then((a) => Uint8Array.from(a.array)),
+        integers(p.tetrahedra),
+        integers(p.neighbors),
     ]);
     const origin = root.origin ?? [0, 0, 0];
     for (let i = 0; i < positions.length; ++i) positions[i] += origin[i % 3];
     const grid = p.grid ? { ...p.grid, origin: p.grid.origin.map((x, axis) => x + origin[axis]) } : null;
-    return { count: p.count, positions, radiance, occlusion, valid, grid, tetrahedra: null };
+    const cells = tetrahedra ? readCells(tetrahedra, neighbors, valid) : null;
+    return { count: p.count, positions, radiance, occlusion, valid, grid, cells };
+}
+
+/** In the file: of buffer views with meshopt compression the compressed ones. */
+function bytesOfProbes(json, probes = {}) {
+    const accessors = ['positions', 'radiance', 'occlusion', 'valid', 'tetrahedra', 'neighbors'].map((name) => json.accessors?.[probes[name]]);
+    const views = new Set(accessors.map((accessor) => accessor?.bufferView).filter((view) => view !== undefined));
+    const stored = (view) => (view.extensions?.EXT_meshopt_compression ?? view.extensions?.KHR_meshopt_compression ?? view).byteLength;
+    return [...views].reduce((sum, index) => sum + stored(json.bufferViews[index]), 0);
 }
 
 function collect(list, extension, convert) {

@@ -2,11 +2,11 @@
 // 2012); outside their convex hull the value at the hull's nearest point. As ProbeInterpolator in
 // include/halflight/render/probes.h.
 import { shBasis, shIrradianceWeight } from '../generated/shading.js';
+import { cellsFit, OUTSIDE } from './cells.js';
 import { nearestOnTriangle } from './nearest.js';
 import { removeRinging } from './ringing.js';
 import { Tetrahedra } from './tetrahedra.js';
 
-const OUTSIDE = 0xffffffff;
 const LATTICE = 2 ** 22;
 const FLAT = 1e-5;
 
@@ -37,6 +37,8 @@ export class ProbeField {
         this.sources = [];
         this.last = 0;
         this.hull = [];
+        /** Whether the cells are those of the file. */
+        this.cellsOfFile = false;
         if (!probes) return;
         for (let i = 0; i < probes.count; ++i) if (probes.valid[i]) this.sources.push(i);
         if (this.sources.length > 0) this.build();
@@ -51,6 +53,20 @@ export class ProbeField {
         const extent = Math.max(...size);
         const flat = size.map((s) => !(s > (this.probes.grid ? 0 : FLAT * extent)));
         this.spacing = this.meanSpacing(size, flat);
+        if (this.probes.cells && cellsFit(this.probes.cells, this.probes.positions)) {
+            this.cellsOfFile = true;
+            this.cells = this.probes.cells;
+            this.positions = this.probes.positions;
+            this.sources = Array.from({ length: this.probes.count }, (_, i) => i);
+        } else {
+            this.triangulate(low, size, flat);
+        }
+        this.findHull();
+    }
+
+    /** For files of version 1 of the format, and for probes in one plane. */
+    triangulate(low, size, flat) {
+        const extent = Math.max(...size);
         const scale = this.latticeScale(extent);
         const points = this.latticePoints(low, scale, flat);
         // Along an axis without extent every probe gets a copy one layer up, so that there are tetrahedra.
@@ -65,7 +81,6 @@ export class ProbeField {
             this.positions = Float64Array.from(layered.points, (x, i) => low[i % 3] + x * step(i % 3));
             break;
         }
-        this.findHull();
     }
 
     bounds() {

@@ -1,5 +1,8 @@
 // A baked scene in three.js: what the application holds.
+import { Box3, Vector3 } from 'three';
+
 import { ProbeField } from '../probes/field.js';
+import { makeLightProbeGrid } from '../probes/grid.js';
 import { BakedLight, findMainLight } from './lights.js';
 import { checkMode, MODES, VIEWS } from './modes.js';
 import { BakedObject } from './objects.js';
@@ -45,6 +48,8 @@ export class HalflightScene {
         this.warnings = new Set();
         this.dynamicLayer = options.dynamicLayer ?? DYNAMIC_LAYER;
         this.field = new ProbeField(data.probes, data.sky);
+        if (data.probes?.cells && !this.field.cellsOfFile && !this.field.empty)
+            this.warnings.add("the file's tetrahedra do not fit the positions of its probes: others are made, which takes a while");
         this.table = new ObjectTable();
         this.lights = lights.map((l) => new BakedLight(l.light, data.lights.get(l.node), l.name));
         root.updateWorldMatrix(true, true);
@@ -99,6 +104,20 @@ export class HalflightScene {
             this.objects.push(object);
             if (this.backend) this.#attach(object);
         }
+    }
+
+    /**
+     * The probes as three.js's LightProbeGrid, for objects that the plug-in does not light.
+     * @param {any} Grid the class: LightProbeGridWebGL for WebGLRenderer, LightProbeGrid for WebGPURenderer
+     * @param {{box?: Box3, resolution?: number[]}} [options] the scene's box and the distance of probes where absent
+     */
+    toLightProbeGrid(Grid, { box, resolution } = {}) {
+        const positions = this.data.probes?.positions ?? [];
+        const all = this.bounds.clone();
+        for (let i = 0; i < positions.length; i += 3) all.expandByPoint(new Vector3(positions[i], positions[i + 1], positions[i + 2]));
+        const { grid, clipped } = makeLightProbeGrid(this.field, Grid, box ?? all, resolution);
+        if (clipped) this.warnings.add('probe light above 65504 is cut in the LightProbeGrid: its texture holds half floats');
+        return grid;
     }
 
     /** Before each frame: `renderer` draws it through `camera`. */
