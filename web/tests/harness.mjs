@@ -34,9 +34,9 @@ export function halflight(...args) {
 
 const types = { '.html': 'text/html', '.js': 'text/javascript', '.mjs': 'text/javascript', '.css': 'text/css', '.json': 'application/json', '.wasm': 'application/wasm' };
 
-/** Serves web/ as /web/, a package of three.js as /three/, and a folder of files as /files/. */
+/** Serves web/ as /web/, assets/ as /assets/, a package of three.js as /three/, and a folder of files as /files/. */
 export function serve(files, three = 'three') {
-    return serveRoots({ '/three/': join(web, 'node_modules', three), '/files/': files, '/web/': web });
+    return serveRoots({ '/three/': join(web, 'node_modules', three), '/files/': files, '/web/': web, '/assets/': join(repository, 'assets') });
 }
 
 /** Serves one folder as /. */

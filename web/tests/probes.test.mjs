@@ -3,20 +3,13 @@ import assert from 'node:assert/strict';
 import { test } from 'node:test';
 
 import { shIrradianceWeight } from '../three/src/generated/shading.js';
+import { OUTSIDE, readCells } from '../three/src/probes/cells.js';
 import { ProbeField, skyProbe } from '../three/src/probes/field.js';
 import { removeRinging } from '../three/src/probes/ringing.js';
 import { Tetrahedra } from '../three/src/probes/tetrahedra.js';
+import { randomizer } from './random.mjs';
 
 const BLACK = { zenith: [0, 0, 0], horizon: [0, 0, 0], ground: [0, 0, 0] };
-
-/** Numbers below n, the same in each run. */
-function randomizer(seed) {
-    let state = seed;
-    return (n) => {
-        state = (Math.imul(state, 1664525) + 1013904223) >>> 0;
-        return (state / 2 ** 32) * n;
-    };
-}
 
 function volumeOf(points) {
     const mesh = new Tetrahedra(Int32Array.from(points));
@@ -49,7 +42,7 @@ function fieldOf(positions, value) {
     const count = positions.length / 3;
     const radiance = new Float32Array(27 * count);
     for (let i = 0; i < count; ++i) radiance[27 * i] = value(...positions.slice(3 * i, 3 * i + 3));
-    const probes = { count, positions: Float32Array.from(positions), radiance, occlusion: new Float32Array(4 * count).fill(1), valid: new Uint8Array(count).fill(1), grid: null, tetrahedra: null };
+    const probes = { count, positions: Float32Array.from(positions), radiance, occlusion: new Float32Array(4 * count).fill(1), valid: new Uint8Array(count).fill(1), grid: null, cells: null };
     return new ProbeField(probes, BLACK);
 }
 
@@ -72,6 +65,46 @@ test('probes in a plane, on a line, at one place', () => {
     const line = fieldOf([0, 0, 0, 0, 2, 0, 0, 4, 0], (x, y) => y);
     assert.ok(Math.abs(line.sample([3, 1, 0]).radiance[0] - 1) < 1e-5);
     assert.ok(Math.abs(fieldOf([1, 2, 3], () => 7).sample([9, 9, 9]).radiance[0] - 7) < 1e-5);
+});
+
+/** A field that has its cells, as a file brings them. */
+function fileField(change = (probes) => probes) {
+    const random = randomizer(5);
+    const positions = [];
+    for (let i = 0; i < 900; ++i) positions.push(Math.round(random(4000)) / 400);
+    const made = fieldOf(positions, (x, y, z) => 1 + x + 2 * y + 3 * z);
+    const { vertices, neighbors } = made.cells;
+    const sources = vertices.map((v) => made.sources[v]);
+    return { made, vertices: sources, neighbors, field: new ProbeField(change({ ...made.probes, cells: readCells(sources, neighbors, made.probes.valid) }), BLACK) };
+}
+
+test('the cells of the file are those that are interpolated in', () => {
+    const { field, vertices, neighbors } = fileField();
+    assert.ok(field.cellsOfFile);
+    assert.deepEqual([...field.cells.vertices], [...vertices]);
+    assert.deepEqual([...readCells(vertices, null, field.probes.valid).neighbors], [...neighbors], 'neighbours follow from the tetrahedra');
+    const random = randomizer(6);
+    for (let i = 0; i < 200; ++i) {
+        const p = [1, 1, 1].map(() => 3 + random(4));
+        assert.ok(Math.abs(field.sample(p).radiance[0] - (1 + p[0] + 2 * p[1] + 3 * p[2])) < 1e-4, `${p}`);
+    }
+    // A file's own choice of cells is kept: here one cell alone, outside of which values are held.
+    const one = fileField((probes) => ({ ...probes, cells: readCells(vertices.slice(0, 4), new Array(4).fill(OUTSIDE), probes.valid) })).field;
+    const far = one.sample([500, 500, 500]).radiance[0];
+    const corners = [...vertices.slice(0, 4)].map((v) => one.probes.radiance[27 * v]);
+    assert.ok(far >= Math.min(...corners) - 1e-6 && far <= Math.max(...corners) + 1e-6);
+});
+
+test('cells that do not fit: a sentence, or others in their place', () => {
+    const { field, vertices, neighbors } = fileField();
+    const { valid } = field.probes;
+    const changed = (list, i, value) => Object.assign(Uint32Array.from(list), { [i]: value });
+    assert.throws(() => readCells(changed(vertices, 5, 999999), neighbors, valid), /tetrahedra 1 has a vertex that is no valid probe/);
+    assert.throws(() => readCells(vertices, neighbors, changed(valid, vertices[0], 0)), /no valid probe/);
+    assert.throws(() => readCells(vertices, changed(neighbors, 9, 0xfffffff0), valid), /tetrahedra 2 has a neighbour that is not beside it/);
+    assert.throws(() => readCells(vertices, neighbors.slice(4), valid), /neighbours of/);
+    const turned = fileField((probes) => ({ ...probes, positions: probes.positions.map((x, i) => (i === 3 * vertices[0] ? x + 40 : x)) })).field;
+    assert.ok(!turned.cellsOfFile, 'a probe moved through its cells');
 });
 
 const irradiance = (radiance, n) => {

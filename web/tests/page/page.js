@@ -1,14 +1,21 @@
 // Functions that the tests call in the browser: draw a file, compare with a picture of the program.
 import * as THREE from 'three';
 import { HalflightPlugin } from '@halflight/three';
+import { MeshoptDecoder } from 'three/addons/libs/meshopt_decoder.module.js';
+import { DRACOLoader } from 'three/addons/loaders/DRACOLoader.js';
 import { EXRLoader } from 'three/addons/loaders/EXRLoader.js';
 import { GLTFLoader } from 'three/addons/loaders/GLTFLoader.js';
+
+import { shIrradianceWeight } from '../../three/src/generated/shading.js';
+import { evaluate } from './law.js';
 
 const loaded = {};
 
 async function load({ file, options }) {
     loaded.halflight?.dispose();
     const loader = new GLTFLoader();
+    loader.setMeshoptDecoder(MeshoptDecoder);
+    loader.setDRACOLoader(new DRACOLoader().setDecoderPath('/three/examples/jsm/libs/draco/gltf/'));
     let plugin;
     loader.register((parser) => (plugin = new HalflightPlugin(parser, options)));
     const gltf = await loader.loadAsync(file);
@@ -20,7 +27,7 @@ async function load({ file, options }) {
         for (const material of object.isMesh ? [object.material].flat() : [])
             for (const value of Object.values(material)) if (value?.isTexture) value.anisotropy = 8; // as the program
     });
-    return { modes: plugin.scene?.modes, objects: plugin.scene?.objects.length };
+    return { modes: plugin.scene?.modes, objects: plugin.scene?.objects.length, cellsOfFile: plugin.scene?.field.cellsOfFile, bytes: plugin.scene?.data.bytes };
 }
 
 const kind = new URLSearchParams(location.search).get('renderer') ?? 'webgl';
@@ -38,7 +45,19 @@ async function makeRenderer(width, height) {
     return renderer;
 }
 
+/** @param {any} camera name of one of the file's, or where one stands and looks */
 function viewOf(camera, aspect) {
+    if (typeof camera === 'string') {
+        const own = loaded.gltf.cameras.find((c) => [c.name, c.parent?.name].includes(camera));
+        if (!own) throw new Error(`the file has no camera "${camera}"`);
+        loaded.scene.updateMatrixWorld();
+        const view = own.clone(false);
+        own.matrixWorld.decompose(view.position, view.quaternion, view.scale);
+        view.aspect = aspect;
+        view.updateProjectionMatrix();
+        view.updateMatrixWorld();
+        return view;
+    }
     const view = new THREE.PerspectiveCamera(camera.fov, aspect, 0.05, 200);
     view.position.fromArray(camera.eye);
     view.lookAt(new THREE.Vector3().fromArray(camera.target));
@@ -119,13 +138,32 @@ async function compare({ reference, pictures = false, other = null }) {
     }
     const n = a.rows.length / 255;
     const sorted = Float32Array.from(differences).sort();
-    const result = { linear: linear / n, encoded: encoded / n, median: 255 * sorted[sorted.length >> 1], p99: 255 * sorted[Math.floor(sorted.length * 0.99)] };
+    const result = { linear: linear / n, encoded: encoded / n, median: 255 * sorted[sorted.length >> 1], p99: 255 * sorted[Math.floor(sorted.length * 0.99)], ...luminanceOf(a, b) };
     if (pictures) {
         result.ours = png(a, (x) => encode(clamp(x * exposure)));
         result.reference = png(b, (x) => encode(clamp(x * exposure)));
         result.difference = png({ ...a, rows: differences }, (x) => clamp(x * 8));
     }
     return result;
+}
+
+/** How far luminances are apart: docs/conformance.md. `even`: of pixels whose surroundings have one value, the share within 1 %. */
+function luminanceOf(a, b) {
+    const [x, y] = [a, b].map(({ rows }) => Float32Array.from({ length: rows.length / 3 }, (_, i) => 0.2126 * rows[3 * i] + 0.7152 * rows[3 * i + 1] + 0.0722 * rows[3 * i + 2]));
+    const mean = y.reduce((sum, l) => sum + l, 0) / y.length;
+    let sum = 0;
+    let near = 0;
+    const even = { all: 0, near: 0 };
+    for (let i = 0; i < y.length; ++i) {
+        const off = Math.abs(x[i] - y[i]);
+        sum += off;
+        near += off <= 0.05 * y[i] + 0.05 * mean ? 1 : 0;
+        const around = [-1, 0, 1].flatMap((row) => [-1, 0, 1].map((column) => y[i + row * b.width + column]));
+        if (!around.every((l) => Math.abs(l - y[i]) <= 0.02 * y[i])) continue;
+        even.all += 1;
+        even.near += off <= 0.01 * y[i] ? 1 : 0;
+    }
+    return { meanRelative: sum / y.length / mean, share: near / y.length, evenPixels: even.all, even: even.near / even.all };
 }
 
 function png({ width, height, rows }, display) {
@@ -152,18 +190,28 @@ async function picture() {
     return bytesToText(new Uint8Array(loaded.picture.rows.buffer));
 }
 
-/** Agreement with another page's picture, sRGB-encoded at one exposure. */
+/** Agreement with another page's picture, sRGB-encoded at one exposure; `inside`: where that picture has no edge. */
 async function agreement({ other }) {
     const rows = new Float32Array(Uint8Array.from(atob(other), (c) => c.charCodeAt(0)).buffer);
+    const { width, height } = loaded.picture;
     const exposure = exposureOf({ rows });
+    const [ours, theirs] = [loaded.picture.rows, rows].map((list) => list.map((x) => 255 * encode(clamp(x * exposure))));
     let sum = 0;
-    let within = 0;
-    for (let i = 0; i < rows.length; i += 3) {
-        const d = [0, 1, 2].map((c) => 255 * Math.abs(encode(clamp(loaded.picture.rows[i + c] * exposure)) - encode(clamp(rows[i + c] * exposure))));
-        sum += d[0] + d[1] + d[2];
-        within += Math.max(...d) <= 1 ? 1 : 0;
-    }
-    return { mean: sum / rows.length, within: within / (rows.length / 3) };
+    const count = { within: 0, inside: 0, insidePixels: 0 };
+    for (let y = 0; y < height; ++y)
+        for (let x = 0; x < width; ++x) {
+            const at = 3 * (y * width + x);
+            const d = [0, 1, 2].map((c) => Math.abs(ours[at + c] - theirs[at + c]));
+            sum += d[0] + d[1] + d[2];
+            const near = Math.max(...d) <= 1;
+            if (near) count.within += 1;
+            if (x === 0 || y === 0 || x === width - 1 || y === height - 1) continue;
+            const around = [-1, 0, 1].flatMap((v) => [-1, 0, 1].map((u) => at + 3 * (v * width + u)));
+            if (!around.every((i) => [0, 1, 2].every((c) => Math.abs(theirs[i + c] - theirs[at + c]) <= 6))) continue;
+            count.insidePixels += 1;
+            if (near) count.inside += 1;
+        }
+    return { mean: sum / rows.length, within: count.within / (width * height), inside: count.inside / count.insidePixels, insidePixels: count.insidePixels };
 }
 
 /** Linear values where the picture shows points of the world, and the points of those pixels' centres at that height. */
@@ -282,5 +330,43 @@ async function sentences() {
     return [sentence, plain.userData.halflight];
 }
 
-window.halflightTest = { load, draw, compare, picture, agreement, atPoints, lightNames, intensityOf, changeLight, disposeTest, frameCost, sentences };
+/** Radiance that three.js gives white quads in a LightProbeGrid made of the file's probes, and what the probes say. */
+async function probeGrid({ file, module, resolution }) {
+    await load({ file });
+    const renderer = await makeRenderer(64, 64);
+    const Grid = (await import(`three/addons/lighting/${module}.js`))[module];
+    const grid = loaded.halflight.toLightProbeGrid(Grid, { resolution });
+    const scene = new THREE.Scene();
+    const quad = new THREE.Mesh(new THREE.PlaneGeometry(0.02, 0.02), new THREE.MeshLambertMaterial());
+    scene.add(grid, quad);
+    const target = new (THREE.WebGLRenderTarget ?? THREE.RenderTarget)(4, 4, { type: THREE.FloatType });
+    const camera = new THREE.OrthographicCamera(-0.005, 0.005, 0.005, -0.005, 0.001, 1);
+    const n = grid.resolution.toArray();
+    const spacing = grid.getProbePosition(1, 1, 1, new THREE.Vector3()).sub(grid.getProbePosition(0, 0, 0, new THREE.Vector3()));
+    const result = [];
+    const normals = [[0, 1, 0], [0, -1, 0], [1, 0, 0], [0, 0.6, -0.8]];
+    for (let i = 0; i < 12; ++i) {
+        const normal = new THREE.Vector3(...normals[i % 4]);
+        const index = n.map((count, axis) => (5 * i + 3 * axis) % count);
+        const probe = grid.getProbePosition(...index, new THREE.Vector3());
+        quad.position.copy(probe).sub(normal.clone().multiply(spacing).multiplyScalar(0.5)); // three.js looks half a cell in front of surfaces
+        quad.lookAt(quad.position.clone().add(normal));
+        camera.position.copy(quad.position).addScaledVector(normal, 0.1);
+        camera.up.set(0, Math.abs(normal.y) > 0.9 ? 0 : 1, Math.abs(normal.y) > 0.9 ? 1 : 0);
+        camera.lookAt(quad.position);
+        renderer.setRenderTarget(target);
+        renderer.render(scene, camera);
+        const pixels = await read(renderer, target, 4, 4);
+        const { radiance } = loaded.halflight.field.sample(probe.toArray());
+        const irradiance = [0, 1, 2].map((c) => radiance.reduce((sum, x, k) => sum + (k % 3 === c ? x * shIrradianceWeight((k - c) / 3, normal) : 0), 0));
+        result.push({ index, drawn: [...pixels.slice(20, 23)], exact: irradiance.map((e) => Math.max(e, 0) / Math.PI) });
+    }
+    renderer.setRenderTarget(null);
+    target.dispose();
+    return { resolution: n, result };
+}
+
+const evaluateCases = async (functions) => evaluate(await makeRenderer(64, 64), read, functions, kind === 'webgl2-nodes');
+
+window.halflightTest = { evaluate: evaluateCases, probeGrid, load, draw, compare, picture, agreement, atPoints, lightNames, intensityOf, changeLight, disposeTest, frameCost, sentences };
 window.ready = true;

@@ -1,53 +1,36 @@
 // The plug-in's pictures by WebGLRenderer in a real browser against those of the program.
 import assert from 'node:assert/strict';
-import { after, test } from 'node:test';
+import { test } from 'node:test';
 
-import { missing } from './harness.mjs';
-import { SIZE, Studio } from './studio.mjs';
-
-const reason = missing();
-if (reason) {
-    console.log(`[  SKIPPED ] web.pictures: ${reason}`);
-    process.exit(0);
-}
-
-const studio = new Studio();
-after(() => studio.close());
+import { SIZE, studio } from './studio.mjs';
 
 const MIXED = ['realtime', 'baked-indirect', 'shadowmask', 'distance-shadowmask'];
+// What the conformance pack lacks.
 const scenes = [
-    { label: 'courtyard', scene: 'courtyard', modes: MIXED },
-    { label: 'sphere on floor', scene: 'tests/sphere_on_floor', modes: MIXED },
-    { label: 'subtractive', scene: 'tests/sphere_on_floor', bake: ['--mode', 'subtractive'], modes: ['subtractive', 'realtime'] },
+    { label: 'courtyard', scene: 'courtyard', bake: ['--lightmap-size', '512'], modes: MIXED, size: [480, 270] },
     { label: 'subtractive without mask', scene: 'tests/sphere_on_floor', bake: ['--mode', 'subtractive', '--subtractive-mask', 'off'], modes: ['subtractive'] },
     { label: 'baked indirect', scene: 'tests/four_lights', bake: ['--mode', 'baked-indirect'], modes: ['baked-indirect'] },
-    { label: 'four masks', scene: 'tests/four_lights', modes: ['shadowmask'] },
-    { label: 'a fully baked light', scene: 'tests/five_lights', modes: ['shadowmask', 'realtime'] },
-    { label: 'directional lightmap', scene: 'tests/bumpy_wall', bake: ['--directional', 'on'], modes: ['shadowmask'] },
-    { label: 'proxy volumes', scene: 'tests/proxy_volume', modes: ['shadowmask'] },
     { label: 'instances', scene: 'tests/instances_1023', modes: ['shadowmask'] },
-    { label: 'shadow distance', scene: 'tests/avenue', modes: ['shadowmask', 'distance-shadowmask'], settings: { shadowDistance: 20, shadowFadeRange: 4 } },
-    { label: 'distance field', scene: 'tests/avenue', bake: ['--shadowmask-encoding', 'distance-field'], modes: ['shadowmask'] },
+    { label: 'distance field', scene: 'tests/avenue', bake: ['--shadowmask-encoding', 'distance-field'], modes: ['shadowmask', 'distance-shadowmask'], settings: { shadowDistance: 20, shadowFadeRange: 4 } },
 ];
 
-for (const { label, scene, bake: options = [], modes, settings } of scenes) {
+for (const { label, scene, bake: options = [], modes, settings, size } of scenes) {
     test(label, async () => {
         const name = label.replaceAll(' ', '-');
         studio.bake(scene, name, ...options);
         const { call } = await studio.pageOf('three');
-        await call('load', { file: `/files/${name}.glb` });
-        for (const mode of modes) await studio.compare(call, label, mode, { name, settings });
+        await studio.load(call, name);
+        for (const mode of modes) await studio.compare(call, label, mode, { name, settings, size });
     });
 }
 
 test('casters by mode: static objects leave the shadow maps of shadowmask mode', async () => {
-    studio.bake('tests/five_lights', 'a-fully-baked-light');
     for (const three of ['three', 'three-0.186', 'three-0.185']) {
         const { call } = await studio.pageOf(three);
-        await call('load', { file: '/files/a-fully-baked-light.glb' });
+        await studio.load(call, 'conformance/five_lights');
         const calls = {};
         for (const mode of ['shadowmask', 'distance-shadowmask']) {
-            const result = await studio.compare(call, `five lights, ${three}`, mode, { name: 'a-fully-baked-light' });
+            const result = await studio.compare(call, `five lights, ${three}`, mode, { name: 'conformance/five_lights' });
             calls[mode] = result.calls;
         }
         assert.ok(calls.shadowmask < calls['distance-shadowmask'] / 2, `${three}: ${JSON.stringify(calls)} draw calls`);
@@ -55,28 +38,26 @@ test('casters by mode: static objects leave the shadow maps of shadowmask mode',
 });
 
 test('lights changed at run time', async () => {
-    studio.bake('tests/four_lights', 'four-masks');
     const { call } = await studio.pageOf('three');
-    await call('load', { file: '/files/four-masks.glb' });
+    await studio.load(call, 'conformance/five_lights');
     const names = await call('lightNames');
     await call('changeLight', { index: 0, intensity: 3, strength: 0.5 });
     const options = ['--light', `${names[0]}:intensity=${await call('intensityOf', { index: 0 })},strength=0.5`];
-    await studio.compare(call, 'changed light', 'shadowmask', { name: 'four-masks', options });
+    await studio.compare(call, 'changed light', 'shadowmask', { name: 'conformance/five_lights', options });
 });
 
 test('debug views', async () => {
-    studio.bake('tests/five_lights', 'a-fully-baked-light');
     const { call } = await studio.pageOf('three');
-    await call('load', { file: '/files/a-fully-baked-light.glb' });
+    await studio.load(call, 'conformance/five_lights');
     for (const view of ['shadowmask', 'lightmap', 'probes', 'fade', 'overlap'])
-        await studio.compare(call, `view ${view}`, 'shadowmask', { name: 'a-fully-baked-light', settings: { debugView: view, shadowDistance: 8, shadowFadeRange: 5 }, options: ['--view', view] });
+        await studio.compare(call, `view ${view}`, 'shadowmask', { name: 'conformance/five_lights', settings: { debugView: view, shadowDistance: 8, shadowFadeRange: 5 }, options: ['--view', view] });
 });
 
 test('penumbra: the mask and the lit floor have their known values', async () => {
     studio.bake('tests/penumbra', 'penumbra', '--shadow-samples', '1024');
     const { call } = await studio.pageOf('three');
-    await call('load', { file: '/files/penumbra.glb' });
-    const camera = studio.reference('penumbra', 'shadowmask', []);
+    await studio.load(call, 'penumbra');
+    const { camera } = studio.reference('penumbra', 'shadowmask');
     const draw = (settings) => call('draw', { width: SIZE[0], height: SIZE[1], camera, settings: { mode: 'shadowmask', debugView: 'lit', ...settings } });
     await draw({ debugView: 'shadowmask' });
     const width = 2 * Math.tan((2 * Math.PI) / 180);
@@ -99,19 +80,17 @@ test('penumbra: the mask and the lit floor have their known values', async () =>
 });
 
 test('dispose gives everything back', async () => {
-    studio.bake('tests/five_lights', 'a-fully-baked-light');
     const { call } = await studio.pageOf('three');
-    const camera = studio.reference('a-fully-baked-light', 'shadowmask', []);
-    const result = await call('disposeTest', { file: '/files/a-fully-baked-light.glb', width: SIZE[0], height: SIZE[1], camera });
+    const { camera } = studio.reference('conformance/five_lights', 'shadowmask');
+    const result = await call('disposeTest', { file: '/assets/conformance/five_lights.glb', width: SIZE[0], height: SIZE[1], camera });
     assert.deepEqual(result.changed, []);
     assert.equal(result.largest, 0, 'three.js draws the file as without the plug-in');
     assert.ok(result.withPlugin > 0.01, 'and the plug-in had made a difference');
 });
 
 test('other files and modes: one sentence', async () => {
-    studio.bake('tests/sphere_on_floor', 'sphere-on-floor');
     const { call } = await studio.pageOf('three');
-    await call('load', { file: '/files/sphere-on-floor.glb' });
+    await studio.load(call, 'conformance/sphere_on_floor');
     const [sentence, plain] = await call('sentences');
     assert.match(sentence, /baked for shadowmask, so it can only be drawn in mode/);
     assert.equal(plain, null);

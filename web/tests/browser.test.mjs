@@ -1,0 +1,10 @@
+// All tests that need a browser, in one process: Chromium, its pages, bakes and the program's pictures are shared.
+import { missing } from './harness.mjs';
+
+const reason = missing();
+if (reason) {
+    console.log(`[  SKIPPED ] web.browser: ${reason}`);
+    process.exit(0);
+}
+const parts = (process.env.HALFLIGHT_WEB_PARTS ?? 'law,conformance,files,grid,pictures,webgpu,viewer').split(',');
+for (const part of parts) await import(`./browser/${part}.mjs`);

@@ -1,0 +1,131 @@
+// The viewer's folder, served as it stands and without any other network.
+import assert from 'node:assert/strict';
+import { execFileSync } from 'node:child_process';
+import { copyFileSync, mkdtempSync, readFileSync, rmSync, writeFileSync } from 'node:fs';
+import { tmpdir } from 'node:os';
+import { join } from 'node:path';
+import { after, test } from 'node:test';
+
+import { repository, serveFolder, web } from '../harness.mjs';
+import { studio } from './studio.mjs';
+
+const folder = mkdtempSync(join(tmpdir(), 'halflight-viewer-'));
+const conformance = join(repository, 'assets/conformance');
+let server = null;
+after(() => {
+    server?.close();
+    rmSync(folder, { recursive: true });
+});
+
+/** @param {string} address of the file and the view; the showcase where it names no file */
+async function open(address = '?file=sphere_on_floor.glb') {
+    if (!server) {
+        execFileSync(process.execPath, [join(web, 'scripts/build_viewer.mjs'), folder, join(conformance, 'five_lights.glb')]);
+        for (const name of ['sphere_on_floor.glb', 'avenue.glb']) copyFileSync(join(conformance, name), join(folder, name));
+        writeFileSync(join(folder, 'plain.glb'), 'not glTF');
+        server = await serveFolder(folder);
+    }
+    const page = await studio.newPage({ viewport: { width: 480, height: 320 } });
+    const errors = [];
+    page.on('pageerror', (error) => errors.push(String(error)));
+    page.on('request', (request) => {
+        const own = request.url().startsWith(server.url) || /^(data|blob):/.test(request.url());
+        if (!own) errors.push(`asks for ${request.url()}`);
+    });
+    await page.goto(`${server.url}/index.html${address}`);
+    const frames = () => page.evaluate(() => Number(document.body.dataset.frames ?? 0));
+    const drawn = async (act = async () => {}) => {
+        const before = await frames();
+        await act();
+        await page.waitForFunction((n) => Number(document.body.dataset.frames ?? 0) > n, before, { timeout: 60000 });
+    };
+    if ((await frames()) === 0) await page.waitForFunction(() => Number(document.body.dataset.frames ?? 0) > 0, null, { timeout: 60000 });
+    const link = async () => {
+        await page.click('#link');
+        return new URLSearchParams(new URL(page.url()).hash.slice(1));
+    };
+    const text = (selector) => page.evaluate((s) => document.querySelector(s).textContent, selector);
+    return { page, errors, drawn, link, text, picture: () => page.locator('#picture').screenshot() };
+}
+
+test('the viewer opens the showcase as its link says, and shows what the file holds', async () => {
+    const { page, errors, text } = await open('#mode=distance-shadowmask&distance=20');
+    assert.equal(await page.inputValue('#modes input:checked'), 'distance-shadowmask');
+    assert.equal(await text('#distanceValue'), '20 m');
+    const disabled = await page.$$eval('#lights input[type=checkbox]', (inputs) => inputs.filter((input) => input.disabled).length);
+    assert.equal(disabled, 1, 'the fully baked light cannot be switched');
+    const statistics = await text('#statistics');
+    assert.match(statistics, /draw calls[1-9]/);
+    for (const part of ['lightmaps', 'shadowmasks', 'probes']) assert.match(statistics, new RegExp(`${part}[^M]*\\d\\.\\d\\d MB`), part);
+    assert.deepEqual(errors, []);
+    await page.close();
+});
+
+test('the viewer: orbit, fly, and a link to the camera', async () => {
+    const { page, errors, drawn, link } = await open();
+    const before = await link();
+    await drawn(async () => {
+        await page.mouse.move(400, 160);
+        await page.mouse.down();
+        await page.mouse.move(440, 180, { steps: 4 });
+        await page.mouse.up();
+    });
+    const turned = await link();
+    assert.notEqual(turned.get('eye'), before.get('eye'));
+    assert.equal(turned.get('target'), before.get('target'), 'orbiting keeps the target');
+    await drawn(async () => {
+        await page.keyboard.down('KeyW');
+        await page.waitForTimeout(300);
+        await page.keyboard.up('KeyW');
+    });
+    const flown = await link();
+    assert.notEqual(flown.get('target'), turned.get('target'), 'flying moves what is orbited too');
+    await page.close();
+    const again = await open(`?file=sphere_on_floor.glb#${flown}`);
+    const arrived = await again.link();
+    for (const key of ['eye', 'target', 'fov', 'mode', 'distance', 'fade', 'exposure']) assert.equal(arrived.get(key), flown.get(key), key);
+    assert.deepEqual([...errors, ...again.errors], []);
+    await again.page.close();
+});
+
+test('the viewer: modes, views, lights and shadow distance change the picture', async () => {
+    const { page, errors, drawn, picture } = await open('?file=avenue.glb#mode=shadowmask');
+    const pictures = new Map([['shadowmask', await picture()]]);
+    const change = async (name, act) => {
+        await drawn(act);
+        const now = await picture();
+        for (const [other, bytes] of pictures) assert.ok(!bytes.equals(now), `${name} shows another picture than ${other}`);
+        pictures.set(name, now);
+    };
+    await change('baked-indirect', () => page.check('#modes input[value=baked-indirect]'));
+    await change('realtime', () => page.check('#modes input[value=realtime]'));
+    await change('a shorter shadow distance', () => page.locator('#distance').fill('4'));
+    await change('the shadowmask view', () => page.selectOption('#view', 'shadowmask'));
+    await change('the lightmap view', () => page.selectOption('#view', 'lightmap'));
+    await page.selectOption('#view', 'lit');
+    await change('one light less', () => page.uncheck('#lights input[type=checkbox]:not(:disabled)'));
+    assert.deepEqual(errors, []);
+    await page.close();
+});
+
+test('the viewer takes files by choice and by drop, and says what is wrong with others', async () => {
+    const { page, errors, drawn, text } = await open();
+    await page.setInputFiles('#open', join(folder, 'plain.glb'));
+    await page.waitForFunction(() => document.querySelector('#message').textContent.startsWith('plain.glb: '));
+    assert.equal(await text('#file'), 'sphere_on_floor.glb', 'what was open stays');
+    await drawn(() => page.setInputFiles('#open', join(conformance, 'bumpy_wall.glb')));
+    assert.equal(await text('#file'), 'bumpy_wall.glb');
+    const bytes = readFileSync(join(conformance, 'sphere_on_floor_subtractive.glb')).toString('base64');
+    await drawn(() =>
+        page.evaluate(async (base64) => {
+            const blob = await (await fetch(`data:application/octet-stream;base64,${base64}`)).blob();
+            const dataTransfer = new DataTransfer();
+            dataTransfer.items.add(new File([blob], 'dropped.glb'));
+            document.body.dispatchEvent(new DragEvent('drop', { dataTransfer, bubbles: true, cancelable: true }));
+            while (document.querySelector('#file').textContent !== 'dropped.glb') await new Promise((resolve) => setTimeout(resolve, 20));
+        }, bytes)
+    );
+    assert.deepEqual(await page.$$eval('#modes input', (inputs) => inputs.map((input) => input.value)), ['realtime', 'subtractive']);
+    assert.deepEqual(errors, []);
+    await page.close();
+});
