@@ -256,7 +256,7 @@ def directional_lightmap(s):
     baked = s.bake("tests/bumpy_wall.glb", "--quality", "high", "--lightmap-size", "1024", "--directional", "on")
     s.render("directional lightmap: bumps by baked light", baked)
     s.render("without directions: flat", baked, "--directional", "off")
-    s.render("path traced, geometry without bumps", baked, "--reference", "64")
+    s.render("path traced", baked, "--reference", "64")
 
 
 def debug_views(s):

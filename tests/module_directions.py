@@ -35,6 +35,7 @@ FOLDERS = {
         "radiosity": {"texels", "sample", "trace"},
         "shadows": {"texels", "sample", "trace"},
         "guiding": {"radiosity", "texels", "sample", "trace"},
+        "reference": {"sample", "trace"},
         "lightmap": {"guiding", "radiosity", "texels", "sample", "trace"},
     },
 }

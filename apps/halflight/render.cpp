@@ -47,6 +47,19 @@ std::string_view nameOf(RunMode mode)
     return "?";
 }
 
+std::string_view nameOf(ReferenceSurfaces surfaces)
+{
+    switch (surfaces) {
+    case ReferenceSurfaces::Full:
+        return "full";
+    case ReferenceSurfaces::DiffuseBounces:
+        return "diffuse-bounces";
+    case ReferenceSurfaces::Diffuse:
+        return "diffuse";
+    }
+    return "?";
+}
+
 // Every light of that name.
 Status changeLights(Renderer& renderer, const std::vector<LightOverride>& changes)
 {
@@ -197,8 +210,15 @@ Result<Picture> tracePicture(const RenderOptions& options, const Scene& scene, c
 {
     const ThreadLimit limit(options.threads);
     ProgressDisplay display(options.quiet);
-    Result<ImageRgb32f> traced = renderReference(scene, camera, options.render.size, options.referenceSamples,
-                                                 options.bounces, options.seed, display.progress());
+    ReferenceSettings settings;
+    settings.samplesPerPixel = options.referenceSamples;
+    settings.bounces = options.bounces;
+    settings.seed = options.seed;
+    settings.clampNits = options.referenceClamp;
+    settings.surfaces = !options.render.specular   ? ReferenceSurfaces::Diffuse
+                        : options.referenceDiffuse ? ReferenceSurfaces::DiffuseBounces
+                                                   : ReferenceSurfaces::Full;
+    Result<ImageRgb32f> traced = renderReference(scene, camera, options.render.size, settings, display.progress());
     if (traced && interrupted()) return Error{ErrorCode::Cancelled, "interrupted"};
     if (!traced) return traced.error();
     Picture picture;
@@ -209,6 +229,7 @@ Result<Picture> tracePicture(const RenderOptions& options, const Scene& scene, c
     picture.summary["mode"] = "reference";
     picture.summary["samples"] = options.referenceSamples;
     picture.summary["bounces"] = options.bounces;
+    picture.summary["surfaces"] = nameOf(settings.surfaces);
     return picture;
 }
 
@@ -298,9 +319,8 @@ std::string contradiction(const RenderOptions& options)
     if (options.eyeGiven && options.eye == options.camera.target) return "--eye and --target are the same point";
     if (options.referenceSamples > 0 &&
         (options.render.timings || !options.lights.empty() || options.mode || options.render.view != DebugView::Lit ||
-         options.render.path != RenderPath::Forward || options.samples > 0 || options.shadowDistanceGiven ||
-         !options.render.specular)) {
-        return "--reference N path traces with N samples; --mode, --view, --path, --light, --specular, --samples, "
+         options.render.path != RenderPath::Forward || options.samples > 0 || options.shadowDistanceGiven)) {
+        return "--reference N path traces with N samples; --mode, --view, --path, --light, --samples, "
                "--shadow-distance and --timings do not go with it";
     }
     return {};

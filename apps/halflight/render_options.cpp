@@ -188,7 +188,13 @@ void addRenderOptions(CLI::App& app, RenderOptions& options)
 
     app.option_defaults()->group("Reference");
     CLI::Option* reference = addInt(app, "--reference", options.referenceSamples, 1, 1 << 20,
-                                    "path trace with N samples per pixel instead, by the bake's integrator");
+                                    "path trace with N samples per pixel instead: the truth that a bake is judged by");
+    app.add_flag("--reference-diffuse", options.referenceDiffuse,
+                 "behind the surfaces that the camera sees, carry light on as the bake does, without specular lobes")
+        ->needs(reference);
+    addFloat(app, "--reference-clamp", options.referenceClamp, 0.0f, 1.0e9f, "NITS",
+             "limit of what one path brings by way of two or more surfaces: less noise, too dark (default 0: none)")
+        ->needs(reference);
     addInt(app, "--bounces", options.bounces, 0, 64, "bounces of the reference (default 8)")->needs(reference);
     addUint(app, "--seed", options.seed, "random numbers of the reference (default 1)")->needs(reference);
     addInt(app, "--threads", options.threads, 0, 4096, "of the reference, 0 = all cores (default 0)")->needs(reference);

@@ -33,6 +33,8 @@ struct RenderOptions {
     std::optional<float> exposureEv; ///< empty = auto
     bool exposureGiven = false;
     int referenceSamples = 0;
+    bool referenceDiffuse = false; ///< diffuse transport behind the surfaces that the camera sees
+    float referenceClamp = 0.0f;   ///< nits, 0 = none
     int bounces = 8;
     uint32_t seed = 1;
     int threads = 0;

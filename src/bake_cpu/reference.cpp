@@ -1,53 +1,72 @@
 #include "halflight/bake_cpu/embree_integrator.h"
 
 #include "bake/stages.h"
-#include "bake_cpu/sample/path_tracer.h"
+#include "bake_cpu/reference/reference_tracer.h"
 
 #include "halflight/base/parallel.h"
 
+#include <algorithm>
 #include <cmath>
 
 namespace halflight {
+namespace {
 
-Result<ImageRgb32f> renderReference(const Scene& scene, const Camera& camera, ivec2 size, int samplesPerPixel,
-                                    int bounces, uint32_t seed, const Progress& progress)
+struct CameraRay {
+    vec3 origin{0.0f}; ///< on the near plane
+    vec3 direction{0.0f, 0.0f, -1.0f};
+};
+
+/// `place`: of the picture, (0, 0) its upper left corner, (1, 1) the lower right one.
+CameraRay cameraRay(const Camera& camera, float aspect, vec2 place)
+{
+    // The camera looks along -Z with +Y up.
+    const float halfHeight =
+        camera.orthographic ? 0.5f * camera.orthographicHeightMeters : std::tan(0.5f * camera.verticalFovRadians);
+    const vec2 ndc = place * vec2(2.0f, -2.0f) + vec2(-1.0f, 1.0f);
+    const vec3 onPlane(ndc.x * aspect * halfHeight, ndc.y * halfHeight, -1.0f);
+    const mat3 worldFromCamera(camera.worldFromCamera);
+    CameraRay ray{vec3(camera.worldFromCamera[3]), worldFromCamera * vec3(0.0f, 0.0f, -1.0f)};
+    float nearest = camera.nearMeters;
+    if (camera.orthographic) {
+        ray.origin += worldFromCamera * vec3(onPlane.x, onPlane.y, 0.0f);
+    } else {
+        ray.direction = worldFromCamera * onPlane;
+        nearest *= glm::length(ray.direction);
+    }
+    ray.direction = glm::normalize(ray.direction);
+    ray.origin += ray.direction * nearest;
+    return ray;
+}
+
+} // namespace
+
+Result<ImageRgb32f> renderReference(const Scene& scene, const Camera& camera, ivec2 size,
+                                    const ReferenceSettings& settings, const Progress& progress)
 {
     const BakeGeometry geometry = flattenGeometry(scene, 1, GeometryFilter::All);
     const PathTracer paths(scene, geometry, LightUse::Reference);
     if (progress.cancelled()) return Error{ErrorCode::Cancelled, "interrupted"};
     if (!paths.ok()) return Error{ErrorCode::DeviceFailed, "Embree could not build the scene (out of memory?)"};
+    const ReferenceTracer tracer(scene, paths, {settings.surfaces, settings.clampNits});
 
     const float aspect = float(size.x) / float(size.y);
-    const float halfHeight =
-        camera.orthographic ? 0.5f * camera.orthographicHeightMeters : std::tan(0.5f * camera.verticalFovRadians);
-    const mat3 worldFromCamera(camera.worldFromCamera);
-    const vec3 eye(camera.worldFromCamera[3]);
     ImageRgb32f picture(size.x, size.y);
+    // Pixels of one task: few where each takes long, so that the progress moves.
+    const auto pixels = std::size_t(std::clamp(32768 / settings.samplesPerPixel, 1, 256));
     const bool finished =
-        parallelFor(picture.texelCount(), 256, progress, "reference", [&](std::size_t begin, std::size_t end) {
+        parallelFor(picture.texelCount(), pixels, progress, "reference", [&](std::size_t begin, std::size_t end) {
             uint64_t rays = 0;
-            for (std::size_t i = begin; i < end && !progress.cancelled(); ++i) {
+            for (std::size_t i = begin; i < end; ++i) {
                 const vec2 pixel(float(i % std::size_t(size.x)), float(i / std::size_t(size.x)));
-                vec3 sum(0.0f);
-                for (int s = 0; s < samplesPerPixel && !progress.cancelled(); ++s) {
-                    Sampler sampler(seed, uint32_t(i), uint32_t(s));
-                    // Box filter over the pixel; the camera looks along -Z with +Y up.
-                    const vec2 ndc = (pixel + sampler.next2()) / vec2(size) * vec2(2.0f, -2.0f) + vec2(-1.0f, 1.0f);
-                    const vec3 onPlane(ndc.x * aspect * halfHeight, ndc.y * halfHeight, -1.0f);
-                    vec3 origin = eye;
-                    vec3 direction = worldFromCamera * vec3(0.0f, 0.0f, -1.0f);
-                    float nearest = camera.nearMeters;
-                    if (camera.orthographic) {
-                        origin += worldFromCamera * vec3(onPlane.x, onPlane.y, 0.0f);
-                    } else {
-                        direction = worldFromCamera * onPlane;
-                        nearest *= glm::length(direction);
-                    }
-                    direction = glm::normalize(direction);
-                    sum += paths.cameraRadiance(origin + direction * nearest, direction, kInfinity, bounces, sampler,
-                                                rays);
+                glm::dvec3 sum(0.0);
+                for (int s = 0; s < settings.samplesPerPixel; ++s) {
+                    if (progress.cancelled()) return;
+                    Sampler sampler(settings.seed, uint32_t(i), uint32_t(s));
+                    const CameraRay ray = cameraRay(camera, aspect, (pixel + sampler.next2()) / vec2(size));
+                    sum +=
+                        glm::dvec3(tracer.radiance(ray.origin, ray.direction, true, settings.bounces, sampler, rays));
                 }
-                picture.data()[i] = sum / float(samplesPerPixel);
+                picture.data()[i] = vec3(sum / double(settings.samplesPerPixel));
             }
         });
     if (!finished) return Error{ErrorCode::Cancelled, "interrupted"};

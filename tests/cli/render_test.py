@@ -1,10 +1,11 @@
 """What `halflight render` chooses by itself. Usage: render_test.py HALFLIGHT SHARED_DIR [TestClass[.test]] …
 """
 
+import json
 import sys
 
 import cli_test
-from cli_test import Case, run
+from cli_test import Case, read, run
 
 
 class Choices(Case):
@@ -34,6 +35,19 @@ class Choices(Case):
         self.assertLess(summary["shadows"]["shareBeyond"], 0.95)
         said = [w for w in summary["warnings"] if "realtime shadows end 7 m" in w and "--shadow-distance" in w]
         self.assertEqual(len(said), 1, summary["warnings"])
+
+    def test_surfaces_of_the_reference(self):
+        view = ["--reference", "64", "--bounces", "2", "--size", "48x32", "--eye=4,3,5", "--target=0,0,0"]
+        means = {}
+        for surfaces, options in (("full", []), ("diffuse-bounces", ["--reference-diffuse"]),
+                                  ("diffuse", ["--specular", "off"])):
+            result = run("render", self.scene(), "-o", self.path("p.exr"), *view, *options, "--json")
+            self.assertEqual(result.returncode, 0, result.stderr)
+            self.assertEqual(json.loads(result.stdout)["surfaces"], surfaces)
+            means[surfaces] = read(self.path("p.exr"))
+        self.assertEqual(len(set(means.values())), 3, "an option does nothing")
+        for option in ("--reference-diffuse", "--reference-clamp=2"):
+            self.assert_one_sentence(run("render", self.scene(), "-o", self.path("p.exr"), option), 2, "--reference")
 
 
 if __name__ == "__main__":

@@ -109,7 +109,7 @@ void expectRightPicture(Scene scene)
 {
     for (Material& material : scene.materials) material.specular = 0.0f; // diffuse: what the reference traces
     const Camera camera = scene.cameras.at(0);
-    auto reference = renderReference(scene, camera, kSize, 96, kBounces, 1);
+    auto reference = renderReference(scene, camera, kSize, {96, kBounces});
     ASSERT_TRUE(reference) << reference.error().text();
     BakeSettings settings;
     settings.quality = Quality::Preview;

@@ -120,7 +120,7 @@ protected:
     }
     static ImageRgb32f reference(const Scene& scene)
     {
-        auto picture = renderReference(scene, scene.cameras[0], kSize, 256, kBounces, 1);
+        auto picture = renderReference(scene, scene.cameras[0], kSize, {256, kBounces});
         EXPECT_TRUE(picture) << picture.error().text();
         return std::move(*picture);
     }

@@ -108,7 +108,7 @@ double realtimePicture(const Scene& scene, MixedLightingMode bakeMode, RunMode m
 
 double referencePicture(const Scene& scene, int samples)
 {
-    auto picture = renderReference(scene, scene.cameras[0], kSize, samples, 0, 1);
+    auto picture = renderReference(scene, scene.cameras[0], kSize, {samples, 0});
     EXPECT_TRUE(picture) << picture.error().text();
     return meanOf(*picture);
 }

@@ -127,7 +127,7 @@ protected:
     static void SetUpTestSuite()
     {
         scene_ = new Scene(makeRoom());
-        auto picture = renderReference(*scene_, scene_->cameras[0], kSize, 512, kBounces, 1);
+        auto picture = renderReference(*scene_, scene_->cameras[0], kSize, {512, kBounces});
         ASSERT_TRUE(picture) << picture.error().text();
         reference_ = new ImageRgb32f(std::move(*picture));
     }
@@ -185,7 +185,7 @@ TEST_F(ReferencePicture, OverflowStaysRightS10)
         scene.lights.push_back(makeLight(("extra " + std::to_string(i)).c_str(), LightType::Point,
                                          vec3(-2.0f + float(i), 1.2f + 0.3f * float(i), 1.0f), vec3(0), 1.5f, vec3(1)));
     }
-    auto reference = renderReference(scene, scene.cameras[0], kSize, 512, kBounces, 1);
+    auto reference = renderReference(scene, scene.cameras[0], kSize, {512, kBounces});
     ASSERT_TRUE(reference);
     std::swap(*reference_, *reference);
     const BakedScene baked = bakeRoom(scene, MixedLightingMode::Shadowmask);

@@ -8,11 +8,28 @@ namespace halflight {
 Result<std::unique_ptr<Integrator>> makeEmbreeIntegrator(const Scene& scene, const BakeGeometry& geometry,
                                                          const IntegrationSettings& settings);
 
-/// The picture `halflight render --reference SPP` writes: the whole scene, static and dynamic, path traced with the
-/// integrator of the bake from the given camera; linear radiance in nits.
-/// Surfaces that the camera sees reflect by glTF's BRDF (shading/brdf.h), without normal maps; light that reaches them
-/// by way of other surfaces is carried on as by diffuse surfaces of shading::transportAlbedo().
-Result<ImageRgb32f> renderReference(const Scene& scene, const Camera& camera, ivec2 size, int samplesPerPixel,
-                                    int bounces, uint32_t seed, const Progress& progress = {});
+/// How surfaces of a reference picture reflect.
+enum class ReferenceSurfaces {
+    Full,           ///< by glTF's BRDF (shading::reflectLight()), as the renderer shades them
+    DiffuseBounces, ///< as in a bake: those that the camera sees by glTF's BRDF, later ones like the integrator's
+    Diffuse,        ///< without a specular lobe: diffuse surfaces of shading::transportAlbedo()
+};
+
+struct ReferenceSettings {
+    int samplesPerPixel = 64; ///< at least 1
+    int bounces = 8;          ///< reflections between a light source and the first surface, 0 or more
+    uint32_t seed = 1;
+    ReferenceSurfaces surfaces = ReferenceSurfaces::Full;
+    /// Limit in nits of the luminance that a path brings at once by way of two or more surfaces: less noise, and too
+    /// dark. 0 = none.
+    float clampNits = 0.0f;
+};
+
+/// The picture `halflight render --reference SPP` writes: the whole scene, static and dynamic, path traced from the
+/// camera; linear radiance in nits. Unbiased, but for the limit that the settings may have: textures at full resolution
+/// with bilinear filtering, normal maps, alpha, all lights with their sizes, emissive surfaces, the sky. A pixel is the
+/// mean over its square. The result does not depend on the number of threads.
+Result<ImageRgb32f> renderReference(const Scene& scene, const Camera& camera, ivec2 size,
+                                    const ReferenceSettings& settings, const Progress& progress = {});
 
 } // namespace halflight

@@ -76,6 +76,8 @@ inline EmitterSample Emitters::at(const LightTree::Choice& choice, float v) cons
     s.rayVisible = e.rayVisible;
     s.doubleSided = e.doubleSided;
     s.pdfArea = choice.probability * e.inverseArea;
+    s.triangle = e.triangle;
+    s.barycentric = barycentric;
     return s;
 }
 

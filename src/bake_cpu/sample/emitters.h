@@ -26,6 +26,8 @@ struct EmitterSample {
     bool doubleSided = false;
     bool rayVisible = true; ///< false = its object casts no shadow, so rays do not hit it
     float pdfArea = 0.0f;   ///< per square metre; 0 = no sample
+    uint32_t triangle = 0;  ///< of the geometry
+    vec2 barycentric{0.0f};
 
     [[nodiscard]] NextEventContribution from(vec3 receiver, vec3 receiverNormal, vec3 geometricNormal) const
     {

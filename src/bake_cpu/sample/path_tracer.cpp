@@ -97,47 +97,14 @@ float PathTracer::lightVisibilityInSpace(const PunctualLight& light, vec3 positi
     return tracer_.transmittance(position, ray.direction, 0.0f, ray.distance * (1.0f - 1.0e-4f));
 }
 
-// One light per call, chosen in proportion to the unshadowed contributions (Shirley et al. 1996, "Monte Carlo
-// Techniques for Direct Lighting Calculations", section 5). The choice is a weighted reservoir of size one (Chao 1982,
-// "A General Purpose Unequal Probability Sampling Plan"): each light rescales the random number, so any number of
-// lights needs no memory. If lights are many, one point or spot light of the tree enters the reservoir, with
-// contribution / probability.
 PathTracer::LightChoice PathTracer::choosePunctual(const SurfacePoint& point, bool direct, Sampler& sampler) const
 {
-    if (lights_.empty()) return {};
-    float u = sampler.next1();
-    const vec2 uLight = sampler.next2();
-    float total = 0.0f;
-    float chosenWeight = 0.0f;
-    const PunctualLight* chosen = nullptr;
-    vec3 contribution(0.0f);
-    const auto consider = [&](const PunctualLight& light, float probability) {
+    return chooseLight(point, sampler, [&](const PunctualLight& light, vec2 /*disc*/, float probability) {
         const shading::LightSample s = light.at(point.position);
         const float cosine = glm::dot(point.normal, s.direction);
-        if (cosine <= 0.0f) return;
-        const vec3 unshadowed = s.illuminance * (cosine * (direct ? 1.0f : light.indirectMultiplier) / probability);
-        const float weight = luminance(unshadowed);
-        if (weight <= 0.0f) return;
-        total += weight;
-        const float take = weight / total;
-        if (u < take) {
-            chosen = &light;
-            chosenWeight = weight;
-            contribution = unshadowed;
-            u /= take;
-        } else {
-            u = (u - take) / (1.0f - take);
-        }
-    };
-    for (const PunctualLight& light : lights_) {
-        if (light.bounces && (punctualTree_.empty() || light.type == shading::kLightDirectional)) consider(light, 1.0f);
-    }
-    if (!punctualTree_.empty()) {
-        const LightTree::Choice choice = punctualTree_.sample(point.position, point.normal, sampler.next1());
-        if (choice.probability > 0.0f) consider(lights_[lightOfItem_[choice.item]], choice.probability);
-    }
-    if (chosen == nullptr) return {};
-    return {chosen, contribution * (total / chosenWeight), shading::sampleDisc(uLight)};
+        if (cosine <= 0.0f) return vec3(0.0f);
+        return s.illuminance * (cosine * (direct ? 1.0f : light.indirectMultiplier) / probability);
+    });
 }
 
 vec3 PathTracer::punctualIrradiance(const SurfacePoint& point, bool direct, Sampler& sampler, uint64_t& rays) const

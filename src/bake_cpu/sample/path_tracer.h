@@ -63,10 +63,6 @@ public:
     [[nodiscard]] vec3 weightedEmission(const SurfaceHit& hit, vec3 direction, const Receiver& from,
                                         float directionPdf) const;
 
-    /// Radiance along a camera ray. The first surface has glTF's BRDF (shading/brdf.h, without normal maps); later ones
-    /// are diffuse with shading::transportAlbedo(). `origin` is on the near plane.
-    vec3 cameraRadiance(vec3 origin, vec3 direction, float tMax, int bounces, Sampler& sampler, uint64_t& rays) const;
-
     /// One emitter sample: irradiance with its MIS weight against cosine-distributed directions, and its direction.
     /// Russian roulette skips emitters that add little to `otherIlluminance` (lux).
     struct EmitterAtSurface {
@@ -86,7 +82,7 @@ public:
     /// A sample among the punctual lights that bounce: a light and a point of the unit disc.
     struct LightChoice {
         const PunctualLight* light = nullptr;
-        vec3 unshadowed{0.0f}; ///< irradiance / probability of the light
+        vec3 unshadowed{0.0f}; ///< irradiance (or what chooseLight() is given) / probability of the light
         vec2 disc{0.0f};
 
         [[nodiscard]] vec3 irradiance(float transmittance) const
@@ -94,6 +90,10 @@ public:
             return light != nullptr ? unshadowed * glm::mix(1.0f, transmittance, light->shadowStrength) : vec3(0.0f);
         }
     };
+    /// One light, chosen in proportion to the luminance of contribution(light, disc, probability), which is divided by
+    /// `probability`; `disc` is the point of the unit disc that the choice has.
+    template<typename Contribution>
+    LightChoice chooseLight(const SurfacePoint& point, Sampler& sampler, Contribution contribution) const;
     /// `direct` = without the lights' indirect multipliers.
     LightChoice choosePunctual(const SurfacePoint& point, bool direct, Sampler& sampler) const;
     vec3 punctualIrradiance(const SurfacePoint& point, bool direct, Sampler& sampler, uint64_t& rays) const;
@@ -130,12 +130,7 @@ public:
     [[nodiscard]] vec3 rayOrigin(const SurfacePoint& point) const;
 
 private:
-    class CameraBrdf;
     [[nodiscard]] vec3 shadowOrigin(const SurfacePoint& point, uint64_t& rays) const;
-    [[nodiscard]] vec3 punctualRadiance(const SurfacePoint& point, const CameraBrdf& brdf, Sampler& sampler,
-                                        uint64_t& rays) const;
-    [[nodiscard]] vec3 emitterRadiance(const SurfacePoint& point, const CameraBrdf& brdf, Sampler& sampler,
-                                       uint64_t& rays) const;
 
     RayTracer tracer_;
     std::vector<PunctualLight> lights_;
@@ -144,5 +139,46 @@ private:
     std::vector<uint32_t> lightOfItem_;
     Sky sky_;
 };
+
+// One light per call, chosen in proportion to the unshadowed contributions (Shirley et al. 1996, "Monte Carlo
+// Techniques for Direct Lighting Calculations", section 5). The choice is a weighted reservoir of size one (Chao 1982,
+// "A General Purpose Unequal Probability Sampling Plan"): each light rescales the random number, so any number of
+// lights needs no memory. If lights are many, one point or spot light of the tree enters the reservoir, with
+// contribution / probability.
+template<typename Contribution> PathTracer::LightChoice
+PathTracer::chooseLight(const SurfacePoint& point, Sampler& sampler, Contribution contribution) const
+{
+    if (lights_.empty()) return {};
+    float u = sampler.next1();
+    const vec2 disc = shading::sampleDisc(sampler.next2());
+    float total = 0.0f;
+    float chosenWeight = 0.0f;
+    const PunctualLight* chosen = nullptr;
+    vec3 chosenContribution(0.0f);
+    const auto consider = [&](const PunctualLight& light, float probability) {
+        const vec3 unshadowed = contribution(light, disc, probability);
+        const float weight = luminance(unshadowed);
+        if (weight <= 0.0f) return;
+        total += weight;
+        const float take = weight / total;
+        if (u < take) {
+            chosen = &light;
+            chosenWeight = weight;
+            chosenContribution = unshadowed;
+            u /= take;
+        } else {
+            u = (u - take) / (1.0f - take);
+        }
+    };
+    for (const PunctualLight& light : lights_) {
+        if (light.bounces && (punctualTree_.empty() || light.type == shading::kLightDirectional)) consider(light, 1.0f);
+    }
+    if (!punctualTree_.empty()) {
+        const LightTree::Choice choice = punctualTree_.sample(point.position, point.normal, sampler.next1());
+        if (choice.probability > 0.0f) consider(lights_[lightOfItem_[choice.item]], choice.probability);
+    }
+    if (chosen == nullptr) return {};
+    return {chosen, chosenContribution * (total / chosenWeight), disc};
+}
 
 } // namespace halflight

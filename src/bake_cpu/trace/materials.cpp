@@ -1,5 +1,6 @@
 #include "bake_cpu/trace/materials.h"
 
+#include "bake_cpu/trace/texture_filter.h"
 #include "shading/srgb_table.h"
 
 #include "halflight/base/parallel.h"
@@ -50,50 +51,9 @@ ImageRgba8 shrink(const ImageRgba8& image)
     return out;
 }
 
-int wrap(int i, int size, Texture::Wrap mode)
-{
-    if (unsigned(i) < unsigned(size)) return i;
-    switch (mode) {
-    case Texture::Wrap::ClampToEdge:
-        return std::clamp(i, 0, size - 1);
-    case Texture::Wrap::MirroredRepeat: {
-        const int period = 2 * size;
-        const int m = ((i % period) + period) % period;
-        return m < size ? m : period - 1 - m;
-    }
-    default:
-        return (size & (size - 1)) == 0 ? i & (size - 1) : ((i % size) + size) % size;
-    }
-}
-
-/// Index of the texel at a coordinate; 0 for coordinates that are not finite.
-int texelNumber(float coordinate, int size)
-{
-    const float t = coordinate * float(size);
-    return std::isfinite(t) ? int(std::floor(std::clamp(t, -1.0e9f, 1.0e9f))) : 0;
-}
-
-u8vec4 nearestTexel(const Texture& texture, const ImageRgba8& pixels, vec2 uv)
-{
-    return pixels(wrap(texelNumber(uv.x, pixels.width()), pixels.width(), texture.wrapU),
-                  wrap(texelNumber(uv.y, pixels.height()), pixels.height(), texture.wrapV));
-}
-
 float bilinearAlpha(const Texture& texture, vec2 uv)
 {
-    const ImageRgba8& pixels = texture.pixels;
-    if (texture.nearest) return float(nearestTexel(texture, pixels, uv).w) / 255.0f;
-    const vec2 place = uv * vec2(pixels.size()) - 0.5f;
-    const int x = texelNumber(place.x / float(pixels.width()), pixels.width());
-    const int y = texelNumber(place.y / float(pixels.height()), pixels.height());
-    const vec2 f = glm::clamp(place - vec2(float(x), float(y)), 0.0f, 1.0f);
-    const int x0 = wrap(x, pixels.width(), texture.wrapU);
-    const int x1 = wrap(x + 1, pixels.width(), texture.wrapU);
-    const int y0 = wrap(y, pixels.height(), texture.wrapV);
-    const int y1 = wrap(y + 1, pixels.height(), texture.wrapV);
-    const float top = glm::mix(float(pixels(x0, y0).w), float(pixels(x1, y0).w), f.x);
-    const float bottom = glm::mix(float(pixels(x0, y1).w), float(pixels(x1, y1).w), f.x);
-    return glm::mix(top, bottom, f.y) / 255.0f;
+    return texelQuad(texture, uv).filtered([](u8vec4 texel) { return float(texel.w); }) / 255.0f;
 }
 
 TransportMaterial transportMaterial(const Scene& scene, const Material& m)
@@ -162,6 +122,14 @@ vec2 Materials::textureCoordinate(uint32_t triangle, vec2 barycentric, const Tex
     return ref.offset + vec2(c * scaled.x + s * scaled.y, -s * scaled.x + c * scaled.y);
 }
 
+vec4 Materials::vertexColor(uint32_t triangle, vec2 barycentric) const
+{
+    if (geometry_.colors.empty()) return vec4(1.0f);
+    const uvec3 t = geometry_.triangles[triangle];
+    return (1.0f - barycentric.x - barycentric.y) * geometry_.colors[t.x] + barycentric.x * geometry_.colors[t.y] +
+           barycentric.y * geometry_.colors[t.z];
+}
+
 float Materials::alphaAt(uint32_t triangle, vec2 barycentric, const TransportMaterial& material) const
 {
     float alpha = material.opacity;
@@ -169,11 +137,7 @@ float Materials::alphaAt(uint32_t triangle, vec2 barycentric, const TransportMat
         alpha *= bilinearAlpha(scene_.textures[std::size_t(material.baseColor.texture)],
                                textureCoordinate(triangle, barycentric, material.baseColor));
     }
-    if (!geometry_.colors.empty()) {
-        const uvec3 t = geometry_.triangles[triangle];
-        alpha *= (1.0f - barycentric.x - barycentric.y) * geometry_.colors[t.x].w +
-                 barycentric.x * geometry_.colors[t.y].w + barycentric.y * geometry_.colors[t.z].w;
-    }
+    if (!geometry_.colors.empty()) alpha *= vertexColor(triangle, barycentric).w;
     return alpha;
 }
 
@@ -209,11 +173,7 @@ SurfaceReflectance Materials::reflectanceAt(uint32_t triangle, vec2 barycentric)
     if (material.baseColor) {
         base *= linearOf(smallTexel(triangle, barycentric, material.baseColor));
     }
-    if (!geometry_.colors.empty()) {
-        const uvec3 t = geometry_.triangles[triangle];
-        base *= vec3((1.0f - barycentric.x - barycentric.y) * geometry_.colors[t.x] +
-                     barycentric.x * geometry_.colors[t.y] + barycentric.y * geometry_.colors[t.z]);
-    }
+    if (!geometry_.colors.empty()) base *= vec3(vertexColor(triangle, barycentric));
     float metallic = material.metallicFactor;
     float roughness = material.roughnessFactor;
     if (material.metallicRoughness) {

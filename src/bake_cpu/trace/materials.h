@@ -55,8 +55,12 @@ public:
         return geometry_.solid[triangle] != 0 || !of(triangle).doubleSided;
     }
 
-private:
+    /// Where a texture is read, KHR_texture_transform included.
     [[nodiscard]] vec2 textureCoordinate(uint32_t triangle, vec2 barycentric, const TextureRef& ref) const;
+    /// Interpolated, linear; 1 in scenes without vertex colours.
+    [[nodiscard]] vec4 vertexColor(uint32_t triangle, vec2 barycentric) const;
+
+private:
     [[nodiscard]] float alphaAt(uint32_t triangle, vec2 barycentric, const TransportMaterial& material) const;
     [[nodiscard]] u8vec4 smallTexel(uint32_t triangle, vec2 barycentric, const TextureRef& ref) const;
 

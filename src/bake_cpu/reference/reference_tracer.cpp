@@ -1,0 +1,139 @@
+#include "bake_cpu/reference/reference_tracer.h"
+
+#include "halflight/shading/sky.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace halflight {
+
+ReferenceTracer::ReferenceTracer(const Scene& scene, const PathTracer& paths, const Options& options)
+    : paths_(paths), materials_(scene, paths.surfaces()), options_(options)
+{}
+
+ReferenceTracer::Hit ReferenceTracer::surfaceAt(const RayHit& at, vec3 view) const
+{
+    const RayTracer& surfaces = paths_.surfaces();
+    const uint32_t triangle = surfaces.triangleOf(at.geomID, at.primID);
+    SurfacePoint point = surfacePoint(surfaces.geometry(), triangle, at.barycentric);
+    if (at.back) {
+        point.normal = -point.normal;
+        point.geometricNormal = -point.geometricNormal;
+    }
+    point.normal = materials_.mappedNormal(point, at.back);
+    SurfaceReflectance surface = materials_.reflectanceAt(triangle, at.barycentric);
+    if (options_.surfaces == ReferenceSurfaces::Diffuse) {
+        surface.baseColor = shading::transportAlbedo(surface.baseColor, surface.metallic, surface.roughness);
+        surface.metallic = surface.specular = 0.0f;
+    }
+    const vec3 emission = surfaces.hitHiddenBack(at) ? vec3(0.0f) : materials_.emissionAt(triangle, at.barycentric);
+    return {point, emission, Scattering(surface, point.normal, point.geometricNormal, view)};
+}
+
+/// Direct light of one punctual light, chosen by what it would contribute without shadows. Light comes from the sampled
+/// point of a light with a size, so that its highlight has that size too.
+vec3 ReferenceTracer::punctualLight(const Hit& hit, Sampler& sampler, uint64_t& rays) const
+{
+    const auto choice =
+        paths_.chooseLight(hit.point, sampler, [&](const PunctualLight& light, vec2 disc, float probability) {
+            const vec3 illuminance = light.at(hit.point.position).illuminance;
+            if (illuminance == vec3(0.0f)) return vec3(0.0f);
+            const vec3 direction = sampleLightRay(light, hit.point.position, disc).direction;
+            return hit.scattering.reflected(direction, illuminance / probability);
+        });
+    if (choice.light == nullptr) return vec3(0.0f);
+    return choice.irradiance(paths_.lightVisibility(*choice.light, hit.point, choice.disc, rays));
+}
+
+vec3 ReferenceTracer::emitterLight(const Hit& hit, Sampler& sampler, uint64_t& rays) const
+{
+    if (paths_.emitters().empty() || options_.emitters == EmitterSampling::Directions) return vec3(0.0f);
+    const RayTracer& surfaces = paths_.surfaces();
+    const vec3 origin = paths_.rayOrigin(hit.point);
+    const EmitterSample s = paths_.emitters().sample(origin, hit.point.normal, sampler.next2());
+    const vec3 way = s.position - origin;
+    const float distance2 = glm::dot(way, way);
+    if (s.pdfArea <= 0.0f || distance2 <= 0.0f) return vec3(0.0f);
+    const float distance = std::sqrt(distance2);
+    const vec3 direction = way / distance;
+    const float front = -glm::dot(s.normal, direction);
+    const float emitterCosine = s.doubleSided ? std::abs(front) : front;
+    if (emitterCosine <= 0.0f || !hit.scattering.above(direction)) return vec3(0.0f);
+    const vec3 emission =
+        materials_.emissionAt(s.triangle, s.barycentric) * surfaces.materials().coverageAt(s.triangle, s.barycentric);
+    const float pdf = s.pdfArea * distance2 / emitterCosine;
+    const bool alone = !s.rayVisible || options_.emitters == EmitterSampling::Surfaces;
+    const float weight = alone ? 1.0f : shading::powerHeuristic(pdf, hit.scattering.pdf(direction));
+    const vec3 light = hit.scattering.reflected(direction, emission) * (weight / pdf);
+    if (light == vec3(0.0f)) return light;
+    ++rays;
+    return light * surfaces.transmittance(origin, direction, 0.0f, distance * (1.0f - 1.0e-4f));
+}
+
+/// MIS weight of emission that a sampled direction has met.
+float ReferenceTracer::emissionWeight(const Hit& hit, vec3 direction, float distance, const Receiver& from,
+                                      float directionPdf) const
+{
+    if (directionPdf <= 0.0f || options_.emitters == EmitterSampling::Directions) return 1.0f;
+    const float cosine = std::abs(glm::dot(hit.point.geometricNormal, direction));
+    const float pdfArea = paths_.emitters().pdfArea(from, hit.point.triangle);
+    if (pdfArea <= 0.0f || cosine <= 0.0f) return 1.0f;
+    if (options_.emitters == EmitterSampling::Surfaces) return 0.0f;
+    return misWeightOfRay(directionPdf, pdfArea, distance, cosine);
+}
+
+vec3 ReferenceTracer::limited(vec3 light) const
+{
+    const float bright = luminance(light);
+    return options_.clampNits > 0.0f && bright > options_.clampNits ? light * (options_.clampNits / bright) : light;
+}
+
+vec3 ReferenceTracer::radiance(vec3 origin, vec3 direction, bool cameraRay, int bounces, Sampler& sampler,
+                               uint64_t& rays) const
+{
+    const RayTracer& surfaces = paths_.surfaces();
+    const Sky& sky = paths_.sky();
+    vec3 radiance(0.0f);
+    vec3 throughput(1.0f);
+    Receiver from;
+    float pdf = 0.0f;
+    ++rays;
+    RayHit at = surfaces.nearest(origin, direction, 0.0f, kInfinity, cameraRay);
+    for (int depth = 0;; ++depth) {
+        const auto add = [&](vec3 light) { radiance += depth > 0 ? limited(throughput * light) : throughput * light; };
+        if (!at.found) {
+            add(shading::skyRadiance(sky.zenith, sky.horizon, sky.ground, direction));
+            break;
+        }
+        if (depth == 0 && surfaces.materials().of(surfaces.triangleOf(at.geomID, at.primID)).unlit) {
+            return materials_.reflectanceAt(surfaces.triangleOf(at.geomID, at.primID), at.barycentric).baseColor;
+        }
+        const Hit hit = surfaceAt(at, -direction);
+        if (hit.emission != vec3(0.0f)) add(hit.emission * emissionWeight(hit, direction, at.distance, from, pdf));
+        if (depth > bounces || hit.scattering.black()) break;
+        add(punctualLight(hit, sampler, rays) + emitterLight(hit, sampler, rays));
+
+        const float uLobe = sampler.next1();
+        direction = hit.scattering.sample(uLobe, sampler.next2());
+        if (direction == vec3(0.0f)) break;
+        pdf = hit.scattering.pdf(direction);
+        throughput *= hit.scattering.reflected(direction, vec3(1.0f)) / pdf;
+        // Russian roulette (Arvo and Kirk 1990) below 70 % throughput.
+        const float survival = std::max({throughput.x, throughput.y, throughput.z});
+        if (!(survival > 0.0f)) break;
+        if (depth > 0 && survival < 0.7f) {
+            if (sampler.next1() >= survival) break;
+            throughput /= survival;
+        }
+        from = {paths_.rayOrigin(hit.point), hit.point.normal};
+        ++rays;
+        at = surfaces.nearest(from.position, direction, 0.0f, kInfinity);
+        if (depth == 0 && options_.surfaces == ReferenceSurfaces::DiffuseBounces) {
+            radiance += limited(throughput * paths_.pathRadiance(at, direction, from, pdf, bounces, sampler, rays));
+            break;
+        }
+    }
+    return radiance;
+}
+
+} // namespace halflight
