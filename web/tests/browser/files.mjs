@@ -2,19 +2,17 @@
 // Each must draw as the program draws the file that it was made of.
 import assert from 'node:assert/strict';
 import { execFileSync } from 'node:child_process';
-import { existsSync, readFileSync, realpathSync, statSync, writeFileSync } from 'node:fs';
+import { existsSync, realpathSync, statSync, writeFileSync } from 'node:fs';
 import { join } from 'node:path';
 import { test } from 'node:test';
 
+import { readGlb } from '../glb.mjs';
 import { halflight, web } from '../harness.mjs';
 import { studio } from './studio.mjs';
 
 /** A binary file as a JSON document with its buffer and images beside it, the last image inside as a data URI. */
 function unpack(glb, name) {
-    const bytes = readFileSync(glb);
-    const length = bytes.readUInt32LE(12);
-    const json = JSON.parse(bytes.subarray(20, 20 + length));
-    const buffer = bytes.subarray(28 + length);
+    const { json, buffer } = readGlb(glb);
     json.buffers[0].uri = `${name}.bin`;
     writeFileSync(join(studio.files, `${name}.bin`), buffer);
     json.images.forEach((image, i) => {
@@ -67,6 +65,9 @@ for (const command of commands) {
         const name = `transformed by ${command.join(' ')}`;
         const config = join(web, 'gltf-transform/halflight.config.mjs');
         execFileSync(process.execPath, [realpathSync(transform), tool, studio.pathOf('conformance/bumpy_wall'), studio.pathOf(name), ...options, '--config', config], { stdio: 'pipe' });
-        await drawsAs(`${name}.glb`, command.includes('webp') ? name : 'conformance/bumpy_wall', `gltf-transform ${command.join(' ')}`);
+        const { call } = await studio.pageOf('three');
+        const { bytes: before } = await studio.load(call, 'conformance/bumpy_wall');
+        const { bytes } = await drawsAs(`${name}.glb`, command.includes('webp') ? name : 'conformance/bumpy_wall', `gltf-transform ${command.join(' ')}`);
+        for (const part of ['lightmaps', 'directions', 'masks']) assert.equal(bytes[part], before[part], `${part} stay as they are`);
     });
 }

@@ -228,6 +228,21 @@ async function atPoints({ points, camera }) {
     });
 }
 
+/** Puts objects of the application in the place of the file's dynamic ones. */
+async function replaceDynamic() {
+    const dynamic = loaded.halflight.objects.filter((object) => !object.isStatic);
+    for (const { meshes } of dynamic)
+        for (const mesh of meshes) {
+            const own = new THREE.Mesh(mesh.geometry.clone(), new THREE.MeshStandardMaterial({ color: mesh.material.color, roughness: mesh.material.roughness, metalness: mesh.material.metalness }));
+            mesh.matrixWorld.decompose(own.position, own.quaternion, own.scale);
+            own.castShadow = own.receiveShadow = true;
+            mesh.visible = false;
+            loaded.scene.add(own);
+            loaded.halflight.add(own);
+        }
+    return dynamic.length;
+}
+
 const lightNames = async () => loaded.halflight.lights.map((l) => l.name);
 const intensityOf = async ({ index }) => loaded.halflight.lights[index].light.intensity;
 
@@ -368,5 +383,5 @@ async function probeGrid({ file, module, resolution }) {
 
 const evaluateCases = async (functions) => evaluate(await makeRenderer(64, 64), read, functions, kind === 'webgl2-nodes');
 
-window.halflightTest = { evaluate: evaluateCases, probeGrid, load, draw, compare, picture, agreement, atPoints, lightNames, intensityOf, changeLight, disposeTest, frameCost, sentences };
+window.halflightTest = { evaluate: evaluateCases, probeGrid, load, draw, compare, picture, agreement, atPoints, replaceDynamic, lightNames, intensityOf, changeLight, disposeTest, frameCost, sentences };
 window.ready = true;
