@@ -1,4 +1,6 @@
-// A view as the address's fragment: camera, mode, shadows, exposure.
+// A view as the address's fragment: camera, mode, shadows, exposure, debug view.
+import { VIEWS } from '@halflight/three';
+
 const numbers = (list) => list.map((x) => Number(x.toFixed(3))).join(',');
 
 export function writeLink({ halflight, camera, orbit, renderer }) {
@@ -7,6 +9,7 @@ export function writeLink({ halflight, camera, orbit, renderer }) {
         target: numbers(orbit.target.toArray()),
         fov: numbers([camera.fov]),
         mode: halflight.mode,
+        view: halflight.debugView,
         distance: numbers([halflight.shadowDistance]),
         fade: numbers([halflight.shadowFadeRange]),
         exposure: numbers([renderer.toneMappingExposure]),
@@ -30,6 +33,7 @@ export function readLink(hash, { halflight, camera, orbit, renderer }) {
         orbit.update();
     }
     if (halflight.modes.includes(link.get('mode'))) halflight.mode = link.get('mode');
+    if (VIEWS.includes(link.get('view'))) halflight.debugView = link.get('view');
     halflight.shadowDistance = read('distance', 1)?.[0] ?? halflight.shadowDistance;
     halflight.shadowFadeRange = read('fade', 1)?.[0] ?? halflight.shadowFadeRange;
     renderer.toneMappingExposure = read('exposure', 1)?.[0] ?? renderer.toneMappingExposure;

@@ -130,6 +130,12 @@ element('open').addEventListener('change', async (event) => {
     const [file] = event.target.files;
     if (file) await open(await file.arrayBuffer(), file.name);
 });
+addEventListener('hashchange', () => {
+    if (!shown) return;
+    readLink(location.hash, { halflight: shown.halflight, camera, orbit, renderer });
+    syncPanel();
+    redraw();
+});
 addEventListener('dragover', (event) => {
     event.preventDefault();
     document.body.classList.add('dropping');
@@ -144,6 +150,7 @@ addEventListener('drop', async (event) => {
 orbit.addEventListener('change', redraw);
 addEventListener('resize', resize);
 resize();
+element('panel').open = innerWidth > 640; // else it hides most of the picture
 
 renderer.setAnimationLoop((time) => {
     if (flight.move(time)) redraw();

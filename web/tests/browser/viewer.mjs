@@ -18,14 +18,14 @@ after(() => {
 });
 
 /** @param {string} address of the file and the view; the showcase where it names no file */
-async function open(address = '?file=sphere_on_floor.glb') {
+async function open(address = '?file=sphere_on_floor.glb', viewport = { width: 660, height: 320 }) {
     if (!server) {
         execFileSync(process.execPath, [join(web, 'scripts/build_viewer.mjs'), folder, join(conformance, 'five_lights.glb')]);
         for (const name of ['sphere_on_floor.glb', 'avenue.glb']) copyFileSync(join(conformance, name), join(folder, name));
         writeFileSync(join(folder, 'plain.glb'), 'not glTF');
         server = await serveFolder(folder);
     }
-    const page = await studio.newPage({ viewport: { width: 480, height: 320 } });
+    const page = await studio.newPage({ viewport });
     const errors = [];
     page.on('pageerror', (error) => errors.push(String(error)));
     page.on('request', (request) => {
@@ -73,19 +73,28 @@ test('the viewer: orbit, fly, and a link to the camera', async () => {
     const turned = await link();
     assert.notEqual(turned.get('eye'), before.get('eye'));
     assert.equal(turned.get('target'), before.get('target'), 'orbiting keeps the target');
-    await drawn(async () => {
-        await page.keyboard.down('KeyW');
-        await page.waitForTimeout(300);
-        await page.keyboard.up('KeyW');
-    });
+    await page.keyboard.down('KeyW');
+    for (let i = 0; i < 3; ++i) await drawn(); // the first frame measures no time yet
+    await page.keyboard.up('KeyW');
     const flown = await link();
     assert.notEqual(flown.get('target'), turned.get('target'), 'flying moves what is orbited too');
     await page.close();
     const again = await open(`?file=sphere_on_floor.glb#${flown}`);
     const arrived = await again.link();
-    for (const key of ['eye', 'target', 'fov', 'mode', 'distance', 'fade', 'exposure']) assert.equal(arrived.get(key), flown.get(key), key);
+    for (const key of ['eye', 'target', 'fov', 'mode', 'view', 'distance', 'fade', 'exposure']) assert.equal(arrived.get(key), flown.get(key), key);
     assert.deepEqual([...errors, ...again.errors], []);
     await again.page.close();
+});
+
+test('the viewer in a narrow window, and a link followed in it', async () => {
+    const { page, errors, drawn, link } = await open('?file=sphere_on_floor.glb#mode=shadowmask', { width: 320, height: 480 });
+    assert.equal(await page.isVisible('#modes'), false, 'the panel leaves the picture free');
+    await drawn(() => page.evaluate(() => (location.hash = 'mode=realtime&view=lightmap&distance=7')));
+    await page.click('#panel summary');
+    assert.equal(await page.inputValue('#modes input:checked'), 'realtime');
+    assert.deepEqual([(await link()).get('view'), (await link()).get('distance')], ['lightmap', '7']);
+    assert.deepEqual(errors, []);
+    await page.close();
 });
 
 test('the viewer: modes, views, lights and shadow distance change the picture', async () => {

@@ -76,6 +76,7 @@ async function draw({ width, height, camera, settings = {} }) {
     renderer.setRenderTarget(target);
     const start = performance.now();
     renderer.render(scene, view);
+    const calls = renderer.info.render.drawCalls ?? renderer.info.render.calls; // of this frame, of all
     const pixels = await read(renderer, target, width, height);
     const milliseconds = performance.now() - start;
     renderer.setRenderTarget(null);
@@ -85,7 +86,7 @@ async function draw({ width, height, camera, settings = {} }) {
         for (let x = 0; x < width; ++x)
             for (let c = 0; c < 3; ++c) rows[3 * (y * width + x) + c] = pixels[4 * ((kind === 'webgpu' ? y : height - 1 - y) * width + x) + c];
     loaded.picture = { width, height, rows };
-    return { milliseconds, calls: renderer.info.render.calls, warnings: [...halflight.warnings] };
+    return { milliseconds, calls, warnings: [...halflight.warnings] };
 }
 
 async function read(renderer, target, width, height) {
