@@ -4,7 +4,8 @@
     scripts/mutation_check.py [--only S12[,NAME…]] [--list] [--text] [--jobs N] [--report FILE.md]
 
 scripts/mutations.toml lists the mutations: a part of the specification, a file, a text in it, what it becomes, and the tests
-that must then fail. A copy of the source tree in build/mutation is built once; each mutation changes one file there, builds
+that must then fail: "PROGRAM GTEST_FILTER", "cli CLASS.test", or "web PART NAME" for a file of web/tests or a part of its browser
+tests and a pattern of test names. A copy of the source tree in build/mutation is built once; each mutation changes one file there, builds
 only the test programs concerned, runs the tests named and puts the file back. Nothing outside build/mutation is written.
 
 Exits with 1 when a mutation survives (a named test does not fail), when its text is not in its file exactly once, when it does
@@ -16,6 +17,7 @@ import argparse
 import filecmp
 import os
 import pathlib
+import re
 import shutil
 import subprocess
 import sys
@@ -71,6 +73,9 @@ def copy_tree():
         if str(path.relative_to(TREE)) not in wanted:
             path.unlink()
     shared = TREE.parent / "shared"  # tests look for ../shared
+    modules = TREE / "web/node_modules"
+    if (ROOT / "web/node_modules").is_dir() and not modules.exists():
+        modules.symlink_to((ROOT / "web/node_modules").resolve())
     if (ROOT.parent / "shared").is_dir() and not shared.exists():
         shared.symlink_to((ROOT.parent / "shared").resolve())
 
@@ -85,12 +90,31 @@ def run(command, timeout=TIMEOUT_SECONDS):
 
 
 def build(programs, jobs):
-    targets = sorted({"halflight" if program == "cli" else f"test_{program}" for program in programs})
+    own_program = "HALFLIGHT_PROGRAM" in os.environ  # for the tests of web/, which change no C++
+    names = {"cli": "halflight", "web": None if own_program else "halflight"}
+    targets = sorted({names.get(program, f"test_{program}") for program in programs} - {None})
+    if not targets:
+        return 0, ""
     return run(["ninja", "-C", str(BUILD), f"-j{jobs}", *targets], timeout=3600)
+
+
+def run_web_tests(pattern):
+    part, name = pattern.split(" ", 1)
+    script = TREE / "web/tests" / f"{part}.test.mjs"
+    if not script.is_file():
+        script = TREE / "web/tests/browser.test.mjs"
+    program = os.environ.get("HALFLIGHT_PROGRAM", str(BUILD / "apps/halflight/halflight"))
+    _, output = run(["env", f"HALFLIGHT_WEB_PARTS={part}", f"HALFLIGHT_PROGRAM={program}", "node", "--test-reporter=tap", "--test",
+                     f"--test-name-pattern={name}", str(script)])
+    results = re.findall(r"^\s*(ok|not ok) \d+ - (.*)$", output, re.M)
+    results = [(word, test) for word, test in results if "# SKIP" not in test and not test.endswith(".mjs")]
+    return len(results), [test for word, test in results if word == "not ok"]
 
 
 def run_tests(program, pattern, fast=True):
     """(number of tests that ran, names of those that failed)"""
+    if program == "web":
+        return run_web_tests(pattern)
     if program == "cli":
         script = TREE / "tests" / "cli" / "cli_test.py"
         code, output = run([sys.executable, str(script), str(BUILD / "apps/halflight/halflight"), str(TREE / "../shared"), pattern])
@@ -170,7 +194,8 @@ def main():
 
     TREE.mkdir(parents=True, exist_ok=True)
     copy_tree()
-    if not (BUILD / "build.ninja").is_file():
+    programs = {program for mutation in table for program, _ in tests_of(mutation)}
+    if not (BUILD / "build.ninja").is_file() and (programs != {"web"} or "HALFLIGHT_PROGRAM" not in os.environ):
         code, output = run(["cmake", "-S", str(TREE), "-B", str(BUILD), "-G", "Ninja", "-DCMAKE_BUILD_TYPE=Release",
                             "-DCMAKE_CXX_FLAGS_RELEASE=-O1"], timeout=600)
         if code != 0:

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 """docs/spec-coverage.md is true: every part S1…S32 has a row; the tests, mutations and pictures it names exist, and every
-mutation of scripts/mutations.toml is in it. Usage: spec_coverage.py ROOT | --self-test"""
+mutation of scripts/mutations.toml is in it, but for those of web/. Usage: spec_coverage.py ROOT | --self-test"""
 
 import pathlib
 import re
@@ -75,7 +75,7 @@ def problems_of(text, tests, mutations, has_file):
 
 def check(root):
     with open(root / "scripts" / "mutations.toml", "rb") as file:
-        mutations = [f"{m['part']}-{m['name']}" for m in tomllib.load(file)["mutation"]]
+        mutations = [f"{m['part']}-{m['name']}" for m in tomllib.load(file)["mutation"] if m["part"] != "WEB"]
     docs = root / "docs"
     problems = problems_of((docs / "spec-coverage.md").read_text(), known_tests(root), mutations,
                            lambda link: (docs / link).is_file())
