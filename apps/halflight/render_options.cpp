@@ -108,8 +108,8 @@ void addPictureOptions(CLI::App& app, RenderOptions& options)
                options.exposureEv = parseNumber(text, ev) ? std::optional(float(ev)) : std::nullopt;
                options.exposureGiven = true;
            },
-           "EV: radiance is multiplied by 2^-EV; auto puts the picture's log average at middle grey and prints the EV "
-           "(default auto; .png only)")
+           "EV: radiance is multiplied by 2^-EV; auto puts the picture's log average at middle grey, up to 2 stops "
+           "darker where over 2 % would be burnt, and prints the EV (default auto; .png only)")
         ->check(CLI::Validator(checkExposure, std::string()))
         ->type_name("EV|auto");
 }

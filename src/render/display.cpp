@@ -3,7 +3,10 @@
 #include "halflight/render/renderer.h"
 #include "halflight/shading/color.h"
 
+#include <algorithm>
 #include <cmath>
+#include <functional>
+#include <vector>
 
 namespace halflight {
 
@@ -24,6 +27,22 @@ ImageRgba8 displayedPicture(const ImageRgba32f& radiance, float exposureEv)
     return picture;
 }
 
+/// EV from which on at most 2 % of the pixels have a channel above kBurnt.
+static float exposureOfHighlights(const ImageRgba32f& radiance)
+{
+    constexpr float kBurnt = 4.0f; // is shown as 253 of 255 (toneMapNeutral())
+    constexpr std::size_t kPart = 50;
+    std::vector<float> brightest;
+    for (const vec4& texel : radiance.texels()) {
+        const float channel = std::max({texel.x, texel.y, texel.z});
+        if (std::isfinite(channel)) brightest.push_back(channel);
+    }
+    if (brightest.empty()) return -kInfinity;
+    const auto place = brightest.begin() + std::ptrdiff_t(brightest.size() / kPart);
+    std::nth_element(brightest.begin(), place, brightest.end(), std::greater<>());
+    return *place > 0.0f ? std::log2(*place / kBurnt) : -kInfinity;
+}
+
 float automaticExposure(const ImageRgba32f& radiance)
 {
     // Pixels as black as nothing (no sky, no light) have no say: they would drag the average to the floor.
@@ -36,7 +55,10 @@ float automaticExposure(const ImageRgba32f& radiance)
         ++count;
     }
     if (count == 0) return 0.0f;
-    return float(sum / double(count) - std::log2(0.18));
+    const auto ev = float(sum / double(count) - std::log2(0.18));
+    // A lamp that fills much of the picture is white however dark the rest is made.
+    constexpr float kMostStops = 2.0f;
+    return std::clamp(exposureOfHighlights(radiance), ev, ev + kMostStops);
 }
 
 } // namespace halflight

@@ -199,8 +199,8 @@ Difference compare(const Scene& scene, int samples)
     return result;
 }
 
-// Without shadows nothing but silhouettes (16 samples in the renderer), highlights smaller than a pixel and the noise of
-// the pane differ.
+// Without shadows nothing but silhouettes (16 samples in the renderer), highlights smaller than a pixel and the noise
+// of the pane differ.
 TEST(ReferenceDirectS6, SamePixelsWithoutShadows)
 {
     const Difference d = compare(makeStage(false), 512);

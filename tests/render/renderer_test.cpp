@@ -212,5 +212,26 @@ TEST(AutomaticExposure, LogAverageAtMiddleGrey)
     EXPECT_EQ(automaticExposure(ImageRgba32f(3, 3)), 0.0f);
 }
 
+// Highlights of a colour: up to 2 % of the pixels may be burnt, that is above 4 after exposure. With more of them the
+// picture becomes darker, by two stops at most.
+TEST(AutomaticExposure, KeepsHighlights)
+{
+    const auto exposureWith = [](int bright, float value) {
+        ImageRgba32f radiance(20, 10, vec4(1, 1, 1, 1));
+        for (int i = 0; i < bright; ++i) radiance(i, 0) = vec4(0.2f * value, value, 0.1f * value, 1);
+        return automaticExposure(radiance);
+    };
+    const auto logAverage = [](int bright, float value) {
+        const float bits = std::log2(luminance(vec3(0.2f, 1, 0.1f) * value));
+        return float(bright) / 200.0f * bits - std::log2(0.18f);
+    };
+    EXPECT_NEAR(exposureWith(4, 100.0f), logAverage(4, 100.0f), 1e-3f);
+    EXPECT_NEAR(exposureWith(5, 90.0f), std::log2(90.0f / 4.0f), 1e-3f);
+    EXPECT_NEAR(exposureWith(5, 1000.0f), logAverage(5, 1000.0f) + 2.0f, 1e-3f);
+    EXPECT_NEAR(exposureWith(20, 2.0f), logAverage(20, 2.0f), 1e-3f);
+    // Four units are shown as what the limit says.
+    EXPECT_EQ(displayedPicture(ImageRgba32f(1, 1, vec4(4, 4, 4, 1)), 0.0f)(0, 0).x, 253);
+}
+
 } // namespace
 } // namespace halflight::test

@@ -136,8 +136,8 @@ private:
 /// Linear radiance to a displayed picture: exposure (EV: radiance * 2^-ev), Khronos PBR Neutral tone mapping, sRGB.
 ImageRgba8 displayedPicture(const ImageRgba32f& radiance, float exposureEv);
 
-/// EV that puts the picture's log-average luminance at middle grey 0.18 (Reinhard et al. 2002, "Photographic Tone
-/// Reproduction for Digital Images", eq. 1).
+/// EV that puts the log-average luminance at middle grey 0.18 (Reinhard et al. 2002, "Photographic Tone Reproduction
+/// for Digital Images", eq. 1), or up to 2 stops more, until at most 2 % of the pixels are burnt: more than 4, white.
 float automaticExposure(const ImageRgba32f& radiance);
 
 } // namespace halflight
