@@ -115,7 +115,13 @@ TEST(ReferenceMaterialsS6, NoLightThroughTheSurface)
     const int lamp = addMaterial(scene, vec3(0.0f), vec3(9.0f), true);
     addRectangle(scene, {vec3(1, -2, -1), vec3(0, 1.9f, 0), vec3(0, 0, 2)}, lamp, 1);
     scene.sky.ground = vec3(5.0f);
-    for (int i = 0; i < 3; ++i) EXPECT_EQ(Traced(scene).atOrigin(kView, 256)[i], 0.0f);
+    EXPECT_EQ(Traced(scene).atOrigin(kView, 256, 2), vec3(0.0f));
+    // Of an even sky a tilted diffuse surface has what its hemisphere and the triangle's share.
+    scene.sky = {vec3(1.0f), vec3(1.0f), vec3(1.0f)};
+    scene.materials[0].baseColor = vec4(1.0f);
+    scene.materials[0].specular = 0.0f;
+    const float tilt = glm::normalize(vec3(250, 128, 140) / 255.0f * 2.0f - 1.0f).z;
+    EXPECT_NEAR(Traced(scene).atOrigin(kView, 4096, 4).x, 0.5f * (1.0f + tilt), 0.01f);
 }
 
 TEST(ReferenceMaterialsS6, MasksBlendsAndVertexColors)
