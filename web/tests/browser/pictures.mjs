@@ -37,14 +37,21 @@ test('casters by mode: static objects leave the shadow maps of shadowmask mode',
     }
 });
 
-test('lights changed at run time', async () => {
-    const { call } = await studio.pageOf('three');
-    await studio.load(call, 'conformance/five_lights');
-    const names = await call('lightNames');
-    await call('changeLight', { index: 0, intensity: 3, strength: 0.5 });
-    const options = ['--light', `${names[0]}:intensity=${await call('intensityOf', { index: 0 })},strength=0.5`];
-    await studio.compare(call, 'changed light', 'shadowmask', { name: 'conformance/five_lights', options });
-});
+for (const renderer of ['webgl', 'webgpu']) {
+    test(`lights changed at run time, ${renderer}`, async () => {
+        const { call } = await studio.pageOf('three', renderer);
+        await studio.load(call, 'conformance/five_lights');
+        const names = await call('lightNames');
+        await call('changeLight', { index: 0, intensity: 3, strength: 0.5 });
+        const options = ['--light', `${names[0]}:intensity=${await call('intensityOf', { index: 0 })},strength=0.5`];
+        const { warnings } = await studio.compare(call, `changed light, ${renderer}`, 'shadowmask', { name: 'conformance/five_lights', options });
+        assert.deepEqual(warnings.filter((sentence) => sentence.includes('moved')), []);
+        // A light that moved is drawn where it is; its baked shadows stay, and a sentence says so.
+        await call('moveLight', { index: 0, by: [0.3, 0, 0] });
+        const moved = await call('draw', { width: 64, height: 36, camera: 'main', settings: { mode: 'shadowmask' } });
+        assert.ok(moved.warnings.some((sentence) => sentence.startsWith(`light "${names[0]}" moved since its bake`)), moved.warnings.join());
+    });
+}
 
 test('debug views', async () => {
     const { call } = await studio.pageOf('three');

@@ -253,6 +253,10 @@ async function changeLight({ index, intensity, strength }) {
     state.shadowStrength = strength;
 }
 
+async function moveLight({ index, by }) {
+    loaded.halflight.lights[index].light.position.add(new THREE.Vector3(...by));
+}
+
 /** What the plug-in may change, as text. */
 function stateOf(scene) {
     const result = [];
@@ -384,5 +388,5 @@ async function probeGrid({ file, module, resolution }) {
 
 const evaluateCases = async (functions) => evaluate(await makeRenderer(64, 64), read, functions, kind === 'webgl2-nodes');
 
-window.halflightTest = { evaluate: evaluateCases, probeGrid, load, draw, compare, picture, agreement, atPoints, replaceDynamic, lightNames, intensityOf, changeLight, disposeTest, frameCost, sentences };
+window.halflightTest = { evaluate: evaluateCases, probeGrid, load, draw, compare, picture, agreement, atPoints, replaceDynamic, lightNames, intensityOf, changeLight, moveLight, disposeTest, frameCost, sentences };
 window.ready = true;
