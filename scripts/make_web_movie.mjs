@@ -75,5 +75,5 @@ const sharp = createRequire(join(web, 'package.json'))('sharp');
 const height = Math.round((WIDTH * WINDOW.height) / WINDOW.width);
 const raw = await Promise.all(pictures.map((png) => sharp(png).removeAlpha().resize(WIDTH, height).raw().toBuffer()));
 const stacked = sharp(Buffer.concat(raw), { limitInputPixels: false, raw: { width: WIDTH, height: height * raw.length, channels: 3, pageHeight: height } });
-const { size } = await stacked.webp({ quality: 60, effort: 6, minSize: true, loop: 0, delay: raw.map(() => MILLISECONDS) }).toFile(out);
+const { size } = await stacked.webp({ quality: 74, effort: 5, minSize: true, loop: 0, delay: raw.map(() => MILLISECONDS) }).toFile(out);
 console.log(`${out}: ${raw.length} frames, ${(size / 1e6).toFixed(2)} MB`);
