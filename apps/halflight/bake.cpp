@@ -198,8 +198,8 @@ void printSummary(const BakeOptions& options, const BakeReport& report)
     print("probes     {} of {} valid\n", grouped(uint64_t(report.validProbeCount)),
           grouped(uint64_t(report.probeCount)));
     printBytes(report);
-    print("samples    {:.0f} per texel, {} per masked light, {} bounces, {} per probe\n", report.samplesPerTexel,
-          report.quality.shadowSamples, report.quality.bounces, report.quality.probeSamples);
+    print("samples    {:.0f} per texel, {} per masked light, at most {} bounces, {} per probe\n",
+          report.samplesPerTexel, report.quality.shadowSamples, report.quality.bounces, report.quality.probeSamples);
     if (report.interpolatedTexels > 0) {
         print("           {} texels are interpolated\n", grouped(report.interpolatedTexels));
     }
@@ -364,7 +364,7 @@ Command addBakeCommand(CLI::App& parent)
                         {"medium", Quality::Medium},
                         {"high", Quality::High},
                         {"ultra", Quality::Ultra}},
-                       "samples, bounces and lightmap size in one word (default medium)");
+                       "samples and lightmap size in one word (default medium)");
     addChoice<IntegratorKind>(app, "--integrator", bake.integrator,
                               {{"cache", IntegratorKind::Cache}, {"path", IntegratorKind::Path}},
                               "rays that end in a radiance cache, or whole unbiased paths: the slow reference (default "
@@ -379,7 +379,7 @@ Command addBakeCommand(CLI::App& parent)
         "change (default auto: 2 in large lightmaps, else 1)");
     addInt(app, "--shadow-samples", bake.shadowSamples, 1, 1 << 16,
            "shadow rays per texel and masked light (default by quality)");
-    addInt(app, "--bounces", bake.bounces, 0, 64, "indirect bounces, 0 = direct light only (default by quality)");
+    addInt(app, "--bounces", bake.bounces, 0, kAllBounces, "most bounces, 0 = direct light only (default: all light)");
     addFloat(app, "--texels-per-meter", bake.texelsPerMeter, 0.001f, 10000.0f, "X",
              "lightmap density; as many pages as that takes (default: by the scene's size, and what fits one page)");
     addInt(app, "--lightmap-size", bake.lightmapSize, 64, 8192,

@@ -195,7 +195,9 @@ void addRenderOptions(CLI::App& app, RenderOptions& options)
     addFloat(app, "--reference-clamp", options.referenceClamp, 0.0f, 1.0e9f, "NITS",
              "limit of what one path brings by way of two or more surfaces: less noise, too dark (default 0: none)")
         ->needs(reference);
-    addInt(app, "--bounces", options.bounces, 0, 64, "bounces of the reference (default 8)")->needs(reference);
+    addInt(app, "--bounces", options.bounces, 0, kAllBounces,
+           "at most so many bounces in the reference (default: all light)")
+        ->needs(reference);
     addUint(app, "--seed", options.seed, "random numbers of the reference (default 1)")->needs(reference);
     addInt(app, "--threads", options.threads, 0, 4096, "of the reference, 0 = all cores (default 0)")->needs(reference);
 

@@ -5,6 +5,7 @@
 #include "console.h"
 #include "light_override.h"
 
+#include "halflight/bake/integrator.h"
 #include "halflight/render/renderer.h"
 
 #include <filesystem>
@@ -35,7 +36,7 @@ struct RenderOptions {
     int referenceSamples = 0;
     bool referenceDiffuse = false; ///< diffuse transport behind the surfaces that the camera sees
     float referenceClamp = 0.0f;   ///< nits, 0 = none
-    int bounces = 8;
+    int bounces = kAllBounces;
     uint32_t seed = 1;
     int threads = 0;
     bool quiet = false;

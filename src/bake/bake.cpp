@@ -325,23 +325,23 @@ BakeQuality resolveQuality(const BakeSettings& settings)
     BakeQuality q{};
     switch (settings.quality) {
     case Quality::Preview:
-        q = {32, 16, 3, 1024, 128, 0.0f};
+        q = {32, 16, 1024, 128};
         break;
     case Quality::Medium:
-        q = {96, 32, 4, 2048, 256, 0.0f};
+        q = {96, 32, 2048, 256};
         break;
     case Quality::High:
-        q = {256, 64, 6, 4096, 512, 0.0f};
+        q = {256, 64, 4096, 512};
         break;
     case Quality::Ultra:
-        q = {1024, 128, 8, 4096, 1024, 0.0f};
+        q = {1024, 128, 4096, 1024};
         break;
     }
     q.noiseTarget = settings.noiseTarget;
     if (q.noiseTarget > 0.0f) q.samples = 4096;
     if (settings.samples > 0) q.samples = settings.samples;
     if (settings.shadowSamples > 0) q.shadowSamples = settings.shadowSamples;
-    if (settings.bounces >= 0) q.bounces = settings.bounces;
+    q.bounces = settings.bounces;
     if (settings.lightmapSize > 0) q.lightmapSize = settings.lightmapSize;
     return q;
 }

@@ -10,7 +10,7 @@
 namespace halflight {
 namespace {
 
-constexpr uint32_t kCacheVersion = 30; ///< raised when estimates of the same input change
+constexpr uint32_t kCacheVersion = 31; ///< raised when estimates of the same input change
 
 /// Items per tile: few, so that a local change is large in the tile's sum of check samples.
 constexpr std::size_t kTexelTile = 256;

@@ -27,18 +27,18 @@ INSTANTIATE_TEST_SUITE_P(Transport, SkyS6, kBoth, integratorName);
 /// that.
 TEST_P(FurnaceS6, ClosedRoomReachesEmissionOverOneMinusAlbedo)
 {
-    for (const float albedo : {0.0f, 0.5f, 0.8f}) {
+    for (const float albedo : {0.0f, 0.5f, 0.8f, 0.95f}) {
         Scene scene;
         const int walls = addMaterial(scene, vec3(albedo), vec3(2.0f));
         addBox(scene, vec3(-1, -2, -3), vec3(1, 2, 3), walls, true, kPage);
         IntegrationSettings settings = transport();
         settings.samples = 256;
-        settings.bounces = 64;
         Bench bench(std::move(scene), MixedLightingMode::Shadowmask, kPage, settings);
         const double expected = kPi * 2.0 / (1.0 - albedo);
         const Statistics s = compare(bench.irradiance(), expected);
         EXPECT_NEAR(s.mean, expected, 0.01 * expected) << "albedo " << albedo;
-        EXPECT_LT(s.worst, 0.15) << "albedo " << albedo;
+        // Long paths are noisy.
+        if (albedo <= 0.8f) EXPECT_LT(s.worst, 0.15) << "albedo " << albedo;
     }
 }
 
@@ -60,7 +60,6 @@ TEST_P(FurnaceS6, MetalsReflectWhatTheirLobeDoes)
         addBox(scene, vec3(-1, -2, -3), vec3(1, 2, 3), walls, true, kPage);
         IntegrationSettings settings = transport();
         settings.samples = 256;
-        settings.bounces = 64;
         Bench bench(std::move(scene), MixedLightingMode::Shadowmask, kPage, settings);
         const float metallic = float(texel.z) / 255.0f;
         const float roughness = 0.5f * float(texel.y) / 255.0f;

@@ -38,6 +38,26 @@ TEST(RadianceCacheS6, AgreesWithPathTracing)
     }
 }
 
+/// A white hallway with a lamp at one end: light reaches the other by many bounces. The mean is the same for few and
+/// for many samples, and is path tracing's; four bounces lose a third of it.
+TEST(RadianceCacheS6, LightHasConvergedWhateverTheEffort)
+{
+    const auto hallway = [] {
+        Scene scene;
+        addBox(scene, vec3(-1, 0, 0), vec3(1, 2.2f, 4), addMaterial(scene, vec3(0.88f)), true, kPage);
+        const int glow = addMaterial(scene, vec3(0.0f), vec3(12.0f));
+        addRectangle(scene, {vec3(-0.3f, 2.1f, 0.5f), vec3(0.6f, 0, 0), vec3(0, 0, 0.6f)}, glow, kPage);
+        return scene;
+    };
+    const auto reference = bakeWith(hallway(), IntegratorKind::Path, 256, kAllBounces);
+    const auto few = bakeWith(hallway(), IntegratorKind::Cache, 32, kAllBounces);
+    const auto many = bakeWith(hallway(), IntegratorKind::Cache, 128, kAllBounces);
+    EXPECT_LT(std::abs(difference(few, reference).bias), 0.01);
+    EXPECT_LT(std::abs(difference(many, reference).bias), 0.01);
+    EXPECT_LT(std::abs(difference(few, many).bias), 0.01);
+    EXPECT_LT(difference(bakeWith(hallway(), IntegratorKind::Cache, 32, 4), reference).bias, -0.25);
+}
+
 /// A floor continues under a thin wall from daylight into a closed, dark room. No patch carries light through the wall.
 TEST(RadianceCacheS6, NoLightUnderThinWalls)
 {

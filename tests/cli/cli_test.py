@@ -174,7 +174,7 @@ class Usage(Case):
             (["bake", scene, "-o", out, "--samples", "0"], "--samples", "1 to"),
             (["bake", scene, "-o", out, "--samples", "1.5"], "--samples", "whole"),
             (["bake", scene, "-o", out, "--samples"], "--samples"),
-            (["bake", scene, "-o", out, "--bounces", "-1"], "--bounces", "0 to 64"),
+            (["bake", scene, "-o", out, "--bounces", "-1"], "--bounces", "0 to 256"),
             (["bake", scene, "-o", out, "--lightmap-size", "63"], "--lightmap-size", "64 to 8192"),
             (["bake", scene, "-o", out, "--padding", "0"], "--padding", "1 to 16"),
             (["bake", scene, "-o", out, "--padding", "17"], "--padding", "1 to 16"),

@@ -33,9 +33,9 @@ bool hasOpenImageDenoise();
 struct BakeSettings {
     MixedLightingMode mode = MixedLightingMode::Shadowmask;
     Quality quality = Quality::Medium;
-    int samples = 0;       ///< paths per texel; 0 = by quality
-    int shadowSamples = 0; ///< rays per texel and masked light; 0 = by quality
-    int bounces = -1;      ///< indirect bounces, 0 = direct light only; -1 = by quality
+    int samples = 0;           ///< paths per texel; 0 = by quality
+    int shadowSamples = 0;     ///< rays per texel and masked light; 0 = by quality
+    int bounces = kAllBounces; ///< most indirect bounces; 0 = direct light only
     IntegratorKind integrator = IntegratorKind::Cache;
     /// Relative standard error up to which a texel is sampled (IntegrationSettings::noiseTarget). `samples` is then the
     /// most that a texel gets, 4096 if it is 0. 0 = no target.
@@ -65,10 +65,10 @@ struct BakeSettings {
 struct BakeQuality {
     int samples;
     int shadowSamples;
-    int bounces;
     int lightmapSize;
     int probeSamples;
-    float noiseTarget; ///< 0 = none
+    int bounces = kAllBounces; ///< the most
+    float noiseTarget = 0.0f;  ///< 0 = none
 };
 BakeQuality resolveQuality(const BakeSettings& settings);
 

@@ -16,8 +16,8 @@ enum class ReferenceSurfaces {
 };
 
 struct ReferenceSettings {
-    int samplesPerPixel = 64; ///< at least 1
-    int bounces = 8;          ///< reflections between a light source and the first surface, 0 or more
+    int samplesPerPixel = 64;  ///< at least 1
+    int bounces = kAllBounces; ///< most reflections between a light source and the first surface, 0 or more
     uint32_t seed = 1;
     ReferenceSurfaces surfaces = ReferenceSurfaces::Full;
     /// Limit in nits of the luminance that a path brings at once by way of two or more surfaces: less noise, and too

@@ -35,8 +35,7 @@ FormFactorEffort effortOf(const IntegrationSettings& settings, PassKind kind, in
 FormFactorSampler::FormFactorSampler(const PatchPass& pass, FormFactorRange& out)
     : pass_(pass), paths_(pass.input().paths), tracer_(paths_.surfaces()), out_(out), validity_(paths_),
       seed_(pass.input().settings.seed ^ (kCacheSeed + (uint32_t(pass.kind()) << 16))),
-      effort_(effortOf(pass.input().settings, pass.kind(), pass.layout().patchShift)),
-      byBounce_(std::size_t(std::max(pass.input().settings.bounces, 1)) + 1)
+      effort_(effortOf(pass.input().settings, pass.kind(), pass.layout().patchShift))
 {}
 
 void FormFactorSampler::gather(std::span<const uint32_t> items)
@@ -163,11 +162,11 @@ void FormFactorSampler::addPath(const GatherGroup& group, int lane, int block, i
 {
     const GatherGroup::Origin& s = group.origin(lane, group.pointOf(lane, block, stratum));
     const vec3 direction = bundle_.direction(stratum, lane);
-    std::fill(byBounce_.begin(), byBounce_.end(), vec3(0.0f));
+    byBounce_.assign(1, vec3(0.0f));
     Sampler sampler(seed_, group.id(lane), uint32_t(block * StratifiedPattern::kBlock + stratum));
     paths_.pathRadiance(bundle_.hit(stratum, lane), direction, {s.position, s.normal},
                         PathTracer::gatherPdf(s.normal, direction), pass_.input().settings.bounces - 1, sampler, rays_,
-                        {}, byBounce_.data());
+                        {}, &byBounce_);
     out_.last(source).gathered += byBounce_[0];
     for (uint32_t r = 1; r < byBounce_.size(); ++r) {
         if (byBounce_[r] != vec3(0.0f)) out_.late.push_back({source, r, byBounce_[r]});

@@ -101,7 +101,7 @@ private:
     FormFactorEffort effort_;
     RayBundle bundle_;
     std::vector<uint32_t> partlyValid_; ///< texels of the current group with points that turned out invalid
-    std::vector<vec3> byBounce_;
+    std::vector<vec3> byBounce_;        ///< radiance of the current path by number of reflections
     uint64_t rays_ = 0;
 };
 

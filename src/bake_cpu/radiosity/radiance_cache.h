@@ -24,8 +24,10 @@ public:
     using Levels = std::array<std::vector<vec3>, kLevels>;
 
     RadianceCache() = default;
-    RadianceCache(PatchLayout layout, std::vector<PatchRadiance> patches, Levels levels, int bounces)
-        : layout_(std::move(layout)), patches_(std::move(patches)), levels_(std::move(levels)), bounces_(bounces)
+    /// `converged`: more bounces add nothing, so that the radiance serves paths of any length.
+    RadianceCache(PatchLayout layout, std::vector<PatchRadiance> patches, Levels levels, int bounces, bool converged)
+        : layout_(std::move(layout)), patches_(std::move(patches)), levels_(std::move(levels)), bounces_(bounces),
+          converged_(converged)
     {}
 
     [[nodiscard]] const PatchLayout& layout() const { return layout_; }
@@ -56,11 +58,12 @@ private:
     std::vector<PatchRadiance> patches_;
     Levels levels_;
     int bounces_ = 0;
+    bool converged_ = false;
 };
 
 inline KnownRadiance RadianceCache::radianceAt(FaceId face, vec2 barycentric, float distance, int reflections) const
 {
-    const int fewer = bounces_ - reflections;
+    const int fewer = converged_ ? 0 : bounces_ - reflections;
     if (fewer < 0 || fewer > kLevels || !layout_.hasPatches(face)) return {};
     const PatchId patch = layout_.patchAt(face, barycentric);
     const vec3* light = nullptr;

@@ -6,6 +6,8 @@
 #include "halflight/shading/brdf.h"
 
 #include <algorithm>
+#include <cmath>
+#include <span>
 
 namespace halflight {
 namespace {
@@ -29,12 +31,17 @@ public:
         fillPatches();
         fillElements();
         findOwners(solution.patchOfUnknown);
-        solution.cache = {std::move(patches_.layout), std::move(radiance_), std::move(levels_), bounces_};
+        solution.cache = {std::move(patches_.layout), std::move(radiance_), std::move(levels_), bounces_, converged_};
         solution.factors = std::move(factors_);
         return solution;
     }
 
 private:
+    /// Sweeps end where further ones would change radiance by less than this share in the mean over the unknowns.
+    static constexpr double kConverged = 0.002;
+    /// Sweeps before changes can be taken for a geometric series.
+    static constexpr int kLeastSweeps = 3;
+
     /// Unknown of the linear system with its constants.
     struct Unknown {
         vec3 gathered{0.0f}; ///< irradiance of sky and emitters along rays
@@ -108,20 +115,48 @@ private:
     {
         reflected_.assign(unknownCount_, vec3(0.0f));
         std::vector<vec3> gathered(unknownCount_);
+        double lastChange = 0.0;
         for (int b = 1; b <= bounces_; ++b) {
             std::fill(gathered.begin(), gathered.end(), vec3(0.0f));
             if (b > 1) sweep(b, gathered);
-            for (std::size_t i = 0; i < unknowns_.size(); ++i) {
-                const Unknown& u = unknowns_[i];
-                const vec3 irradiance = u.gathered + u.direct + gathered[i] * (kPi / u.rays);
-                reflected_[i] = shading::diffuseRadiance(u.albedo, irradiance);
+            const double change = reflect(gathered);
+            // Changes fall as a geometric series in the end: c, c r, c r^2, … with the sum c r / (1 - r) after c.
+            const double ratio = lastChange > 0.0 ? change / lastChange : 1.0;
+            converged_ = b > kLeastSweeps && ratio < 1.0 && change * ratio / (1.0 - ratio) < kConverged;
+            lastChange = change;
+            if (converged_) break;
+            keepLevel(bounces_ - b);
+        }
+        if (converged_) levels_ = {};
+    }
+
+    /// Computes what each unknown reflects, and returns by how much that grew: the mean of the relative changes.
+    double reflect(std::span<const vec3> gathered)
+    {
+        double sum = 0.0;
+        std::size_t lit = 0;
+        for (std::size_t i = 0; i < unknowns_.size(); ++i) {
+            const Unknown& u = unknowns_[i];
+            const vec3 irradiance = u.gathered + u.direct + gathered[i] * (kPi / u.rays);
+            const vec3 radiance = shading::diffuseRadiance(u.albedo, irradiance);
+            const float after = luminance(radiance);
+            if (after > 0.0f) {
+                sum += double(std::abs(after - luminance(reflected_[i])) / after);
+                ++lit;
             }
-            if (b == bounces_ || bounces_ - b > RadianceCache::kLevels) continue;
-            auto& level = levels_[std::size_t(bounces_ - b - 1)];
-            level.resize(patches_.layout.patchCount());
-            for (std::size_t i = 0; i < level.size(); ++i) {
-                level[i] = unknownOf(i) != kNoPatch ? reflected_[unknownOf(i)] : vec3(0.0f);
-            }
+            reflected_[i] = radiance;
+        }
+        return lit > 0 ? sum / double(lit) : 0.0;
+    }
+
+    /// Keeps the radiance of the last few sweeps by patch. `remaining`: number of sweeps that follow.
+    void keepLevel(int remaining)
+    {
+        if (remaining < 1 || remaining > RadianceCache::kLevels) return;
+        auto& level = levels_[std::size_t(remaining - 1)];
+        level.resize(patches_.layout.patchCount());
+        for (std::size_t i = 0; i < level.size(); ++i) {
+            level[i] = unknownOf(i) != kNoPatch ? reflected_[unknownOf(i)] : vec3(0.0f);
         }
     }
 
@@ -221,6 +256,7 @@ private:
     Patches& patches_;
     FormFactors factors_;
     int bounces_;
+    bool converged_ = false;
     std::vector<uint32_t> rayCount_; ///< by patch and element
     std::vector<PatchId> substitute_;
     std::vector<uint32_t> unknown_; ///< number of the unknown, or kNoPatch

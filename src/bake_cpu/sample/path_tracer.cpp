@@ -178,13 +178,16 @@ PathTracer::Incoming PathTracer::incoming(const Receiver& receiver, vec3 directi
 // Path tracing (Kajiya 1986, "The Rendering Equation") between diffuse surfaces: the throughput of a cosine-distributed
 // bounce is the albedo.
 vec3 PathTracer::pathRadiance(RayHit at, vec3 direction, Receiver from, float directionPdf, int bounces,
-                              Sampler& sampler, uint64_t& rays, const RadianceLookup& lookup, vec3* byBounce) const
+                              Sampler& sampler, uint64_t& rays, const RadianceLookup& lookup,
+                              std::vector<vec3>* byBounce) const
 {
     vec3 radiance(0.0f);
     vec3 throughput(1.0f);
     const auto add = [&](vec3 light, int reflections) {
         radiance += throughput * light;
-        if (byBounce != nullptr) byBounce[reflections] += throughput * light;
+        if (byBounce == nullptr || light == vec3(0.0f)) return;
+        if (byBounce->size() <= std::size_t(reflections)) byBounce->resize(std::size_t(reflections) + 1);
+        (*byBounce)[std::size_t(reflections)] += throughput * light;
     };
     for (int depth = 0;; ++depth) {
         if (!at.found) {

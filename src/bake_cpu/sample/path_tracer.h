@@ -55,9 +55,9 @@ public:
                       uint64_t& rays) const;
 
     /// Radiance that a hit sends back along `direction`, after at most `bounces` reflections. The path ends where
-    /// `lookup` has the radiance. `byBounce`, if given, receives the parts of 0, 1, … `bounces` reflections.
+    /// `lookup` has the radiance. `byBounce`, if given, receives the parts of 0, 1, … reflections.
     vec3 pathRadiance(RayHit at, vec3 direction, Receiver from, float directionPdf, int bounces, Sampler& sampler,
-                      uint64_t& rays, const RadianceLookup& lookup = {}, vec3* byBounce = nullptr) const;
+                      uint64_t& rays, const RadianceLookup& lookup = {}, std::vector<vec3>* byBounce = nullptr) const;
 
     /// Emission of a hit times its MIS weight beside emitter samples taken at `from`.
     [[nodiscard]] vec3 weightedEmission(const SurfaceHit& hit, vec3 direction, const Receiver& from,
