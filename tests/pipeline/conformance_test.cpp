@@ -81,7 +81,7 @@ TEST(Conformance, PicturesAreDrawnFromTheFiles)
         settings.shadows.distanceMeters = entry["shadowDistance"];
         settings.shadows.fadeRangeMeters = entry["shadowFadeRange"];
         const auto camera = std::find_if(scene.cameras.begin(), scene.cameras.end(),
-                                         [&](const Camera& c) { return c.name == entry["camera"]; });
+                                         [&](const Camera& c) { return c.name == entry["camera"].get<std::string>(); });
         ASSERT_NE(camera, scene.cameras.end());
         const auto frame = (*renderer)->render(*camera, settings);
         ASSERT_TRUE(frame) << frame.error().text();
