@@ -430,69 +430,69 @@ void partShadows(const Options& options)
     }
 }
 
-/// Light along the seams, on both their sides: its difference where light has none, and its distance from the truth,
-/// for which a map of four times as many texels in each direction stands; before and after stitching.
-void partSeams(const Options& options)
+/// Light along the seams, on both their sides, before and after stitching: its step over the local light, the length
+/// where that is above a tenth, and the distance from a map of four times as many texels in each direction.
+void seamsOf(const Options& options, const std::string& name, bool bakeLights)
 {
     constexpr int kFiner = 4;
-    constexpr float kNone = 0.05f; // difference of the sides in the finer map, over the larger
-    std::printf("%-34s %8s %22s %10s %22s %10s\n", "scene", "places", "step, where none is", "stitched",
-                "error at seams", "stitched");
-    for (const std::string& name : options.scenes) {
-        const Prepared p = prepare(name, options.size, true);
-        const auto pagesOf = [&](const Prepared& scene) {
-            IntegrationSettings settings;
-            settings.bounces = options.bounces;
-            settings.samples = options.samples > 0 ? options.samples : 16;
-            settings.shadowSamples = 32;
-            std::vector<IrradianceEstimate> estimates = integrate(scene, scene.map, settings).estimates;
-            denoise(scene.geometry, scene.map, estimates, false);
-            TexelValues values = splitEstimates(estimates);
-            fillInvalid(scene.geometry, scene.map, values.valid, values.irradiance);
-            return halflight::dilate(scene.map, values.irradiance, kDilationRings);
-        };
-        const std::vector<SeamSample> seams = findSeams(p.geometry, p.map.pageSize);
-        const std::vector<ImageRgb32f> before = pagesOf(p);
-        std::vector<ImageRgb32f> after = before;
-        stitchSeams(p.map, seams, seamWeights(seams, before), after);
-        Prepared finer = p;
-        for (vec2& texel : finer.geometry.lightmapTexel) texel *= float(kFiner);
-        finer.map = rasterizeTexels(finer.geometry, p.map.pageSize * kFiner, p.map.pageCount);
-        const std::vector<ImageRgb32f> truth = pagesOf(finer);
-        const auto lightAt = [](const std::vector<ImageRgb32f>& pages, const SeamSample& seam, float scale) {
-            return vec2(luminance(bilinear(pages[std::size_t(seam.pageA)], scale * seam.texelA)),
-                        luminance(bilinear(pages[std::size_t(seam.pageB)], scale * seam.texelB)));
-        };
-        double mean = 0.0;
-        double length = 0.0;
-        for (const SeamSample& seam : seams) {
-            const vec2 light = lightAt(truth, seam, kFiner);
-            mean += 0.5 * double(seam.texels * (light.x + light.y));
-            length += double(seam.texels);
-        }
-        mean /= length;
-        const auto stepOf = [&](vec2 light) {
-            return std::abs(light.x - light.y) / (std::max(light.x, light.y) + 1.0e-3f * float(mean));
-        };
-        std::array<double, 2> steps{};
-        std::array<double, 2> squares{};
-        double smooth = 0.0;
-        for (const SeamSample& seam : seams) {
-            const vec2 expected = lightAt(truth, seam, kFiner);
-            const bool none = stepOf(expected) < kNone;
-            if (none) smooth += double(seam.texels);
-            for (int i = 0; i < 2; ++i) {
-                const vec2 light = lightAt(i == 0 ? before : after, seam, 1.0f);
-                const vec2 error = light - expected;
-                squares[std::size_t(i)] += 0.5 * double(seam.texels * glm::dot(error, error));
-                if (none) steps[std::size_t(i)] += double(seam.texels * stepOf(light));
-            }
-        }
-        const auto errorOf = [&](int i) { return 100.0 * std::sqrt(squares[std::size_t(i)] / length) / mean; };
-        std::printf("%-34s %8zu %21.2f%% %9.2f%% %21.2f%% %9.2f%%\n", name.c_str(), seams.size(),
-                    100.0 * steps[0] / smooth, 100.0 * steps[1] / smooth, errorOf(0), errorOf(1));
-        std::fflush(stdout);
+    const Prepared p = prepare(name, options.size, bakeLights);
+    const auto pagesOf = [&](const Prepared& scene) {
+        IntegrationSettings settings;
+        settings.bounces = options.bounces;
+        settings.samples = options.samples > 0 ? options.samples : 16;
+        settings.shadowSamples = 32;
+        std::vector<IrradianceEstimate> estimates = integrate(scene, scene.map, settings).estimates;
+        denoise(scene.geometry, scene.map, estimates, false);
+        TexelValues values = splitEstimates(estimates);
+        fillInvalid(scene.geometry, scene.map, values.valid, values.irradiance);
+        fillInvalid(scene.geometry, scene.map, values.valid, values.direct);
+        return std::array{dilate(scene.map, values.irradiance, kDilationRings),
+                          dilate(scene.map, values.direct, kDilationRings)};
+    };
+    const std::vector<SeamSample> seams = findSeams(p.geometry, p.map.pageSize);
+    const auto [light, direct] = pagesOf(p);
+    std::vector<ImageRgb32f> stitched = light;
+    stitchSeams(p.map, seams, lightSeamWeights(seams, light, direct), stitched);
+    Prepared finer = p;
+    for (vec2& texel : finer.geometry.lightmapTexel) texel *= float(kFiner);
+    finer.map = rasterizeTexels(finer.geometry, p.map.pageSize * kFiner, p.map.pageCount);
+    const std::vector<ImageRgb32f> truth = pagesOf(finer)[0];
+    const auto lightAt = [](const std::vector<ImageRgb32f>& from, const SeamSample& seam, float scale) {
+        return glm::dvec2(luminance(bilinear(from[std::size_t(seam.pageA)], scale * seam.texelA)),
+                          luminance(bilinear(from[std::size_t(seam.pageB)], scale * seam.texelB)));
+    };
+    double mean = 0.0;
+    double length = 0.0;
+    for (const SeamSample& seam : seams) {
+        const glm::dvec2 sides = lightAt(truth, seam, kFiner);
+        mean += 0.5 * double(seam.texels) * (sides.x + sides.y);
+        length += double(seam.texels);
     }
+    mean /= length;
+    std::printf("%-34s %8zu", (name + (bakeLights ? "" : ", bounced")).c_str(), seams.size());
+    for (const auto* pages : {&light, static_cast<const std::vector<ImageRgb32f>*>(&stitched)}) {
+        double steps = 0.0;
+        double above = 0.0;
+        double squares = 0.0;
+        for (const SeamSample& seam : seams) {
+            const glm::dvec2 sides = lightAt(*pages, seam, 1.0f);
+            const glm::dvec2 error = sides - lightAt(truth, seam, kFiner);
+            const double step = std::abs(sides.x - sides.y);
+            steps += double(seam.texels) * step;
+            if (step > 0.1 * (std::max(sides.x, sides.y) + 1.0e-3 * mean)) above += double(seam.texels);
+            squares += 0.5 * double(seam.texels) * glm::dot(error, error);
+        }
+        std::printf(" %8.2f%% %6.1f%% %8.2f%%", 100.0 * steps / (length * mean), 100.0 * above / length,
+                    100.0 * std::sqrt(squares / length) / mean);
+    }
+    std::puts("");
+}
+
+void partSeams(const Options& options)
+{
+    std::printf("scene, places; step, above a tenth, error; the same stitched\n");
+    for (const std::string& name : options.scenes)
+        for (const bool bakeLights : {true, false}) seamsOf(options, name, bakeLights);
 }
 
 /// Shadowmasks: CPU seconds for each light, and the difference from masks with every ray traced.

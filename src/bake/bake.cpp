@@ -203,14 +203,18 @@ Status lightmapPagesStage(const Stages& stages, const Gather& gather, const std:
     if (main) {
         baked.defaultShadowColor = chooseShadowColor(*main, values.irradiance, values.valid, settings.subtractiveMask);
         main->addTo(values.irradiance);
+        main->addTo(values.direct);
     }
     valid = std::move(values.valid);
     fillInvalid(gather.geometry, gather.map, valid, values.irradiance);
+    fillInvalid(gather.geometry, gather.map, valid, values.direct);
     StageTimer timer(stages.report(), "seams");
     seams = findSeams(gather.geometry, gather.map.pageSize);
     std::vector<ImageRgb32f> pages = dilate(gather.map, values.irradiance, kDilationRings);
     release(values.irradiance);
-    const std::vector<float> weights = seamWeights(seams, pages);
+    const std::vector<float> weights =
+        lightSeamWeights(seams, pages, dilate(gather.map, values.direct, kDilationRings));
+    release(values.direct);
     stitchSeams(gather.map, seams, weights, pages);
     timer.finish();
     if (stages.progress.cancelled()) return cancelledError();
@@ -237,7 +241,7 @@ std::vector<ImageRgba8> maskPages(const Gather& gather, const std::vector<uint8_
     fillInvalid(gather.geometry, gather.map, valid, mask);
     if (distances) channels = maskToDistances(gather.map, mask);
     std::vector<ImageRgba32f> pages = dilate(gather.map, mask, kDilationRings, distances);
-    stitchSeams(gather.map, seams, seamWeights(seams, pages), pages, !distances);
+    stitchSeams(gather.map, seams, maskSeamWeights(seams, pages), pages, !distances);
     return encodeShadowmask(pages);
 }
 
@@ -312,9 +316,11 @@ TexelValues splitEstimates(const std::vector<IrradianceEstimate>& estimates)
 {
     TexelValues values;
     values.irradiance.reserve(estimates.size());
+    values.direct.reserve(estimates.size());
     values.valid.reserve(estimates.size());
     for (const IrradianceEstimate& e : estimates) {
         values.irradiance.push_back(e.irradiance);
+        values.direct.push_back(e.direct);
         values.valid.push_back(e.valid ? 1 : 0);
     }
     return values;

@@ -17,6 +17,8 @@ namespace {
 constexpr float kSmoothCosine = 0.95f;
 /// Smallest cosine between geometric normals; below it the edge is a hem, whatever the shading normals.
 constexpr float kFoldCosine = 0.0f;
+/// Largest cosine between geometric normals at a bend: 15°.
+constexpr float kBentCosine = 0.966f;
 constexpr float kLineTexels = 0.05f;      ///< edges within this distance of a line lie on it
 constexpr std::size_t kMostPartners = 64; ///< an edge with more neighbours on its line is no seam
 
@@ -119,10 +121,11 @@ void addSamples(const EdgeSide& a, const EdgeSide& b, int pageSize, std::vector<
 {
     const float length = std::max(glm::distance(a.from, a.to), glm::distance(b.from, b.to));
     const int count = std::clamp(int(std::ceil(2.0f * length)), 1, 4 * pageSize);
+    const bool bent = glm::dot(a.geometricNormal, b.geometricNormal) < kBentCosine;
     for (int s = 0; s < count; ++s) {
         const float t = (float(s) + 0.5f) / float(count);
-        samples.push_back(
-            {a.object, a.page, b.page, glm::mix(a.from, a.to, t), glm::mix(b.from, b.to, t), length / float(count)});
+        samples.push_back({a.object, a.page, b.page, glm::mix(a.from, a.to, t), glm::mix(b.from, b.to, t),
+                           length / float(count), bent});
     }
 }
 

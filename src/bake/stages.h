@@ -94,6 +94,7 @@ std::array<MaskChannel, 4> maskToDistances(const TexelMap& map, std::vector<vec4
 /// Values of the lightmap, by texel.
 struct TexelValues {
     std::vector<vec3> irradiance; ///< lux
+    std::vector<vec3> direct;     ///< lux: IrradianceEstimate::direct
     std::vector<uint8_t> valid;   ///< 0: inside geometry
 };
 TexelValues splitEstimates(const std::vector<IrradianceEstimate>& estimates);
@@ -115,13 +116,17 @@ struct SeamSample {
     vec2 texelA{0.0f};   ///< position on page A, in texels
     vec2 texelB{0.0f};   ///< position on page B
     float texels = 1.0f; ///< length that the sample represents, on the longer side
+    bool bent = false;   ///< the triangles of both sides face differently, though the shading normals agree
 };
 std::vector<SeamSample> findSeams(const BakeGeometry& geometry, int pageSize);
 
 /// Weight of each seam sample, 0…1: 1 if both sides are similar, 0 if one side has several times the other's light.
-/// Needs dilated pages, because filtering at an edge reads padding.
-template<typename T>
-std::vector<float> seamWeights(const std::vector<SeamSample>& seams, const std::vector<Image<T>>& pages);
+/// Gathered light may differ more at bends; `direct` is the part of `light` that lights contribute directly. Needs
+/// dilated pages, because filtering at an edge reads padding.
+std::vector<float> lightSeamWeights(const std::vector<SeamSample>& seams, const std::vector<ImageRgb32f>& light,
+                                    const std::vector<ImageRgb32f>& direct);
+/// The same for masks: 1 if both sides differ by up to a half.
+std::vector<float> maskSeamWeights(const std::vector<SeamSample>& seams, const std::vector<ImageRgba32f>& masks);
 /// Minimizes the difference of the bilinear values on both sides of the seams. Needs dilated pages; padding changes
 /// more readily than covered texels. `bounded`: padding stays within the range of the adjacent covered texels; off for
 /// extrapolated padding.

@@ -117,7 +117,7 @@ struct TwoCharts {
         pages = dilate(map, values, kDilationRings);
         const std::vector<SeamSample> seams = findSeams(geometry, kPage);
         EXPECT_GE(seams.size(), 40u);
-        stitchSeams(map, seams, seamWeights(seams, pages), pages);
+        stitchSeams(map, seams, lightSeamWeights(seams, pages, noLight(pages)), pages);
     }
     /// Padding of the first and second ring that leaves the range of the covered texels next to it.
     [[nodiscard]] int outOfBounds() const

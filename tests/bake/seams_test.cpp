@@ -13,6 +13,15 @@ namespace {
 
 constexpr int kPage = 64;
 
+vec3 filteredAt(const Image<vec3>& page, vec2 place)
+{
+    const vec2 p = place - 0.5f;
+    const ivec2 b(glm::floor(p));
+    const vec2 f = p - vec2(b);
+    return glm::mix(glm::mix(page(b.x, b.y), page(b.x + 1, b.y), f.x),
+                    glm::mix(page(b.x, b.y + 1), page(b.x + 1, b.y + 1), f.x), f.y);
+}
+
 /// A plane cut into two charts, as wide in texels as told, each of which holds light of its own: lightAt(left, texels
 /// up from the foot of the cut).
 struct CutPlane {
@@ -35,17 +44,10 @@ struct CutPlane {
         pages = dilate(map, values, 2);
         before = pages[0];
         seams = findSeams(geometry, kPage);
-        stitchSeams(map, seams, seamWeights(seams, pages), pages);
+        stitchSeams(map, seams, lightSeamWeights(seams, pages, noLight(pages)), pages);
     }
     CutPlane(vec3 left, vec3 right) : CutPlane(16.0f, [&](bool isLeft, float) { return isLeft ? left : right; }) {}
-    [[nodiscard]] vec3 bilinear(vec2 place) const
-    {
-        const vec2 p = place - 0.5f;
-        const ivec2 b(glm::floor(p));
-        const vec2 f = p - vec2(b);
-        return glm::mix(glm::mix(pages[0](b.x, b.y), pages[0](b.x + 1, b.y), f.x),
-                        glm::mix(pages[0](b.x, b.y + 1), pages[0](b.x + 1, b.y + 1), f.x), f.y);
-    }
+    [[nodiscard]] vec3 bilinear(vec2 place) const { return filteredAt(pages[0], place); }
 
     Scene scene;
     TexelMap map;
@@ -101,6 +103,41 @@ TEST(SeamsS6, SunIsNotStitchedToShade)
         for (const SeamSample& seam : plane.seams) {
             EXPECT_NEAR(plane.bilinear(seam.texelA).x, 1.0f, 0.02f);
             EXPECT_NEAR(plane.bilinear(seam.texelB).x, shade, 0.02f);
+        }
+    }
+}
+
+/// A smooth bend of 50° between charts: the estimates of both sides may differ by a factor of four, and light is the
+/// same on both after stitching. On a plane the same difference is an edge of light, and stays.
+TEST(SeamsS6, LightOfBendsIsContinuous)
+{
+    for (const float degrees : {50.0f, 0.0f}) {
+        const float angle = glm::radians(degrees);
+        Scene scene;
+        const int grey = addMaterial(scene, vec3(0.5f));
+        const vec2 left(4.3f, 4.6f);
+        const vec2 right(30.8f, 30.1f);
+        addRectangle(scene, {vec3(0), vec3(1, 0, 0), vec3(0, 1, 0)}, grey, kPage, {left, left + 16.0f});
+        addRectangle(scene, {vec3(1, 0, 0), vec3(std::cos(angle), 0, -std::sin(angle)), vec3(0, 1, 0)}, grey, kPage,
+                     {right, right + 16.0f});
+        for (Mesh& mesh : scene.meshes)
+            mesh.parts[0].normals.assign(4, vec3(std::sin(0.5f * angle), 0, std::cos(0.5f * angle)));
+        const BakeGeometry geometry = flattenGeometry(scene, kPage, GeometryFilter::Static);
+        const TexelMap map = rasterizeTexels(geometry, kPage, 1);
+        std::vector<vec3> values;
+        for (const Texel& t : map.texels) values.emplace_back(t.x < 25 ? 4.0f : 1.0f);
+        std::vector<Image<vec3>> pages = dilate(map, values, 2);
+        const std::vector<SeamSample> seams = findSeams(geometry, kPage);
+        ASSERT_GE(seams.size(), 16u);
+        stitchSeams(map, seams, lightSeamWeights(seams, pages, noLight(pages)), pages);
+        for (const SeamSample& seam : seams) {
+            const vec2 sides(filteredAt(pages[0], seam.texelA).x, filteredAt(pages[0], seam.texelB).x);
+            if (degrees > 0.0f) {
+                EXPECT_NEAR(sides.x, sides.y, 0.05f * std::min(sides.x, sides.y));
+            } else {
+                EXPECT_NEAR(std::max(sides.x, sides.y), 4.0f, 0.05f);
+                EXPECT_NEAR(std::min(sides.x, sides.y), 1.0f, 0.05f);
+            }
         }
     }
 }

@@ -187,4 +187,12 @@ inline Light pointAt(const std::string& name, vec3 position, float range, float 
     return light;
 }
 
+/// Black pages of the same size.
+inline std::vector<ImageRgb32f> noLight(const std::vector<ImageRgb32f>& pages)
+{
+    std::vector<ImageRgb32f> black;
+    for (const ImageRgb32f& page : pages) black.emplace_back(page.width(), page.height());
+    return black;
+}
+
 } // namespace halflight::test
