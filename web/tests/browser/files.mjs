@@ -43,12 +43,12 @@ test('pictures given by URI, relative or data', async () => {
     for (const renderer of ['webgl', 'webgpu']) await drawsAs('unpacked.gltf', 'conformance/bumpy_wall', `pictures by URI, ${renderer}`, renderer);
 });
 
-for (const [scene, label] of [['courtyard', 'courtyard'], ['conformance/bumpy_wall', 'directional lightmap'], ['conformance/proxy_volume', 'probes']]) {
+for (const [name, label] of [['conformance/bumpy_wall', 'directional lightmap'], ['conformance/proxy_volume', 'probes'], ['instances', 'instances']]) {
     test(`halflight optimize: ${label}`, async () => {
-        if (scene === 'courtyard') studio.bake(scene, scene, '--lightmap-size', '512');
+        if (name === 'instances') studio.bake('tests/instances_1023', name);
         const small = join(studio.files, 'small.glb');
-        halflight('optimize', studio.pathOf(scene), small);
-        const { bytes, cellsOfFile } = await drawsAs('small.glb', scene, `optimized ${label}`);
+        halflight('optimize', studio.pathOf(name), small);
+        const { bytes, cellsOfFile } = await drawsAs('small.glb', name, `optimized ${label}`);
         assert.ok(cellsOfFile, 'neighbours follow from the tetrahedra');
         const size = statSync(small).size;
         const parts = Object.values(bytes).reduce((a, b) => a + b, 0);

@@ -48,17 +48,6 @@ test('WebGL, WebGPU and its WebGL 2 agree inside surfaces', async () => {
     }
 });
 
-test('casters by mode, WebGPU', async () => {
-    for (const three of ['three', 'three-0.186', 'three-0.185']) {
-        const { call } = await studio.pageOf(three, 'webgpu');
-        await studio.load(call, 'conformance/five_lights');
-        const calls = {};
-        for (const mode of ['shadowmask', 'distance-shadowmask'])
-            calls[mode] = (await studio.compare(call, `five lights, ${three}, WebGPU`, mode, { name: 'conformance/five_lights' })).calls;
-        assert.ok(calls.shadowmask < calls['distance-shadowmask'] / 2, `${three}: ${JSON.stringify(calls)} draw calls`);
-    }
-});
-
 test('dispose gives everything back, WebGPU', async () => {
     const { call } = await studio.pageOf('three', 'webgpu');
     const { camera } = studio.reference('conformance/five_lights', 'shadowmask');
