@@ -17,7 +17,6 @@ FOLDERS = ("apps", "bench", "examples", "include", "scripts", "shaders", "src", 
 SUFFIXES = {".h", ".cpp", ".py", ".glsl", ".vert", ".frag", ".js", ".mjs", ".ts", ".sh"}
 
 LONGER = {
-    "apps/halflight/bake.cpp": 435,
     "bench/bake_bench.cpp": 687,
     "bench/quality/measures.cpp": 478,
     "scripts/make_courtyard.py": 402,
@@ -30,7 +29,6 @@ LONGER = {
     "src/scene/read_scene.cpp": 421,
     "src/scene/settings.cpp": 517,
     "src/scene/validate.cpp": 404,
-    "src/scene/write_baked.cpp": 427,
     "src/unwrap/chart.cpp": 532,
     "src/unwrap/packer.cpp": 437,
     "tests/cli/cli_test.py": 1034,

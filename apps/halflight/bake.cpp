@@ -1,14 +1,18 @@
 // halflight bake: scene in, baked glTF out.
 
+#include "bake_export.h"
+#include "bake_options.h"
 #include "console.h"
 #include "interrupt.h"
 #include "terminal.h"
 
 #include "halflight/bake/bake.h"
 #include "halflight/bake_cpu/embree_integrator.h"
+#include "halflight/base/encoded_image.h"
 #include "halflight/base/file.h"
 #include "halflight/base/log.h"
 #include "halflight/scene/gltf.h"
+#include "halflight/scene/sidecar.h"
 
 #include <spdlog/fmt/fmt.h>
 
@@ -22,203 +26,6 @@
 namespace halflight::cli {
 
 namespace {
-
-struct BakeOptions {
-    std::filesystem::path scene;
-    std::filesystem::path output;
-    std::filesystem::path settingsFile;
-    std::filesystem::path reportFile;
-    BakeSettings bake;
-    WriteOptions write;
-    vec3 skyNits{0.0f};
-    bool skyGiven = false;
-    int device = 0; ///< one so far: the CPU
-    bool quiet = false;
-    bool json = false;
-};
-
-// Whether a bake with --write-images may write a file of this name: PREFIX_N, or the probes.
-bool isImageName(const std::string& name)
-{
-    if (name == "probes.json") return true;
-    for (const auto& [prefix, extension] : {std::pair<std::string_view, std::string_view>{"lightmap_raw_", ".exr"},
-                                            {"lightmap_", ".exr"},
-                                            {"lightmap_direction_", ".png"},
-                                            {"shadowmask_", ".png"}}) {
-        if (!name.starts_with(prefix) || !name.ends_with(extension)) continue;
-        if (name.size() <= prefix.size() + extension.size()) continue;
-        const std::string page = name.substr(prefix.size(), name.size() - prefix.size() - extension.size());
-        if (page.find_first_not_of("0123456789") == std::string::npos) return true;
-    }
-    return false;
-}
-
-// The images' number is known only after unwrapping, so all their names count: those that are links to `files`, and
-// those of `files` that lie in the folder under such a name.
-Status checkImages(const std::filesystem::path& folder, const std::vector<NamedFile>& files,
-                   std::filesystem::path& culprit)
-{
-    if (folder.empty()) return {};
-    std::vector<std::filesystem::path> images;
-    for (const NamedFile& file : files) {
-        if (isImageName(file.path.filename().string())) images.push_back(folder / file.path.filename());
-        const Result<std::filesystem::path> target = replacedFile(file.path);
-        if (target && isImageName(target->filename().string())) images.push_back(folder / target->filename());
-    }
-    std::error_code ec;
-    for (std::filesystem::directory_iterator entry(folder, ec), end; !ec && entry != end; entry.increment(ec)) {
-        if (isImageName(entry->path().filename().string())) images.push_back(entry->path());
-    }
-    std::sort(images.begin(), images.end()); // a folder has no order of its own
-    for (const std::filesystem::path& image : images) {
-        culprit = image;
-        if (Status status = checkReplacesNone({"--write-images", image}, files); !status) return status;
-    }
-    return {};
-}
-
-// No file that the bake writes may replace one that it reads, or another that it writes.
-Status checkPaths(const BakeOptions& options, std::filesystem::path& culprit)
-{
-    std::vector<NamedFile> files = {{"the scene", options.scene}, {"the settings file", options.settingsFile}};
-    for (const NamedFile& output : {NamedFile{"--output", options.output}, NamedFile{"--report", options.reportFile}}) {
-        if (output.path.empty()) continue;
-        culprit = output.path;
-        if (Status status = checkReplacesNone(output, files); !status) return status;
-        if (Status status = checkOutput(output.path); !status) return status;
-        files.push_back(output);
-    }
-    return checkImages(options.bake.imagesDirectory, files, culprit);
-}
-
-// The files beside a .gltf output may not replace those that the scene's document names.
-Status checkFilesBeside(const BakeOptions& options, const Scene& scene)
-{
-    if (lowerExtension(options.output) != ".gltf") return {};
-    const std::string stem = options.output.stem().string();
-    for (const std::filesystem::path& file : externalFiles(scene)) {
-        const std::string name = file.filename().string();
-        const bool takenName = name == stem + ".bin" || name.starts_with(stem + "_image_");
-        if (!takenName || !sameFile(file, options.output.parent_path() / name)) continue;
-        return Error{ErrorCode::InvalidArgument,
-                     "its file " + name + " would replace one of the scene's; choose another name for the output"};
-    }
-    return {};
-}
-
-// A folder that the bake writes into, tried before it begins.
-Status makeFolder(const std::filesystem::path& folder)
-{
-    if (folder.empty()) return {};
-    std::error_code ec;
-    std::filesystem::create_directories(folder, ec);
-    if (ec) return Error{ErrorCode::WriteFailed, "cannot be made into a folder (" + ec.message() + ")"};
-    return tryWriting(folder);
-}
-
-// Lights that are not what their author asked for, where no other warning speaks of them yet.
-std::vector<std::string> lightWarnings(const BakeReport& report)
-{
-    std::vector<std::string> warnings;
-    for (const LightReport& light : report.lights) {
-        if (light.bakedAs == light.authoredMode) continue;
-        const auto namesLight = [&](const std::string& warning) {
-            return warning.find("'" + light.name + "'") != std::string::npos ||
-                   warning.find('"' + light.name + '"') != std::string::npos;
-        };
-        if (std::any_of(report.warnings.begin(), report.warnings.end(), namesLight)) continue;
-        warnings.push_back(fmt::format("{} light '{}' was {} baked: {}", nameOf(light.authoredMode), light.name,
-                                       light.bakedAs == LightMode::Baked ? "fully" : "not fully", light.reason));
-    }
-    return warnings;
-}
-
-void printLights(const BakeReport& report)
-{
-    if (report.lights.empty()) return;
-    std::size_t width = 5;
-    for (const LightReport& light : report.lights) width = std::max(width, printable(light.name).size());
-    print("\n{:<{}}  {:<11}  {:<8}  {:<8}  {:<7}  {}\n", "light", width, "type", "mode", "baked as", "channel",
-          "reason");
-    for (const LightReport& light : report.lights) {
-        const std::string line = fmt::format("{:<{}}  {:<11}  {:<8}  {:<8}  {:<7}  {}", printable(light.name), width,
-                                             nameOf(light.type), nameOf(light.authoredMode), nameOf(light.bakedAs),
-                                             channelName(light.channel), printable(light.reason));
-        print("{}\n", line.substr(0, line.find_last_not_of(' ') + 1));
-    }
-}
-
-std::string_view densityReason(DensityFrom from)
-{
-    switch (from) {
-    case DensityFrom::Asked:
-        return "as asked";
-    case DensityFrom::Page:
-        return "what fits one page";
-    case DensityFrom::Scene:
-        return "by the scene's size (--texels-per-meter sets it)";
-    }
-    return "";
-}
-
-void printBytes(const BakeReport& report)
-{
-    const WrittenBytes& bytes = report.written;
-    const auto mb = [](double count) { return fmt::format("{:.2f} MB", count * 1e-6); };
-    const double pages = std::max(report.pageCount, 1);
-    print("file       {}: lightmap {} a page", mb(double(bytes.file)), mb(double(bytes.lightmaps) / pages));
-    if (bytes.lightmapDirections > 0) print(", directions {} a page", mb(double(bytes.lightmapDirections) / pages));
-    if (bytes.shadowmasks > 0) print(", mask {} a page", mb(double(bytes.shadowmasks) / pages));
-    print(", probes {}\n", mb(double(bytes.probes)));
-}
-
-void printSummary(const BakeOptions& options, const BakeReport& report)
-{
-    print("{}: {} in {}, peak memory {}, {}\n", options.output.string(), nameOf(options.bake.mode),
-          clockTime(report.seconds), megabytes(report.peakMemoryBytes), report.integrator);
-    printLights(report);
-
-    print("\nlightmap   {} page{} of {} x {}, {:.0f} % filled\n", report.pageCount, report.pageCount == 1 ? "" : "s",
-          report.pageSize, report.pageSize, 100.0 * double(report.atlasCoverage));
-    print("           {:.4g} texels/m, {}\n", report.texelsPerMeter, densityReason(report.densityFrom));
-    print("           {} charts, {} texels, {} of them inside geometry\n", grouped(uint64_t(report.chartCount)),
-          grouped(report.coveredTexels), grouped(report.invalidTexels));
-    if (report.cache.tiles > 0) {
-        const std::size_t baked = report.cache.tiles - report.cache.same - report.cache.unchanged;
-        print("cache      {} of {} tiles baked, {} taken as they were, {} not reached by what changed\n",
-              grouped(baked), grouped(report.cache.tiles), grouped(report.cache.same), grouped(report.cache.unchanged));
-    }
-    print("geometry   {} static triangles\n", grouped(report.triangleCount));
-    if (const auto& main = report.mainLight) {
-        const vec3 color = main->shadowColor;
-        print("subtracted {}, {} mask, down to {:.3g}, {:.3g}, {:.3g} lux{}\n", printable(main->name),
-              main->mask ? "with its own" : "without a", color.r, color.g, color.b,
-              main->colorByBake ? " (chosen by the bake)" : "");
-    }
-    print("probes     {} of {} valid\n", grouped(uint64_t(report.validProbeCount)),
-          grouped(uint64_t(report.probeCount)));
-    printBytes(report);
-    print("samples    {:.0f} per texel, {} per masked light, at most {} bounces, {} per probe\n",
-          report.samplesPerTexel, report.quality.shadowSamples, report.quality.bounces, report.quality.probeSamples);
-    if (report.interpolatedTexels > 0) {
-        print("           {} texels are interpolated\n", grouped(report.interpolatedTexels));
-    }
-    print("noise      {:.1f} % before denoising", 100.0 * double(report.noiseReached));
-    if (report.quality.noiseTarget > 0.0f) {
-        print(", target {:.1f} %; {} texels stopped at {} samples", 100.0 * double(report.quality.noiseTarget),
-              grouped(report.texelsAtCap), report.quality.samples);
-    }
-    print("\n\n");
-
-    print("{:<16} {:>9} {:>10} {:>10}\n", "stage", "seconds", "rays", "rays/s");
-    for (const StageReport& stage : report.stages) {
-        const bool rate = stage.rays > 0 && stage.seconds > 0.0;
-        const std::string line = fmt::format("{:<16} {:>9.2f} {:>10} {:>10}", stage.name, stage.seconds,
-                                             stage.rays > 0 ? withUnit(double(stage.rays)) : "",
-                                             rate ? withUnit(double(stage.rays) / stage.seconds) : "");
-        print("{}\n", line.substr(0, line.find_last_not_of(' ') + 1));
-    }
-}
 
 // In the cache, a file named after all that went into a bake tells what came out: the output's hash.
 class FinishedBake {
@@ -238,7 +45,11 @@ public:
 private:
     static Hash128 hashOf(const BakeOptions& options, const Scene& scene)
     {
-        return Hasher().add(bakeHash(scene, options.bake)).add(uint8_t(options.write.mozLightmap)).hash();
+        return Hasher()
+            .add(bakeHash(scene, options.bake))
+            .add(uint8_t(options.write.mozLightmap))
+            .add(uint8_t(options.write.lightmapFormat))
+            .hash();
     }
     [[nodiscard]] std::string outputHash() const
     {
@@ -249,20 +60,51 @@ private:
     std::filesystem::path file_;
 };
 
-int runBake(const BakeOptions& options)
+// What is wrong with the options together, as a sentence; empty when nothing is.
+std::string contradiction(const CLI::App& app, const BakeOptions& options)
 {
     const std::string extension = lowerExtension(options.output);
-    if (extension != ".glb" && extension != ".gltf") {
-        return wrongUsage("bake", fmt::format("--output must end in .glb or .gltf, not '{}'", options.output.string()));
+    if (extension != ".glb" && extension != ".gltf")
+        return fmt::format("--output must end in .glb or .gltf, not '{}'", options.output.string());
+    if (options.bake.noiseTarget > 0.0f && options.bake.integrator == IntegratorKind::Path)
+        return "--noise needs --integrator cache";
+    if (options.bake.denoiser == Denoiser::OpenImage && !hasOpenImageDenoise())
+        return "--denoise oidn needs a build with Open Image Denoise, and this one has none";
+    if (options.write.lightmapFormat == LightmapFormat::Webp && !decodesWebp())
+        return "--lightmap-format webp needs a build with libwebp, and this one has none";
+    return exportContradiction(app, options);
+}
+
+// The output, and the rest of the report.
+Status writeOutput(const BakeOptions& options, bool isFormatGiven, BakeResult& result, const Progress& progress,
+                   std::optional<ExportSummary>& exported)
+{
+    if (options.exportStyle) {
+        exported.emplace();
+        const Status status = writeExport(options, result, progress, *exported);
+        for (std::string& warning : exportWarnings(*exported)) result.report.warnings.push_back(std::move(warning));
+        return status;
     }
-    if (options.bake.noiseTarget > 0.0f && options.bake.integrator == IntegratorKind::Path) {
-        return wrongUsage("bake", "--noise needs --integrator cache");
-    }
-    if (options.bake.denoiser == Denoiser::OpenImage && !hasOpenImageDenoise()) {
-        return wrongUsage("bake", "--denoise oidn needs a build with Open Image Denoise, and this one has none");
-    }
+    WriteOptions write = options.write;
+    write.written = &result.report.written;
+    write.irradiance = result.irradiance;
+    write.progress = progress;
+    write.mayReplace = commitOutput;
+    if (Status status = writeBakedScene(options.output, result.baked, write); !status) return status;
+    if (options.sidecarDirectory.empty()) return {};
+    SidecarOptions sidecar;
+    sidecar.write = write;
+    if (isFormatGiven) sidecar.format = write.lightmapFormat;
+    return writeSidecar(options.sidecarDirectory, options.output, result.baked, sidecar, result.report.warnings);
+}
+
+int runBake(const CLI::App& app, const BakeOptions& given)
+{
+    if (const std::string sentence = contradiction(app, given); !sentence.empty()) return wrongUsage("bake", sentence);
+    BakeOptions options = given;
+    const std::string extension = lowerExtension(options.output);
     std::filesystem::path culprit;
-    if (Status status = checkPaths(options, culprit); !status) return fail(culprit, status.error());
+    if (Status status = checkBakePaths(options, culprit); !status) return fail(culprit, status.error());
 
     removeTemporaryOf(options.output);
     // The display is up before the scene is read, so that Ctrl-C is heard from the start.
@@ -279,19 +121,22 @@ int runBake(const BakeOptions& options)
         display.reset();
         return fail(options.output, status.error());
     }
-    for (const std::filesystem::path& folder : {options.bake.imagesDirectory, options.bake.cacheDirectory}) {
+    for (const std::filesystem::path& folder :
+         {options.bake.imagesDirectory, options.bake.cacheDirectory, options.sidecarDirectory}) {
         if (Status status = makeFolder(folder); !status) {
             display.reset();
             return fail(folder, status.error());
         }
     }
+    if (options.exportStyle) prepareExport(options.bake, *scene);
     if (options.skyGiven) scene->sky = {options.skyNits, options.skyNits, options.skyNits};
 
     std::optional<FinishedBake> finished;
     // A .gltf is more than one file, of which any may have changed since.
-    if (!options.bake.cacheDirectory.empty() && extension == ".glb") {
+    if (!options.bake.cacheDirectory.empty() && extension == ".glb" && !options.exportStyle) {
         finished.emplace(options, *scene);
-        const bool onlyOutput = options.reportFile.empty() && options.bake.imagesDirectory.empty() && !options.json;
+        const bool onlyOutput = options.reportFile.empty() && options.bake.imagesDirectory.empty() &&
+                                options.sidecarDirectory.empty() && !options.json;
         if (onlyOutput && finished->isUpToDate()) {
             display.reset();
             if (!options.quiet) {
@@ -309,11 +154,8 @@ int runBake(const BakeOptions& options)
         return fail(options.scene, result.error());
     }
     progress("write", 0.0);
-    WriteOptions writeOptions = options.write;
-    writeOptions.written = &result->report.written;
-    writeOptions.progress = progress;
-    writeOptions.mayReplace = commitOutput;
-    const Status written = writeBakedScene(options.output, result->baked, writeOptions);
+    std::optional<ExportSummary> exported;
+    const Status written = writeOutput(options, app.count("--lightmap-format") > 0, *result, progress, exported);
     display.reset();
     if (!written) return fail(options.output, written.error());
     if (finished) {
@@ -321,7 +163,8 @@ int runBake(const BakeOptions& options)
             result->report.warnings.push_back(cacheWarning(options.bake.cacheDirectory, status.error()));
     }
 
-    const std::string json = reportJson(result->report);
+    const std::string report = reportJson(result->report);
+    const std::string json = exported ? withExport(report, *exported) : report;
     if (!options.reportFile.empty()) {
         if (Status status = writeFileAtomically(options.reportFile, json); !status) {
             return fail(options.reportFile, status.error());
@@ -336,7 +179,8 @@ int runBake(const BakeOptions& options)
     if (options.json) {
         printJson(json);
     } else if (!options.quiet) {
-        printSummary(options, result->report);
+        printBakeSummary(options, result->report);
+        if (exported) printExport(*exported);
     }
     return kOk;
 }
@@ -420,6 +264,16 @@ Command addBakeCommand(CLI::App& parent)
         ->type_name("DIR");
 
     app.option_defaults()->group("Output");
+    addChoice<LightmapFormat>(
+        app, "--lightmap-format", options->write.lightmapFormat,
+        {{"rgb9e5", LightmapFormat::Rgb9e5}, {"half", LightmapFormat::Half}, {"webp", LightmapFormat::Webp}},
+        "how lightmaps are stored: RGB9E5 or half floats in KTX2, or 8 bits a channel by a curve in lossless WebP; "
+        "the report has the error of each page (default rgb9e5)");
+    addExportOptions(app, *options);
+    app.add_option("--sidecar", options->sidecarDirectory,
+                   "also write the bake as pictures and one JSON that binds them by node name, for tools that drop "
+                   "extensions; lightmaps as EXR, or as --lightmap-format says")
+        ->type_name("DIR");
     app.add_flag("--moz-lightmap", options->write.mozLightmap,
                  "write MOZ_lightmap materials too, for loaders that know them; much larger files");
     app.add_option("--report", options->reportFile, "write what the bake did: lights, charts, rays, seconds, warnings")
@@ -429,7 +283,7 @@ Command addBakeCommand(CLI::App& parent)
     app.add_flag("--json", options->json, "print the report as JSON on standard output");
     app.add_flag("-q,--quiet", options->quiet, "print errors only");
     app.footer("Example: halflight bake scene.glb -o baked.glb --quality preview");
-    return {&app, [options] { return runBake(*options); }};
+    return {&app, [options, &app] { return runBake(app, *options); }};
 }
 
 } // namespace halflight::cli

@@ -1,5 +1,7 @@
 #include "render_options.h"
 
+#include "exposure_option.h"
+
 #include <spdlog/fmt/fmt.h>
 
 #include <algorithm>
@@ -96,22 +98,10 @@ void addPictureOptions(CLI::App& app, RenderOptions& options)
                    "samples of a pixel, each lit, on a regular grid: antialiasing (default 4; 1 in views)")
         ->check(CLI::Validator(checkSamples, std::string()))
         ->type_name("1|4|9|16");
-    const auto checkExposure = [](std::string& text) {
-        double ev = 0.0;
-        if (text == "auto" || (parseNumber(text, ev) && ev >= -40.0 && ev <= 40.0)) return std::string();
-        return fmt::format("must be auto or a number from -40 to 40, not '{}'", text);
-    };
-    app.add_option_function<std::string>(
-           "--exposure",
-           [&options](const std::string& text) {
-               double ev = 0.0;
-               options.exposureEv = parseNumber(text, ev) ? std::optional(float(ev)) : std::nullopt;
-               options.exposureGiven = true;
-           },
-           "EV: radiance is multiplied by 2^-EV; auto puts the picture's log average at middle grey, up to 2 stops "
-           "darker where over 2 % would be burnt, and prints the EV (default auto; .png only)")
-        ->check(CLI::Validator(checkExposure, std::string()))
-        ->type_name("EV|auto");
+    addExposure(
+        app, options.exposureEv, options.exposureGiven,
+        "EV: radiance is multiplied by 2^-EV; auto puts the picture's log average at middle grey, up to 2 stops "
+        "darker where over 2 % would be burnt, and prints the EV (default auto; .png only)");
 }
 
 void addCameraOptions(CLI::App& app, RenderOptions& options)

@@ -3,6 +3,7 @@
 #include "bilinear.h"
 
 #include "halflight/bake_cpu/embree_integrator.h"
+#include "halflight/base/rgb9e5.h"
 #include "halflight/scene/gltf.h"
 #include "halflight/shading/mask.h"
 
@@ -65,7 +66,7 @@ Result<Baked> bakeFile(const std::filesystem::path& file, const BakeSettings& se
     const BakedScene& s = baked.result.baked;
     baked.pageSize = baked.result.report.pageSize;
     baked.geometry = flattenGeometry(s.scene, baked.pageSize, GeometryFilter::Static);
-    for (const auto& page : s.lightmaps) baked.lightmaps.push_back(decodeLightmap(page, s.lightmapUnitLux));
+    for (const auto& page : s.lightmaps) baked.lightmaps.push_back(decodeRgb9e5(page, s.lightmapUnitLux));
     for (const ImageRgba8& page : s.shadowmasks) {
         ImageRgba32f& mask = baked.masks.emplace_back(page.width(), page.height());
         for (std::size_t i = 0; i < page.texelCount(); ++i) mask.data()[i] = vec4(page.data()[i]) / 255.0f;

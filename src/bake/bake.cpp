@@ -210,7 +210,8 @@ Status lightmapPagesStage(const Stages& stages, const Gather& gather, const std:
     fillInvalid(gather.geometry, gather.map, valid, values.direct);
     StageTimer timer(stages.report(), "seams");
     seams = findSeams(gather.geometry, gather.map.pageSize);
-    std::vector<ImageRgb32f> pages = dilate(gather.map, values.irradiance, kDilationRings);
+    std::vector<ImageRgb32f>& pages = stages.result.irradiance;
+    pages = dilate(gather.map, values.irradiance, kDilationRings);
     release(values.irradiance);
     const std::vector<float> weights =
         lightSeamWeights(seams, pages, dilate(gather.map, values.direct, kDilationRings));

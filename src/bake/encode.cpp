@@ -1,32 +1,13 @@
 #include "bake/stages.h"
 
 #include "halflight/base/parallel.h"
+#include "halflight/base/rgb9e5.h"
 #include "halflight/shading/directional.h"
 
 #include <algorithm>
 #include <cmath>
-#include <glm/gtc/packing.hpp>
 
 namespace halflight {
-namespace {
-
-/// EXT_texture_shared_exponent (Khronos 2009): mantissas of nine bits, one exponent with bias 15. GLM's packer covers
-/// only half of the format's range.
-uint32_t packRgb9e5(vec3 color)
-{
-    for (int c = 0; c < 3; ++c) color[c] = color[c] > 0.0f ? std::min(color[c], kMaxRgb9e5) : 0.0f; // NaN too
-    const float largest = std::max({color.x, color.y, color.z});
-    int exponent = std::max(-16, largest > 0.0f ? std::ilogb(largest) : -16) + 1 + 15;
-    float scale = std::ldexp(1.0f, 15 + 9 - exponent);
-    if (std::floor(largest * scale + 0.5f) >= 512.0f) {
-        ++exponent;
-        scale *= 0.5f;
-    }
-    const auto mantissa = [&](float c) { return uint32_t(std::floor(c * scale + 0.5f)); };
-    return mantissa(color.x) | (mantissa(color.y) << 9) | (mantissa(color.z) << 18) | (uint32_t(exponent) << 27);
-}
-
-} // namespace
 
 float lightmapUnitFor(const std::vector<ImageRgb32f>& pages)
 {
@@ -56,14 +37,6 @@ std::vector<Image<uint32_t>> encodeLightmap(const std::vector<ImageRgb32f>& page
         encoded.push_back(std::move(out));
     }
     return encoded;
-}
-
-ImageRgb32f decodeLightmap(const Image<uint32_t>& page, float unitLux)
-{
-    ImageRgb32f decoded(page.width(), page.height());
-    for (std::size_t i = 0; i < page.texelCount(); ++i)
-        decoded.data()[i] = unitLux * glm::unpackF3x9_E1x5(page.data()[i]);
-    return decoded;
 }
 
 std::vector<ImageRgba8> encodeDirections(const std::vector<ImageRgb32f>& irradiance,

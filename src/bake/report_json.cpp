@@ -43,6 +43,9 @@ std::string reportJson(const BakeReport& report)
                           {"charts", mesh.charts},
                           {"areaStretch", mesh.areaStretch}});
     }
+    json written = json::array();
+    for (const WrittenLightmap& page : report.written.lightmapPages)
+        written.push_back({{"bytes", page.bytes}, {"meanError", page.meanError}, {"mostError", page.mostError}});
     json root = {
         {"integrator", report.integrator},
         {"seconds", report.seconds},
@@ -66,7 +69,9 @@ std::string reportJson(const BakeReport& report)
           {"invalidTexels", report.invalidTexels},
           {"texelsPerMeter", report.texelsPerMeter},
           {"densityFrom", nameOf(report.densityFrom)},
-          {"coverage", report.atlasCoverage}}},
+          {"coverage", report.atlasCoverage},
+          {"format", nameOf(report.written.lightmapFormat)},
+          {"written", std::move(written)}}},
         {"cache", {{"tiles", report.cache.tiles}, {"same", report.cache.same}, {"unchanged", report.cache.unchanged}}},
         {"probes", {{"count", report.probeCount}, {"valid", report.validProbeCount}}},
         {"bytes",

@@ -134,8 +134,6 @@ template<typename T> void stitchSeams(const TexelMap& map, const std::vector<Sea
                                       std::span<const float> weights, std::vector<Image<T>>& pages,
                                       bool bounded = true);
 
-/// Largest value of RGB9E5.
-constexpr float kMaxRgb9e5 = 65408.0f;
 /// Lux per unit of the encoded lightmap: the smallest power of two, 1 or more, for which no finite texel is clamped. A
 /// power of two changes no mantissa.
 float lightmapUnitFor(const std::vector<ImageRgb32f>& pages);
@@ -146,9 +144,6 @@ std::vector<ImageRgba8> encodeDirections(const std::vector<ImageRgb32f>& irradia
                                          const std::vector<ImageRgb32f>& moments);
 /// Attenuation or distance, 0…1, in 8 bits.
 std::vector<ImageRgba8> encodeShadowmask(const std::vector<ImageRgba32f>& pages);
-
-/// Irradiance in lux of an encoded page.
-ImageRgb32f decodeLightmap(const Image<uint32_t>& page, float unitLux);
 
 /// Makes surface points of one triangle.
 class TriangleFrame {

@@ -1,6 +1,7 @@
 #include "scene/lightmap_curve.h"
 
 #include "halflight/base/math.h"
+#include "halflight/base/rgb9e5.h"
 
 #include <algorithm>
 #include <array>
@@ -81,21 +82,21 @@ Image<uint32_t> decodeByCurve(const ImageRgba8& image, const LightmapCurve& curv
     Image<uint32_t> rgb9e5(image.width(), image.height());
     for (std::size_t i = 0; i < image.texelCount(); ++i) {
         const u8vec4 c = image.texels()[i];
-        rgb9e5.texels()[i] = glm::packF3x9_E1x5(vec3(values[c.x], values[c.y], values[c.z]));
+        rgb9e5.texels()[i] = packRgb9e5(vec3(values[c.x], values[c.y], values[c.z]));
     }
     return rgb9e5;
 }
 
-LightmapError lightmapError(const Image<uint32_t>& truth, const Image<uint32_t>& other)
+LightmapError lightmapError(const ImageRgb32f& truth, const ImageRgb32f& other)
 {
     LightmapError error;
-    const float floor = brightest(truth) / 4096.0f;
+    float floor = 0.0f;
+    for (const vec3 texel : truth.texels()) floor = std::max(floor, brightest(texel) / 4096.0f);
     std::size_t count = 0;
     for (std::size_t i = 0; i < truth.texelCount(); ++i) {
-        const vec3 was = glm::unpackF3x9_E1x5(truth.texels()[i]);
-        const vec3 is = glm::unpackF3x9_E1x5(other.texels()[i]);
+        const vec3 was = truth.texels()[i];
         if (!(brightest(was) > 0.0f)) continue;
-        const double off = double(std::abs(brightest(is) - brightest(was)) / std::max(brightest(was), floor));
+        const double off = double(brightest(glm::abs(other.texels()[i] - was)) / std::max(brightest(was), floor));
         error.mean += off;
         error.most = std::max(error.most, off);
         ++count;

@@ -2,6 +2,7 @@
 
 #include "halflight/base/encoded_image.h"
 #include "halflight/base/parallel.h"
+#include "halflight/base/rgb9e5.h"
 #include "scene/ktx2.h"
 #include "scene/lightmap_curve.h"
 #include "scene/write_pictures.h"
@@ -129,7 +130,7 @@ Result<Lightmaps> readLightmaps(const SourceDocument& source, const std::vector<
 
 void addError(const Lightmaps& lightmaps, std::size_t page, const Image<uint32_t>& smaller, OptimizeReport& report)
 {
-    const LightmapError error = lightmapError(lightmaps.pages[page], smaller);
+    const LightmapError error = lightmapError(decodeRgb9e5(lightmaps.pages[page]), decodeRgb9e5(smaller));
     report.lightmapError += error.mean / double(lightmaps.pages.size());
     report.lightmapErrorMost = std::max(report.lightmapErrorMost, error.most);
 }

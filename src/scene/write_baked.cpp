@@ -1,7 +1,8 @@
+#include "scene/write_baked.h"
 #include "halflight/base/file.h"
 #include "halflight/scene/gltf.h"
 #include "scene/at_bake.h"
-#include "scene/ktx2.h"
+#include "scene/erase_extension.h"
 #include "scene/lightmap_layout.h"
 #include "scene/limits.h"
 #include "scene/make_document.h"
@@ -9,6 +10,7 @@
 #include "scene/rgbe.h"
 #include "scene/settings.h"
 #include "scene/uri.h"
+#include "scene/write_bake_pictures.h"
 #include "scene/write_lights.h"
 #include "scene/write_meshes.h"
 #include "scene/write_pictures.h"
@@ -35,18 +37,6 @@ Status writeBeside(const std::filesystem::path& path, const std::string& name, c
     return Error{status.error().code, file.string() + " " + status.error().message};
 }
 
-void eraseExtension(Json& object, const char* name)
-{
-    if (!object.is_object() || !object.contains("extensions")) return;
-    object["extensions"].erase(name);
-    if (object["extensions"].empty()) object.erase("extensions");
-}
-
-Error cancelledError()
-{
-    return {ErrorCode::Cancelled, "writing was cancelled", ""};
-}
-
 class Writer {
 public:
     Writer(const BakedScene& baked, const WriteOptions& options)
@@ -59,7 +49,7 @@ public:
     Result<FinishedDocument> write(const std::string& imagePrefix)
     {
         removeEarlierBake();
-        if (Status s = writeImages(); !s) return s.error();
+        if (Status s = writeBakePictures(pictures_, baked_, options_, root_, bytes_); !s) return s.error();
         writeMaterials(); // before their copies with lightmaps are made
         if (Status s = writeObjects(); !s) return s.error();
         meshes_.finish();
@@ -100,37 +90,6 @@ private:
                                                       {"receiveShadows", material.receiveShadows}};
             materialRecords_ = true;
         }
-    }
-
-    Status writeImages()
-    {
-        if (Status s = writePages(
-                "lightmaps", "lightmap", baked_.lightmaps, [](const auto& page) { return encodeKtx2(page); },
-                bytes_.lightmaps);
-            !s)
-            return s;
-        if (Status s = writePages("lightmapDirections", "lightmap directions", baked_.lightmapDirections, encodePng,
-                                  bytes_.lightmapDirections);
-            !s)
-            return s;
-        if (Status s = writePages("shadowmasks", "shadowmask", baked_.shadowmasks, encodePng, bytes_.shadowmasks); !s)
-            return s;
-        pictures_.finish();
-        return {};
-    }
-
-    template<typename Page, typename Encode> Status writePages(const char* key, const std::string& name,
-                                                               const std::vector<Page>& pages, const Encode& encode,
-                                                               uint64_t& bytes)
-    {
-        for (std::size_t i = 0; i < pages.size(); ++i) {
-            if (options_.progress.cancelled()) return cancelledError();
-            auto encoded = encode(pages[i]);
-            if (!encoded) return encoded.error();
-            bytes += encoded->size();
-            root_[key].push_back(pictures_.add(name + " " + std::to_string(i), std::move(*encoded)));
-        }
-        return {};
     }
 
     // The texture of a lightmap page for MOZ_lightmap, made when it is first needed.
@@ -382,24 +341,33 @@ std::vector<std::filesystem::path> externalFiles(const Scene& scene)
     return files;
 }
 
-Status writeBakedScene(const std::filesystem::path& path, const BakedScene& baked, const WriteOptions& options)
+Result<FinishedDocument> bakedDocument(const BakedScene& baked, const WriteOptions& options,
+                                       const std::string& imagePrefix, WrittenBytes& written)
 {
     if (Status status = checkFinite(baked); !status)
         return Error{ErrorCode::InvalidArgument, status.error().message + " and is not written", status.error().object};
+    BakedScene withSource;
+    if (!baked.scene.source) {
+        withSource = baked;
+        if (Status s = giveSourceDocument(withSource.scene); !s) return s.error();
+    }
+    Writer writer(baked.scene.source ? baked : withSource, options);
+    Result<FinishedDocument> document = writer.write(imagePrefix);
+    written = writer.bytes();
+    return document;
+}
+
+Status writeBakedScene(const std::filesystem::path& path, const BakedScene& baked, const WriteOptions& options)
+{
     std::string extension = path.extension().string();
     std::transform(extension.begin(), extension.end(), extension.begin(),
                    [](unsigned char c) { return char(std::tolower(c)); });
     const bool separate = extension == ".gltf";
     const std::string stem = path.stem().string();
-    BakedScene withSource;
-    if (!baked.scene.source) {
-        withSource = baked;
-        if (Status s = giveSourceDocument(withSource.scene); !s) return s;
-    }
-    Writer writer(baked.scene.source ? baked : withSource, options);
-    Result<FinishedDocument> document = writer.write(separate ? stem + kImageInfix : std::string());
+    WrittenBytes written;
+    Result<FinishedDocument> document =
+        bakedDocument(baked, options, separate ? stem + kImageInfix : std::string(), written);
     if (!document) return document.error();
-    WrittenBytes written = writer.bytes();
     if (!separate) {
         const auto glb = makeGlb(document->json, document->binary);
         if (!glb) return glb.error();
@@ -407,7 +375,7 @@ Status writeBakedScene(const std::filesystem::path& path, const BakedScene& bake
         if (options.written != nullptr) *options.written = written;
         return writeFileAtomically(path, glb->data(), glb->size(), options.mayReplace);
     }
-    if (options.mayReplace && !options.mayReplace()) return cancelledError();
+    if (options.mayReplace && !options.mayReplace()) return writingCancelled();
     // The document comes last, when all that it names is there.
     for (const FinishedDocument::File& image : document->images) {
         written.file += image.bytes.size();

@@ -6,6 +6,7 @@
 #include "base/temp_folder.h"
 
 #include "halflight/base/file.h"
+#include "halflight/base/rgb9e5.h"
 
 #include <gtest/gtest.h>
 
@@ -80,8 +81,8 @@ struct CacheTest : testing::Test {
         double sum = 0.0;
         double error = 0.0;
         for (std::size_t p = 0; p < a.lightmaps.size(); ++p) {
-            const ImageRgb32f x = decodeLightmap(a.lightmaps[p], a.lightmapUnitLux);
-            const ImageRgb32f y = decodeLightmap(b.lightmaps[p], b.lightmapUnitLux);
+            const ImageRgb32f x = decodeRgb9e5(a.lightmaps[p], a.lightmapUnitLux);
+            const ImageRgb32f y = decodeRgb9e5(b.lightmaps[p], b.lightmapUnitLux);
             for (std::size_t i = 0; i < x.texelCount(); ++i) {
                 sum += double(luminance(x.data()[i]));
                 error += std::abs(double(luminance(x.data()[i])) - double(luminance(y.data()[i])));

@@ -2,6 +2,8 @@
 
 #include "bake/test_scene.h"
 
+#include "halflight/base/rgb9e5.h"
+
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -91,11 +93,11 @@ TEST(EncodeS6, Rgb9e5KeepsColoursWithinItsPrecision)
     }
     page(0, 0) = vec3(0);
     page(1, 0) = vec3(-1, 2, 3);
-    const ImageRgb32f decoded = decodeLightmap(encodeLightmap({page}, 1.0f)[0], 1.0f);
+    const ImageRgb32f decoded = decodeRgb9e5(encodeLightmap({page}, 1.0f)[0], 1.0f);
     EXPECT_EQ(decoded(0, 0), vec3(0));
     EXPECT_EQ(decoded(1, 0).x, 0.0f);
     ImageRgb32f extreme(2, 1, vec3(1e9f, 65408.0f, std::nanf("")));
-    EXPECT_EQ(decodeLightmap(encodeLightmap({extreme}, 1.0f)[0], 1.0f)(0, 0), vec3(65408.0f, 65408.0f, 0.0f));
+    EXPECT_EQ(decodeRgb9e5(encodeLightmap({extreme}, 1.0f)[0], 1.0f)(0, 0), vec3(65408.0f, 65408.0f, 0.0f));
     for (std::size_t i = 2; i < page.texelCount(); ++i) {
         const vec3 a = page.data()[i];
         const float step = std::max({a.x, a.y, a.z}) / 256.0f;
@@ -114,14 +116,14 @@ TEST(EncodeS6, DaylightIsNotCut)
     bright(2, 0) = vec3(kInfinity);
     const float unit = lightmapUnitFor({bright});
     EXPECT_EQ(unit, 8.0f);
-    const ImageRgb32f decoded = decodeLightmap(encodeLightmap({bright}, unit)[0], unit);
+    const ImageRgb32f decoded = decodeRgb9e5(encodeLightmap({bright}, unit)[0], unit);
     EXPECT_NEAR(decoded(0, 0).x, 120000.0f, 120000.0f / 512.0f);
     EXPECT_NEAR(decoded(0, 0).y, 100000.0f, 120000.0f / 512.0f);
     EXPECT_NEAR(decoded(1, 0).x, 300000.0f, 300000.0f / 512.0f);
     for (const float value : {3.0f, 0.01f, 12345.0f}) {
         const ImageRgb32f page(1, 1, vec3(value));
-        EXPECT_EQ(decodeLightmap(encodeLightmap({page}, 4.0f)[0], 4.0f)(0, 0),
-                  decodeLightmap(encodeLightmap({page}, 1.0f)[0], 1.0f)(0, 0));
+        EXPECT_EQ(decodeRgb9e5(encodeLightmap({page}, 4.0f)[0], 4.0f)(0, 0),
+                  decodeRgb9e5(encodeLightmap({page}, 1.0f)[0], 1.0f)(0, 0));
     }
 }
 

@@ -19,7 +19,7 @@ TYPES = {
     "integer": lambda v: isinstance(v, int) and not isinstance(v, bool),
     "null": lambda v: v is None,
 }
-WORDS = {"$schema", "$defs", "title", "description", "$ref", "type", "enum", "minimum", "maximum", "minItems", "maxItems"}
+WORDS = {"$schema", "$defs", "title", "description", "$ref", "type", "enum", "minimum", "maximum", "exclusiveMinimum", "minItems", "maxItems"}
 WORDS |= {"items", "properties", "required", "additionalProperties", "oneOf"}
 
 
@@ -42,6 +42,8 @@ def problems(value, schema, root=None, path=""):
         found.append("%s: %r is not in enum" % (path, value))
     if "minimum" in schema and value < schema["minimum"] or "maximum" in schema and value > schema["maximum"]:
         found.append("%s: %r is outside its limits" % (path, value))
+    if "exclusiveMinimum" in schema and value <= schema["exclusiveMinimum"]:
+        found.append("%s: %r is not above its limit" % (path, value))
     if isinstance(value, list):
         if not schema.get("minItems", 0) <= len(value) <= schema.get("maxItems", len(value)):
             found.append("%s: has %d items" % (path, len(value)))

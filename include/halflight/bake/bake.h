@@ -136,6 +136,7 @@ struct BakeReport {
 
 struct BakeResult {
     BakedScene baked;
+    std::vector<ImageRgb32f> irradiance; ///< the lightmaps before they became RGB9E5, lux
     BakeReport report;
     Status images; ///< the first error of a file in BakeSettings::imagesDirectory
 };

@@ -8,6 +8,7 @@
 
 #include <filesystem>
 #include <functional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -30,6 +31,11 @@ struct WriteOptions {
     /// Also write material-level MOZ_lightmap (RGBE image) for loaders that know it: a material for each object and
     /// material, and a third to a half of the file.
     bool mozLightmap = false;
+    /// Webp needs a build with libwebp (decodesWebp()); without it: Unsupported.
+    LightmapFormat lightmapFormat = LightmapFormat::Rgb9e5;
+    /// The lightmaps before they became RGB9E5, lux (BakeResult::irradiance): what half floats are made of, and what
+    /// errors are measured against. Empty: BakedScene::lightmaps.
+    std::span<const ImageRgb32f> irradiance;
     std::string generator = "Halflight";
     WrittenBytes* written = nullptr; ///< is told what was written; may be null
     Progress progress;               ///< its cancel flag ends writing between pages (ErrorCode::Cancelled)

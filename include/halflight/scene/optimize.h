@@ -29,7 +29,8 @@ struct OptimizeReport {
         uint64_t after = 0;
     };
     Part file, geometry, textures, lightmaps, masks, probes;
-    /// Of the brightest channel of texels that are not black, relative to it or to 1/4096 of the page's brightest.
+    /// Of the channel that errs most, in texels that are not black, relative to the texel's brightest channel or to
+    /// 1/4096 of the page's brightest.
     double lightmapError = 0.0; ///< mean
     double lightmapErrorMost = 0.0;
     std::vector<std::string> warnings;

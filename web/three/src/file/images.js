@@ -1,16 +1,19 @@
 // The bake's pictures as texels. Their values are data: nothing may multiply by alpha or convert colours.
+import { DataUtils } from 'three';
 import { read as readKtx2 } from 'three/addons/libs/ktx-parse.module.js';
 import { ZSTDDecoder } from 'three/addons/libs/zstddec.module.js';
 
 const RGB9E5 = 123; // VK_FORMAT_E5B9G9R9_UFLOAT_PACK32
+const HALF = 97; // VK_FORMAT_R16G16B16A16_SFLOAT
 const ZSTANDARD = 2;
 
 /** @param {Uint8Array} bytes @param {string} mimeType @param {string} name */
 export async function readRgb9e5(bytes, mimeType, name) {
     const file = readKtx2(bytes);
-    if (file.vkFormat !== RGB9E5) throw new Error(`${name}: KTX2 format ${file.vkFormat} is not RGB9E5`);
+    const isHalf = file.vkFormat === HALF;
+    if (!isHalf && file.vkFormat !== RGB9E5) throw new Error(`${name}: KTX2 format ${file.vkFormat} is neither RGB9E5 nor RGBA16F`);
     let texels = file.levels[0].levelData;
-    const size = file.pixelWidth * file.pixelHeight * 4;
+    const size = file.pixelWidth * file.pixelHeight * (isHalf ? 8 : 4);
     if (file.supercompressionScheme === ZSTANDARD) {
         const decoder = new ZSTDDecoder();
         await decoder.init();
@@ -19,7 +22,14 @@ export async function readRgb9e5(bytes, mimeType, name) {
         throw new Error(`${name}: KTX2 supercompression ${file.supercompressionScheme} is not Zstandard`);
     }
     if (texels.byteLength !== size) throw new Error(`${name}: ${texels.byteLength} bytes of texels instead of ${size}`);
-    return { width: file.pixelWidth, height: file.pixelHeight, data: new Uint32Array(texels.slice().buffer) };
+    const buffer = texels.slice().buffer;
+    const data = isHalf ? rgb9e5OfHalf(new Uint16Array(buffer)) : new Uint32Array(buffer);
+    return { width: file.pixelWidth, height: file.pixelHeight, data };
+}
+
+function rgb9e5OfHalf(half) {
+    const value = (i) => DataUtils.fromHalfFloat(half[i]);
+    return Uint32Array.from({ length: half.length / 4 }, (_, i) => packRgb9e5(value(4 * i), value(4 * i + 1), value(4 * i + 2)));
 }
 
 /** @param {Uint8Array} bytes @param {string} mimeType @param {string} name */

@@ -1,0 +1,46 @@
+#pragma once
+// Parts of `halflight bake`: its options, the check of its paths, what it prints.
+
+#include "halflight/bake/bake.h"
+#include "halflight/scene/export.h"
+#include "halflight/scene/gltf.h"
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace halflight::cli {
+
+struct BakeOptions {
+    std::filesystem::path scene;
+    std::filesystem::path output;
+    std::filesystem::path settingsFile;
+    std::filesystem::path reportFile;
+    BakeSettings bake;
+    std::optional<ExportStyle> exportStyle; ///< writes core glTF instead of a baked file
+    std::optional<float> exposureEv;        ///< of the export; empty = automatic
+    bool exposureGiven = false;
+    int exportScale = 0;                    ///< 0 = automatic
+    std::filesystem::path sidecarDirectory; ///< empty = none
+    WriteOptions write;
+    vec3 skyNits{0.0f};
+    bool skyGiven = false;
+    int device = 0; ///< one so far: the CPU
+    bool quiet = false;
+    bool json = false;
+};
+
+/// No file that the bake writes may replace one that it reads, or another that it writes. `culprit`: the file of an
+/// error.
+Status checkBakePaths(const BakeOptions& options, std::filesystem::path& culprit);
+/// The files beside a .gltf output may not replace those that the scene's document names.
+Status checkFilesBeside(const BakeOptions& options, const Scene& scene);
+/// A folder that the bake writes into, tried before it begins.
+Status makeFolder(const std::filesystem::path& folder);
+
+/// Lights that are not what their author asked for, where no other warning speaks of them yet.
+std::vector<std::string> lightWarnings(const BakeReport& report);
+void printBakeSummary(const BakeOptions& options, const BakeReport& report);
+
+} // namespace halflight::cli

@@ -1,0 +1,18 @@
+#pragma once
+// RGB9E5: three mantissas of nine bits and a common exponent in 32 bits (EXT_texture_shared_exponent, Khronos 2009;
+// VK_FORMAT_E5B9G9R9_UFLOAT_PACK32).
+
+#include "halflight/base/image.h"
+
+namespace halflight {
+
+/// The largest value.
+constexpr float kMaxRgb9e5 = 65408.0f;
+
+/// Clamps to 0…kMaxRgb9e5; NaN becomes 0. GLM's packer covers only half of the format's range.
+uint32_t packRgb9e5(vec3 color);
+
+/// Texels as floats, times `unit`.
+ImageRgb32f decodeRgb9e5(const Image<uint32_t>& page, float unit = 1.0f);
+
+} // namespace halflight

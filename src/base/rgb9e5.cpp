@@ -1,0 +1,31 @@
+#include "halflight/base/rgb9e5.h"
+
+#include <algorithm>
+#include <cmath>
+#include <glm/gtc/packing.hpp>
+
+namespace halflight {
+
+uint32_t packRgb9e5(vec3 color)
+{
+    constexpr int kBias = 15;
+    for (int c = 0; c < 3; ++c) color[c] = color[c] > 0.0f ? std::min(color[c], kMaxRgb9e5) : 0.0f; // NaN too
+    const float largest = std::max({color.x, color.y, color.z});
+    int exponent = std::max(-kBias - 1, largest > 0.0f ? std::ilogb(largest) : -kBias - 1) + 1 + kBias;
+    float scale = std::ldexp(1.0f, kBias + 9 - exponent);
+    if (std::floor(largest * scale + 0.5f) >= 512.0f) {
+        ++exponent;
+        scale *= 0.5f;
+    }
+    const auto mantissa = [&](float c) { return uint32_t(std::floor(c * scale + 0.5f)); };
+    return mantissa(color.x) | (mantissa(color.y) << 9) | (mantissa(color.z) << 18) | (uint32_t(exponent) << 27);
+}
+
+ImageRgb32f decodeRgb9e5(const Image<uint32_t>& page, float unit)
+{
+    ImageRgb32f decoded(page.width(), page.height());
+    for (std::size_t i = 0; i < page.texelCount(); ++i) decoded.data()[i] = unit * glm::unpackF3x9_E1x5(page.data()[i]);
+    return decoded;
+}
+
+} // namespace halflight

@@ -1,0 +1,120 @@
+"""What `halflight bake` can write besides its usual file. Usage: outputs_test.py HALFLIGHT SHARED_DIR [TestClass[.test]] …
+"""
+
+import json
+import os
+import struct
+import sys
+
+import cli_test
+import json_schema
+from cli_test import Case, read, run
+
+
+def json_of(path):
+    data = read(path)
+    (length,) = struct.unpack("<I", data[12:16])
+    return json.loads(data[20 : 20 + length])
+
+
+class Formats(Case):
+    def test_lightmap_formats(self):
+        sizes = {}
+        for name, limit in (("rgb9e5", 2.0**-9), ("half", 2.0**-11), ("webp", 0.2)):
+            baked, report = self.bake(self.scene(), name + ".glb", "--lightmap-format", name)
+            json_schema.check(report, "bake_report")
+            self.assertEqual(report["lightmap"]["format"], name)
+            self.assertEqual(len(report["lightmap"]["written"]), report["lightmap"]["pages"])
+            for page in report["lightmap"]["written"]:
+                self.assertGreater(page["mostError"], 0)
+                self.assertLessEqual(page["meanError"], page["mostError"])
+                self.assertLessEqual(page["mostError"], limit * 1.001)
+            sizes[name] = sum(page["bytes"] for page in report["lightmap"]["written"])
+            self.assertEqual(sizes[name], report["bytes"]["lightmaps"])
+            self.assertEqual(run("info", baked).returncode, 0)
+            self.rendered(baked, "--eye=4,3,5", "--target=0,0,0")
+        self.assertLess(sizes["webp"], sizes["rgb9e5"] / 2)
+        result = run("bake", self.scene(), "-o", self.path("x.glb"), "--lightmap-format", "exr")
+        self.assert_one_sentence(result, 2, "--lightmap-format", "rgb9e5, half, webp")
+
+
+class Sidecar(Case):
+    def test_beside_the_file(self):
+        baked, report = self.bake(self.scene(), "baked.glb", "--sidecar", self.path("beside"))
+        with open(self.path("beside/bake.json"), encoding="utf-8") as file:
+            sidecar = json.load(file)
+        json_schema.check(sidecar, "sidecar")
+        self.assertEqual(sidecar["file"], "baked.glb")
+        document = json_of(baked)
+        records = {node["name"]: node["extensions"] for node in document["nodes"] if "extensions" in node}
+        self.assertEqual(len(sidecar["objects"]), sum("HALFLIGHT_node" in r for r in records.values()))
+        for binding in sidecar["objects"]:
+            self.assertEqual(binding.get("lightmap"), records[binding["node"]]["HALFLIGHT_node"].get("lightmap"))
+        for name in sidecar["lightmaps"]["pages"] + sidecar["shadowmasks"]:
+            self.assertGreater(len(read(self.path("beside/" + name))), 0)
+        self.assertEqual(sidecar["lightmaps"]["format"], "exr")
+        self.assertEqual(len(sidecar["probes"]["positions"]), report["probes"]["count"])
+        self.bake(self.scene(), "baked.glb", "--sidecar", self.path("half"), "--lightmap-format", "half")
+        self.assertIn("lightmap_0.ktx2", os.listdir(self.path("half")))
+
+    def test_contradictions(self):
+        scene, out = self.scene(), self.path("out.glb")
+        result = run("bake", scene, "-o", out, "--sidecar", self.path("d"), "--write-images", self.path("d"))
+        self.assert_one_sentence(result, 1, "--write-images", "--sidecar")
+        result = run("bake", scene, "-o", out, "--sidecar", self.path("d"), "--export", "unlit")
+        self.assert_one_sentence(result, 2, "--sidecar", "--export")
+        report = self.path("d/bake.json")
+        os.mkdir(self.path("d"))
+        result = run("bake", scene, "-o", out, "--sidecar", self.path("d"), "--report", report)
+        self.assert_one_sentence(result, 1, "--sidecar would replace --report")
+
+
+class Export(Case):
+    def test_core_gltf(self):
+        for style, extension in (("unlit", "KHR_materials_unlit"), ("emissive", "KHR_materials_emissive_strength")):
+            exported, report = self.bake(self.scene(), style + ".glb", "--export", style)
+            json_schema.check(report, "bake_report")
+            self.assertEqual(report["export"]["style"], style)
+            self.assertEqual(report["export"]["keptObjects"], ["crate"])
+            self.assertEqual(report["export"]["bytes"], len(read(exported)))
+            self.assertTrue(any("'crate'" in warning for warning in report["warnings"]), report["warnings"])
+            self.assertTrue(all(light["bakedAs"] == "baked" for light in report["lights"]))
+            document = json_of(exported)
+            self.assertNotIn("HALFLIGHT", json.dumps(document))
+            self.assertIn(extension, document["extensionsUsed"])
+            self.assertIn("not baked", run("info", exported).stdout)
+
+    def test_exposure(self):
+        factors = []
+        for exposure in ("0", "2"):
+            exported, report = self.bake(self.scene(), "e.glb", "--export", "unlit", "--exposure", exposure)
+            self.assertEqual(report["export"]["exposure"], float(exposure))
+            lights = json_of(exported)["extensions"]["KHR_lights_punctual"]["lights"]
+            factors.append(lights[0]["intensity"])
+        self.assertAlmostEqual(factors[0] / factors[1], 4, places=5)
+
+    def test_scale(self):
+        reports = [self.bake(self.scene(), "s.glb", "--export", "unlit", "--export-scale", s)[1] for s in ("1", "4")]
+        self.assertEqual([report["export"]["scale"] for report in reports], [1, 4])
+        self.assertGreater(reports[1]["export"]["pictureBytes"], reports[0]["export"]["pictureBytes"])
+
+    def test_contradictions(self):
+        scene, out = self.scene(), self.path("out.glb")
+        for options, words in (
+            (["--export", "unlit", "--mode", "subtractive"], ["--export", "--mode"]),
+            (["--export", "unlit", "--lightmap-format", "half"], ["--export", "--lightmap-format"]),
+            (["--export", "unlit", "--moz-lightmap"], ["--export", "--moz-lightmap"]),
+            (["--export", "emissive", "--directional", "on"], ["--export", "--directional"]),
+            (["--exposure", "3"], ["--exposure", "--export"]),
+            (["--export-scale", "2"], ["--export-scale", "--export"]),
+            (["--export", "lit"], ["--export", "unlit, emissive"]),
+        ):
+            self.assert_one_sentence(run("bake", scene, "-o", out, *options), 2, *words)
+        result = run("bake", scene, "-o", self.path("out.gltf"), "--export", "unlit")
+        self.assert_one_sentence(result, 2, "--export", ".glb")
+        self.assert_folder_holds("tiny.gltf")
+
+
+if __name__ == "__main__":
+    cli_test.HALFLIGHT, cli_test.SHARED = sys.argv[1:3]
+    cli_test.main(sys.argv[3:])
