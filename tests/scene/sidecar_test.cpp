@@ -48,7 +48,7 @@ protected:
     {
         std::vector<std::size_t> found;
         for (std::size_t i = 0; i < plain["nodes"].size(); ++i) {
-            if (plain["nodes"][i].value("name", "") == binding["node"]) found.push_back(i);
+            if (plain["nodes"][i].value("name", "") == binding["node"].get<std::string>()) found.push_back(i);
         }
         if (found.size() == 1 && binding["node"] != "") return found[0];
         Json list = plain["scenes"][0]["nodes"];
