@@ -5,9 +5,9 @@
 #   scripts/test.sh [--asan] [--no-install]
 #
 # --asan tests a build with AddressSanitizer and UndefinedBehaviorSanitizer. Where clang has libFuzzer, the readers are
-# fuzzed for a minute. The Khronos glTF validator and MikkTSpace come
-# from npm, like the packages that the tests of web/ use; without a network the tests that need them are skipped, as are those of shared scenes where there are none. The last line
-# says how many were skipped, and why.
+# fuzzed for a minute. The Khronos glTF validator and MikkTSpace come from npm, like the packages that the tests of web/
+# use; without a network the tests that need them are skipped, as are those of shared scenes where there are none. The
+# last line says how many were skipped, and why.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 
@@ -31,8 +31,8 @@ if [ "${#missing_packages[@]}" -gt 0 ] && command -v npm >/dev/null; then
   timeout 120 npm install --prefix build --no-save --no-audit --no-fund --loglevel=error "${node_packages[@]}" ||
     echo "test.sh: npm gave no ${missing_packages[*]}; tests that need them will be skipped" >&2
 fi
-if [ ! -d web/node_modules/three ] && command -v npm >/dev/null; then
-  timeout 120 npm ci --prefix web --no-audit --no-fund --loglevel=error ||
+if [ ! web/node_modules/.package-lock.json -nt web/package-lock.json ] && command -v npm >/dev/null; then
+  timeout 300 npm ci --prefix web --no-audit --no-fund --loglevel=error ||
     echo "test.sh: npm gave no packages for web/; tests that need them will be skipped" >&2
 fi
 if [ -d build/node_modules ]; then export HALFLIGHT_NODE_MODULES="$PWD/build/node_modules"; fi
