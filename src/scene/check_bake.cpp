@@ -86,7 +86,7 @@ void checkLosses(const SourceDocument& document, const Json& atBake, BakedScene&
     std::size_t staticNodes = 0;
     std::vector<std::string> unrecorded;
     for (const auto& [node, objects] : objectsOfNodes(baked.scene)) {
-        const auto any = [&](auto has) {
+        const auto any = [&, &objects = objects](auto has) {
             return std::any_of(objects.begin(), objects.end(), [&](const Object* object) { return has(*object); });
         };
         lightmapped += any([](const Object& object) { return object.lightmap.page >= 0; });
