@@ -119,7 +119,7 @@ def run_tests(program, pattern, fast=True):
         script = TREE / "tests" / "cli" / "cli_test.py"
         code, output = run([sys.executable, str(script), str(BUILD / "apps/halflight/halflight"), str(TREE / "../shared"), pattern])
         return 1, [pattern] if code not in (0, 77) else []
-    command = [str(BUILD / "tests" / program / f"test_{program}"), f"--gtest_filter={pattern}", "--gtest_color=no"]
+    command = [str(next((BUILD / "tests").glob(f"*/test_{program}"))), f"--gtest_filter={pattern}", "--gtest_color=no"]
     code, output = run(command + (["--gtest_fail_fast"] if fast else []))
     lines = output.splitlines()
     count = sum(line.startswith("[ RUN ") for line in lines)

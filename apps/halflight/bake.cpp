@@ -246,6 +246,10 @@ Command addBakeCommand(CLI::App& parent)
                     "arrives (default on)");
     addFloat(app, "--probe-spacing", bake.probeSpacingMeters, 0.01f, 10000.0f, "METERS",
              "distance between light probes (default by the scene's size)");
+    addChoice<ProbeLayout>(app, "--probe-layout", bake.probeLayout,
+                           {{"refined", ProbeLayout::Refined}, {"grid", ProbeLayout::Grid}},
+                           "probes where light changes and on floors, or a regular grid alone, for engines that read "
+                           "nothing else (default refined)");
     addVec3(app, "--sky", options->skyNits, 0.0f, 1.0e6f, "R,G,B",
             "radiance of a uniform sky in nits, instead of the scene's own")
         ->each([options](const std::string&) { options->skyGiven = true; });

@@ -275,8 +275,9 @@ Status probeStage(const Stages& stages, const Gather& gather)
     BakedScene& baked = stages.baked();
     StageTimer timer(report, "probes");
     const uint64_t before = gather.integrator.raysTraced();
-    std::optional<ProbeSet> probes = bakeProbes(baked.scene, stages.settings.probeSpacingMeters,
-                                                gather.settings.denoised, gather, report.warnings, stages.progress);
+    std::optional<ProbeSet> probes =
+        bakeProbes(baked.scene, stages.settings.probeSpacingMeters, stages.settings.probeLayout,
+                   gather.settings.denoised, gather, report.warnings, stages.progress);
     if (!probes) return cancelledError();
     baked.probes = std::move(*probes);
     report.probeCount = int(baked.probes.probes.size());

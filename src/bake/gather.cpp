@@ -56,8 +56,8 @@ Hash128 bakeHash(const Scene& scene, const BakeSettings& settings)
     // resolveQuality() replaces, and those that change no byte of the output file.
     [[maybe_unused]] const auto& [mode, quality, samples, shadowSamples, bounces, integrator, noiseTarget, texelStep,
                                   uvMode, texelsPerMeter, lightmapSize, paddingTexels, denoiser, directional,
-                                  maskEncoding, subtractiveMask, probeSpacingMeters, threads, seed, imagesDirectory,
-                                  cacheDirectory] = settings;
+                                  maskEncoding, subtractiveMask, probeSpacingMeters, probeLayout, threads, seed,
+                                  imagesDirectory, cacheDirectory] = settings;
     const BakeQuality q = resolveQuality(settings);
     Hasher hasher;
     hasher.add(kCacheVersion).add(contentHash(scene)).add(int(mode)).add(int(integrator)).add(int(uvMode));
@@ -68,7 +68,8 @@ Hash128 bakeHash(const Scene& scene, const BakeSettings& settings)
         .add(paddingTexels)
         .add(int(denoiser))
         .add(int(directional));
-    return hasher.add(int(maskEncoding)).add(int(subtractiveMask)).add(probeSpacingMeters).add(seed).hash();
+    hasher.add(int(maskEncoding)).add(int(subtractiveMask)).add(probeSpacingMeters).add(int(probeLayout));
+    return hasher.add(seed).hash();
 }
 
 Hash128 layoutHash(const TexelMap& map, const IntegrationSettings& settings, MixedLightingMode mode)

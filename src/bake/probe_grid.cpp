@@ -57,4 +57,44 @@ ProbeSet probeGrid(const Scene& scene, float spacingMeters, std::vector<std::str
     return set;
 }
 
+void fillInvalidProbes(ProbeSet& grid)
+{
+    const ivec3 size = grid.size;
+    const ivec3 stride(1, size.x, size.x * size.y);
+    std::vector<uint8_t> known;
+    std::vector<std::size_t> open;
+    for (std::size_t i = 0; i < grid.probes.size(); ++i) {
+        known.push_back(grid.probes[i].valid);
+        if (!grid.probes[i].valid) open.push_back(i);
+    }
+    // Each pass fills the probes next to known ones.
+    while (!open.empty()) {
+        std::vector<std::size_t> filled;
+        for (const std::size_t i : open) {
+            const ivec3 place(int(i) % size.x, int(i) / size.x % size.y, int(i) / (size.x * size.y));
+            Probe sum{};
+            sum.occlusion = vec4(0.0f);
+            float count = 0.0f;
+            const auto take = [&](std::size_t neighbour) {
+                if (known[neighbour] == 0) return;
+                const Probe& probe = grid.probes[neighbour];
+                for (std::size_t k = 0; k < sum.radiance.size(); ++k) sum.radiance[k] += probe.radiance[k];
+                sum.occlusion += probe.occlusion;
+                count += 1.0f;
+            };
+            for (int axis = 0; axis < 3; ++axis) {
+                if (place[axis] > 0) take(i - std::size_t(stride[axis]));
+                if (place[axis] + 1 < size[axis]) take(i + std::size_t(stride[axis]));
+            }
+            if (count == 0.0f) continue;
+            for (std::size_t k = 0; k < sum.radiance.size(); ++k) grid.probes[i].radiance[k] = sum.radiance[k] / count;
+            grid.probes[i].occlusion = sum.occlusion / count;
+            filled.push_back(i);
+        }
+        if (filled.empty()) return; // no probe is valid
+        for (const std::size_t i : filled) known[i] = 1;
+        std::erase_if(open, [&](std::size_t i) { return known[i] != 0; });
+    }
+}
+
 } // namespace halflight

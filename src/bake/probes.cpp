@@ -139,8 +139,8 @@ std::string shadowEdgeWarning(std::size_t unresolved, vec3 spacing)
 
 } // namespace
 
-std::optional<ProbeSet> bakeProbes(const Scene& scene, float spacingMeters, bool denoise, const Gather& gather,
-                                   std::vector<std::string>& warnings, const Progress& progress)
+std::optional<ProbeSet> bakeProbes(const Scene& scene, float spacingMeters, ProbeLayout layout, bool denoise,
+                                   const Gather& gather, std::vector<std::string>& warnings, const Progress& progress)
 {
     ProbeBake bake(gather, progress);
     ProbeSet set;
@@ -157,6 +157,12 @@ std::optional<ProbeSet> bakeProbes(const Scene& scene, float spacingMeters, bool
     if (!bake.add(positions)) return std::nullopt;
     bake.links = linksOfGrid(set.size);
 
+    if (layout == ProbeLayout::Grid) {
+        if (denoise) denoiseProbes(bake.probes, bake.variances, bake.links, gather.integrator);
+        set.probes = std::move(bake.probes);
+        fillInvalidProbes(set);
+        return set;
+    }
     const vec3 s = set.spacingMeters;
     const float spacing = std::min({s.x, s.y, s.z});
     if (!bake.refine(spacing, kGrowth * positions.size())) return std::nullopt;

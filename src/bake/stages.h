@@ -55,10 +55,14 @@ void assignShadowmaskChannels(Scene& scene, MixedLightingMode mode);
 /// A grid of probes over the bounds of the static objects. `spacingMeters`: 0 = by the scene's size.
 ProbeSet probeGrid(const Scene& scene, float spacingMeters, std::vector<std::string>& warnings);
 
-/// The probes (spec S14): those at the scene's own positions, with invalid ones marked; or, without positions, a
-/// refined grid without invalid probes. Nothing when cancelled.
-std::optional<ProbeSet> bakeProbes(const Scene& scene, float spacingMeters, bool denoise, const Gather& gather,
-                                   std::vector<std::string>& warnings, const Progress& progress);
+/// Gives the invalid probes of a grid the mean light and occlusion of their nearest valid neighbours along its axes, so
+/// that trilinear interpolation darkens nothing beside walls. They stay marked as invalid.
+void fillInvalidProbes(ProbeSet& grid);
+
+/// The probes (spec S14): those at the scene's own positions, with invalid ones marked; or, without positions, a grid
+/// as `layout` says. Nothing when cancelled.
+std::optional<ProbeSet> bakeProbes(const Scene& scene, float spacingMeters, ProbeLayout layout, bool denoise,
+                                   const Gather& gather, std::vector<std::string>& warnings, const Progress& progress);
 
 /// Edge-avoiding à-trous filter within charts, guided by position, normal and variance (denoise.cpp). `directions`:
 /// also filters first moments, for directional lightmaps.

@@ -174,6 +174,11 @@ private:
             json["occlusion"].push_back(numbers(probe.occlusion));
             json["valid"].push_back(probe.valid);
         }
+        if (set.size.x > 0 && set.size.y > 0 && set.size.z > 0) {
+            json["grid"] = {{"origin", numbers(baked_.scene.originMeters + dvec3(set.origin))},
+                            {"spacing", numbers(set.spacingMeters)},
+                            {"size", numbers(set.size)}};
+        }
         for (const Tetrahedron& cell : fileTetrahedra(probeCells(set))) json["tetrahedra"].push_back(cell.vertex);
     }
 

@@ -159,6 +159,7 @@ TEST_F(CacheTest, TheHashFollowsEverySettingThatTheFileFollows)
     changes("mask encoding", [](BakeSettings& s) { s.maskEncoding = MaskEncoding::Distance; });
     changes("subtractive mask", [](BakeSettings& s) { s.subtractiveMask = false; });
     changes("probe spacing", [](BakeSettings& s) { s.probeSpacingMeters = 1.0f; });
+    changes("probe layout", [](BakeSettings& s) { s.probeLayout = ProbeLayout::Grid; });
     changes("seed", [](BakeSettings& s) { s.seed = 2; });
 
     BakeSettings same = settings;

@@ -32,7 +32,7 @@ TEST(ProbesS14, DenoisingComesCloserInLightAndDirection)
         std::vector<std::string> warnings;
         const Gather gather{*bench.integrator, bench.geometry, bench.map, settings};
         std::map<std::array<float, 3>, Probe> byPlace; // refinement depends on noise, the first grid does not
-        const auto set = bakeProbes(bench.scene, 0.3f, denoise, gather, warnings, {});
+        const auto set = bakeProbes(bench.scene, 0.3f, ProbeLayout::Refined, denoise, gather, warnings, {});
         for (const Probe& probe : set.value().probes)
             byPlace[{probe.position.x, probe.position.y, probe.position.z}] = probe;
         return byPlace;

@@ -1,5 +1,6 @@
 // Probes and mean directions against closed forms (spec S10, S14, S32).
 
+#include "bake/gather.h"
 #include "bake/test_scene.h"
 
 #include "halflight/shading/sh.h"
@@ -8,6 +9,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -156,6 +158,59 @@ TEST(ProbeS14, InsideASolidIsInvalid)
     addBox(scene, vec3(-1), vec3(1), addMaterial(scene, vec3(0.5f)), false);
     EXPECT_FALSE(probeAt(scene, vec3(0.3f), 64).valid);
     EXPECT_TRUE(probeAt(scene, vec3(0, 1.5f, 0), 64).valid);
+}
+
+/// `--probe-layout grid`: as many probes as the grid has places, each where the format says, and those inside the box
+/// marked, but not black. The light around the box is that of an even sky and a black box below: the mean of neighbours
+/// lies between theirs.
+TEST(ProbeS14, AGridStaysAGridAndItsInvalidProbesAreFilled)
+{
+    IntegrationSettings settings;
+    settings.probeSamples = 64;
+    Scene scene;
+    scene.sky = {vec3(1.0f), vec3(1.0f), vec3(1.0f)};
+    addBox(scene, vec3(-1), vec3(1), addMaterial(scene, vec3(0.0f)), false);
+    addBox(scene, vec3(-3, -3.2f, -3), vec3(3, -3, 3), addMaterial(scene, vec3(0.0f)), false);
+    addBox(scene, vec3(2.9f, 2.9f, 2.9f), vec3(3), addMaterial(scene, vec3(0.0f)), false); // widens the bounds
+    Bench bench(std::move(scene), MixedLightingMode::Shadowmask, 64, settings);
+    const Gather gather{*bench.integrator, bench.geometry, bench.map, settings};
+    std::vector<std::string> warnings;
+    const ProbeSet set = bakeProbes(bench.scene, 0.75f, ProbeLayout::Grid, false, gather, warnings, {}).value();
+    ASSERT_EQ(set.probes.size(), std::size_t(set.size.x * set.size.y * set.size.z));
+    int invalid = 0;
+    for (int i = 0; i < int(set.probes.size()); ++i) {
+        const Probe& probe = set.probes[std::size_t(i)];
+        const ivec3 at(i % set.size.x, i / set.size.x % set.size.y, i / (set.size.x * set.size.y));
+        EXPECT_NEAR(glm::distance(probe.position, set.origin + set.spacingMeters * vec3(at)), 0.0f, 1.0e-5f);
+        const vec3 away = glm::abs(probe.position);
+        if (std::max({away.x, away.y, away.z}) < 1.0f) EXPECT_FALSE(probe.valid) << i;
+        invalid += probe.valid ? 0 : 1;
+        EXPECT_GT(probe.radiance[0].x, 0.2f) << i; // an even sky all around is 2 sqrt(pi) = 3.54
+        EXPECT_LE(probe.radiance[0].x, 3.55f) << i;
+    }
+    EXPECT_GE(invalid, 8);
+}
+
+/// Means of neighbours spread from the valid probes inwards, and change no valid one.
+TEST(ProbeS14, InvalidProbesOfAGridGetTheMeanOfTheirNeighbours)
+{
+    ProbeSet grid;
+    grid.size = ivec3(5, 1, 1);
+    for (int i = 0; i < 5; ++i) {
+        Probe probe;
+        probe.position = vec3(i, 0, 0);
+        probe.valid = i == 0 || i == 4;
+        probe.radiance.fill(vec3(i == 4 ? 8.0f : 2.0f));
+        probe.occlusion = vec4(i == 4 ? 1.0f : 0.0f);
+        grid.probes.push_back(probe);
+    }
+    fillInvalidProbes(grid);
+    const float right[] = {2.0f, 2.0f, 5.0f, 8.0f, 8.0f};
+    for (std::size_t i = 0; i < 5; ++i) {
+        EXPECT_EQ(grid.probes[i].radiance[3].y, right[i]) << i;
+        EXPECT_EQ(grid.probes[i].valid, i == 0 || i == 4);
+    }
+    EXPECT_EQ(grid.probes[2].occlusion.z, 0.5f);
 }
 
 } // namespace

@@ -140,6 +140,36 @@ TEST_F(Sidecar, PicturesAreTheBakes)
     }
 }
 
+TEST_F(Sidecar, AGridOfProbesSaysWhereEachIs)
+{
+    BakedScene baked = pretendToBake(engineScene());
+    baked.scene.originMeters = {1000.0, 0.0, -50.0};
+    ProbeSet& set = baked.probes;
+    set = {vec3(1, 2, 3), vec3(0.5f, 1, 2), ivec3(2, 3, 2), {}, {}};
+    for (int i = 0; i < 12; ++i) {
+        Probe probe;
+        probe.position = set.origin + set.spacingMeters * vec3(i % 2, i / 2 % 3, i / 6);
+        set.probes.push_back(probe);
+    }
+    ASSERT_NO_FATAL_FAILURE(write(baked));
+    const Json& probes = sidecar["probes"];
+    const auto size = probes["grid"]["size"].get<std::vector<std::size_t>>();
+    ASSERT_EQ(size, (std::vector<std::size_t>{2, 3, 2}));
+    for (std::size_t z = 0; z < size[2]; ++z) {
+        for (std::size_t y = 0; y < size[1]; ++y) {
+            for (std::size_t x = 0; x < size[0]; ++x) {
+                const Json& position = probes["positions"][(z * size[1] + y) * size[0] + x];
+                const std::size_t at[] = {x, y, z};
+                for (std::size_t axis = 0; axis < 3; ++axis) {
+                    const double expected = probes["grid"]["origin"][axis].get<double>() +
+                                            probes["grid"]["spacing"][axis].get<double>() * double(at[axis]);
+                    EXPECT_NEAR(position[axis].get<double>(), expected, 1.0e-6);
+                }
+            }
+        }
+    }
+}
+
 TEST_F(Sidecar, LightmapsMayHaveTheFormatOfTheFile)
 {
     ASSERT_NO_FATAL_FAILURE(write(pretendToBake(engineScene()), LightmapFormat::Half));

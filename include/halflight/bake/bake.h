@@ -24,6 +24,10 @@ enum class Quality { Preview, Medium, High, Ultra };
 /// to about two texels), which keeps hard edges sharp with a quarter of the texels; attenuation in the other channels.
 enum class MaskEncoding { Attenuation, Distance };
 
+/// Refined: a grid, with probes added where neighbours disagree and on floors, and without those inside geometry. Grid:
+/// the grid alone, for engines that read nothing else; probes inside geometry have the light of those around them.
+enum class ProbeLayout { Refined, Grid };
+
 /// BuiltIn: an edge-avoiding filter within charts, guided by position, normal and the estimates' variance. OpenImage:
 /// Open Image Denoise's lightmap filter for gathered light, chart by chart, BuiltIn for the rest; an error in builds
 /// without the library (hasOpenImageDenoise()).
@@ -52,7 +56,8 @@ struct BakeSettings {
     /// (subtractiveIrradiance() in shading/law.h).
     bool subtractiveMask = true;
     float probeSpacingMeters = 0.0f; ///< 0 = by the scene's size
-    int threads = 0;                 ///< 0 = all cores; changes no byte of the result
+    ProbeLayout probeLayout = ProbeLayout::Refined;
+    int threads = 0; ///< 0 = all cores; changes no byte of the result
     uint32_t seed = 1;
     /// Directory for every stage's result (lightmap_N.exr, shadowmask_N.png, probes.json, …); empty = none.
     std::filesystem::path imagesDirectory;
