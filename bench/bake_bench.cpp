@@ -93,8 +93,10 @@ Run integrate(const Prepared& p, const TexelMap& map, const IntegrationSettings&
     auto made = makeEmbreeIntegrator(p.scene, p.geometry, settings);
     if (!made) std::exit(1);
     run.estimates.resize(map.texels.size());
+    TexelMap valid = map;
     const double start = cpuSeconds();
-    (*made)->irradiance(map, {allIndices(map.texels.size())}, run.estimates, {});
+    (*made)->findValidPoints(valid, {});
+    (*made)->irradiance(valid, {allIndices(map.texels.size())}, run.estimates, {});
     run.cpu = cpuSeconds() - start;
     run.rays = (*made)->raysTraced();
     return run;
@@ -343,9 +345,8 @@ void partGather(const Options& options)
         const PathTracer paths(p.scene, p.geometry, LightUse::Bake);
         const StratifiedPattern pattern(1);
         const IntegrationSettings settings{.bounces = options.bounces};
-        ValidPoints valid(p.map.texels.size());
         std::atomic<uint64_t> ignored{0};
-        const auto radiosity = buildRadiosity({paths, p.map, pattern, settings, valid}, {}, ignored);
+        const auto radiosity = buildRadiosity({paths, p.map, pattern, settings}, {}, ignored);
         const Guides guides = buildGuides(*radiosity, p.map, paths.surfaces());
         std::vector<uint32_t> chosen;
         subsetOf(p.map, 8192, chosen);
@@ -357,9 +358,7 @@ void partGather(const Options& options)
                 FinalGather gather(paths, pattern, &radiosity->solution.cache, &guides, settings);
                 uint64_t rays = 0;
                 for (std::size_t g = begin * kRun; g < end * kRun; g += TexelGroup::kLanes) {
-                    std::array<PointMask, TexelGroup::kLanes> masks;
-                    for (std::size_t k = 0; k < masks.size(); ++k) masks[k] = valid.masks[chosen[g + k]];
-                    const GatherGroup group(paths, p.map, std::span(&chosen[g], TexelGroup::kLanes), masks);
+                    const GatherGroup group(paths, p.map, std::span(&chosen[g], TexelGroup::kLanes));
                     std::array<TexelEstimate, TexelGroup::kLanes> estimates;
                     gather.add(group, 0, 4, estimates, rays);
                 }
@@ -506,11 +505,10 @@ void partMasks(const Options& options)
         settings.samples = 16;
         auto made = makeEmbreeIntegrator(p.scene, p.geometry, settings);
         if (!made) std::exit(1);
-        std::vector<IrradianceEstimate> estimates(p.map.texels.size());
-        (*made)->irradiance(p.map, {allIndices(p.map.texels.size())}, estimates, {});
+        (*made)->findValidPoints(p.map, {});
         std::vector<vec4> mask(p.map.texels.size());
         const double start = cpuSeconds();
-        (*made)->shadowmask(p.map, {allIndices(p.map.texels.size())}, estimates, mask, {});
+        (*made)->shadowmask(p.map, {allIndices(p.map.texels.size())}, mask, {});
         const double cpu = cpuSeconds() - start;
         int lights = 0;
         for (const Light& light : p.scene.lights) lights += light.baking.occlusionMaskChannel >= 0 ? 1 : 0;

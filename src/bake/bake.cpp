@@ -131,6 +131,14 @@ TexelMap rasterizeStage(const Stages& stages, const BakeGeometry& geometry, cons
     return map;
 }
 
+Status validityStage(const Stages& stages, Integrator& integrator, TexelMap& map)
+{
+    StageTimer timer(stages.report(), "validity");
+    if (!integrator.findValidPoints(map, stages.progress) || stages.progress.cancelled()) return cancelledError();
+    timer.finish(integrator.raysTraced());
+    return {};
+}
+
 /// Nothing without a cache directory, or where it cannot be opened; the latter is a warning.
 std::optional<BakeCache> openCache(const Stages& stages, const BakeGeometry& geometry, const TexelMap& map,
                                    const IntegrationSettings& integration)
@@ -151,14 +159,15 @@ Status lightmapStage(const Stages& stages, const Gather& gather, std::vector<Irr
     BakeReport& report = stages.report();
     Integrator& integrator = gather.integrator;
     StageTimer timer(report, "lightmap");
+    const uint64_t earlier = integrator.raysTraced();
     if (!gather.irradiance(estimates, stages.progress)) return cancelledError();
     integrator.releaseIrradiance();
-    timer.finish(integrator.raysTraced());
+    timer.finish(integrator.raysTraced() - earlier);
     main = findMainLight(stages.baked().scene);
     if (main) {
         StageTimer mainTimer(report, "main light");
         const uint64_t before = integrator.raysTraced();
-        if (!bakeMainLight(gather, estimates, *main, stages.progress)) return cancelledError();
+        if (!bakeMainLight(gather, *main, stages.progress)) return cancelledError();
         mainTimer.finish(integrator.raysTraced() - before);
     }
     reportNoise(estimates, main, report);
@@ -246,9 +255,8 @@ std::vector<ImageRgba8> maskPages(const Gather& gather, const std::vector<uint8_
     return encodeShadowmask(pages);
 }
 
-/// `estimates` are released once the mask is traced.
-Status shadowmaskStage(const Stages& stages, const Gather& gather, std::vector<IrradianceEstimate> estimates,
-                       const std::vector<uint8_t>& valid, const std::vector<SeamSample>& seams)
+Status shadowmaskStage(const Stages& stages, const Gather& gather, const std::vector<uint8_t>& valid,
+                       const std::vector<SeamSample>& seams)
 {
     BakedScene& baked = stages.baked();
     const auto hasChannel = [](const Light& light) { return light.baking.occlusionMaskChannel >= 0; };
@@ -257,8 +265,7 @@ Status shadowmaskStage(const Stages& stages, const Gather& gather, std::vector<I
     StageTimer timer(stages.report(), "shadowmask");
     const uint64_t before = gather.integrator.raysTraced();
     std::vector<vec4> mask(gather.map.texels.size());
-    if (!gather.shadowmask(estimates, mask, stages.progress)) return cancelledError();
-    release(estimates);
+    if (!gather.shadowmask(mask, stages.progress)) return cancelledError();
     baked.shadowmasks = maskPages(gather, valid, seams, std::move(mask),
                                   stages.settings.maskEncoding == MaskEncoding::Distance, baked.maskChannels);
     for (LightReport& light : stages.report().lights) {
@@ -297,7 +304,8 @@ Status traceStages(const Stages& stages, const Gather& gather)
     std::vector<SeamSample> seams;
     std::vector<uint8_t> valid;
     if (Status s = lightmapPagesStage(stages, gather, estimates, main, seams, valid); !s) return s;
-    if (Status s = shadowmaskStage(stages, gather, std::move(estimates), valid, seams); !s) return s;
+    release(estimates);
+    if (Status s = shadowmaskStage(stages, gather, valid, seams); !s) return s;
     if (main) {
         BakedScene& baked = stages.baked();
         if (stages.settings.subtractiveMask)
@@ -312,20 +320,6 @@ Status traceStages(const Stages& stages, const Gather& gather)
 std::string cacheWarning(const std::filesystem::path& folder, const Error& error)
 {
     return "the cache " + folder.string() + " is not complete, so the next bake computes more: " + error.message;
-}
-
-TexelValues splitEstimates(const std::vector<IrradianceEstimate>& estimates)
-{
-    TexelValues values;
-    values.irradiance.reserve(estimates.size());
-    values.direct.reserve(estimates.size());
-    values.valid.reserve(estimates.size());
-    for (const IrradianceEstimate& e : estimates) {
-        values.irradiance.push_back(e.irradiance);
-        values.direct.push_back(e.direct);
-        values.valid.push_back(e.valid ? 1 : 0);
-    }
-    return values;
 }
 
 BakeQuality resolveQuality(const BakeSettings& settings)
@@ -380,8 +374,8 @@ Result<BakeResult> bake(Scene scene, const BakeSettings& settings, const Integra
     Result<std::unique_ptr<Integrator>> integrator =
         buildStage(stages, integratorFactory, *pages, integration, geometry);
     if (!integrator) return integrator.error();
-    const TexelMap map = rasterizeStage(stages, geometry, *pages);
-    if (progress.cancelled()) return cancelledError();
+    TexelMap map = rasterizeStage(stages, geometry, *pages);
+    if (Status status = validityStage(stages, **integrator, map); !status) return status.error();
     std::optional<BakeCache> cache = openCache(stages, geometry, map, integration);
     const Gather gather{**integrator, geometry, map, integration, cache ? &*cache : nullptr};
     if (Status status = traceStages(stages, gather); !status) return status.error();

@@ -84,10 +84,10 @@ float loweredLuminance(const NeighbourStats& stats, const OutlierTexel& texel, f
     return isFirefly ? bright : texel.luminance;
 }
 
-/// Covered for the most part, and all of its sample points lie outside geometry.
-bool isWhole(const TexelMap& map, const Texel& texel, const IrradianceEstimate& estimate)
+/// Covered for the most part, and all of its sample points are valid.
+bool isWhole(const TexelMap& map, const Texel& texel)
 {
-    return coveredArea(map, texel) > kMostlyCovered && estimate.outsidePoints == 0xffff;
+    return coveredArea(map, texel) > kMostlyCovered && texel.validPoints == kAllPoints;
 }
 
 /// Scales the first moment as the luminance of all light changes, so that the mean direction stays.
@@ -220,7 +220,7 @@ void clampOutliers(const TexelMap& map, const TexelGrid& grid, std::span<const I
                                         gatheredOf(estimates[i]).variance,
                                         estimates[i].samples,
                                         traced,
-                                        isWhole(map, map.texels[i], estimates[i])};
+                                        isWhole(map, map.texels[i])};
             light[i].variance = smoothedVariance(stats, texel);
             const float after = luminanceWithoutOutliers(stats, texel, light[i].variance);
             if (after > texel.luminance) {

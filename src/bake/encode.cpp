@@ -70,4 +70,18 @@ std::vector<ImageRgba8> encodeShadowmask(const std::vector<ImageRgba32f>& pages)
     return encoded;
 }
 
+TexelValues splitEstimates(const std::vector<IrradianceEstimate>& estimates)
+{
+    TexelValues values;
+    values.irradiance.reserve(estimates.size());
+    values.direct.reserve(estimates.size());
+    values.valid.reserve(estimates.size());
+    for (const IrradianceEstimate& e : estimates) {
+        values.irradiance.push_back(e.irradiance);
+        values.direct.push_back(e.direct);
+        values.valid.push_back(e.valid ? 1 : 0);
+    }
+    return values;
+}
+
 } // namespace halflight

@@ -10,7 +10,7 @@
 namespace halflight {
 namespace {
 
-constexpr uint32_t kCacheVersion = 31; ///< raised when estimates of the same input change
+constexpr uint32_t kCacheVersion = 32; ///< raised when estimates of the same input change
 
 /// Items per tile: few, so that a local change is large in the tile's sum of check samples.
 constexpr std::size_t kTexelTile = 256;
@@ -35,7 +35,7 @@ Hash128 surfaceHash(const BakeGeometry& geometry, const TexelMap& map, std::size
     Hasher hasher;
     for (std::size_t i = first; i < first + count; ++i) {
         const Texel& texel = map.texels[i];
-        hasher.add(texel.x).add(texel.y).add(texel.page).add(texel.chart);
+        hasher.add(texel.x).add(texel.y).add(texel.page).add(texel.chart).add(texel.validPoints);
         for (uint32_t f = texel.firstFragment; f < texel.firstFragment + texel.fragmentCount; ++f) {
             const TexelFragment& fragment = map.fragments[f];
             hasher.add(fragment.barycentric).add(fragment.area);
@@ -119,16 +119,13 @@ bool Gather::irradiance(std::span<IrradianceEstimate> out, const Progress& progr
     work.check = [&](std::span<const uint32_t> items, std::span<float> values, const Progress& part) {
         std::vector<IrradianceEstimate> estimates(items.size());
         if (!integrator.irradiance(map, {items, samples, shadowSamples}, estimates, part)) return false;
-        // A negative value marks texels inside geometry, so that a change of validity counts.
-        for (std::size_t i = 0; i < items.size(); ++i)
-            values[i] = estimates[i].valid ? luminance(estimates[i].irradiance) : -1.0f;
+        for (std::size_t i = 0; i < items.size(); ++i) values[i] = luminance(estimates[i].irradiance);
         return true;
     };
     work.changed = [](std::span<const float> before, std::span<const float> now) {
         double difference = 0.0;
         double sum = 0.0;
         for (std::size_t i = 0; i < before.size(); ++i) {
-            if ((before[i] < 0.0f) != (now[i] < 0.0f)) return true;
             difference += std::abs(double(now[i]) - double(before[i]));
             sum += std::abs(double(before[i]));
         }
@@ -137,34 +134,21 @@ bool Gather::irradiance(std::span<IrradianceEstimate> out, const Progress& progr
     return cache->run(work, out, progress);
 }
 
-bool Gather::shadowmask(std::span<const IrradianceEstimate> estimates, std::span<vec4> out,
-                        const Progress& progress) const
+bool Gather::shadowmask(std::span<vec4> out, const Progress& progress) const
 {
-    if (cache == nullptr) return integrator.shadowmask(map, {allIndices(map.texels.size())}, estimates, out, progress);
-    const auto estimatesOf = [&](std::span<const uint32_t> items) {
-        std::vector<IrradianceEstimate> picked;
-        picked.reserve(items.size());
-        for (const uint32_t i : items) picked.push_back(estimates[i]);
-        return picked;
-    };
+    if (cache == nullptr) return integrator.shadowmask(map, {allIndices(map.texels.size())}, out, progress);
     BakeCache::Work<vec4, vec4> work;
     work.stage = CachedStage::Shadowmask;
     work.name = "shadowmask";
     work.count = map.texels.size();
     work.tileSize = kTexelTile;
-    work.surface = [&](std::size_t first, std::size_t count) {
-        Hasher hasher;
-        hasher.add(surfaceHash(geometry, map, first, count));
-        for (std::size_t i = first; i < first + count; ++i)
-            hasher.add(estimates[i].outsidePoints).add(int(estimates[i].valid));
-        return hasher.hash();
-    };
+    work.surface = [&](std::size_t first, std::size_t count) { return surfaceHash(geometry, map, first, count); };
     work.compute = [&](std::span<const uint32_t> items, std::span<vec4> values, const Progress& part) {
-        return integrator.shadowmask(map, {items}, estimatesOf(items), values, part);
+        return integrator.shadowmask(map, {items}, values, part);
     };
     work.check = [&](std::span<const uint32_t> items, std::span<vec4> values, const Progress& part) {
         const TexelRequest request{items, 0, checkSamples(settings.shadowSamples)};
-        return integrator.shadowmask(map, request, estimatesOf(items), values, part);
+        return integrator.shadowmask(map, request, values, part);
     };
     // With equal random numbers any difference is a ray with another result.
     work.changed = [](std::span<const vec4> before, std::span<const vec4> now) {

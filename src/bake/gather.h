@@ -21,8 +21,7 @@ struct Gather {
     BakeCache* cache = nullptr; ///< may be null
 
     bool irradiance(std::span<IrradianceEstimate> out, const Progress& progress) const;
-    /// `estimates` are those of irradiance().
-    bool shadowmask(std::span<const IrradianceEstimate> estimates, std::span<vec4> out, const Progress& progress) const;
+    bool shadowmask(std::span<vec4> out, const Progress& progress) const;
     /// `batch`: number of the set of probes, 0, 1, 2…; the cache stores each set separately.
     bool probes(std::span<const vec3> positions, std::span<ProbeEstimate> out, int batch,
                 const Progress& progress) const;

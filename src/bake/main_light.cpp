@@ -20,10 +20,9 @@ constexpr float kEven = 0.05f;
 constexpr int kMostBatches = 16;
 
 /// Unoccluded irradiance in lux, the mean over the texel's valid points.
-vec3 unshadowedIrradiance(const BakeGeometry& geometry, const TexelMap& map, const Texel& texel, uint16_t validPoints,
-                          vec3 towardsLight, vec3 illuminance)
+vec3 unshadowedIrradiance(const BakeGeometry& geometry, const TexelMap& map, const Texel& texel, vec3 towardsLight,
+                          vec3 illuminance)
 {
-    constexpr uint16_t kAllPoints = 0xffff;
     float least = kInfinity;
     float most = 0.0f;
     float sum = 0.0f;
@@ -32,14 +31,14 @@ vec3 unshadowedIrradiance(const BakeGeometry& geometry, const TexelMap& map, con
     for (int batch = 0; batch < kMostBatches; ++batch) {
         const int size = texelPoints(geometry, map, texel, points, batch);
         for (int p = 0; p < size; ++p) {
-            if (((validPoints >> p) & 1) == 0) continue;
+            if (((texel.validPoints >> p) & 1) == 0) continue;
             const float cosine = std::max(glm::dot(points[std::size_t(p)].normal, towardsLight), 0.0f);
             sum += cosine;
             least = std::min(least, cosine);
             most = std::max(most, cosine);
             ++count;
         }
-        if (most - least <= kEven * most || validPoints != kAllPoints) break;
+        if (most - least <= kEven * most || texel.validPoints != kAllPoints) break;
     }
     return count > 0 ? illuminance * (sum / float(count)) : vec3(0.0f);
 }
@@ -69,19 +68,19 @@ std::optional<MainLight> findMainLight(const Scene& scene)
     return std::nullopt;
 }
 
-bool bakeMainLight(const Gather& gather, std::span<const IrradianceEstimate> estimates, MainLight& main,
-                   const Progress& progress)
+bool bakeMainLight(const Gather& gather, MainLight& main, const Progress& progress)
 {
-    std::vector<vec4> mask(estimates.size());
-    if (!gather.shadowmask(estimates, mask, progress)) return false;
-    main.unshadowed.assign(estimates.size(), vec3(0.0f));
-    main.transmittance.assign(estimates.size(), 0.0f);
-    parallelFor(estimates.size(), 1024, [&](std::size_t begin, std::size_t end) {
+    const std::size_t count = gather.map.texels.size();
+    std::vector<vec4> mask(count);
+    if (!gather.shadowmask(mask, progress)) return false;
+    main.unshadowed.assign(count, vec3(0.0f));
+    main.transmittance.assign(count, 0.0f);
+    parallelFor(count, 1024, [&](std::size_t begin, std::size_t end) {
         for (std::size_t i = begin; i < end; ++i) {
-            if (!estimates[i].valid) continue;
+            if (gather.map.texels[i].validPoints == 0) continue;
             main.transmittance[i] = std::round(mask[i][main.channel] * 255.0f) / 255.0f; // as the mask stores it
             main.unshadowed[i] = unshadowedIrradiance(gather.geometry, gather.map, gather.map.texels[i],
-                                                      estimates[i].outsidePoints, main.towardsLight, main.illuminance);
+                                                      main.towardsLight, main.illuminance);
         }
     });
     return true;

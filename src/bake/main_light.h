@@ -36,9 +36,8 @@ struct MainLight {
 /// The scene's main light, without values by texel; nothing without one, or in other mixing modes.
 std::optional<MainLight> findMainLight(const Scene& scene);
 
-/// Fills in the values by texel. `estimates` are those of Gather::irradiance(). False when cancelled.
-bool bakeMainLight(const Gather& gather, std::span<const IrradianceEstimate> estimates, MainLight& main,
-                   const Progress& progress);
+/// Fills in the values by texel. False when cancelled.
+bool bakeMainLight(const Gather& gather, MainLight& main, const Progress& progress);
 
 /// Lower limit of subtractive shadows in lux, for scenes that set none: by colour channel the median of `otherLight`
 /// over texels that face the main light and lie in its shadow. `otherLight`: all light but the main light's direct

@@ -7,6 +7,7 @@
 #include "bake_cpu/probes.h"
 #include "bake_cpu/shadows/baked_lights.h"
 #include "bake_cpu/shadows/shadow_pass.h"
+#include "bake_cpu/texels/valid_points.h"
 
 #include "halflight/base/parallel.h"
 
@@ -24,7 +25,7 @@ constexpr int kTimesOnLightEdges = 8;
 class EmbreeIntegrator final : public Integrator {
 public:
     EmbreeIntegrator(const Scene& scene, const BakeGeometry& geometry, const IntegrationSettings& settings)
-        : settings_(settings), paths_(scene, geometry, LightUse::Bake), validity_(paths_), pattern_(settings.seed),
+        : settings_(settings), paths_(scene, geometry, LightUse::Bake), pattern_(settings.seed),
           lightmap_(paths_, pattern_, settings)
     {}
 
@@ -39,6 +40,11 @@ public:
 
     [[nodiscard]] uint64_t raysTraced() const override { return rays_.load(); }
 
+    bool findValidPoints(TexelMap& map, const Progress& progress) override
+    {
+        return halflight::findValidPoints(paths_, map, progress, rays_);
+    }
+
     bool irradiance(const TexelMap& map, const TexelRequest& request, std::span<IrradianceEstimate> out,
                     const Progress& progress) override
     {
@@ -46,14 +52,14 @@ public:
         const bool done =
             settings_.integrator == IntegratorKind::Cache
                 ? lightmap_.irradiance(map, request.texels, samples, out, progress, rays_)
-                : tracePathLightmap(paths_, validity_, settings_, map, request.texels, samples, out, progress, rays_);
+                : tracePathLightmap(paths_, settings_, map, request.texels, samples, out, progress, rays_);
         return done && addBakedLights(map, request, out, progress);
     }
 
     void releaseIrradiance() override { lightmap_.release(); }
 
-    bool shadowmask(const TexelMap& map, const TexelRequest& request, std::span<const IrradianceEstimate> estimates,
-                    std::span<vec4> out, const Progress& progress) override
+    bool shadowmask(const TexelMap& map, const TexelRequest& request, std::span<vec4> out,
+                    const Progress& progress) override
     {
         std::fill(out.begin(), out.end(), vec4(1.0f));
         std::vector<ShadowSource> sources;
@@ -73,8 +79,8 @@ public:
                 {LightReach(owners), ofLight, hashCombine(settings_.seed ^ kShadowSeed, uint32_t(channel))});
         }
         std::vector<LitCount> counts;
-        if (!traceShadows({paths_, pattern_, map, gridOf(map), request.texels, masksOf(request, estimates),
-                           shadowSamplesOf(request), timesOnEdges, progress, "shadowmask", rays_},
+        if (!traceShadows({paths_, pattern_, map, gridOf(map), request.texels, shadowSamplesOf(request), timesOnEdges,
+                           progress, "shadowmask", rays_},
                           sources, counts)) {
             return false;
         }
@@ -111,15 +117,6 @@ private:
         return request.shadowSamples > 0 ? request.shadowSamples : settings_.shadowSamples;
     }
 
-    /// Valid points of the request's texels; all points without estimates.
-    static std::vector<PointMask> masksOf(const TexelRequest& request, std::span<const IrradianceEstimate> estimates)
-    {
-        std::vector<PointMask> masks(request.texels.size(), kAllPoints);
-        for (std::size_t i = 0; i < estimates.size(); ++i)
-            masks[i] = estimates[i].valid ? PointMask(estimates[i].outsidePoints) : PointMask(0);
-        return masks;
-    }
-
     const TexelGrid& gridOf(const TexelMap& map)
     {
         if (grid_ == nullptr || gridMap_ != &map || gridTexels_ != map.texels.size()) {
@@ -133,15 +130,13 @@ private:
     bool addBakedLights(const TexelMap& map, const TexelRequest& request, std::span<IrradianceEstimate> out,
                         const Progress& progress)
     {
-        const std::vector<PointMask> masks = masksOf(request, out);
-        return halflight::addBakedLights({paths_, pattern_, map, gridOf(map), request.texels, masks,
-                                          shadowSamplesOf(request), kTimesOnLightEdges, progress, "lights", rays_},
+        return halflight::addBakedLights({paths_, pattern_, map, gridOf(map), request.texels, shadowSamplesOf(request),
+                                          kTimesOnLightEdges, progress, "lights", rays_},
                                          settings_.seed ^ kDirectSeed, out);
     }
 
     IntegrationSettings settings_;
     PathTracer paths_;
-    TexelValidity validity_;
     StratifiedPattern pattern_;
     CachedLightmap lightmap_;
     std::unique_ptr<TexelGrid> grid_; ///< of the map of the last call

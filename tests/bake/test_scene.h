@@ -151,20 +151,20 @@ struct Bench {
         assignShadowmaskChannels(scene, mode);
         integrator = std::move(*repairOrientation(makeEmbreeIntegrator, scene, geometry, settings));
         map = rasterizeTexels(geometry, pageSize, 1);
+        integrator->findValidPoints(map, {});
     }
     std::vector<IrradianceEstimate> irradiance()
     {
-        estimates.resize(map.texels.size());
+        std::vector<IrradianceEstimate> estimates(map.texels.size());
         integrator->irradiance(map, {allIndices(map.texels.size())}, estimates, {});
         return estimates;
     }
     std::vector<vec4> shadowmask()
     {
         std::vector<vec4> out(map.texels.size());
-        integrator->shadowmask(map, {allIndices(map.texels.size())}, estimates, out, {});
+        integrator->shadowmask(map, {allIndices(map.texels.size())}, out, {});
         return out;
     }
-    std::vector<IrradianceEstimate> estimates; ///< of irradiance(), which shadowmask() learns from
 
     /// Mean world position of a texel's surface.
     [[nodiscard]] vec3 positionOf(const Texel& texel) const

@@ -248,59 +248,5 @@ TEST(TexelValidityS6, EachPointOfATexelByItself)
     }
 }
 
-/// Mutually visible points deep inside a large object, or far from it, are tested together with few rays and the same
-/// result. Beside its wall, or under a low plate, they are tested one by one.
-TEST(TexelValidityS6, MutuallyVisiblePointsAreTestedTogether)
-{
-    Scene scene;
-    const int grey = addMaterial(scene, vec3(0.5f));
-    addRectangle(scene, {vec3(-1, 0, 1), vec3(2, 0, 0), vec3(0, 0, -2)}, grey, kPage, {vec2(2), vec2(62)});
-    // A single-sided hall without a floor, and a low plate above a third of a row of texels.
-    addBox(scene, vec3(-0.4f, 0.001f, -0.4f), vec3(0.4f, 0.8f, 0.4f), grey, false);
-    scene.objects.erase(scene.objects.end() - 2);
-    constexpr float kTexel = 2.0f / 60.0f;
-    const Bounds plate{vec3(-0.9f, 0.004f, 0.6f + 0.33f * kTexel), vec3(0.9f, 0.004f, 0.8f)};
-    addRectangle(scene,
-                 {vec3(plate.min.x, plate.min.y, plate.max.z), vec3(1.8f, 0, 0), vec3(0, 0, plate.min.z - plate.max.z)},
-                 grey, kPage);
-    Bench bench(std::move(scene), MixedLightingMode::Shadowmask, kPage, {});
-    const PathTracer paths(bench.scene, bench.geometry, LightUse::Bake);
-    const TexelValidity validity(paths);
-    uint64_t raysApart = 0; // of texels deep inside
-    uint64_t raysTogether = 0;
-    int deep = 0;
-    int mixed = 0;
-    for (const Texel& texel : bench.map.texels) {
-        TexelPoints points;
-        const int count = texelPoints(bench.geometry, bench.map, texel, points);
-        const uint32_t id = texelId(bench.map, texel);
-        TexelValidity::FirstHits hits{4, {}, 0, true};
-        for (int i = 0; i < hits.rays; ++i) {
-            const SurfacePoint& point = points[std::size_t(4 * i % count)];
-            Sampler sampler(7, id, uint32_t(i));
-            const RayHit hit = paths.surfaces().nearest(
-                paths.rayOrigin(point), PathTracer::gatherDirection(point, sampler.next2()), 0.0f, kInfinity);
-            if (paths.surfaces().hitHiddenBack(hit)) hits.backs.add({1, 0, hit.distance});
-        }
-        if (hits.backs.hidden == 0) continue;
-        uint64_t rays = 0;
-        const PointMask together = validity.validPoints(points, count, hits, id, rays);
-        const uint64_t raysOfAll = std::exchange(rays, 0);
-        hits.mutuallyVisible = false;
-        const PointMask apart = validity.validPoints(points, count, hits, id, rays);
-        EXPECT_EQ(together, apart) << "texel " << texel.x << ", " << texel.y;
-        mixed += apart != 0 && apart != kAllPoints ? 1 : 0;
-        const vec3 at = bench.positionOf(texel);
-        if (std::max(std::abs(at.x), std::abs(at.z)) > 0.25f) continue;
-        ++deep;
-        EXPECT_EQ(apart, 0);
-        raysTogether += raysOfAll;
-        raysApart += rays;
-    }
-    EXPECT_GT(deep, 200);
-    EXPECT_GT(mixed, 20);
-    EXPECT_LT(double(raysTogether), 0.6 * double(raysApart));
-}
-
 } // namespace
 } // namespace halflight::test

@@ -78,10 +78,15 @@ struct TexelFragment {
     float area = 0.0f;      ///< over that of the texel's square, 0…1
 };
 
+/// Sample points of a texel: bit i is point i of texelPoints(), batch 0.
+using PointMask = uint16_t;
+constexpr PointMask kAllPoints = 0xffff;
+
 /// A texel that at least one triangle overlaps.
 struct Texel {
     uint16_t x = 0; ///< column and row on the page
     uint16_t y = 0;
+    PointMask validPoints = kAllPoints; ///< points outside geometry (Integrator::findValidPoints()); 0 = texel invalid
     uint32_t page = 0;
     uint32_t chart = 0;         ///< number of the connected piece of surface
     uint32_t firstFragment = 0; ///< index into TexelMap::fragments, of the largest one
@@ -114,6 +119,7 @@ SurfacePoint surfacePoint(const BakeGeometry& geometry, uint32_t triangle, vec2 
 float coveredArea(const TexelMap& map, const Texel& texel);
 
 constexpr int kMaxTexelPoints = 16;
+static_assert(kMaxTexelPoints <= 8 * sizeof(PointMask));
 
 /// Writes 1 to kMaxTexelPoints sample points, stratified over the covered part of the texel, and returns their number.
 /// Texels with a coverage of 1/8 and more get nearly kMaxTexelPoints. Batches have different points; the union of
@@ -162,9 +168,7 @@ struct IrradianceEstimate {
     vec3 direct{0.0f};             ///< lux: the part of `irradiance` that fully baked lights contribute directly
     float varianceOfDirect = 0.0f; ///< of its luminance, lux²; included in varianceOfMean
     uint32_t samples = 0;          ///< number of rays or paths; 0: interpolated
-    bool valid = true;             ///< false: the texel lies inside geometry (its rays hit back faces)
-    /// Valid sample points: bit i is set if point i of texelPoints() lies outside geometry.
-    uint16_t outsidePoints = 0xffff;
+    bool valid = true;             ///< false: the texel has no valid points
 };
 
 struct ProbeEstimate {
@@ -196,6 +200,8 @@ public:
     /// One line for reports: device, library, threads.
     [[nodiscard]] virtual std::string description() const = 0;
 
+    /// Validity, the first stage: sets Texel::validPoints of all texels. The functions below use valid points alone.
+    virtual bool findValidPoints(TexelMap& map, const Progress& progress) = 0;
     /// The light of the lightmap (spec S6), one estimate per texel of the request: emitters, the sky, direct light of
     /// lights that are baked for static receivers, bounced light of mixed and baked lights. The direct light of
     /// subtractive's main light is not included; bakeMainLight() derives it from the mask.
@@ -205,10 +211,8 @@ public:
     virtual void releaseIrradiance() {}
 
     /// Attenuation by static casters for each light with a mask channel, 0…1; 1 in channels without a light in reach.
-    /// For subtractive's main light: shadowed over unshadowed irradiance, 0 where both are 0. `estimates` are those of
-    /// irradiance() for the request's texels and say which points are valid; empty = all are.
-    virtual bool shadowmask(const TexelMap& map, const TexelRequest& request,
-                            std::span<const IrradianceEstimate> estimates, std::span<vec4> out,
+    /// For subtractive's main light: shadowed over unshadowed irradiance, 0 where both are 0.
+    virtual bool shadowmask(const TexelMap& map, const TexelRequest& request, std::span<vec4> out,
                             const Progress& progress) = 0;
 
     /// Light and occlusion at positions[i] for each i of `which`, with `samples` paths each (0 =

@@ -3,7 +3,6 @@
 
 #include "bake_cpu/sample/running_moments.h"
 #include "bake_cpu/texels/ray_bundle.h"
-#include "bake_cpu/texels/texel_validity.h"
 
 #include "halflight/base/finite.h"
 
@@ -16,7 +15,6 @@ struct TexelEstimate {
     RunningMoments gathered;     ///< along gather rays and from secondary sources
     RunningMoments emitted;      ///< from emitters
     float inverseSquares = 0.0f; ///< sum over the gather rays of 1 / length^2, in 1 / m^2
-    BackFaceHits backFaces;
 
     [[nodiscard]] uint32_t blocks() const { return gathered.count / 2; }
     [[nodiscard]] vec3 irradiance() const { return gathered.mean() + emitted.mean(); }
@@ -64,7 +62,6 @@ public:
     {
         halves_ = {};
         inverseSquares_.fill(0.0f);
-        backFaces_.fill({});
     }
     /// Adds light that arrives along the rays of a stratum.
     void add(std::size_t stratum, const Vec3Lanes<TexelGroup::kLanes>& irradiance, const RTCRay8& rays)
@@ -82,7 +79,6 @@ public:
     }
     /// Infinite for rays without a hit.
     void addDistance(std::size_t lane, float distance) { inverseSquares_[lane] += 1.0f / (distance * distance); }
-    void addBackFace(int lane, BackFaceHits hit) { backFaces_[std::size_t(lane)].add(hit); }
     /// Adds a lane's sums to its texel; `moments` is one of the estimate's.
     void end(int lane, TexelEstimate& estimate, RunningMoments& moments) const
     {
@@ -96,7 +92,6 @@ public:
             moments.add(finite ? irradiance : vec3(0.0f), finite ? moment : vec3(0.0f));
         }
         estimate.inverseSquares += inverseSquares_[l];
-        estimate.backFaces.add(backFaces_[l]);
     }
 
 private:
@@ -108,7 +103,6 @@ private:
 
     std::array<Half, 2> halves_;
     std::array<float, TexelGroup::kLanes> inverseSquares_;
-    std::array<BackFaceHits, TexelGroup::kLanes> backFaces_;
 };
 
 } // namespace halflight

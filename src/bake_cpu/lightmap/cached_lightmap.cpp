@@ -24,7 +24,7 @@ bool CachedLightmap::prepare(const TexelMap& map, const Progress& progress, std:
     if (state_ != nullptr && map_ == &map && mapTexels_ == map.texels.size()) return true;
     auto state = std::make_unique<LightmapState>(map);
     if (settings_.bounces > 0) {
-        const RadiosityInput input{paths_, map, pattern_, settings_, state->valid};
+        const RadiosityInput input{paths_, map, pattern_, settings_};
         std::optional<Radiosity> radiosity = buildRadiosity(input, progress, rays);
         if (!radiosity) return false;
         state->guides = buildGuides(*radiosity, map, paths_.surfaces());
@@ -32,7 +32,7 @@ bool CachedLightmap::prepare(const TexelMap& map, const Progress& progress, std:
         radiosity.reset();
         releaseFreeMemory();
     }
-    state->mean = meanOf({paths_, pattern_, settings_, validity_, map, *state}, rays);
+    state->mean = meanOf({paths_, pattern_, settings_, map, *state}, rays);
     state_ = std::move(state);
     map_ = &map;
     mapTexels_ = map.texels.size();
@@ -52,7 +52,7 @@ float CachedLightmap::meanOf(const LightmapInput& input, std::atomic<uint64_t>& 
     for (std::size_t i = 0; i < map.texels.size(); i += step) {
         const auto texel = uint32_t(i);
         std::array<TexelEstimate, TexelGroup::kLanes> estimates;
-        const GatherGroup group(paths_, map, std::span(&texel, 1), std::span(&input.state.valid.masks[i], 1));
+        const GatherGroup group(paths_, map, std::span(&texel, 1));
         uint64_t traced = 0;
         gather.add(group, 0, 1, estimates, traced);
         rays += traced;
@@ -90,7 +90,7 @@ bool CachedLightmap::irradiance(const TexelMap& map, std::span<const uint32_t> t
 {
     if (texels.empty()) return true;
     if (!prepare(map, progress, rays)) return false;
-    const LightmapInput input{paths_, pattern_, settings_, validity_, map, *state_};
+    const LightmapInput input{paths_, pattern_, settings_, map, *state_};
     // Requests for other numbers of samples than the settings' (check samples of the tile cache) have no plan.
     const bool planned = settings_.noiseTarget <= 0.0f && samples == settings_.samples;
     if (planned && !findScale(input, partOf(progress, 0.0, 0.0), rays)) return false;

@@ -11,7 +11,7 @@ class CachedLightmap {
 public:
     /// `paths` and `pattern` outlive it.
     CachedLightmap(const PathTracer& paths, const StratifiedPattern& pattern, const IntegrationSettings& settings)
-        : paths_(paths), pattern_(pattern), settings_(settings), validity_(paths)
+        : paths_(paths), pattern_(pattern), settings_(settings)
     {}
 
     /// As Integrator::irradiance(), without fully baked lights. The first call for a map builds its radiance cache and
@@ -29,7 +29,6 @@ private:
     const PathTracer& paths_;
     const StratifiedPattern& pattern_;
     IntegrationSettings settings_;
-    TexelValidity validity_;
     std::unique_ptr<LightmapState> state_;
     const TexelMap* map_ = nullptr;
     std::size_t mapTexels_ = 0;

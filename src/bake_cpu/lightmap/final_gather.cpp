@@ -51,8 +51,7 @@ void FinalGather::gatherBlock(const GatherGroup& group, int number, uint64_t& ra
 {
     constexpr std::size_t kLanes = TexelGroup::kLanes;
     rays += uint64_t(block_.bundle.trace(paths_, pattern_, group, settings_.seed, number, kAllStrata));
-    block_.hits.lookUp(block_.bundle,
-                       [&](int lane, int stratum, uint32_t triangle) { addBackFace(lane, stratum, triangle); });
+    block_.hits.lookUp(block_.bundle);
     Radiances radiance;
     weightHits(group, number, radiance, rays);
     // A loop of its own: vector loads right after scalar stores to the same memory would stall.
@@ -124,8 +123,6 @@ vec3 FinalGather::continuation(const GatherGroup& group, int lane, int number, i
 {
     const Receiver receiver = next_.receiverOf(group, lane, number, stratum);
     const RayHit at = block_.bundle.hit(stratum, lane);
-    if (cache_ == nullptr && paths_.surfaces().hitHiddenBack(at))
-        addBackFace(lane, stratum, paths_.surfaces().triangleOf(at.geomID, at.primID));
     const vec3 direction = block_.bundle.direction(stratum, lane);
     const float pdf = PathTracer::gatherPdf(receiver.normal, direction);
     Sampler sampler(settings_.seed, group.id(lane), uint32_t(number * StratifiedPattern::kBlock + stratum));

@@ -27,11 +27,6 @@ private:
     void sampleEmitters(const GatherGroup& group, int number, std::span<TexelEstimate> estimates, uint64_t& rays);
     [[nodiscard]] vec3 emission(const GatherGroup& group, int lane, int number, int stratum) const;
     vec3 continuation(const GatherGroup& group, int lane, int number, int stratum, uint64_t& rays);
-    void addBackFace(int lane, int stratum, uint32_t triangle)
-    {
-        const uint8_t solid = paths_.surfaces().geometry().solid[triangle];
-        block_.sums.addBackFace(lane, {1, solid, block_.bundle.distance(stratum, lane)});
-    }
 
     const PathTracer& paths_;
     const StratifiedPattern& pattern_;

@@ -12,9 +12,8 @@ public:
     /// `cache` null = no hit has a patch.
     HitLookup(const RayTracer& tracer, const RadianceCache* cache) : tracer_(tracer), cache_(cache) {}
 
-    /// Looks up the hits of all rays of a bundle. Calls onHiddenBack(lane, stratum, triangle) for hidden backs, if
-    /// there is a cache.
-    template<typename OnHiddenBack> void lookUp(const RayBundle& bundle, const OnHiddenBack& onHiddenBack);
+    /// Looks up the hits of all rays of a bundle.
+    void lookUp(const RayBundle& bundle);
 
     [[nodiscard]] bool missed(std::size_t sample) const { return !hits_[sample].found; }
     [[nodiscard]] bool emissive(std::size_t sample) const { return hits_[sample].emissive; }
@@ -54,7 +53,7 @@ private:
     std::array<PatchId, kBlockSamples> known_; ///< patch or element whose radiance is usable, or kNoPatch
 };
 
-template<typename OnHiddenBack> void HitLookup::lookUp(const RayBundle& bundle, const OnHiddenBack& onHiddenBack)
+inline void HitLookup::lookUp(const RayBundle& bundle)
 {
     std::array<FaceId, kBlockSamples> faces;
     for (int stratum = 0; stratum < StratifiedPattern::kBlock; ++stratum) {
@@ -77,7 +76,6 @@ template<typename OnHiddenBack> void HitLookup::lookUp(const RayBundle& bundle, 
             Hit& hit = hits_[sample];
             if (!hit.found) continue;
             const FaceId face = faces[sample];
-            if (layout.isHiddenBack(face)) onHiddenBack(lane, stratum, tracer_.triangleAt(face.hitIndex));
             if (!layout.hasPatches(face)) continue;
             hit.emissive = layout.emissive(face);
             hit.patch = layout.patchAt(face, embree::barycentricOf(packet, lane));

@@ -48,7 +48,6 @@ IrradianceEstimate LightmapRun::estimateOf(uint32_t texel) const
     const TexelState& s = texels_.of(texel);
     IrradianceEstimate estimate;
     estimate.valid = s.valid;
-    estimate.outsidePoints = s.mask;
     if (!s.valid) return estimate;
     const TexelEstimate& e = s.estimate;
     estimate.irradiance = e.irradiance();
@@ -70,19 +69,11 @@ bool LightmapRun::firstPass()
             for (std::size_t i = begin; i < end; ++i) tryInterpolate(places[i]);
         });
         std::erase_if(places, [&](uint32_t place) { return stateAt(place).interpolated || takeFirstPass(place); });
-        const bool done = forTexelGroups<GatherGroup>(
-            input_.paths, input_.map, places.size(), [&](std::size_t i) { return texelAt(places[i]); },
-            [&](std::size_t i) { return input_.state.valid.masks[texelAt(places[i])]; }, progress_, "lightmap", rays_,
-            [&] {
-                return [&, gather = input_.makeGather()](const GatherGroup& group, std::size_t i,
-                                                         uint64_t& traced) mutable {
-                    std::array<TexelState*, TexelGroup::kLanes> states{};
-                    for (int lane = 0; lane < group.lanes(); ++lane)
-                        states[std::size_t(lane)] = &stateAt(places[i + std::size_t(lane)]);
-                    gatherChecked(group, gather, states.data(), traced);
-                };
-            });
-        if (!done) return false;
+        const int blocks = plan_.firstBlocks();
+        const auto first = [blocks](FinalGather& gather, const GatherGroup& group, std::span<TexelEstimate> estimates,
+                                    uint64_t& rays) { gather.add(group, 0, blocks, estimates, rays); };
+        if (!extend(places, first)) return false;
+        for (const uint32_t place : places) stateAt(place).valid = input_.map.texels[texelAt(place)].validPoints != 0;
     }
     return true;
 }
@@ -94,34 +85,6 @@ bool LightmapRun::takeFirstPass(uint32_t place)
     if (!first || scale_ <= 0.0f || !first->texels.contains(texelAt(place))) return false;
     stateAt(place) = first->of(texelAt(place));
     return true;
-}
-
-/// First samples of a group. A texel whose rays hit hidden backs has its points tested, and is gathered again from the
-/// valid ones.
-void LightmapRun::gatherChecked(const GatherGroup& group, FinalGather& gather, TexelState* const* states,
-                                uint64_t& rays) const
-{
-    std::array<TexelEstimate, TexelGroup::kLanes> estimates;
-    gather.add(group, 0, plan_.firstBlocks(), estimates, rays);
-    const ValidPoints& valid = input_.state.valid;
-    for (int lane = 0; lane < group.lanes(); ++lane) {
-        const TexelEstimate& estimate = estimates[std::size_t(lane)];
-        const uint32_t texel = group.texel(lane);
-        if (group.active(lane) && valid.checked[texel] == 0 && group.mask(lane) == kAllPoints &&
-            estimate.backFaces.hidden > 0) {
-            // Whole blocks have left all points equally often.
-            const TexelValidity::FirstHits hits{int(estimate.blocks()) * StratifiedPattern::kBlock, estimate.backFaces,
-                                                0, valid.mutuallyVisible[texel] != 0};
-            const PointMask mask =
-                input_.validity.validPoints(group.points(lane), group.pointCount(lane), hits, group.id(lane), rays);
-            if (mask != kAllPoints) {
-                gatherChecked(GatherGroup(input_.paths, input_.map, std::span(&texel, 1), std::span(&mask, 1)), gather,
-                              states + lane, rays);
-                continue;
-            }
-        }
-        *states[lane] = {estimate, group.mask(lane), group.active(lane), false};
-    }
 }
 
 bool LightmapRun::laterPasses()
@@ -155,17 +118,16 @@ void LightmapRun::tryInterpolate(uint32_t place)
 {
     SparseGrid::Anchors anchors;
     const uint32_t texel = texelAt(place);
-    if (input_.state.valid.masks[texel] != kAllPoints || !grid_.anchorsOf(texel, anchors)) return;
+    if (input_.map.texels[texel].validPoints != kAllPoints || !grid_.anchorsOf(texel, anchors)) return;
     float inverseSquare = 0.0f; // mean over the rays
     for (int i = 0; i < anchors.count; ++i) {
         const TexelState& s = texels_.of(anchors.texels[std::size_t(i)]);
-        if (!s.valid || s.mask != kAllPoints || s.estimate.backFaces.hidden > 0) return;
+        if (input_.map.texels[anchors.texels[std::size_t(i)]].validPoints != kAllPoints) return;
         inverseSquare += s.estimate.meanInverseSquare() / float(anchors.count);
     }
     if (!(inverseSquare * anchors.meters * anchors.meters <= kMostBend)) return;
     TexelState& s = stateAt(place);
     s.interpolated = s.valid = true;
-    s.mask = kAllPoints;
     interpolate(anchors, s);
 }
 
@@ -213,12 +175,13 @@ bool LightmapRun::finishInterpolated()
                              uint64_t& rays) { gather.addEmitters(group, estimates, rays); });
 }
 
-/// Calls add(gather, group, estimates, rays) for groups of texels that have estimates.
+/// Calls add(gather, group, estimates, rays) for groups of texels and their estimates.
 template<typename Add> bool LightmapRun::extend(const std::vector<uint32_t>& places, const Add& add)
 {
-    return forTexelGroups<GatherGroup>(
-        input_.paths, input_.map, places.size(), [&](std::size_t i) { return texelAt(places[i]); },
-        [&](std::size_t i) { return stateAt(places[i]).mask; }, progress_, "lightmap", rays_,
+    return forTexelGroups(
+        places.size(), [&](std::size_t i) { return texelAt(places[i]); },
+        [&](std::span<const uint32_t> texels) { return GatherGroup(input_.paths, input_.map, texels); }, progress_,
+        "lightmap", rays_,
         [&] {
             return
                 [&, gather = input_.makeGather()](const GatherGroup& group, std::size_t i, uint64_t& traced) mutable {

@@ -15,11 +15,10 @@ int texelStepOf(const IntegrationSettings& settings, const TexelMap& map);
 
 /// Everything that a map's texels have in common.
 struct LightmapState {
-    explicit LightmapState(const TexelMap& map) : grid(map), valid(map.texels.size()) {}
+    explicit LightmapState(const TexelMap& map) : grid(map) {}
     TexelGrid grid;
     RadianceCache cache;
     Guides guides;
-    ValidPoints valid;
     float mean = 0.0f; ///< luminance of the map, rounded to a power of two
     /// Factor of all texels' demands (SamplePlan); 0 = not computed yet.
     float scale = 0.0f;
@@ -30,7 +29,6 @@ struct LightmapInput {
     const PathTracer& paths;
     const StratifiedPattern& pattern;
     const IntegrationSettings& settings;
-    const TexelValidity& validity;
     const TexelMap& map;
     const LightmapState& state;
 
@@ -61,7 +59,6 @@ private:
     bool laterPasses();
     bool finishInterpolated();
     bool takeFirstPass(uint32_t place);
-    void gatherChecked(const GatherGroup& group, FinalGather& gather, TexelState* const* states, uint64_t& rays) const;
     void tryInterpolate(uint32_t place);
     void interpolate(const SparseGrid::Anchors& anchors, TexelState& state) const;
     template<typename Add> bool extend(const std::vector<uint32_t>& places, const Add& add);

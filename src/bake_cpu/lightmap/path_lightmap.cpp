@@ -35,21 +35,19 @@ LongMoments gather(const PathTracer& paths, const IntegrationSettings& settings,
 
 } // namespace
 
-bool tracePathLightmap(const PathTracer& paths, const TexelValidity& validity, const IntegrationSettings& settings,
-                       const TexelMap& map, std::span<const uint32_t> texels, int samples,
-                       std::span<IrradianceEstimate> out, const Progress& progress, std::atomic<uint64_t>& rays)
+bool tracePathLightmap(const PathTracer& paths, const IntegrationSettings& settings, const TexelMap& map,
+                       std::span<const uint32_t> texels, int samples, std::span<IrradianceEstimate> out,
+                       const Progress& progress, std::atomic<uint64_t>& rays)
 {
     constexpr std::size_t kTexelGrain = 64;
     const auto estimateOf = [&](const Texel& texel, uint64_t& traced) {
+        IrradianceEstimate estimate;
+        estimate.valid = texel.validPoints != 0;
+        if (!estimate.valid) return estimate;
         TexelPoints points;
         int pointCount = texelPoints(paths.surfaces().geometry(), map, texel, points);
+        keepPoints(texel.validPoints, points, pointCount);
         const uint32_t id = texelId(map, texel);
-        const PointMask mask = validity.validPoints(points, pointCount, id, traced);
-        keepPoints(mask, points, pointCount);
-        IrradianceEstimate estimate;
-        estimate.valid = mask != 0;
-        estimate.outsidePoints = mask;
-        if (!estimate.valid) return estimate;
         const LongMoments gathered = gather(paths, settings, points, pointCount, samples, id, traced);
         estimate.irradiance = gathered.mean();
         estimate.moment = gathered.meanMoment();

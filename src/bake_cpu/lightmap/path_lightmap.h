@@ -1,15 +1,16 @@
 #pragma once
 // The lightmap by path tracing: unbiased, the reference.
 
-#include "bake_cpu/texels/texel_validity.h"
+#include "bake_cpu/sample/path_tracer.h"
+#include "bake_cpu/texels/texel_points.h"
 
 #include <atomic>
 
 namespace halflight {
 
 /// As Integrator::irradiance(), without fully baked lights: each sample is a path. False when cancelled.
-bool tracePathLightmap(const PathTracer& paths, const TexelValidity& validity, const IntegrationSettings& settings,
-                       const TexelMap& map, std::span<const uint32_t> texels, int samples,
-                       std::span<IrradianceEstimate> out, const Progress& progress, std::atomic<uint64_t>& rays);
+bool tracePathLightmap(const PathTracer& paths, const IntegrationSettings& settings, const TexelMap& map,
+                       std::span<const uint32_t> texels, int samples, std::span<IrradianceEstimate> out,
+                       const Progress& progress, std::atomic<uint64_t>& rays);
 
 } // namespace halflight

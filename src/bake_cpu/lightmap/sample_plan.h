@@ -12,7 +12,6 @@ namespace halflight {
 
 struct TexelState {
     TexelEstimate estimate;
-    PointMask mask = 0;
     bool valid = false;
     bool interpolated = false; ///< not traced, but the mean of its anchors
 

@@ -10,26 +10,26 @@
 namespace halflight {
 namespace {
 
-/// Moves texels out of a list so that large patches are gathered by one texel in `every`; returns the moved ones.
-/// Patches with fewer than 3/4 of their texels keep all.
-std::vector<uint32_t> thinOut(std::vector<uint32_t>& texels, const TexelMap& map, const ChartPatches& charts, int every)
+/// Thins a list of texels out so that large patches are gathered by one texel in `every`. Patches with fewer than 3/4
+/// of their texels, or with a texel that is not fully valid, keep all.
+void thinOut(std::vector<uint32_t>& texels, const TexelMap& map, const ChartPatches& charts, int every)
 {
-    std::vector<uint32_t> rest;
-    if (every == 1) return rest;
+    if (every == 1) return;
     std::vector<uint8_t> counts(charts.patchCount());
+    std::vector<uint8_t> partlyValid(charts.patchCount());
     for (const uint32_t texel : texels) {
-        if (const PatchId patch = charts.patchOf(map, texel); patch != kNoPatch) ++counts[patch];
+        const PatchId patch = charts.patchOf(map, texel);
+        if (patch == kNoPatch) continue;
+        ++counts[patch];
+        if (map.texels[texel].validPoints != kAllPoints) partlyValid[patch] = 1;
     }
     const int enough = 3 << (2 * charts.shift() - 2);
     std::erase_if(texels, [&](uint32_t texel) {
         const PatchId patch = charts.patchOf(map, texel);
         // Diagonal lines, because rows and columns of texels often coincide with features.
         const int line = map.texels[texel].x + every / 2 * map.texels[texel].y;
-        if (patch == kNoPatch || counts[patch] < enough || line % every == 0) return false;
-        rest.push_back(texel);
-        return true;
+        return patch != kNoPatch && counts[patch] >= enough && partlyValid[patch] == 0 && line % every != 0;
     });
-    return rest;
 }
 
 class RadiosityBuilder {
@@ -63,10 +63,8 @@ private:
         patches_.split(0, isOccluded);
         findOccluded(PassKind::Elements, patches_.texelsIn(input_.map, 0, isOccluded));
         const int every = effortOf(input_.settings, PassKind::Fronts, patches_.charts.shift()).every;
-        std::vector<uint32_t> rest = thinOut(texels, input_.map, patches_.charts, every);
+        thinOut(texels, input_.map, patches_.charts, every);
         gather(PassKind::Fronts, texels);
-        keepDoubtful(rest, texels);
-        gather(PassKind::Fronts, rest);
         markHits();
         patches_.split(0, [](PatchState s) { return s.hitNear; });
     }
@@ -129,18 +127,6 @@ private:
             out.links.shrink_to_fit();
             rays_ += sampler.rays();
         });
-    }
-
-    /// Keeps the texels of `rest` whose patch has a gathered texel with invalid points.
-    void keepDoubtful(std::vector<uint32_t>& rest, std::span<const uint32_t> gathered) const
-    {
-        if (rest.empty()) return;
-        std::vector<uint8_t> doubtful(patches_.charts.patchCount());
-        for (const uint32_t texel : gathered) {
-            const PatchId patch = patches_.charts.patchOf(input_.map, texel);
-            if (patch != kNoPatch && input_.valid.masks[texel] != kAllPoints) doubtful[patch] = 1;
-        }
-        std::erase_if(rest, [&](uint32_t texel) { return doubtful[patches_.charts.patchOf(input_.map, texel)] == 0; });
     }
 
     void markHits()

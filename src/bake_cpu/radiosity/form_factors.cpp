@@ -33,21 +33,14 @@ FormFactorEffort effortOf(const IntegrationSettings& settings, PassKind kind, in
 }
 
 FormFactorSampler::FormFactorSampler(const PatchPass& pass, FormFactorRange& out)
-    : pass_(pass), paths_(pass.input().paths), tracer_(paths_.surfaces()), out_(out), validity_(paths_),
+    : pass_(pass), paths_(pass.input().paths), tracer_(paths_.surfaces()), out_(out),
       seed_(pass.input().settings.seed ^ (kCacheSeed + (uint32_t(pass.kind()) << 16))),
       effort_(effortOf(pass.input().settings, pass.kind(), pass.layout().patchShift))
 {}
 
 void FormFactorSampler::gather(std::span<const uint32_t> items)
 {
-    pass_.forGroups(items, [&](const TexelGroup& group) {
-        partlyValid_.clear();
-        gatherGroup(GatherGroup(paths_, group));
-        const RadiosityInput& input = pass_.input();
-        for (const uint32_t texel : std::vector<uint32_t>(partlyValid_)) {
-            gatherGroup(GatherGroup(paths_, input.map, std::span(&texel, 1), std::span(&input.valid.masks[texel], 1)));
-        }
-    });
+    pass_.forGroups(items, [&](const TexelGroup& group) { gatherGroup(GatherGroup(paths_, group)); });
 }
 
 /// Strata of the rays of one texel: one in each row and column of the pattern for every four rays. Consecutive groups
@@ -71,21 +64,15 @@ void FormFactorSampler::gatherGroup(const GatherGroup& group)
     Strata all;
     const std::size_t count = strataOf(group.texel(0) / (TexelGroup::kLanes * uint32_t(effort_.every)), all);
     const std::span<uint8_t> strata(all.data(), count);
-    std::array<bool, TexelGroup::kLanes> use{};
-    for (int lane = 0; lane < group.lanes(); ++lane) use[std::size_t(lane)] = group.active(lane);
     for (int b = 0; b < blocks; ++b) {
         rays_ += uint64_t(bundle_.trace(paths_, pass_.input().pattern, group, seed_, b, strata));
         for (int lane = 0; lane < group.lanes(); ++lane) {
-            if (!use[std::size_t(lane)]) continue;
-            if (b == 0 && pass_.kind() == PassKind::Fronts && !allValid(group, lane, strata)) {
-                use[std::size_t(lane)] = false;
-                continue;
-            }
+            if (!group.active(lane)) continue;
             sortByElement(group, lane, b, strata);
             for (const uint8_t stratum : strata) addRay(group, lane, b, stratum);
         }
     }
-    for (int s = 0; s < effort_.direct; ++s) addDirect(group, use, s);
+    for (int s = 0; s < effort_.direct; ++s) addDirect(group, s);
 }
 
 /// Sorts strata by the element that their rays start from, so that each element has one entry of samples.
@@ -99,32 +86,6 @@ void FormFactorSampler::sortByElement(const GatherGroup& group, int lane, int bl
     }
     std::sort(strata.begin(), strata.end(),
               [&](uint8_t a, uint8_t b) { return elements[a] != elements[b] ? elements[a] < elements[b] : a < b; });
-}
-
-/// Tests the texel's points if a ray first hits a hidden back. False if some are invalid; the texel is gathered again
-/// with the others.
-bool FormFactorSampler::allValid(const TexelGroup& group, int lane, std::span<const uint8_t> strata)
-{
-    const uint32_t texel = group.texel(lane);
-    ValidPoints& valid = pass_.input().valid;
-    if (valid.checked[texel] != 0) return true;
-    TexelValidity::FirstHits hits{int(strata.size()), {}, kAllPoints, valid.mutuallyVisible[texel] != 0};
-    for (const int stratum : strata) {
-        hits.untested &= PointMask(~(1u << group.pointOf(lane, 0, stratum)));
-        if (!bundle_.found(stratum, lane)) continue;
-        const FaceId face = faceOf(stratum, lane);
-        if (!pass_.layout().isHiddenBack(face)) continue;
-        const uint8_t solid = tracer_.geometry().solid[tracer_.triangleAt(face.hitIndex)];
-        hits.backs.add({1, solid, bundle_.distance(stratum, lane)});
-    }
-    if (hits.backs.hidden == 0) return true;
-    const PointMask mask =
-        validity_.validPoints(group.points(lane), group.pointCount(lane), hits, group.id(lane), rays_);
-    valid.masks[texel] = mask;
-    valid.checked[texel] = 1;
-    if (mask == kAllPoints) return true;
-    if (mask != 0) partlyValid_.push_back(texel);
-    return false;
 }
 
 void FormFactorSampler::addRay(const GatherGroup& group, int lane, int block, int stratum)
@@ -183,8 +144,8 @@ void FormFactorSampler::findNear(PatchId source, PatchId target, const RTCRayHit
     if (source < pass_.layout().chartPatches) out_.hitNear.push_back(source);
 }
 
-/// One sample of the lights for each lane in use.
-void FormFactorSampler::addDirect(const TexelGroup& group, const std::array<bool, TexelGroup::kLanes>& use, int sample)
+/// One sample of the lights for each active lane.
+void FormFactorSampler::addDirect(const TexelGroup& group, int sample)
 {
     struct LaneSample {
         PatchId source = kNoPatch;
@@ -196,7 +157,7 @@ void FormFactorSampler::addDirect(const TexelGroup& group, const std::array<bool
     ShadowPacket packet(paths_);
     for (int lane = 0; lane < TexelGroup::kLanes; ++lane) {
         LaneSample& s = samples[std::size_t(lane)];
-        if (!use[std::size_t(lane)]) continue;
+        if (!group.active(lane)) continue;
         s.point = &group.point(lane, group.pointOf(lane, 0, sample & (kMaxTexelPoints - 1)));
         s.source = pass_.sourceOf(group, lane, *s.point);
         if (s.source == kNoPatch) continue;

@@ -82,11 +82,10 @@ private:
     std::size_t strataOf(uint32_t group, Strata& strata) const;
     void gatherGroup(const GatherGroup& group);
     void sortByElement(const GatherGroup& group, int lane, int block, std::span<uint8_t> strata) const;
-    bool allValid(const TexelGroup& group, int lane, std::span<const uint8_t> strata);
     void addRay(const GatherGroup& group, int lane, int block, int stratum);
     void addPath(const GatherGroup& group, int lane, int block, int stratum, PatchId source);
     void findNear(PatchId source, PatchId target, const RTCRayHit8& packet, int lane);
-    void addDirect(const TexelGroup& group, const std::array<bool, TexelGroup::kLanes>& use, int sample);
+    void addDirect(const TexelGroup& group, int sample);
     [[nodiscard]] FaceId faceOf(int stratum, int lane) const
     {
         return tracer_.faceOf(bundle_.rays[std::size_t(stratum)], lane);
@@ -96,12 +95,10 @@ private:
     const PathTracer& paths_;
     const RayTracer& tracer_;
     FormFactorRange& out_;
-    TexelValidity validity_;
     uint32_t seed_;
     FormFactorEffort effort_;
     RayBundle bundle_;
-    std::vector<uint32_t> partlyValid_; ///< texels of the current group with points that turned out invalid
-    std::vector<vec3> byBounce_;        ///< radiance of the current path by number of reflections
+    std::vector<vec3> byBounce_; ///< radiance of the current path by number of reflections
     uint64_t rays_ = 0;
 };
 

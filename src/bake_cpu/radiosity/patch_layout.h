@@ -27,7 +27,6 @@ struct PatchLayout {
         uint32_t firstPatch : 29 = 0;
         uint32_t hasPatches : 1 = 0;
         uint32_t emissive : 1 = 0;
-        uint32_t backIsHidden : 1 = 0;
         uint16_t width = 0;
         uint16_t height = 0;
     };
@@ -51,7 +50,6 @@ struct PatchLayout {
     [[nodiscard]] const Surface& surface(FaceId face) const { return surfaces[face.hitIndex]; }
     [[nodiscard]] bool hasPatches(FaceId face) const { return surface(face).hasPatches != 0; }
     [[nodiscard]] bool emissive(FaceId face) const { return surface(face).emissive != 0; }
-    [[nodiscard]] bool isHiddenBack(FaceId face) const { return face.back != 0 && surface(face).backIsHidden != 0; }
     /// Front or back of a triangle; false if rays do not hit it.
     [[nodiscard]] bool faceOf(uint32_t triangle, bool back, FaceId& face) const
     {

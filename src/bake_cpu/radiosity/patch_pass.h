@@ -3,19 +3,17 @@
 
 #include "bake_cpu/radiosity/patches.h"
 #include "bake_cpu/texels/texel_group.h"
-#include "bake_cpu/texels/texel_validity.h"
 
 #include <span>
 
 namespace halflight {
 
-/// Inputs of all passes. `valid` receives what the passes find out about sample points.
+/// Inputs of all passes.
 struct RadiosityInput {
     const PathTracer& paths;
     const TexelMap& map;
     const StratifiedPattern& pattern;
     const IntegrationSettings& settings;
-    ValidPoints& valid;
 };
 
 /// Patches that a pass fills, in order of the passes: rays of the first one hit the backs and triangles of later ones.
@@ -42,7 +40,6 @@ public:
     /// Calls body(group) for all items, eight at a time.
     template<typename Body> void forGroups(std::span<const uint32_t> items, const Body& body) const
     {
-        std::array<PointMask, TexelGroup::kLanes> masks;
         std::array<TexelGroup::Side, TexelGroup::kLanes> sides;
         for (std::size_t i = 0; i < items.size(); i += TexelGroup::kLanes) {
             const auto some = items.subspan(i, std::min(items.size() - i, std::size_t(TexelGroup::kLanes)));
@@ -53,8 +50,7 @@ public:
             } else if (kind_ == PassKind::Backs || kind_ == PassKind::BackElements) {
                 body(TexelGroup::backs(input_.paths, input_.map, some));
             } else {
-                for (std::size_t k = 0; k < some.size(); ++k) masks[k] = input_.valid.masks[some[k]];
-                body(TexelGroup(input_.paths, input_.map, some, std::span(masks.data(), some.size())));
+                body(TexelGroup(input_.paths, input_.map, some));
             }
         }
     }

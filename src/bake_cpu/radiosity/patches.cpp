@@ -120,7 +120,6 @@ Patches::Patches(const RayTracer& tracer, const TexelMap& map) : charts(tracer.g
             s.height = uint16_t(r->size().y);
         }
         s.emissive = tracer.materials().of(triangle).emission != vec3(0.0f) ? 1 : 0;
-        s.backIsHidden = tracer.materials().backIsHidden(triangle) ? 1 : 0;
     }
     addTriangles(tracer, map);
     state.assign(2 * std::size_t(layout.chartPatches) + 2 * triangles.size(), {});

@@ -74,34 +74,14 @@ void OccluderSearch::searchPatch(const TexelGroup& group, int lane)
         const RimPoint& rim = rimPoints()[std::size_t(i - 1)];
         targets[std::size_t(i)] = whole ? above + rim.toBorder * (abovePoint(rim.point) - above) : abovePoint(i);
     }
-    Between found = between(above, targets, ~1u);
+    bool occluder = between(above, targets);
     if (!whole && count > embree::kPacket) {
         for (int i = 0; i < embree::kPacket; ++i) targets[std::size_t(i)] = abovePoint(embree::kPacket + i);
-        const Between others = between(above, targets, ~0u);
-        found.occluder = found.occluder || others.occluder;
-        found.hides = found.hides || others.hides;
-        found.solid = found.solid || others.solid;
+        occluder = between(above, targets) || occluder;
     }
-    if (found.occluder) occluded_.push_back(patch);
+    if (occluder) occluded_.push_back(patch);
     previousPatch_ = patch;
     previous_ = above;
-    if (pass_.kind() == PassKind::Fronts) testPoints(group, lane, found);
-}
-
-/// Points that are not mutually visible may be partly inside solids.
-void OccluderSearch::testPoints(const TexelGroup& group, int lane, const Between& between)
-{
-    const uint32_t texel = group.texel(lane);
-    const TexelPoints& points = group.points(lane);
-    const int count = group.pointCount(lane);
-    ValidPoints& valid = pass_.input().valid;
-    valid.mutuallyVisible[texel] = between.hides ? 0 : 1;
-    if (!between.hides) return;
-    if (!between.solid && !validity_.firstInSolid(points, group.id(lane), rays_)) return;
-    const PointMask mask = validity_.outsideSolids(points, count, group.id(lane), rays_);
-    if (mask == kAllPoints) return;
-    valid.masks[texel] = validity_.outsideShells(points, count, mask, false, group.id(lane), rays_);
-    valid.checked[texel] = 1;
 }
 
 /// Rays from one point of each element to the element's border, or to its other points in partly covered texels.
@@ -128,7 +108,7 @@ void OccluderSearch::searchElements(const TexelGroup& group, int lane)
                 targets[count++] = p.position + lift * p.geometricNormal;
             }
         }
-        if (between(above, targets, 0).occluder) occluded_.push_back(*element);
+        if (between(above, targets)) occluded_.push_back(*element);
     }
 }
 
@@ -164,10 +144,9 @@ bool OccluderSearch::borderOfElement(const TexelGroup& group, int lane, const Su
     return true;
 }
 
-/// Surfaces between a point and targets. Bit i of `samplePoints`: target i is a sample point. A blocked ray is traced
-/// in reverse too: if that ray leaves a hidden back, the target is inside a solid or behind a shell, and the surface
-/// between is no occluder.
-OccluderSearch::Between OccluderSearch::between(vec3 from, const Targets& targets, uint32_t samplePoints)
+/// Whether an occluder is between a point and a target. A blocked ray is traced in reverse too: if that ray leaves a
+/// hidden back, the target is inside a solid or behind a shell, and the surface between is no occluder.
+bool OccluderSearch::between(vec3 from, const Targets& targets)
 {
     RTCRayHit8 packet;
     alignas(32) embree::LaneMask valid;
@@ -184,35 +163,27 @@ OccluderSearch::Between OccluderSearch::between(vec3 from, const Targets& target
         ++rays_;
     }
     tracer_.intersect(valid, packet);
-    const auto triangleOf = [&](int lane) {
-        return tracer_.triangleOf(packet.hit.geomID[lane], packet.hit.primID[lane]);
-    };
-    const auto hidesPoint = [&](int lane) { return ((samplePoints >> lane) & 1u) != 0; };
-    const auto solid = [&](int lane) { return hidesPoint(lane) && tracer_.geometry().solid[triangleOf(lane)] != 0; };
-    Between result;
     bool any = false;
     for (int i = 0; i < embree::kPacket; ++i) {
         if (valid.lane[i] == 0) continue;
         valid.lane[i] = embree::found(packet, i) ? -1 : 0;
         if (valid.lane[i] == 0) continue;
         any = true;
-        result.hides = result.hides || hidesPoint(i);
-        result.solid = result.solid || solid(i);
         const vec3 direction = embree::directionOf(packet.ray, i);
         embree::setRay(packet.ray, i, from + reach[std::size_t(i)] * direction, -direction);
         packet.ray.tfar[i] = reach[std::size_t(i)];
         ++rays_;
     }
-    if (!any) return result;
+    if (!any) return false;
     tracer_.intersect(valid, packet);
     for (int i = 0; i < embree::kPacket; ++i) {
         if (valid.lane[i] == 0) continue;
-        const bool found = embree::found(packet, i);
-        result.solid = result.solid || (found && solid(i));
-        const bool inside = found && embree::hitBack(packet, i) && tracer_.materials().backIsHidden(triangleOf(i));
-        result.occluder = result.occluder || !inside;
+        const bool inside =
+            embree::found(packet, i) && embree::hitBack(packet, i) &&
+            tracer_.materials().backIsHidden(tracer_.triangleOf(packet.hit.geomID[i], packet.hit.primID[i]));
+        if (!inside) return true;
     }
-    return result;
+    return false;
 }
 
 } // namespace halflight

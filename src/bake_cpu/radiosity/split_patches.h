@@ -6,13 +6,10 @@
 namespace halflight {
 
 /// A thin wall on a patch separates two parts with different light, so the patch has no single radiance. The search
-/// traces rays along the surface, a tenth of a patch above it. In the first pass it tests the validity of sample points
-/// that are not mutually visible, too.
+/// traces rays along the surface, a tenth of a patch above it.
 class OccluderSearch {
 public:
-    explicit OccluderSearch(const PatchPass& pass)
-        : pass_(pass), tracer_(pass.input().paths.surfaces()), validity_(pass.input().paths)
-    {}
+    explicit OccluderSearch(const PatchPass& pass) : pass_(pass), tracer_(pass.input().paths.surfaces()) {}
 
     /// Appends to occluded() the patches or elements of the items that an occluder crosses.
     void search(std::span<const uint32_t> items);
@@ -21,21 +18,14 @@ public:
 
 private:
     using Targets = std::array<vec3, embree::kPacket>;
-    struct Between {
-        bool occluder = false; ///< a surface that is visible from one side at least; the inside of a solid is not
-        bool hides = false;    ///< any surface, for a target that is a sample point
-        bool solid = false;    ///< such a surface of a solid
-    };
     void searchPatch(const TexelGroup& group, int lane);
     void searchElements(const TexelGroup& group, int lane);
     bool borderOfElement(const TexelGroup& group, int lane, const SurfacePoint& point, vec3 above,
                          Targets& targets) const;
-    Between between(vec3 from, const Targets& targets, uint32_t samplePoints);
-    void testPoints(const TexelGroup& group, int lane, const Between& between);
+    bool between(vec3 from, const Targets& targets);
 
     const PatchPass& pass_;
     const RayTracer& tracer_;
-    TexelValidity validity_;
     std::vector<PatchId> occluded_;
     PatchId previousPatch_ = kNoPatch;
     vec3 previous_{0.0f}; ///< point above the previous texel

@@ -25,7 +25,7 @@ public:
     };
 
     Unshadowed(const ShadowPass& pass, std::size_t number)
-        : pass_(pass), texel_(pass.map.texels[pass.texels[number]]), mask_(pass.valid[number])
+        : pass_(pass), texel_(pass.map.texels[pass.texels[number]]), mask_(texel_.validPoints)
     {}
 
     Light of(const PunctualLight& light)
@@ -85,7 +85,7 @@ bool addLights(const ShadowPass& pass, std::span<const PunctualLight* const> lig
 {
     const auto rays = float(pass.timesOnEdges * pass.samples);
     const Progress shadows = partOf(pass.progress, 0.0, 0.9);
-    const ShadowPass shadowPass{pass.paths,   pass.pattern,      pass.map, pass.grid,  pass.texels, pass.valid,
+    const ShadowPass shadowPass{pass.paths,   pass.pattern,      pass.map, pass.grid,  pass.texels,
                                 pass.samples, pass.timesOnEdges, shadows,  pass.stage, pass.rays};
     std::vector<LitCount> counts;
     if (!traceShadows(shadowPass, sources, counts)) return false;
@@ -144,15 +144,11 @@ bool addBakedLights(const ShadowPass& pass, uint32_t seed, std::span<IrradianceE
         for (std::size_t l = 0; l < some.size(); ++l)
             sources.push_back({LightReach(std::vector{some[l]}), true, hashCombine(seed, uint32_t(first + l))});
         std::vector<uint32_t> texels;
-        std::vector<PointMask> valid;
-        for (const uint32_t place : places) {
-            texels.push_back(pass.texels[place]);
-            valid.push_back(pass.valid[place]);
-        }
+        for (const uint32_t place : places) texels.push_back(pass.texels[place]);
         const double share = 1.0 / double(lights.size());
         const Progress part = partOf(pass.progress, double(first) * share, double(first + some.size()) * share);
-        if (!addLights({pass.paths, pass.pattern, pass.map, pass.grid, texels, valid, pass.samples, pass.timesOnEdges,
-                        part, pass.stage, pass.rays},
+        if (!addLights({pass.paths, pass.pattern, pass.map, pass.grid, texels, pass.samples, pass.timesOnEdges, part,
+                        pass.stage, pass.rays},
                        some, sources, places, out)) {
             return false;
         }

@@ -45,6 +45,8 @@ public:
 private:
     enum Open : uint8_t { Closed, Undecided, BesideEdge };
 
+    /// Of a texel of the pass.
+    [[nodiscard]] PointMask validPoints(std::size_t i) const { return pass_.map.texels[pass_.texels[i]].validPoints; }
     [[nodiscard]] std::size_t sourceCount() const { return sources_.size(); }
     [[nodiscard]] bool isAsked(uint32_t texel, std::size_t& number) const
     {
@@ -56,9 +58,12 @@ private:
     bool traceFirst()
     {
         first_.resize(set_.size() * sourceCount());
-        return forTexelGroups<ShadowGroup>(
-            pass_.paths, pass_.map, set_.size(), [&](std::size_t i) { return set_[i]; },
-            [](std::size_t) { return kAllPoints; }, partOf(pass_.progress, 0.0, 0.5), pass_.stage, pass_.rays,
+        return forTexelGroups(
+            set_.size(), [&](std::size_t i) { return set_[i]; },
+            [&](std::span<const uint32_t> texels) {
+                return ShadowGroup(pass_.paths, pass_.map, texels, PointUse::All);
+            },
+            partOf(pass_.progress, 0.0, 0.5), pass_.stage, pass_.rays,
             [&] {
                 return
                     [&](const TexelGroup& group, std::size_t first, uint64_t& rays) { traceFirst(group, first, rays); };
@@ -70,7 +75,7 @@ private:
         std::array<LitCount*, TexelGroup::kLanes> counted{};
         for (int lane = 0; lane < group.lanes(); ++lane) {
             std::size_t number = 0;
-            if (isAsked(group.texel(lane), number) && pass_.valid[number] == kAllPoints)
+            if (isAsked(group.texel(lane), number) && validPoints(number) == kAllPoints)
                 counted[std::size_t(lane)] = &counts_[number * sourceCount()];
         }
         for (std::size_t s = 0; s < sourceCount(); ++s) {
@@ -90,7 +95,7 @@ private:
         open_.assign(pass_.texels.size() * sourceCount(), Closed);
         parallelFor(pass_.texels.size(), 4096, [&](std::size_t begin, std::size_t end) {
             for (std::size_t i = begin; i < end; ++i) {
-                if (pass_.valid[i] != 0) findOpen(i);
+                if (validPoints(i) != 0) findOpen(i);
             }
         });
     }
@@ -98,7 +103,7 @@ private:
     {
         std::array<LitRange, kMaxShadowSources> together; // of the neighbourhood
         int around = 0;
-        if (pass_.valid[i] == kAllPoints) {
+        if (validPoints(i) == kAllPoints) {
             pass_.grid.around(pass_.texels[i], kAgreeRadius, [&](uint32_t other) {
                 const LitRange* found = &first_[set_.find(other) * sourceCount()];
                 for (std::size_t s = 0; s < sourceCount(); ++s) together[s].add(found[s]);
@@ -137,9 +142,12 @@ private:
             for (std::size_t s = 0; s < sourceCount(); ++s) any = any || open_[i * sourceCount() + s] != Closed;
             if (any) list_.push_back(uint32_t(i));
         }
-        return forTexelGroups<ShadowGroup>(
-            pass_.paths, pass_.map, list_.size(), [&](std::size_t i) { return pass_.texels[list_[i]]; },
-            [&](std::size_t i) { return pass_.valid[list_[i]]; }, progress, pass_.stage, pass_.rays,
+        return forTexelGroups(
+            list_.size(), [&](std::size_t i) { return pass_.texels[list_[i]]; },
+            [&](std::span<const uint32_t> texels) {
+                return ShadowGroup(pass_.paths, pass_.map, texels, PointUse::Valid);
+            },
+            progress, pass_.stage, pass_.rays,
             [&] {
                 return [&, begin, end](const TexelGroup& group, std::size_t first, uint64_t& rays) {
                     traceHalves(group, first, begin, end, rays);
@@ -151,19 +159,15 @@ private:
     {
         const auto lanes = std::size_t(group.lanes());
         std::array<uint32_t, TexelGroup::kLanes> texels;
-        std::array<PointMask, TexelGroup::kLanes> masks;
-        for (std::size_t lane = 0; lane < lanes; ++lane) {
-            texels[lane] = group.texel(int(lane));
-            masks[lane] = group.mask(int(lane));
-        }
+        for (std::size_t lane = 0; lane < lanes; ++lane) texels[lane] = group.texel(int(lane));
         for (int half = begin; half < end; half += 2) {
             if (half == 0) {
                 traceHalf(group, first, half, rays);
                 traceHalf(group, first, half + 1, rays);
                 continue;
             }
-            const ShadowGroup points(pass_.paths, pass_.map, std::span(texels.data(), lanes),
-                                     std::span(masks.data(), lanes), half / 2);
+            const ShadowGroup points(pass_.paths, pass_.map, std::span(texels.data(), lanes), PointUse::Valid,
+                                     half / 2);
             traceHalf(points, first, half, rays);
             traceHalf(points, first, half + 1, rays);
         }

@@ -48,7 +48,6 @@ struct ShadowPass {
     const TexelMap& map;
     const TexelGrid& grid;
     std::span<const uint32_t> texels; ///< in ascending order
-    std::span<const PointMask> valid; ///< their valid points
     int samples;                      ///< rays per texel and source
     int timesOnEdges;                 ///< factor of `samples` on shadow edges
     const Progress& progress;

@@ -16,9 +16,9 @@ namespace halflight {
 /// points of one batch, but not between those of all neighbours.
 class ShadowGroup : public TexelGroup {
 public:
-    ShadowGroup(const PathTracer& paths, const TexelMap& map, std::span<const uint32_t> texels,
-                std::span<const PointMask> valid, int batch = 0)
-        : TexelGroup(paths, map, texels, valid, [&](uint32_t id) { return batch + firstBatch(id); })
+    ShadowGroup(const PathTracer& paths, const TexelMap& map, std::span<const uint32_t> texels, PointUse use,
+                int batch = 0)
+        : TexelGroup(paths, map, texels, use, [&](uint32_t id) { return batch + firstBatch(id); })
     {}
 
     /// One of the 256 batches, of 32768, whose mean point is closest to the texel's centre: their mean light is that of

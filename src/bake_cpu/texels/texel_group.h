@@ -22,15 +22,17 @@ inline SurfacePoint flipped(SurfacePoint point)
     return point;
 }
 
+/// Which of a texel's points a group has.
+enum class PointUse { Valid, All };
+
 class TexelGroup {
 public:
     static constexpr int kLanes = embree::kPacket;
 
-    /// `valid`: each texel's valid points, of batch 0 of texelPoints(). A texel whose points are all valid takes batch
-    /// batchOf(id); other batches of partly valid texels have not been tested.
-    template<typename BatchOf>
-    TexelGroup(const PathTracer& paths, const TexelMap& map, std::span<const uint32_t> texels,
-               std::span<const PointMask> valid, const BatchOf& batchOf)
+    /// A texel whose points are all valid takes batch batchOf(id) of texelPoints(); other batches of partly valid
+    /// texels have not been tested.
+    template<typename BatchOf> TexelGroup(const PathTracer& paths, const TexelMap& map,
+                                          std::span<const uint32_t> texels, PointUse use, const BatchOf& batchOf)
         : lanes_(int(texels.size()))
     {
         const BakeGeometry& geometry = paths.surfaces().geometry();
@@ -39,22 +41,20 @@ public:
             const Texel& texel = map.texels[texels[std::size_t(lane)]];
             l.texel = texels[std::size_t(lane)];
             l.id = texelId(map, texel);
-            l.mask = valid[std::size_t(lane)];
+            l.mask = use == PointUse::All ? kAllPoints : texel.validPoints;
             if (l.mask == 0) continue;
             l.pointCount = texelPoints(geometry, map, texel, l.points, l.mask == kAllPoints ? batchOf(l.id) : 0);
             keepPoints(l.mask, l.points, l.pointCount);
         }
     }
     TexelGroup(const PathTracer& paths, const TexelMap& map, std::span<const uint32_t> texels,
-               std::span<const PointMask> valid)
-        : TexelGroup(paths, map, texels, valid, [](uint32_t) { return 0; })
+               PointUse use = PointUse::Valid)
+        : TexelGroup(paths, map, texels, use, [](uint32_t) { return 0; })
     {}
     /// All points of texels, on the back of the surface.
     static TexelGroup backs(const PathTracer& paths, const TexelMap& map, std::span<const uint32_t> texels)
     {
-        std::array<PointMask, kLanes> all;
-        all.fill(kAllPoints);
-        TexelGroup group(paths, map, texels, all);
+        TexelGroup group(paths, map, texels, PointUse::All);
         for (int lane = 0; lane < group.lanes_; ++lane) {
             Lane& l = group.lane_[std::size_t(lane)];
             l.onBack = true;
@@ -103,7 +103,7 @@ public:
     [[nodiscard]] const TexelPoints& points(int lane) const { return lane_[std::size_t(lane)].points; }
     [[nodiscard]] int pointCount(int lane) const { return lane_[std::size_t(lane)].pointCount; }
     [[nodiscard]] bool onBack(int lane) const { return lane_[std::size_t(lane)].onBack; }
-    /// The valid points that the group was made with.
+    /// The points that the group was made with.
     [[nodiscard]] PointMask mask(int lane) const { return lane_[std::size_t(lane)].mask; }
 
     /// Point `number`, modulo the number of points.
@@ -142,9 +142,8 @@ private:
 /// A texel group with ray origins and frames of its points.
 class GatherGroup : public TexelGroup {
 public:
-    GatherGroup(const PathTracer& paths, const TexelMap& map, std::span<const uint32_t> texels,
-                std::span<const PointMask> valid)
-        : TexelGroup(paths, map, texels, valid)
+    GatherGroup(const PathTracer& paths, const TexelMap& map, std::span<const uint32_t> texels)
+        : TexelGroup(paths, map, texels)
     {
         setOrigins(paths);
     }
@@ -191,27 +190,22 @@ private:
     bool flat_ = true;
 };
 
-/// Calls a body for texels 0…count-1 of a list, eight at a time, on all threads. texelAt(i) and maskAt(i) return a
-/// texel and its valid points. makeBody() returns a body with scratch memory for each run of texels: body(group, first,
-/// rays), where `first` is the list's index of lane 0. False when cancelled.
-template<typename Group, typename TexelAt, typename MaskAt, typename MakeBody>
-bool forTexelGroups(const PathTracer& paths, const TexelMap& map, std::size_t count, const TexelAt& texelAt,
-                    const MaskAt& maskAt, const Progress& progress, const char* stage, std::atomic<uint64_t>& rayCount,
-                    const MakeBody& makeBody)
+/// Calls a body for texels 0…count-1 of a list, eight at a time, on all threads. texelAt(i) returns a texel,
+/// makeGroup(texels) a group of up to eight. makeBody() returns a body with scratch memory for each run of texels:
+/// body(group, first, rays), where `first` is the list's index of lane 0. False when cancelled.
+template<typename TexelAt, typename MakeGroup, typename MakeBody>
+bool forTexelGroups(std::size_t count, const TexelAt& texelAt, const MakeGroup& makeGroup, const Progress& progress,
+                    const char* stage, std::atomic<uint64_t>& rayCount, const MakeBody& makeBody)
 {
     constexpr std::size_t kGrain = 64;
     return parallelFor(count, kGrain, progress, stage, [&](std::size_t begin, std::size_t end) {
         auto body = makeBody();
         uint64_t rays = 0;
         std::array<uint32_t, TexelGroup::kLanes> texels;
-        std::array<PointMask, TexelGroup::kLanes> masks;
         for (std::size_t i = begin; i < end && !progress.cancelled(); i += TexelGroup::kLanes) {
             const std::size_t lanes = std::min(end - i, std::size_t(TexelGroup::kLanes));
-            for (std::size_t k = 0; k < lanes; ++k) {
-                texels[k] = texelAt(i + k);
-                masks[k] = maskAt(i + k);
-            }
-            body(Group(paths, map, std::span(texels.data(), lanes), std::span(masks.data(), lanes)), i, rays);
+            for (std::size_t k = 0; k < lanes; ++k) texels[k] = texelAt(i + k);
+            body(makeGroup(std::span<const uint32_t>(texels.data(), lanes)), i, rays);
         }
         rayCount += rays;
     });

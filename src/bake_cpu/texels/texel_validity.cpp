@@ -9,12 +9,12 @@ namespace {
 constexpr uint32_t kInsideSeed = 0x5eed0004u;
 /// Rays per group of points in solids, and per point behind shells.
 constexpr int kRays = 8;
-constexpr int kFewRays = 3;           ///< enough if all of them agree
-constexpr int kEnoughBacks = 5;       ///< hidden backs hit by all rays of one point
-constexpr int kManyBacks = 32;        ///< hidden backs hit by all rays of all points together
-constexpr int kManyMoreBacks = 16;    ///< the same after earlier rays that hit nothing else
-constexpr int kEnoughInSolids = 8;    ///< backs of solids hit by all rays of a texel
-constexpr int kUntestedRound = kRays; ///< number of the ray of points that no ray has left yet
+constexpr int kFewRays = 3;     ///< enough if all of them agree
+constexpr int kEnoughBacks = 5; ///< hidden backs hit by all rays of one point
+constexpr int kScoutRays = 8;   ///< rays of a texel that find whether it has to be tested
+/// Height in texels of lines between the points of a texel: more than that of a convex surface between them.
+constexpr float kLift = 0.1f;
+constexpr int kManyBacks = 32; ///< hidden backs hit by all rays of all points together
 
 /// Index of the n-th bit that is set.
 int nthBit(PointMask mask, int n)
@@ -29,6 +29,8 @@ TexelValidity::TexelValidity(const PathTracer& paths) : paths_(paths)
 {
     const std::vector<uint8_t>& solid = paths.surfaces().geometry().solid;
     anySolid_ = std::find(solid.begin(), solid.end(), uint8_t(1)) != solid.end();
+    const Materials& materials = paths.surfaces().materials();
+    for (uint32_t t = 0; t < solid.size() && !anyHiddenBack_; ++t) anyHiddenBack_ = materials.backIsHidden(t);
 }
 
 /// Whether a group of mutually visible points is inside solids: most of up to 8 rays leave more solids than they enter.
@@ -48,14 +50,14 @@ bool TexelValidity::insideSolids(const TexelPoints& points, PointMask group, uin
     return 2 * inside > rayCount;
 }
 
-/// Points of `which` whose ray number `round` first hits a hidden back, or the back of a solid.
-TexelValidity::BackHits TexelValidity::hitBacks(const TexelPoints& points, PointMask which, bool ofSolids, uint32_t id,
-                                                int round, uint64_t& rays) const
+/// Points of `which` whose ray number `round` first hits a hidden back.
+PointMask TexelValidity::hitBacks(const TexelPoints& points, PointMask which, uint32_t id, int round,
+                                  uint64_t& rays) const
 {
     const RayTracer& tracer = paths_.surfaces();
     RTCRayHit8 packet;
     alignas(32) embree::LaneMask valid;
-    BackHits hits;
+    PointMask hits = 0;
     while (which != 0) {
         std::array<int, embree::kPacket> number{};
         embree::clear(packet.ray);
@@ -76,11 +78,7 @@ TexelValidity::BackHits TexelValidity::hitBacks(const TexelPoints& points, Point
             if (valid.lane[lane] == 0 || !embree::found(packet, lane)) continue;
             if (!embree::hitBack(packet, lane)) continue;
             const uint32_t triangle = tracer.triangleOf(packet.hit.geomID[lane], packet.hit.primID[lane]);
-            const bool counts =
-                ofSolids ? tracer.geometry().solid[triangle] != 0 : tracer.materials().backIsHidden(triangle);
-            if (!counts) continue;
-            hits.points |= PointMask(1u << number[std::size_t(lane)]);
-            hits.nearest = std::min(hits.nearest, packet.ray.tfar[lane]);
+            if (tracer.materials().backIsHidden(triangle)) hits |= PointMask(1u << number[std::size_t(lane)]);
         }
     }
     return hits;
@@ -88,15 +86,14 @@ TexelValidity::BackHits TexelValidity::hitBacks(const TexelPoints& points, Point
 
 /// Candidates whose rays, all but one at most, first hit hidden backs: points inside single-sided shells that are not
 /// closed. A point outside, beside the shell's rim, hits such backs with some of its rays only.
-PointMask TexelValidity::behindShells(const TexelPoints& points, PointMask candidates, bool allHidden, uint32_t id,
+PointMask TexelValidity::behindShells(const TexelPoints& points, PointMask candidates, uint32_t id,
                                       uint64_t& rays) const
 {
     std::array<int, kMaxTexelPoints> backs{};
     PointMask open = candidates;
     PointMask behind = 0;
-    const int enough = allHidden ? kManyMoreBacks : kManyBacks;
     for (int s = 0; s < kRays && open != 0; ++s) {
-        const PointMask hit = hitBacks(points, open, false, id, s, rays).points;
+        const PointMask hit = hitBacks(points, open, id, s, rays);
         // One ray of a point may pass through a gap between surfaces.
         for (int p = 0; p < kMaxTexelPoints; ++p) {
             backs[std::size_t(p)] += (hit >> p) & 1;
@@ -107,7 +104,7 @@ PointMask TexelValidity::behindShells(const TexelPoints& points, PointMask candi
         }
         // The test ends early if all rays of many points hit hidden backs.
         const bool allHit = s == 0 ? hit == candidates : open == candidates;
-        if (allHit && std::popcount(open) * (s + 1) >= enough) break;
+        if (allHit && std::popcount(open) * (s + 1) >= kManyBacks) break;
     }
     return behind | open;
 }
@@ -115,8 +112,17 @@ PointMask TexelValidity::behindShells(const TexelPoints& points, PointMask candi
 /// Candidates visible from the first one, which is among them.
 PointMask TexelValidity::visibleFromFirst(const TexelPoints& points, PointMask candidates, uint64_t& rays) const
 {
-    const int first = std::countr_zero(candidates);
-    const vec3 origin = paths_.rayOrigin(points[std::size_t(first)]);
+    return visibleFrom(points, std::countr_zero(candidates), candidates, 0.0f, rays);
+}
+
+PointMask TexelValidity::visibleFrom(const TexelPoints& points, int first, PointMask candidates, float lift,
+                                     uint64_t& rays) const
+{
+    const auto above = [&](int p) {
+        const SurfacePoint& point = points[std::size_t(p)];
+        return paths_.rayOrigin(point) + lift * point.geometricNormal;
+    };
+    const vec3 origin = above(first);
     auto visible = PointMask(1u << first);
     PointMask open = candidates & PointMask(~visible);
     RTCRay8 packet;
@@ -130,7 +136,7 @@ PointMask TexelValidity::visibleFromFirst(const TexelPoints& points, PointMask c
             point[std::size_t(lane)] = std::countr_zero(open);
             open &= PointMask(open - 1u);
             // The direction is not normalized: tfar 1 is the other point.
-            const vec3 way = paths_.rayOrigin(points[std::size_t(point[std::size_t(lane)])]) - origin;
+            const vec3 way = above(point[std::size_t(lane)]) - origin;
             embree::setRay(packet, lane, origin, way);
             packet.tfar[lane] = 1.0f;
             ++rays;
@@ -173,63 +179,31 @@ PointMask TexelValidity::outsideSolids(const TexelPoints& points, int pointCount
 }
 
 PointMask TexelValidity::outsideShells(const TexelPoints& points, int pointCount, PointMask outsideSolids,
-                                       bool allHidden, uint32_t texelId, uint64_t& rays) const
+                                       uint32_t texelId, uint64_t& rays) const
 {
     const auto all = PointMask((1u << pointCount) - 1u);
     PointMask mask = all & outsideSolids;
-    mask &= PointMask(~behindShells(points, mask, allHidden, texelId, rays));
+    mask &= PointMask(~behindShells(points, mask, texelId, rays));
     return mask == all ? kAllPoints : std::popcount(mask) * 8 < pointCount ? PointMask(0) : mask;
 }
 
-/// Whether mutually visible points, all far from geometry, are outside it; nothing if the points have to be tested one
-/// by one. A surface that lies low above some of the points is between none of them, but it is near.
-std::optional<bool> TexelValidity::validTogether(const TexelPoints& points, int pointCount, const FirstHits& hits,
-                                                 uint32_t id, uint64_t& rays) const
+bool TexelValidity::mayHaveInvalidPoints(const TexelPoints& points, int pointCount, uint32_t texelId,
+                                         uint64_t& rays) const
 {
-    constexpr float kNearInTexels = 2.0f;
-    const float near = kNearInTexels * paths_.surfaces().geometry().texelMeters(points[0].triangle);
-    if (!hits.mutuallyVisible || hits.backs.nearest < near) return std::nullopt;
+    if (!anyHiddenBack_) return false;
+    // The rays leave points that are spread over the texel.
+    PointMask some = 0;
+    for (int i = 0; i < kScoutRays; ++i) some |= PointMask(1u << (i * pointCount / kScoutRays));
+    if (hitBacks(points, some, texelId, 0, rays) != 0) return true;
     const auto all = PointMask((1u << pointCount) - 1u);
-    if (hits.backs.solids > 0 && insideSolids(points, all, id, rays)) return false;
-    // Sequential test of the share of rays that hit anything but hidden backs. It ends early above a quarter and below
-    // a twelfth; after 40 rays a fifth decides.
-    constexpr int kEnoughOthers = 4;
-    constexpr int kBacksForOneOther = 12;
-    constexpr int kMostRays = 40;
-    int rayCount = hits.rays;
-    int others = hits.rays - hits.backs.hidden;
-    for (int round = 0;; ++round) {
-        if (others >= kEnoughOthers && 4 * others >= rayCount) return true;
-        if (rayCount >= kBacksForOneOther * (others + 1)) return false;
-        if (rayCount >= kMostRays) return 5 * others >= rayCount;
-        // Even points and odd points alternate.
-        const auto some = PointMask(all & (round % 2 == 0 ? 0x5555u : 0xaaaau));
-        const PointMask which = some != 0 ? some : all;
-        const BackHits found = hitBacks(points, which, false, id, round / 2, rays);
-        if (found.nearest < near) return std::nullopt;
-        rayCount += std::popcount(which);
-        others += std::popcount(which) - std::popcount(found.points);
-    }
+    const float lift = kLift * paths_.surfaces().geometry().texelMeters(points[0].triangle);
+    return visibleFrom(points, 0, all, lift, rays) != all;
 }
 
 PointMask TexelValidity::validPoints(const TexelPoints& points, int pointCount, uint32_t texelId, uint64_t& rays) const
 {
     const PointMask mask = outsideSolids(points, pointCount, texelId, rays);
-    return outsideShells(points, pointCount, mask, false, texelId, rays);
-}
-
-PointMask TexelValidity::validPoints(const TexelPoints& points, int pointCount, FirstHits hits, uint32_t texelId,
-                                     uint64_t& rays) const
-{
-    // If the rays of all points hit backs of solids, the texel is invalid. Untested points trace one ray each.
-    if (hits.backs.solids == hits.rays && pointCount == kMaxTexelPoints) {
-        if (hits.rays >= kEnoughInSolids) return 0;
-        while (std::popcount(hits.untested) > embree::kPacket) hits.untested &= PointMask(hits.untested - 1u);
-        if (hitBacks(points, hits.untested, true, texelId, kUntestedRound, rays).points == hits.untested) return 0;
-    }
-    if (const auto all = validTogether(points, pointCount, hits, texelId, rays)) return *all ? kAllPoints : 0;
-    const PointMask mask = hits.backs.solids > 0 ? outsideSolids(points, pointCount, texelId, rays) : kAllPoints;
-    return outsideShells(points, pointCount, mask, hits.backs.hidden == hits.rays, texelId, rays);
+    return outsideShells(points, pointCount, mask, texelId, rays);
 }
 
 } // namespace halflight
