@@ -19,6 +19,7 @@ layout(set = 0, binding = kBindCascades) uniform sampler2DArrayShadow cascadeMap
 layout(set = 0, binding = kBindAtlas) uniform sampler2DArrayShadow atlasMap;
 layout(std430, set = 0, binding = kBindProbeVolumes) readonly buffer ProbeVolumeBlock { GpuProbeVolume probeVolumes[]; };
 layout(set = 0, binding = kBindProbeTexture) uniform sampler3D probeTexture;
+layout(set = 0, binding = kBindSkyPicture) uniform sampler2D skyPicture;
 layout(set = 0, binding = kBindTextures) uniform sampler2D textures[];
 
 layout(push_constant) uniform PushBlock { GpuPush push; };

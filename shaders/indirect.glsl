@@ -4,7 +4,7 @@
 
 #include "mesh_surface.glsl"
 #include "halflight/shading/indirect.h"
-#include "halflight/shading/sky.h"
+#include "sky.glsl"
 
 bool usesLightmap(Surface s) { return s.lightmapped && frame.mode.x != kModeRealtime; }
 
@@ -27,8 +27,7 @@ vec3 indirectLight(MeshSurface mesh, vec3 lightmap)
     }
     surroundings *= 1.0 / kShadingPi;
     if (realtime)
-        surroundings = mix(skyRadiance(frame.skyZenith.rgb, frame.skyHorizon.rgb, frame.skyGround.rgb,
-                                       reflect(-s.view, s.normal)),
+        surroundings = mix(skyTowards(reflect(-s.view, s.normal), skyPictureLevel(s.roughness, frame.skyPicture.z)),
                            surroundings, s.roughness);
 
     float nDotV = clamp(abs(dot(s.normal, s.view)), 1.0e-4, 1.0);

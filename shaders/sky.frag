@@ -2,8 +2,7 @@
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_nonuniform_qualifier : require
 // The sky where nothing was drawn.
-#include "bindings.glsl"
-#include "halflight/shading/sky.h"
+#include "sky.glsl"
 
 layout(location = 0) out vec4 outRadiance;
 
@@ -12,6 +11,10 @@ void main()
     vec3 direction = frame.cameraForward.xyz;
     vec2 ndc = gl_FragCoord.xy / frame.pictureSize.xy * 2.0 - 1.0;
     if (frame.cameraForward.w < 0.5) direction += ndc.x * frame.cameraRight.xyz - ndc.y * frame.cameraUp.xyz;
-    vec3 radiance = skyRadiance(frame.skyZenith.rgb, frame.skyHorizon.rgb, frame.skyGround.rgb, normalize(direction));
+    direction = normalize(direction);
+    // The level whose texels are as large as pixels.
+    float pixel = max(length(dFdx(direction)), length(dFdy(direction)));
+    float level = log2(max(pixel * frame.skyPicture.z / (2.0 * kShadingPi), 1.0));
+    vec3 radiance = skyTowards(direction, level);
     outRadiance = vec4(frame.mode.y == 0 ? radiance : vec3(0.0), 1.0);
 }

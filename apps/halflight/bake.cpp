@@ -13,6 +13,7 @@
 #include "halflight/base/log.h"
 #include "halflight/scene/gltf.h"
 #include "halflight/scene/sidecar.h"
+#include "halflight/scene/sky_picture.h"
 
 #include <spdlog/fmt/fmt.h>
 
@@ -49,6 +50,7 @@ private:
             .add(bakeHash(scene, options.bake))
             .add(uint8_t(options.write.mozLightmap))
             .add(uint8_t(options.write.lightmapFormat))
+            .add(options.write.skyWidth)
             .hash();
     }
     [[nodiscard]] std::string outputHash() const
@@ -129,7 +131,7 @@ int runBake(const CLI::App& app, const BakeOptions& given)
         }
     }
     if (options.exportStyle) prepareExport(options.bake, *scene);
-    if (options.skyGiven) scene->sky = {options.skyNits, options.skyNits, options.skyNits};
+    if (options.skyGiven) scene->sky = Sky{options.skyNits, options.skyNits, options.skyNits};
 
     std::optional<FinishedBake> finished;
     // A .gltf is more than one file, of which any may have changed since.
@@ -273,6 +275,8 @@ Command addBakeCommand(CLI::App& parent)
         {{"rgb9e5", LightmapFormat::Rgb9e5}, {"half", LightmapFormat::Half}, {"webp", LightmapFormat::Webp}},
         "how lightmaps are stored: RGB9E5 or half floats in KTX2, or 8 bits a channel by a curve in lossless WebP; "
         "the report has the error of each page (default rgb9e5)");
+    addInt(app, "--sky-width", options->write.skyWidth, 16, kMostSkyTexels,
+           "texels in a row of the sky's picture in the file, at most (default 512)");
     addExportOptions(app, *options);
     app.add_option("--sidecar", options->sidecarDirectory,
                    "also write the bake as pictures and one JSON that binds them by node name, for tools that drop "

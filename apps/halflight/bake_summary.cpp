@@ -48,6 +48,7 @@ void printBytes(const BakeReport& report)
     print("file       {}: lightmap {} a page", mb(double(bytes.file)), mb(double(bytes.lightmaps) / pages));
     if (bytes.lightmapDirections > 0) print(", directions {} a page", mb(double(bytes.lightmapDirections) / pages));
     if (bytes.shadowmasks > 0) print(", mask {} a page", mb(double(bytes.shadowmasks) / pages));
+    if (bytes.sky > 0) print(", sky {}", mb(double(bytes.sky)));
     print(", probes {}\n", mb(double(bytes.probes)));
     for (std::size_t i = 0; i < bytes.lightmapPages.size(); ++i) {
         const WrittenLightmap& page = bytes.lightmapPages[i];

@@ -115,6 +115,9 @@ Json infoJson(const InfoOptions& options, const BakedScene& baked)
     json["sky"] = {{"zenith", jsonOf(scene.sky.zenith)},
                    {"horizon", jsonOf(scene.sky.horizon)},
                    {"ground", jsonOf(scene.sky.ground)}};
+    if (const auto& picture = scene.sky.picture)
+        json["sky"]["picture"] = {{"size", Json::array({picture->width(), picture->height()})},
+                                  {"rotation", scene.sky.rotationRadians}};
     json["origin"] = jsonOf(scene.originMeters);
     const Bounds bounds = scene.bounds();
     if (bounds.empty()) {
@@ -188,6 +191,10 @@ void printInfo(const InfoOptions& options, const BakedScene& baked)
     if (scene.originMeters != dvec3(0.0)) {
         print("origin      ({}, {}, {}): far from the world's, so that positions are relative to it\n",
               scene.originMeters.x, scene.originMeters.y, scene.originMeters.z);
+    }
+    if (const auto& picture = scene.sky.picture) {
+        print("sky         picture of {} x {}, turned by {:.3g} degrees\n", picture->width(), picture->height(),
+              glm::degrees(scene.sky.rotationRadians));
     }
     std::string cameras;
     for (const Camera& camera : scene.cameras) cameras += (cameras.empty() ? "" : ", ") + printable(camera.name);

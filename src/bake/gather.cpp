@@ -99,7 +99,8 @@ Hash128 lightHash(Hash128 layout, const Scene& scene, const BakeGeometry& geomet
     }
     for (const Light& light : scene.lights)
         hasher.add(lightHash(light)).add(int(light.baking.bakeType)).add(light.baking.occlusionMaskChannel);
-    return hasher.add(scene.sky.zenith).add(scene.sky.horizon).add(scene.sky.ground).hash();
+    addSky(hasher, scene.sky);
+    return hasher.hash();
 }
 
 bool Gather::irradiance(std::span<IrradianceEstimate> out, const Progress& progress) const

@@ -79,6 +79,7 @@ std::string reportJson(const BakeReport& report)
           {"lightmaps", report.written.lightmaps},
           {"lightmapDirections", report.written.lightmapDirections},
           {"shadowmasks", report.written.shadowmasks},
+          {"sky", report.written.sky},
           {"probes", report.written.probes}}},
         {"triangles", report.triangleCount},
         {"lights", std::move(lights)},

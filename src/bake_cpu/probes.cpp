@@ -49,12 +49,14 @@ private:
             Sampler sampler(settings_.seed ^ kProbeSeed, id, uint32_t(s));
             const vec3 direction = shading::sampleSphere(sampler.next2());
             const PathTracer::EmitterInSpace emitter = paths_.emitterInSpace(position, kUniformPdf, sampler, rays);
-            if (emitter.radianceOverPdf != vec3(0.0f)) add(emitter.direction, emitter.radianceOverPdf);
+            const PathTracer::EmitterInSpace sky = paths_.skyInSpace(position, sampler, rays);
+            for (const auto& light : {emitter, sky})
+                if (light.radianceOverPdf != vec3(0.0f)) add(light.direction, light.radianceOverPdf);
             const PathTracer::Incoming in =
                 paths_.incoming({position}, direction, kUniformPdf, settings_.bounces, sampler, rays);
             backFaces += in.firstHitBackFace ? 1 : 0;
             add(direction, in.radiance / kUniformPdf);
-            mean.add(in.radiance + emitter.radianceOverPdf * kUniformPdf);
+            mean.add(in.radiance + (emitter.radianceOverPdf + sky.radianceOverPdf) * kUniformPdf);
         }
         for (int i = 0; i < 9; ++i) estimate.radiance[std::size_t(i)] = sum[std::size_t(i)] / float(samples_);
         // A coefficient is 4 pi times the mean of radiance times a basis function, whose mean square is 1 / (4 pi).

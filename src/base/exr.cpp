@@ -53,7 +53,7 @@ Status writeExr(const std::filesystem::path& path, const ImageRgba32f& image)
     return writeExrChannels(path, &image.data()->x, image.size(), 4);
 }
 
-Result<ImageRgba32f> readExr(const std::filesystem::path& path)
+Result<ImageRgba32f> readExr(const std::filesystem::path& path, int64_t mostTexels)
 {
     try {
         Imf::InputFile file(path.string().c_str());
@@ -66,6 +66,12 @@ Result<ImageRgba32f> readExr(const std::filesystem::path& path)
         if (width > kMaxSide || height > kMaxSide || width * height > std::max<int64_t>(1 << 24, byteCount * 1032)) {
             return Error{ErrorCode::FileInvalid, "image claims more texels than its bytes can hold"};
         }
+        if (width * height > mostTexels)
+            return Error{ErrorCode::FileInvalid, "has more than " + std::to_string(mostTexels) + " texels"};
+        const Imf::ChannelList& channels = file.header().channels();
+        if (std::none_of(kChannelNames, kChannelNames + 3,
+                         [&](const char* name) { return channels.findChannel(name) != nullptr; }))
+            return Error{ErrorCode::FileInvalid, "has no channel R, G or B"};
         const ivec2 size{int(width), int(height)};
         ImageRgba32f image(size.x, size.y, vec4(0, 0, 0, 1));
         Imf::FrameBuffer buffer;

@@ -21,6 +21,13 @@ uint32_t packRgb9e5(vec3 color)
     return mantissa(color.x) | (mantissa(color.y) << 9) | (mantissa(color.z) << 18) | (uint32_t(exponent) << 27);
 }
 
+float rgb9e5Unit(const ImageRgb32f& image)
+{
+    float largest = 0.0f;
+    for (const vec3& texel : image.texels()) largest = std::max({largest, texel.x, texel.y, texel.z});
+    return largest > 0.0f ? std::exp2(std::ceil(std::log2(largest / kMaxRgb9e5))) : 1.0f;
+}
+
 ImageRgb32f decodeRgb9e5(const Image<uint32_t>& page, float unit)
 {
     ImageRgb32f decoded(page.width(), page.height());

@@ -66,6 +66,7 @@ Status checkScene(const BakedScene& baked)
         return std::all_of(pages.begin(), pages.end(),
                            [&](const auto& page) { return !page.empty() && page.size() == pages.front().size(); });
     };
+    if (scene.sky.picture && scene.sky.picture->empty()) return broken("the sky's picture has no texels", "");
     if (!samePages(baked.lightmaps)) return broken("lightmap pages are empty or differ in size", "");
     if (!(baked.lightmapUnitLux > 0.0f) || !std::isfinite(baked.lightmapUnitLux))
         return broken("the lightmap's unit is not a number above 0", "");

@@ -70,6 +70,7 @@ shading::GpuFrame gpuFrame(const GpuScene& scene, const FrameView& view, const R
     frame.skyZenith = vec4(sky.zenith, 0.0f);
     frame.skyHorizon = vec4(sky.horizon, 0.0f);
     frame.skyGround = vec4(sky.ground, 0.0f);
+    frame.skyPicture = skyPictureOfFrame(scene.sky, sky);
     frame.subtractiveShadowColor = vec4(settings.subtractiveShadowColor.value_or(subtractiveShadowColor(scene.outline)),
                                         scene.outline.lightmapUnitLux);
     for (int c = 0; c < 4; ++c) {

@@ -34,7 +34,8 @@ HL_CONST int kBindProbeVolumes = 16;
 HL_CONST int kBindProbeTexture = 17;
 HL_CONST int kBindLightmapDirections = 18;
 HL_CONST int kBindDynamicLightmaps = 19;
-HL_CONST int kBindTextures = 20; // the last: its length varies
+HL_CONST int kBindSkyPicture = 20;
+HL_CONST int kBindTextures = 21; // the last: its length varies
 
 // Debug views: the values of DebugView in renderer.h.
 HL_CONST int kViewLit = 0;
@@ -74,6 +75,7 @@ struct GpuFrame {
     vec4 skyZenith;      // rgb cd/m2
     vec4 skyHorizon;
     vec4 skyGround;
+    vec4 skyPicture; // xy cosine and sine of its rotation, z width in texels (0 = the gradient), w cd/m2 of 1
     vec4 subtractiveShadowColor; // rgb lux; w lux that a lightmap texel of 1 stands for
     vec4 maskRange;              // by channel, MaskChannel::rangeTexels
     vec4 maskPenumbra;           // by channel, MaskChannel::penumbraTexels

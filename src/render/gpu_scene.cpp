@@ -292,6 +292,7 @@ GpuScene uploadScene(gpu::Device& device, const BakedScene& baked)
                 gpuObject(scene.objects[i], result.bounds[i], result.lightmapped[i], volumeOf[i], *result.probes);
     });
     result.objects = uploadVector(device, uploader, objects, kStorage);
+    result.sky = uploadSky(device, uploader, scene.sky);
     const ProbeSample sky = skyProbe(scene.sky);
     for (std::size_t i = 0; i < 9; ++i) result.skySh[i] = vec4(sky.radiance[i], 0.0f);
     result.outline = outlineOf(baked);

@@ -7,6 +7,7 @@
 #include "halflight/scene/baked_scene.h"
 #include "render/gpu_layout.h"
 #include "render/probe_volumes.h"
+#include "render/sky_picture.h"
 
 #include <cstdint>
 #include <optional>
@@ -48,6 +49,7 @@ struct GpuScene {
     std::vector<bool> mirrored;    ///< per object: its transform turns front faces clockwise
     std::vector<bool> lightmapped; ///< per object: lit by its lightmap, not by probes
     std::vector<Bounds> bounds;    ///< per object, world space
+    SkyTexture sky;
     vec4 skySh[9];
 
     /// What planFrame() reads: no vertices, no pixels. Lights and objects may change between frames.

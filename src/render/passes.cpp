@@ -185,9 +185,9 @@ std::vector<gpu::Binding> frameBindings(const gpu::Device& device)
 {
     const VkPhysicalDeviceLimits& limits = device.properties().limits;
     const uint32_t textures =
-        std::min({kMaxTextures, limits.maxPerStageDescriptorSampledImages - 13,
-                  limits.maxPerStageDescriptorSamplers - 13, limits.maxPerStageResources - 32,
-                  limits.maxDescriptorSetSamplers - 13, limits.maxDescriptorSetSampledImages - 13});
+        std::min({kMaxTextures, limits.maxPerStageDescriptorSampledImages - 14,
+                  limits.maxPerStageDescriptorSamplers - 14, limits.maxPerStageResources - 32,
+                  limits.maxDescriptorSetSamplers - 14, limits.maxDescriptorSetSampledImages - 14});
     std::vector<gpu::Binding> bindings(shading::kBindTextures + 1);
     bindings[shading::kBindFrame].type = VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER;
     for (int i = shading::kBindLightmaps; i <= shading::kBindTextures; ++i)

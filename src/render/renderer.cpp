@@ -215,13 +215,13 @@ struct Renderer::Impl {
         set.image(shading::kBindLightmapDirections, scene->lightmapDirections.view(), pageSampler.get());
         set.image(shading::kBindDynamicLightmaps, scene->dynamicLightmaps.view(), pageSampler.get());
         set.image(shading::kBindShadowmasks, scene->shadowmasks.view(), pageSampler.get());
+        set.image(shading::kBindSkyPicture, scene->sky.image.view(), scene->sky.sampler.get());
         set.buffer(shading::kBindProbeVolumes, scene->probeVolumes.buffer());
         set.image(shading::kBindProbeTexture, scene->probeVolumes.texture().view(), pageSampler.get());
         for (std::size_t i = 0; i < scene->textures.size(); ++i)
             set.image(shading::kBindTextures, scene->textures[i].view(),
                       scene->samplers[scene->samplerOfTexture[i]].get(), uint32_t(i));
-        bindAll = true;
-        bindGBuffer = true;
+        bindAll = bindGBuffer = true;
     }
 
     void ensureTargets(ivec2 size, const FramePlan& plan, const ShadowSettings& shadows);

@@ -315,13 +315,7 @@ Json AtBake::sceneJson(std::size_t lightmapped) const
     const auto lights = std::count_if(scene_.lights.begin(), scene_.lights.end(), [](const Light& light) {
         return light.baking.isBaked && light.baking.bakeType != LightMode::Realtime;
     });
-    return {{"staticNodes", staticNodes},
-            {"lightmappedNodes", lightmapped},
-            {"bakedLights", lights},
-            {"sky",
-             {{"zenith", numbers(scene_.sky.zenith)},
-              {"horizon", numbers(scene_.sky.horizon)},
-              {"ground", numbers(scene_.sky.ground)}}}};
+    return {{"staticNodes", staticNodes}, {"lightmappedNodes", lightmapped}, {"bakedLights", lights}};
 }
 
 bool shapeChangedSinceBake(const Light& light)

@@ -43,7 +43,7 @@ public:
 
     /// Nothing without a static object.
     [[nodiscard]] std::optional<SurfaceAtBake> ofObjects(std::span<const Object* const> objects) const;
-    /// `atBake` of the root extension. `lightmapped`: nodes with lightmap texels.
+    /// `atBake` of the root extension without the sky. `lightmapped`: nodes with lightmap texels.
     [[nodiscard]] Json sceneJson(std::size_t lightmapped) const;
 
 private:

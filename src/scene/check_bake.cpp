@@ -5,6 +5,7 @@
 #include "scene/bake_members.h"
 #include "scene/nodes.h"
 #include "scene/settings.h"
+#include "scene/write_sky.h"
 
 #include <algorithm>
 #include <map>
@@ -66,19 +67,6 @@ void checkObjects(const SourceDocument& document, const glm::dvec3& shift, Scene
                              "; their light and shadows are those of before, bake the scene again");
 }
 
-void checkSky(const Json& atBake, Scene& scene)
-{
-    const Json& sky = member(atBake, "sky");
-    const auto differs = [&](const char* key, vec3 now) {
-        vec3 then(0.0f);
-        return readVector(member(sky, key), then) &&
-               glm::distance(now, then) > 1.0e-3f * std::max(glm::length(now), glm::length(then));
-    };
-    if (differs("zenith", scene.sky.zenith) || differs("horizon", scene.sky.horizon) ||
-        differs("ground", scene.sky.ground))
-        scene.warnings.emplace_back("is stale: the sky changed since its bake; bake the scene again");
-}
-
 // What the file had and has no more.
 void checkLosses(const SourceDocument& document, const Json& atBake, BakedScene& baked)
 {
@@ -127,7 +115,8 @@ void checkAgainstBake(const SourceDocument& document, const Json& root, const gl
     const Json& atBake = member(root, "atBake");
     if (atBake.is_object()) {
         checkObjects(document, shift, scene);
-        checkSky(atBake, scene);
+        if (skyDiffersFrom(scene.sky, member(atBake, "sky")))
+            scene.warnings.emplace_back("is stale: the sky changed since its bake; bake the scene again");
         checkLosses(document, atBake, baked);
     } else if (member(root, "version") == 1) {
         scene.warnings.emplace_back("is of version 1 of the format, whose record of the scene at its bake is not read: "

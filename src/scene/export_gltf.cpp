@@ -380,6 +380,7 @@ Status writeExport(const std::filesystem::path& path, BakedScene baked, const st
     for (Image<uint32_t>& page : baked.lightmaps) page = Image<uint32_t>(1, 1);
     baked.lightmapDirections.clear();
     baked.shadowmasks.clear();
+    baked.scene.sky.picture = nullptr;
     baked.probes = {};
     WrittenBytes written;
     const auto document = bakedDocument(baked, {}, {}, written);

@@ -74,6 +74,12 @@ Hash128 lightHash(const Light& light)
     return hasher.add(light.color).add(light.intensity).add(light.indirectMultiplier).hash();
 }
 
+void addSky(Hasher& hasher, const Sky& sky)
+{
+    hasher.add(sky.zenith).add(sky.horizon).add(sky.ground);
+    if (sky.picture) hasher.add(sky.picture->size()).add(sky.picture->texels()).add(sky.rotationRadians);
+}
+
 Hash128 contentHash(const Scene& scene)
 {
     Hasher hasher;
@@ -100,7 +106,7 @@ Hash128 contentHash(const Scene& scene)
              {light.shadowBias.depthTexels, light.shadowBias.slope, light.shadowBias.normalTexels})
             hasher.add(int(bias.has_value())).add(bias.value_or(0.0f));
     }
-    hasher.add(scene.sky.zenith).add(scene.sky.horizon).add(scene.sky.ground);
+    addSky(hasher, scene.sky);
     hasher.add(scene.originMeters);
     hasher.add(int(scene.subtractiveShadowColor.has_value())).add(scene.subtractiveShadowColor.value_or(vec3(0.0f)));
     return hasher.add(scene.probePositions).hash();

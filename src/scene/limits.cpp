@@ -33,7 +33,9 @@ Status checkBrightness(const Scene& scene)
             return invalid(path, "light \"" + light.name + "\"" + kTooBright);
     }
     const Sky& sky = scene.sky;
-    if (tooBright(sky.zenith) || tooBright(sky.horizon) || tooBright(sky.ground))
+    const bool pictureTooBright =
+        sky.picture && std::any_of(sky.picture->texels().begin(), sky.picture->texels().end(), tooBright);
+    if (pictureTooBright || tooBright(sky.zenith) || tooBright(sky.horizon) || tooBright(sky.ground))
         return invalid("/scenes/0", std::string("its sky") + kTooBright);
     if (tooBright(scene.subtractiveShadowColor.value_or(vec3(0.0f))))
         return invalid("/scenes/0", std::string("its subtractive shadow colour") + kTooBright);

@@ -10,9 +10,6 @@
 
 namespace halflight {
 
-namespace {
-
-// The encoded picture that a reference names: a texture's, or in version 1 of the format a buffer view.
 Result<std::vector<std::byte>> pictureBytes(const SourceDocument& document, const Json& reference,
                                             const std::string& path)
 {
@@ -35,6 +32,8 @@ Result<std::vector<std::byte>> pictureBytes(const SourceDocument& document, cons
     const auto* first = reinterpret_cast<const std::byte*>(data.data()) + view.byteOffset;
     return std::vector<std::byte>(first, first + view.byteLength);
 }
+
+namespace {
 
 // Texels of all pages together; buffer views may overlap.
 class PageTexels {

@@ -9,6 +9,7 @@
 #include "scene/origin.h"
 #include "scene/read_lights.h"
 #include "scene/read_parts.h"
+#include "scene/read_sky.h"
 #include "scene/skin.h"
 
 #include <algorithm>
@@ -217,28 +218,14 @@ Status applySceneSettings(const SourceDocument& document, const FileSettings& fi
 {
     const Json& json = activeScene(document);
     const std::string path = pathOf("scenes", std::size_t(std::max(0, document.model.defaultScene)));
-    const auto authored = sceneSettingsOf(member(json, "extras"), path);
+    auto authored = sceneSettingsOf(member(json, "extras"), path);
     if (!authored) return authored.error();
+    if (authored->skyImage) authored->skyImage = document.directory / *authored->skyImage;
     warnUnknownExtras(member(json, "extras"), ExtrasOwner::Scene, path, scene.warnings);
 
     // An earlier bake's record stands between extras and the settings file, as for nodes and lights.
-    SceneSettings record;
+    SceneSettings record = recordedSky(document);
     const Json& root = extensionOf(document.json, "HALFLIGHT_mixed_lighting");
-    if (const Json& sky = member(root, "sky"); sky.is_object()) {
-        const auto color = [&](const char* key) -> std::optional<vec3> {
-            const Json& value = member(sky, key);
-            if (!value.is_array() || value.size() != 3) return std::nullopt;
-            vec3 c(0.0f);
-            for (std::size_t i = 0; i < 3; ++i) {
-                if (!value[i].is_number()) return std::nullopt;
-                c[int(i)] = value[i].get<float>();
-            }
-            return c;
-        };
-        record.skyZenith = color("zenith");
-        record.skyHorizon = color("horizon");
-        record.skyGround = color("ground");
-    }
     // Not the author's: what a bake chose, and black in files that do not say whose it is.
     const Json& shadow = member(root, "subtractiveShadowColor");
     const Json& fromBake = member(root, "shadowColorFromBake");
@@ -257,9 +244,9 @@ Status applySceneSettings(const SourceDocument& document, const FileSettings& fi
     }
 
     const SceneSettings settings = mergeSettings(mergeSettings(*authored, record), file.scene);
-    scene.sky.zenith = settings.skyZenith.value_or(vec3(0.0f));
-    scene.sky.horizon = settings.skyHorizon.value_or(vec3(0.0f));
-    scene.sky.ground = settings.skyGround.value_or(vec3(0.0f));
+    auto sky = readSky(document, settings, scene.warnings);
+    if (!sky) return sky.error();
+    scene.sky = std::move(*sky);
     scene.subtractiveShadowColor = settings.shadowColor;
     for (const glm::dvec3& p : settings.probes.value_or(std::vector<glm::dvec3>())) {
         if (tooFar(p - scene.originMeters))
@@ -268,7 +255,7 @@ Status applySceneSettings(const SourceDocument& document, const FileSettings& fi
     }
 
     // A plain model with nothing that shines would bake to black.
-    const bool skyAuthored = settings.skyZenith || settings.skyHorizon || settings.skyGround;
+    const bool skyAuthored = scene.sky.picture || settings.skyZenith || settings.skyHorizon || settings.skyGround;
     const std::vector<std::string> advice = adviceFor(scene, document.json, skyAuthored);
     scene.warnings.insert(scene.warnings.end(), advice.begin(), advice.end());
     bool emits = false;

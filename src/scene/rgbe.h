@@ -3,10 +3,15 @@
 
 #include "halflight/base/image.h"
 
+#include <span>
+
 namespace halflight {
 
 /// An RGB9E5 image as a Radiance picture, top row first. Both formats share one exponent; the 9-bit mantissas lose a
 /// bit.
 std::vector<std::byte> encodeRgbe(const Image<uint32_t>& rgb9e5);
+
+/// Reads a Radiance picture of at most `mostTexels`: RGBE, rows from the top, with either run-length encoding or none.
+Result<ImageRgb32f> decodeRgbe(std::span<const std::byte> bytes, int64_t mostTexels);
 
 } // namespace halflight

@@ -1,92 +1,18 @@
 #include "scene/settings.h"
 
 #include "scene/pose.h"
+#include "scene/setting_values.h"
 
-#include <cmath>
 #include <functional>
 
 namespace halflight {
 
 namespace {
 
-// What a key accepts: sets the value, or returns what it should have been ("a number from 0 to 1").
-using Expectation = const char*;
 template<typename Settings> struct Key {
     const char* name;
     std::function<Expectation(const Json&, Settings&)> set;
 };
-
-Expectation readBool(const Json& value, std::optional<bool>& out)
-{
-    if (value.is_boolean()) {
-        out = value.get<bool>();
-    } else if (value.is_number() && (value.get<double>() == 0.0 || value.get<double>() == 1.0)) {
-        out = value.get<double>() == 1.0; // Blender writes its boolean properties as integers
-    } else {
-        return "true, false, 0 or 1";
-    }
-    return nullptr;
-}
-
-Expectation readNumber(const Json& value, double low, double high, Expectation expectation, std::optional<float>& out)
-{
-    if (!value.is_number()) return expectation;
-    const double number = value.get<double>();
-    if (!std::isfinite(float(number)) || number < low || number > high) return expectation;
-    out = float(number);
-    return nullptr;
-}
-
-template<typename T> bool readVec3(const Json& value, glm::vec<3, T>& out)
-{
-    if (!value.is_array() || value.size() != 3) return false;
-    for (int c = 0; c < 3; ++c) {
-        if (!value[std::size_t(c)].is_number()) return false;
-        out[c] = T(value[std::size_t(c)].get<double>());
-        if (!std::isfinite(float(out[c]))) return false;
-    }
-    return true;
-}
-
-Expectation readColor(const Json& value, std::optional<vec3>& out)
-{
-    vec3 color(0.0f);
-    if (value.is_number()) {
-        color = vec3(float(value.get<double>()));
-    } else if (!readVec3(value, color)) {
-        return "three numbers >= 0, or one";
-    }
-    if (!std::isfinite(color.x) || glm::any(glm::lessThan(color, vec3(0.0f)))) return "three numbers >= 0, or one";
-    out = color;
-    return nullptr;
-}
-
-// [[x, y, z], …], or one flat list, since some tools (Blender) know no lists of lists.
-Expectation readPoints(const Json& value, std::optional<std::vector<glm::dvec3>>& out)
-{
-    constexpr Expectation kExpectation = "a list of [x, y, z]";
-    if (!value.is_array()) return kExpectation;
-    std::vector<glm::dvec3> points;
-    if (!value.empty() && value[0].is_number()) {
-        if (value.size() % 3 != 0) return kExpectation;
-        for (std::size_t i = 0; i < value.size(); i += 3) {
-            glm::dvec3 p;
-            if (!readVec3(Json::array({value[i], value[i + 1], value[i + 2]}), p)) return kExpectation;
-            points.push_back(p);
-        }
-    } else {
-        for (const Json& item : value) {
-            glm::dvec3 p;
-            if (!readVec3(item, p)) return kExpectation;
-            points.push_back(p);
-        }
-    }
-    out = std::move(points);
-    return nullptr;
-}
-
-constexpr double kHuge = 3.0e38;
-constexpr Expectation kNotNegative = "a number >= 0";
 
 const std::vector<Key<ObjectSettings>>& objectKeys()
 {
@@ -178,6 +104,19 @@ const std::vector<Key<SceneSettings>>& sceneKeys()
         {"sky_zenith", [](const Json& v, SceneSettings& s) { return readColor(v, s.skyZenith); }},
         {"sky_horizon", [](const Json& v, SceneSettings& s) { return readColor(v, s.skyHorizon); }},
         {"sky_ground", [](const Json& v, SceneSettings& s) { return readColor(v, s.skyGround); }},
+        {"sky_image",
+         [](const Json& v, SceneSettings& s) -> Expectation {
+             const std::string name = v.is_string() ? v.get<std::string>() : std::string();
+             if (name.empty() || name.find('\0') != std::string::npos) return "the name of a .hdr or .exr file";
+             s.skyImage = name;
+             return nullptr;
+         }},
+        {"sky_rotation",
+         [](const Json& v, SceneSettings& s) {
+             return readNumber(v, -3600.0, 3600.0, "a number of degrees", s.skyRotationDegrees);
+         }},
+        {"sky_intensity",
+         [](const Json& v, SceneSettings& s) { return readNumber(v, 0.0, kHuge, kNotNegative, s.skyIntensity); }},
         {"shadow_color", [](const Json& v, SceneSettings& s) { return readColor(v, s.shadowColor); }},
         {"probes", [](const Json& v, SceneSettings& s) { return readPoints(v, s.probes); }},
     };
@@ -318,6 +257,12 @@ Status readAddedLights(const Json& tables, std::vector<FileSettings::AddedLight>
     return {};
 }
 
+Status checkSky(const SceneSettings& settings, const std::string& path)
+{
+    if (!settings.skyImage || !(settings.skyZenith || settings.skyHorizon || settings.skyGround)) return {};
+    return Error{ErrorCode::FileInvalid, "the sky has an image and colours; it is one or the other", path};
+}
+
 // sky.* keys are those of sceneKeys() without "sky_"; "color" is the shorthand for all three.
 Status readSky(const Json& table, SceneSettings& settings)
 {
@@ -325,11 +270,10 @@ Status readSky(const Json& table, SceneSettings& settings)
     for (const auto& key : sceneKeys()) {
         const std::string_view name = key.name;
         if (name == "sky") keys.push_back({"color", key.set});
-        if (name == "sky_zenith") keys.push_back({"zenith", key.set});
-        if (name == "sky_horizon") keys.push_back({"horizon", key.set});
-        if (name == "sky_ground") keys.push_back({"ground", key.set});
+        if (name.starts_with("sky_")) keys.push_back({key.name + 4, key.set});
     }
-    return fromTable(table, keys, "sky", "", settings);
+    if (Status s = fromTable(table, keys, "sky", "", settings); !s) return s;
+    return checkSky(settings, "sky");
 }
 
 } // namespace
@@ -380,7 +324,10 @@ Result<LightSettings> lightSettingsOf(const Json& extras, const std::string& pat
 }
 Result<SceneSettings> sceneSettingsOf(const Json& extras, const std::string& path)
 {
-    return fromExtras(extras, sceneKeys(), path);
+    auto settings = fromExtras(extras, sceneKeys(), path);
+    if (!settings) return settings;
+    if (Status s = checkSky(*settings, path + "/extras"); !s) return s.error();
+    return settings;
 }
 
 void warnUnknownExtras(const Json& extras, ExtrasOwner owner, const std::string& path,
@@ -464,6 +411,17 @@ ObjectSettings mergeSettings(const ObjectSettings& weaker, const ObjectSettings&
 SceneSettings mergeSettings(const SceneSettings& weaker, const SceneSettings& stronger)
 {
     SceneSettings merged = weaker;
+    const bool colored = stronger.skyZenith || stronger.skyHorizon || stronger.skyGround;
+    if (colored || stronger.skyImage) {
+        merged.skyImage = stronger.skyImage;
+        merged.skyOfBake = stronger.skyOfBake;
+    }
+    if (stronger.skyImage || stronger.skyOfBake) {
+        merged.skyZenith = merged.skyHorizon = merged.skyGround = std::nullopt;
+        merged.skyRotationDegrees = merged.skyIntensity = std::nullopt;
+    }
+    if (stronger.skyRotationDegrees) merged.skyRotationDegrees = stronger.skyRotationDegrees;
+    if (stronger.skyIntensity) merged.skyIntensity = stronger.skyIntensity;
     if (stronger.skyZenith) merged.skyZenith = stronger.skyZenith;
     if (stronger.skyHorizon) merged.skyHorizon = stronger.skyHorizon;
     if (stronger.skyGround) merged.skyGround = stronger.skyGround;

@@ -45,6 +45,10 @@ struct SceneSettings {
     std::optional<vec3> skyZenith;
     std::optional<vec3> skyHorizon;
     std::optional<vec3> skyGround;
+    std::optional<std::filesystem::path> skyImage; ///< of a file's own settings: relative to the file
+    bool skyOfBake = false;                        ///< the picture that an earlier bake recorded, turned as it was
+    std::optional<float> skyRotationDegrees;
+    std::optional<float> skyIntensity;
     std::optional<vec3> shadowColor;
     std::optional<std::vector<glm::dvec3>> probes; ///< in the file's world
 };

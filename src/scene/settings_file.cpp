@@ -36,7 +36,10 @@ Result<FileSettings> readSettingsFile(const std::filesystem::path& path)
     const auto bytes = readFile(path);
     if (!bytes) return Error{bytes.error().code, name + ": " + bytes.error().message, ""};
     auto settings = parseSettings({reinterpret_cast<const char*>(bytes->data()), bytes->size()});
-    if (settings) return settings;
+    if (settings) {
+        if (auto& image = settings->scene.skyImage) *image = path.parent_path() / *image;
+        return settings;
+    }
     const std::string& message = settings.error().message;
     return Error{settings.error().code, name + (message.starts_with("line ") ? ", " : ": ") + message, ""};
 }

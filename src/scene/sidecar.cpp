@@ -3,6 +3,7 @@
 #include "halflight/base/file.h"
 #include "halflight/base/rgb9e5.h"
 #include "halflight/scene/probe_cells.h"
+#include "halflight/scene/sky_picture.h"
 #include "scene/document.h"
 #include "scene/patcher.h"
 #include "scene/write_bake_pictures.h"
@@ -32,6 +33,7 @@ public:
         for (const char* key : {"mode", "sky", "subtractiveShadowColor", "shadowmaskChannels"}) {
             if (root.contains(key)) json_[key] = root[key];
         }
+        if (Status s = sky(); !s) return s;
         if (Status s = lightmaps(); !s) return s;
         if (Status s = pictures("lightmapDirections", "lightmap_direction", baked_.lightmapDirections); !s) return s;
         if (Status s = pictures("shadowmasks", "shadowmask", baked_.shadowmasks); !s) return s;
@@ -57,6 +59,16 @@ private:
     Status writeNamed(const std::string& name, const std::string& text)
     {
         return writeNamed(name, std::as_bytes(std::span(text)));
+    }
+
+    Status sky()
+    {
+        const Sky& sky = baked_.scene.sky;
+        if (sky.picture == nullptr) return {};
+        const std::string name = "sky.exr";
+        json_["sky"]["picture"] = {{"file", name}, {"rotation", sky.rotationRadians}};
+        return named(writeExr(folder_ / name, reducedSkyPicture(*sky.picture, options_.write.skyWidth)),
+                     folder_ / name);
     }
 
     Status lightmaps()

@@ -5,6 +5,7 @@
 #include "halflight/base/rgb9e5.h"
 #include "scene/ktx2.h"
 #include "scene/lightmap_curve.h"
+#include "scene/write_sky.h"
 
 #include <algorithm>
 
@@ -145,6 +146,11 @@ Status writeBakePictures(PictureWriter& pictures, const BakedScene& baked, const
             addMasks(pictures, "shadowmasks", "shadowmask", baked.shadowmasks, options, root, written.shadowmasks);
         !s)
         return s;
+    auto sky = writeSky(pictures, baked.scene.sky, options.skyWidth);
+    if (!sky) return sky.error();
+    root["sky"] = std::move(sky->record);
+    if (baked.isBaked) root["atBake"]["sky"] = std::move(sky->atBake);
+    written.sky = sky->bytes;
     pictures.finish();
     return {};
 }

@@ -243,7 +243,7 @@ private:
         root_["version"] = kFormatVersion;
         root_["mode"] = nameOf(baked_.mode);
         if (scene_.originMeters != dvec3(0.0)) root_["origin"] = numbers(scene_.originMeters);
-        if (baked_.isBaked) root_["atBake"] = atBake_.sceneJson(lightmappedNodes_);
+        if (baked_.isBaked) root_["atBake"].update(atBake_.sceneJson(lightmappedNodes_));
         if (std::any_of(baked_.maskChannels.begin(), baked_.maskChannels.end(),
                         [](const MaskChannel& c) { return c.rangeTexels > 0.0f; })) {
             for (const MaskChannel& channel : baked_.maskChannels) {
@@ -256,9 +256,6 @@ private:
             }
         }
         if (baked_.lightmapUnitLux != 1.0f) root_["lightmapUnitLux"] = baked_.lightmapUnitLux;
-        root_["sky"] = {{"zenith", numbers(scene_.sky.zenith)},
-                        {"horizon", numbers(scene_.sky.horizon)},
-                        {"ground", numbers(scene_.sky.ground)}};
         root_["subtractiveShadowColor"] = numbers(subtractiveShadowColor(baked_));
         root_["shadowColorFromBake"] = !scene_.subtractiveShadowColor.has_value();
         if (!scene_.probePositions.empty()) {

@@ -10,6 +10,7 @@ namespace {
 
 constexpr int kLinear = 9729; // WebGL enums, as glTF has them
 constexpr int kClampToEdge = 33071;
+constexpr int kRepeat = 10497;
 
 // All images that a texture names.
 std::vector<int> imagesOf(const Json& texture)
@@ -25,6 +26,17 @@ std::vector<int> imagesOf(const Json& texture)
 }
 
 } // namespace
+
+std::vector<Json> pictureReferences(const Json& root)
+{
+    std::vector<Json> references;
+    for (const std::string_view list : kPictureLists) {
+        for (const Json& reference : member(root, std::string(list).c_str())) references.push_back(reference);
+    }
+    if (const Json& picture = member(member(root, "sky"), "picture"); picture.is_object())
+        references.push_back(picture);
+    return references;
+}
 
 int pictureImage(const Json& document, int texture)
 {
@@ -42,11 +54,9 @@ PictureWriter::PictureWriter(DocumentPatcher& patcher, const SourceDocument& sou
     const Json& root = extensionOf(source.json, "HALFLIGHT_mixed_lighting");
     const Json& textures = member(source.json, "textures");
     std::set<int> ofBake;
-    for (const std::string_view list : kPictureLists) {
-        for (const Json& reference : member(root, std::string(list).c_str())) {
-            const Json& index = member(reference, "index");
-            if (index.is_number_unsigned() && index.get<uint64_t>() < textures.size()) ofBake.insert(index.get<int>());
-        }
+    for (const Json& reference : pictureReferences(root)) {
+        const Json& index = member(reference, "index");
+        if (index.is_number_unsigned() && index.get<uint64_t>() < textures.size()) ofBake.insert(index.get<int>());
     }
     std::set<int> images;
     std::set<int> othersImages;
@@ -83,25 +93,25 @@ int PictureWriter::placeholder()
     return placeholder_;
 }
 
-int PictureWriter::sampler()
+int PictureWriter::sampler(Wrap wrap)
 {
-    if (sampler_ >= 0) return sampler_;
-    const Json wanted = {
-        {"magFilter", kLinear}, {"minFilter", kLinear}, {"wrapS", kClampToEdge}, {"wrapT", kClampToEdge}};
+    const Json wanted = {{"magFilter", kLinear},
+                         {"minFilter", kLinear},
+                         {"wrapS", wrap == Wrap::Clamp ? kClampToEdge : kRepeat},
+                         {"wrapT", kClampToEdge}};
     const Json& samplers = member(patcher_.json, "samplers");
     const auto same = std::find(samplers.begin(), samplers.end(), wanted);
-    sampler_ = same != samplers.end() ? int(same - samplers.begin()) : patcher_.append("samplers", wanted);
-    return sampler_;
+    return same != samplers.end() ? int(same - samplers.begin()) : patcher_.append("samplers", wanted);
 }
 
-Json PictureWriter::add(const std::string& name, std::vector<std::byte> bytes)
+Json PictureWriter::add(const std::string& name, std::vector<std::byte> bytes, Wrap wrap)
 {
     const std::string mime = mimeTypeOf(bytes);
     const int image = place("images", freeImages_,
                             {{"name", "Halflight " + name},
                              {"mimeType", mime},
                              {"bufferView", patcher_.addView({std::move(bytes), 0, 0})}});
-    Json texture = {{"name", "Halflight " + name}, {"sampler", sampler()}};
+    Json texture = {{"name", "Halflight " + name}, {"sampler", sampler(wrap)}};
     if (mime == "image/png") {
         texture["source"] = image;
     } else {

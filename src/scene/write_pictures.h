@@ -19,8 +19,9 @@ public:
     /// Textures and images of an earlier bake in `source` give their places to the new ones, as no index may shift.
     PictureWriter(DocumentPatcher& patcher, const SourceDocument& source);
 
+    enum class Wrap { Clamp, RepeatAcross };
     /// Adds an encoded KTX2, PNG or WebP image and its texture; the result is a reference {index} to the texture.
-    Json add(const std::string& name, std::vector<std::byte> bytes);
+    Json add(const std::string& name, std::vector<std::byte> bytes, Wrap wrap = Wrap::Clamp);
     /// Takes out places of an earlier bake that are left: to be called once, after the last add().
     void finish();
 
@@ -30,7 +31,7 @@ public:
 private:
     int place(const char* array, std::vector<int>& free, Json object);
     int placeholder();
-    int sampler();
+    int sampler(Wrap wrap);
     void removeLast(const char* array, std::vector<int>& free);
 
     DocumentPatcher& patcher_;
@@ -38,8 +39,10 @@ private:
     std::vector<int> freeImages_;
     std::set<std::string> extensions_;
     int placeholder_ = -1;
-    int sampler_ = -1;
 };
+
+/// References {index} to the textures of the bake that a root extension records: its lists, and the sky's picture.
+std::vector<Json> pictureReferences(const Json& root);
 
 /// Index of the image that holds a texture's picture: that of an extension this program reads, else its source; -1 for
 /// none.

@@ -7,6 +7,7 @@
 #include "scene/meshopt_view.h"
 #include "scene/read_baked.h"
 #include "scene/read_scene.h"
+#include "scene/rgbe.h"
 #include "scene/settings.h"
 
 #include <cmath>
@@ -101,11 +102,13 @@ bool decode(std::span<const std::byte> bytes)
     const auto kind = unsigned(bytes[0]);
     bytes = bytes.subspan(1);
     constexpr uint64_t kLimitBytes = 1 << 24;
-    switch (kind % 4) {
+    switch (kind % 5) {
     case 0:
         return bool(decodeImage(bytes.data(), bytes.size()));
     case 1:
         return bool(decodeKtx2(bytes));
+    case 4:
+        return bool(decodeRgbe(bytes, int64_t(kLimitBytes / 16)));
     case 2: {
         const auto mesh = DracoMesh::decode(bytes, kLimitBytes);
         if (!mesh) return checkError(mesh.error()), false;

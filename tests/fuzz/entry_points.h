@@ -13,7 +13,7 @@ bool readGltf(std::span<const std::byte> bytes);     ///< GLB or JSON: the whole
 bool readBaked(std::span<const std::byte> bytes);    ///< the same with an earlier bake's lightmaps, masks and probes
 bool readSettings(std::span<const std::byte> bytes); ///< a settings file
 bool decode(
-    std::span<const std::byte> bytes); ///< first byte: which decoder of images, KTX2, Draco, meshopt; rest: data
+    std::span<const std::byte> bytes); ///< first byte: which decoder of images, KTX2, Draco, meshopt, .hdr; rest: data
 
 struct EntryPoint {
     std::string_view name;

@@ -111,6 +111,18 @@ TEST_F(Sidecar, EqualNamesAreToldByTheirPlaceAndNamedInAWarning)
     EXPECT_EQ(nodes.size(), 3u);
 }
 
+TEST_F(Sidecar, TheSkysPictureIsAFile)
+{
+    BakedScene baked = pretendToBake(engineScene());
+    baked.scene.sky.setPicture(std::make_shared<const ImageRgb32f>(8, 4, vec3(1, 2, 3)), 0.5f);
+    ASSERT_NO_FATAL_FAILURE(write(baked));
+    EXPECT_EQ(sidecar["sky"]["picture"]["rotation"], 0.5f);
+    const auto picture = readExr(folder / "beside" / sidecar["sky"]["picture"]["file"].get<std::string>());
+    ASSERT_TRUE(picture) << picture.error().text();
+    ASSERT_EQ(picture->size(), ivec2(8, 4));
+    EXPECT_EQ((*picture)(5, 2), vec4(1, 2, 3, 1));
+}
+
 TEST_F(Sidecar, PicturesAreTheBakes)
 {
     const BakedScene baked = pretendToBake(engineScene());

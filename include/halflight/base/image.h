@@ -5,6 +5,7 @@
 
 #include <cassert>
 #include <cstddef>
+#include <cstdint>
 #include <filesystem>
 #include <vector>
 
@@ -53,8 +54,9 @@ using ImageRgba8 = Image<u8vec4>;
 Status writeExr(const std::filesystem::path& path, const ImageRgb32f& image);
 Status writeExr(const std::filesystem::path& path, const ImageRgba32f& image);
 
-/// Reads an OpenEXR file's R, G, B and A (1 when absent) as linear floats.
-Result<ImageRgba32f> readExr(const std::filesystem::path& path);
+/// Reads an OpenEXR file's R, G, B and A (1 when absent) as linear floats. One of R, G and B must be there, and no more
+/// than `mostTexels`.
+Result<ImageRgba32f> readExr(const std::filesystem::path& path, int64_t mostTexels = int64_t(1) << 40);
 
 /// Writes 8-bit RGBA as PNG, values as they are (no colour conversion). Written to a temporary name, then renamed.
 Status writePng(const std::filesystem::path& path, const ImageRgba8& image);

@@ -17,6 +17,9 @@ const Hash128& materialHash(std::span<const Hash128> hashes, int material);
 /// Of all that a bake sees of a light: shape, pose, mode, colour and intensity.
 Hash128 lightHash(const Light& light);
 
+/// Adds the sky as a bake sees it.
+void addSky(Hasher& hasher, const Sky& sky);
+
 /// Of everything that a bake and the file it writes depend on: the source document, its buffers and pictures, and all
 /// settings as they were applied.
 Hash128 contentHash(const Scene& scene);

@@ -36,6 +36,7 @@ struct WriteOptions {
     /// The lightmaps before they became RGB9E5, lux (BakeResult::irradiance): what half floats are made of, and what
     /// errors are measured against. Empty: BakedScene::lightmaps.
     std::span<const ImageRgb32f> irradiance;
+    int skyWidth = 512; ///< texels in a row of the sky's picture; no more than it has
     std::string generator = "Halflight";
     WrittenBytes* written = nullptr; ///< is told what was written; may be null
     Progress progress;               ///< its cancel flag ends writing between pages (ErrorCode::Cancelled)

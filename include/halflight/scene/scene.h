@@ -225,11 +225,18 @@ struct Camera {
     float orthographicHeightMeters = 1.0f; ///< full height
 };
 
-/// Radiance of the surroundings (cd/m2) by direction: see skyRadiance() in shading/sky.h. All zero = no sky.
+/// Radiance of the surroundings (cd/m2) by direction: the picture, or skyRadiance() in shading/sky.h where there is
+/// none. All zero = no sky.
 struct Sky {
-    vec3 zenith{0.0f};
+    vec3 zenith{0.0f}; ///< with a picture: the gradient nearest to it, which setPicture() finds
     vec3 horizon{0.0f};
     vec3 ground{0.0f};
+    /// Equirectangular, filtered bilinearly; skyPictureUv() in shading/sky.h says which direction is where.
+    std::shared_ptr<const ImageRgb32f> picture;
+    float rotationRadians = 0.0f; ///< of the picture about +Y, by the right-hand rule
+
+    /// A picture with finite values of 0 and more, at least one texel.
+    void setPicture(std::shared_ptr<const ImageRgb32f> radiance, float rotation);
     [[nodiscard]] bool black() const { return zenith == vec3(0) && horizon == vec3(0) && ground == vec3(0); }
 };
 

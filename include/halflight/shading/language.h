@@ -23,6 +23,7 @@ namespace halflight::shading {
 using uint = uint32_t;
 using glm::abs;
 using glm::acos;
+using glm::atan;
 using glm::clamp;
 using glm::cos;
 using glm::cross;

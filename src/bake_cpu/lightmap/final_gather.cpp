@@ -1,7 +1,5 @@
 #include "bake_cpu/lightmap/final_gather.h"
 
-#include "halflight/shading/sky.h"
-
 #include <algorithm>
 
 namespace halflight {
@@ -9,7 +7,7 @@ namespace halflight {
 void FinalGather::add(const GatherGroup& group, int firstBlock, int blockCount, std::span<TexelEstimate> estimates,
                       uint64_t& rays)
 {
-    const bool emitters = !paths_.emitters().empty();
+    const bool emitters = paths_.samplesEmission();
     if (emitters) next_.prepareEmitters(group);
     next_.prepareSources(group);
     for (int b = firstBlock; b < firstBlock + blockCount; ++b) {
@@ -71,7 +69,7 @@ void FinalGather::gatherBlock(const GatherGroup& group, int number, uint64_t& ra
 /// Radiance along all rays: of the sky, of patches with MIS weights, or of continuation paths.
 void FinalGather::weightHits(const GatherGroup& group, int number, Radiances& radiance, uint64_t& rays)
 {
-    const Sky& sky = paths_.sky();
+    const SkyLight& sky = paths_.sky();
     const bool black = sky.black();
     SampleList continued;
     SampleList sources;
@@ -82,9 +80,7 @@ void FinalGather::weightHits(const GatherGroup& group, int number, Radiances& ra
             const auto l = std::size_t(lane);
             const std::size_t sample = sampleOf(stratum, lane);
             if (block_.hits.missed(sample) || !group.active(lane)) {
-                r.set(l, black ? vec3(0.0f)
-                               : shading::skyRadiance(sky.zenith, sky.horizon, sky.ground,
-                                                      block_.bundle.direction(stratum, lane)));
+                r.set(l, black ? vec3(0.0f) : sky.dimRadiance(block_.bundle.direction(stratum, lane)));
                 continue;
             }
             const vec3* known = block_.hits.radiance(sample);

@@ -170,7 +170,7 @@ bool LightmapRun::finishInterpolated()
             }
         });
     }
-    if (input_.paths.emitters().empty()) return true;
+    if (!input_.paths.samplesEmission()) return true;
     return extend(places, [](FinalGather& gather, const GatherGroup& group, std::span<TexelEstimate> estimates,
                              uint64_t& rays) { gather.addEmitters(group, estimates, rays); });
 }

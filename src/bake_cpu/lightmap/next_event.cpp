@@ -36,7 +36,7 @@ void NextEvent::prepareEmitters(const GatherGroup& group)
     LightTree::Points positions;
     LightTree::Points normals;
     const int any = group.firstActive();
-    if (any == group.lanes()) return;
+    if (any == group.lanes() || paths_.emitters().empty()) return;
     for (std::size_t lane = 0; lane < kLanes; ++lane) {
         const GatherGroup::Origin& s = group.origin(group.active(int(lane)) ? int(lane) : any, 0);
         positions.set(lane, s.position);
@@ -78,6 +78,25 @@ float NextEvent::misWeightOfHit(const RayBundle& bundle, int stratum, int lane, 
     const float pdfArea = sourceFraction(l) * guides_->pdfArea(guide_[l], patch);
     const float cosine = std::max(std::abs(glm::dot(normal, direction)), 1.0e-6f);
     return misWeightOfRay(PathTracer::gatherPdf(receiverNormal, direction), pdfArea, packet.ray.tfar[lane], cosine);
+}
+
+/// Makes the samples of the lanes in `sky` points of the sky. Their distance is beyond all geometry, which is at most
+/// 1e7 m from the origin, and small enough for the square of it.
+void NextEvent::setSky(const GatherBlock& block, std::size_t stratum, const LightTree::Cut::Lanes<bool>& sky,
+                       const Vec2Lanes<kLanes>& u, EmitterLanes& lanes) const
+{
+    constexpr float kSkyMeters = 1.0e9f;
+    for (std::size_t lane = 0; lane < kLanes; ++lane) {
+        if (!sky[lane]) continue;
+        const SkyLight::Sample s = paths_.sky().sample(vec2(u.x[lane], u.y[lane]));
+        EmitterSample e;
+        e.position = block.bundle.origin(stratum, int(lane)) + s.direction * kSkyMeters;
+        e.normal = -s.direction;
+        e.radiance = s.radiance;
+        e.rayVisible = false;
+        e.pdfArea = s.pdf / (kSkyMeters * kSkyMeters);
+        lanes.set(lane, e);
+    }
 }
 
 /// Chooses points of sources for all samples, in sweeps that prefetch for one another.
@@ -172,12 +191,16 @@ void NextEvent::sampleEmitters(const GatherGroup& group, int number, GatherBlock
     std::array<int, kLanes> sampled{}; ///< strata of the block
     std::array<StratifiedPattern::Block, kLanes> points;
     std::array<int, kLanes> shuffle{};
+    std::array<float, kLanes> skyShare{}; ///< of the samples
+    const float skyIlluminance = paths_.sky().brightIlluminance();
     for (int i = 0; i < group.lanes(); ++i) {
         const auto lane = std::size_t(i);
         emitterLanes_[lane] = group.active(i) && int(estimates[lane].blocks()) > number;
         if (!emitterLanes_[lane]) continue;
         const float gathered = luminance(estimates[lane].gathered.mean());
-        const float survival = PathTracer::rouletteSurvival(cut_.total[lane], gathered);
+        const float expected = cut_.total[lane] + skyIlluminance;
+        const float survival = PathTracer::rouletteSurvival(expected, gathered);
+        if (skyIlluminance > 0.0f) skyShare[lane] = paths_.emitters().empty() ? 1.0f : skyIlluminance / expected;
         const uint32_t roulette = hashCombine(settings_.seed ^ kRouletteSeed ^ group.id(i), uint32_t(number));
         sampled[lane] = std::min(int(survival * float(kBlock) + unitFloat(roulette)), kBlock);
         if (sampled[lane] < kBlock) shuffle[lane] = xorShuffle(group.id(i));
@@ -188,16 +211,27 @@ void NextEvent::sampleEmitters(const GatherGroup& group, int number, GatherBlock
         [&](std::size_t stratum, EmitterLanes& lanes) {
             LightTree::Points positions;
             LightTree::Cut::Lanes<bool> wanted;
+            LightTree::Cut::Lanes<bool> sky{};
             Vec2Lanes<kLanes> u{};
             const int order = StratifiedPattern::orderOf(int(stratum), number);
             for (std::size_t lane = 0; lane < kLanes; ++lane) {
                 positions.set(lane, block.bundle.origin(stratum, int(lane)));
                 wanted[lane] = order < sampled[lane];
-                if (wanted[lane]) u.set(lane, points[lane].unit(int(stratum) ^ shuffle[lane]));
-            }
-            paths_.emitters().sample(cut_, positions, block.bundle.frame(stratum).normal, wanted, u, lanes);
-            for (std::size_t lane = 0; lane < kLanes; ++lane)
                 lanes.weight[lane] = float(kBlock) / float(std::max(sampled[lane], 1));
+                if (!wanted[lane]) continue;
+                vec2 at = points[lane].unit(int(stratum) ^ shuffle[lane]);
+                // Either the sky or an emitter; the number that chose is used again.
+                sky[lane] = at.x < skyShare[lane];
+                wanted[lane] = !sky[lane];
+                const float probability = sky[lane] ? skyShare[lane] : 1.0f - skyShare[lane];
+                at.x = (sky[lane] ? at.x : at.x - skyShare[lane]) / probability;
+                lanes.weight[lane] /= probability;
+                u.set(lane, at);
+            }
+            lanes.pdfArea.fill(0.0f);
+            if (!paths_.emitters().empty())
+                paths_.emitters().sample(cut_, positions, block.bundle.frame(stratum).normal, wanted, u, lanes);
+            setSky(block, stratum, sky, u, lanes);
         },
         block, rays);
 }

@@ -45,8 +45,9 @@ public:
     [[nodiscard]] float misWeightOfHit(const RayBundle& bundle, int stratum, int lane, PatchId patch) const;
 
     void sampleSources(const GatherGroup& group, int number, GatherBlock& block, uint64_t& rays);
-    /// Russian roulette per block: where emitters give little beside `estimates`, only some strata are sampled. All
-    /// lanes drop the same strata first, so the remaining rays fill packets.
+    /// Samples emitters and the sky's bright part. Russian roulette per block: where they give little beside
+    /// `estimates`, only some strata are sampled. All lanes drop the same strata first, so the remaining rays fill
+    /// packets.
     void sampleEmitters(const GatherGroup& group, int number, GatherBlock& block,
                         std::span<const TexelEstimate> estimates, uint64_t& rays);
     /// Whether sampleEmitters() sampled a lane.
@@ -67,6 +68,8 @@ private:
         return float(sourceSamples_[lane]) / float(StratifiedPattern::kBlock);
     }
     void chooseSources(const GatherGroup& group, int number, std::span<const uint8_t> strata, GatherBlock& block);
+    void setSky(const GatherBlock& block, std::size_t stratum, const LightTree::Cut::Lanes<bool>& sky,
+                const Vec2Lanes<kLanes>& u, EmitterLanes& lanes) const;
     void setSource(std::size_t sample, const HitLookup& hits, EmitterLanes& lanes) const;
     template<typename Choose>
     void addSamples(std::span<const uint8_t> strata, const Choose& choose, GatherBlock& block, uint64_t& rays);

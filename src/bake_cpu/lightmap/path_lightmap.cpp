@@ -19,15 +19,17 @@ LongMoments gather(const PathTracer& paths, const IntegrationSettings& settings,
         const vec3 direction = PathTracer::gatherDirection(point, sampler.next2());
         const float pdf = PathTracer::gatherPdf(point.normal, direction);
         const PathTracer::EmitterAtSurface emitter = paths.emitterIrradiance(point, 0.0f, sampler, rays);
+        const PathTracer::EmitterAtSurface sky = paths.skyIrradiance(point, 0.0f, sampler, rays);
         const PathTracer::Incoming in =
             paths.incoming({paths.rayOrigin(point), point.normal}, direction, pdf, settings.bounces, sampler, rays);
         const vec3 bounced = kPi * in.radiance;
-        const vec3 value = emitter.irradiance + bounced;
+        const vec3 value = emitter.irradiance + sky.irradiance + bounced;
         // Lights of extreme size or intensity may overflow.
         const bool finite = isFinite(value);
         gathered.add(finite ? value : vec3(0.0f));
         if (!finite) continue;
         gathered.addDirection(emitter.irradiance, emitter.direction);
+        gathered.addDirection(sky.irradiance, sky.direction);
         gathered.addDirection(bounced, direction);
     }
     return gathered;

@@ -2,8 +2,6 @@
 
 #include "bake_cpu/sample/shadow_packet.h"
 
-#include "halflight/shading/sky.h"
-
 #include <algorithm>
 
 namespace halflight {
@@ -98,8 +96,7 @@ void FormFactorSampler::addRay(const GatherGroup& group, int lane, int block, in
     ++samples.rayCount;
     const vec3 direction = bundle_.direction(stratum, lane);
     if (!bundle_.found(stratum, lane)) {
-        const Sky& sky = paths_.sky();
-        samples.gathered += shading::skyRadiance(sky.zenith, sky.horizon, sky.ground, direction);
+        samples.gathered += paths_.sky().dimRadiance(direction);
         return;
     }
     const RTCRayHit8& packet = bundle_.rays[std::size_t(stratum)];
@@ -175,6 +172,7 @@ void FormFactorSampler::addDirect(const TexelGroup& group, int sample)
         const vec3 irradiance = s.choice.irradiance(transmittance[std::size_t(lane)]);
         sums.direct += irradiance;
         sums.direct += paths_.emitterIrradiance(point, luminance(irradiance), s.sampler, rays_).irradiance;
+        sums.direct += paths_.skyIrradiance(point, luminance(irradiance), s.sampler, rays_).irradiance;
         sums.albedo += tracer_.materials().albedoAt(point.triangle, point.barycentric);
         ++sums.directCount;
         const float widths = s.source < pass_.layout().patchCount() ? kNearestInPatches : kNearestInElements;

@@ -1,7 +1,5 @@
 #include "bake_cpu/reference/reference_tracer.h"
 
-#include "halflight/shading/sky.h"
-
 #include <algorithm>
 #include <cmath>
 
@@ -70,6 +68,30 @@ vec3 ReferenceTracer::emitterLight(const Hit& hit, Sampler& sampler, uint64_t& r
     return light * surfaces.transmittance(origin, direction, 0.0f, distance * (1.0f - 1.0e-4f));
 }
 
+vec3 ReferenceTracer::skyLight(const Hit& hit, Sampler& sampler, uint64_t& rays) const
+{
+    if (!paths_.sky().samples() || options_.emitters == EmitterSampling::Directions) return vec3(0.0f);
+    const SkyLight::Sample s = paths_.sky().sample(sampler.next2());
+    if (!hit.scattering.above(s.direction)) return vec3(0.0f);
+    const bool alone = options_.emitters == EmitterSampling::Surfaces;
+    const float weight = alone ? 1.0f : shading::powerHeuristic(s.pdf, hit.scattering.pdf(s.direction));
+    const vec3 light = hit.scattering.reflected(s.direction, s.radiance) * (weight / s.pdf);
+    if (light == vec3(0.0f)) return light;
+    ++rays;
+    return light * paths_.surfaces().transmittance(paths_.rayOrigin(hit.point), s.direction, 0.0f, kInfinity);
+}
+
+/// The sky as a ray meets it, its bright part with its MIS weight.
+vec3 ReferenceTracer::skyAlong(vec3 direction, float directionPdf) const
+{
+    const SkyLight& sky = paths_.sky();
+    if (directionPdf <= 0.0f || !sky.samples() || options_.emitters == EmitterSampling::Directions)
+        return sky.radiance(direction);
+    if (options_.emitters == EmitterSampling::Surfaces) return sky.dimRadiance(direction);
+    const float weight = shading::powerHeuristic(directionPdf, sky.pdf(direction));
+    return sky.dimRadiance(direction) + sky.brightRadiance(direction) * weight;
+}
+
 /// MIS weight of emission that a sampled direction has met.
 float ReferenceTracer::emissionWeight(const Hit& hit, vec3 direction, float distance, const Receiver& from,
                                       float directionPdf) const
@@ -92,7 +114,6 @@ vec3 ReferenceTracer::radiance(vec3 origin, vec3 direction, bool cameraRay, int 
                                uint64_t& rays) const
 {
     const RayTracer& surfaces = paths_.surfaces();
-    const Sky& sky = paths_.sky();
     vec3 radiance(0.0f);
     vec3 throughput(1.0f);
     Receiver from;
@@ -102,7 +123,7 @@ vec3 ReferenceTracer::radiance(vec3 origin, vec3 direction, bool cameraRay, int 
     for (int depth = 0;; ++depth) {
         const auto add = [&](vec3 light) { radiance += depth > 0 ? limited(throughput * light) : throughput * light; };
         if (!at.found) {
-            add(shading::skyRadiance(sky.zenith, sky.horizon, sky.ground, direction));
+            add(skyAlong(direction, pdf));
             break;
         }
         if (depth == 0 && surfaces.materials().of(surfaces.triangleOf(at.geomID, at.primID)).unlit) {
@@ -111,7 +132,7 @@ vec3 ReferenceTracer::radiance(vec3 origin, vec3 direction, bool cameraRay, int 
         const Hit hit = surfaceAt(at, -direction);
         if (hit.emission != vec3(0.0f)) add(hit.emission * emissionWeight(hit, direction, at.distance, from, pdf));
         if (depth > bounces || hit.scattering.black()) break;
-        add(punctualLight(hit, sampler, rays) + emitterLight(hit, sampler, rays));
+        add(punctualLight(hit, sampler, rays) + emitterLight(hit, sampler, rays) + skyLight(hit, sampler, rays));
 
         const float uLobe = sampler.next1();
         direction = hit.scattering.sample(uLobe, sampler.next2());
@@ -128,7 +149,7 @@ vec3 ReferenceTracer::radiance(vec3 origin, vec3 direction, bool cameraRay, int 
         from = {paths_.rayOrigin(hit.point), hit.point.normal};
         ++rays;
         at = surfaces.nearest(from.position, direction, 0.0f, kInfinity);
-        if (depth == 0 && options_.surfaces == ReferenceSurfaces::DiffuseBounces) {
+        if (depth == 0 && at.found && options_.surfaces == ReferenceSurfaces::DiffuseBounces) {
             radiance += limited(throughput * paths_.pathRadiance(at, direction, from, pdf, bounces, sampler, rays));
             break;
         }

@@ -2,7 +2,6 @@
 
 #include "halflight/shading/brdf.h"
 #include "halflight/shading/sampling.h"
-#include "halflight/shading/sky.h"
 
 #include <algorithm>
 #include <cmath>
@@ -134,6 +133,28 @@ PathTracer::EmitterAtSurface PathTracer::emitterIrradiance(const SurfacePoint& p
     return {next.direction, s.radiance * (transmittance * next.factor / survival)};
 }
 
+PathTracer::EmitterAtSurface PathTracer::skyIrradiance(const SurfacePoint& point, float otherIlluminance,
+                                                       Sampler& sampler, uint64_t& rays) const
+{
+    if (!sky_.samples()) return {};
+    const float survival = rouletteSurvival(sky_.brightIlluminance(), otherIlluminance);
+    if (survival < 1.0f && sampler.next1() >= survival) return {};
+    const SkyLight::Sample s = sky_.sample(sampler.next2());
+    const float cosine = glm::dot(point.normal, s.direction);
+    if (cosine <= 0.0f || glm::dot(point.geometricNormal, s.direction) <= 0.0f) return {};
+    ++rays;
+    const float transmittance = tracer_.transmittance(rayOrigin(point), s.direction, 0.0f, kInfinity);
+    return {s.direction, s.radiance * (transmittance * cosine / (s.pdf * survival))};
+}
+
+PathTracer::EmitterInSpace PathTracer::skyInSpace(vec3 position, Sampler& sampler, uint64_t& rays) const
+{
+    if (!sky_.samples()) return {};
+    const SkyLight::Sample s = sky_.sample(sampler.next2());
+    ++rays;
+    return {s.direction, s.radiance * (tracer_.transmittance(position, s.direction, 0.0f, kInfinity) / s.pdf)};
+}
+
 PathTracer::EmitterInSpace PathTracer::emitterInSpace(vec3 position, float directionPdf, Sampler& sampler,
                                                       uint64_t& rays) const
 {
@@ -191,7 +212,7 @@ vec3 PathTracer::pathRadiance(RayHit at, vec3 direction, Receiver from, float di
     };
     for (int depth = 0;; ++depth) {
         if (!at.found) {
-            add(shading::skyRadiance(sky_.zenith, sky_.horizon, sky_.ground, direction), depth);
+            add(sky_.dimRadiance(direction), depth);
             break;
         }
         // The surface's properties are not needed where its radiance is known and it does not emit.
@@ -209,6 +230,7 @@ vec3 PathTracer::pathRadiance(RayHit at, vec3 direction, Receiver from, float di
         // Next event: light that reaches this surface directly.
         vec3 irradiance = punctualIrradiance(hit.point, false, sampler, rays);
         irradiance += emitterIrradiance(hit.point, luminance(irradiance), sampler, rays).irradiance;
+        irradiance += skyIrradiance(hit.point, luminance(irradiance), sampler, rays).irradiance;
         add(shading::diffuseRadiance(hit.albedo, irradiance), depth + 1);
 
         // Russian roulette (Arvo and Kirk 1990) below 70 % throughput. Paths that end in a lookup are short, so they

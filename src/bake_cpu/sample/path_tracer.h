@@ -4,6 +4,7 @@
 #include "bake_cpu/sample/emitters.h"
 #include "bake_cpu/sample/lights.h"
 #include "bake_cpu/sample/sampler.h"
+#include "bake_cpu/sample/sky_light.h"
 #include "bake_cpu/trace/ray_tracer.h"
 
 #include "halflight/scene/scene.h"
@@ -42,9 +43,12 @@ public:
     [[nodiscard]] const RayTracer& surfaces() const { return tracer_; }
     [[nodiscard]] const std::vector<PunctualLight>& lights() const { return lights_; }
     [[nodiscard]] const Emitters& emitters() const { return emitters_; }
-    [[nodiscard]] const Sky& sky() const { return sky_; }
+    [[nodiscard]] const SkyLight& sky() const { return sky_; }
+    /// Whether there are emitters or bright places in the sky, which receivers sample.
+    [[nodiscard]] bool samplesEmission() const { return !emitters_.empty() || sky_.samples(); }
 
-    /// Radiance that arrives at `origin` from `direction` after at most `bounces` reflections.
+    /// Radiance that arrives at `origin` from `direction` after at most `bounces` reflections, without the sky's bright
+    /// part where the ray itself leaves the scene.
     struct Incoming {
         vec3 radiance{0.0f};
         bool firstHitBackFace = false;
@@ -69,6 +73,9 @@ public:
         vec3 direction{0.0f};
         vec3 irradiance{0.0f};
     };
+    /// One sample of the sky's bright part, which rays do not receive: no MIS weight.
+    EmitterAtSurface skyIrradiance(const SurfacePoint& point, float otherIlluminance, Sampler& sampler,
+                                   uint64_t& rays) const;
     EmitterAtSurface emitterIrradiance(const SurfacePoint& point, float otherIlluminance, Sampler& sampler,
                                        uint64_t& rays) const;
     /// Probability of sampling emitters that give about `emitted` (lux) beside other light (Arvo and Kirk 1990,
@@ -103,6 +110,8 @@ public:
         vec3 radianceOverPdf{0.0f};
     };
     EmitterInSpace emitterInSpace(vec3 position, float directionPdf, Sampler& sampler, uint64_t& rays) const;
+    /// The same of the sky's bright part, without a MIS weight.
+    EmitterInSpace skyInSpace(vec3 position, Sampler& sampler, uint64_t& rays) const;
 
     /// Shadow ray from a surface point to a point of a light's disc.
     struct ShadowRay {
@@ -137,7 +146,7 @@ private:
     Emitters emitters_;
     LightTree punctualTree_; ///< of the lights that bounce; empty if they are few
     std::vector<uint32_t> lightOfItem_;
-    Sky sky_;
+    SkyLight sky_;
 };
 
 // One light per call, chosen in proportion to the unshadowed contributions (Shirley et al. 1996, "Monte Carlo

@@ -1,11 +1,35 @@
 // What the baked probes say at a point.
 #include "halflight/base/parallel.h"
+#include "halflight/scene/sky_picture.h"
 #include "halflight/shading/sh.h"
+#include "halflight/shading/sky.h"
 #include "render/frame/probes_mesh.h"
 
 #include <algorithm>
+#include <cmath>
 
 namespace halflight {
+
+/// The coefficients of a picture: a sum over its texels. Nine of them resolve no detail of a 1024th of a turn.
+static std::array<vec3, 9> pictureRadiance(const ImageRgb32f& full, float rotation)
+{
+    const ImageRgb32f picture = reducedSkyPicture(full, 1024);
+    const vec2 turn(std::cos(rotation), std::sin(rotation));
+    const vec2 size(picture.size());
+    std::array<glm::dvec3, 9> sum{};
+    for (int y = 0; y < picture.height(); ++y) {
+        const float steradians =
+            2.0f * kPi / size.x * (std::cos(float(y) / size.y * kPi) - std::cos(float(y + 1) / size.y * kPi));
+        for (int x = 0; x < picture.width(); ++x) {
+            const vec3 direction = shading::skyPictureDirection((vec2(x, y) + 0.5f) / size, turn);
+            for (int i = 0; i < 9; ++i)
+                sum[std::size_t(i)] += glm::dvec3(picture(x, y) * (shading::shBasis(i, direction) * steradians));
+        }
+    }
+    std::array<vec3, 9> radiance;
+    std::copy(sum.begin(), sum.end(), radiance.begin());
+    return radiance;
+}
 
 // The gradient sky is constant plus two clamped cosines: horizon + (zenith - horizon) max(y, 0) + (ground - horizon)
 // max(-y, 0). The projection of a clamped cosine about an axis on basis function i is shIrradianceWeight(i, axis)
@@ -13,6 +37,10 @@ namespace halflight {
 ProbeSample skyProbe(const Sky& sky)
 {
     ProbeSample sample;
+    if (sky.picture) {
+        sample.radiance = pictureRadiance(*sky.picture, sky.rotationRadians);
+        return sample;
+    }
     sample.radiance[0] = sky.horizon * (4.0f * kPi * shading::shBasis(0, vec3(0, 1, 0)));
     for (int i = 0; i < 9; ++i) {
         sample.radiance[std::size_t(i)] += (sky.zenith - sky.horizon) * shading::shIrradianceWeight(i, vec3(0, 1, 0)) +

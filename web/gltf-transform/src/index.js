@@ -1,6 +1,6 @@
 // glTF Transform extensions for files that Halflight baked: docs/format.md of that project describes them.
 import { Extension, PropertyType } from '@gltf-transform/core';
-import { LIGHT, MATERIAL, MIXED_LIGHTING, NODE, PICTURE_LISTS, PROBE_ACCESSORS, TEXTURE_KTX2 } from './names.js';
+import { LIGHT, MATERIAL, MIXED_LIGHTING, NODE, PICTURE_LISTS, PROBE_ACCESSORS, SKY_PICTURE, TEXTURE_KTX2 } from './names.js';
 import { LightRecord, MaterialSwitches, MixedLighting, NodeLighting, SurfaceOfNode } from './properties.js';
 import { mergeSurfaces, splitSurfaces } from './surfaces.js';
 
@@ -8,6 +8,7 @@ export { LightRecord, MaterialSwitches, MixedLighting, NodeLighting, SurfaceOfNo
 
 const LINEAR = 9729;
 const CLAMP_TO_EDGE = 33071;
+const REPEAT = 10497;
 
 /**
  * Texels of the bake are data: lossy codecs, and lossless ones that drop colour where alpha is 0, would break them.
@@ -40,17 +41,22 @@ export class HalflightMixedLighting extends Extension {
             );
         }
         const lighting = this.createMixedLighting();
+        const keep = (key, reference) => {
+            const def = json.textures[reference.index];
+            const source = pictureSource(def);
+            const texture = context.textures[source];
+            keepAsItIs(texture, this.document.getLogger());
+            lighting.setPicture(key, texture);
+            if (def.source !== undefined && def.source !== source)
+                lighting.setPlaceholder(context.textures[def.source]);
+        };
         for (const list of PICTURE_LISTS) {
-            (record[list] ?? []).forEach((reference, page) => {
-                const def = json.textures[reference.index];
-                const source = pictureSource(def);
-                const texture = context.textures[source];
-                keepAsItIs(texture, this.document.getLogger());
-                lighting.setPicture(`${list}/${page}`, texture);
-                if (def.source !== undefined && def.source !== source)
-                    lighting.setPlaceholder(context.textures[def.source]);
-            });
+            (record[list] ?? []).forEach((reference, page) => keep(`${list}/${page}`, reference));
             if (record[list]) record[list] = record[list].length;
+        }
+        if (record.sky?.picture) {
+            keep(SKY_PICTURE, record.sky.picture);
+            delete record.sky.picture.index;
         }
         for (const name of PROBE_ACCESSORS) {
             if (record.probes?.[name] === undefined) continue;
@@ -79,6 +85,10 @@ export class HalflightMixedLighting extends Extension {
                 index: writeTexture(context, lighting.getPicture(`${list}/${page}`), lighting.getPlaceholder()),
             }));
         }
+        if (record.sky?.picture) {
+            const sky = lighting.getPicture(SKY_PICTURE);
+            record.sky.picture.index = writeTexture(context, sky, lighting.getPlaceholder(), REPEAT);
+        }
         for (const name of PROBE_ACCESSORS) {
             const accessor = lighting.getProbeAccessor(name);
             if (accessor) record.probes[name] = context.accessorIndexMap.get(accessor);
@@ -96,10 +106,10 @@ function pictureSource(def) {
 }
 
 /** Appends a texture for a picture and returns its index. */
-function writeTexture(context, texture, placeholder) {
+function writeTexture(context, texture, placeholder, wrapS = CLAMP_TO_EDGE) {
     const { json } = context.jsonDoc;
     const source = context.imageIndexMap.get(texture);
-    const sampler = { magFilter: LINEAR, minFilter: LINEAR, wrapS: CLAMP_TO_EDGE, wrapT: CLAMP_TO_EDGE };
+    const sampler = { magFilter: LINEAR, minFilter: LINEAR, wrapS, wrapT: CLAMP_TO_EDGE };
     json.samplers ??= [];
     json.textures ??= [];
     let samplerIndex = json.samplers.findIndex((other) => JSON.stringify(other) === JSON.stringify(sampler));

@@ -7,5 +7,7 @@ export const TEXTURE_KTX2 = 'HALFLIGHT_texture_ktx2';
 
 /** Members of the root extension that list one picture per lightmap page. */
 export const PICTURE_LISTS = ['lightmaps', 'lightmapDirections', 'shadowmasks'];
+/** Key of the sky's picture among those of the bake. */
+export const SKY_PICTURE = 'sky';
 /** Members of `probes` that are accessors. */
 export const PROBE_ACCESSORS = ['positions', 'radiance', 'occlusion', 'valid', 'tetrahedra', 'neighbors'];

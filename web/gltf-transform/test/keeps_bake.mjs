@@ -5,7 +5,7 @@
 // HALFLIGHT is the program's path; a FILE that is not baked is baked first. Prints a table for docs/format.md; exits with 1
 // when a command that should keep the bake does not, and with 77 where the npm packages are not installed.
 import { execFileSync } from 'node:child_process';
-import { existsSync, mkdtempSync, realpathSync, rmSync, statSync } from 'node:fs';
+import { existsSync, mkdtempSync, realpathSync, rmSync, statSync, writeFileSync } from 'node:fs';
 import { createRequire } from 'node:module';
 import { tmpdir } from 'node:os';
 import { dirname, join } from 'node:path';
@@ -40,7 +40,11 @@ const run = (file, args) => execFileSync(file, args, { encoding: 'utf8', stdio: 
 let baked = file;
 if (!JSON.parse(run(halflight, ['info', '--json', file])).baked) {
     baked = join(folder, 'baked.glb');
-    run(halflight, ['bake', file, '-o', baked, '--quality', 'preview']);
+    // Under a picture of 8 x 4 texels, so that there is one to keep.
+    const texels = Buffer.from(Array.from({ length: 32 }, (_, i) => [90 + 5 * i, 120, 250 - 5 * i, 129]).flat());
+    writeFileSync(join(folder, 'sky.hdr'), Buffer.concat([Buffer.from('#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 4 +X 8\n'), texels]));
+    writeFileSync(join(folder, 'sky.toml'), '[sky]\nimage = "sky.hdr"\n');
+    run(halflight, ['bake', file, '-o', baked, '--quality', 'preview', '--settings', join(folder, 'sky.toml')]);
 }
 const picture = (file, name) => {
     const png = join(folder, `${name}.png`);

@@ -53,12 +53,13 @@ export interface BakedData {
     masks: Pixels[];
     maskChannels: { rangeTexels: number; penumbraTexels: number }[];
     probes: ProbeData | null;
-    sky: { zenith: number[]; horizon: number[]; ground: number[] };
+    /** cd/m2. The picture, where there is one, is RGB9E5 with a unit, turned about +Y; the colours are the gradient nearest to it. */
+    sky: { zenith: number[]; horizon: number[]; ground: number[]; picture?: { pixels: Pixels; unitNits: number; rotation: number } };
     shadowColor: number[];
     nodes: Map<number, NodeData>;
     lights: Map<number, LightData>;
     materials: Map<number, { castShadows: boolean; receiveShadows: boolean }>;
-    bytes: { lightmaps: number; masks: number; directions: number; probes: number };
+    bytes: { lightmaps: number; masks: number; directions: number; probes: number; sky: number };
 }
 
 export interface Source {

@@ -6,7 +6,7 @@ export type Mode = 'realtime' | 'baked-indirect' | 'shadowmask' | 'distance-shad
 export type View = 'lit' | 'shadowmask' | 'lightmap' | 'probes' | 'fade' | 'overlap';
 
 export interface Options {
-    /** Draw the bake's gradient sky; true when absent. */
+    /** Draw the bake's sky, a gradient or a picture; true when absent. */
     sky?: boolean;
     /** 'gltf' (when absent): direct light by glTF's BRDF, as in the bake. 'three': by three.js's own. */
     brdf?: 'gltf' | 'three';

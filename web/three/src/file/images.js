@@ -61,7 +61,12 @@ export async function readByCurve(bytes, mimeType, name, curve) {
     return { width, height, data: texels };
 }
 
-function packRgb9e5(r, g, b) {
+/** Channel 0, 1 or 2 of a texel. */
+export function unpackRgb9e5(texel, channel) {
+    return ((texel >>> (9 * channel)) & 511) * 2 ** ((texel >>> 27) - 24);
+}
+
+export function packRgb9e5(r, g, b) {
     const brightest = Math.max(r, g, b);
     if (!(brightest > 0)) return 0;
     let exponent = Math.max(-16, Math.floor(Math.log2(brightest))) + 1;

@@ -19,6 +19,8 @@ const MATERIAL = 'HALFLIGHT_material';
 /** @typedef {{width: number, height: number, data: Uint32Array | Uint8Array}} Pixels */
 /** @typedef {{page: number, scale: number[], offset: number[], texCoord: number, perInstance: boolean}} Placement */
 
+/** @typedef {{pixels: Pixels, unitNits: number, rotation: number}} SkyPicture RGB9E5; a texel of 1 is unitNits cd/m2; radians about +Y */
+
 /**
  * @typedef {object} NodeData
  * @property {boolean} isStatic
@@ -64,12 +66,12 @@ const MATERIAL = 'HALFLIGHT_material';
  * @property {Pixels[]} masks RGBA8, none when no light has a channel
  * @property {{rangeTexels: number, penumbraTexels: number}[]} maskChannels
  * @property {ProbeData | null} probes
- * @property {{zenith: number[], horizon: number[], ground: number[]}} sky
+ * @property {{zenith: number[], horizon: number[], ground: number[], picture?: SkyPicture}} sky
  * @property {number[]} shadowColor
  * @property {Map<number, NodeData>} nodes
  * @property {Map<number, LightData>} lights
  * @property {Map<number, {castShadows: boolean, receiveShadows: boolean}>} materials
- * @property {{lightmaps: number, masks: number, directions: number, probes: number}} bytes in the file
+ * @property {{lightmaps: number, masks: number, directions: number, probes: number, sky: number}} bytes in the file
  */
 
 /** @param {any} json @returns {boolean} whether the file holds a bake */
@@ -83,7 +85,7 @@ export async function readBaked(source) {
     if (!root) throw new Error('the file is not baked: it has no HALFLIGHT_mixed_lighting');
     if (root.version !== 1 && root.version !== 2)
         throw new Error(`the bake's format is version ${root.version}; this program reads versions 1 and 2`);
-    const bytes = { lightmaps: 0, masks: 0, directions: 0, probes: 0 };
+    const bytes = { lightmaps: 0, masks: 0, directions: 0, probes: 0, sky: 0 };
     const pages = async (list, part, decode) =>
         Promise.all(
             (list ?? []).map(async (entry, page) => {
@@ -93,7 +95,8 @@ export async function readBaked(source) {
                 return decode(data, image.mimeType ?? '', `${part} page ${page}`);
             })
         );
-    const [lightmaps, directions, masks, probes] = await Promise.all([
+    const { picture, ...sky } = root.sky ?? { zenith: [0, 0, 0], horizon: [0, 0, 0], ground: [0, 0, 0] };
+    const [lightmaps, directions, masks, [skyPixels], probes] = await Promise.all([
         pages(root.lightmaps, 'lightmaps', (data, mimeType, name) =>
             root.lightmapEncoding
                 ? readByCurve(data, mimeType, name, root.lightmapEncoding)
@@ -101,6 +104,7 @@ export async function readBaked(source) {
         ),
         pages(root.lightmapDirections, 'directions', decodeImage),
         pages(root.shadowmasks, 'masks', decodeImage),
+        pages(picture && [picture], 'sky', readRgb9e5),
         readProbes(source, root),
     ]);
     bytes.probes = bytesOfProbes(source.json, root.probes);
@@ -114,7 +118,7 @@ export async function readBaked(source) {
         masks,
         maskChannels: readChannels(root.shadowmaskChannels),
         probes,
-        sky: root.sky ?? { zenith: [0, 0, 0], horizon: [0, 0, 0], ground: [0, 0, 0] },
+        sky: picture ? { ...sky, picture: { pixels: skyPixels, unitNits: picture.unitNits, rotation: picture.rotation } } : sky,
         shadowColor: root.subtractiveShadowColor ?? [0, 0, 0],
         nodes: collect(source.json.nodes, NODE, nodeData),
         lights: collect(source.json.nodes, LIGHT, lightData),

@@ -174,6 +174,27 @@ vec3 hlSkyRadiance(vec3 zenith, vec3 horizon, vec3 ground, vec3 d)
 {
     return d.y >= 0.0 ? mix(horizon, zenith, d.y) : mix(horizon, ground, -d.y);
 }
+vec2 hlSkyPictureUv(vec3 d, vec2 turn)
+{
+    float x = turn.x * d.x - turn.y * d.z;
+    float z = turn.y * d.x + turn.x * d.z;
+    float radius = sqrt(x * x + z * z);
+    float around = radius > 0.0 ? atan(z, x) : 0.0;
+    return vec2(0.5 + around / (2.0 * hlShadingPi), atan(radius, d.y) / hlShadingPi);
+}
+vec3 hlSkyPictureDirection(vec2 place, vec2 turn)
+{
+    float around = (2.0 * place.x - 1.0) * hlShadingPi;
+    float down = place.y * hlShadingPi;
+    float x = sin(down) * cos(around);
+    float z = sin(down) * sin(around);
+    return vec3(turn.x * x + turn.y * z, cos(down), turn.x * z - turn.y * x);
+}
+float hlSkyPictureLevel(float roughness, float width)
+{
+    float alpha = roughness * roughness;
+    return log2(max(alpha * width * 0.70710678, 1.0));
+}
 vec3 hlDiffuseRadiance(vec3 diffuseAlbedo, vec3 irradiance)
 {
     return diffuseAlbedo * irradiance * (1.0 / hlShadingPi);

@@ -2,6 +2,7 @@
 // 2012); outside their convex hull the value at the hull's nearest point. As ProbeInterpolator in
 // include/halflight/render/probes.h.
 import { shBasis, shIrradianceWeight } from '../generated/shading.js';
+import { skyCoefficients } from '../scene/sky_picture.js';
 import { cellsFit, OUTSIDE } from './cells.js';
 import { nearestOnTriangle } from './nearest.js';
 import { removeRinging } from './ringing.js';
@@ -14,6 +15,7 @@ const FLAT = 1e-5;
 
 /** The open sky as a probe meets it; nothing occluded. @returns {ProbeSample} */
 export function skyProbe(sky) {
+    if (sky.picture) return { radiance: skyCoefficients(sky.picture), occlusion: Float64Array.of(1, 1, 1, 1) };
     const up = { x: 0, y: 1, z: 0 };
     const down = { x: 0, y: -1, z: 0 };
     const radiance = new Float64Array(27);

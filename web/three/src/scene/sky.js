@@ -1,13 +1,15 @@
-// The gradient sky where nothing else is drawn.
+// The sky where nothing else is drawn.
 import { BackSide, BoxGeometry, Mesh, ShaderMaterial } from 'three';
 
 import shading from '../generated/shading.glsl.js';
+import { skyText } from '../webgl/shader_text.js';
 
-/** @param {{value: any}} sky zenith, horizon, ground @param {{value: number}} view */
-export function makeSky(sky, view) {
+/** @param {any} uniforms of the bake: hlView, and those of skyText */
+export function makeSky(uniforms) {
     const material = new ShaderMaterial({
         name: 'halflight sky',
-        uniforms: { hlSky: sky, hlView: view },
+        defines: uniforms.hlSkyPicture ? { HL_SKY_PICTURE: '' } : {},
+        uniforms: Object.fromEntries(Object.entries(uniforms).filter(([name]) => name === 'hlView' || /^hlSky(Picture|Turn)?$/.test(name))),
         vertexShader: `
 varying vec3 vDirection;
 void main()
@@ -18,13 +20,12 @@ void main()
     gl_Position = projectionMatrix[2][3] == 0.0 ? vec4(position.xy * 2.0, 0.0, 1.0) : clip;
 }`,
         fragmentShader: `
-${shading}
-uniform vec3 hlSky[3];
+${shading}${skyText}
 uniform int hlView;
 varying vec3 vDirection;
 void main()
 {
-    vec3 radiance = hlSkyRadiance(hlSky[0], hlSky[1], hlSky[2], normalize(vDirection));
+    vec3 radiance = hlSkyTowards(normalize(vDirection), 0.0);
     gl_FragColor = vec4(hlView == 0 ? radiance : vec3(0.0), 1.0);
     #include <tonemapping_fragment>
     #include <colorspace_fragment>

@@ -3,6 +3,7 @@ import { Vector2, Vector3, Vector4 } from 'three';
 
 import { MODES, VIEWS } from '../scene/modes.js';
 import { makeSky } from '../scene/sky.js';
+import { skyTexture, skyTurn } from '../scene/sky_picture.js';
 import { arrayTexture, FORMATS } from '../scene/textures.js';
 import { MaterialPatches } from './patch.js';
 
@@ -43,6 +44,12 @@ export class WebGLBackend {
             hlMaskRange: { value: new Vector4(...data.maskChannels.map((c) => c.rangeTexels)) },
             hlMaskPenumbra: { value: new Vector4(...data.maskChannels.map((c) => c.penumbraTexels)) },
         };
+        if (data.sky.picture) {
+            features.push('HL_SKY_PICTURE');
+            this.uniforms.hlSkyPicture = { value: skyTexture(data.sky.picture.pixels) };
+            this.uniforms.hlSkyTurn = { value: new Vector4(...skyTurn(data.sky.picture)) };
+            this.textures.push(this.uniforms.hlSkyPicture.value);
+        }
         if (volumes) {
             features.push('HL_VOLUMES');
             this.uniforms.hlVolumes = { value: volumes.texture };
@@ -81,7 +88,7 @@ export class WebGLBackend {
     }
 
     makeSky() {
-        return makeSky(this.uniforms.hlSky, this.uniforms.hlView);
+        return makeSky(this.uniforms);
     }
 
     update() {

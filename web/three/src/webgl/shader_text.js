@@ -52,6 +52,24 @@ float hlLightCone(float cosOuter, float cosInner, float cosAngle)
 }
 `;
 
+/** The sky by direction. */
+export const skyText = `
+uniform vec3 hlSky[3]; // zenith, horizon, ground
+#ifdef HL_SKY_PICTURE
+uniform highp sampler2D hlSkyPicture;
+uniform vec4 hlSkyTurn; // cosine and sine of its rotation, width in texels, cd/m2 of a texel of 1
+#endif
+// Radiance from unit direction d, in a mirror of this roughness.
+vec3 hlSkyTowards(vec3 d, float roughness)
+{
+#ifdef HL_SKY_PICTURE
+    return textureLod(hlSkyPicture, hlSkyPictureUv(d, hlSkyTurn.xy), hlSkyPictureLevel(roughness, hlSkyTurn.z)).rgb * hlSkyTurn.w;
+#else
+    return hlSkyRadiance(hlSky[0], hlSky[1], hlSky[2], d);
+#endif
+}
+`;
+
 export const fragmentPars = `
 flat varying int vHlRow;
 varying vec2 vHlLightmapUv;
@@ -77,8 +95,7 @@ uniform int hlView;
 uniform vec2 hlShadow; // shadow distance, fade range
 uniform float hlUnitLux;
 uniform vec3 hlShadowColor;
-uniform vec3 hlSky[3]; // zenith, horizon, ground
-uniform vec3 hlSkySh[9];
+${skyText}uniform vec3 hlSkySh[9];
 #ifdef HL_LIGHTMAPS
 uniform highp sampler2DArray hlLightmaps;
 #endif
@@ -300,8 +317,8 @@ vec3 hlIndirect()
     }
     surroundings *= 1.0 / hlShadingPi;
     if (openSky)
-        surroundings = mix(hlSkyRadiance(hlSky[0], hlSky[1], hlSky[2], reflect(-hlSurface.view, hlSurface.normal)),
-                           surroundings, hlSurface.roughness);
+        surroundings = mix(hlSkyTowards(reflect(-hlSurface.view, hlSurface.normal), hlSurface.roughness), surroundings,
+                           hlSurface.roughness);
     float nDotV = clamp(abs(dot(hlSurface.normal, hlSurface.view)), 1.0e-4, 1.0);
     return hlReflectIndirect(hlSurface.baseColor, hlSurface.metallic, hlSurface.roughness, hlSurface.specular, nDotV,
                              irradiance, surroundings);

@@ -3,6 +3,7 @@ import { AmbientLight, BackSide, BoxGeometry, Color, DoubleSide, Mesh, MeshPhysi
 import { context, emissive, float, positionLocal, renderGroup, select, uniform, uniformArray, vec3, vec4 } from 'three/tsl';
 
 import { MODES, VIEWS } from '../scene/modes.js';
+import { skyTexture, skyTurn } from '../scene/sky_picture.js';
 import { arrayTexture, FORMATS } from '../scene/textures.js';
 import { SceneNodes, skyNodes } from './nodes.js';
 
@@ -29,7 +30,7 @@ export class WebGPUBackend {
         const { data, table, volumes } = scene;
         const pages = (list, kind) => (list.length > 0 ? arrayTexture(list, FORMATS[kind]) : null);
         const colors = (list) => uniformArray(list.map((c) => new Vector3(c[0], c[1], c[2])), 'vec3');
-        this.textures = { lightmaps: pages(data.lightmaps, 'rgb9e5'), directions: pages(data.directions, 'rgba8'), masks: pages(data.masks, 'rgba8') };
+        this.textures = { lightmaps: pages(data.lightmaps, 'rgb9e5'), directions: pages(data.directions, 'rgba8'), masks: pages(data.masks, 'rgba8'), skyPicture: data.sky.picture ? skyTexture(data.sky.picture.pixels) : null };
         const channels = (key) => shared(new Vector4(...data.maskChannels.map((c) => c[key])));
         this.u = {
             ...this.textures,
@@ -42,6 +43,7 @@ export class WebGPUBackend {
             shadowColor: shared(new Vector3()),
             sky: colors([data.sky.zenith, data.sky.horizon, data.sky.ground]),
             skySh: colors(Array.from({ length: 9 }, (_, i) => scene.field.sky.radiance.subarray(3 * i, 3 * i + 3))),
+            skyTurn: shared(new Vector4(...(data.sky.picture ? skyTurn(data.sky.picture) : [1, 0, 0, 0]))),
             maskRange: channels('rangeTexels'),
             maskPenumbra: channels('penumbraTexels'),
         };

@@ -169,7 +169,7 @@ export class SceneNodes {
             return select(openSky, this.skyIrradiance(n), probes);
         };
         const around = at(lobe).mul(1 / Math.PI).toVar();
-        const mirror = hl.hlSkyRadiance(this.u.sky.element(0), this.u.sky.element(1), this.u.sky.element(2), reflect(s.view.negate(), s.normal));
+        const mirror = skyTowards(this.u, reflect(s.view.negate(), s.normal), s.roughness);
         const surroundings = select(openSky, mix(mirror, around, s.roughness), around);
         const nDotV = s.normal.dot(s.view).abs().clamp(1e-4, 1);
         return hl.hlReflectIndirect(s.baseColor, s.metallic, s.roughness, s.specular, nDotV, at(s.normal), surroundings);
@@ -189,9 +189,16 @@ export class SceneNodes {
     }
 }
 
+/** Radiance of the sky from a unit direction, in a mirror of this roughness. @param {any} d @param {any} roughness */
+function skyTowards(u, d, roughness) {
+    if (!u.skyPicture) return hl.hlSkyRadiance(u.sky.element(0), u.sky.element(1), u.sky.element(2), d);
+    const level = hl.hlSkyPictureLevel(roughness, u.skyTurn.z);
+    return texture(u.skyPicture, hl.hlSkyPictureUv(d, u.skyTurn.xy)).level(level).rgb.mul(u.skyTurn.w);
+}
+
 /** Nodes of the sky: where a box around the camera is drawn, and its colour. */
 export function skyNodes(u, position) {
     const clip = cameraProjectionMatrix.mul(vec4(cameraViewMatrix.mul(vec4(position, 0)).xyz, 1));
-    const radiance = hl.hlSkyRadiance(u.sky.element(0), u.sky.element(1), u.sky.element(2), position.normalize());
+    const radiance = skyTowards(u, position.normalize(), float(0));
     return { vertexNode: clip, fragmentNode: vec4(select(u.view.equal(0), radiance, vec3(0)), 1) };
 }

@@ -1,0 +1,27 @@
+#pragma once
+// Equirectangular pictures of the sky.
+
+#include "halflight/base/image.h"
+
+#include <filesystem>
+
+namespace halflight {
+
+/// The most texels of a picture that is read: 8192 x 4096.
+constexpr int64_t kMostSkyPictureTexels = int64_t(1) << 25;
+
+/// Reads a Radiance picture (.hdr) or an OpenEXR file, told apart by content, of at most kMostSkyPictureTexels.
+/// Values are radiance; a negative one or one that is not finite is an error. A picture wider than kMostSkyTexels is
+/// reduced to that.
+Result<ImageRgb32f> readSkyPicture(const std::filesystem::path& path);
+
+/// Widest picture that a scene has, in texels: 0.09 degrees each, a sixth of the sun.
+constexpr int kMostSkyTexels = 4096;
+
+/// The picture with at most `width` texels a row, and rows in proportion. A texel is the mean of what it covers by
+/// solid angle, so that the picture's light stays the same.
+ImageRgb32f reducedSkyPicture(const ImageRgb32f& picture, int width);
+/// The same with a size, which is no larger than the picture's.
+ImageRgb32f reducedSkyPicture(const ImageRgb32f& picture, ivec2 size);
+
+} // namespace halflight

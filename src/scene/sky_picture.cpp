@@ -1,0 +1,155 @@
+#include "halflight/scene/sky_picture.h"
+
+#include "halflight/base/file.h"
+#include "halflight/base/finite.h"
+#include "halflight/base/parallel.h"
+#include "halflight/scene/scene.h"
+#include "scene/rgbe.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+namespace halflight {
+
+namespace {
+
+// The share of the sphere between two heights of a picture, 0 = top, 1 = bottom.
+double shareBetween(double v0, double v1)
+{
+    return 0.5 * (std::cos(v0 * double(kPi)) - std::cos(v1 * double(kPi)));
+}
+
+// What a texel of a reduced picture covers along one axis: texels of the picture, and their weights.
+struct Span {
+    int first = 0;
+    std::vector<double> weights; // sum 1
+};
+
+template<typename Weight> std::vector<Span> spansOf(int from, int to, const Weight& weight)
+{
+    std::vector<Span> spans(static_cast<std::size_t>(to));
+    for (int i = 0; i < to; ++i) {
+        Span& span = spans[std::size_t(i)];
+        const double low = double(i) * from / to;
+        const double high = double(i + 1) * from / to;
+        span.first = int(low);
+        double sum = 0.0;
+        for (int k = span.first; k < from && double(k) < high; ++k) {
+            span.weights.push_back(weight(std::max(low, double(k)) / from, std::min(high, double(k + 1)) / from));
+            sum += span.weights.back();
+        }
+        for (double& w : span.weights) w /= sum;
+    }
+    return spans;
+}
+
+Status checkValues(const ImageRgb32f& picture)
+{
+    if (picture.empty()) return Error{ErrorCode::FileInvalid, "has no texels"};
+    for (int y = 0; y < picture.height(); ++y) {
+        for (int x = 0; x < picture.width(); ++x) {
+            const vec3 texel = picture(x, y);
+            if (isFinite(texel) && texel.x >= 0.0f && texel.y >= 0.0f && texel.z >= 0.0f) continue;
+            return Error{ErrorCode::FileInvalid, "has a value that is not a number of 0 or more, in column " +
+                                                     std::to_string(x) + " of row " + std::to_string(y)};
+        }
+    }
+    return {};
+}
+
+Result<ImageRgb32f> readAsFloats(const std::filesystem::path& path)
+{
+    constexpr std::array<unsigned char, 4> kExrMagic = {0x76, 0x2f, 0x31, 0x01};
+    const auto start = readFile(path, kExrMagic.size());
+    if (!start) return start.error();
+    const bool isExr = std::equal(start->begin(), start->end(), kExrMagic.begin(), kExrMagic.end(),
+                                  [](std::byte a, unsigned char b) { return a == std::byte(b); });
+    if (!isExr) {
+        const auto bytes = readFile(path);
+        if (!bytes) return bytes.error();
+        return decodeRgbe(*bytes, kMostSkyPictureTexels);
+    }
+    const auto image = readExr(path, kMostSkyPictureTexels);
+    if (!image) return image.error();
+    ImageRgb32f picture(image->width(), image->height());
+    std::copy(image->texels().begin(), image->texels().end(), picture.texels().begin());
+    return picture;
+}
+
+} // namespace
+
+Result<ImageRgb32f> readSkyPicture(const std::filesystem::path& path)
+{
+    auto picture = readAsFloats(path);
+    if (picture) {
+        if (Status s = checkValues(*picture); !s) picture = s.error();
+    }
+    if (!picture) {
+        const Error& error = picture.error();
+        return Error{error.code, "sky picture " + path.string() + ": " + error.message, ""};
+    }
+    return picture->width() > kMostSkyTexels ? reducedSkyPicture(*picture, kMostSkyTexels) : std::move(*picture);
+}
+
+ImageRgb32f reducedSkyPicture(const ImageRgb32f& picture, int width)
+{
+    if (picture.width() <= width) return picture;
+    const int height =
+        std::max(1, int(std::lround(double(picture.height()) * double(width) / double(picture.width()))));
+    return reducedSkyPicture(picture, ivec2(width, height));
+}
+
+ImageRgb32f reducedSkyPicture(const ImageRgb32f& picture, ivec2 size)
+{
+    const std::vector<Span> columns = spansOf(picture.width(), size.x, [](double a, double b) { return b - a; });
+    const std::vector<Span> rows = spansOf(picture.height(), size.y, shareBetween);
+    ImageRgb32f reduced(size.x, size.y);
+    parallelFor(std::size_t(size.y), 8, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t y = begin; y < end; ++y) {
+            for (int x = 0; x < size.x; ++x) {
+                const Span& across = columns[std::size_t(x)];
+                glm::dvec3 sum(0.0);
+                for (std::size_t j = 0; j < rows[y].weights.size(); ++j) {
+                    for (std::size_t i = 0; i < across.weights.size(); ++i)
+                        sum += rows[y].weights[j] * across.weights[i] *
+                               glm::dvec3(picture(across.first + int(i), rows[y].first + int(j)));
+                }
+                reduced(x, int(y)) = vec3(sum);
+            }
+        }
+    });
+    return reduced;
+}
+
+// The least squares over the sphere of horizon (1 - |y|) + zenith max(y, 0) + ground max(-y, 0). The mean squares of
+// the three functions are 1/3, 1/6 and 1/6, the means of products with the first 1/12, and the other one 0.
+void Sky::setPicture(std::shared_ptr<const ImageRgb32f> radiance, float rotation)
+{
+    picture = std::move(radiance);
+    rotationRadians = rotation;
+    glm::dvec3 flat(0.0);
+    glm::dvec3 up(0.0);
+    glm::dvec3 down(0.0);
+    const double height = picture->height();
+    for (int row = 0; row < picture->height(); ++row) {
+        glm::dvec3 mean(0.0);
+        for (int x = 0; x < picture->width(); ++x) mean += glm::dvec3((*picture)(x, row));
+        mean /= picture->width();
+        // Integrals of the functions over the row, whose y runs from `high` to `low`; shares of the sphere are dy / 2.
+        const double high = std::cos(row / height * double(kPi));
+        const double low = std::cos((row + 1) / height * double(kPi));
+        const auto square = [](double y) { return y * y; };
+        const double above = 0.25 * (square(std::max(high, 0.0)) - square(std::max(low, 0.0)));
+        const double below = 0.25 * (square(std::min(low, 0.0)) - square(std::min(high, 0.0)));
+        flat += mean * (0.5 * (high - low) - above - below);
+        up += mean * above;
+        down += mean * below;
+    }
+    const glm::dvec3 h = 4.0 * flat - 2.0 * (up + down); // 1/3 - 2 (1/12)^2 6 = 1/4 remains of the horizon's row
+    horizon = glm::max(vec3(h), vec3(0.0f));
+    zenith = glm::max(vec3(6.0 * up - 0.5 * h), vec3(0.0f));
+    ground = glm::max(vec3(6.0 * down - 0.5 * h), vec3(0.0f));
+}
+
+} // namespace halflight
