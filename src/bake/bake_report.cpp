@@ -11,16 +11,29 @@
 
 namespace halflight {
 
+constexpr std::size_t kOwnWarnings = 3; ///< fully baked lights that get a warning each
+
 void reportLights(const Scene& scene, BakeReport& report)
 {
     std::vector<std::string> ended;
+    std::vector<std::string> overflowed;
     for (const Light& light : scene.lights) {
         report.lights.push_back({light.name, light.type, light.mode, light.baking.bakeType,
                                  light.baking.occlusionMaskChannel, light.baking.reason, light.baking.reachMeters});
-        if (!light.baking.reason.empty())
-            report.warnings.push_back("light \"" + light.name + "\" " + light.baking.reason);
+        if (!light.baking.reason.empty()) overflowed.push_back(light.name);
         if (light.type != LightType::Directional && light.rangeMeters <= 0.0f && light.baking.reachMeters > 0.0f)
             ended.push_back(light.name);
+    }
+    // One sentence each fills a page where lights are many; the table and the report have each light's reason.
+    if (overflowed.size() > kOwnWarnings) {
+        report.warnings.push_back("lights " + listOf(overflowed) +
+                                  " overlap more mixed lights than there are shadowmask channels, so they are fully "
+                                  "baked; the report has the reason and the cure of each (lights, reason)");
+    } else {
+        for (const Light& light : scene.lights) {
+            if (!light.baking.reason.empty())
+                report.warnings.push_back("light \"" + light.name + "\" " + light.baking.reason);
+        }
     }
     if (!ended.empty()) {
         report.warnings.push_back("lights " + listOf(ended) +

@@ -1,5 +1,6 @@
 // Which lights share a shadowmask channel (spec S9, S10, S25).
 
+#include "bake/bake_report.h"
 #include "bake/test_scene.h"
 
 #include <gtest/gtest.h>
@@ -110,6 +111,24 @@ TEST(ChannelsS10, TheFifthOverlappingLightIsBakedAndNamed)
     EXPECT_EQ(fifth.bakeType, LightMode::Baked);
     EXPECT_EQ(fifth.occlusionMaskChannel, -1);
     EXPECT_NE(fifth.reason.find("lamp 0"), std::string::npos) << fifth.reason;
+}
+
+/// Up to three fully baked lights get a warning each with its cure; more share one. The report has the reason of each.
+TEST(ChannelsS10, ManyOverflowingLightsShareOneWarning)
+{
+    for (const int count : {7, 8, 17}) {
+        Scene scene;
+        for (int i = 0; i < count; ++i)
+            scene.lights.push_back(pointAt("lamp " + std::to_string(i), vec3(float(i), 0, 0), 60.0f, float(50 - i)));
+        assignShadowmaskChannels(scene, MixedLightingMode::Shadowmask);
+        BakeReport report;
+        reportLights(scene, report);
+        EXPECT_EQ(report.warnings.size(), count == 7 ? 3u : 1u);
+        EXPECT_NE(report.warnings[0].find("\"lamp 4\""), std::string::npos) << report.warnings[0];
+        EXPECT_NE(report.warnings[0].find("fully baked"), std::string::npos) << report.warnings[0];
+        EXPECT_EQ(std::ranges::count_if(report.lights, [](const LightReport& l) { return !l.reason.empty(); }),
+                  count - 4);
+    }
 }
 
 /// The overflowing light's direct light is in the lightmap: nothing is dropped.
