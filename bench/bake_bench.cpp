@@ -313,7 +313,7 @@ void partError(const Options& options)
                     Run run = integrate(p, p.map, settings);
                     rawMean.add(run.cpu, double(run.rays), compare(run.estimates, &chosen, reference));
                     const double start = cpuSeconds();
-                    denoise(p.geometry, p.map, run.estimates, false);
+                    denoise(p.geometry, p.map, {}, run.estimates, false);
                     const double cpu = run.cpu + cpuSeconds() - start;
                     denoisedMean.add(cpu, double(run.rays), compare(run.estimates, &chosen, reference));
                     // Beside it, for the speed of the machine now.
@@ -441,7 +441,7 @@ void seamsOf(const Options& options, const std::string& name, bool bakeLights)
         settings.samples = options.samples > 0 ? options.samples : 16;
         settings.shadowSamples = 32;
         std::vector<IrradianceEstimate> estimates = integrate(scene, scene.map, settings).estimates;
-        denoise(scene.geometry, scene.map, estimates, false);
+        denoise(scene.geometry, scene.map, {}, estimates, false);
         TexelValues values = splitEstimates(estimates);
         fillInvalid(scene.geometry, scene.map, values.valid, values.irradiance);
         fillInvalid(scene.geometry, scene.map, values.valid, values.direct);

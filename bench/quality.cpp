@@ -1,7 +1,7 @@
 // Bakes the scenes of assets/quality/ and prints what is measured of each as a table; exit code 1 when a limit is
 // missed.
-//   bench_quality [--assets DIR] [--markdown] [--truth-samples N] [ITEM...]     ITEM: leaks edges seams masks noise
-//   probes
+//   bench_quality [--assets DIR] [--markdown] [--truth-samples N] [ITEM...]     ITEM: leaks edges seams tiles
+//   masks noise probes
 
 #include "quality/measures.h"
 
@@ -47,6 +47,7 @@ int main(int argc, char** argv)
     print("leaks", [&] { return measureLeaks(assets); });
     print("edges", [&] { return measureEdges(assets); });
     print("seams", [&] { return measureSeams(assets); });
+    print("tiles", [&] { return measureTiles(assets); });
     print("masks", [&] { return measurePenumbra(assets); });
     print("masks", [&] { return measureMaskEdges(assets); });
     print("masks", [&] { return measureTerminator(assets); });

@@ -183,6 +183,38 @@ def contact():
     return doc
 
 
+def tiles():
+    """A closed room of a modular kit: a floor of 3 x 3 tiles and a north wall of three panels, each an object of its own. A lamp hangs 15 cm
+    off the wall beside a joint of two panels, and a strip of light under a tread lights the floor across two joints: steep, noisy light that
+    runs on across every joint."""
+    doc = document("tiles", ("white", "grey"), ((0.0, 0.0, 0.0),) * 3)
+    doc.material("lamp", COLORS["white"], 1.0, emissive=(1.0, 0.85, 0.6), strength=400.0)
+    doc.material("strip", COLORS["white"], 1.0, emissive=(1.0, 0.9, 0.75), strength=60.0)
+    w, h, t = 2.25, 2.4, 1.5  # half width, height, tile width
+    panel, shell = Mesh(), Mesh()
+    panel.quad((-t / 2, 0, 0), (t / 2, 0, 0), (t / 2, h, 0), (-t / 2, h, 0))
+    shell.quad((-w, 0, w), (-w, 0, -w), (-w, h, -w), (-w, h, w))
+    shell.quad((w, 0, -w), (w, 0, w), (w, h, w), (w, h, -w))
+    shell.quad((w, 0, w), (-w, 0, w), (-w, h, w), (w, h, w))
+    shell.quad((-w, h, -w), (w, h, -w), (w, h, w), (-w, h, w))
+    doc.mesh("tile", [(sheet(-t / 2, -t / 2, t / 2, t / 2), "white", 1.0)], closed=False)
+    doc.mesh("panel", [(panel, "white", 1.0)], closed=False)
+    doc.mesh("shell", [(shell, "white", 1.0)], closed=False)
+    doc.mesh("lamp", [(m.sphere(0.05, 12, 6), "lamp", 1.0)])
+    doc.mesh("tread", [(m.box(-1.4, 0.15, 0.2, 1.6, 0.19, 0.5), "grey", 1.0)])
+    doc.mesh("strip", [(m.box(-1.3, 0.13, 0.44, 1.5, 0.14, 0.46), "strip", 1.0)])
+    for i in range(9):
+        doc.node(f"tile_{i}", "tile", (t * (i % 3 - 1), 0.0, t * (i // 3 - 1)))
+    for i in range(3):
+        doc.node(f"panel_{i}", "panel", (t * (i - 1), 0.0, -w))
+    doc.node("shell", "shell")
+    doc.node("lamp", "lamp", (-0.55, 1.3, -w + 0.15), extras=dict(NO_TEXELS))
+    doc.node("tread", "tread")
+    doc.node("strip", "strip", extras=dict(NO_TEXELS))
+    doc.camera("main", (1.6, 1.7, 2.0), (-0.4, 0.5, -1.0), 65)
+    return doc
+
+
 def probe_rooms():
     """Two closed rooms that share a wall 4 cm thick, one lit by a panel, the other dark but for a faint one: probes of one must not light
     what stands in the other."""
@@ -205,4 +237,4 @@ def probe_rooms():
 
 
 if __name__ == "__main__":
-    gltf.write_scenes("quality", (leaks, rims, seams, curtain, mask_edges, terminator, contact, probe_rooms))
+    gltf.write_scenes("quality", (leaks, rims, seams, curtain, mask_edges, terminator, contact, tiles, probe_rooms))

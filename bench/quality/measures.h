@@ -26,6 +26,7 @@ using Figures = std::vector<Figure>;
 Figures measureLeaks(const std::filesystem::path& assets);
 Figures measureEdges(const std::filesystem::path& assets);
 Figures measureSeams(const std::filesystem::path& assets);
+Figures measureTiles(const std::filesystem::path& assets);
 Figures measureMaskEdges(const std::filesystem::path& assets);
 Figures measurePenumbra(const std::filesystem::path& assets);
 Figures measureTerminator(const std::filesystem::path& assets);

@@ -179,7 +179,8 @@ Status lightmapStage(const Stages& stages, const Gather& gather, std::vector<Irr
     return {};
 }
 
-Status denoiseStage(const Stages& stages, const Gather& gather, std::vector<IrradianceEstimate>& estimates)
+Status denoiseStage(const Stages& stages, const Gather& gather, std::span<const SeamSample> seams,
+                    std::vector<IrradianceEstimate>& estimates)
 {
     if (stages.settings.denoiser == Denoiser::Off) return {};
     const bool openImage = stages.settings.denoiser == Denoiser::OpenImage;
@@ -190,7 +191,7 @@ Status denoiseStage(const Stages& stages, const Gather& gather, std::vector<Irra
         gathered.reserve(estimates.size());
         for (const IrradianceEstimate& e : estimates) gathered.push_back(e.irradiance - e.direct);
     }
-    denoise(gather.geometry, gather.map, estimates, stages.settings.directional);
+    denoise(gather.geometry, gather.map, seams, estimates, stages.settings.directional);
     if (openImage) {
         if (Status status = imageDenoise(gather.map, gathered, estimates, stages.progress); !status)
             return status.error();
@@ -200,10 +201,10 @@ Status denoiseStage(const Stages& stages, const Gather& gather, std::vector<Irra
     return {};
 }
 
-/// From estimates to encoded pages. `seams` and `valid` serve the shadowmask too. Large arrays are released as soon as
+/// From estimates to encoded pages. `valid` serves the shadowmask too. Large arrays are released as soon as
 /// they are no longer needed.
 Status lightmapPagesStage(const Stages& stages, const Gather& gather, const std::vector<IrradianceEstimate>& estimates,
-                          const std::optional<MainLight>& main, std::vector<SeamSample>& seams,
+                          const std::optional<MainLight>& main, const std::vector<SeamSample>& seams,
                           std::vector<uint8_t>& valid)
 {
     const BakeSettings& settings = stages.settings;
@@ -218,7 +219,6 @@ Status lightmapPagesStage(const Stages& stages, const Gather& gather, const std:
     fillInvalid(gather.geometry, gather.map, valid, values.irradiance);
     fillInvalid(gather.geometry, gather.map, valid, values.direct);
     StageTimer timer(stages.report(), "seams");
-    seams = findSeams(gather.geometry, gather.map.pageSize);
     std::vector<ImageRgb32f>& pages = stages.result.irradiance;
     pages = dilate(gather.map, values.irradiance, kDilationRings);
     release(values.irradiance);
@@ -300,8 +300,8 @@ Status traceStages(const Stages& stages, const Gather& gather)
     std::vector<IrradianceEstimate> estimates(gather.map.texels.size());
     std::optional<MainLight> main;
     if (Status s = lightmapStage(stages, gather, estimates, main); !s) return s;
-    if (Status s = denoiseStage(stages, gather, estimates); !s) return s;
-    std::vector<SeamSample> seams;
+    const std::vector<SeamSample> seams = findSeams(gather.geometry, gather.map.pageSize);
+    if (Status s = denoiseStage(stages, gather, seams, estimates); !s) return s;
     std::vector<uint8_t> valid;
     if (Status s = lightmapPagesStage(stages, gather, estimates, main, seams, valid); !s) return s;
     release(estimates);

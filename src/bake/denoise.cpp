@@ -1,11 +1,12 @@
 // The edge-avoiding à-trous wavelet filter (Dammertz et al. 2010, "Edge-Avoiding À-Trous Wavelet Transform for fast
 // Global Illumination Filtering"). Its luminance edge-stopping function is scaled by the estimates' standard deviation
 // (Schied et al. 2017, "Spatiotemporal Variance-Guided Filtering"): differences within the noise are smoothed, larger
-// ones (contact shadows) stay. Texels of other charts have no weight.
+// ones (contact shadows) stay. Its neighbourhoods go on across seams, so that both sides average the same texels.
 //
-// The first level averages traced texels alone. From the second level on, the filter fits a slope first and averages
-// the residuals (a first-order regression, cf. Bitterli et al. 2016, "Nonlinearly Weighted First-order Regression for
-// Denoising Monte Carlo Renderings"). Without the slope a gradient would be smoothed only along its isolines.
+// The first level averages traced texels alone. Each level fits a polynomial of second order first and averages the
+// residuals (Savitzky and Golay 1964; cf. Bitterli et al. 2016, "Nonlinearly Weighted First-order Regression for
+// Denoising Monte Carlo Renderings"). Without it a gradient would be smoothed only along its isolines. Beside edges of
+// light and at rims, slopes take the polynomial's place, from the second level on.
 #include "bake/denoise.h"
 
 #include "bake/stages.h"
@@ -45,23 +46,31 @@ struct Guide {
 
 /// One level of the filter: its inputs, all indexed by texel.
 struct Level {
-    const TexelMap& map;
-    const TexelGrid& grid;
+    const SurfaceGrid& grid;
     const std::vector<Guide>& guides;
     const Signals& in;
     int number = 0; ///< taps are 2^number texels apart
     bool directions = false;
 
     [[nodiscard]] int step() const { return 1 << number; }
-    /// Whether a tap counts for gathered light.
+    /// Whether a texel counts for gathered light.
     [[nodiscard]] bool counts(uint32_t texel) const
     {
-        return texel != kNoTexel && (number > 0 || guides[texel].traced);
+        return guides[texel].valid && (number > 0 || guides[texel].traced);
     }
 };
 
-/// Texels at the taps of one texel, row by row; kNoTexel: none on the chart, or inside geometry.
-using Taps = std::array<uint32_t, kTaps>;
+/// What the filter reads at one tap: the values of a texel, or beyond a seam the bilinear mean of those around a place.
+struct Tap {
+    bool valid = false;  ///< on the surface, and outside geometry
+    bool counts = false; ///< for gathered light
+    vec3 position{0.0f};
+    vec3 normal{0.0f}; ///< unit
+    NoisyLight gathered;
+    NoisyLight direct;
+    vec3 moment{0.0f};
+};
+using Taps = std::array<Tap, kTaps>; ///< row by row
 
 /// Squared difference of luminance over the noise that is expected, the exponent of a weight exp(-x). Differences below
 /// `tolerance` (lux) count little too.
@@ -83,6 +92,12 @@ float pow32(float x)
 float falloff(float x)
 {
     return pow32(std::max(1.0f - x * (1.0f / 32.0f), 0.0f));
+}
+
+/// Whether two taps lie on one side of a surface, and not round a corner or a crease.
+bool sameSide(const Tap& a, const Tap& b)
+{
+    return glm::dot(a.normal, b.normal) >= 0.9f;
 }
 
 /// The smaller of two differences if they have one sign, else 0 (the minmod limiter, Roe 1986): the slope of a
@@ -116,32 +131,136 @@ struct Mean {
     }
 };
 
-/// Gradient of gathered light along (x, y), lux per tap; 0 where a neighbour is missing or lies on another side.
-vec3 slopeAlong(const Level& level, uint32_t i, int x, int y)
+Tap tapOn(const Level& level, uint32_t j)
 {
-    constexpr int kSpan = 2;
-    constexpr float kSameSide = 0.9f; // cosine between normals
-    if (level.number == 0) return vec3(0.0f);
-    const int distance = kSpan * level.step();
-    const uint32_t ahead = level.grid.at(level.map.texels[i], distance * x, distance * y);
-    const uint32_t behind = level.grid.at(level.map.texels[i], -distance * x, -distance * y);
-    for (const uint32_t j : {ahead, behind}) {
-        if (j == kNoTexel || !level.guides[j].valid) return vec3(0.0f);
-        if (glm::dot(level.guides[j].place.normal, level.guides[i].place.normal) < kSameSide) return vec3(0.0f);
+    const Guide& guide = level.guides[j];
+    Tap tap{guide.valid, level.counts(j), guide.place.position, guide.place.normal, level.in.gathered[j], {}, {}};
+    if (!level.in.direct.empty()) tap.direct = level.in.direct[j];
+    if (level.directions) tap.moment = level.in.moments[j];
+    return tap;
+}
+
+/// Nearest texels would lie up to 0.7 texels off, towards the light on one side of a seam and away from it on the
+/// other.
+Tap tapBeyond(const Level& level, const SurfaceGrid::Footprint& footprint)
+{
+    constexpr float kEnough = 0.5f; // of a footprint
+    Tap sum;
+    float weight = 0.0f;
+    for (std::size_t n = 0; n < footprint.count; ++n) {
+        if (level.counts(footprint.texels[n])) weight += footprint.weights[n];
     }
-    const std::vector<NoisyLight>& light = level.in.gathered;
-    const vec3 own = light[i].irradiance;
-    return minmod(light[ahead].irradiance - own, own - light[behind].irradiance) / float(kSpan);
+    if (weight < kEnough) return sum;
+    for (std::size_t n = 0; n < footprint.count; ++n) {
+        if (!level.counts(footprint.texels[n])) continue;
+        const float w = footprint.weights[n] / weight;
+        const float ofVariance = level.number == 0 ? w * w : w; // values of later levels share texels
+        const Tap tap = tapOn(level, footprint.texels[n]);
+        sum.position += w * tap.position;
+        sum.normal += w * tap.normal;
+        sum.gathered.irradiance += w * tap.gathered.irradiance;
+        sum.gathered.variance += ofVariance * tap.gathered.variance;
+        sum.direct.irradiance += w * tap.direct.irradiance;
+        sum.direct.variance += ofVariance * tap.direct.variance;
+        sum.moment += w * tap.moment;
+    }
+    sum.valid = sum.counts = glm::length(sum.normal) > 0.0f;
+    if (sum.valid) sum.normal = glm::normalize(sum.normal);
+    return sum;
 }
 
 Taps tapsOf(const Level& level, uint32_t i)
 {
     Taps taps;
     for (int k = 0; k < kTaps; ++k) {
-        const uint32_t j = level.grid.at(level.map.texels[i], (k % 5 - 2) * level.step(), (k / 5 - 2) * level.step());
-        taps[std::size_t(k)] = j != kNoTexel && level.guides[j].valid ? j : kNoTexel;
+        const int dx = (k % 5 - 2) * level.step();
+        const int dy = (k / 5 - 2) * level.step();
+        const uint32_t j = level.grid.onChart(i, dx, dy);
+        taps[std::size_t(k)] = j != kNoTexel ? tapOn(level, j) : tapBeyond(level, level.grid.beyond(i, dx, dy));
     }
     return taps;
+}
+
+/// How gathered light changes around a texel: a polynomial of the offset in taps, 0 at the texel.
+struct Trend {
+    vec3 x{0.0f}; ///< lux per tap
+    vec3 y{0.0f};
+    vec3 xx{0.0f}; ///< lux per squared tap
+    vec3 xy{0.0f};
+    vec3 yy{0.0f};
+    float noise = 1.0f; ///< ratio of the variances of a mean less the trend and of a plain mean
+
+    [[nodiscard]] vec3 at(int dx, int dy) const
+    {
+        return float(dx) * x + float(dy) * y + float(dx * dx) * xx + float(dx * dy) * xy + float(dy * dy) * yy;
+    }
+};
+
+/// The polynomial of second order with the least squares over all 5 x 5 taps, whose terms have these sums of squares.
+Trend fittedTrend(const Taps& taps)
+{
+    constexpr float kLinear = 50.0f;
+    constexpr float kSquare = 70.0f; // of x^2 - 2
+    constexpr float kMixed = 100.0f;
+    Trend trend;
+    for (int k = 0; k < kTaps; ++k) {
+        const auto dx = float(k % 5 - 2);
+        const auto dy = float(k / 5 - 2);
+        const vec3 light = taps[std::size_t(k)].gathered.irradiance;
+        trend.x += dx / kLinear * light;
+        trend.y += dy / kLinear * light;
+        trend.xx += (dx * dx - 2.0f) / kSquare * light;
+        trend.xy += dx * dy / kMixed * light;
+        trend.yy += (dy * dy - 2.0f) / kSquare * light;
+    }
+    trend.noise = 2.1f; // of the mean weighted by the spline: 0.165 instead of 0.079
+    return trend;
+}
+
+/// Change of gathered light between two taps on opposite sides, lux per tap; 0 where one is missing.
+vec3 slopeBetween(const Tap& behind, const Tap& own, const Tap& ahead)
+{
+    constexpr float kTapsBetween = 2.0f; // from each to the middle
+    if (!behind.valid || !ahead.valid || !sameSide(behind, own) || !sameSide(ahead, own)) return vec3(0.0f);
+    const vec3 light = own.gathered.irradiance;
+    return minmod(ahead.gathered.irradiance - light, light - behind.gathered.irradiance) / kTapsBetween;
+}
+
+float splineAt(int tap)
+{
+    return kSpline[std::size_t(std::abs(tap % 5 - 2))] * kSpline[std::size_t(std::abs(tap / 5 - 2))];
+}
+
+NoisyLight lessTrend(const Taps& taps, int tap, const Trend& trend)
+{
+    const NoisyLight& light = taps[std::size_t(tap)].gathered;
+    return {light.irradiance - trend.at(tap % 5 - 2, tap / 5 - 2), light.variance};
+}
+
+/// Weight of the taps that differ from the middle by no more than noise, less the trend.
+float explained(const Taps& taps, const Trend& trend)
+{
+    float sum = 0.0f;
+    for (int k = 0; k < kTaps; ++k)
+        sum += splineAt(k) * falloff(luminanceDistance(taps[kMiddleTap].gathered, lessTrend(taps, k, trend), 0.0f));
+    return sum;
+}
+
+/// The fitted trend on smooth light, slopes beside edges of light, which no polynomial follows. Means less a fitted
+/// trend have less bias, so that it may explain somewhat less.
+Trend trendOf(const Level& level, const Taps& taps)
+{
+    constexpr float kEnough = 0.75f; // of what slopes explain
+    const Tap& own = taps[kMiddleTap];
+    Trend slopes;
+    if (level.number > 0) { // single texels are too noisy
+        slopes.x = slopeBetween(taps[kMiddleTap - 2], own, taps[kMiddleTap + 2]);
+        slopes.y = slopeBetween(taps[kMiddleTap - 10], own, taps[kMiddleTap + 10]);
+    }
+    const auto fits = [&](const Tap& tap) { return tap.counts && sameSide(tap, own); };
+    if (!std::all_of(taps.begin(), taps.end(), fits)) return slopes;
+    const Trend fitted = fittedTrend(taps);
+    return explained(taps, fitted) >= kEnough * explained(taps, slopes) ? fitted : slopes;
 }
 
 struct GeometricWeight {
@@ -149,10 +268,9 @@ struct GeometricWeight {
     float planeDistance2 = 0.0f; ///< squared distance from the texel's plane, in taps
 };
 
-/// Of another texel's place; nothing where the weight is negligible. Texels that are adjacent on the map and far apart
-/// in the world (folded charts) have none.
-std::optional<GeometricWeight> geometricWeight(const TexelPlace& own, const TexelPlace& other, float spline,
-                                               float planeScale)
+/// Of another tap's place; nothing where the weight is negligible. Texels that are adjacent on the map and far apart in
+/// the world (folded charts) have none.
+std::optional<GeometricWeight> geometricWeight(const Tap& own, const Tap& other, float spline, float planeScale)
 {
     constexpr float kFarTaps = 8.0f;
     constexpr float kNegligible = 1.0e-6f;
@@ -170,64 +288,58 @@ void filterTexel(const Level& level, uint32_t i, Signals& out)
 {
     constexpr float kMomentTolerance =
         0.2f; // of direct light: directions of all light stop at the edges of direct light
-    const Signals& in = level.in;
-    const TexelPlace& place = level.guides[i].place;
-    const float planeScale = 1.0f / (float(level.step()) * place.texelMeters);
-    const bool hasDirect = !in.direct.empty();
-    const bool noisyDirect = hasDirect && in.direct[i].variance > 0.0f;
-    const vec3 slopeX = slopeAlong(level, i, 1, 0);
-    const vec3 slopeY = slopeAlong(level, i, 0, 1);
-    const float momentTolerance = hasDirect ? kMomentTolerance * luminance(in.direct[i].irradiance) : 0.0f;
+    const Taps taps = tapsOf(level, i);
+    const Tap& own = taps[kMiddleTap];
+    const float planeScale = 1.0f / (float(level.step()) * level.guides[i].place.texelMeters);
+    const bool hasDirect = !level.in.direct.empty();
+    const bool noisyDirect = own.direct.variance > 0.0f;
+    const Trend trend = trendOf(level, taps);
+    const float momentTolerance = kMomentTolerance * luminance(own.direct.irradiance);
     // At the rim of a chart, a tap without its mirror image would shift the mean: in a dark corner, towards the light.
     // Such taps are left out, unless the texel has no pair of taps at all.
-    const Taps taps = tapsOf(level, i);
     bool pairs = false;
-    for (std::size_t k = 0; k < kMiddleTap; ++k)
-        pairs = pairs || (level.counts(taps[k]) && level.counts(taps[kTaps - 1 - k]));
+    for (std::size_t k = 0; k < kMiddleTap; ++k) pairs = pairs || (taps[k].counts && taps[kTaps - 1 - k].counts);
     Mean gathered;
     Mean direct;
     vec3 momentSum(0.0f);
     float momentWeight = 0.0f;
     for (int k = 0; k < kTaps; ++k) {
-        const uint32_t j = taps[std::size_t(k)];
-        const bool other = j != i;
-        if (j == kNoTexel || (pairs && other && !level.counts(taps[std::size_t(kTaps - 1 - k)]))) continue;
-        const int dx = k % 5 - 2;
-        const int dy = k / 5 - 2;
-        GeometricWeight geometric = {kSpline[std::size_t(std::abs(dx))] * kSpline[std::size_t(std::abs(dy))], 0.0f};
-        const NoisyLight levelled = {in.gathered[j].irradiance - float(dx) * slopeX - float(dy) * slopeY,
-                                     in.gathered[j].variance};
+        const Tap& tap = taps[std::size_t(k)];
+        const bool other = k != kMiddleTap;
+        if (!tap.valid || (pairs && other && !taps[std::size_t(kTaps - 1 - k)].counts)) continue;
+        GeometricWeight geometric = {splineAt(k), 0.0f};
+        const NoisyLight levelled = lessTrend(taps, k, trend);
         float distance = 0.0f;
         if (other) {
-            const auto found = geometricWeight(place, level.guides[j].place, geometric.near, planeScale);
+            const auto found = geometricWeight(own, tap, geometric.near, planeScale);
             if (!found) continue;
             geometric = *found;
-            distance = geometric.planeDistance2 + luminanceDistance(in.gathered[i], levelled, 0.0f);
+            distance = geometric.planeDistance2 + luminanceDistance(own.gathered, levelled, 0.0f);
         }
         if (noisyDirect) {
-            const float directDistance = other ? luminanceDistance(in.direct[i], in.direct[j], 0.0f) : 0.0f;
-            direct.add(geometric.near * falloff(geometric.planeDistance2 + directDistance), in.direct[j]);
+            const float directDistance = other ? luminanceDistance(own.direct, tap.direct, 0.0f) : 0.0f;
+            direct.add(geometric.near * falloff(geometric.planeDistance2 + directDistance), tap.direct);
         }
-        if (level.number == 0 && !level.guides[j].traced) continue;
+        if (!tap.counts) continue;
         const float weight = geometric.near * falloff(distance);
         gathered.add(weight, levelled);
         if (!level.directions) continue;
         const float alike =
-            hasDirect && other ? falloff(luminanceDistance(in.direct[i], in.direct[j], momentTolerance)) : 1.0f;
-        momentSum += weight * alike * in.moments[j];
+            hasDirect && other ? falloff(luminanceDistance(own.direct, tap.direct, momentTolerance)) : 1.0f;
+        momentSum += weight * alike * tap.moment;
         momentWeight += weight * alike;
     }
     const float correlation = kCorrelation[std::size_t(level.number)];
-    out.gathered[i] = gathered.light(in.gathered[i], correlation);
-    if (level.directions) out.moments[i] = momentWeight > 0.0f ? momentSum / momentWeight : in.moments[i];
-    if (hasDirect) out.direct[i] = direct.light(in.direct[i], correlation);
+    out.gathered[i] = gathered.light(own.gathered, correlation * trend.noise);
+    if (level.directions) out.moments[i] = momentWeight > 0.0f ? momentSum / momentWeight : own.moment;
+    if (hasDirect) out.direct[i] = direct.light(own.direct, correlation);
 }
 
 /// The estimates' signals, with variances corrected for stratification.
-Signals signalsOf(const TexelMap& map, const TexelGrid& grid, const std::vector<IrradianceEstimate>& estimates)
+Signals signalsOf(const SurfaceGrid& grid, const std::vector<IrradianceEstimate>& estimates)
 {
     Signals signals;
-    const std::vector<float> scales = varianceScales(map, grid, estimates);
+    const std::vector<float> scales = varianceScales(grid, estimates);
     signals.gathered.resize(estimates.size());
     signals.moments.resize(estimates.size());
     for (std::size_t i = 0; i < estimates.size(); ++i) {
@@ -245,12 +357,12 @@ Signals signalsOf(const TexelMap& map, const TexelGrid& grid, const std::vector<
 
 } // namespace
 
-void denoise(const BakeGeometry& geometry, const TexelMap& map, std::vector<IrradianceEstimate>& estimates,
-             bool directions)
+void denoise(const BakeGeometry& geometry, const TexelMap& map, std::span<const SeamSample> seams,
+             std::vector<IrradianceEstimate>& estimates, bool directions)
 {
     const std::size_t count = map.texels.size();
-    const TexelGrid grid(map);
-    Signals signals = signalsOf(map, grid, estimates);
+    const SurfaceGrid grid(map, seams);
+    Signals signals = signalsOf(grid, estimates);
     std::vector<Guide> guides(count);
     parallelFor(count, 4096, [&](std::size_t begin, std::size_t end) {
         for (std::size_t i = begin; i < end; ++i)
@@ -263,7 +375,7 @@ void denoise(const BakeGeometry& geometry, const TexelMap& map, std::vector<Irra
     next.direct.resize(signals.direct.size());
     next.moments.resize(directions ? count : 0);
     for (int number = 0; number < int(kCorrelation.size()); ++number) {
-        const Level level{map, grid, guides, signals, number, directions};
+        const Level level{grid, guides, signals, number, directions};
         parallelFor(count, 2048, [&](std::size_t begin, std::size_t end) {
             for (std::size_t i = begin; i < end; ++i) {
                 if (guides[i].valid) filterTexel(level, uint32_t(i), next);

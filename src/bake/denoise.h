@@ -1,8 +1,9 @@
 #pragma once
 // Parts of the built-in denoiser: what it filters, the noise it assumes, and outliers. denoise.cpp runs them.
 
+#include "bake/surface_grid.h"
+
 #include "halflight/bake/integrator.h"
-#include "halflight/bake/texel_grid.h"
 
 #include <algorithm>
 #include <array>
@@ -36,10 +37,9 @@ inline NoisyLight gatheredOf(const IrradianceEstimate& e)
 /// One factor per texel, at most 1, by which the variance of gathered light is scaled before filtering. Estimates
 /// derive their variance from half blocks of samples as if these were independent. Half blocks are stratified together,
 /// so the stated variance is too large, by a factor that grows with the number of blocks.
-std::vector<float> varianceScales(const TexelMap& map, const TexelGrid& grid,
-                                  std::span<const IrradianceEstimate> estimates);
+std::vector<float> varianceScales(const SurfaceGrid& grid, std::span<const IrradianceEstimate> estimates);
 
-/// Statistics of gathered light around one texel, on its chart: over the texels within a distance of 2 × `step` along
+/// Statistics of gathered light around one texel, on its surface: over the texels within a distance of 2 × `step` along
 /// both axes (5 × 5 or 9 × 9), of a traced texel over traced ones alone. "Adjacent" is a distance of at most `step`.
 struct NeighbourStats {
     static constexpr int kMaxCount = 80;
@@ -65,7 +65,7 @@ struct OutlierTexel {
     bool isWhole = false; ///< covered by more than kMostlyCovered, with no sample point inside geometry
 };
 
-NeighbourStats neighbourStats(const TexelMap& map, const TexelGrid& grid, std::span<const IrradianceEstimate> estimates,
+NeighbourStats neighbourStats(const SurfaceGrid& grid, std::span<const IrradianceEstimate> estimates,
                               std::span<const NoisyLight> light, uint32_t texel, int step);
 
 /// The variance that the filter uses for a texel, from its neighbourhood's.
@@ -76,7 +76,7 @@ float smoothedVariance(const NeighbourStats& stats, const OutlierTexel& texel);
 float luminanceWithoutOutliers(const NeighbourStats& stats, const OutlierTexel& texel, float variance);
 
 /// Applies the three functions above to all texels, in place. `moments` keep their directions.
-void clampOutliers(const TexelMap& map, const TexelGrid& grid, std::span<const IrradianceEstimate> estimates,
+void clampOutliers(const TexelMap& map, const SurfaceGrid& grid, std::span<const IrradianceEstimate> estimates,
                    std::vector<NoisyLight>& light, std::vector<vec3>& moments);
 
 } // namespace halflight

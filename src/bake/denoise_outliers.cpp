@@ -72,13 +72,15 @@ float raisedLuminance(const NeighbourStats& stats, const OutlierTexel& texel, fl
 
 /// For a texel above the 7/8 quantile: that quantile, if the texel is a firefly. A path with a large contribution makes
 /// the half blocks of its texel differ by about the excess. Where they agree, the light is real, unless no adjacent
-/// texel confirms it and chance explains it. At rims the limit is lower: real differences are common there.
+/// texel confirms it and chance explains it. The limit is lower at rims, where real differences are common, and where
+/// adjacent texels confirm the light: a lamp close to a wall lights few texels.
 float loweredLuminance(const NeighbourStats& stats, const OutlierTexel& texel, float variance)
 {
     const float bright = valueOfRank(luminancesOf(stats), highRank(stats.count));
     const float excess = texel.luminance - bright;
-    const float sigmas = texel.isWhole ? 5.0f : 2.0f;
-    const bool alone = mayAgreeByChance(stats, texel) && stats.brightestAdjacent.y - bright < kConfirmingShare * excess;
+    const bool confirmed = stats.brightestAdjacent.y - bright >= kConfirmingShare * excess;
+    const bool alone = mayAgreeByChance(stats, texel) && !confirmed;
+    const float sigmas = !texel.isWhole ? 2.0f : confirmed ? 3.0f : 5.0f;
     const bool isNoise = alone || excess <= sigmas * std::sqrt(texel.statedVariance);
     const bool isFirefly = texel.luminance > kBrighter * bright && excess > 0.5f * std::sqrt(variance) && isNoise;
     return isFirefly ? bright : texel.luminance;
@@ -114,7 +116,7 @@ void raise(NoisyLight& light, vec3& moment, const IrradianceEstimate& estimate, 
 }
 
 /// 1, or 2 where so many texels are interpolated that too few traced ones are in the 5 × 5.
-int stepAround(const TexelGrid& grid, std::span<const IrradianceEstimate> estimates, uint32_t texel)
+int stepAround(const SurfaceGrid& grid, std::span<const IrradianceEstimate> estimates, uint32_t texel)
 {
     int interpolated = 0;
     grid.around(texel, 2, [&](uint32_t j) { interpolated += isInterpolated(estimates[j]) ? 1 : 0; });
@@ -122,7 +124,7 @@ int stepAround(const TexelGrid& grid, std::span<const IrradianceEstimate> estima
 }
 
 /// Interpolated texels beside a clamped outlier hold a share of it: their limit is the brightest adjacent traced texel.
-void clampInterpolated(const TexelGrid& grid, std::span<const IrradianceEstimate> estimates,
+void clampInterpolated(const SurfaceGrid& grid, std::span<const IrradianceEstimate> estimates,
                        std::span<const NoisyLight> before, std::vector<NoisyLight>& light, std::vector<vec3>& moments)
 {
     parallelFor(light.size(), 2048, [&](std::size_t begin, std::size_t end) {
@@ -143,7 +145,7 @@ void clampInterpolated(const TexelGrid& grid, std::span<const IrradianceEstimate
 
 } // namespace
 
-NeighbourStats neighbourStats(const TexelMap& map, const TexelGrid& grid, std::span<const IrradianceEstimate> estimates,
+NeighbourStats neighbourStats(const SurfaceGrid& grid, std::span<const IrradianceEstimate> estimates,
                               std::span<const NoisyLight> light, uint32_t texel, int step)
 {
     NeighbourStats stats;
@@ -152,7 +154,7 @@ NeighbourStats neighbourStats(const TexelMap& map, const TexelGrid& grid, std::s
     float varianceSum = 0.0f;
     for (int dy = -2 * step; dy <= 2 * step; ++dy) {
         for (int dx = -2 * step; dx <= 2 * step; ++dx) {
-            const uint32_t j = grid.at(map.texels[texel], dx, dy);
+            const uint32_t j = grid.at(texel, dx, dy);
             if (j == kNoTexel || !estimates[j].valid || (tracedOnly && !isTraced(estimates[j]))) continue;
             if (j != texel) {
                 const float other = luminance(light[j].irradiance);
@@ -205,7 +207,7 @@ float luminanceWithoutOutliers(const NeighbourStats& stats, const OutlierTexel& 
     return loweredLuminance(stats, texel, variance);
 }
 
-void clampOutliers(const TexelMap& map, const TexelGrid& grid, std::span<const IrradianceEstimate> estimates,
+void clampOutliers(const TexelMap& map, const SurfaceGrid& grid, std::span<const IrradianceEstimate> estimates,
                    std::vector<NoisyLight>& light, std::vector<vec3>& moments)
 {
     const std::vector<NoisyLight> before = light;
@@ -214,7 +216,7 @@ void clampOutliers(const TexelMap& map, const TexelGrid& grid, std::span<const I
         for (std::size_t i = begin; i < end; ++i) {
             const bool traced = isTraced(estimates[i]);
             const int step = traced && anyInterpolated ? stepAround(grid, estimates, uint32_t(i)) : 1;
-            const NeighbourStats stats = neighbourStats(map, grid, estimates, before, uint32_t(i), step);
+            const NeighbourStats stats = neighbourStats(grid, estimates, before, uint32_t(i), step);
             const OutlierTexel texel = {luminance(before[i].irradiance),
                                         before[i].variance,
                                         gatheredOf(estimates[i]).variance,

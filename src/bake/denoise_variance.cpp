@@ -17,17 +17,16 @@ struct SecondDifference {
 
 /// Second difference along both axes of 3 × 3 texels, `distance` apart. Light that is linear along one axis or the
 /// other cancels, so that noise remains (Immerkaer 1996, "Fast Noise Variance Estimation"). Nothing where one is
-/// missing.
-std::optional<SecondDifference> secondDifference(const TexelMap& map, const TexelGrid& grid,
-                                                 std::span<const IrradianceEstimate> estimates, std::size_t texel,
-                                                 int distance)
+/// missing on the chart: texels beyond seams lie off the lattice.
+std::optional<SecondDifference> secondDifference(const SurfaceGrid& grid, std::span<const IrradianceEstimate> estimates,
+                                                 std::size_t texel, int distance)
 {
     float difference = 0.0f;
     float variance = 0.0f;
     int count = 0;
     for (int dy = -1; dy <= 1; ++dy) {
         for (int dx = -1; dx <= 1; ++dx) {
-            const uint32_t j = grid.at(map.texels[texel], dx * distance, dy * distance);
+            const uint32_t j = grid.onChart(uint32_t(texel), dx * distance, dy * distance);
             if (j == kNoTexel || !isTraced(estimates[j])) continue;
             const float weight = float((dx == 0 ? -2 : 1) * (dy == 0 ? -2 : 1));
             const NoisyLight light = gatheredOf(estimates[j]);
@@ -42,16 +41,15 @@ std::optional<SecondDifference> secondDifference(const TexelMap& map, const Texe
 
 } // namespace
 
-std::vector<float> varianceScales(const TexelMap& map, const TexelGrid& grid,
-                                  std::span<const IrradianceEstimate> estimates)
+std::vector<float> varianceScales(const SurfaceGrid& grid, std::span<const IrradianceEstimate> estimates)
 {
     // Traced texels are 1, 2 or 4 texels apart: the smallest complete 3 × 3 counts.
-    std::vector<SecondDifference> differences(map.texels.size());
-    parallelFor(map.texels.size(), 4096, [&](std::size_t begin, std::size_t end) {
+    std::vector<SecondDifference> differences(estimates.size());
+    parallelFor(estimates.size(), 4096, [&](std::size_t begin, std::size_t end) {
         for (std::size_t i = begin; i < end; ++i) {
             if (!isTraced(estimates[i])) continue;
             for (int distance = 1; distance <= 4; distance *= 2) {
-                const auto difference = secondDifference(map, grid, estimates, i, distance);
+                const auto difference = secondDifference(grid, estimates, i, distance);
                 if (!difference) continue;
                 differences[i] = *difference;
                 break;
@@ -61,8 +59,8 @@ std::vector<float> varianceScales(const TexelMap& map, const TexelGrid& grid,
     constexpr int kRadius = 3; // texels
     constexpr int kFewestDifferences = 6;
     constexpr float kLeastScale = 0.05f;
-    std::vector<float> scales(map.texels.size(), 1.0f);
-    parallelFor(map.texels.size(), 2048, [&](std::size_t begin, std::size_t end) {
+    std::vector<float> scales(estimates.size(), 1.0f);
+    parallelFor(estimates.size(), 2048, [&](std::size_t begin, std::size_t end) {
         for (std::size_t i = begin; i < end; ++i) {
             float measured = 0.0f;
             float expected = 0.0f;

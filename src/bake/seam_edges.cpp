@@ -3,6 +3,8 @@
 #include "bake/hash_grid.h"
 #include "bake/stages.h"
 
+#include <glm/gtc/matrix_access.hpp>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -31,6 +33,9 @@ struct EdgeSide {
     vec3 normalFrom{0.0f}; ///< unit
     vec3 normalTo{0.0f};
     vec3 geometricNormal{0.0f};
+    /// Offsets in the triangle's plane (x along the edge, y away from it, into the triangle; metres) for offsets in
+    /// texels.
+    mat2 metersFromTexels{1.0f};
 
     /// The part of the edge between the parameters s and t, 0…1.
     [[nodiscard]] EdgeSide part(float s, float t) const
@@ -40,6 +45,7 @@ struct EdgeSide {
         side.to = glm::mix(from, to, t);
         side.normalFrom = glm::normalize(glm::mix(normalFrom, normalTo, s));
         side.normalTo = glm::normalize(glm::mix(normalFrom, normalTo, t));
+        if (t < s) side.metersFromTexels = mat2(-1, 0, 0, 1) * metersFromTexels;
         return side;
     }
 };
@@ -69,7 +75,21 @@ struct Edge {
                 geometry.lightmapTexel[to],
                 geometry.normals[from],
                 geometry.normals[to],
-                geometry.geometricNormal(triangle)};
+                geometry.geometricNormal(triangle),
+                metersFromTexels(geometry)};
+    }
+    [[nodiscard]] mat2 metersFromTexels(const BakeGeometry& geometry) const
+    {
+        const uvec3 v = geometry.triangles[triangle];
+        const uint32_t third = v.x + v.y + v.z - from - to;
+        const vec3 along = geometry.positions[to] - geometry.positions[from];
+        const vec3 toThird = geometry.positions[third] - geometry.positions[from];
+        const float length = glm::length(along);
+        const float x = glm::dot(toThird, along) / length;
+        const float y = glm::length(glm::cross(toThird, along)) / length;
+        const mat2 texels(geometry.lightmapTexel[to] - geometry.lightmapTexel[from],
+                          geometry.lightmapTexel[third] - geometry.lightmapTexel[from]);
+        return mat2(vec2(length, 0.0f), vec2(x, y)) * glm::inverse(texels);
     }
 };
 
@@ -122,10 +142,12 @@ void addSamples(const EdgeSide& a, const EdgeSide& b, int pageSize, std::vector<
     const float length = std::max(glm::distance(a.from, a.to), glm::distance(b.from, b.to));
     const int count = std::clamp(int(std::ceil(2.0f * length)), 1, 4 * pageSize);
     const bool bent = glm::dot(a.geometricNormal, b.geometricNormal) < kBentCosine;
+    const vec2 outwardA = -glm::normalize(glm::row(a.metersFromTexels, 1));
+    const mat2 acrossFromA = glm::inverse(b.metersFromTexels) * mat2(1, 0, 0, -1) * a.metersFromTexels;
     for (int s = 0; s < count; ++s) {
         const float t = (float(s) + 0.5f) / float(count);
         samples.push_back({a.object, a.page, b.page, glm::mix(a.from, a.to, t), glm::mix(b.from, b.to, t),
-                           length / float(count), bent});
+                           length / float(count), bent, outwardA, acrossFromA});
     }
 }
 

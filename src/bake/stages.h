@@ -64,10 +64,11 @@ void fillInvalidProbes(ProbeSet& grid);
 std::optional<ProbeSet> bakeProbes(const Scene& scene, float spacingMeters, ProbeLayout layout, bool denoise,
                                    const Gather& gather, std::vector<std::string>& warnings, const Progress& progress);
 
-/// Edge-avoiding à-trous filter within charts, guided by position, normal and variance (denoise.cpp). `directions`:
-/// also filters first moments, for directional lightmaps.
-void denoise(const BakeGeometry& geometry, const TexelMap& map, std::vector<IrradianceEstimate>& estimates,
-             bool directions = true);
+struct SeamSample;
+/// Edge-avoiding à-trous filter on the surface: within charts, and across their `seams` (denoise.cpp). Position, normal
+/// and variance guide it. `directions`: also filters first moments, for directional lightmaps.
+void denoise(const BakeGeometry& geometry, const TexelMap& map, std::span<const SeamSample> seams,
+             std::vector<IrradianceEstimate>& estimates, bool directions = true);
 
 /// Replaces the gathered light of the estimates by the result of Open Image Denoise's lightmap filter for `gathered`
 /// (IrradianceEstimate::irradiance less direct, lux, by texel, before any denoising). Each chart is filtered on an
@@ -121,6 +122,9 @@ struct SeamSample {
     vec2 texelB{0.0f};   ///< position on page B
     float texels = 1.0f; ///< length that the sample represents, on the longer side
     bool bent = false;   ///< the triangles of both sides face differently, though the shading normals agree
+    vec2 outwardA{0.0f}; ///< unit, on page A: at a right angle to the edge in the world, away from side A
+    /// Offsets on page B for offsets on page A, with side A unfolded into the plane of side B.
+    mat2 acrossFromA{1.0f};
 };
 std::vector<SeamSample> findSeams(const BakeGeometry& geometry, int pageSize);
 

@@ -77,7 +77,7 @@ TEST_P(CornersS6, LastRowsOfTexelsStayDark)
         Bench bench(trench.scene(), MixedLightingMode::Shadowmask, kPage, settings);
         std::vector<IrradianceEstimate> estimates = bench.irradiance();
         const std::vector<IrradianceEstimate> raw = estimates;
-        denoise(bench.geometry, bench.map, estimates, false);
+        denoise(bench.geometry, bench.map, {}, estimates, false);
         for (std::size_t i = 0; i < estimates.size(); ++i) {
             const Texel& t = bench.map.texels[i];
             if (t.y < 12 || t.y >= 68) continue; // ends of the chart

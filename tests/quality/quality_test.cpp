@@ -32,6 +32,11 @@ TEST(QualityS6, SeamsAreNotSeen)
     expectMet(measureSeams(kAssets));
 }
 
+TEST(QualityS6, JointsOfTilesAreNotSeen)
+{
+    expectMet(measureTiles(kAssets));
+}
+
 TEST(QualityS8, PenumbraIsTheAnalyticOne)
 {
     expectMet(measurePenumbra(kAssets));

@@ -34,6 +34,14 @@ public:
         return other != kNoTexel && map_.texels[other].chart == texel.chart ? other : kNoTexel;
     }
 
+    /// Index of the texel at a place on a page, in texels; kNoTexel if none is there.
+    [[nodiscard]] uint32_t atPlace(uint32_t page, vec2 place) const
+    {
+        const ivec2 p(glm::floor(place));
+        const bool outside = p.x < 0 || p.y < 0 || p.x >= map_.pageSize || p.y >= map_.pageSize;
+        return outside ? kNoTexel : pages_[page](p.x, p.y);
+    }
+
     /// Calls body(index) for each texel of the same chart at most `radius` texels away along both axes, and for the
     /// texel itself.
     template<typename Body> void around(uint32_t texel, int radius, const Body& body) const
