@@ -254,7 +254,10 @@ TEST(RadianceCacheS6, LargePatchesAreGatheredByFewerTexels)
     settings.samples = 512;
     Bench truth(scene, MixedLightingMode::Shadowmask, kSize, settings);
 
-    EXPECT_LT(double(rays), 27.5 * double(estimates.size())) << double(rays) / double(estimates.size());
+    // Per texel: 23.2 if no texel gathered for large patches, 24.4 if every second line does, 26.3 if all did.
+    const double raysPerTexel = double(rays) / double(estimates.size());
+    EXPECT_GT(raysPerTexel, 23.8);
+    EXPECT_LT(raysPerTexel, 25.4);
     std::vector<uint32_t> chosen; // on the wall
     for (uint32_t i = 0; i < uint32_t(estimates.size()); ++i) {
         const vec3 at = bench.positionOf(bench.map.texels[i]);
