@@ -133,6 +133,14 @@ int runBake(const CLI::App& app, const BakeOptions& given)
     if (options.exportStyle) prepareExport(options.bake, *scene);
     if (options.skyGiven) scene->sky = Sky{options.skyNits, options.skyNits, options.skyNits};
 
+    if (scene->sky.picture && scene->sky.pictureOfBake) {
+        scene->warnings.push_back(
+            fmt::format("the sky is the picture of {} x {} texels that an earlier bake kept in the "
+                        "file, in which a small sun is blurred; name the original ([sky] image in "
+                        "a settings file), or bake the source scene",
+                        scene->sky.picture->width(), scene->sky.picture->height()));
+    }
+
     std::optional<FinishedBake> finished;
     // A .gltf is more than one file, of which any may have changed since.
     if (!options.bake.cacheDirectory.empty() && extension == ".glb" && !options.exportStyle) {

@@ -83,6 +83,7 @@ Result<Sky> readSky(const SourceDocument& document, const SceneSettings& setting
         sky.picture = std::move(picture);
     }
     if (!settings.skyImage) {
+        sky.pictureOfBake = true;
         sky.rotationRadians = rotation.value_or(numberOr(member(record, "rotation"), 0.0f));
         if (!std::isfinite(sky.rotationRadians)) return invalid(kPath, "rotation is not a finite number");
     }

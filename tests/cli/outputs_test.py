@@ -38,6 +38,20 @@ class Formats(Case):
         self.assert_one_sentence(result, 2, "--lightmap-format", "rgb9e5, half, webp")
 
 
+class EarlierSky(Case):
+    def test_the_sky_of_an_earlier_bake_is_named(self):
+        with open(self.path("sky.hdr"), "wb") as file:  # 4 x 2 texels of (1, 1, 1)
+            file.write(b"#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 2 +X 4\n" + bytes([128, 128, 128, 129]) * 8)
+        with open(self.path("sky.toml"), "w") as file:
+            file.write('[sky]\nimage = "sky.hdr"\n')
+        settings = ["--settings", self.path("sky.toml")]
+        first, again = self.path("first.glb"), self.path("again.glb")
+        for source, options, named in [(self.scene(), settings, False), (first, [], True), (first, settings, False)]:
+            result = run("bake", source, "-o", again if source == first else first, *cli_test.QUICK, *options)
+            self.assertEqual(result.returncode, 0, result.stderr)
+            self.assertEqual("earlier bake" in result.stderr, named, result.stderr)
+
+
 class Sidecar(Case):
     def test_beside_the_file(self):
         baked, report = self.bake(self.scene(), "baked.glb", "--sidecar", self.path("beside"))

@@ -234,6 +234,7 @@ struct Sky {
     /// Equirectangular, filtered bilinearly; skyPictureUv() in shading/sky.h says which direction is where.
     std::shared_ptr<const ImageRgb32f> picture;
     float rotationRadians = 0.0f; ///< of the picture about +Y, by the right-hand rule
+    bool pictureOfBake = false;   ///< the picture is the small one that an earlier bake kept in the file
 
     /// A picture with finite values of 0 and more, at least one texel.
     void setPicture(std::shared_ptr<const ImageRgb32f> radiance, float rotation);
