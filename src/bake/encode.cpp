@@ -27,15 +27,7 @@ float lightmapUnitFor(const std::vector<ImageRgb32f>& pages)
 std::vector<Image<uint32_t>> encodeLightmap(const std::vector<ImageRgb32f>& pages, float unitLux)
 {
     std::vector<Image<uint32_t>> encoded;
-    for (const ImageRgb32f& page : pages) {
-        Image<uint32_t> out(page.width(), page.height());
-        parallelFor(page.texelCount(), 65536, [&](std::size_t begin, std::size_t end) {
-            for (std::size_t i = begin; i < end; ++i) {
-                out.data()[i] = packRgb9e5(page.data()[i] / unitLux);
-            }
-        });
-        encoded.push_back(std::move(out));
-    }
+    for (const ImageRgb32f& page : pages) encoded.push_back(encodeRgb9e5(page, unitLux));
     return encoded;
 }
 

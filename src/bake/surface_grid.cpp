@@ -1,5 +1,7 @@
 #include "bake/surface_grid.h"
 
+#include "halflight/base/finite.h"
+
 #include <algorithm>
 #include <cmath>
 
@@ -8,11 +10,6 @@ namespace {
 
 /// Charts that a line to a neighbour may cross: tiles of a texel or two have more, and lose their farthest neighbours.
 constexpr int kMostSeams = 8;
-
-bool isFinite(const mat2& m)
-{
-    return std::isfinite(m[0].x + m[0].y + m[1].x + m[1].y);
-}
 
 vec2 centreOf(const Texel& texel)
 {

@@ -1,5 +1,7 @@
 #include "halflight/base/rgb9e5.h"
 
+#include "halflight/base/parallel.h"
+
 #include <algorithm>
 #include <cmath>
 #include <glm/gtc/packing.hpp>
@@ -26,6 +28,15 @@ float rgb9e5Unit(const ImageRgb32f& image)
     float largest = 0.0f;
     for (const vec3& texel : image.texels()) largest = std::max({largest, texel.x, texel.y, texel.z});
     return largest > 0.0f ? std::exp2(std::ceil(std::log2(largest / kMaxRgb9e5))) : 1.0f;
+}
+
+Image<uint32_t> encodeRgb9e5(const ImageRgb32f& picture, float unit)
+{
+    Image<uint32_t> page(picture.width(), picture.height());
+    parallelFor(picture.texelCount(), 65536, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t i = begin; i < end; ++i) page.data()[i] = packRgb9e5(picture.data()[i] / unit);
+    });
+    return page;
 }
 
 ImageRgb32f decodeRgb9e5(const Image<uint32_t>& page, float unit)

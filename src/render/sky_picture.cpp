@@ -6,27 +6,16 @@
 #include <cmath>
 
 namespace halflight {
-namespace {
-
-Image<uint32_t> packed(const ImageRgb32f& picture, float unit)
-{
-    Image<uint32_t> texels(picture.width(), picture.height());
-    for (std::size_t i = 0; i < picture.texelCount(); ++i) texels.data()[i] = packRgb9e5(picture.data()[i] / unit);
-    return texels;
-}
-
-} // namespace
-
 SkyTexture uploadSky(gpu::Device& device, gpu::Uploader& uploader, const Sky& sky)
 {
     ImageRgb32f picture = sky.picture ? reducedSkyPicture(*sky.picture, kMostSkyTexels) : ImageRgb32f(1, 1);
     SkyTexture result;
     result.unitNits = rgb9e5Unit(picture);
-    std::vector<Image<uint32_t>> levels = {packed(picture, result.unitNits)};
+    std::vector<Image<uint32_t>> levels = {encodeRgb9e5(picture, result.unitNits)};
     const ivec2 full = picture.size();
     while (picture.width() > 1 || picture.height() > 1) {
         picture = reducedSkyPicture(picture, glm::max(picture.size() / 2, ivec2(1)));
-        levels.push_back(packed(picture, result.unitNits));
+        levels.push_back(encodeRgb9e5(picture, result.unitNits));
     }
     result.image = gpu::Image(device, {.format = VK_FORMAT_E5B9G9R9_UFLOAT_PACK32,
                                        .width = uint32_t(full.x),

@@ -7,6 +7,7 @@
 #include "scene/document.h"
 #include "scene/patcher.h"
 #include "scene/write_bake_pictures.h"
+#include "scene/write_probes.h"
 
 #include <algorithm>
 #include <cmath>
@@ -186,11 +187,8 @@ private:
             json["occlusion"].push_back(numbers(probe.occlusion));
             json["valid"].push_back(probe.valid);
         }
-        if (set.size.x > 0 && set.size.y > 0 && set.size.z > 0) {
-            json["grid"] = {{"origin", numbers(baked_.scene.originMeters + dvec3(set.origin))},
-                            {"spacing", numbers(set.spacingMeters)},
-                            {"size", numbers(set.size)}};
-        }
+        if (Json grid = gridJson(set, baked_.scene.originMeters + dvec3(set.origin)); !grid.is_null())
+            json["grid"] = std::move(grid);
         for (const Tetrahedron& cell : fileTetrahedra(probeCells(set))) json["tetrahedra"].push_back(cell.vertex);
     }
 

@@ -14,12 +14,6 @@ namespace halflight {
 
 namespace {
 
-// The share of the sphere between two heights of a picture, 0 = top, 1 = bottom.
-double shareBetween(double v0, double v1)
-{
-    return 0.5 * (std::cos(v0 * double(kPi)) - std::cos(v1 * double(kPi)));
-}
-
 // What a texel of a reduced picture covers along one axis: texels of the picture, and their weights.
 struct Span {
     int first = 0;
@@ -79,6 +73,11 @@ Result<ImageRgb32f> readAsFloats(const std::filesystem::path& path)
 
 } // namespace
 
+double skyShareBetween(double v0, double v1)
+{
+    return 0.5 * (std::cos(v0 * double(kPi)) - std::cos(v1 * double(kPi)));
+}
+
 Result<ImageRgb32f> readSkyPicture(const std::filesystem::path& path)
 {
     auto picture = readAsFloats(path);
@@ -103,7 +102,7 @@ ImageRgb32f reducedSkyPicture(const ImageRgb32f& picture, int width)
 ImageRgb32f reducedSkyPicture(const ImageRgb32f& picture, ivec2 size)
 {
     const std::vector<Span> columns = spansOf(picture.width(), size.x, [](double a, double b) { return b - a; });
-    const std::vector<Span> rows = spansOf(picture.height(), size.y, shareBetween);
+    const std::vector<Span> rows = spansOf(picture.height(), size.y, skyShareBetween);
     ImageRgb32f reduced(size.x, size.y);
     parallelFor(std::size_t(size.y), 8, [&](std::size_t begin, std::size_t end) {
         for (std::size_t y = begin; y < end; ++y) {

@@ -71,11 +71,14 @@ Json probesJson(DocumentPatcher& patcher, const ProbeSet& set, uint64_t& bytes)
         {"occlusion", accessors.add("VEC4", kFloat, count, occlusion)},
         {"valid", accessors.add("SCALAR", TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE, count, valid)}};
     addTetrahedra(accessors, set, json);
-    if (set.size.x > 0 && set.size.y > 0 && set.size.z > 0) {
-        json["grid"] = {
-            {"origin", numbers(set.origin)}, {"spacing", numbers(set.spacingMeters)}, {"size", numbers(set.size)}};
-    }
+    if (Json grid = gridJson(set, dvec3(set.origin)); !grid.is_null()) json["grid"] = std::move(grid);
     return json;
+}
+
+Json gridJson(const ProbeSet& set, dvec3 origin)
+{
+    if (set.size.x <= 0 || set.size.y <= 0 || set.size.z <= 0) return {};
+    return {{"origin", numbers(origin)}, {"spacing", numbers(set.spacingMeters)}, {"size", numbers(set.size)}};
 }
 
 } // namespace halflight

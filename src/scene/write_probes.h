@@ -9,4 +9,7 @@ namespace halflight {
 /// bytes they are.
 Json probesJson(DocumentPatcher& patcher, const ProbeSet& set, uint64_t& bytes);
 
+/// `grid` of probes on a regular one whose first probe is at `origin`; null of a list.
+Json gridJson(const ProbeSet& set, dvec3 origin);
+
 } // namespace halflight

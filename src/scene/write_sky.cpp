@@ -25,10 +25,8 @@ struct Page {
 Page pageOf(const ImageRgb32f& picture, int width)
 {
     const ImageRgb32f reduced = reducedSkyPicture(picture, width);
-    Page page{Image<uint32_t>(reduced.width(), reduced.height()), rgb9e5Unit(reduced)};
-    for (std::size_t i = 0; i < reduced.texelCount(); ++i)
-        page.rgb9e5.data()[i] = packRgb9e5(reduced.data()[i] / page.unitNits);
-    return page;
+    const float unit = rgb9e5Unit(reduced);
+    return {encodeRgb9e5(reduced, unit), unit};
 }
 
 std::string pictureHash(const ImageRgb32f& picture, float rotation)

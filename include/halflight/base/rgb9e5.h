@@ -15,6 +15,9 @@ uint32_t packRgb9e5(vec3 color);
 /// The power of two that brings the largest value of an image into the upper half of the range; 1 for a black image.
 float rgb9e5Unit(const ImageRgb32f& image);
 
+/// Texels over `unit`, packed.
+Image<uint32_t> encodeRgb9e5(const ImageRgb32f& picture, float unit = 1.0f);
+
 /// Texels as floats, times `unit`.
 ImageRgb32f decodeRgb9e5(const Image<uint32_t>& page, float unit = 1.0f);
 

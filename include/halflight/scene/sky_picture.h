@@ -24,4 +24,7 @@ ImageRgb32f reducedSkyPicture(const ImageRgb32f& picture, int width);
 /// The same with a size, which is no larger than the picture's.
 ImageRgb32f reducedSkyPicture(const ImageRgb32f& picture, ivec2 size);
 
+/// The share of the sphere between two heights of a picture, 0 = top, 1 = bottom.
+double skyShareBetween(double v0, double v1);
+
 } // namespace halflight

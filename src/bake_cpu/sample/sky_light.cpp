@@ -1,5 +1,7 @@
 #include "bake_cpu/sample/sky_light.h"
 
+#include "halflight/scene/sky_picture.h"
+
 #include <algorithm>
 #include <cmath>
 
@@ -9,12 +11,6 @@ namespace {
 /// The dim part's largest luminance as a multiple of the picture's mean. It bounds the variance of a ray relative to
 /// the mean's square. A lower limit would pay for shadow rays towards clouds.
 constexpr double kBright = 4.0;
-
-/// The share of the sphere between two heights v of a picture.
-double shareBetween(double v0, double v1)
-{
-    return 0.5 * (std::cos(v0 * double(kPi)) - std::cos(v1 * double(kPi)));
-}
 
 } // namespace
 
@@ -27,7 +23,7 @@ SkyLight::SkyLight(const Sky& sky)
         double row = 0.0;
         for (int x = 0; x < picture_->width(); ++x) row += double(luminance((*picture_)(x, y)));
         const double h = picture_->height();
-        mean += row / picture_->width() * shareBetween(y / h, (y + 1) / h);
+        mean += row / picture_->width() * skyShareBetween(y / h, (y + 1) / h);
     }
     limit_ = float(kBright * mean);
     if (limit_ > 0.0f) findBrightCells();
@@ -40,7 +36,7 @@ void SkyLight::findBrightCells()
     double total = 0.0;
     for (int row = 0; row <= picture_->height(); ++row) {
         const vec2 range = rowRange(row);
-        const double steradians = 4.0 * double(kPi) * shareBetween(range.x, range.y) / width;
+        const double steradians = 4.0 * double(kPi) * skyShareBetween(range.x, range.y) / width;
         for (int column = 0; column < width; ++column) {
             const double weight = double(brightLuminance(cellAt(column, row, vec2(0.0f)))) * steradians;
             if (!(weight > 0.0)) continue;
