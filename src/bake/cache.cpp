@@ -1,38 +1,26 @@
 #include "bake/cache.h"
 
+#include "halflight/base/bytes.h"
 #include "halflight/base/file.h"
 #include "halflight/scene/baked_scene.h"
 
 #include <algorithm>
-#include <cstring>
-#include <fstream>
-#include <iterator>
+#include <chrono>
+#include <map>
+#include <numeric>
 #include <optional>
 #include <utility>
 
 namespace halflight {
 namespace {
 
-constexpr char kMagic[8] = {'H', 'L', 'T', 'I', 'L', 'E', 'S', '1'};
 constexpr std::size_t kKeptBakes = 8;
+constexpr std::chrono::hours kInUse{1}; ///< a folder used within it may belong to a bake that runs
 constexpr const char* kSuffix = ".tiles";
 
-struct RecordHeader {
-    uint32_t stage;
-    uint32_t tile;
-    Hash128 surface;
-    uint64_t byteCount;
-    Hash128 checksum; ///< of the bytes that follow
-};
-static_assert(std::has_unique_object_representations_v<RecordHeader>);
-
-Hash128 checksumOf(std::span<const std::byte> bytes)
-{
-    return Hasher().bytes(bytes.data(), bytes.size()).hash();
-}
-
-/// The folder's tile files, the most recently used first.
-std::vector<std::filesystem::path> tileFiles(const std::filesystem::path& folder)
+/// The folders of bakes, the most recently used first.
+std::vector<std::pair<std::filesystem::file_time_type, std::filesystem::path>>
+bakesIn(const std::filesystem::path& folder)
 {
     std::vector<std::pair<std::filesystem::file_time_type, std::filesystem::path>> found;
     std::error_code ec;
@@ -40,9 +28,7 @@ std::vector<std::filesystem::path> tileFiles(const std::filesystem::path& folder
         if (entry->path().extension() == kSuffix) found.emplace_back(entry->last_write_time(ec), entry->path());
     }
     std::sort(found.begin(), found.end(), [](const auto& a, const auto& b) { return a > b; });
-    std::vector<std::filesystem::path> files;
-    for (auto& [time, path] : found) files.push_back(std::move(path));
-    return files;
+    return found;
 }
 
 std::filesystem::path lastBake(const std::filesystem::path& folder, const std::filesystem::path& lastFile)
@@ -56,94 +42,59 @@ std::filesystem::path lastBake(const std::filesystem::path& folder, const std::f
 
 } // namespace
 
-TileFile::TileFile(const std::filesystem::path& path)
+std::size_t texelTilesPerPart(std::size_t tiles)
 {
-    Result<std::vector<std::byte>> bytes = readFile(path);
-    if (!bytes || bytes->size() < sizeof(kMagic) || std::memcmp(bytes->data(), kMagic, sizeof(kMagic)) != 0) return;
-    bytes_ = std::move(*bytes);
-    std::size_t at = sizeof(kMagic);
-    byteCount_ = at;
-    while (bytes_.size() - at >= sizeof(RecordHeader)) {
-        RecordHeader header{};
-        std::memcpy(&header, &bytes_[at], sizeof(header));
-        at += sizeof(header);
-        if (header.byteCount > bytes_.size() - at) break;
-        const std::span<const std::byte> record(&bytes_[at], std::size_t(header.byteCount));
-        if (checksumOf(record) != header.checksum) break;
-        records_[{header.stage, header.tile}] = {at, record.size(), header.surface};
-        at += record.size();
-        byteCount_ = at;
-    }
+    constexpr std::size_t kParts = 64;
+    return std::clamp<std::size_t>((tiles + kParts - 1) / kParts, 4, 64);
 }
 
-std::span<const std::byte> TileFile::find(CachedStage stage, uint32_t tile, Hash128 surface) const
+std::size_t texelParts(std::size_t texels)
 {
-    const auto it = records_.find({uint32_t(stage), tile});
-    if (it == records_.end() || it->second.surface != surface) return {};
-    return {bytes_.data() + it->second.begin, it->second.size};
+    const std::size_t tiles = Tiling{texels, kTexelTile}.tileCount();
+    const std::size_t perPart = texelTilesPerPart(tiles);
+    return (tiles + perPart - 1) / perPart;
 }
 
-Status TileFile::append(const std::filesystem::path& path, std::span<const Record> records)
+BakeCache::BakeCache(const std::filesystem::path& folder, Hash128 bake, Hash128 layout, bool compares)
+    : parts_(folder / (bake.hex() + kSuffix)), before_({}), lastFile_(folder / (layout.hex() + ".last")), bake_(bake),
+      compares_(compares)
 {
-    std::vector<std::byte> bytes;
-    const auto add = [&](const void* data, std::size_t size) {
-        const auto* first = static_cast<const std::byte*>(data);
-        bytes.insert(bytes.end(), first, first + size);
-    };
+    if (compares_) before_ = PartFolder(lastBake(folder, lastFile_));
+}
+
+Result<BakeCache> BakeCache::open(const std::filesystem::path& folder, Hash128 bake, Hash128 layout, bool compares)
+{
+    BakeCache cache(folder, bake, layout, compares);
+    const std::filesystem::path& own = cache.parts_.path();
     std::error_code ec;
-    if (!std::filesystem::exists(path, ec)) add(kMagic, sizeof(kMagic));
-    for (const Record& record : records) {
-        const RecordHeader header{uint32_t(record.stage), record.tile, record.surface, record.bytes.size(),
-                                  checksumOf(record.bytes)};
-        add(&header, sizeof(header));
-        add(record.bytes.data(), record.bytes.size());
+    std::filesystem::create_directories(own, ec);
+    if (ec) return Error{ErrorCode::WriteFailed, own.string() + " cannot be made into a folder (" + ec.message() + ")"};
+    const auto now = std::filesystem::file_time_type::clock::now();
+    std::filesystem::last_write_time(own, now, ec);
+    cache.parts_.removeAbandoned(kInUse);
+    const auto bakes = bakesIn(folder);
+    for (std::size_t i = kKeptBakes; i < bakes.size(); ++i) {
+        if (now - bakes[i].first > kInUse) std::filesystem::remove_all(bakes[i].second, ec);
     }
-    std::ofstream stream(path, std::ios::binary | std::ios::app);
-    stream.write(reinterpret_cast<const char*>(bytes.data()), std::streamsize(bytes.size()));
-    stream.flush();
-    if (!stream) return Error{ErrorCode::WriteFailed, path.string() + " cannot be written (is the disk full?)"};
-    return {};
-}
-
-BakeCache::BakeCache(std::filesystem::path folder, Hash128 bake, Hash128 layout)
-    : file_(folder / (bake.hex() + kSuffix)), lastFile_(folder / (layout.hex() + ".last")), bake_(bake), own_(file_),
-      before_(lastBake(folder, lastFile_))
-{}
-
-Result<BakeCache> BakeCache::open(const std::filesystem::path& folder, Hash128 bake, Hash128 layout)
-{
-    std::error_code ec;
-    std::filesystem::create_directories(folder, ec);
-    if (ec) {
-        return Error{ErrorCode::WriteFailed, folder.string() + " cannot be made into a folder (" + ec.message() + ")"};
-    }
-    BakeCache cache(folder, bake, layout);
-    // Records behind an incomplete one could not be found.
-    if (cache.own_.byteCount() == 0) {
-        std::filesystem::remove(cache.file_, ec);
-    } else {
-        std::filesystem::resize_file(cache.file_, cache.own_.byteCount(), ec);
-        std::filesystem::last_write_time(cache.file_, std::filesystem::file_time_type::clock::now(), ec);
-    }
-    std::vector<std::filesystem::path> files = tileFiles(folder);
-    for (std::size_t i = kKeptBakes; i < files.size(); ++i) std::filesystem::remove(files[i], ec);
     return cache;
 }
 
 void BakeCache::finish()
 {
-    if (Status s = writeFileAtomically(lastFile_, bake_.hex()); !s && status_) status_ = s;
+    finished_ = writeFileAtomically(lastFile_, bake_.hex());
+}
+
+Status BakeCache::status() const
+{
+    return parts_.status() ? finished_ : parts_.status();
 }
 
 namespace {
 
 /// Share of a stage's progress that the comparison of check samples takes.
 constexpr double kComparisonShare = 0.1;
-/// Items that are computed between two writes: what an interruption can lose.
+/// Items that TakeParts::All computes between two writes: what an interruption can lose.
 constexpr std::size_t kBatchItems = 1 << 15;
-
-/// Check samples by tile, of tiles that were compared and have changed.
-template<typename Check> using ChecksOfTiles = std::map<std::size_t, std::vector<Check>>;
 
 std::vector<uint32_t> itemsOf(const Tiling& tiling, std::span<const std::size_t> tiles)
 {
@@ -153,163 +104,238 @@ std::vector<uint32_t> itemsOf(const Tiling& tiling, std::span<const std::size_t>
     return items;
 }
 
-/// A record holds a tile's values, then its check samples.
-template<typename Value, typename Check> std::size_t recordBytes(const Tiling& tiling, std::size_t tile)
-{
-    return tiling.size(tile) * (sizeof(Value) + sizeof(Check));
-}
-template<typename Value>
-void mergeRecord(const Tiling& tiling, std::size_t tile, std::span<const std::byte> record, std::span<Value> out)
-{
-    std::memcpy(&out[tiling.first(tile)], record.data(), tiling.size(tile) * sizeof(Value));
-}
-template<typename Value, typename Check>
-std::vector<Check> checksIn(const Tiling& tiling, std::size_t tile, std::span<const std::byte> record)
-{
-    std::vector<Check> checks(tiling.size(tile));
-    std::memcpy(checks.data(), &record[tiling.size(tile) * sizeof(Value)], tiling.size(tile) * sizeof(Check));
-    return checks;
-}
+/// One tile in a part, followed by its values and check samples.
+struct RecordHeader {
+    uint32_t tile = 0;
+    uint32_t values = 0;
+    uint32_t checks = 0; ///< as many as values, or none
+    uint32_t reserved = 0;
+    Hash128 surface;
+};
 
-/// Records of tiles whose values are in `out`; `checks` holds the check samples of all of them in order.
+template<typename Value, typename Check> struct Record {
+    RecordHeader header;
+    std::vector<Value> values;
+    std::vector<Check> checks;
+};
+
 template<typename Value, typename Check>
-std::vector<TileFile::Record> recordsOf(CachedStage stage, const TilePlan& plan, std::span<const std::size_t> tiles,
-                                        std::span<const Value> out, std::span<const Check> checks)
+std::map<std::size_t, Record<Value, Check>> readRecords(const PartFolder& folder, const std::string& name)
 {
-    const Tiling& tiling = plan.tiling;
-    std::vector<TileFile::Record> records;
-    for (const std::size_t t : tiles) {
-        const std::size_t size = tiling.size(t);
-        TileFile::Record record{stage, uint32_t(t), plan.surfaces[t],
-                                std::vector<std::byte>(recordBytes<Value, Check>(tiling, t))};
-        std::memcpy(record.bytes.data(), &out[tiling.first(t)], size * sizeof(Value));
-        std::memcpy(&record.bytes[size * sizeof(Value)], checks.data(), size * sizeof(Check));
-        checks = checks.subspan(size);
-        records.push_back(std::move(record));
+    std::map<std::size_t, Record<Value, Check>> records;
+    const std::optional<std::vector<std::byte>> bytes = folder.read(name);
+    if (!bytes) return records;
+    ByteReader reader(*bytes);
+    while (!reader.atEnd()) {
+        Record<Value, Check> record;
+        reader.read(record.header);
+        reader.read(record.values).read(record.checks);
+        if (!reader.ok() || record.values.size() != record.header.values) return {};
+        records.emplace(record.header.tile, std::move(record));
     }
     return records;
 }
 
-/// Check samples of the given tiles, in order: those of `known` (which lose them), the others computed now. Nothing
-/// when cancelled.
-template<typename Value, typename Check>
-std::optional<std::vector<Check>> checksOf(const BakeCache::Work<Value, Check>& work, const Tiling& tiling,
-                                           std::span<const std::size_t> tiles, ChecksOfTiles<Check>& known,
-                                           const Progress& progress)
-{
-    std::vector<std::size_t> unknown;
-    std::copy_if(tiles.begin(), tiles.end(), std::back_inserter(unknown),
-                 [&](std::size_t t) { return !known.contains(t); });
-    const std::vector<uint32_t> items = itemsOf(tiling, unknown);
-    std::vector<Check> computed(items.size());
-    if (!items.empty() && !work.check(items, computed, Progress{{}, progress.cancel})) return std::nullopt;
-    auto next = computed.begin();
-    std::vector<Check> checks;
-    for (const std::size_t t : tiles) {
-        if (auto found = known.extract(t)) {
-            checks.insert(checks.end(), found.mapped().begin(), found.mapped().end());
-        } else {
-            const auto end = next + std::ptrdiff_t(tiling.size(t));
-            checks.insert(checks.end(), next, end);
-            next = end;
+enum class TileState : uint8_t { Missing, Own, Compare, Unchanged, Changed };
+
+/// One or more parts of a stage while their tiles are found, compared and computed.
+template<typename Value, typename Check> class TileGroup {
+public:
+    using Work = BakeCache::Work<Value, Check>;
+
+    TileGroup(const Work& work, Tiling tiling, std::span<const std::size_t> parts)
+        : work_(work), tiling_(tiling), parts_(parts)
+    {
+        for (const std::size_t part : parts) {
+            const std::size_t first = part * work.tilesPerPart;
+            const std::size_t end = std::min(first + work.tilesPerPart, tiling.tileCount());
+            for (std::size_t t = first; t < end; ++t)
+                tiles_.push_back({{uint32_t(t), 0, 0, 0, work.surface(tiling.first(t), tiling.size(t))}, {}, {}});
+        }
+        states_.assign(tiles_.size(), TileState::Missing);
+    }
+
+    /// Takes tiles with an equal surface from a folder.
+    void take(const PartFolder& folder, TileState state, bool needsChecks)
+    {
+        if (folder.path().empty()) return;
+        std::size_t i = 0;
+        for (const std::size_t part : parts_) {
+            const std::size_t end = std::min(i + work_.tilesPerPart, tiles_.size());
+            auto records = missing(i, end) ? readRecords<Value, Check>(folder, partName(work_.stage, part))
+                                           : std::map<std::size_t, Record<Value, Check>>();
+            for (; i < end; ++i) {
+                const auto found = records.find(tiles_[i].header.tile);
+                if (states_[i] != TileState::Missing || found == records.end()) continue;
+                Record<Value, Check>& record = found->second;
+                const bool whole = record.header.surface == tiles_[i].header.surface &&
+                                   record.values.size() == tiling_.size(tiles_[i].header.tile) &&
+                                   (!needsChecks || record.checks.size() == record.values.size());
+                if (!whole) continue;
+                if (!needsChecks) record.checks.clear();
+                tiles_[i] = std::move(record);
+                states_[i] = state;
+            }
         }
     }
-    return checks;
+
+    /// Compares check samples with those of the last bake. False when cancelled.
+    bool compare(const Progress& progress)
+    {
+        const std::vector<std::size_t> places = placesOf(TileState::Compare);
+        if (places.empty()) return true;
+        std::vector<Check> now(itemCount(places));
+        if (!work_.check(items(places), now, progress)) return false;
+        std::span<const Check> rest(now);
+        for (const std::size_t i : places) {
+            const auto own = rest.first(tiles_[i].values.size());
+            rest = rest.subspan(own.size());
+            // An unchanged tile keeps the old check samples, so that a series of small changes adds up until it is
+            // detected.
+            if (!work_.changed(tiles_[i].checks, own)) {
+                states_[i] = TileState::Unchanged;
+                continue;
+            }
+            states_[i] = TileState::Changed;
+            tiles_[i].checks.assign(own.begin(), own.end());
+        }
+        return true;
+    }
+
+    /// Computes the values of missing and changed tiles, and check samples of missing ones. False when cancelled.
+    bool compute(bool withChecks, const Progress& progress)
+    {
+        std::vector<std::size_t> places = placesOf(TileState::Missing);
+        if (withChecks && !places.empty()) {
+            std::vector<Check> checks(itemCount(places));
+            if (!work_.check(items(places), checks, Progress{{}, progress.cancel})) return false;
+            distribute(places, std::span<const Check>(checks), &Record<Value, Check>::checks);
+        }
+        const std::vector<std::size_t> changed = placesOf(TileState::Changed);
+        places.insert(places.end(), changed.begin(), changed.end());
+        std::sort(places.begin(), places.end());
+        if (places.empty()) return true;
+        std::vector<Value> values(itemCount(places));
+        if (!work_.compute(items(places), values, progress)) return false;
+        distribute(places, std::span<const Value>(values), &Record<Value, Check>::values);
+        return true;
+    }
+
+    /// Writes the parts that have tiles from elsewhere than the folder. False when one cannot be written.
+    bool write(PartFolder& folder)
+    {
+        bool written = true;
+        std::size_t i = 0;
+        for (const std::size_t part : parts_) {
+            const std::size_t end = std::min(i + work_.tilesPerPart, tiles_.size());
+            const bool isOwn = std::all_of(states_.begin() + std::ptrdiff_t(i), states_.begin() + std::ptrdiff_t(end),
+                                           [](TileState s) { return s == TileState::Own; });
+            ByteWriter writer;
+            for (; i < end; ++i) {
+                RecordHeader& header = tiles_[i].header;
+                header.values = uint32_t(tiles_[i].values.size());
+                header.checks = uint32_t(tiles_[i].checks.size());
+                if (!isOwn) writer.add(header).add(tiles_[i].values).add(tiles_[i].checks);
+            }
+            if (!isOwn) written = folder.write(partName(work_.stage, part), writer.take()) && written;
+        }
+        return written;
+    }
+
+    void merge(std::span<Value> out) const
+    {
+        for (const Record<Value, Check>& tile : tiles_)
+            std::copy(tile.values.begin(), tile.values.end(),
+                      out.begin() + std::ptrdiff_t(tiling_.first(tile.header.tile)));
+    }
+    [[nodiscard]] std::size_t count(TileState state) const { return placesOf(state).size(); }
+    [[nodiscard]] std::size_t size() const { return tiles_.size(); }
+
+private:
+    [[nodiscard]] bool missing(std::size_t begin, std::size_t end) const
+    {
+        return std::any_of(states_.begin() + std::ptrdiff_t(begin), states_.begin() + std::ptrdiff_t(end),
+                           [](TileState s) { return s == TileState::Missing; });
+    }
+    [[nodiscard]] std::vector<std::size_t> placesOf(TileState state) const
+    {
+        std::vector<std::size_t> places;
+        for (std::size_t i = 0; i < states_.size(); ++i)
+            if (states_[i] == state) places.push_back(i);
+        return places;
+    }
+    [[nodiscard]] std::vector<uint32_t> items(std::span<const std::size_t> places) const
+    {
+        std::vector<std::size_t> tiles;
+        for (const std::size_t i : places) tiles.push_back(tiles_[i].header.tile);
+        return itemsOf(tiling_, tiles);
+    }
+    [[nodiscard]] std::size_t itemCount(std::span<const std::size_t> places) const
+    {
+        return std::accumulate(places.begin(), places.end(), std::size_t(0), [&](std::size_t sum, std::size_t i) {
+            return sum + tiling_.size(tiles_[i].header.tile);
+        });
+    }
+    template<typename T> void distribute(std::span<const std::size_t> places, std::span<const T> all,
+                                         std::vector<T> Record<Value, Check>::*member)
+    {
+        for (const std::size_t i : places) {
+            const auto own = all.first(tiling_.size(tiles_[i].header.tile));
+            (tiles_[i].*member).assign(own.begin(), own.end());
+            all = all.subspan(own.size());
+        }
+    }
+
+    const Work& work_;
+    Tiling tiling_;
+    std::span<const std::size_t> parts_;
+    std::vector<Record<Value, Check>> tiles_;
+    std::vector<TileState> states_;
+};
+
+/// Parts in the order in which a process takes them, and how many of them form a group.
+std::vector<std::size_t> partsToTake(std::size_t count, TakeParts take, WorkShare share)
+{
+    std::vector<std::size_t> parts = workOrder(count, take == TakeParts::All ? WorkShare{} : share);
+    if (take == TakeParts::Share) std::erase_if(parts, [&](std::size_t p) { return p % share.count != share.index; });
+    return parts;
 }
 
 } // namespace
 
-template<typename Value, typename Check> TilePlan BakeCache::plan(const Work<Value, Check>& work) const
-{
-    TilePlan plan;
-    plan.tiling = {work.count, work.tileSize};
-    for (std::size_t t = 0; t < plan.tiling.tileCount(); ++t) {
-        plan.surfaces.push_back(work.surface(plan.tiling.first(t), plan.tiling.size(t)));
-        const std::size_t bytes = recordBytes<Value, Check>(plan.tiling, t);
-        const auto holds = [&](const TileFile& file) {
-            return file.find(work.stage, uint32_t(t), plan.surfaces[t]).size() == bytes;
-        };
-        (holds(own_) ? plan.reuse : holds(before_) ? plan.compare : plan.compute).push_back(t);
-    }
-    return plan;
-}
-
-void BakeCache::append(std::span<const TileFile::Record> records)
-{
-    if (Status s = TileFile::append(file_, records); !s && status_) status_ = s;
-}
-
 template<typename Value, typename Check>
-bool BakeCache::compare(const Work<Value, Check>& work, TilePlan& plan, std::span<Value> out,
-                        std::map<std::size_t, std::vector<Check>>& changedChecks, const Progress& progress)
+bool BakeCache::run(const Work<Value, Check>& work, TakeParts take, std::span<Value> out, const Progress& progress)
 {
-    const std::vector<uint32_t> items = itemsOf(plan.tiling, plan.compare);
-    std::vector<Check> now(items.size());
-    if (!work.check(items, now, progress)) return false;
-    std::vector<std::size_t> unchanged;
-    std::vector<Check> unchangedChecks;
-    std::span<const Check> rest(now);
-    for (const std::size_t t : plan.compare) {
-        const auto record = before_.find(work.stage, uint32_t(t), plan.surfaces[t]);
-        const std::vector<Check> before = checksIn<Value, Check>(plan.tiling, t, record);
-        const auto own = rest.first(plan.tiling.size(t));
-        rest = rest.subspan(own.size());
-        if (work.changed(before, own)) {
-            plan.compute.push_back(t);
-            changedChecks.emplace(t, std::vector<Check>(own.begin(), own.end()));
-            continue;
-        }
-        mergeRecord(plan.tiling, t, record, out);
-        unchanged.push_back(t);
-        // The record keeps the old check samples, so that a series of small changes adds up until it is detected.
-        unchangedChecks.insert(unchangedChecks.end(), before.begin(), before.end());
+    const Tiling tiling{work.count, work.tileSize};
+    const std::size_t partCount = (tiling.tileCount() + work.tilesPerPart - 1) / work.tilesPerPart;
+    const std::vector<std::size_t> parts = partsToTake(partCount, take, parts_.share());
+    const std::size_t itemsOfPart = work.tilesPerPart * work.tileSize;
+    const std::size_t grouped = take == TakeParts::All ? std::max<std::size_t>(1, kBatchItems / itemsOfPart) : 1;
+    for (std::size_t first = 0; first < parts.size(); first += grouped) {
+        const auto some = std::span(parts).subspan(first, std::min(grouped, parts.size() - first));
+        const double begin = double(first) / double(parts.size());
+        const double end = double(first + some.size()) / double(parts.size());
+        TileGroup<Value, Check> group(work, tiling, some);
+        group.take(parts_, TileState::Own, compares_);
+        if (compares_) group.take(before_, TileState::Compare, true);
+        const double compared = begin + (group.count(TileState::Compare) > 0 ? kComparisonShare : 0.0) * (end - begin);
+        if (!group.compare(partOf(progress, begin, compared))) return false;
+        if (!group.compute(compares_, partOf(progress, compared, end))) return false;
+        const bool written = group.write(parts_);
+        if (!written && take != TakeParts::All) return false;
+        if (!out.empty()) group.merge(out);
+        counts_.tiles += group.size();
+        counts_.same += group.count(TileState::Own);
+        counts_.unchanged += group.count(TileState::Unchanged);
     }
-    counts_.unchanged += unchanged.size();
-    std::sort(plan.compute.begin(), plan.compute.end());
-    append(recordsOf<Value, Check>(work.stage, plan, unchanged, out, unchangedChecks));
+    progress(work.progressName, 1.0);
     return true;
 }
 
-template<typename Value, typename Check>
-bool BakeCache::compute(const Work<Value, Check>& work, const TilePlan& plan, std::span<Value> out,
-                        std::map<std::size_t, std::vector<Check>>& changedChecks, const Progress& progress)
-{
-    const std::span<const std::size_t> all(plan.compute);
-    const std::size_t batchTiles = std::max<std::size_t>(1, kBatchItems / work.tileSize);
-    for (std::size_t first = 0; first < all.size(); first += batchTiles) {
-        const auto tiles = all.subspan(first, std::min(batchTiles, all.size() - first));
-        const Progress part =
-            partOf(progress, double(first) / double(all.size()), double(first + tiles.size()) / double(all.size()));
-        const std::vector<uint32_t> items = itemsOf(plan.tiling, tiles);
-        std::vector<Value> values(items.size());
-        if (!work.compute(items, values, part)) return false;
-        const auto checks = checksOf<Value, Check>(work, plan.tiling, tiles, changedChecks, progress);
-        if (!checks) return false;
-        for (std::size_t i = 0; i < items.size(); ++i) out[items[i]] = values[i];
-        append(recordsOf<Value, Check>(work.stage, plan, tiles, out, *checks));
-    }
-    return true;
-}
-
-template<typename Value, typename Check>
-bool BakeCache::run(const Work<Value, Check>& work, std::span<Value> out, const Progress& progress)
-{
-    TilePlan plan = this->plan(work);
-    counts_.tiles += plan.tiling.tileCount();
-    counts_.same += plan.reuse.size();
-    for (const std::size_t t : plan.reuse)
-        mergeRecord(plan.tiling, t, own_.find(work.stage, uint32_t(t), plan.surfaces[t]), out);
-    ChecksOfTiles<Check> changedChecks;
-    const double compared = plan.compare.empty() ? 0.0 : kComparisonShare;
-    if (!plan.compare.empty() && !compare(work, plan, out, changedChecks, partOf(progress, 0.0, compared)))
-        return false;
-    if (!compute(work, plan, out, changedChecks, partOf(progress, compared, 1.0))) return false;
-    if (plan.compute.empty()) progress(work.name, 1.0);
-    return true;
-}
-
-template bool BakeCache::run(const Work<IrradianceEstimate, float>&, std::span<IrradianceEstimate>, const Progress&);
-template bool BakeCache::run(const Work<vec4, vec4>&, std::span<vec4>, const Progress&);
-template bool BakeCache::run(const Work<ProbeEstimate, ProbeEstimate>&, std::span<ProbeEstimate>, const Progress&);
+template bool BakeCache::run(const Work<IrradianceEstimate, float>&, TakeParts, std::span<IrradianceEstimate>,
+                             const Progress&);
+template bool BakeCache::run(const Work<vec4, vec4>&, TakeParts, std::span<vec4>, const Progress&);
+template bool BakeCache::run(const Work<ProbeEstimate, ProbeEstimate>&, TakeParts, std::span<ProbeEstimate>,
+                             const Progress&);
 
 } // namespace halflight

@@ -12,10 +12,6 @@ namespace {
 
 constexpr uint32_t kCacheVersion = 32; ///< raised when estimates of the same input change
 
-/// Items per tile: few, so that a local change is large in the tile's sum of check samples.
-constexpr std::size_t kTexelTile = 256;
-constexpr std::size_t kProbeTile = 8;
-
 /// Relative difference of a tile's check samples that counts as a change; well below the noise of a bake.
 constexpr double kCheckTolerance = 0.005;
 
@@ -103,21 +99,21 @@ Hash128 lightHash(Hash128 layout, const Scene& scene, const BakeGeometry& geomet
     return hasher.hash();
 }
 
-bool Gather::irradiance(std::span<IrradianceEstimate> out, const Progress& progress) const
+BakeCache::Work<IrradianceEstimate, float> Gather::irradianceWork() const
 {
-    if (cache == nullptr) return integrator.irradiance(map, {allIndices(map.texels.size())}, out, progress);
     BakeCache::Work<IrradianceEstimate, float> work;
-    work.stage = CachedStage::Lightmap;
-    work.name = "lightmap";
+    work.stage = work.progressName = "lightmap";
     work.count = map.texels.size();
     work.tileSize = kTexelTile;
+    work.tilesPerPart = texelTilesPerPart(Tiling{work.count, work.tileSize}.tileCount());
     work.surface = [&](std::size_t first, std::size_t count) { return surfaceHash(geometry, map, first, count); };
     work.compute = [&](std::span<const uint32_t> items, std::span<IrradianceEstimate> values, const Progress& part) {
         return integrator.irradiance(map, {items}, values, part);
     };
     const int samples = checkSamples(settings.samples);
     const int shadowSamples = checkSamples(settings.shadowSamples);
-    work.check = [&](std::span<const uint32_t> items, std::span<float> values, const Progress& part) {
+    work.check = [this, samples, shadowSamples](std::span<const uint32_t> items, std::span<float> values,
+                                                const Progress& part) {
         std::vector<IrradianceEstimate> estimates(items.size());
         if (!integrator.irradiance(map, {items, samples, shadowSamples}, estimates, part)) return false;
         for (std::size_t i = 0; i < items.size(); ++i) values[i] = luminance(estimates[i].irradiance);
@@ -132,17 +128,16 @@ bool Gather::irradiance(std::span<IrradianceEstimate> out, const Progress& progr
         }
         return differ(difference, sum);
     };
-    return cache->run(work, out, progress);
+    return work;
 }
 
-bool Gather::shadowmask(std::span<vec4> out, const Progress& progress) const
+BakeCache::Work<vec4, vec4> Gather::shadowmaskWork() const
 {
-    if (cache == nullptr) return integrator.shadowmask(map, {allIndices(map.texels.size())}, out, progress);
     BakeCache::Work<vec4, vec4> work;
-    work.stage = CachedStage::Shadowmask;
-    work.name = "shadowmask";
+    work.stage = work.progressName = "shadowmask";
     work.count = map.texels.size();
     work.tileSize = kTexelTile;
+    work.tilesPerPart = texelTilesPerPart(Tiling{work.count, work.tileSize}.tileCount());
     work.surface = [&](std::size_t first, std::size_t count) { return surfaceHash(geometry, map, first, count); };
     work.compute = [&](std::span<const uint32_t> items, std::span<vec4> values, const Progress& part) {
         return integrator.shadowmask(map, {items}, values, part);
@@ -155,7 +150,29 @@ bool Gather::shadowmask(std::span<vec4> out, const Progress& progress) const
     work.changed = [](std::span<const vec4> before, std::span<const vec4> now) {
         return !std::equal(before.begin(), before.end(), now.begin());
     };
-    return cache->run(work, out, progress);
+    return work;
+}
+
+bool Gather::irradiance(std::span<IrradianceEstimate> out, const Progress& progress) const
+{
+    if (cache == nullptr) return integrator.irradiance(map, {allIndices(map.texels.size())}, out, progress);
+    return cache->run(irradianceWork(), TakeParts::All, out, progress);
+}
+
+bool Gather::shadowmask(std::span<vec4> out, const Progress& progress) const
+{
+    if (cache == nullptr) return integrator.shadowmask(map, {allIndices(map.texels.size())}, out, progress);
+    return cache->run(shadowmaskWork(), TakeParts::All, out, progress);
+}
+
+bool Gather::irradianceShare(const Progress& progress) const
+{
+    return cache->run(irradianceWork(), TakeParts::Share, std::span<IrradianceEstimate>(), progress);
+}
+
+bool Gather::shadowmaskShare(const Progress& progress) const
+{
+    return cache->run(shadowmaskWork(), TakeParts::Share, std::span<vec4>(), progress);
 }
 
 bool Gather::probes(std::span<const vec3> positions, std::span<ProbeEstimate> out, int batch,
@@ -163,10 +180,11 @@ bool Gather::probes(std::span<const vec3> positions, std::span<ProbeEstimate> ou
 {
     if (cache == nullptr) return integrator.probes(positions, allIndices(positions.size()), 0, out, progress);
     BakeCache::Work<ProbeEstimate, ProbeEstimate> work;
-    work.stage = CachedStage(uint32_t(CachedStage::Probes) + uint32_t(batch));
-    work.name = "probes";
+    work.stage = "probes" + std::to_string(batch);
+    work.progressName = "probes";
     work.count = positions.size();
     work.tileSize = kProbeTile;
+    work.tilesPerPart = kProbeTilesPerPart;
     work.surface = [&](std::size_t first, std::size_t count) {
         return Hasher().bytes(&positions[first], count * sizeof(vec3)).hash();
     };
@@ -187,7 +205,7 @@ bool Gather::probes(std::span<const vec3> positions, std::span<ProbeEstimate> ou
         }
         return false;
     };
-    return cache->run(work, out, progress);
+    return cache->run(work, cache->parts().isShared() ? TakeParts::Together : TakeParts::All, out, progress);
 }
 
 } // namespace halflight

@@ -1,6 +1,9 @@
 #include "halflight/base/file.h"
 
+#include "halflight/base/hash.h"
+
 #include <algorithm>
+#include <array>
 #include <cerrno>
 #include <cstring>
 #include <fstream>
@@ -76,7 +79,11 @@ Status tryWriting(const std::filesystem::path& folder)
 std::filesystem::path temporaryOf(const std::filesystem::path& file)
 {
     std::filesystem::path temporary = file;
-    temporary += ".tmp" + std::to_string(::getpid());
+    // Hosts that share a folder have processes of the same number.
+    std::array<char, 256> host{};
+    ::gethostname(host.data(), host.size() - 1);
+    const Hash128 hash = Hasher().add(std::string_view(host.data())).hash();
+    temporary += ".tmp" + hash.hex().substr(0, 8) + std::to_string(::getpid());
     return temporary;
 }
 

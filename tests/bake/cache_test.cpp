@@ -12,6 +12,8 @@
 
 #include <algorithm>
 #include <array>
+#include <chrono>
+#include <thread>
 
 namespace halflight::test {
 namespace {
@@ -169,24 +171,89 @@ TEST_F(CacheTest, TheHashFollowsEverySettingThatTheFileFollows)
     EXPECT_EQ(bakeHash(scene, same), before);
 }
 
-TEST_F(CacheTest, ABrokenTileFileIsBakedAgainWhereItIsBroken)
+TEST_F(CacheTest, BrokenPartsAreBakedAgain)
 {
     const Scene scene = twoRooms();
     const BakeResult first = run(scene, true);
-    for (const auto& entry : std::filesystem::directory_iterator(folder / "cache")) {
-        if (entry.path().extension() != ".tiles") continue;
-        // One bit flipped in the middle, and the end cut off.
+    std::size_t parts = 0;
+    for (const auto& entry : std::filesystem::recursive_directory_iterator(folder / "cache")) {
+        if (entry.path().extension() != ".part" || ++parts % 2 == 0) continue;
+        // One bit flipped in the middle, or the end cut off.
         auto bytes = readFile(entry.path());
         ASSERT_TRUE(bytes);
-        (*bytes)[bytes->size() / 2] ^= std::byte(4);
-        bytes->resize(bytes->size() - 7);
+        if (parts % 4 == 1) (*bytes)[bytes->size() / 2] ^= std::byte(4);
+        if (parts % 4 == 3) bytes->resize(bytes->size() - 7);
         ASSERT_TRUE(writeFileAtomically(entry.path(), bytes->data(), bytes->size()));
     }
+    ASSERT_GT(parts, 4u);
     const BakeResult second = run(scene, true);
     expectSame(first.baked, second.baked);
     EXPECT_GT(second.report.cache.same, 0u);
     EXPECT_LT(second.report.cache.same, second.report.cache.tiles);
     EXPECT_EQ(run(scene, true).report.cache.same, second.report.cache.tiles) << "what was added can be read";
+}
+
+TEST_F(CacheTest, SeveralBakesShareOneFolder)
+{
+    const Scene scene = twoRooms();
+    Scene other = twoRooms();
+    other.lights[1].intensity = 5.0f;
+    const BakeResult plain = run(scene, false);
+    std::array<BakeResult, 3> results;
+    std::vector<std::thread> threads;
+    for (std::size_t i = 0; i < results.size(); ++i)
+        threads.emplace_back([&, i] { results[i] = run(i == 1 ? other : scene, true); });
+    for (std::thread& thread : threads) thread.join();
+    expectSame(plain.baked, results[0].baked);
+    expectSame(plain.baked, results[2].baked);
+    const BakeResult again = run(scene, true);
+    EXPECT_EQ(again.report.cache.same, again.report.cache.tiles);
+    expectSame(plain.baked, again.baked);
+}
+
+/// A killed process leaves a file under a temporary name. It is removed once no running process can own it.
+TEST_F(CacheTest, AbandonedFilesAreRemoved)
+{
+    PartFolder parts(folder / "parts");
+    const std::array<std::byte, 3> bytes = {std::byte(1), std::byte(2), std::byte(3)};
+    ASSERT_TRUE(parts.write("a", bytes));
+    ASSERT_TRUE(writeFileAtomically(folder / "parts" / "b.part.tmp-1", "half"));
+    parts.removeAbandoned(std::chrono::hours(1));
+    EXPECT_TRUE(std::filesystem::exists(folder / "parts" / "b.part.tmp-1"));
+    std::filesystem::last_write_time(folder / "parts" / "b.part.tmp-1",
+                                     std::filesystem::file_time_type::clock::now() - std::chrono::hours(2));
+    parts.removeAbandoned(std::chrono::hours(1));
+    EXPECT_FALSE(std::filesystem::exists(folder / "parts" / "b.part.tmp-1"));
+    EXPECT_TRUE(parts.read("a"));
+    // Renamed to another part's name, the bytes are not that part.
+    std::filesystem::rename(parts.fileOf("a"), parts.fileOf("c"));
+    EXPECT_FALSE(parts.read("c"));
+}
+
+/// Each process takes its own share first. A process alone takes all, one that comes later finds them.
+TEST_F(CacheTest, ProcessesFillOneFolderInShares)
+{
+    constexpr std::size_t kParts = 10;
+    std::vector<std::size_t> order;
+    const auto process = [&](WorkShare share, std::size_t killedAfter) {
+        PartFolder parts(folder / "shared");
+        parts.shareWith(share);
+        order.clear();
+        return parts.complete("stage", kParts, [&](std::size_t part) -> std::optional<std::vector<std::byte>> {
+            if (order.size() == killedAfter) return std::nullopt;
+            order.push_back(part);
+            return std::vector<std::byte>{std::byte(part)};
+        });
+    };
+    EXPECT_FALSE(process({1, 3}, 3));
+    EXPECT_EQ(order, (std::vector<std::size_t>{1, 4, 7}));
+    const auto all = process({0, 3}, kParts);
+    ASSERT_TRUE(all);
+    EXPECT_EQ((std::vector<std::size_t>(order.begin(), order.begin() + 4)), (std::vector<std::size_t>{0, 3, 6, 9}));
+    EXPECT_EQ(order.size(), 7u);
+    for (std::size_t i = 0; i < kParts; ++i) EXPECT_EQ((*all)[i], std::vector<std::byte>{std::byte(i)});
+    EXPECT_EQ(process({2, 3}, kParts), all);
+    EXPECT_TRUE(order.empty());
 }
 
 TEST_F(CacheTest, ALightReachesOnlyItsOwnRoom)
@@ -215,7 +282,8 @@ TEST_F(CacheTest, CheckSamplesAreComputedOnce)
         Result<BakeCache> cache = BakeCache::open(folder / "tiles", Hasher().add(bake).hash(), Hasher().add(1u).hash());
         EXPECT_TRUE(cache);
         BakeCache::Work<IrradianceEstimate, float> work;
-        work.stage = CachedStage::Lightmap;
+        work.stage = "lightmap";
+        work.tilesPerPart = 2;
         work.count = kCount;
         work.tileSize = kTile;
         work.surface = [](std::size_t first, std::size_t) { return Hasher().add(uint32_t(first)).hash(); };
@@ -234,7 +302,7 @@ TEST_F(CacheTest, CheckSamplesAreComputedOnce)
             return !std::equal(before.begin(), before.end(), now.begin(), now.end());
         };
         std::vector<IrradianceEstimate> out(kCount);
-        EXPECT_TRUE(cache->run(work, std::span<IrradianceEstimate>(out), Progress{}));
+        EXPECT_TRUE(cache->run(work, TakeParts::All, std::span<IrradianceEstimate>(out), Progress{}));
         cache->finish();
         return out;
     };

@@ -321,10 +321,10 @@ class Places(Case):
         self.bake(scene, "out.glb", "--cache", cache)
         expected = read(out)
         os.remove(out)
-        for name in os.listdir(cache):  # folders where files would be written
-            os.remove(os.path.join(cache, name))
-            os.mkdir(os.path.join(cache, name))
-            open(os.path.join(cache, name, "full"), "w").close()
+        for path in [os.path.join(folder, name) for folder, _, names in os.walk(cache) for name in names]:
+            os.remove(path)  # folders where files would be written
+            os.mkdir(path)
+            open(os.path.join(path, "full"), "w").close()
         result = run("bake", scene, "-o", out, *QUICK, "--cache", cache)
         self.assertEqual(result.returncode, 0, result.stderr)
         self.assertIn("the cache " + cache, result.stderr)
