@@ -3,8 +3,9 @@
 # available; safe to run again (it asks the package manager only when something is missing).
 #
 #   scripts/install-packages.sh          build, test and render
-#   scripts/install-packages.sh --node   also what only tests use: Node.js and npm (Khronos glTF validator), clang with
-#                                        libFuzzer (scripts/fuzz.sh); tests are skipped where they cannot be had
+#   scripts/install-packages.sh --node   also what only tests use: Node.js and npm (Khronos glTF validator), Chromium and
+#                                        Blender (Debian), clang with libFuzzer (scripts/fuzz.sh); tests are skipped
+#                                        where they cannot be had
 set -euo pipefail
 
 sudo=""
@@ -27,7 +28,7 @@ packages=(
 )
 if [ "${1:-}" = "--node" ] && ! command -v npm >/dev/null; then packages+=(nodejs npm); fi
 # Ubuntu's chromium is a snap, which containers cannot run; there the tests of web/ are skipped unless a browser is there.
-if [ "${1:-}" = "--node" ] && [ "$(. /etc/os-release && echo "${ID:-}")" = "debian" ]; then packages+=(chromium); fi
+if [ "${1:-}" = "--node" ] && [ "$(. /etc/os-release && echo "${ID:-}")" = "debian" ]; then packages+=(chromium blender); fi
 
 missing=()
 for package in "${packages[@]}"; do installed "$package" || missing+=("$package"); done

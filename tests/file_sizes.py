@@ -13,7 +13,7 @@ import sys
 import tempfile
 
 LIMIT = 400
-FOLDERS = ("apps", "bench", "examples", "include", "scripts", "shaders", "src", "tests")
+FOLDERS = ("apps", "bench", "blender", "examples", "include", "scripts", "shaders", "src", "tests")
 SUFFIXES = {".h", ".cpp", ".py", ".glsl", ".vert", ".frag", ".js", ".mjs", ".ts", ".sh"}
 
 LONGER = {

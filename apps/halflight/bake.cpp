@@ -110,7 +110,7 @@ int runBake(const CLI::App& app, const BakeOptions& given)
 
     removeTemporaryOf(options.output);
     // The display is up before the scene is read, so that Ctrl-C is heard from the start.
-    std::optional<ProgressDisplay> display(std::in_place, options.quiet);
+    std::optional<ProgressDisplay> display(std::in_place, options.quiet ? ProgressStyle::Quiet : options.progress);
     const Progress progress = display->progress();
     ReadOptions readOptions;
     readOptions.settingsFile = options.settingsFile;
@@ -276,6 +276,11 @@ Command addBakeCommand(CLI::App& parent)
            "keep finished tiles in this folder: an interrupted bake goes on where it stopped, a changed scene is "
            "baked anew only where the change shows")
         ->type_name("DIR");
+
+    addChoice<ProgressStyle>(app, "--progress", options->progress,
+                             {{"auto", ProgressStyle::Auto}, {"lines", ProgressStyle::Lines}},
+                             "auto: a bar on a terminal, one line a stage elsewhere; lines: 'progress: STAGE PERCENT "
+                             "%', ten a second at most, for programs (default auto)");
 
     app.option_defaults()->group("Output");
     addChoice<LightmapFormat>(

@@ -1,6 +1,8 @@
 #pragma once
 // Parts of `halflight bake`: its options, the check of its paths, what it prints.
 
+#include "console.h"
+
 #include "halflight/bake/bake.h"
 #include "halflight/scene/export.h"
 #include "halflight/scene/gltf.h"
@@ -27,6 +29,7 @@ struct BakeOptions {
     vec3 skyNits{0.0f};
     bool skyGiven = false;
     int device = 0; ///< one so far: the CPU
+    ProgressStyle progress = ProgressStyle::Auto;
     bool quiet = false;
     bool json = false;
 };

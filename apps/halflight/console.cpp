@@ -268,8 +268,8 @@ CLI::Option* addChoiceByIndex(CLI::App& app, const std::string& name, const std:
 
 // -- progress ---------------------------------------------------------------------------------------------------------
 
-ProgressDisplay::ProgressDisplay(bool quiet)
-    : quiet_(quiet), terminal_(::isatty(STDERR_FILENO) != 0), stageStart_(Clock::now()), lastShown_(stageStart_)
+ProgressDisplay::ProgressDisplay(ProgressStyle style)
+    : style_(style), terminal_(::isatty(STDERR_FILENO) != 0), stageStart_(Clock::now()), lastShown_(stageStart_)
 {}
 
 ProgressDisplay::~ProgressDisplay()
@@ -281,7 +281,8 @@ Progress ProgressDisplay::progress()
 {
     Progress progress;
     progress.cancel = &listenForInterrupts();
-    if (!quiet_) progress.report = [this](std::string_view stage, double fraction) { report(stage, fraction); };
+    if (style_ != ProgressStyle::Quiet)
+        progress.report = [this](std::string_view stage, double fraction) { report(stage, fraction); };
     return progress;
 }
 
@@ -294,20 +295,27 @@ void ProgressDisplay::report(std::string_view stage, double fraction)
 {
     using std::chrono::duration;
     const Clock::time_point now = Clock::now();
+    const bool lines = style_ == ProgressStyle::Lines;
+    const bool live = lines || terminal_;
     if (stage != stage_) {
         finish();
         stage_ = stage;
         stageStart_ = now;
-        lastShown_ = terminal_ ? Clock::time_point() : now;
-        if (!terminal_) say(fmt::format("{:<14}", stage_));
+        most_ = 0.0;
+        lastShown_ = live ? Clock::time_point() : now;
+        if (!live) say(fmt::format("{:<14}", stage_));
     }
-    // Ten pictures a second on a terminal. In a log each stage is one line, which grows every ten seconds.
-    if (duration<double>(now - lastShown_).count() < (terminal_ ? 0.1 : 10.0)) return;
+    // Ten pictures or lines a second. In a log each stage is one line, which grows every ten seconds.
+    if (duration<double>(now - lastShown_).count() < (live ? 0.1 : 10.0)) return;
     lastShown_ = now;
-    fraction = std::clamp(fraction, 0.0, 1.0);
+    most_ = fraction = std::clamp(fraction, most_, 1.0); // a stage of several passes begins anew
     const int percent = int(100.0 * fraction);
-    if (!terminal_) {
+    if (!live) {
         say(fmt::format(" {} %", percent));
+        return;
+    }
+    if (lines) {
+        say(fmt::format("progress: {} {} %\n", stage_, percent));
         return;
     }
     const double elapsed = duration<double>(now - stageStart_).count();
@@ -322,7 +330,9 @@ void ProgressDisplay::report(std::string_view stage, double fraction)
 void ProgressDisplay::endStage()
 {
     const double seconds = std::chrono::duration<double>(Clock::now() - stageStart_).count();
-    if (terminal_) {
+    if (style_ == ProgressStyle::Lines) {
+        say(fmt::format("progress: {} 100 %\n", stage_));
+    } else if (terminal_) {
         say(fmt::format("\r{:<14} {:.1f} s\x1b[K\n", stage_, seconds));
     } else {
         say(fmt::format(" {:.1f} s\n", seconds));

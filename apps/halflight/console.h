@@ -103,11 +103,16 @@ template<typename T> CLI::Option* addChoice(CLI::App& app, const std::string& na
 /// A finite number, the whole of `text`; false when it is anything else.
 bool parseNumber(const std::string& text, double& value);
 
-/// Progress on standard error: a bar with percent and time left on a terminal, one line a stage elsewhere.
+/// How progress is written to standard error.
+enum class ProgressStyle {
+    Auto,  ///< a bar with percent and time left on a terminal, one line a stage elsewhere
+    Lines, ///< "progress: STAGE PERCENT %" lines, for programs that show it themselves
+    Quiet, ///< nothing; progress() still carries the cancel flag
+};
+
 class ProgressDisplay {
 public:
-    /// quiet: shows nothing; progress() still carries the cancel flag.
-    explicit ProgressDisplay(bool quiet);
+    explicit ProgressDisplay(ProgressStyle style);
     /// Ends the last stage's line.
     ~ProgressDisplay();
     ProgressDisplay(const ProgressDisplay&) = delete;
@@ -122,9 +127,10 @@ private:
     void report(std::string_view stage, double fraction);
     void endStage();
 
-    bool quiet_;
+    ProgressStyle style_;
     bool terminal_;
     std::string stage_;
+    double most_ = 0.0; // fraction of the stage, shown so far
     Clock::time_point stageStart_;
     Clock::time_point lastShown_;
 };

@@ -209,7 +209,7 @@ Result<Picture> renderPicture(const RenderOptions& options, const BakedScene& ba
 Result<Picture> tracePicture(const RenderOptions& options, const Scene& scene, const Camera& camera)
 {
     const ThreadLimit limit(options.threads);
-    ProgressDisplay display(options.quiet);
+    ProgressDisplay display(options.quiet ? ProgressStyle::Quiet : ProgressStyle::Auto);
     ReferenceSettings settings;
     settings.samplesPerPixel = options.referenceSamples;
     settings.bounces = options.bounces;

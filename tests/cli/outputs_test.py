@@ -38,6 +38,26 @@ class Formats(Case):
         self.assert_one_sentence(result, 2, "--lightmap-format", "rgb9e5, half, webp")
 
 
+class Progress(Case):
+    """--progress lines: what other programs show of a bake, such as the Blender extension."""
+
+    def test_lines_for_programs(self):
+        command = ["bake", self.scene(), "-o", self.path("out.glb"), *cli_test.QUICK, "--samples", "16", "--progress", "lines"]
+        result = run(*command)
+        self.assertEqual(result.returncode, 0, result.stderr)
+        lines = result.stderr.splitlines()
+        last = {}
+        for line in lines:
+            self.assertRegex(line, r"^progress: [a-z ]+ \d+ %$")
+            stage, percent = line[len("progress: ") : -len(" %")].rsplit(" ", 1)
+            self.assertGreaterEqual(int(percent), last.get(stage, 0), "percents of a stage only grow")
+            last[stage] = int(percent)
+        self.assertEqual(set(last.values()), {100}, "every stage ends")
+        self.assertIn("lightmap", last)
+        quiet = run(*command, "--quiet")
+        self.assertEqual((quiet.returncode, quiet.stderr), (0, ""))
+
+
 class EarlierSky(Case):
     def test_the_sky_of_an_earlier_bake_is_named(self):
         with open(self.path("sky.hdr"), "wb") as file:  # 4 x 2 texels of (1, 1, 1)

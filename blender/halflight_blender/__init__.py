@@ -1,0 +1,29 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Halflight in Blender: one click from a scene to its baked light.
+
+Read by Blender 4.2 and newer through blender_manifest.toml, by older ones through bl_info.
+"""
+
+bl_info = {
+    "name": "Halflight",
+    "author": "The Halflight authors",
+    "version": (0, 1, 0),
+    "blender": (3, 4, 0),
+    "location": "3D View > Sidebar > Halflight; World, Light, Object and Material properties",
+    "description": "Bake lightmaps, shadowmasks and probes into glTF, and look at them",
+    "category": "Render",
+}
+
+from . import bake, messages, panels, preferences, properties, stale, view_operator  # noqa: E402
+
+MODULES = (preferences, properties, messages, bake, view_operator, stale, panels)
+
+
+def register():
+    for module in MODULES:
+        module.register()
+
+
+def unregister():
+    for module in reversed(MODULES):
+        module.unregister()

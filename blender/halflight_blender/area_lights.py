@@ -1,0 +1,85 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Area lights, which KHR_lights_punctual does not have, as emissive quads and discs."""
+
+import math
+
+import bpy
+import numpy as np
+
+CORNERS = 32  # of a disc: its area is 0.6 % less than the circle's, which the radiance makes up for
+
+
+def outline(light):
+    """Corners in the light's plane, counter-clockwise as seen from where it shines (-Z)."""
+    width = light.size
+    height = light.size_y if light.shape in {"RECTANGLE", "ELLIPSE"} else light.size
+    if light.shape in {"DISK", "ELLIPSE"}:
+        angles = -2.0 * math.pi * np.arange(CORNERS) / CORNERS
+        return np.stack([np.cos(angles) * width / 2, np.sin(angles) * height / 2], 1)
+    return np.array([(-1, -1), (-1, 1), (1, 1), (1, -1)]) * (width / 2, height / 2)
+
+
+def area_of(corners):
+    x, y = corners[:, 0], corners[:, 1]
+    return abs(np.dot(x, np.roll(y, -1)) - np.dot(y, np.roll(x, -1))) / 2
+
+
+def add_quads(document, factor):
+    """`factor`: lumens per watt. Returns sentences about what cannot be shown."""
+    warnings = []
+    matrices = document.world_matrices()
+    for index, node in enumerate(document.json.get("nodes", [])):
+        item = bpy.data.objects.get(node.get("name", ""))
+        if item is None or item.type != "LIGHT" or item.data.type != "AREA" or index not in matrices:
+            continue
+        light = item.data
+        corners = outline(light)
+        scale = np.linalg.norm(np.cross(matrices[index][:3, 0], matrices[index][:3, 1]))
+        area = area_of(corners) * scale
+        if area <= 0.0 or light.energy <= 0.0:
+            continue
+        radiance = light.energy * factor / (math.pi * area)  # a Lambertian emitter of one side
+        node["mesh"] = add_mesh(document, light, corners, radiance)
+        # It lights as an emissive surface does. It needs no texels, and Blender's area lights throw no shadow.
+        extras = node.setdefault("extras", {})
+        extras.update({"halflight_lightmap_scale": 0, "halflight_cast_shadows": 0})
+        if getattr(light, "spread", math.pi) < math.radians(179.0):
+            warnings.append(f'area light "{item.name}": its spread is not baked; it shines to all of one side')
+        if light.get("halflight_mode") is not None:
+            warnings.append(f'area light "{item.name}": an area light is always baked, whatever its mode')
+    return warnings
+
+
+def add_mesh(document, light, corners, radiance):
+    document.use_extension("KHR_materials_emissive_strength")
+    color = np.array(light.color)
+    brightest = max(float(color.max()), 1e-6)
+    document.list("materials").append(
+        {
+            "name": light.name,
+            "emissiveFactor": (color / brightest).tolist(),
+            "pbrMetallicRoughness": {"baseColorFactor": [0, 0, 0, 1], "metallicFactor": 0},
+            "extensions": {"KHR_materials_emissive_strength": {"emissiveStrength": radiance * brightest}},
+        }
+    )
+    count = len(corners)
+    positions = np.zeros((count, 3), np.float32)
+    positions[:, :2] = corners
+    normals = np.tile(np.array([0, 0, -1], np.float32), (count, 1))
+    fan = np.array([(0, i, i + 1) for i in range(1, count - 1)], np.uint16).reshape(-1, 1)
+    document.list("meshes").append(
+        {
+            "name": light.name,
+            "primitives": [
+                {
+                    "attributes": {
+                        "POSITION": document.add_accessor(positions, "VEC3"),
+                        "NORMAL": document.add_accessor(normals, "VEC3"),
+                    },
+                    "indices": document.add_accessor(fan, "SCALAR"),
+                    "material": len(document.json["materials"]) - 1,
+                }
+            ],
+        }
+    )
+    return len(document.json["meshes"]) - 1

@@ -1,0 +1,236 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The Bake operator: exports, runs the program beside Blender, reads the result, shows it."""
+
+import json
+import os
+import queue
+import shutil
+import signal
+import subprocess
+import threading
+
+import bpy
+
+from . import baked_view, export_scene, files, messages, preferences, program, stale
+from .glb import Glb
+
+INTERVAL = 0.1  # seconds between looks at the program
+
+
+class BakeError(Exception):
+    pass
+
+
+class Job:
+    """One bake: export() and start(), then poll() until it is not None, then finish()."""
+
+    current = None  # the one that runs, for the panel and for cancel
+
+    def __init__(self, context):
+        self.program = preferences.find_program(context)
+        if self.program is None:
+            raise BakeError(program.NOT_FOUND)
+        self.files = files.of(context.scene)
+        self.scene = context.scene.name
+        self.progress = program.Progress()
+        self.lines = queue.Queue()
+        self.process = None
+        self.document = None
+        self.cancelled = False
+        self.reader = None
+
+    def export(self, context):
+        messages.clear(context)
+        for folder in (self.files.folder, self.files.sidecar):
+            os.makedirs(folder, exist_ok=True)
+        units = context.scene.halflight.units
+        try:
+            warnings = export_scene.export_scene(context, self.files.scene, units, self.files.folder)
+        except RuntimeError as error:  # of an operator
+            raise BakeError(f"The glTF exporter failed: {error}") from error
+        self.document = Glb(self.files.scene).json
+        for warning in warnings:
+            messages.add(context, "WARNING", warning, self.document)
+        stale.note_bake(context, context.scene)
+
+    def start(self, context):
+        arguments = program.bake_arguments(context.scene.halflight, self.files)
+        try:
+            self.process = subprocess.Popen(
+                [self.program.path, *arguments],
+                stdin=subprocess.DEVNULL,
+                stdout=subprocess.DEVNULL,
+                stderr=subprocess.PIPE,
+                text=True,
+                encoding="utf-8",
+                errors="replace",
+            )
+        except OSError as error:
+            raise BakeError(f"{self.program.path} cannot be run: {error.strerror}") from error
+        self.reader = threading.Thread(target=self.read, daemon=True)
+        self.reader.start()
+        Job.current = self
+
+    def read(self):
+        with self.process.stderr:
+            for line in self.process.stderr:
+                self.lines.put(line)
+
+    def poll(self, context):
+        """The exit code once the program has ended and all it said is in the list, else None."""
+        code = self.process.poll()
+        if code is not None:
+            self.reader.join()
+        while not self.lines.empty():
+            line = self.lines.get()
+            if not self.progress.read(line):
+                messages.add_line(context, line, self.files.scene, self.document)
+        return code
+
+    def cancel(self):
+        """As Ctrl-C does: the program leaves nothing half-written; finished tiles stay in its cache."""
+        self.cancelled = True
+        if self.process and self.process.poll() is None:
+            self.process.send_signal(signal.SIGINT) if os.name == "posix" else self.process.terminate()
+
+    def finish(self, context, code):
+        """Reads the report and copies the file to where it was asked for."""
+        Job.current = None
+        scene = bpy.data.scenes.get(self.scene)
+        if scene is None:
+            raise BakeError(f"The scene {self.scene} was removed or renamed during its bake")
+        if code != 0:
+            scene.halflight.baked_digest = ""
+            if self.cancelled:
+                raise BakeError("The bake was cancelled")
+            listed = [m.text for m in context.window_manager.halflight_messages if m.severity == "ERROR"]
+            raise BakeError(listed[-1] if listed else f"The program ended with code {code}")
+        with open(self.files.report, encoding="utf-8") as file:
+            report = json.load(file)
+        scene.halflight.summary = summary_of(report)
+        output = bpy.path.abspath(scene.halflight.output)
+        if output:
+            os.makedirs(os.path.dirname(output) or ".", exist_ok=True)
+            shutil.copyfile(self.files.baked, output)
+        return report
+
+
+def summary_of(report):
+    lightmap, cache = report["lightmap"], report.get("cache", {})
+    text = f"{report['seconds']:.1f} s, {lightmap['pages']} pages of {lightmap['size']} texels, "
+    text += f"{report['probes']['count']} probes"
+    if cache.get("tiles"):
+        reused = cache["same"] + cache["unchanged"]
+        text += f"; {reused} of {cache['tiles']} tiles from the last bake"
+    return text
+
+
+class HALFLIGHT_OT_bake(bpy.types.Operator):
+    """Bake the scene's light and show it. Only what changed since the last bake is computed"""
+
+    bl_idname = "halflight.bake"
+    bl_label = "Bake"
+    bl_options = {"REGISTER", "UNDO"}
+
+    job = None
+    timer = None
+
+    @classmethod
+    def poll(cls, _context):
+        return Job.current is None
+
+    def begin(self, context):
+        baked_view.leave(context)
+        self.job = Job(context)
+        self.job.export(context)
+        self.job.start(context)
+
+    def end(self, context, code):
+        try:
+            report = self.job.finish(context, code)
+            if context.scene.name == self.job.scene and context.scene.halflight.show_view:
+                baked_view.show(context, self.job.files)
+        except (BakeError, OSError, ValueError, KeyError) as error:
+            self.report({"ERROR"} if not self.job.cancelled else {"WARNING"}, str(error))
+            return {"CANCELLED"}
+        self.report({"INFO"}, "Baked: " + summary_of(report))
+        return {"FINISHED"}
+
+    def execute(self, context):
+        """Waits for the end: for scripts and headless Blender."""
+        try:
+            self.begin(context)
+        except BakeError as error:
+            messages.add(context, "ERROR", str(error))
+            self.report({"ERROR"}, str(error))
+            return {"CANCELLED"}
+        self.job.process.wait()
+        return self.end(context, self.job.poll(context))
+
+    def invoke(self, context, _event):
+        try:
+            self.begin(context)
+        except BakeError as error:
+            messages.add(context, "ERROR", str(error))
+            self.report({"ERROR"}, str(error))
+            return {"CANCELLED"}
+        self.timer = context.window_manager.event_timer_add(INTERVAL, window=context.window)
+        context.window_manager.progress_begin(0, 100)
+        context.window_manager.modal_handler_add(self)
+        return {"RUNNING_MODAL"}
+
+    def modal(self, context, event):
+        if event.type == "ESC" and event.value == "PRESS":
+            self.job.cancel()
+        if event.type != "TIMER":
+            return {"PASS_THROUGH"}
+        code = self.job.poll(context)
+        if code is None:
+            context.workspace.status_text_set(f"Halflight: {self.job.progress.text()}   Esc cancels")
+            context.window_manager.progress_update(int(100 * self.job.progress.share))
+            for area in context.screen.areas:
+                area.tag_redraw()
+            return {"PASS_THROUGH"}
+        self.stop_showing(context)
+        return self.end(context, code)
+
+    def stop_showing(self, context):
+        context.window_manager.event_timer_remove(self.timer)
+        context.window_manager.progress_end()
+        context.workspace.status_text_set(None)
+
+    def cancel(self, context):
+        """Blender itself ends the operator, as on loading another file."""
+        self.job.cancel()
+        Job.current = None
+        self.stop_showing(context)
+
+
+class HALFLIGHT_OT_cancel(bpy.types.Operator):
+    """Stop the bake. Finished tiles are kept, so that the next bake goes on from there"""
+
+    bl_idname = "halflight.cancel"
+    bl_label = "Cancel"
+
+    @classmethod
+    def poll(cls, _context):
+        return Job.current is not None
+
+    def execute(self, _context):
+        Job.current.cancel()
+        return {"FINISHED"}
+
+
+CLASSES = (HALFLIGHT_OT_bake, HALFLIGHT_OT_cancel)
+
+
+def register():
+    for item in CLASSES:
+        bpy.utils.register_class(item)
+
+
+def unregister():
+    if Job.current is not None:
+        Job.current.cancel()
+    for item in reversed(CLASSES):
+        bpy.utils.unregister_class(item)

@@ -1,0 +1,231 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The baked view: a scene beside the user's, made of what the baked file holds.
+
+The user's scene, objects and materials are not changed. The view has their settings, world, cameras and lights, their
+objects without lightmap as they are, and a mesh for each object with lightmap texels, modifiers and instances resolved.
+All that is made here carries TAG, and goes when the view is left.
+"""
+
+import json
+import os
+
+import bpy
+import numpy as np
+
+from . import export_scene, view_lights, view_materials
+from .glb import Glb
+
+TAG = "halflight_baked_view"
+SURFACES = {"MESH", "CURVE", "SURFACE", "FONT", "META"}
+COLLECTIONS = ("scenes", "collections", "objects", "meshes", "materials", "node_groups", "images")
+
+
+def source_of(scene):
+    """The user's scene behind a view, or the scene itself."""
+    return scene.halflight.view_of or scene
+
+
+def is_view(scene):
+    return scene.halflight.view_of is not None
+
+
+def view_of(scene):
+    for candidate in bpy.data.scenes:
+        if candidate.halflight.view_of == scene:
+            return candidate
+    return None
+
+
+def show(context, files):
+    """Builds the view of the window's scene from a bake's files and switches the window to it."""
+    source = source_of(context.scene)
+    leave(context)
+    before = {name: set(getattr(bpy.data, name)) for name in COLLECTIONS}
+    try:
+        view = build(source, files)
+    finally:
+        for name in COLLECTIONS:
+            for item in set(getattr(bpy.data, name)) - before[name]:
+                item[TAG] = 1
+    context.window.scene = view
+    show_materials(context.window, view)
+    return view
+
+
+def leave(context):
+    """Back to the user's scene; the view is gone. True when there was one."""
+    source = source_of(context.scene)
+    view = view_of(source)
+    if view is None:
+        return False
+    for window in context.window_manager.windows:
+        if window.scene == view:
+            restore_shading(window, view)
+            window.scene = source
+    view.halflight.view_of = None
+    tagged = [item for name in COLLECTIONS for item in getattr(bpy.data, name) if item.library is None and TAG in item]
+    bpy.data.batch_remove(tagged)
+    return True
+
+
+def build(source, files):
+    document = Glb(files.baked)
+    with open(os.path.join(files.sidecar, "bake.json"), encoding="utf-8") as file:
+        bindings = json.load(file)
+    view = source.copy()
+    view.name = source.name + " (baked)"
+    view.halflight.view_of = source
+    for child in list(view.collection.children):
+        view.collection.children.unlink(child)
+    for item in list(view.collection.objects):
+        view.collection.objects.unlink(item)
+    collection = bpy.data.collections.new(view.name)
+    view.collection.children.link(collection)
+
+    lights = view_lights.shining_lights(document, bindings)
+    add_switches(view, lights)
+    group = view_lights.make_group(lights, bindings.get("shadowmaskChannels")) if lights else None
+    lumens = export_scene.lumens_per_watt(source.halflight.units)
+    materials = view_materials.Materials(document, bindings, files.sidecar, group, lumens)
+    matrices = document.world_matrices()
+    shown = set()
+    for index, node in enumerate(document.json["nodes"]):
+        record = node.get("extensions", {}).get("HALFLIGHT_node", {})
+        lightmap = record.get("lightmap", {})
+        if "mesh" not in node or index not in matrices:
+            continue
+        if "page" in lightmap:
+            matrix = view_lights.BLENDER_FROM_GLTF @ matrices[index]
+            collection.objects.link(make_object(document, node, lightmap, matrix, materials))
+            shown.add(node.get("name"))
+        elif is_area_light(node):
+            shown.add(node.get("name"))
+    link_the_rest(source, collection, shown)
+    return view
+
+
+def is_area_light(node):
+    item = bpy.data.objects.get(node.get("name", ""))
+    return item is not None and item.type == "LIGHT"
+
+
+def link_the_rest(source, collection, shown):
+    """Objects without lightmap, cameras and lights are the user's own."""
+    for item in source.objects:
+        if item.hide_render or item.name in shown and item.type != "LIGHT":
+            continue
+        if item.type in SURFACES | {"LIGHT", "CAMERA", "ARMATURE"}:
+            collection.objects.link(item)
+
+
+def add_switches(view, lights):
+    view.halflight_lights.clear()
+    for light in lights:
+        item = view.halflight_lights.add()
+        item.name = light["name"]
+        item.shadow = ("mask " + "RGBA"[light["channel"]]) if light["channel"] >= 0 else "no baked shadow"
+
+
+# -- meshes ----------------------------------------------------------------------------------------------------------
+
+
+def make_object(document, node, lightmap, matrix, materials):
+    """In world space, so that any matrix will do."""
+    name = "Baked " + node.get("name", "object")
+    mesh = bpy.data.meshes.new(name)
+    parts = [part_of(document, p, lightmap) for p in document.json["meshes"][node["mesh"]]["primitives"]]
+    parts = [part for part in parts if part is not None]
+    sets = sorted({key for part in parts for key in part["uvs"]})
+    has_colors = any(part["colors"] is not None for part in parts)
+    for part in parts:
+        mesh.materials.append(materials.get(part["material"], lightmap["page"], has_colors))
+    positions = np.concatenate([part["positions"] for part in parts]) @ matrix[:3, :3].T + matrix[:3, 3]
+    starts = np.cumsum([0] + [len(part["positions"]) for part in parts])
+    corners = np.concatenate([part["corners"] + start for part, start in zip(parts, starts)])
+    if np.linalg.det(matrix[:3, :3]) < 0:
+        corners = corners.reshape(-1, 3)[:, ::-1].reshape(-1)
+    slots = np.concatenate([np.full(len(part["corners"]) // 3, i) for i, part in enumerate(parts)])
+    fill(mesh, positions, corners, slots)
+    for key in sets:
+        uvs = np.concatenate([part["uvs"].get(key, np.zeros((len(part["positions"]), 2))) for part in parts])
+        layer = mesh.uv_layers.new(name=view_materials.LIGHTMAP_UV if key == -1 else view_materials.uv_name(key))
+        layer.data.foreach_set("uv", (uvs[corners] * (1, -1) + (0, 1)).astype(np.float32).reshape(-1))
+    if has_colors:
+        white = np.ones((1, 4), np.float32)
+        colors = [np.repeat(white, len(p["positions"]), 0) if p["colors"] is None else p["colors"] for p in parts]
+        layer = mesh.color_attributes.new(view_materials.COLORS, "FLOAT_COLOR", "POINT")
+        layer.data.foreach_set("color", np.concatenate(colors).astype(np.float32).reshape(-1))
+    normals = np.concatenate([part["normals"] for part in parts]) @ np.linalg.inv(matrix[:3, :3])
+    set_normals(mesh, normals)
+    return bpy.data.objects.new(name, mesh)
+
+
+def part_of(document, primitive, lightmap):
+    """Arrays of a primitive's triangles; None for lines and points. Set -1 of `uvs` is the place on the page."""
+    if primitive.get("mode", 4) != 4:
+        return None
+    attributes = primitive["attributes"]
+    positions = document.accessor(attributes["POSITION"]).astype(np.float64)
+    if "indices" in primitive:
+        corners = document.accessor(primitive["indices"]).reshape(-1).astype(np.int64)
+    else:
+        corners = np.arange(len(positions))
+    corners = corners[: len(corners) // 3 * 3]
+    uvs = {i: document.accessor(attributes[f"TEXCOORD_{i}"]) for i in range(8) if f"TEXCOORD_{i}" in attributes}
+    uvs[-1] = uvs[lightmap["texCoord"]] * lightmap["scale"] + lightmap["offset"]
+    colors = document.accessor(attributes["COLOR_0"]) if "COLOR_0" in attributes else None
+    if colors is not None and colors.shape[1] == 3:
+        colors = np.concatenate([colors, np.ones((len(colors), 1), colors.dtype)], 1)
+    normals = document.accessor(attributes["NORMAL"]) if "NORMAL" in attributes else np.zeros((len(positions), 3))
+    return {
+        "material": primitive.get("material"),
+        "positions": positions,
+        "normals": normals.astype(np.float64),
+        "corners": corners,
+        "uvs": uvs,
+        "colors": colors,
+    }
+
+
+def fill(mesh, positions, corners, slots):
+    count = len(corners) // 3
+    mesh.vertices.add(len(positions))
+    mesh.vertices.foreach_set("co", positions.astype(np.float32).reshape(-1))
+    mesh.loops.add(len(corners))
+    mesh.loops.foreach_set("vertex_index", corners.astype(np.int32))
+    mesh.polygons.add(count)
+    mesh.polygons.foreach_set("loop_start", np.arange(0, 3 * count, 3, dtype=np.int32))
+    if bpy.app.version < (4, 1, 0):
+        mesh.polygons.foreach_set("loop_total", np.full(count, 3, np.int32))
+    mesh.polygons.foreach_set("material_index", slots.astype(np.int32))
+    mesh.polygons.foreach_set("use_smooth", np.ones(count, bool))
+    mesh.update(calc_edges=True)
+
+
+def set_normals(mesh, normals):
+    """A normal of no length leaves the choice to Blender."""
+    lengths = np.linalg.norm(normals, axis=1, keepdims=True)
+    normals = np.divide(normals, lengths, out=np.zeros_like(normals), where=lengths > 0)
+    if bpy.app.version < (4, 1, 0):
+        mesh.use_auto_smooth = True
+    mesh.normals_split_custom_set_from_vertices(normals.tolist())
+
+
+# -- viewports -------------------------------------------------------------------------------------------------------
+
+
+def show_materials(window, view):
+    """Viewports in solid or wireframe shading would show none of it."""
+    changed = []
+    for number, area in enumerate(window.screen.areas):
+        if area.type == "VIEW_3D" and area.spaces.active.shading.type in {"SOLID", "WIREFRAME"}:
+            changed.append((number, area.spaces.active.shading.type))
+            area.spaces.active.shading.type = "MATERIAL"
+    view["halflight_shading"] = json.dumps(changed)
+
+
+def restore_shading(window, view):
+    areas = window.screen.areas
+    for number, shading in json.loads(view.get("halflight_shading", "[]")):
+        if number < len(areas) and areas[number].type == "VIEW_3D":
+            areas[number].spaces.active.shading.type = shading

@@ -1,0 +1,116 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The halflight program: where it is, which version, and its command line. Imports nothing of Blender."""
+
+import collections
+import functools
+import os
+import shutil
+import subprocess
+
+NOT_FOUND = "The halflight program was not found: install its wheel or package, or name it in the preferences"
+
+Found = collections.namedtuple("Found", "path where")
+
+
+def find(preferred=""):
+    """The program by preference, then that of the wheel, then that on PATH; None when there is none."""
+    if preferred:
+        path = os.path.abspath(os.path.expanduser(preferred))
+        return Found(path, "from the preferences") if os.access(path, os.X_OK) else None
+    path = of_wheel()
+    if path:
+        return Found(path, "from the wheel")
+    path = shutil.which("halflight")
+    return Found(path, "on PATH") if path else None
+
+
+def of_wheel():
+    try:
+        import halflight
+    except ImportError:
+        return None
+    executable = getattr(halflight, "executable", None)
+    return executable() if executable else None
+
+
+def version(path):
+    """Its first line of --version, or a sentence about why there is none."""
+    try:
+        return version_at(path, os.stat(path).st_mtime_ns)
+    except OSError as error:
+        return f"cannot be run ({error.strerror})"
+
+
+@functools.lru_cache(maxsize=8)
+def version_at(path, _changed):
+    try:
+        result = subprocess.run([path, "--version"], capture_output=True, text=True, timeout=20)
+    except (OSError, subprocess.TimeoutExpired) as error:
+        return f"cannot be run ({error})"
+    lines = result.stdout.splitlines()
+    return lines[0] if result.returncode == 0 and lines else "does not answer --version"
+
+
+def bake_arguments(settings, files):
+    """Arguments of `halflight bake`. `settings` has the members of properties.BakeSettings; 0 stands for automatic."""
+    arguments = ["bake", files.scene, "-o", files.baked, "--cache", files.tiles, "--sidecar", files.sidecar]
+    arguments += ["--report", files.report, "--progress", "lines"]
+    arguments += ["--mode", settings.mode, "--quality", settings.quality, "--integrator", settings.integrator]
+    arguments += ["--denoise", "on" if settings.denoise else "off"]
+    arguments += ["--directional", "on" if settings.directional else "off"]
+    arguments += ["--shadowmask-encoding", settings.shadowmask_encoding, "--probe-layout", settings.probe_layout]
+    arguments += ["--seed", str(settings.seed), "--threads", str(settings.threads)]
+    given = (
+        ("--texels-per-meter", settings.texels_per_meter),
+        ("--lightmap-size", settings.lightmap_size),
+        ("--samples", settings.samples),
+        ("--shadow-samples", settings.shadow_samples),
+        ("--noise", settings.noise),
+        ("--probe-spacing", settings.probe_spacing),
+    )
+    for option, value in given:
+        if value > 0:
+            arguments += [option, f"{value:g}"]
+    if settings.bounces >= 0:
+        arguments += ["--bounces", str(settings.bounces)]
+    return arguments
+
+
+# Share of a bake's time that each stage takes, about: for one bar over all of them.
+STAGE_SHARES = {
+    "read": 0.02,
+    "unwrap": 0.06,
+    "build": 0.02,
+    "rasterize": 0.01,
+    "lightmap": 0.58,
+    "denoise": 0.07,
+    "seams": 0.02,
+    "shadowmask": 0.11,
+    "probes": 0.08,
+    "write": 0.03,
+}
+
+
+class Progress:
+    """Follows the program's lines "progress: STAGE PERCENT %"."""
+
+    def __init__(self):
+        self.stage = "start"
+        self.share = 0.0
+        self.finished = set()
+
+    def read(self, line):
+        """True when `line` was one of progress."""
+        words = line.split()
+        if len(words) < 4 or words[0] != "progress:" or words[-1] != "%":
+            return False
+        stage, percent = " ".join(words[1:-2]), float(words[-2])
+        if stage != self.stage:
+            self.finished.add(self.stage)
+        self.stage = stage
+        before = sum(STAGE_SHARES.get(name, 0.0) for name in self.finished)
+        self.share = min(1.0, before + STAGE_SHARES.get(stage, 0.0) * percent / 100.0)
+        return True
+
+    def text(self):
+        return f"{self.stage} ({100.0 * self.share:.0f} %)"

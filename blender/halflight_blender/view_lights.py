@@ -1,0 +1,129 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Direct light of mixed lights in the baked view: one node group, which multiplies each light by its mask.
+
+The formulas are those of include/halflight/shading/light.h and law.h. tests/blender compares pictures with them.
+"""
+
+import math
+
+import bpy
+import numpy as np
+
+from . import graph
+
+GROUP = "Halflight lights"
+# glTF's Y up to Blender's Z up.
+BLENDER_FROM_GLTF = np.array([[1, 0, 0, 0], [0, 0, -1, 0], [0, 1, 0, 0], [0, 0, 0, 1]], np.float64)
+
+
+def shining_lights(document, bindings):
+    """The lights that shine at run time, as dictionaries. `bindings`: bake.json."""
+    matrices = document.world_matrices()
+    punctual = document.json.get("extensions", {}).get("KHR_lights_punctual", {}).get("lights", [])
+    lights = []
+    for record in bindings["lights"]:
+        baking = record.get("baking", {})
+        if baking.get("bakeType", record["mode"]) == "baked" or bindings["mode"] == "subtractive":
+            continue
+        index = node_at(document, record["path"])
+        light = punctual[document.json["nodes"][index]["extensions"]["KHR_lights_punctual"]["light"]]
+        matrix = BLENDER_FROM_GLTF @ matrices[index]
+        intensity = light.get("intensity", 1.0)
+        lights.append(
+            {
+                "name": record["node"] or light.get("name", "light"),
+                "type": light["type"],
+                "color": [intensity * c for c in light.get("color", (1.0, 1.0, 1.0))],
+                "position": matrix[:3, 3].tolist(),
+                "axis": (-matrix[:3, 2] / np.linalg.norm(matrix[:3, 2])).tolist(),
+                "range": light.get("range", 0.0),
+                "cone": cone_of(light),
+                "strength": record.get("shadowStrength", 1.0),
+                "channel": baking.get("occlusionMaskChannel", -1),
+                "reach": baking.get("reach", 0.0),
+            }
+        )
+    return lights
+
+
+def cone_of(light):
+    spot = light.get("spot", {})
+    outer = spot.get("outerConeAngle", math.pi / 4)
+    inner = min(spot.get("innerConeAngle", 0.0), outer)
+    scale = 1.0 / max(0.001, math.cos(inner) - math.cos(outer))
+    return scale, -math.cos(outer) * scale
+
+
+def node_at(document, path):
+    """Index of the node at a path of bake.json: its place among the scene's nodes, then among children."""
+    nodes = document.json["nodes"]
+    siblings = document.json["scenes"][document.json.get("scene", 0)]["nodes"]
+    for place in path:
+        index = siblings[place]
+        siblings = nodes[index].get("children", [])
+    return index
+
+
+def make_group(lights, encodings):
+    """Inputs: the mask's colour and alpha. Output: irradiance in lux. `encodings`: bake.json's shadowmaskChannels."""
+    tree = bpy.data.node_groups.new(GROUP, "ShaderNodeTree")
+    graph.add_group_socket(tree, "Mask", "NodeSocketColor", False)
+    graph.add_group_socket(tree, "Alpha", "NodeSocketFloat", False)
+    graph.add_group_socket(tree, "Irradiance", "NodeSocketVector", True)
+    g = graph.Graph(tree)
+    inputs = g.node("NodeGroupInput").outputs
+    geometry = g.node("ShaderNodeNewGeometry").outputs
+    colors = g.separate(inputs["Mask"])
+    masks = [colors[0], colors[1], colors[2], inputs["Alpha"]]
+    masks = [decoded(g, mask, encodings[i] if encodings else {}) for i, mask in enumerate(masks)]
+    total = (0.0, 0.0, 0.0)
+    for light in lights:
+        factor, distance = unshadowed(g, light, geometry)
+        if light["channel"] >= 0:
+            factor = g.scalar("MULTIPLY", factor, shadow(g, light, masks[light["channel"]], distance))
+        factor = g.scalar("MULTIPLY", factor, g.value(switch_name(light["name"]), 1.0))
+        total = g.vector("ADD", total, g.scaled(light["color"], factor))
+    g.put(g.node("NodeGroupOutput").inputs["Irradiance"], total)
+    return tree
+
+
+def switch_name(light):
+    return "on: " + light
+
+
+def unshadowed(g, light, geometry):
+    """Illuminance over the light's intensity, cosine included, and the distance (None of directional lights)."""
+    if light["type"] == "directional":
+        towards = [-c for c in light["axis"]]
+        return g.scalar("MAXIMUM", g.vector("DOT_PRODUCT", geometry["Normal"], towards), 0.0), None
+    to_light = g.vector("SUBTRACT", light["position"], geometry["Position"])
+    distance = g.vector("LENGTH", to_light)
+    direction = g.vector("NORMALIZE", to_light)
+    cosine = g.scalar("MAXIMUM", g.vector("DOT_PRODUCT", geometry["Normal"], direction), 0.0)
+    square = g.scalar("MAXIMUM", g.scalar("MULTIPLY", distance, distance), 1e-6)
+    factor = g.scalar("DIVIDE", cosine, square)
+    if light["range"] > 0.0:
+        ratio = g.scalar("DIVIDE", distance, light["range"])
+        window = g.scalar("SUBTRACT", 1.0, g.scalar("POWER", ratio, 4.0), clamp=True)
+        factor = g.scalar("MULTIPLY", factor, window)
+    if light["type"] == "spot":
+        scale, offset = light["cone"]
+        angle = g.vector("DOT_PRODUCT", direction, [-c for c in light["axis"]])
+        cone = g.scalar("MULTIPLY_ADD", angle, scale, offset, clamp=True)
+        factor = g.scalar("MULTIPLY", factor, g.scalar("MULTIPLY", cone, cone))
+    return factor, distance
+
+
+def decoded(g, mask, encoding):
+    if encoding.get("encoding") != "distance":
+        return mask
+    slope = 2.0 * encoding["rangeTexels"] / max(encoding["penumbraTexels"], 1.0)
+    return g.scalar("MULTIPLY_ADD", mask, slope, 0.5 - slope / 2.0, clamp=True)
+
+
+def shadow(g, light, mask, distance):
+    """What arrives past static objects: 1 beyond the light's reach, and weakened by its shadow strength."""
+    blocked = g.scalar("SUBTRACT", 1.0, mask)
+    if light["reach"] > 0.0 and distance is not None:
+        blocked = g.scalar("MULTIPLY", blocked, g.scalar("LESS_THAN", distance, light["reach"]))
+    return g.scalar("SUBTRACT", 1.0, g.scalar("MULTIPLY", blocked, light["strength"]))

@@ -1,0 +1,41 @@
+#!/usr/bin/env python3
+"""Runs in_blender.py in a headless Blender with a profile of its own.
+
+    extension_test.py HALFLIGHT EXTENSION_FOLDER [KEEP_FOLDER]
+
+Blender is $HALFLIGHT_BLENDER, else the one on PATH. With KEEP_FOLDER, the pictures stay there.
+"""
+
+import os
+import pathlib
+import shutil
+import subprocess
+import sys
+import tempfile
+
+SKIPPED = 77
+
+
+def main():
+    halflight, extension = sys.argv[1:3]
+    blender = os.environ.get("HALFLIGHT_BLENDER") or shutil.which("blender")
+    if blender is None:
+        print("skipped: there is no Blender on PATH (apt-get install blender), and HALFLIGHT_BLENDER names none")
+        return SKIPPED
+    with tempfile.TemporaryDirectory() as temporary:
+        folder = pathlib.Path(sys.argv[3] if len(sys.argv) > 3 else temporary).resolve()
+        folder.mkdir(parents=True, exist_ok=True)
+        package = folder / "halflight.zip"
+        subprocess.run([sys.executable, f"{extension}/make_zip.py", package], check=True)
+        environment = dict(os.environ, BLENDER_USER_RESOURCES=temporary, BLENDER_USER_CONFIG=f"{temporary}/config")
+        environment.update(BLENDER_USER_SCRIPTS=f"{temporary}/scripts", BLENDER_USER_DATAFILES=f"{temporary}/data")
+        # Debian's Blender takes the first python3 on PATH for its own, which another one (pyenv) may be.
+        environment["PATH"] = f"{pathlib.Path(blender).resolve().parent}:{environment['PATH']}"
+        script = pathlib.Path(__file__).with_name("in_blender.py")
+        command = [blender, "-b", "--factory-startup", "--python-exit-code", "1", "--python", str(script), "--"]
+        result = subprocess.run([*command, halflight, str(package), str(folder)], env=environment)
+        return result.returncode
+
+
+if __name__ == "__main__":
+    sys.exit(main())
