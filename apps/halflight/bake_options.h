@@ -7,6 +7,8 @@
 #include "halflight/scene/export.h"
 #include "halflight/scene/gltf.h"
 
+#include <CLI/CLI.hpp>
+
 #include <filesystem>
 #include <optional>
 #include <string>
@@ -33,6 +35,21 @@ struct BakeOptions {
     bool quiet = false;
     bool json = false;
 };
+
+/// Options of `halflight bake`: what light is computed, how it is stored, how a run works, and what it writes besides.
+void addLightOptions(CLI::App& app, BakeOptions& options);
+void addFormatOptions(CLI::App& app, BakeOptions& options);
+void addRunOptions(CLI::App& app, BakeOptions& options);
+void addReportOptions(CLI::App& app, BakeOptions& options);
+/// The whole subcommand, without an action. `options` outlives it.
+CLI::App& addBakeApp(CLI::App& parent, BakeOptions& options);
+int runBake(const CLI::App& app, const BakeOptions& options);
+
+/// What is wrong with the options together, as a sentence; empty when nothing is.
+std::string contradiction(const CLI::App& app, const BakeOptions& options);
+Result<Scene> readBakeScene(const BakeOptions& options);
+/// What options change of the scene that was read, and of the settings.
+void applyOptions(BakeOptions& options, Scene& scene);
 
 /// No file that the bake writes may replace one that it reads, or another that it writes. `culprit`: the file of an
 /// error.

@@ -27,6 +27,7 @@ struct Command {
     std::function<int()> run;
 };
 Command addBakeCommand(CLI::App& parent);
+Command addFarmCommand(CLI::App& parent);
 Command addRenderCommand(CLI::App& parent);
 Command addInfoCommand(CLI::App& parent);
 Command addOptimizeCommand(CLI::App& parent);
@@ -109,6 +110,9 @@ enum class ProgressStyle {
     Lines, ///< "progress: STAGE PERCENT %" lines, for programs that show it themselves
     Quiet, ///< nothing; progress() still carries the cancel flag
 };
+
+/// --progress auto|lines.
+CLI::Option* addProgress(CLI::App& app, ProgressStyle& style);
 
 class ProgressDisplay {
 public:

@@ -21,6 +21,11 @@ int reportParseError(const CLI::App& app, const std::vector<Command>& commands, 
     for (const Command& command : commands) {
         if (command.app->parsed()) named = command.app;
     }
+    std::string name = named != nullptr ? named->get_name() : "";
+    while (named != nullptr && !named->get_subcommands().empty()) {
+        named = named->get_subcommands().front(); // the one that was given
+        name += " " + named->get_name();
+    }
     std::string sentence = error.what();
     if (named == nullptr && !arguments.empty() && !arguments[0].starts_with('-')) {
         std::string names;
@@ -32,7 +37,7 @@ int reportParseError(const CLI::App& app, const std::vector<Command>& commands, 
     }
     const std::string hint = usageHint(app, named, arguments);
     if (!hint.empty()) sentence += "; " + hint;
-    return wrongUsage(named != nullptr ? named->get_name() : "", sentence);
+    return wrongUsage(name, sentence);
 }
 
 // `halflight help COMMAND` is `halflight COMMAND --help`; no arguments are --help.
@@ -54,8 +59,8 @@ int runProgram(const std::vector<std::string>& arguments)
     for (const std::string& name : compression) version += (&name == &compression[0] ? "\nreads " : ", ") + name;
     app.set_version_flag("-V,--version", version);
     app.require_subcommand(1);
-    const std::vector<Command> commands = {addBakeCommand(app), addRenderCommand(app), addInfoCommand(app),
-                                           addOptimizeCommand(app)};
+    const std::vector<Command> commands = {addBakeCommand(app), addFarmCommand(app), addRenderCommand(app),
+                                           addInfoCommand(app), addOptimizeCommand(app)};
     app.footer("halflight COMMAND --help, or halflight help COMMAND, tells more. Exit codes: 0 done, 1 failed, 2 wrong "
                "usage.");
     const auto isCommand = [&](const std::string& word) {

@@ -1,6 +1,7 @@
 #include "halflight/bake/bake.h"
 
 #include "bake/bake_report.h"
+#include "bake/front.h"
 #include "bake/gather.h"
 #include "bake/main_light.h"
 #include "bake/stage_images.h"
@@ -21,136 +22,6 @@
 
 namespace halflight {
 namespace {
-
-constexpr int kFewestSamples = 16; ///< per texel, of the cache integrator: one block
-
-Error cancelledError()
-{
-    return {ErrorCode::Cancelled, "interrupted"};
-}
-
-/// What all stages share.
-struct Stages {
-    const BakeSettings& settings;
-    const Progress& progress;
-    BakeResult& result;
-
-    [[nodiscard]] BakedScene& baked() const { return result.baked; }
-    [[nodiscard]] BakeReport& report() const { return result.report; }
-    /// Keeps the first error of image files, which do not end a bake.
-    void noteImages(const Status& status) const
-    {
-        if (result.images && !status) result.images = status;
-    }
-};
-
-struct PageLayout {
-    int size = 0; ///< texels along a side
-    int count = 0;
-};
-
-/// Lightmap coordinates; the scene moves into the result.
-Result<PageLayout> unwrapStage(const Stages& stages, Scene scene)
-{
-    BakeReport& report = stages.report();
-    StageTimer timer(report, "unwrap");
-    UnwrapSettings settings;
-    settings.uvMode = stages.settings.uvMode;
-    settings.texelsPerMeter = stages.settings.texelsPerMeter;
-    settings.pageSize = report.quality.lightmapSize;
-    settings.paddingTexels = stages.settings.paddingTexels;
-    settings.cutPage = stages.settings.lightmapSize == 0;
-    if (stages.settings.lightmapSize == 0 && stages.settings.texelsPerMeter == 0.0f)
-        settings.mostTexelsPerMeter = sceneDensity(scene, settings.pageSize);
-    Result<UnwrappedScene> unwrapped = unwrap(std::move(scene), settings, stages.progress);
-    if (!unwrapped) return unwrapped.error();
-    BakedScene& baked = stages.baked();
-    baked.scene = std::move(unwrapped->scene);
-    baked.mode = stages.settings.mode;
-    baked.isBaked = true;
-    report.meshes = unwrapped->meshes;
-    report.pageCount = unwrapped->pageCount;
-    report.pageSize = unwrapped->pageSize;
-    report.chartCount = unwrapped->chartCount;
-    report.texelsPerMeter = unwrapped->texelsPerMeter;
-    report.densityFrom = unwrapped->densityFrom;
-    report.atlasCoverage = unwrapped->coverage;
-    report.warnings.insert(report.warnings.end(), unwrapped->warnings.begin(), unwrapped->warnings.end());
-    timer.finish();
-    return PageLayout{unwrapped->pageSize, unwrapped->pageCount};
-}
-
-IntegrationSettings integrationSettings(const BakeSettings& settings, const BakeQuality& quality)
-{
-    IntegrationSettings integration;
-    integration.integrator = settings.integrator;
-    integration.noiseTarget = settings.noiseTarget;
-    integration.texelStep = settings.texelStep;
-    integration.denoised = settings.denoiser != Denoiser::Off;
-    integration.samples = quality.samples;
-    integration.shadowSamples = quality.shadowSamples;
-    integration.bounces = quality.bounces;
-    integration.probeSamples = quality.probeSamples;
-    integration.seed = settings.seed;
-    return integration;
-}
-
-/// Geometry and the integrator; `geometry` outlives the integrator.
-Result<std::unique_ptr<Integrator>> buildStage(const Stages& stages, const IntegratorFactory& factory,
-                                               const PageLayout& pages, const IntegrationSettings& integration,
-                                               BakeGeometry& geometry)
-{
-    BakeReport& report = stages.report();
-    Scene& scene = stages.baked().scene;
-    StageTimer timer(report, "build");
-    geometry = flattenGeometry(scene, pages.size, GeometryFilter::Static);
-    report.triangleCount = geometry.triangles.size();
-    if (integration.bounces == 0) {
-        for (Light& light : scene.lights) light.baking.atBake.indirectMultiplier = 0.0f;
-    }
-    const int samples = stages.settings.samples;
-    if (integration.integrator == IntegratorKind::Cache && samples > 0 && samples < kFewestSamples) {
-        report.warnings.push_back(std::to_string(samples) + " samples per texel are asked for: the cache " +
-                                  "integrator takes " + std::to_string(kFewestSamples) + " at least (one block)");
-    }
-    Result<std::unique_ptr<Integrator>> integrator = repairOrientation(factory, scene, geometry, integration);
-    if (!integrator) return integrator.error();
-    if (stages.progress.cancelled()) return cancelledError();
-    report.integrator = (*integrator)->description();
-    reportFlipped(scene, geometry, report);
-    timer.finish();
-    return integrator;
-}
-
-TexelMap rasterizeStage(const Stages& stages, const BakeGeometry& geometry, const PageLayout& pages)
-{
-    StageTimer timer(stages.report(), "rasterize");
-    TexelMap map = rasterizeTexels(geometry, pages.size, pages.count);
-    stages.report().coveredTexels = map.texels.size();
-    timer.finish();
-    return map;
-}
-
-Status validityStage(const Stages& stages, Integrator& integrator, TexelMap& map)
-{
-    StageTimer timer(stages.report(), "validity");
-    if (!integrator.findValidPoints(map, stages.progress) || stages.progress.cancelled()) return cancelledError();
-    timer.finish(integrator.raysTraced());
-    return {};
-}
-
-/// Nothing without a cache directory, or where it cannot be opened; the latter is a warning.
-std::optional<BakeCache> openCache(const Stages& stages, const BakeGeometry& geometry, const TexelMap& map,
-                                   const IntegrationSettings& integration)
-{
-    const std::filesystem::path& folder = stages.settings.cacheDirectory;
-    if (folder.empty()) return std::nullopt;
-    const Hash128 layout = layoutHash(map, integration, stages.settings.mode);
-    Result<BakeCache> cache = BakeCache::open(folder, lightHash(layout, stages.baked().scene, geometry), layout);
-    if (cache) return std::move(*cache);
-    stages.report().warnings.push_back(cacheWarning(folder, cache.error()));
-    return std::nullopt;
-}
 
 /// Estimates of all texels; in subtractive bakes also the main light's mask and direct light.
 Status lightmapStage(const Stages& stages, const Gather& gather, std::vector<IrradianceEstimate>& estimates,
@@ -259,9 +130,7 @@ Status shadowmaskStage(const Stages& stages, const Gather& gather, const std::ve
                        const std::vector<SeamSample>& seams)
 {
     BakedScene& baked = stages.baked();
-    const auto hasChannel = [](const Light& light) { return light.baking.occlusionMaskChannel >= 0; };
-    if (stages.settings.mode != MixedLightingMode::Shadowmask) return {};
-    if (std::none_of(baked.scene.lights.begin(), baked.scene.lights.end(), hasChannel)) return {};
+    if (stages.settings.mode != MixedLightingMode::Shadowmask || !hasMask(baked.scene, stages.settings.mode)) return {};
     StageTimer timer(stages.report(), "shadowmask");
     const uint64_t before = gather.integrator.raysTraced();
     std::vector<vec4> mask(gather.map.texels.size());
@@ -356,28 +225,12 @@ Result<BakeResult> bake(Scene scene, const BakeSettings& settings, const Integra
     BakeResult result;
     BakeReport& report = result.report;
     const Stages stages{settings, progress, result};
-    report.quality = resolveQuality(settings);
-    report.warnings = scene.warnings;
-    if (farFromOrigin(scene)) {
-        report.warnings.emplace_back(
-            "the scene lies far from its origin for its size, where positions are coarse: call "
-            "recenter() before baking");
-    }
-
-    const Result<PageLayout> pages = unwrapStage(stages, std::move(scene));
-    if (!pages) return pages.error();
-    assignShadowmaskChannels(result.baked.scene, settings.mode);
-    reportLights(result.baked.scene, report);
-
-    const IntegrationSettings integration = integrationSettings(settings, report.quality);
-    BakeGeometry geometry;
-    Result<std::unique_ptr<Integrator>> integrator =
-        buildStage(stages, integratorFactory, *pages, integration, geometry);
-    if (!integrator) return integrator.error();
-    TexelMap map = rasterizeStage(stages, geometry, *pages);
-    if (Status status = validityStage(stages, **integrator, map); !status) return status.error();
-    std::optional<BakeCache> cache = openCache(stages, geometry, map, integration);
-    const Gather gather{**integrator, geometry, map, integration, cache ? &*cache : nullptr};
+    Front front;
+    if (Status status = prepareTexels(stages, std::move(scene), integratorFactory, CacheUse{}, front); !status)
+        return status.error();
+    if (Status status = validityStage(stages, front); !status) return status.error();
+    std::optional<BakeCache>& cache = front.cache;
+    const Gather gather = front.gather();
     if (Status status = traceStages(stages, gather); !status) return status.error();
 
     if (cache) {

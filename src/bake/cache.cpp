@@ -18,14 +18,14 @@ constexpr std::size_t kKeptBakes = 8;
 constexpr std::chrono::hours kInUse{1}; ///< a folder used within it may belong to a bake that runs
 constexpr const char* kSuffix = ".tiles";
 
-/// The folders of bakes, the most recently used first.
+/// The folders of a kind, the most recently used first.
 std::vector<std::pair<std::filesystem::file_time_type, std::filesystem::path>>
-bakesIn(const std::filesystem::path& folder)
+foldersIn(const std::filesystem::path& folder, const std::string& suffix)
 {
     std::vector<std::pair<std::filesystem::file_time_type, std::filesystem::path>> found;
     std::error_code ec;
     for (std::filesystem::directory_iterator entry(folder, ec), end; !ec && entry != end; entry.increment(ec)) {
-        if (entry->path().extension() == kSuffix) found.emplace_back(entry->last_write_time(ec), entry->path());
+        if (entry->path().extension() == suffix) found.emplace_back(entry->last_write_time(ec), entry->path());
     }
     std::sort(found.begin(), found.end(), [](const auto& a, const auto& b) { return a > b; });
     return found;
@@ -55,9 +55,24 @@ std::size_t texelParts(std::size_t texels)
     return (tiles + perPart - 1) / perPart;
 }
 
+PartFolder openBakeFolder(const std::filesystem::path& cache, const std::string& name, const std::string& suffix)
+{
+    PartFolder parts(cache / (name + suffix));
+    std::error_code ec;
+    std::filesystem::create_directories(parts.path(), ec);
+    const auto now = std::filesystem::file_time_type::clock::now();
+    std::filesystem::last_write_time(parts.path(), now, ec);
+    parts.removeAbandoned(kInUse);
+    const auto folders = foldersIn(cache, suffix);
+    for (std::size_t i = kKeptBakes; i < folders.size(); ++i) {
+        if (now - folders[i].first > kInUse) std::filesystem::remove_all(folders[i].second, ec);
+    }
+    return parts;
+}
+
 BakeCache::BakeCache(const std::filesystem::path& folder, Hash128 bake, Hash128 layout, bool compares)
-    : parts_(folder / (bake.hex() + kSuffix)), before_({}), lastFile_(folder / (layout.hex() + ".last")), bake_(bake),
-      compares_(compares)
+    : parts_(openBakeFolder(folder, bake.hex(), kSuffix)), before_({}), lastFile_(folder / (layout.hex() + ".last")),
+      bake_(bake), compares_(compares)
 {
     if (compares_) before_ = PartFolder(lastBake(folder, lastFile_));
 }
@@ -65,17 +80,9 @@ BakeCache::BakeCache(const std::filesystem::path& folder, Hash128 bake, Hash128 
 Result<BakeCache> BakeCache::open(const std::filesystem::path& folder, Hash128 bake, Hash128 layout, bool compares)
 {
     BakeCache cache(folder, bake, layout, compares);
-    const std::filesystem::path& own = cache.parts_.path();
     std::error_code ec;
-    std::filesystem::create_directories(own, ec);
-    if (ec) return Error{ErrorCode::WriteFailed, own.string() + " cannot be made into a folder (" + ec.message() + ")"};
-    const auto now = std::filesystem::file_time_type::clock::now();
-    std::filesystem::last_write_time(own, now, ec);
-    cache.parts_.removeAbandoned(kInUse);
-    const auto bakes = bakesIn(folder);
-    for (std::size_t i = kKeptBakes; i < bakes.size(); ++i) {
-        if (now - bakes[i].first > kInUse) std::filesystem::remove_all(bakes[i].second, ec);
-    }
+    if (!std::filesystem::is_directory(cache.parts_.path(), ec))
+        return Error{ErrorCode::WriteFailed, cache.parts_.path().string() + " cannot be made into a folder"};
     return cache;
 }
 
@@ -93,7 +100,7 @@ namespace {
 
 /// Share of a stage's progress that the comparison of check samples takes.
 constexpr double kComparisonShare = 0.1;
-/// Items that TakeParts::All computes between two writes: what an interruption can lose.
+/// Items that a bake by itself computes between two writes: what an interruption can lose.
 constexpr std::size_t kBatchItems = 1 << 15;
 
 std::vector<uint32_t> itemsOf(const Tiling& tiling, std::span<const std::size_t> tiles)
@@ -172,7 +179,6 @@ public:
                                    record.values.size() == tiling_.size(tiles_[i].header.tile) &&
                                    (!needsChecks || record.checks.size() == record.values.size());
                 if (!whole) continue;
-                if (!needsChecks) record.checks.clear();
                 tiles_[i] = std::move(record);
                 states_[i] = state;
             }
@@ -293,36 +299,24 @@ private:
     std::vector<TileState> states_;
 };
 
-/// Parts in the order in which a process takes them, and how many of them form a group.
-std::vector<std::size_t> partsToTake(std::size_t count, TakeParts take, WorkShare share)
-{
-    std::vector<std::size_t> parts = workOrder(count, take == TakeParts::All ? WorkShare{} : share);
-    if (take == TakeParts::Share) std::erase_if(parts, [&](std::size_t p) { return p % share.count != share.index; });
-    return parts;
-}
-
 } // namespace
 
 template<typename Value, typename Check>
-bool BakeCache::run(const Work<Value, Check>& work, TakeParts take, std::span<Value> out, const Progress& progress)
+bool BakeCache::runParts(const Work<Value, Check>& work, std::span<const std::size_t> parts, std::size_t partsAtOnce,
+                         std::span<Value> out, const Progress& progress)
 {
     const Tiling tiling{work.count, work.tileSize};
-    const std::size_t partCount = (tiling.tileCount() + work.tilesPerPart - 1) / work.tilesPerPart;
-    const std::vector<std::size_t> parts = partsToTake(partCount, take, parts_.share());
-    const std::size_t itemsOfPart = work.tilesPerPart * work.tileSize;
-    const std::size_t grouped = take == TakeParts::All ? std::max<std::size_t>(1, kBatchItems / itemsOfPart) : 1;
-    for (std::size_t first = 0; first < parts.size(); first += grouped) {
-        const auto some = std::span(parts).subspan(first, std::min(grouped, parts.size() - first));
+    for (std::size_t first = 0; first < parts.size(); first += partsAtOnce) {
+        const auto some = parts.subspan(first, std::min(partsAtOnce, parts.size() - first));
         const double begin = double(first) / double(parts.size());
         const double end = double(first + some.size()) / double(parts.size());
         TileGroup<Value, Check> group(work, tiling, some);
-        group.take(parts_, TileState::Own, compares_);
+        group.take(parts_, TileState::Own, false);
         if (compares_) group.take(before_, TileState::Compare, true);
         const double compared = begin + (group.count(TileState::Compare) > 0 ? kComparisonShare : 0.0) * (end - begin);
         if (!group.compare(partOf(progress, begin, compared))) return false;
         if (!group.compute(compares_, partOf(progress, compared, end))) return false;
-        const bool written = group.write(parts_);
-        if (!written && take != TakeParts::All) return false;
+        if (!group.write(parts_) && parts_.isShared()) return false;
         if (!out.empty()) group.merge(out);
         counts_.tiles += group.size();
         counts_.same += group.count(TileState::Own);
@@ -332,10 +326,26 @@ bool BakeCache::run(const Work<Value, Check>& work, TakeParts take, std::span<Va
     return true;
 }
 
-template bool BakeCache::run(const Work<IrradianceEstimate, float>&, TakeParts, std::span<IrradianceEstimate>,
-                             const Progress&);
-template bool BakeCache::run(const Work<vec4, vec4>&, TakeParts, std::span<vec4>, const Progress&);
-template bool BakeCache::run(const Work<ProbeEstimate, ProbeEstimate>&, TakeParts, std::span<ProbeEstimate>,
-                             const Progress&);
+template<typename Value, typename Check>
+bool BakeCache::run(const Work<Value, Check>& work, std::span<Value> out, const Progress& progress)
+{
+    const std::size_t tiles = Tiling{work.count, work.tileSize}.tileCount();
+    const std::vector<std::size_t> parts =
+        workOrder((tiles + work.tilesPerPart - 1) / work.tilesPerPart, parts_.share());
+    const std::size_t atOnce = std::max<std::size_t>(1, kBatchItems / (work.tilesPerPart * work.tileSize));
+    return runParts(work, parts, parts_.isShared() ? 1 : atOnce, out, progress);
+}
+
+template<typename Value, typename Check>
+bool BakeCache::fill(const Work<Value, Check>& work, std::span<const std::size_t> parts, const Progress& progress)
+{
+    return runParts(work, parts, 1, std::span<Value>(), progress);
+}
+
+template bool BakeCache::run(const Work<IrradianceEstimate, float>&, std::span<IrradianceEstimate>, const Progress&);
+template bool BakeCache::run(const Work<vec4, vec4>&, std::span<vec4>, const Progress&);
+template bool BakeCache::run(const Work<ProbeEstimate, ProbeEstimate>&, std::span<ProbeEstimate>, const Progress&);
+template bool BakeCache::fill(const Work<IrradianceEstimate, float>&, std::span<const std::size_t>, const Progress&);
+template bool BakeCache::fill(const Work<vec4, vec4>&, std::span<const std::size_t>, const Progress&);
 
 } // namespace halflight

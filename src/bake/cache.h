@@ -48,18 +48,14 @@ constexpr std::size_t kProbeTilesPerPart = 8;
 /// Parts of a map's texels.
 std::size_t texelParts(std::size_t texels);
 
-/// Which parts of a stage a process takes.
-enum class TakeParts {
-    All,      ///< all, to have their values
-    Share,    ///< those of its share alone, to have them in the cache
-    Together, ///< all; in an order that shares the work with other processes, each part by itself
-};
+/// A folder of parts in a cache directory. Of those with the same suffix, all but the last few that have not been used
+/// for an hour are removed.
+PartFolder openBakeFolder(const std::filesystem::path& cache, const std::string& name, const std::string& suffix);
 
 class BakeCache {
 public:
-    /// `bake` identifies all inputs of the bake, `layout` its texels and settings without the light. Creates the
-    /// folder, and removes all but the last few bakes in it that have not been used for an hour. Without `compares`
-    /// tiles of other bakes are not reused, and check samples are neither computed nor kept.
+    /// `bake` identifies all inputs of the bake, `layout` its texels and settings without the light. Without `compares`
+    /// tiles of other bakes are not reused, and check samples are not computed.
     static Result<BakeCache> open(const std::filesystem::path& folder, Hash128 bake, Hash128 layout,
                                   bool compares = true);
 
@@ -78,11 +74,14 @@ public:
         /// Whether the check samples of a tile differ between the old and the new scene.
         std::function<bool(std::span<const Check> before, std::span<const Check> now)> changed;
     };
-    /// Has the values of all tiles, from the cache or computed, and keeps them. With TakeParts::Share `out` is empty.
-    /// False when cancelled, and with TakeParts other than All when the cache cannot be written. Finished parts stay in
-    /// the cache. Write errors are kept in status().
+    /// Has the values of all tiles, from the cache or computed, and keeps them. In a shared folder the work is shared
+    /// with other processes, part by part. False when cancelled, and when a shared folder cannot be written. Finished
+    /// parts stay in the cache. Write errors are kept in status().
     template<typename Value, typename Check>
-    bool run(const Work<Value, Check>& work, TakeParts take, std::span<Value> out, const Progress& progress);
+    bool run(const Work<Value, Check>& work, std::span<Value> out, const Progress& progress);
+    /// Has some parts in the cache. False when cancelled or when one cannot be written.
+    template<typename Value, typename Check>
+    bool fill(const Work<Value, Check>& work, std::span<const std::size_t> parts, const Progress& progress);
 
     [[nodiscard]] const TileCounts& counts() const { return counts_; }
     [[nodiscard]] Status status() const;
@@ -92,6 +91,9 @@ public:
     void finish();
 
 private:
+    template<typename Value, typename Check> bool runParts(const Work<Value, Check>& work,
+                                                           std::span<const std::size_t> parts, std::size_t partsAtOnce,
+                                                           std::span<Value> out, const Progress& progress);
     BakeCache(const std::filesystem::path& folder, Hash128 bake, Hash128 layout, bool compares);
 
     PartFolder parts_;

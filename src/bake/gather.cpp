@@ -156,23 +156,23 @@ BakeCache::Work<vec4, vec4> Gather::shadowmaskWork() const
 bool Gather::irradiance(std::span<IrradianceEstimate> out, const Progress& progress) const
 {
     if (cache == nullptr) return integrator.irradiance(map, {allIndices(map.texels.size())}, out, progress);
-    return cache->run(irradianceWork(), TakeParts::All, out, progress);
+    return cache->run(irradianceWork(), out, progress);
 }
 
 bool Gather::shadowmask(std::span<vec4> out, const Progress& progress) const
 {
     if (cache == nullptr) return integrator.shadowmask(map, {allIndices(map.texels.size())}, out, progress);
-    return cache->run(shadowmaskWork(), TakeParts::All, out, progress);
+    return cache->run(shadowmaskWork(), out, progress);
 }
 
-bool Gather::irradianceShare(const Progress& progress) const
+bool Gather::fillIrradiance(std::span<const std::size_t> parts, const Progress& progress) const
 {
-    return cache->run(irradianceWork(), TakeParts::Share, std::span<IrradianceEstimate>(), progress);
+    return cache->fill(irradianceWork(), parts, progress);
 }
 
-bool Gather::shadowmaskShare(const Progress& progress) const
+bool Gather::fillShadowmask(std::span<const std::size_t> parts, const Progress& progress) const
 {
-    return cache->run(shadowmaskWork(), TakeParts::Share, std::span<vec4>(), progress);
+    return cache->fill(shadowmaskWork(), parts, progress);
 }
 
 bool Gather::probes(std::span<const vec3> positions, std::span<ProbeEstimate> out, int batch,
@@ -205,7 +205,7 @@ bool Gather::probes(std::span<const vec3> positions, std::span<ProbeEstimate> ou
         }
         return false;
     };
-    return cache->run(work, cache->parts().isShared() ? TakeParts::Together : TakeParts::All, out, progress);
+    return cache->run(work, out, progress);
 }
 
 } // namespace halflight

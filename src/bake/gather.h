@@ -22,9 +22,9 @@ struct Gather {
 
     bool irradiance(std::span<IrradianceEstimate> out, const Progress& progress) const;
     bool shadowmask(std::span<vec4> out, const Progress& progress) const;
-    /// The parts of a process's share alone, which the cache keeps.
-    bool irradianceShare(const Progress& progress) const;
-    bool shadowmaskShare(const Progress& progress) const;
+    /// Has some parts of the texels in the cache, which is there.
+    bool fillIrradiance(std::span<const std::size_t> parts, const Progress& progress) const;
+    bool fillShadowmask(std::span<const std::size_t> parts, const Progress& progress) const;
     /// `batch`: number of the set of probes, 0, 1, 2…; the cache stores each set separately.
     bool probes(std::span<const vec3> positions, std::span<ProbeEstimate> out, int batch,
                 const Progress& progress) const;

@@ -42,7 +42,18 @@ public:
 
     bool findValidPoints(TexelMap& map, const Progress& progress) override
     {
-        return halflight::findValidPoints(paths_, map, progress, rays_);
+        return halflight::findValidPoints(paths_, map, parts_, progress, rays_);
+    }
+
+    void keepIn(PartFolder* parts) override
+    {
+        parts_ = parts;
+        lightmap_.keepIn(parts);
+    }
+
+    bool prepareIrradiance(const TexelMap& map, const Progress& progress) override
+    {
+        return settings_.integrator != IntegratorKind::Cache || lightmap_.prepareAll(map, progress, rays_);
     }
 
     bool irradiance(const TexelMap& map, const TexelRequest& request, std::span<IrradianceEstimate> out,
@@ -139,6 +150,7 @@ private:
     PathTracer paths_;
     StratifiedPattern pattern_;
     CachedLightmap lightmap_;
+    PartFolder* parts_ = nullptr;
     std::unique_ptr<TexelGrid> grid_; ///< of the map of the last call
     const TexelMap* gridMap_ = nullptr;
     std::size_t gridTexels_ = 0;

@@ -1,6 +1,7 @@
 #include "scene/settings.h"
 
 #include "halflight/base/file.h"
+#include "halflight/scene/gltf.h"
 
 #include <sstream>
 #include <toml++/toml.h>
@@ -42,6 +43,15 @@ Result<FileSettings> readSettingsFile(const std::filesystem::path& path)
     }
     const std::string& message = settings.error().message;
     return Error{settings.error().code, name + (message.starts_with("line ") ? ", " : ": ") + message, ""};
+}
+
+Result<std::vector<std::filesystem::path>> filesOfSettings(const std::filesystem::path& settingsFile)
+{
+    const auto settings = readSettingsFile(settingsFile);
+    if (!settings) return settings.error();
+    std::vector<std::filesystem::path> files;
+    if (settings->scene.skyImage) files.emplace_back(*settings->scene.skyImage);
+    return files;
 }
 
 Result<FileSettings> parseSettings(std::string_view text)

@@ -302,7 +302,7 @@ TEST_F(CacheTest, CheckSamplesAreComputedOnce)
             return !std::equal(before.begin(), before.end(), now.begin(), now.end());
         };
         std::vector<IrradianceEstimate> out(kCount);
-        EXPECT_TRUE(cache->run(work, TakeParts::All, std::span<IrradianceEstimate>(out), Progress{}));
+        EXPECT_TRUE(cache->run(work, std::span<IrradianceEstimate>(out), Progress{}));
         cache->finish();
         return out;
     };

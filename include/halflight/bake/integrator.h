@@ -16,6 +16,8 @@
 
 namespace halflight {
 
+class PartFolder;
+
 /// World-space triangles of the scene's objects in one list: rays hit them, texels lie on them.
 struct BakeGeometry {
     /// One part of an object's mesh. Its triangles are [firstTriangle, firstTriangle + triangleCount), its vertices
@@ -197,6 +199,10 @@ class Integrator {
 public:
     virtual ~Integrator() = default;
 
+    /// Keeps results that texels have in common (validity, the radiance cache) in a folder of the bake's own, and takes
+    /// them from there. Null = nowhere, the default. The folder outlives the integrator or the next call.
+    virtual void keepIn(PartFolder* /*parts*/) {}
+
     /// One line for reports: device, library, threads.
     [[nodiscard]] virtual std::string description() const = 0;
 
@@ -207,6 +213,8 @@ public:
     /// subtractive's main light is not included; bakeMainLight() derives it from the mask.
     virtual bool irradiance(const TexelMap& map, const TexelRequest& request, std::span<IrradianceEstimate> out,
                             const Progress& progress) = 0;
+    /// Computes what irradiance() needs for any texel of a map: the part of the work that farm workers share.
+    virtual bool prepareIrradiance(const TexelMap& /*map*/, const Progress& /*progress*/) { return true; }
     /// Frees data that irradiance() keeps between calls for one map. Later calls rebuild it.
     virtual void releaseIrradiance() {}
 

@@ -12,9 +12,11 @@
 
 namespace halflight {
 
-/// Appends values to a list of bytes.
+/// Appends values to a list of bytes. Types that are kept have a template `archive(archive)`, which calls
+/// archive(members…): a ByteWriter writes them, a ByteReader reads them.
 class ByteWriter {
 public:
+    template<typename... T> void operator()(const T&... values) { (add(values), ...); }
     template<typename T> ByteWriter& add(const T& value)
     {
         static_assert(std::is_trivially_copyable_v<T>);
@@ -48,6 +50,7 @@ class ByteReader {
 public:
     explicit ByteReader(std::span<const std::byte> bytes) : rest_(bytes) {}
 
+    template<typename... T> void operator()(T&... values) { (read(values), ...); }
     template<typename T> ByteReader& read(T& value)
     {
         static_assert(std::is_trivially_copyable_v<T>);

@@ -51,6 +51,9 @@ struct WriteOptions {
 /// no part of a file, and the document only when all of its files are whole.
 Status writeBakedScene(const std::filesystem::path& path, const BakedScene& baked, const WriteOptions& options = {});
 
+/// The files that a settings file names: the sky's picture.
+Result<std::vector<std::filesystem::path>> filesOfSettings(const std::filesystem::path& settingsFile);
+
 /// The files that a scene's document names: external buffers and images. A .gltf must not be written over them.
 std::vector<std::filesystem::path> externalFiles(const Scene& scene);
 

@@ -39,6 +39,11 @@ class Guides {
 public:
     Guides() = default;
 
+    template<typename Archive> void archive(Archive& a)
+    {
+        clusters_.archive(a);
+        a(guideOfPatch_, guides_, entries_, cumulative_);
+    }
     /// Whether no source is sampled.
     [[nodiscard]] bool empty() const { return clusters_.empty(); }
     [[nodiscard]] const LightClusters& clusters() const { return clusters_; }

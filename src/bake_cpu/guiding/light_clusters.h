@@ -44,6 +44,7 @@ public:
     void finish(const PatchLayout& layout, const RayTracer& tracer, std::span<const PatchLight> patches,
                 std::span<const float> useOfCluster, std::size_t texels);
 
+    template<typename Archive> void archive(Archive& a) { a(clusters_, triangles_, bins_, members_); }
     [[nodiscard]] bool empty() const { return triangles_.empty(); }
     [[nodiscard]] std::size_t size() const { return clusters_.size(); }
     /// ~0 = none.

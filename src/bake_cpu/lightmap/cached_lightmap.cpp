@@ -2,10 +2,13 @@
 
 #include "bake_cpu/guiding/build_guides.h"
 
+#include "halflight/bake/part_folder.h"
+#include "halflight/base/bytes.h"
 #include "halflight/base/memory.h"
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <numeric>
 
 namespace halflight {
@@ -16,6 +19,18 @@ namespace {
 constexpr std::size_t kMostInFirstPass = 65'536;
 constexpr std::size_t kRuns = 512;
 constexpr std::size_t kTexelsOfRun = 64;
+/// Names of kept results: of the map's state, and of the plan's scale.
+constexpr const char* kRadianceStage = "radiance";
+constexpr const char* kScaleStage = "scale";
+
+bool takeKept(const PartFolder* parts, const char* stage, LightmapState& state)
+{
+    const auto bytes = parts != nullptr ? parts->read(stage) : std::nullopt;
+    if (!bytes) return false;
+    ByteReader reader(*bytes);
+    state.archive(reader);
+    return reader.complete();
+}
 
 } // namespace
 
@@ -23,19 +38,33 @@ bool CachedLightmap::prepare(const TexelMap& map, const Progress& progress, std:
 {
     if (state_ != nullptr && map_ == &map && mapTexels_ == map.texels.size()) return true;
     auto state = std::make_unique<LightmapState>(map);
-    if (settings_.bounces > 0) {
-        const RadiosityInput input{paths_, map, pattern_, settings_};
-        std::optional<Radiosity> radiosity = buildRadiosity(input, progress, rays);
-        if (!radiosity) return false;
-        state->guides = buildGuides(*radiosity, map, paths_.surfaces());
-        state->cache = std::move(radiosity->solution.cache);
-        radiosity.reset();
-        releaseFreeMemory();
+    if (!takeKept(parts_, kRadianceStage, *state)) {
+        if (!build(*state, map, progress, rays)) return false;
+        if (parts_ != nullptr) {
+            ByteWriter writer;
+            state->archive(writer);
+            parts_->write(kRadianceStage, writer.take());
+        }
     }
-    state->mean = meanOf({paths_, pattern_, settings_, map, *state}, rays);
     state_ = std::move(state);
     map_ = &map;
     mapTexels_ = map.texels.size();
+    return true;
+}
+
+bool CachedLightmap::build(LightmapState& state, const TexelMap& map, const Progress& progress,
+                           std::atomic<uint64_t>& rays) const
+{
+    if (settings_.bounces > 0) {
+        const RadiosityInput input{paths_, map, pattern_, settings_, parts_};
+        std::optional<Radiosity> radiosity = buildRadiosity(input, progress, rays);
+        if (!radiosity) return false;
+        state.guides = buildGuides(*radiosity, map, paths_.surfaces());
+        state.cache = std::move(radiosity->solution.cache);
+        radiosity.reset();
+        releaseFreeMemory();
+    }
+    state.mean = meanOf({paths_, pattern_, settings_, map, state}, rays);
     return true;
 }
 
@@ -77,11 +106,53 @@ bool CachedLightmap::findScale(const LightmapInput& input, const Progress& progr
             some[i] = uint32_t(first + i % kTexelsOfRun);
         }
     }
-    LightmapRun run(input, some, settings_.samples, 0.0f, progress, rays);
-    if (!run.firstPass()) return false;
-    state_->scale = run.findScale();
-    state_->firstPass.emplace(run.takeStates());
+    if (const auto bytes = parts_ != nullptr ? parts_->read(kScaleStage) : std::nullopt) {
+        if (ByteReader(*bytes).read(state_->scale).complete() && state_->scale > 0.0f) return true;
+    }
+    if (parts_ != nullptr && parts_->isShared()) {
+        if (!findScaleTogether(input, some, progress, rays)) return false;
+    } else {
+        LightmapRun run(input, some, settings_.samples, 0.0f, progress, rays);
+        if (!run.firstPass()) return false;
+        state_->scale = run.scaleOf(run.demands());
+        state_->firstPass.emplace(run.takeStates());
+    }
+    if (parts_ != nullptr) parts_->write(kScaleStage, ByteWriter().add(state_->scale).take());
     return true;
+}
+
+/// The parts are runs of the texels. They have some demands in common: those of anchors.
+bool CachedLightmap::findScaleTogether(const LightmapInput& input, std::span<const uint32_t> texels,
+                                       const Progress& progress, std::atomic<uint64_t>& rays)
+{
+    constexpr std::size_t kPartTexels = 8 * kTexelsOfRun;
+    const auto compute = [&](std::size_t part) -> std::optional<std::vector<std::byte>> {
+        const auto some = texels.subspan(part * kPartTexels);
+        LightmapRun run(input, some.first(std::min(kPartTexels, some.size())), settings_.samples, 0.0f, progress, rays);
+        if (!run.firstPass()) return std::nullopt;
+        return ByteWriter().add(run.demands()).take();
+    };
+    const auto parts = parts_->complete("demands", (texels.size() + kPartTexels - 1) / kPartTexels, compute);
+    if (!parts) return false;
+    std::map<uint32_t, float> byTexel;
+    for (const std::vector<std::byte>& part : *parts) {
+        std::vector<TexelDemand> demands;
+        ByteReader(part).read(demands);
+        for (const TexelDemand& d : demands) byTexel.emplace(d.texel, d.times);
+    }
+    std::vector<TexelDemand> all;
+    for (const auto& [texel, times] : byTexel) all.push_back({texel, times});
+    state_->scale = LightmapRun(input, texels.first(std::min<std::size_t>(1, texels.size())), settings_.samples, 0.0f,
+                                progress, rays)
+                        .scaleOf(all);
+    return true;
+}
+
+bool CachedLightmap::prepareAll(const TexelMap& map, const Progress& progress, std::atomic<uint64_t>& rays)
+{
+    if (map.texels.empty()) return true;
+    if (!prepare(map, progress, rays)) return false;
+    return settings_.noiseTarget > 0.0f || findScale({paths_, pattern_, settings_, map, *state_}, progress, rays);
 }
 
 bool CachedLightmap::irradiance(const TexelMap& map, std::span<const uint32_t> texels, int samples,

@@ -16,6 +16,12 @@ int texelStepOf(const IntegrationSettings& settings, const TexelMap& map);
 /// Everything that a map's texels have in common.
 struct LightmapState {
     explicit LightmapState(const TexelMap& map) : grid(map) {}
+    template<typename Archive> void archive(Archive& a)
+    {
+        cache.archive(a);
+        guides.archive(a);
+        a(mean);
+    }
     TexelGrid grid;
     RadianceCache cache;
     Guides guides;
@@ -51,7 +57,9 @@ public:
     /// First samples of all texels, level by level of the sparse grid. A texel whose anchors show light without detail
     /// is interpolated.
     bool firstPass();
-    [[nodiscard]] float findScale() const { return plan_.findScale(*wanted_, texels_); }
+    /// Demands of the texels that may take more than the first samples.
+    [[nodiscard]] std::vector<TexelDemand> demands() const { return plan_.demands(*wanted_, texels_); }
+    [[nodiscard]] float scaleOf(std::span<const TexelDemand> demands) const { return plan_.scaleOf(demands); }
     [[nodiscard]] TexelStates takeStates() { return std::move(texels_); }
     [[nodiscard]] IrradianceEstimate estimateOf(uint32_t texel) const;
 

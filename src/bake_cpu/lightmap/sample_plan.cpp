@@ -53,20 +53,25 @@ float SamplePlan::clampBlocks(float times) const
     return std::clamp(times * blocks_, float(firstBlocks()), float(std::max(mostBlocks(), firstBlocks())));
 }
 
-float SamplePlan::findScale(const TexelSet& wanted, const TexelStates& states) const
+std::vector<TexelDemand> SamplePlan::demands(const TexelSet& wanted, const TexelStates& states) const
 {
-    std::vector<float> demands(states.texels.size(), 0.0f);
+    std::vector<TexelDemand> demands(states.texels.size());
     parallelFor(demands.size(), 1024, [&](std::size_t begin, std::size_t end) {
         for (std::size_t i = begin; i < end; ++i) {
-            if (states.states[i].traced() && wanted.contains(states.texels[i]))
-                demands[i] = demand(states.texels[i], states);
+            const uint32_t texel = states.texels[i];
+            if (states.states[i].traced() && wanted.contains(texel)) demands[i] = {texel, demand(texel, states)};
         }
     });
-    std::erase(demands, 0.0f);
+    std::erase_if(demands, [](const TexelDemand& d) { return d.times == 0.0f; });
+    return demands;
+}
+
+float SamplePlan::scaleOf(std::span<const TexelDemand> demands) const
+{
     if (demands.empty()) return 1.0f;
     const auto mean = [&](float scale) {
         double sum = 0.0;
-        for (const float d : demands) sum += double(clampBlocks(scale * d)) / double(demands.size());
+        for (const TexelDemand& d : demands) sum += double(clampBlocks(scale * d.times)) / double(demands.size());
         return sum;
     };
     // Bisection; the mean grows with the scale, from the fewest blocks to the most.

@@ -6,6 +6,7 @@
 
 #include "halflight/bake/texel_grid.h"
 
+#include <span>
 #include <vector>
 
 namespace halflight {
@@ -23,6 +24,12 @@ struct TexelStates {
     std::vector<TexelState> states;
 
     [[nodiscard]] const TexelState& of(uint32_t texel) const { return states[texels.find(texel)]; }
+};
+
+/// Samples that a texel takes, relative to the samples asked for, before the scale.
+struct TexelDemand {
+    uint32_t texel = 0;
+    float times = 0.0f;
 };
 
 /// Without a noise target, a texel's samples are in proportion to the standard deviation of one (Neyman allocation:
@@ -45,8 +52,10 @@ public:
     {
         return hasTarget() ? blocksForTarget(texel, states) : blocksForDemand(texel, states);
     }
-    /// The scale with which the traced texels of `wanted` take the samples asked for on average.
-    [[nodiscard]] float findScale(const TexelSet& wanted, const TexelStates& states) const;
+    /// Demands of the traced texels of `wanted`, in ascending order of texels.
+    [[nodiscard]] std::vector<TexelDemand> demands(const TexelSet& wanted, const TexelStates& states) const;
+    /// The scale with which texels of some demands take the samples asked for on average.
+    [[nodiscard]] float scaleOf(std::span<const TexelDemand> demands) const;
 
 private:
     /// Statistics of the first samples in a 5 x 5 neighbourhood, of luminance. Half-blocks are taken as independent,

@@ -2,10 +2,14 @@
 
 #include "bake_cpu/radiosity/split_patches.h"
 
+#include "halflight/bake/part_folder.h"
+#include "halflight/base/bytes.h"
 #include "halflight/base/memory.h"
 #include "halflight/base/parallel.h"
 
+#include <algorithm>
 #include <numeric>
+#include <string>
 
 namespace halflight {
 namespace {
@@ -44,7 +48,7 @@ public:
         buildBacks();
         gather(PassKind::Elements,
                patches_.texelsIn(input_.map, 0, [](PatchState s) { return s.occluded || s.hitNear; }));
-        if (progress_.cancelled()) return std::nullopt;
+        if (failed_ || progress_.cancelled()) return std::nullopt;
         RadiositySolution solution =
             solveRadiosity(patches_, std::move(factors_), input_.paths.surfaces().geometry(), input_.settings.bounces);
         return Radiosity{std::move(patches_), std::move(solution)};
@@ -52,6 +56,9 @@ public:
 
 private:
     static constexpr std::size_t kRangeItems = 256;
+    /// Parts of a pass that processes share: at most 128, of 4 ranges or more.
+    static constexpr std::size_t kMostParts = 128;
+    static constexpr std::size_t kFewestRanges = 4;
     static bool isOccluded(PatchState s) { return s.occluded; }
     static bool isHit(PatchState s) { return s.hit; }
 
@@ -87,30 +94,68 @@ private:
         gather(PassKind::Triangles, triangles);
     }
 
-    /// Calls work(range, items) for ranges of the items, on all threads.
-    template<typename Work> void forRanges(std::span<const uint32_t> items, const Work& work) const
+    /// Patches that a range of items found occluded.
+    struct OccludedPatches {
+        std::vector<PatchId> patches;
+        template<typename Archive> void archive(Archive& a) { a(patches); }
+    };
+
+    static std::size_t rangesOf(std::size_t items) { return (items + kRangeItems - 1) / kRangeItems; }
+
+    /// Fills `out` for ranges of the items by work(items, out), on all threads.
+    template<typename Out, typename Work>
+    void forRanges(std::span<const uint32_t> items, std::span<Out> out, const Work& work) const
     {
-        const std::size_t ranges = (items.size() + kRangeItems - 1) / kRangeItems;
-        parallelFor(ranges, 1, progress_, "bounces", [&](std::size_t begin, std::size_t end) {
+        parallelFor(out.size(), 1, progress_, "bounces", [&](std::size_t begin, std::size_t end) {
             for (std::size_t r = begin; r < end && !progress_.cancelled(); ++r) {
                 const std::size_t item = r * kRangeItems;
-                work(r, items.subspan(item, std::min(kRangeItems, items.size() - item)));
+                work(items.subspan(item, std::min(kRangeItems, items.size() - item)), out[r]);
             }
         });
+    }
+
+    /// forRanges() for all items. In a shared folder other processes compute some of the ranges.
+    template<typename Out, typename Work>
+    void forAllRanges(std::span<const uint32_t> items, std::span<Out> out, const Work& work)
+    {
+        const int pass = passes_++;
+        if (failed_) return;
+        if (input_.parts == nullptr || !input_.parts->isShared()) return forRanges(items, out, work);
+        const std::size_t perPart = std::max(kFewestRanges, (out.size() + kMostParts - 1) / kMostParts);
+        const auto rangesIn = [&](std::size_t part) {
+            return out.subspan(part * perPart, std::min(perPart, out.size() - part * perPart));
+        };
+        const auto compute = [&](std::size_t part) -> std::optional<std::vector<std::byte>> {
+            const std::size_t first = part * perPart * kRangeItems;
+            const std::size_t end = std::min(first + perPart * kRangeItems, items.size());
+            forRanges(items.subspan(first, end - first), rangesIn(part), work);
+            if (progress_.cancelled()) return std::nullopt;
+            ByteWriter writer;
+            for (Out& range : rangesIn(part)) range.archive(writer);
+            return writer.take();
+        };
+        const auto parts =
+            input_.parts->complete("radiosity" + std::to_string(pass), (out.size() + perPart - 1) / perPart, compute);
+        failed_ = !parts;
+        for (std::size_t part = 0; parts && part < parts->size(); ++part) {
+            ByteReader reader((*parts)[part]);
+            for (Out& range : rangesIn(part)) range.archive(reader);
+            failed_ = failed_ || !reader.complete();
+        }
     }
 
     void findOccluded(PassKind kind, std::span<const uint32_t> items)
     {
         const PatchPass pass(kind, patches_, input_);
-        std::vector<std::vector<PatchId>> found((items.size() + kRangeItems - 1) / kRangeItems);
-        forRanges(items, [&](std::size_t range, std::span<const uint32_t> some) {
+        std::vector<OccludedPatches> found(rangesOf(items.size()));
+        forAllRanges(items, std::span(found), [&](std::span<const uint32_t> some, OccludedPatches& out) {
             OccluderSearch search(pass);
             search.search(some);
-            found[range] = search.occluded();
+            out.patches = search.occluded();
             rays_ += search.rays();
         });
-        for (const std::vector<PatchId>& range : found) {
-            for (const PatchId patch : range) patches_.state[patch].occluded = true;
+        for (const OccludedPatches& range : found) {
+            for (const PatchId patch : range.patches) patches_.state[patch].occluded = true;
         }
     }
 
@@ -118,15 +163,15 @@ private:
     {
         const PatchPass pass(kind, patches_, input_);
         const std::size_t first = factors_.size();
-        factors_.resize(first + (items.size() + kRangeItems - 1) / kRangeItems);
-        forRanges(items, [&](std::size_t range, std::span<const uint32_t> some) {
-            FormFactorRange& out = factors_[first + range];
-            FormFactorSampler sampler(pass, out);
-            sampler.gather(some);
-            out.samples.shrink_to_fit();
-            out.links.shrink_to_fit();
-            rays_ += sampler.rays();
-        });
+        factors_.resize(first + rangesOf(items.size()));
+        forAllRanges(items, std::span(factors_).subspan(first),
+                     [&](std::span<const uint32_t> some, FormFactorRange& out) {
+                         FormFactorSampler sampler(pass, out);
+                         sampler.gather(some);
+                         out.samples.shrink_to_fit();
+                         out.links.shrink_to_fit();
+                         rays_ += sampler.rays();
+                     });
     }
 
     void markHits()
@@ -143,6 +188,8 @@ private:
     std::atomic<uint64_t>& rays_;
     Patches patches_;
     FormFactors factors_;
+    int passes_ = 0;      ///< so far
+    bool failed_ = false; ///< cancelled, or a shared folder cannot be written
 };
 
 } // namespace

@@ -33,6 +33,7 @@ struct FormFactorRange {
     std::vector<LateRadiance> late;
     std::vector<PatchId> hitNear; ///< patches hit from less than half their width
 
+    template<typename Archive> void archive(Archive& a) { a(samples, links, late, hitNear); }
     /// Samples of a patch that are among the last 64; for sums without links.
     PatchSamples& recent(PatchId patch)
     {

@@ -45,6 +45,10 @@ struct PatchLayout {
     float texelMeters = 0.0f;                 ///< mean width of a texel
     uint32_t chartPatches = 0;                ///< number of fronts of chart patches, and of their backs
 
+    template<typename Archive> void archive(Archive& a)
+    {
+        a(surfaces, elements, hitIndexOfTriangle, patchShift, texelMeters, chartPatches);
+    }
     /// Patches without elements.
     [[nodiscard]] uint32_t patchCount() const { return uint32_t(elements.size()); }
     [[nodiscard]] const Surface& surface(FaceId face) const { return surfaces[face.hitIndex]; }

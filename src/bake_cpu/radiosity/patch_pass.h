@@ -14,6 +14,7 @@ struct RadiosityInput {
     const TexelMap& map;
     const StratifiedPattern& pattern;
     const IntegrationSettings& settings;
+    PartFolder* parts = nullptr; ///< where other processes share the work; may be null
 };
 
 /// Patches that a pass fills, in order of the passes: rays of the first one hit the backs and triangles of later ones.

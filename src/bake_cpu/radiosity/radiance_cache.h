@@ -22,6 +22,7 @@ public:
     /// Radiance after `bounces` - 1, - 2 and - 3 reflections, by patch, for paths that have been reflected already.
     static constexpr int kLevels = 3;
     using Levels = std::array<std::vector<vec3>, kLevels>;
+    static_assert(kLevels == 3, "archive() names them");
 
     RadianceCache() = default;
     /// `converged`: more bounces add nothing, so that the radiance serves paths of any length.
@@ -30,6 +31,11 @@ public:
           converged_(converged)
     {}
 
+    template<typename Archive> void archive(Archive& a)
+    {
+        layout_.archive(a);
+        a(patches_, levels_[0], levels_[1], levels_[2], bounces_, converged_);
+    }
     [[nodiscard]] const PatchLayout& layout() const { return layout_; }
     /// By patch and element.
     [[nodiscard]] const PatchRadiance* patches() const { return patches_.data(); }

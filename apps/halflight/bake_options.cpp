@@ -1,0 +1,167 @@
+// The options of `halflight bake`, and of commands that bake in parts.
+
+#include "bake_options.h"
+#include "bake_export.h"
+#include "console.h"
+
+#include "halflight/scene/sky_picture.h"
+
+namespace halflight::cli {
+
+namespace {
+
+void addSampling(CLI::App& app, BakeSettings& bake)
+{
+    addChoice<MixedLightingMode>(app, "--mode", bake.mode,
+                                 {{"baked-indirect", MixedLightingMode::BakedIndirect},
+                                  {"shadowmask", MixedLightingMode::Shadowmask},
+                                  {"subtractive", MixedLightingMode::Subtractive}},
+                                 "mixed lighting mode (default shadowmask)");
+    addChoice<Quality>(app, "--quality", bake.quality,
+                       {{"preview", Quality::Preview},
+                        {"medium", Quality::Medium},
+                        {"high", Quality::High},
+                        {"ultra", Quality::Ultra}},
+                       "samples and lightmap size in one word (default medium)");
+    addChoice<IntegratorKind>(app, "--integrator", bake.integrator,
+                              {{"cache", IntegratorKind::Cache}, {"path", IntegratorKind::Path}},
+                              "rays that end in a radiance cache, or whole unbiased paths: the slow reference (default "
+                              "cache)");
+    addInt(app, "--samples", bake.samples, 1, 1 << 20,
+           "rays or paths per texel, about (default by quality); with --noise, the most");
+    addPercent(app, "--noise", bake.noiseTarget, 0.1f, 100.0f,
+               "noise at which a texel has enough samples, such as 2% (default: --samples on average)");
+    addChoice<int>(
+        app, "--texel-step", bake.texelStep, {{"auto", 0}, {"1", 1}, {"2", 2}, {"4", 4}},
+        "2 or 4: trace every so many texels whatever is around them, and those in between only where light can "
+        "change (default auto: 2 in large lightmaps, else 1)");
+    addInt(app, "--shadow-samples", bake.shadowSamples, 1, 1 << 16,
+           "shadow rays per texel and masked light (default by quality)");
+    addInt(app, "--bounces", bake.bounces, 0, kAllBounces, "most bounces, 0 = direct light only (default: all light)");
+}
+
+void addTexels(CLI::App& app, BakeSettings& bake)
+{
+    addFloat(app, "--texels-per-meter", bake.texelsPerMeter, 0.001f, 10000.0f, "X",
+             "lightmap density; as many pages as that takes (default: by the scene's size, and what fits one page)");
+    addInt(app, "--lightmap-size", bake.lightmapSize, 64, 8192,
+           "width of a page in texels; alone, the density is what fits one (default: by quality, cut to what is used)");
+    addInt(app, "--padding", bake.paddingTexels, 1, 16, "empty texels between charts (default 2)");
+    addChoice<UvMode>(
+        app, "--uv", bake.uvMode, {{"auto", UvMode::Auto}, {"keep", UvMode::Keep}, {"unwrap", UvMode::Unwrap}},
+        "the file's TEXCOORD_1: keep it where it is valid, keep it or fail, or unwrap anew (default auto)");
+}
+
+void addResults(CLI::App& app, BakeOptions& options)
+{
+    BakeSettings& bake = options.bake;
+    addChoice<Denoiser>(app, "--denoise", bake.denoiser,
+                        {{"on", Denoiser::BuiltIn}, {"off", Denoiser::Off}, {"oidn", Denoiser::OpenImage}},
+                        "denoise the lightmap; oidn: with Open Image Denoise, in builds that have it (default on)");
+    addChoice<bool>(app, "--directional", bake.directional, {{"on", true}, {"off", false}},
+                    "keep the mean direction of lightmap light too, so that normal maps respond to it (default off)");
+    addChoice<MaskEncoding>(app, "--shadowmask-encoding", bake.maskEncoding,
+                            {{"attenuation", MaskEncoding::Attenuation}, {"distance-field", MaskEncoding::Distance}},
+                            "what shadowmask texels hold; distance fields keep hard edges crisp at half the density, "
+                            "for lights with narrow penumbrae (default attenuation)");
+    addChoice<bool>(app, "--subtractive-mask", bake.subtractiveMask, {{"on", true}, {"off", false}},
+                    "subtractive: store the main light's own mask, so that dynamic shadows take away only light that "
+                    "arrives (default on)");
+    addFloat(app, "--probe-spacing", bake.probeSpacingMeters, 0.01f, 10000.0f, "METERS",
+             "distance between light probes (default by the scene's size)");
+    addChoice<ProbeLayout>(app, "--probe-layout", bake.probeLayout,
+                           {{"refined", ProbeLayout::Refined}, {"grid", ProbeLayout::Grid}},
+                           "probes where light changes and on floors, or a regular grid alone, for engines that read "
+                           "nothing else (default refined)");
+    addVec3(app, "--sky", options.skyNits, 0.0f, 1.0e6f, "R,G,B",
+            "radiance of a uniform sky in nits, instead of the scene's own")
+        ->each([&options](const std::string&) { options.skyGiven = true; });
+    app.add_option("--settings", options.settingsFile, "light and object settings by name pattern")
+        ->type_name("FILE.toml");
+}
+
+} // namespace
+
+void addLightOptions(CLI::App& app, BakeOptions& options)
+{
+    app.option_defaults()->group("Bake");
+    addSampling(app, options.bake);
+    addTexels(app, options.bake);
+    addResults(app, options);
+    addUint(app, "--seed", options.bake.seed, "of the random numbers (default 1)");
+}
+
+void addFormatOptions(CLI::App& app, BakeOptions& options)
+{
+    app.option_defaults()->group("Output");
+    addChoice<LightmapFormat>(
+        app, "--lightmap-format", options.write.lightmapFormat,
+        {{"rgb9e5", LightmapFormat::Rgb9e5}, {"half", LightmapFormat::Half}, {"webp", LightmapFormat::Webp}},
+        "how lightmaps are stored: RGB9E5 or half floats in KTX2, or 8 bits a channel by a curve in lossless WebP; "
+        "the report has the error of each page (default rgb9e5)");
+    addInt(app, "--sky-width", options.write.skyWidth, 16, kMostSkyTexels,
+           "texels in a row of the sky's picture in the file, at most (default 512)");
+    addExportOptions(app, options);
+    app.add_flag("--moz-lightmap", options.write.mozLightmap,
+                 "write MOZ_lightmap materials too, for loaders that know them; much larger files");
+}
+
+void addRunOptions(CLI::App& app, BakeOptions& options)
+{
+    app.option_defaults()->group("Run");
+    addChoice<int>(app, "--device", options.device, {{"auto", 0}, {"cpu", 0}}, "what bakes (default auto)");
+    addInt(app, "--threads", options.bake.threads, 0, 4096, "0 = all cores; changes no byte of the result (default 0)");
+}
+
+CLI::Option* addProgress(CLI::App& app, ProgressStyle& style)
+{
+    return addChoice<ProgressStyle>(
+        app, "--progress", style, {{"auto", ProgressStyle::Auto}, {"lines", ProgressStyle::Lines}},
+        "auto: a bar on a terminal, one line a stage elsewhere; lines: 'progress: STAGE PERCENT "
+        "%', ten a second at most, for programs (default auto)");
+}
+
+void addReportOptions(CLI::App& app, BakeOptions& options)
+{
+    app.add_option("--sidecar", options.sidecarDirectory,
+                   "also write the bake as pictures and one JSON that binds them by node name, for tools that drop "
+                   "extensions; lightmaps as EXR, or as --lightmap-format says")
+        ->type_name("DIR");
+    app.add_option("--report", options.reportFile, "write what the bake did: lights, charts, rays, seconds, warnings")
+        ->type_name("FILE.json");
+    app.add_option("--write-images", options.bake.imagesDirectory,
+                   "write lightmaps, shadowmasks and probes as plain files too")
+        ->type_name("DIR");
+    app.add_flag("--json", options.json, "print the report as JSON on standard output");
+    app.add_flag("-q,--quiet", options.quiet, "print errors only");
+}
+
+CLI::App& addBakeApp(CLI::App& parent, BakeOptions& options)
+{
+    CLI::App& app = *parent.add_subcommand("bake", "Bake lightmaps, shadowmasks and probes into a glTF file");
+    app.add_option("SCENE", options.scene, "the scene, .glb or .gltf")->required()->type_name(" ");
+    app.add_option("-o,--output", options.output, "the baked file to write: .glb, or .gltf with its files beside it")
+        ->required()
+        ->type_name("OUT.glb");
+    addLightOptions(app, options);
+    addRunOptions(app, options);
+    app.add_option(
+           "--cache", options.bake.cacheDirectory,
+           "keep finished tiles in this folder: an interrupted bake goes on where it stopped, a changed scene is "
+           "baked anew only where the change shows; several bakes may share it")
+        ->type_name("DIR");
+    addProgress(app, options.progress);
+    addFormatOptions(app, options);
+    addReportOptions(app, options);
+    app.footer("Example: halflight bake scene.glb -o baked.glb --quality preview");
+    return app;
+}
+
+Command addBakeCommand(CLI::App& parent)
+{
+    auto options = std::make_shared<BakeOptions>();
+    CLI::App& app = addBakeApp(parent, *options);
+    return {&app, [options, &app] { return runBake(app, *options); }};
+}
+
+} // namespace halflight::cli

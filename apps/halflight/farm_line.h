@@ -1,0 +1,35 @@
+#pragma once
+// What the parts of `halflight farm` share.
+
+#include "bake_options.h"
+#include "console.h"
+
+#include <string>
+#include <vector>
+
+namespace halflight::cli {
+
+/// A `halflight bake` command line that a plan holds, parsed.
+struct BakeLine {
+    CLI::App program{"", "halflight"};
+    BakeOptions options;
+    CLI::App* app = nullptr;
+
+    explicit BakeLine(const std::vector<std::string>& arguments)
+    {
+        app = &addBakeApp(program, options);
+        program.parse(std::vector<std::string>(arguments.rbegin(), arguments.rend()));
+    }
+};
+
+/// The scene of a command line, with its options applied.
+inline Result<Scene> sceneOf(BakeLine& line)
+{
+    Result<Scene> scene = readBakeScene(line.options);
+    if (scene) applyOptions(line.options, *scene);
+    return scene;
+}
+
+Command addFarmPlan(CLI::App& parent);
+
+} // namespace halflight::cli

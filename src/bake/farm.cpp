@@ -1,0 +1,163 @@
+#include "halflight/bake/farm.h"
+
+#include "bake/front.h"
+#include "bake/front_parts.h"
+
+#include "halflight/base/parallel.h"
+#include "halflight/base/random.h"
+
+#include <algorithm>
+#include <array>
+#include <numeric>
+
+namespace halflight {
+namespace {
+
+constexpr const char* kPrepared = "prepared"; ///< an empty part: the cache stage is complete
+
+PartFolder partsOf(const std::filesystem::path& cacheDirectory, const FarmBake& bake)
+{
+    return PartFolder(cacheDirectory / bake.folder);
+}
+
+/// Tiles of a bake in the order in which they are laid out for the processes: spread over the pages.
+std::vector<std::size_t> spreadTiles(std::size_t count)
+{
+    std::vector<std::size_t> order(count);
+    std::iota(order.begin(), order.end(), std::size_t(0));
+    const auto rank = [](std::size_t tile) { return hashPcg(uint32_t(tile)); };
+    std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return rank(a) < rank(b); });
+    return order;
+}
+
+/// The error of a stage that returned false.
+Error reasonOf(const Progress& progress, const Front& front)
+{
+    return progress.cancelled() || front.cache->status() ? cancelledError() : front.cache->status().error();
+}
+
+Status prepareStage(const Stages& stages, Front& front)
+{
+    PartFolder& parts = front.cache->parts();
+    if (parts.contains(kPrepared)) return {};
+    if (!front.integrator->prepareIrradiance(front.map, stages.progress)) return reasonOf(stages.progress, front);
+    const BakeSettings& settings = stages.settings;
+    std::vector<std::string> warnings; // the bake's own run of this stage says them
+    const auto probes = bakeProbes(stages.baked().scene, settings.probeSpacingMeters, settings.probeLayout,
+                                   front.integration.denoised, front.gather(), warnings, stages.progress);
+    if (!probes) return reasonOf(stages.progress, front);
+    if (parts.status()) parts.write(kPrepared, {});
+    return parts.status();
+}
+
+Status tileStage(const Stages& stages, Front& front, const FarmBake& planned, const FarmWork& work)
+{
+    if (!front.cache->parts().contains(kPrepared))
+        return Error{ErrorCode::Unsupported, "the cache stage is not complete, which the tiles need"};
+    const Gather gather = front.gather();
+    if (!gather.fillIrradiance(work.tiles, stages.progress)) return reasonOf(stages.progress, front);
+    if (planned.mask && !gather.fillShadowmask(work.tiles, stages.progress)) return reasonOf(stages.progress, front);
+    return front.cache->status();
+}
+
+} // namespace
+
+Result<FarmBake> planFarm(Scene scene, const BakeSettings& settings, const IntegratorFactory& factory,
+                          const Progress& progress)
+{
+    const ThreadLimit threads(settings.threads);
+    BakeResult result;
+    const Stages stages{settings, progress, result};
+    Front front;
+    FarmBake bake;
+    bake.inputs = bakeHash(scene, settings).hex();
+    const CacheUse use{false, WorkShare{}};
+    if (Status status = prepareTexels(stages, std::move(scene), factory, use, front); !status) return status.error();
+    if (!front.cache) return Error{ErrorCode::WriteFailed, result.report.warnings.back()};
+    bake.folder = front.cache->parts().path().filename().string();
+    bake.texels = front.map.texels.size();
+    bake.tiles = texelParts(front.map.texels.size());
+    bake.mask = hasMask(result.baked.scene, settings.mode);
+    return bake;
+}
+
+Status checkFarmInputs(const Scene& scene, const BakeSettings& settings, const FarmBake& planned)
+{
+    if (bakeHash(scene, settings).hex() == planned.inputs) return {};
+    return Error{ErrorCode::FileInvalid,
+                 "is not the scene that was planned, or this is another version of the program: plan anew"};
+}
+
+Result<BakeReport> workOnFarm(Scene scene, const BakeSettings& settings, const FarmBake& planned, const FarmWork& work,
+                              bool compares, const IntegratorFactory& factory, const Progress& progress)
+{
+    const ThreadLimit threads(settings.threads);
+    BakeResult result;
+    const Stages stages{settings, progress, result};
+    if (Status status = checkFarmInputs(scene, settings, planned); !status) return status.error();
+    Front front;
+    const CacheUse use{compares, work.share};
+    if (Status status = prepareTexels(stages, std::move(scene), factory, use, front); !status) return status.error();
+    if (!front.cache) return Error{ErrorCode::WriteFailed, result.report.warnings.back()};
+    if (Status status = validityStage(stages, front); !status) return status.error();
+    if (work.stage != FarmStage::Tiles) {
+        if (Status status = prepareStage(stages, front); !status) return status.error();
+    }
+    if (work.stage != FarmStage::Cache && !work.tiles.empty()) {
+        if (Status status = tileStage(stages, front, planned, work); !status) return status.error();
+    }
+    result.report.cache = front.cache->counts();
+    return std::move(result.report);
+}
+
+bool isFarmCacheComplete(const std::filesystem::path& cacheDirectory, const FarmBake& bake)
+{
+    return partsOf(cacheDirectory, bake).contains(kPrepared);
+}
+
+std::vector<std::size_t> missingFarmTiles(const std::filesystem::path& cacheDirectory, const FarmBake& bake,
+                                          bool verify)
+{
+    const PartFolder parts = partsOf(cacheDirectory, bake);
+    const auto has = [&](const std::string& name) {
+        return verify ? parts.read(name).has_value() : parts.contains(name);
+    };
+    std::vector<uint8_t> isMissing(bake.tiles);
+    parallelFor(bake.tiles, 1, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t tile = begin; tile < end; ++tile)
+            isMissing[tile] = !has(partName("lightmap", tile)) || (bake.mask && !has(partName("shadowmask", tile)));
+    });
+    std::vector<std::size_t> missing;
+    for (std::size_t tile = 0; tile < bake.tiles; ++tile)
+        if (isMissing[tile] != 0) missing.push_back(tile);
+    return missing;
+}
+
+std::vector<FarmWork> farmWork(const std::vector<FarmBake>& bakes, WorkShare process)
+{
+    uint64_t all = 0;
+    for (const FarmBake& bake : bakes) all += std::max<uint64_t>(bake.texels, 1);
+    /// The process whose stretch holds a place on the line of all texels.
+    const auto processAt = [&](uint64_t place) {
+        return uint32_t(std::min<uint64_t>(uint64_t(double(place) / double(all) * process.count), process.count - 1));
+    };
+    std::vector<FarmWork> works(bakes.size());
+    uint64_t first = 0;
+    for (std::size_t b = 0; b < bakes.size(); ++b) {
+        const uint64_t texels = std::max<uint64_t>(bakes[b].texels, 1);
+        const std::vector<std::size_t> tiles = spreadTiles(bakes[b].tiles);
+        const uint32_t firstProcess = processAt(first);
+        const uint32_t lastProcess = processAt(first + texels - 1);
+        works[b].share.count = lastProcess - firstProcess + 1;
+        works[b].share.index = std::clamp(process.index, firstProcess, lastProcess) - firstProcess;
+        for (std::size_t i = 0; i < tiles.size(); ++i) {
+            const uint64_t place = first + texels * (2 * i + 1) / (2 * tiles.size()); // the tile's middle
+            if (processAt(place) == process.index) works[b].tiles.push_back(tiles[i]);
+        }
+        if (process.index < firstProcess || process.index > lastProcess) works[b].share.count = 0;
+        first += texels;
+    }
+    return works;
+}
+
+} // namespace halflight

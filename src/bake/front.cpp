@@ -1,0 +1,184 @@
+#include "bake/front.h"
+
+#include "bake/front_parts.h"
+
+#include "halflight/unwrap/unwrap.h"
+
+#include <algorithm>
+#include <string>
+#include <utility>
+
+namespace halflight {
+namespace {
+
+constexpr int kFewestSamples = 16; ///< per texel, of the cache integrator: one block
+
+struct PageLayout {
+    int size = 0; ///< texels along a side
+    int count = 0;
+};
+
+/// Lightmap coordinates; the scene moves into the result.
+Result<UnwrappedScene> unwrapOrTake(const Stages& stages, Scene scene, std::optional<PartFolder>& kept)
+{
+    UnwrappedScene taken;
+    if (kept && takeUnwrapped(*kept, scene, taken)) return taken;
+    UnwrapSettings settings;
+    settings.uvMode = stages.settings.uvMode;
+    settings.texelsPerMeter = stages.settings.texelsPerMeter;
+    settings.pageSize = stages.report().quality.lightmapSize;
+    settings.paddingTexels = stages.settings.paddingTexels;
+    settings.cutPage = stages.settings.lightmapSize == 0;
+    if (stages.settings.lightmapSize == 0 && stages.settings.texelsPerMeter == 0.0f)
+        settings.mostTexelsPerMeter = sceneDensity(scene, settings.pageSize);
+    Result<UnwrappedScene> unwrapped = unwrap(std::move(scene), settings, stages.progress);
+    if (unwrapped && kept) keepUnwrapped(*kept, *unwrapped);
+    return unwrapped;
+}
+
+Result<PageLayout> unwrapStage(const Stages& stages, Scene scene, std::optional<PartFolder>& kept)
+{
+    BakeReport& report = stages.report();
+    StageTimer timer(report, "unwrap");
+    Result<UnwrappedScene> unwrapped = unwrapOrTake(stages, std::move(scene), kept);
+    if (!unwrapped) return unwrapped.error();
+    BakedScene& baked = stages.baked();
+    baked.scene = std::move(unwrapped->scene);
+    baked.mode = stages.settings.mode;
+    baked.isBaked = true;
+    report.meshes = unwrapped->meshes;
+    report.pageCount = unwrapped->pageCount;
+    report.pageSize = unwrapped->pageSize;
+    report.chartCount = unwrapped->chartCount;
+    report.texelsPerMeter = unwrapped->texelsPerMeter;
+    report.densityFrom = unwrapped->densityFrom;
+    report.atlasCoverage = unwrapped->coverage;
+    report.warnings.insert(report.warnings.end(), unwrapped->warnings.begin(), unwrapped->warnings.end());
+    timer.finish();
+    return PageLayout{unwrapped->pageSize, unwrapped->pageCount};
+}
+
+IntegrationSettings integrationSettings(const BakeSettings& settings, const BakeQuality& quality)
+{
+    IntegrationSettings integration;
+    integration.integrator = settings.integrator;
+    integration.noiseTarget = settings.noiseTarget;
+    integration.texelStep = settings.texelStep;
+    integration.denoised = settings.denoiser != Denoiser::Off;
+    integration.samples = quality.samples;
+    integration.shadowSamples = quality.shadowSamples;
+    integration.bounces = quality.bounces;
+    integration.probeSamples = quality.probeSamples;
+    integration.seed = settings.seed;
+    return integration;
+}
+
+/// Geometry and the integrator; `geometry` outlives the integrator.
+Result<std::unique_ptr<Integrator>> buildStage(const Stages& stages, const IntegratorFactory& factory,
+                                               const PageLayout& pages, const IntegrationSettings& integration,
+                                               std::optional<PartFolder>& kept, BakeGeometry& geometry)
+{
+    BakeReport& report = stages.report();
+    Scene& scene = stages.baked().scene;
+    StageTimer timer(report, "build");
+    const bool taken = kept && takeGeometry(*kept, geometry);
+    if (!taken) geometry = flattenGeometry(scene, pages.size, GeometryFilter::Static);
+    report.triangleCount = geometry.triangles.size();
+    if (integration.bounces == 0) {
+        for (Light& light : scene.lights) light.baking.atBake.indirectMultiplier = 0.0f;
+    }
+    const int samples = stages.settings.samples;
+    if (integration.integrator == IntegratorKind::Cache && samples > 0 && samples < kFewestSamples) {
+        report.warnings.push_back(std::to_string(samples) + " samples per texel are asked for: the cache " +
+                                  "integrator takes " + std::to_string(kFewestSamples) + " at least (one block)");
+    }
+    Result<std::unique_ptr<Integrator>> integrator =
+        taken ? factory(scene, geometry, integration) : repairOrientation(factory, scene, geometry, integration);
+    if (!integrator) return integrator.error();
+    if (kept && !taken) keepGeometry(*kept, geometry);
+    if (stages.progress.cancelled()) return cancelledError();
+    report.integrator = (*integrator)->description();
+    reportFlipped(scene, geometry, report);
+    timer.finish();
+    return integrator;
+}
+
+TexelMap rasterizeStage(const Stages& stages, const BakeGeometry& geometry, const PageLayout& pages,
+                        std::optional<PartFolder>& kept, bool keep)
+{
+    StageTimer timer(stages.report(), "rasterize");
+    TexelMap map;
+    if (!kept || !takeTexels(*kept, map)) {
+        map = rasterizeTexels(geometry, pages.size, pages.count);
+        if (kept && keep) keepTexels(*kept, map);
+    }
+    stages.report().coveredTexels = map.texels.size();
+    timer.finish();
+    return map;
+}
+
+/// Nothing without a cache directory, or where it cannot be opened; the latter is a warning.
+std::optional<BakeCache> openCache(const Stages& stages, const BakeGeometry& geometry, const TexelMap& map,
+                                   const IntegrationSettings& integration, const CacheUse& use)
+{
+    const std::filesystem::path& folder = stages.settings.cacheDirectory;
+    if (folder.empty()) return std::nullopt;
+    const Hash128 layout = layoutHash(map, integration, stages.settings.mode);
+    Result<BakeCache> cache =
+        BakeCache::open(folder, lightHash(layout, stages.baked().scene, geometry), layout, use.compares);
+    if (cache) return std::move(*cache);
+    stages.report().warnings.push_back(cacheWarning(folder, cache.error()));
+    return std::nullopt;
+}
+
+} // namespace
+
+bool hasMask(const Scene& scene, MixedLightingMode mode)
+{
+    if (mode == MixedLightingMode::Subtractive) return findMainLight(scene).has_value();
+    return mode == MixedLightingMode::Shadowmask &&
+           std::any_of(scene.lights.begin(), scene.lights.end(),
+                       [](const Light& light) { return light.baking.occlusionMaskChannel >= 0; });
+}
+
+Status prepareTexels(const Stages& stages, Scene scene, const IntegratorFactory& factory, const CacheUse& use,
+                     Front& front)
+{
+    BakeReport& report = stages.report();
+    report.quality = resolveQuality(stages.settings);
+    report.warnings = scene.warnings;
+    if (farFromOrigin(scene)) {
+        report.warnings.emplace_back(
+            "the scene lies far from its origin for its size, where positions are coarse: call "
+            "recenter() before baking");
+    }
+    std::optional<PartFolder> kept = frontFolder(scene, stages.settings);
+    const Result<PageLayout> pages = unwrapStage(stages, std::move(scene), kept);
+    if (!pages) return pages.error();
+    assignShadowmaskChannels(stages.baked().scene, stages.settings.mode);
+    reportLights(stages.baked().scene, report);
+
+    front.integration = integrationSettings(stages.settings, report.quality);
+    auto integrator = buildStage(stages, factory, *pages, front.integration, kept, front.geometry);
+    if (!integrator) return integrator.error();
+    front.integrator = std::move(*integrator);
+    front.map = rasterizeStage(stages, front.geometry, *pages, kept, use.share.has_value());
+    front.cache = openCache(stages, front.geometry, front.map, front.integration, use);
+    if (front.cache) {
+        if (use.share) front.cache->parts().shareWith(*use.share);
+        front.integrator->keepIn(&front.cache->parts());
+    }
+    return kept && use.share ? kept->status() : Status();
+}
+
+Status validityStage(const Stages& stages, Front& front)
+{
+    StageTimer timer(stages.report(), "validity");
+    const bool found = front.integrator->findValidPoints(front.map, stages.progress);
+    if (stages.progress.cancelled()) return cancelledError();
+    if (!found) return front.cache && !front.cache->status() ? front.cache->status() : cancelledError();
+    timer.finish(front.integrator->raysTraced());
+    return {};
+}
+
+} // namespace halflight

@@ -1,0 +1,67 @@
+#pragma once
+// The stages before any light is computed: from a scene to texels, geometry and an integrator.
+
+#include "bake/bake_report.h"
+#include "bake/gather.h"
+#include "bake/stages.h"
+
+#include "halflight/bake/bake.h"
+
+#include <memory>
+#include <optional>
+
+namespace halflight {
+
+/// What all stages share.
+struct Stages {
+    const BakeSettings& settings;
+    const Progress& progress;
+    BakeResult& result;
+
+    [[nodiscard]] BakedScene& baked() const { return result.baked; }
+    [[nodiscard]] BakeReport& report() const { return result.report; }
+    /// Keeps the first error of image files, which do not end a bake.
+    void noteImages(const Status& status) const
+    {
+        if (result.images && !status) result.images = status;
+    }
+};
+
+/// How a bake uses BakeSettings::cacheDirectory.
+struct CacheUse {
+    /// Tiles of the last bake are reused where the change does not affect them, which takes check samples.
+    bool compares = true;
+    /// Of a farm's worker. Such a bake also keeps the texels.
+    std::optional<WorkShare> share;
+};
+
+/// Results of the first stages. Its members refer to one another, so it is filled in place.
+struct Front {
+    Front() = default;
+    Front(const Front&) = delete;
+    Front& operator=(const Front&) = delete;
+
+    IntegrationSettings integration;
+    BakeGeometry geometry;
+    TexelMap map;
+    std::optional<BakeCache> cache;
+    std::unique_ptr<Integrator> integrator;
+
+    [[nodiscard]] Gather gather() { return {*integrator, geometry, map, integration, cache ? &*cache : nullptr}; }
+};
+
+/// Unwraps, assigns channels, builds geometry and integrator, rasterizes texels. The scene moves into the result. With
+/// a cache, results of an earlier bake of the same scene are taken.
+Status prepareTexels(const Stages& stages, Scene scene, const IntegratorFactory& factory, const CacheUse& use,
+                     Front& front);
+Status validityStage(const Stages& stages, Front& front);
+
+/// Whether the bake has a mask to compute: a shadowmask, or that of subtractive's main light.
+bool hasMask(const Scene& scene, MixedLightingMode mode);
+
+inline Error cancelledError()
+{
+    return {ErrorCode::Cancelled, "interrupted"};
+}
+
+} // namespace halflight

@@ -1,0 +1,163 @@
+#include "bake/front_parts.h"
+
+#include "bake/cache.h"
+
+#include "halflight/base/bytes.h"
+#include "halflight/scene/fingerprint.h"
+
+namespace halflight {
+namespace {
+
+constexpr uint32_t kFrontVersion = 1; ///< raised when the first stages make other results of the same input
+constexpr const char* kUnwrapped = "unwrapped";
+constexpr const char* kGeometry = "geometry";
+constexpr const char* kTexels = "texels";
+
+/// Calls archive(members…) for all members of a part of a mesh. Structured bindings name them all: a new member is a
+/// compile error here.
+template<typename Archive, typename Part> void archiveMeshPart(Archive& archive, Part& part)
+{
+    auto& [positions, normals, tangents, uv, colors, indices, material, lightmapUv, sourceVertex, sourcePrimitive,
+           lightmapTexCoord] = part;
+    archive(positions, normals, tangents, uv[0], uv[1], colors, indices, material, lightmapUv, sourceVertex);
+    archive(sourcePrimitive, lightmapTexCoord);
+}
+
+template<typename Archive, typename Unwrapped> void archiveNumbers(Archive& archive, Unwrapped& u)
+{
+    auto& [scene, pageSize, pageCount, texelsPerMeter, densityFrom, chartCount, coverage, coverageWithPadding, meshes,
+           warnings] = u;
+    archive(pageSize, pageCount, texelsPerMeter, densityFrom, chartCount, coverage, coverageWithPadding);
+}
+
+template<typename Archive, typename Report> void archiveMeshReport(Archive& archive, Report& report)
+{
+    auto& [mesh, kept, reason, charts, areaStretch] = report;
+    archive(mesh, kept, reason, charts, areaStretch);
+}
+
+/// As archiveMeshPart(); `frames` follow from the others.
+template<typename Archive, typename Geometry> void archiveGeometry(Archive& archive, Geometry& g)
+{
+    auto& [parts, partOfTriangle, triangles, solid, flipped, positions, normals, uv, colors, lightmapTexel, frames] = g;
+    archive(parts, partOfTriangle, triangles, solid, flipped, positions, normals, uv[0], uv[1], colors, lightmapTexel);
+}
+
+template<typename Archive, typename Map> void archiveTexels(Archive& archive, Map& map)
+{
+    auto& [pageSize, pageCount, chartCount, texels, fragments] = map;
+    archive(pageSize, pageCount, chartCount, texels, fragments);
+}
+
+/// Resizes a list to the length that `reader` has next; false for more than `most`.
+template<typename T> bool readLength(ByteReader& reader, std::vector<T>& list)
+{
+    constexpr uint64_t kMost = 1u << 28;
+    uint64_t length = 0;
+    reader.read(length);
+    if (!reader.ok() || length > kMost) return false;
+    list.resize(std::size_t(length));
+    return true;
+}
+
+} // namespace
+
+std::optional<PartFolder> frontFolder(const Scene& scene, const BakeSettings& settings)
+{
+    if (settings.cacheDirectory.empty()) return std::nullopt;
+    Hasher hasher;
+    hasher.add(kFrontVersion).add(contentHash(scene)).add(int(settings.mode)).add(int(settings.uvMode));
+    hasher.add(settings.texelsPerMeter).add(resolveQuality(settings).lightmapSize).add(int(settings.lightmapSize == 0));
+    hasher.add(settings.paddingTexels);
+    return openBakeFolder(settings.cacheDirectory, hasher.hash().hex(), ".front");
+}
+
+void keepUnwrapped(PartFolder& folder, const UnwrappedScene& unwrapped)
+{
+    ByteWriter writer;
+    archiveNumbers(writer, unwrapped);
+    writer.add(uint64_t(unwrapped.meshes.size()));
+    for (const MeshUnwrapReport& report : unwrapped.meshes) archiveMeshReport(writer, report);
+    writer.add(uint64_t(unwrapped.warnings.size()));
+    for (const std::string& warning : unwrapped.warnings) writer.add(warning);
+    writer.add(uint64_t(unwrapped.scene.meshes.size()));
+    for (const Mesh& mesh : unwrapped.scene.meshes) {
+        writer(mesh.name, mesh.sourceMesh, uint64_t(mesh.parts.size()));
+        for (const MeshPart& part : mesh.parts) archiveMeshPart(writer, part);
+    }
+    writer.add(uint64_t(unwrapped.scene.objects.size()));
+    for (const Object& object : unwrapped.scene.objects) writer(object.mesh, object.lightmap);
+    folder.write(kUnwrapped, writer.take());
+}
+
+bool takeUnwrapped(const PartFolder& folder, Scene& scene, UnwrappedScene& unwrapped)
+{
+    const std::optional<std::vector<std::byte>> bytes = folder.read(kUnwrapped);
+    if (!bytes) return false;
+    ByteReader reader(*bytes);
+    UnwrappedScene read;
+    archiveNumbers(reader, read);
+    if (!readLength(reader, read.meshes)) return false;
+    for (MeshUnwrapReport& report : read.meshes) archiveMeshReport(reader, report);
+    if (!readLength(reader, read.warnings)) return false;
+    for (std::string& warning : read.warnings) reader.read(warning);
+    std::vector<Mesh> meshes;
+    if (!readLength(reader, meshes)) return false;
+    for (Mesh& mesh : meshes) {
+        reader(mesh.name, mesh.sourceMesh);
+        if (!readLength(reader, mesh.parts)) return false;
+        for (MeshPart& part : mesh.parts) archiveMeshPart(reader, part);
+    }
+    std::vector<Object> objects = scene.objects;
+    uint64_t count = 0;
+    reader.read(count);
+    if (!reader.ok() || count != objects.size()) return false;
+    for (Object& object : objects) reader(object.mesh, object.lightmap);
+    if (!reader.complete()) return false;
+    unwrapped = std::move(read);
+    unwrapped.scene = std::move(scene);
+    unwrapped.scene.meshes = std::move(meshes);
+    unwrapped.scene.objects = std::move(objects);
+    return true;
+}
+
+void keepGeometry(PartFolder& folder, const BakeGeometry& geometry)
+{
+    ByteWriter writer;
+    archiveGeometry(writer, geometry);
+    folder.write(kGeometry, writer.take());
+}
+
+bool takeGeometry(const PartFolder& folder, BakeGeometry& geometry)
+{
+    const std::optional<std::vector<std::byte>> bytes = folder.read(kGeometry);
+    if (!bytes) return false;
+    ByteReader reader(*bytes);
+    BakeGeometry read;
+    archiveGeometry(reader, read);
+    if (!reader.complete()) return false;
+    geometry = std::move(read);
+    geometry.findFrames();
+    return true;
+}
+
+void keepTexels(PartFolder& folder, const TexelMap& map)
+{
+    ByteWriter writer;
+    archiveTexels(writer, map);
+    folder.write(kTexels, writer.take());
+}
+
+bool takeTexels(const PartFolder& folder, TexelMap& map)
+{
+    const std::optional<std::vector<std::byte>> bytes = folder.read(kTexels);
+    if (!bytes) return false;
+    ByteReader reader(*bytes);
+    TexelMap read;
+    archiveTexels(reader, read);
+    if (!reader.complete()) return false;
+    map = std::move(read);
+    return true;
+}
+
+} // namespace halflight

@@ -1,0 +1,27 @@
+#pragma once
+// Results of the first stages as parts of a cache, so that a worker or a re-bake does not compute them again.
+
+#include "halflight/bake/bake.h"
+#include "halflight/bake/part_folder.h"
+#include "halflight/unwrap/unwrap.h"
+
+#include <optional>
+
+namespace halflight {
+
+/// The folder of parts that follow from a scene and the settings of its layout alone. Nothing without a cache
+/// directory.
+std::optional<PartFolder> frontFolder(const Scene& scene, const BakeSettings& settings);
+
+/// What unwrap() made of `scene`, whose other members move into it. False, and `scene` unchanged, if it is not kept.
+bool takeUnwrapped(const PartFolder& folder, Scene& scene, UnwrappedScene& unwrapped);
+void keepUnwrapped(PartFolder& folder, const UnwrappedScene& unwrapped);
+
+bool takeGeometry(const PartFolder& folder, BakeGeometry& geometry);
+void keepGeometry(PartFolder& folder, const BakeGeometry& geometry);
+
+/// Texels, before validity.
+bool takeTexels(const PartFolder& folder, TexelMap& map);
+void keepTexels(PartFolder& folder, const TexelMap& map);
+
+} // namespace halflight
