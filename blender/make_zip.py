@@ -16,6 +16,12 @@ FOLDER = pathlib.Path(__file__).resolve().parent / "halflight_blender"
 WHEN = (2026, 1, 1, 0, 0, 0)
 
 
+def platform_of(wheel):
+    """Blender's name of a wheel's platform."""
+    names = {"manylinux": "linux-x64", "win_amd64": "windows-x64", "macosx": "macos-arm64"}
+    return next(name for part, name in names.items() if part in wheel)
+
+
 def add(archive, name, data, compression=zipfile.ZIP_DEFLATED):
     item = zipfile.ZipInfo(f"{FOLDER.name}/{name}", WHEN)
     item.external_attr = 0o644 << 16
@@ -34,7 +40,8 @@ def main():
                 continue
             text = path.read_text(encoding="utf-8")
             if path.suffix == ".toml" and options.wheel:
-                text = text.replace("wheels = []", f'wheels = ["./wheels/{options.wheel.name}"]')
+                lines = f'wheels = ["./wheels/{options.wheel.name}"]\nplatforms = ["{platform_of(options.wheel.name)}"]'
+                text = text.replace("wheels = []", lines)
             add(archive, path.name, text)
         if options.wheel:
             add(archive, f"wheels/{options.wheel.name}", options.wheel.read_bytes(), zipfile.ZIP_STORED)

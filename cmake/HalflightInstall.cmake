@@ -1,5 +1,6 @@
-# What `cmake --install` puts in place: the program, the libraries, the headers (shading/*.h are GLSL includes too), and
-# the CMake package `halflight`.
+# What `cmake --install` puts in place, in two components. runtime: the program, its manual pages and completions, the guide,
+# the format and its schemas. development: the libraries, the headers (shading/*.h are GLSL includes too), the CMake package
+# `halflight` and a pkg-config file.
 include(CMakePackageConfigHelpers)
 
 set(HALFLIGHT_PACKAGE_DIR ${CMAKE_INSTALL_LIBDIR}/cmake/halflight)
@@ -18,16 +19,48 @@ foreach(decoder draco meshoptimizer WEBP)
     endif()
 endforeach()
 
-install(TARGETS halflight RUNTIME)
+install(TARGETS halflight RUNTIME COMPONENT runtime)
 install(TARGETS halflight_base halflight_shading halflight_scene halflight_unwrap halflight_bake halflight_bake_cpu
                 halflight_gpu halflight_frame halflight_render
-    EXPORT halflightTargets ARCHIVE LIBRARY)
-install(DIRECTORY include/halflight DESTINATION ${CMAKE_INSTALL_INCLUDEDIR})
-install(EXPORT halflightTargets NAMESPACE halflight:: DESTINATION ${HALFLIGHT_PACKAGE_DIR})
+    EXPORT halflightTargets ARCHIVE COMPONENT development LIBRARY COMPONENT development)
+install(DIRECTORY include/halflight DESTINATION ${CMAKE_INSTALL_INCLUDEDIR} COMPONENT development)
+install(EXPORT halflightTargets NAMESPACE halflight:: DESTINATION ${HALFLIGHT_PACKAGE_DIR} COMPONENT development)
 
 configure_package_config_file(${CMAKE_CURRENT_LIST_DIR}/halflightConfig.cmake.in
     ${PROJECT_BINARY_DIR}/halflightConfig.cmake INSTALL_DESTINATION ${HALFLIGHT_PACKAGE_DIR})
 write_basic_package_version_file(${PROJECT_BINARY_DIR}/halflightConfigVersion.cmake COMPATIBILITY SameMinorVersion)
 install(FILES ${PROJECT_BINARY_DIR}/halflightConfig.cmake ${PROJECT_BINARY_DIR}/halflightConfigVersion.cmake
-    DESTINATION ${HALFLIGHT_PACKAGE_DIR})
-install(FILES LICENSE README.md CHANGELOG.md DESTINATION ${CMAKE_INSTALL_DOCDIR})
+    DESTINATION ${HALFLIGHT_PACKAGE_DIR} COMPONENT development)
+
+file(RELATIVE_PATH HALFLIGHT_PC_PREFIX /${CMAKE_INSTALL_LIBDIR}/pkgconfig /)
+string(REGEX REPLACE "/$" "" HALFLIGHT_PC_PREFIX "${HALFLIGHT_PC_PREFIX}")
+set(HALFLIGHT_PC_LIBS "-lembree${HALFLIGHT_EMBREE_MAJOR}")
+set(HALFLIGHT_PC_REQUIRES "OpenEXR libpng libzstd libxxhash spdlog tbb tomlplusplus")
+if(draco_FOUND)
+    string(APPEND HALFLIGHT_PC_LIBS " -ldraco")
+endif()
+if(meshoptimizer_FOUND)
+    string(APPEND HALFLIGHT_PC_LIBS " -lmeshoptimizer")
+endif()
+if(WEBP_FOUND)
+    string(APPEND HALFLIGHT_PC_REQUIRES " libwebp")
+endif()
+configure_file(${CMAKE_CURRENT_LIST_DIR}/halflight.pc.in ${PROJECT_BINARY_DIR}/halflight.pc @ONLY)
+install(FILES ${PROJECT_BINARY_DIR}/halflight.pc DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig COMPONENT development)
+
+install(FILES README.md CHANGELOG.md docs/guide.md docs/format.md docs/engines.md docs/conventions.md
+    DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT runtime)
+install(FILES LICENSE DESTINATION ${CMAKE_INSTALL_DOCDIR} RENAME copyright COMPONENT runtime)
+install(DIRECTORY docs/schemas DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT runtime)
+# Made when the program is linked (apps/halflight/CMakeLists.txt).
+set(HALFLIGHT_CLI_DOCS ${PROJECT_BINARY_DIR}/cli_docs)
+install(DIRECTORY ${HALFLIGHT_CLI_DOCS}/man1 DESTINATION ${CMAKE_INSTALL_MANDIR} COMPONENT runtime OPTIONAL)
+install(FILES ${HALFLIGHT_CLI_DOCS}/halflight.bash DESTINATION ${CMAKE_INSTALL_DATADIR}/bash-completion/completions
+    RENAME halflight COMPONENT runtime OPTIONAL)
+install(FILES ${HALFLIGHT_CLI_DOCS}/_halflight DESTINATION ${CMAKE_INSTALL_DATADIR}/zsh/site-functions COMPONENT runtime OPTIONAL)
+install(FILES ${HALFLIGHT_CLI_DOCS}/halflight.fish DESTINATION ${CMAKE_INSTALL_DATADIR}/fish/vendor_completions.d
+    COMPONENT runtime OPTIONAL)
+
+if(PROJECT_IS_TOP_LEVEL)
+    include(HalflightPackages)
+endif()

@@ -32,6 +32,9 @@ Command addRenderCommand(CLI::App& parent);
 Command addInfoCommand(CLI::App& parent);
 Command addOptimizeCommand(CLI::App& parent);
 
+/// All commands and options, with what --help says of them, as JSON.
+std::string describeCommandLine(const CLI::App& program, std::string_view version);
+
 /// The option that a command was given and does not have, as it was typed; empty when there is none.
 std::string unknownOption(const CLI::App* command);
 /// What a command line that does not parse most likely meant: "did you mean --samples?", or that the output needs -o.

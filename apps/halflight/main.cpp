@@ -58,11 +58,17 @@ int runProgram(const std::vector<std::string>& arguments)
     const std::vector<std::string> compression = readableCompression();
     for (const std::string& name : compression) version += (&name == &compression[0] ? "\nreads " : ", ") + name;
     app.set_version_flag("-V,--version", version);
+    bool describes = false; // asked for below, before a command is required
+    app.add_flag("--describe", describes, "Print all commands and options as JSON and exit");
     app.require_subcommand(1);
     const std::vector<Command> commands = {addBakeCommand(app), addFarmCommand(app), addRenderCommand(app),
                                            addInfoCommand(app), addOptimizeCommand(app)};
     app.footer("halflight COMMAND --help, or halflight help COMMAND, tells more. Exit codes: 0 done, 1 failed, 2 wrong "
                "usage.");
+    if (arguments == std::vector<std::string>{"--describe"}) {
+        printJson(describeCommandLine(app, HALFLIGHT_VERSION));
+        return kOk;
+    }
     const auto isCommand = [&](const std::string& word) {
         return std::any_of(commands.begin(), commands.end(),
                            [&](const Command& command) { return command.app->get_name() == word; });

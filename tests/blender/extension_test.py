@@ -3,7 +3,7 @@
 
     extension_test.py HALFLIGHT EXTENSION_FOLDER [KEEP_FOLDER]
 
-Blender is $HALFLIGHT_BLENDER, else the one on PATH. With KEEP_FOLDER, the pictures stay there.
+Blender is $HALFLIGHT_BLENDER, else the one on PATH. $HALFLIGHT_WHEEL is packed into the extension where it is set. With KEEP_FOLDER, the pictures stay there.
 """
 
 import os
@@ -26,7 +26,9 @@ def main():
         folder = pathlib.Path(sys.argv[3] if len(sys.argv) > 3 else temporary).resolve()
         folder.mkdir(parents=True, exist_ok=True)
         package = folder / "halflight.zip"
-        subprocess.run([sys.executable, f"{extension}/make_zip.py", package], check=True)
+        wheel = os.environ.get("HALFLIGHT_WHEEL")
+        options = ["--wheel", wheel] if wheel else []
+        subprocess.run([sys.executable, f"{extension}/make_zip.py", package, *options], check=True)
         environment = dict(os.environ, BLENDER_USER_RESOURCES=temporary, BLENDER_USER_CONFIG=f"{temporary}/config")
         environment.update(BLENDER_USER_SCRIPTS=f"{temporary}/scripts", BLENDER_USER_DATAFILES=f"{temporary}/data")
         # Debian's Blender takes the first python3 on PATH for its own, which another one (pyenv) may be.

@@ -13,6 +13,7 @@ import bpy
 import numpy as np
 
 sys.path.insert(0, os.path.dirname(__file__))
+import dump  # noqa: E402
 import panels_check  # noqa: E402
 import scene as test_scene  # noqa: E402
 
@@ -35,8 +36,14 @@ def install():
         bpy.ops.preferences.addon_install(filepath=PACKAGE)
         name = "halflight_blender"
         bpy.ops.preferences.addon_enable(module=name)
-    bpy.context.preferences.addons[name].preferences.program = HALFLIGHT
-    return importlib.import_module(name)
+    extension = importlib.import_module(name)
+    if os.environ.get("HALFLIGHT_WHEEL"):
+        found = extension.preferences.find_program(bpy.context)
+        expect(found is not None and found.where == "from the wheel", f"the wheel's program is found: {found}")
+        print("program of the wheel:", extension.program.version(found.path))
+    else:
+        bpy.context.preferences.addons[name].preferences.program = HALFLIGHT
+    return extension
 
 
 def expect(condition, sentence):
@@ -45,10 +52,11 @@ def expect(condition, sentence):
 
 
 def write_materials(name):
-    """All of the user's materials as Blender writes them."""
-    own = {m for m in bpy.data.materials if "halflight_baked_view" not in m}
-    bpy.data.libraries.write(path(name), own)
-    return path(name)
+    """All of the user's materials: what Blender says of them, and the bytes that it writes of them."""
+    own = [m for m in bpy.data.materials if "halflight_baked_view" not in m]
+    bpy.data.libraries.write(path(name), set(own))
+    with open(path(name), "rb") as file:
+        return "\n".join(dump.dump(material) for material in own), file.read()
 
 
 def picture_of(name, scene):
@@ -239,7 +247,11 @@ def make_without_ball(extension, files):
 def check_leaving(extension, scene, before, scene_before):
     expect(bpy.ops.halflight.baked_view() == {"FINISHED"}, "the view is left")
     expect(bpy.context.scene == scene, "the window shows the user's scene")
-    expect(filecmp.cmp(before, write_materials("materials_after.blend"), shallow=False), "materials are the same bytes")
+    after = write_materials("materials_after.blend")
+    lines = list(zip(before[0].splitlines(), after[0].splitlines()))
+    expect(len(lines) > 1000 and before[0] == after[0], f"materials: {[(a, b) for a, b in lines if a != b][:5]}")
+    if bpy.app.version < (4, 0, 0):  # newer ones write copies, at other addresses each time
+        expect(before[1] == after[1], "materials are the same bytes")
     expect(sorted(item.name for item in scene.objects) == scene_before, "the scene has the objects it had")
     everything = [item.name for name in extension.baked_view.COLLECTIONS for item in getattr(bpy.data, name)]
     left = [name for name in everything if name.startswith("Baked ")]

@@ -1,0 +1,56 @@
+// The command line as JSON: manual pages and shell completions are made of it (scripts/make_cli_docs.py).
+
+#include "console.h"
+
+#include <nlohmann/json.hpp>
+
+namespace halflight::cli {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json namesOf(const CLI::Option& option)
+{
+    Json names = Json::array();
+    for (const std::string& name : option.get_snames()) names.push_back("-" + name);
+    for (const std::string& name : option.get_lnames()) names.push_back("--" + name);
+    return names;
+}
+
+Json describe(const CLI::Option& option)
+{
+    Json json;
+    if (option.get_positional()) {
+        json["positional"] = option.get_name(true);
+    } else {
+        json["names"] = namesOf(option);
+    }
+    json["group"] = option.get_group();
+    json["description"] = option.get_description();
+    json["required"] = option.get_required();
+    json["repeats"] = option.get_expected_max() > 1;
+    json["value"] = option.get_items_expected_max() > 0 ? option.get_type_name() : std::string();
+    return json;
+}
+
+Json describe(const CLI::App& app)
+{
+    Json json = {{"name", app.get_name()}, {"description", app.get_description()}, {"footer", app.get_footer()}};
+    json["options"] = Json::array();
+    for (const CLI::Option* option : app.get_options()) json["options"].push_back(describe(*option));
+    json["commands"] = Json::array();
+    for (const CLI::App* command : app.get_subcommands({})) json["commands"].push_back(describe(*command));
+    return json;
+}
+
+} // namespace
+
+std::string describeCommandLine(const CLI::App& program, std::string_view version)
+{
+    Json json = describe(program);
+    json["version"] = version;
+    return json.dump(2);
+}
+
+} // namespace halflight::cli

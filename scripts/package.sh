@@ -1,0 +1,54 @@
+#!/usr/bin/env bash
+# Makes all packages from one CMake install, into out/packages:
+#
+#   halflight_*.deb, halflight-dev_*.deb    Debian, with the build host's versions of the libraries
+#   halflight-*-linux-*.tar.gz              relocatable: unpack anywhere, run bin/halflight
+#   halflight-*.whl                         Python wheel with the program and a thin module
+#   halflight-blender-*.zip                 the Blender extension, with the wheel and without
+#
+#   scripts/package.sh [--build DIR] [--out DIR]
+#
+# --build packages a build tree that is there instead of building the release preset. Tarball and wheel need the glibc of the
+# host that built them or a newer one; the script prints which. For older systems run it on an older one.
+set -euo pipefail
+cd "$(dirname "${BASH_SOURCE[0]}")/.."
+
+build="" out=out/packages
+while [ $# -gt 0 ]; do
+  case "$1" in
+    --build) build="$2"; shift 2 ;;
+    --out) out="$2"; shift 2 ;;
+    *) echo "usage: scripts/package.sh [--build DIR] [--out DIR]" >&2; exit 2 ;;
+  esac
+done
+for tool in patchelf objdump dpkg-shlibdeps fakeroot; do
+  command -v "$tool" >/dev/null || { echo "package.sh: $tool is missing: apt-get install patchelf binutils dpkg-dev fakeroot" >&2; exit 1; }
+done
+if [ -z "$build" ]; then
+  build=build/release
+  cmake --preset release --log-level=WARNING
+  cmake --build --preset release
+fi
+
+mkdir -p "$out"
+out=$(cd "$out" && pwd)
+rm -f "$out"/halflight*
+stage=$(mktemp -d)
+trap 'rm -rf "$stage"' EXIT
+version=$("$build/apps/halflight/halflight" --version | sed -n '1s/halflight //p')
+machine=$(uname -m)
+
+cpack -G DEB --config "$build/CPackConfig.cmake" -B "$stage/deb" >"$stage/cpack.log" || { cat "$stage/cpack.log" >&2; exit 1; }
+mv "$stage"/deb/*.deb "$out"
+
+name="halflight-$version-linux-$machine"
+cmake --install "$build" --prefix "$stage/$name" --component runtime --strip >/dev/null
+glibc=$(python3 scripts/packaging/bundle_libraries.py "$stage/$name")
+tar -C "$stage" --sort=name --owner=0 --group=0 --numeric-owner --mtime=@1767225600 -cf - "$name" | gzip -9n >"$out/$name.tar.gz"
+
+wheel=$(python3 scripts/packaging/make_wheel.py "$stage/$name" "$version" "$glibc" "$out")
+python3 blender/make_zip.py "$out/halflight-blender-$version.zip"
+python3 blender/make_zip.py "$out/halflight-blender-$version-linux-$machine.zip" --wheel "$wheel"
+
+ls -l "$out" | awk 'NR > 1 { printf "%9.1f MB  %s\n", $5 / 1e6, $9 }'
+echo "package.sh: tarball and wheel run on glibc $glibc and newer; this host has $(ldd --version | sed -n '1s/.* //p')"

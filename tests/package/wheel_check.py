@@ -1,0 +1,28 @@
+"""The wheel's module, in a Python that has it: wheel_check.py SCENE OUTPUT OPTIONS… (each --name value, and --quiet)."""
+
+import subprocess
+import sys
+
+import halflight
+
+
+def main():
+    scene, output = sys.argv[1:3]
+    words = [word for word in sys.argv[3:] if word != "--quiet"]
+    settings = {name[2:].replace("-", "_"): value for name, value in zip(words[::2], words[1::2])}
+    report = halflight.bake(scene, output, **settings)
+    assert report["output"] == output and report["lightmap"]["pages"] >= 1, report
+    assert halflight.arguments({"denoise": True, "moz_lightmap": True, "sky": (1, 2, 3), "samples": None}) == [
+        "--denoise", "on", "--moz-lightmap", "--sky", "1,2,3"
+    ]  # fmt: skip
+    try:
+        halflight.bake(scene, output, quality="best")
+    except halflight.Error as error:
+        assert error.code == 2 and "must be one of preview" in str(error), error
+    else:
+        raise AssertionError("a wrong setting is an error")
+    said = subprocess.run([sys.executable, "-m", "halflight", "--version"], capture_output=True, text=True).stdout
+    assert said.startswith("halflight " + halflight.__version__), said
+
+
+main()
