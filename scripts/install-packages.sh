@@ -25,6 +25,7 @@ packages=(
   libvulkan-dev libvulkan1 vulkan-validationlayers mesa-vulkan-drivers glslang-tools spirv-tools
   libgtest-dev libgmock-dev libbenchmark-dev clang-format
   imagemagick fonts-dejavu-core
+  parallel slurm-wlm munge # farm/: launchers and their tests
 )
 if [ "${1:-}" = "--node" ] && ! command -v npm >/dev/null; then packages+=(nodejs npm); fi
 # Ubuntu's chromium is a snap, which containers cannot run; there the tests of web/ are skipped unless a browser is there.
