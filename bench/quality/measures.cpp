@@ -2,7 +2,6 @@
 
 #include "quality/baked.h"
 
-#include "halflight/render/probes.h"
 #include "halflight/shading/sh.h"
 
 #include <algorithm>
@@ -12,9 +11,7 @@
 #include <optional>
 
 namespace halflight::quality {
-namespace {
 
-/// The figure that says that there is none.
 Figures failed(const std::string& item, const std::string& scene, const Error& error)
 {
     return {{item, scene, error.text(), std::numeric_limits<double>::infinity(), 0.0, ""}};
@@ -45,8 +42,6 @@ double luminanceOf(vec3 light)
 {
     return double(luminance(light));
 }
-
-} // namespace
 
 // Inside is dark: what light there is came through walls. The sky is the same from everywhere, so outside is pi times
 // its radiance.
@@ -409,70 +404,6 @@ Figures measureContact(const std::filesystem::path& assets, int truthSamples)
         figures.push_back({"noise", scene, "… as bakes are", finished->contact, c.limitContact * raw->contact, "%"});
     }
     return figures;
-}
-
-namespace {
-
-// Small things on a sunny floor: their light must not come from probes in the shadow behind the building or under the
-// floor's rim, whatever tetrahedra join. Above the forecourt of the hall nothing stands between any point and the sun.
-Figure measureFloor(const std::filesystem::path& assets)
-{
-    const std::string scene = "tests/probe_hall.glb";
-    BakeSettings settings = settingsFor(MixedLightingMode::Shadowmask, 4.0f, 16, 1);
-    settings.probeSpacingMeters = 0.6f;
-    auto baked = bakeFile(assets / scene, settings);
-    if (!baked) return failed("probes", scene, baked.error())[0];
-    const ProbeInterpolator probes(baked->result.baked);
-    double worst = 0.0;
-    for (const float y : {0.02f, 0.05f, 0.1f, 0.2f, 0.4f}) {
-        for (float z = 1.2f; z < 5.81f; z += 0.2f) {
-            for (float x = -4.8f; x < 4.81f; x += 0.2f)
-                worst = std::max(worst, 1.0 - double(probes.sample({x, y, z}).occlusion.x));
-        }
-    }
-    return {"probes", scene, "most shadow 2 cm to 40 cm above a sunny floor", 100.0 * worst, 1.0, "%"};
-}
-
-} // namespace
-
-// The bright room's light in the dark room: what its probes say at points well within, against the brightest of what a
-// fine set of probes says there.
-Figures measureProbes(const std::filesystem::path& assets)
-{
-    BakeSettings settings = settingsFor(MixedLightingMode::Shadowmask, 4.0f, 16, 2);
-    settings.probeSpacingMeters = 0.0f;
-    auto baked = bakeFile(assets / "quality/probe_rooms.glb", settings);
-    if (!baked) return failed("probes", "quality/probe_rooms.glb", baked.error());
-    const ProbeInterpolator probes(baked->result.baked);
-    const auto levelAt = [&](vec3 p) {
-        const ProbeSample sample = probes.sample(p);
-        return luminanceOf(sample.radiance[0]);
-    };
-    std::vector<double> dark, bright;
-    for (float y = 0.3f; y < 2.2f; y += 0.3f) {
-        for (float z = -1.8f; z < 1.81f; z += 0.3f) {
-            for (float x = 0.27f; x < 3.9f; x += 0.3f) {
-                dark.push_back(levelAt({x, y, z}));
-                bright.push_back(levelAt({-x, y, z}));
-            }
-        }
-    }
-    int inside = 0;
-    for (const Probe& probe : baked->result.baked.probes.probes) {
-        const vec3 p = probe.position;
-        const bool inRoom =
-            p.y > 0.0f && p.y < 2.5f && std::abs(p.z) < 2.0f && std::abs(p.x) > 0.02f && std::abs(p.x) < 4.0f;
-        inside += !inRoom && probe.valid ? 1 : 0;
-    }
-    const double level = percentile(bright, 0.5);
-    const std::string scene = "quality/probe_rooms.glb";
-    const std::string where = "the dark room, 25 cm or more from the wall, of the bright room";
-    return {{"probes", scene, "brightest place in " + where,
-             100.0 * *std::max_element(dark.begin(), dark.end()) / level, 8.0, "%"},
-            {"probes", scene, "median of the dark room, of the bright room", 100.0 * percentile(dark, 0.5) / level, 1.0,
-             "%"},
-            {"probes", scene, "valid probes outside both rooms", double(inside), 0.0, ""},
-            measureFloor(assets)};
 }
 
 } // namespace halflight::quality

@@ -21,6 +21,13 @@ struct Figure {
 };
 using Figures = std::vector<Figure>;
 
+/// The figure that says that there is none.
+Figures failed(const std::string& item, const std::string& scene, const Error& error);
+/// The value that `share` of them, 0…1, do not exceed. It orders the values anew.
+double percentile(std::vector<double>& values, double share);
+BakeSettings settingsFor(MixedLightingMode mode, float texelsPerMeter, int samples, int bounces);
+double luminanceOf(vec3 light);
+
 /// Folders: `assets` holds quality/ and tests/. Errors are thrown away as figures without a limit kept: a scene that
 /// cannot be read or baked gives one figure that is infinite.
 Figures measureLeaks(const std::filesystem::path& assets);

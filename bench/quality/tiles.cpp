@@ -12,11 +12,6 @@ namespace {
 
 constexpr const char* kScene = "quality/tiles.glb";
 
-double luminanceOf(vec3 light)
-{
-    return double(luminance(light));
-}
-
 /// Mean of |values|, each with its length along joints.
 struct Mean {
     double sum = 0.0;

@@ -156,6 +156,9 @@ Status probeStage(const Stages& stages, const Gather& gather)
                    gather.settings.denoised, gather, report.warnings, stages.progress);
     if (!probes) return cancelledError();
     baked.probes = std::move(*probes);
+    std::optional<ProbeSight> sight = findProbeSight(baked.probes, gather.integrator, stages.progress);
+    if (!sight) return cancelledError();
+    baked.probes.sight = std::move(*sight);
     report.probeCount = int(baked.probes.probes.size());
     report.validProbeCount = int(
         std::count_if(baked.probes.probes.begin(), baked.probes.probes.end(), [](const Probe& p) { return p.valid; }));

@@ -59,6 +59,9 @@ ProbeSet probeGrid(const Scene& scene, float spacingMeters, std::vector<std::str
 /// that trilinear interpolation darkens nothing beside walls. They stay marked as invalid.
 void fillInvalidProbes(ProbeSet& grid);
 
+/// How far probes see (ProbeSight), so that interpolation leaves out those behind a wall. Nothing when cancelled.
+std::optional<ProbeSight> findProbeSight(const ProbeSet& set, const Integrator& integrator, const Progress& progress);
+
 /// The probes (spec S14): those at the scene's own positions, with invalid ones marked; or, without positions, a grid
 /// as `layout` says. Nothing when cancelled.
 std::optional<ProbeSet> bakeProbes(const Scene& scene, float spacingMeters, ProbeLayout layout, bool denoise,

@@ -114,6 +114,8 @@ inline constexpr Rule kBakeRules[] = {
     {"extensions/HALFLIGHT_mixed_lighting/probes/valid", Kind::Index},
     {"extensions/HALFLIGHT_mixed_lighting/probes/tetrahedra", Kind::Index},
     {"extensions/HALFLIGHT_mixed_lighting/probes/neighbors", Kind::Index},
+    {"extensions/HALFLIGHT_mixed_lighting/probes/sightRanges", Kind::Index},
+    {"extensions/HALFLIGHT_mixed_lighting/probes/sight", Kind::Index},
     {"extensions/HALFLIGHT_mixed_lighting/probes/grid/origin", Kind::Numbers, 3},
     {"extensions/HALFLIGHT_mixed_lighting/probes/grid/spacing", Kind::Numbers, 3},
     {"extensions/HALFLIGHT_mixed_lighting/probes/grid/size", Kind::Indices, 3},

@@ -12,7 +12,7 @@ namespace {
 
 // Indices of things that have no place yet.
 constexpr int kNewBase = 1 << 30;
-constexpr const char* kProbeAccessors[] = {"positions", "radiance", "occlusion", "valid", "tetrahedra", "neighbors"};
+constexpr const char* kProbeAccessors[] = {"positions", "radiance", "occlusion", "valid", "tetrahedra", "neighbors", "sightRanges", "sight"};
 
 // Indices set by this program are signed integers to nlohmann's JSON, those of a file unsigned ones.
 bool isNew(const Json& index)

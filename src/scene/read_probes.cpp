@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <tuple>
 
 namespace halflight {
@@ -109,6 +110,38 @@ Status readTetrahedra(const SourceDocument& document, const Json& json, ProbeSet
     return {};
 }
 
+// The maps that a file may hold of how far its probes see.
+Status readSight(const SourceDocument& document, const Json& json, ProbeSight& sight, std::size_t probeCount)
+{
+    const std::string path = kBakePath + "/probes";
+    const Json& reference = member(json, "sight");
+    if (reference.is_null()) return {};
+    const auto ranges = accessorIndex(document, json, "sightRanges", probeCount, path);
+    if (!ranges) return ranges.error();
+    const auto numbers = viewAccessor(document, *ranges);
+    if (!numbers) return numbers.error();
+    if (!reference.is_number_unsigned() || reference.get<uint64_t>() >= document.model.accessors.size())
+        return invalid(path, "sight refers to an accessor that does not exist");
+    const auto corners = viewAccessor(document, reference.get<int>());
+    if (!corners) return corners.error();
+    if (corners->components != 2 || corners->componentType != TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT)
+        return invalid(path, "sight is not VEC2 of unsigned short");
+    std::size_t maps = 0;
+    for (std::size_t i = 0; i < probeCount; ++i) {
+        const auto range = float(numbers->number(i, 0));
+        if (!(range >= 0.0f && range < kInfinity)) return invalid(path, "a sightRange is no length");
+        sight.rangeMeters.push_back(range);
+        maps += range > 0.0f ? 1 : 0;
+    }
+    sight.size = maps > 0 ? int(std::lround(std::sqrt(double(corners->count) / double(maps)))) : 0;
+    if (sight.size < 3 || sight.size % 2 == 0 ||
+        maps * std::size_t(sight.size) * std::size_t(sight.size) != corners->count)
+        return invalid(path, "sight does not hold a square map for each sightRange above 0");
+    for (std::size_t i = 0; i < corners->count; ++i)
+        sight.corners.push_back({uint16_t(corners->integer(i, 0)), uint16_t(corners->integer(i, 1))});
+    return {};
+}
+
 } // namespace
 
 Status readProbes(const SourceDocument& document, const Json& json, const glm::dvec3& shift, ProbeSet& set)
@@ -143,6 +176,7 @@ Status readProbes(const SourceDocument& document, const Json& json, const glm::d
         probe.valid = (*v)[i] != 0;
     }
     if (Status s = readTetrahedra(document, json, set); !s) return s;
+    if (Status s = readSight(document, json, set.sight, n); !s) return s;
     const Json& grid = member(json, "grid");
     if (grid.is_null()) return {};
     if (!readVector(member(grid, "origin"), set.origin) || !readVector(member(grid, "spacing"), set.spacingMeters) ||

@@ -43,6 +43,14 @@ void addTetrahedra(ProbeAccessors& accessors, const ProbeSet& set, Json& json)
     json["neighbors"] = accessors.add("VEC4", kUnsigned, cells.size(), neighbors);
 }
 
+// How far probes see: a range of each, and the maps of those whose range is above 0.
+void addSight(ProbeAccessors& accessors, const ProbeSight& sight, Json& json)
+{
+    if (sight.corners.empty()) return;
+    json["sightRanges"] = accessors.add("SCALAR", kFloat, sight.rangeMeters.size(), sight.rangeMeters);
+    json["sight"] = accessors.add("VEC2", TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT, sight.corners.size(), sight.corners);
+}
+
 } // namespace
 
 Json probesJson(DocumentPatcher& patcher, const ProbeSet& set, uint64_t& bytes)
@@ -71,6 +79,7 @@ Json probesJson(DocumentPatcher& patcher, const ProbeSet& set, uint64_t& bytes)
         {"occlusion", accessors.add("VEC4", kFloat, count, occlusion)},
         {"valid", accessors.add("SCALAR", TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE, count, valid)}};
     addTetrahedra(accessors, set, json);
+    addSight(accessors, set.sight, json);
     if (Json grid = gridJson(set, dvec3(set.origin)); !grid.is_null()) json["grid"] = std::move(grid);
     return json;
 }

@@ -2,6 +2,7 @@
 
 #include "fixtures.h"
 
+#include "halflight/scene/optimize.h"
 #include "halflight/scene/probe_cells.h"
 
 #include <functional>
@@ -139,6 +140,68 @@ TEST(ProbeTetrahedra, AreThoseOfTheFile)
     // One that an edit of positions turned inside out is not: they are made anew.
     std::swap(one.probes.tetrahedra[0].vertex[0], one.probes.tetrahedra[0].vertex[1]);
     EXPECT_EQ(probeCells(one.probes).cells.size(), made.size());
+}
+
+/// Two of the probes have maps.
+BakedScene withSight()
+{
+    BakedScene baked = withLooseProbes();
+    ProbeSight& sight = baked.probes.sight;
+    sight.size = 3;
+    sight.rangeMeters.assign(baked.probes.probes.size(), 0.0f);
+    sight.rangeMeters[2] = 1.5f;
+    sight.rangeMeters[7] = 2.5f;
+    for (uint16_t i = 0; i < 18; ++i) sight.corners.push_back({uint16_t(1000 * i + 3), uint16_t(65535 - 7 * i)});
+    return baked;
+}
+
+TEST(ProbeSightS14, FilesKeepItAlsoWhenOptimized)
+{
+    const TemporaryFolder folder;
+    const BakedScene baked = withSight();
+    ASSERT_TRUE(writeBakedScene(folder / "baked.glb", baked));
+    OptimizeReport report;
+    ASSERT_TRUE(optimizeFile(folder / "baked.glb", folder / "small.glb", {}, report));
+    for (const char* file : {"baked.glb", "small.glb"}) {
+        const auto read = readBakedScene(folder / file);
+        ASSERT_TRUE(read) << read.error().text();
+        const ProbeSight& sight = read->probes.sight;
+        EXPECT_EQ(sight.size, 3);
+        EXPECT_EQ(sight.rangeMeters, baked.probes.sight.rangeMeters);
+        ASSERT_EQ(sight.corners.size(), 18u);
+        for (std::size_t i = 0; i < 18; ++i) {
+            EXPECT_EQ(sight.corners[i].distance, baked.probes.sight.corners[i].distance) << i;
+            EXPECT_EQ(sight.corners[i].deviation, baked.probes.sight.corners[i].deviation) << i;
+        }
+    }
+}
+
+TEST(ProbeSightS14, WrongMapsAreRefused)
+{
+    const TemporaryFolder folder;
+    ASSERT_TRUE(writeBakedScene(folder / "baked.glb", withSight()));
+    const auto errorAfter = [&](const std::function<void(Json&, Json&)>& change) {
+        const auto read = readChanged(folder, folder / "baked.glb", [&](Json& json, std::vector<char>&) {
+            Json& probes = json["extensions"]["HALFLIGHT_mixed_lighting"]["probes"];
+            change(probes, json["accessors"][probes["sight"].get<std::size_t>()]);
+        });
+        return read ? std::string("read") : read.error().text();
+    };
+    EXPECT_EQ(errorAfter([](Json&, Json&) {}), "read");
+    EXPECT_THAT(errorAfter([](Json&, Json& accessor) { accessor["count"] = 17; }),
+                HasSubstr("sight does not hold a square map"));
+    EXPECT_THAT(errorAfter([](Json&, Json& accessor) { accessor["type"] = "SCALAR"; }),
+                HasSubstr("not VEC2 of unsigned short"));
+    EXPECT_THAT(errorAfter([](Json& probes, Json&) { probes["sight"] = 9999; }),
+                HasSubstr("sight refers to an accessor"));
+    EXPECT_THAT(errorAfter([](Json& probes, Json&) { probes["sightRanges"] = probes["sight"]; }),
+                HasSubstr("sightRanges"));
+    // Without maps, as in files of earlier versions, the probes are read and see through walls.
+    EXPECT_EQ(errorAfter([](Json& probes, Json&) {
+                  probes.erase("sight");
+                  probes.erase("sightRanges");
+              }),
+              "read");
 }
 
 TEST(ProbeTetrahedra, OfAPlaneAreNotWritten)

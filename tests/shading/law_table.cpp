@@ -8,6 +8,7 @@
 #include "halflight/shading/light.h"
 #include "halflight/shading/mask.h"
 #include "halflight/shading/sh.h"
+#include "halflight/shading/sight.h"
 #include "halflight/shading/sky.h"
 
 #include <algorithm>
@@ -220,6 +221,41 @@ void lights(int cases)
     }
 }
 
+void sight(int cases)
+{
+    Numbers n(4);
+    {
+        Function f("octahedralX", "sight.h", {"d"});
+        for (int i = 0; i < cases; ++i) {
+            const vec3 d = n.direction();
+            f.add(d, octahedralX(d));
+        }
+    }
+    {
+        Function f("octahedralY", "sight.h", {"d"});
+        for (int i = 0; i < cases; ++i) {
+            const vec3 d = n.direction();
+            f.add(d, octahedralY(d));
+        }
+    }
+    {
+        Function f("octahedralShare", "sight.h", {"column", "row", "u", "v", "mirrored"});
+        for (int i = 0; i < cases; ++i) {
+            const float u = n.share();
+            const float v = n.share();
+            const bool mirrored = n.flag();
+            f.add(i % 2, i / 2 % 2, u, v, mirrored, octahedralShare(i % 2, i / 2 % 2, u, v, mirrored));
+        }
+    }
+    Function f("probeSight", "sight.h", {"nearness", "variance", "pointNearness"});
+    for (int i = 0; i < cases; ++i) {
+        const float nearness = n.in(1.0f, 8.0f);
+        const float variance = n.flag() ? 0.0f : n.in(0.0f, 1.0f);
+        const float point = n.in(1.0f, 8.0f);
+        f.add(nearness, variance, point, probeSight(nearness, variance, point));
+    }
+}
+
 } // namespace
 
 int main()
@@ -229,6 +265,7 @@ int main()
     lawOfMixing(kCases);
     storedLight(kCases);
     lights(kCases);
+    sight(kCases);
     std::printf("\n]}\n");
     return 0;
 }

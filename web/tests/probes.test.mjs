@@ -1,14 +1,17 @@
 // Interpolation between probes: against exact answers.
 import assert from 'node:assert/strict';
+import { readFileSync } from 'node:fs';
 import { test } from 'node:test';
 
-import { shIrradianceWeight } from '../three/src/generated/shading.js';
+import * as shading from '../three/src/generated/shading.js';
 import { OUTSIDE, readCells } from '../three/src/probes/cells.js';
 import { ProbeField, skyProbe } from '../three/src/probes/field.js';
 import { removeRinging } from '../three/src/probes/ringing.js';
+import { readSight } from '../three/src/probes/sight.js';
 import { Tetrahedra } from '../three/src/probes/tetrahedra.js';
 import { randomizer } from './random.mjs';
 
+const { shIrradianceWeight } = shading;
 const BLACK = { zenith: [0, 0, 0], horizon: [0, 0, 0], ground: [0, 0, 0] };
 
 function volumeOf(points) {
@@ -105,6 +108,46 @@ test('cells that do not fit: a sentence, or others in their place', () => {
     assert.throws(() => readCells(vertices, neighbors.slice(4), valid), /neighbours of/);
     const turned = fileField((probes) => ({ ...probes, positions: probes.positions.map((x, i) => (i === 3 * vertices[0] ? x + 40 : x)) })).field;
     assert.ok(!turned.cellsOfFile, 'a probe moved through its cells');
+});
+
+/** Probes at x = -1 and 1 with light 0 and 1, each with a map of a wall at x = 0. As tests/render_plan/probe_sight_test.cpp. */
+function walledField(withMaps) {
+    const positions = [];
+    for (const x of [-1, 1]) for (const y of [0, 1]) for (const z of [0, 1]) positions.push(x, y, z);
+    const size = 9;
+    const corners = [];
+    for (let probe = 0; probe < 8; ++probe)
+        for (let i = 0; i < size * size; ++i) {
+            const [u, v] = [i % size, Math.floor(i / size)].map((k) => (2 * k) / (size - 1) - 1);
+            const fold = Math.max(Math.abs(u) + Math.abs(v) - 1, 0);
+            const across = u >= 0 ? u - fold : u + fold;
+            corners.push(Math.round(65535 / Math.max((-across / positions[3 * probe]) * 4, 1)), 0);
+        }
+    const { probes } = fieldOf(positions, (x) => (x < 0 ? 0 : 1));
+    return new ProbeField({ ...probes, sight: withMaps ? readSight(new Array(8).fill(4), corners) : null }, BLACK);
+}
+
+test('probes that see a wall light nothing behind it', () => {
+    const random = randomizer(4);
+    const seeing = walledField(true);
+    for (let i = 0; i < 500; ++i) {
+        const p = [0.02 + random(0.98), random(1), random(1)];
+        assert.ok(seeing.sample(p).radiance[0] > 0.99, `${p}`);
+        assert.ok(seeing.sample([-p[0], p[1], p[2]]).radiance[0] < 0.01, `${p}`);
+    }
+    assert.ok(Math.abs(walledField(false).sample([0.02, 0.5, 0.5]).radiance[0] - 0.51) < 0.01, 'without maps half of it comes through');
+    assert.throws(() => readSight([1, 0, 2], [1, 2, 3, 4]), /square map/);
+});
+
+test('formulas of sight.h give what the conformance table says', () => {
+    const table = JSON.parse(readFileSync(new URL('../../assets/conformance/law.json', import.meta.url), 'utf8'));
+    const functions = table.functions.filter((f) => f.header.endsWith('/sight.h'));
+    assert.equal(functions.length, 4);
+    for (const { name, cases } of functions)
+        for (const list of cases) {
+            const result = shading[name](...list.slice(0, -1).map((x) => (Array.isArray(x) ? { x: x[0], y: x[1], z: x[2] } : x)));
+            assert.ok(Math.abs(result - list.at(-1)) <= 1e-4 * Math.abs(list.at(-1)) + 1e-5, `${name}(${list})`);
+        }
 });
 
 const irradiance = (radiance, n) => {

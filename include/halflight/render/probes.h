@@ -46,8 +46,8 @@ class ProbeMesh;
 /// linear fields exactly. A point outside takes the value at the hull's nearest point, which is continuous too: every
 /// point off the hull has one nearest point, and it moves no farther than the point does. Probes in a plane, on a line
 /// or at one place work the same way. Invalid probes (inside geometry) are left out and the tetrahedra span across
-/// them; of probes at the same place the first counts. Walls between valid probes are not seen: a point near a thin
-/// wall takes a share from probes on its other side. Without any valid probe every sample is skyProbe() of the scene.
+/// them; of probes at the same place the first counts. Shares are weighed by what the probes see (ProbeSight), so that
+/// a wall stops light between valid probes. Without any valid probe every sample is skyProbe() of the scene.
 class ProbeInterpolator {
 public:
     explicit ProbeInterpolator(const BakedScene& baked, ProbeOptions options = {});

@@ -24,6 +24,22 @@ struct Probe {
     bool valid = true; ///< false: inside geometry; to be left out of interpolation
 };
 
+/// How far probes see. A probe that sees all points of its tetrahedra that another corner sees needs no map.
+struct ProbeSight {
+    /// Corners along each side of a map, odd; 0: no probe has one.
+    int size = 0;
+    /// By probe, in the norm |x| + |y| + |z|: what the map's distances are fractions of. It says nothing of points
+    /// farther away. 0: no map.
+    std::vector<float> rangeMeters;
+    struct Corner {
+        uint16_t distance = 0;  ///< 1 / nearness, 65535 = range
+        uint16_t deviation = 0; ///< of the nearness, over it; 65535 = 1 and more
+    };
+    /// `size` squared corners for each probe with a map, in the order of the probes: rows of the octahedral map
+    /// (shading/sight.h), from y = -1 up. Those on the square's rim come twice.
+    std::vector<Corner> corners;
+};
+
 /// Probes on a regular grid: probe i sits at origin + spacing * (x, y, z) with i = (z * size.y + y) * size.x + x.
 /// The grid may be empty (size 0), and then probes is a free list.
 struct ProbeSet {
@@ -34,6 +50,7 @@ struct ProbeSet {
     /// Delaunay tetrahedra between the valid probes, as a file brought them; vertices are indices into `probes`. Empty:
     /// probeCells() makes them.
     std::vector<Tetrahedron> tetrahedra;
+    ProbeSight sight; ///< nothing in files of earlier versions: every probe sees through walls
 };
 
 /// How a channel of the shadowmask is to be read: see decodeMask() in shading/mask.h.

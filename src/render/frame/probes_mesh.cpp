@@ -16,6 +16,7 @@ ProbeMesh::ProbeMesh(const BakedScene& baked) : sky_(skyProbe(baked.scene.sky)),
     if (mesh_.cells.empty()) return;
     sources_.assign(mesh_.probeOf.begin(), mesh_.probeOf.begin() + std::ptrdiff_t(mesh_.probeCount));
     for (const uint32_t source : sources_) probes_.push_back(baked.probes.probes[source]);
+    sight_ = ProbeSightMaps(baked.probes.sight, sources_);
     buildHull();
     buildStarts();
 }
@@ -104,6 +105,23 @@ ProbeMesh::Where ProbeMesh::walk(uint32_t start, dvec3 point) const
     return where;
 }
 
+// Each share times how well its probe sees the point that the shares are those of. Where a probe's share is 0 it stays
+// 0, so the result is continuous from cell to cell.
+void ProbeMesh::weighBySight(Shares& shares) const
+{
+    dvec3 point(0.0);
+    double total = 0.0;
+    for (const auto& [place, share] : shares) {
+        point += share * mesh_.vertices[place];
+        total += share;
+    }
+    if (!(total > 0.0)) return;
+    point /= total;
+    for (auto& [place, share] : shares) {
+        if (share > 0.0) share *= double(sight_.weight(place, vec3(mesh_.frame * (point - mesh_.vertices[place]))));
+    }
+}
+
 ProbeWeights ProbeMesh::weights(vec3 position) const
 {
     ProbeWeights result;
@@ -114,7 +132,7 @@ ProbeWeights ProbeMesh::weights(vec3 position) const
         if (mesh_.flat[axis]) point[axis] = 0.0;
     }
 
-    std::array<std::pair<uint32_t, double>, 4> shares;
+    Shares shares;
     const Where where = walk(starts_[startCellOf(point)], point);
     if (where.outside) {
         const HullFaces::Nearest nearest = hull_.nearest(point, mesh_.vertices);
@@ -125,6 +143,8 @@ ProbeWeights ProbeMesh::weights(vec3 position) const
         for (std::size_t i = 0; i < 4; ++i)
             shares[i] = {placeOf(mesh_.cells[where.cell].vertex[i]), std::max(where.weights[i], 0.0)};
     }
+
+    weighBySight(shares);
 
     // Copies of a probe count as one. In the order of probes, so that a sum does not depend on the cell's.
     std::sort(shares.begin(), shares.end());

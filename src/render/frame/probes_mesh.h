@@ -8,6 +8,7 @@
 
 #include <array>
 #include <span>
+#include <utility>
 #include <vector>
 
 namespace halflight {
@@ -41,6 +42,27 @@ private:
     std::vector<Node> nodes_;
 };
 
+/// ProbeSight, of the probes in use.
+class ProbeSightMaps {
+public:
+    ProbeSightMaps() = default;
+    /// `sources`: the index in the scene of each probe in use.
+    ProbeSightMaps(const ProbeSight& sight, std::span<const uint32_t> sources);
+
+    /// Weight of a probe in use at a point `offset` metres from it, along the world's axes: 1 in sight, nearly 0 behind
+    /// a surface. Continuous.
+    [[nodiscard]] float weight(uint32_t place, vec3 offset) const;
+
+private:
+    struct Map {
+        float rangeMeters = 0.0f;
+        std::size_t first = 0; ///< of its moments
+    };
+    int size_ = 0;
+    std::vector<Map> maps_;     ///< by probe in use; empty without any map
+    std::vector<vec2> moments_; ///< nearness times range, and its variance
+};
+
 class ProbeMesh {
 public:
     explicit ProbeMesh(const BakedScene& baked);
@@ -61,8 +83,11 @@ private:
         std::array<double, 4> weights{};
     };
 
+    using Shares = std::array<std::pair<uint32_t, double>, 4>; ///< of places
+
     void buildHull();
     void buildStarts();
+    void weighBySight(Shares& shares) const;
     [[nodiscard]] Where walk(uint32_t start, glm::dvec3 point) const;
     [[nodiscard]] std::array<double, 4> weightsIn(const Tetrahedron& cell, glm::dvec3 point) const;
     [[nodiscard]] std::size_t startCellOf(glm::dvec3 point) const;
@@ -75,6 +100,7 @@ private:
     ProbeSample sky_;
     ProbeCells mesh_;
     HullFaces hull_;
+    ProbeSightMaps sight_;
 
     // Where a walk begins, by the point's place in a coarse grid.
     glm::dvec3 low_{0.0};

@@ -10,4 +10,4 @@ export const PICTURE_LISTS = ['lightmaps', 'lightmapDirections', 'shadowmasks'];
 /** Key of the sky's picture among those of the bake. */
 export const SKY_PICTURE = 'sky';
 /** Members of `probes` that are accessors. */
-export const PROBE_ACCESSORS = ['positions', 'radiance', 'occlusion', 'valid', 'tetrahedra', 'neighbors'];
+export const PROBE_ACCESSORS = ['positions', 'radiance', 'occlusion', 'valid', 'tetrahedra', 'neighbors', 'sightRanges', 'sight'];

@@ -1,5 +1,6 @@
 // A baked file's JSON and accessors as plain data: no three.js here. docs/format.md says what each property means.
 import { readCells } from '../probes/cells.js';
+import { readSight } from '../probes/sight.js';
 import { readByCurve, readRgb9e5, decodeImage } from './images.js';
 
 const ROOT = 'HALFLIGHT_mixed_lighting';
@@ -54,6 +55,7 @@ const MATERIAL = 'HALFLIGHT_material';
  * @property {Uint8Array} valid
  * @property {{origin: number[], spacing: number[], size: number[]} | null} grid
  * @property {import('../probes/cells.js').Cells | null} cells null in version 1 of the format, and where probes lie in one plane
+ * @property {import('../probes/sight.js').Sight | null} [sight] null where no probe has a map
  */
 
 /**
@@ -163,24 +165,26 @@ async function readProbes(source, root) {
     if (!p || !(p.count > 0)) return null;
     const floats = async (index) => Float32Array.from((await source.accessor(index)).array);
     const integers = async (index) => (index === undefined ? null : (await source.accessor(index)).array);
-    const [positions, radiance, occlusion, valid, tetrahedra, neighbors] = await Promise.all([
+    const [positions, radiance, occlusion, valid, tetrahedra, neighbors, sightRanges, sight] = await Promise.all([
         floats(p.positions),
         floats(p.radiance),
         floats(p.occlusion),
         source.accessor(p.valid).then((a) => Uint8Array.from(a.array)),
         integers(p.tetrahedra),
         integers(p.neighbors),
+        integers(p.sightRanges),
+        integers(p.sight),
     ]);
     const origin = root.origin ?? [0, 0, 0];
     for (let i = 0; i < positions.length; ++i) positions[i] += origin[i % 3];
     const grid = p.grid ? { ...p.grid, origin: p.grid.origin.map((x, axis) => x + origin[axis]) } : null;
     const cells = tetrahedra ? readCells(tetrahedra, neighbors, valid) : null;
-    return { count: p.count, positions, radiance, occlusion, valid, grid, cells };
+    return { count: p.count, positions, radiance, occlusion, valid, grid, cells, sight: readSight(sightRanges, sight) };
 }
 
 /** In the file: of buffer views with meshopt compression the compressed ones. */
 function bytesOfProbes(json, probes = {}) {
-    const accessors = ['positions', 'radiance', 'occlusion', 'valid', 'tetrahedra', 'neighbors'].map((name) => json.accessors?.[probes[name]]);
+    const accessors = ['positions', 'radiance', 'occlusion', 'valid', 'tetrahedra', 'neighbors', 'sightRanges', 'sight'].map((name) => json.accessors?.[probes[name]]);
     const views = new Set(accessors.map((accessor) => accessor?.bufferView).filter((view) => view !== undefined));
     const stored = (view) => (view.extensions?.EXT_meshopt_compression ?? view.extensions?.KHR_meshopt_compression ?? view).byteLength;
     return [...views].reduce((sum, index) => sum + stored(json.bufferViews[index]), 0);

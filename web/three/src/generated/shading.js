@@ -9,6 +9,8 @@ export const kMinHighlightElevation = 0.2;
 export const kLightDirectional = 0;
 export const kLightPoint = 1;
 export const kLightSpot = 2;
+export const kLeastSight = 0.002;
+export const kLeastSightDeviation = 0.005;
 const mix = (a, b, t) => a * (1 - t) + b * t;
 const clamp = (x, a, b) => Math.min(Math.max(x, a), b);
 /** @param {number} x @returns {number} */
@@ -111,4 +113,31 @@ export function visibilitySmithGgx(nDotL, nDotV, alpha) {
     const v = nDotL * Math.sqrt(nDotV * nDotV * (1.0 - a2) + a2);
     const l = nDotV * Math.sqrt(nDotL * nDotL * (1.0 - a2) + a2);
     return 0.5 / Math.max(v + l, 1.0e-6);
+}
+/** @param {{x: number, y: number, z: number}} d @returns {number} */
+export function octahedralX(d) {
+    const size = Math.abs(d.x) + Math.abs(d.y) + Math.abs(d.z);
+    const side = d.x >= 0.0 ? 1.0 : -1.0;
+    return d.z >= 0.0 ? d.x / size : side * (1.0 - Math.abs(d.y) / size);
+}
+/** @param {{x: number, y: number, z: number}} d @returns {number} */
+export function octahedralY(d) {
+    const size = Math.abs(d.x) + Math.abs(d.y) + Math.abs(d.z);
+    const side = d.y >= 0.0 ? 1.0 : -1.0;
+    return d.z >= 0.0 ? d.y / size : side * (1.0 - Math.abs(d.x) / size);
+}
+/** @param {number} column @param {number} row @param {number} u @param {number} v @param {boolean} mirrored @returns {number} */
+export function octahedralShare(column, row, u, v, mirrored) {
+    const across = mirrored ? 1.0 - u : u;
+    const side = mirrored ? 1 - column : column;
+    if (side == row) return Math.max(row == 0 ? 1.0 - across - v : across + v - 1.0, 0.0);
+    return row == 0 ? Math.min(across, 1.0 - v) : Math.min(v, 1.0 - across);
+}
+/** @param {number} nearness @param {number} variance @param {number} pointNearness @returns {number} */
+export function probeSight(nearness, variance, pointNearness) {
+    const least = kLeastSightDeviation * nearness;
+    const spread = Math.max(variance, least * least);
+    const excess = Math.max(nearness - pointNearness, 0.0);
+    const bound = spread / (spread + excess * excess);
+    return Math.max(bound * bound * bound, kLeastSight);
 }

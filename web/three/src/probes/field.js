@@ -6,6 +6,7 @@ import { skyCoefficients } from '../scene/sky_picture.js';
 import { cellsFit, OUTSIDE } from './cells.js';
 import { nearestOnTriangle } from './nearest.js';
 import { removeRinging } from './ringing.js';
+import { sightWeight } from './sight.js';
 import { Tetrahedra } from './tetrahedra.js';
 
 const LATTICE = 2 ** 22;
@@ -196,6 +197,17 @@ export class ProbeField {
         return best;
     }
 
+    /** Shares of probes, each times how well its probe sees the point that the shares are those of. */
+    seen(probes, shares) {
+        const { positions, sight } = this.probes;
+        if (!sight) return shares;
+        const sum = shares.reduce((a, b) => a + b, 0);
+        const point = [0, 1, 2].map((axis) => shares.reduce((at, share, k) => at + (share / sum) * positions[3 * probes[k] + axis], 0));
+        return shares.map((share, k) =>
+            share > 0 ? share * sightWeight(sight, probes[k], point.map((x, axis) => x - positions[3 * probes[k] + axis])) : 0
+        );
+    }
+
     /** @param {number[]} p world @returns {ProbeSample} */
     sample(p) {
         const sum = { radiance: new Float64Array(27), occlusion: new Float64Array(4) };
@@ -203,7 +215,8 @@ export class ProbeField {
             sum.radiance.set(this.sky.radiance);
             sum.occlusion.set(this.sky.occlusion);
         } else {
-            const { probes, weights } = this.weights(p);
+            const { probes, weights: shares } = this.weights(p);
+            const weights = this.seen(probes, shares);
             const total = weights.reduce((a, b) => a + b, 0);
             probes.forEach((probe, k) => {
                 const w = weights[k] / total;
