@@ -87,8 +87,10 @@ Status lightmapPagesStage(const Stages& stages, const Gather& gather, const std:
         main->addTo(values.direct);
     }
     valid = std::move(values.valid);
+    StageTimer fillTimer(stages.report(), "fill");
     fillInvalid(gather.geometry, gather.map, valid, values.irradiance);
     fillInvalid(gather.geometry, gather.map, valid, values.direct);
+    fillTimer.finish();
     StageTimer timer(stages.report(), "seams");
     std::vector<ImageRgb32f>& pages = stages.result.irradiance;
     pages = dilate(gather.map, values.irradiance, kDilationRings);
@@ -100,8 +102,10 @@ Status lightmapPagesStage(const Stages& stages, const Gather& gather, const std:
     timer.finish();
     if (stages.progress.cancelled()) return cancelledError();
     stages.noteImages(dumpPages(settings, "lightmap", pages));
+    StageTimer encodeTimer(stages.report(), "encode");
     baked.lightmapUnitLux = lightmapUnitFor(pages);
     baked.lightmaps = encodeLightmap(pages, baked.lightmapUnitLux);
+    encodeTimer.finish();
     if (!settings.directional) return {};
     std::vector<vec3> moments;
     moments.reserve(estimates.size());
@@ -172,7 +176,9 @@ Status traceStages(const Stages& stages, const Gather& gather)
     std::vector<IrradianceEstimate> estimates(gather.map.texels.size());
     std::optional<MainLight> main;
     if (Status s = lightmapStage(stages, gather, estimates, main); !s) return s;
+    StageTimer timer(stages.report(), "find seams");
     const std::vector<SeamSample> seams = findSeams(gather.geometry, gather.map.pageSize);
+    timer.finish();
     if (Status s = denoiseStage(stages, gather, seams, estimates); !s) return s;
     std::vector<uint8_t> valid;
     if (Status s = lightmapPagesStage(stages, gather, estimates, main, seams, valid); !s) return s;

@@ -180,7 +180,7 @@ std::vector<RasterFragment> sortedFragments(const BakeGeometry& geometry, int pa
         fragments.insert(fragments.end(), list.begin(), list.end());
         release(list);
     }
-    std::sort(fragments.begin(), fragments.end(), [](const RasterFragment& a, const RasterFragment& b) {
+    parallelSort(fragments, [](const RasterFragment& a, const RasterFragment& b) {
         return a.key != b.key ? a.key < b.key : a.fragment.triangle < b.fragment.triangle;
     });
     return fragments;

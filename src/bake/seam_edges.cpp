@@ -3,6 +3,8 @@
 #include "bake/hash_grid.h"
 #include "bake/stages.h"
 
+#include "halflight/base/parallel.h"
+
 #include <glm/gtc/matrix_access.hpp>
 
 #include <algorithm>
@@ -259,17 +261,19 @@ std::vector<SeamSample> findSeams(const BakeGeometry& geometry, int pageSize)
         }
     }
     const OpenEdges byPlace(std::move(open));
-    for (uint32_t i = 0; i < byPlace.edges().size(); ++i) {
-        const std::vector<uint32_t> partners = byPlace.near(i);
-        std::vector<SeamSample> found;
-        std::size_t count = 0;
-        for (const uint32_t j : partners) {
-            const std::size_t before = found.size();
-            addCommonStretch(byPlace.edges()[i], byPlace.edges()[j], pageSize, found);
-            count += found.size() > before ? 1 : 0;
+    std::vector<std::vector<SeamSample>> ofEdge(byPlace.edges().size());
+    parallelFor(ofEdge.size(), 64, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t i = begin; i < end; ++i) {
+            std::size_t count = 0;
+            for (const uint32_t j : byPlace.near(uint32_t(i))) {
+                const std::size_t before = ofEdge[i].size();
+                addCommonStretch(byPlace.edges()[i], byPlace.edges()[j], pageSize, ofEdge[i]);
+                count += ofEdge[i].size() > before ? 1 : 0;
+            }
+            if (count > kMostPartners) ofEdge[i].clear();
         }
-        if (count <= kMostPartners) samples.insert(samples.end(), found.begin(), found.end());
-    }
+    });
+    for (const std::vector<SeamSample>& found : ofEdge) samples.insert(samples.end(), found.begin(), found.end());
     return samples;
 }
 

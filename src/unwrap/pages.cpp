@@ -3,10 +3,13 @@
 #include "halflight/unwrap/unwrap.h"
 
 #include "halflight/base/parallel.h"
+#include "unwrap/page_search.h"
+#include "unwrap/trials.h"
 
 #include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
+#include <optional>
 
 namespace halflight::charts {
 namespace {
@@ -182,6 +185,16 @@ Pages attempt(const std::vector<GroupLayout>& groups, const PageSettings& settin
     return pages;
 }
 
+/// Everything on one page at a density, or nothing; nothing when cancelled.
+std::optional<Pages> attemptOnePage(const std::vector<GroupLayout>& groups, const PageSettings& settings,
+                                    double texelsPerMeter, const Progress& progress)
+{
+    if (progress.cancelled()) return std::nullopt;
+    std::vector<std::size_t> tooLarge;
+    Pages pages = attempt(groups, settings, texelsPerMeter, true, tooLarge, progress);
+    return pages.pageCount == 1 && tooLarge.empty() ? std::optional(std::move(pages)) : std::nullopt;
+}
+
 double estimateTexels(const std::vector<GroupLayout>& groups, double texelsPerMeter, int padding)
 {
     double sum = 0.0;
@@ -220,30 +233,21 @@ Status checkPageCount(const std::vector<GroupLayout>& groups, double texelsPerMe
 }
 
 /// The smallest page that everything fits at the density of `whole`, which is one page. Each trial is a whole packing.
-Pages cutPage(const std::vector<GroupLayout>& groups, PageSettings settings, Pages whole, const Progress& progress)
+Pages cutPage(const std::vector<GroupLayout>& groups, const PageSettings& settings, Pages whole,
+              const Progress& progress)
 {
-    constexpr int kTrials = 10;
-    int fails = kLeastCutPage - 4, fits = settings.pageSize;
-    int size = roundedUpToBlocks(std::sqrt(estimateTexels(groups, whole.texelsPerMeter, settings.padding) / 0.95));
-    bool fittedOnce = false;
-    for (int trial = 0; trial < kTrials && fits - fails > std::max(4, fits / 64); ++trial) {
-        size = std::clamp(size, fails + 4, std::max(roundedUpToBlocks(fits) - 4, fails + 4));
-        if (size >= fits || progress.cancelled()) break;
-        settings.pageSize = size;
-        std::vector<std::size_t> tooLarge;
-        Pages pages = attempt(groups, settings, whole.texelsPerMeter, true, tooLarge, progress);
-        if (pages.pageCount == 1 && tooLarge.empty()) {
-            fits = size;
-            fittedOnce = true;
-            pages.densityFrom = whole.densityFrom;
-            whole = std::move(pages);
-        } else {
-            fails = size;
-        }
-        // From an estimate that is good to some percent: up in small steps, then halves of what is left.
-        size = fittedOnce ? roundedUpToBlocks(0.5 * (fails + fits)) : roundedUpToBlocks(1.04 * size + 1.0);
-    }
-    return whole;
+    const double estimate = std::sqrt(estimateTexels(groups, whole.texelsPerMeter, settings.padding) / 0.95);
+    PageSearch search(settings.pageSize, roundedUpToBlocks(estimate));
+    const auto evaluate = [&](int size) {
+        PageSettings trial = settings;
+        trial.pageSize = size;
+        return attemptOnePage(groups, trial, whole.texelsPerMeter, progress);
+    };
+    const auto report = [](const PageSearch&) {};
+    std::optional<Pages> best = searchByTrials<Pages>(search, trialDepth(threadCount()), evaluate, report);
+    if (!best || progress.cancelled()) return whole;
+    best->densityFrom = whole.densityFrom;
+    return std::move(*best);
 }
 
 std::string nameOf(const GroupLayout& group)
@@ -310,32 +314,12 @@ Result<Pages> placeOnPages(std::vector<GroupLayout>& groups, const PageSettings&
     DensityFrom from = DensityFrom::Asked;
     if (density <= 0.0) {
         const double most = settings.mostTexelsPerMeter > 0.0 ? settings.mostTexelsPerMeter : 1e30;
-        // Bracket the greatest density that fits, then halve the bracket. Each trial is a whole packing.
-        double fits = 0.0, fails = 0.0;
-        Pages best;
-        density = std::min(estimateDensity(groups, settings, 0.93), most);
-        constexpr int kTrials = 9;
-        for (int trial = 0; trial < kTrials && !progress.cancelled(); ++trial) {
-            progress("pack", double(trial) / kTrials);
-            Pages pages = attempt(groups, settings, density, true, tooLarge, progress);
-            if (pages.pageCount == 1 && tooLarge.empty()) {
-                fits = density;
-                best = std::move(pages);
-            } else {
-                fails = density;
-            }
-            if (fits >= most) break;
-            if (fits > 0.0 && fails > 0.0) {
-                if (fails / fits < 1.008) break;
-                density = std::sqrt(fits * fails);
-            } else {
-                const double step = trial < 2 ? 1.06 : trial < 4 ? 1.25 : 3.0;
-                density = fits > 0.0 ? std::min(fits * step, most) : fails / step;
-            }
-        }
+        DensitySearch search{most, std::min(estimateDensity(groups, settings, 0.93), most)};
+        const auto evaluate = [&](double trial) { return attemptOnePage(groups, settings, trial, progress); };
+        const auto report = [&](const DensitySearch& s) { progress("pack", double(s.trial) / DensitySearch::kTrials); };
+        std::optional<Pages> best = searchByTrials<Pages>(search, trialDepth(threadCount()), evaluate, report);
         if (progress.cancelled()) return Pages{};
-        if (best.pageCount == 1)
-            return finished(std::move(best), fits >= most ? DensityFrom::Scene : DensityFrom::Page);
+        if (best) return finished(std::move(*best), search.fits >= most ? DensityFrom::Scene : DensityFrom::Page);
         from = DensityFrom::Page;
         // So many charts that their padding alone fills a page.
         density = std::min(estimateDensity(groups, settings, 0.9), most);

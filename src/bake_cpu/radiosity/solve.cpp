@@ -3,6 +3,7 @@
 #include "bake_cpu/radiosity/substitutes.h"
 
 #include "halflight/base/memory.h"
+#include "halflight/base/parallel.h"
 #include "halflight/shading/brdf.h"
 
 #include <algorithm>
@@ -161,16 +162,27 @@ private:
     }
 
     /// Sums for each unknown the radiance at the ends of its links, and radiance by way of surfaces without patches.
-    void sweep(int bounce, std::vector<vec3>& gathered) const
+    /// Sums of samples are computed on all threads and added in the order of the samples.
+    void sweep(int bounce, std::vector<vec3>& gathered)
     {
-        for (const FormFactorRange& range : factors_) {
-            FormFactorRange::forSamples(range, [&](const PatchSamples& s, std::span<const PatchId> links) {
-                vec3 sum(0.0f);
-                for (const PatchId target : links) {
-                    if (target != kNoPatch) sum += reflected_[target];
-                }
-                if (s.patch != kNoPatch) gathered[s.patch] += sum;
-            });
+        sampleSums_.resize(factors_.size());
+        parallelFor(factors_.size(), 16, [&](std::size_t begin, std::size_t end) {
+            for (std::size_t r = begin; r < end; ++r) {
+                sampleSums_[r].clear();
+                FormFactorRange::forSamples(factors_[r], [&](const PatchSamples&, std::span<const PatchId> links) {
+                    vec3 sum(0.0f);
+                    for (const PatchId target : links) {
+                        if (target != kNoPatch) sum += reflected_[target];
+                    }
+                    sampleSums_[r].push_back(sum);
+                });
+            }
+        });
+        for (std::size_t r = 0; r < factors_.size(); ++r) {
+            const FormFactorRange& range = factors_[r];
+            for (std::size_t i = 0; i < range.samples.size(); ++i) {
+                if (range.samples[i].patch != kNoPatch) gathered[range.samples[i].patch] += sampleSums_[r][i];
+            }
             for (const FormFactorRange::LateRadiance& late : range.late) {
                 if (late.patch != kNoPatch && late.reflections < uint32_t(bounce))
                     gathered[late.patch] += late.radiance;
@@ -191,6 +203,7 @@ private:
         std::vector<PatchRadiance> ofUnknown(unknownCount_);
         for (std::size_t i = 0; i < unknowns_.size(); ++i) ofUnknown[i] = {reflected_[i], unknowns_[i].minDistance};
         release(reflected_);
+        release(sampleSums_);
         release(unknowns_);
         radiance_.resize(rayCount_.size());
         for (std::size_t i = 0; i < radiance_.size(); ++i) {
@@ -262,7 +275,8 @@ private:
     std::vector<uint32_t> unknown_; ///< number of the unknown, or kNoPatch
     uint32_t unknownCount_ = 0;
     std::vector<Unknown> unknowns_;
-    std::vector<vec3> reflected_; ///< by unknown
+    std::vector<vec3> reflected_;               ///< by unknown
+    std::vector<std::vector<vec3>> sampleSums_; ///< of a sweep, by range and sample
     RadianceCache::Levels levels_;
     std::vector<PatchRadiance> radiance_;
 };
