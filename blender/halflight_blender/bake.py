@@ -117,11 +117,11 @@ class Job:
 
 def summary_of(report):
     lightmap, cache = report["lightmap"], report.get("cache", {})
-    text = f"{report['seconds']:.1f} s, {lightmap['pages']} pages of {lightmap['size']} texels, "
-    text += f"{report['probes']['count']} probes"
+    pages = "1 page" if lightmap["pages"] == 1 else f"{lightmap['pages']} pages"
+    text = f"{report['seconds']:.1f} s, {report['probes']['count']} probes\n{pages} of {lightmap['size']} texels"
     if cache.get("tiles"):
         reused = cache["same"] + cache["unchanged"]
-        text += f"; {reused} of {cache['tiles']} tiles from the last bake"
+        text += f"\n{reused} of {cache['tiles']} tiles as before"
     return text
 
 
@@ -153,7 +153,7 @@ class HALFLIGHT_OT_bake(bpy.types.Operator):
         except (BakeError, OSError, ValueError, KeyError) as error:
             self.report({"ERROR"} if not self.job.cancelled else {"WARNING"}, str(error))
             return {"CANCELLED"}
-        self.report({"INFO"}, "Baked: " + summary_of(report))
+        self.report({"INFO"}, "Baked: " + summary_of(report).replace("\n", ", "))
         return {"FINISHED"}
 
     def execute(self, context):

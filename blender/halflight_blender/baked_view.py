@@ -48,7 +48,7 @@ def show(context, files):
             for item in set(getattr(bpy.data, name)) - before[name]:
                 item[TAG] = 1
     context.window.scene = view
-    show_materials(context.window, view)
+    show_rendered(context.window, view)
     return view
 
 
@@ -123,7 +123,7 @@ def add_switches(view, lights):
     for light in lights:
         item = view.halflight_lights.add()
         item.name = light["name"]
-        item.shadow = ("mask " + "RGBA"[light["channel"]]) if light["channel"] >= 0 else "no baked shadow"
+        item.shadow = ("mask " + "RGBA"[light["channel"]]) if light["channel"] >= 0 else "none"
 
 
 # -- meshes ----------------------------------------------------------------------------------------------------------
@@ -214,13 +214,16 @@ def set_normals(mesh, normals):
 # -- viewports -------------------------------------------------------------------------------------------------------
 
 
-def show_materials(window, view):
-    """Viewports in solid or wireframe shading would show none of it."""
+def show_rendered(window, view):
+    """Other shadings would show none of it, or light its dynamic objects by another world."""
+    if view.render.engine == "BLENDER_WORKBENCH":
+        engines = view.render.bl_rna.properties["engine"].enum_items.keys()
+        view.render.engine = "BLENDER_EEVEE_NEXT" if "BLENDER_EEVEE_NEXT" in engines else "BLENDER_EEVEE"
     changed = []
     for number, area in enumerate(window.screen.areas):
-        if area.type == "VIEW_3D" and area.spaces.active.shading.type in {"SOLID", "WIREFRAME"}:
+        if area.type == "VIEW_3D" and area.spaces.active.shading.type != "RENDERED":
             changed.append((number, area.spaces.active.shading.type))
-            area.spaces.active.shading.type = "MATERIAL"
+            area.spaces.active.shading.type = "RENDERED"
     view["halflight_shading"] = json.dumps(changed)
 
 

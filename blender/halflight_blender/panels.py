@@ -19,8 +19,9 @@ def draw_bake(layout, context):
     column.operator("halflight.bake", icon="LIGHT_SUN")
     shown = baked_view.is_view(context.scene)
     column.operator("halflight.baked_view", icon="HIDE_OFF" if shown else "HIDE_ON", depress=shown)
-    if settings.summary:
-        layout.label(text=settings.summary)
+    lines = layout.column(align=True)
+    for line in settings.summary.splitlines():
+        lines.label(text=line)
     if stale.is_stale(scene):
         layout.label(text="Changed since the bake", icon="ERROR")
     column = layout.column()
@@ -37,7 +38,7 @@ def draw_bake(layout, context):
 
 def draw_lights(layout, context):
     for light in context.scene.halflight_lights:
-        row = layout.row()
+        row = layout.split(factor=0.75)
         row.prop(light, "on", text=light.name)
         row.label(text=light.shadow)
 
@@ -128,7 +129,8 @@ class HALFLIGHT_PT_world(Properties, bpy.types.Panel):
         layout.use_property_split = True
         layout.prop(world, "halflight_sky_source")
         understood = sky.read_world(world)
-        layout.label(text=understood.text(), icon="WORLD")
+        named = any(key in context.scene for key in sky.KEYS)
+        layout.label(text="The scene's own properties name the sky" if named else understood.text(), icon="WORLD")
         if understood.panorama:
             layout.prop(world, "halflight_sky_width")
         layout.prop(context.scene, "halflight_shadow_color")

@@ -78,16 +78,17 @@ def bake_arguments(settings, files):
 
 # Share of a bake's time that each stage takes, about: for one bar over all of them.
 STAGE_SHARES = {
-    "read": 0.02,
-    "unwrap": 0.06,
-    "build": 0.02,
-    "rasterize": 0.01,
-    "lightmap": 0.58,
-    "denoise": 0.07,
-    "seams": 0.02,
-    "shadowmask": 0.11,
-    "probes": 0.08,
-    "write": 0.03,
+    "measure": 0.01,
+    "charts": 0.05,
+    "pack": 0.02,
+    "validity": 0.03,
+    "bounces": 0.05,
+    "lightmap": 0.50,
+    "lights": 0.05,
+    "denoise": 0.10,
+    "shadowmask": 0.10,
+    "probes": 0.07,
+    "write": 0.02,
 }
 
 

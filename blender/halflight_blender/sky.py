@@ -7,6 +7,7 @@ import os
 import bpy
 
 PICTURES = (".hdr", ".exr")
+KEYS = ("halflight_sky", "halflight_sky_zenith", "halflight_sky_horizon", "halflight_sky_ground", "halflight_sky_image")
 
 
 class World:
@@ -87,7 +88,7 @@ def rotation_of(node):
 
 def add_sky(context, extras, factor, folder):
     """Adds the sky to the scene's extras, unless these name one already. `factor`: lumens per watt."""
-    if any(key in extras for key in ("halflight_sky", "halflight_sky_zenith", "halflight_sky_image")):
+    if any(key in extras for key in KEYS):
         return []
     world = read_world(context.scene.world)
     if not world.image and not world.panorama:

@@ -18,7 +18,7 @@ class Layout:
     def row(self, **_options):
         return self
 
-    column = row
+    column = split = row
 
     def label(self, text="", icon="NONE"):
         self.shown.append(text)
