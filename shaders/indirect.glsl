@@ -20,7 +20,7 @@ vec3 indirectLight(MeshSurface mesh, vec3 lightmap)
     if (usesLightmap(s)) {
         vec3 dynamic = dynamicIrradiance();
         irradiance = lightmap * lightmapScale(mesh, s.normal) + dynamic;
-        surroundings = lightmap * lightmapScale(mesh, lobe) + dynamic;
+        surroundings = lightmap * lightmapSpecularScale(mesh, lobe) + dynamic;
     } else {
         irradiance = irradianceFrom(mesh.probes, s.normal);
         surroundings = irradianceFrom(mesh.probes, lobe);

@@ -113,6 +113,16 @@ float lightmapScale(MeshSurface mesh, vec3 normal)
     return directionalIrradianceScale(decodeMeanDirection(direction.rgb), side * mesh.vertexNormal, side * normal);
 }
 
+// S32. The same for the radiance, times pi, that the specular lobe meets.
+float lightmapSpecularScale(MeshSurface mesh, vec3 lobe)
+{
+    if (frame.baked.x == 0) return 1.0;
+    float side = gl_FrontFacing ? 1.0 : -1.0;
+    vec4 direction = textureLod(lightmapDirections, vec3(inLightmapUv, objects[inObject].info.y), 0.0);
+    return directionalSpecularScale(decodeMeanDirection(direction.rgb), side * mesh.vertexNormal, side * mesh.lit.normal,
+                                    side * mesh.lit.view, side * lobe, mesh.lit.roughness);
+}
+
 // In lux, whatever unit the file's texels are in.
 vec3 lightmapIrradiance()
 {

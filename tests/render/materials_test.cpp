@@ -2,6 +2,7 @@
 #include "render/render_test.h"
 
 #include "halflight/shading/brdf.h"
+#include "halflight/shading/directional.h"
 
 #include <glm/gtc/matrix_transform.hpp>
 #include <glm/gtc/packing.hpp>
@@ -191,6 +192,7 @@ TEST_P(Materials, NormalMapsSeeTheLightmapsDirectionS32)
     texture.pixels = ImageRgba8(1, 1, u8vec4(128 + 51, 128, 128 + 110, 255));
     scene.textures.push_back(texture);
     wall.material().normalTexture.texture = 0;
+    wall.material().roughness = 0.4f; // so that the light's highlight shows
     const vec3 encoded = vec3(texture.pixels(0, 0)) / 255.0f * 2.0f - 1.0f;
     const vec3 mapped = glm::normalize(vec3(encoded.x, encoded.y, encoded.z));
     const vec3 up(0, 0, 1); // the wall's normal
@@ -210,11 +212,19 @@ TEST_P(Materials, NormalMapsSeeTheLightmapsDirectionS32)
                 return on ? glm::mix(sky, light, share) : 1.0f;
             };
             ShadedPoint point = middle(from(3.0f), mapped);
+            point.roughness = 0.4f;
             const vec3 mirror = glm::reflect(-point.view, mapped);
             const vec3 lobe = glm::normalize(glm::mix(mirror, mapped, point.roughness * point.roughness));
-            const vec3 diffuse = shading::diffuseRadiance(kAlbedo, irradiance * scaleOn(mapped));
-            const vec3 specular = indirectRadiance(point, irradiance * scaleOn(lobe)) -
-                                  shading::diffuseRadiance(kAlbedo, irradiance * scaleOn(lobe));
+            const float nDotV = glm::dot(mapped, point.view);
+            const vec3 albedo = kAlbedo * shading::diffuseShare(vec3(0.04f), 1.0f, nDotV);
+            const vec3 diffuse = shading::diffuseRadiance(albedo, irradiance * scaleOn(mapped));
+            const float met = on ? shading::directionalSpecularScale(stored / 127.5f - 1.0f, up, mapped, point.view,
+                                                                     lobe, point.roughness)
+                                 : 1.0f;
+            if (on && share == 1.0f) EXPECT_GT(met, 1.5f * scaleOn(lobe)) << "a highlight";
+            const vec3 specular =
+                shading::environmentSpecular(vec3(0.04f), 1.0f, point.roughness, glm::dot(mapped, point.view)) *
+                irradiance * (met / kPi);
             EXPECT_TRUE(near(pixel(render(wall.baked, from(3.0f), settings)), diffuse + specular, 0.02f))
                 << share << (on ? " on" : " off");
         }

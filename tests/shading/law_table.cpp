@@ -183,6 +183,21 @@ void storedLight(int cases)
         }
     }
     {
+        Function f("directionalSpecularScale", "directional.h",
+                   {"meanDirection", "bakedNormal", "normal", "view", "lobe", "roughness"});
+        Numbers m(5);
+        for (int i = 0; i < cases; ++i) {
+            const vec3 baked = m.direction();
+            const vec3 mean = glm::normalize(baked + 0.7f * m.direction()) * m.in(0.0f, 1.0f);
+            const vec3 normal = glm::normalize(baked + 0.5f * m.direction());
+            const vec3 view = glm::normalize(normal + 0.9f * m.direction());
+            const vec3 lobe = glm::normalize(normal + 0.9f * m.direction());
+            const float roughness = m.in(0.1f, 1.0f);
+            f.add(mean, baked, normal, view, lobe, roughness,
+                  directionalSpecularScale(mean, baked, normal, view, lobe, roughness));
+        }
+    }
+    {
         Function f("shIrradianceWeight", "sh.h", {"i", "n"});
         for (int i = 0; i < cases; ++i) {
             const vec3 normal = n.direction();

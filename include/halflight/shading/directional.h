@@ -12,7 +12,7 @@
 #ifndef HALFLIGHT_SHADING_DIRECTIONAL_H
 #define HALFLIGHT_SHADING_DIRECTIONAL_H
 
-#include "language.h"
+#include "brdf.h"
 
 HL_NAMESPACE_BEGIN
 
@@ -20,17 +20,49 @@ HL_NAMESPACE_BEGIN
 // arrives at a grazing angle says little about what a surface that faces it would get, and noise would be all of it.
 HL_CONST float kMinHighlightElevation = 0.2f;
 
-// Irradiance on a surface of unit normal `normal` over that on the baked one, `bakedNormal`: 1 where they are the same.
-HL_FN float directionalIrradianceScale(vec3 meanDirection, vec3 bakedNormal, vec3 normal)
+// The distant light of a mean direction: xyz its direction, of length about 1, w its share of the irradiance.
+HL_FN vec4 bakedHighlight(vec3 meanDirection, vec3 bakedNormal)
 {
     vec3 v = meanDirection - (2.0f / 3.0f) * bakedNormal;
     float b = (4.0f / 3.0f) * dot(v, bakedNormal);
     float share = clamp(0.9f * (b + sqrt(b * b + (20.0f / 9.0f) * dot(v, v))), 0.0f, 1.0f);
     vec3 highlight = v / max(share, 1.0e-4f) + (2.0f / 3.0f) * bakedNormal;
     highlight += bakedNormal * max(kMinHighlightElevation - dot(highlight, bakedNormal), 0.0f);
+    return vec4(highlight, share);
+}
+
+// Irradiance on a surface of unit normal `normal` over that on the baked one, `bakedNormal`: 1 where they are the same.
+HL_FN float directionalIrradianceScale(vec3 meanDirection, vec3 bakedNormal, vec3 normal)
+{
+    vec4 highlight = bakedHighlight(meanDirection, bakedNormal);
+    vec3 toLight = vec3(highlight.x, highlight.y, highlight.z);
     float ambient = 0.5f + 0.5f * dot(normal, bakedNormal);
-    float light = max(dot(highlight, normal), 0.0f) / max(dot(highlight, bakedNormal), 1.0e-4f);
-    return mix(ambient, light, share);
+    float light = max(dot(toLight, normal), 0.0f) / max(dot(toLight, bakedNormal), 1.0e-4f);
+    return mix(ambient, light, highlight.w);
+}
+
+// Mean directions longer than this count as this long: in 8 bits they are off by about as much.
+HL_CONST float kSharpestMeanDirection = 0.99f;
+
+// Radiance that the specular lobe meets, times pi, over the irradiance on the baked normal: what environmentSpecular()
+// is to be multiplied with. `lobe` is specularLookup(). The even hemisphere counts with what faces the lobe, the
+// distant light with the highlight that it makes on a surface of this roughness. The highlight is as sharp as the mean
+// direction is long: an even cone of light of half-angle t has |d| = (1 + cos t) / 2. Half vectors of one mirror
+// direction fill a cone of t / 2, and GGX is as high as their density where alpha = t / 2, whose square is 1 - |d|.
+HL_FN float directionalSpecularScale(vec3 meanDirection, vec3 bakedNormal, vec3 normal, vec3 view, vec3 lobe,
+                                     float roughness)
+{
+    vec4 highlight = bakedHighlight(meanDirection, bakedNormal);
+    vec3 toLight = normalize(vec3(highlight.x, highlight.y, highlight.z));
+    float spread = 1.0f - min(length(meanDirection), kSharpestMeanDirection);
+    float alpha = min(sqrt(square(square(roughness)) + spread), 1.0f);
+    float nDotL = saturate(dot(normal, toLight));
+    float nDotV = clamp(abs(dot(normal, view)), 1.0e-4f, 1.0f);
+    vec3 h = normalize(toLight + view);
+    float specular = distributionGgx(saturate(dot(normal, h)), alpha) * visibilitySmithGgx(nDotL, nDotV, alpha) * nDotL;
+    vec3 mirrored = environmentSpecular(vec3(1.0f), 1.0f, roughness, nDotV);
+    float light = kShadingPi * specular / (max(mirrored.x, 0.05f) * max(dot(toLight, bakedNormal), 1.0e-4f));
+    return mix(0.5f + 0.5f * dot(lobe, bakedNormal), light, highlight.w);
 }
 
 // d as a texture's colour, and back.

@@ -81,17 +81,113 @@ float hlEncodeMaskDistance(float distanceTexels, float rangeTexels)
 {
     return hlSaturate(0.5 + 0.5 * distanceTexels / rangeTexels);
 }
+vec3 hlDiffuseRadiance(vec3 diffuseAlbedo, vec3 irradiance)
+{
+    return diffuseAlbedo * irradiance * (1.0 / hlShadingPi);
+}
+vec3 hlDiffuseAlbedoOf(vec3 baseColor, float metallic)
+{
+    return baseColor * (1.0 - metallic);
+}
+vec3 hlSpecularF0Of(vec3 baseColor, float metallic, float specular)
+{
+    return mix(vec3(0.04 * specular), baseColor, metallic);
+}
+float hlSpecularF90Of(float metallic, float specular)
+{
+    return mix(specular, 1.0, metallic);
+}
+vec3 hlFresnelSchlick(vec3 f0, float f90, float cosine)
+{
+    float m = hlSaturate(1.0 - cosine);
+    float m2 = m * m;
+    return f0 + (vec3(f90) - f0) * (m2 * m2 * m);
+}
+float hlDistributionGgx(float nDotH, float alpha)
+{
+    float a2 = alpha * alpha;
+    float d = nDotH * nDotH * (a2 - 1.0) + 1.0;
+    return a2 / (hlShadingPi * d * d);
+}
+float hlVisibilitySmithGgx(float nDotL, float nDotV, float alpha)
+{
+    float a2 = alpha * alpha;
+    float v = nDotL * sqrt(nDotV * nDotV * (1.0 - a2) + a2);
+    float l = nDotV * sqrt(nDotL * nDotL * (1.0 - a2) + a2);
+    return 0.5 / max(v + l, 1.0e-6);
+}
+vec3 hlReflectLight(vec3 baseColor, float metallic, float roughness, float specularFactor, vec3 n, vec3 v, vec3 l,
+                        vec3 illuminance)
+{
+    float nDotL = hlSaturate(dot(n, l));
+    if (nDotL <= 0.0) return vec3(0.0);
+    float nDotV = max(abs(dot(n, v)), 1.0e-4);
+    vec3 h = normalize(l + v);
+    float alpha = hlSquare(max(roughness, 0.045));
+    vec3 f = hlFresnelSchlick(hlSpecularF0Of(baseColor, metallic, specularFactor), hlSpecularF90Of(metallic, specularFactor),
+                            hlSaturate(dot(v, h)));
+    vec3 specular = f * (hlDistributionGgx(hlSaturate(dot(n, h)), alpha) * hlVisibilitySmithGgx(nDotL, nDotV, alpha));
+    vec3 diffuse = (vec3(1.0) - f) * hlDiffuseAlbedoOf(baseColor, metallic) * (1.0 / hlShadingPi);
+    return (diffuse + specular) * illuminance * nDotL;
+}
+vec3 hlEnvironmentSpecular(vec3 f0, float f90, float roughness, float nDotV)
+{
+    float r = roughness;
+    float n = nDotV;
+    float lobe = 1.0 + r * r *
+                            (-2.204 + n * (5.198 - 2.029 * n) + r * (4.857 + n * (-16.357 + 7.975 * n)) +
+                             r * r * (-2.814 + n * (10.142 - 5.450 * n)));
+    float grazing = hlSquare(hlSquare(1.0 - n)) * (0.975 - 1.95 * r + 1.01 * r * r);
+    return f0 * (lobe - grazing) + vec3(f90 * grazing);
+}
+vec3 hlDiffuseShare(vec3 f0, float f90, float nDotV)
+{
+    return vec3(1.0) - f0 - (vec3(f90) - f0) * (0.028 * pow(1.0 - nDotV, 2.4));
+}
+vec3 hlAverageSpecular(vec3 f0, float f90, float roughness)
+{
+    float r2 = roughness * roughness;
+    float all = 1.0 - r2 * roughness * (1.084 - 0.493 * r2);
+    float grazing = 0.047 * exp2(-5.0 * r2);
+    return f0 * (all - grazing) + vec3(f90 * grazing);
+}
+vec3 hlTransportAlbedo(vec3 baseColor, float metallic, float roughness)
+{
+    return hlDiffuseAlbedoOf(baseColor, metallic) + metallic * hlAverageSpecular(baseColor, 1.0, roughness);
+}
 const float hlMinHighlightElevation = 0.2;
-float hlDirectionalIrradianceScale(vec3 meanDirection, vec3 bakedNormal, vec3 normal)
+vec4 hlBakedHighlight(vec3 meanDirection, vec3 bakedNormal)
 {
     vec3 v = meanDirection - (2.0 / 3.0) * bakedNormal;
     float b = (4.0 / 3.0) * dot(v, bakedNormal);
     float share = clamp(0.9 * (b + sqrt(b * b + (20.0 / 9.0) * dot(v, v))), 0.0, 1.0);
     vec3 highlight = v / max(share, 1.0e-4) + (2.0 / 3.0) * bakedNormal;
     highlight += bakedNormal * max(hlMinHighlightElevation - dot(highlight, bakedNormal), 0.0);
+    return vec4(highlight, share);
+}
+float hlDirectionalIrradianceScale(vec3 meanDirection, vec3 bakedNormal, vec3 normal)
+{
+    vec4 highlight = hlBakedHighlight(meanDirection, bakedNormal);
+    vec3 toLight = vec3(highlight.x, highlight.y, highlight.z);
     float ambient = 0.5 + 0.5 * dot(normal, bakedNormal);
-    float light = max(dot(highlight, normal), 0.0) / max(dot(highlight, bakedNormal), 1.0e-4);
-    return mix(ambient, light, share);
+    float light = max(dot(toLight, normal), 0.0) / max(dot(toLight, bakedNormal), 1.0e-4);
+    return mix(ambient, light, highlight.w);
+}
+const float hlSharpestMeanDirection = 0.99;
+float hlDirectionalSpecularScale(vec3 meanDirection, vec3 bakedNormal, vec3 normal, vec3 view, vec3 lobe,
+                                     float roughness)
+{
+    vec4 highlight = hlBakedHighlight(meanDirection, bakedNormal);
+    vec3 toLight = normalize(vec3(highlight.x, highlight.y, highlight.z));
+    float spread = 1.0 - min(length(meanDirection), hlSharpestMeanDirection);
+    float alpha = min(sqrt(hlSquare(hlSquare(roughness)) + spread), 1.0);
+    float nDotL = hlSaturate(dot(normal, toLight));
+    float nDotV = clamp(abs(dot(normal, view)), 1.0e-4, 1.0);
+    vec3 h = normalize(toLight + view);
+    float specular = hlDistributionGgx(hlSaturate(dot(normal, h)), alpha) * hlVisibilitySmithGgx(nDotL, nDotV, alpha) * nDotL;
+    vec3 mirrored = hlEnvironmentSpecular(vec3(1.0), 1.0, roughness, nDotV);
+    float light = hlShadingPi * specular / (max(mirrored.x, 0.05) * max(dot(toLight, bakedNormal), 1.0e-4));
+    return mix(0.5 + 0.5 * dot(lobe, bakedNormal), light, highlight.w);
 }
 vec3 hlEncodeMeanDirection(vec3 meanDirection)
 {
@@ -194,80 +290,6 @@ float hlSkyPictureLevel(float roughness, float width)
 {
     float alpha = roughness * roughness;
     return log2(max(alpha * width * 0.70710678, 1.0));
-}
-vec3 hlDiffuseRadiance(vec3 diffuseAlbedo, vec3 irradiance)
-{
-    return diffuseAlbedo * irradiance * (1.0 / hlShadingPi);
-}
-vec3 hlDiffuseAlbedoOf(vec3 baseColor, float metallic)
-{
-    return baseColor * (1.0 - metallic);
-}
-vec3 hlSpecularF0Of(vec3 baseColor, float metallic, float specular)
-{
-    return mix(vec3(0.04 * specular), baseColor, metallic);
-}
-float hlSpecularF90Of(float metallic, float specular)
-{
-    return mix(specular, 1.0, metallic);
-}
-vec3 hlFresnelSchlick(vec3 f0, float f90, float cosine)
-{
-    float m = hlSaturate(1.0 - cosine);
-    float m2 = m * m;
-    return f0 + (vec3(f90) - f0) * (m2 * m2 * m);
-}
-float hlDistributionGgx(float nDotH, float alpha)
-{
-    float a2 = alpha * alpha;
-    float d = nDotH * nDotH * (a2 - 1.0) + 1.0;
-    return a2 / (hlShadingPi * d * d);
-}
-float hlVisibilitySmithGgx(float nDotL, float nDotV, float alpha)
-{
-    float a2 = alpha * alpha;
-    float v = nDotL * sqrt(nDotV * nDotV * (1.0 - a2) + a2);
-    float l = nDotV * sqrt(nDotL * nDotL * (1.0 - a2) + a2);
-    return 0.5 / max(v + l, 1.0e-6);
-}
-vec3 hlReflectLight(vec3 baseColor, float metallic, float roughness, float specularFactor, vec3 n, vec3 v, vec3 l,
-                        vec3 illuminance)
-{
-    float nDotL = hlSaturate(dot(n, l));
-    if (nDotL <= 0.0) return vec3(0.0);
-    float nDotV = max(abs(dot(n, v)), 1.0e-4);
-    vec3 h = normalize(l + v);
-    float alpha = hlSquare(max(roughness, 0.045));
-    vec3 f = hlFresnelSchlick(hlSpecularF0Of(baseColor, metallic, specularFactor), hlSpecularF90Of(metallic, specularFactor),
-                            hlSaturate(dot(v, h)));
-    vec3 specular = f * (hlDistributionGgx(hlSaturate(dot(n, h)), alpha) * hlVisibilitySmithGgx(nDotL, nDotV, alpha));
-    vec3 diffuse = (vec3(1.0) - f) * hlDiffuseAlbedoOf(baseColor, metallic) * (1.0 / hlShadingPi);
-    return (diffuse + specular) * illuminance * nDotL;
-}
-vec3 hlEnvironmentSpecular(vec3 f0, float f90, float roughness, float nDotV)
-{
-    float r = roughness;
-    float n = nDotV;
-    float lobe = 1.0 + r * r *
-                            (-2.204 + n * (5.198 - 2.029 * n) + r * (4.857 + n * (-16.357 + 7.975 * n)) +
-                             r * r * (-2.814 + n * (10.142 - 5.450 * n)));
-    float grazing = hlSquare(hlSquare(1.0 - n)) * (0.975 - 1.95 * r + 1.01 * r * r);
-    return f0 * (lobe - grazing) + vec3(f90 * grazing);
-}
-vec3 hlDiffuseShare(vec3 f0, float f90, float nDotV)
-{
-    return vec3(1.0) - f0 - (vec3(f90) - f0) * (0.028 * pow(1.0 - nDotV, 2.4));
-}
-vec3 hlAverageSpecular(vec3 f0, float f90, float roughness)
-{
-    float r2 = roughness * roughness;
-    float all = 1.0 - r2 * roughness * (1.084 - 0.493 * r2);
-    float grazing = 0.047 * exp2(-5.0 * r2);
-    return f0 * (all - grazing) + vec3(f90 * grazing);
-}
-vec3 hlTransportAlbedo(vec3 baseColor, float metallic, float roughness)
-{
-    return hlDiffuseAlbedoOf(baseColor, metallic) + metallic * hlAverageSpecular(baseColor, 1.0, roughness);
 }
 vec3 hlSpecularLookup(vec3 view, vec3 normal, float roughness)
 {

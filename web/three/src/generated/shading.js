@@ -6,6 +6,7 @@ export const kModeShadowmask = 2;
 export const kModeDistanceShadowmask = 3;
 export const kModeSubtractive = 4;
 export const kMinHighlightElevation = 0.2;
+export const kSharpestMeanDirection = 0.99;
 export const kLightDirectional = 0;
 export const kLightPoint = 1;
 export const kLightSpot = 2;
@@ -68,6 +69,23 @@ export function decodeMask(stored, rangeTexels, penumbraTexels, footprintTexels)
 export function encodeMaskDistance(distanceTexels, rangeTexels) {
     return saturate(0.5 + 0.5 * distanceTexels / rangeTexels);
 }
+/** @param {number} metallic @param {number} specular @returns {number} */
+export function specularF90Of(metallic, specular) {
+    return mix(specular, 1.0, metallic);
+}
+/** @param {number} nDotH @param {number} alpha @returns {number} */
+export function distributionGgx(nDotH, alpha) {
+    const a2 = alpha * alpha;
+    const d = nDotH * nDotH * (a2 - 1.0) + 1.0;
+    return a2 / (kShadingPi * d * d);
+}
+/** @param {number} nDotL @param {number} nDotV @param {number} alpha @returns {number} */
+export function visibilitySmithGgx(nDotL, nDotV, alpha) {
+    const a2 = alpha * alpha;
+    const v = nDotL * Math.sqrt(nDotV * nDotV * (1.0 - a2) + a2);
+    const l = nDotV * Math.sqrt(nDotL * nDotL * (1.0 - a2) + a2);
+    return 0.5 / Math.max(v + l, 1.0e-6);
+}
 /** @param {number} distanceMeters @param {number} rangeMeters @returns {number} */
 export function distanceAttenuation(distanceMeters, rangeMeters) {
     const d2 = Math.max(distanceMeters * distanceMeters, 1.0e-6);
@@ -96,23 +114,6 @@ export function shCosineLobe(i) {
 /** @param {number} i @param {{x: number, y: number, z: number}} n @returns {number} */
 export function shIrradianceWeight(i, n) {
     return shCosineLobe(i) * shBasis(i, n);
-}
-/** @param {number} metallic @param {number} specular @returns {number} */
-export function specularF90Of(metallic, specular) {
-    return mix(specular, 1.0, metallic);
-}
-/** @param {number} nDotH @param {number} alpha @returns {number} */
-export function distributionGgx(nDotH, alpha) {
-    const a2 = alpha * alpha;
-    const d = nDotH * nDotH * (a2 - 1.0) + 1.0;
-    return a2 / (kShadingPi * d * d);
-}
-/** @param {number} nDotL @param {number} nDotV @param {number} alpha @returns {number} */
-export function visibilitySmithGgx(nDotL, nDotV, alpha) {
-    const a2 = alpha * alpha;
-    const v = nDotL * Math.sqrt(nDotV * nDotV * (1.0 - a2) + a2);
-    const l = nDotV * Math.sqrt(nDotL * nDotL * (1.0 - a2) + a2);
-    return 0.5 / Math.max(v + l, 1.0e-6);
 }
 /** @param {{x: number, y: number, z: number}} d @returns {number} */
 export function octahedralX(d) {

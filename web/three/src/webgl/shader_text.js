@@ -300,6 +300,18 @@ float hlLightmapScale(vec3 normal)
 #endif
 }
 
+float hlLightmapSpecularScale(vec3 lobe)
+{
+#ifdef HL_DIRECTIONS
+    vec3 direction = textureLod(hlDirections, vec3(vHlLightmapUv, hlSurface.page), 0.0).rgb;
+    return hlDirectionalSpecularScale(hlDecodeMeanDirection(direction), hlSurface.side * hlSurface.vertexNormal,
+                                      hlSurface.side * hlSurface.normal, hlSurface.side * hlSurface.view,
+                                      hlSurface.side * lobe, hlSurface.roughness);
+#else
+    return 1.0;
+#endif
+}
+
 // Radiance of light without single directions: lightmap, probes, sky.
 vec3 hlIndirect()
 {
@@ -310,7 +322,7 @@ vec3 hlIndirect()
     if (hlSurface.lightmapped && !openSky) {
         vec3 lightmap = hlSubtract(hlLightmap());
         irradiance = lightmap * hlLightmapScale(hlSurface.normal);
-        surroundings = lightmap * hlLightmapScale(lobe);
+        surroundings = lightmap * hlLightmapSpecularScale(lobe);
     } else {
         irradiance = hlIrradiance(hlSurface.normal, openSky);
         surroundings = hlIrradiance(lobe, openSky);

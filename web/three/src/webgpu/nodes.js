@@ -159,20 +159,27 @@ export class SceneNodes {
         return hl.hlDirectionalIrradianceScale(direction, s.vertexNormal.mul(s.side), normal.mul(s.side));
     }
 
+    lightmapSpecularScale(s, lobe) {
+        if (!s.uv || !this.u.directions) return float(1);
+        const direction = hl.hlDecodeMeanDirection(texture(this.u.directions, s.uv).depth(s.page).level(0).rgb);
+        const [baked, normal, view, towards] = [s.vertexNormal, s.normal, s.view, lobe].map((v) => v.mul(s.side));
+        return hl.hlDirectionalSpecularScale(direction, baked, normal, view, towards, s.roughness);
+    }
+
     /** Radiance of light without single directions. */
     indirect(s, main) {
         const openSky = this.u.mode.equal(REALTIME);
         const lobe = hl.hlSpecularLookup(s.view, s.normal, s.roughness).toVar();
         const lightmap = this.subtracted(s, main).toVar();
-        const at = (n) => {
-            const probes = select(s.lightmapped, lightmap.mul(this.lightmapScale(s, n)), this.probeIrradiance(s, n));
+        const at = (n, scale) => {
+            const probes = select(s.lightmapped, lightmap.mul(scale), this.probeIrradiance(s, n));
             return select(openSky, this.skyIrradiance(n), probes);
         };
-        const around = at(lobe).mul(1 / Math.PI).toVar();
+        const around = at(lobe, this.lightmapSpecularScale(s, lobe)).mul(1 / Math.PI).toVar();
         const mirror = skyTowards(this.u, reflect(s.view.negate(), s.normal), s.roughness);
         const surroundings = select(openSky, mix(mirror, around, s.roughness), around);
         const nDotV = s.normal.dot(s.view).abs().clamp(1e-4, 1);
-        return hl.hlReflectIndirect(s.baseColor, s.metallic, s.roughness, s.specular, nDotV, at(s.normal), surroundings);
+        return hl.hlReflectIndirect(s.baseColor, s.metallic, s.roughness, s.specular, nDotV, at(s.normal, this.lightmapScale(s, s.normal)), surroundings);
     }
 
     /** @param {any} lit the picture's radiance @param {any} overlap lights with a channel, or that lost theirs, that reach the fragment */
