@@ -69,16 +69,26 @@ void reportNoise(std::span<const IrradianceEstimate> estimates, const std::optio
     report.noiseReached = sum > 0.0 ? float(std::sqrt(variance * double(valid)) / sum) : 0.0f;
 }
 
+namespace {
+
+/// The object, and which of its primitives where it has several: a whole room may be one object.
+std::string nameOf(const Scene& scene, const BakeGeometry::Part& part)
+{
+    std::string name = scene.objects[std::size_t(part.object)].name;
+    if (scene.meshes[std::size_t(part.mesh)].parts.size() < 2) return name;
+    name += ", primitive " + std::to_string(part.part);
+    return part.material < 0 ? name : name + " (" + scene.materials[std::size_t(part.material)].name + ")";
+}
+
+} // namespace
+
 void reportFlipped(const Scene& scene, const BakeGeometry& geometry, BakeReport& report)
 {
     std::vector<std::string> names;
-    int last = -1; // parts of an object follow one another
     for (const BakeGeometry::Part& part : geometry.parts) {
         const auto begin = geometry.flipped.begin() + std::ptrdiff_t(part.firstTriangle);
         const auto end = begin + std::ptrdiff_t(part.triangleCount);
-        if (part.object == last || std::find(begin, end, uint8_t(1)) == end) continue;
-        names.push_back(scene.objects[std::size_t(part.object)].name);
-        last = part.object;
+        if (std::find(begin, end, uint8_t(1)) != end) names.push_back(nameOf(scene, part));
     }
     if (names.empty()) return;
     report.warnings.push_back(

@@ -1,5 +1,6 @@
 // World-space geometry of the bake, its solids, and determinism (spec S6).
 
+#include "bake/bake_report.h"
 #include "bake/test_scene.h"
 
 #include "halflight/base/parallel.h"
@@ -149,6 +150,27 @@ TEST(GeometryS6, InvertedSurfacesAreFlipped)
             if (e.valid) EXPECT_NEAR(e.irradiance.x, c.flipped ? kPi : 0.0f, 0.1f);
         }
     }
+}
+
+// A house that is one object: the warning names the primitive that was flipped, and not the house alone.
+TEST(GeometryS6, FlippedFacesAreNamedByTheirPrimitive)
+{
+    Scene scene;
+    const int plaster = addMaterial(scene, vec3(0.5f));
+    const int rail = addMaterial(scene, vec3(0.5f));
+    scene.materials[std::size_t(rail)].name = "rail";
+    addRectangle(scene, {}, plaster, kPage);
+    addRectangle(scene, {vec3(0, 0, 2), vec3(1, 0, 0), vec3(0, 0, -1)}, rail, kPage);
+    joinObjects(scene, 0);
+    addRectangle(scene, {}, rail, kPage);
+    scene.objects[0].name = "house";
+    scene.objects[1].name = "plank";
+    BakeGeometry geometry = flattenGeometry(scene, kPage, GeometryFilter::Static);
+    geometry.flipped = {0, 0, 1, 0, 0, 1};
+    BakeReport report;
+    reportFlipped(scene, geometry, report);
+    ASSERT_EQ(report.warnings.size(), 1u);
+    EXPECT_EQ(report.warnings[0].find("\"house, primitive 1 (rail)\", \"plank\": "), 0u) << report.warnings[0];
 }
 
 TEST(GeometryS6, MirroredAndShearedObjectsKeepOutwardNormals)
