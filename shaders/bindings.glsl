@@ -20,6 +20,8 @@ layout(set = 0, binding = kBindAtlas) uniform sampler2DArrayShadow atlasMap;
 layout(std430, set = 0, binding = kBindProbeVolumes) readonly buffer ProbeVolumeBlock { GpuProbeVolume probeVolumes[]; };
 layout(set = 0, binding = kBindProbeTexture) uniform sampler3D probeTexture;
 layout(set = 0, binding = kBindSkyPicture) uniform sampler2D skyPicture;
+layout(std430, set = 0, binding = kBindReflectionProbes) readonly buffer ReflectionProbeBlock { GpuReflectionProbe reflectionProbes[]; };
+layout(set = 0, binding = kBindReflections) uniform sampler2D reflectionPicture;
 layout(set = 0, binding = kBindTextures) uniform sampler2D textures[];
 
 layout(push_constant) uniform PushBlock { GpuPush push; };

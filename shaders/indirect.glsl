@@ -4,6 +4,7 @@
 
 #include "mesh_surface.glsl"
 #include "halflight/shading/indirect.h"
+#include "reflections.glsl"
 #include "sky.glsl"
 
 bool usesLightmap(Surface s) { return s.lightmapped && frame.mode.x != kModeRealtime; }
@@ -15,7 +16,7 @@ vec3 indirectLight(MeshSurface mesh, vec3 lightmap)
     Surface s = mesh.lit;
     bool realtime = frame.mode.x == kModeRealtime;
     vec3 irradiance;
-    vec3 surroundings; // in the mirror, blurrier when rougher; a lightmap without directions knows one value only
+    vec3 surroundings; // in the mirror, blurrier when rougher
     vec3 lobe = specularLookup(s.view, s.normal, s.roughness);
     if (usesLightmap(s)) {
         vec3 dynamic = dynamicIrradiance();
@@ -26,9 +27,14 @@ vec3 indirectLight(MeshSurface mesh, vec3 lightmap)
         surroundings = irradianceFrom(mesh.probes, lobe);
     }
     surroundings *= 1.0 / kShadingPi;
-    if (realtime)
+    if (hasReflections()) {
+        Reflections r = reflectionsAt(s.position, reflect(-s.view, s.normal), s.roughness, s.normal);
+        surroundings = reflectedSurroundings(r.radiance, r.expected, r.coverage, surroundings,
+                                             irradiance * (1.0 / kShadingPi), s.roughness);
+    } else if (realtime) {
         surroundings = mix(skyTowards(reflect(-s.view, s.normal), skyPictureLevel(s.roughness, frame.skyPicture.z)),
                            surroundings, s.roughness);
+    }
 
     float nDotV = clamp(abs(dot(s.normal, s.view)), 1.0e-4, 1.0);
     return reflectIndirect(s.baseColor, s.metallic, s.roughness, s.specular, nDotV, irradiance, surroundings) *

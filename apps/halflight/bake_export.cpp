@@ -77,6 +77,7 @@ std::string exportContradiction(const CLI::App& app, const BakeOptions& options)
 void prepareExport(BakeSettings& settings, Scene& scene)
 {
     settings.mode = MixedLightingMode::BakedIndirect; // no light is left that is mixed
+    settings.reflectionProbes = false;                // core glTF has none
     for (Light& light : scene.lights) light.mode = LightMode::Baked;
 }
 

@@ -73,6 +73,8 @@ void addResults(CLI::App& app, BakeOptions& options)
                            {{"refined", ProbeLayout::Refined}, {"grid", ProbeLayout::Grid}},
                            "probes where light changes and on floors, or a regular grid alone, for engines that read "
                            "nothing else (default refined)");
+    addChoice<bool>(app, "--reflection-probes", bake.reflectionProbes, {{"on", true}, {"off", false}},
+                    "pictures of the rooms for glossy surfaces to reflect (default on)");
     addVec3(app, "--sky", options.skyNits, 0.0f, 1.0e6f, "R,G,B",
             "radiance of a uniform sky in nits, instead of the scene's own")
         ->each([&options](const std::string&) { options.skyGiven = true; });

@@ -49,6 +49,7 @@ void printBytes(const BakeReport& report)
     if (bytes.lightmapDirections > 0) print(", directions {} a page", mb(double(bytes.lightmapDirections) / pages));
     if (bytes.shadowmasks > 0) print(", mask {} a page", mb(double(bytes.shadowmasks) / pages));
     if (bytes.sky > 0) print(", sky {}", mb(double(bytes.sky)));
+    if (bytes.reflections > 0) print(", reflections {}", mb(double(bytes.reflections)));
     print(", probes {}\n", mb(double(bytes.probes)));
     for (std::size_t i = 0; i < bytes.lightmapPages.size(); ++i) {
         const WrittenLightmap& page = bytes.lightmapPages[i];
@@ -102,6 +103,9 @@ void printBakeSummary(const BakeOptions& options, const BakeReport& report)
     }
     print("probes     {} of {} valid\n", grouped(uint64_t(report.validProbeCount)),
           grouped(uint64_t(report.probeCount)));
+    if (report.reflectionProbeCount > 0)
+        print("           {} for reflections, of {} texels\n", report.reflectionProbeCount,
+              report.quality.reflectionSize);
     if (report.written.file > 0) printBytes(report);
     print("samples    {:.0f} per texel, {} per masked light, at most {} bounces, {} per probe\n",
           report.samplesPerTexel, report.quality.shadowSamples, report.quality.bounces, report.quality.probeSamples);

@@ -62,6 +62,8 @@ void addPictureOptions(CLI::App& app, RenderOptions& options)
                     "large objects are lit by the probes around each point; off: by one sample each (default on)");
     addChoice<bool>(app, "--directional", options.render.directionalLightmaps, {{"on", true}, {"off", false}},
                     "use the lightmap's directions where the bake has them (default on)");
+    addChoice<bool>(app, "--reflection-probes", options.render.reflectionProbes, {{"on", true}, {"off", false}},
+                    "glossy surfaces reflect the bake's pictures of the rooms, in files that have some (default on)");
     addChoice<bool>(app, "--specular", options.render.specular, {{"on", true}, {"off", false}},
                     "off: diffuse surfaces, as the bake carries light on, to judge a bake alone (default on)");
     const auto checkLight = [](std::string& text) {

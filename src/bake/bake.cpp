@@ -170,6 +170,22 @@ Status probeStage(const Stages& stages, const Gather& gather)
     return {};
 }
 
+Status reflectionStage(const Stages& stages, const Gather& gather)
+{
+    if (!stages.settings.reflectionProbes) return {};
+    BakeReport& report = stages.report();
+    StageTimer timer(report, "reflection probes");
+    const uint64_t before = gather.integrator.raysTraced();
+    std::optional<ReflectionSet> reflections =
+        bakeReflections(stages.baked(), gather.integrator, stages.result.irradiance, report.quality.reflectionSize,
+                        report.warnings, stages.progress);
+    if (!reflections) return cancelledError();
+    stages.baked().reflections = std::move(*reflections);
+    report.reflectionProbeCount = int(stages.baked().reflections.probes.size());
+    timer.finish(gather.integrator.raysTraced() - before);
+    return {};
+}
+
 /// All stages that trace rays or work on their results.
 Status traceStages(const Stages& stages, const Gather& gather)
 {
@@ -190,7 +206,8 @@ Status traceStages(const Stages& stages, const Gather& gather)
             baked.shadowmasks = maskPages(gather, valid, seams, main->mask(), false, baked.maskChannels);
         reportMainLight(baked, *main, stages.settings, stages.report());
     }
-    return probeStage(stages, gather);
+    if (Status s = probeStage(stages, gather); !s) return s;
+    return reflectionStage(stages, gather);
 }
 
 } // namespace
@@ -198,32 +215,6 @@ Status traceStages(const Stages& stages, const Gather& gather)
 std::string cacheWarning(const std::filesystem::path& folder, const Error& error)
 {
     return "the cache " + folder.string() + " is not complete, so the next bake computes more: " + error.message;
-}
-
-BakeQuality resolveQuality(const BakeSettings& settings)
-{
-    BakeQuality q{};
-    switch (settings.quality) {
-    case Quality::Preview:
-        q = {32, 16, 1024, 128};
-        break;
-    case Quality::Medium:
-        q = {96, 32, 2048, 256};
-        break;
-    case Quality::High:
-        q = {256, 64, 4096, 512};
-        break;
-    case Quality::Ultra:
-        q = {1024, 128, 4096, 1024};
-        break;
-    }
-    q.noiseTarget = settings.noiseTarget;
-    if (q.noiseTarget > 0.0f) q.samples = 4096;
-    if (settings.samples > 0) q.samples = settings.samples;
-    if (settings.shadowSamples > 0) q.shadowSamples = settings.shadowSamples;
-    q.bounces = settings.bounces;
-    if (settings.lightmapSize > 0) q.lightmapSize = settings.lightmapSize;
-    return q;
 }
 
 Result<BakeResult> bake(Scene scene, const BakeSettings& settings, const IntegratorFactory& integratorFactory,

@@ -52,8 +52,8 @@ Hash128 bakeHash(const Scene& scene, const BakeSettings& settings)
     // resolveQuality() replaces, and those that change no byte of the output file.
     [[maybe_unused]] const auto& [mode, quality, samples, shadowSamples, bounces, integrator, noiseTarget, texelStep,
                                   uvMode, texelsPerMeter, lightmapSize, paddingTexels, denoiser, directional,
-                                  maskEncoding, subtractiveMask, probeSpacingMeters, probeLayout, threads, seed,
-                                  imagesDirectory, cacheDirectory] = settings;
+                                  maskEncoding, subtractiveMask, probeSpacingMeters, probeLayout, reflectionProbes,
+                                  threads, seed, imagesDirectory, cacheDirectory] = settings;
     const BakeQuality q = resolveQuality(settings);
     Hasher hasher;
     hasher.add(kCacheVersion).add(contentHash(scene)).add(int(mode)).add(int(integrator)).add(int(uvMode));
@@ -65,6 +65,7 @@ Hash128 bakeHash(const Scene& scene, const BakeSettings& settings)
         .add(int(denoiser))
         .add(int(directional));
     hasher.add(int(maskEncoding)).add(int(subtractiveMask)).add(probeSpacingMeters).add(int(probeLayout));
+    hasher.add(int(reflectionProbes)).add(q.reflectionSize);
     return hasher.add(seed).hash();
 }
 

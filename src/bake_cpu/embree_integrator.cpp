@@ -5,6 +5,7 @@
 #include "bake_cpu/lightmap/cached_lightmap.h"
 #include "bake_cpu/lightmap/path_lightmap.h"
 #include "bake_cpu/probes.h"
+#include "bake_cpu/reflections.h"
 #include "bake_cpu/shadows/baked_lights.h"
 #include "bake_cpu/shadows/shadow_pass.h"
 #include "bake_cpu/texels/valid_points.h"
@@ -109,6 +110,12 @@ public:
                 std::span<ProbeEstimate> out, const Progress& progress) override
     {
         return traceProbes(paths_, settings_, positions, which, samples, out, progress, rays_);
+    }
+
+    bool radianceAround(vec3 position, std::span<const ImageRgb32f> lightmap, ImageRgb32f& map,
+                        const Progress& progress) override
+    {
+        return traceRadianceAround(paths_, settings_, position, lightmap, map, progress, rays_);
     }
 
     [[nodiscard]] std::optional<vec2> surfacesBetween(vec3 from, vec3 to) const override

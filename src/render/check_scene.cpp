@@ -1,6 +1,9 @@
 // The renderer trusts no index: an engine may have filled the scene itself.
 #include "render/gpu_scene.h"
 
+#include "halflight/base/finite.h"
+#include "halflight/render/frame.h"
+
 #include <algorithm>
 #include <cmath>
 #include <string>
@@ -80,6 +83,28 @@ Status checkScene(const BakedScene& baked)
     if (!baked.shadowmasks.empty() && baked.shadowmasks.size() != baked.lightmaps.size())
         return broken("the file has not as many shadowmask pages as lightmap pages", "");
     return {};
+}
+
+const char* problemOf(const Light& light)
+{
+    const auto atLeastZero = [](float x) { return std::isfinite(x) && x >= 0.0f; };
+    if (!isFinite(light.worldFromLight) || std::abs(glm::determinant(mat3(light.worldFromLight))) < 1.0e-6f)
+        return "the light's transform is not finite or has no inverse";
+    if (!atLeastZero(light.color.r) || !atLeastZero(light.color.g) || !atLeastZero(light.color.b))
+        return "the light's colour is not finite or negative";
+    if (!atLeastZero(light.intensity)) return "the light's intensity is not finite or negative";
+    if (!atLeastZero(light.rangeMeters)) return "the light's range is not finite or negative";
+    if (!(light.shadowStrength >= 0.0f && light.shadowStrength <= 1.0f))
+        return "the light's shadow strength must be 0 to 1";
+    if (!(light.innerConeRadians >= 0.0f && light.innerConeRadians <= light.outerConeRadians &&
+          light.outerConeRadians <= kPi / 2.0f))
+        return "the light's inner cone must be 0 to its outer cone, and that at most 90 degrees";
+    const ShadowBias& bias = light.shadowBias;
+    const auto within = [](const std::optional<float>& x, float most) { return !x || (*x >= 0.0f && *x <= most); };
+    if (!within(bias.depthTexels, kMaxShadowBias) || !within(bias.slope, kMaxShadowBias) ||
+        !within(bias.normalTexels, kMaxNormalBiasTexels))
+        return "the light's biases must be 0 to 100 (depth, slope) and 0 to 8 (normal)";
+    return nullptr;
 }
 
 } // namespace halflight

@@ -86,6 +86,8 @@ shading::GpuFrame gpuFrame(const GpuScene& scene, const FrameView& view, const R
     const bool directional = settings.directionalLightmaps && !scene.outline.lightmapDirections.empty();
     frame.baked = ivec4(directional ? 1 : 0, scene.hasDynamicLightmaps ? 1 : 0, settings.specular ? 0 : 1, 0);
     frame.dynamicLightmap.x = scene.dynamicUnitLux;
+    if (settings.reflectionProbes && plan.mode != RunMode::Realtime)
+        frame.reflections = reflectionsOfFrame(scene.reflections);
     std::copy(std::begin(scene.skySh), std::end(scene.skySh), std::begin(frame.skySh));
     return frame;
 }

@@ -35,7 +35,9 @@ HL_CONST int kBindProbeTexture = 17;
 HL_CONST int kBindLightmapDirections = 18;
 HL_CONST int kBindDynamicLightmaps = 19;
 HL_CONST int kBindSkyPicture = 20;
-HL_CONST int kBindTextures = 21; // the last: its length varies
+HL_CONST int kBindReflectionProbes = 21;
+HL_CONST int kBindReflections = 22;
+HL_CONST int kBindTextures = 23; // the last: its length varies
 
 // Debug views: the values of DebugView in renderer.h.
 HL_CONST int kViewLit = 0;
@@ -87,6 +89,7 @@ struct GpuFrame {
     ivec4 baked;                 // x 1 = the lightmap has directions, y 1 = dynamic lightmap pages are set,
                                  // z 1 = surfaces are diffuse, of transportAlbedo()
     vec4 dynamicLightmap;        // x lux that a texel of 1 stands for
+    vec4 reflections;            // x probes, 0 where none are used; y width of a tile in texels; z cd/m2 of 1
     vec4 skySh[9];               // rgb radiance coefficients of the sky
 };
 
@@ -110,6 +113,12 @@ struct GpuProbeVolume {
     mat4 slabFromWorld; // to coordinates of the texture, slab 0
     vec4 low;           // xyz: the first texel's centre; w factor on the radiance stored
     vec4 high;          // xyz: the last texel's centre
+};
+
+struct GpuReflectionProbe {
+    mat4 boxFromWorld; // to the cube [-1, 1]^3
+    vec4 position;     // xyz world; w fade in metres
+    vec4 halfSize;     // xyz metres: of the box
 };
 
 HL_CONST int kTextureBaseColor = 0;

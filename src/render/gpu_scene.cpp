@@ -293,6 +293,7 @@ GpuScene uploadScene(gpu::Device& device, const BakedScene& baked)
     });
     result.objects = uploadVector(device, uploader, objects, kStorage);
     result.sky = uploadSky(device, uploader, scene.sky);
+    result.reflections = uploadReflections(device, uploader, baked.reflections);
     const ProbeSample sky = skyProbe(scene.sky);
     for (std::size_t i = 0; i < 9; ++i) result.skySh[i] = vec4(sky.radiance[i], 0.0f);
     result.outline = outlineOf(baked);

@@ -7,6 +7,7 @@
 #include "halflight/scene/baked_scene.h"
 #include "render/gpu_layout.h"
 #include "render/probe_volumes.h"
+#include "render/reflections.h"
 #include "render/sky_picture.h"
 
 #include <cstdint>
@@ -50,6 +51,7 @@ struct GpuScene {
     std::vector<bool> lightmapped; ///< per object: lit by its lightmap, not by probes
     std::vector<Bounds> bounds;    ///< per object, world space
     SkyTexture sky;
+    ReflectionTextures reflections;
     vec4 skySh[9];
 
     /// What planFrame() reads: no vertices, no pixels. Lights and objects may change between frames.
@@ -74,6 +76,8 @@ struct LitVertex {
 /// FileInvalid or InvalidArgument when the scene's parts do not fit together (an index out of range, say); throws
 /// gpu::Failure when the device cannot hold it.
 Status checkScene(const BakedScene& baked);
+/// Why a light cannot be drawn; null when it can.
+const char* problemOf(const Light& light);
 GpuScene uploadScene(gpu::Device& device, const BakedScene& baked);
 /// Irradiance pages (lux) as the scene's dynamic lightmaps; an empty span takes them away. True when the image was made
 /// anew, so that its descriptor must be written. Pages have passed checkDynamicLightmaps().

@@ -133,29 +133,6 @@ template<typename T> bool has(const std::vector<T>& values, int index)
     return index >= 0 && std::size_t(index) < values.size();
 }
 
-/// Why a light cannot be drawn; null when it can.
-const char* problemOf(const Light& light)
-{
-    const auto atLeastZero = [](float x) { return std::isfinite(x) && x >= 0.0f; };
-    if (!isFinite(light.worldFromLight) || std::abs(glm::determinant(mat3(light.worldFromLight))) < 1.0e-6f)
-        return "the light's transform is not finite or has no inverse";
-    if (!atLeastZero(light.color.r) || !atLeastZero(light.color.g) || !atLeastZero(light.color.b))
-        return "the light's colour is not finite or negative";
-    if (!atLeastZero(light.intensity)) return "the light's intensity is not finite or negative";
-    if (!atLeastZero(light.rangeMeters)) return "the light's range is not finite or negative";
-    if (!(light.shadowStrength >= 0.0f && light.shadowStrength <= 1.0f))
-        return "the light's shadow strength must be 0 to 1";
-    if (!(light.innerConeRadians >= 0.0f && light.innerConeRadians <= light.outerConeRadians &&
-          light.outerConeRadians <= kPi / 2.0f))
-        return "the light's inner cone must be 0 to its outer cone, and that at most 90 degrees";
-    const ShadowBias& bias = light.shadowBias;
-    const auto within = [](const std::optional<float>& x, float most) { return !x || (*x >= 0.0f && *x <= most); };
-    if (!within(bias.depthTexels, kMaxShadowBias) || !within(bias.slope, kMaxShadowBias) ||
-        !within(bias.normalTexels, kMaxNormalBiasTexels))
-        return "the light's biases must be 0 to 100 (depth, slope) and 0 to 8 (normal)";
-    return nullptr;
-}
-
 Status checkCamera(const Camera& camera)
 {
     auto bad = [](const char* what) { return Error{ErrorCode::InvalidArgument, what, ""}; };
@@ -216,6 +193,8 @@ struct Renderer::Impl {
         set.image(shading::kBindDynamicLightmaps, scene->dynamicLightmaps.view(), pageSampler.get());
         set.image(shading::kBindShadowmasks, scene->shadowmasks.view(), pageSampler.get());
         set.image(shading::kBindSkyPicture, scene->sky.image.view(), scene->sky.sampler.get());
+        set.buffer(shading::kBindReflectionProbes, scene->reflections.probes);
+        set.image(shading::kBindReflections, scene->reflections.picture.view(), pageSampler.get());
         set.buffer(shading::kBindProbeVolumes, scene->probeVolumes.buffer());
         set.image(shading::kBindProbeTexture, scene->probeVolumes.texture().view(), pageSampler.get());
         for (std::size_t i = 0; i < scene->textures.size(); ++i)

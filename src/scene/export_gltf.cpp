@@ -381,7 +381,7 @@ Status writeExport(const std::filesystem::path& path, BakedScene baked, const st
     baked.lightmapDirections.clear();
     baked.shadowmasks.clear();
     baked.scene.sky.picture = nullptr;
-    baked.probes = {};
+    baked.probes = {}, baked.reflections = {};
     WrittenBytes written;
     const auto document = bakedDocument(baked, {}, {}, written);
     if (!document) return document.error();

@@ -109,7 +109,7 @@ Hash128 contentHash(const Scene& scene)
     addSky(hasher, scene.sky);
     hasher.add(scene.originMeters);
     hasher.add(int(scene.subtractiveShadowColor.has_value())).add(scene.subtractiveShadowColor.value_or(vec3(0.0f)));
-    return hasher.add(scene.probePositions).hash();
+    return hasher.add(scene.probePositions).add(scene.reflectionBoxes).hash();
 }
 
 } // namespace halflight

@@ -3,6 +3,7 @@
 // near the scene's middle: Scene::originMeters.
 
 #include "halflight/scene/scene.h"
+#include "scene/document.h"
 
 #include <span>
 
@@ -43,6 +44,21 @@ std::string coarseVerticesWarning(const Mesh& mesh, const glm::dvec3& offset);
 /// A warning that names small objects so far from the local origin that floats round their vertices coarsely. Empty
 /// when there are none.
 std::string coarseObjectsWarning(const Scene& scene);
+
+// From the scene's local origin. Beyond it, floats no longer tell a metre from the next, and squares of lengths
+// overflow soon after.
+constexpr double kFarthestMeters = 1.0e7;
+// From the world's origin: 2^24 m, beyond which the floats of a file's vertices are coarser than a metre.
+constexpr double kFarthestFromWorldMeters = 16777216.0;
+
+inline bool tooFar(glm::dvec3 p, double limit = kFarthestMeters)
+{
+    return !(std::abs(p.x) <= limit && std::abs(p.y) <= limit && std::abs(p.z) <= limit);
+}
+
+/// The local origin that a baked file's positions are relative to (`origin` of its root extension); zero where it has
+/// none.
+Result<glm::dvec3> recordedOrigin(const SourceDocument& document);
 
 /// Transform with its translation moved from the world's origin to a local one, in double precision; and back.
 inline mat4 localFromWorld(glm::dmat4 transform, const glm::dvec3& origin)

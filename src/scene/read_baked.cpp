@@ -4,9 +4,11 @@
 #include "scene/bake_members.h"
 #include "scene/check_bake.h"
 #include "scene/limits.h"
+#include "scene/origin.h"
 #include "scene/read_parts.h"
 #include "scene/read_pictures.h"
 #include "scene/read_probes.h"
+#include "scene/read_reflections.h"
 #include "scene/read_scene.h"
 
 #include <algorithm>
@@ -197,6 +199,9 @@ Result<BakedScene> bakedFromDocument(std::shared_ptr<const SourceDocument> sourc
     const glm::dvec3 shift = *origin - baked.scene.originMeters;
     if (Status s = readDefaultShadowColor(root, baked); !s) return s.error();
     if (Status s = readProbes(document, member(root, "probes"), shift, baked.probes); !s) return s.error();
+    auto reflections = readReflections(document, member(root, "reflectionProbes"), shift);
+    if (!reflections) return reflections.error();
+    baked.reflections = std::move(*reflections);
     if (Status s = readBindings(document, baked); !s) return s.error();
     if (Status s = checkFinite(baked); !s) return s.error();
     checkAgainstBake(document, root, shift, baked);

@@ -9,6 +9,7 @@
 #include "scene/origin.h"
 #include "scene/read_lights.h"
 #include "scene/read_parts.h"
+#include "scene/read_reflections.h"
 #include "scene/read_sky.h"
 #include "scene/skin.h"
 
@@ -111,17 +112,6 @@ Result<std::vector<NodeMesh>> readMeshes(const SourceDocument& document, const s
             ofState[i] = meshes.at(meshKey(document, nodes[i].node));
     }
     return ofState;
-}
-
-// From the scene's local origin. Beyond it, floats no longer tell a metre from the next, and squares of lengths
-// overflow soon after.
-constexpr double kFarthestMeters = 1.0e7;
-// From the world's origin: 2^24 m, beyond which the floats of a file's vertices are coarser than a metre.
-constexpr double kFarthestFromWorldMeters = 16777216.0;
-
-bool tooFar(glm::dvec3 p, double limit = kFarthestMeters)
-{
-    return !(std::abs(p.x) <= limit && std::abs(p.y) <= limit && std::abs(p.z) <= limit);
 }
 
 // The corners of its bounds tell for nearly every object; vertices are looked at where a corner is too far.
@@ -359,6 +349,7 @@ Result<Scene> sceneFromDocument(std::shared_ptr<const SourceDocument> document, 
         }
         if (auto camera = readCamera(*document, state, scene.warnings)) scene.cameras.push_back(std::move(*camera));
     }
+    if (Status s = readReflectionBoxes(*document, *nodes, scene); !s) return s.error();
     addLights(*document, file, scene);
     warnAnimatedMaterials(animated, scene);
     if (Status s = applySceneSettings(*document, file, scene); !s) return s.error();
@@ -376,21 +367,6 @@ Result<Scene> sceneFromDocument(std::shared_ptr<const SourceDocument> document, 
     warnUnmatched(file.materials, "material");
     warnUnmatched(file.lights, "light");
     return scene;
-}
-
-Result<glm::dvec3> recordedOrigin(const SourceDocument& document)
-{
-    const Json& json = member(extensionOf(document.json, "HALFLIGHT_mixed_lighting"), "origin");
-    glm::dvec3 origin(0.0);
-    if (json.is_null()) return origin;
-    bool good = json.is_array() && json.size() == 3;
-    for (std::size_t c = 0; good && c < 3; ++c) {
-        good = json[c].is_number();
-        if (good) origin[int(c)] = json[c].get<double>();
-    }
-    if (!good || tooFar(origin, 2.0 * kFarthestFromWorldMeters))
-        return invalid("/extensions/HALFLIGHT_mixed_lighting", "origin is not three numbers within 33554 km");
-    return origin;
 }
 
 Result<Scene> readScene(const std::filesystem::path& path, const ReadOptions& options)

@@ -36,6 +36,7 @@ const std::vector<Key<ObjectSettings>>& objectKeys()
              s.probeResolution = resolution;
              return nullptr;
          }},
+        {"reflection_probe", [](const Json& v, ObjectSettings& s) { return readBool(v, s.reflectionProbe); }},
     };
     return keys;
 }
@@ -351,31 +352,6 @@ void warnUnknownExtras(const Json& extras, ExtrasOwner owner, const std::string&
     }
 }
 
-bool matchesPattern(std::string_view pattern, std::string_view text)
-{
-    // Greedy with one point of return: a '*' takes as little as it can, and one character more after each mismatch.
-    std::size_t p = 0;
-    std::size_t t = 0;
-    std::size_t star = std::string_view::npos;
-    std::size_t resume = 0;
-    while (t < text.size()) {
-        if (p < pattern.size() && pattern[p] == '*') {
-            star = p++;
-            resume = t;
-        } else if (p < pattern.size() && (pattern[p] == '?' || pattern[p] == text[t])) {
-            ++p;
-            ++t;
-        } else if (star != std::string_view::npos) {
-            p = star + 1;
-            t = ++resume;
-        } else {
-            return false;
-        }
-    }
-    while (p < pattern.size() && pattern[p] == '*') ++p;
-    return p == pattern.size();
-}
-
 std::optional<ProbeLighting> probeLightingNamed(std::string_view name)
 {
     if (name == "single") return ProbeLighting::Single;
@@ -405,6 +381,7 @@ ObjectSettings mergeSettings(const ObjectSettings& weaker, const ObjectSettings&
     if (stronger.lightmapScale) merged.lightmapScale = stronger.lightmapScale;
     if (stronger.probeLighting) merged.probeLighting = stronger.probeLighting;
     if (stronger.probeResolution) merged.probeResolution = stronger.probeResolution;
+    if (stronger.reflectionProbe) merged.reflectionProbe = stronger.reflectionProbe;
     return merged;
 }
 

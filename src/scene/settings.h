@@ -3,6 +3,7 @@
 // the same tables of keys; a key of extras is "halflight_" and the settings file's key.
 
 #include "scene/document.h"
+#include "scene/name_pattern.h"
 
 #include <filesystem>
 #include <optional>
@@ -21,6 +22,7 @@ struct ObjectSettings {
     std::optional<float> lightmapScale;
     std::optional<ProbeLighting> probeLighting;
     std::optional<ivec3> probeResolution;
+    std::optional<bool> reflectionProbe; ///< the node's cube [-1, 1]^3 is a reflection probe's box
 };
 
 struct MaterialSettings {
@@ -75,9 +77,6 @@ struct FileSettings {
     std::vector<AddedLight> addedLights;
     SceneSettings scene;
 };
-
-/// `*` stands for any text, `?` for one character.
-bool matchesPattern(std::string_view pattern, std::string_view text);
 
 /// Settings in an object's extras. A wrong value is an error; a halflight_ key that neither table of a node nor of a
 /// light knows is a warning.

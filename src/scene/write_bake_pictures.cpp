@@ -5,6 +5,7 @@
 #include "halflight/base/rgb9e5.h"
 #include "scene/ktx2.h"
 #include "scene/lightmap_curve.h"
+#include "scene/write_reflections.h"
 #include "scene/write_sky.h"
 
 #include <algorithm>
@@ -151,6 +152,9 @@ Status writeBakePictures(PictureWriter& pictures, const BakedScene& baked, const
     root["sky"] = std::move(sky->record);
     if (baked.isBaked) root["atBake"]["sky"] = std::move(sky->atBake);
     written.sky = sky->bytes;
+    auto reflections = writeReflections(pictures, baked.reflections, written.reflections);
+    if (!reflections) return reflections.error();
+    if (!reflections->is_null()) root["reflectionProbes"] = std::move(*reflections);
     pictures.finish();
     return {};
 }

@@ -15,6 +15,7 @@
 #include "scene/write_meshes.h"
 #include "scene/write_pictures.h"
 #include "scene/write_probes.h"
+#include "scene/write_reflections.h"
 
 #include <algorithm>
 #include <cctype>
@@ -262,6 +263,7 @@ private:
             for (const vec3& p : scene_.probePositions)
                 root_["authoredProbes"].push_back(numbers(scene_.originMeters + dvec3(p)));
         }
+        for (const mat4& box : scene_.reflectionBoxes) root_["authoredReflectionProbes"].push_back(numbersOf(box));
         if (!moz_.is_null()) root_["mozLightmap"] = moz_;
         writeMark();
         if (Json probes = probesJson(patcher_, baked_.probes, bytes_.probes); !probes.is_null())

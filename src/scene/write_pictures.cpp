@@ -35,6 +35,8 @@ std::vector<Json> pictureReferences(const Json& root)
     }
     if (const Json& picture = member(member(root, "sky"), "picture"); picture.is_object())
         references.push_back(picture);
+    if (const Json& picture = member(member(root, "reflectionProbes"), "picture"); picture.is_object())
+        references.push_back(picture);
     return references;
 }
 

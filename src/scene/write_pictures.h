@@ -41,7 +41,8 @@ private:
     int placeholder_ = -1;
 };
 
-/// References {index} to the textures of the bake that a root extension records: its lists, and the sky's picture.
+/// References {index} to the textures of the bake that a root extension records: its lists, and the pictures of
+/// sky and reflection probes.
 std::vector<Json> pictureReferences(const Json& root);
 
 /// Index of the image that holds a texture's picture: that of an extension this program reads, else its source; -1 for

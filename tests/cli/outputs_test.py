@@ -72,6 +72,31 @@ class EarlierSky(Case):
             self.assertEqual("earlier bake" in result.stderr, named, result.stderr)
 
 
+class ReflectionProbes(Case):
+    def test_on_off_and_by_the_file(self):
+        baked, report = self.bake(self.scene(), "baked.glb")
+        root = json_of(baked)["extensions"]["HALFLIGHT_mixed_lighting"]
+        json_schema.check(root, "HALFLIGHT_mixed_lighting")
+        probes = root["reflectionProbes"]["probes"]
+        self.assertEqual(report["reflectionProbes"]["count"], len(probes))
+        self.assertGreater(len(probes), 0)
+        self.assertGreater(report["bytes"]["reflectionProbes"], 0)
+        self.rendered(baked, "--eye=4,3,5", "--target=0,0,0", "--reflection-probes", "off")
+        off, report = self.bake(self.scene(), "off.glb", "--reflection-probes", "off")
+        self.assertNotIn("reflectionProbes", json_of(off)["extensions"]["HALFLIGHT_mixed_lighting"])
+        self.assertEqual(report["reflectionProbes"]["count"], 0)
+
+        with open(self.path("one.toml"), "w", encoding="utf-8") as file:
+            file.write('[[node]]\npattern = "crate"\nreflection_probe = true\n')
+        asked, report = self.bake(self.scene(), "asked.glb", "--settings", self.path("one.toml"))
+        root = json_of(asked)["extensions"]["HALFLIGHT_mixed_lighting"]
+        json_schema.check(root, "HALFLIGHT_mixed_lighting")
+        self.assertEqual(report["reflectionProbes"]["count"], 1)
+        self.assertEqual([root["reflectionProbes"]["probes"][0]["box"]], root["authoredReflectionProbes"])
+        again, report = self.bake(asked, "again.glb")
+        self.assertEqual(report["reflectionProbes"]["count"], 1, "the record of the earlier bake")
+
+
 class Sidecar(Case):
     def test_beside_the_file(self):
         baked, report = self.bake(self.scene(), "baked.glb", "--sidecar", self.path("beside"))

@@ -185,6 +185,8 @@ inline Scene engineScene()
     scene.sky.zenith = {0.1f, 0.2f, 0.3f};
     scene.subtractiveShadowColor = {0.01f, 0.02f, 0.03f};
     scene.probePositions = {{1, 2, 3}, {4, 5, 6}};
+    scene.reflectionBoxes = {mat4(2.0f)};
+    scene.reflectionBoxes[0][3] = {1.0f, 1.5f, 2.0f, 1.0f};
     return scene;
 }
 
@@ -295,6 +297,18 @@ inline BakedScene pretendToBake(Scene scene, bool splitVertices = true)
         probe.occlusion = {random(i, 9), 1.0f, 0.0f, random(i, 10)};
         probe.valid = i != 5;
         baked.probes.probes.push_back(probe);
+    }
+    baked.reflections.size = 32;
+    baked.reflections.unitNits = 8.0f;
+    baked.reflections.picture = Image<uint32_t>(32, 2 * 48);
+    for (std::size_t i = 0; i < baked.reflections.picture.texelCount(); ++i)
+        baked.reflections.picture.texels()[i] = hashCombine(uint32_t(i), 77u);
+    for (std::size_t i = 0; i < 2; ++i) {
+        ReflectionProbe probe{vec3(random(i, 30), 1.5f, random(i, 31)), mat4(1.0f), 0.125f + float(i)};
+        probe.worldFromBox[0] = {1.5f, 0.0f, 0.5f, 0.0f};
+        probe.worldFromBox[1].y = 2.5f;
+        probe.worldFromBox[3] = {float(i), 2.0f, -3.0f, 1.0f};
+        baked.reflections.probes.push_back(probe);
     }
     baked.scene = std::move(scene);
     return baked;

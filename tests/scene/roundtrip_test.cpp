@@ -42,6 +42,16 @@ void expectSame(const BakedScene& a, const BakedScene& b)
         EXPECT_EQ(a.probes.probes[i].occlusion, b.probes.probes[i].occlusion);
         EXPECT_EQ(a.probes.probes[i].valid, b.probes.probes[i].valid);
     }
+    ASSERT_EQ(a.reflections.probes.size(), b.reflections.probes.size());
+    for (std::size_t i = 0; i < a.reflections.probes.size(); ++i) {
+        EXPECT_EQ(a.reflections.probes[i].position, b.reflections.probes[i].position);
+        EXPECT_EQ(a.reflections.probes[i].worldFromBox, b.reflections.probes[i].worldFromBox);
+        EXPECT_EQ(a.reflections.probes[i].fadeMeters, b.reflections.probes[i].fadeMeters);
+    }
+    EXPECT_EQ(a.reflections.size, b.reflections.size);
+    EXPECT_EQ(a.reflections.unitNits, b.reflections.unitNits);
+    EXPECT_EQ(a.reflections.picture.texels(), b.reflections.picture.texels());
+    EXPECT_EQ(a.scene.reflectionBoxes, b.scene.reflectionBoxes);
     EXPECT_EQ(a.scene.sky.zenith, b.scene.sky.zenith);
     EXPECT_EQ(a.scene.sky.horizon, b.scene.sky.horizon);
     EXPECT_EQ(a.scene.sky.ground, b.scene.sky.ground);

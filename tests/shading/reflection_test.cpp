@@ -4,6 +4,7 @@
 #include "halflight/shading/reflection.h"
 #include "halflight/shading/sampling.h"
 
+#include <glm/gtc/matrix_transform.hpp>
 #include <gtest/gtest.h>
 
 #include <array>
@@ -35,9 +36,9 @@ TEST(Reflection, OctahedronHoldsEveryDirectionOnce)
 
 TEST(Reflection, LevelsLieApartWithinTheTile)
 {
-    for (const int size : {16, 64, 128, 256}) {
+    for (const int size : {32, 64, 128, 256}) {
         Image<int> owner(size, size + size / 2, -1);
-        for (int level = 0; (size >> level) >= 8; ++level) {
+        for (int level = 0; level < kReflectionLevels; ++level) {
             const ivec2 offset(reflectionLevelOffset(size, level));
             for (int y = 0; y < reflectionLevelSize(size, level); ++y) {
                 for (int x = 0; x < reflectionLevelSize(size, level); ++x) {
@@ -55,90 +56,95 @@ TEST(Reflection, LevelsLieApartWithinTheTile)
             }
         }
     }
+    EXPECT_EQ(reflectionRoughness(0), 0.0f);
+    EXPECT_EQ(reflectionRoughness(kReflectionLevels - 1), 1.0f);
+    EXPECT_EQ(reflectionLevel(0.5f), 2.0f);
 }
+
+/// A box about (1, 1.25, 1), 6 x 2.5 x 8 m, turned by 30 degrees about the vertical.
+struct TurnedBox {
+    mat4 worldFromBox = glm::translate(mat4(1.0f), vec3(1.0f, 1.25f, 1.0f)) *
+                        glm::rotate(mat4(1.0f), kShadingPi / 6.0f, vec3(0, 1, 0)) *
+                        glm::scale(mat4(1.0f), vec3(3.0f, 1.25f, 4.0f));
+    mat4 boxFromWorld = glm::inverse(worldFromBox);
+
+    [[nodiscard]] vec4 lookUp(vec3 position, vec3 direction, vec3 probe, float roughness) const
+    {
+        return lookUpReflection(position, direction, vec3(boxFromWorld * vec4(position, 1.0f)),
+                                mat3(boxFromWorld) * direction, probe, roughness);
+    }
+};
 
 /// The looked-up direction points from the probe at the very point of the wall that the reflected ray meets.
 TEST(Reflection, BoxCorrectsParallaxExactly)
 {
-    const vec3 low(-2.0f, 0.0f, -3.0f);
-    const vec3 high(4.0f, 2.5f, 5.0f);
-    const vec3 probe(1.0f, 1.6f, 0.5f);
-    for (const vec3 position : {vec3(0.0f), vec3(3.5f, 0.2f, 4.0f), vec3(-1.9f, 2.4f, -2.9f)}) {
+    const TurnedBox box;
+    const vec3 probe(1.5f, 1.6f, 0.5f);
+    for (const vec3 position : {vec3(0.0f, 0.1f, 0.0f), vec3(2.5f, 0.2f, 2.0f), vec3(-0.9f, 2.4f, -0.9f)}) {
         for (const vec3 d : directions()) {
-            // The wall by hand: the nearest of the planes that the ray goes towards.
+            // The wall by hand: the nearest of the box's six planes that the ray goes towards.
             float distance = 1.0e9f;
             for (int axis = 0; axis < 3; ++axis) {
-                if (d[axis] == 0.0f) continue;
-                distance = std::min(distance, ((d[axis] > 0.0f ? high : low)[axis] - position[axis]) / d[axis]);
+                for (const float side : {-1.0f, 1.0f}) {
+                    const vec3 normal = side * glm::normalize(vec3(box.worldFromBox[axis]));
+                    const vec3 onPlane = vec3(box.worldFromBox[3]) + side * vec3(box.worldFromBox[axis]);
+                    if (glm::dot(d, normal) <= 0.0f) continue;
+                    distance = std::min(distance, glm::dot(onPlane - position, normal) / glm::dot(d, normal));
+                }
             }
-            const vec3 wall = position + d * distance;
-            const vec3 expected = glm::normalize(wall - probe);
-            EXPECT_LT(glm::distance(lookUpReflection(position, d, 0.3f, probe, low, high).direction, expected),
-                      2.0e-4f);
+            const vec3 expected = glm::normalize(position + d * distance - probe);
+            EXPECT_LT(glm::distance(vec3(box.lookUp(position, d, probe, 0.3f)), expected), 2.0e-4f);
         }
     }
 }
 
 TEST(Reflection, BlurFollowsTheDistanceOfTheWall)
 {
-    const vec3 low(-2.0f);
-    const vec3 high(2.0f);
-    const vec3 x(1, 0, 0);
-    for (const float roughness : {0.0f, 0.3f, 1.0f}) {
-        EXPECT_FLOAT_EQ(lookUpReflection(vec3(0.0f), x, roughness, vec3(0.0f), low, high).roughness, roughness);
-        // Farther from the wall than the probe is: the lobe's foot is wider, but no wider than the lobe.
-        EXPECT_FLOAT_EQ(lookUpReflection(-x, x, roughness, vec3(0.0f), low, high).roughness, roughness);
-    }
-    // Half as far from the wall: a narrow lobe is half as wide from the probe.
-    EXPECT_NEAR(lookUpReflection(x, x, 0.01f, vec3(0.0f), low, high).roughness, 0.005f, 1.0e-4f);
-    EXPECT_FLOAT_EQ(lookUpReflection(x, x, 1.0f, vec3(0.0f), low, high).roughness, 1.0f);
+    const auto roughnessAt = [](vec3 position, float roughness) {
+        const mat4 box = glm::scale(mat4(1.0f), vec3(0.5f)); // the world's cube of 4 m
+        return lookUpReflection(position, vec3(1, 0, 0), vec3(box * vec4(position, 1.0f)), mat3(box) * vec3(1, 0, 0),
+                                vec3(0.0f), roughness)
+            .w;
+    };
+    for (const float roughness : {0.0f, 0.3f, 1.0f}) EXPECT_FLOAT_EQ(roughnessAt(vec3(0.0f), roughness), roughness);
+    // Half as far from the wall as the probe: the lobe's foot is half as wide, and alpha is its width.
+    EXPECT_FLOAT_EQ(roughnessAt(vec3(1, 0, 0), 0.4f), 0.4f * std::sqrt(0.5f));
+    EXPECT_FLOAT_EQ(roughnessAt(vec3(-2, 0, 0), 0.4f), 0.4f * std::sqrt(2.0f));
+    EXPECT_EQ(roughnessAt(vec3(-2, 0, 0), 1.0f), 1.0f);
 }
 
-TEST(Reflection, CoverageFadesOutsideAndTheNearestProbeLeads)
+TEST(Reflection, CoverageIsAQuarterAtTheFadesDistance)
 {
-    const vec3 low(0.0f);
-    const vec3 high(2.0f);
-    EXPECT_EQ(reflectionCoverage(vec3(1.9f, 0.1f, 1.0f), low, high, 0.5f), 1.0f);
-    EXPECT_FLOAT_EQ(reflectionCoverage(vec3(2.25f, 1.0f, 1.0f), low, high, 0.5f), 0.5f);
-    EXPECT_EQ(reflectionCoverage(vec3(1.0f, -0.6f, 1.0f), low, high, 0.5f), 0.0f);
-    const float near = reflectionWeight(1.0f, vec3(0.0f), vec3(1, 0, 0));
-    const float far = reflectionWeight(1.0f, vec3(0.0f), vec3(0, 3, 0));
-    EXPECT_FLOAT_EQ(near / far, 81.0f);
-    EXPECT_EQ(keptReflectionWeight(far, near + far), 0.0f) << "1/82 of the blend";
-    EXPECT_GT(keptReflectionWeight(near, near + far), 0.9f * near);
-}
-
-TEST(Reflection, IrradianceAtTheProbeOfEvenLight)
-{
-    // Radiance 3 from all sides: the constant coefficient is 3 sqrt(4 pi), the irradiance 3 pi.
-    const vec4 c(3.0f * std::sqrt(4.0f * kShadingPi), 0, 0, 0);
-    for (const vec3 n : directions())
-        EXPECT_NEAR(reflectionIrradiance(c, vec4(0.0f), 0.0f, n), 3.0f * kShadingPi, 1e-3f);
+    const vec3 halfSize(2.0f, 1.0f, 4.0f);
+    EXPECT_EQ(reflectionCoverage(vec3(0.9f, -1.0f, 0.0f), halfSize, 0.1f), 1.0f);
+    EXPECT_NEAR(reflectionCoverage(vec3(1.05f, 0.0f, 0.0f), halfSize, 0.1f), 0.25f, 1e-5f);
+    EXPECT_NEAR(reflectionCoverage(vec3(0.0f, 0.0f, -1.025f), halfSize, 0.1f), 0.25f, 1e-4f);
+    EXPECT_GT(reflectionCoverage(vec3(0.0f, 20.0f, 0.0f), halfSize, 0.1f), 0.0f);
 }
 
 TEST(Reflection, FollowsLocalDarkness)
 {
     const vec3 color(2.0f, 1.0f, 0.5f);
+    const vec3 own(0.3f, 0.2f, 0.1f);
     for (const float roughness : {0.0f, 0.4f, 1.0f}) {
-        EXPECT_EQ(normalizedReflection(color, 5.0f, 5.0f, vec3(5.0f), roughness), color);
-        // Half the light: a mirror sees the same, the roughest lobe half.
-        EXPECT_LT(glm::distance(normalizedReflection(color, 5.0f, 2.5f, vec3(2.5f), roughness),
-                                (1.0f - 0.5f * roughness) * color),
-                  1.0e-6f);
-        EXPECT_LT(
-            glm::distance(normalizedReflection(color, 5.0f, 0.0f, vec3(0.0f), roughness), (1.0f - roughness) * color),
-            1.0e-6f);
+        const float share = 1.0f - roughness * roughness;
+        const auto reflected = [&](vec3 expected, vec3 local, float coverage) {
+            return reflectedSurroundings(color, expected, coverage, own, local, roughness);
+        };
+        // As much light as expected, or more: the picture as it is, and a rough lobe's own surroundings.
+        EXPECT_LT(glm::distance(reflected(vec3(5.0f), vec3(5.0f), 1.0f), glm::mix(own, color, share)), 1e-6f);
+        EXPECT_LT(glm::distance(reflected(vec3(5.0f), vec3(9.0f), 1.0f), glm::mix(own, color, share)), 1e-6f);
+        // A quarter of it: a mirror shows the same.
+        const vec3 darker = color * std::pow(0.25f, roughness);
+        EXPECT_LT(glm::distance(reflected(vec3(4.0f), vec3(1.0f), 1.0f), glm::mix(own, darker, share)), 1e-6f);
+        // Far outside of all boxes the pictures do not count.
+        EXPECT_EQ(reflected(vec3(5.0f), vec3(5.0f), 0.0f), own);
+        EXPECT_LT(glm::distance(reflected(vec3(5.0f), vec3(5.0f), 0.125f), glm::mix(own, color, 0.5f * share)), 1e-6f);
+        // A black probe divides by nothing.
+        EXPECT_LT(glm::distance(reflected(vec3(0.0f), vec3(0.0f), 1.0f),
+                                glm::mix(own, roughness > 0.0f ? vec3(0.0f) : color, share)),
+                  1e-6f);
     }
-    // Twice the probe's light, from no known direction: a mirror misses the other half, the roughest lobe meets its
-    // mean.
-    EXPECT_EQ(normalizedReflection(color, 5.0f, 10.0f, vec3(10.0f), 0.0f), color);
-    EXPECT_LT(
-        glm::distance(normalizedReflection(color, 5.0f, 10.0f, vec3(10.0f), 1.0f), color + vec3(5.0f / kShadingPi)),
-        1.0e-5f);
-    // Nothing known of the surroundings: as a lightmap without probes.
-    EXPECT_LT(glm::distance(normalizedReflection(vec3(0.0f), 0.0f, 3.0f, vec3(3.0f), 1.0f), vec3(3.0f / kShadingPi)),
-              1.0e-5f);
-    EXPECT_EQ(normalizedReflection(vec3(0.0f), 0.0f, 0.0f, vec3(0.0f), 1.0f), vec3(0.0f));
 }
 
 } // namespace

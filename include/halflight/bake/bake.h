@@ -57,6 +57,7 @@ struct BakeSettings {
     bool subtractiveMask = true;
     float probeSpacingMeters = 0.0f; ///< 0 = by the scene's size
     ProbeLayout probeLayout = ProbeLayout::Refined;
+    bool reflectionProbes = true;
     int threads = 0; ///< 0 = all cores; changes no byte of the result
     uint32_t seed = 1;
     /// Directory for every stage's result (lightmap_N.exr, shadowmask_N.png, probes.json, …); empty = none.
@@ -72,6 +73,7 @@ struct BakeQuality {
     int shadowSamples;
     int lightmapSize;
     int probeSamples;
+    int reflectionSize;        ///< texels, ReflectionSet::size
     int bounces = kAllBounces; ///< the most
     float noiseTarget = 0.0f;  ///< 0 = none
 };
@@ -134,6 +136,7 @@ struct BakeReport {
     WrittenBytes written;       ///< of the output file; zero until it is written
     int probeCount = 0;
     int validProbeCount = 0;
+    int reflectionProbeCount = 0;
     uint64_t triangleCount = 0; ///< static, drawn
     uint64_t peakMemoryBytes = 0;
     double seconds = 0.0;

@@ -228,6 +228,13 @@ public:
     virtual bool probes(std::span<const vec3> positions, std::span<const uint32_t> which, int samples,
                         std::span<ProbeEstimate> out, const Progress& progress) = 0;
 
+    /// Radiance that arrives at a point from all sides, as the renderer draws it: emission, the sky, and what static
+    /// surfaces reflect diffusely (shading::transportAlbedo()) of the lightmap and of mixed lights. `lightmap`:
+    /// irradiance by page, lux; surfaces without a page are path traced. Texel (x, y) of the square map is the mean
+    /// over its square of octahedronFromDirection() in shading/reflection.h.
+    virtual bool radianceAround(vec3 position, std::span<const ImageRgb32f> lightmap, ImageRgb32f& map,
+                                const Progress& progress) = 0;
+
     /// Distances in metres from `from` to the first and the last surface on the way to `to`; nothing if the segment is
     /// unoccluded.
     [[nodiscard]] virtual std::optional<vec2> surfacesBetween(vec3 from, vec3 to) const = 0;

@@ -39,6 +39,7 @@ struct RenderSettings {
     /// False: surfaces are diffuse, of the albedo by which the bake carries light on (shading::transportAlbedo()), so
     /// that a bake can be judged without what its renderer adds.
     bool specular = true;
+    bool reflectionProbes = true; ///< reflect what the reflection probes show, in files that have some
     ivec2 size{1280, 720};
     int supersampling = 1; ///< 1…4: each pixel is the mean radiance of supersampling^2 samples on a regular grid
     /// Objects that have a proxy volume (Object::probeLighting) are lit by it; false: every object by one probe sample.

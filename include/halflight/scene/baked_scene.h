@@ -53,6 +53,23 @@ struct ProbeSet {
     ProbeSight sight; ///< nothing in files of earlier versions: every probe sees through walls
 };
 
+/// Radiance around a point, as glossy surfaces near it reflect it. See shading/reflection.h.
+struct ReflectionProbe {
+    vec3 position{0.0f};     ///< where the picture was taken
+    mat4 worldFromBox{1.0f}; ///< from the cube [-1, 1]^3 to the box on which the picture's surfaces are taken to lie
+    float fadeMeters = 0.0f; ///< distance outside of the box at which the probe counts a quarter, above 0
+};
+
+/// All reflection probes. In the blend, each leaves to those after it what it does not cover.
+struct ReflectionSet {
+    static constexpr std::size_t kMost = 32; ///< probes that a file may hold
+    std::vector<ReflectionProbe> probes;
+    int size = 0; ///< width of a probe's tile in texels
+    /// RGB9E5 in units of `unitNits`: one tile for each probe, one below the other, each 3/2 of `size` high.
+    Image<uint32_t> picture;
+    float unitNits = 1.0f;
+};
+
 /// How a channel of the shadowmask is to be read: see decodeMask() in shading/mask.h.
 struct MaskChannel {
     float rangeTexels = 0.0f;    ///< 0: attenuation; else distance to the shadow's edge, this many texels at 0 and at 1
@@ -81,6 +98,7 @@ struct BakedScene {
     /// light is shadowed. Counts where the author asks for none.
     vec3 defaultShadowColor{0.0f};
     ProbeSet probes;
+    ReflectionSet reflections;
     /// What a tool dropped of the bake since it was written, as phrases; scene.warnings has them as sentences.
     std::vector<std::string> lost;
 };

@@ -263,6 +263,9 @@ struct Scene {
     std::optional<vec3> subtractiveShadowColor;
     /// Centres that the file or settings give for light probes; empty = placed automatically.
     std::vector<vec3> probePositions;
+    /// Boxes of the reflection probes that the file asks for, each from the cube [-1, 1]^3 to the world; empty = placed
+    /// automatically.
+    std::vector<mat4> reflectionBoxes;
     std::vector<std::string> warnings; ///< what was odd in the file: skipped primitives, invented normals, …
     std::shared_ptr<const SourceDocument> source; ///< null when the scene was not read from a file
 

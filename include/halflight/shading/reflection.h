@@ -5,45 +5,48 @@
 // A probe is a tile of a picture: octahedral maps of the sphere (Cigolle et al. 2014, "A Survey of Efficient
 // Representations for Independent Unit Vectors"), one per roughness level. Each map has a border of one texel, which
 // repeats what lies beyond the octahedron's edge, so that bilinear filtering has no seam.
+//
+// Each probe has a box that fits the room around it. What the picture shows is taken to lie on that box.
 #ifndef HALFLIGHT_SHADING_REFLECTION_H
 #define HALFLIGHT_SHADING_REFLECTION_H
 
 #include "language.h"
-#include "sh.h"
 
 HL_NAMESPACE_BEGIN
 
-// A probe with less than this share of the blend is left out.
+// Maps of a probe, from roughness 0 to 1 in equal steps.
+HL_CONST int kReflectionLevels = 5;
+// A probe that covers less than this is left out.
 HL_CONST float kLeastReflectionShare = 0.02f;
 
 // Unit direction to the unit square, +Y in its middle.
 HL_FN vec2 octahedronFromDirection(vec3 d)
 {
     vec2 p = vec2(d.x, d.z) * (1.0f / (abs(d.x) + abs(d.y) + abs(d.z)));
-    if (d.y < 0.0f)
-        p = vec2((1.0f - abs(p.y)) * (p.x >= 0.0f ? 1.0f : -1.0f), (1.0f - abs(p.x)) * (p.y >= 0.0f ? 1.0f : -1.0f));
-    return p * 0.5f + 0.5f;
+    vec2 folded =
+        vec2((1.0f - abs(p.y)) * (p.x >= 0.0f ? 1.0f : -1.0f), (1.0f - abs(p.x)) * (p.y >= 0.0f ? 1.0f : -1.0f));
+    return (d.y < 0.0f ? folded : p) * 0.5f + 0.5f;
 }
 HL_FN vec3 directionFromOctahedron(vec2 uv)
 {
     vec2 p = uv * 2.0f - 1.0f;
-    vec3 d = vec3(p.x, 1.0f - abs(p.x) - abs(p.y), p.y);
-    float fold = max(-d.y, 0.0f);
-    d.x += d.x >= 0.0f ? -fold : fold;
-    d.z += d.z >= 0.0f ? -fold : fold;
-    return normalize(d);
+    float y = 1.0f - abs(p.x) - abs(p.y);
+    float fold = max(-y, 0.0f);
+    return normalize(vec3(p.x + (p.x >= 0.0f ? -fold : fold), y, p.y + (p.y >= 0.0f ? -fold : fold)));
 }
 
-// Width of a level's map in texels, its border included. `size`: that of level 0.
+// Width of a level's map in texels, its border included. `size`: that of level 0, at least 32. Light that is blurred
+// much needs few texels, but no fewer than an eighth.
 HL_FN int reflectionLevelSize(int size, int level)
 {
-    return size >> level;
+    return max(size >> level, size >> 3);
 }
 // First texel of a level's map in the probe's tile, which is `size` wide and 3/2 `size` high: level 0 at the top, the
 // others below it, side by side.
 HL_FN vec2 reflectionLevelOffset(int size, int level)
 {
-    return level == 0 ? vec2(0.0f) : vec2(float(size - (size >> (level - 1))), float(size));
+    int left = level == 4 ? size - (size >> 3) : size - (size >> max(level - 1, 0));
+    return vec2(float(level == 0 ? 0 : left), float(level == 0 ? 0 : size));
 }
 // Where a direction lies in the tile, in texels: texel i covers i … i + 1.
 HL_FN vec2 reflectionTexel(int size, int level, vec3 direction)
@@ -51,68 +54,52 @@ HL_FN vec2 reflectionTexel(int size, int level, vec3 direction)
     float inner = float(reflectionLevelSize(size, level) - 2);
     return reflectionLevelOffset(size, level) + 1.0f + octahedronFromDirection(direction) * inner;
 }
-// Level of a perceptual roughness: 0 is a mirror, the last one roughness 1; between two, interpolate.
-HL_FN float reflectionLevel(float roughness, int levels)
+// Level of a perceptual roughness; between two levels, interpolate.
+HL_FN float reflectionLevel(float roughness)
 {
-    return saturate(roughness) * float(levels - 1);
+    return saturate(roughness) * float(kReflectionLevels - 1);
 }
-HL_FN float reflectionRoughness(int level, int levels)
+HL_FN float reflectionRoughness(int level)
 {
-    return float(level) / float(levels - 1);
+    return float(level) / float(kReflectionLevels - 1);
 }
 
-// Where a ray from inside of a box leaves it, as distance over the direction's length. A point outside counts as the
+// Where a ray from inside of the cube [-1, 1]^3 leaves it, as a multiple of `direction`. A point outside counts as the
 // nearest one inside.
-HL_FN float distanceToBox(vec3 position, vec3 direction, vec3 boxMin, vec3 boxMax)
+HL_FN float distanceToCube(vec3 position, vec3 direction)
 {
-    vec3 inside = clamp(position, boxMin, boxMax);
-    vec3 side = vec3(direction.x < 0.0f ? boxMin.x : boxMax.x, direction.y < 0.0f ? boxMin.y : boxMax.y,
-                     direction.z < 0.0f ? boxMin.z : boxMax.z);
-    vec3 way = abs(side - inside);
-    vec3 speed = max(abs(direction), vec3(1.0e-6f));
+    vec3 inside = clamp(position, vec3(-1.0f), vec3(1.0f));
+    vec3 speed = max(abs(direction), vec3(1.0e-12f));
+    vec3 way = vec3(direction.x < 0.0f ? inside.x + 1.0f : 1.0f - inside.x,
+                    direction.y < 0.0f ? inside.y + 1.0f : 1.0f - inside.y,
+                    direction.z < 0.0f ? inside.z + 1.0f : 1.0f - inside.z);
     vec3 t = way / speed;
     return min(min(t.x, t.y), t.z);
 }
 
-// What a surface looks up: direction from the probe, and the roughness that blurs as much there.
-struct ReflectionLookup {
-    vec3 direction;
-    float roughness;
-};
-// Parallax correction by the box that fits the room: Lagarde and Zanuttini 2012, "Local Image-based Lighting With
-// Parallax-corrected Cubemap". The roughness is scaled by distance, as the same solid angle of a lobe is narrower or
-// wider from the probe: Lagarde and de Rousiers 2014, "Moving Frostbite to Physically Based Rendering", section 4.9.5.
-HL_FN ReflectionLookup lookUpReflection(vec3 position, vec3 direction, float roughness, vec3 probe, vec3 boxMin,
-                                        vec3 boxMax)
+// Parallax correction: Lagarde and Zanuttini 2012, "Local Image-based Lighting With Parallax-corrected Cubemap". The
+// roughness is scaled by distance, as the same solid angle of a lobe is narrower or wider from the probe: Lagarde and
+// de Rousiers 2014, "Moving Frostbite to Physically Based Rendering", section 4.9.5.
+//   position, direction          of the reflected ray, in the world; the direction has length 1
+//   boxPosition, boxDirection    the same where the probe's box is the cube [-1, 1]^3
+//   probe                        where the picture was taken, in the world
+// Returns the direction from the probe in xyz, and in w the roughness that blurs as much there.
+HL_FN vec4 lookUpReflection(vec3 position, vec3 direction, vec3 boxPosition, vec3 boxDirection, vec3 probe,
+                            float roughness)
 {
-    vec3 inside = clamp(position, boxMin, boxMax);
-    float distanceFromSurface = distanceToBox(inside, direction, boxMin, boxMax);
-    vec3 seen = inside + direction * distanceFromSurface - probe;
+    float distanceFromSurface = distanceToCube(boxPosition, boxDirection);
+    vec3 seen = position + direction * distanceFromSurface - probe;
     float distanceFromProbe = max(length(seen), 1.0e-6f);
-    ReflectionLookup result;
-    result.direction = seen * (1.0f / distanceFromProbe);
-    float scaled = clamp(distanceFromSurface / distanceFromProbe * roughness, 0.0f, roughness);
-    result.roughness = mix(scaled, roughness, roughness);
-    return result;
+    float alpha = roughness * roughness * distanceFromSurface / distanceFromProbe;
+    return vec4(seen * (1.0f / distanceFromProbe), sqrt(min(alpha, 1.0f)));
 }
 
-// 1 inside the box where a probe counts, 0 from `fadeMeters` outside of it on.
-HL_FN float reflectionCoverage(vec3 position, vec3 influenceMin, vec3 influenceMax, float fadeMeters)
+// How much a probe counts at a place: 1 inside its box, 1/4 at `fadeMeters` outside of it, never 0. Probes are taken in
+// their order; each leaves 1 - coverage of the blend to those after it.
+HL_FN float reflectionCoverage(vec3 boxPosition, vec3 halfSizeMeters, float fadeMeters)
 {
-    vec3 outside = max(max(influenceMin - position, position - influenceMax), vec3(0.0f));
-    return saturate(1.0f - length(outside) / fadeMeters);
-}
-// Weight of a probe among those that cover a point, not normalized: the nearest one dominates (Shepard 1968, "A
-// Two-dimensional Interpolation Function for Irregularly-spaced Data", with the power 4).
-HL_FN float reflectionWeight(float coverage, vec3 position, vec3 probe)
-{
-    vec3 way = position - probe;
-    return square(coverage) / square(max(dot(way, way), 1.0e-4f));
-}
-// Weights of small shares fall to 0 steadily. `sum`: of all weights.
-HL_FN float keptReflectionWeight(float weight, float sum)
-{
-    return max(weight - kLeastReflectionShare * sum, 0.0f);
+    vec3 outside = max(abs(boxPosition) - vec3(1.0f), vec3(0.0f)) * halfSizeMeters;
+    return square(1.0f / (1.0f + dot(outside, outside) / square(fadeMeters)));
 }
 
 // CIE luminance of a linear Rec. 709 colour (ITU-R BT.709, section 3).
@@ -121,31 +108,25 @@ HL_FN float luminanceOf(vec3 color)
     return dot(color, vec3(0.2126f, 0.7152f, 0.0722f));
 }
 
-// Luminance of the irradiance at the probe, on a normal. `c`: SH coefficients of the radiance's luminance, in the order
-// of shBasis(); the last is separate.
-HL_FN float reflectionIrradiance(vec4 c0123, vec4 c4567, float c8, vec3 n)
+// Radiance that a specular lobe meets, from what the probes hold.
+//
+// A probe's picture holds its own place's light. Where something close keeps light from a surface, its reflections are
+// darker: the irradiance there over that which the probes expect on the same normal (Lazarov 2013, "Getting More
+// Physical in Call of Duty: Black Ops II"). That is a mean over the hemisphere. So a lobe takes part in it by its
+// roughness, and a mirror shows its one ray however dark its place is. Where a surface gets more light than expected,
+// the picture stays as it is. With its share of alpha, a rough lobe meets what the hemisphere does, which is known
+// exactly.
+//   fromProbes, expected   prefiltered radiance about the mirror's direction, and of roughness 1 about the normal
+//   coverage               of all probes together: where it is small, the picture is of another place
+//   surroundings, local    what the surface's own irradiance makes of them: irradiance over pi, about the lobe and on
+//   the
+//                          normal
+HL_FN vec3 reflectedSurroundings(vec3 fromProbes, vec3 expected, float coverage, vec3 surroundings, vec3 local,
+                                 float roughness)
 {
-    float e = 0.0f;
-    for (int i = 0; i < 4; ++i) e += c0123[i] * shIrradianceWeight(i, n) + c4567[i] * shIrradianceWeight(4 + i, n);
-    return max(e + c8 * shIrradianceWeight(8, n), 0.0f);
-}
-
-// Radiance that the specular lobe meets, from what the probes hold. Normalization: where the surface gets less light
-// than the probe did on the same normal, something local is in the way, and its reflections are darker (Lazarov 2013,
-// "Getting More Physical in Call of Duty: Black Ops II"). That holds for the mean over the hemisphere, so a lobe takes
-// part in it by its roughness: a mirror shows what its one ray meets, however dark its place. Where the surface gets
-// more, the probe's picture stays as it is. The light that the probe does not have comes from a direction that is not
-// known (the direct light of baked lights, mostly): a rough lobe meets its mean, and a narrow one misses it.
-//   fromProbes     prefiltered radiance
-//   probeIrradiance, localIrradiance   luminance of the irradiance on the normal, at the probe and on the surface
-//   lobeIrradiance irradiance on a surface that faces the lobe, as far as known
-HL_FN vec3 normalizedReflection(vec3 fromProbes, float probeIrradiance, float localIrradiance, vec3 lobeIrradiance,
-                                float roughness)
-{
-    float least = 1.0e-12f;
-    float scale = mix(1.0f, min(localIrradiance / max(probeIrradiance, least), 1.0f), roughness);
-    float unknown = max(1.0f - probeIrradiance / max(localIrradiance, least), 0.0f);
-    return fromProbes * scale + lobeIrradiance * (unknown * roughness / kShadingPi);
+    float ratio = min(luminanceOf(local) / max(luminanceOf(expected), 1.0e-12f), 1.0f);
+    float share = min(4.0f * coverage, 1.0f) * (1.0f - roughness * roughness);
+    return mix(surroundings, fromProbes * pow(ratio, roughness), share);
 }
 
 HL_NAMESPACE_END

@@ -1,7 +1,7 @@
 import type { Accessor, Document, Extension, ExtensionProperty, ReaderContext, Texture, WriterContext } from '@gltf-transform/core';
 
-/** Keys of pictures: "lightmaps/0", "lightmapDirections/0", "shadowmasks/0" and so on, one per page, and "sky". */
-export type PictureKey = `${'lightmaps' | 'lightmapDirections' | 'shadowmasks'}/${number}` | 'sky';
+/** Keys of pictures: "lightmaps/0", "lightmapDirections/0", "shadowmasks/0" and so on, one per page, "sky" and "reflectionProbes". */
+export type PictureKey = `${'lightmaps' | 'lightmapDirections' | 'shadowmasks'}/${number}` | 'sky' | 'reflectionProbes';
 export type ProbeAccessor = 'positions' | 'radiance' | 'occlusion' | 'valid' | 'tetrahedra' | 'neighbors';
 
 declare abstract class RecordProperty extends ExtensionProperty {

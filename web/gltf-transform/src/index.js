@@ -1,6 +1,6 @@
 // glTF Transform extensions for files that Halflight baked: docs/format.md of that project describes them.
 import { Extension, PropertyType } from '@gltf-transform/core';
-import { LIGHT, MATERIAL, MIXED_LIGHTING, NODE, PICTURE_LISTS, PROBE_ACCESSORS, SKY_PICTURE, TEXTURE_KTX2 } from './names.js';
+import { LIGHT, MATERIAL, MIXED_LIGHTING, NODE, PICTURE_LISTS, PROBE_ACCESSORS, REFLECTION_PICTURE, SKY_PICTURE, TEXTURE_KTX2 } from './names.js';
 import { LightRecord, MaterialSwitches, MixedLighting, NodeLighting, SurfaceOfNode } from './properties.js';
 import { mergeSurfaces, splitSurfaces } from './surfaces.js';
 
@@ -58,6 +58,10 @@ export class HalflightMixedLighting extends Extension {
             keep(SKY_PICTURE, record.sky.picture);
             delete record.sky.picture.index;
         }
+        if (record.reflectionProbes) {
+            keep(REFLECTION_PICTURE, record.reflectionProbes.picture);
+            delete record.reflectionProbes.picture.index;
+        }
         for (const name of PROBE_ACCESSORS) {
             if (record.probes?.[name] === undefined) continue;
             const accessor = context.accessors[record.probes[name]];
@@ -88,6 +92,10 @@ export class HalflightMixedLighting extends Extension {
         if (record.sky?.picture) {
             const sky = lighting.getPicture(SKY_PICTURE);
             record.sky.picture.index = writeTexture(context, sky, lighting.getPlaceholder(), REPEAT);
+        }
+        if (record.reflectionProbes) {
+            const picture = lighting.getPicture(REFLECTION_PICTURE);
+            record.reflectionProbes.picture.index = writeTexture(context, picture, lighting.getPlaceholder());
         }
         for (const name of PROBE_ACCESSORS) {
             const accessor = lighting.getProbeAccessor(name);

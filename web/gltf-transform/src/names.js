@@ -9,5 +9,7 @@ export const TEXTURE_KTX2 = 'HALFLIGHT_texture_ktx2';
 export const PICTURE_LISTS = ['lightmaps', 'lightmapDirections', 'shadowmasks'];
 /** Key of the sky's picture among those of the bake. */
 export const SKY_PICTURE = 'sky';
+/** Key of the reflection probes' picture. */
+export const REFLECTION_PICTURE = 'reflectionProbes';
 /** Members of `probes` that are accessors. */
 export const PROBE_ACCESSORS = ['positions', 'radiance', 'occlusion', 'valid', 'tetrahedra', 'neighbors', 'sightRanges', 'sight'];

@@ -55,11 +55,13 @@ export interface BakedData {
     probes: ProbeData | null;
     /** cd/m2. The picture, where there is one, is RGB9E5 with a unit, turned about +Y; the colours are the gradient nearest to it. */
     sky: { zenith: number[]; horizon: number[]; ground: number[]; picture?: { pixels: Pixels; unitNits: number; rotation: number } };
+    /** The probes' tiles, RGB9E5 with a unit, one below the other; world space. */
+    reflections: { picture: Pixels; unitNits: number; size: number; probes: { position: number[]; box: number[]; fade: number }[] } | null;
     shadowColor: number[];
     nodes: Map<number, NodeData>;
     lights: Map<number, LightData>;
     materials: Map<number, { castShadows: boolean; receiveShadows: boolean }>;
-    bytes: { lightmaps: number; masks: number; directions: number; probes: number; sky: number };
+    bytes: { lightmaps: number; masks: number; directions: number; probes: number; sky: number; reflections: number };
 }
 
 export interface Source {

@@ -23,6 +23,14 @@ const MATERIAL = 'HALFLIGHT_material';
 /** @typedef {{pixels: Pixels, unitNits: number, rotation: number}} SkyPicture RGB9E5; a texel of 1 is unitNits cd/m2; radians about +Y */
 
 /**
+ * @typedef {object} ReflectionData
+ * @property {Pixels} picture RGB9E5: the probes' tiles, one below the other
+ * @property {number} unitNits cd/m2 of a texel of 1
+ * @property {number} size width of a tile in texels
+ * @property {{position: number[], box: number[], fade: number}[]} probes world; box: from the cube [-1, 1]^3
+ */
+
+/**
  * @typedef {object} NodeData
  * @property {boolean} isStatic
  * @property {boolean} castShadows
@@ -68,12 +76,13 @@ const MATERIAL = 'HALFLIGHT_material';
  * @property {Pixels[]} masks RGBA8, none when no light has a channel
  * @property {{rangeTexels: number, penumbraTexels: number}[]} maskChannels
  * @property {ProbeData | null} probes
+ * @property {ReflectionData | null} reflections
  * @property {{zenith: number[], horizon: number[], ground: number[], picture?: SkyPicture}} sky
  * @property {number[]} shadowColor
  * @property {Map<number, NodeData>} nodes
  * @property {Map<number, LightData>} lights
  * @property {Map<number, {castShadows: boolean, receiveShadows: boolean}>} materials
- * @property {{lightmaps: number, masks: number, directions: number, probes: number, sky: number}} bytes in the file
+ * @property {{lightmaps: number, masks: number, directions: number, probes: number, sky: number, reflections: number}} bytes in the file
  */
 
 /** @param {any} json @returns {boolean} whether the file holds a bake */
@@ -87,7 +96,7 @@ export async function readBaked(source) {
     if (!root) throw new Error('the file is not baked: it has no HALFLIGHT_mixed_lighting');
     if (root.version !== 1 && root.version !== 2)
         throw new Error(`the bake's format is version ${root.version}; this program reads versions 1 and 2`);
-    const bytes = { lightmaps: 0, masks: 0, directions: 0, probes: 0, sky: 0 };
+    const bytes = { lightmaps: 0, masks: 0, directions: 0, probes: 0, sky: 0, reflections: 0 };
     const pages = async (list, part, decode) =>
         Promise.all(
             (list ?? []).map(async (entry, page) => {
@@ -98,7 +107,7 @@ export async function readBaked(source) {
             })
         );
     const { picture, ...sky } = root.sky ?? { zenith: [0, 0, 0], horizon: [0, 0, 0], ground: [0, 0, 0] };
-    const [lightmaps, directions, masks, [skyPixels], probes] = await Promise.all([
+    const [lightmaps, directions, masks, [skyPixels], [reflectionPixels], probes] = await Promise.all([
         pages(root.lightmaps, 'lightmaps', (data, mimeType, name) =>
             root.lightmapEncoding
                 ? readByCurve(data, mimeType, name, root.lightmapEncoding)
@@ -107,6 +116,7 @@ export async function readBaked(source) {
         pages(root.lightmapDirections, 'directions', decodeImage),
         pages(root.shadowmasks, 'masks', decodeImage),
         pages(picture && [picture], 'sky', readRgb9e5),
+        pages(root.reflectionProbes && [root.reflectionProbes.picture], 'reflections', readRgb9e5),
         readProbes(source, root),
     ]);
     bytes.probes = bytesOfProbes(source.json, root.probes);
@@ -120,6 +130,7 @@ export async function readBaked(source) {
         masks,
         maskChannels: readChannels(root.shadowmaskChannels),
         probes,
+        reflections: reflectionPixels ? reflectionData(root, reflectionPixels) : null,
         sky: picture ? { ...sky, picture: { pixels: skyPixels, unitNits: picture.unitNits, rotation: picture.rotation } } : sky,
         shadowColor: root.subtractiveShadowColor ?? [0, 0, 0],
         nodes: collect(source.json.nodes, NODE, nodeData),
@@ -130,6 +141,15 @@ export async function readBaked(source) {
         })),
         bytes,
     };
+}
+
+function reflectionData({ reflectionProbes, origin = [0, 0, 0] }, picture) {
+    const { unitNits, size, probes } = reflectionProbes;
+    if (picture.width !== size || picture.height !== probes.length * 1.5 * size)
+        throw new Error(`the picture of the file's reflection probes is ${picture.width} x ${picture.height}, not ${size} x ${probes.length * 1.5 * size}`);
+    const moved = (p) => p.map((x, axis) => x + origin[axis]);
+    const world = probes.map(({ position, box, fade }) => ({ position: moved(position), box: [...box.slice(0, 12), ...moved(box.slice(12, 15)), 1], fade }));
+    return { picture, unitNits, size, probes: world };
 }
 
 /** The image of a page: that of a texture, or in version 1 of the format the page itself. */

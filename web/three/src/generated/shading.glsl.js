@@ -305,4 +305,77 @@ vec3 hlReflectIndirect(vec3 baseColor, float metallic, float roughness, float sp
     vec3 specular = hlEnvironmentSpecular(f0, f90, roughness, nDotV) * surroundings;
     return diffuse + specular;
 }
+const int hlReflectionLevels = 5;
+const float hlLeastReflectionShare = 0.02;
+vec2 hlOctahedronFromDirection(vec3 d)
+{
+    vec2 p = vec2(d.x, d.z) * (1.0 / (abs(d.x) + abs(d.y) + abs(d.z)));
+    vec2 folded =
+        vec2((1.0 - abs(p.y)) * (p.x >= 0.0 ? 1.0 : -1.0), (1.0 - abs(p.x)) * (p.y >= 0.0 ? 1.0 : -1.0));
+    return (d.y < 0.0 ? folded : p) * 0.5 + 0.5;
+}
+vec3 hlDirectionFromOctahedron(vec2 uv)
+{
+    vec2 p = uv * 2.0 - 1.0;
+    float y = 1.0 - abs(p.x) - abs(p.y);
+    float fold = max(-y, 0.0);
+    return normalize(vec3(p.x + (p.x >= 0.0 ? -fold : fold), y, p.y + (p.y >= 0.0 ? -fold : fold)));
+}
+int hlReflectionLevelSize(int size, int level)
+{
+    return max(size >> level, size >> 3);
+}
+vec2 hlReflectionLevelOffset(int size, int level)
+{
+    int left = level == 4 ? size - (size >> 3) : size - (size >> max(level - 1, 0));
+    return vec2(float(level == 0 ? 0 : left), float(level == 0 ? 0 : size));
+}
+vec2 hlReflectionTexel(int size, int level, vec3 direction)
+{
+    float inner = float(hlReflectionLevelSize(size, level) - 2);
+    return hlReflectionLevelOffset(size, level) + 1.0 + hlOctahedronFromDirection(direction) * inner;
+}
+float hlReflectionLevel(float roughness)
+{
+    return hlSaturate(roughness) * float(hlReflectionLevels - 1);
+}
+float hlReflectionRoughness(int level)
+{
+    return float(level) / float(hlReflectionLevels - 1);
+}
+float hlDistanceToCube(vec3 position, vec3 direction)
+{
+    vec3 inside = clamp(position, vec3(-1.0), vec3(1.0));
+    vec3 speed = max(abs(direction), vec3(1.0e-12));
+    vec3 way = vec3(direction.x < 0.0 ? inside.x + 1.0 : 1.0 - inside.x,
+                    direction.y < 0.0 ? inside.y + 1.0 : 1.0 - inside.y,
+                    direction.z < 0.0 ? inside.z + 1.0 : 1.0 - inside.z);
+    vec3 t = way / speed;
+    return min(min(t.x, t.y), t.z);
+}
+vec4 hlLookUpReflection(vec3 position, vec3 direction, vec3 boxPosition, vec3 boxDirection, vec3 probe,
+                            float roughness)
+{
+    float distanceFromSurface = hlDistanceToCube(boxPosition, boxDirection);
+    vec3 seen = position + direction * distanceFromSurface - probe;
+    float distanceFromProbe = max(length(seen), 1.0e-6);
+    float alpha = roughness * roughness * distanceFromSurface / distanceFromProbe;
+    return vec4(seen * (1.0 / distanceFromProbe), sqrt(min(alpha, 1.0)));
+}
+float hlReflectionCoverage(vec3 boxPosition, vec3 halfSizeMeters, float fadeMeters)
+{
+    vec3 outside = max(abs(boxPosition) - vec3(1.0), vec3(0.0)) * halfSizeMeters;
+    return hlSquare(1.0 / (1.0 + dot(outside, outside) / hlSquare(fadeMeters)));
+}
+float hlLuminanceOf(vec3 color)
+{
+    return dot(color, vec3(0.2126, 0.7152, 0.0722));
+}
+vec3 hlReflectedSurroundings(vec3 fromProbes, vec3 expected, float coverage, vec3 surroundings, vec3 local,
+                                 float roughness)
+{
+    float ratio = min(hlLuminanceOf(local) / max(hlLuminanceOf(expected), 1.0e-12), 1.0);
+    float share = min(4.0 * coverage, 1.0) * (1.0 - roughness * roughness);
+    return mix(surroundings, fromProbes * pow(ratio, roughness), share);
+}
 `;

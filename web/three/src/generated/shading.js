@@ -10,6 +10,8 @@ export const kSharpestMeanDirection = 0.99;
 export const kLightDirectional = 0;
 export const kLightPoint = 1;
 export const kLightSpot = 2;
+export const kReflectionLevels = 5;
+export const kLeastReflectionShare = 0.02;
 export const kLeastSight = 0.002;
 export const kLeastSightDeviation = 0.005;
 const mix = (a, b, t) => a * (1 - t) + b * t;
@@ -114,6 +116,10 @@ export function shCosineLobe(i) {
 /** @param {number} i @param {{x: number, y: number, z: number}} n @returns {number} */
 export function shIrradianceWeight(i, n) {
     return shCosineLobe(i) * shBasis(i, n);
+}
+/** @param {number} size @param {number} level @returns {number} */
+export function reflectionLevelSize(size, level) {
+    return Math.max(size >> level, size >> 3);
 }
 /** @param {{x: number, y: number, z: number}} d @returns {number} */
 export function octahedralX(d) {

@@ -477,3 +477,104 @@ export const hlReflectIndirect = /*@__PURE__*/ Fn( ( [ baseColor, metallic, roug
 	return diffuse.add( specular );
 
 }, { baseColor: 'vec3', metallic: 'float', roughness: 'float', specularFactor: 'float', nDotV: 'float', irradiance: 'vec3', surroundings: 'vec3', return: 'vec3' } );
+
+const hlReflectionLevels = int( 5 );
+const hlLeastReflectionShare = float( 0.02 );
+
+export const hlOctahedronFromDirection = /*@__PURE__*/ Fn( ( [ d ] ) => {
+
+	const p = vec2( d.x, d.z ).mul( float( 1.0 ).div( abs( d.x ).add( abs( d.y ) ).add( abs( d.z ) ) ) );
+	const folded = vec2( float( 1.0 ).sub( abs( p.y ) ).mul( select( p.x.greaterThanEqual( float( 0.0 ) ), float( 1.0 ), float( 1.0 ).negate() ) ), float( 1.0 ).sub( abs( p.x ) ).mul( select( p.y.greaterThanEqual( float( 0.0 ) ), float( 1.0 ), float( 1.0 ).negate() ) ) );
+
+	return select( d.y.lessThan( float( 0.0 ) ), folded, p ).mul( float( 0.5 ) ).add( float( 0.5 ) );
+
+}, { d: 'vec3', return: 'vec2' } );
+
+export const hlDirectionFromOctahedron = /*@__PURE__*/ Fn( ( [ uv ] ) => {
+
+	const p = uv.mul( float( 2.0 ) ).sub( float( 1.0 ) );
+	const y = float( 1.0 ).sub( abs( p.x ) ).sub( abs( p.y ) );
+	const fold = max( y.negate(), float( 0.0 ) );
+
+	return normalize( vec3( p.x.add( select( p.x.greaterThanEqual( float( 0.0 ) ), fold.negate(), fold ) ), y, p.y.add( select( p.y.greaterThanEqual( float( 0.0 ) ), fold.negate(), fold ) ) ) );
+
+}, { uv: 'vec2', return: 'vec3' } );
+
+export const hlReflectionLevelSize = /*@__PURE__*/ Fn( ( [ size, level ] ) => {
+
+	return max( size.shiftRight( level ), size.shiftRight( 3 ) );
+
+}, { size: 'int', level: 'int', return: 'int' } );
+
+export const hlReflectionLevelOffset = /*@__PURE__*/ Fn( ( [ size, level ] ) => {
+
+	const left = select( level.equal( 4 ), size.sub( size.shiftRight( 3 ) ), size.sub( size.shiftRight( max( level.sub( 1 ), 0 ) ) ) );
+
+	return vec2( float( select( level.equal( 0 ), 0, left ) ), float( select( level.equal( 0 ), 0, size ) ) );
+
+}, { size: 'int', level: 'int', return: 'vec2' } );
+
+export const hlReflectionTexel = /*@__PURE__*/ Fn( ( [ size, level, direction ] ) => {
+
+	const inner = float( hlReflectionLevelSize( size, level ).sub( 2 ) );
+
+	return hlReflectionLevelOffset( size, level ).add( float( 1.0 ) ).add( hlOctahedronFromDirection( direction ).mul( inner ) );
+
+}, { size: 'int', level: 'int', direction: 'vec3', return: 'vec2' } );
+
+export const hlReflectionLevel = /*@__PURE__*/ Fn( ( [ roughness ] ) => {
+
+	return hlSaturate( roughness ).mul( float( hlReflectionLevels.sub( 1 ) ) );
+
+}, { roughness: 'float', return: 'float' } );
+
+export const hlReflectionRoughness = /*@__PURE__*/ Fn( ( [ level ] ) => {
+
+	return float( level ).div( float( hlReflectionLevels.sub( 1 ) ) );
+
+}, { level: 'int', return: 'float' } );
+
+export const hlDistanceToCube = /*@__PURE__*/ Fn( ( [ position, direction ] ) => {
+
+	const inside = clamp( position, vec3( float( 1.0 ).negate() ), vec3( float( 1.0 ) ) );
+	const speed = max( abs( direction ), vec3( float( 1.0e-12 ) ) );
+	const way = vec3( select( direction.x.lessThan( float( 0.0 ) ), inside.x.add( float( 1.0 ) ), float( 1.0 ).sub( inside.x ) ), select( direction.y.lessThan( float( 0.0 ) ), inside.y.add( float( 1.0 ) ), float( 1.0 ).sub( inside.y ) ), select( direction.z.lessThan( float( 0.0 ) ), inside.z.add( float( 1.0 ) ), float( 1.0 ).sub( inside.z ) ) );
+	const t = way.div( speed );
+
+	return min( min( t.x, t.y ), t.z );
+
+}, { position: 'vec3', direction: 'vec3', return: 'float' } );
+
+export const hlLookUpReflection = /*@__PURE__*/ Fn( ( [ position, direction, boxPosition, boxDirection, probe, roughness ] ) => {
+
+	const distanceFromSurface = hlDistanceToCube( boxPosition, boxDirection );
+	const seen = position.add( direction.mul( distanceFromSurface ) ).sub( probe );
+	const distanceFromProbe = max( length( seen ), float( 1.0e-6 ) );
+	const alpha = roughness.mul( roughness ).mul( distanceFromSurface ).div( distanceFromProbe );
+
+	return vec4( seen.mul( float( 1.0 ).div( distanceFromProbe ) ), sqrt( min( alpha, float( 1.0 ) ) ) );
+
+}, { position: 'vec3', direction: 'vec3', boxPosition: 'vec3', boxDirection: 'vec3', probe: 'vec3', roughness: 'float', return: 'vec4' } );
+
+export const hlReflectionCoverage = /*@__PURE__*/ Fn( ( [ boxPosition, halfSizeMeters, fadeMeters ] ) => {
+
+	const outside = max( abs( boxPosition ).sub( vec3( float( 1.0 ) ) ), vec3( float( 0.0 ) ) ).mul( halfSizeMeters );
+
+	return hlSquare( float( 1.0 ).div( float( 1.0 ).add( dot( outside, outside ).div( hlSquare( fadeMeters ) ) ) ) );
+
+}, { boxPosition: 'vec3', halfSizeMeters: 'vec3', fadeMeters: 'float', return: 'float' } );
+
+export const hlLuminanceOf = /*@__PURE__*/ Fn( ( [ color ] ) => {
+
+	return dot( color, vec3( float( 0.2126 ), float( 0.7152 ), float( 0.0722 ) ) );
+
+}, { color: 'vec3', return: 'float' } );
+
+export const hlReflectedSurroundings = /*@__PURE__*/ Fn( ( [ fromProbes, expected, coverage, surroundings, local, roughness ] ) => {
+
+	const ratio = min( hlLuminanceOf( local ).div( max( hlLuminanceOf( expected ), float( 1.0e-12 ) ) ), float( 1.0 ) );
+	const share = min( float( 4.0 ).mul( coverage ), float( 1.0 ) ).mul( float( 1.0 ).sub( roughness.mul( roughness ) ) );
+
+	return mix( surroundings, fromProbes.mul( pow( ratio, roughness ) ), share );
+
+}, { fromProbes: 'vec3', expected: 'vec3', coverage: 'float', surroundings: 'vec3', local: 'vec3', roughness: 'float', return: 'vec3' } );

@@ -6,6 +6,7 @@ import { makeLightProbeGrid } from '../probes/grid.js';
 import { BakedLight, findMainLight } from './lights.js';
 import { checkMode, MODES, VIEWS } from './modes.js';
 import { BakedObject } from './objects.js';
+import { Reflections } from './reflections.js';
 import { boundsOf, chooseCasters, fitShadow, releaseCasters } from './shadows.js';
 import { ObjectTable } from './table.js';
 import { planVolumes, ProxyVolumes } from './volumes.js';
@@ -61,6 +62,7 @@ export class HalflightScene {
             const members = v.instance < 0 ? Array.from({ length: v.object.instances }, (_, i) => i) : [v.instance];
             for (const i of members) v.object.setVolume(this.table, i, v.row);
         }
+        this.reflections = data.reflections ? new Reflections(data.reflections, this.table) : null;
         this.bounds = boundsOf(this.objects);
         this.backend = null;
     }

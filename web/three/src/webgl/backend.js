@@ -50,6 +50,11 @@ export class WebGLBackend {
             this.uniforms.hlSkyTurn = { value: new Vector4(...skyTurn(data.sky.picture)) };
             this.textures.push(this.uniforms.hlSkyPicture.value);
         }
+        if (scene.reflections) {
+            features.push('HL_REFLECTIONS');
+            this.uniforms.hlReflectionPicture = { value: scene.reflections.texture };
+            this.uniforms.hlReflections = { value: new Vector4(...scene.reflections.numbers) };
+        }
         if (volumes) {
             features.push('HL_VOLUMES');
             this.uniforms.hlVolumes = { value: volumes.texture };

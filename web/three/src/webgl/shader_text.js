@@ -110,6 +110,10 @@ uniform vec4 hlMaskPenumbra;
 #ifdef HL_VOLUMES
 uniform highp sampler3D hlVolumes;
 #endif
+#ifdef HL_REFLECTIONS
+uniform highp sampler2D hlReflectionPicture;
+uniform vec4 hlReflections; // probes, width of a tile, cd/m2 of a texel of 1, first row in the table
+#endif
 
 struct HlSurface {
     vec3 normal;       // world, with the normal map
@@ -312,6 +316,49 @@ float hlLightmapSpecularScale(vec3 lobe)
 #endif
 }
 
+#ifdef HL_REFLECTIONS
+vec3 hlReflectionAt(int probe, int level, vec3 direction)
+{
+    int size = int(hlReflections.y);
+    vec2 texel = hlReflectionTexel(size, level, direction) + vec2(0.0, float(probe * (size + size / 2)));
+    return textureLod(hlReflectionPicture, texel / vec2(textureSize(hlReflectionPicture, 0)), 0.0).rgb;
+}
+
+// Radiance that a lobe of this roughness about a direction meets, by one probe.
+vec3 hlReflectionOf(int probe, mat4 boxFromWorld, vec3 position, vec3 direction, float roughness)
+{
+    vec3 boxPosition = (boxFromWorld * vec4(vHlPosition, 1.0)).xyz;
+    vec4 at = hlLookUpReflection(vHlPosition, direction, boxPosition, mat3(boxFromWorld) * direction, position, roughness);
+    float level = hlReflectionLevel(at.w);
+    int low = min(int(level), hlReflectionLevels - 2);
+    return mix(hlReflectionAt(probe, low, at.xyz), hlReflectionAt(probe, low + 1, at.xyz), level - float(low));
+}
+
+// surroundings, local: what the surface's own irradiance makes of them, about the lobe and on the normal.
+vec3 hlReflected(vec3 surroundings, vec3 local)
+{
+    vec3 mirror = reflect(-hlSurface.view, hlSurface.normal);
+    vec3 radiance = vec3(0.0);
+    vec3 expected = vec3(0.0);
+    float left = 1.0;
+    float weights = 0.0;
+    for (int i = 0; i < int(hlReflections.x) && left > hlLeastReflectionShare; ++i) {
+        int row = int(hlReflections.w) + i;
+        mat4 boxFromWorld = mat4(hlCell(row, 0), hlCell(row, 1), hlCell(row, 2), hlCell(row, 3));
+        vec4 place = hlCell(row, 4);
+        vec3 boxPosition = (boxFromWorld * vec4(vHlPosition, 1.0)).xyz;
+        float weight = left * hlReflectionCoverage(boxPosition, hlCell(row, 5).xyz, place.w);
+        left -= weight;
+        if (weight < hlLeastReflectionShare) continue;
+        radiance += weight * hlReflectionOf(i, boxFromWorld, place.xyz, mirror, hlSurface.roughness);
+        expected += weight * hlReflectionOf(i, boxFromWorld, place.xyz, hlSurface.normal, 1.0);
+        weights += weight;
+    }
+    float scale = hlReflections.z / max(weights, 1.0e-20);
+    return hlReflectedSurroundings(radiance * scale, expected * scale, weights, surroundings, local, hlSurface.roughness);
+}
+#endif
+
 // Radiance of light without single directions: lightmap, probes, sky.
 vec3 hlIndirect()
 {
@@ -331,6 +378,9 @@ vec3 hlIndirect()
     if (openSky)
         surroundings = mix(hlSkyTowards(reflect(-hlSurface.view, hlSurface.normal), hlSurface.roughness), surroundings,
                            hlSurface.roughness);
+#ifdef HL_REFLECTIONS
+    if (!openSky) surroundings = hlReflected(surroundings, irradiance * (1.0 / hlShadingPi));
+#endif
     float nDotV = clamp(abs(dot(hlSurface.normal, hlSurface.view)), 1.0e-4, 1.0);
     return hlReflectIndirect(hlSurface.baseColor, hlSurface.metallic, hlSurface.roughness, hlSurface.specular, nDotV,
                              irradiance, surroundings);

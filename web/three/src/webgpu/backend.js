@@ -36,6 +36,8 @@ export class WebGPUBackend {
             ...this.textures,
             table: table.texture,
             volumes: volumes?.texture ?? null,
+            reflectionPicture: scene.reflections?.texture ?? null,
+            reflections: scene.reflections?.numbers ?? null,
             mode: shared(0, 'int'),
             view: shared(0, 'int'),
             shadow: shared(new Vector2()),

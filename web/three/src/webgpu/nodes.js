@@ -1,10 +1,11 @@
 // The glue of webgl/shader_text.js as nodes of WebGPURenderer. Formulas are the headers', by generated/shading.tsl.js.
 import {
-    attribute, cameraPosition, cameraProjectionMatrix, cameraViewMatrix, dFdx, dFdy, diffuseColor, faceDirection, float, int, ivec2, mat4,
+    If, Loop, attribute, cameraPosition, cameraProjectionMatrix, cameraViewMatrix, dFdx, dFdy, diffuseColor, faceDirection, float, int, ivec2, mat4,
     materialMetalness, materialRoughness, materialSpecularIntensity, mix, negateOnBackSide, normalView, normalViewGeometry, positionViewDirection,
     positionWorld, reflect, select, texture, texture3D, textureLoad, uniform, varying, vec2, vec3, vec4, instanceIndex,
 } from 'three/tsl';
 
+import { kLeastReflectionShare, kReflectionLevels } from '../generated/shading.js';
 import * as hl from '../generated/shading.tsl.js';
 import { COLUMNS, ROWS } from '../webgl/shader_text.js';
 
@@ -166,6 +167,48 @@ export class SceneNodes {
         return hl.hlDirectionalSpecularScale(direction, baked, normal, view, towards, s.roughness);
     }
 
+    /** Radiance that a lobe of this roughness about a direction meets, by one probe. */
+    reflectionOf(s, probe, direction, roughness) {
+        const size = this.u.reflections[1];
+        const { width, height } = this.u.reflectionPicture.image;
+        const inBox = probe.boxFromWorld.mul(vec4(s.position, 1)).xyz;
+        const towards = probe.boxFromWorld.mul(vec4(direction, 0)).xyz;
+        const at = hl.hlLookUpReflection(s.position, direction, inBox, towards, probe.place.xyz, roughness).toVar();
+        const level = hl.hlReflectionLevel(at.w).toVar();
+        const low = int(level).min(kReflectionLevels - 2).toVar();
+        const texel = (l) => {
+            const place = hl.hlReflectionTexel(int(size), l, at.xyz).add(vec2(0, int(probe.index).toFloat().mul(1.5 * size)));
+            return texture(this.u.reflectionPicture, place.div(vec2(width, height))).level(0).rgb;
+        };
+        return mix(texel(low), texel(low.add(1)), level.sub(low.toFloat()));
+    }
+
+    /** What the probes make of a surface's own surroundings: hlReflected() of shader_text.js. */
+    withReflections(s, surroundings, local) {
+        const [count, , unit, first] = this.u.reflections;
+        const mirror = reflect(s.view.negate(), s.normal).toVar();
+        const radiance = vec3(0).toVar();
+        const expected = vec3(0).toVar();
+        const left = float(1).toVar();
+        const weights = float(0).toVar();
+        Loop(count, ({ i }) => {
+            const row = int(i).add(first).toVar();
+            const boxFromWorld = mat4(this.cell(row, 0), this.cell(row, 1), this.cell(row, 2), this.cell(row, 3)).toVar();
+            const place = this.cell(row, 4).toVar();
+            const inBox = boxFromWorld.mul(vec4(s.position, 1)).xyz;
+            const weight = left.mul(hl.hlReflectionCoverage(inBox, this.cell(row, 5).xyz, place.w)).toVar();
+            left.subAssign(weight);
+            If(weight.greaterThanEqual(kLeastReflectionShare), () => {
+                const probe = { index: i, boxFromWorld, place };
+                radiance.addAssign(this.reflectionOf(s, probe, mirror, s.roughness).mul(weight));
+                expected.addAssign(this.reflectionOf(s, probe, s.normal, float(1)).mul(weight));
+                weights.addAssign(weight);
+            });
+        });
+        const scale = float(unit).div(weights.max(1e-20));
+        return hl.hlReflectedSurroundings(radiance.mul(scale), expected.mul(scale), weights, surroundings, local, s.roughness);
+    }
+
     /** Radiance of light without single directions. */
     indirect(s, main) {
         const openSky = this.u.mode.equal(REALTIME);
@@ -175,11 +218,13 @@ export class SceneNodes {
             const probes = select(s.lightmapped, lightmap.mul(scale), this.probeIrradiance(s, n));
             return select(openSky, this.skyIrradiance(n), probes);
         };
-        const around = at(lobe, this.lightmapSpecularScale(s, lobe)).mul(1 / Math.PI).toVar();
+        const irradiance = at(s.normal, this.lightmapScale(s, s.normal)).toVar();
+        const own = at(lobe, this.lightmapSpecularScale(s, lobe)).mul(1 / Math.PI).toVar();
+        const around = this.u.reflectionPicture ? select(openSky, own, this.withReflections(s, own, irradiance.mul(1 / Math.PI))).toVar() : own;
         const mirror = skyTowards(this.u, reflect(s.view.negate(), s.normal), s.roughness);
         const surroundings = select(openSky, mix(mirror, around, s.roughness), around);
         const nDotV = s.normal.dot(s.view).abs().clamp(1e-4, 1);
-        return hl.hlReflectIndirect(s.baseColor, s.metallic, s.roughness, s.specular, nDotV, at(s.normal, this.lightmapScale(s, s.normal)), surroundings);
+        return hl.hlReflectIndirect(s.baseColor, s.metallic, s.roughness, s.specular, nDotV, irradiance, surroundings);
     }
 
     /** @param {any} lit the picture's radiance @param {any} overlap lights with a channel, or that lost theirs, that reach the fragment */

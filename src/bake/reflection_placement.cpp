@@ -1,0 +1,323 @@
+// Where reflection probes are taken, and the boxes around them.
+
+#include "bake/hash_grid.h"
+#include "bake/reflections.h"
+#include "halflight/base/parallel.h"
+#include "halflight/shading/reflection.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+
+namespace halflight {
+namespace {
+
+/// Most places that are compared; light probes are thinned out to this number.
+constexpr std::size_t kMostPlaces = 400;
+/// Rays that measure a place's surroundings.
+constexpr int kRays = 256;
+/// Surroundings beyond this many sizes of the scene count as infinitely far.
+constexpr float kFarShare = 4.0f;
+/// A place counts where this share of its surroundings is not infinitely far: on open ground it is a half.
+constexpr float kLeastSurrounded = 0.4f;
+/// Things nearer than this share of the surroundings' mean distance cover too much of the picture.
+constexpr float kClearance = 0.25f;
+/// No probe is added that gains less than this share of what a probe at every place would be worth.
+constexpr double kLeastGain = 0.04;
+/// Most probes that are placed: 16 tiles of 128 texels are 1.5 MiB.
+constexpr std::size_t kMostPlaced = 16;
+/// Boxes turned about the vertical are tried in steps of 5 degrees.
+constexpr int kTurns = 18;
+/// A turned box must predict distances better by this share.
+constexpr float kTurnGain = 0.1f;
+
+/// Directions spread evenly over the sphere (a Fibonacci lattice).
+std::vector<vec3> evenDirections()
+{
+    std::vector<vec3> result;
+    for (int i = 0; i < kRays; ++i) {
+        const float y = 1.0f - (2.0f * float(i) + 1.0f) / float(kRays);
+        const float r = std::sqrt(1.0f - y * y);
+        const float phi = 2.0f * kPi * float(i) / std::numbers::phi_v<float>;
+        result.emplace_back(r * std::cos(phi), y, r * std::sin(phi));
+    }
+    return result;
+}
+
+/// Positions of valid light probes, thinned out on a grid that grows until they are few enough.
+std::vector<vec3> placesOf(std::span<const Probe> lightProbes, float sceneSizeMeters)
+{
+    std::vector<vec3> all;
+    for (const Probe& probe : lightProbes)
+        if (probe.valid) all.push_back(probe.position);
+    std::vector<vec3> places = all;
+    for (float cell = sceneSizeMeters / 100.0f; places.size() > kMostPlaces; cell *= 1.25f) {
+        DistinctPoints distinct(cell);
+        places.clear();
+        for (const vec3 place : all)
+            if (distinct.insert(place)) places.push_back(place);
+    }
+    return places;
+}
+
+/// Distances to the surroundings of every place, in each direction; `far` where there is nothing.
+std::vector<std::vector<float>> distancesAround(std::span<const vec3> places, std::span<const vec3> directions,
+                                                const Integrator& integrator, float far)
+{
+    std::vector<Segment> segments;
+    for (const vec3 place : places)
+        for (const vec3 direction : directions) segments.push_back({place, place + direction * far});
+    std::vector<std::optional<vec2>> hits(segments.size());
+    integrator.surfacesAlong(segments, hits);
+    std::vector<std::vector<float>> result(places.size());
+    for (std::size_t i = 0; i < segments.size(); ++i)
+        result[i / directions.size()].push_back(hits[i] ? hits[i]->x : far);
+    return result;
+}
+
+/// Drops places with little around them: outside of rooms that stand alone, or above all there is.
+void keepSurrounded(std::vector<vec3>& places, std::vector<std::vector<float>>& distances, float far)
+{
+    std::size_t kept = 0;
+    for (std::size_t i = 0; i < places.size(); ++i) {
+        const auto hits = std::count_if(distances[i].begin(), distances[i].end(), [&](float d) { return d < far; });
+        if (float(hits) < kLeastSurrounded * float(distances[i].size())) continue;
+        places[kept] = places[i];
+        if (kept != i) distances[kept] = std::move(distances[i]);
+        ++kept;
+    }
+    places.resize(kept);
+    distances.resize(kept);
+}
+
+/// Mean of what is not infinitely far.
+float meanDistance(std::span<const float> distances, float far)
+{
+    float sum = 0.0f;
+    int count = 0;
+    for (const float distance : distances) {
+        if (distance >= far) continue;
+        sum += distance;
+        ++count;
+    }
+    return count > 0 ? sum / float(count) : far;
+}
+
+/// A box about a place, turned about the vertical.
+struct Box {
+    float turn = 0.0f;           ///< radians
+    std::array<float, 6> face{}; ///< metres from the place to the faces at -x, +x, -y, +y, -z, +z
+};
+
+vec3 turned(vec3 v, float radians)
+{
+    const float c = std::cos(radians);
+    const float s = std::sin(radians);
+    return {c * v.x - s * v.z, v.y, s * v.x + c * v.z};
+}
+
+/// Mean of how far a box's prediction of distances is off, relative to the larger of both: 0…1.
+float misfit(const Box& box, std::span<const vec3> directions, std::span<const float> distances)
+{
+    float sum = 0.0f;
+    for (std::size_t i = 0; i < directions.size(); ++i) {
+        float predicted = kInfinity;
+        for (int axis = 0; axis < 3; ++axis) {
+            const float along = directions[i][axis];
+            if (along == 0.0f) continue;
+            predicted = std::min(predicted, box.face[std::size_t(2 * axis + (along > 0.0f ? 1 : 0))] / std::abs(along));
+        }
+        sum += std::abs(predicted - distances[i]) / std::max(predicted, distances[i]);
+    }
+    return sum / float(directions.size());
+}
+
+/// The box of one turn with the least misfit. Each face moves, in turn, to where rays ended that left through it.
+Box fitBox(float turn, std::span<const vec3> directions, std::span<const float> distances, float& error)
+{
+    std::vector<vec3> local;
+    for (const vec3 direction : directions) local.push_back(turned(direction, -turn));
+    std::array<std::vector<float>, 6> ends;
+    for (std::size_t i = 0; i < local.size(); ++i) {
+        const vec3 size = glm::abs(local[i]);
+        const int axis = size.x >= size.y && size.x >= size.z ? 0 : size.y >= size.z ? 1 : 2;
+        ends[std::size_t(2 * axis + (local[i][axis] > 0.0f ? 1 : 0))].push_back(distances[i] * size[axis]);
+    }
+    Box box{turn, {}};
+    for (std::size_t f = 0; f < 6; ++f) {
+        std::sort(ends[f].begin(), ends[f].end());
+        box.face[f] = ends[f][ends[f].size() / 2];
+    }
+    error = misfit(box, local, distances);
+    constexpr int kSweeps = 2;
+    constexpr std::size_t kTries = 16;
+    for (int sweep = 0; sweep < kSweeps; ++sweep) {
+        for (std::size_t f = 0; f < 6; ++f) {
+            for (std::size_t k = 0; k < kTries; ++k) {
+                Box tried = box;
+                tried.face[f] = ends[f][(2 * k + 1) * ends[f].size() / (2 * kTries)];
+                const float triedError = misfit(tried, local, distances);
+                if (triedError >= error) continue;
+                error = triedError;
+                box = tried;
+            }
+        }
+    }
+    return box;
+}
+
+/// The best box of all turns.
+Box fitBox(std::span<const vec3> directions, std::span<const float> distances)
+{
+    float error = 0.0f;
+    Box box = fitBox(0.0f, directions, distances, error);
+    float limit = (1.0f - kTurnGain) * error;
+    for (int i = 1; i < kTurns; ++i) {
+        float turnedError = 0.0f;
+        const Box tried = fitBox(0.5f * kPi * float(i) / float(kTurns), directions, distances, turnedError);
+        if (turnedError >= limit) continue;
+        error = limit = turnedError;
+        box = tried;
+    }
+    return box;
+}
+
+ReflectionProbe probeAt(vec3 place, const Box& box)
+{
+    const vec3 low(-box.face[0], -box.face[2], -box.face[4]);
+    const vec3 high(box.face[1], box.face[3], box.face[5]);
+    const vec3 half = 0.5f * (high - low);
+    ReflectionProbe probe{place, mat4(1.0f), 0.0f};
+    for (int axis = 0; axis < 3; ++axis) {
+        vec3 unit(0.0f);
+        unit[axis] = half[axis];
+        probe.worldFromBox[axis] = vec4(turned(unit, box.turn), 0.0f);
+    }
+    probe.worldFromBox[3] = vec4(place + turned(0.5f * (low + high), box.turn), 1.0f);
+    return probe;
+}
+
+/// A place with its surroundings, and the box that fits them.
+struct Candidate {
+    std::vector<float> distances; ///< by direction
+    ReflectionProbe probe;
+    float quality = 0.0f; ///< 0…1: more where the place is central, less where something is close
+    float weight = 0.0f;  ///< share of its surroundings that is not infinitely far
+};
+
+/// 1 in the middle of a box, 0 at its faces; along axes on which the box ends within the scene.
+float centrality(const ReflectionProbe& probe, float sceneSizeMeters)
+{
+    const vec3 inBox(glm::inverse(probe.worldFromBox) * vec4(probe.position, 1.0f));
+    float result = 1.0f;
+    for (int axis = 0; axis < 3; ++axis)
+        if (glm::length(vec3(probe.worldFromBox[axis])) < sceneSizeMeters) result *= 1.0f - inBox[axis] * inBox[axis];
+    return std::max(result, 0.0f);
+}
+
+Candidate candidateAt(vec3 place, std::span<const vec3> directions, std::vector<float> distances, float sceneSizeMeters)
+{
+    const float far = kFarShare * sceneSizeMeters;
+    Candidate candidate;
+    candidate.probe = probeAt(place, fitBox(directions, distances));
+    const auto hits = std::count_if(distances.begin(), distances.end(), [&](float d) { return d < far; });
+    candidate.weight = float(hits) / float(distances.size());
+    const float clearance = *std::min_element(distances.begin(), distances.end()) / meanDistance(distances, far);
+    candidate.quality =
+        (0.5f + 0.5f * centrality(candidate.probe, sceneSizeMeters)) * std::min(clearance / kClearance, 1.0f);
+    candidate.distances = std::move(distances);
+    return candidate;
+}
+
+/// Mean of how far a box's prediction of distances from a place is off, relative to the larger of both: 0…1.
+float misfitAt(vec3 place, const mat4& boxFromWorld, std::span<const vec3> directions, std::span<const float> distances)
+{
+    const vec3 inBox(boxFromWorld * vec4(place, 1.0f));
+    const mat3 linear(boxFromWorld);
+    float sum = 0.0f;
+    for (std::size_t i = 0; i < directions.size(); ++i) {
+        const float predicted = shading::distanceToCube(inBox, linear * directions[i]);
+        sum += std::abs(predicted - distances[i]) / std::max(predicted, distances[i]);
+    }
+    return sum / float(directions.size());
+}
+
+/// How well a probe at each place serves each other one, 0…1: as far as its box predicts what surrounds that place, and
+/// by its quality; 0 where it does not see it.
+std::vector<std::vector<float>> usesBetween(std::span<const Candidate> candidates, std::span<const vec3> directions,
+                                            const Integrator& integrator)
+{
+    const std::size_t count = candidates.size();
+    std::vector<Segment> segments;
+    for (const Candidate& from : candidates)
+        for (const Candidate& to : candidates) segments.push_back({from.probe.position, to.probe.position});
+    std::vector<std::optional<vec2>> hits(segments.size());
+    integrator.surfacesAlong(segments, hits);
+    std::vector<std::vector<float>> uses(count, std::vector<float>(count, 0.0f));
+    parallelFor(count, 1, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t i = begin; i < end; ++i) {
+            const mat4 boxFromWorld = glm::inverse(candidates[i].probe.worldFromBox);
+            for (std::size_t k = 0; k < count; ++k) {
+                if (hits[i * count + k]) continue;
+                const Candidate& to = candidates[k];
+                const float misfit = misfitAt(to.probe.position, boxFromWorld, directions, to.distances);
+                uses[i][k] = to.weight * candidates[i].quality * (1.0f - misfit);
+            }
+        }
+    });
+    return uses;
+}
+
+/// The greedy choice of places that serve all others best (Nemhauser, Wolsey and Fisher 1978, "An Analysis of
+/// Approximations for Maximizing Submodular Set Functions").
+std::vector<std::size_t> choosePlaces(const std::vector<std::vector<float>>& uses)
+{
+    std::vector<float> served(uses.size(), 0.0f);
+    std::vector<std::size_t> chosen;
+    double most = 0.0; // if each place served itself
+    for (std::size_t k = 0; k < uses.size(); ++k) most += uses[k][k];
+    while (chosen.size() < kMostPlaced) {
+        double best = kLeastGain * most;
+        std::size_t bestPlace = uses.size();
+        for (std::size_t i = 0; i < uses.size(); ++i) {
+            double gain = 0.0;
+            for (std::size_t k = 0; k < uses.size(); ++k) gain += std::max(uses[i][k] - served[k], 0.0f);
+            if (gain > best) {
+                best = gain;
+                bestPlace = i;
+            }
+        }
+        if (bestPlace == uses.size()) break;
+        chosen.push_back(bestPlace);
+        for (std::size_t k = 0; k < uses.size(); ++k) served[k] = std::max(served[k], uses[bestPlace][k]);
+    }
+    return chosen;
+}
+
+} // namespace
+
+std::vector<ReflectionProbe> placeReflections(std::span<const Probe> lightProbes, const Integrator& integrator,
+                                              float sceneSizeMeters)
+{
+    std::vector<vec3> places = placesOf(lightProbes, sceneSizeMeters);
+    if (places.empty()) return {};
+    const float far = kFarShare * sceneSizeMeters;
+    const std::vector<vec3> directions = evenDirections();
+    std::vector<std::vector<float>> distances = distancesAround(places, directions, integrator, far);
+    keepSurrounded(places, distances, far);
+    std::vector<Candidate> candidates(places.size());
+    parallelFor(places.size(), 1, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t i = begin; i < end; ++i)
+            candidates[i] = candidateAt(places[i], directions, std::move(distances[i]), sceneSizeMeters);
+    });
+    std::vector<ReflectionProbe> probes;
+    for (const std::size_t i : choosePlaces(usesBetween(candidates, directions, integrator)))
+        probes.push_back(candidates[i].probe);
+    std::stable_sort(probes.begin(), probes.end(), [](const ReflectionProbe& a, const ReflectionProbe& b) {
+        return glm::determinant(mat3(a.worldFromBox)) < glm::determinant(mat3(b.worldFromBox));
+    });
+    return probes;
+}
+
+} // namespace halflight

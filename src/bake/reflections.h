@@ -1,0 +1,20 @@
+#pragma once
+// Parts of the reflection probes' stage.
+
+#include "halflight/bake/integrator.h"
+
+#include <span>
+#include <vector>
+
+namespace halflight {
+
+/// Reflection probes where people look: the fewest places from which nearly all light probes are seen. Each has the box
+/// that predicts best how far its surroundings are. Small boxes come first.
+std::vector<ReflectionProbe> placeReflections(std::span<const Probe> lightProbes, const Integrator& integrator,
+                                              float sceneSizeMeters);
+
+/// The tile of a probe (shading/reflection.h) from the radiance around it: prefiltered with the GGX distribution, for a
+/// surface seen along its normal (Karis 2013). `around`: the inner texels of level 0.
+ImageRgb32f reflectionTile(const ImageRgb32f& around);
+
+} // namespace halflight
