@@ -126,11 +126,11 @@ def add_light(kind, name, location, energy, **members):
 
 
 def add_lights():
-    sun = add_light("SUN", "Sun", (0, 0, 5), 2.0, angle=math.radians(2.0), color=(1.0, 0.95, 0.85))
-    sun.rotation_euler = (math.radians(40), math.radians(20), math.radians(30))
+    sun = add_light("SUN", "Sun", (0, 0, 5), 4.0, angle=math.radians(2.0), color=(1.0, 0.95, 0.85))
+    sun.rotation_euler = (math.radians(-40), 0, math.radians(25))
     add_light(
-        "POINT", "Bulb", (-0.2, 1.4, 1.2), 60.0, shadow_soft_size=0.08, use_custom_distance=True, cutoff_distance=6.0
-    ).data.halflight_shadow_strength = 0.75
+        "POINT", "Bulb", (-2.2, 1.2, 0.9), 60.0, shadow_soft_size=0.08, use_custom_distance=True, cutoff_distance=4.5
+    ).data.halflight_shadow_strength = 0.6
     add_light(
         "SPOT", "Lamp", (2.2, -0.5, 2.0), 150.0, spot_size=math.radians(50), spot_blend=0.4, color=(1.0, 0.8, 0.5)
     ).data.halflight_mode = "BAKED"
