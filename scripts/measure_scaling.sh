@@ -21,7 +21,7 @@ trap 'rm -rf "$work"' EXIT
 now() { date +%s.%N; }
 since() { awk -v a="$1" -v b="$(now)" 'BEGIN { printf "%.2f", b - a }'; }
 # CPU seconds of all processes that have ended so far.
-cpu() { times | awk 'NR == 2 { n = split($0, t, /[ms ]+/); print t[1] * 60 + t[2] + t[3] * 60 + t[4] }'; }
+cpu() { awk -v hertz="$(getconf CLK_TCK)" '{ print ($16 + $17) / hertz }' "/proc/$$/stat"; }
 cpu_since() { awk -v a="$1" -v b="$(cpu)" 'BEGIN { printf "%.2f", b - a }'; }
 
 echo "$(basename "$scene") $*, $cores cores, $(sed -n 's/^model name[^:]*: //p' /proc/cpuinfo | head -1)"
@@ -66,6 +66,10 @@ awk -v counts="${counts[*]}" -v folder="$work" 'BEGIN {
 }'
 
 read -r one one_cpu < <(sed -n 's/^whole //p' "$work/${counts[0]}.txt")
+# Seconds of the stages that workers share.
+shared=$(awk '$1 == "stage" { inside = 1 }
+  inside && match($0, /^(validity|lightmap|main light|shadowmask|probes)  +/) { split(substr($0, RLENGTH), n, " "); sum += n[1] }
+  END { print sum }' "$work/${counts[0]}.txt")
 plan=$work/plan
 start=$(now)
 "$halflight" farm plan "$scene" -o "$plan" --threads "$workers" -q "$@"
@@ -87,10 +91,10 @@ start=$(now); "$halflight" farm join "$plan" -o "$work/joined.glb" --threads "$w
 cmp "$work/joined.glb" "$work/first.glb" && same="the same bytes" || same="OTHER BYTES"
 echo
 awk -v one="$one" -v n="$workers" -v plan="$planned" -v cache="$cached" -v tiles="$tiled" -v repeated="$repeated" \
-  -v one_cpu="$one_cpu" -v work_cpu="$work_cpu" -v join="$joined" -v same="$same" 'BEGIN {
+  -v shared="$shared" -v one_cpu="$one_cpu" -v work_cpu="$work_cpu" -v join="$joined" -v same="$same" 'BEGIN {
   all = plan + cache + tiles + join; work = cache + tiles
   printf "Farm of %d processes of one thread: plan %.2f s, cache %.2f s, tiles %.2f s, join %.2f s (plan and join with %d threads): %.2f s, %s.\n", n, plan, cache, tiles, join, n, all, same
-  printf "One process of one thread: %.2f s. Efficiency %.2f; of the work alone %.2f.\n", one, one / n / all, (one - plan - join) / n / work
+  printf "One process of one thread: %.2f s. Efficiency %.2f; of cache and tiles alone %.2f.\n", one, one / n / all, shared / n / work
   printf "CPU seconds: %.1f of the bake, %.1f of all workers together.\n", one_cpu, work_cpu
   s = repeated / one_cpu
   printf "Every worker repeats %.2f CPU seconds (tiles it has done are read again), %.2f %% of the bake", repeated, 100 * s

@@ -3,7 +3,7 @@
 //
 //   DIR/plan.json       scenes, options, tiles; written last
 //   DIR/scenes/N/       a copy of each scene with its files
-//   DIR/cache/          parts, unless --cache names another folder
+//   DIR/cache/          parts, unless --cache names another folder; several scenes have a folder each in it
 //   DIR/workers         of how many workers the last one was one
 
 #include "halflight/bake/farm.h"

@@ -94,11 +94,9 @@ Status planScene(const PlanOptions& options, const fs::path& file, const std::ve
     planned.name = uniqueName(plan, file.stem().string());
     planned.options = words;
     planned.cache = "cache";
-    if (plan.compares) {
-        std::error_code ec;
-        planned.cache = fs::absolute(options.bake.bake.cacheDirectory, ec);
-        if (several) planned.cache /= planned.name; // each scene keeps bakes of its own
-    }
+    std::error_code ec;
+    if (plan.compares) planned.cache = fs::absolute(options.bake.bake.cacheDirectory, ec);
+    if (several) planned.cache /= planned.name; // a cache keeps the last few bakes, so each scene has its own
     culprit = file;
     ReadOptions read;
     read.settingsFile = options.bake.settingsFile;

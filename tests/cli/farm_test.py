@@ -144,6 +144,9 @@ class Farm(FarmCase):
         for name in ("tiny-2.glb", "tiny.glb"):
             self.assertEqual(read(os.path.join(self.path("out"), name)), expected)
         self.assertEqual(self.joined(plan, "single.glb", "--scene", "tiny-2"), expected)
+        # Without --cache each has a cache of its own too: one keeps few bakes that are not in use.
+        inside = self.plan(one, two, *QUICK, folder="inside")
+        self.assertEqual(sorted(os.listdir(os.path.join(inside, "cache"))), ["tiny", "tiny-2"])
         # The next night: tiles of an unchanged scene are there before any worker begins.
         again = self.plan(one, two, *QUICK, "--cache", self.path("cache"), folder="again")
         self.assertEqual(json.loads(run("farm", "status", again, "--json").stdout)["missing"], "")

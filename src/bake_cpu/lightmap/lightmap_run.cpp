@@ -13,6 +13,7 @@ namespace {
 constexpr float kMostBend = 0.03f;
 /// Maps with more texels have a sparse grid of step 2: its texels have rays enough for all in open places.
 constexpr std::size_t kManyTexels = 400'000;
+constexpr std::size_t kGrain = 64; ///< texels that a thread takes at a time
 
 } // namespace
 
@@ -95,22 +96,40 @@ bool LightmapRun::laterPasses()
             if (stateAt(i).traced() && wanted_->contains(texelAt(i))) needed[i] = plan_.blocksOf(texelAt(i), texels_);
         }
     });
-    // Texels of one step form groups. The steps are the same whichever texels are asked for.
-    std::vector<uint32_t> places;
+    // Texels of one step form groups. The steps are the same whichever texels are asked for. All steps run at one time,
+    // the longest first, because single steps have too few texels for many threads.
     const int first = plan_.firstBlocks();
     const int most = *std::max_element(needed.begin(), needed.end());
+    std::vector<std::vector<uint32_t>> placesOfStep;
+    std::vector<int> blocksOfStep;
     for (int done = first; done < most;) {
         const int next = plan_.nextStep(done);
-        places.clear();
+        std::vector<uint32_t>& places = placesOfStep.emplace_back();
         for (std::size_t i = 0; i < size(); ++i) {
             if (needed[i] > done && needed[i] <= next) places.push_back(uint32_t(i));
         }
+        blocksOfStep.push_back(next - first);
         done = next;
-        const auto more = [&](FinalGather& gather, const GatherGroup& group, std::span<TexelEstimate> estimates,
-                              uint64_t& rays) { gather.add(group, first, next - first, estimates, rays); };
-        if (!extend(places, more)) return false;
     }
-    return true;
+    struct Batch {
+        std::span<const uint32_t> places;
+        int blocks = 0;
+    };
+    std::vector<Batch> batches;
+    for (std::size_t step = placesOfStep.size(); step-- > 0;) {
+        const std::span<const uint32_t> places(placesOfStep[step]);
+        for (std::size_t i = 0; i < places.size(); i += kGrain)
+            batches.push_back({places.subspan(i, std::min(kGrain, places.size() - i)), blocksOfStep[step]});
+    }
+    return parallelFor(batches.size(), 1, progress_, "lightmap", [&](std::size_t begin, std::size_t end) {
+        FinalGather gather = input_.makeGather();
+        for (std::size_t b = begin; b < end; ++b) {
+            const int blocks = batches[b].blocks;
+            extendSome(batches[b].places, gather,
+                       [first, blocks](FinalGather& g, const GatherGroup& group, std::span<TexelEstimate> estimates,
+                                       uint64_t& rays) { g.add(group, first, blocks, estimates, rays); });
+        }
+    });
 }
 
 /// Interpolates a texel if its anchors are valid and no geometry is near them.
@@ -178,21 +197,29 @@ bool LightmapRun::finishInterpolated()
 /// Calls add(gather, group, estimates, rays) for groups of texels and their estimates.
 template<typename Add> bool LightmapRun::extend(const std::vector<uint32_t>& places, const Add& add)
 {
-    return forTexelGroups(
-        places.size(), [&](std::size_t i) { return texelAt(places[i]); },
-        [&](std::span<const uint32_t> texels) { return GatherGroup(input_.paths, input_.map, texels); }, progress_,
-        "lightmap", rays_,
-        [&] {
-            return
-                [&, gather = input_.makeGather()](const GatherGroup& group, std::size_t i, uint64_t& traced) mutable {
-                    std::array<TexelEstimate, TexelGroup::kLanes> estimates;
-                    for (int lane = 0; lane < group.lanes(); ++lane)
-                        estimates[std::size_t(lane)] = stateAt(places[i + std::size_t(lane)]).estimate;
-                    add(gather, group, std::span<TexelEstimate>(estimates), traced);
-                    for (int lane = 0; lane < group.lanes(); ++lane)
-                        stateAt(places[i + std::size_t(lane)]).estimate = estimates[std::size_t(lane)];
-                };
-        });
+    return parallelFor(places.size(), kGrain, progress_, "lightmap", [&](std::size_t begin, std::size_t end) {
+        FinalGather gather = input_.makeGather();
+        extendSome(std::span(places).subspan(begin, end - begin), gather, add);
+    });
+}
+
+template<typename Add>
+void LightmapRun::extendSome(std::span<const uint32_t> places, FinalGather& gather, const Add& add)
+{
+    uint64_t traced = 0;
+    std::array<uint32_t, TexelGroup::kLanes> texels{};
+    std::array<TexelEstimate, TexelGroup::kLanes> estimates;
+    for (std::size_t i = 0; i < places.size() && !progress_.cancelled(); i += TexelGroup::kLanes) {
+        const std::size_t lanes = std::min(places.size() - i, std::size_t(TexelGroup::kLanes));
+        for (std::size_t k = 0; k < lanes; ++k) {
+            texels[k] = texelAt(places[i + k]);
+            estimates[k] = stateAt(places[i + k]).estimate;
+        }
+        const GatherGroup group(input_.paths, input_.map, std::span<const uint32_t>(texels.data(), lanes));
+        add(gather, group, std::span<TexelEstimate>(estimates), traced);
+        for (std::size_t k = 0; k < lanes; ++k) stateAt(places[i + k]).estimate = estimates[k];
+    }
+    rays_ += traced;
 }
 
 } // namespace halflight

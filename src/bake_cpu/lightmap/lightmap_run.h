@@ -70,6 +70,7 @@ private:
     void tryInterpolate(uint32_t place);
     void interpolate(const SparseGrid::Anchors& anchors, TexelState& state) const;
     template<typename Add> bool extend(const std::vector<uint32_t>& places, const Add& add);
+    template<typename Add> void extendSome(std::span<const uint32_t> places, FinalGather& gather, const Add& add);
     [[nodiscard]] std::size_t size() const { return texels_.texels.size(); }
     [[nodiscard]] uint32_t texelAt(std::size_t place) const { return texels_.texels[place]; }
     [[nodiscard]] TexelState& stateAt(std::size_t place) { return texels_.states[place]; }
