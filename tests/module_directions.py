@@ -52,6 +52,7 @@ CONFINED = [
     ("stb", r"^stb_\w+\.h$", ("src/base/",)),
     ("oneTBB", r"^(tbb|oneapi)/", ("src/base/",)),
     ("xxHash", r"^xxhash\.h$", ("src/base/",)),
+    ("POSIX", r"^(dirent|fcntl|pthread|termios|unistd|sys/\w+)\.h$", ("src/base/",)),
     ("tinygltf", r"(^|/)tiny_gltf(_v\d+)?\.h$", ("src/scene/",)),
     ("toml++", r"^toml\+\+/", ("src/scene/",)),
     ("zstd", r"^zstd\.h$", ("src/scene/",)),
@@ -66,7 +67,7 @@ CONFINED = [
 ]
 CONFINED = [(name, re.compile(pattern), folders) for name, pattern, folders in CONFINED]
 # Headers of the language and of the operating system.
-SYSTEM = re.compile(r"^([a-z_0-9]+|c?(unistd|fcntl|malloc|dlfcn|windows|signal|io|process|sys/\w+)\.h)$")
+SYSTEM = re.compile(r"^([a-z_0-9]+|c?(unistd|fcntl|malloc|dlfcn|windows|psapi|signal|io|process|sys/\w+)\.h)$")
 # ... and folders inside those that may not.
 EXCLUDED = [(re.compile(r"^(vulkan/|vk_video/|volk\.h|vk_mem_alloc)"), "src/render/frame/")]
 
@@ -236,6 +237,7 @@ def self_test():
         ("src/bake_cpu/trace/y.cpp", '#include "../sample/light.h"\n', "bake_cpu/trace may not include"),
         ("src/bake_cpu/sample/x.cpp", '#include "bake_cpu/wiring.h"\n', "bake_cpu/sample may not include"),
         ("src/bake_cpu/stray/x.cpp", '#include "bake_cpu/trace/tracer.h"\n', "is not in FOLDERS"),
+        ("apps/tool/x.cpp", "#include <unistd.h>\n", "only src/base/"),
         ("apps/tool/x.cpp", "#include <draco/mesh/mesh.h>\n", "only src/scene/"),
         ("src/scene/x.cpp", "#include <webp/decode.h>\n", "only src/base/"),
         ("include/halflight/render/x.h", "#include <vulkan/vulkan.h>\n", "only src/gpu/"),

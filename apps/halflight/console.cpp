@@ -4,6 +4,7 @@
 #include "terminal.h"
 
 #include "halflight/base/file.h"
+#include "halflight/base/system.h"
 
 #include <spdlog/fmt/fmt.h>
 
@@ -11,7 +12,6 @@
 #include <cctype>
 #include <cmath>
 #include <cstdlib>
-#include <unistd.h>
 
 namespace halflight::cli {
 
@@ -269,7 +269,7 @@ CLI::Option* addChoiceByIndex(CLI::App& app, const std::string& name, const std:
 // -- progress ---------------------------------------------------------------------------------------------------------
 
 ProgressDisplay::ProgressDisplay(ProgressStyle style)
-    : style_(style), terminal_(::isatty(STDERR_FILENO) != 0), stageStart_(Clock::now()), lastShown_(stageStart_)
+    : style_(style), terminal_(isErrorStreamTerminal()), stageStart_(Clock::now()), lastShown_(stageStart_)
 {}
 
 ProgressDisplay::~ProgressDisplay()

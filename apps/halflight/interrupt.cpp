@@ -1,13 +1,12 @@
 #include "interrupt.h"
 
 #include "halflight/base/file.h"
+#include "halflight/base/system.h"
 
 #include <array>
-#include <cerrno>
 #include <csignal>
 #include <cstring>
 #include <string>
-#include <unistd.h>
 
 namespace halflight::cli {
 
@@ -23,14 +22,9 @@ static_assert(std::atomic<int>::is_always_lock_free && std::atomic<bool>::is_alw
 
 constexpr unsigned kGraceSeconds = 1;
 
-// Only functions that POSIX calls async-signal-safe.
 void endNow(int)
 {
-    if (state.load() != kCancelled) return;
-    if (temporaryFile[0] != '\0') ::unlink(temporaryFile.data());
-    constexpr char kMessage[] = "\nhalflight: interrupted\n";
-    [[maybe_unused]] const auto written = ::write(STDERR_FILENO, kMessage, sizeof kMessage - 1);
-    ::_exit(1);
+    if (state.load() == kCancelled) endProcess(temporaryFile.data(), "\nhalflight: interrupted\n", 1);
 }
 
 void requestCancel(int signal)
@@ -38,7 +32,7 @@ void requestCancel(int signal)
     int expected = kRunning;
     if (state.compare_exchange_strong(expected, kCancelled)) {
         cancelRequested.store(true);
-        ::alarm(kGraceSeconds);
+        callAfter(kGraceSeconds, endNow);
     }
     std::signal(signal, SIG_DFL);
 }
@@ -47,7 +41,6 @@ void requestCancel(int signal)
 
 const std::atomic<bool>& listenForInterrupts()
 {
-    std::signal(SIGALRM, endNow);
     std::signal(SIGINT, requestCancel);
     std::signal(SIGTERM, requestCancel);
     return cancelRequested;

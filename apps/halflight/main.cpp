@@ -1,6 +1,7 @@
 // halflight: bake mixed lighting into a glTF file, render it, look into it.
 
 #include "console.h"
+#include "halflight/base/system.h"
 #include "halflight/scene/compression.h"
 #include "terminal.h"
 
@@ -97,7 +98,7 @@ int runProgram(const std::vector<std::string>& arguments)
 
 int main(int argc, char** argv)
 {
-    prepareStreams();
+    prepareStandardStreams();
     const int code = runProgram(withHelpWords(std::vector<std::string>(argv + 1, argv + argc)));
     if (Status status = finishResults(); !status && code == kOk) return fail({}, status.error());
     return code;

@@ -1,12 +1,9 @@
 #include "terminal.h"
 
 #include <cerrno>
-#include <csignal>
 #include <cstdint>
 #include <cstdio>
 #include <cstring>
-#include <fcntl.h>
-#include <unistd.h>
 
 namespace halflight::cli {
 
@@ -72,26 +69,7 @@ void writeResult(const std::string& text)
     std::fwrite(text.data(), 1, text.size(), stdout);
 }
 
-void openIfClosed(int descriptor, int flags)
-{
-    if (::fcntl(descriptor, F_GETFD) != -1 || errno != EBADF) return;
-    const int opened = ::open("/dev/null", flags);
-    if (opened >= 0 && opened != descriptor) {
-        ::dup2(opened, descriptor);
-        ::close(opened);
-    }
-}
-
 } // namespace
-
-void prepareStreams()
-{
-    openIfClosed(STDIN_FILENO, O_WRONLY);
-    openIfClosed(STDOUT_FILENO, O_RDONLY);
-    openIfClosed(STDERR_FILENO, O_RDONLY);
-    std::signal(SIGPIPE, SIG_IGN);
-    std::signal(SIGXFSZ, SIG_IGN);
-}
 
 std::string printable(std::string_view text)
 {

@@ -11,11 +11,6 @@
 
 namespace halflight::cli {
 
-/// Call first in main(). Standard streams that are closed are opened on /dev/null for the wrong direction, so that
-/// writing to them fails and no output file takes their descriptor. Broken pipes and file size limits become errors of
-/// writing instead of signals.
-void prepareStreams();
-
 /// UTF-8 text that cannot steer a terminal: controls (C0, C1, DEL), bidirectional overrides, line separators and bytes
 /// that are not UTF-8 become escapes such as \x1b or \u009b. Use for names, which files choose.
 std::string printable(std::string_view text);

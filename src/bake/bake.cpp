@@ -9,6 +9,7 @@
 
 #include "halflight/base/memory.h"
 #include "halflight/base/parallel.h"
+#include "halflight/base/system.h"
 
 #include <algorithm>
 #include <array>
@@ -239,7 +240,7 @@ Result<BakeResult> bake(Scene scene, const BakeSettings& settings, const Integra
         report.cache = cache->counts();
     }
     stages.noteImages(dumpResult(settings, result.baked));
-    report.peakMemoryBytes = peakMemory();
+    report.peakMemoryBytes = halflight::peakMemoryBytes();
     report.seconds = std::chrono::duration<double>(StageTimer::Clock::now() - start).count();
     return result;
 }

@@ -6,7 +6,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <sys/resource.h>
 #include <vector>
 
 namespace halflight {
@@ -104,12 +103,6 @@ void reportMainLight(const BakedScene& baked, const MainLight& main, const BakeS
         report.warnings.emplace_back("a subtractive bake's mask holds attenuation, as the lightmap does: distance "
                                      "fields are for shadowmask bakes");
     }
-}
-
-uint64_t peakMemory()
-{
-    rusage usage{};
-    return getrusage(RUSAGE_SELF, &usage) == 0 ? uint64_t(usage.ru_maxrss) * 1024u : 0u;
 }
 
 } // namespace halflight

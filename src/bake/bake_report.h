@@ -42,7 +42,4 @@ void reportFlipped(const Scene& scene, const BakeGeometry& geometry, BakeReport&
 /// Of a subtractive bake.
 void reportMainLight(const BakedScene& baked, const MainLight& main, const BakeSettings& settings, BakeReport& report);
 
-/// Largest resident size of this process so far, in bytes; 0 where the system does not say.
-uint64_t peakMemory();
-
 } // namespace halflight

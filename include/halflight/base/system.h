@@ -1,0 +1,25 @@
+#pragma once
+// What only the operating system can tell or do, beside files (file.h).
+
+#include <cstdint>
+
+namespace halflight {
+
+/// Most memory that the process has had so far; 0 where the system does not tell.
+uint64_t peakMemoryBytes();
+
+/// True when standard error is a terminal.
+bool isErrorStreamTerminal();
+
+/// Call first in main(). Standard streams that are closed are opened on /dev/null for the wrong direction, so that
+/// writing to them fails and no output file takes their descriptor. Broken pipes and file size limits become errors of
+/// writing instead of signals.
+void prepareStandardStreams();
+
+/// For signal handlers: calls `handler` in so many seconds, whatever the process does then.
+void callAfter(unsigned seconds, void (*handler)(int));
+
+/// For signal handlers: removes a file (null or empty: none), writes to standard error, ends the process at once.
+[[noreturn]] void endProcess(const char* fileToRemove, const char* message, int exitCode);
+
+} // namespace halflight

@@ -1,0 +1,116 @@
+#include "halflight/base/system.h"
+
+#include <csignal>
+#include <cstdlib>
+#include <cstring>
+
+#ifdef _WIN32 // written without a build: nobody has built Halflight for Windows yet
+
+#include <chrono>
+#include <io.h>
+#include <cstdio>
+#include <thread>
+#include <windows.h>
+
+#include <psapi.h>
+
+namespace halflight {
+
+uint64_t peakMemoryBytes()
+{
+    PROCESS_MEMORY_COUNTERS counters{};
+    return GetProcessMemoryInfo(GetCurrentProcess(), &counters, sizeof counters) ? counters.PeakWorkingSetSize : 0;
+}
+
+bool isErrorStreamTerminal()
+{
+    return _isatty(_fileno(stderr)) != 0;
+}
+
+void prepareStandardStreams() {} // no such signals, and no reuse of their numbers
+
+void callAfter(unsigned seconds, void (*handler)(int))
+{
+    // Handlers of Ctrl-C run in a thread of their own, in which anything may be called.
+    std::thread([=] {
+        std::this_thread::sleep_for(std::chrono::seconds(seconds));
+        handler(0);
+    }).detach();
+}
+
+void endProcess(const char* fileToRemove, const char* message, int exitCode)
+{
+    if (fileToRemove != nullptr && fileToRemove[0] != '\0') ::DeleteFileA(fileToRemove);
+    ::_write(2, message, unsigned(std::strlen(message)));
+    std::_Exit(exitCode);
+}
+
+} // namespace halflight
+
+#else
+
+#include <cerrno>
+#include <fcntl.h>
+#include <sys/resource.h>
+#include <unistd.h>
+
+namespace halflight {
+
+namespace {
+
+void openIfClosed(int descriptor, int flags)
+{
+    if (::fcntl(descriptor, F_GETFD) != -1 || errno != EBADF) return;
+    const int opened = ::open("/dev/null", flags);
+    if (opened >= 0 && opened != descriptor) {
+        ::dup2(opened, descriptor);
+        ::close(opened);
+    }
+}
+
+} // namespace
+
+uint64_t peakMemoryBytes()
+{
+    rusage usage{};
+    if (::getrusage(RUSAGE_SELF, &usage) != 0) return 0;
+#ifdef __APPLE__
+    return uint64_t(usage.ru_maxrss); // bytes there, kilobytes elsewhere
+#else
+    return uint64_t(usage.ru_maxrss) * 1024u;
+#endif
+}
+
+bool isErrorStreamTerminal()
+{
+    return ::isatty(STDERR_FILENO) != 0;
+}
+
+void prepareStandardStreams()
+{
+    openIfClosed(STDIN_FILENO, O_WRONLY);
+    openIfClosed(STDOUT_FILENO, O_RDONLY);
+    openIfClosed(STDERR_FILENO, O_RDONLY);
+    std::signal(SIGPIPE, SIG_IGN);
+    std::signal(SIGXFSZ, SIG_IGN);
+}
+
+// Here and below only functions that POSIX calls async-signal-safe.
+void callAfter(unsigned seconds, void (*handler)(int))
+{
+    struct sigaction action = {};
+    action.sa_handler = handler;
+    ::sigaction(SIGALRM, &action, nullptr);
+    ::alarm(seconds);
+}
+
+void endProcess(const char* fileToRemove, const char* message, int exitCode)
+{
+    if (fileToRemove != nullptr && fileToRemove[0] != '\0') ::unlink(fileToRemove);
+    [[maybe_unused]] const auto written = ::write(STDERR_FILENO, message, std::strlen(message));
+    ::_exit(exitCode);
+}
+
+} // namespace halflight
+
+#endif
