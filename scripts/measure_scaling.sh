@@ -77,24 +77,23 @@ planned=$(since "$start")
 all() {
   local i pids=()
   for ((i = 0; i < workers; ++i)); do
-    "$halflight" farm work "$plan" --index "$i" --of "$workers" --threads 1 --stage "$1" -q & pids+=($!)
+    "$halflight" farm work "$plan" --index "$i" --of "$workers" --threads 1 -q & pids+=($!)
   done
   for i in "${pids[@]}"; do wait "$i"; done
 }
 spent=$(cpu)
-start=$(now); all cache; cached=$(since "$start")
-start=$(now); all tiles; tiled=$(since "$start")
+start=$(now); all; worked=$(since "$start")
 work_cpu=$(cpu_since "$spent")
 # Everything is there: what a worker still does, all others do too.
 spent=$(cpu); "$halflight" farm work "$plan" --index 0 --of "$workers" --threads 1 -q; repeated=$(cpu_since "$spent")
 start=$(now); "$halflight" farm join "$plan" -o "$work/joined.glb" --threads "$workers" -q; joined=$(since "$start")
 cmp "$work/joined.glb" "$work/first.glb" && same="the same bytes" || same="OTHER BYTES"
 echo
-awk -v one="$one" -v n="$workers" -v plan="$planned" -v cache="$cached" -v tiles="$tiled" -v repeated="$repeated" \
+awk -v one="$one" -v n="$workers" -v plan="$planned" -v work="$worked" -v repeated="$repeated" \
   -v shared="$shared" -v one_cpu="$one_cpu" -v work_cpu="$work_cpu" -v join="$joined" -v same="$same" 'BEGIN {
-  all = plan + cache + tiles + join; work = cache + tiles
-  printf "Farm of %d processes of one thread: plan %.2f s, cache %.2f s, tiles %.2f s, join %.2f s (plan and join with %d threads): %.2f s, %s.\n", n, plan, cache, tiles, join, n, all, same
-  printf "One process of one thread: %.2f s. Efficiency %.2f; of cache and tiles alone %.2f.\n", one, one / n / all, shared / n / work
+  all = plan + work + join
+  printf "Farm of %d processes of one thread: plan %.2f s, work %.2f s, join %.2f s (plan and join with %d threads): %.2f s, %s.\n", n, plan, work, join, n, all, same
+  printf "One process of one thread: %.2f s. Efficiency %.2f; of the work alone %.2f.\n", one, one / n / all, shared / n / work
   printf "CPU seconds: %.1f of the bake, %.1f of all workers together.\n", one_cpu, work_cpu
   s = repeated / one_cpu
   printf "Every worker repeats %.2f CPU seconds (tiles it has done are read again), %.2f %% of the bake", repeated, 100 * s

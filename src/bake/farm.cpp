@@ -36,16 +36,27 @@ Error reasonOf(const Progress& progress, const Front& front)
     return progress.cancelled() || front.cache->status() ? cancelledError() : front.cache->status().error();
 }
 
-Status prepareStage(const Stages& stages, Front& front)
+/// The first process solves the radiosity system. The others do probes and masks meanwhile, and then find the solution,
+/// or solve it themselves.
+Status prepareStage(const Stages& stages, Front& front, const FarmBake& planned, const FarmWork& work)
 {
     PartFolder& parts = front.cache->parts();
     if (parts.contains(kPrepared)) return {};
-    if (!front.integrator->prepareIrradiance(front.map, stages.progress)) return reasonOf(stages.progress, front);
+    const bool first = parts.share().index == 0;
+    const bool shared = first ? front.integrator->prepareIrradiance(front.map, stages.progress)
+                              : front.integrator->shareIrradiance(front.map, stages.progress);
+    if (!shared) return reasonOf(stages.progress, front);
     const BakeSettings& settings = stages.settings;
     std::vector<std::string> warnings; // the bake's own run of this stage says them
     const auto probes = bakeProbes(stages.baked().scene, settings.probeSpacingMeters, settings.probeLayout,
                                    front.integration.denoised, front.gather(), warnings, stages.progress);
     if (!probes) return reasonOf(stages.progress, front);
+    if (!first) {
+        const bool masks = work.stage == FarmStage::All && planned.mask;
+        if (masks && !front.gather().fillShadowmask(work.tiles, stages.progress))
+            return reasonOf(stages.progress, front);
+        if (!front.integrator->prepareIrradiance(front.map, stages.progress)) return reasonOf(stages.progress, front);
+    }
     if (parts.status()) parts.write(kPrepared, {});
     return parts.status();
 }
@@ -101,7 +112,7 @@ Result<BakeReport> workOnFarm(Scene scene, const BakeSettings& settings, const F
     if (!front.cache) return Error{ErrorCode::WriteFailed, result.report.warnings.back()};
     if (Status status = validityStage(stages, front); !status) return status.error();
     if (work.stage != FarmStage::Tiles) {
-        if (Status status = prepareStage(stages, front); !status) return status.error();
+        if (Status status = prepareStage(stages, front, planned, work); !status) return status.error();
     }
     if (work.stage != FarmStage::Cache && !work.tiles.empty()) {
         if (Status status = tileStage(stages, front, planned, work); !status) return status.error();

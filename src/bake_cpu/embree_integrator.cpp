@@ -52,6 +52,11 @@ public:
         lightmap_.keepIn(parts);
     }
 
+    bool shareIrradiance(const TexelMap& map, const Progress& progress) override
+    {
+        return settings_.integrator != IntegratorKind::Cache || lightmap_.shareParts(map, progress, rays_);
+    }
+
     bool prepareIrradiance(const TexelMap& map, const Progress& progress) override
     {
         return settings_.integrator != IntegratorKind::Cache || lightmap_.prepareAll(map, progress, rays_);

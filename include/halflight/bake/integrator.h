@@ -215,6 +215,8 @@ public:
                             const Progress& progress) = 0;
     /// Computes what irradiance() needs for any texel of a map: the part of the work that farm workers share.
     virtual bool prepareIrradiance(const TexelMap& /*map*/, const Progress& /*progress*/) { return true; }
+    /// The parts of prepareIrradiance() that farm workers share, without what each would do by itself with them.
+    virtual bool shareIrradiance(const TexelMap& /*map*/, const Progress& /*progress*/) { return true; }
     /// Frees data that irradiance() keeps between calls for one map. Later calls rebuild it.
     virtual void releaseIrradiance() {}
 

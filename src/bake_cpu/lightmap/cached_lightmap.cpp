@@ -148,6 +148,13 @@ bool CachedLightmap::findScaleTogether(const LightmapInput& input, std::span<con
     return true;
 }
 
+bool CachedLightmap::shareParts(const TexelMap& map, const Progress& progress, std::atomic<uint64_t>& rays)
+{
+    const bool done = parts_ == nullptr || parts_->contains(kRadianceStage);
+    if (done || map.texels.empty() || settings_.bounces == 0) return true;
+    return buildRadiosityParts({paths_, map, pattern_, settings_, parts_}, progress, rays);
+}
+
 bool CachedLightmap::prepareAll(const TexelMap& map, const Progress& progress, std::atomic<uint64_t>& rays)
 {
     if (map.texels.empty()) return true;

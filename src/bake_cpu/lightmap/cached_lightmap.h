@@ -21,6 +21,8 @@ public:
     /// Builds the radiance cache and guides of a map, and the scale of its sample plan. False when cancelled, as the
     /// above.
     bool prepareAll(const TexelMap& map, const Progress& progress, std::atomic<uint64_t>& rays);
+    /// As Integrator::shareIrradiance().
+    bool shareParts(const TexelMap& map, const Progress& progress, std::atomic<uint64_t>& rays);
     /// As Integrator::keepIn().
     void keepIn(PartFolder* parts) { parts_ = parts; }
     /// Frees the state of the map.

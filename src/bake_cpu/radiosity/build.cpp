@@ -42,13 +42,19 @@ public:
         : input_(input), progress_(progress), rays_(rays), patches_(input.paths.surfaces(), input.map)
     {}
 
-    std::optional<Radiosity> build()
+    /// Samples all form factors.
+    bool runPasses()
     {
         buildFronts();
         buildBacks();
         gather(PassKind::Elements,
                patches_.texelsIn(input_.map, 0, [](PatchState s) { return s.occluded || s.hitNear; }));
-        if (failed_ || progress_.cancelled()) return std::nullopt;
+        return !failed_ && !progress_.cancelled();
+    }
+
+    std::optional<Radiosity> build()
+    {
+        if (!runPasses()) return std::nullopt;
         RadiositySolution solution =
             solveRadiosity(patches_, std::move(factors_), input_.paths.surfaces().geometry(), input_.settings.bounces);
         return Radiosity{std::move(patches_), std::move(solution)};
@@ -198,6 +204,11 @@ std::optional<Radiosity> buildRadiosity(const RadiosityInput& input, const Progr
                                         std::atomic<uint64_t>& rays)
 {
     return RadiosityBuilder(input, progress, rays).build();
+}
+
+bool buildRadiosityParts(const RadiosityInput& input, const Progress& progress, std::atomic<uint64_t>& rays)
+{
+    return RadiosityBuilder(input, progress, rays).runPasses();
 }
 
 } // namespace halflight
