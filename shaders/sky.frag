@@ -1,7 +1,7 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_nonuniform_qualifier : require
-// The sky where nothing was drawn.
+// The sky where nothing was drawn. Its alpha of 0 says so (src/render/samples.h).
 #include "sky.glsl"
 
 layout(location = 0) out vec4 outRadiance;
@@ -16,5 +16,5 @@ void main()
     float pixel = max(length(dFdx(direction)), length(dFdy(direction)));
     float level = log2(max(pixel * frame.skyPicture.z / (2.0 * kShadingPi), 1.0));
     vec3 radiance = skyTowards(direction, level);
-    outRadiance = vec4(frame.mode.y == 0 ? radiance : vec3(0.0), 1.0);
+    outRadiance = vec4(frame.mode.y == 0 ? radiance : vec3(0.0), 0.0);
 }

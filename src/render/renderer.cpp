@@ -4,6 +4,7 @@
 #include "render/frame/frame_internal.h"
 #include "render/frame_data.h"
 #include "render/passes.h"
+#include "render/samples.h"
 #include "render/shadow_switches.h"
 
 #include <glm/gtc/packing.hpp>
@@ -115,17 +116,6 @@ bool mustGoForward(const GpuScene& scene, const FramePlan& plan, uint32_t object
 {
     return !plan.mainShadowReceivers.empty() && plan.mainShadowReceivers[object] != 0 && scene.lightmapped[object] &&
            scene.outline.scene.objects[object].receiveShadows;
-}
-
-/// Means of factor x factor blocks.
-ImageRgba32f downsampled(const ImageRgba32f& image, int factor)
-{
-    if (factor == 1) return image;
-    ImageRgba32f result(image.width() / factor, image.height() / factor, vec4(0.0f));
-    const float weight = 1.0f / float(factor * factor);
-    for (int y = 0; y < image.height(); ++y)
-        for (int x = 0; x < image.width(); ++x) result(x / factor, y / factor) += weight * image(x, y);
-    return result;
 }
 
 template<typename T> bool has(const std::vector<T>& values, int index)
@@ -318,7 +308,6 @@ ImageRgba32f Renderer::Impl::readPicture() const
         const auto* texels = reinterpret_cast<const uint64_t*>(readback.mapped());
         for (std::size_t i = 0; i < picture.texelCount(); ++i) picture.texels()[i] = glm::unpackHalf4x16(texels[i]);
     }
-    for (vec4& texel : picture.texels()) texel.a = 1.0f;
     return picture;
 }
 
@@ -458,7 +447,7 @@ Result<RenderedFrame> Renderer::Impl::render(const Camera& camera, const RenderS
     });
 
     RenderedFrame frame;
-    frame.radiance = downsampled(readPicture(), settings.supersampling);
+    frame.radiance = downsampled(withoutCracks(readPicture()), settings.supersampling);
     frame.forwardReadsMask = readsMask;
     frame.forwardObjects = int(toForward.size());
     frame.gBufferTargets = deferred ? int(gBuffer.images().size()) + 1 : 0;
