@@ -127,8 +127,8 @@ TEST_F(LightmapFormats, WebpHasTheErrorThatTheReportSays)
     for (const Json& reference : root["lightmaps"]) {
         const Json& texture = written.json["textures"][reference["index"].get<std::size_t>()];
         EXPECT_TRUE(texture["extensions"].contains("EXT_texture_webp"));
+        EXPECT_FALSE(texture["extensions"].contains("HALFLIGHT_texture_ktx2"));
     }
-    EXPECT_THAT(written.json["extensionsUsed"], testing::Not(testing::Contains(Json("HALFLIGHT_texture_ktx2"))));
     for (std::size_t p = 0; p < 2; ++p) {
         const double most = largestError(pages[p], written.read.lightmaps.at(p), 2.0f);
         EXPECT_NEAR(written.bytes.lightmapPages.at(p).mostError, most, 1.0e-6);
