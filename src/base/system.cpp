@@ -7,8 +7,8 @@
 #ifdef _WIN32 // written without a build: nobody has built Halflight for Windows yet
 
 #include <chrono>
-#include <io.h>
 #include <cstdio>
+#include <io.h>
 #include <thread>
 #include <windows.h>
 

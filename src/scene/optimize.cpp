@@ -24,7 +24,8 @@ void countAccessors(const FinishedDocument& document, uint64_t& geometry, uint64
     const Json& json = document.json;
     std::set<std::size_t> ofProbes;
     const Json& record = member(extensionOf(json, "HALFLIGHT_mixed_lighting"), "probes");
-    for (const char* name : {"positions", "radiance", "occlusion", "valid", "tetrahedra", "neighbors", "sightRanges", "sight"}) {
+    for (const char* name :
+         {"positions", "radiance", "occlusion", "valid", "tetrahedra", "neighbors", "sightRanges", "sight"}) {
         const Json& accessor = member(record, name);
         if (accessor.is_number_integer()) ofProbes.insert(accessor.get<std::size_t>());
     }

@@ -155,8 +155,13 @@ Status toWebp(DocumentPatcher& patcher, const Lightmaps& lightmaps, OptimizeRepo
         Json& texture = patcher.json["textures"][reference["index"].get<std::size_t>()];
         texture["extensions"] = {{"EXT_texture_webp", texture["extensions"][kKtx2Extension]}};
     }
+    // Reflection probes stay KTX2.
+    const Json& textures = patcher.json["textures"];
+    const bool stays = std::any_of(textures.begin(), textures.end(), [](const Json& texture) {
+        return texture.contains("extensions") && texture["extensions"].contains(kKtx2Extension);
+    });
     Json& used = patcher.json["extensionsUsed"];
-    used.erase(std::remove(used.begin(), used.end(), Json(kKtx2Extension)), used.end());
+    if (!stays) used.erase(std::remove(used.begin(), used.end(), Json(kKtx2Extension)), used.end());
     used.push_back("EXT_texture_webp");
     return {};
 }

@@ -9,10 +9,10 @@
 namespace halflight {
 
 namespace {
-
 // Indices of things that have no place yet.
 constexpr int kNewBase = 1 << 30;
-constexpr const char* kProbeAccessors[] = {"positions", "radiance", "occlusion", "valid", "tetrahedra", "neighbors", "sightRanges", "sight"};
+constexpr const char* kProbeAccessors[] = {"positions",  "radiance",  "occlusion",   "valid",
+                                           "tetrahedra", "neighbors", "sightRanges", "sight"};
 
 // Indices set by this program are signed integers to nlohmann's JSON, those of a file unsigned ones.
 bool isNew(const Json& index)

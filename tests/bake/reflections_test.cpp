@@ -146,7 +146,8 @@ TEST(ReflectionFilter, EachLevelHasTheLobeOfItsRoughness)
     const ImageRgb32f tile = reflectionTile(mapOf(126, radiance));
     for (int level = 1; level < shading::kReflectionLevels; ++level) {
         const float alpha = shading::square(shading::reflectionRoughness(level));
-        for (const vec3 d : {vec3(1, 0, 0), vec3(-1, 0, 0), vec3(0, 0, 1), vec3(0.2f, 0.9f, -0.3f), vec3(0, -1, 0.1f)}) {
+        for (const vec3 d :
+             {vec3(1, 0, 0), vec3(-1, 0, 0), vec3(0, 0, 1), vec3(0.2f, 0.9f, -0.3f), vec3(0, -1, 0.1f)}) {
             const vec3 n = glm::normalize(d);
             EXPECT_NEAR(lookUp(tile, 128, level, n).x, filteredByHand(n, alpha, radiance).x, 0.03f) << level;
         }

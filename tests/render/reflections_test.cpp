@@ -102,16 +102,16 @@ struct MirrorFloor {
             left -= weight;
             if (weight < kLeastReflectionShare) continue;
             const auto light = [&](vec3 direction, float roughness) {
-                const vec4 at = lookUpReflection(position, direction, inBox, mat3(box) * direction, probe.position,
-                                                 roughness);
+                const vec4 at =
+                    lookUpReflection(position, direction, inBox, mat3(box) * direction, probe.position, roughness);
                 return tileLight(bases[i], vec3(at), reflectionLevel(at.w));
             };
             radiance += weight * light(glm::reflect(-view, normal), m.roughness);
             rough += weight * light(normal, 1.0f);
             weights += weight;
         }
-        const vec3 surroundings = reflectedSurroundings(radiance / weights, rough / weights, weights, own, own,
-                                                        m.roughness);
+        const vec3 surroundings =
+            reflectedSurroundings(radiance / weights, rough / weights, weights, own, own, m.roughness);
         return reflectIndirect(baseColor, m.metallic, m.roughness, m.specular, view.y, irradiance, surroundings);
     }
     void check(const RenderedFrame& frame, float relative) const

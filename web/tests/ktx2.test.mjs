@@ -30,13 +30,19 @@ const formats = [
     ['half', VK_FORMAT_R16G16B16A16_SFLOAT, 8],
 ];
 
-/** The KTX2 images in a .glb. */
+/** The KTX2 images in a .glb, by what they are: reflection probes are RGB9E5 whatever the lightmaps are. */
 function picturesOf(path) {
     const { json, buffer } = readGlb(path);
-    return (json.images ?? [])
-        .filter((image) => image.mimeType === 'image/ktx2')
-        .map((image) => json.bufferViews[image.bufferView])
-        .map((view) => new Uint8Array(buffer.subarray(view.byteOffset ?? 0, (view.byteOffset ?? 0) + view.byteLength)));
+    const bytesOf = (image) => {
+        const view = json.bufferViews[image.bufferView];
+        return new Uint8Array(buffer.subarray(view.byteOffset ?? 0, (view.byteOffset ?? 0) + view.byteLength));
+    };
+    const pictures = (json.images ?? []).filter((image) => image.mimeType === 'image/ktx2');
+    const ofReflections = (image) => image.name === 'reflection probes';
+    return {
+        lightmaps: pictures.filter((image) => !ofReflections(image)).map(bytesOf),
+        reflections: pictures.filter(ofReflections).map(bytesOf),
+    };
 }
 
 /** One level of linear floats, Zstandard-compressed, whose stated sizes fit each other. */
@@ -58,14 +64,17 @@ function check(bytes, vkFormat, bytesPerTexel) {
 test('lightmaps of baked files, and of optimize', () => {
     for (const [format, vkFormat, size] of formats) {
         halflight('bake', scene, '-o', at(`${format}.glb`), '--lightmap-format', format, ...fast);
-        const pictures = picturesOf(at(`${format}.glb`));
-        assert.ok(pictures.length > 0, format);
-        for (const bytes of pictures) check(bytes, vkFormat, size);
+        const { lightmaps, reflections } = picturesOf(at(`${format}.glb`));
+        assert.ok(lightmaps.length > 0, format);
+        for (const bytes of lightmaps) check(bytes, vkFormat, size);
+        assert.equal(reflections.length, 1, format);
+        check(reflections[0], VK_FORMAT_E5B9G9R9_UFLOAT_PACK32, 4);
     }
     halflight('optimize', at('rgb9e5.glb'), at('small.glb'), '--lightmap-format', 'rgb9e5');
-    const pictures = picturesOf(at('small.glb'));
-    assert.ok(pictures.length > 0, 'optimize');
-    for (const bytes of pictures) check(bytes, VK_FORMAT_E5B9G9R9_UFLOAT_PACK32, 4);
+    const { lightmaps, reflections } = picturesOf(at('small.glb'));
+    assert.ok(lightmaps.length > 0, 'optimize');
+    assert.equal(reflections.length, 1, 'optimize');
+    for (const bytes of [...lightmaps, ...reflections]) check(bytes, VK_FORMAT_E5B9G9R9_UFLOAT_PACK32, 4);
 });
 
 test('lightmaps of a sidecar', () => {
