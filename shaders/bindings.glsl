@@ -22,6 +22,7 @@ layout(set = 0, binding = kBindProbeTexture) uniform sampler3D probeTexture;
 layout(set = 0, binding = kBindSkyPicture) uniform sampler2D skyPicture;
 layout(std430, set = 0, binding = kBindReflectionProbes) readonly buffer ReflectionProbeBlock { GpuReflectionProbe reflectionProbes[]; };
 layout(set = 0, binding = kBindReflections) uniform sampler2D reflectionPicture;
+layout(set = 0, binding = kBindRadiance) uniform sampler2D radianceSamples;
 layout(set = 0, binding = kBindTextures) uniform sampler2D textures[];
 
 layout(push_constant) uniform PushBlock { GpuPush push; };

@@ -21,8 +21,6 @@ LONGER = {
     "bench/quality/measures.cpp": 409,
     "scripts/make_courtyard.py": 402,
     "scripts/scenekit/mesh.py": 519,
-    "src/render/passes.cpp": 441,
-    "src/render/renderer.cpp": 565,
     "src/scene/decompress.cpp": 461,
     "src/scene/document.cpp": 447,
     "src/scene/patcher.cpp": 403,

@@ -23,6 +23,7 @@ ALLOWED = {
     # The frame's decisions are usable without Vulkan, so they are a module of their own inside render.
     "render/frame": {"scene", "shading", "base"},
     "render": {"render/frame", "scene", "shading", "gpu", "base"},
+    "view": {"render", "render/frame", "bake_cpu", "bake", "unwrap", "gpu", "scene", "shading", "base"},
 }
 
 # Folders inside a module -> folders of the same module they may include besides themselves. Files outside these folders
@@ -44,7 +45,7 @@ FOLDERS = {
 # with the names here.
 CONFINED = [
     ("GLM", r"^glm/", ("include/", "src/", "apps/")),
-    ("fmt", r"^(fmt/|spdlog/fmt/)", ("src/unwrap/", "apps/")),
+    ("fmt", r"^(fmt/|spdlog/fmt/)", ("src/unwrap/", "src/view/", "apps/")),
     ("spdlog", r"^spdlog/(?!fmt/)", ("include/halflight/base/",)),
     ("OpenEXR", r"^(Imf|Imath|Iex)\w*\.h$", ("src/base/",)),
     ("libpng", r"^png\.h$", ("src/base/",)),
@@ -62,7 +63,9 @@ CONFINED = [
     ("Eigen", r"^Eigen/", ("src/unwrap/", "src/bake/")),
     ("Open Image Denoise", r"^OpenImageDenoise/", ("src/bake/",)),
     ("Embree", r"^(embree\d*/|rtcore)", ("src/bake_cpu/",)),
-    ("Vulkan", r"^(vulkan/|vk_video/|volk\.h|vk_mem_alloc)", ("src/gpu/", "src/render/", "src/bake_gpu/")),
+    ("Vulkan", r"^(vulkan/|vk_video/|volk\.h|vk_mem_alloc)", ("src/gpu/", "src/render/", "src/view/", "include/halflight/render/", "src/bake_gpu/")),
+    ("SDL2", r"^SDL\w*\.h$", ("src/view/",)),
+    ("Dear ImGui", r"^(imgui\.h|backends/imgui_)", ("src/view/",)),
     ("CLI11", r"^CLI/", ("apps/",)),
 ]
 CONFINED = [(name, re.compile(pattern), folders) for name, pattern, folders in CONFINED]

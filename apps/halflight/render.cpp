@@ -233,12 +233,6 @@ Result<Picture> tracePicture(const RenderOptions& options, const Scene& scene, c
     return picture;
 }
 
-// Views of values from 0 to 1 are shown as they are; those of light are exposed like the picture.
-bool showsLight(DebugView view)
-{
-    return view == DebugView::Lit || view == DebugView::Lightmap || view == DebugView::Probes;
-}
-
 ImageRgba8 plainPicture(const ImageRgba32f& values)
 {
     ImageRgba8 picture(values.width(), values.height());
@@ -345,11 +339,7 @@ int runRender(RenderOptions options)
         return fail(options.output, status.error());
     }
     if (Status status = checkOutput(options.output); !status) return fail(options.output, status.error());
-    if (options.eyeGiven) options.camera.eye = options.eye;
-    if (!options.cascadeSplits.empty()) options.cascades = int(options.cascadeSplits.size()) + 1;
-    if (options.cascades > 0) options.render.shadows.cascades = options.cascades;
-    if (options.render.subtractiveShadowColor) options.render.subtractiveShadowColor = options.shadowColor;
-    options.camera.verticalFovRadians = glm::radians(options.fovDegrees);
+    applyRenderOptions(options);
 
     ReadOptions readOptions;
     readOptions.settingsFile = options.settingsFile;

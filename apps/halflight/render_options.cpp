@@ -168,6 +168,30 @@ void addShadowOptions(CLI::App& app, RenderOptions& options)
 
 } // namespace
 
+void applyRenderOptions(RenderOptions& options)
+{
+    if (options.eyeGiven) options.camera.eye = options.eye;
+    if (!options.cascadeSplits.empty()) options.cascades = int(options.cascadeSplits.size()) + 1;
+    if (options.cascades > 0) options.render.shadows.cascades = options.cascades;
+    if (options.render.subtractiveShadowColor) options.render.subtractiveShadowColor = options.shadowColor;
+    options.camera.verticalFovRadians = glm::radians(options.fovDegrees);
+}
+
+void addViewOptions(CLI::App& app, RenderOptions& options)
+{
+    app.add_option("FILE", options.file, "the file, .glb or .gltf")->required()->type_name(" ");
+    addPictureOptions(app, options);
+    addCameraOptions(app, options);
+    addShadowOptions(app, options);
+    app.option_defaults()->group("Run");
+    app.add_option("--settings", options.settingsFile, "light and object settings by name pattern")
+        ->type_name("FILE.toml");
+    addChoice<bool>(app, "--device", options.device.preferCpu, {{"auto", false}, {"cpu", true}},
+                    "Vulkan device: the best one, or the CPU driver (default auto)");
+    app.add_flag("--validation", options.device.validation,
+                 "turn the Vulkan validation layer on and fail when it complains");
+}
+
 void addRenderOptions(CLI::App& app, RenderOptions& options)
 {
     app.add_option("FILE", options.file, "the file, .glb or .gltf")->required()->type_name(" ");

@@ -45,5 +45,9 @@ struct RenderOptions {
 
 /// Options and arguments of the command, written into `options`, which outlives the parser.
 void addRenderOptions(CLI::App& app, RenderOptions& options);
+/// Camera and settings from what several options say together.
+void applyRenderOptions(RenderOptions& options);
+/// Those that `halflight view` has as well.
+void addViewOptions(CLI::App& app, RenderOptions& options);
 
 } // namespace halflight::cli

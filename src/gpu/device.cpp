@@ -1,143 +1,19 @@
 #include "gpu/device.h"
-
-#include <algorithm>
-#include <array>
-#include <cstring>
-#include <optional>
-
-#ifdef _WIN32
-#ifndef NOMINMAX
-#define NOMINMAX
-#endif
-#include <windows.h>
-#else
-#include <dlfcn.h>
-#endif
+#include "gpu/device_features.h"
 
 namespace halflight::gpu {
-namespace {
-
-constexpr const char* kValidationLayer = "VK_LAYER_KHRONOS_validation";
-
-#ifdef _WIN32
-void* openLoader()
-{
-    return reinterpret_cast<void*>(LoadLibraryA("vulkan-1.dll"));
-}
-void closeLoader(void* library)
-{
-    FreeLibrary(static_cast<HMODULE>(library));
-}
-void* symbol(void* library, const char* name)
-{
-    return reinterpret_cast<void*>(GetProcAddress(static_cast<HMODULE>(library), name));
-}
-#else
-void* openLoader()
-{
-    for (const char* name : {"libvulkan.so.1", "libvulkan.so", "libvulkan.1.dylib"})
-        if (void* library = dlopen(name, RTLD_NOW | RTLD_LOCAL)) return library;
-    return nullptr;
-}
-void closeLoader(void* library)
-{
-    dlclose(library);
-}
-void* symbol(void* library, const char* name)
-{
-    return dlsym(library, name);
-}
-#endif
-
-/// Keeps the loader and its drivers in memory as long as the process lives, by an instance that is never destroyed:
-/// NVIDIA's driver (580.159) takes thread-local storage each time it is loaded, gives none back when it is unloaded
-/// with the last instance, and cannot be loaded any more after some twenty times.
-void keepDriversLoaded(PFN_vkCreateInstance createInstance)
-{
-    static const VkInstance kept = [&] {
-        openLoader();
-        const VkApplicationInfo application{.sType = VK_STRUCTURE_TYPE_APPLICATION_INFO,
-                                            .apiVersion = VK_API_VERSION_1_3};
-        const VkInstanceCreateInfo info{.sType = VK_STRUCTURE_TYPE_INSTANCE_CREATE_INFO,
-                                        .pApplicationInfo = &application};
-        VkInstance instance = VK_NULL_HANDLE;
-        createInstance(&info, nullptr, &instance);
-        return instance;
-    }();
-    (void)kept;
-}
-
-int preference(VkPhysicalDeviceType type, bool preferCpu)
-{
-    switch (type) {
-    case VK_PHYSICAL_DEVICE_TYPE_DISCRETE_GPU:
-        return 4;
-    case VK_PHYSICAL_DEVICE_TYPE_INTEGRATED_GPU:
-        return 3;
-    case VK_PHYSICAL_DEVICE_TYPE_VIRTUAL_GPU:
-        return 2;
-    case VK_PHYSICAL_DEVICE_TYPE_CPU:
-        return preferCpu ? 5 : 1;
-    default:
-        return 0;
-    }
-}
-
-/// Features asked of every device, chained for vkGetPhysicalDeviceFeatures2 and vkCreateDevice.
-struct Features {
-    VkPhysicalDeviceVulkan13Features v13{.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_3_FEATURES};
-    VkPhysicalDeviceVulkan12Features v12{.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_2_FEATURES, .pNext = &v13};
-    VkPhysicalDeviceVulkan11Features v11{.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_1_FEATURES, .pNext = &v12};
-    VkPhysicalDeviceFeatures2 all{.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_FEATURES_2, .pNext = &v11};
-    Features() = default;
-    Features(const Features&) = delete;
-    Features& operator=(const Features&) = delete;
-};
-
-/// Name of the first feature this device lacks, or null.
-const char* missingFeature(const Features& f)
-{
-    if (!f.v13.dynamicRendering) return "dynamicRendering";
-    if (!f.v13.synchronization2) return "synchronization2";
-    if (!f.v12.runtimeDescriptorArray) return "runtimeDescriptorArray";
-    if (!f.v12.descriptorBindingPartiallyBound) return "descriptorBindingPartiallyBound";
-    if (!f.v12.descriptorBindingVariableDescriptorCount) return "descriptorBindingVariableDescriptorCount";
-    if (!f.all.features.shaderSampledImageArrayDynamicIndexing) return "shaderSampledImageArrayDynamicIndexing";
-    return nullptr;
-}
-
-std::optional<uint32_t> graphicsQueueFamily(const Functions& vk, VkPhysicalDevice device, uint32_t& timestampBits)
-{
-    uint32_t count = 0;
-    vk.GetPhysicalDeviceQueueFamilyProperties(device, &count, nullptr);
-    std::vector<VkQueueFamilyProperties> families(count);
-    vk.GetPhysicalDeviceQueueFamilyProperties(device, &count, families.data());
-    for (uint32_t i = 0; i < count; ++i) {
-        if (families[i].queueFlags & VK_QUEUE_GRAPHICS_BIT) {
-            timestampBits = families[i].timestampValidBits;
-            return i;
-        }
-    }
-    return std::nullopt;
-}
-
-} // namespace
-
-VkBool32 VKAPI_PTR Device::onMessage(VkDebugUtilsMessageSeverityFlagBitsEXT, VkDebugUtilsMessageTypeFlagsEXT,
-                                     const VkDebugUtilsMessengerCallbackDataEXT* data, void* user)
-{
-    auto& messages = *static_cast<Messages*>(user);
-    const std::lock_guard lock(messages.mutex);
-    messages.texts.emplace_back(data->pMessage ? data->pMessage : "");
-    return VK_FALSE;
-}
 
 Device::Device(const DeviceOptions& options)
 {
     try {
-        createInstance(options);
-        pickPhysicalDevice(options);
-        createDevice();
+        if (options.handles) {
+            use(*options.handles);
+        } else {
+            createInstance(options);
+            pickPhysicalDevice(options);
+            createDevice(options);
+        }
+        prepareCommands();
     } catch (...) {
         destroy();
         throw;
@@ -149,118 +25,7 @@ Device::~Device()
     destroy();
 }
 
-void Device::createInstance(const DeviceOptions& options)
-{
-    library_ = openLoader();
-    if (!library_) throw Failure("no Vulkan loader found (libvulkan.so.1); install it with a Vulkan driver");
-    table_.GetInstanceProcAddr = reinterpret_cast<PFN_vkGetInstanceProcAddr>(symbol(library_, "vkGetInstanceProcAddr"));
-    if (!table_.GetInstanceProcAddr) throw Failure("the Vulkan loader has no vkGetInstanceProcAddr");
-#define HALFLIGHT_VULKAN_LOAD(name)                                                                                    \
-    table_.name = reinterpret_cast<PFN_vk##name>(table_.GetInstanceProcAddr(nullptr, "vk" #name));
-    HALFLIGHT_VULKAN_GLOBAL_FUNCTIONS(HALFLIGHT_VULKAN_LOAD)
-#undef HALFLIGHT_VULKAN_LOAD
-    uint32_t version = 0;
-    if (!table_.CreateInstance || !table_.EnumerateInstanceVersion ||
-        table_.EnumerateInstanceVersion(&version) != VK_SUCCESS || version < VK_API_VERSION_1_3)
-        throw Failure("the Vulkan loader is older than 1.3");
-    keepDriversLoaded(table_.CreateInstance);
-
-    std::vector<const char*> layers;
-    std::vector<const char*> extensions;
-    if (options.validation) {
-        uint32_t count = 0;
-        table_.EnumerateInstanceLayerProperties(&count, nullptr);
-        std::vector<VkLayerProperties> found(count);
-        table_.EnumerateInstanceLayerProperties(&count, found.data());
-        if (std::none_of(found.begin(), found.end(),
-                         [](const auto& layer) { return std::strcmp(layer.layerName, kValidationLayer) == 0; }))
-            throw Failure("validation was asked for, but VK_LAYER_KHRONOS_validation is not installed");
-        layers.push_back(kValidationLayer);
-        extensions.push_back(VK_EXT_DEBUG_UTILS_EXTENSION_NAME);
-        extensions.push_back(VK_EXT_VALIDATION_FEATURES_EXTENSION_NAME);
-    }
-
-    const VkDebugUtilsMessengerCreateInfoEXT messengerInfo{
-        .sType = VK_STRUCTURE_TYPE_DEBUG_UTILS_MESSENGER_CREATE_INFO_EXT,
-        .messageSeverity =
-            VK_DEBUG_UTILS_MESSAGE_SEVERITY_WARNING_BIT_EXT | VK_DEBUG_UTILS_MESSAGE_SEVERITY_ERROR_BIT_EXT,
-        .messageType = VK_DEBUG_UTILS_MESSAGE_TYPE_VALIDATION_BIT_EXT | VK_DEBUG_UTILS_MESSAGE_TYPE_PERFORMANCE_BIT_EXT,
-        .pfnUserCallback = &Device::onMessage,
-        .pUserData = messages_.get()};
-    const VkValidationFeatureEnableEXT enabled = VK_VALIDATION_FEATURE_ENABLE_SYNCHRONIZATION_VALIDATION_EXT;
-    const VkValidationFeaturesEXT validation{.sType = VK_STRUCTURE_TYPE_VALIDATION_FEATURES_EXT,
-                                             .pNext = &messengerInfo,
-                                             .enabledValidationFeatureCount = 1,
-                                             .pEnabledValidationFeatures = &enabled};
-    const VkApplicationInfo application{.sType = VK_STRUCTURE_TYPE_APPLICATION_INFO,
-                                        .pApplicationName = "halflight",
-                                        .pEngineName = "halflight",
-                                        .apiVersion = VK_API_VERSION_1_3};
-    const VkInstanceCreateInfo info{.sType = VK_STRUCTURE_TYPE_INSTANCE_CREATE_INFO,
-                                    .pNext = options.validation ? &validation : nullptr,
-                                    .pApplicationInfo = &application,
-                                    .enabledLayerCount = uint32_t(layers.size()),
-                                    .ppEnabledLayerNames = layers.data(),
-                                    .enabledExtensionCount = uint32_t(extensions.size()),
-                                    .ppEnabledExtensionNames = extensions.data()};
-    check(table_.CreateInstance(&info, nullptr, &instance_), "start");
-#define HALFLIGHT_VULKAN_LOAD(name)                                                                                    \
-    table_.name = reinterpret_cast<PFN_vk##name>(table_.GetInstanceProcAddr(instance_, "vk" #name));
-    HALFLIGHT_VULKAN_INSTANCE_FUNCTIONS(HALFLIGHT_VULKAN_LOAD)
-#undef HALFLIGHT_VULKAN_LOAD
-    if (options.validation)
-        check(table_.CreateDebugUtilsMessengerEXT(instance_, &messengerInfo, nullptr, &messenger_),
-              "create a debug messenger");
-}
-
-void Device::pickPhysicalDevice(const DeviceOptions& options)
-{
-    uint32_t count = 0;
-    table_.EnumeratePhysicalDevices(instance_, &count, nullptr);
-    std::vector<VkPhysicalDevice> devices(count);
-    if (count > 0) table_.EnumeratePhysicalDevices(instance_, &count, devices.data());
-    devices.resize(count);
-
-    int best = -1;
-    std::string refused;
-    for (VkPhysicalDevice device : devices) {
-        VkPhysicalDeviceProperties properties;
-        table_.GetPhysicalDeviceProperties(device, &properties);
-        auto refuse = [&](const std::string& why) {
-            refused += (refused.empty() ? "" : "; ") + std::string(properties.deviceName) + " " + why;
-        };
-        if (properties.apiVersion < VK_API_VERSION_1_3) {
-            refuse("is older than Vulkan 1.3");
-            continue;
-        }
-        Features features;
-        table_.GetPhysicalDeviceFeatures2(device, &features.all);
-        if (const char* missing = missingFeature(features)) {
-            refuse(std::string("lacks ") + missing);
-            continue;
-        }
-        uint32_t timestampBits = 0;
-        const auto family = graphicsQueueFamily(vk, device, timestampBits);
-        if (!family) {
-            refuse("cannot draw");
-            continue;
-        }
-        const int score = preference(properties.deviceType, options.preferCpu);
-        if (score <= best) continue;
-        best = score;
-        physical_ = device;
-        properties_ = properties;
-        queueFamily_ = *family;
-        timestampBits_ = timestampBits;
-        anisotropy_ = features.all.features.samplerAnisotropy;
-    }
-    if (best < 0)
-        throw Failure(refused.empty()
-                          ? "no Vulkan device found; install a driver (mesa-vulkan-drivers has one for the CPU)"
-                          : "no Vulkan device with the needed features found: " + refused);
-}
-
-void Device::createDevice()
+void Device::createDevice(const DeviceOptions& options)
 {
     Features features;
     features.v13.dynamicRendering = VK_TRUE;
@@ -275,17 +40,50 @@ void Device::createDevice()
                                             .queueFamilyIndex = queueFamily_,
                                             .queueCount = 1,
                                             .pQueuePriorities = &priority};
+    std::vector<const char*> extensions;
+    for (const std::string& name : options.deviceExtensions) extensions.push_back(name.c_str());
     const VkDeviceCreateInfo info{.sType = VK_STRUCTURE_TYPE_DEVICE_CREATE_INFO,
                                   .pNext = &features.all,
                                   .queueCreateInfoCount = 1,
-                                  .pQueueCreateInfos = &queueInfo};
+                                  .pQueueCreateInfos = &queueInfo,
+                                  .enabledExtensionCount = uint32_t(extensions.size()),
+                                  .ppEnabledExtensionNames = extensions.data()};
     check(table_.CreateDevice(physical_, &info, nullptr, &device_), "create a device");
+    loadDeviceFunctions();
+    vk.GetDeviceQueue(device_, queueFamily_, 0, &queue_);
+}
+
+void Device::use(const Handles& handles)
+{
+    owned_ = false;
+    table_.GetInstanceProcAddr = handles.getInstanceProcAddr;
+    instance_ = handles.instance;
+    physical_ = handles.physicalDevice;
+    device_ = handles.device;
+    queueFamily_ = handles.queueFamily;
+    queue_ = handles.queue;
+    anisotropy_ = handles.samplerAnisotropy;
+    loadInstanceFunctions();
+    loadDeviceFunctions();
+    table_.GetPhysicalDeviceProperties(physical_, &properties_);
+    uint32_t count = 0;
+    table_.GetPhysicalDeviceQueueFamilyProperties(physical_, &count, nullptr);
+    std::vector<VkQueueFamilyProperties> families(count);
+    table_.GetPhysicalDeviceQueueFamilyProperties(physical_, &count, families.data());
+    if (queueFamily_ >= count) throw Failure("the queue family does not exist");
+    timestampBits_ = families[queueFamily_].timestampValidBits;
+}
+
+void Device::loadDeviceFunctions()
+{
 #define HALFLIGHT_VULKAN_LOAD(name)                                                                                    \
     table_.name = reinterpret_cast<PFN_vk##name>(table_.GetDeviceProcAddr(device_, "vk" #name));
     HALFLIGHT_VULKAN_DEVICE_FUNCTIONS(HALFLIGHT_VULKAN_LOAD)
 #undef HALFLIGHT_VULKAN_LOAD
-    vk.GetDeviceQueue(device_, queueFamily_, 0, &queue_);
+}
 
+void Device::prepareCommands()
+{
     VkPhysicalDeviceMemoryProperties memoryProperties;
     vk.GetPhysicalDeviceMemoryProperties(physical_, &memoryProperties);
     memory_ = std::make_unique<Memory>(vk, device_, memoryProperties);
@@ -310,15 +108,14 @@ void Device::destroy()
         if (fence_) vk.DestroyFence(device_, fence_, nullptr);
         if (commandPool_) vk.DestroyCommandPool(device_, commandPool_, nullptr);
         memory_.reset();
-        vk.DestroyDevice(device_, nullptr);
+        if (owned_) vk.DestroyDevice(device_, nullptr);
     }
     if (messenger_) vk.DestroyDebugUtilsMessengerEXT(instance_, messenger_, nullptr);
-    if (instance_) vk.DestroyInstance(instance_, nullptr);
-    if (library_) closeLoader(library_);
+    if (instance_ && owned_) vk.DestroyInstance(instance_, nullptr);
+    closeLoader();
     device_ = VK_NULL_HANDLE;
     messenger_ = VK_NULL_HANDLE;
     instance_ = VK_NULL_HANDLE;
-    library_ = nullptr;
 }
 
 VkFormatFeatureFlags Device::optimalFeatures(VkFormat format) const
@@ -336,12 +133,26 @@ std::string Device::driver() const
     return std::string(driver.driverName) + " " + driver.driverInfo;
 }
 
+/// A barrier between all commands that were submitted to the queue before and all that follow.
+static void waitForEarlierCommands(const Device& device, VkCommandBuffer commands)
+{
+    const VkMemoryBarrier2 barrier{.sType = VK_STRUCTURE_TYPE_MEMORY_BARRIER_2,
+                                   .srcStageMask = VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT,
+                                   .srcAccessMask = VK_ACCESS_2_MEMORY_WRITE_BIT,
+                                   .dstStageMask = VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT,
+                                   .dstAccessMask = VK_ACCESS_2_MEMORY_READ_BIT | VK_ACCESS_2_MEMORY_WRITE_BIT};
+    const VkDependencyInfo dependency{
+        .sType = VK_STRUCTURE_TYPE_DEPENDENCY_INFO, .memoryBarrierCount = 1, .pMemoryBarriers = &barrier};
+    device.vk.CmdPipelineBarrier2(commands, &dependency);
+}
+
 void Device::execute(const std::function<void(VkCommandBuffer)>& record)
 {
     check(vk.ResetCommandPool(device_, commandPool_, 0), "reset a command pool");
     const VkCommandBufferBeginInfo begin{.sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_BEGIN_INFO,
                                          .flags = VK_COMMAND_BUFFER_USAGE_ONE_TIME_SUBMIT_BIT};
     check(vk.BeginCommandBuffer(commands_, &begin), "begin recording commands");
+    waitForEarlierCommands(*this, commands_);
     record(commands_);
     check(vk.EndCommandBuffer(commands_), "record commands");
     const VkCommandBufferSubmitInfo commandInfo{.sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_SUBMIT_INFO,
@@ -351,6 +162,16 @@ void Device::execute(const std::function<void(VkCommandBuffer)>& record)
     check(vk.QueueSubmit2(queue_, 1, &submit, fence_), "submit commands");
     check(vk.WaitForFences(device_, 1, &fence_, VK_TRUE, ~0ull), "finish its commands");
     check(vk.ResetFences(device_, 1, &fence_), "reset a fence");
+}
+
+void Device::waitIdle() const
+{
+    check(vk.DeviceWaitIdle(device_), "finish its commands");
+}
+
+Handles Device::handles() const
+{
+    return {table_.GetInstanceProcAddr, instance_, physical_, device_, queueFamily_, queue_, anisotropy_};
 }
 
 std::vector<std::string> Device::validationMessages() const

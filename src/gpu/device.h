@@ -8,14 +8,30 @@
 #include <functional>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <string>
 #include <vector>
 
 namespace halflight::gpu {
 
+/// A device that somebody else made and keeps. `device` has the features that DeviceOptions asks for enabled.
+struct Handles {
+    PFN_vkGetInstanceProcAddr getInstanceProcAddr = nullptr;
+    VkInstance instance = VK_NULL_HANDLE;
+    VkPhysicalDevice physicalDevice = VK_NULL_HANDLE;
+    VkDevice device = VK_NULL_HANDLE;
+    uint32_t queueFamily = 0; ///< can draw
+    VkQueue queue = VK_NULL_HANDLE;
+    bool samplerAnisotropy = false; ///< the feature is enabled
+};
+
 struct DeviceOptions {
-    bool validation = false; ///< Khronos validation layer with synchronization validation
-    bool preferCpu = false;  ///< a CPU driver before any GPU
+    bool validation = false;                     ///< Khronos validation layer with synchronization validation
+    bool preferCpu = false;                      ///< a CPU driver before any GPU
+    std::vector<std::string> instanceExtensions; ///< enabled besides the device's own
+    std::vector<std::string> deviceExtensions;
+    /// Used instead of a device of its own; the options above then have no effect.
+    std::optional<Handles> handles;
 };
 
 class Device {
@@ -30,6 +46,7 @@ public:
     const Functions& vk = table_;
 
     [[nodiscard]] VkDevice handle() const { return device_; }
+    [[nodiscard]] Handles handles() const;
     [[nodiscard]] Memory& memory() const { return *memory_; }
     [[nodiscard]] const VkPhysicalDeviceProperties& properties() const { return properties_; }
     /// The driver's name and version as it gives them: "NVIDIA 570.86.15", "llvmpipe Mesa 25.0.7 (LLVM 15.0.6)".
@@ -38,8 +55,12 @@ public:
     [[nodiscard]] bool anisotropy() const { return anisotropy_; }
     [[nodiscard]] bool timestamps() const { return timestampBits_ > 0; }
 
-    /// Records commands, submits them and waits until the device has done them.
+    /// Records commands, submits them and waits until the device has done them. They begin after all commands that
+    /// were submitted to the queue before.
     void execute(const std::function<void(VkCommandBuffer)>& record);
+
+    /// Waits until the device has done all that was submitted to it.
+    void waitIdle() const;
 
     /// What the validation layer said so far.
     [[nodiscard]] std::vector<std::string> validationMessages() const;
@@ -53,8 +74,13 @@ private:
                                         const VkDebugUtilsMessengerCallbackDataEXT*, void*);
     void createInstance(const DeviceOptions& options);
     void pickPhysicalDevice(const DeviceOptions& options);
-    void createDevice();
+    void createDevice(const DeviceOptions& options);
+    void use(const Handles& handles);
+    void loadInstanceFunctions();
+    void loadDeviceFunctions();
+    void prepareCommands();
     void destroy();
+    void closeLoader();
 
     Functions table_;
     void* library_ = nullptr;
@@ -66,6 +92,7 @@ private:
     uint32_t queueFamily_ = 0;
     uint32_t timestampBits_ = 0;
     bool anisotropy_ = false;
+    bool owned_ = true; ///< instance and device are this object's own
     VkDevice device_ = VK_NULL_HANDLE;
     VkQueue queue_ = VK_NULL_HANDLE;
     std::unique_ptr<Memory> memory_;

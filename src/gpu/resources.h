@@ -109,6 +109,9 @@ struct ImageState {
 };
 namespace state {
 inline constexpr ImageState kUndefined{};
+/// What is in the image is not kept; whatever used it before has finished.
+inline constexpr ImageState kReused{VK_IMAGE_LAYOUT_UNDEFINED, VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT,
+                                    VK_ACCESS_2_MEMORY_WRITE_BIT};
 inline constexpr ImageState kColorAttachment{
     VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL, VK_PIPELINE_STAGE_2_COLOR_ATTACHMENT_OUTPUT_BIT,
     VK_ACCESS_2_COLOR_ATTACHMENT_WRITE_BIT | VK_ACCESS_2_COLOR_ATTACHMENT_READ_BIT};

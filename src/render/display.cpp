@@ -1,7 +1,7 @@
 // From linear radiance to a displayed picture.
+#include "halflight/shading/display.h"
 #include "halflight/base/parallel.h"
 #include "halflight/render/renderer.h"
-#include "halflight/shading/color.h"
 
 #include <algorithm>
 #include <cmath>
@@ -16,11 +16,7 @@ ImageRgba8 displayedPicture(const ImageRgba32f& radiance, float exposureEv)
     ImageRgba8 picture(radiance.width(), radiance.height());
     parallelFor(radiance.texelCount(), 65536, [&](std::size_t begin, std::size_t end) {
         for (std::size_t i = begin; i < end; ++i) {
-            vec3 linear = vec3(radiance.texels()[i]) * factor;
-            for (int c = 0; c < 3; ++c)
-                if (!(linear[c] >= 0.0f)) linear[c] = 0.0f; // NaN too
-            linear = glm::min(linear, vec3(1.0e6f));
-            const vec3 encoded = shading::srgbFromLinear(glm::clamp(shading::toneMapNeutral(linear), 0.0f, 1.0f));
+            const vec3 encoded = shading::srgbFromLinear(shading::displayedColor(vec3(radiance.texels()[i]), factor));
             picture.texels()[i] = u8vec4(vec4(encoded, 1.0f) * 255.0f + 0.5f);
         }
     });

@@ -37,7 +37,8 @@ HL_CONST int kBindDynamicLightmaps = 19;
 HL_CONST int kBindSkyPicture = 20;
 HL_CONST int kBindReflectionProbes = 21;
 HL_CONST int kBindReflections = 22;
-HL_CONST int kBindTextures = 23; // the last: its length varies
+HL_CONST int kBindRadiance = 23; // the finished frame's samples: shaders/display.frag
+HL_CONST int kBindTextures = 24; // the last: its length varies
 
 // Debug views: the values of DebugView in renderer.h.
 HL_CONST int kViewLit = 0;
@@ -90,7 +91,9 @@ struct GpuFrame {
                                  // z 1 = surfaces are diffuse, of transportAlbedo()
     vec4 dynamicLightmap;        // x lux that a texel of 1 stands for
     vec4 reflections;            // x probes, 0 where none are used; y width of a tile in texels; z cd/m2 of 1
-    vec4 skySh[9];               // rgb radiance coefficients of the sky
+    vec4 display;  // x exposure factor; y samples along a pixel's side; z 1 = samples are values from 0 to 1
+                   // and shown as they are; w 1 = the target encodes sRGB
+    vec4 skySh[9]; // rgb radiance coefficients of the sky
 };
 
 HL_CONST int kObjectLightmapped = 1; // lit by its lightmap; others by probes

@@ -5,6 +5,7 @@
 #include "render/draw_list.h"
 
 #include <array>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -44,8 +45,8 @@ struct GBuffer {
     gpu::Image material;
     gpu::Image mask; ///< none unless a mask is in use (spec S26)
 
-    /// True when images were made anew, so that descriptors must be written.
-    bool ensure(const gpu::Device& device, ivec2 size, bool usesMask);
+    /// Images of that size; frames in flight may still use the ones before.
+    void ensure(const gpu::Device& device, ivec2 size, bool usesMask);
     [[nodiscard]] std::vector<const gpu::Image*> images() const;
 };
 
@@ -69,6 +70,14 @@ struct PassContext {
 };
 
 void bindScene(const PassContext& context);
+
+/// Begins drawing into a rectangle; viewport and scissor are set to it.
+void beginRendering(const PassContext& context, std::span<const VkRenderingAttachmentInfo> colors,
+                    const std::optional<VkRenderingAttachmentInfo>& depth, ivec2 size, ivec2 offset = ivec2(0));
+void endRendering(const PassContext& context);
+void setScissor(const PassContext& context, ivec2 offset, ivec2 size);
+/// One triangle over all of the viewport.
+void drawWholePicture(const PassContext& context, VkPipeline pipeline);
 
 /// A shadow tile as a rectangle of a depth image.
 struct ShadowDraws {
@@ -103,6 +112,5 @@ void beginForward(const PassContext& context, const gpu::Image& color, const gpu
 void drawLit(const PassContext& context, const ForwardPipelines& pipelines, const CameraDraws& draws);
 void drawSky(const PassContext& context);
 void drawBlended(const PassContext& context, const ForwardPipelines& pipelines, const CameraDraws& draws);
-void endRendering(const PassContext& context);
 
 } // namespace halflight

@@ -1,6 +1,6 @@
 #include "render/samples.h"
 
-#include "halflight/shading/color.h"
+#include "halflight/shading/display.h"
 
 #include <algorithm>
 #include <utility>
@@ -8,10 +8,6 @@
 
 namespace halflight {
 namespace {
-
-/// Brightest over darkest neighbour up to which they count as one surface, also where two walls meet. Between leaves
-/// the sky shows through holes that are true, and these differ more.
-constexpr float kOneSurface = 2.0f;
 
 /// The mean of the eight neighbours; alpha 0 where they are no surface around a crack.
 vec4 meanAround(const ImageRgba32f& samples, int x, int y)
@@ -30,7 +26,7 @@ vec4 meanAround(const ImageRgba32f& samples, int x, int y)
             sum += neighbour;
         }
     }
-    return brightest <= kOneSurface * darkest ? vec4(vec3(sum) / 8.0f, 1.0f) : vec4(0.0f);
+    return shading::isCrack(darkest, brightest) ? vec4(vec3(sum) / 8.0f, 1.0f) : vec4(0.0f);
 }
 
 } // namespace

@@ -13,9 +13,20 @@
 #include <string>
 #include <vector>
 
+// As vulkan/vulkan_core.h declares it, which only programs that draw by Vulkan themselves need.
+struct VkCommandBuffer_T;
+
 namespace halflight {
 
+struct VulkanHandles;
+struct VulkanTarget;
+
 enum class DebugView { Lit, Shadowmask, Lightmap, Probes, Cascades, Fade, Overlap };
+/// Whether a view shows light, which is exposed and tone mapped; the others show values from 0 to 1 as they are.
+constexpr bool showsLight(DebugView view)
+{
+    return view == DebugView::Lit || view == DebugView::Lightmap || view == DebugView::Probes;
+}
 
 /// Forward lights surfaces as they are drawn. Deferred draws them into a G-buffer and lights the pixels afterwards;
 /// what has no single surface per pixel (blended parts), what the lightmap must be known for (static objects on which
@@ -25,6 +36,12 @@ enum class RenderPath { Forward, Deferred };
 struct RendererOptions {
     bool validation = false; ///< turn the Khronos validation layer on (also synchronization validation)
     bool preferCpu = false;  ///< choose the CPU driver even where a GPU is found
+    /// Vulkan extensions to enable besides: those that a window system asks for, and VK_KHR_swapchain.
+    std::vector<std::string> instanceExtensions;
+    std::vector<std::string> deviceExtensions;
+    /// The caller's device, which outlives the renderer, instead of one of its own; the options above then have no
+    /// effect. Read by create() alone. See vulkan_target.h.
+    const VulkanHandles* device = nullptr;
 };
 
 struct RenderSettings {
@@ -63,7 +80,8 @@ struct RenderedFrame {
     FramePlan plan;
     std::vector<LightRow> lights; ///< one for each light of the scene; only where RenderSettings::lightRows asks
     /// In the order of drawing: "directional shadows", "spot shadows", "point shadows", "depth", in the deferred path
-    /// "g-buffer" and "deferred light", then "forward", "sky", "blended", "readback" (the picture to the host).
+    /// "g-buffer" and "deferred light", then "forward", "sky", "blended", and "readback" (the picture to the host) or
+    /// "display" (the displayed picture into the caller's image).
     std::vector<PassReport> passes;
     bool timed = false; ///< settings asked for timings and the device has timestamps
     /// Targets of the G-buffer, the picture itself among them: 4, and a fifth for baked shadows in frames that use a
@@ -74,6 +92,9 @@ struct RenderedFrame {
     bool forwardReadsMask = false;
     int forwardObjects = 0; ///< objects in view whose opaque and masked parts were lit as they were drawn
 };
+
+/// Frames that record() prepares while the device may still work on those before.
+constexpr int kFramesInFlight = 2;
 
 /// Holds the Vulkan device and one uploaded scene.
 ///
@@ -124,6 +145,20 @@ public:
     /// InvalidArgument for settings outside their limits, a camera without extent, or a mode the bake holds no data
     /// for.
     Result<RenderedFrame> render(const Camera& camera, const RenderSettings& settings);
+
+    /// Records a frame, tone mapped for display, into an image of the caller; exposure as in displayedPicture(). Its
+    /// commands belong on the queue of handles(), in the order of the calls. Before the call the device has finished
+    /// the commands of the call kFramesInFlight before (wait for their fence), and those of all calls before another
+    /// function of the renderer than this and the setters is called, or the renderer goes (waitIdle()).
+    ///
+    /// The frame that is returned has no radiance, and its `passes` are those of the call kFramesInFlight before, none
+    /// in the first ones. Errors are those of render(); the command buffer may then hold a part of the frame.
+    Result<RenderedFrame> record(VkCommandBuffer_T* commands, const VulkanTarget& target, const Camera& camera,
+                                 const RenderSettings& settings, float exposureEv);
+    /// The device that the renderer uses, to make a swapchain, say.
+    [[nodiscard]] VulkanHandles handles() const;
+    /// Waits until the device has done all that was submitted to it.
+    void waitIdle() const;
 
     /// Messages of the validation layer since creation: empty when all is well or validation is off.
     [[nodiscard]] std::vector<std::string> validationMessages() const;

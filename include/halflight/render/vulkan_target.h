@@ -1,0 +1,33 @@
+#pragma once
+// What a program shares with the renderer that draws by Vulkan itself: its device, or the renderer's, and its images.
+
+#include "halflight/base/math.h"
+
+#include <vulkan/vulkan_core.h>
+
+#include <cstdint>
+
+namespace halflight {
+
+/// A Vulkan 1.3 device with these features enabled: dynamicRendering, synchronization2, runtimeDescriptorArray,
+/// descriptorBindingPartiallyBound, descriptorBindingVariableDescriptorCount, shaderSampledImageArrayDynamicIndexing.
+struct VulkanHandles {
+    PFN_vkGetInstanceProcAddr getInstanceProcAddr = nullptr;
+    VkInstance instance = VK_NULL_HANDLE;
+    VkPhysicalDevice physicalDevice = VK_NULL_HANDLE;
+    VkDevice device = VK_NULL_HANDLE;
+    uint32_t queueFamily = 0; ///< a family that can draw
+    VkQueue queue = VK_NULL_HANDLE;
+    bool samplerAnisotropy = false; ///< the feature is enabled
+};
+
+/// A colour image to draw the displayed picture into, in layout COLOR_ATTACHMENT_OPTIMAL before and after: a
+/// swapchain's, say. Formats that encode sRGB are given linear colour, others encoded one.
+struct VulkanTarget {
+    VkImageView view = VK_NULL_HANDLE; ///< at least as large as the picture; its texel (0, 0) is the picture's top left
+    VkFormat format = VK_FORMAT_UNDEFINED;
+    ivec2 begin{0}; ///< pixels begin <= p < end of the picture are drawn, the others stay
+    ivec2 end{0};   ///< 0: to the picture's end
+};
+
+} // namespace halflight

@@ -1,0 +1,155 @@
+#pragma once
+// What a Renderer holds: the device, one uploaded scene, the targets of a frame, and what each frame in flight has of
+// its own.
+
+#include "halflight/render/renderer.h"
+#include "halflight/render/vulkan_target.h"
+#include "render/display_pass.h"
+#include "render/frame_data.h"
+#include "render/passes.h"
+#include "render/shadow_switches.h"
+
+#include <algorithm>
+#include <array>
+#include <cstring>
+#include <map>
+#include <memory>
+#include <vector>
+
+namespace halflight {
+
+/// A buffer that the host writes anew every frame, and that grows as needed.
+class FrameBuffer {
+public:
+    explicit FrameBuffer(VkBufferUsageFlags usage) : usage_(usage) {}
+
+    const gpu::Buffer& write(const gpu::Device& device, const void* data, std::size_t bytes)
+    {
+        if (!buffer_.get() || buffer_.size() < bytes)
+            buffer_ =
+                gpu::Buffer(device, std::max<std::size_t>(bytes + bytes / 2, 256), usage_, gpu::MemoryUse::Upload);
+        if (bytes > 0) std::memcpy(buffer_.mapped(), data, bytes);
+        return buffer_;
+    }
+    template<typename T> const gpu::Buffer& write(const gpu::Device& device, const std::vector<T>& values)
+    {
+        return write(device, values.data(), values.size() * sizeof(T));
+    }
+
+private:
+    VkBufferUsageFlags usage_;
+    gpu::Buffer buffer_;
+};
+
+/// An array of shadow map layers, each with a view to draw into.
+struct ShadowMap {
+    gpu::Image image;
+    std::vector<gpu::UniqueView> layers;
+
+    /// Frames in flight may still read the one before.
+    void ensure(const gpu::Device& device, int size, int layerCount)
+    {
+        const gpu::ImageInfo& info = image.info();
+        if (image.get() && info.width == uint32_t(size) && info.layers == uint32_t(layerCount)) return;
+        device.waitIdle();
+        layers.clear();
+        image = {};
+        image = gpu::Image(device, {.format = kDepthFormat,
+                                    .width = uint32_t(size),
+                                    .height = uint32_t(size),
+                                    .layers = uint32_t(layerCount),
+                                    .array = true,
+                                    .usage = VK_IMAGE_USAGE_DEPTH_STENCIL_ATTACHMENT_BIT | VK_IMAGE_USAGE_SAMPLED_BIT,
+                                    .aspect = VK_IMAGE_ASPECT_DEPTH_BIT});
+        for (int i = 0; i < layerCount; ++i) layers.push_back(image.layerView(device, uint32_t(i)));
+    }
+};
+
+/// Shadow tiles with their draws: cascades by layer of their array, the others in the atlas.
+struct ShadowPasses {
+    std::vector<std::vector<ShadowDraws>> cascades;
+    std::vector<ShadowDraws> spots;
+    std::vector<ShadowDraws> points;
+};
+
+/// What is decided of a frame before its commands are recorded.
+struct PreparedFrame {
+    FrameView view; ///< its size is in samples
+    FramePlan plan;
+    ShadowPasses shadows;
+    CameraDraws draws;
+    std::vector<uint32_t> instances;
+    bool deferred = false;
+    bool readsMask = false; ///< surfaces lit as they are drawn read the shadowmask
+    int forwardObjects = 0;
+};
+
+/// What a frame has to itself while the device may still be working on the one before.
+struct FrameSlot {
+    explicit FrameSlot(const gpu::Device& device);
+
+    gpu::DescriptorSet set;
+    FrameBuffer frame{VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT};
+    FrameBuffer lights{VK_BUFFER_USAGE_STORAGE_BUFFER_BIT};
+    FrameBuffer tiles{VK_BUFFER_USAGE_STORAGE_BUFFER_BIT};
+    FrameBuffer clusters{VK_BUFFER_USAGE_STORAGE_BUFFER_BIT};
+    FrameBuffer instances{VK_BUFFER_USAGE_STORAGE_BUFFER_BIT};
+    gpu::Timer timer;
+    bool timed = false;              ///< its passes are measured
+    std::vector<PassReport> reports; ///< of the passes recorded so far
+};
+
+/// Reports of the slot's finished frame, with times if it was timed.
+std::vector<PassReport> passesOf(FrameSlot& slot);
+
+struct Renderer::Impl {
+    explicit Impl(const RendererOptions& options);
+
+    void load(const BakedScene& baked);
+    Result<RenderedFrame> render(const Camera& camera, const RenderSettings& settings);
+    Result<RenderedFrame> record(VkCommandBuffer commands, const VulkanTarget& target, const Camera& camera,
+                                 const RenderSettings& settings, float exposureEv);
+
+    [[nodiscard]] Status check(const Camera& camera, const RenderSettings& settings) const;
+    PreparedFrame prepare(const Camera& camera, const RenderSettings& settings);
+    void ensureTargets(const PreparedFrame& frame, const ShadowSettings& shadows);
+    void bindFrame(FrameSlot& slot, const PreparedFrame& frame, const RenderSettings& settings,
+                   const DisplayValues& display);
+    /// Shadow maps and picture: `color` then holds the frame's samples, in state kColorAttachment.
+    void recordFrame(VkCommandBuffer commands, FrameSlot& slot, const PreparedFrame& frame, bool timings);
+    void recordShadows(const PassContext& context, const ShadowPasses& shadows);
+    void recordDeferred(const PassContext& context, const CameraDraws& draws, bool usesMask);
+    void endPass(const PassContext& context, const char* name);
+    /// What the caller of the frame gets, but for the picture.
+    [[nodiscard]] RenderedFrame reportOf(PreparedFrame frame, const RenderSettings& settings) const;
+    [[nodiscard]] ImageRgba32f readPicture() const;
+
+    gpu::Device device;
+    std::vector<gpu::Binding> bindings;
+    gpu::UniqueSetLayout setLayout;
+    VkFormat colorFormat;
+    Pipelines pipelines;
+    std::unique_ptr<ForwardPipelines> forwardPipelines[2];    ///< without and with mask, made when first used
+    std::unique_ptr<DeferredPipelines> deferredPipelines[2];  ///< the same
+    std::map<VkFormat, gpu::UniquePipeline> displayPipelines; ///< by the target's format, made when first used
+    gpu::UniqueSampler pageSampler;
+    gpu::UniqueSampler shadowSampler;
+    gpu::UniqueSampler texelSampler;
+    std::vector<FrameSlot> slots; ///< kFramesInFlight
+    std::size_t nextSlot = 0;
+    FrameSlot* slot = nullptr; ///< of the frame being recorded
+    PassReport counts;         ///< the pass being recorded
+
+    const Scene noScene;
+    std::unique_ptr<GpuScene> scene;
+    std::vector<ShadowSwitches> switchesAtBake; ///< of the scene's objects
+
+    gpu::Image color;
+    gpu::Image depth;
+    GBuffer gBuffer;
+    gpu::Buffer readback; ///< made when a picture is first read
+    ShadowMap cascades;
+    ShadowMap atlas;
+};
+
+} // namespace halflight
