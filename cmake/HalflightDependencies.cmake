@@ -49,6 +49,15 @@ foreach(decoder draco meshoptimizer WEBP)
     endif()
 endforeach()
 
+# Optional: the window.
+if(HALFLIGHT_VIEW)
+    pkg_check_modules(SDL2 QUIET IMPORTED_TARGET sdl2)
+    pkg_check_modules(IMGUI QUIET IMPORTED_TARGET imgui)
+    if(NOT SDL2_FOUND OR NOT IMGUI_FOUND)
+        message(STATUS "SDL2 or Dear ImGui not found: halflight view is not built")
+    endif()
+endif()
+
 if(HALFLIGHT_TESTS)
     find_package(GTest REQUIRED)
     include(GoogleTest)

@@ -23,7 +23,8 @@ install(TARGETS halflight RUNTIME COMPONENT runtime)
 install(TARGETS halflight_base halflight_shading halflight_scene halflight_unwrap halflight_bake halflight_bake_cpu
                 halflight_gpu halflight_frame halflight_render
     EXPORT halflightTargets ARCHIVE COMPONENT development LIBRARY COMPONENT development)
-install(DIRECTORY include/halflight DESTINATION ${CMAKE_INSTALL_INCLUDEDIR} COMPONENT development)
+# The window is a part of the program, not of the libraries.
+install(DIRECTORY include/halflight DESTINATION ${CMAKE_INSTALL_INCLUDEDIR} COMPONENT development PATTERN view EXCLUDE)
 install(EXPORT halflightTargets NAMESPACE halflight:: DESTINATION ${HALFLIGHT_PACKAGE_DIR} COMPONENT development)
 
 configure_package_config_file(${CMAKE_CURRENT_LIST_DIR}/halflightConfig.cmake.in

@@ -27,6 +27,8 @@ packages=(
   imagemagick fonts-dejavu-core
   parallel slurm-wlm munge # farm/: launchers and their tests
 )
+# The window and its tests; the program is built without one where they cannot be had.
+window_packages=(libsdl2-dev libimgui-dev xvfb xdotool)
 if [ "${1:-}" = "--node" ] && ! command -v npm >/dev/null; then packages+=(nodejs npm); fi
 # Ubuntu's chromium is a snap, which containers cannot run; there the tests of web/ are skipped unless a browser is there.
 if [ "${1:-}" = "--node" ] && [ "$(. /etc/os-release && echo "${ID:-}")" = "debian" ]; then packages+=(chromium blender); fi
@@ -55,6 +57,17 @@ if [ "$system" = "debian 12" ] && [ "$(mesa_major)" -lt 25 ]; then
     apt_get update -qq || true
   fi
   apt_get install -y -qq --no-install-recommends -t "$suite" mesa-vulkan-drivers
+fi
+
+missing=()
+for package in "${window_packages[@]}"; do installed "$package" || missing+=("$package"); done
+if [ "${#missing[@]}" -gt 0 ]; then
+  # With Mesa from backports, SDL's headers need those of the same suite.
+  if dpkg-query -W -f='${Version}' libgbm1 2>/dev/null | grep -q '~bpo12'; then
+    apt_get install -y -qq --no-install-recommends -t bookworm-backports libgbm-dev libdrm-dev || true
+  fi
+  apt_get install -y -qq --no-install-recommends "${missing[@]}" ||
+    echo "install-packages.sh: no SDL2 or Dear ImGui: halflight view is not built" >&2
 fi
 
 # libFuzzer belongs to clang's runtime, whose package is named after clang's version.

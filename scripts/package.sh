@@ -26,7 +26,8 @@ for tool in patchelf objdump dpkg-shlibdeps fakeroot; do
 done
 if [ -z "$build" ]; then
   build=build/release
-  cmake --preset release --log-level=WARNING
+  # No window: its libraries are a desktop's own, and a tarball should run without one.
+  cmake --preset release --log-level=WARNING -DHALFLIGHT_VIEW=OFF
   cmake --build --preset release
 fi
 

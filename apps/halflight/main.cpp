@@ -58,12 +58,17 @@ int runProgram(const std::vector<std::string>& arguments)
     std::string version = std::string("halflight ") + HALFLIGHT_VERSION;
     const std::vector<std::string> compression = readableCompression();
     for (const std::string& name : compression) version += (&name == &compression[0] ? "\nreads " : ", ") + name;
+#ifdef HALFLIGHT_VIEW
+    version += "\nwindow by SDL2 and Dear ImGui";
+#else
+    version += "\nno window: built without SDL2 and Dear ImGui";
+#endif
     app.set_version_flag("-V,--version", version);
     bool describes = false; // asked for below, before a command is required
     app.add_flag("--describe", describes, "Print all commands and options as JSON and exit");
     app.require_subcommand(1);
     const std::vector<Command> commands = {addBakeCommand(app), addFarmCommand(app), addRenderCommand(app),
-                                           addInfoCommand(app), addOptimizeCommand(app)};
+                                           addViewCommand(app), addInfoCommand(app), addOptimizeCommand(app)};
     app.footer("halflight COMMAND --help, or halflight help COMMAND, tells more. Exit codes: 0 done, 1 failed, 2 wrong "
                "usage.");
     if (arguments == std::vector<std::string>{"--describe"}) {

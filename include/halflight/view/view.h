@@ -1,0 +1,44 @@
+#pragma once
+// The window: a scene to walk through, with panels for what can be changed, and bakes in the background.
+
+#include "halflight/bake/bake.h"
+#include "halflight/base/progress.h"
+#include "halflight/base/result.h"
+#include "halflight/render/renderer.h"
+
+#include <atomic>
+#include <filesystem>
+#include <functional>
+#include <optional>
+#include <string>
+
+namespace halflight {
+
+/// Reads a file that a user names, and chooses the view that its picture begins with.
+struct ViewLoader {
+    std::function<Result<BakedScene>(const std::filesystem::path& file)> read;
+    std::function<Result<Camera>(const Scene& scene, float aspect)> camera;
+};
+
+struct ViewOptions {
+    std::filesystem::path file;
+    ViewLoader loader;
+    RendererOptions device;           ///< extensions of the window system are added
+    RenderSettings render;            ///< its size is the window's at first, in pixels
+    std::optional<RunMode> mode;      ///< empty: as baked
+    std::optional<float> exposureEv;  ///< empty: automaticExposure() of the first view
+    bool shadowDistanceGiven = false; ///< else it follows from the view, as in `halflight render`
+    BakeSettings bake;                ///< of the Bake button
+    bool bakeAtStart = false;
+    std::filesystem::path screenshots;         ///< folder of screenshots
+    int frames = 0;                            ///< ends after so many, 0 = when the window is closed
+    const std::atomic<bool>* cancel = nullptr; ///< ends when set
+    /// A line for people, e.g. a screenshot's command line.
+    std::function<void(const std::string& line)> say;
+};
+
+/// Opens a window and returns when it is closed. DeviceFailed without a display, without Vulkan, and when the
+/// validation layer was on and had something to say.
+Status viewScene(const ViewOptions& options);
+
+} // namespace halflight

@@ -1,0 +1,151 @@
+// The window, and what mouse and keys do in it.
+#include "view/panels.h"
+#include "view/viewer.h"
+
+#include <SDL.h>
+#include <SDL_vulkan.h>
+#include <imgui.h>
+#if __has_include(<backends/imgui_impl_sdl2.h>)
+#include <backends/imgui_impl_sdl2.h>
+#else
+#include <backends/imgui_impl_sdl.h>
+#endif
+
+#include <cmath>
+
+namespace halflight::view {
+namespace {
+
+/// Radians of a turn for a pixel of dragging: half a turn across 720 pixels.
+constexpr float kRadiansPerPixel = kPi / 720.0f;
+/// Distance to the pivot for a notch of the wheel.
+constexpr float kDollyPerNotch = 0.85f;
+/// A click moves the mouse by fewer pixels than this.
+constexpr float kClickPixels = 4.0f;
+} // namespace
+
+Desktop::Desktop(const std::string& title, ivec2 size)
+{
+    SDL_SetMainReady();
+    if (SDL_Init(SDL_INIT_VIDEO) != 0)
+        throw gpu::Failure(std::string("no window can be opened here: ") + SDL_GetError() +
+                           "; halflight render draws without one");
+    window_ = SDL_CreateWindow(title.c_str(), SDL_WINDOWPOS_CENTERED, SDL_WINDOWPOS_CENTERED, size.x, size.y,
+                               SDL_WINDOW_VULKAN | SDL_WINDOW_RESIZABLE | SDL_WINDOW_ALLOW_HIGHDPI);
+    if (window_ == nullptr) {
+        const std::string why = SDL_GetError();
+        close();
+        throw gpu::Failure("no window can be opened here: " + why);
+    }
+    ImGui::CreateContext();
+    hasContext_ = true;
+    ImGui::GetIO().IniFilename = nullptr; // leaves no file behind
+    ImGui::StyleColorsDark();
+    ImGui_ImplSDL2_InitForVulkan(window_);
+}
+
+Desktop::~Desktop()
+{
+    close();
+}
+
+void Desktop::close()
+{
+    if (hasContext_) {
+        ImGui_ImplSDL2_Shutdown();
+        ImGui::DestroyContext();
+    }
+    if (window_ != nullptr) SDL_DestroyWindow(window_);
+    SDL_Quit();
+}
+
+std::vector<std::string> Desktop::vulkanExtensions() const
+{
+    unsigned count = 0;
+    SDL_Vulkan_GetInstanceExtensions(window_, &count, nullptr);
+    std::vector<const char*> names(count);
+    SDL_Vulkan_GetInstanceExtensions(window_, &count, names.data());
+    return {names.begin(), names.end()};
+}
+
+void Viewer::handleEvents()
+{
+    SDL_Event event;
+    while (SDL_PollEvent(&event)) {
+        ImGui_ImplSDL2_ProcessEvent(&event);
+        handleEvent(event);
+    }
+}
+
+void Viewer::handleEvent(const SDL_Event& event)
+{
+    const ImGuiIO& io = ImGui::GetIO();
+    switch (event.type) {
+    case SDL_QUIT:
+        state_.requests.quit = true;
+        break;
+    case SDL_DROPFILE: {
+        const std::filesystem::path file = event.drop.file;
+        SDL_free(event.drop.file);
+        if (Status status = open(file); !status) fileWarnings_.push_back(status.error().text());
+        break;
+    }
+    case SDL_KEYDOWN:
+        if (!io.WantTextInput)
+            handleKey(state_, event.key.keysym.sym, (event.key.keysym.mod & (KMOD_CTRL | KMOD_ALT | KMOD_GUI)) != 0);
+        break;
+    case SDL_MOUSEWHEEL:
+        if (!io.WantCaptureMouse) state_.navigator.dolly(std::pow(kDollyPerNotch, float(event.wheel.y)));
+        break;
+    case SDL_MOUSEBUTTONDOWN:
+        dragged_ = io.WantCaptureMouse;
+        break;
+    case SDL_MOUSEBUTTONUP:
+        if (event.button.button == SDL_BUTTON_LEFT && !dragged_ && !io.WantCaptureMouse)
+            click(vec2(event.button.x, event.button.y));
+        break;
+    case SDL_MOUSEMOTION:
+        if (!io.WantCaptureMouse) drag(vec2(event.motion.xrel, event.motion.yrel), event.motion.state);
+        break;
+    default:
+        break;
+    }
+}
+
+void Viewer::drag(vec2 pixels, uint32_t buttons)
+{
+    if (buttons == 0) return;
+    if (glm::length(pixels) >= kClickPixels) dragged_ = true;
+    const vec2 turn = -kRadiansPerPixel * pixels;
+    const bool shift = (SDL_GetModState() & KMOD_SHIFT) != 0;
+    if ((buttons & SDL_BUTTON_MMASK) != 0 || ((buttons & SDL_BUTTON_LMASK) != 0 && shift))
+        state_.navigator.pan(vec2(-pixels.x, pixels.y) * state_.navigator.pixelMeters(size_.y));
+    else if ((buttons & SDL_BUTTON_LMASK) != 0)
+        state_.navigator.orbit(turn);
+    else if ((buttons & SDL_BUTTON_RMASK) != 0)
+        state_.navigator.look(turn);
+}
+
+void Viewer::click(vec2 place)
+{
+    const ImVec2 window = ImGui::GetIO().DisplaySize;
+    if (!(window.x > 0.0f && window.y > 0.0f)) return;
+    state_.selectedObject =
+        objectAt(scene_, state_.navigator.camera(), place / vec2(window.x, window.y), window.x / window.y);
+}
+
+void Viewer::fly(float seconds)
+{
+    if (ImGui::GetIO().WantTextInput) return;
+    const Uint8* keys = SDL_GetKeyboardState(nullptr);
+    const auto axis = [&](SDL_Scancode positive, SDL_Scancode negative) {
+        return float(keys[positive]) - float(keys[negative]);
+    };
+    const vec3 direction(axis(SDL_SCANCODE_D, SDL_SCANCODE_A), axis(SDL_SCANCODE_E, SDL_SCANCODE_Q),
+                         axis(SDL_SCANCODE_W, SDL_SCANCODE_S));
+    if (direction == vec3(0.0f)) return;
+    const float faster = (SDL_GetModState() & KMOD_SHIFT) != 0 ? 4.0f : 1.0f;
+    state_.navigator.fly(direction * (state_.speed * faster * seconds));
+}
+
+} // namespace halflight::view

@@ -1,0 +1,155 @@
+#include "view/navigation.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace halflight::view {
+namespace {
+
+/// Straight up and down have no yaw.
+constexpr float kSteepest = 0.5f * kPi - 0.001f;
+/// The pivot never comes so near that a dolly has no effect any more.
+constexpr float kNearestPivotMeters = 1.0e-4f;
+
+/// Möller and Trumbore 1997, "Fast, Minimum Storage Ray-Triangle Intersection"; both sides. Distance, or infinity.
+float hitDistance(vec3 origin, vec3 direction, vec3 a, vec3 b, vec3 c)
+{
+    const vec3 ab = b - a;
+    const vec3 ac = c - a;
+    const vec3 p = glm::cross(direction, ac);
+    const float determinant = glm::dot(ab, p);
+    if (determinant == 0.0f) return kInfinity;
+    const vec3 ao = origin - a;
+    const float u = glm::dot(ao, p) / determinant;
+    const vec3 q = glm::cross(ao, ab);
+    const float v = glm::dot(direction, q) / determinant;
+    if (!(u >= 0.0f && v >= 0.0f && u + v <= 1.0f)) return kInfinity;
+    const float t = glm::dot(ac, q) / determinant;
+    return t > 0.0f ? t : kInfinity;
+}
+
+} // namespace
+
+Navigator::Navigator(const Camera& camera, float pivotMeters)
+    : base_(camera), eye_(vec3(camera.worldFromCamera[3])), pivotMeters_(std::max(pivotMeters, kNearestPivotMeters))
+{
+    const vec3 ahead = -glm::normalize(vec3(camera.worldFromCamera[2]));
+    pitch_ = std::clamp(std::asin(std::clamp(ahead.y, -1.0f, 1.0f)), -kSteepest, kSteepest);
+    // Straight up or down: the picture's upper edge says where "ahead" is.
+    const vec3 flat = std::abs(ahead.y) < std::sin(kSteepest)
+                          ? ahead
+                          : vec3(camera.worldFromCamera[1]) * (ahead.y > 0.0f ? -1.0f : 1.0f);
+    yaw_ = std::atan2(-flat.x, -flat.z);
+}
+
+vec3 Navigator::forward() const
+{
+    return {-std::sin(yaw_) * std::cos(pitch_), std::sin(pitch_), -std::cos(yaw_) * std::cos(pitch_)};
+}
+
+vec3 Navigator::right() const
+{
+    return {std::cos(yaw_), 0.0f, -std::sin(yaw_)};
+}
+
+Camera Navigator::camera() const
+{
+    // The rounding of `halflight render --eye --target`, so that pictures are the same to the bit.
+    const vec3 back = glm::normalize(eye_ - target());
+    Camera camera = base_;
+    const vec3 side = glm::normalize(glm::cross(vec3(0.0f, 1.0f, 0.0f), back));
+    camera.worldFromCamera =
+        mat4(vec4(side, 0.0f), vec4(glm::cross(back, side), 0.0f), vec4(back, 0.0f), vec4(eye_, 1.0f));
+    return camera;
+}
+
+void Navigator::turn(vec2 radians)
+{
+    yaw_ = std::remainder(yaw_ + radians.x, 2.0f * kPi);
+    pitch_ = std::clamp(pitch_ + radians.y, -kSteepest, kSteepest);
+}
+
+void Navigator::orbit(vec2 radians)
+{
+    const vec3 center = pivot();
+    turn(radians);
+    eye_ = center - pivotMeters_ * forward();
+}
+
+void Navigator::look(vec2 radians)
+{
+    turn(radians);
+}
+
+void Navigator::pan(vec2 meters)
+{
+    eye_ += meters.x * right() + meters.y * glm::cross(right(), forward());
+}
+
+void Navigator::dolly(float factor)
+{
+    const vec3 center = pivot();
+    pivotMeters_ = std::max(pivotMeters_ * factor, kNearestPivotMeters);
+    eye_ = center - pivotMeters_ * forward();
+    base_.orthographicHeightMeters = std::max(base_.orthographicHeightMeters * factor, kNearestPivotMeters);
+}
+
+void Navigator::fly(vec3 meters)
+{
+    eye_ += meters.x * right() + vec3(0.0f, meters.y, 0.0f) + meters.z * forward();
+}
+
+void Navigator::frame(const Bounds& bounds, float aspect)
+{
+    if (bounds.empty()) return;
+    const float radius = std::max(0.5f * glm::length(bounds.size()), kNearestPivotMeters);
+    const float vertical = std::tan(0.5f * base_.verticalFovRadians);
+    const float narrow = std::atan(std::min(vertical, vertical * aspect));
+    pivotMeters_ = radius / std::sin(narrow);
+    eye_ = bounds.center() - pivotMeters_ * forward();
+    base_.farMeters = std::max(base_.farMeters, pivotMeters_ + 2.0f * radius);
+    base_.nearMeters = std::min(base_.nearMeters, 0.1f * pivotMeters_);
+    base_.orthographicHeightMeters = 2.0f * radius;
+}
+
+float Navigator::pixelMeters(int pictureHeight) const
+{
+    const float height = base_.orthographic ? base_.orthographicHeightMeters
+                                            : 2.0f * pivotMeters_ * std::tan(0.5f * base_.verticalFovRadians);
+    return height / float(std::max(pictureHeight, 1));
+}
+
+int objectAt(const Scene& scene, const Camera& camera, vec2 point, float aspect)
+{
+    const vec2 ndc(2.0f * point.x - 1.0f, 1.0f - 2.0f * point.y);
+    const mat3 axes(camera.worldFromCamera);
+    vec3 origin = vec3(camera.worldFromCamera[3]);
+    vec3 direction = -axes[2];
+    const float half =
+        camera.orthographic ? 0.5f * camera.orthographicHeightMeters : std::tan(0.5f * camera.verticalFovRadians);
+    const vec3 offset = axes * vec3(ndc.x * half * aspect, ndc.y * half, 0.0f);
+    (camera.orthographic ? origin : direction) += offset;
+
+    int nearest = -1;
+    float distance = kInfinity;
+    for (std::size_t i = 0; i < scene.objects.size(); ++i) {
+        const Object& object = scene.objects[i];
+        if (object.mesh < 0 || glm::determinant(mat3(object.worldFromObject)) == 0.0f) continue;
+        // The direction is not normalized in object space, so that distances stay those of the world.
+        const mat4 objectFromWorld = glm::inverse(object.worldFromObject);
+        const vec3 o = vec3(objectFromWorld * vec4(origin, 1.0f));
+        const vec3 d = mat3(objectFromWorld) * direction;
+        for (const MeshPart& part : scene.meshes[std::size_t(object.mesh)].parts) {
+            for (std::size_t t = 0; t + 2 < part.indices.size(); t += 3) {
+                const float hit = hitDistance(o, d, part.positions[part.indices[t]],
+                                              part.positions[part.indices[t + 1]], part.positions[part.indices[t + 2]]);
+                if (hit >= distance) continue;
+                distance = hit;
+                nearest = int(i);
+            }
+        }
+    }
+    return nearest;
+}
+
+} // namespace halflight::view

@@ -1,0 +1,53 @@
+#pragma once
+// A camera that orbits, flies and frames things.
+
+#include "halflight/scene/scene.h"
+
+namespace halflight::view {
+
+/// Yaw 0, pitch 0 looks along -Z; yaw turns left about +Y, pitch up. Angles in radians.
+class Navigator {
+public:
+    Navigator() = default;
+    /// Takes the pose of a camera; what lies `pivotMeters` before it is what it orbits.
+    Navigator(const Camera& camera, float pivotMeters);
+
+    /// The camera as it stands, upright.
+    [[nodiscard]] Camera camera() const;
+    [[nodiscard]] vec3 pivot() const { return eye_ + pivotMeters_ * forward(); }
+    /// A point one metre ahead.
+    [[nodiscard]] vec3 target() const { return eye_ + forward(); }
+
+    /// Turns about the pivot.
+    void orbit(vec2 radians);
+    /// Turns the head.
+    void look(vec2 radians);
+    /// Moves eye and pivot along the picture's axes, in metres at the pivot's distance: x right, y up.
+    void pan(vec2 meters);
+    /// Moves towards the pivot by this factor of the distance (0.9: a tenth nearer).
+    void dolly(float factor);
+    /// Moves along the own axes: x right, y up (the world's), z forward, in metres.
+    void fly(vec3 meters);
+    /// Steps back until the bounds fill the picture; they become the pivot.
+    void frame(const Bounds& bounds, float aspect);
+
+    /// Metres that a pixel is wide at the pivot.
+    [[nodiscard]] float pixelMeters(int pictureHeight) const;
+    [[nodiscard]] vec3 forward() const;
+    [[nodiscard]] vec3 right() const;
+
+private:
+    void turn(vec2 radians);
+
+    Camera base_; ///< name, field of view, planes
+    vec3 eye_{0.0f};
+    float yaw_ = 0.0f;
+    float pitch_ = 0.0f;
+    float pivotMeters_ = 1.0f;
+};
+
+/// The nearest object that a ray from the camera through a point of the picture meets (0, 0 its top left, 1, 1 its
+/// bottom right), by its triangles; -1 none.
+int objectAt(const Scene& scene, const Camera& camera, vec2 point, float aspect);
+
+} // namespace halflight::view

@@ -1,0 +1,17 @@
+#pragma once
+// The window's panels, by Dear ImGui. They read and write a ViewState, and know no Vulkan.
+
+#include "view/view_state.h"
+
+namespace halflight::view {
+
+/// One window at the left with a section for each subject. `scene`: as it is drawn. Needs a current ImGui frame.
+void drawPanels(ViewState& state, const Scene& scene);
+
+/// Keys that are pressed outside of text fields; `key` is SDL's key code for letters, digits and F keys.
+void handleKey(ViewState& state, int key, bool control);
+
+/// What the keys do, a line each: "1 … 5  lighting mode".
+const std::vector<std::string>& keyHelp();
+
+} // namespace halflight::view

@@ -1,0 +1,190 @@
+// What panels and keys ask for, and bakes in the background.
+#include "view/viewer.h"
+
+#include "halflight/bake_cpu/embree_integrator.h"
+#include "halflight/base/encoded_image.h"
+#include "halflight/base/file.h"
+#include "halflight/scene/gltf.h"
+
+#include <SDL.h>
+#include <spdlog/fmt/fmt.h>
+
+#include <algorithm>
+#include <utility>
+
+namespace halflight::view {
+
+void Viewer::moveObject(std::size_t index, const mat4& place)
+{
+    Object& object = scene_.objects[index];
+    object.worldFromObject = place;
+    if (object.mesh < 0) return;
+    bounds_[index] = {};
+    for (const MeshPart& part : scene_.meshes[std::size_t(object.mesh)].parts)
+        for (const vec3& position : part.positions) bounds_[index].extend(vec3(place * vec4(position, 1.0f)));
+}
+
+void Viewer::changeScene(const Requests& requests)
+{
+    if (requests.light) {
+        const auto& [index, light] = *requests.light;
+        scene_.lights[std::size_t(index)] = light;
+        if (Status status = renderer_->setLight(index, light); !status) frameWarnings_.push_back(status.error().text());
+    }
+    if (requests.switches) {
+        Object& object = scene_.objects[std::size_t(requests.switches->object)];
+        object.castShadows = requests.switches->castShadows;
+        object.receiveShadows = requests.switches->receiveShadows;
+        (void)renderer_->setObjectShadows(requests.switches->object, object.castShadows, object.receiveShadows);
+    }
+    if (requests.move) {
+        const auto& [index, place] = *requests.move;
+        if (renderer_->setObjectTransform(index, place)) moveObject(std::size_t(index), place);
+    }
+    if (requests.light || requests.switches || requests.move) state_.bakeStatus.outOfDate = true;
+    if (requests.camera) {
+        const Camera& camera = scene_.cameras[std::size_t(*requests.camera)];
+        const Bounds bounds = scene_.bounds();
+        state_.navigator = Navigator(camera, bounds.empty() ? 1.0f : 0.4f * glm::length(bounds.size()));
+    }
+}
+
+void Viewer::frameSelection()
+{
+    Bounds all;
+    for (std::size_t i = 0; i < bounds_.size(); ++i) {
+        if (bounds_[i].empty() || (state_.selectedObject >= 0 && std::size_t(state_.selectedObject) != i)) continue;
+        all.extend(bounds_[i].min);
+        all.extend(bounds_[i].max);
+    }
+    state_.navigator.frame(all, float(std::max(size_.x, 1)) / float(std::max(size_.y, 1)));
+}
+
+std::string Viewer::currentCommand() const
+{
+    return commandLine(state_, file_.string(), size_, scene_.originMeters, scene_.lights, atLoad_.lights);
+}
+
+Status Viewer::expose()
+{
+    // A small picture has the same mean.
+    constexpr int kSide = 256;
+    if (size_.x < 1) return {};
+    RenderSettings settings = settingsFor(size_);
+    settings.size = glm::max(size_ * kSide / std::max(size_.x, size_.y), ivec2(1));
+    settings.supersampling = 1;
+    settings.view = DebugView::Lit;
+    const Result<RenderedFrame> frame = renderer_->render(state_.navigator.camera(), settings);
+    if (!frame) return frame.error();
+    state_.exposureEv = automaticExposure(frame->radiance);
+    return {};
+}
+
+Status Viewer::takeScreenshot()
+{
+    const RenderSettings settings = settingsFor(size_);
+    const Result<RenderedFrame> frame = renderer_->render(state_.navigator.camera(), settings);
+    if (!frame) return frame.error();
+    std::filesystem::path file;
+    do {
+        file = options_.screenshots / fmt::format("screenshot_{:03}.png", ++screenshots_);
+    } while (std::filesystem::exists(file));
+    ImageRgba8 picture = displayedPicture(frame->radiance, state_.exposureEv);
+    if (!showsLight(settings.view)) {
+        std::transform(frame->radiance.texels().begin(), frame->radiance.texels().end(), picture.texels().begin(),
+                       [](vec4 value) { return u8vec4(glm::clamp(value, 0.0f, 1.0f) * 255.0f + 0.5f); });
+    }
+    if (Status status = writePng(file, picture); !status) {
+        frameWarnings_.push_back(status.error().text());
+        return {};
+    }
+    say(fmt::format("{}: {}", file.string(), currentCommand()));
+    return {};
+}
+
+Status Viewer::answerRequests()
+{
+    const Requests requests = std::exchange(state_.requests, {});
+    changeScene(requests);
+    if (requests.frameSelection) frameSelection();
+    if (requests.reload) {
+        if (Status status = open(file_); !status) fileWarnings_.push_back(status.error().text());
+    }
+    if (requests.toggleFullScreen) {
+        const bool full = (SDL_GetWindowFlags(desktop_.window()) & SDL_WINDOW_FULLSCREEN_DESKTOP) != 0;
+        SDL_SetWindowFullscreen(desktop_.window(), full ? 0 : SDL_WINDOW_FULLSCREEN_DESKTOP);
+    }
+    if (requests.copyCommand) SDL_SetClipboardText(currentCommand().c_str());
+    if (requests.bake) startBake();
+    if (requests.cancelBake && session_) session_->cancel();
+    if (requests.save && shown_ && state_.bakeStatus.hasResult) {
+        WriteOptions write;
+        write.irradiance = irradiance_;
+        const Status written = writeBakedScene(state_.bakeOutput, *shown_, write);
+        state_.bakeStatus.outcome = written ? "saved " + state_.bakeOutput : written.error().text();
+        say(state_.bakeStatus.outcome);
+    }
+    if (requests.writeSettings) {
+        const std::string text = settingsFile(scene_, atLoad_);
+        const std::string name = file_.stem().string() + ".toml";
+        const Status written = text.empty() ? Status() : writeFileAtomically(name, text);
+        state_.bakeStatus.outcome = text.empty() ? "nothing was changed"
+                                    : written    ? "wrote " + name
+                                                 : written.error().text();
+        say(state_.bakeStatus.outcome);
+    }
+    if (requests.expose && size_.x < 1)
+        state_.requests.expose = true; // after the first frame
+    else if (requests.expose)
+        if (Status status = expose(); !status) return status;
+    if (requests.screenshot)
+        if (Status status = takeScreenshot(); !status) return status;
+    if (requests.quit) state_.requests.quit = true;
+    return {};
+}
+
+void Viewer::startBake()
+{
+    if (session_) return;
+    BakeSettings settings = state_.bake;
+    session_ = std::make_unique<BakeSession>(scene_, settings, makeEmbreeIntegrator);
+    beforeBake_ = shown_;
+    state_.bakeStatus = {};
+    state_.bakeStatus.running = true;
+    bakeWarnings_.clear();
+}
+
+Status Viewer::pollBake()
+{
+    if (!session_) return {};
+    BakeStatus& status = state_.bakeStatus;
+    status.session = session_->state();
+    if (std::optional<BakedScene> light = session_->takeLight()) {
+        status.firstLight = true;
+        say(fmt::format("first light after {:.2f} s", status.session.seconds));
+        if (Status shown = show(std::move(*light)); !shown) return shown;
+    }
+    if (!status.session.finished) return {};
+    const double seconds = status.session.seconds;
+    Result<BakeResult> result = session_->takeResult();
+    session_.reset();
+    status = {};
+    if (!result) {
+        status.outcome = result.error().code == ErrorCode::Cancelled ? "cancelled" : result.error().text();
+        say("bake: " + status.outcome);
+        BakedScene before = std::move(*beforeBake_);
+        beforeBake_.reset();
+        return show(std::move(before));
+    }
+    beforeBake_.reset();
+    status.outcome = fmt::format("baked in {:.1f} s", seconds);
+    status.hasResult = true;
+    say(status.outcome);
+    bakeWarnings_ = result->report.warnings;
+    irradiance_ = std::move(result->irradiance);
+    const RunMode mode = defaultRunMode(result->baked);
+    if (state_.settings.mode == RunMode::Realtime) state_.settings.mode = mode;
+    return show(std::move(result->baked));
+}
+
+} // namespace halflight::view

@@ -1,0 +1,166 @@
+#include "view/view_state.h"
+
+#include <spdlog/fmt/fmt.h>
+
+#include <algorithm>
+
+namespace halflight::view {
+namespace {
+
+/// For a shell: everything within '…', which only the quote itself ends.
+std::string quoted(const std::string& text)
+{
+    std::string result = "'";
+    for (const char c : text) result += c == '\'' ? std::string("'\\''") : std::string(1, c);
+    return result + "'";
+}
+
+/// A TOML basic string.
+std::string tomlString(const std::string& text)
+{
+    std::string result = "\"";
+    for (const char c : text) {
+        if (c == '"' || c == '\\') result += '\\';
+        if (static_cast<unsigned char>(c) < 0x20)
+            result += fmt::format("\\u{:04x}", int(c));
+        else
+            result += c;
+    }
+    return result + "\"";
+}
+
+/// The value of `halflight render --light` for what was changed; empty when nothing was.
+std::string lightOverride(const Light& light, const Light& atLoad)
+{
+    std::string changes;
+    const auto add = [&](const std::string& change) { changes += (changes.empty() ? "" : ",") + change; };
+    if (light.intensity != atLoad.intensity) add(fmt::format("intensity={:.9g}", light.intensity));
+    if (light.color != atLoad.color)
+        add(fmt::format("color={:.9g},{:.9g},{:.9g}", light.color.r, light.color.g, light.color.b));
+    if (light.shadowStrength != atLoad.shadowStrength) add(fmt::format("strength={:.9g}", light.shadowStrength));
+    return changes;
+}
+
+} // namespace
+
+const char* nameOf(RunMode mode)
+{
+    switch (mode) {
+    case RunMode::Realtime:
+        return "realtime";
+    case RunMode::BakedIndirect:
+        return "baked-indirect";
+    case RunMode::Shadowmask:
+        return "shadowmask";
+    case RunMode::DistanceShadowmask:
+        return "distance-shadowmask";
+    case RunMode::Subtractive:
+        return "subtractive";
+    }
+    return "?";
+}
+
+const char* nameOf(DebugView view)
+{
+    constexpr const char* kNames[] = {"lit", "shadowmask", "lightmap", "probes", "cascades", "fade", "overlap"};
+    return kNames[int(view)];
+}
+
+const char* legendOf(DebugView view)
+{
+    switch (view) {
+    case DebugView::Lit:
+        return "The picture.";
+    case DebugView::Shadowmask:
+        return "Baked attenuation of channels 0, 1, 2 as red, green, blue: bright is lit.";
+    case DebugView::Lightmap:
+        return "Irradiance of the lightmap, as a white wall would show it.";
+    case DebugView::Probes:
+        return "Light of the probes on every surface.";
+    case DebugView::Cascades:
+        return "Cascades of directional lights: the nearest is red, then green, blue, yellow.";
+    case DebugView::Fade:
+        return "Where realtime shadows end: black within the shadow distance, white beyond.";
+    case DebugView::Overlap:
+        return "Lights with a mask channel, or for which none was left: none black, 1 blue, 2 green, 3 yellow, 4 red, "
+               "more white.";
+    }
+    return "";
+}
+
+std::string commandLine(const ViewState& state, const std::string& file, ivec2 size, dvec3 originMeters,
+                        const std::vector<Light>& lights, const std::vector<Light>& atLoad)
+{
+    const RenderSettings& settings = state.settings;
+    const Camera camera = state.navigator.camera();
+    const dvec3 eye = originMeters + dvec3(camera.worldFromCamera[3]);
+    const dvec3 target = originMeters + dvec3(state.navigator.target());
+    std::string line = fmt::format(
+        "halflight render {} -o picture.png --size {}x{} --eye {:.9g},{:.9g},{:.9g} --target {:.9g},{:.9g},{:.9g} "
+        "--fov {:.7g} --mode {} --path {} --samples {} --exposure {:.9g}",
+        quoted(file), size.x, size.y, eye.x, eye.y, eye.z, target.x, target.y, target.z,
+        glm::degrees(camera.verticalFovRadians), nameOf(settings.mode),
+        settings.path == RenderPath::Deferred ? "deferred" : "forward", settings.supersampling * settings.supersampling,
+        state.exposureEv);
+    const auto add = [&](const std::string& option) { line += " " + option; };
+    if (settings.view != DebugView::Lit) add(fmt::format("--view {}", nameOf(settings.view)));
+    if (!state.followsShadowDistance) add(fmt::format("--shadow-distance {:.6g}", settings.shadows.distanceMeters));
+    const ShadowSettings defaults;
+    const ShadowSettings& shadows = settings.shadows;
+    if (shadows.fadeRangeMeters != defaults.fadeRangeMeters)
+        add(fmt::format("--shadow-fade-range {:.6g}", shadows.fadeRangeMeters));
+    if (shadows.cascades != defaults.cascades) add(fmt::format("--cascades {}", shadows.cascades));
+    if (shadows.filter != defaults.filter)
+        add(fmt::format("--shadow-filter {}", shadows.filter == ShadowFilter::Hard ? "hard" : "soft"));
+    if (shadows.cascadeBlend != defaults.cascadeBlend)
+        add(fmt::format("--cascade-blend {}", shadows.cascadeBlend == CascadeBlend::Hard ? "hard" : "dithered"));
+    if (shadows.directionalMapSize != defaults.directionalMapSize)
+        add(fmt::format("--shadow-map-size {}", shadows.directionalMapSize));
+    if (shadows.atlasSize != defaults.atlasSize) add(fmt::format("--shadow-atlas-size {}", shadows.atlasSize));
+    if (!shadows.pointShadows) add("--point-shadows off");
+    if (!settings.proxyVolumes) add("--proxy-volumes off");
+    if (!settings.directionalLightmaps) add("--directional off");
+    if (!settings.reflectionProbes) add("--reflection-probes off");
+    if (!settings.specular) add("--specular off");
+    for (std::size_t i = 0; i < lights.size() && i < atLoad.size(); ++i) {
+        const std::string changes = lightOverride(lights[i], atLoad[i]);
+        if (!changes.empty()) add("--light " + quoted(lights[i].name + ":" + changes));
+    }
+    return line;
+}
+
+std::string settingsFile(const Scene& scene, const Scene& atLoad)
+{
+    std::string text;
+    for (std::size_t i = 0; i < scene.lights.size() && i < atLoad.lights.size(); ++i) {
+        const Light& light = scene.lights[i];
+        const Light& before = atLoad.lights[i];
+        std::string keys;
+        if (light.mode != before.mode) keys += fmt::format("mode = \"{}\"\n", nameOf(light.mode));
+        if (light.color != before.color)
+            keys += fmt::format("color = [{:.9g}, {:.9g}, {:.9g}]\n", light.color.r, light.color.g, light.color.b);
+        if (light.intensity != before.intensity) keys += fmt::format("intensity = {:.9g}\n", light.intensity);
+        if (light.shadowStrength != before.shadowStrength)
+            keys += fmt::format("shadow_strength = {:.9g}\n", light.shadowStrength);
+        if (light.radiusMeters != before.radiusMeters) keys += fmt::format("radius = {:.9g}\n", light.radiusMeters);
+        if (light.angularRadiusRadians != before.angularRadiusRadians)
+            keys += fmt::format("angular_diameter = {:.9g}\n", glm::degrees(2.0f * light.angularRadiusRadians));
+        if (light.indirectMultiplier != before.indirectMultiplier)
+            keys += fmt::format("indirect_multiplier = {:.9g}\n", light.indirectMultiplier);
+        if (light.castShadows != before.castShadows) keys += fmt::format("cast_shadows = {}\n", light.castShadows);
+        if (!keys.empty()) text += "[[light]]\npattern = " + tomlString(light.name) + "\n" + keys + "\n";
+    }
+    for (std::size_t i = 0; i < scene.objects.size() && i < atLoad.objects.size(); ++i) {
+        const Object& object = scene.objects[i];
+        const Object& before = atLoad.objects[i];
+        std::string keys;
+        if (object.isStatic != before.isStatic) keys += fmt::format("static = {}\n", object.isStatic);
+        if (object.castShadows != before.castShadows) keys += fmt::format("cast_shadows = {}\n", object.castShadows);
+        if (object.receiveShadows != before.receiveShadows)
+            keys += fmt::format("receive_shadows = {}\n", object.receiveShadows);
+        if (!keys.empty()) text += "[[node]]\npattern = " + tomlString(object.name) + "\n" + keys + "\n";
+    }
+    return text;
+}
+
+} // namespace halflight::view

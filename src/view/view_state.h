@@ -1,0 +1,102 @@
+#pragma once
+// What a user sees and changes in the window. Panels and keys write it; the viewer reads it each frame.
+
+#include "halflight/bake/bake_session.h"
+#include "halflight/render/renderer.h"
+#include "view/navigation.h"
+
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace halflight::view {
+
+/// What panels and keys ask the viewer to do after the frame.
+struct Requests {
+    bool quit = false;
+    bool screenshot = false;
+    bool expose = false; ///< automatic exposure of this view
+    bool frameSelection = false;
+    bool reload = false;
+    bool copyCommand = false;
+    bool bake = false;
+    bool cancelBake = false;
+    bool save = false; ///< if a bake has finished
+    bool writeSettings = false;
+    bool toggleFullScreen = false;
+    std::optional<int> camera; ///< of the file's cameras
+    std::optional<std::pair<int, Light>> light;
+    struct ObjectSwitches {
+        int object = -1;
+        bool castShadows = true;
+        bool receiveShadows = true;
+    };
+    std::optional<ObjectSwitches> switches;
+    std::optional<std::pair<int, mat4>> move;
+};
+
+/// A bake in the background, as the panel shows it.
+struct BakeStatus {
+    bool running = false;
+    bool firstLight = false; ///< the coarse light is shown
+    BakeSessionState session;
+    std::string outcome;    ///< of the last bake: how long it took, or why it failed
+    bool hasResult = false; ///< a finished bake is shown and can be saved
+    bool outOfDate = false; ///< lights or objects changed since
+};
+
+struct Statistics {
+    std::size_t objects = 0;
+    std::size_t triangles = 0; ///< of all objects, instances counted
+    std::size_t lightmapPages = 0;
+    ivec2 pageSize{0};
+    double lightmapMegabytes = 0.0; ///< on the device: lightmaps, directions, masks
+    std::size_t probes = 0;
+    std::size_t reflectionProbes = 0;
+};
+
+struct ViewState {
+    RenderSettings settings;           ///< its size is set for each frame
+    bool followsShadowDistance = true; ///< shadows reach all that is in view
+    float shadowDistanceMeters = 0.0f; ///< of the last frame
+    float exposureEv = 0.0f;
+    bool panels = true;
+    bool vsync = true;
+    bool compares = false; ///< right of `split`: otherMode
+    RunMode otherMode = RunMode::Realtime;
+    float split = 0.5f; ///< share of the width
+    float speed = 2.0f; ///< of flying, m/s
+    int selectedLight = -1;
+    int selectedObject = -1;
+    BakeSettings bake;
+    std::string bakeOutput; ///< the file that Save writes
+    Navigator navigator;
+    Requests requests;
+
+    // Shown, not changed by panels.
+    std::vector<RunMode> modes; ///< those that the file has data for
+    std::vector<PassReport> passes;
+    bool timed = false;
+    std::vector<float> frameMilliseconds; ///< of the last frames, oldest first
+    std::vector<std::string> warnings;    ///< of the file, the bake and the frame
+    Statistics statistics;
+    BakeStatus bakeStatus;
+    std::string device;
+    std::string title; ///< file name
+};
+
+const char* nameOf(RunMode mode);
+const char* nameOf(DebugView view);
+/// One sentence on what the view's colours mean.
+const char* legendOf(DebugView view);
+
+/// The command line that renders the same picture; of views steeper than 87 degrees, another roll of it. `lights` are
+/// the scene's as they are, `atLoad` as the file has them.
+std::string commandLine(const ViewState& state, const std::string& file, ivec2 size, dvec3 originMeters,
+                        const std::vector<Light>& lights, const std::vector<Light>& atLoad);
+
+/// What was changed of lights and objects for the next bake, as a settings file; empty when nothing was.
+std::string settingsFile(const Scene& scene, const Scene& atLoad);
+
+} // namespace halflight::view

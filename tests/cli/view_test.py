@@ -1,0 +1,235 @@
+"""The real window, on a virtual display and Vulkan's CPU driver. Usage: view_test.py HALFLIGHT SHARED_DIR [TestClass[.test]] …
+Needs Xvfb, xdotool and ImageMagick; skipped where one is missing, and in builds without a window."""
+
+import os
+import re
+import shlex
+import shutil
+import subprocess
+import sys
+import threading
+import time
+import unittest
+
+import cli_test
+from cli_test import QUICK, Case, decode_png, read, run
+
+TOOLS = ("Xvfb", "xdotool", "import", "convert")
+SECONDS = 120  # for what takes a second on a quiet machine
+
+
+class Display:
+    """A virtual screen without a window manager."""
+
+    def __init__(self):
+        read_end, write_end = os.pipe()
+        self.process = subprocess.Popen(
+            ["Xvfb", "-displayfd", str(write_end), "-screen", "0", "1280x800x24", "-nolisten", "tcp"],
+            pass_fds=[write_end], stderr=subprocess.DEVNULL)
+        os.close(write_end)
+        with os.fdopen(read_end) as file:
+            self.name = ":" + file.readline().strip()
+
+    def close(self):
+        self.process.terminate()
+        self.process.wait()
+
+
+class Window:
+    """`halflight view` with these arguments, and the lines it says."""
+
+    def __init__(self, display, *arguments, cwd):
+        self.environment = dict(os.environ, DISPLAY=display.name, SDL_VIDEODRIVER="x11")
+        self.lines = []
+        self.process = subprocess.Popen(
+            [cli_test.HALFLIGHT, "view", *map(str, arguments), "--device", "cpu", "--validation"],
+            stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, env=self.environment, cwd=cwd)
+        self.reader = threading.Thread(target=lambda: self.lines.extend(iter(self.process.stdout.readline, "")))
+        self.reader.start()
+        self.id = self.do("search", "--sync", "--onlyvisible", "--pid", self.process.pid).split()[-1]
+        self.do("windowfocus", "--sync", self.id)
+
+    def do(self, *arguments):
+        return subprocess.run(["xdotool", *map(str, arguments)], env=self.environment, text=True, check=True,
+                              stdout=subprocess.PIPE, timeout=SECONDS).stdout
+
+    def key(self, *names):
+        for name in names:
+            self.do("key", name)
+            time.sleep(0.15)
+
+    def said(self, pattern, after=0):
+        """The match of the first such line, waited for."""
+        limit = time.monotonic() + SECONDS
+        while time.monotonic() < limit:
+            for line in self.lines[after:]:
+                match = re.search(pattern, line)
+                if match:
+                    return match
+            if self.process.poll() is not None:
+                break
+            time.sleep(0.05)
+        raise AssertionError(f"nothing like '{pattern}' in {self.lines}; {self.process.poll()}")
+
+    def grab(self, path):
+        subprocess.run(["import", "-window", self.id, path], env=self.environment, check=True, timeout=SECONDS)
+
+    def quit(self):
+        self.key("Escape")
+        try:
+            code = self.process.wait(timeout=SECONDS)
+        except subprocess.TimeoutExpired:
+            self.process.kill()
+            raise
+        self.reader.join()
+        errors = self.process.stderr.read()
+        self.process.stderr.close()
+        self.process.stdout.close()
+        return code, errors
+
+
+@unittest.skipIf(any(shutil.which(tool) is None for tool in TOOLS), "needs " + ", ".join(TOOLS))
+class View(Case):
+    def setUp(self):
+        super().setUp()
+        if "no window" in run("--version").stdout:
+            self.skipTest("this build has no window")
+        self.display = Display()
+        self.addCleanup(self.display.close)
+
+    def window(self, *arguments):
+        return Window(self.display, *arguments, cwd=self.folder.name)
+
+    def assert_ends_well(self, window):
+        code, errors = window.quit()
+        self.assertEqual((code, errors), (0, ""), window.lines)
+        frames = int(window.said(r"^(\d+) frames").group(1))
+        self.assertGreater(frames, 5)
+        return frames
+
+    def pixels(self, path):
+        """Rows of (r, g, b)."""
+        plain = path + ".png"
+        subprocess.run(["convert", path, "-depth", "8", "-define", "png:color-type=2", plain], check=True)
+        return decode_png(plain)[2]
+
+    def assert_same_picture(self, a, b, what):
+        first, second = self.pixels(a), self.pixels(b)
+        self.assertEqual((len(first), len(first[0])), (len(second), len(second[0])), what)
+        worst = max(abs(x - y) for p, q in zip(first, second) for u, v in zip(p, q) for x, y in zip(u, v))
+        self.assertLessEqual(worst, 1, what)  # a rounding: the window encodes on the device
+        self.assertGreater(len({pixel for row in first for pixel in row}), 20, what + " shows something")
+
+    def test_the_windows_pixels_are_those_of_render(self):
+        """Every mode, both paths, a view: the window, its screenshot, and the command line it prints."""
+        baked, _ = self.bake(self.scene(), "baked.glb")
+        window = self.window(baked, "--size", "320x200", "--eye=4,3,5", "--target=0,0,0")
+        window.key("Tab")  # no panels
+        for i, keys in enumerate((["1"], ["2"], ["3"], ["4"], ["p"], ["v"])):
+            said = len(window.lines)
+            window.key(*keys)
+            window.key("F12")
+            line = window.said(r"screenshot_\d+\.png: halflight .*", said).group(0)
+            time.sleep(0.5)
+            name, command = line.split(": ", 1)
+            shot = self.path(name)
+            window.grab(self.path(f"grab{i}.png"))
+            self.assert_same_picture(self.path(f"grab{i}.png"), shot, f"{keys}: the window and its screenshot")
+            words = shlex.split(command)
+            self.assertEqual(words[:2], ["halflight", "render"])
+            words[words.index("-o") + 1] = self.path(f"render{i}.png")
+            result = run(*words[1:], "--device", "cpu")
+            self.assertEqual(result.returncode, 0, result.stderr)
+            self.assert_same_picture(self.path(f"render{i}.png"), shot, f"{keys}: {command}")
+        self.assert_ends_well(window)
+
+    def test_mouse_panels_and_sizes(self):
+        """500 frames of use without a message of the validation layer."""
+        baked, _ = self.bake(self.scene(), "baked.glb")
+        window = self.window(baked, "--size", "500x300")
+        for width, height in ((333, 217), (800, 600), (65, 41), (500, 300)):
+            window.do("windowsize", "--sync", window.id, width, height)
+            time.sleep(0.3)
+        for button in (1, 2, 3):
+            window.do("mousemove", "--window", window.id, 450, 100, "mousedown", button)
+            for x in range(450, 380, -10):
+                window.do("mousemove", "--window", window.id, x, 120)
+            window.do("mouseup", button)
+        window.do("mousemove", "--window", window.id, 450, 100, "click", 4, "click", 4, "click", 5)
+        window.do("click", 1)  # selects what is there
+        window.do("keydown", "w"), time.sleep(0.3), window.do("keyup", "w")
+        window.do("keydown", "d"), time.sleep(0.3), window.do("keyup", "d")
+        window.key("f", "x", "c", "c", "v", "v", "v", "v", "v", "v", "v")
+        for y in range(20, 300, 14):  # whatever is under the mouse: sections open, buttons are pressed
+            window.do("mousemove", "--window", window.id, 60, y, "click", 1)
+            time.sleep(0.05)
+        window.do("windowunmap", "--sync", window.id)
+        time.sleep(0.3)
+        window.do("windowmap", "--sync", window.id)
+        window.do("windowfocus", "--sync", window.id)
+        window.do("mousemove", "--window", window.id, 450, 200)
+        time.sleep(0.5)
+        while window.process.poll() is None:
+            window.key("Escape")
+        self.assert_ends_well(window)
+
+    def test_ends_after_the_frames_asked_for(self):
+        window = self.window(self.scene(), "--size", "200x120", "--frames", "500")
+        self.assertEqual(window.process.wait(timeout=SECONDS), 0)
+        self.assertEqual(window.said(r"^(\d+) frames").group(1), "500")
+        window.reader.join()
+        self.assertEqual(window.process.stderr.read(), "")
+        window.process.stderr.close()
+        window.process.stdout.close()
+
+    def test_a_live_bake_is_the_bakes(self):
+        """First light, then the finished bake, whose file is that of `halflight bake`, byte for byte."""
+        scene = self.scene()
+        options = ["--quality", "preview", "--lightmap-size", "256"]
+        window = self.window(scene, "--size", "320x200", "--bake", *options)
+        window.said(r"first light after \d")
+        window.said(r"^baked in \d")
+        window.key("ctrl+s")
+        window.said(r"^saved tiny_baked\.glb")
+        self.assert_ends_well(window)
+        result = run("bake", scene, "-o", self.path("plain.glb"), *options, "-q")
+        self.assertEqual(result.returncode, 0, result.stderr)
+        self.assertEqual(read(self.path("tiny_baked.glb")), read(self.path("plain.glb")))
+
+    def test_a_cancelled_bake_leaves_what_was_shown(self):
+        baked, _ = self.bake(self.scene(), "baked.glb")
+        window = self.window(baked, "--size", "320x200", "--quality", "ultra")
+        window.key("Tab", "F12")
+        first = window.said(r"(screenshot_\d+\.png): ").group(1)
+        window.key("b")
+        window.said(r"first light after")
+        window.key("Escape")
+        window.said(r"^bake: cancelled")
+        said = len(window.lines)
+        window.key("3", "F12")
+        second = window.said(r"(screenshot_\d+\.png): ", said).group(1)
+        self.assertEqual(read(self.path(first)), read(self.path(second)))
+        self.assert_ends_well(window)
+
+    def test_a_file_that_is_not_one(self):
+        broken = self.path("broken.glb")
+        with open(broken, "wb") as file:
+            file.write(b"nothing")
+        environment = dict(os.environ, DISPLAY=self.display.name)
+        result = subprocess.run([cli_test.HALFLIGHT, "view", broken, "--device", "cpu"], capture_output=True, text=True,
+                                env=environment, timeout=SECONDS)
+        self.assert_one_sentence(result, 1, "broken.glb")
+
+
+class NoDisplay(Case):
+    def test_one_sentence_without_a_display(self):
+        environment = {name: value for name, value in os.environ.items() if name not in ("DISPLAY", "WAYLAND_DISPLAY")}
+        environment["SDL_VIDEODRIVER"] = "x11"
+        result = subprocess.run([cli_test.HALFLIGHT, "view", self.scene()], capture_output=True, text=True,
+                                env=environment, timeout=SECONDS)
+        self.assert_one_sentence(result, 1, "window")
+
+
+if __name__ == "__main__":
+    cli_test.HALFLIGHT, cli_test.SHARED = sys.argv[1:3]
+    cli_test.main(sys.argv[3:])

@@ -1,0 +1,122 @@
+// The window's camera, and what a click meets.
+#include "view/navigation.h"
+
+#include <glm/gtc/matrix_transform.hpp>
+#include <gtest/gtest.h>
+
+namespace halflight::view {
+namespace {
+
+Camera lookingAt(vec3 eye, vec3 target)
+{
+    Camera camera;
+    camera.worldFromCamera = glm::inverse(glm::lookAt(eye, target, vec3(0, 1, 0)));
+    return camera;
+}
+
+vec3 eyeOf(const Camera& camera)
+{
+    return vec3(camera.worldFromCamera[3]);
+}
+
+void expectSame(const mat4& a, const mat4& b)
+{
+    for (int i = 0; i < 16; ++i) EXPECT_NEAR(a[i / 4][i % 4], b[i / 4][i % 4], 1.0e-5f) << i;
+}
+
+TEST(Navigator, TakesACamerasPose)
+{
+    for (const vec3 target : {vec3(1, 1, 1), vec3(-3, 0.5f, 2), vec3(0, 4, -1), vec3(2, -5, -2)}) {
+        const Camera camera = lookingAt(vec3(0.5f, 1.0f, -0.2f), target);
+        expectSame(Navigator(camera, 2.0f).camera().worldFromCamera, camera.worldFromCamera);
+    }
+}
+
+TEST(Navigator, LooksStraightDown)
+{
+    Camera camera; // a plan: down, with -Z at the picture's upper edge
+    camera.worldFromCamera = glm::rotate(mat4(1.0f), -0.5f * kPi, vec3(1, 0, 0));
+    const mat4 pose = Navigator(camera, 1.0f).camera().worldFromCamera;
+    EXPECT_LT(glm::distance(vec3(pose[2]), vec3(0, 1, 0)), 0.01f);
+    EXPECT_LT(glm::distance(vec3(pose[1]), vec3(0, 0, -1)), 0.01f);
+}
+
+TEST(Navigator, OrbitsAboutThePivot)
+{
+    Navigator navigator(lookingAt(vec3(0, 1, 5), vec3(0, 1, 0)), 5.0f);
+    navigator.orbit(vec2(0.5f * kPi, 0.0f));
+    EXPECT_LT(glm::distance(navigator.pivot(), vec3(0, 1, 0)), 1.0e-4f);
+    EXPECT_LT(glm::distance(eyeOf(navigator.camera()), vec3(5, 1, 0)), 1.0e-4f);
+    navigator.orbit(vec2(0.0f, -10.0f)); // stops short of straight down
+    EXPECT_LT(glm::distance(navigator.pivot(), vec3(0, 1, 0)), 1.0e-4f);
+    EXPECT_GT(eyeOf(navigator.camera()).y, 5.9f);
+    EXPECT_GT(navigator.camera().worldFromCamera[1].y, 0.0f) << "upright";
+}
+
+TEST(Navigator, MovesAsItsNamesSay)
+{
+    const Navigator start(lookingAt(vec3(0, 0, 4), vec3(0)), 4.0f);
+    Navigator navigator = start;
+    navigator.look(vec2(0.5f * kPi, 0.0f)); // to the left
+    EXPECT_LT(glm::distance(navigator.forward(), vec3(-1, 0, 0)), 1.0e-5f);
+    EXPECT_EQ(eyeOf(navigator.camera()), vec3(0, 0, 4));
+
+    navigator = start;
+    navigator.pan(vec2(1.0f, 2.0f));
+    EXPECT_LT(glm::distance(eyeOf(navigator.camera()), vec3(1, 2, 4)), 1.0e-5f);
+    navigator = start;
+    navigator.dolly(0.5f);
+    EXPECT_LT(glm::distance(eyeOf(navigator.camera()), vec3(0, 0, 2)), 1.0e-5f);
+    navigator = start;
+    navigator.fly(vec3(1, 2, 3));
+    EXPECT_LT(glm::distance(eyeOf(navigator.camera()), vec3(1, 2, 1)), 1.0e-5f);
+    // A pixel at the pivot: the picture is 2 * 4 * tan(30 degrees) high.
+    EXPECT_NEAR(start.pixelMeters(100), 8.0f * std::tan(kPi / 6.0f) / 100.0f, 1.0e-6f);
+}
+
+TEST(Navigator, FramesBounds)
+{
+    Bounds box;
+    box.extend(vec3(10, 0, 0));
+    box.extend(vec3(12, 2, 2));
+    for (const float aspect : {0.5f, 1.0f, 2.0f}) {
+        Navigator navigator(lookingAt(vec3(0, 1, 5), vec3(0)), 5.0f);
+        navigator.frame(box, aspect);
+        const Camera camera = navigator.camera();
+        const mat4 view = glm::inverse(camera.worldFromCamera);
+        float most = 0.0f;
+        const float tangent = std::tan(0.5f * camera.verticalFovRadians);
+        for (int i = 0; i < 8; ++i) {
+            const vec3 corner(i & 1 ? 12 : 10, i & 2 ? 2 : 0, i & 4 ? 2 : 0);
+            const vec3 p = vec3(view * vec4(corner, 1.0f));
+            most = std::max({most, std::abs(p.x / (p.z * tangent * aspect)), std::abs(p.y / (p.z * tangent))});
+        }
+        EXPECT_LE(most, 1.0f);
+        EXPECT_GT(most, 0.5f) << "not far off either";
+    }
+}
+
+TEST(ObjectAt, IsTheNearestThatTheRayMeets)
+{
+    Scene scene;
+    Mesh mesh;
+    MeshPart& part = mesh.parts.emplace_back();
+    part.positions = {vec3(-1, -1, 0), vec3(1, -1, 0), vec3(1, 1, 0), vec3(-1, 1, 0)};
+    part.indices = {0, 1, 2, 0, 2, 3};
+    scene.meshes.push_back(mesh);
+    for (const float z : {-4.0f, -2.0f, 3.0f}) { // the last is behind the camera
+        Object& object = scene.objects.emplace_back();
+        object.mesh = 0;
+        object.worldFromObject =
+            glm::scale(glm::translate(mat4(1.0f), vec3(z == -2.0f ? 0.9f : 0.0f, 0, z)), vec3(0.5f));
+    }
+    const Camera camera = lookingAt(vec3(0, 0, 0), vec3(0, 0, -1));
+    EXPECT_EQ(objectAt(scene, camera, vec2(0.5f), 1.0f), 0);
+    // 0.45 m to the right at 2 m: the nearer one covers it, and the farther one ends at 0.25 m there.
+    const float x = 0.5f + 0.5f * (0.45f / 2.0f) / std::tan(kPi / 6.0f);
+    EXPECT_EQ(objectAt(scene, camera, vec2(x, 0.5f), 1.0f), 1);
+    EXPECT_EQ(objectAt(scene, camera, vec2(0.02f, 0.02f), 1.0f), -1);
+}
+
+} // namespace
+} // namespace halflight::view

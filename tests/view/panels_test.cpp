@@ -1,0 +1,146 @@
+// Panels and keys, without a window: every section is drawn, and what is clicked and typed reaches the state.
+#include "view/panels.h"
+
+#include <SDL_keycode.h>
+#include <gtest/gtest.h>
+#include <imgui.h>
+
+#include <random>
+
+namespace halflight::view {
+namespace {
+
+Scene smallScene()
+{
+    Scene scene;
+    for (const LightType type : {LightType::Directional, LightType::Point, LightType::Spot}) {
+        Light& light = scene.lights.emplace_back();
+        light.name = "a light";
+        light.type = type;
+    }
+    for (int i = 0; i < 200; ++i) scene.objects.emplace_back().name = "thing";
+    scene.cameras.resize(2);
+    return scene;
+}
+
+class Panels : public testing::Test {
+protected:
+    void SetUp() override
+    {
+        ImGui::CreateContext();
+        ImGuiIO& io = ImGui::GetIO();
+        io.IniFilename = nullptr;
+        io.DisplaySize = ImVec2(400.0f, 4000.0f); // all sections at once
+        io.DeltaTime = 1.0f / 60.0f;
+        unsigned char* texels = nullptr;
+        int width = 0;
+        int height = 0;
+        io.Fonts->GetTexDataAsRGBA32(&texels, &width, &height);
+        state.modes = {RunMode::Realtime, RunMode::BakedIndirect, RunMode::Shadowmask};
+        state.passes = {{"depth", 3, 3, 100, 1.0}};
+        state.frameMilliseconds = {16.0f, 17.0f};
+        state.warnings = {"something is odd"};
+        state.title = "file.glb";
+    }
+    void TearDown() override { ImGui::DestroyContext(); }
+
+    /// One frame; the vertices that were drawn.
+    int frame()
+    {
+        ImGui::NewFrame();
+        drawPanels(state, scene);
+        ImGui::Render();
+        return ImGui::GetDrawData()->TotalVtxCount;
+    }
+    void click(float x, float y)
+    {
+        ImGuiIO& io = ImGui::GetIO();
+        io.MousePos = ImVec2(x, y);
+        frame();
+        io.MouseDown[0] = true;
+        frame();
+        io.MouseDown[0] = false;
+        frame();
+    }
+
+    Scene scene = smallScene();
+    ViewState state;
+};
+
+TEST_F(Panels, AreDrawnUnlessHidden)
+{
+    frame();
+    EXPECT_GT(frame(), 500);
+    state.panels = false;
+    frame();
+    EXPECT_EQ(frame(), 0);
+}
+
+/// Random clicks open sections and press what is in them. Whatever they do, values stay within their limits, and what
+/// is asked for names things that exist.
+TEST_F(Panels, SurviveRandomClicks)
+{
+    std::mt19937 random(3);
+    Requests seen;
+    int requestedLights = 0;
+    int requestedSwitches = 0;
+    for (int i = 0; i < 12000; ++i) {
+        click(float(random() % 360), float(random() % 2600));
+        if (i % 500 == 0) state.bakeStatus.running = !state.bakeStatus.running;
+        if (state.requests.light) {
+            ++requestedLights;
+            const auto& [index, light] = *state.requests.light;
+            ASSERT_LT(std::size_t(index), scene.lights.size());
+            scene.lights[std::size_t(index)] = light;
+        }
+        if (state.requests.switches) {
+            ++requestedSwitches;
+            ASSERT_LT(std::size_t(state.requests.switches->object), scene.objects.size());
+        }
+        seen.bake |= state.requests.bake;
+        seen.cancelBake |= state.requests.cancelBake;
+        seen.screenshot |= state.requests.screenshot;
+        seen.expose |= state.requests.expose;
+        seen.reload |= state.requests.reload;
+        if (state.requests.camera) ASSERT_LT(*state.requests.camera, 2);
+        state.requests = {};
+        ASSERT_TRUE(checkShadowSettings(state.settings.shadows)) << i;
+        ASSERT_GE(state.settings.supersampling, 1);
+        ASSERT_LE(state.settings.supersampling, 4);
+    }
+    EXPECT_TRUE(seen.bake);
+    EXPECT_TRUE(seen.cancelBake);
+    EXPECT_TRUE(seen.screenshot);
+    EXPECT_TRUE(seen.expose);
+    EXPECT_TRUE(seen.reload);
+    EXPECT_GT(requestedLights, 0);
+    EXPECT_GT(requestedSwitches, 0);
+}
+
+TEST_F(Panels, KeysDoWhatTheHelpSays)
+{
+    handleKey(state, SDLK_3, false);
+    EXPECT_EQ(state.settings.mode, RunMode::Shadowmask);
+    handleKey(state, SDLK_5, false);
+    EXPECT_EQ(state.settings.mode, RunMode::Shadowmask) << "the file has no data for subtractive";
+    handleKey(state, SDLK_p, false);
+    EXPECT_EQ(state.settings.path, RenderPath::Deferred);
+    for (int i = 0; i < 7; ++i) handleKey(state, SDLK_v, false);
+    EXPECT_EQ(state.settings.view, DebugView::Lit) << "once round";
+    handleKey(state, SDLK_b, true);
+    EXPECT_FALSE(state.requests.bake) << "with control it is another command";
+    handleKey(state, SDLK_b, false);
+    EXPECT_TRUE(state.requests.bake);
+    handleKey(state, SDLK_TAB, false);
+    EXPECT_FALSE(state.panels);
+    state.bakeStatus.running = true;
+    handleKey(state, SDLK_ESCAPE, false);
+    EXPECT_TRUE(state.requests.cancelBake);
+    EXPECT_FALSE(state.requests.quit);
+    state.bakeStatus.running = false;
+    handleKey(state, SDLK_ESCAPE, false);
+    EXPECT_TRUE(state.requests.quit);
+}
+
+} // namespace
+} // namespace halflight::view

@@ -1,0 +1,65 @@
+// The command line of a view, and the user's changes as a settings file.
+#include "view/view_state.h"
+
+#include <gmock/gmock.h>
+
+namespace halflight::view {
+namespace {
+
+using testing::HasSubstr;
+using testing::Not;
+
+Scene twoLights()
+{
+    Scene scene;
+    for (const char* name : {"sun", "lamp \"1\""}) {
+        Light& light = scene.lights.emplace_back();
+        light.name = name;
+        light.type = LightType::Point;
+    }
+    Object& door = scene.objects.emplace_back();
+    door.name = "Door";
+    return scene;
+}
+
+TEST(CommandLine, NamesWhatDiffersFromTheDefaults)
+{
+    ViewState state;
+    Camera camera;
+    camera.worldFromCamera[3] = vec4(1, 2, 3, 1);
+    state.navigator = Navigator(camera, 1.0f);
+    state.exposureEv = 1.5f;
+    Scene scene = twoLights();
+    const Scene before = scene;
+    std::string line = commandLine(state, "it's.glb", {640, 360}, dvec3(1000, 0, 0), scene.lights, before.lights);
+    EXPECT_EQ(line, "halflight render 'it'\\''s.glb' -o picture.png --size 640x360 --eye 1001,2,3 --target 1001,2,2 "
+                    "--fov 60 --mode realtime --path forward --samples 1 --exposure 1.5");
+    state.settings.mode = RunMode::Shadowmask;
+    state.settings.path = RenderPath::Deferred;
+    state.settings.view = DebugView::Fade;
+    state.settings.shadows.filter = ShadowFilter::Soft;
+    state.followsShadowDistance = false;
+    scene.lights[0].intensity = 3.0f;
+    scene.lights[0].color = vec3(1.0f, 0.5f, 0.25f);
+    line = commandLine(state, "a.glb", {640, 360}, dvec3(0), scene.lights, before.lights);
+    for (const char* part : {"--mode shadowmask", "--path deferred", "--view fade", "--shadow-filter soft",
+                             "--shadow-distance 60", "--light 'sun:intensity=3,color=1,0.5,0.25'"})
+        EXPECT_THAT(line, HasSubstr(part));
+    EXPECT_THAT(line, Not(HasSubstr("lamp")));
+}
+
+TEST(SettingsFile, HasTheChangesAlone)
+{
+    Scene scene = twoLights();
+    const Scene before = scene;
+    EXPECT_EQ(settingsFile(scene, before), "");
+    scene.lights[1].mode = LightMode::Baked;
+    scene.lights[1].radiusMeters = 0.25f;
+    scene.objects[0].castShadows = false;
+    EXPECT_EQ(settingsFile(scene, before),
+              "[[light]]\npattern = \"lamp \\\"1\\\"\"\nmode = \"baked\"\nradius = 0.25\n\n"
+              "[[node]]\npattern = \"Door\"\ncast_shadows = false\n\n");
+}
+
+} // namespace
+} // namespace halflight::view
