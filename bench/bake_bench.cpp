@@ -1,13 +1,12 @@
 // Measures the bake's light transport and prints plain tables. Every ratio is of two measurements of the same run;
 // times are CPU seconds of the process, summed over threads, so that a busy machine disturbs them little.
 //   bench_bake PART [--scene FILE]... [--size N] [--points N] [--reference N]
-//              [--samples N] [--seeds N] [--references DIR]
-//   PART: gather | error | shadows | seams | masks | scaling | lights | triangles
+//              [--samples N] [--seeds N] [--references DIR] [--without REFINEMENT]...
+//   PART: gather | error | ablate | shadows | seams | masks | scaling | lights | triangles
 // Scenes: the built-in "cornell" (a box with an emissive quad), or glTF files; FILE@sun leaves them the sun and the
 // sky.
 
-#include "bench_scenes.h"
-#include "bilinear.h"
+#include "measure.h"
 
 #include "bake/stages.h"
 #include "bake_cpu/guiding/build_guides.h"
@@ -15,6 +14,7 @@
 
 #include "halflight/bake/bake.h"
 #include "halflight/bake_cpu/embree_integrator.h"
+#include "halflight/base/image_filter.h"
 #include "halflight/base/parallel.h"
 
 #include <array>
@@ -36,72 +36,6 @@ using namespace halflight::bench;
 
 namespace {
 
-double cpuSeconds()
-{
-    timespec t{};
-    clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);
-    return double(t.tv_sec) + 1.0e-9 * double(t.tv_nsec);
-}
-
-double wallSeconds()
-{
-    timespec t{};
-    clock_gettime(CLOCK_MONOTONIC, &t);
-    return double(t.tv_sec) + 1.0e-9 * double(t.tv_nsec);
-}
-
-struct Options {
-    std::string part;
-    std::vector<std::string> scenes;
-    int size = 512;
-    int points = 8192;    ///< texels with a reference
-    int reference = 4096; ///< paths for each of them
-    int samples = 0;      ///< the only number that errors are measured of; 0: those that the target takes
-    int seeds = 3;        ///< of which times and errors are the mean: single texels weigh much in one alone
-    std::string folder;   ///< where references are kept, so that versions of the bake compare with the same
-    int bounces = 4;
-    double target = 0.03;
-};
-
-/// Every n-th run of 64 texels: neighbours stay together, so that their rays are what a whole map's would be.
-TexelMap subsetOf(const TexelMap& map, int texels, std::vector<uint32_t>& chosen)
-{
-    TexelMap subset = map;
-    subset.texels.clear();
-    constexpr std::size_t kRun = 64;
-    const std::size_t runs = std::max<std::size_t>(1, std::size_t(texels) / kRun);
-    const std::size_t all = (map.texels.size() + kRun - 1) / kRun;
-    for (std::size_t r = 0; r < std::min(runs, all); ++r) {
-        const std::size_t begin = (runs >= all ? r : r * all / runs) * kRun;
-        for (std::size_t i = begin; i < std::min(begin + kRun, map.texels.size()); ++i) {
-            chosen.push_back(uint32_t(i));
-            subset.texels.push_back(map.texels[i]);
-        }
-    }
-    return subset;
-}
-
-struct Run {
-    std::vector<IrradianceEstimate> estimates;
-    double cpu = 0.0;
-    uint64_t rays = 0;
-};
-
-Run integrate(const Prepared& p, const TexelMap& map, const IntegrationSettings& settings)
-{
-    Run run;
-    auto made = makeEmbreeIntegrator(p.scene, p.geometry, settings);
-    if (!made) std::exit(1);
-    run.estimates.resize(map.texels.size());
-    TexelMap valid = map;
-    const double start = cpuSeconds();
-    (*made)->findValidPoints(valid, {});
-    (*made)->irradiance(valid, {allIndices(map.texels.size())}, run.estimates, {});
-    run.cpu = cpuSeconds() - start;
-    run.rays = (*made)->raysTraced();
-    return run;
-}
-
 /// Of all texels together: not as many as were asked for.
 double samplesOf(const Run& run)
 {
@@ -110,41 +44,10 @@ double samplesOf(const Run& run)
     return sum;
 }
 
-struct Error {
-    double rmse = 0.0; ///< of luminance, over the mean of the reference
-    double bias = 0.0;
-};
-
-/// `pick` maps the reference's texels to the run's. Left out are texels that either calls invalid, and those more than
-/// twenty times as bright as the mean: a few inside of lamps would outweigh all others.
-Error compare(const std::vector<IrradianceEstimate>& run, const std::vector<uint32_t>* pick,
-              const std::vector<IrradianceEstimate>& reference)
-{
-    double mean = 0.0;
-    for (const IrradianceEstimate& e : reference) mean += double(luminance(e.irradiance)) / double(reference.size());
-    double squares = 0.0;
-    double difference = 0.0;
-    double sum = 0.0;
-    std::size_t count = 0;
-    for (std::size_t i = 0; i < reference.size(); ++i) {
-        const IrradianceEstimate& e = run[pick != nullptr ? (*pick)[i] : i];
-        if (!e.valid || !reference[i].valid) continue;
-        const double a = double(luminance(e.irradiance));
-        const double b = double(luminance(reference[i].irradiance));
-        if (b > 20.0 * mean) continue;
-        squares += (a - b) * (a - b);
-        difference += a - b;
-        sum += b;
-        ++count;
-    }
-    if (count == 0 || sum <= 0.0) return {};
-    return {std::sqrt(squares / double(count)) / (sum / double(count)), difference / sum};
-}
-
 /// Of several seeds together: the root mean square of their errors, their mean time and number of rays.
 class MeanError {
 public:
-    void add(double cpu, double rays, Error error)
+    void add(double cpu, double rays, LightError error)
     {
         cpu_ += cpu;
         rays_ += rays;
@@ -154,7 +57,7 @@ public:
     }
     [[nodiscard]] double cpu() const { return cpu_ / count_; }
     [[nodiscard]] double rays() const { return rays_ / count_; }
-    [[nodiscard]] Error error() const { return {std::sqrt(squares_ / count_), bias_ / count_}; }
+    [[nodiscard]] LightError error() const { return {std::sqrt(squares_ / count_), bias_ / count_}; }
 
 private:
     double cpu_ = 0.0;
@@ -200,41 +103,6 @@ private:
     double lastError_ = 0.0;
 };
 
-/// Path tracing of many samples, or what a folder has kept of it.
-std::vector<IrradianceEstimate> referenceOf(const Options& options, const std::string& name, const Prepared& p,
-                                            const TexelMap& subset)
-{
-    std::vector<vec4> kept(subset.texels.size()); // irradiance, and 1 where valid
-    std::filesystem::path file;
-    if (!options.folder.empty()) {
-        const std::string key = std::filesystem::path(name).filename().string();
-        file = std::filesystem::path(options.folder) /
-               (key + "-" + std::to_string(options.size) + "-" + std::to_string(subset.texels.size()) + "-" +
-                std::to_string(options.reference) + "-" + std::to_string(options.bounces));
-    }
-    std::vector<IrradianceEstimate> reference(kept.size());
-    const auto bytes = std::streamsize(kept.size() * sizeof(vec4));
-    if (std::ifstream in(file, std::ios::binary); in.read(reinterpret_cast<char*>(kept.data()), bytes)) {
-        for (std::size_t i = 0; i < kept.size(); ++i) {
-            reference[i].irradiance = vec3(kept[i]);
-            reference[i].valid = kept[i].w > 0.0f;
-        }
-        return reference;
-    }
-    IntegrationSettings settings;
-    settings.bounces = options.bounces;
-    settings.integrator = IntegratorKind::Path;
-    settings.samples = options.reference;
-    settings.shadowSamples = 256;
-    settings.seed = 77;
-    reference = integrate(p, subset, settings).estimates;
-    for (std::size_t i = 0; i < kept.size(); ++i) {
-        kept[i] = vec4(reference[i].irradiance, reference[i].valid ? 1.0f : 0.0f);
-    }
-    if (!file.empty()) std::ofstream(file, std::ios::binary).write(reinterpret_cast<const char*>(kept.data()), bytes);
-    return reference;
-}
-
 /// Time to a given error against a converged path traced reference, by both integrators; the cache's light as it is and
 /// denoised, the time for that included.
 void partError(const Options& options)
@@ -271,11 +139,11 @@ void partError(const Options& options)
         // The reference has noise of its own.
         const double noise = pathMean.error().rmse * std::sqrt(kPathSamples / double(options.reference + kPathSamples));
         const auto errorOf = [&](const MeanError& mean) {
-            Error e = mean.error();
+            LightError e = mean.error();
             e.rmse = std::sqrt(std::max(e.rmse * e.rmse - noise * noise, 1.0e-12));
             return e;
         };
-        const Error pathError = errorOf(pathMean);
+        const LightError pathError = errorOf(pathMean);
         // In times of what few samples take, which is measured again and again.
         TimeToTarget pathTarget(options.target);
         pathTarget.add(pathMean.cpu(), pathError.rmse);
@@ -319,8 +187,8 @@ void partError(const Options& options)
                     // Beside it, for the speed of the machine now.
                     tracePaths(kPathSamples, seed, pathMean);
                 }
-                const Error before = errorOf(rawMean);
-                const Error after = errorOf(denoisedMean);
+                const LightError before = errorOf(rawMean);
+                const LightError after = errorOf(denoisedMean);
                 std::printf("  %-8s %8d %10.2f %10.1f %8.2f%% %8.2f%% %10.2f %8.2f%% %8.2f%%\n", label.c_str(), samples,
                             rawMean.cpu(), rawMean.rays() * 1.0e-6, 100.0 * before.rmse, 100.0 * before.bias,
                             denoisedMean.cpu(), 100.0 * after.rmse, 100.0 * after.bias);
@@ -422,7 +290,7 @@ void partShadows(const Options& options)
             b.irradiance = b.direct;
             overlooked += luminance(b.direct) > 0.0f && luminance(a.direct) == 0.0f ? 1 : 0;
         }
-        const Error e = compare(run.estimates, nullptr, reference.estimates);
+        const LightError e = compare(run.estimates, nullptr, reference.estimates);
         std::printf("%-34s %8zu %10.2f %10.1f %11.2f%% %11.2f%%\n", name.c_str(), subset.texels.size(), run.cpu,
                     double(run.rays) * 1.0e-6, 100.0 * e.rmse,
                     100.0 * double(overlooked) / double(subset.texels.size()));
@@ -601,7 +469,7 @@ void partLights(const Options& options)
         settings.seed = 1;
         settings.samples = 64;
         const Run run = integrate(p, p.map, settings);
-        const Error e = compare(run.estimates, &chosen, reference.estimates);
+        const LightError e = compare(run.estimates, &chosen, reference.estimates);
         std::printf("%8d %10zu %10.2f %10.3f %8.2f%% %8.2f%%\n", quads, p.map.texels.size(), run.cpu,
                     1.0e6 * run.cpu / samplesOf(run), 100.0 * e.rmse, 100.0 * e.bias);
         std::fflush(stdout);
@@ -650,6 +518,8 @@ int main(int argc, char** argv)
             options.seeds = std::max(1, std::atoi(argv[++i]));
         } else if (option("--references")) {
             options.folder = argv[++i];
+        } else if (option("--without")) {
+            options.without.emplace_back(argv[++i]);
         } else if (option("--target")) {
             options.target = std::atof(argv[++i]) / 100.0;
         } else {
@@ -661,6 +531,8 @@ int main(int argc, char** argv)
         partGather(options);
     } else if (options.part == "error") {
         partError(options);
+    } else if (options.part == "ablate") {
+        return partAblate(options);
     } else if (options.part == "shadows") {
         partShadows(options);
     } else if (options.part == "seams") {
@@ -674,11 +546,10 @@ int main(int argc, char** argv)
     } else if (options.part == "triangles") {
         partTriangles(options);
     } else {
-        std::fprintf(
-            stderr,
-            "usage: bench_bake gather|error|shadows|seams|masks|scaling|lights|triangles [--scene FILE|cornell]... "
-            "[--size N] [--points N] [--reference N] [--bounces N] [--target PERCENT] [--samples N] "
-            "[--references DIR]\n");
+        std::fprintf(stderr, "usage: bench_bake gather|error|ablate|shadows|seams|masks|scaling|lights|triangles "
+                             "[--scene FILE|cornell]... "
+                             "[--size N] [--points N] [--reference N] [--bounces N] [--target PERCENT] [--samples N] "
+                             "[--references DIR]\n");
         return 2;
     }
     return 0;

@@ -36,6 +36,11 @@ function(halflight_precompile target)
     endif()
 endfunction()
 
+# Switches of the bake's refinements (src/bake/refinements.h), which are constants in all other builds.
+function(halflight_ablation target)
+    target_compile_definitions(${target} PRIVATE $<$<BOOL:${HALFLIGHT_ABLATION}>:HALFLIGHT_ABLATION>)
+endfunction()
+
 function(halflight_module name)
     cmake_parse_arguments(ARG "" "" "SOURCES;PUBLIC;PRIVATE" ${ARGN})
     set(target halflight_${name})

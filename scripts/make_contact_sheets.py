@@ -3,7 +3,7 @@
 
     scripts/make_contact_sheets.py [--halflight PROGRAM] [--only NAME,…] [--fresh] [--list]
 
-PROGRAM is build/release/apps/halflight/halflight unless told otherwise (cmake --preset release && cmake --build --preset release).
+PROGRAM is build/release/apps/halflight/halflight by default (cmake --preset release && cmake --build --preset release).
 Bakes and single pictures stay in build/sheets, and bakes are used again unless --fresh. Within a sheet all pictures of light have one
 exposure, chosen by its first. Needs ImageMagick and a font, which scripts/install-packages.sh brings; some ten minutes on two cores.
 """

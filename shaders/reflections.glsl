@@ -10,7 +10,7 @@ bool hasReflections() { return frame.reflections.x > 0.0; }
 vec3 reflectionAt(int probe, int level, vec3 direction)
 {
     int size = int(frame.reflections.y);
-    vec2 texel = reflectionTexel(size, level, direction) + vec2(0.0, float(probe * (size + size / 2)));
+    vec2 texel = reflectionTexel(size, level, direction) + vec2(0.0, float(probe * reflectionTileHeight(size)));
     return textureLod(reflectionPicture, texel / vec2(textureSize(reflectionPicture, 0)), 0.0).rgb;
 }
 

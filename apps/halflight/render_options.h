@@ -1,5 +1,5 @@
 #pragma once
-// What `halflight render` is told.
+// Options of `halflight render`.
 
 #include "camera.h"
 #include "console.h"

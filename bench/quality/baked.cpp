@@ -1,8 +1,7 @@
 #include "quality/baked.h"
 
-#include "bilinear.h"
-
 #include "halflight/bake_cpu/embree_integrator.h"
+#include "halflight/base/image_filter.h"
 #include "halflight/base/rgb9e5.h"
 #include "halflight/scene/gltf.h"
 #include "halflight/shading/mask.h"
@@ -12,9 +11,6 @@
 
 namespace halflight::quality {
 namespace {
-
-using bench::bilinear;
-using bench::texelClamped;
 
 /// Weights of the four texels around a place between the second and the third: the uniform cubic B-spline, what games
 /// filter lightmaps with (Sigg and Hadwiger 2005, "Fast Third-Order Texture Filtering").
@@ -34,6 +30,7 @@ vec3 Baked::light(int page, vec2 texel) const
 
 vec3 Baked::lightBicubic(int page, vec2 texel) const
 {
+    const ImageRgb32f& image = lightmaps[std::size_t(page)];
     const vec2 p = texel - 0.5f;
     const ivec2 b(glm::floor(p));
     const auto wx = splineWeights(p.x - float(b.x));
@@ -41,8 +38,8 @@ vec3 Baked::lightBicubic(int page, vec2 texel) const
     vec3 sum(0.0f);
     for (int y = 0; y < 4; ++y) {
         for (int x = 0; x < 4; ++x) {
-            sum += wx[std::size_t(x)] * wy[std::size_t(y)] *
-                   texelClamped(lightmaps[std::size_t(page)], b.x + x - 1, b.y + y - 1);
+            const ivec2 at = glm::clamp(b + ivec2(x - 1, y - 1), ivec2(0), image.size() - 1);
+            sum += wx[std::size_t(x)] * wy[std::size_t(y)] * image(at.x, at.y);
         }
     }
     return sum;

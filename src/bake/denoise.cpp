@@ -9,6 +9,7 @@
 // light and at rims, slopes take the polynomial's place, from the second level on.
 #include "bake/denoise.h"
 
+#include "bake/refinements.h"
 #include "bake/stages.h"
 
 #include "halflight/base/parallel.h"
@@ -253,12 +254,12 @@ Trend trendOf(const Level& level, const Taps& taps)
     constexpr float kEnough = 0.75f; // of what slopes explain
     const Tap& own = taps[kMiddleTap];
     Trend slopes;
-    if (level.number > 0) { // single texels are too noisy
+    if (level.number > 0 && refinements.slopes) { // single texels are too noisy
         slopes.x = slopeBetween(taps[kMiddleTap - 2], own, taps[kMiddleTap + 2]);
         slopes.y = slopeBetween(taps[kMiddleTap - 10], own, taps[kMiddleTap + 10]);
     }
     const auto fits = [&](const Tap& tap) { return tap.counts && sameSide(tap, own); };
-    if (!std::all_of(taps.begin(), taps.end(), fits)) return slopes;
+    if (!refinements.fittedTrend || !std::all_of(taps.begin(), taps.end(), fits)) return slopes;
     const Trend fitted = fittedTrend(taps);
     return explained(taps, fitted) >= kEnough * explained(taps, slopes) ? fitted : slopes;
 }
@@ -286,19 +287,19 @@ std::optional<GeometricWeight> geometricWeight(const Tap& own, const Tap& other,
 /// Filters one texel; writes its entry of `out`.
 void filterTexel(const Level& level, uint32_t i, Signals& out)
 {
-    constexpr float kMomentTolerance =
-        0.2f; // of direct light: directions of all light stop at the edges of direct light
+    constexpr float kMomentTolerance = 0.2f; // of direct light: directions stop at its edges
     const Taps taps = tapsOf(level, i);
     const Tap& own = taps[kMiddleTap];
     const float planeScale = 1.0f / (float(level.step()) * level.guides[i].place.texelMeters);
     const bool hasDirect = !level.in.direct.empty();
-    const bool noisyDirect = own.direct.variance > 0.0f;
+    const bool noisyDirect = own.direct.variance > 0.0f && refinements.filteredDirect;
     const Trend trend = trendOf(level, taps);
     const float momentTolerance = kMomentTolerance * luminance(own.direct.irradiance);
     // At the rim of a chart, a tap without its mirror image would shift the mean: in a dark corner, towards the light.
     // Such taps are left out, unless the texel has no pair of taps at all.
     bool pairs = false;
-    for (std::size_t k = 0; k < kMiddleTap; ++k) pairs = pairs || (taps[k].counts && taps[kTaps - 1 - k].counts);
+    for (std::size_t k = 0; refinements.pairedTaps && k < kMiddleTap; ++k)
+        pairs = pairs || (taps[k].counts && taps[kTaps - 1 - k].counts);
     Mean gathered;
     Mean direct;
     vec3 momentSum(0.0f);

@@ -1,5 +1,7 @@
 #include "bake/denoise.h"
 
+#include "bake/refinements.h"
+
 #include "halflight/base/parallel.h"
 
 #include <algorithm>
@@ -17,7 +19,7 @@ struct SecondDifference {
 
 /// Second difference along both axes of 3 × 3 texels, `distance` apart. Light that is linear along one axis or the
 /// other cancels, so that noise remains (Immerkaer 1996, "Fast Noise Variance Estimation"). Nothing where one is
-/// missing on the chart: texels beyond seams lie off the lattice.
+/// missing on the chart: texels beyond seams lie off the grid.
 std::optional<SecondDifference> secondDifference(const SurfaceGrid& grid, std::span<const IrradianceEstimate> estimates,
                                                  std::size_t texel, int distance)
 {
@@ -44,6 +46,7 @@ std::optional<SecondDifference> secondDifference(const SurfaceGrid& grid, std::s
 std::vector<float> varianceScales(const SurfaceGrid& grid, std::span<const IrradianceEstimate> estimates)
 {
     // Traced texels are 1, 2 or 4 texels apart: the smallest complete 3 × 3 counts.
+    if (!refinements.varianceScales) return std::vector<float>(estimates.size(), 1.0f);
     std::vector<SecondDifference> differences(estimates.size());
     parallelFor(estimates.size(), 4096, [&](std::size_t begin, std::size_t end) {
         for (std::size_t i = begin; i < end; ++i) {

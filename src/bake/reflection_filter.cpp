@@ -98,7 +98,7 @@ void putLevel(const ImageRgb32f& inner, ivec2 offset, ImageRgb32f& tile)
 ImageRgb32f reflectionTile(const ImageRgb32f& around)
 {
     const int size = around.width() + 2;
-    ImageRgb32f tile(size, size + size / 2);
+    ImageRgb32f tile(size, shading::reflectionTileHeight(size));
     putLevel(around, ivec2(0), tile);
     const Directions fine = directionsOf(around);
     const Directions coarse = directionsOf(halved(around));

@@ -2,6 +2,7 @@
 
 #include "bake/stages.h"
 #include "halflight/base/rgb9e5.h"
+#include "halflight/shading/reflection.h"
 
 #include <algorithm>
 
@@ -36,8 +37,7 @@ std::optional<ReflectionSet> bakeReflections(const BakedScene& baked, Integrator
     if (set.probes.empty())
         set.probes = placeReflections(baked.probes.probes, integrator, glm::length(baked.scene.bounds(true).size()));
     if (set.probes.empty()) return ReflectionSet();
-    const int height = size + size / 2;
-    ImageRgb32f picture(size, height * int(set.probes.size()));
+    ImageRgb32f picture(size, shading::reflectionTileHeight(size) * int(set.probes.size()));
     for (std::size_t i = 0; i < set.probes.size(); ++i) {
         ReflectionProbe& probe = set.probes[i];
         const mat3 axes(probe.worldFromBox);

@@ -1,4 +1,5 @@
 // Sample points of texels, and their world-space places.
+#include "bake/refinements.h"
 #include "bake/stages.h"
 
 #include "halflight/base/random.h"
@@ -110,10 +111,15 @@ uint32_t coveredPoints(const BakeGeometry& geometry, std::span<const TexelFragme
             least[i] = std::min(std::min(u[i], v[i]), 1.0f - (u[i] + v[i])) + 0.0f;
         // Covered: the least weight is not negative. The test reads its sign bit, because compilers do not vectorize
         // the comparison.
+        uint32_t positive = 0;
+        if (!refinements.vectorPoints) {
+            for (std::size_t i = 0; i < kMaxTexelPoints; ++i) positive |= least[i] >= 0.0f ? kBits[i] : 0u;
+        }
         const auto bits = std::bit_cast<std::array<int32_t, kMaxTexelPoints>>(least);
         uint32_t covered = 0;
-        for (std::size_t i = 0; i < kMaxTexelPoints; ++i) covered |= kBits[i] & ~uint32_t(bits[i] >> 31);
-        covered &= ~found;
+        for (std::size_t i = 0; refinements.vectorPoints && i < kMaxTexelPoints; ++i)
+            covered |= kBits[i] & ~uint32_t(bits[i] >> 31);
+        covered = (covered | positive) & ~found;
         if (covered == 0) continue;
         found |= covered;
         const InsetPoints points(geometry, fragment.triangle);

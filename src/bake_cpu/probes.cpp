@@ -40,7 +40,7 @@ private:
     {
         std::array<vec3, 9> sum{};
         int backFaces = 0;
-        LongMoments mean; // of incoming radiance
+        RunningMoments mean; // of incoming radiance
         constexpr float kUniformPdf = 1.0f / (4.0f * kPi);
         const auto add = [&](vec3 direction, vec3 weightedRadiance) {
             for (int i = 0; i < 9; ++i) sum[std::size_t(i)] += weightedRadiance * shading::shBasis(i, direction);
@@ -56,7 +56,7 @@ private:
                 paths_.incoming({position}, direction, kUniformPdf, settings_.bounces, sampler, rays);
             backFaces += in.firstHitBackFace ? 1 : 0;
             add(direction, in.radiance / kUniformPdf);
-            mean.add(in.radiance + (emitter.radianceOverPdf + sky.radianceOverPdf) * kUniformPdf);
+            mean.add(in.radiance + (emitter.radianceOverPdf + sky.radianceOverPdf) * kUniformPdf, vec3(0.0f));
         }
         for (int i = 0; i < 9; ++i) estimate.radiance[std::size_t(i)] = sum[std::size_t(i)] / float(samples_);
         // A coefficient is 4 pi times the mean of radiance times a basis function, whose mean square is 1 / (4 pi).

@@ -19,7 +19,7 @@ struct CameraRay {
 /// `place`: of the picture, (0, 0) its upper left corner, (1, 1) the lower right one.
 CameraRay cameraRay(const Camera& camera, float aspect, vec2 place)
 {
-    // The camera looks along -Z with +Y up.
+    // The camera's axis is -Z; +Y is up.
     const float halfHeight =
         camera.orthographic ? 0.5f * camera.orthographicHeightMeters : std::tan(0.5f * camera.verticalFovRadians);
     const vec2 ndc = place * vec2(2.0f, -2.0f) + vec2(-1.0f, 1.0f);

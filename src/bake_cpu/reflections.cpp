@@ -1,5 +1,6 @@
 #include "bake_cpu/reflections.h"
 
+#include "halflight/base/image_filter.h"
 #include "halflight/base/parallel.h"
 #include "halflight/shading/brdf.h"
 #include "halflight/shading/reflection.h"
@@ -12,17 +13,6 @@ namespace {
 constexpr uint32_t kReflectionSeed = 0x5eed0004u;
 /// Rays per texel of a map: its edges are antialiased, and soft shadows of mixed lights have 17 steps.
 constexpr int kRaysPerTexel = 16;
-
-/// Value of a page at a position in texels, bilinear.
-vec3 bilinear(const ImageRgb32f& page, vec2 texel)
-{
-    const vec2 at = glm::clamp(texel - 0.5f, vec2(0.0f), vec2(page.size() - 1));
-    const ivec2 low = glm::min(ivec2(at), glm::max(page.size() - 2, ivec2(0)));
-    const ivec2 high = glm::min(low + 1, page.size() - 1);
-    const vec2 f = at - vec2(low);
-    return glm::mix(glm::mix(page(low.x, low.y), page(high.x, low.y), f.x),
-                    glm::mix(page(low.x, high.y), page(high.x, high.y), f.x), f.y);
-}
 
 class RadianceTracer {
 public:

@@ -5,6 +5,7 @@
 #include "bake_cpu/trace/texture_filter.h"
 #include "shading/srgb_table.h"
 
+#include "halflight/base/image_filter.h"
 #include "halflight/base/parallel.h"
 #include "halflight/shading/brdf.h"
 #include "halflight/shading/color.h"
@@ -70,19 +71,6 @@ private:
     Materials materials_;
 };
 
-/// Bilinear, clamped to the edge; `place` in texels.
-vec3 lightAt(const ImageRgb32f& page, vec2 place)
-{
-    const vec2 p = place - 0.5f;
-    const ivec2 corner(glm::floor(p));
-    const vec2 f = p - vec2(corner);
-    const auto at = [&](int dx, int dy) {
-        const ivec2 q = glm::clamp(corner + ivec2(dx, dy), ivec2(0), page.size() - 1);
-        return page(q.x, q.y);
-    };
-    return glm::mix(glm::mix(at(0, 0), at(1, 0), f.x), glm::mix(at(0, 1), at(1, 1), f.x), f.y);
-}
-
 /// Mean over the points of a texel. Colours count by their opacity, so that what is cut out leaves no fringe.
 vec4 texelRadiance(const SurfaceColors& colors, std::span<const SurfacePoint> points, vec3 irradiance)
 {
@@ -141,7 +129,7 @@ Result<std::vector<ImageRgba32f>> surfacePictures(const Scene& scene, const std:
             const Texel& texel = map.texels[i];
             const auto count = std::size_t(texelPoints(geometry, map, texel, points));
             const vec2 place = (vec2(texel.x, texel.y) + 0.5f) / float(scale);
-            values[i] = texelRadiance(colors, std::span(points).first(count), lightAt(irradiance[texel.page], place));
+            values[i] = texelRadiance(colors, std::span(points).first(count), bilinear(irradiance[texel.page], place));
         }
     });
     if (progress.cancelled()) return Error{ErrorCode::Cancelled, "interrupted", ""};

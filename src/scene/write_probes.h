@@ -5,8 +5,8 @@
 
 namespace halflight {
 
-/// `probes` of the root extension, its accessors added to the document; null without probes. `bytes` is told how many
-/// bytes they are.
+/// `probes` of the root extension, its accessors added to the document; null without probes. `bytes` receives
+/// their size.
 Json probesJson(DocumentPatcher& patcher, const ProbeSet& set, uint64_t& bytes);
 
 /// `grid` of probes on a regular one whose first probe is at `origin`; null of a list.

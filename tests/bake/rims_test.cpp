@@ -20,7 +20,7 @@ using namespace test;
 constexpr int kPage = 128;
 constexpr float kLong = 400.0f; ///< metres: ends that nobody sees
 
-/// A floor from x = 0 on and as wide as told, with black walls of a height at x = 0 and, where told, at its other end.
+/// A floor from x = 0 on of a given width, with black walls of a height at x = 0 and, if wanted, at its other end.
 /// Texels are a metre wide.
 struct Trench {
     float width;

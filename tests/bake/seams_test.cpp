@@ -1,6 +1,7 @@
 // Where charts meet, filtered light agrees on both sides (spec S6).
 
 #include "bake/test_scene.h"
+#include "halflight/base/image_filter.h"
 
 #include <gtest/gtest.h>
 
@@ -13,16 +14,7 @@ namespace {
 
 constexpr int kPage = 64;
 
-vec3 filteredAt(const Image<vec3>& page, vec2 place)
-{
-    const vec2 p = place - 0.5f;
-    const ivec2 b(glm::floor(p));
-    const vec2 f = p - vec2(b);
-    return glm::mix(glm::mix(page(b.x, b.y), page(b.x + 1, b.y), f.x),
-                    glm::mix(page(b.x, b.y + 1), page(b.x + 1, b.y + 1), f.x), f.y);
-}
-
-/// A plane cut into two charts, as wide in texels as told, each of which holds light of its own: lightAt(left, texels
+/// A plane cut into two charts, of a given width in texels, each of which holds light of its own: lightAt(left, texels
 /// up from the foot of the cut).
 struct CutPlane {
     static constexpr vec2 kLeft{4.3f, 4.6f};
@@ -47,7 +39,7 @@ struct CutPlane {
         stitchSeams(map, seams, lightSeamWeights(seams, pages, noLight(pages)), pages);
     }
     CutPlane(vec3 left, vec3 right) : CutPlane(16.0f, [&](bool isLeft, float) { return isLeft ? left : right; }) {}
-    [[nodiscard]] vec3 bilinear(vec2 place) const { return filteredAt(pages[0], place); }
+    [[nodiscard]] vec3 lightAt(vec2 place) const { return bilinear(pages[0], place); }
 
     Scene scene;
     TexelMap map;
@@ -63,8 +55,8 @@ TEST(SeamsS6, BothSidesAgree)
     const CutPlane plane(vec3(2.1f, 1.0f, 0.4f), vec3(1.9f, 1.0f, 0.6f));
     ASSERT_GE(plane.seams.size(), 16u);
     for (const SeamSample& seam : plane.seams) {
-        const vec3 a = plane.bilinear(seam.texelA);
-        const vec3 b = plane.bilinear(seam.texelB);
+        const vec3 a = plane.lightAt(seam.texelA);
+        const vec3 b = plane.lightAt(seam.texelB);
         EXPECT_NEAR(a.x, b.x, 0.01f * 2.0f);
         EXPECT_NEAR(a.x, 2.0f, 0.06f);
         EXPECT_NEAR(a.z, b.z, 0.01f);
@@ -83,7 +75,7 @@ TEST(SeamsS6, NarrowChartsKeepTheirLight)
                              [](bool, float up) { return vec3(1.0f - 0.6f * glm::smoothstep(6.0f, 9.0f, up)); });
         double steps = 0.0;
         for (const SeamSample& seam : plane.seams)
-            steps += double(std::abs(plane.bilinear(seam.texelA).x - plane.bilinear(seam.texelB).x));
+            steps += double(std::abs(plane.lightAt(seam.texelA).x - plane.lightAt(seam.texelB).x));
         EXPECT_LT(steps / double(plane.seams.size()), 0.01);
         double squares = 0.0;
         for (const Texel& t : plane.map.texels) {
@@ -101,8 +93,8 @@ TEST(SeamsS6, SunIsNotStitchedToShade)
     for (const float shade : {0.0f, 0.001f, 0.3f}) {
         const CutPlane plane(vec3(1.0f), vec3(shade));
         for (const SeamSample& seam : plane.seams) {
-            EXPECT_NEAR(plane.bilinear(seam.texelA).x, 1.0f, 0.02f);
-            EXPECT_NEAR(plane.bilinear(seam.texelB).x, shade, 0.02f);
+            EXPECT_NEAR(plane.lightAt(seam.texelA).x, 1.0f, 0.02f);
+            EXPECT_NEAR(plane.lightAt(seam.texelB).x, shade, 0.02f);
         }
     }
 }
@@ -131,7 +123,7 @@ TEST(SeamsS6, LightOfBendsIsContinuous)
         ASSERT_GE(seams.size(), 16u);
         stitchSeams(map, seams, lightSeamWeights(seams, pages, noLight(pages)), pages);
         for (const SeamSample& seam : seams) {
-            const vec2 sides(filteredAt(pages[0], seam.texelA).x, filteredAt(pages[0], seam.texelB).x);
+            const vec2 sides(bilinear(pages[0], seam.texelA).x, bilinear(pages[0], seam.texelB).x);
             if (degrees > 0.0f) {
                 EXPECT_NEAR(sides.x, sides.y, 0.05f * std::min(sides.x, sides.y));
             } else {

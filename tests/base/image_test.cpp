@@ -1,6 +1,6 @@
 #include "base/temp_folder.h"
 #include "halflight/base/file.h"
-#include "halflight/base/image.h"
+#include "halflight/base/image_filter.h"
 #include "halflight/base/random.h"
 
 #include <algorithm>
@@ -21,6 +21,21 @@ ImageRgba8 noise(int width, int height)
         image.data()[i] = u8vec4(h, h >> 8, h >> 16, h >> 24);
     }
     return image;
+}
+
+/// A plane stays a plane between texel centres, which hold their own value; beyond the outer centres the edge goes on.
+TEST(ImageFilter, BilinearIsExactOnPlanesAndClampsToTheEdge)
+{
+    ImageRgb32f image(5, 3);
+    const auto plane = [](vec2 place) { return vec3(place.x, place.y, 2.0f * place.x - place.y + 1.0f); };
+    for (int y = 0; y < 3; ++y) {
+        for (int x = 0; x < 5; ++x) image(x, y) = plane(vec2(x, y) + 0.5f);
+    }
+    for (const vec2 place : {vec2(0.5f), vec2(1.5f, 2.5f), vec2(1.0f, 1.0f), vec2(3.25f, 0.9f), vec2(4.5f, 2.5f)})
+        EXPECT_LT(glm::distance(bilinear(image, place), plane(place)), 1.0e-5f);
+    EXPECT_EQ(bilinear(image, vec2(-7.0f, 1.5f)), image(0, 1));
+    EXPECT_EQ(bilinear(image, vec2(5.0f, 9.0f)), image(4, 2));
+    EXPECT_EQ(bilinear(ImageRgb32f(1, 1, vec3(3.0f)), vec2(0.2f, 0.9f)), vec3(3.0f));
 }
 
 TEST(ImagePng, RoundTripIsExact)

@@ -41,9 +41,9 @@ class CliDocs(unittest.TestCase):
         names = [command["name"] for command in self.program["commands"]]
         self.assertLessEqual({"bake", "farm", "render", "info", "optimize"}, set(names))
         for words, command in commands_of(self.program):
-            told = set(re.findall(r"^  (?:-\w,)?(--[\w-]+)", run(HALFLIGHT, *words, "--help").stdout, re.M))
+            shown = set(re.findall(r"^  (?:-\w,)?(--[\w-]+)", run(HALFLIGHT, *words, "--help").stdout, re.M))
             described = {name for o in command["options"] for name in o.get("names", []) if name.startswith("--")}
-            self.assertEqual(described, told)
+            self.assertEqual(described, shown)
 
     def test_manual_pages(self):
         for words, command in commands_of(self.program):

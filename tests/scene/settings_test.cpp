@@ -1,4 +1,4 @@
-// Settings: extras, then the settings file; typos and wrong values are told.
+// Settings: extras, then the settings file; typos and wrong values are errors.
 
 #include "fixtures.h"
 #include "scene/settings.h"

@@ -37,7 +37,7 @@ TEST(Reflection, OctahedronHoldsEveryDirectionOnce)
 TEST(Reflection, LevelsLieApartWithinTheTile)
 {
     for (const int size : {32, 64, 128, 256}) {
-        Image<int> owner(size, size + size / 2, -1);
+        Image<int> owner(size, reflectionTileHeight(size), -1);
         for (int level = 0; level < kReflectionLevels; ++level) {
             const ivec2 offset(reflectionLevelOffset(size, level));
             for (int y = 0; y < reflectionLevelSize(size, level); ++y) {

@@ -18,7 +18,7 @@ namespace halflight {
 /// Lighting mode at run time. Values equal the kMode constants of shading/law.h.
 enum class RunMode { Realtime = 0, BakedIndirect = 1, Shadowmask = 2, DistanceShadowmask = 3, Subtractive = 4 };
 
-/// The mode a baked file is drawn in unless told otherwise (spec section 1).
+/// The mode a baked file is drawn in by default (spec section 1).
 RunMode defaultRunMode(const BakedScene& baked);
 /// InvalidArgument with the reason when the bake holds no data for this mode, e.g. subtractive from a shadowmask bake.
 /// Realtime always fits; a shadowmask bake also fits baked indirect.

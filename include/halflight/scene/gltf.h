@@ -38,7 +38,7 @@ struct WriteOptions {
     std::span<const ImageRgb32f> irradiance;
     int skyWidth = 512; ///< texels in a row of the sky's picture; no more than it has
     std::string generator = "Halflight";
-    WrittenBytes* written = nullptr; ///< is told what was written; may be null
+    WrittenBytes* written = nullptr; ///< receives the sizes of what was written; may be null
     Progress progress;               ///< its cancel flag ends writing between pages (ErrorCode::Cancelled)
     /// Called once, right before the first file takes its name (of a GLB, when all bytes are in its temporary file).
     /// False leaves none: Cancelled. Empty = always.

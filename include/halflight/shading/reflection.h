@@ -41,8 +41,12 @@ HL_FN int reflectionLevelSize(int size, int level)
 {
     return max(size >> level, size >> 3);
 }
-// First texel of a level's map in the probe's tile, which is `size` wide and 3/2 `size` high: level 0 at the top, the
-// others below it, side by side.
+// Height of a probe's tile, which is `size` wide.
+HL_FN int reflectionTileHeight(int size)
+{
+    return size + (size >> 1);
+}
+// First texel of a level's map in the probe's tile: level 0 at the top, the others below it, side by side.
 HL_FN vec2 reflectionLevelOffset(int size, int level)
 {
     int left = level == 4 ? size - (size >> 3) : size - (size >> max(level - 1, 0));

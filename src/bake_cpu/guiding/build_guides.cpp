@@ -1,5 +1,7 @@
 #include "bake_cpu/guiding/build_guides.h"
 
+#include "bake/refinements.h"
+
 #include "bake_cpu/guiding/receiver_grid.h"
 
 #include <algorithm>
@@ -210,8 +212,9 @@ private:
             width_ *= kWider;
             const std::vector<uint32_t> parents = grid_.coarsen(width_);
             for (uint32_t& region : regionOfGuide) region = parents[region];
-            addWiderGuides(open, regionOfGuide, {level < kGuideLevels ? kEnoughHits : 0.0f, kVarianceOfWider});
-            if (level == kSharedLevel) addShared(regionOfGuide, illuminances, components);
+            if (refinements.widerGuides)
+                addWiderGuides(open, regionOfGuide, {level < kGuideLevels ? kEnoughHits : 0.0f, kVarianceOfWider});
+            if (level == kSharedLevel && refinements.sharedGuides) addShared(regionOfGuide, illuminances, components);
         }
     }
 
@@ -324,7 +327,7 @@ Guides buildGuides(const Radiosity& radiosity, const TexelMap& map, const RayTra
 {
     const PatchLayout& layout = radiosity.solution.cache.layout();
     const std::vector<PatchLight> patches = findPatchLights(radiosity, map, tracer.geometry());
-    if (!(layout.texelMeters > 0.0f)) return {};
+    if (!(layout.texelMeters > 0.0f) || !refinements.guides) return {};
     return GuideBuilder(patches, layout.texelMeters)
         .build(PatchObservations(radiosity), layout, tracer, map.texels.size());
 }

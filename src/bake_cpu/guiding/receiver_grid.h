@@ -11,7 +11,7 @@
 
 namespace halflight {
 
-/// Hash grid of receivers: cubes of space, with one key for each of the six axes that surfaces in the cube face. It has
+/// Hash grid of receivers: cells of space, with one key for each of the six axes that surfaces in the cell face. It has
 /// the role of the tree of Müller, Gross and Novák 2017, "Practical Path Guiding for Efficient Light-Transport
 /// Simulation".
 class HashGrid {

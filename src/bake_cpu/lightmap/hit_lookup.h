@@ -1,6 +1,7 @@
 #pragma once
 // Radiance of the patches that a block's rays hit.
 
+#include "bake/refinements.h"
 #include "bake_cpu/lightmap/block_sums.h"
 #include "bake_cpu/radiosity/radiance_cache.h"
 
@@ -19,16 +20,16 @@ public:
     [[nodiscard]] bool emissive(std::size_t sample) const { return hits_[sample].emissive; }
     /// The patch that a ray hits, or kNoPatch; its elements have their own radiance.
     [[nodiscard]] PatchId patch(std::size_t sample) const { return hits_[sample].patch; }
-    /// Radiance at the end of a ray; null if it is not known.
+    /// Radiance at the end of a ray; null if the cache has none.
     [[nodiscard]] const vec3* radiance(std::size_t sample) const
     {
-        return known_[sample] != kNoPatch ? &cache_->patches()[known_[sample]].radiance : nullptr;
+        return cached_[sample] != kNoPatch ? &cache_->patches()[cached_[sample]].radiance : nullptr;
     }
 
     /// First step for points that no bundle has: sets the patch of a sample.
     void setPatch(std::size_t sample, FaceId face, PatchId patch)
     {
-        known_[sample] = patch;
+        cached_[sample] = patch;
         __builtin_prefetch(cache_->patches() + patch);
         __builtin_prefetch(&cache_->layout().surface(face));
     }
@@ -36,6 +37,16 @@ public:
         FaceId face;
         vec2 barycentric{0.0f};
     };
+    /// Both steps at once for one sample.
+    void findNow(std::size_t sample, FaceId face, vec2 barycentric, PatchId patch, float distance)
+    {
+        const PatchRadiance* patches = cache_->patches();
+        PatchId& cached = cached_[sample];
+        cached = patch;
+        if (patches[patch].usableAt(distance)) return;
+        cached = cache_->layout().elementAt(face, barycentric, patch);
+        if (cached != kNoPatch && !patches[cached].usableAt(distance)) cached = kNoPatch;
+    }
     /// Second step, RadianceCache::find() for samples whose patches are set: radiance() is that of the patch or element
     /// over distanceOf(sample). pointOf(sample) is called for elements.
     template<typename DistanceOf, typename PointOf>
@@ -50,17 +61,33 @@ private:
     const RayTracer& tracer_;
     const RadianceCache* cache_;
     std::array<Hit, kBlockSamples> hits_;
-    std::array<PatchId, kBlockSamples> known_; ///< patch or element whose radiance is usable, or kNoPatch
+    std::array<PatchId, kBlockSamples> cached_; ///< patch or element whose radiance is usable, or kNoPatch
 };
 
 inline void HitLookup::lookUp(const RayBundle& bundle)
 {
+    for (int stratum = 0; !refinements.prefetch && stratum < StratifiedPattern::kBlock; ++stratum) {
+        for (int lane = 0; lane < TexelGroup::kLanes; ++lane) {
+            const std::size_t sample = sampleOf(stratum, lane);
+            Hit& hit = hits_[sample];
+            hit = {kNoPatch, bundle.found(stratum, lane), false};
+            cached_[sample] = kNoPatch;
+            if (!hit.found || cache_ == nullptr) continue;
+            const FaceId face = tracer_.faceOf(bundle.rays[std::size_t(stratum)], lane);
+            if (!cache_->layout().hasPatches(face)) continue;
+            hit.emissive = cache_->layout().emissive(face);
+            const vec2 barycentric = embree::barycentricOf(bundle.rays[std::size_t(stratum)], lane);
+            hit.patch = cache_->layout().patchAt(face, barycentric);
+            findNow(sample, face, barycentric, hit.patch, bundle.distance(stratum, lane));
+        }
+    }
+    if (!refinements.prefetch) return;
     std::array<FaceId, kBlockSamples> faces;
     for (int stratum = 0; stratum < StratifiedPattern::kBlock; ++stratum) {
         for (int lane = 0; lane < TexelGroup::kLanes; ++lane) {
             const std::size_t sample = sampleOf(stratum, lane);
             hits_[sample] = {kNoPatch, bundle.found(stratum, lane), false};
-            known_[sample] = kNoPatch;
+            cached_[sample] = kNoPatch;
             if (!hits_[sample].found) continue;
             faces[sample] = tracer_.faceOf(bundle.rays[std::size_t(stratum)], lane);
             if (cache_ != nullptr) __builtin_prefetch(&cache_->layout().surface(faces[sample]));
@@ -80,7 +107,7 @@ inline void HitLookup::lookUp(const RayBundle& bundle)
             hit.emissive = layout.emissive(face);
             hit.patch = layout.patchAt(face, embree::barycentricOf(packet, lane));
             __builtin_prefetch(cache_->patches() + hit.patch);
-            known_[sample] = hit.patch;
+            cached_[sample] = hit.patch;
             onPatches.add(sample);
         }
     }
@@ -99,17 +126,17 @@ void HitLookup::find(std::span<const uint8_t> samples, const DistanceOf& distanc
     const PatchRadiance* patches = cache_->patches();
     SampleList inElements;
     for (const std::size_t sample : samples) {
-        if (patches[known_[sample]].usableAt(distanceOf(sample))) continue;
+        if (patches[cached_[sample]].usableAt(distanceOf(sample))) continue;
         inElements.add(sample);
-        cache_->layout().prefetchElements(known_[sample]);
+        cache_->layout().prefetchElements(cached_[sample]);
     }
     for (const std::size_t sample : inElements.samples()) {
         const FacePoint point = pointOf(sample);
-        known_[sample] = cache_->layout().elementAt(point.face, point.barycentric, known_[sample]);
-        if (known_[sample] != kNoPatch) __builtin_prefetch(patches + known_[sample]);
+        cached_[sample] = cache_->layout().elementAt(point.face, point.barycentric, cached_[sample]);
+        if (cached_[sample] != kNoPatch) __builtin_prefetch(patches + cached_[sample]);
     }
     for (const std::size_t sample : inElements.samples()) {
-        PatchId& element = known_[sample];
+        PatchId& element = cached_[sample];
         if (element != kNoPatch && !patches[element].usableAt(distanceOf(sample))) element = kNoPatch;
     }
 }

@@ -1,5 +1,7 @@
 #include "bake_cpu/lightmap/next_event.h"
 
+#include "bake/refinements.h"
+
 #include <algorithm>
 #include <cmath>
 
@@ -15,6 +17,7 @@ constexpr uint32_t kShuffleSeed = 0x5eed0011u;
 /// square in the same strata. Rows and columns of the pattern remain such.
 int xorShuffle(uint32_t texelId)
 {
+    if (!refinements.stratumShuffle) return 0;
     return int(hashCombine(kShuffleSeed, texelId) & (StratifiedPattern::kBlock - 1));
 }
 
@@ -56,10 +59,12 @@ void NextEvent::prepareSources(const GatherGroup& group)
         guide_[lane] = guide;
         constexpr int kAll = StratifiedPattern::kBlock;
         const bool much = guide.relativeVariance >= kMuchVariance && guide.hitShare < kEnoughHits;
-        sourceSamples_[lane] = guide.relativeVariance < kLittleVariance ? 0
-                               : much && guide.hitShare >= kManyHits    ? kAll
-                               : much && guide.hitShare >= kSomeHits    ? kAll / 2
-                                                                        : kAll / 4;
+        const bool little = refinements.littleVariance && guide.relativeVariance < kLittleVariance;
+        sourceSamples_[lane] = little || guide.local.count + guide.shared.count == 0 ? 0
+                               : !refinements.sourceShares                           ? kAll / 4
+                               : much && guide.hitShare >= kManyHits                 ? kAll
+                               : much && guide.hitShare >= kSomeHits                 ? kAll / 2
+                                                                                     : kAll / 4;
     }
 }
 
@@ -114,8 +119,30 @@ void NextEvent::chooseSources(const GatherGroup& group, int number, std::span<co
             if (!samplesSource(lane, number, stratum)) continue;
             const std::size_t sample = sampleOf(stratum, i);
             choices_[sample] = guides_->chooseCluster(guide_[lane], points.unit(stratum ^ shuffle));
+            if (!refinements.prefetch) {
+                SourceChoice& choice = choices_[sample];
+                points_[sample].pdfArea = 0.0f;
+                if (choice.index != SourceChoice::kNone) clusters.chooseBin(choice);
+                if (choice.index == SourceChoice::kNone) continue;
+                clusters.chooseTriangle(choice);
+                clusters.choosePoint(choice, points_[sample]);
+                if (points_[sample].pdfArea <= 0.0f) continue;
+                const float distance = glm::distance(block.bundle.origin(stratum, i), points_[sample].position);
+                block.hits.findNow(sample, points_[sample].face, points_[sample].barycentric, points_[sample].patch,
+                                   distance);
+                continue;
+            }
             chosen.addIf(choices_[sample].index != SourceChoice::kNone, sample);
         }
+    }
+    if (!refinements.prefetch) {
+        for (const uint8_t stratum : strata) {
+            for (std::size_t lane = 0; lane < kLanes; ++lane) {
+                if (sourceSamples_[lane] == 0 || !samplesSource(lane, number, stratum))
+                    points_[sampleOf(stratum, int(lane))].pdfArea = 0.0f;
+            }
+        }
+        return;
     }
     for (const std::size_t sample : chosen.samples()) clusters.chooseBin(choices_[sample]);
     for (const std::size_t sample : chosen.samples()) {
@@ -143,7 +170,7 @@ void NextEvent::chooseSources(const GatherGroup& group, int number, std::span<co
         });
 }
 
-/// Turns a sample of a source into an emitter sample, if the radiance of its point is known.
+/// Turns a sample of a source into an emitter sample, if the cache has the radiance of its point.
 void NextEvent::setSource(std::size_t sample, const HitLookup& hits, EmitterLanes& lanes) const
 {
     const auto lane = std::size_t(laneOf(sample));
@@ -191,6 +218,7 @@ void NextEvent::sampleEmitters(const GatherGroup& group, int number, GatherBlock
     std::array<int, kLanes> sampled{}; ///< strata of the block
     std::array<StratifiedPattern::Block, kLanes> points;
     std::array<int, kLanes> shuffle{};
+    std::array<float, kLanes> survivals{};
     std::array<float, kLanes> skyShare{}; ///< of the samples
     const float skyIlluminance = paths_.sky().brightIlluminance();
     for (int i = 0; i < group.lanes(); ++i) {
@@ -199,7 +227,8 @@ void NextEvent::sampleEmitters(const GatherGroup& group, int number, GatherBlock
         if (!emitterLanes_[lane]) continue;
         const float gathered = luminance(estimates[lane].gathered.mean());
         const float expected = cut_.total[lane] + skyIlluminance;
-        const float survival = PathTracer::rouletteSurvival(expected, gathered);
+        const float survival = refinements.emitterRoulette ? PathTracer::rouletteSurvival(expected, gathered) : 1.0f;
+        survivals[lane] = survival;
         if (skyIlluminance > 0.0f) skyShare[lane] = paths_.emitters().empty() ? 1.0f : skyIlluminance / expected;
         const uint32_t roulette = hashCombine(settings_.seed ^ kRouletteSeed ^ group.id(i), uint32_t(number));
         sampled[lane] = std::min(int(survival * float(kBlock) + unitFloat(roulette)), kBlock);
@@ -218,6 +247,13 @@ void NextEvent::sampleEmitters(const GatherGroup& group, int number, GatherBlock
                 positions.set(lane, block.bundle.origin(stratum, int(lane)));
                 wanted[lane] = order < sampled[lane];
                 lanes.weight[lane] = float(kBlock) / float(std::max(sampled[lane], 1));
+                if (!refinements.stratumOrder) {
+                    const uint32_t random = hashCombine(settings_.seed ^ kRouletteSeed ^
+                                                            group.id(int(lane) < group.lanes() ? int(lane) : 0),
+                                                        uint32_t(number * kBlock) + uint32_t(stratum));
+                    wanted[lane] = emitterLanes_[lane] && unitFloat(random) < survivals[lane];
+                    lanes.weight[lane] = wanted[lane] ? 1.0f / survivals[lane] : 1.0f;
+                }
                 if (!wanted[lane]) continue;
                 vec2 at = points[lane].unit(int(stratum) ^ shuffle[lane]);
                 // Either the sky or an emitter; the number that chose is used again.
@@ -242,6 +278,11 @@ void NextEvent::addSamples(std::span<const uint8_t> strata, const Choose& choose
 {
     // Samples are chosen one stratum ahead. Vector loads right after scalar stores to the same memory would stall.
     std::array<EmitterLanes, 2> lanes{};
+    for (std::size_t i = 0; !refinements.chooseAhead && i < strata.size(); ++i) {
+        choose(std::size_t(strata[i]), lanes[0]);
+        addSamples(strata[i], lanes[0], block, rays);
+    }
+    if (!refinements.chooseAhead) return;
     for (std::size_t i = 0; i <= strata.size(); ++i) {
         if (i < strata.size()) choose(std::size_t(strata[i]), lanes[i % 2]);
         if (i > 0) addSamples(strata[i - 1], lanes[(i - 1) % 2], block, rays);

@@ -9,10 +9,10 @@ namespace halflight {
 namespace {
 
 /// Irradiance is pi times the mean radiance of cosine-distributed paths (pdf cos / pi), plus emitter samples.
-LongMoments gather(const PathTracer& paths, const IntegrationSettings& settings, const TexelPoints& points,
-                   int pointCount, int samples, uint32_t id, uint64_t& rays)
+RunningMoments gather(const PathTracer& paths, const IntegrationSettings& settings, const TexelPoints& points,
+                      int pointCount, int samples, uint32_t id, uint64_t& rays)
 {
-    LongMoments gathered;
+    RunningMoments gathered;
     for (int s = 0; s < samples; ++s) {
         const SurfacePoint& point = points[std::size_t(s % pointCount)];
         Sampler sampler(settings.seed, id, uint32_t(s));
@@ -26,11 +26,9 @@ LongMoments gather(const PathTracer& paths, const IntegrationSettings& settings,
         const vec3 value = emitter.irradiance + sky.irradiance + bounced;
         // Lights of extreme size or intensity may overflow.
         const bool finite = isFinite(value);
-        gathered.add(finite ? value : vec3(0.0f));
-        if (!finite) continue;
-        gathered.addDirection(emitter.irradiance, emitter.direction);
-        gathered.addDirection(sky.irradiance, sky.direction);
-        gathered.addDirection(bounced, direction);
+        const vec3 moment = luminance(emitter.irradiance) * emitter.direction +
+                            luminance(sky.irradiance) * sky.direction + luminance(bounced) * direction;
+        gathered.add(finite ? value : vec3(0.0f), finite ? moment : vec3(0.0f));
     }
     return gathered;
 }
@@ -50,11 +48,11 @@ bool tracePathLightmap(const PathTracer& paths, const IntegrationSettings& setti
         int pointCount = texelPoints(paths.surfaces().geometry(), map, texel, points);
         keepPoints(texel.validPoints, points, pointCount);
         const uint32_t id = texelId(map, texel);
-        const LongMoments gathered = gather(paths, settings, points, pointCount, samples, id, traced);
+        const RunningMoments gathered = gather(paths, settings, points, pointCount, samples, id, traced);
         estimate.irradiance = gathered.mean();
         estimate.moment = gathered.meanMoment();
         estimate.varianceOfMean = gathered.varianceOfMean();
-        estimate.samples = uint32_t(gathered.count);
+        estimate.samples = gathered.count;
         return estimate;
     };
     return parallelFor(texels.size(), kTexelGrain, progress, "lightmap", [&](std::size_t begin, std::size_t end) {

@@ -1,5 +1,7 @@
 #include "bake_cpu/lightmap/sample_plan.h"
 
+#include "bake/refinements.h"
+
 #include "halflight/base/parallel.h"
 #include "halflight/base/random.h"
 
@@ -102,9 +104,11 @@ int SamplePlan::blocksForDemand(uint32_t texel, const TexelStates& states) const
 float SamplePlan::demand(uint32_t texel, const TexelStates& states) const
 {
     const Noise noise = noiseAround(texel, states);
-    const float fewest = noise.texels >= kFewAround ? kFewestTimes : 2 * noise.texels >= kFewAround ? 2.0f : 4.0f;
-    const float light = std::sqrt(std::sqrt(noise.mean * mapMean_) * mapMean_);
-    const float factor = settings_.denoised ? detail(texel, noise) : 1.0f;
+    const float fewest = noise.texels >= kFewAround || !refinements.planRims ? kFewestTimes
+                         : 2 * noise.texels >= kFewAround                    ? 2.0f
+                                                                             : 4.0f;
+    const float light = refinements.planMapMean ? std::sqrt(std::sqrt(noise.mean * mapMean_) * mapMean_) : mapMean_;
+    const float factor = settings_.denoised && refinements.planDetail ? detail(texel, noise) : 1.0f;
     const float times = light > 0.0f ? factor * std::sqrt(noise.trimmed) / (kNoise * light) : 0.0f;
     return std::clamp(times, fewest, kMostTimes);
 }
@@ -132,8 +136,8 @@ SamplePlan::Noise SamplePlan::noiseAround(uint32_t texel, const TexelStates& sta
         inverseSquares += e.meanInverseSquare();
     });
     if (count == 0) return {.texels = texels};
-    const std::size_t most = count - count / 5;
-    std::nth_element(own.begin(), own.begin() + most, own.begin() + count);
+    const std::size_t most = refinements.planTrimmed ? count - count / 5 : count;
+    if (most < count) std::nth_element(own.begin(), own.begin() + most, own.begin() + count);
     const float trimmed = std::accumulate(own.begin(), own.begin() + most, 0.0f) / float(most);
     return {squares / freedom, trimmed * float(count) / freedom, mean / float(count), texels,
             inverseSquares / float(count)};

@@ -1,5 +1,7 @@
 #include "bake_cpu/radiosity/form_factors.h"
 
+#include "bake/refinements.h"
+
 #include "bake_cpu/sample/shadow_packet.h"
 
 #include <algorithm>
@@ -24,10 +26,18 @@ constexpr float kNearestInElements = 0.25f;
 
 FormFactorEffort effortOf(const IntegrationSettings& settings, PassKind kind, int patchShift)
 {
-    const bool more = settings.samples >= kManySamples;
+    const bool more = refinements.moreEffort && settings.samples >= kManySamples;
+    if (!refinements.effortTables) {
+        const bool texels = kind == PassKind::Fronts || kind == PassKind::Backs;
+        const int rays = (more ? 32 : 16) >> (texels ? 2 * patchShift : 0);
+        return {std::max(rays, 4), std::max(rays / 2, 1),
+                refinements.thinnedGather && rays < 4 ? 4 / std::max(rays, 1) : 1};
+    }
     if (kind == PassKind::Triangles) return kTriangleEffort;
     if (kind == PassKind::Elements || kind == PassKind::BackElements) return more ? kMoreElementEffort : kElementEffort;
-    return (more ? kMoreEffort : kEffort)[std::size_t(patchShift)];
+    FormFactorEffort effort = (more ? kMoreEffort : kEffort)[std::size_t(patchShift)];
+    if (!refinements.thinnedGather) effort.every = 1;
+    return effort;
 }
 
 FormFactorSampler::FormFactorSampler(const PatchPass& pass, FormFactorRange& out)

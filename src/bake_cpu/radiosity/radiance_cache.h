@@ -49,7 +49,7 @@ public:
         return patches_[element].usableAt(distance) ? &patches_[element].radiance : nullptr;
     }
     /// Radiance after at most `reflections` reflections at a hit of a ray of some length.
-    [[nodiscard]] KnownRadiance radianceAt(FaceId face, vec2 barycentric, float distance, int reflections) const;
+    [[nodiscard]] CachedRadiance radianceAt(FaceId face, vec2 barycentric, float distance, int reflections) const;
     /// radianceAt() for paths. The cache outlives it.
     [[nodiscard]] RadianceLookup lookup() const
     {
@@ -67,7 +67,7 @@ private:
     bool converged_ = false;
 };
 
-inline KnownRadiance RadianceCache::radianceAt(FaceId face, vec2 barycentric, float distance, int reflections) const
+inline CachedRadiance RadianceCache::radianceAt(FaceId face, vec2 barycentric, float distance, int reflections) const
 {
     const int fewer = converged_ ? 0 : bounces_ - reflections;
     if (fewer < 0 || fewer > kLevels || !layout_.hasPatches(face)) return {};

@@ -1,5 +1,7 @@
 #include "bake_cpu/radiosity/solve.h"
 
+#include "bake/refinements.h"
+
 #include "bake_cpu/radiosity/substitutes.h"
 
 #include "halflight/base/memory.h"
@@ -218,7 +220,7 @@ private:
     void fillElements()
     {
         const PatchLayout& layout = patches_.layout;
-        for (PatchId patch = 0; patch < 2 * layout.chartPatches; ++patch) {
+        for (PatchId patch = 0; refinements.filledElements && patch < 2 * layout.chartPatches; ++patch) {
             if (layout.elements[patch].split == 0) continue;
             const PatchId first = layout.elements[patch].first;
             for (PatchId element = first; element < first + layout.elementCount(patch); ++element) {

@@ -1,5 +1,7 @@
 #include "bake_cpu/radiosity/substitutes.h"
 
+#include "bake/refinements.h"
+
 #include <numeric>
 
 namespace halflight {
@@ -107,8 +109,8 @@ std::vector<PatchId> findSubstitutes(const Patches& patches, const std::vector<u
                                      const BakeGeometry& geometry)
 {
     SubstituteSearch search(patches, rayCount, geometry);
-    search.ofTriangles();
-    search.ofCharts();
+    if (refinements.triangleSubstitutes) search.ofTriangles();
+    if (refinements.substitutes) search.ofCharts();
     return search.take();
 }
 

@@ -1,5 +1,7 @@
 #include "bake_cpu/sample/path_tracer.h"
 
+#include "bake/refinements.h"
+
 #include "halflight/shading/brdf.h"
 #include "halflight/shading/sampling.h"
 
@@ -215,17 +217,17 @@ vec3 PathTracer::pathRadiance(RayHit at, vec3 direction, Receiver from, float di
             add(sky_.dimRadiance(direction), depth);
             break;
         }
-        // The surface's properties are not needed where its radiance is known and it does not emit.
-        bool known = false;
+        // The surface's properties are not needed where the cache has its radiance and it does not emit.
+        bool cached = false;
         if (lookup && depth < bounces) {
-            const KnownRadiance found = lookup.at(tracer_.faceOf(at), at.barycentric, at.distance, bounces - depth);
-            known = found.found;
-            if (known) add(found.radiance, depth + 1);
-            if (known && !found.emissive) break;
+            const CachedRadiance found = lookup.at(tracer_.faceOf(at), at.barycentric, at.distance, bounces - depth);
+            cached = found.found;
+            if (cached) add(found.radiance, depth + 1);
+            if (cached && !found.emissive) break;
         }
         const SurfaceHit hit = tracer_.surfaceAt(at);
         add(weightedEmission(hit, direction, from, directionPdf), depth);
-        if (depth >= bounces || known || hit.albedo == vec3(0.0f)) break;
+        if (depth >= bounces || cached || hit.albedo == vec3(0.0f)) break;
 
         // Next event: light that reaches this surface directly.
         vec3 irradiance = punctualIrradiance(hit.point, false, sampler, rays);
@@ -239,8 +241,9 @@ vec3 PathTracer::pathRadiance(RayHit at, vec3 direction, Receiver from, float di
         const vec2 uDirection = sampler.next2();
         constexpr float kFirst = 1.4f;
         const bool first = depth == 0;
+        const bool atFirst = lookup && refinements.firstRoulette;
         const float survival = (first ? kFirst : 1.0f) * std::max({throughput.x, throughput.y, throughput.z});
-        if ((!first || lookup) && survival < 0.7f) {
+        if ((!first || atFirst) && survival < 0.7f) {
             if (sampler.next1() >= survival) break;
             throughput /= survival;
         }

@@ -16,19 +16,19 @@
 
 namespace halflight {
 
-/// Reflected radiance of a hit surface, if known.
-struct KnownRadiance {
+/// Reflected radiance of a hit surface, if the cache has it.
+struct CachedRadiance {
     bool found = false;
     bool emissive = false; ///< the surface emits light too, which is not in `radiance`
     vec3 radiance{0.0f};
 };
-/// Function that returns the radiance of a hit after at most `reflections` reflections. Paths end where it is known.
+/// Function that returns the radiance of a hit after at most `reflections` reflections. Paths end where it is found.
 struct RadianceLookup {
     const void* cache = nullptr;
-    KnownRadiance (*find)(const void* cache, FaceId face, vec2 barycentric, float distance, int reflections) = nullptr;
+    CachedRadiance (*find)(const void* cache, FaceId face, vec2 barycentric, float distance, int reflections) = nullptr;
 
     explicit operator bool() const { return find != nullptr; }
-    [[nodiscard]] KnownRadiance at(FaceId face, vec2 barycentric, float distance, int reflections) const
+    [[nodiscard]] CachedRadiance at(FaceId face, vec2 barycentric, float distance, int reflections) const
     {
         return find(cache, face, barycentric, distance, reflections);
     }

@@ -37,32 +37,4 @@ struct RunningMoments {
     }
 };
 
-/// The same for streams of thousands of samples, whose variance needs sums in double precision.
-struct LongMoments {
-    vec3 sum{0.0f};
-    vec3 moment{0.0f};
-    double luminanceSum = 0.0;
-    double luminanceSquares = 0.0;
-    int count = 0;
-
-    void add(vec3 irradiance)
-    {
-        sum += irradiance;
-        const double l = luminance(irradiance);
-        luminanceSum += l;
-        luminanceSquares += l * l;
-        ++count;
-    }
-    /// Adds the first moment of a part of the last sample.
-    void addDirection(vec3 irradiance, vec3 direction) { moment += luminance(irradiance) * direction; }
-    [[nodiscard]] vec3 mean() const { return count > 0 ? sum / float(count) : vec3(0.0f); }
-    [[nodiscard]] vec3 meanMoment() const { return count > 0 ? moment / float(count) : vec3(0.0f); }
-    [[nodiscard]] float varianceOfMean() const
-    {
-        if (count < 2) return 0.0f;
-        const double m = luminanceSum / count;
-        return float(std::max(0.0, luminanceSquares / count - m * m) / (count - 1));
-    }
-};
-
 } // namespace halflight

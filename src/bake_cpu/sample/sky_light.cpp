@@ -26,10 +26,10 @@ SkyLight::SkyLight(const Sky& sky)
         mean += row / picture_->width() * skyShareBetween(y / h, (y + 1) / h);
     }
     limit_ = float(kBright * mean);
-    if (limit_ > 0.0f) findBrightCells();
+    if (limit_ > 0.0f) findBrightAreas();
 }
 
-void SkyLight::findBrightCells()
+void SkyLight::findBrightAreas()
 {
     const int width = picture_->width();
     std::vector<double> weights;
@@ -38,15 +38,15 @@ void SkyLight::findBrightCells()
         const vec2 range = rowRange(row);
         const double steradians = 4.0 * double(kPi) * skyShareBetween(range.x, range.y) / width;
         for (int column = 0; column < width; ++column) {
-            const double weight = double(brightLuminance(cellAt(column, row, vec2(0.0f)))) * steradians;
+            const double weight = double(brightLuminance(areaAt(column, row, vec2(0.0f)))) * steradians;
             if (!(weight > 0.0)) continue;
-            cells_.push_back(uint32_t(row) * uint32_t(width) + uint32_t(column));
+            areas_.push_back(uint32_t(row) * uint32_t(width) + uint32_t(column));
             weights.push_back(weight);
             total += weight;
         }
     }
     for (double& weight : weights) weight /= total;
-    bins_.resize(cells_.size());
+    bins_.resize(areas_.size());
     fillAliasTable(weights, bins_);
     brightIlluminance_ = float(total);
 }
@@ -57,7 +57,7 @@ vec2 SkyLight::rowRange(int row) const
     return {std::max(float(row) - 0.5f, 0.0f) / height, std::min(float(row) + 0.5f, height) / height};
 }
 
-SkyLight::Place SkyLight::cellAt(int column, int row, vec2 between) const
+SkyLight::Place SkyLight::areaAt(int column, int row, vec2 between) const
 {
     const int width = picture_->width();
     const int height = picture_->height();
@@ -69,7 +69,7 @@ SkyLight::Place SkyLight::placeOf(vec3 direction) const
     const vec2 at = shading::skyPictureUv(direction, turn_) * vec2(picture_->size()) + vec2(-0.5f, 0.5f);
     const vec2 low = glm::floor(at);
     const int width = picture_->width();
-    return cellAt((int(low.x) + width) % width, std::clamp(int(low.y), 0, picture_->height()), at - low);
+    return areaAt((int(low.x) + width) % width, std::clamp(int(low.y), 0, picture_->height()), at - low);
 }
 
 template<typename Value> vec3 SkyLight::interpolate(const Place& place, const Value& value) const
@@ -97,7 +97,7 @@ vec3 SkyLight::pictureDim(vec3 direction) const
     return interpolate(placeOf(direction), [&](vec3 texel) { return texel * dimShare(texel); });
 }
 
-/// Mean over the place's cell.
+/// Mean over the place's area.
 float SkyLight::brightLuminance(const Place& place) const
 {
     Place middle = place;
@@ -105,23 +105,23 @@ float SkyLight::brightLuminance(const Place& place) const
     return luminance(interpolate(middle, [&](vec3 texel) { return texel * (1.0f - dimShare(texel)); }));
 }
 
-// A cell is chosen by its mean luminance times its solid angle (Walker's alias method), then a direction uniformly
+// An area is chosen by its mean luminance times its solid angle (Walker's alias method), then a direction uniformly
 // within it: the piecewise constant distribution of Pharr, Jakob and Humphreys 2023, "Physically Based Rendering",
-// section 12.5, on cells where bilinear filtering is smooth.
+// section 12.5, on areas where bilinear filtering is smooth.
 SkyLight::Sample SkyLight::sample(vec2 u) const
 {
-    u.x *= float(cells_.size());
-    auto bin = std::min(uint32_t(u.x), uint32_t(cells_.size()) - 1);
+    u.x *= float(areas_.size());
+    auto bin = std::min(uint32_t(u.x), uint32_t(areas_.size()) - 1);
     u.x = std::min(u.x - float(bin), 0x1.fffffep-1f);
     bin += bins_[bin].select(u.x);
     const auto width = uint32_t(picture_->width());
-    const int column = int(cells_[bin] % width);
-    const int row = int(cells_[bin] / width);
+    const int column = int(areas_[bin] % width);
+    const int row = int(areas_[bin] / width);
     const vec2 range = rowRange(row);
     const float cosine = glm::mix(std::cos(range.x * kPi), std::cos(range.y * kPi), u.y);
     const vec2 uv((float(column) + 0.5f + u.x) / float(width), std::acos(std::clamp(cosine, -1.0f, 1.0f)) / kPi);
     const float down = uv.y * float(picture_->height()) + 0.5f - float(row);
-    const Place place = cellAt(column, row, vec2(u.x, std::clamp(down, 0.0f, 1.0f)));
+    const Place place = areaAt(column, row, vec2(u.x, std::clamp(down, 0.0f, 1.0f)));
     Sample result;
     result.direction = shading::skyPictureDirection(uv, turn_);
     result.radiance = interpolate(place, [&](vec3 texel) { return texel * (1.0f - dimShare(texel)); });

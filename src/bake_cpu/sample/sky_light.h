@@ -36,7 +36,7 @@ public:
     }
 
     /// Whether there is a bright part.
-    [[nodiscard]] bool samples() const { return !cells_.empty(); }
+    [[nodiscard]] bool samples() const { return !areas_.empty(); }
     struct Sample {
         vec3 direction{0.0f};
         vec3 radiance{0.0f}; ///< of the bright part
@@ -63,20 +63,20 @@ private:
     [[nodiscard]] vec3 pictureDim(vec3 direction) const;
     [[nodiscard]] float dimShare(vec3 texel) const;
     [[nodiscard]] Place placeOf(vec3 direction) const;
-    /// A cell is the area between four texels' centres. Cells of the first and the last row reach to the poles.
-    [[nodiscard]] Place cellAt(int column, int row, vec2 between) const;
+    /// An area lies between four texels' centres. Those of the first and the last row reach to the poles.
+    [[nodiscard]] Place areaAt(int column, int row, vec2 between) const;
     [[nodiscard]] vec2 rowRange(int row) const;
     [[nodiscard]] float brightLuminance(const Place& place) const;
     template<typename Value> vec3 interpolate(const Place& place, const Value& value) const;
-    void findBrightCells();
+    void findBrightAreas();
 
     Sky sky_;
     const ImageRgb32f* picture_ = nullptr; ///< of sky_
     vec2 turn_{1.0f, 0.0f};
     float limit_ = 0.0f; ///< of the dim part's luminance
     float brightIlluminance_ = 0.0f;
-    std::vector<uint32_t> cells_; ///< row times the picture's width plus column
-    std::vector<AliasBin> bins_;  ///< of cells_
+    std::vector<uint32_t> areas_; ///< row times the picture's width plus column
+    std::vector<AliasBin> bins_;  ///< of areas_
 };
 
 } // namespace halflight

@@ -1,5 +1,7 @@
 #include "bake_cpu/texels/texel_validity.h"
 
+#include "bake/refinements.h"
+
 #include <algorithm>
 #include <bit>
 
@@ -45,7 +47,7 @@ bool TexelValidity::insideSolids(const TexelPoints& points, PointMask group, uin
         const SurfacePoint& point = points[std::size_t(nthBit(group, s * count / kRays))];
         inside += crossingsFrom(point, id, s, rays).solidsLeft > 0 ? 1 : 0;
         if (inside == 0) return false;
-        if (rayCount == kFewRays && inside == kFewRays) break;
+        if (refinements.validityEarlyOut && rayCount == kFewRays && inside == kFewRays) break;
     }
     return 2 * inside > rayCount;
 }
@@ -98,13 +100,14 @@ PointMask TexelValidity::behindShells(const TexelPoints& points, PointMask candi
         for (int p = 0; p < kMaxTexelPoints; ++p) {
             backs[std::size_t(p)] += (hit >> p) & 1;
             if (s - backs[std::size_t(p)] >= 1) open &= PointMask(~(1u << p));
-            if (s + 1 != kEnoughBacks || backs[std::size_t(p)] != kEnoughBacks) continue;
+            if (!refinements.validityEarlyOut || s + 1 != kEnoughBacks || backs[std::size_t(p)] != kEnoughBacks)
+                continue;
             behind |= open & PointMask(1u << p);
             open &= PointMask(~(1u << p));
         }
         // The test ends early if all rays of many points hit hidden backs.
         const bool allHit = s == 0 ? hit == candidates : open == candidates;
-        if (allHit && std::popcount(open) * (s + 1) >= kManyBacks) break;
+        if (refinements.validityEarlyOut && allHit && std::popcount(open) * (s + 1) >= kManyBacks) break;
     }
     return behind | open;
 }
@@ -191,6 +194,7 @@ bool TexelValidity::mayHaveInvalidPoints(const TexelPoints& points, int pointCou
                                          uint64_t& rays) const
 {
     if (!anyHiddenBack_) return false;
+    if (!refinements.validityScouts) return true;
     // The rays leave points that are spread over the texel.
     PointMask some = 0;
     for (int i = 0; i < kScoutRays; ++i) some |= PointMask(1u << (i * pointCount / kScoutRays));

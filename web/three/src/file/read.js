@@ -1,4 +1,5 @@
 // A baked file's JSON and accessors as plain data: no three.js here. docs/format.md says what each property means.
+import { reflectionTileHeight } from '../generated/shading.js';
 import { readCells } from '../probes/cells.js';
 import { readSight } from '../probes/sight.js';
 import { readByCurve, readRgb9e5, decodeImage } from './images.js';
@@ -145,8 +146,9 @@ export async function readBaked(source) {
 
 function reflectionData({ reflectionProbes, origin = [0, 0, 0] }, picture) {
     const { unitNits, size, probes } = reflectionProbes;
-    if (picture.width !== size || picture.height !== probes.length * 1.5 * size)
-        throw new Error(`the picture of the file's reflection probes is ${picture.width} x ${picture.height}, not ${size} x ${probes.length * 1.5 * size}`);
+    const height = probes.length * reflectionTileHeight(size);
+    if (picture.width !== size || picture.height !== height)
+        throw new Error(`the picture of the file's reflection probes is ${picture.width} x ${picture.height}, not ${size} x ${height}`);
     const moved = (p) => p.map((x, axis) => x + origin[axis]);
     const world = probes.map(({ position, box, fade }) => ({ position: moved(position), box: [...box.slice(0, 12), ...moved(box.slice(12, 15)), 1], fade }));
     return { picture, unitNits, size, probes: world };

@@ -325,6 +325,10 @@ int hlReflectionLevelSize(int size, int level)
 {
     return max(size >> level, size >> 3);
 }
+int hlReflectionTileHeight(int size)
+{
+    return size + (size >> 1);
+}
 vec2 hlReflectionLevelOffset(int size, int level)
 {
     int left = level == 4 ? size - (size >> 3) : size - (size >> max(level - 1, 0));

@@ -121,6 +121,10 @@ export function shIrradianceWeight(i, n) {
 export function reflectionLevelSize(size, level) {
     return Math.max(size >> level, size >> 3);
 }
+/** @param {number} size @returns {number} */
+export function reflectionTileHeight(size) {
+    return size + (size >> 1);
+}
 /** @param {{x: number, y: number, z: number}} d @returns {number} */
 export function octahedralX(d) {
     const size = Math.abs(d.x) + Math.abs(d.y) + Math.abs(d.z);

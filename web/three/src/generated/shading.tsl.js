@@ -506,6 +506,12 @@ export const hlReflectionLevelSize = /*@__PURE__*/ Fn( ( [ size, level ] ) => {
 
 }, { size: 'int', level: 'int', return: 'int' } );
 
+export const hlReflectionTileHeight = /*@__PURE__*/ Fn( ( [ size ] ) => {
+
+	return size.add( size.shiftRight( 1 ) );
+
+}, { size: 'int', return: 'int' } );
+
 export const hlReflectionLevelOffset = /*@__PURE__*/ Fn( ( [ size, level ] ) => {
 
 	const left = select( level.equal( 4 ), size.sub( size.shiftRight( 3 ) ), size.sub( size.shiftRight( max( level.sub( 1 ), 0 ) ) ) );

@@ -320,7 +320,7 @@ float hlLightmapSpecularScale(vec3 lobe)
 vec3 hlReflectionAt(int probe, int level, vec3 direction)
 {
     int size = int(hlReflections.y);
-    vec2 texel = hlReflectionTexel(size, level, direction) + vec2(0.0, float(probe * (size + size / 2)));
+    vec2 texel = hlReflectionTexel(size, level, direction) + vec2(0.0, float(probe * hlReflectionTileHeight(size)));
     return textureLod(hlReflectionPicture, texel / vec2(textureSize(hlReflectionPicture, 0)), 0.0).rgb;
 }
 

@@ -177,7 +177,7 @@ export class SceneNodes {
         const level = hl.hlReflectionLevel(at.w).toVar();
         const low = int(level).min(kReflectionLevels - 2).toVar();
         const texel = (l) => {
-            const place = hl.hlReflectionTexel(int(size), l, at.xyz).add(vec2(0, int(probe.index).toFloat().mul(1.5 * size)));
+            const place = hl.hlReflectionTexel(int(size), l, at.xyz).add(vec2(0, int(probe.index).mul(hl.hlReflectionTileHeight(int(size))).toFloat()));
             return texture(this.u.reflectionPicture, place.div(vec2(width, height))).level(0).rgb;
         };
         return mix(texel(low), texel(low.add(1)), level.sub(low.toFloat()));
