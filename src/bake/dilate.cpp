@@ -10,6 +10,7 @@
 namespace halflight {
 namespace {
 
+constexpr std::size_t kTexelsPerTask = 4096;
 constexpr int kNearRings = 2; ///< rings in which values of the same chart precede those of other charts
 
 /// Weight of a neighbour at offset (dx, dy): the inverse distance, so that straight edges extend straight.
@@ -23,33 +24,37 @@ template<typename T> void growWithinCharts(const TexelMap& map, const TexelGrid&
                                            std::vector<uint8_t>& known, std::vector<uint32_t>& open,
                                            std::vector<T>& values)
 {
+    std::vector<T> means(open.size());
+    std::vector<uint8_t> found(open.size());
     for (int ring = 0; ring < rings && !open.empty(); ++ring) {
-        std::vector<std::pair<uint32_t, T>> found;
-        std::vector<uint32_t> stillOpen;
-        for (const uint32_t i : open) {
-            const Texel& texel = map.texels[i];
-            T sum{};
-            float weight = 0.0f;
-            for (int dy = -1; dy <= 1; ++dy) {
-                for (int dx = -1; dx <= 1; ++dx) {
-                    const uint32_t j = grid.at(texel, dx, dy);
-                    if (j == kNoTexel || !known[j]) continue;
-                    sum += values[j] * neighborWeight(dx, dy);
-                    weight += neighborWeight(dx, dy);
+        parallelFor(open.size(), kTexelsPerTask, [&](std::size_t begin, std::size_t end) {
+            for (std::size_t o = begin; o < end; ++o) {
+                const Texel& texel = map.texels[open[o]];
+                T sum{};
+                float weight = 0.0f;
+                for (int dy = -1; dy <= 1; ++dy) {
+                    for (int dx = -1; dx <= 1; ++dx) {
+                        const uint32_t j = grid.at(texel, dx, dy);
+                        if (j == kNoTexel || !known[j]) continue;
+                        sum += values[j] * neighborWeight(dx, dy);
+                        weight += neighborWeight(dx, dy);
+                    }
                 }
+                found[o] = weight > 0.0f;
+                if (found[o]) means[o] = sum / weight;
             }
-            if (weight > 0.0f) {
-                found.emplace_back(i, sum / weight);
+        });
+        std::size_t stillOpen = 0;
+        for (std::size_t o = 0; o < open.size(); ++o) {
+            if (found[o]) {
+                values[open[o]] = means[o];
+                known[open[o]] = 1;
             } else {
-                stillOpen.push_back(i);
+                open[stillOpen++] = open[o];
             }
         }
-        if (found.empty()) break;
-        for (const auto& [i, value] : found) {
-            values[i] = value;
-            known[i] = 1;
-        }
-        open.swap(stillOpen);
+        if (stillOpen == open.size()) break;
+        open.resize(stillOpen);
     }
 }
 
@@ -62,11 +67,11 @@ template<typename T> void adoptNeighbors(const BakeGeometry& geometry, const Tex
     constexpr float kReachTexels = 3.0f;
     constexpr float kFacing = 0.5f;
     std::vector<TexelPlace> missing(open.size());
+    parallelFor(open.size(), kTexelsPerTask, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t i = begin; i < end; ++i) missing[i] = placeOf(geometry, map, map.texels[open[i]]);
+    });
     float reach = 0.0f;
-    for (std::size_t i = 0; i < open.size(); ++i) {
-        missing[i] = placeOf(geometry, map, map.texels[open[i]]);
-        reach += kReachTexels * missing[i].texelMeters / float(open.size());
-    }
+    for (const TexelPlace& place : missing) reach += kReachTexels * place.texelMeters / float(open.size());
     if (!(reach > 0.0f)) return;
     // Only grid cells next to a texel without value are filled.
     std::unordered_map<uint64_t, std::vector<uint32_t>> grid;
@@ -74,11 +79,16 @@ template<typename T> void adoptNeighbors(const BakeGeometry& geometry, const Tex
         const ivec3 cell = gridCell(place.position, reach);
         for (int n = 0; n < 27; ++n) grid.try_emplace(gridKey(cell + ivec3(n % 3, n / 3 % 3, n / 9) - 1));
     }
-    for (std::size_t j = 0; j < map.texels.size(); ++j) {
-        if (!valid[j]) continue;
-        const auto cell = grid.find(gridKey(gridCell(placeOf(geometry, map, map.texels[j]).position, reach)));
-        if (cell != grid.end()) cell->second.push_back(uint32_t(j));
-    }
+    std::vector<std::vector<uint32_t>*> cellOf(map.texels.size(), nullptr);
+    parallelFor(map.texels.size(), kTexelsPerTask, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t j = begin; j < end; ++j) {
+            if (!valid[j]) continue;
+            const auto cell = grid.find(gridKey(gridCell(placeOf(geometry, map, map.texels[j]).position, reach)));
+            if (cell != grid.end()) cellOf[j] = &cell->second;
+        }
+    });
+    for (std::size_t j = 0; j < map.texels.size(); ++j)
+        if (cellOf[j] != nullptr) cellOf[j]->push_back(uint32_t(j));
     std::vector<T> adopted(open.size());
     std::vector<uint8_t> found(open.size(), 0);
     parallelFor(open.size(), 64, [&](std::size_t begin, std::size_t end) {
@@ -114,6 +124,76 @@ template<typename T> void adoptNeighbors(const BakeGeometry& geometry, const Tex
     open.swap(stillOpen);
 }
 
+/// A place of the padding that takes a value.
+template<typename T> struct Growth {
+    uint16_t x, y;
+    uint32_t chart = 0; ///< + 1; 0 = none is next to it
+    T value{};
+};
+
+/// What the place `at` takes of its neighbours, of the chart with the lowest number.
+template<typename T> Growth<T> grownAt(const Image<T>& page, const Image<uint32_t>& charts, ivec2 at, bool extrapolate)
+{
+    const auto isInside = [&](ivec2 q) { return q.x >= 0 && q.y >= 0 && q.x < page.width() && q.y < page.height(); };
+    Growth<T> growth{uint16_t(at.x), uint16_t(at.y)};
+    for (int dy = -1; dy <= 1; ++dy) {
+        for (int dx = -1; dx <= 1; ++dx) {
+            const ivec2 q = at + ivec2(dx, dy);
+            if (!isInside(q)) continue;
+            const uint32_t other = charts(q.x, q.y);
+            if (other != 0u && (growth.chart == 0u || other < growth.chart)) growth.chart = other;
+        }
+    }
+    if (growth.chart == 0u) return growth;
+    const auto owned = [&](ivec2 q) { return isInside(q) && charts(q.x, q.y) == growth.chart; };
+    T sum{};
+    float weight = 0.0f;
+    T straight{};
+    float straightWeight = 0.0f;
+    for (int dy = -1; dy <= 1; ++dy) {
+        for (int dx = -1; dx <= 1; ++dx) {
+            const ivec2 q = at + ivec2(dx, dy);
+            if (!owned(q)) continue;
+            const float w = neighborWeight(dx, dy);
+            sum += page(q.x, q.y) * w;
+            weight += w;
+            const ivec2 behind = q + ivec2(dx, dy);
+            if (!extrapolate || !owned(behind)) continue;
+            straight += (2.0f * page(q.x, q.y) - page(behind.x, behind.y)) * w;
+            straightWeight += w;
+        }
+    }
+    growth.value = straightWeight > 0.0f ? straight / straightWeight : sum / weight;
+    return growth;
+}
+
+/// Ring by ring, empty places of a page take values of the charts next to them.
+template<typename T> void growIntoPadding(Image<T>& page, Image<uint32_t>& charts, int rings, bool extrapolate)
+{
+    std::vector<Growth<T>> open;
+    for (int y = 0; y < page.height(); ++y) {
+        for (int x = 0; x < page.width(); ++x) {
+            if (charts(x, y) == 0u) open.push_back({uint16_t(x), uint16_t(y)});
+        }
+    }
+    for (int ring = 0; ring < rings; ++ring) {
+        parallelFor(open.size(), kTexelsPerTask, [&](std::size_t begin, std::size_t end) {
+            for (std::size_t i = begin; i < end; ++i)
+                open[i] = grownAt(page, charts, ivec2(open[i].x, open[i].y), extrapolate);
+        });
+        std::size_t stillOpen = 0;
+        for (const Growth<T>& growth : open) {
+            if (growth.chart == 0u) {
+                open[stillOpen++] = growth;
+                continue;
+            }
+            page(growth.x, growth.y) = growth.value;
+            charts(growth.x, growth.y) = growth.chart;
+        }
+        open.resize(stillOpen);
+    }
+}
+
 } // namespace
 
 template<typename T> void fillInvalid(const BakeGeometry& geometry, const TexelMap& map,
@@ -143,67 +223,7 @@ std::vector<Image<T>> dilate(const TexelMap& map, const std::vector<T>& values, 
         pages[texel.page](texel.x, texel.y) = values[i];
         charts[texel.page](texel.x, texel.y) = texel.chart + 1;
     }
-    struct Growth {
-        uint16_t x, y;
-        uint32_t chart;
-        T value;
-    };
-    for (std::size_t p = 0; p < pages.size(); ++p) {
-        Image<T>& page = pages[p];
-        Image<uint32_t>& chart = charts[p];
-        std::vector<ivec2> candidates;
-        for (int y = 0; y < map.pageSize; ++y) {
-            for (int x = 0; x < map.pageSize; ++x) {
-                if (chart(x, y) == 0u) candidates.emplace_back(x, y);
-            }
-        }
-        for (int ring = 0; ring < rings; ++ring) {
-            std::vector<Growth> grown;
-            std::vector<ivec2> remaining;
-            for (const ivec2 c : candidates) {
-                uint32_t owner = 0;
-                for (int dy = -1; dy <= 1; ++dy) {
-                    for (int dx = -1; dx <= 1; ++dx) {
-                        const ivec2 q = c + ivec2(dx, dy);
-                        if (q.x < 0 || q.y < 0 || q.x >= map.pageSize || q.y >= map.pageSize) continue;
-                        const uint32_t other = chart(q.x, q.y);
-                        if (other != 0u && (owner == 0u || other < owner)) owner = other;
-                    }
-                }
-                if (owner == 0u) {
-                    remaining.push_back(c);
-                    continue;
-                }
-                const auto owned = [&](ivec2 q) {
-                    return q.x >= 0 && q.y >= 0 && q.x < map.pageSize && q.y < map.pageSize && chart(q.x, q.y) == owner;
-                };
-                T sum{};
-                float weight = 0.0f;
-                T straight{};
-                float straightWeight = 0.0f;
-                for (int dy = -1; dy <= 1; ++dy) {
-                    for (int dx = -1; dx <= 1; ++dx) {
-                        const ivec2 q = c + ivec2(dx, dy);
-                        if (!owned(q)) continue;
-                        const float w = neighborWeight(dx, dy);
-                        sum += page(q.x, q.y) * w;
-                        weight += w;
-                        const ivec2 behind = q + ivec2(dx, dy);
-                        if (!extrapolate || !owned(behind)) continue;
-                        straight += (2.0f * page(q.x, q.y) - page(behind.x, behind.y)) * w;
-                        straightWeight += w;
-                    }
-                }
-                grown.push_back({uint16_t(c.x), uint16_t(c.y), owner,
-                                 straightWeight > 0.0f ? straight / straightWeight : sum / weight});
-            }
-            for (const Growth& g : grown) {
-                page(g.x, g.y) = g.value;
-                chart(g.x, g.y) = g.chart;
-            }
-            candidates.swap(remaining);
-        }
-    }
+    for (std::size_t p = 0; p < pages.size(); ++p) growIntoPadding(pages[p], charts[p], rings, extrapolate);
     return pages;
 }
 

@@ -81,10 +81,13 @@ Result<std::vector<std::byte>> encodeWebp(const ImageRgba8& image, int quality)
     return encode(image, config);
 }
 
-Result<std::vector<std::byte>> encodeWebpLossless(const ImageRgba8& image)
+Result<std::vector<std::byte>> encodeWebpLossless(const ImageRgba8& image, bool smallest)
 {
+    // Levels of libwebp's `cwebp -z`: 9 is the most, 6 its own default.
+    constexpr int kSmallest = 9;
+    constexpr int kUsual = 6;
     WebPConfig config;
-    if (!WebPConfigInit(&config) || !WebPConfigLosslessPreset(&config, 9))
+    if (!WebPConfigInit(&config) || !WebPConfigLosslessPreset(&config, smallest ? kSmallest : kUsual))
         return Error{ErrorCode::WriteFailed, "WebP encoding failed", ""};
     config.exact = 1;
     return encode(image, config);
@@ -97,7 +100,7 @@ Result<std::vector<std::byte>> encodeWebp(const ImageRgba8&, int)
     return Error{ErrorCode::Unsupported, "this build has no libwebp", ""};
 }
 
-Result<std::vector<std::byte>> encodeWebpLossless(const ImageRgba8&)
+Result<std::vector<std::byte>> encodeWebpLossless(const ImageRgba8&, bool)
 {
     return Error{ErrorCode::Unsupported, "this build has no libwebp", ""};
 }

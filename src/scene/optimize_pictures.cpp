@@ -74,7 +74,7 @@ void encodePicture(Picture& picture, const OptimizeOptions& options)
     }
     const int quality =
         picture.use == Use::Color ? options.textureQuality : std::max(options.textureQuality, kDataQuality);
-    auto webp = picture.use == Use::Mask ? encodeWebpLossless(*image) : encodeWebp(*image, quality);
+    auto webp = picture.use == Use::Mask ? encodeWebpLossless(*image, true) : encodeWebp(*image, quality);
     if (!webp) {
         picture.warning = "image " + std::to_string(picture.image) + " stays as it is: " + webp.error().message;
     } else if (webp->size() < picture.before.size()) {
@@ -141,7 +141,7 @@ Status toWebp(DocumentPatcher& patcher, const Lightmaps& lightmaps, OptimizeRepo
     const LightmapCurve curve = bestCurve(lightmaps.pages);
     for (std::size_t i = 0; i < lightmaps.pages.size(); ++i) {
         const ImageRgba8 image = encodeByCurve(lightmaps.pages[i], curve);
-        auto webp = encodeWebpLossless(image);
+        auto webp = encodeWebpLossless(image, true);
         if (!webp) return webp.error();
         report.lightmaps.after += webp->size();
         addError(lightmaps, i, decodeByCurve(image, curve), report);

@@ -9,6 +9,8 @@
 #include "scene/write_sky.h"
 
 #include <algorithm>
+#include <array>
+#include <functional>
 
 namespace halflight {
 
@@ -52,28 +54,59 @@ ImageRgb32f truthOf(const BakedScene& baked, const WriteOptions& options, std::s
 // PNG, or lossless WebP where that is smaller.
 Result<Bytes> encodeSmallest(const ImageRgba8& image)
 {
-    auto png = encodePng(image);
-    if (!png || !decodesWebp()) return png;
-    auto webp = encodeWebpLossless(image);
-    if (!webp) return webp;
+    if (!decodesWebp()) return encodePng(image);
+    std::array<Result<Bytes>, 2> encoded = {Bytes(), Bytes()};
+    parallelFor(encoded.size(), 1, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t i = begin; i < end; ++i) encoded[i] = i == 0 ? encodePng(image) : encodeWebpLossless(image);
+    });
+    auto& [png, webp] = encoded;
+    if (!png || !webp) return png ? webp : png;
     return webp->size() < png->size() ? webp : png;
 }
 
-Status addMasks(PictureWriter& pictures, const char* key, const std::string& name, const std::vector<ImageRgba8>& pages,
-                const WriteOptions& options, Json& root, uint64_t& bytes)
+std::vector<Result<Bytes>> encodeMasks(const std::vector<ImageRgba8>& pages, const Progress& progress)
 {
     std::vector<Result<Bytes>> encoded(pages.size(), Bytes());
     parallelFor(pages.size(), 1, [&](std::size_t begin, std::size_t end) {
-        for (std::size_t i = begin; i < end && !options.progress.cancelled(); ++i)
-            encoded[i] = encodeSmallest(pages[i]);
+        for (std::size_t i = begin; i < end && !progress.cancelled(); ++i) encoded[i] = encodeSmallest(pages[i]);
     });
-    if (options.progress.cancelled()) return writingCancelled();
-    for (std::size_t i = 0; i < pages.size(); ++i) {
+    return encoded;
+}
+
+Status addMasks(PictureWriter& pictures, const char* key, const std::string& name, std::vector<Result<Bytes>> encoded,
+                Json& root, uint64_t& bytes)
+{
+    for (std::size_t i = 0; i < encoded.size(); ++i) {
         if (!encoded[i]) return encoded[i].error();
         bytes += encoded[i]->size();
         root[key].push_back(pictures.add(name + " " + std::to_string(i), std::move(*encoded[i])));
     }
     return {};
+}
+
+/// All pictures of a bake but the sky's.
+struct EncodedPictures {
+    Result<EncodedLightmaps> lightmaps = EncodedLightmaps();
+    std::vector<Result<Bytes>> directions;
+    std::vector<Result<Bytes>> masks;
+    Result<Bytes> reflections = Bytes();
+};
+
+/// At one time: each takes about a second for a page of 2048 x 2048 texels, on one thread.
+EncodedPictures encodePictures(const BakedScene& baked, const WriteOptions& options)
+{
+    EncodedPictures encoded;
+    const std::array<std::function<void()>, 4> works = {
+        [&] { encoded.masks = encodeMasks(baked.shadowmasks, options.progress); },
+        [&] { encoded.lightmaps = encodeLightmaps(baked, options); },
+        [&] { encoded.directions = encodeMasks(baked.lightmapDirections, options.progress); },
+        [&] {
+            if (!baked.reflections.probes.empty()) encoded.reflections = encodeKtx2(baked.reflections.picture);
+        }};
+    parallelFor(works.size(), 1, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t i = begin; i < end; ++i) works[i]();
+    });
+    return encoded;
 }
 
 } // namespace
@@ -130,7 +163,9 @@ Result<EncodedLightmaps> encodeLightmaps(const BakedScene& baked, const WriteOpt
 Status writeBakePictures(PictureWriter& pictures, const BakedScene& baked, const WriteOptions& options, Json& root,
                          WrittenBytes& written)
 {
-    auto lightmaps = encodeLightmaps(baked, options);
+    EncodedPictures encoded = encodePictures(baked, options);
+    if (options.progress.cancelled()) return writingCancelled();
+    Result<EncodedLightmaps>& lightmaps = encoded.lightmaps;
     if (!lightmaps) return lightmaps.error();
     for (std::size_t i = 0; i < lightmaps->pages.size(); ++i) {
         written.lightmaps += lightmaps->pages[i].size();
@@ -139,12 +174,11 @@ Status writeBakePictures(PictureWriter& pictures, const BakedScene& baked, const
     if (!lightmaps->encoding.is_null()) root["lightmapEncoding"] = lightmaps->encoding;
     written.lightmapFormat = options.lightmapFormat;
     written.lightmapPages = std::move(lightmaps->written);
-    if (Status s = addMasks(pictures, "lightmapDirections", "lightmap directions", baked.lightmapDirections, options,
-                            root, written.lightmapDirections);
+    if (Status s = addMasks(pictures, "lightmapDirections", "lightmap directions", std::move(encoded.directions), root,
+                            written.lightmapDirections);
         !s)
         return s;
-    if (Status s =
-            addMasks(pictures, "shadowmasks", "shadowmask", baked.shadowmasks, options, root, written.shadowmasks);
+    if (Status s = addMasks(pictures, "shadowmasks", "shadowmask", std::move(encoded.masks), root, written.shadowmasks);
         !s)
         return s;
     auto sky = writeSky(pictures, baked.scene.sky, options.skyWidth);
@@ -152,9 +186,12 @@ Status writeBakePictures(PictureWriter& pictures, const BakedScene& baked, const
     root["sky"] = std::move(sky->record);
     if (baked.isBaked) root["atBake"]["sky"] = std::move(sky->atBake);
     written.sky = sky->bytes;
-    auto reflections = writeReflections(pictures, baked.reflections, written.reflections);
-    if (!reflections) return reflections.error();
-    if (!reflections->is_null()) root["reflectionProbes"] = std::move(*reflections);
+    if (!encoded.reflections) return encoded.reflections.error();
+    if (!baked.reflections.probes.empty()) {
+        written.reflections = encoded.reflections->size();
+        root["reflectionProbes"] =
+            reflectionsJson(baked.reflections, pictures.add("reflection probes", std::move(*encoded.reflections)));
+    }
     pictures.finish();
     return {};
 }

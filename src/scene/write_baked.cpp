@@ -1,5 +1,6 @@
 #include "scene/write_baked.h"
 #include "halflight/base/file.h"
+#include "halflight/base/parallel.h"
 #include "halflight/scene/gltf.h"
 #include "scene/at_bake.h"
 #include "scene/erase_extension.h"
@@ -141,13 +142,19 @@ private:
             }
             objectsOf[object.sourceNode].push_back(&object);
         }
-        for (const auto& [node, objects] : objectsOf) {
-            if (Status s = writeNode(node, objects); !s) return s;
+        const std::vector<std::pair<int, std::vector<const Object*>>> nodes(objectsOf.begin(), objectsOf.end());
+        std::vector<std::optional<SurfaceAtBake>> surfaces(nodes.size());
+        parallelFor(baked_.isBaked ? nodes.size() : 0, 1, [&](std::size_t begin, std::size_t end) {
+            for (std::size_t i = begin; i < end; ++i) surfaces[i] = atBake_.ofObjects(nodes[i].second);
+        });
+        for (std::size_t i = 0; i < nodes.size(); ++i) {
+            if (Status s = writeNode(nodes[i].first, nodes[i].second, surfaces[i]); !s) return s;
         }
         return {};
     }
 
-    Status writeNode(int node, const std::vector<const Object*>& objects)
+    /// `surface`: at the bake, of static objects.
+    Status writeNode(int node, const std::vector<const Object*>& objects, const std::optional<SurfaceAtBake>& surface)
     {
         const Object& first = *objects[0];
         const std::string path = pathOf("nodes", std::size_t(node));
@@ -185,8 +192,7 @@ private:
             record["probes"] = first.probeLighting == ProbeLighting::Volume ? "volume" : "single";
         if (const ivec3 texels = first.probeResolution; texels != ivec3(0))
             record["probeResolution"] = {texels.x, texels.y, texels.z};
-        if (const auto surface = atBake_.ofObjects(objects); baked_.isBaked && surface)
-            record["atBake"] = surface->json();
+        if (surface) record["atBake"] = surface->json();
         const bool instanced = first.sourceInstance >= 0;
         const int texCoord = mesh.parts.empty() ? 1 : mesh.parts[0].lightmapTexCoord;
         const LightmapBinding binding = layouts_[std::size_t(first.mesh)].binding(first.lightmap);

@@ -1,7 +1,5 @@
 #include "scene/write_reflections.h"
 
-#include "scene/ktx2.h"
-
 namespace halflight {
 
 Json numbersOf(const mat4& matrix)
@@ -11,15 +9,9 @@ Json numbersOf(const mat4& matrix)
     return json;
 }
 
-Result<Json> writeReflections(PictureWriter& pictures, const ReflectionSet& set, uint64_t& bytes)
+Json reflectionsJson(const ReflectionSet& set, Json picture)
 {
-    if (set.probes.empty()) return Json();
-    auto encoded = encodeKtx2(set.picture);
-    if (!encoded) return encoded.error();
-    bytes = encoded->size();
-    Json json = {{"picture", pictures.add("reflection probes", std::move(*encoded))},
-                 {"unitNits", set.unitNits},
-                 {"size", set.size}};
+    Json json = {{"picture", std::move(picture)}, {"unitNits", set.unitNits}, {"size", set.size}};
     for (const ReflectionProbe& probe : set.probes)
         json["probes"].push_back({{"position", numbers(probe.position)},
                                   {"box", numbersOf(probe.worldFromBox)},

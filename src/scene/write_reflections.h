@@ -6,9 +6,8 @@
 
 namespace halflight {
 
-/// `reflectionProbes` of the root extension, its picture added to `pictures`; null without probes. `bytes`: of the
-/// picture.
-Result<Json> writeReflections(PictureWriter& pictures, const ReflectionSet& set, uint64_t& bytes);
+/// `reflectionProbes` of the root extension; `picture` refers to the probes' picture.
+Json reflectionsJson(const ReflectionSet& set, Json picture);
 
 /// A transform's 16 numbers, column by column.
 Json numbersOf(const mat4& matrix);

@@ -26,7 +26,8 @@ bool decodesWebp();
 
 /// Lossy WebP of quality 1…100.
 Result<std::vector<std::byte>> encodeWebp(const ImageRgba8& image, int quality);
-/// Lossless WebP that keeps colour where alpha is 0.
-Result<std::vector<std::byte>> encodeWebpLossless(const ImageRgba8& image);
+/// Lossless WebP that keeps colour where alpha is 0. `smallest`: takes nine times as long, for about 1.5 % less
+/// (a shadowmask of 1024 x 1024 texels: 3.7 s and 228 kB against 0.4 s and 231 kB).
+Result<std::vector<std::byte>> encodeWebpLossless(const ImageRgba8& image, bool smallest = false);
 
 } // namespace halflight
