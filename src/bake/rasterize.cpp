@@ -128,7 +128,7 @@ std::vector<uint32_t> chartsOfTriangles(const BakeGeometry& geometry, uint32_t& 
         const vec2 l = geometry.lightmapTexel[c.vertex];
         return std::make_tuple(c.object, l.x, l.y, p.x, p.y, p.z);
     };
-    std::sort(corners.begin(), corners.end(), [&](const Corner& a, const Corner& b) {
+    parallelSort(corners, [&](const Corner& a, const Corner& b) {
         const auto ka = key(a);
         const auto kb = key(b);
         return ka != kb ? ka < kb : a.vertex < b.vertex;
@@ -162,21 +162,31 @@ std::vector<uint32_t> chartsOfTriangles(const BakeGeometry& geometry, uint32_t& 
 /// Fragments of all triangles, in the order of their texels, then of their triangles.
 std::vector<RasterFragment> sortedFragments(const BakeGeometry& geometry, int pageSize)
 {
-    std::vector<std::vector<RasterFragment>> perPart(geometry.parts.size());
-    parallelFor(geometry.parts.size(), 1, [&](std::size_t begin, std::size_t end) {
+    struct Range {
+        int page;
+        uint32_t firstTriangle;
+        uint32_t triangleCount;
+        std::vector<RasterFragment> fragments;
+    };
+    constexpr uint32_t kTrianglesPerRange = 1024;
+    std::vector<Range> ranges;
+    for (const BakeGeometry::Part& part : geometry.parts) {
+        if (part.page < 0) continue;
+        for (uint32_t t = 0; t < part.triangleCount; t += kTrianglesPerRange)
+            ranges.push_back({part.page, part.firstTriangle + t, std::min(kTrianglesPerRange, part.triangleCount - t)});
+    }
+    parallelFor(ranges.size(), 1, [&](std::size_t begin, std::size_t end) {
         for (std::size_t i = begin; i < end; ++i) {
-            const BakeGeometry::Part& part = geometry.parts[i];
-            if (part.page < 0) continue;
-            for (uint32_t t = 0; t < part.triangleCount; ++t) {
-                rasterizeTriangle(geometry, part.firstTriangle + t, part.page, pageSize, perPart[i]);
-            }
+            Range& range = ranges[i];
+            for (uint32_t t = 0; t < range.triangleCount; ++t)
+                rasterizeTriangle(geometry, range.firstTriangle + t, range.page, pageSize, range.fragments);
         }
     });
     std::vector<RasterFragment> fragments;
     std::size_t total = 0;
-    for (const auto& list : perPart) total += list.size();
+    for (const Range& range : ranges) total += range.fragments.size();
     fragments.reserve(total);
-    for (auto& list : perPart) {
+    for (auto& [page, first, count, list] : ranges) {
         fragments.insert(fragments.end(), list.begin(), list.end());
         release(list);
     }
@@ -240,12 +250,36 @@ TexelMap rasterizeTexels(const BakeGeometry& geometry, int pageSize, int pageCou
     map.pageCount = pageCount;
     const std::vector<uint32_t> charts = chartsOfTriangles(geometry, map.chartCount);
     const std::vector<RasterFragment> fragments = sortedFragments(geometry, pageSize);
+    // Blocks of whole texels, each a map of its own, then all of them in order.
+    constexpr std::size_t kBlock = 1 << 14; // fragments
+    const std::size_t blocks = (fragments.size() + kBlock - 1) / kBlock;
+    const auto beginOf = [&](std::size_t block) {
+        std::size_t begin = std::min(block * kBlock, fragments.size());
+        while (begin > 0 && begin < fragments.size() && fragments[begin].key == fragments[begin - 1].key) ++begin;
+        return begin;
+    };
+    std::vector<TexelMap> pieces(blocks);
+    parallelFor(blocks, 1, [&](std::size_t firstBlock, std::size_t endBlock) {
+        std::vector<std::pair<uint32_t, float>> areaOfChart;
+        for (std::size_t b = firstBlock; b < endBlock; ++b) {
+            const std::size_t last = beginOf(b + 1);
+            for (std::size_t i = beginOf(b), end = i; i < last; i = end) {
+                while (end < last && fragments[end].key == fragments[i].key) ++end;
+                const std::span<const RasterFragment> ofTexel(&fragments[i], end - i);
+                addTexel(ofTexel, charts, dominantChart(ofTexel, charts, areaOfChart), pieces[b]);
+            }
+        }
+    });
+    std::size_t texels = 0;
+    for (const TexelMap& piece : pieces) texels += piece.texels.size();
+    map.texels.reserve(texels);
     map.fragments.reserve(fragments.size());
-    std::vector<std::pair<uint32_t, float>> areaOfChart;
-    for (std::size_t i = 0, end = 0; i < fragments.size(); i = end) {
-        while (end < fragments.size() && fragments[end].key == fragments[i].key) ++end;
-        const std::span<const RasterFragment> ofTexel(&fragments[i], end - i);
-        addTexel(ofTexel, charts, dominantChart(ofTexel, charts, areaOfChart), map);
+    for (TexelMap& piece : pieces) {
+        const auto shift = uint32_t(map.fragments.size());
+        for (Texel& texel : piece.texels) texel.firstFragment += shift;
+        map.texels.insert(map.texels.end(), piece.texels.begin(), piece.texels.end());
+        map.fragments.insert(map.fragments.end(), piece.fragments.begin(), piece.fragments.end());
+        piece = {};
     }
     return map;
 }
