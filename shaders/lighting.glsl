@@ -5,10 +5,23 @@
 
 #include "shadow_map.glsl"
 #include "surface.glsl"
+#include "halflight/shading/area_light.h"
 #include "halflight/shading/brdf.h"
 
+// Of an area light: the direction to its middle, and its light on a surface that faces it.
 LightSample sampleFrameLight(int light, vec3 position)
 {
+    if (isAreaLight(lights[light].info.x)) {
+        LightSample s;
+        vec3 toCenter = lights[light].positionRange.xyz - position;
+        s.distance = max(length(toCenter), 1.0e-6);
+        s.direction = toCenter / s.distance;
+        s.illuminance = lights[light].colorIntensity.rgb *
+                        (rangeWindow(s.distance * s.distance, lights[light].positionRange.w) *
+                         areaIrradiance(lights[light].info.x, s.direction, toCenter, lights[light].halfX.xyz,
+                                        lights[light].halfY.xyz));
+        return s;
+    }
     return sampleLight(lights[light].info.x, lights[light].colorIntensity.rgb, lights[light].positionRange.xyz,
                        lights[light].axis.xyz, lights[light].positionRange.w, lights[light].spot.xy, position);
 }
@@ -73,6 +86,25 @@ bool skipsLight(int light, bool lightmapped)
     return (lights[light].info.y & (lightmapped ? kLightSkipStatic : kLightSkipDynamic)) != 0;
 }
 
+// Radiance towards the camera by an area light. Its realtime shadow is that of a light at its middle.
+vec3 areaLight(int light, Surface s)
+{
+    vec3 toCenter = lights[light].positionRange.xyz - s.position;
+    float d2 = dot(toCenter, toCenter);
+    vec3 radiance = lights[light].colorIntensity.rgb * rangeWindow(d2, lights[light].positionRange.w);
+    if (dot(toCenter, lights[light].axis.xyz) >= 0.0 || radiance == vec3(0.0)) return vec3(0.0);
+    vec3 reflected = reflectAreaLight(s.baseColor, s.metallic, s.roughness, s.specular, s.normal, s.view,
+                                      lights[light].info.x, toCenter, lights[light].halfX.xyz, lights[light].halfY.xyz,
+                                      radiance);
+    if (reflected == vec3(0.0)) return reflected;
+    float distanceMeters = sqrt(d2);
+    LightSample middle;
+    middle.direction = toCenter / distanceMeters;
+    middle.distance = distanceMeters;
+    middle.illuminance = radiance;
+    return reflected * shadowAttenuation(light, s, middle);
+}
+
 // Radiance towards the camera by all lights of the fragment's cluster.
 vec3 directLight(Surface s)
 {
@@ -84,6 +116,10 @@ vec3 directLight(Surface s)
             int light = word * 32 + findLSB(bits);
             bits &= bits - 1u;
             if (skipsLight(light, s.lightmapped)) continue;
+            if (isAreaLight(lights[light].info.x)) {
+                radiance += areaLight(light, s);
+                continue;
+            }
             LightSample incoming = sampleFrameLight(light, s.position);
             if (dot(s.normal, incoming.direction) <= 0.0 || incoming.illuminance == vec3(0.0)) continue;
             float attenuation = shadowAttenuation(light, s, incoming);

@@ -69,17 +69,25 @@ Json jsonOf(const dvec3& v)
     return Json::array({v.x, v.y, v.z});
 }
 
+/// Of Light::intensity. `candela`: the word for it.
+const char* unitOf(LightType type, const char* candela)
+{
+    return type == LightType::Directional ? "lux" : isAreaLight(type) ? "cd/m2" : candela;
+}
+
 Json jsonOf(const Light& light)
 {
     Json json = {{"name", light.name},
                  {"type", nameOf(light.type)},
                  {"mode", nameOf(light.mode)},
                  {"intensity", light.intensity},
-                 {"unit", light.type == LightType::Directional ? "lux" : "candela"},
+                 {"unit", unitOf(light.type, "candela")},
                  {"color", jsonOf(light.color)},
                  {"castShadows", light.castShadows},
                  {"shadowStrength", light.shadowStrength},
                  {"indirectMultiplier", light.indirectMultiplier}};
+    if (isAreaLight(light.type))
+        json["size"] = Json::array({2.0f * glm::length(light.halfWidth()), 2.0f * glm::length(light.halfHeight())});
     if (light.baking.isBaked) {
         json["bakedAs"] = nameOf(light.baking.bakeType);
         json["channel"] = light.baking.occlusionMaskChannel;
@@ -155,8 +163,7 @@ void printLights(const std::vector<Light>& lights)
         const BakingOutput& baking = light.baking;
         print("{:<{}}  {:<11}  {:<8}  {:<8}  {:<7}  {:g} {}{}\n", printable(light.name), width, nameOf(light.type),
               nameOf(light.mode), baking.isBaked ? nameOf(baking.bakeType) : "-",
-              channelName(baking.occlusionMaskChannel), light.intensity,
-              light.type == LightType::Directional ? "lux" : "cd",
+              channelName(baking.occlusionMaskChannel), light.intensity, unitOf(light.type, "cd"),
               baking.reason.empty() ? "" : "  (" + printable(baking.reason) + ")");
     }
 }

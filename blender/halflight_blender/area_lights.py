@@ -1,12 +1,13 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Area lights, which KHR_lights_punctual does not have, as emissive quads and discs."""
+"""Area lights, which Blender's exporter leaves out: EXT_lights_area, and emissive surfaces for ellipses."""
 
 import math
 
 import bpy
 import numpy as np
 
-CORNERS = 32  # of a disc: its area is 0.6 % less than the circle's, which the radiance makes up for
+EXTENSION = "EXT_lights_area"
+CORNERS = 32  # of an ellipse: its area is 0.6 % less than the curve's, which the radiance makes up for
 
 
 def outline(light):
@@ -24,8 +25,8 @@ def area_of(corners):
     return abs(np.dot(x, np.roll(y, -1)) - np.dot(y, np.roll(x, -1))) / 2
 
 
-def add_quads(document, factor):
-    """`factor`: lumens per watt. Returns sentences about what cannot be shown."""
+def add_lights(document, factor):
+    """`factor`: lumens per watt. Returns sentences about what is left out."""
     warnings = []
     matrices = document.world_matrices()
     for index, node in enumerate(document.json.get("nodes", [])):
@@ -33,6 +34,14 @@ def add_quads(document, factor):
         if item is None or item.type != "LIGHT" or item.data.type != "AREA" or index not in matrices:
             continue
         light = item.data
+        if getattr(light, "spread", math.pi) < math.radians(179.0):
+            warnings.append(f'area light "{item.name}": its spread is left out; it shines to all of one side')
+        mode = item.get("halflight_mode", light.get("halflight_mode", "baked"))
+        if light.shape != "ELLIPSE":
+            if mode != "baked":
+                warnings.append(f'area light "{item.name}": it is {mode}, so the baked view lacks its direct light')
+            add_light(document, node, light, matrices[index], factor)
+            continue
         corners = outline(light)
         scale = np.linalg.norm(np.cross(matrices[index][:3, 0], matrices[index][:3, 1]))
         area = area_of(corners) * scale
@@ -43,11 +52,43 @@ def add_quads(document, factor):
         # It lights as an emissive surface does. It needs no texels, and Blender's area lights throw no shadow.
         extras = node.setdefault("extras", {})
         extras.update({"halflight_lightmap_scale": 0, "halflight_cast_shadows": 0})
-        if getattr(light, "spread", math.pi) < math.radians(179.0):
-            warnings.append(f'area light "{item.name}": its spread is not baked; it shines to all of one side')
         if light.get("halflight_mode") is not None:
-            warnings.append(f'area light "{item.name}": an area light is always baked, whatever its mode')
+            warnings.append(f'area light "{item.name}": an ellipse is always baked, whatever its mode')
     return warnings
+
+
+def add_light(document, node, light, matrix, factor):
+    """A rectangle or disk of the extension: radiance, and sizes that the node's largest scale multiplies."""
+    scales = np.linalg.norm(matrix[:3, :3], axis=0)
+    width = light.size * scales[0]
+    height = (light.size_y if light.shape == "RECTANGLE" else light.size) * scales[1]
+    is_disk = light.shape == "DISK"
+    area = math.pi / 4 * width * width if is_disk else width * height
+    if area <= 0.0 or light.energy <= 0.0:
+        return
+    size = float((width if is_disk else height) / scales.max())
+    # Settings on the object itself are in the node's extras, which go before those of the light. Baked unless asked
+    # otherwise: the baked view, which has no lights, shows all of it.
+    extras = {key: plain(value) for key, value in light.items() if key.startswith("halflight_")}
+    extras.setdefault("halflight_mode", "baked")
+    extension = document.json.setdefault("extensions", {}).setdefault(EXTENSION, {"lights": []})
+    record = {
+        "name": light.name,
+        "type": "disk" if is_disk else "rect",
+        "color": list(light.color),
+        "intensity": light.energy * factor / (math.pi * area),  # a Lambertian emitter of one side
+        "size": size,
+        "extras": extras,
+    }
+    if not is_disk:
+        record["rect"] = {"aspect": float(width / height)}
+    node.setdefault("extensions", {})[EXTENSION] = {"light": len(extension["lights"])}
+    extension["lights"].append(record)
+    document.use_extension(EXTENSION)
+
+
+def plain(value):
+    return value.to_list() if hasattr(value, "to_list") else value
 
 
 def add_mesh(document, light, corners, radiance):

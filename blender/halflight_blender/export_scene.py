@@ -67,7 +67,7 @@ def export_scene(context, path, units, folder):
     factor = lumens_per_watt(units)
     scale_emission(document, factor)
     add_light_sizes(document)
-    warnings = area_lights.add_quads(document, factor)
+    warnings = area_lights.add_lights(document, factor)
     extras = document.json["scenes"][document.json.get("scene", 0)].setdefault("extras", {})
     extras.pop("halflight", None)  # settings of the bake, which are not the file's
     warnings += sky.add_sky(context, extras, factor, folder)

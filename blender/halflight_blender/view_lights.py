@@ -19,6 +19,7 @@ BLENDER_FROM_GLTF = np.array([[1, 0, 0, 0], [0, 0, -1, 0], [0, 1, 0, 0], [0, 0, 
 def shining_lights(document, bindings):
     """The lights that shine at run time, as dictionaries. `bindings`: bake.json."""
     matrices = document.world_matrices()
+    nodes = document.json["nodes"]
     punctual = document.json.get("extensions", {}).get("KHR_lights_punctual", {}).get("lights", [])
     lights = []
     for record in bindings["lights"]:
@@ -26,7 +27,9 @@ def shining_lights(document, bindings):
         if baking.get("bakeType", record["mode"]) == "baked" or bindings["mode"] == "subtractive":
             continue
         index = node_at(document, record["path"])
-        light = punctual[document.json["nodes"][index]["extensions"]["KHR_lights_punctual"]["light"]]
+        if "KHR_lights_punctual" not in nodes[index]["extensions"]:
+            continue  # an area light: the export said that the view does not show it
+        light = punctual[nodes[index]["extensions"]["KHR_lights_punctual"]["light"]]
         matrix = BLENDER_FROM_GLTF @ matrices[index]
         intensity = light.get("intensity", 1.0)
         lights.append(

@@ -30,7 +30,7 @@ Reach reachOf(const Light& light)
 {
     const float range = light.baking.reachMeters;
     if (light.type == LightType::Directional || range <= 0.0f) return {};
-    if (light.type == LightType::Point) return {light.position(), range};
+    if (light.type != LightType::Spot) return {light.position(), range};
     // With the cone's cap. Narrow cones: the sphere through apex and rim; wide ones: the sphere around the rim.
     const float cosine = std::cos(light.outerConeRadians);
     if (light.outerConeRadians >= kPi / 4.0f) {
@@ -49,6 +49,13 @@ bool spotMeets(const Light& spot, const Reach& sphere)
            coneMeetsBall(spot.position(), spot.direction(), spot.outerConeRadians, sphere.center, sphere.radius);
 }
 
+/// Whether an area light's front faces a sphere.
+bool areaMeets(const Light& area, const Reach& sphere)
+{
+    return !std::isfinite(sphere.radius) ||
+           glm::dot(sphere.center - area.position(), area.direction()) > -sphere.radius;
+}
+
 /// Whether both lights may reach a common point (conservative).
 bool lightsOverlap(const Light& a, const Light& b)
 {
@@ -60,6 +67,8 @@ bool lightsOverlap(const Light& a, const Light& b)
     }
     if (a.type == LightType::Spot && !spotMeets(a, rb)) return false;
     if (b.type == LightType::Spot && !spotMeets(b, ra)) return false;
+    if (isAreaLight(a.type) && !areaMeets(a, rb)) return false;
+    if (isAreaLight(b.type) && !areaMeets(b, ra)) return false;
     return true;
 }
 
@@ -69,8 +78,8 @@ bool moreImportant(const Light& a, const Light& b)
     const bool sunA = a.type == LightType::Directional;
     const bool sunB = b.type == LightType::Directional;
     if (sunA != sunB) return sunA;
-    const float powerA = luminance(a.color) * a.intensity;
-    const float powerB = luminance(b.color) * b.intensity;
+    const float powerA = luminance(a.color) * a.intensity * a.area();
+    const float powerB = luminance(b.color) * b.intensity * b.area();
     if (powerA != powerB) return powerA > powerB;
     if (a.name != b.name) return a.name < b.name;
     const vec3 pa = a.position();
@@ -235,7 +244,8 @@ float illuminanceAt(const Light& light, vec3 point)
         const vec2 cone = shading::spotConstants(light.innerConeRadians, light.outerConeRadians);
         attenuation *= shading::spotAttenuation(glm::dot(away, light.direction()) / distance, cone);
     }
-    return luminance(light.color) * light.intensity * attenuation;
+    if (isAreaLight(light.type)) attenuation *= std::max(glm::dot(away, light.direction()) / distance, 0.0f);
+    return luminance(light.color) * light.intensity * light.area() * attenuation;
 }
 
 /// The level above which the brightest tenth of the light lies: leaks are visible relative to it.
@@ -270,7 +280,7 @@ std::vector<float> levelDistances(const Scene& scene, const std::vector<const Li
         for (std::size_t p = 0; p < points.size(); ++p)
             others[p] = std::max(total[p] - illuminanceAt(*lights[i], points[p]), 0.0f);
         const float level = brightLevel(std::move(others));
-        const float candela = luminance(lights[i]->color) * lights[i]->intensity;
+        const float candela = luminance(lights[i]->color) * lights[i]->intensity * lights[i]->area();
         if (level > 0.0f && candela > 0.0f) distances[i] = std::sqrt(candela / level);
     }
     return distances;

@@ -65,12 +65,16 @@ private:
     }
 
     /// A fully baked light is a delta distribution of directions: its coefficients are illuminance times basis
-    /// functions.
+    /// functions. Of an area light they are those of its samples.
     void addBakedLights(uint32_t id, vec3 position, ProbeEstimate& estimate, uint64_t& rays) const
     {
         for (std::size_t l = 0; l < paths_.lights().size(); ++l) {
             const PunctualLight& light = paths_.lights()[l];
             if (!light.directAtProbes) continue;
+            if (light.isArea()) {
+                addAreaLight(light, uint32_t(l), id, position, estimate, rays);
+                continue;
+            }
             const shading::LightSample sample = light.at(position);
             if (sample.illuminance == vec3(0.0f)) continue;
             const float visible = visibility(light, uint32_t(l), id, position, rays);
@@ -78,6 +82,18 @@ private:
             for (int i = 0; i < 9; ++i)
                 estimate.radiance[std::size_t(i)] += illuminance * shading::shBasis(i, sample.direction);
         }
+    }
+
+    void addAreaLight(const PunctualLight& light, uint32_t index, uint32_t id, vec3 position, ProbeEstimate& estimate,
+                      uint64_t& rays) const
+    {
+        if (!light.reaches(position)) return;
+        const vec3 radiance = light.radianceAt(position) / float(shadowSamples());
+        forLightRays(light, index, id, position, rays, [&](const LightRay& ray, float visible) {
+            const vec3 arriving = radiance * (ray.solidAngle * glm::mix(1.0f, visible, light.shadowStrength));
+            for (int i = 0; i < 9; ++i)
+                estimate.radiance[std::size_t(i)] += arriving * shading::shBasis(i, ray.direction);
+        });
     }
 
     /// The light of a mask channel that reaches a point, or null: at most one does.
@@ -92,15 +108,31 @@ private:
         return nullptr;
     }
 
+    [[nodiscard]] int shadowSamples() const { return std::max(settings_.shadowSamples, 16); }
+
+    /// Calls visit(ray, visibility) for each shadow ray to the light.
+    template<typename Visit> void forLightRays(const PunctualLight& light, uint32_t lightIndex, uint32_t id,
+                                               vec3 position, uint64_t& rays, const Visit& visit) const
+    {
+        for (int s = 0; s < shadowSamples(); ++s) {
+            Sampler sampler(settings_.seed ^ kShadowSeed, hashCombine(~id, lightIndex), uint32_t(s));
+            const LightRay ray = sampleLightRay(light, position, shading::sampleDisc(sampler.next2()));
+            if (light.isArea() && ray.solidAngle <= 0.0f) continue;
+            visit(ray, paths_.lightVisibilityInSpace(light, position, ray, rays));
+        }
+    }
+
+    /// Share of the light that arrives; of an area light, of its illuminance from all directions together.
     float visibility(const PunctualLight& light, uint32_t lightIndex, uint32_t id, vec3 position, uint64_t& rays) const
     {
-        const int samples = std::max(settings_.shadowSamples, 16);
         float sum = 0.0f;
-        for (int s = 0; s < samples; ++s) {
-            Sampler sampler(settings_.seed ^ kShadowSeed, hashCombine(~id, lightIndex), uint32_t(s));
-            sum += paths_.lightVisibilityInSpace(light, position, sampler.next2(), rays);
-        }
-        return sum / float(samples);
+        float all = 0.0f;
+        forLightRays(light, lightIndex, id, position, rays, [&](const LightRay& ray, float visible) {
+            const float weight = light.isArea() ? ray.solidAngle : 1.0f;
+            sum += weight * visible;
+            all += weight;
+        });
+        return all > 0.0f ? sum / all : 1.0f;
     }
 
     const PathTracer& paths_;

@@ -56,9 +56,10 @@ private:
     /// Irradiance by one of the lights whose direct light the lightmap leaves to the renderer.
     vec3 mixedLight(const SurfacePoint& point, Sampler& sampler, uint64_t& rays) const
     {
-        const auto contribution = [&](const PunctualLight& light, vec2 /*disc*/, float probability) {
+        const auto contribution = [&](const PunctualLight& light, vec2 disc, float probability) {
             if (light.directAtTexels || light.maskOfLight) return vec3(0.0f);
-            return light.irradianceAt(point.position, point.normal) / probability;
+            const LightRay ray = light.isArea() ? sampleLightRay(light, point.position, disc) : LightRay{};
+            return light.irradianceBy(ray, point.position, point.normal) / probability;
         };
         const PathTracer::LightChoice choice = paths_.chooseLight(point, sampler, contribution);
         if (choice.light == nullptr) return vec3(0.0f);

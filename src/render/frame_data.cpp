@@ -27,6 +27,8 @@ static_assert(int(CascadeBlend::Soft) == shading::kBlendSoft);
 static_assert(int(LightType::Directional) == shading::kLightDirectional);
 static_assert(int(LightType::Point) == shading::kLightPoint);
 static_assert(int(LightType::Spot) == shading::kLightSpot);
+static_assert(int(LightType::Rectangle) == shading::kLightRectangle);
+static_assert(int(LightType::Disk) == shading::kLightDisk);
 static_assert(shading::kFilterHalfWidthPcf <= filterReachTexels(ShadowFilter::Pcf));
 static_assert(shading::kFilterHalfWidthSoft <= filterReachTexels(ShadowFilter::Soft));
 
@@ -99,9 +101,10 @@ void setBakedReach(const Light& light, shading::GpuLight& out)
 {
     constexpr float kNoCone = -2.0f;
     const BakingOutput& baking = light.baking;
+    const float ofType = isAreaLight(light.type) ? 0.0f : kNoCone; // the front of an area light
     out.bakedReach = vec4(vec3(baking.worldFromLight[3]), baking.reachMeters);
     out.bakedCone = vec4(-glm::normalize(vec3(baking.worldFromLight[2])),
-                         light.type == LightType::Spot ? std::cos(baking.outerConeRadians) : kNoCone);
+                         light.type == LightType::Spot ? std::cos(baking.outerConeRadians) : ofType);
 }
 
 } // namespace
@@ -125,6 +128,10 @@ std::vector<shading::GpuLight> gpuLights(const Scene& scene, const FramePlan& pl
         out.info = ivec4(int(light.type), flags, std::max(frameLight.channel, 0), std::max(frameLight.firstTile, 0));
         const ShadowSettings biased = shadowSettingsOf(light, shadows);
         out.shadowBias = vec4(biased.depthBias, biased.normalBiasTexels, 0.0f, 0.0f);
+        if (isAreaLight(light.type)) {
+            out.halfX = vec4(light.halfWidth(), 0.0f);
+            out.halfY = vec4(light.halfHeight(), 0.0f);
+        }
         setBakedReach(light, out);
         result.push_back(out);
     }

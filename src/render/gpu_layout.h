@@ -153,13 +153,15 @@ HL_CONST int kLightOverflowed = 16; // there for the overlap view alone
 
 struct GpuLight {
     vec4 positionRange;  // xyz world, w range in metres (0 = unlimited)
-    vec4 colorIntensity; // rgb lux or candela; w shadow strength
+    vec4 colorIntensity; // rgb lux, candela, or cd/m2 of area lights; w shadow strength
     vec4 axis;           // xyz unit, along which the light shines
     vec4 spot;           // xy: spotConstants(); z number of shadow tiles
     ivec4 info;          // x type, y flags, z channel, w first tile
     vec4 shadowBias;     // x depth bias, y normal bias, in texels
     vec4 bakedReach;     // xyz world: where the light was baked; w metres from there its channel holds for, 0 = all
     vec4 bakedCone;      // xyz unit: axis at the bake; w cosine of the cone its channel holds for, -2 = all
+    vec4 halfX;          // xyz metres: area lights, from the middle to the edges along their X and Y
+    vec4 halfY;
 };
 
 struct GpuTile {

@@ -44,6 +44,8 @@ void addPointer(AnimatedThings& things, const SourceDocument& document, const st
     }
     if (const Target light = targetIn(pointer, "/extensions/KHR_lights_punctual/lights/"); light.index >= 0)
         things.lights[light.index].insert(light.member);
+    if (const Target light = targetIn(pointer, "/extensions/EXT_lights_area/lights/"); light.index >= 0)
+        things.areaLights[light.index].insert(light.member);
     if (const Target material = targetIn(pointer, "/materials/"); material.index >= 0)
         things.materials[material.index].insert(material.member);
 }

@@ -327,6 +327,8 @@ bool shapeChangedSinceBake(const Light& light)
     };
     if (light.castShadows != was.castShadows) return true;
     if (light.type == LightType::Directional) return changed(light.angularRadiusRadians, was.angularRadiusRadians);
+    const vec2 size = lightAtBake(light).sizeMeters;
+    if (changed(size.x, was.sizeMeters.x) || changed(size.y, was.sizeMeters.y)) return true;
     if (changed(light.rangeMeters, was.rangeMeters) || changed(light.radiusMeters, was.radiusMeters)) return true;
     return light.type == LightType::Spot && (changed(light.outerConeRadians, light.baking.outerConeRadians) ||
                                              changed(light.innerConeRadians, was.innerConeRadians));

@@ -84,9 +84,8 @@ public:
         scaleLight(); // before the new materials are there
         if (Status s = addPages(pages); !s) return s.error();
         const std::size_t nodes = member(source_.json, "nodes").size();
-        for (std::size_t i = 0; i < nodes; ++i) {
+        for (std::size_t i = 0; i < nodes; ++i)
             if (Status s = exportNode(i); !s) return s.error();
-        }
         closeGaps();
         if (unknown_.empty()) {
             compactDocument(patcher_.json, false);
@@ -127,9 +126,10 @@ private:
     void scaleLight()
     {
         if (factor_ == 1.0f) return;
-        if (extensionOf(patcher_.json, "KHR_lights_punctual").is_object()) {
-            for (Json& light : patcher_.json["extensions"]["KHR_lights_punctual"]["lights"])
-                light["intensity"] = double(factor_) * light.value("intensity", 1.0);
+        for (const auto& [name, absent] : {std::pair("KHR_lights_punctual", 1.0), {"EXT_lights_area", 1000.0}}) {
+            if (!extensionOf(patcher_.json, name).is_object()) continue;
+            for (Json& light : patcher_.json["extensions"][name]["lights"])
+                light["intensity"] = double(factor_) * light.value("intensity", absent);
         }
         if (!patcher_.json.contains("materials")) return;
         for (Json& material : patcher_.json["materials"]) {

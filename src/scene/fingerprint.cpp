@@ -35,6 +35,7 @@ Hash128 lightShapeHash(const Light& light)
     Hasher hasher;
     hasher.add(int(light.type)).add(light.rangeMeters).add(light.innerConeRadians).add(light.outerConeRadians);
     hasher.add(int(light.castShadows)).add(light.radiusMeters).add(light.angularRadiusRadians);
+    if (isAreaLight(light.type)) hasher.add(light.sizeMeters);
     return hasher.hash();
 }
 

@@ -48,6 +48,8 @@ std::string changedValues(const Light& light)
             (std::abs(light.outerConeRadians - light.baking.outerConeRadians) > kTolerance ||
              std::abs(light.innerConeRadians - was.innerConeRadians) > kTolerance),
         "cone");
+    const vec2 size = lightAtBake(light).sizeMeters;
+    add(was.sizeMeters.x >= 0.0f && (differ(size.x, was.sizeMeters.x) || differ(size.y, was.sizeMeters.y)), "size");
     add(light.castShadows != was.castShadows, "shadow switch");
     add(differ(light.shadowStrength, was.shadowStrength), "shadow strength");
     return list;
@@ -111,6 +113,8 @@ LightAtBake lightAtBake(const Light& light)
     result.shadowStrength = light.shadowStrength;
     result.radiusMeters = light.radiusMeters;
     result.angularRadiusRadians = light.angularRadiusRadians;
+    if (light.type == LightType::Rectangle) result.sizeMeters = light.sizeMeters;
+    if (light.type == LightType::Disk) result.sizeMeters = vec2(light.sizeMeters.x);
     return result;
 }
 

@@ -40,9 +40,9 @@ template<typename Visit> void each(Json* array, const Visit& visit)
 // Unsigned integers inside extensions that this program does not know: any of them may be a reference.
 void collectUnknown(const Json& json, bool unknown, std::set<int>& integers)
 {
-    constexpr std::string_view kKnown[] = {"KHR_lights_punctual",     "KHR_texture_transform", "KHR_node_visibility",
-                                           "EXT_mesh_gpu_instancing", "KHR_mesh_quantization", "KHR_xmp_json_ld",
-                                           "EXT_texture_webp"};
+    constexpr std::string_view kKnown[] = {"KHR_lights_punctual", "EXT_lights_area",         "KHR_texture_transform",
+                                           "KHR_node_visibility", "EXT_mesh_gpu_instancing", "KHR_mesh_quantization",
+                                           "KHR_xmp_json_ld",     "EXT_texture_webp"};
     if (unknown && isOld(json)) integers.insert(json.get<int>());
     if (json.is_array()) {
         for (const Json& item : json) collectUnknown(item, unknown, integers);

@@ -10,6 +10,7 @@
 #include "scene/read_probes.h"
 #include "scene/read_reflections.h"
 #include "scene/read_scene.h"
+#include "scene/setting_values.h"
 
 #include <algorithm>
 #include <cmath>

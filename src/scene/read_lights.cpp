@@ -1,8 +1,10 @@
 #include "scene/read_lights.h"
 
 #include "halflight/base/text.h"
+#include "scene/light_shapes.h"
 #include "scene/origin.h"
 #include "scene/pose.h"
+#include "scene/setting_values.h"
 
 #include <cmath>
 #include <limits>
@@ -10,18 +12,6 @@
 namespace halflight {
 
 namespace {
-
-Status readNumber(const Json& object, const char* key, float low, float high, const std::string& path, float& out)
-{
-    const Json& value = member(object, key);
-    if (value.is_null()) return {};
-    const float number = value.is_number() ? value.get<float>() : NAN;
-    if (!std::isfinite(number) || number < low || number > high) {
-        return invalid(path, std::string(key) + " is not a number in its range");
-    }
-    out = number;
-    return {};
-}
 
 // The light's values at the bake; unknown unless all of them are there.
 void readAtBake(const Json& json, LightAtBake& out)
@@ -50,6 +40,10 @@ void readAtBake(const Json& json, LightAtBake& out)
     };
     read.radiusMeters = recorded("radius", kMax);
     read.angularRadiusRadians = recorded("angularRadius", kPi);
+    if (const Json& size = member(json, "size"); size.is_array() && size.size() == 2) {
+        for (int i = 0; i < 2; ++i) number(size[std::size_t(i)], kMax, read.sizeMeters[i]);
+        if (!good) return;
+    }
     read.castShadows = cast.get<bool>();
     read.known = true;
     out = read;
@@ -80,6 +74,9 @@ Status readRecord(const Json& record, const std::string& path, const glm::dvec3&
     if (Status s = readNumber(record, "angularRadius", 0.0f, kPi, path, light.angularRadiusRadians); !s) return s;
     const Json& cast = member(record, "castShadows");
     if (cast.is_boolean()) light.castShadows = cast.get<bool>();
+    if (isAreaLight(light.type)) { // EXT_lights_area has no range
+        if (Status s = readNumber(record, "range", 0.0f, kMax, path, light.rangeMeters); !s) return s;
+    }
 
     const Json& bias = member(record, "shadowBias");
     const auto biasNumber = [&](const char* key, float high, std::optional<float>& out) {
@@ -123,6 +120,16 @@ Status readRecord(const Json& record, const std::string& path, const glm::dvec3&
     return {};
 }
 
+// Sizes that do not belong to the light's kind.
+void warnWithoutEffect(const LightSettings& settings, const Light& light, const std::string& where,
+                       std::vector<std::string>& warnings)
+{
+    if (settings.sizeMeters && !isAreaLight(light.type))
+        warnings.push_back(where + ": light " + light.name + " is no area light, so its size has no effect");
+    if (settings.radiusMeters && isAreaLight(light.type))
+        warnings.push_back(where + ": light " + light.name + " is an area light, so its radius has no effect");
+}
+
 // What of a baked light an animation of its members leaves behind.
 void warnAnimatedLight(const Light& light, const std::set<std::string>& members, const std::string& path,
                        std::vector<std::string>& warnings)
@@ -135,7 +142,8 @@ void warnAnimatedLight(const Light& light, const std::set<std::string>& members,
         warnings.push_back(what + "all of its light stays as baked; halflight_mode = \"realtime\" makes it change");
         return;
     }
-    const bool shape = members.count("range") != 0 || members.count("spot/outerConeAngle") != 0;
+    const bool shape = members.count("range") != 0 || members.count("spot/outerConeAngle") != 0 ||
+                       members.count("size") != 0 || members.count("rect/aspect") != 0;
     if (!shape && light.indirectMultiplier == 0.0f) return; // the seeds' remedy: nothing of it is baked but shadows
     warnings.push_back(what + (shape
                                    ? "its baked shadows and bounced light stay; halflight_mode = \"realtime\" is right"
@@ -151,75 +159,29 @@ Result<std::optional<Light>> readLight(const SourceDocument& document, const Nod
 {
     const Json& node = document.json["nodes"][std::size_t(state.node)];
     const std::string nodePath = pathOf("nodes", std::size_t(state.node));
-    const Json& reference = extensionOf(node, "KHR_lights_punctual");
-    if (reference.is_null()) return std::optional<Light>();
-    const Json& index = member(reference, "light");
-    const Json& lights = member(extensionOf(document.json, "KHR_lights_punctual"), "lights");
-    if (!index.is_number_unsigned() || !lights.is_array() || index.get<uint64_t>() >= lights.size()) {
-        return invalid(nodePath, "refers to a light that does not exist");
-    }
-    const Json& json = lights[index.get<std::size_t>()];
-    const std::string path = "/extensions/KHR_lights_punctual/lights/" + std::to_string(index.get<uint64_t>());
-
-    Light light;
-    const Json& name = member(json, "name");
-    light.name = name.is_string() && !name.get<std::string>().empty() ? name.get<std::string>() : state.name;
-    light.sourceNode = state.node;
-    light.worldFromLight = rigidPose(mat4(state.worldFromNode));
-    const Json& type = member(json, "type");
-    if (type == "directional") {
-        light.type = LightType::Directional;
-    } else if (type == "point") {
-        light.type = LightType::Point;
-    } else if (type == "spot") {
-        light.type = LightType::Spot;
-    } else {
-        return invalid(path, "type is not directional, point or spot");
-    }
-    const Json& color = member(json, "color");
-    if (!color.is_null()) {
-        bool good = color.is_array() && color.size() == 3;
-        for (std::size_t c = 0; good && c < 3; ++c) {
-            good = color[c].is_number() && std::isfinite(color[c].get<float>()) && color[c].get<float>() >= 0.0f;
-            if (good) light.color[int(c)] = color[c].get<float>();
-        }
-        if (!good) return invalid(path, "color is not three numbers >= 0");
-    }
-    constexpr float kMax = std::numeric_limits<float>::max();
-    if (Status s = readNumber(json, "intensity", 0.0f, kMax, path, light.intensity); !s) return s.error();
-    if (light.type != LightType::Directional) {
-        if (Status s = readNumber(json, "range", 0.0f, kMax, path, light.rangeMeters); !s) return s.error();
-    }
-    if (light.type == LightType::Spot) {
-        const Json& spot = member(json, "spot");
-        if (Status s = readNumber(spot, "innerConeAngle", 0.0f, kPi, path + "/spot", light.innerConeRadians); !s)
-            return s.error();
-        if (Status s = readNumber(spot, "outerConeAngle", 0.0f, kPi, path + "/spot", light.outerConeRadians); !s)
-            return s.error();
-        if (light.outerConeRadians > kPi / 2.0f) {
-            light.outerConeRadians = kPi / 2.0f;
-            warnings.push_back(path + ": outerConeAngle above 90 degrees is read as 90");
-        }
-        if (light.innerConeRadians >= light.outerConeRadians) {
-            warnings.push_back(path + ": innerConeAngle is not below outerConeAngle; read as just below");
-            light.innerConeRadians = 0.999f * light.outerConeRadians;
-        }
-    }
+    auto found = lightOfNode(document, state, warnings);
+    if (!found) return found.error();
+    if (!*found) return std::optional<Light>();
+    Light& light = (*found)->light;
+    const bool isBaked = extensionOf(node, "HALFLIGHT_light").is_object();
 
     // A moving light cannot be baked; whoever knows better says so with halflight_mode.
     if (state.animated) light.mode = LightMode::Realtime;
     for (const auto& [object, owner, where] :
-         {std::tuple{&json, ExtrasOwner::Light, path}, {&node, ExtrasOwner::Node, nodePath}}) {
+         {std::tuple{(*found)->json, ExtrasOwner::Light, (*found)->path}, {&node, ExtrasOwner::Node, nodePath}}) {
+        if (object == nullptr) continue;
         const Json& extras = member(*object, "extras");
         auto settings = lightSettingsOf(extras, where);
         if (!settings) return settings.error();
-        if (extensionOf(node, "HALFLIGHT_light").is_object()) {
+        if (owner == ExtrasOwner::Light) warnUnknownExtras(extras, owner, where, warnings);
+        warnWithoutEffect(*settings, light, where, warnings);
+        if (isBaked) {
             // The bake put these into the light itself, and there they may be changed since.
             settings->intensity.reset();
             settings->rangeMeters.reset();
             settings->color.reset();
+            settings->sizeMeters.reset();
         }
-        if (owner == ExtrasOwner::Light) warnUnknownExtras(extras, owner, where, warnings);
         applySettings(*settings, light);
     }
     const std::string recordPath = nodePath + "/extensions/HALFLIGHT_light";
@@ -227,13 +189,15 @@ Result<std::optional<Light>> readLight(const SourceDocument& document, const Nod
     for (auto& rule : file.lights) {
         if (!matchesPattern(rule.pattern, light.name) && !matchesPattern(rule.pattern, state.name)) continue;
         rule.matched = true;
+        warnWithoutEffect(rule.settings, light, "settings file", warnings);
         applySettings(rule.settings, light);
     }
     if (state.animated && light.mode != LightMode::Realtime) {
         warnings.push_back(nodePath + ": light " + light.name + " is animated, but " + nameOf(light.mode) +
                            " by its settings");
     }
-    if (const auto it = animated.lights.find(index.get<int>()); it != animated.lights.end())
+    const auto& animatedLights = isAreaLight(light.type) ? animated.areaLights : animated.lights;
+    if (const auto it = animatedLights.find((*found)->index); it != animatedLights.end())
         warnAnimatedLight(light, it->second, nodePath, warnings);
     return std::optional<Light>(std::move(light));
 }

@@ -5,8 +5,9 @@
 
 namespace halflight {
 
-/// The light of KHR_lights_punctual on a node; nothing where it has none. Marks matching rules of `file`. The node's
-/// transform is relative to the scene's local origin already, which poses of an earlier bake are made relative to.
+/// The light on a node (light_shapes.h) with its settings; nothing where it has none. Marks matching rules of `file`.
+/// The node's transform is relative to the scene's local origin already, which poses of an earlier bake are made
+/// relative to.
 Result<std::optional<Light>> readLight(const SourceDocument& document, const NodeState& state, const glm::dvec3& origin,
                                        const AnimatedThings& animated, FileSettings& file,
                                        std::vector<std::string>& warnings);

@@ -13,6 +13,10 @@ const char* nameOf(LightType type)
         return "point";
     case LightType::Spot:
         return "spot";
+    case LightType::Rectangle:
+        return "rectangle";
+    case LightType::Disk:
+        return "disk";
     }
     return "?";
 }
@@ -51,6 +55,10 @@ bool movedSinceBake(const Light& light)
     const bool axisMatters = light.type != LightType::Point;
     const vec3 bakedPosition = vec3(light.baking.worldFromLight[3]);
     const vec3 bakedAxis = -glm::normalize(vec3(light.baking.worldFromLight[2]));
+    // A rectangle that is turned by half a turn about its axis is the same.
+    const vec3 across =
+        glm::cross(glm::normalize(vec3(light.worldFromLight[0])), glm::normalize(vec3(light.baking.worldFromLight[0])));
+    if (light.type == LightType::Rectangle && glm::length(across) > kTolerance) return true;
     return (positionMatters && glm::distance(light.position(), bakedPosition) > kTolerance) ||
            (axisMatters && glm::distance(light.direction(), bakedAxis) > kTolerance);
 }

@@ -23,6 +23,21 @@ Expectation readNumber(const Json& value, double low, double high, Expectation e
     return nullptr;
 }
 
+Expectation readSize(const Json& value, std::optional<vec2>& out)
+{
+    constexpr Expectation kExpectation = "a size in metres, or [width, height], above 0 and at most 100000";
+    const bool two = value.is_array() && value.size() == 2;
+    vec2 size(0.0f);
+    for (int i = 0; i < 2; ++i) {
+        const Json& number = two ? value[std::size_t(i)] : value;
+        if (!number.is_number()) return kExpectation;
+        size[i] = number.get<float>();
+        if (!(size[i] > 0.0f && size[i] <= kLargestLightMeters)) return kExpectation;
+    }
+    out = size;
+    return nullptr;
+}
+
 Expectation readColor(const Json& value, std::optional<vec3>& out)
 {
     vec3 color(0.0f);
@@ -57,6 +72,30 @@ Expectation readPoints(const Json& value, std::optional<std::vector<glm::dvec3>>
     }
     out = std::move(points);
     return nullptr;
+}
+
+std::optional<LightType> lightTypeNamed(std::string_view name)
+{
+    for (const LightType type :
+         {LightType::Directional, LightType::Point, LightType::Spot, LightType::Rectangle, LightType::Disk}) {
+        if (name == nameOf(type)) return type;
+    }
+    return std::nullopt;
+}
+std::optional<LightMode> lightModeNamed(std::string_view name)
+{
+    for (const LightMode mode : {LightMode::Realtime, LightMode::Mixed, LightMode::Baked}) {
+        if (name == nameOf(mode)) return mode;
+    }
+    return std::nullopt;
+}
+std::optional<MixedLightingMode> mixedLightingModeNamed(std::string_view name)
+{
+    for (const auto mode :
+         {MixedLightingMode::BakedIndirect, MixedLightingMode::Shadowmask, MixedLightingMode::Subtractive}) {
+        if (name == nameOf(mode)) return mode;
+    }
+    return std::nullopt;
 }
 
 } // namespace halflight

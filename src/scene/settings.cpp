@@ -37,6 +37,11 @@ const std::vector<Key<ObjectSettings>>& objectKeys()
              return nullptr;
          }},
         {"reflection_probe", [](const Json& v, ObjectSettings& s) { return readBool(v, s.reflectionProbe); }},
+        {"area_light",
+         [](const Json& v, ObjectSettings& s) -> Expectation {
+             if (v.is_string()) s.areaLight = lightTypeNamed(v.get<std::string>());
+             return s.areaLight && isAreaLight(*s.areaLight) ? nullptr : "\"rectangle\" or \"disk\"";
+         }},
     };
     return keys;
 }
@@ -71,6 +76,7 @@ const std::vector<Key<LightSettings>>& lightKeys()
          [](const Json& v, LightSettings& s) {
              return readNumber(v, 0.0, 180.0, "a number of degrees from 0 to 180", s.angularDiameterDegrees);
          }},
+        {"size", [](const Json& v, LightSettings& s) { return readSize(v, s.sizeMeters); }},
         {"depth_bias",
          [](const Json& v, LightSettings& s) {
              return readNumber(v, 0.0, kMaxShadowBias, "a number from 0 to 100", s.shadowBias.depthTexels);
@@ -124,6 +130,8 @@ const std::vector<Key<SceneSettings>>& sceneKeys()
     return keys;
 }
 
+constexpr Expectation kLightTypes = "\"directional\", \"point\", \"spot\", \"rectangle\" or \"disk\"";
+
 // A light of [[add_light]], before its pose is known.
 struct AddedLight {
     Light light;
@@ -139,12 +147,10 @@ const std::vector<Key<AddedLight>>& addedLightKeys()
         std::vector<Key<AddedLight>> list = {
             {"type",
              [](const Json& v, AddedLight& s) -> Expectation {
-                 const std::string text = v.is_string() ? v.get<std::string>() : "";
-                 s.light.type = text == "directional" ? LightType::Directional
-                                : text == "spot"      ? LightType::Spot
-                                                      : LightType::Point;
-                 s.hasType = text == "directional" || text == "spot" || text == "point";
-                 return s.hasType ? nullptr : "\"directional\", \"point\" or \"spot\"";
+                 const auto type = lightTypeNamed(v.is_string() ? v.get<std::string>() : "");
+                 s.hasType = type.has_value();
+                 s.light.type = type.value_or(s.light.type);
+                 return s.hasType ? nullptr : kLightTypes;
              }},
             {"name",
              [](const Json& v, AddedLight& s) -> Expectation {
@@ -246,7 +252,7 @@ Status readAddedLights(const Json& tables, std::vector<FileSettings::AddedLight>
         const std::string path = "add_light[" + std::to_string(i) + "]";
         AddedLight added;
         if (Status s = fromTable(tables[i], addedLightKeys(), path, "", added); !s) return s;
-        if (!added.hasType) return wrongValue(path, "type", "given: \"directional\", \"point\" or \"spot\"");
+        if (!added.hasType) return wrongValue(path, "type", kLightTypes);
         if (added.light.innerConeRadians >= added.light.outerConeRadians && added.light.type == LightType::Spot) {
             return wrongValue(path, "inner_cone_degrees", "below outer_cone_degrees");
         }
@@ -382,6 +388,7 @@ ObjectSettings mergeSettings(const ObjectSettings& weaker, const ObjectSettings&
     if (stronger.probeLighting) merged.probeLighting = stronger.probeLighting;
     if (stronger.probeResolution) merged.probeResolution = stronger.probeResolution;
     if (stronger.reflectionProbe) merged.reflectionProbe = stronger.reflectionProbe;
+    if (stronger.areaLight) merged.areaLight = stronger.areaLight;
     return merged;
 }
 
@@ -416,6 +423,7 @@ void applySettings(const LightSettings& settings, Light& light)
     light.radiusMeters = settings.radiusMeters.value_or(light.radiusMeters);
     if (settings.angularDiameterDegrees)
         light.angularRadiusRadians = glm::radians(0.5f * *settings.angularDiameterDegrees);
+    light.sizeMeters = settings.sizeMeters.value_or(light.sizeMeters);
     const auto assign = [](const std::optional<float>& from, std::optional<float>& to) {
         if (from) to = from;
     };
@@ -431,22 +439,6 @@ void applySettings(const MaterialSettings& settings, Material& material)
 {
     material.castShadows = settings.castShadows.value_or(material.castShadows);
     material.receiveShadows = settings.receiveShadows.value_or(material.receiveShadows);
-}
-
-std::optional<LightMode> lightModeNamed(std::string_view name)
-{
-    for (const LightMode mode : {LightMode::Realtime, LightMode::Mixed, LightMode::Baked}) {
-        if (name == nameOf(mode)) return mode;
-    }
-    return std::nullopt;
-}
-std::optional<MixedLightingMode> mixedLightingModeNamed(std::string_view name)
-{
-    for (const auto mode :
-         {MixedLightingMode::BakedIndirect, MixedLightingMode::Shadowmask, MixedLightingMode::Subtractive}) {
-        if (name == nameOf(mode)) return mode;
-    }
-    return std::nullopt;
 }
 
 } // namespace halflight

@@ -23,6 +23,7 @@ struct ObjectSettings {
     std::optional<ProbeLighting> probeLighting;
     std::optional<ivec3> probeResolution;
     std::optional<bool> reflectionProbe; ///< the node's cube [-1, 1]^3 is a reflection probe's box
+    std::optional<LightType> areaLight;  ///< the node is an area light, in its XY plane
 };
 
 struct MaterialSettings {
@@ -37,6 +38,7 @@ struct LightSettings {
     std::optional<float> indirectMultiplier;
     std::optional<float> radiusMeters;
     std::optional<float> angularDiameterDegrees;
+    std::optional<vec2> sizeMeters; ///< of an area light, as Light::sizeMeters
     ShadowBias shadowBias;
     std::optional<float> rangeMeters;
     std::optional<float> intensity;
@@ -99,9 +101,5 @@ ObjectSettings mergeSettings(const ObjectSettings& weaker, const ObjectSettings&
 SceneSettings mergeSettings(const SceneSettings& weaker, const SceneSettings& stronger);
 void applySettings(const LightSettings& settings, Light& light);
 void applySettings(const MaterialSettings& settings, Material& material);
-
-/// The inverse of nameOf() in scene.h.
-std::optional<LightMode> lightModeNamed(std::string_view name);
-std::optional<MixedLightingMode> mixedLightingModeNamed(std::string_view name);
 
 } // namespace halflight

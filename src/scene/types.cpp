@@ -114,6 +114,7 @@ constexpr Rule kRules[] = {
     {"nodes/*/scale", Kind::Numbers, 3},
     {"nodes/*/weights", Kind::Numbers},
     {"nodes/*/extensions/KHR_lights_punctual/light", Kind::Index},
+    {"nodes/*/extensions/EXT_lights_area/light", Kind::Index},
     {"nodes/*/extensions/KHR_node_visibility/visible", Kind::Flag},
     {"nodes/*/extensions/EXT_mesh_gpu_instancing/attributes/{}", Kind::Index},
 
@@ -124,6 +125,12 @@ constexpr Rule kRules[] = {
     {"extensions/KHR_lights_punctual/lights/*/range", Kind::Number},
     {"extensions/KHR_lights_punctual/lights/*/spot/innerConeAngle", Kind::Number},
     {"extensions/KHR_lights_punctual/lights/*/spot/outerConeAngle", Kind::Number},
+    {"extensions/EXT_lights_area/lights/*/name", Kind::Text},
+    {"extensions/EXT_lights_area/lights/*/type", Kind::Text},
+    {"extensions/EXT_lights_area/lights/*/color", Kind::Numbers, 3},
+    {"extensions/EXT_lights_area/lights/*/intensity", Kind::Number},
+    {"extensions/EXT_lights_area/lights/*/size", Kind::Number},
+    {"extensions/EXT_lights_area/lights/*/rect/aspect", Kind::Number},
 
 };
 

@@ -17,7 +17,8 @@ constexpr uint64_t kMaxImplicitElements = 1u << 20;
 constexpr uint64_t kMaxInt = 0x7fffffff;
 constexpr uint64_t kMaxByteLength = 0xffffffff;
 
-constexpr std::array<std::string_view, 19> kSupportedExtensions = {"KHR_lights_punctual",
+constexpr std::array<std::string_view, 20> kSupportedExtensions = {"KHR_lights_punctual",
+                                                                   "EXT_lights_area",
                                                                    "KHR_materials_emissive_strength",
                                                                    "KHR_texture_transform",
                                                                    "KHR_mesh_quantization",
@@ -42,9 +43,7 @@ Status checkUnsigned(const Json& object, const char* key, bool required, uint64_
                      uint64_t& value)
 {
     const Json& number = member(object, key);
-    if (number.is_null()) {
-        return required ? Status(invalid(path, std::string("has no ") + key)) : Status();
-    }
+    if (number.is_null()) return required ? Status(invalid(path, std::string("has no ") + key)) : Status();
     if (!number.is_number_unsigned()) return invalid(path, std::string(key) + " is not an unsigned integer");
     value = number.get<uint64_t>();
     if (value > limit) return invalid(path, std::string(key) + " is too large (" + std::to_string(value) + ")");

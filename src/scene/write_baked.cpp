@@ -291,14 +291,14 @@ private:
     void writeExtensionsUsed()
     {
         std::set<std::string> used;
-        for (const Json& name : member(source_.json, "extensionsUsed")) {
+        for (const Json& name : member(source_.json, "extensionsUsed"))
             if (name.is_string() && !name.get<std::string>().starts_with("HALFLIGHT_"))
                 used.insert(name.get<std::string>());
-        }
         used.insert(kRootExtension);
         if (!scene_.objects.empty()) used.insert(kNodeExtension);
         if (materialRecords_) used.insert(kMaterialExtension);
-        if (!scene_.lights.empty()) used.insert({kLightExtension, "KHR_lights_punctual"});
+        for (const Light& light : scene_.lights)
+            used.insert({kLightExtension, isAreaLight(light.type) ? "EXT_lights_area" : "KHR_lights_punctual"});
         used.insert(pictures_.extensions().begin(), pictures_.extensions().end());
         if (!moz_.is_null()) {
             used.insert({"MOZ_lightmap", "MOZ_texture_rgbe", "KHR_texture_transform"});

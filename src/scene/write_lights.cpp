@@ -1,5 +1,6 @@
 #include "scene/write_lights.h"
 
+#include "scene/light_shapes.h"
 #include "scene/origin.h"
 
 namespace halflight {
@@ -8,14 +9,16 @@ namespace {
 
 Json atBakeJson(const LightAtBake& atBake)
 {
-    return {{"colorIntensity", numbers(atBake.colorIntensity)},
-            {"indirectMultiplier", atBake.indirectMultiplier},
-            {"range", atBake.rangeMeters},
-            {"innerConeAngle", atBake.innerConeRadians},
-            {"castShadows", atBake.castShadows},
-            {"shadowStrength", atBake.shadowStrength},
-            {"radius", atBake.radiusMeters},
-            {"angularRadius", atBake.angularRadiusRadians}};
+    Json json = {{"colorIntensity", numbers(atBake.colorIntensity)},
+                 {"indirectMultiplier", atBake.indirectMultiplier},
+                 {"range", atBake.rangeMeters},
+                 {"innerConeAngle", atBake.innerConeRadians},
+                 {"castShadows", atBake.castShadows},
+                 {"shadowStrength", atBake.shadowStrength},
+                 {"radius", atBake.radiusMeters},
+                 {"angularRadius", atBake.angularRadiusRadians}};
+    if (atBake.sizeMeters.x >= 0.0f) json["size"] = {atBake.sizeMeters.x, atBake.sizeMeters.y};
+    return json;
 }
 
 /// The biases that the light has of its own.
@@ -56,30 +59,44 @@ private:
         return numbers(worldFromLocal(pose, scene_.originMeters));
     }
 
-    // The light's node and KHR_lights_punctual light, with what settings changed. `added`: the file has neither.
+    // The light's node and the extension's light, with what settings changed. `added`: the file has neither.
     int place(const Light& light, bool& added)
     {
         const int node = light.sourceNode;
         added =
             node < 0 || member(extensionOf(source_.json["nodes"][std::size_t(node)], kLightExtension), "added") == true;
         if (node < 0) {
-            const std::size_t index = lightList().size();
-            lightList().push_back(lightJson(light));
-            Json json = {{"name", light.name}, {"extensions", {{"KHR_lights_punctual", {{"light", index}}}}}};
+            Json json = {{"name", light.name}};
+            addLight(light, json);
             if (light.worldFromLight != mat4(1.0f) || scene_.originMeters != dvec3(0.0))
                 json["matrix"] = worldNumbers(light.worldFromLight);
             const int made = patcher_.append("nodes", std::move(json));
             addToScene(made);
             return made;
         }
+        const bool inFile = extensionOf(source_.json["nodes"][std::size_t(node)], extensionNameOf(light)).is_object();
         if (added) { // its settings file is its source: it may say something else by now
-            const auto index = nodeJson(node)["extensions"]["KHR_lights_punctual"]["light"].get<std::size_t>();
-            lightList()[index] = lightJson(light);
+            Json& extensions = nodeJson(node)["extensions"];
+            if (inFile) {
+                const auto index = extensions[extensionNameOf(light)]["light"].get<std::size_t>();
+                lightList(light)[index] = lightJson(light);
+            } else {
+                for (const char* name : {"KHR_lights_punctual", "EXT_lights_area"}) extensions.erase(name);
+                addLight(light, nodeJson(node));
+            }
             nodeJson(node)["matrix"] = worldNumbers(light.worldFromLight);
-        } else {
+        } else if (inFile) {
             patchLight(light);
+        } else { // an area light by its node's extras alone
+            addLight(light, nodeJson(node));
         }
         return node;
+    }
+
+    void addLight(const Light& light, Json& node)
+    {
+        node["extensions"][extensionNameOf(light)] = {{"light", lightList(light).size()}};
+        lightList(light).push_back(lightJson(light));
     }
 
     [[nodiscard]] Json record(const Light& light, bool added) const
@@ -90,6 +107,7 @@ private:
                        {"castShadows", light.castShadows},
                        {"radius", light.radiusMeters}};
         if (light.type == LightType::Directional) record["angularRadius"] = light.angularRadiusRadians;
+        if (isAreaLight(light.type) && light.rangeMeters > 0.0f) record["range"] = light.rangeMeters;
         if (const Json bias = biasJson(light.shadowBias); !bias.empty()) record["shadowBias"] = bias;
         if (added) record["added"] = true;
         if (!light.baking.isBaked) return record;
@@ -106,8 +124,28 @@ private:
         return record;
     }
 
+    static const char* extensionNameOf(const Light& light)
+    {
+        return isAreaLight(light.type) ? "EXT_lights_area" : "KHR_lights_punctual";
+    }
+
+    static void setSize(Json& json, const Light& light)
+    {
+        const glm::dvec2 size = glm::dvec2(light.sizeMeters) / double(light.sourceScale);
+        json["size"] = light.type == LightType::Disk ? size.x : size.y;
+        if (light.type == LightType::Rectangle) json["rect"]["aspect"] = size.x / size.y;
+    }
+
     static Json lightJson(const Light& light)
     {
+        if (isAreaLight(light.type)) {
+            Json json = {{"name", light.name},
+                         {"type", light.type == LightType::Disk ? "disk" : "rect"},
+                         {"color", numbers(light.color)},
+                         {"intensity", light.intensity}};
+            setSize(json, light);
+            return json;
+        }
         constexpr const char* kTypes[] = {"directional", "point", "spot"};
         Json json = {{"name", light.name},
                      {"type", kTypes[int(light.type)]},
@@ -120,9 +158,9 @@ private:
         return json;
     }
 
-    Json& lightList()
+    Json& lightList(const Light& light)
     {
-        Json& list = patcher_.json["extensions"]["KHR_lights_punctual"]["lights"];
+        Json& list = patcher_.json["extensions"][extensionNameOf(light)]["lights"];
         if (!list.is_array()) list = Json::array();
         return list;
     }
@@ -130,15 +168,17 @@ private:
     // What settings changed of a light of the file: changed in the light itself, or in a copy where nodes share it.
     void patchLight(const Light& light)
     {
-        Json& reference = nodeJson(light.sourceNode)["extensions"]["KHR_lights_punctual"]["light"];
+        const bool isArea = isAreaLight(light.type);
+        Json& reference = nodeJson(light.sourceNode)["extensions"][extensionNameOf(light)]["light"];
         const auto index = reference.get<std::size_t>();
-        Json json = lightList()[index];
+        Json json = lightList(light)[index];
         const Json before = json;
-        const float defaultIntensity = json.value("intensity", 1.0f);
-        if (light.intensity != defaultIntensity) json["intensity"] = light.intensity;
+        const float intensity = json.value("intensity", isArea ? 1000.0f : 1.0f);
+        if (light.intensity != intensity) json["intensity"] = light.intensity;
         if (numbers(light.color) != json.value("color", numbers(vec3(1.0f))) && !sameColor(json, light.color))
             json["color"] = numbers(light.color);
-        if (light.type != LightType::Directional && light.rangeMeters != json.value("range", 0.0f)) {
+        if (isArea && !sameSize(json, light)) setSize(json, light);
+        if (!isArea && light.type != LightType::Directional && light.rangeMeters != json.value("range", 0.0f)) {
             if (light.rangeMeters > 0.0f) {
                 json["range"] = light.rangeMeters;
             } else {
@@ -148,15 +188,21 @@ private:
         if (json == before) return;
         std::size_t users = 0;
         for (const Json& node : patcher_.json["nodes"]) {
-            const Json& other = member(extensionOf(node, "KHR_lights_punctual"), "light");
+            const Json& other = member(extensionOf(node, extensionNameOf(light)), "light");
             users += other.is_number_integer() && other.get<std::size_t>() == index;
         }
         if (users > 1) {
-            reference = lightList().size();
-            lightList().push_back(std::move(json));
+            reference = lightList(light).size();
+            lightList(light).push_back(std::move(json));
         } else {
-            lightList()[index] = std::move(json);
+            lightList(light)[index] = std::move(json);
         }
+    }
+
+    static bool sameSize(const Json& json, const Light& light)
+    {
+        const vec2 inFile = areaLightSize(json, light.sourceScale);
+        return light.sizeMeters.x == inFile.x && (light.type == LightType::Disk || light.sizeMeters.y == inFile.y);
     }
 
     static bool sameColor(const Json& json, vec3 color)

@@ -11,6 +11,11 @@
 namespace halflight::view {
 namespace {
 
+const char* unitOf(LightType type)
+{
+    return type == LightType::Directional ? "lux" : isAreaLight(type) ? "cd/m2" : "candela";
+}
+
 constexpr std::array kViews = {DebugView::Lit,      DebugView::Shadowmask, DebugView::Lightmap, DebugView::Probes,
                                DebugView::Cascades, DebugView::Fade,       DebugView::Overlap};
 
@@ -120,8 +125,8 @@ void lightEditor(ViewState& state, const Light& light)
     const bool baked = light.mode != LightMode::Realtime;
     any |= ImGui::ColorEdit3("colour", &changed.color.x, ImGuiColorEditFlags_Float | ImGuiColorEditFlags_HDR);
     markForBake(baked);
-    any |= ImGui::DragFloat(light.type == LightType::Directional ? "lux" : "candela", &changed.intensity,
-                            0.01f * std::max(light.intensity, 0.01f), 0.0f, FLT_MAX, "%.4g");
+    any |= ImGui::DragFloat(unitOf(light.type), &changed.intensity, 0.01f * std::max(light.intensity, 0.01f), 0.0f,
+                            FLT_MAX, "%.4g");
     markForBake(baked);
     any |= ImGui::SliderFloat("shadow strength", &changed.shadowStrength, 0.0f, 1.0f);
     if (light.type == LightType::Directional) {

@@ -104,11 +104,11 @@ def check_export(document):
     expect(lights["Bulb"]["extras"]["halflight_shadow_strength"] == 0.6, "a setting of a light")
     expect(lights["Lamp"]["extras"]["halflight_mode"] == "baked", "an enumeration is stored as a word")
     nodes = {node["name"]: node for node in document["nodes"]}
-    expect(nodes["Panel"]["mesh"] is not None, "the area light is a quad")
-    mesh = document["meshes"][nodes["Panel"]["mesh"]]
-    material = document["materials"][mesh["primitives"][0]["material"]]
-    radiance = material["extensions"]["KHR_materials_emissive_strength"]["emissiveStrength"]
-    expect(abs(radiance - 683.0 * 20.0 / (np.pi * 1.5 * 0.5)) < 1.0, "its radiance is power over pi and area")
+    index = nodes["Panel"]["extensions"]["EXT_lights_area"]["light"]
+    panel = document["extensions"]["EXT_lights_area"]["lights"][index]
+    expect(abs(panel["intensity"] - 683.0 * 20.0 / (np.pi * 1.5 * 0.5)) < 1.0, "its radiance is power over pi and area")
+    expect(panel["type"] == "rect" and abs(panel["size"] - 0.5) < 1e-6, "the area light's height")
+    expect(abs(panel["rect"]["aspect"] - 3.0) < 1e-5 and panel["extras"]["halflight_mode"] == "baked", "its width and mode")
     expect(nodes["Ball"]["extras"]["halflight_static"] == 0, "a setting of an object")
     expect(nodes["Pillar"]["extras"] == {"halflight_lightmap_scale": 2.0}, "defaults are not stored")
     expect([n["name"] for n in document["nodes"]].count("Stone") == 2, "the collection's instances are there")

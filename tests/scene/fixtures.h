@@ -167,7 +167,8 @@ inline Scene engineScene()
         if (i == 2) object.probeResolution = {3, 4, 5};
         scene.objects.push_back(object);
     }
-    for (const LightType type : {LightType::Directional, LightType::Point, LightType::Spot}) {
+    for (const LightType type :
+         {LightType::Directional, LightType::Point, LightType::Spot, LightType::Rectangle, LightType::Disk}) {
         Light light;
         light.name = "light " + std::to_string(int(type));
         light.type = type;
@@ -175,6 +176,7 @@ inline Scene engineScene()
         light.intensity = 12.3f;
         if (type == LightType::Spot) light.innerConeRadians = 0.2f;
         if (type != LightType::Directional) light.rangeMeters = 7.5f;
+        if (isAreaLight(type)) light.sizeMeters = type == LightType::Disk ? vec2(0.6f) : vec2(1.5f, 0.25f);
         light.worldFromLight[3] = vec4(1, 2, 3, 1);
         scene.lights.push_back(light);
     }

@@ -77,6 +77,10 @@ void expectSame(const BakedScene& a, const BakedScene& b)
         EXPECT_EQ(x.indirectMultiplier, y.indirectMultiplier);
         EXPECT_EQ(x.radiusMeters, y.radiusMeters);
         EXPECT_EQ(x.angularRadiusRadians, y.angularRadiusRadians);
+        if (isAreaLight(x.type)) {
+            EXPECT_EQ(x.sizeMeters, y.sizeMeters);
+            EXPECT_EQ(x.baking.atBake.sizeMeters, y.baking.atBake.sizeMeters);
+        }
         EXPECT_EQ(x.baking.isBaked, y.baking.isBaked);
         EXPECT_EQ(int(x.baking.bakeType), int(y.baking.bakeType));
         EXPECT_EQ(int(x.baking.mixedMode), int(y.baking.mixedMode));

@@ -155,7 +155,7 @@ TEST(Schemas, WrittenFilesFollowThem)
     ASSERT_TRUE(writeBakedScene(folder / "engine.glb", pretendToBake(engineScene(), false)));
     checkFile(folder / "engine.glb", nodes, lights);
     EXPECT_EQ(nodes, 3u);
-    EXPECT_EQ(lights, 3u);
+    EXPECT_EQ(lights, 5u);
     for (const char* name : {"grey_white_room.glb", "grass_field_instanced.glb", "lights_all_types_playcanvas.glb"}) {
         if (!std::filesystem::exists(kScenes / name)) continue;
         auto scene = readScene(kScenes / name, {.decodeTextures = false});
@@ -233,8 +233,10 @@ TEST(EngineScene, ComesBackFromTheFile)
     ASSERT_EQ(b.textures.size(), 1u);
     EXPECT_EQ(a.textures[0].pixels.texels(), b.textures[0].pixels.texels());
     EXPECT_EQ(int(b.textures[0].wrapU), int(Texture::Wrap::ClampToEdge));
-    ASSERT_EQ(b.lights.size(), 3u);
-    for (std::size_t i = 0; i < 3; ++i) {
+    ASSERT_EQ(b.lights.size(), 5u);
+    for (std::size_t i = 0; i < 5; ++i) {
+        EXPECT_EQ(a.lights[i].type, b.lights[i].type);
+        EXPECT_EQ(a.lights[i].area(), b.lights[i].area());
         EXPECT_EQ(a.lights[i].name, b.lights[i].name);
         EXPECT_EQ(a.lights[i].intensity, b.lights[i].intensity);
         EXPECT_EQ(a.lights[i].position(), b.lights[i].position());

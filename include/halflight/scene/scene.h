@@ -122,14 +122,20 @@ struct Object {
     int sourceInstance = -1; ///< index within EXT_mesh_gpu_instancing, -1 = none
 };
 
-enum class LightType { Directional, Point, Spot };
+/// Rectangle and Disk are area lights: flat, one-sided, of one radiance (EXT_lights_area). They light surfaces and show
+/// in highlights; cameras do not see them, and they throw no shadow.
+enum class LightType { Directional, Point, Spot, Rectangle, Disk };
+constexpr bool isAreaLight(LightType type)
+{
+    return type == LightType::Rectangle || type == LightType::Disk;
+}
 /// Realtime: nothing baked. Mixed: direct light at run time, indirect light (and by mode shadows) baked. Baked: all
 /// baked.
 enum class LightMode { Realtime, Mixed, Baked };
 enum class MixedLightingMode { BakedIndirect, Shadowmask, Subtractive };
 
-/// As files, reports and the command line write them: "directional", "point", "spot"; "realtime", "mixed", "baked";
-/// "baked-indirect", "shadowmask", "subtractive".
+/// As files, reports and the command line write them: "directional", "point", "spot", "rectangle", "disk"; "realtime",
+/// "mixed", "baked"; "baked-indirect", "shadowmask", "subtractive".
 const char* nameOf(LightType type);
 const char* nameOf(LightMode mode);
 const char* nameOf(MixedLightingMode mode);
@@ -145,6 +151,7 @@ struct LightAtBake {
     float shadowStrength = 1.0f;
     float radiusMeters = -1.0f;         ///< below 0: not recorded
     float angularRadiusRadians = -1.0f; ///< below 0: not recorded
+    vec2 sizeMeters{-1.0f};             ///< of an area light; below 0: not recorded
 };
 
 /// What the bake did with a light (spec: baking output). The renderer follows this, not the light's authored mode.
@@ -177,8 +184,10 @@ struct Light {
     std::string name;
     LightType type = LightType::Point;
     vec3 color{1.0f};
-    float intensity = 1.0f;   ///< candela (point, spot) or lux (directional), as in KHR_lights_punctual
-    float rangeMeters = 0.0f; ///< light is exactly 0 from here on; 0 = unlimited
+    /// Candela (point, spot) or lux (directional), as in KHR_lights_punctual; of area lights the radiance of their
+    /// surface, cd/m2, as in EXT_lights_area.
+    float intensity = 1.0f;
+    float rangeMeters = 0.0f; ///< light is exactly 0 from here on, as seen from the light's position; 0 = unlimited
     float innerConeRadians = 0.0f;
     float outerConeRadians = kPi / 4.0f; ///< half angles
     mat4 worldFromLight{1.0f};           ///< rigid: position and direction (-Z)
@@ -188,6 +197,9 @@ struct Light {
     float indirectMultiplier = 1.0f;   ///< scales this light's bounced light in the bake
     float radiusMeters = 0.0f;         ///< point, spot: radius of the emitting sphere or disc, for baked penumbrae
     float angularRadiusRadians = 0.0f; ///< directional: half the source's angular diameter (the sun: 0.00465)
+    /// Rectangle: width along the light's X, height along its Y, the position in the middle. Disk: x is the diameter.
+    vec2 sizeMeters{1.0f};
+    float sourceScale = 1.0f; ///< area lights of a file: metres per unit of the size in the file (the node's scale)
     ShadowBias shadowBias;
     BakingOutput baking;
     int sourceNode = -1;
@@ -195,6 +207,19 @@ struct Light {
     [[nodiscard]] vec3 position() const { return vec3(worldFromLight[3]); }
     /// Unit vector along which the light shines.
     [[nodiscard]] vec3 direction() const { return -glm::normalize(vec3(worldFromLight[2])); }
+    /// From the middle of an area light to the middles of its edges along X and Y, or to a disk's rim.
+    [[nodiscard]] vec3 halfWidth() const { return 0.5f * sizeMeters.x * glm::normalize(vec3(worldFromLight[0])); }
+    [[nodiscard]] vec3 halfHeight() const
+    {
+        const float height = type == LightType::Disk ? sizeMeters.x : sizeMeters.y;
+        return 0.5f * height * glm::normalize(vec3(worldFromLight[1]));
+    }
+    /// Intensity over Light::intensity along the axis of an area light, seen from afar: its area in m2. 1 for others.
+    [[nodiscard]] float area() const
+    {
+        if (type == LightType::Disk) return 0.25f * kPi * sizeMeters.x * sizeMeters.x;
+        return type == LightType::Rectangle ? sizeMeters.x * sizeMeters.y : 1.0f;
+    }
 };
 
 /// Whether the part of a mixed or baked light's pose that matters to its kind differs from the pose at bake time by

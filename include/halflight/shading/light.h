@@ -1,4 +1,4 @@
-// Punctual lights of KHR_lights_punctual: attenuation by distance and cone.
+// Punctual lights of KHR_lights_punctual: attenuation by distance and cone. Area lights are in area_light.h.
 #ifndef HALFLIGHT_SHADING_LIGHT_H
 #define HALFLIGHT_SHADING_LIGHT_H
 
@@ -9,16 +9,22 @@ HL_NAMESPACE_BEGIN
 HL_CONST int kLightDirectional = 0;
 HL_CONST int kLightPoint = 1;
 HL_CONST int kLightSpot = 2;
+HL_CONST int kLightRectangle = 3; // area lights: see area_light.h
+HL_CONST int kLightDisk = 4;
 
-// Inverse square law with the range window that KHR_lights_punctual recommends ("Range Property"):
-// max(min(1 - (d / range)^4, 1), 0) / d^2, in 1/m^2. rangeMeters 0 = unlimited. Distances below a millimetre count as
-// one.
+// Window that KHR_lights_punctual recommends ("Range Property"): max(min(1 - (d / range)^4, 1), 0), by the square of
+// the distance in metres. rangeMeters 0 = unlimited.
+HL_FN float rangeWindow(float squaredDistance, float rangeMeters)
+{
+    float ratio2 = squaredDistance / max(rangeMeters * rangeMeters, 1.0e-30f);
+    return rangeMeters > 0.0f ? saturate(1.0f - ratio2 * ratio2) : 1.0f;
+}
+
+// Inverse square law with the range window, in 1/m^2. Distances below a millimetre count as one.
 HL_FN float distanceAttenuation(float distanceMeters, float rangeMeters)
 {
     float d2 = max(distanceMeters * distanceMeters, 1.0e-6f);
-    if (rangeMeters <= 0.0f) return 1.0f / d2;
-    float ratio2 = d2 / (rangeMeters * rangeMeters);
-    return saturate(1.0f - ratio2 * ratio2) / d2;
+    return rangeWindow(d2, rangeMeters) / d2;
 }
 
 // Scale and offset that turn cos(angle to axis) into cone attenuation (KHR_lights_punctual, "Inner and Outer Cone

@@ -28,12 +28,13 @@ ReferenceTracer::Hit ReferenceTracer::surfaceAt(const RayHit& at, vec3 view) con
     return {point, emission, Scattering(surface, point.normal, point.geometricNormal, view)};
 }
 
-/// Direct light of one punctual light, chosen by what it would contribute without shadows. Light comes from the sampled
-/// point of a light with a size, so that its highlight has that size too.
+/// Direct light of one light, chosen by what it would contribute without shadows. Light comes from the sampled point of
+/// a light with a size, so that its highlight has that size too. That of area lights has its MIS weight.
 vec3 ReferenceTracer::punctualLight(const Hit& hit, Sampler& sampler, uint64_t& rays) const
 {
     const auto choice =
         paths_.chooseLight(hit.point, sampler, [&](const PunctualLight& light, vec2 disc, float probability) {
+            if (light.isArea()) return areaContribution(light, hit, disc) / probability;
             const vec3 illuminance = light.at(hit.point.position).illuminance;
             if (illuminance == vec3(0.0f)) return vec3(0.0f);
             const vec3 direction = sampleLightRay(light, hit.point.position, disc).direction;
@@ -41,6 +42,42 @@ vec3 ReferenceTracer::punctualLight(const Hit& hit, Sampler& sampler, uint64_t& 
         });
     if (choice.light == nullptr) return vec3(0.0f);
     return choice.irradiance(paths_.lightVisibility(*choice.light, hit.point, choice.disc, rays));
+}
+
+vec3 ReferenceTracer::areaContribution(const PunctualLight& light, const Hit& hit, vec2 disc) const
+{
+    if (options_.emitters == EmitterSampling::Directions) return vec3(0.0f);
+    const LightRay ray = sampleLightRay(light, hit.point.position, disc);
+    if (ray.solidAngle <= 0.0f) return vec3(0.0f);
+    // As of other lights, light from below the triangle is not excluded; the lobe has no samples there.
+    const bool alone = options_.emitters == EmitterSampling::Surfaces || !hit.scattering.above(ray.direction);
+    const float weight =
+        alone ? 1.0f : shading::powerHeuristic(1.0f / ray.solidAngle, hit.scattering.pdf(ray.direction));
+    return hit.scattering.reflected(ray.direction, light.radianceAt(hit.point.position) * (ray.solidAngle * weight));
+}
+
+/// Radiance of the area lights that a sampled direction of the hit meets, with its MIS weight. `next` is what the ray
+/// meets of the scene.
+vec3 ReferenceTracer::areaLightsAlong(const Hit& hit, vec3 direction, float directionPdf, const RayHit& next) const
+{
+    vec3 radiance(0.0f);
+    if (options_.emitters == EmitterSampling::Surfaces) return radiance;
+    const bool alone = options_.emitters == EmitterSampling::Directions;
+    const vec3 origin = hit.point.position;
+    for (const PunctualLight& light : paths_.lights()) {
+        if (!light.isArea() || !light.bounces) continue;
+        const vec3 toCenter = light.position - origin;
+        const float distance =
+            shading::meetAreaLight(light.type, toCenter, light.halfWidth, light.halfHeight, direction);
+        if (distance <= 0.0f) continue;
+        const bool hidden = next.found && next.distance < distance * (1.0f - 1.0e-4f);
+        const float visible = hidden && paths_.shadowsFall(light, hit.point) ? 1.0f - light.shadowStrength : 1.0f;
+        const float pdf =
+            shading::areaSamplePdf(light.type, toCenter, light.halfWidth, light.halfHeight, distance * direction);
+        const float weight = alone ? 1.0f : shading::powerHeuristic(directionPdf, pdf);
+        radiance += light.radianceAt(origin) * (visible * weight);
+    }
+    return radiance;
 }
 
 vec3 ReferenceTracer::emitterLight(const Hit& hit, Sampler& sampler, uint64_t& rays) const
@@ -149,6 +186,8 @@ vec3 ReferenceTracer::radiance(vec3 origin, vec3 direction, bool cameraRay, int 
         from = {paths_.rayOrigin(hit.point), hit.point.normal};
         ++rays;
         at = surfaces.nearest(from.position, direction, 0.0f, kInfinity);
+        const vec3 ofAreaLights = throughput * areaLightsAlong(hit, direction, pdf, at);
+        radiance += depth > 0 ? limited(ofAreaLights) : ofAreaLights;
         if (depth == 0 && at.found && options_.surfaces == ReferenceSurfaces::DiffuseBounces) {
             radiance += limited(throughput * paths_.pathRadiance(at, direction, from, pdf, bounces, sampler, rays));
             break;

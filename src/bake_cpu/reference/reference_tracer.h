@@ -9,8 +9,8 @@
 
 namespace halflight {
 
-/// How light of emissive surfaces and of a sky's bright places is sampled. Both (multiple importance sampling) is what
-/// pictures use; each alone is an independent estimator of the same light.
+/// How light of emissive surfaces, of area lights and of a sky's bright places is sampled. Both (multiple importance
+/// sampling) is what pictures use; each alone is an independent estimator of the same light.
 enum class EmitterSampling { Both, Directions, Surfaces };
 
 /// Unidirectional path tracing (Kajiya 1986) with next-event estimation and multiple importance sampling (Veach and
@@ -40,6 +40,8 @@ private:
     };
     [[nodiscard]] Hit surfaceAt(const RayHit& at, vec3 view) const;
     [[nodiscard]] vec3 punctualLight(const Hit& hit, Sampler& sampler, uint64_t& rays) const;
+    [[nodiscard]] vec3 areaContribution(const PunctualLight& light, const Hit& hit, vec2 disc) const;
+    [[nodiscard]] vec3 areaLightsAlong(const Hit& hit, vec3 direction, float directionPdf, const RayHit& next) const;
     [[nodiscard]] vec3 emitterLight(const Hit& hit, Sampler& sampler, uint64_t& rays) const;
     [[nodiscard]] vec3 skyLight(const Hit& hit, Sampler& sampler, uint64_t& rays) const;
     [[nodiscard]] vec3 skyAlong(vec3 direction, float directionPdf) const;

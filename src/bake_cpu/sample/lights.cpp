@@ -7,14 +7,15 @@
 
 namespace halflight {
 
+static_assert(int(LightType::Directional) == shading::kLightDirectional);
+static_assert(int(LightType::Disk) == shading::kLightDisk);
+
 std::vector<PunctualLight> punctualLights(const Scene& scene, LightUse use)
 {
     std::vector<PunctualLight> lights;
     for (const Light& light : scene.lights) {
         PunctualLight p;
-        p.type = light.type == LightType::Directional ? shading::kLightDirectional
-                 : light.type == LightType::Spot      ? shading::kLightSpot
-                                                      : shading::kLightPoint;
+        p.type = int(light.type);
         p.colorIntensity = light.color * light.intensity;
         p.position = light.position();
         p.axis = light.direction();
@@ -22,6 +23,11 @@ std::vector<PunctualLight> punctualLights(const Scene& scene, LightUse use)
         p.range = light.rangeMeters;
         p.spotConstants = shading::spotConstants(light.innerConeRadians, light.outerConeRadians);
         p.cosOuterCone = std::cos(light.outerConeRadians);
+        p.area = light.area();
+        if (isAreaLight(light.type)) {
+            p.halfWidth = light.halfWidth();
+            p.halfHeight = light.halfHeight();
+        }
         p.radius = light.type == LightType::Directional ? 0.0f : light.radiusMeters;
         p.tanAngularRadius = light.type == LightType::Directional ? std::tan(light.angularRadiusRadians) : 0.0f;
         p.castShadows = light.castShadows;
@@ -55,6 +61,12 @@ LightRay sampleLightRay(const PunctualLight& light, vec3 origin, vec2 disc)
         return {glm::normalize(offset - light.axis), 1.0e30f};
     }
     vec3 toLight = light.position - origin;
+    if (light.isArea()) {
+        const shading::AreaSample point = shading::sampleAreaLight(light.type, toLight, light.halfWidth,
+                                                                   light.halfHeight, shading::squareOfDisc(disc));
+        const float distance = std::max(glm::length(point.position), 1.0e-20f);
+        return {point.position / distance, distance, point.solidAngle};
+    }
     if (light.radius > 0.0f) {
         const float length = glm::length(toLight);
         if (length > 0.0f) {
@@ -74,12 +86,16 @@ LightTree punctualTree(const std::vector<PunctualLight>& lights, std::vector<uin
     itemLights.clear();
     for (std::size_t i = 0; i < lights.size(); ++i) {
         const PunctualLight& light = lights[i];
-        const float power = luminance(light.colorIntensity) * light.indirectMultiplier;
+        const float power = luminance(light.colorIntensity) * light.area * light.indirectMultiplier;
         if (!light.bounces || light.type == shading::kLightDirectional || !(power > 0.0f)) continue;
         LightItem item;
+        if (light.isArea()) {
+            for (const vec2 corner : {vec2(-1, -1), vec2(1, -1), vec2(1, 1), vec2(-1, 1)})
+                item.bounds.extend(light.position + corner.x * light.halfWidth + corner.y * light.halfHeight);
+        }
         item.bounds.extend(light.position);
         item.axis = light.axis;
-        item.cosSpread = light.type == shading::kLightSpot ? light.cosOuterCone : -1.0f;
+        item.cosSpread = light.type == shading::kLightSpot ? light.cosOuterCone : light.isArea() ? 1.0f : -1.0f;
         item.power = power;
         item.range = light.range;
         items.push_back(item);

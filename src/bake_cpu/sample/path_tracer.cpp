@@ -90,17 +90,22 @@ float PathTracer::lightVisibility(const PunctualLight& light, const SurfacePoint
     return tracer_.transmittance(ray.origin, ray.direction, ray.tMin, ray.tMax);
 }
 
-float PathTracer::lightVisibilityInSpace(const PunctualLight& light, vec3 position, vec2 u, uint64_t& rays) const
+float PathTracer::lightVisibilityInSpace(const PunctualLight& light, vec3 position, const LightRay& ray,
+                                         uint64_t& rays) const
 {
     if (!light.castShadows) return 1.0f;
-    const LightRay ray = sampleLightRay(light, position, shading::sampleDisc(u));
     ++rays;
     return tracer_.transmittance(position, ray.direction, 0.0f, ray.distance * (1.0f - 1.0e-4f));
 }
 
 PathTracer::LightChoice PathTracer::choosePunctual(const SurfacePoint& point, bool direct, Sampler& sampler) const
 {
-    return chooseLight(point, sampler, [&](const PunctualLight& light, vec2 /*disc*/, float probability) {
+    return chooseLight(point, sampler, [&](const PunctualLight& light, vec2 disc, float probability) {
+        if (light.isArea()) {
+            const LightRay ray = sampleLightRay(light, point.position, disc);
+            return light.irradianceBy(ray, point.position, point.normal) *
+                   ((direct ? 1.0f : light.indirectMultiplier) / probability);
+        }
         const shading::LightSample s = light.at(point.position);
         const float cosine = glm::dot(point.normal, s.direction);
         if (cosine <= 0.0f) return vec3(0.0f);

@@ -123,7 +123,8 @@ public:
     ShadowRay shadowRay(const PunctualLight& light, const SurfacePoint& point, vec2 disc, uint64_t& rays) const;
     /// Transmittance along such a ray; 1 for lights without shadows.
     float lightVisibility(const PunctualLight& light, const SurfacePoint& point, vec2 disc, uint64_t& rays) const;
-    float lightVisibilityInSpace(const PunctualLight& light, vec3 position, vec2 u, uint64_t& rays) const;
+    /// The same for a point in space and a ray of sampleLightRay() from there.
+    float lightVisibilityInSpace(const PunctualLight& light, vec3 position, const LightRay& ray, uint64_t& rays) const;
 
     /// Whether the light, the object and the material cast and receive shadows.
     [[nodiscard]] bool shadowsFall(const PunctualLight& light, const SurfacePoint& point) const

@@ -18,6 +18,23 @@ namespace {
 constexpr float kAlike = 0.05f;
 constexpr int kMostBatches = 64;
 
+/// Mean direction of the light that a point receives, weighted by irradiance; shorter than 1 by an area light's size.
+vec3 meanDirection(const PunctualLight& light, const SurfacePoint& point)
+{
+    if (!light.isArea()) return light.at(point.position).direction;
+    constexpr int kSide = 4; // strata along each side: directions are within a quarter of the light
+    vec3 moment(0.0f);
+    float sum = 0.0f;
+    for (int i = 0; i < kSide * kSide; ++i) {
+        const vec2 u = (vec2(i % kSide, i / kSide) + 0.5f) / float(kSide);
+        const LightRay ray = sampleLightRay(light, point.position, shading::sampleDisc(u));
+        const float weight = ray.solidAngle * std::max(glm::dot(point.normal, ray.direction), 0.0f);
+        moment += weight * ray.direction;
+        sum += weight;
+    }
+    return sum > 0.0f ? moment / sum : glm::normalize(light.position - point.position);
+}
+
 /// Mean irradiance without shadows over the points of a texel.
 class Unshadowed {
 public:
@@ -38,11 +55,10 @@ public:
         std::size_t count = 0;
         const auto add = [&](int batch) {
             for (const SurfacePoint& point : pointsOf(batch)) {
-                const shading::LightSample s = light.at(point.position);
-                const vec3 value = irradianceOn(point.normal, s);
+                const vec3 value = light.irradianceAt(point.position, point.normal);
                 const float weight = luminance(value);
                 sum.irradiance += value;
-                sum.moment += weight * s.direction;
+                sum.moment += weight * meanDirection(light, point);
                 least = std::min(least, weight);
                 most = std::max(most, weight);
                 ++count;

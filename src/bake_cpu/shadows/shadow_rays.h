@@ -84,7 +84,8 @@ struct LitSum {
 /// A light, or several of which at most one reaches any point.
 struct ShadowSource {
     LightReach lights;
-    /// Only points that the light would illuminate trace rays, with their unshadowed irradiance as weight.
+    /// Only points that the light would illuminate trace rays, with their unshadowed irradiance as weight. Else all
+    /// points do, with weight 1, or by the share that a ray has in an area light's irradiance.
     bool lit = false;
     uint32_t seed = 0;
 
@@ -92,13 +93,24 @@ struct ShadowSource {
         const PunctualLight* light = nullptr;
         float weight = 1.0f;
     };
-    /// The light that a point traces a ray to, if any.
-    [[nodiscard]] Target targetOf(const SurfacePoint& point) const
+    /// The light that a point traces a ray to, if any; `disc` chooses the ray.
+    [[nodiscard]] Target targetOf(const SurfacePoint& point, vec2 disc) const
     {
-        if (!lit) return {lights.at(point.position), 1.0f};
+        if (!lit) {
+            const PunctualLight* light = lights.at(point.position);
+            if (light == nullptr || !light->isArea()) return {light, 1.0f};
+            // Rays from below the horizon count little beside others, and all where there are no others, as on points
+            // that face away from a light without size: these are in shadow.
+            constexpr float kBelowHorizon = 1.0e-4f;
+            const LightRay ray = sampleLightRay(*light, point.position, disc);
+            const float weight = ray.solidAngle * std::max(glm::dot(point.normal, ray.direction), kBelowHorizon);
+            return weight > 0.0f ? Target{light, weight} : Target{};
+        }
         for (const PunctualLight* light : lights.lights()) {
             constexpr float kMost = 1.0e30f; // sums of weights must be finite
-            const float weight = std::min(luminance(light->irradianceAt(point.position, point.normal)), kMost);
+            const LightRay ray = light->isArea() ? sampleLightRay(*light, point.position, disc) : LightRay{};
+            const vec3 irradiance = light->irradianceBy(ray, point.position, point.normal);
+            const float weight = std::min(luminance(irradiance), kMost);
             if (weight > 0.0f) return {light, weight};
         }
         return {};
@@ -131,9 +143,9 @@ public:
                 targets[l] = {};
                 if (!group.active(lane) || ((wanted >> lane) & 1u) == 0) continue;
                 const SurfacePoint& point = group.point(lane, half * kHalf + i);
-                targets[l] = source_.targetOf(point);
-                if (targets[l].light == nullptr) continue;
                 const vec2 disc = pattern_.disc(hashCombine(source_.seed, group.id(lane)), uint32_t(half * kHalf + i));
+                targets[l] = source_.targetOf(point, disc);
+                if (targets[l].light == nullptr) continue;
                 packet.add(lane, *targets[l].light, point, disc, rays);
             }
             const std::array<float, TexelGroup::kLanes> transmittance = packet.trace();

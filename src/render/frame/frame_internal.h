@@ -21,7 +21,7 @@ Planes planesOf(const mat4& clipFromWorld);
 bool meets(const Planes& planes, const Bounds& box);
 
 /// Where a light's direct light can be: all of space (directional, unlimited point), a ball, or a ball's sector about
-/// an axis (spot).
+/// an axis (spot; half a ball for area lights).
 struct LightVolume {
     bool everywhere = false;
     vec3 center{0.0f};

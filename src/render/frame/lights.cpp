@@ -10,9 +10,10 @@
 namespace halflight {
 namespace {
 
+/// Candela, or lux of directional lights.
 float power(const Light& light)
 {
-    return luminance(light.color) * light.intensity;
+    return luminance(light.color) * light.intensity * light.area();
 }
 
 /// Illuminance the light brings to the camera's surroundings: what it would give a surface at the camera, nearer than a
@@ -41,7 +42,7 @@ bool before(const Scene& scene, const FrameLight& a, const FrameLight& b)
         const vec3 d = light.type == LightType::Point ? vec3(0.0f) : light.direction();
         return std::tuple(light.type != LightType::Directional, -frameLight.importance, p.x, p.y, p.z,
                           std::string_view(light.name), light.type, d.x, d.y, d.z, light.rangeMeters,
-                          light.outerConeRadians, frameLight.light);
+                          light.outerConeRadians, light.sizeMeters.x, light.sizeMeters.y, frameLight.light);
     };
     return key(a, la) < key(b, lb);
 }

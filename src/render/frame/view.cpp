@@ -114,6 +114,9 @@ LightVolume volumeOf(const Light& light)
     if (light.type == LightType::Spot) {
         volume.axis = light.direction();
         volume.halfAngle = light.outerConeRadians;
+    } else if (isAreaLight(light.type)) { // its front
+        volume.axis = light.direction();
+        volume.halfAngle = kPi / 2.0f;
     } else {
         volume.everywhere = light.rangeMeters <= 0.0f;
     }

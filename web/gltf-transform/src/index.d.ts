@@ -30,6 +30,10 @@ export declare class NodeLighting extends RecordProperty {
 export declare class LightRecord extends RecordProperty {
     static EXTENSION_NAME: 'HALFLIGHT_light';
 }
+/** A light of EXT_lights_area, which nodes share. */
+export declare class AreaLight extends RecordProperty {
+    static EXTENSION_NAME: 'EXT_lights_area';
+}
 export declare class MaterialSwitches extends RecordProperty {
     static EXTENSION_NAME: 'HALFLIGHT_material';
 }
@@ -47,6 +51,9 @@ export declare class HalflightNode extends HalflightExtension {
 }
 export declare class HalflightLight extends HalflightExtension {
     createLightRecord(): LightRecord;
+}
+export declare class AreaLights extends HalflightExtension {
+    createAreaLight(): AreaLight;
 }
 export declare class HalflightMaterial extends HalflightExtension {
     createMaterialSwitches(): MaterialSwitches;

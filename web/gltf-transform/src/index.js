@@ -1,10 +1,10 @@
 // glTF Transform extensions for files that Halflight baked: docs/format.md of that project describes them.
 import { Extension, PropertyType } from '@gltf-transform/core';
-import { LIGHT, MATERIAL, MIXED_LIGHTING, NODE, PICTURE_LISTS, PROBE_ACCESSORS, REFLECTION_PICTURE, SKY_PICTURE, TEXTURE_KTX2 } from './names.js';
-import { LightRecord, MaterialSwitches, MixedLighting, NodeLighting, SurfaceOfNode } from './properties.js';
+import { AREA_LIGHTS, LIGHT, MATERIAL, MIXED_LIGHTING, NODE, PICTURE_LISTS, PROBE_ACCESSORS, REFLECTION_PICTURE, SKY_PICTURE, TEXTURE_KTX2 } from './names.js';
+import { AreaLight, LightRecord, MaterialSwitches, MixedLighting, NodeLighting, SurfaceOfNode } from './properties.js';
 import { mergeSurfaces, splitSurfaces } from './surfaces.js';
 
-export { LightRecord, MaterialSwitches, MixedLighting, NodeLighting, SurfaceOfNode };
+export { AreaLight, LightRecord, MaterialSwitches, MixedLighting, NodeLighting, SurfaceOfNode };
 
 const LINEAR = 9729;
 const CLAMP_TO_EDGE = 33071;
@@ -207,6 +207,39 @@ export class HalflightLight extends Extension {
     }
 }
 
+/** The draft of EXT_lights_area, which glTF Transform does not know: area lights of a file stay in it. */
+export class AreaLights extends Extension {
+    static EXTENSION_NAME = AREA_LIGHTS;
+    extensionName = AREA_LIGHTS;
+
+    createAreaLight() {
+        return new AreaLight(this.document.getGraph());
+    }
+
+    read(context) {
+        const { json } = context.jsonDoc;
+        const lights = (json.extensions?.[AREA_LIGHTS]?.lights ?? []).map((record) => this.createAreaLight().setRecord(record));
+        for (const [node, { light }] of records(json.nodes, context.nodes, AREA_LIGHTS))
+            if (lights[light]) node.setExtension(AREA_LIGHTS, lights[light]);
+        return this;
+    }
+
+    write(context) {
+        const { json } = context.jsonDoc;
+        const lights = [];
+        for (const node of this.document.getRoot().listNodes()) {
+            const light = node.getExtension(AREA_LIGHTS);
+            if (!light) continue;
+            if (!lights.includes(light)) lights.push(light);
+            const def = json.nodes[context.nodeIndexMap.get(node)];
+            def.extensions = { ...def.extensions, [AREA_LIGHTS]: { light: lights.indexOf(light) } };
+        }
+        if (lights.length > 0)
+            json.extensions = { ...json.extensions, [AREA_LIGHTS]: { lights: lights.map((light) => light.getRecord()) } };
+        return this;
+    }
+}
+
 export class HalflightMaterial extends Extension {
     static EXTENSION_NAME = MATERIAL;
     extensionName = MATERIAL;
@@ -243,6 +276,7 @@ export class HalflightTextureKtx2 extends Extension {
 
 /** All of them, for NodeIO.registerExtensions() and for the command line's configuration. */
 export const HALFLIGHT_EXTENSIONS = [
+    AreaLights,
     HalflightLight,
     HalflightMaterial,
     HalflightMixedLighting,

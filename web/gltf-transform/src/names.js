@@ -3,6 +3,7 @@ export const MIXED_LIGHTING = 'HALFLIGHT_mixed_lighting';
 export const NODE = 'HALFLIGHT_node';
 export const LIGHT = 'HALFLIGHT_light';
 export const MATERIAL = 'HALFLIGHT_material';
+export const AREA_LIGHTS = 'EXT_lights_area';
 export const TEXTURE_KTX2 = 'HALFLIGHT_texture_ktx2';
 
 /** Members of the root extension that list one picture per lightmap page. */

@@ -1,6 +1,6 @@
 // The bake as properties of a glTF Transform document.
 import { ExtensionProperty, PropertyType, RefMap, TextureInfo } from '@gltf-transform/core';
-import { LIGHT, MATERIAL, MIXED_LIGHTING, NODE } from './names.js';
+import { AREA_LIGHTS, LIGHT, MATERIAL, MIXED_LIGHTING, NODE } from './names.js';
 
 /** A record of JSON, kept as text: glTF Transform compares and copies properties by value. */
 class RecordProperty extends ExtensionProperty {
@@ -78,6 +78,17 @@ export class LightRecord extends RecordProperty {
     init() {
         this.extensionName = LIGHT;
         this.propertyType = 'HalflightLight';
+        this.parentTypes = [PropertyType.NODE];
+    }
+}
+
+/** A light of EXT_lights_area, which nodes share. */
+export class AreaLight extends RecordProperty {
+    static EXTENSION_NAME = AREA_LIGHTS;
+
+    init() {
+        this.extensionName = AREA_LIGHTS;
+        this.propertyType = 'AreaLight';
         this.parentTypes = [PropertyType.NODE];
     }
 }

@@ -2,7 +2,7 @@
 import { Document, NodeIO } from '@gltf-transform/core';
 import { ALL_EXTENSIONS } from '@gltf-transform/extensions';
 import {
-    HALFLIGHT_EXTENSIONS, HalflightLight, HalflightMaterial, HalflightMixedLighting, HalflightNode, HalflightTextureKtx2,
+    AreaLight, AreaLights, HALFLIGHT_EXTENSIONS, HalflightLight, HalflightMaterial, HalflightMixedLighting, HalflightNode, HalflightTextureKtx2,
     LightRecord, MaterialSwitches, MixedLighting, NodeLighting, type PictureKey, type ProbeAccessor,
 } from '@halflight/gltf-transform';
 import config from '@halflight/gltf-transform/halflight.config.mjs';
@@ -20,6 +20,7 @@ export async function list(path: string): Promise<string[]> {
     for (const node of root.listNodes()) {
         const own = node.getExtension<NodeLighting>(NodeLighting.EXTENSION_NAME);
         own?.setRecord({ ...own.getRecord(), castShadows: false });
+        names.push(JSON.stringify(node.getExtension<AreaLight>(AreaLight.EXTENSION_NAME)?.getRecord()));
         names.push(JSON.stringify(node.getExtension<LightRecord>(LightRecord.EXTENSION_NAME)?.getRecord()));
     }
     // @ts-expect-error there is no such accessor
@@ -29,6 +30,7 @@ export async function list(path: string): Promise<string[]> {
 
 export function make(document: Document): (NodeLighting | LightRecord | MaterialSwitches | MixedLighting)[] {
     document.createExtension(HalflightTextureKtx2);
+    document.createExtension(AreaLights).createAreaLight();
     return [
         document.createExtension(HalflightMixedLighting).createMixedLighting(),
         document.createExtension(HalflightNode).createNodeLighting(),

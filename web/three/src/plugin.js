@@ -3,6 +3,7 @@ import { LoaderUtils } from 'three';
 
 import { isBaked, readBaked } from './file/read.js';
 import { checkRelease } from './releases.js';
+import { areaLightOf } from './scene/area_lights.js';
 import { HalflightScene } from './scene/scene.js';
 
 export class HalflightPlugin {
@@ -44,10 +45,12 @@ function plainAccessor(attribute) {
 function collect(scene, parser) {
     const objects = [];
     const lights = [];
+    const nodes = new Map();
     scene.updateWorldMatrix(true, true);
     scene.traverse((root) => {
         const node = parser.associations.get(root)?.nodes;
         if (node === undefined) return;
+        nodes.set(node, root);
         const name = parser.json.nodes[node].name ?? `node ${node}`;
         const own = (object) => object !== root && parser.associations.get(object)?.nodes !== undefined;
         const visit = (object) => {
@@ -61,5 +64,9 @@ function collect(scene, parser) {
         const materials = new Map(meshes.map((mesh) => [mesh, parser.associations.get(mesh.material)?.materials]));
         if (meshes.length > 0) objects.push({ root, meshes, node, name, materials });
     });
+    for (const [node, root] of nodes) {
+        const light = areaLightOf(root, parser.json, node);
+        if (light) lights.push({ light, node, name: parser.json.nodes[node].name ?? `node ${node}` });
+    }
     return { objects, lights };
 }

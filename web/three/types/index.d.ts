@@ -1,4 +1,4 @@
-import type { Box3, Camera, Light, Object3D } from 'three';
+import type { Box3, Camera, Color, Light, Object3D } from 'three';
 import type { GLTFParser, GLTFLoaderPlugin } from 'three/addons/loaders/GLTFLoader.js';
 import type { BakedData } from './file.js';
 
@@ -14,9 +14,23 @@ export interface Options {
     dynamicLayer?: number;
 }
 
+/** A rectangle or disk of EXT_lights_area, made by the plug-in. It shines along its -Z and has no realtime shadow. */
+export interface AreaLight extends Object3D {
+    readonly isHalflightAreaLight: true;
+    readonly isDisk: boolean;
+    color: Color;
+    /** Radiance of its surface, cd/m2. */
+    intensity: number;
+    /** In units of its node; of a disk both are the diameter. */
+    width: number;
+    height: number;
+    /** Metres from its middle at which its light ends; 0 = unlimited. */
+    range: number;
+}
+
 /** A light of the file. Colour, intensity and place are those of `light`. */
 export interface BakedLight {
-    readonly light: Light;
+    readonly light: Light | AreaLight;
     readonly name: string;
     /** Whether it casts any shadow, baked or realtime. */
     castShadows: boolean;

@@ -200,12 +200,17 @@ vec3 hlDecodeMeanDirection(vec3 encoded)
 const int hlLightDirectional = 0;
 const int hlLightPoint = 1;
 const int hlLightSpot = 2;
+const int hlLightRectangle = 3;
+const int hlLightDisk = 4;
+float hlRangeWindow(float squaredDistance, float rangeMeters)
+{
+    float ratio2 = squaredDistance / max(rangeMeters * rangeMeters, 1.0e-30);
+    return rangeMeters > 0.0 ? hlSaturate(1.0 - ratio2 * ratio2) : 1.0;
+}
 float hlDistanceAttenuation(float distanceMeters, float rangeMeters)
 {
     float d2 = max(distanceMeters * distanceMeters, 1.0e-6);
-    if (rangeMeters <= 0.0) return 1.0 / d2;
-    float ratio2 = d2 / (rangeMeters * rangeMeters);
-    return hlSaturate(1.0 - ratio2 * ratio2) / d2;
+    return hlRangeWindow(d2, rangeMeters) / d2;
 }
 vec2 hlSpotConstantsOfCosines(float cosInner, float cosOuter)
 {
@@ -381,5 +386,157 @@ vec3 hlReflectedSurroundings(vec3 fromProbes, vec3 expected, float coverage, vec
     float ratio = min(hlLuminanceOf(local) / max(hlLuminanceOf(expected), 1.0e-12), 1.0);
     float share = min(4.0 * coverage, 1.0) * (1.0 - roughness * roughness);
     return mix(surroundings, fromProbes * pow(ratio, roughness), share);
+}
+bool hlIsAreaLight(int lightType)
+{
+    return lightType >= hlLightRectangle;
+}
+float hlEdgeIntegral(vec3 a, vec3 b)
+{
+    vec3 n = cross(a, b);
+    float sine = length(n);
+    return sine > 1.0e-30 ? n.z * (atan(sine, dot(a, b)) / sine) : 0.0;
+}
+vec3 hlHorizonCrossing(vec3 a, vec3 b)
+{
+    float t = a.z * b.z < 0.0 ? a.z / (a.z - b.z) : 0.0;
+    vec3 p = mix(a, b, t);
+    return t > 0.0 ? vec3(p.x, p.y, 0.0) : a;
+}
+float hlEdgeAboveHorizon(vec3 a, vec3 b)
+{
+    vec3 from = a.z < 0.0 ? hlHorizonCrossing(a, b) : a;
+    vec3 to = b.z < 0.0 ? hlHorizonCrossing(a, b) : b;
+    return max(a.z, b.z) >= 0.0 ? hlEdgeIntegral(from, to) : 0.0;
+}
+vec3 hlHorizonExit(vec3 a, vec3 b)
+{
+    return a.z >= 0.0 && b.z < 0.0 ? hlHorizonCrossing(a, b) : vec3(0.0);
+}
+float hlQuadIrradiance(vec3 a, vec3 b, vec3 c, vec3 d)
+{
+    vec3 middle = 0.25 * (a + b + c + d);
+    vec3 area = 0.5 * cross(c - a, d - b);
+    float d2 = dot(middle, middle);
+    float size2 = max(dot(c - a, c - a), dot(d - b, d - b));
+    float ofPoint = max(middle.z, 0.0) * max(dot(middle, area), 0.0) / max(d2 * d2, 1.0e-30);
+    vec3 exit = hlHorizonExit(a, b) + hlHorizonExit(b, c) + hlHorizonExit(c, d) + hlHorizonExit(d, a);
+    vec3 entry = hlHorizonExit(b, a) + hlHorizonExit(c, b) + hlHorizonExit(d, c) + hlHorizonExit(a, d);
+    float sum = hlEdgeAboveHorizon(a, b) + hlEdgeAboveHorizon(b, c) + hlEdgeAboveHorizon(c, d) + hlEdgeAboveHorizon(d, a) +
+                hlEdgeIntegral(exit, entry);
+    return d2 > 1.0e4 * size2 ? ofPoint : 0.5 * max(sum, 0.0);
+}
+float hlAtanOver(float x, float y)
+{
+    float p = x * y;
+    return abs(p) < 1.0e-2 ? y * (1.0 - p * p * (1.0 / 3.0)) : atan(p) / x;
+}
+float hlLogOver(float x, float y)
+{
+    float p = x * y;
+    return abs(p) < 1.0e-2 ? y * (1.0 - p * (0.5 - p * (1.0 / 3.0)))
+                            : log2(max(1.0 + p, 1.0e-30)) * 0.69314718 / x;
+}
+float hlDiskIrradiance(vec3 center, vec3 back, float radius)
+{
+    float h = dot(center, back);
+    vec3 across = center - back * h;
+    float r = length(across);
+    vec3 other = abs(back.y) < 0.9 ? vec3(0.0, 1.0, 0.0) : vec3(1.0, 0.0, 0.0);
+    vec3 u = r > 1.0e-6 * radius ? across / max(r, 1.0e-30) : normalize(cross(other, back));
+    vec3 v = cross(back, u);
+    float swing = radius * sqrt(u.z * u.z + v.z * v.z);
+    float halfArc = acos(clamp(-center.z / max(swing, 1.0e-30), -1.0, 1.0));
+    float middle = swing > 0.0 ? atan(v.z, u.z) : 0.0;
+    float from = middle - halfArc;
+    float to = middle + halfArc;
+    vec3 exit = center + radius * (cos(to) * u + sin(to) * v);
+    vec3 entry = center + radius * (cos(from) * u + sin(from) * v);
+    bool whole = center.z >= swing;
+    float d = h * h + r * r + radius * radius;
+    float e = 2.0 * radius * r;
+    float q = sqrt(max((d - e) * (d + e), 1.0e-30));
+    float sinFrom = sin(from) / (d + q + e * cos(from));
+    float sinTo = sin(to) / (d + q + e * cos(to));
+    float turn = whole ? 2.0 * hlShadingPi : 2.0 * halfArc;
+    float bend = whole ? 0.0 : 2.0 * (hlAtanOver(e, sinTo) - hlAtanOver(e, sinFrom));
+    float ofOne = (turn - e * bend) / q;
+    float ofCos = (d * bend - turn * e / (d + q)) / q;
+    float ofSin = whole ? 0.0 : -hlLogOver(e, (cos(to) - cos(from)) / (d + e * cos(from)));
+    float arc = radius * (radius * back.z * ofOne + (r * back.z - h * u.z) * ofCos - h * v.z * ofSin);
+    float chord = whole ? 0.0 : hlEdgeIntegral(vec3(exit.x, exit.y, 0.0), vec3(entry.x, entry.y, 0.0));
+    return center.z > -swing ? 0.5 * max(arc + chord, 0.0) : 0.0;
+}
+vec3 hlTangentFromView(vec3 n, vec3 v)
+{
+    vec3 t = n * dot(n, v) - v;
+    vec3 other = abs(n.y) < 0.9 ? vec3(0.0, 1.0, 0.0) : vec3(1.0, 0.0, 0.0);
+    return dot(t, t) > 1.0e-8 ? normalize(t) : normalize(cross(other, n));
+}
+vec3 hlInFrame(vec3 tangent, vec3 n, vec3 x)
+{
+    return vec3(dot(x, tangent), dot(x, cross(n, tangent)), dot(x, n));
+}
+float hlAreaIrradiance(int shape, vec3 n, vec3 toCenter, vec3 halfX, vec3 halfY)
+{
+    vec3 t = hlTangentFromView(n, n);
+    vec3 c = hlInFrame(t, n, toCenter);
+    vec3 x = hlInFrame(t, n, halfX);
+    vec3 y = hlInFrame(t, n, halfY);
+    return shape == hlLightDisk ? hlDiskIrradiance(c, normalize(cross(x, y)), length(x))
+                               : hlQuadIrradiance(c - x - y, c + x - y, c + x + y, c - x + y);
+}
+vec3 hlSpecularTransform(float roughness, float nDotV)
+{
+    float a = hlSquare(max(roughness, 0.045));
+    float c = clamp(nDotV, 0.0, 1.0);
+    float s2 = 1.0 - c * c;
+    float y = 2.0 * a * (1.0 + a * (0.0841 + a * (-1.1430 + 0.6219 * a) + s2 * s2 * (-0.1661 + 0.2782 * a)));
+    float z =
+        sqrt(s2) * (1.0 - a) * (1.0 + a * (-0.8229 + 9.6826 * a)) / (c + a * (0.3621 - 2.4186 * c + 9.5871 * a));
+    float x =
+        y * (1.0 + z * z) * (1.0 + a * s2 * (0.0010 - 0.0162 * a + (1.0 - a) * s2 * (0.6206 + 0.2462 * s2)));
+    return vec3(x, y, z);
+}
+vec3 hlInLobe(vec3 transform, vec3 p)
+{
+    return vec3((p.x - transform.z * p.z) / transform.x, p.y / transform.y, p.z);
+}
+float hlDiskStrip(vec3 center, vec3 right, vec3 up, vec2 first, vec2 second)
+{
+    return hlQuadIrradiance(center + second.x * right - second.y * up, center + first.x * right - first.y * up,
+                          center + first.x * right + first.y * up, center + second.x * right + second.y * up);
+}
+float hlAreaSpecular(int shape, float roughness, vec3 n, vec3 v, vec3 toCenter, vec3 halfX, vec3 halfY)
+{
+    vec3 transform = hlSpecularTransform(roughness, abs(dot(n, v)));
+    vec3 t = hlTangentFromView(n, v);
+    vec3 c = hlInLobe(transform, hlInFrame(t, n, toCenter));
+    vec3 x = hlInLobe(transform, hlInFrame(t, n, halfX));
+    vec3 y = hlInLobe(transform, hlInFrame(t, n, halfY));
+    vec3 r = 1.0233 * x;
+    vec3 up = 1.0233 * y;
+    vec2 c15 = vec2(0.96592583, 0.25881905);
+    vec2 c45 = vec2(0.70710678, 0.70710678);
+    vec2 c75 = vec2(0.25881905, 0.96592583);
+    vec2 c105 = vec2(-0.25881905, 0.96592583);
+    vec2 c135 = vec2(-0.70710678, 0.70710678);
+    vec2 c165 = vec2(-0.96592583, 0.25881905);
+    float irradiance = shape == hlLightDisk ? hlDiskStrip(c, r, up, c15, c45) + hlDiskStrip(c, r, up, c45, c75) +
+                                                 hlDiskStrip(c, r, up, c75, c105) + hlDiskStrip(c, r, up, c105, c135) +
+                                                 hlDiskStrip(c, r, up, c135, c165)
+                                           : hlQuadIrradiance(c - x - y, c + x - y, c + x + y, c - x + y);
+    return irradiance * (1.0 / hlShadingPi);
+}
+vec3 hlReflectAreaLight(vec3 baseColor, float metallic, float roughness, float specularFactor, vec3 n, vec3 v,
+                            int shape, vec3 toCenter, vec3 halfX, vec3 halfY, vec3 radiance)
+{
+    vec3 f0 = hlSpecularF0Of(baseColor, metallic, specularFactor);
+    float f90 = hlSpecularF90Of(metallic, specularFactor);
+    float nDotV = clamp(abs(dot(n, v)), 0.0, 1.0);
+    vec3 diffuse = hlDiffuseRadiance(hlDiffuseAlbedoOf(baseColor, metallic) * hlDiffuseShare(f0, f90, nDotV),
+                                   vec3(hlAreaIrradiance(shape, n, toCenter, halfX, halfY)));
+    float lobe = hlAreaSpecular(shape, roughness, n, v, toCenter, halfX, halfY);
+    return (diffuse + hlEnvironmentSpecular(f0, f90, roughness, nDotV) * lobe) * radiance;
 }
 `;

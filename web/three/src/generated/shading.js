@@ -10,6 +10,8 @@ export const kSharpestMeanDirection = 0.99;
 export const kLightDirectional = 0;
 export const kLightPoint = 1;
 export const kLightSpot = 2;
+export const kLightRectangle = 3;
+export const kLightDisk = 4;
 export const kReflectionLevels = 5;
 export const kLeastReflectionShare = 0.02;
 export const kLeastSight = 0.002;
@@ -88,12 +90,15 @@ export function visibilitySmithGgx(nDotL, nDotV, alpha) {
     const l = nDotV * Math.sqrt(nDotL * nDotL * (1.0 - a2) + a2);
     return 0.5 / Math.max(v + l, 1.0e-6);
 }
+/** @param {number} squaredDistance @param {number} rangeMeters @returns {number} */
+export function rangeWindow(squaredDistance, rangeMeters) {
+    const ratio2 = squaredDistance / Math.max(rangeMeters * rangeMeters, 1.0e-30);
+    return rangeMeters > 0.0 ? saturate(1.0 - ratio2 * ratio2) : 1.0;
+}
 /** @param {number} distanceMeters @param {number} rangeMeters @returns {number} */
 export function distanceAttenuation(distanceMeters, rangeMeters) {
     const d2 = Math.max(distanceMeters * distanceMeters, 1.0e-6);
-    if (rangeMeters <= 0.0) return 1.0 / d2;
-    const ratio2 = d2 / (rangeMeters * rangeMeters);
-    return saturate(1.0 - ratio2 * ratio2) / d2;
+    return rangeWindow(d2, rangeMeters) / d2;
 }
 /** @param {number} i @param {{x: number, y: number, z: number}} d @returns {number} */
 export function shBasis(i, d) {
@@ -124,6 +129,10 @@ export function reflectionLevelSize(size, level) {
 /** @param {number} size @returns {number} */
 export function reflectionTileHeight(size) {
     return size + (size >> 1);
+}
+/** @param {number} lightType @returns {boolean} */
+export function isAreaLight(lightType) {
+    return lightType >= kLightRectangle;
 }
 /** @param {{x: number, y: number, z: number}} d @returns {number} */
 export function octahedralX(d) {

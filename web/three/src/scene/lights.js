@@ -41,13 +41,17 @@ export class BakedLight {
         this.bakedAxis = new Vector3(-m[8], -m[9], -m[10]).normalize().toArray();
     }
 
+    get isArea() {
+        return this.light.isHalflightAreaLight === true;
+    }
+
     get isMixed() {
         return this.data.isBaked && this.data.bakeType === 'mixed';
     }
 
     power() {
         const { r, g, b } = this.light.color;
-        return (0.2126 * r + 0.7152 * g + 0.0722 * b) * this.light.intensity;
+        return (0.2126 * r + 0.7152 * g + 0.0722 * b) * this.light.intensity * (this.isArea ? this.light.area() : 1);
     }
 
     /** Illuminance that it may bring to where the camera is, nearer than a metre counting as a metre. */
@@ -83,11 +87,11 @@ export class BakedLight {
 
     /** Uniforms of the light; `hasMap`: it has a shadow map this frame. */
     uniforms(hasMap) {
-        const isSpot = this.light.isSpotLight === true;
+        const outside = this.isArea ? 0 : NO_CONE; // behind an area light B is 1
         return {
             flags: [this.plan.channel, hasMap ? 1 : 0, this.plan.flags, this.castShadows ? this.shadowStrength : 0],
             reach: [...this.bakedPosition, this.light.isDirectionalLight ? 0 : this.data.reach],
-            cone: [...this.bakedAxis, isSpot ? Math.cos(this.data.outerCone) : NO_CONE],
+            cone: [...this.bakedAxis, this.light.isSpotLight ? Math.cos(this.data.outerCone) : outside],
         };
     }
 
@@ -106,6 +110,7 @@ export class BakedLight {
         const { light, before } = this;
         light.castShadow = before.castShadow;
         light.layers.mask = before.layers;
+        if (this.isArea) light.removeFromParent();
         if (!light.shadow) return;
         light.shadow.camera.layers.mask = before.shadowLayers;
         light.shadow.mapSize.setScalar(before.mapSize);

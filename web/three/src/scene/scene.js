@@ -197,6 +197,7 @@ export class HalflightScene {
             if (sentence && this.mode !== 'realtime') this.warnings.add(sentence);
         }
         const states = new Map(this.lights.map((s) => [s.light, s]));
+        this.backend.setAreaLights(this.lights.filter((state) => state.isArea).map((state) => this.#areaLight(state, camera)));
         const drawn = [];
         const visit = (object) => {
             if (!object.visible) return;
@@ -212,8 +213,25 @@ export class HalflightScene {
         });
     }
 
+    /** What a backend draws of an area light. */
+    #areaLight(state, camera) {
+        const { light } = state;
+        let shown = state.plan.drawn && light.layers.test(camera.layers);
+        for (let object = light; object; object = object.parent) shown &&= object.visible;
+        if (shown && state.plan.casts && this.#castsWithoutMap(state))
+            this.warnings.add(`area light "${state.name}" has no realtime shadow in three.js: its shadows are those of the mask`);
+        const [halfX, halfY] = light.halfSides();
+        const color = light.color.clone().multiplyScalar(shown ? light.intensity : 0);
+        return { ...state.uniforms(false), halfX, halfY, color, isDisk: light.isDisk, range: light.range, position: new Vector3().setFromMatrixPosition(light.matrixWorld) };
+    }
+
+    /** Whether an object that casts into the light's map in the program is there. */
+    #castsWithoutMap(state) {
+        return this.objects.some((o) => (state.plan.staticCasters || !o.isStatic) && o.meshes.some((m) => m.castShadow));
+    }
+
     #wantsMap(state) {
-        if (!state.plan.casts) return false;
+        if (!state.plan.casts || state.isArea) return false;
         return state.plan.staticCasters || this.objects.some((o) => !o.isStatic && o.meshes.some((m) => m.castShadow));
     }
 

@@ -1,6 +1,7 @@
 // The bake as WebGLRenderer draws it: textures, uniforms, patched materials.
 import { Vector2, Vector3, Vector4 } from 'three';
 
+import { kLightDisk, kLightRectangle } from '../generated/shading.js';
 import { MODES, VIEWS } from '../scene/modes.js';
 import { makeSky } from '../scene/sky.js';
 import { skyTexture, skyTurn } from '../scene/sky_picture.js';
@@ -60,6 +61,9 @@ export class WebGLBackend {
             this.uniforms.hlVolumes = { value: volumes.texture };
         }
         this.ownSamplers = 1 + features.length;
+        const areaLights = scene.lights.filter((state) => state.isArea).length;
+        if (areaLights > 0) features.push(`HL_AREA_LIGHTS ${areaLights}`);
+        this.uniforms.hlAreaLights = { value: [] };
         this.patches = new MaterialPatches(this.uniforms, features, scene.options.brdf === 'three');
     }
 
@@ -90,6 +94,14 @@ export class WebGLBackend {
             while (list.length < 32) list.push(NO_LIGHT); // a program may still hold more than are left
             this.uniforms[name].value = list;
         }
+    }
+
+    /** @param {any[]} lights what HalflightScene knows of each area light */
+    setAreaLights(lights) {
+        this.uniforms.hlAreaLights.value = lights.map(({ flags, reach, cone, position, range, color, halfX, halfY, isDisk }) => ({
+            light: { flags: new Vector4(...flags), reach: new Vector4(...reach), cone: new Vector4(...cone) },
+            place: new Vector4(...position, range), color, halfX, halfY, type: isDisk ? kLightDisk : kLightRectangle,
+        }));
     }
 
     makeSky() {

@@ -97,7 +97,7 @@ export class MaterialPatches {
         const defined = defines.map((name) => `#define ${name}\n`).join('');
         fragment('#include <lights_pars_begin>', `${defined}${shading}${text.attenuation}${this.declarations}`);
         fragment('#include <lights_physical_pars_fragment>', `#include <lights_physical_pars_fragment>\n${text.fragmentPars}`);
-        fragment('#include <lights_fragment_begin>', text.fragmentBegin + this.loops);
+        fragment('#include <lights_fragment_begin>', text.fragmentBegin + this.loops + text.fragmentAreaLights);
         fragment('#include <aomap_fragment>', `#include <aomap_fragment>\n${text.fragmentIndirect}`);
         fragment('#include <opaque_fragment>', `${text.fragmentView}\n#include <opaque_fragment>`);
         Object.assign(shader.uniforms, this.uniforms);

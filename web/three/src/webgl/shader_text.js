@@ -242,6 +242,34 @@ float hlBakedAttenuation(HlLight light)
     return hlBakedWithinReach(hlSurface.baked[int(light.flags.x)], distanceMeters, light.reach.w, cosAngle, light.cone.w);
 }
 
+#ifdef HL_AREA_LIGHTS
+struct HlAreaLight {
+    HlLight light;
+    vec4 place; // xyz world, w range in metres
+    vec3 color; // cd/m2
+    vec3 halfX; // from the middle to the edges, metres
+    vec3 halfY;
+    int type;
+};
+uniform HlAreaLight hlAreaLights[HL_AREA_LIGHTS];
+
+// Radiance towards the camera by an area light. three.js draws no shadow map of it.
+vec3 hlAreaLight(HlAreaLight area)
+{
+    vec3 toCenter = area.place.xyz - vHlPosition;
+    vec3 radiance = area.color * hlRangeWindow(dot(toCenter, toCenter), area.place.w);
+    if (radiance == vec3(0.0) || dot(toCenter, cross(area.halfX, area.halfY)) <= 0.0) return vec3(0.0);
+    if ((int(area.light.flags.z) & 8) != 0) hlOverlap += 1;
+    if (hlSkips(area.light)) return vec3(0.0);
+    vec3 reflected = hlReflectAreaLight(hlSurface.baseColor, hlSurface.metallic, hlSurface.roughness, hlSurface.specular, hlSurface.normal,
+                                        hlSurface.view, area.type, toCenter, area.halfX, area.halfY, radiance);
+    if (!hlSurface.receive) return reflected;
+    bool hasBaked = area.light.flags.x >= 0.0;
+    float baked = hasBaked ? hlBakedAttenuation(area.light) : 1.0;
+    return reflected * hlMixShadows(hlMode, hasBaked, baked, false, 1.0, hlSurface.fade, area.light.flags.w);
+}
+#endif
+
 // The light after shadows.
 void hlShade(HlLight light, float realtime, inout IncidentLight incoming)
 {
@@ -408,6 +436,13 @@ float hlSpecularFactor = 1.0;
 hlReadSurface(normal, nonPerturbedNormal, isOrthographic ? vec3(0.0, 0.0, 1.0) : normalize(vViewPosition), faceDirection,
               diffuseColor.rgb, metalnessFactor, roughnessFactor, hlSpecularFactor);
 float hlRealtime = 1.0;
+`;
+
+/** After three.js's lights. */
+export const fragmentAreaLights = `
+#ifdef HL_AREA_LIGHTS
+for (int i = 0; i < HL_AREA_LIGHTS; ++i) reflectedLight.directDiffuse += hlAreaLight(hlAreaLights[i]);
+#endif
 `;
 
 /** After three.js's lights and occlusion texture. */

@@ -2,6 +2,7 @@
 import { AmbientLight, BackSide, BoxGeometry, Color, DoubleSide, Mesh, MeshPhysicalNodeMaterial, MeshStandardNodeMaterial, NodeMaterial, Vector2, Vector3, Vector4 } from 'three/webgpu';
 import { context, emissive, float, positionLocal, renderGroup, select, uniform, uniformArray, vec3, vec4 } from 'three/tsl';
 
+import { kLightDisk, kLightRectangle } from '../generated/shading.js';
 import { MODES, VIEWS } from '../scene/modes.js';
 import { skyTexture, skyTurn } from '../scene/sky_picture.js';
 import { arrayTexture, FORMATS } from '../scene/textures.js';
@@ -17,6 +18,14 @@ function lightUniforms() {
     return {
         flags: shared(new Vector4(-1, 0, 0, 1)), reach: shared(new Vector4()), cone: shared(new Vector4(0, 0, 0, -2)),
         position: shared(new Vector4()), axis: shared(new Vector3(0, -1, 0)), color: shared(new Color()), spot: shared(new Vector2()),
+    };
+}
+
+/** Uniforms of one area light. */
+function areaUniforms() {
+    return {
+        flags: shared(new Vector4(-1, 0, 0, 1)), reach: shared(new Vector4()), cone: shared(new Vector4(0, 0, 0, -2)),
+        place: shared(new Vector4()), color: shared(new Color(0)), halfX: shared(new Vector3(1, 0, 0)), halfY: shared(new Vector3(0, 1, 0)), type: shared(kLightRectangle, 'int'),
     };
 }
 
@@ -52,6 +61,7 @@ export class WebGPUBackend {
         this.rows = new Map();
         this.nodes = new SceneNodes(this.u, (object) => this.rows.get(object) ?? 0);
         this.lights = new Map();
+        this.areaLights = scene.lights.filter((state) => state.isArea).map(() => areaUniforms());
         this.noLight = new AmbientLight(0x000000, 0); // without any light three.js leaves lighting out altogether
         scene.root.add(this.noLight);
         this.patched = new Map();
@@ -117,6 +127,12 @@ export class WebGPUBackend {
         };
         model.indirect = (builder) => {
             const s = surfaceOf(builder);
+            for (const u of this.areaLights) {
+                const { reached, radiance } = nodes.areaLight(s, u);
+                const counts = u.flags.z.toInt().bitAnd(8).greaterThan(0).and(reached);
+                builder.halflightOverlap = (builder.halflightOverlap ?? float(0)).add(counts.select(float(1), float(0)));
+                builder.context.reflectedLight.directDiffuse.addAssign(radiance);
+            }
             builder.context.reflectedLight.indirectDiffuse.addAssign(nodes.indirect(s, builder.halflightMain));
             indirect.call(model, builder);
         };
@@ -143,6 +159,21 @@ export class WebGPUBackend {
             if (light.target) u.axis.value.copy(target.setFromMatrixPosition(light.target.matrixWorld).sub(position).normalize());
             u.color.value.copy(light.color).multiplyScalar(light.intensity);
             if (light.isSpotLight) u.spot.value.set(Math.cos(light.angle * (1 - light.penumbra)), Math.cos(light.angle));
+        }
+    }
+
+    /** @param {any[]} lights what HalflightScene knows of each area light, in its order */
+    setAreaLights(lights) {
+        for (const [i, { flags, reach, cone, position, range, color, halfX, halfY, isDisk }] of lights.entries()) {
+            const u = this.areaLights[i];
+            u.flags.value.set(...flags);
+            u.reach.value.set(...reach);
+            u.cone.value.set(...cone);
+            u.place.value.set(...position, range);
+            u.color.value.copy(color);
+            u.halfX.value.copy(halfX);
+            u.halfY.value.copy(halfY);
+            u.type.value = isDisk ? kLightDisk : kLightRectangle;
         }
     }
 

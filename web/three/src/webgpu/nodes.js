@@ -132,6 +132,17 @@ export class SceneNodes {
         return hl.hlMixShadows(this.u.mode, hasBaked, this.baked(s, light), has, realtime, s.fade, light.flags.w);
     }
 
+    /** An area light, without a shadow map: whether its light reaches the fragment, and radiance towards the camera. */
+    areaLight(s, u) {
+        const toCenter = u.place.xyz.sub(s.position).toVar();
+        const radiance = u.color.mul(hl.hlRangeWindow(toCenter.dot(toCenter), u.place.w)).toVar();
+        const reached = toCenter.dot(u.halfX.cross(u.halfY)).greaterThan(0).and(radiance.length().greaterThan(0));
+        const reflected = hl.hlReflectAreaLight(s.baseColor, s.metallic, s.roughness, s.specular, s.normal, s.view, u.type, toCenter, u.halfX, u.halfY, radiance);
+        const skipped = s.lightmapped.select(u.flags.z.toInt().bitAnd(1), u.flags.z.toInt().bitAnd(2)).greaterThan(0);
+        const lit = reflected.mul(this.attenuation(s, u, false, float(1)));
+        return { reached, radiance: select(reached.and(skipped.not()), lit, vec3(0)) };
+    }
+
     reflected(s, direction, light) {
         return hl.hlReflectLight(s.baseColor, s.metallic, s.roughness, s.specular, s.normal, s.view, direction, light);
     }

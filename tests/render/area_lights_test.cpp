@@ -1,0 +1,233 @@
+// Area lights as pixels: closed forms of their form factors, and the law in all modes, forward and deferred (spec S3,
+// S12, S13, S20).
+#include "render/law_scene.h"
+
+#include <glm/gtc/matrix_transform.hpp>
+#include <glm/gtc/packing.hpp>
+
+#include <cmath>
+
+namespace halflight::test {
+namespace {
+
+constexpr ivec2 kSize{256, 144};
+const vec3 kAlbedo(0.6f, 0.5f, 0.4f);
+constexpr float kMask = 0.4f; // 102 / 255
+constexpr float kHeight = 4.0f;
+
+Light areaLight(LightType type, vec3 direction)
+{
+    Light light;
+    light.type = type;
+    light.sizeMeters = vec2(1.5f, 1.0f);
+    light.worldFromLight = lightPose(vec3(0, kHeight, 0), direction);
+    light.intensity = 30.0f;
+    return light;
+}
+
+/// Irradiance by brute force: the light in small pieces.
+double irradianceByHand(const Light& light, vec3 point, vec3 normal)
+{
+    constexpr int kSide = 120;
+    const float height = light.type == LightType::Disk ? light.sizeMeters.x : light.sizeMeters.y;
+    double sum = 0.0;
+    for (int i = 0; i < kSide * kSide; ++i) {
+        const vec2 at = (vec2(i % kSide, i / kSide) + 0.5f) / float(kSide) - 0.5f;
+        if (light.type == LightType::Disk && glm::length(at) > 0.5f) continue;
+        const vec3 way = light.position() + at.x * light.sizeMeters.x * vec3(light.worldFromLight[0]) +
+                         at.y * height * vec3(light.worldFromLight[1]) - point;
+        const float d2 = glm::dot(way, way);
+        const float cosines = std::max(glm::dot(way, normal), 0.0f) * std::max(-glm::dot(way, light.direction()), 0.0f);
+        sum += double(cosines / (d2 * d2));
+    }
+    return sum * double(light.intensity * light.sizeMeters.x * height) / (kSide * kSide);
+}
+
+/// A purely diffuse floor, masked where x > 0 for the light's channel 1 and otherwise lit; the light 4 m up; a dynamic
+/// plate 1 m up on both sides of x = 0, and a static one beside it, whose shadow the mask does not know.
+struct AreaScene {
+    BakedScene baked;
+    vec3 eye{0, 0.8f, 9};
+    Camera camera = lookAt(eye, vec3(0, 0, 2), kPi / 3.0f);
+
+    explicit AreaScene(LightType type)
+    {
+        baked.isBaked = true;
+        Scene& scene = baked.scene;
+        const int material = addMaterial(scene, vec4(kAlbedo, 1.0f));
+        scene.materials[std::size_t(material)].specular = 0.0f;
+        addObject(scene, makeRectangle(20, 20, material), mat4(1.0f), true);
+        scene.objects[0].lightmap = {0, vec2(1.0f), vec2(0.0f)};
+        baked.lightmaps.emplace_back(64, 64, glm::packF3x9_E1x5(vec3(0.25f)));
+        ImageRgba8 mask(64, 64, u8vec4(255));
+        for (int y = 0; y < 64; ++y)
+            for (int x = 32; x < 64; ++x) mask(x, y) = u8vec4(0, 102, 0, 0);
+        baked.shadowmasks.push_back(mask);
+        // From z = 1 to z = 3 at height 1; the shadows from the light's middle end at z = 4.
+        addObject(scene, makeRectangle(2.4f, 2, material), glm::translate(mat4(1.0f), vec3(0, 1, 2)), false);
+        addObject(scene, makeRectangle(1.0f, 2, material), glm::translate(mat4(1.0f), vec3(2.0f, 1, 2)), true);
+        scene.lights.push_back(areaLight(type, vec3(0.1f, -1, 0.2f)));
+        bakeAsMixed(scene.lights[0], MixedLightingMode::Shadowmask, 1);
+    }
+    [[nodiscard]] vec3 pointAt(vec3 near, ivec2& pixel) const
+    {
+        pixel = pixelOf(camera, kSize, near);
+        return onPlane(pixelRay(camera, kSize, pixel), 0.0f);
+    }
+};
+
+struct Place {
+    vec3 point;
+    bool inDynamic;
+    bool inStatic;
+};
+const Place kPlaces[] = {{{-0.8f, 0, 3.6f}, true, false},
+                         {{0.8f, 0, 3.6f}, true, false},
+                         {{2.7f, 0, 3.6f}, false, true},
+                         {{-1.5f, 0, 4.5f}, false, false},
+                         {{0.9f, 0, 4.5f}, false, false}};
+
+using TypePath = std::tuple<LightType, RenderPath>;
+class AreaLawS3 : public RenderTest, public testing::WithParamInterface<TypePath> {};
+INSTANTIATE_TEST_SUITE_P(, AreaLawS3,
+                         testing::Combine(testing::Values(LightType::Rectangle, LightType::Disk), kBothPaths),
+                         [](const auto& info) {
+                             return std::string(nameOf(std::get<0>(info.param))) + pathName(std::get<1>(info.param));
+                         });
+
+// Realtime shadows are those of a light at its middle; the mask and the mode mix with them as for any light.
+TEST_P(AreaLawS3, EveryModeNearInTheFadeAndBeyond)
+{
+    for (const RunMode mode :
+         {RunMode::Realtime, RunMode::BakedIndirect, RunMode::Shadowmask, RunMode::DistanceShadowmask}) {
+        for (const float strength : {1.0f, 0.7f}) {
+            for (const float distance : {12.0f, 7.0f, 4.0f}) {
+                AreaScene area(std::get<0>(GetParam()));
+                Light& light = area.baked.scene.lights[0];
+                light.shadowStrength = strength;
+                RenderSettings settings;
+                settings.mode = mode;
+                settings.path = std::get<1>(GetParam());
+                settings.size = kSize;
+                settings.shadows.distanceMeters = distance;
+                settings.shadows.fadeRangeMeters = 3.0f;
+                settings.shadows.atlasSize = 2048;
+                const RenderedFrame frame = render(area.baked, area.camera, settings);
+                for (const Place& place : kPlaces) {
+                    ivec2 pixel;
+                    const vec3 point = area.pointAt(place.point, pixel);
+                    const bool masked = mode == RunMode::Shadowmask || mode == RunMode::DistanceShadowmask;
+                    const bool shadowed = place.inDynamic || (place.inStatic && mode != RunMode::Shadowmask);
+                    const float fade =
+                        glm::clamp((glm::distance(area.eye, point) - distance) / 3.0f + 1.0f, 0.0f, 1.0f);
+                    const float attenuation = law::attenuationByHand(mode, masked, point.x > 0.0f ? kMask : 1.0f, true,
+                                                                     shadowed ? 0.0f : 1.0f, fade, strength);
+                    double irradiance = double(attenuation) * irradianceByHand(light, point, vec3(0, 1, 0));
+                    if (mode != RunMode::Realtime) irradiance += 0.25;
+                    const vec3 expected = kAlbedo * float(irradiance / double(kPi));
+                    EXPECT_TRUE(near(vec3(frame.radiance(pixel.x, pixel.y)), expected, 4.0e-3f, law::kAbsolute))
+                        << "mode " << int(mode) << " x " << point.x << " t " << fade;
+                }
+            }
+        }
+    }
+}
+
+class AreaLightPixels : public BothPaths {};
+INSTANTIATE_TEST_SUITE_P(, AreaLightPixels, kBothPaths, pathNameOf);
+
+/// A diffuse floor, a light above it that shines down, without shadows.
+BakedScene floorBelow(LightType type)
+{
+    BakedScene plain;
+    const int material = addMaterial(plain.scene, vec4(kAlbedo, 1.0f));
+    plain.scene.materials[0].specular = 0.0f;
+    addObject(plain.scene, makeRectangle(20, 20, material), mat4(1.0f), true);
+    plain.scene.lights.push_back(areaLight(type, vec3(0, -1, 0)));
+    plain.scene.lights[0].castShadows = false;
+    return plain;
+}
+
+/// Form factors of a disk and a rectangle over a parallel plane at distance h: Howell's catalog, B-13 and B-1 (four
+/// corners, each with the sign of its quarter).
+double diskFactor(double radius, double h, double r)
+{
+    const double sum = h * h + r * r + radius * radius;
+    const double root = std::sqrt(sum * sum - 4.0 * r * r * radius * radius);
+    return 0.5 * (1.0 - (sum - 2.0 * radius * radius) / root);
+}
+double cornerFactor(double a, double b, double h)
+{
+    const double x = a / h;
+    const double y = b / h;
+    return (x / std::sqrt(1 + x * x) * std::atan(y / std::sqrt(1 + x * x)) +
+            y / std::sqrt(1 + y * y) * std::atan(x / std::sqrt(1 + y * y))) /
+           (2.0 * double(kPi));
+}
+double rectangleFactor(const Light& light, vec3 point)
+{
+    const auto x = double(glm::dot(point - light.position(), vec3(light.worldFromLight[0])));
+    const auto y = double(glm::dot(point - light.position(), vec3(light.worldFromLight[1])));
+    const double a = 0.5 * double(light.sizeMeters.x);
+    const double b = 0.5 * double(light.sizeMeters.y);
+    double sum = 0.0;
+    for (const double sx : {-1.0, 1.0})
+        for (const double sy : {-1.0, 1.0}) sum += sx * sy * cornerFactor(sx * a - x, sy * b - y, double(kHeight));
+    return sum;
+}
+
+TEST_P(AreaLightPixels, FormFactorsOfRectangleAndDisk)
+{
+    for (const LightType type : {LightType::Rectangle, LightType::Disk}) {
+        const BakedScene plain = floorBelow(type);
+        const Light& light = plain.scene.lights[0];
+        RenderSettings settings;
+        settings.mode = RunMode::Realtime;
+        settings.path = GetParam();
+        settings.size = kSize;
+        const Camera camera = lookAt(vec3(0, 6, 9), vec3(0, 0, 0), kPi / 3.0f);
+        const RenderedFrame frame = render(plain, camera, settings);
+        int checked = 0;
+        for (int y = 2; y < kSize.y; y += 9) {
+            for (int x = 3; x < kSize.x; x += 13) {
+                const Ray ray = pixelRay(camera, kSize, {x, y});
+                if (ray.direction.y > -0.2f) continue;
+                const vec3 point = onPlane(ray, 0.0f);
+                if (std::max(std::abs(point.x), std::abs(point.z)) > 9.5f) continue;
+                const double factor = type == LightType::Disk ? diskFactor(0.75, double(kHeight),
+                                                                           double(glm::length(vec2(point.x, point.z))))
+                                                              : rectangleFactor(light, point);
+                const vec3 expected = kAlbedo * float(factor * 30.0); // pi of the irradiance and of the albedo cancel
+                ASSERT_TRUE(near(vec3(frame.radiance(x, y)), expected, 2.0e-3f))
+                    << nameOf(type) << ' ' << x << ' ' << y;
+                ++checked;
+            }
+        }
+        EXPECT_GT(checked, 100);
+    }
+}
+
+// A light with a range ends there, and one that faces away gives nothing.
+TEST_P(AreaLightPixels, RangeAndBack)
+{
+    BakedScene plain = floorBelow(LightType::Rectangle);
+    plain.scene.lights[0].rangeMeters = 6.0f;
+    plain.scene.lights.push_back(areaLight(LightType::Disk, vec3(0, 1, 0)));
+    RenderSettings settings;
+    settings.mode = RunMode::Realtime;
+    settings.path = GetParam();
+    settings.size = kSize;
+    const Camera camera = lookAt(vec3(0, 6, 12), vec3(0, 0, 0), kPi / 3.0f);
+    const RenderedFrame frame = render(plain, camera, settings);
+    for (const float z : {0.0f, 2.0f, 4.0f, 4.6f}) {
+        const ivec2 pixel = pixelOf(camera, kSize, vec3(0.3f, 0, z));
+        const vec3 point = onPlane(pixelRay(camera, kSize, pixel), 0.0f);
+        const float ratio = glm::distance(point, vec3(0, kHeight, 0)) / 6.0f;
+        const float window = std::max(1.0f - ratio * ratio * ratio * ratio, 0.0f);
+        const vec3 expected = kAlbedo * float(rectangleFactor(plain.scene.lights[0], point) * 30.0) * window;
+        EXPECT_TRUE(near(vec3(frame.radiance(pixel.x, pixel.y)), expected, 3.0e-3f)) << z;
+    }
+}
+
+} // namespace
+} // namespace halflight::test
