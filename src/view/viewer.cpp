@@ -106,7 +106,8 @@ Status Viewer::open(const std::filesystem::path& file)
     hasCamera_ = false;
     const RunMode mode = options_.mode.value_or(defaultRunMode(*baked));
     if (Status status = checkRunMode(*baked, mode); !status) return status;
-    state_.settings.mode = state_.otherMode = mode;
+    state_.settings.mode = mode;
+    state_.otherMode = RunMode::Realtime; // what a bake is compared with
     return show(std::move(*baked));
 }
 
