@@ -63,7 +63,8 @@ missing=()
 for package in "${window_packages[@]}"; do installed "$package" || missing+=("$package"); done
 if [ "${#missing[@]}" -gt 0 ]; then
   # With Mesa from backports, SDL's headers need those of the same suite.
-  if dpkg-query -W -f='${Version}' libgbm1 2>/dev/null | grep -q '~bpo12'; then
+  versions=$(dpkg-query -W -f='${Version} ' libgbm1 libdrm2 2>/dev/null || true)
+  if [[ "$versions" == *"~bpo12"* ]]; then
     apt_get install -y -qq --no-install-recommends -t bookworm-backports libgbm-dev libdrm-dev || true
   fi
   apt_get install -y -qq --no-install-recommends "${missing[@]}" ||
