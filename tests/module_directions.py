@@ -63,7 +63,7 @@ CONFINED = [
     ("Eigen", r"^Eigen/", ("src/unwrap/", "src/bake/")),
     ("Open Image Denoise", r"^OpenImageDenoise/", ("src/bake/",)),
     ("Embree", r"^(embree\d*/|rtcore)", ("src/bake_cpu/",)),
-    ("Vulkan", r"^(vulkan/|vk_video/|volk\.h|vk_mem_alloc)", ("src/gpu/", "src/render/", "src/view/", "include/halflight/render/", "src/bake_gpu/")),
+    ("Vulkan", r"^(vulkan/|vk_video/|volk\.h|vk_mem_alloc)", ("src/gpu/", "src/render/", "src/view/", "include/halflight/render/vulkan_target.h", "src/bake_gpu/")),
     ("SDL2", r"^SDL\w*\.h$", ("src/view/",)),
     ("Dear ImGui", r"^(imgui\.h|backends/imgui_)", ("src/view/",)),
     ("CLI11", r"^CLI/", ("apps/",)),
@@ -192,7 +192,7 @@ def table_problems(text):
         if folders == ("include/", "src/", "apps/"):
             continue
         allowed = {f if f == "apps/" else re.sub(r"^(src|include/halflight)/|/$", "", f) for f in folders}
-        allowed -= {"bake_gpu"}  # planned
+        allowed -= {"bake_gpu", "render/vulkan_target.h"}  # planned; one header of render
         if listed.get(library, set()) != allowed:
             problems.append(f"docs/architecture.md: {library} is listed for {sorted(listed.get(library, set()))}, "
                             f"the check allows {sorted(allowed)}")

@@ -212,7 +212,7 @@ TEST_F(LostBake, LightsDropped)
                 node["extensions"].erase("HALFLIGHT_light");
         }
     });
-    EXPECT_THAT(read.lost, testing::Contains(HasSubstr("3 of 3 baked lights")));
+    EXPECT_THAT(read.lost, testing::Contains(HasSubstr("5 of 5 baked lights")));
 }
 
 } // namespace

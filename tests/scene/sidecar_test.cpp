@@ -78,7 +78,7 @@ TEST_F(Sidecar, BindsEachObjectAndLightBack)
     for (Json& index : plain["scenes"][0]["nodes"]) index = count - 1 - index.get<std::size_t>();
     for (Json& node : plain["nodes"]) node.erase("extensions");
     ASSERT_EQ(sidecar["objects"].size(), 3u);
-    ASSERT_EQ(sidecar["lights"].size(), 3u);
+    ASSERT_EQ(sidecar["lights"].size(), 5u);
     for (const auto& [list, extension] : {std::pair("objects", "HALFLIGHT_node"), {"lights", "HALFLIGHT_light"}}) {
         for (Json binding : sidecar[list]) {
             const std::size_t node = count - 1 - find(plain, binding);

@@ -98,8 +98,10 @@ TEST_F(StaleFile, AColorOfAMixedLightMayChangeAndABakedOneMayNot)
         return [bakeType](Json& json) {
             const std::string key = std::string("\"bakeType\":\"") + bakeType;
             const Json& node = json["nodes"][nodeWith(json, "HALFLIGHT_light", key.c_str())];
-            const auto light = node["extensions"]["KHR_lights_punctual"]["light"].get<std::size_t>();
-            json["extensions"]["KHR_lights_punctual"]["lights"][light]["intensity"] = 30.0;
+            const bool area = node["extensions"].contains("EXT_lights_area");
+            const char* extension = area ? "EXT_lights_area" : "KHR_lights_punctual";
+            const auto light = node["extensions"][extension]["light"].get<std::size_t>();
+            json["extensions"][extension]["lights"][light]["intensity"] = 30.0;
         };
     };
     EXPECT_THAT(warningsAfter(recolor("mixed")), IsEmpty());
