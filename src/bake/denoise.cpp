@@ -77,7 +77,7 @@ using Taps = std::array<Tap, kTaps>; ///< row by row
 /// `tolerance` (lux) count little too.
 float luminanceDistance(const NoisyLight& a, const NoisyLight& b, float tolerance)
 {
-    constexpr float kSigmas = 2.0f;
+    constexpr float kSigmas = 2.0f; // standard deviations: 95 % of the noise
     const float difference = luminance(b.irradiance - a.irradiance);
     const float noise = 2.0f * kSigmas * kSigmas * std::min(a.variance, 4.0f * b.variance) + tolerance * tolerance;
     return difference * difference / (noise + 1.0e-12f);
@@ -145,7 +145,7 @@ Tap tapOn(const Level& level, uint32_t j)
 /// other.
 Tap tapBeyond(const Level& level, const SurfaceGrid::Footprint& footprint)
 {
-    constexpr float kEnough = 0.5f; // of a footprint
+    constexpr float kEnough = 0.5f; // of a footprint's weight; with less, its mean is that of other places
     Tap sum;
     float weight = 0.0f;
     for (std::size_t n = 0; n < footprint.count; ++n) {
@@ -273,7 +273,7 @@ struct GeometricWeight {
 /// the world (folded charts) have none.
 std::optional<GeometricWeight> geometricWeight(const Tap& own, const Tap& other, float spline, float planeScale)
 {
-    constexpr float kFarTaps = 8.0f;
+    constexpr float kFarTaps = 8.0f; // taps; the corner of 5 x 5 is 2.8 away on a flat chart
     constexpr float kNegligible = 1.0e-6f;
     const float cosine = std::max(glm::dot(own.normal, other.normal), 0.0f);
     const vec3 offset = other.position - own.position;

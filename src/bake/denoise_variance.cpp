@@ -59,9 +59,9 @@ std::vector<float> varianceScales(const SurfaceGrid& grid, std::span<const Irrad
             }
         }
     });
-    constexpr int kRadius = 3; // texels
-    constexpr int kFewestDifferences = 6;
-    constexpr float kLeastScale = 0.05f;
+    constexpr int kRadius = 3;            // texels: 49 differences, a standard error of 20 % of their mean square
+    constexpr int kFewestDifferences = 6; // a standard error of 58 %; with fewer the stated variance counts
+    constexpr float kLeastScale = 0.05f;  // of a variance; differences of 0 by chance must not switch the filter off
     std::vector<float> scales(estimates.size(), 1.0f);
     parallelFor(estimates.size(), 2048, [&](std::size_t begin, std::size_t end) {
         for (std::size_t i = begin; i < end; ++i) {

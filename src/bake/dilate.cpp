@@ -11,8 +11,6 @@ namespace halflight {
 namespace {
 
 constexpr std::size_t kTexelsPerTask = 4096;
-constexpr int kNearRings = 2; ///< rings in which values of the same chart precede those of other charts
-
 /// Weight of a neighbour at offset (dx, dy): the inverse distance, so that straight edges extend straight.
 float neighborWeight(int dx, int dy)
 {
@@ -64,8 +62,8 @@ template<typename T> void adoptNeighbors(const BakeGeometry& geometry, const Tex
                                          std::vector<uint32_t>& open, std::vector<T>& values)
 {
     if (open.empty()) return;
-    constexpr float kReachTexels = 3.0f;
-    constexpr float kFacing = 0.5f;
+    constexpr float kReachTexels = 3.0f; // in the world: one more than padding is wide
+    constexpr float kFacing = 0.5f;      // least cosine between normals, 60 degrees: no light from round a corner
     std::vector<TexelPlace> missing(open.size());
     parallelFor(open.size(), kTexelsPerTask, [&](std::size_t begin, std::size_t end) {
         for (std::size_t i = begin; i < end; ++i) missing[i] = placeOf(geometry, map, map.texels[open[i]]);
@@ -206,7 +204,8 @@ template<typename T> void fillInvalid(const BakeGeometry& geometry, const TexelM
     if (open.empty()) return;
     const TexelGrid grid(map);
     std::vector<uint8_t> known = valid;
-    growWithinCharts(map, grid, kNearRings, known, open, values);
+    // Values of the same chart precede those of other charts in the rings that dilation adds.
+    growWithinCharts(map, grid, kDilationRings, known, open, values);
     adoptNeighbors(geometry, map, valid, known, open, values);
     growWithinCharts(map, grid, map.pageSize, known, open, values);
 }

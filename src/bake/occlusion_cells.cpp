@@ -83,7 +83,7 @@ void OcclusionCells::estimateErrors()
             cell.error = std::max({cell.error, error.x, error.y, error.z, error.w});
         });
     }
-    std::erase_if(cells_, [](const Cell& c) { return c.error < kOcclusionDisagrees; });
+    std::erase_if(cells_, [](const Cell& c) { return c.error < kDisagrees; });
     std::stable_sort(cells_.begin(), cells_.end(), [](const Cell& a, const Cell& b) { return a.error > b.error; });
 }
 
@@ -107,7 +107,7 @@ bool OcclusionCells::cornersDisagree(const Cell& cell)
         least = glm::min(least, sample.occlusion);
         most = glm::max(most, sample.occlusion);
     }
-    return glm::any(glm::greaterThan(most - least, vec4(kOcclusionDisagrees)));
+    return glm::any(glm::greaterThan(most - least, vec4(kDisagrees)));
 }
 
 } // namespace halflight

@@ -12,10 +12,11 @@
 
 namespace halflight {
 
-/// Difference of occlusion (0…1) from which on two probes, or a probe and its interpolation, disagree.
-constexpr float kOcclusionDisagrees = 0.35f;
+/// Difference of occlusion (0…1), or of irradiance over the larger of both, from which on two probes, or a probe and
+/// its interpolation, disagree.
+constexpr float kDisagrees = 0.35f;
 
-/// Grid cells whose interpolated occlusion is wrong by kOcclusionDisagrees or more. Coordinates are those of a lattice
+/// Grid cells whose interpolated occlusion is wrong by kDisagrees or more. Coordinates are those of a lattice
 /// with 2^kLevels intervals along each side of a grid cell.
 class OcclusionCells {
 public:

@@ -17,6 +17,13 @@ double countAt(vec3 size, double spacing)
     return count;
 }
 
+/// The smallest spacing from a given one on, in steps of 5 %, that gives no more than `most` probes.
+double coarsened(vec3 size, double spacing, double most)
+{
+    while (countAt(size, spacing) > most) spacing *= 1.05;
+    return spacing;
+}
+
 } // namespace
 
 ProbeSet probeGrid(const Scene& scene, float spacingMeters, std::vector<std::string>& warnings)
@@ -29,9 +36,9 @@ ProbeSet probeGrid(const Scene& scene, float spacingMeters, std::vector<std::str
     double spacing = spacingMeters;
     if (spacing <= 0.0) {
         spacing = std::cbrt(double(size.x) * double(size.y) * double(size.z) / kDefaultProbes);
-        while (countAt(size, spacing) > kDefaultProbes) spacing *= 1.05;
+        spacing = coarsened(size, spacing, kDefaultProbes);
     }
-    while (countAt(size, spacing) > kMaxProbes) spacing *= 1.05;
+    spacing = coarsened(size, spacing, kMaxProbes);
     if (spacingMeters > 0.0f && spacing > double(spacingMeters)) {
         warnings.push_back("a probe every " + std::to_string(spacingMeters) + " m would be more than " +
                            std::to_string(int(kMaxProbes)) + " probes: there is one every " + std::to_string(spacing) +

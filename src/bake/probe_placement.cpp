@@ -15,7 +15,6 @@
 namespace halflight {
 namespace {
 
-constexpr float kLightDisagrees = 0.35f; ///< difference of irradiance over the larger of both
 /// Irradiance below this share of the median probe's counts as dark, so that its differences count little.
 constexpr float kDarkShare = 0.05f;
 /// Distance of a probe from a wall, over the spacing. Probes on both sides of a wall are two layers at twice this
@@ -47,9 +46,9 @@ float disagreement(const Probe& a, const Probe& b, float dark)
     const auto sidesB = irradianceAround(b);
     for (std::size_t i = 0; i < 6; ++i) {
         const float larger = std::max({sidesA[i], sidesB[i], dark});
-        if (larger > 0.0f) most = std::max(most, std::abs(sidesA[i] - sidesB[i]) / larger / kLightDisagrees);
+        if (larger > 0.0f) most = std::max(most, std::abs(sidesA[i] - sidesB[i]) / larger / kDisagrees);
     }
-    for (int c = 0; c < 4; ++c) most = std::max(most, std::abs(a.occlusion[c] - b.occlusion[c]) / kOcclusionDisagrees);
+    for (int c = 0; c < 4; ++c) most = std::max(most, std::abs(a.occlusion[c] - b.occlusion[c]) / kDisagrees);
     return most;
 }
 
@@ -124,8 +123,9 @@ void addBesideWall(const Disagreement& d, const Probe& a, const Probe& b, float 
     const vec3 direction = (b.position - a.position) / length;
     const float fromA = d.surfaces->x;
     const float fromB = length - d.surfaces->y;
-    const bool nearA = a.valid && fromA <= 1.5f * wall;
-    const bool nearB = b.valid && fromB <= 1.5f * wall;
+    const auto isNear = [&](const Probe& probe, float distance) { return probe.valid && distance <= 1.5f * wall; };
+    const bool nearA = isNear(a, fromA);
+    const bool nearB = isNear(b, fromB);
     const float offA = nearB ? std::max(wall, 2.0f * wall - fromB) : wall;
     const float offB = nearA ? std::max(wall, 2.0f * wall - fromA) : wall;
     if (a.valid && !nearA && fromA > offA) adder.add(d.link.a, a.position + direction * (fromA - offA));

@@ -150,8 +150,8 @@ Box fitBox(float turn, std::span<const vec3> directions, std::span<const float> 
         box.face[f] = ends[f][ends[f].size() / 2];
     }
     error = misfit(box, local, distances);
-    constexpr int kSweeps = 2;
-    constexpr std::size_t kTries = 16;
+    constexpr int kSweeps = 2;         // over the faces, because each depends on the others
+    constexpr std::size_t kTries = 16; // quantiles of the ends of rays: 256 rays have 43 on a face
     for (int sweep = 0; sweep < kSweeps; ++sweep) {
         for (std::size_t f = 0; f < 6; ++f) {
             for (std::size_t k = 0; k < kTries; ++k) {

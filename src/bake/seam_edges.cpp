@@ -19,8 +19,6 @@ namespace {
 
 /// Smallest cosine between both sides' shading normals; below it the edge is a corner, where light may differ.
 constexpr float kSmoothCosine = 0.95f;
-/// Smallest cosine between geometric normals; below it the edge is a hem, whatever the shading normals.
-constexpr float kFoldCosine = 0.0f;
 /// Largest cosine between geometric normals at a bend: 15°.
 constexpr float kBentCosine = 0.966f;
 constexpr float kLineTexels = 0.05f;      ///< edges within this distance of a line lie on it
@@ -134,9 +132,9 @@ bool isSeam(const EdgeSide& a, const EdgeSide& b)
 {
     const bool samePlace =
         a.page == b.page && glm::distance(a.from, b.from) < 1.0e-3f && glm::distance(a.to, b.to) < 1.0e-3f;
+    // Where the triangles face away from each other, the edge is a hem, whatever the shading normals.
     return !samePlace && glm::dot(a.normalFrom, b.normalFrom) > kSmoothCosine &&
-           glm::dot(a.normalTo, b.normalTo) > kSmoothCosine &&
-           glm::dot(a.geometricNormal, b.geometricNormal) >= kFoldCosine;
+           glm::dot(a.normalTo, b.normalTo) > kSmoothCosine && glm::dot(a.geometricNormal, b.geometricNormal) >= 0.0f;
 }
 
 void addSamples(const EdgeSide& a, const EdgeSide& b, int pageSize, std::vector<SeamSample>& samples)

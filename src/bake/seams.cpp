@@ -270,7 +270,7 @@ template<typename T> std::pair<T, T> sidesOf(const std::vector<Image<T>>& pages,
 /// Luminance that a difference relative to the darker side adds to it: a thousandth of the mean along the seams.
 float darkOf(const std::vector<SeamSample>& seams, const std::vector<ImageRgb32f>& pages)
 {
-    constexpr double kDark = 1.0e-3;
+    constexpr double kDark = 1.0e-3; // of the mean: keeps ratios of black texels finite
     double sum = 0.0;
     for (const SeamSample& seam : seams) {
         const auto [a, b] = sidesOf(pages, seam);

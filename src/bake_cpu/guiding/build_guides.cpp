@@ -25,7 +25,7 @@ constexpr float kVarianceOfWider = 10.0f;
 /// at least this relative variance.
 constexpr int kSharedLevel = 3;
 constexpr float kVarianceMissed = 0.5f;
-constexpr std::size_t kMostEntries = 64; ///< of a list
+constexpr std::size_t kMostEntries = 64; ///< of a list, which is searched per sample: 6 steps
 
 /// Observations of patches by receivers, from the samples of the radiosity stage.
 class PatchObservations {

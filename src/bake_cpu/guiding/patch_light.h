@@ -21,7 +21,7 @@ struct PatchLight {
 /// its receivers the illuminance along their rays.
 inline bool isSecondarySource(float radiance, float illuminance)
 {
-    constexpr float kBrighter = 3.0f;
+    constexpr float kBrighter = 3.0f; // ratio of radiosities: below it gather rays suffice
     const float radiosity = kPi * radiance;
     return radiosity > 0.0f && radiosity < kInfinity && radiosity >= kBrighter * illuminance;
 }

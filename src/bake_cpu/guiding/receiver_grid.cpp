@@ -82,7 +82,7 @@ ConnectedComponents::ConnectedComponents(const ReceiverGrid& grid, std::size_t c
 
 Observations::Observations(const ReceiverGrid& grid, uint32_t region, float illuminanceBeside)
 {
-    constexpr float kNeighbourWeight = 0.5f;
+    constexpr float kNeighbourWeight = 0.5f; // of a hit; 1 = the region's own
     float receivers = 0.0f;
     float illuminances = 0.0f;
     HashGrid::around(grid.regions[region].key, [&](uint64_t key) {

@@ -74,7 +74,7 @@ float CachedLightmap::meanOf(const LightmapInput& input, std::atomic<uint64_t>& 
 {
     double sum = 0.0;
     std::size_t count = 0;
-    constexpr std::size_t kProbedTexels = 128;
+    constexpr std::size_t kProbedTexels = 128; // enough for the nearest power of two
     const TexelMap& map = input.map;
     FinalGather gather = input.makeGather();
     const std::size_t step = std::max<std::size_t>(1, map.texels.size() / kProbedTexels);

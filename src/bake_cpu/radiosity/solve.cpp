@@ -231,7 +231,7 @@ private:
     }
     void fillElement(PatchId first, int width, PatchId element)
     {
-        constexpr float kAlike = 1.5f;
+        constexpr float kAlike = 1.5f; // ratio of radiances; more is an edge of light
         const auto i = int(element - first);
         const ivec2 at(i % width, i / width);
         float least = kInfinity;

@@ -18,7 +18,7 @@ public:
     /// For triangles hit by no ray: the nearest one of the 8 before and after it of the same part.
     void ofTriangles()
     {
-        constexpr std::ptrdiff_t kReach = 8;
+        constexpr std::ptrdiff_t kReach = 8; // triangles in the order of the file
         const uint32_t first = 2 * patches_.layout.chartPatches;
         const auto count = std::ptrdiff_t(patches_.triangles.size());
         for (std::ptrdiff_t i = 0; i < count; ++i) {

@@ -51,7 +51,7 @@ float Emitters::meanEmission(const TransportMaterial& material, uint32_t triangl
 {
     const float full = luminance(material.emission);
     if (!material.emissive) return full;
-    constexpr int kPoints = 16;
+    constexpr int kPoints = 16; // of a triangle: the mean guides sampling, and biases nothing
     float mean = 0.0f;
     for (int i = 0; i < kPoints; ++i) {
         const vec2 u = r2Point(i);

@@ -52,7 +52,7 @@ public:
     /// choose among the nodes of one cut (the paper's tree splitting, once per texel).
     struct Cut {
         static constexpr std::size_t kLanes = 8;
-        static constexpr std::size_t kMaxNodes = 32;
+        static constexpr std::size_t kMaxNodes = 32; ///< nodes: two for each sample of a block
         template<typename T> using Lanes = std::array<T, kLanes>;
         std::size_t count = 0;
         Lanes<float> total{}; ///< as total()

@@ -6,7 +6,7 @@
 namespace halflight {
 namespace {
 
-constexpr int kBins = 12;
+constexpr int kBins = 12; ///< along each axis, as in the paper
 
 /// Directions within an angle of an axis.
 struct Cone {

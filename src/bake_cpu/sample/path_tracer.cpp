@@ -244,7 +244,7 @@ vec3 PathTracer::pathRadiance(RayHit at, vec3 direction, Receiver from, float di
         // play it at the first hit too, with 1.4 times the survival probability.
         throughput *= hit.albedo;
         const vec2 uDirection = sampler.next2();
-        constexpr float kFirst = 1.4f;
+        constexpr float kFirst = 1.4f; // factor of the survival probability at the first hit
         const bool first = depth == 0;
         const bool atFirst = lookup && refinements.firstRoulette;
         const float survival = (first ? kFirst : 1.0f) * std::max({throughput.x, throughput.y, throughput.z});

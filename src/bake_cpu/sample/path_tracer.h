@@ -82,7 +82,7 @@ public:
     /// "Particle Transport and Image Synthesis").
     static float rouletteSurvival(float emitted, float otherIlluminance)
     {
-        constexpr float kLittle = 0.1f;
+        constexpr float kLittle = 0.1f; // share of other light from which on emitters are sampled for certain
         return otherIlluminance > 0.0f ? std::clamp(emitted / (kLittle * otherIlluminance), 1.0f / 8.0f, 1.0f) : 1.0f;
     }
 

@@ -102,7 +102,7 @@ public:
     }
 
 private:
-    static constexpr int kAngleBits = 11;
+    static constexpr int kAngleBits = 11; ///< steps of 0.2 degrees; both tables fit the first-level cache
     static constexpr std::size_t kAngles = std::size_t(1) << kAngleBits;
     static uint32_t stratumOf(uint32_t point) { return ((point >> 12) & 0xcu) | (point >> 30); }
 

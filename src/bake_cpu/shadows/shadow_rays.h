@@ -26,8 +26,8 @@ public:
     /// the whole texel to first order.
     static int firstBatch(uint32_t id)
     {
-        constexpr int kMany = 32768;
-        constexpr std::size_t kFew = 256;
+        constexpr int kMany = 32768;      // batches that are compared
+        constexpr std::size_t kFew = 256; // batches that neighbours choose among
         if (!refinements.firstBatches) return int(hashPcg(id) % kFew);
         static const std::vector<std::pair<float, int>> few = [] {
             std::vector<std::pair<float, int>> batches;

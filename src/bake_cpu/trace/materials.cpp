@@ -13,7 +13,7 @@
 namespace halflight {
 namespace {
 
-constexpr int kSmallTextureSide = 256;
+constexpr int kSmallTextureSide = 256; ///< texels: 256 KiB a texture, so that some fit the cache
 
 vec3 linearOf(u8vec4 texel)
 {

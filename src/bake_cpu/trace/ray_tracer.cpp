@@ -245,7 +245,7 @@ std::array<float, embree::kPacket> RayTracer::transmittance(const embree::LaneMa
 
 RayTracer::Crossings RayTracer::crossings(vec3 origin, vec3 direction) const
 {
-    constexpr int kMaxCrossings = 64;
+    constexpr int kMaxCrossings = 64; // surfaces; a ray through more, of a forest, decides nothing
     embree::RayContext context(false);
     Crossings result;
     float tMin = 0.0f;
