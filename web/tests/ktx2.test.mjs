@@ -38,7 +38,7 @@ function picturesOf(path) {
         return new Uint8Array(buffer.subarray(view.byteOffset ?? 0, (view.byteOffset ?? 0) + view.byteLength));
     };
     const pictures = (json.images ?? []).filter((image) => image.mimeType === 'image/ktx2');
-    const ofReflections = (image) => image.name === 'reflection probes';
+    const ofReflections = (image) => image.name.endsWith('reflection probes');
     return {
         lightmaps: pictures.filter((image) => !ofReflections(image)).map(bytesOf),
         reflections: pictures.filter(ofReflections).map(bytesOf),
