@@ -1,19 +1,25 @@
-// A bake in the background against bake(): when the first light is there, and what the whole costs. Usage:
+// A bake in the background against bake(): when light is seen, how good it is, and what the whole costs. Usage:
 //
-//   bench_session SCENE.glb [QUALITY preview|medium|high] [LIGHTMAP_SIZE]
+//   bench_session SCENE.glb [QUALITY preview|medium|high] [LIGHTMAP_SIZE] [ROUNDS]
 //
-// Prints seconds until the first light, its distance to the finished probes, the session's and bake()'s seconds, in
-// turn, and their ratio. Wall time: use a quiet machine.
+// Prints the quality by time, the seconds until the first light and until 90 % of the final quality, and the session's
+// and bake()'s seconds, in turn, with their ratio. Quality is 1 less the root mean square error of the pages' light
+// against the finished pages, relative to the light's own root mean square. The session is asked for its tiles every
+// 0.3 s, as the window does; times of the comparison are not counted. Wall time: use a quiet machine.
 #include "halflight/bake/bake_session.h"
 #include "halflight/bake_cpu/embree_integrator.h"
+#include "halflight/base/rgb9e5.h"
 #include "halflight/scene/gltf.h"
 
 #include <chrono>
+#include <cmath>
 #include <cstdio>
 #include <cstdlib>
 #include <optional>
 #include <string_view>
 #include <thread>
+#include <utility>
+#include <vector>
 
 using namespace halflight;
 
@@ -26,51 +32,116 @@ double secondsSince(Clock::time_point start)
     return std::chrono::duration<double>(Clock::now() - start).count();
 }
 
-/// Mean radiance of the valid probes.
-double brightness(const BakedScene& baked)
+/// What the window shows from a moment on.
+struct Step {
+    double seconds = 0.0;
+    std::vector<LightTile> tiles;
+};
+
+struct Run {
+    double seconds = 0.0;
+    double lightSeconds = 0.0;
+    std::optional<BakedScene> light;
+    std::vector<Step> steps;
+    std::optional<BakeResult> result;
+};
+
+std::optional<Run> runSession(const Scene& scene, const BakeSettings& settings)
 {
-    double sum = 0.0;
-    int count = 0;
-    for (const Probe& probe : baked.probes.probes) {
-        if (!probe.valid) continue;
-        sum += double(luminance(probe.radiance[0]));
-        ++count;
+    Run run;
+    const Clock::time_point start = Clock::now();
+    Clock::time_point last = start;
+    BakeSession session(scene, settings, makeEmbreeIntegrator);
+    if (!scene.cameras.empty()) session.setView(scene.cameras.front(), 16.0f / 9.0f);
+    while (!session.state().finished) {
+        std::this_thread::sleep_for(std::chrono::milliseconds(2));
+        if (!run.light) {
+            if ((run.light = session.takeLight())) run.lightSeconds = secondsSince(start);
+        } else if (secondsSince(last) > 0.3) {
+            last = Clock::now();
+            std::vector<LightTile> tiles = session.takeTiles();
+            if (!tiles.empty()) run.steps.push_back({secondsSince(start), std::move(tiles)});
+        }
     }
-    return count > 0 ? sum / count : 0.0;
+    Result<BakeResult> baked = session.takeResult();
+    run.seconds = secondsSince(start);
+    if (!baked || !run.light) return std::nullopt;
+    run.result = std::move(*baked);
+    return run;
 }
 
-int run(const char* file, const BakeSettings& settings)
+/// Squared difference of a rectangle of light to the finished page.
+double squaredError(const Image<uint32_t>& texels, ivec2 offset, float unitLux, const ImageRgb32f& page)
+{
+    const ImageRgb32f light = decodeRgb9e5(texels, unitLux);
+    double sum = 0.0;
+    for (int y = 0; y < light.height(); ++y) {
+        for (int x = 0; x < light.width(); ++x) {
+            const vec3 difference = light(x, y) - page(offset.x + x, offset.y + y);
+            sum += double(glm::dot(difference, difference));
+        }
+    }
+    return sum;
+}
+
+/// Seconds until 90 % of the final quality; the session's if tiles do not reach it.
+double secondsToQuality(Run& run)
+{
+    constexpr double kQuality = 0.9;
+    const std::vector<ImageRgb32f>& pages = run.result->irradiance;
+    std::vector<Image<uint32_t>>& shown = run.light->lightmaps;
+    const float unit = run.light->lightmapUnitLux;
+    double all = 0.0;
+    double error = 0.0;
+    for (std::size_t p = 0; p < pages.size(); ++p) {
+        for (const vec3 light : pages[p].texels()) all += double(glm::dot(light, light));
+        error += squaredError(shown[p], ivec2(0), unit, pages[p]);
+    }
+    const auto quality = [&] { return 1.0 - std::sqrt(std::max(error, 0.0) / all); };
+    std::printf("first light after %.2f s: quality %.3f\n", run.lightSeconds, quality());
+    double reached = quality() >= kQuality ? run.lightSeconds : run.seconds;
+    for (const Step& step : run.steps) {
+        for (const LightTile& tile : step.tiles) {
+            const auto p = std::size_t(tile.page);
+            Image<uint32_t> before(tile.texels.width(), tile.texels.height());
+            for (int y = 0; y < before.height(); ++y) {
+                for (int x = 0; x < before.width(); ++x) {
+                    uint32_t& texel = shown[p](tile.offset.x + x, tile.offset.y + y);
+                    before(x, y) = std::exchange(texel, tile.texels(x, y));
+                }
+            }
+            error += squaredError(tile.texels, tile.offset, unit, pages[p]) -
+                     squaredError(before, tile.offset, unit, pages[p]);
+        }
+        if (quality() >= kQuality) reached = std::min(reached, step.seconds);
+        std::printf("  %.1f s: %.3f", step.seconds, quality());
+    }
+    std::printf("\n");
+    return reached;
+}
+
+int run(const char* file, const BakeSettings& settings, int rounds)
 {
     const Result<Scene> scene = readScene(file);
     if (!scene) {
         std::fprintf(stderr, "%s\n", scene.error().text().c_str());
         return 1;
     }
-    constexpr int kRounds = 2; // in turn, so that a change of the machine's pace shows
     double plainSeconds = 0.0;
     double sessionSeconds = 0.0;
-    for (int round = 0; round < kRounds; ++round) {
-        Clock::time_point start = Clock::now();
+    for (int round = 0; round < rounds; ++round) { // in turn, so that a change of the machine's pace shows
+        const Clock::time_point start = Clock::now();
         const Result<BakeResult> plain = bake(*scene, settings, makeEmbreeIntegrator);
         if (!plain) return 1;
-        plainSeconds += secondsSince(start);
-
-        start = Clock::now();
-        BakeSession session(*scene, settings, makeEmbreeIntegrator);
-        std::optional<BakedScene> light;
-        double lightSeconds = 0.0;
-        while (!session.state().finished) {
-            if (!light && (light = session.takeLight())) lightSeconds = secondsSince(start);
-            std::this_thread::sleep_for(std::chrono::milliseconds(1));
-        }
-        const Result<BakeResult> baked = session.takeResult();
-        if (!baked || !light) return 1;
-        sessionSeconds += secondsSince(start);
-        std::printf("first light %.2f s, %+.1f %% of the finished probes' mean radiance\n", lightSeconds,
-                    100.0 * (brightness(*light) / brightness(baked->baked) - 1.0));
+        const double seconds = secondsSince(start);
+        std::optional<Run> session = runSession(*scene, settings);
+        if (!session) return 1;
+        std::printf("90 %% of the quality after %.2f s; session %.2f s, bake() %.2f s\n", secondsToQuality(*session),
+                    session->seconds, seconds);
+        plainSeconds += seconds;
+        sessionSeconds += session->seconds;
     }
-    std::printf("session %.2f s, bake() %.2f s, ratio %.3f\n", sessionSeconds / kRounds, plainSeconds / kRounds,
-                sessionSeconds / plainSeconds);
+    std::printf("session / bake() %.3f\n", sessionSeconds / plainSeconds);
     return 0;
 }
 
@@ -79,12 +150,12 @@ int run(const char* file, const BakeSettings& settings)
 int main(int count, char** arguments)
 {
     if (count < 2) {
-        std::fprintf(stderr, "usage: bench_session SCENE.glb [preview|medium|high] [LIGHTMAP_SIZE]\n");
+        std::fprintf(stderr, "usage: bench_session SCENE.glb [preview|medium|high] [LIGHTMAP_SIZE] [ROUNDS]\n");
         return 2;
     }
     BakeSettings settings;
     const std::string_view quality = count > 2 ? arguments[2] : "preview";
     settings.quality = quality == "high" ? Quality::High : quality == "medium" ? Quality::Medium : Quality::Preview;
     if (count > 3) settings.lightmapSize = std::atoi(arguments[3]);
-    return run(arguments[1], settings);
+    return run(arguments[1], settings, count > 4 ? std::atoi(arguments[4]) : 2);
 }

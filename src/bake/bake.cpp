@@ -3,6 +3,7 @@
 #include "bake/bake_report.h"
 #include "bake/front.h"
 #include "bake/gather.h"
+#include "bake/live_light.h"
 #include "bake/main_light.h"
 #include "bake/stage_images.h"
 #include "bake/stages.h"
@@ -32,7 +33,9 @@ Status lightmapStage(const Stages& stages, const Gather& gather, std::vector<Irr
     Integrator& integrator = gather.integrator;
     StageTimer timer(report, "lightmap");
     const uint64_t earlier = integrator.raysTraced();
-    if (!gather.irradiance(estimates, stages.progress)) return cancelledError();
+    const bool done = stages.live != nullptr ? stages.live->irradiance(gather, estimates, stages.progress)
+                                             : gather.irradiance(estimates, stages.progress);
+    if (!done) return cancelledError();
     integrator.releaseIrradiance();
     timer.finish(integrator.raysTraced() - earlier);
     main = findMainLight(stages.baked().scene);
@@ -103,6 +106,8 @@ Status lightmapPagesStage(const Stages& stages, const Gather& gather, const std:
     timer.finish();
     if (stages.progress.cancelled()) return cancelledError();
     stages.noteImages(dumpPages(settings, "lightmap", pages));
+    // Until the bake ends, a main light is drawn in realtime, and must not come twice.
+    if (stages.live != nullptr && !main) stages.live->finish(pages);
     StageTimer encodeTimer(stages.report(), "encode");
     baked.lightmapUnitLux = lightmapUnitFor(pages);
     baked.lightmaps = encodeLightmap(pages, baked.lightmapUnitLux);
@@ -221,14 +226,21 @@ std::string cacheWarning(const std::filesystem::path& folder, const Error& error
 Result<BakeResult> bake(Scene scene, const BakeSettings& settings, const IntegratorFactory& integratorFactory,
                         const Progress& progress)
 {
+    return bake(std::move(scene), settings, integratorFactory, progress, nullptr);
+}
+
+Result<BakeResult> bake(Scene scene, const BakeSettings& settings, const IntegratorFactory& integratorFactory,
+                        const Progress& progress, LiveLight* live)
+{
     const auto start = StageTimer::Clock::now();
     const ThreadLimit threads(settings.threads);
     BakeResult result;
     BakeReport& report = result.report;
-    const Stages stages{settings, progress, result};
+    const Stages stages{settings, progress, result, live};
     Front front;
     if (Status status = prepareTexels(stages, std::move(scene), integratorFactory, CacheUse{}, front); !status)
         return status.error();
+    if (live != nullptr && !live->begin(result.baked, settings, front.gather(), progress)) return cancelledError();
     if (Status status = validityStage(stages, front); !status) return status.error();
     std::optional<BakeCache>& cache = front.cache;
     const Gather gather = front.gather();

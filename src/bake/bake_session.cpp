@@ -1,6 +1,7 @@
 #include "halflight/bake/bake_session.h"
 
-#include <algorithm>
+#include "bake/live_light.h"
+
 #include <atomic>
 #include <chrono>
 #include <mutex>
@@ -17,69 +18,32 @@ double secondsSince(Clock::time_point start)
     return std::chrono::duration<double>(Clock::now() - start).count();
 }
 
-/// Texels of the coarse bake along a side for each of the finished one: a 64th of the texels.
-constexpr int kCoarser = 8;
-constexpr int kSmallestCoarsePage = 64;
-/// The fewest that the denoiser makes a smooth picture of.
-constexpr int kCoarseSamples = 16;
-constexpr int kCoarseShadowSamples = 8;
-
 } // namespace
-
-BakeSettings coarseSettings(const BakeSettings& settings)
-{
-    BakeSettings coarse = settings;
-    coarse.quality = Quality::Preview;
-    coarse.samples = kCoarseSamples;
-    coarse.shadowSamples = kCoarseShadowSamples;
-    coarse.noiseTarget = 0.0f;
-    coarse.denoiser = Denoiser::BuiltIn;
-    coarse.lightmapSize = std::max(resolveQuality(settings).lightmapSize / kCoarser, kSmallestCoarsePage);
-    coarse.texelsPerMeter = settings.texelsPerMeter / kCoarser;
-    coarse.maskEncoding = MaskEncoding::Attenuation;
-    coarse.probeLayout = ProbeLayout::Grid;
-    coarse.reflectionProbes = false;
-    coarse.imagesDirectory.clear();
-    coarse.cacheDirectory.clear();
-    return coarse;
-}
 
 struct BakeSession::Impl {
     void run(Scene scene, const BakeSettings& settings, const IntegratorFactory& factory)
     {
-        Result<BakeResult> coarse = bake(scene, coarseSettings(settings), factory, progressOf("first light: "));
-        // A coarse bake that fails says nothing new: the other one fails alike, or needs no first light.
-        if (coarse && !cancelled) {
+        Progress progress;
+        progress.cancel = &cancelled;
+        progress.report = [this](std::string_view stage, double fraction) {
             const std::lock_guard lock(mutex);
-            light = std::move(coarse->baked);
-        }
-        Result<BakeResult> baked = bake(std::move(scene), settings, factory, progressOf(""));
+            if (stage != state.stage) stageStart = Clock::now();
+            state.stage = stage;
+            state.fraction = fraction;
+        };
+        Result<BakeResult> baked = bake(std::move(scene), settings, factory, progress, &live);
         const std::lock_guard lock(mutex);
         result = std::move(baked);
         state.finished = true;
         state.seconds = secondsSince(start);
     }
 
-    Progress progressOf(std::string prefix)
-    {
-        Progress progress;
-        progress.cancel = &cancelled;
-        progress.report = [this, prefix = std::move(prefix)](std::string_view stage, double fraction) {
-            const std::string name = prefix + std::string(stage);
-            const std::lock_guard lock(mutex);
-            if (name != state.stage) stageStart = Clock::now();
-            state.stage = name;
-            state.fraction = fraction;
-        };
-        return progress;
-    }
-
     const Clock::time_point start = Clock::now();
     std::atomic<bool> cancelled = false;
+    LiveLight live;
     mutable std::mutex mutex; ///< guards what follows
     Clock::time_point stageStart = start;
     BakeSessionState state;
-    std::optional<BakedScene> light;
     std::optional<Result<BakeResult>> result;
     std::thread thread; ///< not guarded
 };
@@ -110,10 +74,19 @@ BakeSessionState BakeSession::state() const
     return state;
 }
 
+void BakeSession::setView(const Camera& camera, float aspect)
+{
+    impl_->live.setView({camera, aspect});
+}
+
 std::optional<BakedScene> BakeSession::takeLight()
 {
-    const std::lock_guard lock(impl_->mutex);
-    return std::exchange(impl_->light, std::nullopt);
+    return impl_->live.takeLight();
+}
+
+std::vector<LightTile> BakeSession::takeTiles()
+{
+    return impl_->live.takeTiles();
 }
 
 void BakeSession::cancel()

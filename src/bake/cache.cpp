@@ -55,6 +55,11 @@ std::size_t texelParts(std::size_t texels)
     return (tiles + perPart - 1) / perPart;
 }
 
+std::size_t texelsOfPart(std::size_t texels)
+{
+    return texelTilesPerPart(Tiling{texels, kTexelTile}.tileCount()) * kTexelTile;
+}
+
 PartFolder openBakeFolder(const std::filesystem::path& cache, const std::string& name, const std::string& suffix)
 {
     PartFolder parts(cache / (name + suffix));
@@ -330,8 +335,13 @@ template<typename Value, typename Check>
 bool BakeCache::run(const Work<Value, Check>& work, std::span<Value> out, const Progress& progress)
 {
     const std::size_t tiles = Tiling{work.count, work.tileSize}.tileCount();
-    const std::vector<std::size_t> parts =
-        workOrder((tiles + work.tilesPerPart - 1) / work.tilesPerPart, parts_.share());
+    return run(work, workOrder((tiles + work.tilesPerPart - 1) / work.tilesPerPart, parts_.share()), out, progress);
+}
+
+template<typename Value, typename Check> bool BakeCache::run(const Work<Value, Check>& work,
+                                                             std::span<const std::size_t> parts, std::span<Value> out,
+                                                             const Progress& progress)
+{
     const std::size_t atOnce = std::max<std::size_t>(1, kBatchItems / (work.tilesPerPart * work.tileSize));
     return runParts(work, parts, parts_.isShared() ? 1 : atOnce, out, progress);
 }
@@ -344,6 +354,8 @@ bool BakeCache::fill(const Work<Value, Check>& work, std::span<const std::size_t
 
 template bool BakeCache::run(const Work<IrradianceEstimate, float>&, std::span<IrradianceEstimate>, const Progress&);
 template bool BakeCache::run(const Work<vec4, vec4>&, std::span<vec4>, const Progress&);
+template bool BakeCache::run(const Work<IrradianceEstimate, float>&, std::span<const std::size_t>,
+                             std::span<IrradianceEstimate>, const Progress&);
 template bool BakeCache::run(const Work<ProbeEstimate, ProbeEstimate>&, std::span<ProbeEstimate>, const Progress&);
 template bool BakeCache::fill(const Work<IrradianceEstimate, float>&, std::span<const std::size_t>, const Progress&);
 template bool BakeCache::fill(const Work<vec4, vec4>&, std::span<const std::size_t>, const Progress&);

@@ -47,6 +47,8 @@ constexpr std::size_t kProbeTile = 8;   ///< probes
 constexpr std::size_t kProbeTilesPerPart = 8;
 /// Parts of a map's texels.
 std::size_t texelParts(std::size_t texels);
+/// Texels of each but the last.
+std::size_t texelsOfPart(std::size_t texels);
 
 /// A folder of parts in a cache directory. Of those with the same suffix, all but the last few that have not been used
 /// for an hour are removed.
@@ -79,6 +81,10 @@ public:
     /// parts stay in the cache. Write errors are kept in status().
     template<typename Value, typename Check>
     bool run(const Work<Value, Check>& work, std::span<Value> out, const Progress& progress);
+    /// The same of some parts, in ascending order.
+    template<typename Value, typename Check> bool run(const Work<Value, Check>& work,
+                                                      std::span<const std::size_t> parts, std::span<Value> out,
+                                                      const Progress& progress);
     /// Has some parts in the cache. False when cancelled or when one cannot be written.
     template<typename Value, typename Check>
     bool fill(const Work<Value, Check>& work, std::span<const std::size_t> parts, const Progress& progress);

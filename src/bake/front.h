@@ -12,11 +12,14 @@
 
 namespace halflight {
 
+class LiveLight;
+
 /// What all stages share.
 struct Stages {
     const BakeSettings& settings;
     const Progress& progress;
     BakeResult& result;
+    LiveLight* live = nullptr; ///< of a bake in the background
 
     [[nodiscard]] BakedScene& baked() const { return result.baked; }
     [[nodiscard]] BakeReport& report() const { return result.report; }

@@ -160,6 +160,12 @@ bool Gather::irradiance(std::span<IrradianceEstimate> out, const Progress& progr
     return cache->run(irradianceWork(), out, progress);
 }
 
+bool Gather::irradianceOfParts(std::span<const std::size_t> parts, std::span<IrradianceEstimate> out,
+                               const Progress& progress) const
+{
+    return cache->run(irradianceWork(), parts, out, progress);
+}
+
 bool Gather::shadowmask(std::span<vec4> out, const Progress& progress) const
 {
     if (cache == nullptr) return integrator.shadowmask(map, {allIndices(map.texels.size())}, out, progress);

@@ -22,6 +22,9 @@ struct Gather {
 
     bool irradiance(std::span<IrradianceEstimate> out, const Progress& progress) const;
     bool shadowmask(std::span<vec4> out, const Progress& progress) const;
+    /// Some parts of the texels, by the cache, which is there.
+    bool irradianceOfParts(std::span<const std::size_t> parts, std::span<IrradianceEstimate> out,
+                           const Progress& progress) const;
     /// Has some parts of the texels in the cache, which is there.
     bool fillIrradiance(std::span<const std::size_t> parts, const Progress& progress) const;
     bool fillShadowmask(std::span<const std::size_t> parts, const Progress& progress) const;

@@ -46,6 +46,12 @@ public:
         return halflight::findValidPoints(paths_, map, parts_, progress, rays_);
     }
 
+    bool roughIrradiance(const TexelMap& map, std::span<const uint32_t> texels, int samples, std::span<vec3> out,
+                         const Progress& progress) override
+    {
+        return traceRoughLightmap(paths_, settings_, map, texels, samples, out, progress, rays_);
+    }
+
     void keepIn(PartFolder* parts) override
     {
         parts_ = parts;

@@ -4,12 +4,16 @@
 #include "halflight/bake/bake_session.h"
 #include "halflight/bake_cpu/embree_integrator.h"
 #include "halflight/base/file.h"
+#include "halflight/base/rgb9e5.h"
 #include "halflight/scene/export.h"
 #include "halflight/scene/gltf.h"
 
+#include <glm/gtc/matrix_transform.hpp>
 #include <gtest/gtest.h>
 
+#include <atomic>
 #include <chrono>
+#include <cmath>
 #include <random>
 #include <thread>
 
@@ -41,6 +45,52 @@ void waitFor(const BakeSession& session)
     while (!session.state().finished) std::this_thread::sleep_for(std::chrono::milliseconds(2));
 }
 
+void put(const LightTile& tile, BakedScene& shown)
+{
+    Image<uint32_t>& page = shown.lightmaps.at(std::size_t(tile.page));
+    for (int y = 0; y < tile.texels.height(); ++y)
+        for (int x = 0; x < tile.texels.width(); ++x) page(tile.offset.x + x, tile.offset.y + y) = tile.texels(x, y);
+}
+
+/// Root mean square difference of the light of `shown` and the result, over the result's.
+double errorOf(const BakedScene& shown, const BakeResult& result)
+{
+    double difference = 0.0;
+    double all = 0.0;
+    for (std::size_t p = 0; p < result.irradiance.size(); ++p) {
+        const ImageRgb32f page = decodeRgb9e5(shown.lightmaps.at(p), shown.lightmapUnitLux);
+        for (std::size_t i = 0; i < page.texelCount(); ++i) {
+            const vec3 light = result.irradiance[p].texels()[i];
+            if (page.texels()[i] == vec3(0.0f)) continue; // far from all charts
+            difference += double(glm::dot(page.texels()[i] - light, page.texels()[i] - light));
+            all += double(glm::dot(light, light));
+        }
+    }
+    return std::sqrt(difference / all);
+}
+
+/// Texels at an object's vertices whose light the tiles change.
+int changedTexels(const BakedScene& first, const Object& object, const std::vector<LightTile>& tiles)
+{
+    int changed = 0;
+    const ivec2 size = first.lightmaps.at(0).size();
+    for (const MeshPart& part : first.scene.meshes[std::size_t(object.mesh)].parts) {
+        for (const vec2 uv : part.lightmapUv) {
+            const vec2 place = (uv * object.lightmap.scale + object.lightmap.offset) * vec2(size);
+            const ivec2 p = glm::clamp(ivec2(place), ivec2(0), size - 1);
+            for (const LightTile& tile : tiles) {
+                const ivec2 q = p - tile.offset;
+                if (tile.page != object.lightmap.page || q.x < 0 || q.y < 0 || q.x >= tile.texels.width() ||
+                    q.y >= tile.texels.height())
+                    continue;
+                changed += tile.texels(q.x, q.y) != first.lightmaps[std::size_t(tile.page)](p.x, p.y) ? 1 : 0;
+                break;
+            }
+        }
+    }
+    return changed;
+}
+
 TEST(BakeSession, HasTheBakesBytesAndAFirstLight)
 {
     const Result<BakeResult> plain = bake(scene(), quick(), makeEmbreeIntegrator);
@@ -53,7 +103,7 @@ TEST(BakeSession, HasTheBakesBytesAndAFirstLight)
         const BakeSessionState state = session.state();
         EXPECT_GE(state.fraction, 0.0);
         EXPECT_LE(state.fraction, 1.0);
-        stages = stages || (!state.stage.empty() && !state.stage.starts_with("first light"));
+        stages = stages || (!state.stage.empty() && state.stage != "first light");
         if (!first) first = session.takeLight();
         std::this_thread::sleep_for(std::chrono::milliseconds(1));
     }
@@ -70,10 +120,12 @@ TEST(BakeSession, HasTheBakesBytesAndAFirstLight)
     ASSERT_TRUE(writeBakedScene(folder / "session.glb", baked->baked));
     EXPECT_EQ(*readFile(folder / "plain.glb"), *readFile(folder / "session.glb"));
 
-    // The first light is the same scene with about the same light, on far fewer texels.
+    // The first light is the same scene with about the same light, in the same layout.
     ASSERT_EQ(first->scene.objects.size(), baked->baked.scene.objects.size());
-    EXPECT_EQ(first->mode, baked->baked.mode);
-    EXPECT_LT(first->lightmaps.at(0).texelCount() * 3, baked->baked.lightmaps.at(0).texelCount());
+    EXPECT_EQ(first->mode, MixedLightingMode::BakedIndirect) << "without a mask";
+    ASSERT_EQ(first->lightmaps.size(), baked->baked.lightmaps.size());
+    EXPECT_EQ(first->lightmaps[0].size(), baked->baked.lightmaps[0].size());
+    EXPECT_LT(errorOf(*first, *baked), 0.35);
     const auto mean = [](const BakedScene& of) {
         vec3 sum(0.0f);
         int count = 0;
@@ -85,6 +137,75 @@ TEST(BakeSession, HasTheBakesBytesAndAFirstLight)
         return sum / float(std::max(count, 1));
     };
     EXPECT_NEAR(mean(*first).y, mean(baked->baked).y, 0.3f * mean(baked->baked).y);
+}
+
+/// What a window shows comes nearer to the result, and arrives there: all tiles together are the finished pages.
+TEST(BakeSession, TilesBecomeTheFinishedPages)
+{
+    BakeSession session(scene(), quick(), makeEmbreeIntegrator);
+    EXPECT_TRUE(session.takeTiles().empty()) << "before the first light";
+    std::optional<BakedScene> shown;
+    std::vector<BakedScene> states;
+    bool last = false;
+    while (!last) {
+        last = session.state().finished;
+        if (!shown) {
+            if ((shown = session.takeLight())) states.push_back(*shown);
+        } else {
+            const std::vector<LightTile> tiles = session.takeTiles();
+            for (const LightTile& tile : tiles) put(tile, *shown);
+            if (!tiles.empty()) states.push_back(*shown);
+        }
+        std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    }
+    const Result<BakeResult> baked = session.takeResult();
+    ASSERT_TRUE(baked) << baked.error().text();
+    ASSERT_GE(states.size(), 2u) << "first light and tiles";
+    EXPECT_LT(errorOf(states.back(), *baked), 0.02) << "but for padding, and RGB9E5 in another unit";
+    EXPECT_LT(errorOf(states.back(), *baked), 0.1 * errorOf(states.front(), *baked));
+}
+
+/// Of two rooms, the one that the camera sees is finished first.
+TEST(BakeSession, WhatIsInViewComesFirst)
+{
+    Scene rooms = scene();
+    const std::size_t count = rooms.objects.size();
+    for (std::size_t i = 0; i < count; ++i) {
+        Object other = rooms.objects[i];
+        if (!other.isStatic) continue;
+        other.worldFromObject = glm::translate(mat4(1.0f), vec3(100.0f, 0.0f, 0.0f)) * other.worldFromObject;
+        rooms.objects.push_back(other);
+    }
+    BakeSettings settings = quick();
+    settings.lightmapSize = 256;
+    for (const float side : {0.0f, 100.0f}) {
+        BakeSession session(rooms, settings, makeEmbreeIntegrator);
+        Camera camera;
+        camera.worldFromCamera[3] = vec4(side, 1.0f, 0.0f, 1.0f);
+        camera.worldFromCamera = glm::rotate(camera.worldFromCamera, -0.5f * kPi, vec3(1, 0, 0)); // at the floor
+        session.setView(camera, 1.0f);
+        std::optional<BakedScene> first;
+        std::vector<LightTile> tiles;
+        while (tiles.empty() && !session.state().finished) {
+            if (!first)
+                first = session.takeLight();
+            else
+                tiles = session.takeTiles();
+        }
+        ASSERT_FALSE(tiles.empty());
+        // Texels that changed, by the room that they are in.
+        session.cancel();
+        waitFor(session);
+        int near = 0;
+        int far = 0;
+        for (const Object& object : first->scene.objects) {
+            if (!object.isStatic || object.mesh < 0 || object.lightmap.page < 0) continue;
+            const bool isNear = std::abs(object.worldFromObject[3].x - side) < 50.0f;
+            (isNear ? near : far) += changedTexels(*first, object, tiles);
+        }
+        EXPECT_GT(near, 0);
+        EXPECT_LT(far, near / 4) << side;
+    }
 }
 
 TEST(BakeSession, EndsSoonWhenCancelledAtAnyMoment)
@@ -102,6 +223,57 @@ TEST(BakeSession, EndsSoonWhenCancelledAtAnyMoment)
     }
     // One that nobody waits for.
     BakeSession left(scene(), quick(), makeEmbreeIntegrator);
+}
+
+/// The session has a copy: edits of the scene, other views and takers of tiles change nothing of the result.
+TEST(BakeSession, EditsWhileItBakesChangeNothing)
+{
+    const Result<BakeResult> plain = bake(scene(), quick(), makeEmbreeIntegrator);
+    ASSERT_TRUE(plain);
+    Scene edited = scene();
+    BakeSession session(edited, quick(), makeEmbreeIntegrator);
+    std::atomic<bool> ends = false;
+    std::thread taker([&] {
+        while (!ends) {
+            (void)session.takeLight();
+            (void)session.takeTiles();
+            std::this_thread::yield();
+        }
+    });
+    Camera camera;
+    for (int i = 0; !session.state().finished; ++i) {
+        edited.lights[0].intensity += 1.0f;
+        edited.objects[0].worldFromObject[3].x += 0.01f;
+        camera.worldFromCamera = glm::rotate(camera.worldFromCamera, 0.1f, vec3(0, 1, 0));
+        session.setView(camera, 1.0f + 0.1f * float(i % 5));
+        std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    }
+    ends = true;
+    taker.join();
+    const Result<BakeResult> baked = session.takeResult();
+    ASSERT_TRUE(baked);
+    EXPECT_EQ(baked->baked.lightmaps[0].texels(), plain->baked.lightmaps[0].texels());
+    EXPECT_EQ(baked->baked.shadowmasks.size(), plain->baked.shadowmasks.size());
+}
+
+/// With a cache tiles come in parts, and the second time from the folder: the bytes are the same.
+TEST(BakeSession, WithACacheToo)
+{
+    const TempFolder folder;
+    BakeSettings settings = quick();
+    const Result<BakeResult> plain = bake(scene(), settings, makeEmbreeIntegrator);
+    ASSERT_TRUE(plain);
+    settings.cacheDirectory = folder / "cache";
+    for (int round = 0; round < 2; ++round) {
+        BakeSession session(scene(), settings, makeEmbreeIntegrator);
+        Camera camera;
+        session.setView(camera, 1.5f);
+        const Result<BakeResult> baked = session.takeResult();
+        ASSERT_TRUE(baked) << baked.error().text();
+        EXPECT_EQ(baked->baked.lightmaps[0].texels(), plain->baked.lightmaps[0].texels());
+        EXPECT_GT(baked->report.cache.tiles, 0u);
+        EXPECT_EQ(baked->report.cache.same == baked->report.cache.tiles, round == 1);
+    }
 }
 
 TEST(BakeSession, HasTheBakesError)

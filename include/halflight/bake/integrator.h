@@ -206,8 +206,13 @@ public:
     /// One line for reports: device, library, threads.
     [[nodiscard]] virtual std::string description() const = 0;
 
-    /// Validity, the first stage: sets Texel::validPoints of all texels. The functions below use valid points alone.
+    /// Validity, the first stage: sets Texel::validPoints of all texels. The functions below use valid points alone,
+    /// but for roughIrradiance().
     virtual bool findValidPoints(TexelMap& map, const Progress& progress) = 0;
+    /// Rough irradiance (lux) of some texels, for a first look before findValidPoints(): path traced with few samples,
+    /// all points taken as valid.
+    virtual bool roughIrradiance(const TexelMap& map, std::span<const uint32_t> texels, int samples,
+                                 std::span<vec3> out, const Progress& progress) = 0;
     /// The light of the lightmap (spec S6), one estimate per texel of the request: emitters, the sky, direct light of
     /// lights that are baked for static receivers, bounced light of mixed and baked lights. The direct light of
     /// subtractive's main light is not included; bakeMainLight() derives it from the mask.

@@ -4,6 +4,10 @@
 
 #include "halflight/base/finite.h"
 #include "halflight/base/parallel.h"
+#include "halflight/shading/sampling.h"
+
+#include <algorithm>
+#include <vector>
 
 namespace halflight {
 namespace {
@@ -59,6 +63,36 @@ bool tracePathLightmap(const PathTracer& paths, const IntegrationSettings& setti
         uint64_t traced = 0;
         for (std::size_t i = begin; i < end && !progress.cancelled(); ++i)
             out[i] = estimateOf(map.texels[texels[i]], traced);
+        rays += traced;
+    });
+}
+
+bool traceRoughLightmap(const PathTracer& paths, const IntegrationSettings& settings, const TexelMap& map,
+                        std::span<const uint32_t> texels, int samples, std::span<vec3> out, const Progress& progress,
+                        std::atomic<uint64_t>& rays)
+{
+    std::vector<IrradianceEstimate> estimates(texels.size());
+    if (!tracePathLightmap(paths, settings, map, texels, samples, estimates, progress, rays)) return false;
+    constexpr std::size_t kTexelGrain = 64;
+    return parallelFor(texels.size(), kTexelGrain, progress, "lights", [&](std::size_t begin, std::size_t end) {
+        uint64_t traced = 0;
+        TexelPoints points;
+        for (std::size_t i = begin; i < end && !progress.cancelled(); ++i) {
+            const Texel& texel = map.texels[texels[i]];
+            const int count = texelPoints(paths.surfaces().geometry(), map, texel, points);
+            Sampler sampler(settings.seed, texelId(map, texel), uint32_t(samples)); // beyond the paths' own
+            out[i] = estimates[i].irradiance;
+            for (const PunctualLight& light : paths.lights()) {
+                if (!light.directAtTexels) continue;
+                const SurfacePoint& point =
+                    points[std::size_t(std::min(int(sampler.next1() * float(count)), count - 1))];
+                const vec3 direct = light.irradianceAt(point.position, point.normal);
+                if (direct == vec3(0.0f)) continue;
+                const vec2 disc = shading::sampleDisc(sampler.next2());
+                out[i] +=
+                    direct * glm::mix(1.0f, paths.lightVisibility(light, point, disc, traced), light.shadowStrength);
+            }
+        }
         rays += traced;
     });
 }

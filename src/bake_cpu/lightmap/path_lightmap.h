@@ -13,4 +13,9 @@ bool tracePathLightmap(const PathTracer& paths, const IntegrationSettings& setti
                        std::span<const uint32_t> texels, int samples, std::span<IrradianceEstimate> out,
                        const Progress& progress, std::atomic<uint64_t>& rays);
 
+/// As Integrator::roughIrradiance().
+bool traceRoughLightmap(const PathTracer& paths, const IntegrationSettings& settings, const TexelMap& map,
+                        std::span<const uint32_t> texels, int samples, std::span<vec3> out, const Progress& progress,
+                        std::atomic<uint64_t>& rays);
+
 } // namespace halflight

@@ -1,0 +1,48 @@
+#pragma once
+// What a bake shows of itself while it runs (BakeSession). The bake calls the first functions from its own thread.
+
+#include "bake/gather.h"
+#include "bake/live_pages.h"
+#include "bake/texel_order.h"
+
+#include "halflight/bake/bake_session.h"
+
+#include <mutex>
+#include <optional>
+#include <span>
+#include <vector>
+
+namespace halflight {
+
+class LiveLight {
+public:
+    /// First light of a scene with its layout. `map`, which outlives the calls, has no valid points yet. False when
+    /// cancelled.
+    bool begin(const BakedScene& scene, const BakeSettings& settings, const Gather& gather, const Progress& progress);
+    /// As Gather::irradiance(), piece by piece in the order of the view.
+    bool irradiance(const Gather& gather, std::span<IrradianceEstimate> out, const Progress& progress);
+    /// The finished pages, lux.
+    void finish(const std::vector<ImageRgb32f>& pages);
+
+    void setView(const BakeView& view);
+    std::optional<BakedScene> takeLight();
+    std::vector<LightTile> takeTiles();
+
+private:
+    void show(const TexelMap& map, std::span<const uint32_t> texels, std::span<const IrradianceEstimate> all);
+    [[nodiscard]] std::optional<BakeView> view() const;
+
+    mutable std::mutex mutex_; ///< guards what follows
+    std::optional<BakeView> view_;
+    std::optional<LivePages> pages_;
+    std::optional<BakedScene> light_;
+    float unitLux_ = 1.0f;
+    bool taken_ = false; ///< the first light was
+    const TexelMap* map_ = nullptr;
+};
+
+/// bake(), shown by `live`.
+Result<BakeResult> bake(Scene scene, const BakeSettings& settings, const IntegratorFactory& integratorFactory,
+                        const Progress& progress, LiveLight* live);
+
+} // namespace halflight
