@@ -9,6 +9,25 @@ layout(constant_id = 0) const int kAlphaMode = kAlphaOpaque;
 
 layout(location = 0) out vec4 outRadiance;
 
+// Lightmap texels as squares, coloured by their number per metre on a scale of powers of 4.
+vec3 texelView()
+{
+    vec2 texel = inLightmapUv * vec2(textureSize(lightmaps, 0).xy);
+    vec2 dx = dFdx(texel);
+    vec2 dy = dFdy(texel);
+    float squareMeters = length(cross(dFdx(inPosition), dFdy(inPosition)));
+    float perMeter = sqrt(abs(dx.x * dy.y - dx.y * dy.x) / max(squareMeters, 1.0e-20));
+    vec3 ramp[5] = vec3[5](vec3(0.0, 0.0, 1.0), vec3(0.0, 1.0, 1.0), vec3(0.0, 1.0, 0.0), vec3(1.0, 1.0, 0.0),
+                           vec3(1.0, 0.0, 0.0));
+    float level = clamp(0.5 * log2(max(perMeter, 1.0)), 0.0, 4.0);
+    int below = min(int(level), 3);
+    vec3 color = mix(ramp[below], ramp[below + 1], level - float(below));
+    bool odd = ((int(floor(texel.x)) + int(floor(texel.y))) & 1) != 0;
+    // Squares smaller than a pixel are their mean.
+    float blur = saturate(2.0 * max(length(dx), length(dy)) - 1.0);
+    return color * mix(odd ? 0.5 : 1.0, 0.75, blur);
+}
+
 // S31. Debug views.
 vec3 debugView(MeshSurface mesh)
 {
@@ -18,6 +37,7 @@ vec3 debugView(MeshSurface mesh)
     if (frame.mode.y == kViewLightmap)
         return s.lightmapped ? (lightmapIrradiance() + dynamicIrradiance()) * (1.0 / kShadingPi) : vec3(0.0);
     if (frame.mode.y == kViewProbes) return irradianceFrom(mesh.probes, s.normal) * (1.0 / kShadingPi);
+    if (frame.mode.y == kViewTexels) return s.lightmapped ? texelView() : vec3(0.0);
     if (frame.mode.y == kViewFade) return vec3(s.fade);
     if (frame.mode.y == kViewCascades) {
         vec3 colors[4] = vec3[4](vec3(1.0, 0.3, 0.3), vec3(0.3, 1.0, 0.3), vec3(0.3, 0.4, 1.0), vec3(1.0, 1.0, 0.3));

@@ -53,7 +53,8 @@ void addPictureOptions(CLI::App& app, RenderOptions& options)
                           {"probes", DebugView::Probes},
                           {"cascades", DebugView::Cascades},
                           {"fade", DebugView::Fade},
-                          {"overlap", DebugView::Overlap}},
+                          {"overlap", DebugView::Overlap},
+                          {"texels", DebugView::Texels}},
                          "the picture, or what is behind it (default lit)");
     addChoice<RenderPath>(app, "--path", options.render.path,
                           {{"forward", RenderPath::Forward}, {"deferred", RenderPath::Deferred}},

@@ -193,7 +193,7 @@ void Uploader::boxes(const Image& target, const ImageState& before, std::span<co
             std::memcpy(staging_.mapped() + at, static_cast<const std::byte*>(box.texels) + sliceBytes * slice,
                         sliceBytes * slices);
             const VkBufferImageCopy region{.bufferOffset = at,
-                                           .imageSubresource = {target.info().aspect, 0, 0, 1},
+                                           .imageSubresource = {target.info().aspect, 0, box.layer, 1},
                                            .imageOffset = {box.offset.x, box.offset.y, box.offset.z + int32_t(slice)},
                                            .imageExtent = {box.size.width, box.size.height, slices}};
             pending_.push_back([this, source = staging_.get(), to = target.get(), region](VkCommandBuffer commands) {

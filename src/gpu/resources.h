@@ -145,11 +145,13 @@ public:
     /// All levels and layers of an image that is then read by fragment shaders.
     void image(const Image& target, std::span<const Level> levels, uint32_t bytesPerTexel);
 
-    /// A box of a 3D image that fragment shaders read before (or nobody: kUndefined) and read afterwards.
+    /// A box of a 3D image, or a rectangle of a layer, that fragment shaders read before (or nobody: kUndefined) and
+    /// read afterwards.
     struct Box {
         VkOffset3D offset{};
         VkExtent3D size{};
         const void* texels = nullptr; ///< tightly packed, read before the call returns
+        uint32_t layer = 0;
     };
     void boxes(const Image& target, const ImageState& before, std::span<const Box> boxes, uint32_t bytesPerTexel);
 

@@ -21,6 +21,7 @@ static_assert(int(DebugView::Probes) == shading::kViewProbes);
 static_assert(int(DebugView::Cascades) == shading::kViewCascades);
 static_assert(int(DebugView::Fade) == shading::kViewFade);
 static_assert(int(DebugView::Overlap) == shading::kViewOverlap);
+static_assert(int(DebugView::Texels) == shading::kViewTexels);
 static_assert(int(CascadeBlend::Hard) == shading::kBlendHard);
 static_assert(int(CascadeBlend::Dithered) == shading::kBlendDithered);
 static_assert(int(CascadeBlend::Soft) == shading::kBlendSoft);

@@ -48,6 +48,7 @@ HL_CONST int kViewProbes = 3;
 HL_CONST int kViewCascades = 4;
 HL_CONST int kViewFade = 5;
 HL_CONST int kViewOverlap = 6;
+HL_CONST int kViewTexels = 7;
 
 // Half-width of the shadow filter's tent in texels, by ShadowFilter; 0 = one bilinear tap.
 HL_CONST int kFilterHalfWidthPcf = 2;

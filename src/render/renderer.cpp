@@ -251,6 +251,36 @@ Status Renderer::setObjectShadows(int object, bool castShadows, bool receiveShad
     return {};
 }
 
+Status Renderer::updateLightmaps(std::span<const LightmapRectangle> rectangles)
+{
+    if (!impl_->scene) return Error{ErrorCode::InvalidArgument, "no scene was loaded", ""};
+    const gpu::ImageInfo& pages = impl_->scene->lightmaps.info();
+    std::vector<gpu::Uploader::Box> boxes;
+    for (const LightmapRectangle& r : rectangles) {
+        if (r.texels == nullptr || r.texels->empty()) continue;
+        const ivec2 size = r.texels->size();
+        const ivec2 end = r.offset + size;
+        if (r.page < 0 || std::size_t(r.page) >= impl_->scene->outline.lightmaps.size() || r.offset.x < 0 ||
+            r.offset.y < 0 || end.x > int(pages.width) || end.y > int(pages.height))
+            return Error{ErrorCode::InvalidArgument, "a rectangle is not on a lightmap page", ""};
+        boxes.push_back({.offset = {r.offset.x, r.offset.y, 0},
+                         .size = {uint32_t(size.x), uint32_t(size.y), 1},
+                         .texels = r.texels->data(),
+                         .layer = uint32_t(r.page)});
+    }
+    if (boxes.empty()) return {};
+    const Result<bool> done = guarded<bool>([&]() -> Result<bool> {
+        impl_->device.waitIdle(); // frames in flight read the pages before
+        gpu::Uploader uploader(impl_->device);
+        // One at a time, with a barrier between, because they may overlap.
+        for (const gpu::Uploader::Box& box : boxes)
+            uploader.boxes(impl_->scene->lightmaps, gpu::state::kFragmentRead, {&box, 1}, sizeof(uint32_t));
+        uploader.finish();
+        return true;
+    });
+    return done ? Status() : Status(done.error());
+}
+
 Status Renderer::setDynamicLightmaps(std::span<const ImageRgb32f> irradiance)
 {
     if (!impl_->scene) return Error{ErrorCode::InvalidArgument, "no scene was loaded", ""};

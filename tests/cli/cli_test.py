@@ -125,7 +125,7 @@ class Help(Case):
         for option in (
             "--mode auto|realtime|baked-indirect|shadowmask|distance-shadowmask|subtractive,--shadow-distance,"
             "--shadow-fade-range,--cascades 1..4,--size,--camera,--eye,--target,--fov,--exposure,--reference,"
-            "--view lit|shadowmask|lightmap|probes|cascades|fade|overlap,--shadow-filter hard|pcf|soft,--validation,"
+            "--view lit|shadowmask|lightmap|probes|cascades|fade|overlap|texels,--shadow-filter hard|pcf|soft,--validation,"
             "--path forward|deferred,--light,--cascade-splits,--shadow-color R,G,B"
         ).split(","):
             self.assertIn(option, render)
@@ -747,13 +747,13 @@ class Chain(Case):
     def test_every_view(self):
         baked, _ = self.bake(self.scene(), "baked.glb")
         seen = set()
-        for view in ("lit", "shadowmask", "lightmap", "probes", "cascades", "fade", "overlap"):
+        for view in ("lit", "shadowmask", "lightmap", "probes", "cascades", "fade", "overlap", "texels"):
             picture = self.path(view + ".png")
             result = run("render", baked, "-o", picture, "--size", "48x48", "--view", view, "--shadow-distance", "8")
             self.assertEqual(result.returncode, 0, result.stderr)
             self.assertEqual(decode_png(picture)[:2], (48, 48))
             seen.add(read(picture))
-        self.assertEqual(len(seen), 7, "two views are the same picture")
+        self.assertEqual(len(seen), 8, "two views are the same picture")
 
     def test_plain_file_renders_in_realtime(self):
         picture = self.path("picture.png")

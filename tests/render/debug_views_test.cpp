@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 
 namespace halflight::test {
 namespace {
@@ -167,6 +168,36 @@ TEST_P(DebugViewsS31, OverlapCountsMaskedLights)
         const float x = std::clamp(14.0f - 26.0f + 4.0f * float(count) - 2.0f, -14.5f, 14.0f);
         const ivec2 pixel = pixelOf(camera, settings.size, vec3(x, 0, 0));
         EXPECT_EQ(vec3(view(pixel.x, pixel.y)), ramp[std::size_t(std::min(count, 5))]) << count << " at x " << x;
+    }
+}
+
+// 4 texels a metre are cyan, 16 green, in squares of two brightnesses.
+TEST_P(DebugViewsS31, TexelsPerMeter)
+{
+    for (const auto& [pageTexels, color] : {std::pair(32, vec3(0, 1, 1)), std::pair(128, vec3(0, 1, 0))}) {
+        BakedScene baked;
+        baked.isBaked = true;
+        Scene& scene = baked.scene;
+        addObject(scene, makeRectangle(8, 8, addMaterial(scene, vec4(0.5f, 0.5f, 0.5f, 1.0f))), mat4(1.0f), true);
+        scene.objects[0].lightmap = {0, vec2(1.0f), vec2(0.0f)};
+        baked.lightmaps.emplace_back(pageTexels, pageTexels, glm::packF3x9_E1x5(vec3(1.0f)));
+        ASSERT_TRUE(renderer->load(baked));
+        const Camera camera = lookAt(vec3(0, 2, 0.001f), vec3(0.0f), 1.2f);
+        RenderSettings settings;
+        settings.mode = RunMode::BakedIndirect;
+        settings.size = {200, 200};
+        const ImageRgba32f view = draw(camera, settings, DebugView::Texels);
+        const float texelMeters = 8.0f / float(pageTexels);
+        const auto at = [&](float texelsRight) {
+            const ivec2 p =
+                pixelOf(camera, settings.size, vec3((texelsRight + 0.5f) * texelMeters, 0, 0.5f * texelMeters));
+            return vec3(view(p.x, p.y));
+        };
+        const float brightness = at(0).g;
+        EXPECT_LT(std::abs(std::abs(brightness - 0.75f) - 0.25f), 0.01f) << brightness << ": 1 or a half";
+        EXPECT_TRUE(near(at(0), brightness * color, 0.02f, 0.02f));
+        EXPECT_TRUE(near(at(1), (1.5f - brightness) * color, 0.02f, 0.02f));
+        EXPECT_TRUE(near(at(2), brightness * color, 0.02f, 0.02f));
     }
 }
 

@@ -21,7 +21,7 @@ namespace halflight {
 struct VulkanHandles;
 struct VulkanTarget;
 
-enum class DebugView { Lit, Shadowmask, Lightmap, Probes, Cascades, Fade, Overlap };
+enum class DebugView { Lit, Shadowmask, Lightmap, Probes, Cascades, Fade, Overlap, Texels };
 /// Whether a view shows light, which is exposed and tone mapped; the others show values from 0 to 1 as they are.
 constexpr bool showsLight(DebugView view)
 {
@@ -93,6 +93,13 @@ struct RenderedFrame {
     int forwardObjects = 0; ///< objects in view whose opaque and masked parts were lit as they were drawn
 };
 
+/// A part of a lightmap page.
+struct LightmapRectangle {
+    int page = 0;
+    ivec2 offset{0};                         ///< of its texel (0, 0) on the page
+    const Image<uint32_t>* texels = nullptr; ///< RGB9E5
+};
+
 /// Frames that record() prepares while the device may still work on those before.
 constexpr int kFramesInFlight = 2;
 
@@ -134,6 +141,10 @@ public:
     Status setObjectTransform(int object, const mat4& worldFromObject);
     /// Baked shadows do not follow: FramePlan::warnings names static objects whose switches differ from the bake's.
     Status setObjectShadows(int object, bool castShadows, bool receiveShadows);
+
+    /// Replaces rectangles of lightmap pages, of a bake that still runs, say (BakeSession). Texels are in the scene's
+    /// lightmapUnitLux. InvalidArgument for rectangles that are not on a page; nothing changes then.
+    Status updateLightmaps(std::span<const LightmapRectangle> rectangles);
 
     /// S32. Irradiance (lux) that is added to the lightmap's in every mode that reads lightmaps, after subtraction: one
     /// page for each lightmap page, in the lightmap's layout and of any one size. Pages of the size before are written
