@@ -13,6 +13,7 @@
 #include <cmath>
 #include <cstdio>
 #include <memory>
+#include <vector>
 
 namespace halflight::cli {
 
@@ -24,6 +25,7 @@ struct ViewCommandOptions {
     bool bakeAtStart = false;
     std::filesystem::path screenshots = ".";
     int frames = 0;
+    std::vector<int> loseDeviceAt;
 };
 
 #ifdef HALFLIGHT_VIEW
@@ -49,6 +51,7 @@ int runView(const ViewCommandOptions& given)
     view.bakeAtStart = options.bakeAtStart;
     view.screenshots = options.screenshots;
     view.frames = options.frames;
+    view.loseDeviceAt = options.loseDeviceAt;
     view.cancel = &listenForInterrupts();
     view.say = [](const std::string& line) {
         print("{}\n", printable(line));
@@ -94,6 +97,9 @@ Command addViewCommand(CLI::App& parent)
     app.add_option("--screenshots", options->screenshots, "folder of screenshots (default: the current one)")
         ->type_name("DIR");
     addInt(app, "--frames", options->frames, 1, 1 << 30, "end after so many frames");
+    app.add_option("--lose-device", options->loseDeviceAt, "for tests: fail after so many frames")
+        ->delimiter(',')
+        ->group("");
     app.footer("Example: halflight view scene.glb --bake --quality preview");
     return {&app, [options] { return runView(*options); }};
 }

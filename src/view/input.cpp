@@ -11,6 +11,7 @@
 #include <backends/imgui_impl_sdl.h>
 #endif
 
+#include <algorithm>
 #include <cmath>
 
 namespace halflight::view {
@@ -27,6 +28,7 @@ constexpr float kClickPixels = 4.0f;
 Desktop::Desktop(const std::string& title, ivec2 size)
 {
     SDL_SetMainReady();
+    SDL_SetHint(SDL_HINT_JOYSTICK_ALLOW_BACKGROUND_EVENTS, "0");
     if (SDL_Init(SDL_INIT_VIDEO) != 0)
         throw gpu::Failure(std::string("no window can be opened here: ") + SDL_GetError() +
                            "; halflight render draws without one");
@@ -37,6 +39,7 @@ Desktop::Desktop(const std::string& title, ivec2 size)
         close();
         throw gpu::Failure("no window can be opened here: " + why);
     }
+    (void)SDL_InitSubSystem(SDL_INIT_GAMECONTROLLER); // the window is of use without
     ImGui::CreateContext();
     hasContext_ = true;
     ImGui::GetIO().IniFilename = nullptr; // leaves no file behind
@@ -55,6 +58,7 @@ void Desktop::close()
         ImGui_ImplSDL2_Shutdown();
         ImGui::DestroyContext();
     }
+    if (gamepad_ != nullptr) SDL_GameControllerClose(gamepad_);
     if (window_ != nullptr) SDL_DestroyWindow(window_);
     SDL_Quit();
 }
@@ -66,6 +70,35 @@ std::vector<std::string> Desktop::vulkanExtensions() const
     std::vector<const char*> names(count);
     SDL_Vulkan_GetInstanceExtensions(window_, &count, names.data());
     return {names.begin(), names.end()};
+}
+
+void Desktop::takeGamepad(int index)
+{
+    if (gamepad_ != nullptr && SDL_GameControllerGetAttached(gamepad_) != SDL_TRUE) {
+        SDL_GameControllerClose(gamepad_);
+        gamepad_ = nullptr;
+    }
+    if (gamepad_ == nullptr) gamepad_ = SDL_GameControllerOpen(index);
+}
+
+float stickValue(int value)
+{
+    constexpr float kRest = 0.2f;
+    constexpr float kMost = 32767.0f;
+    const float v = std::clamp(float(value) / kMost, -1.0f, 1.0f);
+    return std::abs(v) < kRest ? 0.0f : std::copysign((std::abs(v) - kRest) / (1.0f - kRest), v);
+}
+
+Desktop::Sticks Desktop::sticks() const
+{
+    if (gamepad_ == nullptr) return {};
+    const auto axis = [&](SDL_GameControllerAxis which) {
+        return stickValue(SDL_GameControllerGetAxis(gamepad_, which));
+    };
+    return {vec3(axis(SDL_CONTROLLER_AXIS_LEFTX),
+                 axis(SDL_CONTROLLER_AXIS_TRIGGERRIGHT) - axis(SDL_CONTROLLER_AXIS_TRIGGERLEFT),
+                 -axis(SDL_CONTROLLER_AXIS_LEFTY)),
+            -vec2(axis(SDL_CONTROLLER_AXIS_RIGHTX), axis(SDL_CONTROLLER_AXIS_RIGHTY))};
 }
 
 void Viewer::handleEvents()
@@ -97,15 +130,29 @@ void Viewer::handleEvent(const SDL_Event& event)
     case SDL_MOUSEWHEEL:
         if (!io.WantCaptureMouse) state_.navigator.dolly(std::pow(kDollyPerNotch, float(event.wheel.y)));
         break;
+    case SDL_CONTROLLERDEVICEADDED:
+        desktop_.takeGamepad(event.cdevice.which);
+        break;
     case SDL_MOUSEBUTTONDOWN:
         dragged_ = io.WantCaptureMouse;
+        if (event.button.button == SDL_BUTTON_LEFT && !dragged_)
+            dragged_ = dragGizmo(vec2(event.button.x, event.button.y));
         break;
     case SDL_MOUSEBUTTONUP:
+        gizmo_.release();
         if (event.button.button == SDL_BUTTON_LEFT && !dragged_ && !io.WantCaptureMouse)
             click(vec2(event.button.x, event.button.y));
         break;
     case SDL_MOUSEMOTION:
-        if (!io.WantCaptureMouse) drag(vec2(event.motion.xrel, event.motion.yrel), event.motion.state);
+        if (gizmo_.arrow() >= 0) {
+            const std::size_t object = std::size_t(state_.selectedObject);
+            mat4 place = scene_.objects[object].worldFromObject;
+            place[3] = vec4(gizmo_.dragged(state_.navigator.camera(), vec2(event.motion.x, event.motion.y),
+                                           vec2(io.DisplaySize.x, io.DisplaySize.y)),
+                            1.0f);
+            state_.requests.move = {int(object), place};
+        } else if (!io.WantCaptureMouse)
+            drag(vec2(event.motion.xrel, event.motion.yrel), event.motion.state);
         break;
     default:
         break;
@@ -141,8 +188,12 @@ void Viewer::fly(float seconds)
     const auto axis = [&](SDL_Scancode positive, SDL_Scancode negative) {
         return float(keys[positive]) - float(keys[negative]);
     };
-    const vec3 direction(axis(SDL_SCANCODE_D, SDL_SCANCODE_A), axis(SDL_SCANCODE_E, SDL_SCANCODE_Q),
-                         axis(SDL_SCANCODE_W, SDL_SCANCODE_S));
+    vec3 direction(axis(SDL_SCANCODE_D, SDL_SCANCODE_A), axis(SDL_SCANCODE_E, SDL_SCANCODE_Q),
+                   axis(SDL_SCANCODE_W, SDL_SCANCODE_S));
+    const Desktop::Sticks sticks = desktop_.sticks();
+    constexpr float kTurn = 2.0f; // radians a second
+    if (sticks.look != vec2(0.0f)) state_.navigator.look(kTurn * seconds * sticks.look);
+    direction += sticks.fly;
     if (direction == vec3(0.0f)) return;
     const float faster = (SDL_GetModState() & KMOD_SHIFT) != 0 ? 4.0f : 1.0f;
     state_.navigator.fly(direction * (state_.speed * faster * seconds));

@@ -119,17 +119,38 @@ float Navigator::pixelMeters(int pictureHeight) const
     return height / float(std::max(pictureHeight, 1));
 }
 
-int objectAt(const Scene& scene, const Camera& camera, vec2 point, float aspect)
+namespace {
+
+/// Half the picture's height: in metres of an orthographic camera, else a metre ahead.
+float halfHeight(const Camera& camera)
+{
+    return camera.orthographic ? 0.5f * camera.orthographicHeightMeters : std::tan(0.5f * camera.verticalFovRadians);
+}
+
+} // namespace
+
+Ray rayThrough(const Camera& camera, vec2 point, float aspect)
 {
     const vec2 ndc(2.0f * point.x - 1.0f, 1.0f - 2.0f * point.y);
     const mat3 axes(camera.worldFromCamera);
-    vec3 origin = vec3(camera.worldFromCamera[3]);
-    vec3 direction = -axes[2];
-    const float half =
-        camera.orthographic ? 0.5f * camera.orthographicHeightMeters : std::tan(0.5f * camera.verticalFovRadians);
+    Ray ray{vec3(camera.worldFromCamera[3]), -axes[2]};
+    const float half = halfHeight(camera);
     const vec3 offset = axes * vec3(ndc.x * half * aspect, ndc.y * half, 0.0f);
-    (camera.orthographic ? origin : direction) += offset;
+    (camera.orthographic ? ray.origin : ray.direction) += offset;
+    return ray;
+}
 
+std::optional<vec2> pointOf(const Camera& camera, vec3 place, float aspect)
+{
+    const vec3 p = vec3(glm::inverse(camera.worldFromCamera) * vec4(place, 1.0f));
+    if (!camera.orthographic && p.z >= -camera.nearMeters) return std::nullopt;
+    const float half = halfHeight(camera) * (camera.orthographic ? 1.0f : -p.z);
+    return vec2(0.5f + 0.5f * p.x / (half * aspect), 0.5f - 0.5f * p.y / half);
+}
+
+int objectAt(const Scene& scene, const Camera& camera, vec2 point, float aspect)
+{
+    const auto [origin, direction] = rayThrough(camera, point, aspect);
     int nearest = -1;
     float distance = kInfinity;
     for (std::size_t i = 0; i < scene.objects.size(); ++i) {

@@ -3,6 +3,8 @@
 
 #include "halflight/scene/scene.h"
 
+#include <optional>
+
 namespace halflight::view {
 
 /// Yaw 0, pitch 0 looks along -Z; yaw turns left about +Y, pitch up. Angles in radians.
@@ -45,6 +47,15 @@ private:
     float pitch_ = 0.0f;
     float pivotMeters_ = 1.0f;
 };
+
+struct Ray {
+    vec3 origin{0.0f};
+    vec3 direction{0.0f}; ///< along its camera's axis as long as 1
+};
+/// From the camera through a point of the picture (0, 0 its top left, 1, 1 its bottom right).
+Ray rayThrough(const Camera& camera, vec2 point, float aspect);
+/// Where a place is in the picture, in the same coordinates; nothing behind the camera.
+std::optional<vec2> pointOf(const Camera& camera, vec3 place, float aspect);
 
 /// The nearest object that a ray from the camera through a point of the picture meets (0, 0 its top left, 1, 1 its
 /// bottom right), by its triangles; -1 none.

@@ -1,5 +1,7 @@
 #include "view/panels.h"
 
+#include "view/panel_sections.h"
+
 #include <SDL_keycode.h>
 #include <imgui.h>
 #include <spdlog/fmt/fmt.h>
@@ -7,35 +9,31 @@
 #include <algorithm>
 #include <array>
 #include <cfloat>
+#include <vector>
 
 namespace halflight::view {
 namespace {
 
-const char* unitOf(LightType type)
-{
-    return type == LightType::Directional ? "lux" : isAreaLight(type) ? "cd/m2" : "candela";
-}
-
 constexpr std::array kViews = {DebugView::Lit,      DebugView::Shadowmask, DebugView::Lightmap, DebugView::Probes,
-                               DebugView::Cascades, DebugView::Fade,       DebugView::Overlap};
+                               DebugView::Cascades, DebugView::Fade,       DebugView::Overlap,  DebugView::Texels};
 
-void say(const std::string& text)
+void compareChoices(ViewState& state)
 {
-    ImGui::TextUnformatted(text.c_str());
-}
-
-template<typename T, typename Values, typename Name>
-bool choice(const char* label, T& value, const Values& values, const Name& name)
-{
-    bool changed = false;
-    if (!ImGui::BeginCombo(label, name(value))) return false;
-    for (const T& each : values) {
-        if (!ImGui::Selectable(name(each), each == value)) continue;
-        changed = each != value;
-        value = each;
+    ImGui::Checkbox("compare", &state.compares);
+    if (!state.compares) return;
+    std::vector<Compare> choices = {Compare::Mode, Compare::Reference};
+    if (state.hasEarlier) choices.push_back(Compare::BeforeBake);
+    choice("right of the line", state.compareWith, choices, [](Compare with) {
+        constexpr const char* kNames[] = {"another mode", "before the bake", "path-traced reference"};
+        return kNames[int(with)];
+    });
+    if (state.compareWith == Compare::Mode)
+        choice("other mode", state.otherMode, state.modes, [](RunMode mode) { return nameOf(mode); });
+    if (state.compareWith == Compare::Reference) {
+        const bool any = state.referenceSamples > 0;
+        say(any ? fmt::format("{} samples a pixel", state.referenceSamples) : "it begins when the camera rests");
     }
-    ImGui::EndCombo();
-    return changed;
+    ImGui::SliderFloat("line", &state.split, 0.0f, 1.0f, "%.2f");
 }
 
 void viewSection(ViewState& state, const Scene& scene)
@@ -57,11 +55,7 @@ void viewSection(ViewState& state, const Scene& scene)
     ImGui::Checkbox("specular", &settings.specular);
     ImGui::Checkbox("directional lightmaps", &settings.directionalLightmaps);
     ImGui::Checkbox("proxy volumes", &settings.proxyVolumes);
-    ImGui::Checkbox("compare with another mode", &state.compares);
-    if (state.compares) {
-        choice("right of the line", state.otherMode, state.modes, [](RunMode mode) { return nameOf(mode); });
-        ImGui::SliderFloat("line", &state.split, 0.0f, 1.0f, "%.2f");
-    }
+    compareChoices(state);
     ImGui::Checkbox("vsync", &state.vsync);
     ImGui::DragFloat("flying m/s", &state.speed, 0.05f, 0.01f, 1000.0f, "%.2f", ImGuiSliderFlags_Logarithmic);
     for (std::size_t i = 0; i < scene.cameras.size(); ++i) {
@@ -107,96 +101,6 @@ void shadowSection(ViewState& state)
     ImGui::Checkbox("shadows of point lights", &shadows.pointShadows);
 }
 
-/// A change that needs a new bake before it shows in full.
-void markForBake(bool bakes)
-{
-    if (!bakes) return;
-    ImGui::SameLine();
-    ImGui::TextDisabled("(bake)");
-}
-
-void lightEditor(ViewState& state, const Light& light)
-{
-    Light changed = light;
-    bool any = choice("light mode", changed.mode, std::array{LightMode::Realtime, LightMode::Mixed, LightMode::Baked},
-                      [](LightMode mode) { return nameOf(mode); });
-    markForBake(true);
-    if (light.baking.occlusionMaskChannel >= 0) say(fmt::format("mask channel {}", light.baking.occlusionMaskChannel));
-    const bool baked = light.mode != LightMode::Realtime;
-    any |= ImGui::ColorEdit3("colour", &changed.color.x, ImGuiColorEditFlags_Float | ImGuiColorEditFlags_HDR);
-    markForBake(baked);
-    any |= ImGui::DragFloat(unitOf(light.type), &changed.intensity, 0.01f * std::max(light.intensity, 0.01f), 0.0f,
-                            FLT_MAX, "%.4g");
-    markForBake(baked);
-    any |= ImGui::SliderFloat("shadow strength", &changed.shadowStrength, 0.0f, 1.0f);
-    if (light.type == LightType::Directional) {
-        float degrees = glm::degrees(2.0f * changed.angularRadiusRadians);
-        if (ImGui::DragFloat("angular diameter", &degrees, 0.01f, 0.0f, 90.0f, "%.2f deg")) {
-            changed.angularRadiusRadians = glm::radians(0.5f * degrees);
-            any = true;
-        }
-    } else {
-        any |= ImGui::DragFloat("radius m", &changed.radiusMeters, 0.005f, 0.0f, 100.0f, "%.3f");
-    }
-    markForBake(true);
-    any |= ImGui::DragFloat("bounced light", &changed.indirectMultiplier, 0.01f, 0.0f, 100.0f, "x %.2f");
-    markForBake(true);
-    any |= ImGui::Checkbox("casts shadows", &changed.castShadows);
-    if (any) state.requests.light = {state.selectedLight, changed};
-}
-
-void lightSection(ViewState& state, const Scene& scene)
-{
-    if (!ImGui::CollapsingHeader(fmt::format("Lights ({})###Lights", scene.lights.size()).c_str())) return;
-    if (ImGui::BeginListBox("##lights", ImVec2(-FLT_MIN, 6.0f * ImGui::GetTextLineHeightWithSpacing()))) {
-        for (std::size_t i = 0; i < scene.lights.size(); ++i) {
-            const Light& light = scene.lights[i];
-            const std::string line =
-                fmt::format("{}  {} {}##{}", light.name, nameOf(light.mode), nameOf(light.type), i);
-            if (ImGui::Selectable(line.c_str(), state.selectedLight == int(i))) state.selectedLight = int(i);
-        }
-        ImGui::EndListBox();
-    }
-    if (state.selectedLight >= 0 && std::size_t(state.selectedLight) < scene.lights.size())
-        lightEditor(state, scene.lights[std::size_t(state.selectedLight)]);
-}
-
-void objectEditor(ViewState& state, const Object& object)
-{
-    say(fmt::format("{}: {}", object.name, object.isStatic ? "static, baked" : "dynamic, lit by probes"));
-    bool casts = object.castShadows;
-    bool receives = object.receiveShadows;
-    bool changed = ImGui::Checkbox("casts", &casts);
-    markForBake(object.isStatic);
-    changed |= ImGui::Checkbox("receives", &receives);
-    markForBake(object.isStatic);
-    if (changed) state.requests.switches = {state.selectedObject, casts, receives};
-    mat4 moved = object.worldFromObject;
-    if (ImGui::DragFloat3("position m", &moved[3].x, 0.01f, -FLT_MAX, FLT_MAX, "%.2f"))
-        state.requests.move = {state.selectedObject, moved};
-    markForBake(object.isStatic);
-    if (ImGui::Button("look at it (F)")) state.requests.frameSelection = true;
-}
-
-void objectSection(ViewState& state, const Scene& scene)
-{
-    if (!ImGui::CollapsingHeader(fmt::format("Objects ({})###Objects", scene.objects.size()).c_str())) return;
-    if (ImGui::BeginListBox("##objects", ImVec2(-FLT_MIN, 8.0f * ImGui::GetTextLineHeightWithSpacing()))) {
-        ImGuiListClipper clipper;
-        clipper.Begin(int(scene.objects.size()));
-        while (clipper.Step()) {
-            for (int i = clipper.DisplayStart; i < clipper.DisplayEnd; ++i) {
-                const Object& object = scene.objects[std::size_t(i)];
-                const std::string line = fmt::format("{}{}##{}", object.name, object.isStatic ? "" : "  dynamic", i);
-                if (ImGui::Selectable(line.c_str(), state.selectedObject == i)) state.selectedObject = i;
-            }
-        }
-        ImGui::EndListBox();
-    }
-    if (state.selectedObject >= 0 && std::size_t(state.selectedObject) < scene.objects.size())
-        objectEditor(state, scene.objects[std::size_t(state.selectedObject)]);
-}
-
 void bakeSection(ViewState& state)
 {
     if (!ImGui::CollapsingHeader("Bake", ImGuiTreeNodeFlags_DefaultOpen)) return;
@@ -208,7 +112,10 @@ void bakeSection(ViewState& state)
         if (session.stageSecondsLeft >= 0.0)
             line += fmt::format(", this stage {:.0f} s more", session.stageSecondsLeft);
         say(line);
-        if (status.firstLight) say("shown: the first, coarse light");
+        if (status.firstLight)
+            ImGui::TextWrapped(
+                "Light comes in as it is done, what is in view first; mixed lights' shadows are realtime "
+                "until the end.");
         if (ImGui::Button("cancel the bake")) state.requests.cancelBake = true;
         return;
     }
@@ -273,16 +180,6 @@ void statisticsSection(const ViewState& state)
     say(fmt::format("{} light probes, {} reflection probes", s.probes, s.reflectionProbes));
 }
 
-void warningSection(const ViewState& state)
-{
-    const std::string title = fmt::format("Warnings ({})###Warnings", state.warnings.size());
-    if (!ImGui::CollapsingHeader(title.c_str())) return;
-    for (const std::string& warning : state.warnings) {
-        ImGui::Bullet();
-        ImGui::TextWrapped("%s", warning.c_str());
-    }
-}
-
 } // namespace
 
 const std::vector<std::string>& keyHelp()
@@ -293,8 +190,10 @@ const std::vector<std::string>& keyHelp()
         "left drag     orbit; right drag: look; middle or shift drag: pan; wheel: nearer",
         "W A S D Q E   fly; shift: four times as fast",
         "F             look at what is selected, or at all; click selects",
+        "arrows        of a dynamic object that is selected: drag it along an axis",
+        "gamepad       left stick: fly; right stick: look; triggers: down and up",
         "B, X, Ctrl-S  bake; expose for this view; save the baked file",
-        "C             compare two modes",
+        "C, R          compare: light before the bake, another mode, the reference; the reference at once",
         "F5, F11, F12  reload the file; full screen; screenshot",
         "Tab, Escape   panels; cancel a bake, or quit"};
     return lines;
@@ -326,6 +225,24 @@ void drawPanels(ViewState& state, const Scene& scene)
     ImGui::End();
 }
 
+namespace {
+
+/// Nothing, the light before the bake, another mode, the reference, in turn.
+void compareNext(ViewState& state)
+{
+    std::vector<Compare> choices = {Compare::Mode, Compare::Reference};
+    if (state.hasEarlier) choices.insert(choices.begin(), Compare::BeforeBake);
+    const auto at = std::find(choices.begin(), choices.end(), state.compareWith);
+    const bool last = at == choices.end() || at + 1 == choices.end();
+    if (!state.compares)
+        state.compareWith = choices.front();
+    else if (!last)
+        state.compareWith = *(at + 1);
+    state.compares = !state.compares || !last;
+}
+
+} // namespace
+
 void handleKey(ViewState& state, int key, bool control)
 {
     if (control) {
@@ -355,7 +272,11 @@ void handleKey(ViewState& state, int key, bool control)
         requests.expose = true;
         break;
     case SDLK_c:
-        state.compares = !state.compares;
+        compareNext(state);
+        break;
+    case SDLK_r:
+        state.compares = !(state.compares && state.compareWith == Compare::Reference);
+        state.compareWith = Compare::Reference;
         break;
     case SDLK_F5:
         requests.reload = true;

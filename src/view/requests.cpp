@@ -41,11 +41,35 @@ void Viewer::changeScene(const Requests& requests)
         const auto& [index, place] = *requests.move;
         if (renderer_->setObjectTransform(index, place)) moveObject(std::size_t(index), place);
     }
-    if (requests.light || requests.switches || requests.move) state_.bakeStatus.outOfDate = true;
+    if (requests.light || requests.switches || requests.move) {
+        state_.bakeStatus.outOfDate = true;
+        referenceScene_.reset();
+    }
+    if (requests.warning && *requests.warning < state_.warnings.size()) showSubject(*requests.warning);
     if (requests.camera) {
         const Camera& camera = scene_.cameras[std::size_t(*requests.camera)];
         const Bounds bounds = scene_.bounds();
         state_.navigator = Navigator(camera, bounds.empty() ? 1.0f : 0.4f * glm::length(bounds.size()));
+    }
+}
+
+/// Selects the object or light that a warning names, and looks at it.
+void Viewer::showSubject(std::size_t warning)
+{
+    const Subject subject = subjectOf(state_.warnings[warning], scene_);
+    const float aspect = float(std::max(size_.x, 1)) / float(std::max(size_.y, 1));
+    if (subject.object >= 0) {
+        state_.selectedObject = subject.object;
+        frameSelection();
+    } else if (subject.light >= 0) {
+        state_.selectedLight = subject.light;
+        const Light& light = scene_.lights[std::size_t(subject.light)];
+        if (light.type == LightType::Directional) return; // it is nowhere
+        Bounds around;
+        constexpr float kMeters = 1.0f; // of the light's surroundings
+        around.extend(light.position() - kMeters);
+        around.extend(light.position() + kMeters);
+        state_.navigator.frame(around, aspect);
     }
 }
 
@@ -102,13 +126,36 @@ Status Viewer::takeScreenshot()
     return {};
 }
 
+void Viewer::saveBake()
+{
+    WriteOptions write;
+    write.irradiance = irradiance_;
+    const Status written = writeBakedScene(state_.bakeOutput, *shown_, write);
+    state_.bakeStatus.outcome = written ? "saved " + state_.bakeOutput : written.error().text();
+    say(state_.bakeStatus.outcome);
+    std::error_code absent; // where it replaced the file that is shown, nothing is to be read again
+    if (std::filesystem::equivalent(state_.bakeOutput, file_, absent))
+        fileTime_ = std::filesystem::last_write_time(file_, absent);
+}
+
+void Viewer::writeSettings()
+{
+    const std::string text = settingsFile(scene_, atLoad_);
+    const std::string name = file_.stem().string() + ".toml";
+    const Status written = text.empty() ? Status() : writeFileAtomically(name, text);
+    state_.bakeStatus.outcome = text.empty() ? "nothing was changed"
+                                : written    ? "wrote " + name
+                                             : written.error().text();
+    say(state_.bakeStatus.outcome);
+}
+
 Status Viewer::answerRequests()
 {
     const Requests requests = std::exchange(state_.requests, {});
     changeScene(requests);
     if (requests.frameSelection) frameSelection();
     if (requests.reload) {
-        if (Status status = open(file_); !status) fileWarnings_.push_back(status.error().text());
+        if (Status status = open(file_, true); !status) fileWarnings_.push_back(status.error().text());
     }
     if (requests.toggleFullScreen) {
         const bool full = (SDL_GetWindowFlags(desktop_.window()) & SDL_WINDOW_FULLSCREEN_DESKTOP) != 0;
@@ -117,22 +164,8 @@ Status Viewer::answerRequests()
     if (requests.copyCommand) SDL_SetClipboardText(currentCommand().c_str());
     if (requests.bake) startBake();
     if (requests.cancelBake && session_) session_->cancel();
-    if (requests.save && shown_ && state_.bakeStatus.hasResult) {
-        WriteOptions write;
-        write.irradiance = irradiance_;
-        const Status written = writeBakedScene(state_.bakeOutput, *shown_, write);
-        state_.bakeStatus.outcome = written ? "saved " + state_.bakeOutput : written.error().text();
-        say(state_.bakeStatus.outcome);
-    }
-    if (requests.writeSettings) {
-        const std::string text = settingsFile(scene_, atLoad_);
-        const std::string name = file_.stem().string() + ".toml";
-        const Status written = text.empty() ? Status() : writeFileAtomically(name, text);
-        state_.bakeStatus.outcome = text.empty() ? "nothing was changed"
-                                    : written    ? "wrote " + name
-                                                 : written.error().text();
-        say(state_.bakeStatus.outcome);
-    }
+    if (requests.save && shown_ && state_.bakeStatus.hasResult) saveBake();
+    if (requests.writeSettings) writeSettings();
     if (requests.expose && size_.x < 1)
         state_.requests.expose = true; // after the first frame
     else if (requests.expose)
@@ -149,9 +182,32 @@ void Viewer::startBake()
     BakeSettings settings = state_.bake;
     session_ = std::make_unique<BakeSession>(scene_, settings, makeEmbreeIntegrator);
     beforeBake_ = shown_;
+    modeBefore_ = state_.settings.mode;
     state_.bakeStatus = {};
     state_.bakeStatus.running = true;
     bakeWarnings_.clear();
+}
+
+/// First light, then what has changed of it.
+Status Viewer::showProgress()
+{
+    BakeStatus& status = state_.bakeStatus;
+    if (std::optional<BakedScene> light = session_->takeLight()) {
+        status.firstLight = true;
+        say(fmt::format("first light after {:.2f} s", status.session.seconds));
+        if (Status shown = show(std::move(*light)); !shown) return shown;
+        state_.settings.mode = RunMode::BakedIndirect; // mixed lights have no mask before the end
+        lastTiles_ = Clock::now();
+    }
+    // Uploads wait for the frames in flight, so that some tiles come at once.
+    constexpr std::chrono::milliseconds kPause(300);
+    if (!status.firstLight || Clock::now() - lastTiles_ < kPause) return {};
+    lastTiles_ = Clock::now();
+    const std::vector<LightTile> tiles = session_->takeTiles();
+    std::vector<LightmapRectangle> rectangles;
+    for (const LightTile& tile : tiles) rectangles.push_back({tile.page, tile.offset, &tile.texels});
+    status.tiles += tiles.size();
+    return renderer_->updateLightmaps(rectangles);
 }
 
 Status Viewer::pollBake()
@@ -159,11 +215,8 @@ Status Viewer::pollBake()
     if (!session_) return {};
     BakeStatus& status = state_.bakeStatus;
     status.session = session_->state();
-    if (std::optional<BakedScene> light = session_->takeLight()) {
-        status.firstLight = true;
-        say(fmt::format("first light after {:.2f} s", status.session.seconds));
-        if (Status shown = show(std::move(*light)); !shown) return shown;
-    }
+    session_->setView(state_.navigator.camera(), float(std::max(size_.x, 1)) / float(std::max(size_.y, 1)));
+    if (Status shown = showProgress(); !shown) return shown;
     if (!status.session.finished) return {};
     const double seconds = status.session.seconds;
     Result<BakeResult> result = session_->takeResult();
@@ -174,16 +227,22 @@ Status Viewer::pollBake()
         say("bake: " + status.outcome);
         BakedScene before = std::move(*beforeBake_);
         beforeBake_.reset();
+        state_.settings.mode = modeBefore_;
         return show(std::move(before));
     }
+    earlier_ = std::move(beforeBake_);
+    earlierRenderer_.reset();
     beforeBake_.reset();
+    state_.hasEarlier = true;
     status.outcome = fmt::format("baked in {:.1f} s", seconds);
     status.hasResult = true;
     say(status.outcome);
     bakeWarnings_ = result->report.warnings;
     irradiance_ = std::move(result->irradiance);
     const RunMode mode = defaultRunMode(result->baked);
-    if (state_.settings.mode == RunMode::Realtime) state_.settings.mode = mode;
+    // As before the bake, if that was a baked mode which the file has.
+    const bool fits = modeBefore_ != RunMode::Realtime && checkRunMode(result->baked, modeBefore_);
+    state_.settings.mode = fits ? modeBefore_ : mode;
     return show(std::move(result->baked));
 }
 

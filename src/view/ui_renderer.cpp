@@ -64,6 +64,25 @@ UiRenderer::UiRenderer(gpu::Device& device, VkFormat format)
     pipeline_ = gpu::makePipeline(device, info);
 }
 
+void UiRenderer::setPicture(const ImageRgba8& picture)
+{
+    device_.waitIdle(); // frames in flight read the one before
+    const ivec2 size = picture.size();
+    if (!picture_.get() || picture_.info().width != uint32_t(size.x) || picture_.info().height != uint32_t(size.y)) {
+        picture_ = gpu::Image(device_, {.format = VK_FORMAT_R8G8B8A8_UNORM,
+                                        .width = uint32_t(size.x),
+                                        .height = uint32_t(size.y),
+                                        .usage = VK_IMAGE_USAGE_SAMPLED_BIT | VK_IMAGE_USAGE_TRANSFER_DST_BIT});
+        const gpu::Binding binding{VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER, VK_SHADER_STAGE_FRAGMENT_BIT};
+        pictureSet_ = gpu::DescriptorSet(device_, setLayout_.get(), {&binding, 1}, 0);
+        pictureSet_.image(0, picture_.view(), sampler_.get());
+    }
+    gpu::Uploader uploader(device_);
+    const gpu::Uploader::Level level{0, 0, picture.data()};
+    uploader.image(picture_, {&level, 1}, 4);
+    uploader.finish();
+}
+
 void UiRenderer::upload(const ImDrawData& data, Buffers& buffers) const
 {
     ensure(device_, buffers.vertices, std::size_t(data.TotalVtxCount) * sizeof(ImDrawVert),
@@ -80,6 +99,34 @@ void UiRenderer::upload(const ImDrawData& data, Buffers& buffers) const
         std::memcpy(indices, list.IdxBuffer.Data, indexBytes);
         vertices += vertexBytes;
         indices += indexBytes;
+    }
+}
+
+void UiRenderer::drawLists(VkCommandBuffer commands, ivec2 size, const ImDrawData& data) const
+{
+    const gpu::Functions& vk = device_.vk;
+    const vec2 origin(data.DisplayPos.x, data.DisplayPos.y);
+    const vec2 pixels(data.FramebufferScale.x, data.FramebufferScale.y);
+    int32_t firstVertex = 0;
+    uint32_t firstIndex = 0;
+    for (int i = 0; i < data.CmdListsCount; ++i) {
+        const ImDrawList& list = *data.CmdLists[i];
+        for (const ImDrawCmd& command : list.CmdBuffer) {
+            const vec4 clip(command.ClipRect.x, command.ClipRect.y, command.ClipRect.z, command.ClipRect.w);
+            const ivec2 low = glm::max(ivec2((vec2(clip.x, clip.y) - origin) * pixels), ivec2(0));
+            const ivec2 high = glm::min(ivec2((vec2(clip.z, clip.w) - origin) * pixels), size);
+            if (high.x <= low.x || high.y <= low.y) continue;
+            const VkRect2D scissor{{low.x, low.y}, {uint32_t(high.x - low.x), uint32_t(high.y - low.y)}};
+            const bool isPicture = reinterpret_cast<std::size_t>(command.GetTexID()) == kPicture;
+            VkDescriptorSet set = isPicture ? pictureSet_.get() : set_.get();
+            if (set == VK_NULL_HANDLE) continue;
+            vk.CmdBindDescriptorSets(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, layout_.get(), 0, 1, &set, 0, nullptr);
+            vk.CmdSetScissor(commands, 0, 1, &scissor);
+            vk.CmdDrawIndexed(commands, command.ElemCount, 1, firstIndex + command.IdxOffset,
+                              firstVertex + int32_t(command.VtxOffset), 0);
+        }
+        firstIndex += uint32_t(list.IdxBuffer.Size);
+        firstVertex += list.VtxBuffer.Size;
     }
 }
 
@@ -106,8 +153,6 @@ void UiRenderer::draw(VkCommandBuffer commands, VkImageView target, ivec2 size, 
     vk.CmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, pipeline_.get());
     vk.CmdSetCullMode(commands, VK_CULL_MODE_NONE);
     vk.CmdSetFrontFace(commands, VK_FRONT_FACE_COUNTER_CLOCKWISE);
-    VkDescriptorSet set = set_.get();
-    vk.CmdBindDescriptorSets(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, layout_.get(), 0, 1, &set, 0, nullptr);
     VkBuffer vertexBuffer = buffers.vertices.get();
     const VkDeviceSize none = 0;
     vk.CmdBindVertexBuffers(commands, 0, 1, &vertexBuffer, &none);
@@ -119,24 +164,7 @@ void UiRenderer::draw(VkCommandBuffer commands, VkImageView target, ivec2 size, 
     vk.CmdPushConstants(commands, layout_.get(), VK_SHADER_STAGE_VERTEX_BIT | VK_SHADER_STAGE_FRAGMENT_BIT, 0,
                         sizeof(push), &push);
 
-    const vec2 pixels(data.FramebufferScale.x, data.FramebufferScale.y);
-    int32_t firstVertex = 0;
-    uint32_t firstIndex = 0;
-    for (int i = 0; i < data.CmdListsCount; ++i) {
-        const ImDrawList& list = *data.CmdLists[i];
-        for (const ImDrawCmd& command : list.CmdBuffer) {
-            const vec4 clip(command.ClipRect.x, command.ClipRect.y, command.ClipRect.z, command.ClipRect.w);
-            const ivec2 low = glm::max(ivec2((vec2(clip.x, clip.y) - origin) * pixels), ivec2(0));
-            const ivec2 high = glm::min(ivec2((vec2(clip.z, clip.w) - origin) * pixels), size);
-            if (high.x <= low.x || high.y <= low.y) continue;
-            const VkRect2D scissor{{low.x, low.y}, {uint32_t(high.x - low.x), uint32_t(high.y - low.y)}};
-            vk.CmdSetScissor(commands, 0, 1, &scissor);
-            vk.CmdDrawIndexed(commands, command.ElemCount, 1, firstIndex + command.IdxOffset,
-                              firstVertex + int32_t(command.VtxOffset), 0);
-        }
-        firstIndex += uint32_t(list.IdxBuffer.Size);
-        firstVertex += list.VtxBuffer.Size;
-    }
+    drawLists(commands, size, data);
     vk.CmdEndRendering(commands);
 }
 

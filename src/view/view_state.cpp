@@ -3,6 +3,7 @@
 #include <spdlog/fmt/fmt.h>
 
 #include <algorithm>
+#include <cctype>
 
 namespace halflight::view {
 namespace {
@@ -41,7 +42,38 @@ std::string lightOverride(const Light& light, const Light& atLoad)
     return changes;
 }
 
+/// Whether a name is in a text, with no letter or digit beside it.
+bool names(const std::string& text, const std::string& name)
+{
+    const auto isWord = [](char c) { return std::isalnum(static_cast<unsigned char>(c)) != 0; };
+    if (name.empty()) return false;
+    for (std::size_t at = text.find(name); at != std::string::npos; at = text.find(name, at + 1)) {
+        const std::size_t end = at + name.size();
+        if ((at == 0 || !isWord(text[at - 1])) && (end == text.size() || !isWord(text[end]))) return true;
+    }
+    return false;
+}
+
 } // namespace
+
+Subject subjectOf(const std::string& text, const Scene& scene)
+{
+    Subject subject;
+    std::size_t longest = 0;
+    for (std::size_t i = 0; i < scene.objects.size(); ++i) {
+        const std::string& name = scene.objects[i].name;
+        if (name.size() <= longest || !names(text, name)) continue;
+        longest = name.size();
+        subject = {int(i), -1};
+    }
+    for (std::size_t i = 0; i < scene.lights.size(); ++i) {
+        const std::string& name = scene.lights[i].name;
+        if (name.size() <= longest || !names(text, name)) continue;
+        longest = name.size();
+        subject = {-1, int(i)};
+    }
+    return subject;
+}
 
 const char* nameOf(RunMode mode)
 {
@@ -62,7 +94,8 @@ const char* nameOf(RunMode mode)
 
 const char* nameOf(DebugView view)
 {
-    constexpr const char* kNames[] = {"lit", "shadowmask", "lightmap", "probes", "cascades", "fade", "overlap"};
+    constexpr const char* kNames[] = {"lit",      "shadowmask", "lightmap", "probes",
+                                      "cascades", "fade",       "overlap",  "texels"};
     return kNames[int(view)];
 }
 
@@ -84,6 +117,10 @@ const char* legendOf(DebugView view)
     case DebugView::Overlap:
         return "Lights with a mask channel, or for which none was left: none black, 1 blue, 2 green, 3 yellow, 4 red, "
                "more white.";
+    case DebugView::Texels:
+        return "A square is a lightmap texel. Texels per metre: 1 or fewer blue, 4 cyan, 16 green, 64 yellow, 256 or "
+               "more "
+               "red; black: no lightmap.";
     }
     return "";
 }

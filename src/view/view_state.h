@@ -34,12 +34,17 @@ struct Requests {
     };
     std::optional<ObjectSwitches> switches;
     std::optional<std::pair<int, mat4>> move;
+    std::optional<std::size_t> warning; ///< shows what it names
 };
+
+/// What is right of the line.
+enum class Compare { Mode, BeforeBake, Reference };
 
 /// A bake in the background, as the panel shows it.
 struct BakeStatus {
     bool running = false;
     bool firstLight = false; ///< the coarse light is shown
+    std::size_t tiles = 0;   ///< rectangles of pages that were shown since
     BakeSessionState session;
     std::string outcome;    ///< of the last bake: how long it took, or why it failed
     bool hasResult = false; ///< a finished bake is shown and can be saved
@@ -63,7 +68,8 @@ struct ViewState {
     float exposureEv = 0.0f;
     bool panels = true;
     bool vsync = true;
-    bool compares = false; ///< right of `split`: otherMode
+    bool compares = false; ///< right of `split`
+    Compare compareWith = Compare::Mode;
     RunMode otherMode = RunMode::Realtime;
     float split = 0.5f; ///< share of the width
     float speed = 2.0f; ///< of flying, m/s
@@ -76,6 +82,8 @@ struct ViewState {
 
     // Shown, not changed by panels.
     std::vector<RunMode> modes; ///< those that the file has data for
+    bool hasEarlier = false;    ///< light before the last bake is kept
+    int referenceSamples = 0;   ///< per pixel, of the picture that is shown
     std::vector<PassReport> passes;
     bool timed = false;
     std::vector<float> frameMilliseconds; ///< of the last frames, oldest first
@@ -87,6 +95,12 @@ struct ViewState {
 };
 
 const char* nameOf(RunMode mode);
+/// The object or light that a text names: the longest name that it has as whole words.
+struct Subject {
+    int object = -1;
+    int light = -1;
+};
+Subject subjectOf(const std::string& text, const Scene& scene);
 const char* nameOf(DebugView view);
 /// One sentence on what the view's colours mean.
 const char* legendOf(DebugView view);

@@ -1,7 +1,5 @@
 #include "view/viewer.h"
 
-#include "halflight/render/vulkan_target.h"
-
 #include "view/panels.h"
 
 #include <SDL.h>
@@ -77,6 +75,8 @@ Viewer::Viewer(const ViewOptions& options)
 Viewer::~Viewer()
 {
     session_.reset();
+    reference_.reset();
+    earlierRenderer_.reset();
     if (renderer_) renderer_->waitIdle();
 }
 
@@ -85,12 +85,18 @@ void Viewer::say(const std::string& line) const
     if (options_.say) options_.say(line);
 }
 
-Status Viewer::open(const std::filesystem::path& file)
+Status Viewer::open(const std::filesystem::path& file, bool keepsView)
 {
     Result<BakedScene> baked = options_.loader.read(file);
     if (!baked) return baked.error();
     file_ = file;
+    std::error_code unknown;
+    fileTime_ = std::filesystem::last_write_time(file, unknown);
     session_.reset();
+    earlier_.reset();
+    earlierRenderer_.reset();
+    state_.hasEarlier = false;
+    referenceScene_.reset();
     beforeBake_.reset();
     irradiance_.clear();
     state_.bakeStatus = {};
@@ -103,8 +109,9 @@ Status Viewer::open(const std::filesystem::path& file)
     state_.bakeOutput = (file.stem().string() + "_baked.glb");
     state_.selectedLight = state_.selectedObject = -1;
     SDL_SetWindowTitle(desktop_.window(), ("halflight: " + state_.title).c_str());
-    hasCamera_ = false;
-    const RunMode mode = options_.mode.value_or(defaultRunMode(*baked));
+    hasCamera_ = hasCamera_ && keepsView;
+    const bool keepsMode = hasCamera_ && checkRunMode(*baked, state_.settings.mode);
+    const RunMode mode = keepsMode ? state_.settings.mode : options_.mode.value_or(defaultRunMode(*baked));
     if (Status status = checkRunMode(*baked, mode); !status) return status;
     state_.settings.mode = mode;
     state_.otherMode = RunMode::Realtime; // what a bake is compared with
@@ -142,59 +149,6 @@ Status Viewer::show(BakedScene baked)
     return {};
 }
 
-RenderSettings Viewer::settingsFor(ivec2 size) const
-{
-    RenderSettings settings = state_.settings;
-    settings.size = size;
-    const Camera camera = state_.navigator.camera();
-    if (state_.followsShadowDistance)
-        settings.shadows = shadowsReaching(farthestInView({camera, size}, bounds_), settings.shadows);
-    return settings;
-}
-
-Status Viewer::drawScene(const Swapchain::Frame& frame)
-{
-    RenderSettings settings = settingsFor(frame.size);
-    state_.shadowDistanceMeters = settings.shadows.distanceMeters;
-    const Camera camera = state_.navigator.camera();
-    VulkanTarget target{frame.view, swapchain_->format()};
-    const int line = int(std::lround(state_.split * float(frame.size.x)));
-    // Frames that compare record twice, and record() wants all but the last recording done.
-    if (state_.compares || compared_) swapchain_->waitIdle();
-    compared_ = state_.compares;
-    if (state_.compares) {
-        RenderSettings other = settings;
-        other.mode = state_.otherMode;
-        target.begin = ivec2(line, 0);
-        if (auto drawn = renderer_->record(frame.commands, target, camera, other, state_.exposureEv); !drawn)
-            return drawn.error();
-        target.begin = ivec2(0);
-        target.end = ivec2(line, frame.size.y);
-    }
-    if (!state_.compares || line > 0) {
-        auto drawn = renderer_->record(frame.commands, target, camera, settings, state_.exposureEv);
-        if (!drawn) return drawn.error();
-        state_.passes = std::move(drawn->passes);
-        state_.timed = drawn->timed;
-        frameWarnings_ = std::move(drawn->plan.warnings);
-    }
-    return {};
-}
-
-void Viewer::buildPanels()
-{
-    ImGui_ImplSDL2_NewFrame();
-    ImGui::NewFrame();
-    collectWarnings();
-    drawPanels(state_, scene_);
-    if (state_.compares) {
-        const float x = state_.split * ImGui::GetIO().DisplaySize.x;
-        ImGui::GetBackgroundDrawList()->AddLine(ImVec2(x, 0.0f), ImVec2(x, ImGui::GetIO().DisplaySize.y),
-                                                IM_COL32(255, 255, 255, 160));
-    }
-    ImGui::Render();
-}
-
 void Viewer::collectWarnings()
 {
     state_.warnings = fileWarnings_;
@@ -217,16 +171,18 @@ Status Viewer::drawFrame()
     ui_->draw(frame->commands, frame->view, frame->size, *ImGui::GetDrawData(), frame->slot);
     swapchain_->end();
     ++frames_;
+    const std::vector<int>& lost = options_.loseDeviceAt;
+    if (std::find(lost.begin(), lost.end(), frames_) != lost.end()) gpu::check(VK_ERROR_DEVICE_LOST, "show a frame");
     return {};
 }
 
-Status Viewer::run()
+void Viewer::startDevice()
 {
-    RendererOptions device = options_.device;
-    device.instanceExtensions = desktop_.vulkanExtensions();
-    device.deviceExtensions.emplace_back(VK_KHR_SWAPCHAIN_EXTENSION_NAME);
-    Result<std::unique_ptr<Renderer>> renderer = Renderer::create(device);
-    if (!renderer) return renderer.error();
+    RendererOptions options = options_.device;
+    options.instanceExtensions = desktop_.vulkanExtensions();
+    options.deviceExtensions.emplace_back(VK_KHR_SWAPCHAIN_EXTENSION_NAME);
+    Result<std::unique_ptr<Renderer>> renderer = Renderer::create(options);
+    if (!renderer) throw gpu::Failure(renderer.error().message);
     renderer_ = std::move(*renderer);
     const VulkanHandles h = renderer_->handles();
     device_ = std::make_unique<gpu::Device>(
@@ -235,29 +191,84 @@ Status Viewer::run()
     swapchain_ = std::make_unique<Swapchain>(*device_, desktop_.window());
     ui_ = std::make_unique<UiRenderer>(*device_, swapchain_->format());
     state_.device = renderer_->deviceName() + ", " + renderer_->driver();
+}
+
+Status Viewer::recover(const Error& failure)
+{
+    constexpr std::chrono::seconds kSoon(10);
+    const bool again = failedBefore_ && Clock::now() - lastFailure_ < kSoon;
+    failedBefore_ = true;
+    lastFailure_ = Clock::now();
+    if (again || !shown_) return failure;
+    say("the device failed, another is made: " + failure.message);
+    for (const std::string& message : renderer_->validationMessages()) messages_.push_back(message);
+    earlierRenderer_.reset();
+    pathTraced_.reset();
+    ui_.reset();
+    swapchain_.reset();
+    device_.reset();
+    renderer_.reset();
+    startDevice();
+    BakedScene shown = std::move(*shown_);
+    return show(std::move(shown));
+}
+
+void Viewer::watchFile()
+{
+    constexpr std::chrono::seconds kEvery(1);
+    if (session_ || Clock::now() - lastLook_ < kEvery) return;
+    lastLook_ = Clock::now();
+    std::error_code absent;
+    const auto time = std::filesystem::last_write_time(file_, absent);
+    if (absent || time == fileTime_) return;
+    fileTime_ = time;
+    state_.requests.reload = true;
+}
+
+Status Viewer::turn()
+{
+    handleEvents();
+    const Clock::time_point now = Clock::now();
+    const float seconds = std::chrono::duration<float>(now - lastFrame_).count();
+    lastFrame_ = now;
+    std::vector<float>& times = state_.frameMilliseconds;
+    times.push_back(1000.0f * seconds);
+    if (times.size() > kShownFrames) times.erase(times.begin());
+    fly(seconds);
+    followReference();
+    try {
+        if (Status status = drawFrame(); !status) return status;
+        if (Status status = answerRequests(); !status) return status;
+        if (Status status = pollBake(); !status) return status;
+    } catch (const gpu::Failure& failure) {
+        return Error{ErrorCode::DeviceFailed, failure.what(), ""};
+    }
+    watchFile();
+    return {};
+}
+
+Status Viewer::run()
+{
+    startDevice();
     if (Status status = open(options_.file); !status) return status;
     state_.requests.bake = options_.bakeAtStart;
     lastFrame_ = Clock::now();
     while (!state_.requests.quit && !(options_.cancel != nullptr && options_.cancel->load()) &&
            (options_.frames == 0 || frames_ < options_.frames)) {
-        handleEvents();
-        const Clock::time_point now = Clock::now();
-        const float seconds = std::chrono::duration<float>(now - lastFrame_).count();
-        lastFrame_ = now;
-        std::vector<float>& times = state_.frameMilliseconds;
-        times.push_back(1000.0f * seconds);
-        if (times.size() > kShownFrames) times.erase(times.begin());
-        fly(seconds);
-        if (Status status = drawFrame(); !status) return status;
-        if (Status status = answerRequests(); !status) return status;
-        if (Status status = pollBake(); !status) return status;
+        Status status = turn();
+        if (!status && status.error().code == ErrorCode::DeviceFailed) {
+            status = recover(status.error());
+            if (!status) writeSettings(); // what the user changed is not lost
+        }
+        if (!status) return status;
     }
     renderer_->waitIdle();
-    const std::vector<std::string> messages = renderer_->validationMessages();
-    for (const std::string& message : messages) say(message);
-    if (!messages.empty())
+    const std::vector<std::string> last = renderer_->validationMessages();
+    messages_.insert(messages_.end(), last.begin(), last.end());
+    for (const std::string& message : messages_) say(message);
+    if (!messages_.empty())
         return Error{ErrorCode::DeviceFailed,
-                     fmt::format("the Vulkan validation layer had {} complaints", messages.size()), ""};
+                     fmt::format("the Vulkan validation layer had {} complaints", messages_.size()), ""};
     say(fmt::format("{} frames", frames_));
     return {};
 }

@@ -2,7 +2,10 @@
 // The window's loop: input, panels, frames, bakes in the background.
 
 #include "halflight/bake/bake_session.h"
+#include "halflight/render/vulkan_target.h"
 #include "halflight/view/view.h"
+#include "view/gizmo.h"
+#include "view/reference_picture.h"
 #include "view/swapchain.h"
 #include "view/ui_renderer.h"
 #include "view/view_state.h"
@@ -13,6 +16,7 @@
 
 union SDL_Event;
 struct SDL_Window;
+struct _SDL_GameController; // NOLINT: SDL_GameController, as SDL declares it
 
 namespace halflight::view {
 
@@ -26,13 +30,26 @@ public:
     Desktop& operator=(const Desktop&) = delete;
 
     [[nodiscard]] SDL_Window* window() const { return window_; }
+    /// A gamepad that was plugged in, by SDL's index of it.
+    void takeGamepad(int index);
+    /// What its sticks and triggers ask for, each -1 … 1: to the right, up and forward; then turns to the left and up.
+    /// All zero without one.
+    struct Sticks {
+        vec3 fly{0.0f};
+        vec2 look{0.0f};
+    };
+    [[nodiscard]] Sticks sticks() const;
     [[nodiscard]] std::vector<std::string> vulkanExtensions() const;
 
 private:
     void close();
     SDL_Window* window_ = nullptr;
+    _SDL_GameController* gamepad_ = nullptr;
     bool hasContext_ = false;
 };
+
+/// A stick or a trigger, -32768 … 32767 as SDL has it, as -1 … 1: nothing in the fifth about its rest.
+float stickValue(int value);
 
 class Viewer {
 public:
@@ -44,7 +61,14 @@ public:
 private:
     using Clock = std::chrono::steady_clock;
 
-    Status open(const std::filesystem::path& file);
+    void startDevice();
+    /// One turn of the loop.
+    Status turn();
+    /// Begins anew with another device, after one that failed; the failure itself, if that happens again soon.
+    Status recover(const Error& failure);
+    void watchFile();
+    /// `keepsView`: the same file again; camera, exposure and mode stay.
+    Status open(const std::filesystem::path& file, bool keepsView = false);
     /// Shows a scene: uploads it, keeps the camera unless there is none yet.
     Status show(BakedScene baked);
     void collectWarnings();
@@ -54,17 +78,27 @@ private:
     void click(vec2 place);
     void fly(float seconds);
     void buildPanels();
+    void drawCompared();
+    void drawGizmo();
+    bool dragGizmo(vec2 mouse);
+    Status loadEarlier();
+    void followReference();
     Status drawFrame();
     Status drawScene(const Swapchain::Frame& frame);
+    Status drawOther(const Swapchain::Frame& frame, RenderSettings settings, VulkanTarget target);
     [[nodiscard]] RenderSettings settingsFor(ivec2 size) const;
     Status answerRequests();
     void changeScene(const Requests& requests);
     void moveObject(std::size_t index, const mat4& place);
     void frameSelection();
+    void showSubject(std::size_t warning);
+    void saveBake();
+    void writeSettings();
     Status expose();
     Status takeScreenshot();
     void startBake();
     Status pollBake();
+    Status showProgress();
     void say(const std::string& line) const;
     [[nodiscard]] std::string currentCommand() const;
 
@@ -86,13 +120,27 @@ private:
     std::vector<std::string> frameWarnings_;
     bool hasCamera_ = false;
     std::unique_ptr<BakeSession> session_;
-    std::optional<BakedScene> beforeBake_; ///< shown again when a bake is cancelled
-    std::optional<BakedScene> shown_;      ///< what is on the device, to go back to and to save
-    std::vector<ImageRgb32f> irradiance_;  ///< of the finished bake
+    std::optional<BakedScene> beforeBake_;      ///< shown again when a bake is cancelled
+    RunMode modeBefore_ = RunMode::Realtime;    ///< the bake
+    std::optional<BakedScene> shown_;           ///< what is on the device, to go back to and to save
+    std::vector<ImageRgb32f> irradiance_;       ///< of the finished bake
+    std::optional<BakedScene> earlier_;         ///< what was shown before the last finished bake
+    std::unique_ptr<Renderer> earlierRenderer_; ///< draws it, while it is compared with
+    std::optional<ReferencePicture> reference_;
+    std::shared_ptr<const Scene> referenceScene_;         ///< what it shows; null when scene_ has changed
+    std::optional<ReferencePicture::Picture> pathTraced_; ///< the last one of this view
+    float pathTracedEv_ = 0.0f;                           ///< its exposure on the screen
+    Gizmo gizmo_;
+    std::vector<std::string> messages_; ///< of the validation layer, of devices before
+    Clock::time_point lastFailure_;
+    bool failedBefore_ = false;
+    std::filesystem::file_time_type fileTime_{}; ///< of file_, as it was read
+    Clock::time_point lastLook_ = Clock::now();  ///< at file_
     int frames_ = 0;
     bool dragged_ = false;
     bool compared_ = false; ///< the last frame showed two modes
     Clock::time_point lastFrame_ = Clock::now();
+    Clock::time_point lastTiles_; ///< when some were shown
     int screenshots_ = 0;
 };
 

@@ -170,7 +170,7 @@ class View(Case):
         window.do("click", 1)  # selects what is there
         window.do("keydown", "w"), time.sleep(0.3), window.do("keyup", "w")
         window.do("keydown", "d"), time.sleep(0.3), window.do("keyup", "d")
-        window.key("f", "x", "c", "c", "v", "v", "v", "v", "v", "v", "v")
+        window.key("f", "x", "c", "c", "c", "v", "v", "v", "v", "v", "v", "v")
         for y in range(20, 300, 14):  # whatever is under the mouse: sections open, buttons are pressed
             window.do("mousemove", "--window", window.id, 60, y, "click", 1)
             time.sleep(0.05)
@@ -220,6 +220,68 @@ class View(Case):
         window.key("3", "F12")
         second = window.said(r"(screenshot_\d+\.png): ", said).group(1)
         self.assertEqual(read(self.path(first)), read(self.path(second)))
+        self.assert_ends_well(window)
+
+    def test_a_lost_device_is_replaced(self):
+        """The window goes on with another device; where that fails at once, it says so and keeps what was changed."""
+        baked, _ = self.bake(self.scene(), "baked.glb")
+        window = self.window(baked, "--size", "320x200", "--lose-device", "10")
+        window.said("the device failed, another is made: .*device")
+        window.key("Tab", "F12")
+        window.said(r"screenshot_\d+\.png: ")
+        self.assert_ends_well(window)
+        window = self.window(baked, "--size", "320x200", "--lose-device", "10,12")
+        self.assertEqual(window.process.wait(timeout=SECONDS), 1)
+        window.reader.join()
+        errors = window.process.stderr.read()
+        window.process.stderr.close()
+        window.process.stdout.close()
+        self.assertEqual(len(errors.strip().splitlines()), 1, errors)
+        self.assertIn("device", errors)
+        self.assertIn("nothing was changed\n", window.lines)
+
+    def test_a_changed_file_is_read_again(self):
+        baked, _ = self.bake(self.scene(), "baked.glb")
+        window = self.window(baked, "--size", "320x200", "--eye=4,3,5", "--target=0,0,0", "--exposure", "1")
+        window.key("Tab", "F12")
+        first = window.said(r"(screenshot_\d+\.png): ").group(1)
+        result = run("bake", self.scene(), "-o", self.path("other.glb"), *QUICK, "--bounces", "0", "-q")
+        self.assertEqual(result.returncode, 0, result.stderr)
+        os.replace(self.path("other.glb"), baked)
+        limit = time.monotonic() + SECONDS
+        while time.monotonic() < limit:
+            time.sleep(0.5)
+            said = len(window.lines)
+            window.key("F12")
+            match = window.said(r"(screenshot_\d+\.png): .*--eye 4,3,5", said)
+            if read(self.path(match.group(1))) != read(self.path(first)):
+                break
+        self.assertLess(time.monotonic(), limit, "the picture stays as it was")
+        self.assert_ends_well(window)
+
+    def test_compare_with_the_reference_and_before_the_bake(self):
+        """Right of the line: what is path traced, then the light before the bake. Left of it the picture stays."""
+        scene = self.scene()
+        window = self.window(scene, "--size", "640x200", "--bake", "--quality", "preview", "--lightmap-size", "128")
+        window.said(r"^baked in \d")
+        window.key("Tab", "F12")
+        shot = self.path(window.said(r"(screenshot_\d+\.png): ").group(1))
+        whole = self.pixels(shot)
+        for compared in ("before", "reference"):
+            window.key("c" if compared == "before" else "r")
+            limit = time.monotonic() + SECONDS
+            while True:
+                time.sleep(0.5)
+                window.grab(self.path("grab.png"))
+                rows = self.pixels(self.path("grab.png"))
+                left = [row[:300] for row in rows[:150]]
+                right = [row[340:] for row in rows[:150]]
+                same = max(abs(a - b) for p, q in zip(left, whole) for u, v in zip(p, q) for a, b in zip(u, v)) <= 1
+                other = sum(abs(a - b) for p, q in zip(right, [row[340:] for row in whole]) for u, v in zip(p, q)
+                            for a, b in zip(u, v))
+                if same and other > 20000 and len({pixel for row in right for pixel in row}) > 20:
+                    break
+                self.assertLess(time.monotonic(), limit, f"{compared}: left is the same {same}, right differs by {other}")
         self.assert_ends_well(window)
 
     def test_a_file_that_is_not_one(self):

@@ -125,7 +125,7 @@ TEST_F(Panels, KeysDoWhatTheHelpSays)
     EXPECT_EQ(state.settings.mode, RunMode::Shadowmask) << "the file has no data for subtractive";
     handleKey(state, SDLK_p, false);
     EXPECT_EQ(state.settings.path, RenderPath::Deferred);
-    for (int i = 0; i < 7; ++i) handleKey(state, SDLK_v, false);
+    for (int i = 0; i < 8; ++i) handleKey(state, SDLK_v, false);
     EXPECT_EQ(state.settings.view, DebugView::Lit) << "once round";
     handleKey(state, SDLK_b, true);
     EXPECT_FALSE(state.requests.bake) << "with control it is another command";
@@ -133,6 +133,20 @@ TEST_F(Panels, KeysDoWhatTheHelpSays)
     EXPECT_TRUE(state.requests.bake);
     handleKey(state, SDLK_TAB, false);
     EXPECT_FALSE(state.panels);
+    for (const Compare with : {Compare::Mode, Compare::Reference}) {
+        handleKey(state, SDLK_c, false);
+        EXPECT_TRUE(state.compares);
+        EXPECT_EQ(state.compareWith, with);
+    }
+    handleKey(state, SDLK_c, false);
+    EXPECT_FALSE(state.compares);
+    state.hasEarlier = true;
+    handleKey(state, SDLK_c, false);
+    EXPECT_EQ(state.compareWith, Compare::BeforeBake);
+    handleKey(state, SDLK_r, false);
+    EXPECT_EQ(state.compareWith, Compare::Reference);
+    handleKey(state, SDLK_r, false);
+    EXPECT_FALSE(state.compares);
     state.bakeStatus.running = true;
     handleKey(state, SDLK_ESCAPE, false);
     EXPECT_TRUE(state.requests.cancelBake);

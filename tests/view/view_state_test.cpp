@@ -61,5 +61,16 @@ TEST(SettingsFile, HasTheChangesAlone)
               "[[node]]\npattern = \"Door\"\ncast_shadows = false\n\n");
 }
 
+TEST(SubjectOf, IsTheLongestNameInTheText)
+{
+    Scene scene = twoLights();
+    for (const char* name : {"Door frame", "D", ""}) scene.objects.emplace_back().name = name;
+    EXPECT_EQ(subjectOf("the light sun overlaps four others", scene).light, 0);
+    EXPECT_EQ(subjectOf("the Door is closed", scene).object, 0);
+    EXPECT_EQ(subjectOf("'Door frame' has no texels", scene).object, 1);
+    EXPECT_EQ(subjectOf("Doors and sunshine", scene).object, -1) << "no whole word";
+    EXPECT_EQ(subjectOf("Doors and sunshine", scene).light, -1);
+}
+
 } // namespace
 } // namespace halflight::view

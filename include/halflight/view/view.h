@@ -11,6 +11,7 @@
 #include <functional>
 #include <optional>
 #include <string>
+#include <vector>
 
 namespace halflight {
 
@@ -31,6 +32,7 @@ struct ViewOptions {
     BakeSettings bake;                ///< of the Bake button
     bool bakeAtStart = false;
     std::filesystem::path screenshots;         ///< folder of screenshots
+    std::vector<int> loseDeviceAt;             ///< for tests: after so many frames the device counts as lost
     int frames = 0;                            ///< ends after so many, 0 = when the window is closed
     const std::atomic<bool>* cancel = nullptr; ///< ends when set
     /// A line for people, e.g. a screenshot's command line.

@@ -1,0 +1,36 @@
+#pragma once
+// Sections of the panels that are in a file of their own, and what sections have in common.
+
+#include "view/view_state.h"
+
+#include <imgui.h>
+
+#include <string>
+
+namespace halflight::view {
+
+inline void say(const std::string& text)
+{
+    ImGui::TextUnformatted(text.c_str());
+}
+
+template<typename T, typename Values, typename Name>
+bool choice(const char* label, T& value, const Values& values, const Name& name)
+{
+    bool changed = false;
+    if (!ImGui::BeginCombo(label, name(value))) return false;
+    for (const T& each : values) {
+        if (!ImGui::Selectable(name(each), each == value)) continue;
+        changed = each != value;
+        value = each;
+    }
+    ImGui::EndCombo();
+    return changed;
+}
+
+/// What is in the scene: panels_scene.cpp.
+void lightSection(ViewState& state, const Scene& scene);
+void objectSection(ViewState& state, const Scene& scene);
+void warningSection(ViewState& state);
+
+} // namespace halflight::view

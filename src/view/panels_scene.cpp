@@ -1,0 +1,127 @@
+// Lights, objects and warnings.
+#include "view/panel_sections.h"
+
+#include <spdlog/fmt/fmt.h>
+
+#include <algorithm>
+#include <array>
+#include <cfloat>
+
+namespace halflight::view {
+namespace {
+
+const char* unitOf(LightType type)
+{
+    return type == LightType::Directional ? "lux" : isAreaLight(type) ? "cd/m2" : "candela";
+}
+
+/// A change that needs a new bake before it shows in full.
+void markForBake(bool bakes)
+{
+    if (!bakes) return;
+    ImGui::SameLine();
+    ImGui::TextDisabled("(bake)");
+}
+
+void lightEditor(ViewState& state, const Light& light)
+{
+    Light changed = light;
+    bool any = choice("light mode", changed.mode, std::array{LightMode::Realtime, LightMode::Mixed, LightMode::Baked},
+                      [](LightMode mode) { return nameOf(mode); });
+    markForBake(true);
+    if (light.baking.occlusionMaskChannel >= 0) say(fmt::format("mask channel {}", light.baking.occlusionMaskChannel));
+    const bool baked = light.mode != LightMode::Realtime;
+    any |= ImGui::ColorEdit3("colour", &changed.color.x, ImGuiColorEditFlags_Float | ImGuiColorEditFlags_HDR);
+    markForBake(baked);
+    any |= ImGui::DragFloat(unitOf(light.type), &changed.intensity, 0.01f * std::max(light.intensity, 0.01f), 0.0f,
+                            FLT_MAX, "%.4g");
+    markForBake(baked);
+    any |= ImGui::SliderFloat("shadow strength", &changed.shadowStrength, 0.0f, 1.0f);
+    if (light.type == LightType::Directional) {
+        float degrees = glm::degrees(2.0f * changed.angularRadiusRadians);
+        if (ImGui::DragFloat("angular diameter", &degrees, 0.01f, 0.0f, 90.0f, "%.2f deg")) {
+            changed.angularRadiusRadians = glm::radians(0.5f * degrees);
+            any = true;
+        }
+    } else {
+        any |= ImGui::DragFloat("radius m", &changed.radiusMeters, 0.005f, 0.0f, 100.0f, "%.3f");
+    }
+    markForBake(true);
+    any |= ImGui::DragFloat("bounced light", &changed.indirectMultiplier, 0.01f, 0.0f, 100.0f, "x %.2f");
+    markForBake(true);
+    any |= ImGui::Checkbox("casts shadows", &changed.castShadows);
+    if (any) state.requests.light = {state.selectedLight, changed};
+}
+
+void objectEditor(ViewState& state, const Object& object)
+{
+    say(fmt::format("{}: {}", object.name, object.isStatic ? "static, baked" : "dynamic, lit by probes"));
+    bool casts = object.castShadows;
+    bool receives = object.receiveShadows;
+    bool changed = ImGui::Checkbox("casts", &casts);
+    markForBake(object.isStatic);
+    changed |= ImGui::Checkbox("receives", &receives);
+    markForBake(object.isStatic);
+    if (changed) state.requests.switches = {state.selectedObject, casts, receives};
+    mat4 moved = object.worldFromObject;
+    if (ImGui::DragFloat3("position m", &moved[3].x, 0.01f, -FLT_MAX, FLT_MAX, "%.2f"))
+        state.requests.move = {state.selectedObject, moved};
+    markForBake(object.isStatic);
+    if (ImGui::Button("look at it (F)")) state.requests.frameSelection = true;
+}
+
+} // namespace
+
+void lightSection(ViewState& state, const Scene& scene)
+{
+    if (!ImGui::CollapsingHeader(fmt::format("Lights ({})###Lights", scene.lights.size()).c_str())) return;
+    if (ImGui::BeginListBox("##lights", ImVec2(-FLT_MIN, 6.0f * ImGui::GetTextLineHeightWithSpacing()))) {
+        for (std::size_t i = 0; i < scene.lights.size(); ++i) {
+            const Light& light = scene.lights[i];
+            const std::string line =
+                fmt::format("{}  {} {}##{}", light.name, nameOf(light.mode), nameOf(light.type), i);
+            if (ImGui::Selectable(line.c_str(), state.selectedLight == int(i))) state.selectedLight = int(i);
+        }
+        ImGui::EndListBox();
+    }
+    if (state.selectedLight >= 0 && std::size_t(state.selectedLight) < scene.lights.size())
+        lightEditor(state, scene.lights[std::size_t(state.selectedLight)]);
+}
+
+void objectSection(ViewState& state, const Scene& scene)
+{
+    if (!ImGui::CollapsingHeader(fmt::format("Objects ({})###Objects", scene.objects.size()).c_str())) return;
+    if (ImGui::BeginListBox("##objects", ImVec2(-FLT_MIN, 8.0f * ImGui::GetTextLineHeightWithSpacing()))) {
+        ImGuiListClipper clipper;
+        clipper.Begin(int(scene.objects.size()));
+        while (clipper.Step()) {
+            for (int i = clipper.DisplayStart; i < clipper.DisplayEnd; ++i) {
+                const Object& object = scene.objects[std::size_t(i)];
+                const std::string line = fmt::format("{}{}##{}", object.name, object.isStatic ? "" : "  dynamic", i);
+                if (ImGui::Selectable(line.c_str(), state.selectedObject == i)) state.selectedObject = i;
+            }
+        }
+        ImGui::EndListBox();
+    }
+    if (state.selectedObject >= 0 && std::size_t(state.selectedObject) < scene.objects.size())
+        objectEditor(state, scene.objects[std::size_t(state.selectedObject)]);
+}
+
+void warningSection(ViewState& state)
+{
+    const std::string title = fmt::format("Warnings ({})###Warnings", state.warnings.size());
+    if (!ImGui::CollapsingHeader(title.c_str())) return;
+    for (std::size_t i = 0; i < state.warnings.size(); ++i) {
+        ImGui::PushID(int(i));
+        ImGui::Bullet();
+        const ImVec2 size =
+            ImGui::CalcTextSize(state.warnings[i].c_str(), nullptr, false, ImGui::GetContentRegionAvail().x);
+        const ImVec2 at = ImGui::GetCursorPos();
+        if (ImGui::Selectable("##warning", false, 0, ImVec2(0.0f, size.y))) state.requests.warning = i;
+        ImGui::SetCursorPos(at);
+        ImGui::TextWrapped("%s", state.warnings[i].c_str());
+        ImGui::PopID();
+    }
+}
+
+} // namespace halflight::view

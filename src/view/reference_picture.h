@@ -1,0 +1,37 @@
+#pragma once
+// The path-traced picture of a view, which gets better while the view stays as it is.
+
+#include "halflight/base/image.h"
+#include "halflight/scene/scene.h"
+
+#include <memory>
+#include <optional>
+
+namespace halflight::view {
+
+class ReferencePicture {
+public:
+    ReferencePicture();
+    ~ReferencePicture();
+    ReferencePicture(const ReferencePicture&) = delete;
+    ReferencePicture& operator=(const ReferencePicture&) = delete;
+
+    /// What is to be seen: `scene` counts as another one when the pointer differs. Begins anew where something does,
+    /// and says so; while the view moves nothing is traced. Never waits.
+    bool follow(const std::shared_ptr<const Scene>& scene, const Camera& camera, ivec2 size);
+    /// Ends the work; waits until it has.
+    void stop();
+
+    struct Picture {
+        ImageRgba32f radiance; ///< as of Renderer::render(); at first smaller than asked for
+        int samples = 0;       ///< per pixel
+    };
+    /// The picture, once after each change.
+    std::optional<Picture> take();
+
+private:
+    struct Impl;
+    std::unique_ptr<Impl> impl_;
+};
+
+} // namespace halflight::view
