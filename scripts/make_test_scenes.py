@@ -16,7 +16,8 @@ MIXED = {"halflight_mode": "mixed"}
 DYNAMIC = {"halflight_static": 0}
 
 
-MATERIALS = {"grey": ((0.5, 0.5, 0.5), 1.0), "white": ((0.8, 0.8, 0.8), 1.0), "red": ((0.6, 0.1, 0.08), 0.6)}
+MATERIALS = {"grey": ((0.5, 0.5, 0.5), 1.0), "white": ((0.8, 0.8, 0.8), 1.0), "red": ((0.6, 0.1, 0.08), 0.6),
+             "slate": ((0.22, 0.23, 0.25), 0.3), "steel": ((0.75, 0.75, 0.78), 0.25, 1.0)}
 
 
 def document(name, materials, sky=None):
@@ -96,6 +97,27 @@ def sphere_on_floor():
     doc.node("sphere_dynamic", "sphere", (1.2, 0.5, 0), extras=dict(DYNAMIC))
     doc.light("sun", "directional", (1, 1, 1), 4.0, (-3, 6, 3), (0, 0, 0), extras={**MIXED, "halflight_angular_diameter": 0.53})
     doc.camera("main", (0.0, 2.6, 5.0), (0.0, 0.3, 0.0), 45)
+    return doc
+
+
+def area_lights():
+    """A rectangle and a disk over gloss, metal and dull surfaces: soft masks, highlights in the lights' shapes."""
+    doc = document("area_lights", ("white", "red", "slate", "steel"), ([0.01] * 3,) * 3)
+    doc.mesh("floor", [(m.box(-4, -0.2, -2, 4, 0, 4), "slate", 1.0)])
+    doc.mesh("wall", [(m.box(-4, 0, -2.2, 4, 3.4, -2), "white", 1.0)])
+    doc.mesh("pillar", [(m.bevel_box(0.3, 1.6, 0.3, 0.02), "white", 1.0)])
+    for color in ("red", "steel"):
+        doc.mesh(f"sphere_{color}", [(m.sphere(0.5, 48, 24), color, 1.0)])
+        doc.node(f"sphere_{color}", f"sphere_{color}", (0.3 if color == "red" else -1.3, 0.5, -0.4))
+    doc.node("floor", "floor")
+    doc.node("wall", "wall")
+    doc.node("pillar", "pillar", (1.6, 0, 0.2))
+    for name, at, target, size, color, nits, shape in (
+            ("window", (-3.2, 1.5, 0.3), (0, 0.9, 0), (1.6, 1.8), (0.55, 0.75, 1.0), 8.0, "rectangle"),
+            ("lamp", (1.4, 2.6, -0.6), (1.0, 0, 0.1), 0.7, (1.0, 0.72, 0.42), 20.0, "disk")):
+        doc.node(name, at=at, rotation=gltf.look_rotation(at, target), extras={
+            "halflight_area_light": shape, "halflight_size": size, "halflight_intensity": nits, "halflight_color": color})
+    doc.camera("main", (0.9, 1.55, 4.6), (-0.15, 0.75, 0), 42)
     return doc
 
 
@@ -255,5 +277,5 @@ def instances_1023():
 
 
 if __name__ == "__main__":
-    gltf.write_scenes("tests", (closed_room, penumbra, five_lights, sphere_on_floor, two_rooms, proxy_volume, avenue,
+    gltf.write_scenes("tests", (closed_room, penumbra, five_lights, sphere_on_floor, area_lights, two_rooms, proxy_volume, avenue,
                                 four_lights, probe_hall, instances_1023, bumpy_wall))

@@ -36,10 +36,7 @@ def add_lights(document, factor):
         light = item.data
         if getattr(light, "spread", math.pi) < math.radians(179.0):
             warnings.append(f'area light "{item.name}": its spread is left out; it shines to all of one side')
-        mode = item.get("halflight_mode", light.get("halflight_mode", "baked"))
         if light.shape != "ELLIPSE":
-            if mode != "baked":
-                warnings.append(f'area light "{item.name}": it is {mode}, so the baked view lacks its direct light')
             add_light(document, node, light, matrices[index], factor)
             continue
         corners = outline(light)
@@ -67,10 +64,8 @@ def add_light(document, node, light, matrix, factor):
     if area <= 0.0 or light.energy <= 0.0:
         return
     size = float((width if is_disk else height) / scales.max())
-    # Settings on the object itself are in the node's extras, which go before those of the light. Baked unless asked
-    # otherwise: the baked view, which has no lights, shows all of it.
+    # Settings on the object itself are in the node's extras, which go before those of the light.
     extras = {key: plain(value) for key, value in light.items() if key.startswith("halflight_")}
-    extras.setdefault("halflight_mode", "baked")
     extension = document.json.setdefault("extensions", {}).setdefault(EXTENSION, {"lights": []})
     record = {
         "name": light.name,

@@ -126,10 +126,14 @@ def summary_of(report):
 
 
 class HALFLIGHT_OT_bake(bpy.types.Operator):
-    """Bake the scene's light and show it. Only what changed since the last bake is computed"""
+    """Exports, bakes in the background and shows the result"""
 
     bl_idname = "halflight.bake"
     bl_label = "Bake"
+    bl_description = (
+        "Bake the scene's light and show it. Only what changed since the last bake is computed, on every object that the "
+        "change reaches: nothing has to be selected"
+    )
     bl_options = {"REGISTER", "UNDO"}
 
     job = None

@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Direct light of mixed lights in the baked view: one node group, which multiplies each light by its mask.
 
-The formulas are those of include/halflight/shading/light.h and law.h. tests/blender compares pictures with them.
+The formulas are those of include/halflight/shading/light.h, area_light.h and law.h. tests/blender compares pictures with
+them.
 """
 
 import math
@@ -9,7 +10,7 @@ import math
 import bpy
 import numpy as np
 
-from . import graph
+from . import area_lights, area_nodes, graph
 
 GROUP = "Halflight lights"
 # glTF's Y up to Blender's Z up.
@@ -27,10 +28,14 @@ def shining_lights(document, bindings):
         if baking.get("bakeType", record["mode"]) == "baked" or bindings["mode"] == "subtractive":
             continue
         index = node_at(document, record["path"])
-        if "KHR_lights_punctual" not in nodes[index]["extensions"]:
-            continue  # an area light: the export said that the view does not show it
-        light = punctual[nodes[index]["extensions"]["KHR_lights_punctual"]["light"]]
+        extensions = nodes[index]["extensions"]
+        if area_lights.EXTENSION in extensions:
+            light = document.json["extensions"][area_lights.EXTENSION]["lights"]
+            light = light[extensions[area_lights.EXTENSION]["light"]]
+        else:
+            light = punctual[extensions["KHR_lights_punctual"]["light"]]
         matrix = BLENDER_FROM_GLTF @ matrices[index]
+        scales = np.linalg.norm(matrix[:3, :3], axis=0)
         intensity = light.get("intensity", 1.0)
         lights.append(
             {
@@ -38,8 +43,9 @@ def shining_lights(document, bindings):
                 "type": light["type"],
                 "color": [intensity * c for c in light.get("color", (1.0, 1.0, 1.0))],
                 "position": matrix[:3, 3].tolist(),
-                "axis": (-matrix[:3, 2] / np.linalg.norm(matrix[:3, 2])).tolist(),
-                "range": light.get("range", 0.0),
+                "axis": (-matrix[:3, 2] / scales[2]).tolist(),
+                "corners": area_nodes.corners_of(light, matrix[:3, :3] / scales, scales.max(), matrix[:3, 3]),
+                "range": light.get("range", record.get("range", 0.0)),
                 "cone": cone_of(light),
                 "strength": record.get("shadowStrength", 1.0),
                 "channel": baking.get("occlusionMaskChannel", -1),
@@ -79,9 +85,10 @@ def make_group(lights, encodings):
     colors = g.separate(inputs["Mask"])
     masks = [colors[0], colors[1], colors[2], inputs["Alpha"]]
     masks = [decoded(g, mask, encodings[i] if encodings else {}) for i, mask in enumerate(masks)]
+    edge = area_nodes.edge_group() if any(light["corners"] for light in lights) else None
     total = (0.0, 0.0, 0.0)
     for light in lights:
-        factor, distance = unshadowed(g, light, geometry)
+        factor, distance = unshadowed(g, light, geometry, edge)
         if light["channel"] >= 0:
             factor = g.scalar("MULTIPLY", factor, shadow(g, light, masks[light["channel"]], distance))
         factor = g.scalar("MULTIPLY", factor, g.value(switch_name(light["name"]), 1.0))
@@ -94,27 +101,35 @@ def switch_name(light):
     return "on: " + light
 
 
-def unshadowed(g, light, geometry):
-    """Illuminance over the light's intensity, cosine included, and the distance (None of directional lights)."""
+def unshadowed(g, light, geometry, edge):
+    """Irradiance over the light's intensity, and the distance (None of directional lights)."""
     if light["type"] == "directional":
         towards = [-c for c in light["axis"]]
         return g.scalar("MAXIMUM", g.vector("DOT_PRODUCT", geometry["Normal"], towards), 0.0), None
     to_light = g.vector("SUBTRACT", light["position"], geometry["Position"])
     distance = g.vector("LENGTH", to_light)
+    if light["corners"]:
+        factor = area_nodes.irradiance(g, light["corners"], geometry, edge)
+        in_front = g.scalar("LESS_THAN", g.vector("DOT_PRODUCT", to_light, light["axis"]), 0.0)
+        return windowed(g, g.scalar("MULTIPLY", factor, in_front), light, distance), distance
     direction = g.vector("NORMALIZE", to_light)
     cosine = g.scalar("MAXIMUM", g.vector("DOT_PRODUCT", geometry["Normal"], direction), 0.0)
     square = g.scalar("MAXIMUM", g.scalar("MULTIPLY", distance, distance), 1e-6)
-    factor = g.scalar("DIVIDE", cosine, square)
-    if light["range"] > 0.0:
-        ratio = g.scalar("DIVIDE", distance, light["range"])
-        window = g.scalar("SUBTRACT", 1.0, g.scalar("POWER", ratio, 4.0), clamp=True)
-        factor = g.scalar("MULTIPLY", factor, window)
+    factor = windowed(g, g.scalar("DIVIDE", cosine, square), light, distance)
     if light["type"] == "spot":
         scale, offset = light["cone"]
         angle = g.vector("DOT_PRODUCT", direction, [-c for c in light["axis"]])
         cone = g.scalar("MULTIPLY_ADD", angle, scale, offset, clamp=True)
         factor = g.scalar("MULTIPLY", factor, g.scalar("MULTIPLY", cone, cone))
     return factor, distance
+
+
+def windowed(g, factor, light, distance):
+    if light["range"] <= 0.0:
+        return factor
+    ratio = g.scalar("DIVIDE", distance, light["range"])
+    window = g.scalar("SUBTRACT", 1.0, g.scalar("POWER", ratio, 4.0), clamp=True)
+    return g.scalar("MULTIPLY", factor, window)
 
 
 def decoded(g, mask, encoding):

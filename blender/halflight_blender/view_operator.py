@@ -34,7 +34,8 @@ class HALFLIGHT_OT_baked_view(bpy.types.Operator):
 
 
 def switch_light(item, _context):
-    group = next((tree for tree in bpy.data.node_groups if baked_view.TAG in tree), None)
+    groups = (tree for tree in bpy.data.node_groups if baked_view.TAG in tree)
+    group = next((tree for tree in groups if tree.name.startswith(view_lights.GROUP)), None)
     node = group.nodes.get(view_lights.switch_name(item.name)) if group else None
     if node:
         node.outputs[0].default_value = 1.0 if item.on else 0.0
