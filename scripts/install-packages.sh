@@ -24,7 +24,7 @@ packages=(
   libdraco-dev libmeshoptimizer-dev libwebp-dev
   libvulkan-dev libvulkan1 vulkan-validationlayers mesa-vulkan-drivers glslang-tools spirv-tools
   libgtest-dev libgmock-dev libbenchmark-dev clang-format
-  imagemagick fonts-dejavu-core
+  imagemagick fonts-dejavu-core patchelf
   parallel slurm-wlm munge # farm/: launchers and their tests
 )
 # The window and its tests; the program is built without one where they cannot be had.

@@ -6,22 +6,25 @@
 #   halflight-*.whl                         Python wheel with the program and a thin module
 #   halflight-blender-*.zip                 the Blender extension, with the wheel and without
 #
-#   scripts/package.sh [--build DIR] [--out DIR]
+#   scripts/package.sh [--build DIR] [--out DIR] [--no-deb]
 #
 # --build packages a build tree that is there instead of building the release preset. Tarball and wheel need the glibc of the
 # host that built them or a newer one; the script prints which. For older systems run it on an older one.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 
-build="" out=out/packages
+build="" out=out/packages deb=1
 while [ $# -gt 0 ]; do
   case "$1" in
     --build) build="$2"; shift 2 ;;
     --out) out="$2"; shift 2 ;;
-    *) echo "usage: scripts/package.sh [--build DIR] [--out DIR]" >&2; exit 2 ;;
+    --no-deb) deb=0; shift ;;
+    *) echo "usage: scripts/package.sh [--build DIR] [--out DIR] [--no-deb]" >&2; exit 2 ;;
   esac
 done
-for tool in patchelf objdump dpkg-shlibdeps fakeroot; do
+tools="patchelf objdump"
+[ "$deb" -eq 0 ] || tools+=" dpkg-shlibdeps fakeroot"
+for tool in $tools; do
   command -v "$tool" >/dev/null || { echo "package.sh: $tool is missing: apt-get install patchelf binutils dpkg-dev fakeroot" >&2; exit 1; }
 done
 if [ -z "$build" ]; then
@@ -39,8 +42,10 @@ trap 'rm -rf "$stage"' EXIT
 version=$("$build/apps/halflight/halflight" --version | sed -n '1s/halflight //p')
 machine=$(uname -m)
 
-cpack -G DEB --config "$build/CPackConfig.cmake" -B "$stage/deb" >"$stage/cpack.log" || { cat "$stage/cpack.log" >&2; exit 1; }
-mv "$stage"/deb/*.deb "$out"
+if [ "$deb" -eq 1 ]; then
+  cpack -G DEB --config "$build/CPackConfig.cmake" -B "$stage/deb" >"$stage/cpack.log" || { cat "$stage/cpack.log" >&2; exit 1; }
+  mv "$stage"/deb/*.deb "$out"
+fi
 
 name="halflight-$version-linux-$machine"
 cmake --install "$build" --prefix "$stage/$name" --component runtime --strip >/dev/null

@@ -44,17 +44,18 @@ def glibc_of(path):
     return max(((int(a), int(b)) for a, b in versions), default=(0, 0))
 
 
-def copy_licence(library, folder):
-    """The copyright file of the Debian package that a library came in."""
-    for name in {str(library), str(library.resolve()), str(library.resolve()).removeprefix("/usr")}:
-        result = subprocess.run(["dpkg-query", "-S", name], capture_output=True, text=True)
-        if result.returncode == 0:
-            package = result.stdout.split(":")[0]
-            source = pathlib.Path("/usr/share/doc") / package / "copyright"
-            if source.exists():
-                folder.mkdir(parents=True, exist_ok=True)
-                shutil.copyfile(source, folder / package)
-            return
+def copy_licences(libraries, folder):
+    """The copyright files of the Debian packages that libraries came in."""
+    folder.mkdir(parents=True, exist_ok=True)
+    names = set()
+    for library in libraries:
+        path = str(library.resolve())
+        names |= {path, path.removeprefix("/usr"), str(library)}
+    found = subprocess.run(["dpkg-query", "-S", *sorted(names)], capture_output=True, text=True).stdout
+    for package in {line.split(":")[0] for line in found.splitlines()}:
+        copyright = pathlib.Path("/usr/share/doc") / package / "copyright"
+        if copyright.exists():
+            shutil.copyfile(copyright, folder / package)
 
 
 def main():
@@ -63,15 +64,16 @@ def main():
     folder = prefix / "lib" / "halflight"
     folder.mkdir(parents=True, exist_ok=True)
     files = [program]
-    for name, source in sorted(libraries_of(program).items()):
+    libraries = libraries_of(program)
+    for name, source in sorted(libraries.items()):
         target = folder / ("fallback" if SYSTEM_FIRST.match(name) else "") / name
         target.parent.mkdir(exist_ok=True)
         shutil.copyfile(source.resolve(), target)
         target.chmod(0o755)
         output("strip", "--strip-unneeded", target)
         output("patchelf", "--force-rpath", "--set-rpath", "$ORIGIN", target)
-        copy_licence(source, prefix / "share" / "doc" / "halflight" / "licences")
         files.append(target)
+    copy_licences(libraries.values(), prefix / "share" / "doc" / "halflight" / "licences")
     # Searched in this order, for the libraries' own needs too.
     path = ["$ORIGIN/../lib/halflight", *SYSTEM_FOLDERS, "$ORIGIN/../lib/halflight/fallback"]
     output("patchelf", "--force-rpath", "--set-rpath", ":".join(path), program)
