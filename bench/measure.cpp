@@ -4,6 +4,7 @@
 #include "bake/stages.h"
 
 #include "halflight/bake_cpu/embree_integrator.h"
+#include "halflight/base/system.h"
 
 #include <algorithm>
 #include <cmath>
@@ -16,9 +17,7 @@ namespace halflight::bench {
 
 double cpuSeconds()
 {
-    timespec t{};
-    clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);
-    return double(t.tv_sec) + 1.0e-9 * double(t.tv_nsec);
+    return processCpuSeconds();
 }
 
 double wallSeconds()

@@ -119,10 +119,11 @@ void printBakeSummary(const BakeOptions& options, const BakeReport& report)
     }
     print("\n\n");
 
-    print("{:<16} {:>9} {:>10} {:>10}\n", "stage", "seconds", "rays", "rays/s");
+    print("{:<16} {:>9} {:>6} {:>10} {:>10}\n", "stage", "seconds", "cores", "rays", "rays/s");
     for (const StageReport& stage : report.stages) {
         const bool rate = stage.rays > 0 && stage.seconds > 0.0;
-        const std::string line = fmt::format("{:<16} {:>9.2f} {:>10} {:>10}", stage.name, stage.seconds,
+        const double cores = stage.cpuSeconds / std::max(stage.seconds, 1.0e-6);
+        const std::string line = fmt::format("{:<16} {:>9.2f} {:>6.1f} {:>10} {:>10}", stage.name, stage.seconds, cores,
                                              stage.rays > 0 ? withUnit(double(stage.rays)) : "",
                                              rate ? withUnit(double(stage.rays) / stage.seconds) : "");
         print("{}\n", line.substr(0, line.find_last_not_of(' ') + 1));

@@ -143,7 +143,7 @@ Status shadowmaskStage(const Stages& stages, const Gather& gather, const std::ve
     if (stages.settings.mode != MixedLightingMode::Shadowmask || !hasMask(baked.scene, stages.settings.mode)) return {};
     StageTimer timer(stages.report(), "shadowmask");
     const uint64_t before = gather.integrator.raysTraced();
-    std::vector<vec4> mask(gather.map.texels.size());
+    std::vector<vec4> mask = largeVector<vec4>(gather.map.texels.size());
     if (!gather.shadowmask(mask, stages.progress)) return cancelledError();
     baked.shadowmasks = maskPages(gather, valid, seams, std::move(mask),
                                   stages.settings.maskEncoding == MaskEncoding::Distance, baked.maskChannels);
@@ -195,7 +195,7 @@ Status reflectionStage(const Stages& stages, const Gather& gather)
 /// All stages that trace rays or work on their results.
 Status traceStages(const Stages& stages, const Gather& gather)
 {
-    std::vector<IrradianceEstimate> estimates(gather.map.texels.size());
+    std::vector<IrradianceEstimate> estimates = largeVector<IrradianceEstimate>(gather.map.texels.size());
     std::optional<MainLight> main;
     if (Status s = lightmapStage(stages, gather, estimates, main); !s) return s;
     StageTimer timer(stages.report(), "find seams");

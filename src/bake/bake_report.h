@@ -4,6 +4,7 @@
 #include "bake/main_light.h"
 
 #include "halflight/bake/bake.h"
+#include "halflight/base/system.h"
 
 #include <chrono>
 #include <optional>
@@ -17,16 +18,20 @@ class StageTimer {
 public:
     using Clock = std::chrono::steady_clock;
 
-    StageTimer(BakeReport& report, std::string name) : report_(report), name_(std::move(name)), start_(Clock::now()) {}
+    StageTimer(BakeReport& report, std::string name)
+        : report_(report), name_(std::move(name)), start_(Clock::now()), cpuStart_(processCpuSeconds())
+    {}
     void finish(uint64_t rays = 0)
     {
-        report_.stages.push_back({name_, std::chrono::duration<double>(Clock::now() - start_).count(), rays});
+        report_.stages.push_back({name_, std::chrono::duration<double>(Clock::now() - start_).count(),
+                                  processCpuSeconds() - cpuStart_, rays});
     }
 
 private:
     BakeReport& report_;
     std::string name_;
     Clock::time_point start_;
+    double cpuStart_;
 };
 
 /// Rows of the lights, with warnings for those that are not baked as authored.

@@ -12,6 +12,7 @@
 #include "bake/refinements.h"
 #include "bake/stages.h"
 
+#include "halflight/base/memory.h"
 #include "halflight/base/parallel.h"
 
 #include <algorithm>
@@ -341,17 +342,19 @@ Signals signalsOf(const SurfaceGrid& grid, const std::vector<IrradianceEstimate>
 {
     Signals signals;
     const std::vector<float> scales = varianceScales(grid, estimates);
-    signals.gathered.resize(estimates.size());
-    signals.moments.resize(estimates.size());
-    for (std::size_t i = 0; i < estimates.size(); ++i) {
+    const std::size_t count = estimates.size();
+    signals.gathered = largeVector<NoisyLight>(count);
+    signals.moments = largeVector<vec3>(count);
+    forEachIndex(count, [&](std::size_t i) {
         signals.gathered[i] = gatheredOf(estimates[i]);
         signals.gathered[i].variance *= scales[i];
         signals.moments[i] = estimates[i].moment;
-    }
+    });
     if (std::any_of(estimates.begin(), estimates.end(), [](const auto& e) { return e.direct != vec3(0.0f); })) {
-        signals.direct.reserve(estimates.size());
-        for (const IrradianceEstimate& e : estimates)
-            signals.direct.push_back({e.direct, kDirectVarianceScale * e.varianceOfDirect});
+        signals.direct = largeVector<NoisyLight>(count);
+        forEachIndex(count, [&](std::size_t i) {
+            signals.direct[i] = {estimates[i].direct, kDirectVarianceScale * estimates[i].varianceOfDirect};
+        });
     }
     return signals;
 }
@@ -364,17 +367,16 @@ void denoise(const BakeGeometry& geometry, const TexelMap& map, std::span<const 
     const std::size_t count = map.texels.size();
     const SurfaceGrid grid(map, seams);
     Signals signals = signalsOf(grid, estimates);
-    std::vector<Guide> guides(count);
-    parallelFor(count, 4096, [&](std::size_t begin, std::size_t end) {
-        for (std::size_t i = begin; i < end; ++i)
-            guides[i] = {placeOf(geometry, map, map.texels[i]), estimates[i].valid, isTraced(estimates[i])};
+    std::vector<Guide> guides = largeVector<Guide>(count);
+    forEachIndex(count, [&](std::size_t i) {
+        guides[i] = {placeOf(geometry, map, map.texels[i]), estimates[i].valid, isTraced(estimates[i])};
     });
     clampOutliers(map, grid, estimates, signals.gathered, signals.moments);
 
     Signals next;
-    next.gathered.resize(count);
-    next.direct.resize(signals.direct.size());
-    next.moments.resize(directions ? count : 0);
+    next.gathered = largeVector<NoisyLight>(count);
+    next.direct = largeVector<NoisyLight>(signals.direct.size());
+    next.moments = largeVector<vec3>(directions ? count : 0);
     for (int number = 0; number < int(kCorrelation.size()); ++number) {
         const Level level{grid, guides, signals, number, directions};
         parallelFor(count, 2048, [&](std::size_t begin, std::size_t end) {
@@ -386,15 +388,15 @@ void denoise(const BakeGeometry& geometry, const TexelMap& map, std::span<const 
         signals.direct.swap(next.direct);
         if (directions) signals.moments.swap(next.moments);
     }
-    for (std::size_t i = 0; i < count; ++i) {
-        if (!estimates[i].valid) continue;
+    forEachIndex(count, [&](std::size_t i) {
+        if (!estimates[i].valid) return;
         const NoisyLight direct = signals.direct.empty() ? NoisyLight{} : signals.direct[i];
         estimates[i].irradiance = signals.gathered[i].irradiance + direct.irradiance;
         estimates[i].direct = direct.irradiance;
         estimates[i].moment = signals.moments[i];
         estimates[i].varianceOfMean = signals.gathered[i].variance + direct.variance;
         estimates[i].varianceOfDirect = direct.variance;
-    }
+    });
 }
 
 } // namespace halflight

@@ -42,17 +42,18 @@ template<typename T> void growWithinCharts(const TexelMap& map, const TexelGrid&
                 if (found[o]) means[o] = sum / weight;
             }
         });
-        std::size_t stillOpen = 0;
-        for (std::size_t o = 0; o < open.size(); ++o) {
-            if (found[o]) {
-                values[open[o]] = means[o];
-                known[open[o]] = 1;
-            } else {
-                open[stillOpen++] = open[o];
-            }
+        forEachIndex(open.size(), [&](std::size_t o) {
+            if (!found[o]) return;
+            values[open[o]] = means[o];
+            known[open[o]] = 1;
+        });
+        const std::size_t before = open.size();
+        std::size_t still = 0;
+        for (std::size_t o = 0; o < before; ++o) {
+            if (!found[o]) open[still++] = open[o];
         }
-        if (stillOpen == open.size()) break;
-        open.resize(stillOpen);
+        open.resize(still);
+        if (still == before) break;
     }
 }
 
@@ -122,9 +123,9 @@ template<typename T> void adoptNeighbors(const BakeGeometry& geometry, const Tex
     open.swap(stillOpen);
 }
 
-/// A place of the padding that takes a value.
+/// A place of a row of the padding, and the value that it takes.
 template<typename T> struct Growth {
-    uint16_t x, y;
+    uint16_t x = 0;
     uint32_t chart = 0; ///< + 1; 0 = none is next to it
     T value{};
 };
@@ -133,7 +134,7 @@ template<typename T> struct Growth {
 template<typename T> Growth<T> grownAt(const Image<T>& page, const Image<uint32_t>& charts, ivec2 at, bool extrapolate)
 {
     const auto isInside = [&](ivec2 q) { return q.x >= 0 && q.y >= 0 && q.x < page.width() && q.y < page.height(); };
-    Growth<T> growth{uint16_t(at.x), uint16_t(at.y)};
+    Growth<T> growth{uint16_t(at.x)};
     for (int dy = -1; dy <= 1; ++dy) {
         for (int dx = -1; dx <= 1; ++dx) {
             const ivec2 q = at + ivec2(dx, dy);
@@ -168,27 +169,30 @@ template<typename T> Growth<T> grownAt(const Image<T>& page, const Image<uint32_
 /// Ring by ring, empty places of a page take values of the charts next to them.
 template<typename T> void growIntoPadding(Image<T>& page, Image<uint32_t>& charts, int rings, bool extrapolate)
 {
-    std::vector<Growth<T>> open;
-    for (int y = 0; y < page.height(); ++y) {
-        for (int x = 0; x < page.width(); ++x) {
-            if (charts(x, y) == 0u) open.push_back({uint16_t(x), uint16_t(y)});
-        }
-    }
-    for (int ring = 0; ring < rings; ++ring) {
-        parallelFor(open.size(), kTexelsPerTask, [&](std::size_t begin, std::size_t end) {
-            for (std::size_t i = begin; i < end; ++i)
-                open[i] = grownAt(page, charts, ivec2(open[i].x, open[i].y), extrapolate);
+    // Rows are lists of their own, so that threads share the work of collecting and writing too.
+    std::vector<std::vector<Growth<T>>> openOfRow(std::size_t(page.height()));
+    const auto forRows = [&](const auto& body) {
+        parallelFor(openOfRow.size(), 16, [&](std::size_t begin, std::size_t end) {
+            for (std::size_t y = begin; y < end; ++y) body(int(y), openOfRow[y]);
         });
-        std::size_t stillOpen = 0;
-        for (const Growth<T>& growth : open) {
-            if (growth.chart == 0u) {
-                open[stillOpen++] = growth;
-                continue;
-            }
-            page(growth.x, growth.y) = growth.value;
-            charts(growth.x, growth.y) = growth.chart;
+    };
+    forRows([&](int y, std::vector<Growth<T>>& open) {
+        for (int x = 0; x < page.width(); ++x) {
+            if (charts(x, y) == 0u) open.push_back({uint16_t(x)});
         }
-        open.resize(stillOpen);
+    });
+    for (int ring = 0; ring < rings; ++ring) {
+        forRows([&](int y, std::vector<Growth<T>>& open) {
+            for (Growth<T>& growth : open) growth = grownAt(page, charts, ivec2(growth.x, y), extrapolate);
+        });
+        forRows([&](int y, std::vector<Growth<T>>& open) {
+            for (const Growth<T>& growth : open) {
+                if (growth.chart == 0u) continue;
+                page(growth.x, y) = growth.value;
+                charts(growth.x, y) = growth.chart;
+            }
+            std::erase_if(open, [](const Growth<T>& growth) { return growth.chart != 0u; });
+        });
     }
 }
 
@@ -197,10 +201,7 @@ template<typename T> void growIntoPadding(Image<T>& page, Image<uint32_t>& chart
 template<typename T> void fillInvalid(const BakeGeometry& geometry, const TexelMap& map,
                                       const std::vector<uint8_t>& valid, std::vector<T>& values)
 {
-    std::vector<uint32_t> open;
-    for (std::size_t i = 0; i < valid.size(); ++i) {
-        if (!valid[i]) open.push_back(uint32_t(i));
-    }
+    std::vector<uint32_t> open = indicesWhere(valid.size(), [&](std::size_t i) { return valid[i] == 0; });
     if (open.empty()) return;
     const TexelGrid grid(map);
     std::vector<uint8_t> known = valid;
@@ -217,11 +218,11 @@ std::vector<Image<T>> dilate(const TexelMap& map, const std::vector<T>& values, 
     // Chart + 1 of each place, 0 = empty. A place between two charts belongs to the nearer one, at equal distance to
     // the lower number.
     std::vector<Image<uint32_t>> charts(std::size_t(map.pageCount), Image<uint32_t>(map.pageSize, map.pageSize, 0u));
-    for (std::size_t i = 0; i < map.texels.size(); ++i) {
+    forEachIndex(map.texels.size(), [&](std::size_t i) {
         const Texel& texel = map.texels[i];
         pages[texel.page](texel.x, texel.y) = values[i];
         charts[texel.page](texel.x, texel.y) = texel.chart + 1;
-    }
+    });
     for (std::size_t p = 0; p < pages.size(); ++p) growIntoPadding(pages[p], charts[p], rings, extrapolate);
     return pages;
 }

@@ -1,5 +1,6 @@
 #include "bake/stages.h"
 
+#include "halflight/base/memory.h"
 #include "halflight/base/parallel.h"
 #include "halflight/base/rgb9e5.h"
 #include "halflight/shading/directional.h"
@@ -64,15 +65,13 @@ std::vector<ImageRgba8> encodeShadowmask(const std::vector<ImageRgba32f>& pages)
 
 TexelValues splitEstimates(const std::vector<IrradianceEstimate>& estimates)
 {
-    TexelValues values;
-    values.irradiance.reserve(estimates.size());
-    values.direct.reserve(estimates.size());
-    values.valid.reserve(estimates.size());
-    for (const IrradianceEstimate& e : estimates) {
-        values.irradiance.push_back(e.irradiance);
-        values.direct.push_back(e.direct);
-        values.valid.push_back(e.valid ? 1 : 0);
-    }
+    const std::size_t count = estimates.size();
+    TexelValues values{largeVector<vec3>(count), largeVector<vec3>(count), std::vector<uint8_t>(count)};
+    forEachIndex(count, [&](std::size_t i) {
+        values.irradiance[i] = estimates[i].irradiance;
+        values.direct[i] = estimates[i].direct;
+        values.valid[i] = estimates[i].valid ? 1 : 0;
+    });
     return values;
 }
 

@@ -159,40 +159,51 @@ std::vector<uint32_t> chartsOfTriangles(const BakeGeometry& geometry, uint32_t& 
     return charts;
 }
 
-/// Fragments of all triangles, in the order of their texels, then of their triangles.
-std::vector<RasterFragment> sortedFragments(const BakeGeometry& geometry, int pageSize)
+/// Fragments of a run of triangles, in the order of their texels, then of their triangles.
+struct FragmentRun {
+    int page = 0;
+    uint32_t firstTriangle = 0;
+    uint32_t triangleCount = 0;
+    std::vector<RasterFragment> fragments;
+};
+
+bool isBefore(const RasterFragment& a, const RasterFragment& b)
 {
-    struct Range {
-        int page;
-        uint32_t firstTriangle;
-        uint32_t triangleCount;
-        std::vector<RasterFragment> fragments;
-    };
-    constexpr uint32_t kTrianglesPerRange = 1024;
-    std::vector<Range> ranges;
+    return a.key != b.key ? a.key < b.key : a.fragment.triangle < b.fragment.triangle;
+}
+
+std::vector<FragmentRun> rasterizeRuns(const BakeGeometry& geometry, int pageSize)
+{
+    constexpr uint32_t kTrianglesPerRun = 1024;
+    std::vector<FragmentRun> runs;
     for (const BakeGeometry::Part& part : geometry.parts) {
         if (part.page < 0) continue;
-        for (uint32_t t = 0; t < part.triangleCount; t += kTrianglesPerRange)
-            ranges.push_back({part.page, part.firstTriangle + t, std::min(kTrianglesPerRange, part.triangleCount - t)});
+        for (uint32_t t = 0; t < part.triangleCount; t += kTrianglesPerRun)
+            runs.push_back({part.page, part.firstTriangle + t, std::min(kTrianglesPerRun, part.triangleCount - t), {}});
     }
-    parallelFor(ranges.size(), 1, [&](std::size_t begin, std::size_t end) {
+    parallelFor(runs.size(), 1, [&](std::size_t begin, std::size_t end) {
         for (std::size_t i = begin; i < end; ++i) {
-            Range& range = ranges[i];
-            for (uint32_t t = 0; t < range.triangleCount; ++t)
-                rasterizeTriangle(geometry, range.firstTriangle + t, range.page, pageSize, range.fragments);
+            FragmentRun& run = runs[i];
+            for (uint32_t t = 0; t < run.triangleCount; ++t)
+                rasterizeTriangle(geometry, run.firstTriangle + t, run.page, pageSize, run.fragments);
+            std::sort(run.fragments.begin(), run.fragments.end(), isBefore);
         }
     });
+    return runs;
+}
+
+/// Fragments of the texels with keys from `first` to before `end`, in the order of their texels, then of their
+/// triangles.
+std::vector<RasterFragment> fragmentsBetween(std::span<const FragmentRun> runs, uint64_t first, uint64_t end)
+{
+    const auto isBelow = [](const RasterFragment& f, uint64_t key) { return f.key < key; };
     std::vector<RasterFragment> fragments;
-    std::size_t total = 0;
-    for (const Range& range : ranges) total += range.fragments.size();
-    fragments.reserve(total);
-    for (auto& [page, first, count, list] : ranges) {
-        fragments.insert(fragments.end(), list.begin(), list.end());
-        release(list);
+    for (const FragmentRun& run : runs) {
+        if (run.fragments.empty() || run.fragments.front().key >= end || run.fragments.back().key < first) continue;
+        const auto from = std::lower_bound(run.fragments.begin(), run.fragments.end(), first, isBelow);
+        fragments.insert(fragments.end(), from, std::lower_bound(from, run.fragments.end(), end, isBelow));
     }
-    parallelSort(fragments, [](const RasterFragment& a, const RasterFragment& b) {
-        return a.key != b.key ? a.key < b.key : a.fragment.triangle < b.fragment.triangle;
-    });
+    std::sort(fragments.begin(), fragments.end(), isBefore);
     return fragments;
 }
 
@@ -241,6 +252,29 @@ void addTexel(std::span<const RasterFragment> fragments, const std::vector<uint3
     map.texels.push_back(texel);
 }
 
+/// The texels and fragments of all pieces, in their order.
+void joinMaps(std::vector<TexelMap>& pieces, TexelMap& map)
+{
+    struct Places {
+        std::size_t texel = 0;
+        std::size_t fragment = 0;
+    };
+    std::vector<Places> places(pieces.size() + 1);
+    for (std::size_t p = 0; p < pieces.size(); ++p) {
+        places[p + 1] = {places[p].texel + pieces[p].texels.size(), places[p].fragment + pieces[p].fragments.size()};
+    }
+    map.texels = largeVector<Texel>(places.back().texel);
+    map.fragments = largeVector<TexelFragment>(places.back().fragment);
+    parallelFor(pieces.size(), 1, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t p = begin; p < end; ++p) {
+            for (Texel& texel : pieces[p].texels) texel.firstFragment += uint32_t(places[p].fragment);
+            std::ranges::copy(pieces[p].texels, map.texels.begin() + std::ptrdiff_t(places[p].texel));
+            std::ranges::copy(pieces[p].fragments, map.fragments.begin() + std::ptrdiff_t(places[p].fragment));
+            pieces[p] = {};
+        }
+    });
+}
+
 } // namespace
 
 TexelMap rasterizeTexels(const BakeGeometry& geometry, int pageSize, int pageCount)
@@ -249,38 +283,24 @@ TexelMap rasterizeTexels(const BakeGeometry& geometry, int pageSize, int pageCou
     map.pageSize = pageSize;
     map.pageCount = pageCount;
     const std::vector<uint32_t> charts = chartsOfTriangles(geometry, map.chartCount);
-    const std::vector<RasterFragment> fragments = sortedFragments(geometry, pageSize);
-    // Blocks of whole texels, each a map of its own, then all of them in order.
-    constexpr std::size_t kBlock = 1 << 14; // fragments
-    const std::size_t blocks = (fragments.size() + kBlock - 1) / kBlock;
-    const auto beginOf = [&](std::size_t block) {
-        std::size_t begin = std::min(block * kBlock, fragments.size());
-        while (begin > 0 && begin < fragments.size() && fragments[begin].key == fragments[begin - 1].key) ++begin;
-        return begin;
-    };
-    std::vector<TexelMap> pieces(blocks);
-    parallelFor(blocks, 1, [&](std::size_t firstBlock, std::size_t endBlock) {
+    const std::vector<FragmentRun> runs = rasterizeRuns(geometry, pageSize);
+    // Squares of a page's texels, each a map of its own, then all of them in order.
+    constexpr uint64_t kSquare = 64 * 64; // texels; a square's Morton codes are consecutive
+    const uint64_t perPage = uint64_t(mortonCode(uint32_t(pageSize - 1), uint32_t(pageSize - 1))) / kSquare + 1;
+    std::vector<TexelMap> pieces(perPage * uint64_t(pageCount));
+    parallelFor(pieces.size(), 1, [&](std::size_t begin, std::size_t end) {
         std::vector<std::pair<uint32_t, float>> areaOfChart;
-        for (std::size_t b = firstBlock; b < endBlock; ++b) {
-            const std::size_t last = beginOf(b + 1);
-            for (std::size_t i = beginOf(b), end = i; i < last; i = end) {
-                while (end < last && fragments[end].key == fragments[i].key) ++end;
-                const std::span<const RasterFragment> ofTexel(&fragments[i], end - i);
-                addTexel(ofTexel, charts, dominantChart(ofTexel, charts, areaOfChart), pieces[b]);
+        for (std::size_t p = begin; p < end; ++p) {
+            const uint64_t first = (uint64_t(p / perPage) << 32) + p % perPage * kSquare;
+            const std::vector<RasterFragment> fragments = fragmentsBetween(runs, first, first + kSquare);
+            for (std::size_t i = 0, next = 0; i < fragments.size(); i = next) {
+                while (next < fragments.size() && fragments[next].key == fragments[i].key) ++next;
+                const std::span<const RasterFragment> ofTexel(&fragments[i], next - i);
+                addTexel(ofTexel, charts, dominantChart(ofTexel, charts, areaOfChart), pieces[p]);
             }
         }
     });
-    std::size_t texels = 0;
-    for (const TexelMap& piece : pieces) texels += piece.texels.size();
-    map.texels.reserve(texels);
-    map.fragments.reserve(fragments.size());
-    for (TexelMap& piece : pieces) {
-        const auto shift = uint32_t(map.fragments.size());
-        for (Texel& texel : piece.texels) texel.firstFragment += shift;
-        map.texels.insert(map.texels.end(), piece.texels.begin(), piece.texels.end());
-        map.fragments.insert(map.fragments.end(), piece.fragments.begin(), piece.fragments.end());
-        piece = {};
-    }
+    joinMaps(pieces, map);
     return map;
 }
 

@@ -107,13 +107,13 @@ public:
                           sources, counts)) {
             return false;
         }
-        for (std::size_t i = 0; i < request.texels.size(); ++i) {
+        forEachIndex(request.texels.size(), [&](std::size_t i) {
             for (std::size_t c = 0; c < channels.size(); ++c) {
                 const LitCount& count = counts[i * channels.size() + c];
                 // A mask of light is 0 where the light would not illuminate the texel.
                 out[i][channels[c]] = sources[c].lit && !count.any() ? 0.0f : count.share();
             }
-        }
+        });
         return true;
     }
 

@@ -6,6 +6,7 @@
 #include <tbb/global_control.h>
 #include <tbb/info.h>
 #include <tbb/parallel_for.h>
+#include <tbb/task_arena.h>
 
 namespace halflight {
 
@@ -50,6 +51,11 @@ bool parallelFor(std::size_t count, std::size_t grain, const Progress& progress,
     if (progress.cancelled()) return false;
     progress(stage, 1.0);
     return true;
+}
+
+void inIsolation(const std::function<void()>& body)
+{
+    tbb::this_task_arena::isolate([&] { body(); });
 }
 
 } // namespace halflight

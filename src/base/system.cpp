@@ -22,6 +22,16 @@ uint64_t peakMemoryBytes()
     return GetProcessMemoryInfo(GetCurrentProcess(), &counters, sizeof counters) ? counters.PeakWorkingSetSize : 0;
 }
 
+double processCpuSeconds()
+{
+    FILETIME created{}, ended{}, kernel{}, user{};
+    if (!GetProcessTimes(GetCurrentProcess(), &created, &ended, &kernel, &user)) return 0.0;
+    const auto seconds = [](FILETIME t) { // of 100 ns
+        return 1.0e-7 * double((uint64_t(t.dwHighDateTime) << 32) | t.dwLowDateTime);
+    };
+    return seconds(kernel) + seconds(user);
+}
+
 bool isErrorStreamTerminal()
 {
     return _isatty(_fileno(stderr)) != 0;
@@ -52,6 +62,7 @@ void endProcess(const char* fileToRemove, const char* message, int exitCode)
 #include <cerrno>
 #include <fcntl.h>
 #include <sys/resource.h>
+#include <time.h>
 #include <unistd.h>
 
 namespace halflight {
@@ -79,6 +90,13 @@ uint64_t peakMemoryBytes()
 #else
     return uint64_t(usage.ru_maxrss) * 1024u;
 #endif
+}
+
+double processCpuSeconds()
+{
+    timespec time{};
+    if (::clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &time) != 0) return 0.0;
+    return double(time.tv_sec) + 1.0e-9 * double(time.tv_nsec);
 }
 
 bool isErrorStreamTerminal()

@@ -101,6 +101,7 @@ struct MainLightReport {
 struct StageReport {
     std::string name;
     double seconds = 0.0;
+    double cpuSeconds = 0.0; ///< of all threads; over `seconds`: how many cores the stage keeps busy
     uint64_t rays = 0;
 };
 

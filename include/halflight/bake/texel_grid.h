@@ -3,6 +3,7 @@
 
 #include "halflight/bake/integrator.h"
 #include "halflight/base/image.h"
+#include "halflight/base/parallel.h"
 
 #include <algorithm>
 #include <cstdint>
@@ -18,10 +19,10 @@ public:
     explicit TexelGrid(const TexelMap& map)
         : map_(map), pages_(std::size_t(map.pageCount), Image<uint32_t>(map.pageSize, map.pageSize, kNoTexel))
     {
-        for (std::size_t i = 0; i < map.texels.size(); ++i) {
+        forEachIndex(map.texels.size(), [&](std::size_t i) {
             const Texel& t = map.texels[i];
             pages_[t.page](t.x, t.y) = uint32_t(i);
-        }
+        });
     }
 
     /// Index of the texel at an offset in texels from another; kNoTexel if there is none on the same chart.

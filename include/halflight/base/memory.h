@@ -1,6 +1,10 @@
 #pragma once
 
+#include "halflight/base/parallel.h"
+
+#include <cstddef>
 #include <cstdlib>
+#include <vector>
 
 #if defined(__GLIBC__)
 #include <malloc.h>
@@ -12,6 +16,22 @@ namespace halflight {
 template<typename Container> void release(Container& container)
 {
     Container().swap(container);
+}
+
+/// A vector of `count` values as `T()` makes them, with memory that all threads take from the system at one time: it
+/// gives pages one by one as they are first written.
+template<typename T> std::vector<T> largeVector(std::size_t count)
+{
+    std::vector<T> values;
+    values.reserve(count);
+    constexpr std::size_t kPage = 4096; // bytes
+    auto* const bytes = reinterpret_cast<unsigned char*>(values.data());
+    const std::size_t pages = count * sizeof(T) / kPage;
+    parallelFor(pages, 1024, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t p = begin; p < end; ++p) bytes[p * kPage] = 0;
+    });
+    values.resize(count);
+    return values;
 }
 
 /// Gives memory that was freed back to the system, where the allocator would keep it: after a stage that used millions

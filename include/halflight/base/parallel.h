@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <cstdint>
 #include <functional>
 #include <string_view>
 #include <vector>
@@ -35,8 +36,44 @@ void parallelFor(std::size_t count, std::size_t grain,
 bool parallelFor(std::size_t count, std::size_t grain, const Progress& progress, std::string_view stage,
                  const std::function<void(std::size_t begin, std::size_t end)>& body);
 
-/// std::sort() on all threads, for a strict total order: sorts blocks, then merges them in pairs. Blocks and merges
-/// follow from the number of items, so that any order without equal items gives one result.
+/// Calls body(i) for each i below `count`, on all threads. For short bodies: a thread takes 4096 at a time.
+template<typename Body> void forEachIndex(std::size_t count, const Body& body)
+{
+    parallelFor(count, 4096, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t i = begin; i < end; ++i) body(i);
+    });
+}
+
+/// All i below `count` for which wanted(i), ascending. Calls wanted(i) twice.
+template<typename Wanted> std::vector<uint32_t> indicesWhere(std::size_t count, const Wanted& wanted)
+{
+    constexpr std::size_t kBlock = std::size_t(1) << 16;
+    const auto endOf = [&](std::size_t block) { return std::min((block + 1) * kBlock, count); };
+    std::vector<std::size_t> firstOf((count + kBlock - 1) / kBlock + 1, 0); // place of a block's first in the result
+    parallelFor(firstOf.size() - 1, 1, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t b = begin; b < end; ++b) {
+            for (std::size_t i = b * kBlock; i < endOf(b); ++i) firstOf[b + 1] += wanted(i) ? 1 : 0;
+        }
+    });
+    for (std::size_t b = 1; b < firstOf.size(); ++b) firstOf[b] += firstOf[b - 1];
+    std::vector<uint32_t> indices(firstOf.back());
+    parallelFor(firstOf.size() - 1, 1, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t b = begin; b < end; ++b) {
+            std::size_t place = firstOf[b];
+            for (std::size_t i = b * kBlock; i < endOf(b); ++i) {
+                if (wanted(i)) indices[place++] = uint32_t(i);
+            }
+        }
+    });
+    return indices;
+}
+
+/// Calls body(); while a parallelFor() in it waits for other threads, the calling thread takes up work of this body
+/// alone. For large items of an outer parallelFor(), of which a thread would otherwise begin one within another.
+void inIsolation(const std::function<void()>& body);
+
+/// std::sort() on all threads, for a strict total order: sorts blocks, then merges runs in pairs. Any order without
+/// equal items gives one result, so that it does not depend on how runs are divided among threads.
 template<typename T, typename Less> void parallelSort(std::vector<T>& items, const Less& less)
 {
     constexpr std::size_t kBlock = std::size_t(1) << 16;
@@ -47,11 +84,20 @@ template<typename T, typename Less> void parallelSort(std::vector<T>& items, con
     });
     std::vector<T> merged(items.size());
     for (std::size_t width = kBlock; width < items.size(); width *= 2) {
-        parallelFor((items.size() + 2 * width - 1) / (2 * width), 1, [&](std::size_t begin, std::size_t end) {
-            for (std::size_t p = begin; p < end; ++p) {
-                const std::size_t first = 2 * width * p;
-                std::merge(at(first), at(first + width), at(first + width), at(first + 2 * width),
-                           merged.begin() + std::ptrdiff_t(first), less);
+        // A thread merges a block of the first run with what lies between the block's ends in the second.
+        parallelFor(blocks, 1, [&](std::size_t begin, std::size_t end) {
+            for (std::size_t b = begin; b < end; ++b) {
+                const std::size_t first = b * kBlock / (2 * width) * (2 * width);
+                const auto middle = at(first + width);
+                const auto last = at(first + 2 * width);
+                if (b * kBlock >= first + width) continue; // of a second run
+                const auto from = at(b * kBlock);
+                const auto to = std::min(at((b + 1) * kBlock), middle);
+                const bool isLast = to == middle;
+                const auto otherFrom = b * kBlock == first ? middle : std::lower_bound(middle, last, *from, less);
+                const auto otherTo = isLast ? last : std::lower_bound(middle, last, *to, less);
+                std::merge(from, to, otherFrom, otherTo, merged.begin() + (from - items.begin()) + (otherFrom - middle),
+                           less);
             }
         });
         items.swap(merged);

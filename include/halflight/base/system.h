@@ -8,6 +8,9 @@ namespace halflight {
 /// Most memory that the process has had so far; 0 where the system does not tell.
 uint64_t peakMemoryBytes();
 
+/// CPU seconds of all threads of the process so far; 0 where the system does not tell.
+double processCpuSeconds();
+
 /// True when standard error is a terminal.
 bool isErrorStreamTerminal();
 

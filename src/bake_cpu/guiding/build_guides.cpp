@@ -4,7 +4,10 @@
 
 #include "bake_cpu/guiding/receiver_grid.h"
 
+#include "halflight/base/parallel.h"
+
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <numeric>
 #include <tuple>
@@ -62,23 +65,34 @@ private:
 std::vector<PatchLight> placePatches(const Radiosity& radiosity, const TexelMap& map, const BakeGeometry& geometry)
 {
     const PatchLayout& layout = radiosity.solution.cache.layout();
-    std::vector<PatchLight> lights(2 * std::size_t(layout.chartPatches));
-    for (const Texel& texel : map.texels) {
-        for (uint32_t f = 0; f < texel.fragmentCount; ++f) {
-            const TexelFragment& fragment = map.fragments[texel.firstFragment + f];
-            const PatchId patch = radiosity.patches.charts.patchOf(texel, fragment.triangle);
-            if (patch == kNoPatch || lights[patch].receives) continue;
-            const uvec3 t = geometry.triangles[fragment.triangle];
-            const vec3 a = geometry.positions[t.x];
-            PatchLight& front = lights[patch];
-            PatchLight& back = lights[layout.backOf(patch)];
-            front.position = back.position = a + fragment.barycentric.x * (geometry.positions[t.y] - a) +
-                                             fragment.barycentric.y * (geometry.positions[t.z] - a);
-            front.axis = uint8_t(radiosity.patches.charts.axisOf(fragment.triangle));
-            back.axis = front.axis ^ 1u;
-            front.receives = true;
+    constexpr uint32_t kNoFragment = ~0u;
+    std::vector<uint32_t> firstFragment(layout.chartPatches, kNoFragment); // of a patch's texels
+    forEachIndex(map.texels.size(), [&](std::size_t i) {
+        const Texel& texel = map.texels[i];
+        for (uint32_t f = texel.firstFragment; f < texel.firstFragment + texel.fragmentCount; ++f) {
+            const PatchId patch = radiosity.patches.charts.patchOf(texel, map.fragments[f].triangle);
+            if (patch == kNoPatch) continue;
+            const std::atomic_ref<uint32_t> first(firstFragment[patch]);
+            uint32_t known = first.load(std::memory_order_relaxed);
+            while (f < known && !first.compare_exchange_weak(known, f, std::memory_order_relaxed)) {
+            }
         }
-    }
+    });
+    std::vector<PatchLight> lights(2 * std::size_t(layout.chartPatches));
+    forEachIndex(layout.chartPatches, [&](std::size_t i) {
+        const auto patch = PatchId(i);
+        if (firstFragment[patch] == kNoFragment) return;
+        const TexelFragment& fragment = map.fragments[firstFragment[patch]];
+        const uvec3 t = geometry.triangles[fragment.triangle];
+        const vec3 a = geometry.positions[t.x];
+        PatchLight& front = lights[patch];
+        PatchLight& back = lights[layout.backOf(patch)];
+        front.position = back.position = a + fragment.barycentric.x * (geometry.positions[t.y] - a) +
+                                         fragment.barycentric.y * (geometry.positions[t.z] - a);
+        front.axis = uint8_t(radiosity.patches.charts.axisOf(fragment.triangle));
+        back.axis = front.axis ^ 1u;
+        front.receives = true;
+    });
     return lights;
 }
 

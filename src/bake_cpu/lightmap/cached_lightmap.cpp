@@ -5,6 +5,8 @@
 #include "halflight/bake/part_folder.h"
 #include "halflight/base/bytes.h"
 #include "halflight/base/memory.h"
+#include "halflight/base/parallel.h"
+#include "halflight/base/progress_of_parts.h"
 
 #include <algorithm>
 #include <cmath>
@@ -172,17 +174,24 @@ bool CachedLightmap::irradiance(const TexelMap& map, std::span<const uint32_t> t
     // Requests for other numbers of samples than the settings' (check samples of the tile cache) have no plan.
     const bool planned = settings_.noiseTarget <= 0.0f && samples == settings_.samples;
     if (planned && !findScale(input, partOf(progress, 0.0, 0.0), rays)) return false;
-    // A part of the texels at a time, because states take more memory than estimates.
-    constexpr std::size_t kTexelsAtOnce = 65536;
-    for (std::size_t first = 0; first < texels.size(); first += kTexelsAtOnce) {
-        const auto some = texels.subspan(first, std::min(kTexelsAtOnce, texels.size() - first));
-        const double share = 1.0 / double(texels.size());
-        const Progress part = partOf(progress, double(first) * share, double(first + some.size()) * share);
-        LightmapRun run(input, some, samples, planned ? state_->scale : 0.0f, part, rays);
-        if (!run.run()) return false;
-        for (std::size_t i = 0; i < some.size(); ++i) out[first + i] = run.estimateOf(some[i]);
-    }
-    return true;
+    // In parts, because states take more memory than estimates: each thread has those of one part at a time. Threads
+    // that would wait for the end of a pass of one part go on with other parts.
+    constexpr std::size_t kPartTexels = 65536; // few texels beside a part are computed for its sake
+    const std::size_t parts = (texels.size() + kPartTexels - 1) / kPartTexels;
+    ProgressOfParts progressOfParts(progress, parts);
+    parallelFor(parts, 1, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t p = begin; p < end && !progress.cancelled(); ++p) {
+            inIsolation([&, p] {
+                const std::size_t first = p * kPartTexels;
+                const auto some = texels.subspan(first, std::min(kPartTexels, texels.size() - first));
+                const Progress part = progressOfParts.part(p);
+                LightmapRun run(input, some, samples, planned ? state_->scale : 0.0f, part, rays);
+                if (!run.run()) return;
+                for (std::size_t i = 0; i < some.size(); ++i) out[first + i] = run.estimateOf(some[i]);
+            });
+        }
+    });
+    return !progress.cancelled();
 }
 
 } // namespace halflight

@@ -2,6 +2,9 @@
 
 #include "bake/refinements.h"
 
+#include "halflight/base/parallel.h"
+
+#include <atomic>
 #include <cmath>
 
 namespace halflight {
@@ -12,6 +15,27 @@ constexpr std::size_t kFewPatches = 24576;
 constexpr int kMaxPatchShift = 3;
 /// Longest edge of a triangle patch, in widths of chart patches.
 constexpr float kLongestEdgeInPatches = 2.0f;
+
+/// Width of a texel, in the mean over the covered area.
+float meanTexelMeters(const BakeGeometry& geometry, const TexelMap& map)
+{
+    struct Sums {
+        double meters = 0.0;
+        double texels = 0.0;
+    };
+    constexpr std::size_t kBlock = 65536; // fragments; sums of blocks do not depend on threads
+    std::vector<Sums> sums((map.fragments.size() + kBlock - 1) / kBlock);
+    parallelFor(sums.size(), 1, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t i = begin * kBlock; i < std::min(end * kBlock, map.fragments.size()); ++i) {
+            const TexelFragment& f = map.fragments[i];
+            sums[i / kBlock].meters += double(f.area) * double(geometry.texelMeters(f.triangle));
+            sums[i / kBlock].texels += double(f.area);
+        }
+    });
+    Sums all;
+    for (const Sums& s : sums) all = {all.meters + s.meters, all.texels + s.texels};
+    return all.texels > 0.0 ? float(all.meters / all.texels) : 0.0f;
+}
 
 } // namespace
 
@@ -51,19 +75,15 @@ ChartPatches::ChartPatches(const BakeGeometry& geometry, const TexelMap& map)
     while (shift_ < kMaxPatchShift && map.texels.size() >> (2 * (shift_ + 1)) >= kFewPatches) ++shift_;
     rectangles_.assign(std::size_t(map.chartCount) * kAxes, {});
     rectangleOfTriangle_.assign(geometry.triangles.size(), ~0u);
-    for (const Texel& texel : map.texels) {
-        const ivec2 place(texel.x >> shift_, texel.y >> shift_);
-        for (uint32_t f = 0; f < texel.fragmentCount; ++f) {
-            const uint32_t triangle = map.fragments[texel.firstFragment + f].triangle;
-            uint32_t& number = rectangleOfTriangle_[triangle];
-            if (number == ~0u) {
-                number = texel.chart * kAxes + uint32_t(halflight::axisOf(geometry.geometricNormal(triangle)));
-            }
-            Rectangle& r = rectangles_[number];
-            r.min = r.texels == 0 ? place : glm::min(r.min, place);
-            r.max = glm::max(r.max, place);
-            ++r.texels;
-        }
+    // Blocks of texels find their parts of the rectangles.
+    constexpr std::size_t kBlock = 16384; // texels, of few charts each
+    std::vector<std::unordered_map<uint32_t, Rectangle>> partsOf((map.texels.size() + kBlock - 1) / kBlock);
+    parallelFor(partsOf.size(), 1, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t i = begin * kBlock; i < std::min(end * kBlock, map.texels.size()); ++i)
+            addTexel(geometry, map, map.texels[i], partsOf[i / kBlock]);
+    });
+    for (const auto& parts : partsOf) {
+        for (const auto& [number, part] : parts) rectangles_[number].add(part);
     }
     // Rectangles of charts whose texels are scattered over the page (possible in kept layouts) would waste memory.
     // These charts have no patches, and paths continue there.
@@ -77,6 +97,22 @@ ChartPatches::ChartPatches(const BakeGeometry& geometry, const TexelMap& map)
         count += area;
     }
     patchCount_ = uint32_t(count);
+}
+
+void ChartPatches::addTexel(const BakeGeometry& geometry, const TexelMap& map, const Texel& texel,
+                            std::unordered_map<uint32_t, Rectangle>& parts)
+{
+    const ivec2 place(texel.x >> shift_, texel.y >> shift_);
+    for (uint32_t f = 0; f < texel.fragmentCount; ++f) {
+        const uint32_t triangle = map.fragments[texel.firstFragment + f].triangle;
+        // A triangle lies in one chart, so that all threads write the same number.
+        const std::atomic_ref<uint32_t> number(rectangleOfTriangle_[triangle]);
+        if (number.load(std::memory_order_relaxed) == ~0u) {
+            const int axis = halflight::axisOf(geometry.geometricNormal(triangle));
+            number.store(texel.chart * kAxes + uint32_t(axis), std::memory_order_relaxed);
+        }
+        parts[number.load(std::memory_order_relaxed)].add({place, place, 1});
+    }
 }
 
 const ChartPatches::Rectangle* ChartPatches::rectangleOf(uint32_t triangle) const
@@ -132,13 +168,7 @@ Patches::Patches(const RayTracer& tracer, const TexelMap& map) : charts(tracer.g
 void Patches::addTriangles(const RayTracer& tracer, const TexelMap& map)
 {
     const BakeGeometry& geometry = tracer.geometry();
-    double meters = 0.0;
-    double texels = 0.0;
-    for (const TexelFragment& f : map.fragments) {
-        meters += double(f.area) * double(geometry.texelMeters(f.triangle));
-        texels += double(f.area);
-    }
-    layout.texelMeters = texels > 0.0 ? float(meters / texels) : 0.0f;
+    layout.texelMeters = meanTexelMeters(geometry, map);
     const float longest = kLongestEdgeInPatches * float(1 << layout.patchShift) * layout.texelMeters;
     const std::size_t most = map.texels.size();
     for (uint32_t index = 0; index < tracer.hitTriangleCount() && triangles.size() < most; ++index) {

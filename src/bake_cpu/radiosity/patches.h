@@ -3,6 +3,8 @@
 
 #include "bake_cpu/radiosity/patch_layout.h"
 
+#include <unordered_map>
+
 namespace halflight {
 
 /// Index of the axis that a normal is closest to: 2 * axis, plus 1 for the negative direction.
@@ -20,6 +22,13 @@ public:
         PatchId firstPatch = kNoPatch;
 
         [[nodiscard]] ivec2 size() const { return max - min + 1; }
+        /// Joins texels of another part of the same chart and axis.
+        void add(const Rectangle& part)
+        {
+            min = texels == 0 ? part.min : glm::min(min, part.min);
+            max = glm::max(max, part.max);
+            texels += part.texels;
+        }
     };
 
     ChartPatches() = default;
@@ -40,6 +49,10 @@ public:
     [[nodiscard]] PatchId patchOf(const TexelMap& map, uint32_t texel) const;
 
 private:
+    /// Joins a texel to the rectangles of its fragments' triangles. Threads may add texels to different `parts`.
+    void addTexel(const BakeGeometry& geometry, const TexelMap& map, const Texel& texel,
+                  std::unordered_map<uint32_t, Rectangle>& parts);
+
     int shift_ = 0;
     uint32_t patchCount_ = 0;
     std::vector<Rectangle> rectangles_;         ///< by chart and axis

@@ -85,26 +85,24 @@ private:
     void sumSamples()
     {
         unknowns_.resize(unknownCount_);
-        for (FormFactorRange& range : factors_) {
-            FormFactorRange::forSamples(range, [&](PatchSamples& s, std::span<PatchId> links) {
-                const uint32_t own = unknown_[s.patch];
-                // Rays that hit occluded patches are left out.
-                uint32_t lost = 0;
-                for (PatchId& target : links) {
-                    target = patches_.state[target].occluded ? kNoPatch : unknownOf(target);
-                    if (target == kNoPatch) ++lost;
-                }
-                s.patch = own;
-                if (own == kNoPatch) return;
-                Unknown& u = unknowns_[own];
+        std::vector<std::vector<uint32_t>> lostOf(factors_.size()); // by range and sample
+        parallelFor(factors_.size(), 16, [&](std::size_t begin, std::size_t end) {
+            for (std::size_t r = begin; r < end; ++r) numberLinks(factors_[r], lostOf[r]);
+        });
+        for (std::size_t r = 0; r < factors_.size(); ++r) {
+            FormFactorRange& range = factors_[r];
+            for (std::size_t i = 0; i < range.samples.size(); ++i) {
+                const PatchSamples& s = range.samples[i];
+                if (s.patch == kNoPatch) continue;
+                const uint32_t lost = lostOf[r][i];
+                Unknown& u = unknowns_[s.patch];
                 u.gathered += kPi * s.gathered;
                 u.direct += s.direct;
                 u.albedo += s.albedo;
                 u.directCount += float(s.directCount);
                 u.rays += float(s.rayCount - lost);
                 u.minDistance = std::max(u.minDistance, s.minDistance);
-            });
-            for (FormFactorRange::LateRadiance& late : range.late) late.patch = unknown_[late.patch];
+            }
         }
         for (Unknown& u : unknowns_) {
             u.rays = std::max(u.rays, 1.0f);
@@ -112,6 +110,21 @@ private:
             u.direct /= u.directCount;
             u.albedo /= u.directCount;
         }
+    }
+
+    /// Replaces the patches of a range by unknowns. `lost`: rays of each sample that hit occluded patches, which are
+    /// left out.
+    void numberLinks(FormFactorRange& range, std::vector<uint32_t>& lost) const
+    {
+        FormFactorRange::forSamples(range, [&](PatchSamples& s, std::span<PatchId> links) {
+            lost.push_back(0);
+            for (PatchId& target : links) {
+                target = patches_.state[target].occluded ? kNoPatch : unknownOf(target);
+                if (target == kNoPatch) ++lost.back();
+            }
+            s.patch = unknown_[s.patch];
+        });
+        for (FormFactorRange::LateRadiance& late : range.late) late.patch = unknown_[late.patch];
     }
 
     void iterate()
@@ -207,12 +220,12 @@ private:
         release(reflected_);
         release(sampleSums_);
         release(unknowns_);
-        radiance_.resize(rayCount_.size());
-        for (std::size_t i = 0; i < radiance_.size(); ++i) {
-            if (unknownOf(i) == kNoPatch) continue;
+        radiance_ = largeVector<PatchRadiance>(rayCount_.size());
+        forEachIndex(radiance_.size(), [&](std::size_t i) {
+            if (unknownOf(i) == kNoPatch) return;
             radiance_[i] = ofUnknown[unknownOf(i)];
             if (patches_.state[i].occluded) radiance_[i].minDistance = kInfinity;
-        }
+        });
     }
 
     /// Elements without samples take the mean of the 3 x 3 elements around, if their radiances differ by less than a
@@ -220,14 +233,16 @@ private:
     void fillElements()
     {
         const PatchLayout& layout = patches_.layout;
-        for (PatchId patch = 0; refinements.filledElements && patch < 2 * layout.chartPatches; ++patch) {
-            if (layout.elements[patch].split == 0) continue;
+        if (!refinements.filledElements) return;
+        forEachIndex(2 * std::size_t(layout.chartPatches), [&](std::size_t i) {
+            const auto patch = PatchId(i);
+            if (layout.elements[patch].split == 0) return;
             const PatchId first = layout.elements[patch].first;
             for (PatchId element = first; element < first + layout.elementCount(patch); ++element) {
                 if (rayCount_[element] == 0 && !patches_.state[element].occluded)
                     fillElement(first, 1 << layout.elementShift(patch), element);
             }
-        }
+        });
     }
     void fillElement(PatchId first, int width, PatchId element)
     {
@@ -258,14 +273,15 @@ private:
     {
         const PatchLayout& layout = patches_.layout;
         owner.assign(unknownCount_, kNoPatch);
-        for (PatchId patch = 0; patch < layout.patchCount(); ++patch) {
+        forEachIndex(layout.patchCount(), [&](std::size_t i) {
+            const auto patch = PatchId(i);
             if (unknown_[patch] != kNoPatch) owner[unknown_[patch]] = patch;
-            if (layout.elements[patch].split == 0) continue;
+            if (layout.elements[patch].split == 0) return;
             const PatchId first = layout.elements[patch].first;
             for (PatchId e = first; e < first + layout.elementCount(patch); ++e) {
                 if (unknown_[e] != kNoPatch) owner[unknown_[e]] = patch;
             }
-        }
+        });
     }
 
     Patches& patches_;

@@ -2,6 +2,8 @@
 
 #include "bake/refinements.h"
 
+#include "halflight/base/parallel.h"
+
 #include <numeric>
 
 namespace halflight {
@@ -21,7 +23,8 @@ public:
         constexpr std::ptrdiff_t kReach = 8; // triangles in the order of the file
         const uint32_t first = 2 * patches_.layout.chartPatches;
         const auto count = std::ptrdiff_t(patches_.triangles.size());
-        for (std::ptrdiff_t i = 0; i < count; ++i) {
+        forEachIndex(patches_.triangles.size(), [&](std::size_t index) {
+            const auto i = std::ptrdiff_t(index);
             const uint32_t triangle = patches_.triangles[std::size_t(i)];
             const vec3 from = geometry_.centroid(triangle);
             for (uint32_t side = 0; side < 2; ++side) {
@@ -40,16 +43,18 @@ public:
                     substitute_[patch] = other;
                 }
             }
-        }
+        });
     }
 
     void ofCharts()
     {
         const auto& rectangles = patches_.charts.rectangles();
-        for (std::size_t number = 0; number < rectangles.size(); ++number) {
-            if (rectangles[number].firstPatch == kNoPatch) continue;
-            for (const uint32_t side : {0u, patches_.layout.chartPatches}) ofRectangle(number, side);
-        }
+        parallelFor(rectangles.size(), 16, [&](std::size_t begin, std::size_t end) {
+            for (std::size_t number = begin; number < end; ++number) {
+                if (rectangles[number].firstPatch == kNoPatch) continue;
+                for (const uint32_t side : {0u, patches_.layout.chartPatches}) ofRectangle(number, side);
+            }
+        });
     }
 
     [[nodiscard]] std::vector<PatchId> take() { return std::move(substitute_); }

@@ -59,7 +59,7 @@ private:
     /// 8 rays from points of all texels and their neighbours, valid or not.
     bool traceFirst()
     {
-        first_.resize(set_.size() * sourceCount());
+        first_ = largeVector<LitRange>(set_.size() * sourceCount());
         return forTexelGroups(
             set_.size(), [&](std::size_t i) { return set_[i]; },
             [&](std::span<const uint32_t> texels) {
@@ -95,10 +95,8 @@ private:
     void findOpen()
     {
         open_.assign(pass_.texels.size() * sourceCount(), Closed);
-        parallelFor(pass_.texels.size(), 4096, [&](std::size_t begin, std::size_t end) {
-            for (std::size_t i = begin; i < end; ++i) {
-                if (validPoints(i) != 0) findOpen(i);
-            }
+        forEachIndex(pass_.texels.size(), [&](std::size_t i) {
+            if (validPoints(i) != 0) findOpen(i);
         });
     }
     void findOpen(std::size_t i)
@@ -130,20 +128,18 @@ private:
     /// Closes all but partly lit texels and those in a given state.
     void keepOpen(Open state)
     {
-        for (std::size_t i = 0; i < open_.size(); ++i) {
+        forEachIndex(open_.size(), [&](std::size_t i) {
             if (!counts_[i].mixed() && open_[i] != state) open_[i] = Closed;
-        }
+        });
     }
 
     /// Traces half-batches begin … end - 1 of the open texels.
     bool traceHalves(int begin, int end, const Progress& progress)
     {
-        list_.clear();
-        for (std::size_t i = 0; i < pass_.texels.size(); ++i) {
-            bool any = false;
-            for (std::size_t s = 0; s < sourceCount(); ++s) any = any || open_[i * sourceCount() + s] != Closed;
-            if (any) list_.push_back(uint32_t(i));
-        }
+        list_ = indicesWhere(pass_.texels.size(), [&](std::size_t i) {
+            const auto first = open_.begin() + std::ptrdiff_t(i * sourceCount());
+            return std::any_of(first, first + std::ptrdiff_t(sourceCount()), [](Open o) { return o != Closed; });
+        });
         return forTexelGroups(
             list_.size(), [&](std::size_t i) { return pass_.texels[list_[i]]; },
             [&](std::span<const uint32_t> texels) {
@@ -209,7 +205,7 @@ private:
 bool traceShadows(const ShadowPass& pass, const std::vector<ShadowSource>& sources, std::vector<LitCount>& counts)
 {
     assert(sources.size() <= kMaxShadowSources);
-    counts.assign(pass.texels.size() * sources.size(), {});
+    counts = largeVector<LitCount>(pass.texels.size() * sources.size());
     if (sources.empty()) return true;
     return ShadowTracer(pass, sources, counts).trace();
 }

@@ -45,7 +45,7 @@ private:
     [[nodiscard]] bool inRun(uint32_t texel) const { return texel - run_.texel < run_.length; }
     void sort()
     {
-        std::sort(texels_.begin(), texels_.end());
+        if (!std::is_sorted(texels_.begin(), texels_.end())) std::sort(texels_.begin(), texels_.end());
         texels_.erase(std::unique(texels_.begin(), texels_.end()), texels_.end());
         run_ = {};
         for (std::size_t first = 0, end = 0; first < texels_.size(); first = end) {

@@ -112,7 +112,7 @@ bool findValidPoints(const PathTracer& paths, TexelMap& map, PartFolder* parts, 
         kept = std::move(*found);
         if (parts != nullptr) parts->write(kStage, ByteWriter().add(kept).take());
     }
-    for (std::size_t i = 0; i < kept.size(); ++i) map.texels[i].validPoints = kept[i];
+    forEachIndex(kept.size(), [&](std::size_t i) { map.texels[i].validPoints = kept[i]; });
     return true;
 }
 
