@@ -2,6 +2,7 @@
 #include "bake/stages.h"
 
 #include "halflight/bake/texel_grid.h"
+#include "halflight/base/memory.h"
 #include "halflight/base/parallel.h"
 
 #include <algorithm>
@@ -78,16 +79,14 @@ template<typename T> void adoptNeighbors(const BakeGeometry& geometry, const Tex
         const ivec3 cell = gridCell(place.position, reach);
         for (int n = 0; n < 27; ++n) grid.try_emplace(gridKey(cell + ivec3(n % 3, n / 3 % 3, n / 9) - 1));
     }
-    std::vector<std::vector<uint32_t>*> cellOf(map.texels.size(), nullptr);
-    parallelFor(map.texels.size(), kTexelsPerTask, [&](std::size_t begin, std::size_t end) {
-        for (std::size_t j = begin; j < end; ++j) {
-            if (!valid[j]) continue;
-            const auto cell = grid.find(gridKey(gridCell(placeOf(geometry, map, map.texels[j]).position, reach)));
-            if (cell != grid.end()) cellOf[j] = &cell->second;
-        }
+    auto cellOf = largeVector<std::vector<uint32_t>*>(map.texels.size(), nullptr);
+    forEachIndex(map.texels.size(), [&](std::size_t j) {
+        if (!valid[j]) return;
+        const auto cell = grid.find(gridKey(gridCell(placeOf(geometry, map, map.texels[j]).position, reach)));
+        if (cell != grid.end()) cellOf[j] = &cell->second;
     });
-    for (std::size_t j = 0; j < map.texels.size(); ++j)
-        if (cellOf[j] != nullptr) cellOf[j]->push_back(uint32_t(j));
+    for (const uint32_t j : indicesWhere(map.texels.size(), [&](std::size_t i) { return cellOf[i] != nullptr; }))
+        cellOf[j]->push_back(j);
     std::vector<T> adopted(open.size());
     std::vector<uint8_t> found(open.size(), 0);
     parallelFor(open.size(), 64, [&](std::size_t begin, std::size_t end) {
@@ -214,10 +213,14 @@ template<typename T> void fillInvalid(const BakeGeometry& geometry, const TexelM
 template<typename T>
 std::vector<Image<T>> dilate(const TexelMap& map, const std::vector<T>& values, int rings, bool extrapolate)
 {
-    std::vector<Image<T>> pages(std::size_t(map.pageCount), Image<T>(map.pageSize, map.pageSize));
+    std::vector<Image<T>> pages;
     // Chart + 1 of each place, 0 = empty. A place between two charts belongs to the nearer one, at equal distance to
     // the lower number.
-    std::vector<Image<uint32_t>> charts(std::size_t(map.pageCount), Image<uint32_t>(map.pageSize, map.pageSize, 0u));
+    std::vector<Image<uint32_t>> charts;
+    for (int p = 0; p < map.pageCount; ++p) {
+        pages.emplace_back(map.pageSize, map.pageSize);
+        charts.emplace_back(map.pageSize, map.pageSize, 0u);
+    }
     forEachIndex(map.texels.size(), [&](std::size_t i) {
         const Texel& texel = map.texels[i];
         pages[texel.page](texel.x, texel.y) = values[i];

@@ -1,4 +1,5 @@
 // Stitches light along the seams that seam_edges.cpp finds.
+#include "bake/seam_parts.h"
 #include "bake/stages.h"
 
 #include "halflight/base/memory.h"
@@ -8,6 +9,7 @@
 #include <Eigen/SparseCore>
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <cmath>
 #include <span>
 #include <utility>
@@ -96,6 +98,9 @@ public:
     void write(bool bounded);
 
 private:
+    std::vector<SeamTerm> makeTerms();
+    bool solvePart(const SeamParts::Part& part, std::span<const uint32_t> placeOf, std::span<const SeamTerm> terms);
+
     struct Range {
         T least = T(kInfinity);
         T most = T(-kInfinity);
@@ -144,31 +149,59 @@ private:
     std::array<Eigen::VectorXd, std::size_t(T::length())> solution_;
 };
 
-template<typename T> bool Stitcher<T>::solve()
+template<typename T> std::vector<SeamTerm> Stitcher<T>::makeTerms()
 {
-    using Matrix = Eigen::SparseMatrix<double>;
-    std::vector<Eigen::Triplet<double>> entries;
-    entries.reserve(seams_.size() * 8);
+    std::vector<SeamTerm> terms;
+    terms.reserve(seams_.size());
     for (std::size_t row = 0; row < seams_.size(); ++row) {
         const Footprint a = footprintAt(seams_[row].pageA, seams_[row].texelA, size_);
         const Footprint b = footprintAt(seams_[row].pageB, seams_[row].texelB, size_);
         const double weight = std::sqrt(double(weights_[row] * seams_[row].texels)); // of the square
+        SeamTerm term;
         for (std::size_t i = 0; i < 4; ++i) {
-            entries.emplace_back(int(row), int(tied_[unknown(a.texel[i])]), weight * double(a.weight[i]));
-            entries.emplace_back(int(row), int(tied_[unknown(b.texel[i])]), -weight * double(b.weight[i]));
+            term.unknown[2 * i] = tied_[unknown(a.texel[i])];
+            term.unknown[2 * i + 1] = tied_[unknown(b.texel[i])];
+            term.weight[2 * i] = weight * double(a.weight[i]);
+            term.weight[2 * i + 1] = -weight * double(b.weight[i]);
         }
+        if (weight > 0.0) terms.push_back(term);
     }
-    const auto count = Eigen::Index(texels_.size());
-    Matrix normal;
-    {
-        Matrix constraints(Eigen::Index(seams_.size()), count);
-        constraints.setFromTriplets(entries.begin(), entries.end());
-        release(entries);
-        normal = constraints.transpose() * constraints;
+    return terms;
+}
+
+template<typename T> bool Stitcher<T>::solve()
+{
+    const std::vector<SeamTerm> terms = makeTerms();
+    const SeamParts split = partsOf(terms, texels_.size());
+    for (Eigen::VectorXd& component : solution_) component.resize(Eigen::Index(texels_.size()));
+    std::atomic<bool> solved = true;
+    parallelFor(split.parts.size(), 1, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t p = begin; p < end; ++p) {
+            if (!solvePart(split.parts[p], split.placeOf, terms)) solved = false;
+        }
+    });
+    return solved;
+}
+
+template<typename T> bool Stitcher<T>::solvePart(const SeamParts::Part& part, std::span<const uint32_t> placeOf,
+                                                 std::span<const SeamTerm> terms)
+{
+    using Matrix = Eigen::SparseMatrix<double>;
+    const auto count = Eigen::Index(part.unknowns.size());
+    std::vector<Eigen::Triplet<double>> entries;
+    entries.reserve(part.terms.size() * 8);
+    for (std::size_t row = 0; row < part.terms.size(); ++row) {
+        const SeamTerm& term = terms[part.terms[row]];
+        for (std::size_t i = 0; i < term.unknown.size(); ++i)
+            entries.emplace_back(int(row), int(placeOf[term.unknown[i]]), term.weight[i]);
     }
+    Matrix constraints(Eigen::Index(part.terms.size()), count);
+    constraints.setFromTriplets(entries.begin(), entries.end());
+    release(entries);
+    Matrix normal = constraints.transpose() * constraints;
     Eigen::VectorXd keep(count);
     for (Eigen::Index i = 0; i < count; ++i)
-        keep[i] = covered_[texels_[std::size_t(i)]] != 0 ? kKeepCovered : kKeepPadding;
+        keep[i] = covered_[texels_[part.unknowns[std::size_t(i)]]] != 0 ? kKeepCovered : kKeepPadding;
     Matrix diagonal(count, count); // also of tied unknowns, whose columns are empty otherwise
     diagonal.setIdentity();
     diagonal.diagonal() = keep;
@@ -176,14 +209,13 @@ template<typename T> bool Stitcher<T>::solve()
     // Unknowns lie in a few rows along seams, so that factors have hardly more entries than the matrix.
     const Eigen::SimplicialLDLT<Matrix> factors(normal);
     if (factors.info() != Eigen::Success) return false;
-    parallelFor(solution_.size(), 1, [&](std::size_t begin, std::size_t end) {
-        for (std::size_t c = begin; c < end; ++c) {
-            Eigen::VectorXd right(count);
-            for (Eigen::Index i = 0; i < count; ++i)
-                right[i] = keep[i] * double(texelAt(texels_[std::size_t(i)])[int(c)]);
-            solution_[c] = factors.solve(right);
-        }
-    });
+    for (std::size_t c = 0; c < solution_.size(); ++c) {
+        Eigen::VectorXd right(count);
+        for (Eigen::Index i = 0; i < count; ++i)
+            right[i] = keep[i] * double(texelAt(texels_[part.unknowns[std::size_t(i)]])[int(c)]);
+        const Eigen::VectorXd values = factors.solve(right);
+        for (Eigen::Index i = 0; i < count; ++i) solution_[c][Eigen::Index(part.unknowns[std::size_t(i)])] = values[i];
+    }
     return true;
 }
 

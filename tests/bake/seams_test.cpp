@@ -1,5 +1,6 @@
 // Where charts meet, filtered light agrees on both sides (spec S6).
 
+#include "bake/seam_parts.h"
 #include "bake/test_scene.h"
 #include "halflight/base/image_filter.h"
 
@@ -194,6 +195,37 @@ TEST(SeamsS6, EdgesThatShareOnlyAStretchAreFound)
     EXPECT_NEAR(places.front(), 0.5f, 0.06f);
     EXPECT_NEAR(places.back(), 3.0f, 0.06f);
     for (std::size_t i = 1; i < places.size(); ++i) EXPECT_LT(places[i] - places[i - 1], 0.1f);
+}
+
+/// Parts of the least squares have no unknown in common, and hold every term and unknown once.
+TEST(SeamsS6, PartsAreIndependent)
+{
+    constexpr uint32_t kUnknowns = 40'000;
+    std::vector<SeamTerm> terms(5'000);
+    for (uint32_t t = 0; t < terms.size(); ++t) {
+        // Chains of ten terms with neighbours in common; unknowns of a chain lie apart.
+        for (uint32_t i = 0; i < 8; ++i) terms[t].unknown[i] = (t / 10 + 500 * (t % 10 + i)) % kUnknowns;
+    }
+    const SeamParts split = partsOf(terms, kUnknowns);
+    EXPECT_GT(split.parts.size(), 3u);
+    std::vector<int> partOf(kUnknowns, -1);
+    std::size_t termCount = 0;
+    for (std::size_t p = 0; p < split.parts.size(); ++p) {
+        for (std::size_t i = 0; i < split.parts[p].unknowns.size(); ++i) {
+            const uint32_t u = split.parts[p].unknowns[i];
+            EXPECT_EQ(partOf[u], -1);
+            EXPECT_EQ(split.placeOf[u], i);
+            partOf[u] = int(p);
+        }
+    }
+    EXPECT_EQ(std::count(partOf.begin(), partOf.end(), -1), 0);
+    for (std::size_t p = 0; p < split.parts.size(); ++p) {
+        for (const uint32_t t : split.parts[p].terms) {
+            for (const uint32_t u : terms[t].unknown) EXPECT_EQ(partOf[u], int(p));
+        }
+        termCount += split.parts[p].terms.size();
+    }
+    EXPECT_EQ(termCount, terms.size());
 }
 
 /// A box's edges are corners, not seams: its faces keep their own light.

@@ -1,4 +1,7 @@
 #include "halflight/base/parallel.h"
+
+#include "halflight/base/memory.h"
+#include "halflight/base/progress_of_parts.h"
 #include "halflight/base/random.h"
 
 #include <algorithm>
@@ -79,6 +82,62 @@ TEST(ParallelFor, CancelStopsSoon)
         if (++done == 10) cancel = true;
     }));
     EXPECT_LT(done.load(), 10 + 2 * std::max(threadCount(), 1) + 1) << "only ranges already begun finish";
+}
+
+TEST(ParallelSort, IsThatOfOneThread)
+{
+    // Around the ends of blocks and of pairs of runs; many equal items.
+    for (const std::size_t count : {0u, 1u, 65535u, 65536u, 65537u, 131073u, 400000u}) {
+        std::vector<uint32_t> values(count);
+        for (std::size_t i = 0; i < count; ++i) values[i] = hashPcg(uint32_t(i)) % 50000u;
+        std::vector<uint32_t> expected = values;
+        std::sort(expected.begin(), expected.end());
+        parallelSort(values, std::less<>());
+        EXPECT_EQ(values, expected) << count;
+    }
+}
+
+TEST(IndicesWhere, AreAscendingAndComplete)
+{
+    for (const std::size_t count : {0u, 5u, 65536u, 200001u}) {
+        const auto wanted = [](std::size_t i) { return hashPcg(uint32_t(i)) % 3 == 0; };
+        std::vector<uint32_t> expected;
+        for (uint32_t i = 0; i < count; ++i) {
+            if (wanted(i)) expected.push_back(i);
+        }
+        EXPECT_EQ(indicesWhere(count, wanted), expected) << count;
+    }
+}
+
+TEST(ProgressOfParts, GrowsToOneThoughPartsBeginAgain)
+{
+    double last = 0.0;
+    bool grew = true;
+    Progress whole;
+    whole.report = [&](std::string_view, double fraction) {
+        grew = grew && fraction > last;
+        last = fraction;
+    };
+    ProgressOfParts parts(whole, 8);
+    parallelFor(8, 1, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t p = begin; p < end; ++p) {
+            const Progress part = parts.part(p);
+            for (int pass = 0; pass < 3; ++pass) {
+                parallelFor(100, 10, part, "stage", [](std::size_t, std::size_t) {});
+            }
+        }
+    });
+    EXPECT_TRUE(grew);
+    EXPECT_NEAR(last, 1.0, 1.0e-9);
+}
+
+TEST(LargeVector, HasItsValues)
+{
+    for (const std::size_t count : {0u, 3u, 10'000'000u}) {
+        const std::vector<uint32_t> values = largeVector<uint32_t>(count, 7u);
+        EXPECT_EQ(values.size(), count);
+        EXPECT_TRUE(std::all_of(values.begin(), values.end(), [](uint32_t v) { return v == 7u; }));
+    }
 }
 
 TEST(Random, HashIsOneToOneAndUniform)

@@ -16,9 +16,9 @@ constexpr uint32_t kNoTexel = ~0u;
 /// Index of the covered texel at each place of each page. The map outlives it.
 class TexelGrid {
 public:
-    explicit TexelGrid(const TexelMap& map)
-        : map_(map), pages_(std::size_t(map.pageCount), Image<uint32_t>(map.pageSize, map.pageSize, kNoTexel))
+    explicit TexelGrid(const TexelMap& map) : map_(map)
     {
+        for (int p = 0; p < map.pageCount; ++p) pages_.emplace_back(map.pageSize, map.pageSize, kNoTexel);
         forEachIndex(map.texels.size(), [&](std::size_t i) {
             const Texel& t = map.texels[i];
             pages_[t.page](t.x, t.y) = uint32_t(i);

@@ -18,19 +18,20 @@ template<typename Container> void release(Container& container)
     Container().swap(container);
 }
 
-/// A vector of `count` values as `T()` makes them, with memory that all threads take from the system at one time: it
-/// gives pages one by one as they are first written.
-template<typename T> std::vector<T> largeVector(std::size_t count)
+/// A vector of `count` equal values. All threads take its memory from the system at one time, which gives pages one by
+/// one as they are first written.
+template<typename T> std::vector<T> largeVector(std::size_t count, const T& value = T())
 {
     std::vector<T> values;
     values.reserve(count);
-    constexpr std::size_t kPage = 4096; // bytes
+    constexpr std::size_t kPage = 4096;        // bytes
+    constexpr std::size_t kPagesAtOnce = 1024; // 4 MiB: smaller vectors are left to one thread
     auto* const bytes = reinterpret_cast<unsigned char*>(values.data());
     const std::size_t pages = count * sizeof(T) / kPage;
-    parallelFor(pages, 1024, [&](std::size_t begin, std::size_t end) {
+    parallelFor(pages < 2 * kPagesAtOnce ? 0 : pages, kPagesAtOnce, [&](std::size_t begin, std::size_t end) {
         for (std::size_t p = begin; p < end; ++p) bytes[p * kPage] = 0;
     });
-    values.resize(count);
+    values.resize(count, value);
     return values;
 }
 

@@ -72,8 +72,8 @@ template<typename Wanted> std::vector<uint32_t> indicesWhere(std::size_t count, 
 /// alone. For large items of an outer parallelFor(), of which a thread would otherwise begin one within another.
 void inIsolation(const std::function<void()>& body);
 
-/// std::sort() on all threads, for a strict total order: sorts blocks, then merges runs in pairs. Any order without
-/// equal items gives one result, so that it does not depend on how runs are divided among threads.
+/// std::sort() on all threads: sorts blocks, then merges runs in pairs. For orders in which items that are neither
+/// before nor after one another are the same, so that there is one result.
 template<typename T, typename Less> void parallelSort(std::vector<T>& items, const Less& less)
 {
     constexpr std::size_t kBlock = std::size_t(1) << 16;

@@ -193,7 +193,7 @@ private:
             if (isSecondarySource(patches_[patch].radiance, grid_.regions[region].illuminance()))
                 hits.push_back({region, patch});
         });
-        std::sort(hits.begin(), hits.end(), [](const Hit& a, const Hit& b) {
+        parallelSort(hits, [](const Hit& a, const Hit& b) {
             return a.region != b.region ? a.region < b.region : a.patch < b.patch;
         });
         std::vector<uint32_t> timesHit(patches_.size());
@@ -221,7 +221,8 @@ private:
         ConnectedComponents components(grid_, guides_.clusters_.size());
         std::vector<float> illuminances;
         for (const ReceiverGrid::Region& region : grid_.regions) illuminances.push_back(region.illuminance());
-        std::erase_if(open, [&](uint32_t g) { return addGuide(g, {}, guides_.guides_[g]) >= kEnoughHits; });
+        const std::vector<float> hits = addGuides(open, {}, [&](uint32_t g) -> Guide& { return guides_.guides_[g]; });
+        std::erase_if(open, [&](uint32_t g) { return hits[g] >= kEnoughHits; });
         for (int level = 2; level <= kGuideLevels; ++level) {
             width_ *= kWider;
             const std::vector<uint32_t> parents = grid_.coarsen(width_);
@@ -234,27 +235,61 @@ private:
 
     void addWiderGuides(std::vector<uint32_t>& open, std::span<const uint32_t> regionOfGuide, const Limits& limits)
     {
-        struct RegionGuide {
-            bool made = false;
-            float hits = 0.0f;
-            Guide guide;
-        };
-        std::vector<RegionGuide> ofRegion(grid_.regions.size());
+        // Regions in the order of their first guides.
+        std::vector<uint32_t> regions;
+        std::vector<uint32_t> numberOf(grid_.regions.size(), ~0u);
+        for (const uint32_t g : open) {
+            uint32_t& number = numberOf[regionOfGuide[g]];
+            if (number != ~0u) continue;
+            number = uint32_t(regions.size());
+            regions.push_back(regionOfGuide[g]);
+        }
+        std::vector<Guide> guides(regions.size());
+        const std::vector<float> hits =
+            addGuides(regions, limits, [&](uint32_t region) -> Guide& { return guides[numberOf[region]]; });
         std::erase_if(open, [&](uint32_t g) {
-            RegionGuide& r = ofRegion[regionOfGuide[g]];
-            if (!r.made) r.hits = addGuide(regionOfGuide[g], limits, r.guide);
-            r.made = true;
-            if (r.guide.local.count > 0) guides_.guides_[g] = r.guide;
-            return r.hits >= limits.hits;
+            const uint32_t number = numberOf[regionOfGuide[g]];
+            if (guides[number].local.count > 0) guides_.guides_[g] = guides[number];
+            return hits[number] >= limits.hits;
         });
     }
 
-    /// Makes a region's guide if its hits and their variance reach the limits. Returns the number of hits.
-    float addGuide(uint32_t region, const Limits& limits, Guide& guide)
+    /// A guide whose list is not among the entries yet.
+    struct Draft {
+        float hitCount = 0.0f;
+        bool made = false; ///< the hits and their variance reach the limits
+        Guide guide;
+        std::vector<HitStatistics> list;
+    };
+
+    /// Makes guides of regions whose hits and their variance reach the limits. Returns the numbers of hits.
+    template<typename GuideOf>
+    std::vector<float> addGuides(std::span<const uint32_t> regions, const Limits& limits, const GuideOf& guideOf)
+    {
+        constexpr std::size_t kAtOnce = 16384; // drafts, of up to 64 entries each
+        std::vector<float> hits;
+        std::vector<Draft> drafts;
+        for (std::size_t first = 0; first < regions.size(); first += kAtOnce) {
+            const auto some = regions.subspan(first, std::min(kAtOnce, regions.size() - first));
+            drafts.resize(some.size());
+            parallelFor(some.size(), 32, [&](std::size_t begin, std::size_t end) {
+                for (std::size_t i = begin; i < end; ++i) drafts[i] = draftOf(some[i], limits);
+            });
+            for (std::size_t i = 0; i < some.size(); ++i) {
+                hits.push_back(drafts[i].hitCount);
+                if (!drafts[i].made) continue;
+                drafts[i].guide.local = addList(drafts[i].list, lightOf);
+                guideOf(some[i]) = drafts[i].guide;
+            }
+        }
+        return hits;
+    }
+
+    [[nodiscard]] Draft draftOf(uint32_t region, const Limits& limits) const
     {
         Observations observed(grid_, region, grid_.regions[region].illuminance());
-        if (observed.hitCount < limits.hits) return observed.hitCount;
-        const auto lightOf = [](const HitStatistics& h) { return h.light; };
+        Draft draft{observed.hitCount, false, {}, {}};
+        if (observed.hitCount < limits.hits) return draft;
         observed.keepHighest(kMostEntries, lightOf);
         double light = 0.0;
         double squares = 0.0;
@@ -263,14 +298,16 @@ private:
             squares += double(h.squares);
         }
         if (!(light > 0.0 && light < double(kInfinity) && observed.rays > 0.0f && observed.illuminance > 0.0f))
-            return observed.hitCount;
+            return draft;
         const float variance = observed.relativeVariance(squares, observed.illuminance);
-        if (variance < limits.variance) return observed.hitCount;
-        guide.local = addList(observed.hits, lightOf);
-        guide.relativeVariance = variance;
-        guide.hitShare = float(light * light / (squares * double(observed.rays)));
-        return observed.hitCount;
+        if (variance < limits.variance) return draft;
+        draft.made = true;
+        draft.guide.relativeVariance = variance;
+        draft.guide.hitShare = float(light * light / (squares * double(observed.rays)));
+        draft.list = std::move(observed.hits);
+        return draft;
     }
+    static float lightOf(const HitStatistics& h) { return h.light; }
 
     /// A list of clusters with probabilities in proportion to weights.
     template<typename Weight> GuideList addList(std::span<const HitStatistics> hits, const Weight& weight)

@@ -2,7 +2,10 @@
 
 #include "bake_cpu/guiding/patch_light.h"
 
+#include "halflight/base/parallel.h"
+
 #include <algorithm>
+#include <functional>
 #include <iterator>
 #include <numeric>
 
@@ -12,13 +15,13 @@ std::vector<uint64_t> HashGrid::numberKeys(std::span<const uint64_t> keys, std::
 {
     std::vector<uint64_t> sorted;
     std::copy_if(keys.begin(), keys.end(), std::back_inserter(sorted), [&](uint64_t key) { return key != kNone; });
-    std::sort(sorted.begin(), sorted.end());
+    parallelSort(sorted, std::less<>());
     sorted.erase(std::unique(sorted.begin(), sorted.end()), sorted.end());
     numbers.assign(keys.size(), ~0u);
-    for (std::size_t i = 0; i < keys.size(); ++i) {
-        if (keys[i] == kNone) continue;
+    forEachIndex(keys.size(), [&](std::size_t i) {
+        if (keys[i] == kNone) return;
         numbers[i] = uint32_t(std::lower_bound(sorted.begin(), sorted.end(), keys[i]) - sorted.begin());
-    }
+    });
     return sorted;
 }
 
