@@ -379,10 +379,8 @@ void denoise(const BakeGeometry& geometry, const TexelMap& map, std::span<const 
     next.moments = largeVector<vec3>(directions ? count : 0);
     for (int number = 0; number < int(kCorrelation.size()); ++number) {
         const Level level{grid, guides, signals, number, directions};
-        parallelFor(count, 2048, [&](std::size_t begin, std::size_t end) {
-            for (std::size_t i = begin; i < end; ++i) {
-                if (guides[i].valid) filterTexel(level, uint32_t(i), next);
-            }
+        forEachIndex(count, [&](std::size_t i) {
+            if (guides[i].valid) filterTexel(level, uint32_t(i), next);
         });
         signals.gathered.swap(next.gathered);
         signals.direct.swap(next.direct);

@@ -3,6 +3,7 @@
 #include <csignal>
 #include <cstdlib>
 #include <cstring>
+#include <ctime>
 
 #ifdef _WIN32 // written without a build: nobody has built Halflight for Windows yet
 
@@ -62,7 +63,6 @@ void endProcess(const char* fileToRemove, const char* message, int exitCode)
 #include <cerrno>
 #include <fcntl.h>
 #include <sys/resource.h>
-#include <time.h>
 #include <unistd.h>
 
 namespace halflight {

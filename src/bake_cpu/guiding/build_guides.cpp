@@ -73,8 +73,8 @@ std::vector<PatchLight> placePatches(const Radiosity& radiosity, const TexelMap&
             const PatchId patch = radiosity.patches.charts.patchOf(texel, map.fragments[f].triangle);
             if (patch == kNoPatch) continue;
             const std::atomic_ref<uint32_t> first(firstFragment[patch]);
-            uint32_t known = first.load(std::memory_order_relaxed);
-            while (f < known && !first.compare_exchange_weak(known, f, std::memory_order_relaxed)) {
+            uint32_t least = first.load(std::memory_order_relaxed);
+            while (f < least && !first.compare_exchange_weak(least, f, std::memory_order_relaxed)) {
             }
         }
     });
