@@ -3,9 +3,10 @@
 //   bench_session SCENE.glb [QUALITY preview|medium|high] [LIGHTMAP_SIZE] [ROUNDS]
 //
 // Prints the quality by time, the seconds until the first light and until 90 % of the final quality, and the session's
-// and bake()'s seconds, in turn, with their ratio. Quality is 1 less the root mean square error of the pages' light
-// against the finished pages, relative to the light's own root mean square. The session is asked for its tiles every
-// 0.3 s, as the window does; times of the comparison are not counted. Wall time: use a quiet machine.
+// and bake()'s seconds, in turn, with their ratio. Quality is 1 less the root mean square error of the light of texels
+// that charts cover against the finished pages, relative to that light's own root mean square. The session is asked for
+// its tiles every 0.3 s, as the window does; times of the comparison are not counted. Wall time: use a quiet machine.
+#include "bake/stages.h"
 #include "halflight/bake/bake_session.h"
 #include "halflight/bake_cpu/embree_integrator.h"
 #include "halflight/base/rgb9e5.h"
@@ -70,13 +71,26 @@ std::optional<Run> runSession(const Scene& scene, const BakeSettings& settings)
     return run;
 }
 
-/// Squared difference of a rectangle of light to the finished page.
-double squaredError(const Image<uint32_t>& texels, ivec2 offset, float unitLux, const ImageRgb32f& page)
+/// 1 where charts cover the page. Elsewhere is padding, of which finished pages have more than unfinished ones.
+std::vector<Image<uint8_t>> coverage(const BakedScene& baked)
+{
+    const int size = baked.lightmaps.at(0).width();
+    const int count = int(baked.lightmaps.size());
+    std::vector<Image<uint8_t>> covered(std::size_t(count), Image<uint8_t>(size, size, uint8_t(0)));
+    const TexelMap map = rasterizeTexels(flattenGeometry(baked.scene, size, GeometryFilter::Static), size, count);
+    for (const Texel& texel : map.texels) covered[texel.page](texel.x, texel.y) = 1;
+    return covered;
+}
+
+/// Squared difference of a rectangle of light to the finished page, where it is covered.
+double squaredError(const Image<uint32_t>& texels, ivec2 offset, float unitLux, const ImageRgb32f& page,
+                    const Image<uint8_t>& covered)
 {
     const ImageRgb32f light = decodeRgb9e5(texels, unitLux);
     double sum = 0.0;
     for (int y = 0; y < light.height(); ++y) {
         for (int x = 0; x < light.width(); ++x) {
+            if (covered(offset.x + x, offset.y + y) == 0) continue;
             const vec3 difference = light(x, y) - page(offset.x + x, offset.y + y);
             sum += double(glm::dot(difference, difference));
         }
@@ -91,11 +105,13 @@ double secondsToQuality(Run& run)
     const std::vector<ImageRgb32f>& pages = run.result->irradiance;
     std::vector<Image<uint32_t>>& shown = run.light->lightmaps;
     const float unit = run.light->lightmapUnitLux;
+    const std::vector<Image<uint8_t>> covered = coverage(run.result->baked);
     double all = 0.0;
     double error = 0.0;
     for (std::size_t p = 0; p < pages.size(); ++p) {
-        for (const vec3 light : pages[p].texels()) all += double(glm::dot(light, light));
-        error += squaredError(shown[p], ivec2(0), unit, pages[p]);
+        for (std::size_t i = 0; i < pages[p].texelCount(); ++i)
+            if (covered[p].texels()[i] != 0) all += double(glm::dot(pages[p].texels()[i], pages[p].texels()[i]));
+        error += squaredError(shown[p], ivec2(0), unit, pages[p], covered[p]);
     }
     const auto quality = [&] { return 1.0 - std::sqrt(std::max(error, 0.0) / all); };
     std::printf("first light after %.2f s: quality %.3f\n", run.lightSeconds, quality());
@@ -110,8 +126,8 @@ double secondsToQuality(Run& run)
                     before(x, y) = std::exchange(texel, tile.texels(x, y));
                 }
             }
-            error += squaredError(tile.texels, tile.offset, unit, pages[p]) -
-                     squaredError(before, tile.offset, unit, pages[p]);
+            error += squaredError(tile.texels, tile.offset, unit, pages[p], covered[p]) -
+                     squaredError(before, tile.offset, unit, pages[p], covered[p]);
         }
         if (quality() >= kQuality) reached = std::min(reached, step.seconds);
         std::printf("  %.1f s: %.3f", step.seconds, quality());

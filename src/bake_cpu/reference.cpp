@@ -40,14 +40,32 @@ CameraRay cameraRay(const Camera& camera, float aspect, vec2 place)
 
 } // namespace
 
-Result<ImageRgb32f> renderReference(const Scene& scene, const Camera& camera, ivec2 size,
-                                    const ReferenceSettings& settings, const Progress& progress)
+struct ReferenceRenderer::Impl {
+    explicit Impl(const Scene& of)
+        : scene(of), geometry(flattenGeometry(of, 1, GeometryFilter::All)), paths(of, geometry, LightUse::Reference)
+    {}
+
+    const Scene& scene;
+    BakeGeometry geometry;
+    PathTracer paths;
+};
+
+ReferenceRenderer::ReferenceRenderer() = default;
+ReferenceRenderer::~ReferenceRenderer() = default;
+
+Result<std::unique_ptr<ReferenceRenderer>> ReferenceRenderer::create(const Scene& scene)
 {
-    const BakeGeometry geometry = flattenGeometry(scene, 1, GeometryFilter::All);
-    const PathTracer paths(scene, geometry, LightUse::Reference);
-    if (progress.cancelled()) return Error{ErrorCode::Cancelled, "interrupted"};
-    if (!paths.ok()) return Error{ErrorCode::DeviceFailed, "Embree could not build the scene (out of memory?)"};
-    const ReferenceTracer tracer(scene, paths, {settings.surfaces, settings.clampNits});
+    std::unique_ptr<ReferenceRenderer> renderer(new ReferenceRenderer);
+    renderer->impl_ = std::make_unique<Impl>(scene);
+    if (!renderer->impl_->paths.ok())
+        return Error{ErrorCode::DeviceFailed, "Embree could not build the scene (out of memory?)"};
+    return renderer;
+}
+
+Result<ImageRgb32f> ReferenceRenderer::render(const Camera& camera, ivec2 size, const ReferenceSettings& settings,
+                                              const Progress& progress) const
+{
+    const ReferenceTracer tracer(impl_->scene, impl_->paths, {settings.surfaces, settings.clampNits});
 
     const float aspect = float(size.x) / float(size.y);
     ImageRgb32f picture(size.x, size.y);
@@ -71,6 +89,14 @@ Result<ImageRgb32f> renderReference(const Scene& scene, const Camera& camera, iv
         });
     if (!finished) return Error{ErrorCode::Cancelled, "interrupted"};
     return picture;
+}
+
+Result<ImageRgb32f> renderReference(const Scene& scene, const Camera& camera, ivec2 size,
+                                    const ReferenceSettings& settings, const Progress& progress)
+{
+    Result<std::unique_ptr<ReferenceRenderer>> renderer = ReferenceRenderer::create(scene);
+    if (!renderer) return renderer.error();
+    return (*renderer)->render(camera, size, settings, progress);
 }
 
 } // namespace halflight

@@ -128,11 +128,12 @@ void Renderer::Impl::ensureTargets(const PreparedFrame& frame, const ShadowSetti
     atlas.ensure(device, hasAtlas ? shadows.atlasSize : 1, 1);
 
     VkPipelineLayout layout = pipelines.layout.get();
-    if (std::unique_ptr<ForwardPipelines>& made = forwardPipelines[frame.readsMask]; !made)
-        made = std::make_unique<ForwardPipelines>(device, layout, colorFormat, frame.readsMask);
+    std::unique_ptr<ForwardPipelines>& made = forwardPipelines[frame.readsMask];
+    if (!made && frame.readsMask && maskPipelines.valid()) made = maskPipelines.get();
+    if (!made) made = std::make_unique<ForwardPipelines>(device, layout, colorFormat, frame.readsMask);
     if (!frame.deferred) return;
-    if (std::unique_ptr<DeferredPipelines>& made = deferredPipelines[plan.usesMask]; !made)
-        made = std::make_unique<DeferredPipelines>(device, layout, colorFormat, plan.usesMask);
+    if (std::unique_ptr<DeferredPipelines>& passes = deferredPipelines[plan.usesMask]; !passes)
+        passes = std::make_unique<DeferredPipelines>(device, layout, colorFormat, plan.usesMask);
     gBuffer.ensure(device, size, plan.usesMask);
 }
 

@@ -1,5 +1,6 @@
 #include "halflight/render/renderer.h"
 #include "halflight/base/finite.h"
+#include "halflight/base/parallel.h"
 
 #include "render/renderer_impl.h"
 #include "render/samples.h"
@@ -208,6 +209,17 @@ Status Renderer::load(const BakedScene& baked)
         return true;
     });
     return loaded ? Status() : Status(loaded.error());
+}
+
+void Renderer::prepareShadowmask()
+{
+    Impl& impl = *impl_;
+    if (impl.forwardPipelines[1] || impl.maskPipelines.valid()) return;
+    impl.maskPipelines = std::async(
+        std::launch::async, [&device = impl.device, layout = impl.pipelines.layout.get(), format = impl.colorFormat] {
+            const LowPriority behindTheFrames;
+            return std::make_unique<ForwardPipelines>(device, layout, format, true);
+        });
 }
 
 const Scene& Renderer::scene() const

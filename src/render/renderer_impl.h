@@ -12,6 +12,7 @@
 #include <algorithm>
 #include <array>
 #include <cstring>
+#include <future>
 #include <map>
 #include <memory>
 #include <vector>
@@ -129,9 +130,10 @@ struct Renderer::Impl {
     gpu::UniqueSetLayout setLayout;
     VkFormat colorFormat;
     Pipelines pipelines;
-    std::unique_ptr<ForwardPipelines> forwardPipelines[2];    ///< without and with mask, made when first used
-    std::unique_ptr<DeferredPipelines> deferredPipelines[2];  ///< the same
-    std::map<VkFormat, gpu::UniquePipeline> displayPipelines; ///< by the target's format, made when first used
+    std::unique_ptr<ForwardPipelines> forwardPipelines[2];        ///< without and with mask, made when first used
+    std::future<std::unique_ptr<ForwardPipelines>> maskPipelines; ///< those with mask, while a thread makes them
+    std::unique_ptr<DeferredPipelines> deferredPipelines[2];      ///< as forwardPipelines
+    std::map<VkFormat, gpu::UniquePipeline> displayPipelines;     ///< by the target's format, made when first used
     gpu::UniqueSampler pageSampler;
     gpu::UniqueSampler shadowSampler;
     gpu::UniqueSampler texelSampler;

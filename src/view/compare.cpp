@@ -87,8 +87,9 @@ Status Viewer::drawScene(const Swapchain::Frame& frame)
 void Viewer::followReference()
 {
     const bool wanted = state_.compares && state_.compareWith == Compare::Reference;
-    if (!wanted || size_.x < 1) {
-        reference_.reset();
+    constexpr std::chrono::milliseconds kRest(250); // while an object is dragged, nothing is copied
+    if (!wanted || size_.x < 1 || (!referenceScene_ && Clock::now() - lastEdit_ < kRest)) {
+        if (reference_) reference_->pause();
         pathTraced_.reset();
         state_.referenceSamples = 0;
         return;

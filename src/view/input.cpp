@@ -105,6 +105,7 @@ void Viewer::handleEvents()
 {
     SDL_Event event;
     while (SDL_PollEvent(&event)) {
+        lastInput_ = Clock::now();
         ImGui_ImplSDL2_ProcessEvent(&event);
         handleEvent(event);
     }
@@ -181,6 +182,20 @@ void Viewer::click(vec2 place)
         objectAt(scene_, state_.navigator.camera(), place / vec2(window.x, window.y), window.x / window.y);
 }
 
+/// While a bake or the reference works and nobody does anything, every other moment is theirs: on devices that draw
+/// with the processor they would wait for pictures that show nothing new. Whatever is done ends the pause.
+void Viewer::leaveTimeToBackground()
+{
+    constexpr std::chrono::milliseconds kAfterInput(500);
+    constexpr std::chrono::milliseconds kMost(250);
+    const bool works = session_ || (reference_ && reference_->works());
+    const Clock::time_point now = Clock::now();
+    if (!works || now - lastInput_ < kAfterInput) return;
+    const auto drawing = std::chrono::duration_cast<std::chrono::milliseconds>(now - lastFrame_);
+    (void)SDL_WaitEventTimeout(nullptr, int(std::min(drawing, kMost).count()));
+    lastFrame_ += Clock::now() - now; // no time in which the camera flies
+}
+
 void Viewer::fly(float seconds)
 {
     if (ImGui::GetIO().WantTextInput) return;
@@ -192,6 +207,7 @@ void Viewer::fly(float seconds)
                    axis(SDL_SCANCODE_W, SDL_SCANCODE_S));
     const Desktop::Sticks sticks = desktop_.sticks();
     constexpr float kTurn = 2.0f; // radians a second
+    if (sticks.look != vec2(0.0f) || direction + sticks.fly != vec3(0.0f)) lastInput_ = Clock::now();
     if (sticks.look != vec2(0.0f)) state_.navigator.look(kTurn * seconds * sticks.look);
     direction += sticks.fly;
     if (direction == vec3(0.0f)) return;

@@ -1,6 +1,7 @@
 #include "view/reference_picture.h"
 
 #include "halflight/bake_cpu/embree_integrator.h"
+#include "halflight/base/parallel.h"
 
 #include <algorithm>
 #include <atomic>
@@ -44,8 +45,16 @@ struct View {
 struct ReferencePicture::Impl {
     void run()
     {
+        const LowPriority behindTheWindow;
         std::unique_lock lock(mutex);
         while (!ends) {
+            if (!view.scene && built) {
+                lock.unlock();
+                renderer.reset();
+                built.reset();
+                lock.lock();
+                continue;
+            }
             if (!view.scene || done) {
                 wake.wait(lock);
                 continue;
@@ -65,6 +74,12 @@ struct ReferencePicture::Impl {
     /// Passes with more and more samples, until another view is wanted.
     void refine(const View& current)
     {
+        if (built != current.scene) {
+            renderer.reset();
+            built = current.scene;
+            Result<std::unique_ptr<ReferenceRenderer>> made = ReferenceRenderer::create(*built);
+            if (made) renderer = std::move(*made);
+        }
         const Progress progress{{}, &cancelled};
         ImageRgba32f mean;
         int samples = 0;
@@ -75,18 +90,22 @@ struct ReferencePicture::Impl {
             settings.seed = pass + 1;
             const ivec2 size = small ? glm::max(current.size / kFirstSmaller, ivec2(1)) : current.size;
             const Result<ImageRgb32f> picture =
-                renderReference(*current.scene, current.camera, size, settings, progress);
+                renderer ? renderer->render(current.camera, size, settings, progress)
+                         : Result<ImageRgb32f>(Error{ErrorCode::DeviceFailed, "no memory for the reference", ""});
+            if (picture) {
+                if (samples == 0) mean = ImageRgba32f(size.x, size.y, vec4(0, 0, 0, 1));
+                const float share = float(settings.samplesPerPixel) / float(samples + settings.samplesPerPixel);
+                for (std::size_t i = 0; i < mean.texelCount(); ++i)
+                    mean.data()[i] = vec4(glm::mix(vec3(mean.data()[i]), picture->data()[i], share), 1.0f);
+                if (!small) samples += settings.samplesPerPixel;
+            }
+            Picture next{mean, std::max(samples, 1)}; // before the lock, which the window waits for
             const std::lock_guard lock(mutex);
             if (!picture || cancelled || !view.sameAs(current)) {
                 done = done || (!picture && !cancelled); // it fails again
                 return;
             }
-            if (samples == 0) mean = ImageRgba32f(size.x, size.y, vec4(0, 0, 0, 1));
-            const float share = float(settings.samplesPerPixel) / float(samples + settings.samplesPerPixel);
-            for (std::size_t i = 0; i < mean.texelCount(); ++i)
-                mean.data()[i] = vec4(glm::mix(vec3(mean.data()[i]), picture->data()[i], share), 1.0f);
-            if (!small) samples += settings.samplesPerPixel;
-            result = Picture{mean, std::max(samples, 1)};
+            result = std::move(next);
         }
         const std::lock_guard lock(mutex);
         done = view.sameAs(current);
@@ -100,6 +119,8 @@ struct ReferencePicture::Impl {
     bool done = false; ///< no more samples are needed
     bool ends = false;
     std::optional<Picture> result;
+    std::shared_ptr<const Scene> built; ///< the thread's: what `renderer` shows
+    std::unique_ptr<ReferenceRenderer> renderer;
     std::thread thread; ///< not guarded; the last to be made
 };
 
@@ -125,6 +146,17 @@ bool ReferencePicture::follow(const std::shared_ptr<const Scene>& scene, const C
     impl_->cancelled = true;
     impl_->wake.notify_one();
     return true;
+}
+
+void ReferencePicture::pause()
+{
+    (void)follow(nullptr, {}, ivec2(0));
+}
+
+bool ReferencePicture::works() const
+{
+    const std::lock_guard lock(impl_->mutex);
+    return impl_->view.scene && !impl_->done;
 }
 
 void ReferencePicture::stop()

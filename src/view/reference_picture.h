@@ -19,7 +19,11 @@ public:
     /// What is to be seen: `scene` counts as another one when the pointer differs. Begins anew where something does,
     /// and says so; while the view moves nothing is traced. Never waits.
     bool follow(const std::shared_ptr<const Scene>& scene, const Camera& camera, ivec2 size);
-    /// Ends the work; waits until it has.
+    /// Traces nothing until follow() is called again. Never waits.
+    void pause();
+    /// Whether samples are being added.
+    [[nodiscard]] bool works() const;
+    /// Ends the work; waits until it has, which takes as long as Embree builds the scene.
     void stop();
 
     struct Picture {

@@ -44,6 +44,7 @@ void Viewer::changeScene(const Requests& requests)
     if (requests.light || requests.switches || requests.move) {
         state_.bakeStatus.outOfDate = true;
         referenceScene_.reset();
+        lastEdit_ = Clock::now();
     }
     if (requests.warning && *requests.warning < state_.warnings.size()) showSubject(*requests.warning);
     if (requests.camera) {
@@ -181,6 +182,7 @@ void Viewer::startBake()
     if (session_) return;
     BakeSettings settings = state_.bake;
     session_ = std::make_unique<BakeSession>(scene_, settings, makeEmbreeIntegrator);
+    renderer_->prepareShadowmask(); // most bakes have one
     beforeBake_ = shown_;
     modeBefore_ = state_.settings.mode;
     state_.bakeStatus = {};

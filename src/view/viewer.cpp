@@ -244,6 +244,7 @@ Status Viewer::turn()
         return Error{ErrorCode::DeviceFailed, failure.what(), ""};
     }
     watchFile();
+    leaveTimeToBackground();
     return {};
 }
 

@@ -77,6 +77,7 @@ private:
     void drag(vec2 pixels, uint32_t buttons);
     void click(vec2 place);
     void fly(float seconds);
+    void leaveTimeToBackground();
     void buildPanels();
     void drawCompared();
     void drawGizmo();
@@ -129,6 +130,8 @@ private:
     std::optional<ReferencePicture> reference_;
     std::shared_ptr<const Scene> referenceScene_;         ///< what it shows; null when scene_ has changed
     std::optional<ReferencePicture::Picture> pathTraced_; ///< the last one of this view
+    Clock::time_point lastEdit_;                          ///< of scene_
+    Clock::time_point lastInput_;                         ///< by keys, mouse or gamepad
     float pathTracedEv_ = 0.0f;                           ///< its exposure on the screen
     Gizmo gizmo_;
     std::vector<std::string> messages_; ///< of the validation layer, of devices before

@@ -158,6 +158,8 @@ class View(Case):
         """500 frames of use without a message of the validation layer."""
         baked, _ = self.bake(self.scene(), "baked.glb")
         window = self.window(baked, "--size", "500x300")
+        window.key("F12")
+        window.said(r"screenshot_001\.png: ")  # it draws
         for width, height in ((333, 217), (800, 600), (65, 41), (500, 300)):
             window.do("windowsize", "--sync", window.id, width, height)
             time.sleep(0.3)
@@ -170,7 +172,8 @@ class View(Case):
         window.do("click", 1)  # selects what is there
         window.do("keydown", "w"), time.sleep(0.3), window.do("keyup", "w")
         window.do("keydown", "d"), time.sleep(0.3), window.do("keyup", "d")
-        window.key("f", "x", "c", "c", "c", "v", "v", "v", "v", "v", "v", "v")
+        window.key("f", "x", "c", "c", "v", "v", "v", "v", "v", "v", "v", "F12")  # compared with the reference to the end
+        window.said(r"screenshot_002\.png: ")
         for y in range(20, 300, 14):  # whatever is under the mouse: sections open, buttons are pressed
             window.do("mousemove", "--window", window.id, 60, y, "click", 1)
             time.sleep(0.05)
@@ -282,6 +285,38 @@ class View(Case):
                 if same and other > 20000 and len({pixel for row in right for pixel in row}) > 20:
                     break
                 self.assertLess(time.monotonic(), limit, f"{compared}: left is the same {same}, right differs by {other}")
+        self.assert_ends_well(window)
+
+    def answer_seconds(self, window):
+        """Until a screenshot follows a drag of the mouse, the median of five; each shows another place."""
+        seconds = []
+        eyes = set()
+        for i in range(5):
+            said = len(window.lines)
+            window.do("mousemove", "--window", window.id, 450, 100, "mousedown", 1)
+            window.do("mousemove", "--window", window.id, 430 - 5 * i, 110, "mouseup", 1)
+            start = time.monotonic()
+            window.do("key", "F12")
+            eyes.add(window.said(r"screenshot_\d+\.png: .* --eye (\S+)", said).group(1))
+            seconds.append(time.monotonic() - start)
+        self.assertEqual(len(eyes), len(seconds), "the mouse moves the camera")
+        return sorted(seconds)[2]
+
+    def test_answers_while_there_is_work_in_the_background(self):
+        """A bake, its end, and the reference that gets better: a key is answered about as soon as without them."""
+        window = self.window(self.scene(), "--size", "500x300", "--quality", "ultra", "--lightmap-size", "256")
+        window.key("Tab")
+        quiet = self.answer_seconds(window)
+        most = 4.0 * quiet + 1.0  # the work takes a part of the processor, and more where that has few cores
+        window.key("b")
+        window.said(r"first light after")
+        self.assertLess(self.answer_seconds(window), most, f"a bake; without it {quiet}")
+        window.key("Escape")
+        window.said(r"^bake: cancelled")
+        window.key("r")
+        self.assertLess(self.answer_seconds(window), most, f"the reference; without it {quiet}")
+        time.sleep(2.0)  # now it is refined
+        self.assertLess(self.answer_seconds(window), most, f"the reference, refined; without it {quiet}")
         self.assert_ends_well(window)
 
     def test_a_file_that_is_not_one(self):

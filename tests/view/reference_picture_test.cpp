@@ -70,5 +70,57 @@ TEST(ReferencePicture, IsOfTheViewThatRestsAndGetsBetter)
     reference.stop();
 }
 
+double secondsSince(std::chrono::steady_clock::time_point start)
+{
+    return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
+
+/// A square of 2 * side * side triangles.
+Scene heavyScene(int side)
+{
+    Scene scene;
+    MeshPart part;
+    for (int y = 0; y <= side; ++y) {
+        for (int x = 0; x <= side; ++x) {
+            part.positions.push_back(vec3(x, 0.2f * std::sin(0.1f * float(x * y)), y) / float(side));
+            part.normals.push_back(vec3(0, 1, 0));
+        }
+    }
+    const auto at = [&](int x, int y) { return uint32_t(y * (side + 1) + x); };
+    for (int y = 0; y < side; ++y)
+        for (int x = 0; x < side; ++x)
+            for (const uint32_t i :
+                 {at(x, y), at(x, y + 1), at(x + 1, y), at(x + 1, y), at(x, y + 1), at(x + 1, y + 1)})
+                part.indices.push_back(i);
+    scene.meshes.push_back(Mesh{.parts = {part}});
+    Object object;
+    object.mesh = 0;
+    scene.objects.push_back(object);
+    return scene;
+}
+
+/// Another view, or none, is said at once: also while Embree builds a scene, which cannot be interrupted.
+TEST(ReferencePicture, NeverLetsTheWindowWait)
+{
+    const auto scene = std::make_shared<const Scene>(heavyScene(150));
+    auto start = std::chrono::steady_clock::now();
+    ASSERT_TRUE(ReferenceRenderer::create(*scene));
+    const double building = secondsSince(start);
+    ReferencePicture reference;
+    const Camera camera = lookingAt(vec3(0.5f, 1, 2), vec3(0.5f, 0, 0.5f));
+    EXPECT_FALSE(reference.works());
+    reference.follow(scene, camera, ivec2(640, 400));
+    EXPECT_TRUE(reference.works());
+    std::this_thread::sleep_for(std::chrono::milliseconds(260)); // the view rests: it builds
+    start = std::chrono::steady_clock::now();
+    EXPECT_TRUE(reference.follow(scene, lookingAt(vec3(0.4f, 1, 2), vec3(0.5f, 0, 0.5f)), ivec2(640, 400)));
+    EXPECT_FALSE(reference.take());
+    reference.pause();
+    EXPECT_FALSE(reference.works());
+    EXPECT_LT(secondsSince(start), 0.25 * building);
+    std::this_thread::sleep_for(std::chrono::duration<double>(building));
+    EXPECT_FALSE(reference.take()) << "of a view that is not wanted any more";
+}
+
 } // namespace
 } // namespace halflight::view

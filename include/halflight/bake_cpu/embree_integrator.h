@@ -25,10 +25,29 @@ struct ReferenceSettings {
     float clampNits = 0.0f;
 };
 
-/// The picture `halflight render --reference SPP` writes: the whole scene, static and dynamic, path traced from the
-/// camera; linear radiance in nits. Unbiased, but for the limit that the settings may have: textures at full resolution
-/// with bilinear filtering, normal maps, alpha, all lights with their sizes, emissive surfaces, the sky. A pixel is the
-/// mean over its square. The result does not depend on the number of threads.
+/// What `halflight render --reference SPP` draws with: the whole scene, static and dynamic, path traced from a camera.
+/// Unbiased, but for the limit that the settings may have: textures at full resolution with bilinear filtering, normal
+/// maps, alpha, all lights with their sizes, emissive surfaces, the sky.
+class ReferenceRenderer {
+public:
+    /// Builds what rays are traced in; `scene` outlives the renderer.
+    static Result<std::unique_ptr<ReferenceRenderer>> create(const Scene& scene);
+    ~ReferenceRenderer();
+    ReferenceRenderer(const ReferenceRenderer&) = delete;
+    ReferenceRenderer& operator=(const ReferenceRenderer&) = delete;
+
+    /// Linear radiance in nits; a pixel is the mean over its square. The result does not depend on the number of
+    /// threads. Cancelling is looked at for each sample.
+    [[nodiscard]] Result<ImageRgb32f> render(const Camera& camera, ivec2 size, const ReferenceSettings& settings,
+                                             const Progress& progress = {}) const;
+
+private:
+    struct Impl;
+    ReferenceRenderer();
+    std::unique_ptr<Impl> impl_;
+};
+
+/// One picture of a ReferenceRenderer.
 Result<ImageRgb32f> renderReference(const Scene& scene, const Camera& camera, ivec2 size,
                                     const ReferenceSettings& settings, const Progress& progress = {});
 
