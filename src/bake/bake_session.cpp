@@ -2,8 +2,6 @@
 
 #include "bake/live_light.h"
 
-#include "halflight/base/parallel.h"
-
 #include <atomic>
 #include <chrono>
 #include <mutex>
@@ -25,7 +23,6 @@ double secondsSince(Clock::time_point start)
 struct BakeSession::Impl {
     void run(Scene scene, const BakeSettings& settings, const IntegratorFactory& factory)
     {
-        const LowPriority behindTheWindow;
         Progress progress;
         progress.cancel = &cancelled;
         progress.report = [this](std::string_view stage, double fraction) {

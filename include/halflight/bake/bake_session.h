@@ -27,7 +27,7 @@ struct LightTile {
     Image<uint32_t> texels; ///< as BakedScene::lightmaps, in units of the first light's lightmapUnitLux
 };
 
-/// Bakes on threads of its own, of low priority (LowPriority). The result is that of bake() with the same arguments, byte for byte.
+/// Bakes on threads of its own. The result is that of bake() with the same arguments, byte for byte.
 ///
 /// First light: few texels of each chart, path traced as soon as the scene has its layout, and spread over the others.
 /// Then the lightmap's texels come in pieces of charts, before denoising; the finished pages follow once more. All that
