@@ -7,48 +7,8 @@
 #include <tbb/info.h>
 #include <tbb/parallel_for.h>
 #include <tbb/task_arena.h>
-#include <tbb/task_scheduler_observer.h>
-
-#ifdef __linux__
-#include <sys/resource.h>
-#include <sys/syscall.h>
-#include <unistd.h>
-#endif
 
 namespace halflight {
-namespace {
-
-#ifdef __linux__
-void lowerThisThread()
-{
-    constexpr int kNice = 5; // a third of the time where others want all of it
-    // New threads begin with the value of their maker, so that it is set and not added to.
-    const int wanted = getpriority(PRIO_PROCESS, id_t(getpid())) + kNice;
-    const auto self = id_t(syscall(SYS_gettid));
-    if (getpriority(PRIO_PROCESS, self) < wanted) (void)setpriority(PRIO_PROCESS, self, wanted);
-}
-#else
-void lowerThisThread() {}
-#endif
-
-} // namespace
-
-/// Sees each thread that begins to help the one that made it.
-struct LowPriority::Helpers : tbb::task_scheduler_observer {
-    Helpers() { observe(true); }
-    ~Helpers() override { observe(false); }
-    Helpers(const Helpers&) = delete;
-    Helpers& operator=(const Helpers&) = delete;
-    void on_scheduler_entry(bool /*isHelper*/) override { lowerThisThread(); }
-};
-
-LowPriority::LowPriority()
-{
-    lowerThisThread();
-    helpers_ = std::make_unique<Helpers>();
-}
-
-LowPriority::~LowPriority() = default;
 
 ThreadLimit::ThreadLimit(int threads)
     : control_(threads > 0 ? new tbb::global_control(tbb::global_control::max_allowed_parallelism, std::size_t(threads))

@@ -1,6 +1,5 @@
 #include "halflight/render/renderer.h"
 #include "halflight/base/finite.h"
-#include "halflight/base/parallel.h"
 
 #include "render/renderer_impl.h"
 #include "render/samples.h"
@@ -217,7 +216,6 @@ void Renderer::prepareShadowmask()
     if (impl.forwardPipelines[1] || impl.maskPipelines.valid()) return;
     impl.maskPipelines = std::async(
         std::launch::async, [&device = impl.device, layout = impl.pipelines.layout.get(), format = impl.colorFormat] {
-            const LowPriority behindTheFrames;
             return std::make_unique<ForwardPipelines>(device, layout, format, true);
         });
 }

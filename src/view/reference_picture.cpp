@@ -1,7 +1,6 @@
 #include "view/reference_picture.h"
 
 #include "halflight/bake_cpu/embree_integrator.h"
-#include "halflight/base/parallel.h"
 
 #include <algorithm>
 #include <atomic>
@@ -45,7 +44,6 @@ struct View {
 struct ReferencePicture::Impl {
     void run()
     {
-        const LowPriority behindTheWindow;
         std::unique_lock lock(mutex);
         while (!ends) {
             if (!view.scene && built) {

@@ -6,7 +6,6 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
-#include <memory>
 #include <string_view>
 #include <vector>
 
@@ -27,21 +26,6 @@ private:
 
 /// Number of threads parallelFor uses now.
 int threadCount();
-
-/// For work in the background of a window: the thread that makes it, and the threads that help in that thread's
-/// parallelFor(), get the processor after the process's first thread, the device's driver and others. Linux: a nice
-/// value higher by 5, which they keep, as only the superuser lowers it again; elsewhere nothing changes.
-class LowPriority {
-public:
-    LowPriority();
-    ~LowPriority();
-    LowPriority(const LowPriority&) = delete;
-    LowPriority& operator=(const LowPriority&) = delete;
-
-private:
-    struct Helpers;
-    std::unique_ptr<Helpers> helpers_;
-};
 
 /// Calls body(begin, end) on disjoint ranges that cover [0, count), `grain` items each at most, on all threads.
 void parallelFor(std::size_t count, std::size_t grain,

@@ -127,7 +127,7 @@ public:
     /// Uploads the scene, replacing the one before. The scene is copied where the renderer needs it afterwards.
     Status load(const BakedScene& baked);
 
-    /// Makes, on a thread of low priority, what the forward path needs for pictures with a shadowmask, so that the
+    /// Makes, on a thread of its own, what the forward path needs for pictures with a shadowmask, so that the
     /// first one does not wait for the driver's compiler: call it when a bake that will have a mask begins, say. Never
     /// waits.
     void prepareShadowmask();
