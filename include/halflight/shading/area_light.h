@@ -17,14 +17,13 @@ HL_FN bool isAreaLight(int lightType)
     return lightType >= kLightRectangle;
 }
 
-// Angle between a and b times their plane's unit normal. Half the sum over the edges of a polygon is the integral of
-// directions over its solid angle; its z is the irradiance at the origin on a surface whose normal is +Z, for radiance
-// 1 (Lambert 1760, Photometria).
-HL_FN vec3 edgeIntegral(vec3 a, vec3 b)
+// Angle between a and b times the z of their plane's unit normal. Half the sum over the edges of a polygon is the
+// irradiance at the origin on a surface whose normal is +Z, for radiance 1 (Lambert 1760, Photometria).
+HL_FN float edgeIntegral(vec3 a, vec3 b)
 {
     vec3 n = cross(a, b);
     float sine = length(n);
-    return n * (sine > 1.0e-30f ? atan(sine, dot(a, b)) / sine : 0.0f);
+    return sine > 1.0e-30f ? n.z * (atan(sine, dot(a, b)) / sine) : 0.0f;
 }
 
 // Where the edge from a to b crosses the horizon z = 0; a where it does not.
@@ -36,11 +35,11 @@ HL_FN vec3 horizonCrossing(vec3 a, vec3 b)
 }
 
 // edgeIntegral() of the edge's part above the horizon.
-HL_FN vec3 edgeAboveHorizon(vec3 a, vec3 b)
+HL_FN float edgeAboveHorizon(vec3 a, vec3 b)
 {
     vec3 from = a.z < 0.0f ? horizonCrossing(a, b) : a;
     vec3 to = b.z < 0.0f ? horizonCrossing(a, b) : b;
-    return edgeIntegral(from, to) * (max(a.z, b.z) >= 0.0f ? 1.0f : 0.0f);
+    return max(a.z, b.z) >= 0.0f ? edgeIntegral(from, to) : 0.0f;
 }
 
 // The edge's point on the horizon if it goes down there from a to b, else zero.
@@ -49,22 +48,21 @@ HL_FN vec3 horizonExit(vec3 a, vec3 b)
     return a.z >= 0.0f && b.z < 0.0f ? horizonCrossing(a, b) : vec3(0.0f);
 }
 
-// Integral of directions over the solid angle that a quadrilateral has above the horizon z = 0, from the origin: its z
-// is the irradiance on a surface with normal +Z, for radiance 1. a, b, c, d are the corners of a flat convex
+// Irradiance at the origin on a surface with normal +Z, for radiance 1: a, b, c, d are the corners of a flat convex
 // quadrilateral, counter-clockwise as seen from its back. 0 at its back. From 100 times its size on it counts as a
 // point, since the sum over edges rounds there.
-HL_FN vec3 quadIntegral(vec3 a, vec3 b, vec3 c, vec3 d)
+HL_FN float quadIrradiance(vec3 a, vec3 b, vec3 c, vec3 d)
 {
     vec3 middle = 0.25f * (a + b + c + d);
     vec3 area = 0.5f * cross(c - a, d - b);
     float d2 = dot(middle, middle);
     float size2 = max(dot(c - a, c - a), dot(d - b, d - b));
-    float ofPoint = middle.z > 0.0f ? max(dot(middle, area), 0.0f) / max(d2 * d2, 1.0e-30f) : 0.0f;
+    float ofPoint = max(middle.z, 0.0f) * max(dot(middle, area), 0.0f) / max(d2 * d2, 1.0e-30f);
     vec3 exit = horizonExit(a, b) + horizonExit(b, c) + horizonExit(c, d) + horizonExit(d, a); // one at most
     vec3 entry = horizonExit(b, a) + horizonExit(c, b) + horizonExit(d, c) + horizonExit(a, d);
-    vec3 sum = edgeAboveHorizon(a, b) + edgeAboveHorizon(b, c) + edgeAboveHorizon(c, d) + edgeAboveHorizon(d, a) +
-               edgeIntegral(exit, entry);
-    return d2 > 1.0e4f * size2 ? ofPoint * middle : (sum.z > 0.0f ? 0.5f : 0.0f) * sum;
+    float sum = edgeAboveHorizon(a, b) + edgeAboveHorizon(b, c) + edgeAboveHorizon(c, d) + edgeAboveHorizon(d, a) +
+                edgeIntegral(exit, entry);
+    return d2 > 1.0e4f * size2 ? ofPoint : 0.5f * max(sum, 0.0f);
 }
 
 // atan(x y) / x, also where x is 0.
@@ -118,7 +116,7 @@ HL_FN float diskIrradiance(vec3 center, vec3 back, float radius)
     float ofCos = (d * bend - turn * e / (d + q)) / q;
     float ofSin = whole ? 0.0f : -logOver(e, (cos(to) - cos(from)) / (d + e * cos(from)));
     float arc = radius * (radius * back.z * ofOne + (r * back.z - h * u.z) * ofCos - h * v.z * ofSin);
-    float chord = whole ? 0.0f : edgeIntegral(vec3(exit.x, exit.y, 0.0f), vec3(entry.x, entry.y, 0.0f)).z;
+    float chord = whole ? 0.0f : edgeIntegral(vec3(exit.x, exit.y, 0.0f), vec3(entry.x, entry.y, 0.0f));
     return center.z > -swing ? 0.5f * max(arc + chord, 0.0f) : 0.0f;
 }
 
@@ -143,7 +141,7 @@ HL_FN float areaIrradiance(int shape, vec3 n, vec3 toCenter, vec3 halfX, vec3 ha
     vec3 x = inFrame(t, n, halfX);
     vec3 y = inFrame(t, n, halfY);
     return shape == kLightDisk ? diskIrradiance(c, normalize(cross(x, y)), length(x))
-                               : quadIntegral(c - x - y, c + x - y, c + x + y, c - x + y).z;
+                               : quadIrradiance(c - x - y, c + x - y, c + x + y, c - x + y);
 }
 
 // The transformed cosine nearest to the specular lobe of reflectLight() times N.l, in the frame of tangentFromView().
@@ -168,24 +166,19 @@ HL_FN vec3 inLobe(vec3 transform, vec3 p)
     return vec3((p.x - transform.z * p.z) / transform.x, p.y / transform.y, p.z);
 }
 
-HL_FN vec3 fromLobe(vec3 transform, vec3 p)
-{
-    return vec3(p.x * transform.x + p.z * transform.z, p.y * transform.y, p.z);
-}
-
-// quadIntegral() of a part of a disk between two chords along `up`, in the lobe's frame. cosine and sine: of the
+// quadIrradiance() of a part of a disk between two chords along `up`, in the lobe's frame. cosine and sine: of the
 // chords' ends.
-HL_FN vec3 diskStrip(vec3 center, vec3 right, vec3 up, vec2 first, vec2 second)
+HL_FN float diskStrip(vec3 center, vec3 right, vec3 up, vec2 first, vec2 second)
 {
-    return quadIntegral(center + second.x * right - second.y * up, center + first.x * right - first.y * up,
-                        center + first.x * right + first.y * up, center + second.x * right + second.y * up);
+    return quadIrradiance(center + second.x * right - second.y * up, center + first.x * right - first.y * up,
+                          center + first.x * right + first.y * up, center + second.x * right + second.y * up);
 }
 
-// z: share of the specular lobe's light that an area light of radiance 1 sends, 1 if it fills the lobe. All: along the
-// mean direction of what it sends, in the lobe's frame. A disk counts as the regular polygon of 12 corners with its
-// area.
-HL_FN vec3 areaSpecular(int shape, vec3 transform, vec3 n, vec3 v, vec3 toCenter, vec3 halfX, vec3 halfY)
+// Share of the specular lobe's light that an area light of radiance 1 sends: 1 if it fills the lobe. A disk counts as
+// the regular polygon of 12 corners with its area.
+HL_FN float areaSpecular(int shape, float roughness, vec3 n, vec3 v, vec3 toCenter, vec3 halfX, vec3 halfY)
 {
+    vec3 transform = specularTransform(roughness, abs(dot(n, v)));
     vec3 t = tangentFromView(n, v);
     vec3 c = inLobe(transform, inFrame(t, n, toCenter));
     vec3 x = inLobe(transform, inFrame(t, n, halfX));
@@ -199,26 +192,15 @@ HL_FN vec3 areaSpecular(int shape, vec3 transform, vec3 n, vec3 v, vec3 toCenter
     vec2 c105 = vec2(-0.25881905f, 0.96592583f);
     vec2 c135 = vec2(-0.70710678f, 0.70710678f);
     vec2 c165 = vec2(-0.96592583f, 0.25881905f);
-    vec3 all = shape == kLightDisk
-                   ? diskStrip(c, r, up, c15, c45) + diskStrip(c, r, up, c45, c75) + diskStrip(c, r, up, c75, c105) +
-                         diskStrip(c, r, up, c105, c135) + diskStrip(c, r, up, c135, c165)
-                   : quadIntegral(c - x - y, c + x - y, c + x + y, c - x + y);
-    return all * (1.0f / kShadingPi);
+    float irradiance = shape == kLightDisk ? diskStrip(c, r, up, c15, c45) + diskStrip(c, r, up, c45, c75) +
+                                                 diskStrip(c, r, up, c75, c105) + diskStrip(c, r, up, c105, c135) +
+                                                 diskStrip(c, r, up, c135, c165)
+                                           : quadIrradiance(c - x - y, c + x - y, c + x + y, c - x + y);
+    return irradiance * (1.0f / kShadingPi);
 }
 
-// Cosine between the view and the middle between it and the direction that areaSpecular() gives: the mean one at which
-// microfacets reflect the light to the view.
-HL_FN float areaHalfAngleCosine(vec3 transform, float nDotV, vec3 specular)
-{
-    vec3 l = fromLobe(transform, specular);
-    float lDotV = nDotV * l.z - sqrt(1.0f - nDotV * nDotV) * l.x;
-    return sqrt(saturate(0.5f + 0.5f * lDotV / max(length(l), 1.0e-30f)));
-}
-
-// Radiance reflected to v from an area light that nothing hides, as reflectLight() does for light from one direction.
-// Diffuse part: by the mean Fresnel reflectance (diffuseShare()). Specular part: by that at the light's mean direction
-// in the lobe. Its mean over the whole lobe, as the usual two-term table has it (Hill and Heitz 2016), makes highlights
-// of dielectrics wrong by up to 60 % at grazing views.
+// Radiance reflected to v from an area light that nothing hides, as reflectLight() does for light from one direction:
+// the diffuse part by the mean Fresnel reflectance (diffuseShare()).
 HL_FN vec3 reflectAreaLight(vec3 baseColor, float metallic, float roughness, float specularFactor, vec3 n, vec3 v,
                             int shape, vec3 toCenter, vec3 halfX, vec3 halfY, vec3 radiance)
 {
@@ -227,11 +209,8 @@ HL_FN vec3 reflectAreaLight(vec3 baseColor, float metallic, float roughness, flo
     float nDotV = clamp(abs(dot(n, v)), 0.0f, 1.0f);
     vec3 diffuse = diffuseRadiance(diffuseAlbedoOf(baseColor, metallic) * diffuseShare(f0, f90, nDotV),
                                    vec3(areaIrradiance(shape, n, toCenter, halfX, halfY)));
-    vec3 transform = specularTransform(roughness, nDotV);
-    vec3 lobe = areaSpecular(shape, transform, n, v, toCenter, halfX, halfY);
-    vec3 specular = fresnelSchlick(f0, f90, areaHalfAngleCosine(transform, nDotV, lobe)) *
-                    environmentSpecular(vec3(1.0f), 1.0f, roughness, nDotV) * lobe.z;
-    return (diffuse + specular) * radiance;
+    float lobe = areaSpecular(shape, roughness, n, v, toCenter, halfX, halfY);
+    return (diffuse + environmentSpecular(f0, f90, roughness, nDotV) * lobe) * radiance;
 }
 
 HL_NAMESPACE_END

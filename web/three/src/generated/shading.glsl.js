@@ -137,9 +137,7 @@ vec3 hlEnvironmentSpecular(vec3 f0, float f90, float roughness, float nDotV)
     float lobe = 1.0 + r * r *
                             (-2.204 + n * (5.198 - 2.029 * n) + r * (4.857 + n * (-16.357 + 7.975 * n)) +
                              r * r * (-2.814 + n * (10.142 - 5.450 * n)));
-    float a = r * r;
-    float fade = (0.452 + n * (6.304 - 22.126 * n) + 14.154 * a) / max(n + a * (1.223 + 1.952 * a), 1.0e-6);
-    float grazing = hlSquare(hlSquare(1.0 - n)) * (1.0 - n) * exp2(-a * fade);
+    float grazing = hlSquare(hlSquare(1.0 - n)) * (0.975 - 1.95 * r + 1.01 * r * r);
     return f0 * (lobe - grazing) + vec3(f90 * grazing);
 }
 vec3 hlDiffuseShare(vec3 f0, float f90, float nDotV)
@@ -393,11 +391,11 @@ bool hlIsAreaLight(int lightType)
 {
     return lightType >= hlLightRectangle;
 }
-vec3 hlEdgeIntegral(vec3 a, vec3 b)
+float hlEdgeIntegral(vec3 a, vec3 b)
 {
     vec3 n = cross(a, b);
     float sine = length(n);
-    return n * (sine > 1.0e-30 ? atan(sine, dot(a, b)) / sine : 0.0);
+    return sine > 1.0e-30 ? n.z * (atan(sine, dot(a, b)) / sine) : 0.0;
 }
 vec3 hlHorizonCrossing(vec3 a, vec3 b)
 {
@@ -405,28 +403,28 @@ vec3 hlHorizonCrossing(vec3 a, vec3 b)
     vec3 p = mix(a, b, t);
     return t > 0.0 ? vec3(p.x, p.y, 0.0) : a;
 }
-vec3 hlEdgeAboveHorizon(vec3 a, vec3 b)
+float hlEdgeAboveHorizon(vec3 a, vec3 b)
 {
     vec3 from = a.z < 0.0 ? hlHorizonCrossing(a, b) : a;
     vec3 to = b.z < 0.0 ? hlHorizonCrossing(a, b) : b;
-    return hlEdgeIntegral(from, to) * (max(a.z, b.z) >= 0.0 ? 1.0 : 0.0);
+    return max(a.z, b.z) >= 0.0 ? hlEdgeIntegral(from, to) : 0.0;
 }
 vec3 hlHorizonExit(vec3 a, vec3 b)
 {
     return a.z >= 0.0 && b.z < 0.0 ? hlHorizonCrossing(a, b) : vec3(0.0);
 }
-vec3 hlQuadIntegral(vec3 a, vec3 b, vec3 c, vec3 d)
+float hlQuadIrradiance(vec3 a, vec3 b, vec3 c, vec3 d)
 {
     vec3 middle = 0.25 * (a + b + c + d);
     vec3 area = 0.5 * cross(c - a, d - b);
     float d2 = dot(middle, middle);
     float size2 = max(dot(c - a, c - a), dot(d - b, d - b));
-    float ofPoint = middle.z > 0.0 ? max(dot(middle, area), 0.0) / max(d2 * d2, 1.0e-30) : 0.0;
+    float ofPoint = max(middle.z, 0.0) * max(dot(middle, area), 0.0) / max(d2 * d2, 1.0e-30);
     vec3 exit = hlHorizonExit(a, b) + hlHorizonExit(b, c) + hlHorizonExit(c, d) + hlHorizonExit(d, a);
     vec3 entry = hlHorizonExit(b, a) + hlHorizonExit(c, b) + hlHorizonExit(d, c) + hlHorizonExit(a, d);
-    vec3 sum = hlEdgeAboveHorizon(a, b) + hlEdgeAboveHorizon(b, c) + hlEdgeAboveHorizon(c, d) + hlEdgeAboveHorizon(d, a) +
-               hlEdgeIntegral(exit, entry);
-    return d2 > 1.0e4 * size2 ? ofPoint * middle : (sum.z > 0.0 ? 0.5 : 0.0) * sum;
+    float sum = hlEdgeAboveHorizon(a, b) + hlEdgeAboveHorizon(b, c) + hlEdgeAboveHorizon(c, d) + hlEdgeAboveHorizon(d, a) +
+                hlEdgeIntegral(exit, entry);
+    return d2 > 1.0e4 * size2 ? ofPoint : 0.5 * max(sum, 0.0);
 }
 float hlAtanOver(float x, float y)
 {
@@ -466,7 +464,7 @@ float hlDiskIrradiance(vec3 center, vec3 back, float radius)
     float ofCos = (d * bend - turn * e / (d + q)) / q;
     float ofSin = whole ? 0.0 : -hlLogOver(e, (cos(to) - cos(from)) / (d + e * cos(from)));
     float arc = radius * (radius * back.z * ofOne + (r * back.z - h * u.z) * ofCos - h * v.z * ofSin);
-    float chord = whole ? 0.0 : hlEdgeIntegral(vec3(exit.x, exit.y, 0.0), vec3(entry.x, entry.y, 0.0)).z;
+    float chord = whole ? 0.0 : hlEdgeIntegral(vec3(exit.x, exit.y, 0.0), vec3(entry.x, entry.y, 0.0));
     return center.z > -swing ? 0.5 * max(arc + chord, 0.0) : 0.0;
 }
 vec3 hlTangentFromView(vec3 n, vec3 v)
@@ -486,7 +484,7 @@ float hlAreaIrradiance(int shape, vec3 n, vec3 toCenter, vec3 halfX, vec3 halfY)
     vec3 x = hlInFrame(t, n, halfX);
     vec3 y = hlInFrame(t, n, halfY);
     return shape == hlLightDisk ? hlDiskIrradiance(c, normalize(cross(x, y)), length(x))
-                               : hlQuadIntegral(c - x - y, c + x - y, c + x + y, c - x + y).z;
+                               : hlQuadIrradiance(c - x - y, c + x - y, c + x + y, c - x + y);
 }
 vec3 hlSpecularTransform(float roughness, float nDotV)
 {
@@ -504,17 +502,14 @@ vec3 hlInLobe(vec3 transform, vec3 p)
 {
     return vec3((p.x - transform.z * p.z) / transform.x, p.y / transform.y, p.z);
 }
-vec3 hlFromLobe(vec3 transform, vec3 p)
+float hlDiskStrip(vec3 center, vec3 right, vec3 up, vec2 first, vec2 second)
 {
-    return vec3(p.x * transform.x + p.z * transform.z, p.y * transform.y, p.z);
+    return hlQuadIrradiance(center + second.x * right - second.y * up, center + first.x * right - first.y * up,
+                          center + first.x * right + first.y * up, center + second.x * right + second.y * up);
 }
-vec3 hlDiskStrip(vec3 center, vec3 right, vec3 up, vec2 first, vec2 second)
+float hlAreaSpecular(int shape, float roughness, vec3 n, vec3 v, vec3 toCenter, vec3 halfX, vec3 halfY)
 {
-    return hlQuadIntegral(center + second.x * right - second.y * up, center + first.x * right - first.y * up,
-                        center + first.x * right + first.y * up, center + second.x * right + second.y * up);
-}
-vec3 hlAreaSpecular(int shape, vec3 transform, vec3 n, vec3 v, vec3 toCenter, vec3 halfX, vec3 halfY)
-{
+    vec3 transform = hlSpecularTransform(roughness, abs(dot(n, v)));
     vec3 t = hlTangentFromView(n, v);
     vec3 c = hlInLobe(transform, hlInFrame(t, n, toCenter));
     vec3 x = hlInLobe(transform, hlInFrame(t, n, halfX));
@@ -527,17 +522,11 @@ vec3 hlAreaSpecular(int shape, vec3 transform, vec3 n, vec3 v, vec3 toCenter, ve
     vec2 c105 = vec2(-0.25881905, 0.96592583);
     vec2 c135 = vec2(-0.70710678, 0.70710678);
     vec2 c165 = vec2(-0.96592583, 0.25881905);
-    vec3 all = shape == hlLightDisk
-                   ? hlDiskStrip(c, r, up, c15, c45) + hlDiskStrip(c, r, up, c45, c75) + hlDiskStrip(c, r, up, c75, c105) +
-                         hlDiskStrip(c, r, up, c105, c135) + hlDiskStrip(c, r, up, c135, c165)
-                   : hlQuadIntegral(c - x - y, c + x - y, c + x + y, c - x + y);
-    return all * (1.0 / hlShadingPi);
-}
-float hlAreaHalfAngleCosine(vec3 transform, float nDotV, vec3 specular)
-{
-    vec3 l = hlFromLobe(transform, specular);
-    float lDotV = nDotV * l.z - sqrt(1.0 - nDotV * nDotV) * l.x;
-    return sqrt(hlSaturate(0.5 + 0.5 * lDotV / max(length(l), 1.0e-30)));
+    float irradiance = shape == hlLightDisk ? hlDiskStrip(c, r, up, c15, c45) + hlDiskStrip(c, r, up, c45, c75) +
+                                                 hlDiskStrip(c, r, up, c75, c105) + hlDiskStrip(c, r, up, c105, c135) +
+                                                 hlDiskStrip(c, r, up, c135, c165)
+                                           : hlQuadIrradiance(c - x - y, c + x - y, c + x + y, c - x + y);
+    return irradiance * (1.0 / hlShadingPi);
 }
 vec3 hlReflectAreaLight(vec3 baseColor, float metallic, float roughness, float specularFactor, vec3 n, vec3 v,
                             int shape, vec3 toCenter, vec3 halfX, vec3 halfY, vec3 radiance)
@@ -547,10 +536,7 @@ vec3 hlReflectAreaLight(vec3 baseColor, float metallic, float roughness, float s
     float nDotV = clamp(abs(dot(n, v)), 0.0, 1.0);
     vec3 diffuse = hlDiffuseRadiance(hlDiffuseAlbedoOf(baseColor, metallic) * hlDiffuseShare(f0, f90, nDotV),
                                    vec3(hlAreaIrradiance(shape, n, toCenter, halfX, halfY)));
-    vec3 transform = hlSpecularTransform(roughness, nDotV);
-    vec3 lobe = hlAreaSpecular(shape, transform, n, v, toCenter, halfX, halfY);
-    vec3 specular = hlFresnelSchlick(f0, f90, hlAreaHalfAngleCosine(transform, nDotV, lobe)) *
-                    hlEnvironmentSpecular(vec3(1.0), 1.0, roughness, nDotV) * lobe.z;
-    return (diffuse + specular) * radiance;
+    float lobe = hlAreaSpecular(shape, roughness, n, v, toCenter, halfX, halfY);
+    return (diffuse + hlEnvironmentSpecular(f0, f90, roughness, nDotV) * lobe) * radiance;
 }
 `;
