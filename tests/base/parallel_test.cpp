@@ -6,6 +6,8 @@
 
 #include <algorithm>
 #include <atomic>
+#include <chrono>
+#include <cstdlib>
 #include <gtest/gtest.h>
 #include <mutex>
 #include <set>
@@ -83,6 +85,36 @@ TEST(ParallelFor, CancelStopsSoon)
     }));
     EXPECT_LT(done.load(), 10 + 2 * std::max(threadCount(), 1) + 1) << "only ranges already begun finish";
 }
+
+#ifdef __SANITIZE_THREAD__
+/// The annotations of parallelFor() hide no race of its bodies, neither with each other nor with another thread.
+TEST(ParallelForDeathTest, RacesOfBodiesAreFound)
+{
+    testing::FLAGS_gtest_death_test_style = "threadsafe";
+    constexpr int kExitCode = 66; // ThreadSanitizer's
+    const auto pause = [] { std::this_thread::sleep_for(std::chrono::milliseconds(1)); };
+    const auto amongBodies = [&] {
+        int sum = 0;
+        parallelFor(1000, 1, [&](std::size_t, std::size_t) {
+            pause();
+            ++sum;
+        });
+        std::exit(0);
+    };
+    const auto withAnotherThread = [&] {
+        int sum = 0;
+        std::thread other([&] { ++sum; });
+        parallelFor(100, 1, [&](std::size_t begin, std::size_t) {
+            pause();
+            if (begin == 50) ++sum;
+        });
+        other.join();
+        std::exit(0);
+    };
+    EXPECT_EXIT(amongBodies(), testing::ExitedWithCode(kExitCode), "data race");
+    EXPECT_EXIT(withAnotherThread(), testing::ExitedWithCode(kExitCode), "data race");
+}
+#endif
 
 TEST(ParallelSort, IsThatOfOneThread)
 {
