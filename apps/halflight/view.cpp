@@ -41,7 +41,9 @@ int runView(const ViewCommandOptions& given)
     ViewOptions view;
     view.file = render.file;
     view.loader.read = [&](const std::filesystem::path& file) { return readBakedScene(file, read); };
-    view.loader.camera = [&](const Scene& scene, float aspect) { return chooseCamera(scene, render.camera, aspect); };
+    view.loader.camera = [&](const Scene& scene, float aspect, bool isFirst) {
+        return chooseCamera(scene, isFirst ? render.camera : CameraChoice(), aspect);
+    };
     view.device = render.device;
     view.render = render.render;
     view.mode = render.mode;

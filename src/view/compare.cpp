@@ -27,6 +27,11 @@ RenderSettings Viewer::settingsFor(ivec2 size) const
     return settings;
 }
 
+bool Viewer::wantsEarlier() const
+{
+    return state_.compares && state_.compareWith == Compare::BeforeBake && earlier_;
+}
+
 /// The renderer of what was shown before the bake, on the same device.
 Status Viewer::loadEarlier()
 {
@@ -57,12 +62,13 @@ Status Viewer::drawOther(const Swapchain::Frame& frame, RenderSettings settings,
 
 Status Viewer::drawScene(const Swapchain::Frame& frame)
 {
+    if (!shown_) return {};
     const RenderSettings settings = settingsFor(frame.size);
     state_.shadowDistanceMeters = settings.shadows.distanceMeters;
     VulkanTarget target{frame.view, swapchain_->format()};
     const int line = int(std::lround(state_.split * float(frame.size.x)));
-    const bool draws = state_.compares && state_.compareWith != Compare::Reference &&
-                       (state_.compareWith == Compare::Mode || earlier_.has_value());
+    const bool draws = (state_.compares && state_.compareWith == Compare::Mode) ||
+                       (wantsEarlier() && (earlierRenderer_ || !announcesEarlier_));
     const bool twice = draws && state_.compareWith == Compare::Mode;
     // Frames that compare modes record twice, and record() wants all but the last recording done.
     if (twice || compared_) swapchain_->waitIdle();
@@ -86,7 +92,7 @@ Status Viewer::drawScene(const Swapchain::Frame& frame)
 /// Traces the view while it rests, if it is compared with.
 void Viewer::followReference()
 {
-    const bool wanted = state_.compares && state_.compareWith == Compare::Reference;
+    const bool wanted = shown_ && state_.compares && state_.compareWith == Compare::Reference;
     constexpr std::chrono::milliseconds kRest(250); // while an object is dragged, nothing is copied
     if (!wanted || size_.x < 1 || (!referenceScene_ && Clock::now() - lastEdit_ < kRest)) {
         if (reference_) reference_->pause();
@@ -113,11 +119,41 @@ void Viewer::buildPanels()
 {
     ImGui_ImplSDL2_NewFrame();
     ImGui::NewFrame();
-    collectWarnings();
-    drawPanels(state_, scene_);
-    if (state_.compares) drawCompared();
-    drawGizmo();
+    if (shown_) {
+        collectWarnings();
+        drawPanels(state_, scene_);
+        if (state_.compares) drawCompared();
+        drawGizmo();
+    }
+    announcesEarlier_ = wantsEarlier() && !earlierRenderer_ && !announcesEarlier_;
+    if (announcesEarlier_) note("preparing the light before the bake");
+    drawNotice();
     ImGui::Render();
+}
+
+/// What is being read, or what was said just now, at the bottom.
+void Viewer::drawNotice() const
+{
+    constexpr std::chrono::seconds kShown(4);
+    std::string text;
+    if (opening_) {
+        const double seconds = std::chrono::duration<double>(Clock::now() - opening_->start).count();
+        const std::string name = opening_->file.filename().string();
+        text = opening_->isRead ? fmt::format("preparing the picture of {}", name)
+                                : fmt::format("loading {}, {:.0f} s", name, seconds);
+    } else if (Clock::now() - noticeTime_ < kShown) {
+        text = notice_;
+    }
+    if (text.empty()) return;
+    const ImVec2 size = ImGui::GetIO().DisplaySize;
+    const float gap = 0.5f * ImGui::GetFontSize();
+    const float width = std::max(size.x - 4.0f * gap, ImGui::GetFontSize());
+    const ImVec2 extent = ImGui::CalcTextSize(text.c_str(), nullptr, false, width);
+    const ImVec2 at(0.5f * (size.x - extent.x), size.y - extent.y - 4.0f * gap - ImGui::GetFontSize());
+    ImDrawList* list = ImGui::GetForegroundDrawList();
+    list->AddRectFilled(ImVec2(at.x - gap, at.y - gap), ImVec2(at.x + extent.x + gap, at.y + extent.y + gap),
+                        IM_COL32(0, 0, 0, 200), gap);
+    list->AddText(nullptr, 0.0f, at, IM_COL32_WHITE, text.c_str(), nullptr, width);
 }
 
 /// The line, what is on both sides of it, and the path-traced picture.
@@ -129,7 +165,7 @@ void Viewer::drawCompared()
     std::string right = nameOf(state_.otherMode);
     if (state_.compareWith == Compare::BeforeBake) right = state_.hasEarlier ? "before the bake" : "";
     if (state_.compareWith == Compare::Reference) {
-        right = pathTraced_ ? fmt::format("path traced, {} samples", pathTraced_->samples) : "path tracing";
+        right = pathTraced_ ? fmt::format("path traced, samples a pixel: {}", pathTraced_->samples) : "path tracing";
         if (pathTraced_) {
             list->PushClipRect(ImVec2(x, 0.0f), size);
             list->AddImage(reinterpret_cast<ImTextureID>(UiRenderer::kPicture), ImVec2(0.0f, 0.0f), size);

@@ -13,6 +13,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace halflight::view {
 namespace {
@@ -23,6 +24,24 @@ constexpr float kRadiansPerPixel = kPi / 720.0f;
 constexpr float kDollyPerNotch = 0.85f;
 /// A click moves the mouse by fewer pixels than this.
 constexpr float kClickPixels = 4.0f;
+
+/// Keys, clicks and turns of the wheel, but for the key that ends the program.
+bool needsScene(const SDL_Event& event)
+{
+    switch (event.type) {
+    case SDL_KEYDOWN:
+    case SDL_KEYUP:
+        return event.key.keysym.sym != SDLK_ESCAPE;
+    case SDL_TEXTINPUT:
+    case SDL_MOUSEBUTTONDOWN:
+    case SDL_MOUSEBUTTONUP:
+    case SDL_MOUSEWHEEL:
+        return true;
+    default:
+        return false;
+    }
+}
+
 } // namespace
 
 Desktop::Desktop(const std::string& title, ivec2 size)
@@ -103,11 +122,19 @@ Desktop::Sticks Desktop::sticks() const
 
 void Viewer::handleEvents()
 {
+    const auto handle = [&](const SDL_Event& event) {
+        ImGui_ImplSDL2_ProcessEvent(&event);
+        handleEvent(event);
+    };
+    if (shown_)
+        for (const SDL_Event& event : std::exchange(early_, {})) handle(event);
     SDL_Event event;
     while (SDL_PollEvent(&event)) {
         lastInput_ = Clock::now();
-        ImGui_ImplSDL2_ProcessEvent(&event);
-        handleEvent(event);
+        if (!shown_ && needsScene(event))
+            early_.push_back(event);
+        else
+            handle(event);
     }
 }
 
@@ -121,7 +148,7 @@ void Viewer::handleEvent(const SDL_Event& event)
     case SDL_DROPFILE: {
         const std::filesystem::path file = event.drop.file;
         SDL_free(event.drop.file);
-        if (Status status = open(file); !status) fileWarnings_.push_back(status.error().text());
+        open(file);
         break;
     }
     case SDL_KEYDOWN:
@@ -182,13 +209,14 @@ void Viewer::click(vec2 place)
         objectAt(scene_, state_.navigator.camera(), place / vec2(window.x, window.y), window.x / window.y);
 }
 
-/// While a bake or the reference works and nobody does anything, every other moment is theirs: on devices that draw
-/// with the processor they would wait for pictures that show nothing new. Whatever is done ends the pause.
+/// While a bake, the reference or a reader of files works and nobody does anything, every other moment is theirs: on
+/// devices that draw with the processor they would wait for pictures that show nothing new. Whatever is done ends the
+/// pause.
 void Viewer::leaveTimeToBackground()
 {
     constexpr std::chrono::milliseconds kAfterInput(500);
     constexpr std::chrono::milliseconds kMost(250);
-    const bool works = session_ || (reference_ && reference_->works());
+    const bool works = session_ || opening_ || (reference_ && reference_->works());
     const Clock::time_point now = Clock::now();
     if (!works || now - lastInput_ < kAfterInput) return;
     const auto drawing = std::chrono::duration_cast<std::chrono::milliseconds>(now - lastFrame_);

@@ -31,7 +31,7 @@ void compareChoices(ViewState& state)
         choice("other mode", state.otherMode, state.modes, [](RunMode mode) { return nameOf(mode); });
     if (state.compareWith == Compare::Reference) {
         const bool any = state.referenceSamples > 0;
-        say(any ? fmt::format("{} samples a pixel", state.referenceSamples) : "it begins when the camera rests");
+        say(any ? fmt::format("samples a pixel: {}", state.referenceSamples) : "it begins when the camera rests");
     }
     ImGui::SliderFloat("line", &state.split, 0.0f, 1.0f, "%.2f");
 }

@@ -120,10 +120,11 @@ Status Viewer::takeScreenshot()
                        [](vec4 value) { return u8vec4(glm::clamp(value, 0.0f, 1.0f) * 255.0f + 0.5f); });
     }
     if (Status status = writePng(file, picture); !status) {
-        frameWarnings_.push_back(status.error().text());
+        tell(status.error().text());
         return {};
     }
     say(fmt::format("{}: {}", file.string(), currentCommand()));
+    note("saved " + file.string());
     return {};
 }
 
@@ -133,7 +134,7 @@ void Viewer::saveBake()
     write.irradiance = irradiance_;
     const Status written = writeBakedScene(state_.bakeOutput, *shown_, write);
     state_.bakeStatus.outcome = written ? "saved " + state_.bakeOutput : written.error().text();
-    say(state_.bakeStatus.outcome);
+    tell(state_.bakeStatus.outcome);
     std::error_code absent; // where it replaced the file that is shown, nothing is to be read again
     if (std::filesystem::equivalent(state_.bakeOutput, file_, absent))
         fileTime_ = std::filesystem::last_write_time(file_, absent);
@@ -147,7 +148,7 @@ void Viewer::writeSettings()
     state_.bakeStatus.outcome = text.empty() ? "nothing was changed"
                                 : written    ? "wrote " + name
                                              : written.error().text();
-    say(state_.bakeStatus.outcome);
+    tell(state_.bakeStatus.outcome);
 }
 
 Status Viewer::answerRequests()
@@ -155,14 +156,15 @@ Status Viewer::answerRequests()
     const Requests requests = std::exchange(state_.requests, {});
     changeScene(requests);
     if (requests.frameSelection) frameSelection();
-    if (requests.reload) {
-        if (Status status = open(file_, true); !status) fileWarnings_.push_back(status.error().text());
-    }
+    if (requests.reload) open(file_, true);
     if (requests.toggleFullScreen) {
         const bool full = (SDL_GetWindowFlags(desktop_.window()) & SDL_WINDOW_FULLSCREEN_DESKTOP) != 0;
         SDL_SetWindowFullscreen(desktop_.window(), full ? 0 : SDL_WINDOW_FULLSCREEN_DESKTOP);
     }
-    if (requests.copyCommand) SDL_SetClipboardText(currentCommand().c_str());
+    if (requests.copyCommand) {
+        SDL_SetClipboardText(currentCommand().c_str());
+        note("copied the command line");
+    }
     if (requests.bake) startBake();
     if (requests.cancelBake && session_) session_->cancel();
     if (requests.save && shown_ && state_.bakeStatus.hasResult) saveBake();
@@ -226,7 +228,7 @@ Status Viewer::pollBake()
     status = {};
     if (!result) {
         status.outcome = result.error().code == ErrorCode::Cancelled ? "cancelled" : result.error().text();
-        say("bake: " + status.outcome);
+        tell("bake: " + status.outcome);
         BakedScene before = std::move(*beforeBake_);
         beforeBake_.reset();
         state_.settings.mode = modeBefore_;
@@ -238,7 +240,7 @@ Status Viewer::pollBake()
     state_.hasEarlier = true;
     status.outcome = fmt::format("baked in {:.1f} s", seconds);
     status.hasResult = true;
-    say(status.outcome);
+    tell(status.outcome);
     bakeWarnings_ = result->report.warnings;
     irradiance_ = std::move(result->irradiance);
     const RunMode mode = defaultRunMode(result->baked);

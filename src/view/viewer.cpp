@@ -22,45 +22,6 @@ namespace {
 
 /// Frames whose times are shown.
 constexpr std::size_t kShownFrames = 120;
-
-Statistics statisticsOf(const BakedScene& baked)
-{
-    Statistics s;
-    s.objects = baked.scene.objects.size();
-    for (const Object& object : baked.scene.objects)
-        if (object.mesh >= 0)
-            for (const MeshPart& part : baked.scene.meshes[std::size_t(object.mesh)].parts)
-                s.triangles += part.indices.size() / 3;
-    s.lightmapPages = baked.lightmaps.size();
-    std::size_t bytes = 0;
-    for (const auto& page : baked.lightmaps) bytes += page.texelCount() * sizeof(uint32_t);
-    for (const auto* pages : {&baked.lightmapDirections, &baked.shadowmasks})
-        for (const ImageRgba8& page : *pages) bytes += page.texelCount() * sizeof(u8vec4);
-    s.lightmapMegabytes = double(bytes) / 1.0e6;
-    if (!baked.lightmaps.empty()) s.pageSize = baked.lightmaps[0].size();
-    s.probes = baked.probes.probes.size();
-    s.reflectionProbes = baked.reflections.probes.size();
-    return s;
-}
-
-std::vector<RunMode> modesOf(const BakedScene& baked)
-{
-    std::vector<RunMode> modes;
-    for (const RunMode mode : {RunMode::Realtime, RunMode::BakedIndirect, RunMode::Shadowmask,
-                               RunMode::DistanceShadowmask, RunMode::Subtractive})
-        if (checkRunMode(baked, mode)) modes.push_back(mode);
-    return modes;
-}
-
-/// Lights and objects without vertices and pixels: what the user's changes are compared with.
-Scene outlineOf(const Scene& scene)
-{
-    Scene outline;
-    outline.lights = scene.lights;
-    outline.objects = scene.objects;
-    return outline;
-}
-
 } // namespace
 
 Viewer::Viewer(const ViewOptions& options)
@@ -74,6 +35,7 @@ Viewer::Viewer(const ViewOptions& options)
 
 Viewer::~Viewer()
 {
+    SDL_HideWindow(desktop_.window()); // bakes and files that are being read end a moment later
     session_.reset();
     reference_.reset();
     earlierRenderer_.reset();
@@ -85,68 +47,16 @@ void Viewer::say(const std::string& line) const
     if (options_.say) options_.say(line);
 }
 
-Status Viewer::open(const std::filesystem::path& file, bool keepsView)
+void Viewer::note(const std::string& line)
 {
-    Result<BakedScene> baked = options_.loader.read(file);
-    if (!baked) return baked.error();
-    file_ = file;
-    std::error_code unknown;
-    fileTime_ = std::filesystem::last_write_time(file, unknown);
-    session_.reset();
-    earlier_.reset();
-    earlierRenderer_.reset();
-    state_.hasEarlier = false;
-    referenceScene_.reset();
-    beforeBake_.reset();
-    irradiance_.clear();
-    state_.bakeStatus = {};
-    bakeWarnings_.clear();
-    fileWarnings_ = baked->scene.warnings;
-    scene_ = baked->scene;
-    bounds_ = objectBounds(scene_);
-    atLoad_ = outlineOf(baked->scene);
-    state_.title = file.filename().string();
-    state_.bakeOutput = (file.stem().string() + "_baked.glb");
-    state_.selectedLight = state_.selectedObject = -1;
-    SDL_SetWindowTitle(desktop_.window(), ("halflight: " + state_.title).c_str());
-    hasCamera_ = hasCamera_ && keepsView;
-    const bool keepsMode = hasCamera_ && checkRunMode(*baked, state_.settings.mode);
-    const RunMode mode = keepsMode ? state_.settings.mode : options_.mode.value_or(defaultRunMode(*baked));
-    if (Status status = checkRunMode(*baked, mode); !status) return status;
-    state_.settings.mode = mode;
-    state_.otherMode = RunMode::Realtime; // what a bake is compared with
-    return show(std::move(*baked));
+    notice_ = line;
+    noticeTime_ = Clock::now();
 }
 
-Status Viewer::show(BakedScene baked)
+void Viewer::tell(const std::string& line)
 {
-    if (Status status = renderer_->load(baked); !status) return status;
-    state_.modes = modesOf(baked);
-    state_.statistics = statisticsOf(baked);
-    const auto fits = [&](RunMode mode) {
-        return std::find(state_.modes.begin(), state_.modes.end(), mode) != state_.modes.end();
-    };
-    if (!fits(state_.settings.mode)) state_.settings.mode = defaultRunMode(baked);
-    if (!fits(state_.otherMode)) state_.otherMode = RunMode::Realtime;
-    if (!hasCamera_) {
-        int width = 0;
-        int height = 0;
-        SDL_Vulkan_GetDrawableSize(desktop_.window(), &width, &height);
-        const float aspect = float(std::max(width, 1)) / float(std::max(height, 1));
-        const Result<Camera> camera = options_.loader.camera(baked.scene, aspect);
-        if (!camera) return camera.error();
-        const Bounds bounds = baked.scene.bounds();
-        const float pivot = bounds.empty() ? 1.0f : 0.4f * glm::length(bounds.size());
-        state_.navigator = Navigator(*camera, pivot);
-        state_.speed = bounds.empty() ? 1.0f : std::clamp(0.1f * glm::length(bounds.size()), 0.05f, 10.0f);
-        hasCamera_ = true;
-        if (options_.exposureEv)
-            state_.exposureEv = *options_.exposureEv;
-        else
-            state_.requests.expose = true;
-    }
-    shown_ = std::move(baked);
-    return {};
+    say(line);
+    note(line);
 }
 
 void Viewer::collectWarnings()
@@ -170,6 +80,7 @@ Status Viewer::drawFrame()
     if (Status status = drawScene(*frame); !status) return status;
     ui_->draw(frame->commands, frame->view, frame->size, *ImGui::GetDrawData(), frame->slot);
     swapchain_->end();
+    if (!shown_) return {};
     ++frames_;
     const std::vector<int>& lost = options_.loseDeviceAt;
     if (std::find(lost.begin(), lost.end(), frames_) != lost.end()) gpu::check(VK_ERROR_DEVICE_LOST, "show a frame");
@@ -195,10 +106,9 @@ void Viewer::startDevice()
 
 Status Viewer::recover(const Error& failure)
 {
-    constexpr std::chrono::seconds kSoon(10);
-    const bool again = failedBefore_ && Clock::now() - lastFailure_ < kSoon;
-    failedBefore_ = true;
-    lastFailure_ = Clock::now();
+    constexpr int kSoon = 100; // frames: some devices need a minute for the first one
+    const bool again = failedAt_ && frames_ - *failedAt_ < kSoon;
+    failedAt_ = frames_;
     if (again || !shown_) return failure;
     say("the device failed, another is made: " + failure.message);
     for (const std::string& message : renderer_->validationMessages()) messages_.push_back(message);
@@ -216,12 +126,11 @@ Status Viewer::recover(const Error& failure)
 void Viewer::watchFile()
 {
     constexpr std::chrono::seconds kEvery(1);
-    if (session_ || Clock::now() - lastLook_ < kEvery) return;
+    if (session_ || opening_ || Clock::now() - lastLook_ < kEvery) return;
     lastLook_ = Clock::now();
     std::error_code absent;
     const auto time = std::filesystem::last_write_time(file_, absent);
     if (absent || time == fileTime_) return;
-    fileTime_ = time;
     state_.requests.reload = true;
 }
 
@@ -237,6 +146,7 @@ Status Viewer::turn()
     fly(seconds);
     followReference();
     try {
+        if (Status status = pollOpening(); !status) return status;
         if (Status status = drawFrame(); !status) return status;
         if (Status status = answerRequests(); !status) return status;
         if (Status status = pollBake(); !status) return status;
@@ -251,8 +161,7 @@ Status Viewer::turn()
 Status Viewer::run()
 {
     startDevice();
-    if (Status status = open(options_.file); !status) return status;
-    state_.requests.bake = options_.bakeAtStart;
+    open(options_.file);
     lastFrame_ = Clock::now();
     while (!state_.requests.quit && !(options_.cancel != nullptr && options_.cancel->load()) &&
            (options_.frames == 0 || frames_ < options_.frames)) {

@@ -11,8 +11,10 @@
 #include "view/view_state.h"
 
 #include <chrono>
+#include <future>
 #include <memory>
 #include <optional>
+#include <vector>
 
 union SDL_Event;
 struct SDL_Window;
@@ -67,9 +69,23 @@ private:
     /// Begins anew with another device, after one that failed; the failure itself, if that happens again soon.
     Status recover(const Error& failure);
     void watchFile();
-    /// `keepsView`: the same file again; camera, exposure and mode stay.
-    Status open(const std::filesystem::path& file, bool keepsView = false);
-    /// Shows a scene: uploads it, keeps the camera unless there is none yet.
+    /// Reads a file on another thread; what is shown stays until then. `keepsView`: the same file again; camera,
+    /// exposure and mode stay.
+    void open(const std::filesystem::path& file, bool keepsView = false);
+    /// Shows the file once it was read. An error where nothing is shown yet.
+    Status pollOpening();
+    struct Opening {
+        std::filesystem::path file;
+        bool keepsView = false;
+        Clock::time_point start;
+        std::filesystem::file_time_type fileTime;
+        bool isRead = false; ///< the next frame shows it
+    };
+    Status showFile(const Opening& opening, BakedScene baked);
+    [[nodiscard]] Result<Camera> firstCamera(const Scene& scene) const;
+    void place(const Camera& camera, bool exposes);
+    void forgetBakes();
+    /// Uploads a scene.
     Status show(BakedScene baked);
     void collectWarnings();
     void handleEvents();
@@ -82,6 +98,7 @@ private:
     void drawCompared();
     void drawGizmo();
     bool dragGizmo(vec2 mouse);
+    [[nodiscard]] bool wantsEarlier() const;
     Status loadEarlier();
     void followReference();
     Status drawFrame();
@@ -101,6 +118,10 @@ private:
     Status pollBake();
     Status showProgress();
     void say(const std::string& line) const;
+    /// Shows a line at the bottom of the window for some seconds.
+    void note(const std::string& line);
+    void tell(const std::string& line); ///< both
+    void drawNotice() const;
     [[nodiscard]] std::string currentCommand() const;
 
     const ViewOptions& options_;
@@ -127,6 +148,7 @@ private:
     std::vector<ImageRgb32f> irradiance_;       ///< of the finished bake
     std::optional<BakedScene> earlier_;         ///< what was shown before the last finished bake
     std::unique_ptr<Renderer> earlierRenderer_; ///< draws it, while it is compared with
+    bool announcesEarlier_ = false;             ///< the next frame waits for that renderer
     std::optional<ReferencePicture> reference_;
     std::shared_ptr<const Scene> referenceScene_;         ///< what it shows; null when scene_ has changed
     std::optional<ReferencePicture::Picture> pathTraced_; ///< the last one of this view
@@ -134,17 +156,22 @@ private:
     Clock::time_point lastInput_;                         ///< by keys, mouse or gamepad
     float pathTracedEv_ = 0.0f;                           ///< its exposure on the screen
     Gizmo gizmo_;
-    std::vector<std::string> messages_; ///< of the validation layer, of devices before
-    Clock::time_point lastFailure_;
-    bool failedBefore_ = false;
+    std::vector<std::string> messages_;          ///< of the validation layer, of devices before
+    std::optional<int> failedAt_;                ///< frame at which the device failed last
     std::filesystem::file_time_type fileTime_{}; ///< of file_, as it was read
-    Clock::time_point lastLook_ = Clock::now();  ///< at file_
+    std::optional<Opening> opening_;             ///< is being read
+    std::optional<Opening> openNext_;            ///< is read after it, in its place
+    std::vector<SDL_Event> early_;               ///< keys and clicks before anything was shown
+    std::string notice_;                         ///< what note() shows
+    Clock::time_point noticeTime_;
+    Clock::time_point lastLook_ = Clock::now(); ///< at file_
     int frames_ = 0;
     bool dragged_ = false;
     bool compared_ = false; ///< the last frame showed two modes
     Clock::time_point lastFrame_ = Clock::now();
     Clock::time_point lastTiles_; ///< when some were shown
     int screenshots_ = 0;
+    std::future<Result<BakedScene>> reading_; ///< of opening_; the first to go, which waits for the end
 };
 
 } // namespace halflight::view

@@ -262,6 +262,25 @@ class View(Case):
         self.assertLess(time.monotonic(), limit, "the picture stays as it was")
         self.assert_ends_well(window)
 
+    def test_a_file_that_breaks_leaves_what_was_shown(self):
+        """The window says why, once, and goes on."""
+        scene = self.scene()
+        window = self.window(scene, "--size", "320x200", "--exposure", "1")
+        window.key("Tab", "F12")
+        first = window.said(r"(screenshot_\d+\.png): ").group(1)
+        said = len(window.lines)
+        with open(scene, "wb") as file:
+            file.write(b"nothing")
+        name = re.escape(os.path.basename(scene))
+        window.said(rf"^{name}: .*neither a GLB", said)
+        time.sleep(2.5)  # more than two looks at the file
+        said = len(window.lines)
+        window.key("F12")
+        second = window.said(r"(screenshot_\d+\.png): ", said).group(1)
+        self.assertEqual(read(self.path(first)), read(self.path(second)))
+        self.assertEqual(sum(line.startswith(os.path.basename(scene)) for line in window.lines), 1, window.lines)
+        self.assert_ends_well(window)
+
     def test_compare_with_the_reference_and_before_the_bake(self):
         """Right of the line: what is path traced, then the light before the bake. Left of it the picture stays."""
         scene = self.scene()

@@ -15,10 +15,11 @@
 
 namespace halflight {
 
-/// Reads a file that a user names, and chooses the view that its picture begins with.
+/// Reads a file that a user names, on a thread of its own, and chooses the view that its picture begins with.
 struct ViewLoader {
     std::function<Result<BakedScene>(const std::filesystem::path& file)> read;
-    std::function<Result<Camera>(const Scene& scene, float aspect)> camera;
+    /// `isFirst`: of ViewOptions::file, not of one that was dropped on the window.
+    std::function<Result<Camera>(const Scene& scene, float aspect, bool isFirst)> camera;
 };
 
 struct ViewOptions {
