@@ -21,7 +21,7 @@ import re
 import sys
 import tempfile
 
-LIMIT = 200  # may only shrink; the aim is 99
+LIMIT = 197  # may only shrink; the aim is 99
 FOLDERS = ("src/bake", "src/bake_cpu")
 LEAST_WORDS = 4
 
@@ -64,7 +64,6 @@ FIXED = {
     "src/bake/probe_sight.cpp": {"kCells": "file format", "kNearest": "16 bits", "65535.0": "16 bits"},
     "src/bake/probes.cpp": {"kNewPointsOfCell": "27 - 8"},
     "src/bake/stages.h": {"kDilationRings": "bicubic filtering"},
-    "src/bake/texel_points.cpp": {"kBits": "powers of two"},
     "src/bake_cpu/guiding/patch_light.h": {"kNoAxis": "sentinel"},
     "src/bake_cpu/guiding/receiver_grid.h": {"kMask": "20 bits"},
     "src/bake_cpu/lightmap/next_event.cpp": {"kSkyMeters": "beyond all geometry"},

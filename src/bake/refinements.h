@@ -9,16 +9,12 @@ struct Refinements {
     bool lightTreeCut = true;
     bool lightTreeQuads = true;
     bool stratumShuffle = true;
-    bool stratumOrder = true;
     bool emitterRoulette = true;
     bool firstRoulette = true;
     bool directionTables = true;
-    bool vectorPoints = true;
     // Final gather.
     bool prefetch = true;
-    bool chooseAhead = true;
     bool sourceShares = true;
-    bool littleVariance = true;
     bool planDetail = true;
     bool planRims = true;
     bool planTrimmed = true;
@@ -32,9 +28,6 @@ struct Refinements {
     bool thinnedGather = true;
     bool effortTables = true;
     bool moreEffort = true;
-    bool substitutes = true;
-    bool triangleSubstitutes = true;
-    bool filledElements = true;
     bool splitNear = true;
     bool splitOccluded = true;
     bool halfTexels = true;

@@ -1,5 +1,4 @@
 // Sample points of texels, and their world-space places.
-#include "bake/refinements.h"
 #include "bake/stages.h"
 
 #include "halflight/base/random.h"
@@ -46,11 +45,6 @@ private:
 };
 
 constexpr uint32_t kAllCandidates = (1u << kMaxTexelPoints) - 1u;
-constexpr std::array<uint32_t, kMaxTexelPoints> kBits = [] {
-    std::array<uint32_t, kMaxTexelPoints> bits{};
-    for (std::size_t i = 0; i < bits.size(); ++i) bits[i] = 1u << i;
-    return bits;
-}();
 
 using PointArray = std::span<SurfacePoint, kMaxTexelPoints>;
 
@@ -106,20 +100,10 @@ uint32_t coveredPoints(const BakeGeometry& geometry, std::span<const TexelFragme
             u[i] = (dx * edge2.y - dy * edge2.x) * inverse;
             v[i] = (edge1.x * dy - edge1.y * dx) * inverse;
         }
-        std::array<float, kMaxTexelPoints> least;
-        for (std::size_t i = 0; i < kMaxTexelPoints; ++i)
-            least[i] = std::min(std::min(u[i], v[i]), 1.0f - (u[i] + v[i])) + 0.0f;
-        // Covered: the least weight is not negative. The test reads its sign bit, because compilers do not vectorize
-        // the comparison.
-        uint32_t positive = 0;
-        if (!refinements.vectorPoints) {
-            for (std::size_t i = 0; i < kMaxTexelPoints; ++i) positive |= least[i] >= 0.0f ? kBits[i] : 0u;
-        }
-        const auto bits = std::bit_cast<std::array<int32_t, kMaxTexelPoints>>(least);
         uint32_t covered = 0;
-        for (std::size_t i = 0; refinements.vectorPoints && i < kMaxTexelPoints; ++i)
-            covered |= kBits[i] & ~uint32_t(bits[i] >> 31);
-        covered = (covered | positive) & ~found;
+        for (std::size_t i = 0; i < kMaxTexelPoints; ++i)
+            covered |= std::min(std::min(u[i], v[i]), 1.0f - (u[i] + v[i])) >= 0.0f ? 1u << i : 0u;
+        covered &= ~found;
         if (covered == 0) continue;
         found |= covered;
         const InsetPoints points(geometry, fragment.triangle);

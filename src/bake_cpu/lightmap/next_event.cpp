@@ -21,11 +21,8 @@ int xorShuffle(uint32_t texelId)
     return int(hashCombine(kShuffleSeed, texelId) & (StratifiedPattern::kBlock - 1));
 }
 
-/// Relative variance due to a guide's sources from which on a quarter of a block samples them; below, other variance
-/// dominates.
-constexpr float kLittleVariance = 0.1f;
-/// Above this variance, half of the block samples sources that get 1 % of the rays (weighted by radiance), all of it
-/// those that get 4 %. From 10 % on the rays suffice, and a quarter does.
+/// A quarter of a block samples a guide's sources. Above this relative variance due to them, half of it samples sources
+/// that get 1 % of the rays (weighted by radiance), all of it those that get 4 %. From 10 % on the rays suffice.
 constexpr float kMuchVariance = 1.0f;
 constexpr float kSomeHits = 0.01f;
 constexpr float kManyHits = 0.04f;
@@ -59,12 +56,11 @@ void NextEvent::prepareSources(const GatherGroup& group)
         guide_[lane] = guide;
         constexpr int kAll = StratifiedPattern::kBlock;
         const bool much = guide.relativeVariance >= kMuchVariance && guide.hitShare < kEnoughHits;
-        const bool little = refinements.littleVariance && guide.relativeVariance < kLittleVariance;
-        sourceSamples_[lane] = little || guide.local.count + guide.shared.count == 0 ? 0
-                               : !refinements.sourceShares                           ? kAll / 4
-                               : much && guide.hitShare >= kManyHits                 ? kAll
-                               : much && guide.hitShare >= kSomeHits                 ? kAll / 2
-                                                                                     : kAll / 4;
+        sourceSamples_[lane] = guide.local.count + guide.shared.count == 0 ? 0
+                               : !refinements.sourceShares                 ? kAll / 4
+                               : much && guide.hitShare >= kManyHits       ? kAll
+                               : much && guide.hitShare >= kSomeHits       ? kAll / 2
+                                                                           : kAll / 4;
     }
 }
 
@@ -218,7 +214,6 @@ void NextEvent::sampleEmitters(const GatherGroup& group, int number, GatherBlock
     std::array<int, kLanes> sampled{}; ///< strata of the block
     std::array<StratifiedPattern::Block, kLanes> points;
     std::array<int, kLanes> shuffle{};
-    std::array<float, kLanes> survivals{};
     std::array<float, kLanes> skyShare{}; ///< of the samples
     const float skyIlluminance = paths_.sky().brightIlluminance();
     for (int i = 0; i < group.lanes(); ++i) {
@@ -228,7 +223,6 @@ void NextEvent::sampleEmitters(const GatherGroup& group, int number, GatherBlock
         const float gathered = luminance(estimates[lane].gathered.mean());
         const float expected = cut_.total[lane] + skyIlluminance;
         const float survival = refinements.emitterRoulette ? PathTracer::rouletteSurvival(expected, gathered) : 1.0f;
-        survivals[lane] = survival;
         if (skyIlluminance > 0.0f) skyShare[lane] = paths_.emitters().empty() ? 1.0f : skyIlluminance / expected;
         const uint32_t roulette = hashCombine(settings_.seed ^ kRouletteSeed ^ group.id(i), uint32_t(number));
         sampled[lane] = std::min(int(survival * float(kBlock) + unitFloat(roulette)), kBlock);
@@ -247,13 +241,6 @@ void NextEvent::sampleEmitters(const GatherGroup& group, int number, GatherBlock
                 positions.set(lane, block.bundle.origin(stratum, int(lane)));
                 wanted[lane] = order < sampled[lane];
                 lanes.weight[lane] = float(kBlock) / float(std::max(sampled[lane], 1));
-                if (!refinements.stratumOrder) {
-                    const uint32_t random = hashCombine(settings_.seed ^ kRouletteSeed ^
-                                                            group.id(int(lane) < group.lanes() ? int(lane) : 0),
-                                                        uint32_t(number * kBlock) + uint32_t(stratum));
-                    wanted[lane] = emitterLanes_[lane] && unitFloat(random) < survivals[lane];
-                    lanes.weight[lane] = wanted[lane] ? 1.0f / survivals[lane] : 1.0f;
-                }
                 if (!wanted[lane]) continue;
                 vec2 at = points[lane].unit(int(stratum) ^ shuffle[lane]);
                 // Either the sky or an emitter; the number that chose is used again.
@@ -276,16 +263,10 @@ void NextEvent::sampleEmitters(const GatherGroup& group, int number, GatherBlock
 template<typename Choose>
 void NextEvent::addSamples(std::span<const uint8_t> strata, const Choose& choose, GatherBlock& block, uint64_t& rays)
 {
-    // Samples are chosen one stratum ahead. Vector loads right after scalar stores to the same memory would stall.
-    std::array<EmitterLanes, 2> lanes{};
-    for (std::size_t i = 0; !refinements.chooseAhead && i < strata.size(); ++i) {
-        choose(std::size_t(strata[i]), lanes[0]);
-        addSamples(strata[i], lanes[0], block, rays);
-    }
-    if (!refinements.chooseAhead) return;
-    for (std::size_t i = 0; i <= strata.size(); ++i) {
-        if (i < strata.size()) choose(std::size_t(strata[i]), lanes[i % 2]);
-        if (i > 0) addSamples(strata[i - 1], lanes[(i - 1) % 2], block, rays);
+    EmitterLanes lanes{};
+    for (const uint8_t stratum : strata) {
+        choose(std::size_t(stratum), lanes);
+        addSamples(stratum, lanes, block, rays);
     }
 }
 

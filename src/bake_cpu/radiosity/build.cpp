@@ -57,8 +57,7 @@ public:
     std::optional<Radiosity> build()
     {
         if (!runPasses()) return std::nullopt;
-        RadiositySolution solution =
-            solveRadiosity(patches_, std::move(factors_), input_.paths.surfaces().geometry(), input_.settings.bounces);
+        RadiositySolution solution = solveRadiosity(patches_, std::move(factors_), input_.settings.bounces);
         return Radiosity{std::move(patches_), std::move(solution)};
     }
 

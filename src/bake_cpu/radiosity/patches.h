@@ -37,7 +37,6 @@ public:
     /// A patch is 2^shift texels wide.
     [[nodiscard]] int shift() const { return shift_; }
     [[nodiscard]] uint32_t patchCount() const { return patchCount_; }
-    [[nodiscard]] const std::vector<Rectangle>& rectangles() const { return rectangles_; }
     [[nodiscard]] bool hasTexels(uint32_t triangle) const { return rectangleOfTriangle_[triangle] != ~0u; }
     /// Rectangle of a triangle; null if it has no texels or its chart has no patches.
     [[nodiscard]] const Rectangle* rectangleOf(uint32_t triangle) const;

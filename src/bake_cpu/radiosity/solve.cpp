@@ -1,9 +1,5 @@
 #include "bake_cpu/radiosity/solve.h"
 
-#include "bake/refinements.h"
-
-#include "bake_cpu/radiosity/substitutes.h"
-
 #include "halflight/base/memory.h"
 #include "halflight/base/parallel.h"
 #include "halflight/shading/brdf.h"
@@ -17,11 +13,10 @@ namespace {
 
 class RadiositySolver {
 public:
-    RadiositySolver(Patches& patches, FormFactors factors, const BakeGeometry& geometry, int bounces)
+    RadiositySolver(Patches& patches, FormFactors factors, int bounces)
         : patches_(patches), factors_(std::move(factors)), bounces_(bounces)
     {
         countRays();
-        substitute_ = findSubstitutes(patches, rayCount_, geometry);
     }
 
     RadiositySolution solve()
@@ -32,7 +27,6 @@ public:
         RadiositySolution solution;
         findIlluminance(solution.illuminance);
         fillPatches();
-        fillElements();
         findOwners(solution.patchOfUnknown);
         solution.cache = {std::move(patches_.layout), std::move(radiance_), std::move(levels_), bounces_, converged_};
         solution.factors = std::move(factors_);
@@ -79,7 +73,6 @@ private:
             if (rayCount_[i] > 0) unknown_[i] = unknownCount_++;
         }
     }
-    [[nodiscard]] uint32_t unknownOf(std::size_t patch) const { return unknown_[substitute_[patch]]; }
 
     /// Sums the samples of each unknown, and replaces patches by unknowns in the form factors.
     void sumSamples()
@@ -119,7 +112,7 @@ private:
         FormFactorRange::forSamples(range, [&](PatchSamples& s, std::span<PatchId> links) {
             lost.push_back(0);
             for (PatchId& target : links) {
-                target = patches_.state[target].occluded ? kNoPatch : unknownOf(target);
+                target = patches_.state[target].occluded ? kNoPatch : unknown_[target];
                 if (target == kNoPatch) ++lost.back();
             }
             s.patch = unknown_[s.patch];
@@ -172,7 +165,7 @@ private:
         auto& level = levels_[std::size_t(remaining - 1)];
         level.resize(patches_.layout.patchCount());
         for (std::size_t i = 0; i < level.size(); ++i) {
-            level[i] = unknownOf(i) != kNoPatch ? reflected_[unknownOf(i)] : vec3(0.0f);
+            level[i] = unknown_[i] != kNoPatch ? reflected_[unknown_[i]] : vec3(0.0f);
         }
     }
 
@@ -209,7 +202,7 @@ private:
     {
         illuminance.resize(patches_.layout.chartPatches);
         for (std::size_t i = 0; i < illuminance.size(); ++i) {
-            if (unknownOf(i) != kNoPatch) illuminance[i] = luminance(unknowns_[unknownOf(i)].gathered);
+            if (unknown_[i] != kNoPatch) illuminance[i] = luminance(unknowns_[unknown_[i]].gathered);
         }
     }
 
@@ -222,51 +215,10 @@ private:
         release(unknowns_);
         radiance_ = largeVector<PatchRadiance>(rayCount_.size());
         forEachIndex(radiance_.size(), [&](std::size_t i) {
-            if (unknownOf(i) == kNoPatch) return;
-            radiance_[i] = ofUnknown[unknownOf(i)];
+            if (unknown_[i] == kNoPatch) return;
+            radiance_[i] = ofUnknown[unknown_[i]];
             if (patches_.state[i].occluded) radiance_[i].minDistance = kInfinity;
         });
-    }
-
-    /// Elements without samples take the mean of the 3 x 3 elements around, if their radiances differ by less than a
-    /// factor of 1.5.
-    void fillElements()
-    {
-        const PatchLayout& layout = patches_.layout;
-        if (!refinements.filledElements) return;
-        forEachIndex(2 * std::size_t(layout.chartPatches), [&](std::size_t i) {
-            const auto patch = PatchId(i);
-            if (layout.elements[patch].split == 0) return;
-            const PatchId first = layout.elements[patch].first;
-            for (PatchId element = first; element < first + layout.elementCount(patch); ++element) {
-                if (rayCount_[element] == 0 && !patches_.state[element].occluded)
-                    fillElement(first, 1 << layout.elementShift(patch), element);
-            }
-        });
-    }
-    void fillElement(PatchId first, int width, PatchId element)
-    {
-        constexpr float kAlike = 1.5f; // ratio of radiances; more is an edge of light
-        const auto i = int(element - first);
-        const ivec2 at(i % width, i / width);
-        float least = kInfinity;
-        float most = 0.0f;
-        float count = 0.0f;
-        PatchRadiance sum;
-        sum.minDistance = 0.0f;
-        for (int y = std::max(at.y - 1, 0); y <= std::min(at.y + 1, width - 1); ++y) {
-            for (int x = std::max(at.x - 1, 0); x <= std::min(at.x + 1, width - 1); ++x) {
-                const PatchId other = first + uint32_t(y * width + x);
-                if (rayCount_[other] == 0) continue;
-                least = std::min(least, luminance(radiance_[other].radiance));
-                most = std::max(most, luminance(radiance_[other].radiance));
-                sum.radiance += radiance_[other].radiance;
-                sum.minDistance = std::max(sum.minDistance, radiance_[other].minDistance);
-                ++count;
-            }
-        }
-        if (count == 0.0f || most > kAlike * least) return;
-        radiance_[element] = {sum.radiance / count, sum.minDistance};
     }
 
     void findOwners(std::vector<PatchId>& owner) const
@@ -289,8 +241,7 @@ private:
     int bounces_;
     bool converged_ = false;
     std::vector<uint32_t> rayCount_; ///< by patch and element
-    std::vector<PatchId> substitute_;
-    std::vector<uint32_t> unknown_; ///< number of the unknown, or kNoPatch
+    std::vector<uint32_t> unknown_;  ///< number of the unknown, or kNoPatch
     uint32_t unknownCount_ = 0;
     std::vector<Unknown> unknowns_;
     std::vector<vec3> reflected_;               ///< by unknown
@@ -301,9 +252,9 @@ private:
 
 } // namespace
 
-RadiositySolution solveRadiosity(Patches& patches, FormFactors factors, const BakeGeometry& geometry, int bounces)
+RadiositySolution solveRadiosity(Patches& patches, FormFactors factors, int bounces)
 {
-    return RadiositySolver(patches, std::move(factors), geometry, bounces).solve();
+    return RadiositySolver(patches, std::move(factors), bounces).solve();
 }
 
 } // namespace halflight

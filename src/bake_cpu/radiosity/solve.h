@@ -18,6 +18,6 @@ struct RadiositySolution {
 /// Each bounce is one sweep: a Jacobi iteration of the radiosity equation, so `bounces` iterations are light after at
 /// most as many reflections. Sweeps end early where further ones would add less than 0.2 %. Patches without samples
 /// take the unknown of a patch beside them. Moves the layout out of `patches`.
-RadiositySolution solveRadiosity(Patches& patches, FormFactors factors, const BakeGeometry& geometry, int bounces);
+RadiositySolution solveRadiosity(Patches& patches, FormFactors factors, int bounces);
 
 } // namespace halflight
