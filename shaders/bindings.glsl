@@ -17,6 +17,8 @@ layout(set = 0, binding = kBindDynamicLightmaps) uniform sampler2DArray dynamicL
 layout(set = 0, binding = kBindShadowmasks) uniform sampler2DArray shadowmasks;
 layout(set = 0, binding = kBindCascades) uniform sampler2DArrayShadow cascadeMaps;
 layout(set = 0, binding = kBindAtlas) uniform sampler2DArrayShadow atlasMap;
+layout(set = 0, binding = kBindCascadeDepths) uniform sampler2DArray cascadeDepths;
+layout(set = 0, binding = kBindAtlasDepths) uniform sampler2DArray atlasDepths;
 layout(std430, set = 0, binding = kBindProbeVolumes) readonly buffer ProbeVolumeBlock { GpuProbeVolume probeVolumes[]; };
 layout(set = 0, binding = kBindProbeTexture) uniform sampler3D probeTexture;
 layout(set = 0, binding = kBindSkyPicture) uniform sampler2D skyPicture;

@@ -86,23 +86,27 @@ bool skipsLight(int light, bool lightmapped)
     return (lights[light].info.y & (lightmapped ? kLightSkipStatic : kLightSkipDynamic)) != 0;
 }
 
-// Radiance towards the camera by an area light. Its realtime shadow is that of a light at its middle.
-vec3 areaLight(int light, Surface s)
+// What a surface reflects to the camera of an area light that nothing is before. Its shadow is then that of `middle`.
+vec3 areaLight(int light, Surface s, out LightSample middle)
 {
     vec3 toCenter = lights[light].positionRange.xyz - s.position;
     float d2 = dot(toCenter, toCenter);
     vec3 radiance = lights[light].colorIntensity.rgb * rangeWindow(d2, lights[light].positionRange.w);
-    if (dot(toCenter, lights[light].axis.xyz) >= 0.0 || radiance == vec3(0.0)) return vec3(0.0);
-    vec3 reflected = reflectAreaLight(s.baseColor, s.metallic, s.roughness, s.specular, s.normal, s.view,
-                                      lights[light].info.x, toCenter, lights[light].halfX.xyz, lights[light].halfY.xyz,
-                                      radiance);
-    if (reflected == vec3(0.0)) return reflected;
-    float distanceMeters = sqrt(d2);
-    LightSample middle;
-    middle.direction = toCenter / distanceMeters;
-    middle.distance = distanceMeters;
+    middle.distance = sqrt(d2);
+    middle.direction = toCenter / middle.distance;
     middle.illuminance = radiance;
-    return reflected * shadowAttenuation(light, s, middle);
+    if (dot(toCenter, lights[light].axis.xyz) >= 0.0 || radiance == vec3(0.0)) return vec3(0.0);
+    return reflectAreaLight(s.baseColor, s.metallic, s.roughness, s.specular, s.normal, s.view, lights[light].info.x,
+                            toCenter, lights[light].halfX.xyz, lights[light].halfY.xyz, radiance);
+}
+
+// The same of a punctual light.
+vec3 punctualLight(int light, Surface s, out LightSample incoming)
+{
+    incoming = sampleFrameLight(light, s.position);
+    if (dot(s.normal, incoming.direction) <= 0.0 || incoming.illuminance == vec3(0.0)) return vec3(0.0);
+    return reflectLight(s.baseColor, s.metallic, s.roughness, s.specular, s.normal, s.view, incoming.direction,
+                        incoming.illuminance);
 }
 
 // Radiance towards the camera by all lights of the fragment's cluster.
@@ -116,16 +120,10 @@ vec3 directLight(Surface s)
             int light = word * 32 + findLSB(bits);
             bits &= bits - 1u;
             if (skipsLight(light, s.lightmapped)) continue;
-            if (isAreaLight(lights[light].info.x)) {
-                radiance += areaLight(light, s);
-                continue;
-            }
-            LightSample incoming = sampleFrameLight(light, s.position);
-            if (dot(s.normal, incoming.direction) <= 0.0 || incoming.illuminance == vec3(0.0)) continue;
-            float attenuation = shadowAttenuation(light, s, incoming);
-            if (attenuation <= 0.0) continue;
-            radiance += reflectLight(s.baseColor, s.metallic, s.roughness, s.specular, s.normal, s.view,
-                                     incoming.direction, incoming.illuminance * attenuation);
+            LightSample incoming;
+            vec3 reflected = isAreaLight(lights[light].info.x) ? areaLight(light, s, incoming)
+                                                               : punctualLight(light, s, incoming);
+            if (reflected != vec3(0.0)) radiance += reflected * shadowAttenuation(light, s, incoming);
         }
     }
     return radiance;

@@ -1,5 +1,6 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
+#extension GL_EXT_control_flow_attributes : require
 #extension GL_EXT_nonuniform_qualifier : require
 // The forward lit pass: material, direct lights of the fragment's cluster, baked indirect light.
 #include "indirect.glsl"

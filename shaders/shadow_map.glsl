@@ -3,7 +3,9 @@
 #define HALFLIGHT_SHADOW_MAP_GLSL
 
 #include "bindings.glsl"
+#include "halflight/shading/area_light.h"
 #include "halflight/shading/light.h"
+#include "halflight/shading/penumbra.h"
 
 // Percentage-closer filtering (Reeves et al. 1987, "Rendering Antialiased Shadows with Depth Maps") under a tent of
 // half-width h texels. Each bilinear comparison covers 2 x 2 texels, its place between them chosen by their weights
@@ -39,34 +41,158 @@ float tentFilter(sampler2DArrayShadow map, vec2 texel, vec4 bounds, float layer,
 // Slopes of surfaces nearer to edge-on than this cosine count as this steep.
 const float kMinSlopeCosine = 0.1;
 
-// Attenuation from one tile, for a receiver whose triangle's normal n is on the light's side. What a texel's centre and
-// the receiver may differ in depth is allowed for in three ways: the filter follows the receiver's plane (Isidoro 2006,
-// "Shadow Mapping: GPU-based Tips and Techniques"; planes stay planes in clip space, so the slope is exact for
-// perspective tiles too), the receiver moves along its normal, the more the more it is tilted, and towards the light by
-// the constant bias.
-float tileShadow(bool cascade, int light, int tile, vec3 position, vec3 n, vec3 l, float distanceFactor)
+// A receiver as a tile sees it.
+struct Receiver {
+    int tile;
+    bool inside;
+    bool cascade;      // in cascadeMaps, else in atlasMap
+    vec2 texel;        // of the map
+    float depth;       // 0...1
+    vec2 slope;        // of its plane: depth per texel
+    vec4 bounds;       // of the tile: centres of its outermost texels
+    float texelMeters; // at the receiver
+    float meters;      // from the light along the tile's axis; of cascades along the light's direction
+};
+
+// A receiver whose triangle's normal n is on the light's side. What a texel's centre and the receiver may differ in
+// depth is allowed for in three ways: the filter follows the receiver's plane (Isidoro 2006, "Shadow Mapping: GPU-based
+// Tips and Techniques"; planes stay planes in clip space, so the slope is exact for perspective tiles too), the receiver
+// moves along its normal, the more the more it is tilted, and towards the light by the constant bias.
+Receiver receiverIn(bool cascade, int light, int tile, vec3 position, vec3 n, vec3 l, float distanceFactor)
 {
-    if (tiles[tile].parameters.y == 0.0) return 1.0;
-    float texelMeters = tiles[tile].parameters.x * distanceFactor;
+    Receiver r;
+    r.tile = tile;
+    r.cascade = cascade;
+    r.inside = false;
+    r.texelMeters = tiles[tile].parameters.x * distanceFactor;
     float cosine = saturate(dot(n, l));
     float sine = sqrt(1.0 - cosine * cosine);
     vec2 bias = lights[light].shadowBias.xy;
-    vec3 p = position + n * (bias.y * texelMeters * sine) + l * (bias.x * texelMeters);
+    vec3 p = position + n * (bias.y * r.texelMeters * sine) + l * (bias.x * r.texelMeters);
     vec4 clip = tiles[tile].clipFromWorld * vec4(p, 1.0);
-    if (clip.w <= 0.0) return 1.0;
+    if (clip.w <= 0.0) return r;
     vec3 ndc = clip.xyz / clip.w;
-    if (any(greaterThan(abs(ndc.xy), vec2(1.0))) || ndc.z > 1.0) return 1.0;
+    if (any(greaterThan(abs(ndc.xy), vec2(1.0))) || ndc.z > 1.0) return r;
+    r.inside = true;
 
     vec4 rectangle = tiles[tile].rectangle;
     vec4 plane = tiles[tile].planeFromWorld * vec4(n, -dot(n, p));
-    vec2 slope = abs(plane.z) > 1.0e-20 ? -plane.xy / plane.z * (2.0 / rectangle.z) : vec2(0.0);
-    slope *= min(cosine / kMinSlopeCosine, 1.0);
+    r.slope = abs(plane.z) > 1.0e-20 ? -plane.xy / plane.z * (2.0 / rectangle.z) : vec2(0.0);
+    r.slope *= min(cosine / kMinSlopeCosine, 1.0);
+    r.texel = rectangle.xy + (ndc.xy * 0.5 + 0.5) * rectangle.z;
+    r.bounds = vec4(rectangle.xy + 0.5, rectangle.xy + rectangle.z - 0.5);
+    r.depth = ndc.z;
+    vec2 range = tiles[tile].parameters.zw;
+    r.meters = cascade ? mix(range.x, range.y, ndc.z) : clip.w;
+    return r;
+}
 
-    vec2 texel = rectangle.xy + (ndc.xy * 0.5 + 0.5) * rectangle.z;
-    vec4 bounds = vec4(rectangle.xy + 0.5, rectangle.xy + rectangle.z - 0.5);
+float tentFilter(Receiver r)
+{
     int h = frame.shadow.x;
-    if (cascade) return tentFilter(cascadeMaps, texel, bounds, rectangle.w, ndc.z, slope, h);
-    return tentFilter(atlasMap, texel, bounds, 0.0, ndc.z, slope, h);
+    if (r.cascade) return tentFilter(cascadeMaps, r.texel, r.bounds, tiles[r.tile].rectangle.w, r.depth, r.slope, h);
+    return tentFilter(atlasMap, r.texel, r.bounds, 0.0, r.depth, r.slope, h);
+}
+
+// Half the source, as texels of the tile at the receiver for a penumbra as wide as the source (penumbraOfSource() = 1);
+// of directional lights, for a caster 1 m away. Columns: along the source's X and Y.
+mat2 sourceInTexels(int light, Receiver r)
+{
+    if (isAreaLight(lights[light].info.x)) {
+        vec2 scale = vec2(0.5 * tiles[r.tile].rectangle.z / r.meters);
+        return mat2((tiles[r.tile].clipFromWorld * vec4(lights[light].halfX.xyz, 0.0)).xy * scale,
+                    (tiles[r.tile].clipFromWorld * vec4(lights[light].halfY.xyz, 0.0)).xy * scale);
+    }
+    return mat2(lights[light].shadowBias.z / r.texelMeters);
+}
+
+// The source's picture by casters at this distance, as columns in texels. `cut`: it was wider than the tile's border,
+// which it now fits.
+mat2 penumbraKernel(mat2 source, Receiver r, float casterMeters, out bool cut)
+{
+    mat2 kernel = source * (r.cascade ? max(r.meters - casterMeters, 0.0) : penumbraOfSource(r.meters, casterMeters));
+    float widest = max(length(kernel[0]), length(kernel[1]));
+    float reach = penumbraReach(tiles[r.tile].rectangle.z);
+    cut = widest > reach;
+    return cut ? kernel * (reach / widest) : kernel;
+}
+
+// Kernel point i of n; `turn` is carried from one to the next.
+vec2 kernelPoint(bool square, int i, int n, inout vec2 turn)
+{
+    if (square) return squarePoint(i, n);
+    turn = turnByGoldenAngle(turn);
+    return turn * sunflowerRadius(i, n);
+}
+
+// Mean distance from the light of what lies before the receiver's plane within the kernel, and the part of the texels
+// that is. Each of n places reads 2 x 2 texels.
+float casterDistance(Receiver r, mat2 kernel, bool square, int n, out float part)
+{
+    vec2 range = tiles[r.tile].parameters.zw;
+    vec2 inverseSize = 1.0 / vec2(r.cascade ? textureSize(cascadeDepths, 0).xy : textureSize(atlasDepths, 0).xy);
+    float layer = r.cascade ? tiles[r.tile].rectangle.w : 0.0;
+    vec2 turn = vec2(1.0, 0.0);
+    float sum = 0.0;
+    float count = 0.0;
+    [[dont_unroll]] for (int i = 0; i < n; ++i) {
+        vec2 p = clamp(r.texel + kernel * kernelPoint(square, i, n, turn), r.bounds.xy + 0.5,
+                       r.bounds.zw - 0.5);
+        vec2 corner = floor(p - 0.5) + 0.5; // the centre of the first of 2 x 2 texels; their order is textureGather()'s
+        vec3 place = vec3((corner + 0.5) * inverseSize, layer);
+        vec4 depths = r.cascade ? textureGather(cascadeDepths, place) : textureGather(atlasDepths, place);
+        vec2 d = corner - r.texel;
+        vec4 plane = r.depth + r.slope.x * (d.x + vec4(0, 1, 1, 0)) + r.slope.y * (d.y + vec4(1, 1, 0, 0));
+        vec4 before = vec4(lessThan(depths, plane));
+        vec4 meters = r.cascade ? mix(vec4(range.x), vec4(range.y), depths)
+                                : range.x * range.y / (range.y - depths * (range.y - range.x));
+        sum += dot(before, meters);
+        count += dot(before, vec4(1.0));
+    }
+    part = count / float(4 * n);
+    return sum / max(count, 1.0);
+}
+
+float kernelFilter(sampler2DArrayShadow map, float layer, Receiver r, mat2 kernel, bool square, int n)
+{
+    vec2 inverseSize = 1.0 / vec2(textureSize(map, 0).xy);
+    vec2 turn = vec2(1.0, 0.0);
+    float sum = 0.0;
+    [[dont_unroll]] for (int i = 0; i < n; ++i) {
+        vec2 p = clamp(r.texel + kernel * kernelPoint(square, i, n, turn), r.bounds.xy, r.bounds.zw);
+        sum += texture(map, vec4(p * inverseSize, layer, r.depth + dot(r.slope, p - r.texel)));
+    }
+    return sum / float(n);
+}
+
+// Attenuation from one tile: the filter's tent, or the penumbra of the light's size where that is wider. `cut`: the
+// tile's texels are too small for its width, or for a search as far as it might reach.
+float tileShadow(int light, Receiver r, out bool cut)
+{
+    cut = false;
+    bool square = lights[light].info.x == kLightRectangle;
+    float tent = diskLikeTent(float(frame.shadow.x));
+    mat2 kernel = mat2(0.0);
+    float width = 0.0;
+    if (lights[light].shadowBias.z > 0.0) {
+        mat2 source = sourceInTexels(light, r);
+        kernel = penumbraKernel(source, r, tiles[r.tile].parameters.z, cut);
+        float reach = max(length(kernel[0]), length(kernel[1]));
+        if (reach > tent) {
+            float part;
+            float casterMeters = casterDistance(r, kernel, square, penumbraTaps(reach) / 2, part);
+            if (part == 0.0) return 1.0;
+            bool isWide;
+            kernel = penumbraKernel(source, r, casterMeters, isWide);
+            cut = cut && isWide;
+            width = part < 1.0 ? max(length(kernel[0]), length(kernel[1])) : 0.0;
+        }
+    }
+    if (width <= tent) return tentFilter(r);
+    kernel *= diskOfComparisons(width) / width;
+    int n = penumbraTaps(width);
+    return r.cascade ? kernelFilter(cascadeMaps, tiles[r.tile].rectangle.w, r, kernel, square, n)
+                     : kernelFilter(atlasMap, 0.0, r, kernel, square, n);
 }
 
 // Interleaved gradient noise, 0…1: Jimenez 2014, "Next Generation Post Processing in Call of Duty: Advanced Warfare".
@@ -107,22 +233,35 @@ int cubeFace(vec3 fromLight, out float axisDistance)
 // R of a light that has shadow maps this frame.
 float realtimeAttenuation(int light, vec3 position, vec3 n, vec3 l, float cameraDistance)
 {
+    bool cascade = lights[light].info.x == kLightDirectional;
     int firstTile = lights[light].info.w;
-    int type = lights[light].info.x;
-    if (type == kLightDirectional) {
-        float nextWeight;
-        int cascade = selectCascade(cameraDistance, nextWeight);
-        float shadow = tileShadow(true, light, firstTile + cascade, position, n, l, 1.0);
-        if (nextWeight > 0.0)
-            shadow = mix(shadow, tileShadow(true, light, firstTile + cascade + 1, position, n, l, 1.0), nextWeight);
-        return shadow;
+    int lastTile = firstTile;
+    float nextWeight = 0.0;
+    float distanceFactor = 1.0;
+    if (cascade) {
+        lastTile += frame.shadow.y - 1;
+        firstTile += selectCascade(cameraDistance, nextWeight);
+    } else {
+        vec3 fromLight = position - lights[light].positionRange.xyz;
+        distanceFactor = max(dot(fromLight, lights[light].axis.xyz), 0.0);
+        if (lights[light].spot.z > 2.0) firstTile += cubeFace(fromLight, distanceFactor);
+        lastTile = firstTile;
     }
-    vec3 fromLight = position - lights[light].positionRange.xyz;
-    if (lights[light].spot.z < 2.0)
-        return tileShadow(false, light, firstTile, position, n, l, max(dot(fromLight, lights[light].axis.xyz), 0.0));
-    float axisDistance;
-    int face = cubeFace(fromLight, axisDistance);
-    return tileShadow(false, light, firstTile + face, position, n, l, axisDistance);
+    // The cascade, and the next one where they blend. Each hands over to those after it, whose texels are larger, where
+    // a penumbra does not fit.
+    float sum = 0.0;
+    [[dont_unroll]] for (int next = 0; next <= (nextWeight > 0.0 ? 1 : 0); ++next) {
+        float shadow = 1.0;
+        bool cut = true;
+        [[dont_unroll]] for (int tile = firstTile + next; cut && tile <= lastTile; ++tile) {
+            if (tiles[tile].parameters.y == 0.0) break;
+            Receiver r = receiverIn(cascade, light, tile, position, n, l, distanceFactor);
+            if (!r.inside) break;
+            shadow = tileShadow(light, r, cut);
+        }
+        sum += shadow * (next == 1 ? nextWeight : 1.0 - nextWeight);
+    }
+    return sum;
 }
 
 #endif

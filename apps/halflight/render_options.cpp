@@ -154,6 +154,8 @@ void addShadowOptions(CLI::App& app, RenderOptions& options)
     addChoice<ShadowFilter>(app, "--shadow-filter", shadows.filter,
                             {{"hard", ShadowFilter::Hard}, {"pcf", ShadowFilter::Pcf}, {"soft", ShadowFilter::Soft}},
                             "edge of a shadow (default pcf)");
+    addChoice<bool>(app, "--penumbrae", shadows.penumbrae, {{"on", true}, {"off", false}},
+                    "realtime shadows are as soft as the light's size makes them; off: as the filter is (default on)");
     addInt(app, "--shadow-map-size", shadows.directionalMapSize, 128, 8192, "texels of a cascade (default 2048)");
     addInt(app, "--shadow-atlas-size", shadows.atlasSize, 256, 8192,
            "texels of the atlas of spot and point lights (default 4096)");

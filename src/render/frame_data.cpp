@@ -128,7 +128,8 @@ std::vector<shading::GpuLight> gpuLights(const Scene& scene, const FramePlan& pl
                           (frameLight.overflowed ? shading::kLightOverflowed : 0);
         out.info = ivec4(int(light.type), flags, std::max(frameLight.channel, 0), std::max(frameLight.firstTile, 0));
         const ShadowSettings biased = shadowSettingsOf(light, shadows);
-        out.shadowBias = vec4(biased.depthBias, biased.normalBiasTexels, 0.0f, 0.0f);
+        out.shadowBias =
+            vec4(biased.depthBias, biased.normalBiasTexels, biased.penumbrae ? halfSourceWidth(light) : 0.0f, 0.0f);
         if (isAreaLight(light.type)) {
             out.halfX = vec4(light.halfWidth(), 0.0f);
             out.halfY = vec4(light.halfHeight(), 0.0f);
@@ -148,7 +149,8 @@ std::vector<shading::GpuTile> gpuTiles(const FramePlan& plan)
         out.clipFromWorld = tile.clipFromWorld;
         out.planeFromWorld = mat4(glm::transpose(glm::inverse(glm::dmat4(tile.clipFromWorld))));
         out.rectangle = vec4(tile.atlasOffset, float(tile.size), float(tile.layer));
-        out.parameters = vec4(tile.texelMeters, plan.castersOf(int(i)).empty() ? 0.0f : 1.0f, 0.0f, 0.0f);
+        out.parameters =
+            vec4(tile.texelMeters, plan.castersOf(int(i)).empty() ? 0.0f : 1.0f, tile.nearMeters, tile.farMeters);
         result.push_back(out);
     }
     return result;

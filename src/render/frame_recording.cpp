@@ -153,6 +153,8 @@ void Renderer::Impl::bindFrame(FrameSlot& to, const PreparedFrame& frame, const 
     set.image(shading::kBindDynamicLightmaps, scene->dynamicLightmaps.view(), pageSampler.get());
     set.image(shading::kBindCascades, cascades.image.view(), shadowSampler.get());
     set.image(shading::kBindAtlas, atlas.image.view(), shadowSampler.get());
+    set.image(shading::kBindCascadeDepths, cascades.image.view(), texelSampler.get());
+    set.image(shading::kBindAtlasDepths, atlas.image.view(), texelSampler.get());
     set.image(shading::kBindRadiance, color.view(), texelSampler.get());
     if (!frame.deferred) return;
     set.image(shading::kBindGBufferBaseColor, gBuffer.baseColor.view(), texelSampler.get());

@@ -37,8 +37,10 @@ HL_CONST int kBindDynamicLightmaps = 19;
 HL_CONST int kBindSkyPicture = 20;
 HL_CONST int kBindReflectionProbes = 21;
 HL_CONST int kBindReflections = 22;
-HL_CONST int kBindRadiance = 23; // the finished frame's samples: shaders/display.frag
-HL_CONST int kBindTextures = 24; // the last: its length varies
+HL_CONST int kBindRadiance = 23;      // the finished frame's samples: shaders/display.frag
+HL_CONST int kBindCascadeDepths = 24; // the images of kBindCascades and kBindAtlas, without comparison
+HL_CONST int kBindAtlasDepths = 25;
+HL_CONST int kBindTextures = 26; // the last: its length varies
 
 // Debug views: the values of DebugView in renderer.h.
 HL_CONST int kViewLit = 0;
@@ -158,7 +160,8 @@ struct GpuLight {
     vec4 axis;           // xyz unit, along which the light shines
     vec4 spot;           // xy: spotConstants(); z number of shadow tiles
     ivec4 info;          // x type, y flags, z channel, w first tile
-    vec4 shadowBias;     // x depth bias, y normal bias, in texels
+    vec4 shadowBias;     // x depth bias, y normal bias, in texels; z half the source's width: tangent of its angle
+                         // (directional) or metres; 0 = penumbrae do not depend on it
     vec4 bakedReach;     // xyz world: where the light was baked; w metres from there its channel holds for, 0 = all
     vec4 bakedCone;      // xyz unit: axis at the bake; w cosine of the cone its channel holds for, -2 = all
     vec4 halfX;          // xyz metres: area lights, from the middle to the edges along their X and Y
@@ -170,7 +173,7 @@ struct GpuTile {
     mat4 planeFromWorld; // planes (n, d) of the world to planes of clip space: the inverse transpose of clipFromWorld
     vec4 rectangle;      // xy offset in texels, z size in texels, w layer
     vec4 parameters;     // x metres of a texel (at 1 m distance for perspective tiles); y 0 = it has no caster and
-                         // was not drawn
+                         // was not drawn; zw metres from the light along the tile's axis of depth 0 and 1
 };
 
 struct GpuPush {

@@ -90,6 +90,7 @@ void shadowSection(ViewState& state)
                constexpr const char* kNames[] = {"hard", "pcf", "soft"};
                return kNames[int(filter)];
            });
+    ImGui::Checkbox("penumbrae by the light's size", &shadows.penumbrae);
     const auto sizes = std::array{256, 512, 1024, 2048, 4096, 8192};
     static thread_local std::string text;
     const auto nameOfSize = [](int size) {

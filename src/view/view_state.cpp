@@ -149,6 +149,7 @@ std::string commandLine(const ViewState& state, const std::string& file, ivec2 s
     if (shadows.cascades != defaults.cascades) add(fmt::format("--cascades {}", shadows.cascades));
     if (shadows.filter != defaults.filter)
         add(fmt::format("--shadow-filter {}", shadows.filter == ShadowFilter::Hard ? "hard" : "soft"));
+    if (!shadows.penumbrae) add("--penumbrae off");
     if (shadows.cascadeBlend != defaults.cascadeBlend)
         add(fmt::format("--cascade-blend {}", shadows.cascadeBlend == CascadeBlend::Hard ? "hard" : "dithered"));
     if (shadows.directionalMapSize != defaults.directionalMapSize)

@@ -125,7 +125,7 @@ class Help(Case):
         for option in (
             "--mode auto|realtime|baked-indirect|shadowmask|distance-shadowmask|subtractive,--shadow-distance,"
             "--shadow-fade-range,--cascades 1..4,--size,--camera,--eye,--target,--fov,--exposure,--reference,"
-            "--view lit|shadowmask|lightmap|probes|cascades|fade|overlap|texels,--shadow-filter hard|pcf|soft,--validation,"
+            "--view lit|shadowmask|lightmap|probes|cascades|fade|overlap|texels,--shadow-filter hard|pcf|soft,--validation,--penumbrae on|off,"
             "--path forward|deferred,--light,--cascade-splits,--shadow-color R,G,B"
         ).split(","):
             self.assertIn(option, render)

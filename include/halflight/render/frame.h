@@ -27,8 +27,9 @@ Status checkRunMode(const BakedScene& baked, RunMode mode);
 /// Hard: one texel, no filter. Pcf: a small kernel. Soft: a wide one.
 enum class ShadowFilter { Hard, Pcf, Soft };
 
-/// Texels by which a filter's kernel may reach beyond the texel a point falls in. Tiles are fitted with this border
-/// (and room for the normal bias), so a kernel that keeps to it never reads outside its tile.
+/// Texels by which a filter's kernel may reach beyond the texel a point falls in. Tiles are fitted with this border, or
+/// the wider one of penumbrae (shading::penumbraReach()), and room for the normal bias, so a kernel that keeps to it
+/// never reads outside its tile.
 constexpr int filterReachTexels(ShadowFilter filter)
 {
     return filter == ShadowFilter::Hard ? 1 : filter == ShadowFilter::Pcf ? 2 : 4;
@@ -55,6 +56,9 @@ struct ShadowSettings {
     int atlasSize = 4096;
     bool pointShadows = true; ///< false: point lights have baked shadows only, as in the seeds (spec S4)
     ShadowFilter filter = ShadowFilter::Pcf;
+    /// Shadows of lights that have a size are as soft as in the bake (shading/penumbra.h), and no sharper than the
+    /// filter. Hard shadows have none.
+    bool penumbrae = true;
     /// Receiver moved towards the light by this many shadow-map texels. Covers the rounding of depths and positions,
     /// which no slope covers on surfaces that face the light straight (the deferred path knows positions by depth
     /// alone). A light's own ShadowBias comes before this bias and the next two.
@@ -67,8 +71,10 @@ struct ShadowSettings {
 
 /// InvalidArgument naming the first setting outside its limits.
 Status checkShadowSettings(const ShadowSettings& settings);
-/// The settings with the light's own biases, where it has some.
+/// The settings with the light's own biases, where it has some, and without penumbrae where it or the filter has none.
 ShadowSettings shadowSettingsOf(const Light& light, const ShadowSettings& settings);
+/// Half the width of a light's source: metres, or for directional lights the tangent of the angle. 0 for points.
+float halfSourceWidth(const Light& light);
 
 /// World-space bounds of every object, empty where a mesh has no vertices. Compute once per scene, and again for an
 /// object that moved.

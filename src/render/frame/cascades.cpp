@@ -1,4 +1,5 @@
 // Shadow map matrices: cascades of directional lights, perspective tiles of spot and point lights.
+#include "halflight/shading/penumbra.h"
 #include "halflight/shading/sampling.h"
 #include "render/frame/frame_internal.h"
 
@@ -18,11 +19,13 @@ constexpr float kWidestSpotTileRadians = 70.0f * kPi / 180.0f;
 
 } // namespace
 
-int borderTexels(const ShadowSettings& settings)
+int borderTexels(const ShadowSettings& settings, int mapTexels)
 {
-    const auto reach = float(filterReachTexels(settings.filter));
-    const float shift = std::max(settings.normalBiasTexels, 0.0f) * std::max(0.5f * reach, 1.0f);
-    return int(std::ceil(reach + shift));
+    const auto filter = float(filterReachTexels(settings.filter));
+    const float shift = std::max(settings.normalBiasTexels, 0.0f) * std::max(0.5f * filter, 1.0f);
+    constexpr float kBilinear = 1.0f; // texels that a comparison reaches beyond its place
+    const float penumbra = settings.penumbrae ? shading::penumbraReach(float(mapTexels)) + kBilinear : 0.0f;
+    return int(std::ceil(std::max(filter, penumbra) + shift));
 }
 
 // Split distances: Zhang et al. 2006, "Parallel-Split Shadow Maps for Large-Scale Virtual Environments", eq. 3, on
@@ -104,7 +107,7 @@ ShadowTile fitCascade(const FrameView& view, const ShadowSettings& settings, con
     ShadowTile tile;
     tile.size = settings.directionalMapSize;
     tile.layer = cascade;
-    const int inner = std::max(tile.size - 2 * borderTexels(settings) - 1, 1);
+    const int inner = std::max(tile.size - 2 * borderTexels(settings, tile.size) - 1, 1);
     const double texel = 2.0 * double(radius) / double(inner);
     const double halfExtent = 0.5 * texel * double(tile.size);
     const double x = std::round(glm::dot(glm::dvec3(center), glm::dvec3(right)) / texel) * texel;
@@ -154,7 +157,7 @@ ShadowTile fitLocalTile(const Light& light, int face, int size, const ShadowSett
     shading::orthonormalBasis(-forward, right, up);
 
     // The border's texels lie outside the cone's square, or outside the 90 degrees of a face.
-    const int inner = std::max(size - 2 * borderTexels(settings), 1);
+    const int inner = std::max(size - 2 * borderTexels(settings, size), 1);
     const float tanInner = single ? std::tan(std::max(light.outerConeRadians, 0.01f)) : 1.0f;
     const float tanHalf = tanInner * float(size) / float(inner);
 

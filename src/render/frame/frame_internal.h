@@ -71,9 +71,10 @@ CascadeSlices sliceView(const FrameView& view, const ShadowSettings& settings);
 ShadowTile fitCascade(const FrameView& view, const ShadowSettings& settings, const CascadeSlices& slices, int cascade,
                       vec3 lightDirection, const Bounds& sceneBounds);
 
-/// Texels at a tile's border that are kept free for the filter's kernel and the receiver's shift along its normal,
-/// which grows with the kernel: normalBiasTexels for each two texels of reach.
-int borderTexels(const ShadowSettings& settings);
+/// Texels at a tile's border that are kept free for the kernel of the filter or of penumbrae and the receiver's shift
+/// along its normal, which grows with the filter: normalBiasTexels for each two texels of its reach. `settings` are the
+/// light's (shadowSettingsOf()).
+int borderTexels(const ShadowSettings& settings, int mapTexels);
 
 /// Number of tiles a spot or point light needs, and their matrices for a tile of `size` texels.
 int localTileCount(const Light& light);

@@ -96,12 +96,20 @@ Status checkShadowSettings(const ShadowSettings& s)
     return {};
 }
 
+float halfSourceWidth(const Light& light)
+{
+    if (light.type == LightType::Directional) return std::tan(light.angularRadiusRadians);
+    return isAreaLight(light.type) ? std::max(glm::length(light.halfWidth()), glm::length(light.halfHeight()))
+                                   : light.radiusMeters;
+}
+
 ShadowSettings shadowSettingsOf(const Light& light, const ShadowSettings& settings)
 {
     ShadowSettings result = settings;
     result.depthBias = light.shadowBias.depthTexels.value_or(settings.depthBias);
     result.slopeBias = light.shadowBias.slope.value_or(settings.slopeBias);
     result.normalBiasTexels = light.shadowBias.normalTexels.value_or(settings.normalBiasTexels);
+    result.penumbrae = settings.penumbrae && settings.filter != ShadowFilter::Hard && halfSourceWidth(light) > 0.0f;
     return result;
 }
 

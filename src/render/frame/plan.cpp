@@ -172,9 +172,10 @@ void findMainShadowReceivers(const ShadowContext& context, FramePlan& plan)
     std::sort(casters.begin(), casters.end());
     casters.erase(std::unique(casters.begin(), casters.end()), casters.end());
     const Light& light = context.scene.lights[std::size_t(main.light)];
+    const int border =
+        borderTexels(shadowSettingsOf(light, context.settings), plan.tiles[std::size_t(main.firstTile)].size);
     plan.mainShadowReceivers =
-        directionalShadowReceivers(context.bounds, casters, light.direction(),
-                                   float(borderTexels(shadowSettingsOf(light, context.settings))) * texelMeters,
+        directionalShadowReceivers(context.bounds, casters, light.direction(), float(border) * texelMeters,
                                    vec3(context.view.camera.worldFromCamera[3]), context.settings.distanceMeters);
     plan.subtractsByMask = main.hasBaked && context.hasMask;
 }
