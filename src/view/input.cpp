@@ -162,13 +162,15 @@ void Viewer::handleEvent(const SDL_Event& event)
         desktop_.takeGamepad(event.cdevice.which);
         break;
     case SDL_MOUSEBUTTONDOWN:
-        dragged_ = io.WantCaptureMouse;
-        if (event.button.button == SDL_BUTTON_LEFT && !dragged_)
+        // Dear ImGui's own answer is one of the last frame, when the mouse may have been elsewhere.
+        inPicture_ = !overPanels(state_, vec2(event.button.x, event.button.y));
+        dragged_ = false;
+        if (event.button.button == SDL_BUTTON_LEFT && inPicture_)
             dragged_ = dragGizmo(vec2(event.button.x, event.button.y));
         break;
     case SDL_MOUSEBUTTONUP:
         gizmo_.release();
-        if (event.button.button == SDL_BUTTON_LEFT && !dragged_ && !io.WantCaptureMouse)
+        if (event.button.button == SDL_BUTTON_LEFT && inPicture_ && !dragged_)
             click(vec2(event.button.x, event.button.y));
         break;
     case SDL_MOUSEMOTION:
@@ -179,7 +181,7 @@ void Viewer::handleEvent(const SDL_Event& event)
                                            vec2(io.DisplaySize.x, io.DisplaySize.y)),
                             1.0f);
             state_.requests.move = {int(object), place};
-        } else if (!io.WantCaptureMouse)
+        } else if (inPicture_)
             drag(vec2(event.motion.xrel, event.motion.yrel), event.motion.state);
         break;
     default:

@@ -200,13 +200,27 @@ const std::vector<std::string>& keyHelp()
     return lines;
 }
 
+namespace {
+
+float panelWidth()
+{
+    const ImGuiIO& io = ImGui::GetIO();
+    return std::min(24.0f * io.Fonts->Fonts[0]->FontSize, 0.9f * io.DisplaySize.x);
+}
+
+} // namespace
+
+bool overPanels(const ViewState& state, vec2 place)
+{
+    if (ImGui::IsPopupOpen("", ImGuiPopupFlags_AnyPopup)) return true;
+    return state.panels && place.x < panelWidth();
+}
+
 void drawPanels(ViewState& state, const Scene& scene)
 {
     if (!state.panels) return;
-    const ImGuiIO& io = ImGui::GetIO();
-    const float width = std::min(24.0f * ImGui::GetFontSize(), 0.9f * io.DisplaySize.x);
     ImGui::SetNextWindowPos(ImVec2(0.0f, 0.0f));
-    ImGui::SetNextWindowSize(ImVec2(width, io.DisplaySize.y));
+    ImGui::SetNextWindowSize(ImVec2(panelWidth(), ImGui::GetIO().DisplaySize.y));
     constexpr ImGuiWindowFlags kFixed =
         ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoCollapse;
     if (ImGui::Begin((state.title + "###panels").c_str(), nullptr, kFixed)) {

@@ -7,6 +7,8 @@ namespace halflight::view {
 
 /// One window at the left with a section for each subject. `scene`: as it is drawn. Needs a current ImGui frame.
 void drawPanels(ViewState& state, const Scene& scene);
+/// Whether panels are drawn at a place of the window, or an open list may be.
+bool overPanels(const ViewState& state, vec2 place);
 
 /// Keys that are pressed outside of text fields; `key` is SDL's key code for letters, digits and F keys.
 void handleKey(ViewState& state, int key, bool control);

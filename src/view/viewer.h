@@ -166,8 +166,9 @@ private:
     Clock::time_point noticeTime_;
     Clock::time_point lastLook_ = Clock::now(); ///< at file_
     int frames_ = 0;
-    bool dragged_ = false;
-    bool compared_ = false; ///< the last frame showed two modes
+    bool inPicture_ = false; ///< the mouse was pressed there, not in a panel
+    bool dragged_ = false;   ///< since then, or an arrow was taken
+    bool compared_ = false;  ///< the last frame showed two modes
     Clock::time_point lastFrame_ = Clock::now();
     Clock::time_point lastTiles_; ///< when some were shown
     int screenshots_ = 0;

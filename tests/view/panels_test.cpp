@@ -67,6 +67,15 @@ protected:
     ViewState state;
 };
 
+TEST_F(Panels, AreAtTheLeftOfThePicture)
+{
+    frame();
+    EXPECT_TRUE(overPanels(state, vec2(20.0f, 500.0f)));
+    EXPECT_FALSE(overPanels(state, vec2(390.0f, 500.0f)));
+    state.panels = false;
+    EXPECT_FALSE(overPanels(state, vec2(20.0f, 500.0f)));
+}
+
 TEST_F(Panels, AreDrawnUnlessHidden)
 {
     frame();
