@@ -1,10 +1,11 @@
 // Times the passes of frames by GPU timestamps: medians by mode and path, and what the modes must hold against one
 // another, all measured in this run. Frames of all modes take turns, so that a machine that slows down slows all.
 //
-//   bench_frame [--size WxH] [--frames N] [--cpu] [--only modes|lights] [FILE.glb…]
+//   bench_frame [--size WxH] [--frames N] [--cpu] [--only modes|lights|features] [FILE.glb…]
 //
 // Files are plain glTF; they get a stand-in bake (frame_scenes.h). Besides them: a scene of 1,000 objects made here,
-// and fields of lights. Exit code 1 when a demand is not met.
+// and fields of lights. With `--only features` files are baked ones, and what antialiasing, reflection probes and
+// penumbrae cost is measured. Exit code 1 when a demand is not met.
 
 #include "frame_scenes.h"
 
@@ -191,6 +192,49 @@ bool benchModes(const Options& options, const std::string& name, const Scene& pl
     return met;
 }
 
+struct Feature {
+    const char* name;
+    void (*change)(RenderSettings&);
+};
+constexpr Feature kFeatures[] = {
+    {"as users see it", [](RenderSettings&) {}},
+    {"without penumbrae", [](RenderSettings& s) { s.shadows.penumbrae = false; }},
+    {"without reflection probes", [](RenderSettings& s) { s.reflectionProbes = false; }},
+    {"without antialiasing", [](RenderSettings& s) { s.supersampling = 1; }},
+};
+
+/// What each feature adds to a frame of a baked file in distance shadowmask mode.
+void benchFeatures(const Options& options, const std::string& name, const BakedScene& baked)
+{
+    const Camera camera = bench::cameraOf(baked.scene);
+    const auto renderer = makeRenderer(options, baked);
+    std::map<std::pair<int, std::size_t>, Series> all;
+    for (int frame = -kWarmUpFrames; frame < options.frames; ++frame) {
+        for (int path = 0; path < 2; ++path) {
+            for (std::size_t i = 0; i < std::size(kFeatures); ++i) {
+                RenderSettings settings;
+                settings.mode = RunMode::DistanceShadowmask;
+                settings.path = path == 0 ? RenderPath::Forward : RenderPath::Deferred;
+                settings.size = options.size;
+                settings.timings = true;
+                settings.supersampling = 2; // what `halflight render` has
+                kFeatures[i].change(settings);
+                renderInto(*renderer, camera, settings, frame < 0 ? nullptr : &all[{path, i}]);
+            }
+        }
+    }
+    std::printf("\n%s, %d x %d, distance shadowmask, medians of %d frames\n\n| path | frame | all, ms | of all |\n"
+                "|---|---|---|---|\n",
+                name.c_str(), options.size.x, options.size.y, options.frames);
+    for (int path = 0; path < 2; ++path) {
+        for (std::size_t i = 0; i < std::size(kFeatures); ++i) {
+            const double ms = median(all[{path, i}].totals);
+            std::printf("| %s | %s | %.2f | %.0f %% |\n", path == 0 ? "forward" : "deferred", kFeatures[i].name, ms,
+                        100.0 * ms / median(all[{path, 0}].totals));
+        }
+    }
+}
+
 /// Cost grows with the lights that reach a pixel, not with those in the scene.
 bool benchLights(const Options& options)
 {
@@ -277,6 +321,17 @@ int main(int argc, char** argv)
         std::printf("device: %s, driver: %s\n", renderer->deviceName().c_str(), renderer->driver().c_str());
     }
     bool met = true;
+    if (options.only == "features") {
+        for (const std::string& file : options.files) {
+            const Result<BakedScene> baked = readBakedScene(file);
+            if (!baked || !baked->isBaked) {
+                std::fprintf(stderr, "%s: %s\n", file.c_str(), baked ? "not baked" : baked.error().text().c_str());
+                return 2;
+            }
+            benchFeatures(options, file.substr(file.find_last_of('/') + 1), *baked);
+        }
+        return 0;
+    }
     if (options.only != "lights") {
         for (const std::string& file : options.files) {
             Result<Scene> scene = readScene(file);

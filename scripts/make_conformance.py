@@ -38,7 +38,7 @@ def pictures_of(program, folder, baked, cameras, modes, options):
     for camera in cameras:
         for mode in modes:
             name = f"{baked.stem}_{camera}_{mode}.exr"
-            summary = json.loads(run(program, "render", baked, "-o", folder / name, "--size", SIZE, "--samples", 1, "--mode", mode,
+            summary = json.loads(run(program, "render", baked, "-o", folder / name, "--size", SIZE, "--samples", 1, "--penumbrae", "off", "--mode", mode,
                                      "--camera", camera, "--json", *options))
             yield {
                 "file": baked.name,

@@ -180,7 +180,7 @@ float tileShadow(int light, Receiver r, out bool cut)
         float reach = max(length(kernel[0]), length(kernel[1]));
         if (reach > tent) {
             float part;
-            float casterMeters = casterDistance(r, kernel, square, penumbraTaps(reach) / 2, part);
+            float casterMeters = casterDistance(r, kernel, square, penumbraTaps(reach) / 4, part);
             if (part == 0.0) return 1.0;
             bool isWide;
             kernel = penumbraKernel(source, r, casterMeters, isWide);

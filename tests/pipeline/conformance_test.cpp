@@ -80,6 +80,7 @@ TEST(Conformance, PicturesAreDrawnFromTheFiles)
         settings.mode = modeOf(entry["mode"]);
         settings.shadows.distanceMeters = entry["shadowDistance"];
         settings.shadows.fadeRangeMeters = entry["shadowFadeRange"];
+        settings.shadows.penumbrae = false;
         const auto camera = std::find_if(scene.cameras.begin(), scene.cameras.end(),
                                          [&](const Camera& c) { return c.name == entry["camera"].get<std::string>(); });
         ASSERT_NE(camera, scene.cameras.end());
