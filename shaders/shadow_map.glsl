@@ -117,12 +117,12 @@ mat2 penumbraKernel(mat2 source, Receiver r, float casterMeters, out bool cut)
     return cut ? kernel * (reach / widest) : kernel;
 }
 
-// Kernel point i of n; `turn` is carried from one to the next.
-vec2 kernelPoint(bool square, int i, int n, inout vec2 turn)
+// Point i of n of a kernel, or of a search; `turn` is carried from one to the next.
+vec2 kernelPoint(bool square, bool search, int i, int n, inout vec2 turn)
 {
     if (square) return squarePoint(i, n);
     turn = turnByGoldenAngle(turn);
-    return turn * sunflowerRadius(i, n);
+    return turn * (search ? searchRadius(i, n) : sunflowerRadius(i, n));
 }
 
 // Mean distance from the light of what lies before the receiver's plane within the kernel, and the part of the texels
@@ -136,7 +136,7 @@ float casterDistance(Receiver r, mat2 kernel, bool square, int n, out float part
     float sum = 0.0;
     float count = 0.0;
     [[dont_unroll]] for (int i = 0; i < n; ++i) {
-        vec2 p = clamp(r.texel + kernel * kernelPoint(square, i, n, turn), r.bounds.xy + 0.5,
+        vec2 p = clamp(r.texel + kernel * kernelPoint(square, true, i, n, turn), r.bounds.xy + 0.5,
                        r.bounds.zw - 0.5);
         vec2 corner = floor(p - 0.5) + 0.5; // the centre of the first of 2 x 2 texels; their order is textureGather()'s
         vec3 place = vec3((corner + 0.5) * inverseSize, layer);
@@ -159,7 +159,7 @@ float kernelFilter(sampler2DArrayShadow map, float layer, Receiver r, mat2 kerne
     vec2 turn = vec2(1.0, 0.0);
     float sum = 0.0;
     [[dont_unroll]] for (int i = 0; i < n; ++i) {
-        vec2 p = clamp(r.texel + kernel * kernelPoint(square, i, n, turn), r.bounds.xy, r.bounds.zw);
+        vec2 p = clamp(r.texel + kernel * kernelPoint(square, false, i, n, turn), r.bounds.xy, r.bounds.zw);
         sum += texture(map, vec4(p * inverseSize, layer, r.depth + dot(r.slope, p - r.texel)));
     }
     return sum / float(n);

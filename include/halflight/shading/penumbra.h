@@ -53,6 +53,13 @@ HL_FN float sunflowerRadius(int i, int n)
 {
     return sqrt((float(i) + 0.5f) / float(n));
 }
+// The same for the places of a search: half of them lie in the outermost 16 % of the radius, so that a straight edge
+// that hides 6 % of the source or more is found by 16 places, whatever its direction; spread evenly, these would miss
+// 10 %.
+HL_FN float searchRadius(int i, int n)
+{
+    return sqrt(sunflowerRadius(i, n));
+}
 HL_CONST vec2 kGoldenTurn = vec2(-0.737368878f, 0.675490294f); // cosine and sine of the golden angle, pi (3 - sqrt 5)
 HL_FN vec2 turnByGoldenAngle(vec2 v)
 {
