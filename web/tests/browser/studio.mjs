@@ -65,7 +65,7 @@ class Studio {
         const key = [name, mode, ...options, ...size].join(' ');
         if (!this.references.has(key)) {
             const picture = `reference${this.references.size}.exr`;
-            const output = ['-o', join(this.files, picture), '--mode', mode, '--samples', '1', '--size', size.join('x'), '--json'];
+            const output = ['-o', join(this.files, picture), '--mode', mode, '--samples', '1', '--penumbrae', 'off', '--size', size.join('x'), '--json'];
             const { camera } = JSON.parse(halflight('render', this.pathOf(name), ...output, ...options));
             this.references.set(key, { url: `/files/${picture}`, camera: { fov: camera.verticalFovDegrees, eye: camera.eye, target: camera.target } });
         }
