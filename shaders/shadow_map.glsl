@@ -106,12 +106,15 @@ mat2 sourceInTexels(int light, Receiver r)
     return mat2(lights[light].shadowBias.z / r.texelMeters);
 }
 
+// Of a kernel, along the wider of its axes.
+float halfWidth(mat2 kernel) { return max(length(kernel[0]), length(kernel[1])); }
+
 // The source's picture by casters at this distance, as columns in texels. `cut`: it was wider than the tile's border,
 // which it now fits.
 mat2 penumbraKernel(mat2 source, Receiver r, float casterMeters, out bool cut)
 {
     mat2 kernel = source * (r.cascade ? max(r.meters - casterMeters, 0.0) : penumbraOfSource(r.meters, casterMeters));
-    float widest = max(length(kernel[0]), length(kernel[1]));
+    float widest = halfWidth(kernel);
     float reach = penumbraReach(tiles[r.tile].rectangle.z);
     cut = widest > reach;
     return cut ? kernel * (reach / widest) : kernel;
@@ -177,7 +180,7 @@ float tileShadow(int light, Receiver r, out bool cut)
     if (lights[light].shadowBias.z > 0.0) {
         mat2 source = sourceInTexels(light, r);
         kernel = penumbraKernel(source, r, tiles[r.tile].parameters.z, cut);
-        float reach = max(length(kernel[0]), length(kernel[1]));
+        float reach = halfWidth(kernel);
         if (reach > tent) {
             float part;
             float casterMeters = casterDistance(r, kernel, square, penumbraTaps(reach) / 4, part);
@@ -185,7 +188,7 @@ float tileShadow(int light, Receiver r, out bool cut)
             bool isWide;
             kernel = penumbraKernel(source, r, casterMeters, isWide);
             cut = cut && isWide;
-            width = part < 1.0 ? max(length(kernel[0]), length(kernel[1])) : 0.0;
+            width = part < 1.0 ? halfWidth(kernel) : 0.0;
         }
     }
     if (width <= tent) return tentFilter(r);

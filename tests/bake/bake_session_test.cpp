@@ -5,6 +5,7 @@
 #include "halflight/bake_cpu/embree_integrator.h"
 #include "halflight/base/file.h"
 #include "halflight/base/rgb9e5.h"
+#include "halflight/base/system.h"
 #include "halflight/scene/export.h"
 #include "halflight/scene/gltf.h"
 
@@ -14,7 +15,6 @@
 #include <atomic>
 #include <chrono>
 #include <cmath>
-#include <ctime>
 #include <random>
 #include <set>
 #include <string>
@@ -227,12 +227,6 @@ TEST(BakeSession, WhatIsInViewComesFirst)
     }
 }
 
-/// Of all threads.
-double cpuSeconds()
-{
-    return double(std::clock()) / double(CLOCKS_PER_SEC);
-}
-
 /// A hundred bakes, each cancelled at a random moment of its length; of some the light is taken meanwhile. They leave
 /// nothing behind that changes a bake. The limit is processor time: other programs do not count.
 TEST(BakeSession, EndsSoonWhenCancelledAtAHundredMoments)
@@ -258,10 +252,10 @@ TEST(BakeSession, EndsSoonWhenCancelledAtAHundredMoments)
             std::this_thread::sleep_for(std::chrono::milliseconds(1));
         }
         const std::string stage = session.state().stage;
-        const double begin = cpuSeconds();
+        const double begin = processCpuSeconds();
         session.cancel();
         const Result<BakeResult> result = session.takeResult();
-        EXPECT_LT(cpuSeconds() - begin, kMostSeconds) << stage;
+        EXPECT_LT(processCpuSeconds() - begin, kMostSeconds) << stage;
         if (result) continue; // it was too late
         EXPECT_EQ(result.error().code, ErrorCode::Cancelled) << result.error().text();
         stages.insert(stage);
