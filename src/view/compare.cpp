@@ -115,9 +115,10 @@ void Viewer::followReference()
     ui_->setPicture(displayedPicture(pathTraced_->radiance, state_.exposureEv));
 }
 
-void Viewer::buildPanels()
+void Viewer::buildPanels(bool isDrawn)
 {
     ImGui_ImplSDL2_NewFrame();
+    panelInput_.beginFrame();
     ImGui::NewFrame();
     if (shown_) {
         collectWarnings();
@@ -125,10 +126,13 @@ void Viewer::buildPanels()
         if (state_.compares) drawCompared();
         drawGizmo();
     }
-    announcesEarlier_ = wantsEarlier() && !earlierRenderer_ && !announcesEarlier_;
-    if (announcesEarlier_) note("preparing the light before the bake");
-    drawNotice();
+    if (isDrawn) {
+        announcesEarlier_ = wantsEarlier() && !earlierRenderer_ && !announcesEarlier_;
+        if (announcesEarlier_) note("preparing the light before the bake");
+        drawNotice();
+    }
     ImGui::Render();
+    applyEdits();
 }
 
 /// What is being read, or what was said just now, at the bottom.

@@ -123,7 +123,12 @@ Desktop::Sticks Desktop::sticks() const
 void Viewer::handleEvents()
 {
     const auto handle = [&](const SDL_Event& event) {
-        ImGui_ImplSDL2_ProcessEvent(&event);
+        if (panelInput_.endsFrame(event)) {
+            buildPanels(false);
+            // Dear ImGui says a frame later that typing has ended.
+            if (ImGui::GetIO().WantTextInput) buildPanels(false);
+        }
+        panelInput_.take(event);
         handleEvent(event);
     };
     if (shown_)

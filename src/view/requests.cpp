@@ -24,8 +24,10 @@ void Viewer::moveObject(std::size_t index, const mat4& place)
         for (const vec3& position : part.positions) bounds_[index].extend(vec3(place * vec4(position, 1.0f)));
 }
 
-void Viewer::changeScene(const Requests& requests)
+/// Lights and objects as panels and arrows have them now.
+void Viewer::applyEdits()
 {
+    Requests& requests = state_.requests;
     if (requests.light) {
         const auto& [index, light] = *requests.light;
         scene_.lights[std::size_t(index)] = light;
@@ -46,6 +48,14 @@ void Viewer::changeScene(const Requests& requests)
         referenceScene_.reset();
         lastEdit_ = Clock::now();
     }
+    requests.light.reset();
+    requests.switches.reset();
+    requests.move.reset();
+}
+
+/// The view of a warning or of a camera.
+void Viewer::showRequested(const Requests& requests)
+{
     if (requests.warning && *requests.warning < state_.warnings.size()) showSubject(*requests.warning);
     if (requests.camera) {
         const Camera& camera = scene_.cameras[std::size_t(*requests.camera)];
@@ -154,7 +164,7 @@ void Viewer::writeSettings()
 Status Viewer::answerRequests()
 {
     const Requests requests = std::exchange(state_.requests, {});
-    changeScene(requests);
+    showRequested(requests);
     if (requests.frameSelection) frameSelection();
     if (requests.reload) open(file_, true);
     if (requests.toggleFullScreen) {

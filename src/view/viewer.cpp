@@ -69,7 +69,7 @@ void Viewer::collectWarnings()
 Status Viewer::drawFrame()
 {
     swapchain_->setVsync(state_.vsync);
-    buildPanels();
+    buildPanels(true);
     const std::optional<Swapchain::Frame> frame = swapchain_->begin();
     if (!frame) {
         constexpr int kPauseMilliseconds = 20; // nothing is to be seen

@@ -5,6 +5,7 @@
 #include "halflight/render/vulkan_target.h"
 #include "halflight/view/view.h"
 #include "view/gizmo.h"
+#include "view/panel_input.h"
 #include "view/reference_picture.h"
 #include "view/swapchain.h"
 #include "view/ui_renderer.h"
@@ -94,7 +95,8 @@ private:
     void click(vec2 place);
     void fly(float seconds);
     void leaveTimeToBackground();
-    void buildPanels();
+    /// Not drawn: only for what mouse and keys change in them.
+    void buildPanels(bool isDrawn);
     void drawCompared();
     void drawGizmo();
     bool dragGizmo(vec2 mouse);
@@ -106,7 +108,8 @@ private:
     Status drawOther(const Swapchain::Frame& frame, RenderSettings settings, VulkanTarget target);
     [[nodiscard]] RenderSettings settingsFor(ivec2 size) const;
     Status answerRequests();
-    void changeScene(const Requests& requests);
+    void applyEdits();
+    void showRequested(const Requests& requests);
     void moveObject(std::size_t index, const mat4& place);
     void frameSelection();
     void showSubject(std::size_t warning);
@@ -156,6 +159,7 @@ private:
     Clock::time_point lastInput_;                         ///< by keys, mouse or gamepad
     float pathTracedEv_ = 0.0f;                           ///< its exposure on the screen
     Gizmo gizmo_;
+    PanelInput panelInput_;
     std::vector<std::string> messages_;          ///< of the validation layer, of devices before
     std::optional<int> failedAt_;                ///< frame at which the device failed last
     std::filesystem::file_time_type fileTime_{}; ///< of file_, as it was read

@@ -187,6 +187,33 @@ class View(Case):
             window.key("Escape")
         self.assert_ends_well(window)
 
+    def test_numbers_are_dragged_and_typed(self):
+        """Faster than pictures are drawn: every press, move and key counts."""
+        window = self.window(self.scene(), "--size", "500x300", "--exposure", "1")
+        exposure = (60, 129)  # where the panel has it
+        mouse = lambda x, y: ("mousemove", "--window", window.id, x, y)
+
+        def shot():
+            said = len(window.lines)
+            window.do("key", "F12")
+            line = window.said(r"screenshot_\d+\.png: .*", said).group(0)
+            return float(re.search(r"--exposure (\S+)", line).group(1))
+
+        self.assertEqual(shot(), 1.0)
+        window.do(*mouse(*exposure), "mousedown", 1, *mouse(80, 129), *mouse(100, 129), "mouseup", 1, *mouse(60, 280))
+        self.assertAlmostEqual(shot(), 3.0, places=4)  # 0.05 a pixel
+        typed = ("key", "2", "key", "period", "key", "5")
+        control = (*mouse(*exposure), "keydown", "ctrl", "click", 1, "keyup", "ctrl", *mouse(450, 200))
+        window.do(*control, *typed, "key", "Return")
+        self.assertEqual(shot(), 2.5)
+        window.do(*control, "key", "7", "key", "Escape")  # ends the typing, not the program
+        self.assertEqual(shot(), 2.5)
+        window.do(*control, "key", "7", "key", "Tab", "key", "Escape")  # the next number is typed, until Escape
+        self.assertEqual(shot(), 7.0)
+        window.do(*mouse(450, 200), "mousedown", 1, *mouse(420, 200), "mouseup", 1)  # in the picture
+        self.assertEqual(shot(), 7.0)
+        self.assert_ends_well(window)
+
     def test_ends_after_the_frames_asked_for(self):
         window = self.window(self.scene(), "--size", "200x120", "--frames", "500")
         self.assertEqual(window.process.wait(timeout=SECONDS), 0)
