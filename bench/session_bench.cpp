@@ -3,9 +3,10 @@
 //   bench_session SCENE.glb [QUALITY preview|medium|high] [LIGHTMAP_SIZE] [ROUNDS]
 //
 // Prints the quality by time, the seconds until the first light and until 90 % of the final quality, and the session's
-// and bake()'s seconds, in turn, with their ratio. Quality is 1 less the root mean square error of the light of texels
-// that charts cover against the finished pages, relative to that light's own root mean square. The session is asked for
-// its tiles every 0.3 s, as the window does; times of the comparison are not counted. Wall time: use a quiet machine.
+// and bake()'s seconds, in turn, with their ratio and those of their stages. Quality is 1 less the root mean square
+// error of the light of texels that charts cover against the finished pages, relative to that light's own root mean
+// square. The session is asked for its tiles every 0.3 s, as the window does; times of the comparison are not counted.
+// Wall time: use a quiet machine.
 #include "bake/stages.h"
 #include "halflight/bake/bake_session.h"
 #include "halflight/bake_cpu/embree_integrator.h"
@@ -41,6 +42,7 @@ struct Step {
 
 struct Run {
     double seconds = 0.0;
+    double probeSeconds = 0.0; ///< until the light of probes, which the window shows first
     double lightSeconds = 0.0;
     std::optional<BakedScene> light;
     std::vector<Step> steps;
@@ -56,6 +58,7 @@ std::optional<Run> runSession(const Scene& scene, const BakeSettings& settings)
     if (!scene.cameras.empty()) session.setView(scene.cameras.front(), 16.0f / 9.0f);
     while (!session.state().finished) {
         std::this_thread::sleep_for(std::chrono::milliseconds(2));
+        if (run.probeSeconds == 0.0 && session.takeProbeLight()) run.probeSeconds = secondsSince(start);
         if (!run.light) {
             if ((run.light = session.takeLight())) run.lightSeconds = secondsSince(start);
         } else if (secondsSince(last) > 0.3) {
@@ -114,7 +117,8 @@ double secondsToQuality(Run& run)
         error += squaredError(shown[p], ivec2(0), unit, pages[p], covered[p]);
     }
     const auto quality = [&] { return 1.0 - std::sqrt(std::max(error, 0.0) / all); };
-    std::printf("first light after %.2f s: quality %.3f\n", run.lightSeconds, quality());
+    std::printf("light of probes after %.2f s, first light after %.2f s: quality %.3f\n", run.probeSeconds,
+                run.lightSeconds, quality());
     double reached = quality() >= kQuality ? run.lightSeconds : run.seconds;
     for (const Step& step : run.steps) {
         for (const LightTile& tile : step.tiles) {
@@ -136,6 +140,14 @@ double secondsToQuality(Run& run)
     return reached;
 }
 
+/// Seconds of each stage, the session's after bake()'s.
+void printStages(const BakeReport& plain, const BakeReport& session)
+{
+    for (std::size_t i = 0; i < plain.stages.size() && i < session.stages.size(); ++i)
+        std::printf("  %s %.2f %.2f", plain.stages[i].name.c_str(), plain.stages[i].seconds, session.stages[i].seconds);
+    std::printf("\n");
+}
+
 int run(const char* file, const BakeSettings& settings, int rounds)
 {
     const Result<Scene> scene = readScene(file);
@@ -154,6 +166,7 @@ int run(const char* file, const BakeSettings& settings, int rounds)
         if (!session) return 1;
         std::printf("90 %% of the quality after %.2f s; session %.2f s, bake() %.2f s\n", secondsToQuality(*session),
                     session->seconds, seconds);
+        printStages(plain->report, session->result->report);
         plainSeconds += seconds;
         sessionSeconds += session->seconds;
     }

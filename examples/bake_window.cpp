@@ -166,7 +166,7 @@ void run(const char* scenePath, const char* bakedPath, bool once)
         camera.worldFromCamera = glm::inverse(glm::lookAt(center + distance * away, center, vec3(0, 1, 0)));
         session.setView(camera, float(view.size.x) / float(view.size.y));
         if (first) load(BakedScene{.scene = scene});
-        if (const auto light = session.takeLight()) load(*light);
+        if (auto light = session.takeLight(); light || (light = session.takeProbeLight())) load(*light);
         for (const LightTile& tile : session.takeTiles()) {
             const LightmapRectangle rectangle{tile.page, tile.offset, &tile.texels};
             check(renderer->updateLightmaps({&rectangle, 1})); // many at once would be faster

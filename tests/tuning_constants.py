@@ -89,7 +89,7 @@ WORK = {
     "src/bake/cache.cpp": ["kKeptBakes", "kInUse", "kComparisonShare", "kBatchItems"],
     "src/bake/cache.h": ["kTexelTile", "kProbeTile", "kProbeTilesPerPart"],
     "src/bake/facet_orientation.cpp": ["kBlockPatches"],
-    "src/bake/live_light.cpp": ["kSide", "kMostSquares", "kTexelsAtOnce"],
+    "src/bake/live_light.cpp": ["kSide", "kMostSquares", "kFirstTexels", "kSecondsAtOnce"],
     "src/bake/live_pages.h": ["kBlock"],
     "src/bake/probe_sight.cpp": ["kAtOnce"],
     "src/bake/rasterize.cpp": ["kTrianglesPerRun", "kSquare"],

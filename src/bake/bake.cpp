@@ -240,7 +240,7 @@ Result<BakeResult> bake(Scene scene, const BakeSettings& settings, const Integra
     Front front;
     if (Status status = prepareTexels(stages, std::move(scene), integratorFactory, CacheUse{}, front); !status)
         return status.error();
-    if (live != nullptr && !live->begin(result.baked, settings, front.gather(), progress)) return cancelledError();
+    if (live != nullptr && !live->begin(result.baked, front.gather(), progress)) return cancelledError();
     if (Status status = validityStage(stages, front); !status) return status.error();
     std::optional<BakeCache>& cache = front.cache;
     const Gather gather = front.gather();

@@ -79,6 +79,11 @@ void BakeSession::setView(const Camera& camera, float aspect)
     impl_->live.setView({camera, aspect});
 }
 
+std::optional<BakedScene> BakeSession::takeProbeLight()
+{
+    return impl_->live.takeProbeLight();
+}
+
 std::optional<BakedScene> BakeSession::takeLight()
 {
     return impl_->live.takeLight();

@@ -391,4 +391,10 @@ void assignShadowmaskChannels(Scene& scene, MixedLightingMode mode)
     }
 }
 
+void limitBounces(Scene& scene, const IntegrationSettings& settings)
+{
+    if (settings.bounces > 0) return;
+    for (Light& light : scene.lights) light.baking.atBake.indirectMultiplier = 0.0f;
+}
+
 } // namespace halflight

@@ -1,6 +1,7 @@
 #include "bake/front.h"
 
 #include "bake/front_parts.h"
+#include "bake/live_light.h"
 
 #include "halflight/unwrap/unwrap.h"
 
@@ -84,9 +85,7 @@ Result<std::unique_ptr<Integrator>> buildStage(const Stages& stages, const Integ
     const bool taken = kept && takeGeometry(*kept, geometry);
     if (!taken) geometry = flattenGeometry(scene, pages.size, GeometryFilter::Static);
     report.triangleCount = geometry.triangles.size();
-    if (integration.bounces == 0) {
-        for (Light& light : scene.lights) light.baking.atBake.indirectMultiplier = 0.0f;
-    }
+    limitBounces(scene, integration);
     const int samples = stages.settings.samples;
     if (integration.integrator == IntegratorKind::Cache && samples > 0 && samples < kFewestSamples) {
         report.warnings.push_back(std::to_string(samples) + " samples per texel are asked for: the cache " +
@@ -153,12 +152,15 @@ Status prepareTexels(const Stages& stages, Scene scene, const IntegratorFactory&
             "recenter() before baking");
     }
     std::optional<PartFolder> kept = frontFolder(scene, stages.settings);
+    front.integration = integrationSettings(stages.settings, report.quality);
+    if (stages.live != nullptr &&
+        !stages.live->beginWithProbes(scene, stages.settings, factory, front.integration, stages.progress))
+        return cancelledError();
     const Result<PageLayout> pages = unwrapStage(stages, std::move(scene), kept);
     if (!pages) return pages.error();
     assignShadowmaskChannels(stages.baked().scene, stages.settings.mode);
     reportLights(stages.baked().scene, report);
 
-    front.integration = integrationSettings(stages.settings, report.quality);
     auto integrator = buildStage(stages, factory, *pages, front.integration, kept, front.geometry);
     if (!integrator) return integrator.error();
     front.integrator = std::move(*integrator);

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <array>
+#include <chrono>
 #include <utility>
 
 namespace halflight {
@@ -13,32 +14,34 @@ namespace {
 
 /// Texels along a side of the squares that first light has a sample in; more where that makes more than kMostSquares.
 constexpr int kSide = 2;
-constexpr std::size_t kMostSquares = 16'384;
+constexpr std::size_t kMostSquares = 8192;
 /// Paths of a sample: with its neighbours' about 64, whose noise does not hide the light.
 constexpr int kPaths = 16;
 constexpr int kPathsOfProbe = 32;
 /// How much brighter than first light the lightmap may get before it is clamped.
 constexpr float kHeadroom = 8.0f;
-/// Texels between two looks at the view: a fraction of a second on few cores, enough work for many.
-constexpr std::size_t kTexelsAtOnce = 16'384;
+/// Texels until the first look at the view; then so many as take about a second, since each request computes some
+/// texels beside its own, and threads wait for its end.
+constexpr std::size_t kFirstTexels = 16'384;
+constexpr double kSecondsAtOnce = 1.0;
 
-/// A grid of light probes, roughly.
-bool addProbes(BakedScene& light, float spacingMeters, const Gather& gather, const Progress& progress)
+/// A grid of light probes, roughly. Nothing when cancelled.
+std::optional<ProbeSet> roughProbes(const Scene& scene, float spacingMeters, Integrator& integrator,
+                                    const Progress& progress)
 {
     std::vector<std::string> unread; // the bake says it
-    light.probes = probeGrid(light.scene, spacingMeters, unread);
+    ProbeSet set = probeGrid(scene, spacingMeters, unread);
     std::vector<vec3> positions;
-    for (const Probe& probe : light.probes.probes) positions.push_back(probe.position);
+    for (const Probe& probe : set.probes) positions.push_back(probe.position);
     std::vector<ProbeEstimate> estimates(positions.size());
-    if (!gather.integrator.probes(positions, allIndices(positions.size()), kPathsOfProbe, estimates, progress))
-        return false;
+    if (!integrator.probes(positions, allIndices(positions.size()), kPathsOfProbe, estimates, progress))
+        return std::nullopt;
     for (std::size_t i = 0; i < estimates.size(); ++i) {
-        Probe& probe = light.probes.probes[i];
-        probe.radiance = estimates[i].radiance;
-        probe.valid = estimates[i].valid;
+        set.probes[i].radiance = estimates[i].radiance;
+        set.probes[i].valid = estimates[i].valid;
     }
-    fillInvalidProbes(light.probes);
-    return true;
+    fillInvalidProbes(set);
+    return set;
 }
 
 /// No mask is there yet: lights with a channel are realtime lights of baked indirect.
@@ -58,8 +61,33 @@ void withoutMask(BakedScene& light)
 
 } // namespace
 
-bool LiveLight::begin(const BakedScene& scene, const BakeSettings& settings, const Gather& gather,
-                      const Progress& progress)
+bool LiveLight::beginWithProbes(Scene scene, const BakeSettings& settings, const IntegratorFactory& factory,
+                                const IntegrationSettings& integration, const Progress& progress)
+{
+    progress("first light", 0.0);
+    BakedScene light;
+    light.isBaked = true;
+    light.scene = std::move(scene);
+    for (Object& object : light.scene.objects) object.lightmap = {};
+    assignShadowmaskChannels(light.scene, settings.mode);
+    limitBounces(light.scene, integration);
+    const BakeGeometry geometry = flattenGeometry(light.scene, 1, GeometryFilter::Static);
+    Result<std::unique_ptr<Integrator>> integrator = factory(light.scene, geometry, integration);
+    if (!integrator) return true; // the bake finds the same, and says it
+    const Progress quiet{{}, progress.cancel};
+    std::optional<ProbeSet> probes = roughProbes(light.scene, settings.probeSpacingMeters, **integrator, quiet);
+    if (!probes) return false;
+    integrator->reset();
+    probes_ = std::move(*probes);
+    light.probes = probes_;
+    withoutMask(light);
+
+    const std::lock_guard lock(mutex_);
+    probeLight_ = std::move(light);
+    return true;
+}
+
+bool LiveLight::begin(const BakedScene& scene, const Gather& gather, const Progress& progress)
 {
     progress("first light", 0.0);
     const TexelMap& map = gather.map;
@@ -73,7 +101,7 @@ bool LiveLight::begin(const BakedScene& scene, const BakeSettings& settings, con
     LivePages pages(map);
     pages.spread(texels, values, side);
     BakedScene light = scene;
-    if (!addProbes(light, settings.probeSpacingMeters, gather, quiet)) return false;
+    light.probes = std::move(probes_);
     withoutMask(light);
     while (kHeadroom * pages.brightest() > kMaxRgb9e5 * light.lightmapUnitLux) light.lightmapUnitLux *= 2.0f;
     light.lightmaps = pages.takeAll(light.lightmapUnitLux);
@@ -95,9 +123,11 @@ bool LiveLight::irradiance(const Gather& gather, std::span<IrradianceEstimate> o
                            : TexelOrder::ofCharts(gather.geometry, map);
     std::vector<uint32_t> texels;
     std::vector<IrradianceEstimate> estimates;
+    std::size_t atOnce = kFirstTexels;
     std::size_t done = 0;
     while (done < map.texels.size()) {
-        std::vector<std::size_t> pieces = order.next(view(), kTexelsAtOnce);
+        const auto start = std::chrono::steady_clock::now();
+        std::vector<std::size_t> pieces = order.next(view(), atOnce);
         std::sort(pieces.begin(), pieces.end()); // requests are ascending
         texels.clear();
         for (const std::size_t piece : pieces)
@@ -114,6 +144,9 @@ bool LiveLight::irradiance(const Gather& gather, std::span<IrradianceEstimate> o
         }
         done += texels.size();
         show(map, texels, out);
+        const std::chrono::duration<double> taken = std::chrono::steady_clock::now() - start;
+        const double fitting = double(texels.size()) * kSecondsAtOnce / std::max(taken.count(), 1.0e-3);
+        atOnce = std::clamp(std::size_t(fitting), kFirstTexels / 4, 2 * atOnce);
     }
     return true;
 }
@@ -148,10 +181,19 @@ std::optional<BakeView> LiveLight::view() const
     return view_;
 }
 
+std::optional<BakedScene> LiveLight::takeProbeLight()
+{
+    const std::lock_guard lock(mutex_);
+    return std::exchange(probeLight_, std::nullopt);
+}
+
 std::optional<BakedScene> LiveLight::takeLight()
 {
     const std::lock_guard lock(mutex_);
-    taken_ = taken_ || light_.has_value();
+    if (light_) {
+        taken_ = true;
+        probeLight_.reset();
+    }
     return std::exchange(light_, std::nullopt);
 }
 

@@ -16,15 +16,19 @@ namespace halflight {
 
 class LiveLight {
 public:
+    /// The light of probes alone, of a scene without its layout. False when cancelled.
+    bool beginWithProbes(Scene scene, const BakeSettings& settings, const IntegratorFactory& factory,
+                         const IntegrationSettings& integration, const Progress& progress);
     /// First light of a scene with its layout. `map`, which outlives the calls, has no valid points yet. False when
     /// cancelled.
-    bool begin(const BakedScene& scene, const BakeSettings& settings, const Gather& gather, const Progress& progress);
+    bool begin(const BakedScene& scene, const Gather& gather, const Progress& progress);
     /// As Gather::irradiance(), piece by piece in the order of the view.
     bool irradiance(const Gather& gather, std::span<IrradianceEstimate> out, const Progress& progress);
     /// The finished pages, lux.
     void finish(const std::vector<ImageRgb32f>& pages);
 
     void setView(const BakeView& view);
+    std::optional<BakedScene> takeProbeLight();
     std::optional<BakedScene> takeLight();
     std::vector<LightTile> takeTiles();
 
@@ -35,10 +39,12 @@ private:
     mutable std::mutex mutex_; ///< guards what follows
     std::optional<BakeView> view_;
     std::optional<LivePages> pages_;
+    std::optional<BakedScene> probeLight_;
     std::optional<BakedScene> light_;
     float unitLux_ = 1.0f;
     bool taken_ = false; ///< the first light was
     const TexelMap* map_ = nullptr;
+    ProbeSet probes_; ///< not guarded: the bake's own, for both lights
 };
 
 /// bake(), shown by `live`.

@@ -52,6 +52,9 @@ std::vector<uint32_t> allIndices(std::size_t count);
 /// Decides how each light is baked and assigns mask channels (spec S5, S9, S10); writes Light::baking.
 void assignShadowmaskChannels(Scene& scene, MixedLightingMode mode);
 
+/// Of a bake without bounces no light is reflected.
+void limitBounces(Scene& scene, const IntegrationSettings& settings);
+
 /// A grid of probes over the bounds of the static objects. `spacingMeters`: 0 = by the scene's size.
 ProbeSet probeGrid(const Scene& scene, float spacingMeters, std::vector<std::string>& warnings);
 

@@ -206,9 +206,14 @@ void Viewer::startBake()
 Status Viewer::showProgress()
 {
     BakeStatus& status = state_.bakeStatus;
-    if (std::optional<BakedScene> light = session_->takeLight()) {
-        status.firstLight = true;
+    std::optional<BakedScene> light = session_->takeProbeLight();
+    if (light) say(fmt::format("light of probes after {:.2f} s", status.session.seconds));
+    if (std::optional<BakedScene> ofTexels = session_->takeLight()) {
+        light = std::move(ofTexels);
         say(fmt::format("first light after {:.2f} s", status.session.seconds));
+    }
+    if (light) {
+        status.firstLight = true;
         if (Status shown = show(std::move(*light)); !shown) return shown;
         state_.settings.mode = RunMode::BakedIndirect; // mixed lights have no mask before the end
         lastTiles_ = Clock::now();

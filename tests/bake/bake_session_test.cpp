@@ -110,6 +110,18 @@ int changedTexels(const BakedScene& first, const Object& object, const std::vect
     return changed;
 }
 
+vec3 meanOfProbes(const BakedScene& of)
+{
+    vec3 sum(0.0f);
+    int count = 0;
+    for (const Probe& probe : of.probes.probes) {
+        if (!probe.valid) continue;
+        sum += probe.radiance[0];
+        ++count;
+    }
+    return sum / float(std::max(count, 1));
+}
+
 TEST(BakeSession, HasTheBakesBytesAndAFirstLight)
 {
     const Result<BakeResult> plain = bake(scene(), quick(), makeEmbreeIntegrator);
@@ -145,17 +157,33 @@ TEST(BakeSession, HasTheBakesBytesAndAFirstLight)
     ASSERT_EQ(first->lightmaps.size(), baked->baked.lightmaps.size());
     EXPECT_EQ(first->lightmaps[0].size(), baked->baked.lightmaps[0].size());
     EXPECT_LT(errorOf(*first, *baked), 0.35);
-    const auto mean = [](const BakedScene& of) {
-        vec3 sum(0.0f);
-        int count = 0;
-        for (const Probe& probe : of.probes.probes) {
-            if (!probe.valid) continue;
-            sum += probe.radiance[0];
-            ++count;
-        }
-        return sum / float(std::max(count, 1));
-    };
-    EXPECT_NEAR(mean(*first).y, mean(baked->baked).y, 0.3f * mean(baked->baked).y);
+    EXPECT_NEAR(meanOfProbes(*first).y, meanOfProbes(baked->baked).y, 0.3f * meanOfProbes(baked->baked).y);
+}
+
+/// It comes before the first light, and is about the light of the result's probes.
+TEST(BakeSession, ShowsTheLightOfProbesFirst)
+{
+    BakeSession session(scene(), quick(), makeEmbreeIntegrator);
+    std::optional<BakedScene> light;
+    while (!light && !session.state().finished) {
+        light = session.takeProbeLight();
+        std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    }
+    ASSERT_TRUE(light);
+    EXPECT_FALSE(session.takeProbeLight()) << "once";
+    EXPECT_TRUE(light->isBaked);
+    EXPECT_EQ(light->mode, MixedLightingMode::BakedIndirect) << "without a mask";
+    EXPECT_TRUE(light->lightmaps.empty());
+    for (const Object& object : light->scene.objects) EXPECT_LT(object.lightmap.page, 0);
+    const Result<BakeResult> baked = session.takeResult();
+    ASSERT_TRUE(baked) << baked.error().text();
+    ASSERT_TRUE(session.takeLight());
+    EXPECT_NEAR(meanOfProbes(*light).y, meanOfProbes(baked->baked).y, 0.3f * meanOfProbes(baked->baked).y);
+    // Of a session that nobody asked for it, it goes with the first light.
+    BakeSession other(scene(), quick(), makeEmbreeIntegrator);
+    ASSERT_TRUE(other.takeResult());
+    ASSERT_TRUE(other.takeLight());
+    EXPECT_FALSE(other.takeProbeLight());
 }
 
 /// What a window shows comes nearer to the result, and arrives there: all tiles together are the finished pages.

@@ -228,6 +228,7 @@ class View(Case):
         scene = self.scene()
         options = ["--quality", "preview", "--lightmap-size", "256"]
         window = self.window(scene, "--size", "320x200", "--bake", *options)
+        window.said(r"light of probes after \d")
         window.said(r"first light after \d")
         window.said(r"^baked in \d")
         window.key("ctrl+s")

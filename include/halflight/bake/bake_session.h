@@ -29,6 +29,7 @@ struct LightTile {
 
 /// Bakes on threads of its own. The result is that of bake() with the same arguments, byte for byte.
 ///
+/// First the light of a coarse grid of probes, before the scene has its layout.
 /// First light: few texels of each chart, path traced as soon as the scene has its layout, and spread over the others.
 /// Then the lightmap's texels come in pieces of charts, before denoising; the finished pages follow once more. All that
 /// is in the layout of the result. Until the bake ends, mixed lights have no baked shadows: first light is drawn in
@@ -48,6 +49,8 @@ public:
     /// distance. `aspect` = width / height of its picture. It may change at any time, and changes no byte of the
     /// result. Without a call pieces come in the order of the pages.
     void setView(const Camera& camera, float aspect);
+    /// The light of probes alone, once, until the first light is taken; nothing otherwise. No object has a lightmap.
+    std::optional<BakedScene> takeProbeLight();
     /// The first light, once, as soon as it is there; nothing otherwise. It has no mask, directions or reflection
     /// probes, and a coarse grid of light probes.
     std::optional<BakedScene> takeLight();
