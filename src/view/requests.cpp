@@ -194,7 +194,6 @@ void Viewer::startBake()
     if (session_) return;
     BakeSettings settings = state_.bake;
     session_ = std::make_unique<BakeSession>(scene_, settings, makeEmbreeIntegrator);
-    renderer_->prepareShadowmask(); // most bakes have one
     beforeBake_ = shown_;
     modeBefore_ = state_.settings.mode;
     state_.bakeStatus = {};
@@ -214,6 +213,7 @@ Status Viewer::showProgress()
     }
     if (light) {
         status.firstLight = true;
+        renderer_->prepareShadowmask(); // most bakes have one; earlier, it would delay the light on few cores
         if (Status shown = show(std::move(*light)); !shown) return shown;
         state_.settings.mode = RunMode::BakedIndirect; // mixed lights have no mask before the end
         lastTiles_ = Clock::now();
