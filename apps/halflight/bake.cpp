@@ -75,6 +75,8 @@ std::string contradiction(const CLI::App& app, const BakeOptions& options)
         return "--denoise oidn needs a build with Open Image Denoise, and this one has none";
     if (options.write.lightmapFormat == LightmapFormat::Webp && !decodesWebp())
         return "--lightmap-format webp needs a build with libwebp, and this one has none";
+    if (!options.bake.only.empty() && options.bake.cacheDirectory.empty())
+        return "--only needs --cache, with the last bake of all objects";
     return exportContradiction(app, options);
 }
 
@@ -154,7 +156,8 @@ int runBake(const CLI::App& app, const BakeOptions& given)
     applyOptions(options, *scene);
     std::optional<FinishedBake> finished;
     // A .gltf is more than one file, of which any may have changed since.
-    if (!options.bake.cacheDirectory.empty() && extension == ".glb" && !options.exportStyle) {
+    const bool isWhole = options.bake.only.empty() && !options.exportStyle;
+    if (!options.bake.cacheDirectory.empty() && extension == ".glb" && isWhole) {
         finished.emplace(options, *scene);
         const bool onlyOutput = options.reportFile.empty() && options.bake.imagesDirectory.empty() &&
                                 options.sidecarDirectory.empty() && !options.json;

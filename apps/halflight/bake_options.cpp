@@ -152,6 +152,12 @@ CLI::App& addBakeApp(CLI::App& parent, BakeOptions& options)
            "keep finished tiles in this folder: an interrupted bake goes on where it stopped, a changed scene is "
            "baked anew only where the change shows; several bakes may share it")
         ->type_name("DIR");
+    app.add_option(
+           "--only", options.bake.only,
+           "bake these objects alone; all others keep the light of the last bake in the --cache, which must have "
+           "the same layout and settings; a node without a mesh stands for the objects below it; may be given again")
+        ->type_name("NAME[,NAME]")
+        ->allow_extra_args(false);
     addProgress(app, options.progress);
     addFormatOptions(app, options);
     addReportOptions(app, options);

@@ -90,9 +90,10 @@ void printBakeSummary(const BakeOptions& options, const BakeReport& report)
     print("           {} charts, {} texels, {} of them inside geometry\n", grouped(uint64_t(report.chartCount)),
           grouped(report.coveredTexels), grouped(report.invalidTexels));
     if (report.cache.tiles > 0) {
-        const std::size_t baked = report.cache.tiles - report.cache.same - report.cache.unchanged;
-        print("cache      {} of {} tiles baked, {} taken as they were, {} not reached by what changed\n",
-              grouped(baked), grouped(report.cache.tiles), grouped(report.cache.same), grouped(report.cache.unchanged));
+        const std::size_t baked = report.cache.tiles - report.cache.same - report.cache.unchanged - report.cache.kept;
+        print("cache      {} of {} tiles baked, {} taken as they were, {} not reached by what changed{}\n",
+              grouped(baked), grouped(report.cache.tiles), grouped(report.cache.same), grouped(report.cache.unchanged),
+              report.cache.kept > 0 ? ", " + grouped(report.cache.kept) + " of other objects kept" : "");
     }
     print("geometry   {} static triangles\n", grouped(report.triangleCount));
     if (const auto& main = report.mainLight) {

@@ -26,7 +26,7 @@ class Job:
 
     current = None  # the one that runs, for the panel and for cancel
 
-    def __init__(self, context):
+    def __init__(self, context, selected_only=False):
         self.program = preferences.find_program(context)
         if self.program is None:
             raise BakeError(program.NOT_FOUND)
@@ -38,6 +38,8 @@ class Job:
         self.document = None
         self.cancelled = False
         self.reader = None
+        self.selected = {item.name for item in context.selected_objects} if selected_only else None
+        self.only = []
 
     def export(self, context):
         messages.clear(context)
@@ -51,10 +53,15 @@ class Job:
         self.document = Glb(self.files.scene).json
         for warning in warnings:
             messages.add(context, "WARNING", warning, self.document)
-        stale.note_bake(context, context.scene)
+        if self.selected is None:
+            stale.note_bake(context, context.scene)
+            return
+        self.only = with_meshes(self.document, self.selected)
+        if not self.only:
+            raise BakeError("No object with a surface is selected: select what to bake, or use Bake for the whole scene")
 
     def start(self, context):
-        arguments = program.bake_arguments(context.scene.halflight, self.files)
+        arguments = program.bake_arguments(context.scene.halflight, self.files, self.only)
         try:
             self.process = subprocess.Popen(
                 [self.program.path, *arguments],
@@ -100,7 +107,8 @@ class Job:
         if scene is None:
             raise BakeError(f"The scene {self.scene} was removed or renamed during its bake")
         if code != 0:
-            scene.halflight.baked_digest = ""
+            if self.selected is None:
+                scene.halflight.baked_digest = ""
             if self.cancelled:
                 raise BakeError("The bake was cancelled")
             listed = [m.text for m in context.window_manager.halflight_messages if m.severity == "ERROR"]
@@ -115,27 +123,32 @@ class Job:
         return report
 
 
+def with_meshes(document, names):
+    """Those of `names` that are nodes of the file with a mesh, or with one below them, as an instanced collection has."""
+    nodes = document.get("nodes", [])
+
+    def has_mesh(node):
+        return "mesh" in node or any(has_mesh(nodes[child]) for child in node.get("children", []))
+
+    return sorted({node["name"] for node in nodes if node.get("name") in names and has_mesh(node)})
+
+
 def summary_of(report):
     lightmap, cache = report["lightmap"], report.get("cache", {})
     pages = "1 page" if lightmap["pages"] == 1 else f"{lightmap['pages']} pages"
     text = f"{report['seconds']:.1f} s, {report['probes']['count']} probes\n{pages} of {lightmap['size']} texels"
     if cache.get("tiles"):
-        reused = cache["same"] + cache["unchanged"]
+        reused = cache["same"] + cache["unchanged"] + cache["kept"]
         text += f"\n{reused} of {cache['tiles']} tiles as before"
     return text
 
 
-class HALFLIGHT_OT_bake(bpy.types.Operator):
-    """Exports, bakes in the background and shows the result"""
+class BakeOperator:
+    """Of both operators. Blender does not find a class whose subclass is registered too."""
 
-    bl_idname = "halflight.bake"
-    bl_label = "Bake"
-    bl_description = (
-        "Bake the scene's light and show it. Only what changed since the last bake is computed, on every object that the "
-        "change reaches: nothing has to be selected"
-    )
     bl_options = {"REGISTER", "UNDO"}
 
+    selected_only = False
     job = None
     timer = None
 
@@ -145,7 +158,7 @@ class HALFLIGHT_OT_bake(bpy.types.Operator):
 
     def begin(self, context):
         baked_view.leave(context)
-        self.job = Job(context)
+        self.job = Job(context, self.selected_only)
         self.job.export(context)
         self.job.start(context)
 
@@ -210,6 +223,36 @@ class HALFLIGHT_OT_bake(bpy.types.Operator):
         self.stop_showing(context)
 
 
+class HALFLIGHT_OT_bake(BakeOperator, bpy.types.Operator):
+    """Exports, bakes in the background and shows the result"""
+
+    bl_idname = "halflight.bake"
+    bl_label = "Bake"
+    bl_description = (
+        "Bake the scene's light and show it. Only what changed since the last bake is computed, on every object that the "
+        "change reaches: nothing has to be selected"
+    )
+
+
+class HALFLIGHT_OT_bake_selected(BakeOperator, bpy.types.Operator):
+    """Bakes the selected objects; all others keep the last bake's light"""
+
+    bl_idname = "halflight.bake_selected"
+    bl_label = "Bake Selected"
+    bl_description = (
+        "Bake the selected objects alone, with the present lights and settings. All other objects and the light probes "
+        "keep the light of the last bake"
+    )
+    selected_only = True
+
+    @classmethod
+    def poll(cls, context):
+        if baked_view.is_view(context.scene):
+            cls.poll_message_set("Leave the baked view to select objects")
+            return False
+        return Job.current is None
+
+
 class HALFLIGHT_OT_cancel(bpy.types.Operator):
     """Stop the bake. Finished tiles are kept, so that the next bake goes on from there"""
 
@@ -225,7 +268,7 @@ class HALFLIGHT_OT_cancel(bpy.types.Operator):
         return {"FINISHED"}
 
 
-CLASSES = (HALFLIGHT_OT_bake, HALFLIGHT_OT_cancel)
+CLASSES = (HALFLIGHT_OT_bake, HALFLIGHT_OT_bake_selected, HALFLIGHT_OT_cancel)
 
 
 def register():

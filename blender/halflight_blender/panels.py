@@ -17,6 +17,7 @@ def draw_bake(layout, context):
     column = layout.column(align=True)
     column.scale_y = 1.3
     column.operator("halflight.bake", icon="LIGHT_SUN")
+    column.operator("halflight.bake_selected", icon="RESTRICT_SELECT_OFF")
     shown = baked_view.is_view(context.scene)
     column.operator("halflight.baked_view", icon="HIDE_OFF" if shown else "HIDE_ON", depress=shown)
     lines = layout.column(align=True)

@@ -51,8 +51,9 @@ def version_at(path, _changed):
     return lines[0] if result.returncode == 0 and lines else "does not answer --version"
 
 
-def bake_arguments(settings, files):
-    """Arguments of `halflight bake`. `settings` has the members of properties.BakeSettings; 0 stands for automatic."""
+def bake_arguments(settings, files, only=()):
+    """Arguments of `halflight bake`. `settings` has the members of properties.BakeSettings; 0 stands for automatic.
+    `only`: names of nodes, when these alone are baked."""
     arguments = ["bake", files.scene, "-o", files.baked, "--cache", files.tiles, "--sidecar", files.sidecar]
     arguments += ["--report", files.report, "--progress", "lines"]
     arguments += ["--mode", settings.mode, "--quality", settings.quality, "--integrator", settings.integrator]
@@ -73,7 +74,7 @@ def bake_arguments(settings, files):
             arguments += [option, f"{value:g}"]
     if settings.bounces >= 0:
         arguments += ["--bounces", str(settings.bounces)]
-    return arguments
+    return arguments + [f"--only={name}" for name in only]
 
 
 # Share of a bake's time that each stage takes, about: for one bar over all of them.

@@ -250,6 +250,10 @@ Result<BakeResult> bake(Scene scene, const BakeSettings& settings, const Integra
         cache->finish();
         if (!cache->status()) report.warnings.push_back(cacheWarning(settings.cacheDirectory, cache->status().error()));
         report.cache = cache->counts();
+        if (cache->lostTiles() > 0) {
+            report.warnings.push_back(std::to_string(cache->lostTiles()) +
+                                      " tiles of the last bake cannot be read; their texels were baked anew");
+        }
     }
     stages.noteImages(dumpResult(settings, result.baked));
     report.peakMemoryBytes = halflight::peakMemoryBytes();

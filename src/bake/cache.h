@@ -7,6 +7,10 @@
 // item, traced in both scenes with the same random numbers (correlated sampling). Paths that the change does not affect
 // give equal values to the last bit, so that differences show the change without noise.
 //
+// A bake of some objects (openKeeping()) computes the items of those objects and takes all others from the last bake
+// with the same layout, unchecked. Its tiles are in a folder of their own, with the check samples of their values. So
+// the next whole bake finds the tiles that are out of date.
+//
 // Each bake has a folder of parts (PartFolder), so that several processes may fill one cache. A part holds a run of
 // tiles whose numbers follow from the number of items alone.
 
@@ -23,6 +27,7 @@
 #include <filesystem>
 #include <functional>
 #include <map>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -60,6 +65,9 @@ public:
     /// tiles of other bakes are not reused, and check samples are not computed.
     static Result<BakeCache> open(const std::filesystem::path& folder, Hash128 bake, Hash128 layout,
                                   bool compares = true);
+    /// For a bake of some objects; `chosen` identifies them. An error where no last bake with that layout is left.
+    static Result<BakeCache> openKeeping(const std::filesystem::path& folder, Hash128 bake, Hash128 layout,
+                                         Hash128 chosen);
 
     /// One kind of work. Functions that return bool return false when cancelled; `out` has one entry per item.
     template<typename Value, typename Check> struct Work {
@@ -70,6 +78,9 @@ public:
         std::size_t tilesPerPart = 1;
         /// Hash of the surface or the positions of a tile.
         std::function<Hash128(std::size_t firstItem, std::size_t itemCount)> surface;
+        /// By item, in a bake of some objects: 1 = computed, 0 = kept, whatever its surface is now. Empty: tiles with
+        /// an equal surface are kept.
+        std::span<const uint8_t> chosen;
         std::function<bool(std::span<const uint32_t> items, std::span<Value> out, const Progress&)> compute;
         /// Check samples: the same estimate with few paths.
         std::function<bool(std::span<const uint32_t> items, std::span<Check> out, const Progress&)> check;
@@ -91,8 +102,14 @@ public:
 
     [[nodiscard]] const TileCounts& counts() const { return counts_; }
     [[nodiscard]] Status status() const;
-    /// The bake's own folder, for results that are not tiles.
+    /// The folder of all bakes with equal inputs, for results that are not tiles.
     [[nodiscard]] PartFolder& parts() { return parts_; }
+    /// The folder of the tiles: the same, but in a bake of some objects.
+    [[nodiscard]] PartFolder& tiles() { return mixed_ ? *mixed_ : parts_; }
+    /// The tiles of the last bake.
+    [[nodiscard]] const PartFolder& before() const { return before_; }
+    /// Tiles to keep that could not be read, and were computed.
+    [[nodiscard]] std::size_t lostTiles() const { return lost_; }
     /// Marks the bake as complete: the next bake with this layout is compared with it.
     void finish();
 
@@ -103,11 +120,13 @@ private:
     BakeCache(const std::filesystem::path& folder, Hash128 bake, Hash128 layout, bool compares);
 
     PartFolder parts_;
-    PartFolder before_;              ///< of the previous bake with the same layout; its path may be empty
-    std::filesystem::path lastFile_; ///< names that bake
+    std::optional<PartFolder> mixed_; ///< of a bake of some objects
+    PartFolder before_;               ///< of the previous bake with the same layout; its path may be empty
+    std::filesystem::path lastFile_;  ///< names that bake
     Hash128 bake_;
     bool compares_;
     TileCounts counts_;
+    std::size_t lost_ = 0;
     Status finished_;
 };
 

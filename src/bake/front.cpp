@@ -2,6 +2,7 @@
 
 #include "bake/front_parts.h"
 #include "bake/live_light.h"
+#include "bake/some_objects.h"
 
 #include "halflight/unwrap/unwrap.h"
 
@@ -116,18 +117,34 @@ TexelMap rasterizeStage(const Stages& stages, const BakeGeometry& geometry, cons
     return map;
 }
 
-/// Nothing without a cache directory, or where it cannot be opened; the latter is a warning.
-std::optional<BakeCache> openCache(const Stages& stages, const BakeGeometry& geometry, const TexelMap& map,
-                                   const IntegrationSettings& integration, const CacheUse& use)
+/// A bake of all objects goes on with a warning where the cache cannot be opened.
+Status openCache(const Stages& stages, const std::vector<uint8_t>& objects, const CacheUse& use, Front& front)
 {
     const std::filesystem::path& folder = stages.settings.cacheDirectory;
-    if (folder.empty()) return std::nullopt;
-    const Hash128 layout = layoutHash(map, integration, stages.settings.mode);
-    Result<BakeCache> cache =
-        BakeCache::open(folder, lightHash(layout, stages.baked().scene, geometry), layout, use.compares);
-    if (cache) return std::move(*cache);
-    stages.report().warnings.push_back(cacheWarning(folder, cache.error()));
-    return std::nullopt;
+    if (folder.empty()) return {};
+    const Scene& scene = stages.baked().scene;
+    const Hash128 layout = layoutHash(front.map, front.integration, stages.settings.mode);
+    const Hash128 light = lightHash(layout, scene, front.geometry);
+    const TexelOwners owners(scene, front.geometry, front.map);
+    if (!objects.empty()) {
+        Result<std::vector<uint8_t>> chosen = chosenTexels(front.geometry, front.map, objects);
+        if (!chosen) return chosen.error();
+        front.chosen = std::move(*chosen);
+    }
+    Result<BakeCache> cache = front.chosen.empty()
+                                  ? BakeCache::open(folder, light, layout, use.compares)
+                                  : BakeCache::openKeeping(folder, light, layout, Hasher().add(front.chosen).hash());
+    if (!cache && !front.chosen.empty()) return cache.error();
+    if (!cache) {
+        stages.report().warnings.push_back(cacheWarning(folder, cache.error()));
+        return {};
+    }
+    if (!front.chosen.empty()) {
+        if (Status status = owners.compareWith(cache->before()); !status) return status;
+    }
+    front.cache = std::move(*cache);
+    owners.keepIn(front.cache->tiles());
+    return {};
 }
 
 } // namespace
@@ -151,6 +168,14 @@ Status prepareTexels(const Stages& stages, Scene scene, const IntegratorFactory&
             "the scene lies far from its origin for its size, where positions are coarse: call "
             "recenter() before baking");
     }
+    std::vector<uint8_t> objects;
+    if (!stages.settings.only.empty()) {
+        if (stages.settings.cacheDirectory.empty())
+            return Error{ErrorCode::InvalidArgument, "a bake of some objects needs a cache, with the last bake"};
+        Result<std::vector<uint8_t>> chosen = chosenObjects(scene, stages.settings.only);
+        if (!chosen) return chosen.error();
+        objects = std::move(*chosen);
+    }
     std::optional<PartFolder> kept = frontFolder(scene, stages.settings);
     front.integration = integrationSettings(stages.settings, report.quality);
     if (stages.live != nullptr &&
@@ -165,7 +190,7 @@ Status prepareTexels(const Stages& stages, Scene scene, const IntegratorFactory&
     if (!integrator) return integrator.error();
     front.integrator = std::move(*integrator);
     front.map = rasterizeStage(stages, front.geometry, *pages, kept, use.share.has_value());
-    front.cache = openCache(stages, front.geometry, front.map, front.integration, use);
+    if (Status status = openCache(stages, objects, use, front); !status) return status;
     if (front.cache) {
         if (use.share) front.cache->parts().shareWith(*use.share);
         front.integrator->keepIn(&front.cache->parts());

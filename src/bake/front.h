@@ -7,8 +7,10 @@
 
 #include "halflight/bake/bake.h"
 
+#include <cstdint>
 #include <memory>
 #include <optional>
+#include <vector>
 
 namespace halflight {
 
@@ -47,10 +49,14 @@ struct Front {
     IntegrationSettings integration;
     BakeGeometry geometry;
     TexelMap map;
+    std::vector<uint8_t> chosen; ///< texels of a bake of some objects, Gather::chosen
     std::optional<BakeCache> cache;
     std::unique_ptr<Integrator> integrator;
 
-    [[nodiscard]] Gather gather() { return {*integrator, geometry, map, integration, cache ? &*cache : nullptr}; }
+    [[nodiscard]] Gather gather()
+    {
+        return {*integrator, geometry, map, integration, cache ? &*cache : nullptr, chosen};
+    }
 };
 
 /// Unwraps, assigns channels, builds geometry and integrator, rasterizes texels. The scene moves into the result. With

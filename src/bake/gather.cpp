@@ -49,11 +49,11 @@ Hash128 surfaceHash(const BakeGeometry& geometry, const TexelMap& map, std::size
 Hash128 bakeHash(const Scene& scene, const BakeSettings& settings)
 {
     // Structured bindings name every setting: a new setting is a compile error here. The hash leaves out settings that
-    // resolveQuality() replaces, and those that change no byte of the output file.
+    // resolveQuality() replaces, those that change no byte of the output file, and `only`.
     [[maybe_unused]] const auto& [mode, quality, samples, shadowSamples, bounces, integrator, noiseTarget, texelStep,
                                   uvMode, texelsPerMeter, lightmapSize, paddingTexels, denoiser, directional,
                                   maskEncoding, subtractiveMask, probeSpacingMeters, probeLayout, reflectionProbes,
-                                  threads, seed, imagesDirectory, cacheDirectory] = settings;
+                                  threads, seed, imagesDirectory, cacheDirectory, only] = settings;
     const BakeQuality q = resolveQuality(settings);
     Hasher hasher;
     hasher.add(kCacheVersion).add(contentHash(scene)).add(int(mode)).add(int(integrator)).add(int(uvMode));
@@ -108,6 +108,7 @@ BakeCache::Work<IrradianceEstimate, float> Gather::irradianceWork() const
     work.tileSize = kTexelTile;
     work.tilesPerPart = texelTilesPerPart(Tiling{work.count, work.tileSize}.tileCount());
     work.surface = [&](std::size_t first, std::size_t count) { return surfaceHash(geometry, map, first, count); };
+    work.chosen = chosen;
     work.compute = [&](std::span<const uint32_t> items, std::span<IrradianceEstimate> values, const Progress& part) {
         return integrator.irradiance(map, {items}, values, part);
     };
@@ -140,6 +141,7 @@ BakeCache::Work<vec4, vec4> Gather::shadowmaskWork() const
     work.tileSize = kTexelTile;
     work.tilesPerPart = texelTilesPerPart(Tiling{work.count, work.tileSize}.tileCount());
     work.surface = [&](std::size_t first, std::size_t count) { return surfaceHash(geometry, map, first, count); };
+    work.chosen = chosen;
     work.compute = [&](std::span<const uint32_t> items, std::span<vec4> values, const Progress& part) {
         return integrator.shadowmask(map, {items}, values, part);
     };

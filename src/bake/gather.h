@@ -19,6 +19,8 @@ struct Gather {
     const TexelMap& map;
     IntegrationSettings settings;
     BakeCache* cache = nullptr; ///< may be null
+    /// By texel, in a bake of some objects: 1 = computed, 0 = kept. Empty otherwise.
+    std::span<const uint8_t> chosen = {};
 
     bool irradiance(std::span<IrradianceEstimate> out, const Progress& progress) const;
     bool shadowmask(std::span<vec4> out, const Progress& progress) const;

@@ -73,7 +73,7 @@ std::string reportJson(const BakeReport& report)
           {"coverage", report.atlasCoverage},
           {"format", nameOf(report.written.lightmapFormat)},
           {"written", std::move(written)}}},
-        {"cache", {{"tiles", report.cache.tiles}, {"same", report.cache.same}, {"unchanged", report.cache.unchanged}}},
+        {"cache", {{"tiles", report.cache.tiles}, {"same", report.cache.same}, {"unchanged", report.cache.unchanged}, {"kept", report.cache.kept}}},
         {"probes", {{"count", report.probeCount}, {"valid", report.validProbeCount}}},
         {"reflectionProbes", {{"count", report.reflectionProbeCount}, {"size", report.quality.reflectionSize}}},
         {"bytes",

@@ -171,6 +171,7 @@ def main():
     check_panels(extension)
     check_undo(extension, scene)
     check_rebake(extension, scene)
+    check_selected(extension)
     check_errors(extension, scene)
     check_cancel(extension)
     check_panorama(extension)
@@ -295,6 +296,73 @@ def check_rebake(extension, _scene):
     expect(0 < cache["same"] + cache["unchanged"] < cache["tiles"], f"some tiles are reused: {cache}")
     expect(not extension.baked_view.is_view(context.scene), "no view unless asked for")
     expect(not extension.stale.check(context), "baked anew")
+
+
+def lightmap_of(extension, files):
+    """By object of the last bake, by its place in the node tree: its name and the texel at each triangle's middle."""
+    with open(os.path.join(files.sidecar, "bake.json"), encoding="utf-8") as file:
+        bake = json.load(file)
+    pages = []
+    for name in bake["lightmaps"]["pages"]:
+        image = bpy.data.images.load(os.path.join(files.sidecar, name))
+        width, height = image.size
+        pages.append(np.array(image.pixels[:], np.float32).reshape(height, width, 4)[::-1, :, :3])
+        bpy.data.images.remove(image)
+    document = extension.glb.Glb(files.baked)
+    nodes = document.json["nodes"]
+    texels = {}
+    for item in bake["objects"]:
+        lightmap = item.get("lightmap", {})
+        if "page" not in lightmap:
+            continue
+        place = iter(item["path"])
+        node = nodes[document.json["scenes"][0]["nodes"][next(place)]]
+        for child in place:
+            node = nodes[node["children"][child]]
+        expect(node["name"] == item["node"], f"{node['name']} is at {item['path']}")
+        page = pages[lightmap["page"]]
+        found = []
+        for primitive in document.json["meshes"][node["mesh"]]["primitives"]:
+            uv = document.accessor(primitive["attributes"]["TEXCOORD_1"]) * lightmap["scale"] + lightmap["offset"]
+            middles = uv[document.accessor(primitive["indices"]).reshape(-1, 3)].mean(1)
+            x, y = (middles * page.shape[0]).astype(int).T
+            found.append(page[y, x])
+        texels[tuple(item["path"])] = (item["node"], np.concatenate(found))
+    return texels
+
+
+def check_selected(extension):
+    """Bake Selected changes the texels of what is selected and no others."""
+    context, scene = bpy.context, bpy.context.scene
+    files = extension.files.of(scene)
+    for item in context.selected_objects:
+        item.select_set(False)
+    message = ""
+    try:
+        bpy.ops.halflight.bake_selected()
+    except RuntimeError as error:
+        message = str(error)
+    expect("No object with a surface is selected" in message, f"nothing is selected: {message}")
+    expect(not extension.stale.check(context), "a refusal changes nothing")
+    before = lightmap_of(extension, files)
+    scene.objects["Sun"].data.energy *= 3.0
+    scene.objects["Pillar"].select_set(True)
+    scene.objects["Stones 0"].select_set(True)  # an instance of a collection
+    scene.objects["Sun"].select_set(True)  # has no texels
+    expect(bpy.ops.halflight.bake_selected() == {"FINISHED"}, "the selected objects are baked")
+    expect(extension.stale.check(context), "the whole scene is still not what was baked")
+    after = lightmap_of(extension, files)
+    expect(before.keys() == after.keys(), "the layout is the same")
+    shares = {}
+    for place, (name, old) in before.items():
+        changed = np.abs(after[place][1] - old).max(1) > 0.01 * old.max(1)
+        shares.setdefault(name, []).append(float(changed.mean()))
+    print("share of texels changed by Bake Selected:", shares)
+    chosen = [*shares.pop("Pillar"), shares["Stone"].pop(0)]
+    expect(min(chosen) > 0.5, "the selected objects have new light")
+    kept = [share for each in shares.values() for share in each]
+    expect(len(kept) > 4 and max(kept) == 0.0, f"the others have kept theirs: {shares}")
+    scene.objects["Sun"].data.energy /= 3.0
 
 
 def check_errors(extension, scene):

@@ -8,7 +8,7 @@ import sys
 
 import cli_test
 import json_schema
-from cli_test import Case, read, run
+from cli_test import QUICK, Case, read, run
 
 
 def json_of(path):
@@ -172,6 +172,48 @@ class Export(Case):
         result = run("bake", scene, "-o", self.path("out.gltf"), "--export", "unlit")
         self.assert_one_sentence(result, 2, "--export", ".glb")
         self.assert_folder_holds("tiny.gltf")
+
+
+class SomeObjects(Case):
+    """bake --only: what it needs, and how objects are named. All objects of the scene share a mesh."""
+
+    def setUp(self):
+        super().setUp()
+        self.cache = ["--cache", self.path("cache")]
+        self.file = self.scene()
+        with open(self.file) as file:
+            document = json.load(file)
+        nodes = document["nodes"]
+        nodes.append({"name": "walls", "children": [n for n, node in enumerate(nodes) if node["name"] in ("wall", "back")]})
+        top = set(range(len(nodes))) - set(nodes[-1]["children"])
+        document["scenes"][0]["nodes"] = sorted(top)
+        with open(self.file, "w") as file:
+            json.dump(document, file)
+
+    def refused(self, code, arguments, *words):
+        result = run("bake", self.file, "-o", self.path("refused.glb"), "-q", *QUICK, *arguments)
+        self.assert_one_sentence(result, code, *words)
+        self.assertFalse(os.path.exists(self.path("refused.glb")))
+
+    def test_an_unchanged_scene_gives_the_same_file(self):
+        whole, _ = self.bake(self.file, "whole.glb", *self.cache)
+        for number, names in enumerate((["--only", "pillar"], ["--only", "walls,floor"], ["--only=wall", "--only=pillar"])):
+            some, report = self.bake(self.file, f"some{number}.glb", *self.cache, *names)
+            self.assertEqual(read(some), read(whole), names)
+            self.assertEqual(report["cache"]["same"], 0)
+            self.assertLess(report["cache"]["unchanged"] + report["cache"]["kept"], report["cache"]["tiles"])
+        plain = run("bake", self.file, "-o", whole, *QUICK, *self.cache, "--only", "pillar")
+        self.assertIn("of other objects kept", plain.stdout)
+
+    def test_what_is_missing_is_said(self):
+        self.refused(2, ["--only", "pillar"], "--only needs --cache")
+        self.refused(1, [*self.cache, "--only", "pillar"], "no finished bake", "bake the whole scene once")
+        self.bake(self.file, "whole.glb", *self.cache)
+        self.refused(1, [*self.cache, "--only", "pillar,chair"], "'chair'")
+        self.refused(1, [*self.cache, "--only", "sun"], "'sun'")
+        self.refused(1, [*self.cache, "--only", "crate"], "lightmap texels")
+        self.refused(1, [*self.cache, "--only", "pillar", "--texels-per-meter", "3"], "no finished bake with this layout")
+        self.refused(1, [*self.cache, "--only", "pillar", "--seed", "2"], "and these settings")
 
 
 if __name__ == "__main__":

@@ -65,6 +65,10 @@ struct BakeSettings {
     /// Directory of the tile cache; empty = none. With it an interrupted bake continues, and a bake of a changed scene
     /// computes only the tiles that the change affects (beyond 0.5 %). It may be deleted at any time.
     std::filesystem::path cacheDirectory;
+    /// Names of the objects to bake; empty = all. All other objects keep the texels of the last bake in the cache,
+    /// which must have the same layout and settings. An entry names objects, or a node above them (see objectsNamed()),
+    /// or several of these between commas.
+    std::vector<std::string> only;
 };
 
 /// The numbers of a quality, with explicit settings applied.
@@ -110,6 +114,7 @@ struct TileCounts {
     std::size_t tiles = 0;
     std::size_t same = 0;      ///< written by an earlier run of the same bake
     std::size_t unchanged = 0; ///< of the last bake, not affected by the change
+    std::size_t kept = 0;      ///< of the last bake, whole tiles that BakeSettings::only leaves as they were
 };
 
 struct BakeReport {
@@ -158,7 +163,8 @@ std::string cacheWarning(const std::filesystem::path& folder, const Error& error
 Result<BakeResult> bake(Scene scene, const BakeSettings& settings, const IntegratorFactory& integratorFactory,
                         const Progress& progress = {});
 
-/// Hash of all inputs that affect the output file: equal hashes mean equal bytes.
+/// Hash of all inputs that affect the output file: equal hashes mean equal bytes. Not for bakes of some objects, whose
+/// bytes follow from the last bake too.
 Hash128 bakeHash(const Scene& scene, const BakeSettings& settings);
 
 /// "asked", "page" or "scene".
