@@ -62,19 +62,39 @@ ImageRgb32f halved(const ImageRgb32f& map)
 /// Mean of the radiance that a surface reflects along its normal n, weighted by the distribution of its half vectors
 /// and by the cosine of the light's direction l: Karis 2013. With the view along n, the half vector's cosine is sqrt((1
 /// + n.l) / 2), and the density of l is D / 4.
-vec3 filtered(const Directions& light, vec3 n, float alpha)
-{
-    vec3 sum(0.0f);
+struct FilteredMean {
+    vec3 n;
+    float alpha = 1.0f;
+    vec3 sum = vec3(0.0f);
     float weights = 0.0f;
-    for (std::size_t i = 0; i < light.direction.size(); ++i) {
+
+    void add(const Directions& light, std::size_t i)
+    {
         const float cosine = glm::dot(n, light.direction[i]);
-        if (cosine <= 0.0f) continue;
+        if (cosine <= 0.0f) return;
         const float nDotH = std::sqrt(0.5f + 0.5f * cosine);
         const float weight = shading::distributionGgx(nDotH, alpha) * cosine * light.steradians[i];
         sum += weight * light.radiance[i];
         weights += weight;
     }
-    return weights > 0.0f ? sum / weights : vec3(0.0f);
+    vec3 mean() const { return weights > 0.0f ? sum / weights : vec3(0.0f); }
+};
+
+/// The mean over a map of half the resolution and, where the lobe is steep, over the four texels of the whole map in
+/// the place of one.
+vec3 filtered(const Directions& whole, const Directions& half, int halfSize, vec3 n, float alpha)
+{
+    FilteredMean result{n, alpha};
+    for (std::size_t i = 0; i < half.direction.size(); ++i) {
+        if (glm::dot(n, half.direction[i]) < glm::one_over_root_two<float>()) {
+            result.add(half, i);
+            continue;
+        }
+        const std::size_t x = 2 * (i % std::size_t(halfSize));
+        const std::size_t y = 2 * (i / std::size_t(halfSize));
+        for (std::size_t k = 0; k < 4; ++k) result.add(whole, (y + k / 2) * std::size_t(2 * halfSize) + x + k % 2);
+    }
+    return result.mean();
 }
 
 /// A level's map within its tile, with the border: one texel beyond an edge lies the texel that is as far from the
@@ -100,17 +120,16 @@ ImageRgb32f reflectionTile(const ImageRgb32f& around)
     const int size = around.width() + 2;
     ImageRgb32f tile(size, shading::reflectionTileHeight(size));
     putLevel(around, ivec2(0), tile);
-    const Directions fine = directionsOf(around);
-    const Directions coarse = directionsOf(halved(around));
+    const Directions whole = directionsOf(around);
+    const Directions half = directionsOf(halved(around));
+    const int halfSize = around.width() / 2;
     for (int level = 1; level < shading::kReflectionLevels; ++level) {
         const float alpha = shading::square(shading::reflectionRoughness(level));
-        // The second level's lobes are wider than ten texels of half the resolution.
-        const Directions& source = level == 1 ? fine : coarse;
         ImageRgb32f inner(shading::reflectionLevelSize(size, level) - 2, shading::reflectionLevelSize(size, level) - 2);
         parallelFor(std::size_t(inner.height()), 1, [&](std::size_t begin, std::size_t end) {
             for (auto y = int(begin); y < int(end); ++y)
                 for (int x = 0; x < inner.width(); ++x)
-                    inner(x, y) = filtered(source, directionOfTexel(x, y, inner.width()), alpha);
+                    inner(x, y) = filtered(whole, half, halfSize, directionOfTexel(x, y, inner.width()), alpha);
         });
         putLevel(inner, ivec2(shading::reflectionLevelOffset(size, level)), tile);
     }

@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 namespace halflight {
@@ -117,53 +118,92 @@ vec3 turned(vec3 v, float radians)
     return {c * v.x - s * v.z, v.y, s * v.x + c * v.z};
 }
 
-/// Mean of how far a box's prediction of distances is off, relative to the larger of both: 0…1.
-float misfit(const Box& box, std::span<const vec3> directions, std::span<const float> distances)
+/// How far a predicted distance is off, relative to the larger of both: 0…1.
+float misfit(float predicted, float distance)
 {
-    float sum = 0.0f;
+    return std::abs(predicted - distance) / std::max(predicted, distance);
+}
+
+/// The rays of a place in the axes of a turned box.
+struct TurnedRays {
+    std::array<std::array<float, kRays>, 3> perAxis{}; ///< 1 / |direction| along each axis
+    std::array<std::array<bool, kRays>, 3> upper{};    ///< a ray goes towards the axis's second face, else its first
+    std::array<std::vector<float>, 6>
+        ends; ///< per face: metres along its axis to where rays end that go closest to it, sorted
+};
+
+TurnedRays turnedRays(float turn, std::span<const vec3> directions, std::span<const float> distances)
+{
+    TurnedRays rays;
     for (std::size_t i = 0; i < directions.size(); ++i) {
-        float predicted = kInfinity;
+        const vec3 local = turned(directions[i], -turn);
+        const vec3 size = glm::abs(local);
         for (int axis = 0; axis < 3; ++axis) {
-            const float along = directions[i][axis];
-            if (along == 0.0f) continue;
-            predicted = std::min(predicted, box.face[std::size_t(2 * axis + (along > 0.0f ? 1 : 0))] / std::abs(along));
+            rays.perAxis[std::size_t(axis)][i] = std::min(1.0f / size[axis], std::numeric_limits<float>::max());
+            rays.upper[std::size_t(axis)][i] = local[axis] > 0.0f;
         }
-        sum += std::abs(predicted - distances[i]) / std::max(predicted, distances[i]);
+        const int axis = size.x >= size.y && size.x >= size.z ? 0 : size.y >= size.z ? 1 : 2;
+        rays.ends[std::size_t(2 * axis + (local[axis] > 0.0f ? 1 : 0))].push_back(distances[i] * size[axis]);
     }
-    return sum / float(directions.size());
+    for (std::vector<float>& ends : rays.ends) std::sort(ends.begin(), ends.end());
+    return rays;
+}
+
+/// A ray towards the face that is being moved.
+struct FaceRay {
+    float perAxis = 0.0f;    ///< 1 / |direction| along the face's axis
+    float otherFaces = 0.0f; ///< metres along the ray to the nearest other face
+    float distance = 0.0f;   ///< metres to its surroundings
+};
+
+/// The position of a face with the least misfit of the rays towards it: the present one, or one of where rays end.
+float fitFace(float present, std::span<const float> ends, std::span<const FaceRay> rays)
+{
+    const auto misfitOf = [&](float position) {
+        float sum = 0.0f;
+        for (const FaceRay& ray : rays) sum += misfit(std::min(position * ray.perAxis, ray.otherFaces), ray.distance);
+        return sum;
+    };
+    constexpr std::size_t kTries = 16; // quantiles of the ends of rays: 256 rays have 43 on a face
+    float best = present;
+    float least = misfitOf(present);
+    for (std::size_t k = 0; k < kTries; ++k) {
+        const float position = ends[(2 * k + 1) * ends.size() / (2 * kTries)];
+        const float tried = misfitOf(position);
+        if (tried >= least) continue;
+        least = tried;
+        best = position;
+    }
+    return best;
 }
 
 /// The box of one turn with the least misfit. Each face moves, in turn, to where rays ended that left through it.
+/// `error`: mean over all rays.
 Box fitBox(float turn, std::span<const vec3> directions, std::span<const float> distances, float& error)
 {
-    std::vector<vec3> local;
-    for (const vec3 direction : directions) local.push_back(turned(direction, -turn));
-    std::array<std::vector<float>, 6> ends;
-    for (std::size_t i = 0; i < local.size(); ++i) {
-        const vec3 size = glm::abs(local[i]);
-        const int axis = size.x >= size.y && size.x >= size.z ? 0 : size.y >= size.z ? 1 : 2;
-        ends[std::size_t(2 * axis + (local[i][axis] > 0.0f ? 1 : 0))].push_back(distances[i] * size[axis]);
-    }
+    const TurnedRays rays = turnedRays(turn, directions, distances);
     Box box{turn, {}};
-    for (std::size_t f = 0; f < 6; ++f) {
-        std::sort(ends[f].begin(), ends[f].end());
-        box.face[f] = ends[f][ends[f].size() / 2];
-    }
-    error = misfit(box, local, distances);
-    constexpr int kSweeps = 2;         // over the faces, because each depends on the others
-    constexpr std::size_t kTries = 16; // quantiles of the ends of rays: 256 rays have 43 on a face
+    for (std::size_t f = 0; f < 6; ++f) box.face[f] = rays.ends[f][rays.ends[f].size() / 2];
+    const auto predicted = [&](std::size_t axis, std::size_t i) {
+        return box.face[2 * axis + (rays.upper[axis][i] ? 1 : 0)] * rays.perAxis[axis][i];
+    };
+    constexpr int kSweeps = 2; // over the faces, because each depends on the others
+    std::vector<FaceRay> towards;
     for (int sweep = 0; sweep < kSweeps; ++sweep) {
         for (std::size_t f = 0; f < 6; ++f) {
-            for (std::size_t k = 0; k < kTries; ++k) {
-                Box tried = box;
-                tried.face[f] = ends[f][(2 * k + 1) * ends[f].size() / (2 * kTries)];
-                const float triedError = misfit(tried, local, distances);
-                if (triedError >= error) continue;
-                error = triedError;
-                box = tried;
+            const std::size_t axis = f / 2;
+            towards.clear();
+            for (std::size_t i = 0; i < distances.size(); ++i) {
+                if (rays.upper[axis][i] != (f % 2 == 1)) continue;
+                const float otherFaces = std::min(predicted((axis + 1) % 3, i), predicted((axis + 2) % 3, i));
+                towards.push_back({rays.perAxis[axis][i], otherFaces, distances[i]});
             }
+            box.face[f] = fitFace(box.face[f], rays.ends[f], towards);
         }
     }
+    error = 0.0f;
+    for (std::size_t i = 0; i < distances.size(); ++i)
+        error += misfit(std::min({predicted(0, i), predicted(1, i), predicted(2, i)}), distances[i]) / float(kRays);
     return box;
 }
 
@@ -230,16 +270,13 @@ Candidate candidateAt(vec3 place, std::span<const vec3> directions, std::vector<
     return candidate;
 }
 
-/// Mean of how far a box's prediction of distances from a place is off, relative to the larger of both: 0…1.
-float misfitAt(vec3 place, const mat4& boxFromWorld, std::span<const vec3> directions, std::span<const float> distances)
+/// Mean of how far a box's prediction of distances from a place is off, relative to the larger of both: 0…1. `place`
+/// and `directions` in the axes of the box, which is a cube there.
+float misfitAt(vec3 place, std::span<const vec3> directions, std::span<const float> distances)
 {
-    const vec3 inBox(boxFromWorld * vec4(place, 1.0f));
-    const mat3 linear(boxFromWorld);
     float sum = 0.0f;
-    for (std::size_t i = 0; i < directions.size(); ++i) {
-        const float predicted = shading::distanceToCube(inBox, linear * directions[i]);
-        sum += std::abs(predicted - distances[i]) / std::max(predicted, distances[i]);
-    }
+    for (std::size_t i = 0; i < directions.size(); ++i)
+        sum += misfit(shading::distanceToCube(place, directions[i]), distances[i]);
     return sum / float(directions.size());
 }
 
@@ -258,11 +295,14 @@ std::vector<std::vector<float>> usesBetween(std::span<const Candidate> candidate
     parallelFor(count, 1, [&](std::size_t begin, std::size_t end) {
         for (std::size_t i = begin; i < end; ++i) {
             const mat4 boxFromWorld = glm::inverse(candidates[i].probe.worldFromBox);
+            std::vector<vec3> inBox;
+            for (const vec3 direction : directions) inBox.push_back(mat3(boxFromWorld) * direction);
             for (std::size_t k = 0; k < count; ++k) {
                 if (hits[i * count + k]) continue;
                 const Candidate& to = candidates[k];
-                const float misfit = misfitAt(to.probe.position, boxFromWorld, directions, to.distances);
-                uses[i][k] = to.weight * candidates[i].quality * (1.0f - misfit);
+                const vec3 place(boxFromWorld * vec4(to.probe.position, 1.0f));
+                const float error = misfitAt(place, inBox, to.distances);
+                uses[i][k] = to.weight * candidates[i].quality * (1.0f - error);
             }
         }
     });
