@@ -7,7 +7,9 @@
 Scenes are names in ../shared/scenes or paths; without any, all scenes with materials there and the showcase. Each is baked once
 (--quality medium, shadowmask), and seen by its first camera, or as VIEWS says. The error of a mode is the mean of |L - R| / (R + M / 100) over boxes of 8 x 8 pixels that show
 surfaces: L and R are a box's mean luminances in picture and reference, M is the mean of R. Rows of scenes that are not run keep
-their figures. --keep DIR stores the bakes, and reads those that are there. --pictures writes pairs of pictures at the reference's
+their figures. --keep DIR stores the bakes, and reads those that are there. --parts prints where a scene's error comes from instead, with
+16 samples per pixel: of the bake and its display without specular lobes, against the reference without them; of the picture, against
+the reference whose light goes on from diffuse surfaces as the bake's does; and of that light, against the whole reference. --pictures writes pairs of pictures at the reference's
 exposure to docs/images/truth/.
 """
 
@@ -109,38 +111,71 @@ def run(*command):
     return result.stdout
 
 
+class Scene:
+    """A baked scene, and the boxes of its pictures that show surfaces."""
+
+    def __init__(self, halflight, scene, options, folder):
+        self.halflight, self.folder = halflight, folder
+        self.baked = (options.keep or folder) / f"{scene.stem}.glb"
+        if not self.baked.exists():
+            run(halflight, "bake", scene, "-o", self.baked, "--quality", "medium", "--quiet")
+        self.view = ["--size", options.size, "--quiet", *VIEWS.get(scene.stem, [])]
+        # All surfaces lie beyond a shadow distance of a centimetre, and the view of the fade is 0 where there are none.
+        self.chosen = None
+        fade = self.picture("--view", "fade", "--shadow-distance", "0.01", "--shadow-fade-range", "0.01")
+        self.chosen = [share > 0.5 for share in fade]
+        if not any(self.chosen):
+            sys.exit(f"{scene.name}: the picture shows no surface")
+
+    def picture(self, *words):
+        """Means of the boxes of one picture."""
+        path = self.folder / "picture.exr"
+        run(self.halflight, "render", self.baked, "-o", path, *self.view, *words)
+        means = boxes(read_exr(path))
+        return means if self.chosen is None else [mean for mean, shows in zip(means, self.chosen) if shows]
+
+    def truth(self, samples, *words):
+        """The reference, and its noise: the halves of its samples differ by twice what their mean is off by, about."""
+        half = ["--reference", max(1, samples // 2), *words]
+        halves = [self.picture(*half, "--seed", seed) for seed in ("1", "2")]
+        mean = [(a + b) / 2 for a, b in zip(*halves)]
+        return mean, error(halves[0], mean)
+
+
+def percent(value):
+    return f"{100 * value:.1f} %"
+
+
+def parts(halflight, scene, options, folder):
+    shown = Scene(halflight, scene, options, folder)
+    whole, noise = shown.truth(options.samples)
+    diffuse_light, _ = shown.truth(options.samples, "--reference-diffuse")
+    diffuse, _ = shown.truth(options.samples, "--specular", "off")
+    mode = ["--mode", MODES[-1]]
+    fine = [*mode, "--samples", "16"]
+    picture = shown.picture(*fine)
+    cells = [
+        error(shown.picture(*mode), whole),
+        error(picture, whole),
+        error(shown.picture(*fine, "--specular", "off"), diffuse),
+        error(picture, diffuse_light),
+        error(diffuse_light, whole),
+        noise,
+    ]
+    return f"| {scene.stem} | {' | '.join(percent(cell) for cell in cells)} |\n"
+
+
 def measure(halflight, scene, options, folder):
-    baked = (options.keep or folder) / f"{scene.stem}.glb"
-    if not baked.exists():
-        run(halflight, "bake", scene, "-o", baked, "--quality", "medium", "--quiet")
-    view = ["--size", options.size, "--quiet", *VIEWS.get(scene.stem, [])]
-    # All surfaces lie beyond a shadow distance of a centimetre, and the view of the fade is 0 where there are none.
-    fade = ["--view", "fade", "--shadow-distance", "0.01", "--shadow-fade-range", "0.01"]
-    run(halflight, "render", baked, "-o", folder / "surfaces.exr", *view, *fade)
-    chosen = [share > 0.5 for share in boxes(read_exr(folder / "surfaces.exr"))]
-    if not any(chosen):
-        sys.exit(f"{scene.name}: the picture shows no surface")
-
-    def surfaces(path):
-        return [mean for mean, shows in zip(boxes(read_exr(path)), chosen) if shows]
-
-    halves = []
-    half = ["--reference", max(1, options.samples // 2)]
-    for seed in ("1", "2"):
-        run(halflight, "render", baked, "-o", folder / "truth.exr", *view, *half, "--seed", seed)
-        halves.append(surfaces(folder / "truth.exr"))
-    truth = [(a + b) / 2 for a, b in zip(*halves)]
+    shown = Scene(halflight, scene, options, folder)
+    truth, noise = shown.truth(options.samples)
     cells = []
     pictures_of = [["--mode", mode] for mode in MODES] + [["--mode", MODES[-1], "--reflection-probes", "off"]]
     for wanted in pictures_of:
-        run(halflight, "render", baked, "-o", folder / "picture.exr", *view, *wanted)
-        cells.append(f"{100 * error(surfaces(folder / 'picture.exr'), truth):.1f} %")
-    # The halves differ by twice what their mean is off by, about.
-    noise = 100 * error(halves[0], truth)
+        cells.append(percent(error(shown.picture(*wanted), truth)))
     if options.pictures:
-        pictures(halflight, scene, baked, options)
+        pictures(halflight, scene, shown.baked, options)
     command = f"`scripts/make_truth_report.py --samples {options.samples} --size {options.size} {scene.name}`"
-    return f"| {scene.stem} | {' | '.join(cells)} | {noise:.1f} % | {command} |\n"
+    return f"| {scene.stem} | {' | '.join(cells)} | {percent(noise)} | {command} |\n"
 
 
 def pictures(halflight, scene, baked, options):
@@ -168,6 +203,7 @@ def main():
     parser.add_argument("--samples", type=int, default=256, help="of the reference, per pixel")
     parser.add_argument("--size", default="320x180")
     parser.add_argument("--pictures", action="store_true")
+    parser.add_argument("--parts", action="store_true")
     parser.add_argument("--keep", type=pathlib.Path, metavar="DIR")
     parser.add_argument("--halflight", type=pathlib.Path, default=ROOT / "build/release/apps/halflight/halflight")
     options = parser.parse_args()
@@ -179,8 +215,10 @@ def main():
             print(f"{scene.name} is skipped: there is no {scene}", file=sys.stderr)
             continue
         with tempfile.TemporaryDirectory() as folder:
-            row = measure(options.halflight, scene, options, pathlib.Path(folder))
+            row = (parts if options.parts else measure)(options.halflight, scene, options, pathlib.Path(folder))
         print(row, end="", flush=True)
+        if options.parts:
+            continue
         PAGE.write_text(with_rows(PAGE.read_text(), {scene.stem: row}))
 
 
