@@ -59,9 +59,10 @@ function(halflight_module name)
     halflight_precompile(${target})
 endfunction()
 
-# halflight_test(NAME SOURCES … [LIBS …] [LABELS …]): one GoogleTest program; tests may include a module's private headers.
+# halflight_test(NAME SOURCES … [LIBS …] [LABELS …] [TIMEOUT seconds] [SUITES]): one GoogleTest program; tests may include a
+# module's private headers. ctest runs each test in a process of its own, or each suite with SUITES.
 function(halflight_test name)
-    cmake_parse_arguments(ARG "" "TIMEOUT" "SOURCES;LIBS;LABELS" ${ARGN})
+    cmake_parse_arguments(ARG "SUITES" "TIMEOUT" "SOURCES;LIBS;LABELS" ${ARGN})
     add_executable(test_${name} ${ARG_SOURCES})
     target_include_directories(test_${name} PRIVATE ${PROJECT_SOURCE_DIR}/src ${PROJECT_SOURCE_DIR}/tests)
     target_link_libraries(test_${name} PRIVATE halflight_options GTest::gtest_main GTest::gmock ${ARG_LIBS})
@@ -76,7 +77,21 @@ function(halflight_test name)
     set(environment "")
     if(HALFLIGHT_SANITIZE AND "vulkan" IN_LIST ARG_LABELS)
         # Mesa's CPU driver leaks what it compiled, from code without a name that could be suppressed.
-        set(environment ENVIRONMENT ASAN_OPTIONS=detect_leaks=0)
+        set(environment ASAN_OPTIONS=detect_leaks=0)
+    endif()
+    if(ARG_SUITES)
+        set(file ${CMAKE_CURRENT_BINARY_DIR}/test_${name}_suites.cmake)
+        add_custom_command(TARGET test_${name} POST_BUILD VERBATIM
+            COMMAND ${CMAKE_COMMAND} -D PROGRAM=$<TARGET_FILE:test_${name}> -D FILE=${file} -D LABELS=${ARG_LABELS}
+                    -D TIMEOUT=${ARG_TIMEOUT} -D ENVIRONMENT=${environment}
+                    -P ${PROJECT_SOURCE_DIR}/cmake/DiscoverSuites.cmake)
+        # Until the program is built there is no file.
+        file(WRITE ${file}.include "if(EXISTS [=[${file}]=])\n    include([=[${file}]=])\nendif()\n")
+        set_property(DIRECTORY APPEND PROPERTY TEST_INCLUDE_FILES ${file}.include)
+        return()
+    endif()
+    if(environment)
+        list(PREPEND environment ENVIRONMENT)
     endif()
     gtest_discover_tests(test_${name} DISCOVERY_TIMEOUT 120
         PROPERTIES TIMEOUT ${ARG_TIMEOUT} LABELS "${ARG_LABELS}" ${environment})

@@ -159,6 +159,7 @@ TEST_P(ChangesS29, CastAndReceiveSwitchesS30)
 
 TEST_P(ChangesS29, RefusesWhatCannotBe)
 {
+    startAnew();
     EXPECT_FALSE(renderer->setLight(0, Light{})) << "nothing loaded";
     EXPECT_TRUE(renderer->scene().objects.empty());
     ASSERT_TRUE(renderer->load(baked));

@@ -61,6 +61,7 @@ TEST_F(LightmapUpdate, DrawsAsIfLoadedAnew)
 
 TEST_F(LightmapUpdate, RefusesWhatIsNotOnAPage)
 {
+    startAnew();
     const Image<uint32_t> texels(8, 8);
     LightmapRectangle rectangle{0, {0, 0}, &texels};
     EXPECT_FALSE(renderer->updateLightmaps({&rectangle, 1})) << "nothing is loaded";

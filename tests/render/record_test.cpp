@@ -296,6 +296,7 @@ TEST_F(RenderTest, DrawsOnTheCallersDevice)
 
 TEST_F(RenderTest, RefusesToRecordWithoutAScene)
 {
+    startAnew();
     const auto frame = renderer->record(nullptr, VulkanTarget{}, kCamera, settingsOf(RenderPath::Forward), kExposure);
     ASSERT_FALSE(frame);
     EXPECT_EQ(frame.error().code, ErrorCode::InvalidArgument);

@@ -7,17 +7,31 @@
 
 namespace halflight::test {
 
-void RenderTest::SetUp()
+void RenderTest::SetUpTestSuite()
 {
     auto created = Renderer::create({.validation = true});
     ASSERT_TRUE(created) << created.error().text();
     renderer = std::move(*created);
 }
 
+void RenderTest::SetUp()
+{
+    ASSERT_TRUE(renderer);
+    earlierMessages_ = renderer->validationMessages().size();
+}
+
+void RenderTest::startAnew()
+{
+    TearDownTestSuite();
+    SetUpTestSuite();
+    RenderTest::SetUp();
+}
+
 void RenderTest::TearDown()
 {
     if (!renderer) return;
-    for (const std::string& message : renderer->validationMessages()) ADD_FAILURE() << message;
+    const std::vector<std::string> messages = renderer->validationMessages();
+    for (std::size_t i = earlierMessages_; i < messages.size(); ++i) ADD_FAILURE() << messages[i];
 }
 
 RenderedFrame RenderTest::render(const BakedScene& baked, const Camera& camera, const RenderSettings& settings)

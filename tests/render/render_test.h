@@ -10,15 +10,23 @@
 
 namespace halflight::test {
 
-/// A renderer with the validation layer on; every test ends with the layer having said nothing.
+/// A renderer with the validation layer on, which the tests of a suite share, as the CPU driver takes seconds to
+/// prepare its shaders; every test ends with the layer having said nothing.
 class RenderTest : public testing::Test {
 protected:
+    static void SetUpTestSuite();
+    static void TearDownTestSuite() { renderer.reset(); }
     void SetUp() override;
     void TearDown() override;
+    /// For tests of a renderer that has loaded nothing.
+    void startAnew();
     /// Loads and renders; fails the test with the error.
     RenderedFrame render(const BakedScene& baked, const Camera& camera, const RenderSettings& settings);
 
-    std::unique_ptr<Renderer> renderer;
+    inline static std::unique_ptr<Renderer> renderer;
+
+private:
+    std::size_t earlierMessages_ = 0; ///< of other tests
 };
 
 /// Tests whose answer is the same forward and deferred.

@@ -65,6 +65,7 @@ TEST_F(RenderTest, RefusesBrokenScenes)
 
 TEST_F(RenderTest, RefusesBadSettings)
 {
+    startAnew();
     ASSERT_FALSE(renderer->render(Camera{}, {})) << "nothing loaded";
     ASSERT_TRUE(renderer->load(oneRectangle()));
     RenderSettings settings;
