@@ -60,9 +60,12 @@ void bindSceneImages(gpu::DescriptorSet& set, const GpuScene& scene, VkSampler p
 void Renderer::Impl::load(const BakedScene& baked)
 {
     device.waitIdle();
+    TextureImages kept; // textures are most of a scene, and often those of the one before
+    for (std::size_t i = 0; scene && i < scene->textures.size(); ++i)
+        kept.emplace(scene->textureHashes[i], std::move(scene->textures[i]));
     scene.reset(); // before the next one, so that both need not fit
     for (FrameSlot& each : slots) each.set = {};
-    scene = std::make_unique<GpuScene>(uploadScene(device, baked));
+    scene = std::make_unique<GpuScene>(uploadScene(device, baked, std::move(kept)));
     switchesAtBake = shadowSwitches(baked.scene);
     for (FrameSlot& each : slots) {
         each.set = gpu::DescriptorSet(device, setLayout.get(), bindings, uint32_t(scene->textures.size()));

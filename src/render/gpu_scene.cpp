@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <set>
 #include <tuple>
 
 namespace halflight {
@@ -132,28 +133,49 @@ VkSamplerAddressMode addressMode(Texture::Wrap wrap)
     return VK_SAMPLER_ADDRESS_MODE_REPEAT;
 }
 
+Hash128 textureHash(const ImageRgba8& pixels, bool srgb)
+{
+    Hasher hasher;
+    hasher.add(pixels.width()).add(pixels.height()).add(srgb);
+    return hasher.bytes(pixels.data(), pixels.texelCount() * sizeof(u8vec4)).hash();
+}
+
+/// The image of a texture with all its levels.
+gpu::Image uploadTexture(gpu::Device& device, gpu::Uploader& uploader, const ImageRgba8& pixels, bool srgb)
+{
+    const std::vector<ImageRgba8> mips = mipLevels(pixels, srgb);
+    gpu::Image image(device, {.format = srgb ? VK_FORMAT_R8G8B8A8_SRGB : VK_FORMAT_R8G8B8A8_UNORM,
+                              .width = uint32_t(pixels.width()),
+                              .height = uint32_t(pixels.height()),
+                              .mipLevels = uint32_t(mips.size()) + 1,
+                              .usage = VK_IMAGE_USAGE_SAMPLED_BIT | VK_IMAGE_USAGE_TRANSFER_DST_BIT});
+    std::vector<gpu::Uploader::Level> levels{{0, 0, pixels.data()}};
+    for (std::size_t i = 0; i < mips.size(); ++i) levels.push_back({uint32_t(i) + 1, 0, mips[i].data()});
+    uploader.image(image, levels, 4);
+    uploader.finish(); // before the image moves
+    return image;
+}
+
 void uploadTextures(gpu::Device& device, gpu::Uploader& uploader, const Scene& scene, const TextureSlots& slots,
-                    GpuScene& result)
+                    TextureImages kept, GpuScene& result)
 {
     std::vector<std::pair<int, bool>> bySlot(slots.all().size());
     for (const auto& [key, slot] : slots.all()) bySlot[std::size_t(slot)] = key;
     if (bySlot.size() > frameBindings(device)[shading::kBindTextures].count)
         throw gpu::Failure("the scene has more textures than the Vulkan device allows");
 
+    for (const auto& [index, srgb] : bySlot)
+        result.textureHashes.push_back(textureHash(scene.textures[std::size_t(index)].pixels, srgb));
+    const std::set<Hash128> needed(result.textureHashes.begin(), result.textureHashes.end());
+    std::erase_if(kept, [&](const auto& image) { return !needed.contains(image.first); });
+
     std::map<std::tuple<VkSamplerAddressMode, VkSamplerAddressMode, bool>, uint32_t> samplers;
-    for (const auto& [index, srgb] : bySlot) {
+    for (std::size_t slot = 0; slot < bySlot.size(); ++slot) {
+        const auto [index, srgb] = bySlot[slot];
         const Texture& texture = scene.textures[std::size_t(index)];
-        const std::vector<ImageRgba8> mips = mipLevels(texture.pixels, srgb);
-        gpu::Image image(device, {.format = srgb ? VK_FORMAT_R8G8B8A8_SRGB : VK_FORMAT_R8G8B8A8_UNORM,
-                                  .width = uint32_t(texture.pixels.width()),
-                                  .height = uint32_t(texture.pixels.height()),
-                                  .mipLevels = uint32_t(mips.size()) + 1,
-                                  .usage = VK_IMAGE_USAGE_SAMPLED_BIT | VK_IMAGE_USAGE_TRANSFER_DST_BIT});
-        std::vector<gpu::Uploader::Level> levels{{0, 0, texture.pixels.data()}};
-        for (std::size_t i = 0; i < mips.size(); ++i) levels.push_back({uint32_t(i) + 1, 0, mips[i].data()});
-        uploader.image(image, levels, 4);
-        uploader.finish(); // before the image moves
-        result.textures.push_back(std::move(image));
+        auto image = kept.extract(result.textureHashes[slot]);
+        result.textures.push_back(image ? std::move(image.mapped())
+                                        : uploadTexture(device, uploader, texture.pixels, srgb));
 
         const std::tuple key(addressMode(texture.wrapU), addressMode(texture.wrapV), texture.nearest);
         const auto [it, isNew] = samplers.try_emplace(key, uint32_t(result.samplers.size()));
@@ -248,20 +270,19 @@ BakedScene outlineOf(const BakedScene& baked)
 
 } // namespace
 
-GpuScene uploadScene(gpu::Device& device, const BakedScene& baked)
+GpuScene uploadScene(gpu::Device& device, const BakedScene& baked, TextureImages kept)
 {
     const Scene& scene = baked.scene;
     GpuScene result;
     gpu::Uploader uploader(device);
-    uploadMeshes(device, uploader, scene, result);
-    uploader.finish();
-
     TextureSlots slots;
     std::vector<GpuMaterial> materials;
     for (const Material& material : scene.materials) materials.push_back(gpuMaterial(scene, material, slots));
     materials.push_back(gpuMaterial(scene, defaultMaterial(), slots));
     result.materials = uploadVector(device, uploader, materials, kStorage);
-    uploadTextures(device, uploader, scene, slots, result);
+    uploadTextures(device, uploader, scene, slots, std::move(kept), result);
+    uploadMeshes(device, uploader, scene, result);
+    uploader.finish();
 
     result.lightmaps = uploadPages(device, uploader, baked.lightmaps, VK_FORMAT_E5B9G9R9_UFLOAT_PACK32, uint32_t(0));
     result.lightmapDirections =

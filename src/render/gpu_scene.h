@@ -3,6 +3,7 @@
 
 #include "gpu/pipeline.h"
 #include "gpu/resources.h"
+#include "halflight/base/hash.h"
 #include "halflight/render/probes.h"
 #include "halflight/scene/baked_scene.h"
 #include "render/gpu_layout.h"
@@ -11,6 +12,7 @@
 #include "render/sky_picture.h"
 
 #include <cstdint>
+#include <map>
 #include <optional>
 #include <span>
 #include <vector>
@@ -37,6 +39,7 @@ struct GpuScene {
     gpu::Buffer objects;   ///< GpuObject
     gpu::Buffer materials; ///< GpuMaterial; the last one is glTF's default
     std::vector<gpu::Image> textures;
+    std::vector<Hash128> textureHashes; ///< per element of textures: of what its image was made from
     std::vector<gpu::UniqueSampler> samplers;
     std::vector<uint32_t> samplerOfTexture; ///< per element of textures
     gpu::Image lightmaps;
@@ -78,7 +81,10 @@ struct LitVertex {
 Status checkScene(const BakedScene& baked);
 /// Why a light cannot be drawn; null when it can.
 const char* problemOf(const Light& light);
-GpuScene uploadScene(gpu::Device& device, const BakedScene& baked);
+/// Images of textures by the hash of what they were made from.
+using TextureImages = std::map<Hash128, gpu::Image>;
+/// `kept`: of the scene before; those that this scene has too are used, the others freed.
+GpuScene uploadScene(gpu::Device& device, const BakedScene& baked, TextureImages kept);
 /// Irradiance pages (lux) as the scene's dynamic lightmaps; an empty span takes them away. True when the image was made
 /// anew, so that its descriptor must be written. Pages have passed checkDynamicLightmaps().
 bool uploadDynamicLightmaps(gpu::Device& device, GpuScene& scene, std::span<const ImageRgb32f> irradiance);

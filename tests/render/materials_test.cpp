@@ -3,6 +3,7 @@
 
 #include "halflight/shading/brdf.h"
 #include "halflight/shading/directional.h"
+#include "shading/srgb_table.h"
 
 #include <glm/gtc/matrix_transform.hpp>
 #include <glm/gtc/packing.hpp>
@@ -133,6 +134,40 @@ TEST_P(Materials, NormalMapFollowsTangentFrame)
                 << mirror << ' ' << side;
         }
     }
+}
+
+// A renderer keeps the textures that the next scene has too. Those that changed, moved to another slot or are gone are
+// the next scene's own: every picture has the values of its texels.
+TEST_P(Materials, NextSceneHasItsOwnTextures)
+{
+    const u8vec4 grey(188, 188, 188, 255); // sRGB, 0.503
+    const u8vec4 red(255, 0, 0, 255);
+    const auto expected = [](u8vec4 texel) {
+        return kAlbedo * vec3(shading::kLinearFromSrgb8[texel.r], shading::kLinearFromSrgb8[texel.g],
+                              shading::kLinearFromSrgb8[texel.b]);
+    };
+    const auto expectTextures = [&](const std::vector<u8vec4>& texels, int used) {
+        Wall wall(vec3(0.3f, 0.4f, 1));
+        for (const u8vec4 texel : texels) {
+            Texture texture;
+            texture.pixels = ImageRgba8(4, 4, texel);
+            wall.baked.scene.textures.push_back(texture);
+        }
+        wall.material().baseColorTexture.texture = used;
+        if (texels.size() > 1) wall.material().emissiveTexture.texture = 1 - used; // in a slot, and black: no emission
+        ShadedPoint point = middle(from(2.0f), vec3(0, 0, 1));
+        point.baseColor = expected(texels[std::size_t(used)]);
+        EXPECT_TRUE(near(pixel(render(wall.baked, from(2.0f), settingsFor(GetParam()))),
+                         directRadiance(point, wall.sun, 1.0f), 3e-3f));
+    };
+    startAnew();
+    expectTextures({grey}, 0);
+    expectTextures({grey}, 0);      // kept
+    expectTextures({red}, 0);       // of the same size
+    expectTextures({grey, red}, 1); // one kept, in another slot
+    expectTextures({red, grey}, 1);
+    expectTextures({grey, grey}, 0); // twice the same
+    expectTextures({grey}, 0);
 }
 
 // Holes of an alpha mask are seen through and let the sun through; the rest is solid.
