@@ -80,8 +80,8 @@ struct FilteredMean {
     vec3 mean() const { return weights > 0.0f ? sum / weights : vec3(0.0f); }
 };
 
-/// The mean over a map of half the resolution and, where the lobe is steep, over the four texels of the whole map in
-/// the place of one.
+/// The mean over a map of half the resolution and, within 45 degrees of the lobe's middle, where it is steep, over the
+/// four texels of the whole map in the place of one.
 vec3 filtered(const Directions& whole, const Directions& half, int halfSize, vec3 n, float alpha)
 {
     FilteredMean result{n, alpha};
