@@ -1,4 +1,4 @@
-// All tests that need a browser, in one process: Chromium, its pages, bakes and the program's pictures are shared.
+// All tests that need a browser: Chromium, its pages, bakes and the program's pictures are shared within a process.
 import { missing } from './harness.mjs';
 
 const reason = missing();
