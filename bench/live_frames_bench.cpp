@@ -5,6 +5,8 @@
 // Draws frames one after the other as the window does, forward with all defaults: for three seconds alone, then during
 // a bake, whose light and tiles are loaded between frames. Prints median, 90th percentile and longest seconds of a
 // frame, and those of loading. Wall time, with reading the picture back: use a quiet machine.
+#include "session_arguments.h"
+
 #include "halflight/bake/bake_session.h"
 #include "halflight/bake_cpu/embree_integrator.h"
 #include "halflight/render/renderer.h"
@@ -14,19 +16,12 @@
 #include <chrono>
 #include <cstdio>
 #include <cstdlib>
-#include <string_view>
 #include <vector>
 
 using namespace halflight;
+using namespace halflight::bench;
 
 namespace {
-
-using Clock = std::chrono::steady_clock;
-
-double secondsSince(Clock::time_point start)
-{
-    return std::chrono::duration<double>(Clock::now() - start).count();
-}
 
 template<typename T> T checked(Result<T> result)
 {
@@ -109,14 +104,10 @@ int main(int count, char** arguments)
         std::fprintf(stderr, "usage: bench_live_frames SCENE.glb [preview|medium|high] [LIGHTMAP_SIZE] [WxH]\n");
         return 2;
     }
-    BakeSettings settings;
-    const std::string_view quality = count > 2 ? arguments[2] : "preview";
-    settings.quality = quality == "high" ? Quality::High : quality == "medium" ? Quality::Medium : Quality::Preview;
-    if (count > 3) settings.lightmapSize = std::atoi(arguments[3]);
     ivec2 size(320, 180);
     if (count > 4 && std::sscanf(arguments[4], "%dx%d", &size.x, &size.y) != 2) return 2;
     LiveFrames live(checked(readScene(arguments[1])), size);
     live.alone();
-    live.baking(settings);
+    live.baking(settingsOf(count, arguments));
     return 0;
 }

@@ -7,6 +7,8 @@
 // error of the light of texels that charts cover against the finished pages, relative to that light's own root mean
 // square. The session is asked for its tiles every 0.3 s, as the window does; times of the comparison are not counted.
 // Wall time: use a quiet machine.
+#include "session_arguments.h"
+
 #include "bake/stages.h"
 #include "halflight/bake/bake_session.h"
 #include "halflight/bake_cpu/embree_integrator.h"
@@ -18,21 +20,14 @@
 #include <cstdio>
 #include <cstdlib>
 #include <optional>
-#include <string_view>
 #include <thread>
 #include <utility>
 #include <vector>
 
 using namespace halflight;
+using namespace halflight::bench;
 
 namespace {
-
-using Clock = std::chrono::steady_clock;
-
-double secondsSince(Clock::time_point start)
-{
-    return std::chrono::duration<double>(Clock::now() - start).count();
-}
 
 /// What the window shows from a moment on.
 struct Step {
@@ -182,9 +177,5 @@ int main(int count, char** arguments)
         std::fprintf(stderr, "usage: bench_session SCENE.glb [preview|medium|high] [LIGHTMAP_SIZE] [ROUNDS]\n");
         return 2;
     }
-    BakeSettings settings;
-    const std::string_view quality = count > 2 ? arguments[2] : "preview";
-    settings.quality = quality == "high" ? Quality::High : quality == "medium" ? Quality::Medium : Quality::Preview;
-    if (count > 3) settings.lightmapSize = std::atoi(arguments[3]);
-    return run(arguments[1], settings, count > 4 ? std::atoi(arguments[4]) : 2);
+    return run(arguments[1], settingsOf(count, arguments), count > 4 ? std::atoi(arguments[4]) : 2);
 }

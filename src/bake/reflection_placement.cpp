@@ -128,8 +128,7 @@ float misfit(float predicted, float distance)
 struct TurnedRays {
     std::array<std::array<float, kRays>, 3> perAxis{}; ///< 1 / |direction| along each axis
     std::array<std::array<bool, kRays>, 3> upper{};    ///< a ray goes towards the axis's second face, else its first
-    std::array<std::vector<float>, 6>
-        ends; ///< per face: metres along its axis to where rays end that go closest to it, sorted
+    std::array<std::vector<float>, 6> ends; ///< per face: sorted metres along its axis to the ends of rays towards it
 };
 
 TurnedRays turnedRays(float turn, std::span<const vec3> directions, std::span<const float> distances)
