@@ -13,6 +13,7 @@
 #include "halflight/scene/gltf.h"
 
 #include <algorithm>
+#include <array>
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
@@ -117,6 +118,33 @@ void renderInto(Renderer& renderer, const Camera& camera, const RenderSettings& 
     if (series) series->add(*frame);
 }
 
+/// What is measured against other rows; path, size and timings are set by measured().
+struct Row {
+    Renderer* renderer = nullptr;
+    Camera camera;
+    RenderSettings settings;
+};
+constexpr RenderPath kPaths[] = {RenderPath::Forward, RenderPath::Deferred};
+
+/// By path as in kPaths, then by row. Frames of all rows take turns.
+std::array<std::vector<Series>, 2> measured(const Options& options, const std::vector<Row>& rows)
+{
+    std::array<std::vector<Series>, 2> all;
+    all.fill(std::vector<Series>(rows.size()));
+    for (int frame = -kWarmUpFrames; frame < options.frames; ++frame) {
+        for (std::size_t path = 0; path < all.size(); ++path) {
+            for (std::size_t i = 0; i < rows.size(); ++i) {
+                RenderSettings settings = rows[i].settings;
+                settings.path = kPaths[path];
+                settings.size = options.size;
+                settings.timings = true;
+                renderInto(*rows[i].renderer, rows[i].camera, settings, frame < 0 ? nullptr : &all[path][i]);
+            }
+        }
+    }
+    return all;
+}
+
 bool demand(bool met, const char* text)
 {
     std::printf("  %s  %s\n", met ? "met     " : "NOT MET ", text);
@@ -133,30 +161,21 @@ bool benchModes(const Options& options, const std::string& name, const Scene& pl
     const Camera camera = bench::cameraOf(plain);
     const auto masked = makeRenderer(options, bench::withStandInBake(plain, MixedLightingMode::Shadowmask));
     const auto subtractive = makeRenderer(options, bench::withStandInBake(plain, MixedLightingMode::Subtractive));
-    std::map<std::pair<int, int>, Series> all;
-    for (int frame = -kWarmUpFrames; frame < options.frames; ++frame) {
-        for (int path = 0; path < 2; ++path) {
-            for (const ModeRow& row : kModes) {
-                RenderSettings settings;
-                settings.mode = row.mode;
-                settings.path = path == 0 ? RenderPath::Forward : RenderPath::Deferred;
-                settings.size = options.size;
-                settings.timings = true;
-                renderInto(row.mode == RunMode::Subtractive ? *subtractive : *masked, camera, settings,
-                           frame < 0 ? nullptr : &all[{path, int(row.mode)}]);
-            }
-        }
-    }
+    std::vector<Row> rows;
+    for (const ModeRow& row : kModes)
+        rows.push_back(
+            {row.mode == RunMode::Subtractive ? subtractive.get() : masked.get(), camera, {.mode = row.mode}});
+    const auto all = measured(options, rows);
 
     std::printf("\n%s, %d x %d, %zu objects, medians of %d frames, milliseconds\n\n", name.c_str(), options.size.x,
                 options.size.y, plain.objects.size(), options.frames);
     std::printf(
         "| path | mode | directional | spot | point | depth | G-buffer | light | forward | sky | blended | all | "
         "shadow draws | shadow triangles |\n|---|---|---|---|---|---|---|---|---|---|---|---|---|---|\n");
-    for (int path = 0; path < 2; ++path) {
-        for (const ModeRow& row : kModes) {
-            const Series& s = all[{path, int(row.mode)}];
-            std::printf("| %s | %s |", path == 0 ? "forward" : "deferred", row.name);
+    for (std::size_t path = 0; path < 2; ++path) {
+        for (std::size_t i = 0; i < std::size(kModes); ++i) {
+            const Series& s = all[path][i];
+            std::printf("| %s | %s |", path == 0 ? "forward" : "deferred", kModes[i].name);
             for (const char* pass : {"directional shadows", "spot shadows", "point shadows", "depth", "g-buffer",
                                      "deferred light", "forward", "sky", "blended"})
                 std::printf(s.milliseconds.count(pass) ? " %.3f |" : " – |", timeOf(s, pass));
@@ -167,8 +186,12 @@ bool benchModes(const Options& options, const std::string& name, const Scene& pl
 
     std::printf("\n");
     bool met = true;
-    for (int path = 0; path < 2; ++path) {
-        const auto series = [&](RunMode mode) -> const Series& { return all[{path, int(mode)}]; };
+    for (std::size_t path = 0; path < 2; ++path) {
+        const auto series = [&](RunMode mode) -> const Series& {
+            const auto row = std::find_if(std::begin(kModes), std::end(kModes),
+                                          [&](const ModeRow& each) { return each.mode == mode; });
+            return all[path][std::size_t(row - std::begin(kModes))];
+        };
         const Series& indirect = series(RunMode::BakedIndirect);
         const double shadowRatio = shadowTime(series(RunMode::Shadowmask)) / shadowTime(indirect);
         const double distanceRatio = median(series(RunMode::DistanceShadowmask).totals) / median(indirect.totals);
@@ -208,29 +231,21 @@ void benchFeatures(const Options& options, const std::string& name, const BakedS
 {
     const Camera camera = bench::cameraOf(baked.scene);
     const auto renderer = makeRenderer(options, baked);
-    std::map<std::pair<int, std::size_t>, Series> all;
-    for (int frame = -kWarmUpFrames; frame < options.frames; ++frame) {
-        for (int path = 0; path < 2; ++path) {
-            for (std::size_t i = 0; i < std::size(kFeatures); ++i) {
-                RenderSettings settings;
-                settings.mode = RunMode::DistanceShadowmask;
-                settings.path = path == 0 ? RenderPath::Forward : RenderPath::Deferred;
-                settings.size = options.size;
-                settings.timings = true;
-                settings.supersampling = 2; // what `halflight render` has
-                kFeatures[i].change(settings);
-                renderInto(*renderer, camera, settings, frame < 0 ? nullptr : &all[{path, i}]);
-            }
-        }
+    std::vector<Row> rows;
+    for (const Feature& feature : kFeatures) {
+        Row& row = rows.emplace_back(Row{renderer.get(), camera, {.mode = RunMode::DistanceShadowmask}});
+        row.settings.supersampling = 2; // what `halflight render` has
+        feature.change(row.settings);
     }
+    const auto all = measured(options, rows);
     std::printf("\n%s, %d x %d, distance shadowmask, medians of %d frames\n\n| path | frame | all, ms | of all |\n"
                 "|---|---|---|---|\n",
                 name.c_str(), options.size.x, options.size.y, options.frames);
-    for (int path = 0; path < 2; ++path) {
+    for (std::size_t path = 0; path < 2; ++path) {
         for (std::size_t i = 0; i < std::size(kFeatures); ++i) {
-            const double ms = median(all[{path, i}].totals);
+            const double ms = median(all[path][i].totals);
             std::printf("| %s | %s | %.2f | %.0f %% |\n", path == 0 ? "forward" : "deferred", kFeatures[i].name, ms,
-                        100.0 * ms / median(all[{path, 0}].totals));
+                        100.0 * ms / median(all[path][0].totals));
         }
     }
 }
@@ -254,40 +269,30 @@ bool benchLights(const Options& options)
         renderers.push_back(
             makeRenderer(options, bench::withStandInBake(scenes.back(), MixedLightingMode::Shadowmask)));
     }
-    std::map<std::pair<int, int>, Series> all;
-    for (int frame = -kWarmUpFrames; frame < options.frames; ++frame) {
-        for (int path = 0; path < 2; ++path) {
-            for (int i = 0; i < 3; ++i) {
-                RenderSettings settings;
-                settings.mode = RunMode::Shadowmask;
-                settings.path = path == 0 ? RenderPath::Forward : RenderPath::Deferred;
-                settings.size = options.size;
-                settings.timings = true;
-                renderInto(*renderers[std::size_t(i)], scenes[std::size_t(i)].cameras[0], settings,
-                           frame < 0 ? nullptr : &all[{path, i}]);
-            }
-        }
-    }
+    std::vector<Row> rows;
+    for (std::size_t i = 0; i < scenes.size(); ++i)
+        rows.push_back({renderers[i].get(), scenes[i].cameras[0], {.mode = RunMode::Shadowmask}});
+    const auto all = measured(options, rows);
     std::printf("\n256 lights in view, %d x %d, medians of %d frames\n\n| path | scene | lights in view | reaching a "
                 "point, mean | lit pass, ms | ns per pixel | against 16 lights |\n|---|---|---|---|---|---|---|\n",
                 options.size.x, options.size.y, options.frames);
     bool met = true;
-    for (int path = 0; path < 2; ++path) {
+    for (std::size_t path = 0; path < 2; ++path) {
         const char* pass = path == 0 ? "forward" : "deferred light";
-        const double first = timeOf(all[{path, 0}], pass);
-        for (int i = 0; i < 3; ++i) {
-            const double ms = timeOf(all[{path, i}], pass);
+        const double first = timeOf(all[path][0], pass);
+        for (std::size_t i = 0; i < scenes.size(); ++i) {
+            const double ms = timeOf(all[path][i], pass);
             std::printf("| %s | %s | %d | %.2f | %.3f | %.2f | %.2f |\n", path == 0 ? "forward" : "deferred",
-                        fields[i].name, all[{path, i}].lights, reaching[std::size_t(i)], ms,
+                        fields[i].name, all[path][i].lights, reaching[i], ms,
                         ms * 1.0e6 / (double(options.size.x) * options.size.y), ms / first);
         }
     }
     std::printf("\n");
-    for (int path = 0; path < 2; ++path) {
+    for (std::size_t path = 0; path < 2; ++path) {
         const char* pass = path == 0 ? "forward" : "deferred light";
-        const double first = timeOf(all[{path, 0}], pass);
-        const double same = timeOf(all[{path, 1}], pass) / first;
-        const double overlap = timeOf(all[{path, 2}], pass) / first;
+        const double first = timeOf(all[path][0], pass);
+        const double same = timeOf(all[path][1], pass) / first;
+        const double overlap = timeOf(all[path][2], pass) / first;
         met =
             demand(
                 same <= 2.0 && overlap > 2.0 * same,

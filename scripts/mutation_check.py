@@ -116,7 +116,8 @@ def run_tests(program, pattern, fast=True):
     if program == "web":
         return run_web_tests(pattern)
     if program == "cli":
-        script = TREE / "tests" / "cli" / "cli_test.py"
+        name = pattern.split(".")[0]
+        script = next(file for file in (TREE / "tests" / "cli").glob("*_test.py") if f"class {name}(" in file.read_text())
         code, output = run([sys.executable, str(script), str(BUILD / "apps/halflight/halflight"), str(TREE / "../shared"), pattern])
         return 1, [pattern] if code not in (0, 77) else []
     command = [str(next((BUILD / "tests").glob(f"*/test_{program}"))), f"--gtest_filter={pattern}", "--gtest_color=no"]

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """One line about the tests of a ctest run that were skipped, and why: scripts/skipped_tests.py BUILD/Testing/Temporary/LastTest.log
 
-GoogleTest's "FILE:LINE: Skipped", reason, "[  SKIPPED ] NAME"; tests/cli/cli_test.py prints "[  SKIPPED ] NAME: reason".
+GoogleTest's "FILE:LINE: Skipped", reason, "[  SKIPPED ] NAME"; tests/cli/cli_case.py prints "[  SKIPPED ] NAME: reason".
 """
 
 import collections

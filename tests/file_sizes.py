@@ -28,7 +28,6 @@ LONGER = {
     "src/scene/validate.cpp": 404,
     "src/unwrap/chart.cpp": 532,
     "src/unwrap/packer.cpp": 437,
-    "tests/cli/cli_test.py": 1034,
     "tests/render/law_pixels_test.cpp": 470,
     "tests/render_plan/lights_test.cpp": 449,
     "tests/render_plan/probes_test.cpp": 464,

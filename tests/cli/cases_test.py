@@ -9,17 +9,16 @@ import os
 import resource
 import struct
 import subprocess
-import sys
 import unittest
 
-import cli_test
-from cli_test import QUICK, Case, decode_png, read, run
+import cli_case
+from cli_case import QUICK, Case, decode_png, read, run
 
 VIEW = ["--size", "160x120", "--exposure", "1.5"]
 
 
 def cases(*parts):
-    return os.path.join(cli_test.SHARED, "cases", *parts)
+    return os.path.join(cli_case.SHARED, "cases", *parts)
 
 
 def edited(source, target, change):
@@ -225,5 +224,4 @@ class Attack(SharedCase):
 
 
 if __name__ == "__main__":
-    cli_test.HALFLIGHT, cli_test.SHARED = sys.argv[1:3]
-    cli_test.main(sys.argv[3:])
+    cli_case.main()

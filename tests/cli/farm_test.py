@@ -9,12 +9,11 @@ import resource
 import shutil
 import signal
 import subprocess
-import sys
 import time
 
-import cli_test
+import cli_case
 import tiny_scene
-from cli_test import QUICK, Case, read, run
+from cli_case import QUICK, Case, read, run
 
 # Tiles enough for 16 workers.
 BAKE = ["--quality", "preview", "--samples", "16", "--shadow-samples", "4", "--lightmap-size", "256"]
@@ -182,7 +181,7 @@ class FarmTrouble(FarmCase):
         killed = 0
         for delay in (0.05, 0.15, 0.3, 0.5):
             worker = subprocess.Popen(
-                [cli_test.HALFLIGHT, "farm", "work", plan, "--index", "1", "--of", str(of), "--threads", "1", "-q"],
+                [cli_case.HALFLIGHT, "farm", "work", plan, "--index", "1", "--of", str(of), "--threads", "1", "-q"],
                 stdin=subprocess.DEVNULL,
                 stderr=subprocess.DEVNULL,
             )
@@ -221,7 +220,7 @@ class FarmTrouble(FarmCase):
         self.work_all(plan, of, "--stage", "cache")
         for index in range(of):
             result = subprocess.run(
-                [cli_test.HALFLIGHT, "farm", "work", plan, "--index", str(index), "--of", str(of), "-q"],
+                [cli_case.HALFLIGHT, "farm", "work", plan, "--index", str(index), "--of", str(of), "-q"],
                 capture_output=True,
                 text=True,
                 stdin=subprocess.DEVNULL,
@@ -237,7 +236,7 @@ class FarmTrouble(FarmCase):
         self.assertEqual(self.joined(plan), self.expected)
 
     def test_an_interrupted_worker_stops_within_a_second(self):
-        command = [cli_test.HALFLIGHT, "farm", "work", self.folder_of_plan, "--threads", "1"]
+        command = [cli_case.HALFLIGHT, "farm", "work", self.folder_of_plan, "--threads", "1"]
         worker = subprocess.Popen(command, stdin=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
         time.sleep(0.2)
         worker.send_signal(signal.SIGINT)
@@ -251,5 +250,4 @@ class FarmTrouble(FarmCase):
 
 
 if __name__ == "__main__":
-    cli_test.HALFLIGHT, cli_test.SHARED = sys.argv[1:3]
-    cli_test.main(sys.argv[3:])
+    cli_case.main()

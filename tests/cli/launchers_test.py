@@ -4,12 +4,11 @@ Usage: launchers_test.py HALFLIGHT SHARED_DIR [TestClass[.test]] …   A schedul
 import os
 import shutil
 import subprocess
-import sys
 import tempfile
 
-import cli_test
+import cli_case
 import slurm_cluster
-from cli_test import read
+from cli_case import read
 from farm_test import BAKE, FarmCase
 
 FARM = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "farm")
@@ -34,7 +33,7 @@ class LauncherCase(FarmCase):
         self.expected = self.baked(self.source, *BAKE)
         self.troubled = self.path("halflight")
         with open(self.troubled, "w") as file:
-            file.write(TROUBLE.replace("{program}", cli_test.HALFLIGHT).replace("{folder}", self.folder.name))
+            file.write(TROUBLE.replace("{program}", cli_case.HALFLIGHT).replace("{folder}", self.folder.name))
         os.chmod(self.troubled, 0o755)
 
     def launch(self, script, *arguments, **variables):
@@ -108,5 +107,4 @@ class Slurm(LauncherCase):
 
 
 if __name__ == "__main__":
-    cli_test.HALFLIGHT, cli_test.SHARED = sys.argv[1:3]
-    cli_test.main(sys.argv[3:])
+    cli_case.main()

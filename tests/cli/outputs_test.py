@@ -4,11 +4,10 @@
 import json
 import os
 import struct
-import sys
 
-import cli_test
+import cli_case
 import json_schema
-from cli_test import QUICK, Case, read, run
+from cli_case import QUICK, Case, read, run
 
 
 def json_of(path):
@@ -42,7 +41,7 @@ class Progress(Case):
     """--progress lines: what other programs show of a bake, such as the Blender extension."""
 
     def test_lines_for_programs(self):
-        command = ["bake", self.scene(), "-o", self.path("out.glb"), *cli_test.QUICK, "--samples", "16", "--progress", "lines"]
+        command = ["bake", self.scene(), "-o", self.path("out.glb"), *cli_case.QUICK, "--samples", "16", "--progress", "lines"]
         result = run(*command)
         self.assertEqual(result.returncode, 0, result.stderr)
         lines = result.stderr.splitlines()
@@ -67,7 +66,7 @@ class EarlierSky(Case):
         settings = ["--settings", self.path("sky.toml")]
         first, again = self.path("first.glb"), self.path("again.glb")
         for source, options, named in [(self.scene(), settings, False), (first, [], True), (first, settings, False)]:
-            result = run("bake", source, "-o", again if source == first else first, *cli_test.QUICK, *options)
+            result = run("bake", source, "-o", again if source == first else first, *cli_case.QUICK, *options)
             self.assertEqual(result.returncode, 0, result.stderr)
             self.assertEqual("earlier bake" in result.stderr, named, result.stderr)
 
@@ -217,5 +216,4 @@ class SomeObjects(Case):
 
 
 if __name__ == "__main__":
-    cli_test.HALFLIGHT, cli_test.SHARED = sys.argv[1:3]
-    cli_test.main(sys.argv[3:])
+    cli_case.main()

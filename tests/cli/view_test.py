@@ -6,13 +6,12 @@ import re
 import shlex
 import shutil
 import subprocess
-import sys
 import threading
 import time
 import unittest
 
-import cli_test
-from cli_test import QUICK, Case, decode_png, read, run
+import cli_case
+from cli_case import QUICK, Case, decode_png, read, run
 
 TOOLS = ("Xvfb", "xdotool", "import", "convert")
 SECONDS = 120  # for what takes a second on a quiet machine
@@ -42,7 +41,7 @@ class Window:
         self.environment = dict(os.environ, DISPLAY=display.name, SDL_VIDEODRIVER="x11")
         self.lines = []
         self.process = subprocess.Popen(
-            [cli_test.HALFLIGHT, "view", *map(str, arguments), "--device", "cpu", "--validation"],
+            [cli_case.HALFLIGHT, "view", *map(str, arguments), "--device", "cpu", "--validation"],
             stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, env=self.environment, cwd=cwd)
         self.reader = threading.Thread(target=lambda: self.lines.extend(iter(self.process.stdout.readline, "")))
         self.reader.start()
@@ -371,7 +370,7 @@ class View(Case):
         with open(broken, "wb") as file:
             file.write(b"nothing")
         environment = dict(os.environ, DISPLAY=self.display.name)
-        result = subprocess.run([cli_test.HALFLIGHT, "view", broken, "--device", "cpu"], capture_output=True, text=True,
+        result = subprocess.run([cli_case.HALFLIGHT, "view", broken, "--device", "cpu"], capture_output=True, text=True,
                                 env=environment, timeout=SECONDS)
         self.assert_one_sentence(result, 1, "broken.glb")
 
@@ -380,11 +379,10 @@ class NoDisplay(Case):
     def test_one_sentence_without_a_display(self):
         environment = {name: value for name, value in os.environ.items() if name not in ("DISPLAY", "WAYLAND_DISPLAY")}
         environment["SDL_VIDEODRIVER"] = "x11"
-        result = subprocess.run([cli_test.HALFLIGHT, "view", self.scene()], capture_output=True, text=True,
+        result = subprocess.run([cli_case.HALFLIGHT, "view", self.scene()], capture_output=True, text=True,
                                 env=environment, timeout=SECONDS)
         self.assert_one_sentence(result, 1, "window")
 
 
 if __name__ == "__main__":
-    cli_test.HALFLIGHT, cli_test.SHARED = sys.argv[1:3]
-    cli_test.main(sys.argv[3:])
+    cli_case.main()
