@@ -146,8 +146,9 @@ int runBake(const CLI::App& app, const BakeOptions& given)
         display.reset();
         return fail(options.output, status.error());
     }
-    for (const std::filesystem::path& folder :
-         {options.bake.imagesDirectory, options.bake.cacheDirectory, options.sidecarDirectory}) {
+    // A bake of some objects goes on only where the cache is there.
+    const std::filesystem::path newCache = options.bake.only.empty() ? options.bake.cacheDirectory : "";
+    for (const std::filesystem::path& folder : {options.bake.imagesDirectory, newCache, options.sidecarDirectory}) {
         if (Status status = makeFolder(folder); !status) {
             display.reset();
             return fail(folder, status.error());

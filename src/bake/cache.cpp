@@ -33,7 +33,7 @@ foldersIn(const std::filesystem::path& folder, const std::string& suffix)
     return found;
 }
 
-std::filesystem::path lastBake(const std::filesystem::path& folder, const std::filesystem::path& lastFile)
+std::filesystem::path lastFolder(const std::filesystem::path& folder, const std::filesystem::path& lastFile)
 {
     const Result<std::vector<std::byte>> bytes = readFile(lastFile);
     if (!bytes || bytes->size() != 32) return {};
@@ -81,7 +81,7 @@ BakeCache::BakeCache(const std::filesystem::path& folder, Hash128 bake, Hash128 
     : parts_(openBakeFolder(folder, bake.hex(), kSuffix)), before_({}), lastFile_(folder / (layout.hex() + ".last")),
       bake_(bake), compares_(compares)
 {
-    if (compares_) before_ = PartFolder(lastBake(folder, lastFile_));
+    if (compares_) before_ = PartFolder(lastFolder(folder, lastFile_));
 }
 
 Result<BakeCache> BakeCache::open(const std::filesystem::path& folder, Hash128 bake, Hash128 layout, bool compares)
@@ -93,16 +93,22 @@ Result<BakeCache> BakeCache::open(const std::filesystem::path& folder, Hash128 b
     return cache;
 }
 
+Result<PartFolder> BakeCache::lastBake(const std::filesystem::path& folder, Hash128 layout)
+{
+    const std::filesystem::path last = lastFolder(folder, folder / (layout.hex() + ".last"));
+    std::error_code ec;
+    if (!last.empty() && std::filesystem::is_directory(last, ec)) return PartFolder(last);
+    return Error{ErrorCode::Unsupported,
+                 "the cache " + folder.string() + " holds no finished bake with this layout and these settings, " +
+                     "whose light the other objects could keep: bake the whole scene once with this cache"};
+}
+
 Result<BakeCache> BakeCache::openKeeping(const std::filesystem::path& folder, Hash128 bake, Hash128 layout,
                                          Hash128 chosen)
 {
-    const std::filesystem::path last = lastBake(folder, folder / (layout.hex() + ".last"));
-    std::error_code ec;
-    if (last.empty() || !std::filesystem::is_directory(last, ec)) {
-        return Error{ErrorCode::Unsupported,
-                     "the cache " + folder.string() + " holds no finished bake with this layout and these settings, " +
-                         "whose light the other objects could keep: bake the whole scene once with this cache"};
-    }
+    const Result<PartFolder> found = lastBake(folder, layout);
+    if (!found) return found.error();
+    const std::filesystem::path last = found->path();
     openBakeFolder(folder, last.stem().string(), kSuffix); // so that it counts as used
     Result<BakeCache> cache = open(folder, bake, layout);
     if (!cache) return cache;
@@ -142,7 +148,7 @@ bool BakeCache::runParts(const Work<Value, Check>& work, std::span<const std::si
         const double end = double(first + some.size()) / double(parts.size());
         TileGroup<Value, Check> group(work, tiling, some);
         group.take(tiles(), TileState::Own, false);
-        if (mixed_) {
+        if (mixed_ && work.keeps) {
             group.take(before_, TileState::Kept, false);
         } else if (compares_) {
             group.take(before_, TileState::Compare, true);

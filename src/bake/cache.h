@@ -65,6 +65,8 @@ public:
     /// tiles of other bakes are not reused, and check samples are not computed.
     static Result<BakeCache> open(const std::filesystem::path& folder, Hash128 bake, Hash128 layout,
                                   bool compares = true);
+    /// The tiles of the last finished bake with that layout. An error where none is left. Changes nothing.
+    static Result<PartFolder> lastBake(const std::filesystem::path& folder, Hash128 layout);
     /// For a bake of some objects; `chosen` identifies them. An error where no last bake with that layout is left.
     static Result<BakeCache> openKeeping(const std::filesystem::path& folder, Hash128 bake, Hash128 layout,
                                          Hash128 chosen);
@@ -81,6 +83,8 @@ public:
         /// By item, in a bake of some objects: 1 = computed, 0 = kept, whatever its surface is now. Empty: tiles with
         /// an equal surface are kept.
         std::span<const uint8_t> chosen;
+        /// False: a bake of some objects, too, compares all tiles with the last bake and computes those that differ.
+        bool keeps = true;
         std::function<bool(std::span<const uint32_t> items, std::span<Value> out, const Progress&)> compute;
         /// Check samples: the same estimate with few paths.
         std::function<bool(std::span<const uint32_t> items, std::span<Check> out, const Progress&)> check;
@@ -106,8 +110,6 @@ public:
     [[nodiscard]] PartFolder& parts() { return parts_; }
     /// The folder of the tiles: the same, but in a bake of some objects.
     [[nodiscard]] PartFolder& tiles() { return mixed_ ? *mixed_ : parts_; }
-    /// The tiles of the last bake.
-    [[nodiscard]] const PartFolder& before() const { return before_; }
     /// Tiles to keep that could not be read, and were computed.
     [[nodiscard]] std::size_t lostTiles() const { return lost_; }
     /// Marks the bake as complete: the next bake with this layout is compared with it.

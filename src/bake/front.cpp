@@ -117,6 +117,26 @@ TexelMap rasterizeStage(const Stages& stages, const BakeGeometry& geometry, cons
     return map;
 }
 
+/// What a bake of some objects keeps of the last bake. An error, with nothing written, where the last bake does not
+/// have it.
+Status chooseKept(const Stages& stages, const std::vector<uint8_t>& objects, Hash128 layout, const TexelOwners& owners,
+                  Front& front)
+{
+    Result<std::vector<uint8_t>> chosen = chosenTexels(front.geometry, front.map, objects);
+    if (!chosen) return chosen.error();
+    const Result<PartFolder> last = BakeCache::lastBake(stages.settings.cacheDirectory, layout);
+    if (!last) return last.error();
+    if (Status status = owners.compareObjects(*last, objects); !status) return status;
+    front.chosen = std::move(*chosen);
+    const std::string light = owners.lightWithoutMask(*last);
+    front.keepsMasks = light.empty();
+    if (light.empty()) return {};
+    stages.report().warnings.push_back("the last bake in the cache has no mask of the light '" + light +
+                                       "': the masks of all objects and all light probes are baked where they have " +
+                                       "changed; the other objects' lightmaps are still those of the last bake");
+    return {};
+}
+
 /// A bake of all objects goes on with a warning where the cache cannot be opened.
 Status openCache(const Stages& stages, const std::vector<uint8_t>& objects, const CacheUse& use, Front& front)
 {
@@ -126,11 +146,8 @@ Status openCache(const Stages& stages, const std::vector<uint8_t>& objects, cons
     const Hash128 layout = layoutHash(front.map, front.integration, stages.settings.mode);
     const Hash128 light = lightHash(layout, scene, front.geometry);
     const TexelOwners owners(scene, front.geometry, front.map);
-    if (!objects.empty()) {
-        Result<std::vector<uint8_t>> chosen = chosenTexels(front.geometry, front.map, objects);
-        if (!chosen) return chosen.error();
-        front.chosen = std::move(*chosen);
-    }
+    if (!objects.empty())
+        if (Status status = chooseKept(stages, objects, layout, owners, front); !status) return status;
     Result<BakeCache> cache = front.chosen.empty()
                                   ? BakeCache::open(folder, light, layout, use.compares)
                                   : BakeCache::openKeeping(folder, light, layout, Hasher().add(front.chosen).hash());
@@ -138,9 +155,6 @@ Status openCache(const Stages& stages, const std::vector<uint8_t>& objects, cons
     if (!cache) {
         stages.report().warnings.push_back(cacheWarning(folder, cache.error()));
         return {};
-    }
-    if (!front.chosen.empty()) {
-        if (Status status = owners.compareWith(cache->before()); !status) return status;
     }
     front.cache = std::move(*cache);
     owners.keepIn(front.cache->tiles());

@@ -50,12 +50,13 @@ struct Front {
     BakeGeometry geometry;
     TexelMap map;
     std::vector<uint8_t> chosen; ///< texels of a bake of some objects, Gather::chosen
+    bool keepsMasks = true;      ///< Gather::keepsMasks
     std::optional<BakeCache> cache;
     std::unique_ptr<Integrator> integrator;
 
     [[nodiscard]] Gather gather()
     {
-        return {*integrator, geometry, map, integration, cache ? &*cache : nullptr, chosen};
+        return {*integrator, geometry, map, integration, cache ? &*cache : nullptr, chosen, keepsMasks};
     }
 };
 

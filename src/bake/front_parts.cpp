@@ -69,7 +69,12 @@ std::optional<PartFolder> frontFolder(const Scene& scene, const BakeSettings& se
     hasher.add(kFrontVersion).add(contentHash(scene)).add(int(settings.mode)).add(int(settings.uvMode));
     hasher.add(settings.texelsPerMeter).add(resolveQuality(settings).lightmapSize).add(int(settings.lightmapSize == 0));
     hasher.add(settings.paddingTexels);
-    return openBakeFolder(settings.cacheDirectory, hasher.hash().hex(), ".front");
+    const std::string name = hasher.hash().hex();
+    std::error_code ec;
+    // A bake of some objects may still be refused, and then leaves nothing behind.
+    if (!settings.only.empty() && !std::filesystem::is_directory(settings.cacheDirectory / (name + ".front"), ec))
+        return std::nullopt;
+    return openBakeFolder(settings.cacheDirectory, name, ".front");
 }
 
 void keepUnwrapped(PartFolder& folder, const UnwrappedScene& unwrapped)

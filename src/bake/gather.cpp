@@ -141,7 +141,8 @@ BakeCache::Work<vec4, vec4> Gather::shadowmaskWork() const
     work.tileSize = kTexelTile;
     work.tilesPerPart = texelTilesPerPart(Tiling{work.count, work.tileSize}.tileCount());
     work.surface = [&](std::size_t first, std::size_t count) { return surfaceHash(geometry, map, first, count); };
-    work.chosen = chosen;
+    work.keeps = keepsMasks;
+    if (keepsMasks) work.chosen = chosen;
     work.compute = [&](std::span<const uint32_t> items, std::span<vec4> values, const Progress& part) {
         return integrator.shadowmask(map, {items}, values, part);
     };
@@ -194,6 +195,7 @@ bool Gather::probes(std::span<const vec3> positions, std::span<ProbeEstimate> ou
     work.count = positions.size();
     work.tileSize = kProbeTile;
     work.tilesPerPart = kProbeTilesPerPart;
+    work.keeps = keepsMasks;
     work.surface = [&](std::size_t first, std::size_t count) {
         return Hasher().bytes(&positions[first], count * sizeof(vec3)).hash();
     };

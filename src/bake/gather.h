@@ -21,6 +21,8 @@ struct Gather {
     BakeCache* cache = nullptr; ///< may be null
     /// By texel, in a bake of some objects: 1 = computed, 0 = kept. Empty otherwise.
     std::span<const uint8_t> chosen = {};
+    /// In a bake of some objects: masks of all others are kept, and the probes' light and masks.
+    bool keepsMasks = true;
 
     bool irradiance(std::span<IrradianceEstimate> out, const Progress& progress) const;
     bool shadowmask(std::span<vec4> out, const Progress& progress) const;

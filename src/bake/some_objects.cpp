@@ -6,7 +6,9 @@
 #include <algorithm>
 #include <cstddef>
 #include <map>
+#include <set>
 #include <string_view>
+#include <tuple>
 
 namespace halflight {
 namespace {
@@ -18,6 +20,14 @@ int objectOf(const BakeGeometry& geometry, const TexelMap& map, const Texel& tex
 {
     const uint32_t triangle = map.fragments[texel.firstFragment].triangle;
     return geometry.parts[geometry.partOfTriangle[triangle]].object;
+}
+
+/// Of what a renamed object keeps.
+Hash128 shapeHash(const Mesh& mesh)
+{
+    Hasher hasher;
+    for (const MeshPart& part : mesh.parts) hasher.add(part.positions).add(part.indices);
+    return hasher.hash();
 }
 
 Error noObject(std::string_view name)
@@ -64,12 +74,16 @@ TexelOwners::TexelOwners(const Scene& scene, const BakeGeometry& geometry, const
     std::map<int, Hasher> hashers;
     for (const Texel& texel : map.texels)
         hashers[objectOf(geometry, map, texel)].add(texel.x).add(texel.y).add(texel.page);
-    for (auto& [object, hasher] : hashers) owners_.emplace_back(scene.objects[std::size_t(object)].name, hasher.hash());
+    for (auto& [index, hasher] : hashers) {
+        const Object& object = scene.objects[std::size_t(index)];
+        owners_.push_back({object.name, hasher.hash(), shapeHash(scene.meshes[std::size_t(object.mesh)]), index});
+    }
     for (const Light& light : scene.lights) {
         const int channel = light.baking.occlusionMaskChannel;
         if (channel >= 0) masks_.emplace_back(light.name, channel);
     }
-    std::sort(owners_.begin(), owners_.end());
+    std::sort(owners_.begin(), owners_.end(),
+              [](const Owner& a, const Owner& b) { return std::tie(a.name, a.texels) < std::tie(b.name, b.texels); });
     std::sort(masks_.begin(), masks_.end());
 }
 
@@ -77,7 +91,7 @@ void TexelOwners::keepIn(PartFolder& folder) const
 {
     ByteWriter writer;
     writer.add(uint64_t(owners_.size()));
-    for (const auto& [object, texels] : owners_) writer(object, texels);
+    for (const Owner& owner : owners_) writer(owner.name, owner.texels, owner.shape);
     writer.add(uint64_t(masks_.size()));
     for (const auto& [light, channel] : masks_) writer(light, channel);
     folder.write(kOwners, writer.take());
@@ -91,36 +105,45 @@ Result<TexelOwners> TexelOwners::readFrom(const PartFolder& folder)
     if (!bytes) return missing;
     TexelOwners last;
     ByteReader reader(*bytes);
-    const auto readAll = [&](auto& list) {
+    const auto readAll = [&](auto& list, const auto& readOne) {
         uint64_t count = 0;
         reader.read(count);
-        for (uint64_t i = 0; i < count && reader.ok(); ++i) {
-            auto& [name, value] = list.emplace_back();
-            reader(name, value);
-        }
+        for (uint64_t i = 0; i < count && reader.ok(); ++i) readOne(list.emplace_back());
     };
-    readAll(last.owners_);
-    readAll(last.masks_);
+    readAll(last.owners_, [&](Owner& owner) { reader(owner.name, owner.texels, owner.shape); });
+    readAll(last.masks_, [&](auto& mask) { reader(mask.first, mask.second); });
     if (!reader.complete()) return missing;
     return last;
 }
 
-Status TexelOwners::compareWith(const PartFolder& folder) const
+Status TexelOwners::compareObjects(const PartFolder& folder, const std::vector<uint8_t>& chosen) const
 {
     const Result<TexelOwners> last = readFrom(folder);
     if (!last) return last.error();
-    const auto lacks = [](const auto& all) {
-        return [&all](const auto& one) { return !std::binary_search(all.begin(), all.end(), one); };
-    };
-    const auto owner = std::find_if(owners_.begin(), owners_.end(), lacks(last->owners_));
-    if (owner != owners_.end()) {
-        return Error{ErrorCode::Unsupported,
-                     "the last bake in the cache has no object '" + owner->first + "' at the same texels" + kBakeAll};
+    std::map<Hash128, const Owner*> ofTexels;
+    std::set<std::string_view> names;
+    for (const Owner& owner : last->owners_) {
+        ofTexels[owner.texels] = &owner;
+        names.insert(owner.name);
     }
-    const auto mask = std::find_if(masks_.begin(), masks_.end(), lacks(last->masks_));
-    if (mask != masks_.end()) {
-        return Error{ErrorCode::Unsupported, "the last bake in the cache has no mask of the light '" + mask->first +
-                                                 "' in the same channel" + kBakeAll};
+    for (const Owner& owner : owners_) {
+        if (chosen[std::size_t(owner.object)] != 0) continue;
+        const auto found = ofTexels.find(owner.texels);
+        const Owner* before = found == ofTexels.end() ? nullptr : found->second;
+        const bool same = before != nullptr && before->name == owner.name;
+        const bool renamed = before != nullptr && before->shape == owner.shape && !names.contains(owner.name);
+        if (same || renamed) continue;
+        return Error{ErrorCode::Unsupported,
+                     "the last bake in the cache has no object '" + owner.name + "' at the same texels" + kBakeAll};
+    }
+    return {};
+}
+
+std::string TexelOwners::lightWithoutMask(const PartFolder& folder) const
+{
+    const Result<TexelOwners> last = readFrom(folder);
+    for (const auto& mask : masks_) {
+        if (!last || !std::binary_search(last->masks_.begin(), last->masks_.end(), mask)) return mask.first;
     }
     return {};
 }

@@ -27,16 +27,24 @@ public:
     TexelOwners(const Scene& scene, const BakeGeometry& geometry, const TexelMap& map);
 
     void keepIn(PartFolder& folder) const;
-    /// An error unless the bake that `folder` belongs to has the same objects at the same texels, and at least the
-    /// lights of this one in the same channels.
-    [[nodiscard]] Status compareWith(const PartFolder& folder) const;
+    /// An error unless the bake that `folder` belongs to has all objects but the chosen ones at the same texels.
+    /// Renamed objects are known by their shape.
+    [[nodiscard]] Status compareObjects(const PartFolder& folder, const std::vector<uint8_t>& chosen) const;
+    /// The first light whose channel was not its own in the bake that `folder` belongs to; empty: none.
+    [[nodiscard]] std::string lightWithoutMask(const PartFolder& folder) const;
 
 private:
+    struct Owner {
+        std::string name;
+        Hash128 texels; ///< their places
+        Hash128 shape;  ///< of the mesh
+        int object = -1;
+    };
     TexelOwners() = default;
     static Result<TexelOwners> readFrom(const PartFolder& folder);
 
-    std::vector<std::pair<std::string, Hash128>> owners_; ///< objects and a hash of their texels' places, ascending
-    std::vector<std::pair<std::string, int>> masks_;      ///< lights and their channels, ascending
+    std::vector<Owner> owners_;                      ///< ascending by name and texels
+    std::vector<std::pair<std::string, int>> masks_; ///< lights and their channels, ascending
 };
 
 } // namespace halflight

@@ -273,10 +273,45 @@ TEST_F(SomeObjectsTest, NamesAreWholeOrBetweenCommas)
               "no object or node with objects is called 'chair'");
 }
 
+TEST_F(SomeObjectsTest, RenamedObjectsKeepTheirLight)
+{
+    const BakeResult all = whole(tables());
+    Scene renamed = tables();
+    renamed.objects[1].name = "bench";
+    const BakeResult some = only(renamed, {"floor"});
+    expectSame(some.baked, all.baked);
+    Scene replaced = renamed; // what is baked anew needs no counterpart
+    for (vec3& position : replaced.meshes[1].parts[0].positions) position.y += 0.1f;
+    EXPECT_EQ(refusal(replaced, {"bench"}), "");
+}
+
+TEST_F(SomeObjectsTest, MasksAndProbesOfANewLightAreBaked)
+{
+    const BakeResult before = whole(tables());
+    Scene more = tables();
+    Light second = more.lights[0];
+    second.name = "second";
+    second.worldFromLight[3] = vec4(-2.0f, 1.6f, 0.0f, 1.0f);
+    more.lights.push_back(second);
+    const BakeResult some = only(more, {"table 0"});
+    const auto says = [](const std::string& warning) {
+        return warning.find("no mask of the light 'second'") != std::string::npos;
+    };
+    EXPECT_EQ(std::count_if(some.report.warnings.begin(), some.report.warnings.end(), says), 1);
+    EXPECT_EQ(differences(some.irradiance[0], before.irradiance[0], "floor"), 0) << "the lightmap is kept";
+    settings.cacheDirectory = folder / "other";
+    const BakeResult all = whole(more);
+    EXPECT_EQ(some.baked.shadowmasks[0].texels(), all.baked.shadowmasks[0].texels());
+    expectSameProbes(some.baked, all.baked);
+    EXPECT_GT(differences(all.irradiance[0], before.irradiance[0], "floor"), 0);
+    EXPECT_NE(all.baked.shadowmasks[0].texels(), before.baked.shadowmasks[0].texels());
+}
+
 TEST_F(SomeObjectsTest, WhatCannotBeKeptIsRefused)
 {
     const std::string noBake = "holds no finished bake with this layout and these settings";
     EXPECT_NE(refusal(tables(), {"floor"}).find(noBake), std::string::npos) << "the cache is empty";
+    EXPECT_FALSE(std::filesystem::exists(settings.cacheDirectory)) << "a refusal leaves nothing behind";
     whole(tables());
     EXPECT_EQ(refusal(tables(), {"chair"}), "no object or node with objects is called 'chair'");
     Scene dynamic = tables();
@@ -284,13 +319,13 @@ TEST_F(SomeObjectsTest, WhatCannotBeKeptIsRefused)
     dynamic.objects.back().isStatic = false;
     dynamic.objects.back().name = "ball";
     EXPECT_EQ(refusal(dynamic, {"ball"}), "none of the objects to bake has lightmap texels");
-    Scene more = tables();
-    more.lights.push_back(more.lights[0]);
-    more.lights.back().name = "second";
-    EXPECT_NE(refusal(more, {"floor"}).find("no mask of the light 'second'"), std::string::npos);
     Scene swapped = tables();
     std::swap(swapped.objects[1].name, swapped.objects[2].name);
     EXPECT_NE(refusal(swapped, {"floor"}).find("no object 'table 0' at the same texels"), std::string::npos);
+    Scene another = tables();
+    another.objects[1].name = "bench";
+    for (vec3& position : another.meshes[1].parts[0].positions) position.y += 0.1f;
+    EXPECT_NE(refusal(another, {"floor"}).find("no object 'bench' at the same texels"), std::string::npos);
     Scene larger = tables();
     for (vec2& uv : larger.meshes[2].parts[0].uv[1]) uv.y *= 1.2f;
     EXPECT_NE(refusal(larger, {"floor"}).find(noBake), std::string::npos) << "another layout";

@@ -207,12 +207,15 @@ class SomeObjects(Case):
     def test_what_is_missing_is_said(self):
         self.refused(2, ["--only", "pillar"], "--only needs --cache")
         self.refused(1, [*self.cache, "--only", "pillar"], "no finished bake", "bake the whole scene once")
+        self.assertFalse(os.path.exists(self.path("cache")), "a refusal leaves nothing behind")
         self.bake(self.file, "whole.glb", *self.cache)
+        before = sorted(os.listdir(self.path("cache")))
         self.refused(1, [*self.cache, "--only", "pillar,chair"], "'chair'")
         self.refused(1, [*self.cache, "--only", "sun"], "'sun'")
         self.refused(1, [*self.cache, "--only", "crate"], "lightmap texels")
         self.refused(1, [*self.cache, "--only", "pillar", "--texels-per-meter", "3"], "no finished bake with this layout")
         self.refused(1, [*self.cache, "--only", "pillar", "--seed", "2"], "and these settings")
+        self.assertEqual(sorted(os.listdir(self.path("cache"))), before, "refusals leave nothing behind")
 
 
 if __name__ == "__main__":
