@@ -284,7 +284,7 @@ Status readSwitches(const Json& json, const std::string& path, FileSettings& fil
     return {};
 }
 
-// Decodes each image once, all cores at work; textures that show it with different samplers get copies.
+// Decodes each image once, all cores at work; textures that show it with different samplers share it.
 Status decodeTextures(const SourceDocument& document, std::vector<Texture>& textures)
 {
     struct Encoded {
@@ -341,8 +341,8 @@ Status decodeTextures(const SourceDocument& document, std::vector<Texture>& text
         auto pixels = decodeImage(image.bytes.data(), image.bytes.size());
         if (!pixels) return at(image, pixels.error());
         image.bytes = {};
-        for (std::size_t k = 1; k < image.textures.size(); ++k) textures[image.textures[k]].pixels = *pixels;
-        textures[image.textures[0]].pixels = std::move(*pixels);
+        const SharedImage<u8vec4> shared(std::move(*pixels));
+        for (const std::size_t texture : image.textures) textures[texture].pixels = shared;
         return {};
     });
 }

@@ -51,7 +51,7 @@ TEST_P(FurnaceS6, MetalsReflectWhatTheirLobeDoes)
         const int walls = addMaterial(scene, vec3(0.8f), vec3(2.0f));
         Texture texture;
         texture.pixels = ImageRgba8(1, 1);
-        texture.pixels(0, 0) = texel;
+        texture.pixels.edit()(0, 0) = texel;
         scene.textures.push_back(std::move(texture));
         Material& material = scene.materials[std::size_t(walls)];
         material.metallic = 1.0f;

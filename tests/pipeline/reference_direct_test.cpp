@@ -42,7 +42,7 @@ Texture waves(int side, u8vec4 (*texel)(float x, float y))
     texture.pixels = ImageRgba8(side, side);
     const float step = 2.0f * kPi / float(side);
     for (int y = 0; y < side; ++y)
-        for (int x = 0; x < side; ++x) texture.pixels(x, y) = texel(float(x) * step, float(y) * step);
+        for (int x = 0; x < side; ++x) texture.pixels.edit()(x, y) = texel(float(x) * step, float(y) * step);
     return texture;
 }
 

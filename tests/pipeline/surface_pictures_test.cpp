@@ -27,7 +27,7 @@ Scene makeFloor(bool textured)
         Texture texture;
         texture.pixels = ImageRgba8(256, 256, u8vec4(255));
         for (int y = 0; y < 256; ++y) {
-            for (int x = 128; x < 256; ++x) texture.pixels(x, y) = u8vec4(0, 0, 0, y < 128 ? 255 : 0);
+            for (int x = 128; x < 256; ++x) texture.pixels.edit()(x, y) = u8vec4(0, 0, 0, y < 128 ? 255 : 0);
         }
         scene.textures.push_back(std::move(texture));
         material.baseColorTexture.texture = 0;

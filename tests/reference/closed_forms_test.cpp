@@ -99,7 +99,7 @@ Scene makePanel(const Finish& f, bool textured, float alpha)
     if (textured) {
         Texture texture;
         texture.pixels = ImageRgba8(2, 1, u8vec4(255));
-        texture.pixels(1, 0) = u8vec4(0, 0, 0, 255);
+        texture.pixels.edit()(1, 0) = u8vec4(0, 0, 0, 255);
         texture.nearest = true;
         scene.textures.push_back(texture);
         scene.materials.back().emissiveTexture.texture = 0;

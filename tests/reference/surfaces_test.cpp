@@ -39,7 +39,7 @@ TEST(ReferenceMaterialsS6, TexturesAreSharpAndFiltered)
     Texture stripes; // columns white and black
     stripes.pixels = ImageRgba8(1024, 4, u8vec4(255));
     for (int x = 1; x < 1024; x += 2)
-        for (int y = 0; y < 4; ++y) stripes.pixels(x, y) = u8vec4(0, 0, 0, 255);
+        for (int y = 0; y < 4; ++y) stripes.pixels.edit()(x, y) = u8vec4(0, 0, 0, 255);
     scene.textures.push_back(stripes);
     scene.materials[0].baseColorTexture.texture = 0;
     const Traced traced(std::move(scene));
@@ -58,7 +58,7 @@ TEST(ReferenceMaterialsS6, MetallicAndRoughnessTextures)
     Scene scene = makeSunnyFloor({vec3(0.8f, 0.6f, 0.3f), 1.0f, 1.0f, 1.0f});
     Texture data;
     data.pixels = ImageRgba8(2, 1, u8vec4(0, 64, 255, 255));
-    data.pixels(1, 0) = u8vec4(0, 192, 51, 255);
+    data.pixels.edit()(1, 0) = u8vec4(0, 192, 51, 255);
     data.wrapU = data.wrapV = Texture::Wrap::ClampToEdge;
     scene.textures.push_back(data);
     scene.materials[0].metallicRoughnessTexture.texture = 0;

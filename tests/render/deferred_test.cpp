@@ -29,10 +29,10 @@ BakedScene gallery(MixedLightingMode mode)
     holes.pixels = ImageRgba8(16, 16);
     for (int y = 0; y < 32; ++y)
         for (int x = 0; x < 32; ++x) {
-            bumps.pixels(x, y) =
+            bumps.pixels.edit()(x, y) =
                 u8vec4(128 + 60 * std::sin(0.8f * float(x)), 128 + 50 * std::cos(0.5f * float(y)), 220, 255);
-            metal.pixels(x, y) = u8vec4(255, 40 + 6 * x, 8 * y, 255);
-            holes.pixels(x / 2, y / 2) = u8vec4(200, 180, 60, (x / 8 + y / 8) % 2 == 0 ? 255 : 0);
+            metal.pixels.edit()(x, y) = u8vec4(255, 40 + 6 * x, 8 * y, 255);
+            holes.pixels.edit()(x / 2, y / 2) = u8vec4(200, 180, 60, (x / 8 + y / 8) % 2 == 0 ? 255 : 0);
         }
     scene.textures = {bumps, metal, holes};
 

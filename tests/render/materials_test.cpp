@@ -180,7 +180,7 @@ TEST_P(Materials, AlphaMaskHolesInPictureAndShadow)
     Texture texture; // left half open
     texture.pixels = ImageRgba8(8, 8, u8vec4(255));
     for (int y = 0; y < 8; ++y)
-        for (int x = 0; x < 4; ++x) texture.pixels(x, y).a = 50;
+        for (int x = 0; x < 4; ++x) texture.pixels.edit()(x, y).a = 50;
     texture.wrapU = texture.wrapV = Texture::Wrap::ClampToEdge;
     scene.textures.push_back(texture);
     scene.materials[std::size_t(leaf)].baseColorTexture.texture = 0;
@@ -340,7 +340,7 @@ TEST_P(Materials, TexturesSrgbTransformAndMetallicRoughness)
     Scene& scene = wall.baked.scene;
     Texture color;
     color.pixels = ImageRgba8(4, 4, u8vec4(255, 0, 0, 255));
-    for (int y = 0; y < 4; ++y) color.pixels(3, y) = u8vec4(188, 188, 188, 255); // 0.5029 linear
+    for (int y = 0; y < 4; ++y) color.pixels.edit()(3, y) = u8vec4(188, 188, 188, 255); // 0.5029 linear
     color.nearest = true;
     Texture data;
     data.pixels = ImageRgba8(1, 1, u8vec4(0, 128, 64, 255));

@@ -39,7 +39,7 @@ Scene bumpyScene()
         }
     }
     scene.meshes[0].parts = {part};
-    ImageRgba8& pixels = scene.textures[0].pixels;
+    ImageRgba8& pixels = scene.textures[0].pixels.edit();
     pixels = ImageRgba8(512, 512);
     for (std::size_t i = 0; i < pixels.texelCount(); ++i) {
         const uint32_t h = hashPcg(uint32_t(i));
@@ -126,7 +126,7 @@ TEST(SurfaceAtBake, DiffersAfterWhatAuthorsDo)
     EXPECT_TRUE(differsAfter([](Scene& scene) { scene.materials[0].doubleSided = false; }));
     EXPECT_TRUE(differsAfter([](Scene& scene) { scene.objects[0].castShadows = false; }));
     EXPECT_TRUE(differsAfter([](Scene& scene) { // a wall painted over
-        for (u8vec4& texel : scene.textures[0].pixels.texels()) texel = u8vec4(200, 60, 100, 255);
+        for (u8vec4& texel : scene.textures[0].pixels.edit().texels()) texel = u8vec4(200, 60, 100, 255);
     }));
 }
 

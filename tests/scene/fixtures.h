@@ -123,7 +123,7 @@ inline Scene engineScene()
     Texture texture;
     texture.name = "checker";
     texture.pixels = ImageRgba8(4, 4, u8vec4(200, 100, 50, 255));
-    texture.pixels(1, 2) = u8vec4(1, 2, 3, 4);
+    texture.pixels.edit()(1, 2) = u8vec4(1, 2, 3, 4);
     texture.wrapU = Texture::Wrap::ClampToEdge;
     scene.textures.push_back(texture);
     Material material;

@@ -7,6 +7,7 @@
 
 #include "halflight/base/image.h"
 #include "halflight/base/math.h"
+#include "halflight/base/shared_image.h"
 
 #include <array>
 #include <cstdint>
@@ -22,7 +23,7 @@ namespace halflight {
 struct Texture {
     enum class Wrap { Repeat, ClampToEdge, MirroredRepeat };
     std::string name;
-    ImageRgba8 pixels;
+    SharedImage<u8vec4> pixels;
     Wrap wrapU = Wrap::Repeat;
     Wrap wrapV = Wrap::Repeat;
     bool nearest = false;   ///< magnify without filtering
@@ -248,6 +249,7 @@ struct Camera {
     float farMeters = 1000.0f;
     bool orthographic = false;
     float orthographicHeightMeters = 1.0f; ///< full height
+    bool operator==(const Camera&) const = default;
 };
 
 /// Radiance of the surroundings (cd/m2) by direction: the picture, or skyRadiance() in shading/sky.h where there is
