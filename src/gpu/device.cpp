@@ -62,6 +62,7 @@ void Device::use(const Handles& handles)
     device_ = handles.device;
     queueFamily_ = handles.queueFamily;
     queue_ = handles.queue;
+    if (handles.queueMutex) queueMutex_ = handles.queueMutex;
     anisotropy_ = handles.samplerAnisotropy;
     loadInstanceFunctions();
     loadDeviceFunctions();
@@ -104,7 +105,10 @@ void Device::prepareCommands()
 void Device::destroy()
 {
     if (device_) {
-        vk.DeviceWaitIdle(device_);
+        {
+            const auto lock = lockQueue();
+            vk.DeviceWaitIdle(device_);
+        }
         if (fence_) vk.DestroyFence(device_, fence_, nullptr);
         if (commandPool_) vk.DestroyCommandPool(device_, commandPool_, nullptr);
         memory_.reset();
@@ -148,6 +152,7 @@ static void waitForEarlierCommands(const Device& device, VkCommandBuffer command
 
 void Device::execute(const std::function<void(VkCommandBuffer)>& record)
 {
+    const std::lock_guard turn(executing_);
     check(vk.ResetCommandPool(device_, commandPool_, 0), "reset a command pool");
     const VkCommandBufferBeginInfo begin{.sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_BEGIN_INFO,
                                          .flags = VK_COMMAND_BUFFER_USAGE_ONE_TIME_SUBMIT_BIT};
@@ -159,19 +164,23 @@ void Device::execute(const std::function<void(VkCommandBuffer)>& record)
                                                 .commandBuffer = commands_};
     const VkSubmitInfo2 submit{
         .sType = VK_STRUCTURE_TYPE_SUBMIT_INFO_2, .commandBufferInfoCount = 1, .pCommandBufferInfos = &commandInfo};
-    check(vk.QueueSubmit2(queue_, 1, &submit, fence_), "submit commands");
+    {
+        const auto lock = lockQueue();
+        check(vk.QueueSubmit2(queue_, 1, &submit, fence_), "submit commands");
+    }
     check(vk.WaitForFences(device_, 1, &fence_, VK_TRUE, ~0ull), "finish its commands");
     check(vk.ResetFences(device_, 1, &fence_), "reset a fence");
 }
 
 void Device::waitIdle() const
 {
+    const auto lock = lockQueue();
     check(vk.DeviceWaitIdle(device_), "finish its commands");
 }
 
 Handles Device::handles() const
 {
-    return {table_.GetInstanceProcAddr, instance_, physical_, device_, queueFamily_, queue_, anisotropy_};
+    return {table_.GetInstanceProcAddr, instance_, physical_, device_, queueFamily_, queue_, anisotropy_, queueMutex_};
 }
 
 std::vector<std::string> Device::validationMessages() const

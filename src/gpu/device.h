@@ -22,7 +22,8 @@ struct Handles {
     VkDevice device = VK_NULL_HANDLE;
     uint32_t queueFamily = 0; ///< can draw
     VkQueue queue = VK_NULL_HANDLE;
-    bool samplerAnisotropy = false; ///< the feature is enabled
+    bool samplerAnisotropy = false;         ///< the feature is enabled
+    std::shared_ptr<std::mutex> queueMutex; ///< held for each use of the queue; null: the Device makes one
 };
 
 struct DeviceOptions {
@@ -56,11 +57,13 @@ public:
     [[nodiscard]] bool timestamps() const { return timestampBits_ > 0; }
 
     /// Records commands, submits them and waits until the device has done them. They begin after all commands that
-    /// were submitted to the queue before.
+    /// were submitted to the queue before. Any thread may call it; the calls take turns.
     void execute(const std::function<void(VkCommandBuffer)>& record);
 
     /// Waits until the device has done all that was submitted to it.
     void waitIdle() const;
+    /// Vulkan lets one thread at a time use the queue.
+    [[nodiscard]] std::unique_lock<std::mutex> lockQueue() const { return std::unique_lock(*queueMutex_); }
 
     /// What the validation layer said so far.
     [[nodiscard]] std::vector<std::string> validationMessages() const;
@@ -95,6 +98,8 @@ private:
     bool owned_ = true; ///< instance and device are this object's own
     VkDevice device_ = VK_NULL_HANDLE;
     VkQueue queue_ = VK_NULL_HANDLE;
+    std::shared_ptr<std::mutex> queueMutex_ = std::make_shared<std::mutex>();
+    std::mutex executing_; ///< commandPool_, commands_ and fence_
     std::unique_ptr<Memory> memory_;
     VkCommandPool commandPool_ = VK_NULL_HANDLE;
     VkCommandBuffer commands_ = VK_NULL_HANDLE;

@@ -101,6 +101,7 @@ Memory::Block& Memory::addBlock(uint32_t type, VkDeviceSize size, bool image, bo
 
 Allocation Memory::allocate(const VkMemoryRequirements& requirements, MemoryUse use, bool image)
 {
+    const std::lock_guard lock(mutex_);
     const std::vector<uint32_t> types = suitableTypes(properties_, requirements.memoryTypeBits, use);
     if (types.empty()) throw Failure("the Vulkan device has no memory type for this use");
 
@@ -149,6 +150,7 @@ Allocation Memory::allocate(const VkMemoryRequirements& requirements, MemoryUse 
 
 void Memory::release(Allocation& allocation)
 {
+    const std::lock_guard lock(mutex_);
     Block& block = *static_cast<Block*>(allocation.block_);
     const auto at = std::lower_bound(block.free.begin(), block.free.end(), allocation.offset_,
                                      [](const Range& range, VkDeviceSize offset) { return range.offset < offset; });

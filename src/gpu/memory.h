@@ -5,6 +5,7 @@
 
 #include <cstddef>
 #include <memory>
+#include <mutex>
 #include <utility>
 #include <vector>
 
@@ -48,7 +49,8 @@ public:
     Memory(const Memory&) = delete;
     Memory& operator=(const Memory&) = delete;
 
-    /// `image`: optimally tiled images and buffers never share a block, so bufferImageGranularity never matters.
+    /// Allocations may be made and dropped on any thread. `image`: optimally tiled images and buffers never share a
+    /// block, so bufferImageGranularity never matters.
     Allocation allocate(const VkMemoryRequirements& requirements, MemoryUse use, bool image);
 
 private:
@@ -72,6 +74,7 @@ private:
     const Functions& vk_;
     VkDevice device_;
     VkPhysicalDeviceMemoryProperties properties_;
+    std::mutex mutex_; ///< guards blocks_
     std::vector<std::unique_ptr<Block>> blocks_;
 };
 

@@ -51,22 +51,43 @@ void bindSceneImages(gpu::DescriptorSet& set, const GpuScene& scene, VkSampler p
     set.buffer(shading::kBindProbeVolumes, scene.probeVolumes.buffer());
     set.image(shading::kBindProbeTexture, scene.probeVolumes.texture().view(), pages);
     for (std::size_t i = 0; i < scene.textures.size(); ++i)
-        set.image(shading::kBindTextures, scene.textures[i].view(), scene.samplers[scene.samplerOfTexture[i]].get(),
+        set.image(shading::kBindTextures, scene.textures[i]->view(), scene.samplers[scene.samplerOfTexture[i]].get(),
                   uint32_t(i));
 }
 
 } // namespace
 
+/// Textures are most of a scene, and often those of the one before.
+TextureImages Renderer::Impl::textureImages()
+{
+    const std::lock_guard lock(sceneMutex);
+    TextureImages images = ahead;
+    for (std::size_t i = 0; scene && i < scene->textures.size(); ++i)
+        images.emplace(scene->textureHashes[i], scene->textures[i]);
+    return images;
+}
+
 void Renderer::Impl::load(const BakedScene& baked)
 {
     device.waitIdle();
-    TextureImages kept; // textures are most of a scene, and often those of the one before
-    for (std::size_t i = 0; scene && i < scene->textures.size(); ++i)
-        kept.emplace(scene->textureHashes[i], std::move(scene->textures[i]));
+    TextureImages kept = textureImages();
     scene.reset(); // before the next one, so that both need not fit
     for (FrameSlot& each : slots) each.set = {};
-    scene = std::make_unique<GpuScene>(uploadScene(device, baked, std::move(kept)));
-    switchesAtBake = shadowSwitches(baked.scene);
+    Uploaded uploaded;
+    uploaded.scene = std::make_unique<GpuScene>(uploadScene(device, baked, std::move(kept)));
+    uploaded.switchesAtBake = shadowSwitches(baked.scene);
+    show(uploaded);
+}
+
+void Renderer::Impl::show(Uploaded& uploaded)
+{
+    {
+        const std::lock_guard lock(sceneMutex);
+        scene = std::move(uploaded.scene);
+        ahead.clear();
+    }
+    ++revision;
+    switchesAtBake = std::move(uploaded.switchesAtBake);
     for (FrameSlot& each : slots) {
         each.set = gpu::DescriptorSet(device, setLayout.get(), bindings, uint32_t(scene->textures.size()));
         bindSceneImages(each.set, *scene, pageSampler.get());
@@ -132,7 +153,7 @@ void Renderer::Impl::ensureTargets(const PreparedFrame& frame, const ShadowSetti
 
     VkPipelineLayout layout = pipelines.layout.get();
     std::unique_ptr<ForwardPipelines>& made = forwardPipelines[frame.readsMask];
-    if (!made && frame.readsMask && maskPipelines.valid()) made = maskPipelines.get();
+    if (!made && preparedForward[frame.readsMask].valid()) made = preparedForward[frame.readsMask].get();
     if (!made) made = std::make_unique<ForwardPipelines>(device, layout, colorFormat, frame.readsMask);
     if (!frame.deferred) return;
     if (std::unique_ptr<DeferredPipelines>& passes = deferredPipelines[plan.usesMask]; !passes)
@@ -226,15 +247,20 @@ void Renderer::Impl::recordDeferred(const PassContext& context, const CameraDraw
     endPass(context, "deferred light");
 }
 
-void Renderer::Impl::recordFrame(VkCommandBuffer commands, FrameSlot& to, const PreparedFrame& frame, bool timings)
+void Renderer::Impl::beginRecording(VkCommandBuffer commands, FrameSlot& to, bool timings)
 {
     slot = &to;
-    const PassContext context{device, *scene, pipelines, to.set.get(), commands, counts};
     to.timed = timings && device.timestamps();
     to.reports.clear();
     counts = {};
     if (to.timed) to.timer.begin(commands);
-    bindScene(context);
+    bindScene({device, *scene, pipelines, to.set.get(), commands, counts});
+}
+
+void Renderer::Impl::recordFrame(VkCommandBuffer commands, FrameSlot& to, const PreparedFrame& frame, bool timings)
+{
+    beginRecording(commands, to, timings);
+    const PassContext context{device, *scene, pipelines, to.set.get(), commands, counts};
     recordShadows(context, frame.shadows);
 
     gpu::transition(device, commands, color, gpu::state::kReused, gpu::state::kColorAttachment);
@@ -254,12 +280,23 @@ void Renderer::Impl::recordFrame(VkCommandBuffer commands, FrameSlot& to, const 
     endRendering(context);
 }
 
+/// Shadows and surfaces into `color`, with a set of descriptors for them and for the display.
+void Renderer::Impl::recordPicture(VkCommandBuffer commands, FrameSlot& to, PictureContent content,
+                                   const DisplayValues& display)
+{
+    picture.reset();
+    PreparedFrame frame = prepare(content.camera, content.settings);
+    ensureTargets(frame, content.settings.shadows);
+    bindFrame(to, frame, content.settings, display);
+    recordFrame(commands, to, frame, content.settings.timings);
+    gpu::transition(device, commands, color, gpu::state::kColorAttachment, gpu::state::kFragmentRead);
+    picture.emplace(Picture{std::move(content), std::move(frame)});
+}
+
 Result<RenderedFrame> Renderer::Impl::record(VkCommandBuffer commands, const VulkanTarget& target, const Camera& camera,
                                              const RenderSettings& settings, float exposureEv)
 {
     if (Status status = check(camera, settings); !status) return status.error();
-    PreparedFrame frame = prepare(camera, settings);
-    ensureTargets(frame, settings.shadows);
     gpu::UniquePipeline& display = displayPipelines[target.format];
     if (!display) display = makeDisplayPipeline(device, pipelines.layout.get(), target.format);
     FrameSlot& to = slots[nextSlot];
@@ -267,13 +304,18 @@ Result<RenderedFrame> Renderer::Impl::record(VkCommandBuffer commands, const Vul
     // The commands of two frames before have finished, so their times are there.
     std::vector<PassReport> earlier = passesOf(to);
     const bool timed = to.timed;
-    bindFrame(to, frame, settings, {exposureEv, showsLight(settings.view), encodesSrgb(target.format)});
-    recordFrame(commands, to, frame, settings.timings);
+    const DisplayValues values{exposureEv, showsLight(settings.view), encodesSrgb(target.format)};
+    PictureContent content{camera, settings, revision};
+    if (settings.keepsPicture && picture && picture->content == content) {
+        bindFrame(to, picture->frame, settings, values);
+        beginRecording(commands, to, settings.timings);
+    } else {
+        recordPicture(commands, to, std::move(content), values);
+    }
     const PassContext context{device, *scene, pipelines, to.set.get(), commands, counts};
-    gpu::transition(device, commands, color, gpu::state::kColorAttachment, gpu::state::kFragmentRead);
     drawDisplay(context, display.get(), target, settings.size);
     endPass(context, "display");
-    RenderedFrame report = reportOf(std::move(frame), settings);
+    RenderedFrame report = reportOf(picture->frame, settings);
     report.passes = std::move(earlier);
     report.timed = timed;
     return report;

@@ -157,7 +157,7 @@ gpu::Image uploadTexture(gpu::Device& device, gpu::Uploader& uploader, const Ima
 }
 
 void uploadTextures(gpu::Device& device, gpu::Uploader& uploader, const Scene& scene, const TextureSlots& slots,
-                    TextureImages kept, GpuScene& result)
+                    TextureImages images, GpuScene& result)
 {
     std::vector<std::pair<int, bool>> bySlot(slots.all().size());
     for (const auto& [key, slot] : slots.all()) bySlot[std::size_t(slot)] = key;
@@ -167,15 +167,15 @@ void uploadTextures(gpu::Device& device, gpu::Uploader& uploader, const Scene& s
     for (const auto& [index, srgb] : bySlot)
         result.textureHashes.push_back(textureHash(scene.textures[std::size_t(index)].pixels, srgb));
     const std::set<Hash128> needed(result.textureHashes.begin(), result.textureHashes.end());
-    std::erase_if(kept, [&](const auto& image) { return !needed.contains(image.first); });
+    std::erase_if(images, [&](const auto& image) { return !needed.contains(image.first); });
 
     std::map<std::tuple<VkSamplerAddressMode, VkSamplerAddressMode, bool>, uint32_t> samplers;
     for (std::size_t slot = 0; slot < bySlot.size(); ++slot) {
         const auto [index, srgb] = bySlot[slot];
         const Texture& texture = scene.textures[std::size_t(index)];
-        auto image = kept.extract(result.textureHashes[slot]);
-        result.textures.push_back(image ? std::move(image.mapped())
-                                        : uploadTexture(device, uploader, texture.pixels, srgb));
+        std::shared_ptr<const gpu::Image>& image = images[result.textureHashes[slot]];
+        if (!image) image = std::make_shared<gpu::Image>(uploadTexture(device, uploader, texture.pixels, srgb));
+        result.textures.push_back(image);
 
         const std::tuple key(addressMode(texture.wrapU), addressMode(texture.wrapV), texture.nearest);
         const auto [it, isNew] = samplers.try_emplace(key, uint32_t(result.samplers.size()));

@@ -13,6 +13,7 @@
 
 #include <cstdint>
 #include <map>
+#include <memory>
 #include <optional>
 #include <span>
 #include <vector>
@@ -36,9 +37,9 @@ struct GpuScene {
     gpu::Buffer maskInputs; ///< vertex binding 1: MaskVertex
     gpu::Buffer litInputs;  ///< vertex binding 2: LitVertex
     gpu::Buffer indices;
-    gpu::Buffer objects;   ///< GpuObject
-    gpu::Buffer materials; ///< GpuMaterial; the last one is glTF's default
-    std::vector<gpu::Image> textures;
+    gpu::Buffer objects;                                     ///< GpuObject
+    gpu::Buffer materials;                                   ///< GpuMaterial; the last one is glTF's default
+    std::vector<std::shared_ptr<const gpu::Image>> textures; ///< those of two scenes may be the same
     std::vector<Hash128> textureHashes; ///< per element of textures: of what its image was made from
     std::vector<gpu::UniqueSampler> samplers;
     std::vector<uint32_t> samplerOfTexture; ///< per element of textures
@@ -82,8 +83,9 @@ Status checkScene(const BakedScene& baked);
 /// Why a light cannot be drawn; null when it can.
 const char* problemOf(const Light& light);
 /// Images of textures by the hash of what they were made from.
-using TextureImages = std::map<Hash128, gpu::Image>;
-/// `kept`: of the scene before; those that this scene has too are used, the others freed.
+using TextureImages = std::map<Hash128, std::shared_ptr<const gpu::Image>>;
+/// `kept`: of the scene before; those that this scene has too are used again. May run while another thread records
+/// frames of another scene.
 GpuScene uploadScene(gpu::Device& device, const BakedScene& baked, TextureImages kept);
 /// Irradiance pages (lux) as the scene's dynamic lightmaps; an empty span takes them away. True when the image was made
 /// anew, so that its descriptor must be written. Pages have passed checkDynamicLightmaps().

@@ -78,8 +78,8 @@ gpu::DeviceOptions deviceOptions(const RendererOptions& options)
     if (options.device != nullptr) {
         const VulkanHandles& handles = *options.device;
         result.handles =
-            gpu::Handles{handles.getInstanceProcAddr, handles.instance, handles.physicalDevice,   handles.device,
-                         handles.queueFamily,         handles.queue,    handles.samplerAnisotropy};
+            gpu::Handles{handles.getInstanceProcAddr, handles.instance, handles.physicalDevice,    handles.device,
+                         handles.queueFamily,         handles.queue,    handles.samplerAnisotropy, handles.queueMutex};
     }
     return result;
 }
@@ -156,6 +156,7 @@ Result<RenderedFrame> Renderer::Impl::render(const Camera& camera, const RenderS
 {
     if (Status status = check(camera, settings); !status) return status.error();
     device.waitIdle(); // frames in flight have their own slots
+    picture.reset();
     PreparedFrame frame = prepare(camera, settings);
     ensureTargets(frame, settings.shadows);
     if (!readback.get()) {
@@ -210,14 +211,53 @@ Status Renderer::load(const BakedScene& baked)
     return loaded ? Status() : Status(loaded.error());
 }
 
-void Renderer::prepareShadowmask()
+Result<std::shared_ptr<Renderer::Uploaded>> Renderer::upload(const BakedScene& baked)
+{
+    if (Status status = checkScene(baked); !status) return status.error();
+    return guarded<std::shared_ptr<Uploaded>>([&]() -> Result<std::shared_ptr<Uploaded>> {
+        auto uploaded = std::make_shared<Uploaded>();
+        uploaded->scene = std::make_unique<GpuScene>(uploadScene(impl_->device, baked, impl_->textureImages()));
+        uploaded->switchesAtBake = shadowSwitches(baked.scene);
+        return uploaded;
+    });
+}
+
+Status Renderer::uploadTextures(const Scene& scene)
+{
+    BakedScene textured;
+    textured.scene.materials = scene.materials;
+    textured.scene.textures = scene.textures;
+    if (Status status = checkScene(textured); !status) return status;
+    const Result<bool> uploaded = guarded<bool>([&]() -> Result<bool> {
+        const GpuScene images = uploadScene(impl_->device, textured, impl_->textureImages());
+        const std::lock_guard lock(impl_->sceneMutex);
+        for (std::size_t i = 0; i < images.textures.size(); ++i)
+            impl_->ahead.emplace(images.textureHashes[i], images.textures[i]);
+        return true;
+    });
+    return uploaded ? Status() : Status(uploaded.error());
+}
+
+Status Renderer::show(const std::shared_ptr<Uploaded>& uploaded)
+{
+    if (!uploaded || !uploaded->scene)
+        return Error{ErrorCode::InvalidArgument, "the scene was not uploaded, or was shown before", ""};
+    const Result<bool> shown = guarded<bool>([&]() -> Result<bool> {
+        impl_->device.waitIdle();
+        impl_->show(*uploaded);
+        return true;
+    });
+    return shown ? Status() : Status(shown.error());
+}
+
+void Renderer::prepareForward(bool shadowmask)
 {
     Impl& impl = *impl_;
-    if (impl.forwardPipelines[1] || impl.maskPipelines.valid()) return;
-    impl.maskPipelines = std::async(
-        std::launch::async, [&device = impl.device, layout = impl.pipelines.layout.get(), format = impl.colorFormat] {
-            return std::make_unique<ForwardPipelines>(device, layout, format, true);
-        });
+    if (impl.forwardPipelines[shadowmask] || impl.preparedForward[shadowmask].valid()) return;
+    impl.preparedForward[shadowmask] =
+        std::async(std::launch::async,
+                   [&device = impl.device, layout = impl.pipelines.layout.get(), format = impl.colorFormat,
+                    shadowmask] { return std::make_unique<ForwardPipelines>(device, layout, format, shadowmask); });
 }
 
 const Scene& Renderer::scene() const
@@ -238,6 +278,7 @@ Status Renderer::setLight(int light, const Light& changed)
     next.baking = current.baking;
     next.sourceNode = current.sourceNode;
     current = std::move(next);
+    ++impl_->revision;
     return {};
 }
 
@@ -248,6 +289,7 @@ Status Renderer::setObjectTransform(int object, const mat4& worldFromObject)
         return Error{ErrorCode::InvalidArgument, "the transform is not finite", "/objects/" + std::to_string(object)};
     impl_->scene->outline.scene.objects[std::size_t(object)].worldFromObject = worldFromObject;
     impl_->scene->changedObjects.push_back(uint32_t(object));
+    ++impl_->revision;
     return {};
 }
 
@@ -258,6 +300,7 @@ Status Renderer::setObjectShadows(int object, bool castShadows, bool receiveShad
     current.castShadows = castShadows;
     current.receiveShadows = receiveShadows;
     impl_->scene->changedObjects.push_back(uint32_t(object));
+    ++impl_->revision;
     return {};
 }
 
@@ -286,6 +329,7 @@ Status Renderer::updateLightmaps(std::span<const LightmapRectangle> rectangles)
         for (const gpu::Uploader::Box& box : boxes)
             uploader.boxes(impl_->scene->lightmaps, gpu::state::kFragmentRead, {&box, 1}, sizeof(uint32_t));
         uploader.finish();
+        ++impl_->revision;
         return true;
     });
     return done ? Status() : Status(done.error());
@@ -302,6 +346,7 @@ Status Renderer::setDynamicLightmaps(std::span<const ImageRgb32f> irradiance)
     const Result<bool> done = guarded<bool>([&]() -> Result<bool> {
         impl_->device.waitIdle(); // frames in flight read the pages before
         uploadDynamicLightmaps(impl_->device, *impl_->scene, irradiance);
+        ++impl_->revision;
         return true;
     });
     return done ? Status() : Status(done.error());
@@ -321,8 +366,8 @@ Result<RenderedFrame> Renderer::record(VkCommandBuffer commands, const VulkanTar
 VulkanHandles Renderer::handles() const
 {
     const gpu::Handles handles = impl_->device.handles();
-    return {handles.getInstanceProcAddr, handles.instance, handles.physicalDevice,   handles.device,
-            handles.queueFamily,         handles.queue,    handles.samplerAnisotropy};
+    return {handles.getInstanceProcAddr, handles.instance, handles.physicalDevice,    handles.device,
+            handles.queueFamily,         handles.queue,    handles.samplerAnisotropy, handles.queueMutex};
 }
 
 void Renderer::waitIdle() const

@@ -15,6 +15,8 @@
 #include <future>
 #include <map>
 #include <memory>
+#include <mutex>
+#include <optional>
 #include <vector>
 
 namespace halflight {
@@ -85,6 +87,14 @@ struct PreparedFrame {
     int forwardObjects = 0;
 };
 
+/// What the picture in Renderer::Impl::color shows.
+struct PictureContent {
+    Camera camera;
+    RenderSettings settings;
+    uint64_t revision = 0; ///< Renderer::Impl::revision
+    bool operator==(const PictureContent&) const = default;
+};
+
 /// What a frame has to itself while the device may still be working on the one before.
 struct FrameSlot {
     explicit FrameSlot(const gpu::Device& device);
@@ -103,10 +113,18 @@ struct FrameSlot {
 /// Reports of the slot's finished frame, with times if it was timed.
 std::vector<PassReport> passesOf(FrameSlot& slot);
 
+class Renderer::Uploaded {
+public:
+    std::unique_ptr<GpuScene> scene;
+    std::vector<ShadowSwitches> switchesAtBake;
+};
+
 struct Renderer::Impl {
     explicit Impl(const RendererOptions& options);
 
     void load(const BakedScene& baked);
+    [[nodiscard]] TextureImages textureImages();
+    void show(Uploaded& uploaded);
     Result<RenderedFrame> render(const Camera& camera, const RenderSettings& settings);
     Result<RenderedFrame> record(VkCommandBuffer commands, const VulkanTarget& target, const Camera& camera,
                                  const RenderSettings& settings, float exposureEv);
@@ -118,6 +136,8 @@ struct Renderer::Impl {
                    const DisplayValues& display);
     /// Shadow maps and picture: `color` then holds the frame's samples, in state kColorAttachment.
     void recordFrame(VkCommandBuffer commands, FrameSlot& slot, const PreparedFrame& frame, bool timings);
+    void recordPicture(VkCommandBuffer commands, FrameSlot& slot, PictureContent content, const DisplayValues& display);
+    void beginRecording(VkCommandBuffer commands, FrameSlot& slot, bool timings);
     void recordShadows(const PassContext& context, const ShadowPasses& shadows);
     void recordDeferred(const PassContext& context, const CameraDraws& draws, bool usesMask);
     void endPass(const PassContext& context, const char* name);
@@ -130,10 +150,10 @@ struct Renderer::Impl {
     gpu::UniqueSetLayout setLayout;
     VkFormat colorFormat;
     Pipelines pipelines;
-    std::unique_ptr<ForwardPipelines> forwardPipelines[2];        ///< without and with mask, made when first used
-    std::future<std::unique_ptr<ForwardPipelines>> maskPipelines; ///< those with mask, while a thread makes them
-    std::unique_ptr<DeferredPipelines> deferredPipelines[2];      ///< as forwardPipelines
-    std::map<VkFormat, gpu::UniquePipeline> displayPipelines;     ///< by the target's format, made when first used
+    std::unique_ptr<ForwardPipelines> forwardPipelines[2];             ///< without and with mask, made when first used
+    std::future<std::unique_ptr<ForwardPipelines>> preparedForward[2]; ///< the same, while a thread makes them
+    std::unique_ptr<DeferredPipelines> deferredPipelines[2];           ///< as forwardPipelines
+    std::map<VkFormat, gpu::UniquePipeline> displayPipelines;          ///< by the target's format, made when first used
     gpu::UniqueSampler pageSampler;
     gpu::UniqueSampler shadowSampler;
     gpu::UniqueSampler texelSampler;
@@ -143,9 +163,17 @@ struct Renderer::Impl {
     PassReport counts;         ///< the pass being recorded
 
     const Scene noScene;
+    std::mutex sceneMutex; ///< held where `scene` is replaced, and by upload() where it reads it
+    TextureImages ahead;   ///< by uploadTextures(); sceneMutex guards it too
     std::unique_ptr<GpuScene> scene;
     std::vector<ShadowSwitches> switchesAtBake; ///< of the scene's objects
 
+    uint64_t revision = 0; ///< changes with the scene and what setters change of it
+    struct Picture {
+        PictureContent content;
+        PreparedFrame frame;
+    };
+    std::optional<Picture> picture; ///< in `color`, which is then in state kFragmentRead
     gpu::Image color;
     gpu::Image depth;
     GBuffer gBuffer;

@@ -32,17 +32,32 @@ bool Viewer::wantsEarlier() const
     return state_.compares && state_.compareWith == Compare::BeforeBake && earlier_;
 }
 
-/// The renderer of what was shown before the bake, on the same device.
-Status Viewer::loadEarlier()
+/// Makes the renderer of what was shown before the bake, on the same device and another thread. A small picture
+/// compiles what its first frame needs.
+Status Viewer::followEarlier()
 {
-    if (earlierRenderer_) return {};
-    const VulkanHandles handles = renderer_->handles();
-    RendererOptions options;
-    options.device = &handles;
-    Result<std::unique_ptr<Renderer>> renderer = Renderer::create(options);
+    if (!wantsEarlier() || earlierRenderer_) return {};
+    if (!earlierLoading_.valid()) {
+        RenderSettings settings = settingsFor(smallPicture(vec2(size_)));
+        if (!checkRunMode(*earlier_, settings.mode)) settings.mode = defaultRunMode(*earlier_);
+        earlierLoading_ = std::async(std::launch::async,
+                                     [handles = renderer_->handles(), &earlier = *earlier_, settings,
+                                      camera = state_.navigator.camera()]() -> Result<std::unique_ptr<Renderer>> {
+                                         RendererOptions options;
+                                         options.device = &handles;
+                                         Result<std::unique_ptr<Renderer>> renderer = Renderer::create(options);
+                                         if (!renderer) return renderer;
+                                         if (Status status = (*renderer)->load(earlier); !status) return status.error();
+                                         if (const auto drawn = (*renderer)->render(camera, settings); !drawn)
+                                             return drawn.error();
+                                         return renderer;
+                                     });
+    }
+    if (earlierLoading_.wait_for(std::chrono::seconds(0)) != std::future_status::ready) return {};
+    Result<std::unique_ptr<Renderer>> renderer = earlierLoading_.get();
     if (!renderer) return renderer.error();
     earlierRenderer_ = std::move(*renderer);
-    return earlierRenderer_->load(*earlier_);
+    return {};
 }
 
 /// Right of the line.
@@ -52,7 +67,6 @@ Status Viewer::drawOther(const Swapchain::Frame& frame, RenderSettings settings,
     if (state_.compareWith == Compare::Mode) {
         settings.mode = state_.otherMode;
     } else {
-        if (Status status = loadEarlier(); !status) return status;
         renderer = earlierRenderer_.get();
         if (!checkRunMode(*earlier_, settings.mode)) settings.mode = defaultRunMode(*earlier_);
     }
@@ -63,12 +77,12 @@ Status Viewer::drawOther(const Swapchain::Frame& frame, RenderSettings settings,
 Status Viewer::drawScene(const Swapchain::Frame& frame)
 {
     if (!shown_) return {};
-    const RenderSettings settings = settingsFor(frame.size);
+    RenderSettings settings = settingsFor(frame.size);
+    settings.keepsPicture = !settings.timings; // what is measured is a whole frame
     state_.shadowDistanceMeters = settings.shadows.distanceMeters;
     VulkanTarget target{frame.view, swapchain_->format()};
     const int line = int(std::lround(state_.split * float(frame.size.x)));
-    const bool draws = (state_.compares && state_.compareWith == Compare::Mode) ||
-                       (wantsEarlier() && (earlierRenderer_ || !announcesEarlier_));
+    const bool draws = (state_.compares && state_.compareWith == Compare::Mode) || (wantsEarlier() && earlierRenderer_);
     const bool twice = draws && state_.compareWith == Compare::Mode;
     // Frames that compare modes record twice, and record() wants all but the last recording done.
     if (twice || compared_) swapchain_->waitIdle();
@@ -126,11 +140,7 @@ void Viewer::buildPanels(bool isDrawn)
         if (state_.compares) drawCompared();
         drawGizmo();
     }
-    if (isDrawn) {
-        announcesEarlier_ = wantsEarlier() && !earlierRenderer_ && !announcesEarlier_;
-        if (announcesEarlier_) note("preparing the light before the bake");
-        drawNotice();
-    }
+    if (isDrawn) drawNotice();
     ImGui::Render();
     applyEdits();
 }
@@ -143,8 +153,14 @@ void Viewer::drawNotice() const
     if (opening_) {
         const double seconds = std::chrono::duration<double>(Clock::now() - opening_->start).count();
         const std::string name = opening_->file.filename().string();
-        text = opening_->isRead ? fmt::format("preparing the picture of {}", name)
-                                : fmt::format("loading {}, {:.0f} s", name, seconds);
+        const OpeningStage stage = openingStage_;
+        text = fmt::format("{} {}, {:.0f} s",
+                           stage == OpeningStage::Read     ? "loading"
+                           : stage == OpeningStage::Upload ? "uploading"
+                                                           : "preparing the picture of",
+                           name, seconds);
+    } else if (earlierLoading_.valid()) {
+        text = "preparing the light before the bake";
     } else if (Clock::now() - noticeTime_ < kShown) {
         text = notice_;
     }

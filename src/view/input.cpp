@@ -223,7 +223,8 @@ void Viewer::leaveTimeToBackground()
 {
     constexpr std::chrono::milliseconds kAfterInput(500);
     constexpr std::chrono::milliseconds kMost(250);
-    const bool works = session_ || opening_ || (reference_ && reference_->works());
+    const bool works =
+        session_ || opening_ || showing_ || earlierLoading_.valid() || (reference_ && reference_->works());
     const Clock::time_point now = Clock::now();
     if (!works || now - lastInput_ < kAfterInput) return;
     const auto drawing = std::chrono::duration_cast<std::chrono::milliseconds>(now - lastFrame_);

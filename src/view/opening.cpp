@@ -1,11 +1,14 @@
 // From a file to what the window shows.
 #include "view/viewer.h"
 
+#include "halflight/bake_cpu/embree_integrator.h"
+
 #include <SDL.h>
 #include <SDL_vulkan.h>
 #include <spdlog/fmt/fmt.h>
 
 #include <algorithm>
+#include <thread>
 #include <utility>
 
 namespace halflight::view {
@@ -54,20 +57,92 @@ Scene outlineOf(const Scene& scene)
 void Viewer::open(const std::filesystem::path& file, bool keepsView)
 {
     std::error_code unknown;
-    const Opening opening{file, keepsView, Clock::now(), std::filesystem::last_write_time(file, unknown)};
+    int width = 0;
+    int height = 0;
+    SDL_Vulkan_GetDrawableSize(desktop_.window(), &width, &height);
+    const Opening opening{.file = file,
+                          .keepsView = keepsView,
+                          .isFirst = !shown_,
+                          .aspect = float(std::max(width, 1)) / float(std::max(height, 1)),
+                          .start = Clock::now(),
+                          .fileTime = std::filesystem::last_write_time(file, unknown)};
     if (opening_) {
         openNext_ = opening;
         return;
     }
     opening_ = opening;
-    reading_ = std::async(std::launch::async, [file, &read = options_.loader.read] { return read(file); });
+    openingStage_ = OpeningStage::Read;
+    reading_ = std::async(std::launch::async,
+                          [this, opening, settings = state_.bake] { return openOnThread(opening, settings); });
+}
+
+/// While the first file is opened, the window draws nothing but its panels, and the renderer is this thread's.
+Result<Viewer::Opened> Viewer::openOnThread(const Opening& opening, const BakeSettings& settings)
+{
+    Result<BakedScene> read = options_.loader.read(opening.file);
+    if (!read) return read.error();
+    const Error ended{ErrorCode::Cancelled, "interrupted", ""};
+    if (ends_) return ended;
+    Opened opened;
+    opened.baked = std::move(*read);
+    const RunMode mode = options_.mode.value_or(defaultRunMode(opened.baked));
+    if (Status status = checkRunMode(opened.baked, mode); !status && opening.isFirst) return status.error();
+    Result<Camera> camera = options_.loader.camera(opened.baked.scene, opening.aspect, opening.isFirst);
+    if (!camera) return camera.error();
+    opened.camera = std::move(*camera);
+    if (opening.isFirst && options_.bakeAtStart)
+        opened.session = std::make_unique<BakeSession>(opened.baked.scene, settings, makeEmbreeIntegrator);
+    openingStage_ = OpeningStage::Upload;
+    if (Status status = renderer_->uploadTextures(opened.baked.scene); !status) return status.error();
+    if (ends_) return ended;
+    if (opened.session) takeEarlyLight(opened);
+    auto uploaded = renderer_->upload(opened.light ? *opened.light : opened.baked);
+    if (!uploaded) return uploaded.error();
+    if (!opening.isFirst) {
+        opened.uploaded = std::move(*uploaded);
+        return opened;
+    }
+    if (ends_) return ended;
+    openingStage_ = OpeningStage::FirstPicture;
+    if (Status status = renderer_->show(*uploaded); !status) return status.error();
+    const RunMode drawn = opened.light ? RunMode::BakedIndirect : mode;
+    const Result<float> exposure = exposureOf(opened.baked, opened.camera, opening.aspect, drawn);
+    if (!exposure) return exposure.error();
+    opened.exposureEv = *exposure;
+    return opened;
+}
+
+/// The first picture has the light of probes where it is there by then, or soon.
+void Viewer::takeEarlyLight(Opened& opened)
+{
+    constexpr std::chrono::milliseconds kPatience(500);
+    constexpr std::chrono::milliseconds kLook(5);
+    const Clock::time_point end = Clock::now() + kPatience;
+    while (!(opened.light = opened.session->takeProbeLight()) && Clock::now() < end &&
+           !opened.session->state().finished)
+        std::this_thread::sleep_for(kLook);
+}
+
+Result<float> Viewer::exposureOf(const BakedScene& baked, const Camera& camera, float aspect, RunMode mode) const
+{
+    RenderSettings settings = options_.render;
+    settings.mode = mode;
+    settings.size = smallPicture(vec2(aspect, 1.0f));
+    settings.supersampling = 1;
+    settings.shadows.cascades = 1; // a quarter of their time, and nearly the same mean
+    if (!options_.shadowDistanceGiven) {
+        const float farthest = farthestInView({camera, settings.size}, objectBounds(baked.scene));
+        settings.shadows = shadowsReaching(farthest, settings.shadows);
+    }
+    const Result<RenderedFrame> frame = renderer_->render(camera, settings);
+    if (!frame) return frame.error();
+    return automaticExposure(frame->radiance);
 }
 
 Status Viewer::pollOpening()
 {
     if (!opening_ || reading_.wait_for(std::chrono::seconds(0)) != std::future_status::ready) return {};
-    if (!std::exchange(opening_->isRead, true)) return {}; // a frame says so before the window waits for the device
-    Result<BakedScene> baked = reading_.get();
+    Result<Opened> opened = reading_.get();
     const Opening opening = *std::exchange(opening_, std::nullopt);
     if (openNext_) {
         const Opening next = *std::exchange(openNext_, std::nullopt);
@@ -75,7 +150,7 @@ Status Viewer::pollOpening()
         return {};
     }
     if (opening.file == file_) fileTime_ = opening.fileTime; // a file that cannot be read is not tried again
-    const Status status = baked ? showFile(opening, std::move(*baked)) : Status(baked.error());
+    const Status status = opened ? showFile(opening, std::move(*opened)) : Status(opened.error());
     lastFrame_ = Clock::now(); // no time in which the camera flies
     if (status || !shown_ || status.error().code == ErrorCode::DeviceFailed) return status;
     fileWarnings_.push_back(status.error().text());
@@ -83,40 +158,30 @@ Status Viewer::pollOpening()
     return {};
 }
 
-/// What a file is seen with at first.
-Result<Camera> Viewer::firstCamera(const Scene& scene) const
-{
-    int width = 0;
-    int height = 0;
-    SDL_Vulkan_GetDrawableSize(desktop_.window(), &width, &height);
-    return options_.loader.camera(scene, float(std::max(width, 1)) / float(std::max(height, 1)), !shown_);
-}
-
-void Viewer::place(const Camera& camera, bool exposes)
+void Viewer::place(const Camera& camera, std::optional<float> exposureEv)
 {
     const Bounds bounds = scene_.bounds();
     const float pivot = bounds.empty() ? 1.0f : 0.4f * glm::length(bounds.size());
     state_.navigator = Navigator(camera, pivot);
     state_.speed = bounds.empty() ? 1.0f : std::clamp(0.1f * glm::length(bounds.size()), 0.05f, 10.0f);
     hasCamera_ = true;
-    if (exposes)
-        state_.requests.expose = true;
+    if (exposureEv)
+        state_.exposureEv = *exposureEv;
     else
-        state_.exposureEv = *options_.exposureEv;
+        state_.requests.expose = true;
 }
 
-Status Viewer::showFile(const Opening& opening, BakedScene baked)
+Status Viewer::showFile(const Opening& opening, Opened opened)
 {
     const bool isFirst = !shown_;
     const bool keepsView = hasCamera_ && opening.keepsView;
     RunMode mode = state_.settings.mode;
-    if (!keepsView || !checkRunMode(baked, mode)) mode = options_.mode.value_or(defaultRunMode(baked));
-    if (!isFirst && !checkRunMode(baked, mode)) mode = defaultRunMode(baked);
-    if (Status status = checkRunMode(baked, mode); !status) return status;
-    const Result<Camera> camera = firstCamera(baked.scene);
-    if (!camera) return camera.error();
-    if (Status status = show(std::move(baked)); !status) return status;
+    if (!keepsView || !checkRunMode(opened.baked, mode)) mode = options_.mode.value_or(defaultRunMode(opened.baked));
+    if (!checkRunMode(opened.baked, mode)) mode = defaultRunMode(opened.baked);
     forgetBakes();
+    if (opened.uploaded)
+        if (Status status = renderer_->show(opened.uploaded); !status) return status;
+    takeShown(std::move(opened.baked));
     file_ = opening.file;
     fileTime_ = opening.fileTime;
     scene_ = shown_->scene;
@@ -133,8 +198,12 @@ Status Viewer::showFile(const Opening& opening, BakedScene baked)
     SDL_SetWindowTitle(desktop_.window(), ("halflight: " + state_.title).c_str());
     state_.settings.mode = mode;
     state_.otherMode = RunMode::Realtime; // what a bake is compared with
-    if (isFirst) state_.requests.bake = options_.bakeAtStart;
-    if (!keepsView) place(*camera, !isFirst || !options_.exposureEv);
+    if (!keepsView) place(opened.camera, isFirst && options_.exposureEv ? options_.exposureEv : opened.exposureEv);
+    if (opened.session) startBake(std::move(opened.session));
+    if (opened.light) {
+        takeShown(std::move(*opened.light));
+        lightIsShown("light of probes");
+    }
     return {};
 }
 
@@ -142,8 +211,12 @@ Status Viewer::showFile(const Opening& opening, BakedScene baked)
 void Viewer::forgetBakes()
 {
     session_.reset();
-    earlier_.reset();
+    if (uploading_.valid()) uploading_.wait();
+    uploading_ = {};
+    showing_.reset();
+    earlierLoading_ = {};
     earlierRenderer_.reset();
+    earlier_.reset();
     state_.hasEarlier = false;
     referenceScene_.reset();
     beforeBake_.reset();
@@ -155,6 +228,30 @@ void Viewer::forgetBakes()
 Status Viewer::show(BakedScene baked)
 {
     if (Status status = renderer_->load(baked); !status) return status;
+    takeShown(std::move(baked));
+    return {};
+}
+
+void Viewer::showLater(BakedScene baked, std::function<void()> then)
+{
+    showing_.emplace(Showing{std::move(baked), std::move(then)});
+    uploading_ = std::async(std::launch::async, [this] { return renderer_->upload(showing_->baked); });
+}
+
+Status Viewer::pollShowing()
+{
+    if (!showing_ || uploading_.wait_for(std::chrono::seconds(0)) != std::future_status::ready) return {};
+    const auto uploaded = uploading_.get();
+    Showing showing = *std::exchange(showing_, std::nullopt);
+    if (!uploaded) return uploaded.error();
+    if (Status status = renderer_->show(*uploaded); !status) return status;
+    takeShown(std::move(showing.baked));
+    showing.then();
+    return {};
+}
+
+void Viewer::takeShown(BakedScene baked)
+{
     state_.modes = modesOf(baked);
     state_.statistics = statisticsOf(baked);
     const auto fits = [&](RunMode mode) {
@@ -163,7 +260,6 @@ Status Viewer::show(BakedScene baked)
     if (!fits(state_.settings.mode)) state_.settings.mode = defaultRunMode(baked);
     if (!fits(state_.otherMode)) state_.otherMode = RunMode::Realtime;
     shown_ = std::move(baked);
-    return {};
 }
 
 } // namespace halflight::view

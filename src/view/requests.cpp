@@ -100,13 +100,17 @@ std::string Viewer::currentCommand() const
     return commandLine(state_, file_.string(), size_, scene_.originMeters, scene_.lights, atLoad_.lights);
 }
 
+ivec2 smallPicture(vec2 size)
+{
+    constexpr float kSide = 256.0f;
+    return glm::max(ivec2(size * (kSide / std::max(size.x, size.y))), ivec2(1));
+}
+
 Status Viewer::expose()
 {
-    // A small picture has the same mean.
-    constexpr int kSide = 256;
     if (size_.x < 1) return {};
     RenderSettings settings = settingsFor(size_);
-    settings.size = glm::max(size_ * kSide / std::max(size_.x, size_.y), ivec2(1));
+    settings.size = smallPicture(vec2(size_));
     settings.supersampling = 1;
     settings.view = DebugView::Lit;
     const Result<RenderedFrame> frame = renderer_->render(state_.navigator.camera(), settings);
@@ -175,7 +179,10 @@ Status Viewer::answerRequests()
         SDL_SetClipboardText(currentCommand().c_str());
         note("copied the command line");
     }
-    if (requests.bake) startBake();
+    if (requests.bake && showing_)
+        state_.requests.bake = true; // of what is shown then
+    else if (requests.bake && !session_)
+        startBake(std::make_unique<BakeSession>(scene_, state_.bake, makeEmbreeIntegrator));
     if (requests.cancelBake && session_) session_->cancel();
     if (requests.save && shown_ && state_.bakeStatus.hasResult) saveBake();
     if (requests.writeSettings) writeSettings();
@@ -189,11 +196,9 @@ Status Viewer::answerRequests()
     return {};
 }
 
-void Viewer::startBake()
+void Viewer::startBake(std::unique_ptr<BakeSession> session)
 {
-    if (session_) return;
-    BakeSettings settings = state_.bake;
-    session_ = std::make_unique<BakeSession>(scene_, settings, makeEmbreeIntegrator);
+    session_ = std::move(session);
     beforeBake_ = shown_;
     modeBefore_ = state_.settings.mode;
     state_.bakeStatus = {};
@@ -201,22 +206,30 @@ void Viewer::startBake()
     bakeWarnings_.clear();
 }
 
+void Viewer::lightIsShown(const char* name)
+{
+    say(fmt::format("{} after {:.2f} s", name, session_->state().seconds));
+    state_.bakeStatus.firstLight = true;
+    state_.settings.mode = RunMode::BakedIndirect; // mixed lights have no mask before the end
+    lastTiles_ = Clock::now();
+}
+
 /// First light, then what has changed of it.
 Status Viewer::showProgress()
 {
     BakeStatus& status = state_.bakeStatus;
+    const char* name = "light of probes";
     std::optional<BakedScene> light = session_->takeProbeLight();
-    if (light) say(fmt::format("light of probes after {:.2f} s", status.session.seconds));
     if (std::optional<BakedScene> ofTexels = session_->takeLight()) {
         light = std::move(ofTexels);
-        say(fmt::format("first light after {:.2f} s", status.session.seconds));
+        name = "first light";
     }
     if (light) {
-        status.firstLight = true;
-        renderer_->prepareShadowmask(); // most bakes have one; earlier, it would delay the light on few cores
-        if (Status shown = show(std::move(*light)); !shown) return shown;
-        state_.settings.mode = RunMode::BakedIndirect; // mixed lights have no mask before the end
-        lastTiles_ = Clock::now();
+        renderer_->prepareForward(true); // most bakes have a mask; earlier, it would delay the light on few cores
+        showLater(std::move(*light), [this, name] {
+            if (session_) lightIsShown(name);
+        });
+        return {};
     }
     // Uploads wait for the frames in flight, so that some tiles come at once.
     constexpr std::chrono::milliseconds kPause(300);
@@ -232,37 +245,48 @@ Status Viewer::showProgress()
 Status Viewer::pollBake()
 {
     if (!session_) return {};
-    BakeStatus& status = state_.bakeStatus;
-    status.session = session_->state();
+    state_.bakeStatus.session = session_->state();
     session_->setView(state_.navigator.camera(), float(std::max(size_.x, 1)) / float(std::max(size_.y, 1)));
+    if (showing_) return {};
     if (Status shown = showProgress(); !shown) return shown;
-    if (!status.session.finished) return {};
-    const double seconds = status.session.seconds;
+    if (showing_ || !state_.bakeStatus.session.finished) return {};
+    const double seconds = state_.bakeStatus.session.seconds;
     Result<BakeResult> result = session_->takeResult();
     session_.reset();
-    status = {};
+    endBake(std::move(result), seconds);
+    return {};
+}
+
+void Viewer::endBake(Result<BakeResult> result, double seconds)
+{
     if (!result) {
-        status.outcome = result.error().code == ErrorCode::Cancelled ? "cancelled" : result.error().text();
-        tell("bake: " + status.outcome);
+        const std::string outcome = result.error().code == ErrorCode::Cancelled ? "cancelled" : result.error().text();
         BakedScene before = std::move(*beforeBake_);
         beforeBake_.reset();
-        state_.settings.mode = modeBefore_;
-        return show(std::move(before));
+        showLater(std::move(before), [this, outcome] {
+            state_.settings.mode = modeBefore_;
+            state_.bakeStatus = {};
+            state_.bakeStatus.outcome = outcome;
+            tell("bake: " + outcome);
+        });
+        return;
     }
-    earlier_ = std::move(beforeBake_);
+    earlierLoading_ = {};
     earlierRenderer_.reset();
-    beforeBake_.reset();
-    state_.hasEarlier = true;
-    status.outcome = fmt::format("baked in {:.1f} s", seconds);
-    status.hasResult = true;
-    tell(status.outcome);
+    earlier_ = std::exchange(beforeBake_, std::nullopt);
     bakeWarnings_ = result->report.warnings;
     irradiance_ = std::move(result->irradiance);
-    const RunMode mode = defaultRunMode(result->baked);
     // As before the bake, if that was a baked mode which the file has.
     const bool fits = modeBefore_ != RunMode::Realtime && checkRunMode(result->baked, modeBefore_);
-    state_.settings.mode = fits ? modeBefore_ : mode;
-    return show(std::move(result->baked));
+    const RunMode mode = fits ? modeBefore_ : defaultRunMode(result->baked);
+    showLater(std::move(result->baked), [this, mode, seconds] {
+        state_.settings.mode = mode;
+        state_.hasEarlier = true;
+        state_.bakeStatus = {};
+        state_.bakeStatus.hasResult = true;
+        state_.bakeStatus.outcome = fmt::format("baked in {:.1f} s", seconds);
+        tell(state_.bakeStatus.outcome);
+    });
 }
 
 } // namespace halflight::view

@@ -50,7 +50,10 @@ Swapchain::Swapchain(gpu::Device& device, SDL_Window* window)
 
 Swapchain::~Swapchain()
 {
-    device_.vk.DeviceWaitIdle(device_.handle());
+    {
+        const auto lock = device_.lockQueue();
+        device_.vk.DeviceWaitIdle(device_.handle());
+    }
     destroyImages();
     if (swapchain_) present_.DestroySwapchainKHR(device_.handle(), swapchain_, nullptr);
     for (const Slot& slot : slots_) {
@@ -269,6 +272,7 @@ void Swapchain::end()
                                .pCommandBufferInfos = &commandInfo,
                                .signalSemaphoreInfoCount = 1,
                                .pSignalSemaphoreInfos = &signal};
+    const auto lock = device_.lockQueue();
     gpu::check(device_.vk.QueueSubmit2(handles_.queue, 1, &submit, slot.fence), "submit commands");
     const VkPresentInfoKHR info{.sType = VK_STRUCTURE_TYPE_PRESENT_INFO_KHR,
                                 .waitSemaphoreCount = 1,

@@ -35,9 +35,11 @@ Viewer::Viewer(const ViewOptions& options)
 
 Viewer::~Viewer()
 {
+    ends_ = true;
     SDL_HideWindow(desktop_.window()); // bakes and files that are being read end a moment later
     session_.reset();
     reference_.reset();
+    waitForThreads();
     earlierRenderer_.reset();
     if (renderer_) renderer_->waitIdle();
 }
@@ -45,6 +47,11 @@ Viewer::~Viewer()
 void Viewer::say(const std::string& line) const
 {
     if (options_.say) options_.say(line);
+}
+
+double Viewer::secondsSinceStart() const
+{
+    return std::chrono::duration<double>(Clock::now() - start_).count();
 }
 
 void Viewer::note(const std::string& line)
@@ -81,7 +88,7 @@ Status Viewer::drawFrame()
     ui_->draw(frame->commands, frame->view, frame->size, *ImGui::GetDrawData(), frame->slot);
     swapchain_->end();
     if (!shown_) return {};
-    ++frames_;
+    if (frames_++ == 0) say(fmt::format("first picture after {:.2f} s", secondsSinceStart()));
     const std::vector<int>& lost = options_.loseDeviceAt;
     if (std::find(lost.begin(), lost.end(), frames_) != lost.end()) gpu::check(VK_ERROR_DEVICE_LOST, "show a frame");
     return {};
@@ -98,7 +105,7 @@ void Viewer::startDevice()
     const VulkanHandles h = renderer_->handles();
     device_ = std::make_unique<gpu::Device>(
         gpu::DeviceOptions{.handles = gpu::Handles{h.getInstanceProcAddr, h.instance, h.physicalDevice, h.device,
-                                                   h.queueFamily, h.queue, h.samplerAnisotropy}});
+                                                   h.queueFamily, h.queue, h.samplerAnisotropy, h.queueMutex}});
     swapchain_ = std::make_unique<Swapchain>(*device_, desktop_.window());
     ui_ = std::make_unique<UiRenderer>(*device_, swapchain_->format());
     state_.device = renderer_->deviceName() + ", " + renderer_->driver();
@@ -112,6 +119,9 @@ Status Viewer::recover(const Error& failure)
     if (again || !shown_) return failure;
     say("the device failed, another is made: " + failure.message);
     for (const std::string& message : renderer_->validationMessages()) messages_.push_back(message);
+    waitForThreads();
+    const std::optional<Opening> opening = std::exchange(opening_, std::nullopt);
+    std::optional<Showing> showing = std::exchange(showing_, std::nullopt);
     earlierRenderer_.reset();
     pathTraced_.reset();
     ui_.reset();
@@ -120,7 +130,18 @@ Status Viewer::recover(const Error& failure)
     renderer_.reset();
     startDevice();
     BakedScene shown = std::move(*shown_);
-    return show(std::move(shown));
+    if (Status status = show(std::move(shown)); !status) return status;
+    if (showing) showLater(std::move(showing->baked), std::move(showing->then));
+    if (opening) open(opening->file, opening->keepsView);
+    return {};
+}
+
+/// What they made is dropped.
+void Viewer::waitForThreads()
+{
+    earlierLoading_ = {};
+    uploading_ = {};
+    reading_ = {};
 }
 
 void Viewer::watchFile()
@@ -147,6 +168,8 @@ Status Viewer::turn()
     followReference();
     try {
         if (Status status = pollOpening(); !status) return status;
+        if (Status status = pollShowing(); !status) return status;
+        if (Status status = followEarlier(); !status) return status;
         if (Status status = drawFrame(); !status) return status;
         if (Status status = answerRequests(); !status) return status;
         if (Status status = pollBake(); !status) return status;
@@ -161,6 +184,7 @@ Status Viewer::turn()
 Status Viewer::run()
 {
     startDevice();
+    renderer_->prepareForward(false); // while the file is read
     open(options_.file);
     lastFrame_ = Clock::now();
     while (!state_.requests.quit && !(options_.cancel != nullptr && options_.cancel->load()) &&

@@ -11,7 +11,9 @@
 #include "view/ui_renderer.h"
 #include "view/view_state.h"
 
+#include <atomic>
 #include <chrono>
+#include <functional>
 #include <future>
 #include <memory>
 #include <optional>
@@ -51,6 +53,10 @@ private:
     bool hasContext_ = false;
 };
 
+/// Size of a picture as wide for its height as `size`, in which the longer side has so few pixels that the picture has
+/// the mean of a large one soon.
+ivec2 smallPicture(vec2 size);
+
 /// A stick or a trigger, -32768 … 32767 as SDL has it, as -1 … 1: nothing in the fifth about its rest.
 float stickValue(int value);
 
@@ -70,24 +76,49 @@ private:
     /// Begins anew with another device, after one that failed; the failure itself, if that happens again soon.
     Status recover(const Error& failure);
     void watchFile();
-    /// Reads a file on another thread; what is shown stays until then. `keepsView`: the same file again; camera,
-    /// exposure and mode stay.
+    /// Reads and uploads a file on another thread; what is shown stays until then. `keepsView`: the same file again;
+    /// camera, exposure and mode stay.
     void open(const std::filesystem::path& file, bool keepsView = false);
-    /// Shows the file once it was read. An error where nothing is shown yet.
-    Status pollOpening();
     struct Opening {
         std::filesystem::path file;
         bool keepsView = false;
+        bool isFirst = false; ///< nothing is shown yet
+        float aspect = 1.0f;  ///< of the window
         Clock::time_point start;
         std::filesystem::file_time_type fileTime;
-        bool isRead = false; ///< the next frame shows it
     };
-    Status showFile(const Opening& opening, BakedScene baked);
-    [[nodiscard]] Result<Camera> firstCamera(const Scene& scene) const;
-    void place(const Camera& camera, bool exposes);
+    /// What that thread makes of a file.
+    struct Opened {
+        BakedScene baked;
+        Camera camera;
+        std::shared_ptr<Renderer::Uploaded> uploaded; ///< of the first file nothing: the renderer has it
+        std::optional<float> exposureEv;              ///< of the first file: automaticExposure()
+        std::unique_ptr<BakeSession> session;         ///< of the first file, with ViewOptions::bakeAtStart
+        std::optional<BakedScene> light;              ///< its light of probes; the renderer has it
+    };
+    enum class OpeningStage { Read, Upload, FirstPicture };
+    Result<Opened> openOnThread(const Opening& opening, const BakeSettings& settings);
+    static void takeEarlyLight(Opened& opened);
+    /// A small picture, for which the driver compiles what the first frame needs.
+    Result<float> exposureOf(const BakedScene& baked, const Camera& camera, float aspect, RunMode mode) const;
+    /// Shows the file once that thread has ended. An error where nothing is shown yet.
+    Status pollOpening();
+    Status showFile(const Opening& opening, Opened opened);
+    /// `exposureEv`: none, automaticExposure() after the next frame.
+    void place(const Camera& camera, std::optional<float> exposureEv);
     void forgetBakes();
-    /// Uploads a scene.
+    /// Uploads a scene and shows it; the window waits.
     Status show(BakedScene baked);
+    /// Uploads a scene on another thread and shows it when that has ended; then calls `then`. One at a time.
+    void showLater(BakedScene baked, std::function<void()> then);
+    struct Showing {
+        BakedScene baked;
+        std::function<void()> then;
+    };
+    Status pollShowing();
+    void waitForThreads();
+    /// The renderer has the scene.
+    void takeShown(BakedScene baked);
     void collectWarnings();
     void handleEvents();
     void handleEvent(const SDL_Event& event);
@@ -101,7 +132,7 @@ private:
     void drawGizmo();
     bool dragGizmo(vec2 mouse);
     [[nodiscard]] bool wantsEarlier() const;
-    Status loadEarlier();
+    Status followEarlier();
     void followReference();
     Status drawFrame();
     Status drawScene(const Swapchain::Frame& frame);
@@ -117,16 +148,20 @@ private:
     void writeSettings();
     Status expose();
     Status takeScreenshot();
-    void startBake();
+    void startBake(std::unique_ptr<BakeSession> session);
     Status pollBake();
+    void endBake(Result<BakeResult> result, double seconds);
     Status showProgress();
+    void lightIsShown(const char* name);
     void say(const std::string& line) const;
+    [[nodiscard]] double secondsSinceStart() const;
     /// Shows a line at the bottom of the window for some seconds.
     void note(const std::string& line);
     void tell(const std::string& line); ///< both
     void drawNotice() const;
     [[nodiscard]] std::string currentCommand() const;
 
+    const Clock::time_point start_ = Clock::now();
     const ViewOptions& options_;
     std::filesystem::path file_;
     ViewState state_;
@@ -151,7 +186,7 @@ private:
     std::vector<ImageRgb32f> irradiance_;       ///< of the finished bake
     std::optional<BakedScene> earlier_;         ///< what was shown before the last finished bake
     std::unique_ptr<Renderer> earlierRenderer_; ///< draws it, while it is compared with
-    bool announcesEarlier_ = false;             ///< the next frame waits for that renderer
+    std::future<Result<std::unique_ptr<Renderer>>> earlierLoading_; ///< makes it
     std::optional<ReferencePicture> reference_;
     std::shared_ptr<const Scene> referenceScene_;         ///< what it shows; null when scene_ has changed
     std::optional<ReferencePicture::Picture> pathTraced_; ///< the last one of this view
@@ -176,7 +211,12 @@ private:
     Clock::time_point lastFrame_ = Clock::now();
     Clock::time_point lastTiles_; ///< when some were shown
     int screenshots_ = 0;
-    std::future<Result<BakedScene>> reading_; ///< of opening_; the first to go, which waits for the end
+    std::atomic<OpeningStage> openingStage_ = OpeningStage::Read;
+    std::atomic<bool> ends_ = false; ///< the window closes: that thread ends between two stages
+    std::optional<Showing> showing_;
+    // The first to go, which waits for the ends of their threads.
+    std::future<Result<std::shared_ptr<Renderer::Uploaded>>> uploading_; ///< showing_
+    std::future<Result<Opened>> reading_;                                ///< opening_
 };
 
 } // namespace halflight::view

@@ -8,6 +8,7 @@
 
 #include <cstdlib>
 #include <cstring>
+#include <future>
 #include <memory>
 #include <vector>
 
@@ -24,8 +25,8 @@ public:
     static gpu::Handles handlesOf(const Renderer& renderer)
     {
         const VulkanHandles h = renderer.handles();
-        return {h.getInstanceProcAddr, h.instance, h.physicalDevice,   h.device,
-                h.queueFamily,         h.queue,    h.samplerAnisotropy};
+        return {h.getInstanceProcAddr, h.instance, h.physicalDevice,    h.device,
+                h.queueFamily,         h.queue,    h.samplerAnisotropy, h.queueMutex};
     }
 
     gpu::Image makeTarget(VkFormat format, ivec2 size)
@@ -197,6 +198,88 @@ TEST_P(RecordedFrames, DrawOnlyTheirRectangle)
             for (int c = 0; c < 4; ++c) ASSERT_NEAR(drawn(x, y)[c], expected[c], 1) << x << " " << y;
         }
     }
+}
+
+/// RenderSettings::keepsPicture: nothing is drawn while nothing changes, and exposure still counts.
+TEST_P(RecordedFrames, KeepThePictureUntilSomethingChanges)
+{
+    ASSERT_TRUE(renderer->load(yard()));
+    Caller caller(*renderer);
+    RenderSettings settings = settingsOf(GetParam());
+    settings.keepsPicture = true;
+    const gpu::Image image = caller.makeTarget(VK_FORMAT_R8G8B8A8_UNORM, kSize);
+    std::vector<std::vector<PassReport>> passes;
+    const auto show = [&](const Camera& camera, float exposure) {
+        caller.clear(image);
+        caller.device().execute([&](VkCommandBuffer commands) {
+            const auto frame = renderer->record(commands, targetOf(image), camera, settings, exposure);
+            ASSERT_TRUE(frame) << frame.error().text();
+            EXPECT_EQ(frame->plan.lights.size(), 1u);
+            passes.push_back(frame->passes);
+        });
+        return caller.read(image);
+    };
+    const auto expectShows = [&](const Camera& camera, float exposure, const char* what) {
+        const ImageRgba8 drawn = show(camera, exposure);
+        const auto expected = renderer->render(camera, settings); // the kept picture is gone afterwards
+        ASSERT_TRUE(expected);
+        EXPECT_LE(mostDifference(drawn, displayedPicture(expected->radiance, exposure)), 1) << what;
+    };
+    const ImageRgba8 first = show(kCamera, kExposure);
+    EXPECT_EQ(mostDifference(show(kCamera, kExposure), first), 0);
+    EXPECT_GT(mostDifference(show(kCamera, kExposure + 1.0f), first), 10) << "exposure";
+    expectShows(kCamera, kExposure + 2.0f, "the fourth frame");
+    for (std::size_t i = 2; i < passes.size(); ++i) // passes of two calls before
+        EXPECT_EQ(passes[i].size() == 1, i > 2) << "only the display is drawn again";
+    const auto again = [&] { (void)show(kCamera, kExposure); };
+    again();
+    expectShows(lookAt(vec3(1, 2, 6), vec3(0, 0.5f, 0)), kExposure, "another camera");
+    again();
+    Light sun = renderer->scene().lights[0];
+    sun.intensity *= 3.0f;
+    ASSERT_TRUE(renderer->setLight(0, sun));
+    expectShows(kCamera, kExposure, "a light");
+    again();
+    ASSERT_TRUE(renderer->setObjectTransform(1, glm::translate(mat4(1.0f), vec3(1, 1.5f, 0))));
+    expectShows(kCamera, kExposure, "an object");
+    again();
+    ASSERT_TRUE(renderer->setObjectShadows(1, false, false));
+    expectShows(kCamera, kExposure, "its shadow");
+    again();
+    BakedScene other = yard();
+    other.scene.sky = Sky{vec3(1.0f, 0.0f, 0.0f), vec3(0.1f), vec3(0.1f)};
+    ASSERT_TRUE(renderer->load(other));
+    expectShows(kCamera, kExposure, "another scene");
+}
+
+/// upload() on another thread while frames of the scene before are recorded; show() replaces it once.
+TEST_P(RecordedFrames, GoOnDuringAnUpload)
+{
+    ASSERT_TRUE(renderer->load(yard()));
+    Caller caller(*renderer);
+    const RenderSettings settings = settingsOf(GetParam());
+    const gpu::Image image = caller.makeTarget(VK_FORMAT_R8G8B8A8_UNORM, kSize);
+    const auto show = [&] {
+        caller.clear(image);
+        caller.device().execute([&](VkCommandBuffer commands) {
+            ASSERT_TRUE(renderer->record(commands, targetOf(image), kCamera, settings, kExposure));
+        });
+        return caller.read(image);
+    };
+    const ImageRgba8 before = show();
+    BakedScene other = yard();
+    other.scene.sky = Sky{vec3(1.0f, 0.0f, 0.0f), vec3(0.1f), vec3(0.1f)};
+    auto upload = std::async(std::launch::async, [&] { return renderer->upload(other); });
+    for (int i = 0; i < 5; ++i) EXPECT_EQ(mostDifference(show(), before), 0);
+    const auto uploaded = upload.get();
+    ASSERT_TRUE(uploaded) << uploaded.error().text();
+    EXPECT_EQ(mostDifference(show(), before), 0) << "not shown yet";
+    ASSERT_TRUE(renderer->show(*uploaded));
+    const ImageRgba8 after = show();
+    EXPECT_FALSE(renderer->show(*uploaded)) << "it was shown";
+    ASSERT_TRUE(renderer->load(other));
+    EXPECT_EQ(mostDifference(show(), after), 0);
+    EXPECT_GT(mostDifference(after, before), 10);
 }
 
 /// Frames one after the other without waiting for more than record() asks, while a light, an object and the picture's

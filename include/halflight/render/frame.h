@@ -67,6 +67,7 @@ struct ShadowSettings {
     /// Receiver moved along its normal by this many shadow-map texels for each two texels of filterReachTexels() (at
     /// least one time), so that a wide kernel on a tilted surface does not meet the surface itself; 0…8.
     float normalBiasTexels = 1.2f;
+    bool operator==(const ShadowSettings&) const = default;
 };
 
 /// InvalidArgument naming the first setting outside its limits.

@@ -64,6 +64,10 @@ struct RenderSettings {
     bool lightRows = false; ///< fill RenderedFrame::lights
     /// Measure each pass. The device then ends one before it begins the next, so a frame may take a little longer.
     bool timings = false;
+    /// record() shows the picture of its last call once more where nothing that it shows has changed: camera, settings,
+    /// scene, lights, objects, lightmaps. Only exposure and tone mapping are done anew. For windows at rest.
+    bool keepsPicture = false;
+    bool operator==(const RenderSettings&) const = default;
 };
 
 /// What one pass of a frame drew and how long that took.
@@ -127,10 +131,19 @@ public:
     /// Uploads the scene, replacing the one before. The scene is copied where the renderer needs it afterwards.
     Status load(const BakedScene& baked);
 
-    /// Makes, on a thread of its own, what the forward path needs for pictures with a shadowmask, so that the
-    /// first one does not wait for the driver's compiler: call it when a bake that will have a mask begins, say. Never
-    /// waits.
-    void prepareShadowmask();
+    /// load() in two steps, for windows that go on drawing meanwhile. upload() may run on a thread of its own while
+    /// another one calls record() and the setters; the device then holds both scenes. show() replaces the scene by the
+    /// uploaded one. What setters changed during the upload is in the scene before alone.
+    class Uploaded;
+    Result<std::shared_ptr<Uploaded>> upload(const BakedScene& baked);
+    Status show(const std::shared_ptr<Uploaded>& uploaded);
+    /// Begins an upload() of a scene that has these textures: they stay on the device until the next show() or load().
+    Status uploadTextures(const Scene& scene);
+
+    /// Makes, on a thread of its own, what the forward path needs for pictures without or with a shadowmask, so that
+    /// the first one does not wait for the driver's compiler: call it before a file is read, or when a bake that will
+    /// have a mask begins. Never waits.
+    void prepareForward(bool shadowmask);
 
     /// The scene as it is drawn, by the loaded scene's indices: objects, lights, sky; no vertices, no pixels. Empty
     /// before load().

@@ -6,6 +6,8 @@
 #include <vulkan/vulkan_core.h>
 
 #include <cstdint>
+#include <memory>
+#include <mutex>
 
 namespace halflight {
 
@@ -19,6 +21,9 @@ struct VulkanHandles {
     uint32_t queueFamily = 0; ///< a family that can draw
     VkQueue queue = VK_NULL_HANDLE;
     bool samplerAnisotropy = false; ///< the feature is enabled
+    /// Held for each use of the queue and while the device is waited for, since Vulkan lets one thread at a time do
+    /// that. Null in handles given to a renderer: it makes one. A renderer's handles() always have it.
+    std::shared_ptr<std::mutex> queueMutex;
 };
 
 /// A colour image to draw the displayed picture into, in layout COLOR_ATTACHMENT_OPTIMAL before and after: a
