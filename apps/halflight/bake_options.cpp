@@ -38,6 +38,9 @@ void addSampling(CLI::App& app, BakeSettings& bake)
     addInt(app, "--shadow-samples", bake.shadowSamples, 1, 1 << 16,
            "shadow rays per texel and masked light (default by quality)");
     addInt(app, "--bounces", bake.bounces, 0, kAllBounces, "most bounces, 0 = direct light only (default: all light)");
+    addChoice<bool>(app, "--glossy-bounces", bake.glossyBounces, {{"on", true}, {"off", false}},
+                    "light goes from surface to surface by glTF's BRDF, highlights included; off: as between diffuse "
+                    "surfaces, a little faster (default on)");
 }
 
 void addTexels(CLI::App& app, BakeSettings& bake)

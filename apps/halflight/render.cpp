@@ -52,6 +52,8 @@ std::string_view nameOf(ReferenceSurfaces surfaces)
     switch (surfaces) {
     case ReferenceSurfaces::Full:
         return "full";
+    case ReferenceSurfaces::DiffuseView:
+        return "diffuse-view";
     case ReferenceSurfaces::DiffuseBounces:
         return "diffuse-bounces";
     case ReferenceSurfaces::Diffuse:
@@ -215,9 +217,11 @@ Result<Picture> tracePicture(const RenderOptions& options, const Scene& scene, c
     settings.bounces = options.bounces;
     settings.seed = options.seed;
     settings.clampNits = options.referenceClamp;
-    settings.surfaces = !options.render.specular   ? ReferenceSurfaces::Diffuse
-                        : options.referenceDiffuse ? ReferenceSurfaces::DiffuseBounces
-                                                   : ReferenceSurfaces::Full;
+    if (options.render.specular) {
+        settings.surfaces = options.referenceDiffuse ? ReferenceSurfaces::DiffuseBounces : ReferenceSurfaces::Full;
+    } else {
+        settings.surfaces = options.referenceDiffuse ? ReferenceSurfaces::Diffuse : ReferenceSurfaces::DiffuseView;
+    }
     Result<ImageRgb32f> traced = renderReference(scene, camera, options.render.size, settings, display.progress());
     if (traced && interrupted()) return Error{ErrorCode::Cancelled, "interrupted"};
     if (!traced) return traced.error();

@@ -70,6 +70,7 @@ IntegrationSettings integrationSettings(const BakeSettings& settings, const Bake
     integration.samples = quality.samples;
     integration.shadowSamples = quality.shadowSamples;
     integration.bounces = quality.bounces;
+    integration.glossyBounces = settings.glossyBounces;
     integration.probeSamples = quality.probeSamples;
     integration.seed = settings.seed;
     return integration;

@@ -10,7 +10,7 @@
 namespace halflight {
 namespace {
 
-constexpr uint32_t kCacheVersion = 33; ///< raised when estimates of the same input change
+constexpr uint32_t kCacheVersion = 34; ///< raised when estimates of the same input change
 
 /// Relative difference of a tile's check samples that counts as a change; well below the noise of a bake.
 constexpr double kCheckTolerance = 0.005;
@@ -50,15 +50,16 @@ Hash128 bakeHash(const Scene& scene, const BakeSettings& settings)
 {
     // Structured bindings name every setting: a new setting is a compile error here. The hash leaves out settings that
     // resolveQuality() replaces, those that change no byte of the output file, and `only`.
-    [[maybe_unused]] const auto& [mode, quality, samples, shadowSamples, bounces, integrator, noiseTarget, texelStep,
-                                  uvMode, texelsPerMeter, lightmapSize, paddingTexels, denoiser, directional,
-                                  maskEncoding, subtractiveMask, probeSpacingMeters, probeLayout, reflectionProbes,
-                                  threads, seed, imagesDirectory, cacheDirectory, only] = settings;
+    [[maybe_unused]] const auto& [mode, quality, samples, shadowSamples, bounces, glossyBounces, integrator,
+                                  noiseTarget, texelStep, uvMode, texelsPerMeter, lightmapSize, paddingTexels, denoiser,
+                                  directional, maskEncoding, subtractiveMask, probeSpacingMeters, probeLayout,
+                                  reflectionProbes, threads, seed, imagesDirectory, cacheDirectory, only] = settings;
     const BakeQuality q = resolveQuality(settings);
     Hasher hasher;
     hasher.add(kCacheVersion).add(contentHash(scene)).add(int(mode)).add(int(integrator)).add(int(uvMode));
     hasher.add(q.samples).add(q.shadowSamples).add(q.bounces).add(q.lightmapSize).add(q.probeSamples);
-    hasher.add(q.noiseTarget)
+    hasher.add(int(glossyBounces))
+        .add(q.noiseTarget)
         .add(texelStep)
         .add(texelsPerMeter)
         .add(paddingTexels)
@@ -73,7 +74,8 @@ Hash128 layoutHash(const TexelMap& map, const IntegrationSettings& settings, Mix
 {
     Hasher hasher;
     hasher.add(kCacheVersion).add(int(mode)).add(settings.samples).add(settings.shadowSamples).add(settings.bounces);
-    hasher.add(int(settings.integrator))
+    hasher.add(int(settings.glossyBounces))
+        .add(int(settings.integrator))
         .add(settings.noiseTarget)
         .add(settings.texelStep)
         .add(int(settings.denoised))

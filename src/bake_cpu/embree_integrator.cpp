@@ -26,8 +26,9 @@ constexpr int kTimesOnLightEdges = 8;
 class EmbreeIntegrator final : public Integrator {
 public:
     EmbreeIntegrator(const Scene& scene, const BakeGeometry& geometry, const IntegrationSettings& settings)
-        : settings_(settings), paths_(scene, geometry, LightUse::Bake), pattern_(settings.seed),
-          lightmap_(paths_, pattern_, settings)
+        : settings_(settings),
+          paths_(scene, geometry, LightUse::Bake, settings.glossyBounces ? Bounces::Glossy : Bounces::Diffuse),
+          pattern_(settings.seed), lightmap_(paths_, pattern_, settings)
     {}
 
     [[nodiscard]] bool ok() const { return paths_.ok(); }

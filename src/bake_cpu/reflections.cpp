@@ -50,7 +50,7 @@ private:
                            b.y * geometry.lightmapTexel[t.z];
         const vec3 irradiance =
             bilinear(lightmap_[std::size_t(part.page)], texel) + mixedLight(hit.point, sampler, rays);
-        return hit.emission + shading::diffuseRadiance(hit.albedo, irradiance);
+        return hit.emission + shading::diffuseRadiance(hit.reflectance.transportAlbedo(), irradiance);
     }
 
     /// Irradiance by one of the lights whose direct light the lightmap leaves to the renderer.

@@ -27,11 +27,13 @@ struct Place {
     vec2 max{0.0f};
 };
 
+/// A purely diffuse material, for which closed forms hold.
 inline int addMaterial(Scene& scene, vec3 albedo, vec3 emission = vec3(0.0f), bool doubleSided = false)
 {
     Material material;
     material.baseColor = vec4(albedo, 1.0f);
     material.metallic = 0.0f;
+    material.specular = 0.0f;
     material.emissiveNits = emission;
     material.doubleSided = doubleSided;
     scene.materials.push_back(material);

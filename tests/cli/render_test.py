@@ -217,12 +217,13 @@ class Choices(Case):
         view = ["--reference", "64", "--bounces", "2", "--size", "48x32", "--eye=4,3,5", "--target=0,0,0"]
         means = {}
         for surfaces, options in (("full", []), ("diffuse-bounces", ["--reference-diffuse"]),
-                                  ("diffuse", ["--specular", "off"])):
+                                  ("diffuse-view", ["--specular", "off"]),
+                                  ("diffuse", ["--specular", "off", "--reference-diffuse"])):
             result = run("render", self.scene(), "-o", self.path("p.exr"), *view, *options, "--json")
             self.assertEqual(result.returncode, 0, result.stderr)
             self.assertEqual(json.loads(result.stdout)["surfaces"], surfaces)
             means[surfaces] = read(self.path("p.exr"))
-        self.assertEqual(len(set(means.values())), 3, "an option does nothing")
+        self.assertEqual(len(set(means.values())), 4, "an option does nothing")
         for option in ("--reference-diffuse", "--reference-clamp=2"):
             self.assert_one_sentence(run("render", self.scene(), "-o", self.path("p.exr"), option), 2, "--reference")
 

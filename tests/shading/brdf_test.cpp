@@ -183,6 +183,38 @@ TEST(Brdf, AverageSpecularFollowsIntegration)
     }
 }
 
+TEST(Brdf, PartsAddUpToTheWhole)
+{
+    const vec3 n(0, 1, 0);
+    const vec3 v = viewAt(0.4f);
+    for (const float metallic : {0.0f, 0.6f, 1.0f}) {
+        for (const vec3 l :
+             {glm::normalize(vec3(0.3f, 0.5f, -0.2f)), glm::normalize(vec3(-1, 0.2f, 0)), vec3(0, 1, 0)}) {
+            const vec3 color(0.7f, 0.3f, 0.5f);
+            const vec3 f0 = specularF0Of(color, metallic, 0.8f);
+            const float f90 = specularF90Of(metallic, 0.8f);
+            const vec3 f = fresnelSchlick(f0, f90, glm::dot(v, glm::normalize(l + v)));
+            const vec3 light(2.0f);
+            const vec3 diffuse = (1.0f - f) * diffuseAlbedoOf(color, metallic) * light * (glm::dot(n, l) / kShadingPi);
+            const vec3 sum = diffuse + reflectSpecular(f0, f90, 0.25f, n, v, l, light);
+            const vec3 whole = reflectLight(color, metallic, 0.5f, 0.8f, n, v, l, light);
+            for (int c = 0; c < 3; ++c) EXPECT_NEAR(sum[c], whole[c], 1.0e-5f * whole[c]);
+        }
+    }
+}
+
+TEST(Brdf, AverageDiffuseShareIsTheMeanOverViews)
+{
+    constexpr int kViews = 1000;
+    for (const float f0 : {0.0f, 0.04f, 0.5f}) {
+        double truth = 0.0;
+        for (int i = 0; i < kViews; ++i) { // evenly in cosine squared: each view counts by its cosine
+            truth += double(diffuseShare(vec3(f0), 1.0f, std::sqrt((float(i) + 0.5f) / kViews)).x) / kViews;
+        }
+        EXPECT_NEAR(averageDiffuseShare(vec3(f0), 1.0f).x, truth, 2.0e-5) << f0;
+    }
+}
+
 TEST(Brdf, TransportAlbedoIsThatOfTheDielectricOrTheMetal)
 {
     const vec3 color(0.9f, 0.5f, 0.1f);

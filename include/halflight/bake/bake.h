@@ -40,6 +40,7 @@ struct BakeSettings {
     int samples = 0;           ///< paths per texel; 0 = by quality
     int shadowSamples = 0;     ///< rays per texel and masked light; 0 = by quality
     int bounces = kAllBounces; ///< most indirect bounces; 0 = direct light only
+    bool glossyBounces = true; ///< IntegrationSettings::glossyBounces
     IntegratorKind integrator = IntegratorKind::Cache;
     /// Relative standard error up to which a texel is sampled (IntegrationSettings::noiseTarget). `samples` is then the
     /// most that a texel gets, 4096 if it is 0. 0 = no target.

@@ -130,7 +130,8 @@ int texelPoints(const BakeGeometry& geometry, const TexelMap& map, const Texel& 
                 std::span<SurfacePoint, kMaxTexelPoints> out, int batch = 0);
 
 /// Estimator of lightmaps. Path: path tracing, unbiased, the reference. Cache: final gathering from a radiance cache,
-/// many times faster; the bias of the mean is below 1 %.
+/// many times faster; the bias of the mean is below 1 % where surfaces are diffuse. Of glossy ones it has the first
+/// moment of what they reflect (docs/quality_truth.md).
 enum class IntegratorKind { Cache, Path };
 
 /// Limit on indirect bounces that holds all light: surfaces that reflect 98 % lose 0.98^256 = 0.6 % to it, others less.
@@ -147,7 +148,10 @@ struct IntegrationSettings {
     /// twice the number, their neighbours half, texels far from an edge 1/8.
     int shadowSamples = 16;
     int bounces = kAllBounces; ///< most indirect bounces, 0 or more; 0 = direct light only
-    int probeSamples = 256;    ///< paths per probe, at least 1
+    /// Whether surfaces reflect light to other surfaces by glTF's BRDF, specular lobe included. False: as diffuse
+    /// surfaces of shading::transportAlbedo().
+    bool glossyBounces = true;
+    int probeSamples = 256; ///< paths per probe, at least 1
     /// Largest standard error of a texel's luminance, relative to the mean of the texels around it on its chart (to
     /// 1/50 of the map's mean in darker places). `samples` is then the most a texel gets. 0 = no target. Cache
     /// integrator only.

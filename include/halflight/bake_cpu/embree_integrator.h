@@ -11,8 +11,9 @@ Result<std::unique_ptr<Integrator>> makeEmbreeIntegrator(const Scene& scene, con
 /// How surfaces of a reference picture reflect.
 enum class ReferenceSurfaces {
     Full,           ///< by glTF's BRDF (shading::reflectLight()), as the renderer shades them
-    DiffuseBounces, ///< as in a bake: those that the camera sees by glTF's BRDF, later ones like the integrator's
-    Diffuse,        ///< without a specular lobe: diffuse surfaces of shading::transportAlbedo()
+    DiffuseView,    ///< those that the camera sees are diffuse, of shading::transportAlbedo(); later ones are not
+    DiffuseBounces, ///< those that the camera sees by glTF's BRDF, later ones as in a bake without glossy bounces
+    Diffuse,        ///< all are diffuse surfaces of shading::transportAlbedo()
 };
 
 struct ReferenceSettings {

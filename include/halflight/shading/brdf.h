@@ -54,6 +54,17 @@ HL_FN float visibilitySmithGgx(float nDotL, float nDotV, float alpha)
     return 0.5f / max(v + l, 1.0e-6f);
 }
 
+// Radiance that the specular lobe reflects to v from light of the given illuminance arriving from l, cosine included.
+HL_FN vec3 reflectSpecular(vec3 f0, float f90, float alpha, vec3 n, vec3 v, vec3 l, vec3 illuminance)
+{
+    float nDotL = saturate(dot(n, l));
+    if (nDotL <= 0.0f) return vec3(0.0f);
+    float nDotV = max(abs(dot(n, v)), 1.0e-4f);
+    vec3 h = normalize(l + v);
+    float lobe = distributionGgx(saturate(dot(n, h)), alpha) * visibilitySmithGgx(nDotL, nDotV, alpha);
+    return fresnelSchlick(f0, f90, saturate(dot(v, h))) * lobe * illuminance * nDotL;
+}
+
 // Radiance reflected to v from light of the given illuminance arriving from l, cosine included.
 // roughness is perceptual; below 0.045 it is raised so that highlights of punctual lights stay finite.
 HL_FN vec3 reflectLight(vec3 baseColor, float metallic, float roughness, float specularFactor, vec3 n, vec3 v, vec3 l,
@@ -90,6 +101,13 @@ HL_FN vec3 environmentSpecular(vec3 f0, float f90, float roughness, float nDotV)
 HL_FN vec3 diffuseShare(vec3 f0, float f90, float nDotV)
 {
     return vec3(1.0f) - f0 - (vec3(f90) - f0) * (0.028f * pow(1.0f - nDotV, 2.4f));
+}
+
+// The mean of diffuseShare() over cosine-distributed views: what the diffuse part of reflectLight() reflects to all
+// sides of light from all around, over its albedo.
+HL_FN vec3 averageDiffuseShare(vec3 f0, float f90)
+{
+    return vec3(1.0f) - f0 - (vec3(f90) - f0) * 0.00374f;
 }
 
 // Fraction of light from all around that the specular lobe of reflectLight() sends to all sides (hemispherical

@@ -83,12 +83,12 @@ void FinalGather::weightHits(const GatherGroup& group, int number, Radiances& ra
                 r.set(l, black ? vec3(0.0f) : sky.dimRadiance(block_.bundle.direction(stratum, lane)));
                 continue;
             }
-            const vec3* cached = block_.hits.radiance(sample);
+            const PatchRadiance* cached = block_.hits.radiance(sample);
             if (cached == nullptr) {
                 continued.add(sample);
                 continue;
             }
-            r.set(l, *cached);
+            r.set(l, cached->along(block_.bundle.direction(stratum, lane)));
             if (block_.hits.emissive(sample)) emissive.add(sample);
             if (next_.samplesSources(l) && next_.isSource(block_.hits.patch(sample))) sources.add(sample);
         }

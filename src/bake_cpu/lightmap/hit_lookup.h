@@ -21,9 +21,9 @@ public:
     /// The patch that a ray hits, or kNoPatch; its elements have their own radiance.
     [[nodiscard]] PatchId patch(std::size_t sample) const { return hits_[sample].patch; }
     /// Radiance at the end of a ray; null if the cache has none.
-    [[nodiscard]] const vec3* radiance(std::size_t sample) const
+    [[nodiscard]] const PatchRadiance* radiance(std::size_t sample) const
     {
-        return cached_[sample] != kNoPatch ? &cache_->patches()[cached_[sample]].radiance : nullptr;
+        return cached_[sample] != kNoPatch ? &cache_->patches()[cached_[sample]] : nullptr;
     }
 
     /// First step for points that no bundle has: sets the patch of a sample.

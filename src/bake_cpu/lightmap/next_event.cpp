@@ -167,21 +167,22 @@ void NextEvent::chooseSources(const GatherGroup& group, int number, std::span<co
 }
 
 /// Turns a sample of a source into an emitter sample, if the cache has the radiance of its point.
-void NextEvent::setSource(std::size_t sample, const HitLookup& hits, EmitterLanes& lanes) const
+void NextEvent::setSource(std::size_t sample, const GatherBlock& block, EmitterLanes& lanes) const
 {
     const auto lane = std::size_t(laneOf(sample));
     const SourcePoint& point = points_[sample];
     lanes.pdfArea[lane] = 0.0f;
     lanes.weight[lane] = 1.0f;
     if (point.pdfArea <= 0.0f) return;
-    const vec3* radiance = hits.radiance(sample);
-    if (radiance == nullptr) return;
+    const PatchRadiance* cached = block.hits.radiance(sample);
+    if (cached == nullptr) return;
     EmitterSample e;
     e.position = point.position;
     e.normal = point.normal;
     // A ray passes through the uncovered part.
     const float coverage = paths_.surfaces().coverageOfHit(point.face.hitIndex, point.barycentric);
-    e.radiance = *radiance * coverage;
+    const vec3 origin = block.bundle.origin(stratumOf(sample), laneOf(sample));
+    e.radiance = cached->along(glm::normalize(point.position - origin)) * coverage;
     e.pdfArea = point.pdfArea * sourceFraction(lane);
     lanes.set(lane, e);
 }
@@ -200,7 +201,7 @@ void NextEvent::sampleSources(const GatherGroup& group, int number, GatherBlock&
     addSamples(
         strata,
         [&](std::size_t stratum, EmitterLanes& lanes) {
-            for (int lane = 0; lane < int(kLanes); ++lane) setSource(sampleOf(int(stratum), lane), block.hits, lanes);
+            for (int lane = 0; lane < int(kLanes); ++lane) setSource(sampleOf(int(stratum), lane), block, lanes);
         },
         block, rays);
 }

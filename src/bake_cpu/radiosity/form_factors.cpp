@@ -180,10 +180,22 @@ void FormFactorSampler::addDirect(const TexelGroup& group, int sample)
         const SurfacePoint& point = *s.point;
         PatchSamples& sums = out_.recent(s.source);
         const vec3 irradiance = s.choice.irradiance(transmittance[std::size_t(lane)]);
+        const auto emitter = paths_.emitterIrradiance(point, luminance(irradiance), s.sampler, rays_);
+        const auto sky = paths_.skyIrradiance(point, luminance(irradiance), s.sampler, rays_);
         sums.direct += irradiance;
-        sums.direct += paths_.emitterIrradiance(point, luminance(irradiance), s.sampler, rays_).irradiance;
-        sums.direct += paths_.skyIrradiance(point, luminance(irradiance), s.sampler, rays_).irradiance;
-        sums.albedo += tracer_.materials().albedoAt(point.triangle, point.barycentric);
+        sums.direct += emitter.irradiance;
+        sums.direct += sky.irradiance;
+        const SurfaceReflectance surface = tracer_.materials().reflectanceAt(point.triangle, point.barycentric);
+        sums.albedo += paths_.albedoOf(surface);
+        if (paths_.glossy()) {
+            sums.lobes.addSurface(surface, point, s.sampler);
+            if (s.choice.light != nullptr) {
+                const vec3 toLight = sampleLightRay(*s.choice.light, point.position, s.choice.disc).direction;
+                sums.lobes.addLight(surface, point, toLight, irradiance, s.sampler);
+            }
+            sums.lobes.addLight(surface, point, emitter.direction, emitter.irradiance, s.sampler);
+            sums.lobes.addLight(surface, point, sky.direction, sky.irradiance, s.sampler);
+        }
         ++sums.directCount;
         const float widths = s.source < pass_.layout().patchCount() ? kNearestInPatches : kNearestInElements;
         sums.minDistance = std::max(sums.minDistance, widths * pass_.widthOf(s.source, point.triangle));

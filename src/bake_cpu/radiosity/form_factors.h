@@ -1,6 +1,7 @@
 #pragma once
 // Sampled form factors: which patches the rays of each patch hit, and the light of sky and lights that it receives.
 
+#include "bake_cpu/radiosity/lobe_moments.h"
 #include "bake_cpu/radiosity/patch_pass.h"
 #include "bake_cpu/texels/ray_bundle.h"
 
@@ -12,9 +13,10 @@ struct PatchSamples {
     uint32_t linkCount = 0;
     uint32_t rayCount = 0;
     uint32_t directCount = 0;
-    vec3 gathered{0.0f}; ///< radiance of sky and emitters along rays
-    vec3 direct{0.0f};   ///< irradiance from sampled lights
-    vec3 albedo{0.0f};
+    vec3 gathered{0.0f};      ///< radiance of sky and emitters along rays
+    vec3 direct{0.0f};        ///< irradiance from sampled lights
+    vec3 albedo{0.0f};        ///< of the diffuse part
+    LobeMoments lobes;        ///< of the specular part; zero where bounces are diffuse
     float minDistance = 0.0f; ///< as PatchRadiance::minDistance
 };
 

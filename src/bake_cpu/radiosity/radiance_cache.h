@@ -9,9 +9,15 @@
 
 namespace halflight {
 
+/// Light that a patch or element reflects after all bounces. Of its directions the cache has the mean and the first
+/// moment: radiance towards d is radiance (1 + tilt . d), which a specular lobe makes differ from direction to
+/// direction.
 struct PatchRadiance {
-    vec3 radiance{0.0f};           ///< reflected, after all bounces
+    vec3 radiance{0.0f};
     float minDistance = kInfinity; ///< metres; shorter rays use an element or a path instead
+    vec3 tilt{0.0f};               ///< shorter than 1; zero for diffuse surfaces
+    /// Radiance back along a ray of a unit direction.
+    [[nodiscard]] vec3 along(vec3 rayDirection) const { return radiance * (1.0f - glm::dot(tilt, rayDirection)); }
     [[nodiscard]] bool usableAt(float distance) const { return distance >= minDistance; }
 };
 
@@ -40,22 +46,21 @@ public:
     /// By patch and element.
     [[nodiscard]] const PatchRadiance* patches() const { return patches_.data(); }
 
-    /// Radiance of a patch, or of its element at a point, for a ray of some length; null if the ray is too short.
-    [[nodiscard]] const vec3* find(FaceId face, vec2 barycentric, PatchId patch, float distance) const
+    /// Radiance of a patch, or of its element, at the end of a ray; null if the ray is too short.
+    [[nodiscard]] const PatchRadiance* find(const RayEnd& end, PatchId patch) const
     {
-        if (patches_[patch].usableAt(distance)) return &patches_[patch].radiance;
-        const PatchId element = layout_.elementAt(face, barycentric, patch);
+        if (patches_[patch].usableAt(end.distance)) return &patches_[patch];
+        const PatchId element = layout_.elementAt(end.face, end.barycentric, patch);
         if (element == kNoPatch) return nullptr;
-        return patches_[element].usableAt(distance) ? &patches_[element].radiance : nullptr;
+        return patches_[element].usableAt(end.distance) ? &patches_[element] : nullptr;
     }
-    /// Radiance after at most `reflections` reflections at a hit of a ray of some length.
-    [[nodiscard]] CachedRadiance radianceAt(FaceId face, vec2 barycentric, float distance, int reflections) const;
+    /// Radiance back along a ray after at most `reflections` reflections.
+    [[nodiscard]] CachedRadiance radianceAt(const RayEnd& end, int reflections) const;
     /// radianceAt() for paths. The cache outlives it.
     [[nodiscard]] RadianceLookup lookup() const
     {
-        return {this, [](const void* cache, FaceId face, vec2 barycentric, float distance, int reflections) {
-                    return static_cast<const RadianceCache*>(cache)->radianceAt(face, barycentric, distance,
-                                                                                reflections);
+        return {this, [](const void* cache, const RayEnd& end, int reflections) {
+                    return static_cast<const RadianceCache*>(cache)->radianceAt(end, reflections);
                 }};
     }
 
@@ -67,19 +72,19 @@ private:
     bool converged_ = false;
 };
 
-inline CachedRadiance RadianceCache::radianceAt(FaceId face, vec2 barycentric, float distance, int reflections) const
+inline CachedRadiance RadianceCache::radianceAt(const RayEnd& end, int reflections) const
 {
     const int fewer = converged_ ? 0 : bounces_ - reflections;
-    if (fewer < 0 || fewer > kLevels || !layout_.hasPatches(face)) return {};
-    const PatchId patch = layout_.patchAt(face, barycentric);
-    const vec3* light = nullptr;
+    if (fewer < 0 || fewer > kLevels || !layout_.hasPatches(end.face)) return {};
+    const PatchId patch = layout_.patchAt(end.face, end.barycentric);
     if (fewer == 0) {
-        light = find(face, barycentric, patch, distance);
-    } else if (!levels_[std::size_t(fewer - 1)].empty() && patches_[patch].usableAt(distance)) {
-        light = &levels_[std::size_t(fewer - 1)][patch];
+        const PatchRadiance* light = find(end, patch);
+        if (light == nullptr) return {};
+        return {true, layout_.emissive(end.face), light->along(end.direction)};
     }
-    if (light == nullptr) return {};
-    return {true, layout_.emissive(face), *light};
+    const std::vector<vec3>& level = levels_[std::size_t(fewer - 1)];
+    if (level.empty() || !patches_[patch].usableAt(end.distance)) return {};
+    return {true, layout_.emissive(end.face), level[patch]};
 }
 
 } // namespace halflight

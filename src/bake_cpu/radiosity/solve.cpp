@@ -44,6 +44,7 @@ private:
         vec3 gathered{0.0f}; ///< irradiance of sky and emitters along rays
         vec3 direct{0.0f};   ///< irradiance of sampled lights
         vec3 albedo{0.0f};
+        LobeMoments lobes;
         float directCount = 0.0f;
         float rays = 0.0f;
         float minDistance = 0.0f;
@@ -92,6 +93,7 @@ private:
                 u.gathered += kPi * s.gathered;
                 u.direct += s.direct;
                 u.albedo += s.albedo;
+                u.lobes.add(s.lobes);
                 u.directCount += float(s.directCount);
                 u.rays += float(s.rayCount - lost);
                 u.minDistance = std::max(u.minDistance, s.minDistance);
@@ -102,6 +104,8 @@ private:
             u.gathered /= u.rays;
             u.direct /= u.directCount;
             u.albedo /= u.directCount;
+            u.lobes.albedo = glm::min(u.lobes.albedo / u.directCount, 1.0f - u.albedo);
+            u.lobes.exitance /= u.directCount;
         }
     }
 
@@ -123,6 +127,7 @@ private:
     void iterate()
     {
         reflected_.assign(unknownCount_, vec3(0.0f));
+        diffuse_.assign(unknownCount_, 0.0f);
         std::vector<vec3> gathered(unknownCount_);
         double lastChange = 0.0;
         for (int b = 1; b <= bounces_; ++b) {
@@ -146,14 +151,16 @@ private:
         std::size_t lit = 0;
         for (std::size_t i = 0; i < unknowns_.size(); ++i) {
             const Unknown& u = unknowns_[i];
-            const vec3 irradiance = u.gathered + u.direct + gathered[i] * (kPi / u.rays);
-            const vec3 radiance = shading::diffuseRadiance(u.albedo, irradiance);
+            const vec3 even = u.gathered + gathered[i] * (kPi / u.rays);
+            const vec3 diffuse = u.albedo * (even + u.direct);
+            const vec3 radiance = (diffuse + u.lobes.albedo * even + u.lobes.exitance) / kPi;
             const float after = luminance(radiance);
             if (after > 0.0f) {
                 sum += double(std::abs(after - luminance(reflected_[i])) / after);
                 ++lit;
             }
             reflected_[i] = radiance;
+            diffuse_[i] = luminance(diffuse);
         }
         return lit > 0 ? sum / double(lit) : 0.0;
     }
@@ -206,11 +213,36 @@ private:
         }
     }
 
+    /// Radiance of an unknown with the exitance M and the first moment m of what its diffuse part and its lobes
+    /// reflect, over the hemisphere: those of R + A . d are M = pi R + 2/3 pi A_n, m_n = 2/3 pi R + pi/2 A_n, m_t =
+    /// pi/4 A_t along the normal and the tangents.
+    [[nodiscard]] PatchRadiance radianceOf(std::size_t unknown) const
+    {
+        constexpr float kMostTilt = 0.9f; // radiance stays above 0 in all directions
+        const Unknown& u = unknowns_[unknown];
+        const vec3 mean = reflected_[unknown];
+        const float exitance = kPi * luminance(mean);
+        const float length = glm::length(u.lobes.normal);
+        if (length <= 0.0f || exitance <= 0.0f) return {mean, u.minDistance};
+        const vec3 normal = u.lobes.normal / length;
+        const float ofEven = std::max(exitance - diffuse_[unknown] - luminance(u.lobes.exitance), 0.0f);
+        const vec3 moment = 2.0f / 3.0f * diffuse_[unknown] * normal + u.lobes.momentOf(ofEven, normal);
+        const float along = glm::dot(moment, normal);
+        const vec3 across = moment - along * normal;
+        const vec3 slope = (18.0f / kPi) * (along - 2.0f / 3.0f * exitance) * normal + (4.0f / kPi) * across;
+        const float shift = (18.0f / kPi) * (0.5f * exitance - 2.0f / 3.0f * along) - exitance / kPi;
+        const float excess = glm::length(slope) - kMostTilt * shift;
+        const float part = excess > 0.0f ? std::min(1.0f, kMostTilt * exitance / kPi / excess) : 1.0f;
+        const float radiance = exitance / kPi + part * shift;
+        return {mean * (radiance * kPi / exitance), u.minDistance, part * slope / radiance};
+    }
+
     void fillPatches()
     {
         std::vector<PatchRadiance> ofUnknown(unknownCount_);
-        for (std::size_t i = 0; i < unknowns_.size(); ++i) ofUnknown[i] = {reflected_[i], unknowns_[i].minDistance};
+        for (std::size_t i = 0; i < unknowns_.size(); ++i) ofUnknown[i] = radianceOf(i);
         release(reflected_);
+        release(diffuse_);
         release(sampleSums_);
         release(unknowns_);
         radiance_ = largeVector<PatchRadiance>(rayCount_.size());
@@ -244,7 +276,8 @@ private:
     std::vector<uint32_t> unknown_;  ///< number of the unknown, or kNoPatch
     uint32_t unknownCount_ = 0;
     std::vector<Unknown> unknowns_;
-    std::vector<vec3> reflected_;               ///< by unknown
+    std::vector<vec3> reflected_;               ///< by unknown: exitance / pi
+    std::vector<float> diffuse_;                ///< luminance of the diffuse part of the exitance, lux
     std::vector<std::vector<vec3>> sampleSums_; ///< of a sweep, by range and sample
     RadianceCache::Levels levels_;
     std::vector<PatchRadiance> radiance_;

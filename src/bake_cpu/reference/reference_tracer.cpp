@@ -9,7 +9,7 @@ ReferenceTracer::ReferenceTracer(const Scene& scene, const PathTracer& paths, co
     : paths_(paths), materials_(scene, paths.surfaces()), options_(options)
 {}
 
-ReferenceTracer::Hit ReferenceTracer::surfaceAt(const RayHit& at, vec3 view) const
+ReferenceTracer::Hit ReferenceTracer::surfaceAt(const RayHit& at, vec3 view, bool first) const
 {
     const RayTracer& surfaces = paths_.surfaces();
     const uint32_t triangle = surfaces.triangleOf(at.geomID, at.primID);
@@ -20,8 +20,9 @@ ReferenceTracer::Hit ReferenceTracer::surfaceAt(const RayHit& at, vec3 view) con
     }
     point.normal = materials_.mappedNormal(point, at.back);
     SurfaceReflectance surface = materials_.reflectanceAt(triangle, at.barycentric);
-    if (options_.surfaces == ReferenceSurfaces::Diffuse) {
-        surface.baseColor = shading::transportAlbedo(surface.baseColor, surface.metallic, surface.roughness);
+    if (options_.surfaces == ReferenceSurfaces::Diffuse ||
+        (first && options_.surfaces == ReferenceSurfaces::DiffuseView)) {
+        surface.baseColor = surface.transportAlbedo();
         surface.metallic = surface.specular = 0.0f;
     }
     const vec3 emission = surfaces.hitHiddenBack(at) ? vec3(0.0f) : materials_.emissionAt(triangle, at.barycentric);
@@ -166,7 +167,7 @@ vec3 ReferenceTracer::radiance(vec3 origin, vec3 direction, bool cameraRay, int 
         if (depth == 0 && surfaces.materials().of(surfaces.triangleOf(at.geomID, at.primID)).unlit) {
             return materials_.reflectanceAt(surfaces.triangleOf(at.geomID, at.primID), at.barycentric).baseColor;
         }
-        const Hit hit = surfaceAt(at, -direction);
+        const Hit hit = surfaceAt(at, -direction, depth == 0);
         if (hit.emission != vec3(0.0f)) add(hit.emission * emissionWeight(hit, direction, at.distance, from, pdf));
         if (depth > bounces || hit.scattering.black()) break;
         add(punctualLight(hit, sampler, rays) + emitterLight(hit, sampler, rays) + skyLight(hit, sampler, rays));

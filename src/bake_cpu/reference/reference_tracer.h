@@ -38,7 +38,7 @@ private:
         vec3 emission{0.0f};
         Scattering scattering;
     };
-    [[nodiscard]] Hit surfaceAt(const RayHit& at, vec3 view) const;
+    [[nodiscard]] Hit surfaceAt(const RayHit& at, vec3 view, bool first) const;
     [[nodiscard]] vec3 punctualLight(const Hit& hit, Sampler& sampler, uint64_t& rays) const;
     [[nodiscard]] vec3 areaContribution(const PunctualLight& light, const Hit& hit, vec2 disc) const;
     [[nodiscard]] vec3 areaLightsAlong(const Hit& hit, vec3 direction, float directionPdf, const RayHit& next) const;

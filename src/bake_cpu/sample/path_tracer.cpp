@@ -12,8 +12,9 @@ namespace halflight {
 
 using shading::powerHeuristic;
 
-PathTracer::PathTracer(const Scene& scene, const BakeGeometry& geometry, LightUse use)
-    : tracer_(scene, geometry), lights_(punctualLights(scene, use)), emitters_(tracer_), sky_(scene.sky)
+PathTracer::PathTracer(const Scene& scene, const BakeGeometry& geometry, LightUse use, Bounces bounces)
+    : tracer_(scene, geometry), lights_(punctualLights(scene, use)), emitters_(tracer_), sky_(scene.sky),
+      bounces_(bounces)
 {
     // Up to 8 lights are chosen by their exact unshadowed contributions.
     constexpr std::ptrdiff_t kFewLights = 8;
@@ -203,8 +204,82 @@ PathTracer::Incoming PathTracer::incoming(const Receiver& receiver, vec3 directi
     return result;
 }
 
-// Path tracing (Kajiya 1986, "The Rendering Equation") between diffuse surfaces: the throughput of a cosine-distributed
-// bounce is the albedo.
+namespace {
+
+/// Russian roulette (Arvo and Kirk 1990) below a survival probability of 70 %.
+bool survives(float probability, Sampler& sampler, vec3& throughput)
+{
+    if (probability >= 0.7f) return true;
+    if (!(sampler.next1() < probability)) return false;
+    throughput /= probability;
+    return true;
+}
+
+} // namespace
+
+vec3 PathTracer::reflectedEmitters(const SurfaceHit& hit, const SpecularLobe& lobe, Sampler& sampler,
+                                   uint64_t& rays) const
+{
+    if (emitters_.empty()) return vec3(0.0f);
+    const vec3 origin = rayOrigin(hit.point);
+    const EmitterSample s = emitters_.sample(origin, hit.point.normal, sampler.next2());
+    const vec3 way = s.position - origin;
+    const float distance = glm::length(way);
+    if (s.pdfArea <= 0.0f || distance <= 0.0f) return vec3(0.0f);
+    const vec3 direction = way / distance;
+    const float front = -glm::dot(s.normal, direction);
+    const float cosine = s.doubleSided ? std::abs(front) : front;
+    if (cosine <= 0.0f || glm::dot(direction, hit.point.geometricNormal) <= 0.0f) return vec3(0.0f);
+    const float pdf = s.pdfArea * distance * distance / cosine;
+    const float weight = s.rayVisible ? powerHeuristic(pdf, lobe.pdf(direction)) : 1.0f;
+    const vec3 light = lobe.reflected(direction, s.radiance * (weight / pdf));
+    if (light == vec3(0.0f)) return light;
+    ++rays;
+    return light * tracer_.transmittance(origin, direction, 0.0f, distance * (1.0f - 1.0e-4f));
+}
+
+vec3 PathTracer::reflectedSky(const SurfaceHit& hit, const SpecularLobe& lobe, Sampler& sampler, uint64_t& rays) const
+{
+    if (!sky_.samples()) return vec3(0.0f);
+    const SkyLight::Sample s = sky_.sample(sampler.next2());
+    if (glm::dot(hit.point.geometricNormal, s.direction) <= 0.0f) return vec3(0.0f);
+    const vec3 light = lobe.reflected(s.direction, s.radiance / s.pdf);
+    if (light == vec3(0.0f)) return light;
+    ++rays;
+    return light * tracer_.transmittance(rayOrigin(hit.point), s.direction, 0.0f, kInfinity);
+}
+
+PathTracer::Reflection PathTracer::reflect(const SurfaceHit& hit, const SpecularLobe& lobe, float probability,
+                                           Sampler& sampler, uint64_t& rays) const
+{
+    Reflection result;
+    const LightChoice choice =
+        chooseLight(hit.point, sampler, [&](const PunctualLight& light, vec2 disc, float probability) {
+            const float scale = light.indirectMultiplier / probability;
+            const LightRay ray = sampleLightRay(light, hit.point.position, disc);
+            if (light.isArea())
+                return lobe.reflected(ray.direction, light.radianceAt(hit.point.position) * (ray.solidAngle * scale));
+            return lobe.reflected(ray.direction, light.at(hit.point.position).illuminance * scale);
+        });
+    if (choice.light != nullptr)
+        result.lights = choice.irradiance(lightVisibility(*choice.light, hit.point, choice.disc, rays));
+    result.lights += reflectedEmitters(hit, lobe, sampler, rays) + reflectedSky(hit, lobe, sampler, rays);
+    result.lights /= probability;
+    result.direction = lobe.sample(sampler.next2());
+    if (result.direction == vec3(0.0f)) return result;
+    result.pdf = lobe.pdf(result.direction);
+    const vec3 throughput = lobe.reflected(result.direction, vec3(1.0f / (result.pdf * probability)));
+    const float survival = std::min(brightest(throughput), 1.0f);
+    if (!(survival > 0.0f) || !(sampler.next1() < survival)) return result;
+    result.throughput = throughput / survival;
+    result.from = {rayOrigin(hit.point), hit.point.normal};
+    ++rays;
+    result.next = tracer_.nearest(result.from.position, result.direction, 0.0f, kInfinity);
+    return result;
+}
+
+// Path tracing (Kajiya 1986, "The Rendering Equation"). At each surface the path goes on by the diffuse part, whose
+// throughput is the albedo because directions are cosine-distributed, or by the specular lobe.
 vec3 PathTracer::pathRadiance(RayHit at, vec3 direction, Receiver from, float directionPdf, int bounces,
                               Sampler& sampler, uint64_t& rays, const RadianceLookup& lookup,
                               std::vector<vec3>* byBounce) const
@@ -225,33 +300,51 @@ vec3 PathTracer::pathRadiance(RayHit at, vec3 direction, Receiver from, float di
         // The surface's properties are not needed where the cache has its radiance and it does not emit.
         bool cached = false;
         if (lookup && depth < bounces) {
-            const CachedRadiance found = lookup.at(tracer_.faceOf(at), at.barycentric, at.distance, bounces - depth);
+            const CachedRadiance found =
+                lookup.at({tracer_.faceOf(at), at.barycentric, direction, at.distance}, bounces - depth);
             cached = found.found;
             if (cached) add(found.radiance, depth + 1);
             if (cached && !found.emissive) break;
         }
         const SurfaceHit hit = tracer_.surfaceAt(at);
         add(weightedEmission(hit, direction, from, directionPdf), depth);
-        if (depth >= bounces || cached || hit.albedo == vec3(0.0f)) break;
+        if (depth >= bounces || cached) break;
+        const vec3 albedo = albedoOf(hit.reflectance);
 
         // Next event: light that reaches this surface directly.
-        vec3 irradiance = punctualIrradiance(hit.point, false, sampler, rays);
-        irradiance += emitterIrradiance(hit.point, luminance(irradiance), sampler, rays).irradiance;
-        irradiance += skyIrradiance(hit.point, luminance(irradiance), sampler, rays).irradiance;
-        add(shading::diffuseRadiance(hit.albedo, irradiance), depth + 1);
-
-        // Russian roulette (Arvo and Kirk 1990) below 70 % throughput. Paths that end in a lookup are short, so they
-        // play it at the first hit too, with 1.4 times the survival probability.
-        throughput *= hit.albedo;
-        const vec2 uDirection = sampler.next2();
-        constexpr float kFirst = 1.4f; // factor of the survival probability at the first hit
-        const bool first = depth == 0;
-        const bool atFirst = lookup && refinements.firstRoulette;
-        const float survival = (first ? kFirst : 1.0f) * std::max({throughput.x, throughput.y, throughput.z});
-        if ((!first || atFirst) && survival < 0.7f) {
-            if (sampler.next1() >= survival) break;
-            throughput /= survival;
+        if (albedo != vec3(0.0f)) {
+            vec3 irradiance = punctualIrradiance(hit.point, false, sampler, rays);
+            irradiance += emitterIrradiance(hit.point, luminance(irradiance), sampler, rays).irradiance;
+            irradiance += skyIrradiance(hit.point, luminance(irradiance), sampler, rays).irradiance;
+            add(shading::diffuseRadiance(albedo, irradiance), depth + 1);
         }
+        if (glossy()) {
+            const SpecularLobe lobe(hit.reflectance, hit.point, direction);
+            const SurfaceReflectance& surface = hit.reflectance;
+            const float cosine = std::min(std::abs(glm::dot(hit.point.normal, direction)), 1.0f);
+            const float probability = shading::specularSamplingShare(surface.baseColor, surface.metallic,
+                                                                     surface.roughness, surface.specular, cosine);
+            if (sampler.next1() < probability) {
+                const Reflection r = reflect(hit, lobe, probability, sampler, rays);
+                add(r.lights, depth + 1);
+                throughput *= r.throughput;
+                if (throughput == vec3(0.0f)) break;
+                direction = r.direction;
+                directionPdf = r.pdf;
+                from = r.from;
+                at = r.next;
+                continue;
+            }
+            throughput /= 1.0f - probability;
+        }
+        if (albedo == vec3(0.0f)) break;
+        throughput *= albedo;
+        const vec2 uDirection = sampler.next2();
+        // Paths that end in a lookup are short, so they play at the first hit too, with 1.4 times the probability.
+        constexpr float kFirst = 1.4f;
+        const bool first = depth == 0;
+        const bool plays = !first || (lookup && refinements.firstRoulette);
+        if (plays && !survives((first ? kFirst : 1.0f) * brightest(throughput), sampler, throughput)) break;
         direction = gatherDirection(hit.point, uDirection);
         directionPdf = gatherPdf(hit.point.normal, direction);
         from = {rayOrigin(hit.point), hit.point.normal};

@@ -5,6 +5,7 @@
 #include "bake_cpu/sample/lights.h"
 #include "bake_cpu/sample/sampler.h"
 #include "bake_cpu/sample/sky_light.h"
+#include "bake_cpu/sample/specular_lobe.h"
 #include "bake_cpu/trace/ray_tracer.h"
 
 #include "halflight/scene/scene.h"
@@ -22,23 +23,34 @@ struct CachedRadiance {
     bool emissive = false; ///< the surface emits light too, which is not in `radiance`
     vec3 radiance{0.0f};
 };
-/// Function that returns the radiance of a hit after at most `reflections` reflections. Paths end where it is found.
+/// The end of a ray that hits a surface.
+struct RayEnd {
+    FaceId face;
+    vec2 barycentric{0.0f};
+    vec3 direction{0.0f}; ///< of the ray, unit
+    float distance = 0.0f;
+};
+/// Function that returns the radiance of a hit, back along the ray, after at most `reflections` reflections. Paths end
+/// where it is found.
 struct RadianceLookup {
     const void* cache = nullptr;
-    CachedRadiance (*find)(const void* cache, FaceId face, vec2 barycentric, float distance, int reflections) = nullptr;
+    CachedRadiance (*find)(const void* cache, const RayEnd& end, int reflections) = nullptr;
 
     explicit operator bool() const { return find != nullptr; }
-    [[nodiscard]] CachedRadiance at(FaceId face, vec2 barycentric, float distance, int reflections) const
-    {
-        return find(cache, face, barycentric, distance, reflections);
-    }
+    [[nodiscard]] CachedRadiance at(const RayEnd& end, int reflections) const { return find(cache, end, reflections); }
 };
 
 class PathTracer {
 public:
     /// `scene` and `geometry` outlive the tracer.
-    PathTracer(const Scene& scene, const BakeGeometry& geometry, LightUse use);
+    PathTracer(const Scene& scene, const BakeGeometry& geometry, LightUse use, Bounces bounces = Bounces::Diffuse);
 
+    [[nodiscard]] bool glossy() const { return bounces_ == Bounces::Glossy; }
+    /// Albedo of the diffuse part of a surface.
+    [[nodiscard]] vec3 albedoOf(const SurfaceReflectance& surface) const
+    {
+        return glossy() ? surface.diffuseAlbedo() : surface.transportAlbedo();
+    }
     [[nodiscard]] bool ok() const { return tracer_.ok(); }
     [[nodiscard]] const RayTracer& surfaces() const { return tracer_; }
     [[nodiscard]] const std::vector<PunctualLight>& lights() const { return lights_; }
@@ -62,6 +74,21 @@ public:
     /// `lookup` has the radiance. `byBounce`, if given, receives the parts of 0, 1, … reflections.
     vec3 pathRadiance(RayHit at, vec3 direction, Receiver from, float directionPdf, int bounces, Sampler& sampler,
                       uint64_t& rays, const RadianceLookup& lookup = {}, std::vector<vec3>* byBounce = nullptr) const;
+
+    /// What a specular lobe sends back along the ray that has hit it.
+    struct Reflection {
+        vec3 lights{0.0f}; ///< radiance of sampled lights
+        vec3 throughput{0.0f};
+        vec3 direction{0.0f}; ///< of the ray that goes on
+        float pdf = 0.0f;     ///< of the direction, per steradian
+        Receiver from;
+        RayHit next; ///< where `throughput` is not zero
+    };
+    /// One sample of the lobe of a hit, over `probability`, that with which the lobe is sampled. Light that arrives is
+    /// throughput times the radiance along the next ray, where emission of surfaces has the weight of
+    /// weightedEmission(). The ray goes on by Russian roulette.
+    Reflection reflect(const SurfaceHit& hit, const SpecularLobe& lobe, float probability, Sampler& sampler,
+                       uint64_t& rays) const;
 
     /// Emission of a hit times its MIS weight beside emitter samples taken at `from`.
     [[nodiscard]] vec3 weightedEmission(const SurfaceHit& hit, vec3 direction, const Receiver& from,
@@ -140,6 +167,8 @@ public:
     [[nodiscard]] vec3 rayOrigin(const SurfacePoint& point) const;
 
 private:
+    vec3 reflectedEmitters(const SurfaceHit& hit, const SpecularLobe& lobe, Sampler& sampler, uint64_t& rays) const;
+    vec3 reflectedSky(const SurfaceHit& hit, const SpecularLobe& lobe, Sampler& sampler, uint64_t& rays) const;
     [[nodiscard]] vec3 shadowOrigin(const SurfacePoint& point, uint64_t& rays) const;
 
     RayTracer tracer_;
@@ -148,6 +177,7 @@ private:
     LightTree punctualTree_; ///< of the lights that bounce; empty if they are few
     std::vector<uint32_t> lightOfItem_;
     SkyLight sky_;
+    Bounces bounces_;
 };
 
 // One light per call, chosen in proportion to the unshadowed contributions (Shirley et al. 1996, "Monte Carlo

@@ -184,10 +184,4 @@ SurfaceReflectance Materials::reflectanceAt(uint32_t triangle, vec2 barycentric)
     return {glm::clamp(base, 0.0f, 1.0f), metallic, roughness, material.specular};
 }
 
-vec3 Materials::albedoAt(uint32_t triangle, vec2 barycentric) const
-{
-    const SurfaceReflectance r = reflectanceAt(triangle, barycentric);
-    return r.metallic > 0.0f ? shading::transportAlbedo(r.baseColor, r.metallic, r.roughness) : r.baseColor;
-}
-
 } // namespace halflight

@@ -5,6 +5,7 @@
 #include "halflight/base/image.h"
 #include "halflight/base/math.h"
 #include "halflight/scene/scene.h"
+#include "halflight/shading/brdf.h"
 
 #include <cstdint>
 #include <vector>
@@ -34,6 +35,16 @@ struct SurfaceReflectance {
     float metallic = 0.0f;
     float roughness = 1.0f;
     float specular = 1.0f;
+
+    [[nodiscard]] vec3 f0() const { return shading::specularF0Of(baseColor, metallic, specular); }
+    [[nodiscard]] float f90() const { return shading::specularF90Of(metallic, specular); }
+    /// Albedo of the diffuse part beside the specular lobe, the mean over all directions.
+    [[nodiscard]] vec3 diffuseAlbedo() const
+    {
+        return shading::diffuseAlbedoOf(baseColor, metallic) * shading::averageDiffuseShare(f0(), f90());
+    }
+    /// Albedo of a diffuse surface in place of both parts.
+    [[nodiscard]] vec3 transportAlbedo() const { return shading::transportAlbedo(baseColor, metallic, roughness); }
 };
 
 /// Materials of flattened geometry with their textures. Immutable after construction.
@@ -47,8 +58,6 @@ public:
     [[nodiscard]] float coverageAt(uint32_t triangle, vec2 barycentric) const;
     [[nodiscard]] vec3 emissionAt(uint32_t triangle, vec2 barycentric) const;
     [[nodiscard]] SurfaceReflectance reflectanceAt(uint32_t triangle, vec2 barycentric) const;
-    /// Diffuse albedo of all bounces (shading::transportAlbedo()), 0…1.
-    [[nodiscard]] vec3 albedoAt(uint32_t triangle, vec2 barycentric) const;
     /// Whether the back of a triangle is hidden: inside a solid, or the back of a single-sided surface.
     [[nodiscard]] bool backIsHidden(uint32_t triangle) const
     {

@@ -196,7 +196,7 @@ SurfaceHit RayTracer::surfaceAt(const RayHit& at) const
         hit.point.normal = -hit.point.normal;
         hit.point.geometricNormal = -hit.point.geometricNormal;
     }
-    hit.albedo = materials_.albedoAt(triangle, at.barycentric);
+    hit.reflectance = materials_.reflectanceAt(triangle, at.barycentric);
     if (!hitHiddenBack(at)) hit.emission = materials_.emissionAt(triangle, at.barycentric);
     return hit;
 }

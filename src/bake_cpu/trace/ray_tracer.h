@@ -32,7 +32,7 @@ struct SurfaceHit {
     float distance = 0.0f;
     const TransportMaterial* material = nullptr;
     SurfacePoint point; ///< normals face the ray's origin
-    vec3 albedo{0.0f};
+    SurfaceReflectance reflectance;
     vec3 emission{0.0f};
 };
 

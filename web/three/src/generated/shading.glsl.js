@@ -116,6 +116,15 @@ float hlVisibilitySmithGgx(float nDotL, float nDotV, float alpha)
     float l = nDotV * sqrt(nDotL * nDotL * (1.0 - a2) + a2);
     return 0.5 / max(v + l, 1.0e-6);
 }
+vec3 hlReflectSpecular(vec3 f0, float f90, float alpha, vec3 n, vec3 v, vec3 l, vec3 illuminance)
+{
+    float nDotL = hlSaturate(dot(n, l));
+    if (nDotL <= 0.0) return vec3(0.0);
+    float nDotV = max(abs(dot(n, v)), 1.0e-4);
+    vec3 h = normalize(l + v);
+    float lobe = hlDistributionGgx(hlSaturate(dot(n, h)), alpha) * hlVisibilitySmithGgx(nDotL, nDotV, alpha);
+    return hlFresnelSchlick(f0, f90, hlSaturate(dot(v, h))) * lobe * illuminance * nDotL;
+}
 vec3 hlReflectLight(vec3 baseColor, float metallic, float roughness, float specularFactor, vec3 n, vec3 v, vec3 l,
                         vec3 illuminance)
 {
@@ -143,6 +152,10 @@ vec3 hlEnvironmentSpecular(vec3 f0, float f90, float roughness, float nDotV)
 vec3 hlDiffuseShare(vec3 f0, float f90, float nDotV)
 {
     return vec3(1.0) - f0 - (vec3(f90) - f0) * (0.028 * pow(1.0 - nDotV, 2.4));
+}
+vec3 hlAverageDiffuseShare(vec3 f0, float f90)
+{
+    return vec3(1.0) - f0 - (vec3(f90) - f0) * 0.00374;
 }
 vec3 hlAverageSpecular(vec3 f0, float f90, float roughness)
 {

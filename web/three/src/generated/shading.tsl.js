@@ -194,6 +194,24 @@ export const hlVisibilitySmithGgx = /*@__PURE__*/ Fn( ( [ nDotL, nDotV, alpha ] 
 
 }, { nDotL: 'float', nDotV: 'float', alpha: 'float', return: 'float' } );
 
+export const hlReflectSpecular = /*@__PURE__*/ Fn( ( [ f0, f90, alpha, n, v, l, illuminance ] ) => {
+
+	const nDotL = hlSaturate( dot( n, l ) );
+
+	If( nDotL.lessThanEqual( float( 0.0 ) ), () => {
+
+		return vec3( float( 0.0 ) );
+
+	} );
+
+	const nDotV = max( abs( dot( n, v ) ), float( 1.0e-4 ) );
+	const h = normalize( l.add( v ) );
+	const lobe = hlDistributionGgx( hlSaturate( dot( n, h ) ), alpha ).mul( hlVisibilitySmithGgx( nDotL, nDotV, alpha ) );
+
+	return hlFresnelSchlick( f0, f90, hlSaturate( dot( v, h ) ) ).mul( lobe ).mul( illuminance ).mul( nDotL );
+
+}, { f0: 'vec3', f90: 'float', alpha: 'float', n: 'vec3', v: 'vec3', l: 'vec3', illuminance: 'vec3', return: 'vec3' } );
+
 export const hlReflectLight = /*@__PURE__*/ Fn( ( [ baseColor, metallic, roughness, specularFactor, n, v, l, illuminance ] ) => {
 
 	const nDotL = hlSaturate( dot( n, l ) );
@@ -231,6 +249,12 @@ export const hlDiffuseShare = /*@__PURE__*/ Fn( ( [ f0, f90, nDotV ] ) => {
 	return vec3( float( 1.0 ) ).sub( f0 ).sub( vec3( f90 ).sub( f0 ).mul( float( 0.028 ).mul( pow( float( 1.0 ).sub( nDotV ), float( 2.4 ) ) ) ) );
 
 }, { f0: 'vec3', f90: 'float', nDotV: 'float', return: 'vec3' } );
+
+export const hlAverageDiffuseShare = /*@__PURE__*/ Fn( ( [ f0, f90 ] ) => {
+
+	return vec3( float( 1.0 ) ).sub( f0 ).sub( vec3( f90 ).sub( f0 ).mul( float( 0.00374 ) ) );
+
+}, { f0: 'vec3', f90: 'float', return: 'vec3' } );
 
 export const hlAverageSpecular = /*@__PURE__*/ Fn( ( [ f0, f90, roughness ] ) => {
 
