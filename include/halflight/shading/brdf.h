@@ -54,15 +54,20 @@ HL_FN float visibilitySmithGgx(float nDotL, float nDotV, float alpha)
     return 0.5f / max(v + l, 1.0e-6f);
 }
 
+// The lobe of reflectLight() without its Fresnel factor, per steradian; h is the unit vector between l and v.
+HL_FN float ggxLobe(vec3 n, vec3 v, vec3 l, vec3 h, float alpha)
+{
+    float nDotV = max(abs(dot(n, v)), 1.0e-4f);
+    return distributionGgx(saturate(dot(n, h)), alpha) * visibilitySmithGgx(saturate(dot(n, l)), nDotV, alpha);
+}
+
 // Radiance that the specular lobe reflects to v from light of the given illuminance arriving from l, cosine included.
 HL_FN vec3 reflectSpecular(vec3 f0, float f90, float alpha, vec3 n, vec3 v, vec3 l, vec3 illuminance)
 {
     float nDotL = saturate(dot(n, l));
     if (nDotL <= 0.0f) return vec3(0.0f);
-    float nDotV = max(abs(dot(n, v)), 1.0e-4f);
     vec3 h = normalize(l + v);
-    float lobe = distributionGgx(saturate(dot(n, h)), alpha) * visibilitySmithGgx(nDotL, nDotV, alpha);
-    return fresnelSchlick(f0, f90, saturate(dot(v, h))) * lobe * illuminance * nDotL;
+    return fresnelSchlick(f0, f90, saturate(dot(v, h))) * ggxLobe(n, v, l, h, alpha) * illuminance * nDotL;
 }
 
 // Radiance reflected to v from light of the given illuminance arriving from l, cosine included.
@@ -72,12 +77,11 @@ HL_FN vec3 reflectLight(vec3 baseColor, float metallic, float roughness, float s
 {
     float nDotL = saturate(dot(n, l));
     if (nDotL <= 0.0f) return vec3(0.0f);
-    float nDotV = max(abs(dot(n, v)), 1.0e-4f);
     vec3 h = normalize(l + v);
     float alpha = square(max(roughness, 0.045f));
     vec3 f = fresnelSchlick(specularF0Of(baseColor, metallic, specularFactor), specularF90Of(metallic, specularFactor),
                             saturate(dot(v, h)));
-    vec3 specular = f * (distributionGgx(saturate(dot(n, h)), alpha) * visibilitySmithGgx(nDotL, nDotV, alpha));
+    vec3 specular = f * ggxLobe(n, v, l, h, alpha);
     vec3 diffuse = (vec3(1.0f) - f) * diffuseAlbedoOf(baseColor, metallic) * (1.0f / kShadingPi);
     return (diffuse + specular) * illuminance * nDotL;
 }

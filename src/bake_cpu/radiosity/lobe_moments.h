@@ -31,20 +31,20 @@ struct LobeMoments {
         sampledMoment += o.sampledMoment;
         normal += o.normal;
     }
-    /// First moment of what the lobes reflect: `even` (lux) of even light, and of direct light.
-    [[nodiscard]] vec3 momentOf(float even, vec3 unitNormal) const
+    /// First moment of what a patch reflects: `diffuse` (lux) by its diffuse part; by its lobes `even` (lux) of even
+    /// light, and direct light.
+    [[nodiscard]] vec3 momentOf(float diffuse, float even, vec3 unitNormal) const
     {
-        constexpr float kDiffuse = 2.0f / 3.0f; // mean cosine of a diffuse surface, where there are no samples
+        constexpr float kDiffuse = 2.0f / 3.0f; // mean cosine of a diffuse surface; of lobes where there are no samples
         const float cosine = evenLight > 0.0f ? evenCosine / evenLight : kDiffuse;
         const vec3 direction = sampledExitance > 0.0f ? sampledMoment / sampledExitance : kDiffuse * unitNormal;
-        return even * cosine * unitNormal + luminance(exitance) * direction;
+        return (kDiffuse * diffuse + even * cosine) * unitNormal + luminance(exitance) * direction;
     }
     /// The surface at a sample, and its reflection of even light.
     void addSurface(const SurfaceReflectance& surface, const SurfacePoint& point, Sampler& sampler)
     {
         normal += point.normal;
-        const float roughness = std::max(surface.roughness, SpecularLobe::kLeastRoughness);
-        albedo += shading::averageSpecular(surface.f0(), surface.f90(), roughness);
+        albedo += shading::averageSpecular(surface.f0(), surface.f90(), SpecularLobe::roughnessOf(surface));
         vec3 tangent;
         vec3 bitangent;
         shading::orthonormalBasis(point.normal, tangent, bitangent);
@@ -60,7 +60,7 @@ struct LobeMoments {
                   Sampler& sampler)
     {
         if (irradiance == vec3(0.0f)) return;
-        const float roughness = std::max(surface.roughness, SpecularLobe::kLeastRoughness);
+        const float roughness = SpecularLobe::roughnessOf(surface);
         const float cosine = glm::clamp(glm::dot(point.normal, toLight), 0.0f, 1.0f);
         const vec3 share = shading::environmentSpecular(surface.f0(), surface.f90(), roughness, cosine);
         exitance += irradiance * glm::max(share, 0.0f);

@@ -226,7 +226,7 @@ private:
         if (length <= 0.0f || exitance <= 0.0f) return {mean, u.minDistance};
         const vec3 normal = u.lobes.normal / length;
         const float ofEven = std::max(exitance - diffuse_[unknown] - luminance(u.lobes.exitance), 0.0f);
-        const vec3 moment = 2.0f / 3.0f * diffuse_[unknown] * normal + u.lobes.momentOf(ofEven, normal);
+        const vec3 moment = u.lobes.momentOf(diffuse_[unknown], ofEven, normal);
         const float along = glm::dot(moment, normal);
         const vec3 across = moment - along * normal;
         const vec3 slope = (18.0f / kPi) * (along - 2.0f / 3.0f * exitance) * normal + (4.0f / kPi) * across;

@@ -27,10 +27,14 @@ public:
     /// 2013, "Path Space Regularization for Holistic and Robust Light Transport").
     static constexpr float kLeastRoughness = 0.3f;
 
+    [[nodiscard]] static float roughnessOf(const SurfaceReflectance& surface)
+    {
+        return std::max(surface.roughness, kLeastRoughness);
+    }
     /// `direction`: of the ray that hits the surface.
     SpecularLobe(const SurfaceReflectance& surface, const SurfacePoint& point, vec3 direction)
-        : f0_(surface.f0()), f90_(surface.f90()), roughness_(std::max(surface.roughness, kLeastRoughness)),
-          normal_(point.normal), geometricNormal_(point.geometricNormal), view_(-direction)
+        : f0_(surface.f0()), f90_(surface.f90()), roughness_(roughnessOf(surface)), normal_(point.normal),
+          geometricNormal_(point.geometricNormal), view_(-direction)
     {}
 
     /// Radiance along the ray for light from `direction` with this illuminance at normal incidence.

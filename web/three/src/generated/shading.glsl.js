@@ -116,26 +116,28 @@ float hlVisibilitySmithGgx(float nDotL, float nDotV, float alpha)
     float l = nDotV * sqrt(nDotL * nDotL * (1.0 - a2) + a2);
     return 0.5 / max(v + l, 1.0e-6);
 }
+float hlGgxLobe(vec3 n, vec3 v, vec3 l, vec3 h, float alpha)
+{
+    float nDotV = max(abs(dot(n, v)), 1.0e-4);
+    return hlDistributionGgx(hlSaturate(dot(n, h)), alpha) * hlVisibilitySmithGgx(hlSaturate(dot(n, l)), nDotV, alpha);
+}
 vec3 hlReflectSpecular(vec3 f0, float f90, float alpha, vec3 n, vec3 v, vec3 l, vec3 illuminance)
 {
     float nDotL = hlSaturate(dot(n, l));
     if (nDotL <= 0.0) return vec3(0.0);
-    float nDotV = max(abs(dot(n, v)), 1.0e-4);
     vec3 h = normalize(l + v);
-    float lobe = hlDistributionGgx(hlSaturate(dot(n, h)), alpha) * hlVisibilitySmithGgx(nDotL, nDotV, alpha);
-    return hlFresnelSchlick(f0, f90, hlSaturate(dot(v, h))) * lobe * illuminance * nDotL;
+    return hlFresnelSchlick(f0, f90, hlSaturate(dot(v, h))) * hlGgxLobe(n, v, l, h, alpha) * illuminance * nDotL;
 }
 vec3 hlReflectLight(vec3 baseColor, float metallic, float roughness, float specularFactor, vec3 n, vec3 v, vec3 l,
                         vec3 illuminance)
 {
     float nDotL = hlSaturate(dot(n, l));
     if (nDotL <= 0.0) return vec3(0.0);
-    float nDotV = max(abs(dot(n, v)), 1.0e-4);
     vec3 h = normalize(l + v);
     float alpha = hlSquare(max(roughness, 0.045));
     vec3 f = hlFresnelSchlick(hlSpecularF0Of(baseColor, metallic, specularFactor), hlSpecularF90Of(metallic, specularFactor),
                             hlSaturate(dot(v, h)));
-    vec3 specular = f * (hlDistributionGgx(hlSaturate(dot(n, h)), alpha) * hlVisibilitySmithGgx(nDotL, nDotV, alpha));
+    vec3 specular = f * hlGgxLobe(n, v, l, h, alpha);
     vec3 diffuse = (vec3(1.0) - f) * hlDiffuseAlbedoOf(baseColor, metallic) * (1.0 / hlShadingPi);
     return (diffuse + specular) * illuminance * nDotL;
 }

@@ -194,6 +194,14 @@ export const hlVisibilitySmithGgx = /*@__PURE__*/ Fn( ( [ nDotL, nDotV, alpha ] 
 
 }, { nDotL: 'float', nDotV: 'float', alpha: 'float', return: 'float' } );
 
+export const hlGgxLobe = /*@__PURE__*/ Fn( ( [ n, v, l, h, alpha ] ) => {
+
+	const nDotV = max( abs( dot( n, v ) ), float( 1.0e-4 ) );
+
+	return hlDistributionGgx( hlSaturate( dot( n, h ) ), alpha ).mul( hlVisibilitySmithGgx( hlSaturate( dot( n, l ) ), nDotV, alpha ) );
+
+}, { n: 'vec3', v: 'vec3', l: 'vec3', h: 'vec3', alpha: 'float', return: 'float' } );
+
 export const hlReflectSpecular = /*@__PURE__*/ Fn( ( [ f0, f90, alpha, n, v, l, illuminance ] ) => {
 
 	const nDotL = hlSaturate( dot( n, l ) );
@@ -204,11 +212,9 @@ export const hlReflectSpecular = /*@__PURE__*/ Fn( ( [ f0, f90, alpha, n, v, l, 
 
 	} );
 
-	const nDotV = max( abs( dot( n, v ) ), float( 1.0e-4 ) );
 	const h = normalize( l.add( v ) );
-	const lobe = hlDistributionGgx( hlSaturate( dot( n, h ) ), alpha ).mul( hlVisibilitySmithGgx( nDotL, nDotV, alpha ) );
 
-	return hlFresnelSchlick( f0, f90, hlSaturate( dot( v, h ) ) ).mul( lobe ).mul( illuminance ).mul( nDotL );
+	return hlFresnelSchlick( f0, f90, hlSaturate( dot( v, h ) ) ).mul( hlGgxLobe( n, v, l, h, alpha ) ).mul( illuminance ).mul( nDotL );
 
 }, { f0: 'vec3', f90: 'float', alpha: 'float', n: 'vec3', v: 'vec3', l: 'vec3', illuminance: 'vec3', return: 'vec3' } );
 
@@ -222,11 +228,10 @@ export const hlReflectLight = /*@__PURE__*/ Fn( ( [ baseColor, metallic, roughne
 
 	} );
 
-	const nDotV = max( abs( dot( n, v ) ), float( 1.0e-4 ) );
 	const h = normalize( l.add( v ) );
 	const alpha = hlSquare( max( roughness, float( 0.045 ) ) );
 	const f = hlFresnelSchlick( hlSpecularF0Of( baseColor, metallic, specularFactor ), hlSpecularF90Of( metallic, specularFactor ), hlSaturate( dot( v, h ) ) );
-	const specular = f.mul( hlDistributionGgx( hlSaturate( dot( n, h ) ), alpha ).mul( hlVisibilitySmithGgx( nDotL, nDotV, alpha ) ) );
+	const specular = f.mul( hlGgxLobe( n, v, l, h, alpha ) );
 	const diffuse = vec3( float( 1.0 ) ).sub( f ).mul( hlDiffuseAlbedoOf( baseColor, metallic ) ).mul( float( 1.0 ).div( hlShadingPi ) );
 
 	return diffuse.add( specular ).mul( illuminance ).mul( nDotL );
