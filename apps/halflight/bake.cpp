@@ -146,10 +146,10 @@ int runBake(const CLI::App& app, const BakeOptions& given)
         display.reset();
         return fail(options.output, status.error());
     }
-    // A bake of some objects goes on only where the cache is there.
-    const std::filesystem::path newCache = options.bake.only.empty() ? options.bake.cacheDirectory : "";
-    for (const std::filesystem::path& folder : {options.bake.imagesDirectory, newCache, options.sidecarDirectory}) {
-        if (Status status = makeFolder(folder); !status) {
+    OutputFolders folders;
+    for (const std::filesystem::path& folder :
+         {options.bake.imagesDirectory, options.bake.cacheDirectory, options.sidecarDirectory}) {
+        if (Status status = folders.make(folder); !status) {
             display.reset();
             return fail(folder, status.error());
         }

@@ -56,8 +56,19 @@ void applyOptions(BakeOptions& options, Scene& scene);
 Status checkBakePaths(const BakeOptions& options, std::filesystem::path& culprit);
 /// The files beside a .gltf output may not replace those that the scene's document names.
 Status checkFilesBeside(const BakeOptions& options, const Scene& scene);
-/// A folder that the bake writes into, tried before it begins.
-Status makeFolder(const std::filesystem::path& folder);
+/// Folders that a command writes into, made and tried before it begins. Those that were new and hold nothing in the end
+/// are removed again, so that a command that is refused or interrupted leaves none.
+class OutputFolders {
+public:
+    OutputFolders() = default;
+    OutputFolders(const OutputFolders&) = delete;
+    OutputFolders& operator=(const OutputFolders&) = delete;
+    ~OutputFolders();
+    Status make(const std::filesystem::path& folder);
+
+private:
+    std::vector<std::filesystem::path> made_; ///< each after the one that it lies in
+};
 
 /// Lights that are not what their author asked for, where no other warning speaks of them yet.
 std::vector<std::string> lightWarnings(const BakeReport& report);

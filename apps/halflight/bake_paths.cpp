@@ -93,12 +93,24 @@ Status checkFilesBeside(const BakeOptions& options, const Scene& scene)
     return {};
 }
 
-Status makeFolder(const std::filesystem::path& folder)
+OutputFolders::~OutputFolders()
+{
+    std::error_code ec;
+    for (auto folder = made_.rbegin(); folder != made_.rend(); ++folder)
+        std::filesystem::remove(*folder, ec); // if empty
+}
+
+Status OutputFolders::make(const std::filesystem::path& folder)
 {
     if (folder.empty()) return {};
     std::error_code ec;
-    std::filesystem::create_directories(folder, ec);
-    if (ec) return Error{ErrorCode::WriteFailed, "cannot be made into a folder (" + ec.message() + ")"};
+    std::filesystem::path step;
+    for (const std::filesystem::path& name : std::filesystem::absolute(folder, ec)) {
+        step /= name;
+        if (std::filesystem::is_directory(step, ec)) continue;
+        if (std::filesystem::create_directory(step, ec)) made_.push_back(step);
+        if (ec) return Error{ErrorCode::WriteFailed, "cannot be made into a folder (" + ec.message() + ")"};
+    }
     return tryWriting(folder);
 }
 

@@ -147,8 +147,9 @@ int runJoin(const JoinOptions& options)
         !sentence.empty() && (options.scene.empty() || !incomplete(*plan, 1).empty()))
         return fail(options.folder, Error{ErrorCode::FileInvalid, sentence});
     const bool intoFolder = several && options.scene.empty();
+    OutputFolders folders;
     if (intoFolder) {
-        if (Status status = makeFolder(options.output); !status) return fail(options.output, status.error());
+        if (Status status = folders.make(options.output); !status) return fail(options.output, status.error());
     }
     for (const PlannedScene& scene : plan->scenes) {
         const fs::path output = intoFolder ? options.output / (scene.name + ".glb") : options.output;

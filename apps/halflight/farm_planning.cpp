@@ -65,15 +65,25 @@ Result<std::vector<fs::path>> scenesOf(const PlanOptions& options)
 }
 
 /// The folder is new or empty, so that a plan never mixes with another.
-Status makePlanFolder(const fs::path& folder)
+Status makePlanFolder(const fs::path& folder, OutputFolders& folders)
 {
-    if (Status status = makeFolder(folder); !status) return status;
+    if (Status status = folders.make(folder); !status) return status;
     std::error_code ec;
     if (!fs::is_empty(folder, ec)) {
         return Error{ErrorCode::InvalidArgument,
                      "is not empty; a plan takes a folder of its own, so name another or remove it"};
     }
     return {};
+}
+
+/// Empties the folder, which only this plan wrote into, so that the next try finds it as this one did.
+void removePlan(const fs::path& folder)
+{
+    std::error_code ec;
+    for (fs::directory_iterator entry(folder, ec), end; !ec && entry != end; entry.increment(ec)) {
+        std::error_code gone;
+        fs::remove_all(entry->path(), gone);
+    }
 }
 
 std::string uniqueName(const FarmPlan& plan, const std::string& stem)
@@ -133,19 +143,24 @@ int runPlan(const CLI::App& app, const PlanOptions& options)
         if (const std::string sentence = contradiction(*line.app, line.options); !sentence.empty())
             return wrongUsage("farm plan", sentence);
     }
-    if (Status status = makePlanFolder(options.folder); !status) return fail(options.folder, status.error());
+    OutputFolders folders;
+    if (Status status = makePlanFolder(options.folder, folders); !status) return fail(options.folder, status.error());
     std::optional<ProgressDisplay> display(std::in_place, options.quiet ? ProgressStyle::Quiet : options.bake.progress);
     const Progress progress = display->progress();
     for (const fs::path& scene : *scenes) {
         fs::path culprit;
         if (Status s = planScene(options, scene, words, scenes->size() > 1, progress, plan, culprit); !s) {
             display.reset();
+            removePlan(options.folder);
             return fail(culprit, s.error());
         }
     }
     const Status written = writePlan(plan);
     display.reset();
-    if (!written) return fail(options.folder / "plan.json", written.error());
+    if (!written) {
+        removePlan(options.folder);
+        return fail(options.folder / "plan.json", written.error());
+    }
     if (options.quiet) return kOk;
     for (const PlannedScene& scene : plan.scenes) {
         print("{}: {} texels in {} tiles{}\n", scene.name, grouped(scene.bake.texels), scene.bake.tiles,

@@ -158,6 +158,13 @@ class Farm(FarmCase):
         wrong = run("farm", "plan", scene, "-o", self.path("p"), "--noise", "2%", "--integrator", "path")
         self.assert_one_sentence(wrong, 2, "--noise")
         self.assert_one_sentence(run("farm", "work", self.path("nothing")), 1, "plan")
+        with open(self.path("broken.gltf"), "w") as file:
+            file.write("{}")
+        before = os.listdir(self.folder.name)
+        for folder in ("new/plan", "plan"):
+            refused = run("farm", "plan", scene, self.path("broken.gltf"), "-o", self.path(folder), "-q", *QUICK)
+            self.assert_one_sentence(refused, 1, "broken.gltf")
+            self.assert_folder_holds(*before)
         plan = self.plan(scene, *QUICK)
         self.assert_one_sentence(run("farm", "work", plan, "--index", 2, "--of", 2), 2, "--index")
         self.assert_one_sentence(run("farm", "plan", scene, "-o", plan), 1, "not empty")
