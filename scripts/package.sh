@@ -2,14 +2,14 @@
 # Makes all packages from one CMake install, into out/packages:
 #
 #   halflight_*.deb, halflight-dev_*.deb    Debian, with the build host's versions of the libraries
-#   halflight-*-linux-*.tar.gz              relocatable: unpack anywhere, run bin/halflight
+#   halflight-*-linux-*.tar.gz              relocatable, glibc included: unpack anywhere, run bin/halflight
 #   halflight-*.whl                         Python wheel with the program and a thin module
 #   halflight-blender-*.zip                 the Blender extension, with the wheel and without
 #
 #   scripts/package.sh [--build DIR] [--out DIR] [--no-deb]
 #
-# --build packages a build tree that is there instead of building the release preset. Tarball and wheel need the glibc of the
-# host that built them or a newer one; the script prints which. For older systems run it on an older one.
+# --build packages a build tree that is there instead of building the release preset. Tarball and wheel use the system's glibc
+# where it is new enough, and bring one along for older systems.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 
@@ -49,12 +49,14 @@ fi
 
 name="halflight-$version-linux-$machine"
 cmake --install "$build" --prefix "$stage/$name" --component runtime --strip >/dev/null
-glibc=$(python3 scripts/packaging/bundle_libraries.py "$stage/$name")
+needed=$(python3 scripts/packaging/bundle_libraries.py "$stage/$name")
 tar -C "$stage" --sort=name --owner=0 --group=0 --numeric-owner --mtime=@1767225600 -cf - "$name" | gzip -9n >"$out/$name.tar.gz"
 
-wheel=$(python3 scripts/packaging/make_wheel.py "$stage/$name" "$version" "$glibc" "$out")
+# The oldest glibc of a system that scripts/test_packages.sh installs the wheel on; pip refuses older ones by this name.
+oldest=2.31
+wheel=$(python3 scripts/packaging/make_wheel.py "$stage/$name" "$version" "$oldest" "$out")
 python3 blender/make_zip.py "$out/halflight-blender-$version.zip"
 python3 blender/make_zip.py "$out/halflight-blender-$version-linux-$machine.zip" --wheel "$wheel"
 
 ls -l "$out" | awk 'NR > 1 { printf "%9.1f MB  %s\n", $5 / 1e6, $9 }'
-echo "package.sh: tarball and wheel run on glibc $glibc and newer; this host has $(ldd --version | sed -n '1s/.* //p')"
+echo "package.sh: tarball and wheel use a system's glibc from $needed on, and elsewhere their own; pip takes the wheel from $oldest on"

@@ -1,13 +1,14 @@
 #!/usr/bin/env bash
-# Installs each package in a clean Debian root without compilers, bakes and renders there, and compares bytes with those of a
-# build tree's program.
+# Installs each package in clean roots without compilers, bakes and renders there, and compares with a build tree's program.
 #
 #   scripts/test_packages.sh PACKAGES HALFLIGHT [--blender] [--cached]
 #
-# PACKAGES is scripts/package.sh's output, HALFLIGHT the program to compare with. Roots are made by debootstrap in
-# $HALFLIGHT_ROOTS (default /var/cache/halflight) and kept there for the next run; each test gets a copy. Exit code 77, with a
-# sentence, where that cannot be done: it needs root, debootstrap and, the first time, a Debian mirror. --cached never makes a
-# root. --blender also tests the extension, with the program of its wheel, in Debian 13's Blender 4.3 (1.7 GB the first time).
+# PACKAGES is scripts/package.sh's output, HALFLIGHT the program to compare with. Bakes have the same bytes everywhere, pictures
+# with the same driver. The roots: Debian 12; two systems with an older glibc, Debian 11 (2.31) and Ubuntu 22.04 (2.35, the
+# oldest whose Mesa has Vulkan 1.3). They are made by debootstrap in $HALFLIGHT_ROOTS (default /var/cache/halflight) and kept
+# there for the next run; each test gets a copy. Exit code 77, with a sentence, where that cannot be done: it needs root,
+# debootstrap, ubuntu-keyring and, the first time, mirrors. --cached never makes a root. --blender also tests the extension,
+# with the program of its wheel, in Debian 13's Blender 4.3 (1.7 GB the first time).
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 
@@ -23,17 +24,22 @@ for argument in "$@"; do
 done
 roots="${HALFLIGHT_ROOTS:-/var/cache/halflight}"
 mirror="${HALFLIGHT_MIRROR:-http://deb.debian.org/debian}"
+ubuntu_mirror="${HALFLIGHT_UBUNTU_MIRROR:-http://archive.ubuntu.com/ubuntu}"
+# The wheel's name promises it (scripts/package.sh).
+oldest_glibc=2.31
 [ "$(id -u)" -eq 0 ] || skip "clean roots need root's rights"
 unshare -m true 2>/dev/null || skip "this machine allows no mount namespaces"
 command -v debootstrap >/dev/null || [ -x "$roots/bookworm/bin/sh" ] || skip "debootstrap is not installed (apt-get install debootstrap)"
 
-make_root() { # SUITE
+make_root() { # SUITE [MIRROR OPTIONS…]
   [ -e "$roots/$1/.complete" ] && return
   [ "$cached" -eq 0 ] || skip "there is no root $roots/$1; scripts/test_packages.sh without --cached makes it"
-  rm -rf "${roots:?}/$1"
+  local suite="$1" from="${2:-$mirror}"
+  rm -rf "${roots:?}/$suite"
   mkdir -p "$roots/archives"
-  debootstrap --variant=minbase "$1" "$roots/$1" "$mirror" >"$roots/$1.log" 2>&1 || skip "debootstrap $1 failed: $(tail -1 "$roots/$1.log")"
-  touch "$roots/$1/.complete"
+  debootstrap --variant=minbase "${@:3}" "$suite" "$roots/$suite" "$from" >"$roots/$suite.log" 2>&1 ||
+    skip "debootstrap $suite failed: $(tail -1 "$roots/$suite.log")"
+  touch "$roots/$suite/.complete"
 }
 
 # Runs a command in a root. /in: the packages and the scene. /out: what comes back. Downloaded packages are kept.
@@ -51,41 +57,64 @@ work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 mkdir -p "$work/in" "$work/out"
 cp "$packages"/halflight* assets/courtyard.glb "$work/in"
+install="apt-get install -y -qq --no-install-recommends"
+unpack="tar xzf /in/halflight-*.tar.gz -C /opt --strip-components=1"
 bake_options="--quality preview --texels-per-meter 4 --probe-spacing 4 --quiet"
 render_options="--size 320x180 --device cpu --quiet"
 "$halflight" bake "$work/in/courtyard.glb" -o "$work/expected.glb" $bake_options
 "$halflight" render "$work/expected.glb" -o "$work/expected.png" $render_options
 
-fresh_root() { # NAME
+fresh_root() { # SUITE
   rm -rf "$work/root"
-  cp -a "$roots/bookworm" "$work/root"
+  cp -a "$roots/$1" "$work/root"
   ! chroot "$work/root" sh -c 'command -v gcc || command -v cmake' >/dev/null || { echo "the root has a compiler" >&2; exit 1; }
 }
 same() { # FILE EXPECTED TEST
   cmp "$work/out/$1" "$work/$2" || { echo "$3: not the bytes of the build tree's" >&2; exit 1; }
   echo "$3: same bytes as the build tree's"
 }
+check_tarball() { # SUITE SYSTEM
+  fresh_root "$1"
+  inside "$work/root" "$unpack && /opt/bin/halflight bake /in/courtyard.glb -o /out/tarball.glb $bake_options"
+  same tarball.glb expected.glb "tarball, $2, bake"
+}
+check_wheel() { # SUITE SYSTEM
+  fresh_root "$1"
+  inside "$work/root" "$install python3-venv >/dev/null 2>&1
+    python3 -m venv /opt/venv && /opt/venv/bin/pip install --no-index --quiet /in/halflight-*.whl
+    cd /source && /opt/venv/bin/python tests/package/wheel_check.py /in/courtyard.glb /out/wheel.glb $bake_options"
+  same wheel.glb expected.glb "wheel, $2, bake"
+}
 
 make_root bookworm
-fresh_root
-inside "$work/root" "tar xzf /in/halflight-*.tar.gz -C /opt && /opt/halflight-*/bin/halflight bake /in/courtyard.glb -o /out/tarball.glb $bake_options"
-same tarball.glb expected.glb "tarball, Debian 12, bake"
-
-fresh_root
-inside "$work/root" "apt-get install -y -qq --no-install-recommends /in/halflight_*.deb >/dev/null 2>&1
+check_tarball bookworm "Debian 12"
+fresh_root bookworm
+inside "$work/root" "$install /in/halflight_*.deb >/dev/null 2>&1
   halflight bake /in/courtyard.glb -o /out/deb.glb $bake_options
   test -s /usr/share/bash-completion/completions/halflight && test -s /usr/share/doc/halflight/schemas/bake_report.schema.json
   echo 'deb $mirror bookworm-backports main' >/etc/apt/sources.list.d/backports.list && apt-get update -qq
-  apt-get install -y -qq --no-install-recommends -t bookworm-backports libvulkan1 mesa-vulkan-drivers >/dev/null 2>&1
+  $install -t bookworm-backports libvulkan1 mesa-vulkan-drivers >/dev/null 2>&1
   halflight render /out/deb.glb -o /out/deb.png $render_options"
 same deb.glb expected.glb "deb, Debian 12, bake"
 same deb.png expected.png "deb, Debian 12, render"
+check_wheel bookworm "Debian 12"
 
-fresh_root
-inside "$work/root" "apt-get install -y -qq --no-install-recommends python3-venv >/dev/null 2>&1
-  python3 -m venv /opt/venv && /opt/venv/bin/pip install --no-index --quiet /in/halflight-*.whl
-  cd /source && /opt/venv/bin/python tests/package/wheel_check.py /in/courtyard.glb /out/wheel.glb $bake_options"
-same wheel.glb expected.glb "wheel, Debian 12, bake"
+# Debian 11's Vulkan loader and driver load into the glibc that came along; the driver is too old, which is said.
+make_root bullseye
+check_tarball bullseye "Debian 11"
+inside "$work/root" "ldd --version | grep -q ' $oldest_glibc\$' || { echo 'Debian 11 has another glibc than $oldest_glibc' >&2; exit 1; }
+  $install libvulkan1 mesa-vulkan-drivers >/dev/null 2>&1
+  ! /opt/bin/halflight render /out/tarball.glb -o /out/none.png $render_options 2>/out/said
+  grep -q 'llvmpipe .* is older than Vulkan 1.3' /out/said || { cat /out/said >&2; exit 1; }"
+echo "tarball, Debian 11, render: $(sed 's/.*: //' "$work/out/said")"
+check_wheel bullseye "Debian 11"
+
+make_root jammy "$ubuntu_mirror" --components=main,universe
+fresh_root jammy
+inside "$work/root" "echo 'deb $ubuntu_mirror jammy-updates main universe' >>/etc/apt/sources.list && apt-get update -qq
+  $install libvulkan1 mesa-vulkan-drivers >/dev/null 2>&1
+  $unpack && /opt/bin/halflight render /out/tarball.glb -o /out/jammy.png $render_options"
+echo "tarball, Ubuntu 22.04, render: $(python3 tests/package/picture_difference.py "$work/out/jammy.png" "$work/expected.png")"
 
 if [ "$blender" -eq 1 ]; then
   make_root trixie

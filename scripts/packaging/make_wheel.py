@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Makes a Python wheel of a relocatable installation (bundle_libraries.py).
 
-    make_wheel.py PREFIX VERSION GLIBC OUT      prints the wheel's path
+    make_wheel.py PREFIX VERSION GLIBC OUT      prints the wheel's path; GLIBC is the oldest that pip shall take it for
 
 A wheel is a zip with three files of metadata (PEP 427); times are fixed, so that the same files give the same bytes.
 """

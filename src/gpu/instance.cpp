@@ -126,8 +126,8 @@ void Device::createInstance(const DeviceOptions& options)
 #undef HALFLIGHT_VULKAN_LOAD
     uint32_t version = 0;
     if (!table_.CreateInstance || !table_.EnumerateInstanceVersion ||
-        table_.EnumerateInstanceVersion(&version) != VK_SUCCESS || version < VK_API_VERSION_1_3)
-        throw Failure("the Vulkan loader is older than 1.3");
+        table_.EnumerateInstanceVersion(&version) != VK_SUCCESS || version < VK_API_VERSION_1_1)
+        throw Failure("the Vulkan loader is older than 1.1"); // from 1.1 on, a device may have a newer version than it
     keepDriversLoaded(table_.CreateInstance);
 
     std::vector<const char*> layers;

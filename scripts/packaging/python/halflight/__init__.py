@@ -28,11 +28,13 @@ class Error(RuntimeError):
 
 def executable():
     """Path of the program."""
-    name = "halflight.exe" if os.name == "nt" else "halflight"
-    path = pathlib.Path(__file__).with_name("program") / "bin" / name
-    # Some installers of wheels, Blender's among them, lose the right to run it.
-    if os.name == "posix" and not os.access(path, os.X_OK):
-        path.chmod(path.stat().st_mode | stat.S_IXUSR | stat.S_IXGRP | stat.S_IXOTH)
+    folder = pathlib.Path(__file__).with_name("program")
+    path = folder / "bin" / ("halflight.exe" if os.name == "nt" else "halflight")
+    if os.name == "posix":
+        # Some installers of wheels, Blender's among them, lose the right to run files: the launcher, the program, the loader.
+        for file in (path, folder / "lib/halflight/halflight", *folder.glob("lib/halflight/glibc/ld-*")):
+            if not os.access(file, os.X_OK):
+                file.chmod(file.stat().st_mode | stat.S_IXUSR | stat.S_IXGRP | stat.S_IXOTH)
     return str(path)
 
 
