@@ -154,7 +154,7 @@ void partError(const Options& options)
         const double pathTimes = pathTarget.time() / pathMean.cpu();
         const auto pathTime = [&] { return pathMean.cpu() * pathTimes; };
         std::printf("%s: %zu texels, %zu triangles, reference %d paths on %zu texels\n", name.c_str(),
-                    p.map.texels.size(), p.geometry.triangles.size(), options.reference, subset.texels.size());
+                    p.map.texels.size(), trianglesOf(p), options.reference, subset.texels.size());
         std::printf("  %-8s %8s %10s %10s %9s %9s %10s %9s %9s\n", "", "samples", "CPU s", "Mrays", "RMSE", "bias",
                     "denoised s", "RMSE", "bias");
         std::printf("  %-8s %8d %10.2f %10.1f %8.2f%% %8.2f%%   (scaled from %zu texels)\n", "path", kPathSamples,
@@ -321,7 +321,7 @@ void seamsOf(const Options& options, const std::string& name, bool bakeLights)
     std::vector<ImageRgb32f> stitched = light;
     stitchSeams(p.map, seams, lightSeamWeights(seams, light, direct), stitched);
     Prepared finer = p;
-    for (vec2& texel : finer.geometry.lightmapTexel) texel *= float(kFiner);
+    finer.geometry.scaleTexels(float(kFiner));
     finer.map = rasterizeTexels(finer.geometry, p.map.pageSize * kFiner, p.map.pageCount);
     const std::vector<ImageRgb32f> truth = pagesOf(finer)[0];
     const auto lightAt = [](const std::vector<ImageRgb32f>& from, const SeamSample& seam, float scale) {
@@ -489,8 +489,8 @@ void partTriangles(const Options& options)
         if (!makeEmbreeIntegrator(p.scene, p.geometry, settings)) std::exit(1);
         const double build = cpuSeconds() - start;
         const Run run = integrate(p, p.map, settings);
-        std::printf("%10zu %10zu %10.2f %10.2f %10.3f\n", p.geometry.triangles.size(), p.map.texels.size(), build,
-                    run.cpu, 1.0e6 * run.cpu / samplesOf(run));
+        std::printf("%10zu %10zu %10.2f %10.2f %10.3f\n", trianglesOf(p), p.map.texels.size(), build, run.cpu,
+                    1.0e6 * run.cpu / samplesOf(run));
         std::fflush(stdout);
     }
 }

@@ -170,6 +170,11 @@ struct Prepared {
     TexelMap map;
 };
 
+inline std::size_t trianglesOf(const Prepared& p)
+{
+    return p.geometry.triangleCount();
+}
+
 inline Prepared prepareScene(Scene scene, int size, bool bakeLights)
 {
     for (Light& light : scene.lights) {

@@ -77,10 +77,10 @@ void forSurface(const Baked& baked, const std::function<void(const SurfaceSample
     for (const BakeGeometry::Part& part : g.parts) {
         if (part.page < 0) continue;
         for (uint32_t t = part.firstTriangle; t < part.firstTriangle + part.triangleCount; ++t) {
-            const uvec3 v = g.triangles[t];
-            const vec2 a = g.lightmapTexel[v.x];
-            const vec2 ab = g.lightmapTexel[v.y] - a;
-            const vec2 ac = g.lightmapTexel[v.z] - a;
+            const std::array<vec2, 3> v = g.texelsOf(t);
+            const vec2 a = v[0];
+            const vec2 ab = v[1] - a;
+            const vec2 ac = v[2] - a;
             const float area = 0.5f * std::abs(ab.x * ac.y - ab.y * ac.x);
             if (g.geometricNormal(t) == vec3(0.0f)) continue;
             const auto at = [&](vec2 barycentric) {

@@ -257,15 +257,14 @@ double supersampledBlur(const Baked& baked)
     for (std::size_t i = 0; i < shares.size(); ++i) {
         const Texel& texel = map.texels[i];
         const TexelFragment& f = map.fragments[texel.firstFragment];
-        const uvec3 v = baked.geometry.triangles[f.triangle];
+        const auto [a, b, c] = baked.geometry.texelsOf(f.triangle);
+        const auto [p0, q1, q2] = baked.geometry.cornersOf(f.triangle);
         if (baked.geometry.geometricNormal(f.triangle).y < 0.9f) continue;
         // The floor is flat: its triangle's map from texels to the world holds all over.
-        const vec2 a = baked.geometry.lightmapTexel[v.x];
-        const mat2 texelFromWeights(baked.geometry.lightmapTexel[v.y] - a, baked.geometry.lightmapTexel[v.z] - a);
+        const mat2 texelFromWeights(b - a, c - a);
         const mat2 weightsFromTexel = glm::inverse(texelFromWeights);
-        const vec3 p0 = baked.geometry.positions[v.x];
-        const vec3 p1 = baked.geometry.positions[v.y] - p0;
-        const vec3 p2 = baked.geometry.positions[v.z] - p0;
+        const vec3 p1 = q1 - p0;
+        const vec3 p2 = q2 - p0;
         float lit = 0.0f;
         for (int s = 0; s < 256; ++s) {
             const vec2 w = weightsFromTexel * (vec2(texel.x, texel.y) + (vec2(s % 16, s / 16) + 0.5f) / 16.0f - a);

@@ -85,7 +85,7 @@ void reportFlipped(const Scene& scene, const BakeGeometry& geometry, BakeReport&
 {
     std::vector<std::string> names;
     for (const BakeGeometry::Part& part : geometry.parts) {
-        const auto begin = geometry.flipped.begin() + std::ptrdiff_t(part.firstTriangle);
+        const auto begin = geometry.flipped.begin() + std::ptrdiff_t(part.firstStored);
         const auto end = begin + std::ptrdiff_t(part.triangleCount);
         if (std::find(begin, end, uint8_t(1)) != end) names.push_back(nameOf(scene, part));
     }

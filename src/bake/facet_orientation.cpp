@@ -32,6 +32,16 @@ constexpr std::size_t kBlockPatches = 4096; ///< patches that are tested at a ti
 
 using Patch = std::span<const uint32_t>; ///< triangles
 
+Bounds boundsOf(const BakeGeometry& geometry)
+{
+    Bounds bounds;
+    for (const BakeGeometry::Part& part : geometry.parts) {
+        for (uint32_t v = part.firstVertex; v < part.firstVertex + part.vertexCount; ++v)
+            bounds.extend(geometry.positionOf(part, v));
+    }
+    return bounds;
+}
+
 /// A patch that may face a cavity, with the lengths of its rays in metres (infinite: nothing hit).
 struct Candidate {
     Patch patch;
@@ -52,8 +62,7 @@ public:
     CavityTest(const Scene& scene, const BakeGeometry& geometry, const Integrator& integrator)
         : geometry_(geometry), integrator_(integrator), points_(lightAndViewPoints(scene))
     {
-        Bounds bounds;
-        for (const vec3 position : geometry.positions) bounds.extend(position);
+        const Bounds bounds = boundsOf(geometry);
         const float diagonal = bounds.empty() ? 0.0f : glm::length(bounds.size());
         far_ = diagonal;
         widest_ = std::min(kWidestMeters, kWidestShare * diagonal);
@@ -174,20 +183,32 @@ private:
     float lift_ = 0.0f;
 };
 
-/// Triangles that can be flipped, by object: double-sided, not emissive, not of a solid.
-std::vector<std::vector<uint32_t>> flippableTriangles(const Scene& scene, const BakeGeometry& geometry)
+/// Whether triangles of a part can be flipped: they are double-sided, not emissive, and have texels.
+bool isFlippable(const Scene& scene, const BakeGeometry::Part& part)
+{
+    if (part.material < 0 || part.page < 0) return false;
+    const Material& m = scene.materials[std::size_t(part.material)];
+    return m.doubleSided && m.emissiveNits == vec3(0.0f);
+}
+
+/// Triangles that can be flipped, by object, from the part `next` on, which moves on: of as few objects as have
+/// `enough` triangles.
+std::vector<std::vector<uint32_t>> flippableTriangles(const Scene& scene, const BakeGeometry& geometry,
+                                                      std::size_t enough, std::size_t& next)
 {
     std::vector<std::vector<uint32_t>> objects;
     int last = -1; // parts of an object are adjacent
-    for (const BakeGeometry::Part& part : geometry.parts) {
-        if (part.material < 0 || part.page < 0) continue;
-        const Material& m = scene.materials[std::size_t(part.material)];
-        if (!m.doubleSided || m.emissiveNits != vec3(0.0f)) continue;
+    std::size_t count = 0;
+    for (; next < geometry.parts.size(); ++next) {
+        const BakeGeometry::Part& part = geometry.parts[next];
+        if (!isFlippable(scene, part)) continue;
+        if (part.object != last && count >= enough) break;
         if (part.object != last) objects.emplace_back();
         last = part.object;
         for (uint32_t t = part.firstTriangle; t < part.firstTriangle + part.triangleCount; ++t) {
-            if (geometry.solid[t] == 0 && geometry.geometricNormal(t) != vec3(0.0f)) objects.back().push_back(t);
+            if (!geometry.isSolid(t) && geometry.geometricNormal(t) != vec3(0.0f)) objects.back().push_back(t);
         }
+        count += objects.back().size();
     }
     return objects;
 }
@@ -195,15 +216,20 @@ std::vector<std::vector<uint32_t>> flippableTriangles(const Scene& scene, const 
 /// Flips the patches that face cavities. Whether there are any.
 bool flipCavityFaces(const Scene& scene, BakeGeometry& geometry, const Integrator& integrator)
 {
-    const std::vector<std::vector<uint32_t>> objects = flippableTriangles(scene, geometry);
-    std::vector<std::vector<std::vector<uint32_t>>> patchesOf(objects.size());
-    parallelFor(objects.size(), 1, [&](std::size_t begin, std::size_t end) {
-        for (std::size_t o = begin; o < end; ++o) patchesOf[o] = facetPatches(geometry, objects[o]);
-    });
-    std::vector<Patch> patches;
-    for (const auto& ofObject : patchesOf) patches.insert(patches.end(), ofObject.begin(), ofObject.end());
-    const std::vector<Patch> wrong = CavityTest(scene, geometry, integrator).facingCavities(patches);
-    for (const Patch patch : wrong) flipTriangles(geometry, patch);
+    constexpr std::size_t kEnough = 262144; // triangles at a time, which bounds memory
+    const CavityTest test(scene, geometry, integrator);
+    std::vector<uint32_t> wrong;
+    for (std::size_t next = 0; next < geometry.parts.size();) {
+        const std::vector<std::vector<uint32_t>> objects = flippableTriangles(scene, geometry, kEnough, next);
+        std::vector<std::vector<std::vector<uint32_t>>> patchesOf(objects.size());
+        parallelFor(objects.size(), 1, [&](std::size_t begin, std::size_t end) {
+            for (std::size_t o = begin; o < end; ++o) patchesOf[o] = facetPatches(geometry, objects[o]);
+        });
+        std::vector<Patch> patches;
+        for (const auto& ofObject : patchesOf) patches.insert(patches.end(), ofObject.begin(), ofObject.end());
+        for (const Patch patch : test.facingCavities(patches)) wrong.insert(wrong.end(), patch.begin(), patch.end());
+    }
+    flipTriangles(geometry, wrong);
     return !wrong.empty();
 }
 

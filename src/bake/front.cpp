@@ -86,7 +86,7 @@ Result<std::unique_ptr<Integrator>> buildStage(const Stages& stages, const Integ
     StageTimer timer(report, "build");
     const bool taken = kept && takeGeometry(*kept, geometry);
     if (!taken) geometry = flattenGeometry(scene, pages.size, GeometryFilter::Static);
-    report.triangleCount = geometry.triangles.size();
+    report.triangleCount = geometry.triangleCount();
     limitBounces(scene, integration);
     const int samples = stages.settings.samples;
     if (integration.integrator == IntegratorKind::Cache && samples > 0 && samples < kFewestSamples) {

@@ -8,7 +8,7 @@
 namespace halflight {
 namespace {
 
-constexpr uint32_t kFrontVersion = 1; ///< raised when the first stages make other results of the same input
+constexpr uint32_t kFrontVersion = 2; ///< raised when the first stages make other results of the same input
 constexpr const char* kUnwrapped = "unwrapped";
 constexpr const char* kGeometry = "geometry";
 constexpr const char* kTexels = "texels";
@@ -36,11 +36,12 @@ template<typename Archive, typename Report> void archiveMeshReport(Archive& arch
     archive(mesh, kept, reason, charts, areaStretch);
 }
 
-/// As archiveMeshPart(); `frames` follow from the others.
+/// As archiveMeshPart(); `frames` and `partOfBlock` follow from the others.
 template<typename Archive, typename Geometry> void archiveGeometry(Archive& archive, Geometry& g)
 {
-    auto& [parts, partOfTriangle, triangles, solid, flipped, positions, normals, uv, colors, lightmapTexel, frames] = g;
-    archive(parts, partOfTriangle, triangles, solid, flipped, positions, normals, uv[0], uv[1], colors, lightmapTexel);
+    auto& [parts, instances, triangles, solid, flipped, positions, normals, uv, colors, lightmapTexel, frames,
+           partOfBlock] = g;
+    archive(parts, instances, triangles, solid, flipped, positions, normals, uv[0], uv[1], colors, lightmapTexel);
 }
 
 template<typename Archive, typename Map> void archiveTexels(Archive& archive, Map& map)

@@ -5,6 +5,7 @@
 #include "halflight/scene/fingerprint.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 namespace halflight {
@@ -35,10 +36,9 @@ Hash128 surfaceHash(const BakeGeometry& geometry, const TexelMap& map, std::size
         for (uint32_t f = texel.firstFragment; f < texel.firstFragment + texel.fragmentCount; ++f) {
             const TexelFragment& fragment = map.fragments[f];
             hasher.add(fragment.barycentric).add(fragment.area);
-            for (int k = 0; k < 3; ++k) {
-                const uint32_t vertex = geometry.triangles[fragment.triangle][k];
-                hasher.add(geometry.positions[vertex]).add(geometry.normals[vertex]);
-            }
+            const std::array<vec3, 3> corners = geometry.cornersOf(fragment.triangle);
+            const std::array<vec3, 3> normals = geometry.normalsOf(fragment.triangle);
+            for (std::size_t k = 0; k < 3; ++k) hasher.add(corners[k]).add(normals[k]);
         }
     }
     return hasher.hash();
@@ -95,6 +95,9 @@ Hash128 lightHash(Hash128 layout, const Scene& scene, const BakeGeometry& geomet
     for (const BakeGeometry::Part& part : geometry.parts) {
         hasher.add(materialHash(materials, part.material)).add(int(part.castShadows)).add(int(part.receiveShadows));
         hasher.add(part.firstTriangle);
+        if (part.instance == BakeGeometry::kOwn) continue;
+        const BakeGeometry::Instance& i = geometry.instances[part.instance];
+        hasher.add(part.firstStored).add(i.linear).add(i.origin).add(i.texelScale).add(i.texelOffset);
     }
     for (const Light& light : scene.lights)
         hasher.add(lightHash(light)).add(int(light.baking.bakeType)).add(light.baking.occlusionMaskChannel);

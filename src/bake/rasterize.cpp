@@ -11,6 +11,7 @@
 #include <numeric>
 #include <span>
 #include <tuple>
+#include <unordered_map>
 #include <utility>
 
 namespace halflight {
@@ -58,10 +59,7 @@ ivec2 mortonDecode(uint32_t code)
 void rasterizeTriangle(const BakeGeometry& geometry, uint32_t triangle, int page, int pageSize,
                        std::vector<RasterFragment>& out)
 {
-    const uvec3 t = geometry.triangles[triangle];
-    const vec2 a = geometry.lightmapTexel[t.x];
-    const vec2 b = geometry.lightmapTexel[t.y];
-    const vec2 c = geometry.lightmapTexel[t.z];
+    const auto [a, b, c] = geometry.texelsOf(triangle);
     if (cross2(b - a, c - a) == 0.0f || geometry.geometricNormal(triangle) == vec3(0.0f)) return;
     const ivec2 lower = glm::max(ivec2(glm::floor(glm::min(a, glm::min(b, c)))), ivec2(0));
     const ivec2 upper = glm::min(ivec2(glm::floor(glm::max(a, glm::max(b, c)))), ivec2(pageSize - 1));
@@ -110,17 +108,31 @@ void rasterizeTriangle(const BakeGeometry& geometry, uint32_t triangle, int page
     }
 }
 
-/// Chart of each triangle: the connected components of an object's triangles, where two triangles are connected by a
-/// vertex with equal position and equal lightmap coordinate.
-std::vector<uint32_t> chartsOfTriangles(const BakeGeometry& geometry, uint32_t& chartCount)
+/// Charts of triangles. Instances of a mesh have charts of their own, numbered alike from the object's first on.
+struct Charts {
+    const BakeGeometry& geometry;
+    std::vector<uint32_t> ofStored{}; ///< by stored triangle; for shared ones less firstOfPart
+    std::vector<uint32_t> firstOfPart{};
+
+    [[nodiscard]] uint32_t of(uint32_t triangle) const
+    {
+        const BakeGeometry::Part& part = geometry.partOf(triangle);
+        return ofStored[part.firstStored + (triangle - part.firstTriangle)] +
+               firstOfPart[std::size_t(&part - geometry.parts.data())];
+    }
+};
+
+/// Joins the stored vertices of each chart: a chart is a connected component of an object's triangles, where two
+/// triangles are connected by a vertex with equal position and equal lightmap coordinate. `parts`: partsOnce().
+DisjointSets joinCharts(const BakeGeometry& geometry, std::span<const uint32_t> parts)
 {
     struct Corner {
         int object;
         uint32_t vertex;
     };
     std::vector<Corner> corners;
-    for (const BakeGeometry::Part& part : geometry.parts) {
-        if (part.page < 0) continue;
+    for (const uint32_t i : parts) {
+        const BakeGeometry::Part& part = geometry.parts[i];
         for (uint32_t v = 0; v < part.vertexCount; ++v) corners.push_back({part.object, part.firstVertex + v});
     }
     const auto key = [&](const Corner& c) {
@@ -137,24 +149,50 @@ std::vector<uint32_t> chartsOfTriangles(const BakeGeometry& geometry, uint32_t& 
     for (std::size_t i = 1; i < corners.size(); ++i) {
         if (key(corners[i - 1]) == key(corners[i])) vertices.join(corners[i - 1].vertex, corners[i].vertex);
     }
-    for (const BakeGeometry::Part& part : geometry.parts) {
-        if (part.page < 0) continue;
-        for (uint32_t t = part.firstTriangle; t < part.firstTriangle + part.triangleCount; ++t) {
+    for (const uint32_t i : parts) {
+        const BakeGeometry::Part& part = geometry.parts[i];
+        for (uint32_t t = part.firstStored; t < part.firstStored + part.triangleCount; ++t) {
             const uvec3 triangle = geometry.triangles[t];
             vertices.join(triangle.x, triangle.y);
             vertices.join(triangle.x, triangle.z);
         }
     }
+    return vertices;
+}
+
+Charts chartsOf(const BakeGeometry& geometry, uint32_t& chartCount)
+{
+    std::vector<uint32_t> once = partsOnce(geometry);
+    std::erase_if(once, [&](uint32_t i) {
+        return geometry.parts[i].page < 0 && geometry.parts[i].instance == BakeGeometry::kOwn;
+    });
+    DisjointSets vertices = joinCharts(geometry, once);
     std::vector<uint32_t> chartOfRoot(geometry.positions.size(), ~0u);
-    std::vector<uint32_t> charts(geometry.triangles.size(), ~0u);
+    Charts charts{geometry};
+    charts.ofStored.assign(geometry.triangles.size(), ~0u);
+    charts.firstOfPart.assign(geometry.parts.size(), 0);
+    std::unordered_map<int, uint32_t> countOfMesh; // charts, of shared meshes
     chartCount = 0;
-    for (const BakeGeometry::Part& part : geometry.parts) {
-        if (part.page < 0) continue;
-        for (uint32_t t = part.firstTriangle; t < part.firstTriangle + part.triangleCount; ++t) {
-            uint32_t& chart = chartOfRoot[vertices.find(geometry.triangles[t].x)];
-            if (chart == ~0u) chart = chartCount++;
-            charts[t] = chart;
+    auto next = once.begin();
+    for (uint32_t i = 0; i < geometry.parts.size();) {
+        const int object = geometry.parts[i].object;
+        const int mesh = geometry.parts[i].mesh;
+        const bool shared = geometry.parts[i].instance != BakeGeometry::kOwn;
+        const uint32_t before = chartCount;
+        for (; i < geometry.parts.size() && geometry.parts[i].object == object; ++i) {
+            if (shared) charts.firstOfPart[i] = before;
+            if (next == once.end() || *next != i) continue;
+            ++next;
+            const BakeGeometry::Part& part = geometry.parts[i];
+            for (uint32_t t = part.firstStored; t < part.firstStored + part.triangleCount; ++t) {
+                uint32_t& chart = chartOfRoot[vertices.find(geometry.triangles[t].x)];
+                if (chart == ~0u) chart = chartCount++;
+                charts.ofStored[t] = shared ? chart - before : chart;
+            }
         }
+        if (!shared) continue;
+        const auto [entry, isFirst] = countOfMesh.try_emplace(mesh, chartCount - before);
+        if (!isFirst) chartCount += entry->second;
     }
     return charts;
 }
@@ -187,6 +225,7 @@ std::vector<FragmentRun> rasterizeRuns(const BakeGeometry& geometry, int pageSiz
             for (uint32_t t = 0; t < run.triangleCount; ++t)
                 rasterizeTriangle(geometry, run.firstTriangle + t, run.page, pageSize, run.fragments);
             std::sort(run.fragments.begin(), run.fragments.end(), isBefore);
+            run.fragments.shrink_to_fit(); // all runs are kept for a while
         }
     });
     return runs;
@@ -208,12 +247,12 @@ std::vector<RasterFragment> fragmentsBetween(std::span<const FragmentRun> runs, 
 }
 
 /// The chart that covers the largest part of a texel. Charts share texels only in layouts that a file brought along.
-uint32_t dominantChart(std::span<const RasterFragment> fragments, const std::vector<uint32_t>& charts,
+uint32_t dominantChart(std::span<const RasterFragment> fragments, const Charts& charts,
                        std::vector<std::pair<uint32_t, float>>& areaOfChart)
 {
     areaOfChart.clear();
     for (const RasterFragment& f : fragments) {
-        const uint32_t chart = charts[f.fragment.triangle];
+        const uint32_t chart = charts.of(f.fragment.triangle);
         const auto found =
             std::find_if(areaOfChart.begin(), areaOfChart.end(), [&](const auto& e) { return e.first == chart; });
         if (found == areaOfChart.end()) {
@@ -230,8 +269,7 @@ uint32_t dominantChart(std::span<const RasterFragment> fragments, const std::vec
 }
 
 /// Adds a texel with its fragments of one chart, the largest first: most sample points lie in the first few.
-void addTexel(std::span<const RasterFragment> fragments, const std::vector<uint32_t>& charts, uint32_t chart,
-              TexelMap& map)
+void addTexel(std::span<const RasterFragment> fragments, const Charts& charts, uint32_t chart, TexelMap& map)
 {
     const uint64_t key = fragments.front().key;
     const ivec2 place = mortonDecode(uint32_t(key));
@@ -242,7 +280,7 @@ void addTexel(std::span<const RasterFragment> fragments, const std::vector<uint3
     texel.chart = chart;
     texel.firstFragment = uint32_t(map.fragments.size());
     for (const RasterFragment& f : fragments) {
-        if (charts[f.fragment.triangle] == chart) map.fragments.push_back(f.fragment);
+        if (charts.of(f.fragment.triangle) == chart) map.fragments.push_back(f.fragment);
     }
     texel.fragmentCount = uint32_t(map.fragments.size()) - texel.firstFragment;
     std::sort(map.fragments.end() - texel.fragmentCount, map.fragments.end(),
@@ -282,8 +320,8 @@ TexelMap rasterizeTexels(const BakeGeometry& geometry, int pageSize, int pageCou
     TexelMap map;
     map.pageSize = pageSize;
     map.pageCount = pageCount;
-    const std::vector<uint32_t> charts = chartsOfTriangles(geometry, map.chartCount);
-    const std::vector<FragmentRun> runs = rasterizeRuns(geometry, pageSize);
+    const Charts charts = chartsOf(geometry, map.chartCount);
+    std::vector<FragmentRun> runs = rasterizeRuns(geometry, pageSize);
     // Squares of a page's texels, each a map of its own, then all of them in order.
     constexpr uint64_t kSquare = 64 * 64; // texels; a square's Morton codes are consecutive
     const uint64_t perPage = uint64_t(mortonCode(uint32_t(pageSize - 1), uint32_t(pageSize - 1))) / kSquare + 1;
@@ -300,6 +338,7 @@ TexelMap rasterizeTexels(const BakeGeometry& geometry, int pageSize, int pageCou
             }
         }
     });
+    release(runs);
     joinMaps(pieces, map);
     return map;
 }

@@ -71,43 +71,80 @@ struct Edge {
         const BakeGeometry::Part& p = geometry.parts[part];
         return {p.object,
                 p.page,
-                geometry.lightmapTexel[from],
-                geometry.lightmapTexel[to],
-                geometry.normals[from],
-                geometry.normals[to],
+                geometry.texelOf(p, from),
+                geometry.texelOf(p, to),
+                geometry.normalOf(p, from),
+                geometry.normalOf(p, to),
                 geometry.geometricNormal(triangle),
                 metersFromTexels(geometry)};
     }
     [[nodiscard]] mat2 metersFromTexels(const BakeGeometry& geometry) const
     {
-        const uvec3 v = geometry.triangles[triangle];
+        const BakeGeometry::Part& p = geometry.parts[part];
+        const uvec3 v = geometry.verticesOf(triangle);
         const uint32_t third = v.x + v.y + v.z - from - to;
-        const vec3 along = geometry.positions[to] - geometry.positions[from];
-        const vec3 toThird = geometry.positions[third] - geometry.positions[from];
+        const vec3 along = geometry.positionOf(p, to) - geometry.positionOf(p, from);
+        const vec3 toThird = geometry.positionOf(p, third) - geometry.positionOf(p, from);
         const float length = glm::length(along);
         const float x = glm::dot(toThird, along) / length;
         const float y = glm::length(glm::cross(toThird, along)) / length;
-        const mat2 texels(geometry.lightmapTexel[to] - geometry.lightmapTexel[from],
-                          geometry.lightmapTexel[third] - geometry.lightmapTexel[from]);
+        const vec2 texel = geometry.texelOf(p, from);
+        const mat2 texels(geometry.texelOf(p, to) - texel, geometry.texelOf(p, third) - texel);
         return mat2(vec2(length, 0.0f), vec2(x, y)) * glm::inverse(texels);
     }
 };
 
-/// All edges, sorted so that edges with equal ends are adjacent.
+/// By stored triangle, of shared meshes: bit e is set where edge e, from corner e to the next, joins two triangles of a
+/// chart by common vertices, so that it is no seam.
+std::vector<uint8_t> innerEdges(const BakeGeometry& geometry)
+{
+    struct Side {
+        uint32_t low;
+        uint32_t high; ///< vertices
+        uint32_t triangle;
+        int edge;
+    };
+    std::vector<uint8_t> inner(geometry.instances.empty() ? 0 : geometry.triangles.size(), 0);
+    for (const uint32_t number : geometry.instances.empty() ? std::vector<uint32_t>() : partsOnce(geometry)) {
+        const BakeGeometry::Part& part = geometry.parts[number];
+        if (part.instance == BakeGeometry::kOwn) continue;
+        std::vector<Side> sides;
+        for (uint32_t t = part.firstStored; t < part.firstStored + part.triangleCount; ++t) {
+            const uvec3 v = geometry.triangles[t];
+            for (int e = 0; e < 3; ++e)
+                sides.push_back({std::min(v[e], v[(e + 1) % 3]), std::max(v[e], v[(e + 1) % 3]), t, e});
+        }
+        std::sort(sides.begin(), sides.end(), [](const Side& a, const Side& b) {
+            return std::tie(a.low, a.high, a.triangle) < std::tie(b.low, b.high, b.triangle);
+        });
+        for (std::size_t i = 0, end = 0; i < sides.size(); i = end) {
+            while (end < sides.size() && sides[end].low == sides[i].low && sides[end].high == sides[i].high) ++end;
+            if (end - i != 2) continue;
+            for (std::size_t s = i; s < end; ++s) inner[sides[s].triangle] |= uint8_t(1u << sides[s].edge);
+        }
+    }
+    return inner;
+}
+
+/// Edges, sorted so that edges with equal ends are adjacent: all of them, but for those inside a chart of a shared
+/// mesh. (These are most edges of a scene with many instances.)
 std::vector<Edge> collectEdges(const BakeGeometry& geometry)
 {
+    const std::vector<uint8_t> inner = innerEdges(geometry);
     std::vector<Edge> edges;
     edges.reserve(3 * geometry.triangles.size());
     for (std::size_t number = 0; number < geometry.parts.size(); ++number) {
         const BakeGeometry::Part& part = geometry.parts[number];
         if (part.page < 0) continue;
-        for (uint32_t t = part.firstTriangle; t < part.firstTriangle + part.triangleCount; ++t) {
-            const uvec3 v = geometry.triangles[t];
+        const bool shared = part.instance != BakeGeometry::kOwn;
+        for (uint32_t i = 0; i < part.triangleCount; ++i) {
+            const uvec3 v = geometry.triangles[part.firstStored + i];
             for (int e = 0; e < 3; ++e) {
+                if (shared && ((inner[part.firstStored + i] >> e) & 1) != 0) continue;
                 uint32_t a = v[e];
                 uint32_t b = v[(e + 1) % 3];
-                auto bitsA = positionBits(geometry.positions[a]);
-                auto bitsB = positionBits(geometry.positions[b]);
+                auto bitsA = positionBits(geometry.positionOf(part, a));
+                auto bitsB = positionBits(geometry.positionOf(part, b));
                 if (bitsA == bitsB) continue;
                 if (bitsB < bitsA) {
                     std::swap(a, b);
@@ -118,7 +155,7 @@ std::vector<Edge> collectEdges(const BakeGeometry& geometry)
                 std::copy(bitsB.begin(), bitsB.end(), edge.ends.begin() + 3);
                 edge.from = a;
                 edge.to = b;
-                edge.triangle = t;
+                edge.triangle = part.firstTriangle + i;
                 edge.part = uint32_t(number);
             }
         }
@@ -246,7 +283,9 @@ std::vector<SeamSample> findSeams(const BakeGeometry& geometry, int pageSize)
         sides.clear();
         for (std::size_t i = first; i < end; ++i) sides.push_back(edges[i].side(geometry));
         if (sides.size() == 1) {
-            OpenEdge edge{sides[0], geometry.positions[edges[first].from], geometry.positions[edges[first].to], 0};
+            const BakeGeometry::Part& part = geometry.parts[edges[first].part];
+            OpenEdge edge{sides[0], geometry.positionOf(part, edges[first].from),
+                          geometry.positionOf(part, edges[first].to), 0};
             const float texels = glm::distance(edge.side.from, edge.side.to);
             edge.texelMeters = texels > 0.0f ? glm::distance(edge.a, edge.b) / texels : 0.0f;
             if (edge.texelMeters > 0.0f) open.push_back(edge);

@@ -1,152 +1,17 @@
 // Solids: closed surfaces that face outward, found by connectivity alone. Inward-facing ones that are no rooms are
 // flipped.
+#include "bake/components.h"
 #include "bake/stages.h"
 
-#include "halflight/base/disjoint_sets.h"
 #include "halflight/base/parallel.h"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <numeric>
 #include <span>
-#include <tuple>
-#include <utility>
 
 namespace halflight {
 namespace {
-
-/// An edge of a triangle between welded vertices, directed as the triangle winds.
-struct DirectedEdge {
-    uint32_t low = 0;
-    uint32_t high = 0;
-    uint32_t triangle = 0;
-    bool forward = false; ///< from low to high
-};
-
-/// The corners of the listed triangles as indices of welded vertices: equal positions get equal indices.
-std::vector<uvec3> weld(const BakeGeometry& geometry, std::span<const uint32_t> triangles)
-{
-    std::vector<uint32_t> corners(triangles.size() * 3); // 3 * index into `triangles` + corner
-    std::iota(corners.begin(), corners.end(), 0u);
-    const auto at = [&](uint32_t c) { return geometry.positions[geometry.triangles[triangles[c / 3]][int(c % 3)]]; };
-    std::sort(corners.begin(), corners.end(), [&](uint32_t a, uint32_t b) {
-        const vec3 p = at(a);
-        const vec3 q = at(b);
-        return std::tie(p.x, p.y, p.z, a) < std::tie(q.x, q.y, q.z, b);
-    });
-    std::vector<uvec3> welded(triangles.size());
-    uint32_t vertex = 0;
-    for (std::size_t i = 0; i < corners.size(); ++i) {
-        if (i > 0 && at(corners[i]) != at(corners[i - 1])) ++vertex;
-        welded[corners[i] / 3][int(corners[i] % 3)] = vertex;
-    }
-    return welded;
-}
-
-/// The edges of welded triangles, sorted so that edges with equal ends are adjacent.
-std::vector<DirectedEdge> edgesOf(std::span<const uvec3> welded)
-{
-    std::vector<DirectedEdge> edges;
-    edges.reserve(welded.size() * 3);
-    for (std::size_t t = 0; t < welded.size(); ++t) {
-        const uvec3 w = welded[t];
-        if (w[0] == w[1] || w[1] == w[2] || w[2] == w[0]) continue; // degenerate
-        for (int e = 0; e < 3; ++e) {
-            const uint32_t a = w[e];
-            const uint32_t b = w[(e + 1) % 3];
-            edges.push_back({std::min(a, b), std::max(a, b), uint32_t(t), a < b});
-        }
-    }
-    std::sort(edges.begin(), edges.end(), [](const DirectedEdge& a, const DirectedEdge& b) {
-        return std::tie(a.low, a.high, a.triangle) < std::tie(b.low, b.high, b.triangle);
-    });
-    return edges;
-}
-
-/// Calls body(edges) for each group of edges with equal ends.
-template<typename Body> void forEdges(std::span<const DirectedEdge> edges, const Body& body)
-{
-    for (std::size_t i = 0; i < edges.size();) {
-        std::size_t j = i;
-        while (j < edges.size() && edges[j].low == edges[i].low && edges[j].high == edges[i].high) ++j;
-        body(edges.subspan(i, j - i));
-        i = j;
-    }
-}
-
-/// A closed surface: a connected component of triangles.
-struct Component {
-    std::vector<uint32_t> triangles;
-    Bounds bounds;
-};
-struct Components {
-    std::vector<Component> solids; ///< facing outward
-    std::vector<Component> inward; ///< facing inward: rooms, cavities of solids, or inverted surfaces
-    /// A component, closed or open: one of its triangles, and its bounds.
-    struct Any {
-        uint32_t triangle = 0;
-        Bounds bounds;
-    };
-    std::vector<Any> all;
-};
-
-/// The connected components of the listed triangles.
-Components componentsOf(const BakeGeometry& geometry, std::span<const uint32_t> triangles)
-{
-    const std::vector<DirectedEdge> edges = edgesOf(weld(geometry, triangles));
-
-    // Components are connected across edges. A component is closed if each edge has as many triangles in one direction
-    // as in the other.
-    DisjointSets sets(triangles.size());
-    std::vector<uint32_t> openTriangles;
-    forEdges(edges, [&](std::span<const DirectedEdge> same) {
-        int balance = 0;
-        for (const DirectedEdge& edge : same) {
-            balance += edge.forward ? 1 : -1;
-            sets.join(same.front().triangle, edge.triangle);
-        }
-        if (balance != 0) openTriangles.push_back(same.front().triangle);
-    });
-    std::vector<uint8_t> open(triangles.size(), 0);
-    for (const uint32_t t : openTriangles) open[sets.find(t)] = 1;
-
-    // The sign of the enclosed volume is positive for outward-facing components.
-    std::vector<double> volume(triangles.size(), 0.0);
-    const vec3 reference = geometry.positions[geometry.triangles[triangles[0]].x];
-    for (std::size_t t = 0; t < triangles.size(); ++t) {
-        const uvec3 v = geometry.triangles[triangles[t]];
-        volume[sets.find(uint32_t(t))] +=
-            double(glm::dot(geometry.positions[v.x] - reference,
-                            glm::cross(geometry.positions[v.y] - reference, geometry.positions[v.z] - reference)));
-    }
-    Components components;
-    std::vector<Component*> componentOf(triangles.size(), nullptr);
-    std::vector<uint32_t> roots;
-    for (std::size_t t = 0; t < triangles.size(); ++t) {
-        if (sets.find(uint32_t(t)) == t && !open[t] && volume[t] != 0.0) roots.push_back(uint32_t(t));
-    }
-    const auto outward = [&](uint32_t root) { return volume[root] > 0.0; };
-    const auto count = std::size_t(std::count_if(roots.begin(), roots.end(), outward));
-    components.solids.resize(count); // once: componentOf points into the list
-    components.inward.resize(roots.size() - count);
-    std::size_t nextSolid = 0;
-    std::size_t nextInward = 0;
-    for (const uint32_t root : roots)
-        componentOf[root] = outward(root) ? &components.solids[nextSolid++] : &components.inward[nextInward++];
-    std::vector<Bounds> bounds(triangles.size()); // by root
-    for (std::size_t t = 0; t < triangles.size(); ++t) {
-        const uint32_t root = sets.find(uint32_t(t));
-        bounds[root].extend(geometry.boundsOf(triangles[t]));
-        if (componentOf[root]) componentOf[root]->triangles.push_back(triangles[t]);
-    }
-    for (std::size_t t = 0; t < triangles.size(); ++t) {
-        if (sets.find(uint32_t(t)) != t) continue;
-        components.all.push_back({triangles[t], bounds[t]});
-        if (componentOf[t]) componentOf[t]->bounds = bounds[t];
-    }
-    return components;
-}
 
 /// Winding number of a closed component around a point, the sum of its triangles' solid angles over 4 pi. It is 1
 /// inside an outward-facing component, -1 inside an inward-facing one, 0 outside (Van Oosterom and Strackee 1983, "The
@@ -155,10 +20,10 @@ double windingNumber(const BakeGeometry& geometry, const Component& component, v
 {
     double sum = 0.0;
     for (const uint32_t t : component.triangles) {
-        const uvec3 v = geometry.triangles[t];
-        const glm::dvec3 a(geometry.positions[v.x] - point);
-        const glm::dvec3 b(geometry.positions[v.y] - point);
-        const glm::dvec3 c(geometry.positions[v.z] - point);
+        const std::array<vec3, 3> v = geometry.cornersOf(t);
+        const glm::dvec3 a(v[0] - point);
+        const glm::dvec3 b(v[1] - point);
+        const glm::dvec3 c(v[2] - point);
         const double la = glm::length(a);
         const double lb = glm::length(b);
         const double lc = glm::length(c);
@@ -194,7 +59,7 @@ public:
         for (const BakeGeometry::Part& part : geometry.parts) {
             Bounds& bounds = boundsOfPart_.emplace_back();
             for (uint32_t v = part.firstVertex; v < part.firstVertex + part.vertexCount; ++v)
-                bounds.extend(geometry.positions[v]);
+                bounds.extend(geometry.positionOf(part, v));
             bounds_.extend(bounds);
         }
     }
@@ -204,7 +69,7 @@ public:
     {
         return !within(bounds_, component.bounds) &&
                std::all_of(component.triangles.begin(), component.triangles.end(), [&](uint32_t t) {
-                   const int material = geometry_.parts[geometry_.partOfTriangle[t]].material;
+                   const int material = geometry_.partOf(t).material;
                    if (material < 0) return false;
                    const Material& m = scene_.materials[std::size_t(material)];
                    return m.doubleSided && m.emissiveNits == vec3(0.0f);
@@ -227,7 +92,8 @@ public:
         for (uint32_t i = 0; i < boundsOfPart_.size(); ++i) {
             const BakeGeometry::Part& part = geometry_.parts[i];
             const bool inside = !boundsOfPart_[i].empty() && within(boundsOfPart_[i], component.bounds);
-            if (inside && !hasTriangleOf(component, part) && holds(component, geometry_.positions[part.firstVertex]))
+            if (inside && !hasTriangleOf(component, part) &&
+                holds(component, geometry_.positionOf(part, part.firstVertex)))
                 return false;
         }
         return std::none_of(points_.begin(), points_.end(), [&](vec3 point) { return holds(component, point); });
@@ -253,33 +119,97 @@ private:
 
 bool ofOneObject(const BakeGeometry& geometry, const Component& component)
 {
-    const auto objectOf = [&](uint32_t t) { return geometry.parts[geometry.partOfTriangle[t]].object; };
+    const auto objectOf = [&](uint32_t t) { return geometry.partOf(t).object; };
     return objectOf(component.triangles.front()) ==
            objectOf(component.triangles.back()); // triangles are sorted by object
 }
 
 /// Marks the solids among the listed triangles, and flips inverted components. `together`: the triangles are of several
-/// objects, each of which has been tested by itself.
-void markSolids(BakeGeometry& geometry, std::span<const uint32_t> triangles, const InversionTest& inversion,
+/// objects, each of which has been tested by itself. False: components of shared triangles may be inverted, which only
+/// the place of each instance decides; nothing is flipped then.
+bool markSolids(BakeGeometry& geometry, std::span<const uint32_t> triangles, const InversionTest& inversion,
                 bool together)
 {
     Components components = componentsOf(geometry, triangles);
     const auto mark = [&](const Component& component) {
-        for (const uint32_t t : component.triangles) geometry.solid[t] = 1;
+        if (together) storeInWorldSpace(geometry, component.triangles);
+        for (const uint32_t t : component.triangles) geometry.solid[geometry.storedOf(t).index] = 1;
     };
     for (const Component& component : components.solids) mark(component);
-    if (components.inward.empty()) return;
+    if (components.inward.empty()) return true;
     std::sort(components.all.begin(), components.all.end(),
               [](const auto& a, const auto& b) { return a.bounds.min.x < b.bounds.min.x; });
+    const bool shared = !together && geometry.storedOf(triangles.front()).instance != nullptr;
     for (const Component& component : components.inward) {
         if (isCavity(geometry, component, components.solids)) {
             mark(component);
+        } else if (shared) {
+            if (inversion.canBeInverted(component)) return false;
         } else if (inversion.canBeInverted(component) && !(together && ofOneObject(geometry, component)) &&
                    inversion.isEmpty(component, components.all)) {
             flipTriangles(geometry, component.triangles);
             mark(component);
         }
     }
+    return true;
+}
+
+/// Marks solids object by object: objects that touch must not be connected. `parts`: of the objects,
+/// in their order.
+void markSolidsOfObjects(BakeGeometry& geometry, const InversionTest& inversion, std::span<const uint32_t> parts)
+{
+    std::vector<uint32_t> firstParts;
+    for (const uint32_t i : parts) {
+        if (firstParts.empty() || geometry.parts[firstParts.back()].object != geometry.parts[i].object)
+            firstParts.push_back(i);
+    }
+    std::vector<uint8_t> undecided(firstParts.size(), 0);
+    parallelFor(firstParts.size(), 1, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t o = begin; o < end; ++o) {
+            const int object = geometry.parts[firstParts[o]].object;
+            std::vector<uint32_t> list;
+            for (std::size_t i = firstParts[o]; i < geometry.parts.size() && geometry.parts[i].object == object; ++i) {
+                const BakeGeometry::Part& part = geometry.parts[i];
+                for (uint32_t t = 0; t < part.triangleCount; ++t) list.push_back(part.firstTriangle + t);
+            }
+            if (!list.empty()) undecided[o] = markSolids(geometry, list, inversion, false) ? 0 : 1;
+        }
+    });
+    // Each object with such a mesh is tested by itself.
+    std::vector<uint32_t> again;
+    for (std::size_t o = 0; o < firstParts.size(); ++o) {
+        if (undecided[o] == 0) continue;
+        const BakeGeometry::Part first = geometry.parts[firstParts[o]];
+        for (uint32_t i = 0; i < geometry.parts.size(); ++i) {
+            const BakeGeometry::Part& part = geometry.parts[i];
+            if (part.instance == BakeGeometry::kOwn || part.mesh != first.mesh || part.part != first.part) continue;
+            geometry.storeInWorldSpace(i);
+            again.push_back(i);
+        }
+    }
+    if (!again.empty()) markSolidsOfObjects(geometry, inversion, again);
+}
+
+/// Marks solids that several objects form together: buildings are often one closed surface cut into several objects.
+void markSolidsTogether(BakeGeometry& geometry, const InversionTest& inversion)
+{
+    constexpr std::size_t kMaxTogether = 4'000'000;       // triangles: some 200 bytes each for a while
+    constexpr std::size_t kMaxShared = kMaxTogether / 16; // of instances: more are a forest, not a building
+    const auto forOpen = [&](const BakeGeometry::Part& part, const auto& body) {
+        for (uint32_t t = 0; t < part.triangleCount; ++t) {
+            if (geometry.solid[part.firstStored + t] == 0) body(part.firstTriangle + t);
+        }
+    };
+    std::size_t shared = 0;
+    for (const BakeGeometry::Part& part : geometry.parts) {
+        if (part.instance != BakeGeometry::kOwn) forOpen(part, [&](uint32_t) { ++shared; });
+    }
+    std::vector<uint32_t> rest;
+    for (const BakeGeometry::Part& part : geometry.parts) {
+        if (part.instance != BakeGeometry::kOwn && shared > kMaxShared) continue;
+        forOpen(part, [&](uint32_t t) { rest.push_back(t); });
+    }
+    if (!rest.empty() && rest.size() <= kMaxTogether) markSolids(geometry, rest, inversion, true);
 }
 
 } // namespace
@@ -297,74 +227,35 @@ std::vector<vec3> lightAndViewPoints(const Scene& scene)
     return points;
 }
 
-void flipTriangles(BakeGeometry& geometry, std::span<const uint32_t> triangles)
+void storeInWorldSpace(BakeGeometry& geometry, std::span<const uint32_t> triangles)
 {
-    for (const uint32_t t : triangles) {
-        geometry.flipped[t] = 1;
-        uvec3& v = geometry.triangles[t];
-        std::swap(v.y, v.z);
-        geometry.frames[t].normal = -geometry.frames[t].normal;
-        for (int corner = 0; corner < 3; ++corner) {
-            vec3& normal = geometry.normals[v[corner]];
-            if (glm::dot(normal, geometry.geometricNormal(t)) < 0.0f) normal = -normal;
-        }
-    }
+    if (geometry.instances.empty()) return;
+    for (const uint32_t t : triangles) geometry.storeInWorldSpace(geometry.partNumberOf(t));
 }
 
-std::vector<std::vector<uint32_t>> facetPatches(const BakeGeometry& geometry, std::span<const uint32_t> triangles)
+void flipTriangles(BakeGeometry& geometry, std::span<const uint32_t> triangles)
 {
-    constexpr float kSharp = 0.64f; // cosine of 50 degrees
-    if (triangles.empty()) return {};
-    DisjointSets sets(triangles.size());
-    const std::vector<DirectedEdge> edges = edgesOf(weld(geometry, triangles));
-    forEdges(edges, [&](std::span<const DirectedEdge> same) {
-        if (same.size() != 2 || same[0].forward == same[1].forward) return;
-        const vec3 normal = geometry.geometricNormal(triangles[same[0].triangle]);
-        if (glm::dot(normal, geometry.geometricNormal(triangles[same[1].triangle])) < kSharp) return;
-        sets.join(same[0].triangle, same[1].triangle);
-    });
-    std::vector<std::vector<uint32_t>> patches;
-    std::vector<uint32_t> patchOf(triangles.size());
-    for (uint32_t t = 0; t < triangles.size(); ++t) {
-        const uint32_t root = sets.find(t);
-        if (root == t) {
-            patchOf[t] = uint32_t(patches.size());
-            patches.emplace_back();
+    storeInWorldSpace(geometry, triangles);
+    for (const uint32_t t : triangles) {
+        const uint32_t stored = geometry.storedOf(t).index;
+        geometry.flipped[stored] = 1;
+        uvec3& v = geometry.triangles[stored];
+        std::swap(v.y, v.z);
+        geometry.frames[stored].normal = -geometry.frames[stored].normal;
+        for (int corner = 0; corner < 3; ++corner) {
+            vec3& normal = geometry.normals[v[corner]];
+            if (glm::dot(normal, geometry.frames[stored].normal) < 0.0f) normal = -normal;
         }
-        patches[patchOf[root]].push_back(triangles[t]);
     }
-    return patches;
 }
 
 void findSolids(const Scene& scene, BakeGeometry& geometry)
 {
-    // Object by object first: objects that touch must not be connected.
     geometry.solid.assign(geometry.triangles.size(), 0);
     geometry.flipped.assign(geometry.triangles.size(), 0);
     const InversionTest inversion(scene, geometry);
-    std::vector<std::vector<uint32_t>> objects;
-    for (std::size_t i = 0; i < geometry.parts.size();) {
-        std::vector<uint32_t>& list = objects.emplace_back();
-        const int object = geometry.parts[i].object;
-        for (; i < geometry.parts.size() && geometry.parts[i].object == object; ++i) {
-            const BakeGeometry::Part& part = geometry.parts[i];
-            for (uint32_t t = 0; t < part.triangleCount; ++t) list.push_back(part.firstTriangle + t);
-        }
-    }
-    parallelFor(objects.size(), 1, [&](std::size_t begin, std::size_t end) {
-        for (std::size_t o = begin; o < end; ++o) {
-            if (!objects[o].empty()) markSolids(geometry, objects[o], inversion, false);
-        }
-    });
-
-    // Then the remaining triangles of all objects together: buildings are often one closed surface cut into several
-    // objects.
-    constexpr std::size_t kMaxTogether = 4'000'000;
-    std::vector<uint32_t> rest;
-    for (uint32_t t = 0; t < geometry.triangles.size(); ++t) {
-        if (!geometry.solid[t]) rest.push_back(t);
-    }
-    if (!rest.empty() && rest.size() <= kMaxTogether) markSolids(geometry, rest, inversion, true);
+    markSolidsOfObjects(geometry, inversion, partsOnce(geometry));
+    markSolidsTogether(geometry, inversion);
 }
 
 } // namespace halflight

@@ -19,7 +19,7 @@ constexpr const char* kBakeAll = ": bake the whole scene once with this cache";
 int objectOf(const BakeGeometry& geometry, const TexelMap& map, const Texel& texel)
 {
     const uint32_t triangle = map.fragments[texel.firstFragment].triangle;
-    return geometry.parts[geometry.partOfTriangle[triangle]].object;
+    return geometry.partOf(triangle).object;
 }
 
 /// Of what a renamed object keeps.

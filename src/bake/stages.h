@@ -17,7 +17,8 @@ struct Gather;
 
 /// Which objects become geometry.
 enum class GeometryFilter { Static, All };
-/// World-space triangles of the scene, with solids marked (findSolids()). `pageSize`: of the lightmap, in texels.
+/// The triangles of the scene, with solids marked (findSolids()). Objects that share a large mesh share its stored
+/// triangles (shareMeshes()). `pageSize`: of the lightmap, in texels.
 BakeGeometry flattenGeometry(const Scene& scene, int pageSize, GeometryFilter filter);
 
 /// Fills BakeGeometry::solid and BakeGeometry::flipped. A solid is a closed, outward-facing surface of one object or of
@@ -28,7 +29,14 @@ void findSolids(const Scene& scene, BakeGeometry& geometry);
 /// Positions of local lights, cameras and dynamic objects: space that contains one is not empty.
 std::vector<vec3> lightAndViewPoints(const Scene& scene);
 
-/// Reverses the winding of triangles, and vertex normals that would point to their back.
+/// Numbers of parts that have each stored triangle once: all but the second and later instances of a mesh.
+std::vector<uint32_t> partsOnce(const BakeGeometry& geometry);
+
+/// Gives the objects of triangles stored triangles of their own (BakeGeometry::storeInWorldSpace()).
+void storeInWorldSpace(BakeGeometry& geometry, std::span<const uint32_t> triangles);
+
+/// Reverses the winding of triangles, and vertex normals that would point to their back. Their objects no longer share
+/// stored triangles.
 void flipTriangles(BakeGeometry& geometry, std::span<const uint32_t> triangles);
 
 /// Splits triangles into patches, connected across edges where the winding is consistent and the angle between the
@@ -169,13 +177,9 @@ std::vector<ImageRgba8> encodeShadowmask(const std::vector<ImageRgba32f>& pages)
 class TriangleFrame {
 public:
     TriangleFrame(const BakeGeometry& geometry, uint32_t triangle)
-        : triangle_(triangle), geometricNormal_(geometry.geometricNormal(triangle))
+        : triangle_(triangle), geometricNormal_(geometry.geometricNormal(triangle)),
+          positions_(geometry.cornersOf(triangle)), normals_(geometry.normalsOf(triangle))
     {
-        const uvec3 t = geometry.triangles[triangle];
-        for (int i = 0; i < 3; ++i) {
-            positions_[i] = geometry.positions[t[i]];
-            normals_[i] = geometry.normals[t[i]];
-        }
         flat_ = normals_[0] == normals_[1] && normals_[0] == normals_[2];
         if (flat_) normals_[0] = shadingNormal(normals_[0]);
     }
@@ -204,8 +208,8 @@ private:
 
     uint32_t triangle_;
     vec3 geometricNormal_;
-    vec3 positions_[3];
-    vec3 normals_[3];
+    std::array<vec3, 3> positions_;
+    std::array<vec3, 3> normals_;
     bool flat_; ///< all points have the normal normals_[0]
 };
 

@@ -18,15 +18,15 @@ class InsetPoints {
 public:
     InsetPoints(const BakeGeometry& geometry, uint32_t triangle) : frame_(geometry, triangle)
     {
-        const uvec3 t = geometry.triangles[triangle];
-        vec2 corners[3];
-        for (int i = 0; i < 3; ++i) corners[i] = geometry.lightmapTexel[t[i]];
+        const std::array<vec2, 3> corners = geometry.texelsOf(triangle);
         // Barycentric weights are distances over the triangle's heights, and a height is twice the area over an edge.
         constexpr float kTexels = 4.0e-3f;
         const float area = std::abs(cross2(corners[1] - corners[0], corners[2] - corners[0]));
         const float weightOfEdge = kTexels / std::max(area, 1.0e-12f);
         for (int i = 0; i < 3; ++i) {
-            least_[i] = std::min(weightOfEdge * glm::distance(corners[(i + 1) % 3], corners[(i + 2) % 3]), 1.0f / 3.0f);
+            least_[i] =
+                std::min(weightOfEdge * glm::distance(corners[std::size_t(i + 1) % 3], corners[std::size_t(i + 2) % 3]),
+                         1.0f / 3.0f);
         }
     }
     void put(vec2 barycentric, SurfacePoint& out) const
@@ -59,10 +59,10 @@ Rectangle coveredRectangle(const BakeGeometry& geometry, std::span<const TexelFr
     vec2 min = in.min + in.size;
     vec2 max = in.min;
     for (const TexelFragment& fragment : fragments) {
-        const uvec3 t = geometry.triangles[fragment.triangle];
-        for (int i = 0; i < 3; ++i) {
-            min = glm::min(min, geometry.lightmapTexel[t[i]]);
-            max = glm::max(max, geometry.lightmapTexel[t[i]]);
+        const std::array<vec2, 3> t = geometry.texelsOf(fragment.triangle);
+        for (const vec2 corner : t) {
+            min = glm::min(min, corner);
+            max = glm::max(max, corner);
         }
     }
     min = glm::max(min, in.min);
@@ -84,10 +84,10 @@ uint32_t coveredPoints(const BakeGeometry& geometry, std::span<const TexelFragme
     }
     uint32_t found = 0;
     for (const TexelFragment& fragment : fragments) {
-        const uvec3 t = geometry.triangles[fragment.triangle];
-        const vec2 corner = geometry.lightmapTexel[t.x];
-        const vec2 edge1 = geometry.lightmapTexel[t.y] - corner;
-        const vec2 edge2 = geometry.lightmapTexel[t.z] - corner;
+        const std::array<vec2, 3> t = geometry.texelsOf(fragment.triangle);
+        const vec2 corner = t[0];
+        const vec2 edge1 = t[1] - corner;
+        const vec2 edge2 = t[2] - corner;
         const float area = cross2(edge1, edge2);
         if (std::abs(area) < 1.0e-20f) continue;
         const float inverse = 1.0f / area;

@@ -41,13 +41,12 @@ private:
         if (!at.found) return paths_.sky().radiance(direction);
         const BakeGeometry& geometry = surfaces.geometry();
         const SurfaceHit hit = surfaces.surfaceAt(at);
-        const BakeGeometry::Part& part = geometry.parts[geometry.partOfTriangle[hit.point.triangle]];
+        const BakeGeometry::Part& part = geometry.partOf(hit.point.triangle);
         if (part.page < 0)
             return paths_.pathRadiance(at, direction, {position_}, 0.0f, settings_.bounces, sampler, rays);
-        const uvec3 t = geometry.triangles[hit.point.triangle];
+        const std::array<vec2, 3> t = geometry.texelsOf(hit.point.triangle);
         const vec2 b = hit.point.barycentric;
-        const vec2 texel = (1.0f - b.x - b.y) * geometry.lightmapTexel[t.x] + b.x * geometry.lightmapTexel[t.y] +
-                           b.y * geometry.lightmapTexel[t.z];
+        const vec2 texel = (1.0f - b.x - b.y) * t[0] + b.x * t[1] + b.y * t[2];
         const vec3 irradiance =
             bilinear(lightmap_[std::size_t(part.page)], texel) + mixedLight(hit.point, sampler, rays);
         return hit.emission + shading::diffuseRadiance(hit.reflectance.transportAlbedo(), irradiance);

@@ -40,7 +40,7 @@ public:
     };
     [[nodiscard]] Color at(uint32_t triangle, vec2 barycentric) const
     {
-        const int index = geometry_.parts[geometry_.partOfTriangle[triangle]].material;
+        const int index = geometry_.partOf(triangle).material;
         const Material& m = index < 0 ? defaultMaterial() : scene_.materials[std::size_t(index)];
         const auto color = [&](const TextureRef& ref) { return texel(triangle, barycentric, ref, true); };
         const auto data = [&](const TextureRef& ref) { return texel(triangle, barycentric, ref, false); };

@@ -183,7 +183,7 @@ TEST(GeometryS6, MirroredAndShearedObjectsKeepOutwardNormals)
     transform[2] = vec4(0, 0.2f, 0.5f, 0);
     for (Object& object : scene.objects) object.worldFromObject = transform;
     const BakeGeometry geometry = flattenGeometry(scene, kPage, GeometryFilter::Static);
-    for (uint32_t t = 0; t < geometry.triangles.size(); ++t) {
+    for (uint32_t t = 0; t < geometry.triangleCount(); ++t) {
         const SurfacePoint p = surfacePoint(geometry, t, vec2(1.0f / 3.0f));
         EXPECT_GT(glm::dot(p.geometricNormal, p.position), 0.0f);
         EXPECT_NEAR(glm::dot(p.geometricNormal, p.normal), 1.0f, 1e-5f);

@@ -47,7 +47,7 @@ TEST(TexelsS6, RasterizationIsConservative)
         std::array<SurfacePoint, kMaxTexelPoints> points;
         EXPECT_GE(texelPoints(geometry, map, texel, points), 1);
     }
-    for (std::size_t t = 0; t < geometry.triangles.size(); ++t) {
+    for (std::size_t t = 0; t < geometry.triangleCount(); ++t) {
         const uvec3 v = geometry.triangles[t];
         const vec2 a = geometry.lightmapTexel[v.x];
         const vec2 b = geometry.lightmapTexel[v.y];

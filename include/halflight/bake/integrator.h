@@ -2,6 +2,7 @@
 // The interface between the stages of a bake and the code that traces its rays. src/bake_cpu implements it with Embree.
 // All positions are in world space, in metres, relative to Scene::originMeters.
 
+#include "halflight/bake/bake_geometry.h"
 #include "halflight/base/progress.h"
 #include "halflight/base/result.h"
 #include "halflight/scene/baked_scene.h"
@@ -17,61 +18,6 @@
 namespace halflight {
 
 class PartFolder;
-
-/// World-space triangles of the scene's objects in one list: rays hit them, texels lie on them.
-struct BakeGeometry {
-    /// One part of an object's mesh. Its triangles are [firstTriangle, firstTriangle + triangleCount), its vertices
-    /// [firstVertex, firstVertex + vertexCount). Parts of one object are adjacent.
-    struct Part {
-        int object = -1;   ///< index into Scene::objects
-        int mesh = -1;     ///< index into Scene::meshes
-        int part = -1;     ///< index into Mesh::parts
-        int material = -1; ///< index into Scene::materials, -1 = default
-        uint32_t firstTriangle = 0;
-        uint32_t triangleCount = 0;
-        uint32_t firstVertex = 0;
-        uint32_t vertexCount = 0;
-        bool castShadows = true;
-        bool receiveShadows = true; ///< false: lights are unoccluded
-        int page = -1;              ///< lightmap page, -1 = none
-    };
-    std::vector<Part> parts;
-    // By triangle.
-    std::vector<uint32_t> partOfTriangle; ///< index into `parts`
-    std::vector<uvec3> triangles; ///< vertex indices, counter-clockwise seen from the front (mirroring is undone)
-    std::vector<uint8_t> solid;   ///< 1: of a closed, outward-facing surface or a cavity in one; its back is inside
-    std::vector<uint8_t> flipped; ///< 1: orientation repair reversed its winding
-    // By vertex.
-    std::vector<vec3> positions;     ///< world space, metres
-    std::vector<vec3> normals;       ///< world space, unit
-    std::vector<vec2> uv[2];         ///< zero where the part has none
-    std::vector<vec4> colors;        ///< linear; empty when no part has any
-    std::vector<vec2> lightmapTexel; ///< in texels of the page; zero for parts without lightmap
-
-    /// Derived values by triangle; findFrames() computes them from the above.
-    struct Frame {
-        vec3 normal{0.0f};        ///< unit, or zero
-        float texelMeters = 0.0f; ///< see texelMeters()
-    };
-    std::vector<Frame> frames;
-    void findFrames();
-
-    /// Unit, or zero for a degenerate triangle.
-    [[nodiscard]] vec3 geometricNormal(uint32_t triangle) const { return frames[triangle].normal; }
-    /// Width of a lightmap texel on a triangle, in metres; 0 where its lightmap triangle has no area.
-    [[nodiscard]] float texelMeters(uint32_t triangle) const { return frames[triangle].texelMeters; }
-    [[nodiscard]] vec3 centroid(uint32_t triangle) const
-    {
-        const uvec3 t = triangles[triangle];
-        return (positions[t.x] + positions[t.y] + positions[t.z]) / 3.0f;
-    }
-    [[nodiscard]] Bounds boundsOf(uint32_t triangle) const
-    {
-        Bounds bounds;
-        for (int corner = 0; corner < 3; ++corner) bounds.extend(positions[triangles[triangle][corner]]);
-        return bounds;
-    }
-};
 
 /// The intersection of a triangle and one texel's square.
 struct TexelFragment {

@@ -83,12 +83,10 @@ std::vector<PatchLight> placePatches(const Radiosity& radiosity, const TexelMap&
         const auto patch = PatchId(i);
         if (firstFragment[patch] == kNoFragment) return;
         const TexelFragment& fragment = map.fragments[firstFragment[patch]];
-        const uvec3 t = geometry.triangles[fragment.triangle];
-        const vec3 a = geometry.positions[t.x];
+        const auto [a, b, c] = geometry.cornersOf(fragment.triangle);
         PatchLight& front = lights[patch];
         PatchLight& back = lights[layout.backOf(patch)];
-        front.position = back.position = a + fragment.barycentric.x * (geometry.positions[t.y] - a) +
-                                         fragment.barycentric.y * (geometry.positions[t.z] - a);
+        front.position = back.position = a + fragment.barycentric.x * (b - a) + fragment.barycentric.y * (c - a);
         front.axis = uint8_t(radiosity.patches.charts.axisOf(fragment.triangle));
         back.axis = front.axis ^ 1u;
         front.receives = true;

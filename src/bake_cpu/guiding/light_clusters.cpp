@@ -119,11 +119,11 @@ void LightClusters::forTriangles(const PatchLayout& layout, const RayTracer& tra
         if (!layout.hasPatches(front)) continue;
         const uint32_t triangle = tracer.triangleAt(index);
         // Rays do not hit objects that cast no shadow.
-        if (!geometry.parts[geometry.partOfTriangle[triangle]].castShadows) continue;
-        const uvec3 t = geometry.triangles[triangle];
-        const vec3 origin = geometry.positions[t.x];
-        const vec3 edge1 = geometry.positions[t.y] - origin;
-        const vec3 edge2 = geometry.positions[t.z] - origin;
+        if (!geometry.partOf(triangle).castShadows) continue;
+        const std::array<vec3, 3> corners = geometry.cornersOf(triangle);
+        const vec3 origin = corners[0];
+        const vec3 edge1 = corners[1] - origin;
+        const vec3 edge2 = corners[2] - origin;
         const auto along = [&](vec2 b) { return b.x * edge1 + b.y * edge2; };
         SourceTriangle source;
         forPatches(layout.surface(front), [&](PatchId patch, int x, int y) {

@@ -48,10 +48,7 @@ int axisOf(vec3 normal)
 
 float longestEdgeOf(const BakeGeometry& geometry, uint32_t triangle)
 {
-    const uvec3 t = geometry.triangles[triangle];
-    const vec3 a = geometry.positions[t.x];
-    const vec3 b = geometry.positions[t.y];
-    const vec3 c = geometry.positions[t.z];
+    const auto [a, b, c] = geometry.cornersOf(triangle);
     return std::max({glm::distance(a, b), glm::distance(b, c), glm::distance(c, a)});
 }
 
@@ -74,7 +71,7 @@ ChartPatches::ChartPatches(const BakeGeometry& geometry, const TexelMap& map)
 {
     while (shift_ < kMaxPatchShift && map.texels.size() >> (2 * (shift_ + 1)) >= kFewPatches) ++shift_;
     rectangles_.assign(std::size_t(map.chartCount) * kAxes, {});
-    rectangleOfTriangle_.assign(geometry.triangles.size(), ~0u);
+    rectangleOfTriangle_.assign(geometry.triangleCount(), ~0u);
     // Blocks of texels find their parts of the rectangles.
     constexpr std::size_t kBlock = 16384; // texels, of few charts each
     std::vector<std::unordered_map<uint32_t, Rectangle>> partsOf((map.texels.size() + kBlock - 1) / kBlock);
@@ -141,17 +138,17 @@ Patches::Patches(const RayTracer& tracer, const TexelMap& map) : charts(tracer.g
     layout.patchShift = charts.shift();
     layout.chartPatches = charts.patchCount();
     layout.surfaces.assign(tracer.hitTriangleCount(), {});
-    layout.hitIndexOfTriangle.assign(geometry.triangles.size(), ~0u);
+    layout.hitIndexOfTriangle.assign(geometry.triangleCount(), ~0u);
     for (uint32_t index = 0; index < tracer.hitTriangleCount(); ++index) {
         const uint32_t triangle = tracer.triangleAt(index);
         layout.hitIndexOfTriangle[triangle] = index;
         PatchLayout::Surface& s = layout.surfaces[index];
         if (const ChartPatches::Rectangle* r = charts.rectangleOf(triangle)) {
-            const uvec3 t = geometry.triangles[triangle];
+            const std::array<vec2, 3> t = geometry.texelsOf(triangle);
             const float scale = 1.0f / float(1 << charts.shift());
-            s.origin = geometry.lightmapTexel[t.x] * scale - vec2(r->min);
-            s.edgeU = (geometry.lightmapTexel[t.y] - geometry.lightmapTexel[t.x]) * scale;
-            s.edgeV = (geometry.lightmapTexel[t.z] - geometry.lightmapTexel[t.x]) * scale;
+            s.origin = t[0] * scale - vec2(r->min);
+            s.edgeU = (t[1] - t[0]) * scale;
+            s.edgeV = (t[2] - t[0]) * scale;
             s.hasPatches = 1;
             s.firstPatch = r->firstPatch & kMaxPatches;
             s.width = uint16_t(r->size().x);

@@ -125,9 +125,9 @@ bool OccluderSearch::borderOfElement(const TexelGroup& group, int lane, const Su
     const float area = cross2(surface.edgeU, surface.edgeV);
     if (std::abs(area) < 1.0e-12f) return false;
     const BakeGeometry& geometry = tracer_.geometry();
-    const uvec3 t = geometry.triangles[point.triangle];
-    const vec3 edge1 = geometry.positions[t.y] - geometry.positions[t.x];
-    const vec3 edge2 = geometry.positions[t.z] - geometry.positions[t.x];
+    const auto [a, b, c] = geometry.cornersOf(point.triangle);
+    const vec3 edge1 = b - a;
+    const vec3 edge2 = c - a;
     const vec2 corner = size * glm::floor(at / size);
     constexpr std::array<vec2, embree::kPacket> kBorder = {{{0.0f, 0.0f},
                                                             {0.5f, 0.0f},

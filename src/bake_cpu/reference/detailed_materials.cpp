@@ -29,7 +29,7 @@ DetailedMaterials::DetailedMaterials(const Scene& scene, const RayTracer& surfac
 const Material& DetailedMaterials::of(uint32_t triangle) const
 {
     const BakeGeometry& geometry = surfaces_.geometry();
-    const int material = geometry.parts[geometry.partOfTriangle[triangle]].material;
+    const int material = geometry.partOf(triangle).material;
     return material < 0 ? defaultMaterial() : scene_.materials[std::size_t(material)];
 }
 
@@ -77,11 +77,11 @@ vec3 DetailedMaterials::emissionAt(uint32_t triangle, vec2 barycentric) const
 vec4 DetailedMaterials::tangentAt(uint32_t triangle, vec2 barycentric) const
 {
     const BakeGeometry& geometry = surfaces_.geometry();
-    const uint32_t number = geometry.partOfTriangle[triangle];
+    const uint32_t number = geometry.partNumberOf(triangle);
     const BakeGeometry::Part& part = geometry.parts[number];
     const std::vector<vec4>& tangents = scene_.meshes[std::size_t(part.mesh)].parts[std::size_t(part.part)].tangents;
     if (tangents.empty()) return vec4(0.0f);
-    const uvec3 t = geometry.triangles[triangle] - uvec3(part.firstVertex);
+    const uvec3 t = geometry.verticesOf(triangle) - uvec3(part.firstVertex);
     const vec4 tangent = (1.0f - barycentric.x - barycentric.y) * tangents[t.x] + barycentric.x * tangents[t.y] +
                          barycentric.y * tangents[t.z];
     const mat3 linear(scene_.objects[std::size_t(part.object)].worldFromObject);

@@ -11,15 +11,15 @@ Emitters::Emitters(const RayTracer& tracer) : tracer_(tracer)
 {
     const BakeGeometry& geometry = tracer.geometry();
     std::vector<LightItem> items;
-    for (uint32_t t = 0; t < geometry.triangles.size(); ++t) {
+    for (uint32_t t = 0; t < geometry.triangleCount(); ++t) {
         const TransportMaterial& material = tracer.materials().of(t);
         if (material.emission == vec3(0.0f)) continue;
-        const uvec3 v = geometry.triangles[t];
+        const std::array<vec3, 3> corners = geometry.cornersOf(t);
         Emissive e;
         e.triangle = t;
-        e.origin = geometry.positions[v.x];
-        e.edge1 = geometry.positions[v.y] - e.origin;
-        e.edge2 = geometry.positions[v.z] - e.origin;
+        e.origin = corners[0];
+        e.edge1 = corners[1] - e.origin;
+        e.edge2 = corners[2] - e.origin;
         e.normal = geometry.geometricNormal(t);
         const float area = 0.5f * glm::length(glm::cross(e.edge1, e.edge2));
         if (!(area > 0.0f)) continue;
@@ -27,7 +27,7 @@ Emitters::Emitters(const RayTracer& tracer) : tracer_(tracer)
         e.uniform = !material.emissive && material.alphaMode == Material::AlphaMode::Opaque;
         e.radiance = material.emission;
         e.doubleSided = material.doubleSided;
-        e.rayVisible = geometry.parts[geometry.partOfTriangle[t]].castShadows;
+        e.rayVisible = geometry.partOf(t).castShadows;
         const float mean = meanEmission(material, t);
         if (!(mean > 0.0f)) continue;
         LightItem item;
@@ -41,8 +41,16 @@ Emitters::Emitters(const RayTracer& tracer) : tracer_(tracer)
         triangles_.push_back(e);
     }
     if (triangles_.empty()) return;
-    itemOfTriangle_.assign(geometry.triangles.size(), ~0u);
-    for (std::size_t i = 0; i < triangles_.size(); ++i) itemOfTriangle_[triangles_[i].triangle] = uint32_t(i);
+    firstOfPart_.assign(geometry.parts.size(), kNone);
+    for (std::size_t i = 0; i < triangles_.size(); ++i) {
+        const BakeGeometry::Part& part = geometry.partOf(triangles_[i].triangle);
+        uint32_t& first = firstOfPart_[std::size_t(&part - geometry.parts.data())];
+        if (first == kNone) {
+            first = uint32_t(itemOfTriangle_.size());
+            itemOfTriangle_.resize(first + part.triangleCount, kNone);
+        }
+        itemOfTriangle_[first + (triangles_[i].triangle - part.firstTriangle)] = uint32_t(i);
+    }
     tree_ = LightTree(items);
 }
 
@@ -99,10 +107,19 @@ void Emitters::sample(const LightTree::Cut& cut, const LightTree::Points& positi
     }
 }
 
+uint32_t Emitters::itemOf(uint32_t triangle) const
+{
+    if (triangles_.empty()) return kNone;
+    const BakeGeometry& geometry = tracer_.geometry();
+    const uint32_t part = geometry.partNumberOf(triangle);
+    if (firstOfPart_[part] == kNone) return kNone;
+    return itemOfTriangle_[firstOfPart_[part] + (triangle - geometry.parts[part].firstTriangle)];
+}
+
 float Emitters::pdfArea(const Receiver& receiver, uint32_t triangle) const
 {
-    if (itemOfTriangle_.empty() || itemOfTriangle_[triangle] == ~0u) return 0.0f;
-    const uint32_t item = itemOfTriangle_[triangle];
+    const uint32_t item = itemOf(triangle);
+    if (item == kNone) return 0.0f;
     const float probability = receiver.cut != nullptr ? tree_.probability(*receiver.cut, receiver.lane, item,
                                                                           receiver.position, receiver.normal)
                                                       : tree_.probability(item, receiver.position, receiver.normal);

@@ -97,12 +97,16 @@ private:
         bool doubleSided = false;
         bool rayVisible = true;
     };
+    static constexpr uint32_t kNone = ~0u;
+    /// Index into triangles_, or kNone.
+    [[nodiscard]] uint32_t itemOf(uint32_t triangle) const;
     [[nodiscard]] float meanEmission(const TransportMaterial& material, uint32_t triangle) const;
     [[nodiscard]] inline EmitterSample at(const LightTree::Choice& choice, float v) const;
 
     const RayTracer& tracer_;
     std::vector<Emissive> triangles_;
-    std::vector<uint32_t> itemOfTriangle_; ///< ~0 = none; empty without emitters
+    std::vector<uint32_t> firstOfPart_;    ///< by part, index into itemOfTriangle_; kNone = it emits nothing
+    std::vector<uint32_t> itemOfTriangle_; ///< of parts that emit, by triangle; kNone = no item
     LightTree tree_;
 };
 

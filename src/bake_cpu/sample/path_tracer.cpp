@@ -45,18 +45,19 @@ vec3 PathTracer::gatherDirection(const SurfacePoint& point, vec2 u)
 /// the triangles (Hanika 2021, "Hacking the Shadow Terminator", Ray Tracing Gems II, chapter 4).
 static vec3 smoothOrigin(const BakeGeometry& geometry, const SurfacePoint& point)
 {
-    const uvec3 t = geometry.triangles[point.triangle];
+    const std::array<vec3, 3> normals = geometry.normalsOf(point.triangle);
+    const std::array<vec3, 3> corners = geometry.cornersOf(point.triangle);
     const float weights[3] = {1.0f - point.barycentric.x - point.barycentric.y, point.barycentric.x,
                               point.barycentric.y};
-    if (geometry.normals[t.x] == geometry.normals[t.y] && geometry.normals[t.x] == geometry.normals[t.z]) {
+    if (normals[0] == normals[1] && normals[0] == normals[2]) {
         return point.position;
     }
     const bool flipped = glm::dot(geometry.geometricNormal(point.triangle), point.geometricNormal) < 0.0f;
     vec3 position = point.position;
-    for (int i = 0; i < 3; ++i) {
-        const vec3 n = flipped ? -geometry.normals[t[i]] : geometry.normals[t[i]];
+    for (std::size_t i = 0; i < 3; ++i) {
+        const vec3 n = flipped ? -normals[i] : normals[i];
         if (glm::dot(n, point.geometricNormal) <= 0.0f) return point.position;
-        const float below = std::min(0.0f, glm::dot(point.position - geometry.positions[t[i]], n));
+        const float below = std::min(0.0f, glm::dot(point.position - corners[i], n));
         position -= weights[i] * below * n;
     }
     return position;

@@ -157,7 +157,7 @@ public:
     [[nodiscard]] bool shadowsFall(const PunctualLight& light, const SurfacePoint& point) const
     {
         const BakeGeometry& geometry = tracer_.geometry();
-        return light.castShadows && geometry.parts[geometry.partOfTriangle[point.triangle]].receiveShadows;
+        return light.castShadows && geometry.partOf(point.triangle).receiveShadows;
     }
 
     /// A gather direction about the point's normal: cosine-distributed, reflected out of the surface if below it.

@@ -35,13 +35,14 @@ bool contains(const Bounds& bounds, vec3 point)
 /// Extends bounds by a box around a fragment's centroid that contains the texel's square on the fragment's triangle.
 void extendByFragment(const BakeGeometry& geometry, const TexelFragment& fragment, Bounds& bounds)
 {
-    const uvec3 t = geometry.triangles[fragment.triangle];
-    const vec3 edge1 = geometry.positions[t.y] - geometry.positions[t.x];
-    const vec3 edge2 = geometry.positions[t.z] - geometry.positions[t.x];
-    const vec2 texel1 = geometry.lightmapTexel[t.y] - geometry.lightmapTexel[t.x];
-    const vec2 texel2 = geometry.lightmapTexel[t.z] - geometry.lightmapTexel[t.x];
+    const std::array<vec3, 3> corners = geometry.cornersOf(fragment.triangle);
+    const std::array<vec2, 3> texels = geometry.texelsOf(fragment.triangle);
+    const vec3 edge1 = corners[1] - corners[0];
+    const vec3 edge2 = corners[2] - corners[0];
+    const vec2 texel1 = texels[1] - texels[0];
+    const vec2 texel2 = texels[2] - texels[0];
     const float area = cross2(texel1, texel2);
-    const vec3 center = geometry.positions[t.x] + fragment.barycentric.x * edge1 + fragment.barycentric.y * edge2;
+    const vec3 center = corners[0] + fragment.barycentric.x * edge1 + fragment.barycentric.y * edge2;
     // Sum of the absolute steps of one texel along both axes: twice the half size of the square.
     const vec3 half = (glm::abs(edge1 * texel2.y - edge2 * texel1.y) + glm::abs(edge2 * texel1.x - edge1 * texel2.x)) /
                       std::abs(area);

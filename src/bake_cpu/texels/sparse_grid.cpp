@@ -60,10 +60,10 @@ bool SparseGrid::centerOf(uint32_t texel, Center& out) const
         covered += map_.fragments[f].area;
         if (found) continue;
         const uint32_t triangle = map_.fragments[f].triangle;
-        const uvec3 v = geometry_.triangles[triangle];
-        const vec2 edge1 = geometry_.lightmapTexel[v.y] - geometry_.lightmapTexel[v.x];
-        const vec2 edge2 = geometry_.lightmapTexel[v.z] - geometry_.lightmapTexel[v.x];
-        const vec2 place = center - geometry_.lightmapTexel[v.x];
+        const std::array<vec2, 3> v = geometry_.texelsOf(triangle);
+        const vec2 edge1 = v[1] - v[0];
+        const vec2 edge2 = v[2] - v[0];
+        const vec2 place = center - v[0];
         const vec2 w = vec2(cross2(place, edge2), cross2(edge1, place)) / cross2(edge1, edge2);
         constexpr float kSlack = 1.0e-4f; // on an edge either of its triangles will do
         found = w.x >= -kSlack && w.y >= -kSlack && w.x + w.y <= 1.0f + kSlack;

@@ -29,10 +29,12 @@ int nthBit(PointMask mask, int n)
 
 TexelValidity::TexelValidity(const PathTracer& paths) : paths_(paths)
 {
-    const std::vector<uint8_t>& solid = paths.surfaces().geometry().solid;
+    const BakeGeometry& geometry = paths.surfaces().geometry();
+    const std::vector<uint8_t>& solid = geometry.solid;
     anySolid_ = std::find(solid.begin(), solid.end(), uint8_t(1)) != solid.end();
     const Materials& materials = paths.surfaces().materials();
-    for (uint32_t t = 0; t < solid.size() && !anyHiddenBack_; ++t) anyHiddenBack_ = materials.backIsHidden(t);
+    const uint32_t count = geometry.triangleCount();
+    for (uint32_t t = 0; t < count && !anyHiddenBack_; ++t) anyHiddenBack_ = materials.backIsHidden(t);
 }
 
 /// Whether a group of mutually visible points is inside solids: most of up to 8 rays leave more solids than they enter.

@@ -103,14 +103,14 @@ Materials::Materials(const Scene& scene, const BakeGeometry& geometry) : scene_(
 
 const TransportMaterial& Materials::of(uint32_t triangle) const
 {
-    if (triangle >= geometry_.partOfTriangle.size()) return materials_.back();
-    const int material = geometry_.parts[geometry_.partOfTriangle[triangle]].material;
+    if (triangle >= geometry_.triangleCount()) return materials_.back();
+    const int material = geometry_.partOf(triangle).material;
     return material < 0 ? materials_.back() : materials_[std::size_t(material)];
 }
 
 vec2 Materials::textureCoordinate(uint32_t triangle, vec2 barycentric, const TextureRef& ref) const
 {
-    const uvec3 t = geometry_.triangles[triangle];
+    const uvec3 t = geometry_.verticesOf(triangle);
     const std::vector<vec2>& uv = geometry_.uv[ref.texCoord == 1 ? 1 : 0];
     const vec2 raw =
         (1.0f - barycentric.x - barycentric.y) * uv[t.x] + barycentric.x * uv[t.y] + barycentric.y * uv[t.z];
@@ -125,7 +125,7 @@ vec2 Materials::textureCoordinate(uint32_t triangle, vec2 barycentric, const Tex
 vec4 Materials::vertexColor(uint32_t triangle, vec2 barycentric) const
 {
     if (geometry_.colors.empty()) return vec4(1.0f);
-    const uvec3 t = geometry_.triangles[triangle];
+    const uvec3 t = geometry_.verticesOf(triangle);
     return (1.0f - barycentric.x - barycentric.y) * geometry_.colors[t.x] + barycentric.x * geometry_.colors[t.y] +
            barycentric.y * geometry_.colors[t.z];
 }

@@ -61,7 +61,7 @@ public:
     /// Whether the back of a triangle is hidden: inside a solid, or the back of a single-sided surface.
     [[nodiscard]] bool backIsHidden(uint32_t triangle) const
     {
-        return geometry_.solid[triangle] != 0 || !of(triangle).doubleSided;
+        return geometry_.isSolid(triangle) || !of(triangle).doubleSided;
     }
 
     /// Where a texture is read, KHR_texture_transform included.

@@ -5,84 +5,128 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <utility>
 
 namespace halflight {
-namespace {
-
-/// Embree geometries: opaque triangles without a filter function, masked and blended triangles, and triangles that only
-/// camera rays hit.
-enum GeometryKind { Opaque, Transparent, NoShadow, KindCount };
-
-} // namespace
-
 struct RayTracer::GeometryUser {
     const RayTracer* tracer = nullptr;
-    const std::vector<uint32_t>* triangles = nullptr;
+    std::span<const uint32_t> triangles; ///< in the tree of a mesh, counted from the first of the object
     bool castShadows = true;
+
+    /// A triangle of the bake, and the instance that it is of, or null.
+    [[nodiscard]] uint32_t triangle(unsigned instID, unsigned primID, const BakeGeometry::Instance*& place) const
+    {
+        place = nullptr;
+        if (instID == RTC_INVALID_GEOMETRY_ID) return triangles[primID];
+        const MeshTrees::Instance& instance = tracer->meshTrees_.instances[instID - KindCount];
+        place = instance.place;
+        return instance.firstTriangle + triangles[primID];
+    }
 };
 
 RayTracer::RayTracer(const Scene& scene, const BakeGeometry& geometry, const char* device, RTCBuildQuality tree)
-    : geometry_(geometry), materials_(scene, geometry)
+    : geometry_(geometry), materials_(scene, geometry), meshTrees_(geometry, materials_)
 {
     sortTriangles();
     device_ = rtcNewDevice(device);
     if (device_ == nullptr) return;
+    embreeBytes_.watch(device_);
     packets_ = embree::takesPackets(device_);
     RTCScene embreeScene = rtcNewScene(device_);
-    rtcSetSceneBuildQuality(embreeScene, tree);
-    for (int kind = 0; kind < KindCount; ++kind) {
-        if (attach(embreeScene, kind)) continue;
+    if (build(embreeScene, tree)) {
+        scene_ = embreeScene;
+    } else {
         rtcReleaseScene(embreeScene);
-        return;
     }
-    rtcCommitScene(embreeScene);
-    scene_ = embreeScene;
 }
 
 RayTracer::~RayTracer()
 {
     if (scene_ != nullptr) rtcReleaseScene(scene_);
+    for (const MeshTree& tree : meshTrees_.trees) {
+        if (tree.scene != nullptr) rtcReleaseScene(tree.scene);
+    }
     if (device_ != nullptr) rtcReleaseDevice(device_);
 }
 
 void RayTracer::sortTriangles()
 {
-    trianglesOfGeometry_.resize(KindCount);
     Bounds bounds;
     for (const BakeGeometry::Part& part : geometry_.parts) {
         if (part.triangleCount == 0) continue;
         const TransportMaterial& material = materials_.of(part.firstTriangle);
-        const GeometryKind kind = !part.castShadows                                   ? NoShadow
-                                  : material.alphaMode != Material::AlphaMode::Opaque ? Transparent
-                                                                                      : Opaque;
         anyBlended_ = anyBlended_ || material.alphaMode == Material::AlphaMode::Blend;
+        if (part.instance != BakeGeometry::kOwn) {
+            for (uint32_t v = part.firstVertex; v < part.firstVertex + part.vertexCount; ++v)
+                bounds.extend(geometry_.positionOf(part, v));
+            continue;
+        }
+        std::vector<uint32_t>& list = trianglesOfKind_[kindOf(materials_, part)];
         for (uint32_t t = part.firstTriangle; t < part.firstTriangle + part.triangleCount; ++t) {
-            trianglesOfGeometry_[std::size_t(kind)].push_back(t);
+            list.push_back(t);
             bounds.extend(geometry_.boundsOf(t));
         }
     }
+    firstHit_.reserve(KindCount + meshTrees_.instances.size() + 1);
     firstHit_.assign(1, 0u);
-    for (const auto& list : trianglesOfGeometry_) firstHit_.push_back(firstHit_.back() + uint32_t(list.size()));
+    for (const auto& list : trianglesOfKind_) firstHit_.push_back(firstHit_.back() + uint32_t(list.size()));
+    for (const MeshTrees::Instance& instance : meshTrees_.instances)
+        firstHit_.push_back(firstHit_.back() + meshTrees_.treeOf(instance).firstOfKind[KindCount]);
     sceneScale_ = bounds.empty() ? 1.0f : glm::length(bounds.size());
 }
 
-/// Attaches the triangles of one kind, if there are any. False when memory ran out.
-bool RayTracer::attach(RTCScene scene, int kind)
+/// Fills the scene and the trees of shared meshes. False when memory ran out.
+bool RayTracer::build(RTCScene scene, RTCBuildQuality quality)
 {
-    const std::vector<uint32_t>& list = trianglesOfGeometry_[std::size_t(kind)];
-    if (list.empty()) return true;
+    rtcSetSceneBuildQuality(scene, quality);
+    for (uint32_t kind = 0; kind < KindCount; ++kind) {
+        if (!attach(scene, GeometryKind(kind), trianglesOfKind_[kind], nullptr)) return false;
+    }
+    for (MeshTree& tree : meshTrees_.trees) {
+        tree.scene = rtcNewScene(device_);
+        rtcSetSceneBuildQuality(tree.scene, quality);
+        rtcSetSceneFlags(tree.scene, RTC_SCENE_FLAG_COMPACT);
+        for (uint32_t kind = 0; kind < KindCount; ++kind) {
+            const auto triangles =
+                std::span<const uint32_t>(tree.triangles)
+                    .subspan(tree.firstOfKind[kind], tree.firstOfKind[kind + 1] - tree.firstOfKind[kind]);
+            if (!attach(tree.scene, GeometryKind(kind), triangles, &tree)) return false;
+        }
+        rtcCommitScene(tree.scene);
+    }
+    attachInstances(scene);
+    rtcCommitScene(scene);
+    return true;
+}
+
+/// Attaches the triangles of one kind, if there are any: of the scene's own tree (`tree` null), or of a mesh's. False
+/// when memory ran out.
+bool RayTracer::attach(RTCScene scene, GeometryKind kind, std::span<const uint32_t> triangles, const MeshTree* tree)
+{
+    if (triangles.empty()) return true;
+    uint32_t firstVertex = 0;
+    auto endVertex = uint32_t(geometry_.positions.size());
+    if (tree != nullptr) {
+        const BakeGeometry::Part& last = geometry_.parts[tree->endPart - 1];
+        firstVertex = geometry_.parts[tree->firstPart].firstVertex;
+        endVertex = last.firstVertex + last.vertexCount;
+    }
     RTCGeometry mesh = rtcNewGeometry(device_, RTC_GEOMETRY_TYPE_TRIANGLE);
     auto* vertices = static_cast<vec3*>(rtcSetNewGeometryBuffer(mesh, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3,
-                                                                sizeof(vec3), geometry_.positions.size()));
+                                                                sizeof(vec3), endVertex - firstVertex));
     auto* indices = static_cast<uvec3*>(
-        rtcSetNewGeometryBuffer(mesh, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, sizeof(uvec3), list.size()));
+        rtcSetNewGeometryBuffer(mesh, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, sizeof(uvec3), triangles.size()));
     if (vertices == nullptr || indices == nullptr) {
         rtcReleaseGeometry(mesh);
         return false;
     }
-    std::copy(geometry_.positions.begin(), geometry_.positions.end(), vertices);
-    for (std::size_t i = 0; i < list.size(); ++i) indices[i] = geometry_.triangles[list[i]];
-    users_.push_back(std::make_unique<GeometryUser>(GeometryUser{this, &list, kind != NoShadow}));
+    std::copy(geometry_.positions.begin() + firstVertex, geometry_.positions.begin() + endVertex, vertices);
+    for (std::size_t i = 0; i < triangles.size(); ++i) {
+        const uint32_t stored = tree != nullptr ? geometry_.parts[tree->firstPart].firstStored + triangles[i]
+                                                : geometry_.storedOf(triangles[i]).index;
+        indices[i] = geometry_.triangles[stored] - firstVertex;
+    }
+    users_.push_back(std::make_unique<GeometryUser>(GeometryUser{this, triangles, kind != NoShadow}));
     rtcSetGeometryUserData(mesh, users_.back().get());
     if (kind != Opaque) {
         rtcSetGeometryIntersectFilterFunction(mesh, filter);
@@ -92,6 +136,36 @@ bool RayTracer::attach(RTCScene scene, int kind)
     rtcAttachGeometryByID(scene, mesh, unsigned(kind));
     rtcReleaseGeometry(mesh);
     return true;
+}
+
+void RayTracer::attachInstances(RTCScene scene)
+{
+    unsigned id = KindCount;
+    for (const MeshTrees::Instance& instance : meshTrees_.instances) {
+        RTCGeometry geometry = rtcNewGeometry(device_, RTC_GEOMETRY_TYPE_INSTANCE);
+        rtcSetGeometryInstancedScene(geometry, meshTrees_.treeOf(instance).scene);
+        const mat3& linear = instance.place->linear;
+        const std::array<vec3, 4> columns{linear[0], linear[1], linear[2], instance.place->origin};
+        rtcSetGeometryTransform(geometry, 0, RTC_FORMAT_FLOAT3X4_COLUMN_MAJOR, columns.data());
+        rtcCommitGeometry(geometry);
+        rtcAttachGeometryByID(scene, geometry, id++);
+        rtcReleaseGeometry(geometry);
+    }
+}
+
+uint32_t RayTracer::treeTriangleCount() const
+{
+    std::size_t count = 0;
+    for (const auto& list : trianglesOfKind_) count += list.size();
+    for (const MeshTree& tree : meshTrees_.trees) count += tree.triangles.size();
+    return uint32_t(count);
+}
+
+std::size_t RayTracer::peakBytes() const
+{
+    std::size_t bytes = embreeBytes_.most() + meshTrees_.byteCount();
+    for (const auto& list : trianglesOfKind_) bytes += list.capacity() * sizeof(uint32_t);
+    return bytes + firstHit_.capacity() * sizeof(uint32_t);
 }
 
 float RayTracer::epsilonAt(vec3 position) const
@@ -137,8 +211,11 @@ void RayTracer::filter(const RTCFilterFunctionNArguments* arguments)
             arguments->valid[i] = 0;
             continue;
         }
-        const uint32_t triangle = (*user->triangles)[RTCHitN_primID(arguments->hit, count, i)];
-        const vec2 barycentric(RTCHitN_u(arguments->hit, count, i), RTCHitN_v(arguments->hit, count, i));
+        const BakeGeometry::Instance* place = nullptr;
+        const uint32_t triangle = user->triangle(RTCHitN_instID(arguments->hit, count, i, 0),
+                                                 RTCHitN_primID(arguments->hit, count, i), place);
+        vec2 barycentric(RTCHitN_u(arguments->hit, count, i), RTCHitN_v(arguments->hit, count, i));
+        if (place != nullptr && place->mirrored) std::swap(barycentric.x, barycentric.y);
         if (context->blended != nullptr &&
             user->tracer->passesBlended(triangle, barycentric,
                                         context->blended[RTCRayN_id(arguments->ray, count, i)])) {
@@ -175,7 +252,7 @@ RayHit RayTracer::nearest(vec3 origin, vec3 direction, float tMin, float tMax, b
     // Camera rays continue behind backs of single-sided surfaces. The limit ends loops on damaged geometry.
     for (int layer = 0; layer < 256; ++layer) {
         RTCRayHit ray = rayHit(origin, direction, tMin, tMax);
-        embree::intersect(scene_, context, ray);
+        intersect(context, ray);
         if (ray.hit.geomID == RTC_INVALID_GEOMETRY_ID) return {};
 
         const bool back = ray.hit.Ng_x * direction.x + ray.hit.Ng_y * direction.y + ray.hit.Ng_z * direction.z > 0.0f;
@@ -203,9 +280,28 @@ SurfaceHit RayTracer::surfaceAt(const RayHit& at) const
 
 uint32_t RayTracer::triangleAt(uint32_t hitIndex) const
 {
-    std::size_t geometry = 0;
-    while (hitIndex >= firstHit_[geometry + 1]) ++geometry;
-    return trianglesOfGeometry_[geometry][hitIndex - firstHit_[geometry]];
+    const auto next = std::upper_bound(firstHit_.begin(), firstHit_.end(), hitIndex);
+    const auto geomID = uint32_t(next - firstHit_.begin()) - 1;
+    return triangleOf(geomID, hitIndex - firstHit_[geomID]);
+}
+
+void RayTracer::toWorld(RTCHit& hit) const
+{
+    if (hit.instID[0] == RTC_INVALID_GEOMETRY_ID) return;
+    const MeshTrees::Instance& instance = meshTrees_.instances[hit.instID[0] - KindCount];
+    hit.primID += meshTrees_.treeOf(instance).firstOfKind[hit.geomID];
+    hit.geomID = hit.instID[0];
+    if (instance.place->mirrored) std::swap(hit.u, hit.v);
+    const vec3 normal = instance.place->worldFromNormal * vec3(hit.Ng_x, hit.Ng_y, hit.Ng_z);
+    hit.Ng_x = normal.x;
+    hit.Ng_y = normal.y;
+    hit.Ng_z = normal.z;
+}
+
+void RayTracer::intersect(embree::RayContext& context, RTCRayHit& ray) const
+{
+    embree::intersect(scene_, context, ray);
+    toWorld(ray.hit);
 }
 
 void RayTracer::intersect(const embree::LaneMask& valid, RTCRayHit8& rays) const
@@ -216,6 +312,14 @@ void RayTracer::intersect(const embree::LaneMask& valid, RTCRayHit8& rays) const
         rays.hit.instID[0][i] = RTC_INVALID_GEOMETRY_ID;
     }
     embree::intersect8(scene_, context, valid, rays, packets_);
+    if (meshTrees_.instances.empty()) return;
+    auto* const hits = reinterpret_cast<RTCHitN*>(&rays.hit);
+    for (unsigned i = 0; i < embree::kPacket; ++i) {
+        if (valid.lane[i] == 0 || rays.hit.instID[0][i] == RTC_INVALID_GEOMETRY_ID) continue;
+        RTCHit hit = rtcGetHitFromHitN(hits, embree::kPacket, i);
+        toWorld(hit);
+        rtcCopyHitToHitN(hits, &hit, embree::kPacket, i);
+    }
 }
 
 void RayTracer::occluded(const embree::LaneMask& valid, RTCRay8& rays) const
@@ -251,12 +355,12 @@ RayTracer::Crossings RayTracer::crossings(vec3 origin, vec3 direction) const
     float tMin = 0.0f;
     while (result.rays < kMaxCrossings) {
         RTCRayHit ray = rayHit(origin, direction, tMin, kInfinity);
-        embree::intersect(scene_, context, ray);
+        intersect(context, ray);
         ++result.rays;
         if (ray.hit.geomID == RTC_INVALID_GEOMETRY_ID) break;
-        const uint32_t triangle = trianglesOfGeometry_[ray.hit.geomID][ray.hit.primID];
+        const uint32_t triangle = triangleOf(ray.hit.geomID, ray.hit.primID);
         const bool back = glm::dot(vec3(ray.hit.Ng_x, ray.hit.Ng_y, ray.hit.Ng_z), direction) > 0.0f;
-        const bool solid = geometry_.solid[triangle] != 0;
+        const bool solid = geometry_.isSolid(triangle);
         if (result.rays == 1 && back && solid) {
             // The first hit leaves a solid, so the origin is inside. Every solid entered later is left again.
             result.solidsLeft = 1;

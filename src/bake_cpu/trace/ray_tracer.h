@@ -1,11 +1,14 @@
 #pragma once
 // Rays against the scene: the nearest hit, transmittance along a ray, and the surface at a hit.
 
+#include "bake_cpu/trace/embree_bytes.h"
 #include "bake_cpu/trace/materials.h"
+#include "bake_cpu/trace/mesh_trees.h"
 #include "bake_cpu/trace/ray_packet.h"
 
 #include <array>
 #include <memory>
+#include <span>
 #include <vector>
 
 namespace halflight {
@@ -20,8 +23,8 @@ static_assert(sizeof(FaceId) == 4);
 /// The nearest hit along a ray, without the properties of the surface there.
 struct RayHit {
     bool found = false;
-    bool back = false; ///< the hit is on the back of the triangle
-    uint32_t geomID = 0;
+    bool back = false;   ///< the hit is on the back of the triangle
+    uint32_t geomID = 0; ///< as RayTracer::intersect()
     uint32_t primID = 0;
     vec2 barycentric{0.0f};
     float distance = 0.0f;
@@ -36,7 +39,8 @@ struct SurfaceHit {
     vec3 emission{0.0f};
 };
 
-/// Embree scene over flattened geometry. Immutable after construction; all queries are thread-safe.
+/// Embree scene over the geometry: a tree of the triangles that are stored in world space, and of the instances of
+/// shared meshes, each of which has a tree of its own. Immutable after construction; all queries are thread-safe.
 class RayTracer {
 public:
     /// `geometry` and `scene` outlive the tracer. `device`: argument of rtcNewDevice(); null = all features of this
@@ -62,15 +66,18 @@ public:
     [[nodiscard]] float transmittance(vec3 origin, vec3 direction, float tMin, float tMax) const;
 
     /// The same for packets. The caller fills `rays` after embree::clear() and reads hit.geomID, primID, u, v, Ng and
-    /// ray.tfar; the tfar of an occluded ray is negative.
+    /// ray.tfar; the tfar of an occluded ray is negative. u, v and Ng are those of the triangle in the world, in
+    /// instances too. geomID is a kind of geometry, or KindCount plus the index of an instance, whose primID is an
+    /// index into MeshTree::triangles.
     void intersect(const embree::LaneMask& valid, RTCRayHit8& rays) const;
     void occluded(const embree::LaneMask& valid, RTCRay8& rays) const;
     [[nodiscard]] std::array<float, embree::kPacket> transmittance(const embree::LaneMask& valid, RTCRay8& rays) const;
 
-    /// Index of a hit's triangle in BakeGeometry::triangles.
+    /// A hit's triangle, as BakeGeometry counts them.
     [[nodiscard]] uint32_t triangleOf(uint32_t geomID, uint32_t primID) const
     {
-        return trianglesOfGeometry_[geomID][primID];
+        return geomID < KindCount ? trianglesOfKind_[geomID][primID]
+                                  : meshTrees_.triangleOf(meshTrees_.instances[geomID - KindCount], primID);
     }
     /// Index of a hit's triangle among all triangles in the ray-tracing tree, 0 … hitTriangleCount() - 1.
     [[nodiscard]] uint32_t hitIndex(uint32_t geomID, uint32_t primID) const { return firstHit_[geomID] + primID; }
@@ -102,13 +109,23 @@ public:
     };
     [[nodiscard]] Crossings crossings(vec3 origin, vec3 direction) const;
 
+    /// Triangles in all trees: those of a shared mesh count once.
+    [[nodiscard]] uint32_t treeTriangleCount() const;
+    /// Most bytes so far of Embree's trees, and of the lists that lead from hits to triangles.
+    [[nodiscard]] std::size_t peakBytes() const;
+
     /// Offset of ray origins along the normal. It grows with the coordinates, so it exceeds their rounding error.
     [[nodiscard]] float epsilonAt(vec3 position) const;
 
 private:
     struct GeometryUser;
     void sortTriangles();
-    bool attach(RTCScene scene, int kind);
+    bool build(RTCScene scene, RTCBuildQuality quality);
+    bool attach(RTCScene scene, GeometryKind kind, std::span<const uint32_t> triangles, const MeshTree* tree);
+    void attachInstances(RTCScene scene);
+    void intersect(embree::RayContext& context, RTCRayHit& ray) const;
+    /// Makes a hit of an instance one of a triangle in the world.
+    void toWorld(RTCHit& hit) const;
     bool occluded(embree::RayContext& context, vec3 origin, vec3 direction, float tMin, float tMax) const;
     void occluded(embree::RayContext& context, const embree::LaneMask& valid, RTCRay8& rays) const;
     static void filter(const RTCFilterFunctionNArguments* arguments);
@@ -117,8 +134,10 @@ private:
 
     const BakeGeometry& geometry_;
     Materials materials_;
-    std::vector<std::vector<uint32_t>> trianglesOfGeometry_;
-    std::vector<uint32_t> firstHit_; ///< by Embree geometry, hit index of its first triangle; then their number
+    MeshTrees meshTrees_;
+    std::array<std::vector<uint32_t>, KindCount> trianglesOfKind_; ///< stored in world space
+    std::vector<uint32_t> firstHit_; ///< by geomID, hit index of its first triangle; then their number
+    embree::DeviceBytes embreeBytes_;
     std::vector<std::unique_ptr<GeometryUser>> users_;
     RTCDevice device_ = nullptr;
     bool packets_ = false; ///< the device has instructions for packets

@@ -1,0 +1,340 @@
+// Objects that share a mesh are instances of one tree (spec S6): the same scene with a mesh for each object, which is
+// stored in world space, is the truth.
+
+#include "bake/test_scene.h"
+#include "bake_cpu/trace/ray_tracer.h"
+
+#include "halflight/base/random.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <optional>
+#include <utility>
+#include <vector>
+
+namespace halflight::test {
+namespace {
+
+constexpr int kPage = 256;
+constexpr int kRows = 32;
+constexpr int kColumns = 65;
+constexpr uint32_t kBallTriangles = 2 * kColumns * (kRows - 1); // 4,030
+constexpr int kBalls = 10;
+
+/// A ball with bumps, lightmap coordinates included. `inward`: its front is inside.
+MeshPart ball(int material, bool inward = false)
+{
+    MeshPart part;
+    part.material = material;
+    for (int j = 0; j <= kRows; ++j) {
+        for (int i = 0; i <= kColumns; ++i) {
+            const float theta = kPi * float(j) / float(kRows);
+            const float phi = 2.0f * kPi * float(i) / float(kColumns);
+            // The first and the last column, and each pole, are one place.
+            const float round = i == kColumns ? 0.0f : phi;
+            const float ring = j == 0 || j == kRows ? 0.0f : std::sin(theta);
+            const vec3 n(ring * std::cos(round), std::cos(theta), -ring * std::sin(round));
+            part.positions.push_back(vec3(3, 1, 2) + (0.4f + 0.05f * ring * ring * std::sin(5.0f * round)) * n);
+            part.normals.push_back(inward ? -n : n);
+            const vec2 uv(float(i) / float(kColumns), float(j) / float(kRows));
+            part.uv[0].push_back(uv);
+            part.lightmapUv.push_back(uv);
+        }
+    }
+    const auto add = [&](uint32_t a, uint32_t b, uint32_t c) {
+        if (inward) std::swap(b, c);
+        part.indices.insert(part.indices.end(), {a, b, c});
+    };
+    for (uint32_t j = 0; j < kRows; ++j) {
+        for (uint32_t i = 0; i < kColumns; ++i) {
+            const uint32_t a = j * (kColumns + 1) + i;
+            const uint32_t b = a + kColumns + 1;
+            if (j + 1 < kRows) add(a, b, b + 1);
+            if (j > 0) add(a, b + 1, a + 1);
+        }
+    }
+    return part;
+}
+
+/// Balls in two rows on a floor: turned, of different sizes, two of them mirrored, one without a shadow.
+Scene ballsOnFloor(Material::AlphaMode alpha = Material::AlphaMode::Opaque, bool inward = false)
+{
+    Scene scene;
+    const int gray = addMaterial(scene, vec3(0.6f));
+    int skin = addMaterial(scene, vec3(0.5f, 0.6f, 0.4f), vec3(0.0f), inward);
+    if (alpha != Material::AlphaMode::Opaque) {
+        ImageRgba8 leaf(8, 8, u8vec4(200, 200, 200, 255));
+        for (int y = 0; y < 8; ++y)
+            for (int x = 0; x < 4; ++x) leaf(x, y).w = alpha == Material::AlphaMode::Mask ? 0 : 100;
+        skin = addMaterialWithHoles(scene, vec3(0.5f), std::move(leaf), true);
+        scene.materials.back().alphaMode = alpha;
+    }
+    addRectangle(scene, {vec3(-4, 0, 2), vec3(8, 0, 0), vec3(0, 0, -4)}, gray, kPage, {vec2(2, 150), vec2(250, 250)});
+    const int mesh = addObject(scene, ball(skin, inward));
+    scene.objects.pop_back();
+    for (int i = 0; i < kBalls; ++i) {
+        Object object;
+        object.mesh = mesh;
+        mat4 m = glm::translate(mat4(1.0f), vec3(-3.2f + 1.5f * float(i % 5), 0.7f, i < 5 ? -0.9f : 0.8f));
+        m = glm::rotate(m, 0.7f * float(i), glm::normalize(vec3(1, 2, float(i) - 4.0f)));
+        m = glm::scale(m, vec3(i % 4 == 3 ? -0.9f : 1.1f, 0.8f + 0.03f * float(i), 1.0f));
+        object.worldFromObject = glm::translate(m, vec3(-3, -1, -2));
+        object.castShadows = i != 6;
+        object.lightmap.page = 0;
+        object.lightmap.scale = vec2(46.0f, 66.0f) / float(kPage);
+        object.lightmap.offset = vec2(2 + 50 * (i % 5), 2 + 70 * (i / 5)) / float(kPage);
+        scene.objects.push_back(object);
+    }
+    scene.sky = {vec3(0.5f, 0.6f, 0.8f), vec3(0.4f), vec3(0.1f)};
+    scene.lights.push_back(makeLight(LightType::Directional, vec3(0), vec3(0.4f, -1, -0.3f), 3.0f, LightMode::Mixed));
+    return scene;
+}
+
+/// The same scene with a mesh for each object.
+Scene unshared(Scene scene)
+{
+    std::vector<Mesh> meshes;
+    for (Object& object : scene.objects) {
+        meshes.push_back(scene.meshes[std::size_t(object.mesh)]);
+        object.mesh = int(meshes.size()) - 1;
+    }
+    scene.meshes = std::move(meshes);
+    return scene;
+}
+
+/// A scene with its tree.
+struct Traceable {
+    Scene scene;
+    BakeGeometry geometry;
+    RayTracer tracer;
+
+    explicit Traceable(Scene s)
+        : scene(std::move(s)), geometry(flattenGeometry(scene, kPage, GeometryFilter::All)), tracer(scene, geometry)
+    {}
+};
+
+struct Ray {
+    vec3 origin;
+    vec3 direction;
+};
+
+Ray randomRay(uint32_t i)
+{
+    const auto number = [&](uint32_t k) { return unitFloat(hashCombine(i, k)); };
+    const vec3 from = vec3(-5, -1, -3) + vec3(10, 4, 6) * vec3(number(1), number(2), number(3));
+    const vec3 to = vec3(-4, 0, -2) + vec3(8, 1.5f, 4) * vec3(number(4), number(5), number(6));
+    return {from, glm::normalize(to - from)};
+}
+
+float farApart(const std::array<vec3, 3>& a, const std::array<vec3, 3>& b)
+{
+    return std::max({glm::distance(a[0], b[0]), glm::distance(a[1], b[1]), glm::distance(a[2], b[2])});
+}
+
+TEST(InstancesS6, AMeshIsInTheTreesOnce)
+{
+    const Traceable shared(ballsOnFloor());
+    const Traceable flat(unshared(ballsOnFloor()));
+    EXPECT_EQ(flat.geometry.instances.size(), 0u);
+    EXPECT_EQ(flat.tracer.treeTriangleCount(), kBalls * kBallTriangles + 2);
+    EXPECT_EQ(shared.geometry.instances.size(), std::size_t(kBalls));
+    EXPECT_EQ(shared.geometry.triangleCount(), kBalls * kBallTriangles + 2);
+    EXPECT_EQ(shared.geometry.triangles.size(), kBallTriangles + 2);
+    // The ball without a shadow has a tree of its own.
+    EXPECT_EQ(shared.tracer.treeTriangleCount(), 2 * kBallTriangles + 2);
+    EXPECT_EQ(shared.tracer.hitTriangleCount(), flat.tracer.hitTriangleCount());
+    std::vector<uint8_t> seen(shared.geometry.triangleCount(), 0);
+    for (uint32_t hit = 0; hit < shared.tracer.hitTriangleCount(); ++hit) ++seen[shared.tracer.triangleAt(hit)];
+    EXPECT_TRUE(std::all_of(seen.begin(), seen.end(), [](uint8_t n) { return n == 1; }));
+}
+
+TEST(InstancesS6, SmallMeshesAreStoredInWorldSpace)
+{
+    Scene scene;
+    addRectangle(scene, {}, addMaterial(scene, vec3(0.5f)), kPage, {}, 4);
+    for (int i = 0; i < 100; ++i) scene.objects.push_back(scene.objects[0]);
+    EXPECT_TRUE(flattenGeometry(scene, kPage, GeometryFilter::Static).instances.empty());
+}
+
+TEST(InstancesS6, TrianglesAreWhereTheyAreInWorldSpace)
+{
+    const Traceable shared(ballsOnFloor());
+    const Traceable flat(unshared(ballsOnFloor()));
+    ASSERT_EQ(shared.geometry.triangleCount(), flat.geometry.triangleCount());
+    for (uint32_t t = 0; t < flat.geometry.triangleCount(); ++t) {
+        ASSERT_EQ(shared.geometry.partNumberOf(t), flat.geometry.partNumberOf(t));
+        ASSERT_LT(farApart(shared.geometry.cornersOf(t), flat.geometry.cornersOf(t)), 3.0e-6f);
+        ASSERT_LT(farApart(shared.geometry.normalsOf(t), flat.geometry.normalsOf(t)), 1.0e-5f);
+        ASSERT_LT(glm::distance(shared.geometry.geometricNormal(t), flat.geometry.geometricNormal(t)), 1.0e-3f) << t;
+        ASSERT_NEAR(shared.geometry.texelMeters(t), flat.geometry.texelMeters(t), 1.0e-4f);
+        ASSERT_EQ(shared.geometry.isSolid(t), flat.geometry.isSolid(t));
+        for (std::size_t k = 0; k < 3; ++k)
+            ASSERT_LT(glm::distance(shared.geometry.texelsOf(t)[k], flat.geometry.texelsOf(t)[k]), 1.0e-3f);
+    }
+    EXPECT_TRUE(shared.geometry.isSolid(shared.geometry.triangleCount() - 1));
+}
+
+/// Where rays hit: 100,000 of them, for each kind of surface.
+TEST(InstancesS6, RaysHitWhatTheyHitInWorldSpace)
+{
+    constexpr uint32_t kRays = 100000;
+    for (const auto alpha : {Material::AlphaMode::Opaque, Material::AlphaMode::Mask}) {
+        const Traceable shared(ballsOnFloor(alpha));
+        const Traceable flat(unshared(ballsOnFloor(alpha)));
+        uint32_t onBalls = 0;
+        uint32_t mirrored = 0;
+        uint32_t backs = 0;
+        uint32_t otherHits = 0;
+        uint32_t otherShadows = 0;
+        uint32_t coarse = 0;
+        for (uint32_t i = 0; i < kRays; ++i) {
+            const Ray ray = randomRay(i);
+            const bool camera = i % 2 == 0;
+            const RayHit a = shared.tracer.nearest(ray.origin, ray.direction, 0.0f, kInfinity, camera);
+            const RayHit b = flat.tracer.nearest(ray.origin, ray.direction, 0.0f, kInfinity, camera);
+            otherShadows += shared.tracer.occluded(ray.origin, ray.direction, 0.0f, 3.0f) !=
+                                    flat.tracer.occluded(ray.origin, ray.direction, 0.0f, 3.0f)
+                                ? 1
+                                : 0;
+            const auto triangleOf = [](const RayTracer& tracer, const RayHit& hit) {
+                return hit.found ? tracer.triangleOf(hit.geomID, hit.primID) : ~0u;
+            };
+            const uint32_t triangle = triangleOf(shared.tracer, a);
+            // A ray through an edge may hit either triangle.
+            if (triangle != triangleOf(flat.tracer, b)) {
+                ++otherHits;
+                continue;
+            }
+            if (!a.found) continue;
+            ASSERT_NEAR(a.distance, b.distance, 1.0e-4f);
+            coarse += glm::distance(a.barycentric, b.barycentric) > 1.0e-4f ? 1 : 0; // of slivers, and grazing rays
+            ASSERT_EQ(a.back, b.back);
+            const SurfacePoint point = shared.tracer.surfaceAt(a).point;
+            ASSERT_LT(glm::distance(point.position, ray.origin + a.distance * ray.direction), 1.0e-4f);
+            ASSERT_LT(glm::distance(point.position, flat.tracer.surfaceAt(b).point.position), 1.0e-3f); // grazing rays
+            ASSERT_LT(glm::dot(point.geometricNormal, ray.direction), 0.0f);
+            const uint32_t object = uint32_t(shared.geometry.partOf(triangle).object);
+            onBalls += object > 0 ? 1 : 0;
+            mirrored += object == 4 || object == 8 ? 1 : 0;
+            backs += a.back ? 1 : 0;
+        }
+        EXPECT_GT(onBalls, kRays / 5);
+        EXPECT_GT(mirrored, kRays / 50);
+        EXPECT_GT(backs, kRays / 100);
+        EXPECT_LT(otherHits, kRays / 1000);
+        EXPECT_LT(otherShadows, kRays / 1000);
+        EXPECT_LT(coarse, kRays / 100);
+    }
+}
+
+/// Packets find what single rays find, and blended surfaces let the same light pass.
+TEST(InstancesS6, PacketsAndBlendedSurfaces)
+{
+    const Traceable shared(ballsOnFloor(Material::AlphaMode::Blend));
+    const Traceable flat(unshared(ballsOnFloor(Material::AlphaMode::Blend)));
+    const Traceable opaque(ballsOnFloor());
+    int partly = 0;
+    int other = 0;
+    int otherLight = 0;
+    for (uint32_t i = 0; i < 2000; ++i) {
+        RTCRayHit8 packet;
+        alignas(32) embree::LaneMask valid;
+        embree::clear(packet.ray);
+        for (int lane = 0; lane < embree::kPacket; ++lane) {
+            const Ray ray = randomRay(8 * i + uint32_t(lane));
+            valid.lane[lane] = -1;
+            embree::setRay(packet.ray, lane, ray.origin, ray.direction);
+            const float light = shared.tracer.transmittance(ray.origin, ray.direction, 0.0f, 3.0f);
+            otherLight +=
+                std::abs(light - flat.tracer.transmittance(ray.origin, ray.direction, 0.0f, 3.0f)) > 0.01f ? 1 : 0;
+            partly += light > 0.0f && light < 1.0f ? 1 : 0;
+        }
+        opaque.tracer.intersect(valid, packet);
+        for (int lane = 0; lane < embree::kPacket; ++lane) {
+            const Ray ray = randomRay(8 * i + uint32_t(lane));
+            const RayHit hit = opaque.tracer.nearest(ray.origin, ray.direction, 0.0f, kInfinity);
+            ASSERT_EQ(embree::found(packet, lane), hit.found);
+            if (!hit.found) continue;
+            const bool same = opaque.tracer.faceOf(hit).hitIndex == opaque.tracer.faceOf(packet, lane).hitIndex;
+            other += same ? 0 : 1;
+            if (!same) continue;
+            ASSERT_EQ(embree::hitBack(packet, lane), hit.back);
+            ASSERT_LT(glm::distance(embree::barycentricOf(packet, lane), hit.barycentric), 1.0e-3f);
+        }
+    }
+    EXPECT_GT(partly, 500);
+    EXPECT_LT(other, 16);
+    EXPECT_LT(otherLight, 60); // rays along the edge of a texel, and rays through more than four surfaces
+}
+
+double meanOf(const std::vector<IrradianceEstimate>& estimates)
+{
+    double sum = 0.0;
+    for (const IrradianceEstimate& e : estimates) sum += double(luminance(e.irradiance));
+    return sum / double(estimates.size());
+}
+
+/// Lightmaps, masks and seams are those of the scene without instances, but for noise.
+TEST(InstancesS6, BakesAgree)
+{
+    IntegrationSettings settings;
+    settings.samples = 64;
+    Bench shared(ballsOnFloor(), MixedLightingMode::Shadowmask, kPage, settings);
+    Bench flat(unshared(ballsOnFloor()), MixedLightingMode::Shadowmask, kPage, settings);
+    ASSERT_EQ(shared.geometry.instances.size(), std::size_t(kBalls));
+    EXPECT_EQ(shared.map.chartCount, flat.map.chartCount);
+    ASSERT_EQ(shared.map.texels.size(), flat.map.texels.size());
+    const auto a = shared.irradiance();
+    const auto b = flat.irradiance();
+    EXPECT_NEAR(meanOf(a) / meanOf(b), 1.0, 0.005);
+    double squares = 0.0;
+    double variances = 0.0;
+    std::size_t otherValid = 0;
+    for (std::size_t i = 0; i < a.size(); ++i) {
+        ASSERT_EQ(shared.map.texels[i].x, flat.map.texels[i].x);
+        ASSERT_EQ(shared.map.texels[i].y, flat.map.texels[i].y);
+        ASSERT_EQ(shared.map.texels[i].chart, flat.map.texels[i].chart);
+        ASSERT_LT(glm::distance(shared.positionOf(shared.map.texels[i]), flat.positionOf(flat.map.texels[i])), 1.0e-3f);
+        otherValid += a[i].valid != b[i].valid ? 1 : 0;
+        if (!a[i].valid || !b[i].valid) continue;
+        const double difference = double(luminance(a[i].irradiance)) - double(luminance(b[i].irradiance));
+        squares += difference * difference;
+        variances += double(a[i].varianceOfMean) + double(b[i].varianceOfMean);
+    }
+    EXPECT_LT(squares, 1.5 * variances);
+    EXPECT_LT(otherValid, a.size() / 500);
+
+    const auto maskA = shared.shadowmask();
+    const auto maskB = flat.shadowmask();
+    double difference = 0.0;
+    for (std::size_t i = 0; i < maskA.size(); ++i) difference += double(std::abs(maskA[i].x - maskB[i].x));
+    EXPECT_LT(difference / double(maskA.size()), 0.002);
+
+    EXPECT_EQ(findSeams(shared.geometry, kPage).size(), findSeams(flat.geometry, kPage).size());
+    EXPECT_GT(findSeams(flat.geometry, kPage).size(), 100u);
+}
+
+/// Balls whose front is inside are inverted where they are empty. One is a room with a lamp in it; that object alone
+/// has another orientation than its mesh has elsewhere.
+TEST(InstancesS6, OrientationIsThatOfEachInstance)
+{
+    Scene scene = ballsOnFloor(Material::AlphaMode::Opaque, true);
+    const vec3 inside(scene.objects[3].worldFromObject * vec4(3, 1, 2, 1));
+    scene.lights.push_back(pointAt("lamp", inside, 1.0f));
+    const BakeGeometry shared = flattenGeometry(scene, kPage, GeometryFilter::Static);
+    const BakeGeometry flat = flattenGeometry(unshared(scene), kPage, GeometryFilter::Static);
+    ASSERT_EQ(shared.triangleCount(), flat.triangleCount());
+    std::size_t kept = 0;
+    for (uint32_t t = 0; t < flat.triangleCount(); ++t) {
+        ASSERT_EQ(shared.isSolid(t), flat.isSolid(t));
+        ASSERT_GT(glm::dot(shared.geometricNormal(t), flat.geometricNormal(t)), 0.99f);
+        kept += shared.isSolid(t) ? 0 : 1;
+    }
+    EXPECT_EQ(kept, kBallTriangles + 2); // the room and the floor
+}
+
+} // namespace
+} // namespace halflight::test
