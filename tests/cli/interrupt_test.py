@@ -128,18 +128,18 @@ class Moments(unittest.TestCase):
     def test_bake_of_a_terrain(self):
         scene = os.path.join(self.folder.name, "terrain.glb")
         write_terrain(scene)
-        self.interrupt_at_moments(14, 14.0, "bake", scene, "--quality", "preview", "--lightmap-size", "1024")
+        self.interrupt_at_moments(9, 14.0, "bake", scene, "--quality", "preview", "--lightmap-size", "1024")
 
     def test_reference_of_a_terrain(self):
         scene = os.path.join(self.folder.name, "terrain.glb")
         write_terrain(scene)
-        self.interrupt_at_moments(6, 4.0, "render", scene, "--reference", "256")
+        self.interrupt_at_moments(4, 4.0, "render", scene, "--reference", "256")
 
     def test_bake_of_sponza(self):
         scene = os.path.join(SHARED, "scenes", "sponza_crytek.glb")
         if not os.path.exists(scene):
             self.skipTest("no shared scenes beside this checkout")
-        self.interrupt_at_moments(8, 24.0, "bake", scene, "--quality", "preview")
+        self.interrupt_at_moments(5, 24.0, "bake", scene, "--quality", "preview")
 
 
 if __name__ == "__main__":

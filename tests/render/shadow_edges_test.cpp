@@ -242,13 +242,14 @@ TEST_P(ShadowFiltersS2, EdgesRestWhileTheCameraCreeps)
 }
 
 // Planes cast into their own shadow maps and are lit all the same, whatever the sun's height and azimuth and their own
-// tilt: no pixel has acne with the default biases.
+// tilt: no pixel has acne with the default biases. Each path has half of the azimuths.
 TEST_P(ShadowFiltersS2, NoAcneOnPlanesAtAnySunAngle)
 {
     const auto [filter, path] = GetParam();
     const float tilts[] = {0.0f, 0.5f, 1.2f};
+    const bool forward = path == RenderPath::Forward;
     for (const float elevation : {3.0f, 8.0f, 20.0f, 45.0f, 70.0f, 90.0f}) {
-        for (const float azimuth : {0.0f, 37.0f, 90.0f, 201.0f}) {
+        for (const float azimuth : {forward ? 0.0f : 90.0f, forward ? 201.0f : 37.0f}) {
             BakedScene baked;
             Scene& scene = baked.scene;
             const int material = addMaterial(scene, vec4(kAlbedo, 1.0f));

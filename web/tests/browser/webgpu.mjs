@@ -6,8 +6,8 @@ import { SIZE, studio } from './studio.mjs';
 
 // What the conformance pack lacks.
 const scenes = [
-    { label: 'courtyard', scene: 'courtyard', bake: ['--lightmap-size', '512'], modes: ['shadowmask'] }, // reflection probes
-    { label: 'instances', scene: 'tests/instances_1023', modes: ['shadowmask'] },
+    { label: 'courtyard', scene: 'courtyard', bake: ['--lightmap-size', '256'], modes: ['shadowmask'] }, // reflection probes
+    { label: 'instances', scene: 'tests/instances_1023', bake: ['--lightmap-size', '256'], modes: ['shadowmask'] },
     { label: 'distance field', scene: 'tests/avenue', bake: ['--shadowmask-encoding', 'distance-field'], modes: ['shadowmask'], settings: { shadowDistance: 20, shadowFadeRange: 4 } },
 ];
 
