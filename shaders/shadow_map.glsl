@@ -38,7 +38,9 @@ float tentFilter(sampler2DArrayShadow map, vec2 texel, vec4 bounds, float layer,
     return sum * inverseH * inverseH;
 }
 
-// Slopes of surfaces nearer to edge-on than this cosine count as this steep.
+// Slopes of surfaces nearer to edge-on than this cosine count as this steep. Their receivers move farther along the
+// normal instead, up to kEdgeOnShift times; in perspective tiles, whose depths are coarse far from the light, from twice
+// the cosine on.
 const float kMinSlopeCosine = 0.1;
 
 // A receiver as a tile sees it.
@@ -67,8 +69,9 @@ Receiver receiverIn(bool cascade, int light, int tile, vec3 position, vec3 n, ve
     r.texelMeters = tiles[tile].parameters.x * distanceFactor;
     float cosine = saturate(dot(n, l));
     float sine = sqrt(1.0 - cosine * cosine);
+    float shift = mix(kEdgeOnShift, 1.0, min((cascade ? 1.0 : 0.5) * cosine / kMinSlopeCosine, 1.0));
     vec2 bias = lights[light].shadowBias.xy;
-    vec3 p = position + n * (bias.y * r.texelMeters * sine) + l * (bias.x * r.texelMeters);
+    vec3 p = position + n * (bias.y * r.texelMeters * sine * shift) + l * (bias.x * r.texelMeters);
     vec4 clip = tiles[tile].clipFromWorld * vec4(p, 1.0);
     if (clip.w <= 0.0) return r;
     vec3 ndc = clip.xyz / clip.w;

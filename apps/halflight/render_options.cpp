@@ -166,7 +166,7 @@ void addShadowOptions(CLI::App& app, RenderOptions& options)
             "lower limit of subtractive shadows in lux, instead of the file's")
         ->each([&options](const std::string&) { options.render.subtractiveShadowColor = vec3(0.0f); });
     addFloat(app, "--shadow-normal-bias", shadows.normalBiasTexels, 0.0f, 8.0f, "TEXELS",
-             "receivers move along their normal by this (default 1.2)");
+             "receivers move along their normal by this (default 0.5)");
 }
 
 } // namespace

@@ -341,7 +341,8 @@ TEST_P(ShadowFiltersS2, ShadowBeginsAtTheWallsFoot)
             }
         EXPECT_GT(dark, 300);
         // Across the light's direction a texel spans texel / sin(e) of the floor at most.
-        const float reach = float(filterReachTexels(filter)) / 2.0f + 2.5f;
+        // The normal bias counts most under a low sun, where 0.6 texels more than the filter's are let through.
+        const float reach = float(filterReachTexels(filter)) / 2.0f + (elevation < 30.0f ? 0.6f : 2.5f);
         EXPECT_LE(gap, reach * texel / std::sin(e)) << "elevation " << elevation << ", texel " << texel;
         EXPECT_LE(gap, 0.05f) << "elevation " << elevation << ", texel " << texel;
     }

@@ -66,7 +66,7 @@ struct ShadowSettings {
     float slopeBias = 1.5f; ///< Vulkan's depthBiasSlopeFactor
     /// Receiver moved along its normal by this many shadow-map texels for each two texels of filterReachTexels() (at
     /// least one time), so that a wide kernel on a tilted surface does not meet the surface itself; 0…8.
-    float normalBiasTexels = 1.2f;
+    float normalBiasTexels = 0.5f;
     bool operator==(const ShadowSettings&) const = default;
 };
 

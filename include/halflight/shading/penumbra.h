@@ -11,6 +11,8 @@ HL_NAMESPACE_BEGIN
 
 // Wider kernels would need more comparisons than a frame can pay for.
 HL_CONST float kWidestPenumbraTexels = 32.0f;
+// How many times as far as others a receiver moves along its normal where the light meets it edge-on.
+HL_CONST float kEdgeOnShift = 4.0f;
 
 // Comparisons of a kernel of this half-width: two for each texel of it, so that the ramps of neighbouring ones
 // (bilinear ones are a texel wide) meet across a straight edge, and at least 16.

@@ -22,7 +22,8 @@ constexpr float kWidestSpotTileRadians = 70.0f * kPi / 180.0f;
 int borderTexels(const ShadowSettings& settings, int mapTexels)
 {
     const auto filter = float(filterReachTexels(settings.filter));
-    const float shift = std::max(settings.normalBiasTexels, 0.0f) * std::max(0.5f * filter, 1.0f);
+    const float shift =
+        shading::kEdgeOnShift * std::max(settings.normalBiasTexels, 0.0f) * std::max(0.5f * filter, 1.0f);
     constexpr float kBilinear = 1.0f; // texels that a comparison reaches beyond its place
     const float penumbra = settings.penumbrae ? shading::penumbraReach(float(mapTexels)) + kBilinear : 0.0f;
     return int(std::ceil(std::max(filter, penumbra) + shift));
