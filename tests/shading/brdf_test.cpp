@@ -172,13 +172,15 @@ TEST(Brdf, AverageSpecularFollowsIntegration)
 {
     constexpr int kViews = 12;
     for (const float roughness : {0.0f, 0.25f, 0.5f, 0.75f, 1.0f}) {
-        for (const float f0 : {0.0f, 0.5f, 1.0f}) {
+        for (const float f0 : {0.0f, 0.04f, 0.5f, 1.0f}) {
             double truth = 0.0;
             for (int i = 0; i < kViews; ++i) { // evenly in cosine squared: each view counts by its cosine
                 const float cosine = std::sqrt((float(i) + 0.5f) / kViews);
                 truth += double(directionalAlbedo(vec3(f0), 1.0f, roughness, viewAt(cosine)).x) / kViews;
             }
-            EXPECT_NEAR(averageSpecular(vec3(f0), 1.0f, roughness).x, truth, 0.01) << roughness << " " << f0;
+            // White rooms reflect light tens of times: an error of a dielectric's share is as much of their light.
+            const double tolerance = f0 < 0.1f && roughness >= 0.5f ? 0.001 : 0.01;
+            EXPECT_NEAR(averageSpecular(vec3(f0), 1.0f, roughness).x, truth, tolerance) << roughness << " " << f0;
         }
     }
 }

@@ -121,7 +121,7 @@ HL_FN vec3 averageSpecular(vec3 f0, float f90, float roughness)
 {
     float r2 = roughness * roughness;
     float all = 1.0f - r2 * roughness * (1.084f - 0.493f * r2);
-    float grazing = 0.047f * exp2(-5.0f * r2);
+    float grazing = 0.0476f * exp2(r2 * (1.712f * r2 - 5.82f));
     return f0 * (all - grazing) + vec3(f90 * grazing);
 }
 

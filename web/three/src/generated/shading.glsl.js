@@ -163,7 +163,7 @@ vec3 hlAverageSpecular(vec3 f0, float f90, float roughness)
 {
     float r2 = roughness * roughness;
     float all = 1.0 - r2 * roughness * (1.084 - 0.493 * r2);
-    float grazing = 0.047 * exp2(-5.0 * r2);
+    float grazing = 0.0476 * exp2(r2 * (1.712 * r2 - 5.82));
     return f0 * (all - grazing) + vec3(f90 * grazing);
 }
 vec3 hlTransportAlbedo(vec3 baseColor, float metallic, float roughness)

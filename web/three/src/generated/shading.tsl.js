@@ -265,7 +265,7 @@ export const hlAverageSpecular = /*@__PURE__*/ Fn( ( [ f0, f90, roughness ] ) =>
 
 	const r2 = roughness.mul( roughness );
 	const all = float( 1.0 ).sub( r2.mul( roughness ).mul( float( 1.084 ).sub( float( 0.493 ).mul( r2 ) ) ) );
-	const grazing = float( 0.047 ).mul( exp2( float( 5.0 ).negate().mul( r2 ) ) );
+	const grazing = float( 0.0476 ).mul( exp2( r2.mul( float( 1.712 ).mul( r2 ).sub( float( 5.82 ) ) ) ) );
 
 	return f0.mul( all.sub( grazing ) ).add( vec3( f90.mul( grazing ) ) );
 
