@@ -24,10 +24,6 @@ constexpr float kFarShare = 4.0f;
 constexpr float kLeastSurrounded = 0.4f;
 /// Things nearer than this share of the surroundings' mean distance cover too much of the picture.
 constexpr float kClearance = 0.25f;
-/// No probe is added that gains less than this share of what a probe at every place would be worth.
-constexpr double kLeastGain = 0.04;
-/// Most probes that are placed: 16 tiles of 128 texels are 1.5 MiB.
-constexpr std::size_t kMostPlaced = 16;
 /// Boxes turned about the vertical are tried in steps of 5 degrees.
 constexpr int kTurns = 18;
 /// A turned box must predict distances better by this share.
@@ -308,32 +304,6 @@ std::vector<std::vector<float>> usesBetween(std::span<const Candidate> candidate
     return uses;
 }
 
-/// The greedy choice of places that serve all others best (Nemhauser, Wolsey and Fisher 1978, "An Analysis of
-/// Approximations for Maximizing Submodular Set Functions").
-std::vector<std::size_t> choosePlaces(const std::vector<std::vector<float>>& uses)
-{
-    std::vector<float> served(uses.size(), 0.0f);
-    std::vector<std::size_t> chosen;
-    double most = 0.0; // if each place served itself
-    for (std::size_t k = 0; k < uses.size(); ++k) most += uses[k][k];
-    while (chosen.size() < kMostPlaced) {
-        double best = kLeastGain * most;
-        std::size_t bestPlace = uses.size();
-        for (std::size_t i = 0; i < uses.size(); ++i) {
-            double gain = 0.0;
-            for (std::size_t k = 0; k < uses.size(); ++k) gain += std::max(uses[i][k] - served[k], 0.0f);
-            if (gain > best) {
-                best = gain;
-                bestPlace = i;
-            }
-        }
-        if (bestPlace == uses.size()) break;
-        chosen.push_back(bestPlace);
-        for (std::size_t k = 0; k < uses.size(); ++k) served[k] = std::max(served[k], uses[bestPlace][k]);
-    }
-    return chosen;
-}
-
 } // namespace
 
 std::vector<ReflectionProbe> placeReflections(std::span<const Probe> lightProbes, const Integrator& integrator,
@@ -350,12 +320,11 @@ std::vector<ReflectionProbe> placeReflections(std::span<const Probe> lightProbes
         for (std::size_t i = begin; i < end; ++i)
             candidates[i] = candidateAt(places[i], directions, std::move(distances[i]), sceneSizeMeters);
     });
+    std::vector<ReflectionProbe> all;
+    for (const Candidate& candidate : candidates) all.push_back(candidate.probe);
     std::vector<ReflectionProbe> probes;
-    for (const std::size_t i : choosePlaces(usesBetween(candidates, directions, integrator)))
-        probes.push_back(candidates[i].probe);
-    std::stable_sort(probes.begin(), probes.end(), [](const ReflectionProbe& a, const ReflectionProbe& b) {
-        return glm::determinant(mat3(a.worldFromBox)) < glm::determinant(mat3(b.worldFromBox));
-    });
+    for (const std::size_t i : chooseReflections(all, usesBetween(candidates, directions, integrator)))
+        probes.push_back(all[i]);
     return probes;
 }
 

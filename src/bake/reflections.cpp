@@ -5,12 +5,10 @@
 #include "halflight/shading/reflection.h"
 
 #include <algorithm>
+#include <cmath>
 
 namespace halflight {
 namespace {
-
-/// Fade of a box over its diagonal: 16 cm in a room of 8 m.
-constexpr float kFadeShare = 0.02f;
 
 std::vector<ReflectionProbe> authoredProbes(const Scene& scene, std::vector<std::string>& warnings)
 {
@@ -26,6 +24,14 @@ std::vector<ReflectionProbe> authoredProbes(const Scene& scene, std::vector<std:
 
 } // namespace
 
+float reflectionFade(const mat4& worldFromBox)
+{
+    constexpr float kFadeShare = 0.02f; // of the diagonal: 16 cm in a room of 8 m
+    const mat3 axes(worldFromBox);
+    return kFadeShare * 2.0f *
+           std::sqrt(glm::dot(axes[0], axes[0]) + glm::dot(axes[1], axes[1]) + glm::dot(axes[2], axes[2]));
+}
+
 std::optional<ReflectionSet> bakeReflections(const BakedScene& baked, Integrator& integrator,
                                              std::span<const ImageRgb32f> lightmap, int size,
                                              std::vector<std::string>& warnings, const Progress& progress)
@@ -40,10 +46,7 @@ std::optional<ReflectionSet> bakeReflections(const BakedScene& baked, Integrator
     ImageRgb32f picture(size, shading::reflectionTileHeight(size) * int(set.probes.size()));
     for (std::size_t i = 0; i < set.probes.size(); ++i) {
         ReflectionProbe& probe = set.probes[i];
-        const mat3 axes(probe.worldFromBox);
-        probe.fadeMeters =
-            kFadeShare * 2.0f *
-            std::sqrt(glm::dot(axes[0], axes[0]) + glm::dot(axes[1], axes[1]) + glm::dot(axes[2], axes[2]));
+        probe.fadeMeters = reflectionFade(probe.worldFromBox);
         ImageRgb32f around(size - 2, size - 2);
         if (!integrator.radianceAround(probe.position, lightmap, around, progress)) return std::nullopt;
         const ImageRgb32f tile = reflectionTile(around);

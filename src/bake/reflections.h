@@ -13,6 +13,14 @@ namespace halflight {
 std::vector<ReflectionProbe> placeReflections(std::span<const Probe> lightProbes, const Integrator& integrator,
                                               float sceneSizeMeters);
 
+/// Which of the probes to keep, small boxes first. `uses`: by probe and place of a probe, 0…1, how well the one serves
+/// the other.
+std::vector<std::size_t> chooseReflections(std::span<const ReflectionProbe> probes,
+                                           std::vector<std::vector<float>> uses);
+
+/// ReflectionProbe::fadeMeters of a box.
+float reflectionFade(const mat4& worldFromBox);
+
 /// The tile of a probe (shading/reflection.h) from the radiance around it: prefiltered with the GGX distribution, for a
 /// surface seen along its normal (Karis 2013). `around`: the inner texels of level 0.
 ImageRgb32f reflectionTile(const ImageRgb32f& around);

@@ -8,6 +8,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 namespace halflight::test {
@@ -83,6 +84,22 @@ TEST(ReflectionPlacement, EachRoomHasItsOwn)
     ASSERT_EQ(placed.probes.size(), 2u);
     EXPECT_LT(glm::distance(placed.probes[0].position, vec3(6, 1.5f, 0)), 0.6f);
     EXPECT_LT(glm::distance(placed.probes[1].position, vec3(0, 1.5f, 0)), 0.9f);
+}
+
+// In the blend a small box hides the rest of a large one around it, whatever its probe shows.
+TEST(ReflectionPlacement, AProbeIsLeftOutThatWouldHideABetterOne)
+{
+    const ReflectionProbe small{vec3(0.5f, 0, 0), glm::scale(mat4(1.0f), vec3(1.0f)), 0.1f};
+    const ReflectionProbe large{vec3(-0.5f, 0, 0), glm::scale(mat4(1.0f), vec3(1.01f)), 0.1f};
+    using Kept = std::vector<std::size_t>;
+    // The small one serves itself a little better, and the other place badly.
+    EXPECT_EQ(chooseReflections(std::array{small, large}, {{1.0f, 0.1f}, {0.8f, 1.0f}}), (Kept{1}));
+    EXPECT_EQ(chooseReflections(std::array{small, large}, {{1.0f, 0.9f}, {0.1f, 1.0f}}), (Kept{0}));
+    // Apart, both are kept.
+    ReflectionProbe far = large;
+    far.position.x = 10.0f;
+    far.worldFromBox[3].x = 10.0f;
+    EXPECT_EQ(chooseReflections(std::array{far, small}, {{1.0f, 0.0f}, {0.0f, 1.0f}}), (Kept{1, 0}));
 }
 
 TEST(ReflectionPlacement, NothingAroundMeansNoProbe)
