@@ -78,6 +78,7 @@ void prepareExport(BakeSettings& settings, Scene& scene)
 {
     settings.mode = MixedLightingMode::BakedIndirect; // no light is left that is mixed
     settings.reflectionProbes = false;                // core glTF has none
+    settings.directional = false;
     for (Light& light : scene.lights) light.mode = LightMode::Baked;
 }
 

@@ -61,8 +61,9 @@ void addResults(CLI::App& app, BakeOptions& options)
     addChoice<Denoiser>(app, "--denoise", bake.denoiser,
                         {{"on", Denoiser::BuiltIn}, {"off", Denoiser::Off}, {"oidn", Denoiser::OpenImage}},
                         "denoise the lightmap; oidn: with Open Image Denoise, in builds that have it (default on)");
-    addChoice<bool>(app, "--directional", bake.directional, {{"on", true}, {"off", false}},
-                    "keep the mean direction of lightmap light too, so that normal maps respond to it (default off)");
+    addChoice<std::optional<bool>>(app, "--directional", bake.directional, {{"on", true}, {"off", false}},
+                                   "keep the mean direction of lightmap light too, so that normal maps, gloss and "
+                                   "metal respond to it (default on, off at preview)");
     addChoice<MaskEncoding>(app, "--shadowmask-encoding", bake.maskEncoding,
                             {{"attenuation", MaskEncoding::Attenuation}, {"distance-field", MaskEncoding::Distance}},
                             "what shadowmask texels hold; distance fields keep hard edges crisp at half the density, "

@@ -66,7 +66,7 @@ Status denoiseStage(const Stages& stages, const Gather& gather, std::span<const 
         gathered.reserve(estimates.size());
         for (const IrradianceEstimate& e : estimates) gathered.push_back(e.irradiance - e.direct);
     }
-    denoise(gather.geometry, gather.map, seams, estimates, stages.settings.directional);
+    denoise(gather.geometry, gather.map, seams, estimates, resolveQuality(stages.settings).directional);
     if (openImage) {
         if (Status status = imageDenoise(gather.map, gathered, estimates, stages.progress); !status)
             return status.error();
@@ -112,7 +112,7 @@ Status lightmapPagesStage(const Stages& stages, const Gather& gather, const std:
     baked.lightmapUnitLux = lightmapUnitFor(pages);
     baked.lightmaps = encodeLightmap(pages, baked.lightmapUnitLux);
     encodeTimer.finish();
-    if (!settings.directional) return {};
+    if (!resolveQuality(settings).directional) return {};
     std::vector<vec3> moments;
     moments.reserve(estimates.size());
     for (const IrradianceEstimate& e : estimates) moments.push_back(e.moment);

@@ -64,7 +64,7 @@ Hash128 bakeHash(const Scene& scene, const BakeSettings& settings)
         .add(texelsPerMeter)
         .add(paddingTexels)
         .add(int(denoiser))
-        .add(int(directional));
+        .add(int(q.directional));
     hasher.add(int(maskEncoding)).add(int(subtractiveMask)).add(probeSpacingMeters).add(int(probeLayout));
     hasher.add(int(reflectionProbes)).add(q.reflectionSize);
     return hasher.add(seed).hash();

@@ -24,6 +24,7 @@ BakeQuality resolveQuality(const BakeSettings& settings)
     if (settings.samples > 0) q.samples = settings.samples;
     if (settings.shadowSamples > 0) q.shadowSamples = settings.shadowSamples;
     q.bounces = settings.bounces;
+    q.directional = settings.directional.value_or(settings.quality != Quality::Preview);
     if (settings.lightmapSize > 0) q.lightmapSize = settings.lightmapSize;
     return q;
 }

@@ -128,7 +128,8 @@ void bakeSection(ViewState& state)
                constexpr const char* kNames[] = {"preview", "medium", "high", "ultra"};
                return kNames[int(quality)];
            });
-    ImGui::Checkbox("bakes directions", &state.bake.directional);
+    bool directional = resolveQuality(state.bake).directional;
+    if (ImGui::Checkbox("bakes directions", &directional)) state.bake.directional = directional;
     ImGui::Checkbox("bakes reflection probes", &state.bake.reflectionProbes);
     if (ImGui::Button("bake (B)")) state.requests.bake = true;
     if (status.outOfDate) ImGui::TextWrapped("Lights or objects changed since the bake that is shown.");

@@ -157,7 +157,7 @@ TEST_F(CacheTest, TheHashFollowsEverySettingThatTheFileFollows)
     changes("size", [](BakeSettings& s) { s.lightmapSize = 256; });
     changes("padding", [](BakeSettings& s) { s.paddingTexels = 4; });
     changes("denoiser", [](BakeSettings& s) { s.denoiser = Denoiser::Off; });
-    changes("directional", [](BakeSettings& s) { s.directional = true; });
+    changes("directional", [](BakeSettings& s) { s.directional = false; });
     changes("mask encoding", [](BakeSettings& s) { s.maskEncoding = MaskEncoding::Distance; });
     changes("subtractive mask", [](BakeSettings& s) { s.subtractiveMask = false; });
     changes("probe spacing", [](BakeSettings& s) { s.probeSpacingMeters = 1.0f; });

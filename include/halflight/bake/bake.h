@@ -51,7 +51,8 @@ struct BakeSettings {
     int lightmapSize = 0;        ///< texels; 0 = at most the quality's, cut to the used part
     int paddingTexels = 2;       ///< UnwrapSettings::paddingTexels
     Denoiser denoiser = Denoiser::BuiltIn;
-    bool directional = false;                              ///< also bakes mean directions, for normal maps (spec S32)
+    /// Also bakes mean directions, for normal maps, gloss and metal (spec S32). Not given: from Medium on.
+    std::optional<bool> directional;
     MaskEncoding maskEncoding = MaskEncoding::Attenuation; ///< shadowmask bakes
     /// Subtractive bakes: also stores the main light's own mask, so that dynamic shadows subtract only unoccluded light
     /// (subtractiveIrradiance() in shading/law.h).
@@ -81,6 +82,7 @@ struct BakeQuality {
     int reflectionSize;        ///< texels, ReflectionSet::size
     int bounces = kAllBounces; ///< the most
     float noiseTarget = 0.0f;  ///< 0 = none
+    bool directional = false;
 };
 BakeQuality resolveQuality(const BakeSettings& settings);
 
