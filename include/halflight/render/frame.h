@@ -65,7 +65,8 @@ struct ShadowSettings {
     float depthBias = 0.1f;
     float slopeBias = 1.5f; ///< Vulkan's depthBiasSlopeFactor
     /// Receiver moved along its normal by this many shadow-map texels for each two texels of filterReachTexels() (at
-    /// least one time), so that a wide kernel on a tilted surface does not meet the surface itself; 0…8.
+    /// least one time), so that a wide kernel on a tilted surface does not meet the surface itself; 0…8. Where the
+    /// light meets a surface edge-on, shading::kEdgeOnShift times as far.
     float normalBiasTexels = 0.5f;
     bool operator==(const ShadowSettings&) const = default;
 };
