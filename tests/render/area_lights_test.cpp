@@ -135,6 +135,54 @@ TEST_P(AreaLawS3, EveryModeNearInTheFadeAndBeyond)
     }
 }
 
+class AreaSubtractiveS22 : public RenderTest, public testing::WithParamInterface<TypePath> {};
+INSTANTIATE_TEST_SUITE_P(, AreaSubtractiveS22,
+                         testing::Combine(testing::Values(LightType::Rectangle, LightType::Disk), kBothPaths),
+                         [](const auto& info) {
+                             return std::string(nameOf(std::get<0>(info.param))) + pathName(std::get<1>(info.param));
+                         });
+
+// Area lights are never the main light: static receivers have all of their light in the lightmap, dynamic shadows or
+// not; dynamic receivers have it at run time, with the shadows of dynamic casters alone.
+TEST_P(AreaSubtractiveS22, LightmapOnStaticAndRealtimeOnDynamicReceivers)
+{
+    AreaScene area(std::get<0>(GetParam()));
+    Scene& scene = area.baked.scene;
+    area.baked.mode = MixedLightingMode::Subtractive;
+    area.baked.shadowmasks.clear();
+    Light& light = scene.lights[0];
+    bakeAsMixed(light, MixedLightingMode::Subtractive, -1);
+    // The static plate beside the dynamic one, and a dynamic receiver that both would shade, 20 cm above the floor's
+    // left.
+    scene.objects[2].worldFromObject = glm::translate(mat4(1.0f), vec3(-2, 1, 2));
+    addObject(scene, makeRectangle(4, 3, 0), glm::translate(mat4(1.0f), vec3(-2, 0.2f, 4.5f)), false);
+    scene.objects[3].castShadows = false;
+    for (const float strength : {1.0f, 0.7f}) {
+        light.shadowStrength = strength;
+        RenderSettings settings;
+        settings.mode = RunMode::Subtractive;
+        settings.path = std::get<1>(GetParam());
+        settings.size = kSize;
+        settings.shadows.distanceMeters = 40.0f;
+        settings.shadows.atlasSize = 2048;
+        const RenderedFrame frame = render(area.baked, area.camera, settings);
+        const auto check = [&](vec3 place, bool dynamicReceiver, float attenuation) {
+            const ivec2 pixel = pixelOf(area.camera, kSize, place);
+            const vec3 point = onPlane(pixelRay(area.camera, kSize, pixel), place.y);
+            const double irradiance =
+                dynamicReceiver ? double(attenuation) * irradianceByHand(light, point, vec3(0, 1, 0)) : 0.25;
+            EXPECT_TRUE(near(vec3(frame.radiance(pixel.x, pixel.y)), kAlbedo * float(irradiance / double(kPi)), 4.0e-3f,
+                             law::kAbsolute))
+                << "x " << point.x << " strength " << strength;
+        };
+        check(vec3(0.8f, 0, 3.6f), false, 1.0f); // in the dynamic plate's shadow
+        check(vec3(0.9f, 0, 4.5f), false, 1.0f); // lit
+        check(vec3(-0.8f, 0.2f, 3.4f), true, 1.0f - strength);
+        check(vec3(-2.5f, 0.2f, 3.4f), true, 1.0f); // in the static plate's shadow
+        check(vec3(-3.0f, 0.2f, 5.0f), true, 1.0f);
+    }
+}
+
 class AreaLightPixels : public BothPaths {};
 INSTANTIATE_TEST_SUITE_P(, AreaLightPixels, kBothPaths, pathNameOf);
 

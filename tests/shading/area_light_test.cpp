@@ -198,22 +198,11 @@ vec3 viewAt(float angle)
     return {-std::sin(angle), 0.0f, std::cos(angle)};
 }
 
-/// Differences of the specular light from the integral of the BRDF over lights of all places: their root mean square
-/// over the root mean square of the light itself, and the difference of the sums.
-struct SpecularError {
-    double relative = 0.0;
-    double bias = 0.0;
-};
-SpecularError specularError(float roughness, float angle)
+/// Rows of lights of some metres that stand around, 1.2 m away.
+std::vector<Source> lightsAround(float meters)
 {
-    const vec3 normal(0, 0, 1);
-    const vec3 view = viewAt(angle);
-    double squares = 0.0;
-    double differences = 0.0;
-    double sum = 0.0;
-    double sumOfTruth = 0.0;
+    std::vector<Source> lights;
     for (int place = 0; place < 60; ++place) {
-        // Rows of lights of 1 m that stand around, 1.2 m away.
         const float elevation = (float(place / 10) + 0.5f) / 6.0f * 0.5f * kShadingPi;
         const float around = float(place % 10) / 10.0f * 2.0f * kShadingPi;
         const vec3 direction(std::cos(elevation) * std::cos(around), std::cos(elevation) * std::sin(around),
@@ -222,38 +211,95 @@ SpecularError specularError(float roughness, float angle)
         s.type = place % 2 == 0 ? kLightRectangle : kLightDisk;
         s.toCenter = 1.2f * direction;
         orthonormalBasis(direction, s.halfX, s.halfY);
-        s.halfX *= 0.5f;
-        s.halfY *= 0.5f;
-        const double expected = s.sum(150, [&](vec3 l) {
-            return double(reflectLight(vec3(1.0f), 1.0f, roughness, 1.0f, normal, view, l, vec3(1.0f)).x);
-        });
-        const double found = double(reflectAreaLight(vec3(1.0f), 1.0f, roughness, 1.0f, normal, view, s.type,
-                                                     s.toCenter, s.halfX, s.halfY, vec3(1.0f))
+        s.halfX *= 0.5f * meters;
+        s.halfY *= 0.5f * meters;
+        lights.push_back(s);
+    }
+    return lights;
+}
+
+/// The integral of the specular BRDF times radiance 1 over each light, by microfacets drawn evenly from their
+/// distribution: the estimator of brdf_sampling.h without its weights.
+std::vector<double> specularTruth(const std::vector<Source>& lights, float f0, float roughness, vec3 view)
+{
+    constexpr int kSide = 300;
+    const float alpha = square(roughness);
+    std::vector<double> sums(lights.size(), 0.0);
+    for (int i = 0; i < kSide * kSide; ++i) {
+        const vec2 at = (vec2(i % kSide, i / kSide) + 0.5f) / float(kSide);
+        const float cosine = std::sqrt((1.0f - at.x) / (1.0f + (alpha * alpha - 1.0f) * at.x));
+        const float sine = std::sqrt(std::max(1.0f - cosine * cosine, 0.0f));
+        const float turn = 2.0f * kShadingPi * at.y;
+        const vec3 half(sine * std::cos(turn), sine * std::sin(turn), cosine);
+        const float vDotH = dot(view, half);
+        const vec3 light = 2.0f * vDotH * half - view;
+        if (light.z <= 0.0f || vDotH <= 0.0f) continue;
+        const float value = fresnelSchlick(vec3(f0), 1.0f, vDotH).x * visibilitySmithGgx(light.z, view.z, alpha) *
+                            4.0f * light.z * vDotH / half.z;
+        for (size_t k = 0; k < lights.size(); ++k) {
+            const Source& s = lights[k];
+            if (meetAreaLight(s.type, s.toCenter, s.halfX, s.halfY, light) > 0.0f) sums[k] += double(value);
+        }
+    }
+    for (double& sum : sums) sum /= kSide * kSide;
+    return sums;
+}
+
+/// Differences of the highlights from truth: their root mean square over that of the light itself, and the difference
+/// of the sums.
+struct SpecularError {
+    double relative = 0.0;
+    double bias = 0.0;
+};
+SpecularError specularError(const std::vector<Source>& lights, bool metal, float roughness, vec3 view)
+{
+    const std::vector<double> truth = specularTruth(lights, metal ? 1.0f : 0.04f, roughness, view);
+    double squares = 0.0;
+    double differences = 0.0;
+    double sum = 0.0;
+    double sumOfTruth = 0.0;
+    for (size_t i = 0; i < lights.size(); ++i) {
+        const Source& s = lights[i];
+        const vec3 color(metal ? 1.0f : 0.0f); // a black dielectric has no diffuse part
+        const double found = double(reflectAreaLight(color, metal ? 1.0f : 0.0f, roughness, 1.0f, vec3(0, 0, 1), view,
+                                                     s.type, s.toCenter, s.halfX, s.halfY, vec3(1.0f))
                                         .x);
-        squares += expected * expected;
-        differences += (found - expected) * (found - expected);
+        squares += truth[i] * truth[i];
+        differences += (found - truth[i]) * (found - truth[i]);
         sum += found;
-        sumOfTruth += expected;
+        sumOfTruth += truth[i];
     }
     return {std::sqrt(differences / squares), sum / sumOfTruth - 1.0};
 }
 
-// The transformed cosine against truth, on white metal. Grazing views of rough surfaces are the worst.
+// The transformed cosine and its Fresnel reflectance against truth. Half rough surfaces at 60 degrees and more are the
+// worst. With the lobe's mean reflectance for all lights 79, 61 and 44 % on dielectrics.
 TEST(AreaLight, SpecularLightIsNearTheBrdfs)
 {
-    std::vector<double> all;
-    for (const float roughness : {0.15f, 0.3f, 0.5f, 0.7f, 1.0f}) {
-        for (const float degrees : {0.0f, 30.0f, 60.0f, 75.0f}) {
-            const SpecularError e = specularError(roughness, glm::radians(degrees));
-            std::printf("roughness %.2f, view at %2.0f degrees: rms %4.1f %%, sum %+5.1f %%\n", double(roughness),
-                        double(degrees), 100.0 * e.relative, 100.0 * e.bias);
-            all.push_back(e.relative);
-            EXPECT_LT(e.relative, 0.15);
-            EXPECT_NEAR(e.bias, 0.0, 0.12);
+    struct Limits {
+        float meters;
+        double metal;
+        double dielectric;
+    };
+    for (const Limits& limits : {Limits{0.3f, 0.32, 0.5}, {1.0f, 0.14, 0.18}, {4.0f, 0.14, 0.35}}) {
+        const std::vector<Source> lights = lightsAround(limits.meters);
+        for (const bool metal : {true, false}) {
+            std::vector<double> all;
+            for (const float roughness : {0.1f, 0.2f, 0.35f, 0.5f, 0.7f, 1.0f}) {
+                for (const float degrees : {0.0f, 20.0f, 40.0f, 60.0f, 70.0f, 80.0f}) {
+                    const SpecularError e = specularError(lights, metal, roughness, viewAt(glm::radians(degrees)));
+                    all.push_back(e.relative);
+                    EXPECT_LT(e.relative, metal ? limits.metal : limits.dielectric) << roughness << " " << degrees;
+                    EXPECT_NEAR(e.bias, 0.0, limits.meters < 1.0f ? 0.3 : 0.16) << roughness << " " << degrees;
+                }
+            }
+            std::sort(all.begin(), all.end());
+            std::printf("%s, lights of %.1f m: rms %4.1f %% in the median, %4.1f %% at worst\n",
+                        metal ? "white metal" : "dielectric", double(limits.meters), 100.0 * all[all.size() / 2],
+                        100.0 * all.back());
+            EXPECT_LT(all[all.size() / 2], 0.06);
         }
     }
-    std::sort(all.begin(), all.end());
-    EXPECT_LT(all[all.size() / 2], 0.05);
 }
 
 // A light that fills the view of a mirror is its own radiance there.

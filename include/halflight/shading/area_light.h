@@ -199,6 +199,20 @@ HL_FN float areaSpecular(int shape, float roughness, vec3 n, vec3 v, vec3 toCent
     return irradiance * (1.0f / kShadingPi);
 }
 
+// Reflectance of the specular lobe of reflectLight() for an area light that sends `share` of the lobe's light.
+// Fresnel's is that of the light's middle (or of the horizon above it) for a small light, and the lobe's mean for one
+// that fills the lobe. The exponent is a fit to integrals of the BRDF. The mean for all lights, as usual tables have it
+// (Hill and Heitz 2016), makes highlights of dielectrics wrong by up to 80 % at grazing views.
+HL_FN vec3 areaReflectance(vec3 f0, float f90, float roughness, vec3 n, vec3 v, vec3 toCenter, float share)
+{
+    float nDotV = clamp(abs(dot(n, v)), 0.0f, 1.0f);
+    vec3 l = toCenter - n * min(dot(n, toCenter), 0.0f);
+    float lDotV = dot(l, v) / max(length(l), 1.0e-30f);
+    vec3 ofMiddle = fresnelSchlick(f0, f90, sqrt(saturate(0.5f + 0.5f * lDotV))) *
+                    environmentSpecular(vec3(1.0f), 1.0f, roughness, nDotV);
+    return mix(ofMiddle, environmentSpecular(f0, f90, roughness, nDotV), pow(clamp(share, 0.0f, 1.0f), 0.75f));
+}
+
 // Radiance reflected to v from an area light that nothing hides, as reflectLight() does for light from one direction:
 // the diffuse part by the mean Fresnel reflectance (diffuseShare()).
 HL_FN vec3 reflectAreaLight(vec3 baseColor, float metallic, float roughness, float specularFactor, vec3 n, vec3 v,
@@ -209,8 +223,8 @@ HL_FN vec3 reflectAreaLight(vec3 baseColor, float metallic, float roughness, flo
     float nDotV = clamp(abs(dot(n, v)), 0.0f, 1.0f);
     vec3 diffuse = diffuseRadiance(diffuseAlbedoOf(baseColor, metallic) * diffuseShare(f0, f90, nDotV),
                                    vec3(areaIrradiance(shape, n, toCenter, halfX, halfY)));
-    float lobe = areaSpecular(shape, roughness, n, v, toCenter, halfX, halfY);
-    return (diffuse + environmentSpecular(f0, f90, roughness, nDotV) * lobe) * radiance;
+    float share = areaSpecular(shape, roughness, n, v, toCenter, halfX, halfY);
+    return (diffuse + areaReflectance(f0, f90, roughness, n, v, toCenter, share) * share) * radiance;
 }
 
 HL_NAMESPACE_END

@@ -148,7 +148,9 @@ vec3 hlEnvironmentSpecular(vec3 f0, float f90, float roughness, float nDotV)
     float lobe = 1.0 + r * r *
                             (-2.204 + n * (5.198 - 2.029 * n) + r * (4.857 + n * (-16.357 + 7.975 * n)) +
                              r * r * (-2.814 + n * (10.142 - 5.450 * n)));
-    float grazing = hlSquare(hlSquare(1.0 - n)) * (0.975 - 1.95 * r + 1.01 * r * r);
+    float a = r * r;
+    float fade = (0.452 + n * (6.304 - 22.126 * n) + 14.154 * a) / max(n + a * (1.223 + 1.952 * a), 1.0e-6);
+    float grazing = hlSquare(hlSquare(1.0 - n)) * (1.0 - n) * exp2(-a * fade);
     return f0 * (lobe - grazing) + vec3(f90 * grazing);
 }
 vec3 hlDiffuseShare(vec3 f0, float f90, float nDotV)
@@ -543,6 +545,15 @@ float hlAreaSpecular(int shape, float roughness, vec3 n, vec3 v, vec3 toCenter, 
                                            : hlQuadIrradiance(c - x - y, c + x - y, c + x + y, c - x + y);
     return irradiance * (1.0 / hlShadingPi);
 }
+vec3 hlAreaReflectance(vec3 f0, float f90, float roughness, vec3 n, vec3 v, vec3 toCenter, float share)
+{
+    float nDotV = clamp(abs(dot(n, v)), 0.0, 1.0);
+    vec3 l = toCenter - n * min(dot(n, toCenter), 0.0);
+    float lDotV = dot(l, v) / max(length(l), 1.0e-30);
+    vec3 ofMiddle = hlFresnelSchlick(f0, f90, sqrt(hlSaturate(0.5 + 0.5 * lDotV))) *
+                    hlEnvironmentSpecular(vec3(1.0), 1.0, roughness, nDotV);
+    return mix(ofMiddle, hlEnvironmentSpecular(f0, f90, roughness, nDotV), pow(clamp(share, 0.0, 1.0), 0.75));
+}
 vec3 hlReflectAreaLight(vec3 baseColor, float metallic, float roughness, float specularFactor, vec3 n, vec3 v,
                             int shape, vec3 toCenter, vec3 halfX, vec3 halfY, vec3 radiance)
 {
@@ -551,7 +562,7 @@ vec3 hlReflectAreaLight(vec3 baseColor, float metallic, float roughness, float s
     float nDotV = clamp(abs(dot(n, v)), 0.0, 1.0);
     vec3 diffuse = hlDiffuseRadiance(hlDiffuseAlbedoOf(baseColor, metallic) * hlDiffuseShare(f0, f90, nDotV),
                                    vec3(hlAreaIrradiance(shape, n, toCenter, halfX, halfY)));
-    float lobe = hlAreaSpecular(shape, roughness, n, v, toCenter, halfX, halfY);
-    return (diffuse + hlEnvironmentSpecular(f0, f90, roughness, nDotV) * lobe) * radiance;
+    float share = hlAreaSpecular(shape, roughness, n, v, toCenter, halfX, halfY);
+    return (diffuse + hlAreaReflectance(f0, f90, roughness, n, v, toCenter, share) * share) * radiance;
 }
 `;
