@@ -123,7 +123,7 @@ public:
         : p_(prepare(name, options.size, true)), subset_(subsetOf(p_.map, options.points, chosen_)),
           reference_(referenceOf(options, name, p_, subset_))
     {
-        settings_.bounces = options.bounces;
+        settings_ = options.integration();
         settings_.samples = options.samples > 0 ? options.samples : 16;
         settings_.shadowSamples = std::max(32, settings_.samples / 2);
         double variance = 0.0;

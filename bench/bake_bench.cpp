@@ -118,8 +118,7 @@ void partError(const Options& options)
         std::vector<uint32_t> chosen;
         const TexelMap subset = subsetOf(p.map, options.points, chosen);
         const std::vector<IrradianceEstimate> reference = referenceOf(options, name, p, subset);
-        IntegrationSettings settings;
-        settings.bounces = options.bounces;
+        IntegrationSettings settings = options.integration();
         const double scale = double(p.map.texels.size()) / double(subset.texels.size());
         const auto tracePaths = [&](int samples, int seed, MeanError& mean) {
             IntegrationSettings paths = settings;
@@ -164,7 +163,7 @@ void partError(const Options& options)
         // With the step between traced texels that is the default for the map, and with the other one.
         for (const int step : {0, texelStepOf(IntegrationSettings(), p.map) == 1 ? 2 : 1}) {
             if (step > 0 && options.samples > 0) break;
-            settings.texelStep = step;
+            settings.cache.texelStep = step;
             const std::string label = step == 0 ? "cache" : "step " + std::to_string(step);
             TimeToTarget raw(options.target);
             TimeToTarget denoised(options.target);
@@ -212,7 +211,7 @@ void partGather(const Options& options)
         Prepared p = prepare(name, options.size, true);
         const PathTracer paths(p.scene, p.geometry, LightUse::Bake);
         const StratifiedPattern pattern(1);
-        const IntegrationSettings settings{.bounces = options.bounces};
+        const IntegrationSettings settings = options.integration();
         std::atomic<uint64_t> ignored{0};
         const auto radiosity = buildRadiosity({paths, p.map, pattern, settings}, {}, ignored);
         const Guides guides = buildGuides(*radiosity, p.map, paths.surfaces());
@@ -304,8 +303,7 @@ void seamsOf(const Options& options, const std::string& name, bool bakeLights)
     constexpr int kFiner = 4;
     const Prepared p = prepare(name, options.size, bakeLights);
     const auto pagesOf = [&](const Prepared& scene) {
-        IntegrationSettings settings;
-        settings.bounces = options.bounces;
+        IntegrationSettings settings = options.integration();
         settings.samples = options.samples > 0 ? options.samples : 16;
         settings.shadowSamples = 32;
         std::vector<IrradianceEstimate> estimates = integrate(scene, scene.map, settings).estimates;
@@ -482,8 +480,7 @@ void partTriangles(const Options& options)
     std::printf("%10s %10s %10s %10s %10s\n", "triangles", "texels", "build s", "CPU s", "us/sample");
     for (const int triangles : {1000, 10000, 100000, 1000000}) {
         Prepared p = prepareScene(roomWithBall(triangles), options.size, false);
-        IntegrationSettings settings;
-        settings.bounces = options.bounces;
+        IntegrationSettings settings = options.integration();
         settings.samples = 64;
         const double start = cpuSeconds();
         if (!makeEmbreeIntegrator(p.scene, p.geometry, settings)) std::exit(1);
@@ -522,6 +519,8 @@ int main(int argc, char** argv)
             options.without.emplace_back(argv[++i]);
         } else if (option("--target")) {
             options.target = std::atof(argv[++i]) / 100.0;
+        } else if (std::strcmp(argv[i], "--diffuse") == 0) {
+            options.diffuse = true;
         } else {
             options.part = argv[i];
         }
@@ -549,7 +548,7 @@ int main(int argc, char** argv)
         std::fprintf(stderr, "usage: bench_bake gather|error|ablate|shadows|seams|masks|scaling|lights|triangles "
                              "[--scene FILE|cornell]... "
                              "[--size N] [--points N] [--reference N] [--bounces N] [--target PERCENT] [--samples N] "
-                             "[--references DIR]\n");
+                             "[--references DIR] [--diffuse]\n");
         return 2;
     }
     return 0;

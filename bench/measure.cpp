@@ -92,7 +92,8 @@ std::vector<IrradianceEstimate> referenceOf(const Options& options, const std::s
         const std::string key = std::filesystem::path(name).filename().string();
         file = std::filesystem::path(options.folder) /
                (key + "-" + std::to_string(options.size) + "-" + std::to_string(subset.texels.size()) + "-" +
-                std::to_string(options.reference) + "-" + std::to_string(options.bounces));
+                std::to_string(options.reference) + "-" + std::to_string(options.bounces) +
+                (options.diffuse ? "-diffuse" : ""));
     }
     std::vector<IrradianceEstimate> reference(kept.size());
     const auto bytes = std::streamsize(kept.size() * sizeof(vec4));
@@ -104,8 +105,7 @@ std::vector<IrradianceEstimate> referenceOf(const Options& options, const std::s
         }
         return reference;
     }
-    IntegrationSettings settings;
-    settings.bounces = options.bounces;
+    IntegrationSettings settings = options.integration();
     settings.integrator = IntegratorKind::Path;
     settings.samples = options.reference;
     settings.shadowSamples = 256;

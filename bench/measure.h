@@ -21,8 +21,11 @@ struct Options {
     int seeds = 3;        ///< of which times and errors are the mean: single texels weigh much in one alone
     std::string folder;   ///< where references are kept, so that versions of the bake compare with the same
     int bounces = 4;
+    bool diffuse = false; ///< light goes from surface to surface without specular lobes
     double target = 0.03;
     std::vector<std::string> without; ///< refinements that are switched off, one at a time; empty: all
+
+    [[nodiscard]] IntegrationSettings integration() const { return {.bounces = bounces, .glossyBounces = !diffuse}; }
 };
 
 /// CPU seconds of the process, and seconds of the clock.

@@ -21,7 +21,7 @@ import re
 import sys
 import tempfile
 
-LIMIT = 198  # may only shrink; the aim is 99
+LIMIT = 184  # may only shrink; the aim is 99
 FOLDERS = ("src/bake", "src/bake_cpu")
 LEAST_WORDS = 4
 
@@ -63,6 +63,7 @@ FIXED = {
     "src/bake/part_folder.cpp": {"kDigits": "file names"},
     "src/bake/probe_sight.cpp": {"kCells": "file format", "kNearest": "16 bits", "65535.0": "16 bits"},
     "src/bake/probes.cpp": {"kNewPointsOfCell": "27 - 8"},
+    "src/bake/seams.cpp": {"kDark": "guard"},
     "src/bake/shared_meshes.cpp": {"kFlattest": "guard against rounding"},
     "src/bake/stages.h": {"kDilationRings": "bicubic filtering"},
     "src/bake_cpu/guiding/patch_light.h": {"kNoAxis": "sentinel"},
@@ -77,6 +78,7 @@ FIXED = {
         "7.0": "lanes beside the first",
         "kBorder": "corners and middles of a square",
     },
+    "src/bake_cpu/sample/light_tree.cpp": {"kLeastCosine": "guard against rounding"},
     "src/bake_cpu/sample/light_tree.h": {"kRoot": "index", "kLanes": "lanes"},
     "src/bake_cpu/sample/stratified_pattern.h": {"kBlock": "4 x 4 strata"},
     "src/bake_cpu/shadows/shadow_pass.h": {"kMostRays": "24 bits"},
@@ -84,13 +86,16 @@ FIXED = {
     "src/bake_cpu/texels/ray_bundle.h": {"kAllStrata": "0 to 15"},
     "src/bake_cpu/texels/sparse_grid.cpp": {"kCovered": "guard", "kSlack": "guard"},
     "src/bake_cpu/trace/embree.h": {"kPacket": "lanes"},
+    "src/bake_cpu/trace/ray_tracer.cpp": {"kMaxCrossings": "guard against endless rays"},
 }
 
 # By file: sizes of work, which change no result: what a thread, a file, a progress bar or memory takes at a time.
 WORK = {
     "src/bake/bake_report.cpp": ["kOwnWarnings"],
+    "src/bake/bake_session.cpp": ["kEnough"],
     "src/bake/cache.cpp": ["kKeptBakes", "kInUse", "kComparisonShare", "kBatchItems"],
     "src/bake/cache.h": ["kTexelTile", "kProbeTile", "kProbeTilesPerPart"],
+    "src/bake/dilate.cpp": ["kTexelsPerTask"],
     "src/bake/facet_orientation.cpp": ["kBlockPatches", "kEnough"],
     "src/bake/live_light.cpp": ["kSide", "kMostSquares", "kFirstTexels", "kSecondsAtOnce"],
     "src/bake/live_pages.h": ["kBlock"],

@@ -163,7 +163,7 @@ Status probeStage(const Stages& stages, const Gather& gather)
     const uint64_t before = gather.integrator.raysTraced();
     std::optional<ProbeSet> probes =
         bakeProbes(baked.scene, stages.settings.probeSpacingMeters, stages.settings.probeLayout,
-                   gather.settings.denoised, gather, report.warnings, stages.progress);
+                   gather.settings.cache.denoised, gather, report.warnings, stages.progress);
     if (!probes) return cancelledError();
     baked.probes = std::move(*probes);
     std::optional<ProbeSight> sight = findProbeSight(baked.probes, gather.integrator, stages.progress);

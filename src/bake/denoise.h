@@ -12,7 +12,7 @@
 
 namespace halflight {
 
-/// True for a texel with samples of its own. An interpolated texel (IntegrationSettings::texelStep) is the mean of
+/// True for a texel with samples of its own. An interpolated texel (CacheSettings::texelStep) is the mean of
 /// traced ones, and carries no information beyond theirs.
 inline bool isTraced(const IrradianceEstimate& estimate)
 {

@@ -49,7 +49,7 @@ Status prepareStage(const Stages& stages, Front& front, const FarmBake& planned,
     const BakeSettings& settings = stages.settings;
     std::vector<std::string> warnings; // the bake's own run of this stage says them
     const auto probes = bakeProbes(stages.baked().scene, settings.probeSpacingMeters, settings.probeLayout,
-                                   front.integration.denoised, front.gather(), warnings, stages.progress);
+                                   front.integration.cache.denoised, front.gather(), warnings, stages.progress);
     if (!probes) return reasonOf(stages.progress, front);
     if (!first) {
         const bool masks = work.stage == FarmStage::All && planned.mask;

@@ -64,9 +64,9 @@ IntegrationSettings integrationSettings(const BakeSettings& settings, const Bake
 {
     IntegrationSettings integration;
     integration.integrator = settings.integrator;
-    integration.noiseTarget = settings.noiseTarget;
-    integration.texelStep = settings.texelStep;
-    integration.denoised = settings.denoiser != Denoiser::Off;
+    integration.cache.noiseTarget = settings.noiseTarget;
+    integration.cache.texelStep = settings.texelStep;
+    integration.cache.denoised = settings.denoiser != Denoiser::Off;
     integration.samples = quality.samples;
     integration.shadowSamples = quality.shadowSamples;
     integration.bounces = quality.bounces;

@@ -76,9 +76,9 @@ Hash128 layoutHash(const TexelMap& map, const IntegrationSettings& settings, Mix
     hasher.add(kCacheVersion).add(int(mode)).add(settings.samples).add(settings.shadowSamples).add(settings.bounces);
     hasher.add(int(settings.glossyBounces))
         .add(int(settings.integrator))
-        .add(settings.noiseTarget)
-        .add(settings.texelStep)
-        .add(int(settings.denoised))
+        .add(settings.cache.noiseTarget)
+        .add(settings.cache.texelStep)
+        .add(int(settings.cache.denoised))
         .add(settings.probeSamples)
         .add(settings.seed);
     hasher.add(map.pageSize).add(map.pageCount);

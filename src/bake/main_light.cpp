@@ -14,11 +14,6 @@
 namespace halflight {
 namespace {
 
-/// More batches of points follow while the irradiance of a texel's points varies by more than this share of its
-/// maximum.
-constexpr float kEven = 0.05f;
-constexpr int kMostBatches = 16;
-
 /// Unoccluded irradiance in lux, the mean over the texel's valid points.
 vec3 unshadowedIrradiance(const BakeGeometry& geometry, const TexelMap& map, const Texel& texel, vec3 towardsLight,
                           vec3 illuminance)
@@ -38,7 +33,7 @@ vec3 unshadowedIrradiance(const BakeGeometry& geometry, const TexelMap& map, con
             most = std::max(most, cosine);
             ++count;
         }
-        if (most - least <= kEven * most || texel.validPoints != kAllPoints) break;
+        if (most - least <= kEvenIrradiance * most || texel.validPoints != kAllPoints) break;
     }
     return count > 0 ? illuminance * (sum / float(count)) : vec3(0.0f);
 }

@@ -212,7 +212,7 @@ void denoiseProbes(std::span<Probe> probes, std::span<const float> variances, st
     std::vector<float> linkWeights(links.size(), 0.0f);
     parallelFor(links.size(), 16, [&](std::size_t begin, std::size_t end) {
         for (std::size_t i = begin; i < end; ++i) {
-            const float noise = 9.0f * (variances[links[i].a] + variances[links[i].b]);
+            const float noise = 3.0f * 3.0f * (variances[links[i].a] + variances[links[i].b]); // 3 standard deviations
             linkWeights[i] = bilateralWeight(probes[links[i].a], probes[links[i].b], noise);
         }
     });

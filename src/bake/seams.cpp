@@ -22,7 +22,7 @@ constexpr uint32_t kNoUnknown = ~0u;
 /// padding. Padding is read at edges alone, so its weight is 1/100: the sides agree with little change of covered
 /// texels, which in narrow charts all lie at seams.
 constexpr double kKeepCovered = 0.002;
-constexpr double kKeepPadding = 2.0e-5;
+constexpr double kKeepPadding = kKeepCovered / 100.0;
 /// A seam sample whose sides differ by d > kAlike has the weight exp(-kFalloff (d - kAlike)²), which is 0.003 at 0.8.
 constexpr float kAlike = 0.5f;
 /// Light at bends differs because gather directions below a triangle are reflected out of it, and these directions

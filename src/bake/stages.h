@@ -54,6 +54,12 @@ TexelMap rasterizeTexels(const BakeGeometry& geometry, int pageSize, int pageCou
 /// A texel with a smaller coverage is at the rim of its surface.
 constexpr float kMostlyCovered = 0.6f;
 
+/// Irradiance is even over a texel if that of its points varies by no more than this share of the largest. Other texels
+/// take further batches of points, because lightmaps and masks hold the mean.
+constexpr float kEvenIrradiance = 0.05f;
+/// Most batches of such texels: 1,024 points, whose mean is within 1/255 of a step's.
+constexpr int kMostBatches = 64;
+
 /// 0, 1, … count - 1: all texels or probes.
 std::vector<uint32_t> allIndices(std::size_t count);
 

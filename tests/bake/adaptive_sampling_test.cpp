@@ -89,7 +89,7 @@ Bench underHoles(int every, float height = 0.3f, bool denoised = true)
     addRectangle(scene, {vec3(49, 0, 1), vec3(2, 0, 0), vec3(0, 0, -2)}, white, kPage, {vec2(35, 1), vec2(63, 29)});
     IntegrationSettings settings;
     settings.samples = 32;
-    settings.denoised = denoised;
+    settings.cache.denoised = denoised;
     return Bench(std::move(scene), MixedLightingMode::Shadowmask, kPage, settings);
 }
 
@@ -146,8 +146,8 @@ TEST(NoiseS6, SamplesAreAsManyAsAskedForOnAverage)
                 Bench made = underHoles(4, 0.3f, denoised);
                 IntegrationSettings settings;
                 settings.samples = samples;
-                settings.denoised = denoised;
-                settings.texelStep = step;
+                settings.cache.denoised = denoised;
+                settings.cache.texelStep = step;
                 Bench bench(std::move(made.scene), MixedLightingMode::Shadowmask, kPage, settings);
                 double sum = 0.0;
                 int traced = 0;
@@ -170,7 +170,7 @@ TEST(NoiseS6, FourTimesTheSamplesAQuarterOfTheVariance)
         Bench made = underHoles(4, 0.3f, false);
         IntegrationSettings settings;
         settings.samples = samples;
-        settings.denoised = false;
+        settings.cache.denoised = false;
         settings.seed = seed;
         Bench bench(std::move(made.scene), MixedLightingMode::Shadowmask, kPage, settings);
         return bench.irradiance();

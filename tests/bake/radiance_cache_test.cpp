@@ -245,7 +245,7 @@ TEST(RadianceCacheS6, LargePatchesAreGatheredByFewerTexels)
     IntegrationSettings settings;
     settings.samples = 16;
     settings.shadowSamples = 8;
-    settings.texelStep = 1;
+    settings.cache.texelStep = 1;
     Bench bench(scene, MixedLightingMode::Shadowmask, kSize, settings);
     const uint64_t raysOfValidity = bench.integrator->raysTraced();
     const std::vector<IrradianceEstimate> estimates = bench.irradiance();

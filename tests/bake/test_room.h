@@ -53,7 +53,7 @@ inline std::vector<IrradianceEstimate> bakeWith(Scene scene, IntegratorKind kind
     settings.samples = samples;
     settings.shadowSamples = 64;
     settings.bounces = bounces;
-    settings.noiseTarget = noise;
+    settings.cache.noiseTarget = noise;
     settings.seed = kind == IntegratorKind::Path ? 7 : 1;
     constexpr int kPage = 64;
     Bench bench(std::move(scene), MixedLightingMode::Shadowmask, kPage, settings);

@@ -39,8 +39,8 @@ IntegrationSettings settingsWith(int step, int samples, float noise = 0.0f)
     IntegrationSettings settings;
     settings.samples = samples;
     settings.bounces = 2;
-    settings.texelStep = step;
-    settings.noiseTarget = noise;
+    settings.cache.texelStep = step;
+    settings.cache.noiseTarget = noise;
     return settings;
 }
 

@@ -42,10 +42,10 @@ struct BakeSettings {
     int bounces = kAllBounces; ///< most indirect bounces; 0 = direct light only
     bool glossyBounces = true; ///< IntegrationSettings::glossyBounces
     IntegratorKind integrator = IntegratorKind::Cache;
-    /// Relative standard error up to which a texel is sampled (IntegrationSettings::noiseTarget). `samples` is then the
+    /// Relative standard error up to which a texel is sampled (CacheSettings::noiseTarget). `samples` is then the
     /// most that a texel gets, 4096 if it is 0. 0 = no target.
     float noiseTarget = 0.0f;
-    int texelStep = 0; ///< IntegrationSettings::texelStep
+    int texelStep = 0; ///< CacheSettings::texelStep
     UvMode uvMode = UvMode::Auto;
     float texelsPerMeter = 0.0f; ///< 0 = as many as fit one page; without a lightmapSize at most sceneDensity()
     int lightmapSize = 0;        ///< texels; 0 = at most the quality's, cut to the used part
@@ -136,7 +136,7 @@ struct BakeReport {
     double samplesPerTexel = 0.0; ///< mean
     /// Root mean square over the texels of the standard error of luminance before denoising, over the mean luminance.
     float noiseReached = 0.0f;
-    uint64_t interpolatedTexels = 0; ///< see IntegrationSettings::texelStep
+    uint64_t interpolatedTexels = 0; ///< see CacheSettings::texelStep
     uint64_t texelsAtCap = 0;        ///< texels that reached `samples` before the noise target
     uint64_t invalidTexels = 0;      ///< texels inside geometry, filled from neighbours
     float texelsPerMeter = 0.0f;

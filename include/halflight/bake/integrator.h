@@ -84,32 +84,37 @@ enum class IntegratorKind { Cache, Path };
 /// Paths end earlier by Russian roulette, the radiosity solution when it has converged.
 constexpr int kAllBounces = 256;
 
+/// What the cache integrator alone has.
+struct CacheSettings {
+    /// Largest standard error of a texel's luminance, relative to the mean of the texels around it on its chart (to
+    /// 1/50 of the map's mean in darker places). IntegrationSettings::samples is then the most a texel gets. 0 = no
+    /// target.
+    float noiseTarget = 0.0f;
+    /// Spacing of the sparse grid of texels that are always traced: 1, 2 or 4 texels. The others are interpolated where
+    /// the surface is smooth and no hit is near (Ward 1988), else traced. Emitters are sampled at every texel. 0 = 2 in
+    /// maps of more than 400,000 texels, else 1.
+    int texelStep = 0;
+    /// Whether denoising follows. Without a noise target, samples are then allocated to the noise that the denoiser
+    /// leaves: to texels where light varies from texel to texel.
+    bool denoised = true;
+};
+
 struct IntegrationSettings {
     IntegratorKind integrator = IntegratorKind::Cache;
     /// Mean number of paths per traced texel, at least 1. The cache integrator works in blocks of 16 samples. It gives
     /// a texel between 1/2 and 32 times the mean, in proportion to the standard deviation of its noise (see
-    /// `denoised`). Texels with few neighbours on their chart get at least twice the mean.
+    /// CacheSettings::denoised). Texels with few neighbours on their chart get at least twice the mean.
     int samples = 64;
     /// Rays per texel and light, for masks and for baked direct light, at least 1. Texels on a shadow edge get up to
     /// twice the number, their neighbours half, texels far from an edge 1/8.
     int shadowSamples = 16;
+    int probeSamples = 256;    ///< paths per probe, at least 1
     int bounces = kAllBounces; ///< most indirect bounces, 0 or more; 0 = direct light only
     /// Whether surfaces reflect light to other surfaces by glTF's BRDF, specular lobe included. False: as diffuse
     /// surfaces of shading::transportAlbedo().
     bool glossyBounces = true;
-    int probeSamples = 256; ///< paths per probe, at least 1
-    /// Largest standard error of a texel's luminance, relative to the mean of the texels around it on its chart (to
-    /// 1/50 of the map's mean in darker places). `samples` is then the most a texel gets. 0 = no target. Cache
-    /// integrator only.
-    float noiseTarget = 0.0f;
-    /// Spacing of the sparse grid of texels that are always traced: 1, 2 or 4 texels. The others are interpolated where
-    /// the surface is smooth and no hit is near (Ward 1988), else traced. Emitters are sampled at every texel. 0 = 2 in
-    /// maps of more than 400,000 texels, else 1. Cache integrator only.
-    int texelStep = 0;
-    /// Whether denoising follows. Without a noise target, samples are then allocated to the noise that the denoiser
-    /// leaves: to texels where light varies from texel to texel. Cache integrator only.
-    bool denoised = true;
     uint32_t seed = 1;
+    CacheSettings cache;
 };
 
 /// Lightmap value of one texel, with the statistics for the denoiser.

@@ -161,7 +161,7 @@ bool CachedLightmap::prepareAll(const TexelMap& map, const Progress& progress, s
 {
     if (map.texels.empty()) return true;
     if (!prepare(map, progress, rays)) return false;
-    return settings_.noiseTarget > 0.0f || findScale({paths_, pattern_, settings_, map, *state_}, progress, rays);
+    return settings_.cache.noiseTarget > 0.0f || findScale({paths_, pattern_, settings_, map, *state_}, progress, rays);
 }
 
 bool CachedLightmap::irradiance(const TexelMap& map, std::span<const uint32_t> texels, int samples,
@@ -172,7 +172,7 @@ bool CachedLightmap::irradiance(const TexelMap& map, std::span<const uint32_t> t
     if (!prepare(map, progress, rays)) return false;
     const LightmapInput input{paths_, pattern_, settings_, map, *state_};
     // Requests for other numbers of samples than the settings' (check samples of the tile cache) have no plan.
-    const bool planned = settings_.noiseTarget <= 0.0f && samples == settings_.samples;
+    const bool planned = settings_.cache.noiseTarget <= 0.0f && samples == settings_.samples;
     if (planned && !findScale(input, partOf(progress, 0.0, 0.0), rays)) return false;
     // In parts, because states take more memory than estimates: each thread has those of one part at a time. Threads
     // that would wait for the end of a pass of one part go on with other parts.

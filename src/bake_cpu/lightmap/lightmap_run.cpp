@@ -19,7 +19,7 @@ constexpr std::size_t kGrain = 64; ///< texels that a thread takes at a time
 
 int texelStepOf(const IntegrationSettings& settings, const TexelMap& map)
 {
-    if (settings.texelStep > 0) return settings.texelStep;
+    if (settings.cache.texelStep > 0) return settings.cache.texelStep;
     return map.texels.size() > kManyTexels ? 2 : 1;
 }
 

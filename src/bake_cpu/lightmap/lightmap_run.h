@@ -10,7 +10,7 @@
 
 namespace halflight {
 
-/// IntegrationSettings::texelStep, or for 0 the default of a map's size: 1 or 2.
+/// CacheSettings::texelStep, or for 0 the default of a map's size: 1 or 2.
 int texelStepOf(const IntegrationSettings& settings, const TexelMap& map);
 
 /// Everything that a map's texels have in common.

@@ -108,7 +108,7 @@ float SamplePlan::demand(uint32_t texel, const TexelStates& states) const
                          : 2 * noise.texels >= kFewAround                    ? 2.0f
                                                                              : 4.0f;
     const float light = refinements.planMapMean ? std::sqrt(std::sqrt(noise.mean * mapMean_) * mapMean_) : mapMean_;
-    const float factor = settings_.denoised && refinements.planDetail ? detail(texel, noise) : 1.0f;
+    const float factor = settings_.cache.denoised && refinements.planDetail ? detail(texel, noise) : 1.0f;
     const float times = light > 0.0f ? factor * std::sqrt(noise.trimmed) / (kNoise * light) : 0.0f;
     return std::clamp(times, fewest, kMostTimes);
 }
@@ -156,7 +156,7 @@ int SamplePlan::blocksForTarget(uint32_t texel, const TexelStates& states) const
 {
     const Noise noise = noiseAround(texel, states);
     const float dark = 0.02f * mapMean_;
-    const float allowed = settings_.noiseTarget * std::max(noise.mean, dark);
+    const float allowed = settings_.cache.noiseTarget * std::max(noise.mean, dark);
     if (!(noise.variance > 0.0f)) return 0;
     if (!(allowed > 0.0f)) return mostBlocks();
     return int(std::ceil(std::min(noise.variance / (2.0f * allowed * allowed), blocks_)));

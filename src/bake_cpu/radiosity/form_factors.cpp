@@ -14,13 +14,12 @@ constexpr uint32_t kCacheSeed = 0x5eed0005u;
 /// samples per texel on, because the patches' variance would be visible beside the smaller variance of the texels.
 constexpr std::array<FormFactorEffort, 4> kEffort = {{{16, 8}, {4, 2}, {4, 1, 2}, {4, 1, 4}}};
 constexpr std::array<FormFactorEffort, 4> kMoreEffort = {{{32, 16}, {8, 4}, {4, 2}, {4, 1, 2}}};
-constexpr FormFactorEffort kTriangleEffort = {8, 4};
-constexpr FormFactorEffort kElementEffort = {8, 4};
+constexpr FormFactorEffort kElementEffort = {8, 4}; ///< of triangle patches, too
 constexpr FormFactorEffort kMoreElementEffort = {16, 8};
 constexpr int kManySamples = 96;
 /// Rays shorter than this many widths would show that the radiance of a patch or element is constant.
 constexpr float kNearestInPatches = 0.5f;
-constexpr float kNearestInElements = 0.25f;
+constexpr float kNearestInElements = 0.5f * kNearestInPatches; // which are not split again
 
 } // namespace
 
@@ -33,7 +32,7 @@ FormFactorEffort effortOf(const IntegrationSettings& settings, PassKind kind, in
         return {std::max(rays, 4), std::max(rays / 2, 1),
                 refinements.thinnedGather && rays < 4 ? 4 / std::max(rays, 1) : 1};
     }
-    if (kind == PassKind::Triangles) return kTriangleEffort;
+    if (kind == PassKind::Triangles) return kElementEffort;
     if (kind == PassKind::Elements || kind == PassKind::BackElements) return more ? kMoreElementEffort : kElementEffort;
     FormFactorEffort effort = (more ? kMoreEffort : kEffort)[std::size_t(patchShift)];
     if (!refinements.thinnedGather) effort.every = 1;

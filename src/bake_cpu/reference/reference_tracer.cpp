@@ -177,13 +177,9 @@ vec3 ReferenceTracer::radiance(vec3 origin, vec3 direction, bool cameraRay, int 
         if (direction == vec3(0.0f)) break;
         pdf = hit.scattering.pdf(direction);
         throughput *= hit.scattering.reflected(direction, vec3(1.0f)) / pdf;
-        // Russian roulette (Arvo and Kirk 1990) below 70 % throughput.
         const float survival = std::max({throughput.x, throughput.y, throughput.z});
         if (!(survival > 0.0f)) break;
-        if (depth > 0 && survival < 0.7f) {
-            if (sampler.next1() >= survival) break;
-            throughput /= survival;
-        }
+        if (depth > 0 && !survivesRoulette(survival, sampler, throughput)) break;
         from = {paths_.rayOrigin(hit.point), hit.point.normal};
         ++rays;
         at = surfaces.nearest(from.position, direction, 0.0f, kInfinity);

@@ -10,6 +10,8 @@ namespace {
 
 /// Lower bound of both cosines: rounding errors of a node's bounds must not give a light probability 0.
 constexpr float kLeastCosine = 0.02f;
+/// Share of a cut's samples that its nodes take evenly: the probabilities are of one point and used at others near it.
+constexpr float kEvenShare = 0.01f;
 
 } // namespace
 
@@ -244,15 +246,14 @@ LightTree::Cut LightTree::cut(const Points& positions, const Points& normals) co
         set(widest, first);
         set(last, second);
     }
-    // The probabilities are of one point and used at others near it, so every node keeps at least 1 % / count.
     for (std::size_t lane = 0; lane < Cut::kLanes; ++lane) {
         float& total = cut.total[lane];
         for (std::size_t i = 0; i < cut.count; ++i) total += weight[i][lane];
         const bool usable = total > 0.0f && total < kInfinity;
-        const float share = (usable ? 0.01f : 1.0f) / float(cut.count);
+        const float share = (usable ? kEvenShare : 1.0f) / float(cut.count);
         float below = 0.0f;
         for (std::size_t i = 0; i < cut.count; ++i) {
-            cut.probability[i][lane] = share + (usable ? 0.99f * weight[i][lane] / total : 0.0f);
+            cut.probability[i][lane] = share + (usable ? (1.0f - kEvenShare) * weight[i][lane] / total : 0.0f);
             cut.below[i][lane] = below;
             below += cut.probability[i][lane];
         }

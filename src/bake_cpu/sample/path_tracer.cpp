@@ -205,19 +205,6 @@ PathTracer::Incoming PathTracer::incoming(const Receiver& receiver, vec3 directi
     return result;
 }
 
-namespace {
-
-/// Russian roulette (Arvo and Kirk 1990) below a survival probability of 70 %.
-bool survives(float probability, Sampler& sampler, vec3& throughput)
-{
-    if (probability >= 0.7f) return true;
-    if (!(sampler.next1() < probability)) return false;
-    throughput /= probability;
-    return true;
-}
-
-} // namespace
-
 vec3 PathTracer::reflectedEmitters(const SurfaceHit& hit, const SpecularLobe& lobe, Sampler& sampler,
                                    uint64_t& rays) const
 {
@@ -345,7 +332,7 @@ vec3 PathTracer::pathRadiance(RayHit at, vec3 direction, Receiver from, float di
         constexpr float kFirst = 1.4f;
         const bool first = depth == 0;
         const bool plays = !first || (lookup && refinements.firstRoulette);
-        if (plays && !survives((first ? kFirst : 1.0f) * brightest(throughput), sampler, throughput)) break;
+        if (plays && !survivesRoulette((first ? kFirst : 1.0f) * brightest(throughput), sampler, throughput)) break;
         direction = gatherDirection(hit.point, uDirection);
         directionPdf = gatherPdf(hit.point.normal, direction);
         from = {rayOrigin(hit.point), hit.point.normal};

@@ -1,6 +1,7 @@
 #include "bake_cpu/shadows/baked_lights.h"
 
 #include "bake/refinements.h"
+#include "bake/stages.h"
 
 #include "bake_cpu/shadows/light_reach.h"
 #include "bake_cpu/shadows/shadow_rays.h"
@@ -13,10 +14,6 @@
 
 namespace halflight {
 namespace {
-
-/// If the irradiances of a texel's points differ by more than this share of the largest, further batches are evaluated.
-constexpr float kAlike = 0.05f;
-constexpr int kMostBatches = 64;
 
 /// Mean direction of the light that a point receives, weighted by irradiance; shorter than 1 by an area light's size.
 vec3 meanDirection(const PunctualLight& light, const SurfacePoint& point)
@@ -66,7 +63,7 @@ public:
         };
         add(0);
         // Texels across a fold take as many points as shadow edges have rays. Partly valid texels have batch 0 only.
-        if (refinements.foldBatches && most - least > kAlike * most && mask_ == kAllPoints) {
+        if (refinements.foldBatches && most - least > kEvenIrradiance * most && mask_ == kAllPoints) {
             const int batches = std::min(pass_.timesOnEdges * pass_.samples / kMaxTexelPoints, kMostBatches);
             for (int batch = 1; batch < batches; ++batch) add(batch);
         }

@@ -9,11 +9,10 @@ namespace halflight {
 namespace {
 
 constexpr uint32_t kInsideSeed = 0x5eed0004u;
-/// Rays per group of points in solids, and per point behind shells.
+/// Rays per group of points in solids, per point behind shells, and of a texel that find whether it has to be tested.
 constexpr int kRays = 8;
 constexpr int kFewRays = 3;     ///< enough if all of them agree
 constexpr int kEnoughBacks = 5; ///< hidden backs hit by all rays of one point
-constexpr int kScoutRays = 8;   ///< rays of a texel that find whether it has to be tested
 /// Height in texels of lines between the points of a texel: more than that of a convex surface between them.
 constexpr float kLift = 0.1f;
 constexpr int kManyBacks = 32; ///< hidden backs hit by all rays of all points together
@@ -199,7 +198,7 @@ bool TexelValidity::mayHaveInvalidPoints(const TexelPoints& points, int pointCou
     if (!refinements.validityScouts) return true;
     // The rays leave points that are spread over the texel.
     PointMask some = 0;
-    for (int i = 0; i < kScoutRays; ++i) some |= PointMask(1u << (i * pointCount / kScoutRays));
+    for (int i = 0; i < kRays; ++i) some |= PointMask(1u << (i * pointCount / kRays));
     if (hitBacks(points, some, texelId, 0, rays) != 0) return true;
     const auto all = PointMask((1u << pointCount) - 1u);
     const float lift = kLift * paths_.surfaces().geometry().texelMeters(points[0].triangle);
