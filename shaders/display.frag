@@ -34,14 +34,32 @@ vec3 sampleAt(ivec2 place)
     return isCrack(darkest, brightest) ? sum / 8.0 : own.rgb;
 }
 
-void main()
+vec3 pixelAt(ivec2 place)
 {
     int side = int(frame.display.y);
-    ivec2 first = ivec2(gl_FragCoord.xy) * side;
     vec3 sum = vec3(0.0);
     for (int y = 0; y < side; ++y)
-        for (int x = 0; x < side; ++x) sum += sampleAt(first + ivec2(x, y));
-    vec3 mean = sum / float(side * side);
+        for (int x = 0; x < side; ++x) sum += sampleAt(place * side + ivec2(x, y));
+    return sum / float(side * side);
+}
+
+// Between the four nearest pixels.
+vec3 pixelsAround(vec2 place, ivec2 size)
+{
+    vec2 low = floor(place - 0.5);
+    vec2 weight = place - 0.5 - low;
+    ivec2 a = clamp(ivec2(low), ivec2(0), size - 1);
+    ivec2 b = clamp(ivec2(low) + 1, ivec2(0), size - 1);
+    return mix(mix(pixelAt(a), pixelAt(ivec2(b.x, a.y)), weight.x),
+               mix(pixelAt(ivec2(a.x, b.y)), pixelAt(b), weight.x), weight.y);
+}
+
+void main()
+{
+    ivec2 size = ivec2(frame.pictureSize.xy) / int(frame.display.y);
+    bool isEnlarged = ivec2(frame.displaySize.xy) != size;
+    vec3 mean = isEnlarged ? pixelsAround(gl_FragCoord.xy * vec2(size) / frame.displaySize.xy, size)
+                           : pixelAt(ivec2(gl_FragCoord.xy));
     vec3 color = frame.display.z > 0.5 ? clamp(mean, 0.0, 1.0) : srgbFromLinear(displayedColor(mean, frame.display.x));
     outColor = vec4(frame.display.w > 0.5 ? linearFromSrgb(color) : color, 1.0);
 }

@@ -40,7 +40,11 @@ int runView(const ViewCommandOptions& given)
 
     ViewOptions view;
     view.file = render.file;
-    view.loader.read = [&](const std::filesystem::path& file) { return readBakedScene(file, read); };
+    view.loader.read = [&](const std::filesystem::path& file, const std::atomic<bool>& cancel) {
+        ReadOptions cancellable = read;
+        cancellable.cancel = &cancel;
+        return readBakedScene(file, cancellable);
+    };
     view.loader.camera = [&](const Scene& scene, float aspect, bool isFirst) {
         return chooseCamera(scene, isFirst ? render.camera : CameraChoice(), aspect);
     };

@@ -48,9 +48,10 @@ struct BakeSession::Impl {
     std::thread thread; ///< not guarded
 };
 
-BakeSession::BakeSession(Scene scene, BakeSettings settings, IntegratorFactory integratorFactory)
+BakeSession::BakeSession(Scene scene, BakeSettings settings, IntegratorFactory integratorFactory, bool waits)
     : impl_(std::make_unique<Impl>())
 {
+    impl_->live.setWaits(waits);
     impl_->thread = std::thread(
         [impl = impl_.get(), scene = std::move(scene), settings = std::move(settings),
          factory = std::move(integratorFactory)]() mutable { impl->run(std::move(scene), settings, factory); });
@@ -92,6 +93,11 @@ std::optional<BakedScene> BakeSession::takeLight()
 std::vector<LightTile> BakeSession::takeTiles()
 {
     return impl_->live.takeTiles();
+}
+
+void BakeSession::goOn()
+{
+    impl_->live.setWaits(false);
 }
 
 void BakeSession::cancel()

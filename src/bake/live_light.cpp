@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <array>
 #include <chrono>
+#include <thread>
 #include <utility>
 
 namespace halflight {
@@ -72,7 +73,9 @@ bool LiveLight::beginWithProbes(Scene scene, const BakeSettings& settings, const
     assignShadowmaskChannels(light.scene, settings.mode);
     limitBounces(light.scene, integration);
     const BakeGeometry geometry = flattenGeometry(light.scene, 1, GeometryFilter::Static);
-    Result<std::unique_ptr<Integrator>> integrator = factory(light.scene, geometry, integration);
+    IntegrationSettings few = integration;
+    few.fewRays = true;
+    Result<std::unique_ptr<Integrator>> integrator = factory(light.scene, geometry, few);
     if (!integrator) return true; // the bake finds the same, and says it
     const Progress quiet{{}, progress.cancel};
     std::optional<ProbeSet> probes = roughProbes(light.scene, settings.probeSpacingMeters, **integrator, quiet);
@@ -82,9 +85,13 @@ bool LiveLight::beginWithProbes(Scene scene, const BakeSettings& settings, const
     light.probes = probes_;
     withoutMask(light);
 
-    const std::lock_guard lock(mutex_);
-    probeLight_ = std::move(light);
-    return true;
+    {
+        const std::lock_guard lock(mutex_);
+        probeLight_ = std::move(light);
+    }
+    constexpr std::chrono::milliseconds kLook(5);
+    while (waits_ && !progress.cancelled()) std::this_thread::sleep_for(kLook);
+    return !progress.cancelled();
 }
 
 bool LiveLight::begin(const BakedScene& scene, const Gather& gather, const Progress& progress)
@@ -167,6 +174,11 @@ void LiveLight::finish(const std::vector<ImageRgb32f>& pages)
         const Texel& texel = map_->texels[i];
         pages_->set(uint32_t(i), pages[texel.page](texel.x, texel.y));
     }
+}
+
+void LiveLight::setWaits(bool waits)
+{
+    waits_ = waits;
 }
 
 void LiveLight::setView(const BakeView& view)

@@ -7,6 +7,7 @@
 
 #include "halflight/bake/bake_session.h"
 
+#include <atomic>
 #include <mutex>
 #include <optional>
 #include <span>
@@ -28,6 +29,8 @@ public:
     void finish(const std::vector<ImageRgb32f>& pages);
 
     void setView(const BakeView& view);
+    /// beginWithProbes() returns when this is false again, or when cancelled.
+    void setWaits(bool waits);
     std::optional<BakedScene> takeProbeLight();
     std::optional<BakedScene> takeLight();
     std::vector<LightTile> takeTiles();
@@ -44,7 +47,8 @@ private:
     float unitLux_ = 1.0f;
     bool taken_ = false; ///< the first light was
     const TexelMap* map_ = nullptr;
-    ProbeSet probes_; ///< not guarded: the bake's own, for both lights
+    std::atomic<bool> waits_ = false; ///< not guarded
+    ProbeSet probes_;                 ///< not guarded: the bake's own, for both lights
 };
 
 /// bake(), shown by `live`.

@@ -27,7 +27,8 @@ class EmbreeIntegrator final : public Integrator {
 public:
     EmbreeIntegrator(const Scene& scene, const BakeGeometry& geometry, const IntegrationSettings& settings)
         : settings_(settings),
-          paths_(scene, geometry, LightUse::Bake, settings.glossyBounces ? Bounces::Glossy : Bounces::Diffuse),
+          paths_(scene, geometry, LightUse::Bake, settings.glossyBounces ? Bounces::Glossy : Bounces::Diffuse,
+                 settings.fewRays ? RTC_BUILD_QUALITY_LOW : RTC_BUILD_QUALITY_HIGH),
           pattern_(settings.seed), lightmap_(paths_, pattern_, settings)
     {}
 

@@ -25,15 +25,15 @@ gpu::UniquePipeline makeDisplayPipeline(const gpu::Device& device, VkPipelineLay
     return gpu::makePipeline(device, info);
 }
 
-void drawDisplay(const PassContext& context, VkPipeline pipeline, const VulkanTarget& target, ivec2 pictureSize)
+void drawDisplay(const PassContext& context, VkPipeline pipeline, const VulkanTarget& target, ivec2 size)
 {
-    const ivec2 end = target.end == ivec2(0) ? pictureSize : glm::min(target.end, pictureSize);
+    const ivec2 end = target.end == ivec2(0) ? size : glm::min(target.end, size);
     const VkRenderingAttachmentInfo attachment{.sType = VK_STRUCTURE_TYPE_RENDERING_ATTACHMENT_INFO,
                                                .imageView = target.view,
                                                .imageLayout = VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL,
                                                .loadOp = VK_ATTACHMENT_LOAD_OP_LOAD,
                                                .storeOp = VK_ATTACHMENT_STORE_OP_STORE};
-    beginRendering(context, {&attachment, 1}, std::nullopt, pictureSize);
+    beginRendering(context, {&attachment, 1}, std::nullopt, size);
     setScissor(context, target.begin, glm::max(end - target.begin, ivec2(0)));
     drawWholePicture(context, pipeline);
     endRendering(context);

@@ -11,11 +11,12 @@ struct DisplayValues {
     float exposureEv = 0.0f;
     bool showsLight = true;   ///< false: samples are values from 0 to 1, shown as they are
     bool encodesSrgb = false; ///< the target's format does, so that the shader must not
+    ivec2 size{1};            ///< pixels in which the picture is shown
 };
 
 bool encodesSrgb(VkFormat format);
 
 gpu::UniquePipeline makeDisplayPipeline(const gpu::Device& device, VkPipelineLayout layout, VkFormat format);
-void drawDisplay(const PassContext& context, VkPipeline pipeline, const VulkanTarget& target, ivec2 pictureSize);
+void drawDisplay(const PassContext& context, VkPipeline pipeline, const VulkanTarget& target, ivec2 size);
 
 } // namespace halflight

@@ -61,7 +61,7 @@ void bindSceneImages(gpu::DescriptorSet& set, const GpuScene& scene, VkSampler p
 TextureImages Renderer::Impl::textureImages()
 {
     const std::lock_guard lock(sceneMutex);
-    TextureImages images = ahead;
+    TextureImages images;
     for (std::size_t i = 0; scene && i < scene->textures.size(); ++i)
         images.emplace(scene->textureHashes[i], scene->textures[i]);
     return images;
@@ -74,7 +74,7 @@ void Renderer::Impl::load(const BakedScene& baked)
     scene.reset(); // before the next one, so that both need not fit
     for (FrameSlot& each : slots) each.set = {};
     Uploaded uploaded;
-    uploaded.scene = std::make_unique<GpuScene>(uploadScene(device, baked, std::move(kept)));
+    uploaded.scene = std::make_unique<GpuScene>(uploadScene(device, baked, std::move(kept), TextureDetail::Full));
     uploaded.switchesAtBake = shadowSwitches(baked.scene);
     show(uploaded);
 }
@@ -84,7 +84,6 @@ void Renderer::Impl::show(Uploaded& uploaded)
     {
         const std::lock_guard lock(sceneMutex);
         scene = std::move(uploaded.scene);
-        ahead.clear();
     }
     ++revision;
     switchesAtBake = std::move(uploaded.switchesAtBake);
@@ -155,6 +154,7 @@ void Renderer::Impl::ensureTargets(const PreparedFrame& frame, const ShadowSetti
     std::unique_ptr<ForwardPipelines>& made = forwardPipelines[frame.readsMask];
     if (!made && preparedForward[frame.readsMask].valid()) made = preparedForward[frame.readsMask].get();
     if (!made) made = std::make_unique<ForwardPipelines>(device, layout, colorFormat, frame.readsMask);
+    if (!frame.draws.blended.empty()) made->ensureBlend(device, layout, colorFormat, frame.readsMask);
     if (!frame.deferred) return;
     if (std::unique_ptr<DeferredPipelines>& passes = deferredPipelines[plan.usesMask]; !passes)
         passes = std::make_unique<DeferredPipelines>(device, layout, colorFormat, plan.usesMask);
@@ -165,6 +165,7 @@ void Renderer::Impl::bindFrame(FrameSlot& to, const PreparedFrame& frame, const 
                                const DisplayValues& display)
 {
     shading::GpuFrame data = gpuFrame(*scene, frame.view, settings, frame.plan);
+    data.displaySize = vec4(display.size, 0.0f, 0.0f);
     data.display = vec4(shading::exposureFactor(display.exposureEv), float(settings.supersampling),
                         display.showsLight ? 0.0f : 1.0f, display.encodesSrgb ? 1.0f : 0.0f);
     gpu::DescriptorSet& set = to.set;
@@ -304,20 +305,23 @@ Result<RenderedFrame> Renderer::Impl::record(VkCommandBuffer commands, const Vul
     // The commands of two frames before have finished, so their times are there.
     std::vector<PassReport> earlier = passesOf(to);
     const bool timed = to.timed;
-    const DisplayValues values{exposureEv, showsLight(settings.view), encodesSrgb(target.format)};
+    const ivec2 shownSize = target.size == ivec2(0) ? settings.size : target.size;
+    const DisplayValues values{exposureEv, showsLight(settings.view), encodesSrgb(target.format), shownSize};
     PictureContent content{camera, settings, revision};
-    if (settings.keepsPicture && picture && picture->content == content) {
+    const bool isKept = settings.keepsPicture && picture && picture->content == content;
+    if (isKept) {
         bindFrame(to, picture->frame, settings, values);
         beginRecording(commands, to, settings.timings);
     } else {
         recordPicture(commands, to, std::move(content), values);
     }
     const PassContext context{device, *scene, pipelines, to.set.get(), commands, counts};
-    drawDisplay(context, display.get(), target, settings.size);
+    drawDisplay(context, display.get(), target, shownSize);
     endPass(context, "display");
     RenderedFrame report = reportOf(picture->frame, settings);
     report.passes = std::move(earlier);
     report.timed = timed;
+    report.isKept = isKept;
     return report;
 }
 

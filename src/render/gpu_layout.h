@@ -94,9 +94,10 @@ struct GpuFrame {
                                  // z 1 = surfaces are diffuse, of transportAlbedo()
     vec4 dynamicLightmap;        // x lux that a texel of 1 stands for
     vec4 reflections;            // x probes, 0 where none are used; y width of a tile in texels; z cd/m2 of 1
-    vec4 display;  // x exposure factor; y samples along a pixel's side; z 1 = samples are values from 0 to 1
-                   // and shown as they are; w 1 = the target encodes sRGB
-    vec4 skySh[9]; // rgb radiance coefficients of the sky
+    vec4 display;     // x exposure factor; y samples along a pixel's side; z 1 = samples are values from 0 to 1
+                      // and shown as they are; w 1 = the target encodes sRGB
+    vec4 displaySize; // xy pixels in which the picture is shown
+    vec4 skySh[9];    // rgb radiance coefficients of the sky
 };
 
 HL_CONST int kObjectLightmapped = 1; // lit by its lightmap; others by probes

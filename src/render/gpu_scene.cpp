@@ -141,31 +141,60 @@ Hash128 textureHash(const ImageRgba8& pixels, bool srgb)
 }
 
 /// The image of a texture with all its levels.
-gpu::Image uploadTexture(gpu::Device& device, gpu::Uploader& uploader, const ImageRgba8& pixels, bool srgb)
+std::shared_ptr<const gpu::Image> uploadTexture(gpu::Device& device, gpu::Uploader& uploader, const ImageRgba8& pixels,
+                                                bool srgb)
 {
     const std::vector<ImageRgba8> mips = mipLevels(pixels, srgb);
-    gpu::Image image(device, {.format = srgb ? VK_FORMAT_R8G8B8A8_SRGB : VK_FORMAT_R8G8B8A8_UNORM,
-                              .width = uint32_t(pixels.width()),
-                              .height = uint32_t(pixels.height()),
-                              .mipLevels = uint32_t(mips.size()) + 1,
-                              .usage = VK_IMAGE_USAGE_SAMPLED_BIT | VK_IMAGE_USAGE_TRANSFER_DST_BIT});
+    auto image = std::make_shared<gpu::Image>(
+        device, gpu::ImageInfo{.format = srgb ? VK_FORMAT_R8G8B8A8_SRGB : VK_FORMAT_R8G8B8A8_UNORM,
+                               .width = uint32_t(pixels.width()),
+                               .height = uint32_t(pixels.height()),
+                               .mipLevels = uint32_t(mips.size()) + 1,
+                               .usage = VK_IMAGE_USAGE_SAMPLED_BIT | VK_IMAGE_USAGE_TRANSFER_DST_BIT});
     std::vector<gpu::Uploader::Level> levels{{0, 0, pixels.data()}};
     for (std::size_t i = 0; i < mips.size(); ++i) levels.push_back({uint32_t(i) + 1, 0, mips[i].data()});
-    uploader.image(image, levels, 4);
-    uploader.finish(); // before the image moves
+    uploader.image(*image, levels, 4);
     return image;
 }
 
-void uploadTextures(gpu::Device& device, gpu::Uploader& uploader, const Scene& scene, const TextureSlots& slots,
-                    TextureImages images, GpuScene& result)
+/// The mean of four texels of each block, without regard to the sRGB curve.
+ImageRgba8 coarseTexture(const ImageRgba8& pixels)
 {
+    constexpr int kSide = 128;
+    const int block = (std::max(pixels.width(), pixels.height()) + kSide - 1) / kSide;
+    if (block < 2) return pixels;
+    ImageRgba8 coarse(std::max(pixels.width() / block, 1), std::max(pixels.height() / block, 1));
+    const auto at = [&](int x, int y) {
+        return ivec4(pixels(std::min(x, pixels.width() - 1), std::min(y, pixels.height() - 1)));
+    };
+    for (int y = 0; y < coarse.height(); ++y) {
+        for (int x = 0; x < coarse.width(); ++x) {
+            const ivec2 low = ivec2(x, y) * block + block / 4;
+            const ivec2 high = low + block / 2;
+            coarse(x, y) =
+                u8vec4((at(low.x, low.y) + at(high.x, low.y) + at(low.x, high.y) + at(high.x, high.y) + 2) / 4);
+        }
+    }
+    return coarse;
+}
+
+void uploadTextures(gpu::Device& device, gpu::Uploader& uploader, const Scene& scene, const TextureSlots& slots,
+                    TextureImages images, TextureDetail detail, GpuScene& result)
+{
+    std::map<int, ImageRgba8> coarse;
+    const auto pixelsOf = [&](int index) -> const ImageRgba8& {
+        const ImageRgba8& pixels = scene.textures[std::size_t(index)].pixels;
+        if (detail == TextureDetail::Full) return pixels;
+        const auto [it, isNew] = coarse.try_emplace(index);
+        if (isNew) it->second = coarseTexture(pixels);
+        return it->second;
+    };
     std::vector<std::pair<int, bool>> bySlot(slots.all().size());
     for (const auto& [key, slot] : slots.all()) bySlot[std::size_t(slot)] = key;
     if (bySlot.size() > frameBindings(device)[shading::kBindTextures].count)
         throw gpu::Failure("the scene has more textures than the Vulkan device allows");
 
-    for (const auto& [index, srgb] : bySlot)
-        result.textureHashes.push_back(textureHash(scene.textures[std::size_t(index)].pixels, srgb));
+    for (const auto& [index, srgb] : bySlot) result.textureHashes.push_back(textureHash(pixelsOf(index), srgb));
     const std::set<Hash128> needed(result.textureHashes.begin(), result.textureHashes.end());
     std::erase_if(images, [&](const auto& image) { return !needed.contains(image.first); });
 
@@ -174,7 +203,7 @@ void uploadTextures(gpu::Device& device, gpu::Uploader& uploader, const Scene& s
         const auto [index, srgb] = bySlot[slot];
         const Texture& texture = scene.textures[std::size_t(index)];
         std::shared_ptr<const gpu::Image>& image = images[result.textureHashes[slot]];
-        if (!image) image = std::make_shared<gpu::Image>(uploadTexture(device, uploader, texture.pixels, srgb));
+        if (!image) image = uploadTexture(device, uploader, pixelsOf(index), srgb);
         result.textures.push_back(image);
 
         const std::tuple key(addressMode(texture.wrapU), addressMode(texture.wrapV), texture.nearest);
@@ -270,7 +299,7 @@ BakedScene outlineOf(const BakedScene& baked)
 
 } // namespace
 
-GpuScene uploadScene(gpu::Device& device, const BakedScene& baked, TextureImages kept)
+GpuScene uploadScene(gpu::Device& device, const BakedScene& baked, TextureImages kept, TextureDetail detail)
 {
     const Scene& scene = baked.scene;
     GpuScene result;
@@ -280,7 +309,7 @@ GpuScene uploadScene(gpu::Device& device, const BakedScene& baked, TextureImages
     for (const Material& material : scene.materials) materials.push_back(gpuMaterial(scene, material, slots));
     materials.push_back(gpuMaterial(scene, defaultMaterial(), slots));
     result.materials = uploadVector(device, uploader, materials, kStorage);
-    uploadTextures(device, uploader, scene, slots, std::move(kept), result);
+    uploadTextures(device, uploader, scene, slots, std::move(kept), detail, result);
     uploadMeshes(device, uploader, scene, result);
     uploader.finish();
 

@@ -5,6 +5,7 @@
 #include "gpu/resources.h"
 #include "halflight/base/hash.h"
 #include "halflight/render/probes.h"
+#include "halflight/render/renderer.h"
 #include "halflight/scene/baked_scene.h"
 #include "render/gpu_layout.h"
 #include "render/probe_volumes.h"
@@ -86,7 +87,7 @@ const char* problemOf(const Light& light);
 using TextureImages = std::map<Hash128, std::shared_ptr<const gpu::Image>>;
 /// `kept`: of the scene before; those that this scene has too are used again. May run while another thread records
 /// frames of another scene.
-GpuScene uploadScene(gpu::Device& device, const BakedScene& baked, TextureImages kept);
+GpuScene uploadScene(gpu::Device& device, const BakedScene& baked, TextureImages kept, TextureDetail detail);
 /// Irradiance pages (lux) as the scene's dynamic lightmaps; an empty span takes them away. True when the image was made
 /// anew, so that its descriptor must be written. Pages have passed checkDynamicLightmaps().
 bool uploadDynamicLightmaps(gpu::Device& device, GpuScene& scene, std::span<const ImageRgb32f> irradiance);

@@ -33,6 +33,8 @@ struct Pipelines {
 /// Surfaces that are lit as they are drawn, for frames that read the shadowmask and for frames that do not (spec S11).
 struct ForwardPipelines {
     ForwardPipelines(const gpu::Device& device, VkPipelineLayout layout, VkFormat colorFormat, bool readsMask);
+    /// Before frames that draw blended parts: a CPU driver compiles it for a second.
+    void ensureBlend(const gpu::Device& device, VkPipelineLayout layout, VkFormat colorFormat, bool readsMask);
 
     gpu::UniquePipeline lit;
     gpu::UniquePipeline blend;

@@ -122,18 +122,26 @@ Pipelines::Pipelines(const gpu::Device& device, VkDescriptorSetLayout set, VkFor
 ForwardPipelines::ForwardPipelines(const gpu::Device& device, VkPipelineLayout layout, VkFormat colorFormat,
                                    bool readsMask)
 {
-    const gpu::UniqueShader meshVertex = gpu::makeShader(device, mesh_vert);
-    const gpu::UniqueShader litFragment = gpu::makeShader(device, lit_frag);
-    gpu::GraphicsPipelineInfo litInfo = meshPipelineInfo(layout, meshVertex.get(), litFragment.get());
-    litInfo.colorFormats = {colorFormat};
-    litInfo.constants = {uint32_t(shading::kAlphaOpaque), uint32_t(readsMask)};
-    lit = gpu::makePipeline(device, litInfo);
+    const gpu::UniqueShader vertex = gpu::makeShader(device, mesh_vert);
+    const gpu::UniqueShader fragment = gpu::makeShader(device, lit_frag);
+    gpu::GraphicsPipelineInfo info = meshPipelineInfo(layout, vertex.get(), fragment.get());
+    info.colorFormats = {colorFormat};
+    info.constants = {uint32_t(shading::kAlphaOpaque), uint32_t(readsMask)};
+    lit = gpu::makePipeline(device, info);
+}
 
-    gpu::GraphicsPipelineInfo blendInfo = litInfo;
-    blendInfo.depthCompare = VK_COMPARE_OP_GREATER_OR_EQUAL;
-    blendInfo.blend = gpu::Blend::Premultiplied;
-    blendInfo.constants = {uint32_t(shading::kAlphaBlend), uint32_t(readsMask)};
-    blend = gpu::makePipeline(device, blendInfo);
+void ForwardPipelines::ensureBlend(const gpu::Device& device, VkPipelineLayout layout, VkFormat colorFormat,
+                                   bool readsMask)
+{
+    if (blend) return;
+    const gpu::UniqueShader vertex = gpu::makeShader(device, mesh_vert);
+    const gpu::UniqueShader fragment = gpu::makeShader(device, lit_frag);
+    gpu::GraphicsPipelineInfo info = meshPipelineInfo(layout, vertex.get(), fragment.get());
+    info.colorFormats = {colorFormat};
+    info.depthCompare = VK_COMPARE_OP_GREATER_OR_EQUAL;
+    info.blend = gpu::Blend::Premultiplied;
+    info.constants = {uint32_t(shading::kAlphaBlend), uint32_t(readsMask)};
+    blend = gpu::makePipeline(device, info);
 }
 
 void GBuffer::ensure(const gpu::Device& device, ivec2 size, bool usesMask)

@@ -171,8 +171,10 @@ Result<RenderedFrame> Renderer::Impl::render(const Camera& camera, const RenderS
         gpu::transition(device, commands, color, gpu::state::kColorAttachment, gpu::state::kTransferSource);
         gpu::copyToHost(device, commands, color, readback);
         endPass({device, *scene, pipelines, to.set.get(), commands, counts}, "readback");
+        gpu::transition(device, commands, color, gpu::state::kTransferSource, gpu::state::kFragmentRead);
     });
-    RenderedFrame report = reportOf(std::move(frame), settings);
+    RenderedFrame report = reportOf(frame, settings);
+    if (settings.keepsPicture) picture.emplace(Picture{PictureContent{camera, settings, revision}, std::move(frame)});
     report.radiance = downsampled(withoutCracks(readPicture()), settings.supersampling);
     report.passes = passesOf(to);
     report.timed = to.timed;
@@ -211,31 +213,15 @@ Status Renderer::load(const BakedScene& baked)
     return loaded ? Status() : Status(loaded.error());
 }
 
-Result<std::shared_ptr<Renderer::Uploaded>> Renderer::upload(const BakedScene& baked)
+Result<std::shared_ptr<Renderer::Uploaded>> Renderer::upload(const BakedScene& baked, TextureDetail detail)
 {
     if (Status status = checkScene(baked); !status) return status.error();
     return guarded<std::shared_ptr<Uploaded>>([&]() -> Result<std::shared_ptr<Uploaded>> {
         auto uploaded = std::make_shared<Uploaded>();
-        uploaded->scene = std::make_unique<GpuScene>(uploadScene(impl_->device, baked, impl_->textureImages()));
+        uploaded->scene = std::make_unique<GpuScene>(uploadScene(impl_->device, baked, impl_->textureImages(), detail));
         uploaded->switchesAtBake = shadowSwitches(baked.scene);
         return uploaded;
     });
-}
-
-Status Renderer::uploadTextures(const Scene& scene)
-{
-    BakedScene textured;
-    textured.scene.materials = scene.materials;
-    textured.scene.textures = scene.textures;
-    if (Status status = checkScene(textured); !status) return status;
-    const Result<bool> uploaded = guarded<bool>([&]() -> Result<bool> {
-        const GpuScene images = uploadScene(impl_->device, textured, impl_->textureImages());
-        const std::lock_guard lock(impl_->sceneMutex);
-        for (std::size_t i = 0; i < images.textures.size(); ++i)
-            impl_->ahead.emplace(images.textureHashes[i], images.textures[i]);
-        return true;
-    });
-    return uploaded ? Status() : Status(uploaded.error());
 }
 
 Status Renderer::show(const std::shared_ptr<Uploaded>& uploaded)

@@ -164,7 +164,6 @@ struct Renderer::Impl {
 
     const Scene noScene;
     std::mutex sceneMutex; ///< held where `scene` is replaced, and by upload() where it reads it
-    TextureImages ahead;   ///< by uploadTextures(); sceneMutex guards it too
     std::unique_ptr<GpuScene> scene;
     std::vector<ShadowSwitches> switchesAtBake; ///< of the scene's objects
 

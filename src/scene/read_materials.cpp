@@ -285,8 +285,9 @@ Status readSwitches(const Json& json, const std::string& path, FileSettings& fil
 }
 
 // Decodes each image once, all cores at work; textures that show it with different samplers share it.
-Status decodeTextures(const SourceDocument& document, std::vector<Texture>& textures)
+Status decodeTextures(const SourceDocument& document, std::vector<Texture>& textures, const std::atomic<bool>* cancel)
 {
+    const Error cancelled{ErrorCode::Cancelled, "interrupted", ""};
     struct Encoded {
         int image = -1;
         std::vector<std::size_t> textures;
@@ -304,7 +305,8 @@ Status decodeTextures(const SourceDocument& document, std::vector<Texture>& text
     }
     const auto forEach = [&](const auto& work) -> Status {
         parallelFor(images.size(), 1, [&](std::size_t begin, std::size_t end) {
-            for (std::size_t i = begin; i < end; ++i) images[i].status = work(images[i]);
+            for (std::size_t i = begin; i < end; ++i)
+                images[i].status = cancel != nullptr && *cancel ? Status(cancelled) : work(images[i]);
         });
         for (const Encoded& image : images) {
             if (!image.status) return image.status;
@@ -370,7 +372,7 @@ bool readsTexCoord(const Json& material, int n)
     return used.count(uint64_t(n)) != 0;
 }
 
-Result<MaterialsRead> readMaterials(const SourceDocument& document, FileSettings& file, bool decode)
+Result<MaterialsRead> readMaterials(const SourceDocument& document, FileSettings& file, const ReadOptions& options)
 {
     MaterialsRead read;
     TextureTable table(document);
@@ -385,8 +387,8 @@ Result<MaterialsRead> readMaterials(const SourceDocument& document, FileSettings
         read.materials.push_back(std::move(material));
     }
     read.textures = table.take();
-    if (decode) {
-        if (Status s = decodeTextures(document, read.textures); !s) return s.error();
+    if (options.decodeTextures) {
+        if (Status s = decodeTextures(document, read.textures, options.cancel); !s) return s.error();
     }
     return read;
 }

@@ -1,6 +1,7 @@
 #pragma once
 // The steps of readScene(): textures, materials, meshes.
 
+#include "halflight/scene/gltf.h"
 #include "scene/document.h"
 #include "scene/settings.h"
 
@@ -14,7 +15,7 @@ struct MaterialsRead {
     std::vector<std::string> warnings;
 };
 /// Marks the rules of `file` that matched.
-Result<MaterialsRead> readMaterials(const SourceDocument& document, FileSettings& file, bool decodeTextures);
+Result<MaterialsRead> readMaterials(const SourceDocument& document, FileSettings& file, const ReadOptions& options);
 
 struct MeshRead {
     Mesh mesh; ///< parts: the primitives that are triangles and have positions

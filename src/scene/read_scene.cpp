@@ -52,7 +52,7 @@ struct Placement {
 
 // Meshes that shown nodes use, in the file's order, all cores at work. Returns the mesh of each state.
 Result<std::vector<NodeMesh>> readMeshes(const SourceDocument& document, const std::vector<NodeState>& nodes,
-                                         Scene& scene, Placement& placement)
+                                         const std::atomic<bool>* cancel, Scene& scene, Placement& placement)
 {
     std::map<MeshKey, NodeMesh> meshes;
     bool anySkin = false;
@@ -72,6 +72,10 @@ Result<std::vector<NodeMesh>> readMeshes(const SourceDocument& document, const s
     std::vector<std::optional<Result<MeshRead>>> reads(used.size());
     parallelFor(used.size(), 1, [&](std::size_t begin, std::size_t end) {
         for (std::size_t i = begin; i < end; ++i) {
+            if (cancel != nullptr && *cancel) {
+                reads[i] = Error{ErrorCode::Cancelled, "interrupted", ""};
+                continue;
+            }
             const MeshKey& key = used[i]->first;
             reads[i] = readMesh(document, key.mesh, key.weights, scene.materials);
             if (key.skinnedNode < 0 || !*reads[i] || (*reads[i])->mesh.parts.empty()) continue;
@@ -321,7 +325,7 @@ Result<Scene> sceneFromDocument(std::shared_ptr<const SourceDocument> document, 
     const Json& name = member(activeScene(*document), "name");
     if (name.is_string()) scene.name = name.get<std::string>();
 
-    auto materials = readMaterials(*document, file, options.decodeTextures);
+    auto materials = readMaterials(*document, file, options);
     if (!materials) return materials.error();
     scene.materials = std::move(materials->materials);
     scene.textures = std::move(materials->textures);
@@ -334,7 +338,7 @@ Result<Scene> sceneFromDocument(std::shared_ptr<const SourceDocument> document, 
     auto nodes = walkNodes(*document, animated, file, scene.warnings);
     if (!nodes) return nodes.error();
     Placement placement;
-    const auto nodeMeshes = readMeshes(*document, *nodes, scene, placement);
+    const auto nodeMeshes = readMeshes(*document, *nodes, options.cancel, scene, placement);
     if (!nodeMeshes) return nodeMeshes.error();
     for (std::size_t i = 0; i < nodes->size(); ++i) {
         if ((*nodeMeshes)[i].mesh < 0) continue;

@@ -71,16 +71,33 @@ Status Viewer::drawOther(const Swapchain::Frame& frame, RenderSettings settings,
         if (!checkRunMode(*earlier_, settings.mode)) settings.mode = defaultRunMode(*earlier_);
     }
     auto drawn = renderer->record(frame.commands, target, state_.navigator.camera(), settings, state_.exposureEv);
-    return drawn ? Status() : Status(drawn.error());
+    if (!drawn) return drawn.error();
+    drewPicture_ = !drawn->isKept;
+    return {};
+}
+
+/// Coarse while the view changes, where frames take long; no finer than half while a bake needs the processor, or while
+/// textures are coarse.
+PictureDetail Viewer::chooseDetail(ivec2 size)
+{
+    const Camera camera = state_.navigator.camera();
+    const bool moves =
+        frames_ > 0 && (camera != drawnCamera_ || state_.settings != drawnSettings_ || lastEdit_ != drawnEdit_);
+    drawnCamera_ = camera;
+    drawnSettings_ = state_.settings;
+    drawnEdit_ = lastEdit_;
+    if (state_.settings.timings) return PictureDetail::Full; // what is measured is a whole frame
+    return details_.next(size, moves, session_ || texturesAreCoarse_ ? PictureDetail::Half : PictureDetail::Full);
 }
 
 Status Viewer::drawScene(const Swapchain::Frame& frame)
 {
     if (!shown_) return {};
-    RenderSettings settings = settingsFor(frame.size);
-    settings.keepsPicture = !settings.timings; // what is measured is a whole frame
+    const PictureDetail detail = chooseDetail(frame.size);
+    RenderSettings settings = settingsOf(settingsFor(pictureSize(frame.size, detail)), detail);
+    settings.keepsPicture = !settings.timings;
     state_.shadowDistanceMeters = settings.shadows.distanceMeters;
-    VulkanTarget target{frame.view, swapchain_->format()};
+    VulkanTarget target{frame.view, swapchain_->format(), frame.size};
     const int line = int(std::lround(state_.split * float(frame.size.x)));
     const bool draws = (state_.compares && state_.compareWith == Compare::Mode) || (wantsEarlier() && earlierRenderer_);
     const bool twice = draws && state_.compareWith == Compare::Mode;
@@ -96,6 +113,7 @@ Status Viewer::drawScene(const Swapchain::Frame& frame)
     if (!draws || line > 0) {
         auto drawn = renderer_->record(frame.commands, target, state_.navigator.camera(), settings, state_.exposureEv);
         if (!drawn) return drawn.error();
+        drewPicture_ = drewPicture_ || !drawn->isKept;
         state_.passes = std::move(drawn->passes);
         state_.timed = drawn->timed;
         frameWarnings_ = std::move(drawn->plan.warnings);
@@ -163,6 +181,8 @@ void Viewer::drawNotice() const
         text = "preparing the light before the bake";
     } else if (Clock::now() - noticeTime_ < kShown) {
         text = notice_;
+    } else if (shown_ && details_.last() != PictureDetail::Full && !state_.settings.timings) {
+        text = details_.last() == PictureDetail::Coarse ? "coarse picture" : "picture of half the resolution";
     }
     if (text.empty()) return;
     const ImVec2 size = ImGui::GetIO().DisplaySize;

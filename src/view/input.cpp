@@ -135,7 +135,7 @@ void Viewer::handleEvents()
         for (const SDL_Event& event : std::exchange(early_, {})) handle(event);
     SDL_Event event;
     while (SDL_PollEvent(&event)) {
-        lastInput_ = Clock::now();
+        if (event.type != SDL_USEREVENT) lastInput_ = Clock::now();
         if (!shown_ && needsScene(event))
             early_.push_back(event);
         else
@@ -223,6 +223,10 @@ void Viewer::leaveTimeToBackground()
 {
     constexpr std::chrono::milliseconds kAfterInput(500);
     constexpr std::chrono::milliseconds kMost(250);
+    if (!shown_) { // a line of progress is all there is to draw
+        if (!ready_) (void)SDL_WaitEventTimeout(nullptr, int(kMost.count()));
+        return;
+    }
     const bool works =
         session_ || opening_ || showing_ || earlierLoading_.valid() || (reference_ && reference_->works());
     const Clock::time_point now = Clock::now();

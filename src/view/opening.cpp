@@ -57,65 +57,72 @@ Scene outlineOf(const Scene& scene)
 void Viewer::open(const std::filesystem::path& file, bool keepsView)
 {
     std::error_code unknown;
-    int width = 0;
-    int height = 0;
-    SDL_Vulkan_GetDrawableSize(desktop_.window(), &width, &height);
+    ivec2 size(1);
+    SDL_Vulkan_GetDrawableSize(desktop_.window(), &size.x, &size.y);
     const Opening opening{.file = file,
                           .keepsView = keepsView,
                           .isFirst = !shown_,
-                          .aspect = float(std::max(width, 1)) / float(std::max(height, 1)),
-                          .start = Clock::now(),
-                          .fileTime = std::filesystem::last_write_time(file, unknown)};
+                          .size = glm::max(size, ivec2(1)),
+                          .start = first_.read.valid() ? start_ : Clock::now(),
+                          .fileTime =
+                              first_.read.valid() ? first_.time : std::filesystem::last_write_time(file, unknown)};
     if (opening_) {
         openNext_ = opening;
         return;
     }
     opening_ = opening;
     openingStage_ = OpeningStage::Read;
-    reading_ = std::async(std::launch::async,
-                          [this, opening, settings = state_.bake] { return openOnThread(opening, settings); });
+    ready_ = false;
+    reading_ = std::async(std::launch::async, [this, opening, settings = state_.bake] {
+        Result<Opened> opened = openOnThread(opening, settings);
+        ready_ = true;
+        SDL_Event wakes{};
+        wakes.type = SDL_USEREVENT;
+        SDL_PushEvent(&wakes);
+        return opened;
+    });
 }
 
 /// While the first file is opened, the window draws nothing but its panels, and the renderer is this thread's.
 Result<Viewer::Opened> Viewer::openOnThread(const Opening& opening, const BakeSettings& settings)
 {
-    Result<BakedScene> read = options_.loader.read(opening.file);
+    Result<BakedScene> read = first_.read.valid() ? first_.read.get() : options_.loader.read(opening.file, first_.ends);
     if (!read) return read.error();
     const Error ended{ErrorCode::Cancelled, "interrupted", ""};
-    if (ends_) return ended;
+    if (first_.ends) return ended;
     Opened opened;
     opened.baked = std::move(*read);
     const RunMode mode = options_.mode.value_or(defaultRunMode(opened.baked));
     if (Status status = checkRunMode(opened.baked, mode); !status && opening.isFirst) return status.error();
-    Result<Camera> camera = options_.loader.camera(opened.baked.scene, opening.aspect, opening.isFirst);
+    const float aspect = float(opening.size.x) / float(opening.size.y);
+    Result<Camera> camera = options_.loader.camera(opened.baked.scene, aspect, opening.isFirst);
     if (!camera) return camera.error();
     opened.camera = std::move(*camera);
     if (opening.isFirst && options_.bakeAtStart)
-        opened.session = std::make_unique<BakeSession>(opened.baked.scene, settings, makeEmbreeIntegrator);
+        opened.session = std::make_unique<BakeSession>(opened.baked.scene, settings, makeEmbreeIntegrator, true);
     openingStage_ = OpeningStage::Upload;
-    if (Status status = renderer_->uploadTextures(opened.baked.scene); !status) return status.error();
-    if (ends_) return ended;
     if (opened.session) takeEarlyLight(opened);
-    auto uploaded = renderer_->upload(opened.light ? *opened.light : opened.baked);
+    if (first_.ends) return ended;
+    auto uploaded = renderer_->upload(opened.light ? *opened.light : opened.baked,
+                                      opening.isFirst ? TextureDetail::Coarse : TextureDetail::Full);
     if (!uploaded) return uploaded.error();
     if (!opening.isFirst) {
         opened.uploaded = std::move(*uploaded);
         return opened;
     }
-    if (ends_) return ended;
+    if (first_.ends) return ended;
     openingStage_ = OpeningStage::FirstPicture;
     if (Status status = renderer_->show(*uploaded); !status) return status.error();
-    const RunMode drawn = opened.light ? RunMode::BakedIndirect : mode;
-    const Result<float> exposure = exposureOf(opened.baked, opened.camera, opening.aspect, drawn);
+    const Result<float> exposure = drawFirstPicture(opening, opened, opened.light ? RunMode::BakedIndirect : mode);
     if (!exposure) return exposure.error();
     opened.exposureEv = *exposure;
     return opened;
 }
 
-/// The first picture has the light of probes where it is there by then, or soon.
+/// The first picture has the light of probes where that comes soon.
 void Viewer::takeEarlyLight(Opened& opened)
 {
-    constexpr std::chrono::milliseconds kPatience(500);
+    constexpr std::chrono::milliseconds kPatience(2000);
     constexpr std::chrono::milliseconds kLook(5);
     const Clock::time_point end = Clock::now() + kPatience;
     while (!(opened.light = opened.session->takeProbeLight()) && Clock::now() < end &&
@@ -123,25 +130,25 @@ void Viewer::takeEarlyLight(Opened& opened)
         std::this_thread::sleep_for(kLook);
 }
 
-Result<float> Viewer::exposureOf(const BakedScene& baked, const Camera& camera, float aspect, RunMode mode) const
+Result<float> Viewer::drawFirstPicture(const Opening& opening, const Opened& opened, RunMode mode) const
 {
     RenderSettings settings = options_.render;
     settings.mode = mode;
-    settings.size = smallPicture(vec2(aspect, 1.0f));
-    settings.supersampling = 1;
-    settings.shadows.cascades = 1; // a quarter of their time, and nearly the same mean
+    settings.size = pictureSize(opening.size, PictureDetail::Coarse);
+    settings.keepsPicture = !settings.timings;
+    const Camera camera = Navigator(opened.camera, 1.0f).camera();
     if (!options_.shadowDistanceGiven) {
-        const float farthest = farthestInView({camera, settings.size}, objectBounds(baked.scene));
+        const float farthest = farthestInView({camera, settings.size}, objectBounds(opened.baked.scene));
         settings.shadows = shadowsReaching(farthest, settings.shadows);
     }
-    const Result<RenderedFrame> frame = renderer_->render(camera, settings);
+    const Result<RenderedFrame> frame = renderer_->render(camera, settingsOf(settings, PictureDetail::Coarse));
     if (!frame) return frame.error();
     return automaticExposure(frame->radiance);
 }
 
 Status Viewer::pollOpening()
 {
-    if (!opening_ || reading_.wait_for(std::chrono::seconds(0)) != std::future_status::ready) return {};
+    if (!opening_ || !ready_) return {};
     Result<Opened> opened = reading_.get();
     const Opening opening = *std::exchange(opening_, std::nullopt);
     if (openNext_) {
@@ -179,6 +186,8 @@ Status Viewer::showFile(const Opening& opening, Opened opened)
     if (!keepsView || !checkRunMode(opened.baked, mode)) mode = options_.mode.value_or(defaultRunMode(opened.baked));
     if (!checkRunMode(opened.baked, mode)) mode = defaultRunMode(opened.baked);
     forgetBakes();
+    details_.forget();
+    texturesAreCoarse_ = isFirst;
     if (opened.uploaded)
         if (Status status = renderer_->show(opened.uploaded); !status) return status;
     takeShown(std::move(opened.baked));
@@ -205,6 +214,14 @@ Status Viewer::showFile(const Opening& opening, Opened opened)
         lightIsShown("light of probes");
     }
     return {};
+}
+
+/// What waited for it begins: all texels of textures, and the bake.
+void Viewer::firstPictureIsShown()
+{
+    say(fmt::format("first picture after {:.2f} s", secondsSinceStart()));
+    if (session_) session_->goOn();
+    if (texturesAreCoarse_) showLater(*shown_, [this] { texturesAreCoarse_ = false; });
 }
 
 /// Of the file before.

@@ -190,7 +190,9 @@ Status Viewer::answerRequests()
         state_.requests.expose = true; // after the first frame
     else if (requests.expose)
         if (Status status = expose(); !status) return status;
-    if (requests.screenshot)
+    if (requests.screenshot && texturesAreCoarse_)
+        state_.requests.screenshot = true; // of all texels
+    else if (requests.screenshot)
         if (Status status = takeScreenshot(); !status) return status;
     if (requests.quit) state_.requests.quit = true;
     return {};

@@ -24,8 +24,15 @@ namespace {
 constexpr std::size_t kShownFrames = 120;
 } // namespace
 
+FirstFile::FirstFile(const ViewOptions& options)
+{
+    std::error_code unknown;
+    time = std::filesystem::last_write_time(options.file, unknown);
+    read = std::async(std::launch::async, [&] { return options.loader.read(options.file, ends); });
+}
+
 Viewer::Viewer(const ViewOptions& options)
-    : options_(options), file_(options.file), desktop_("halflight", options.render.size)
+    : options_(options), file_(options.file), first_(options), desktop_("halflight", options.render.size)
 {
     state_.settings = options.render;
     state_.settings.supersampling = std::max(options.render.supersampling, 1);
@@ -35,7 +42,7 @@ Viewer::Viewer(const ViewOptions& options)
 
 Viewer::~Viewer()
 {
-    ends_ = true;
+    first_.ends = true;
     SDL_HideWindow(desktop_.window()); // bakes and files that are being read end a moment later
     session_.reset();
     reference_.reset();
@@ -84,11 +91,17 @@ Status Viewer::drawFrame()
         return {};
     }
     size_ = frame->size;
+    drewPicture_ = false;
+    const Clock::time_point start = Clock::now();
     if (Status status = drawScene(*frame); !status) return status;
     ui_->draw(frame->commands, frame->view, frame->size, *ImGui::GetDrawData(), frame->slot);
     swapchain_->end();
     if (!shown_) return {};
-    if (frames_++ == 0) say(fmt::format("first picture after {:.2f} s", secondsSinceStart()));
+    if (drewPicture_ && details_.wantsTime()) {
+        swapchain_->waitIdle();
+        details_.drew(std::chrono::duration<double>(Clock::now() - start).count());
+    }
+    if (frames_++ == 0) firstPictureIsShown();
     const std::vector<int>& lost = options_.loseDeviceAt;
     if (std::find(lost.begin(), lost.end(), frames_) != lost.end()) gpu::check(VK_ERROR_DEVICE_LOST, "show a frame");
     return {};

@@ -6,6 +6,7 @@
 #include "halflight/view/view.h"
 #include "view/gizmo.h"
 #include "view/panel_input.h"
+#include "view/picture_size.h"
 #include "view/reference_picture.h"
 #include "view/swapchain.h"
 #include "view/ui_renderer.h"
@@ -60,6 +61,18 @@ ivec2 smallPicture(vec2 size);
 /// A stick or a trigger, -32768 … 32767 as SDL has it, as -1 … 1: nothing in the fifth about its rest.
 float stickValue(int value);
 
+/// Reads the first file while the window is made. Its end ends the reading, too.
+struct FirstFile {
+    explicit FirstFile(const ViewOptions& options);
+    ~FirstFile() { ends = true; }
+    FirstFile(const FirstFile&) = delete;
+    FirstFile& operator=(const FirstFile&) = delete;
+
+    std::atomic<bool> ends = false; ///< the window closes: threads end soon
+    std::filesystem::file_time_type time;
+    std::future<Result<BakedScene>> read;
+};
+
 class Viewer {
 public:
     explicit Viewer(const ViewOptions& options);
@@ -83,7 +96,7 @@ private:
         std::filesystem::path file;
         bool keepsView = false;
         bool isFirst = false; ///< nothing is shown yet
-        float aspect = 1.0f;  ///< of the window
+        ivec2 size{1};        ///< of the window, pixels
         Clock::time_point start;
         std::filesystem::file_time_type fileTime;
     };
@@ -99,8 +112,8 @@ private:
     enum class OpeningStage { Read, Upload, FirstPicture };
     Result<Opened> openOnThread(const Opening& opening, const BakeSettings& settings);
     static void takeEarlyLight(Opened& opened);
-    /// A small picture, for which the driver compiles what the first frame needs.
-    Result<float> exposureOf(const BakedScene& baked, const Camera& camera, float aspect, RunMode mode) const;
+    /// Draws the coarse picture that the first frame shows, and exposes it.
+    Result<float> drawFirstPicture(const Opening& opening, const Opened& opened, RunMode mode) const;
     /// Shows the file once that thread has ended. An error where nothing is shown yet.
     Status pollOpening();
     Status showFile(const Opening& opening, Opened opened);
@@ -137,6 +150,9 @@ private:
     Status drawFrame();
     Status drawScene(const Swapchain::Frame& frame);
     Status drawOther(const Swapchain::Frame& frame, RenderSettings settings, VulkanTarget target);
+    /// Of the window's next frame.
+    PictureDetail chooseDetail(ivec2 size);
+    void firstPictureIsShown();
     [[nodiscard]] RenderSettings settingsFor(ivec2 size) const;
     Status answerRequests();
     void applyEdits();
@@ -164,6 +180,7 @@ private:
     const Clock::time_point start_ = Clock::now();
     const ViewOptions& options_;
     std::filesystem::path file_;
+    FirstFile first_;
     ViewState state_;
     ivec2 size_{0}; ///< of the last frame, pixels
     Desktop desktop_;
@@ -205,14 +222,20 @@ private:
     Clock::time_point noticeTime_;
     Clock::time_point lastLook_ = Clock::now(); ///< at file_
     int frames_ = 0;
-    bool inPicture_ = false; ///< the mouse was pressed there, not in a panel
-    bool dragged_ = false;   ///< since then, or an arrow was taken
-    bool compared_ = false;  ///< the last frame showed two modes
+    PictureDetails details_;
+    RenderSettings drawnSettings_;   ///< of the last frame, as panels have them
+    Camera drawnCamera_;             ///< of the last frame
+    Clock::time_point drawnEdit_;    ///< lastEdit_ of the last frame
+    bool texturesAreCoarse_ = false; ///< of the first file, until the others are uploaded
+    bool drewPicture_ = false;       ///< the last frame, and did not show the one before once more
+    bool inPicture_ = false;         ///< the mouse was pressed there, not in a panel
+    bool dragged_ = false;           ///< since then, or an arrow was taken
+    bool compared_ = false;          ///< the last frame showed two modes
     Clock::time_point lastFrame_ = Clock::now();
     Clock::time_point lastTiles_; ///< when some were shown
     int screenshots_ = 0;
     std::atomic<OpeningStage> openingStage_ = OpeningStage::Read;
-    std::atomic<bool> ends_ = false; ///< the window closes: that thread ends between two stages
+    std::atomic<bool> ready_ = false; ///< what opens a file has ended
     std::optional<Showing> showing_;
     // The first to go, which waits for the ends of their threads.
     std::future<Result<std::shared_ptr<Renderer::Uploaded>>> uploading_; ///< showing_

@@ -186,6 +186,25 @@ TEST(BakeSession, ShowsTheLightOfProbesFirst)
     EXPECT_FALSE(other.takeProbeLight());
 }
 
+/// A picture of that light gets the whole processor, until goOn() or cancel().
+TEST(BakeSession, WaitsAfterTheLightOfProbes)
+{
+    for (const bool cancels : {false, true}) {
+        BakeSession session(scene(), tiny(), makeEmbreeIntegrator, true);
+        while (!session.takeProbeLight()) {
+            ASSERT_FALSE(session.state().finished);
+            std::this_thread::sleep_for(std::chrono::milliseconds(1));
+        }
+        std::this_thread::sleep_for(std::chrono::milliseconds(100));
+        EXPECT_EQ(session.state().stage, "first light");
+        EXPECT_FALSE(session.takeLight());
+        cancels ? session.cancel() : session.goOn();
+        const Result<BakeResult> baked = session.takeResult();
+        ASSERT_EQ(bool(baked), !cancels);
+        if (cancels) EXPECT_EQ(baked.error().code, ErrorCode::Cancelled);
+    }
+}
+
 /// What a window shows comes nearer to the result, and arrives there: all tiles together are the finished pages.
 TEST(BakeSession, TilesBecomeTheFinishedPages)
 {

@@ -1,119 +1,16 @@
 // Frames recorded into images of the caller (Renderer::record()): the displayed picture, parts of it, frames in flight,
 // a device of the caller.
-#include "gpu/resources.h"
-#include "halflight/render/vulkan_target.h"
-#include "render/render_test.h"
+#include "render/record_caller.h"
 
 #include <glm/gtc/matrix_transform.hpp>
 
 #include <cstdlib>
 #include <cstring>
-#include <future>
 #include <memory>
 #include <vector>
 
 namespace halflight::test {
 namespace {
-
-constexpr ivec2 kSize(96, 64);
-
-/// The caller's side: images, command buffers and fences on the renderer's device.
-class Caller {
-public:
-    explicit Caller(const Renderer& renderer) : device_({.handles = handlesOf(renderer)}) {}
-
-    static gpu::Handles handlesOf(const Renderer& renderer)
-    {
-        const VulkanHandles h = renderer.handles();
-        return {h.getInstanceProcAddr, h.instance, h.physicalDevice,    h.device,
-                h.queueFamily,         h.queue,    h.samplerAnisotropy, h.queueMutex};
-    }
-
-    gpu::Image makeTarget(VkFormat format, ivec2 size)
-    {
-        return gpu::Image(device_, {.format = format,
-                                    .width = uint32_t(size.x),
-                                    .height = uint32_t(size.y),
-                                    .usage = VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT | VK_IMAGE_USAGE_TRANSFER_SRC_BIT |
-                                             VK_IMAGE_USAGE_TRANSFER_DST_BIT | VK_IMAGE_USAGE_SAMPLED_BIT});
-    }
-
-    /// Fills the image with grey, and makes it ready to draw into.
-    void clear(const gpu::Image& image)
-    {
-        const std::vector<u8vec4> grey(std::size_t(image.info().width) * image.info().height, kGrey);
-        gpu::Uploader uploader(device_);
-        const gpu::Uploader::Level level{0, 0, grey.data()};
-        uploader.image(image, {&level, 1}, 4);
-        uploader.finish();
-        device_.execute([&](VkCommandBuffer commands) {
-            gpu::transition(device_, commands, image, gpu::state::kFragmentRead, gpu::state::kColorAttachment);
-        });
-    }
-
-    ImageRgba8 read(const gpu::Image& image)
-    {
-        const ivec2 size(int(image.info().width), int(image.info().height));
-        const gpu::Buffer host(device_, VkDeviceSize(size.x) * size.y * 4, VK_BUFFER_USAGE_TRANSFER_DST_BIT,
-                               gpu::MemoryUse::Readback);
-        device_.execute([&](VkCommandBuffer commands) {
-            gpu::transition(device_, commands, image, gpu::state::kColorAttachment, gpu::state::kTransferSource);
-            gpu::copyToHost(device_, commands, image, host);
-        });
-        ImageRgba8 picture(size.x, size.y);
-        std::memcpy(picture.data(), host.mapped(), picture.texelCount() * sizeof(u8vec4));
-        return picture;
-    }
-
-    gpu::Device& device() { return device_; }
-
-    static constexpr u8vec4 kGrey{77, 77, 77, 77};
-
-private:
-    gpu::Device device_;
-};
-
-VulkanTarget targetOf(const gpu::Image& image)
-{
-    return {image.view(), image.info().format};
-}
-
-/// The most that a channel of a pixel differs.
-int mostDifference(const ImageRgba8& a, const ImageRgba8& b)
-{
-    EXPECT_EQ(a.size(), b.size());
-    int most = 0;
-    for (std::size_t i = 0; i < a.texelCount(); ++i)
-        for (int c = 0; c < 4; ++c) most = std::max(most, std::abs(int(a.texels()[i][c]) - int(b.texels()[i][c])));
-    return most;
-}
-
-/// A lit floor with a mast, the sky behind it.
-BakedScene yard()
-{
-    BakedScene baked;
-    Scene& scene = baked.scene;
-    scene.sky = Sky{vec3(0.2f, 0.4f, 0.9f), vec3(0.6f), vec3(0.1f)};
-    addObject(scene, makeRectangle(6, 6, addMaterial(scene, vec4(0.7f, 0.6f, 0.5f, 1.0f))), mat4(1.0f), true);
-    addObject(scene, makeRectangle(1, 1, addMaterial(scene, vec4(0.2f, 0.5f, 0.2f, 1.0f))),
-              glm::translate(mat4(1.0f), vec3(0, 1, 0)), false);
-    scene.lights.push_back(directionalLight(glm::normalize(vec3(0.3f, 1.0f, 0.2f)), 3.0f));
-    return baked;
-}
-
-RenderSettings settingsOf(RenderPath path)
-{
-    RenderSettings settings;
-    settings.path = path;
-    settings.size = kSize;
-    settings.supersampling = 2;
-    settings.shadows.directionalMapSize = 512;
-    settings.shadows.distanceMeters = 20.0f;
-    return settings;
-}
-
-const Camera kCamera = lookAt(vec3(2, 3, 6), vec3(0, 0.5f, 0));
-constexpr float kExposure = 0.3f;
 
 class RecordedFrames : public BothPaths {};
 INSTANTIATE_TEST_SUITE_P(, RecordedFrames, kBothPaths, pathNameOf);
@@ -198,88 +95,6 @@ TEST_P(RecordedFrames, DrawOnlyTheirRectangle)
             for (int c = 0; c < 4; ++c) ASSERT_NEAR(drawn(x, y)[c], expected[c], 1) << x << " " << y;
         }
     }
-}
-
-/// RenderSettings::keepsPicture: nothing is drawn while nothing changes, and exposure still counts.
-TEST_P(RecordedFrames, KeepThePictureUntilSomethingChanges)
-{
-    ASSERT_TRUE(renderer->load(yard()));
-    Caller caller(*renderer);
-    RenderSettings settings = settingsOf(GetParam());
-    settings.keepsPicture = true;
-    const gpu::Image image = caller.makeTarget(VK_FORMAT_R8G8B8A8_UNORM, kSize);
-    std::vector<std::vector<PassReport>> passes;
-    const auto show = [&](const Camera& camera, float exposure) {
-        caller.clear(image);
-        caller.device().execute([&](VkCommandBuffer commands) {
-            const auto frame = renderer->record(commands, targetOf(image), camera, settings, exposure);
-            ASSERT_TRUE(frame) << frame.error().text();
-            EXPECT_EQ(frame->plan.lights.size(), 1u);
-            passes.push_back(frame->passes);
-        });
-        return caller.read(image);
-    };
-    const auto expectShows = [&](const Camera& camera, float exposure, const char* what) {
-        const ImageRgba8 drawn = show(camera, exposure);
-        const auto expected = renderer->render(camera, settings); // the kept picture is gone afterwards
-        ASSERT_TRUE(expected);
-        EXPECT_LE(mostDifference(drawn, displayedPicture(expected->radiance, exposure)), 1) << what;
-    };
-    const ImageRgba8 first = show(kCamera, kExposure);
-    EXPECT_EQ(mostDifference(show(kCamera, kExposure), first), 0);
-    EXPECT_GT(mostDifference(show(kCamera, kExposure + 1.0f), first), 10) << "exposure";
-    expectShows(kCamera, kExposure + 2.0f, "the fourth frame");
-    for (std::size_t i = 2; i < passes.size(); ++i) // passes of two calls before
-        EXPECT_EQ(passes[i].size() == 1, i > 2) << "only the display is drawn again";
-    const auto again = [&] { (void)show(kCamera, kExposure); };
-    again();
-    expectShows(lookAt(vec3(1, 2, 6), vec3(0, 0.5f, 0)), kExposure, "another camera");
-    again();
-    Light sun = renderer->scene().lights[0];
-    sun.intensity *= 3.0f;
-    ASSERT_TRUE(renderer->setLight(0, sun));
-    expectShows(kCamera, kExposure, "a light");
-    again();
-    ASSERT_TRUE(renderer->setObjectTransform(1, glm::translate(mat4(1.0f), vec3(1, 1.5f, 0))));
-    expectShows(kCamera, kExposure, "an object");
-    again();
-    ASSERT_TRUE(renderer->setObjectShadows(1, false, false));
-    expectShows(kCamera, kExposure, "its shadow");
-    again();
-    BakedScene other = yard();
-    other.scene.sky = Sky{vec3(1.0f, 0.0f, 0.0f), vec3(0.1f), vec3(0.1f)};
-    ASSERT_TRUE(renderer->load(other));
-    expectShows(kCamera, kExposure, "another scene");
-}
-
-/// upload() on another thread while frames of the scene before are recorded; show() replaces it once.
-TEST_P(RecordedFrames, GoOnDuringAnUpload)
-{
-    ASSERT_TRUE(renderer->load(yard()));
-    Caller caller(*renderer);
-    const RenderSettings settings = settingsOf(GetParam());
-    const gpu::Image image = caller.makeTarget(VK_FORMAT_R8G8B8A8_UNORM, kSize);
-    const auto show = [&] {
-        caller.clear(image);
-        caller.device().execute([&](VkCommandBuffer commands) {
-            ASSERT_TRUE(renderer->record(commands, targetOf(image), kCamera, settings, kExposure));
-        });
-        return caller.read(image);
-    };
-    const ImageRgba8 before = show();
-    BakedScene other = yard();
-    other.scene.sky = Sky{vec3(1.0f, 0.0f, 0.0f), vec3(0.1f), vec3(0.1f)};
-    auto upload = std::async(std::launch::async, [&] { return renderer->upload(other); });
-    for (int i = 0; i < 5; ++i) EXPECT_EQ(mostDifference(show(), before), 0);
-    const auto uploaded = upload.get();
-    ASSERT_TRUE(uploaded) << uploaded.error().text();
-    EXPECT_EQ(mostDifference(show(), before), 0) << "not shown yet";
-    ASSERT_TRUE(renderer->show(*uploaded));
-    const ImageRgba8 after = show();
-    EXPECT_FALSE(renderer->show(*uploaded)) << "it was shown";
-    ASSERT_TRUE(renderer->load(other));
-    EXPECT_EQ(mostDifference(show(), after), 0);
-    EXPECT_GT(mostDifference(after, before), 10);
 }
 
 /// Frames one after the other without waiting for more than record() asks, while a light, an object and the picture's

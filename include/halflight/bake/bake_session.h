@@ -38,7 +38,9 @@ struct LightTile {
 /// Functions may be called from any thread.
 class BakeSession {
 public:
-    BakeSession(Scene scene, BakeSettings settings, IntegratorFactory integratorFactory);
+    /// `waits`: after the light of probes the bake waits for goOn(), so that a picture of that light gets the whole
+    /// processor.
+    BakeSession(Scene scene, BakeSettings settings, IntegratorFactory integratorFactory, bool waits = false);
     /// Cancels and waits.
     ~BakeSession();
     BakeSession(const BakeSession&) = delete;
@@ -56,6 +58,7 @@ public:
     std::optional<BakedScene> takeLight();
     /// What has changed of the first light's pages since the last call, or since takeLight(); nothing before that.
     std::vector<LightTile> takeTiles();
+    void goOn();
     /// The session ends with Cancelled soon, if it has not finished.
     void cancel();
     /// Waits for the end and hands the result over; call it once. Errors are those of bake().

@@ -114,6 +114,7 @@ struct IntegrationSettings {
     /// surfaces of shading::transportAlbedo().
     bool glossyBounces = true;
     uint32_t seed = 1;
+    bool fewRays = false; ///< what takes long to build, but pays off only with many rays, is left out
     CacheSettings cache;
 };
 

@@ -64,8 +64,9 @@ struct RenderSettings {
     bool lightRows = false; ///< fill RenderedFrame::lights
     /// Measure each pass. The device then ends one before it begins the next, so a frame may take a little longer.
     bool timings = false;
-    /// record() shows the picture of its last call once more where nothing that it shows has changed: camera, settings,
-    /// scene, lights, objects, lightmaps. Only exposure and tone mapping are done anew. For windows at rest.
+    /// record() shows the picture of its last call, or of render()'s, once more where nothing that it shows has
+    /// changed: camera, settings, scene, lights, objects, lightmaps. Only exposure and tone mapping are done anew. For
+    /// windows at rest.
     bool keepsPicture = false;
     bool operator==(const RenderSettings&) const = default;
 };
@@ -87,7 +88,8 @@ struct RenderedFrame {
     /// "g-buffer" and "deferred light", then "forward", "sky", "blended", and "readback" (the picture to the host) or
     /// "display" (the displayed picture into the caller's image).
     std::vector<PassReport> passes;
-    bool timed = false; ///< settings asked for timings and the device has timestamps
+    bool isKept = false; ///< record() showed the last picture once more: RenderSettings::keepsPicture
+    bool timed = false;  ///< settings asked for timings and the device has timestamps
     /// Targets of the G-buffer, the picture itself among them: 4, and a fifth for baked shadows in frames that use a
     /// mask (plan.usesMask); 0 when all was drawn forward.
     int gBufferTargets = 0;
@@ -103,6 +105,10 @@ struct LightmapRectangle {
     ivec2 offset{0};                         ///< of its texel (0, 0) on the page
     const Image<uint32_t>* texels = nullptr; ///< RGB9E5
 };
+
+/// How large textures are on the device. Coarse ones have at most 128 texels along a side and come in a fraction of the
+/// time, for a first picture.
+enum class TextureDetail { Coarse, Full };
 
 /// Frames that record() prepares while the device may still work on those before.
 constexpr int kFramesInFlight = 2;
@@ -135,10 +141,8 @@ public:
     /// another one calls record() and the setters; the device then holds both scenes. show() replaces the scene by the
     /// uploaded one. What setters changed during the upload is in the scene before alone.
     class Uploaded;
-    Result<std::shared_ptr<Uploaded>> upload(const BakedScene& baked);
+    Result<std::shared_ptr<Uploaded>> upload(const BakedScene& baked, TextureDetail detail = TextureDetail::Full);
     Status show(const std::shared_ptr<Uploaded>& uploaded);
-    /// Begins an upload() of a scene that has these textures: they stay on the device until the next show() or load().
-    Status uploadTextures(const Scene& scene);
 
     /// Makes, on a thread of its own, what the forward path needs for pictures without or with a shadowmask, so that
     /// the first one does not wait for the driver's compiler: call it before a file is read, or when a bake that will

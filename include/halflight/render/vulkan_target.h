@@ -29,10 +29,11 @@ struct VulkanHandles {
 /// A colour image to draw the displayed picture into, in layout COLOR_ATTACHMENT_OPTIMAL before and after: a
 /// swapchain's, say. Formats that encode sRGB are given linear colour, others encoded one.
 struct VulkanTarget {
-    VkImageView view = VK_NULL_HANDLE; ///< at least as large as the picture; its texel (0, 0) is the picture's top left
+    VkImageView view = VK_NULL_HANDLE; ///< at least as large as `size`; its texel (0, 0) is the picture's top left
     VkFormat format = VK_FORMAT_UNDEFINED;
-    ivec2 begin{0}; ///< pixels begin <= p < end of the picture are drawn, the others stay
-    ivec2 end{0};   ///< 0: to the picture's end
+    ivec2 size{0};  ///< pixels in which the picture is shown, interpolated where they are more; 0: its own
+    ivec2 begin{0}; ///< pixels begin <= p < end of those are drawn, the others stay
+    ivec2 end{0};   ///< 0: to the end
 };
 
 } // namespace halflight

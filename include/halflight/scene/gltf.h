@@ -17,6 +17,7 @@ namespace halflight {
 struct ReadOptions {
     std::filesystem::path settingsFile; ///< TOML with per-node and per-light settings by name pattern; empty = none
     bool decodeTextures = true;         ///< false: Texture::pixels stay empty (for `info`)
+    const std::atomic<bool>* cancel = nullptr; ///< reading ends with Cancelled soon after it is set
 };
 
 /// Reads .glb or .gltf. Settings come from, weakest first: defaults, `extras`, the settings file.

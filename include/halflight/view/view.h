@@ -17,7 +17,8 @@ namespace halflight {
 
 /// Reads a file that a user names, on a thread of its own, and chooses the view that its picture begins with.
 struct ViewLoader {
-    std::function<Result<BakedScene>(const std::filesystem::path& file)> read;
+    /// `cancel`: reading ends soon after it is set.
+    std::function<Result<BakedScene>(const std::filesystem::path& file, const std::atomic<bool>& cancel)> read;
     /// `isFirst`: of ViewOptions::file, not of one that was dropped on the window.
     std::function<Result<Camera>(const Scene& scene, float aspect, bool isFirst)> camera;
 };

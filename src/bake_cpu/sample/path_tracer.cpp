@@ -12,8 +12,9 @@ namespace halflight {
 
 using shading::powerHeuristic;
 
-PathTracer::PathTracer(const Scene& scene, const BakeGeometry& geometry, LightUse use, Bounces bounces)
-    : tracer_(scene, geometry), lights_(punctualLights(scene, use)), emitters_(tracer_), sky_(scene.sky),
+PathTracer::PathTracer(const Scene& scene, const BakeGeometry& geometry, LightUse use, Bounces bounces,
+                       RTCBuildQuality tree)
+    : tracer_(scene, geometry, nullptr, tree), lights_(punctualLights(scene, use)), emitters_(tracer_), sky_(scene.sky),
       bounces_(bounces)
 {
     // Up to 8 lights are chosen by their exact unshadowed contributions.

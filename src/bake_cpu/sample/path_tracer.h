@@ -43,7 +43,8 @@ struct RadianceLookup {
 class PathTracer {
 public:
     /// `scene` and `geometry` outlive the tracer.
-    PathTracer(const Scene& scene, const BakeGeometry& geometry, LightUse use, Bounces bounces = Bounces::Diffuse);
+    PathTracer(const Scene& scene, const BakeGeometry& geometry, LightUse use, Bounces bounces = Bounces::Diffuse,
+               RTCBuildQuality tree = RTC_BUILD_QUALITY_HIGH);
 
     [[nodiscard]] bool glossy() const { return bounces_ == Bounces::Glossy; }
     /// Albedo of the diffuse part of a surface.

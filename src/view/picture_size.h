@@ -1,0 +1,46 @@
+#pragma once
+// The resolution that the window's frames are drawn at: on devices that take long for a frame, a coarse picture comes
+// first and while the view moves, and finer ones while it rests.
+
+#include "halflight/base/math.h"
+#include "halflight/render/renderer.h"
+
+#include <array>
+
+namespace halflight::view {
+
+enum class PictureDetail { Coarse, Half, Full };
+
+/// Pixels of a window's picture: the whole window, half its width and height, or so few that the longer side has 320.
+ivec2 pictureSize(ivec2 window, PictureDetail detail);
+/// What the coarse picture is drawn with: one sample, and one cascade in small shadow maps.
+RenderSettings settingsOf(RenderSettings settings, PictureDetail detail);
+
+class PictureDetails {
+public:
+    /// A frame that takes longer is slow, seconds.
+    static constexpr double kSlow = 0.3;
+
+    /// Of the next frame. `moves`: camera, settings or objects have changed since the last one. `finest`: no finer one
+    /// is drawn where that is slow.
+    PictureDetail next(ivec2 window, bool moves, PictureDetail finest);
+    /// Of the last frame.
+    [[nodiscard]] PictureDetail last() const { return detail_; }
+    /// The last frame was drawn, and not shown once more, in this time.
+    void drew(double seconds);
+    /// Whether drew() needs the time to the frame's end: not on fast devices, which draw two frames at one time.
+    [[nodiscard]] bool wantsTime() const;
+    /// Another scene is drawn: the first picture of it is a coarse one where that may help.
+    void forget() { *this = {}; }
+
+private:
+    /// Of a frame, by those drawn so far.
+    [[nodiscard]] double estimate(PictureDetail detail) const;
+
+    ivec2 window_{0};
+    PictureDetail detail_ = PictureDetail::Coarse;
+    bool isFirst_ = true;
+    std::array<double, 3> seconds_{}; ///< by detail; 0: none was drawn
+};
+
+} // namespace halflight::view
