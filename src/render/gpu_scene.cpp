@@ -179,7 +179,7 @@ ImageRgba8 coarseTexture(const ImageRgba8& pixels)
 }
 
 void uploadTextures(gpu::Device& device, gpu::Uploader& uploader, const Scene& scene, const TextureSlots& slots,
-                    TextureImages images, TextureDetail detail, GpuScene& result)
+                    TextureImages images, TextureDetail detail, const std::atomic<bool>* cancel, GpuScene& result)
 {
     std::map<int, ImageRgba8> coarse;
     const auto pixelsOf = [&](int index) -> const ImageRgba8& {
@@ -199,7 +199,7 @@ void uploadTextures(gpu::Device& device, gpu::Uploader& uploader, const Scene& s
     std::erase_if(images, [&](const auto& image) { return !needed.contains(image.first); });
 
     std::map<std::tuple<VkSamplerAddressMode, VkSamplerAddressMode, bool>, uint32_t> samplers;
-    for (std::size_t slot = 0; slot < bySlot.size(); ++slot) {
+    for (std::size_t slot = 0; slot < bySlot.size() && !(cancel != nullptr && *cancel); ++slot) {
         const auto [index, srgb] = bySlot[slot];
         const Texture& texture = scene.textures[std::size_t(index)];
         std::shared_ptr<const gpu::Image>& image = images[result.textureHashes[slot]];
@@ -299,7 +299,8 @@ BakedScene outlineOf(const BakedScene& baked)
 
 } // namespace
 
-GpuScene uploadScene(gpu::Device& device, const BakedScene& baked, TextureImages kept, TextureDetail detail)
+GpuScene uploadScene(gpu::Device& device, const BakedScene& baked, TextureImages kept, TextureDetail detail,
+                     const std::atomic<bool>* cancel)
 {
     const Scene& scene = baked.scene;
     GpuScene result;
@@ -309,7 +310,7 @@ GpuScene uploadScene(gpu::Device& device, const BakedScene& baked, TextureImages
     for (const Material& material : scene.materials) materials.push_back(gpuMaterial(scene, material, slots));
     materials.push_back(gpuMaterial(scene, defaultMaterial(), slots));
     result.materials = uploadVector(device, uploader, materials, kStorage);
-    uploadTextures(device, uploader, scene, slots, std::move(kept), detail, result);
+    uploadTextures(device, uploader, scene, slots, std::move(kept), detail, cancel, result);
     uploadMeshes(device, uploader, scene, result);
     uploader.finish();
 

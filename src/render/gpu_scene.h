@@ -86,8 +86,9 @@ const char* problemOf(const Light& light);
 /// Images of textures by the hash of what they were made from.
 using TextureImages = std::map<Hash128, std::shared_ptr<const gpu::Image>>;
 /// `kept`: of the scene before; those that this scene has too are used again. May run while another thread records
-/// frames of another scene.
-GpuScene uploadScene(gpu::Device& device, const BakedScene& baked, TextureImages kept, TextureDetail detail);
+/// frames of another scene. With `cancel` set, textures are left out.
+GpuScene uploadScene(gpu::Device& device, const BakedScene& baked, TextureImages kept, TextureDetail detail,
+                     const std::atomic<bool>* cancel = nullptr);
 /// Irradiance pages (lux) as the scene's dynamic lightmaps; an empty span takes them away. True when the image was made
 /// anew, so that its descriptor must be written. Pages have passed checkDynamicLightmaps().
 bool uploadDynamicLightmaps(gpu::Device& device, GpuScene& scene, std::span<const ImageRgb32f> irradiance);

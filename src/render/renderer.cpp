@@ -213,12 +213,15 @@ Status Renderer::load(const BakedScene& baked)
     return loaded ? Status() : Status(loaded.error());
 }
 
-Result<std::shared_ptr<Renderer::Uploaded>> Renderer::upload(const BakedScene& baked, TextureDetail detail)
+Result<std::shared_ptr<Renderer::Uploaded>> Renderer::upload(const BakedScene& baked, TextureDetail detail,
+                                                             const std::atomic<bool>* cancel)
 {
     if (Status status = checkScene(baked); !status) return status.error();
     return guarded<std::shared_ptr<Uploaded>>([&]() -> Result<std::shared_ptr<Uploaded>> {
         auto uploaded = std::make_shared<Uploaded>();
-        uploaded->scene = std::make_unique<GpuScene>(uploadScene(impl_->device, baked, impl_->textureImages(), detail));
+        uploaded->scene =
+            std::make_unique<GpuScene>(uploadScene(impl_->device, baked, impl_->textureImages(), detail, cancel));
+        if (cancel != nullptr && *cancel) return Error{ErrorCode::Cancelled, "interrupted", ""};
         uploaded->switchesAtBake = shadowSwitches(baked.scene);
         return uploaded;
     });

@@ -104,7 +104,7 @@ Result<Viewer::Opened> Viewer::openOnThread(const Opening& opening, const BakeSe
     if (opened.session) takeEarlyLight(opened);
     if (first_.ends) return ended;
     auto uploaded = renderer_->upload(opened.light ? *opened.light : opened.baked,
-                                      opening.isFirst ? TextureDetail::Coarse : TextureDetail::Full);
+                                      opening.isFirst ? TextureDetail::Coarse : TextureDetail::Full, &first_.ends);
     if (!uploaded) return uploaded.error();
     if (!opening.isFirst) {
         opened.uploaded = std::move(*uploaded);
@@ -252,7 +252,8 @@ Status Viewer::show(BakedScene baked)
 void Viewer::showLater(BakedScene baked, std::function<void()> then)
 {
     showing_.emplace(Showing{std::move(baked), std::move(then)});
-    uploading_ = std::async(std::launch::async, [this] { return renderer_->upload(showing_->baked); });
+    uploading_ = std::async(std::launch::async,
+                            [this] { return renderer_->upload(showing_->baked, TextureDetail::Full, &first_.ends); });
 }
 
 Status Viewer::pollShowing()

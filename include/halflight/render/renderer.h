@@ -6,6 +6,7 @@
 #include "halflight/render/frame.h"
 #include "halflight/scene/baked_scene.h"
 
+#include <atomic>
 #include <cstdint>
 #include <memory>
 #include <optional>
@@ -138,10 +139,12 @@ public:
     Status load(const BakedScene& baked);
 
     /// load() in two steps, for windows that go on drawing meanwhile. upload() may run on a thread of its own while
-    /// another one calls record() and the setters; the device then holds both scenes. show() replaces the scene by the
+    /// another one calls record() and the setters; the device then holds both scenes. It ends with Cancelled soon after
+    /// `cancel` is set. show() replaces the scene by the
     /// uploaded one. What setters changed during the upload is in the scene before alone.
     class Uploaded;
-    Result<std::shared_ptr<Uploaded>> upload(const BakedScene& baked, TextureDetail detail = TextureDetail::Full);
+    Result<std::shared_ptr<Uploaded>> upload(const BakedScene& baked, TextureDetail detail = TextureDetail::Full,
+                                             const std::atomic<bool>* cancel = nullptr);
     Status show(const std::shared_ptr<Uploaded>& uploaded);
 
     /// Makes, on a thread of its own, what the forward path needs for pictures without or with a shadowmask, so that
