@@ -63,7 +63,30 @@ Desktop::Desktop(const std::string& title, ivec2 size)
     hasContext_ = true;
     ImGui::GetIO().IniFilename = nullptr; // leaves no file behind
     ImGui::StyleColorsDark();
+    scalePanels();
     ImGui_ImplSDL2_InitForVulkan(window_);
+}
+
+/// By GDK_SCALE, which desktops set, else by the display. Where the window has fewer units than pixels, the system
+/// scales them already.
+void Desktop::scalePanels() const
+{
+    ivec2 units(0);
+    ivec2 pixels(0);
+    SDL_GetWindowSize(window_, &units.x, &units.y);
+    SDL_Vulkan_GetDrawableSize(window_, &pixels.x, &pixels.y);
+    if (units != pixels) return;
+    float dotsPerInch = 0.0f;
+    (void)SDL_GetDisplayDPI(SDL_GetWindowDisplayIndex(window_), &dotsPerInch, nullptr, nullptr); // else it stays 0
+    constexpr float kUsualDotsPerInch = 96.0f;
+    if (const char* asked = SDL_getenv("GDK_SCALE")) dotsPerInch = kUsualDotsPerInch * float(SDL_atof(asked));
+    const float scale = panelScale(dotsPerInch);
+    if (scale == 1.0f) return;
+    constexpr float kFontPixels = 13.0f; // of Dear ImGui's own font
+    ImFontConfig font;
+    font.SizePixels = std::round(kFontPixels * scale);
+    ImGui::GetIO().Fonts->AddFontDefault(&font);
+    ImGui::GetStyle().ScaleAllSizes(scale);
 }
 
 Desktop::~Desktop()

@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <array>
 #include <cfloat>
+#include <cmath>
 #include <vector>
 
 namespace halflight::view {
@@ -183,6 +184,14 @@ void statisticsSection(const ViewState& state)
 }
 
 } // namespace
+
+float panelScale(float dotsPerInch)
+{
+    constexpr float kUsual = 96.0f;
+    constexpr float kMost = 4.0f;
+    if (!(dotsPerInch > kUsual)) return 1.0f;
+    return std::min(std::round(4.0f * dotsPerInch / kUsual) / 4.0f, kMost);
+}
 
 const std::vector<std::string>& keyHelp()
 {

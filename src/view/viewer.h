@@ -49,6 +49,7 @@ public:
 
 private:
     void close();
+    void scalePanels() const;
     SDL_Window* window_ = nullptr;
     _SDL_GameController* gamepad_ = nullptr;
     bool hasContext_ = false;

@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 #include <imgui.h>
 
+#include <cmath>
 #include <random>
 
 namespace halflight::view {
@@ -66,6 +67,15 @@ protected:
     Scene scene = smallScene();
     ViewState state;
 };
+
+TEST(PanelScale, IsOneAtUsualDisplays)
+{
+    for (const float usual : {0.0f, -1.0f, 72.0f, 96.0f, 100.0f, std::nanf("")}) EXPECT_EQ(panelScale(usual), 1.0f);
+    EXPECT_EQ(panelScale(144.0f), 1.5f);
+    EXPECT_EQ(panelScale(163.0f), 1.75f);
+    EXPECT_EQ(panelScale(192.0f), 2.0f);
+    EXPECT_EQ(panelScale(5000.0f), 4.0f);
+}
 
 TEST_F(Panels, AreAtTheLeftOfThePicture)
 {
