@@ -47,7 +47,7 @@ def draw_lights(layout, context):
 def draw_details(layout, settings):
     layout.use_property_split = True
     groups = (
-        ("samples", "noise", "shadow_samples", "bounces", "integrator", "denoise", "seed"),
+        ("samples", "noise", "shadow_samples", "bounces", "glossy_bounces", "integrator", "denoise", "seed"),
         ("lightmap_size", "directional", "shadowmask_encoding"),
         ("probe_layout", "probe_spacing"),
         ("units", "threads"),

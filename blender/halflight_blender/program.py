@@ -58,6 +58,7 @@ def bake_arguments(settings, files, only=()):
     arguments += ["--report", files.report, "--progress", "lines"]
     arguments += ["--mode", settings.mode, "--quality", settings.quality, "--integrator", settings.integrator]
     arguments += ["--denoise", "on" if settings.denoise else "off"]
+    arguments += ["--glossy-bounces", "on" if settings.glossy_bounces else "off"]
     arguments += ["--directional", "on" if settings.directional else "off"]
     arguments += ["--shadowmask-encoding", settings.shadowmask_encoding, "--probe-layout", settings.probe_layout]
     arguments += ["--seed", str(settings.seed), "--threads", str(settings.threads)]

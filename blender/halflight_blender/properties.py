@@ -222,8 +222,15 @@ class BakeSettings(bpy.types.PropertyGroup):
     )
     bounces: bpy.props.IntProperty(name="Bounces", description="-1: all light", default=-1, min=-1, max=256)
     denoise: bpy.props.BoolProperty(name="Denoise", default=True)
+    glossy_bounces: bpy.props.BoolProperty(
+        name="Glossy Bounces",
+        description="Gloss and metal carry light on as glTF has it. Off: all surfaces as diffuse ones",
+        default=True,
+    )
     directional: bpy.props.BoolProperty(
-        name="Directional", description="Keep mean directions, so that normal maps respond to baked light"
+        name="Directional",
+        description="Keep mean directions, so that normal maps respond to baked light. The baked view here shows none, "
+        "so this is off, whatever the quality is",
     )
     integrator: bpy.props.EnumProperty(
         name="Integrator",

@@ -131,6 +131,7 @@ void bakeSection(ViewState& state)
            });
     bool directional = resolveQuality(state.bake).directional;
     if (ImGui::Checkbox("bakes directions", &directional)) state.bake.directional = directional;
+    ImGui::Checkbox("glossy bounces", &state.bake.glossyBounces);
     ImGui::Checkbox("bakes reflection probes", &state.bake.reflectionProbes);
     if (ImGui::Button("bake (B)")) state.requests.bake = true;
     if (status.outOfDate) ImGui::TextWrapped("Lights or objects changed since the bake that is shown.");

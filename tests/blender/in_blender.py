@@ -160,6 +160,7 @@ def main():
     expect(bpy.ops.halflight.bake() == {"FINISHED"}, "the bake ends well")
     print(f"bake: {time.monotonic() - start:.1f} s")
     files = extension.files.of(scene)
+    check_settings(extension, scene.halflight, files)
     expect(files.folder.startswith(path("test.halflight")), "files are beside the .blend")
     expect(filecmp.cmp(files.baked, path("saved.glb"), shallow=False), "the baked file is saved where asked")
     with open(files.scene, "rb") as file:
@@ -176,6 +177,20 @@ def main():
     check_cancel(extension)
     check_panorama(extension)
     print(f"whole: {time.monotonic() - start:.1f} s")
+
+
+def check_settings(extension, settings, files):
+    """Switches of the panel are in the program's command line, at their defaults too."""
+    shown = panels_check.Layout()
+    extension.panels.draw_details(shown, settings)
+    for name, default in (("glossy_bounces", True), ("directional", False), ("denoise", True)):
+        option = "--" + name.replace("_", "-")
+        expect(name in shown.shown, f"{name} is in the panel")
+        expect(getattr(settings, name) == default, f"{name} is {default} at first")
+        for value in (not default, default):
+            setattr(settings, name, value)
+            arguments = extension.program.bake_arguments(settings, files)
+            expect(arguments[arguments.index(option) + 1] == ("on" if value else "off"), f"{option} follows")
 
 
 def check_panels(extension):
