@@ -68,6 +68,43 @@ def leaks():
     return doc
 
 
+def tilted(mesh, along_x, along_z):
+    """The mesh raised by along_x and along_z metres per metre."""
+    return Mesh([(tuple((x, y + along_x * x + along_z * z, z) for x, y, z in corners), uv) for corners, uv in mesh.triangles])
+
+
+def cellars():
+    """Walls that go on below a floor, which is a board 2 cm thick or a double-sided sheet. Floors tilt, so that they cross the walls'
+    texels at all heights. Two dark closed rooms have a lit cellar below. Two black walls stand in the sun, and what lies below their
+    floor is in the dark; nothing is reflected onto them."""
+    doc = document("cellars", ("grey", "black"), ((0.0, 0.0, 0.0),) * 3)
+    doc.material("grey_sheet", COLORS["grey"], 1.0, double_sided=True)
+    doc.material("black_sheet", COLORS["black"], 1.0, double_sided=True)
+    w, d, low, high, t = 0.7, 0.5, -0.7, 1.7, 0.1  # half width, half depth, lower and upper end, thickness
+    boards = {"bottom": (-w - t, low - t, -d - t, w + t, low, d + t), "ceiling": (-w - t, high, -d - t, w + t, high + t, d + t),
+              "west": (-w - t, low - 0.01, -d - t, -w, high + 0.01, d + t), "east": (w, low - 0.01, -d - t, w + t, high + 0.01, d + t),
+              "north": (-w - 0.01, low - 0.01, -d - t, w + 0.01, high + 0.01, -d), "south": (-w - 0.01, low - 0.01, d, w + 0.01, high + 0.01, d + t)}
+    for name, bounds in boards.items():
+        doc.mesh(name, [(m.box(*bounds), "grey", 1.0)])
+    doc.mesh("wall", [(m.box(-w, low, -t, w, high, 0.0), "black", 1.0)])
+    for color, floor in (("grey", (-w - 0.02, -d - 0.02, w + 0.02, d + 0.02)), ("black", (-w - 0.02, -0.02, w + 0.02, 2 * d))):
+        x0, z0, x1, z1 = floor
+        doc.mesh(f"{color}_board", [(tilted(m.box(x0, -0.02, z0, x1, 0.0, z1), 0.1, 0.08), color, 1.0)])
+        doc.mesh(f"{color}_sheet", [(tilted(sheet(x0, z0, x1, z1), 0.1, 0.08), f"{color}_sheet", 1.0)], closed=False)
+    for i, kind in enumerate(("board", "sheet")):
+        x = 3.0 * i
+        for name in boards:
+            doc.node(f"{name}_{i}", name, (x, 0, -3))
+        doc.node(f"floor_{i}", f"grey_{kind}", (x, 0, -3))
+        doc.light(f"cellar_{i}", "point", (1, 1, 1), 10.0, (x, -0.4, -3), extras=dict(BAKED))
+        doc.node(f"wall_{i}", "wall", (x, 0, 0))
+        doc.node(f"yard_{i}", f"black_{kind}", (x, 0, 0))
+    for name, how in (("sun", BAKED), ("mixed_sun", MIXED)):
+        doc.light(name, "directional", (1, 1, 1), 10.0, (0, 10, 10), (0, 0, 0), extras={**how, "halflight_angular_diameter": 0.0})
+    doc.camera("main", (1.5, 1.6, 3.2), (1.5, 0.5, 0.0), 60)
+    return doc
+
+
 def rims():
     """Plates of awkward outlines, turned by awkward angles, some a few texels wide, under a fully baked sun straight above: tops
     have its light, to the last texel and whatever the filter, undersides none, and the two lie side by side in the lightmap."""
@@ -237,4 +274,4 @@ def probe_rooms():
 
 
 if __name__ == "__main__":
-    gltf.write_scenes("quality", (leaks, rims, seams, curtain, mask_edges, terminator, contact, tiles, probe_rooms))
+    gltf.write_scenes("quality", (leaks, cellars, rims, seams, curtain, mask_edges, terminator, contact, tiles, probe_rooms))

@@ -89,6 +89,7 @@ void printBakeSummary(const BakeOptions& options, const BakeReport& report)
     print("           {:.4g} texels/m, {}\n", report.texelsPerMeter, densityReason(report.densityFrom));
     print("           {} charts, {} texels, {} of them inside geometry\n", grouped(uint64_t(report.chartCount)),
           grouped(report.coveredTexels), grouped(report.invalidTexels));
+    if (report.cuts > 0) print("           {} cuts where surfaces cross\n", grouped(uint64_t(report.cuts)));
     if (report.cache.tiles > 0) {
         const std::size_t baked = report.cache.tiles - report.cache.same - report.cache.unchanged - report.cache.kept;
         print("cache      {} of {} tiles baked, {} taken as they were, {} not reached by what changed{}\n",

@@ -43,48 +43,6 @@ double luminanceOf(vec3 light)
     return double(luminance(light));
 }
 
-// Inside is dark: what light there is came through walls. The sky is the same from everywhere, so outside is pi times
-// its radiance.
-Figures measureLeaks(const std::filesystem::path& assets)
-{
-    Figures figures;
-    struct Room {
-        const char* file;
-        std::vector<Bounds> insides;
-    };
-    const std::vector<Room> rooms = {
-        {"quality/leaks.glb", {{vec3(-2.0f, 0.0f, -1.6f), vec3(2.0f, 2.4f, 1.6f)}}},
-        {"tests/closed_room.glb",
-         {{vec3(-5.0f, 0.0f, -2.0f), vec3(-1.0f, 2.5f, 2.0f)}, {vec3(1.0f, 0.0f, -2.0f), vec3(5.0f, 2.5f, 2.0f)}}}};
-    for (const Room& room : rooms) {
-        for (const float density : {6.0f, 20.0f}) {
-            auto baked = bakeFile(assets / room.file, settingsFor(MixedLightingMode::Shadowmask, density, 32, 1));
-            if (!baked) return failed("leaks", room.file, baked.error());
-            double worst = 0.0;
-            double sum = 0.0;
-            std::size_t count = 0;
-            forSurface(*baked, [&](const SurfaceSample& s) {
-                const vec3 before = s.position + 2.0e-3f * s.geometricNormal;
-                for (const Bounds& inside : room.insides) {
-                    if (glm::any(glm::lessThan(before, inside.min)) || glm::any(glm::greaterThan(before, inside.max)))
-                        continue;
-                    const double leak = luminanceOf(baked->light(s.page, s.texel)) / (kPi * 50.0);
-                    worst = std::max(worst, leak);
-                    sum += leak;
-                    ++count;
-                }
-            });
-            const std::string at = ", " + std::to_string(int(density)) + " texels/m";
-            figures.push_back(
-                {"leaks", room.file, "brightest point inside, of the outside's light" + at, 100.0 * worst, 0.1, "%"});
-            figures.push_back({"leaks", room.file, "mean inside, of the outside's light" + at,
-                               100.0 * sum / double(count), 0.01, "%"});
-            if (count == 0) figures.back().value = std::numeric_limits<double>::infinity();
-        }
-    }
-    return figures;
-}
-
 // Tops of plates have the sun's light exactly, undersides none.
 Figures measureEdges(const std::filesystem::path& assets)
 {

@@ -3,6 +3,7 @@
 #include "bake/bake_report.h"
 #include "bake/front.h"
 #include "bake/gather.h"
+#include "bake/hidden_sides.h"
 #include "bake/live_light.h"
 #include "bake/main_light.h"
 #include "bake/stage_images.h"
@@ -199,7 +200,8 @@ Status traceStages(const Stages& stages, const Gather& gather)
     std::optional<MainLight> main;
     if (Status s = lightmapStage(stages, gather, estimates, main); !s) return s;
     StageTimer timer(stages.report(), "find seams");
-    const std::vector<SeamSample> seams = findSeams(gather.geometry, gather.map.pageSize);
+    std::vector<SeamSample> seams = findSeams(gather.geometry, gather.map.pageSize);
+    dropHiddenSeams(gather.integrator, seams);
     timer.finish();
     if (Status s = denoiseStage(stages, gather, seams, estimates); !s) return s;
     std::vector<uint8_t> valid;

@@ -1,6 +1,7 @@
 #include "bake/front.h"
 
 #include "bake/front_parts.h"
+#include "bake/hidden_sides.h"
 #include "bake/live_light.h"
 #include "bake/some_objects.h"
 
@@ -21,7 +22,8 @@ struct PageLayout {
 };
 
 /// Lightmap coordinates; the scene moves into the result.
-Result<UnwrappedScene> unwrapOrTake(const Stages& stages, Scene scene, std::optional<PartFolder>& kept)
+Result<UnwrappedScene> unwrapOrTake(const Stages& stages, Scene scene, const CrossingTest& crossingTest,
+                                    std::optional<PartFolder>& kept)
 {
     UnwrappedScene taken;
     if (kept && takeUnwrapped(*kept, scene, taken)) return taken;
@@ -33,16 +35,17 @@ Result<UnwrappedScene> unwrapOrTake(const Stages& stages, Scene scene, std::opti
     settings.cutPage = stages.settings.lightmapSize == 0;
     if (stages.settings.lightmapSize == 0 && stages.settings.texelsPerMeter == 0.0f)
         settings.mostTexelsPerMeter = sceneDensity(scene, settings.pageSize);
-    Result<UnwrappedScene> unwrapped = unwrap(std::move(scene), settings, stages.progress);
+    Result<UnwrappedScene> unwrapped = unwrap(std::move(scene), settings, stages.progress, crossingTest);
     if (unwrapped && kept) keepUnwrapped(*kept, *unwrapped);
     return unwrapped;
 }
 
-Result<PageLayout> unwrapStage(const Stages& stages, Scene scene, std::optional<PartFolder>& kept)
+Result<PageLayout> unwrapStage(const Stages& stages, Scene scene, const CrossingTest& crossingTest,
+                               std::optional<PartFolder>& kept)
 {
     BakeReport& report = stages.report();
     StageTimer timer(report, "unwrap");
-    Result<UnwrappedScene> unwrapped = unwrapOrTake(stages, std::move(scene), kept);
+    Result<UnwrappedScene> unwrapped = unwrapOrTake(stages, std::move(scene), crossingTest, kept);
     if (!unwrapped) return unwrapped.error();
     BakedScene& baked = stages.baked();
     baked.scene = std::move(unwrapped->scene);
@@ -52,6 +55,7 @@ Result<PageLayout> unwrapStage(const Stages& stages, Scene scene, std::optional<
     report.pageCount = unwrapped->pageCount;
     report.pageSize = unwrapped->pageSize;
     report.chartCount = unwrapped->chartCount;
+    report.cuts = unwrapped->cuts;
     report.texelsPerMeter = unwrapped->texelsPerMeter;
     report.densityFrom = unwrapped->densityFrom;
     report.atlasCoverage = unwrapped->coverage;
@@ -196,7 +200,8 @@ Status prepareTexels(const Stages& stages, Scene scene, const IntegratorFactory&
     if (stages.live != nullptr &&
         !stages.live->beginWithProbes(scene, stages.settings, factory, front.integration, stages.progress))
         return cancelledError();
-    const Result<PageLayout> pages = unwrapStage(stages, std::move(scene), kept);
+    const Result<PageLayout> pages =
+        unwrapStage(stages, std::move(scene), hiddenSidesTest(factory, front.integration), kept);
     if (!pages) return pages.error();
     assignShadowmaskChannels(stages.baked().scene, stages.settings.mode);
     reportLights(stages.baked().scene, report);

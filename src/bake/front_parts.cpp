@@ -8,7 +8,7 @@
 namespace halflight {
 namespace {
 
-constexpr uint32_t kFrontVersion = 2; ///< raised when the first stages make other results of the same input
+constexpr uint32_t kFrontVersion = 3; ///< raised when the first stages make other results of the same input
 constexpr const char* kUnwrapped = "unwrapped";
 constexpr const char* kGeometry = "geometry";
 constexpr const char* kTexels = "texels";
@@ -17,17 +17,17 @@ constexpr const char* kTexels = "texels";
 /// compile error here.
 template<typename Archive, typename Part> void archiveMeshPart(Archive& archive, Part& part)
 {
-    auto& [positions, normals, tangents, uv, colors, indices, material, lightmapUv, sourceVertex, sourcePrimitive,
-           lightmapTexCoord] = part;
+    auto& [positions, normals, tangents, uv, colors, indices, material, lightmapUv, sourceVertex, cutVertices,
+           sourcePrimitive, lightmapTexCoord] = part;
     archive(positions, normals, tangents, uv[0], uv[1], colors, indices, material, lightmapUv, sourceVertex);
-    archive(sourcePrimitive, lightmapTexCoord);
+    archive(cutVertices, sourcePrimitive, lightmapTexCoord);
 }
 
 template<typename Archive, typename Unwrapped> void archiveNumbers(Archive& archive, Unwrapped& u)
 {
-    auto& [scene, pageSize, pageCount, texelsPerMeter, densityFrom, chartCount, coverage, coverageWithPadding, meshes,
-           warnings] = u;
-    archive(pageSize, pageCount, texelsPerMeter, densityFrom, chartCount, coverage, coverageWithPadding);
+    auto& [scene, pageSize, pageCount, texelsPerMeter, densityFrom, chartCount, cuts, coverage, coverageWithPadding,
+           meshes, warnings] = u;
+    archive(pageSize, pageCount, texelsPerMeter, densityFrom, chartCount, cuts, coverage, coverageWithPadding);
 }
 
 template<typename Archive, typename Report> void archiveMeshReport(Archive& archive, Report& report)

@@ -216,6 +216,11 @@ void Integrator::surfacesAlong(std::span<const Segment> segments, std::span<std:
     });
 }
 
+void Integrator::findOutside(std::span<const SurfacePoint> /*points*/, std::span<uint8_t> out) const
+{
+    std::fill(out.begin(), out.end(), uint8_t(1));
+}
+
 SurfacePoint surfacePoint(const BakeGeometry& geometry, uint32_t triangle, vec2 barycentric)
 {
     SurfacePoint point;

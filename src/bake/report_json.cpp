@@ -66,6 +66,7 @@ std::string reportJson(const BakeReport& report)
          {{"pages", report.pageCount},
           {"size", report.pageSize},
           {"charts", report.chartCount},
+          {"cuts", report.cuts},
           {"coveredTexels", report.coveredTexels},
           {"invalidTexels", report.invalidTexels},
           {"texelsPerMeter", report.texelsPerMeter},

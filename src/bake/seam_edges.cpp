@@ -2,6 +2,7 @@
 // lightmap coordinates there, or their edges overlap on one line without equal ends.
 #include "bake/hash_grid.h"
 #include "bake/stages.h"
+#include "unwrap/crossing_points.h"
 
 #include "halflight/base/parallel.h"
 
@@ -36,6 +37,9 @@ struct EdgeSide {
     /// Offsets in the triangle's plane (x along the edge, y away from it, into the triangle; metres) for offsets in
     /// texels.
     mat2 metersFromTexels{1.0f};
+    vec3 placeFrom{0.0f}; ///< in the world, at the edge's lower end
+    vec3 placeTo{0.0f};
+    vec3 inward{0.0f}; ///< unit, in the triangle's plane, at a right angle to the edge
 
     /// The part of the edge between the parameters s and t, 0…1.
     [[nodiscard]] EdgeSide part(float s, float t) const
@@ -43,10 +47,19 @@ struct EdgeSide {
         EdgeSide side = *this;
         side.from = glm::mix(from, to, s);
         side.to = glm::mix(from, to, t);
+        side.placeFrom = glm::mix(placeFrom, placeTo, s);
+        side.placeTo = glm::mix(placeFrom, placeTo, t);
         side.normalFrom = glm::normalize(glm::mix(normalFrom, normalTo, s));
         side.normalTo = glm::normalize(glm::mix(normalFrom, normalTo, t));
         if (t < s) side.metersFromTexels = mat2(-1, 0, 0, 1) * metersFromTexels;
         return side;
+    }
+    /// A point near the edge, above the triangle.
+    [[nodiscard]] vec3 above(float share) const
+    {
+        const float texelMeters = std::sqrt(std::abs(glm::determinant(metersFromTexels)));
+        return glm::mix(placeFrom, placeTo, share) +
+               texelMeters * (kSeamDistance * inward + kSightRise * geometricNormal);
     }
 };
 
@@ -76,7 +89,21 @@ struct Edge {
                 geometry.normalOf(p, from),
                 geometry.normalOf(p, to),
                 geometry.geometricNormal(triangle),
-                metersFromTexels(geometry)};
+                metersFromTexels(geometry),
+                geometry.positionOf(p, from),
+                geometry.positionOf(p, to),
+                inward(geometry)};
+    }
+    [[nodiscard]] vec3 inward(const BakeGeometry& geometry) const
+    {
+        const BakeGeometry::Part& p = geometry.parts[part];
+        const uvec3 v = geometry.verticesOf(triangle);
+        const vec3 origin = geometry.positionOf(p, from);
+        const vec3 along = glm::normalize(geometry.positionOf(p, to) - origin);
+        const vec3 toThird = geometry.positionOf(p, v.x + v.y + v.z - from - to) - origin;
+        const vec3 across = toThird - glm::dot(toThird, along) * along;
+        const float length = glm::length(across);
+        return length > 0.0f ? across / length : vec3(0.0f);
     }
     [[nodiscard]] mat2 metersFromTexels(const BakeGeometry& geometry) const
     {
@@ -183,8 +210,16 @@ void addSamples(const EdgeSide& a, const EdgeSide& b, int pageSize, std::vector<
     const mat2 acrossFromA = glm::inverse(b.metersFromTexels) * mat2(1, 0, 0, -1) * a.metersFromTexels;
     for (int s = 0; s < count; ++s) {
         const float t = (float(s) + 0.5f) / float(count);
-        samples.push_back({a.object, a.page, b.page, glm::mix(a.from, a.to, t), glm::mix(b.from, b.to, t),
-                           length / float(count), bent, outwardA, acrossFromA});
+        samples.push_back({a.object,
+                           a.page,
+                           b.page,
+                           glm::mix(a.from, a.to, t),
+                           glm::mix(b.from, b.to, t),
+                           length / float(count),
+                           bent,
+                           outwardA,
+                           acrossFromA,
+                           {a.above(t), b.above(t)}});
     }
 }
 

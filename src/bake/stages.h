@@ -151,6 +151,7 @@ struct SeamSample {
     vec2 outwardA{0.0f}; ///< unit, on page A: at a right angle to the edge in the world, away from side A
     /// Offsets on page B for offsets on page A, with side A unfolded into the plane of side B.
     mat2 acrossFromA{1.0f};
+    Segment sight; ///< from a point above side A to one above side B, less than a texel apart
 };
 std::vector<SeamSample> findSeams(const BakeGeometry& geometry, int pageSize);
 

@@ -8,6 +8,7 @@
 #include "bake_cpu/reflections.h"
 #include "bake_cpu/shadows/baked_lights.h"
 #include "bake_cpu/shadows/shadow_pass.h"
+#include "bake_cpu/texels/texel_validity.h"
 #include "bake_cpu/texels/valid_points.h"
 
 #include "halflight/base/parallel.h"
@@ -140,6 +141,19 @@ public:
         if (!first.found) return std::nullopt;
         const RayHit last = paths_.surfaces().nearest(to, -direction, 0.0f, length);
         return vec2(first.distance, last.found ? length - last.distance : first.distance);
+    }
+
+    void findOutside(std::span<const SurfacePoint> points, std::span<uint8_t> out) const override
+    {
+        const TexelValidity validity(paths_);
+        parallelFor(points.size(), 64, [&](std::size_t begin, std::size_t end) {
+            TexelPoints one;
+            uint64_t rays = 0;
+            for (std::size_t i = begin; i < end; ++i) {
+                one[0] = points[i];
+                out[i] = validity.validPoints(one, 1, uint32_t(i), rays) != 0 ? 1 : 0;
+            }
+        });
     }
 
 private:

@@ -127,6 +127,7 @@ void writeMeshes(DocumentPatcher& patcher, Scene& scene)
             json["primitives"].push_back(std::move(primitive));
             part.sourcePrimitive = int(p);
             part.sourceVertex.clear();
+            part.cutVertices.clear();
         }
         mesh.sourceMesh = int(m);
         patcher.append("meshes", std::move(json));

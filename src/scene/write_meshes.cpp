@@ -46,6 +46,19 @@ void setBounds(Json& accessor, const AccessorView& view)
     accessor["max"] = std::move(high);
 }
 
+/// Whether all vertices are copies of vertices of the source, or lie between such.
+bool hasValidSources(const MeshPart& part, std::size_t sourceCount)
+{
+    const auto isValid = [&](uint32_t v, std::size_t cuts) {
+        return (v & kCutVertex) != 0 ? (v & ~kCutVertex) < cuts : v < sourceCount;
+    };
+    for (std::size_t i = 0; i < part.cutVertices.size(); ++i) {
+        if (!isValid(part.cutVertices[i].from, i) || !isValid(part.cutVertices[i].to, i)) return false;
+    }
+    return std::all_of(part.sourceVertex.begin(), part.sourceVertex.end(),
+                       [&](uint32_t v) { return isValid(v, part.cutVertices.size()); });
+}
+
 } // namespace
 
 MeshWriter::MeshWriter(DocumentPatcher& patcher, const SourceDocument& source, const Scene& scene,
@@ -53,10 +66,11 @@ MeshWriter::MeshWriter(DocumentPatcher& patcher, const SourceDocument& source, c
     : patcher_(patcher), source_(source), scene_(scene), layouts_(layouts)
 {}
 
-// The accessor with one element per vertex of the part, copied byte by byte: no format changes on the way.
-Result<int> MeshWriter::remap(const MeshPart& part, int accessor)
+// The accessor with one element per vertex of the part, copied byte by byte: no format changes on the way. `between`
+// is for vertices that a cut added.
+Result<int> MeshWriter::remap(const MeshPart& part, int accessor, Between between)
 {
-    const auto key = std::pair(&part, accessor);
+    const auto key = std::tuple(&part, accessor, between);
     if (const auto it = remapped_.find(key); it != remapped_.end()) return it->second;
     const auto view = viewAccessor(source_, accessor);
     if (!view) return view.error();
@@ -67,8 +81,12 @@ Result<int> MeshWriter::remap(const MeshPart& part, int accessor)
     copy.strideBytes =
         (view->bytesPerElement + 3) / 4 * 4; // glTF 2.0, section 3.6.2.4: vertex attributes align to 4 bytes
     copy.owned.assign(copy.count * copy.strideBytes, std::byte(0));
+    const std::vector<std::byte> cut = cutElements(*view, part.cutVertices, between);
     for (std::size_t i = 0; i < copy.count; ++i) {
-        std::memcpy(&copy.owned[i * copy.strideBytes], view->at(part.sourceVertex[i]), view->bytesPerElement);
+        const uint32_t v = part.sourceVertex[i];
+        const std::byte* const element =
+            (v & kCutVertex) != 0 ? &cut[(v & ~kCutVertex) * view->bytesPerElement] : view->at(v);
+        std::memcpy(&copy.owned[i * copy.strideBytes], element, view->bytesPerElement);
     }
     copy.data = copy.owned.data();
     json["count"] = copy.count;
@@ -87,24 +105,22 @@ Result<Json> MeshWriter::primitiveJson(const MeshPart& part, const FileLayout& l
     const std::size_t sourceCount = source_.model.accessors[std::size_t(primitive.attributes.at("POSITION"))].count;
     const std::size_t count = part.positions.size();
     const bool split = !part.sourceVertex.empty();
-    const bool isBroken =
-        part.lightmapUv.size() != count || (split && part.sourceVertex.size() != count) ||
-        (!split && count != sourceCount) ||
-        std::any_of(part.sourceVertex.begin(), part.sourceVertex.end(), [&](uint32_t v) { return v >= sourceCount; });
+    const bool isBroken = part.lightmapUv.size() != count || (split && part.sourceVertex.size() != count) ||
+                          (!split && count != sourceCount) || !hasValidSources(part, sourceCount);
     if (isBroken) {
         return Error{ErrorCode::InvalidArgument, "the scene's vertices do not match those of the file it was read from",
                      path};
     }
     if (split) {
-        for (Json& accessor : json["attributes"]) {
-            const auto index = remap(part, accessor.get<int>());
+        for (const auto& [name, accessor] : json["attributes"].items()) {
+            const auto index = remap(part, accessor.get<int>(), betweenOf(name));
             if (!index) return index.error();
             accessor = *index;
         }
         if (json.contains("targets")) {
             for (Json& target : json["targets"]) {
                 for (Json& accessor : target) {
-                    const auto index = remap(part, accessor.get<int>());
+                    const auto index = remap(part, accessor.get<int>(), Between::Linear);
                     if (!index) return index.error();
                     accessor = *index;
                 }

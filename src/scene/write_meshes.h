@@ -1,6 +1,7 @@
 #pragma once
 // How the writer puts lightmap coordinates into a document's meshes.
 
+#include "scene/cut_attributes.h"
 #include "scene/lightmap_layout.h"
 #include "scene/patcher.h"
 
@@ -26,7 +27,7 @@ private:
     Result<Json> meshJson(int sceneMesh);
     Result<Json> primitiveJson(const MeshPart& part, const FileLayout& layout, const Json& source,
                                const tinygltf::Primitive& primitive, const std::string& path);
-    Result<int> remap(const MeshPart& part, int accessor);
+    Result<int> remap(const MeshPart& part, int accessor, Between between);
 
     DocumentPatcher& patcher_;
     const SourceDocument& source_;
@@ -36,7 +37,7 @@ private:
     std::map<std::pair<int, std::vector<int>>, std::size_t> byKey_; ///< index into meshes_
     std::vector<std::pair<int, Json>> meshes_;                      ///< source mesh, JSON
     std::vector<std::pair<int, std::size_t>> nodes_;                ///< node, index into meshes_
-    std::map<std::pair<const MeshPart*, int>, int> remapped_;
+    std::map<std::tuple<const MeshPart*, int, Between>, int> remapped_;
 };
 
 } // namespace halflight

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <tuple>
 #include <unordered_map>
 
 namespace halflight::charts {
@@ -21,6 +22,7 @@ struct PositionHash {
 /// A half edge with its undirected key, to be sorted.
 struct HalfEdge {
     uint64_t key;
+    uint32_t portion;
     uint32_t id;
 };
 
@@ -78,7 +80,7 @@ void pairHalfEdges(Surface& surface, const HalfEdge* first, const HalfEdge* last
     }
 }
 
-void findNeighbors(Surface& surface)
+void findNeighbors(Surface& surface, std::span<const uint32_t> portions)
 {
     surface.neighbors.assign(3 * surface.triangleCount(), kNone);
     std::vector<HalfEdge> edges;
@@ -87,20 +89,24 @@ void findNeighbors(Surface& surface)
         if (surface.degenerate(t)) continue;
         for (uint32_t k = 0; k < 3; ++k) {
             const uint64_t a = surface.triangles[t][k], b = surface.triangles[t][(k + 1) % 3];
-            edges.push_back({std::min(a, b) << 32 | std::max(a, b), uint32_t(3 * t + k)});
+            edges.push_back(
+                {std::min(a, b) << 32 | std::max(a, b), portions.empty() ? 0 : portions[t], uint32_t(3 * t + k)});
         }
     }
-    std::sort(edges.begin(), edges.end(),
-              [](const HalfEdge& a, const HalfEdge& b) { return a.key != b.key ? a.key < b.key : a.id < b.id; });
+    std::sort(edges.begin(), edges.end(), [](const HalfEdge& a, const HalfEdge& b) {
+        return std::tie(a.key, a.portion, a.id) < std::tie(b.key, b.portion, b.id);
+    });
     for (std::size_t begin = 0, end = 0; begin < edges.size(); begin = end) {
-        for (end = begin; end < edges.size() && edges[end].key == edges[begin].key;) ++end;
+        for (end = begin;
+             end < edges.size() && edges[end].key == edges[begin].key && edges[end].portion == edges[begin].portion;)
+            ++end;
         pairHalfEdges(surface, edges.data() + begin, edges.data() + end);
     }
 }
 
 } // namespace
 
-Surface buildSurface(const Mesh& mesh, const dmat3& worldFromObject)
+Surface buildSurface(const Mesh& mesh, const dmat3& worldFromObject, std::span<const uint32_t> portions)
 {
     Surface surface;
     std::size_t vertexCount = 0, triangleCount = 0;
@@ -128,7 +134,7 @@ Surface buildSurface(const Mesh& mesh, const dmat3& worldFromObject)
         }
     }
     measureTriangles(surface);
-    findNeighbors(surface);
+    findNeighbors(surface, portions);
     return surface;
 }
 

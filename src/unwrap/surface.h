@@ -5,6 +5,7 @@
 
 #include <array>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 namespace halflight::charts {
@@ -31,6 +32,7 @@ struct Surface {
 };
 
 /// `worldFromObject` is the linear part only: it gives areas and lengths their world size, and may mirror or flatten.
-Surface buildSurface(const Mesh& mesh, const dmat3& worldFromObject);
+/// `portions`: a number for each triangle, or nothing; triangles of different numbers are no neighbours.
+Surface buildSurface(const Mesh& mesh, const dmat3& worldFromObject, std::span<const uint32_t> portions = {});
 
 } // namespace halflight::charts

@@ -2,6 +2,7 @@
 
 #include "halflight/base/parallel.h"
 #include "unwrap/assign.h"
+#include "unwrap/cut_scene.h"
 #include "unwrap/pages.h"
 #include "unwrap/shared_texels.h"
 
@@ -39,14 +40,14 @@ Status checkSettings(const UnwrapSettings& settings)
 }
 
 /// Surfaces of all groups, and TEXCOORD_1 where it may stay.
-Status measureGroups(const Scene& scene, const UnwrapSettings& settings, std::vector<GroupLayout>& groups,
-                     std::vector<Surface>& surfaces, const Progress& progress)
+Status measureGroups(const Scene& scene, const UnwrapSettings& settings, const SceneCuts& cuts,
+                     std::vector<GroupLayout>& groups, std::vector<Surface>& surfaces, const Progress& progress)
 {
     surfaces.resize(groups.size());
     const bool complete = parallelFor(groups.size(), 1, progress, "measure", [&](std::size_t begin, std::size_t end) {
         for (std::size_t g = begin; g < end; ++g) {
             const Mesh& mesh = scene.meshes[std::size_t(groups[g].group.mesh)];
-            surfaces[g] = buildSurface(mesh, groups[g].group.worldFromObject);
+            surfaces[g] = buildSurface(mesh, groups[g].group.worldFromObject, cuts.of(groups[g].group.mesh));
             groups[g].triangleCount = surfaces[g].triangleCount();
             if (settings.uvMode == UvMode::Unwrap || !hasAuthoredLayout(mesh)) continue;
             auto authored = std::make_unique<AuthoredLayout>(readAuthoredLayout(mesh, surfaces[g]));
@@ -65,24 +66,46 @@ Status measureGroups(const Scene& scene, const UnwrapSettings& settings, std::ve
     return {};
 }
 
+/// The texel's size to come, as if charts filled two thirds of the page, and not smaller than the limit.
+double texelMetersToCome(const std::vector<GroupLayout>& groups, const std::vector<Surface>& surfaces,
+                         const UnwrapSettings& settings)
+{
+    if (settings.texelsPerMeter > 0.0f) return 1.0 / double(settings.texelsPerMeter);
+    double area = 0.0;
+    for (std::size_t g = 0; g < groups.size(); ++g) {
+        double own = 0.0;
+        for (const double a : surfaces[g].areas) own += a;
+        area += own * double(groups[g].group.objects.size());
+    }
+    const double texelMeters = std::sqrt(area / 0.66) / double(settings.pageSize);
+    return settings.mostTexelsPerMeter > 0.0f ? std::max(texelMeters, 1.0 / double(settings.mostTexelsPerMeter))
+                                              : texelMeters;
+}
+
+/// Groups of the scene's objects, with their surfaces; where a test is given, after meshes are cut.
+Status prepareGroups(UnwrappedScene& result, const UnwrapSettings& settings, const CrossingTest& crossingTest,
+                     std::vector<GroupLayout>& groups, std::vector<Surface>& surfaces, const Progress& progress)
+{
+    SceneCuts cuts;
+    const auto measure = [&] {
+        std::vector<std::string> warnings;
+        groups.clear();
+        for (LayoutGroup& group : groupObjects(result.scene, warnings)) groups.emplace_back().group = std::move(group);
+        if (cuts.count == 0) result.warnings.insert(result.warnings.end(), warnings.begin(), warnings.end());
+        return measureGroups(result.scene, settings, cuts, groups, surfaces, progress);
+    };
+    if (const Status status = measure(); !status || !crossingTest || groups.empty()) return status;
+    const double texelMeters = texelMetersToCome(groups, surfaces, settings);
+    if (!(texelMeters > 0.0)) return {};
+    cuts = cutScene(result.scene, groups, surfaces, texelMeters, crossingTest, result.warnings);
+    result.cuts = cuts.count;
+    return cuts.count > 0 ? measure() : Status();
+}
+
 bool makeLayouts(std::vector<GroupLayout>& groups, const std::vector<Surface>& surfaces, const UnwrapSettings& settings,
                  const Progress& progress)
 {
-    // The texel's size to come, as if charts filled two thirds of the page, and not smaller than the limit.
-    double texelMeters = 0.0;
-    if (settings.texelsPerMeter > 0.0f) {
-        texelMeters = 1.0 / double(settings.texelsPerMeter);
-    } else {
-        double area = 0.0;
-        for (std::size_t g = 0; g < groups.size(); ++g) {
-            double own = 0.0;
-            for (const double a : surfaces[g].areas) own += a;
-            area += own * double(groups[g].group.objects.size());
-        }
-        texelMeters = std::sqrt(area / 0.66) / double(settings.pageSize);
-        if (settings.mostTexelsPerMeter > 0.0f)
-            texelMeters = std::max(texelMeters, 1.0 / double(settings.mostTexelsPerMeter));
-    }
+    const double texelMeters = texelMetersToCome(groups, surfaces, settings);
     return parallelFor(groups.size(), 1, progress, "charts", [&](std::size_t begin, std::size_t end) {
         for (std::size_t g = begin; g < end; ++g) {
             if (!groups[g].authored && groups[g].layout.charts.empty()) {
@@ -219,7 +242,8 @@ float sceneDensity(const Scene& scene, int pageSize)
     return std::max(kTexelsPerMeter, kTexelsAlongScene / diagonal) * float(pageSize) / kPage;
 }
 
-Result<UnwrappedScene> unwrap(Scene scene, const UnwrapSettings& settings, const Progress& progress)
+Result<UnwrappedScene> unwrap(Scene scene, const UnwrapSettings& settings, const Progress& progress,
+                              const CrossingTest& crossingTest)
 {
     if (const Status status = checkSettings(settings); !status) return status.error();
     UnwrappedScene result;
@@ -228,12 +252,10 @@ Result<UnwrappedScene> unwrap(Scene scene, const UnwrapSettings& settings, const
     for (Object& object : result.scene.objects) object.lightmap = {};
 
     std::vector<GroupLayout> groups;
-    for (LayoutGroup& group : groupObjects(result.scene, result.warnings))
-        groups.emplace_back().group = std::move(group);
-    if (groups.empty()) return result;
     std::vector<Surface> surfaces;
-    if (const Status status = measureGroups(result.scene, settings, groups, surfaces, progress); !status)
+    if (const Status status = prepareGroups(result, settings, crossingTest, groups, surfaces, progress); !status)
         return status.error();
+    if (groups.empty()) return result;
     const PageSettings pageSettings{settings.pageSize, settings.paddingTexels, double(settings.texelsPerMeter),
                                     double(settings.mostTexelsPerMeter), settings.cutPage};
     std::optional<Pages> pages = keepAtlas(groups, settings, result.warnings);

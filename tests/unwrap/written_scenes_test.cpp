@@ -100,6 +100,30 @@ TEST_P(WrittenSharedScenes, ComeBackWithTheirCoordinates)
     RecordProperty("no_validator", validateIfPossible({folder / "baked.glb"}));
 }
 
+/// Vertices that cuts added are in the file, where the scene has them.
+TEST(WrittenCutsS6, ComeBackWithTheirVertices)
+{
+    const std::filesystem::path path = std::filesystem::path(HALFLIGHT_SOURCE_DIR) / "assets/quality/cellars.glb";
+    const Result<Scene> scene = readScene(path, {.decodeTextures = false});
+    ASSERT_TRUE(scene) << scene.error().text();
+    UnwrapSettings settings;
+    settings.texelsPerMeter = 20.0f;
+    const auto all = [](const Scene&, std::span<const CrossingPoint> points) {
+        return std::vector<uint8_t>(points.size(), 1);
+    };
+    const Result<UnwrappedScene> unwrapped = unwrap(*scene, settings, {}, all);
+    ASSERT_TRUE(unwrapped) << unwrapped.error().text();
+    ASSERT_GT(unwrapped->cuts, 8);
+    const BakedScene baked = withMadeUpLight(*unwrapped);
+    const TemporaryFolder folder;
+    const Status written = writeBakedScene(folder / "baked.glb", baked);
+    ASSERT_TRUE(written) << written.error().text();
+    const Result<BakedScene> read = readBakedScene(folder / "baked.glb", {.decodeTextures = false});
+    ASSERT_TRUE(read) << read.error().text();
+    expectSamePlaces(baked.scene, read->scene);
+    RecordProperty("no_validator", validateIfPossible({folder / "baked.glb"}));
+}
+
 TEST(UnwrapDensityOfSponza, TooManyPagesAreRefusedBeforePacking)
 {
     const std::filesystem::path path = kScenes / "sponza_crytek.glb";

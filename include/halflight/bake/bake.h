@@ -132,6 +132,7 @@ struct BakeReport {
     int pageCount = 0;
     int pageSize = 0;
     int chartCount = 0;
+    int cuts = 0; ///< UnwrappedScene::cuts
     uint64_t coveredTexels = 0;
     double samplesPerTexel = 0.0; ///< mean
     /// Root mean square over the texels of the standard error of luminance before denoising, over the mean luminance.

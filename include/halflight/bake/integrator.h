@@ -205,6 +205,10 @@ public:
     /// form alone. The default runs surfacesBetween() in parallel.
     virtual void surfacesAlong(std::span<const Segment> segments, std::span<std::optional<vec2>> out) const;
 
+    /// Validity of single points, as findValidPoints() tests those of texels: 1 outside geometry, 0 inside. The default
+    /// takes all as outside.
+    virtual void findOutside(std::span<const SurfacePoint> points, std::span<uint8_t> out) const;
+
     [[nodiscard]] virtual uint64_t raysTraced() const = 0;
 };
 

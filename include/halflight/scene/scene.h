@@ -66,6 +66,21 @@ struct Material {
     int sourceMaterial = -1;
 };
 
+/// A vertex on the line between two vertices of one primitive, which the unwrapper added where it cut a mesh.
+struct CutVertex {
+    uint32_t from = 0; ///< as in MeshPart::sourceVertex
+    uint32_t to = 0;
+    float share = 0.0f; ///< of the way, 0…1
+
+    /// An attribute at the vertex for its values at the ends.
+    [[nodiscard]] float between(float a, float b) const
+    {
+        return float(double(a) + double(share) * (double(b) - double(a)));
+    }
+};
+/// Set in numbers of vertices that are an index into MeshPart::cutVertices instead.
+constexpr uint32_t kCutVertex = 0x80000000u;
+
 /// One triangle list with one material: a glTF primitive after strips and fans became lists. All vertex arrays that are
 /// not empty have the same length; indices are valid. Zero-area triangles may occur.
 struct MeshPart {
@@ -80,8 +95,10 @@ struct MeshPart {
     /// Lightmap coordinates in [0,1] of the mesh's own layout; a point's place on its page is
     /// `object.lightmap.scale * lightmapUv + object.lightmap.offset`. Empty until unwrapped.
     std::vector<vec2> lightmapUv;
-    /// For each vertex, the vertex of the source primitive it is a copy of. Empty = vertices are the source's own.
+    /// For each vertex, the vertex of the source primitive it is a copy of; with kCutVertex an index into cutVertices.
+    /// Empty = vertices are the source's own.
     std::vector<uint32_t> sourceVertex;
+    std::vector<CutVertex> cutVertices; ///< the ends of each are the source's or earlier entries
     int sourcePrimitive = -1;
     int lightmapTexCoord = 1; ///< n of the TEXCOORD_n that carries lightmapUv in the written file
 };

@@ -5,6 +5,8 @@
 #include "halflight/base/result.h"
 #include "halflight/scene/scene.h"
 
+#include <functional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -49,6 +51,21 @@ struct MeshUnwrapReport {
     float areaStretch = 1.0f; ///< texel-area-weighted L2 stretch (Sander et al. 2001), 1 = isometric
 };
 
+/// A point where an object's surface goes on behind another surface that stands on it.
+struct CrossingPoint {
+    int object = -1;       ///< index into Scene::objects
+    uint32_t triangle = 0; ///< of the object's mesh, counted through its parts
+    vec3 position{0.0f};   ///< world space, metres
+    vec3 normal{0.0f};     ///< unit, towards the front of the triangle
+    vec3 across{0.0f};     ///< unit, in the triangle's plane, at a right angle to the crossing
+    vec3 rise{0.0f};       ///< unit, in the other surface's plane, at a right angle to the crossing
+    float texelMeters = 0; ///< width of the object's texels to come
+};
+
+/// By point, 1 where both sides of the crossing lie open within a texel or so, and neither is visible from the other:
+/// a texel across the crossing would hold the light of two spaces.
+using CrossingTest = std::function<std::vector<uint8_t>(const Scene&, std::span<const CrossingPoint>)>;
+
 struct UnwrappedScene {
     /// The scene with lightmapUv in the parts of static meshes, vertices split along chart borders
     /// (MeshPart::sourceVertex), meshes duplicated where objects need layouts of their own, and each static object's
@@ -59,6 +76,7 @@ struct UnwrappedScene {
     float texelsPerMeter = 0.0f; ///< the density reached
     DensityFrom densityFrom = DensityFrom::Page;
     int chartCount = 0;               ///< over all objects
+    int cuts = 0;                     ///< planes along which surfaces were cut, over all objects
     float coverage = 0.0f;            ///< texels that triangles touch / all texels of all pages
     float coverageWithPadding = 0.0f; ///< the same, each chart with its half of the padding around it
     std::vector<MeshUnwrapReport> meshes;
@@ -81,8 +99,15 @@ struct UnwrappedScene {
 /// With UvMode::Keep, charts of one kept layout may come closer than the padding (a warning); two objects never touch
 /// one texel, in any mix of kept and new layouts. The result is rasterized to check that.
 ///
+/// With a CrossingTest, meshes that get new layouts are cut in two where another surface that casts shadows crosses
+/// theirs and the test says that each side has light of its own: a smooth piece of surface is cut along the plane of
+/// the crossing triangles, and no chart lies on both sides. Objects with a cut have a mesh of their own then. Left
+/// uncut are instances of EXT_mesh_gpu_instancing nodes, meshes of many triangles with many objects, crossings shorter
+/// than a few texels, and the least gainful ones where cuts would add more than a few per cent of texels (a warning).
+///
 /// Errors: InvalidArgument (settings; a density that needs more than kMaxPages pages), FileInvalid (UvMode::Keep, with
 /// the reason), Unsupported (the check failed, with the objects' names), Cancelled.
-Result<UnwrappedScene> unwrap(Scene scene, const UnwrapSettings& settings, const Progress& progress = {});
+Result<UnwrappedScene> unwrap(Scene scene, const UnwrapSettings& settings, const Progress& progress = {},
+                              const CrossingTest& crossingTest = {});
 
 } // namespace halflight

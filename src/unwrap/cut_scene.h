@@ -1,0 +1,26 @@
+#pragma once
+// Cuts the meshes of a scene where surfaces cross (CrossingTest).
+
+#include "unwrap/crossings.h"
+#include "unwrap/pages.h"
+
+namespace halflight::charts {
+
+struct SceneCuts {
+    int count = 0;
+    /// By mesh, the result of cutMesh(); empty for meshes without cuts, and beyond the last one with cuts.
+    std::vector<std::vector<uint32_t>> portions;
+
+    [[nodiscard]] std::span<const uint32_t> of(int mesh) const
+    {
+        return std::size_t(mesh) < portions.size() ? std::span<const uint32_t>(portions[std::size_t(mesh)])
+                                                   : std::span<const uint32_t>();
+    }
+};
+
+/// Cuts the meshes of groups that get new layouts. Objects with cuts get a mesh of their own. `texelMeters`: the size
+/// of a texel to come, of objects with a lightmapScale of 1.
+SceneCuts cutScene(Scene& scene, const std::vector<GroupLayout>& groups, const std::vector<Surface>& surfaces,
+                   double texelMeters, const CrossingTest& test, std::vector<std::string>& warnings);
+
+} // namespace halflight::charts
