@@ -19,6 +19,9 @@ constexpr double kFewestTexels = 4.0;    ///< of a crossing, and of what lies be
 /// Crossings nearer to one another than this, of nearly parallel planes, are one: the two sides of a board.
 constexpr double kTogetherTexels = 1.25;
 constexpr double kParallelCosine = 0.9976; ///< 4 degrees
+/// Crossings of one piece that are told apart, those with the longest stretches first: bounds the search where grass
+/// stands on a ground.
+constexpr std::size_t kMostOfPiece = 256;
 /// Padding and rounding: texels that a cut adds per texel of its length.
 constexpr double kTexelsPerTexelOfCut = 3.0;
 constexpr double kMostAdded = 0.04;            ///< of all texels
@@ -159,10 +162,11 @@ private:
             triangles_.emplace_back();
             addTriangles(scene_, scene_.objects[std::size_t(candidate.object)], false, triangles_.back());
             const std::vector<Corners>& own = triangles_.back();
+            const std::vector<uint8_t> wide = widePieces(candidate, own);
             std::vector<std::vector<Stretch>> found(own.size());
             parallelFor(own.size(), 256, [&](std::size_t begin, std::size_t end) {
                 for (std::size_t t = begin; t < end; ++t) {
-                    if (candidate.pieces[t] == kNone) continue;
+                    if (candidate.pieces[t] == kNone || wide[candidate.pieces[t]] == 0) continue;
                     const Triangle on(own[t]);
                     Box box = boundsOf(own[t]);
                     box.low -= kGapTexels * candidate.texelMeters;
@@ -183,6 +187,22 @@ private:
         }
     }
 
+    /// By piece: whether a crossing that is long enough fits it.
+    static std::vector<uint8_t> widePieces(const CutCandidate& candidate, const std::vector<Corners>& triangles)
+    {
+        std::vector<Box> boxes;
+        for (std::size_t t = 0; t < triangles.size(); ++t) {
+            const uint32_t piece = candidate.pieces[t];
+            if (piece == kNone) continue;
+            if (piece >= boxes.size()) boxes.resize(piece + 1);
+            for (const dvec3& corner : triangles[t]) boxes[piece].extend(corner);
+        }
+        std::vector<uint8_t> wide;
+        for (const Box& box : boxes)
+            wide.push_back(glm::length(box.high - box.low) >= kFewestTexels * candidate.texelMeters ? 1 : 0);
+        return wide;
+    }
+
     void joinStretches()
     {
         std::stable_sort(stretches_.begin(), stretches_.end(),
@@ -198,6 +218,11 @@ private:
             };
             auto found = std::find_if(own.begin(), own.end(), joins);
             if (found == own.end()) {
+                const bool isLong = stretch.length() >= kFewestTexels * candidates_[stretch.candidate].texelMeters;
+                if (own.size() >= kMostOfPiece) {
+                    uncut_ += isLong ? 1 : 0;
+                    continue;
+                }
                 found = own.insert(found, crossings_.size());
                 crossings_.emplace_back();
             }
@@ -291,13 +316,12 @@ private:
             return a.hidden / a.cutLength > b.hidden / b.cutLength;
         });
         double left = std::max(kMostAdded * totalTexels, kAlwaysAdded);
-        int uncut = 0;
         for (Crossing& crossing : crossings_) {
             const Stretch& first = crossing.stretches[0];
             const double added = kTexelsPerTexelOfCut * crossing.cutLength / candidates_[first.candidate].texelMeters;
             left -= added;
             if (left < 0.0) {
-                ++uncut;
+                ++uncut_;
                 continue;
             }
             crossing.cut.piece = first.piece;
@@ -305,10 +329,10 @@ private:
             crossing.cut.offset = first.offset;
             candidates_[first.candidate].cuts.push_back(std::move(crossing.cut));
         }
-        if (uncut == 0) return;
+        if (uncut_ == 0) return;
         warnings.push_back(fmt::format("{} crossings of surfaces stay uncut, because cuts would add more than {:.0f} % "
                                        "of texels: light may leak from one side of them to the other",
-                                       uncut, 100.0 * kMostAdded));
+                                       uncut_, 100.0 * kMostAdded));
     }
 
     const Scene& scene_;
@@ -316,6 +340,7 @@ private:
     std::vector<std::vector<Corners>> triangles_; ///< by candidate
     std::vector<Stretch> stretches_;
     std::vector<Crossing> crossings_;
+    int uncut_ = 0; ///< crossings that are too many
 };
 
 } // namespace
