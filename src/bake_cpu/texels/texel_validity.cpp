@@ -191,7 +191,7 @@ PointMask TexelValidity::outsideShells(const TexelPoints& points, int pointCount
     return mask == all ? kAllPoints : std::popcount(mask) * 8 < pointCount ? PointMask(0) : mask;
 }
 
-bool TexelValidity::mayHaveInvalidPoints(const TexelPoints& points, int pointCount, uint32_t texelId, bool scouts,
+bool TexelValidity::mayHaveInvalidPoints(const TexelPoints& points, int pointCount, uint32_t texelId,
                                          uint64_t& rays) const
 {
     if (!anyHiddenBack_) return false;
@@ -199,7 +199,7 @@ bool TexelValidity::mayHaveInvalidPoints(const TexelPoints& points, int pointCou
     // The rays leave points that are spread over the texel.
     PointMask some = 0;
     for (int i = 0; i < kRays; ++i) some |= PointMask(1u << (i * pointCount / kRays));
-    if (scouts && hitBacks(points, some, texelId, 0, rays) != 0) return true;
+    if (hitBacks(points, some, texelId, 0, rays) != 0) return true;
     const auto all = PointMask((1u << pointCount) - 1u);
     const float lift = kLift * paths_.surfaces().geometry().texelMeters(points[0].triangle);
     return visibleFrom(points, 0, all, lift, rays) != all;

@@ -18,9 +18,8 @@ public:
     /// eighth are.
     PointMask outsideShells(const TexelPoints& points, int pointCount, PointMask outsideSolids, uint32_t texelId,
                             uint64_t& rays) const;
-    /// A test with few rays: whether a surface is between the points or, if `scouts`, a ray first hits a hidden back.
-    bool mayHaveInvalidPoints(const TexelPoints& points, int pointCount, uint32_t texelId, bool scouts,
-                              uint64_t& rays) const;
+    /// A test with few rays: whether a ray first hits a hidden back, or a surface is between the points.
+    bool mayHaveInvalidPoints(const TexelPoints& points, int pointCount, uint32_t texelId, uint64_t& rays) const;
     /// Points outside both.
     PointMask validPoints(const TexelPoints& points, int pointCount, uint32_t texelId, uint64_t& rays) const;
 

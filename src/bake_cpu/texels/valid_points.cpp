@@ -35,8 +35,7 @@ public:
         around.extend([&](uint32_t texel, const auto& add) { grid_.around(texel, 1, add); });
         std::vector<uint8_t> doubtful(around.size());
         const auto findDoubtful = [&](std::size_t i, const TexelPoints& points, int count, uint64_t& traced) {
-            const bool scouts = scoutsForBlock(around[i]);
-            doubtful[i] = validity_.mayHaveInvalidPoints(points, count, idOf(around[i]), scouts, traced) ? 1 : 0;
+            doubtful[i] = validity_.mayHaveInvalidPoints(points, count, idOf(around[i]), traced) ? 1 : 0;
         };
         if (!forTexels(
                 around.size(), 0.0, 0.5, [&](std::size_t i) { return around[i]; }, findDoubtful))
@@ -55,14 +54,6 @@ public:
 
 private:
     [[nodiscard]] uint32_t idOf(uint32_t texel) const { return texelId(map_, map_.texels[texel]); }
-    /// Whether scout rays of a texel are those of its block of 2 x 2 texels: of the first one, or of each if the first
-    /// one is not on their chart. All texels around a doubtful one are tested, so those of a block are.
-    [[nodiscard]] bool scoutsForBlock(uint32_t texel) const
-    {
-        const Texel& t = map_.texels[texel];
-        const ivec2 toFirst(-int(t.x & 1u), -int(t.y & 1u));
-        return toFirst == ivec2(0) || grid_.at(t, toFirst.x, toFirst.y) == kNoTexel;
-    }
 
     template<typename TexelAt, typename Body>
     bool forTexels(std::size_t count, double from, double to, const TexelAt& texelAt, const Body& body) const
