@@ -78,7 +78,6 @@ void Desktop::scalePanels() const
     if (units != pixels) return;
     float dotsPerInch = 0.0f;
     (void)SDL_GetDisplayDPI(SDL_GetWindowDisplayIndex(window_), &dotsPerInch, nullptr, nullptr); // else it stays 0
-    constexpr float kUsualDotsPerInch = 96.0f;
     if (const char* asked = SDL_getenv("GDK_SCALE")) dotsPerInch = kUsualDotsPerInch * float(SDL_atof(asked));
     const float scale = panelScale(dotsPerInch);
     if (scale == 1.0f) return;

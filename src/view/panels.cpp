@@ -188,10 +188,9 @@ void statisticsSection(const ViewState& state)
 
 float panelScale(float dotsPerInch)
 {
-    constexpr float kUsual = 96.0f;
     constexpr float kMost = 4.0f;
-    if (!(dotsPerInch > kUsual)) return 1.0f;
-    return std::min(std::round(4.0f * dotsPerInch / kUsual) / 4.0f, kMost);
+    if (!(dotsPerInch > kUsualDotsPerInch)) return 1.0f;
+    return std::min(std::round(4.0f * dotsPerInch / kUsualDotsPerInch) / 4.0f, kMost);
 }
 
 const std::vector<std::string>& keyHelp()

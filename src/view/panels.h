@@ -10,7 +10,8 @@ void drawPanels(ViewState& state, const Scene& scene);
 /// Whether panels are drawn at a place of the window, or an open list may be.
 bool overPanels(const ViewState& state, vec2 place);
 
-/// How large panels and their font are on a display of so many dots per inch: 1 at 96, in quarters.
+constexpr float kUsualDotsPerInch = 96.0f; ///< of displays for which panels are made
+/// How large panels and their font are on a display of so many dots per inch: 1 at the usual, in quarters.
 float panelScale(float dotsPerInch);
 
 /// Keys that are pressed outside of text fields; `key` is SDL's key code for letters, digits and F keys.

@@ -74,6 +74,13 @@ void expectSamePlaces(const Scene& written, const Scene& read)
     }
 }
 
+/// The scene as the written file gives it back, without decoded textures.
+Result<BakedScene> writtenAndRead(const BakedScene& baked, const std::filesystem::path& file)
+{
+    if (const Status written = writeBakedScene(file, baked); !written) return written.error();
+    return readBakedScene(file, {.decodeTextures = false});
+}
+
 class WrittenSharedScenes : public testing::TestWithParam<std::string> {};
 
 TEST_P(WrittenSharedScenes, ComeBackWithTheirCoordinates)
@@ -86,9 +93,7 @@ TEST_P(WrittenSharedScenes, ComeBackWithTheirCoordinates)
     ASSERT_TRUE(unwrapped) << unwrapped.error().text();
     const BakedScene baked = withMadeUpLight(*unwrapped);
     const TemporaryFolder folder;
-    const Status written = writeBakedScene(folder / "baked.glb", baked);
-    ASSERT_TRUE(written) << written.error().text();
-    const Result<BakedScene> read = readBakedScene(folder / "baked.glb", {.decodeTextures = false});
+    const Result<BakedScene> read = writtenAndRead(baked, folder / "baked.glb");
     ASSERT_TRUE(read) << read.error().text();
     EXPECT_TRUE(read->isBaked);
     ASSERT_EQ(read->lightmaps.size(), baked.lightmaps.size());
@@ -116,9 +121,7 @@ TEST(WrittenCutsS6, ComeBackWithTheirVertices)
     ASSERT_GT(unwrapped->cuts, 8);
     const BakedScene baked = withMadeUpLight(*unwrapped);
     const TemporaryFolder folder;
-    const Status written = writeBakedScene(folder / "baked.glb", baked);
-    ASSERT_TRUE(written) << written.error().text();
-    const Result<BakedScene> read = readBakedScene(folder / "baked.glb", {.decodeTextures = false});
+    const Result<BakedScene> read = writtenAndRead(baked, folder / "baked.glb");
     ASSERT_TRUE(read) << read.error().text();
     expectSamePlaces(baked.scene, read->scene);
     RecordProperty("no_validator", validateIfPossible({folder / "baked.glb"}));
