@@ -10,6 +10,8 @@ import { halflight, launch, openPage, repository, serve } from '../harness.mjs';
 
 export const SIZE = [320, 180];
 const LIMIT = 1.5; // mean difference in 255ths
+/** Functions of the page that leave its scene as it was loaded. */
+const KEEPING = new Set(['draw', 'compare', 'picture', 'agreement', 'atPoints', 'lightNames', 'intensityOf', 'sentences', 'evaluate']);
 const look = process.env.HALFLIGHT_WEB_PICTURES;
 
 class Studio {
@@ -19,6 +21,7 @@ class Studio {
         this.references = new Map();
         this.servers = new Map();
         this.pages = new Map();
+        this.loaded = new Map(); // by page's call: a file stays with its compiled programs from one test to the next
         this.browser = null;
         if (look) mkdirSync(look, { recursive: true });
     }
@@ -39,7 +42,14 @@ class Studio {
         this.browser ??= await launch();
         if (!this.servers.has(three)) this.servers.set(three, await serve(this.files, three));
         const key = `${three} ${renderer}`;
-        if (!this.pages.has(key)) this.pages.set(key, await openPage(this.browser, this.servers.get(three).url, renderer));
+        if (!this.pages.has(key)) {
+            const opened = await openPage(this.browser, this.servers.get(three).url, renderer);
+            const call = (name, argument) => {
+                if (!KEEPING.has(name)) this.loaded.delete(call);
+                return opened.call(name, argument);
+            };
+            this.pages.set(key, { ...opened, call });
+        }
         return this.pages.get(key);
     }
 
@@ -55,9 +65,14 @@ class Studio {
         return name.startsWith('conformance/') ? join(repository, 'assets', `${name}.glb`) : join(this.files, `${name}.glb`);
     }
 
-    /** Loads a file into a page. @param {(name: string, argument: any) => Promise<any>} call */
-    load(call, name, options) {
-        return call('load', { file: `${name.startsWith('conformance/') ? '/assets' : '/files'}/${name}.glb`, options });
+    /** Loads a file into a page, unless it is there as it was loaded. @param {(name: string, argument: any) => Promise<any>} call */
+    async load(call, name, options) {
+        const key = JSON.stringify([name, options]);
+        if (this.loaded.get(call)?.key !== key) {
+            const result = await call('load', { file: `${name.startsWith('conformance/') ? '/assets' : '/files'}/${name}.glb`, options });
+            this.loaded.set(call, { key, result });
+        }
+        return this.loaded.get(call).result;
     }
 
     /** The program's picture, and the camera that it was drawn with; each picture is made once. */
