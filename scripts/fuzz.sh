@@ -29,25 +29,35 @@ cmake --build --preset fuzz
 status=0
 mkdir -p build/fuzz/failures
 for reader in "${readers[@]}"; do
-  corpus="build/fuzz/corpus/$reader"
-  mkdir -p "$corpus"
-  seeds=("assets/tests/fuzz/$reader")
-  options=()
   case "$reader" in
-    gltf) seeds+=(assets/tests/compressed); options+=(-dict=tests/fuzz/gltf.dict) ;;
-    baked) options+=(-dict=tests/fuzz/gltf.dict) ;;
-    settings | decoders) ;;
+    gltf | baked | settings | decoders) ;;
     *) echo "fuzz.sh: no reader '$reader' (gltf, baked, settings, decoders)" >&2; exit 2 ;;
   esac
-  log="build/fuzz/$reader.log"
+done
+
+fuzz() { # READER
+  local corpus="build/fuzz/corpus/$1" seeds=("assets/tests/fuzz/$1") options=() log="build/fuzz/$1.log"
+  mkdir -p "$corpus"
+  if [ "$1" = gltf ]; then seeds+=(assets/tests/compressed); fi
+  case "$1" in gltf | baked) options+=(-dict=tests/fuzz/gltf.dict) ;; esac
   # The readers allow 4 GiB of what a small file asks for; a fuzzer's files are at most 64 KiB.
-  if "build/fuzz/tests/fuzz/fuzz_$reader" -max_total_time="$seconds" -max_len=65536 -timeout=20 -rss_limit_mb=3072 \
-    -artifact_prefix="build/fuzz/failures/$reader-" "${options[@]}" "$corpus" "${seeds[@]}" >"$log" 2>&1; then
-    echo "fuzz $reader: $(grep -E '^Done ' "$log")"
+  if "build/fuzz/tests/fuzz/fuzz_$1" -max_total_time="$seconds" -max_len=65536 -timeout=20 -rss_limit_mb=3072 \
+    -artifact_prefix="build/fuzz/failures/$1-" "${options[@]}" "$corpus" "${seeds[@]}" >"$log" 2>&1; then
+    echo "fuzz $1: $(grep -E '^Done ' "$log")"
   else
-    status=1
     tail -n 40 "$log" >&2
-    echo "fuzz.sh: $reader failed; the input is in build/fuzz/failures" >&2
+    echo "fuzz.sh: $1 failed; the input is in build/fuzz/failures" >&2
+    return 1
   fi
+}
+
+# Two readers at a time, each with a core of its own.
+for ((i = 0; i < ${#readers[@]}; i += 2)); do
+  running=()
+  for reader in "${readers[@]:i:2}"; do
+    fuzz "$reader" &
+    running+=($!)
+  done
+  for process in "${running[@]}"; do wait "$process" || status=1; done
 done
 exit "$status"
