@@ -21,7 +21,7 @@ SHARED = ""
 MOST_SECONDS = 3.0
 
 
-def write_terrain(path, n=400):
+def write_terrain(path, n=250):
     """A floor of n x n bumpy quads in one mesh: seconds of charts, flattening and packing."""
     positions, normals, indices = [], [], []
     for j in range(n + 1):
@@ -128,7 +128,7 @@ class Moments(unittest.TestCase):
     def test_bake_of_a_terrain(self):
         scene = os.path.join(self.folder.name, "terrain.glb")
         write_terrain(scene)
-        self.interrupt_at_moments(9, 14.0, "bake", scene, "--quality", "preview", "--lightmap-size", "1024")
+        self.interrupt_at_moments(9, 6.0, "bake", scene, "--quality", "preview", "--lightmap-size", "512")
 
     def test_reference_of_a_terrain(self):
         scene = os.path.join(self.folder.name, "terrain.glb")
