@@ -30,14 +30,36 @@ endif()
 # What most files include is half the time of compiling them. Files still include what they use: the asan preset has this off.
 set(HALFLIGHT_COMMON_HEADERS <algorithm> <array> <cmath> <cstdint> <cstring> <filesystem> <functional> <map> <memory> <numeric>
     <optional> <span> <string> <vector> <glm/glm.hpp> <glm/gtc/matrix_transform.hpp> <spdlog/fmt/fmt.h>)
+function(halflight_use_precompiled target)
+    target_precompile_headers(${target} ${ARGN})
+    target_link_libraries(${target} PRIVATE $<BUILD_INTERFACE:spdlog::spdlog>)
+    # GCC 12 then warns of its own library's strings; builds without precompiled headers keep the warning.
+    target_compile_options(${target} PRIVATE $<$<CXX_COMPILER_ID:GNU>:-fpch-preprocess -Wno-array-bounds -Wno-restrict -Wno-stringop-overflow>)
+endfunction()
 function(halflight_precompile target)
     list(LENGTH ARG_SOURCES count)
     if(HALFLIGHT_PRECOMPILED_HEADERS AND count GREATER_EQUAL 4)
-        target_precompile_headers(${target} PRIVATE ${HALFLIGHT_COMMON_HEADERS} ${ARGN})
-        target_link_libraries(${target} PRIVATE $<BUILD_INTERFACE:spdlog::spdlog>)
-        # GCC 12 then warns of its own library's strings; builds without precompiled headers keep the warning.
-        target_compile_options(${target} PRIVATE $<$<CXX_COMPILER_ID:GNU>:-fpch-preprocess -Wno-array-bounds -Wno-restrict -Wno-stringop-overflow>)
+        halflight_use_precompiled(${target} PRIVATE ${HALFLIGHT_COMMON_HEADERS})
     endif()
+endfunction()
+# The tests' programs share one precompiled header, that of a program of nothing else; OWN_HEADER where a library's macros differ.
+function(halflight_precompile_test target)
+    if(NOT HALFLIGHT_PRECOMPILED_HEADERS)
+        return()
+    endif()
+    set(headers PRIVATE ${HALFLIGHT_COMMON_HEADERS} <gtest/gtest.h> <gmock/gmock.h>)
+    if(ARG_OWN_HEADER)
+        halflight_use_precompiled(${target} ${headers})
+        return()
+    endif()
+    if(NOT TARGET test_headers)
+        file(CONFIGURE OUTPUT ${PROJECT_BINARY_DIR}/test_headers.cpp CONTENT "int main() {}\n")
+        add_executable(test_headers ${PROJECT_BINARY_DIR}/test_headers.cpp)
+        target_link_libraries(test_headers PRIVATE halflight_options glm::glm GTest::gtest GTest::gmock)
+        target_compile_options(test_headers PRIVATE -Wno-dangling-else)
+        halflight_use_precompiled(test_headers ${headers})
+    endif()
+    halflight_use_precompiled(${target} REUSE_FROM test_headers)
 endfunction()
 
 # Switches of the bake's refinements (src/bake/refinements.h), which are constants in all other builds.
@@ -59,16 +81,16 @@ function(halflight_module name)
     halflight_precompile(${target})
 endfunction()
 
-# halflight_test(NAME SOURCES … [LIBS …] [LABELS …] [TIMEOUT seconds] [SUITES]): one GoogleTest program; tests may include a
+# halflight_test(NAME SOURCES … [LIBS …] [LABELS …] [TIMEOUT seconds] [SUITES] [OWN_HEADER]): one GoogleTest program; tests may include a
 # module's private headers. ctest runs each test in a process of its own, or each suite with SUITES.
 function(halflight_test name)
-    cmake_parse_arguments(ARG "SUITES" "TIMEOUT" "SOURCES;LIBS;LABELS" ${ARGN})
+    cmake_parse_arguments(ARG "SUITES;OWN_HEADER" "TIMEOUT" "SOURCES;LIBS;LABELS" ${ARGN})
     add_executable(test_${name} ${ARG_SOURCES})
     target_include_directories(test_${name} PRIVATE ${PROJECT_SOURCE_DIR}/src ${PROJECT_SOURCE_DIR}/tests)
     target_link_libraries(test_${name} PRIVATE halflight_options GTest::gtest_main GTest::gmock ${ARG_LIBS})
     # GoogleTest macros after a bare "if" are fine.
     target_compile_options(test_${name} PRIVATE -Wno-dangling-else)
-    halflight_precompile(test_${name} <gtest/gtest.h> <gmock/gmock.h>)
+    halflight_precompile_test(test_${name})
     target_compile_definitions(test_${name} PRIVATE
         HALFLIGHT_SOURCE_DIR="${PROJECT_SOURCE_DIR}" HALFLIGHT_SHARED_DIR="${PROJECT_SOURCE_DIR}/../shared")
     if(NOT ARG_TIMEOUT)
