@@ -74,6 +74,18 @@ struct Tap {
 };
 using Taps = std::array<Tap, kTaps>; ///< row by row
 
+constexpr std::array<float, kTaps> weightsOfTaps()
+{
+    std::array<float, kTaps> weights{};
+    for (int k = 0; k < kTaps; ++k) {
+        const int dx = k % 5 < 2 ? 2 - k % 5 : k % 5 - 2;
+        const int dy = k / 5 < 2 ? 2 - k / 5 : k / 5 - 2;
+        weights[std::size_t(k)] = kSpline[std::size_t(dx)] * kSpline[std::size_t(dy)];
+    }
+    return weights;
+}
+constexpr std::array<float, kTaps> kTapWeights = weightsOfTaps();
+
 /// Squared difference of luminance over the noise that is expected, the exponent of a weight exp(-x). Differences below
 /// `tolerance` (lux) count little too.
 float luminanceDistance(const NoisyLight& a, const NoisyLight& b, float tolerance)
@@ -228,41 +240,61 @@ vec3 slopeBetween(const Tap& behind, const Tap& own, const Tap& ahead)
     return minmod(ahead.gathered.irradiance - light, light - behind.gathered.irradiance) / kTapsBetween;
 }
 
-float splineAt(int tap)
-{
-    return kSpline[std::size_t(std::abs(tap % 5 - 2))] * kSpline[std::size_t(std::abs(tap / 5 - 2))];
-}
-
 NoisyLight lessTrend(const Taps& taps, int tap, const Trend& trend)
 {
     const NoisyLight& light = taps[std::size_t(tap)].gathered;
     return {light.irradiance - trend.at(tap % 5 - 2, tap / 5 - 2), light.variance};
 }
 
-/// Weight of the taps that differ from the middle by no more than noise, less the trend.
-float explained(const Taps& taps, const Trend& trend)
+/// By tap, the luminanceDistance() of gathered light, less a trend, from the middle's.
+using Distances = std::array<float, kTaps>;
+
+Distances distancesFrom(const Taps& taps, const Trend& trend)
+{
+    const Tap& own = taps[kMiddleTap];
+    Distances distances;
+    for (int k = 0; k < kTaps; ++k)
+        distances[std::size_t(k)] = luminanceDistance(own.gathered, lessTrend(taps, k, trend), 0.0f);
+    return distances;
+}
+
+/// Weight of the taps that differ from the middle by no more than noise, 0…1.
+float explained(const Distances& distances)
 {
     float sum = 0.0f;
-    for (int k = 0; k < kTaps; ++k)
-        sum += splineAt(k) * falloff(luminanceDistance(taps[kMiddleTap].gathered, lessTrend(taps, k, trend), 0.0f));
+    for (std::size_t k = 0; k < kTaps; ++k) sum += kTapWeights[k] * falloff(distances[k]);
     return sum;
 }
 
+/// A trend, and distances less it.
+struct Detrended {
+    Trend trend;
+    Distances distances;
+};
+
 /// The fitted trend on smooth light, slopes beside edges of light, which no polynomial follows. Means less a fitted
 /// trend have less bias, so that it may explain somewhat less.
-Trend trendOf(const Level& level, const Taps& taps)
+Detrended detrendedOf(const Level& level, const Taps& taps)
 {
     constexpr float kEnough = 0.75f; // of what slopes explain
     const Tap& own = taps[kMiddleTap];
-    Trend slopes;
-    if (level.number > 0 && refinements.slopes) { // single texels are too noisy
-        slopes.x = slopeBetween(taps[kMiddleTap - 2], own, taps[kMiddleTap + 2]);
-        slopes.y = slopeBetween(taps[kMiddleTap - 10], own, taps[kMiddleTap + 10]);
-    }
+    float fittedExplains = 0.0f;
+    Detrended result;
     const auto fits = [&](const Tap& tap) { return tap.counts && sameSide(tap, own); };
-    if (!refinements.fittedTrend || !std::all_of(taps.begin(), taps.end(), fits)) return slopes;
-    const Trend fitted = fittedTrend(taps);
-    return explained(taps, fitted) >= kEnough * explained(taps, slopes) ? fitted : slopes;
+    if (refinements.fittedTrend && std::all_of(taps.begin(), taps.end(), fits)) {
+        result.trend = fittedTrend(taps);
+        result.distances = distancesFrom(taps, result.trend);
+        fittedExplains = explained(result.distances);
+        if (fittedExplains >= kEnough) return result; // slopes explain 1 at most
+    }
+    Detrended slopes;
+    if (level.number > 0 && refinements.slopes) { // single texels are too noisy
+        slopes.trend.x = slopeBetween(taps[kMiddleTap - 2], own, taps[kMiddleTap + 2]);
+        slopes.trend.y = slopeBetween(taps[kMiddleTap - 10], own, taps[kMiddleTap + 10]);
+    }
+    slopes.distances = distancesFrom(taps, slopes.trend);
+    const bool fitted = fittedExplains > 0.0f && fittedExplains >= kEnough * explained(slopes.distances);
+    return fitted ? result : slopes;
 }
 
 struct GeometricWeight {
@@ -294,7 +326,7 @@ void filterTexel(const Level& level, uint32_t i, Signals& out)
     const float planeScale = 1.0f / (float(level.step()) * level.guides[i].place.texelMeters);
     const bool hasDirect = !level.in.direct.empty();
     const bool noisyDirect = own.direct.variance > 0.0f && refinements.filteredDirect;
-    const Trend trend = trendOf(level, taps);
+    const Detrended light = detrendedOf(level, taps);
     const float momentTolerance = kMomentTolerance * luminance(own.direct.irradiance);
     // At the rim of a chart, a tap without its mirror image would shift the mean: in a dark corner, towards the light.
     // Such taps are left out, unless the texel has no pair of taps at all.
@@ -309,14 +341,13 @@ void filterTexel(const Level& level, uint32_t i, Signals& out)
         const Tap& tap = taps[std::size_t(k)];
         const bool other = k != kMiddleTap;
         if (!tap.valid || (pairs && other && !taps[std::size_t(kTaps - 1 - k)].counts)) continue;
-        GeometricWeight geometric = {splineAt(k), 0.0f};
-        const NoisyLight levelled = lessTrend(taps, k, trend);
+        GeometricWeight geometric = {kTapWeights[std::size_t(k)], 0.0f};
         float distance = 0.0f;
         if (other) {
             const auto found = geometricWeight(own, tap, geometric.near, planeScale);
             if (!found) continue;
             geometric = *found;
-            distance = geometric.planeDistance2 + luminanceDistance(own.gathered, levelled, 0.0f);
+            distance = geometric.planeDistance2 + light.distances[std::size_t(k)];
         }
         if (noisyDirect) {
             const float directDistance = other ? luminanceDistance(own.direct, tap.direct, 0.0f) : 0.0f;
@@ -324,7 +355,7 @@ void filterTexel(const Level& level, uint32_t i, Signals& out)
         }
         if (!tap.counts) continue;
         const float weight = geometric.near * falloff(distance);
-        gathered.add(weight, levelled);
+        gathered.add(weight, lessTrend(taps, k, light.trend));
         if (!level.directions) continue;
         const float alike =
             hasDirect && other ? falloff(luminanceDistance(own.direct, tap.direct, momentTolerance)) : 1.0f;
@@ -332,7 +363,7 @@ void filterTexel(const Level& level, uint32_t i, Signals& out)
         momentWeight += weight * alike;
     }
     const float correlation = kCorrelation[std::size_t(level.number)];
-    out.gathered[i] = gathered.light(own.gathered, correlation * trend.noise);
+    out.gathered[i] = gathered.light(own.gathered, correlation * light.trend.noise);
     if (level.directions) out.moments[i] = momentWeight > 0.0f ? momentSum / momentWeight : own.moment;
     if (hasDirect) out.direct[i] = direct.light(own.direct, correlation);
 }

@@ -15,6 +15,9 @@ constexpr int kFewRays = 3;     ///< enough if all of them agree
 constexpr int kEnoughBacks = 5; ///< hidden backs hit by all rays of one point
 /// Height in texels of lines between the points of a texel: more than that of a convex surface between them.
 constexpr float kLift = 0.1f;
+/// Mutually visible points are outside shells if less than a fourth of their rays hit hidden backs. Behind a shell,
+/// seven of eight do.
+constexpr int kPartOfBacks = 4;
 constexpr int kManyBacks = 32; ///< hidden backs hit by all rays of all points together
 
 /// Index of the n-th bit that is set.
@@ -34,6 +37,17 @@ TexelValidity::TexelValidity(const PathTracer& paths) : paths_(paths)
     const Materials& materials = paths.surfaces().materials();
     const uint32_t count = geometry.triangleCount();
     for (uint32_t t = 0; t < count && !anyHiddenBack_; ++t) anyHiddenBack_ = materials.backIsHidden(t);
+}
+
+/// Origin of rays, at a height above the surface in metres.
+vec3 TexelValidity::raised(const SurfacePoint& point, float lift) const
+{
+    return paths_.rayOrigin(point) + lift * point.geometricNormal;
+}
+
+float TexelValidity::liftOf(const TexelPoints& points) const
+{
+    return kLift * paths_.surfaces().geometry().texelMeters(points[0].triangle);
 }
 
 /// Whether a group of mutually visible points is inside solids: most of up to 8 rays leave more solids than they enter.
@@ -122,10 +136,7 @@ PointMask TexelValidity::visibleFromFirst(const TexelPoints& points, PointMask c
 PointMask TexelValidity::visibleFrom(const TexelPoints& points, int first, PointMask candidates, float lift,
                                      uint64_t& rays) const
 {
-    const auto above = [&](int p) {
-        const SurfacePoint& point = points[std::size_t(p)];
-        return paths_.rayOrigin(point) + lift * point.geometricNormal;
-    };
+    const auto above = [&](int p) { return raised(points[std::size_t(p)], lift); };
     const vec3 origin = above(first);
     auto visible = PointMask(1u << first);
     PointMask open = candidates & PointMask(~visible);
@@ -191,18 +202,51 @@ PointMask TexelValidity::outsideShells(const TexelPoints& points, int pointCount
     return mask == all ? kAllPoints : std::popcount(mask) * 8 < pointCount ? PointMask(0) : mask;
 }
 
-bool TexelValidity::mayHaveInvalidPoints(const TexelPoints& points, int pointCount, uint32_t texelId,
-                                         uint64_t& rays) const
+/// Tests texels whose points are all mutually visible, by points that are spread over them. False where these differ.
+bool TexelValidity::testTogether(std::span<BlockTexel> texels, uint64_t& rays) const
 {
-    if (!anyHiddenBack_) return false;
-    if (!refinements.validityScouts) return true;
-    // The rays leave points that are spread over the texel.
-    PointMask some = 0;
-    for (int i = 0; i < kRays; ++i) some |= PointMask(1u << (i * pointCount / kRays));
-    if (hitBacks(points, some, texelId, 0, rays) != 0) return true;
-    const auto all = PointMask((1u << pointCount) - 1u);
-    const float lift = kLift * paths_.surfaces().geometry().texelMeters(points[0].triangle);
-    return visibleFrom(points, 0, all, lift, rays) != all;
+    TexelPoints points;
+    for (std::size_t k = 0; k < points.size(); ++k) {
+        const BlockTexel& texel = texels[k % texels.size()];
+        points[k] = texel.points[k / texels.size() * std::size_t(texel.pointCount) / points.size()];
+    }
+    const uint32_t id = texels[0].id;
+    bool inside = anySolid_ && insideSolids(points, kAllPoints, id, rays);
+    if (!inside && std::popcount(hitBacks(points, kAllPoints, id, 0, rays)) * kPartOfBacks >= kMaxTexelPoints) {
+        if (behindShells(points, kAllPoints, id, rays) != kAllPoints) return false;
+        inside = true;
+    }
+    for (BlockTexel& t : texels) t.valid = inside ? PointMask(0) : kAllPoints;
+    return true;
+}
+
+void TexelValidity::testBlock(std::span<BlockTexel> texels, uint64_t& rays) const
+{
+    if (!anyHiddenBack_) return;
+    OrientedBox all = boxAlong(texels[0].points[0].geometricNormal);
+    for (BlockTexel& t : texels) {
+        t.box = boxAlong(texels[0].points[0].geometricNormal);
+        for (int p = 0; p < t.pointCount; ++p) t.box.extend(raised(t.points[std::size_t(p)], liftOf(t.points)));
+        all.bounds.extend(t.box.bounds);
+    }
+    const NearTriangles near(paths_.surfaces(), all);
+    if (refinements.validityScouts && near.isEmpty(all) && testTogether(texels, rays)) return;
+    for (BlockTexel& t : texels)
+        if (t.wanted) t.valid = testOne(t, near, rays);
+}
+
+PointMask TexelValidity::testOne(const BlockTexel& t, const NearTriangles& near, uint64_t& rays) const
+{
+    PointMask some = 0; // spread over the texel
+    for (int k = 0; k < kRays; ++k) some |= PointMask(1u << (k * t.pointCount / kRays));
+    const auto all = PointMask((1u << t.pointCount) - 1u);
+    const bool nothingBetween = near.isEmpty(t.box);
+    const int backs = std::popcount(hitBacks(t.points, some, t.id, 0, rays));
+    const bool outsideShells = backs == 0 || (nothingBetween && backs * kPartOfBacks < kRays);
+    if (refinements.validityScouts && outsideShells &&
+        (nothingBetween || visibleFrom(t.points, 0, all, liftOf(t.points), rays) == all))
+        return anySolid_ && insideSolids(t.points, all, t.id, rays) ? PointMask(0) : kAllPoints;
+    return validPoints(t.points, t.pointCount, t.id, rays);
 }
 
 PointMask TexelValidity::validPoints(const TexelPoints& points, int pointCount, uint32_t texelId, uint64_t& rays) const

@@ -1,6 +1,5 @@
 #include "bake_cpu/texels/valid_points.h"
 
-#include "bake_cpu/texels/texel_set.h"
 #include "bake_cpu/texels/texel_validity.h"
 
 #include "halflight/bake/part_folder.h"
@@ -9,6 +8,7 @@
 #include "halflight/base/parallel.h"
 
 #include <algorithm>
+#include <array>
 #include <numeric>
 #include <optional>
 
@@ -16,7 +16,9 @@ namespace halflight {
 namespace {
 
 constexpr const char* kStage = "validity";
-constexpr std::size_t kGrain = 256;
+/// Width of a block of texels that few rays test together: of most blocks all points are mutually visible.
+constexpr int kBlock = 4;
+constexpr std::size_t kGrain = 16; ///< blocks
 /// Texels of a part that processes share: a few hundredths of a second.
 constexpr std::size_t kPartTexels = 16384;
 
@@ -29,46 +31,74 @@ public:
     /// Masks of the texels [begin, end). Nothing when cancelled.
     std::optional<std::vector<PointMask>> find(std::size_t begin, std::size_t end) const
     {
-        std::vector<uint32_t> texels(end - begin);
-        std::iota(texels.begin(), texels.end(), uint32_t(begin));
-        TexelSet around(map_, texels);
-        around.extend([&](uint32_t texel, const auto& add) { grid_.around(texel, 1, add); });
-        std::vector<uint8_t> doubtful(around.size());
-        const auto findDoubtful = [&](std::size_t i, const TexelPoints& points, int count, uint64_t& traced) {
-            doubtful[i] = validity_.mayHaveInvalidPoints(points, count, idOf(around[i]), traced) ? 1 : 0;
-        };
-        if (!forTexels(
-                around.size(), 0.0, 0.5, [&](std::size_t i) { return around[i]; }, findDoubtful))
-            return std::nullopt;
-        std::vector<PointMask> masks(texels.size(), kAllPoints);
-        const auto test = [&](std::size_t i, const TexelPoints& points, int count, uint64_t& traced) {
-            bool any = false;
-            grid_.around(texels[i], 1, [&](uint32_t other) { any = any || doubtful[around.find(other)] != 0; });
-            if (any) masks[i] = validity_.validPoints(points, count, idOf(texels[i]), traced);
-        };
-        if (!forTexels(
-                texels.size(), 0.5, 1.0, [&](std::size_t i) { return texels[i]; }, test))
-            return std::nullopt;
-        return masks;
+        std::vector<PointMask> masks(end - begin);
+        const std::vector<uint32_t> blocks = blocksOf(begin, end);
+        const bool done =
+            parallelFor(blocks.size(), kGrain, progress_, kStage, [&](std::size_t first, std::size_t last) {
+                uint64_t traced = 0;
+                for (std::size_t i = first; i < last && !progress_.cancelled(); ++i) {
+                    forChartsOf(blocks[i], [&](std::span<BlockTexel> members) {
+                        for (BlockTexel& m : members) m.wanted = m.texel >= begin && m.texel < end;
+                        validity_.testBlock(members, traced);
+                        for (const BlockTexel& m : members)
+                            if (m.wanted) masks[m.texel - begin] = m.valid;
+                    });
+                }
+                rays_ += traced;
+            });
+        return done ? std::optional(std::move(masks)) : std::nullopt;
     }
 
 private:
-    [[nodiscard]] uint32_t idOf(uint32_t texel) const { return texelId(map_, map_.texels[texel]); }
+    [[nodiscard]] const BakeGeometry& geometry() const { return paths_.surfaces().geometry(); }
+    [[nodiscard]] uint32_t blocksPerRow() const { return uint32_t(map_.pageSize + kBlock - 1) / uint32_t(kBlock); }
 
-    template<typename TexelAt, typename Body>
-    bool forTexels(std::size_t count, double from, double to, const TexelAt& texelAt, const Body& body) const
+    /// Blocks that hold the texels [begin, end): their places on the pages, row by row.
+    [[nodiscard]] std::vector<uint32_t> blocksOf(std::size_t begin, std::size_t end) const
     {
-        const BakeGeometry& geometry = paths_.surfaces().geometry();
-        const Progress part = partOf(progress_, from, to);
-        return parallelFor(count, kGrain, part, kStage, [&](std::size_t begin, std::size_t end) {
-            uint64_t traced = 0;
-            TexelPoints points;
-            for (std::size_t i = begin; i < end && !progress_.cancelled(); ++i) {
-                const int pointCount = texelPoints(geometry, map_, map_.texels[texelAt(i)], points);
-                body(i, points, pointCount, traced);
+        const uint32_t perRow = blocksPerRow();
+        std::vector<uint8_t> found(std::size_t(perRow) * perRow * std::size_t(map_.pageCount));
+        for (std::size_t i = begin; i < end; ++i) {
+            const Texel& t = map_.texels[i];
+            found[(t.page * perRow + t.y / kBlock) * std::size_t(perRow) + t.x / kBlock] = 1;
+        }
+        std::vector<uint32_t> blocks;
+        for (std::size_t b = 0; b < found.size(); ++b)
+            if (found[b] != 0) blocks.push_back(uint32_t(b));
+        return blocks;
+    }
+
+    /// Calls body(members) for the texels of each chart in a block.
+    template<typename Body> void forChartsOf(uint32_t block, const Body& body) const
+    {
+        const uint32_t perRow = blocksPerRow();
+        const uint32_t page = block / (perRow * perRow);
+        const auto corner = vec2(block % perRow, block / perRow % perRow) * float(kBlock);
+        std::array<uint32_t, std::size_t(kBlock) * kBlock> inside;
+        std::size_t left = 0;
+        for (int i = 0; i < kBlock * kBlock; ++i) {
+            const uint32_t texel = grid_.atPlace(page, corner + vec2(i % kBlock, i / kBlock) + 0.5f);
+            if (texel != kNoTexel) inside[left++] = texel;
+        }
+        std::array<BlockTexel, inside.size()> members;
+        for (std::size_t end = 0; left > 0; left = end) {
+            const uint32_t chart = map_.texels[inside[0]].chart;
+            std::size_t count = 0;
+            end = 0;
+            for (std::size_t i = 0; i < left; ++i) {
+                const Texel& t = map_.texels[inside[i]];
+                if (t.chart != chart) {
+                    inside[end++] = inside[i];
+                    continue;
+                }
+                BlockTexel& m = members[count++];
+                m = {};
+                m.texel = inside[i];
+                m.id = texelId(map_, t);
+                m.pointCount = texelPoints(geometry(), map_, t, m.points);
             }
-            rays_ += traced;
-        });
+            body(std::span(members.data(), count));
+        }
     }
 
     const PathTracer& paths_;

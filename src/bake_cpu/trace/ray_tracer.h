@@ -73,6 +73,10 @@ public:
     void occluded(const embree::LaneMask& valid, RTCRay8& rays) const;
     [[nodiscard]] std::array<float, embree::kPacket> transmittance(const embree::LaneMask& valid, RTCRay8& rays) const;
 
+    /// Shadow casters whose bounds are within a distance of a point, some of them more than once, and perhaps others
+    /// near it. False if there are more than `most`.
+    bool trianglesNear(vec3 center, float radius, std::size_t most, std::vector<uint32_t>& triangles) const;
+
     /// A hit's triangle, as BakeGeometry counts them.
     [[nodiscard]] uint32_t triangleOf(uint32_t geomID, uint32_t primID) const
     {
