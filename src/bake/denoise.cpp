@@ -9,6 +9,7 @@
 // light and at rims, slopes take the polynomial's place, from the second level on.
 #include "bake/denoise.h"
 
+#include "bake/denoise_taps.h"
 #include "bake/refinements.h"
 #include "bake/stages.h"
 
@@ -18,14 +19,11 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <optional>
+#include <numeric>
 
 namespace halflight {
 namespace {
 
-constexpr std::array<float, 3> kSpline = {3.0f / 8.0f, 1.0f / 4.0f, 1.0f / 16.0f}; ///< B3 spline, by distance
-constexpr int kTaps = 25;                                                          ///< 5 × 5
-constexpr int kMiddleTap = 12;
 /// Ratio of the true variance of a weighted mean to that of independent values, by level. Values of level 2 and up
 /// share texels. On an even surface k levels are a kernel of variance (4^k - 1) / 3 along each axis. These kernels
 /// average 12.6, 63, 264 and 1070 texels. Independent values would multiply the number by 13.4 at each level.
@@ -33,67 +31,53 @@ constexpr std::array<float, 4> kCorrelation = {1.0f, 2.7f, 3.2f, 3.3f};
 /// Direct light is stratified over texel and light; its stated variance is that of independent rays.
 constexpr float kDirectVarianceScale = 0.1f;
 
-/// What the filter smooths, by texel.
-struct Signals {
-    std::vector<NoisyLight> gathered;
-    std::vector<NoisyLight> direct; ///< empty where no light is fully baked
-    std::vector<vec3> moments;      ///< first moments of all light, lux
+constexpr std::array<float, 3> kSpline = {3.0f / 8.0f, 1.0f / 4.0f, 1.0f / 16.0f}; ///< B3 spline, by distance
+
+/// Terms of a polynomial of second order at each tap, and the spline's weights; 0 beyond the taps.
+struct TapTerms {
+    TapFloats x{};
+    TapFloats y{};
+    TapFloats xx{};
+    TapFloats xy{};
+    TapFloats yy{};
+    TapFloats spline{};
 };
-
-struct Guide {
-    TexelPlace place;
-    bool valid = false;
-    bool traced = false;
-};
-
-/// One level of the filter: its inputs, all indexed by texel.
-struct Level {
-    const SurfaceGrid& grid;
-    const std::vector<Guide>& guides;
-    const Signals& in;
-    int number = 0; ///< taps are 2^number texels apart
-    bool directions = false;
-
-    [[nodiscard]] int step() const { return 1 << number; }
-    /// Whether a texel counts for gathered light.
-    [[nodiscard]] bool counts(uint32_t texel) const
-    {
-        return guides[texel].valid && (number > 0 || guides[texel].traced);
-    }
-};
-
-/// What the filter reads at one tap: the values of a texel, or beyond a seam the bilinear mean of those around a place.
-struct Tap {
-    bool valid = false;  ///< on the surface, and outside geometry
-    bool counts = false; ///< for gathered light
-    vec3 position{0.0f};
-    vec3 normal{0.0f}; ///< unit
-    NoisyLight gathered;
-    NoisyLight direct;
-    vec3 moment{0.0f};
-};
-using Taps = std::array<Tap, kTaps>; ///< row by row
-
-constexpr std::array<float, kTaps> weightsOfTaps()
+constexpr TapTerms makeTerms()
 {
-    std::array<float, kTaps> weights{};
+    TapTerms terms;
     for (int k = 0; k < kTaps; ++k) {
-        const int dx = k % 5 < 2 ? 2 - k % 5 : k % 5 - 2;
-        const int dy = k / 5 < 2 ? 2 - k / 5 : k / 5 - 2;
-        weights[std::size_t(k)] = kSpline[std::size_t(dx)] * kSpline[std::size_t(dy)];
+        const auto i = std::size_t(k);
+        terms.x[i] = float(tapX(k));
+        terms.y[i] = float(tapY(k));
+        terms.xx[i] = terms.x[i] * terms.x[i];
+        terms.xy[i] = terms.x[i] * terms.y[i];
+        terms.yy[i] = terms.y[i] * terms.y[i];
+        terms.spline[i] = kSpline[std::size_t(tapX(k) < 0 ? -tapX(k) : tapX(k))] *
+                          kSpline[std::size_t(tapY(k) < 0 ? -tapY(k) : tapY(k))];
     }
-    return weights;
+    return terms;
 }
-constexpr std::array<float, kTaps> kTapWeights = weightsOfTaps();
+constexpr TapTerms kTerms = makeTerms(); ///< of offsets in taps
 
-/// Squared difference of luminance over the noise that is expected, the exponent of a weight exp(-x). Differences below
-/// `tolerance` (lux) count little too.
-float luminanceDistance(const NoisyLight& a, const NoisyLight& b, float tolerance)
+/// A float of each tap from the tap's index. Loops of this form are vectorized.
+template<typename Body> TapFloats forTaps(const Body& body)
 {
-    constexpr float kSigmas = 2.0f; // standard deviations: 95 % of the noise
-    const float difference = luminance(b.irradiance - a.irradiance);
-    const float noise = 2.0f * kSigmas * kSigmas * std::min(a.variance, 4.0f * b.variance) + tolerance * tolerance;
-    return difference * difference / (noise + 1.0e-12f);
+    TapFloats out;
+    for (std::size_t k = 0; k < kPaddedTaps; ++k) out[k] = body(k);
+    return out;
+}
+
+/// Sum of products, in four parts side by side.
+float dot(const TapFloats& a, const TapFloats& b)
+{
+    std::array<float, 4> parts{};
+    for (std::size_t k = 0; k < kPaddedTaps; k += 4)
+        for (std::size_t i = 0; i < 4; ++i) parts[i] += a[k + i] * b[k + i];
+    return (parts[0] + parts[2]) + (parts[1] + parts[3]);
+}
+vec3 dot(const TapFloats& weights, const TapColors& colors)
+{
+    return {dot(weights, colors.r), dot(weights, colors.g), dot(weights, colors.b)};
 }
 
 float pow32(float x)
@@ -108,12 +92,6 @@ float falloff(float x)
     return pow32(std::max(1.0f - x * (1.0f / 32.0f), 0.0f));
 }
 
-/// Whether two taps lie on one side of a surface, and not round a corner or a crease.
-bool sameSide(const Tap& a, const Tap& b)
-{
-    return glm::dot(a.normal, b.normal) >= 0.9f;
-}
-
 /// The smaller of two differences if they have one sign, else 0 (the minmod limiter, Roe 1986): the slope of a
 /// gradient, and nearly nothing at edges, creases and in noise.
 vec3 minmod(vec3 a, vec3 b)
@@ -125,76 +103,6 @@ vec3 minmod(vec3 a, vec3 b)
     return least;
 }
 
-/// Weighted mean, with its variance.
-struct Mean {
-    vec3 sum{0.0f};
-    float weight = 0.0f;
-    float variance = 0.0f;
-
-    void add(float w, const NoisyLight& light)
-    {
-        sum += w * light.irradiance;
-        weight += w;
-        variance += w * w * light.variance;
-    }
-    /// `correlation`: kCorrelation of the level. The result is never noisier than the texel's `own` value.
-    [[nodiscard]] NoisyLight light(const NoisyLight& own, float correlation) const
-    {
-        if (!(weight > 0.0f)) return own;
-        return {sum / weight, std::min(correlation * variance / (weight * weight), own.variance)};
-    }
-};
-
-Tap tapOn(const Level& level, uint32_t j)
-{
-    const Guide& guide = level.guides[j];
-    Tap tap{guide.valid, level.counts(j), guide.place.position, guide.place.normal, level.in.gathered[j], {}, {}};
-    if (!level.in.direct.empty()) tap.direct = level.in.direct[j];
-    if (level.directions) tap.moment = level.in.moments[j];
-    return tap;
-}
-
-/// Nearest texels would lie up to 0.7 texels off, towards the light on one side of a seam and away from it on the
-/// other.
-Tap tapBeyond(const Level& level, const SurfaceGrid::Footprint& footprint)
-{
-    constexpr float kEnough = 0.5f; // of a footprint's weight; with less, its mean is that of other places
-    Tap sum;
-    float weight = 0.0f;
-    for (std::size_t n = 0; n < footprint.count; ++n) {
-        if (level.counts(footprint.texels[n])) weight += footprint.weights[n];
-    }
-    if (weight < kEnough) return sum;
-    for (std::size_t n = 0; n < footprint.count; ++n) {
-        if (!level.counts(footprint.texels[n])) continue;
-        const float w = footprint.weights[n] / weight;
-        const float ofVariance = level.number == 0 ? w * w : w; // values of later levels share texels
-        const Tap tap = tapOn(level, footprint.texels[n]);
-        sum.position += w * tap.position;
-        sum.normal += w * tap.normal;
-        sum.gathered.irradiance += w * tap.gathered.irradiance;
-        sum.gathered.variance += ofVariance * tap.gathered.variance;
-        sum.direct.irradiance += w * tap.direct.irradiance;
-        sum.direct.variance += ofVariance * tap.direct.variance;
-        sum.moment += w * tap.moment;
-    }
-    sum.valid = sum.counts = glm::length(sum.normal) > 0.0f;
-    if (sum.valid) sum.normal = glm::normalize(sum.normal);
-    return sum;
-}
-
-Taps tapsOf(const Level& level, uint32_t i)
-{
-    Taps taps;
-    for (int k = 0; k < kTaps; ++k) {
-        const int dx = (k % 5 - 2) * level.step();
-        const int dy = (k / 5 - 2) * level.step();
-        const uint32_t j = level.grid.onChart(i, dx, dy);
-        taps[std::size_t(k)] = j != kNoTexel ? tapOn(level, j) : tapBeyond(level, level.grid.beyond(i, dx, dy));
-    }
-    return taps;
-}
-
 /// How gathered light changes around a texel: a polynomial of the offset in taps, 0 at the texel.
 struct Trend {
     vec3 x{0.0f}; ///< lux per tap
@@ -204,168 +112,199 @@ struct Trend {
     vec3 yy{0.0f};
     float noise = 1.0f; ///< ratio of the variances of a mean less the trend and of a plain mean
 
-    [[nodiscard]] vec3 at(int dx, int dy) const
+    /// Sum of the trend at all taps.
+    [[nodiscard]] vec3 sum(const TapFloats& weights) const
     {
-        return float(dx) * x + float(dy) * y + float(dx * dx) * xx + float(dx * dy) * xy + float(dy * dy) * yy;
+        return dot(weights, kTerms.x) * x + dot(weights, kTerms.y) * y + dot(weights, kTerms.xx) * xx +
+               dot(weights, kTerms.xy) * xy + dot(weights, kTerms.yy) * yy;
     }
 };
 
+/// By tap, the squared difference of luminance from the middle tap's over the noise that is expected, the exponent of a
+/// weight exp(-x). `trend`: taken from the taps. Differences below `tolerance` (lux) count little too.
+TapFloats distances(const TapLights& light, const Trend& trend, float tolerance)
+{
+    constexpr float kSigmas = 2.0f; // standard deviations: 95 % of the noise
+    const float own = light.luminance[kMiddleTap];
+    const float ownVariance = light.variance[kMiddleTap];
+    const float least = tolerance * tolerance + 1.0e-12f;
+    const float x = luminance(trend.x);
+    const float y = luminance(trend.y);
+    const float xx = luminance(trend.xx);
+    const float xy = luminance(trend.xy);
+    const float yy = luminance(trend.yy);
+    return forTaps([&](std::size_t k) {
+        const float change =
+            kTerms.x[k] * x + kTerms.y[k] * y + kTerms.xx[k] * xx + kTerms.xy[k] * xy + kTerms.yy[k] * yy;
+        const float difference = light.luminance[k] - own - change;
+        const float noise = 2.0f * kSigmas * kSigmas * std::min(ownVariance, 4.0f * light.variance[k]) + least;
+        return difference * difference / noise;
+    });
+}
+
 /// The polynomial of second order with the least squares over all 5 x 5 taps, whose terms have these sums of squares.
-Trend fittedTrend(const Taps& taps)
+Trend fittedTrend(const TapColors& light)
 {
     constexpr float kLinear = 50.0f;
     constexpr float kSquare = 70.0f; // of x^2 - 2
     constexpr float kMixed = 100.0f;
+    const vec3 twice = 2.0f * vec3(std::accumulate(light.r.begin(), light.r.end(), 0.0f),
+                                   std::accumulate(light.g.begin(), light.g.end(), 0.0f),
+                                   std::accumulate(light.b.begin(), light.b.end(), 0.0f));
     Trend trend;
-    for (int k = 0; k < kTaps; ++k) {
-        const auto dx = float(k % 5 - 2);
-        const auto dy = float(k / 5 - 2);
-        const vec3 light = taps[std::size_t(k)].gathered.irradiance;
-        trend.x += dx / kLinear * light;
-        trend.y += dy / kLinear * light;
-        trend.xx += (dx * dx - 2.0f) / kSquare * light;
-        trend.xy += dx * dy / kMixed * light;
-        trend.yy += (dy * dy - 2.0f) / kSquare * light;
-    }
+    trend.x = dot(kTerms.x, light) / kLinear;
+    trend.y = dot(kTerms.y, light) / kLinear;
+    trend.xx = (dot(kTerms.xx, light) - twice) / kSquare;
+    trend.xy = dot(kTerms.xy, light) / kMixed;
+    trend.yy = (dot(kTerms.yy, light) - twice) / kSquare;
     trend.noise = 2.1f; // of the mean weighted by the spline: 0.165 instead of 0.079
     return trend;
 }
 
-/// Change of gathered light between two taps on opposite sides, lux per tap; 0 where one is missing.
-vec3 slopeBetween(const Tap& behind, const Tap& own, const Tap& ahead)
-{
-    constexpr float kTapsBetween = 2.0f; // from each to the middle
-    if (!behind.valid || !ahead.valid || !sameSide(behind, own) || !sameSide(ahead, own)) return vec3(0.0f);
-    const vec3 light = own.gathered.irradiance;
-    return minmod(ahead.gathered.irradiance - light, light - behind.gathered.irradiance) / kTapsBetween;
-}
+/// A texel's taps, and what the weights of several of the filter's means share.
+struct Neighbourhood {
+    const Level& level;
+    const Taps& taps;
+    TapFloats cosine; ///< of the angle between a tap's normal and the middle's, 0…1
 
-NoisyLight lessTrend(const Taps& taps, int tap, const Trend& trend)
-{
-    const NoisyLight& light = taps[std::size_t(tap)].gathered;
-    return {light.irradiance - trend.at(tap % 5 - 2, tap / 5 - 2), light.variance};
-}
+    Neighbourhood(const Level& levelOf, const Taps& tapsOf) : level(levelOf), taps(tapsOf)
+    {
+        const vec3 own = taps.normal.at(kMiddleTap);
+        cosine = forTaps([&](std::size_t k) {
+            return std::max(own.x * taps.normal.r[k] + own.y * taps.normal.g[k] + own.z * taps.normal.b[k], 0.0f);
+        });
+    }
 
-/// By tap, the luminanceDistance() of gathered light, less a trend, from the middle's.
-using Distances = std::array<float, kTaps>;
+    /// Whether a tap lies on the middle's side of a surface, and not round a corner or a crease.
+    [[nodiscard]] bool sameSide(std::size_t tap) const { return cosine[tap] >= 0.9f; }
 
-Distances distancesFrom(const Taps& taps, const Trend& trend)
-{
-    const Tap& own = taps[kMiddleTap];
-    Distances distances;
-    for (int k = 0; k < kTaps; ++k)
-        distances[std::size_t(k)] = luminanceDistance(own.gathered, lessTrend(taps, k, trend), 0.0f);
-    return distances;
-}
+    /// Change of gathered light between two taps on opposite sides, lux per tap; 0 where one is missing.
+    [[nodiscard]] vec3 slopeBetween(std::size_t behind, std::size_t ahead) const
+    {
+        constexpr float kTapsBetween = 2.0f; // from each to the middle
+        if (!sameSide(behind) || !sameSide(ahead)) return vec3(0.0f);
+        const TapColors& light = taps.gathered.irradiance;
+        const vec3 own = light.at(kMiddleTap);
+        return minmod(light.at(ahead) - own, own - light.at(behind)) / kTapsBetween;
+    }
 
-/// Weight of the taps that differ from the middle by no more than noise, 0…1.
-float explained(const Distances& distances)
-{
-    float sum = 0.0f;
-    for (std::size_t k = 0; k < kTaps; ++k) sum += kTapWeights[k] * falloff(distances[k]);
-    return sum;
-}
+    /// Spline × agreement of normals. Texels that are adjacent on the map and far apart in the world (folded charts)
+    /// have none. At the rim of a chart, a tap without its mirror image would shift the mean: in a dark corner, towards
+    /// the light. Such taps are left out, unless the texel has no pair of taps at all.
+    [[nodiscard]] TapFloats nearness(float tapsPerMeter) const
+    {
+        constexpr float kFarTaps = 8.0f; // taps; the corner of 5 x 5 is 2.8 away on a flat chart
+        constexpr float kFar2 = kFarTaps * kFarTaps;
+        const auto mirrored = [&](std::size_t k) { return k < kTaps ? taps.counts[kTaps - 1 - k] : 0.0f; };
+        bool pairs = false;
+        for (std::size_t k = 0; refinements.pairedTaps && k < kMiddleTap; ++k)
+            pairs = pairs || taps.counts[k] * mirrored(k) > 0.0f;
+        TapFloats near = forTaps([&](std::size_t k) {
+            const float offset2 = taps.position.r[k] * taps.position.r[k] + taps.position.g[k] * taps.position.g[k] +
+                                  taps.position.b[k] * taps.position.b[k];
+            const float within = offset2 * tapsPerMeter * tapsPerMeter > kFar2 ? 0.0f : taps.valid[k];
+            return within * kTerms.spline[k] * pow32(cosine[k]);
+        });
+        for (std::size_t k = 0; pairs && k < kTaps; ++k)
+            if (k != kMiddleTap && mirrored(k) == 0.0f) near[k] = 0.0f;
+        return near;
+    }
 
-/// A trend, and distances less it.
+    /// Squared distance from the middle's plane, in taps.
+    [[nodiscard]] TapFloats planeDistances2(float tapsPerMeter) const
+    {
+        const vec3 own = taps.normal.at(kMiddleTap) * tapsPerMeter;
+        return forTaps([&](std::size_t k) {
+            const float distance = own.x * taps.position.r[k] + own.y * taps.position.g[k] + own.z * taps.position.b[k];
+            return distance * distance;
+        });
+    }
+};
+
+/// A trend, and distances() less it.
 struct Detrended {
     Trend trend;
-    Distances distances;
+    TapFloats distances;
+
+    Detrended(const TapLights& light, const Trend& trendOf)
+        : trend(trendOf), distances(halflight::distances(light, trendOf, 0.0f))
+    {}
+    /// Weight of the taps that differ from the middle by no more than noise, 0…1.
+    [[nodiscard]] float explained() const
+    {
+        return dot(kTerms.spline, forTaps([&](std::size_t k) { return falloff(distances[k]); }));
+    }
 };
 
 /// The fitted trend on smooth light, slopes beside edges of light, which no polynomial follows. Means less a fitted
 /// trend have less bias, so that it may explain somewhat less.
-Detrended detrendedOf(const Level& level, const Taps& taps)
+Detrended detrendedOf(const Neighbourhood& around)
 {
     constexpr float kEnough = 0.75f; // of what slopes explain
-    const Tap& own = taps[kMiddleTap];
-    float fittedExplains = 0.0f;
-    Detrended result;
-    const auto fits = [&](const Tap& tap) { return tap.counts && sameSide(tap, own); };
-    if (refinements.fittedTrend && std::all_of(taps.begin(), taps.end(), fits)) {
-        result.trend = fittedTrend(taps);
-        result.distances = distancesFrom(taps, result.trend);
-        fittedExplains = explained(result.distances);
-        if (fittedExplains >= kEnough) return result; // slopes explain 1 at most
+    const TapLights& light = around.taps.gathered;
+    Trend slopes;
+    if (around.level.number > 0 && refinements.slopes) { // single texels are too noisy
+        slopes.x = around.slopeBetween(kMiddleTap - 2, kMiddleTap + 2);
+        slopes.y = around.slopeBetween(kMiddleTap - 10, kMiddleTap + 10);
     }
-    Detrended slopes;
-    if (level.number > 0 && refinements.slopes) { // single texels are too noisy
-        slopes.trend.x = slopeBetween(taps[kMiddleTap - 2], own, taps[kMiddleTap + 2]);
-        slopes.trend.y = slopeBetween(taps[kMiddleTap - 10], own, taps[kMiddleTap + 10]);
-    }
-    slopes.distances = distancesFrom(taps, slopes.trend);
-    const bool fitted = fittedExplains > 0.0f && fittedExplains >= kEnough * explained(slopes.distances);
-    return fitted ? result : slopes;
+    bool fits = refinements.fittedTrend;
+    for (std::size_t k = 0; fits && k < kTaps; ++k) fits = around.taps.counts[k] > 0.0f && around.sameSide(k);
+    if (!fits) return {light, slopes};
+    const Detrended fitted(light, fittedTrend(light.irradiance));
+    const float explained = fitted.explained();
+    if (explained >= kEnough) return fitted; // slopes explain 1 at most
+    const Detrended sloped(light, slopes);
+    return explained >= kEnough * sloped.explained() ? fitted : sloped;
 }
 
-struct GeometricWeight {
-    float near = 0.0f;           ///< spline × agreement of normals
-    float planeDistance2 = 0.0f; ///< squared distance from the texel's plane, in taps
-};
-
-/// Of another tap's place; nothing where the weight is negligible. Texels that are adjacent on the map and far apart in
-/// the world (folded charts) have none.
-std::optional<GeometricWeight> geometricWeight(const Tap& own, const Tap& other, float spline, float planeScale)
+/// A weighted mean, and its variance: that of independent values times `correlation`. It is never noisier than the
+/// middle tap.
+NoisyLight meanOf(const TapLights& light, const TapFloats& weights, const Trend& trend, float correlation)
 {
-    constexpr float kFarTaps = 8.0f; // taps; the corner of 5 x 5 is 2.8 away on a flat chart
-    constexpr float kNegligible = 1.0e-6f;
-    const float cosine = std::max(glm::dot(own.normal, other.normal), 0.0f);
-    const vec3 offset = other.position - own.position;
-    const float plane = std::abs(glm::dot(offset, own.normal)) * planeScale;
-    if (glm::dot(offset, offset) * planeScale * planeScale > kFarTaps * kFarTaps) return std::nullopt;
-    const float near = spline * pow32(cosine);
-    if (near < kNegligible) return std::nullopt;
-    return GeometricWeight{near, plane * plane};
+    float weight = 0.0f;
+    for (const float w : weights) weight += w;
+    const NoisyLight own{light.irradiance.at(kMiddleTap), light.variance[kMiddleTap]};
+    if (!(weight > 0.0f)) return own;
+    const TapFloats squares = forTaps([&](std::size_t k) { return weights[k] * weights[k]; });
+    const float variance = dot(squares, light.variance);
+    return {(dot(weights, light.irradiance) - trend.sum(weights)) / weight,
+            std::min(correlation * variance / (weight * weight), own.variance)};
 }
 
 /// Filters one texel; writes its entry of `out`.
 void filterTexel(const Level& level, uint32_t i, Signals& out)
 {
     constexpr float kMomentTolerance = 0.2f; // of direct light: directions stop at its edges
-    const Taps taps = tapsOf(level, i);
-    const Tap& own = taps[kMiddleTap];
-    const float planeScale = 1.0f / (float(level.step()) * level.guides[i].place.texelMeters);
-    const bool hasDirect = !level.in.direct.empty();
-    const bool noisyDirect = own.direct.variance > 0.0f && refinements.filteredDirect;
-    const Detrended light = detrendedOf(level, taps);
-    const float momentTolerance = kMomentTolerance * luminance(own.direct.irradiance);
-    // At the rim of a chart, a tap without its mirror image would shift the mean: in a dark corner, towards the light.
-    // Such taps are left out, unless the texel has no pair of taps at all.
-    bool pairs = false;
-    for (std::size_t k = 0; refinements.pairedTaps && k < kMiddleTap; ++k)
-        pairs = pairs || (taps[k].counts && taps[kTaps - 1 - k].counts);
-    Mean gathered;
-    Mean direct;
-    vec3 momentSum(0.0f);
-    float momentWeight = 0.0f;
-    for (int k = 0; k < kTaps; ++k) {
-        const Tap& tap = taps[std::size_t(k)];
-        const bool other = k != kMiddleTap;
-        if (!tap.valid || (pairs && other && !taps[std::size_t(kTaps - 1 - k)].counts)) continue;
-        GeometricWeight geometric = {kTapWeights[std::size_t(k)], 0.0f};
-        float distance = 0.0f;
-        if (other) {
-            const auto found = geometricWeight(own, tap, geometric.near, planeScale);
-            if (!found) continue;
-            geometric = *found;
-            distance = geometric.planeDistance2 + light.distances[std::size_t(k)];
-        }
-        if (noisyDirect) {
-            const float directDistance = other ? luminanceDistance(own.direct, tap.direct, 0.0f) : 0.0f;
-            direct.add(geometric.near * falloff(geometric.planeDistance2 + directDistance), tap.direct);
-        }
-        if (!tap.counts) continue;
-        const float weight = geometric.near * falloff(distance);
-        gathered.add(weight, lessTrend(taps, k, light.trend));
-        if (!level.directions) continue;
-        const float alike =
-            hasDirect && other ? falloff(luminanceDistance(own.direct, tap.direct, momentTolerance)) : 1.0f;
-        momentSum += weight * alike * tap.moment;
-        momentWeight += weight * alike;
-    }
+    const Taps taps(level, i);
+    const Neighbourhood around(level, taps);
+    const float tapsPerMeter = 1.0f / (float(level.step()) * level.guides[i].place.texelMeters);
     const float correlation = kCorrelation[std::size_t(level.number)];
-    out.gathered[i] = gathered.light(own.gathered, correlation * light.trend.noise);
-    if (level.directions) out.moments[i] = momentWeight > 0.0f ? momentSum / momentWeight : own.moment;
-    if (hasDirect) out.direct[i] = direct.light(own.direct, correlation);
+    const TapFloats near = around.nearness(tapsPerMeter);
+    const TapFloats plane2 = around.planeDistances2(tapsPerMeter);
+    const Detrended gathered = detrendedOf(around);
+    const TapFloats weights =
+        forTaps([&](std::size_t k) { return taps.counts[k] * near[k] * falloff(plane2[k] + gathered.distances[k]); });
+    out.gathered[i] = meanOf(taps.gathered, weights, gathered.trend, correlation * gathered.trend.noise);
+    const bool hasDirect = !level.in.direct.empty();
+    if (hasDirect) {
+        out.direct[i] = {taps.direct.irradiance.at(kMiddleTap), taps.direct.variance[kMiddleTap]};
+        if (out.direct[i].variance > 0.0f && refinements.filteredDirect) {
+            const TapFloats distance = distances(taps.direct, {}, 0.0f);
+            const TapFloats ofDirect =
+                forTaps([&](std::size_t k) { return near[k] * falloff(plane2[k] + distance[k]); });
+            out.direct[i] = meanOf(taps.direct, ofDirect, {}, correlation);
+        }
+    }
+    if (!level.directions) return;
+    TapFloats ofMoments = weights;
+    if (hasDirect) {
+        const float tolerance = kMomentTolerance * taps.direct.luminance[kMiddleTap];
+        const TapFloats distance = distances(taps.direct, {}, tolerance);
+        ofMoments = forTaps([&](std::size_t k) { return weights[k] * falloff(distance[k]); });
+    }
+    float weight = 0.0f;
+    for (const float w : ofMoments) weight += w;
+    out.moments[i] = weight > 0.0f ? dot(ofMoments, taps.moment) / weight : taps.moment.at(kMiddleTap);
 }
 
 /// The estimates' signals, with variances corrected for stratification.

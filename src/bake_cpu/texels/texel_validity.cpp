@@ -15,10 +15,13 @@ constexpr int kFewRays = 3;     ///< enough if all of them agree
 constexpr int kEnoughBacks = 5; ///< hidden backs hit by all rays of one point
 /// Height in texels of lines between the points of a texel: more than that of a convex surface between them.
 constexpr float kLift = 0.1f;
-/// Mutually visible points are outside shells if less than a fourth of their rays hit hidden backs. Behind a shell,
-/// seven of eight do.
-constexpr int kPartOfBacks = 4;
 constexpr int kManyBacks = 32; ///< hidden backs hit by all rays of all points together
+
+/// Whether mutually visible points may be behind a shell. Behind one, seven of eight of their rays hit hidden backs.
+bool manyBacks(int backs, int rays)
+{
+    return 4 * backs >= rays;
+}
 
 /// Index of the n-th bit that is set.
 int nthBit(PointMask mask, int n)
@@ -212,7 +215,7 @@ bool TexelValidity::testTogether(std::span<BlockTexel> texels, uint64_t& rays) c
     }
     const uint32_t id = texels[0].id;
     bool inside = anySolid_ && insideSolids(points, kAllPoints, id, rays);
-    if (!inside && std::popcount(hitBacks(points, kAllPoints, id, 0, rays)) * kPartOfBacks >= kMaxTexelPoints) {
+    if (!inside && manyBacks(std::popcount(hitBacks(points, kAllPoints, id, 0, rays)), kMaxTexelPoints)) {
         if (behindShells(points, kAllPoints, id, rays) != kAllPoints) return false;
         inside = true;
     }
@@ -242,7 +245,7 @@ PointMask TexelValidity::testOne(const BlockTexel& t, const NearTriangles& near,
     const auto all = PointMask((1u << t.pointCount) - 1u);
     const bool nothingBetween = near.isEmpty(t.box);
     const int backs = std::popcount(hitBacks(t.points, some, t.id, 0, rays));
-    const bool outsideShells = backs == 0 || (nothingBetween && backs * kPartOfBacks < kRays);
+    const bool outsideShells = backs == 0 || (nothingBetween && !manyBacks(backs, kRays));
     if (refinements.validityScouts && outsideShells &&
         (nothingBetween || visibleFrom(t.points, 0, all, liftOf(t.points), rays) == all))
         return anySolid_ && insideSolids(t.points, all, t.id, rays) ? PointMask(0) : kAllPoints;

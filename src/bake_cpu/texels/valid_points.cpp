@@ -18,6 +18,7 @@ namespace {
 constexpr const char* kStage = "validity";
 /// Width of a block of texels that few rays test together: of most blocks all points are mutually visible.
 constexpr int kBlock = 4;
+static_assert(kBlock * kBlock == kMaxTexelPoints, "a point of each texel of a block");
 constexpr std::size_t kGrain = 16; ///< blocks
 /// Texels of a part that processes share: a few hundredths of a second.
 constexpr std::size_t kPartTexels = 16384;
