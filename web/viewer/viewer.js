@@ -19,14 +19,31 @@ renderer.toneMapping = THREE.NeutralToneMapping; // as the program's displayed p
 
 const camera = new THREE.PerspectiveCamera(52, 1, 0.05, 1000);
 const orbit = new OrbitControls(camera, renderer.domElement);
-const flight = new Flight(camera, orbit);
+const flight = new Flight(camera, orbit, redraw);
 const scene = new THREE.Scene();
 /** @type {{gltf: any, halflight: any, bytes: number} | null} */
 let shown = null;
-let changed = true;
-let seconds = 0;
+let requested = false;
 let trouble = '';
-const redraw = () => (changed = true);
+
+/** One frame is drawn for all changes before it; no frame is requested while nothing changes. */
+function redraw() {
+    if (requested) return;
+    requested = true;
+    requestAnimationFrame(draw);
+}
+
+function draw(time) {
+    requested = false;
+    flight.move(time);
+    if (!shown) return;
+    const start = performance.now();
+    shown.halflight.update(renderer, camera);
+    renderer.render(scene, camera);
+    showStatistics(element('statistics'), shown, renderer, (performance.now() - start) / 1000);
+    say();
+    document.body.dataset.frames = String(Number(document.body.dataset.frames ?? 0) + 1);
+}
 
 function resize() {
     renderer.setSize(innerWidth, innerHeight, false);
@@ -123,7 +140,7 @@ onInput('exposure', (value) => (renderer.toneMappingExposure = 2 ** -Number(valu
 onInput('view', (value) => (shown.halflight.debugView = value));
 onInput('camera', (value) => useCamera(Number(value)));
 element('link').addEventListener('click', async () => {
-    location.hash = writeLink({ halflight: shown.halflight, camera, orbit, renderer });
+    history.replaceState(null, '', `#${writeLink({ halflight: shown.halflight, camera, orbit, renderer })}`); // no hashchange
     await navigator.clipboard?.writeText(location.href).catch(() => {});
 });
 element('open').addEventListener('change', async (event) => {
@@ -148,22 +165,10 @@ addEventListener('drop', async (event) => {
     if (file) await open(await file.arrayBuffer(), file.name);
 });
 orbit.addEventListener('change', redraw);
+element('picture').addEventListener('webglcontextrestored', redraw);
 addEventListener('resize', resize);
 resize();
 element('panel').open = innerWidth > 640; // else it hides most of the picture
-
-renderer.setAnimationLoop((time) => {
-    if (flight.move(time)) redraw();
-    if (!shown || !changed) return;
-    changed = false;
-    const start = performance.now();
-    shown.halflight.update(renderer, camera);
-    renderer.render(scene, camera);
-    seconds = (performance.now() - start) / 1000;
-    showStatistics(element('statistics'), shown, renderer, seconds);
-    say();
-    document.body.dataset.frames = String(Number(document.body.dataset.frames ?? 0) + 1);
-});
 
 const wanted = new URLSearchParams(location.search).get('file') ?? SHOWCASE;
 const response = await fetch(wanted).catch(() => null);
