@@ -55,6 +55,30 @@ TEST_P(LeaksS6, TexelsInsideNestedSolidsAreMarked)
     for (const IrradianceEstimate& e : bench.irradiance()) EXPECT_FALSE(e.valid);
 }
 
+/// A hood without a bottom stands on a floor with low boards, one in each block of texels: not all points of a block
+/// are mutually visible, and those of each texel are behind the hood.
+TEST_P(LeaksS6, TexelsBetweenBoardsUnderAHoodAreMarked)
+{
+    Scene scene;
+    scene.sky = {vec3(1), vec3(1), vec3(1)};
+    const int grey = addMaterial(scene, vec3(0.5f));
+    constexpr float kTexel = 2.0f / float(kPage);
+    addRectangle(scene, {vec3(-1, 0, 1), vec3(2, 0, 0), vec3(0, 0, -2)}, grey, kPage, {vec2(0), vec2(kPage)});
+    for (int block = 0; block < kPage / 4; ++block) {
+        const vec3 corner(-1.0f + (4.0f * float(block) + 2.0f) * kTexel, 0, 1);
+        addRectangle(scene, {corner, vec3(0, 0, -2), vec3(0, 0.2f * kTexel, 0)}, grey, kPage);
+    }
+    const vec3 corner(-2, -0.1f, -2);
+    const vec3 x(4, 0, 0);
+    const vec3 y(0, 3, 0);
+    const vec3 z(0, 0, 4);
+    for (const Rectangle& face : {Rectangle{corner, y, x}, Rectangle{corner + z, x, y}, Rectangle{corner, z, y},
+                                  Rectangle{corner + x, y, z}, Rectangle{corner + y, z, x}})
+        addRectangle(scene, face, grey, kPage);
+    Bench bench(std::move(scene), MixedLightingMode::Shadowmask, kPage, transport());
+    for (const IrradianceEstimate& e : bench.irradiance()) EXPECT_FALSE(e.valid);
+}
+
 /// A room with thick walls, modelled as one hollow body: its inside is outside the solid and takes light, its walls'
 /// cores do not, and what a block in it covers is still inside the block.
 TEST(LeaksS6, RoomsInHollowBodiesAreLit)
