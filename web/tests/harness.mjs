@@ -69,16 +69,23 @@ export async function launch() {
     return chromium.launch({ executablePath: findChromium(), args: flags });
 }
 
+/** A page whose waits last three minutes: a busy machine takes more than Playwright's half a minute to load one. */
+export async function newPage(browser, options = {}) {
+    const page = await browser.newPage(options);
+    page.setDefaultTimeout(180000);
+    return page;
+}
+
 /** The test page, with its errors thrown here. */
 export async function openPage(browser, url, renderer = 'webgl') {
-    const page = await browser.newPage();
+    const page = await newPage(browser);
     const errors = [];
     page.on('pageerror', (error) => errors.push(String(error)));
     page.on('console', (message) => {
         if ((message.type() === 'error' && !message.text().includes('favicon')) || process.env.HALFLIGHT_WEB_VERBOSE) errors.push(message.text());
     });
     await page.goto(`${url}/web/tests/page/${renderer === 'webgl' ? 'index' : 'webgpu'}.html?renderer=${renderer}`);
-    await page.waitForFunction('window.ready === true', null, { timeout: 60000 }).catch((error) => {
+    await page.waitForFunction('window.ready === true').catch((error) => {
         throw new Error(`${error}\n${errors.join('\n')}`);
     });
     const call = async (name, argument) => {

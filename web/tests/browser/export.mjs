@@ -12,7 +12,7 @@ const look = process.env.HALFLIGHT_WEB_PICTURES;
 async function plainPage(url) {
     const page = await studio.newPage();
     await page.goto(`${url}/web/tests/page/plain.html`);
-    await page.waitForFunction('window.ready === true', null, { timeout: 60000 });
+    await page.waitForFunction('window.ready === true');
     return page;
 }
 

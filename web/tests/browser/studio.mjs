@@ -6,7 +6,7 @@ import { tmpdir } from 'node:os';
 import { join } from 'node:path';
 import { after } from 'node:test';
 
-import { halflight, launch, openPage, repository, serve } from '../harness.mjs';
+import { halflight, launch, newPage, openPage, repository, serve } from '../harness.mjs';
 
 export const SIZE = [320, 180];
 const LIMIT = 1.5; // mean difference in 255ths
@@ -34,7 +34,7 @@ class Studio {
 
     async newPage(options) {
         this.browser ??= await launch();
-        return this.browser.newPage(options);
+        return newPage(this.browser, options);
     }
 
     /** The test page with a release of three.js and a renderer of it. */

@@ -26,7 +26,6 @@ async function open(address = '?file=sphere_on_floor.glb', viewport = { width: 6
         server = await serveFolder(folder);
     }
     const page = await studio.newPage({ viewport });
-    page.setDefaultTimeout(180000); // a busy machine takes more than half a minute to load the page
     const errors = [];
     page.on('pageerror', (error) => errors.push(String(error)));
     page.on('request', (request) => {
