@@ -12,7 +12,7 @@ namespace halflight {
 
 namespace {
 
-const std::string kPath = kBakePath + "/reflectionProbes";
+const std::string kReflectionsPath = kBakePath + "/reflectionProbes";
 
 /// Widest tile that is read: 32 of them are 768 MiB as floats.
 constexpr int kMostTileTexels = 1024;
@@ -59,26 +59,26 @@ Result<ReflectionSet> readReflections(const SourceDocument& document, const Json
     const Json& unit = member(json, "unitNits");
     set.unitNits = unit.is_number() ? unit.get<float>() : 0.0f;
     if (!(set.unitNits > 0.0f) || !std::isfinite(set.unitNits))
-        return invalid(kPath, "unitNits is not a number above 0");
+        return invalid(kReflectionsPath, "unitNits is not a number above 0");
     const Json& size = member(json, "size");
     set.size = size.is_number_unsigned() && size.get<uint64_t>() <= uint64_t(kMostTileTexels) ? size.get<int>() : 0;
     if (set.size < kLeastTileTexels || set.size % 16 != 0)
-        return invalid(kPath, "size is not a multiple of 16 from 32 to 1024");
+        return invalid(kReflectionsPath, "size is not a multiple of 16 from 32 to 1024");
     const Json& probes = member(json, "probes");
     if (!probes.is_array() || probes.empty() || probes.size() > ReflectionSet::kMost)
-        return invalid(kPath, "probes is not a list of 1 to 32");
+        return invalid(kReflectionsPath, "probes is not a list of 1 to 32");
     for (std::size_t i = 0; i < probes.size(); ++i) {
-        auto probe = readProbe(probes[i], shift, kPath + "/probes/" + std::to_string(i));
+        auto probe = readProbe(probes[i], shift, kReflectionsPath + "/probes/" + std::to_string(i));
         if (!probe) return probe.error();
         set.probes.push_back(*probe);
     }
-    const auto bytes = pictureBytes(document, member(json, "picture"), kPath + "/picture");
+    const auto bytes = pictureBytes(document, member(json, "picture"), kReflectionsPath + "/picture");
     if (!bytes) return bytes.error();
     auto picture = decodeKtx2(*bytes);
-    if (!picture) return Error{picture.error().code, picture.error().message, kPath + "/picture"};
+    if (!picture) return Error{picture.error().code, picture.error().message, kReflectionsPath + "/picture"};
     set.picture = std::move(*picture);
     if (set.picture.size() != ivec2(set.size, int(set.probes.size()) * (set.size + set.size / 2)))
-        return invalid(kPath + "/picture", "is not as large as its probes' tiles");
+        return invalid(kReflectionsPath + "/picture", "is not as large as its probes' tiles");
     return set;
 }
 

@@ -12,7 +12,7 @@ namespace halflight {
 
 namespace {
 
-const std::string kPath = kBakePath + "/sky/picture";
+const std::string kSkyPath = kBakePath + "/sky/picture";
 
 const Json& recordOf(const SourceDocument& document)
 {
@@ -27,13 +27,13 @@ float numberOr(const Json& json, float otherwise)
 Result<ImageRgb32f> pictureOfBake(const SourceDocument& document, const Json& record)
 {
     const float unit = numberOr(member(record, "unitNits"), 0.0f);
-    if (!(unit > 0.0f) || !std::isfinite(unit)) return invalid(kPath, "unitNits is not a number above 0");
-    const auto bytes = pictureBytes(document, record, kPath);
+    if (!(unit > 0.0f) || !std::isfinite(unit)) return invalid(kSkyPath, "unitNits is not a number above 0");
+    const auto bytes = pictureBytes(document, record, kSkyPath);
     if (!bytes) return bytes.error();
     const auto page = decodeKtx2(*bytes);
-    if (!page) return Error{page.error().code, page.error().message, kPath};
+    if (!page) return Error{page.error().code, page.error().message, kSkyPath};
     if (page->empty() || int64_t(page->texelCount()) > kMostSkyPictureTexels)
-        return invalid(kPath, "has no texels, or more than a sky's picture may have");
+        return invalid(kSkyPath, "has no texels, or more than a sky's picture may have");
     ImageRgb32f picture = decodeRgb9e5(*page, unit);
     return picture.width() > kMostSkyTexels ? reducedSkyPicture(picture, kMostSkyTexels) : std::move(picture);
 }
@@ -85,7 +85,7 @@ Result<Sky> readSky(const SourceDocument& document, const SceneSettings& setting
     if (!settings.skyImage) {
         sky.pictureOfBake = true;
         sky.rotationRadians = rotation.value_or(numberOr(member(record, "rotation"), 0.0f));
-        if (!std::isfinite(sky.rotationRadians)) return invalid(kPath, "rotation is not a finite number");
+        if (!std::isfinite(sky.rotationRadians)) return invalid(kSkyPath, "rotation is not a finite number");
     }
     return sky;
 }

@@ -29,7 +29,6 @@ constexpr const char* kRootExtension = "HALFLIGHT_mixed_lighting";
 constexpr const char* kNodeExtension = "HALFLIGHT_node";
 constexpr const char* kMaterialExtension = "HALFLIGHT_material";
 constexpr const char* kImageInfix = "_image"; // OUT_image_0.png
-constexpr int kNoMaterial = -2;
 
 Status writeBeside(const std::filesystem::path& path, const std::string& name, const std::vector<std::byte>& bytes)
 {
@@ -209,7 +208,7 @@ private:
         }
         nodeJson(node)["extensions"][kNodeExtension] = std::move(record);
 
-        std::vector<int> materials(mesh.parts.size(), kNoMaterial);
+        std::vector<int> materials(mesh.parts.size(), MeshWriter::kAsInSource);
         if (lightmapped && !instanced && options_.mozLightmap) {
             for (std::size_t p = 0; p < mesh.parts.size(); ++p) {
                 const Json& primitive = source_.json["meshes"][std::size_t(mesh.sourceMesh)]["primitives"]

@@ -10,8 +10,6 @@ namespace halflight {
 
 namespace {
 
-constexpr int kNoMaterial = -2; // "as in the source": no lightmap material
-
 NewView indexView(const std::vector<uint32_t>& indices, std::size_t vertexCount, int& componentType)
 {
     NewView view;
@@ -206,7 +204,7 @@ Status MeshWriter::setNodeMesh(int node, int sceneMesh, const std::vector<int>& 
         }
         Json json = patched_[sceneMesh];
         for (std::size_t p = 0; p < mesh.parts.size() && p < materials.size(); ++p) {
-            if (materials[p] == kNoMaterial) continue;
+            if (materials[p] == kAsInSource) continue;
             json["primitives"][std::size_t(mesh.parts[p].sourcePrimitive)]["material"] = materials[p];
         }
         meshes_.emplace_back(mesh.sourceMesh, std::move(json));

@@ -17,8 +17,10 @@ public:
     MeshWriter(DocumentPatcher& patcher, const SourceDocument& source, const Scene& scene,
                const std::vector<FileLayout>& layouts);
 
-    /// Points the node at the scene mesh's place in the file. `materialOf` gives the material of each part (-1
-    /// default); nodes with equal `materials` share a mesh.
+    static constexpr int kAsInSource = -2; ///< of `materials`: the part has no lightmap material
+
+    /// Points the node at the scene mesh's place in the file. `materials` has the material of each part (-1 default);
+    /// nodes with equal `materials` share a mesh.
     Status setNodeMesh(int node, int sceneMesh, const std::vector<int>& materials);
     /// Gives the meshes their final indices; to be called once, after the last setNodeMesh().
     void finish();
