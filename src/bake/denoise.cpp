@@ -75,6 +75,10 @@ float dot(const TapFloats& a, const TapFloats& b)
         for (std::size_t i = 0; i < 4; ++i) parts[i] += a[k + i] * b[k + i];
     return (parts[0] + parts[2]) + (parts[1] + parts[3]);
 }
+float sum(const TapFloats& values)
+{
+    return std::accumulate(values.begin(), values.end(), 0.0f);
+}
 vec3 dot(const TapFloats& weights, const TapColors& colors)
 {
     return {dot(weights, colors.r), dot(weights, colors.g), dot(weights, colors.b)};
@@ -148,9 +152,7 @@ Trend fittedTrend(const TapColors& light)
     constexpr float kLinear = 50.0f;
     constexpr float kSquare = 70.0f; // of x^2 - 2
     constexpr float kMixed = 100.0f;
-    const vec3 twice = 2.0f * vec3(std::accumulate(light.r.begin(), light.r.end(), 0.0f),
-                                   std::accumulate(light.g.begin(), light.g.end(), 0.0f),
-                                   std::accumulate(light.b.begin(), light.b.end(), 0.0f));
+    const vec3 twice = 2.0f * vec3(sum(light.r), sum(light.g), sum(light.b));
     Trend trend;
     trend.x = dot(kTerms.x, light) / kLinear;
     trend.y = dot(kTerms.y, light) / kLinear;
@@ -261,8 +263,7 @@ Detrended detrendedOf(const Neighbourhood& around)
 /// middle tap.
 NoisyLight meanOf(const TapLights& light, const TapFloats& weights, const Trend& trend, float correlation)
 {
-    float weight = 0.0f;
-    for (const float w : weights) weight += w;
+    const float weight = sum(weights);
     const NoisyLight own{light.irradiance.at(kMiddleTap), light.variance[kMiddleTap]};
     if (!(weight > 0.0f)) return own;
     const TapFloats squares = forTaps([&](std::size_t k) { return weights[k] * weights[k]; });
@@ -302,8 +303,7 @@ void filterTexel(const Level& level, uint32_t i, Signals& out)
         const TapFloats distance = distances(taps.direct, {}, tolerance);
         ofMoments = forTaps([&](std::size_t k) { return weights[k] * falloff(distance[k]); });
     }
-    float weight = 0.0f;
-    for (const float w : ofMoments) weight += w;
+    const float weight = sum(ofMoments);
     out.moments[i] = weight > 0.0f ? dot(ofMoments, taps.moment) / weight : taps.moment.at(kMiddleTap);
 }
 

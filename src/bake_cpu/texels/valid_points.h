@@ -9,9 +9,9 @@
 
 namespace halflight {
 
-/// As Integrator::findValidPoints(). Texels are tested in blocks
-/// (TexelValidity::testBlock()). `parts`: may be null; keeps the result, and the
-/// parts of it that processes share. False when cancelled, and when a shared folder cannot be written.
+/// As Integrator::findValidPoints(). Texels are tested in blocks (TexelValidity::testBlock()). `parts`: may be null;
+/// keeps the result, and the parts of it that processes share. False when cancelled, and when a shared folder cannot be
+/// written.
 bool findValidPoints(const PathTracer& paths, TexelMap& map, PartFolder* parts, const Progress& progress,
                      std::atomic<uint64_t>& rays);
 
