@@ -21,7 +21,7 @@ import re
 import sys
 import tempfile
 
-LIMIT = 184  # may only shrink; the aim is 99
+LIMIT = 144  # may only shrink; the aim is 99
 FOLDERS = ("src/bake", "src/bake_cpu")
 LEAST_WORDS = 4
 
@@ -96,7 +96,7 @@ WORK = {
     "src/bake/cache.cpp": ["kKeptBakes", "kInUse", "kComparisonShare", "kBatchItems"],
     "src/bake/cache.h": ["kTexelTile", "kProbeTile", "kProbeTilesPerPart"],
     "src/bake/dilate.cpp": ["kTexelsPerTask"],
-    "src/bake/facet_orientation.cpp": ["kBlockPatches", "kEnough"],
+    "src/bake/facet_orientation.cpp": ["kRaysAtOnce", "kBlockPatches", "kEnough"],
     "src/bake/live_light.cpp": ["kSide", "kMostSquares", "kFirstTexels", "kSecondsAtOnce"],
     "src/bake/live_pages.h": ["kBlock"],
     "src/bake/probe_sight.cpp": ["kAtOnce"],

@@ -18,11 +18,8 @@ constexpr float kBrighter = 1.1f; ///< ratio of luminances from which a texel ca
 constexpr float kConfirmingShare = 0.25f;
 constexpr uint32_t kReliableSamples = 128; ///< from there on chance does not explain a difference
 constexpr int kFewestNeighbours = 8;       ///< below, quantiles of the neighbourhood mean nothing
-constexpr int kFullNeighbourhood = 20;     ///< from there on a texel lies in the midst of a surface
 /// Variance of a clamped texel over its squared luminance: a relative standard deviation of 20 %.
 constexpr float kClampedVariance = 0.04f;
-/// A traced texel with more interpolated texels than this in its 5 × 5 is compared with the traced ones of its 9 × 9.
-constexpr int kManyInterpolated = 6;
 
 /// The value of the given rank in ascending order.
 float valueOfRank(std::span<const float> values, int rank)
@@ -55,11 +52,17 @@ std::span<const float> luminancesOf(const NeighbourStats& stats)
     return {stats.luminances.data(), std::size_t(stats.count)};
 }
 
+/// Whether a texel lies in the midst of a surface.
+bool isAmid(const NeighbourStats& stats, const OutlierTexel& texel)
+{
+    return texel.isWhole && stats.adjacentCount * stats.step >= 8;
+}
+
 /// Few samples, in the midst of a surface. Half blocks agree by chance in one of some thousand such texels, so that a
 /// small stated variance does not prove light to be real.
 bool mayAgreeByChance(const NeighbourStats& stats, const OutlierTexel& texel)
 {
-    return texel.isWhole && stats.adjacentCount * stats.step >= 8 && texel.samples < kReliableSamples;
+    return isAmid(stats, texel) && texel.samples < kReliableSamples;
 }
 
 /// For a texel below the 1/8 quantile: that quantile, if the texel is a dark speck.
@@ -121,7 +124,7 @@ int stepAround(const SurfaceGrid& grid, std::span<const IrradianceEstimate> esti
 {
     int interpolated = 0;
     grid.around(texel, 2, [&](uint32_t j) { interpolated += isInterpolated(estimates[j]) ? 1 : 0; });
-    return interpolated > kManyInterpolated ? 2 : 1;
+    return interpolated >= kFewestNeighbours ? 2 : 1;
 }
 
 /// Interpolated texels beside a clamped outlier hold a share of it: their limit is the brightest adjacent traced texel.
@@ -192,7 +195,7 @@ float smoothedVariance(const NeighbourStats& stats, const OutlierTexel& texel)
     const int median = stats.count / 2;
     if (stats.count > 0 && rankIsAbove(variances, median, variance)) variance = valueOfRank(variances, median);
     const int high = highRank(stats.count);
-    if (texel.isWhole && stats.count >= kFullNeighbourhood && rankIsAbove(variances, high, 2.0f * variance))
+    if (isAmid(stats, texel) && rankIsAbove(variances, high, 2.0f * variance))
         variance = 0.5f * valueOfRank(variances, high);
     return variance;
 }

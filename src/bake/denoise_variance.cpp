@@ -59,21 +59,21 @@ std::vector<float> varianceScales(const SurfaceGrid& grid, std::span<const Irrad
             }
         }
     });
-    constexpr int kRadius = 3;            // texels: 49 differences, a standard error of 20 % of their mean square
-    constexpr int kFewestDifferences = 6; // a standard error of 58 %; with fewer the stated variance counts
-    constexpr float kLeastScale = 0.05f;  // of a variance; differences of 0 by chance must not switch the filter off
+    constexpr int kRadius = 3; // texels: 49 differences, a standard error of 20 % of their mean square
     std::vector<float> scales(estimates.size(), 1.0f);
     parallelFor(estimates.size(), 2048, [&](std::size_t begin, std::size_t end) {
         for (std::size_t i = begin; i < end; ++i) {
             float measured = 0.0f;
             float expected = 0.0f;
-            int count = 0;
+            float count = 0.0f;
             grid.around(uint32_t(i), kRadius, [&](uint32_t j) {
                 measured += differences[j].measured;
                 expected += differences[j].expected;
-                count += differences[j].expected > 0.0f ? 1 : 0;
+                count += differences[j].expected > 0.0f ? 1.0f : 0.0f;
             });
-            if (count >= kFewestDifferences) scales[i] = std::clamp(measured / expected, kLeastScale, 1.0f);
+            // One more difference, as large as stated: few ones prove little, and differences of 0 by chance must not
+            // switch the filter off.
+            if (count > 0.0f) scales[i] = std::min((count * measured / expected + 1.0f) / (count + 1.0f), 1.0f);
         }
     });
     return scales;

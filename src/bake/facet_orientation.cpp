@@ -20,14 +20,12 @@ namespace {
 constexpr float kWidestMeters = 1.0f; ///< a cavity is narrower than rooms,
 constexpr float kWidestShare = 0.1f;  ///< and than this share of the scene's diagonal
 constexpr float kLift = 1.0e-5f;      ///< start of rays above the surface, over the diagonal: skips coincident faces
-constexpr int kFrontRays = 1024;
-constexpr int kTestRays = 32; ///< of them, enough to reject most patches
-constexpr int kBackRays = 128;
-constexpr int kStrayRays = 50; ///< front rays that may leave the cavity, where faces are missing or do not quite meet
-constexpr float kLeastOpen = 0.0625f; ///< share of back rays that are longer than a cavity is wide
-constexpr float kMoreOpen = 8.0f;     ///< ratio of these shares, back over front
-constexpr float kMoreSpace = 4.0f;    ///< 3/4 quantile of the back rays' lengths over the median of the front rays'
+constexpr int kRays = 256;            ///< on each side: at most 15 of them may leave a cavity
+/// Some front rays may leave the cavity, where faces are missing or do not quite meet. So many times as many back rays
+/// have to be longer than a cavity is wide.
+constexpr int kMoreOpen = 16;
 constexpr uint32_t kSeed = 0x5eed0021u;
+constexpr int kRaysAtOnce = 32;             ///< of a patch; most are known then to face no cavity
 constexpr std::size_t kBlockPatches = 4096; ///< patches that are tested at a time, which bounds memory
 
 using Patch = std::span<const uint32_t>; ///< triangles
@@ -42,20 +40,14 @@ Bounds boundsOf(const BakeGeometry& geometry)
     return bounds;
 }
 
-/// A patch that may face a cavity, with the lengths of its rays in metres (infinite: nothing hit).
+/// A patch that may face a cavity, with the numbers of its rays that are longer than a cavity is wide.
 struct Candidate {
     Patch patch;
-    std::vector<float> front{};
-    std::vector<float> back{};
+    int front = 0;
+    int back = 0;
+    /// One more front ray is assumed, so that a few back rays between surfaces prove nothing.
+    [[nodiscard]] int enoughBack() const { return kMoreOpen * (front + 1); }
 };
-
-/// The value below which `times` / `over` of the values lie; reorders them.
-float quantile(std::vector<float>& values, std::size_t times, std::size_t over)
-{
-    const auto at = values.begin() + std::ptrdiff_t(values.size() * times / over);
-    std::nth_element(values.begin(), at, values.end());
-    return *at;
-}
 
 class CavityTest {
 public:
@@ -64,7 +56,6 @@ public:
     {
         const Bounds bounds = boundsOf(geometry);
         const float diagonal = bounds.empty() ? 0.0f : glm::length(bounds.size());
-        far_ = diagonal;
         widest_ = std::min(kWidestMeters, kWidestShare * diagonal);
         lift_ = kLift * diagonal;
     }
@@ -77,11 +68,13 @@ public:
             std::vector<Candidate> candidates;
             for (const Patch patch : patches.subspan(first, std::min(kBlockPatches, patches.size() - first)))
                 candidates.push_back({patch});
-            castFront(candidates, kFrontRays / kTestRays, 2 * kStrayRays * kTestRays / kFrontRays, 4);
-            castFront(candidates, 1, kStrayRays, 64);
-            cast(candidates, 0, kFrontRays, kFrontRays / kBackRays, true);
-            for (Candidate& c : candidates) {
-                if (isBackOpen(c) && isEmpty(c.patch)) found.push_back(c.patch);
+            for (int ray = 0; ray < kRays && !candidates.empty(); ray += kRaysAtOnce) {
+                cast(candidates, ray, false);
+                std::erase_if(candidates, [](const Candidate& c) { return c.enoughBack() > kRays; });
+            }
+            for (int ray = 0; ray < kRays; ray += kRaysAtOnce) cast(candidates, ray, true);
+            for (const Candidate& c : candidates) {
+                if (c.back >= c.enoughBack() && isEmpty(c.patch)) found.push_back(c.patch);
             }
         }
         return found;
@@ -93,11 +86,11 @@ private:
         vec3 normal;
         vec3 direction; ///< cosine-distributed
     };
-    /// Ray `ray` of kFrontRays. All patches use the same random numbers, so that results do not depend on other
+    /// Ray `ray` of kRays. All patches use the same random numbers, so that results do not depend on other
     /// patches.
     [[nodiscard]] Start startOf(Patch patch, int ray) const
     {
-        const uint32_t triangle = patch[std::size_t(ray) * patch.size() / kFrontRays];
+        const uint32_t triangle = patch[std::size_t(ray) * patch.size() / kRays];
         const vec2 b = shading::sampleTriangle(r2Point(int(hashCombine(kSeed, uint32_t(ray)) >> 8)));
         const SurfacePoint point = surfacePoint(geometry_, triangle, b);
         Start s;
@@ -110,60 +103,31 @@ private:
         s.direction = local.x * tangent + local.y * bitangent + local.z * s.normal;
         return s;
     }
-    /// Casts the rays begin, begin + every, … below end of all candidates in one batch and stores their lengths.
-    void cast(std::vector<Candidate>& candidates, int begin, int end, int every, bool back) const
+    /// Casts kRaysAtOnce rays of all candidates, from ray `begin` on.
+    void cast(std::vector<Candidate>& candidates, int begin, bool back) const
     {
-        const auto count = std::size_t((end - begin + every - 1) / every);
-        std::vector<Segment> segments(candidates.size() * count);
+        std::vector<Segment> segments(candidates.size() * kRaysAtOnce);
         parallelFor(candidates.size(), 16, [&](std::size_t first, std::size_t last) {
-            for (std::size_t c = first; c < last; ++c) {
-                for (std::size_t r = 0; r < count; ++r) {
-                    const Start s = startOf(candidates[c].patch, begin + int(r) * every);
-                    const float side = back ? -1.0f : 1.0f;
-                    const vec3 from = s.position + side * lift_ * s.normal;
-                    segments[c * count + r] = {from, from + far_ * (side * s.direction)};
-                }
+            for (std::size_t i = first * kRaysAtOnce; i < last * kRaysAtOnce; ++i) {
+                const Start s = startOf(candidates[i / kRaysAtOnce].patch, begin + int(i % kRaysAtOnce));
+                const float side = back ? -1.0f : 1.0f;
+                const vec3 from = s.position + side * lift_ * s.normal;
+                segments[i] = {from, from + widest_ * (side * s.direction)};
             }
         });
         std::vector<std::optional<vec2>> surfaces(segments.size());
         integrator_.surfacesAlong(segments, surfaces);
         for (std::size_t i = 0; i < segments.size(); ++i) {
-            Candidate& c = candidates[i / count];
-            (back ? c.back : c.front).push_back(surfaces[i] ? surfaces[i]->x : kInfinity);
+            Candidate& c = candidates[i / kRaysAtOnce];
+            (back ? c.back : c.front) += surfaces[i] ? 0 : 1;
         }
-    }
-    /// Casts every n-th front ray, `batch` rays at a time, and drops candidates with more than `strays` that leave.
-    void castFront(std::vector<Candidate>& candidates, int every, int strays, int batch) const
-    {
-        std::size_t known = candidates.empty() ? 0 : candidates.front().front.size();
-        for (int ray = 0; ray < kFrontRays && !candidates.empty(); ray += batch * every) {
-            cast(candidates, ray, std::min(ray + batch * every, kFrontRays), every, false);
-            std::erase_if(candidates, [&](const Candidate& c) {
-                return std::count_if(c.front.begin() + std::ptrdiff_t(known), c.front.end(),
-                                     [&](float length) { return leaves(length); }) > strays;
-            });
-        }
-    }
-    /// Whether a ray is longer than a cavity is wide; true for NaN.
-    [[nodiscard]] bool leaves(float length) const { return !(length <= widest_); }
-    [[nodiscard]] float shareThatLeaves(const std::vector<float>& lengths) const
-    {
-        const auto count = std::count_if(lengths.begin(), lengths.end(), [&](float l) { return leaves(l); });
-        return float(count) / float(lengths.size());
-    }
-    [[nodiscard]] bool isBackOpen(Candidate& c) const
-    {
-        const float strays = shareThatLeaves(c.front);
-        const float open = shareThatLeaves(c.back);
-        return open >= std::max(kLeastOpen, kMoreOpen * strays) &&
-               quantile(c.back, 3, 4) >= kMoreSpace * quantile(c.front, 1, 2);
     }
     /// Whether no light, camera or dynamic object is visible close by in front of a patch.
     [[nodiscard]] bool isEmpty(Patch patch) const
     {
         std::vector<Segment> segments;
         for (const vec3 point : points_) {
-            for (int ray = 0; ray < kFrontRays; ray += kFrontRays / kTestRays) {
+            for (int ray = 0; ray < kRays; ++ray) {
                 const Start s = startOf(patch, ray);
                 const vec3 from = s.position + lift_ * s.normal;
                 if (glm::dot(point - from, s.normal) <= 0.0f || glm::distance(from, point) > widest_) continue;
@@ -178,7 +142,6 @@ private:
     const BakeGeometry& geometry_;
     const Integrator& integrator_;
     std::vector<vec3> points_;
-    float far_ = 0.0f;
     float widest_ = 0.0f;
     float lift_ = 0.0f;
 };

@@ -8,7 +8,7 @@
 namespace halflight {
 namespace {
 
-constexpr uint32_t kFrontVersion = 3; ///< raised when the first stages make other results of the same input
+constexpr uint32_t kFrontVersion = 4; ///< raised when the first stages make other results of the same input
 constexpr const char* kUnwrapped = "unwrapped";
 constexpr const char* kGeometry = "geometry";
 constexpr const char* kTexels = "texels";

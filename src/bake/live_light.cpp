@@ -18,7 +18,6 @@ constexpr int kSide = 2;
 constexpr std::size_t kMostSquares = 8192;
 /// Paths of a sample: with its neighbours' about 64, whose noise does not hide the light.
 constexpr int kPaths = 16;
-constexpr int kPathsOfProbe = 32;
 /// How much brighter than first light the lightmap may get before it is clamped.
 constexpr float kHeadroom = 8.0f;
 /// Texels until the first look at the view; then so many as take about a second, since each request computes some
@@ -35,8 +34,7 @@ std::optional<ProbeSet> roughProbes(const Scene& scene, float spacingMeters, Int
     std::vector<vec3> positions;
     for (const Probe& probe : set.probes) positions.push_back(probe.position);
     std::vector<ProbeEstimate> estimates(positions.size());
-    if (!integrator.probes(positions, allIndices(positions.size()), kPathsOfProbe, estimates, progress))
-        return std::nullopt;
+    if (!integrator.probes(positions, allIndices(positions.size()), kPaths, estimates, progress)) return std::nullopt;
     for (std::size_t i = 0; i < estimates.size(); ++i) {
         set.probes[i].radiance = estimates[i].radiance;
         set.probes[i].valid = estimates[i].valid;

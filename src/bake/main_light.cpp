@@ -105,11 +105,10 @@ vec3 chooseShadowColor(const MainLight& main, const std::vector<vec3>& otherLigh
     // so that it is the light of the darkest places.
     constexpr float kTypical = 0.5f;
     constexpr float kDarkest = 0.05f;
-    constexpr float kShadowed = 0.02f; // largest transmittance in shadow
-    constexpr float kCovered = 0.1f;   // of the mean: darker texels lie under an object
+    constexpr float kCovered = 0.1f; // of the mean: darker texels lie under an object
 
     const auto faces = [&](std::size_t i) { return luminance(main.unshadowed[i]) > 0.0f; };
-    const auto shadowed = [&](std::size_t i) { return faces(i) && main.transmittance[i] <= kShadowed; };
+    const auto shadowed = [&](std::size_t i) { return faces(i) && main.transmittance[i] == 0.0f; };
     const auto colorOf = [&](const auto& counts) -> std::optional<vec3> {
         double sum = 0.0;
         std::size_t count = 0;

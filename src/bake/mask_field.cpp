@@ -16,7 +16,6 @@ constexpr int kReach = 5; ///< texels searched for edges: the range, and half a 
 /// Channels with wider penumbrae (texels) stay attenuation: bilinear filtering suffices, and a distance loses their
 /// shape.
 constexpr float kWidestPenumbra = 2.0f;
-constexpr float kPartial = 0.02f; ///< attenuation within this of 0 or 1 counts as in shadow or lit
 
 /// A shadow's edge in one texel: a point relative to the texel's centre, and the direction of the lit side.
 struct Edge {
@@ -45,7 +44,7 @@ float meanPenumbra(const TexelMap& map, const TexelGrid& grid, const std::vector
     uint64_t crossings = 0;
     for (std::size_t i = 0; i < map.texels.size(); ++i) {
         const float a = mask[i][channel];
-        partial += a > kPartial && a < 1.0f - kPartial ? 1u : 0u;
+        partial += a > 0.0f && a < 1.0f ? 1u : 0u;
         for (const ivec2 d : {ivec2(1, 0), ivec2(0, 1)}) {
             const uint32_t j = grid.at(map.texels[i], d.x, d.y);
             if (j != kNoTexel && (a >= 0.5f) != (mask[j][channel] >= 0.5f)) ++crossings;

@@ -10,7 +10,6 @@ struct Refinements {
     bool lightTreeQuads = true;
     bool stratumShuffle = true;
     bool emitterRoulette = true;
-    bool firstRoulette = true;
     bool directionTables = true;
     // Final gather.
     bool prefetch = true;
@@ -26,8 +25,6 @@ struct Refinements {
     bool unseenSources = true;
     // Radiosity.
     bool thinnedGather = true;
-    bool effortTables = true;
-    bool moreEffort = true;
     bool splitNear = true;
     bool splitOccluded = true;
     bool halfTexels = true;

@@ -1,6 +1,5 @@
 // Where reflection probes are taken, and the boxes around them.
 
-#include "bake/hash_grid.h"
 #include "bake/reflections.h"
 #include "halflight/base/parallel.h"
 #include "halflight/shading/reflection.h"
@@ -26,8 +25,6 @@ constexpr float kLeastSurrounded = 0.4f;
 constexpr float kClearance = 0.25f;
 /// Boxes turned about the vertical are tried in steps of 5 degrees.
 constexpr int kTurns = 18;
-/// A turned box must predict distances better by this share.
-constexpr float kTurnGain = 0.1f;
 
 /// Directions spread evenly over the sphere (a Fibonacci lattice).
 std::vector<vec3> evenDirections()
@@ -42,18 +39,21 @@ std::vector<vec3> evenDirections()
     return result;
 }
 
-/// Positions of valid light probes, thinned out on a grid that grows until they are few enough.
-std::vector<vec3> placesOf(std::span<const Probe> lightProbes, float sceneSizeMeters)
+/// Positions of valid light probes; of many, those farthest from one another (Gonzalez 1985, "Clustering to Minimize
+/// the Maximum Intercluster Distance").
+std::vector<vec3> placesOf(std::span<const Probe> lightProbes)
 {
     std::vector<vec3> all;
     for (const Probe& probe : lightProbes)
         if (probe.valid) all.push_back(probe.position);
-    std::vector<vec3> places = all;
-    for (float cell = sceneSizeMeters / 100.0f; places.size() > kMostPlaces; cell *= 1.25f) {
-        DistinctPoints distinct(cell);
-        places.clear();
-        for (const vec3 place : all)
-            if (distinct.insert(place)) places.push_back(place);
+    if (all.size() <= kMostPlaces) return all;
+    std::vector<float> distances(all.size(), kInfinity); // to the nearest place
+    std::vector<vec3> places;
+    while (places.size() < kMostPlaces) {
+        const auto farthest = std::max_element(distances.begin(), distances.end());
+        const vec3 place = places.emplace_back(all[std::size_t(farthest - distances.begin())]);
+        for (std::size_t i = 0; i < all.size(); ++i)
+            distances[i] = std::min(distances[i], glm::distance(all[i], place));
     }
     return places;
 }
@@ -159,11 +159,9 @@ float fitFace(float present, std::span<const float> ends, std::span<const FaceRa
         for (const FaceRay& ray : rays) sum += misfit(std::min(position * ray.perAxis, ray.otherFaces), ray.distance);
         return sum;
     };
-    constexpr std::size_t kTries = 16; // quantiles of the ends of rays: 256 rays have 43 on a face
     float best = present;
     float least = misfitOf(present);
-    for (std::size_t k = 0; k < kTries; ++k) {
-        const float position = ends[(2 * k + 1) * ends.size() / (2 * kTries)];
+    for (const float position : ends) {
         const float tried = misfitOf(position);
         if (tried >= least) continue;
         least = tried;
@@ -207,12 +205,11 @@ Box fitBox(std::span<const vec3> directions, std::span<const float> distances)
 {
     float error = 0.0f;
     Box box = fitBox(0.0f, directions, distances, error);
-    float limit = (1.0f - kTurnGain) * error;
     for (int i = 1; i < kTurns; ++i) {
         float turnedError = 0.0f;
         const Box tried = fitBox(0.5f * kPi * float(i) / float(kTurns), directions, distances, turnedError);
-        if (turnedError >= limit) continue;
-        error = limit = turnedError;
+        if (turnedError >= error) continue;
+        error = turnedError;
         box = tried;
     }
     return box;
@@ -309,7 +306,7 @@ std::vector<std::vector<float>> usesBetween(std::span<const Candidate> candidate
 std::vector<ReflectionProbe> placeReflections(std::span<const Probe> lightProbes, const Integrator& integrator,
                                               float sceneSizeMeters)
 {
-    std::vector<vec3> places = placesOf(lightProbes, sceneSizeMeters);
+    std::vector<vec3> places = placesOf(lightProbes);
     if (places.empty()) return {};
     const float far = kFarShare * sceneSizeMeters;
     const std::vector<vec3> directions = evenDirections();

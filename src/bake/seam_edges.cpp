@@ -18,10 +18,9 @@
 namespace halflight {
 namespace {
 
-/// Smallest cosine between both sides' shading normals; below it the edge is a corner, where light may differ.
+/// Smallest cosine between both sides' normals on a smooth surface: 18°. If shading normals differ more, the edge is a
+/// corner, where light may differ; if geometric normals alone do, it is a bend.
 constexpr float kSmoothCosine = 0.95f;
-/// Largest cosine between geometric normals at a bend: 15°.
-constexpr float kBentCosine = 0.966f;
 constexpr float kLineTexels = 0.05f;      ///< edges within this distance of a line lie on it
 constexpr std::size_t kMostPartners = 64; ///< an edge with more neighbours on its line is no seam
 
@@ -205,7 +204,7 @@ void addSamples(const EdgeSide& a, const EdgeSide& b, int pageSize, std::vector<
 {
     const float length = std::max(glm::distance(a.from, a.to), glm::distance(b.from, b.to));
     const int count = std::clamp(int(std::ceil(2.0f * length)), 1, 4 * pageSize);
-    const bool bent = glm::dot(a.geometricNormal, b.geometricNormal) < kBentCosine;
+    const bool bent = glm::dot(a.geometricNormal, b.geometricNormal) < kSmoothCosine;
     const vec2 outwardA = -glm::normalize(glm::row(a.metersFromTexels, 1));
     const mat2 acrossFromA = glm::inverse(b.metersFromTexels) * mat2(1, 0, 0, -1) * a.metersFromTexels;
     for (int s = 0; s < count; ++s) {

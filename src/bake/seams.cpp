@@ -246,7 +246,6 @@ template<typename T> typename Stitcher<T>::Range Stitcher<T>::coveredAround(uint
 
 template<typename T> bool Stitcher<T>::tiePadding()
 {
-    constexpr float kBeyond = 0.01f; ///< of the value; write() clamps smaller excesses
     std::vector<std::pair<uint32_t, uint64_t>> ties;
     for (uint32_t u = 0; u < texels_.size(); ++u) {
         if (covered_[texels_[u]] != 0) continue;
@@ -254,10 +253,7 @@ template<typename T> bool Stitcher<T>::tiePadding()
         const Range range = coveredAround(texels_[u], value);
         if (range.empty()) continue;
         bool beyond = false;
-        for (int c = 0; c < T::length(); ++c) {
-            const float more = kBeyond * range.most[c];
-            beyond = beyond || value[c] > range.most[c] + more || value[c] < range.least[c] - more;
-        }
+        for (int c = 0; c < T::length(); ++c) beyond = beyond || value[c] > range.most[c] || value[c] < range.least[c];
         if (beyond) ties.emplace_back(u, range.nearest);
     }
     for (const auto& [u, covered] : ties) tied_[u] = unknown(covered);

@@ -137,15 +137,14 @@ public:
         : patches_(patches), width_(kGuideTexels * texelMeters)
     {}
 
-    Guides build(const PatchObservations& observations, const PatchLayout& layout, const RayTracer& tracer,
-                 std::size_t texels)
+    Guides build(const PatchObservations& observations, const PatchLayout& layout, const RayTracer& tracer)
     {
         makeRegions();
         addHits(observations, layout.texelMeters);
         addGuides();
         std::vector<float> use(guides_.clusters_.size());
         for (const Guides::Entry& e : guides_.entries_) use[e.cluster] += e.probability;
-        guides_.clusters_.finish(layout, tracer, patches_, use, texels);
+        guides_.clusters_.finish(layout, tracer, patches_, use);
         return std::move(guides_);
     }
 
@@ -377,8 +376,7 @@ Guides buildGuides(const Radiosity& radiosity, const TexelMap& map, const RayTra
     const PatchLayout& layout = radiosity.solution.cache.layout();
     const std::vector<PatchLight> patches = findPatchLights(radiosity, map, tracer.geometry());
     if (!(layout.texelMeters > 0.0f) || !refinements.guides) return {};
-    return GuideBuilder(patches, layout.texelMeters)
-        .build(PatchObservations(radiosity), layout, tracer, map.texels.size());
+    return GuideBuilder(patches, layout.texelMeters).build(PatchObservations(radiosity), layout, tracer);
 }
 
 } // namespace halflight

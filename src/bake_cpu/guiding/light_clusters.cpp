@@ -18,9 +18,8 @@ constexpr float kClusterTexels = 32.0f;
 constexpr float kManyOnce = 0.2f;
 /// Of these, patches with at least this share of the mean radiance are members.
 constexpr float kAsBright = 0.5f;
-/// Limit of the source triangles, which take 92 bytes each: this many, or one for six texels of the map.
-constexpr std::size_t kFewTriangles = 81920;
-constexpr std::size_t kTexelsForTriangle = 6;
+/// Most source triangles, of 92 bytes each: 96 MB.
+constexpr std::size_t kMostTriangles = std::size_t(1) << 20;
 
 /// Calls body(patch, x, y) for each front patch that the bounds of a triangle overlap.
 template<typename Body> void forPatches(const PatchLayout::Surface& s, const Body& body)
@@ -98,14 +97,14 @@ LightClusters::LightClusters(std::span<const PatchLight> patches, std::span<cons
 }
 
 void LightClusters::finish(const PatchLayout& layout, const RayTracer& tracer, std::span<const PatchLight> patches,
-                           std::span<const float> useOfCluster, std::size_t texels)
+                           std::span<const float> useOfCluster)
 {
     for (Member& m : members_) {
         if (m.cluster != ~0u && useOfCluster[m.cluster] <= 0.0f) m.cluster = ~0u;
     }
     std::vector<uint32_t> counts(clusters_.size());
     forTriangles(layout, tracer, [&](const SourceTriangle& t) { ++counts[clusterOf(t.patch)]; });
-    remove(useOfCluster, counts, texels);
+    remove(useOfCluster, counts);
     addTriangles(layout, tracer, patches);
 }
 
@@ -146,8 +145,7 @@ void LightClusters::forTriangles(const PatchLayout& layout, const RayTracer& tra
 }
 
 /// Keeps clusters in descending order of use per triangle, up to the limit.
-void LightClusters::remove(std::span<const float> useOfCluster, std::span<const uint32_t> triangleCounts,
-                           std::size_t texels)
+void LightClusters::remove(std::span<const float> useOfCluster, std::span<const uint32_t> triangleCounts)
 {
     std::vector<uint32_t> order;
     for (uint32_t c = 0; c < clusters_.size(); ++c) {
@@ -158,10 +156,9 @@ void LightClusters::remove(std::span<const float> useOfCluster, std::span<const 
         const float right = useOfCluster[b] * float(triangleCounts[a]);
         return left != right ? left > right : a < b;
     });
-    const std::size_t most = std::max(kFewTriangles, texels / kTexelsForTriangle);
     std::size_t count = 0;
     for (const uint32_t c : order) {
-        if (count + triangleCounts[c] > most) break;
+        if (count + triangleCounts[c] > kMostTriangles) break;
         clusters_[c] = {uint32_t(count), triangleCounts[c]};
         count += triangleCounts[c];
     }

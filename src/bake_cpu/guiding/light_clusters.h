@@ -42,7 +42,7 @@ public:
     /// Removes clusters of use 0 and, beyond a limit that follows from the map's size, those of least use per triangle;
     /// then finds the triangles of the others.
     void finish(const PatchLayout& layout, const RayTracer& tracer, std::span<const PatchLight> patches,
-                std::span<const float> useOfCluster, std::size_t texels);
+                std::span<const float> useOfCluster);
 
     template<typename Archive> void archive(Archive& a) { a(clusters_, triangles_, bins_, members_); }
     [[nodiscard]] bool empty() const { return triangles_.empty(); }
@@ -115,7 +115,7 @@ private:
     };
     template<typename Body>
     void forTriangles(const PatchLayout& layout, const RayTracer& tracer, const Body& body) const;
-    void remove(std::span<const float> useOfCluster, std::span<const uint32_t> triangleCounts, std::size_t texels);
+    void remove(std::span<const float> useOfCluster, std::span<const uint32_t> triangleCounts);
     void addTriangles(const PatchLayout& layout, const RayTracer& tracer, std::span<const PatchLight> patches);
 
     std::vector<Cluster> clusters_;

@@ -16,9 +16,8 @@
 namespace halflight {
 namespace {
 
-/// The scale of the sample plan follows from all texels. In maps with more than this, it follows from 512 runs of 64
-/// neighbouring texels, spread evenly.
-constexpr std::size_t kMostInFirstPass = 65'536;
+/// The scale of the sample plan follows from all texels. In maps with more texels than so many runs have, it follows
+/// from these runs of neighbouring texels, spread evenly.
 constexpr std::size_t kRuns = 512;
 constexpr std::size_t kTexelsOfRun = 64;
 /// Names of kept results: of the map's state, and of the plan's scale.
@@ -70,16 +69,15 @@ bool CachedLightmap::build(LightmapState& state, const TexelMap& map, const Prog
     return true;
 }
 
-/// Mean luminance over 128 texels spread over the map. It is rounded to a power of two, so that small changes of the
-/// scene do not change it.
+/// Mean luminance over as many texels as the plan has runs, spread over the map. It is rounded to a power of two, so
+/// that small changes of the scene do not change it.
 float CachedLightmap::meanOf(const LightmapInput& input, std::atomic<uint64_t>& rays) const
 {
     double sum = 0.0;
     std::size_t count = 0;
-    constexpr std::size_t kProbedTexels = 128; // enough for the nearest power of two
     const TexelMap& map = input.map;
     FinalGather gather = input.makeGather();
-    const std::size_t step = std::max<std::size_t>(1, map.texels.size() / kProbedTexels);
+    const std::size_t step = std::max<std::size_t>(1, map.texels.size() / kRuns);
     for (std::size_t i = 0; i < map.texels.size(); i += step) {
         const auto texel = uint32_t(i);
         std::array<TexelEstimate, TexelGroup::kLanes> estimates;
@@ -99,7 +97,7 @@ bool CachedLightmap::findScale(const LightmapInput& input, const Progress& progr
 {
     if (state_->scale > 0.0f) return true;
     const std::size_t count = input.map.texels.size();
-    std::vector<uint32_t> some(count <= kMostInFirstPass ? count : kRuns * kTexelsOfRun);
+    std::vector<uint32_t> some(std::min(count, kRuns * kTexelsOfRun));
     if (some.size() == count) {
         std::iota(some.begin(), some.end(), 0u);
     } else {

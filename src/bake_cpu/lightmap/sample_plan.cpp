@@ -22,11 +22,8 @@ constexpr float kMostTimes = 32.0f;
 constexpr float kNoise = 0.15f;
 /// The share of the noise that remains after denoising grows with w / d, where texels are w wide and rays end at
 /// distance d: about (w / d)^(2/3), from 5 % at 0.02 to nearly all from 2 on (`bench_bake error`). The demand is
-/// proportional to the root of that share, up to a limit.
+/// proportional to the root of that share.
 constexpr float kDetail = 1.4f;
-constexpr float kMostForDetail = 2.0f;
-/// The denoiser averages over few neighbours if fewer than 12 of 25 exist: the demand is at least 2, or 4 below 6.
-constexpr int kFewAround = 12;
 /// The scale is rounded to 1/16 of a power of two, so that a small change of the scene does not change it.
 constexpr float kScaleSteps = 16.0f;
 constexpr float kMostSteps = 10.0f * kScaleSteps; ///< a factor of 1024 up or down
@@ -104,9 +101,8 @@ int SamplePlan::blocksForDemand(uint32_t texel, const TexelStates& states) const
 float SamplePlan::demand(uint32_t texel, const TexelStates& states) const
 {
     const Noise noise = noiseAround(texel, states);
-    const float fewest = noise.texels >= kFewAround || !refinements.planRims ? kFewestTimes
-                         : 2 * noise.texels >= kFewAround                    ? 2.0f
-                                                                             : 4.0f;
+    // The denoiser averages over the neighbours that exist.
+    const float fewest = kFewestTimes * (refinements.planRims ? float(kAround) / float(noise.texels) : 1.0f);
     const float light = refinements.planMapMean ? std::sqrt(std::sqrt(noise.mean * mapMean_) * mapMean_) : mapMean_;
     const float factor = settings_.cache.denoised && refinements.planDetail ? detail(texel, noise) : 1.0f;
     const float times = light > 0.0f ? factor * std::sqrt(noise.trimmed) / (kNoise * light) : 0.0f;
@@ -121,7 +117,7 @@ SamplePlan::Noise SamplePlan::noiseAround(uint32_t texel, const TexelStates& sta
     float freedom = 0.0f; // degrees of
     float mean = 0.0f;
     float inverseSquares = 0.0f;
-    std::array<float, (2 * kRadius + 1) * (2 * kRadius + 1)> own;
+    std::array<float, kAround> own;
     std::size_t count = 0;
     int texels = 0;
     grid_.around(texel, kRadius, [&](uint32_t other) {
@@ -147,7 +143,7 @@ float SamplePlan::detail(uint32_t texel, const Noise& noise) const
 {
     const uint32_t triangle = map_.fragments[map_.texels[texel].firstFragment].triangle;
     const float width = geometry_.texelMeters(triangle);
-    return std::min(kDetail * std::cbrt(width * std::sqrt(noise.meanInverseSquare)), kMostForDetail);
+    return kDetail * std::cbrt(width * std::sqrt(noise.meanInverseSquare));
 }
 
 /// Blocks after which the standard error of a texel's luminance is within the target. The target is relative to the

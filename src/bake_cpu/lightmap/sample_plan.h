@@ -43,6 +43,7 @@ public:
 
     /// Width of the neighbourhood that the plan reads: texels within this distance.
     static constexpr int kRadius = 2;
+    static constexpr int kAround = (2 * kRadius + 1) * (2 * kRadius + 1);
     [[nodiscard]] int firstBlocks() const;
     /// Number of blocks at which texels with `blocks` are extended next.
     [[nodiscard]] int nextStep(int blocks) const { return std::min(blocks + std::max(1, blocks / 2), mostBlocks()); }

@@ -10,33 +10,27 @@ namespace halflight {
 namespace {
 
 constexpr uint32_t kCacheSeed = 0x5eed0005u;
-/// By the logarithm of a patch's width: 16 rays and 8 light samples for each patch or more. Twice as many from 96
-/// samples per texel on, because the patches' variance would be visible beside the smaller variance of the texels.
-constexpr std::array<FormFactorEffort, 4> kEffort = {{{16, 8}, {4, 2}, {4, 1, 2}, {4, 1, 4}}};
-constexpr std::array<FormFactorEffort, 4> kMoreEffort = {{{32, 16}, {8, 4}, {4, 2}, {4, 1, 2}}};
-constexpr FormFactorEffort kElementEffort = {8, 4}; ///< of triangle patches, too
-constexpr FormFactorEffort kMoreElementEffort = {16, 8};
+/// Rays of a patch; half as many of an element or a triangle patch, and half as many light samples as rays. Twice as
+/// many from kManySamples per texel on, because the patches' variance would be visible beside that of the texels.
+constexpr int kRays = 16;
 constexpr int kManySamples = 96;
+/// Least rays of a texel: one in each row and column of the pattern of strata.
+constexpr int kFewestRays = StratifiedPattern::kBlock / 4;
 /// Rays shorter than this many widths would show that the radiance of a patch or element is constant.
 constexpr float kNearestInPatches = 0.5f;
 constexpr float kNearestInElements = 0.5f * kNearestInPatches; // which are not split again
 
 } // namespace
 
+/// The texels of a patch share its rays. Where each takes the least, some take none.
 FormFactorEffort effortOf(const IntegrationSettings& settings, PassKind kind, int patchShift)
 {
-    const bool more = refinements.moreEffort && settings.samples >= kManySamples;
-    if (!refinements.effortTables) {
-        const bool texels = kind == PassKind::Fronts || kind == PassKind::Backs;
-        const int rays = (more ? 32 : 16) >> (texels ? 2 * patchShift : 0);
-        return {std::max(rays, 4), std::max(rays / 2, 1),
-                refinements.thinnedGather && rays < 4 ? 4 / std::max(rays, 1) : 1};
-    }
-    if (kind == PassKind::Triangles) return kElementEffort;
-    if (kind == PassKind::Elements || kind == PassKind::BackElements) return more ? kMoreElementEffort : kElementEffort;
-    FormFactorEffort effort = (more ? kMoreEffort : kEffort)[std::size_t(patchShift)];
-    if (!refinements.thinnedGather) effort.every = 1;
-    return effort;
+    const int times = settings.samples >= kManySamples ? 2 : 1;
+    const int all = times * kRays;
+    if (kind != PassKind::Fronts && kind != PassKind::Backs) return {all / 2, all / 4};
+    const int rays = all >> (2 * patchShift);
+    return {std::max(rays, kFewestRays), std::max(rays / 2, 1),
+            refinements.thinnedGather ? std::max((1 << patchShift) / (2 * times), 1) : 1};
 }
 
 FormFactorSampler::FormFactorSampler(const PatchPass& pass, FormFactorRange& out)

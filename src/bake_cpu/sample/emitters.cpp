@@ -54,7 +54,8 @@ Emitters::Emitters(const RayTracer& tracer) : tracer_(tracer)
     tree_ = LightTree(items);
 }
 
-/// Mean luminance over 16 points, at least 1 % of the factor: a textured triangle keeps a probability above 0.
+/// Mean luminance over 16 points, at least the share of one of them: a textured triangle keeps a
+/// probability above 0.
 float Emitters::meanEmission(const TransportMaterial& material, uint32_t triangle) const
 {
     const float full = luminance(material.emission);
@@ -65,7 +66,7 @@ float Emitters::meanEmission(const TransportMaterial& material, uint32_t triangl
         const vec2 u = r2Point(i);
         mean += luminance(tracer_.materials().emissionAt(triangle, shading::sampleTriangle(u))) / float(kPoints);
     }
-    return std::max(mean, 0.01f * full);
+    return std::max(mean, full / float(kPoints));
 }
 
 inline EmitterSample Emitters::at(const LightTree::Choice& choice, float v) const

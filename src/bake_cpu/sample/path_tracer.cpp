@@ -1,7 +1,5 @@
 #include "bake_cpu/sample/path_tracer.h"
 
-#include "bake/refinements.h"
-
 #include "halflight/shading/brdf.h"
 #include "halflight/shading/sampling.h"
 
@@ -329,11 +327,7 @@ vec3 PathTracer::pathRadiance(RayHit at, vec3 direction, Receiver from, float di
         if (albedo == vec3(0.0f)) break;
         throughput *= albedo;
         const vec2 uDirection = sampler.next2();
-        // Paths that end in a lookup are short, so they play at the first hit too, with 1.4 times the probability.
-        constexpr float kFirst = 1.4f;
-        const bool first = depth == 0;
-        const bool plays = !first || (lookup && refinements.firstRoulette);
-        if (plays && !survivesRoulette((first ? kFirst : 1.0f) * brightest(throughput), sampler, throughput)) break;
+        if (depth > 0 && !survivesRoulette(brightest(throughput), sampler, throughput)) break;
         direction = gatherDirection(hit.point, uDirection);
         directionPdf = gatherPdf(hit.point.normal, direction);
         from = {rayOrigin(hit.point), hit.point.normal};

@@ -110,8 +110,8 @@ public:
     /// "Particle Transport and Image Synthesis").
     static float rouletteSurvival(float emitted, float otherIlluminance)
     {
-        constexpr float kLittle = 0.1f; // share of other light from which on emitters are sampled for certain
-        return otherIlluminance > 0.0f ? std::clamp(emitted / (kLittle * otherIlluminance), 1.0f / 8.0f, 1.0f) : 1.0f;
+        constexpr float kLeast = 0.1f; // of the probability, and the share of other light from which on it is 1
+        return otherIlluminance > 0.0f ? std::clamp(emitted / (kLeast * otherIlluminance), kLeast, 1.0f) : 1.0f;
     }
 
     /// A sample among the punctual lights that bounce: a light and a point of the unit disc.

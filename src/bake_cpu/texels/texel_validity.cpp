@@ -11,11 +11,9 @@ namespace {
 constexpr uint32_t kInsideSeed = 0x5eed0004u;
 /// Rays per group of points in solids, per point behind shells, and of a texel that find whether it has to be tested.
 constexpr int kRays = 8;
-constexpr int kFewRays = 3;     ///< enough if all of them agree
-constexpr int kEnoughBacks = 5; ///< hidden backs hit by all rays of one point
+constexpr int kFewRays = 3; ///< enough if all of them agree
 /// Height in texels of lines between the points of a texel: more than that of a convex surface between them.
 constexpr float kLift = 0.1f;
-constexpr int kManyBacks = 32; ///< hidden backs hit by all rays of all points together
 
 /// Whether mutually visible points may be behind a shell. Behind one, seven of eight of their rays hit hidden backs.
 bool manyBacks(int backs, int rays)
@@ -111,23 +109,18 @@ PointMask TexelValidity::behindShells(const TexelPoints& points, PointMask candi
 {
     std::array<int, kMaxTexelPoints> backs{};
     PointMask open = candidates;
-    PointMask behind = 0;
     for (int s = 0; s < kRays && open != 0; ++s) {
         const PointMask hit = hitBacks(points, open, id, s, rays);
         // One ray of a point may pass through a gap between surfaces.
         for (int p = 0; p < kMaxTexelPoints; ++p) {
             backs[std::size_t(p)] += (hit >> p) & 1;
             if (s - backs[std::size_t(p)] >= 1) open &= PointMask(~(1u << p));
-            if (!refinements.validityEarlyOut || s + 1 != kEnoughBacks || backs[std::size_t(p)] != kEnoughBacks)
-                continue;
-            behind |= open & PointMask(1u << p);
-            open &= PointMask(~(1u << p));
         }
-        // The test ends early if all rays of many points hit hidden backs.
+        // The test ends early if nearly all of as many rays as two of each point of a whole texel hit hidden backs.
         const bool allHit = s == 0 ? hit == candidates : open == candidates;
-        if (refinements.validityEarlyOut && allHit && std::popcount(open) * (s + 1) >= kManyBacks) break;
+        if (refinements.validityEarlyOut && allHit && std::popcount(open) * (s + 1) >= 2 * kMaxTexelPoints) break;
     }
-    return behind | open;
+    return open;
 }
 
 /// Candidates visible from the first one, which is among them.
