@@ -113,9 +113,11 @@ Result<Viewer::Opened> Viewer::openOnThread(const Opening& opening, const BakeSe
     if (first_.ends) return ended;
     openingStage_ = OpeningStage::FirstPicture;
     if (Status status = renderer_->show(*uploaded); !status) return status.error();
+    const Clock::time_point start = Clock::now();
     const Result<float> exposure = drawFirstPicture(opening, opened, opened.light ? RunMode::BakedIndirect : mode);
     if (!exposure) return exposure.error();
     opened.exposureEv = *exposure;
+    opened.pictureSeconds = std::chrono::duration<double>(Clock::now() - start).count();
     return opened;
 }
 
@@ -187,6 +189,7 @@ Status Viewer::showFile(const Opening& opening, Opened opened)
     if (!checkRunMode(opened.baked, mode)) mode = defaultRunMode(opened.baked);
     forgetBakes();
     details_.forget();
+    if (isFirst) details_.drew(opened.pictureSeconds);
     texturesAreCoarse_ = isFirst;
     if (opened.uploaded)
         if (Status status = renderer_->show(opened.uploaded); !status) return status;

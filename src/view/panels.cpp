@@ -118,7 +118,10 @@ void bakeSection(ViewState& state)
             ImGui::TextWrapped(
                 "Light comes in as it is done, what is in view first; mixed lights' shadows are realtime "
                 "until the end.");
-        if (ImGui::Button("cancel the bake")) state.requests.cancelBake = true;
+        if (status.cancelled)
+            ImGui::TextUnformatted("The bake ends.");
+        else if (ImGui::Button("cancel the bake"))
+            state.requests.cancelBake = true;
         return;
     }
     choice("baked mode", state.bake.mode,
@@ -275,6 +278,7 @@ void handleKey(ViewState& state, int key, bool control)
         return;
     }
     Requests& requests = state.requests;
+    const BakeStatus& status = state.bakeStatus;
     if (key >= SDLK_1 && key <= SDLK_5) {
         const auto mode = RunMode(key - SDLK_1);
         if (std::find(state.modes.begin(), state.modes.end(), mode) != state.modes.end()) state.settings.mode = mode;
@@ -291,7 +295,7 @@ void handleKey(ViewState& state, int key, bool control)
         requests.frameSelection = true;
         break;
     case SDLK_b:
-        requests.bake = !state.bakeStatus.running;
+        requests.bake = !status.running;
         break;
     case SDLK_x:
         requests.expose = true;
@@ -316,7 +320,8 @@ void handleKey(ViewState& state, int key, bool control)
         state.panels = !state.panels;
         break;
     case SDLK_ESCAPE:
-        (state.bakeStatus.running ? requests.cancelBake : requests.quit) = true;
+        // Two presses may come before requests are answered.
+        (status.running && !status.cancelled && !requests.cancelBake ? requests.cancelBake : requests.quit) = true;
         break;
     default:
         break;

@@ -183,7 +183,11 @@ Status Viewer::answerRequests()
         state_.requests.bake = true; // of what is shown then
     else if (requests.bake && !session_)
         startBake(std::make_unique<BakeSession>(scene_, state_.bake, makeEmbreeIntegrator));
-    if (requests.cancelBake && session_) session_->cancel();
+    if (requests.cancelBake && session_) {
+        session_->cancel();
+        state_.bakeStatus.cancelled = true;
+        note("the bake ends; Escape once more quits");
+    }
     if (requests.save && shown_ && state_.bakeStatus.hasResult) saveBake();
     if (requests.writeSettings) writeSettings();
     if (requests.expose && size_.x < 1)

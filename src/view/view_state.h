@@ -43,6 +43,7 @@ enum class Compare { Mode, BeforeBake, Reference };
 /// A bake in the background, as the panel shows it.
 struct BakeStatus {
     bool running = false;
+    bool cancelled = false;  ///< it was asked to end, and what was shown before it comes back
     bool firstLight = false; ///< the coarse light is shown
     std::size_t tiles = 0;   ///< rectangles of pages that were shown since
     BakeSessionState session;

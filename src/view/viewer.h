@@ -107,6 +107,7 @@ private:
         Camera camera;
         std::shared_ptr<Renderer::Uploaded> uploaded; ///< of the first file nothing: the renderer has it
         std::optional<float> exposureEv;              ///< of the first file: automaticExposure()
+        double pictureSeconds = 0.0;                  ///< of the first file: time of its coarse picture
         std::unique_ptr<BakeSession> session;         ///< of the first file, with ViewOptions::bakeAtStart
         std::optional<BakedScene> light;              ///< its light of probes; the renderer has it
     };

@@ -237,6 +237,18 @@ class View(Case):
         self.assertEqual(result.returncode, 0, result.stderr)
         self.assertEqual(read(self.path("tiny_baked.glb")), read(self.path("plain.glb")))
 
+    def test_closes_while_it_opens_and_while_it_bakes(self):
+        """Escape ends it whatever it does, after a bake with a second one."""
+        scene = self.scene()
+        for pause in (0.0, 0.1, 0.4):
+            window = self.window(scene, "--size", "320x200")
+            time.sleep(pause)
+            self.assertEqual(window.quit(), (0, ""), window.lines)
+        window = self.window(scene, "--size", "320x200", "--bake", "--quality", "ultra")
+        window.said(r"first picture after \d")
+        window.key("Escape")
+        self.assertEqual(window.quit(), (0, ""), window.lines)
+
     def test_a_cancelled_bake_leaves_what_was_shown(self):
         baked, _ = self.bake(self.scene(), "baked.glb")
         window = self.window(baked, "--size", "320x200", "--quality", "ultra")

@@ -170,7 +170,14 @@ TEST_F(Panels, KeysDoWhatTheHelpSays)
     handleKey(state, SDLK_ESCAPE, false);
     EXPECT_TRUE(state.requests.cancelBake);
     EXPECT_FALSE(state.requests.quit);
-    state.bakeStatus.running = false;
+    handleKey(state, SDLK_ESCAPE, false);
+    EXPECT_TRUE(state.requests.quit) << "twice between two frames";
+    state.requests = {};
+    state.bakeStatus.cancelled = true;
+    handleKey(state, SDLK_ESCAPE, false);
+    EXPECT_TRUE(state.requests.quit) << "nothing waits until the bake has ended";
+    state.requests = {};
+    state.bakeStatus = {};
     handleKey(state, SDLK_ESCAPE, false);
     EXPECT_TRUE(state.requests.quit);
 }

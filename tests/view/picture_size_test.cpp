@@ -61,5 +61,13 @@ TEST(PictureDetails, AreFullOnAFastDeviceButForTheFirst)
     EXPECT_FALSE(details.wantsTime()) << "frames overlap";
 }
 
+TEST(PictureDetails, AFirstPictureDrawnBeforeCounts)
+{
+    PictureDetails details;
+    details.drew(0.2); // on the thread that opens a file; the first frame shows that picture
+    EXPECT_EQ(details.next(kWindow, false, kHalf), kCoarse);
+    EXPECT_EQ(details.next(kWindow, false, kHalf), kHalf) << "a full one would take seconds";
+}
+
 } // namespace
 } // namespace halflight::view
