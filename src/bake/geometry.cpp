@@ -136,6 +136,7 @@ std::vector<uint32_t> listParts(const Scene& scene, GeometryFilter filter, const
         if (instances[o]) g.instances.push_back(*instances[o]);
     }
     g.triangles.resize(storedCount);
+    g.positions.reserve(vertexCount + 1); // Embree reads 16 bytes at each position
     g.positions.resize(vertexCount);
     return stored;
 }

@@ -8,22 +8,6 @@
 #include <utility>
 
 namespace halflight {
-struct RayTracer::GeometryUser {
-    const RayTracer* tracer = nullptr;
-    std::span<const uint32_t> triangles; ///< in the tree of a mesh, counted from the first of the object
-    bool castShadows = true;
-
-    /// A triangle of the bake, and the instance that it is of, or null.
-    [[nodiscard]] uint32_t triangle(unsigned instID, unsigned primID, const BakeGeometry::Instance*& place) const
-    {
-        place = nullptr;
-        if (instID == RTC_INVALID_GEOMETRY_ID) return triangles[primID];
-        const MeshTrees::Instance& instance = tracer->meshTrees_.instances[instID - KindCount];
-        place = instance.place;
-        return instance.firstTriangle + triangles[primID];
-    }
-};
-
 RayTracer::RayTracer(const Scene& scene, const BakeGeometry& geometry, const char* device, RTCBuildQuality tree)
     : geometry_(geometry), materials_(scene, geometry), meshTrees_(geometry, materials_)
 {
@@ -47,110 +31,6 @@ RayTracer::~RayTracer()
         if (tree.scene != nullptr) rtcReleaseScene(tree.scene);
     }
     if (device_ != nullptr) rtcReleaseDevice(device_);
-}
-
-void RayTracer::sortTriangles()
-{
-    Bounds bounds;
-    for (const BakeGeometry::Part& part : geometry_.parts) {
-        if (part.triangleCount == 0) continue;
-        const TransportMaterial& material = materials_.of(part.firstTriangle);
-        anyBlended_ = anyBlended_ || material.alphaMode == Material::AlphaMode::Blend;
-        if (part.instance != BakeGeometry::kOwn) {
-            for (uint32_t v = part.firstVertex; v < part.firstVertex + part.vertexCount; ++v)
-                bounds.extend(geometry_.positionOf(part, v));
-            continue;
-        }
-        std::vector<uint32_t>& list = trianglesOfKind_[kindOf(materials_, part)];
-        for (uint32_t t = part.firstTriangle; t < part.firstTriangle + part.triangleCount; ++t) {
-            list.push_back(t);
-            bounds.extend(geometry_.boundsOf(t));
-        }
-    }
-    firstHit_.reserve(KindCount + meshTrees_.instances.size() + 1);
-    firstHit_.assign(1, 0u);
-    for (const auto& list : trianglesOfKind_) firstHit_.push_back(firstHit_.back() + uint32_t(list.size()));
-    for (const MeshTrees::Instance& instance : meshTrees_.instances)
-        firstHit_.push_back(firstHit_.back() + meshTrees_.treeOf(instance).firstOfKind[KindCount]);
-    sceneScale_ = bounds.empty() ? 1.0f : glm::length(bounds.size());
-}
-
-/// Fills the scene and the trees of shared meshes. False when memory ran out.
-bool RayTracer::build(RTCScene scene, RTCBuildQuality quality)
-{
-    rtcSetSceneBuildQuality(scene, quality);
-    for (uint32_t kind = 0; kind < KindCount; ++kind) {
-        if (!attach(scene, GeometryKind(kind), trianglesOfKind_[kind], nullptr)) return false;
-    }
-    for (MeshTree& tree : meshTrees_.trees) {
-        tree.scene = rtcNewScene(device_);
-        rtcSetSceneBuildQuality(tree.scene, quality);
-        rtcSetSceneFlags(tree.scene, RTC_SCENE_FLAG_COMPACT);
-        for (uint32_t kind = 0; kind < KindCount; ++kind) {
-            const auto triangles =
-                std::span<const uint32_t>(tree.triangles)
-                    .subspan(tree.firstOfKind[kind], tree.firstOfKind[kind + 1] - tree.firstOfKind[kind]);
-            if (!attach(tree.scene, GeometryKind(kind), triangles, &tree)) return false;
-        }
-        rtcCommitScene(tree.scene);
-    }
-    attachInstances(scene);
-    rtcCommitScene(scene);
-    return true;
-}
-
-/// Attaches the triangles of one kind, if there are any: of the scene's own tree (`tree` null), or of a mesh's. False
-/// when memory ran out.
-bool RayTracer::attach(RTCScene scene, GeometryKind kind, std::span<const uint32_t> triangles, const MeshTree* tree)
-{
-    if (triangles.empty()) return true;
-    uint32_t firstVertex = 0;
-    auto endVertex = uint32_t(geometry_.positions.size());
-    if (tree != nullptr) {
-        const BakeGeometry::Part& last = geometry_.parts[tree->endPart - 1];
-        firstVertex = geometry_.parts[tree->firstPart].firstVertex;
-        endVertex = last.firstVertex + last.vertexCount;
-    }
-    RTCGeometry mesh = rtcNewGeometry(device_, RTC_GEOMETRY_TYPE_TRIANGLE);
-    auto* vertices = static_cast<vec3*>(rtcSetNewGeometryBuffer(mesh, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3,
-                                                                sizeof(vec3), endVertex - firstVertex));
-    auto* indices = static_cast<uvec3*>(
-        rtcSetNewGeometryBuffer(mesh, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, sizeof(uvec3), triangles.size()));
-    if (vertices == nullptr || indices == nullptr) {
-        rtcReleaseGeometry(mesh);
-        return false;
-    }
-    std::copy(geometry_.positions.begin() + firstVertex, geometry_.positions.begin() + endVertex, vertices);
-    for (std::size_t i = 0; i < triangles.size(); ++i) {
-        const uint32_t stored = tree != nullptr ? geometry_.parts[tree->firstPart].firstStored + triangles[i]
-                                                : geometry_.storedOf(triangles[i]).index;
-        indices[i] = geometry_.triangles[stored] - firstVertex;
-    }
-    users_.push_back(std::make_unique<GeometryUser>(GeometryUser{this, triangles, kind != NoShadow}));
-    rtcSetGeometryUserData(mesh, users_.back().get());
-    if (kind != Opaque) {
-        rtcSetGeometryIntersectFilterFunction(mesh, filter);
-        rtcSetGeometryOccludedFilterFunction(mesh, filter);
-    }
-    rtcCommitGeometry(mesh);
-    rtcAttachGeometryByID(scene, mesh, unsigned(kind));
-    rtcReleaseGeometry(mesh);
-    return true;
-}
-
-void RayTracer::attachInstances(RTCScene scene)
-{
-    unsigned id = KindCount;
-    for (const MeshTrees::Instance& instance : meshTrees_.instances) {
-        RTCGeometry geometry = rtcNewGeometry(device_, RTC_GEOMETRY_TYPE_INSTANCE);
-        rtcSetGeometryInstancedScene(geometry, meshTrees_.treeOf(instance).scene);
-        const mat3& linear = instance.place->linear;
-        const std::array<vec3, 4> columns{linear[0], linear[1], linear[2], instance.place->origin};
-        rtcSetGeometryTransform(geometry, 0, RTC_FORMAT_FLOAT3X4_COLUMN_MAJOR, columns.data());
-        rtcCommitGeometry(geometry);
-        rtcAttachGeometryByID(scene, geometry, id++);
-        rtcReleaseGeometry(geometry);
-    }
 }
 
 uint32_t RayTracer::treeTriangleCount() const

@@ -126,6 +126,8 @@ private:
     void sortTriangles();
     bool build(RTCScene scene, RTCBuildQuality quality);
     bool attach(RTCScene scene, GeometryKind kind, std::span<const uint32_t> triangles, const MeshTree* tree);
+    bool setVertices(RTCGeometry mesh) const;
+    bool setIndices(RTCGeometry mesh, std::span<const uint32_t> triangles, const MeshTree* tree) const;
     void attachInstances(RTCScene scene);
     void intersect(embree::RayContext& context, RTCRayHit& ray) const;
     /// Makes a hit of an instance one of a triangle in the world.
@@ -148,6 +150,23 @@ private:
     RTCScene scene_ = nullptr;
     float sceneScale_ = 1.0f;
     bool anyBlended_ = false;
+};
+
+/// User data of an Embree geometry, for the filter function.
+struct RayTracer::GeometryUser {
+    const RayTracer* tracer = nullptr;
+    std::span<const uint32_t> triangles; ///< in the tree of a mesh, counted from the first of the object
+    bool castShadows = true;
+
+    /// A triangle of the bake, and the instance that it is of, or null.
+    [[nodiscard]] uint32_t triangle(unsigned instID, unsigned primID, const BakeGeometry::Instance*& place) const
+    {
+        place = nullptr;
+        if (instID == RTC_INVALID_GEOMETRY_ID) return triangles[primID];
+        const MeshTrees::Instance& instance = tracer->meshTrees_.instances[instID - KindCount];
+        place = instance.place;
+        return instance.firstTriangle + triangles[primID];
+    }
 };
 
 } // namespace halflight
