@@ -246,18 +246,16 @@ float illuminanceAt(const Light& light, vec3 point)
     return luminance(light.color) * light.intensity * light.area() * attenuation;
 }
 
-/// The level above which the brightest tenth of the light lies: leaks are visible relative to it.
-float brightLevel(std::vector<float> levels)
+/// The level of the light, in the mean over the light: leaks are visible relative to it.
+float brightLevel(std::span<const float> levels)
 {
-    std::sort(levels.begin(), levels.end(), std::greater<>());
-    double sum = 0.0;
-    for (const float level : levels) sum += double(level);
-    double brightest = 0.0;
+    double light = 0.0;
+    double squares = 0.0;
     for (const float level : levels) {
-        brightest += double(level);
-        if (brightest >= 0.1 * sum) return level;
+        light += double(level);
+        squares += double(level) * double(level);
     }
-    return 0.0f;
+    return light > 0.0 ? float(squares / light) : 0.0f;
 }
 
 /// For each light without a range, sqrt(I / E) in metres, with E the bright level of all other point and spot lights.
@@ -277,7 +275,7 @@ std::vector<float> levelDistances(const Scene& scene, const std::vector<const Li
         std::vector<float> others(points.size());
         for (std::size_t p = 0; p < points.size(); ++p)
             others[p] = std::max(total[p] - illuminanceAt(*lights[i], points[p]), 0.0f);
-        const float level = brightLevel(std::move(others));
+        const float level = brightLevel(others);
         const float candela = luminance(lights[i]->color) * lights[i]->intensity * lights[i]->area();
         if (level > 0.0f && candela > 0.0f) distances[i] = std::sqrt(candela / level);
     }

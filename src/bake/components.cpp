@@ -134,14 +134,13 @@ Components componentsOf(const BakeGeometry& geometry, std::span<const uint32_t> 
 
 std::vector<std::vector<uint32_t>> facetPatches(const BakeGeometry& geometry, std::span<const uint32_t> triangles)
 {
-    constexpr float kSharp = 0.64f; // cosine of 50 degrees
     if (triangles.empty()) return {};
     DisjointSets sets(triangles.size());
     const std::vector<DirectedEdge> edges = edgesOf(weld(geometry, triangles));
     forEdges(edges, [&](std::span<const DirectedEdge> same) {
         if (same.size() != 2 || same[0].forward == same[1].forward) return;
         const vec3 normal = geometry.geometricNormal(triangles[same[0].triangle]);
-        if (glm::dot(normal, geometry.geometricNormal(triangles[same[1].triangle])) < kSharp) return;
+        if (glm::dot(normal, geometry.geometricNormal(triangles[same[1].triangle])) < kSameSideCosine) return;
         sets.join(same[0].triangle, same[1].triangle);
     });
     std::vector<std::vector<uint32_t>> patches;

@@ -178,7 +178,7 @@ struct Neighbourhood {
     }
 
     /// Whether a tap lies on the middle's side of a surface, and not round a corner or a crease.
-    [[nodiscard]] bool sameSide(std::size_t tap) const { return cosine[tap] >= 0.9f; }
+    [[nodiscard]] bool sameSide(std::size_t tap) const { return cosine[tap] >= kSmoothCosine; }
 
     /// Change of gathered light between two taps on opposite sides, lux per tap; 0 where one is missing.
     [[nodiscard]] vec3 slopeBetween(std::size_t behind, std::size_t ahead) const

@@ -13,13 +13,10 @@
 namespace halflight {
 namespace {
 
-constexpr float kBrighter = 1.1f; ///< ratio of luminances from which a texel can be an outlier
 /// Adjacent texels that hold this share of an outlier's excess confirm it: the light is real.
 constexpr float kConfirmingShare = 0.25f;
 constexpr uint32_t kReliableSamples = 128; ///< from there on chance does not explain a difference
 constexpr int kFewestNeighbours = 8;       ///< below, quantiles of the neighbourhood mean nothing
-/// Variance of a clamped texel over its squared luminance: a relative standard deviation of 20 %.
-constexpr float kClampedVariance = 0.04f;
 
 /// The value of the given rank in ascending order.
 float valueOfRank(std::span<const float> values, int rank)
@@ -86,7 +83,7 @@ float loweredLuminance(const NeighbourStats& stats, const OutlierTexel& texel, f
     const bool alone = mayAgreeByChance(stats, texel) && !confirmed;
     const float sigmas = !texel.isWhole ? 2.0f : confirmed ? 3.0f : 5.0f;
     const bool isNoise = alone || excess <= sigmas * std::sqrt(texel.statedVariance);
-    const bool isFirefly = texel.luminance > kBrighter * bright && excess > 0.5f * std::sqrt(variance) && isNoise;
+    const bool isFirefly = excess > 0.5f * std::sqrt(variance) && isNoise;
     return isFirefly ? bright : texel.luminance;
 }
 
@@ -107,7 +104,6 @@ void lower(NoisyLight& light, vec3& moment, const IrradianceEstimate& estimate, 
 {
     light.irradiance *= after / before;
     scaleMoment(moment, estimate, before, after);
-    light.variance = std::min(light.variance, after * after * kClampedVariance);
 }
 
 /// The added light has the mean colour of the neighbours: a black texel has no colour of its own.
@@ -116,7 +112,6 @@ void raise(NoisyLight& light, vec3& moment, const IrradianceEstimate& estimate, 
 {
     light.irradiance += neighbours * ((after - before) / luminance(neighbours));
     scaleMoment(moment, estimate, before, after);
-    light.variance = std::max(light.variance, after * after * kClampedVariance);
 }
 
 /// 1, or 2 where so many texels are interpolated that too few traced ones are in the 5 × 5.
@@ -205,10 +200,10 @@ float luminanceWithoutOutliers(const NeighbourStats& stats, const OutlierTexel& 
     const float own = texel.luminance;
     if (!texel.isTraced || stats.count < kFewestNeighbours || !refinements.outliers) return own;
     const std::span<const float> luminances = luminancesOf(stats);
-    const bool isDark = refinements.darkSpecks && mayAgreeByChance(stats, texel) &&
-                        rankIsAbove(luminances, lowRank(stats.count), kBrighter * own);
+    const bool isDark =
+        refinements.darkSpecks && mayAgreeByChance(stats, texel) && rankIsAbove(luminances, lowRank(stats.count), own);
     if (isDark) return raisedLuminance(stats, texel, variance);
-    if (rankIsAbove(luminances, highRank(stats.count), own / kBrighter)) return own;
+    if (rankIsAbove(luminances, highRank(stats.count), own)) return own;
     return loweredLuminance(stats, texel, variance);
 }
 

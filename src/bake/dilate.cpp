@@ -64,14 +64,12 @@ template<typename T> void adoptNeighbors(const BakeGeometry& geometry, const Tex
                                          std::vector<uint32_t>& open, std::vector<T>& values)
 {
     if (open.empty()) return;
-    constexpr float kReachTexels = 3.0f; // in the world: one more than padding is wide
-    constexpr float kFacing = 0.5f;      // least cosine between normals, 60 degrees: no light from round a corner
     std::vector<TexelPlace> missing(open.size());
     parallelFor(open.size(), kTexelsPerTask, [&](std::size_t begin, std::size_t end) {
         for (std::size_t i = begin; i < end; ++i) missing[i] = placeOf(geometry, map, map.texels[open[i]]);
     });
     float reach = 0.0f;
-    for (const TexelPlace& place : missing) reach += kReachTexels * place.texelMeters / float(open.size());
+    for (const TexelPlace& place : missing) reach += float(kDilationRings + 1) * place.texelMeters / float(open.size());
     if (!(reach > 0.0f)) return;
     // Only grid cells next to a texel without value are filled.
     std::unordered_map<uint64_t, std::vector<uint32_t>> grid;
@@ -99,8 +97,8 @@ template<typename T> void adoptNeighbors(const BakeGeometry& geometry, const Tex
                     const TexelPlace place = placeOf(geometry, map, map.texels[j]);
                     const float distance = glm::distance(place.position, missing[i].position) / reach;
                     const float facing = glm::dot(place.normal, missing[i].normal);
-                    if (distance >= 1.0f || facing <= kFacing) continue;
-                    const float w = (1.0f - distance) * (facing - kFacing);
+                    if (distance >= 1.0f || facing <= kSameSideCosine) continue;
+                    const float w = (1.0f - distance) * (facing - kSameSideCosine);
                     sum += values[j] * w;
                     weight += w;
                 }

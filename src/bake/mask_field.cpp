@@ -13,9 +13,9 @@ namespace {
 
 constexpr float kRangeTexels = 4.0f;
 constexpr int kReach = 5; ///< texels searched for edges: the range, and half a texel between an edge and its texel
-/// Channels with wider penumbrae (texels) stay attenuation: bilinear filtering suffices, and a distance loses their
-/// shape.
-constexpr float kWidestPenumbra = 2.0f;
+/// Channels with wider penumbrae (texels) stay attenuation: bilinear filtering suffices, and a distance in range on
+/// both sides loses their shape.
+constexpr float kWidestPenumbra = 0.5f * kRangeTexels;
 
 /// A shadow's edge in one texel: a point relative to the texel's centre, and the direction of the lit side.
 struct Edge {

@@ -9,6 +9,7 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <utility>
 
 namespace halflight {
 namespace {
@@ -17,14 +18,14 @@ namespace {
 constexpr std::size_t kMostPlaces = 400;
 /// Rays that measure a place's surroundings.
 constexpr int kRays = 256;
-/// Surroundings beyond this many sizes of the scene count as infinitely far.
-constexpr float kFarShare = 4.0f;
-/// A place counts where this share of its surroundings is not infinitely far: on open ground it is a half.
-constexpr float kLeastSurrounded = 0.4f;
-/// Things nearer than this share of the surroundings' mean distance cover too much of the picture.
-constexpr float kClearance = 0.25f;
 /// Boxes turned about the vertical are tried in steps of 5 degrees.
 constexpr int kTurns = 18;
+
+/// Length of rays that hit nothing, so that a box that is open on one side is larger than the scene.
+float farOf(float sceneSizeMeters)
+{
+    return 2.0f * sceneSizeMeters;
+}
 
 /// Directions spread evenly over the sphere (a Fibonacci lattice).
 std::vector<vec3> evenDirections()
@@ -71,21 +72,6 @@ std::vector<std::vector<float>> distancesAround(std::span<const vec3> places, st
     for (std::size_t i = 0; i < segments.size(); ++i)
         result[i / directions.size()].push_back(hits[i] ? hits[i]->x : far);
     return result;
-}
-
-/// Drops places with little around them: outside of rooms that stand alone, or above all there is.
-void keepSurrounded(std::vector<vec3>& places, std::vector<std::vector<float>>& distances, float far)
-{
-    std::size_t kept = 0;
-    for (std::size_t i = 0; i < places.size(); ++i) {
-        const auto hits = std::count_if(distances[i].begin(), distances[i].end(), [&](float d) { return d < far; });
-        if (float(hits) < kLeastSurrounded * float(distances[i].size())) continue;
-        places[kept] = places[i];
-        if (kept != i) distances[kept] = std::move(distances[i]);
-        ++kept;
-    }
-    places.resize(kept);
-    distances.resize(kept);
 }
 
 /// Mean of what is not infinitely far.
@@ -180,9 +166,10 @@ Box fitBox(float turn, std::span<const vec3> directions, std::span<const float> 
     const auto predicted = [&](std::size_t axis, std::size_t i) {
         return box.face[2 * axis + (rays.upper[axis][i] ? 1 : 0)] * rays.perAxis[axis][i];
     };
-    constexpr int kSweeps = 2; // over the faces, because each depends on the others
+    // Over the faces, because each depends on the others, until none moves: each move lessens the misfit.
     std::vector<FaceRay> towards;
-    for (int sweep = 0; sweep < kSweeps; ++sweep) {
+    for (bool moved = true; moved;) {
+        moved = false;
         for (std::size_t f = 0; f < 6; ++f) {
             const std::size_t axis = f / 2;
             towards.clear();
@@ -191,7 +178,8 @@ Box fitBox(float turn, std::span<const vec3> directions, std::span<const float> 
                 const float otherFaces = std::min(predicted((axis + 1) % 3, i), predicted((axis + 2) % 3, i));
                 towards.push_back({rays.perAxis[axis][i], otherFaces, distances[i]});
             }
-            box.face[f] = fitFace(box.face[f], rays.ends[f], towards);
+            const float before = std::exchange(box.face[f], fitFace(box.face[f], rays.ends[f], towards));
+            moved = moved || box.face[f] != before;
         }
     }
     error = 0.0f;
@@ -250,14 +238,13 @@ float centrality(const ReflectionProbe& probe, float sceneSizeMeters)
 
 Candidate candidateAt(vec3 place, std::span<const vec3> directions, std::vector<float> distances, float sceneSizeMeters)
 {
-    const float far = kFarShare * sceneSizeMeters;
+    const float far = farOf(sceneSizeMeters);
     Candidate candidate;
     candidate.probe = probeAt(place, fitBox(directions, distances));
     const auto hits = std::count_if(distances.begin(), distances.end(), [&](float d) { return d < far; });
     candidate.weight = float(hits) / float(distances.size());
     const float clearance = *std::min_element(distances.begin(), distances.end()) / meanDistance(distances, far);
-    candidate.quality =
-        (0.5f + 0.5f * centrality(candidate.probe, sceneSizeMeters)) * std::min(clearance / kClearance, 1.0f);
+    candidate.quality = (0.5f + 0.5f * centrality(candidate.probe, sceneSizeMeters)) * clearance;
     candidate.distances = std::move(distances);
     return candidate;
 }
@@ -306,12 +293,11 @@ std::vector<std::vector<float>> usesBetween(std::span<const Candidate> candidate
 std::vector<ReflectionProbe> placeReflections(std::span<const Probe> lightProbes, const Integrator& integrator,
                                               float sceneSizeMeters)
 {
-    std::vector<vec3> places = placesOf(lightProbes);
+    const std::vector<vec3> places = placesOf(lightProbes);
     if (places.empty()) return {};
-    const float far = kFarShare * sceneSizeMeters;
+    const float far = farOf(sceneSizeMeters);
     const std::vector<vec3> directions = evenDirections();
     std::vector<std::vector<float>> distances = distancesAround(places, directions, integrator, far);
-    keepSurrounded(places, distances, far);
     std::vector<Candidate> candidates(places.size());
     parallelFor(places.size(), 1, [&](std::size_t begin, std::size_t end) {
         for (std::size_t i = begin; i < end; ++i)

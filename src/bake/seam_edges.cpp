@@ -18,9 +18,6 @@
 namespace halflight {
 namespace {
 
-/// Smallest cosine between both sides' normals on a smooth surface: 18°. If shading normals differ more, the edge is a
-/// corner, where light may differ; if geometric normals alone do, it is a bend.
-constexpr float kSmoothCosine = 0.95f;
 constexpr float kLineTexels = 0.05f;      ///< edges within this distance of a line lie on it
 constexpr std::size_t kMostPartners = 64; ///< an edge with more neighbours on its line is no seam
 

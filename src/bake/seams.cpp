@@ -24,10 +24,9 @@ constexpr uint32_t kNoUnknown = ~0u;
 constexpr double kKeepCovered = 0.002;
 constexpr double kKeepPadding = kKeepCovered / 100.0;
 /// A seam sample whose sides differ by d > kAlike has the weight exp(-kFalloff (d - kAlike)²), which is 0.003 at 0.8.
+/// Gathered light at bends is always stitched: it differs because gather directions below a triangle are reflected out
+/// of it, and these directions differ on both sides (by a factor of up to 6 in Sponza's mouldings of 45° to 60°).
 constexpr float kAlike = 0.5f;
-/// Light at bends differs because gather directions below a triangle are reflected out of it, and these directions
-/// differ on both sides. In Sponza's mouldings (45° to 60°) the sides differ by a factor of up to 6.
-constexpr float kAlikeAtBends = 5.0f;
 constexpr float kFalloff = 64.0f;
 
 /// Index of a texel over all pages.
@@ -331,7 +330,7 @@ std::vector<float> lightSeamWeights(const std::vector<SeamSample>& seams, const 
             const auto [directA, directB] = sidesOf(direct, seams[i]);
             const float ofDirect =
                 std::abs(luminance(directA - directB)) / (std::min(luminance(a), luminance(b)) + dark);
-            excess = std::max(ofDirect - kAlike, difference(a - directA, b - directB, dark) - kAlikeAtBends);
+            excess = ofDirect - kAlike;
         }
         weights[i] = weightOf(excess);
     }

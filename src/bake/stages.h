@@ -54,6 +54,14 @@ TexelMap rasterizeTexels(const BakeGeometry& geometry, int pageSize, int pageCou
 /// A texel with a smaller coverage is at the rim of its surface.
 constexpr float kMostlyCovered = 0.6f;
 
+/// Smallest cosine between normals on one side of a surface; below it there is a corner between them: 60 degrees.
+constexpr float kSameSideCosine = 0.5f;
+/// Smallest cosine between normals on a smooth surface, where light does not differ: 18 degrees.
+constexpr float kSmoothCosine = 0.95f;
+
+/// Texels between an edge and places that lie within it, despite rounding.
+constexpr float kInsetTexels = 4.0e-3f;
+
 /// Irradiance is even over a texel if that of its points varies by no more than this share of the largest. Other texels
 /// take further batches of points, because lightmaps and masks hold the mean.
 constexpr float kEvenIrradiance = 0.05f;

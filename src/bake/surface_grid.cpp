@@ -20,14 +20,13 @@ vec2 centreOf(const Texel& texel)
 
 SurfaceGrid::SurfaceGrid(const TexelMap& map, std::span<const SeamSample> seams) : map_(map), grid_(map)
 {
-    constexpr float kInside = 0.01f; // texels from the edge into the chart
     chartHasSeams_.assign(map.chartCount, 0);
     for (const SeamSample& seam : seams) {
         const mat2 back = glm::inverse(seam.acrossFromA);
         if (!isFinite(seam.acrossFromA) || !isFinite(back)) continue; // a triangle without area
         const vec2 outwardB = -glm::normalize(glm::transpose(back) * seam.outwardA);
-        const uint32_t a = grid_.atPlace(uint32_t(seam.pageA), seam.texelA - kInside * seam.outwardA);
-        const uint32_t b = grid_.atPlace(uint32_t(seam.pageB), seam.texelB - kInside * outwardB);
+        const uint32_t a = grid_.atPlace(uint32_t(seam.pageA), seam.texelA - kInsetTexels * seam.outwardA);
+        const uint32_t b = grid_.atPlace(uint32_t(seam.pageB), seam.texelB - kInsetTexels * outwardB);
         if (a == kNoTexel || b == kNoTexel) continue;
         crossings_.push_back({a, b, seam.texelA, seam.outwardA, seam.texelB, seam.acrossFromA});
         crossings_.push_back({b, a, seam.texelB, outwardB, seam.texelA, back});

@@ -13,8 +13,6 @@ namespace {
 constexpr std::size_t kMostTexels = 8192;
 /// Texels that tell where a piece is.
 constexpr std::size_t kPlaces = 32;
-/// A mean normal that is shorter belongs to a piece that faces many ways.
-constexpr float kFlat = 0.7f;
 
 } // namespace
 
@@ -86,9 +84,8 @@ TexelOrder::Rank TexelOrder::rankOf(const Piece& piece, const BakeView& view)
     if (ahead < -radius || !within(glm::dot(toPiece, axes[0]), view.aspect) ||
         !within(glm::dot(toPiece, axes[1]), 1.0f))
         return rank;
-    const bool flat = glm::length(piece.normal) > kFlat;
     const vec3 towards = camera.orthographic ? -axes[2] : toPiece;
-    rank.sight = flat && glm::dot(piece.normal, towards) > 0.0f ? 1 : 0;
+    rank.sight = glm::dot(piece.normal, towards) > 0.0f ? 1 : 0;
     return rank;
 }
 

@@ -12,7 +12,7 @@
 namespace halflight {
 namespace {
 
-/// Points of a triangle, at least 0.004 texels from its edges. A ray that starts on an edge between two walls lies in
+/// Points of a triangle, at least kInsetTexels from its edges. A ray that starts on an edge between two walls lies in
 /// the plane of the other wall, and can miss it.
 class InsetPoints {
 public:
@@ -20,9 +20,8 @@ public:
     {
         const std::array<vec2, 3> corners = geometry.texelsOf(triangle);
         // Barycentric weights are distances over the triangle's heights, and a height is twice the area over an edge.
-        constexpr float kTexels = 4.0e-3f;
         const float area = std::abs(cross2(corners[1] - corners[0], corners[2] - corners[0]));
-        const float weightOfEdge = kTexels / std::max(area, 1.0e-12f);
+        const float weightOfEdge = kInsetTexels / std::max(area, 1.0e-12f);
         for (int i = 0; i < 3; ++i) {
             least_[i] =
                 std::min(weightOfEdge * glm::distance(corners[std::size_t(i + 1) % 3], corners[std::size_t(i + 2) % 3]),
@@ -130,14 +129,13 @@ int texelPoints(const BakeGeometry& geometry, const TexelMap& map, const Texel& 
     const std::span fragments(map.fragments.data() + texel.firstFragment, texel.fragmentCount);
     const float covered = coveredArea(map, texel);
     // Partly covered texels get as many points as others: their candidates fill the bounds of the covered part, in as
-    // many rounds as yield about one batch of covered points.
-    constexpr int kMostRounds = 8;
+    // many rounds as yield about one batch of covered points, but at most one for each point.
     Rectangle candidates{vec2(texel.x, texel.y)};
     int rounds = 1;
     if (covered < kMostlyCovered) {
         candidates = coveredRectangle(geometry, fragments, candidates);
         const float times = candidates.size.x * candidates.size.y / std::max(covered, 1.0e-6f);
-        rounds = int(std::clamp(times + 0.5f, 1.0f, float(kMostRounds)));
+        rounds = int(std::clamp(times + 0.5f, 1.0f, float(kMaxTexelPoints)));
     }
     const auto findRound = [&](int round, PointArray points) {
         return coveredPoints(geometry, fragments, candidates, (batch * rounds + round) * kMaxTexelPoints, points);

@@ -18,16 +18,14 @@ namespace {
 /// Width of a receiver region.
 constexpr float kGuideTexels = 8.0f;
 /// A region with fewer hits on secondary sources takes the guide of a region three times as wide, up to this level. Its
-/// sources may be occluded from some of the receivers. So a guide of a wider region is used only if they cause most of
-/// the variance.
+/// sources may be occluded from some of the receivers. So they are used only from this relative variance on.
 constexpr float kEnoughHits = 128.0f;
 constexpr float kWider = 3.0f;
 constexpr int kGuideLevels = 5;
-constexpr float kVarianceOfWider = 10.0f;
+constexpr float kMuchVariance = 0.5f;
 /// Level of the regions whose hits make shared lists. A guide has one if the clusters that its local list lacks cause
-/// at least this relative variance.
+/// much variance.
 constexpr int kSharedLevel = 3;
-constexpr float kVarianceMissed = 0.5f;
 constexpr std::size_t kMostEntries = 64; ///< of a list, which is searched per sample: 6 steps
 
 /// Observations of patches by receivers, from the samples of the radiosity stage.
@@ -225,7 +223,7 @@ private:
             const std::vector<uint32_t> parents = grid_.coarsen(width_);
             for (uint32_t& region : regionOfGuide) region = parents[region];
             if (refinements.widerGuides)
-                addWiderGuides(open, regionOfGuide, {level < kGuideLevels ? kEnoughHits : 0.0f, kVarianceOfWider});
+                addWiderGuides(open, regionOfGuide, {level < kGuideLevels ? kEnoughHits : 0.0f, kMuchVariance});
             if (level == kSharedLevel && refinements.sharedGuides) addShared(regionOfGuide, illuminances, components);
         }
     }
@@ -300,7 +298,6 @@ private:
         if (variance < limits.variance) return draft;
         draft.made = true;
         draft.guide.relativeVariance = variance;
-        draft.guide.hitShare = float(light * light / (squares * double(observed.rays)));
         draft.list = std::move(observed.hits);
         return draft;
     }
@@ -357,7 +354,7 @@ private:
                     if (guides_.probability(guide.local, h.cluster) <= 0.0f) missed += double(h.squares);
                 }
                 const float variance = observed.relativeVariance(missed, illuminances[order[i].guide]);
-                if (!(variance >= kVarianceMissed && variance < kInfinity)) continue;
+                if (!(variance >= kMuchVariance && variance < kInfinity)) continue;
                 if (list.count == 0) list = addList(observed.hits, deviation);
                 guide.shared = list;
                 guide.relativeVariance += variance;

@@ -22,7 +22,6 @@ struct Guide {
     GuideList local;               ///< clusters that rays of the region and its neighbours hit
     GuideList shared;              ///< clusters that rays of a wider region hit
     float relativeVariance = 0.0f; ///< of a gather ray due to these clusters: mean square / illuminance^2
-    float hitShare = 0.0f;         ///< of rays that hit them, weighted by radiance
 
     [[nodiscard]] float sharedFraction() const
     {

@@ -85,7 +85,6 @@ ConnectedComponents::ConnectedComponents(const ReceiverGrid& grid, std::size_t c
 
 Observations::Observations(const ReceiverGrid& grid, uint32_t region, float illuminanceBeside)
 {
-    constexpr float kNeighbourWeight = 0.5f; // of a hit; 1 = the region's own
     float receivers = 0.0f;
     float illuminances = 0.0f;
     HashGrid::around(grid.regions[region].key, [&](uint64_t key) {
@@ -93,13 +92,12 @@ Observations::Observations(const ReceiverGrid& grid, uint32_t region, float illu
                                             [](const ReceiverGrid::Region& r, uint64_t k) { return r.key < k; });
         if (found == grid.regions.end() || found->key != key) return;
         const auto other = std::size_t(found - grid.regions.begin());
-        const float weight = other == region ? 1.0f : kNeighbourWeight;
-        rays += weight * found->rays;
-        receivers += weight * found->receivers;
-        illuminances += weight * found->illuminances;
+        rays += found->rays;
+        receivers += found->receivers;
+        illuminances += found->illuminances;
         for (const HitStatistics& h : grid.hitsOf(other)) {
             if (!isSecondarySource(h.light / h.rays, illuminanceBeside)) continue;
-            hits.push_back(h.weighted(weight));
+            hits.push_back(h);
             hitCount += h.rays;
         }
     });

@@ -50,10 +50,6 @@ struct HitStatistics {
     float light = 0.0f;
     float squares = 0.0f;
 
-    [[nodiscard]] HitStatistics weighted(float weight) const
-    {
-        return {cluster, weight * rays, weight * light, weight * squares};
-    }
     /// Adds up the statistics of each cluster from an index on, and sorts them by cluster.
     static void merge(std::vector<HitStatistics>& all, std::size_t from = 0);
 };
@@ -104,7 +100,7 @@ private:
 struct Observations {
     std::vector<HitStatistics> hits; ///< by cluster; neighbours count half
     float rays = 0.0f;
-    float hitCount = 0.0f;    ///< not weighted
+    float hitCount = 0.0f;
     float illuminance = 0.0f; ///< of the region; if 0, of the region and its neighbours
 
     Observations(const ReceiverGrid& grid, uint32_t region, float illuminanceBeside);

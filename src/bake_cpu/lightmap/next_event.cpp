@@ -21,12 +21,15 @@ int xorShuffle(uint32_t texelId)
     return int(hashCombine(kShuffleSeed, texelId) & (StratifiedPattern::kBlock - 1));
 }
 
-/// A quarter of a block samples a guide's sources. Above this relative variance due to them, half of it samples sources
-/// that get 1 % of the rays (weighted by radiance), all of it those that get 4 %. From 10 % on the rays suffice.
-constexpr float kMuchVariance = 1.0f;
-constexpr float kSomeHits = 0.01f;
-constexpr float kManyHits = 0.04f;
-constexpr float kEnoughHits = 0.1f;
+/// Samples of a guide's sources in a block: in proportion to the standard deviation that the rays would have due to
+/// them (Neyman allocation), in powers of two from a quarter of the block on.
+int samplesOf(const Guide& guide)
+{
+    constexpr int kAll = StratifiedPattern::kBlock;
+    if (guide.local.count + guide.shared.count == 0) return 0;
+    const float deviation = refinements.sourceShares ? std::sqrt(guide.relativeVariance) : 0.0f;
+    return deviation >= 2.0f ? kAll : deviation >= 1.0f ? kAll / 2 : kAll / 4;
+}
 
 } // namespace
 
@@ -54,13 +57,7 @@ void NextEvent::prepareSources(const GatherGroup& group)
         const auto lane = std::size_t(i);
         const Guide guide = guides_->guideAt(cache_->layout(), group.point(i, 0));
         guide_[lane] = guide;
-        constexpr int kAll = StratifiedPattern::kBlock;
-        const bool much = guide.relativeVariance >= kMuchVariance && guide.hitShare < kEnoughHits;
-        sourceSamples_[lane] = guide.local.count + guide.shared.count == 0 ? 0
-                               : !refinements.sourceShares                 ? kAll / 4
-                               : much && guide.hitShare >= kManyHits       ? kAll
-                               : much && guide.hitShare >= kSomeHits       ? kAll / 2
-                                                                           : kAll / 4;
+        sourceSamples_[lane] = samplesOf(guide);
     }
 }
 

@@ -6,8 +6,6 @@
 namespace halflight {
 namespace {
 
-/// Height of the rays above the surface, in widths of the patch or element.
-constexpr float kLift = 0.1f;
 /// Texels covered by more than this are whole texels, but for rounding.
 constexpr float kWhole = 0.999f;
 
@@ -59,7 +57,7 @@ void OccluderSearch::searchPatch(const TexelGroup& group, int lane)
     const PatchId patch = pass_.sourceOf(group, lane, points[0]);
     if (patch == kNoPatch) return;
     const int count = group.pointCount(lane);
-    const float lift = kLift * pass_.widthOf(patch, points[0].triangle);
+    const float lift = kLineLift * pass_.widthOf(patch, points[0].triangle);
     const auto abovePoint = [&](int number) {
         const SurfacePoint& p = points[std::size_t(std::min(number, count - 1))];
         return p.position + lift * p.geometricNormal;
@@ -96,7 +94,7 @@ void OccluderSearch::searchElements(const TexelGroup& group, int lane)
     for (auto element = elements.begin(); element != end; ++element) {
         if (*element == kNoPatch || std::find(elements.begin(), element, *element) != element) continue;
         const SurfacePoint& point = group.points(lane)[std::size_t(element - elements.begin())];
-        const float lift = kLift * pass_.widthOf(*element, point.triangle);
+        const float lift = kLineLift * pass_.widthOf(*element, point.triangle);
         const vec3 above = point.position + lift * point.geometricNormal;
         Targets targets;
         targets.fill(above);

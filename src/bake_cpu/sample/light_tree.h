@@ -1,6 +1,7 @@
 #pragma once
 // Importance sampling of many lights in logarithmic time.
 
+#include "bake_cpu/sample/stratified_pattern.h"
 #include "bake_cpu/trace/lanes.h"
 
 #include "halflight/base/math.h"
@@ -52,7 +53,7 @@ public:
     /// choose among the nodes of one cut (the paper's tree splitting, once per texel).
     struct Cut {
         static constexpr std::size_t kLanes = 8;
-        static constexpr std::size_t kMaxNodes = 32; ///< nodes: two for each sample of a block
+        static constexpr std::size_t kMaxNodes = 2 * StratifiedPattern::kBlock;
         template<typename T> using Lanes = std::array<T, kLanes>;
         std::size_t count = 0;
         Lanes<float> total{}; ///< as total()

@@ -9,6 +9,10 @@
 
 namespace halflight {
 
+/// Height of lines between points of a texel, patch or element above it, in its widths: more than that of a convex
+/// surface between them.
+constexpr float kLineLift = 0.1f;
+
 using TexelPoints = std::array<SurfacePoint, kMaxTexelPoints>;
 
 /// Moves the points of the mask to the front, in their order.

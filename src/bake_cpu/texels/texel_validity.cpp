@@ -12,8 +12,6 @@ constexpr uint32_t kInsideSeed = 0x5eed0004u;
 /// Rays per group of points in solids, per point behind shells, and of a texel that find whether it has to be tested.
 constexpr int kRays = 8;
 constexpr int kFewRays = 3; ///< enough if all of them agree
-/// Height in texels of lines between the points of a texel: more than that of a convex surface between them.
-constexpr float kLift = 0.1f;
 
 /// Whether mutually visible points may be behind a shell. Behind one, seven of eight of their rays hit hidden backs.
 bool manyBacks(int backs, int rays)
@@ -48,7 +46,7 @@ vec3 TexelValidity::raised(const SurfacePoint& point, float lift) const
 
 float TexelValidity::liftOf(const TexelPoints& points) const
 {
-    return kLift * paths_.surfaces().geometry().texelMeters(points[0].triangle);
+    return kLineLift * paths_.surfaces().geometry().texelMeters(points[0].triangle);
 }
 
 /// Whether a group of mutually visible points is inside solids: most of up to 8 rays leave more solids than they enter.
