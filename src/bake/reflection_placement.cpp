@@ -9,7 +9,6 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
-#include <utility>
 
 namespace halflight {
 namespace {
@@ -166,10 +165,12 @@ Box fitBox(float turn, std::span<const vec3> directions, std::span<const float> 
     const auto predicted = [&](std::size_t axis, std::size_t i) {
         return box.face[2 * axis + (rays.upper[axis][i] ? 1 : 0)] * rays.perAxis[axis][i];
     };
-    // Over the faces, because each depends on the others, until none moves: each move lessens the misfit.
+    // Over the faces, because each depends on the others, while that lessens the error.
     std::vector<FaceRay> towards;
-    for (bool moved = true; moved;) {
-        moved = false;
+    float before = 0.0f;
+    error = kInfinity;
+    do {
+        before = error;
         for (std::size_t f = 0; f < 6; ++f) {
             const std::size_t axis = f / 2;
             towards.clear();
@@ -178,13 +179,12 @@ Box fitBox(float turn, std::span<const vec3> directions, std::span<const float> 
                 const float otherFaces = std::min(predicted((axis + 1) % 3, i), predicted((axis + 2) % 3, i));
                 towards.push_back({rays.perAxis[axis][i], otherFaces, distances[i]});
             }
-            const float before = std::exchange(box.face[f], fitFace(box.face[f], rays.ends[f], towards));
-            moved = moved || box.face[f] != before;
+            box.face[f] = fitFace(box.face[f], rays.ends[f], towards);
         }
-    }
-    error = 0.0f;
-    for (std::size_t i = 0; i < distances.size(); ++i)
-        error += misfit(std::min({predicted(0, i), predicted(1, i), predicted(2, i)}), distances[i]) / float(kRays);
+        error = 0.0f;
+        for (std::size_t i = 0; i < distances.size(); ++i)
+            error += misfit(std::min({predicted(0, i), predicted(1, i), predicted(2, i)}), distances[i]) / float(kRays);
+    } while (error < before);
     return box;
 }
 
