@@ -16,17 +16,12 @@ struct GuideList {
 
 /// Distribution over clusters for the receivers of one region.
 struct Guide {
-    /// Share of samples of the shared list, if both lists have entries.
-    static constexpr float kSharedFraction = 0.25f;
-
     GuideList local;               ///< clusters that rays of the region and its neighbours hit
     GuideList shared;              ///< clusters that rays of a wider region hit
     float relativeVariance = 0.0f; ///< of a gather ray due to these clusters: mean square / illuminance^2
 
-    [[nodiscard]] float sharedFraction() const
-    {
-        return shared.count == 0 ? 0.0f : local.count == 0 ? 1.0f : kSharedFraction;
-    }
+    /// Share of samples of the shared list: lists with entries have the same.
+    [[nodiscard]] float sharedFraction() const { return shared.count == 0 ? 0.0f : local.count == 0 ? 1.0f : 0.5f; }
 };
 
 /// Small bright sources cause most of the variance of a gather, because few rays hit them. The gather samples them by

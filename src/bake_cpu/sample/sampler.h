@@ -87,8 +87,7 @@ inline constexpr std::array<std::array<uint32_t, 256>, 4> Sampler::kSobol = Samp
 /// `throughput` raised in proportion.
 inline bool survivesRoulette(float probability, Sampler& sampler, vec3& throughput)
 {
-    constexpr float kCertain = 0.7f; // probability from which on a path that ends would spare too little for its noise
-    if (probability >= kCertain) return true;
+    if (probability >= 1.0f) return true;
     if (!(sampler.next1() < probability)) return false;
     throughput /= probability;
     return true;

@@ -12,10 +12,10 @@
 namespace halflight {
 namespace {
 
-/// Texels within this distance have to agree: 49 texels have 392 rays, so that the rim of a penumbra is found. Fewer
-/// than 16 texels, on a small chart, are no evidence.
+/// Texels within this distance have to agree: 49 texels have 392 rays, so that the rim of a penumbra is found. Less
+/// than a third of them, on a small chart, is no evidence.
 constexpr int kAgreeRadius = 3;
-constexpr int kEnoughTexels = 16;
+constexpr int kEnoughTexels = (2 * kAgreeRadius + 1) * (2 * kAgreeRadius + 1) / 3;
 /// Limit from LitCount, an even number of half-batches.
 constexpr int kMostHalves = LitCount::kMostRays / (2 * ShadowRays::kHalf) * 2;
 

@@ -101,9 +101,8 @@ struct ShadowSource {
             if (light == nullptr || !light->isArea()) return {light, 1.0f};
             // Rays from below the horizon count little beside others, and all where there are no others, as on points
             // that face away from a light without size: these are in shadow.
-            constexpr float kBelowHorizon = 1.0e-4f;
             const LightRay ray = sampleLightRay(*light, point.position, disc);
-            const float weight = ray.solidAngle * std::max(glm::dot(point.normal, ray.direction), kBelowHorizon);
+            const float weight = ray.solidAngle * std::max(glm::dot(point.normal, ray.direction), 1.0e-4f);
             return weight > 0.0f ? Target{light, weight} : Target{};
         }
         for (const PunctualLight* light : lights.lights()) {
