@@ -20,7 +20,7 @@ constexpr float kDisagrees = 0.35f;
 /// with 2^kLevels intervals along each side of a grid cell.
 class OcclusionCells {
 public:
-    static constexpr int kLevels = 2; ///< subdivisions of a grid cell; links are halved as often
+    static constexpr int kLevels = 2; ///< subdivisions of a grid cell
 
     struct Cell {
         ivec3 low{0};

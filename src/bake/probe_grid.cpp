@@ -1,4 +1,3 @@
-#include "bake/probe_placement.h"
 #include "bake/stages.h"
 
 #include <algorithm>
@@ -18,18 +17,11 @@ double countAt(vec3 size, double spacing)
     return count;
 }
 
-/// The smallest spacing from a given one on that gives no more than `most` probes, by bisection.
+/// The smallest spacing from a given one on, in steps of 5 %, that gives no more than `most` probes.
 double coarsened(vec3 size, double spacing, double most)
 {
-    if (countAt(size, spacing) <= most) return spacing;
-    double low = spacing;
-    double high = spacing;
-    while (countAt(size, high) > most) high *= 2.0;
-    while (high - low > 1.0e-3 * low) {
-        const double middle = 0.5 * (low + high);
-        (countAt(size, middle) > most ? low : high) = middle;
-    }
-    return high;
+    while (countAt(size, spacing) > most) spacing *= 1.05;
+    return spacing;
 }
 
 } // namespace
@@ -55,7 +47,7 @@ ProbeSet probeGrid(const Scene& scene, float spacingMeters, std::vector<std::str
 
     // The inset keeps the outermost probes out of floors and outer walls.
     for (int axis = 0; axis < 3; ++axis) {
-        const float inset = kSamePlaceShare * std::min(float(spacing), size[axis]);
+        const float inset = std::min(0.1f * float(spacing), 0.05f * size[axis]);
         set.size[axis] = std::max(2, int(std::ceil(double(size[axis]) / spacing)) + 1);
         set.origin[axis] = bounds.min[axis] + inset;
         set.spacingMeters[axis] = (size[axis] - 2.0f * inset) / float(set.size[axis] - 1);

@@ -17,11 +17,12 @@ namespace {
 
 /// Irradiance below this share of the median probe's counts as dark, so that its differences count little.
 constexpr float kDarkShare = 0.05f;
-/// Distance of a probe from a wall, over the spacing, and the least from a probe in the middle of a link to its ends.
-/// Probes on both sides of a wall are two layers at twice this distance from each other. No Delaunay tetrahedron
-/// reaches through both: the smallest sphere around a triangle of one layer, half a diagonal of the grid in radius,
-/// ends before the other.
+/// Distance of a probe from a wall, over the spacing. Probes on both sides of a wall are two layers at twice this
+/// distance from each other. No Delaunay tetrahedron reaches through both: the smallest sphere around a triangle of one
+/// layer, half a diagonal of the grid in radius, ends before the other.
 constexpr float kWallShare = 0.36f;
+constexpr float kShortestShare = 0.3f; ///< a link is halved if both halves are longer than this share of the spacing
+constexpr float kFloorShare = 0.02f;   ///< height of the probes on floors, over the spacing
 
 /// Irradiance (luminance, lux) on the six faces of a small cube.
 std::array<float, 6> irradianceAround(const Probe& probe)
@@ -122,7 +123,7 @@ void addBesideWall(const Disagreement& d, const Probe& a, const Probe& b, float 
     const vec3 direction = (b.position - a.position) / length;
     const float fromA = d.surfaces->x;
     const float fromB = length - d.surfaces->y;
-    const auto isNear = [&](const Probe& probe, float distance) { return probe.valid && distance <= 2.0f * wall; };
+    const auto isNear = [&](const Probe& probe, float distance) { return probe.valid && distance <= 1.5f * wall; };
     const bool nearA = isNear(a, fromA);
     const bool nearB = isNear(b, fromB);
     const float offA = nearB ? std::max(wall, 2.0f * wall - fromB) : wall;
@@ -174,7 +175,7 @@ AddedProbes probesBetween(std::span<const Probe> probes, std::span<const ProbeLi
         const Probe& b = probes[d.link.b];
         if (d.surfaces) {
             addBesideWall(d, a, b, kWallShare * spacing, adder);
-        } else if (a.valid && b.valid && glm::distance(a.position, b.position) >= 2.0f * kWallShare * spacing) {
+        } else if (a.valid && b.valid && glm::distance(a.position, b.position) >= 2.0f * kShortestShare * spacing) {
             const uint32_t middle = adder.add(d.link.a, 0.5f * (a.position + b.position));
             adder.added.links.push_back({middle, d.link.b});
         }
@@ -185,7 +186,7 @@ AddedProbes probesBetween(std::span<const Probe> probes, std::span<const ProbeLi
 AddedProbes probesOnFloors(std::span<const Probe> probes, float spacing, float reachMeters,
                            const Integrator& integrator)
 {
-    const float height = kSamePlaceShare * spacing;
+    const float height = kFloorShare * spacing;
     std::vector<uint32_t> above;
     std::vector<Segment> segments;
     for (uint32_t i = 0; i < probes.size(); ++i) {

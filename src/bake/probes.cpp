@@ -14,8 +14,9 @@
 namespace halflight {
 namespace {
 
-/// Most probes that are added between probes that disagree, and along shadow edges, over those of the grid.
-constexpr std::size_t kGrowth = 3;
+constexpr int kRefinements = 2;              ///< times that a link can be halved
+constexpr std::size_t kGrowth = 4;           ///< most probes after refinement, over those of the grid
+constexpr std::size_t kShadowGrowth = 2;     ///< most probes added along shadow edges, over those of the grid
 constexpr int kTestPaths = 8;                ///< paths of a test point: enough to find those inside geometry
 constexpr std::size_t kNewPointsOfCell = 19; ///< of its 27, all but the corners
 
@@ -49,7 +50,7 @@ public:
     bool refine(float spacing, std::size_t most)
     {
         std::vector<ProbeLink> level = links;
-        for (int i = 0; i < OcclusionCells::kLevels && !level.empty(); ++i) {
+        for (int i = 0; i < kRefinements && !level.empty(); ++i) {
             AddedProbes added = probesBetween(probes, level, spacing, most, gather_.integrator);
             if (!add(added)) return false;
             level = std::move(added.links);
@@ -164,11 +165,11 @@ std::optional<ProbeSet> bakeProbes(const Scene& scene, float spacingMeters, Prob
     }
     const vec3 s = set.spacingMeters;
     const float spacing = std::min({s.x, s.y, s.z});
-    if (!bake.refine(spacing, (1 + kGrowth) * positions.size())) return std::nullopt;
+    if (!bake.refine(spacing, kGrowth * positions.size())) return std::nullopt;
     std::size_t unresolved = 0;
     const bool masked = std::any_of(scene.lights.begin(), scene.lights.end(),
                                     [](const Light& light) { return light.baking.occlusionMaskChannel >= 0; });
-    if (masked && !bake.refineShadows(set, kGrowth * positions.size(), unresolved)) return std::nullopt;
+    if (masked && !bake.refineShadows(set, kShadowGrowth * positions.size(), unresolved)) return std::nullopt;
     if (unresolved > 0) warnings.push_back(shadowEdgeWarning(unresolved, s));
     if (!bake.addFloors(spacing, s.y)) return std::nullopt;
     if (denoise) denoiseProbes(bake.probes, bake.variances, bake.links, gather.integrator);

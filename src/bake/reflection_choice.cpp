@@ -9,9 +9,10 @@
 namespace halflight {
 namespace {
 
-/// No probe is added that gains less than this share of what a probe at every place would be worth, so that there are
-/// at most 25 (2.4 MiB of tiles).
+/// No probe is added that gains less than this share of what a probe at every place would be worth.
 constexpr double kLeastGain = 0.04;
+/// Most probes that are placed: 16 tiles of 128 texels are 1.5 MiB.
+constexpr std::size_t kMostPlaced = 16;
 
 /// Coverage of each place by the probe at each other one, as in the renderer's blend.
 std::vector<std::vector<float>> coverageOf(std::span<const ReflectionProbe> probes)
@@ -47,7 +48,7 @@ public:
         double most = 0.0; // if each place served itself
         for (std::size_t k = 0; k < uses_.size(); ++k) most += uses_[k][k];
         double worth = 0.0;
-        for (;;) {
+        while (chosen.size() < kMostPlaced) {
             std::vector<double> worthWith(uses_.size());
             parallelFor(uses_.size(), 8, [&](std::size_t begin, std::size_t end) {
                 for (std::size_t i = begin; i < end; ++i) worthWith[i] = worthOf(with(chosen, i));

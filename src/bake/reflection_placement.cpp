@@ -1,5 +1,6 @@
 // Where reflection probes are taken, and the boxes around them.
 
+#include "bake/hash_grid.h"
 #include "bake/reflections.h"
 #include "halflight/base/parallel.h"
 #include "halflight/shading/reflection.h"
@@ -17,14 +18,16 @@ namespace {
 constexpr std::size_t kMostPlaces = 400;
 /// Rays that measure a place's surroundings.
 constexpr int kRays = 256;
+/// Surroundings beyond this many sizes of the scene count as infinitely far.
+constexpr float kFarShare = 4.0f;
+/// A place counts where this share of its surroundings is not infinitely far: on open ground it is a half.
+constexpr float kLeastSurrounded = 0.4f;
+/// Things nearer than this share of the surroundings' mean distance cover too much of the picture.
+constexpr float kClearance = 0.25f;
 /// Boxes turned about the vertical are tried in steps of 5 degrees.
 constexpr int kTurns = 18;
-
-/// Length of rays that hit nothing, so that a box that is open on one side is larger than the scene.
-float farOf(float sceneSizeMeters)
-{
-    return 2.0f * sceneSizeMeters;
-}
+/// A turned box must predict distances better by this share.
+constexpr float kTurnGain = 0.1f;
 
 /// Directions spread evenly over the sphere (a Fibonacci lattice).
 std::vector<vec3> evenDirections()
@@ -39,21 +42,18 @@ std::vector<vec3> evenDirections()
     return result;
 }
 
-/// Positions of valid light probes; of many, those farthest from one another (Gonzalez 1985, "Clustering to Minimize
-/// the Maximum Intercluster Distance").
-std::vector<vec3> placesOf(std::span<const Probe> lightProbes)
+/// Positions of valid light probes, thinned out on a grid that grows until they are few enough.
+std::vector<vec3> placesOf(std::span<const Probe> lightProbes, float sceneSizeMeters)
 {
     std::vector<vec3> all;
     for (const Probe& probe : lightProbes)
         if (probe.valid) all.push_back(probe.position);
-    if (all.size() <= kMostPlaces) return all;
-    std::vector<float> distances(all.size(), kInfinity); // to the nearest place
-    std::vector<vec3> places;
-    while (places.size() < kMostPlaces) {
-        const auto farthest = std::max_element(distances.begin(), distances.end());
-        const vec3 place = places.emplace_back(all[std::size_t(farthest - distances.begin())]);
-        for (std::size_t i = 0; i < all.size(); ++i)
-            distances[i] = std::min(distances[i], glm::distance(all[i], place));
+    std::vector<vec3> places = all;
+    for (float cell = sceneSizeMeters / 100.0f; places.size() > kMostPlaces; cell *= 1.25f) {
+        DistinctPoints distinct(cell);
+        places.clear();
+        for (const vec3 place : all)
+            if (distinct.insert(place)) places.push_back(place);
     }
     return places;
 }
@@ -71,6 +71,21 @@ std::vector<std::vector<float>> distancesAround(std::span<const vec3> places, st
     for (std::size_t i = 0; i < segments.size(); ++i)
         result[i / directions.size()].push_back(hits[i] ? hits[i]->x : far);
     return result;
+}
+
+/// Drops places with little around them: outside of rooms that stand alone, or above all there is.
+void keepSurrounded(std::vector<vec3>& places, std::vector<std::vector<float>>& distances, float far)
+{
+    std::size_t kept = 0;
+    for (std::size_t i = 0; i < places.size(); ++i) {
+        const auto hits = std::count_if(distances[i].begin(), distances[i].end(), [&](float d) { return d < far; });
+        if (float(hits) < kLeastSurrounded * float(distances[i].size())) continue;
+        places[kept] = places[i];
+        if (kept != i) distances[kept] = std::move(distances[i]);
+        ++kept;
+    }
+    places.resize(kept);
+    distances.resize(kept);
 }
 
 /// Mean of what is not infinitely far.
@@ -144,9 +159,11 @@ float fitFace(float present, std::span<const float> ends, std::span<const FaceRa
         for (const FaceRay& ray : rays) sum += misfit(std::min(position * ray.perAxis, ray.otherFaces), ray.distance);
         return sum;
     };
+    constexpr std::size_t kTries = 16; // quantiles of the ends of rays: 256 rays have 43 on a face
     float best = present;
     float least = misfitOf(present);
-    for (const float position : ends) {
+    for (std::size_t k = 0; k < kTries; ++k) {
+        const float position = ends[(2 * k + 1) * ends.size() / (2 * kTries)];
         const float tried = misfitOf(position);
         if (tried >= least) continue;
         least = tried;
@@ -165,12 +182,9 @@ Box fitBox(float turn, std::span<const vec3> directions, std::span<const float> 
     const auto predicted = [&](std::size_t axis, std::size_t i) {
         return box.face[2 * axis + (rays.upper[axis][i] ? 1 : 0)] * rays.perAxis[axis][i];
     };
-    // Over the faces, because each depends on the others, while that lessens the error.
+    constexpr int kSweeps = 2; // over the faces, because each depends on the others
     std::vector<FaceRay> towards;
-    float before = 0.0f;
-    error = kInfinity;
-    do {
-        before = error;
+    for (int sweep = 0; sweep < kSweeps; ++sweep) {
         for (std::size_t f = 0; f < 6; ++f) {
             const std::size_t axis = f / 2;
             towards.clear();
@@ -181,10 +195,10 @@ Box fitBox(float turn, std::span<const vec3> directions, std::span<const float> 
             }
             box.face[f] = fitFace(box.face[f], rays.ends[f], towards);
         }
-        error = 0.0f;
-        for (std::size_t i = 0; i < distances.size(); ++i)
-            error += misfit(std::min({predicted(0, i), predicted(1, i), predicted(2, i)}), distances[i]) / float(kRays);
-    } while (error < before);
+    }
+    error = 0.0f;
+    for (std::size_t i = 0; i < distances.size(); ++i)
+        error += misfit(std::min({predicted(0, i), predicted(1, i), predicted(2, i)}), distances[i]) / float(kRays);
     return box;
 }
 
@@ -193,11 +207,12 @@ Box fitBox(std::span<const vec3> directions, std::span<const float> distances)
 {
     float error = 0.0f;
     Box box = fitBox(0.0f, directions, distances, error);
+    float limit = (1.0f - kTurnGain) * error;
     for (int i = 1; i < kTurns; ++i) {
         float turnedError = 0.0f;
         const Box tried = fitBox(0.5f * kPi * float(i) / float(kTurns), directions, distances, turnedError);
-        if (turnedError >= error) continue;
-        error = turnedError;
+        if (turnedError >= limit) continue;
+        error = limit = turnedError;
         box = tried;
     }
     return box;
@@ -238,13 +253,14 @@ float centrality(const ReflectionProbe& probe, float sceneSizeMeters)
 
 Candidate candidateAt(vec3 place, std::span<const vec3> directions, std::vector<float> distances, float sceneSizeMeters)
 {
-    const float far = farOf(sceneSizeMeters);
+    const float far = kFarShare * sceneSizeMeters;
     Candidate candidate;
     candidate.probe = probeAt(place, fitBox(directions, distances));
     const auto hits = std::count_if(distances.begin(), distances.end(), [&](float d) { return d < far; });
     candidate.weight = float(hits) / float(distances.size());
     const float clearance = *std::min_element(distances.begin(), distances.end()) / meanDistance(distances, far);
-    candidate.quality = (0.5f + 0.5f * centrality(candidate.probe, sceneSizeMeters)) * clearance;
+    candidate.quality =
+        (0.5f + 0.5f * centrality(candidate.probe, sceneSizeMeters)) * std::min(clearance / kClearance, 1.0f);
     candidate.distances = std::move(distances);
     return candidate;
 }
@@ -293,11 +309,12 @@ std::vector<std::vector<float>> usesBetween(std::span<const Candidate> candidate
 std::vector<ReflectionProbe> placeReflections(std::span<const Probe> lightProbes, const Integrator& integrator,
                                               float sceneSizeMeters)
 {
-    const std::vector<vec3> places = placesOf(lightProbes);
+    std::vector<vec3> places = placesOf(lightProbes, sceneSizeMeters);
     if (places.empty()) return {};
-    const float far = farOf(sceneSizeMeters);
+    const float far = kFarShare * sceneSizeMeters;
     const std::vector<vec3> directions = evenDirections();
     std::vector<std::vector<float>> distances = distancesAround(places, directions, integrator, far);
+    keepSurrounded(places, distances, far);
     std::vector<Candidate> candidates(places.size());
     parallelFor(places.size(), 1, [&](std::size_t begin, std::size_t end) {
         for (std::size_t i = begin; i < end; ++i)
