@@ -145,11 +145,9 @@ Desktop::Sticks Desktop::sticks() const
 void Viewer::handleEvents()
 {
     const auto handle = [&](const SDL_Event& event) {
-        if (panelInput_.endsFrame(event)) {
-            buildPanels(false);
-            // Dear ImGui says a frame later that typing has ended.
-            if (ImGui::GetIO().WantTextInput) buildPanels(false);
-        }
+        if (panelInput_.endsFrame(event)) buildPanels(false);
+        // Dear ImGui says a frame later that typing has ended.
+        if (event.type == SDL_KEYDOWN && ImGui::GetIO().WantTextInput) buildPanels(false);
         panelInput_.take(event);
         handleEvent(event);
     };
