@@ -8,16 +8,16 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <functional>
 #include <numeric>
 
 namespace halflight {
 namespace {
 
 constexpr int kChannels = 4;
-/// Limit on pairs of lights that one attempt at recolouring compares. A step compares all pairs, so that the largest
-/// connected groups are only coloured greedily.
+/// Limit on pairs of lights that one attempt at recolouring compares. A step compares all pairs, so connected groups of
+/// more than kMaxRecolored lights are only coloured greedily.
 constexpr int kColoringBudget = 4'000'000;
+constexpr std::size_t kMaxRecolored = 128;
 
 /// Bounding sphere of the points that a light reaches; of a spot's, the smaller of two spheres around its cone.
 struct Reach {
@@ -131,6 +131,7 @@ std::vector<int> connectedTo(const Graph& graph, const std::vector<int>& placed,
             if (seen[std::size_t(other)] || !graph[std::size_t(reached[next])][std::size_t(other)]) continue;
             seen[std::size_t(other)] = true;
             reached.push_back(other);
+            if (reached.size() > kMaxRecolored) return {};
         }
     }
     return reached;
