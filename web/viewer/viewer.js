@@ -25,6 +25,7 @@ const scene = new THREE.Scene();
 let shown = null;
 let requested = false;
 let trouble = '';
+let opened = 0; // files that were chosen: only the last one is shown, even where an earlier one takes longer to read
 
 /** One frame is drawn for all changes before it; no frame is requested while nothing changes. */
 function redraw() {
@@ -58,25 +59,33 @@ function say(sentence = trouble) {
     element('message').textContent = [trouble, ...(shown?.halflight.warnings ?? [])].filter(Boolean).join(' ');
 }
 
-async function open(bytes, name) {
+/** @param {Promise<ArrayBuffer>} reading */
+async function open(reading, name) {
+    const turn = ++opened;
     say('');
     try {
+        const bytes = await reading;
         const loader = new GLTFLoader();
         loader.setMeshoptDecoder(MeshoptDecoder);
         loader.register((parser) => new HalflightPlugin(parser));
         const gltf = await loader.parseAsync(bytes, '');
         const halflight = gltf.userData.halflight;
         if (!halflight) throw new Error('the file is not baked: halflight bake makes a baked one of it');
-        shown?.halflight.dispose();
-        shown?.gltf.scene.removeFromParent();
-        shown = { gltf, halflight, bytes: bytes.byteLength };
-        scene.add(gltf.scene);
-        element('file').textContent = name;
-        fillPanel();
+        if (turn === opened) show(gltf, bytes.byteLength, name);
+        else halflight.dispose();
     } catch (error) {
-        say(`${name}: ${error.message}`);
+        if (turn === opened) say(`${name}: ${error.message}`);
     }
     redraw();
+}
+
+function show(gltf, size, name) {
+    shown?.halflight.dispose();
+    shown?.gltf.scene.removeFromParent();
+    shown = { gltf, halflight: gltf.userData.halflight, bytes: size };
+    scene.add(gltf.scene);
+    element('file').textContent = name;
+    fillPanel();
 }
 
 function fillPanel() {
@@ -143,9 +152,9 @@ element('link').addEventListener('click', async () => {
     history.replaceState(null, '', `#${writeLink({ halflight: shown.halflight, camera, orbit, renderer })}`); // no hashchange
     await navigator.clipboard?.writeText(location.href).catch(() => {});
 });
-element('open').addEventListener('change', async (event) => {
+element('open').addEventListener('change', (event) => {
     const [file] = event.target.files;
-    if (file) await open(await file.arrayBuffer(), file.name);
+    if (file) open(file.arrayBuffer(), file.name);
 });
 addEventListener('hashchange', () => {
     if (!shown) return;
@@ -158,11 +167,11 @@ addEventListener('dragover', (event) => {
     document.body.classList.add('dropping');
 });
 addEventListener('dragleave', () => document.body.classList.remove('dropping'));
-addEventListener('drop', async (event) => {
+addEventListener('drop', (event) => {
     event.preventDefault();
     document.body.classList.remove('dropping');
     const [file] = event.dataTransfer.files;
-    if (file) await open(await file.arrayBuffer(), file.name);
+    if (file) open(file.arrayBuffer(), file.name);
 });
 orbit.addEventListener('change', redraw);
 element('picture').addEventListener('webglcontextrestored', redraw);
@@ -172,5 +181,5 @@ element('panel').open = innerWidth > 640; // else it hides most of the picture
 
 const wanted = new URLSearchParams(location.search).get('file') ?? SHOWCASE;
 const response = await fetch(wanted).catch(() => null);
-if (response?.ok) await open(await response.arrayBuffer(), wanted);
+if (response?.ok) open(response.arrayBuffer(), wanted);
 else element('file').textContent = 'no file open';

@@ -34,7 +34,9 @@ async function open(address = '?file=sphere_on_floor.glb', viewport = { width: 6
     });
     await page.goto(`${server.url}/index.html${address}`);
     const frames = () => page.evaluate(() => Number(document.body.dataset.frames ?? 0));
+    /** Waits for a frame after `act`; a frame that an earlier change requested is drawn before it. */
     const drawn = async (act = async () => {}) => {
+        await page.evaluate(() => new Promise((resolve) => requestAnimationFrame(() => requestAnimationFrame(resolve))));
         const before = await frames();
         await act();
         await page.waitForFunction((n) => Number(document.body.dataset.frames ?? 0) > n, before);
@@ -123,7 +125,7 @@ test('the viewer: modes, views, lights and shadow distance change the picture', 
     await change('a shorter shadow distance', () => page.locator('#distance').fill('4'));
     await change('the shadowmask view', () => page.selectOption('#view', 'shadowmask'));
     await change('the lightmap view', () => page.selectOption('#view', 'lightmap'));
-    await page.selectOption('#view', 'lit');
+    await drawn(() => page.selectOption('#view', 'lit'));
     await change('one light less', () => page.uncheck('#lights input[type=checkbox]:not(:disabled)'));
     assert.deepEqual(errors, []);
     await page.close();
@@ -147,6 +149,17 @@ test('the viewer takes files by choice and by drop, and says what is wrong with 
         }, bytes)
     );
     assert.deepEqual(await page.$$eval('#modes input', (inputs) => inputs.map((input) => input.value)), ['realtime', 'subtractive']);
+    await page.evaluate(() => {
+        const read = File.prototype.arrayBuffer;
+        File.prototype.arrayBuffer = async function () {
+            if (this.name === 'avenue.glb') await new Promise((resolve) => (window.readAvenue = resolve));
+            return read.call(this);
+        };
+    });
+    await page.setInputFiles('#open', join(conformance, 'avenue.glb'));
+    await drawn(() => page.setInputFiles('#open', join(conformance, 'bumpy_wall.glb')));
+    await drawn(() => page.evaluate(() => window.readAvenue()));
+    assert.equal(await text('#file'), 'bumpy_wall.glb', 'the file chosen last, though the one before it is read later');
     assert.deepEqual(errors, []);
     await page.close();
 });
