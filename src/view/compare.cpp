@@ -76,8 +76,8 @@ Status Viewer::drawOther(const Swapchain::Frame& frame, RenderSettings settings,
     return {};
 }
 
-/// Coarse while the view changes, where frames take long; no finer than half while a bake needs the processor, or while
-/// textures are coarse.
+/// Coarse while the view changes and soon after, where frames take long; no finer than half while a bake needs the
+/// processor, or while textures are coarse.
 PictureDetail Viewer::chooseDetail(ivec2 size)
 {
     const Camera camera = state_.navigator.camera();
@@ -87,7 +87,9 @@ PictureDetail Viewer::chooseDetail(ivec2 size)
     drawnSettings_ = state_.settings;
     drawnEdit_ = lastEdit_;
     if (state_.settings.timings) return PictureDetail::Full; // what is measured is a whole frame
-    return details_.next(size, moves, session_ || texturesAreCoarse_ ? PictureDetail::Half : PictureDetail::Full);
+    const bool pauses = Clock::now() - lastInput_ < kAfterInput;
+    const Motion motion = moves ? Motion::Moves : pauses ? Motion::Pauses : Motion::Rests;
+    return details_.next(size, motion, session_ || texturesAreCoarse_ ? PictureDetail::Half : PictureDetail::Full);
 }
 
 Status Viewer::drawScene(const Swapchain::Frame& frame)

@@ -239,9 +239,9 @@ void Viewer::click(vec2 place)
 /// While a bake, the reference or a reader of files works and nobody does anything, every other moment is theirs: on
 /// devices that draw with the processor they would wait for pictures that show nothing new. Whatever is done ends the
 /// pause.
-void Viewer::leaveTimeToBackground()
+void Viewer::waitAtRest()
 {
-    constexpr std::chrono::milliseconds kAfterInput(500);
+    constexpr std::chrono::milliseconds kFrame(66); // progress that moves smoothly
     constexpr std::chrono::milliseconds kMost(250);
     if (!shown_) { // a line of progress is all there is to draw
         if (!ready_) (void)SDL_WaitEventTimeout(nullptr, int(kMost.count()));
@@ -250,9 +250,11 @@ void Viewer::leaveTimeToBackground()
     const bool works =
         session_ || opening_ || showing_ || earlierLoading_.valid() || (reference_ && reference_->works());
     const Clock::time_point now = Clock::now();
-    if (!works || now - lastInput_ < kAfterInput) return;
+    const bool mayWait = works || (!drewPicture_ && options_.frames == 0);
+    if (!mayWait || now - lastInput_ < kAfterInput) return;
     const auto drawing = std::chrono::duration_cast<std::chrono::milliseconds>(now - lastFrame_);
-    (void)SDL_WaitEventTimeout(nullptr, int(std::min(drawing, kMost).count()));
+    const auto wait = works ? std::max(drawing, kFrame - drawing) : kFrame - drawing;
+    if (wait.count() > 0) (void)SDL_WaitEventTimeout(nullptr, int(std::min(wait, kMost).count()));
     lastFrame_ += Clock::now() - now; // no time in which the camera flies
 }
 

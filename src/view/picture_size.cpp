@@ -38,7 +38,7 @@ double PictureDetails::estimate(PictureDetail detail) const
     return 0.0;
 }
 
-PictureDetail PictureDetails::next(ivec2 window, bool moves, PictureDetail finest)
+PictureDetail PictureDetails::next(ivec2 window, Motion motion, PictureDetail finest)
 {
     window_ = window;
     PictureDetail most = PictureDetail::Full;
@@ -47,10 +47,12 @@ PictureDetail PictureDetails::next(ivec2 window, bool moves, PictureDetail fines
         detail_ = PictureDetail::Coarse;
     } else if (estimate(most) <= kSlow) {
         detail_ = most;
-    } else if (moves) {
+    } else if (motion == Motion::Moves) {
         detail_ = estimate(PictureDetail::Half) > kSlow ? PictureDetail::Coarse : PictureDetail::Half;
     } else {
-        detail_ = std::min(PictureDetail(std::min(int(detail_) + 1, int(PictureDetail::Full))), most);
+        const auto finer = PictureDetail(std::min(int(detail_) + 1, int(PictureDetail::Full)));
+        const bool waits = motion == Motion::Pauses && estimate(finer) > kSlow;
+        detail_ = std::min(waits ? detail_ : finer, most);
     }
     isFirst_ = false;
     return detail_;

@@ -16,20 +16,25 @@ ivec2 pictureSize(ivec2 window, PictureDetail detail);
 /// What the coarse picture is drawn with: one sample, and one cascade in small shadow maps.
 RenderSettings settingsOf(RenderSettings settings, PictureDetail detail);
 
+/// Of camera, settings and objects since the last frame, and of the user: at pauses, they may go on at once.
+enum class Motion { Moves, Pauses, Rests };
+
 class PictureDetails {
 public:
     /// A frame that takes longer is slow, seconds.
     static constexpr double kSlow = 0.3;
 
-    /// Of the next frame. `moves`: camera, settings or objects have changed since the last one. `finest`: no finer one
-    /// is drawn where that is slow.
-    PictureDetail next(ivec2 window, bool moves, PictureDetail finest);
+    /// Of the next frame. Pictures that are slow get finer at rest only, as the window waits for each. `finest`: no
+    /// finer one is drawn where that is slow.
+    PictureDetail next(ivec2 window, Motion motion, PictureDetail finest);
     /// Of the last frame.
     [[nodiscard]] PictureDetail last() const { return detail_; }
     /// The last frame was drawn, and not shown once more, in this time.
     void drew(double seconds);
     /// Whether drew() needs the time to the frame's end: not on fast devices, which draw two frames at one time.
     [[nodiscard]] bool wantsTime() const;
+    /// Time that the last picture of this detail took, as far as drew() had it, else 0.
+    [[nodiscard]] double seconds() const { return seconds_[std::size_t(detail_)]; }
     /// Another scene is drawn: the first picture of it is a coarse one where that may help.
     void forget() { *this = {}; }
 

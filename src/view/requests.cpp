@@ -237,9 +237,10 @@ Status Viewer::showProgress()
         });
         return {};
     }
-    // Uploads wait for the frames in flight, so that some tiles come at once.
-    constexpr std::chrono::milliseconds kPause(300);
-    if (!status.firstLight || Clock::now() - lastTiles_ < kPause) return {};
+    // Uploads wait for the frames in flight, so that some tiles come at once. Where the CPU draws, pictures of new
+    // tiles take an eighth of the bake's time at most.
+    const std::chrono::duration<double> pause(std::max(0.3, 8.0 * details_.seconds()));
+    if (!status.firstLight || Clock::now() - lastTiles_ < pause) return {};
     lastTiles_ = Clock::now();
     const std::vector<LightTile> tiles = session_->takeTiles();
     std::vector<LightmapRectangle> rectangles;

@@ -190,7 +190,7 @@ Status Viewer::turn()
         return Error{ErrorCode::DeviceFailed, failure.what(), ""};
     }
     watchFile();
-    leaveTimeToBackground();
+    waitAtRest();
     return {};
 }
 

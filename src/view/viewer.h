@@ -83,6 +83,8 @@ public:
 
 private:
     using Clock = std::chrono::steady_clock;
+    /// The user may go on at once: some of a second between two keys.
+    static constexpr std::chrono::milliseconds kAfterInput{500};
 
     void startDevice();
     /// One turn of the loop.
@@ -140,7 +142,8 @@ private:
     void drag(vec2 pixels, uint32_t buttons);
     void click(vec2 place);
     void fly(float seconds);
-    void leaveTimeToBackground();
+    /// Few frames while nobody moves anything: the processor is left to work in the background.
+    void waitAtRest();
     /// Not drawn: only for what mouse and keys change in them.
     void buildPanels(bool isDrawn);
     void drawCompared();

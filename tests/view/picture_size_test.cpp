@@ -10,11 +10,15 @@ constexpr ivec2 kWindow(1280, 720);
 constexpr auto kCoarse = PictureDetail::Coarse;
 constexpr auto kHalf = PictureDetail::Half;
 constexpr auto kFull = PictureDetail::Full;
+constexpr auto kMoves = Motion::Moves;
+constexpr auto kPauses = Motion::Pauses;
+constexpr auto kRests = Motion::Rests;
 
 /// Draws a frame that takes so long for each detail.
-PictureDetail draw(PictureDetails& details, bool moves, PictureDetail finest, double coarse, double half, double full)
+PictureDetail draw(PictureDetails& details, Motion motion, PictureDetail finest, double coarse, double half,
+                   double full)
 {
-    const PictureDetail detail = details.next(kWindow, moves, finest);
+    const PictureDetail detail = details.next(kWindow, motion, finest);
     details.drew(detail == kCoarse ? coarse : detail == kHalf ? half : full);
     return detail;
 }
@@ -31,33 +35,36 @@ TEST(PictureSize, IsAShareOfTheWindow)
 TEST(PictureDetails, GetFinerWhileTheViewRestsOnASlowDevice)
 {
     PictureDetails details;
-    const auto slow = [&](bool moves, PictureDetail finest) { return draw(details, moves, finest, 0.2, 0.6, 2.0); };
-    EXPECT_EQ(slow(false, kFull), kCoarse) << "the first";
-    EXPECT_EQ(slow(false, kFull), kHalf);
-    EXPECT_EQ(slow(false, kFull), kFull);
-    EXPECT_EQ(slow(false, kFull), kFull);
-    EXPECT_EQ(slow(true, kFull), kCoarse) << "the view moves";
-    EXPECT_EQ(slow(true, kFull), kCoarse);
-    for (int i = 0; i < 3; ++i) EXPECT_EQ(slow(false, kHalf), kHalf) << "a bake needs the processor";
-    EXPECT_EQ(slow(false, kFull), kFull) << "it has ended";
+    const auto slow = [&](Motion motion, PictureDetail finest) { return draw(details, motion, finest, 0.2, 0.6, 2.0); };
+    EXPECT_EQ(slow(kRests, kFull), kCoarse) << "the first";
+    EXPECT_EQ(slow(kRests, kFull), kHalf);
+    EXPECT_EQ(slow(kRests, kFull), kFull);
+    EXPECT_EQ(slow(kRests, kFull), kFull);
+    EXPECT_EQ(slow(kMoves, kFull), kCoarse) << "the view moves";
+    EXPECT_EQ(slow(kMoves, kFull), kCoarse);
+    EXPECT_EQ(slow(kPauses, kFull), kCoarse) << "between two keys";
+    for (int i = 0; i < 3; ++i) EXPECT_EQ(slow(kRests, kHalf), kHalf) << "a bake needs the processor";
+    EXPECT_EQ(slow(kRests, kFull), kFull) << "it has ended";
     details.forget();
-    EXPECT_EQ(slow(false, kFull), kCoarse) << "another scene";
+    EXPECT_EQ(slow(kRests, kFull), kCoarse) << "another scene";
 }
 
 TEST(PictureDetails, MovesAtTheFinestDetailThatIsNotSlow)
 {
     PictureDetails details;
-    for (int i = 0; i < 3; ++i) (void)draw(details, false, kFull, 0.05, 0.2, 0.7);
-    for (int i = 0; i < 3; ++i) EXPECT_EQ(draw(details, true, kFull, 0.05, 0.2, 0.7), kHalf);
-    EXPECT_EQ(draw(details, false, kFull, 0.05, 0.2, 0.7), kFull);
+    for (int i = 0; i < 3; ++i) (void)draw(details, kRests, kFull, 0.05, 0.2, 0.7);
+    for (int i = 0; i < 3; ++i) EXPECT_EQ(draw(details, kMoves, kFull, 0.05, 0.2, 0.7), kHalf);
+    EXPECT_EQ(draw(details, kPauses, kFull, 0.05, 0.2, 0.7), kHalf);
+    EXPECT_EQ(draw(details, kRests, kFull, 0.05, 0.2, 0.7), kFull);
+    EXPECT_EQ(draw(details, kPauses, kFull, 0.05, 0.2, 0.7), kFull) << "it is there";
 }
 
 TEST(PictureDetails, AreFullOnAFastDeviceButForTheFirst)
 {
     PictureDetails details;
     EXPECT_TRUE(details.wantsTime());
-    EXPECT_EQ(draw(details, false, kHalf, 0.002, 0.004, 0.01), kCoarse);
-    for (int i = 0; i < 3; ++i) EXPECT_EQ(draw(details, i > 0, kHalf, 0.002, 0.004, 0.01), kFull);
+    EXPECT_EQ(draw(details, kRests, kHalf, 0.002, 0.004, 0.01), kCoarse);
+    for (int i = 0; i < 3; ++i) EXPECT_EQ(draw(details, i > 0 ? kMoves : kRests, kHalf, 0.002, 0.004, 0.01), kFull);
     EXPECT_FALSE(details.wantsTime()) << "frames overlap";
 }
 
@@ -65,8 +72,8 @@ TEST(PictureDetails, AFirstPictureDrawnBeforeCounts)
 {
     PictureDetails details;
     details.drew(0.2); // on the thread that opens a file; the first frame shows that picture
-    EXPECT_EQ(details.next(kWindow, false, kHalf), kCoarse);
-    EXPECT_EQ(details.next(kWindow, false, kHalf), kHalf) << "a full one would take seconds";
+    EXPECT_EQ(details.next(kWindow, kRests, kHalf), kCoarse);
+    EXPECT_EQ(details.next(kWindow, kRests, kHalf), kHalf) << "a full one would take seconds";
 }
 
 } // namespace
