@@ -99,7 +99,7 @@ void Desktop::close()
         ImGui_ImplSDL2_Shutdown();
         ImGui::DestroyContext();
     }
-    if (gamepad_ != nullptr) SDL_GameControllerClose(gamepad_);
+    gamepad_.reset();
     if (window_ != nullptr) SDL_DestroyWindow(window_);
     SDL_Quit();
 }
@@ -111,35 +111,6 @@ std::vector<std::string> Desktop::vulkanExtensions() const
     std::vector<const char*> names(count);
     SDL_Vulkan_GetInstanceExtensions(window_, &count, names.data());
     return {names.begin(), names.end()};
-}
-
-void Desktop::takeGamepad(int index)
-{
-    if (gamepad_ != nullptr && SDL_GameControllerGetAttached(gamepad_) != SDL_TRUE) {
-        SDL_GameControllerClose(gamepad_);
-        gamepad_ = nullptr;
-    }
-    if (gamepad_ == nullptr) gamepad_ = SDL_GameControllerOpen(index);
-}
-
-float stickValue(int value)
-{
-    constexpr float kRest = 0.2f;
-    constexpr float kMost = 32767.0f;
-    const float v = std::clamp(float(value) / kMost, -1.0f, 1.0f);
-    return std::abs(v) < kRest ? 0.0f : std::copysign((std::abs(v) - kRest) / (1.0f - kRest), v);
-}
-
-Desktop::Sticks Desktop::sticks() const
-{
-    if (gamepad_ == nullptr) return {};
-    const auto axis = [&](SDL_GameControllerAxis which) {
-        return stickValue(SDL_GameControllerGetAxis(gamepad_, which));
-    };
-    return {vec3(axis(SDL_CONTROLLER_AXIS_LEFTX),
-                 axis(SDL_CONTROLLER_AXIS_TRIGGERRIGHT) - axis(SDL_CONTROLLER_AXIS_TRIGGERLEFT),
-                 -axis(SDL_CONTROLLER_AXIS_LEFTY)),
-            -vec2(axis(SDL_CONTROLLER_AXIS_RIGHTX), axis(SDL_CONTROLLER_AXIS_RIGHTY))};
 }
 
 void Viewer::handleEvents()
@@ -184,7 +155,8 @@ void Viewer::handleEvent(const SDL_Event& event)
         if (!io.WantCaptureMouse) state_.navigator.dolly(std::pow(kDollyPerNotch, float(event.wheel.y)));
         break;
     case SDL_CONTROLLERDEVICEADDED:
-        desktop_.takeGamepad(event.cdevice.which);
+    case SDL_CONTROLLERDEVICEREMOVED:
+        desktop_.gamepad().update();
         break;
     case SDL_MOUSEBUTTONDOWN:
         // Dear ImGui's own answer is one of the last frame, when the mouse may have been elsewhere.
@@ -267,7 +239,7 @@ void Viewer::fly(float seconds)
     };
     vec3 direction(axis(SDL_SCANCODE_D, SDL_SCANCODE_A), axis(SDL_SCANCODE_E, SDL_SCANCODE_Q),
                    axis(SDL_SCANCODE_W, SDL_SCANCODE_S));
-    const Desktop::Sticks sticks = desktop_.sticks();
+    const Sticks sticks = desktop_.gamepad().sticks();
     constexpr float kTurn = 2.0f; // radians a second
     if (sticks.look != vec2(0.0f) || direction + sticks.fly != vec3(0.0f)) lastInput_ = Clock::now();
     if (sticks.look != vec2(0.0f)) state_.navigator.look(kTurn * seconds * sticks.look);

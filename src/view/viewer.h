@@ -4,6 +4,7 @@
 #include "halflight/bake/bake_session.h"
 #include "halflight/render/vulkan_target.h"
 #include "halflight/view/view.h"
+#include "view/gamepad.h"
 #include "view/gizmo.h"
 #include "view/panel_input.h"
 #include "view/picture_size.h"
@@ -22,7 +23,6 @@
 
 union SDL_Event;
 struct SDL_Window;
-struct _SDL_GameController; // NOLINT: SDL_GameController, as SDL declares it
 
 namespace halflight::view {
 
@@ -36,31 +36,20 @@ public:
     Desktop& operator=(const Desktop&) = delete;
 
     [[nodiscard]] SDL_Window* window() const { return window_; }
-    /// A gamepad that was plugged in, by SDL's index of it.
-    void takeGamepad(int index);
-    /// What its sticks and triggers ask for, each -1 … 1: to the right, up and forward; then turns to the left and up.
-    /// All zero without one.
-    struct Sticks {
-        vec3 fly{0.0f};
-        vec2 look{0.0f};
-    };
-    [[nodiscard]] Sticks sticks() const;
+    [[nodiscard]] Gamepad& gamepad() { return *gamepad_; }
     [[nodiscard]] std::vector<std::string> vulkanExtensions() const;
 
 private:
     void close();
     void scalePanels() const;
     SDL_Window* window_ = nullptr;
-    _SDL_GameController* gamepad_ = nullptr;
+    std::optional<Gamepad> gamepad_{std::in_place}; ///< ends before SDL
     bool hasContext_ = false;
 };
 
 /// Size of a picture as wide for its height as `size`, in which the longer side has so few pixels that the picture has
 /// the mean of a large one soon.
 ivec2 smallPicture(vec2 size);
-
-/// A stick or a trigger, -32768 … 32767 as SDL has it, as -1 … 1: nothing in the fifth about its rest.
-float stickValue(int value);
 
 /// Reads the first file while the window is made. Its end ends the reading, too.
 struct FirstFile {
