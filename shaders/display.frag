@@ -60,6 +60,7 @@ void main()
     bool isEnlarged = ivec2(frame.displaySize.xy) != size;
     vec3 mean = isEnlarged ? pixelsAround(gl_FragCoord.xy * vec2(size) / frame.displaySize.xy, size)
                            : pixelAt(ivec2(gl_FragCoord.xy));
-    vec3 color = frame.display.z > 0.5 ? clamp(mean, 0.0, 1.0) : srgbFromLinear(displayedColor(mean, frame.display.x));
+    vec3 color = frame.display.z < 0.0 ? clamp(mean, 0.0, 1.0)
+                                    : srgbFromLinear(displayedColor(mean, frame.display.x, int(frame.display.z)));
     outColor = vec4(frame.display.w > 0.5 ? linearFromSrgb(color) : color, 1.0);
 }

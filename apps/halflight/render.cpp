@@ -250,12 +250,14 @@ Status writePicture(const RenderOptions& options, Picture& picture)
     if (lowerExtension(options.output) == ".exr") {
         if (options.exposureGiven)
             picture.warnings.emplace_back("--exposure has no effect on .exr, which holds radiance");
+        if (options.toneMappingGiven)
+            picture.warnings.emplace_back("--tone-mapping has no effect on .exr, which holds radiance");
         return writeExr(options.output, picture.radiance);
     }
     if (!showsLight(options.render.view)) return writePng(options.output, plainPicture(picture.radiance));
     const float ev = options.exposureEv ? *options.exposureEv : automaticExposure(picture.radiance);
     picture.summary["exposure"] = ev;
-    return writePng(options.output, displayedPicture(picture.radiance, ev));
+    return writePng(options.output, displayedPicture(picture.radiance, ev, options.toneMapping));
 }
 
 Json jsonOf(const dvec3& v)

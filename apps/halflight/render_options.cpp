@@ -105,6 +105,14 @@ void addPictureOptions(CLI::App& app, RenderOptions& options)
         app, options.exposureEv, options.exposureGiven,
         "EV: radiance is multiplied by 2^-EV; auto puts the picture's log average at middle grey, up to 2 stops "
         "darker where over 2 % would be burnt, and prints the EV (default auto; .png only)");
+    addChoice<ToneMapping>(app, "--tone-mapping", options.toneMapping,
+                           {{"neutral", ToneMapping::Neutral},
+                            {"aces", ToneMapping::Aces},
+                            {"agx", ToneMapping::Agx},
+                            {"none", ToneMapping::None}},
+                           "how what is brighter than white is shown: Khronos PBR Neutral; ACES or AgX, as engines and "
+                           "Blender have them; none: cut off (default neutral; .png only)")
+        ->each([&options](const std::string&) { options.toneMappingGiven = true; });
 }
 
 void addCameraOptions(CLI::App& app, RenderOptions& options)

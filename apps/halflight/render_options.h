@@ -32,6 +32,8 @@ struct RenderOptions {
     vec3 shadowColor{0.0f}; ///< counts when settings have one
     float fovDegrees = 0.0f;
     std::optional<float> exposureEv; ///< empty = auto
+    ToneMapping toneMapping = ToneMapping::Neutral;
+    bool toneMappingGiven = false;
     bool exposureGiven = false;
     int referenceSamples = 0;
     bool referenceDiffuse = false; ///< diffuse transport behind the surfaces that the camera sees

@@ -52,6 +52,7 @@ int runView(const ViewCommandOptions& given)
     view.render = render.render;
     view.mode = render.mode;
     view.exposureEv = render.exposureEv;
+    view.toneMapping = render.toneMapping;
     view.shadowDistanceGiven = render.shadowDistanceGiven;
     view.bake = options.bake.bake;
     view.bakeAtStart = options.bakeAtStart;

@@ -10,13 +10,18 @@
 
 namespace halflight {
 
-ImageRgba8 displayedPicture(const ImageRgba32f& radiance, float exposureEv)
+static_assert(int(ToneMapping::Neutral) == shading::kToneMapNeutral &&
+              int(ToneMapping::Aces) == shading::kToneMapAces && int(ToneMapping::Agx) == shading::kToneMapAgx &&
+              int(ToneMapping::None) == shading::kToneMapNone);
+
+ImageRgba8 displayedPicture(const ImageRgba32f& radiance, float exposureEv, ToneMapping toneMapping)
 {
     const float factor = shading::exposureFactor(exposureEv);
     ImageRgba8 picture(radiance.width(), radiance.height());
     parallelFor(radiance.texelCount(), 65536, [&](std::size_t begin, std::size_t end) {
         for (std::size_t i = begin; i < end; ++i) {
-            const vec3 encoded = shading::srgbFromLinear(shading::displayedColor(vec3(radiance.texels()[i]), factor));
+            const vec3 shown = shading::displayedColor(vec3(radiance.texels()[i]), factor, int(toneMapping));
+            const vec3 encoded = shading::srgbFromLinear(shown);
             picture.texels()[i] = u8vec4(vec4(encoded, 1.0f) * 255.0f + 0.5f);
         }
     });

@@ -166,8 +166,9 @@ void Renderer::Impl::bindFrame(FrameSlot& to, const PreparedFrame& frame, const 
 {
     shading::GpuFrame data = gpuFrame(*scene, frame.view, settings, frame.plan);
     data.displaySize = vec4(display.size, 0.0f, 0.0f);
-    data.display = vec4(shading::exposureFactor(display.exposureEv), float(settings.supersampling),
-                        display.showsLight ? 0.0f : 1.0f, display.encodesSrgb ? 1.0f : 0.0f);
+    data.display =
+        vec4(shading::exposureFactor(display.exposureEv), float(settings.supersampling),
+             display.showsLight ? float(int(display.toneMapping)) : -1.0f, display.encodesSrgb ? 1.0f : 0.0f);
     gpu::DescriptorSet& set = to.set;
     set.buffer(shading::kBindFrame, to.frame.write(device, &data, sizeof(data)));
     set.buffer(shading::kBindLights,
@@ -295,7 +296,7 @@ void Renderer::Impl::recordPicture(VkCommandBuffer commands, FrameSlot& to, Pict
 }
 
 Result<RenderedFrame> Renderer::Impl::record(VkCommandBuffer commands, const VulkanTarget& target, const Camera& camera,
-                                             const RenderSettings& settings, float exposureEv)
+                                             const RenderSettings& settings, float exposureEv, ToneMapping toneMapping)
 {
     if (Status status = check(camera, settings); !status) return status.error();
     gpu::UniquePipeline& display = displayPipelines[target.format];
@@ -306,7 +307,8 @@ Result<RenderedFrame> Renderer::Impl::record(VkCommandBuffer commands, const Vul
     std::vector<PassReport> earlier = passesOf(to);
     const bool timed = to.timed;
     const ivec2 shownSize = target.size == ivec2(0) ? settings.size : target.size;
-    const DisplayValues values{exposureEv, showsLight(settings.view), encodesSrgb(target.format), shownSize};
+    const DisplayValues values{exposureEv, toneMapping, showsLight(settings.view), encodesSrgb(target.format),
+                               shownSize};
     PictureContent content{camera, settings, revision};
     const bool isKept = settings.keepsPicture && picture && picture->content == content;
     if (isKept) {

@@ -347,9 +347,10 @@ Result<RenderedFrame> Renderer::render(const Camera& camera, const RenderSetting
 }
 
 Result<RenderedFrame> Renderer::record(VkCommandBuffer commands, const VulkanTarget& target, const Camera& camera,
-                                       const RenderSettings& settings, float exposureEv)
+                                       const RenderSettings& settings, float exposureEv, ToneMapping toneMapping)
 {
-    return guarded<RenderedFrame>([&] { return impl_->record(commands, target, camera, settings, exposureEv); });
+    return guarded<RenderedFrame>(
+        [&] { return impl_->record(commands, target, camera, settings, exposureEv, toneMapping); });
 }
 
 VulkanHandles Renderer::handles() const

@@ -127,7 +127,7 @@ struct Renderer::Impl {
     void show(Uploaded& uploaded);
     Result<RenderedFrame> render(const Camera& camera, const RenderSettings& settings);
     Result<RenderedFrame> record(VkCommandBuffer commands, const VulkanTarget& target, const Camera& camera,
-                                 const RenderSettings& settings, float exposureEv);
+                                 const RenderSettings& settings, float exposureEv, ToneMapping toneMapping);
 
     [[nodiscard]] Status check(const Camera& camera, const RenderSettings& settings) const;
     PreparedFrame prepare(const Camera& camera, const RenderSettings& settings);

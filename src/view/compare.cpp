@@ -70,7 +70,8 @@ Status Viewer::drawOther(const Swapchain::Frame& frame, RenderSettings settings,
         renderer = earlierRenderer_.get();
         if (!checkRunMode(*earlier_, settings.mode)) settings.mode = defaultRunMode(*earlier_);
     }
-    auto drawn = renderer->record(frame.commands, target, state_.navigator.camera(), settings, state_.exposureEv);
+    auto drawn = renderer->record(frame.commands, target, state_.navigator.camera(), settings, state_.exposureEv,
+                                  state_.toneMapping);
     if (!drawn) return drawn.error();
     drewPicture_ = !drawn->isKept;
     return {};
@@ -113,7 +114,8 @@ Status Viewer::drawScene(const Swapchain::Frame& frame)
         target.end = ivec2(line, frame.size.y);
     }
     if (!draws || line > 0) {
-        auto drawn = renderer_->record(frame.commands, target, state_.navigator.camera(), settings, state_.exposureEv);
+        auto drawn = renderer_->record(frame.commands, target, state_.navigator.camera(), settings, state_.exposureEv,
+                                       state_.toneMapping);
         if (!drawn) return drawn.error();
         drewPicture_ = drewPicture_ || !drawn->isKept;
         state_.passes = std::move(drawn->passes);
@@ -143,10 +145,11 @@ void Viewer::followReference()
     std::optional<ReferencePicture::Picture> picture = reference_->take();
     const bool isNew = picture.has_value();
     if (isNew) pathTraced_ = std::move(picture);
-    if (!pathTraced_ || (!isNew && pathTracedEv_ == state_.exposureEv)) return;
+    if (!pathTraced_ || (!isNew && pathTracedEv_ == state_.exposureEv && pathTracedTone_ == state_.toneMapping)) return;
     pathTracedEv_ = state_.exposureEv;
+    pathTracedTone_ = state_.toneMapping;
     state_.referenceSamples = pathTraced_->samples;
-    ui_->setPicture(displayedPicture(pathTraced_->radiance, state_.exposureEv));
+    ui_->setPicture(displayedPicture(pathTraced_->radiance, state_.exposureEv, state_.toneMapping));
 }
 
 void Viewer::buildPanels(bool isDrawn)

@@ -48,6 +48,9 @@ void viewSection(ViewState& state, const Scene& scene)
     if (settings.view != DebugView::Lit) ImGui::TextWrapped("%s", legendOf(settings.view));
     ImGui::DragFloat("exposure EV", &state.exposureEv, 0.05f, -20.0f, 30.0f, "%.2f");
     if (ImGui::Button("expose for this view")) state.requests.expose = true;
+    choice("tone mapping", state.toneMapping,
+           std::array{ToneMapping::Neutral, ToneMapping::Aces, ToneMapping::Agx, ToneMapping::None},
+           [](ToneMapping toneMapping) { return nameOf(toneMapping); });
     choice("antialiasing", settings.supersampling, std::array{1, 2, 3, 4}, [](int side) {
         constexpr const char* kNames[] = {"1 sample", "4 samples", "9 samples", "16 samples"};
         return kNames[side - 1];

@@ -92,6 +92,21 @@ const char* nameOf(RunMode mode)
     return "?";
 }
 
+const char* nameOf(ToneMapping toneMapping)
+{
+    switch (toneMapping) {
+    case ToneMapping::Neutral:
+        return "neutral";
+    case ToneMapping::Aces:
+        return "aces";
+    case ToneMapping::Agx:
+        return "agx";
+    case ToneMapping::None:
+        return "none";
+    }
+    return "?";
+}
+
 const char* nameOf(DebugView view)
 {
     constexpr const char* kNames[] = {"lit",      "shadowmask", "lightmap", "probes",
@@ -141,6 +156,7 @@ std::string commandLine(const ViewState& state, const std::string& file, ivec2 s
         state.exposureEv);
     const auto add = [&](const std::string& option) { line += " " + option; };
     if (settings.view != DebugView::Lit) add(fmt::format("--view {}", nameOf(settings.view)));
+    if (state.toneMapping != ToneMapping::Neutral) add(fmt::format("--tone-mapping {}", nameOf(state.toneMapping)));
     if (!state.followsShadowDistance) add(fmt::format("--shadow-distance {:.6g}", settings.shadows.distanceMeters));
     const ShadowSettings defaults;
     const ShadowSettings& shadows = settings.shadows;

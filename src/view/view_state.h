@@ -67,6 +67,7 @@ struct ViewState {
     bool followsShadowDistance = true; ///< shadows reach all that is in view
     float shadowDistanceMeters = 0.0f; ///< of the last frame
     float exposureEv = 0.0f;
+    ToneMapping toneMapping = ToneMapping::Neutral;
     bool panels = true;
     bool vsync = true;
     bool compares = false; ///< right of `split`
@@ -96,6 +97,8 @@ struct ViewState {
 };
 
 const char* nameOf(RunMode mode);
+/// As --tone-mapping has it.
+const char* nameOf(ToneMapping toneMapping);
 /// The object or light that a text names: the longest name that it has as whole words.
 struct Subject {
     int object = -1;

@@ -37,6 +37,7 @@ Viewer::Viewer(const ViewOptions& options)
     state_.settings = options.render;
     state_.settings.supersampling = std::max(options.render.supersampling, 1);
     state_.followsShadowDistance = !options.shadowDistanceGiven;
+    state_.toneMapping = options.toneMapping;
     state_.bake = options.bake;
 }
 

@@ -204,6 +204,7 @@ private:
     Clock::time_point lastEdit_;                          ///< of scene_
     Clock::time_point lastInput_;                         ///< by keys, mouse or gamepad
     float pathTracedEv_ = 0.0f;                           ///< its exposure on the screen
+    ToneMapping pathTracedTone_ = ToneMapping::Neutral;
     Gizmo gizmo_;
     PanelInput panelInput_;
     std::vector<std::string> messages_;          ///< of the validation layer, of devices before

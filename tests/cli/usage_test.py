@@ -31,7 +31,7 @@ class Help(Case):
             "--mode auto|realtime|baked-indirect|shadowmask|distance-shadowmask|subtractive,--shadow-distance,"
             "--shadow-fade-range,--cascades 1..4,--size,--camera,--eye,--target,--fov,--exposure,--reference,"
             "--view lit|shadowmask|lightmap|probes|cascades|fade|overlap|texels,--shadow-filter hard|pcf|soft,--validation,--penumbrae on|off,"
-            "--path forward|deferred,--light,--cascade-splits,--shadow-color R,G,B"
+            "--path forward|deferred,--tone-mapping neutral|aces|agx|none,--light,--cascade-splits,--shadow-color R,G,B"
         ).split(","):
             self.assertIn(option, render)
 

@@ -46,6 +46,26 @@ TEST_P(RecordedFrames, ShowTheDisplayedPicture)
     }
 }
 
+TEST_P(RecordedFrames, HaveTheToneMapperThatIsAskedFor)
+{
+    ASSERT_TRUE(renderer->load(yard()));
+    const RenderSettings settings = settingsOf(GetParam());
+    const auto expected = renderer->render(kCamera, settings);
+    ASSERT_TRUE(expected) << expected.error().text();
+    Caller caller(*renderer);
+    const ImageRgba8 neutral = displayedPicture(expected->radiance, kExposure);
+    for (const ToneMapping mapper : {ToneMapping::Aces, ToneMapping::Agx, ToneMapping::None}) {
+        const gpu::Image image = caller.makeTarget(VK_FORMAT_R8G8B8A8_UNORM, kSize);
+        caller.clear(image);
+        caller.device().execute([&](VkCommandBuffer commands) {
+            ASSERT_TRUE(renderer->record(commands, targetOf(image), kCamera, settings, kExposure, mapper));
+        });
+        const ImageRgba8 drawn = caller.read(image);
+        EXPECT_LE(mostDifference(drawn, displayedPicture(expected->radiance, kExposure, mapper)), 1) << int(mapper);
+        EXPECT_GT(mostDifference(drawn, neutral), 5) << int(mapper);
+    }
+}
+
 TEST_P(RecordedFrames, FillCracksLikeTheHost)
 {
     // A floor of two parts, between them a slit that is narrower than a sample.

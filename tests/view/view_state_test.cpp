@@ -39,11 +39,13 @@ TEST(CommandLine, NamesWhatDiffersFromTheDefaults)
     state.settings.view = DebugView::Fade;
     state.settings.shadows.filter = ShadowFilter::Soft;
     state.followsShadowDistance = false;
+    state.toneMapping = ToneMapping::Agx;
     scene.lights[0].intensity = 3.0f;
     scene.lights[0].color = vec3(1.0f, 0.5f, 0.25f);
     line = commandLine(state, "a.glb", {640, 360}, dvec3(0), scene.lights, before.lights);
-    for (const char* part : {"--mode shadowmask", "--path deferred", "--view fade", "--shadow-filter soft",
-                             "--shadow-distance 60", "--light 'sun:intensity=3,color=1,0.5,0.25'"})
+    for (const char* part :
+         {"--mode shadowmask", "--path deferred", "--view fade", "--shadow-filter soft", "--shadow-distance 60",
+          "--tone-mapping agx", "--light 'sun:intensity=3,color=1,0.5,0.25'"})
         EXPECT_THAT(line, HasSubstr(part));
     EXPECT_THAT(line, Not(HasSubstr("lamp")));
 }

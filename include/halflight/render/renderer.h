@@ -22,6 +22,9 @@ namespace halflight {
 struct VulkanHandles;
 struct VulkanTarget;
 
+/// Formulas: halflight/shading/tone_mapping.h. Without one, what is brighter than 1 is cut off.
+enum class ToneMapping { Neutral, Aces, Agx, None };
+
 enum class DebugView { Lit, Shadowmask, Lightmap, Probes, Cascades, Fade, Overlap, Texels };
 /// Whether a view shows light, which is exposed and tone mapped; the others show values from 0 to 1 as they are.
 constexpr bool showsLight(DebugView view)
@@ -190,7 +193,8 @@ public:
     /// The frame that is returned has no radiance, and its `passes` are those of the call kFramesInFlight before, none
     /// in the first ones. Errors are those of render(); the command buffer may then hold a part of the frame.
     Result<RenderedFrame> record(VkCommandBuffer_T* commands, const VulkanTarget& target, const Camera& camera,
-                                 const RenderSettings& settings, float exposureEv);
+                                 const RenderSettings& settings, float exposureEv,
+                                 ToneMapping toneMapping = ToneMapping::Neutral);
     /// The device that the renderer uses, to make a swapchain, say.
     [[nodiscard]] VulkanHandles handles() const;
     /// Waits until the device has done all that was submitted to it.
@@ -205,8 +209,9 @@ private:
     std::unique_ptr<Impl> impl_;
 };
 
-/// Linear radiance to a displayed picture: exposure (EV: radiance * 2^-ev), Khronos PBR Neutral tone mapping, sRGB.
-ImageRgba8 displayedPicture(const ImageRgba32f& radiance, float exposureEv);
+/// Linear radiance to a displayed picture: exposure (EV: radiance * 2^-ev), tone mapping, sRGB.
+ImageRgba8 displayedPicture(const ImageRgba32f& radiance, float exposureEv,
+                            ToneMapping toneMapping = ToneMapping::Neutral);
 
 /// EV that puts the log-average luminance at middle grey 0.18 (Reinhard et al. 2002, "Photographic Tone Reproduction
 /// for Digital Images", eq. 1), or up to 2 stops more, until at most 2 % of the pixels are burnt: more than 4, white.

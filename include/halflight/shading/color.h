@@ -1,4 +1,4 @@
-// Colour encoding and tone mapping of displayed pictures.
+// Colour encoding and exposure of displayed pictures.
 #ifndef HALFLIGHT_SHADING_COLOR_H
 #define HALFLIGHT_SHADING_COLOR_H
 
@@ -29,24 +29,6 @@ HL_FN vec3 linearFromSrgb(vec3 c)
 HL_FN float exposureFactor(float ev)
 {
     return exp2(-ev);
-}
-
-// Khronos PBR Neutral tone mapper (Khronos Group 2024, "Khronos PBR Neutral Tone Mapper specification"): colours below
-// 0.8 keep hue and saturation, highlights roll off to white.
-HL_FN vec3 toneMapNeutral(vec3 color)
-{
-    float startCompression = 0.8f - 0.04f;
-    float desaturation = 0.15f;
-    float x = min(color.x, min(color.y, color.z));
-    float offset = x < 0.08f ? x - 6.25f * x * x : 0.04f;
-    color = color - vec3(offset);
-    float peak = max(color.x, max(color.y, color.z));
-    if (peak < startCompression) return color;
-    float d = 1.0f - startCompression;
-    float newPeak = 1.0f - d * d / (peak + d - startCompression);
-    color = color * (newPeak / peak);
-    float g = 1.0f - 1.0f / (desaturation * (peak - newPeak) + 1.0f);
-    return mix(color, vec3(newPeak), g);
 }
 
 HL_NAMESPACE_END

@@ -4,6 +4,7 @@
 #define HALFLIGHT_SHADING_DISPLAY_H
 
 #include "color.h"
+#include "tone_mapping.h"
 
 HL_NAMESPACE_BEGIN
 
@@ -20,13 +21,13 @@ HL_FN bool isCrack(float darkest, float brightest)
 // Radiance beyond this, times the exposure's factor, is white.
 HL_CONST float kMostDisplayed = 1.0e6f;
 
-// Display-referred linear colour, 0…1 (toneMapNeutral()). Channels that are no numbers are black.
-HL_FN vec3 displayedColor(vec3 radiance, float exposure)
+// Display-referred linear colour, 0…1; `mapper` as in toneMapped(). Channels that are no numbers are black.
+HL_FN vec3 displayedColor(vec3 radiance, float exposure, int mapper)
 {
     vec3 linear = radiance * exposure;
     linear = vec3(linear.x >= 0.0f ? linear.x : 0.0f, linear.y >= 0.0f ? linear.y : 0.0f,
                   linear.z >= 0.0f ? linear.z : 0.0f);
-    return clamp(toneMapNeutral(min(linear, vec3(kMostDisplayed))), vec3(0.0f), vec3(1.0f));
+    return clamp(toneMapped(min(linear, vec3(kMostDisplayed)), mapper), vec3(0.0f), vec3(1.0f));
 }
 
 HL_NAMESPACE_END

@@ -11,7 +11,7 @@ import { halflight, launch, newPage, openPage, repository, serve } from '../harn
 export const SIZE = [320, 180];
 const LIMIT = 1.5; // mean difference in 255ths
 /** Functions of the page that leave its scene as it was loaded. */
-const KEEPING = new Set(['draw', 'compare', 'picture', 'agreement', 'atPoints', 'lightNames', 'intensityOf', 'sentences', 'evaluate']);
+const KEEPING = new Set(['draw', 'compare', 'picture', 'agreement', 'atPoints', 'lightNames', 'intensityOf', 'sentences', 'evaluate', 'toneMapping']);
 const look = process.env.HALFLIGHT_WEB_PICTURES;
 
 class Studio {

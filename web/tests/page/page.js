@@ -8,6 +8,7 @@ import { GLTFLoader } from 'three/addons/loaders/GLTFLoader.js';
 
 import { shIrradianceWeight } from '../../three/src/generated/shading.js';
 import { evaluate } from './law.js';
+import { toneMapped } from './tone.js';
 
 const loaded = {};
 
@@ -112,6 +113,26 @@ async function readReference(url) {
 
 const encode = (x) => (x <= 0.0031308 ? 12.92 * x : 1.055 * x ** (1 / 2.4) - 0.055);
 const clamp = (x) => Math.min(Math.max(x, 0), 1);
+
+/** How far a displayed picture of the program is from the radiance, tone mapped by three.js, in 255ths. */
+async function toneMapping({ radiance, picture, name, exposure }) {
+    const exr = await readReference(radiance);
+    const { width, height } = exr;
+    const expected = await toneMapped(await makeRenderer(width, height), read, exr, name, exposure);
+    const canvas = new OffscreenCanvas(width, height).getContext('2d');
+    canvas.drawImage(await createImageBitmap(await (await fetch(picture)).blob(), { colorSpaceConversion: 'none' }), 0, 0);
+    const shown = canvas.getImageData(0, 0, width, height).data;
+    let [most, sum, level] = [0, 0, 0];
+    for (let i = 0; i < shown.length; ++i) {
+        if (i % 4 === 3) continue;
+        const difference = Math.abs(shown[i] - Math.round(255 * encode(clamp(expected[i]))));
+        most = Math.max(most, difference);
+        sum += difference;
+        level += shown[i];
+    }
+    const channels = 3 * width * height;
+    return { most, mean: sum / channels, level: level / channels };
+}
 
 /** The factor that puts the log-average luminance at middle grey. */
 function exposureOf(picture) {
@@ -388,5 +409,5 @@ async function probeGrid({ file, module, resolution }) {
 
 const evaluateCases = async (functions) => evaluate(await makeRenderer(64, 64), read, functions, kind === 'webgl2-nodes');
 
-window.halflightTest = { evaluate: evaluateCases, probeGrid, load, draw, compare, picture, agreement, atPoints, replaceDynamic, lightNames, intensityOf, changeLight, moveLight, disposeTest, frameCost, sentences };
+window.halflightTest = { evaluate: evaluateCases, toneMapping, probeGrid, load, draw, compare, picture, agreement, atPoints, replaceDynamic, lightNames, intensityOf, changeLight, moveLight, disposeTest, frameCost, sentences };
 window.ready = true;
