@@ -120,6 +120,8 @@ Status Viewer::drawScene(const Swapchain::Frame& frame)
         drewPicture_ = drewPicture_ || !drawn->isKept;
         state_.passes = std::move(drawn->passes);
         state_.timed = drawn->timed;
+        if (drawn->timed) addFrame(state_.passesOfFrames, state_.passes);
+        if (!settings.timings) state_.passesOfFrames.clear();
         frameWarnings_ = std::move(drawn->plan.warnings);
     }
     return {};

@@ -33,4 +33,8 @@ void lightSection(ViewState& state, const Scene& scene);
 void objectSection(ViewState& state, const Scene& scene);
 void warningSection(ViewState& state);
 
+/// What a frame takes, and sizes: panels_frame.cpp.
+void frameSection(ViewState& state);
+void statisticsSection(const ViewState& state);
+
 } // namespace halflight::view

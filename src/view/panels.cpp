@@ -149,47 +149,6 @@ void bakeSection(ViewState& state)
     if (ImGui::Button("write changes as a settings file")) state.requests.writeSettings = true;
 }
 
-void frameSection(ViewState& state)
-{
-    if (!ImGui::CollapsingHeader("Frame")) return;
-    const std::vector<float>& times = state.frameMilliseconds;
-    if (!times.empty()) {
-        const float mean = [&] {
-            float sum = 0.0f;
-            for (const float time : times) sum += time;
-            return sum / float(times.size());
-        }();
-        const std::string label = fmt::format("{:.1f} ms, {:.0f} frames a second", mean, 1000.0f / mean);
-        ImGui::PlotLines("##times", times.data(), int(times.size()), 0, label.c_str(), 0.0f, 3.0f * mean,
-                         ImVec2(-FLT_MIN, 60.0f));
-    }
-    ImGui::Checkbox("measure passes", &state.settings.timings);
-    if (state.settings.timings && !state.timed && !state.passes.empty()) say("the device has no timestamps");
-    if (ImGui::BeginTable("passes", 3, ImGuiTableFlags_RowBg)) {
-        for (const PassReport& pass : state.passes) {
-            ImGui::TableNextRow();
-            ImGui::TableNextColumn();
-            say(pass.name);
-            ImGui::TableNextColumn();
-            say(state.timed ? fmt::format("{:.3f} ms", pass.milliseconds) : "-");
-            ImGui::TableNextColumn();
-            say(fmt::format("{} draws", pass.draws));
-        }
-        ImGui::EndTable();
-    }
-    say(state.device);
-}
-
-void statisticsSection(const ViewState& state)
-{
-    if (!ImGui::CollapsingHeader("Statistics")) return;
-    const Statistics& s = state.statistics;
-    say(fmt::format("{} objects, {} triangles", s.objects, s.triangles));
-    say(fmt::format("{} lightmap pages of {} x {}", s.lightmapPages, s.pageSize.x, s.pageSize.y));
-    say(fmt::format("{:.1f} MB of lightmaps and masks", s.lightmapMegabytes));
-    say(fmt::format("{} light probes, {} reflection probes", s.probes, s.reflectionProbes));
-}
-
 } // namespace
 
 float panelScale(float dotsPerInch)

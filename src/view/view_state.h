@@ -62,6 +62,16 @@ struct Statistics {
     std::size_t reflectionProbes = 0;
 };
 
+/// Frames whose times panels show.
+constexpr std::size_t kShownFrames = 120;
+
+/// Adds what belongs to a frame; the oldest beyond kShownFrames goes.
+template<typename T> void addFrame(std::vector<T>& frames, T added)
+{
+    if (frames.size() == kShownFrames) frames.erase(frames.begin());
+    frames.push_back(std::move(added));
+}
+
 struct ViewState {
     RenderSettings settings;           ///< its size is set for each frame
     bool followsShadowDistance = true; ///< shadows reach all that is in view
@@ -88,8 +98,9 @@ struct ViewState {
     int referenceSamples = 0;   ///< per pixel, of the picture that is shown
     std::vector<PassReport> passes;
     bool timed = false;
-    std::vector<float> frameMilliseconds; ///< of the last frames, oldest first
-    std::vector<std::string> warnings;    ///< of the file, the bake and the frame
+    std::vector<float> frameMilliseconds;                ///< of the last frames, oldest first
+    std::vector<std::vector<PassReport>> passesOfFrames; ///< of those that were timed, oldest first
+    std::vector<std::string> warnings;                   ///< of the file, the bake and the frame
     Statistics statistics;
     BakeStatus bakeStatus;
     std::string device;

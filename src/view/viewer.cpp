@@ -18,12 +18,6 @@
 #include <utility>
 
 namespace halflight::view {
-namespace {
-
-/// Frames whose times are shown.
-constexpr std::size_t kShownFrames = 120;
-} // namespace
-
 FirstFile::FirstFile(const ViewOptions& options)
 {
     std::error_code unknown;
@@ -175,9 +169,7 @@ Status Viewer::turn()
     const Clock::time_point now = Clock::now();
     const float seconds = std::chrono::duration<float>(now - lastFrame_).count();
     lastFrame_ = now;
-    std::vector<float>& times = state_.frameMilliseconds;
-    times.push_back(1000.0f * seconds);
-    if (times.size() > kShownFrames) times.erase(times.begin());
+    addFrame(state_.frameMilliseconds, 1000.0f * seconds);
     fly(seconds);
     followReference();
     try {

@@ -1,4 +1,5 @@
 // Panels and keys, without a window: every section is drawn, and what is clicked and typed reaches the state.
+#include "view/panel_sections.h"
 #include "view/panels.h"
 
 #include <SDL_keycode.h>
@@ -93,6 +94,35 @@ TEST_F(Panels, AreDrawnUnlessHidden)
     state.panels = false;
     frame();
     EXPECT_EQ(frame(), 0);
+}
+
+TEST_F(Panels, GraphOfPassesHasAColumnForEachFrame)
+{
+    const auto vertices = [&] {
+        ImGui::NewFrame();
+        ImGui::Begin("panels");
+        ImGui::SetNextItemOpen(true);
+        frameSection(state);
+        ImGui::End();
+        ImGui::Render();
+        return ImGui::GetDrawData()->TotalVtxCount;
+    };
+    state.frameMilliseconds.clear();
+    vertices();
+    const int none = vertices();
+    state.frameMilliseconds.assign(kShownFrames, 16.0f);
+    EXPECT_GE(vertices(), none + 100) << "the frames' own graph";
+    state.timed = true;
+    vertices();
+    const int without = vertices();
+    state.passes = {{"depth", 3, 3, 100, 1.0}, {"light", 3, 3, 100, 2.0}};
+    for (int i = 0; i < 10; ++i) addFrame(state.passesOfFrames, state.passes);
+    vertices(); // the window takes its size
+    const int some = vertices();
+    EXPECT_GE(some, without + 10 * 2 * 4) << "a rectangle for each pass of each frame";
+    for (int i = 0; i < 1000; ++i) addFrame(state.passesOfFrames, state.passes);
+    EXPECT_EQ(state.passesOfFrames.size(), kShownFrames);
+    EXPECT_EQ(vertices(), some + int(kShownFrames - 10) * 2 * 4);
 }
 
 /// Random clicks open sections and press what is in them. Whatever they do, values stay within their limits, and what
