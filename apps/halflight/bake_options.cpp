@@ -12,16 +12,12 @@ namespace {
 
 void addSampling(CLI::App& app, BakeSettings& bake)
 {
-    addChoice<MixedLightingMode>(app, "--mode", bake.mode,
-                                 {{"baked-indirect", MixedLightingMode::BakedIndirect},
-                                  {"shadowmask", MixedLightingMode::Shadowmask},
-                                  {"subtractive", MixedLightingMode::Subtractive}},
-                                 "mixed lighting mode (default shadowmask)");
+    addChoice<MixedLightingMode>(
+        app, "--mode", bake.mode,
+        choicesOf({MixedLightingMode::BakedIndirect, MixedLightingMode::Shadowmask, MixedLightingMode::Subtractive}),
+        "mixed lighting mode (default shadowmask)");
     addChoice<Quality>(app, "--quality", bake.quality,
-                       {{"preview", Quality::Preview},
-                        {"medium", Quality::Medium},
-                        {"high", Quality::High},
-                        {"ultra", Quality::Ultra}},
+                       choicesOf({Quality::Preview, Quality::Medium, Quality::High, Quality::Ultra}),
                        "samples and lightmap size in one word (default medium)");
     addChoice<IntegratorKind>(app, "--integrator", bake.integrator,
                               {{"cache", IntegratorKind::Cache}, {"path", IntegratorKind::Path}},

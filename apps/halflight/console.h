@@ -12,6 +12,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <functional>
+#include <initializer_list>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -93,6 +94,13 @@ CLI::Option* addVec3(CLI::App& app, const std::string& name, vec3& value, float 
 CLI::Option* addPosition(CLI::App& app, const std::string& name, dvec3& value, const std::string& help);
 
 template<typename T> using Choices = std::vector<std::pair<std::string, T>>;
+/// Values by their names: nameOf() of each.
+template<typename T> Choices<T> choicesOf(std::initializer_list<T> values)
+{
+    Choices<T> choices;
+    for (const T value : values) choices.emplace_back(nameOf(value), value);
+    return choices;
+}
 CLI::Option* addChoiceByIndex(CLI::App& app, const std::string& name, const std::vector<std::string>& names,
                               std::function<void(std::size_t)> choose, const std::string& help);
 /// One of a list of words.

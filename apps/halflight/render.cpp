@@ -30,23 +30,6 @@ struct Picture {
     std::vector<std::string> warnings;
 };
 
-std::string_view nameOf(RunMode mode)
-{
-    switch (mode) {
-    case RunMode::Realtime:
-        return "realtime";
-    case RunMode::BakedIndirect:
-        return "baked-indirect";
-    case RunMode::Shadowmask:
-        return "shadowmask";
-    case RunMode::DistanceShadowmask:
-        return "distance-shadowmask";
-    case RunMode::Subtractive:
-        return "subtractive";
-    }
-    return "?";
-}
-
 std::string_view nameOf(ReferenceSurfaces surfaces)
 {
     switch (surfaces) {

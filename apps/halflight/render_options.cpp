@@ -38,26 +38,17 @@ bool parseSplits(const std::string& text, std::vector<float>& splits)
 void addPictureOptions(CLI::App& app, RenderOptions& options)
 {
     app.option_defaults()->group("Picture");
-    addChoice<std::optional<RunMode>>(app, "--mode", options.mode,
-                                      {{"auto", std::nullopt},
-                                       {"realtime", RunMode::Realtime},
-                                       {"baked-indirect", RunMode::BakedIndirect},
-                                       {"shadowmask", RunMode::Shadowmask},
-                                       {"distance-shadowmask", RunMode::DistanceShadowmask},
-                                       {"subtractive", RunMode::Subtractive}},
+    Choices<std::optional<RunMode>> modes = {{"auto", std::nullopt}};
+    for (const RunMode mode : {RunMode::Realtime, RunMode::BakedIndirect, RunMode::Shadowmask,
+                               RunMode::DistanceShadowmask, RunMode::Subtractive})
+        modes.emplace_back(nameOf(mode), mode);
+    addChoice<std::optional<RunMode>>(app, "--mode", options.mode, modes,
                                       "lighting mode (default auto: as baked; realtime when not baked)");
     addChoice<DebugView>(app, "--view", options.render.view,
-                         {{"lit", DebugView::Lit},
-                          {"shadowmask", DebugView::Shadowmask},
-                          {"lightmap", DebugView::Lightmap},
-                          {"probes", DebugView::Probes},
-                          {"cascades", DebugView::Cascades},
-                          {"fade", DebugView::Fade},
-                          {"overlap", DebugView::Overlap},
-                          {"texels", DebugView::Texels}},
+                         choicesOf({DebugView::Lit, DebugView::Shadowmask, DebugView::Lightmap, DebugView::Probes,
+                                    DebugView::Cascades, DebugView::Fade, DebugView::Overlap, DebugView::Texels}),
                          "the picture, or what is behind it (default lit)");
-    addChoice<RenderPath>(app, "--path", options.render.path,
-                          {{"forward", RenderPath::Forward}, {"deferred", RenderPath::Deferred}},
+    addChoice<RenderPath>(app, "--path", options.render.path, choicesOf({RenderPath::Forward, RenderPath::Deferred}),
                           "light surfaces as they are drawn, or from a G-buffer (default forward)");
     addChoice<bool>(app, "--proxy-volumes", options.render.proxyVolumes, {{"on", true}, {"off", false}},
                     "large objects are lit by the probes around each point; off: by one sample each (default on)");
@@ -106,10 +97,7 @@ void addPictureOptions(CLI::App& app, RenderOptions& options)
         "EV: radiance is multiplied by 2^-EV; auto puts the picture's log average at middle grey, up to 2 stops "
         "darker where over 2 % would be burnt, and prints the EV (default auto; .png only)");
     addChoice<ToneMapping>(app, "--tone-mapping", options.toneMapping,
-                           {{"neutral", ToneMapping::Neutral},
-                            {"aces", ToneMapping::Aces},
-                            {"agx", ToneMapping::Agx},
-                            {"none", ToneMapping::None}},
+                           choicesOf({ToneMapping::Neutral, ToneMapping::Aces, ToneMapping::Agx, ToneMapping::None}),
                            "how what is brighter than white is shown: Khronos PBR Neutral; ACES or AgX, as engines and "
                            "Blender have them; none: cut off (default neutral; .png only)")
         ->each([&options](const std::string&) { options.toneMappingGiven = true; });
@@ -153,14 +141,13 @@ void addShadowOptions(CLI::App& app, RenderOptions& options)
         ->check(CLI::Validator(checkSplits, std::string()))
         ->multi_option_policy(CLI::MultiOptionPolicy::TakeLast)
         ->type_name("A,B,C");
-    addChoice<CascadeBlend>(
-        app, "--cascade-blend", shadows.cascadeBlend,
-        {{"hard", CascadeBlend::Hard}, {"dithered", CascadeBlend::Dithered}, {"soft", CascadeBlend::Soft}},
-        "where one cascade ends and the next begins (default soft)");
+    addChoice<CascadeBlend>(app, "--cascade-blend", shadows.cascadeBlend,
+                            choicesOf({CascadeBlend::Hard, CascadeBlend::Dithered, CascadeBlend::Soft}),
+                            "where one cascade ends and the next begins (default soft)");
     addChoice<bool>(app, "--point-shadows", shadows.pointShadows, {{"on", true}, {"off", false}},
                     "realtime shadows of point lights; off leaves them the baked ones (default on)");
     addChoice<ShadowFilter>(app, "--shadow-filter", shadows.filter,
-                            {{"hard", ShadowFilter::Hard}, {"pcf", ShadowFilter::Pcf}, {"soft", ShadowFilter::Soft}},
+                            choicesOf({ShadowFilter::Hard, ShadowFilter::Pcf, ShadowFilter::Soft}),
                             "edge of a shadow (default pcf)");
     addChoice<bool>(app, "--penumbrae", shadows.penumbrae, {{"on", true}, {"off", false}},
                     "realtime shadows are as soft as the light's size makes them; off: as the filter is (default on)");

@@ -90,10 +90,7 @@ Command addViewCommand(CLI::App& parent)
     app.option_defaults()->group("Bake");
     app.add_flag("--bake", options->bakeAtStart, "bake at once, and show the light as it comes");
     addChoice<Quality>(app, "--quality", options->bake.bake.quality,
-                       {{"preview", Quality::Preview},
-                        {"medium", Quality::Medium},
-                        {"high", Quality::High},
-                        {"ultra", Quality::Ultra}},
+                       choicesOf({Quality::Preview, Quality::Medium, Quality::High, Quality::Ultra}),
                        "of the bake (default medium)");
     addInt(app, "--lightmap-size", options->bake.bake.lightmapSize, 64, 8192,
            "texels along a side of a lightmap page (default: by the quality)");

@@ -4,6 +4,12 @@
 
 namespace halflight {
 
+const char* nameOf(Quality quality)
+{
+    constexpr const char* kNames[] = {"preview", "medium", "high", "ultra"};
+    return kNames[int(quality)];
+}
+
 const char* nameOf(DensityFrom from)
 {
     switch (from) {

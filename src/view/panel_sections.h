@@ -28,6 +28,12 @@ bool choice(const char* label, T& value, const Values& values, const Name& name)
     return changed;
 }
 
+/// Names are those of nameOf().
+template<typename T, typename Values> bool choice(const char* label, T& value, const Values& values)
+{
+    return choice(label, value, values, [](const T& each) { return nameOf(each); });
+}
+
 /// What is in the scene: panels_scene.cpp.
 void lightSection(ViewState& state, const Scene& scene);
 void objectSection(ViewState& state, const Scene& scene);

@@ -28,8 +28,7 @@ void compareChoices(ViewState& state)
         constexpr const char* kNames[] = {"another mode", "before the bake", "path-traced reference"};
         return kNames[int(with)];
     });
-    if (state.compareWith == Compare::Mode)
-        choice("other mode", state.otherMode, state.modes, [](RunMode mode) { return nameOf(mode); });
+    if (state.compareWith == Compare::Mode) choice("other mode", state.otherMode, state.modes);
     if (state.compareWith == Compare::Reference) {
         const bool any = state.referenceSamples > 0;
         say(any ? fmt::format("samples a pixel: {}", state.referenceSamples) : "it begins when the camera rests");
@@ -41,16 +40,14 @@ void viewSection(ViewState& state, const Scene& scene)
 {
     if (!ImGui::CollapsingHeader("View", ImGuiTreeNodeFlags_DefaultOpen)) return;
     RenderSettings& settings = state.settings;
-    choice("mode", settings.mode, state.modes, [](RunMode mode) { return nameOf(mode); });
-    choice("path", settings.path, std::array{RenderPath::Forward, RenderPath::Deferred},
-           [](RenderPath path) { return path == RenderPath::Forward ? "forward" : "deferred"; });
-    choice("shows", settings.view, kViews, [](DebugView view) { return nameOf(view); });
+    choice("mode", settings.mode, state.modes);
+    choice("path", settings.path, std::array{RenderPath::Forward, RenderPath::Deferred});
+    choice("shows", settings.view, kViews);
     if (settings.view != DebugView::Lit) ImGui::TextWrapped("%s", legendOf(settings.view));
     ImGui::DragFloat("exposure EV", &state.exposureEv, 0.05f, -20.0f, 30.0f, "%.2f");
     if (ImGui::Button("expose for this view")) state.requests.expose = true;
     choice("tone mapping", state.toneMapping,
-           std::array{ToneMapping::Neutral, ToneMapping::Aces, ToneMapping::Agx, ToneMapping::None},
-           [](ToneMapping toneMapping) { return nameOf(toneMapping); });
+           std::array{ToneMapping::Neutral, ToneMapping::Aces, ToneMapping::Agx, ToneMapping::None});
     choice("antialiasing", settings.supersampling, std::array{1, 2, 3, 4}, [](int side) {
         constexpr const char* kNames[] = {"1 sample", "4 samples", "9 samples", "16 samples"};
         return kNames[side - 1];
@@ -85,15 +82,8 @@ void shadowSection(ViewState& state)
     ImGui::DragFloat("fade range m", &shadows.fadeRangeMeters, 0.05f, 0.01f, 100000.0f, "%.2f");
     ImGui::SliderInt("cascades", &shadows.cascades, 1, 4);
     choice("cascades blend", shadows.cascadeBlend,
-           std::array{CascadeBlend::Hard, CascadeBlend::Dithered, CascadeBlend::Soft}, [](CascadeBlend blend) {
-               constexpr const char* kNames[] = {"hard", "dithered", "soft"};
-               return kNames[int(blend)];
-           });
-    choice("filter", shadows.filter, std::array{ShadowFilter::Hard, ShadowFilter::Pcf, ShadowFilter::Soft},
-           [](ShadowFilter filter) {
-               constexpr const char* kNames[] = {"hard", "pcf", "soft"};
-               return kNames[int(filter)];
-           });
+           std::array{CascadeBlend::Hard, CascadeBlend::Dithered, CascadeBlend::Soft});
+    choice("filter", shadows.filter, std::array{ShadowFilter::Hard, ShadowFilter::Pcf, ShadowFilter::Soft});
     ImGui::Checkbox("penumbrae by the light's size", &shadows.penumbrae);
     const auto sizes = std::array{256, 512, 1024, 2048, 4096, 8192};
     static thread_local std::string text;
@@ -128,13 +118,8 @@ void bakeSection(ViewState& state)
         return;
     }
     choice("baked mode", state.bake.mode,
-           std::array{MixedLightingMode::BakedIndirect, MixedLightingMode::Shadowmask, MixedLightingMode::Subtractive},
-           [](MixedLightingMode mode) { return halflight::nameOf(mode); });
-    choice("quality", state.bake.quality, std::array{Quality::Preview, Quality::Medium, Quality::High, Quality::Ultra},
-           [](Quality quality) {
-               constexpr const char* kNames[] = {"preview", "medium", "high", "ultra"};
-               return kNames[int(quality)];
-           });
+           std::array{MixedLightingMode::BakedIndirect, MixedLightingMode::Shadowmask, MixedLightingMode::Subtractive});
+    choice("quality", state.bake.quality, std::array{Quality::Preview, Quality::Medium, Quality::High, Quality::Ultra});
     bool directional = resolveQuality(state.bake).directional;
     if (ImGui::Checkbox("bakes directions", &directional)) state.bake.directional = directional;
     ImGui::Checkbox("glossy bounces", &state.bake.glossyBounces);

@@ -26,8 +26,7 @@ void markForBake(bool bakes)
 void lightEditor(ViewState& state, const Light& light)
 {
     Light changed = light;
-    bool any = choice("light mode", changed.mode, std::array{LightMode::Realtime, LightMode::Mixed, LightMode::Baked},
-                      [](LightMode mode) { return nameOf(mode); });
+    bool any = choice("light mode", changed.mode, std::array{LightMode::Realtime, LightMode::Mixed, LightMode::Baked});
     markForBake(true);
     if (light.baking.occlusionMaskChannel >= 0) say(fmt::format("mask channel {}", light.baking.occlusionMaskChannel));
     const bool baked = light.mode != LightMode::Realtime;

@@ -75,45 +75,6 @@ Subject subjectOf(const std::string& text, const Scene& scene)
     return subject;
 }
 
-const char* nameOf(RunMode mode)
-{
-    switch (mode) {
-    case RunMode::Realtime:
-        return "realtime";
-    case RunMode::BakedIndirect:
-        return "baked-indirect";
-    case RunMode::Shadowmask:
-        return "shadowmask";
-    case RunMode::DistanceShadowmask:
-        return "distance-shadowmask";
-    case RunMode::Subtractive:
-        return "subtractive";
-    }
-    return "?";
-}
-
-const char* nameOf(ToneMapping toneMapping)
-{
-    switch (toneMapping) {
-    case ToneMapping::Neutral:
-        return "neutral";
-    case ToneMapping::Aces:
-        return "aces";
-    case ToneMapping::Agx:
-        return "agx";
-    case ToneMapping::None:
-        return "none";
-    }
-    return "?";
-}
-
-const char* nameOf(DebugView view)
-{
-    constexpr const char* kNames[] = {"lit",      "shadowmask", "lightmap", "probes",
-                                      "cascades", "fade",       "overlap",  "texels"};
-    return kNames[int(view)];
-}
-
 const char* legendOf(DebugView view)
 {
     switch (view) {
@@ -151,9 +112,8 @@ std::string commandLine(const ViewState& state, const std::string& file, ivec2 s
         "halflight render {} -o picture.png --size {}x{} --eye {:.9g},{:.9g},{:.9g} --target {:.9g},{:.9g},{:.9g} "
         "--fov {:.7g} --mode {} --path {} --samples {} --exposure {:.9g}",
         quoted(file), size.x, size.y, eye.x, eye.y, eye.z, target.x, target.y, target.z,
-        glm::degrees(camera.verticalFovRadians), nameOf(settings.mode),
-        settings.path == RenderPath::Deferred ? "deferred" : "forward", settings.supersampling * settings.supersampling,
-        state.exposureEv);
+        glm::degrees(camera.verticalFovRadians), nameOf(settings.mode), nameOf(settings.path),
+        settings.supersampling * settings.supersampling, state.exposureEv);
     const auto add = [&](const std::string& option) { line += " " + option; };
     if (settings.view != DebugView::Lit) add(fmt::format("--view {}", nameOf(settings.view)));
     if (state.toneMapping != ToneMapping::Neutral) add(fmt::format("--tone-mapping {}", nameOf(state.toneMapping)));
@@ -163,11 +123,10 @@ std::string commandLine(const ViewState& state, const std::string& file, ivec2 s
     if (shadows.fadeRangeMeters != defaults.fadeRangeMeters)
         add(fmt::format("--shadow-fade-range {:.6g}", shadows.fadeRangeMeters));
     if (shadows.cascades != defaults.cascades) add(fmt::format("--cascades {}", shadows.cascades));
-    if (shadows.filter != defaults.filter)
-        add(fmt::format("--shadow-filter {}", shadows.filter == ShadowFilter::Hard ? "hard" : "soft"));
+    if (shadows.filter != defaults.filter) add(fmt::format("--shadow-filter {}", nameOf(shadows.filter)));
     if (!shadows.penumbrae) add("--penumbrae off");
     if (shadows.cascadeBlend != defaults.cascadeBlend)
-        add(fmt::format("--cascade-blend {}", shadows.cascadeBlend == CascadeBlend::Hard ? "hard" : "dithered"));
+        add(fmt::format("--cascade-blend {}", nameOf(shadows.cascadeBlend)));
     if (shadows.directionalMapSize != defaults.directionalMapSize)
         add(fmt::format("--shadow-map-size {}", shadows.directionalMapSize));
     if (shadows.atlasSize != defaults.atlasSize) add(fmt::format("--shadow-atlas-size {}", shadows.atlasSize));

@@ -107,16 +107,12 @@ struct ViewState {
     std::string title; ///< file name
 };
 
-const char* nameOf(RunMode mode);
-/// As --tone-mapping has it.
-const char* nameOf(ToneMapping toneMapping);
 /// The object or light that a text names: the longest name that it has as whole words.
 struct Subject {
     int object = -1;
     int light = -1;
 };
 Subject subjectOf(const std::string& text, const Scene& scene);
-const char* nameOf(DebugView view);
 /// One sentence on what the view's colours mean.
 const char* legendOf(DebugView view);
 

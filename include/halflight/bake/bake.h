@@ -19,6 +19,8 @@
 namespace halflight {
 
 enum class Quality { Preview, Medium, High, Ultra };
+/// As --quality has it.
+const char* nameOf(Quality quality);
 
 /// Content of shadowmask texels. Distance: signed distance to the shadow's edge in channels with narrow penumbrae (up
 /// to about two texels), which keeps hard edges sharp with a quarter of the texels; attenuation in the other channels.

@@ -17,6 +17,8 @@ namespace halflight {
 
 /// Lighting mode at run time. Values equal the kMode constants of shading/law.h.
 enum class RunMode { Realtime = 0, BakedIndirect = 1, Shadowmask = 2, DistanceShadowmask = 3, Subtractive = 4 };
+/// As --mode has it.
+const char* nameOf(RunMode mode);
 
 /// The mode a baked file is drawn in by default (spec section 1).
 RunMode defaultRunMode(const BakedScene& baked);
@@ -26,6 +28,8 @@ Status checkRunMode(const BakedScene& baked, RunMode mode);
 
 /// Hard: one texel, no filter. Pcf: a small kernel. Soft: a wide one.
 enum class ShadowFilter { Hard, Pcf, Soft };
+/// As --shadow-filter has it.
+const char* nameOf(ShadowFilter filter);
 
 /// Texels by which a filter's kernel may reach beyond the texel a point falls in. Tiles are fitted with this border, or
 /// the wider one of penumbrae (shading::penumbraReach()), and room for the normal bias, so a kernel that keeps to it
@@ -37,6 +41,8 @@ constexpr int filterReachTexels(ShadowFilter filter)
 
 /// How one cascade hands over to the next, over its last `cascadeBlendFraction`.
 enum class CascadeBlend { Hard, Dithered, Soft };
+/// As --cascade-blend has it.
+const char* nameOf(CascadeBlend blend);
 
 struct ShadowSettings {
     float distanceMeters = 60.0f; ///< from here on no realtime shadow is sampled, > 0

@@ -24,8 +24,12 @@ struct VulkanTarget;
 
 /// Formulas: halflight/shading/tone_mapping.h. Without one, what is brighter than 1 is cut off.
 enum class ToneMapping { Neutral, Aces, Agx, None };
+/// As --tone-mapping has it.
+const char* nameOf(ToneMapping toneMapping);
 
 enum class DebugView { Lit, Shadowmask, Lightmap, Probes, Cascades, Fade, Overlap, Texels };
+/// As --view has it.
+const char* nameOf(DebugView view);
 /// Whether a view shows light, which is exposed and tone mapped; the others show values from 0 to 1 as they are.
 constexpr bool showsLight(DebugView view)
 {
@@ -36,6 +40,8 @@ constexpr bool showsLight(DebugView view)
 /// what has no single surface per pixel (blended parts), what the lightmap must be known for (static objects on which
 /// subtractive's main light casts a realtime shadow this frame) and debug views go forward all the same.
 enum class RenderPath { Forward, Deferred };
+/// As --path has it.
+const char* nameOf(RenderPath path);
 
 struct RendererOptions {
     bool validation = false; ///< turn the Khronos validation layer on (also synchronization validation)
