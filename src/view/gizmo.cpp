@@ -1,5 +1,7 @@
 #include "view/gizmo.h"
 
+#include <imgui.h>
+
 #include <algorithm>
 #include <cmath>
 
@@ -71,6 +73,24 @@ std::optional<float> Gizmo::along(const Camera& camera, vec2 mouse, vec2 size) c
     if (sine2 < kAlong * kAlong) return std::nullopt;
     const vec3 between = ray.origin - place_;
     return (glm::dot(between, line) - cosine * glm::dot(between, direction)) / sine2;
+}
+
+void Gizmo::draw(const Camera& camera, vec3 place) const
+{
+    const vec2 size(ImGui::GetIO().DisplaySize.x, ImGui::GetIO().DisplaySize.y);
+    const std::optional<Shape> shape = shapeOf(camera, place, size);
+    if (!shape) return;
+    const vec2 mouse(ImGui::GetIO().MousePos.x, ImGui::GetIO().MousePos.y);
+    const int under = arrow_ >= 0 ? arrow_ : arrowAt(*shape, mouse);
+    constexpr std::array kColors = {IM_COL32(235, 70, 60, 255), IM_COL32(90, 200, 70, 255),
+                                    IM_COL32(70, 120, 240, 255)};
+    ImDrawList* list = ImGui::GetBackgroundDrawList();
+    for (int arrow = 0; arrow < 3; ++arrow) {
+        const vec2 tip = shape->tips[std::size_t(arrow)];
+        const ImU32 color = arrow == under ? IM_COL32(255, 220, 60, 255) : kColors[std::size_t(arrow)];
+        list->AddLine(ImVec2(shape->center.x, shape->center.y), ImVec2(tip.x, tip.y), color, 3.0f);
+        list->AddCircleFilled(ImVec2(tip.x, tip.y), 5.0f, color);
+    }
 }
 
 void Gizmo::grab(const Camera& camera, vec3 place, int arrow, vec2 mouse, vec2 size)

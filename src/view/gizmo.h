@@ -21,6 +21,9 @@ public:
     /// The arrow within some points of the mouse; -1 none.
     static int arrowAt(const Shape& shape, vec2 mouse);
 
+    /// Draws the arrows of a place in this frame of the panels; the one that is held, or is under the mouse, stands
+    /// out.
+    void draw(const Camera& camera, vec3 place) const;
     /// Takes hold of an arrow.
     void grab(const Camera& camera, vec3 place, int arrow, vec2 mouse, vec2 size);
     void release() { arrow_ = -1; }

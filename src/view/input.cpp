@@ -1,15 +1,9 @@
-// The window, and what mouse and keys do in it.
+// What mouse and keys do in the window.
 #include "view/panels.h"
 #include "view/viewer.h"
 
 #include <SDL.h>
-#include <SDL_vulkan.h>
 #include <imgui.h>
-#if __has_include(<backends/imgui_impl_sdl2.h>)
-#include <backends/imgui_impl_sdl2.h>
-#else
-#include <backends/imgui_impl_sdl.h>
-#endif
 
 #include <algorithm>
 #include <cmath>
@@ -44,75 +38,6 @@ bool needsScene(const SDL_Event& event)
 
 } // namespace
 
-Desktop::Desktop(const std::string& title, ivec2 size)
-{
-    SDL_SetMainReady();
-    SDL_SetHint(SDL_HINT_JOYSTICK_ALLOW_BACKGROUND_EVENTS, "0");
-    if (SDL_Init(SDL_INIT_VIDEO) != 0)
-        throw gpu::Failure(std::string("no window can be opened here: ") + SDL_GetError() +
-                           "; halflight render draws without one");
-    window_ = SDL_CreateWindow(title.c_str(), SDL_WINDOWPOS_CENTERED, SDL_WINDOWPOS_CENTERED, size.x, size.y,
-                               SDL_WINDOW_VULKAN | SDL_WINDOW_RESIZABLE | SDL_WINDOW_ALLOW_HIGHDPI);
-    if (window_ == nullptr) {
-        const std::string why = SDL_GetError();
-        close();
-        throw gpu::Failure("no window can be opened here: " + why);
-    }
-    (void)SDL_InitSubSystem(SDL_INIT_GAMECONTROLLER); // the window is of use without
-    ImGui::CreateContext();
-    hasContext_ = true;
-    ImGui::GetIO().IniFilename = nullptr; // leaves no file behind
-    ImGui::StyleColorsDark();
-    scalePanels();
-    ImGui_ImplSDL2_InitForVulkan(window_);
-}
-
-/// By GDK_SCALE, which desktops set, else by the display. Where the window has fewer units than pixels, the system
-/// scales them already.
-void Desktop::scalePanels() const
-{
-    ivec2 units(0);
-    ivec2 pixels(0);
-    SDL_GetWindowSize(window_, &units.x, &units.y);
-    SDL_Vulkan_GetDrawableSize(window_, &pixels.x, &pixels.y);
-    if (units != pixels) return;
-    float dotsPerInch = 0.0f;
-    (void)SDL_GetDisplayDPI(SDL_GetWindowDisplayIndex(window_), &dotsPerInch, nullptr, nullptr); // else it stays 0
-    if (const char* asked = SDL_getenv("GDK_SCALE")) dotsPerInch = kUsualDotsPerInch * float(SDL_atof(asked));
-    const float scale = panelScale(dotsPerInch);
-    if (scale == 1.0f) return;
-    constexpr float kFontPixels = 13.0f; // of Dear ImGui's own font
-    ImFontConfig font;
-    font.SizePixels = std::round(kFontPixels * scale);
-    ImGui::GetIO().Fonts->AddFontDefault(&font);
-    ImGui::GetStyle().ScaleAllSizes(scale);
-}
-
-Desktop::~Desktop()
-{
-    close();
-}
-
-void Desktop::close()
-{
-    if (hasContext_) {
-        ImGui_ImplSDL2_Shutdown();
-        ImGui::DestroyContext();
-    }
-    gamepad_.reset();
-    if (window_ != nullptr) SDL_DestroyWindow(window_);
-    SDL_Quit();
-}
-
-std::vector<std::string> Desktop::vulkanExtensions() const
-{
-    unsigned count = 0;
-    SDL_Vulkan_GetInstanceExtensions(window_, &count, nullptr);
-    std::vector<const char*> names(count);
-    SDL_Vulkan_GetInstanceExtensions(window_, &count, names.data());
-    return {names.begin(), names.end()};
-}
-
 void Viewer::handleEvents()
 {
     const auto handle = [&](const SDL_Event& event) {
@@ -122,12 +47,12 @@ void Viewer::handleEvents()
         panelInput_.take(event);
         handleEvent(event);
     };
-    if (shown_)
+    if (shown_.any())
         for (const SDL_Event& event : std::exchange(early_, {})) handle(event);
     SDL_Event event;
     while (SDL_PollEvent(&event)) {
         if (event.type != SDL_USEREVENT) lastInput_ = Clock::now();
-        if (!shown_ && needsScene(event))
+        if (!shown_.any() && needsScene(event))
             early_.push_back(event);
         else
             handle(event);
@@ -144,7 +69,7 @@ void Viewer::handleEvent(const SDL_Event& event)
     case SDL_DROPFILE: {
         const std::filesystem::path file = event.drop.file;
         SDL_free(event.drop.file);
-        open(file);
+        files_.open(renderer(), file, false);
         break;
     }
     case SDL_KEYDOWN:
@@ -163,7 +88,7 @@ void Viewer::handleEvent(const SDL_Event& event)
         inPicture_ = !overPanels(state_, vec2(event.button.x, event.button.y));
         dragged_ = false;
         if (event.button.button == SDL_BUTTON_LEFT && inPicture_)
-            dragged_ = dragGizmo(vec2(event.button.x, event.button.y));
+            dragged_ = grabArrow(vec2(event.button.x, event.button.y));
         break;
     case SDL_MOUSEBUTTONUP:
         gizmo_.release();
@@ -173,7 +98,7 @@ void Viewer::handleEvent(const SDL_Event& event)
     case SDL_MOUSEMOTION:
         if (gizmo_.arrow() >= 0) {
             const std::size_t object = std::size_t(state_.selectedObject);
-            mat4 place = scene_.objects[object].worldFromObject;
+            mat4 place = edited_.scene().objects[object].worldFromObject;
             place[3] = vec4(gizmo_.dragged(state_.navigator.camera(), vec2(event.motion.x, event.motion.y),
                                            vec2(io.DisplaySize.x, io.DisplaySize.y)),
                             1.0f);
@@ -205,7 +130,27 @@ void Viewer::click(vec2 place)
     const ImVec2 window = ImGui::GetIO().DisplaySize;
     if (!(window.x > 0.0f && window.y > 0.0f)) return;
     state_.selectedObject =
-        objectAt(scene_, state_.navigator.camera(), place / vec2(window.x, window.y), window.x / window.y);
+        objectAt(edited_.scene(), state_.navigator.camera(), place / vec2(window.x, window.y), window.x / window.y);
+}
+
+std::optional<vec3> Viewer::selectedDynamic() const
+{
+    if (state_.selectedObject < 0) return std::nullopt;
+    const Object& object = edited_.scene().objects[std::size_t(state_.selectedObject)];
+    return object.isStatic ? std::nullopt : std::optional(vec3(object.worldFromObject[3]));
+}
+
+/// Of the selected object, under the mouse.
+bool Viewer::grabArrow(vec2 mouse)
+{
+    const std::optional<vec3> place = selectedDynamic();
+    if (!place) return false;
+    const vec2 size(ImGui::GetIO().DisplaySize.x, ImGui::GetIO().DisplaySize.y);
+    const Camera camera = state_.navigator.camera();
+    const std::optional<Gizmo::Shape> shape = Gizmo::shapeOf(camera, *place, size);
+    const int arrow = shape ? Gizmo::arrowAt(*shape, mouse) : -1;
+    if (arrow >= 0) gizmo_.grab(camera, *place, arrow, mouse, size);
+    return arrow >= 0;
 }
 
 /// While a bake, the reference or a reader of files works and nobody does anything, every other moment is theirs: on
@@ -215,14 +160,13 @@ void Viewer::waitAtRest()
 {
     constexpr std::chrono::milliseconds kFrame(66); // progress that moves smoothly
     constexpr std::chrono::milliseconds kMost(250);
-    if (!shown_) { // a line of progress is all there is to draw
-        if (!ready_) (void)SDL_WaitEventTimeout(nullptr, int(kMost.count()));
+    if (!shown_.any()) { // a line of progress is all there is to draw
+        if (!files_.isReady()) (void)SDL_WaitEventTimeout(nullptr, int(kMost.count()));
         return;
     }
-    const bool works =
-        session_ || opening_ || showing_ || earlierLoading_.valid() || (reference_ && reference_->works());
+    const bool works = bake_.runs() || files_.works() || shown_.isUploading() || comparison_.works();
     const Clock::time_point now = Clock::now();
-    const bool mayWait = works || (!drewPicture_ && options_.frames == 0);
+    const bool mayWait = works || (!picture_.isNew() && options_.frames == 0);
     if (!mayWait || now - lastInput_ < kAfterInput) return;
     const auto drawing = std::chrono::duration_cast<std::chrono::milliseconds>(now - lastFrame_);
     const auto wait = works ? std::max(drawing, kFrame - drawing) : kFrame - drawing;

@@ -25,6 +25,12 @@ RenderSettings settingsOf(RenderSettings settings, PictureDetail detail)
     return settings;
 }
 
+ivec2 smallPicture(vec2 size)
+{
+    constexpr float kSide = 256.0f;
+    return glm::max(ivec2(size * (kSide / std::max(size.x, size.y))), ivec2(1));
+}
+
 double PictureDetails::estimate(PictureDetail detail) const
 {
     for (int i = int(detail); i >= 0; --i) {

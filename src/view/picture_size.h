@@ -16,6 +16,10 @@ ivec2 pictureSize(ivec2 window, PictureDetail detail);
 /// What the coarse picture is drawn with: one sample, and one cascade in small shadow maps.
 RenderSettings settingsOf(RenderSettings settings, PictureDetail detail);
 
+/// Size of a picture as wide for its height as `size`, in which the longer side has so few pixels that the picture has
+/// the mean of a large one soon.
+ivec2 smallPicture(vec2 size);
+
 /// Of camera, settings and objects since the last frame, and of the user: at pauses, they may go on at once.
 enum class Motion { Moves, Pauses, Rests };
 

@@ -101,6 +101,15 @@ const char* legendOf(DebugView view)
     return "";
 }
 
+RenderSettings settingsOfFrame(const ViewState& state, const std::vector<Bounds>& bounds, ivec2 size)
+{
+    RenderSettings settings = state.settings;
+    settings.size = size;
+    if (state.followsShadowDistance)
+        settings.shadows = shadowsReaching(farthestInView({state.navigator.camera(), size}, bounds), settings.shadows);
+    return settings;
+}
+
 std::string commandLine(const ViewState& state, const std::string& file, ivec2 size, dvec3 originMeters,
                         const std::vector<Light>& lights, const std::vector<Light>& atLoad)
 {

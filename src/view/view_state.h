@@ -116,6 +116,9 @@ Subject subjectOf(const std::string& text, const Scene& scene);
 /// One sentence on what the view's colours mean.
 const char* legendOf(DebugView view);
 
+/// The state's settings for a picture of this size. `bounds`: of the scene's objects.
+RenderSettings settingsOfFrame(const ViewState& state, const std::vector<Bounds>& bounds, ivec2 size);
+
 /// The command line that renders the same picture; of views steeper than 87 degrees, another roll of it. `lights` are
 /// the scene's as they are, `atLoad` as the file has them.
 std::string commandLine(const ViewState& state, const std::string& file, ivec2 size, dvec3 originMeters,

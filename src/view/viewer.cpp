@@ -3,7 +3,6 @@
 #include "view/panels.h"
 
 #include <SDL.h>
-#include <SDL_vulkan.h>
 #include <imgui.h>
 #if __has_include(<backends/imgui_impl_sdl2.h>)
 #include <backends/imgui_impl_sdl2.h>
@@ -13,20 +12,15 @@
 #include <spdlog/fmt/fmt.h>
 
 #include <algorithm>
-#include <cmath>
 #include <new>
 #include <utility>
 
 namespace halflight::view {
-FirstFile::FirstFile(const ViewOptions& options)
-{
-    std::error_code unknown;
-    time = std::filesystem::last_write_time(options.file, unknown);
-    read = std::async(std::launch::async, [&] { return options.loader.read(options.file, ends); });
-}
 
 Viewer::Viewer(const ViewOptions& options)
-    : options_(options), file_(options.file), first_(options), desktop_("halflight", options.render.size)
+    : options_(options), notices_(options.say), first_(options), desktop_("halflight", options.render.size),
+      picture_(state_, notices_), files_(options, first_, desktop_), shown_(state_, first_.ends), comparison_(state_),
+      bake_(state_, shown_, comparison_, notices_)
 {
     state_.settings = options.render;
     state_.settings.supersampling = std::max(options.render.supersampling, 1);
@@ -39,159 +33,18 @@ Viewer::~Viewer()
 {
     first_.ends = true;
     SDL_HideWindow(desktop_.window()); // bakes and files that are being read end a moment later
-    session_.reset();
-    reference_.reset();
-    waitForThreads();
-    earlierRenderer_.reset();
-    if (renderer_) renderer_->waitIdle();
 }
 
-void Viewer::say(const std::string& line) const
+float Viewer::aspect() const
 {
-    if (options_.say) options_.say(line);
-}
-
-double Viewer::secondsSinceStart() const
-{
-    return std::chrono::duration<double>(Clock::now() - start_).count();
-}
-
-void Viewer::note(const std::string& line)
-{
-    notice_ = line;
-    noticeTime_ = Clock::now();
-}
-
-void Viewer::tell(const std::string& line)
-{
-    say(line);
-    note(line);
-}
-
-void Viewer::collectWarnings()
-{
-    state_.warnings = fileWarnings_;
-    for (const auto* more : {&bakeWarnings_, &frameWarnings_})
-        state_.warnings.insert(state_.warnings.end(), more->begin(), more->end());
-}
-
-Status Viewer::drawFrame()
-{
-    swapchain_->setVsync(state_.vsync);
-    buildPanels(true);
-    const std::optional<Swapchain::Frame> frame = swapchain_->begin();
-    if (!frame) {
-        constexpr int kPauseMilliseconds = 20; // nothing is to be seen
-        SDL_Delay(kPauseMilliseconds);
-        return {};
-    }
-    size_ = frame->size;
-    drewPicture_ = false;
-    const Clock::time_point start = Clock::now();
-    if (Status status = drawScene(*frame); !status) return status;
-    ui_->draw(frame->commands, frame->view, frame->size, *ImGui::GetDrawData(), frame->slot);
-    swapchain_->end();
-    if (!shown_) return {};
-    if (drewPicture_ && details_.wantsTime()) {
-        swapchain_->waitIdle();
-        details_.drew(std::chrono::duration<double>(Clock::now() - start).count());
-    }
-    if (frames_++ == 0) firstPictureIsShown();
-    const std::vector<int>& lost = options_.loseDeviceAt;
-    if (std::find(lost.begin(), lost.end(), frames_) != lost.end()) gpu::check(VK_ERROR_DEVICE_LOST, "show a frame");
-    return {};
-}
-
-void Viewer::startDevice()
-{
-    RendererOptions options = options_.device;
-    options.instanceExtensions = desktop_.vulkanExtensions();
-    options.deviceExtensions.emplace_back(VK_KHR_SWAPCHAIN_EXTENSION_NAME);
-    Result<std::unique_ptr<Renderer>> renderer = Renderer::create(options);
-    if (!renderer) throw gpu::Failure(renderer.error().message);
-    renderer_ = std::move(*renderer);
-    const VulkanHandles h = renderer_->handles();
-    device_ = std::make_unique<gpu::Device>(
-        gpu::DeviceOptions{.handles = gpu::Handles{h.getInstanceProcAddr, h.instance, h.physicalDevice, h.device,
-                                                   h.queueFamily, h.queue, h.samplerAnisotropy, h.queueMutex}});
-    swapchain_ = std::make_unique<Swapchain>(*device_, desktop_.window());
-    ui_ = std::make_unique<UiRenderer>(*device_, swapchain_->format());
-    state_.device = renderer_->deviceName() + ", " + renderer_->driver();
-}
-
-Status Viewer::recover(const Error& failure)
-{
-    constexpr int kSoon = 100; // frames: some devices need a minute for the first one
-    const bool again = failedAt_ && frames_ - *failedAt_ < kSoon;
-    failedAt_ = frames_;
-    if (again || !shown_) return failure;
-    say("the device failed, another is made: " + failure.message);
-    for (const std::string& message : renderer_->validationMessages()) messages_.push_back(message);
-    waitForThreads();
-    const std::optional<Opening> opening = std::exchange(opening_, std::nullopt);
-    std::optional<Showing> showing = std::exchange(showing_, std::nullopt);
-    earlierRenderer_.reset();
-    pathTraced_.reset();
-    ui_.reset();
-    swapchain_.reset();
-    device_.reset();
-    renderer_.reset();
-    startDevice();
-    BakedScene shown = std::move(*shown_);
-    if (Status status = show(std::move(shown)); !status) return status;
-    if (showing) showLater(std::move(showing->baked), std::move(showing->then));
-    if (opening) open(opening->file, opening->keepsView);
-    return {};
-}
-
-/// What they made is dropped.
-void Viewer::waitForThreads()
-{
-    earlierLoading_ = {};
-    uploading_ = {};
-    reading_ = {};
-}
-
-void Viewer::watchFile()
-{
-    constexpr std::chrono::seconds kEvery(1);
-    if (session_ || opening_ || Clock::now() - lastLook_ < kEvery) return;
-    lastLook_ = Clock::now();
-    std::error_code absent;
-    const auto time = std::filesystem::last_write_time(file_, absent);
-    if (absent || time == fileTime_) return;
-    state_.requests.reload = true;
-}
-
-Status Viewer::turn()
-{
-    handleEvents();
-    const Clock::time_point now = Clock::now();
-    const float seconds = std::chrono::duration<float>(now - lastFrame_).count();
-    lastFrame_ = now;
-    addFrame(state_.frameMilliseconds, 1000.0f * seconds);
-    fly(seconds);
-    followReference();
-    try {
-        if (Status status = pollOpening(); !status) return status;
-        if (Status status = pollShowing(); !status) return status;
-        if (Status status = followEarlier(); !status) return status;
-        if (Status status = drawFrame(); !status) return status;
-        if (Status status = answerRequests(); !status) return status;
-        if (Status status = pollBake(); !status) return status;
-    } catch (const gpu::Failure& failure) {
-        return Error{ErrorCode::DeviceFailed, failure.what(), ""};
-    }
-    watchFile();
-    waitAtRest();
-    return {};
+    return float(std::max(size_.x, 1)) / float(std::max(size_.y, 1));
 }
 
 Status Viewer::run()
 {
     startDevice();
-    renderer_->prepareForward(false); // while the file is read
-    open(options_.file);
+    renderer().prepareForward(false); // while the file is read
+    files_.open(renderer(), options_.file, false);
     lastFrame_ = Clock::now();
     while (!state_.requests.quit && !(options_.cancel != nullptr && options_.cancel->load()) &&
            (options_.frames == 0 || frames_ < options_.frames)) {
@@ -202,15 +55,203 @@ Status Viewer::run()
         }
         if (!status) return status;
     }
-    renderer_->waitIdle();
-    const std::vector<std::string> last = renderer_->validationMessages();
+    renderer().waitIdle();
+    const std::vector<std::string> last = renderer().validationMessages();
     messages_.insert(messages_.end(), last.begin(), last.end());
-    for (const std::string& message : messages_) say(message);
+    for (const std::string& message : messages_) notices_.say(message);
     if (!messages_.empty())
         return Error{ErrorCode::DeviceFailed,
                      fmt::format("the Vulkan validation layer had {} complaints", messages_.size()), ""};
-    say(fmt::format("{} frames", frames_));
+    notices_.say(fmt::format("{} frames", frames_));
     return {};
+}
+
+void Viewer::startDevice()
+{
+    device_.emplace(desktop_, options_.device);
+    state_.device = renderer().deviceName() + ", " + renderer().driver();
+}
+
+Status Viewer::recover(const Error& failure)
+{
+    constexpr int kSoon = 100; // frames: some devices need a minute for the first one
+    const bool again = failedAt_ && frames_ - *failedAt_ < kSoon;
+    failedAt_ = frames_;
+    if (again || !shown_.any()) return failure;
+    notices_.say("the device failed, another is made: " + failure.message);
+    for (const std::string& message : renderer().validationMessages()) messages_.push_back(message);
+    shown_.leaveDevice();
+    files_.leaveDevice();
+    comparison_.leaveDevice();
+    device_.reset();
+    startDevice();
+    if (Status status = shown_.moveTo(renderer()); !status) return status;
+    files_.moveTo(renderer());
+    return {};
+}
+
+Status Viewer::turn()
+{
+    handleEvents();
+    const Clock::time_point now = Clock::now();
+    const float seconds = std::chrono::duration<float>(now - lastFrame_).count();
+    lastFrame_ = now;
+    addFrame(state_.frameMilliseconds, 1000.0f * seconds);
+    fly(seconds);
+    comparison_.followReference(edited_, size_, device_->ui);
+    try {
+        if (Status status = pollFile(); !status) return status;
+        if (Status status = pollUpload(); !status) return status;
+        if (Status status = comparison_.followEarlier(renderer(), edited_, size_); !status) return status;
+        if (Status status = drawFrame(); !status) return status;
+        if (Status status = answerRequests(); !status) return status;
+        if (Status status = bake_.poll(renderer(), aspect(), picture_.seconds()); !status) return status;
+    } catch (const gpu::Failure& failure) {
+        return Error{ErrorCode::DeviceFailed, failure.what(), ""};
+    }
+    if (!bake_.runs() && files_.hasChanged()) state_.requests.reload = true;
+    waitAtRest();
+    return {};
+}
+
+Status Viewer::pollFile()
+{
+    std::optional<FileLoader::Opened> opened = files_.poll(renderer());
+    if (!opened) return {};
+    const std::string name = opened->file.filename().string();
+    const Status status = opened->content ? showFile(std::move(*opened)) : Status(opened->content.error());
+    lastFrame_ = Clock::now(); // no time in which the camera flies
+    if (status || !shown_.any() || status.error().code == ErrorCode::DeviceFailed) return status;
+    notices_.addWarning(Notices::About::File, status.error().text());
+    notices_.tell(fmt::format("{}: {}", name, status.error().text()));
+    return {};
+}
+
+Status Viewer::showFile(FileLoader::Opened opened)
+{
+    FileLoader::Content& content = *opened.content;
+    const bool isFirst = !shown_.any();
+    const bool keepsView = !isFirst && opened.keepsView;
+    RunMode mode = state_.settings.mode;
+    if (!keepsView || !checkRunMode(content.baked, mode)) mode = options_.mode.value_or(defaultRunMode(content.baked));
+    if (!checkRunMode(content.baked, mode)) mode = defaultRunMode(content.baked);
+    bake_.forget();
+    shown_.dropUpload();
+    comparison_.forget();
+    picture_.beginFile(content.pictureSeconds);
+    if (content.uploaded)
+        if (Status status = renderer().show(content.uploaded); !status) return status;
+    const TextureDetail textures = isFirst ? TextureDetail::Coarse : TextureDetail::Full;
+    shown_.take(std::move(content.baked), textures);
+    files_.isShown(opened);
+    edited_.beginFile(shown_.baked().scene);
+    notices_.setWarnings(Notices::About::File, edited_.scene().warnings);
+    state_.title = opened.file.filename().string();
+    state_.bakeOutput = opened.file.stem().string() + "_baked.glb";
+    state_.selectedLight = state_.selectedObject = -1;
+    gizmo_.release();
+    const bool quits = state_.requests.quit;
+    state_.requests = {}; // of lights and objects that are gone
+    state_.requests.quit = quits;
+    SDL_SetWindowTitle(desktop_.window(), ("halflight: " + state_.title).c_str());
+    state_.settings.mode = mode;
+    state_.otherMode = RunMode::Realtime; // what a bake is compared with
+    if (!keepsView) place(content.camera, isFirst && options_.exposureEv ? options_.exposureEv : content.exposureEv);
+    if (content.session) bake_.start(std::move(content.session));
+    if (content.light) {
+        shown_.take(std::move(*content.light), textures);
+        bake_.lightIsShown("light of probes");
+    }
+    return {};
+}
+
+void Viewer::place(const Camera& camera, std::optional<float> exposureEv)
+{
+    lookThrough(camera);
+    const Bounds bounds = edited_.scene().bounds();
+    state_.speed = bounds.empty() ? 1.0f : std::clamp(0.1f * glm::length(bounds.size()), 0.05f, 10.0f);
+    if (exposureEv)
+        state_.exposureEv = *exposureEv;
+    else
+        state_.requests.expose = true;
+}
+
+void Viewer::lookThrough(const Camera& camera)
+{
+    const Bounds bounds = edited_.scene().bounds();
+    state_.navigator = Navigator(camera, bounds.empty() ? 1.0f : 0.4f * glm::length(bounds.size()));
+}
+
+Status Viewer::pollUpload()
+{
+    const Result<bool> isShown = shown_.poll(renderer());
+    if (!isShown) return isShown.error();
+    if (*isShown) bake_.uploadIsShown();
+    return {};
+}
+
+Status Viewer::drawFrame()
+{
+    device_->swapchain.setVsync(state_.vsync);
+    buildPanels(true);
+    const std::optional<Swapchain::Frame> frame = device_->swapchain.begin();
+    if (!frame) {
+        constexpr int kPauseMilliseconds = 20; // nothing is to be seen
+        SDL_Delay(kPauseMilliseconds);
+        return {};
+    }
+    size_ = frame->size;
+    const Clock::time_point start = Clock::now();
+    if (shown_.any()) {
+        // A bake needs the processor, and coarse textures show no more.
+        const PictureDetail finest = bake_.runs() || shown_.isCoarse() ? PictureDetail::Half : PictureDetail::Full;
+        const bool pauses = start - lastInput_ < kAfterInput;
+        Status status = picture_.draw(*frame, *device_, edited_, comparison_, {pauses, finest});
+        if (!status) return status;
+    }
+    device_->ui.draw(frame->commands, frame->view, frame->size, *ImGui::GetDrawData(), frame->slot);
+    device_->swapchain.end();
+    if (!shown_.any()) return {};
+    picture_.measure(device_->swapchain, start);
+    if (frames_++ == 0) firstPictureIsShown();
+    const std::vector<int>& lost = options_.loseDeviceAt;
+    if (std::find(lost.begin(), lost.end(), frames_) != lost.end()) gpu::check(VK_ERROR_DEVICE_LOST, "show a frame");
+    return {};
+}
+
+/// What waited for it begins: all texels of textures, and the bake.
+void Viewer::firstPictureIsShown()
+{
+    const double seconds = std::chrono::duration<double>(Clock::now() - first_.start).count();
+    notices_.say(fmt::format("first picture after {:.2f} s", seconds));
+    bake_.goOn();
+    if (shown_.isCoarse()) shown_.showLater(renderer(), shown_.baked());
+}
+
+void Viewer::buildPanels(bool isDrawn)
+{
+    ImGui_ImplSDL2_NewFrame();
+    panelInput_.beginFrame();
+    ImGui::NewFrame();
+    if (shown_.any()) {
+        state_.warnings = notices_.warnings();
+        drawPanels(state_, edited_.scene());
+        if (state_.compares) comparison_.drawLine();
+        if (const std::optional<vec3> place = selectedDynamic()) gizmo_.draw(state_.navigator.camera(), *place);
+    }
+    if (isDrawn) drawNotice();
+    ImGui::Render();
+    if (edited_.change(state_.requests, renderer(), notices_)) state_.bakeStatus.outOfDate = true;
+}
+
+/// What is being done, or was said just now, at the bottom.
+void Viewer::drawNotice() const
+{
+    std::string text = files_.progress();
+    if (text.empty() && comparison_.isMakingEarlier()) text = "preparing the light before the bake";
+    if (text.empty()) text = notices_.currentNote();
+    if (text.empty() && shown_.any()) text = picture_.detailText();
+    if (!text.empty()) drawAtBottom(text);
 }
 
 } // namespace halflight::view
