@@ -62,8 +62,8 @@ RunMode Comparison::earlierMode() const
 
 Status Comparison::followEarlier(const Renderer& renderer, const EditedScene& edited, ivec2 size)
 {
-    if (!wantsEarlier() || earlierRenderer_) return {};
     if (!earlierLoading_.valid()) {
+        if (!wantsEarlier() || earlierRenderer_) return {};
         RenderSettings settings = settingsOfFrame(state_, edited.bounds(), smallPicture(vec2(size)));
         settings.mode = earlierMode();
         earlierLoading_ = std::async(std::launch::async, [handles = renderer.handles(), &earlier = *earlier_, settings,

@@ -12,7 +12,9 @@ namespace halflight::view {
 void LiveBake::start(std::unique_ptr<BakeSession> session)
 {
     session_ = std::move(session);
+    time_ = Clock::now();
     before_ = shown_.baked();
+    beforeTime_ = shown_.time();
     modeBefore_ = state_.settings.mode;
     state_.bakeStatus = {};
     state_.bakeStatus.running = true;
@@ -70,7 +72,7 @@ Status LiveBake::showProgress(Renderer& renderer, double pictureSeconds)
     if (light) {
         uploadedLight_ = name;
         renderer.prepareForward(true); // most bakes have a mask; earlier, it would delay the light on few cores
-        shown_.showLater(renderer, std::move(*light));
+        shown_.showLater(renderer, std::move(*light), time_);
         return {};
     }
     // Uploads wait for the frames in flight, so that some tiles come at once. Where the CPU draws, pictures of new
@@ -91,7 +93,7 @@ void LiveBake::end(Renderer& renderer, Result<BakeResult> result, double seconds
     if (!result) {
         const bool cancelled = result.error().code == ErrorCode::Cancelled;
         end_ = End{false, modeBefore_, cancelled ? "cancelled" : result.error().text()};
-        shown_.showLater(renderer, std::move(before));
+        shown_.showLater(renderer, std::move(before), beforeTime_);
         return;
     }
     comparison_.keepEarlier(std::move(before));
@@ -100,7 +102,7 @@ void LiveBake::end(Renderer& renderer, Result<BakeResult> result, double seconds
     // As before the bake, if that was a baked mode which the file has.
     const bool fits = modeBefore_ != RunMode::Realtime && checkRunMode(result->baked, modeBefore_);
     end_ = End{true, fits ? modeBefore_ : defaultRunMode(result->baked), fmt::format("baked in {:.1f} s", seconds)};
-    shown_.showLater(renderer, std::move(result->baked));
+    shown_.showLater(renderer, std::move(result->baked), time_);
 }
 
 void LiveBake::uploadIsShown()

@@ -51,6 +51,8 @@ private:
     Comparison& comparison_;
     Notices& notices_;
     std::optional<BakedScene> before_;       ///< shown before the bake that runs
+    Clock::time_point beforeTime_;           ///< when that was made
+    Clock::time_point time_;                 ///< when the bake that runs was begun
     RunMode modeBefore_ = RunMode::Realtime; ///< in which it was shown
     const char* uploadedLight_ = nullptr;    ///< name of what is being uploaded, if it is light
     struct End {

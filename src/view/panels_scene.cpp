@@ -55,13 +55,14 @@ void lightEditor(ViewState& state, const Light& light)
 void objectEditor(ViewState& state, const Object& object)
 {
     say(fmt::format("{}: {}", object.name, object.isStatic ? "static, baked" : "dynamic, lit by probes"));
-    bool casts = object.castShadows;
-    bool receives = object.receiveShadows;
-    bool changed = ImGui::Checkbox("casts", &casts);
+    Requests::ObjectSwitches switches{state.selectedObject, object.isStatic, object.castShadows, object.receiveShadows};
+    bool changed = ImGui::Checkbox("static", &switches.isStatic);
+    markForBake(true);
+    changed |= ImGui::Checkbox("casts shadows##object", &switches.castShadows);
     markForBake(object.isStatic);
-    changed |= ImGui::Checkbox("receives", &receives);
+    changed |= ImGui::Checkbox("receives shadows", &switches.receiveShadows);
     markForBake(object.isStatic);
-    if (changed) state.requests.switches = {state.selectedObject, casts, receives};
+    if (changed) state.requests.switches = switches;
     mat4 moved = object.worldFromObject;
     if (ImGui::DragFloat3("position m", &moved[3].x, 0.01f, -FLT_MAX, FLT_MAX, "%.2f"))
         state.requests.move = {state.selectedObject, moved};

@@ -3,7 +3,6 @@
 
 #include "halflight/bake_cpu/embree_integrator.h"
 #include "halflight/base/encoded_image.h"
-#include "halflight/base/file.h"
 
 #include <SDL.h>
 #include <spdlog/fmt/fmt.h>
@@ -39,8 +38,8 @@ void Viewer::frameSelection()
 
 std::string Viewer::currentCommand() const
 {
-    return commandLine(state_, files_.file().string(), size_, edited_.scene().originMeters, edited_.scene().lights,
-                       edited_.atLoad().lights);
+    return commandLine(state_, {files_.file().string(), options_.settingsFile.string()}, size_, edited_.scene(),
+                       edited_.atLoad());
 }
 
 Status Viewer::expose()
@@ -81,12 +80,7 @@ Status Viewer::takeScreenshot()
 
 void Viewer::writeSettings()
 {
-    const std::string text = settingsFile(edited_.scene(), edited_.atLoad());
-    const std::string name = files_.file().stem().string() + ".toml";
-    const Status written = text.empty() ? Status() : writeFileAtomically(name, text);
-    state_.bakeStatus.outcome = text.empty() ? "nothing was changed"
-                                : written    ? "wrote " + name
-                                             : written.error().text();
+    state_.bakeStatus.outcome = edited_.writeSettings(options_.settingsFile, files_.file());
     notices_.tell(state_.bakeStatus.outcome);
 }
 
@@ -100,7 +94,8 @@ Status Viewer::answerRequests()
     if (requests.toggleFullScreen) desktop_.toggleFullScreen();
     if (requests.copyCommand) {
         SDL_SetClipboardText(currentCommand().c_str());
-        notices_.note("copied the command line");
+        const std::string leftOut = leftOutOfCommandLine(edited_.scene(), edited_.atLoad());
+        notices_.note("copied the command line" + (leftOut.empty() ? "" : ", which cannot say " + leftOut));
     }
     if (requests.bake && shown_.isUploading())
         state_.requests.bake = true; // of what is shown then

@@ -1,7 +1,6 @@
 #include "view/shown_scene.h"
 
 #include <algorithm>
-#include <chrono>
 #include <utility>
 
 namespace halflight::view {
@@ -38,7 +37,7 @@ std::vector<RunMode> modesOf(const BakedScene& baked)
 
 } // namespace
 
-void ShownScene::take(BakedScene baked, TextureDetail textures)
+void ShownScene::take(BakedScene baked, TextureDetail textures, Clock::time_point time)
 {
     state_.modes = modesOf(baked);
     state_.statistics = statisticsOf(baked);
@@ -49,11 +48,13 @@ void ShownScene::take(BakedScene baked, TextureDetail textures)
     if (!fits(state_.otherMode)) state_.otherMode = RunMode::Realtime;
     baked_ = std::move(baked);
     textures_ = textures;
+    time_ = time;
 }
 
-void ShownScene::showLater(Renderer& renderer, BakedScene baked)
+void ShownScene::showLater(Renderer& renderer, BakedScene baked, Clock::time_point time)
 {
     next_ = std::move(baked);
+    nextTime_ = time;
     upload(renderer);
 }
 
@@ -69,7 +70,7 @@ Result<bool> ShownScene::poll(Renderer& renderer)
     const auto uploaded = uploading_.get();
     if (!uploaded) return uploaded.error();
     if (Status status = renderer.show(*uploaded); !status) return status.error();
-    take(*std::exchange(next_, std::nullopt), TextureDetail::Full);
+    take(*std::exchange(next_, std::nullopt), TextureDetail::Full, nextTime_);
     return true;
 }
 

@@ -4,6 +4,7 @@
 #include "view/view_state.h"
 
 #include <atomic>
+#include <chrono>
 #include <future>
 #include <memory>
 #include <optional>
@@ -14,17 +15,21 @@ namespace halflight::view {
 /// statistics are always those of this scene.
 class ShownScene {
 public:
+    using Clock = std::chrono::steady_clock;
+
     /// `ends` is set when the window closes: uploads end soon.
     ShownScene(ViewState& state, const std::atomic<bool>& ends) : state_(state), ends_(ends) {}
 
     [[nodiscard]] bool any() const { return baked_.has_value(); }
     [[nodiscard]] const BakedScene& baked() const { return *baked_; }
     [[nodiscard]] bool isCoarse() const { return textures_ == TextureDetail::Coarse; }
+    /// When the scene was made: changes since then are not in it.
+    [[nodiscard]] Clock::time_point time() const { return time_; }
     /// The renderer draws this scene now.
-    void take(BakedScene baked, TextureDetail textures);
+    void take(BakedScene baked, TextureDetail textures, Clock::time_point time);
 
     /// Uploads a scene on another thread; poll() shows it. One at a time.
-    void showLater(Renderer& renderer, BakedScene baked);
+    void showLater(Renderer& renderer, BakedScene baked, Clock::time_point time);
     [[nodiscard]] bool isUploading() const { return next_.has_value(); }
     /// Shows what has been uploaded; whether there was something.
     Result<bool> poll(Renderer& renderer);
@@ -42,8 +47,10 @@ private:
     ViewState& state_;
     const std::atomic<bool>& ends_;
     std::optional<BakedScene> baked_;
-    TextureDetail textures_ = TextureDetail::Full;                       ///< on the device
-    std::optional<BakedScene> next_;                                     ///< that thread's
+    TextureDetail textures_ = TextureDetail::Full; ///< on the device
+    Clock::time_point time_;                       ///< of baked_
+    std::optional<BakedScene> next_;               ///< that thread's
+    Clock::time_point nextTime_;
     std::future<Result<std::shared_ptr<Renderer::Uploaded>>> uploading_; ///< goes first: waits for the thread's end
 };
 

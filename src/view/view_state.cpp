@@ -42,6 +42,47 @@ std::string lightOverride(const Light& light, const Light& atLoad)
     return changes;
 }
 
+/// Lines of a settings file for what was changed of a light.
+std::string keysOf(const Light& light, const Light& before)
+{
+    std::string keys;
+    if (light.mode != before.mode) keys += fmt::format("mode = \"{}\"\n", nameOf(light.mode));
+    if (light.color != before.color)
+        keys += fmt::format("color = [{:.9g}, {:.9g}, {:.9g}]\n", light.color.r, light.color.g, light.color.b);
+    if (light.intensity != before.intensity) keys += fmt::format("intensity = {:.9g}\n", light.intensity);
+    if (light.shadowStrength != before.shadowStrength)
+        keys += fmt::format("shadow_strength = {:.9g}\n", light.shadowStrength);
+    if (light.radiusMeters != before.radiusMeters) keys += fmt::format("radius = {:.9g}\n", light.radiusMeters);
+    if (light.angularRadiusRadians != before.angularRadiusRadians)
+        keys += fmt::format("angular_diameter = {:.9g}\n", glm::degrees(2.0f * light.angularRadiusRadians));
+    if (light.indirectMultiplier != before.indirectMultiplier)
+        keys += fmt::format("indirect_multiplier = {:.9g}\n", light.indirectMultiplier);
+    if (light.castShadows != before.castShadows) keys += fmt::format("cast_shadows = {}\n", light.castShadows);
+    return keys;
+}
+
+std::string keysOf(const Object& object, const Object& before)
+{
+    std::string keys;
+    if (object.isStatic != before.isStatic) keys += fmt::format("static = {}\n", object.isStatic);
+    if (object.castShadows != before.castShadows) keys += fmt::format("cast_shadows = {}\n", object.castShadows);
+    if (object.receiveShadows != before.receiveShadows)
+        keys += fmt::format("receive_shadows = {}\n", object.receiveShadows);
+    return keys;
+}
+
+/// Rules and options go by names: those of several lights or objects would change all of them.
+template<typename T> bool isUnique(const T& named, const std::vector<T>& all)
+{
+    return std::count_if(all.begin(), all.end(), [&](const T& other) { return other.name == named.name; }) == 1;
+}
+
+/// Adds to a list for people.
+void add(std::string& list, const std::string& what)
+{
+    list += (list.empty() ? "" : ", ") + what;
+}
+
 /// Whether a name is in a text, with no letter or digit beside it.
 bool names(const std::string& text, const std::string& name)
 {
@@ -110,20 +151,21 @@ RenderSettings settingsOfFrame(const ViewState& state, const std::vector<Bounds>
     return settings;
 }
 
-std::string commandLine(const ViewState& state, const std::string& file, ivec2 size, dvec3 originMeters,
-                        const std::vector<Light>& lights, const std::vector<Light>& atLoad)
+std::string commandLine(const ViewState& state, const CommandFiles& files, ivec2 size, const Scene& scene,
+                        const Scene& atLoad)
 {
     const RenderSettings& settings = state.settings;
     const Camera camera = state.navigator.camera();
-    const dvec3 eye = originMeters + dvec3(camera.worldFromCamera[3]);
-    const dvec3 target = originMeters + dvec3(state.navigator.target());
+    const dvec3 eye = scene.originMeters + dvec3(camera.worldFromCamera[3]);
+    const dvec3 target = scene.originMeters + dvec3(state.navigator.target());
     std::string line = fmt::format(
         "halflight render {} -o picture.png --size {}x{} --eye {:.9g},{:.9g},{:.9g} --target {:.9g},{:.9g},{:.9g} "
         "--fov {:.7g} --mode {} --path {} --samples {} --exposure {:.9g}",
-        quoted(file), size.x, size.y, eye.x, eye.y, eye.z, target.x, target.y, target.z,
+        quoted(files.scene), size.x, size.y, eye.x, eye.y, eye.z, target.x, target.y, target.z,
         glm::degrees(camera.verticalFovRadians), nameOf(settings.mode), nameOf(settings.path),
         settings.supersampling * settings.supersampling, state.exposureEv);
     const auto add = [&](const std::string& option) { line += " " + option; };
+    if (!files.settings.empty()) add("--settings " + quoted(files.settings));
     if (settings.view != DebugView::Lit) add(fmt::format("--view {}", nameOf(settings.view)));
     if (state.toneMapping != ToneMapping::Neutral) add(fmt::format("--tone-mapping {}", nameOf(state.toneMapping)));
     if (!state.followsShadowDistance) add(fmt::format("--shadow-distance {:.6g}", settings.shadows.distanceMeters));
@@ -144,9 +186,10 @@ std::string commandLine(const ViewState& state, const std::string& file, ivec2 s
     if (!settings.directionalLightmaps) add("--directional off");
     if (!settings.reflectionProbes) add("--reflection-probes off");
     if (!settings.specular) add("--specular off");
-    for (std::size_t i = 0; i < lights.size() && i < atLoad.size(); ++i) {
-        const std::string changes = lightOverride(lights[i], atLoad[i]);
-        if (!changes.empty()) add("--light " + quoted(lights[i].name + ":" + changes));
+    for (std::size_t i = 0; i < scene.lights.size() && i < atLoad.lights.size(); ++i) {
+        const std::string changes = lightOverride(scene.lights[i], atLoad.lights[i]);
+        if (!changes.empty() && isUnique(scene.lights[i], scene.lights))
+            add("--light " + quoted(scene.lights[i].name + ":" + changes));
     }
     return line;
 }
@@ -155,33 +198,48 @@ std::string settingsFile(const Scene& scene, const Scene& atLoad)
 {
     std::string text;
     for (std::size_t i = 0; i < scene.lights.size() && i < atLoad.lights.size(); ++i) {
-        const Light& light = scene.lights[i];
-        const Light& before = atLoad.lights[i];
-        std::string keys;
-        if (light.mode != before.mode) keys += fmt::format("mode = \"{}\"\n", nameOf(light.mode));
-        if (light.color != before.color)
-            keys += fmt::format("color = [{:.9g}, {:.9g}, {:.9g}]\n", light.color.r, light.color.g, light.color.b);
-        if (light.intensity != before.intensity) keys += fmt::format("intensity = {:.9g}\n", light.intensity);
-        if (light.shadowStrength != before.shadowStrength)
-            keys += fmt::format("shadow_strength = {:.9g}\n", light.shadowStrength);
-        if (light.radiusMeters != before.radiusMeters) keys += fmt::format("radius = {:.9g}\n", light.radiusMeters);
-        if (light.angularRadiusRadians != before.angularRadiusRadians)
-            keys += fmt::format("angular_diameter = {:.9g}\n", glm::degrees(2.0f * light.angularRadiusRadians));
-        if (light.indirectMultiplier != before.indirectMultiplier)
-            keys += fmt::format("indirect_multiplier = {:.9g}\n", light.indirectMultiplier);
-        if (light.castShadows != before.castShadows) keys += fmt::format("cast_shadows = {}\n", light.castShadows);
-        if (!keys.empty()) text += "[[light]]\npattern = " + tomlString(light.name) + "\n" + keys + "\n";
+        const std::string keys = keysOf(scene.lights[i], atLoad.lights[i]);
+        if (!keys.empty() && isUnique(scene.lights[i], scene.lights))
+            text += "[[light]]\npattern = " + tomlString(scene.lights[i].name) + "\n" + keys + "\n";
     }
     for (std::size_t i = 0; i < scene.objects.size() && i < atLoad.objects.size(); ++i) {
-        const Object& object = scene.objects[i];
-        const Object& before = atLoad.objects[i];
-        std::string keys;
-        if (object.isStatic != before.isStatic) keys += fmt::format("static = {}\n", object.isStatic);
-        if (object.castShadows != before.castShadows) keys += fmt::format("cast_shadows = {}\n", object.castShadows);
-        if (object.receiveShadows != before.receiveShadows)
-            keys += fmt::format("receive_shadows = {}\n", object.receiveShadows);
-        if (!keys.empty()) text += "[[node]]\npattern = " + tomlString(object.name) + "\n" + keys + "\n";
+        const std::string keys = keysOf(scene.objects[i], atLoad.objects[i]);
+        if (!keys.empty() && isUnique(scene.objects[i], scene.objects))
+            text += "[[node]]\npattern = " + tomlString(scene.objects[i].name) + "\n" + keys + "\n";
     }
+    return text;
+}
+
+std::string leftOutOfCommandLine(const Scene& scene, const Scene& atLoad)
+{
+    std::string text;
+    for (std::size_t i = 0; i < scene.lights.size() && i < atLoad.lights.size(); ++i) {
+        Light said = atLoad.lights[i];
+        said.intensity = scene.lights[i].intensity;
+        said.color = scene.lights[i].color;
+        said.shadowStrength = scene.lights[i].shadowStrength;
+        if (!keysOf(scene.lights[i], said).empty()) add(text, "more changes of the light '" + said.name + "'");
+    }
+    for (std::size_t i = 0; i < scene.objects.size() && i < atLoad.objects.size(); ++i)
+        if (!keysOf(scene.objects[i], atLoad.objects[i]).empty())
+            add(text, "switches of '" + scene.objects[i].name + "'");
+    if (const std::string places = leftOutOfSettings(scene, atLoad); !places.empty()) add(text, places);
+    return text;
+}
+
+std::string leftOutOfSettings(const Scene& scene, const Scene& atLoad)
+{
+    std::string text;
+    for (std::size_t i = 0; i < scene.objects.size() && i < atLoad.objects.size(); ++i)
+        if (scene.objects[i].worldFromObject != atLoad.objects[i].worldFromObject)
+            add(text, "the place of '" + scene.objects[i].name + "'");
+    const auto addNamesakes = [&](const auto& now, const auto& before) {
+        for (std::size_t i = 0; i < now.size() && i < before.size(); ++i)
+            if (!keysOf(now[i], before[i]).empty() && !isUnique(now[i], now))
+                add(text, "changes of one of several '" + now[i].name + "'");
+    };
+    addNamesakes(scene.lights, atLoad.lights);
+    addNamesakes(scene.objects, atLoad.objects);
     return text;
 }
 

@@ -29,6 +29,7 @@ struct Requests {
     std::optional<std::pair<int, Light>> light;
     struct ObjectSwitches {
         int object = -1;
+        bool isStatic = true; ///< in the next bake
         bool castShadows = true;
         bool receiveShadows = true;
     };
@@ -119,12 +120,21 @@ const char* legendOf(DebugView view);
 /// The state's settings for a picture of this size. `bounds`: of the scene's objects.
 RenderSettings settingsOfFrame(const ViewState& state, const std::vector<Bounds>& bounds, ivec2 size);
 
-/// The command line that renders the same picture; of views steeper than 87 degrees, another roll of it. `lights` are
-/// the scene's as they are, `atLoad` as the file has them.
-std::string commandLine(const ViewState& state, const std::string& file, ivec2 size, dvec3 originMeters,
-                        const std::vector<Light>& lights, const std::vector<Light>& atLoad);
+/// Files as the command line names them.
+struct CommandFiles {
+    std::string scene;
+    std::string settings; ///< of --settings; empty without
+};
+/// The command line that renders the same picture; of views steeper than 87 degrees, another roll of it. `scene` is as
+/// it is now, `atLoad` as the files have it.
+std::string commandLine(const ViewState& state, const CommandFiles& files, ivec2 size, const Scene& scene,
+                        const Scene& atLoad);
 
 /// What was changed of lights and objects for the next bake, as a settings file; empty when nothing was.
 std::string settingsFile(const Scene& scene, const Scene& atLoad);
+
+/// What the two do not say of the changes, for people; empty where they say all.
+std::string leftOutOfCommandLine(const Scene& scene, const Scene& atLoad);
+std::string leftOutOfSettings(const Scene& scene, const Scene& atLoad);
 
 } // namespace halflight::view

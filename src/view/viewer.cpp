@@ -86,6 +86,7 @@ Status Viewer::recover(const Error& failure)
     device_.reset();
     startDevice();
     if (Status status = shown_.moveTo(renderer()); !status) return status;
+    (void)edited_.repeat(shown_.time(), renderer());
     files_.moveTo(renderer());
     return {};
 }
@@ -142,7 +143,7 @@ Status Viewer::showFile(FileLoader::Opened opened)
     if (content.uploaded)
         if (Status status = renderer().show(content.uploaded); !status) return status;
     const TextureDetail textures = isFirst ? TextureDetail::Coarse : TextureDetail::Full;
-    shown_.take(std::move(content.baked), textures);
+    shown_.take(std::move(content.baked), textures, Clock::now());
     files_.isShown(opened);
     edited_.beginFile(shown_.baked().scene);
     notices_.setWarnings(Notices::About::File, edited_.scene().warnings);
@@ -159,7 +160,7 @@ Status Viewer::showFile(FileLoader::Opened opened)
     if (!keepsView) place(content.camera, isFirst && options_.exposureEv ? options_.exposureEv : content.exposureEv);
     if (content.session) bake_.start(std::move(content.session));
     if (content.light) {
-        shown_.take(std::move(*content.light), textures);
+        shown_.take(std::move(*content.light), textures, shown_.time());
         bake_.lightIsShown("light of probes");
     }
     return {};
@@ -186,7 +187,10 @@ Status Viewer::pollUpload()
 {
     const Result<bool> isShown = shown_.poll(renderer());
     if (!isShown) return isShown.error();
-    if (*isShown) bake_.uploadIsShown();
+    if (!*isShown) return {};
+    bake_.uploadIsShown();
+    // What changed while it was made or uploaded.
+    if (edited_.repeat(shown_.time(), renderer())) state_.bakeStatus.outOfDate = true;
     return {};
 }
 
@@ -225,7 +229,7 @@ void Viewer::firstPictureIsShown()
     const double seconds = std::chrono::duration<double>(Clock::now() - first_.start).count();
     notices_.say(fmt::format("first picture after {:.2f} s", seconds));
     bake_.goOn();
-    if (shown_.isCoarse()) shown_.showLater(renderer(), shown_.baked());
+    if (shown_.isCoarse()) shown_.showLater(renderer(), shown_.baked(), shown_.time());
 }
 
 void Viewer::buildPanels(bool isDrawn)

@@ -30,8 +30,9 @@ TEST(CommandLine, NamesWhatDiffersFromTheDefaults)
     state.navigator = Navigator(camera, 1.0f);
     state.exposureEv = 1.5f;
     Scene scene = twoLights();
+    scene.originMeters = dvec3(1000, 0, 0);
     const Scene before = scene;
-    std::string line = commandLine(state, "it's.glb", {640, 360}, dvec3(1000, 0, 0), scene.lights, before.lights);
+    std::string line = commandLine(state, {"it's.glb", ""}, {640, 360}, scene, before);
     EXPECT_EQ(line, "halflight render 'it'\\''s.glb' -o picture.png --size 640x360 --eye 1001,2,3 --target 1001,2,2 "
                     "--fov 60 --mode realtime --path forward --samples 1 --exposure 1.5");
     state.settings.mode = RunMode::Shadowmask;
@@ -42,10 +43,10 @@ TEST(CommandLine, NamesWhatDiffersFromTheDefaults)
     state.toneMapping = ToneMapping::Agx;
     scene.lights[0].intensity = 3.0f;
     scene.lights[0].color = vec3(1.0f, 0.5f, 0.25f);
-    line = commandLine(state, "a.glb", {640, 360}, dvec3(0), scene.lights, before.lights);
+    line = commandLine(state, {"a.glb", "my lights.toml"}, {640, 360}, scene, before);
     for (const char* part :
          {"--mode shadowmask", "--path deferred", "--view fade", "--shadow-filter soft", "--shadow-distance 60",
-          "--tone-mapping agx", "--light 'sun:intensity=3,color=1,0.5,0.25'"})
+          "--tone-mapping agx", "--settings 'my lights.toml'", "--light 'sun:intensity=3,color=1,0.5,0.25'"})
         EXPECT_THAT(line, HasSubstr(part));
     EXPECT_THAT(line, Not(HasSubstr("lamp")));
 }
@@ -61,6 +62,35 @@ TEST(SettingsFile, HasTheChangesAlone)
     EXPECT_EQ(settingsFile(scene, before),
               "[[light]]\npattern = \"lamp \\\"1\\\"\"\nmode = \"baked\"\nradius = 0.25\n\n"
               "[[node]]\npattern = \"Door\"\ncast_shadows = false\n\n");
+}
+
+TEST(LeftOut, NamesWhatTheTextsCannotSay)
+{
+    Scene scene = twoLights();
+    const Scene before = scene;
+    scene.lights[0].intensity = 2.0f;
+    EXPECT_EQ(leftOutOfCommandLine(scene, before), "");
+    scene.lights[0].radiusMeters = 0.5f;
+    EXPECT_EQ(leftOutOfCommandLine(scene, before), "more changes of the light 'sun'");
+    scene.objects[0].castShadows = false;
+    EXPECT_EQ(leftOutOfCommandLine(scene, before), "more changes of the light 'sun', switches of 'Door'");
+    EXPECT_EQ(leftOutOfSettings(scene, before), "");
+    scene.objects[0].worldFromObject[3].x = 1.0f;
+    EXPECT_EQ(leftOutOfSettings(scene, before), "the place of 'Door'");
+    EXPECT_THAT(leftOutOfCommandLine(scene, before), HasSubstr("'Door', the place of 'Door'"));
+}
+
+TEST(SettingsFile, HasNoRuleForOneOfSeveralOfAName)
+{
+    Scene scene = twoLights();
+    scene.lights[1].name = scene.lights[0].name;
+    const Scene before = scene;
+    scene.lights[1].intensity = 2.0f;
+    EXPECT_EQ(settingsFile(scene, before), "") << "it would change both";
+    EXPECT_EQ(leftOutOfSettings(scene, before), "changes of one of several 'sun'");
+    const std::string line = commandLine(ViewState(), {"a.glb", ""}, {640, 360}, scene, before);
+    EXPECT_THAT(line, Not(HasSubstr("--light")));
+    EXPECT_EQ(leftOutOfCommandLine(scene, before), "changes of one of several 'sun'");
 }
 
 TEST(SubjectOf, IsTheLongestNameInTheText)

@@ -26,10 +26,11 @@ struct ViewLoader {
 struct ViewOptions {
     std::filesystem::path file;
     ViewLoader loader;
-    RendererOptions device;          ///< extensions of the window system are added
-    RenderSettings render;           ///< its size is the window's at first, in pixels
-    std::optional<RunMode> mode;     ///< empty: as baked
-    std::optional<float> exposureEv; ///< empty: automaticExposure() of the first view
+    std::filesystem::path settingsFile; ///< that the loader applies; empty without
+    RendererOptions device;             ///< extensions of the window system are added
+    RenderSettings render;              ///< its size is the window's at first, in pixels
+    std::optional<RunMode> mode;        ///< empty: as baked
+    std::optional<float> exposureEv;    ///< empty: automaticExposure() of the first view
     ToneMapping toneMapping = ToneMapping::Neutral;
     bool shadowDistanceGiven = false; ///< else it follows from the view, as in `halflight render`
     BakeSettings bake;                ///< of the Bake button
