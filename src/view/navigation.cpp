@@ -11,14 +11,16 @@ constexpr float kSteepest = 0.5f * kPi - 0.001f;
 /// The pivot never comes so near that a dolly has no effect any more.
 constexpr float kNearestPivotMeters = 1.0e-4f;
 
-/// Möller and Trumbore 1997, "Fast, Minimum Storage Ray-Triangle Intersection"; both sides. Distance, or infinity.
-float hitDistance(vec3 origin, vec3 direction, vec3 a, vec3 b, vec3 c)
+/// Möller and Trumbore 1997, "Fast, Minimum Storage Ray-Triangle Intersection". Distance, or infinity; from behind too
+/// where the triangle has two sides.
+float hitDistance(vec3 origin, vec3 direction, vec3 a, vec3 b, vec3 c, bool doubleSided)
 {
     const vec3 ab = b - a;
     const vec3 ac = c - a;
     const vec3 p = glm::cross(direction, ac);
     const float determinant = glm::dot(ab, p);
-    if (determinant == 0.0f) return kInfinity;
+    // In object space the front is counter-clockwise, mirrored or not (glTF 2.0, section 3.7.4).
+    if (determinant == 0.0f || (determinant < 0.0f && !doubleSided)) return kInfinity;
     const vec3 ao = origin - a;
     const float u = glm::dot(ao, p) / determinant;
     const vec3 q = glm::cross(ao, ab);
@@ -161,9 +163,11 @@ int objectAt(const Scene& scene, const Camera& camera, vec2 point, float aspect)
         const vec3 o = vec3(objectFromWorld * vec4(origin, 1.0f));
         const vec3 d = mat3(objectFromWorld) * direction;
         for (const MeshPart& part : scene.meshes[std::size_t(object.mesh)].parts) {
+            const bool doubleSided = materialOf(scene, part).doubleSided;
             for (std::size_t t = 0; t + 2 < part.indices.size(); t += 3) {
-                const float hit = hitDistance(o, d, part.positions[part.indices[t]],
-                                              part.positions[part.indices[t + 1]], part.positions[part.indices[t + 2]]);
+                const float hit =
+                    hitDistance(o, d, part.positions[part.indices[t]], part.positions[part.indices[t + 1]],
+                                part.positions[part.indices[t + 2]], doubleSided);
                 if (hit >= distance) continue;
                 distance = hit;
                 nearest = int(i);

@@ -57,8 +57,8 @@ Ray rayThrough(const Camera& camera, vec2 point, float aspect);
 /// Where a place is in the picture, in the same coordinates; nothing behind the camera.
 std::optional<vec2> pointOf(const Camera& camera, vec3 place, float aspect);
 
-/// The nearest object that a ray from the camera through a point of the picture meets (0, 0 its top left, 1, 1 its
-/// bottom right), by its triangles; -1 none.
+/// The nearest object that is drawn where a ray from the camera through a point of the picture meets its triangles (0,
+/// 0 the picture's top left, 1, 1 its bottom right); -1 none. Single-sided surfaces are not drawn from behind.
 int objectAt(const Scene& scene, const Camera& camera, vec2 point, float aspect);
 
 } // namespace halflight::view

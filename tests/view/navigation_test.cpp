@@ -96,26 +96,54 @@ TEST(Navigator, FramesBounds)
     }
 }
 
-TEST(ObjectAt, IsTheNearestThatTheRayMeets)
+/// Squares two metres wide that face +Z, one for each place.
+Scene squaresAt(std::initializer_list<mat4> places)
 {
     Scene scene;
-    Mesh mesh;
-    MeshPart& part = mesh.parts.emplace_back();
+    MeshPart& part = scene.meshes.emplace_back().parts.emplace_back();
     part.positions = {vec3(-1, -1, 0), vec3(1, -1, 0), vec3(1, 1, 0), vec3(-1, 1, 0)};
     part.indices = {0, 1, 2, 0, 2, 3};
-    scene.meshes.push_back(mesh);
-    for (const float z : {-4.0f, -2.0f, 3.0f}) { // the last is behind the camera
+    part.material = 0;
+    scene.materials.emplace_back();
+    for (const mat4& place : places) {
         Object& object = scene.objects.emplace_back();
         object.mesh = 0;
-        object.worldFromObject =
-            glm::scale(glm::translate(mat4(1.0f), vec3(z == -2.0f ? 0.9f : 0.0f, 0, z)), vec3(0.5f));
+        object.worldFromObject = place;
     }
+    return scene;
+}
+
+mat4 placed(vec3 at, vec3 scale)
+{
+    return glm::scale(glm::translate(mat4(1.0f), at), scale);
+}
+
+TEST(ObjectAt, IsTheNearestThatTheRayMeets)
+{
+    const Scene scene = squaresAt({placed(vec3(0, 0, -4), vec3(0.5f)), placed(vec3(0.9f, 0, -2), vec3(0.5f)),
+                                   placed(vec3(0, 0, 3), vec3(0.5f))}); // the last is behind the camera
     const Camera camera = lookingAt(vec3(0, 0, 0), vec3(0, 0, -1));
     EXPECT_EQ(objectAt(scene, camera, vec2(0.5f), 1.0f), 0);
     // 0.45 m to the right at 2 m: the nearer one covers it, and the farther one ends at 0.25 m there.
     const float x = 0.5f + 0.5f * (0.45f / 2.0f) / std::tan(kPi / 6.0f);
     EXPECT_EQ(objectAt(scene, camera, vec2(x, 0.5f), 1.0f), 1);
     EXPECT_EQ(objectAt(scene, camera, vec2(0.02f, 0.02f), 1.0f), -1);
+}
+
+/// As the renderer draws: a wall between the camera and a room is not there from outside.
+TEST(ObjectAt, SeesThroughBackFaces)
+{
+    const Camera camera = lookingAt(vec3(0, 0, 0), vec3(0, 0, -1));
+    const mat4 wall = placed(vec3(0, 0, -4), vec3(1));
+    for (const vec3 mirrored : {vec3(1, 1, 1), vec3(-1, 1, 1), vec3(-1, -1, 1)}) {
+        // A mirrored square still faces +Z, and one that is mirrored along Z faces -Z.
+        Scene scene = squaresAt({wall, placed(vec3(0, 0, -2), mirrored * vec3(1, 1, -1))});
+        EXPECT_EQ(objectAt(scene, camera, vec2(0.5f), 1.0f), 0) << mirrored.x << mirrored.y;
+        scene.materials[0].doubleSided = true;
+        EXPECT_EQ(objectAt(scene, camera, vec2(0.5f), 1.0f), 1);
+        scene = squaresAt({wall, placed(vec3(0, 0, -2), mirrored)});
+        EXPECT_EQ(objectAt(scene, camera, vec2(0.5f), 1.0f), 1) << mirrored.x << mirrored.y;
+    }
 }
 
 } // namespace
