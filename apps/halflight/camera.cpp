@@ -1,5 +1,7 @@
 #include "camera.h"
 
+#include "halflight/render/frame.h"
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -53,7 +55,7 @@ public:
             // The direction is not normalized in object space, so that distances stay those of the world.
             const vec3 o = vec3(item.objectFromWorld * vec4(origin, 1.0f));
             const vec3 d = mat3(item.objectFromWorld) * direction;
-            if (reachesBox(item.bounds, o, d, hit.distance)) castAtPart(item, o, d, hit);
+            if (rayReaches(item.bounds, o, d, hit.distance)) castAtPart(item, o, d, hit);
         }
         return hit;
     }
@@ -64,20 +66,6 @@ private:
         Bounds bounds;
         mat4 objectFromWorld;
     };
-
-    static bool reachesBox(const Bounds& box, vec3 o, vec3 d, float limit)
-    {
-        float near = 0.0f;
-        float far = limit;
-        for (int axis = 0; axis < 3; ++axis) {
-            const float a = (box.min[axis] - o[axis]) / d[axis];
-            const float b = (box.max[axis] - o[axis]) / d[axis];
-            // A direction along the slab gives NaN on its planes; the comparisons then keep the interval as it is.
-            if (std::min(a, b) > near) near = std::min(a, b);
-            if (std::max(a, b) < far) far = std::max(a, b);
-        }
-        return near <= far * 1.0001f + 1.0e-6f;
-    }
 
     // Möller and Trumbore 1997, "Fast, Minimum Storage Ray-Triangle Intersection".
     void castAtPart(const Item& item, vec3 o, vec3 d, Hit& hit) const

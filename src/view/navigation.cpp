@@ -1,5 +1,7 @@
 #include "view/navigation.h"
 
+#include "halflight/render/frame.h"
+
 #include <algorithm>
 #include <cmath>
 
@@ -150,31 +152,49 @@ std::optional<vec2> pointOf(const Camera& camera, vec3 place, float aspect)
     return vec2(0.5f + 0.5f * p.x / (half * aspect), 0.5f - 0.5f * p.y / half);
 }
 
-int objectAt(const Scene& scene, const Camera& camera, vec2 point, float aspect)
+namespace {
+
+struct Hit {
+    int object = -1;
+    float distance = kInfinity; ///< in lengths of the ray's direction
+};
+
+/// Of what the renderer draws. `bounds` may be empty.
+Hit nearestHit(const Scene& scene, std::span<const Bounds> bounds, const Ray& ray)
 {
-    const auto [origin, direction] = rayThrough(camera, point, aspect);
-    int nearest = -1;
-    float distance = kInfinity;
+    Hit nearest;
     for (std::size_t i = 0; i < scene.objects.size(); ++i) {
         const Object& object = scene.objects[i];
         if (object.mesh < 0 || glm::determinant(mat3(object.worldFromObject)) == 0.0f) continue;
+        if (!bounds.empty() && !rayReaches(bounds[i], ray.origin, ray.direction, nearest.distance)) continue;
         // The direction is not normalized in object space, so that distances stay those of the world.
         const mat4 objectFromWorld = glm::inverse(object.worldFromObject);
-        const vec3 o = vec3(objectFromWorld * vec4(origin, 1.0f));
-        const vec3 d = mat3(objectFromWorld) * direction;
+        const vec3 o = vec3(objectFromWorld * vec4(ray.origin, 1.0f));
+        const vec3 d = mat3(objectFromWorld) * ray.direction;
         for (const MeshPart& part : scene.meshes[std::size_t(object.mesh)].parts) {
             const bool doubleSided = materialOf(scene, part).doubleSided;
             for (std::size_t t = 0; t + 2 < part.indices.size(); t += 3) {
                 const float hit =
                     hitDistance(o, d, part.positions[part.indices[t]], part.positions[part.indices[t + 1]],
                                 part.positions[part.indices[t + 2]], doubleSided);
-                if (hit >= distance) continue;
-                distance = hit;
-                nearest = int(i);
+                if (hit < nearest.distance) nearest = {int(i), hit};
             }
         }
     }
     return nearest;
+}
+
+} // namespace
+
+int objectAt(const Scene& scene, const Camera& camera, vec2 point, float aspect, std::span<const Bounds> bounds)
+{
+    return nearestHit(scene, bounds, rayThrough(camera, point, aspect)).object;
+}
+
+std::optional<float> metersAhead(const Scene& scene, const Camera& camera, std::span<const Bounds> bounds)
+{
+    const Hit hit = nearestHit(scene, bounds, rayThrough(camera, vec2(0.5f), 1.0f));
+    return hit.object < 0 ? std::nullopt : std::optional(hit.distance);
 }
 
 } // namespace halflight::view

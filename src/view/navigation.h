@@ -4,6 +4,7 @@
 #include "halflight/scene/scene.h"
 
 #include <optional>
+#include <span>
 
 namespace halflight::view {
 
@@ -59,6 +60,9 @@ std::optional<vec2> pointOf(const Camera& camera, vec3 place, float aspect);
 
 /// The nearest object that is drawn where a ray from the camera through a point of the picture meets its triangles (0,
 /// 0 the picture's top left, 1, 1 its bottom right); -1 none. Single-sided surfaces are not drawn from behind.
-int objectAt(const Scene& scene, const Camera& camera, vec2 point, float aspect);
+/// `bounds` is objectBounds(scene), which saves time, or empty.
+int objectAt(const Scene& scene, const Camera& camera, vec2 point, float aspect, std::span<const Bounds> bounds = {});
+/// Along the camera's axis to the surface in the middle of the picture, by the same rules; nothing where there is none.
+std::optional<float> metersAhead(const Scene& scene, const Camera& camera, std::span<const Bounds> bounds);
 
 } // namespace halflight::view

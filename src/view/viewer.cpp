@@ -180,7 +180,9 @@ void Viewer::place(const Camera& camera, std::optional<float> exposureEv)
 void Viewer::lookThrough(const Camera& camera)
 {
     const Bounds bounds = edited_.scene().bounds();
-    state_.navigator = Navigator(camera, bounds.empty() ? 1.0f : 0.4f * glm::length(bounds.size()));
+    const float intoNothing = bounds.empty() ? 1.0f : 0.4f * glm::length(bounds.size());
+    const float pivot = metersAhead(edited_.scene(), camera, edited_.bounds()).value_or(intoNothing);
+    state_.navigator = Navigator(camera, pivot);
 }
 
 Status Viewer::pollUpload()

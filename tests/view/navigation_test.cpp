@@ -1,6 +1,8 @@
 // The window's camera, and what a click meets.
 #include "view/navigation.h"
 
+#include "halflight/render/frame.h"
+
 #include <glm/gtc/matrix_transform.hpp>
 #include <gtest/gtest.h>
 
@@ -144,6 +146,37 @@ TEST(ObjectAt, SeesThroughBackFaces)
         scene = squaresAt({wall, placed(vec3(0, 0, -2), mirrored)});
         EXPECT_EQ(objectAt(scene, camera, vec2(0.5f), 1.0f), 1) << mirrored.x << mirrored.y;
     }
+}
+
+/// In a room the camera orbits about what it looks at, not through the walls.
+TEST(MetersAhead, IsToTheVisibleSurfaceInTheMiddle)
+{
+    const Scene scene = squaresAt({placed(vec3(0, 0, -4), vec3(1)), placed(vec3(0.9f, 0, -1), vec3(0.5f)),
+                                   placed(vec3(0, 0, -3), vec3(2, 2, -1)), placed(vec3(0, 0, 3), vec3(-1, 1, -1))});
+    const std::vector<Bounds> bounds = objectBounds(scene);
+    const auto ahead = [&](vec3 target) {
+        return metersAhead(scene, lookingAt(vec3(0), target), bounds).value_or(-1.0f);
+    };
+    EXPECT_NEAR(ahead(vec3(0, 0, -1)), 4.0f, 1.0e-5f) << "behind the back of another one";
+    EXPECT_NEAR(ahead(vec3(0.9f, 0, -1)), glm::length(vec2(0.9f, 1.0f)), 1.0e-5f) << "not along Z";
+    EXPECT_NEAR(ahead(vec3(0, 0, 1)), 3.0f, 1.0e-5f);
+    EXPECT_EQ(ahead(vec3(0, 1, 0)), -1.0f);
+    Camera plan = lookingAt(vec3(0), vec3(0, 0, -1));
+    plan.orthographic = true;
+    EXPECT_NEAR(metersAhead(scene, plan, bounds).value_or(-1.0f), 4.0f, 1.0e-5f);
+}
+
+/// Objects whose bounds the ray misses are not looked at.
+TEST(MetersAhead, TakesTheBoundsItIsGiven)
+{
+    const Scene scene = squaresAt({placed(vec3(0, 0, -4), vec3(1)), placed(vec3(0, 0, -2), vec3(1))});
+    std::vector<Bounds> bounds = objectBounds(scene);
+    const Camera camera = lookingAt(vec3(0), vec3(0, 0, -1));
+    EXPECT_EQ(objectAt(scene, camera, vec2(0.5f), 1.0f, bounds), 1);
+    bounds[1].min.x = 0.5f;
+    EXPECT_EQ(objectAt(scene, camera, vec2(0.5f), 1.0f, bounds), 0);
+    EXPECT_EQ(metersAhead(scene, camera, bounds), 4.0f);
+    EXPECT_EQ(metersAhead(scene, camera, {}), 2.0f);
 }
 
 } // namespace

@@ -75,6 +75,20 @@ std::vector<Bounds> objectBounds(const Scene& scene)
     return result;
 }
 
+bool rayReaches(const Bounds& bounds, vec3 origin, vec3 direction, float limit)
+{
+    float near = 0.0f;
+    float far = limit;
+    for (int axis = 0; axis < 3; ++axis) {
+        const float a = (bounds.min[axis] - origin[axis]) / direction[axis];
+        const float b = (bounds.max[axis] - origin[axis]) / direction[axis];
+        // A direction along the slab gives NaN on its planes; the comparisons then keep the interval as it is.
+        if (std::min(a, b) > near) near = std::min(a, b);
+        if (std::max(a, b) < far) far = std::max(a, b);
+    }
+    return near <= far * 1.0001f + 1.0e-6f;
+}
+
 // Gribb and Hartmann 2001, "Fast Extraction of Viewing Frustum Planes from the World-View-Projection Matrix".
 Planes planesOf(const mat4& clipFromWorld)
 {
