@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <vector>
 
 namespace halflight::cli {
@@ -119,6 +120,27 @@ Light overridden(Light light, const LightOverride& change, const dvec3& originMe
     if (change.direction) light.worldFromLight = posed(light.position(), *change.direction);
     if (change.position) light.worldFromLight[3] = vec4(vec3(*change.position - originMeters), 1.0f);
     return light;
+}
+
+Result<std::vector<std::pair<int, Light>>> changedLights(const Scene& scene, const std::vector<LightOverride>& changes)
+{
+    std::map<int, Light> changed;
+    for (const LightOverride& change : changes) {
+        bool found = false;
+        for (std::size_t i = 0; i < scene.lights.size(); ++i) {
+            if (scene.lights[i].name != change.name) continue;
+            found = true;
+            Light& light = changed.try_emplace(int(i), scene.lights[i]).first->second;
+            light = overridden(light, change, scene.originMeters);
+        }
+        if (found) continue;
+        std::string names;
+        for (const Light& light : scene.lights) names += (names.empty() ? "" : ", ") + light.name;
+        return Error{ErrorCode::InvalidArgument,
+                     fmt::format("no light is named '{}'; there are: {}", change.name, names.empty() ? "none" : names),
+                     ""};
+    }
+    return std::vector<std::pair<int, Light>>(changed.begin(), changed.end());
 }
 
 } // namespace halflight::cli

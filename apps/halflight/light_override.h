@@ -7,6 +7,8 @@
 
 #include <optional>
 #include <string>
+#include <utility>
+#include <vector>
 
 namespace halflight::cli {
 
@@ -25,6 +27,9 @@ struct LightOverride {
 
 /// InvalidArgument with what is wrong in the text.
 Result<LightOverride> parseLightOverride(const std::string& text);
+/// The scene's lights that are changed, with their indices: every light of a name. InvalidArgument for a name that no
+/// light has.
+Result<std::vector<std::pair<int, Light>>> changedLights(const Scene& scene, const std::vector<LightOverride>& changes);
 /// The light with those changes. `originMeters` is the scene's.
 Light overridden(Light light, const LightOverride& change, const dvec3& originMeters);
 

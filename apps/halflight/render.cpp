@@ -45,25 +45,12 @@ std::string_view nameOf(ReferenceSurfaces surfaces)
     return "?";
 }
 
-// Every light of that name.
 Status changeLights(Renderer& renderer, const std::vector<LightOverride>& changes)
 {
-    for (const LightOverride& change : changes) {
-        bool found = false;
-        for (int i = 0; i < int(renderer.scene().lights.size()); ++i) {
-            const Light& light = renderer.scene().lights[std::size_t(i)];
-            if (light.name != change.name) continue;
-            found = true;
-            if (Status status = renderer.setLight(i, overridden(light, change, renderer.scene().originMeters)); !status)
-                return status;
-        }
-        if (found) continue;
-        std::string names;
-        for (const Light& light : renderer.scene().lights) names += (names.empty() ? "" : ", ") + light.name;
-        return Error{ErrorCode::InvalidArgument,
-                     fmt::format("no light is named '{}'; there are: {}", change.name, names.empty() ? "none" : names),
-                     ""};
-    }
+    const auto changed = changedLights(renderer.scene(), changes);
+    if (!changed) return changed.error();
+    for (const auto& [index, light] : *changed)
+        if (Status status = renderer.setLight(index, light); !status) return status;
     return {};
 }
 

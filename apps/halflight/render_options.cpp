@@ -35,7 +35,7 @@ bool parseSplits(const std::string& text, std::vector<float>& splits)
     return splits.size() <= 3;
 }
 
-void addPictureOptions(CLI::App& app, RenderOptions& options)
+void addPictureOptions(CLI::App& app, RenderOptions& options, const std::string& samples)
 {
     app.option_defaults()->group("Picture");
     Choices<std::optional<RunMode>> modes = {{"auto", std::nullopt}};
@@ -89,7 +89,7 @@ void addPictureOptions(CLI::App& app, RenderOptions& options)
                    : fmt::format("must be 1, 4, 9 or 16, not '{}'", text);
     };
     app.add_option("--samples", options.samples,
-                   "samples of a pixel, each lit, on a regular grid: antialiasing (default 4; 1 in views)")
+                   "samples of a pixel, each lit, on a regular grid: antialiasing (default " + samples + ")")
         ->check(CLI::Validator(checkSamples, std::string()))
         ->type_name("1|4|9|16");
     addExposure(
@@ -178,7 +178,7 @@ void applyRenderOptions(RenderOptions& options)
 void addViewOptions(CLI::App& app, RenderOptions& options)
 {
     app.add_option("FILE", options.file, "the file, .glb or .gltf")->required()->type_name(" ");
-    addPictureOptions(app, options);
+    addPictureOptions(app, options, "1");
     addCameraOptions(app, options);
     addShadowOptions(app, options);
     app.option_defaults()->group("Run");
@@ -196,7 +196,7 @@ void addRenderOptions(CLI::App& app, RenderOptions& options)
     app.add_option("-o,--output", options.output, ".png: the displayed picture; .exr: linear radiance")
         ->required()
         ->type_name("IMAGE");
-    addPictureOptions(app, options);
+    addPictureOptions(app, options, "4; 1 in views");
     addCameraOptions(app, options);
     addShadowOptions(app, options);
 

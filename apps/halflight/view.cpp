@@ -41,6 +41,7 @@ int runView(const ViewCommandOptions& given)
     ViewOptions view;
     view.file = render.file;
     view.settingsFile = render.settingsFile;
+    view.changeLights = [&](const Scene& scene) { return changedLights(scene, render.lights); };
     view.loader.read = [&](const std::filesystem::path& file, const std::atomic<bool>& cancel) {
         ReadOptions cancellable = read;
         cancellable.cancel = &cancel;

@@ -40,6 +40,9 @@ void Comparison::forget()
 {
     keepEarlier(std::nullopt);
     state_.hasEarlier = false;
+    if (state_.compareWith != Compare::BeforeBake) return;
+    state_.compares = false;
+    state_.compareWith = Compare::Mode;
 }
 
 void Comparison::leaveDevice()

@@ -106,4 +106,26 @@ vec3 Gizmo::dragged(const Camera& camera, vec2 mouse, vec2 size) const
     return place_ + (along(camera, mouse, size).value_or(grabbedAt_) - grabbedAt_) * axis(arrow_);
 }
 
+void drawBounds(const Camera& camera, const Bounds& bounds)
+{
+    const ImVec2 size = ImGui::GetIO().DisplaySize;
+    if (bounds.empty() || !(size.x > 0.0f && size.y > 0.0f)) return;
+    const auto place = [&](int corner) {
+        vec3 p = bounds.min;
+        for (int axis = 0; axis < 3; ++axis)
+            if ((corner >> axis & 1) != 0) p[axis] = bounds.max[axis];
+        return pointOf(camera, p, size.x / size.y);
+    };
+    for (int corner = 0; corner < 8; ++corner) {
+        for (int axis = 0; axis < 3; ++axis) {
+            if ((corner >> axis & 1) != 0) continue;
+            const std::optional<vec2> a = place(corner);
+            const std::optional<vec2> b = place(corner | 1 << axis);
+            if (!a || !b) continue;
+            ImGui::GetBackgroundDrawList()->AddLine(ImVec2(a->x * size.x, a->y * size.y),
+                                                    ImVec2(b->x * size.x, b->y * size.y), IM_COL32(255, 200, 0, 160));
+        }
+    }
+}
+
 } // namespace halflight::view

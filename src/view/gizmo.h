@@ -39,4 +39,7 @@ private:
     float grabbedAt_ = 0.0f; ///< metres along the arrow
 };
 
+/// The edges of a box in the world, in this frame of the panels.
+void drawBounds(const Camera& camera, const Bounds& bounds);
+
 } // namespace halflight::view

@@ -16,6 +16,8 @@ namespace {
 constexpr float kRadiansPerPixel = kPi / 720.0f;
 /// Distance to the pivot for a notch of the wheel.
 constexpr float kDollyPerNotch = 0.85f;
+/// With these, a key is a command of its own.
+constexpr int kCommandKeys = KMOD_CTRL | KMOD_ALT | KMOD_GUI;
 /// A click moves the mouse by fewer pixels than this.
 constexpr float kClickPixels = 4.0f;
 
@@ -69,12 +71,16 @@ void Viewer::handleEvent(const SDL_Event& event)
     case SDL_DROPFILE: {
         const std::filesystem::path file = event.drop.file;
         SDL_free(event.drop.file);
-        files_.open(renderer(), file, false);
+        if (mayDropBake("dropping the file")) files_.open(renderer(), file, false);
         break;
     }
     case SDL_KEYDOWN:
-        if (!io.WantTextInput)
-            handleKey(state_, event.key.keysym.sym, (event.key.keysym.mod & (KMOD_CTRL | KMOD_ALT | KMOD_GUI)) != 0);
+        if (event.key.keysym.sym == SDLK_ESCAPE && ImGui::IsPopupOpen("", ImGuiPopupFlags_AnyPopup))
+            ImGui::SetWindowFocus(nullptr); // a list that is open closes
+        else if (event.key.keysym.sym == SDLK_ESCAPE && !io.WantTextInput && !bake_.runs() && !mayDropBake("Escape"))
+            break;
+        else if (!io.WantTextInput)
+            handleKey(state_, event.key.keysym.sym, (event.key.keysym.mod & kCommandKeys) != 0);
         break;
     case SDL_MOUSEWHEEL:
         if (!io.WantCaptureMouse) state_.navigator.dolly(std::pow(kDollyPerNotch, float(event.wheel.y)));
@@ -87,6 +93,7 @@ void Viewer::handleEvent(const SDL_Event& event)
         // Dear ImGui's own answer is one of the last frame, when the mouse may have been elsewhere.
         inPicture_ = !overPanels(state_, vec2(event.button.x, event.button.y));
         dragged_ = false;
+        pressed_ = vec2(event.button.x, event.button.y);
         if (event.button.button == SDL_BUTTON_LEFT && inPicture_)
             dragged_ = grabArrow(vec2(event.button.x, event.button.y));
         break;
@@ -104,17 +111,17 @@ void Viewer::handleEvent(const SDL_Event& event)
                             1.0f);
             state_.requests.move = {int(object), place};
         } else if (inPicture_)
-            drag(vec2(event.motion.xrel, event.motion.yrel), event.motion.state);
+            drag(vec2(event.motion.x, event.motion.y), vec2(event.motion.xrel, event.motion.yrel), event.motion.state);
         break;
     default:
         break;
     }
 }
 
-void Viewer::drag(vec2 pixels, uint32_t buttons)
+void Viewer::drag(vec2 place, vec2 pixels, uint32_t buttons)
 {
     if (buttons == 0) return;
-    if (glm::length(pixels) >= kClickPixels) dragged_ = true;
+    if (glm::distance(place, pressed_) >= kClickPixels) dragged_ = true;
     const vec2 turn = -kRadiansPerPixel * pixels;
     const bool shift = (SDL_GetModState() & KMOD_SHIFT) != 0;
     if ((buttons & SDL_BUTTON_MMASK) != 0 || ((buttons & SDL_BUTTON_LMASK) != 0 && shift))
@@ -131,6 +138,7 @@ void Viewer::click(vec2 place)
     if (!(window.x > 0.0f && window.y > 0.0f)) return;
     state_.selectedObject =
         objectAt(edited_.scene(), state_.navigator.camera(), place / vec2(window.x, window.y), window.x / window.y);
+    state_.showsSelected = state_.selectedObject >= 0;
 }
 
 std::optional<vec3> Viewer::selectedDynamic() const
@@ -178,8 +186,9 @@ void Viewer::fly(float seconds)
 {
     if (ImGui::GetIO().WantTextInput) return;
     const Uint8* keys = SDL_GetKeyboardState(nullptr);
+    const bool command = (SDL_GetModState() & kCommandKeys) != 0; // Ctrl-S saves
     const auto axis = [&](SDL_Scancode positive, SDL_Scancode negative) {
-        return float(keys[positive]) - float(keys[negative]);
+        return command ? 0.0f : float(keys[positive]) - float(keys[negative]);
     };
     vec3 direction(axis(SDL_SCANCODE_D, SDL_SCANCODE_A), axis(SDL_SCANCODE_E, SDL_SCANCODE_Q),
                    axis(SDL_SCANCODE_W, SDL_SCANCODE_S));

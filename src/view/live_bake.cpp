@@ -5,6 +5,7 @@
 #include <spdlog/fmt/fmt.h>
 
 #include <algorithm>
+#include <filesystem>
 #include <utility>
 
 namespace halflight::view {
@@ -41,6 +42,7 @@ void LiveBake::forget()
     uploadedLight_ = nullptr;
     end_.reset();
     irradiance_.clear();
+    savedAs_.clear();
     state_.bakeStatus = {};
     notices_.setWarnings(Notices::About::Bake, {});
 }
@@ -99,6 +101,7 @@ void LiveBake::end(Renderer& renderer, Result<BakeResult> result, double seconds
     comparison_.keepEarlier(std::move(before));
     notices_.setWarnings(Notices::About::Bake, result->report.warnings);
     irradiance_ = std::move(result->irradiance);
+    savedAs_.clear();
     // As before the bake, if that was a baked mode which the file has.
     const bool fits = modeBefore_ != RunMode::Realtime && checkRunMode(result->baked, modeBefore_);
     end_ = End{true, fits ? modeBefore_ : defaultRunMode(result->baked), fmt::format("baked in {:.1f} s", seconds)};
@@ -132,12 +135,21 @@ void LiveBake::endIsShown()
     notices_.tell(end.hasResult ? end.outcome : "bake: " + end.outcome);
 }
 
-void LiveBake::save()
+std::string LiveBake::write()
 {
+    const std::filesystem::path file = state_.bakeOutput;
+    if (file.extension() != ".glb" && file.extension() != ".gltf") return file.string() + ": must end in .glb or .gltf";
     WriteOptions write;
     write.irradiance = irradiance_;
-    const Status written = writeBakedScene(state_.bakeOutput, shown_.baked(), write);
-    state_.bakeStatus.outcome = written ? "saved " + state_.bakeOutput : written.error().text();
+    if (const Status written = writeBakedScene(file, shown_.baked(), write); !written)
+        return fmt::format("{}: {}", file.string(), written.error().message);
+    savedAs_ = file.string();
+    return "saved " + savedAs_;
+}
+
+void LiveBake::save()
+{
+    state_.bakeStatus.outcome = write();
     notices_.tell(state_.bakeStatus.outcome);
 }
 

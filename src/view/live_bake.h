@@ -38,6 +38,10 @@ public:
     void lightIsShown(const char* name);
     /// Writes the finished bake that is shown.
     void save();
+    /// Whether a finished bake is shown that was not written.
+    [[nodiscard]] bool hasUnsaved() const { return state_.bakeStatus.hasResult && savedAs_.empty(); }
+    /// That the finished bake was or will be written to.
+    [[nodiscard]] const std::string& file() const { return savedAs_.empty() ? state_.bakeOutput : savedAs_; }
 
 private:
     using Clock = std::chrono::steady_clock;
@@ -45,6 +49,7 @@ private:
     Status showProgress(Renderer& renderer, double pictureSeconds);
     void end(Renderer& renderer, Result<BakeResult> result, double seconds);
     void endIsShown();
+    std::string write();
 
     ViewState& state_;
     ShownScene& shown_;
@@ -63,6 +68,7 @@ private:
     std::optional<End> end_;               ///< what is being uploaded, if it is a bake's end
     Clock::time_point lastTiles_;          ///< when some were shown
     std::vector<ImageRgb32f> irradiance_;  ///< of the finished bake
+    std::string savedAs_;                  ///< its file; empty: not saved
     std::unique_ptr<BakeSession> session_; ///< goes first: waits for its threads' ends
 };
 

@@ -28,6 +28,15 @@ bool choice(const char* label, T& value, const Values& values, const Name& name)
     return changed;
 }
 
+/// A number that is dragged or typed stays within its limits.
+inline bool drag(const char* label, float& value, float speed, float least, float most, const char* format)
+{
+    return ImGui::DragFloat(label, &value, speed, least, most, format, ImGuiSliderFlags_AlwaysClamp);
+}
+
+/// As Dear ImGui shows it: "##" in a name of the file would hide what follows.
+std::string shownName(std::string name);
+
 /// Names are those of nameOf().
 template<typename T, typename Values> bool choice(const char* label, T& value, const Values& values)
 {

@@ -25,7 +25,7 @@ void compareChoices(ViewState& state)
     std::vector<Compare> choices = {Compare::Mode, Compare::Reference};
     if (state.hasEarlier) choices.push_back(Compare::BeforeBake);
     choice("right of the line", state.compareWith, choices, [](Compare with) {
-        constexpr const char* kNames[] = {"another mode", "before the bake", "path-traced reference"};
+        constexpr const char* kNames[] = {"another mode", "before the bake", "the reference"};
         return kNames[int(with)];
     });
     if (state.compareWith == Compare::Mode) choice("other mode", state.otherMode, state.modes);
@@ -33,7 +33,7 @@ void compareChoices(ViewState& state)
         const bool any = state.referenceSamples > 0;
         say(any ? fmt::format("samples a pixel: {}", state.referenceSamples) : "it begins when the camera rests");
     }
-    ImGui::SliderFloat("line", &state.split, 0.0f, 1.0f, "%.2f");
+    ImGui::SliderFloat("line", &state.split, 0.0f, 1.0f, "%.2f", ImGuiSliderFlags_AlwaysClamp);
 }
 
 void viewSection(ViewState& state, const Scene& scene)
@@ -44,7 +44,7 @@ void viewSection(ViewState& state, const Scene& scene)
     choice("path", settings.path, std::array{RenderPath::Forward, RenderPath::Deferred});
     choice("shows", settings.view, kViews);
     if (settings.view != DebugView::Lit) ImGui::TextWrapped("%s", legendOf(settings.view));
-    ImGui::DragFloat("exposure EV", &state.exposureEv, 0.05f, -20.0f, 30.0f, "%.2f");
+    drag("exposure EV", state.exposureEv, 0.05f, -40.0f, 40.0f, "%.2f");
     if (ImGui::Button("expose for this view")) state.requests.expose = true;
     choice("tone mapping", state.toneMapping,
            std::array{ToneMapping::Neutral, ToneMapping::Aces, ToneMapping::Agx, ToneMapping::None});
@@ -58,10 +58,10 @@ void viewSection(ViewState& state, const Scene& scene)
     ImGui::Checkbox("proxy volumes", &settings.proxyVolumes);
     compareChoices(state);
     ImGui::Checkbox("vsync", &state.vsync);
-    ImGui::DragFloat("flying m/s", &state.speed, 0.05f, 0.01f, 1000.0f, "%.2f", ImGuiSliderFlags_Logarithmic);
+    drag("flying m/s", state.speed, 0.05f, 0.01f, 1000.0f, "%.2f");
     for (std::size_t i = 0; i < scene.cameras.size(); ++i) {
         ImGui::PushID(int(i));
-        if (ImGui::SmallButton(("camera " + scene.cameras[i].name).c_str())) state.requests.camera = int(i);
+        if (ImGui::SmallButton(shownName("camera " + scene.cameras[i].name).c_str())) state.requests.camera = int(i);
         ImGui::PopID();
     }
     if (ImGui::Button("screenshot")) state.requests.screenshot = true;
@@ -78,9 +78,9 @@ void shadowSection(ViewState& state)
     if (state.followsShadowDistance)
         say(fmt::format("distance {:.4g} m", state.shadowDistanceMeters));
     else
-        ImGui::DragFloat("distance m", &shadows.distanceMeters, 0.1f, 0.01f, 100000.0f, "%.2f");
-    ImGui::DragFloat("fade range m", &shadows.fadeRangeMeters, 0.05f, 0.01f, 100000.0f, "%.2f");
-    ImGui::SliderInt("cascades", &shadows.cascades, 1, 4);
+        drag("distance m", shadows.distanceMeters, 0.1f, 0.01f, 100000.0f, "%.2f");
+    drag("fade range m", shadows.fadeRangeMeters, 0.05f, 0.01f, 100000.0f, "%.2f");
+    ImGui::SliderInt("cascades", &shadows.cascades, 1, 4, "%d", ImGuiSliderFlags_AlwaysClamp);
     choice("cascades blend", shadows.cascadeBlend,
            std::array{CascadeBlend::Hard, CascadeBlend::Dithered, CascadeBlend::Soft});
     choice("filter", shadows.filter, std::array{ShadowFilter::Hard, ShadowFilter::Pcf, ShadowFilter::Soft});
@@ -125,7 +125,8 @@ void bakeSection(ViewState& state)
     ImGui::Checkbox("glossy bounces", &state.bake.glossyBounces);
     ImGui::Checkbox("bakes reflection probes", &state.bake.reflectionProbes);
     if (ImGui::Button("bake (B)")) state.requests.bake = true;
-    if (status.outOfDate) ImGui::TextWrapped("Lights or objects changed since the bake that is shown.");
+    if (status.outOfDate && state.isBaked)
+        ImGui::TextWrapped("Lights or objects changed since the bake that is shown.");
     if (!status.outcome.empty()) ImGui::TextWrapped("%s", status.outcome.c_str());
     std::array<char, 1024> path{};
     std::copy_n(state.bakeOutput.begin(), std::min(state.bakeOutput.size(), path.size() - 1), path.begin());
@@ -135,6 +136,13 @@ void bakeSection(ViewState& state)
 }
 
 } // namespace
+
+std::string shownName(std::string name)
+{
+    for (std::size_t at = name.find("##"); at != std::string::npos; at = name.find("##", at + 1))
+        name.insert(at + 1, " ");
+    return name;
+}
 
 float panelScale(float dotsPerInch)
 {
@@ -146,8 +154,8 @@ float panelScale(float dotsPerInch)
 const std::vector<std::string>& keyHelp()
 {
     static const std::vector<std::string> lines = {
-        "1 … 5         lighting mode: realtime, baked indirect, shadowmask, distance, subtractive",
-        "P, V          forward or deferred; next view (shadowmask, lightmap, …)",
+        "1 to 5        lighting mode: realtime, baked indirect, shadowmask, distance, subtractive",
+        "P, V          forward or deferred; next view (shadowmask, lightmap and others)",
         "left drag     orbit; right drag: look; middle or shift drag: pan; wheel: nearer",
         "W A S D Q E   fly; shift: four times as fast",
         "F             look at what is selected, or at all; click selects",
@@ -165,7 +173,7 @@ namespace {
 float panelWidth()
 {
     const ImGuiIO& io = ImGui::GetIO();
-    return std::min(24.0f * io.Fonts->Fonts[0]->FontSize, 0.9f * io.DisplaySize.x);
+    return std::min(26.0f * io.Fonts->Fonts[0]->FontSize, 0.9f * io.DisplaySize.x);
 }
 
 } // namespace
@@ -183,7 +191,7 @@ void drawPanels(ViewState& state, const Scene& scene)
     ImGui::SetNextWindowSize(ImVec2(panelWidth(), ImGui::GetIO().DisplaySize.y));
     constexpr ImGuiWindowFlags kFixed =
         ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoCollapse;
-    if (ImGui::Begin((state.title + "###panels").c_str(), nullptr, kFixed)) {
+    if (ImGui::Begin((shownName(state.title) + "###panels").c_str(), nullptr, kFixed)) {
         ImGui::PushItemWidth(11.0f * ImGui::GetFontSize());
         viewSection(state, scene);
         bakeSection(state);
@@ -205,7 +213,8 @@ namespace {
 /// Nothing, the light before the bake, another mode, the reference, in turn.
 void compareNext(ViewState& state)
 {
-    std::vector<Compare> choices = {Compare::Mode, Compare::Reference};
+    std::vector<Compare> choices = {Compare::Reference};
+    if (state.modes.size() > 1) choices.insert(choices.begin(), Compare::Mode);
     if (state.hasEarlier) choices.insert(choices.begin(), Compare::BeforeBake);
     const auto at = std::find(choices.begin(), choices.end(), state.compareWith);
     const bool last = at == choices.end() || at + 1 == choices.end();

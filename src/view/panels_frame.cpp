@@ -90,8 +90,10 @@ void frameSection(ViewState& state)
     frameGraph(state.frameMilliseconds);
     ImGui::Checkbox("measure passes", &state.settings.timings);
     if (state.settings.timings && !state.timed && !state.passes.empty()) say("the device has no timestamps");
-    passGraph(state.passesOfFrames);
-    passTable(state);
+    if (state.settings.timings) {
+        passGraph(state.passesOfFrames);
+        passTable(state);
+    }
     say(state.device);
 }
 

@@ -23,36 +23,47 @@ void markForBake(bool bakes)
     ImGui::TextDisabled("(bake)");
 }
 
+constexpr float kMost = 1.0e9f;      // of intensities and colours, as options have it
+constexpr float kLeastSide = 0.001f; // metres
+
 void lightEditor(ViewState& state, const Light& light)
 {
     Light changed = light;
     bool any = choice("light mode", changed.mode, std::array{LightMode::Realtime, LightMode::Mixed, LightMode::Baked});
     markForBake(true);
-    if (light.baking.occlusionMaskChannel >= 0) say(fmt::format("mask channel {}", light.baking.occlusionMaskChannel));
+    const auto index = std::size_t(state.selectedLight);
+    if (index < state.maskChannels.size() && state.maskChannels[index] >= 0)
+        say(fmt::format("mask channel {}", state.maskChannels[index]));
     const bool baked = light.mode != LightMode::Realtime;
     any |= ImGui::ColorEdit3("colour", &changed.color.x, ImGuiColorEditFlags_Float | ImGuiColorEditFlags_HDR);
+    changed.color = glm::clamp(changed.color, vec3(0.0f), vec3(kMost)); // Dear ImGui limits it to 1 or not at all
     markForBake(baked);
-    any |= ImGui::DragFloat(unitOf(light.type), &changed.intensity, 0.01f * std::max(light.intensity, 0.01f), 0.0f,
-                            FLT_MAX, "%.4g");
+    any |= drag(unitOf(light.type), changed.intensity, 0.01f * std::max(light.intensity, 0.01f), 0.0f, kMost, "%.4g");
     markForBake(baked);
-    any |= ImGui::SliderFloat("shadow strength", &changed.shadowStrength, 0.0f, 1.0f);
+    any |= ImGui::SliderFloat("shadow strength", &changed.shadowStrength, 0.0f, 1.0f, "%.3f",
+                              ImGuiSliderFlags_AlwaysClamp);
     if (light.type == LightType::Directional) {
         float degrees = glm::degrees(2.0f * changed.angularRadiusRadians);
-        if (ImGui::DragFloat("angular diameter", &degrees, 0.01f, 0.0f, 90.0f, "%.2f deg")) {
+        if (drag("angular diameter", degrees, 0.01f, 0.0f, 90.0f, "%.2f deg")) {
             changed.angularRadiusRadians = glm::radians(0.5f * degrees);
             any = true;
         }
+    } else if (light.type == LightType::Disk) {
+        any |= drag("diameter m", changed.sizeMeters.x, 0.005f, kLeastSide, 100.0f, "%.3f");
+    } else if (light.type == LightType::Rectangle) {
+        any |= ImGui::DragFloat2("size m", &changed.sizeMeters.x, 0.005f, kLeastSide, 100.0f, "%.3f",
+                                 ImGuiSliderFlags_AlwaysClamp);
     } else {
-        any |= ImGui::DragFloat("radius m", &changed.radiusMeters, 0.005f, 0.0f, 100.0f, "%.3f");
+        any |= drag("radius m", changed.radiusMeters, 0.005f, 0.0f, 100.0f, "%.3f");
     }
     markForBake(true);
-    any |= ImGui::DragFloat("bounced light", &changed.indirectMultiplier, 0.01f, 0.0f, 100.0f, "x %.2f");
+    any |= drag("bounced light", changed.indirectMultiplier, 0.01f, 0.0f, 100.0f, "x %.2f");
     markForBake(true);
     any |= ImGui::Checkbox("casts shadows", &changed.castShadows);
     if (any) state.requests.light = {state.selectedLight, changed};
 }
 
-void objectEditor(ViewState& state, const Object& object)
+void objectEditor(ViewState& state, const Object& object, const dvec3& originMeters)
 {
     say(fmt::format("{}: {}", object.name, object.isStatic ? "static, baked" : "dynamic, lit by probes"));
     Requests::ObjectSwitches switches{state.selectedObject, object.isStatic, object.castShadows, object.receiveShadows};
@@ -63,9 +74,13 @@ void objectEditor(ViewState& state, const Object& object)
     changed |= ImGui::Checkbox("receives shadows", &switches.receiveShadows);
     markForBake(object.isStatic);
     if (changed) state.requests.switches = switches;
-    mat4 moved = object.worldFromObject;
-    if (ImGui::DragFloat3("position m", &moved[3].x, 0.01f, -FLT_MAX, FLT_MAX, "%.2f"))
+    dvec3 place = originMeters + dvec3(object.worldFromObject[3]); // as the file has it
+    constexpr float kSpeed = 0.01f;                                // metres a pixel
+    if (ImGui::DragScalarN("position m", ImGuiDataType_Double, &place.x, 3, kSpeed, nullptr, nullptr, "%.2f")) {
+        mat4 moved = object.worldFromObject;
+        moved[3] = vec4(vec3(place - originMeters), 1.0f);
         state.requests.move = {state.selectedObject, moved};
+    }
     markForBake(object.isStatic);
     if (ImGui::Button("look at it (F)")) state.requests.frameSelection = true;
 }
@@ -79,7 +94,7 @@ void lightSection(ViewState& state, const Scene& scene)
         for (std::size_t i = 0; i < scene.lights.size(); ++i) {
             const Light& light = scene.lights[i];
             const std::string line =
-                fmt::format("{}  {} {}##{}", light.name, nameOf(light.mode), nameOf(light.type), i);
+                fmt::format("{}  {} {}##{}", shownName(light.name), nameOf(light.mode), nameOf(light.type), i);
             if (ImGui::Selectable(line.c_str(), state.selectedLight == int(i))) state.selectedLight = int(i);
         }
         ImGui::EndListBox();
@@ -90,6 +105,7 @@ void lightSection(ViewState& state, const Scene& scene)
 
 void objectSection(ViewState& state, const Scene& scene)
 {
+    if (std::exchange(state.showsSelected, false)) ImGui::SetNextItemOpen(true);
     if (!ImGui::CollapsingHeader(fmt::format("Objects ({})###Objects", scene.objects.size()).c_str())) return;
     if (ImGui::BeginListBox("##objects", ImVec2(-FLT_MIN, 8.0f * ImGui::GetTextLineHeightWithSpacing()))) {
         ImGuiListClipper clipper;
@@ -97,14 +113,15 @@ void objectSection(ViewState& state, const Scene& scene)
         while (clipper.Step()) {
             for (int i = clipper.DisplayStart; i < clipper.DisplayEnd; ++i) {
                 const Object& object = scene.objects[std::size_t(i)];
-                const std::string line = fmt::format("{}{}##{}", object.name, object.isStatic ? "" : "  dynamic", i);
+                const std::string line =
+                    fmt::format("{}{}##{}", shownName(object.name), object.isStatic ? "" : "  dynamic", i);
                 if (ImGui::Selectable(line.c_str(), state.selectedObject == i)) state.selectedObject = i;
             }
         }
         ImGui::EndListBox();
     }
     if (state.selectedObject >= 0 && std::size_t(state.selectedObject) < scene.objects.size())
-        objectEditor(state, scene.objects[std::size_t(state.selectedObject)]);
+        objectEditor(state, scene.objects[std::size_t(state.selectedObject)], scene.originMeters);
 }
 
 void warningSection(ViewState& state)

@@ -38,8 +38,22 @@ void Viewer::frameSelection()
 
 std::string Viewer::currentCommand() const
 {
+    if (state_.bakeStatus.hasResult)
+        return commandLine(state_, {bake_.file(), ""}, size_, edited_.scene(), shown_.baked().scene);
     return commandLine(state_, {files_.file().string(), options_.settingsFile.string()}, size_, edited_.scene(),
                        edited_.atLoad());
+}
+
+/// For people, after a mention of the command line.
+std::string Viewer::leftOutOfCommand() const
+{
+    if (bake_.runs()) return "; the command line has no light of the bake that runs";
+    if (bake_.hasUnsaved()) return "; its command line needs the saved bake (Ctrl-S)";
+    const bool changed = !state_.bakeStatus.hasResult || state_.bakeStatus.outOfDate;
+    const Scene& before = state_.bakeStatus.hasResult ? shown_.baked().scene : edited_.atLoad();
+    const std::string leftOut =
+        leftOutOfCommandLine(state_.navigator.camera(), edited_.scene(), changed ? before : edited_.scene());
+    return leftOut.empty() ? "" : "; the command line cannot say " + leftOut;
 }
 
 Status Viewer::expose()
@@ -74,7 +88,7 @@ Status Viewer::takeScreenshot()
         return {};
     }
     notices_.say(fmt::format("{}: {}", file.string(), currentCommand()));
-    notices_.note("saved " + file.string());
+    notices_.note("saved " + file.string() + leftOutOfCommand());
     return {};
 }
 
@@ -90,12 +104,11 @@ Status Viewer::answerRequests()
     if (requests.warning && *requests.warning < state_.warnings.size()) showSubject(*requests.warning);
     if (requests.camera) lookThrough(edited_.scene().cameras[std::size_t(*requests.camera)]);
     if (requests.frameSelection) frameSelection();
-    if (requests.reload) files_.open(renderer(), files_.file(), true);
+    if (requests.reload && (!shown_.any() || mayDropBake("F5"))) files_.open(renderer(), files_.file(), true);
     if (requests.toggleFullScreen) desktop_.toggleFullScreen();
     if (requests.copyCommand) {
         SDL_SetClipboardText(currentCommand().c_str());
-        const std::string leftOut = leftOutOfCommandLine(edited_.scene(), edited_.atLoad());
-        notices_.note("copied the command line" + (leftOut.empty() ? "" : ", which cannot say " + leftOut));
+        notices_.note("copied the command line" + leftOutOfCommand());
     }
     if (requests.bake && shown_.isUploading())
         state_.requests.bake = true; // of what is shown then

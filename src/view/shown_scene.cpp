@@ -39,6 +39,9 @@ std::vector<RunMode> modesOf(const BakedScene& baked)
 
 void ShownScene::take(BakedScene baked, TextureDetail textures, Clock::time_point time)
 {
+    state_.isBaked = baked.isBaked;
+    state_.maskChannels.clear();
+    for (const Light& light : baked.scene.lights) state_.maskChannels.push_back(light.baking.occlusionMaskChannel);
     state_.modes = modesOf(baked);
     state_.statistics = statisticsOf(baked);
     const auto fits = [&](RunMode mode) {

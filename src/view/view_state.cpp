@@ -42,6 +42,49 @@ std::string lightOverride(const Light& light, const Light& atLoad)
     return changes;
 }
 
+/// Rules and options go by names: those of several lights or objects would change all of them.
+template<typename T> bool isUnique(const T& named, const std::vector<T>& all)
+{
+    return std::count_if(all.begin(), all.end(), [&](const T& other) { return other.name == named.name; }) == 1;
+}
+
+/// The file's camera that this is; nothing once it has moved.
+const Camera* fileCamera(const Camera& camera, const Scene& scene)
+{
+    const auto same = [&](const Camera& other) {
+        const mat4 difference = camera.worldFromCamera - other.worldFromCamera;
+        float most = 0.0f;
+        for (int column = 0; column < 4; ++column)
+            for (int row = 0; row < 4; ++row) most = std::max(most, std::abs(difference[column][row]));
+        constexpr float kRounding = 1.0e-5f;
+        return most < kRounding && camera.orthographic == other.orthographic &&
+               camera.orthographicHeightMeters == other.orthographicHeightMeters &&
+               camera.verticalFovRadians == other.verticalFovRadians;
+    };
+    const auto found = std::find_if(scene.cameras.begin(), scene.cameras.end(), same);
+    const bool isNamed = found != scene.cameras.end() && !found->name.empty() && isUnique(*found, scene.cameras);
+    return isNamed ? &*found : nullptr;
+}
+
+std::string cameraOptions(const Navigator& navigator, const Scene& scene)
+{
+    const Camera camera = navigator.camera();
+    if (const Camera* named = fileCamera(camera, scene)) return " --camera " + quoted(named->name);
+    const dvec3 eye = scene.originMeters + dvec3(camera.worldFromCamera[3]);
+    const dvec3 target = scene.originMeters + dvec3(navigator.target());
+    return fmt::format(" --eye {:.12g},{:.12g},{:.12g} --target {:.12g},{:.12g},{:.12g} --fov {:.6g}", eye.x, eye.y,
+                       eye.z, target.x, target.y, target.z, glm::degrees(camera.verticalFovRadians));
+}
+
+/// The ends of all cascades but the last.
+std::string splitsOf(const ShadowSettings& shadows)
+{
+    std::string text;
+    for (int i = 0; i + 1 < shadows.cascades; ++i)
+        text += fmt::format("{}{:.6g}", i > 0 ? "," : "", shadows.cascadeSplits[std::size_t(i)]);
+    return text;
+}
+
 /// Lines of a settings file for what was changed of a light.
 std::string keysOf(const Light& light, const Light& before)
 {
@@ -57,6 +100,10 @@ std::string keysOf(const Light& light, const Light& before)
         keys += fmt::format("angular_diameter = {:.9g}\n", glm::degrees(2.0f * light.angularRadiusRadians));
     if (light.indirectMultiplier != before.indirectMultiplier)
         keys += fmt::format("indirect_multiplier = {:.9g}\n", light.indirectMultiplier);
+    if (light.sizeMeters != before.sizeMeters && light.type == LightType::Disk)
+        keys += fmt::format("size = {:.9g}\n", light.sizeMeters.x);
+    else if (light.sizeMeters != before.sizeMeters)
+        keys += fmt::format("size = [{:.9g}, {:.9g}]\n", light.sizeMeters.x, light.sizeMeters.y);
     if (light.castShadows != before.castShadows) keys += fmt::format("cast_shadows = {}\n", light.castShadows);
     return keys;
 }
@@ -71,28 +118,22 @@ std::string keysOf(const Object& object, const Object& before)
     return keys;
 }
 
-/// Rules and options go by names: those of several lights or objects would change all of them.
-template<typename T> bool isUnique(const T& named, const std::vector<T>& all)
-{
-    return std::count_if(all.begin(), all.end(), [&](const T& other) { return other.name == named.name; }) == 1;
-}
-
 /// Adds to a list for people.
 void add(std::string& list, const std::string& what)
 {
     list += (list.empty() ? "" : ", ") + what;
 }
 
-/// Whether a name is in a text, with no letter or digit beside it.
-bool names(const std::string& text, const std::string& name)
+/// Where a name is in a text, with no letter or digit beside it; npos: nowhere.
+std::size_t placeOf(const std::string& name, const std::string& text)
 {
     const auto isWord = [](char c) { return std::isalnum(static_cast<unsigned char>(c)) != 0; };
-    if (name.empty()) return false;
+    if (name.empty()) return std::string::npos;
     for (std::size_t at = text.find(name); at != std::string::npos; at = text.find(name, at + 1)) {
         const std::size_t end = at + name.size();
-        if ((at == 0 || !isWord(text[at - 1])) && (end == text.size() || !isWord(text[end]))) return true;
+        if ((at == 0 || !isWord(text[at - 1])) && (end == text.size() || !isWord(text[end]))) return at;
     }
-    return false;
+    return std::string::npos;
 }
 
 } // namespace
@@ -100,19 +141,17 @@ bool names(const std::string& text, const std::string& name)
 Subject subjectOf(const std::string& text, const Scene& scene)
 {
     Subject subject;
+    std::size_t first = std::string::npos;
     std::size_t longest = 0;
-    for (std::size_t i = 0; i < scene.objects.size(); ++i) {
-        const std::string& name = scene.objects[i].name;
-        if (name.size() <= longest || !names(text, name)) continue;
+    const auto consider = [&](const std::string& name, const Subject& named) {
+        const std::size_t place = placeOf(name, text);
+        if (place == std::string::npos || place > first || (place == first && name.size() <= longest)) return;
+        first = place;
         longest = name.size();
-        subject = {int(i), -1};
-    }
-    for (std::size_t i = 0; i < scene.lights.size(); ++i) {
-        const std::string& name = scene.lights[i].name;
-        if (name.size() <= longest || !names(text, name)) continue;
-        longest = name.size();
-        subject = {-1, int(i)};
-    }
+        subject = named;
+    };
+    for (std::size_t i = 0; i < scene.objects.size(); ++i) consider(scene.objects[i].name, {int(i), -1});
+    for (std::size_t i = 0; i < scene.lights.size(); ++i) consider(scene.lights[i].name, {-1, int(i)});
     return subject;
 }
 
@@ -122,7 +161,9 @@ const char* legendOf(DebugView view)
     case DebugView::Lit:
         return "The picture.";
     case DebugView::Shadowmask:
-        return "Baked attenuation of channels 0, 1, 2 as red, green, blue: bright is lit.";
+        return "Baked attenuation of channels 0, 1, 2 as red, green, blue: bright is lit. Half as bright where channel "
+               "3 "
+               "is in shadow.";
     case DebugView::Lightmap:
         return "Irradiance of the lightmap, as a white wall would show it.";
     case DebugView::Probes:
@@ -155,15 +196,10 @@ std::string commandLine(const ViewState& state, const CommandFiles& files, ivec2
                         const Scene& atLoad)
 {
     const RenderSettings& settings = state.settings;
-    const Camera camera = state.navigator.camera();
-    const dvec3 eye = scene.originMeters + dvec3(camera.worldFromCamera[3]);
-    const dvec3 target = scene.originMeters + dvec3(state.navigator.target());
     std::string line = fmt::format(
-        "halflight render {} -o picture.png --size {}x{} --eye {:.9g},{:.9g},{:.9g} --target {:.9g},{:.9g},{:.9g} "
-        "--fov {:.7g} --mode {} --path {} --samples {} --exposure {:.9g}",
-        quoted(files.scene), size.x, size.y, eye.x, eye.y, eye.z, target.x, target.y, target.z,
-        glm::degrees(camera.verticalFovRadians), nameOf(settings.mode), nameOf(settings.path),
-        settings.supersampling * settings.supersampling, state.exposureEv);
+        "halflight render {} -o picture.png --size {}x{}{} --mode {} --path {} --samples {} --exposure {:.9g}",
+        quoted(files.scene), size.x, size.y, cameraOptions(state.navigator, scene), nameOf(settings.mode),
+        nameOf(settings.path), settings.supersampling * settings.supersampling, state.exposureEv);
     const auto add = [&](const std::string& option) { line += " " + option; };
     if (!files.settings.empty()) add("--settings " + quoted(files.settings));
     if (settings.view != DebugView::Lit) add(fmt::format("--view {}", nameOf(settings.view)));
@@ -174,6 +210,13 @@ std::string commandLine(const ViewState& state, const CommandFiles& files, ivec2
     if (shadows.fadeRangeMeters != defaults.fadeRangeMeters)
         add(fmt::format("--shadow-fade-range {:.6g}", shadows.fadeRangeMeters));
     if (shadows.cascades != defaults.cascades) add(fmt::format("--cascades {}", shadows.cascades));
+    if (shadows.cascadeSplits != defaults.cascadeSplits) add("--cascade-splits " + splitsOf(shadows));
+    if (shadows.depthBias != defaults.depthBias) add(fmt::format("--shadow-depth-bias {:.6g}", shadows.depthBias));
+    if (shadows.slopeBias != defaults.slopeBias) add(fmt::format("--shadow-slope-bias {:.6g}", shadows.slopeBias));
+    if (shadows.normalBiasTexels != defaults.normalBiasTexels)
+        add(fmt::format("--shadow-normal-bias {:.6g}", shadows.normalBiasTexels));
+    if (const auto& color = settings.subtractiveShadowColor)
+        add(fmt::format("--shadow-color {:.9g},{:.9g},{:.9g}", color->r, color->g, color->b));
     if (shadows.filter != defaults.filter) add(fmt::format("--shadow-filter {}", nameOf(shadows.filter)));
     if (!shadows.penumbrae) add("--penumbrae off");
     if (shadows.cascadeBlend != defaults.cascadeBlend)
@@ -210,9 +253,10 @@ std::string settingsFile(const Scene& scene, const Scene& atLoad)
     return text;
 }
 
-std::string leftOutOfCommandLine(const Scene& scene, const Scene& atLoad)
+std::string leftOutOfCommandLine(const Camera& camera, const Scene& scene, const Scene& atLoad)
 {
     std::string text;
+    if (camera.orthographic && !fileCamera(camera, scene)) add(text, "an orthographic camera that was moved");
     for (std::size_t i = 0; i < scene.lights.size() && i < atLoad.lights.size(); ++i) {
         Light said = atLoad.lights[i];
         said.intensity = scene.lights[i].intensity;

@@ -93,10 +93,14 @@ struct ViewState {
     Navigator navigator;
     Requests requests;
 
+    bool showsSelected = false; ///< an object was clicked: its section opens
+
     // Shown, not changed by panels.
-    std::vector<RunMode> modes; ///< those that the file has data for
-    bool hasEarlier = false;    ///< light before the last bake is kept
-    int referenceSamples = 0;   ///< per pixel, of the picture that is shown
+    bool isBaked = false;          ///< the scene that is shown
+    std::vector<int> maskChannels; ///< of its lights; -1 none
+    std::vector<RunMode> modes;    ///< those that the file has data for
+    bool hasEarlier = false;       ///< light before the last bake is kept
+    int referenceSamples = 0;      ///< per pixel, of the picture that is shown
     std::vector<PassReport> passes;
     bool timed = false;
     std::vector<float> frameMilliseconds;                ///< of the last frames, oldest first
@@ -108,7 +112,7 @@ struct ViewState {
     std::string title; ///< file name
 };
 
-/// The object or light that a text names: the longest name that it has as whole words.
+/// The object or light that a text names first, as whole words; of names at one place the longest.
 struct Subject {
     int object = -1;
     int light = -1;
@@ -134,7 +138,7 @@ std::string commandLine(const ViewState& state, const CommandFiles& files, ivec2
 std::string settingsFile(const Scene& scene, const Scene& atLoad);
 
 /// What the two do not say of the changes, for people; empty where they say all.
-std::string leftOutOfCommandLine(const Scene& scene, const Scene& atLoad);
+std::string leftOutOfCommandLine(const Camera& camera, const Scene& scene, const Scene& atLoad);
 std::string leftOutOfSettings(const Scene& scene, const Scene& atLoad);
 
 } // namespace halflight::view

@@ -110,9 +110,20 @@ Status Viewer::turn()
     } catch (const gpu::Failure& failure) {
         return Error{ErrorCode::DeviceFailed, failure.what(), ""};
     }
-    if (!bake_.runs() && files_.hasChanged()) state_.requests.reload = true;
+    if (!bake_.runs() && files_.hasChanged()) reloadChanged();
     waitAtRest();
     return {};
+}
+
+void Viewer::reloadChanged()
+{
+    if (!bake_.hasUnsaved()) {
+        state_.requests.reload = true;
+        return;
+    }
+    files_.wasWritten(files_.file());
+    notices_.tell(files_.file().filename().string() +
+                  " has changed; F5 reads it, and loses the bake that is not saved");
 }
 
 Status Viewer::pollFile()
@@ -133,6 +144,12 @@ Status Viewer::showFile(FileLoader::Opened opened)
     FileLoader::Content& content = *opened.content;
     const bool isFirst = !shown_.any();
     const bool keepsView = !isFirst && opened.keepsView;
+    std::vector<std::pair<int, Light>> lights;
+    if (isFirst && options_.changeLights) {
+        auto changed = options_.changeLights(content.baked.scene);
+        if (!changed) return changed.error();
+        lights = std::move(*changed);
+    }
     RunMode mode = state_.settings.mode;
     if (!keepsView || !checkRunMode(content.baked, mode)) mode = options_.mode.value_or(defaultRunMode(content.baked));
     if (!checkRunMode(content.baked, mode)) mode = defaultRunMode(content.baked);
@@ -158,12 +175,29 @@ Status Viewer::showFile(FileLoader::Opened opened)
     state_.settings.mode = mode;
     state_.otherMode = RunMode::Realtime; // what a bake is compared with
     if (!keepsView) place(content.camera, isFirst && options_.exposureEv ? options_.exposureEv : content.exposureEv);
+    if (!content.session) state_.bake.mode = shown_.baked().isBaked ? shown_.baked().mode : options_.bake.mode;
+    for (auto& light : lights) {
+        Requests change;
+        change.light = std::move(light);
+        edited_.change(change, renderer(), notices_);
+    }
     if (content.session) bake_.start(std::move(content.session));
     if (content.light) {
         shown_.take(std::move(*content.light), textures, shown_.time());
         bake_.lightIsShown("light of probes");
     }
     return {};
+}
+
+bool Viewer::mayDropBake(const std::string& key)
+{
+    constexpr std::chrono::seconds kAgain(4); // as long as the note is shown
+    const Clock::time_point now = Clock::now();
+    if ((!bake_.runs() && !bake_.hasUnsaved()) || now - askedToDrop_ < kAgain) return true;
+    askedToDrop_ = now;
+    notices_.tell(fmt::format("{}; {} once more loses it",
+                              bake_.runs() ? "a bake runs" : "the bake is not saved: Ctrl-S saves it", key));
+    return false;
 }
 
 void Viewer::place(const Camera& camera, std::optional<float> exposureEv)
@@ -243,6 +277,8 @@ void Viewer::buildPanels(bool isDrawn)
         state_.warnings = notices_.warnings();
         drawPanels(state_, edited_.scene());
         if (state_.compares) comparison_.drawLine();
+        if (state_.panels && state_.selectedObject >= 0)
+            drawBounds(state_.navigator.camera(), edited_.boundsOf(state_.selectedObject));
         if (const std::optional<vec3> place = selectedDynamic()) gizmo_.draw(state_.navigator.camera(), *place);
     }
     if (isDrawn) drawNotice();

@@ -48,6 +48,10 @@ private:
     /// An error where nothing is shown yet.
     Status pollFile();
     Status showFile(FileLoader::Opened opened);
+    /// Reads the file again, which is another one on the disk, unless a bake would be lost.
+    void reloadChanged();
+    /// Whether what is shown may go: a bake that runs or is not saved goes when it is asked for twice, by `key`.
+    bool mayDropBake(const std::string& key);
     /// `exposureEv`: none, automaticExposure() after the next frame.
     void place(const Camera& camera, std::optional<float> exposureEv);
     void lookThrough(const Camera& camera);
@@ -55,7 +59,7 @@ private:
 
     void handleEvents();
     void handleEvent(const SDL_Event& event);
-    void drag(vec2 pixels, uint32_t buttons);
+    void drag(vec2 place, vec2 pixels, uint32_t buttons);
     void click(vec2 place);
     void fly(float seconds);
     /// The place of the selected object if that is a dynamic one.
@@ -75,6 +79,7 @@ private:
     Status expose();
     Status takeScreenshot();
     [[nodiscard]] std::string currentCommand() const;
+    [[nodiscard]] std::string leftOutOfCommand() const;
 
     const ViewOptions& options_;
     Notices notices_;
@@ -93,10 +98,12 @@ private:
 
     Gizmo gizmo_;
     PanelInput panelInput_;
-    std::vector<SDL_Event> early_; ///< keys and clicks before anything was shown
-    bool inPicture_ = false;       ///< the mouse was pressed there, not in a panel
-    bool dragged_ = false;         ///< since then, or an arrow was taken
-    Clock::time_point lastInput_;  ///< by keys, mouse or gamepad
+    std::vector<SDL_Event> early_;  ///< keys and clicks before anything was shown
+    bool inPicture_ = false;        ///< the mouse was pressed there, not in a panel
+    vec2 pressed_{0.0f};            ///< where
+    bool dragged_ = false;          ///< since then, or an arrow was taken
+    Clock::time_point lastInput_;   ///< by keys, mouse or gamepad
+    Clock::time_point askedToDrop_; ///< a bake
     Clock::time_point lastFrame_ = Clock::now();
     ivec2 size_{0}; ///< of the last frame, pixels
     int frames_ = 0;

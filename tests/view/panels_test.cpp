@@ -113,6 +113,7 @@ TEST_F(Panels, GraphOfPassesHasAColumnForEachFrame)
     state.frameMilliseconds.assign(kShownFrames, 16.0f);
     EXPECT_GE(vertices(), none + 100) << "the frames' own graph";
     state.timed = true;
+    state.settings.timings = true;
     vertices();
     const int without = vertices();
     state.passes = {{"depth", 3, 3, 100, 1.0}, {"light", 3, 3, 100, 2.0}};
@@ -123,6 +124,51 @@ TEST_F(Panels, GraphOfPassesHasAColumnForEachFrame)
     for (int i = 0; i < 1000; ++i) addFrame(state.passesOfFrames, state.passes);
     EXPECT_EQ(state.passesOfFrames.size(), kShownFrames);
     EXPECT_EQ(vertices(), some + int(kShownFrames - 10) * 2 * 4);
+}
+
+TEST_F(Panels, NumbersThatAreTypedStayWithinTheirLimits)
+{
+    float value = 0.5f;
+    const auto show = [&] {
+        ImGui::NewFrame();
+        ImGui::SetNextWindowPos(ImVec2(0, 0));
+        ImGui::SetNextWindowSize(ImVec2(300, 100));
+        ImGui::Begin("panels");
+        drag("number", value, 0.01f, 0.25f, 4.0f, "%.2f");
+        const ImVec2 corner = ImGui::GetItemRectMin();
+        ImGui::End();
+        ImGui::Render();
+        return corner;
+    };
+    const ImVec2 corner = show();
+    ImGuiIO& io = ImGui::GetIO();
+    for (const char* text : {"0.1", "-3", "99", "1e30"}) {
+        io.MousePos = ImVec2(corner.x + 5.0f, corner.y + 5.0f);
+        show();
+        io.KeyCtrl = io.MouseDown[0] = true;
+        show();
+        io.KeyCtrl = io.MouseDown[0] = false;
+        show();
+        for (const char* c = text; *c != '\0'; ++c) {
+            io.AddInputCharacter(unsigned(*c));
+            show();
+            EXPECT_GE(value, 0.25f) << text << " at " << *c;
+            EXPECT_LE(value, 4.0f) << text << " at " << *c;
+        }
+        io.MousePos = ImVec2(390.0f, 390.0f);
+        io.MouseDown[0] = true; // elsewhere: typing ends
+        show();
+        io.MouseDown[0] = false;
+        show();
+        EXPECT_EQ(value, *text == '0' || *text == '-' ? 0.25f : 4.0f) << text;
+    }
+}
+
+TEST(ShownName, HidesNothing)
+{
+    EXPECT_EQ(shownName("a##b"), "a# #b");
+    EXPECT_EQ(shownName("###"), "# # #");
+    EXPECT_EQ(shownName("a#b"), "a#b");
 }
 
 /// Random clicks open sections and press what is in them. Whatever they do, values stay within their limits, and what

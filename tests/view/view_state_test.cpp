@@ -64,20 +64,53 @@ TEST(SettingsFile, HasTheChangesAlone)
               "[[node]]\npattern = \"Door\"\ncast_shadows = false\n\n");
 }
 
+TEST(CommandLine, NamesTheFilesCameraUntilItMoves)
+{
+    ViewState state;
+    Scene scene;
+    Camera& camera = scene.cameras.emplace_back();
+    camera.name = "front";
+    camera.orthographic = true;
+    camera.worldFromCamera[3] = vec4(1, 2, 3, 1);
+    state.navigator = Navigator(camera, 1.0f);
+    EXPECT_THAT(commandLine(state, {"a.glb", ""}, {64, 64}, scene, scene), HasSubstr(" --camera 'front' "));
+    EXPECT_EQ(leftOutOfCommandLine(state.navigator.camera(), scene, scene), "");
+    state.navigator.orbit(vec2(0.1f, 0.0f));
+    EXPECT_THAT(commandLine(state, {"a.glb", ""}, {64, 64}, scene, scene), Not(HasSubstr("--camera")));
+    EXPECT_THAT(leftOutOfCommandLine(state.navigator.camera(), scene, scene), HasSubstr("orthographic"));
+}
+
+TEST(CommandLine, HasTheShadowsThatWereAskedFor)
+{
+    ViewState state;
+    ShadowSettings& shadows = state.settings.shadows;
+    shadows.cascades = 3;
+    shadows.cascadeSplits = {0.1f, 0.4f, 0.0f};
+    shadows.depthBias = 1.0f;
+    shadows.slopeBias = 2.0f;
+    shadows.normalBiasTexels = 3.0f;
+    state.settings.subtractiveShadowColor = vec3(1, 2, 3);
+    const std::string line = commandLine(state, {"a.glb", ""}, {64, 64}, Scene(), Scene());
+    for (const char* part : {"--cascade-splits 0.1,0.4", "--shadow-depth-bias 1", "--shadow-slope-bias 2",
+                             "--shadow-normal-bias 3", "--shadow-color 1,2,3"})
+        EXPECT_THAT(line, HasSubstr(part));
+}
+
 TEST(LeftOut, NamesWhatTheTextsCannotSay)
 {
     Scene scene = twoLights();
     const Scene before = scene;
     scene.lights[0].intensity = 2.0f;
-    EXPECT_EQ(leftOutOfCommandLine(scene, before), "");
+    const Camera camera;
+    EXPECT_EQ(leftOutOfCommandLine(camera, scene, before), "");
     scene.lights[0].radiusMeters = 0.5f;
-    EXPECT_EQ(leftOutOfCommandLine(scene, before), "more changes of the light 'sun'");
+    EXPECT_EQ(leftOutOfCommandLine(camera, scene, before), "more changes of the light 'sun'");
     scene.objects[0].castShadows = false;
-    EXPECT_EQ(leftOutOfCommandLine(scene, before), "more changes of the light 'sun', switches of 'Door'");
+    EXPECT_EQ(leftOutOfCommandLine(camera, scene, before), "more changes of the light 'sun', switches of 'Door'");
     EXPECT_EQ(leftOutOfSettings(scene, before), "");
     scene.objects[0].worldFromObject[3].x = 1.0f;
     EXPECT_EQ(leftOutOfSettings(scene, before), "the place of 'Door'");
-    EXPECT_THAT(leftOutOfCommandLine(scene, before), HasSubstr("'Door', the place of 'Door'"));
+    EXPECT_THAT(leftOutOfCommandLine(camera, scene, before), HasSubstr("'Door', the place of 'Door'"));
 }
 
 TEST(SettingsFile, HasNoRuleForOneOfSeveralOfAName)
@@ -90,16 +123,18 @@ TEST(SettingsFile, HasNoRuleForOneOfSeveralOfAName)
     EXPECT_EQ(leftOutOfSettings(scene, before), "changes of one of several 'sun'");
     const std::string line = commandLine(ViewState(), {"a.glb", ""}, {640, 360}, scene, before);
     EXPECT_THAT(line, Not(HasSubstr("--light")));
-    EXPECT_EQ(leftOutOfCommandLine(scene, before), "changes of one of several 'sun'");
+    EXPECT_EQ(leftOutOfCommandLine(Camera(), scene, before), "changes of one of several 'sun'");
 }
 
-TEST(SubjectOf, IsTheLongestNameInTheText)
+TEST(SubjectOf, IsTheFirstNameInTheText)
 {
     Scene scene = twoLights();
     for (const char* name : {"Door frame", "D", ""}) scene.objects.emplace_back().name = name;
     EXPECT_EQ(subjectOf("the light sun overlaps four others", scene).light, 0);
     EXPECT_EQ(subjectOf("the Door is closed", scene).object, 0);
-    EXPECT_EQ(subjectOf("'Door frame' has no texels", scene).object, 1);
+    EXPECT_EQ(subjectOf("'Door frame' has no texels", scene).object, 1) << "the longest there";
+    EXPECT_EQ(subjectOf("the light sun overlaps Door frame and D", scene).light, 0);
+    EXPECT_EQ(subjectOf("D and Door frame overlap", scene).object, 2);
     EXPECT_EQ(subjectOf("Doors and sunshine", scene).object, -1) << "no whole word";
     EXPECT_EQ(subjectOf("Doors and sunshine", scene).light, -1);
 }

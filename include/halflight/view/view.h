@@ -11,6 +11,7 @@
 #include <functional>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace halflight {
@@ -27,10 +28,12 @@ struct ViewOptions {
     std::filesystem::path file;
     ViewLoader loader;
     std::filesystem::path settingsFile; ///< that the loader applies; empty without
-    RendererOptions device;             ///< extensions of the window system are added
-    RenderSettings render;              ///< its size is the window's at first, in pixels
-    std::optional<RunMode> mode;        ///< empty: as baked
-    std::optional<float> exposureEv;    ///< empty: automaticExposure() of the first view
+    /// Lights of the first file that are changed at once, as in the panels, with their indices.
+    std::function<Result<std::vector<std::pair<int, Light>>>(const Scene& scene)> changeLights;
+    RendererOptions device;          ///< extensions of the window system are added
+    RenderSettings render;           ///< its size is the window's at first, in pixels
+    std::optional<RunMode> mode;     ///< empty: as baked
+    std::optional<float> exposureEv; ///< empty: automaticExposure() of the first view
     ToneMapping toneMapping = ToneMapping::Neutral;
     bool shadowDistanceGiven = false; ///< else it follows from the view, as in `halflight render`
     BakeSettings bake;                ///< of the Bake button
