@@ -187,11 +187,7 @@ Result<Picture> tracePicture(const RenderOptions& options, const Scene& scene, c
     settings.bounces = options.bounces;
     settings.seed = options.seed;
     settings.clampNits = options.referenceClamp;
-    if (options.render.specular) {
-        settings.surfaces = options.referenceDiffuse ? ReferenceSurfaces::DiffuseBounces : ReferenceSurfaces::Full;
-    } else {
-        settings.surfaces = options.referenceDiffuse ? ReferenceSurfaces::Diffuse : ReferenceSurfaces::DiffuseView;
-    }
+    settings.surfaces = referenceSurfaces(options.render.specular, !options.referenceDiffuse);
     Result<ImageRgb32f> traced = renderReference(scene, camera, options.render.size, settings, display.progress());
     if (traced && interrupted()) return Error{ErrorCode::Cancelled, "interrupted"};
     if (!traced) return traced.error();

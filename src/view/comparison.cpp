@@ -92,7 +92,7 @@ void Comparison::followReference(EditedScene& edited, ivec2 size, UiRenderer& ui
         return;
     }
     if (!reference_) reference_.emplace();
-    if (reference_->follow(edited.snapshot(), state_.navigator.camera(), size)) {
+    if (reference_->follow(edited.snapshot(), state_.navigator.camera(), size, state_.settings.specular)) {
         pathTraced_.reset();
         state_.referenceSamples = 0;
     }

@@ -28,6 +28,7 @@ struct View {
     std::shared_ptr<const Scene> scene;
     Camera camera;
     ivec2 size{0};
+    bool specular = true;
 
     [[nodiscard]] bool sameAs(const View& other) const
     {
@@ -35,7 +36,7 @@ struct View {
         const Camera& b = other.camera;
         return scene == other.scene && size == other.size && a.worldFromCamera == b.worldFromCamera &&
                a.verticalFovRadians == b.verticalFovRadians && a.orthographic == b.orthographic &&
-               a.orthographicHeightMeters == b.orthographicHeightMeters;
+               a.orthographicHeightMeters == b.orthographicHeightMeters && specular == other.specular;
     }
 };
 
@@ -86,6 +87,7 @@ struct ReferencePicture::Impl {
             ReferenceSettings settings;
             settings.samplesPerPixel = small ? 1 : std::clamp(samples, 1, kMostOfPass);
             settings.seed = pass + 1;
+            settings.surfaces = referenceSurfaces(current.specular, true);
             const ivec2 size = small ? glm::max(current.size / kFirstSmaller, ivec2(1)) : current.size;
             const Result<ImageRgb32f> picture =
                 renderer ? renderer->render(current.camera, size, settings, progress)
@@ -132,10 +134,11 @@ ReferencePicture::~ReferencePicture()
     stop();
 }
 
-bool ReferencePicture::follow(const std::shared_ptr<const Scene>& scene, const Camera& camera, ivec2 size)
+bool ReferencePicture::follow(const std::shared_ptr<const Scene>& scene, const Camera& camera, ivec2 size,
+                              bool specular)
 {
     const std::lock_guard lock(impl_->mutex);
-    View wanted{scene, camera, size};
+    View wanted{scene, camera, size, specular};
     if (impl_->view.sameAs(wanted)) return false;
     impl_->view = std::move(wanted);
     impl_->changed = Clock::now();
@@ -148,7 +151,7 @@ bool ReferencePicture::follow(const std::shared_ptr<const Scene>& scene, const C
 
 void ReferencePicture::pause()
 {
-    (void)follow(nullptr, {}, ivec2(0));
+    (void)follow(nullptr, {}, ivec2(0), true);
 }
 
 bool ReferencePicture::works() const

@@ -17,8 +17,8 @@ public:
     ReferencePicture& operator=(const ReferencePicture&) = delete;
 
     /// What is to be seen: `scene` counts as another one when the pointer differs. Begins anew where something does,
-    /// and says so; while the view moves nothing is traced. Never waits.
-    bool follow(const std::shared_ptr<const Scene>& scene, const Camera& camera, ivec2 size);
+    /// and says so; while the view moves nothing is traced. `specular` is RenderSettings::specular. Never waits.
+    bool follow(const std::shared_ptr<const Scene>& scene, const Camera& camera, ivec2 size, bool specular);
     /// Traces nothing until follow() is called again. Never waits.
     void pause();
     /// Whether samples are being added.

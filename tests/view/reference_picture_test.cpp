@@ -41,13 +41,13 @@ TEST(ReferencePicture, IsOfTheViewThatRestsAndGetsBetter)
     const auto scene = std::make_shared<const Scene>(test::room(true, false, true));
     ReferencePicture reference;
     for (int i = 0; i < 20; ++i) { // the camera moves: nothing of this is shown
-        EXPECT_TRUE(reference.follow(scene, lookingAt(vec3(0.1f * float(i), 1, 4), vec3(0, 1, 0)), kSize));
+        EXPECT_TRUE(reference.follow(scene, lookingAt(vec3(0.1f * float(i), 1, 4), vec3(0, 1, 0)), kSize, true));
         EXPECT_FALSE(reference.take());
         std::this_thread::sleep_for(std::chrono::milliseconds(i < 10 ? 1 : 30));
     }
     const Camera camera = lookingAt(vec3(0.3f, 1, 3), vec3(0, 1, 0));
-    EXPECT_TRUE(reference.follow(scene, camera, kSize));
-    EXPECT_FALSE(reference.follow(scene, camera, kSize));
+    EXPECT_TRUE(reference.follow(scene, camera, kSize, true));
+    EXPECT_FALSE(reference.follow(scene, camera, kSize, true));
     ReferenceSettings settings;
     settings.samplesPerPixel = 512;
     settings.seed = 77;
@@ -68,6 +68,40 @@ TEST(ReferencePicture, IsOfTheViewThatRestsAndGetsBetter)
     }
     EXPECT_LT(last, 0.3 * errorOf(*rough, *truth)) << "of at least 64 samples against one";
     reference.stop();
+}
+
+/// As `halflight render --reference` with --specular off has it; the picture begins anew.
+TEST(ReferencePicture, HasNoSpecularLightWhereTheViewHasNone)
+{
+    Scene room = test::room(true, false, true);
+    for (Material& material : room.materials) {
+        material.metallic = 1.0f;
+        material.roughness = 0.2f;
+    }
+    const auto scene = std::make_shared<const Scene>(room);
+    const Camera camera = lookingAt(vec3(0.3f, 1, 3), vec3(0, 1, 0));
+    ReferenceSettings settings;
+    settings.samplesPerPixel = 256;
+    settings.seed = 77;
+    const Result<ImageRgb32f> shiny = renderReference(*scene, camera, kSize, settings);
+    settings.surfaces = ReferenceSurfaces::DiffuseView;
+    const Result<ImageRgb32f> dull = renderReference(*scene, camera, kSize, settings);
+    ASSERT_TRUE(shiny && dull);
+    ReferencePicture reference;
+    for (const bool specular : {true, false}) {
+        EXPECT_TRUE(reference.follow(scene, camera, kSize, specular));
+        EXPECT_FALSE(reference.take()) << "of the other switch";
+        std::optional<ReferencePicture::Picture> picture;
+        const auto limit = std::chrono::steady_clock::now() + std::chrono::seconds(60);
+        while ((!picture || picture->samples < 64) && std::chrono::steady_clock::now() < limit) {
+            std::this_thread::sleep_for(std::chrono::milliseconds(5));
+            if (auto next = reference.take()) picture = std::move(next);
+        }
+        ASSERT_TRUE(picture && picture->radiance.size() == kSize);
+        EXPECT_LT(errorOf(picture->radiance, specular ? *shiny : *dull),
+                  0.3 * errorOf(picture->radiance, specular ? *dull : *shiny))
+            << specular;
+    }
 }
 
 double secondsSince(std::chrono::steady_clock::time_point start)
@@ -109,11 +143,11 @@ TEST(ReferencePicture, NeverLetsTheWindowWait)
     ReferencePicture reference;
     const Camera camera = lookingAt(vec3(0.5f, 1, 2), vec3(0.5f, 0, 0.5f));
     EXPECT_FALSE(reference.works());
-    reference.follow(scene, camera, ivec2(640, 400));
+    reference.follow(scene, camera, ivec2(640, 400), true);
     EXPECT_TRUE(reference.works());
     std::this_thread::sleep_for(std::chrono::milliseconds(260)); // the view rests: it builds
     start = std::chrono::steady_clock::now();
-    EXPECT_TRUE(reference.follow(scene, lookingAt(vec3(0.4f, 1, 2), vec3(0.5f, 0, 0.5f)), ivec2(640, 400)));
+    EXPECT_TRUE(reference.follow(scene, lookingAt(vec3(0.4f, 1, 2), vec3(0.5f, 0, 0.5f)), ivec2(640, 400), true));
     EXPECT_FALSE(reference.take());
     reference.pause();
     EXPECT_FALSE(reference.works());

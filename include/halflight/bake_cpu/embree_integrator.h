@@ -15,6 +15,12 @@ enum class ReferenceSurfaces {
     DiffuseBounces, ///< those that the camera sees by glTF's BRDF, later ones as in a bake without glossy bounces
     Diffuse,        ///< all are diffuse surfaces of shading::transportAlbedo()
 };
+/// `specularView`: of surfaces that the camera sees, as RenderSettings::specular; `specularBounces`: of later ones.
+constexpr ReferenceSurfaces referenceSurfaces(bool specularView, bool specularBounces)
+{
+    if (specularView) return specularBounces ? ReferenceSurfaces::Full : ReferenceSurfaces::DiffuseBounces;
+    return specularBounces ? ReferenceSurfaces::DiffuseView : ReferenceSurfaces::Diffuse;
+}
 
 struct ReferenceSettings {
     int samplesPerPixel = 64;  ///< at least 1
