@@ -241,13 +241,7 @@ Camera lookAt(vec3 eye, vec3 target, float verticalFovRadians, const Bounds& bou
     camera.worldFromCamera =
         mat4(vec4(right, 0.0f), vec4(glm::cross(back, right), 0.0f), vec4(back, 0.0f), vec4(eye, 1.0f));
     camera.verticalFovRadians = verticalFovRadians;
-    if (!bounds.empty()) {
-        const float diagonal = glm::length(bounds.size());
-        // As near as the smallest scene needs: reversed depth in floats resolves all beyond it alike.
-        camera.nearMeters = std::clamp(0.001f * diagonal, 1.0e-7f, 0.05f);
-        camera.farMeters = std::max(100.0f, 2.0f * (diagonal + glm::distance(eye, bounds.center())));
-    }
-    return camera;
+    return withPlanesFor(bounds, camera);
 }
 
 Camera automaticCamera(const Scene& scene, float aspect)

@@ -34,8 +34,9 @@ float hitDistance(vec3 origin, vec3 direction, vec3 a, vec3 b, vec3 c, bool doub
 
 } // namespace
 
-Navigator::Navigator(const Camera& camera, float pivotMeters)
-    : base_(camera), eye_(vec3(camera.worldFromCamera[3])), pivotMeters_(std::max(pivotMeters, kNearestPivotMeters))
+Navigator::Navigator(const Camera& camera, float pivotMeters, const Bounds& scene)
+    : base_(camera), scene_(scene), eye_(vec3(camera.worldFromCamera[3])),
+      pivotMeters_(std::max(pivotMeters, kNearestPivotMeters))
 {
     const vec3 ahead = -glm::normalize(vec3(camera.worldFromCamera[2]));
     pitch_ = std::clamp(std::asin(std::clamp(ahead.y, -1.0f, 1.0f)), -kSteepest, kSteepest);
@@ -64,11 +65,14 @@ Camera Navigator::camera() const
     const vec3 side = glm::normalize(glm::cross(vec3(0.0f, 1.0f, 0.0f), back));
     camera.worldFromCamera =
         mat4(vec4(side, 0.0f), vec4(glm::cross(back, side), 0.0f), vec4(back, 0.0f), vec4(eye_, 1.0f));
+    if (hasMoved_ && !camera.orthographic) camera = withPlanesFor(scene_, camera);
+    camera.nearMeters = std::min(camera.nearMeters, nearestShown_);
     return camera;
 }
 
 void Navigator::turn(vec2 radians)
 {
+    hasMoved_ = true;
     yaw_ = std::remainder(yaw_ + radians.x, 2.0f * kPi);
     pitch_ = std::clamp(pitch_ + radians.y, -kSteepest, kSteepest);
 }
@@ -87,11 +91,13 @@ void Navigator::look(vec2 radians)
 
 void Navigator::pan(vec2 meters)
 {
+    hasMoved_ = true;
     eye_ += meters.x * right() + meters.y * glm::cross(right(), forward());
 }
 
 void Navigator::dolly(float factor)
 {
+    hasMoved_ = true;
     const vec3 center = pivot();
     pivotMeters_ = std::max(pivotMeters_ * factor, kNearestPivotMeters);
     eye_ = center - pivotMeters_ * forward();
@@ -100,19 +106,21 @@ void Navigator::dolly(float factor)
 
 void Navigator::fly(vec3 meters)
 {
+    hasMoved_ = true;
     eye_ += meters.x * right() + vec3(0.0f, meters.y, 0.0f) + meters.z * forward();
 }
 
 void Navigator::frame(const Bounds& bounds, float aspect)
 {
     if (bounds.empty()) return;
+    hasMoved_ = true;
     const float radius = std::max(0.5f * glm::length(bounds.size()), kNearestPivotMeters);
     const float vertical = std::tan(0.5f * base_.verticalFovRadians);
     const float narrow = std::atan(std::min(vertical, vertical * aspect));
     pivotMeters_ = radius / std::sin(narrow);
     eye_ = bounds.center() - pivotMeters_ * forward();
     base_.farMeters = std::max(base_.farMeters, pivotMeters_ + 2.0f * radius);
-    base_.nearMeters = std::min(base_.nearMeters, 0.1f * pivotMeters_);
+    nearestShown_ = 0.5f * (pivotMeters_ - radius);
     base_.orthographicHeightMeters = 2.0f * radius;
 }
 

@@ -12,10 +12,11 @@ namespace halflight::view {
 class Navigator {
 public:
     Navigator() = default;
-    /// Takes the pose of a camera; what lies `pivotMeters` before it is what it orbits.
-    Navigator(const Camera& camera, float pivotMeters);
+    /// Takes the pose of a camera; what lies `pivotMeters` before it is what it orbits. `scene`: the bounds of what it
+    /// shows.
+    Navigator(const Camera& camera, float pivotMeters, const Bounds& scene = {});
 
-    /// The camera as it stands, upright.
+    /// The camera as it stands, upright. A perspective one that has moved has the planes of `halflight render --eye`.
     [[nodiscard]] Camera camera() const;
     [[nodiscard]] vec3 pivot() const { return eye_ + pivotMeters_ * forward(); }
     /// A point one metre ahead.
@@ -42,7 +43,10 @@ public:
 private:
     void turn(vec2 radians);
 
-    Camera base_; ///< name, field of view, planes
+    Camera base_; ///< name, field of view, planes until it moves
+    Bounds scene_;
+    bool hasMoved_ = false;
+    float nearestShown_ = kInfinity; ///< what was framed is not cut off by the near plane
     vec3 eye_{0.0f};
     float yaw_ = 0.0f;
     float pitch_ = 0.0f;

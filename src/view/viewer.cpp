@@ -216,7 +216,7 @@ void Viewer::lookThrough(const Camera& camera)
     const Bounds bounds = edited_.scene().bounds();
     const float intoNothing = bounds.empty() ? 1.0f : 0.4f * glm::length(bounds.size());
     const float pivot = metersAhead(edited_.scene(), camera, edited_.bounds()).value_or(intoNothing);
-    state_.navigator = Navigator(camera, pivot);
+    state_.navigator = Navigator(camera, pivot, bounds);
 }
 
 Status Viewer::pollUpload()

@@ -98,6 +98,49 @@ TEST(Navigator, FramesBounds)
     }
 }
 
+/// The near plane has a say in where cascades end, so a picture is that of `halflight render --eye` with its planes
+/// only.
+TEST(Navigator, HasThePlanesOfTheCommandLineOnceItMoves)
+{
+    Camera camera = lookingAt(vec3(0, 0, 100), vec3(0));
+    camera.nearMeters = 0.2f;
+    camera.farMeters = 5000.0f;
+    Bounds scene; // its diagonal is 13 m
+    scene.extend(vec3(-1.5f, -2, -6));
+    scene.extend(vec3(1.5f, 2, 6));
+    const Navigator start(camera, 10.0f, scene);
+    EXPECT_EQ(start.camera().nearMeters, 0.2f) << "the file's";
+    EXPECT_EQ(start.camera().farMeters, 5000.0f);
+    const auto expectPlanes = [&](auto move) {
+        Navigator navigator = start;
+        move(navigator);
+        const Camera moved = navigator.camera();
+        EXPECT_NEAR(moved.nearMeters, 0.013f, 1.0e-6f);
+        EXPECT_NEAR(moved.farMeters, std::max(100.0f, 2.0f * (13.0f + glm::length(eyeOf(moved)))), 1.0e-3f);
+    };
+    expectPlanes([](Navigator& n) { n.orbit(vec2(0.1f)); });
+    expectPlanes([](Navigator& n) { n.look(vec2(0.1f)); });
+    expectPlanes([](Navigator& n) { n.pan(vec2(0.1f)); });
+    expectPlanes([](Navigator& n) { n.dolly(0.5f); });
+    expectPlanes([](Navigator& n) { n.fly(vec3(0, 0, 60)); });
+    expectPlanes([&](Navigator& n) { n.frame(scene, 1.5f); });
+
+    Bounds grain; // nearer than that
+    grain.extend(vec3(0.0f));
+    grain.extend(vec3(0.001f));
+    Navigator navigator = start;
+    navigator.frame(grain, 1.5f);
+    EXPECT_LT(navigator.camera().nearMeters, glm::distance(eyeOf(navigator.camera()), vec3(0.0005f)) - 0.0009f);
+    EXPECT_GT(navigator.camera().nearMeters, 0.0f);
+    navigator.frame(scene, 1.5f);
+    EXPECT_NEAR(navigator.camera().nearMeters, 0.013f, 1.0e-6f) << "not for ever";
+
+    camera.orthographic = true; // has no such command
+    navigator = Navigator(camera, 10.0f, scene);
+    navigator.pan(vec2(0.1f));
+    EXPECT_EQ(navigator.camera().nearMeters, 0.2f);
+}
+
 /// Squares two metres wide that face +Z, one for each place.
 Scene squaresAt(std::initializer_list<mat4> places)
 {

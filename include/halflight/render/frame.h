@@ -87,6 +87,8 @@ float halfSourceWidth(const Light& light);
 /// World-space bounds of every object, empty where a mesh has no vertices. Compute once per scene, and again for an
 /// object that moved.
 std::vector<Bounds> objectBounds(const Scene& scene);
+/// With near and far planes that show the whole scene from where the camera stands; as it is where `scene` is empty.
+Camera withPlanesFor(const Bounds& scene, Camera camera);
 /// Whether a ray may meet what is in the bounds before `limit` lengths of its direction.
 bool rayReaches(const Bounds& bounds, vec3 origin, vec3 direction, float limit);
 

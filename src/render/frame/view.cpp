@@ -75,6 +75,17 @@ std::vector<Bounds> objectBounds(const Scene& scene)
     return result;
 }
 
+Camera withPlanesFor(const Bounds& scene, Camera camera)
+{
+    if (scene.empty()) return camera;
+    const float diagonal = glm::length(scene.size());
+    // As near as the smallest scene needs: reversed depth in floats resolves all beyond it alike.
+    camera.nearMeters = std::clamp(0.001f * diagonal, 1.0e-7f, 0.05f);
+    camera.farMeters =
+        std::max(100.0f, 2.0f * (diagonal + glm::distance(vec3(camera.worldFromCamera[3]), scene.center())));
+    return camera;
+}
+
 bool rayReaches(const Bounds& bounds, vec3 origin, vec3 direction, float limit)
 {
     float near = 0.0f;
