@@ -90,6 +90,9 @@ class View(ViewCase):
         self.assertEqual(shot(), 2.5)
         window.do(*control, "key", "7", "key", "Tab", "key", "Escape")  # the next number is typed, until Escape
         self.assertEqual(shot(), 7.0)
+        window.do(*mouse(60, 60), "click", 1)
+        shot()  # the list of modes is open
+        window.do("key", "Escape")  # closes it, and ends no program
         window.do(*mouse(450, 200), "mousedown", 1, *mouse(420, 200), "mouseup", 1)  # in the picture
         self.assertEqual(shot(), 7.0)
         self.assert_ends_well(window)
