@@ -59,6 +59,7 @@ vec3 Navigator::right() const
 
 Camera Navigator::camera() const
 {
+    if (!hasMoved_ && !base_.name.empty()) return base_; // that of `halflight render --camera`
     // The rounding of `halflight render --eye --target`, so that pictures are the same to the bit.
     const vec3 back = glm::normalize(eye_ - target());
     Camera camera = base_;

@@ -16,7 +16,8 @@ public:
     /// shows.
     Navigator(const Camera& camera, float pivotMeters, const Bounds& scene = {});
 
-    /// The camera as it stands, upright. A perspective one that has moved has the planes of `halflight render --eye`.
+    /// A camera of the file, which has a name, as it is until it moves; else the camera as it stands, upright. A
+    /// perspective one that has moved has the planes of `halflight render --eye`.
     [[nodiscard]] Camera camera() const;
     [[nodiscard]] vec3 pivot() const { return eye_ + pivotMeters_ * forward(); }
     /// A point one metre ahead.

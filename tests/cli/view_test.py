@@ -109,8 +109,7 @@ class View(ViewCase):
     def test_a_press_is_one_thing(self):
         """A slow orbit selects nothing, Ctrl-S does not fly, --light changes the light that is shown."""
         scene = self.scene()
-        window = self.window(scene, "--size", "500x300", "--light", "sun:intensity=0.5,color=1,0,0", "--eye=4,3,5",
-                             "--target=0,0,0")
+        window = self.window(scene, "--size", "500x300", "--light", "sun:intensity=0.5,color=1,0,0")
 
         def command():
             said = len(window.lines)
@@ -122,7 +121,8 @@ class View(ViewCase):
         words = shlex.split(first.group(2))
         words[words.index("-o") + 1] = self.path("render.png")
         self.assertEqual(run(*words[1:], "--device", "cpu").returncode, 0)
-        self.assert_same_picture(self.path("render.png"), self.path(first.group(1)), "the light")
+        self.assertIn("--camera", words)
+        self.assert_same_picture(self.path("render.png"), self.path(first.group(1)), "the light, by the file's camera")
         eye = lambda match: [float(x) for x in re.search(r"--eye (\S+)", match.group(2)).group(1).split(",")]
         window.key("f")
         whole = eye(command())

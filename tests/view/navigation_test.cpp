@@ -34,6 +34,17 @@ TEST(Navigator, TakesACamerasPose)
     }
 }
 
+TEST(Navigator, HasTheFilesCameraUntilItMoves)
+{
+    Camera camera = lookingAt(vec3(0.5f, 1.0f, -0.2f), vec3(1, 0.3f, 2));
+    camera.worldFromCamera = camera.worldFromCamera * glm::rotate(mat4(1.0f), 0.4f, vec3(0, 0, 1)); // rolled
+    camera.name = "tilted";
+    Navigator navigator(camera, 2.0f);
+    EXPECT_EQ(navigator.camera(), camera) << "as `halflight render --camera` has it, to the bit";
+    navigator.look(vec2(0.0f));
+    EXPECT_NEAR(navigator.camera().worldFromCamera[0].y, 0.0f, 1.0e-6f) << "upright";
+}
+
 TEST(Navigator, LooksStraightDown)
 {
     Camera camera; // a plan: down, with -Z at the picture's upper edge
