@@ -136,8 +136,8 @@ void Viewer::click(vec2 place)
 {
     const ImVec2 window = ImGui::GetIO().DisplaySize;
     if (!(window.x > 0.0f && window.y > 0.0f)) return;
-    state_.selectedObject =
-        objectAt(edited_.scene(), state_.navigator.camera(), place / vec2(window.x, window.y), window.x / window.y);
+    state_.selectedObject = objectAt(edited_.scene(), state_.navigator.camera(), place / vec2(window.x, window.y),
+                                     window.x / window.y, edited_.bounds());
     state_.showsSelected = state_.selectedObject >= 0;
 }
 

@@ -66,14 +66,21 @@ const Camera* fileCamera(const Camera& camera, const Scene& scene)
     return isNamed ? &*found : nullptr;
 }
 
+/// Degrees that give the same float in radians: six digits where those do, as 45 has it.
+std::string degreesOf(float radians)
+{
+    const std::string text = fmt::format("{:.6g}", glm::degrees(radians));
+    return glm::radians(std::stof(text)) == radians ? text : fmt::format("{:.9g}", glm::degrees(double(radians)));
+}
+
 std::string cameraOptions(const Navigator& navigator, const Scene& scene)
 {
     const Camera camera = navigator.camera();
     if (const Camera* named = fileCamera(camera, scene)) return " --camera " + quoted(named->name);
     const dvec3 eye = scene.originMeters + dvec3(camera.worldFromCamera[3]);
     const dvec3 target = scene.originMeters + dvec3(navigator.target());
-    return fmt::format(" --eye {:.12g},{:.12g},{:.12g} --target {:.12g},{:.12g},{:.12g} --fov {:.6g}", eye.x, eye.y,
-                       eye.z, target.x, target.y, target.z, glm::degrees(camera.verticalFovRadians));
+    return fmt::format(" --eye {:.12g},{:.12g},{:.12g} --target {:.12g},{:.12g},{:.12g} --fov {}", eye.x, eye.y, eye.z,
+                       target.x, target.y, target.z, degreesOf(camera.verticalFovRadians));
 }
 
 /// The ends of all cascades but the last.

@@ -80,6 +80,21 @@ TEST(CommandLine, NamesTheFilesCameraUntilItMoves)
     EXPECT_THAT(leftOutOfCommandLine(state.navigator.camera(), scene, scene), HasSubstr("orthographic"));
 }
 
+TEST(CommandLine, HasTheFieldOfViewToTheBit)
+{
+    ViewState state;
+    Camera camera;
+    for (const float radians : {glm::radians(45.0f), glm::radians(60.0f), 0.8f, 1.0471f}) {
+        camera.verticalFovRadians = radians;
+        state.navigator = Navigator(camera, 1.0f);
+        const std::string line = commandLine(state, {"a.glb", ""}, {64, 64}, Scene(), Scene());
+        EXPECT_EQ(glm::radians(std::stof(line.substr(line.find("--fov ") + 6))), radians) << line;
+    }
+    camera.verticalFovRadians = glm::radians(45.0f);
+    state.navigator = Navigator(camera, 1.0f);
+    EXPECT_THAT(commandLine(state, {"a.glb", ""}, {64, 64}, Scene(), Scene()), HasSubstr("--fov 45 "));
+}
+
 TEST(CommandLine, HasTheShadowsThatWereAskedFor)
 {
     ViewState state;
