@@ -180,6 +180,7 @@ Status Viewer::showFile(FileLoader::Opened opened)
         Requests change;
         change.light = std::move(light);
         edited_.change(change, renderer(), notices_);
+        if (!options_.exposureEv) state_.requests.expose = true;
     }
     if (content.session) bake_.start(std::move(content.session));
     if (content.light) {
