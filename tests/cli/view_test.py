@@ -80,6 +80,9 @@ class View(ViewCase):
             return float(re.search(r"--exposure (\S+)", line).group(1))
 
         self.assertEqual(shot(), 1.0)
+        window.do(*mouse(60, 60), "click", 1)
+        shot()  # the list of modes is open
+        window.do("key", "Escape")  # closes it, and ends no program
         window.do(*mouse(*exposure), "mousedown", 1, *mouse(80, 129), *mouse(100, 129), "mouseup", 1, *mouse(60, 280))
         self.assertAlmostEqual(shot(), 3.0, places=4)  # 0.05 a pixel
         typed = ("key", "2", "key", "period", "key", "5")
@@ -90,9 +93,6 @@ class View(ViewCase):
         self.assertEqual(shot(), 2.5)
         window.do(*control, "key", "7", "key", "Tab", "key", "Escape")  # the next number is typed, until Escape
         self.assertEqual(shot(), 7.0)
-        window.do(*mouse(60, 60), "click", 1)
-        shot()  # the list of modes is open
-        window.do("key", "Escape")  # closes it, and ends no program
         window.do(*mouse(450, 200), "mousedown", 1, *mouse(420, 200), "mouseup", 1)  # in the picture
         self.assertEqual(shot(), 7.0)
         self.assert_ends_well(window)
