@@ -17,6 +17,7 @@ void LiveBake::start(std::unique_ptr<BakeSession> session)
     before_ = shown_.baked();
     beforeTime_ = shown_.time();
     modeBefore_ = state_.settings.mode;
+    resultBefore_ = state_.bakeStatus.hasResult;
     state_.bakeStatus = {};
     state_.bakeStatus.running = true;
     notices_.setWarnings(Notices::About::Bake, {});
@@ -130,7 +131,7 @@ void LiveBake::endIsShown()
     state_.settings.mode = end.mode;
     if (end.hasResult) state_.hasEarlier = true;
     state_.bakeStatus = {};
-    state_.bakeStatus.hasResult = end.hasResult;
+    state_.bakeStatus.hasResult = end.hasResult || resultBefore_; // what comes back may still be saved
     state_.bakeStatus.outcome = end.outcome;
     notices_.tell(end.hasResult ? end.outcome : "bake: " + end.outcome);
 }

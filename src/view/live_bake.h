@@ -59,6 +59,7 @@ private:
     Clock::time_point beforeTime_;           ///< when that was made
     Clock::time_point time_;                 ///< when the bake that runs was begun
     RunMode modeBefore_ = RunMode::Realtime; ///< in which it was shown
+    bool resultBefore_ = false;              ///< it was a finished bake
     const char* uploadedLight_ = nullptr;    ///< name of what is being uploaded, if it is light
     struct End {
         bool hasResult = false; ///< else what was shown before comes back
