@@ -24,7 +24,8 @@ void markForBake(bool bakes)
 }
 
 constexpr float kMost = 1.0e9f;      // of intensities and colours, as options have it
-constexpr float kLeastSide = 0.001f; // metres
+constexpr float kLeastSide = 0.001f; // metres, of area lights
+constexpr float kMostSide = 1.0e5f;
 
 void lightEditor(ViewState& state, const Light& light)
 {
@@ -49,9 +50,9 @@ void lightEditor(ViewState& state, const Light& light)
             any = true;
         }
     } else if (light.type == LightType::Disk) {
-        any |= drag("diameter m", changed.sizeMeters.x, 0.005f, kLeastSide, 100.0f, "%.3f");
+        any |= drag("diameter m", changed.sizeMeters.x, 0.005f, kLeastSide, kMostSide, "%.3f");
     } else if (light.type == LightType::Rectangle) {
-        any |= ImGui::DragFloat2("size m", &changed.sizeMeters.x, 0.005f, kLeastSide, 100.0f, "%.3f",
+        any |= ImGui::DragFloat2("size m", &changed.sizeMeters.x, 0.005f, kLeastSide, kMostSide, "%.3f",
                                  ImGuiSliderFlags_AlwaysClamp);
     } else {
         any |= drag("radius m", changed.radiusMeters, 0.005f, 0.0f, 100.0f, "%.3f");
