@@ -1,6 +1,8 @@
 // The formulas of the shading headers, run on the graphics device: GLSL for WebGLRenderer, TSL for WebGPURenderer.
 import * as THREE from 'three';
 
+import { drawQuad } from './quad.js';
+
 const WIDTH = 64;
 
 /** Arguments of all cases as texels, one row for each case. */
@@ -82,17 +84,8 @@ async function tslMaterial(name, types, result, texture) {
 export async function evaluate(renderer, read, { name, types, result, cases }, rowsFromTop) {
     const texture = argumentTexture(cases);
     const material = renderer.isWebGLRenderer ? await glslMaterial(name, types, result, texture) : await tslMaterial(name, types, result, texture);
-    material.depthTest = material.depthWrite = false;
     const height = Math.ceil(cases.length / WIDTH);
-    const target = new (THREE.WebGLRenderTarget ?? THREE.RenderTarget)(WIDTH, height, { type: THREE.FloatType, minFilter: THREE.NearestFilter, magFilter: THREE.NearestFilter });
-    const scene = new THREE.Scene();
-    scene.add(new THREE.Mesh(new THREE.PlaneGeometry(2, 2), material));
-    scene.children[0].frustumCulled = false;
-    renderer.setRenderTarget(target);
-    renderer.render(scene, new THREE.OrthographicCamera(-1, 1, 1, -1, -1, 1));
-    const pixels = await read(renderer, target, WIDTH, height);
-    renderer.setRenderTarget(null);
-    target.dispose();
+    const pixels = await drawQuad(renderer, read, material, WIDTH, height);
     const components = result === 'vec3' ? 3 : 1;
     // gl_FragCoord counts rows from the bottom as WebGL's readback does; screenCoordinate from the top as WebGPU's.
     return cases.map((_, i) => {

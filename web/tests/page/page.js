@@ -3,12 +3,12 @@ import * as THREE from 'three';
 import { HalflightPlugin } from '@halflight/three';
 import { MeshoptDecoder } from 'three/addons/libs/meshopt_decoder.module.js';
 import { DRACOLoader } from 'three/addons/loaders/DRACOLoader.js';
-import { EXRLoader } from 'three/addons/loaders/EXRLoader.js';
 import { GLTFLoader } from 'three/addons/loaders/GLTFLoader.js';
 
 import { shIrradianceWeight } from '../../three/src/generated/shading.js';
 import { evaluate } from './law.js';
-import { toneMapped } from './tone.js';
+import { clamp, encode, readReference } from './pictures.js';
+import { differenceFrom } from './tone.js';
 
 const loaded = {};
 
@@ -95,43 +95,6 @@ async function read(renderer, target, width, height) {
     const pixels = new Float32Array(width * height * 4);
     renderer.readRenderTargetPixels(target, 0, 0, width, height, pixels);
     return pixels;
-}
-
-async function readReference(url) {
-    const loader = new EXRLoader();
-    loader.setDataType(THREE.FloatType);
-    const bytes = await (await fetch(url)).arrayBuffer();
-    const exr = loader.parse(bytes);
-    const channels = exr.data.length / (exr.width * exr.height);
-    const rows = new Float32Array(exr.width * exr.height * 3);
-    for (let y = 0; y < exr.height; ++y)
-        for (let x = 0; x < exr.width; ++x)
-            for (let c = 0; c < 3; ++c)
-                rows[3 * (y * exr.width + x) + c] = exr.data[channels * ((exr.height - 1 - y) * exr.width + x) + c];
-    return { width: exr.width, height: exr.height, rows };
-}
-
-const encode = (x) => (x <= 0.0031308 ? 12.92 * x : 1.055 * x ** (1 / 2.4) - 0.055);
-const clamp = (x) => Math.min(Math.max(x, 0), 1);
-
-/** How far a displayed picture of the program is from the radiance, tone mapped by three.js, in 255ths. */
-async function toneMapping({ radiance, picture, name, exposure }) {
-    const exr = await readReference(radiance);
-    const { width, height } = exr;
-    const expected = await toneMapped(await makeRenderer(width, height), read, exr, name, exposure);
-    const canvas = new OffscreenCanvas(width, height).getContext('2d');
-    canvas.drawImage(await createImageBitmap(await (await fetch(picture)).blob(), { colorSpaceConversion: 'none' }), 0, 0);
-    const shown = canvas.getImageData(0, 0, width, height).data;
-    let [most, sum, level] = [0, 0, 0];
-    for (let i = 0; i < shown.length; ++i) {
-        if (i % 4 === 3) continue;
-        const difference = Math.abs(shown[i] - Math.round(255 * encode(clamp(expected[i]))));
-        most = Math.max(most, difference);
-        sum += difference;
-        level += shown[i];
-    }
-    const channels = 3 * width * height;
-    return { most, mean: sum / channels, level: level / channels };
 }
 
 /** The factor that puts the log-average luminance at middle grey. */
@@ -407,6 +370,7 @@ async function probeGrid({ file, module, resolution }) {
     return { resolution: n, result };
 }
 
+const toneMapping = async (pictures) => differenceFrom(await makeRenderer(160, 90), read, pictures);
 const evaluateCases = async (functions) => evaluate(await makeRenderer(64, 64), read, functions, kind === 'webgl2-nodes');
 
 window.halflightTest = { evaluate: evaluateCases, toneMapping, probeGrid, load, draw, compare, picture, agreement, atPoints, replaceDynamic, lightNames, intensityOf, changeLight, moveLight, disposeTest, frameCost, sentences };

@@ -1,7 +1,8 @@
 // Exported files in three.js as it is, against pictures of the program.
 import * as THREE from 'three';
-import { EXRLoader } from 'three/addons/loaders/EXRLoader.js';
 import { GLTFLoader } from 'three/addons/loaders/GLTFLoader.js';
+
+import { clamp, encode, readExr } from './pictures.js';
 
 const OTHER = 1000; // red of objects that are no surfaces of the export
 
@@ -18,16 +19,6 @@ function draw(scene, view, width, height) {
     target.dispose();
     return pixels; // rows from the bottom
 }
-
-async function readExr(url) {
-    const loader = new EXRLoader();
-    loader.setDataType(THREE.FloatType);
-    const exr = loader.parse(await (await fetch(url)).arrayBuffer());
-    return { ...exr, channels: exr.data.length / (exr.width * exr.height) };
-}
-
-const encode = (x) => (x <= 0.0031308 ? 12.92 * x : 1.055 * x ** (1 / 2.4) - 0.055);
-const clamp = (x) => Math.min(Math.max(x, 0), 1);
 
 function png(width, height, colorAt) {
     const canvas = document.createElement('canvas');

@@ -1,5 +1,8 @@
-// three.js's tone mappers, run on the graphics device.
+// three.js's tone mappers, run on the graphics device, and displayed pictures of the program.
 import * as THREE from 'three';
+
+import { clamp, encode, readReference } from './pictures.js';
+import { drawQuad } from './quad.js';
 
 /** Names of --tone-mapping: functions of three.js's shader chunk. */
 const FUNCTIONS = { neutral: 'NeutralToneMapping', aces: 'ACESFilmicToneMapping', agx: 'AgXToneMapping', none: 'LinearToneMapping' };
@@ -9,7 +12,7 @@ const FUNCTIONS = { neutral: 'NeutralToneMapping', aces: 'ACESFilmicToneMapping'
  * @param {{width: number, height: number, rows: Float32Array}} picture radiance, rows from the top
  * @returns {Promise<Float32Array>} RGBA, display-referred and linear, rows from the top
  */
-export async function toneMapped(renderer, read, { width, height, rows }, name, exposure) {
+async function toneMapped(renderer, read, { width, height, rows }, name, exposure) {
     const data = new Float32Array(4 * width * height);
     for (let i = 0; i < width * height; ++i) data.set(rows.subarray(3 * i, 3 * i + 3), 4 * i);
     const texture = new THREE.DataTexture(data, width, height, THREE.RGBAFormat, THREE.FloatType);
@@ -24,17 +27,28 @@ ${THREE.ShaderChunk.tonemapping_pars_fragment}
 uniform highp sampler2D radiance;
 out vec4 color;
 void main() { color = vec4(${FUNCTIONS[name]}(texelFetch(radiance, ivec2(gl_FragCoord.xy), 0).rgb), 1.0); }`,
-        depthTest: false,
-        depthWrite: false,
     });
-    const target = new THREE.WebGLRenderTarget(width, height, { type: THREE.FloatType });
-    const scene = new THREE.Scene();
-    scene.add(new THREE.Mesh(new THREE.PlaneGeometry(2, 2), material));
-    scene.children[0].frustumCulled = false;
-    renderer.setRenderTarget(target);
-    renderer.render(scene, new THREE.OrthographicCamera(-1, 1, 1, -1, -1, 1));
-    const pixels = await read(renderer, target, width, height); // gl_FragCoord counts rows as the readback does
-    renderer.setRenderTarget(null);
-    for (const used of [target, texture, material]) used.dispose();
+    const pixels = await drawQuad(renderer, read, material, width, height); // gl_FragCoord counts rows as the readback does
+    for (const used of [texture, material]) used.dispose();
     return pixels;
+}
+
+/** How far a displayed picture of the program is from the radiance, tone mapped by three.js, in 255ths. */
+export async function differenceFrom(renderer, read, { radiance, picture, name, exposure }) {
+    const exr = await readReference(radiance);
+    const { width, height } = exr;
+    const expected = await toneMapped(renderer, read, exr, name, exposure);
+    const canvas = new OffscreenCanvas(width, height).getContext('2d');
+    canvas.drawImage(await createImageBitmap(await (await fetch(picture)).blob(), { colorSpaceConversion: 'none' }), 0, 0);
+    const shown = canvas.getImageData(0, 0, width, height).data;
+    let [most, sum, level] = [0, 0, 0];
+    for (let i = 0; i < shown.length; ++i) {
+        if (i % 4 === 3) continue;
+        const difference = Math.abs(shown[i] - Math.round(255 * encode(clamp(expected[i]))));
+        most = Math.max(most, difference);
+        sum += difference;
+        level += shown[i];
+    }
+    const channels = 3 * width * height;
+    return { most, mean: sum / channels, level: level / channels };
 }
