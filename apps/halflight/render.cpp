@@ -203,14 +203,6 @@ Result<Picture> tracePicture(const RenderOptions& options, const Scene& scene, c
     return picture;
 }
 
-ImageRgba8 plainPicture(const ImageRgba32f& values)
-{
-    ImageRgba8 picture(values.width(), values.height());
-    std::transform(values.texels().begin(), values.texels().end(), picture.texels().begin(),
-                   [](vec4 value) { return u8vec4(glm::clamp(value, 0.0f, 1.0f) * 255.0f + 0.5f); });
-    return picture;
-}
-
 Status writePicture(const RenderOptions& options, Picture& picture)
 {
     if (lowerExtension(options.output) == ".exr") {

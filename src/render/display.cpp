@@ -28,6 +28,14 @@ ImageRgba8 displayedPicture(const ImageRgba32f& radiance, float exposureEv, Tone
     return picture;
 }
 
+ImageRgba8 plainPicture(const ImageRgba32f& values)
+{
+    ImageRgba8 picture(values.width(), values.height());
+    std::transform(values.texels().begin(), values.texels().end(), picture.texels().begin(),
+                   [](vec4 value) { return u8vec4(glm::clamp(value, 0.0f, 1.0f) * 255.0f + 0.5f); });
+    return picture;
+}
+
 /// EV from which on at most 2 % of the pixels have a channel above kBurnt.
 static float exposureOfHighlights(const ImageRgba32f& radiance)
 {

@@ -78,11 +78,9 @@ Status Viewer::takeScreenshot()
     do {
         file = options_.screenshots / fmt::format("screenshot_{:03}.png", ++screenshots_);
     } while (std::filesystem::exists(file));
-    ImageRgba8 picture = displayedPicture(frame->radiance, state_.exposureEv, state_.toneMapping);
-    if (!showsLight(settings.view)) {
-        std::transform(frame->radiance.texels().begin(), frame->radiance.texels().end(), picture.texels().begin(),
-                       [](vec4 value) { return u8vec4(glm::clamp(value, 0.0f, 1.0f) * 255.0f + 0.5f); });
-    }
+    const ImageRgba8 picture = showsLight(settings.view)
+                                   ? displayedPicture(frame->radiance, state_.exposureEv, state_.toneMapping)
+                                   : plainPicture(frame->radiance);
     if (Status status = writePng(file, picture); !status) {
         notices_.tell(status.error().text());
         return {};

@@ -51,17 +51,7 @@ template<typename T> bool isUnique(const T& named, const std::vector<T>& all)
 /// The file's camera that this is; nothing once it has moved.
 const Camera* fileCamera(const Camera& camera, const Scene& scene)
 {
-    const auto same = [&](const Camera& other) {
-        const mat4 difference = camera.worldFromCamera - other.worldFromCamera;
-        float most = 0.0f;
-        for (int column = 0; column < 4; ++column)
-            for (int row = 0; row < 4; ++row) most = std::max(most, std::abs(difference[column][row]));
-        constexpr float kRounding = 1.0e-5f;
-        return most < kRounding && camera.orthographic == other.orthographic &&
-               camera.orthographicHeightMeters == other.orthographicHeightMeters &&
-               camera.verticalFovRadians == other.verticalFovRadians;
-    };
-    const auto found = std::find_if(scene.cameras.begin(), scene.cameras.end(), same);
+    const auto found = std::find(scene.cameras.begin(), scene.cameras.end(), camera);
     const bool isNamed = found != scene.cameras.end() && !found->name.empty() && isUnique(*found, scene.cameras);
     return isNamed ? &*found : nullptr;
 }
@@ -168,9 +158,8 @@ const char* legendOf(DebugView view)
     case DebugView::Lit:
         return "The picture.";
     case DebugView::Shadowmask:
-        return "Baked attenuation of channels 0, 1, 2 as red, green, blue: bright is lit. Half as bright where channel "
-               "3 "
-               "is in shadow.";
+        return "Baked attenuation of channels 0, 1, 2 as red, green, blue: bright is lit. "
+               "Half as bright where channel 3 is in shadow.";
     case DebugView::Lightmap:
         return "Irradiance of the lightmap, as a white wall would show it.";
     case DebugView::Probes:
@@ -183,9 +172,8 @@ const char* legendOf(DebugView view)
         return "Lights with a mask channel, or for which none was left: none black, 1 blue, 2 green, 3 yellow, 4 red, "
                "more white.";
     case DebugView::Texels:
-        return "A square is a lightmap texel. Texels per metre: 1 or fewer blue, 4 cyan, 16 green, 64 yellow, 256 or "
-               "more "
-               "red; black: no lightmap.";
+        return "A square is a lightmap texel. Texels per metre: 1 or fewer blue, 4 cyan, 16 green, 64 yellow, "
+               "256 or more red; black: no lightmap.";
     }
     return "";
 }
@@ -247,16 +235,15 @@ std::string commandLine(const ViewState& state, const CommandFiles& files, ivec2
 std::string settingsFile(const Scene& scene, const Scene& atLoad)
 {
     std::string text;
-    for (std::size_t i = 0; i < scene.lights.size() && i < atLoad.lights.size(); ++i) {
-        const std::string keys = keysOf(scene.lights[i], atLoad.lights[i]);
-        if (!keys.empty() && isUnique(scene.lights[i], scene.lights))
-            text += "[[light]]\npattern = " + tomlString(scene.lights[i].name) + "\n" + keys + "\n";
-    }
-    for (std::size_t i = 0; i < scene.objects.size() && i < atLoad.objects.size(); ++i) {
-        const std::string keys = keysOf(scene.objects[i], atLoad.objects[i]);
-        if (!keys.empty() && isUnique(scene.objects[i], scene.objects))
-            text += "[[node]]\npattern = " + tomlString(scene.objects[i].name) + "\n" + keys + "\n";
-    }
+    const auto addRules = [&](const char* table, const auto& now, const auto& before) {
+        for (std::size_t i = 0; i < now.size() && i < before.size(); ++i) {
+            const std::string keys = keysOf(now[i], before[i]);
+            if (keys.empty() || !isUnique(now[i], now)) continue;
+            text += fmt::format("[[{}]]\npattern = {}\n{}\n", table, tomlString(now[i].name), keys);
+        }
+    };
+    addRules("light", scene.lights, atLoad.lights);
+    addRules("node", scene.objects, atLoad.objects);
     return text;
 }
 

@@ -219,6 +219,9 @@ private:
 ImageRgba8 displayedPicture(const ImageRgba32f& radiance, float exposureEv,
                             ToneMapping toneMapping = ToneMapping::Neutral);
 
+/// Values from 0 to 1, as views that show no light have them (showsLight()), as they are.
+ImageRgba8 plainPicture(const ImageRgba32f& values);
+
 /// EV that puts the log-average luminance at middle grey 0.18 (Reinhard et al. 2002, "Photographic Tone Reproduction
 /// for Digital Images", eq. 1), or up to 2 stops more, until at most 2 % of the pixels are burnt: more than 4, white.
 float automaticExposure(const ImageRgba32f& radiance);
