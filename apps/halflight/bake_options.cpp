@@ -49,6 +49,10 @@ void addTexels(CLI::App& app, BakeSettings& bake)
     addChoice<UvMode>(
         app, "--uv", bake.uvMode, {{"auto", UvMode::Auto}, {"keep", UvMode::Keep}, {"unwrap", UvMode::Unwrap}},
         "the file's TEXCOORD_1: keep it where it is valid, keep it or fail, or unwrap anew (default auto)");
+    addChoice<TwoSided>(app, "--two-sided", bake.twoSided,
+                        {{"auto", TwoSided::Automatic}, {"on", TwoSided::On}, {"off", TwoSided::Off}},
+                        "texels for each side of double-sided sheets: where both can be seen and their light differs, "
+                        "of all such sheets, or of none (default auto)");
 }
 
 void addResults(CLI::App& app, BakeOptions& options)

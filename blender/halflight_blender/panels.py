@@ -48,7 +48,7 @@ def draw_details(layout, settings):
     layout.use_property_split = True
     groups = (
         ("samples", "noise", "shadow_samples", "bounces", "glossy_bounces", "integrator", "denoise", "seed"),
-        ("lightmap_size", "directional", "shadowmask_encoding"),
+        ("lightmap_size", "two_sided", "directional", "shadowmask_encoding"),
         ("probe_layout", "probe_spacing"),
         ("units", "threads"),
     )
@@ -167,7 +167,7 @@ class HALFLIGHT_PT_object(Properties, bpy.types.Panel):
     def draw(self, context):
         layout, item = self.layout, context.object
         layout.use_property_split = True
-        for name in ("static", "lightmap_scale", "cast_shadows", "receive_shadows", "probes"):
+        for name in ("static", "lightmap_scale", "two_sided", "cast_shadows", "receive_shadows", "probes"):
             layout.prop(item, "halflight_" + name)
         if item.halflight_probes == "VOLUME":
             layout.prop(item, "halflight_probe_resolution")

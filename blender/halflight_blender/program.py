@@ -61,6 +61,7 @@ def bake_arguments(settings, files, only=()):
     arguments += ["--glossy-bounces", "on" if settings.glossy_bounces else "off"]
     arguments += ["--directional", "on" if settings.directional else "off"]
     arguments += ["--shadowmask-encoding", settings.shadowmask_encoding, "--probe-layout", settings.probe_layout]
+    arguments += ["--two-sided", settings.two_sided]
     arguments += ["--seed", str(settings.seed), "--threads", str(settings.threads)]
     given = (
         ("--texels-per-meter", settings.texels_per_meter),

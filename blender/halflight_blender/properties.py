@@ -74,6 +74,11 @@ STATIC_ITEMS = [
     (1, "Static", "Gets lightmap texels and takes part in the bake; so do its children"),
     (0, "Dynamic", "Lit by probes and real-time lights; so are its children"),
 ]
+SIDE_ITEMS = [
+    (None, "By Light", "Texels for both sides of a sheet where both can be seen and their light differs"),
+    (1, "Both", "Texels for each side of double-sided sheets"),
+    (0, "One", "One texel for both sides"),
+]
 PROBE_ITEMS = [
     (None, "By Size", "One probe sample for small objects, a volume for large ones"),
     ("single", "One Sample", "Light of the probes at its middle"),
@@ -103,6 +108,9 @@ EXTRAS = {
             min=0.0,
             max=1000.0,
             soft_max=8.0,
+        ),
+        "halflight_two_sided": extra_choice(
+            "halflight_two_sided", "Sides", "Which sides of sheets such as boards and curtains get texels", SIDE_ITEMS
         ),
         "halflight_probes": extra_choice(
             "halflight_probes", "Probe Light", "How an object without lightmap takes the probes' light", PROBE_ITEMS
@@ -237,6 +245,15 @@ class BakeSettings(bpy.types.PropertyGroup):
         items=[
             ("cache", "Radiance Cache", "Rays end in light that is known already"),
             ("path", "Path Tracing", "Whole unbiased paths; slow, to check by"),
+        ],
+    )
+    two_sided: bpy.props.EnumProperty(
+        name="Sides",
+        description="Which sides of sheets such as boards and curtains get texels, where the object does not say it",
+        items=[
+            ("auto", "By Light", "Both where both can be seen and their light differs"),
+            ("on", "Both", "Each side of double-sided sheets"),
+            ("off", "One", "One texel for both sides"),
         ],
     )
     shadowmask_encoding: bpy.props.EnumProperty(

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <vector>
 
 namespace halflight {
@@ -93,6 +94,22 @@ void reportFlipped(const Scene& scene, const BakeGeometry& geometry, BakeReport&
     report.warnings.push_back(
         listOf(names) +
         ": double-sided faces bound a closed, empty cavity; they are flipped, and baked as seen from outside");
+}
+
+void reportTwoSided(const Scene& scene, const BakeGeometry& geometry, const TexelMap& map, BakeReport& report)
+{
+    std::map<int, TwoSidedReport> byObject;
+    for (const BakeGeometry::Part& part : geometry.parts)
+        if (part.side == SurfaceSide::Back) byObject[part.object].triangles += part.triangleCount;
+    if (byObject.empty()) return;
+    for (const Texel& texel : map.texels) {
+        const BakeGeometry::Part& part = geometry.partOf(map.fragments[texel.firstFragment].triangle);
+        if (part.side == SurfaceSide::Back) ++byObject[part.object].texels;
+    }
+    for (auto& [object, own] : byObject) {
+        own.object = scene.objects[std::size_t(object)].name;
+        report.twoSided.push_back(std::move(own));
+    }
 }
 
 void reportMainLight(const BakedScene& baked, const MainLight& main, const BakeSettings& settings, BakeReport& report)

@@ -44,6 +44,9 @@ void reportNoise(std::span<const IrradianceEstimate> estimates, const std::optio
 /// A warning with the names of objects that have flipped triangles.
 void reportFlipped(const Scene& scene, const BakeGeometry& geometry, BakeReport& report);
 
+/// Objects with sheets whose sides have texels of their own.
+void reportTwoSided(const Scene& scene, const BakeGeometry& geometry, const TexelMap& map, BakeReport& report);
+
 /// Of a subtractive bake.
 void reportMainLight(const BakedScene& baked, const MainLight& main, const BakeSettings& settings, BakeReport& report);
 

@@ -75,7 +75,33 @@ template<typename Body> void forEdges(std::span<const DirectedEdge> edges, const
     }
 }
 
+/// The listed triangles by their sets.
+std::vector<std::vector<uint32_t>> piecesOf(DisjointSets& sets, std::span<const uint32_t> triangles)
+{
+    std::vector<std::vector<uint32_t>> pieces;
+    std::vector<uint32_t> pieceOf(triangles.size());
+    for (uint32_t t = 0; t < triangles.size(); ++t) {
+        const uint32_t root = sets.find(t);
+        if (root == t) {
+            pieceOf[t] = uint32_t(pieces.size());
+            pieces.emplace_back();
+        }
+        pieces[pieceOf[root]].push_back(triangles[t]);
+    }
+    return pieces;
+}
+
 } // namespace
+
+std::vector<std::vector<uint32_t>> connectedPieces(const BakeGeometry& geometry, std::span<const uint32_t> triangles)
+{
+    DisjointSets sets(triangles.size());
+    const std::vector<DirectedEdge> edges = edgesOf(weld(geometry, triangles));
+    forEdges(edges, [&](std::span<const DirectedEdge> same) {
+        for (const DirectedEdge& edge : same) sets.join(same.front().triangle, edge.triangle);
+    });
+    return piecesOf(sets, triangles);
+}
 
 Components componentsOf(const BakeGeometry& geometry, std::span<const uint32_t> triangles)
 {
@@ -143,17 +169,7 @@ std::vector<std::vector<uint32_t>> facetPatches(const BakeGeometry& geometry, st
         if (glm::dot(normal, geometry.geometricNormal(triangles[same[1].triangle])) < kSameSideCosine) return;
         sets.join(same[0].triangle, same[1].triangle);
     });
-    std::vector<std::vector<uint32_t>> patches;
-    std::vector<uint32_t> patchOf(triangles.size());
-    for (uint32_t t = 0; t < triangles.size(); ++t) {
-        const uint32_t root = sets.find(t);
-        if (root == t) {
-            patchOf[t] = uint32_t(patches.size());
-            patches.emplace_back();
-        }
-        patches[patchOf[root]].push_back(triangles[t]);
-    }
-    return patches;
+    return piecesOf(sets, triangles);
 }
 
 } // namespace halflight

@@ -24,6 +24,9 @@ struct Components {
     std::vector<Any> all;
 };
 
+/// The listed triangles in pieces, connected across edges whatever their winding.
+std::vector<std::vector<uint32_t>> connectedPieces(const BakeGeometry& geometry, std::span<const uint32_t> triangles);
+
 /// The connected components of the listed triangles.
 Components componentsOf(const BakeGeometry& geometry, std::span<const uint32_t> triangles);
 

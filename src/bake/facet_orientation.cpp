@@ -149,7 +149,7 @@ private:
 /// Whether triangles of a part can be flipped: they are double-sided, not emissive, and have texels.
 bool isFlippable(const Scene& scene, const BakeGeometry::Part& part)
 {
-    if (part.material < 0 || part.page < 0) return false;
+    if (part.material < 0 || part.page < 0 || part.side != SurfaceSide::Both) return false;
     const Material& m = scene.materials[std::size_t(part.material)];
     return m.doubleSided && m.emissiveNits == vec3(0.0f);
 }

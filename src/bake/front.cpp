@@ -3,6 +3,7 @@
 #include "bake/front_parts.h"
 #include "bake/hidden_sides.h"
 #include "bake/live_light.h"
+#include "bake/sheet_sides.h"
 #include "bake/some_objects.h"
 
 #include "halflight/unwrap/unwrap.h"
@@ -23,7 +24,7 @@ struct PageLayout {
 
 /// Lightmap coordinates; the scene moves into the result.
 Result<UnwrappedScene> unwrapOrTake(const Stages& stages, Scene scene, const CrossingTest& crossingTest,
-                                    std::optional<PartFolder>& kept)
+                                    const SheetTest& sheetTest, std::optional<PartFolder>& kept)
 {
     UnwrappedScene taken;
     if (kept && takeUnwrapped(*kept, scene, taken)) return taken;
@@ -35,17 +36,17 @@ Result<UnwrappedScene> unwrapOrTake(const Stages& stages, Scene scene, const Cro
     settings.cutPage = stages.settings.lightmapSize == 0;
     if (stages.settings.lightmapSize == 0 && stages.settings.texelsPerMeter == 0.0f)
         settings.mostTexelsPerMeter = sceneDensity(scene, settings.pageSize);
-    Result<UnwrappedScene> unwrapped = unwrap(std::move(scene), settings, stages.progress, crossingTest);
+    Result<UnwrappedScene> unwrapped = unwrap(std::move(scene), settings, stages.progress, crossingTest, sheetTest);
     if (unwrapped && kept) keepUnwrapped(*kept, *unwrapped);
     return unwrapped;
 }
 
 Result<PageLayout> unwrapStage(const Stages& stages, Scene scene, const CrossingTest& crossingTest,
-                               std::optional<PartFolder>& kept)
+                               const SheetTest& sheetTest, std::optional<PartFolder>& kept)
 {
     BakeReport& report = stages.report();
     StageTimer timer(report, "unwrap");
-    Result<UnwrappedScene> unwrapped = unwrapOrTake(stages, std::move(scene), crossingTest, kept);
+    Result<UnwrappedScene> unwrapped = unwrapOrTake(stages, std::move(scene), crossingTest, sheetTest, kept);
     if (!unwrapped) return unwrapped.error();
     BakedScene& baked = stages.baked();
     baked.scene = std::move(unwrapped->scene);
@@ -118,6 +119,7 @@ TexelMap rasterizeStage(const Stages& stages, const BakeGeometry& geometry, cons
         if (kept && keep) keepTexels(*kept, map);
     }
     stages.report().coveredTexels = map.texels.size();
+    reportTwoSided(stages.baked().scene, geometry, map, stages.report());
     timer.finish();
     return map;
 }
@@ -200,10 +202,13 @@ Status prepareTexels(const Stages& stages, Scene scene, const IntegratorFactory&
     if (stages.live != nullptr &&
         !stages.live->beginWithProbes(scene, stages.settings, factory, front.integration, stages.progress))
         return cancelledError();
+    assignShadowmaskChannels(scene, stages.settings.mode);
+    SheetTest sheets = keptSheetTest(
+        scene, stages.settings, sheetSidesTest(factory, front.integration, stages.settings.twoSided, stages.progress),
+        stages.progress);
     const Result<PageLayout> pages =
-        unwrapStage(stages, std::move(scene), hiddenSidesTest(factory, front.integration), kept);
+        unwrapStage(stages, std::move(scene), hiddenSidesTest(factory, front.integration), std::move(sheets), kept);
     if (!pages) return pages.error();
-    assignShadowmaskChannels(stages.baked().scene, stages.settings.mode);
     reportLights(stages.baked().scene, report);
 
     auto integrator = buildStage(stages, factory, *pages, front.integration, kept, front.geometry);

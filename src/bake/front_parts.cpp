@@ -8,19 +8,20 @@
 namespace halflight {
 namespace {
 
-constexpr uint32_t kFrontVersion = 4; ///< raised when the first stages make other results of the same input
+constexpr uint32_t kFrontVersion = 5; ///< raised when the first stages make other results of the same input
 constexpr const char* kUnwrapped = "unwrapped";
 constexpr const char* kGeometry = "geometry";
 constexpr const char* kTexels = "texels";
+constexpr const char* kSheets = "sheets";
 
 /// Calls archive(members…) for all members of a part of a mesh. Structured bindings name them all: a new member is a
 /// compile error here.
 template<typename Archive, typename Part> void archiveMeshPart(Archive& archive, Part& part)
 {
     auto& [positions, normals, tangents, uv, colors, indices, material, lightmapUv, sourceVertex, cutVertices,
-           sourcePrimitive, lightmapTexCoord] = part;
+           sourcePrimitive, lightmapTexCoord, side, texelSides] = part;
     archive(positions, normals, tangents, uv[0], uv[1], colors, indices, material, lightmapUv, sourceVertex);
-    archive(cutVertices, sourcePrimitive, lightmapTexCoord);
+    archive(cutVertices, sourcePrimitive, lightmapTexCoord, side, texelSides);
 }
 
 template<typename Archive, typename Unwrapped> void archiveNumbers(Archive& archive, Unwrapped& u)
@@ -39,9 +40,10 @@ template<typename Archive, typename Report> void archiveMeshReport(Archive& arch
 /// As archiveMeshPart(); `frames` and `partOfBlock` follow from the others.
 template<typename Archive, typename Geometry> void archiveGeometry(Archive& archive, Geometry& g)
 {
-    auto& [parts, instances, triangles, solid, flipped, positions, normals, uv, colors, lightmapTexel, frames,
-           partOfBlock] = g;
-    archive(parts, instances, triangles, solid, flipped, positions, normals, uv[0], uv[1], colors, lightmapTexel);
+    auto& [parts, instances, triangles, solid, flipped, texelSides, positions, normals, uv, colors, lightmapTexel,
+           frames, partOfBlock] = g;
+    archive(parts, instances, triangles, solid, flipped, texelSides, positions, normals, uv[0], uv[1], colors,
+            lightmapTexel);
 }
 
 template<typename Archive, typename Map> void archiveTexels(Archive& archive, Map& map)
@@ -69,13 +71,48 @@ std::optional<PartFolder> frontFolder(const Scene& scene, const BakeSettings& se
     Hasher hasher;
     hasher.add(kFrontVersion).add(contentHash(scene)).add(int(settings.mode)).add(int(settings.uvMode));
     hasher.add(settings.texelsPerMeter).add(resolveQuality(settings).lightmapSize).add(int(settings.lightmapSize == 0));
-    hasher.add(settings.paddingTexels);
+    hasher.add(settings.paddingTexels).add(int(settings.twoSided));
     const std::string name = hasher.hash().hex();
     std::error_code ec;
     // A bake of some objects may still be refused, and then leaves nothing behind.
     if (!settings.only.empty() && !std::filesystem::is_directory(settings.cacheDirectory / (name + ".front"), ec))
         return std::nullopt;
     return openBakeFolder(settings.cacheDirectory, name, ".front");
+}
+
+SheetTest keptSheetTest(const Scene& scene, const BakeSettings& settings, SheetTest test, const Progress& progress)
+{
+    if (settings.cacheDirectory.empty()) return test;
+    Hasher hasher;
+    hasher.add(kFrontVersion).add(surfacesHash(scene)).add(int(settings.mode)).add(int(settings.uvMode));
+    hasher.add(settings.texelsPerMeter).add(resolveQuality(settings).lightmapSize).add(int(settings.lightmapSize == 0));
+    hasher.add(settings.paddingTexels).add(int(settings.twoSided));
+    const std::string name = hasher.hash().hex();
+    const std::filesystem::path cache = settings.cacheDirectory;
+    const bool keeps = settings.only.empty(); // a bake of some objects may still be refused, and leaves nothing behind
+    return [=, &progress, test = std::move(test)](const Scene& cut, double texelMeters) {
+        const auto count = [&](std::size_t mesh) {
+            std::size_t triangles = 0;
+            for (const MeshPart& part : cut.meshes[mesh].parts) triangles += part.indices.size() / 3;
+            return triangles;
+        };
+        std::vector<std::vector<SheetTexels>> texels(cut.meshes.size());
+        if (const auto bytes = PartFolder(cache / (name + ".sheets")).read(kSheets)) {
+            ByteReader reader(*bytes);
+            bool fits = true;
+            for (std::size_t m = 0; m < texels.size(); ++m) {
+                reader.read(texels[m]);
+                fits = fits && (texels[m].empty() || texels[m].size() == count(m));
+            }
+            if (fits && reader.complete()) return texels;
+        }
+        texels = test(cut, texelMeters);
+        if (!keeps || progress.cancelled()) return texels;
+        ByteWriter writer;
+        for (const std::vector<SheetTexels>& ofMesh : texels) writer.add(ofMesh);
+        openBakeFolder(cache, name, ".sheets").write(kSheets, writer.take());
+        return texels;
+    };
 }
 
 void keepUnwrapped(PartFolder& folder, const UnwrappedScene& unwrapped)

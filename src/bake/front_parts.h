@@ -15,6 +15,10 @@ std::optional<PartFolder> frontFolder(const Scene& scene, const BakeSettings& se
 
 /// What unwrap() made of `scene`, whose other members move into it. False, and `scene` unchanged, if it is not kept.
 bool takeUnwrapped(const PartFolder& folder, Scene& scene, UnwrappedScene& unwrapped);
+/// The test that finds what the last bake of the same surfaces found, if the cache has it. Lights and the sky may have
+/// changed: the charts stay, and with them tiles that the change does not affect.
+SheetTest keptSheetTest(const Scene& scene, const BakeSettings& settings, SheetTest test, const Progress& progress);
+
 void keepUnwrapped(PartFolder& folder, const UnwrappedScene& unwrapped);
 
 bool takeGeometry(const PartFolder& folder, BakeGeometry& geometry);

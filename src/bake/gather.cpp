@@ -51,8 +51,8 @@ Hash128 bakeHash(const Scene& scene, const BakeSettings& settings)
     // Structured bindings name every setting: a new setting is a compile error here. The hash leaves out settings that
     // resolveQuality() replaces, those that change no byte of the output file, and `only`.
     [[maybe_unused]] const auto& [mode, quality, samples, shadowSamples, bounces, glossyBounces, integrator,
-                                  noiseTarget, texelStep, uvMode, texelsPerMeter, lightmapSize, paddingTexels, denoiser,
-                                  directional, maskEncoding, subtractiveMask, probeSpacingMeters, probeLayout,
+                                  noiseTarget, texelStep, uvMode, texelsPerMeter, lightmapSize, paddingTexels, twoSided,
+                                  denoiser, directional, maskEncoding, subtractiveMask, probeSpacingMeters, probeLayout,
                                   reflectionProbes, threads, seed, imagesDirectory, cacheDirectory, only] = settings;
     const BakeQuality q = resolveQuality(settings);
     Hasher hasher;
@@ -63,6 +63,7 @@ Hash128 bakeHash(const Scene& scene, const BakeSettings& settings)
         .add(texelStep)
         .add(texelsPerMeter)
         .add(paddingTexels)
+        .add(int(twoSided))
         .add(int(denoiser))
         .add(int(q.directional));
     hasher.add(int(maskEncoding)).add(int(subtractiveMask)).add(probeSpacingMeters).add(int(probeLayout));
@@ -94,11 +95,12 @@ Hash128 lightHash(Hash128 layout, const Scene& scene, const BakeGeometry& geomet
     const std::vector<Hash128> materials = materialHashes(scene);
     for (const BakeGeometry::Part& part : geometry.parts) {
         hasher.add(materialHash(materials, part.material)).add(int(part.castShadows)).add(int(part.receiveShadows));
-        hasher.add(part.firstTriangle);
+        hasher.add(part.firstTriangle).add(int(part.side));
         if (part.instance == BakeGeometry::kOwn) continue;
         const BakeGeometry::Instance& i = geometry.instances[part.instance];
         hasher.add(part.firstStored).add(i.linear).add(i.origin).add(i.texelScale).add(i.texelOffset);
     }
+    hasher.add(geometry.texelSides);
     for (const Light& light : scene.lights)
         hasher.add(lightHash(light)).add(int(light.baking.bakeType)).add(light.baking.occlusionMaskChannel);
     addSky(hasher, scene.sky);

@@ -49,9 +49,9 @@ void BakeGeometry::scaleTexels(float factor)
 std::size_t BakeGeometry::byteCount() const
 {
     const auto bytes = [](const auto& list) { return list.capacity() * sizeof(list[0]); };
-    return bytes(parts) + bytes(instances) + bytes(triangles) + bytes(solid) + bytes(flipped) + bytes(positions) +
-           bytes(normals) + bytes(uv[0]) + bytes(uv[1]) + bytes(colors) + bytes(lightmapTexel) + bytes(frames) +
-           bytes(partOfBlock);
+    return bytes(parts) + bytes(instances) + bytes(triangles) + bytes(solid) + bytes(flipped) + bytes(texelSides) +
+           bytes(positions) + bytes(normals) + bytes(uv[0]) + bytes(uv[1]) + bytes(colors) + bytes(lightmapTexel) +
+           bytes(frames) + bytes(partOfBlock);
 }
 
 void BakeGeometry::storeInWorldSpace(uint32_t part)
@@ -76,6 +76,7 @@ void BakeGeometry::storeInWorldSpace(uint32_t part)
             triangles.push_back(v);
             solid.push_back(solid[p.firstStored + t]);
             flipped.push_back(0);
+            if (!texelSides.empty()) texelSides.push_back(texelSides[p.firstStored + t]);
             const std::array<vec3, 3> corners{positions[v.x], positions[v.y], positions[v.z]};
             frames.push_back({instance.normal(frames[p.firstStored + t].normal),
                               texelMeters(corners, {lightmapTexel[v.x], lightmapTexel[v.y], lightmapTexel[v.z]})});
@@ -113,6 +114,7 @@ std::vector<uint32_t> listParts(const Scene& scene, GeometryFilter filter, const
             out.mesh = object.mesh;
             out.part = int(p);
             out.material = part.material;
+            out.side = part.side;
             out.firstTriangle = triangleCount;
             out.triangleCount = uint32_t(part.indices.size() / 3);
             out.vertexCount = uint32_t(part.positions.size());
@@ -176,6 +178,24 @@ void storePart(const Scene& scene, const BakeGeometry::Part& out, int pageSize, 
     }
 }
 
+/// Flips triangles whose texels hold the light of the back, and notes those whose sides share texels.
+void takeTexelSides(const Scene& scene, BakeGeometry& g)
+{
+    std::vector<uint32_t> backs;
+    for (uint32_t p = 0; p < g.parts.size(); ++p) {
+        const BakeGeometry::Part part = g.parts[p];
+        const std::vector<TexelSide>& sides =
+            scene.meshes[std::size_t(part.mesh)].parts[std::size_t(part.part)].texelSides;
+        for (uint32_t t = 0; t < sides.size(); ++t) {
+            if (sides[t] == TexelSide::Back) backs.push_back(part.firstTriangle + t);
+            if (sides[t] == TexelSide::Front || sides[t] == TexelSide::Back) continue;
+            g.texelSides.resize(g.triangles.size(), TexelSide::Front);
+            g.texelSides[part.firstStored + t] = sides[t];
+        }
+    }
+    flipTriangles(g, backs);
+}
+
 } // namespace
 
 std::vector<uint32_t> partsOnce(const BakeGeometry& geometry)
@@ -207,6 +227,7 @@ BakeGeometry flattenGeometry(const Scene& scene, int pageSize, GeometryFilter fi
     });
     g.findFrames();
     findSolids(scene, g);
+    takeTexelSides(scene, g);
     return g;
 }
 
@@ -215,6 +236,13 @@ void Integrator::surfacesAlong(std::span<const Segment> segments, std::span<std:
     parallelFor(segments.size(), 16, [&](std::size_t begin, std::size_t end) {
         for (std::size_t i = begin; i < end; ++i) out[i] = surfacesBetween(segments[i].from, segments[i].to);
     });
+}
+
+bool Integrator::sides(std::span<const SurfacePoint> /*points*/, std::span<const vec3> /*eyes*/, int /*paths*/,
+                       int /*walks*/, std::span<SideEstimate> out, const Progress& progress)
+{
+    std::fill(out.begin(), out.end(), SideEstimate{vec3(0.0f), vec3(0.0f), 1.0f});
+    return !progress.cancelled();
 }
 
 void Integrator::findOutside(std::span<const SurfacePoint> /*points*/, std::span<uint8_t> out) const

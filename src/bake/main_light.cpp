@@ -27,7 +27,9 @@ vec3 unshadowedIrradiance(const BakeGeometry& geometry, const TexelMap& map, con
         const int size = texelPoints(geometry, map, texel, points, batch);
         for (int p = 0; p < size; ++p) {
             if (((texel.validPoints >> p) & 1) == 0) continue;
-            const float cosine = std::max(glm::dot(points[std::size_t(p)].normal, towardsLight), 0.0f);
+            const float towards = glm::dot(points[std::size_t(p)].normal, towardsLight);
+            const bool mean = geometry.hasMeanTexels(points[std::size_t(p)].triangle); // one side receives nothing
+            const float cosine = mean ? 0.5f * std::abs(towards) : std::max(towards, 0.0f);
             sum += cosine;
             least = std::min(least, cosine);
             most = std::max(most, cosine);

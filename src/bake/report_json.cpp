@@ -50,6 +50,9 @@ std::string reportJson(const BakeReport& report)
                           {"charts", mesh.charts},
                           {"areaStretch", mesh.areaStretch}});
     }
+    json twoSided = json::array();
+    for (const TwoSidedReport& object : report.twoSided)
+        twoSided.push_back({{"object", object.object}, {"triangles", object.triangles}, {"texels", object.texels}});
     json written = json::array();
     for (const WrittenLightmap& page : report.written.lightmapPages)
         written.push_back({{"bytes", page.bytes}, {"meanError", page.meanError}, {"mostError", page.mostError}});
@@ -99,6 +102,7 @@ std::string reportJson(const BakeReport& report)
         {"lights", std::move(lights)},
         {"stages", std::move(stages)},
         {"meshes", std::move(meshes)},
+        {"twoSided", std::move(twoSided)},
         {"warnings", report.warnings},
     };
     if (const auto& main = report.mainLight) {

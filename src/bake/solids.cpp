@@ -61,7 +61,13 @@ public:
             for (uint32_t v = part.firstVertex; v < part.firstVertex + part.vertexCount; ++v)
                 bounds.extend(geometry.positionOf(part, v));
             bounds_.extend(bounds);
+            const bool emits = part.material >= 0 && part.triangleCount > 0 &&
+                               scene.materials[std::size_t(part.material)].emissiveNits != vec3(0.0f);
+            if (emits) emissive_.push_back(part.firstTriangle);
         }
+        for (const Light& light : scene.lights)
+            if (light.type != LightType::Directional) roomPoints_.push_back(light.position());
+        for (const Camera& camera : scene.cameras) roomPoints_.emplace_back(camera.worldFromCamera[3]);
     }
 
     /// Whether a component is double-sided, not emissive, and not the whole scene.
@@ -73,6 +79,24 @@ public:
                    if (material < 0) return false;
                    const Material& m = scene_.materials[std::size_t(material)];
                    return m.doubleSided && m.emissiveNits == vec3(0.0f);
+               });
+    }
+    /// Whether an outward-facing component is a room: double-sided, with a light, a camera or an emissive surface in
+    /// it. One sees its inside.
+    [[nodiscard]] bool isRoom(const Component& component) const
+    {
+        const auto inside = [&](vec3 point) {
+            return within({point, point}, component.bounds) && windingNumber(geometry_, component, point) > 0.5;
+        };
+        const auto emitsInside = [&](uint32_t triangle) {
+            return !std::binary_search(component.triangles.begin(), component.triangles.end(), triangle) &&
+                   inside(geometry_.centroid(triangle));
+        };
+        const bool occupied = std::any_of(roomPoints_.begin(), roomPoints_.end(), inside) ||
+                              std::any_of(emissive_.begin(), emissive_.end(), emitsInside);
+        return occupied && std::all_of(component.triangles.begin(), component.triangles.end(), [&](uint32_t t) {
+                   const int material = geometry_.partOf(t).material;
+                   return material >= 0 && scene_.materials[std::size_t(material)].doubleSided;
                });
     }
     /// Whether a component contains nothing as a whole: no component of `among` (sorted by their bounds' least x), no
@@ -113,6 +137,8 @@ private:
     const Scene& scene_;
     const BakeGeometry& geometry_;
     std::vector<vec3> points_;
+    std::vector<vec3> roomPoints_;   ///< local lights and cameras: what is around them is a room
+    std::vector<uint32_t> emissive_; ///< a triangle of each emissive part: likewise
     std::vector<Bounds> boundsOfPart_;
     Bounds bounds_;
 };
@@ -135,11 +161,12 @@ bool markSolids(BakeGeometry& geometry, std::span<const uint32_t> triangles, con
         if (together) storeInWorldSpace(geometry, component.triangles);
         for (const uint32_t t : component.triangles) geometry.solid[geometry.storedOf(t).index] = 1;
     };
-    for (const Component& component : components.solids) mark(component);
+    const bool shared = !together && geometry.storedOf(triangles.front()).instance != nullptr;
+    for (const Component& component : components.solids)
+        if (shared || !inversion.isRoom(component)) mark(component);
     if (components.inward.empty()) return true;
     std::sort(components.all.begin(), components.all.end(),
               [](const auto& a, const auto& b) { return a.bounds.min.x < b.bounds.min.x; });
-    const bool shared = !together && geometry.storedOf(triangles.front()).instance != nullptr;
     for (const Component& component : components.inward) {
         if (isCavity(geometry, component, components.solids)) {
             mark(component);
@@ -170,6 +197,7 @@ void markSolidsOfObjects(BakeGeometry& geometry, const InversionTest& inversion,
             std::vector<uint32_t> list;
             for (std::size_t i = firstParts[o]; i < geometry.parts.size() && geometry.parts[i].object == object; ++i) {
                 const BakeGeometry::Part& part = geometry.parts[i];
+                if (part.side == SurfaceSide::Back) continue;
                 for (uint32_t t = 0; t < part.triangleCount; ++t) list.push_back(part.firstTriangle + t);
             }
             if (!list.empty()) undecided[o] = markSolids(geometry, list, inversion, false) ? 0 : 1;
@@ -196,6 +224,7 @@ void markSolidsTogether(BakeGeometry& geometry, const InversionTest& inversion)
     constexpr std::size_t kMaxTogether = 4'000'000;       // triangles: some 200 bytes each for a while
     constexpr std::size_t kMaxShared = kMaxTogether / 16; // of instances: more are a forest, not a building
     const auto forOpen = [&](const BakeGeometry::Part& part, const auto& body) {
+        if (part.side == SurfaceSide::Back) return;
         for (uint32_t t = 0; t < part.triangleCount; ++t) {
             if (geometry.solid[part.firstStored + t] == 0) body(part.firstTriangle + t);
         }

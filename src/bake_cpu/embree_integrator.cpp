@@ -132,6 +132,12 @@ public:
         return traceRadianceAround(paths_, settings_, position, lightmap, map, progress, rays_);
     }
 
+    bool sides(std::span<const SurfacePoint> points, std::span<const vec3> eyes, int paths, int walks,
+               std::span<SideEstimate> out, const Progress& progress) override
+    {
+        return traceSides(paths_, settings_, points, eyes, paths, walks, out, progress, rays_);
+    }
+
     [[nodiscard]] std::optional<vec2> surfacesBetween(vec3 from, vec3 to) const override
     {
         const float length = glm::distance(from, to);

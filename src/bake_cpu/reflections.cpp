@@ -44,8 +44,11 @@ private:
         const BakeGeometry::Part& part = geometry.partOf(hit.point.triangle);
         if (part.page < 0)
             return paths_.pathRadiance(at, direction, {position_}, 0.0f, settings_.bounces, sampler, rays);
-        const std::array<vec2, 3> t = geometry.texelsOf(hit.point.triangle);
-        const vec2 b = hit.point.barycentric;
+        // The back half of a sheet follows its front half, with reversed winding.
+        const bool ofBackHalf = at.back && part.side == SurfaceSide::Front;
+        const std::array<vec2, 3> t =
+            geometry.texelsOf(hit.point.triangle + (ofBackHalf ? part.triangleCount : 0));
+        const vec2 b = ofBackHalf ? vec2(hit.point.barycentric.y, hit.point.barycentric.x) : hit.point.barycentric;
         const vec2 texel = (1.0f - b.x - b.y) * t[0] + b.x * t[1] + b.y * t[2];
         const vec3 irradiance =
             bilinear(lightmap_[std::size_t(part.page)], texel) + mixedLight(hit.point, sampler, rays);

@@ -48,7 +48,7 @@ void uploadMeshes(gpu::Device& device, gpu::Uploader& uploader, const Scene& sce
             draw.firstVertex = int32_t(positions.size());
             draw.material = part.material >= 0 ? part.material : int(scene.materials.size());
             draw.alphaMode = material.alphaMode;
-            draw.doubleSided = material.doubleSided;
+            draw.doubleSided = isDoubleSided(scene, part);
             draw.castShadows = material.castShadows;
             Bounds bounds;
             for (const vec3& position : part.positions) bounds.extend(position);

@@ -284,7 +284,8 @@ std::optional<SurfaceAtBake> AtBake::ofObjects(std::span<const Object* const> ob
     Sums sums;
     for (const Object* object : objects) {
         if (!object->isStatic || object->mesh < 0) continue;
-        for (const MeshPart& part : scene_.meshes[std::size_t(object->mesh)].parts) add(*object, part, sums);
+        for (const MeshPart& part : scene_.meshes[std::size_t(object->mesh)].parts)
+            if (part.side != SurfaceSide::Back) add(*object, part, sums);
     }
     if (sums.bounds.empty()) return std::nullopt;
     SurfaceAtBake surface;

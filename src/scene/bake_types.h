@@ -34,6 +34,7 @@ inline constexpr Rule kBakeRules[] = {
     {"nodes/*/extensions/HALFLIGHT_node/castShadows", Kind::Flag},
     {"nodes/*/extensions/HALFLIGHT_node/receiveShadows", Kind::Flag},
     {"nodes/*/extensions/HALFLIGHT_node/lightmapScale", Kind::Number},
+    {"nodes/*/extensions/HALFLIGHT_node/twoSided", Kind::Flag},
     {"nodes/*/extensions/HALFLIGHT_node/probes", Kind::Text},
     {"nodes/*/extensions/HALFLIGHT_node/probeResolution", Kind::Indices, 3},
     {"nodes/*/extensions/HALFLIGHT_node/atBake/min", Kind::Numbers, 3},

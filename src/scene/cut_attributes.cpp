@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <cstring>
+#include <limits>
 
 namespace halflight {
 namespace {
@@ -46,7 +47,25 @@ float lengthOf(const Numbers& n)
     return std::sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]);
 }
 
+template<typename T> void negate(std::byte* at)
+{
+    T number{};
+    std::memcpy(&number, at, sizeof(number));
+    if constexpr (!std::is_floating_point_v<T>) number = std::max(number, T(-std::numeric_limits<T>::max()));
+    number = T(-number);
+    std::memcpy(at, &number, sizeof(number));
+}
+
 } // namespace
+
+void negateElement(std::byte* element, int componentType, int components)
+{
+    for (int c = 0; c < components; ++c) {
+        if (componentType == TINYGLTF_COMPONENT_TYPE_FLOAT) negate<float>(element + 4 * c);
+        if (componentType == TINYGLTF_COMPONENT_TYPE_SHORT) negate<int16_t>(element + 2 * c);
+        if (componentType == TINYGLTF_COMPONENT_TYPE_BYTE) negate<int8_t>(element + c);
+    }
+}
 
 Between betweenOf(const std::string& attribute)
 {

@@ -19,4 +19,7 @@ Between betweenOf(const std::string& attribute);
 /// The elements of an accessor for the cut vertices of a part, bytesPerElement each.
 std::vector<std::byte> cutElements(const AccessorView& view, std::span<const CutVertex> cut, Between between);
 
+/// Negates an element of a signed component type; the least integer becomes the largest.
+void negateElement(std::byte* element, int componentType, int components);
+
 } // namespace halflight

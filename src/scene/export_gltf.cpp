@@ -3,7 +3,9 @@
 #include "scene/compact.h"
 #include "scene/decompress.h"
 #include "scene/erase_extension.h"
+#include "scene/export_place.h"
 #include "scene/make_document.h"
+#include "scene/material_sides.h"
 #include "scene/read_parts.h"
 #include "scene/settings.h"
 #include "scene/validate.h"
@@ -14,30 +16,11 @@
 #include <tuple>
 
 namespace halflight {
-
 namespace {
 
 constexpr int kLinear = 9729; // WebGL enums, as glTF has them
 constexpr int kClampToEdge = 33071;
 constexpr int kLastLineMode = 3; // points and lines have modes up to here
-
-// Where an object has its texels.
-struct Place {
-    int page = 0;
-    int texCoord = 1;
-    vec2 scale{1.0f};
-    vec2 offset{0.0f};
-    bool skinned = false;
-
-    auto operator<=>(const Place& o) const { return key() <=> o.key(); }
-    bool operator==(const Place& o) const { return key() == o.key(); }
-
-private:
-    [[nodiscard]] std::tuple<int, int, float, float, float, float, bool> key() const
-    {
-        return {page, texCoord, scale.x, scale.y, offset.x, offset.y, skinned};
-    }
-};
 
 vec2 pairOf(const Json& json, vec2 otherwise)
 {
@@ -159,9 +142,9 @@ private:
         return {};
     }
 
-    int materialFor(int page, const Material& source)
+    int materialFor(int page, const Material& source, bool doubleSided)
     {
-        const auto [it, isNew] = materials_.try_emplace({page, source.alphaMode, source.doubleSided}, -1);
+        const auto [it, isNew] = materials_.try_emplace({page, source.alphaMode, doubleSided}, -1);
         if (!isNew) return it->second;
         const bool isOpaque = source.alphaMode == Material::AlphaMode::Opaque;
         const Json texture = {{"index", textures_[std::size_t(page)]}};
@@ -180,7 +163,7 @@ private:
         }
         json["pbrMetallicRoughness"] = std::move(pbr);
         json["name"] = "surfaces " + std::to_string(page);
-        if (source.doubleSided) json["doubleSided"] = true;
+        if (doubleSided) json["doubleSided"] = true;
         if (source.alphaMode == Material::AlphaMode::Blend) json["alphaMode"] = "BLEND";
         // Alpha is the share of a texel that is there, so half of it is the edge, whatever the source's cutoff.
         if (source.alphaMode == Material::AlphaMode::Mask) json["alphaMode"] = "MASK";
@@ -213,7 +196,9 @@ private:
         if (lightmapUv.is_null() || source.value("mode", 4) <= kLastLineMode || material.unlit) return source;
         const auto uv = coordinates(lightmapUv.get<int>(), place);
         if (!uv) return uv.error();
-        Json result = {{"attributes", {{"TEXCOORD_0", *uv}}}, {"material", materialFor(place.page, material)}};
+        const bool isWhole = markedSide(element(source_.json, "materials", index)) == SurfaceSide::Both;
+        const int own = materialFor(place.page, material, material.doubleSided && isWhole);
+        Json result = {{"attributes", {{"TEXCOORD_0", *uv}}}, {"material", own}};
         for (const char* key : {"indices", "mode"}) {
             if (source.contains(key)) result[key] = source[key];
         }

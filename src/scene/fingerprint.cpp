@@ -81,6 +81,25 @@ void addSky(Hasher& hasher, const Sky& sky)
     if (sky.picture) hasher.add(sky.picture->size()).add(sky.picture->texels()).add(sky.rotationRadians);
 }
 
+Hash128 surfacesHash(const Scene& scene)
+{
+    Hasher hasher;
+    hasher.add(materialHashes(scene));
+    for (const Mesh& mesh : scene.meshes) {
+        for (const MeshPart& part : mesh.parts) {
+            hasher.add(part.positions).add(part.normals).add(part.tangents).add(part.uv[0]).add(part.uv[1]);
+            hasher.add(part.colors).add(part.indices).add(part.material).add(int(part.side));
+        }
+    }
+    for (const Object& object : scene.objects) {
+        hasher.add(std::string_view(object.name)).add(object.mesh).add(object.worldFromObject);
+        hasher.add(object.lightmapScale).add(int(object.twoSided));
+        hasher.add(int(object.isStatic)).add(int(object.castShadows)).add(int(object.receiveShadows));
+        hasher.add(int(object.probeLighting)).add(object.probeResolution);
+    }
+    return hasher.hash();
+}
+
 Hash128 contentHash(const Scene& scene)
 {
     Hasher hasher;
@@ -88,19 +107,7 @@ Hash128 contentHash(const Scene& scene)
         hasher.add(std::string_view(scene.source->json.dump()));
         for (const tinygltf::Buffer& buffer : scene.source->model.buffers) hasher.add(buffer.data);
     }
-    hasher.add(textureHashes(scene)).add(materialHashes(scene));
-    for (const Mesh& mesh : scene.meshes) {
-        for (const MeshPart& part : mesh.parts) {
-            hasher.add(part.positions).add(part.normals).add(part.tangents).add(part.uv[0]).add(part.uv[1]);
-            hasher.add(part.colors).add(part.indices).add(part.material);
-        }
-    }
-    for (const Object& object : scene.objects) {
-        hasher.add(std::string_view(object.name)).add(object.mesh).add(object.worldFromObject);
-        hasher.add(object.lightmapScale);
-        hasher.add(int(object.isStatic)).add(int(object.castShadows)).add(int(object.receiveShadows));
-        hasher.add(int(object.probeLighting)).add(object.probeResolution);
-    }
+    hasher.add(textureHashes(scene)).add(surfacesHash(scene));
     for (const Light& light : scene.lights) {
         hasher.add(std::string_view(light.name)).add(lightHash(light));
         for (const std::optional<float>& bias :

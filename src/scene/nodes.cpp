@@ -44,6 +44,7 @@ Result<ObjectSettings> bakedRecord(const Json& node, const std::string& nodePath
     flag("static", settings.isStatic);
     flag("castShadows", settings.castShadows);
     flag("receiveShadows", settings.receiveShadows);
+    flag("twoSided", settings.twoSided);
     if (const Json& scale = member(record, "lightmapScale"); scale.is_number()) {
         if (!(scale.get<double>() >= 0.0)) return invalid(path + "/lightmapScale", "is below 0");
         settings.lightmapScale = scale.get<float>();

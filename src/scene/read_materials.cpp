@@ -1,6 +1,7 @@
 #include "halflight/base/encoded_image.h"
 #include "halflight/base/parallel.h"
 #include "scene/decompress.h"
+#include "scene/material_sides.h"
 #include "scene/read_parts.h"
 
 #include <algorithm>
@@ -256,7 +257,8 @@ Status readMaterial(const Json& json, const std::string& path, TextureTable& tex
     }
     if (Status s = readTransmission(json, path, material); !s) return s;
     const Json& doubleSided = member(json, "doubleSided");
-    material.doubleSided = doubleSided.is_boolean() && doubleSided.get<bool>();
+    material.doubleSided =
+        (doubleSided.is_boolean() && doubleSided.get<bool>()) || markedSide(json) != SurfaceSide::Both;
     material.unlit = extensionOf(json, "KHR_materials_unlit").is_object();
     return {};
 }

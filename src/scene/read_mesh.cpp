@@ -1,4 +1,5 @@
 #include "scene/geometry.h"
+#include "scene/material_sides.h"
 #include "scene/read_parts.h"
 #include "scene/tangents.h"
 
@@ -114,6 +115,7 @@ Result<std::optional<MeshPart>> readPart(const SourceDocument& document, int mes
     MeshPart part;
     part.sourcePrimitive = primitiveIndex;
     part.material = primitive.material;
+    part.side = markedSide(element(document.json, "materials", primitive.material));
     auto positions = readVectors<3>(document, position->second);
     if (!positions) return positions.error();
     part.positions = std::move(*positions);
@@ -229,6 +231,11 @@ Result<MeshRead> readMesh(const SourceDocument& document, int index, const std::
             for (vec2& uv : part.uv[1]) uv *= it->second;
         }
     }
+    // A back half without its front half is a surface of its own.
+    const bool hasFront = std::any_of(read.mesh.parts.begin(), read.mesh.parts.end(),
+                                      [](const MeshPart& part) { return part.side == SurfaceSide::Front; });
+    for (MeshPart& part : read.mesh.parts)
+        if (!hasFront) part.side = SurfaceSide::Both;
     // One slot for the whole mesh, since a node names one.
     int texCoord = 1;
     const auto taken = [&](int n) {

@@ -186,6 +186,7 @@ Status addObjects(const SourceDocument& document, const NodeState& state, const 
     object.castShadows = state.settings.castShadows.value_or(true);
     object.receiveShadows = state.settings.receiveShadows.value_or(true);
     object.lightmapScale = state.settings.lightmapScale.value_or(1.0f);
+    if (state.settings.twoSided) object.twoSided = *state.settings.twoSided ? TwoSided::On : TwoSided::Off;
     object.probeLighting = state.settings.probeLighting.value_or(ProbeLighting::Automatic);
     object.probeResolution = state.settings.probeResolution.value_or(ivec3(0));
     object.sourceNode = state.node;

@@ -86,6 +86,11 @@ const Material& materialOf(const Scene& scene, const MeshPart& part)
     return part.material >= 0 ? scene.materials[std::size_t(part.material)] : defaultMaterial();
 }
 
+bool isDoubleSided(const Scene& scene, const MeshPart& part)
+{
+    return part.side == SurfaceSide::Both && materialOf(scene, part).doubleSided;
+}
+
 bool throwsShadows(const Scene& scene, const Object& object)
 {
     if (!object.castShadows || object.mesh < 0) return false;

@@ -1,5 +1,6 @@
 #include "scene/settings.h"
 
+#include "scene/material_sides.h"
 #include "scene/pose.h"
 #include "scene/setting_values.h"
 
@@ -24,6 +25,7 @@ const std::vector<Key<ObjectSettings>>& objectKeys()
          [](const Json& v, ObjectSettings& s) {
              return readNumber(v, 0.0, 1000.0, "a number from 0 to 1000", s.lightmapScale);
          }},
+        {"two_sided", [](const Json& v, ObjectSettings& s) { return readBool(v, s.twoSided); }},
         {"probes",
          [](const Json& v, ObjectSettings& s) -> Expectation {
              if (v.is_string()) s.probeLighting = probeLightingNamed(v.get<std::string>());
@@ -343,7 +345,7 @@ void warnUnknownExtras(const Json& extras, ExtrasOwner owner, const std::string&
     if (!extras.is_object()) return;
     for (const auto& item : extras.items()) {
         const std::string_view name = item.key();
-        if (name.substr(0, kPrefix.size()) != kPrefix || name == kBakeMark) continue;
+        if (name.substr(0, kPrefix.size()) != kPrefix || name == kBakeMark || name == kSideMark) continue;
         const auto knows = [&](const auto& keys) {
             for (const auto& key : keys) {
                 if (name.substr(kPrefix.size()) == key.name) return true;
@@ -385,6 +387,7 @@ ObjectSettings mergeSettings(const ObjectSettings& weaker, const ObjectSettings&
     if (stronger.castShadows) merged.castShadows = stronger.castShadows;
     if (stronger.receiveShadows) merged.receiveShadows = stronger.receiveShadows;
     if (stronger.lightmapScale) merged.lightmapScale = stronger.lightmapScale;
+    if (stronger.twoSided) merged.twoSided = stronger.twoSided;
     if (stronger.probeLighting) merged.probeLighting = stronger.probeLighting;
     if (stronger.probeResolution) merged.probeResolution = stronger.probeResolution;
     if (stronger.reflectionProbe) merged.reflectionProbe = stronger.reflectionProbe;

@@ -20,6 +20,7 @@ struct ObjectSettings {
     std::optional<bool> castShadows;
     std::optional<bool> receiveShadows;
     std::optional<float> lightmapScale;
+    std::optional<bool> twoSided; ///< texels for both sides of sheets, or for one
     std::optional<ProbeLighting> probeLighting;
     std::optional<ivec3> probeResolution;
     std::optional<bool> reflectionProbe; ///< the node's cube [-1, 1]^3 is a reflection probe's box

@@ -22,14 +22,12 @@
 #include <cctype>
 
 namespace halflight {
-
 namespace {
 
 constexpr const char* kRootExtension = "HALFLIGHT_mixed_lighting";
 constexpr const char* kNodeExtension = "HALFLIGHT_node";
 constexpr const char* kMaterialExtension = "HALFLIGHT_material";
 constexpr const char* kImageInfix = "_image"; // OUT_image_0.png
-
 Status writeBeside(const std::filesystem::path& path, const std::string& name, const std::vector<std::byte>& bytes)
 {
     const std::filesystem::path file = path.parent_path() / name;
@@ -187,6 +185,7 @@ private:
         Json record = {
             {"static", first.isStatic}, {"castShadows", first.castShadows}, {"receiveShadows", first.receiveShadows}};
         if (first.lightmapScale != 1.0f) record["lightmapScale"] = first.lightmapScale;
+        if (first.twoSided != TwoSided::Automatic) record["twoSided"] = first.twoSided == TwoSided::On;
         if (first.probeLighting != ProbeLighting::Automatic)
             record["probes"] = first.probeLighting == ProbeLighting::Volume ? "volume" : "single";
         if (const ivec3 texels = first.probeResolution; texels != ivec3(0))
@@ -213,7 +212,8 @@ private:
             for (std::size_t p = 0; p < mesh.parts.size(); ++p) {
                 const Json& primitive = source_.json["meshes"][std::size_t(mesh.sourceMesh)]["primitives"]
                                                     [std::size_t(mesh.parts[p].sourcePrimitive)];
-                materials[p] = mozMaterial(primitive.value("material", -1), binding, texCoord);
+                materials[p] =
+                    mozMaterial(meshes_.materialOf(mesh.parts[p], primitive.value("material", -1)), binding, texCoord);
             }
         }
         // A mesh without lightmap coordinates stays as the source has it, with its skin, whatever its shape in the

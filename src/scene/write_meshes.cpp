@@ -61,14 +61,15 @@ bool hasValidSources(const MeshPart& part, std::size_t sourceCount)
 
 MeshWriter::MeshWriter(DocumentPatcher& patcher, const SourceDocument& source, const Scene& scene,
                        const std::vector<FileLayout>& layouts)
-    : patcher_(patcher), source_(source), scene_(scene), layouts_(layouts)
+    : patcher_(patcher), source_(source), scene_(scene), layouts_(layouts), sides_(patcher)
 {}
 
 // The accessor with one element per vertex of the part, copied byte by byte: no format changes on the way. `between`
-// is for vertices that a cut added.
-Result<int> MeshWriter::remap(const MeshPart& part, int accessor, Between between)
+// is for vertices that a cut added. Normals and tangents of back halves are negated.
+Result<int> MeshWriter::remap(const MeshPart& part, int accessor, const std::string& attribute, Between between)
 {
-    const auto key = std::tuple(&part, accessor, between);
+    const bool negated = part.side == SurfaceSide::Back && (attribute == "NORMAL" || attribute == "TANGENT");
+    const auto key = std::tuple(&part, accessor, between, negated);
     if (const auto it = remapped_.find(key); it != remapped_.end()) return it->second;
     const auto view = viewAccessor(source_, accessor);
     if (!view) return view.error();
@@ -85,6 +86,7 @@ Result<int> MeshWriter::remap(const MeshPart& part, int accessor, Between betwee
         const std::byte* const element =
             (v & kCutVertex) != 0 ? &cut[(v & ~kCutVertex) * view->bytesPerElement] : view->at(v);
         std::memcpy(&copy.owned[i * copy.strideBytes], element, view->bytesPerElement);
+        if (negated) negateElement(&copy.owned[i * copy.strideBytes], view->componentType, view->components);
     }
     copy.data = copy.owned.data();
     json["count"] = copy.count;
@@ -111,14 +113,14 @@ Result<Json> MeshWriter::primitiveJson(const MeshPart& part, const FileLayout& l
     }
     if (split) {
         for (const auto& [name, accessor] : json["attributes"].items()) {
-            const auto index = remap(part, accessor.get<int>(), betweenOf(name));
+            const auto index = remap(part, accessor.get<int>(), name, betweenOf(name));
             if (!index) return index.error();
             accessor = *index;
         }
         if (json.contains("targets")) {
             for (Json& target : json["targets"]) {
-                for (Json& accessor : target) {
-                    const auto index = remap(part, accessor.get<int>(), Between::Linear);
+                for (const auto& [name, accessor] : target.items()) {
+                    const auto index = remap(part, accessor.get<int>(), name, Between::Linear);
                     if (!index) return index.error();
                     accessor = *index;
                 }
@@ -171,25 +173,43 @@ Result<Json> MeshWriter::primitiveJson(const MeshPart& part, const FileLayout& l
     return json;
 }
 
-Result<Json> MeshWriter::meshJson(int sceneMesh)
+// A primitive of the source becomes as many as it has parts. Back halves of an earlier bake that have no part are gone.
+Result<MeshWriter::Patched> MeshWriter::patchedMesh(int sceneMesh)
 {
     const Mesh& mesh = scene_.meshes[std::size_t(sceneMesh)];
-    Json json = source_.json["meshes"][std::size_t(mesh.sourceMesh)];
+    const Json& source = source_.json["meshes"][std::size_t(mesh.sourceMesh)];
     const auto& model = source_.model.meshes[std::size_t(mesh.sourceMesh)];
+    const std::string path = pathOf("meshes", std::size_t(mesh.sourceMesh)) + "/primitives/";
     for (const MeshPart& part : mesh.parts) {
-        const std::string path =
-            pathOf("meshes", std::size_t(mesh.sourceMesh)) + "/primitives/" + std::to_string(part.sourcePrimitive);
         if (part.sourcePrimitive < 0 || std::size_t(part.sourcePrimitive) >= model.primitives.size()) {
-            return Error{ErrorCode::InvalidArgument, "a part of the mesh has no primitive in the source file", path};
+            return Error{ErrorCode::InvalidArgument, "a part of the mesh has no primitive in the source file",
+                         path + std::to_string(part.sourcePrimitive)};
         }
-        if (part.lightmapUv.empty()) continue;
-        Json& primitive = json["primitives"][std::size_t(part.sourcePrimitive)];
-        auto patched = primitiveJson(part, layouts_[std::size_t(sceneMesh)], primitive,
-                                     model.primitives[std::size_t(part.sourcePrimitive)], path);
-        if (!patched) return patched;
-        primitive = std::move(*patched);
     }
-    return json;
+    Patched patched{source, std::vector<std::size_t>(mesh.parts.size(), 0)};
+    Json primitives = Json::array();
+    for (std::size_t s = 0; s < model.primitives.size(); ++s) {
+        const Json& primitive = source["primitives"][s];
+        bool hasPart = false;
+        for (std::size_t p = 0; p < mesh.parts.size(); ++p) {
+            const MeshPart& part = mesh.parts[p];
+            if (part.sourcePrimitive != int(s)) continue;
+            hasPart = true;
+            patched.placeOfPart[p] = primitives.size();
+            primitives.push_back(primitive);
+            if (part.lightmapUv.empty()) continue;
+            auto json = primitiveJson(part, layouts_[std::size_t(sceneMesh)], primitive, model.primitives[s],
+                                      path + std::to_string(s));
+            if (!json) return json.error();
+            sides_.setIn(*json, part.side);
+            primitives.back() = std::move(*json);
+        }
+        const bool isOldBack =
+            markedSide(element(source_.json, "materials", model.primitives[s].material)) == SurfaceSide::Back;
+        if (!hasPart && !isOldBack) primitives.push_back(primitive);
+    }
+    patched.json["primitives"] = std::move(primitives);
+    return patched;
 }
 
 Status MeshWriter::setNodeMesh(int node, int sceneMesh, const std::vector<int>& materials)
@@ -198,14 +218,15 @@ Status MeshWriter::setNodeMesh(int node, int sceneMesh, const std::vector<int>& 
     const auto [it, isNew] = byKey_.try_emplace({sceneMesh, materials}, meshes_.size());
     if (isNew) {
         if (patched_.count(sceneMesh) == 0) {
-            auto json = meshJson(sceneMesh);
-            if (!json) return json.error();
-            patched_[sceneMesh] = std::move(*json);
+            auto patched = patchedMesh(sceneMesh);
+            if (!patched) return patched.error();
+            patched_[sceneMesh] = std::move(*patched);
         }
-        Json json = patched_[sceneMesh];
+        const Patched& patched = patched_[sceneMesh];
+        Json json = patched.json;
         for (std::size_t p = 0; p < mesh.parts.size() && p < materials.size(); ++p) {
             if (materials[p] == kAsInSource) continue;
-            json["primitives"][std::size_t(mesh.parts[p].sourcePrimitive)]["material"] = materials[p];
+            json["primitives"][patched.placeOfPart[p]]["material"] = materials[p];
         }
         meshes_.emplace_back(mesh.sourceMesh, std::move(json));
     }

@@ -11,10 +11,16 @@ struct SceneCuts {
     /// By mesh, the result of cutMesh(); empty for meshes without cuts, and beyond the last one with cuts.
     std::vector<std::vector<uint32_t>> portions;
 
-    [[nodiscard]] std::span<const uint32_t> of(int mesh) const
+    /// By mesh and triangle, texels of the mean density over those of the triangle, along a side; empty = all 1.
+    std::vector<std::vector<float>> texelWidths;
+
+    [[nodiscard]] std::span<const uint32_t> of(int mesh) const { return listOf(portions, mesh); }
+    [[nodiscard]] std::span<const float> texelWidthsOf(int mesh) const { return listOf(texelWidths, mesh); }
+
+private:
+    template<typename T> static std::span<const T> listOf(const std::vector<std::vector<T>>& lists, int mesh)
     {
-        return std::size_t(mesh) < portions.size() ? std::span<const uint32_t>(portions[std::size_t(mesh)])
-                                                   : std::span<const uint32_t>();
+        return std::size_t(mesh) < lists.size() ? std::span<const T>(lists[std::size_t(mesh)]) : std::span<const T>();
     }
 };
 

@@ -10,12 +10,12 @@ namespace halflight::charts {
 namespace {
 
 struct PositionHash {
-    std::size_t operator()(const std::array<uint32_t, 3>& bits) const
+    std::size_t operator()(const std::array<uint32_t, 4>& bits) const
     {
         uint64_t hash = bits[0] * 0x9E3779B97F4A7C15ull;
         hash = (hash ^ (hash >> 29) ^ bits[1]) * 0xBF58476D1CE4E5B9ull;
         hash = (hash ^ (hash >> 32) ^ bits[2]) * 0x94D049BB133111EBull;
-        return hash ^ (hash >> 31);
+        return hash ^ (hash >> 31) ^ bits[3];
     }
 };
 
@@ -106,7 +106,8 @@ void findNeighbors(Surface& surface, std::span<const uint32_t> portions)
 
 } // namespace
 
-Surface buildSurface(const Mesh& mesh, const dmat3& worldFromObject, std::span<const uint32_t> portions)
+Surface buildSurface(const Mesh& mesh, const dmat3& worldFromObject, std::span<const uint32_t> portions,
+                     std::span<const float> texelWidths)
 {
     Surface surface;
     std::size_t vertexCount = 0, triangleCount = 0;
@@ -114,23 +115,28 @@ Surface buildSurface(const Mesh& mesh, const dmat3& worldFromObject, std::span<c
         vertexCount += part.positions.size();
         triangleCount += part.indices.size() / 3;
     }
-    std::unordered_map<std::array<uint32_t, 3>, uint32_t, PositionHash> welded;
+    std::unordered_map<std::array<uint32_t, 4>, uint32_t, PositionHash> welded; // by position and texel width
     welded.reserve(vertexCount);
     surface.triangles.reserve(triangleCount);
+    const auto weld = [&](vec3 position, float texelWidth) {
+        const vec3 p = position + vec3(0.0f); // -0 becomes +0
+        const std::array<uint32_t, 4> bits{std::bit_cast<uint32_t>(p.x), std::bit_cast<uint32_t>(p.y),
+                                           std::bit_cast<uint32_t>(p.z), std::bit_cast<uint32_t>(texelWidth)};
+        const auto [found, inserted] = welded.try_emplace(bits, uint32_t(surface.positions.size()));
+        if (inserted) surface.positions.push_back(worldFromObject * dvec3(p) / double(texelWidth));
+        return found->second;
+    };
     std::vector<uint32_t> weldedVertex;
     for (const MeshPart& part : mesh.parts) {
         weldedVertex.resize(part.positions.size());
-        for (std::size_t v = 0; v < part.positions.size(); ++v) {
-            const vec3 p = part.positions[v] + vec3(0.0f); // -0 becomes +0
-            const std::array<uint32_t, 3> bits{std::bit_cast<uint32_t>(p.x), std::bit_cast<uint32_t>(p.y),
-                                               std::bit_cast<uint32_t>(p.z)};
-            const auto [found, inserted] = welded.try_emplace(bits, uint32_t(surface.positions.size()));
-            if (inserted) surface.positions.push_back(worldFromObject * dvec3(p));
-            weldedVertex[v] = found->second;
-        }
+        for (std::size_t v = 0; v < part.positions.size(); ++v) weldedVertex[v] = weld(part.positions[v], 1.0f);
         for (std::size_t i = 0; i + 2 < part.indices.size(); i += 3) {
-            surface.triangles.emplace_back(weldedVertex[part.indices[i]], weldedVertex[part.indices[i + 1]],
-                                           weldedVertex[part.indices[i + 2]]);
+            const float width = texelWidths.empty() ? 1.0f : texelWidths[surface.triangles.size()];
+            uvec3& triangle = surface.triangles.emplace_back();
+            for (int k = 0; k < 3; ++k) {
+                const uint32_t v = part.indices[i + std::size_t(k)];
+                triangle[k] = width == 1.0f ? weldedVertex[v] : weld(part.positions[v], width);
+            }
         }
     }
     measureTriangles(surface);

@@ -33,6 +33,9 @@ struct Surface {
 
 /// `worldFromObject` is the linear part only: it gives areas and lengths their world size, and may mirror or flatten.
 /// `portions`: a number for each triangle, or nothing; triangles of different numbers are no neighbours.
-Surface buildSurface(const Mesh& mesh, const dmat3& worldFromObject, std::span<const uint32_t> portions = {});
+/// `texelWidths`: by triangle, or nothing: a triangle is so many times smaller, as it gets fewer texels; triangles of
+/// different widths are of different portions.
+Surface buildSurface(const Mesh& mesh, const dmat3& worldFromObject, std::span<const uint32_t> portions = {},
+                     std::span<const float> texelWidths = {});
 
 } // namespace halflight::charts

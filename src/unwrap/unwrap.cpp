@@ -5,6 +5,7 @@
 #include "unwrap/cut_scene.h"
 #include "unwrap/pages.h"
 #include "unwrap/shared_texels.h"
+#include "unwrap/sheets.h"
 
 #include <algorithm>
 #include <cmath>
@@ -47,7 +48,8 @@ Status measureGroups(const Scene& scene, const UnwrapSettings& settings, const S
     const bool complete = parallelFor(groups.size(), 1, progress, "measure", [&](std::size_t begin, std::size_t end) {
         for (std::size_t g = begin; g < end; ++g) {
             const Mesh& mesh = scene.meshes[std::size_t(groups[g].group.mesh)];
-            surfaces[g] = buildSurface(mesh, groups[g].group.worldFromObject, cuts.of(groups[g].group.mesh));
+            surfaces[g] = buildSurface(mesh, groups[g].group.worldFromObject, cuts.of(groups[g].group.mesh),
+                                       cuts.texelWidthsOf(groups[g].group.mesh));
             groups[g].triangleCount = surfaces[g].triangleCount();
             if (settings.uvMode == UvMode::Unwrap || !hasAuthoredLayout(mesh)) continue;
             auto authored = std::make_unique<AuthoredLayout>(readAuthoredLayout(mesh, surfaces[g]));
@@ -82,24 +84,44 @@ double texelMetersToCome(const std::vector<GroupLayout>& groups, const std::vect
                                               : texelMeters;
 }
 
-/// Groups of the scene's objects, with their surfaces; where a test is given, after meshes are cut.
+/// By mesh, 1 where a group keeps the file's TEXCOORD_1.
+std::vector<uint8_t> keptMeshes(const Scene& scene, const std::vector<GroupLayout>& groups)
+{
+    std::vector<uint8_t> kept(scene.meshes.size(), 0);
+    for (const GroupLayout& group : groups) kept[std::size_t(group.group.mesh)] |= group.authored ? 1 : 0;
+    return kept;
+}
+
+/// Groups of the scene's objects, with their surfaces; where tests are given, after meshes are cut and sheets doubled.
 Status prepareGroups(UnwrappedScene& result, const UnwrapSettings& settings, const CrossingTest& crossingTest,
-                     std::vector<GroupLayout>& groups, std::vector<Surface>& surfaces, const Progress& progress)
+                     const SheetTest& sheetTest, std::vector<GroupLayout>& groups, std::vector<Surface>& surfaces,
+                     const Progress& progress)
 {
     SceneCuts cuts;
+    std::vector<std::string> warnings;
     const auto measure = [&] {
-        std::vector<std::string> warnings;
+        warnings.clear();
         groups.clear();
         for (LayoutGroup& group : groupObjects(result.scene, warnings)) groups.emplace_back().group = std::move(group);
-        if (cuts.count == 0) result.warnings.insert(result.warnings.end(), warnings.begin(), warnings.end());
         return measureGroups(result.scene, settings, cuts, groups, surfaces, progress);
     };
-    if (const Status status = measure(); !status || !crossingTest || groups.empty()) return status;
-    const double texelMeters = texelMetersToCome(groups, surfaces, settings);
-    if (!(texelMeters > 0.0)) return {};
-    cuts = cutScene(result.scene, groups, surfaces, texelMeters, crossingTest, result.warnings);
-    result.cuts = cuts.count;
-    return cuts.count > 0 ? measure() : Status();
+    if (const Status status = measure(); !status) return status;
+    const double texelMeters = groups.empty() ? 0.0 : texelMetersToCome(groups, surfaces, settings);
+    bool changed = false;
+    if (crossingTest && texelMeters > 0.0) {
+        cuts = cutScene(result.scene, groups, surfaces, texelMeters, crossingTest, result.warnings);
+        result.cuts = cuts.count;
+        changed = cuts.count > 0;
+    }
+    if (sheetTest && texelMeters > 0.0) {
+        std::vector<uint8_t> kept = keptMeshes(result.scene, groups);
+        kept.resize(result.scene.meshes.size(), 0); // meshes with cuts have new layouts
+        changed |= doubleSheets(result.scene, sheetTest(result.scene, texelMeters), kept, cuts, result.warnings);
+    }
+    if (changed)
+        if (const Status status = measure(); !status) return status;
+    result.warnings.insert(result.warnings.end(), warnings.begin(), warnings.end());
+    return {};
 }
 
 bool makeLayouts(std::vector<GroupLayout>& groups, const std::vector<Surface>& surfaces, const UnwrapSettings& settings,
@@ -243,17 +265,19 @@ float sceneDensity(const Scene& scene, int pageSize)
 }
 
 Result<UnwrappedScene> unwrap(Scene scene, const UnwrapSettings& settings, const Progress& progress,
-                              const CrossingTest& crossingTest)
+                              const CrossingTest& crossingTest, const SheetTest& sheetTest)
 {
     if (const Status status = checkSettings(settings); !status) return status.error();
     UnwrappedScene result;
     result.scene = std::move(scene);
     result.pageSize = settings.pageSize;
     for (Object& object : result.scene.objects) object.lightmap = {};
+    joinSheets(result.scene);
 
     std::vector<GroupLayout> groups;
     std::vector<Surface> surfaces;
-    if (const Status status = prepareGroups(result, settings, crossingTest, groups, surfaces, progress); !status)
+    if (const Status status = prepareGroups(result, settings, crossingTest, sheetTest, groups, surfaces, progress);
+        !status)
         return status.error();
     if (groups.empty()) return result;
     const PageSettings pageSettings{settings.pageSize, settings.paddingTexels, double(settings.texelsPerMeter),

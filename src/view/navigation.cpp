@@ -181,7 +181,7 @@ Hit nearestHit(const Scene& scene, std::span<const Bounds> bounds, const Ray& ra
         const vec3 o = vec3(objectFromWorld * vec4(ray.origin, 1.0f));
         const vec3 d = mat3(objectFromWorld) * ray.direction;
         for (const MeshPart& part : scene.meshes[std::size_t(object.mesh)].parts) {
-            const bool doubleSided = materialOf(scene, part).doubleSided;
+            const bool doubleSided = isDoubleSided(scene, part);
             for (std::size_t t = 0; t + 2 < part.indices.size(); t += 3) {
                 const float hit =
                     hitDistance(o, d, part.positions[part.indices[t]], part.positions[part.indices[t + 1]],

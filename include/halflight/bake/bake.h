@@ -52,6 +52,7 @@ struct BakeSettings {
     float texelsPerMeter = 0.0f; ///< 0 = as many as fit one page; without a lightmapSize at most sceneDensity()
     int lightmapSize = 0;        ///< texels; 0 = at most the quality's, cut to the used part
     int paddingTexels = 2;       ///< UnwrapSettings::paddingTexels
+    TwoSided twoSided = TwoSided::Automatic; ///< of objects that do not say it themselves
     Denoiser denoiser = Denoiser::BuiltIn;
     /// Also bakes mean directions, for normal maps, gloss and metal (spec S32). Not given: from Medium on.
     std::optional<bool> directional;
@@ -122,11 +123,19 @@ struct TileCounts {
     std::size_t kept = 0;      ///< of the last bake, whole tiles that BakeSettings::only leaves as they were
 };
 
+/// An object with sheets whose sides have texels of their own.
+struct TwoSidedReport {
+    std::string object;
+    uint64_t triangles = 0; ///< of one side
+    uint64_t texels = 0;    ///< of the second side
+};
+
 struct BakeReport {
     std::vector<LightReport> lights;
     std::optional<MainLightReport> mainLight; ///< of subtractive bakes that have one
     std::vector<StageReport> stages;
     std::vector<MeshUnwrapReport> meshes;
+    std::vector<TwoSidedReport> twoSided;
     std::vector<std::string> warnings;
     BakeQuality quality{};
     TileCounts cache;       ///< all zero without a cache

@@ -29,10 +29,11 @@ struct BakeGeometry {
         int material = -1; ///< index into Scene::materials, -1 = default
         uint32_t firstTriangle = 0;
         uint32_t triangleCount = 0;
-        uint32_t firstStored = 0; ///< index of its first triangle among the stored ones
-        uint32_t firstVertex = 0; ///< of its stored vertices
-        uint32_t vertexCount = 0; ///< of its stored vertices
-        uint32_t instance = kOwn; ///< index into `instances`; kOwn: stored in world space
+        uint32_t firstStored = 0;             ///< index of its first triangle among the stored ones
+        uint32_t firstVertex = 0;             ///< of its stored vertices
+        uint32_t vertexCount = 0;             ///< of its stored vertices
+        uint32_t instance = kOwn;             ///< index into `instances`; kOwn: stored in world space
+        SurfaceSide side = SurfaceSide::Both; ///< Back: rays do not meet its triangles, but those of the front half
         bool castShadows = true;
         bool receiveShadows = true; ///< false: lights are unoccluded
         int page = -1;              ///< lightmap page, -1 = none
@@ -61,6 +62,7 @@ struct BakeGeometry {
     std::vector<uvec3> triangles; ///< stored vertices; in world space counter-clockwise seen from the front
     std::vector<uint8_t> solid;   ///< 1: of a closed, outward-facing surface or a cavity in one; its back is inside
     std::vector<uint8_t> flipped; ///< 1: orientation repair reversed its winding; not for shared triangles
+    std::vector<TexelSide> texelSides; ///< Front, FrontOfBoth or Mean; empty = all Front
     // By stored vertex.
     std::vector<vec3> positions;     ///< metres
     std::vector<vec3> normals;       ///< unit
@@ -152,6 +154,14 @@ struct BakeGeometry {
         return {i.texel(lightmapTexel[v.x]), i.texel(lightmapTexel[v.y]), i.texel(lightmapTexel[v.z])};
     }
     [[nodiscard]] bool isSolid(uint32_t triangle) const { return solid[storedOf(triangle).index] != 0; }
+    [[nodiscard]] TexelSide texelSideOf(uint32_t triangle) const
+    {
+        return texelSides.empty() ? TexelSide::Front : texelSides[storedOf(triangle).index];
+    }
+    /// Whether both sides of a triangle are seen and share its texels.
+    [[nodiscard]] bool sharesTexels(uint32_t triangle) const { return texelSideOf(triangle) != TexelSide::Front; }
+    /// Whether texels on a triangle hold the mean light of both of its sides.
+    [[nodiscard]] bool hasMeanTexels(uint32_t triangle) const { return texelSideOf(triangle) == TexelSide::Mean; }
 
     /// Unit, or zero for a degenerate triangle.
     [[nodiscard]] vec3 geometricNormal(uint32_t triangle) const

@@ -149,6 +149,15 @@ struct Segment {
     vec3 to{0.0f};
 };
 
+/// One side of a surface at a point: that of the point's normals.
+struct SideEstimate {
+    vec3 irradiance{0.0f}; ///< lux: the light of the lightmap, path traced
+    vec3 direct{0.0f};     ///< lux: direct light that the lightmap does not contain
+    /// Share of random walks through the space in front that leave the scene, meet a surface that emits, or come in
+    /// sight of an eye.
+    float open = 0.0f;
+};
+
 /// Estimates light by tracing rays. Results depend on the scene, the settings and the texel or probe alone: not on
 /// threads, nor on what else is requested. Functions that return bool return false when cancelled.
 class Integrator {
@@ -197,6 +206,12 @@ public:
     /// over its square of octahedronFromDirection() in shading/reflection.h.
     virtual bool radianceAround(vec3 position, std::span<const ImageRgb32f> lightmap, ImageRgb32f& map,
                                 const Progress& progress) = 0;
+
+    /// Estimates for sides of surfaces before there are texels, with `paths` paths for irradiance (0 = none) and
+    /// `walks` random walks. `eyes`: places that one looks from, such as cameras and lights. The default finds all
+    /// sides open and black.
+    virtual bool sides(std::span<const SurfacePoint> points, std::span<const vec3> eyes, int paths, int walks,
+                       std::span<SideEstimate> out, const Progress& progress);
 
     /// Distances in metres from `from` to the first and the last surface on the way to `to`; nothing if the segment is
     /// unoccluded.

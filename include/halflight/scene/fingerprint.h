@@ -20,6 +20,9 @@ Hash128 lightHash(const Light& light);
 /// Adds the sky as a bake sees it.
 void addSky(Hasher& hasher, const Sky& sky);
 
+/// Of the meshes, their materials and the objects: without lights and the sky.
+Hash128 surfacesHash(const Scene& scene);
+
 /// Of everything that a bake and the file it writes depend on: the source document, its buffers and pictures, and all
 /// settings as they were applied.
 Hash128 contentHash(const Scene& scene);

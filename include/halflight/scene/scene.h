@@ -81,6 +81,21 @@ struct CutVertex {
 /// Set in numbers of vertices that are an index into MeshPart::cutVertices instead.
 constexpr uint32_t kCutVertex = 0x80000000u;
 
+/// Which side of a surface a part of a mesh is. Both: the material says which sides are seen. Front, Back: the two
+/// halves of a double-sided sheet whose sides have texels of their own. The back half has the triangles of the front
+/// half with reversed winding and normals. A half is seen from its front alone, though its material is double-sided.
+/// Rays meet the front half only, from both sides.
+enum class SurfaceSide : uint8_t { Both, Front, Back };
+
+/// What texels of a triangle hold. Front: the light of its front, the one side that is seen. FrontOfBoth: the same,
+/// though both sides are seen. Mean: the mean light of both sides (small sheets, leaves). Back: the light of its back,
+/// because its front is never seen.
+enum class TexelSide : uint8_t { Front, FrontOfBoth, Mean, Back };
+
+/// Whether a static double-sided sheet has texels for each of its sides. Automatic: where both can be seen, and their
+/// light differs.
+enum class TwoSided : uint8_t { Automatic, On, Off };
+
 /// One triangle list with one material: a glTF primitive after strips and fans became lists. All vertex arrays that are
 /// not empty have the same length; indices are valid. Zero-area triangles may occur.
 struct MeshPart {
@@ -101,6 +116,8 @@ struct MeshPart {
     std::vector<CutVertex> cutVertices; ///< the ends of each are the source's or earlier entries
     int sourcePrimitive = -1;
     int lightmapTexCoord = 1; ///< n of the TEXCOORD_n that carries lightmapUv in the written file
+    SurfaceSide side = SurfaceSide::Both;
+    std::vector<TexelSide> texelSides; ///< by triangle, as the unwrapper decided; empty = all Front
 };
 
 struct Mesh {
@@ -130,6 +147,7 @@ struct Object {
     bool castShadows = true;
     bool receiveShadows = true;
     float lightmapScale = 1.0f; ///< multiplies texels per metre; 0 = casts into the bake but gets no texels
+    TwoSided twoSided = TwoSided::Automatic; ///< stronger than the bake's setting
     LightmapBinding lightmap;
     ProbeLighting probeLighting = ProbeLighting::Automatic;
     ivec3 probeResolution{0}; ///< texels of its proxy volume along its own axes, 1…64; 0 = by the distance of probes
@@ -332,6 +350,9 @@ bool farFromOrigin(const Scene& scene);
 const Material& defaultMaterial();
 /// The part's material, the default one where it has none.
 const Material& materialOf(const Scene& scene, const MeshPart& part);
+
+/// Whether both sides of the part are seen.
+bool isDoubleSided(const Scene& scene, const MeshPart& part);
 
 /// Whether the object throws any shadow: it does by its own switch and by some part's material.
 bool throwsShadows(const Scene& scene, const Object& object);

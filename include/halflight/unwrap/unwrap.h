@@ -66,6 +66,19 @@ struct CrossingPoint {
 /// a texel across the crossing would hold the light of two spaces.
 using CrossingTest = std::function<std::vector<uint8_t>(const Scene&, std::span<const CrossingPoint>)>;
 
+/// What texels of a triangle hold: as TexelSide, or Both…: each side has texels of its own. An even side has the same
+/// light everywhere, mostly none: its texels are kEvenTexels times as wide.
+enum class SheetTexels : uint8_t { Front, FrontOfBoth, Mean, Back, Both, BothWithEvenFront, BothWithEvenBack };
+constexpr float kEvenTexels = 8.0f;
+constexpr bool isDoubled(SheetTexels texels)
+{
+    return texels >= SheetTexels::Both;
+}
+
+/// By mesh of the scene, by triangle (counted through the mesh's parts); an empty list stands for all Front. The scene
+/// has no halves of sheets. `texelMeters`: width of a texel to come, of objects with a lightmapScale of 1.
+using SheetTest = std::function<std::vector<std::vector<SheetTexels>>(const Scene&, double texelMeters)>;
+
 struct UnwrappedScene {
     /// The scene with lightmapUv in the parts of static meshes, vertices split along chart borders
     /// (MeshPart::sourceVertex), meshes duplicated where objects need layouts of their own, and each static object's
@@ -105,9 +118,13 @@ struct UnwrappedScene {
 /// uncut are instances of EXT_mesh_gpu_instancing nodes, meshes of many triangles with many objects, crossings shorter
 /// than a few texels, and the least gainful ones where cuts would add more than a few per cent of texels (a warning).
 ///
+/// With a SheetTest, triangles of double-sided sheets are written twice where it says so (SurfaceSide), and both halves
+/// have charts of their own. Meshes that keep their TEXCOORD_1 have no second side (a warning). Halves of an earlier
+/// bake are joined first.
+///
 /// Errors: InvalidArgument (settings; a density that needs more than kMaxPages pages), FileInvalid (UvMode::Keep, with
 /// the reason), Unsupported (the check failed, with the objects' names), Cancelled.
 Result<UnwrappedScene> unwrap(Scene scene, const UnwrapSettings& settings, const Progress& progress = {},
-                              const CrossingTest& crossingTest = {});
+                              const CrossingTest& crossingTest = {}, const SheetTest& sheetTest = {});
 
 } // namespace halflight

@@ -37,6 +37,45 @@ RunningMoments gather(const PathTracer& paths, const IntegrationSettings& settin
     return gathered;
 }
 
+/// Direct light at a point, with one shadow ray.
+vec3 lightAt(const PathTracer& paths, const PunctualLight& light, const SurfacePoint& point, Sampler& sampler,
+             uint64_t& rays)
+{
+    const vec3 direct = light.irradianceAt(point.position, point.normal);
+    if (direct == vec3(0.0f)) return direct;
+    const vec2 disc = shading::sampleDisc(sampler.next2());
+    return direct * glm::mix(1.0f, paths.lightVisibility(light, point, disc, rays), light.shadowStrength);
+}
+
+/// Whether a random walk from a point leaves the scene, meets a surface that emits, or comes in sight of an eye.
+bool walkGetsOut(const PathTracer& paths, SurfacePoint point, std::span<const vec3> eyes, Sampler& sampler,
+                 uint64_t& rays)
+{
+    constexpr int kMostSteps = 16; // through a room whose opening is a twentieth of its walls, a walk gets out in half
+    const RayTracer& surfaces = paths.surfaces();
+    for (int step = 0; step < kMostSteps; ++step) {
+        const vec3 origin = paths.rayOrigin(point);
+        if (!eyes.empty()) {
+            const auto eye = std::min(std::size_t(sampler.next1() * float(eyes.size())), eyes.size() - 1);
+            const vec3 way = eyes[eye] - origin;
+            const float distance = glm::length(way);
+            if (glm::dot(way, point.geometricNormal) > 0.0f) {
+                ++rays;
+                if (!surfaces.occluded(origin, way / distance, 0.0f, distance)) return true;
+            }
+        }
+        ++rays;
+        const RayHit hit =
+            surfaces.nearest(origin, PathTracer::gatherDirection(point, sampler.next2()), 0.0f, kInfinity);
+        if (!hit.found) return true;
+        if (surfaces.hitHiddenBack(hit)) return false; // inside a solid or a shell
+        const SurfaceHit surface = surfaces.surfaceAt(hit);
+        if (surface.emission != vec3(0.0f)) return true;
+        point = surface.point;
+    }
+    return false;
+}
+
 } // namespace
 
 bool tracePathLightmap(const PathTracer& paths, const IntegrationSettings& settings, const TexelMap& map,
@@ -51,6 +90,7 @@ bool tracePathLightmap(const PathTracer& paths, const IntegrationSettings& setti
         TexelPoints points;
         int pointCount = texelPoints(paths.surfaces().geometry(), map, texel, points);
         keepPoints(texel.validPoints, points, pointCount);
+        spreadOverSides(paths.surfaces().geometry(), points, pointCount);
         const uint32_t id = texelId(map, texel);
         const RunningMoments gathered = gather(paths, settings, points, pointCount, samples, id, traced);
         estimate.irradiance = gathered.mean();
@@ -80,17 +120,44 @@ bool traceRoughLightmap(const PathTracer& paths, const IntegrationSettings& sett
         for (std::size_t i = begin; i < end && !progress.cancelled(); ++i) {
             const Texel& texel = map.texels[texels[i]];
             const int count = texelPoints(paths.surfaces().geometry(), map, texel, points);
+            spreadOverSides(paths.surfaces().geometry(), points, count);
             Sampler sampler(settings.seed, texelId(map, texel), uint32_t(samples)); // beyond the paths' own
             out[i] = estimates[i].irradiance;
+            const auto pointOf = [&] {
+                return points[std::size_t(std::min(int(sampler.next1() * float(count)), count - 1))];
+            };
+            for (const PunctualLight& light : paths.lights())
+                if (light.directAtTexels) out[i] += lightAt(paths, light, pointOf(), sampler, traced);
+        }
+        rays += traced;
+    });
+}
+
+bool traceSides(const PathTracer& paths, const IntegrationSettings& settings, std::span<const SurfacePoint> points,
+                std::span<const vec3> eyes, int samples, int walks, std::span<SideEstimate> out,
+                const Progress& progress, std::atomic<uint64_t>& rays)
+{
+    constexpr uint32_t kSidesSeed = 0x5eed0051u;
+    constexpr std::size_t kGrain = 16;
+    IntegrationSettings own = settings;
+    own.seed = settings.seed ^ kSidesSeed;
+    return parallelFor(points.size(), kGrain, progress, "sheets", [&](std::size_t begin, std::size_t end) {
+        uint64_t traced = 0;
+        TexelPoints one;
+        for (std::size_t i = begin; i < end && !progress.cancelled(); ++i) {
+            const uint32_t id = uint32_t(i);
+            Sampler sampler(own.seed, id, uint32_t(samples)); // beyond the paths' own
+            SideEstimate& side = out[i] = {};
+            for (int walk = 0; walk < walks; ++walk) {
+                Sampler ofWalk(own.seed, id, uint32_t(samples + 1 + walk));
+                side.open += walkGetsOut(paths, points[i], eyes, ofWalk, traced) ? 1.0f / float(walks) : 0.0f;
+            }
+            if (samples == 0) continue;
+            one[0] = points[i];
+            side.irradiance = gather(paths, own, one, 1, samples, id, traced).mean();
             for (const PunctualLight& light : paths.lights()) {
-                if (!light.directAtTexels) continue;
-                const SurfacePoint& point =
-                    points[std::size_t(std::min(int(sampler.next1() * float(count)), count - 1))];
-                const vec3 direct = light.irradianceAt(point.position, point.normal);
-                if (direct == vec3(0.0f)) continue;
-                const vec2 disc = shading::sampleDisc(sampler.next2());
-                out[i] +=
-                    direct * glm::mix(1.0f, paths.lightVisibility(light, point, disc, traced), light.shadowStrength);
+                vec3& sum = light.directAtTexels || light.maskOfLight ? side.irradiance : side.direct;
+                sum += lightAt(paths, light, points[i], sampler, traced);
             }
         }
         rays += traced;

@@ -18,4 +18,9 @@ bool traceRoughLightmap(const PathTracer& paths, const IntegrationSettings& sett
                         std::span<const uint32_t> texels, int samples, std::span<vec3> out, const Progress& progress,
                         std::atomic<uint64_t>& rays);
 
+/// As Integrator::sides().
+bool traceSides(const PathTracer& paths, const IntegrationSettings& settings, std::span<const SurfacePoint> points,
+                std::span<const vec3> eyes, int samples, int walks, std::span<SideEstimate> out,
+                const Progress& progress, std::atomic<uint64_t>& rays);
+
 } // namespace halflight

@@ -102,6 +102,7 @@ void ChartPatches::addTexel(const BakeGeometry& geometry, const TexelMap& map, c
     const ivec2 place(texel.x >> shift_, texel.y >> shift_);
     for (uint32_t f = 0; f < texel.fragmentCount; ++f) {
         const uint32_t triangle = map.fragments[texel.firstFragment + f].triangle;
+        if (geometry.partOf(triangle).side == SurfaceSide::Back) continue; // rays meet the front half, which has both
         // A triangle lies in one chart, so that all threads write the same number.
         const std::atomic_ref<uint32_t> number(rectangleOfTriangle_[triangle]);
         if (number.load(std::memory_order_relaxed) == ~0u) {

@@ -13,7 +13,7 @@ Emitters::Emitters(const RayTracer& tracer) : tracer_(tracer)
     std::vector<LightItem> items;
     for (uint32_t t = 0; t < geometry.triangleCount(); ++t) {
         const TransportMaterial& material = tracer.materials().of(t);
-        if (material.emission == vec3(0.0f)) continue;
+        if (material.emission == vec3(0.0f) || geometry.partOf(t).side == SurfaceSide::Back) continue;
         const std::array<vec3, 3> corners = geometry.cornersOf(t);
         Emissive e;
         e.triangle = t;

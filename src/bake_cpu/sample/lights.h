@@ -55,6 +55,11 @@ struct PunctualLight {
     bool maskOfLight = false;
 
     [[nodiscard]] bool isArea() const { return shading::isAreaLight(type); }
+    /// From a point to the middle of the light; the length is no distance for a directional light.
+    [[nodiscard]] vec3 towards(vec3 point) const
+    {
+        return type == shading::kLightDirectional ? -axis : position - point;
+    }
     /// Illuminance and direction at an unoccluded point; not of area lights.
     [[nodiscard]] shading::LightSample at(vec3 point) const
     {

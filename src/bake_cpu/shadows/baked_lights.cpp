@@ -51,8 +51,14 @@ public:
         Light sum;
         std::size_t count = 0;
         const auto add = [&](int batch) {
-            for (const SurfacePoint& point : pointsOf(batch)) {
-                const vec3 value = light.irradianceAt(point.position, point.normal);
+            for (const SurfacePoint& onFront : pointsOf(batch)) {
+                // The mean of both sides, one of which receives nothing.
+                const bool mean = geometry().hasMeanTexels(onFront.triangle);
+                const float share = mean ? 0.5f : 1.0f;
+                const SurfacePoint point = mean && isBehindSheet(geometry(), onFront, light.towards(onFront.position))
+                                               ? flipped(onFront)
+                                               : onFront;
+                const vec3 value = share * light.irradianceAt(point.position, point.normal);
                 const float weight = luminance(value);
                 sum.irradiance += value;
                 sum.moment += weight * meanDirection(light, point);
@@ -71,12 +77,13 @@ public:
     }
 
 private:
+    [[nodiscard]] const BakeGeometry& geometry() const { return pass_.paths.surfaces().geometry(); }
     std::span<const SurfacePoint> pointsOf(int batch)
     {
         if (std::size_t(batch) == batches_.size()) {
             Batch& b = batches_.emplace_back();
             const int first = mask_ == kAllPoints ? ShadowGroup::firstBatch(texelId(pass_.map, texel_)) : 0;
-            b.count = texelPoints(pass_.paths.surfaces().geometry(), pass_.map, texel_, b.points, first + batch);
+            b.count = texelPoints(geometry(), pass_.map, texel_, b.points, first + batch);
             keepPoints(mask_, b.points, b.count);
         }
         const Batch& b = batches_[std::size_t(batch)];

@@ -89,6 +89,21 @@ struct ShadowSource {
     bool lit = false;
     uint32_t seed = 0;
 
+    /// The point, on the side that faces the light if the texel is that of both sides of a sheet.
+    [[nodiscard]] SurfacePoint facing(const BakeGeometry& geometry, const SurfacePoint& point) const
+    {
+        if (!sharesTexels(geometry, point.triangle)) return point;
+        const PunctualLight* light = lit ? lights.lights().front() : lights.at(point.position);
+        return light != nullptr && isBehindSheet(geometry, point, light->towards(point.position)) ? flipped(point)
+                                                                                                  : point;
+    }
+
+    /// Masks are of the side that faces the light; light is of both sides in mean texels alone.
+    [[nodiscard]] bool sharesTexels(const BakeGeometry& geometry, uint32_t triangle) const
+    {
+        return lit ? geometry.hasMeanTexels(triangle) : geometry.sharesTexels(triangle);
+    }
+
     struct Target {
         const PunctualLight* light = nullptr;
         float weight = 1.0f;
@@ -141,7 +156,8 @@ public:
                 const auto l = std::size_t(lane);
                 targets[l] = {};
                 if (!group.active(lane) || ((wanted >> lane) & 1u) == 0) continue;
-                const SurfacePoint& point = group.point(lane, half * kHalf + i);
+                const SurfacePoint point =
+                    source_.facing(paths_.surfaces().geometry(), group.point(lane, half * kHalf + i));
                 const vec2 disc = pattern_.disc(hashCombine(source_.seed, group.id(lane)), uint32_t(half * kHalf + i));
                 targets[l] = source_.targetOf(point, disc);
                 if (targets[l].light == nullptr) continue;

@@ -14,14 +14,6 @@
 
 namespace halflight {
 
-/// The point on the other side of the surface.
-inline SurfacePoint flipped(SurfacePoint point)
-{
-    point.normal = -point.normal;
-    point.geometricNormal = -point.geometricNormal;
-    return point;
-}
-
 /// Which of a texel's points a group has.
 enum class PointUse { Valid, All };
 
@@ -121,6 +113,13 @@ public:
         return l.pointCount == kMaxTexelPoints ? number : (block * kMaxTexelPoints + number) % l.pointCount;
     }
 
+protected:
+    void spreadOverSides(const BakeGeometry& geometry)
+    {
+        for (int lane = 0; lane < lanes_; ++lane)
+            halflight::spreadOverSides(geometry, lane_[std::size_t(lane)].points, lane_[std::size_t(lane)].pointCount);
+    }
+
 private:
     TexelGroup() = default;
 
@@ -142,9 +141,11 @@ private:
 /// A texel group with ray origins and frames of its points.
 class GatherGroup : public TexelGroup {
 public:
+    /// The gather of texels: those of sheets with mean texels have points on both sides.
     GatherGroup(const PathTracer& paths, const TexelMap& map, std::span<const uint32_t> texels)
         : TexelGroup(paths, map, texels)
     {
+        spreadOverSides(paths.surfaces().geometry());
         setOrigins(paths);
     }
     GatherGroup(const PathTracer& paths, const TexelGroup& group) : TexelGroup(group) { setOrigins(paths); }

@@ -16,7 +16,7 @@ MeshTree treeOfObject(const BakeGeometry& geometry, const Materials& materials, 
     for (uint32_t kind = 0; kind < KindCount; ++kind) {
         for (uint32_t p = firstPart; p < endPart; ++p) {
             const BakeGeometry::Part& part = geometry.parts[p];
-            if (part.triangleCount == 0 || kindOf(materials, part) != kind) continue;
+            if (part.triangleCount == 0 || part.side == SurfaceSide::Back || kindOf(materials, part) != kind) continue;
             for (uint32_t t = 0; t < part.triangleCount; ++t) tree.triangles.push_back(part.firstTriangle - first + t);
         }
         tree.firstOfKind[kind + 1] = uint32_t(tree.triangles.size());

@@ -11,7 +11,7 @@ void RayTracer::sortTriangles()
 {
     Bounds bounds;
     for (const BakeGeometry::Part& part : geometry_.parts) {
-        if (part.triangleCount == 0) continue;
+        if (part.triangleCount == 0 || part.side == SurfaceSide::Back) continue;
         const TransportMaterial& material = materials_.of(part.firstTriangle);
         anyBlended_ = anyBlended_ || material.alphaMode == Material::AlphaMode::Blend;
         if (part.instance != BakeGeometry::kOwn) {
