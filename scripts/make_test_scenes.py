@@ -258,6 +258,33 @@ def bumpy_wall():
     return doc
 
 
+def sheets():
+    """Double-sided sheets that are lit differently on both sides: two boards, of which one has its back to the sun, and a shade around
+    a lamp. A ball moves between them."""
+    doc = document("sheets", ("white", "red"), ([0.3, 0.4, 0.6], [0.5, 0.5, 0.5], [0.1, 0.1, 0.1]))
+    doc.material("sheet", (0.75, 0.6, 0.4), roughness=1.0, double_sided=True)
+    doc.mesh("floor", [(m.box(-4, -0.2, -3, 4, 0, 3), "white", 1.0)])
+    board = Mesh()
+    board.quad((-0.8, 0, 0), (0.8, 0, 0), (0.8, 1.4, 0), (-0.8, 1.4, 0))
+    doc.mesh("board", [(board, "sheet", 1.0)], closed=False)
+    shade = Mesh()
+    rim = [(0.35 * math.cos(i * math.pi / 10), 0.35 * math.sin(i * math.pi / 10)) for i in range(21)]
+    for (x, z), (p, q) in zip(rim, rim[1:]):
+        shade.quad((x, 0, z), (x, 0.5, z), (p, 0.5, q), (p, 0, q))
+    doc.mesh("shade", [(shade, "sheet", 1.0)], closed=False)
+    doc.mesh("ball", [(m.sphere(0.25, 24, 12), "red", 1.0)])
+    doc.node("floor", "floor")
+    doc.node("board_front", "board", (-1.9, 0.2, -0.4))
+    doc.node("board_back", "board", (0.1, 0.2, -0.4), 180)
+    doc.node("shade", "shade", (1.9, 0.7, 0.2))
+    doc.node("ball", "ball", (0.2, 0.25, 0.9), extras=dict(DYNAMIC))
+    doc.light("sun", "directional", (1, 1, 1), 4.0, (-2, 5, 4), (0, 0, 0), extras={**MIXED, "halflight_angular_diameter": 0.53})
+    doc.light("lamp", "point", (1.0, 0.8, 0.5), 1.5, (1.9, 0.95, 0.2), cone_range=4.0, extras={**MIXED, "halflight_radius": 0.05})
+    doc.camera("main", (0.3, 2.6, 4.2), (0.1, 0.6, 0), 48)
+    doc.camera("behind", (0.3, 2.2, -4.4), (0.1, 0.6, 0), 48)
+    return doc
+
+
 INSTANCES = 1023
 
 
@@ -278,4 +305,4 @@ def instances_1023():
 
 if __name__ == "__main__":
     gltf.write_scenes("tests", (closed_room, penumbra, five_lights, sphere_on_floor, area_lights, two_rooms, proxy_volume, avenue,
-                                four_lights, probe_hall, instances_1023, bumpy_wall))
+                                four_lights, probe_hall, instances_1023, bumpy_wall, sheets))

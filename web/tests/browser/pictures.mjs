@@ -10,6 +10,7 @@ const scenes = [
     { label: 'courtyard', scene: 'courtyard', bake: ['--lightmap-size', '256'], modes: MIXED, size: [480, 270] },
     { label: 'subtractive without mask', scene: 'tests/sphere_on_floor', bake: ['--mode', 'subtractive', '--subtractive-mask', 'off', '--lightmap-format', 'webp'], modes: ['subtractive'] },
     { label: 'baked indirect', scene: 'tests/four_lights', bake: ['--mode', 'baked-indirect', '--lightmap-format', 'half'], modes: ['baked-indirect'] },
+    { label: 'sheets', scene: 'tests/sheets', bake: ['--lightmap-size', '256'], modes: MIXED },
     { label: 'instances', scene: 'tests/instances_1023', bake: ['--lightmap-size', '256'], modes: ['shadowmask'] },
     { label: 'distance field', scene: 'tests/avenue', bake: ['--shadowmask-encoding', 'distance-field'], modes: ['shadowmask', 'distance-shadowmask'], settings: { shadowDistance: 20, shadowFadeRange: 4 } },
 ];
