@@ -199,8 +199,13 @@ bool flipCavityFaces(const Scene& scene, BakeGeometry& geometry, const Integrato
 } // namespace
 
 Result<std::unique_ptr<Integrator>> repairOrientation(const IntegratorFactory& factory, const Scene& scene,
-                                                      BakeGeometry& geometry, const IntegrationSettings& settings)
+                                                      BakeGeometry& geometry, const IntegrationSettings& settings,
+                                                      const Integrator* tree)
 {
+    if (tree != nullptr) {
+        flipCavityFaces(scene, geometry, *tree);
+        return factory(scene, geometry, settings);
+    }
     Result<std::unique_ptr<Integrator>> integrator = factory(scene, geometry, settings);
     if (!integrator || !flipCavityFaces(scene, geometry, **integrator)) return integrator;
     return factory(scene, geometry, settings);

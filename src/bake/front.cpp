@@ -84,7 +84,8 @@ IntegrationSettings integrationSettings(const BakeSettings& settings, const Bake
 /// Geometry and the integrator; `geometry` outlives the integrator.
 Result<std::unique_ptr<Integrator>> buildStage(const Stages& stages, const IntegratorFactory& factory,
                                                const PageLayout& pages, const IntegrationSettings& integration,
-                                               std::optional<PartFolder>& kept, BakeGeometry& geometry)
+                                               std::optional<PartFolder>& kept, const SourceTree& tree,
+                                               BakeGeometry& geometry)
 {
     BakeReport& report = stages.report();
     Scene& scene = stages.baked().scene;
@@ -99,7 +100,8 @@ Result<std::unique_ptr<Integrator>> buildStage(const Stages& stages, const Integ
                                   "integrator takes " + std::to_string(kFewestSamples) + " at least (one block)");
     }
     Result<std::unique_ptr<Integrator>> integrator =
-        taken ? factory(scene, geometry, integration) : repairOrientation(factory, scene, geometry, integration);
+        taken ? factory(scene, geometry, integration)
+              : repairOrientation(factory, scene, geometry, integration, tree.integrator());
     if (!integrator) return integrator.error();
     if (kept && !taken) keepGeometry(*kept, geometry);
     if (stages.progress.cancelled()) return cancelledError();
@@ -203,15 +205,15 @@ Status prepareTexels(const Stages& stages, Scene scene, const IntegratorFactory&
         !stages.live->beginWithProbes(scene, stages.settings, factory, front.integration, stages.progress))
         return cancelledError();
     assignShadowmaskChannels(scene, stages.settings.mode);
-    SheetTest sheets = keptSheetTest(
-        scene, stages.settings, sheetSidesTest(factory, front.integration, stages.settings.twoSided, stages.progress),
-        stages.progress);
+    SourceTree tree(factory, front.integration);
+    SheetTest sheets = keptSheetTest(scene, stages.settings,
+                                     sheetSidesTest(tree, stages.settings.twoSided, stages.progress), stages.progress);
     const Result<PageLayout> pages =
-        unwrapStage(stages, std::move(scene), hiddenSidesTest(factory, front.integration), std::move(sheets), kept);
+        unwrapStage(stages, std::move(scene), hiddenSidesTest(tree), std::move(sheets), kept);
     if (!pages) return pages.error();
     reportLights(stages.baked().scene, report);
 
-    auto integrator = buildStage(stages, factory, *pages, front.integration, kept, front.geometry);
+    auto integrator = buildStage(stages, factory, *pages, front.integration, kept, tree, front.geometry);
     if (!integrator) return integrator.error();
     front.integrator = std::move(*integrator);
     front.map = rasterizeStage(stages, front.geometry, *pages, kept, use.share.has_value());

@@ -79,16 +79,16 @@ std::vector<uint32_t> firstTriangles(const Scene& scene, const BakeGeometry& geo
 
 } // namespace
 
-CrossingTest hiddenSidesTest(const IntegratorFactory& factory, const IntegrationSettings& settings)
+CrossingTest hiddenSidesTest(SourceTree& tree)
 {
-    return [&factory, settings](const Scene& scene, std::span<const CrossingPoint> crossings) {
+    return [&tree](const Scene& scene, std::span<const CrossingPoint> crossings) {
         std::vector<uint8_t> hidden(crossings.size(), 0);
-        const BakeGeometry geometry = flattenGeometry(scene, 1, GeometryFilter::Static);
-        const Result<std::unique_ptr<Integrator>> integrator = factory(scene, geometry, settings);
-        if (!integrator) return hidden; // the bake stops at the same error in its own stage
-        const std::vector<uint8_t> open = findOpen(**integrator, firstTriangles(scene, geometry), crossings);
+        const Integrator* integrator = tree.integratorOf(scene);
+        if (integrator == nullptr) return hidden;
+        const std::vector<uint8_t> open =
+            findOpen(*integrator, firstTriangles(scene, tree.geometryOf(scene)), crossings);
         const SightLines lines = sightLines(crossings, open);
-        const std::vector<std::optional<vec2>> surfaces = surfacesAlong(**integrator, lines.segments);
+        const std::vector<std::optional<vec2>> surfaces = surfacesAlong(*integrator, lines.segments);
         for (std::size_t i = 0; i < lines.ofCrossing.size(); ++i) {
             if (isBlocked(surfaces[2 * i]) && isBlocked(surfaces[2 * i + 1])) hidden[lines.ofCrossing[i]] = 1;
         }

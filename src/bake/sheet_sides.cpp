@@ -233,12 +233,11 @@ private:
 
 } // namespace
 
-SheetTest sheetSidesTest(const IntegratorFactory& factory, const IntegrationSettings& settings, TwoSided mode,
-                         const Progress& progress)
+SheetTest sheetSidesTest(SourceTree& tree, TwoSided mode, const Progress& progress)
 {
-    return [&factory, settings, mode, &progress](const Scene& scene, double texelMeters) {
+    return [&tree, mode, &progress](const Scene& scene, double texelMeters) {
         std::vector<std::vector<SheetTexels>> texels(scene.meshes.size());
-        const BakeGeometry geometry = flattenGeometry(scene, 1, GeometryFilter::Static);
+        const BakeGeometry& geometry = tree.geometryOf(scene);
         std::vector<Sheet> sheets = findSheets(scene, geometry, mode, texelMeters);
         if (sheets.empty()) return texels;
         std::vector<SurfacePoint> points;
@@ -248,15 +247,13 @@ SheetTest sheetSidesTest(const IntegratorFactory& factory, const IntegrationSett
             const std::vector<SurfacePoint> own = pointsOf(geometry, sheet);
             points.insert(points.end(), own.begin(), own.end());
         }
-        IntegrationSettings rough = settings;
-        rough.fewRays = true;
-        const Result<std::unique_ptr<Integrator>> integrator = factory(scene, geometry, rough);
-        if (!integrator) return texels; // the bake stops at the same error in its own stage
+        Integrator* integrator = tree.integratorOf(scene);
+        if (integrator == nullptr) return texels;
         const std::vector<vec3> eyes = lightAndViewPoints(scene);
         const std::size_t count = points.size();
         points.insert(points.end(), points.begin(), points.begin() + std::ptrdiff_t(count)); // estimated twice
         std::vector<SideEstimate> estimates(points.size());
-        if (!(*integrator)->sides(points, eyes, kPaths, kWalks, estimates, progress)) return texels;
+        if (!integrator->sides(points, eyes, kPaths, kWalks, estimates, progress)) return texels;
         MeshTexels meshes(scene, geometry);
         for (const Sheet& sheet : sheets) {
             const auto own = std::size_t(2 * sheet.points);

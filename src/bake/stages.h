@@ -44,9 +44,11 @@ void flipTriangles(BakeGeometry& geometry, std::span<const uint32_t> triangles);
 std::vector<std::vector<uint32_t>> facetPatches(const BakeGeometry& geometry, std::span<const uint32_t> triangles);
 
 /// Flips double-sided patches whose front faces a narrow, closed, empty cavity (the inside of a rail, say) and whose
-/// back faces open space. Returns an integrator for the repaired geometry.
+/// back faces open space. Returns an integrator for the repaired geometry. `tree`: one for the same surfaces, if there
+/// is one already; else the geometry gets one for the test.
 Result<std::unique_ptr<Integrator>> repairOrientation(const IntegratorFactory& factory, const Scene& scene,
-                                                      BakeGeometry& geometry, const IntegrationSettings& settings);
+                                                      BakeGeometry& geometry, const IntegrationSettings& settings,
+                                                      const Integrator* tree = nullptr);
 
 /// Conservative rasterization of all lightmapped triangles.
 TexelMap rasterizeTexels(const BakeGeometry& geometry, int pageSize, int pageCount);

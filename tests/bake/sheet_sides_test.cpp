@@ -30,8 +30,9 @@ std::vector<SheetTexels> texelsOfLast(Scene scene, TwoSided mode = TwoSided::Aut
     IntegrationSettings settings;
     settings.seed = seed;
     const Progress progress;
-    return sheetSidesTest(makeEmbreeIntegrator, settings, mode,
-                          progress)(scene, kTexel)[std::size_t(scene.objects.back().mesh)];
+    const IntegratorFactory factory = makeEmbreeIntegrator;
+    SourceTree tree(factory, settings);
+    return sheetSidesTest(tree, mode, progress)(scene, kTexel)[std::size_t(scene.objects.back().mesh)];
 }
 
 struct SheetCase {
