@@ -12,7 +12,6 @@
 
 namespace halflight {
 namespace {
-
 constexpr int kChannels = 4;
 /// Limit on pairs of lights that one attempt at recolouring compares. A step compares all pairs, so connected groups of
 /// more than kMaxRecolored lights are only coloured greedily.
@@ -316,19 +315,23 @@ Coloring colorWithinReach(const Scene& scene, const std::vector<Light*>& mixed)
     return best;
 }
 
-/// Why a light is fully baked, and the cure.
+/// Why a light is fully baked, and the cure. No range helps against four directional lights, which reach everything.
 std::string overflowReason(const Light& light, const std::vector<const Light*>& holders)
 {
     std::vector<std::string> names;
     std::vector<std::string> limitless;
-    if (hasNoRange(light)) limitless.push_back(light.name);
+    std::vector<std::string> limited;
     for (const Light* holder : holders) {
         names.push_back(holder->name);
-        if (hasNoRange(*holder)) limitless.push_back(holder->name);
+        if (holder->type != LightType::Directional) (hasNoRange(*holder) ? limitless : limited).push_back(holder->name);
     }
-    std::string text = "overlaps four other mixed lights that hold all shadowmask channels (" + listOf(names) +
-                       "), so it is fully baked; ";
-    if (limitless.empty()) return text + "a shorter range would free it";
+    const std::string text = "overlaps four other mixed lights that hold all shadowmask channels (" + listOf(names) +
+                             "), so it is fully baked; ";
+    if (limitless.empty() && limited.empty())
+        return text + "these are directional and reach everything: make one of them realtime or baked";
+    if (hasNoRange(light)) limitless.insert(limitless.begin(), light.name);
+    if (limitless.empty())
+        return text + "shorter ranges, until it overlaps one less of " + listOf(limited) + ", free it";
     return text + "give " + listOf(limitless) +
            " a range (halflight_range, or range of KHR_lights_punctual): without " +
            (limitless.size() == 1 ? "one it reaches" : "one they reach") + " everything";

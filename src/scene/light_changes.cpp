@@ -143,7 +143,10 @@ std::vector<std::string> changesSinceBake(const Light& light, const std::string&
         if (overflowed)
             sentences.push_back("the change of " + name + " (" + values +
                                 ") has no effect: no shadowmask channel was left for it, so it is fully baked; bake "
-                                "the scene again, with a shorter range or fewer mixed lights around it");
+                                "the scene again, with " +
+                                (light.type == LightType::Directional
+                                     ? "fewer mixed lights"
+                                     : "a shorter range or fewer mixed lights around it"));
         else if (baking.bakeType == LightMode::Baked)
             sentences.push_back("the change of " + name + " (" + values +
                                 ") has no effect: it is fully baked; bake the scene again, as a mixed light if it is "

@@ -113,6 +113,41 @@ TEST(ChannelsS10, TheFifthOverlappingLightIsBakedAndNamed)
     EXPECT_NE(fifth.reason.find("lamp 0"), std::string::npos) << fifth.reason;
 }
 
+/// Directional lights reach everything: no cure speaks of a range where four of them hold the channels.
+TEST(ChannelsS10, NoRangeIsACureForDirectionalLights)
+{
+    const auto reasons = [](int suns, const std::vector<Light>& others) {
+        Scene scene;
+        for (int i = 0; i < suns; ++i) {
+            Light& sun = scene.lights.emplace_back();
+            sun.type = LightType::Directional;
+            sun.name = "sun " + std::to_string(i);
+            sun.intensity = float(10 - i);
+        }
+        scene.lights.insert(scene.lights.end(), others.begin(), others.end());
+        assignShadowmaskChannels(scene, MixedLightingMode::Shadowmask);
+        BakeReport report;
+        reportLights(scene, report);
+        std::string all;
+        for (const Light& light : scene.lights) all += light.baking.reason;
+        for (const std::string& warning : report.warnings) all += warning;
+        return all;
+    };
+    const Light limited = pointAt("lamp", vec3(0), 5.0f, 50.0f);
+    Light limitless = limited;
+    limitless.rangeMeters = 0.0f;
+    for (const std::string& reason : {reasons(5, {}), reasons(4, {limited}), reasons(4, {limitless}), reasons(8, {}),
+                                      reasons(5, {limited, limitless})}) {
+        EXPECT_NE(reason.find("sun 0"), std::string::npos) << reason;
+        EXPECT_NE(reason.find("realtime or baked"), std::string::npos) << reason;
+        EXPECT_EQ(reason.find("range"), std::string::npos) << reason;
+    }
+    // A lamp among lamps and suns: the lamps' ranges are the cure, and the suns are not among those to be shortened.
+    const Light other = pointAt("other lamp", vec3(1, 0, 0), 5.0f, 90.0f);
+    const std::string mixed = reasons(3, {other, limited});
+    EXPECT_NE(mixed.find("shorter ranges, until it overlaps one less of \"other lamp\""), std::string::npos) << mixed;
+}
+
 /// Up to three fully baked lights get a warning each with its cure; more share one. The report has the reason of each.
 TEST(ChannelsS10, ManyOverflowingLightsShareOneWarning)
 {
