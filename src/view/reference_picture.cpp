@@ -15,8 +15,6 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-/// A view rests when it has not changed for so long.
-constexpr std::chrono::milliseconds kRest(250);
 /// The first picture has so many times fewer pixels along each side.
 constexpr int kFirstSmaller = 4;
 /// Samples per pixel at which the picture is good: further ones show no more.
@@ -58,7 +56,7 @@ struct ReferencePicture::Impl {
                 wake.wait(lock);
                 continue;
             }
-            if (const auto rested = changed + kRest; Clock::now() < rested) {
+            if (const auto rested = changed + rest; Clock::now() < rested) {
                 wake.wait_until(lock, rested);
                 continue;
             }
@@ -76,7 +74,9 @@ struct ReferencePicture::Impl {
         if (built != current.scene) {
             renderer.reset();
             built = current.scene;
+            prepares = true;
             Result<std::unique_ptr<ReferenceRenderer>> made = ReferenceRenderer::create(*built);
+            prepares = false;
             if (made) renderer = std::move(*made);
         }
         const Progress progress{{}, &cancelled};
@@ -111,7 +111,11 @@ struct ReferencePicture::Impl {
         done = view.sameAs(current);
     }
 
+    explicit Impl(std::chrono::milliseconds restOf) : rest(restOf) {}
+
+    const std::chrono::milliseconds rest;
     std::atomic<bool> cancelled = false;
+    std::atomic<bool> prepares = false;
     std::mutex mutex; ///< guards what follows
     std::condition_variable wake;
     View view;
@@ -124,7 +128,7 @@ struct ReferencePicture::Impl {
     std::thread thread; ///< not guarded; the last to be made
 };
 
-ReferencePicture::ReferencePicture() : impl_(std::make_unique<Impl>())
+ReferencePicture::ReferencePicture(std::chrono::milliseconds rest) : impl_(std::make_unique<Impl>(rest))
 {
     impl_->thread = std::thread([impl = impl_.get()] { impl->run(); });
 }
@@ -158,6 +162,11 @@ bool ReferencePicture::works() const
 {
     const std::lock_guard lock(impl_->mutex);
     return impl_->view.scene && !impl_->done;
+}
+
+bool ReferencePicture::prepares() const
+{
+    return impl_->prepares;
 }
 
 void ReferencePicture::stop()

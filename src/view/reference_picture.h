@@ -4,6 +4,7 @@
 #include "halflight/base/image.h"
 #include "halflight/scene/scene.h"
 
+#include <chrono>
 #include <memory>
 #include <optional>
 
@@ -11,7 +12,8 @@ namespace halflight::view {
 
 class ReferencePicture {
 public:
-    ReferencePicture();
+    /// `rest`: a view rests when it has not changed for so long.
+    explicit ReferencePicture(std::chrono::milliseconds rest = std::chrono::milliseconds(250));
     ~ReferencePicture();
     ReferencePicture(const ReferencePicture&) = delete;
     ReferencePicture& operator=(const ReferencePicture&) = delete;
@@ -23,6 +25,8 @@ public:
     void pause();
     /// Whether samples are being added.
     [[nodiscard]] bool works() const;
+    /// Whether a scene is being prepared, which cannot be interrupted.
+    [[nodiscard]] bool prepares() const;
     /// Ends the work; waits until it has, which takes as long as Embree builds the scene.
     void stop();
 

@@ -242,18 +242,25 @@ class FarmTrouble(FarmCase):
         self.assertEqual(self.work(plan, 2, of).returncode, 0)
         self.assertEqual(self.joined(plan), self.expected)
 
-    def test_an_interrupted_worker_stops_within_a_second(self):
-        command = [cli_case.HALFLIGHT, "farm", "work", self.folder_of_plan, "--threads", "1"]
-        worker = subprocess.Popen(command, stdin=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
-        time.sleep(0.2)
-        worker.send_signal(signal.SIGINT)
-        start = time.monotonic()
-        _, text = worker.communicate()
-        self.assertLess(time.monotonic() - start, 3.0)  # on a busy machine
-        if worker.returncode != 0:
-            self.assertIn("interrupted", text)
-        self.assertEqual(self.work(self.folder_of_plan, 0, 1).returncode, 0)
-        self.assertEqual(self.joined(self.folder_of_plan), self.expected)
+    def test_an_interrupted_worker_stops_before_its_end(self):
+        """The signal comes with the first part, so of the others some are missing; the next worker makes them."""
+        interrupted = 0
+        for attempt in range(3):
+            plan = self.plan(self.source, *BAKE, folder=f"plan{attempt}")
+            command = [cli_case.HALFLIGHT, "farm", "work", plan, "--threads", "1"]
+            worker = subprocess.Popen(command, stdin=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
+            while worker.poll() is None and not self.parts(plan, "*"):
+                time.sleep(0.01)
+            worker.send_signal(signal.SIGINT)
+            _, text = worker.communicate()
+            if worker.returncode != 0:
+                interrupted += 1
+                self.assertEqual(worker.returncode, 1, text)
+                self.assertIn("interrupted", text)
+                self.assertNotEqual(run("farm", "status", plan, "--of", 1, "--missing").stdout.strip(), "")
+            self.assertEqual(self.work(plan, 0, 1).returncode, 0)
+            self.assertEqual(self.joined(plan), self.expected)
+        self.assertGreater(interrupted, 0)
 
 
 if __name__ == "__main__":

@@ -106,36 +106,32 @@ class ViewBake(ViewCase):
                 self.assertLess(time.monotonic(), limit, f"{compared}: left is the same {same}, right differs by {other}")
         self.assert_ends_well(window)
 
-    def answer_seconds(self, window):
-        """Until a screenshot follows a drag of the mouse, the median of five; each shows another place."""
-        seconds = []
+    def assert_answers(self, window):
+        """A screenshot follows a drag of the mouse, five times; each shows another place."""
         eyes = set()
         for i in range(5):
             said = len(window.lines)
             window.do("mousemove", "--window", window.id, 450, 100, "mousedown", 1)
             window.do("mousemove", "--window", window.id, 430 - 5 * i, 110, "mouseup", 1)
-            start = time.monotonic()
             window.do("key", "F12")
             eyes.add(window.said(r"screenshot_\d+\.png: .* --eye (\S+)", said).group(1))
-            seconds.append(time.monotonic() - start)
-        self.assertEqual(len(eyes), len(seconds), "the mouse moves the camera")
-        return sorted(seconds)[2]
+        self.assertEqual(len(eyes), 5, "the mouse moves the camera")
 
     def test_answers_while_there_is_work_in_the_background(self):
-        """A bake, its end, and the reference that gets better: a key is answered about as soon as without them."""
+        """Keys are answered before a bake ends, and while the reference gets better, which takes as long."""
         window = self.window(self.scene(), "--size", "500x300", "--quality", "ultra", "--lightmap-size", "256")
         window.key("Tab")
-        quiet = self.answer_seconds(window)
-        most = 4.0 * quiet + 1.0  # the work takes a part of the processor, and more where that has few cores
+        self.assert_answers(window)
         window.key("b")
         window.said(r"first light after")
-        self.assertLess(self.answer_seconds(window), most, f"a bake; without it {quiet}")
+        self.assert_answers(window)
+        self.assertFalse(any(line.startswith("baked in") for line in window.lines), window.lines)
         window.key("Escape")
         window.said(r"^bake: cancelled")
         window.key("r")
-        self.assertLess(self.answer_seconds(window), most, f"the reference; without it {quiet}")
-        time.sleep(2.0)  # now it is refined
-        self.assertLess(self.answer_seconds(window), most, f"the reference, refined; without it {quiet}")
+        self.assert_answers(window)
+        time.sleep(2.0)  # now it is refined, on a quiet machine
+        self.assert_answers(window)
         self.assert_ends_well(window)
 
 

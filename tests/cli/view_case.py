@@ -13,7 +13,7 @@ import cli_case
 from cli_case import Case, decode_png, run
 
 TOOLS = ("Xvfb", "xdotool", "import", "convert")
-SECONDS = 120  # for what takes a second on a quiet machine
+SECONDS = 400  # for what takes a second on a quiet machine; only what hangs takes so long
 
 
 class Display:
