@@ -18,6 +18,25 @@ vec2 centreOf(const Texel& texel)
 
 } // namespace
 
+// Of crossings of a texel's border at one place and in one direction, the first is taken in any case. Loose triangles
+// have dozens, as each lies beside many others, and a search among all of them would take longer than all else.
+void SurfaceGrid::dropCrowded(std::vector<Crossing>& crossings)
+{
+    std::size_t kept = 0;
+    for (std::size_t i = 0, first = 0; i < crossings.size(); ++i) {
+        const Crossing crossing = crossings[i];
+        if (i == 0 || crossing.texel != crossings[i - 1].texel) first = kept;
+        const auto isSame = [&](const Crossing& other) {
+            return glm::distance(crossing.place, other.place) < 0.25f && // texels: samples of one seam are twice as far
+                   glm::dot(crossing.outward, other.outward) > kSmoothCosine;
+        };
+        const auto begin = crossings.begin() + std::ptrdiff_t(first);
+        const auto end = crossings.begin() + std::ptrdiff_t(kept);
+        if (std::none_of(begin, end, isSame)) crossings[kept++] = crossing;
+    }
+    crossings.resize(kept);
+}
+
 SurfaceGrid::SurfaceGrid(const TexelMap& map, std::span<const SeamSample> seams) : map_(map), grid_(map)
 {
     chartHasSeams_.assign(map.chartCount, 0);
@@ -35,6 +54,7 @@ SurfaceGrid::SurfaceGrid(const TexelMap& map, std::span<const SeamSample> seams)
     }
     std::stable_sort(crossings_.begin(), crossings_.end(),
                      [](const Crossing& a, const Crossing& b) { return a.texel < b.texel; });
+    dropCrowded(crossings_);
     firstCrossing_.assign(map.texels.size() + 1, 0);
     for (const Crossing& crossing : crossings_) ++firstCrossing_[crossing.texel + 1];
     for (std::size_t i = 1; i < firstCrossing_.size(); ++i) firstCrossing_[i] += firstCrossing_[i - 1];

@@ -62,6 +62,7 @@ private:
         uint32_t texel = kNoTexel;
     };
 
+    static void dropCrowded(std::vector<Crossing>& crossings);
     [[nodiscard]] uint32_t onChartAt(uint32_t texel, vec2 place) const;
     [[nodiscard]] std::optional<ChartPlace> placeBeyond(uint32_t texel, int dx, int dy) const;
     [[nodiscard]] const Crossing* crossingNear(uint32_t texel, vec2 exit, vec2 to) const;
