@@ -54,6 +54,9 @@ struct Receiver {
     vec4 bounds;       // of the tile: centres of its outermost texels
     float texelMeters; // at the receiver
     float meters;      // from the light along the tile's axis; of cascades along the light's direction
+    float slopeBias;   // of the map's depths, in slopes
+    vec3 position;     // of the world, not moved by any bias
+    vec3 normal;
 };
 
 // A receiver whose triangle's normal n is on the light's side. What a texel's centre and the receiver may differ in
@@ -87,14 +90,21 @@ Receiver receiverIn(bool cascade, int light, int tile, vec3 position, vec3 n, ve
     r.depth = ndc.z;
     vec2 range = tiles[tile].parameters.zw;
     r.meters = cascade ? mix(range.x, range.y, ndc.z) : clip.w;
+    r.slopeBias = lights[light].shadowBias.w;
+    r.position = position;
+    r.normal = n;
     return r;
 }
+
+#include "shadow_creases.glsl"
 
 float tentFilter(Receiver r)
 {
     int h = frame.shadow.x;
-    if (r.cascade) return tentFilter(cascadeMaps, r.texel, r.bounds, tiles[r.tile].rectangle.w, r.depth, r.slope, h);
-    return tentFilter(atlasMap, r.texel, r.bounds, 0.0, r.depth, r.slope, h);
+    float sum = r.cascade
+                    ? tentFilter(cascadeMaps, r.texel, r.bounds, tiles[r.tile].rectangle.w, r.depth, r.slope, h)
+                    : tentFilter(atlasMap, r.texel, r.bounds, 0.0, r.depth, r.slope, h);
+    return h > 0 && sum > 0.0 && sum < 1.0 ? tentWithinCreases(r, h, sum) : sum;
 }
 
 // Half the source, as texels of the tile at the receiver for a penumbra as wide as the source (penumbraOfSource() = 1);

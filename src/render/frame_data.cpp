@@ -128,8 +128,8 @@ std::vector<shading::GpuLight> gpuLights(const Scene& scene, const FramePlan& pl
                           (frameLight.overflowed ? shading::kLightOverflowed : 0);
         out.info = ivec4(int(light.type), flags, std::max(frameLight.channel, 0), std::max(frameLight.firstTile, 0));
         const ShadowSettings biased = shadowSettingsOf(light, shadows);
-        out.shadowBias =
-            vec4(biased.depthBias, biased.normalBiasTexels, biased.penumbrae ? halfSourceWidth(light) : 0.0f, 0.0f);
+        out.shadowBias = vec4(biased.depthBias, biased.normalBiasTexels,
+                              biased.penumbrae ? halfSourceWidth(light) : 0.0f, biased.slopeBias);
         if (isAreaLight(light.type)) {
             out.halfX = vec4(light.halfWidth(), 0.0f);
             out.halfY = vec4(light.halfHeight(), 0.0f);
