@@ -18,6 +18,7 @@ void main()
     float alpha = materials[material].baseColor.a * inAlpha *
                   materialTexture(material, kTextureBaseColor, inUv, vec4(1.0)).a;
     if (kAlphaMode == kAlphaBlend) {
+        alpha = coverage(material, inUv, alpha);
         // Objects that follow one another, and the two sides of one, are different layers.
         uint layer = (inObject + 3u * uint(material) + (gl_FrontFacing ? 0u : 4u)) % uint(kAlphaLayers);
         if (alpha <= alphaThreshold(ivec2(gl_FragCoord.xy) - push.info.yz, int(layer))) discard;

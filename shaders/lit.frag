@@ -75,6 +75,6 @@ void main()
             lightmap = subtractDynamicShadows(lightmapIrradiance(), mesh.lit, mesh.vertexNormal);
         radiance = mesh.emissive + indirectLight(mesh, lightmap) + directLight(mesh.lit);
     }
-    float alpha = kAlphaMode == kAlphaBlend ? saturate(mesh.alpha) : 1.0;
+    float alpha = kAlphaMode == kAlphaBlend ? coverage(push.info.x, inUv, mesh.alpha) : 1.0;
     outRadiance = vec4(radiance * alpha, alpha);
 }

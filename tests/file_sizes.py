@@ -30,7 +30,6 @@ LONGER = {
     "tests/render/law_pixels_test.cpp": 470,
     "tests/render_plan/lights_test.cpp": 449,
     "tests/render_plan/probes_test.cpp": 464,
-    "tests/scene/reader_test.cpp": 413,
     "tests/unwrap/unwrap_test.cpp": 565,
 }
 

@@ -111,6 +111,7 @@ Result<Scene> readBakeScene(const BakeOptions& options)
 {
     ReadOptions read;
     read.settingsFile = options.settingsFile;
+    read.emissionUnit = options.emissionUnit;
     return readScene(options.scene, read);
 }
 

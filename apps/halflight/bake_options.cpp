@@ -3,6 +3,7 @@
 #include "bake_options.h"
 #include "bake_export.h"
 #include "console.h"
+#include "emission_option.h"
 
 #include "halflight/scene/sky_picture.h"
 
@@ -82,6 +83,7 @@ void addResults(CLI::App& app, BakeOptions& options)
     addVec3(app, "--sky", options.skyNits, 0.0f, 1.0e6f, "R,G,B",
             "radiance of a uniform sky in nits, instead of the scene's own")
         ->each([&options](const std::string&) { options.skyGiven = true; });
+    addEmissionUnit(app, options.emissionUnit);
     app.add_option("--settings", options.settingsFile, "light and object settings by name pattern")
         ->type_name("FILE.toml");
 }

@@ -30,6 +30,7 @@ struct BakeOptions {
     WriteOptions write;
     vec3 skyNits{0.0f};
     bool skyGiven = false;
+    std::optional<EmissionUnit> emissionUnit;
     int device = 0; ///< one so far: the CPU
     ProgressStyle progress = ProgressStyle::Auto;
     bool quiet = false;

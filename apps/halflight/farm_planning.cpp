@@ -110,6 +110,7 @@ Status planScene(const PlanOptions& options, const fs::path& file, const std::ve
     culprit = file;
     ReadOptions read;
     read.settingsFile = options.bake.settingsFile;
+    read.emissionUnit = options.bake.emissionUnit;
     {
         const Result<Scene> scene = readScene(file, read);
         if (!scene) return scene.error();

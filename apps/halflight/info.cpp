@@ -55,7 +55,8 @@ Counts countScene(const BakedScene& baked)
 std::size_t countAlphaMode(const Scene& scene, Material::AlphaMode mode)
 {
     std::size_t count = 0;
-    for (const Material& material : scene.materials) count += material.alphaMode == mode;
+    for (const Material& material : scene.materials)
+        count += mode == (material.isBlended() ? Material::AlphaMode::Blend : material.alphaMode);
     return count;
 }
 

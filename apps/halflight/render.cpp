@@ -307,6 +307,7 @@ int runRender(RenderOptions options)
 
     ReadOptions readOptions;
     readOptions.settingsFile = options.settingsFile;
+    readOptions.emissionUnit = options.emissionUnit;
     const Result<BakedScene> baked = readBakedScene(options.file, readOptions);
     if (!baked) return fail(options.file, baked.error());
     std::vector<std::string> warnings;

@@ -1,5 +1,6 @@
 #include "render_options.h"
 
+#include "emission_option.h"
 #include "exposure_option.h"
 
 #include <spdlog/fmt/fmt.h>
@@ -184,6 +185,7 @@ void addViewOptions(CLI::App& app, RenderOptions& options)
     app.option_defaults()->group("Run");
     app.add_option("--settings", options.settingsFile, "light and object settings by name pattern")
         ->type_name("FILE.toml");
+    addEmissionUnit(app, options.emissionUnit);
     addChoice<bool>(app, "--device", options.device.preferCpu, {{"auto", false}, {"cpu", true}},
                     "Vulkan device: the best one, or the CPU driver (default auto)");
     app.add_flag("--validation", options.device.validation,
@@ -218,6 +220,7 @@ void addRenderOptions(CLI::App& app, RenderOptions& options)
     app.option_defaults()->group("Run");
     app.add_option("--settings", options.settingsFile, "light and object settings by name pattern, for plain files")
         ->type_name("FILE.toml");
+    addEmissionUnit(app, options.emissionUnit);
     addChoice<bool>(app, "--device", options.device.preferCpu, {{"auto", false}, {"cpu", true}},
                     "Vulkan device: the best one, or the CPU driver (default auto)");
     app.add_flag("--validation", options.device.validation,

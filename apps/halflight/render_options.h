@@ -18,6 +18,7 @@ struct RenderOptions {
     std::filesystem::path file;
     std::filesystem::path output;
     std::filesystem::path settingsFile;
+    std::optional<EmissionUnit> emissionUnit;
     std::optional<RunMode> mode; ///< empty = auto
     RenderSettings render;
     int samples = 0; ///< of a pixel: 0 = not given

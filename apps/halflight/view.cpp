@@ -37,6 +37,7 @@ int runView(const ViewCommandOptions& given)
     if (render.samples > 0) render.render.supersampling = int(std::lround(std::sqrt(double(render.samples))));
     ReadOptions read;
     read.settingsFile = render.settingsFile;
+    read.emissionUnit = render.emissionUnit;
 
     ViewOptions view;
     view.file = render.file;

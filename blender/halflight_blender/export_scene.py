@@ -70,6 +70,7 @@ def export_scene(context, path, units, folder):
     warnings = area_lights.add_lights(document, factor)
     extras = document.json["scenes"][document.json.get("scene", 0)].setdefault("extras", {})
     extras.pop("halflight", None)  # settings of the bake, which are not the file's
+    extras["halflight_emission_unit"] = "nits"  # it is scaled: the exporter's own files carry the same generator
     warnings += sky.add_sky(context, extras, factor, folder)
     temporary = path + ".part"
     document.write(temporary)

@@ -20,7 +20,8 @@ template<typename Archive, typename Part> void archiveMeshPart(Archive& archive,
 {
     auto& [positions, normals, tangents, uv, colors, indices, material, lightmapUv, sourceVertex, cutVertices,
            sourcePrimitive, lightmapTexCoord, side, texelSides] = part;
-    archive(positions, normals, tangents, uv[0], uv[1], colors, indices, material, lightmapUv, sourceVertex);
+    archive(positions, normals, tangents, colors, indices, material, lightmapUv, sourceVertex);
+    for (auto& set : uv) archive(set);
     archive(cutVertices, sourcePrimitive, lightmapTexCoord, side, texelSides);
 }
 
@@ -42,8 +43,8 @@ template<typename Archive, typename Geometry> void archiveGeometry(Archive& arch
 {
     auto& [parts, instances, triangles, solid, flipped, texelSides, positions, normals, uv, colors, lightmapTexel,
            frames, partOfBlock] = g;
-    archive(parts, instances, triangles, solid, flipped, texelSides, positions, normals, uv[0], uv[1], colors,
-            lightmapTexel);
+    archive(parts, instances, triangles, solid, flipped, texelSides, positions, normals, colors, lightmapTexel);
+    for (auto& set : uv) archive(set);
 }
 
 template<typename Archive, typename Map> void archiveTexels(Archive& archive, Map& map)

@@ -91,7 +91,8 @@ Hash128 lightHash(Hash128 layout, const Scene& scene, const BakeGeometry& geomet
 {
     Hasher hasher;
     hasher.add(layout).add(geometry.triangles).add(geometry.positions).add(geometry.normals);
-    hasher.add(geometry.uv[0]).add(geometry.uv[1]).add(geometry.colors).add(geometry.lightmapTexel);
+    for (const std::vector<vec2>& set : geometry.uv) hasher.add(set);
+    hasher.add(geometry.colors).add(geometry.lightmapTexel);
     const std::vector<Hash128> materials = materialHashes(scene);
     for (const BakeGeometry::Part& part : geometry.parts) {
         hasher.add(materialHash(materials, part.material)).add(int(part.castShadows)).add(int(part.receiveShadows));

@@ -49,8 +49,10 @@ void BakeGeometry::scaleTexels(float factor)
 std::size_t BakeGeometry::byteCount() const
 {
     const auto bytes = [](const auto& list) { return list.capacity() * sizeof(list[0]); };
-    return bytes(parts) + bytes(instances) + bytes(triangles) + bytes(solid) + bytes(flipped) + bytes(texelSides) +
-           bytes(positions) + bytes(normals) + bytes(uv[0]) + bytes(uv[1]) + bytes(colors) + bytes(lightmapTexel) +
+    std::size_t sum = 0;
+    for (const auto& set : uv) sum += bytes(set);
+    return sum + bytes(parts) + bytes(instances) + bytes(triangles) + bytes(solid) + bytes(flipped) +
+           bytes(texelSides) + bytes(positions) + bytes(normals) + bytes(colors) + bytes(lightmapTexel) +
            bytes(frames) + bytes(partOfBlock);
 }
 
@@ -67,7 +69,9 @@ void BakeGeometry::storeInWorldSpace(uint32_t part)
         for (uint32_t v = p.firstVertex; v < p.firstVertex + p.vertexCount; ++v) {
             positions.push_back(instance.position(positions[v]));
             normals.push_back(instance.normal(normals[v]));
-            for (auto& set : uv) set.push_back(set[v]);
+            for (auto& set : uv) {
+                if (!set.empty()) set.push_back(set[v]);
+            }
             if (!colors.empty()) colors.push_back(colors[v]);
             lightmapTexel.push_back(p.page >= 0 ? instance.texel(lightmapTexel[v]) : vec2(0.0f));
         }
@@ -160,8 +164,8 @@ void storePart(const Scene& scene, const BakeGeometry::Part& out, int pageSize, 
         const vec3 n = fromNormal * (part.normals.empty() ? vec3(0, 1, 0) : part.normals[v]);
         const float length = glm::length(n);
         g.normals[w] = length > 0.0f ? n / length : vec3(0.0f, 1.0f, 0.0f);
-        for (int c = 0; c < 2; ++c) {
-            if (!part.uv[std::size_t(c)].empty()) g.uv[c][w] = part.uv[std::size_t(c)][v];
+        for (std::size_t set = 0; set < part.uv.size(); ++set) {
+            if (!part.uv[set].empty()) g.uv[set][w] = part.uv[set][v];
         }
         if (!part.colors.empty()) g.colors[w] = part.colors[v];
         if (shared && !part.lightmapUv.empty()) {
@@ -216,12 +220,14 @@ BakeGeometry flattenGeometry(const Scene& scene, int pageSize, GeometryFilter fi
     const std::vector<uint32_t> stored = listParts(scene, filter, shareMeshes(scene, pageSize, filter), g);
     const std::size_t vertexCount = g.positions.size();
     g.normals.resize(vertexCount);
-    for (auto& uv : g.uv) uv.resize(vertexCount, vec2(0.0f));
     g.lightmapTexel.resize(vertexCount, vec2(0.0f));
-    const bool anyColor = std::any_of(g.parts.begin(), g.parts.end(), [&](const BakeGeometry::Part& part) {
-        return !scene.meshes[std::size_t(part.mesh)].parts[std::size_t(part.part)].colors.empty();
-    });
-    if (anyColor) g.colors.resize(vertexCount, vec4(1.0f));
+    for (const BakeGeometry::Part& out : g.parts) {
+        const MeshPart& part = scene.meshes[std::size_t(out.mesh)].parts[std::size_t(out.part)];
+        for (std::size_t set = 0; set < part.uv.size(); ++set) {
+            if (!part.uv[set].empty()) g.uv[set].resize(vertexCount, vec2(0.0f));
+        }
+        if (!part.colors.empty()) g.colors.resize(vertexCount, vec4(1.0f));
+    }
     parallelFor(stored.size(), 4, [&](std::size_t begin, std::size_t end) {
         for (std::size_t i = begin; i < end; ++i) storePart(scene, g.parts[stored[i]], pageSize, g);
     });

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
 #include <string>
 
 namespace halflight {
@@ -25,8 +26,8 @@ Status checkPart(const Scene& scene, const MeshPart& part, const std::string& wh
 {
     const std::size_t count = part.positions.size();
     auto fits = [&](const auto& array) { return array.empty() || array.size() == count; };
-    if (!fits(part.normals) || !fits(part.tangents) || !fits(part.uv[0]) || !fits(part.uv[1]) || !fits(part.colors) ||
-        !fits(part.lightmapUv))
+    if (!fits(part.normals) || !fits(part.tangents) || !std::all_of(part.uv.begin(), part.uv.end(), fits) ||
+        !fits(part.colors) || !fits(part.lightmapUv))
         return broken("vertex attributes differ in length", where);
     if (part.indices.size() % 3 != 0) return broken("the number of indices is no multiple of 3", where);
     if (std::any_of(part.indices.begin(), part.indices.end(), [&](uint32_t index) { return index >= count; }))
@@ -42,13 +43,16 @@ Status checkScene(const BakedScene& baked)
     const Scene& scene = baked.scene;
     for (std::size_t i = 0; i < scene.materials.size(); ++i) {
         const Material& material = scene.materials[i];
-        for (const TextureRef* ref : {&material.baseColorTexture, &material.metallicRoughnessTexture,
-                                      &material.normalTexture, &material.occlusionTexture, &material.emissiveTexture}) {
+        std::set<int> sets;
+        for (const TextureRef* ref : material.textureRefs()) {
             if (ref->texture >= int(scene.textures.size()))
                 return broken("the texture does not exist", path("materials", i));
-            if (ref->texCoord < 0 || ref->texCoord > 1)
-                return broken("only texture coordinate sets 0 and 1 can be used", path("materials", i));
+            if (ref->texCoord < 0 || ref->texCoord >= kTexCoordSets)
+                return broken("only texture coordinate sets 0 to 7 can be used", path("materials", i));
+            if (*ref) sets.insert(ref->texCoord);
         }
+        if (sets.size() > 2)
+            return broken("its textures read more than two texture coordinate sets", path("materials", i));
     }
     for (std::size_t i = 0; i < scene.meshes.size(); ++i)
         for (std::size_t j = 0; j < scene.meshes[i].parts.size(); ++j)

@@ -133,6 +133,8 @@ HL_CONST int kTextureMetallicRoughness = 1;
 HL_CONST int kTextureNormal = 2;
 HL_CONST int kTextureOcclusion = 3;
 HL_CONST int kTextureEmissive = 4;
+HL_CONST int kTextureTransmission = 5;
+HL_CONST int kMaterialTextures = 6;
 
 struct GpuTextureRef {
     vec4 matrix; // rows (x, y) and (z, w): uv' = matrix * uv + offset
@@ -144,9 +146,9 @@ struct GpuMaterial {
     vec4 baseColor;
     vec4 emissiveMetallic; // rgb cd/m2, a metallic
     vec4 parameters;       // x roughness, y normal scale, z occlusion strength, w alpha cutoff
-    ivec4 info;            // x 1 = unlit
-    vec4 reflection;       // x specular factor
-    GpuTextureRef textures[5];
+    ivec4 info;            // x 1 = unlit, y 1 = receives shadows, z 1 = alpha is coverage
+    vec4 reflection;       // x specular factor, y what glass lets through where its texture says 1 and metallic is 0
+    GpuTextureRef textures[kMaterialTextures];
 };
 
 HL_CONST int kLightHasBaked = 1;
@@ -162,7 +164,7 @@ struct GpuLight {
     vec4 spot;           // xy: spotConstants(); z number of shadow tiles
     ivec4 info;          // x type, y flags, z channel, w first tile
     vec4 shadowBias;     // x depth bias, y normal bias, in texels; z half the source's width: tangent of its angle
-                         // (directional) or metres; 0 = penumbrae do not depend on it
+                         // (directional) or metres, 0 = penumbrae do not depend on it; w slope bias
     vec4 bakedReach;     // xyz world: where the light was baked; w metres from there its channel holds for, 0 = all
     vec4 bakedCone;      // xyz unit: axis at the bake; w cosine of the cone its channel holds for, -2 = all
     vec4 halfX;          // xyz metres: area lights, from the middle to the edges along their X and Y

@@ -7,6 +7,7 @@
 #include "render/passes.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <map>
 #include <set>
@@ -31,6 +32,17 @@ template<typename T> gpu::Buffer uploadVector(gpu::Device& device, gpu::Uploader
     return buffer;
 }
 
+/// The two texture coordinate sets that vertices of the material carry: 0 and 1, or those that its textures read.
+std::array<int, 2> setsOf(const Material& material)
+{
+    std::set<int> read;
+    for (const TextureRef* ref : material.textureRefs()) {
+        if (*ref) read.insert(ref->texCoord);
+    }
+    if (read.empty() || *read.rbegin() < 2) return {0, 1};
+    return {*read.begin(), *read.rbegin()};
+}
+
 void uploadMeshes(gpu::Device& device, gpu::Uploader& uploader, const Scene& scene, GpuScene& result)
 {
     std::vector<vec3> positions;
@@ -47,7 +59,7 @@ void uploadMeshes(gpu::Device& device, gpu::Uploader& uploader, const Scene& sce
             draw.indexCount = uint32_t(part.indices.size());
             draw.firstVertex = int32_t(positions.size());
             draw.material = part.material >= 0 ? part.material : int(scene.materials.size());
-            draw.alphaMode = material.alphaMode;
+            draw.alphaMode = material.isBlended() ? Material::AlphaMode::Blend : material.alphaMode;
             draw.doubleSided = isDoubleSided(scene, part);
             draw.castShadows = material.castShadows;
             Bounds bounds;
@@ -60,9 +72,12 @@ void uploadMeshes(gpu::Device& device, gpu::Uploader& uploader, const Scene& sce
             auto at = [](const auto& values, std::size_t i, auto absent) {
                 return values.empty() ? absent : values[i];
             };
+            const std::array<int, 2> sets = setsOf(material);
+            const std::vector<vec2>& uvA = part.uv[std::size_t(sets[0])];
+            const std::vector<vec2>& uvB = part.uv[std::size_t(sets[1])];
             for (std::size_t i = 0; i < part.positions.size(); ++i) {
                 maskInputs.push_back(
-                    {{at(part.uv[0], i, vec2(0.0f)), at(part.uv[1], i, vec2(0.0f))}, at(part.colors, i, vec4(1.0f))});
+                    {{at(uvA, i, vec2(0.0f)), at(uvB, i, vec2(0.0f))}, at(part.colors, i, vec4(1.0f))});
                 litInputs.push_back({at(part.normals, i, vec3(0.0f)), at(part.tangents, i, vec4(0.0f)),
                                      at(part.lightmapUv, i, vec2(0.0f))});
             }
@@ -90,7 +105,9 @@ private:
     std::map<std::pair<int, bool>, int> slots_;
 };
 
-GpuTextureRef gpuTextureRef(const Scene& scene, const TextureRef& ref, bool srgb, TextureSlots& slots)
+/// `sets`: those of the material's vertices.
+GpuTextureRef gpuTextureRef(const Scene& scene, const TextureRef& ref, std::array<int, 2> sets, bool srgb,
+                            TextureSlots& slots)
 {
     const bool usable = ref && !scene.textures[std::size_t(ref.texture)].pixels.empty();
     const float c = std::cos(ref.rotationRadians);
@@ -98,7 +115,7 @@ GpuTextureRef gpuTextureRef(const Scene& scene, const TextureRef& ref, bool srgb
     GpuTextureRef result{};
     result.matrix = {c * ref.scale.x, s * ref.scale.y, -s * ref.scale.x, c * ref.scale.y};
     result.offset = vec4(ref.offset, 0.0f, 0.0f);
-    result.info = ivec4(usable ? slots.slot(ref.texture, srgb) : -1, ref.texCoord, 0, 0);
+    result.info = ivec4(usable ? slots.slot(ref.texture, srgb) : -1, ref.texCoord == sets[0] ? 0 : 1, 0, 0);
     return result;
 }
 
@@ -109,14 +126,19 @@ GpuMaterial gpuMaterial(const Scene& scene, const Material& material, TextureSlo
     result.emissiveMetallic = vec4(material.emissiveNits, material.metallic);
     result.parameters = {material.roughness, material.normalScale, material.occlusionStrength,
                          material.alphaMode == Material::AlphaMode::Mask ? material.alphaCutoff : 0.0f};
-    result.info = ivec4(material.unlit ? 1 : 0, material.receiveShadows ? 1 : 0, 0, 0);
-    result.reflection = vec4(material.specular, 0.0f, 0.0f, 0.0f);
-    result.textures[shading::kTextureBaseColor] = gpuTextureRef(scene, material.baseColorTexture, true, slots);
-    result.textures[shading::kTextureMetallicRoughness] =
-        gpuTextureRef(scene, material.metallicRoughnessTexture, false, slots);
-    result.textures[shading::kTextureNormal] = gpuTextureRef(scene, material.normalTexture, false, slots);
-    result.textures[shading::kTextureOcclusion] = gpuTextureRef(scene, material.occlusionTexture, false, slots);
-    result.textures[shading::kTextureEmissive] = gpuTextureRef(scene, material.emissiveTexture, true, slots);
+    result.info = ivec4(material.unlit ? 1 : 0, material.receiveShadows ? 1 : 0,
+                        material.alphaMode == Material::AlphaMode::Blend ? 1 : 0, 0);
+    result.reflection = vec4(material.specular, kGlassTransmittance * material.transmission, 0.0f, 0.0f);
+    const std::array<int, 2> sets = setsOf(material);
+    const auto ref = [&](int slot, const TextureRef& texture, bool srgb) {
+        result.textures[slot] = gpuTextureRef(scene, texture, sets, srgb, slots);
+    };
+    ref(shading::kTextureBaseColor, material.baseColorTexture, true);
+    ref(shading::kTextureMetallicRoughness, material.metallicRoughnessTexture, false);
+    ref(shading::kTextureNormal, material.normalTexture, false);
+    ref(shading::kTextureOcclusion, material.occlusionTexture, false);
+    ref(shading::kTextureEmissive, material.emissiveTexture, true);
+    ref(shading::kTextureTransmission, material.transmissionTexture, false);
     return result;
 }
 

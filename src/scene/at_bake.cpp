@@ -196,8 +196,8 @@ struct AtBake::Sums {
 AtBake::AtBake(const Scene& scene) : scene_(scene)
 {
     for (const Material& material : scene.materials) {
-        for (const TextureRef& ref :
-             {material.baseColorTexture, material.emissiveTexture, material.metallicRoughnessTexture}) {
+        for (const TextureRef& ref : {material.baseColorTexture, material.emissiveTexture,
+                                      material.metallicRoughnessTexture, material.transmissionTexture}) {
             if (ref) small_[ref.texture] = {};
         }
     }
@@ -255,14 +255,13 @@ void AtBake::addTriangle(const MeshPart& part, const Material& material, std::si
         const vec3 emission =
             encoded(material.emissiveNits) * vec3(sample(material.emissiveTexture, part, triangle, weights));
         const double share = area / (3.0 * samples);
-        float opacity = 1.0f;
-        if (material.alphaMode == Material::AlphaMode::Blend) opacity = color.w;
-        if (material.alphaMode == Material::AlphaMode::Mask) opacity = color.w >= material.alphaCutoff ? 1.0f : 0.0f;
+        const float metallic = material.metallic * sample(material.metallicRoughnessTexture, part, triangle, weights).z;
+        const float opacity =
+            material.coverage(color.w, metallic, sample(material.transmissionTexture, part, triangle, weights).x);
         sums.color += share * double(opacity) * glm::dvec3(color);
         sums.emission += share * glm::dvec3(emission);
         sums.opacity += share * double(opacity);
-        sums.metallic +=
-            share * double(material.metallic * sample(material.metallicRoughnessTexture, part, triangle, weights).z);
+        sums.metallic += share * double(metallic);
     }
 }
 

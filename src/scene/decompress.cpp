@@ -3,6 +3,7 @@
 #include "halflight/base/encoded_image.h"
 #include "halflight/scene/compression.h"
 #include "scene/draco_mesh.h"
+#include "scene/fallback_buffers.h"
 #include "scene/meshopt_view.h"
 
 #include <algorithm>
@@ -426,13 +427,6 @@ std::string conversionHint(std::string_view extension)
         {"KHR_texture_basisu", "npx @gltf-transform/cli ktxdecompress IN.glb OUT.glb"}};
     const auto it = kCommands.find(extension);
     return it == kCommands.end() ? "" : "; `" + it->second + "` makes a file without it";
-}
-
-bool isFallbackBuffer(const Json& buffer)
-{
-    return !buffer.contains("uri") && std::any_of(kMeshopt.begin(), kMeshopt.end(), [&](const char* name) {
-        return extensionOf(buffer, name).is_object();
-    });
 }
 
 Status decompress(Json& json, std::vector<tinygltf::Buffer>& buffers)

@@ -16,9 +16,6 @@ bool readsCompression(std::string_view extension);
 /// command is known.
 std::string conversionHint(std::string_view extension);
 
-/// Whether the buffer of the JSON holds no data of its own, but stands for what buffer views decode to.
-bool isFallbackBuffer(const Json& buffer);
-
 /// Decodes compressed buffer views and primitives into a new buffer, points buffer views and accessors there, removes
 /// the extensions and the buffers that nothing refers to any more. `json` has passed checkBeforeParsing(). Decoded data
 /// may take 256 MiB and 256 times the buffers' size, and 4 GiB at most; beyond that the file is refused.

@@ -2,6 +2,7 @@
 
 #include "halflight/base/file.h"
 #include "scene/decompress.h"
+#include "scene/fallback_buffers.h"
 #include "scene/strip.h"
 #include "scene/uri.h"
 #include "scene/validate.h"
@@ -9,7 +10,6 @@
 #include <cstring>
 
 namespace halflight {
-
 namespace {
 
 const Json kNull;
@@ -119,10 +119,9 @@ Status loadBuffers(SourceDocument& document, std::span<const std::byte> binary, 
     uint64_t sum = 0;
     for (std::size_t i = 0; i < list.size(); ++i) {
         sum += isFallbackBuffer(list[i]) ? 0 : list[i]["byteLength"].get<uint64_t>();
-        if (sum > kMaxFileBytes) {
-            return Error{ErrorCode::Unsupported, "buffers of 4 GiB and more in all are not supported",
-                         pathOf("buffers", i)};
-        }
+        if (sum <= kMaxFileBytes) continue;
+        return Error{ErrorCode::Unsupported, "buffers of 4 GiB and more in all are not supported",
+                     pathOf("buffers", i)};
     }
     for (std::size_t i = 0; i < list.size(); ++i) {
         const auto length = list[i]["byteLength"].get<uint64_t>();
@@ -305,6 +304,7 @@ Result<std::shared_ptr<const SourceDocument>> parseDocument(std::span<const std:
                      "the JSON is broken: " + (bracket == std::string::npos ? what : what.substr(bracket + 2))};
     }
     try {
+        markFallbackBuffers(document->json, !chunks->binary.empty());
         if (Status status = checkBeforeParsing(document->json, chunks->isBinary); !status) return status.error();
         std::vector<tinygltf::Buffer> buffers;
         if (Status s = loadBuffers(*document, chunks->binary, buffers); !s) return s.error();

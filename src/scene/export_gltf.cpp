@@ -144,9 +144,9 @@ private:
 
     int materialFor(int page, const Material& source, bool doubleSided)
     {
-        const auto [it, isNew] = materials_.try_emplace({page, source.alphaMode, doubleSided}, -1);
+        const Material::AlphaMode mode = source.isBlended() ? Material::AlphaMode::Blend : source.alphaMode;
+        const auto [it, isNew] = materials_.try_emplace({page, mode, doubleSided}, -1);
         if (!isNew) return it->second;
-        const bool isOpaque = source.alphaMode == Material::AlphaMode::Opaque;
         const Json texture = {{"index", textures_[std::size_t(page)]}};
         Json pbr = {{"metallicFactor", 0}, {"roughnessFactor", 1}};
         Json json;
@@ -155,7 +155,7 @@ private:
             json["extensions"]["KHR_materials_unlit"] = Json::object();
         } else {
             pbr["baseColorFactor"] = {0, 0, 0, 1};
-            if (!isOpaque) pbr["baseColorTexture"] = texture; // for its alpha
+            if (mode != Material::AlphaMode::Opaque) pbr["baseColorTexture"] = texture; // for its alpha
             json["emissiveFactor"] = {1, 1, 1};
             json["emissiveTexture"] = texture;
             json["extensions"]["KHR_materials_emissive_strength"] = {{"emissiveStrength", options_.strength}};
@@ -164,9 +164,9 @@ private:
         json["pbrMetallicRoughness"] = std::move(pbr);
         json["name"] = "surfaces " + std::to_string(page);
         if (doubleSided) json["doubleSided"] = true;
-        if (source.alphaMode == Material::AlphaMode::Blend) json["alphaMode"] = "BLEND";
+        if (mode == Material::AlphaMode::Blend) json["alphaMode"] = "BLEND";
         // Alpha is the share of a texel that is there, so half of it is the edge, whatever the source's cutoff.
-        if (source.alphaMode == Material::AlphaMode::Mask) json["alphaMode"] = "MASK";
+        if (mode == Material::AlphaMode::Mask) json["alphaMode"] = "MASK";
         return it->second = patcher_.append("materials", std::move(json));
     }
 

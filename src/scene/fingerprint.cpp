@@ -46,6 +46,8 @@ Hash128 hashOf(const Material& material, const std::vector<Hash128>& pixels)
     hasher.add(int(material.alphaMode)).add(material.alphaMode == Material::AlphaMode::Mask ? material.alphaCutoff : 0);
     hasher.add(int(material.doubleSided)).add(int(material.unlit)).add(int(material.castShadows));
     hasher.add(int(material.receiveShadows));
+    hasher.add(material.transmission);
+    addTexture(hasher, material.transmissionTexture, pixels);
     addTexture(hasher, material.baseColorTexture, pixels);
     addTexture(hasher, material.metallicRoughnessTexture, pixels);
     addTexture(hasher, material.emissiveTexture, pixels);
@@ -87,7 +89,8 @@ Hash128 surfacesHash(const Scene& scene)
     hasher.add(materialHashes(scene));
     for (const Mesh& mesh : scene.meshes) {
         for (const MeshPart& part : mesh.parts) {
-            hasher.add(part.positions).add(part.normals).add(part.tangents).add(part.uv[0]).add(part.uv[1]);
+            hasher.add(part.positions).add(part.normals).add(part.tangents);
+            for (const std::vector<vec2>& set : part.uv) hasher.add(set);
             hasher.add(part.colors).add(part.indices).add(part.material).add(int(part.side));
         }
     }

@@ -20,8 +20,7 @@ void selectVertices(MeshPart& part, const std::vector<uint32_t>& kept)
     select(part.positions);
     select(part.normals);
     select(part.tangents);
-    select(part.uv[0]);
-    select(part.uv[1]);
+    for (auto& set : part.uv) select(set);
     select(part.colors);
     select(part.lightmapUv);
 }

@@ -4,6 +4,8 @@
 #include "scene/patcher.h"
 
 #include <algorithm>
+#include <cmath>
+#include <optional>
 
 namespace halflight {
 
@@ -63,6 +65,11 @@ Json materialJson(const Material& material)
     if (strength > 1.0f) json["extensions"]["KHR_materials_emissive_strength"] = {{"emissiveStrength", strength}};
     if (material.specular != 1.0f)
         json["extensions"]["KHR_materials_specular"] = {{"specularFactor", material.specular}};
+    if (material.transmission > 0.0f) {
+        Json& extension = json["extensions"]["KHR_materials_transmission"];
+        extension = {{"transmissionFactor", material.transmission}};
+        writeSlot(extension, "transmissionTexture", material.transmissionTexture);
+    }
     if (material.unlit) json["extensions"]["KHR_materials_unlit"] = Json::object();
     if (material.alphaMode == Material::AlphaMode::Mask) {
         json["alphaMode"] = "MASK";
@@ -101,6 +108,25 @@ Status writeTextures(DocumentPatcher& patcher, Scene& scene)
     return {};
 }
 
+// glTF wants the sets numbered without gaps: zeros stand in for missing ones, where a texture would be read too. A
+// TEXCOORD_1 alone is a lightmap's layout, which the bake writes itself.
+void writeTextureSets(DocumentPatcher& patcher, const MeshPart& part, Json& attributes)
+{
+    std::size_t count = part.uv.size();
+    while (count > 0 && part.uv[count - 1].empty()) --count;
+    if (count == 2 && part.uv[0].empty()) return;
+    std::optional<int> zeros;
+    for (std::size_t n = 0; n < count; ++n) {
+        Json& accessor = attributes["TEXCOORD_" + std::to_string(n)];
+        if (!part.uv[n].empty()) {
+            accessor = addVectors(patcher, part.uv[n], false);
+        } else {
+            if (!zeros) zeros = addVectors(patcher, std::vector<vec2>(part.positions.size(), vec2(0.0f)), false);
+            accessor = *zeros;
+        }
+    }
+}
+
 void writeMeshes(DocumentPatcher& patcher, Scene& scene)
 {
     for (std::size_t m = 0; m < scene.meshes.size(); ++m) {
@@ -114,9 +140,7 @@ void writeMeshes(DocumentPatcher& patcher, Scene& scene)
             attributes["POSITION"] = addVectors(patcher, part.positions, true);
             if (!part.normals.empty()) attributes["NORMAL"] = addVectors(patcher, part.normals, false);
             if (!part.tangents.empty()) attributes["TANGENT"] = addVectors(patcher, part.tangents, false);
-            if (!part.uv[0].empty()) attributes["TEXCOORD_0"] = addVectors(patcher, part.uv[0], false);
-            if (!part.uv[1].empty() && !part.uv[0].empty())
-                attributes["TEXCOORD_1"] = addVectors(patcher, part.uv[1], false);
+            writeTextureSets(patcher, part, attributes);
             if (!part.colors.empty()) attributes["COLOR_0"] = addVectors(patcher, part.colors, false);
             primitive["indices"] =
                 patcher.addAccessor({{"componentType", TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT},
@@ -156,8 +180,8 @@ void writeCameras(DocumentPatcher& patcher, const Scene& scene)
                 {"xmag", half}, {"ymag", half}, {"znear", camera.nearMeters}, {"zfar", camera.farMeters}};
         } else {
             json["type"] = "perspective";
-            json["perspective"] = {
-                {"yfov", camera.verticalFovRadians}, {"znear", camera.nearMeters}, {"zfar", camera.farMeters}};
+            json["perspective"] = {{"yfov", camera.verticalFovRadians}, {"znear", camera.nearMeters}};
+            if (std::isfinite(camera.farMeters)) json["perspective"]["zfar"] = camera.farMeters;
         }
         const int index = patcher.append("cameras", std::move(json));
         const int node = addNode(patcher, camera.name, worldFromLocal(camera.worldFromCamera, scene.originMeters));
@@ -174,6 +198,7 @@ Status giveSourceDocument(Scene& scene)
     if (!scene.name.empty()) empty.json["scenes"][0]["name"] = scene.name;
     DocumentPatcher patcher(empty);
     if (Status s = writeTextures(patcher, scene); !s) return s;
+    scene.emissionScale = 1.0f; // the materials below have the product
     for (std::size_t i = 0; i < scene.materials.size(); ++i) {
         patcher.append("materials", materialJson(scene.materials[i]));
         scene.materials[i].sourceMaterial = int(i);

@@ -220,7 +220,7 @@ std::optional<Camera> readCamera(const SourceDocument& document, const NodeState
     const auto positive = [](float value) { return value > 0.0f && std::isfinite(value); };
     camera.orthographic = !perspective;
     camera.nearMeters = number("znear", NAN);
-    camera.farMeters = number("zfar", perspective ? std::max(camera.farMeters, 10.0f * camera.nearMeters) : NAN);
+    camera.farMeters = number("zfar", perspective ? kInfinity : NAN); // glTF 2.0, section 5.13.3: an infinite one
     const char* wrong = nullptr;
     if (perspective) {
         camera.verticalFovRadians = number("yfov", NAN);
@@ -232,7 +232,7 @@ std::optional<Camera> readCamera(const SourceDocument& document, const NodeState
         if (!positive(camera.orthographicHeightMeters)) wrong = "ymag is 0 or no number";
         if (!(camera.nearMeters >= 0.0f)) wrong = "znear is below 0 or no number";
     }
-    if (wrong == nullptr && !(std::isfinite(camera.farMeters) && camera.farMeters > camera.nearMeters))
+    if (wrong == nullptr && !(camera.farMeters > camera.nearMeters && (perspective || positive(camera.farMeters))))
         wrong = "zfar is not beyond znear";
     if (wrong != nullptr) {
         warnings.push_back(pathOf("cameras", std::size_t(document.model.nodes[std::size_t(state.node)].camera)) +

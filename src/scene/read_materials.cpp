@@ -1,11 +1,11 @@
-#include "halflight/base/encoded_image.h"
-#include "halflight/base/parallel.h"
+#include "scene/decode_textures.h"
 #include "scene/decompress.h"
 #include "scene/material_sides.h"
 #include "scene/read_parts.h"
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <map>
 #include <set>
 #include <string_view>
@@ -53,13 +53,6 @@ Texture::Wrap wrapOf(int mode)
     return mode == TINYGLTF_TEXTURE_WRAP_CLAMP_TO_EDGE     ? Texture::Wrap::ClampToEdge
            : mode == TINYGLTF_TEXTURE_WRAP_MIRRORED_REPEAT ? Texture::Wrap::MirroredRepeat
                                                            : Texture::Wrap::Repeat;
-}
-
-// Where an image's bytes are: a buffer view or a URI. Images that name the same place are one.
-using ImagePlace = std::pair<int, std::string_view>;
-ImagePlace placeOf(const tinygltf::Image& image)
-{
-    return {image.bufferView, image.bufferView >= 0 ? std::string_view() : std::string_view(image.uri)};
 }
 
 // The texture without its pixels: name and sampler.
@@ -115,11 +108,7 @@ public:
             if (Status s = fields.number("rotation", -1.0e6f, 1.0e6f, ref.rotationRadians); !s) return s;
             readTexCoord(member(transform, "texCoord"));
         }
-        if (texCoord > 1) {
-            warnings.push_back(path + ": TEXCOORD_" + std::to_string(texCoord) + " is read as TEXCOORD_0");
-            texCoord = 0;
-        }
-        ref.texCoord = int(texCoord);
+        ref.texCoord = int(std::min(texCoord, uint64_t(std::numeric_limits<int>::max()))); // keepTwoSets() has limits
         Texture texture = textureOf(document_, source);
         const auto& image = document_.model.images[std::size_t(document_.model.textures[source].source)];
         const auto key = std::make_tuple(placeOf(image), texture.wrapU, texture.wrapV, texture.nearest);
@@ -138,23 +127,25 @@ private:
 };
 
 // KHR_materials_transmission as coverage, so that light passes glass and one sees through it: what the glass reflects
-// and what it lacks in transmission stays. Light goes straight on and takes no colour; metals let none through, and
-// cutouts stay cutouts.
-Status readTransmission(const Json& json, const std::string& path, Material& material)
+// and what it lacks in transmission stays (Material::coverage()). Light goes straight on and takes no colour; metals
+// let none through. Unlit materials have base colour and alpha alone (KHR_materials_unlit).
+Status readTransmission(const Json& json, const std::string& path, TextureTable& textures, Material& material,
+                        std::vector<std::string>& warnings)
 {
-    constexpr float kReflected = 0.04f; // by a face, at normal incidence: index of refraction 1.5
-    float transmission = 0.0f;
-    if (Status s =
-            Fields(extensionOf(json, "KHR_materials_transmission"), path + "/extensions/KHR_materials_transmission")
-                .number("transmissionFactor", 0.0f, 1.0f, transmission);
+    const Json& extension = extensionOf(json, "KHR_materials_transmission");
+    const std::string where = path + "/extensions/KHR_materials_transmission";
+    if (Status s = Fields(extension, where).number("transmissionFactor", 0.0f, 1.0f, material.transmission); !s)
+        return s;
+    if (Status s = textures.read(member(extension, "transmissionTexture"), where + "/transmissionTexture",
+                                 material.transmissionTexture, warnings);
         !s) {
         return s;
     }
-    const float passes = transmission * (1.0f - material.metallic) * (1.0f - kReflected);
-    if (passes <= 0.0f || material.alphaMode == Material::AlphaMode::Mask) return {};
-    if (material.alphaMode == Material::AlphaMode::Opaque) material.baseColor.w = 1.0f;
-    material.alphaMode = Material::AlphaMode::Blend;
-    material.baseColor.w *= 1.0f - passes;
+    if (material.unlit || material.transmission == 0.0f ||
+        (material.metallic == 1.0f && !material.metallicRoughnessTexture)) {
+        material.transmission = 0.0f;
+        material.transmissionTexture = {};
+    }
     return {};
 }
 
@@ -187,6 +178,36 @@ Status readSpecularGlossiness(const Json& json, const std::string& path, Texture
                        ": read as diffuse colour and roughness; its specular colour is approximated by that of " +
                        "a dielectric (convert the file to metallic-roughness for more)");
     return {};
+}
+
+// Vertices carry two texture coordinate sets to the renderer. Textures that read a further one, or one beyond the last
+// that is read, take the material's first.
+void keepTwoSets(const std::string& path, Material& material, std::vector<std::string>& warnings)
+{
+    std::vector<int> kept;
+    std::set<int> left;
+    const auto take = [&](TextureRef& ref) {
+        if (!ref || std::find(kept.begin(), kept.end(), ref.texCoord) != kept.end()) return;
+        if (ref.texCoord < kTexCoordSets && kept.size() < 2) {
+            kept.push_back(ref.texCoord);
+            return;
+        }
+        left.insert(ref.texCoord);
+        ref.texCoord = kept.empty() ? 0 : kept.front();
+        if (kept.empty()) kept.push_back(0);
+    };
+    take(material.baseColorTexture);
+    take(material.metallicRoughnessTexture);
+    take(material.normalTexture);
+    take(material.occlusionTexture);
+    take(material.emissiveTexture);
+    take(material.transmissionTexture);
+    for (const int n : left) {
+        warnings.push_back(path + ": material \"" + material.name + "\" reads TEXCOORD_" + std::to_string(n) +
+                           (n < kTexCoordSets ? " as a third set of texture coordinates, where two are read"
+                                              : ", which is beyond TEXCOORD_7, the last that is read") +
+                           "; its textures there are read with TEXCOORD_" + std::to_string(kept.front()));
+    }
 }
 
 Status readMaterial(const Json& json, const std::string& path, TextureTable& textures, Material& material,
@@ -255,11 +276,12 @@ Status readMaterial(const Json& json, const std::string& path, TextureTable& tex
     } else if (!mode.is_null() && mode != "OPAQUE") {
         warnings.push_back(path + ": unknown alphaMode is read as OPAQUE");
     }
-    if (Status s = readTransmission(json, path, material); !s) return s;
     const Json& doubleSided = member(json, "doubleSided");
     material.doubleSided =
         (doubleSided.is_boolean() && doubleSided.get<bool>()) || markedSide(json) != SurfaceSide::Both;
     material.unlit = extensionOf(json, "KHR_materials_unlit").is_object();
+    if (Status s = readTransmission(json, path, textures, material, warnings); !s) return s;
+    keepTwoSets(path, material, warnings);
     return {};
 }
 
@@ -284,71 +306,6 @@ Status readSwitches(const Json& json, const std::string& path, FileSettings& fil
         applySettings(rule.settings, material);
     }
     return {};
-}
-
-// Decodes each image once, all cores at work; textures that show it with different samplers share it.
-Status decodeTextures(const SourceDocument& document, std::vector<Texture>& textures, const std::atomic<bool>* cancel)
-{
-    const Error cancelled{ErrorCode::Cancelled, "interrupted", ""};
-    struct Encoded {
-        int image = -1;
-        std::vector<std::size_t> textures;
-        std::vector<std::byte> bytes;
-        uint64_t texels = 0;
-        Status status;
-    };
-    std::map<ImagePlace, std::size_t> indexOf;
-    std::vector<Encoded> images;
-    for (std::size_t i = 0; i < textures.size(); ++i) {
-        const int image = document.model.textures[std::size_t(textures[i].sourceTexture)].source;
-        const auto [it, isNew] = indexOf.try_emplace(placeOf(document.model.images[std::size_t(image)]), images.size());
-        if (isNew) images.emplace_back().image = image;
-        images[it->second].textures.push_back(i);
-    }
-    const auto forEach = [&](const auto& work) -> Status {
-        parallelFor(images.size(), 1, [&](std::size_t begin, std::size_t end) {
-            for (std::size_t i = begin; i < end; ++i)
-                images[i].status = cancel != nullptr && *cancel ? Status(cancelled) : work(images[i]);
-        });
-        for (const Encoded& image : images) {
-            if (!image.status) return image.status;
-        }
-        return {};
-    };
-    const auto at = [](const Encoded& image, const Error& error) {
-        return Error{error.code, error.message, pathOf("images", std::size_t(image.image))};
-    };
-    Status status = forEach([&](Encoded& image) -> Status {
-        auto bytes = imageBytes(document, image.image);
-        if (!bytes) return bytes.error();
-        const auto size = encodedImageSize(bytes->data(), bytes->size());
-        if (!size) return at(image, size.error());
-        image.bytes = std::move(*bytes);
-        image.texels = uint64_t(size->x) * uint64_t(size->y);
-        return {};
-    });
-    if (!status) return status;
-    uint64_t texels = 0;
-    uint64_t bytesInFiles = 0;
-    uint64_t bytesInBuffers = 0; // buffer views may overlap: no more than there is
-    for (const auto& buffer : document.model.buffers) bytesInBuffers += buffer.data.size();
-    for (const Encoded& image : images) {
-        texels += image.texels * image.textures.size();
-        if (document.model.images[std::size_t(image.image)].bufferView < 0) bytesInFiles += image.bytes.size();
-    }
-    if (const uint64_t most = mostTexels(bytesInFiles + bytesInBuffers); texels > most) {
-        return invalid("/images", "decoded, they hold " + std::to_string(texels) +
-                                      " texels in all, more than the limit of " + std::to_string(most) +
-                                      " for a file of this size");
-    }
-    return forEach([&](Encoded& image) -> Status {
-        auto pixels = decodeImage(image.bytes.data(), image.bytes.size());
-        if (!pixels) return at(image, pixels.error());
-        image.bytes = {};
-        const SharedImage<u8vec4> shared(std::move(*pixels));
-        for (const std::size_t texture : image.textures) textures[texture].pixels = shared;
-        return {};
-    });
 }
 
 // All "texCoord" values of a material's texture slots, those of extensions too; not the lightmap's own.

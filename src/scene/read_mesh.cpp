@@ -36,7 +36,7 @@ public:
         : document_(document), primitive_(primitive), path_(std::move(path)), warnings_(warnings)
     {}
 
-    template<int N> std::vector<glm::vec<N, float>> read(const char* name)
+    template<int N> std::vector<glm::vec<N, float>> read(const std::string& name)
     {
         const auto it = primitive_.attributes.find(name);
         if (it == primitive_.attributes.end()) return {};
@@ -149,8 +149,15 @@ Result<std::optional<MeshPart>> readPart(const SourceDocument& document, int mes
     if (!part.normals.empty()) {
         if (Status s = morph(document, primitive, weights, "NORMAL", part.normals); !s) return s.error();
     }
-    part.uv[0] = attributes.read<2>("TEXCOORD_0");
-    part.uv[1] = attributes.read<2>("TEXCOORD_1");
+    std::array<bool, kTexCoordSets> reads{true, true}; // the second may be a lightmap's layout
+    if (part.material >= 0) {
+        for (const TextureRef* ref : materials[std::size_t(part.material)].textureRefs()) {
+            if (*ref) reads[std::size_t(ref->texCoord)] = true;
+        }
+    }
+    for (std::size_t n = 0; n < reads.size(); ++n) {
+        if (reads[n]) part.uv[n] = attributes.read<2>("TEXCOORD_" + std::to_string(n));
+    }
     if (const auto color = primitive.attributes.find("COLOR_0"); color != primitive.attributes.end()) {
         if (document.model.accessors[std::size_t(color->second)].type == TINYGLTF_TYPE_VEC3) {
             for (const vec3& c : attributes.read<3>("COLOR_0")) part.colors.emplace_back(c, 1.0f);

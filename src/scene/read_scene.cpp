@@ -3,6 +3,7 @@
 #include "halflight/base/parallel.h"
 #include "halflight/base/text.h"
 #include "scene/advice.h"
+#include "scene/emission_unit.h"
 #include "scene/extensions.h"
 #include "scene/limits.h"
 #include "scene/nodes.h"
@@ -209,7 +210,8 @@ Status addObjects(const SourceDocument& document, const NodeState& state, const 
     return {};
 }
 
-Status applySceneSettings(const SourceDocument& document, const FileSettings& file, Scene& scene)
+Status applySceneSettings(const SourceDocument& document, const FileSettings& file, const ReadOptions& options,
+                          Scene& scene)
 {
     const Json& json = activeScene(document);
     const std::string path = pathOf("scenes", std::size_t(std::max(0, document.model.defaultScene)));
@@ -217,6 +219,8 @@ Status applySceneSettings(const SourceDocument& document, const FileSettings& fi
     if (!authored) return authored.error();
     if (authored->skyImage) authored->skyImage = document.directory / *authored->skyImage;
     warnUnknownExtras(member(json, "extras"), ExtrasOwner::Scene, path, scene.warnings);
+    applyEmissionUnit(document, authored->emissionUnit,
+                      options.emissionUnit ? options.emissionUnit : file.scene.emissionUnit, scene);
 
     // An earlier bake's record stands between extras and the settings file, as for nodes and lights.
     SceneSettings record = recordedSky(document);
@@ -357,7 +361,7 @@ Result<Scene> sceneFromDocument(std::shared_ptr<const SourceDocument> document, 
     if (Status s = readReflectionBoxes(*document, *nodes, scene); !s) return s.error();
     addLights(*document, file, scene);
     warnAnimatedMaterials(animated, scene);
-    if (Status s = applySceneSettings(*document, file, scene); !s) return s.error();
+    if (Status s = applySceneSettings(*document, file, options, scene); !s) return s.error();
     if (Status s = checkBrightness(scene); !s) return s.error();
 
     const auto warnUnmatched = [&](const auto& rules, const char* table) {

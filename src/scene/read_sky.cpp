@@ -71,7 +71,7 @@ Result<Sky> readSky(const SourceDocument& document, const SceneSettings& setting
         return sky;
     }
     const Json& record = member(recordOf(document), "picture");
-    auto read = settings.skyImage ? readSkyPicture(*settings.skyImage) : pictureOfBake(document, record);
+    auto read = settings.skyImage ? readSkyPicture(*settings.skyImage, &warnings) : pictureOfBake(document, record);
     if (!read) return read.error();
     if (settings.skyIntensity) {
         for (vec3& texel : read->texels()) texel *= intensity;

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <cstdio>
 #include <glm/gtc/packing.hpp>
+#include <locale>
+#include <sstream>
 #include <string>
 
 namespace halflight {
@@ -63,7 +65,9 @@ vec3 colorOf(const Rgbe& texel)
 
 class RgbeReader {
 public:
-    RgbeReader(std::span<const std::byte> bytes, int64_t mostTexels) : bytes_(bytes), mostTexels_(mostTexels) {}
+    RgbeReader(std::span<const std::byte> bytes, int64_t mostTexels, std::vector<std::string>* warnings)
+        : bytes_(bytes), mostTexels_(mostTexels), warnings_(warnings)
+    {}
 
     Result<ImageRgb32f> read()
     {
@@ -73,7 +77,7 @@ public:
         for (int y = 0; y < size_.y; ++y) {
             if (!(startsWithRuns() ? readRuns(row) : readTexels(row)))
                 return Error{ErrorCode::FileInvalid, "ends before its last texel, or has a run that is too long"};
-            for (int x = 0; x < size_.x; ++x) image(x, y) = colorOf(row[std::size_t(x)]);
+            for (int x = 0; x < size_.x; ++x) image(x, y) = vec3(glm::dvec3(colorOf(row[std::size_t(x)])) / factor_);
         }
         return image;
     }
@@ -99,8 +103,10 @@ private:
         const bool isRadiance = byteCount > 2 && bytes_[0] == std::byte('#') && bytes_[1] == std::byte('?');
         if (!isRadiance) return Error{ErrorCode::FileInvalid, "is neither a Radiance picture (.hdr) nor OpenEXR"};
         bool isRgbe = true; // where no line says otherwise
-        for (std::string text = line(); !text.empty() && !bytes_.empty(); text = line())
+        for (std::string text = line(); !text.empty() && !bytes_.empty(); text = line()) {
             if (text.starts_with("FORMAT=")) isRgbe = text.starts_with("FORMAT=32-bit_rle_rgbe");
+            readFactor(text);
+        }
         if (!isRgbe) return Error{ErrorCode::Unsupported, "holds other colours than RGB"};
         const std::string text = line();
         if (std::sscanf(text.c_str(), "-Y %9d +X %9d", &size_.y, &size_.x) != 2 || size_.x < 1 || size_.y < 1)
@@ -112,6 +118,47 @@ private:
         if (texels > std::max<int64_t>(1 << 24, int64_t(byteCount) * 1032))
             return Error{ErrorCode::FileInvalid, "claims more texels than its bytes can hold"};
         return {};
+    }
+
+    static bool isNearSrgb(const std::string& primaries)
+    {
+        constexpr std::array<double, 6> kSrgb = {0.64, 0.33, 0.30, 0.60, 0.15, 0.06}; // Radiance's own: green at 0.29
+        constexpr double kNear = 0.02;
+        std::istringstream numbers(primaries.substr(primaries.find('=') + 1));
+        numbers.imbue(std::locale::classic());
+        return std::all_of(kSrgb.begin(), kSrgb.end(), [&](double expected) {
+            double read = 0.0;
+            return bool(numbers >> read) && std::abs(read - expected) <= kNear;
+        });
+    }
+    // Lines of either kind count together (Radiance 5.3, "Radiance File Formats"): values are radiance times all of
+    // them.
+    void readFactor(const std::string& text)
+    {
+        const bool isExposure = text.starts_with("EXPOSURE=");
+        if (!isExposure && !text.starts_with("COLORCORR=")) {
+            if (text.starts_with("PRIMARIES=") && !isNearSrgb(text))
+                warn("its PRIMARIES are not followed: its colours are read as sRGB's");
+            return;
+        }
+        std::istringstream numbers(text.substr(text.find('=') + 1));
+        numbers.imbue(std::locale::classic());
+        glm::dvec3 factor(0.0);
+        numbers >> factor.x;
+        factor.y = factor.z = factor.x;
+        if (!isExposure) numbers >> factor.y >> factor.z;
+        const bool good = !numbers.fail() && factor.x > 0.0 && factor.y > 0.0 && factor.z > 0.0;
+        const glm::dvec3 product = factor_ * factor;
+        if (good && std::isfinite(product.x + product.y + product.z) && product.x * product.y * product.z > 0.0) {
+            factor_ = product;
+        } else {
+            warn(isExposure ? "an EXPOSURE that is not a number above 0 is not followed"
+                            : "a COLORCORR that is not three numbers above 0 is not followed");
+        }
+    }
+    void warn(const char* text)
+    {
+        if (warnings_ != nullptr) warnings_->emplace_back(text);
     }
 
     [[nodiscard]] bool startsWithRuns() const
@@ -160,14 +207,16 @@ private:
 
     std::span<const std::byte> bytes_;
     int64_t mostTexels_;
+    std::vector<std::string>* warnings_;
     ivec2 size_{0};
+    glm::dvec3 factor_{1.0}; // that radiance was multiplied by
 };
 
 } // namespace
 
-Result<ImageRgb32f> decodeRgbe(std::span<const std::byte> bytes, int64_t mostTexels)
+Result<ImageRgb32f> decodeRgbe(std::span<const std::byte> bytes, int64_t mostTexels, std::vector<std::string>* warnings)
 {
-    return RgbeReader(bytes, mostTexels).read();
+    return RgbeReader(bytes, mostTexels, warnings).read();
 }
 
 std::vector<std::byte> encodeRgbe(const Image<uint32_t>& image)

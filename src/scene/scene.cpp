@@ -47,6 +47,11 @@ const char* nameOf(MixedLightingMode mode)
     return "?";
 }
 
+const char* nameOf(EmissionUnit unit)
+{
+    return unit == EmissionUnit::Blender ? "blender" : "nits";
+}
+
 bool movedSinceBake(const Light& light)
 {
     if (!light.baking.isBaked || light.baking.bakeType == LightMode::Realtime) return false;

@@ -97,5 +97,12 @@ std::optional<MixedLightingMode> mixedLightingModeNamed(std::string_view name)
     }
     return std::nullopt;
 }
+std::optional<EmissionUnit> emissionUnitNamed(std::string_view name)
+{
+    for (const EmissionUnit unit : {EmissionUnit::Nits, EmissionUnit::Blender}) {
+        if (name == nameOf(unit)) return unit;
+    }
+    return std::nullopt;
+}
 
 } // namespace halflight

@@ -29,6 +29,7 @@ Expectation readPoints(const Json& value, std::optional<std::vector<glm::dvec3>>
 std::optional<LightType> lightTypeNamed(std::string_view name);
 std::optional<LightMode> lightModeNamed(std::string_view name);
 std::optional<MixedLightingMode> mixedLightingModeNamed(std::string_view name);
+std::optional<EmissionUnit> emissionUnitNamed(std::string_view name);
 
 template<typename T> bool readVec3(const Json& value, glm::vec<3, T>& out)
 {

@@ -126,6 +126,11 @@ const std::vector<Key<SceneSettings>>& sceneKeys()
          }},
         {"sky_intensity",
          [](const Json& v, SceneSettings& s) { return readNumber(v, 0.0, kHuge, kNotNegative, s.skyIntensity); }},
+        {"emission_unit",
+         [](const Json& v, SceneSettings& s) -> Expectation {
+             s.emissionUnit = emissionUnitNamed(v.is_string() ? v.get<std::string>() : std::string());
+             return s.emissionUnit ? nullptr : "\"nits\" or \"blender\"";
+         }},
         {"shadow_color", [](const Json& v, SceneSettings& s) { return readColor(v, s.shadowColor); }},
         {"probes", [](const Json& v, SceneSettings& s) { return readPoints(v, s.probes); }},
     };
@@ -412,6 +417,7 @@ SceneSettings mergeSettings(const SceneSettings& weaker, const SceneSettings& st
     if (stronger.skyZenith) merged.skyZenith = stronger.skyZenith;
     if (stronger.skyHorizon) merged.skyHorizon = stronger.skyHorizon;
     if (stronger.skyGround) merged.skyGround = stronger.skyGround;
+    if (stronger.emissionUnit) merged.emissionUnit = stronger.emissionUnit;
     if (stronger.shadowColor) merged.shadowColor = stronger.shadowColor;
     if (stronger.probes) merged.probes = stronger.probes;
     return merged;

@@ -54,6 +54,7 @@ struct SceneSettings {
     bool skyOfBake = false;                        ///< the picture that an earlier bake recorded, turned as it was
     std::optional<float> skyRotationDegrees;
     std::optional<float> skyIntensity;
+    std::optional<EmissionUnit> emissionUnit;
     std::optional<vec3> shadowColor;
     std::optional<std::vector<glm::dvec3>> probes; ///< in the file's world
 };
@@ -62,6 +63,9 @@ struct SceneSettings {
 std::optional<ProbeLighting> probeLightingNamed(std::string_view name);
 /// One number for all axes or three, each 1…64; false for anything else.
 bool readProbeResolution(const Json& value, ivec3& resolution);
+
+/// Key of the scene's extras that says what emission counts; bakes and the Blender extension write it too.
+constexpr const char* kEmissionUnitKey = "halflight_emission_unit";
 
 /// A settings file: rules in the file's order, later ones win.
 struct FileSettings {

@@ -1,7 +1,6 @@
 #include "halflight/scene/sky_picture.h"
 
 #include "halflight/base/file.h"
-#include "halflight/base/finite.h"
 #include "halflight/base/parallel.h"
 #include "halflight/scene/scene.h"
 #include "scene/rgbe.h"
@@ -38,21 +37,36 @@ template<typename Weight> std::vector<Span> spansOf(int from, int to, const Weig
     return spans;
 }
 
-Status checkValues(const ImageRgb32f& picture)
+// Negative values come from filters that overshoot and from colour transforms, infinities from half floats that
+// overflowed, and not-a-number from a division of them. One of them must not keep a picture from being used.
+void clampValues(ImageRgb32f& picture, std::vector<std::string>& warnings)
 {
-    if (picture.empty()) return Error{ErrorCode::FileInvalid, "has no texels"};
-    for (int y = 0; y < picture.height(); ++y) {
-        for (int x = 0; x < picture.width(); ++x) {
-            const vec3 texel = picture(x, y);
-            if (isFinite(texel) && texel.x >= 0.0f && texel.y >= 0.0f && texel.z >= 0.0f) continue;
-            return Error{ErrorCode::FileInvalid, "has a value that is not a number of 0 or more, in column " +
-                                                     std::to_string(x) + " of row " + std::to_string(y)};
+    constexpr float kLargestHalf = 65504.0f;
+    float brightest = kLargestHalf;
+    for (const vec3& texel : picture.texels()) {
+        for (int c = 0; c < 3; ++c) {
+            if (std::isfinite(texel[c])) brightest = std::max(brightest, texel[c]);
         }
     }
-    return {};
+    std::size_t negative = 0;
+    std::size_t infinite = 0;
+    std::size_t notNumbers = 0;
+    for (vec3& texel : picture.texels()) {
+        negative += texel.x < 0.0f || texel.y < 0.0f || texel.z < 0.0f;
+        infinite += texel.x == kInfinity || texel.y == kInfinity || texel.z == kInfinity;
+        notNumbers += std::isnan(texel.x) || std::isnan(texel.y) || std::isnan(texel.z);
+        for (int c = 0; c < 3; ++c) texel[c] = texel[c] > 0.0f ? std::min(texel[c], brightest) : 0.0f;
+    }
+    const auto warn = [&](std::size_t count, const std::string& what) {
+        if (count > 0)
+            warnings.push_back(std::to_string(count) + (count == 1 ? " texel has " : " texels have ") + what);
+    };
+    warn(negative, "a negative value, which is read as 0");
+    warn(notNumbers, "a value that is not a number, which is read as 0");
+    warn(infinite, "an infinite value, which is read as the brightest finite one, or as 65504 where all are darker");
 }
 
-Result<ImageRgb32f> readAsFloats(const std::filesystem::path& path)
+Result<ImageRgb32f> readAsFloats(const std::filesystem::path& path, std::vector<std::string>& warnings)
 {
     constexpr std::array<unsigned char, 4> kExrMagic = {0x76, 0x2f, 0x31, 0x01};
     const auto start = readFile(path, kExrMagic.size());
@@ -62,7 +76,7 @@ Result<ImageRgb32f> readAsFloats(const std::filesystem::path& path)
     if (!isExr) {
         const auto bytes = readFile(path);
         if (!bytes) return bytes.error();
-        return decodeRgbe(*bytes, kMostSkyPictureTexels);
+        return decodeRgbe(*bytes, kMostSkyPictureTexels, &warnings);
     }
     const auto image = readExr(path, kMostSkyPictureTexels);
     if (!image) return image.error();
@@ -78,15 +92,16 @@ double skyShareBetween(double v0, double v1)
     return 0.5 * (std::cos(v0 * double(kPi)) - std::cos(v1 * double(kPi)));
 }
 
-Result<ImageRgb32f> readSkyPicture(const std::filesystem::path& path)
+Result<ImageRgb32f> readSkyPicture(const std::filesystem::path& path, std::vector<std::string>* warnings)
 {
-    auto picture = readAsFloats(path);
-    if (picture) {
-        if (Status s = checkValues(*picture); !s) picture = s.error();
-    }
-    if (!picture) {
-        const Error& error = picture.error();
-        return Error{error.code, "sky picture " + path.string() + ": " + error.message, ""};
+    const std::string name = "sky picture " + path.string() + ": ";
+    std::vector<std::string> found;
+    Result<ImageRgb32f> picture = readAsFloats(path, found);
+    if (!picture) return Error{picture.error().code, name + picture.error().message, ""};
+    if (picture->empty()) return Error{ErrorCode::FileInvalid, name + "has no texels", ""};
+    clampValues(*picture, found);
+    for (const std::string& warning : found) {
+        if (warnings != nullptr) warnings->push_back(name + warning);
     }
     return picture->width() > kMostSkyTexels ? reducedSkyPicture(*picture, kMostSkyTexels) : std::move(*picture);
 }

@@ -2,6 +2,7 @@
 
 #include "scene/decompress.h"
 #include "scene/extensions.h"
+#include "scene/fallback_buffers.h"
 #include "scene/patcher.h"
 #include "scene/types.h"
 

@@ -3,6 +3,7 @@
 #include "halflight/base/parallel.h"
 #include "halflight/scene/gltf.h"
 #include "scene/at_bake.h"
+#include "scene/emission_unit.h"
 #include "scene/erase_extension.h"
 #include "scene/lightmap_layout.h"
 #include "scene/limits.h"
@@ -89,6 +90,7 @@ private:
                                                       {"receiveShadows", material.receiveShadows}};
             materialRecords_ = true;
         }
+        writeScaledEmission(patcher_.json, scene_);
     }
 
     // The texture of a lightmap page for MOZ_lightmap, made when it is first needed.
@@ -290,7 +292,7 @@ private:
     void writeExtensionsUsed()
     {
         std::set<std::string> used;
-        for (const Json& name : member(source_.json, "extensionsUsed"))
+        for (const Json& name : member(patcher_.json, "extensionsUsed"))
             if (name.is_string() && !name.get<std::string>().starts_with("HALFLIGHT_"))
                 used.insert(name.get<std::string>());
         used.insert(kRootExtension);

@@ -115,7 +115,7 @@ void addTriangles(const Scene& scene, const Object& object, bool castersOnly, st
     const bool mirrored = glm::determinant(dmat3(map)) < 0.0;
     for (const MeshPart& part : scene.meshes[std::size_t(object.mesh)].parts) {
         const Material& material = materialOf(scene, part);
-        if (castersOnly && (!material.castShadows || material.alphaMode != Material::AlphaMode::Opaque)) continue;
+        if (castersOnly && (!material.castShadows || !material.isOpaque())) continue;
         for (std::size_t i = 0; i + 2 < part.indices.size(); i += 3) {
             Corners& corners = triangles.emplace_back();
             for (std::size_t k = 0; k < 3; ++k)

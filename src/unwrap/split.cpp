@@ -61,9 +61,7 @@ int freeTexCoord(const Scene& scene, const Mesh& mesh)
     const auto isFree = [&](int n) {
         for (const MeshPart& part : mesh.parts) {
             const Material& material = materialOf(scene, part);
-            for (const TextureRef* ref :
-                 {&material.baseColorTexture, &material.metallicRoughnessTexture, &material.normalTexture,
-                  &material.occlusionTexture, &material.emissiveTexture}) {
+            for (const TextureRef* ref : material.textureRefs()) {
                 if (*ref && ref->texCoord == n) return false;
             }
         }

@@ -197,6 +197,7 @@ std::string commandLine(const ViewState& state, const CommandFiles& files, ivec2
         nameOf(settings.path), settings.supersampling * settings.supersampling, state.exposureEv);
     const auto add = [&](const std::string& option) { line += " " + option; };
     if (!files.settings.empty()) add("--settings " + quoted(files.settings));
+    if (scene.emissionScale != 1.0f) add("--emission-unit blender");
     if (settings.view != DebugView::Lit) add(fmt::format("--view {}", nameOf(settings.view)));
     if (state.toneMapping != ToneMapping::Neutral) add(fmt::format("--tone-mapping {}", nameOf(state.toneMapping)));
     if (!state.followsShadowDistance) add(fmt::format("--shadow-distance {:.6g}", settings.shadows.distanceMeters));

@@ -179,9 +179,12 @@ TEST(Cameras, OddOnesAreLeftOutWithTheReasonAndTheRestIsRead)
     ASSERT_EQ(tiny.cameras.size(), 1u);
     EXPECT_EQ(tiny.cameras[0].nearMeters, 5e-7f);
     EXPECT_EQ(tiny.cameras[0].farMeters, 0.1f);
-    const Scene infinite = read(perspective({{"yfov", 0.8}, {"znear", 5000}}));
-    ASSERT_EQ(infinite.cameras.size(), 1u);
-    EXPECT_GT(infinite.cameras[0].farMeters, 5000.0f);
+    // glTF 2.0, section 5.13.3: without zfar the projection is infinite.
+    for (const double znear : {0.1, 5000.0}) {
+        const Scene infinite = read(perspective({{"yfov", 0.8}, {"znear", znear}}));
+        ASSERT_EQ(infinite.cameras.size(), 1u);
+        EXPECT_EQ(infinite.cameras[0].farMeters, kInfinity);
+    }
     EXPECT_EQ(read(orthographic({{"xmag", -1}, {"ymag", -1}, {"znear", 0}, {"zfar", 3}})).cameras.size(), 1u);
 }
 

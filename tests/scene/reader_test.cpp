@@ -266,33 +266,6 @@ TEST(ReaderMaterials, TextureTransformEmissionAndUnlit)
     EXPECT_EQ(onlyPart(scene).lightmapTexCoord, 2);
 }
 
-TEST(ReaderMaterials, TransmissionLetsLightPass)
-{
-    const auto materialOf = [](const Json& json) {
-        const TemporaryFolder folder;
-        GltfBuilder file;
-        file.triangle();
-        file.json["materials"] = {json};
-        file.json["extensionsRequired"] = {"KHR_materials_transmission"};
-        file.json["meshes"][0]["primitives"][0]["material"] = 0;
-        return readOrDie(file.write(folder)).materials.at(0);
-    };
-    const auto glass = [](float factor, float metallic, const char* mode, float alpha) {
-        return Json{{"alphaMode", mode},
-                    {"pbrMetallicRoughness", {{"metallicFactor", metallic}, {"baseColorFactor", {1, 1, 1, alpha}}}},
-                    {"extensions", {{"KHR_materials_transmission", {{"transmissionFactor", factor}}}}}};
-    };
-    // An opaque material has no alpha; the faces of the clearest glass reflect 4 %.
-    EXPECT_EQ(materialOf(glass(1, 0, "OPAQUE", 0.5f)).alphaMode, Material::AlphaMode::Blend);
-    EXPECT_NEAR(materialOf(glass(1, 0, "OPAQUE", 0.5f)).baseColor.w, 0.04f, 1e-6f);
-    EXPECT_NEAR(materialOf(glass(0.5f, 0.5f, "OPAQUE", 1)).baseColor.w, 0.76f, 1e-6f);
-    EXPECT_NEAR(materialOf(glass(1, 0, "BLEND", 0.5f)).baseColor.w, 0.02f, 1e-6f);
-    // Not metals, nor cutouts.
-    EXPECT_EQ(materialOf(glass(1, 1, "OPAQUE", 1)).alphaMode, Material::AlphaMode::Opaque);
-    EXPECT_EQ(materialOf(glass(1, 0, "MASK", 1)).alphaMode, Material::AlphaMode::Mask);
-    EXPECT_EQ(materialOf(glass(0, 0, "OPAQUE", 0.5f)).alphaMode, Material::AlphaMode::Opaque);
-}
-
 TEST(ReaderErrors, GeometryFartherThanTenThousandKilometres)
 {
     const TemporaryFolder folder;

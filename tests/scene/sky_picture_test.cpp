@@ -17,6 +17,8 @@ namespace halflight {
 namespace {
 
 using namespace test;
+using testing::AllOf;
+using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::IsEmpty;
 
@@ -102,16 +104,74 @@ TEST(SkyPicture, UnusableFilesAreErrorsThatNameThem)
     EXPECT_THAT(errorOf("forged.hdr"), HasSubstr("texels"));
     writeText(folder / "short.hdr", "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 8 +X 16\nxxxx");
     EXPECT_THAT(errorOf("short.hdr"), HasSubstr("ends before its last texel"));
-    for (const float bad : {-0.5f, std::numeric_limits<float>::infinity(), std::numeric_limits<float>::quiet_NaN()}) {
-        ImageRgb32f picture = noise(16, 8);
-        picture(5, 3).y = bad;
-        ASSERT_TRUE(writeExr(folder / "bad.exr", picture));
-        EXPECT_THAT(errorOf("bad.exr"), HasSubstr("not a number of 0 or more, in column 5 of row 3"));
-    }
-    std::vector<std::byte> truncated = *readFile(folder / "bad.exr");
+    ASSERT_TRUE(writeExr(folder / "good.exr", noise(16, 8)));
+    std::vector<std::byte> truncated = *readFile(folder / "good.exr");
     truncated.resize(truncated.size() / 2);
     ASSERT_TRUE(writeFileAtomically(folder / "half.exr", truncated.data(), truncated.size()));
     EXPECT_THAT(errorOf("half.exr"), HasSubstr("half.exr"));
+}
+
+// Case sky-values: filters overshoot, half floats overflow. All other texels stay as they are.
+TEST(SkyPicture, OddValuesAreClampedAndCounted)
+{
+    constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
+    struct Odd {
+        float value;
+        float brightest; // of another texel
+        float right;
+        const char* warning;
+    };
+    for (const Odd& odd : {Odd{-0.001f, 1.0f, 0.0f, "2 texels have a negative value"},
+                           Odd{-kInfinity, 1.0f, 0.0f, "2 texels have a negative value"},
+                           Odd{kNan, 1.0f, 0.0f, "2 texels have a value that is not a number"},
+                           Odd{kInfinity, 1.0f, 65504.0f, "2 texels have an infinite value"},
+                           Odd{kInfinity, 3.0e6f, 3.0e6f, "2 texels have an infinite value"}}) {
+        const TemporaryFolder folder;
+        ImageRgb32f picture = noise(16, 8);
+        picture(0, 0) = vec3(odd.brightest);
+        ImageRgb32f right = picture;
+        for (const ivec2 at : {ivec2(5, 3), ivec2(9, 7)}) {
+            picture(at.x, at.y).y = odd.value;
+            right(at.x, at.y).y = odd.right;
+        }
+        ASSERT_TRUE(writeExr(folder / "odd.exr", picture));
+        std::vector<std::string> warnings;
+        const auto read = readSkyPicture(folder / "odd.exr", &warnings);
+        ASSERT_TRUE(read) << read.error().text();
+        EXPECT_EQ(read->texels(), right.texels()) << odd.value;
+        EXPECT_THAT(warnings, ElementsAre(AllOf(HasSubstr("odd.exr"), HasSubstr(odd.warning)))) << odd.value;
+    }
+}
+
+// Radiance 5.3, "Radiance File Formats": values are divided by all EXPOSURE and COLORCORR lines multiplied together.
+TEST(SkyPicture, ExposureOfTheHeaderIsTakenOut)
+{
+    const std::string texel("\x80\x40\x20\x81", 4); // 1, 1/2, 1/4
+    const auto read = [&](const std::string& lines, std::vector<std::string>& warnings) {
+        const TemporaryFolder folder;
+        writeText(folder / "e.hdr", "#?RADIANCE\n" + lines + "\n-Y 1 +X 1\n" + texel);
+        const auto picture = readSkyPicture(folder / "e.hdr", &warnings);
+        EXPECT_TRUE(picture) << lines;
+        return picture ? (*picture)(0, 0) : vec3(-1.0f);
+    };
+    std::vector<std::string> warnings;
+    EXPECT_EQ(read("EXPOSURE=2\n", warnings), vec3(0.5f, 0.25f, 0.125f));
+    EXPECT_EQ(read("EXPOSURE= 0.25\nFORMAT=32-bit_rle_rgbe\nEXPOSURE=2.0\n", warnings), vec3(2.0f, 1.0f, 0.5f));
+    EXPECT_EQ(read("COLORCORR=2 1 0.5\nEXPOSURE=0.5\n", warnings), vec3(1.0f, 1.0f, 1.0f));
+    EXPECT_EQ(read("COLORCORR= 2 2 2\nCOLORCORR= 2 1 1\n", warnings), vec3(0.25f, 0.25f, 0.125f));
+    EXPECT_EQ(read("VIEW= -vta EXPOSURE=4\nPRIMARIES= .64 .33 .29 .6 .15 .06 .3333 .3333\n", warnings),
+              vec3(1.0f, 0.5f, 0.25f));
+    EXPECT_THAT(warnings, IsEmpty());
+    for (const char* odd : {"EXPOSURE=0\n", "EXPOSURE=-2\n", "EXPOSURE=nan\n", "EXPOSURE=\n", "COLORCORR=1 2\n",
+                            "EXPOSURE=1e999\n", "PRIMARIES=.7 .29 .17 .8 .13 .05 .33 .33\n"}) {
+        warnings.clear();
+        EXPECT_EQ(read(odd, warnings), vec3(1.0f, 0.5f, 0.25f)) << odd;
+        EXPECT_THAT(warnings, ElementsAre(HasSubstr("e.hdr"))) << odd;
+    }
+    // Beyond floats: clamped like any infinite value.
+    warnings.clear();
+    EXPECT_EQ(read("EXPOSURE=1e-39\n", warnings), vec3(65504.0f));
+    EXPECT_THAT(warnings, ElementsAre(HasSubstr("1 texel has an infinite value")));
 }
 
 TEST(SkyPicture, ReductionKeepsTheLight)

@@ -64,10 +64,10 @@ struct BakeGeometry {
     std::vector<uint8_t> flipped; ///< 1: orientation repair reversed its winding; not for shared triangles
     std::vector<TexelSide> texelSides; ///< Front, FrontOfBoth or Mean; empty = all Front
     // By stored vertex.
-    std::vector<vec3> positions;     ///< metres
-    std::vector<vec3> normals;       ///< unit
-    std::vector<vec2> uv[2];         ///< zero where the part has none
-    std::vector<vec4> colors;        ///< linear; empty when no part has any
+    std::vector<vec3> positions;                     ///< metres
+    std::vector<vec3> normals;                       ///< unit
+    std::array<std::vector<vec2>, kTexCoordSets> uv; ///< zero where the part has none; empty where no part has any
+    std::vector<vec4> colors;                        ///< linear; empty when no part has any
     std::vector<vec2> lightmapTexel; ///< in texels of the page, see Instance for shared ones; zero without lightmap
 
     /// Derived values by stored triangle; findFrames() computes them, and `partOfBlock`, from the above.

@@ -8,6 +8,7 @@
 
 #include <filesystem>
 #include <functional>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -16,7 +17,9 @@ namespace halflight {
 
 struct ReadOptions {
     std::filesystem::path settingsFile; ///< TOML with per-node and per-light settings by name pattern; empty = none
-    bool decodeTextures = true;         ///< false: Texture::pixels stay empty (for `info`)
+    /// Of a file that does not say itself, in place of what its settings file says; empty = that, or nits.
+    std::optional<EmissionUnit> emissionUnit;
+    bool decodeTextures = true;                ///< false: Texture::pixels stay empty (for `info`)
     const std::atomic<bool>* cancel = nullptr; ///< reading ends with Cancelled soon after it is set
 };
 

@@ -30,17 +30,24 @@ struct Texture {
     int sourceTexture = -1; ///< index in the glTF file's "textures"
 };
 
+/// Texture coordinate sets of a file that are read: TEXCOORD_0 to TEXCOORD_7.
+constexpr int kTexCoordSets = 8;
+
 /// Reference from a material to a texture, with KHR_texture_transform: uv' = offset + R(rotation) * (scale * uv),
 /// R = [cos, sin; -sin, cos] (row-major) as that extension writes it.
 struct TextureRef {
     int texture = -1; ///< index into Scene::textures, -1 = none
-    int texCoord = 0; ///< 0 or 1: which of MeshPart::uv
+    int texCoord = 0; ///< which of MeshPart::uv; the textures of one material read two sets at most
     vec2 offset{0.0f};
     vec2 scale{1.0f};
     float rotationRadians = 0.0f;
 
     explicit operator bool() const { return texture >= 0; }
 };
+
+/// Light that a face of glass lets through at normal incidence: all but the 4 % that an index of refraction of 1.5
+/// reflects.
+constexpr float kGlassTransmittance = 0.96f;
 
 struct Material {
     enum class AlphaMode { Opaque, Mask, Blend };
@@ -57,13 +64,34 @@ struct Material {
     float occlusionStrength = 1.0f;
     vec3 emissiveNits{0.0f}; ///< factor times KHR_materials_emissive_strength: radiance emitted, cd/m2
     TextureRef emissiveTexture;
-    AlphaMode alphaMode = AlphaMode::Opaque;
+    AlphaMode alphaMode = AlphaMode::Opaque; ///< what alpha means; glass is drawn blended whatever it says
     float alphaCutoff = 0.5f;
+    float transmission = 0.0f;      ///< KHR_materials_transmission's factor; 0 where the material is unlit
+    TextureRef transmissionTexture; ///< R
     bool doubleSided = false;
     bool unlit = false;
     bool castShadows = true; ///< shadows want these of the object and of the material, in the bake and at run time
     bool receiveShadows = true;
     int sourceMaterial = -1;
+
+    /// Whether it lets a share of light through, by alpha or as glass.
+    [[nodiscard]] bool isBlended() const { return alphaMode == AlphaMode::Blend || transmission > 0.0f; }
+    /// Whether it stops all light everywhere.
+    [[nodiscard]] bool isOpaque() const { return alphaMode == AlphaMode::Opaque && transmission <= 0.0f; }
+    /// Share of light that it stops at a point: by the point's alpha, metallic and value of the transmission texture.
+    /// `coverage` in shaders/material.glsl is the same.
+    [[nodiscard]] float coverage(float alpha, float metallicThere, float transmissionTexel) const
+    {
+        if (alphaMode == AlphaMode::Mask && alpha < alphaCutoff) return 0.0f;
+        const float there = alphaMode == AlphaMode::Blend ? glm::clamp(alpha, 0.0f, 1.0f) : 1.0f;
+        return there * (1.0f - kGlassTransmittance * transmission * transmissionTexel * (1.0f - metallicThere));
+    }
+
+    [[nodiscard]] std::array<const TextureRef*, 6> textureRefs() const
+    {
+        return {&baseColorTexture, &metallicRoughnessTexture, &normalTexture,
+                &occlusionTexture, &emissiveTexture,          &transmissionTexture};
+    }
 };
 
 /// A vertex on the line between two vertices of one primitive, which the unwrapper added where it cut a mesh.
@@ -102,10 +130,11 @@ struct MeshPart {
     std::vector<vec3> positions; ///< object space, finite
     std::vector<vec3> normals;   ///< unit; always present after reading (flat normals where the file had none)
     std::vector<vec4> tangents;  ///< xyz unit, w = bitangent sign; present when the material has a normal texture
-    std::array<std::vector<vec2>, 2> uv; ///< TEXCOORD_0 and TEXCOORD_1 of the file; empty where absent
-    std::vector<vec4> colors;            ///< linear RGBA vertex colours; empty where absent
-    std::vector<uint32_t> indices;       ///< 3 per triangle, counter-clockwise front faces
-    int material = -1;                   ///< index into Scene::materials; -1 = glTF's default material
+    /// TEXCOORD_n of the file at index n: 0 and 1, and those that the material reads; empty where absent.
+    std::array<std::vector<vec2>, kTexCoordSets> uv;
+    std::vector<vec4> colors;      ///< linear RGBA vertex colours; empty where absent
+    std::vector<uint32_t> indices; ///< 3 per triangle, counter-clockwise front faces
+    int material = -1;             ///< index into Scene::materials; -1 = glTF's default material
 
     /// Lightmap coordinates in [0,1] of the mesh's own layout; a point's place on its page is
     /// `object.lightmap.scale * lightmapUv + object.lightmap.offset`. Empty until unwrapped.
@@ -307,6 +336,13 @@ struct Sky {
 /// src/scene.
 struct SourceDocument;
 
+/// What emission in a file counts: cd/m2, or watts per m2 and steradian as Blender's exporter writes it, of which each
+/// is kLumensPerWatt cd/m2 beside the lamps that it writes.
+enum class EmissionUnit { Nits, Blender };
+/// As settings and --emission-unit have it: "nits", "blender".
+const char* nameOf(EmissionUnit unit);
+constexpr float kLumensPerWatt = 683.0f; ///< by which Blender's exporter turns lamps' watts into candela and lux
+
 struct Scene {
     std::string name;
     /// World position of the scene's local origin. All positions and transforms of the scene, its bake and its cameras
@@ -320,6 +356,8 @@ struct Scene {
     std::vector<Light> lights;
     std::vector<Camera> cameras;
     Sky sky;
+    /// What materials' emission was multiplied by on reading; a written file has the product, and says that it is nits.
+    float emissionScale = 1.0f;
     /// Lower limit of subtractive shadows that the author asks for, as irradiance in lux (spec S23); none: the bake's
     /// choice (BakedScene::defaultShadowColor).
     std::optional<vec3> subtractiveShadowColor;

@@ -4,6 +4,8 @@
 #include "halflight/base/image.h"
 
 #include <filesystem>
+#include <string>
+#include <vector>
 
 namespace halflight {
 
@@ -11,9 +13,10 @@ namespace halflight {
 constexpr int64_t kMostSkyPictureTexels = int64_t(1) << 25;
 
 /// Reads a Radiance picture (.hdr) or an OpenEXR file, told apart by content, of at most kMostSkyPictureTexels.
-/// Values are radiance; a negative one or one that is not finite is an error. A picture wider than kMostSkyTexels is
-/// reduced to that.
-Result<ImageRgb32f> readSkyPicture(const std::filesystem::path& path);
+/// Values are radiance. A negative one, or one that is not a number, is read as 0, an infinite one as the brightest
+/// finite one, at least 65504; `warnings`, where given, says how many texels have some. A Radiance picture's EXPOSURE
+/// and COLORCORR are taken out. A picture wider than kMostSkyTexels is reduced to that.
+Result<ImageRgb32f> readSkyPicture(const std::filesystem::path& path, std::vector<std::string>* warnings = nullptr);
 
 /// Widest picture that a scene has, in texels: 0.09 degrees each, a sixth of the sun.
 constexpr int kMostSkyTexels = 4096;

@@ -24,7 +24,7 @@ Emitters::Emitters(const RayTracer& tracer) : tracer_(tracer)
         const float area = 0.5f * glm::length(glm::cross(e.edge1, e.edge2));
         if (!(area > 0.0f)) continue;
         e.inverseArea = 1.0f / area;
-        e.uniform = !material.emissive && material.alphaMode == Material::AlphaMode::Opaque;
+        e.uniform = !material.emissive && material.opaque;
         e.radiance = material.emission;
         e.doubleSided = material.doubleSided;
         e.rayVisible = geometry.partOf(t).castShadows;

@@ -74,8 +74,10 @@ TransportMaterial transportMaterial(const Scene& scene, const Material& m)
     t.baseColorFactor = vec3(m.baseColor);
     t.opacity = m.baseColor.w;
     t.emission = m.emissiveNits;
-    t.alphaMode = m.alphaMode;
-    t.alphaCutoff = m.alphaCutoff;
+    t.source = &m;
+    t.opaque = m.isOpaque();
+    t.blended = m.isBlended();
+    t.transmission = usable(m.transmissionTexture);
     t.doubleSided = m.doubleSided;
     t.unlit = m.unlit;
     return t;
@@ -111,7 +113,8 @@ const TransportMaterial& Materials::of(uint32_t triangle) const
 vec2 Materials::textureCoordinate(uint32_t triangle, vec2 barycentric, const TextureRef& ref) const
 {
     const uvec3 t = geometry_.verticesOf(triangle);
-    const std::vector<vec2>& uv = geometry_.uv[ref.texCoord == 1 ? 1 : 0];
+    const std::vector<vec2>& uv = geometry_.uv[std::size_t(ref.texCoord)];
+    if (uv.empty()) return ref.offset;
     const vec2 raw =
         (1.0f - barycentric.x - barycentric.y) * uv[t.x] + barycentric.x * uv[t.y] + barycentric.y * uv[t.z];
     // KHR_texture_transform: translation * rotation * scale.
@@ -144,10 +147,19 @@ float Materials::alphaAt(uint32_t triangle, vec2 barycentric, const TransportMat
 float Materials::coverageAt(uint32_t triangle, vec2 barycentric) const
 {
     const TransportMaterial& material = of(triangle);
-    if (material.alphaMode == Material::AlphaMode::Opaque) return 1.0f;
+    if (material.opaque) return 1.0f;
     const float alpha = alphaAt(triangle, barycentric, material);
-    if (material.alphaMode == Material::AlphaMode::Mask) return alpha < material.alphaCutoff ? 0.0f : 1.0f;
-    return glm::clamp(alpha, 0.0f, 1.0f);
+    if (material.source->transmission <= 0.0f) return material.source->coverage(alpha, 0.0f, 0.0f);
+    const float metallic = material.metallicFactor * dataAt(triangle, barycentric, material.metallicRoughness).z;
+    return material.source->coverage(alpha, metallic, dataAt(triangle, barycentric, material.transmission).x);
+}
+
+/// Of a texture at full resolution, filtered; 1 where there is none.
+vec4 Materials::dataAt(uint32_t triangle, vec2 barycentric, const TextureRef& ref) const
+{
+    if (!ref) return vec4(1.0f);
+    return texelQuad(scene_.textures[std::size_t(ref.texture)], textureCoordinate(triangle, barycentric, ref))
+        .filtered([](u8vec4 texel) { return vec4(texel) / 255.0f; });
 }
 
 u8vec4 Materials::smallTexel(uint32_t triangle, vec2 barycentric, const TextureRef& ref) const

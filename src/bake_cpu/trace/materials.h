@@ -23,8 +23,10 @@ struct TransportMaterial {
     float roughnessFactor = 1.0f;
     float specular = 1.0f; ///< KHR_materials_specular's factor
     TextureRef emissive;
-    Material::AlphaMode alphaMode = Material::AlphaMode::Opaque;
-    float alphaCutoff = 0.5f;
+    const Material* source = nullptr; ///< for its coverage
+    bool opaque = true;               ///< Material::isOpaque()
+    bool blended = false;             ///< Material::isBlended()
+    TextureRef transmission;
     bool doubleSided = false;
     bool unlit = false;
 };
@@ -54,7 +56,7 @@ public:
     Materials(const Scene& scene, const BakeGeometry& geometry);
 
     [[nodiscard]] const TransportMaterial& of(uint32_t triangle) const;
-    /// Probability that a ray hits the surface there: 1 opaque, 0 or 1 masked, alpha blended.
+    /// Probability that a ray hits the surface there: Material::coverage().
     [[nodiscard]] float coverageAt(uint32_t triangle, vec2 barycentric) const;
     [[nodiscard]] vec3 emissionAt(uint32_t triangle, vec2 barycentric) const;
     [[nodiscard]] SurfaceReflectance reflectanceAt(uint32_t triangle, vec2 barycentric) const;
@@ -70,6 +72,7 @@ public:
     [[nodiscard]] vec4 vertexColor(uint32_t triangle, vec2 barycentric) const;
 
 private:
+    [[nodiscard]] vec4 dataAt(uint32_t triangle, vec2 barycentric, const TextureRef& ref) const;
     [[nodiscard]] float alphaAt(uint32_t triangle, vec2 barycentric, const TransportMaterial& material) const;
     [[nodiscard]] u8vec4 smallTexel(uint32_t triangle, vec2 barycentric, const TextureRef& ref) const;
 

@@ -30,7 +30,7 @@ MeshTree treeOfObject(const BakeGeometry& geometry, const Materials& materials, 
 GeometryKind kindOf(const Materials& materials, const BakeGeometry::Part& part)
 {
     if (!part.castShadows) return NoShadow;
-    return materials.of(part.firstTriangle).alphaMode != Material::AlphaMode::Opaque ? Transparent : Opaque;
+    return materials.of(part.firstTriangle).opaque ? Opaque : Transparent;
 }
 
 MeshTrees::MeshTrees(const BakeGeometry& geometry, const Materials& materials)

@@ -69,7 +69,7 @@ bool RayTracer::passes(uint32_t triangle, vec2 barycentric, const float* rayBits
 /// many.
 bool RayTracer::passesBlended(uint32_t triangle, vec2 barycentric, embree::BlendedTransmittance& ray) const
 {
-    if (materials_.of(triangle).alphaMode != Material::AlphaMode::Blend) return false;
+    if (!materials_.of(triangle).blended) return false;
     // Embree may report a triangle that RTC_BUILD_QUALITY_HIGH splits more than once.
     const auto end = ray.triangle.begin() + ray.count;
     if (std::find(ray.triangle.begin(), end, triangle) != end) return true;

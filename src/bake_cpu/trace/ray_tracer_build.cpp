@@ -13,7 +13,7 @@ void RayTracer::sortTriangles()
     for (const BakeGeometry::Part& part : geometry_.parts) {
         if (part.triangleCount == 0 || part.side == SurfaceSide::Back) continue;
         const TransportMaterial& material = materials_.of(part.firstTriangle);
-        anyBlended_ = anyBlended_ || material.alphaMode == Material::AlphaMode::Blend;
+        anyBlended_ = anyBlended_ || material.blended;
         if (part.instance != BakeGeometry::kOwn) {
             for (uint32_t v = part.firstVertex; v < part.firstVertex + part.vertexCount; ++v)
                 bounds.extend(geometry_.positionOf(part, v));

@@ -1,6 +1,8 @@
 // The shadow distance that a view needs.
 #include "render/frame/frame_internal.h"
 
+#include "halflight/base/finite.h"
+
 #include <algorithm>
 #include <array>
 #include <vector>
@@ -30,7 +32,7 @@ Corners cut(const Corners& polygon, const vec4& plane)
 struct Frustum {
     vec3 eye;
     Planes planes;
-    std::array<vec3, 4> farCorners;
+    std::array<vec3, 4> farCorners; ///< not finite where the camera has no far plane
 };
 
 Frustum frustumOf(const FrameView& view)
@@ -51,7 +53,8 @@ float farthestInside(const Bounds& box, const Frustum& frustum)
 {
     float farthest = 0.0f;
     for (const vec3& corner : frustum.farCorners) {
-        if (distanceTo(box, corner) == 0.0f) farthest = std::max(farthest, glm::distance(corner, frustum.eye));
+        if (isFinite(corner) && distanceTo(box, corner) == 0.0f)
+            farthest = std::max(farthest, glm::distance(corner, frustum.eye));
     }
     for (int axis = 0; axis < 3; ++axis) {
         for (const float side : {box.min[axis], box.max[axis]}) {
