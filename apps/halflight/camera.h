@@ -22,9 +22,10 @@ Result<Camera> chooseCamera(const Scene& scene, const CameraChoice& choice, floa
 /// At `eye`, looking at `target`, y up as far as possible.
 Camera lookAt(vec3 eye, vec3 target, float verticalFovRadians, const Bounds& bounds);
 
-/// A view that shows the scene: from inside when its middle is walled in (a room: walls that face inward, or
-/// double-sided ones around a light or around things that nobody outside sees), else from outside with the bounds
-/// fitted into the picture, from the side that lets the eye in deepest (into a box with an open front, say).
+/// A view of the whole scene from outside, which it fills to 2.5 % of the picture's size from the edges, on the side
+/// that shows most fronts and lets the eye in deepest (into a box with an open front, say). From inside where the scene
+/// is a closed room: walls on nearly all sides of its middle, and outside little but their backs, or things or a light
+/// within them that nobody outside sees.
 Camera automaticCamera(const Scene& scene, float aspect);
 
 } // namespace halflight::cli
