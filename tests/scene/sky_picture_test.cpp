@@ -170,7 +170,7 @@ TEST(SkyPicture, ExposureOfTheHeaderIsTakenOut)
     }
     // Beyond floats: clamped like any infinite value.
     warnings.clear();
-    EXPECT_EQ(read("EXPOSURE=1e-39\n", warnings), vec3(65504.0f));
+    EXPECT_EQ(read("EXPOSURE=1e-40\n", warnings), vec3(65504.0f));
     EXPECT_THAT(warnings, ElementsAre(HasSubstr("1 texel has an infinite value")));
 }
 
