@@ -23,7 +23,6 @@ LONGER = {
     "src/scene/decompress.cpp": 461,
     "src/scene/document.cpp": 447,
     "src/scene/patcher.cpp": 403,
-    "src/scene/settings.cpp": 452,
     "src/scene/validate.cpp": 404,
     "src/unwrap/chart.cpp": 532,
     "src/unwrap/packer.cpp": 437,
