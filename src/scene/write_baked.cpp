@@ -24,7 +24,6 @@
 
 namespace halflight {
 namespace {
-
 constexpr const char* kRootExtension = "HALFLIGHT_mixed_lighting";
 constexpr const char* kNodeExtension = "HALFLIGHT_node";
 constexpr const char* kMaterialExtension = "HALFLIGHT_material";
