@@ -64,16 +64,23 @@ template<typename T> bool readLength(ByteReader& reader, std::vector<T>& list)
     return true;
 }
 
+/// The name that a part of the first stages is kept under: a hash of the scene's `content` and of the settings that lay
+/// out its lightmap.
+std::string frontName(const Hash128& content, const BakeSettings& settings)
+{
+    Hasher hasher;
+    hasher.add(kFrontVersion).add(content).add(int(settings.mode)).add(int(settings.uvMode));
+    hasher.add(settings.texelsPerMeter).add(resolveQuality(settings).lightmapSize).add(int(settings.lightmapSize == 0));
+    hasher.add(settings.paddingTexels).add(int(settings.twoSided));
+    return hasher.hash().hex();
+}
+
 } // namespace
 
 std::optional<PartFolder> frontFolder(const Scene& scene, const BakeSettings& settings)
 {
     if (settings.cacheDirectory.empty()) return std::nullopt;
-    Hasher hasher;
-    hasher.add(kFrontVersion).add(contentHash(scene)).add(int(settings.mode)).add(int(settings.uvMode));
-    hasher.add(settings.texelsPerMeter).add(resolveQuality(settings).lightmapSize).add(int(settings.lightmapSize == 0));
-    hasher.add(settings.paddingTexels).add(int(settings.twoSided));
-    const std::string name = hasher.hash().hex();
+    const std::string name = frontName(contentHash(scene), settings);
     std::error_code ec;
     // A bake of some objects may still be refused, and then leaves nothing behind.
     if (!settings.only.empty() && !std::filesystem::is_directory(settings.cacheDirectory / (name + ".front"), ec))
@@ -84,11 +91,7 @@ std::optional<PartFolder> frontFolder(const Scene& scene, const BakeSettings& se
 SheetTest keptSheetTest(const Scene& scene, const BakeSettings& settings, SheetTest test, const Progress& progress)
 {
     if (settings.cacheDirectory.empty()) return test;
-    Hasher hasher;
-    hasher.add(kFrontVersion).add(surfacesHash(scene)).add(int(settings.mode)).add(int(settings.uvMode));
-    hasher.add(settings.texelsPerMeter).add(resolveQuality(settings).lightmapSize).add(int(settings.lightmapSize == 0));
-    hasher.add(settings.paddingTexels).add(int(settings.twoSided));
-    const std::string name = hasher.hash().hex();
+    const std::string name = frontName(surfacesHash(scene), settings);
     const std::filesystem::path cache = settings.cacheDirectory;
     const bool keeps = settings.only.empty(); // a bake of some objects may still be refused, and leaves nothing behind
     return [=, &progress, test = std::move(test)](const Scene& cut, double texelMeters) {
