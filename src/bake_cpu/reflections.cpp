@@ -46,8 +46,7 @@ private:
             return paths_.pathRadiance(at, direction, {position_}, 0.0f, settings_.bounces, sampler, rays);
         // The back half of a sheet follows its front half, with reversed winding.
         const bool ofBackHalf = at.back && part.side == SurfaceSide::Front;
-        const std::array<vec2, 3> t =
-            geometry.texelsOf(hit.point.triangle + (ofBackHalf ? part.triangleCount : 0));
+        const std::array<vec2, 3> t = geometry.texelsOf(hit.point.triangle + (ofBackHalf ? part.triangleCount : 0));
         const vec2 b = ofBackHalf ? vec2(hit.point.barycentric.y, hit.point.barycentric.x) : hit.point.barycentric;
         const vec2 texel = (1.0f - b.x - b.y) * t[0] + b.x * t[1] + b.y * t[2];
         const vec3 irradiance =
