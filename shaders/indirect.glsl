@@ -29,7 +29,8 @@ vec3 indirectLight(MeshSurface mesh, vec3 lightmap)
     surroundings *= 1.0 / kShadingPi;
     if (hasReflections()) {
         Reflections r = reflectionsAt(s.position, reflect(-s.view, s.normal), s.roughness, s.normal);
-        surroundings = reflectedSurroundings(r.radiance, r.expected, r.coverage, surroundings,
+        float trust = usesLightmap(s) ? reflectionTrust(mesh) : 1.0;
+        surroundings = reflectedSurroundings(r.radiance, r.expected, r.coverage, trust, surroundings,
                                              irradiance * (1.0 / kShadingPi), s.roughness);
     } else if (realtime) {
         surroundings = mix(skyTowards(reflect(-s.view, s.normal), skyPictureLevel(s.roughness, frame.skyPicture.z)),

@@ -123,6 +123,13 @@ float lightmapSpecularScale(MeshSurface mesh, vec3 lobe)
                                     side * mesh.lit.view, side * lobe, mesh.lit.roughness);
 }
 
+// How far reflection probes serve this place better than the lightmap's own directions.
+float reflectionTrust(MeshSurface mesh)
+{
+    if (frame.baked.x == 0) return 1.0;
+    return textureLod(lightmapDirections, vec3(inLightmapUv, objects[inObject].info.y), 0.0).a;
+}
+
 // In lux, whatever unit the file's texels are in.
 vec3 lightmapIrradiance()
 {

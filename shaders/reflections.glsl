@@ -39,12 +39,12 @@ Reflections reflectionsAt(vec3 position, vec3 direction, float roughness, vec3 n
     result.expected = vec3(0.0);
     float left = 1.0;
     float weights = 0.0;
-    for (int i = 0; i < int(frame.reflections.x) && left > kLeastReflectionShare; ++i) {
+    for (int i = 0; i < int(frame.reflections.x) && left > 0.0; ++i) {
         vec3 boxPosition = (reflectionProbes[i].boxFromWorld * vec4(position, 1.0)).xyz;
         float coverage = reflectionCoverage(boxPosition, reflectionProbes[i].halfSize.xyz, reflectionProbes[i].position.w);
         float weight = left * coverage;
         left -= weight;
-        if (weight < kLeastReflectionShare) continue;
+        if (weight <= 0.0) continue;
         result.radiance += weight * reflectionOf(i, position, direction, roughness);
         result.expected += weight * reflectionOf(i, position, normal, 1.0);
         weights += weight;

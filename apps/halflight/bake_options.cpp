@@ -64,7 +64,7 @@ void addResults(CLI::App& app, BakeOptions& options)
                         "denoise the lightmap; oidn: with Open Image Denoise, in builds that have it (default on)");
     addChoice<std::optional<bool>>(app, "--directional", bake.directional, {{"on", true}, {"off", false}},
                                    "keep the mean direction of lightmap light too, so that normal maps, gloss and "
-                                   "metal respond to it (default on, off at preview)");
+                                   "metal respond to it (default on; at preview where a tenth is metal)");
     addChoice<MaskEncoding>(app, "--shadowmask-encoding", bake.maskEncoding,
                             {{"attenuation", MaskEncoding::Attenuation}, {"distance-field", MaskEncoding::Distance}},
                             "what shadowmask texels hold; distance fields keep hard edges crisp at half the density, "

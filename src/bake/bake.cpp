@@ -67,7 +67,7 @@ Status denoiseStage(const Stages& stages, const Gather& gather, std::span<const 
         gathered.reserve(estimates.size());
         for (const IrradianceEstimate& e : estimates) gathered.push_back(e.irradiance - e.direct);
     }
-    denoise(gather.geometry, gather.map, seams, estimates, resolveQuality(stages.settings).directional);
+    denoise(gather.geometry, gather.map, seams, estimates, stages.report().quality.directional);
     if (openImage) {
         if (Status status = imageDenoise(gather.map, gathered, estimates, stages.progress); !status)
             return status.error();
@@ -113,7 +113,7 @@ Status lightmapPagesStage(const Stages& stages, const Gather& gather, const std:
     baked.lightmapUnitLux = lightmapUnitFor(pages);
     baked.lightmaps = encodeLightmap(pages, baked.lightmapUnitLux);
     encodeTimer.finish();
-    if (!resolveQuality(settings).directional) return {};
+    if (!stages.report().quality.directional) return {};
     std::vector<vec3> moments;
     moments.reserve(estimates.size());
     for (const IrradianceEstimate& e : estimates) moments.push_back(e.moment);
@@ -183,11 +183,9 @@ Status reflectionStage(const Stages& stages, const Gather& gather)
     BakeReport& report = stages.report();
     StageTimer timer(report, "reflection probes");
     const uint64_t before = gather.integrator.raysTraced();
-    std::optional<ReflectionSet> reflections =
-        bakeReflections(stages.baked(), gather.integrator, stages.result.irradiance, report.quality.reflectionSize,
-                        report.warnings, stages.progress);
-    if (!reflections) return cancelledError();
-    stages.baked().reflections = std::move(*reflections);
+    if (!bakeReflections(stages.baked(), gather, stages.result.irradiance, report.quality.reflectionSize,
+                         report.warnings, stages.progress))
+        return cancelledError();
     report.reflectionProbeCount = int(stages.baked().reflections.probes.size());
     timer.finish(gather.integrator.raysTraced() - before);
     return {};

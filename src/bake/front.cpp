@@ -3,6 +3,7 @@
 #include "bake/front_parts.h"
 #include "bake/hidden_sides.h"
 #include "bake/live_light.h"
+#include "bake/quality.h"
 #include "bake/sheet_sides.h"
 #include "bake/some_objects.h"
 
@@ -184,7 +185,7 @@ Status prepareTexels(const Stages& stages, Scene scene, const IntegratorFactory&
                      Front& front)
 {
     BakeReport& report = stages.report();
-    report.quality = resolveQuality(stages.settings);
+    report.quality = qualityOf(stages.settings, scene);
     report.warnings = scene.warnings;
     if (farFromOrigin(scene)) {
         report.warnings.emplace_back(

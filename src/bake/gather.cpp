@@ -1,5 +1,6 @@
 #include "bake/gather.h"
 
+#include "bake/quality.h"
 #include "bake/stages.h"
 
 #include "halflight/scene/fingerprint.h"
@@ -49,12 +50,12 @@ Hash128 surfaceHash(const BakeGeometry& geometry, const TexelMap& map, std::size
 Hash128 bakeHash(const Scene& scene, const BakeSettings& settings)
 {
     // Structured bindings name every setting: a new setting is a compile error here. The hash leaves out settings that
-    // resolveQuality() replaces, those that change no byte of the output file, and `only`.
+    // qualityOf() replaces, those that change no byte of the output file, and `only`.
     [[maybe_unused]] const auto& [mode, quality, samples, shadowSamples, bounces, glossyBounces, integrator,
                                   noiseTarget, texelStep, uvMode, texelsPerMeter, lightmapSize, paddingTexels, twoSided,
                                   denoiser, directional, maskEncoding, subtractiveMask, probeSpacingMeters, probeLayout,
                                   reflectionProbes, threads, seed, imagesDirectory, cacheDirectory, only] = settings;
-    const BakeQuality q = resolveQuality(settings);
+    const BakeQuality q = qualityOf(settings, scene);
     Hasher hasher;
     hasher.add(kCacheVersion).add(contentHash(scene)).add(int(mode)).add(int(integrator)).add(int(uvMode));
     hasher.add(q.samples).add(q.shadowSamples).add(q.bounces).add(q.lightmapSize).add(q.probeSamples);

@@ -79,7 +79,7 @@ private:
             for (const std::size_t i : chosen) {
                 const float weight = left * coverage_[i][k];
                 left -= weight;
-                if (weight < shading::kLeastReflectionShare) continue;
+                if (weight <= 0.0f) continue;
                 sum += weight * uses_[i][k];
                 weights += weight;
             }

@@ -16,6 +16,10 @@ namespace {
 
 /// Most places that are compared; light probes are thinned out to this number.
 constexpr std::size_t kMostPlaces = 400;
+/// Most places whose own surroundings are proposed, whatever they serve.
+constexpr std::size_t kMostProposed = kMostPlaces / 4;
+/// Boxes of these end at this many times the mean distance of what is around, where nothing is nearer.
+constexpr float kLocalShare = 2.5f;
 /// Rays that measure a place's surroundings.
 constexpr int kRays = 256;
 /// Surroundings beyond this many sizes of the scene count as infinitely far.
@@ -42,14 +46,14 @@ std::vector<vec3> evenDirections()
     return result;
 }
 
-/// Positions of valid light probes, thinned out on a grid that grows until they are few enough.
-std::vector<vec3> placesOf(std::span<const Probe> lightProbes, float sceneSizeMeters)
+/// Positions of valid light probes, thinned out on a grid that grows until there are at most `most`.
+std::vector<vec3> placesOf(std::span<const Probe> lightProbes, float sceneSizeMeters, std::size_t most)
 {
     std::vector<vec3> all;
     for (const Probe& probe : lightProbes)
         if (probe.valid) all.push_back(probe.position);
     std::vector<vec3> places = all;
-    for (float cell = sceneSizeMeters / 100.0f; places.size() > kMostPlaces; cell *= 1.25f) {
+    for (float cell = sceneSizeMeters / 100.0f; places.size() > most; cell *= 1.25f) {
         DistinctPoints distinct(cell);
         places.clear();
         for (const vec3 place : all)
@@ -306,10 +310,29 @@ std::vector<std::vector<float>> usesBetween(std::span<const Candidate> candidate
 
 } // namespace
 
+std::vector<ReflectionProbe> proposeReflections(std::span<const Probe> lightProbes, const Integrator& integrator,
+                                                float sceneSizeMeters)
+{
+    std::vector<vec3> places = placesOf(lightProbes, sceneSizeMeters, kMostProposed);
+    const float far = kFarShare * sceneSizeMeters;
+    const std::vector<vec3> directions = evenDirections();
+    std::vector<std::vector<float>> distances = distancesAround(places, directions, integrator, far);
+    keepSurrounded(places, distances, far);
+    std::vector<ReflectionProbe> probes(places.size());
+    parallelFor(places.size(), 1, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t i = begin; i < end; ++i) {
+            const float local = kLocalShare * meanDistance(distances[i], far);
+            for (float& distance : distances[i]) distance = std::min(distance, local);
+            probes[i] = probeAt(places[i], fitBox(directions, distances[i]));
+        }
+    });
+    return probes;
+}
+
 std::vector<ReflectionProbe> placeReflections(std::span<const Probe> lightProbes, const Integrator& integrator,
                                               float sceneSizeMeters)
 {
-    std::vector<vec3> places = placesOf(lightProbes, sceneSizeMeters);
+    std::vector<vec3> places = placesOf(lightProbes, sceneSizeMeters, kMostPlaces);
     if (places.empty()) return {};
     const float far = kFarShare * sceneSizeMeters;
     const std::vector<vec3> directions = evenDirections();

@@ -1,5 +1,6 @@
 #include "bake/reflections.h"
 
+#include "bake/reflection_gain.h"
 #include "bake/stages.h"
 #include "halflight/base/rgb9e5.h"
 #include "halflight/shading/reflection.h"
@@ -22,6 +23,100 @@ std::vector<ReflectionProbe> authoredProbes(const Scene& scene, std::vector<std:
     return probes;
 }
 
+/// Rays per texel of finished pictures: edges are antialiased, and soft shadows of mixed lights have 17 steps.
+constexpr int kManyRays = 16;
+constexpr int kFewRays = kManyRays / 4;
+/// Texels across a candidate's picture, with few rays each: rough lobes are looked up in it, and there are a hundred.
+constexpr int kSmallTile = 48;
+
+class ReflectionStage {
+public:
+    ReflectionStage(BakedScene& baked, const Gather& gather, std::span<const ImageRgb32f> lightmap,
+                    const Progress& progress)
+        : baked_(baked), gather_(gather), lightmap_(lightmap), progress_(progress),
+          sceneSize_(glm::length(baked.scene.bounds(true).size()))
+    {}
+
+    bool run(int size, std::vector<std::string>& warnings)
+    {
+        auto points = specularPoints(gather_, {lightmap_, baked_.lightmapDirections}, sceneSize_, progress_);
+        if (!points) return false;
+        std::vector<ReflectionProbe> probes = authoredProbes(baked_.scene, warnings);
+        for (ReflectionProbe& probe : probes) probe.fadeMeters = reflectionFade(probe.worldFromBox);
+        if (probes.empty() && !place(*points, probes)) return false;
+        if (probes.empty()) return true;
+        ReflectionSet set;
+        set.size = tileSize(size, probes.size());
+        std::vector<ImageRgb32f> tiles;
+        if (!takePictures(probes, set.size, kManyRays, tiles)) return false;
+        const int height = shading::reflectionTileHeight(set.size);
+        ImageRgb32f picture(set.size, height * int(probes.size()));
+        for (std::size_t i = 0; i < tiles.size(); ++i)
+            std::copy(tiles[i].texels().begin(), tiles[i].texels().end(),
+                      picture.texels().begin() + std::ptrdiff_t(i * tiles[i].texelCount()));
+        putTrust(gather_, trustOf(*points, picturesOf(probes, tiles)), points->size(), baked_.lightmapDirections);
+        set.unitNits = rgb9e5Unit(picture);
+        set.picture = encodeRgb9e5(picture, set.unitNits);
+        set.probes = std::move(probes);
+        baked_.reflections = std::move(set);
+        return true;
+    }
+
+private:
+    /// As many texels in all as half of the most tiles have at this size, where there are more.
+    static int tileSize(int size, std::size_t count)
+    {
+        const std::size_t whole = ReflectionSet::kMost / 2;
+        if (count <= whole) return size;
+        return std::max(int(float(size) * std::sqrt(float(whole) / float(count))) / 16 * 16, 32);
+    }
+    static std::vector<ReflectionPicture> picturesOf(std::span<const ReflectionProbe> probes,
+                                                     std::span<const ImageRgb32f> tiles)
+    {
+        std::vector<ReflectionPicture> pictures;
+        for (std::size_t i = 0; i < probes.size(); ++i) pictures.push_back({probes[i], &tiles[i]});
+        return pictures;
+    }
+    /// Surfaces without lobes choose nothing; then geometry alone does, for what moves among them.
+    bool place(std::span<const SpecularPoint> points, std::vector<ReflectionProbe>& probes)
+    {
+        const auto shiny = [](const SpecularPoint& point) {
+            return std::any_of(point.views.begin(), point.views.end(),
+                               [](const SpecularView& view) { return view.share != vec3(0.0f); });
+        };
+        if (std::none_of(points.begin(), points.end(), shiny)) {
+            probes = placeReflections(baked_.probes.probes, gather_.integrator, sceneSize_);
+            for (ReflectionProbe& probe : probes) probe.fadeMeters = reflectionFade(probe.worldFromBox);
+            return true;
+        }
+        std::vector<ReflectionProbe> candidates =
+            placeReflections(baked_.probes.probes, gather_.integrator, sceneSize_);
+        const std::vector<ReflectionProbe> local =
+            proposeReflections(baked_.probes.probes, gather_.integrator, sceneSize_);
+        candidates.insert(candidates.end(), local.begin(), local.end());
+        std::vector<ImageRgb32f> tiles;
+        if (!takePictures(candidates, kSmallTile, kFewRays, tiles)) return false;
+        probes = chooseByGain(points, picturesOf(candidates, tiles), !baked_.lightmapDirections.empty());
+        return true;
+    }
+    bool takePictures(std::span<const ReflectionProbe> probes, int size, int rays, std::vector<ImageRgb32f>& tiles)
+    {
+        for (const ReflectionProbe& probe : probes) {
+            ImageRgb32f around(size - 2, size - 2);
+            if (!gather_.integrator.radianceAround(probe.position, lightmap_, rays, around, progress_)) return false;
+            tiles.push_back(reflectionTile(around));
+            progress_("reflection probes", double(tiles.size()) / double(probes.size()));
+        }
+        return true;
+    }
+
+    BakedScene& baked_;
+    const Gather& gather_;
+    std::span<const ImageRgb32f> lightmap_;
+    const Progress& progress_;
+    float sceneSize_;
+};
+
 } // namespace
 
 float reflectionFade(const mat4& worldFromBox)
@@ -32,31 +127,11 @@ float reflectionFade(const mat4& worldFromBox)
            std::sqrt(glm::dot(axes[0], axes[0]) + glm::dot(axes[1], axes[1]) + glm::dot(axes[2], axes[2]));
 }
 
-std::optional<ReflectionSet> bakeReflections(const BakedScene& baked, Integrator& integrator,
-                                             std::span<const ImageRgb32f> lightmap, int size,
-                                             std::vector<std::string>& warnings, const Progress& progress)
+bool bakeReflections(BakedScene& baked, const Gather& gather, std::span<const ImageRgb32f> lightmap, int size,
+                     std::vector<std::string>& warnings, const Progress& progress)
 {
-    ReflectionSet set;
-    set.size = size;
     progress("reflection probes", 0.0);
-    set.probes = authoredProbes(baked.scene, warnings);
-    if (set.probes.empty())
-        set.probes = placeReflections(baked.probes.probes, integrator, glm::length(baked.scene.bounds(true).size()));
-    if (set.probes.empty()) return ReflectionSet();
-    ImageRgb32f picture(size, shading::reflectionTileHeight(size) * int(set.probes.size()));
-    for (std::size_t i = 0; i < set.probes.size(); ++i) {
-        ReflectionProbe& probe = set.probes[i];
-        probe.fadeMeters = reflectionFade(probe.worldFromBox);
-        ImageRgb32f around(size - 2, size - 2);
-        if (!integrator.radianceAround(probe.position, lightmap, around, progress)) return std::nullopt;
-        const ImageRgb32f tile = reflectionTile(around);
-        std::copy(tile.texels().begin(), tile.texels().end(),
-                  picture.texels().begin() + std::ptrdiff_t(i * tile.texelCount()));
-        progress("reflection probes", double(i + 1) / double(set.probes.size()));
-    }
-    set.unitNits = rgb9e5Unit(picture);
-    set.picture = encodeRgb9e5(picture, set.unitNits);
-    return set;
+    return ReflectionStage(baked, gather, lightmap, progress).run(size, warnings);
 }
 
 } // namespace halflight

@@ -13,12 +13,17 @@ namespace halflight {
 std::vector<ReflectionProbe> placeReflections(std::span<const Probe> lightProbes, const Integrator& integrator,
                                               float sceneSizeMeters);
 
+/// Reflection probes at places all over the scene. The box of each is that of its own surroundings, which ends nearby
+/// where the place is open.
+std::vector<ReflectionProbe> proposeReflections(std::span<const Probe> lightProbes, const Integrator& integrator,
+                                                float sceneSizeMeters);
+
 /// Which of the probes to keep, small boxes first. `uses`: by probe and place of a probe, 0…1, how well the one serves
 /// the other.
 std::vector<std::size_t> chooseReflections(std::span<const ReflectionProbe> probes,
                                            std::vector<std::vector<float>> uses);
 
-/// ReflectionProbe::fadeMeters of a box.
+/// ReflectionProbe::fadeMeters of a box that ends at walls.
 float reflectionFade(const mat4& worldFromBox);
 
 /// The tile of a probe (shading/reflection.h) from the radiance around it: prefiltered with the GGX distribution, for a

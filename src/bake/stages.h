@@ -94,11 +94,11 @@ std::optional<ProbeSight> findProbeSight(const ProbeSet& set, const Integrator& 
 std::optional<ProbeSet> bakeProbes(const Scene& scene, float spacingMeters, ProbeLayout layout, bool denoise,
                                    const Gather& gather, std::vector<std::string>& warnings, const Progress& progress);
 
-/// Reflection probes at the scene's own boxes, or where placeReflections() puts some; none in a scene without light
-/// probes. `lightmap`: irradiance by page, lux. Nothing when cancelled.
-std::optional<ReflectionSet> bakeReflections(const BakedScene& baked, Integrator& integrator,
-                                             std::span<const ImageRgb32f> lightmap, int size,
-                                             std::vector<std::string>& warnings, const Progress& progress);
+/// Reflection probes at the scene's own boxes, or where they bring what lightmapped surfaces reflect nearest to the
+/// truth; none in a scene without light probes. `lightmap`: irradiance by page, lux. Writes how far texels trust the
+/// probes into lightmapDirections. `size`: of a tile, if probes are few. False when cancelled.
+bool bakeReflections(BakedScene& baked, const Gather& gather, std::span<const ImageRgb32f> lightmap, int size,
+                     std::vector<std::string>& warnings, const Progress& progress);
 
 struct SeamSample;
 /// Edge-avoiding à-trous filter on the surface: within charts, and across their `seams` (denoise.cpp). Position, normal

@@ -126,10 +126,16 @@ public:
         return traceProbes(paths_, settings_, positions, which, samples, out, progress, rays_);
     }
 
-    bool radianceAround(vec3 position, std::span<const ImageRgb32f> lightmap, ImageRgb32f& map,
+    bool radianceAround(vec3 position, std::span<const ImageRgb32f> lightmap, int rays, ImageRgb32f& map,
                         const Progress& progress) override
     {
-        return traceRadianceAround(paths_, settings_, position, lightmap, map, progress, rays_);
+        return traceRadianceAround({paths_, settings_, lightmap, rays}, position, map, progress, rays_);
+    }
+
+    bool specularLight(std::span<const SurfacePoint> points, std::span<const vec3> views,
+                       std::span<SpecularEstimate> out, const Progress& progress) override
+    {
+        return traceSpecularLight(paths_, settings_, points, views, out, progress, rays_);
     }
 
     bool sides(std::span<const SurfacePoint> points, std::span<const vec3> eyes, int paths, int walks,

@@ -201,7 +201,7 @@ TEST(RadianceAround, IsWhatTheRendererDraws)
     Bench bench(std::move(scene), MixedLightingMode::Shadowmask, 64, settings);
     const std::vector<ImageRgb32f> lightmap = {ImageRgb32f(64, 64, vec3(3.0f, 4.0f, 5.0f))};
     ImageRgb32f map(62, 62);
-    ASSERT_TRUE(bench.integrator->radianceAround(vec3(0, 1, 0), lightmap, map, {}));
+    ASSERT_TRUE(bench.integrator->radianceAround(vec3(0, 1, 0), lightmap, 16, map, {}));
     const auto towards = [&](vec3 d) {
         const vec2 texel = shading::octahedronFromDirection(glm::normalize(d)) * 62.0f;
         return map(std::min(int(texel.x), 61), std::min(int(texel.y), 61));

@@ -1,6 +1,7 @@
 // What surfaces reflect of the reflection probes, pixel by pixel, against the formulas on the CPU.
 #include "halflight/base/rgb9e5.h"
 #include "halflight/shading/brdf.h"
+#include "halflight/shading/directional.h"
 #include "halflight/shading/indirect.h"
 #include "halflight/shading/reflection.h"
 #include "halflight/shading/sh.h"
@@ -9,6 +10,7 @@
 #include <glm/gtc/matrix_transform.hpp>
 
 #include <cmath>
+#include <optional>
 
 namespace halflight::test {
 namespace {
@@ -79,7 +81,19 @@ struct MirrorFloor {
         set.picture = std::move(picture);
         bases.push_back(base);
     }
+    /// A directional lightmap whose texels trust the probes so far.
+    void setTrust(uint8_t value)
+    {
+        trust = value;
+        baked.lightmapDirections = {ImageRgba8(4, 4, stored())};
+    }
+    [[nodiscard]] u8vec4 stored() const
+    {
+        const vec3 even = shading::encodeMeanDirection(vec3(0, 2.0f / 3.0f, 0));
+        return u8vec4(vec4(even, float(trust.value_or(255)) / 255.0f) * 255.0f + 0.5f);
+    }
     std::vector<vec3> bases;
+    std::optional<uint8_t> trust;
 
     /// Radiance of a point of the floor, from the formulas.
     [[nodiscard]] vec3 expected(vec3 position, vec3 view) const
@@ -87,7 +101,14 @@ struct MirrorFloor {
         using namespace shading;
         const Material& m = baked.scene.materials[0];
         const vec3 normal(0, 1, 0);
-        const vec3 own = irradiance / kShadingPi;
+        vec3 local = irradiance / kShadingPi;
+        vec3 own = local;
+        if (trust) {
+            // An even hemisphere of light, as setTrust() stores it.
+            const vec3 mean = decodeMeanDirection(vec3(stored()) / 255.0f);
+            const vec3 lobe = specularLookup(view, normal, m.roughness);
+            own *= directionalSpecularScale(mean, normal, normal, view, lobe, m.roughness);
+        }
         vec3 radiance(0.0f);
         vec3 rough(0.0f);
         float left = 1.0f;
@@ -100,7 +121,7 @@ struct MirrorFloor {
                             glm::length(vec3(probe.worldFromBox[2])));
             const float weight = left * reflectionCoverage(inBox, half, probe.fadeMeters);
             left -= weight;
-            if (weight < kLeastReflectionShare) continue;
+            if (weight <= 0.0f) continue;
             const auto light = [&](vec3 direction, float roughness) {
                 const vec4 at =
                     lookUpReflection(position, direction, inBox, mat3(box) * direction, probe.position, roughness);
@@ -110,8 +131,11 @@ struct MirrorFloor {
             rough += weight * light(normal, 1.0f);
             weights += weight;
         }
+        if (weights <= 0.0f)
+            return reflectIndirect(baseColor, m.metallic, m.roughness, m.specular, view.y, irradiance, own);
+        const float share = trust ? float(*trust) / 255.0f : 1.0f;
         const vec3 surroundings =
-            reflectedSurroundings(radiance / weights, rough / weights, weights, own, own, m.roughness);
+            reflectedSurroundings(radiance / weights, rough / weights, weights, share, own, local, m.roughness);
         return reflectIndirect(baseColor, m.metallic, m.roughness, m.specular, view.y, irradiance, surroundings);
     }
     void check(const RenderedFrame& frame, float relative) const
@@ -161,6 +185,46 @@ TEST_P(ReflectionPixels, ProbesBlendInTheirOrder)
     floor.addProbe(vec3(-1, 1, 0), boxAt(-1.2f), 0.4f, vec3(6, 1, 1));
     floor.addProbe(vec3(1.2f, 1, 0), boxAt(1.2f), 0.3f, vec3(1, 6, 1));
     floor.check(render(floor.baked, floor.camera, settings()), 1e-2f);
+}
+
+// Texels of a directional lightmap say how far they trust the probes: all, half and nothing.
+TEST_P(ReflectionPixels, TexelsTrustProbesAsFarAsTheySay)
+{
+    for (const int trust : {255, 128, 0}) {
+        MirrorFloor floor;
+        floor.setTrust(uint8_t(trust));
+        floor.addProbe(vec3(0.2f, 1.4f, -0.3f), kRoom, 0.1f, vec3(6, 1, 3));
+        floor.material(1.0f, 0.35f);
+        floor.check(render(floor.baked, floor.camera, settings()), 8e-3f);
+    }
+}
+
+// Where the only box ends, in the middle of the floor, its light fades out over the fade's two lengths and reaches the
+// lightmap's own: no pixel differs from the next one by more than that ramp has it.
+TEST_P(ReflectionPixels, ABoxEndsWithoutAnEdge)
+{
+    MirrorFloor floor;
+    floor.material(1.0f, 0.3f);
+    constexpr float kFade = 0.5f;
+    floor.addProbe(vec3(-1, 1, 0), glm::scale(glm::translate(mat4(1.0f), vec3(-3, 0.5f, 0)), vec3(3, 2, 4)), kFade,
+                   vec3(9, 9, 9));
+    floor.camera = lookAt(vec3(0.6f, 3.0f, 0.01f), vec3(0.6f, 0, 0));
+    const RenderedFrame frame = render(floor.baked, floor.camera, settings());
+    const auto light = [&](int x) { return luminance(vec3(frame.radiance(x, kSize.y / 2))); };
+    const auto metres = [&](int x) { return onPlane(pixelRay(floor.camera, kSize, {x, kSize.y / 2}), 0.0f).x; };
+    float within = 0.0f;
+    float beyond = 0.0f;
+    float steepest = 0.0f; // nits per metre
+    for (int x = 1; x < kSize.x; ++x) {
+        const float step = std::abs(light(x) - light(x - 1));
+        steepest = std::max(steepest, step / std::abs(metres(x) - metres(x - 1)));
+        if (metres(x) < 0.0f) within = light(x);
+        if (metres(x) > 2.0f * kFade && beyond == 0.0f) beyond = light(x);
+    }
+    ASSERT_GT(within, 1.5f * beyond) << "the probe is brighter than the lightmap";
+    // A ramp over two fades is half as steep as one over a single fade; coverage above 1/4 counts in full.
+    EXPECT_LT(steepest, 3.0f * (within - beyond) / kFade);
+    EXPECT_NEAR(beyond, luminance(floor.expected(vec3(2.0f * kFade + 0.05f, 0, 0), vec3(0, 1, 0))), 0.05f * beyond);
 }
 
 TEST_P(ReflectionPixels, OffAndRealtimeHaveNone)

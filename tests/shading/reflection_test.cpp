@@ -117,9 +117,24 @@ TEST(Reflection, CoverageIsAQuarterAtTheFadesDistance)
 {
     const vec3 halfSize(2.0f, 1.0f, 4.0f);
     EXPECT_EQ(reflectionCoverage(vec3(0.9f, -1.0f, 0.0f), halfSize, 0.1f), 1.0f);
-    EXPECT_NEAR(reflectionCoverage(vec3(1.05f, 0.0f, 0.0f), halfSize, 0.1f), 0.25f, 1e-5f);
-    EXPECT_NEAR(reflectionCoverage(vec3(0.0f, 0.0f, -1.025f), halfSize, 0.1f), 0.25f, 1e-4f);
-    EXPECT_GT(reflectionCoverage(vec3(0.0f, 20.0f, 0.0f), halfSize, 0.1f), 0.0f);
+    EXPECT_NEAR(reflectionCoverage(vec3(1.05f, 0.0f, 0.0f), halfSize, 0.1f), 0.25f, 0.015f);
+    EXPECT_NEAR(reflectionCoverage(vec3(0.0f, 0.0f, -1.025f), halfSize, 0.1f), 0.25f, 0.015f);
+    EXPECT_EQ(reflectionCoverage(vec3(0.0f, 1.2001f, 0.0f), halfSize, 0.1f), 0.0f);
+    EXPECT_EQ(reflectionCoverage(vec3(0.0f, 20.0f, 0.0f), halfSize, 0.1f), 0.0f);
+}
+
+// Neither a step nor a kink at the box and where coverage ends: both would be seen as lines.
+TEST(Reflection, CoverageFadesWithoutAnEdge)
+{
+    const auto at = [](float metres) { return reflectionCoverage(vec3(1.0f + metres, 0.0f, 0.0f), vec3(1.0f), 0.25f); };
+    constexpr float kStep = 0.002f;
+    for (float metres = -0.05f; metres < 0.6f; metres += kStep) {
+        const float slope = (at(metres + kStep) - at(metres)) / kStep;
+        const float next = (at(metres + 2.0f * kStep) - at(metres + kStep)) / kStep;
+        EXPECT_LE(slope, 0.0f);
+        EXPECT_GT(slope, -1.01f / 0.25f) << "about as steep as a ramp over one fade";
+        EXPECT_LT(std::abs(next - slope), 50.0f * kStep) << metres;
+    }
 }
 
 TEST(Reflection, FollowsLocalDarkness)
@@ -128,9 +143,13 @@ TEST(Reflection, FollowsLocalDarkness)
     const vec3 own(0.3f, 0.2f, 0.1f);
     for (const float roughness : {0.0f, 0.4f, 1.0f}) {
         const float share = 1.0f - roughness * roughness;
-        const auto reflected = [&](vec3 expected, vec3 local, float coverage) {
-            return reflectedSurroundings(color, expected, coverage, own, local, roughness);
+        const auto reflected = [&](vec3 expected, vec3 local, float coverage, float trust = 1.0f) {
+            return reflectedSurroundings(color, expected, coverage, trust, own, local, roughness);
         };
+        // As far as it is trusted.
+        EXPECT_EQ(reflected(vec3(5.0f), vec3(5.0f), 1.0f, 0.0f), own);
+        EXPECT_LT(glm::distance(reflected(vec3(5.0f), vec3(5.0f), 1.0f, 0.3f), glm::mix(own, color, 0.3f * share)),
+                  1e-6f);
         // As much light as expected, or more: the picture as it is, and a rough lobe's own surroundings.
         EXPECT_LT(glm::distance(reflected(vec3(5.0f), vec3(5.0f), 1.0f), glm::mix(own, color, share)), 1e-6f);
         EXPECT_LT(glm::distance(reflected(vec3(5.0f), vec3(9.0f), 1.0f), glm::mix(own, color, share)), 1e-6f);

@@ -54,7 +54,7 @@ struct BakeSettings {
     int paddingTexels = 2;       ///< UnwrapSettings::paddingTexels
     TwoSided twoSided = TwoSided::Automatic; ///< of objects that do not say it themselves
     Denoiser denoiser = Denoiser::BuiltIn;
-    /// Also bakes mean directions, for normal maps, gloss and metal (spec S32). Not given: from Medium on.
+    /// Also bakes mean directions, for normal maps, gloss and metal (S32). Not given: all but previews with little metal.
     std::optional<bool> directional;
     MaskEncoding maskEncoding = MaskEncoding::Attenuation; ///< shadowmask bakes
     /// Subtractive bakes: also stores the main light's own mask, so that dynamic shadows subtract only unoccluded light

@@ -136,6 +136,15 @@ struct ProbeEstimate {
     bool valid = true;     ///< false: inside geometry
 };
 
+/// What a surface point reflects by its specular lobe, and its material (shading/brdf.h).
+struct SpecularEstimate {
+    vec3 baseColor{0.0f};
+    float metallic = 0.0f;
+    float roughness = 1.0f;
+    float specular = 1.0f;
+    std::vector<vec3> radiance; ///< nits, by view
+};
+
 /// Texels to work on, and the effort.
 struct TexelRequest {
     std::span<const uint32_t> texels; ///< indices into TexelMap::texels
@@ -200,11 +209,11 @@ public:
     virtual bool probes(std::span<const vec3> positions, std::span<const uint32_t> which, int samples,
                         std::span<ProbeEstimate> out, const Progress& progress) = 0;
 
-    /// Radiance that arrives at a point from all sides, as the renderer draws it: emission, the sky, and what static
-    /// surfaces reflect diffusely (shading::transportAlbedo()) of the lightmap and of mixed lights. `lightmap`:
-    /// irradiance by page, lux; surfaces without a page are path traced. Texel (x, y) of the square map is the mean
-    /// over its square of octahedronFromDirection() in shading/reflection.h.
-    virtual bool radianceAround(vec3 position, std::span<const ImageRgb32f> lightmap, ImageRgb32f& map,
+    /// Radiance that arrives at a point from all sides: emission, the sky, and what static surfaces reflect of the
+    /// lightmap and of mixed lights; with IntegrationSettings::glossyBounces by their specular lobes too. `lightmap`:
+    /// irradiance by page, lux; surfaces without a page are path traced. Texel (x, y) of the square map is the mean of
+    /// `rays` rays over its square of octahedronFromDirection() in shading/reflection.h.
+    virtual bool radianceAround(vec3 position, std::span<const ImageRgb32f> lightmap, int rays, ImageRgb32f& map,
                                 const Progress& progress) = 0;
 
     /// Estimates for sides of surfaces before there are texels, with `paths` paths for irradiance (0 = none) and
@@ -212,6 +221,12 @@ public:
     /// sides open and black.
     virtual bool sides(std::span<const SurfacePoint> points, std::span<const vec3> eyes, int paths, int walks,
                        std::span<SideEstimate> out, const Progress& progress);
+
+    /// Light that points reflect towards views by their specular lobes, path traced: all that the renderer makes of
+    /// baked light, so without direct light of lights that it draws itself. `views`: unit vectors on the normals'
+    /// sides, equally many for each point.
+    virtual bool specularLight(std::span<const SurfacePoint> points, std::span<const vec3> views,
+                               std::span<SpecularEstimate> out, const Progress& progress) = 0;
 
     /// Distances in metres from `from` to the first and the last surface on the way to `to`; nothing if the segment is
     /// unoccluded.

@@ -16,8 +16,6 @@ HL_NAMESPACE_BEGIN
 
 // Maps of a probe, from roughness 0 to 1 in equal steps.
 HL_CONST int kReflectionLevels = 5;
-// A probe that covers less than this is left out.
-HL_CONST float kLeastReflectionShare = 0.02f;
 
 // Unit direction to the unit square, +Y in its middle.
 HL_FN vec2 octahedronFromDirection(vec3 d)
@@ -98,12 +96,14 @@ HL_FN vec4 lookUpReflection(vec3 position, vec3 direction, vec3 boxPosition, vec
     return vec4(seen * (1.0f / distanceFromProbe), sqrt(min(alpha, 1.0f)));
 }
 
-// How much a probe counts at a place: 1 inside its box, 1/4 at `fadeMeters` outside of it, never 0. Probes are taken in
-// their order; each leaves 1 - coverage of the blend to those after it.
+// How much a probe counts at a place: 1 inside its box, 1/4 (0.237) at `fadeMeters` outside of it, 0 from twice that
+// on; without a step or a kink, which would be seen as a line. Probes are taken in their order; each leaves 1 -
+// coverage of the blend to those after it.
 HL_FN float reflectionCoverage(vec3 boxPosition, vec3 halfSizeMeters, float fadeMeters)
 {
     vec3 outside = max(abs(boxPosition) - vec3(1.0f), vec3(0.0f)) * halfSizeMeters;
-    return square(1.0f / (1.0f + dot(outside, outside) / square(fadeMeters)));
+    float within = max(1.0f - 0.25f * dot(outside, outside) / square(fadeMeters), 0.0f);
+    return square(square(within)) * within;
 }
 
 // CIE luminance of a linear Rec. 709 colour (ITU-R BT.709, section 3).
@@ -122,14 +122,15 @@ HL_FN float luminanceOf(vec3 color)
 // exactly.
 //   fromProbes, expected   prefiltered radiance about the mirror's direction, and of roughness 1 about the normal
 //   coverage               of all probes together: where it is small, the picture is of another place
+//   trust                  0...1, baked: how far the probes' light serves this place better than its own
 //   surroundings, local    what the surface's own irradiance makes of them: irradiance over pi, about the lobe and on
 //   the
 //                          normal
-HL_FN vec3 reflectedSurroundings(vec3 fromProbes, vec3 expected, float coverage, vec3 surroundings, vec3 local,
-                                 float roughness)
+HL_FN vec3 reflectedSurroundings(vec3 fromProbes, vec3 expected, float coverage, float trust, vec3 surroundings,
+                                 vec3 local, float roughness)
 {
     float ratio = min(luminanceOf(local) / max(luminanceOf(expected), 1.0e-12f), 1.0f);
-    float share = min(4.0f * coverage, 1.0f) * (1.0f - roughness * roughness);
+    float share = trust * min(4.0f * coverage, 1.0f) * (1.0f - roughness * roughness);
     return mix(surroundings, fromProbes * pow(ratio, roughness), share);
 }
 

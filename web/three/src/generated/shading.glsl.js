@@ -328,7 +328,6 @@ vec3 hlReflectIndirect(vec3 baseColor, float metallic, float roughness, float sp
     return diffuse + specular;
 }
 const int hlReflectionLevels = 5;
-const float hlLeastReflectionShare = 0.02;
 vec2 hlOctahedronFromDirection(vec3 d)
 {
     vec2 p = vec2(d.x, d.z) * (1.0 / (abs(d.x) + abs(d.y) + abs(d.z)));
@@ -391,17 +390,18 @@ vec4 hlLookUpReflection(vec3 position, vec3 direction, vec3 boxPosition, vec3 bo
 float hlReflectionCoverage(vec3 boxPosition, vec3 halfSizeMeters, float fadeMeters)
 {
     vec3 outside = max(abs(boxPosition) - vec3(1.0), vec3(0.0)) * halfSizeMeters;
-    return hlSquare(1.0 / (1.0 + dot(outside, outside) / hlSquare(fadeMeters)));
+    float within = max(1.0 - 0.25 * dot(outside, outside) / hlSquare(fadeMeters), 0.0);
+    return hlSquare(hlSquare(within)) * within;
 }
 float hlLuminanceOf(vec3 color)
 {
     return dot(color, vec3(0.2126, 0.7152, 0.0722));
 }
-vec3 hlReflectedSurroundings(vec3 fromProbes, vec3 expected, float coverage, vec3 surroundings, vec3 local,
-                                 float roughness)
+vec3 hlReflectedSurroundings(vec3 fromProbes, vec3 expected, float coverage, float trust, vec3 surroundings,
+                                 vec3 local, float roughness)
 {
     float ratio = min(hlLuminanceOf(local) / max(hlLuminanceOf(expected), 1.0e-12), 1.0);
-    float share = min(4.0 * coverage, 1.0) * (1.0 - roughness * roughness);
+    float share = trust * min(4.0 * coverage, 1.0) * (1.0 - roughness * roughness);
     return mix(surroundings, fromProbes * pow(ratio, roughness), share);
 }
 bool hlIsAreaLight(int lightType)

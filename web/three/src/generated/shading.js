@@ -13,7 +13,6 @@ export const kLightSpot = 2;
 export const kLightRectangle = 3;
 export const kLightDisk = 4;
 export const kReflectionLevels = 5;
-export const kLeastReflectionShare = 0.02;
 export const kLeastSight = 0.002;
 export const kLeastSightDeviation = 0.005;
 const mix = (a, b, t) => a * (1 - t) + b * t;

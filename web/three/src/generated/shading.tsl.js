@@ -512,7 +512,6 @@ export const hlReflectIndirect = /*@__PURE__*/ Fn( ( [ baseColor, metallic, roug
 }, { baseColor: 'vec3', metallic: 'float', roughness: 'float', specularFactor: 'float', nDotV: 'float', irradiance: 'vec3', surroundings: 'vec3', return: 'vec3' } );
 
 const hlReflectionLevels = int( 5 );
-const hlLeastReflectionShare = float( 0.02 );
 
 export const hlOctahedronFromDirection = /*@__PURE__*/ Fn( ( [ d ] ) => {
 
@@ -598,8 +597,9 @@ export const hlLookUpReflection = /*@__PURE__*/ Fn( ( [ position, direction, box
 export const hlReflectionCoverage = /*@__PURE__*/ Fn( ( [ boxPosition, halfSizeMeters, fadeMeters ] ) => {
 
 	const outside = max( abs( boxPosition ).sub( vec3( float( 1.0 ) ) ), vec3( float( 0.0 ) ) ).mul( halfSizeMeters );
+	const within = max( float( 1.0 ).sub( float( 0.25 ).mul( dot( outside, outside ) ).div( hlSquare( fadeMeters ) ) ), float( 0.0 ) );
 
-	return hlSquare( float( 1.0 ).div( float( 1.0 ).add( dot( outside, outside ).div( hlSquare( fadeMeters ) ) ) ) );
+	return hlSquare( hlSquare( within ) ).mul( within );
 
 }, { boxPosition: 'vec3', halfSizeMeters: 'vec3', fadeMeters: 'float', return: 'float' } );
 
@@ -609,14 +609,14 @@ export const hlLuminanceOf = /*@__PURE__*/ Fn( ( [ color ] ) => {
 
 }, { color: 'vec3', return: 'float' } );
 
-export const hlReflectedSurroundings = /*@__PURE__*/ Fn( ( [ fromProbes, expected, coverage, surroundings, local, roughness ] ) => {
+export const hlReflectedSurroundings = /*@__PURE__*/ Fn( ( [ fromProbes, expected, coverage, trust, surroundings, local, roughness ] ) => {
 
 	const ratio = min( hlLuminanceOf( local ).div( max( hlLuminanceOf( expected ), float( 1.0e-12 ) ) ), float( 1.0 ) );
-	const share = min( float( 4.0 ).mul( coverage ), float( 1.0 ) ).mul( float( 1.0 ).sub( roughness.mul( roughness ) ) );
+	const share = trust.mul( min( float( 4.0 ).mul( coverage ), float( 1.0 ) ) ).mul( float( 1.0 ).sub( roughness.mul( roughness ) ) );
 
 	return mix( surroundings, fromProbes.mul( pow( ratio, roughness ) ), share );
 
-}, { fromProbes: 'vec3', expected: 'vec3', coverage: 'float', surroundings: 'vec3', local: 'vec3', roughness: 'float', return: 'vec3' } );
+}, { fromProbes: 'vec3', expected: 'vec3', coverage: 'float', trust: 'float', surroundings: 'vec3', local: 'vec3', roughness: 'float', return: 'vec3' } );
 
 export const hlIsAreaLight = /*@__PURE__*/ Fn( ( [ lightType ] ) => {
 

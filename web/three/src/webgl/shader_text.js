@@ -345,6 +345,16 @@ float hlLightmapSpecularScale(vec3 lobe)
 }
 
 #ifdef HL_REFLECTIONS
+// How far reflection probes serve this place better than the lightmap's own directions.
+float hlReflectionTrust()
+{
+#ifdef HL_DIRECTIONS
+    return textureLod(hlDirections, vec3(vHlLightmapUv, hlSurface.page), 0.0).a;
+#else
+    return 1.0;
+#endif
+}
+
 vec3 hlReflectionAt(int probe, int level, vec3 direction)
 {
     int size = int(hlReflections.y);
@@ -370,20 +380,21 @@ vec3 hlReflected(vec3 surroundings, vec3 local)
     vec3 expected = vec3(0.0);
     float left = 1.0;
     float weights = 0.0;
-    for (int i = 0; i < int(hlReflections.x) && left > hlLeastReflectionShare; ++i) {
+    for (int i = 0; i < int(hlReflections.x) && left > 0.0; ++i) {
         int row = int(hlReflections.w) + i;
         mat4 boxFromWorld = mat4(hlCell(row, 0), hlCell(row, 1), hlCell(row, 2), hlCell(row, 3));
         vec4 place = hlCell(row, 4);
         vec3 boxPosition = (boxFromWorld * vec4(vHlPosition, 1.0)).xyz;
         float weight = left * hlReflectionCoverage(boxPosition, hlCell(row, 5).xyz, place.w);
         left -= weight;
-        if (weight < hlLeastReflectionShare) continue;
+        if (weight <= 0.0) continue;
         radiance += weight * hlReflectionOf(i, boxFromWorld, place.xyz, mirror, hlSurface.roughness);
         expected += weight * hlReflectionOf(i, boxFromWorld, place.xyz, hlSurface.normal, 1.0);
         weights += weight;
     }
+    float trust = hlSurface.lightmapped ? hlReflectionTrust() : 1.0;
     float scale = hlReflections.z / max(weights, 1.0e-20);
-    return hlReflectedSurroundings(radiance * scale, expected * scale, weights, surroundings, local, hlSurface.roughness);
+    return hlReflectedSurroundings(radiance * scale, expected * scale, weights, trust, surroundings, local, hlSurface.roughness);
 }
 #endif
 

@@ -5,7 +5,7 @@ import {
     positionWorld, reflect, select, texture, texture3D, textureLoad, uniform, varying, vec2, vec3, vec4, instanceIndex,
 } from 'three/tsl';
 
-import { kLeastReflectionShare, kReflectionLevels } from '../generated/shading.js';
+import { kReflectionLevels } from '../generated/shading.js';
 import * as hl from '../generated/shading.tsl.js';
 import { COLUMNS, ROWS } from '../webgl/shader_text.js';
 
@@ -178,6 +178,12 @@ export class SceneNodes {
         return hl.hlDirectionalSpecularScale(direction, baked, normal, view, towards, s.roughness);
     }
 
+    /** How far reflection probes serve this place better than the lightmap's own directions. */
+    reflectionTrust(s) {
+        if (!s.uv || !this.u.directions) return float(1);
+        return select(s.lightmapped, texture(this.u.directions, s.uv).depth(s.page).level(0).a, float(1));
+    }
+
     /** Radiance that a lobe of this roughness about a direction meets, by one probe. */
     reflectionOf(s, probe, direction, roughness) {
         const size = this.u.reflections[1];
@@ -209,7 +215,7 @@ export class SceneNodes {
             const inBox = boxFromWorld.mul(vec4(s.position, 1)).xyz;
             const weight = left.mul(hl.hlReflectionCoverage(inBox, this.cell(row, 5).xyz, place.w)).toVar();
             left.subAssign(weight);
-            If(weight.greaterThanEqual(kLeastReflectionShare), () => {
+            If(weight.greaterThan(0), () => {
                 const probe = { index: i, boxFromWorld, place };
                 radiance.addAssign(this.reflectionOf(s, probe, mirror, s.roughness).mul(weight));
                 expected.addAssign(this.reflectionOf(s, probe, s.normal, float(1)).mul(weight));
@@ -217,7 +223,7 @@ export class SceneNodes {
             });
         });
         const scale = float(unit).div(weights.max(1e-20));
-        return hl.hlReflectedSurroundings(radiance.mul(scale), expected.mul(scale), weights, surroundings, local, s.roughness);
+        return hl.hlReflectedSurroundings(radiance.mul(scale), expected.mul(scale), weights, this.reflectionTrust(s), surroundings, local, s.roughness);
     }
 
     /** Radiance of light without single directions. */

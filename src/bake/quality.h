@@ -1,0 +1,12 @@
+#pragma once
+// The numbers of a quality that depend on the scene.
+
+#include "halflight/bake/bake.h"
+
+namespace halflight {
+
+/// resolveQuality(); of a scene with much metal, previews have directions too: metal shows nothing but what its lobe
+/// meets.
+BakeQuality qualityOf(const BakeSettings& settings, const Scene& scene);
+
+} // namespace halflight
