@@ -59,6 +59,18 @@ void printBytes(const BakeReport& report)
     }
 }
 
+void printProbes(const BakeReport& report)
+{
+    print("probes     {}", grouped(uint64_t(report.probeCount)));
+    if (report.validProbeCount < report.probeCount)
+        print(", {} of them inside geometry", grouped(uint64_t(report.probeCount - report.validProbeCount)));
+    if (report.written.probes > 0) print(", {:.2f} MB", double(report.written.probes) * 1e-6);
+    print("\n");
+    if (const ProbeCheck& check = report.probeCheck; check.places > 0)
+        print("           light between them is off by {:.0f} % on average, {:.0f} % at most, at {} places\n",
+              100.0 * double(check.meanError), 100.0 * double(check.mostError), check.places);
+}
+
 } // namespace
 
 std::vector<std::string> lightWarnings(const BakeReport& report)
@@ -103,8 +115,7 @@ void printBakeSummary(const BakeOptions& options, const BakeReport& report)
               main->mask ? "with its own" : "without a", color.r, color.g, color.b,
               main->colorByBake ? " (chosen by the bake)" : "");
     }
-    print("probes     {} of {} valid\n", grouped(uint64_t(report.validProbeCount)),
-          grouped(uint64_t(report.probeCount)));
+    printProbes(report);
     if (report.reflectionProbeCount > 0)
         print("           {} for reflections, of {} texels\n", report.reflectionProbeCount,
               report.quality.reflectionSize);

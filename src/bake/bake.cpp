@@ -162,14 +162,15 @@ Status probeStage(const Stages& stages, const Gather& gather)
     BakedScene& baked = stages.baked();
     StageTimer timer(report, "probes");
     const uint64_t before = gather.integrator.raysTraced();
-    std::optional<ProbeSet> probes =
+    std::optional<BakedProbes> probes =
         bakeProbes(baked.scene, stages.settings.probeSpacingMeters, stages.settings.probeLayout,
                    gather.settings.cache.denoised, gather, report.warnings, stages.progress);
     if (!probes) return cancelledError();
-    baked.probes = std::move(*probes);
+    baked.probes = std::move(probes->set);
     std::optional<ProbeSight> sight = findProbeSight(baked.probes, gather.integrator, stages.progress);
     if (!sight) return cancelledError();
     baked.probes.sight = std::move(*sight);
+    report.probeCheck = checkProbes(baked, *probes, report.warnings);
     report.probeCount = int(baked.probes.probes.size());
     report.validProbeCount = int(
         std::count_if(baked.probes.probes.begin(), baked.probes.probes.end(), [](const Probe& p) { return p.valid; }));

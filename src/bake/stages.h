@@ -89,10 +89,20 @@ void fillInvalidProbes(ProbeSet& grid);
 /// How far probes see (ProbeSight), so that interpolation leaves out those behind a wall. Nothing when cancelled.
 std::optional<ProbeSight> findProbeSight(const ProbeSet& set, const Integrator& integrator, const Progress& progress);
 
+/// Probes, and check probes: estimates between them, which are not kept.
+struct BakedProbes {
+    ProbeSet set;
+    std::vector<vec3> checkedAt;       ///< places beside surfaces, metres
+    std::vector<ProbeEstimate> checks; ///< by place; some are inside geometry
+};
 /// The probes (spec S14): those at the scene's own positions, with invalid ones marked; or, without positions, a grid
 /// as `layout` says. Nothing when cancelled.
-std::optional<ProbeSet> bakeProbes(const Scene& scene, float spacingMeters, ProbeLayout layout, bool denoise,
-                                   const Gather& gather, std::vector<std::string>& warnings, const Progress& progress);
+std::optional<BakedProbes> bakeProbes(const Scene& scene, float spacingMeters, ProbeLayout layout, bool denoise,
+                                      const Gather& gather, std::vector<std::string>& warnings,
+                                      const Progress& progress);
+/// How far the light of the finished probes is off between them. `baked` has the probes, with what they see. Adds a
+/// warning that names places where it is off by more than ProbeCheck::kOff.
+ProbeCheck checkProbes(const BakedScene& baked, const BakedProbes& probes, std::vector<std::string>& warnings);
 
 /// Reflection probes at the scene's own boxes, or where they bring what lightmapped surfaces reflect nearest to the
 /// truth; none in a scene without light probes. `lightmap`: irradiance by page, lux. Writes how far texels trust the

@@ -33,7 +33,7 @@ TEST(ProbesS14, DenoisingComesCloserInLightAndDirection)
         const Gather gather{*bench.integrator, bench.geometry, bench.map, settings};
         std::map<std::array<float, 3>, Probe> byPlace; // refinement depends on noise, the first grid does not
         const auto set = bakeProbes(bench.scene, 0.3f, ProbeLayout::Refined, denoise, gather, warnings, {});
-        for (const Probe& probe : set.value().probes)
+        for (const Probe& probe : set->set.probes)
             byPlace[{probe.position.x, probe.position.y, probe.position.z}] = probe;
         return byPlace;
     };

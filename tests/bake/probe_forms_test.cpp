@@ -175,7 +175,7 @@ TEST(ProbeS14, AGridStaysAGridAndItsInvalidProbesAreFilled)
     Bench bench(std::move(scene), MixedLightingMode::Shadowmask, 64, settings);
     const Gather gather{*bench.integrator, bench.geometry, bench.map, settings};
     std::vector<std::string> warnings;
-    const ProbeSet set = bakeProbes(bench.scene, 0.75f, ProbeLayout::Grid, false, gather, warnings, {}).value();
+    const ProbeSet set = bakeProbes(bench.scene, 0.75f, ProbeLayout::Grid, false, gather, warnings, {})->set;
     ASSERT_EQ(set.probes.size(), std::size_t(set.size.x * set.size.y * set.size.z));
     int invalid = 0;
     for (int i = 0; i < int(set.probes.size()); ++i) {

@@ -78,7 +78,7 @@ BakedScene bakedProbes(const Yard& yard, std::vector<std::string>& warnings)
     Bench bench(yard.scene(), MixedLightingMode::Shadowmask, kPage, settings);
     const Gather gather{*bench.integrator, bench.geometry, bench.map, settings};
     BakedScene baked;
-    baked.probes = bakeProbes(bench.scene, 0.0f, ProbeLayout::Refined, true, gather, warnings, {}).value();
+    baked.probes = bakeProbes(bench.scene, 0.0f, ProbeLayout::Refined, true, gather, warnings, {})->set;
     return baked;
 }
 

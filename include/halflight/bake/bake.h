@@ -26,7 +26,8 @@ const char* nameOf(Quality quality);
 /// to about two texels), which keeps hard edges sharp with a quarter of the texels; attenuation in the other channels.
 enum class MaskEncoding { Attenuation, Distance };
 
-/// Refined: a grid, with probes added where neighbours disagree and on floors, and without those inside geometry. Grid:
+/// Refined: a grid, halved around rooms, with probes added where neighbours disagree and on floors, and without those
+/// inside geometry. At most 20,000, unless a spacing is asked for. Grid:
 /// the grid alone, for engines that read nothing else; probes inside geometry have the light of those around them.
 enum class ProbeLayout { Refined, Grid };
 
@@ -130,6 +131,18 @@ struct TwoSidedReport {
     uint64_t texels = 0;    ///< of the second side
 };
 
+/// Light interpolated between probes, against check probes at places beside surfaces that are baked and not kept. An
+/// error is the difference of irradiance, mean over six sides and beyond the check probe's noise, over the mean
+/// irradiance. In the dark it is over 1 % of that of the median probe.
+struct ProbeCheck {
+    static constexpr float kOff = 0.25f; ///< error above which a place is named in a warning
+
+    int places = 0;         ///< check probes outside geometry
+    int off = 0;            ///< places with a larger error than kOff
+    float meanError = 0.0f; ///< 0…
+    float mostError = 0.0f;
+};
+
 struct BakeReport {
     std::vector<LightReport> lights;
     std::optional<MainLightReport> mainLight; ///< of subtractive bakes that have one
@@ -157,6 +170,7 @@ struct BakeReport {
     WrittenBytes written;       ///< of the output file; zero until it is written
     int probeCount = 0;
     int validProbeCount = 0;
+    ProbeCheck probeCheck;
     int reflectionProbeCount = 0;
     uint64_t triangleCount = 0; ///< static, drawn
     uint64_t peakMemoryBytes = 0;
