@@ -143,9 +143,9 @@ int runBake(const CLI::App& app, const BakeOptions& given)
         display.reset();
         return fail(options.scene, scene.error());
     }
-    if (Status status = checkFilesBeside(options, *scene); !status) {
+    if (Status status = filesOfBake(options, &*scene).check(culprit); !status) {
         display.reset();
-        return fail(options.output, status.error());
+        return fail(culprit, status.error());
     }
     OutputFolders folders;
     for (const std::filesystem::path& folder :

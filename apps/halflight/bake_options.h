@@ -4,6 +4,7 @@
 #include "console.h"
 
 #include "halflight/bake/bake.h"
+#include "halflight/base/files_in_use.h"
 #include "halflight/scene/export.h"
 #include "halflight/scene/gltf.h"
 
@@ -12,6 +13,7 @@
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace halflight::cli {
@@ -21,6 +23,7 @@ struct BakeOptions {
     std::filesystem::path output;
     std::filesystem::path settingsFile;
     std::filesystem::path reportFile;
+    std::vector<std::pair<std::string, std::filesystem::path>> alsoRead; ///< what a farm's plan reads, by name
     BakeSettings bake;
     std::optional<ExportStyle> exportStyle; ///< writes core glTF instead of a baked file
     std::optional<float> exposureEv;        ///< of the export; empty = automatic
@@ -52,11 +55,11 @@ Result<Scene> readBakeScene(const BakeOptions& options);
 /// What options change of the scene that was read, and of the settings.
 void applyOptions(BakeOptions& options, Scene& scene);
 
-/// No file that the bake writes may replace one that it reads, or another that it writes. `culprit`: the file of an
-/// error.
+/// All files of a bake. `scene`: names more that are read; may be null.
+FilesInUse filesOfBake(const BakeOptions& options, const Scene* scene);
+/// No file that the bake writes may replace one that it reads, or another that it writes; and its places can be written
+/// to. `culprit`: the file of an error.
 Status checkBakePaths(const BakeOptions& options, std::filesystem::path& culprit);
-/// The files beside a .gltf output may not replace those that the scene's document names.
-Status checkFilesBeside(const BakeOptions& options, const Scene& scene);
 /// Folders that a command writes into, made and tried before it begins. Those that were new and hold nothing in the end
 /// are removed again, so that a command that is refused or interrupted leaves none.
 class OutputFolders {

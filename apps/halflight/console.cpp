@@ -90,28 +90,6 @@ Status checkOutput(const std::filesystem::path& output)
     return tryWriting(file->parent_path());
 }
 
-bool sameFile(const std::filesystem::path& a, const std::filesystem::path& b)
-{
-    std::error_code ec;
-    if (std::filesystem::equivalent(a, b, ec) && !ec) return true;
-    const Result<std::filesystem::path> fileA = replacedFile(a);
-    const Result<std::filesystem::path> fileB = replacedFile(b);
-    if (!fileA || !fileB) return false;
-    const std::filesystem::path whereA = std::filesystem::weakly_canonical(std::filesystem::absolute(*fileA, ec), ec);
-    if (ec) return false;
-    return whereA == std::filesystem::weakly_canonical(std::filesystem::absolute(*fileB, ec), ec) && !ec;
-}
-
-Status checkReplacesNone(const NamedFile& output, const std::vector<NamedFile>& files)
-{
-    if (output.path.empty()) return {};
-    for (const NamedFile& file : files) {
-        if (file.path.empty() || !sameFile(output.path, file.path)) continue;
-        return Error{ErrorCode::InvalidArgument, fmt::format("{} would replace {}", output.name, file.name)};
-    }
-    return {};
-}
-
 std::string lowerExtension(const std::filesystem::path& path)
 {
     std::string extension = path.extension().string();
@@ -154,7 +132,8 @@ std::string_view channelName(int channel)
 
 bool parseNumber(const std::string& text, double& value)
 {
-    if (text.empty() || std::isspace(static_cast<unsigned char>(text.front()))) return false;
+    // strtod() takes more: spaces before the number, hexadecimal, "infinity".
+    if (text.empty() || text.find_first_not_of("0123456789+-.eE") != std::string::npos) return false;
     char* end = nullptr;
     value = std::strtod(text.c_str(), &end);
     return end == text.c_str() + text.size() && std::isfinite(value);

@@ -39,6 +39,8 @@ std::string describeCommandLine(const CLI::App& program, std::string_view versio
 
 /// The option that a command was given and does not have, as it was typed; empty when there is none.
 std::string unknownOption(const CLI::App* command);
+/// What is wrong with a command line in which an option or argument was given and is empty, as a sentence; else empty.
+std::string emptyValue(const CLI::App& command);
 /// What a command line that does not parse most likely meant: "did you mean --samples?", or that the output needs -o.
 /// Empty when there is no good guess. `command` is the subcommand that was named, or null.
 std::string usageHint(const CLI::App& program, const CLI::App* command, const std::vector<std::string>& arguments);
@@ -56,16 +58,6 @@ void warn(const std::filesystem::path& file, std::string_view sentence);
 
 /// Error when `output` cannot become a file: its folder is missing or closed, or something other than a file is there.
 Status checkOutput(const std::filesystem::path& output);
-/// True when both names lead to one file, there or yet to be written.
-bool sameFile(const std::filesystem::path& a, const std::filesystem::path& b);
-
-/// A file that a command reads or writes, and what its messages call it ("the scene", "--output"). Empty path: none.
-struct NamedFile {
-    std::string_view name;
-    std::filesystem::path path;
-};
-/// Error when writing `output` would replace one of `files`.
-Status checkReplacesNone(const NamedFile& output, const std::vector<NamedFile>& files);
 /// The extension in lower case, with its dot.
 std::string lowerExtension(const std::filesystem::path& path);
 
@@ -113,7 +105,7 @@ template<typename T> CLI::Option* addChoice(CLI::App& app, const std::string& na
         app, name, names, [&value, choices](std::size_t i) { value = choices[i].second; }, help);
 }
 
-/// A finite number, the whole of `text`; false when it is anything else.
+/// A finite decimal number, the whole of `text`; false when it is anything else.
 bool parseNumber(const std::string& text, double& value);
 
 /// How progress is written to standard error.

@@ -37,17 +37,16 @@ struct WorkOptions {
 };
 
 /// What a scene of the plan still has to have done by this worker.
-Status workOnScene(const WorkOptions& options, const FarmPlan& plan, const PlannedScene& planned, FarmWork work,
-                   const Progress& progress)
+Result<BakeReport> workOnScene(const WorkOptions& options, const FarmPlan& plan, const PlannedScene& planned,
+                               FarmWork work, const Progress& progress)
 {
     work.stage = options.stage;
     BakeLine line(plan.bakeArguments(planned, "plan.glb"));
     line.options.bake.threads = options.threads;
     Result<Scene> scene = sceneOf(line);
     if (!scene) return scene.error();
-    const Result<BakeReport> report = workOnFarm(std::move(*scene), line.options.bake, planned.bake, work,
-                                                 plan.compares, makeEmbreeIntegrator, progress);
-    return report ? Status() : Status(report.error());
+    return workOnFarm(std::move(*scene), line.options.bake, planned.bake, work, plan.compares, makeEmbreeIntegrator,
+                      progress);
 }
 
 int runWork(const WorkOptions& options)
@@ -61,14 +60,19 @@ int runWork(const WorkOptions& options)
     std::optional<ProgressDisplay> display(std::in_place, options.quiet ? ProgressStyle::Quiet : options.progress);
     const Progress progress = display->progress();
     const std::vector<FarmWork> works = farmWork(plan->bakes(), share);
+    std::vector<std::string> notes;
     for (std::size_t s = 0; s < works.size(); ++s) {
         if (works[s].share.count == 0) continue;
         const PlannedScene& scene = plan->scenes[s];
-        if (Status status = workOnScene(options, *plan, scene, works[s], progress); !status) {
+        const Result<BakeReport> report = workOnScene(options, *plan, scene, works[s], progress);
+        if (!report) {
             display.reset();
-            return fail(plan->pathOf(scene.scene), status.error());
+            return fail(plan->pathOf(scene.scene), report.error());
         }
+        notes.insert(notes.end(), report->warnings.begin(), report->warnings.end());
     }
+    display.reset();
+    for (const std::string& note : notes) warn(options.folder, note);
     return kOk;
 }
 
@@ -77,8 +81,8 @@ Command addWork(CLI::App& parent)
     auto options = std::make_shared<WorkOptions>();
     CLI::App& app = *parent.add_subcommand("work", "Do one worker's share of a plan");
     app.add_option("DIR", options->folder, "the plan's folder")->required()->type_name(" ");
-    addInt(app, "--index", options->index, 0, 1 << 24, "number of this worker, from 0 (default 0)");
-    addInt(app, "--of", options->of, 1, 1 << 24, "number of workers (default 1)");
+    addInt(app, "--index", options->index, 0, int(kMostFarmProcesses), "number of this worker, from 0 (default 0)");
+    addInt(app, "--of", options->of, 1, int(kMostFarmProcesses), "number of workers (default 1)");
     addChoice<FarmStage>(app, "--stage", options->stage,
                          {{"all", FarmStage::All}, {"cache", FarmStage::Cache}, {"tiles", FarmStage::Tiles}},
                          "cache: validity, the radiance cache and probes, which workers share part by part; tiles: "
@@ -100,10 +104,12 @@ struct JoinOptions {
     BakeOptions bake; ///< only for parsing
 };
 
-uint32_t workersOf(const FarmPlan& plan, int asked)
+Result<uint32_t> workersOf(const FarmPlan& plan, int asked)
 {
-    const uint32_t workers = asked > 0 ? uint32_t(asked) : lastWorkerCount(plan);
-    return workers > 0 ? workers : 1;
+    if (asked > 0) return uint32_t(asked);
+    Result<uint32_t> workers = lastWorkerCount(plan);
+    if (workers && *workers == 0) *workers = 1;
+    return workers;
 }
 
 /// What keeps a plan from being joined, as a sentence; empty when nothing does.
@@ -141,9 +147,16 @@ int runJoin(const JoinOptions& options)
         if (plan->scenes.empty())
             return wrongUsage("farm join", fmt::format("the plan has no scene '{}'", options.scene));
     }
+    const bool single = !options.bake.reportFile.empty() || !options.bake.sidecarDirectory.empty() ||
+                        !options.bake.bake.imagesDirectory.empty();
+    if (single && plan->scenes.size() > 1)
+        return wrongUsage("farm join", "--report, --sidecar and --write-images are of one scene: name it with --scene");
     // Tiles of workers are those of the whole plan.
     const Result<FarmPlan> whole = readPlan(options.folder);
-    if (const std::string sentence = incomplete(*whole, workersOf(*whole, options.of));
+    if (!whole) return fail(options.folder, whole.error());
+    const Result<uint32_t> workers = workersOf(*whole, options.of);
+    if (!workers) return fail(options.folder, workers.error());
+    if (const std::string sentence = incomplete(*whole, *workers);
         !sentence.empty() && (options.scene.empty() || !incomplete(*plan, 1).empty()))
         return fail(options.folder, Error{ErrorCode::FileInvalid, sentence});
     const bool intoFolder = several && options.scene.empty();
@@ -162,6 +175,7 @@ int runJoin(const JoinOptions& options)
         line.options.json = options.bake.json;
         line.options.progress = options.bake.progress;
         line.options.quiet = options.bake.quiet;
+        line.options.alsoRead = filesOfPlan(*whole);
         if (const int code = runBake(*line.app, line.options); code != kOk) return code;
     }
     return kOk;
@@ -177,7 +191,7 @@ Command addJoin(CLI::App& parent)
         ->required()
         ->type_name("OUT");
     app.add_option("--scene", options->scene, "only this one of several")->type_name("NAME");
-    addInt(app, "--of", options->of, 1, 1 << 24,
+    addInt(app, "--of", options->of, 1, int(kMostFarmProcesses),
            "number of workers, for the list of missing ones (default the last's)");
     addInt(app, "--threads", options->bake.bake.threads, 0, 4096, "0 = all cores (default 0)");
     addProgress(app, options->bake.progress);
@@ -198,8 +212,9 @@ int runStatus(const StatusOptions& options)
 {
     const Result<FarmPlan> plan = readPlan(options.folder);
     if (!plan) return fail(options.folder, plan.error());
-    const uint32_t workers = workersOf(*plan, options.of);
-    const std::vector<uint32_t> missing = workersToRepeat(*plan, workers, false);
+    const Result<uint32_t> workers = workersOf(*plan, options.of);
+    if (!workers) return fail(options.folder, workers.error());
+    const std::vector<uint32_t> missing = workersToRepeat(*plan, *workers, false);
     if (options.missing) {
         print("{}\n", arrayList(missing));
         return kOk;
@@ -216,9 +231,9 @@ int runStatus(const StatusOptions& options)
                   scene.bake.tiles);
     }
     if (options.json) {
-        printJson(nlohmann::json{{"scenes", scenes}, {"workers", workers}, {"missing", arrayList(missing)}}.dump(2));
+        printJson(nlohmann::json{{"scenes", scenes}, {"workers", *workers}, {"missing", arrayList(missing)}}.dump(2));
     } else if (!missing.empty()) {
-        print("missing: {} of {} workers\n", arrayList(missing), workers);
+        print("missing: {} of {} workers\n", arrayList(missing), *workers);
     }
     return kOk;
 }
@@ -228,7 +243,7 @@ Command addStatus(CLI::App& parent)
     auto options = std::make_shared<StatusOptions>();
     CLI::App& app = *parent.add_subcommand("status", "Tell how far a plan is");
     app.add_option("DIR", options->folder, "the plan's folder")->required()->type_name(" ");
-    addInt(app, "--of", options->of, 1, 1 << 24,
+    addInt(app, "--of", options->of, 1, int(kMostFarmProcesses),
            "number of workers, for the list of missing ones (default the last's)");
     app.add_flag("--missing", options->missing, "print only the missing workers, as job arrays take them: 3,17-19");
     app.add_flag("--json", options->json, "print JSON");

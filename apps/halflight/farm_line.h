@@ -30,6 +30,10 @@ inline Result<Scene> sceneOf(BakeLine& line)
     return scene;
 }
 
+/// What keeps words from being the options of a planned bake, as a sentence; empty when nothing does. Options that name
+/// files are none: the plan names them.
+std::string wrongPlanOptions(const std::vector<std::string>& words);
+
 Command addFarmPlan(CLI::App& parent);
 
 } // namespace halflight::cli

@@ -1,5 +1,8 @@
 #include "farm_plan.h"
 
+#include "farm_line.h"
+#include "terminal.h"
+
 #include "halflight/base/file.h"
 #include "halflight/scene/gltf.h"
 
@@ -18,6 +21,13 @@ namespace fs = std::filesystem;
 constexpr const char* kFormat = "halflight farm plan";
 constexpr int kVersion = 1;
 
+/// The last step of a path, without control characters, which no message shows as they are.
+std::string fileNameOf(std::string name)
+{
+    name = fs::path(name).filename().string();
+    return printable(name) == name ? name : std::string();
+}
+
 nlohmann::json jsonOf(const PlannedScene& scene)
 {
     return {{"name", scene.name},         {"scene", scene.scene.string()}, {"settings", scene.settings.string()},
@@ -26,21 +36,127 @@ nlohmann::json jsonOf(const PlannedScene& scene)
             {"mask", scene.bake.mask}};
 }
 
-PlannedScene sceneOf(const nlohmann::json& json)
-{
-    PlannedScene scene;
-    scene.name = json.at("name").get<std::string>();
-    scene.scene = json.at("scene").get<std::string>();
-    scene.settings = json.at("settings").get<std::string>();
-    scene.options = json.at("options").get<std::vector<std::string>>();
-    scene.cache = json.at("cache").get<std::string>();
-    scene.bake.inputs = json.at("inputs").get<std::string>();
-    scene.bake.folder = json.at("parts").get<std::string>();
-    scene.bake.tiles = json.at("tiles").get<std::size_t>();
-    scene.bake.texels = json.at("texels").get<uint64_t>();
-    scene.bake.mask = json.at("mask").get<bool>();
-    return scene;
-}
+/// A plan's numbers and words, as any other input's. The first thing wrong is the error, with its place.
+class PlanReader {
+public:
+    Status read(const nlohmann::json& json, FarmPlan& plan)
+    {
+        check(json, "", {"format", "version", "compares", "scenes"});
+        plan.compares = flag(json, "", "compares");
+        const nlohmann::json& scenes = json.is_object() && json.contains("scenes") ? json["scenes"] : json;
+        if (!scenes.is_array() || scenes.empty()) refuse("/scenes", "is not a list of scenes");
+        for (std::size_t i = 0; wrong_ && i < scenes.size(); ++i) {
+            const std::string path = "/scenes/" + std::to_string(i);
+            plan.scenes.push_back(scene(scenes[i], path, plan.compares));
+            if (!names_.insert(plan.scenes.back().name).second) refuse(path + "/name", "is another scene's too");
+        }
+        return wrong_;
+    }
+
+private:
+    void refuse(const std::string& path, const std::string& why)
+    {
+        if (wrong_) wrong_ = Error{ErrorCode::FileInvalid, "plan.json: " + path + " " + why};
+    }
+
+    /// An object with these members and no others.
+    void check(const nlohmann::json& json, const std::string& path, const std::set<std::string>& names)
+    {
+        if (!json.is_object()) return refuse(path.empty() ? "it" : path, "is not an object");
+        for (const std::string& name : names) {
+            if (!json.contains(name)) refuse(path + "/" + name, "is missing");
+        }
+        for (const auto& [name, value] : json.items()) {
+            if (!names.contains(name)) refuse(path + "/" + name, "is no part of a plan");
+        }
+    }
+
+    bool flag(const nlohmann::json& json, const std::string& path, const char* key)
+    {
+        if (json.is_object() && json.contains(key) && json[key].is_boolean()) return json[key].get<bool>();
+        refuse(path + "/" + key, "is not true or false");
+        return false;
+    }
+
+    uint64_t number(const nlohmann::json& json, const std::string& path, const char* key, uint64_t most)
+    {
+        const bool isWhole = json.is_object() && json.contains(key) && json[key].is_number_unsigned();
+        if (isWhole && json[key].get<uint64_t>() <= most) return json[key].get<uint64_t>();
+        refuse(path + "/" + key, "is not a whole number from 0 to " + std::to_string(most));
+        return 0;
+    }
+
+    std::string text(const nlohmann::json& json, const std::string& path, const char* key)
+    {
+        if (json.is_object() && json.contains(key) && json[key].is_string()) return json[key].get<std::string>();
+        refuse(path + "/" + key, "is not a text");
+        return {};
+    }
+
+    /// A file or folder in the plan's folder. `mayBeElsewhere`: or an absolute path.
+    fs::path place(const nlohmann::json& json, const std::string& path, const char* key, bool mayBeElsewhere)
+    {
+        const std::string name = text(json, path, key);
+        const fs::path file = name;
+        const bool leaves = std::any_of(file.begin(), file.end(), [](const fs::path& step) { return step == ".."; });
+        if (name.find('\0') != std::string::npos || leaves || (file.is_absolute() && !mayBeElsewhere))
+            refuse(path + "/" + key, "is not in the plan's folder");
+        return file;
+    }
+
+    /// A name that is one step of a path, so that no file of this name is elsewhere.
+    std::string stepName(const nlohmann::json& json, const std::string& path, const char* key)
+    {
+        std::string name = text(json, path, key);
+        if (name.empty() || name == "." || name == ".." || name != fileNameOf(name))
+            refuse(path + "/" + key, "is not a file's name");
+        return name;
+    }
+
+    PlannedScene scene(const nlohmann::json& json, const std::string& path, bool compares)
+    {
+        constexpr uint64_t kMostTexels = uint64_t(1) << 34; // 256 pages of 8192 x 8192
+        check(json, path,
+              {"name", "scene", "settings", "options", "cache", "inputs", "parts", "tiles", "texels", "mask"});
+        PlannedScene scene;
+        scene.name = stepName(json, path, "name");
+        scene.scene = place(json, path, "scene", false);
+        if (scene.scene.empty()) refuse(path + "/scene", "names no file");
+        scene.settings = place(json, path, "settings", false);
+        scene.cache = place(json, path, "cache", compares);
+        if (scene.cache.empty()) refuse(path + "/cache", "names no folder");
+        scene.bake.inputs = text(json, path, "inputs");
+        scene.bake.folder = stepName(json, path, "parts");
+        scene.bake.texels = number(json, path, "texels", kMostTexels);
+        scene.bake.tiles = std::size_t(number(json, path, "tiles", farmTiles(kMostTexels)));
+        if (scene.bake.tiles != farmTiles(scene.bake.texels))
+            refuse(path + "/tiles", "is not the number of tiles of so many texels");
+        scene.bake.mask = flag(json, path, "mask");
+        scene.options = options(json, path);
+        return scene;
+    }
+
+    /// Only such as `farm plan` itself takes: none that names a file or prints help.
+    std::vector<std::string> options(const nlohmann::json& json, const std::string& path)
+    {
+        std::vector<std::string> words;
+        const nlohmann::json& list = json.is_object() && json.contains("options") ? json["options"] : json;
+        if (!list.is_array()) refuse(path + "/options", "is not a list of texts");
+        for (const nlohmann::json& word : list) {
+            if (!word.is_string()) {
+                refuse(path + "/options", "is not a list of texts");
+                return {};
+            }
+            words.push_back(word.get<std::string>());
+        }
+        if (const std::string sentence = wrongPlanOptions(words); !sentence.empty())
+            refuse(path + "/options", "are not options of a bake: " + sentence);
+        return words;
+    }
+
+    Status wrong_;
+    std::set<std::string> names_;
+};
 
 /// The deepest folder that holds all files.
 fs::path commonFolder(const std::vector<fs::path>& files)
@@ -79,17 +195,17 @@ Result<FarmPlan> readPlan(const fs::path& folder)
     if (!bytes) return Error{bytes.error().code, "holds no plan (plan.json: " + bytes.error().message + ")"};
     const auto* text = reinterpret_cast<const char*>(bytes->data());
     const nlohmann::json json = nlohmann::json::parse(text, text + bytes->size(), nullptr, false);
-    try {
-        if (json.at("format").get<std::string>() != kFormat || json.at("version").get<int>() != kVersion)
-            return Error{ErrorCode::Unsupported, "its plan.json is of another version of the program: plan anew"};
-        FarmPlan plan;
-        plan.folder = folder;
-        plan.compares = json.at("compares").get<bool>();
-        for (const nlohmann::json& scene : json.at("scenes")) plan.scenes.push_back(sceneOf(scene));
-        return plan;
-    } catch (const nlohmann::json::exception&) {
+    const auto has = [&](const char* key, const nlohmann::json& value) {
+        return json.is_object() && json.contains(key) && json[key] == value;
+    };
+    if (!has("format", kFormat))
         return Error{ErrorCode::FileInvalid, "its plan.json is not a plan that `halflight farm plan` wrote"};
-    }
+    if (!has("version", kVersion))
+        return Error{ErrorCode::Unsupported, "its plan.json is of another version of the program: plan anew"};
+    FarmPlan plan;
+    plan.folder = folder;
+    if (Status status = PlanReader().read(json, plan); !status) return status.error();
+    return plan;
 }
 
 Status writePlan(const FarmPlan& plan)
@@ -128,39 +244,51 @@ Status copyScene(const Scene& scene, const fs::path& sceneFile, const fs::path& 
     return {};
 }
 
-uint32_t lastWorkerCount(const FarmPlan& plan)
+std::vector<std::pair<std::string, fs::path>> filesOfPlan(const FarmPlan& plan)
+{
+    std::vector<std::pair<std::string, fs::path>> files = {{"the plan", plan.folder / "plan.json"},
+                                                           {"the plan's number of workers", plan.folder / "workers"}};
+    for (const PlannedScene& scene : plan.scenes) {
+        files.emplace_back("the plan's scene " + scene.name, plan.pathOf(scene.scene));
+        if (!scene.settings.empty())
+            files.emplace_back("the settings of the plan's scene " + scene.name, plan.pathOf(scene.settings));
+    }
+    return files;
+}
+
+Result<uint32_t> lastWorkerCount(const FarmPlan& plan)
 {
     const auto bytes = readFile(plan.folder / "workers");
-    if (!bytes) return 0;
-    const std::string text(reinterpret_cast<const char*>(bytes->data()), bytes->size());
-    return uint32_t(std::strtoul(text.c_str(), nullptr, 10));
+    if (!bytes && bytes.error().code == ErrorCode::FileNotFound) return 0u;
+    if (!bytes) return Error{bytes.error().code, "workers: " + bytes.error().message};
+    std::string text(reinterpret_cast<const char*>(bytes->data()), bytes->size());
+    if (text.ends_with('\n')) text.pop_back();
+    constexpr std::size_t kDigits = 9;
+    const bool isWhole = !text.empty() && text.size() <= kDigits && text.find_first_not_of("0123456789") == text.npos;
+    const uint32_t count = isWhole ? uint32_t(std::stoul(text)) : 0;
+    if (count >= 1 && count <= kMostFarmProcesses) return count;
+    return Error{ErrorCode::FileInvalid, "its file workers holds no number of workers from 1 to " +
+                                             std::to_string(kMostFarmProcesses) + ": give it as --of"};
 }
 
 void noteWorkerCount(const FarmPlan& plan, uint32_t count)
 {
-    if (lastWorkerCount(plan) == count) return;
+    const Result<uint32_t> last = lastWorkerCount(plan);
+    if (last && *last == count) return;
     // Only what `join` and `status` say depends on it.
     [[maybe_unused]] const Status status = writeFileAtomically(plan.folder / "workers", std::to_string(count) + "\n");
 }
 
 std::vector<uint32_t> workersToRepeat(const FarmPlan& plan, uint32_t workers, bool verify)
 {
-    std::vector<std::set<std::size_t>> missing;
-    for (const PlannedScene& scene : plan.scenes) {
-        const auto tiles = missingFarmTiles(plan.pathOf(scene.cache), scene.bake, verify);
-        missing.emplace_back(tiles.begin(), tiles.end());
+    const std::vector<std::vector<uint32_t>> workerOf = farmProcesses(plan.bakes(), workers);
+    std::set<uint32_t> indices;
+    for (std::size_t s = 0; s < plan.scenes.size(); ++s) {
+        const PlannedScene& scene = plan.scenes[s];
+        for (const std::size_t tile : missingFarmTiles(plan.pathOf(scene.cache), scene.bake, verify))
+            indices.insert(workerOf[s][tile]);
     }
-    std::vector<uint32_t> indices;
-    for (uint32_t index = 0; index < workers; ++index) {
-        const std::vector<FarmWork> works = farmWork(plan.bakes(), {index, workers});
-        bool any = false;
-        for (std::size_t s = 0; s < works.size(); ++s) {
-            any = any || std::any_of(works[s].tiles.begin(), works[s].tiles.end(),
-                                     [&](std::size_t tile) { return missing[s].contains(tile); });
-        }
-        if (any) indices.push_back(index);
-    }
-    return indices;
+    return {indices.begin(), indices.end()};
 }
 
 std::string arrayList(const std::vector<uint32_t>& indices)

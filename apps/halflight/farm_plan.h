@@ -10,6 +10,7 @@
 
 #include <filesystem>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace halflight::cli {
@@ -44,8 +45,11 @@ Status writePlan(const FarmPlan& plan);
 Status copyScene(const Scene& scene, const std::filesystem::path& sceneFile, const std::filesystem::path& settingsFile,
                  const FarmPlan& plan, PlannedScene& planned);
 
-/// Workers so far: the number that the last one was given, or 0.
-uint32_t lastWorkerCount(const FarmPlan& plan);
+/// Its files that `join` reads, with names for messages; not those that scenes name.
+std::vector<std::pair<std::string, std::filesystem::path>> filesOfPlan(const FarmPlan& plan);
+
+/// Workers so far: the number that the last one was given, or 0. Error where the file that says so holds none.
+Result<uint32_t> lastWorkerCount(const FarmPlan& plan);
 void noteWorkerCount(const FarmPlan& plan, uint32_t count);
 
 /// Indices of workers that have tiles missing, of `workers`. `verify` reads the tiles.

@@ -91,8 +91,13 @@ std::string uniqueName(const FarmPlan& plan, const std::string& stem)
     const auto taken = [&](const std::string& name) {
         return std::any_of(plan.scenes.begin(), plan.scenes.end(), [&](const auto& s) { return s.name == name; });
     };
-    std::string name = stem;
-    for (int i = 2; taken(name); ++i) name = fmt::format("{}-{}", stem, i);
+    std::string plain = stem;
+    for (char& c : plain) {
+        if (static_cast<unsigned char>(c) < 0x20 || c == 0x7F) c = '_';
+    }
+    if (printable(plain) != plain || plain == "." || plain == "..") plain = "scene";
+    std::string name = plain;
+    for (int i = 2; taken(name); ++i) name = fmt::format("{}-{}", plain, i);
     return name;
 }
 
@@ -171,6 +176,26 @@ int runPlan(const CLI::App& app, const PlanOptions& options)
 }
 
 } // namespace
+
+std::string wrongPlanOptions(const std::vector<std::string>& words)
+{
+    CLI::App app;
+    app.set_help_flag(); // --help is none
+    BakeOptions options;
+    addLightOptions(app, options);
+    addFormatOptions(app, options);
+    app.remove_option(app.get_option("--settings"));
+    try {
+        app.parse(std::vector<std::string>(words.rbegin(), words.rend()));
+        if (std::string sentence = emptyValue(app); !sentence.empty()) return sentence;
+        std::vector<std::string> arguments = {"bake", "scene.glb", "-o", "plan.glb"};
+        arguments.insert(arguments.end(), words.begin(), words.end());
+        const BakeLine line(arguments);
+        return contradiction(*line.app, line.options);
+    } catch (const CLI::ParseError& error) {
+        return error.what();
+    }
+}
 
 Command addFarmPlan(CLI::App& parent)
 {

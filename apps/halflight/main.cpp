@@ -41,6 +41,20 @@ int reportParseError(const CLI::App& app, const std::vector<Command>& commands, 
     return wrongUsage(name, sentence);
 }
 
+// The first argument of the command that was named: the file, or the farm's folder.
+std::filesystem::path fileOf(const std::vector<Command>& commands)
+{
+    for (const Command& command : commands) {
+        const CLI::App* named = command.app->parsed() ? command.app : nullptr;
+        while (named != nullptr && !named->get_subcommands().empty()) named = named->get_subcommands().front();
+        if (named == nullptr) continue;
+        for (const CLI::Option* option : named->get_options()) {
+            if (option->get_positional() && option->count() > 0) return option->results().front();
+        }
+    }
+    return {};
+}
+
 // `halflight help COMMAND` is `halflight COMMAND --help`; no arguments are --help.
 std::vector<std::string> withHelpWords(std::vector<std::string> arguments)
 {
@@ -87,15 +101,19 @@ int runProgram(const std::vector<std::string>& arguments)
         // CLI11 takes the arguments from the back of the list.
         app.parse(std::vector<std::string>(arguments.rbegin(), arguments.rend()));
         for (const Command& command : commands) {
-            if (command.app->parsed()) return command.run();
+            if (!command.app->parsed()) continue;
+            if (const std::string sentence = emptyValue(*command.app); !sentence.empty())
+                return wrongUsage(command.app->get_name(), sentence);
+            return command.run();
         }
         return kWrongUsage;
     } catch (const CLI::ParseError& error) {
         return reportParseError(app, commands, error, arguments);
     } catch (const std::bad_alloc&) {
-        return fail({}, Error{ErrorCode::Unsupported, "out of memory"});
-    } catch (const std::exception& error) {
-        return fail({}, Error{ErrorCode::Unsupported, error.what()});
+        return fail(fileOf(commands), Error{ErrorCode::Unsupported, "out of memory"});
+    } catch (const std::exception&) {
+        // What a library says of itself helps nobody who reads it here; a debugger shows where it comes from.
+        return fail(fileOf(commands), Error{ErrorCode::Unsupported, "internal error, please report it with this file"});
     }
 }
 

@@ -4,6 +4,8 @@
 #include "interrupt.h"
 #include "terminal.h"
 
+#include "halflight/base/files_in_use.h"
+#include "halflight/scene/gltf.h"
 #include "halflight/scene/optimize.h"
 
 #include <nlohmann/json.hpp>
@@ -67,19 +69,25 @@ int runOptimize(const CommandOptions& options)
     if (lowerExtension(options.output) != ".glb") {
         return wrongUsage("optimize", fmt::format("OUT must end in .glb, not '{}'", options.output.string()));
     }
-    const NamedFile output{"OUT", options.output};
-    if (Status status = checkReplacesNone(output, {{"IN", options.input}}); !status)
-        return fail(options.output, status.error());
+    FilesInUse files;
+    std::filesystem::path culprit;
+    files.reads("IN", options.input);
+    files.writes("OUT", options.output);
+    if (Status status = files.check(culprit); !status) return fail(culprit, status.error());
     if (Status status = checkOutput(options.output); !status) return fail(options.output, status.error());
     OptimizeOptions optimize = options.optimize;
     optimize.mayReplace = commitOutput;
+    optimize.checkFiles = [&](const std::vector<std::filesystem::path>& external) {
+        addExternalFiles(files, external);
+        return files.check(culprit);
+    };
     OptimizeReport report;
     if (optimize.geometry && !canOptimizeGeometry())
         report.warnings.emplace_back("geometry stays as it is: this build has no meshoptimizer");
     if (optimize.textureQuality > 0 && !canOptimizeTextures())
         report.warnings.emplace_back("textures and masks stay as they are: this build has no libwebp");
     if (Status status = optimizeFile(options.input, options.output, optimize, report); !status)
-        return fail(options.input, status.error());
+        return fail(culprit.empty() ? options.input : culprit, status.error());
     if (options.json) {
         printJson(jsonOf(options, report).dump(2));
     } else {

@@ -5,6 +5,7 @@
 #include "terminal.h"
 
 #include "halflight/bake_cpu/embree_integrator.h"
+#include "halflight/base/files_in_use.h"
 #include "halflight/base/parallel.h"
 #include "halflight/render/renderer.h"
 #include "halflight/scene/gltf.h"
@@ -297,11 +298,11 @@ void addNew(std::vector<std::string>& warnings, const std::vector<std::string>& 
 int runRender(RenderOptions options)
 {
     if (const std::string sentence = contradiction(options); !sentence.empty()) return wrongUsage("render", sentence);
-    if (Status status = checkReplacesNone({"--output", options.output},
-                                          {{"the scene", options.file}, {"the settings file", options.settingsFile}});
-        !status) {
-        return fail(options.output, status.error());
-    }
+    FilesInUse files;
+    std::filesystem::path culprit;
+    addReadFiles(files, options.file, options.settingsFile);
+    files.writes("--output", options.output);
+    if (Status status = files.check(culprit); !status) return fail(culprit, status.error());
     if (Status status = checkOutput(options.output); !status) return fail(options.output, status.error());
     applyRenderOptions(options);
 
@@ -310,6 +311,8 @@ int runRender(RenderOptions options)
     readOptions.emissionUnit = options.emissionUnit;
     const Result<BakedScene> baked = readBakedScene(options.file, readOptions);
     if (!baked) return fail(options.file, baked.error());
+    addExternalFiles(files, externalFiles(baked->scene));
+    if (Status status = files.check(culprit); !status) return fail(culprit, status.error());
     std::vector<std::string> warnings;
     addNew(warnings, baked->scene.warnings);
     const auto sayFrom = [&](std::size_t first) {

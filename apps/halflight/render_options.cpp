@@ -16,6 +16,7 @@ namespace {
 // "1280x720".
 bool parseSize(const std::string& text, ivec2& size)
 {
+    if (text.find_first_not_of("0123456789x") != std::string::npos) return false; // sscanf() takes spaces and signs
     int end = 0;
     return std::sscanf(text.c_str(), "%5dx%5d%n", &size.x, &size.y, &end) == 2 && std::size_t(end) == text.size() &&
            size.x >= 16 && size.x <= 8192 && size.y >= 16 && size.y <= 8192;

@@ -47,6 +47,20 @@ std::string unknownOption(const CLI::App* command)
     return {};
 }
 
+std::string emptyValue(const CLI::App& command)
+{
+    for (const CLI::Option* option : command.get_options()) {
+        if (option->count() == 0) continue;
+        for (const std::string& value : option->results()) {
+            if (value.empty()) return option->get_name() + " is empty";
+        }
+    }
+    for (const CLI::App* named : command.get_subcommands()) {
+        if (std::string sentence = emptyValue(*named); !sentence.empty()) return sentence;
+    }
+    return {};
+}
+
 std::string nearestWord(const std::string& word, const std::vector<std::string>& candidates)
 {
     std::string nearest;

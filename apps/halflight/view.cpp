@@ -106,6 +106,12 @@ Command addViewCommand(CLI::App& parent)
     addInt(app, "--frames", options->frames, 1, 1 << 30, "end after so many frames");
     app.add_option("--lose-device", options->loseDeviceAt, "for tests: fail after so many frames")
         ->delimiter(',')
+        ->check(CLI::Validator(
+            [](std::string& text) {
+                const bool isWhole = !text.empty() && text.find_first_not_of("0123456789") == std::string::npos;
+                return isWhole ? std::string() : fmt::format("must be whole numbers, not '{}'", text);
+            },
+            std::string()))
         ->group("");
     app.footer("Example: halflight view scene.glb --bake --quality preview");
     return {&app, [options] { return runView(*options); }};

@@ -47,10 +47,10 @@ Status lightmapStage(const Stages& stages, const Gather& gather, std::vector<Irr
         mainTimer.finish(integrator.raysTraced() - before);
     }
     reportNoise(estimates, main, report);
-    if (!stages.settings.imagesDirectory.empty()) {
+    if (stages.images != nullptr && !stages.settings.imagesDirectory.empty()) {
         std::vector<vec3> raw = splitEstimates(estimates).irradiance;
         if (main) main->addTo(raw);
-        stages.noteImages(dumpPages(stages.settings, "lightmap_raw", dilate(gather.map, raw, 0)));
+        stages.noteImages(dumpPages(stages.settings, "lightmap_raw", dilate(gather.map, raw, 0), *stages.images));
     }
     return {};
 }
@@ -106,7 +106,7 @@ Status lightmapPagesStage(const Stages& stages, const Gather& gather, const std:
     stitchSeams(gather.map, seams, weights, pages);
     timer.finish();
     if (stages.progress.cancelled()) return cancelledError();
-    stages.noteImages(dumpPages(settings, "lightmap", pages));
+    if (stages.images != nullptr) stages.noteImages(dumpPages(settings, "lightmap", pages, *stages.images));
     // Until the bake ends, a main light is drawn in realtime, and must not come twice.
     if (stages.live != nullptr && !main) stages.live->finish(pages);
     StageTimer encodeTimer(stages.report(), "encode");
@@ -237,7 +237,8 @@ Result<BakeResult> bake(Scene scene, const BakeSettings& settings, const Integra
     const ThreadLimit threads(settings.threads);
     BakeResult result;
     BakeReport& report = result.report;
-    const Stages stages{settings, progress, result, live};
+    FileGroup images;
+    const Stages stages{settings, progress, result, live, &images};
     Front front;
     if (Status status = prepareTexels(stages, std::move(scene), integratorFactory, CacheUse{}, front); !status)
         return status.error();
@@ -251,12 +252,14 @@ Result<BakeResult> bake(Scene scene, const BakeSettings& settings, const Integra
         cache->finish();
         if (!cache->status()) report.warnings.push_back(cacheWarning(settings.cacheDirectory, cache->status().error()));
         report.cache = cache->counts();
+        report.warnings.insert(report.warnings.end(), front.notes.begin(), front.notes.end());
         if (cache->lostTiles() > 0) {
             report.warnings.push_back(std::to_string(cache->lostTiles()) +
                                       " tiles of the last bake cannot be read; their texels were baked anew");
         }
     }
-    stages.noteImages(dumpResult(settings, result.baked));
+    stages.noteImages(dumpResult(settings, result.baked, images));
+    stages.noteImages(images.commit());
     report.peakMemoryBytes = halflight::peakMemoryBytes();
     report.seconds = std::chrono::duration<double>(StageTimer::Clock::now() - start).count();
     return result;

@@ -30,6 +30,29 @@ std::vector<std::size_t> spreadTiles(std::size_t count)
     return order;
 }
 
+/// The texels of all bakes side by side, of which each process has a stretch of equal length.
+class TexelLine {
+public:
+    TexelLine(const std::vector<FarmBake>& bakes, uint32_t processes) : processes_(processes)
+    {
+        for (const FarmBake& bake : bakes) all_ += length(bake);
+    }
+    static uint64_t length(const FarmBake& bake) { return std::max<uint64_t>(bake.texels, 1); }
+    /// Of the i-th tile that is laid out, within its bake.
+    static uint64_t middleOf(const FarmBake& bake, std::size_t i)
+    {
+        return length(bake) * (2 * i + 1) / (2 * bake.tiles);
+    }
+    [[nodiscard]] uint32_t processAt(uint64_t place) const
+    {
+        return uint32_t(std::min<uint64_t>(uint64_t(double(place) / double(all_) * processes_), processes_ - 1));
+    }
+
+private:
+    uint64_t all_ = 0;
+    uint32_t processes_;
+};
+
 /// The error of a stage that returned false.
 Error reasonOf(const Progress& progress, const Front& front)
 {
@@ -110,6 +133,9 @@ Result<BakeReport> workOnFarm(Scene scene, const BakeSettings& settings, const F
     const CacheUse use{compares, work.share};
     if (Status status = prepareTexels(stages, std::move(scene), factory, use, front); !status) return status.error();
     if (!front.cache) return Error{ErrorCode::WriteFailed, result.report.warnings.back()};
+    if (front.map.texels.size() != planned.texels || farmTiles(planned.texels) != planned.tiles ||
+        front.cache->parts().path().filename() != planned.folder)
+        return Error{ErrorCode::FileInvalid, "has other texels than the plan says: plan anew"};
     if (Status status = validityStage(stages, front); !status) return status.error();
     if (work.stage != FarmStage::Tiles) {
         if (Status status = prepareStage(stages, front, planned, work); !status) return status.error();
@@ -118,6 +144,7 @@ Result<BakeReport> workOnFarm(Scene scene, const BakeSettings& settings, const F
         if (Status status = tileStage(stages, front, planned, work); !status) return status.error();
     }
     result.report.cache = front.cache->counts();
+    result.report.warnings = std::move(front.notes);
     return std::move(result.report);
 }
 
@@ -144,26 +171,40 @@ std::vector<std::size_t> missingFarmTiles(const std::filesystem::path& cacheDire
     return missing;
 }
 
+std::size_t farmTiles(uint64_t texels)
+{
+    return texelParts(std::size_t(texels));
+}
+
+std::vector<std::vector<uint32_t>> farmProcesses(const std::vector<FarmBake>& bakes, uint32_t count)
+{
+    const TexelLine line(bakes, count);
+    std::vector<std::vector<uint32_t>> processes;
+    uint64_t first = 0;
+    for (const FarmBake& bake : bakes) {
+        std::vector<uint32_t>& ofTile = processes.emplace_back(bake.tiles);
+        const std::vector<std::size_t> tiles = spreadTiles(bake.tiles);
+        for (std::size_t i = 0; i < tiles.size(); ++i)
+            ofTile[tiles[i]] = line.processAt(first + line.middleOf(bake, i));
+        first += TexelLine::length(bake);
+    }
+    return processes;
+}
+
 std::vector<FarmWork> farmWork(const std::vector<FarmBake>& bakes, WorkShare process)
 {
-    uint64_t all = 0;
-    for (const FarmBake& bake : bakes) all += std::max<uint64_t>(bake.texels, 1);
-    /// The process whose stretch holds a place on the line of all texels.
-    const auto processAt = [&](uint64_t place) {
-        return uint32_t(std::min<uint64_t>(uint64_t(double(place) / double(all) * process.count), process.count - 1));
-    };
+    const TexelLine line(bakes, process.count);
     std::vector<FarmWork> works(bakes.size());
     uint64_t first = 0;
     for (std::size_t b = 0; b < bakes.size(); ++b) {
-        const uint64_t texels = std::max<uint64_t>(bakes[b].texels, 1);
+        const uint64_t texels = TexelLine::length(bakes[b]);
         const std::vector<std::size_t> tiles = spreadTiles(bakes[b].tiles);
-        const uint32_t firstProcess = processAt(first);
-        const uint32_t lastProcess = processAt(first + texels - 1);
+        const uint32_t firstProcess = line.processAt(first);
+        const uint32_t lastProcess = line.processAt(first + texels - 1);
         works[b].share.count = lastProcess - firstProcess + 1;
         works[b].share.index = std::clamp(process.index, firstProcess, lastProcess) - firstProcess;
         for (std::size_t i = 0; i < tiles.size(); ++i) {
-            const uint64_t place = first + texels * (2 * i + 1) / (2 * tiles.size()); // the tile's middle
-            if (processAt(place) == process.index) works[b].tiles.push_back(tiles[i]);
+            if (line.processAt(first + line.middleOf(bakes[b], i)) == process.index) works[b].tiles.push_back(tiles[i]);
         }
         if (process.index < firstProcess || process.index > lastProcess) works[b].share.count = 0;
         first += texels;

@@ -167,6 +167,9 @@ Status openCache(const Stages& stages, const std::vector<uint8_t>& objects, cons
         return {};
     }
     front.cache = std::move(*cache);
+    for (std::string& note : moveFoldersAway(front.cache->tiles())) front.notes.push_back(std::move(note));
+    if (!front.chosen.empty())
+        for (std::string& note : moveFoldersAway(front.cache->parts())) front.notes.push_back(std::move(note));
     owners.keepIn(front.cache->tiles());
     return {};
 }
@@ -201,6 +204,7 @@ Status prepareTexels(const Stages& stages, Scene scene, const IntegratorFactory&
         objects = std::move(*chosen);
     }
     std::optional<PartFolder> kept = frontFolder(scene, stages.settings);
+    if (kept) front.notes = moveFoldersAway(*kept);
     front.integration = integrationSettings(stages.settings, report.quality);
     if (stages.live != nullptr &&
         !stages.live->beginWithProbes(scene, stages.settings, factory, front.integration, stages.progress))

@@ -6,10 +6,12 @@
 #include "bake/stages.h"
 
 #include "halflight/bake/bake.h"
+#include "halflight/base/file_group.h"
 
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <string>
 #include <vector>
 
 namespace halflight {
@@ -21,7 +23,8 @@ struct Stages {
     const BakeSettings& settings;
     const Progress& progress;
     BakeResult& result;
-    LiveLight* live = nullptr; ///< of a bake in the background
+    LiveLight* live = nullptr;   ///< of a bake in the background
+    FileGroup* images = nullptr; ///< of BakeSettings::imagesDirectory
 
     [[nodiscard]] BakedScene& baked() const { return result.baked; }
     [[nodiscard]] BakeReport& report() const { return result.report; }
@@ -52,6 +55,7 @@ struct Front {
     std::vector<uint8_t> chosen; ///< texels of a bake of some objects, Gather::chosen
     bool keepsMasks = true;      ///< Gather::keepsMasks
     std::optional<BakeCache> cache;
+    std::vector<std::string> notes; ///< moveFoldersAway() of all folders of parts
     std::unique_ptr<Integrator> integrator;
 
     [[nodiscard]] Gather gather()

@@ -5,6 +5,9 @@
 #include "halflight/base/bytes.h"
 #include "halflight/scene/fingerprint.h"
 
+#include <algorithm>
+#include <filesystem>
+
 namespace halflight {
 namespace {
 
@@ -76,6 +79,30 @@ std::string frontName(const Hash128& content, const BakeSettings& settings)
 }
 
 } // namespace
+
+std::vector<std::string> moveFoldersAway(const PartFolder& parts)
+{
+    namespace fs = std::filesystem;
+    std::vector<fs::path> folders;
+    std::error_code ec;
+    for (fs::directory_iterator entry(parts.path(), ec), end; !ec && entry != end; entry.increment(ec)) {
+        std::error_code gone;
+        const bool isPart = entry->path() == parts.fileOf(entry->path().stem().string());
+        if (isPart && fs::is_directory(entry->symlink_status(gone))) folders.push_back(entry->path());
+    }
+    std::sort(folders.begin(), folders.end()); // a folder has no order of its own
+    std::vector<std::string> sentences;
+    for (const fs::path& folder : folders) {
+        fs::path other = folder.string() + ".broken";
+        for (int i = 2; fs::exists(fs::symlink_status(other, ec)); ++i)
+            other = folder.string() + ".broken-" + std::to_string(i);
+        fs::rename(folder, other, ec);
+        if (ec) continue; // another process was faster, or writing the part says why
+        sentences.push_back(folder.string() + " was a folder where a file of the cache belongs: it is " +
+                            other.filename().string() + " now, with what is in it");
+    }
+    return sentences;
+}
 
 std::optional<PartFolder> frontFolder(const Scene& scene, const BakeSettings& settings)
 {

@@ -6,12 +6,18 @@
 #include "halflight/unwrap/unwrap.h"
 
 #include <optional>
+#include <string>
+#include <vector>
 
 namespace halflight {
 
 /// The folder of parts that follow from a scene and the settings of its layout alone. Nothing without a cache
 /// directory.
 std::optional<PartFolder> frontFolder(const Scene& scene, const BakeSettings& settings);
+
+/// Gives folders that are in the places of parts another name, NAME.broken, with what is in them, so that the parts can
+/// be written. Returns a sentence on each.
+std::vector<std::string> moveFoldersAway(const PartFolder& parts);
 
 /// What unwrap() made of `scene`, whose other members move into it. False, and `scene` unchanged, if it is not kept.
 bool takeUnwrapped(const PartFolder& folder, Scene& scene, UnwrappedScene& unwrapped);

@@ -9,28 +9,27 @@
 
 namespace halflight {
 
-Status dumpPages(const BakeSettings& settings, const std::string& prefix, const std::vector<ImageRgb32f>& pages)
+Status dumpPages(const BakeSettings& settings, const std::string& prefix, const std::vector<ImageRgb32f>& pages,
+                 FileGroup& files)
 {
     if (settings.imagesDirectory.empty()) return {};
     for (std::size_t i = 0; i < pages.size(); ++i) {
         const auto path = settings.imagesDirectory / (prefix + "_" + std::to_string(i) + ".exr");
-        if (Status status = writeExr(path, pages[i]); !status) {
-            return Error{status.error().code, path.string() + " " + status.error().message};
-        }
+        const auto write = [&](const std::filesystem::path& temporary) { return writeExr(temporary, pages[i]); };
+        if (Status status = files.add(path, write); !status) return status;
     }
     return {};
 }
 
-Status dumpResult(const BakeSettings& settings, const BakedScene& baked)
+Status dumpResult(const BakeSettings& settings, const BakedScene& baked, FileGroup& files)
 {
     if (settings.imagesDirectory.empty()) return {};
     for (const auto& [prefix, pages] :
          {std::pair{"shadowmask", &baked.shadowmasks}, std::pair{"lightmap_direction", &baked.lightmapDirections}}) {
         for (std::size_t i = 0; i < pages->size(); ++i) {
             const auto path = settings.imagesDirectory / (prefix + ("_" + std::to_string(i) + ".png"));
-            if (Status status = writePng(path, (*pages)[i]); !status) {
-                return Error{status.error().code, path.string() + " " + status.error().message};
-            }
+            const auto write = [&](const std::filesystem::path& temporary) { return writePng(temporary, (*pages)[i]); };
+            if (Status status = files.add(path, write); !status) return status;
         }
     }
     nlohmann::json probes = nlohmann::json::array();
@@ -44,10 +43,7 @@ Status dumpResult(const BakeSettings& settings, const BakedScene& baked)
                           {"radiance", std::move(coefficients)}});
     }
     const auto path = settings.imagesDirectory / "probes.json";
-    if (Status status = writeFileAtomically(path, nlohmann::json{{"probes", std::move(probes)}}.dump(1)); !status) {
-        return Error{status.error().code, path.string() + " " + status.error().message};
-    }
-    return {};
+    return files.add(path, nlohmann::json{{"probes", std::move(probes)}}.dump(1));
 }
 
 } // namespace halflight

@@ -5,40 +5,62 @@
 #include <ImfChannelList.h>
 #include <ImfFrameBuffer.h>
 #include <ImfHeader.h>
+#include <ImfIO.h>
 #include <ImfInputFile.h>
 #include <ImfOutputFile.h>
 #include <algorithm>
 #include <cstdint>
+#include <cstring>
 #include <exception>
 #include <string>
+#include <vector>
 
 namespace halflight {
 namespace {
 
 constexpr const char* kChannelNames[] = {"R", "G", "B", "A"};
 
+/// The library writes its last bytes when it closes a file, and says nothing where the disk is full then. So it writes
+/// into memory.
+class MemoryStream : public Imf::OStream {
+public:
+    MemoryStream() : Imf::OStream("memory") {}
+    void write(const char bytes[], int count) override
+    {
+        if (bytes_.size() < at_ + std::size_t(count)) bytes_.resize(at_ + std::size_t(count));
+        std::memcpy(&bytes_[at_], bytes, std::size_t(count));
+        at_ += std::size_t(count);
+    }
+    uint64_t tellp() override { return at_; }
+    void seekp(uint64_t at) override { at_ = std::size_t(at); }
+    [[nodiscard]] const std::vector<char>& bytes() const { return bytes_; }
+
+private:
+    std::vector<char> bytes_;
+    std::size_t at_ = 0;
+};
+
 /// Writes `channels` interleaved floats per texel.
 Status writeExrChannels(const std::filesystem::path& path, const float* texels, ivec2 size, int channels)
 {
-    return replaceAtomically(path, [&](const std::filesystem::path& temporary) -> Status {
-        try {
-            Imf::Header header(size.x, size.y);
-            header.compression() = Imf::ZIP_COMPRESSION;
-            Imf::FrameBuffer buffer;
-            const std::size_t xStride = sizeof(float) * std::size_t(channels);
-            for (int c = 0; c < channels; ++c) {
-                header.channels().insert(kChannelNames[c], Imf::Channel(Imf::FLOAT));
-                char* base = reinterpret_cast<char*>(const_cast<float*>(texels + c));
-                buffer.insert(kChannelNames[c], Imf::Slice(Imf::FLOAT, base, xStride, xStride * std::size_t(size.x)));
-            }
-            Imf::OutputFile file(temporary.string().c_str(), header);
-            file.setFrameBuffer(buffer);
-            file.writePixels(size.y);
-            return {};
-        } catch (const std::exception& exception) {
-            return Error{ErrorCode::WriteFailed, std::string("cannot be written (") + exception.what() + ")"};
+    MemoryStream stream;
+    try {
+        Imf::Header header(size.x, size.y);
+        header.compression() = Imf::ZIP_COMPRESSION;
+        Imf::FrameBuffer buffer;
+        const std::size_t xStride = sizeof(float) * std::size_t(channels);
+        for (int c = 0; c < channels; ++c) {
+            header.channels().insert(kChannelNames[c], Imf::Channel(Imf::FLOAT));
+            char* base = reinterpret_cast<char*>(const_cast<float*>(texels + c));
+            buffer.insert(kChannelNames[c], Imf::Slice(Imf::FLOAT, base, xStride, xStride * std::size_t(size.x)));
         }
-    });
+        Imf::OutputFile file(stream, header);
+        file.setFrameBuffer(buffer);
+        file.writePixels(size.y);
+    } catch (const std::exception& exception) {
+        return Error{ErrorCode::WriteFailed, std::string("cannot be written (") + exception.what() + ")"};
+    }
+    return writeFileAtomically(path, stream.bytes().data(), stream.bytes().size());
 }
 
 } // namespace

@@ -38,6 +38,11 @@ bool isErrorStreamTerminal()
     return _isatty(_fileno(stderr)) != 0;
 }
 
+std::string fileIdentity(const std::filesystem::path&)
+{
+    return {};
+}
+
 void prepareStandardStreams() {} // no such signals, and no reuse of their numbers
 
 void callAfter(unsigned seconds, void (*handler)(int))
@@ -63,6 +68,7 @@ void endProcess(const char* fileToRemove, const char* message, int exitCode)
 #include <cerrno>
 #include <fcntl.h>
 #include <sys/resource.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 namespace halflight {
@@ -102,6 +108,13 @@ double processCpuSeconds()
 bool isErrorStreamTerminal()
 {
     return ::isatty(STDERR_FILENO) != 0;
+}
+
+std::string fileIdentity(const std::filesystem::path& file)
+{
+    struct stat found = {};
+    if (::stat(file.c_str(), &found) != 0) return {};
+    return std::to_string(found.st_dev) + ":" + std::to_string(found.st_ino);
 }
 
 void prepareStandardStreams()

@@ -318,6 +318,24 @@ Json AtBake::sceneJson(std::size_t lightmapped) const
     return {{"staticNodes", staticNodes}, {"lightmappedNodes", lightmapped}, {"bakedLights", lights}};
 }
 
+Json membersOfBake(const Json& root)
+{
+    Json members = Json::array();
+    for (const char* name : {"lightmapUnitLux", "lightmaps", "lightmapDirections", "shadowmasks", "shadowmaskChannels",
+                             "probes", "probes/sight", "reflectionProbes"}) {
+        if (root.contains(Json::json_pointer("/" + std::string(name)))) members.push_back(name);
+    }
+    return members;
+}
+
+std::vector<std::string> lostMembers(const Json& root)
+{
+    std::set<std::string> names;
+    for (const Json& name : member(member(root, "atBake"), "members")) names.insert(name.get<std::string>());
+    for (const Json& name : membersOfBake(root)) names.erase(name.get<std::string>());
+    return {names.begin(), names.end()};
+}
+
 bool shapeChangedSinceBake(const Light& light)
 {
     const LightAtBake& was = light.baking.atBake;

@@ -13,6 +13,11 @@
 
 namespace halflight {
 
+/// Those of the root extension's members that hold what a bake found, as "probes/sight": what a reader looks for.
+Json membersOfBake(const Json& root);
+/// Those of them that a file had (`atBake` of its root) and has no more.
+std::vector<std::string> lostMembers(const Json& root);
+
 /// The surface of a node's static objects, all instances together. Means are over its area.
 struct SurfaceAtBake {
     vec3 low{0.0f}; ///< bounds and centroid: scene space, metres

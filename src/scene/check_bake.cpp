@@ -100,6 +100,19 @@ void checkLosses(const SourceDocument& document, const Json& atBake, BakedScene&
     }
 }
 
+// Of the root extension: lightmaps, masks, probes. Files of earlier versions have no list of them.
+void checkMembers(const Json& root, BakedScene& baked)
+{
+    const std::vector<std::string> lost = lostMembers(root);
+    for (const std::string& name : lost) baked.lost.push_back("its " + name);
+    const bool hasMask = std::any_of(baked.scene.lights.begin(), baked.scene.lights.end(), [](const Light& light) {
+        return light.baking.isBaked && light.baking.occlusionMaskChannel >= 0;
+    });
+    if (lost.empty() && baked.mode == MixedLightingMode::Shadowmask && hasMask && !baked.lightmaps.empty() &&
+        baked.shadowmasks.empty())
+        baked.lost.emplace_back("its shadowmasks");
+}
+
 void warnOfLosses(BakedScene& baked)
 {
     for (const std::string& lost : baked.lost)
@@ -122,6 +135,7 @@ void checkAgainstBake(const SourceDocument& document, const Json& root, const gl
         scene.warnings.emplace_back("is of version 1 of the format, whose record of the scene at its bake is not read: "
                                     "changes since are not noticed; bake the scene again");
     }
+    checkMembers(root, baked);
     warnOfLosses(baked);
 }
 

@@ -3,6 +3,7 @@
 #include "halflight/base/file.h"
 #include "scene/decompress.h"
 #include "scene/fallback_buffers.h"
+#include "scene/finite_accessors.h"
 #include "scene/strip.h"
 #include "scene/uri.h"
 #include "scene/validate.h"
@@ -105,9 +106,8 @@ bool nestsTooDeep(std::string_view text)
 
 std::string firstSentence(std::string text)
 {
-    text = text.substr(0, text.find('\n'));
+    text = text.substr(0, std::min(text.find('\n'), std::size_t(300))); // some quote a data: URI
     while (!text.empty() && (text.back() == '.' || text.back() == ' ')) text.pop_back();
-    if (text.size() > 300) text.resize(300); // an error that quotes a data: URI
     return text.empty() ? "the file cannot be read as glTF" : text;
 }
 
@@ -299,9 +299,8 @@ Result<std::shared_ptr<const SourceDocument>> parseDocument(std::span<const std:
         document->json = Json::parse(chunks->json.begin(), chunks->json.end());
     } catch (const std::exception& e) {
         const std::string what = e.what(); // "[json.exception.parse_error.101] parse error at line 1, …"
-        const std::size_t bracket = what.find("] ");
-        return Error{ErrorCode::FileInvalid,
-                     "the JSON is broken: " + (bracket == std::string::npos ? what : what.substr(bracket + 2))};
+        const std::size_t at = what.find("] ");
+        return Error{ErrorCode::FileInvalid, "the JSON is broken: " + what.substr(at == what.npos ? 0 : at + 2)};
     }
     try {
         markFallbackBuffers(document->json, !chunks->binary.empty());
@@ -310,10 +309,11 @@ Result<std::shared_ptr<const SourceDocument>> parseDocument(std::span<const std:
         if (Status s = loadBuffers(*document, chunks->binary, buffers); !s) return s.error();
         if (Status s = decompress(document->json, buffers); !s) return s.error();
         if (Status s = readTypedView(*document, std::move(buffers)); !s) return s.error();
-    } catch (const std::exception& e) {
-        return Error{ErrorCode::FileInvalid, std::string("the file cannot be read as glTF (") + e.what() + ")"};
+    } catch (const std::exception&) {
+        return Error{ErrorCode::FileInvalid, "the file cannot be read as glTF, or there is too little memory for it"};
     }
     if (Status status = checkAfterParsing(*document); !status) return status.error();
+    if (Status status = checkFiniteAccessors(*document); !status) return status.error();
     stripEarlierBake(*document);
     return std::shared_ptr<const SourceDocument>(std::move(document));
 }

@@ -13,7 +13,7 @@ constexpr float kBrightest = 1.0e12f;
 /// Emission of materials, light of lights (times its indirect multiplier), sky and shadow colour within kBrightest.
 Status checkBrightness(const Scene& scene);
 
-/// Whether all that a bake adds is finite: probes, bindings, lightmap coordinates and unit, mask ranges.
-Status checkFinite(const BakedScene& baked);
+/// Whether all that a bake adds is within its ranges (bake_ranges.h), and probes are where their grid says.
+Status checkBakedValues(const BakedScene& baked);
 
 } // namespace halflight

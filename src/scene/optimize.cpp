@@ -3,10 +3,14 @@
 #include "halflight/base/encoded_image.h"
 #include "halflight/base/file.h"
 #include "scene/decompress.h"
+#include "scene/external_files.h"
+#include "scene/limits.h"
 #include "scene/meshopt_encode.h"
 #include "scene/optimize_meshes.h"
 #include "scene/optimize_pictures.h"
 #include "scene/read_baked.h"
+#include "scene/read_probes.h"
+#include "scene/read_reflections.h"
 #include "scene/validate.h"
 
 #include <array>
@@ -62,6 +66,17 @@ void shortenFloats(Json& json)
     }
 }
 
+// A bake is copied as it is, so its numbers are checked as a reader of the copy will check them.
+Status checkBake(const SourceDocument& document, const Json& bake)
+{
+    BakedScene baked;
+    if (Status s = readProbes(document, member(bake, "probes"), glm::dvec3(0.0), baked.probes); !s) return s;
+    auto reflections = readReflections(document, member(bake, "reflectionProbes"), glm::dvec3(0.0));
+    if (!reflections) return reflections.error();
+    baked.reflections = std::move(*reflections);
+    return checkBakedValues(baked);
+}
+
 // The first extension of the document that might refer to buffer views behind this program's back.
 std::string unknownExtension(const Json& document)
 {
@@ -98,12 +113,17 @@ Status optimizeFile(const std::filesystem::path& in, const std::filesystem::path
 {
     const auto source = loadDocument(in);
     if (!source) return source.error();
+    if (options.checkFiles) {
+        if (Status s = options.checkFiles(externalFiles(**source)); !s) return s;
+    }
     const Json& bake = extensionOf((*source)->json, "HALFLIGHT_mixed_lighting");
     if (bake.is_object() && member(bake, "version") != kFormatVersion) {
         return Error{ErrorCode::Unsupported,
                      "its bake is of another version of the format than this program writes: bake the scene again",
                      "/extensions/HALFLIGHT_mixed_lighting"};
     }
+    if (Status s = bake.is_object() ? checkBake(**source, bake) : Status(); !s) return s;
+    report.warnings.insert(report.warnings.end(), (*source)->warnings.begin(), (*source)->warnings.end());
     std::error_code ec;
     report.file.before = std::filesystem::file_size(in, ec);
     {

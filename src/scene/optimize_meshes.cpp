@@ -73,6 +73,7 @@ private:
     {
         const std::set<int> accessors = accessorsOf(json);
         const bool isOwn = std::all_of(accessors.begin(), accessors.end(), [&](int a) { return useCount_[a] == 1; });
+        if (!json["attributes"].contains("POSITION")) return {}; // nothing that shows: it stays as it is
         const Json& mode = member(json, "mode");
         const std::size_t vertexCount =
             source_.model.accessors[json["attributes"]["POSITION"].get<std::size_t>()].count;

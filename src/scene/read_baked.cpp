@@ -204,7 +204,8 @@ Result<BakedScene> bakedFromDocument(std::shared_ptr<const SourceDocument> sourc
     if (!reflections) return reflections.error();
     baked.reflections = std::move(*reflections);
     if (Status s = readBindings(document, baked); !s) return s.error();
-    if (Status s = checkFinite(baked); !s) return s.error();
+    if (Status s = checkBakedValues(baked); !s) return s.error();
+    for (Probe& probe : baked.probes.probes) probe.occlusion = glm::clamp(probe.occlusion, 0.0f, 1.0f);
     checkAgainstBake(document, root, shift, baked);
     checkSettingsOfBake(document, root, baked.scene);
     return baked;

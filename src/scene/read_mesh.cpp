@@ -41,13 +41,8 @@ public:
         const auto it = primitive_.attributes.find(name);
         if (it == primitive_.attributes.end()) return {};
         auto values = readVectors<N>(document_, it->second);
-        if (values) {
-            const bool good = std::all_of(values->begin(), values->end(), [](const auto& v) { return isFinite(v); });
-            if (good) return std::move(*values);
-        }
-        warnings_.push_back(path_ + ": " + name + " is left out (" +
-                            (values ? std::string("it holds values that are not finite") : values.error().message) +
-                            ")");
+        if (values) return std::move(*values);
+        warnings_.push_back(path_ + ": " + name + " is left out (" + values.error().message + ")");
         return {};
     }
 

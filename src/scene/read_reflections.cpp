@@ -34,7 +34,7 @@ Result<ReflectionProbe> readProbe(const Json& json, const glm::dvec3& shift, con
         return invalid(path, "position is not three numbers");
     probe.position = vec3(glm::dvec3(probe.position) + shift);
     const auto box = boxOf(member(json, "box"), shift);
-    if (!box) return invalid(path, "box is not a transform of 16 numbers with an inverse");
+    if (!box) return invalid(path, "box is not a transform of 16 numbers with an inverse, or thinner than 2e-7 m");
     probe.worldFromBox = *box;
     const Json& fade = member(json, "fade");
     probe.fadeMeters = fade.is_number() ? fade.get<float>() : 0.0f;
@@ -47,9 +47,16 @@ Result<ReflectionProbe> readProbe(const Json& json, const glm::dvec3& shift, con
 
 bool isBox(const mat4& worldFromBox)
 {
-    if (!isFinite(worldFromBox)) return false;
-    const float volume = std::abs(glm::determinant(mat3(worldFromBox)));
-    return volume > 0.0f && isFinite(glm::inverse(worldFromBox));
+    constexpr double kSmallestMeters = 1.0e-7; // half a side: positions in a smaller box would leave the floats
+    const glm::dmat3 axes{glm::dmat4(worldFromBox)};
+    if (!isFinite(worldFromBox) || !(std::abs(glm::determinant(axes)) > 0.0)) return false;
+    const glm::dmat3 inverse = glm::inverse(axes);
+    for (int c = 0; c < 3; ++c) {
+        for (int r = 0; r < 3; ++r) {
+            if (!(std::abs(inverse[c][r]) <= 1.0 / kSmallestMeters)) return false;
+        }
+    }
+    return true;
 }
 
 Result<ReflectionSet> readReflections(const SourceDocument& document, const Json& json, const glm::dvec3& shift)

@@ -334,7 +334,8 @@ Result<Scene> sceneFromDocument(std::shared_ptr<const SourceDocument> document, 
     if (!materials) return materials.error();
     scene.materials = std::move(materials->materials);
     scene.textures = std::move(materials->textures);
-    scene.warnings = std::move(materials->warnings);
+    scene.warnings = document->warnings;
+    scene.warnings.insert(scene.warnings.end(), materials->warnings.begin(), materials->warnings.end());
 
     const std::vector<std::string> ofExtensions = extensionWarnings(document->json);
     scene.warnings.insert(scene.warnings.end(), ofExtensions.begin(), ofExtensions.end());

@@ -71,9 +71,13 @@ const std::vector<Key<LightSettings>>& lightKeys()
              return readNumber(v, 0.0, 1.0, "a number from 0 to 1", s.shadowStrength);
          }},
         {"indirect_multiplier",
-         [](const Json& v, LightSettings& s) { return readNumber(v, 0.0, kHuge, kNotNegative, s.indirectMultiplier); }},
+         [](const Json& v, LightSettings& s) {
+             return readNumber(v, 0.0, 1.0e6, "a number from 0 to 1000000", s.indirectMultiplier);
+         }},
         {"radius",
-         [](const Json& v, LightSettings& s) { return readNumber(v, 0.0, kHuge, kNotNegative, s.radiusMeters); }},
+         [](const Json& v, LightSettings& s) {
+             return readNumber(v, 0.0, 1.0e7, "a number of metres from 0 to 10000000", s.radiusMeters);
+         }},
         {"angular_diameter",
          [](const Json& v, LightSettings& s) {
              return readNumber(v, 0.0, 180.0, "a number of degrees from 0 to 180", s.angularDiameterDegrees);

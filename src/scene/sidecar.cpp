@@ -1,6 +1,6 @@
 #include "halflight/scene/sidecar.h"
 
-#include "halflight/base/file.h"
+#include "halflight/base/file_group.h"
 #include "halflight/base/rgb9e5.h"
 #include "halflight/scene/probe_cells.h"
 #include "halflight/scene/sky_picture.h"
@@ -44,22 +44,23 @@ public:
         if (Status s = instances(); !s) return s;
         probes();
         warnAboutNames(warnings);
-        return writeNamed("bake.json", textOf(json_));
+        if (Status s = writeNamed("bake.json", textOf(json_)); !s) return s;
+        return files_.commit();
     }
 
 private:
-    static Status named(const Status& status, const std::filesystem::path& path)
-    {
-        if (status) return {};
-        return Error{status.error().code, path.string() + " " + status.error().message, status.error().object};
-    }
     Status writeNamed(const std::string& name, std::span<const std::byte> bytes)
     {
-        return named(writeFileAtomically(folder_ / name, bytes.data(), bytes.size()), folder_ / name);
+        return files_.add(folder_ / name, bytes.data(), bytes.size());
     }
     Status writeNamed(const std::string& name, const std::string& text)
     {
         return writeNamed(name, std::as_bytes(std::span(text)));
+    }
+    template<typename Picture> Status writeExrNamed(const std::string& name, const Picture& picture)
+    {
+        return files_.add(folder_ / name,
+                          [&](const std::filesystem::path& temporary) { return writeExr(temporary, picture); });
     }
 
     Status sky()
@@ -68,8 +69,7 @@ private:
         if (sky.picture == nullptr) return {};
         const std::string name = "sky.exr";
         json_["sky"]["picture"] = {{"file", name}, {"rotation", sky.rotationRadians}};
-        return named(writeExr(folder_ / name, reducedSkyPicture(*sky.picture, options_.write.skyWidth)),
-                     folder_ / name);
+        return writeExrNamed(name, reducedSkyPicture(*sky.picture, options_.write.skyWidth));
     }
 
     Status lightmaps()
@@ -82,9 +82,9 @@ private:
                 const std::string name = "lightmap_" + std::to_string(i) + ".exr";
                 const bool inFloats = options_.write.irradiance.size() == baked_.lightmaps.size();
                 const Status written =
-                    inFloats ? writeExr(folder_ / name, options_.write.irradiance[i])
-                             : writeExr(folder_ / name, decodeRgb9e5(baked_.lightmaps[i], baked_.lightmapUnitLux));
-                if (Status s = named(written, folder_ / name); !s) return s;
+                    inFloats ? writeExrNamed(name, options_.write.irradiance[i])
+                             : writeExrNamed(name, decodeRgb9e5(baked_.lightmaps[i], baked_.lightmapUnitLux));
+                if (!written) return written;
                 json["pages"].push_back(name);
             }
             return {};
@@ -108,7 +108,8 @@ private:
     {
         for (std::size_t i = 0; i < pages.size(); ++i) {
             const std::string name = prefix + "_" + std::to_string(i) + ".png";
-            if (Status s = named(writePng(folder_ / name, pages[i]), folder_ / name); !s) return s;
+            const auto write = [&](const std::filesystem::path& temporary) { return writePng(temporary, pages[i]); };
+            if (Status s = files_.add(folder_ / name, write); !s) return s;
             json_[key].push_back(name);
         }
         return {};
@@ -226,6 +227,7 @@ private:
     const SourceDocument& document_;
     const BakedScene& baked_;
     const SidecarOptions& options_;
+    FileGroup files_;
     Json json_;
     std::map<int, std::vector<int>> paths_;   // by node
     std::map<std::string, std::size_t> uses_; // of a name among an extension's nodes

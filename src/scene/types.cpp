@@ -1,9 +1,12 @@
 #include "scene/types.h"
 
+#include "scene/bake_ranges.h"
 #include "scene/bake_types.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstdio>
 #include <map>
 #include <optional>
 #include <string_view>
@@ -149,6 +152,7 @@ constexpr std::pair<std::string_view, std::string_view> kRequired[] = {
     {"cameras/*/orthographic", "zfar"},
     {"extensions/KHR_lights_punctual/lights/*", "type"},
     {"meshes/*", "primitives"},
+    {"meshes/*/primitives/*", "attributes"},
     {"skins/*", "joints"},
 };
 
@@ -181,6 +185,7 @@ constexpr std::string_view kNamed[] = {"buffers",    "bufferViews", "accessors",
 struct Shape {
     Kind kind = Kind::Any;
     std::size_t count = 0;
+    std::optional<Range> range; // of a number, or of each of an array's
     std::map<std::string, Shape, std::less<>> members;
     std::unique_ptr<Shape> items;
     std::vector<std::string> required;
@@ -215,6 +220,7 @@ Shape makeShape()
     Shape shape;
     for (const Rule& rule : kRules) shape.add(rule.path, rule.kind, rule.count);
     for (const Rule& rule : kBakeRules) shape.add(rule.path, rule.kind, rule.count);
+    for (const Range& range : kBakeRanges) shape.at(range.path).range = range;
     for (const std::string_view slot : kTextureSlots) {
         for (const Rule& rule : kTextureRules)
             shape.add(std::string(slot) + "/" + std::string(rule.path), rule.kind, rule.count);
@@ -294,14 +300,36 @@ struct Mismatch {
     std::string message;
 };
 
+Mismatch mismatchOf(const Json& value, const std::string& wanted)
+{
+    std::string message = "is ";
+    message += shown(value);
+    message += ", not ";
+    message += wanted;
+    return {{}, std::move(message)};
+}
+
+// Of a number, or of an array's.
+std::optional<Mismatch> findOutside(const Json& value, const Range& range)
+{
+    if (value.is_number()) {
+        if (isWithin(value.get<double>(), range)) return std::nullopt;
+        return mismatchOf(value, "a number " + textOf(range));
+    }
+    for (std::size_t i = 0; i < value.size(); ++i) {
+        if (isWithin(value[i].get<double>(), range)) continue;
+        Mismatch mismatch = mismatchOf(value[i], "a number " + textOf(range));
+        mismatch.path = '/' + std::to_string(i);
+        return mismatch;
+    }
+    return std::nullopt;
+}
+
 std::optional<Mismatch> find(const Json& value, const Shape& shape)
 {
-    if (std::string wanted = expectation(value, shape); !wanted.empty()) {
-        std::string message = "is ";
-        message += shown(value);
-        message += ", not ";
-        message += wanted;
-        return Mismatch{{}, std::move(message)};
+    if (const std::string wanted = expectation(value, shape); !wanted.empty()) return mismatchOf(value, wanted);
+    if (shape.range) {
+        if (auto mismatch = findOutside(value, *shape.range)) return mismatch;
     }
     const auto within = [](const std::string& step, std::optional<Mismatch> mismatch) {
         if (mismatch) mismatch->path = '/' + step + mismatch->path;
@@ -337,6 +365,16 @@ std::optional<Mismatch> find(const Json& value, const Shape& shape)
 }
 
 } // namespace
+
+std::string textOf(const Range& range)
+{
+    std::array<char, 80> text{};
+    if (range.above)
+        std::snprintf(text.data(), text.size(), "above %.8g and at most %.8g", range.least, range.most);
+    else
+        std::snprintf(text.data(), text.size(), "from %.8g to %.8g", range.least, range.most);
+    return text.data();
+}
 
 Status checkTypes(const Json& document)
 {

@@ -1,5 +1,6 @@
 #include "scene/write_baked.h"
 #include "halflight/base/file.h"
+#include "halflight/base/file_group.h"
 #include "halflight/base/parallel.h"
 #include "halflight/scene/gltf.h"
 #include "scene/at_bake.h"
@@ -27,14 +28,6 @@ namespace {
 constexpr const char* kRootExtension = "HALFLIGHT_mixed_lighting";
 constexpr const char* kNodeExtension = "HALFLIGHT_node";
 constexpr const char* kMaterialExtension = "HALFLIGHT_material";
-constexpr const char* kImageInfix = "_image"; // OUT_image_0.png
-Status writeBeside(const std::filesystem::path& path, const std::string& name, const std::vector<std::byte>& bytes)
-{
-    const std::filesystem::path file = path.parent_path() / name;
-    Status status = writeFileAtomically(file, bytes.data(), bytes.size());
-    if (status) return status;
-    return Error{status.error().code, file.string() + " " + status.error().message};
-}
 
 class Writer {
 public:
@@ -274,6 +267,7 @@ private:
         writeMark();
         if (Json probes = probesJson(patcher_, baked_.probes, bytes_.probes); !probes.is_null())
             root_["probes"] = std::move(probes);
+        if (baked_.isBaked) root_["atBake"]["members"] = membersOfBake(root_);
         patcher_.json["extensions"][kRootExtension] = std::move(root_);
     }
 
@@ -330,26 +324,18 @@ private:
 
 } // namespace
 
-std::vector<std::filesystem::path> externalFiles(const Scene& scene)
+bool isSeparate(const std::filesystem::path& output)
 {
-    std::vector<std::filesystem::path> files;
-    if (!scene.source) return files;
-    std::vector<std::string> uris = scene.source->bufferUris;
-    for (const auto& image : scene.source->model.images) uris.push_back(image.uri);
-    for (const std::string& uri : uris) {
-        if (uri.empty() || isDataUri(uri)) continue;
-        files.push_back(scene.source->directory / percentDecoded(uri));
-        const std::filesystem::path asItStands = scene.source->directory / uri; // readUri() takes either name
-        std::error_code ec;
-        if (asItStands != files.back() && std::filesystem::exists(asItStands, ec)) files.push_back(asItStands);
-    }
-    return files;
+    std::string extension = output.extension().string();
+    std::transform(extension.begin(), extension.end(), extension.begin(),
+                   [](unsigned char c) { return char(std::tolower(c)); });
+    return extension == ".gltf";
 }
 
 Result<FinishedDocument> bakedDocument(const BakedScene& baked, const WriteOptions& options,
                                        const std::string& imagePrefix, WrittenBytes& written)
 {
-    if (Status status = checkFinite(baked); !status)
+    if (Status status = checkBakedValues(baked); !status)
         return Error{ErrorCode::InvalidArgument, status.error().message + " and is not written", status.error().object};
     BakedScene withSource;
     if (!baked.scene.source) {
@@ -364,10 +350,7 @@ Result<FinishedDocument> bakedDocument(const BakedScene& baked, const WriteOptio
 
 Status writeBakedScene(const std::filesystem::path& path, const BakedScene& baked, const WriteOptions& options)
 {
-    std::string extension = path.extension().string();
-    std::transform(extension.begin(), extension.end(), extension.begin(),
-                   [](unsigned char c) { return char(std::tolower(c)); });
-    const bool separate = extension == ".gltf";
+    const bool separate = isSeparate(path);
     const std::string stem = path.stem().string();
     WrittenBytes written;
     Result<FinishedDocument> document =
@@ -381,20 +364,22 @@ Status writeBakedScene(const std::filesystem::path& path, const BakedScene& bake
         return writeFileAtomically(path, glb->data(), glb->size(), options.mayReplace);
     }
     if (options.mayReplace && !options.mayReplace()) return writingCancelled();
-    // The document comes last, when all that it names is there.
+    FileGroup files; // the document comes last, when all that it names is there
     for (const FinishedDocument::File& image : document->images) {
         written.file += image.bytes.size();
-        if (Status s = writeBeside(path, image.name, image.bytes); !s) return s;
+        if (Status s = files.add(path.parent_path() / image.name, image.bytes.data(), image.bytes.size()); !s) return s;
     }
     if (!document->binary.empty()) {
         document->json["buffers"][0]["uri"] = percentEncoded(stem + ".bin");
         written.file += document->binary.size();
-        if (Status s = writeBeside(path, stem + ".bin", document->binary); !s) return s;
+        const std::vector<std::byte>& binary = document->binary;
+        if (Status s = files.add(path.parent_path() / (stem + ".bin"), binary.data(), binary.size()); !s) return s;
     }
     const std::string text = textOf(document->json);
     written.file += text.size();
     if (options.written != nullptr) *options.written = written;
-    return writeFileAtomically(path, text);
+    if (Status s = files.add(path, text); !s) return s;
+    return files.commit();
 }
 
 } // namespace halflight

@@ -136,10 +136,14 @@ void LiveBake::endIsShown()
     notices_.tell(end.hasResult ? end.outcome : "bake: " + end.outcome);
 }
 
-std::string LiveBake::write()
+std::string LiveBake::write(FilesInUse files)
 {
     const std::filesystem::path file = state_.bakeOutput;
     if (file.extension() != ".glb" && file.extension() != ".gltf") return file.string() + ": must end in .glb or .gltf";
+    addBakedFiles(files, "the bake", file);
+    std::filesystem::path culprit;
+    if (const Status unused = files.check(culprit); !unused)
+        return fmt::format("{}: {}", culprit.string(), unused.error().message);
     WriteOptions write;
     write.irradiance = irradiance_;
     if (const Status written = writeBakedScene(file, shown_.baked(), write); !written)
@@ -148,9 +152,9 @@ std::string LiveBake::write()
     return "saved " + savedAs_;
 }
 
-void LiveBake::save()
+void LiveBake::save(FilesInUse files)
 {
-    state_.bakeStatus.outcome = write();
+    state_.bakeStatus.outcome = write(std::move(files));
     notices_.tell(state_.bakeStatus.outcome);
 }
 

@@ -5,6 +5,8 @@
 #include "view/notices.h"
 #include "view/shown_scene.h"
 
+#include "halflight/base/files_in_use.h"
+
 #include <chrono>
 #include <memory>
 #include <optional>
@@ -37,7 +39,8 @@ public:
     /// Light of the bake that runs is shown.
     void lightIsShown(const char* name);
     /// Writes the finished bake that is shown.
-    void save();
+    /// `files`: what the window reads; none of it is replaced.
+    void save(FilesInUse files);
     /// Whether a finished bake is shown that was not written.
     [[nodiscard]] bool hasUnsaved() const { return state_.bakeStatus.hasResult && savedAs_.empty(); }
     /// That the finished bake was or will be written to.
@@ -49,7 +52,7 @@ private:
     Status showProgress(Renderer& renderer, double pictureSeconds);
     void end(Renderer& renderer, Result<BakeResult> result, double seconds);
     void endIsShown();
-    std::string write();
+    std::string write(FilesInUse files);
 
     ViewState& state_;
     ShownScene& shown_;

@@ -3,6 +3,8 @@
 
 #include "halflight/bake_cpu/embree_integrator.h"
 #include "halflight/base/encoded_image.h"
+#include "halflight/base/files_in_use.h"
+#include "halflight/scene/gltf.h"
 
 #include <SDL.h>
 #include <spdlog/fmt/fmt.h>
@@ -114,8 +116,10 @@ Status Viewer::answerRequests()
         bake_.start(std::make_unique<BakeSession>(edited_.scene(), state_.bake, makeEmbreeIntegrator));
     if (requests.cancelBake) bake_.cancel();
     if (requests.save && state_.bakeStatus.hasResult) {
-        bake_.save();
-        files_.wasWritten(state_.bakeOutput);
+        FilesInUse read;
+        addReadFiles(read, files_.file(), options_.settingsFile);
+        addExternalFiles(read, externalFiles(edited_.atLoad()));
+        bake_.save(std::move(read));
     }
     if (requests.writeSettings) writeSettings();
     if (requests.expose && size_.x < 1)

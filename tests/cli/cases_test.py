@@ -9,6 +9,7 @@ import os
 import resource
 import struct
 import subprocess
+import sys
 import unittest
 
 import cli_case
@@ -221,6 +222,40 @@ class Attack(SharedCase):
 
     def test_radiance_beyond_floats(self):
         self.assert_refused("nan-probes.glb", ": /")
+
+
+class WebBroken(SharedCase):
+    """The 45 broken copies of a baked file that the cases' own program makes: none is shown in silence."""
+
+    def test_each_is_refused_or_warned_of(self):
+        scene = os.path.join(os.path.dirname(__file__), "../../assets/tests/five_lights.glb")
+        baked, folder = self.path("baked.glb"), self.path("broken")
+        result = run("bake", scene, "-o", baked, "--quality", "preview", "--lightmap-size", "128", "-q")
+        self.assertEqual(result.returncode, 0, result.stderr)
+        sound = run("info", baked).stderr
+        made = subprocess.run(
+            [sys.executable, cases("web-broken", "make.py"), baked, folder], capture_output=True, text=True
+        )
+        self.assertEqual(made.returncode, 0, made.stderr)
+        with open(os.path.join(folder, "names.json")) as file:
+            names = json.load(file)
+        self.assertEqual(len(names), 45)
+        refused = 0
+        for name in names:
+            path = os.path.join(folder, name + ".glb")
+            with self.subTest(name=name):
+                result = run("info", path, timeout=60)
+                self.assertIn(result.returncode, (0, 1), result.stderr)
+                self.assertNotRegex(result.stderr, r"json\.exception|std::|tinygltf|internal error")
+                self.assertNotEqual(result.stderr, sound, "it is shown as if it were sound")
+                self.assertEqual(len(result.stderr.splitlines()) == 1 or result.returncode == 0, True, result.stderr)
+                refused += result.returncode
+        self.assertGreaterEqual(refused, 38)
+        for name in ("radiance_huge", "reflections_box_huge", "reflections_fade", "reflections_unit", "sky_negative"):
+            path = os.path.join(folder, name + ".glb")
+            for command in (["info", path], ["optimize", path, self.path("o.glb")], ["render", path, "-o", self.path("o.png")]):
+                self.assert_one_sentence(run(*command), 1, name, "/extensions/HALFLIGHT_mixed_lighting/")
+        self.assertIn("its shadowmasks", run("info", os.path.join(folder, "masks_gone.glb")).stderr)
 
 
 if __name__ == "__main__":

@@ -4,6 +4,8 @@ Usage: places_test.py HALFLIGHT SHARED_DIR [TestClass[.test]] …"""
 import base64
 import json
 import os
+import resource
+import shutil
 import subprocess
 
 import cli_case
@@ -82,7 +84,7 @@ class Places(Case):
             json.dump(document, file)
         before = read(buffer)
         result = run("bake", scene, "-o", self.path("baked.gltf"), *QUICK)
-        self.assert_one_sentence(result, 1, "baked.gltf", "baked.bin", "another name")
+        self.assert_one_sentence(result, 1, buffer, "--output would replace the scene's baked.bin")
         self.assertEqual(read(buffer), before)
 
     def test_moz_lightmap_is_opt_in(self):
@@ -196,6 +198,109 @@ class Streams(Case):
             for item in value.values() if isinstance(value, dict) else value:
                 yield from self.strings(item)
 
+
+class FullDisk(Case):
+    """Files of one option are whole, all of them, or none is there."""
+
+    def setUp(self):
+        super().setUp()
+        self.file = self.scene()
+        with open(self.path("sky.hdr"), "wb") as file:  # 4 x 2 texels of (1, 1, 1)
+            file.write(b"#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 2 +X 4\n" + bytes([128, 128, 128, 129]) * 8)
+        with open(self.path("sky.toml"), "w") as file:
+            file.write('[sky]\nimage = "sky.hdr"\n')
+        self.options = ["--settings", self.path("sky.toml"), "--directional", "on", *QUICK, "-q"]
+
+    def bake_within(self, most, *arguments):
+        """Files cannot grow beyond `most` bytes."""
+        command = ["bake", self.file, *map(str, arguments), *self.options]
+        return subprocess.run(
+            [cli_case.HALFLIGHT, *command],
+            capture_output=True,
+            text=True,
+            stdin=subprocess.DEVNULL,
+            preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (most, most)),
+        )
+
+    def sizes(self, folder):
+        return {entry.name: entry.stat().st_size for entry in os.scandir(folder)}
+
+    def check(self, folder, *arguments):
+        """With every limit at which some file of the folder no longer fits."""
+        whole = run("bake", self.file, *arguments, *self.options)
+        self.assertEqual(whole.returncode, 0, whole.stderr)
+        sizes = self.sizes(folder)
+        self.assertGreater(len(sizes), 1)
+        for name in sizes:
+            os.remove(os.path.join(folder, name))
+        for most in sorted(set(sizes.values()))[:-1] + [max(sizes.values()) - 1]:
+            with self.subTest(most=most):
+                result = self.bake_within(max(most, 4096), *arguments)
+                if max(most, 4096) >= max(sizes.values()):
+                    continue
+                self.assertEqual(result.returncode, 1, result.stderr)
+                self.assertEqual(self.sizes(folder) if os.path.isdir(folder) else {}, {}, result.stderr)
+
+    def test_a_gltf_with_its_buffer_and_pictures(self):
+        with open(self.file) as file:
+            document = json.load(file)
+        document["images"] = [{"uri": "data:image/png;base64," + SMALL_PNG}]
+        document["textures"] = [{"source": 0}]
+        document["materials"][0]["pbrMetallicRoughness"]["baseColorTexture"] = {"index": 0}
+        with open(self.file, "w") as file:
+            json.dump(document, file)
+        os.mkdir(self.path("out"))
+        self.check(self.path("out"), "-o", self.path("out/baked.gltf"))
+
+    def test_a_sidecar(self):
+        self.check(self.path("side"), "-o", self.path("baked.glb"), "--sidecar", self.path("side"))
+
+    def test_pictures_leave_the_baked_file(self):
+        images, out = self.path("images"), self.path("baked.gltf")
+        self.check(images, "-o", out, "--write-images", images)
+        os.remove(out)
+        os.mkdir(images)
+        os.mkdir(os.path.join(images, "probes.json"))
+        result = run("bake", self.file, "-o", out, "--write-images", images, *self.options)
+        self.assertEqual(result.returncode, 1)
+        self.assertIn("probes.json", result.stderr)
+        self.assertEqual(os.listdir(images), ["probes.json"])
+        self.assertEqual(run("info", out).returncode, 0)
+
+    def test_a_disk_that_is_full(self):
+        """Not a limit of the process, but no space: of a disk of 200 kB."""
+        disk = self.path("disk")
+        os.mkdir(disk)
+        mounted = shutil.which("mount") and subprocess.run(
+            ["mount", "-t", "tmpfs", "-o", "size=200k", "tmpfs", disk], capture_output=True
+        )
+        if not mounted or mounted.returncode != 0:
+            self.skipTest("no right to mount a small disk")
+        self.addCleanup(subprocess.run, ["umount", disk])
+        whole = run("bake", self.file, "-o", self.path("whole.glb"), "--sidecar", self.path("side"), *self.options)
+        self.assertEqual(whole.returncode, 0, whole.stderr)
+        self.assertGreater(sum(self.sizes(self.path("side")).values()), 200_000)
+        for arguments in (
+            ["-o", self.path("baked.glb"), "--sidecar", os.path.join(disk, "side")],
+            ["-o", self.path("baked.glb"), "--write-images", os.path.join(disk, "images")],
+            ["-o", os.path.join(disk, "baked.gltf")],
+        ):
+            with self.subTest(arguments=arguments):
+                result = run("bake", self.file, *arguments, *self.options)
+                self.assertEqual(result.returncode, 1, result.stderr)
+                self.assertEqual(os.listdir(disk), [], result.stderr)
+        with open(os.path.join(disk, "fill"), "wb") as file:
+            file.write(bytes(190_000))
+        picture = os.path.join(disk, "picture.exr")
+        result = run("render", self.file, "-o", picture, "--size", "256x256", "--reference", 1, "-q")
+        self.assert_one_sentence(result, 1, picture)
+        self.assertEqual(os.listdir(disk), ["fill"])
+
+
+# A grey texel (PNG).
+SMALL_PNG = (
+    "iVBORw0KGgoAAAANSUhEUgAAAAEAAAABCAYAAAAfFcSJAAAADUlEQVR42mNk+M9QDwADhgGAWjR9awAAAABJRU5ErkJggg=="
+)
 
 if __name__ == "__main__":
     cli_case.main()

@@ -2,8 +2,10 @@
 // any other, so that none is silently ignored.
 
 #include "fixtures.h"
+#include "scene/bake_ranges.h"
 
 #include <algorithm>
+#include <map>
 #include <set>
 
 namespace halflight {
@@ -106,6 +108,53 @@ private:
 
     Json root_;
 };
+
+// The numbers of a schema by their paths in a document, "a/*/b"; of an array of numbers, its items'.
+void findNumbers(const Json& root, Json schema, const std::string& path, std::map<std::string, Json>& numbers)
+{
+    if (schema.contains("$ref")) schema.update(root["$defs"].at(schema["$ref"].get<std::string>().substr(8)));
+    for (const Json& option : schema.value("oneOf", Json::array())) findNumbers(root, option, path, numbers);
+    const Json properties = schema.value("properties", Json::object());
+    for (const auto& [name, member] : properties.items()) findNumbers(root, member, path + "/" + name, numbers);
+    const std::string type = schema.value("type", "");
+    if (type == "array") {
+        const std::string items = schema["items"].value("type", "");
+        const bool isPlain = items == "number" || items == "integer";
+        findNumbers(root, schema["items"], isPlain ? path : path + "/*", numbers);
+    }
+    if (type == "number" || type == "integer") numbers[path.substr(1)] = schema;
+}
+
+// One table says what the reader takes and what the web plug-in will; the schemas say the same.
+TEST(Schemas, RangesAreThoseOfTheReader)
+{
+    std::map<std::string, Range> ranges;
+    for (const Range& range : kBakeRanges) ranges.emplace(range.path, range);
+    std::size_t compared = 0;
+    for (const auto& [name, place] : {std::pair("HALFLIGHT_mixed_lighting", "extensions/HALFLIGHT_mixed_lighting"),
+                                      std::pair("HALFLIGHT_node", "nodes/*/extensions/HALFLIGHT_node"),
+                                      std::pair("HALFLIGHT_light", "nodes/*/extensions/HALFLIGHT_light")}) {
+        std::ifstream stream(std::string(HALFLIGHT_SOURCE_DIR) + "/docs/schemas/" + name + ".schema.json");
+        const Json root = Json::parse(stream);
+        std::map<std::string, Json> numbers;
+        findNumbers(root, root, "", numbers);
+        for (const auto& [path, schema] : numbers) {
+            const auto range = ranges.find(std::string(place) + "/" + path);
+            if (range == ranges.end()) { // indices and counts, which the document itself limits
+                EXPECT_EQ(schema["type"], "integer") << path << " has no range";
+                continue;
+            }
+            ++compared;
+            const char* least = range->second.above ? "exclusiveMinimum" : "minimum";
+            ASSERT_TRUE(schema.contains(least) && schema.contains("maximum")) << path;
+            EXPECT_EQ(schema[least].get<double>(), range->second.least) << path;
+            EXPECT_EQ(schema["maximum"].get<double>(), range->second.most) << path;
+            ranges.erase(range);
+        }
+    }
+    EXPECT_GT(compared, 50u);
+    for (const auto& [path, range] : ranges) ADD_FAILURE() << path << " is in no schema";
+}
 
 void checkFile(const std::filesystem::path& path, std::size_t& nodes, std::size_t& lights)
 {

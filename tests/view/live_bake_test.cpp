@@ -60,10 +60,17 @@ TEST(LiveBake, ACancelledOneLeavesTheFinishedOneToBeSaved)
     EXPECT_EQ(state.bakeStatus.outcome, "cancelled");
     EXPECT_TRUE(bake.hasUnsaved()) << "the first one is shown again";
     state.bakeOutput = (folder / "room.txt").string();
-    bake.save();
+    bake.save({});
     EXPECT_TRUE(bake.hasUnsaved()) << "no kind of file";
     state.bakeOutput = (folder / "room.glb").string();
-    bake.save();
+    ASSERT_TRUE(writeFileAtomically(folder / "room.glb", "the scene"));
+    FilesInUse read;
+    addReadFiles(read, folder / "." / "room.glb", {});
+    bake.save(read);
+    EXPECT_TRUE(bake.hasUnsaved()) << "it would replace the scene";
+    EXPECT_NE(state.bakeStatus.outcome.find("would replace the scene"), std::string::npos) << state.bakeStatus.outcome;
+    EXPECT_EQ(readFile(folder / "room.glb")->size(), 9u);
+    bake.save({});
     EXPECT_FALSE(bake.hasUnsaved());
 
     settings.samples = 4;

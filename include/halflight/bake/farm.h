@@ -27,6 +27,11 @@ struct FarmBake {
 /// finds parts of others missing computes them. Tiles: lightmap and mask, which need the first stage.
 enum class FarmStage { All, Cache, Tiles };
 
+/// Tiles of so many texels.
+std::size_t farmTiles(uint64_t texels);
+/// Processes that may share a bake, at most.
+inline constexpr uint32_t kMostFarmProcesses = 1u << 24;
+
 /// The work of one process on one bake.
 struct FarmWork {
     FarmStage stage = FarmStage::All;
@@ -43,7 +48,8 @@ Result<FarmBake> planFarm(Scene scene, const BakeSettings& settings, const Integ
 Status checkFarmInputs(const Scene& scene, const BakeSettings& settings, const FarmBake& planned);
 
 /// Does a process's work. `compares`: tiles of the last bake with this layout are reused where the scene's change does
-/// not show (bake() with a cache directory does so). Returns the bake's report so far. Errors: those of bake()
+/// not show (bake() with a cache directory does so). Returns the bake's report so far, with warnings of this process
+/// alone: the bake says the others. Errors: those of bake()
 /// and checkFarmInputs(); WriteFailed; Unsupported if the tiles' first stage is
 /// not complete.
 Result<BakeReport> workOnFarm(Scene scene, const BakeSettings& settings, const FarmBake& planned, const FarmWork& work,
@@ -59,5 +65,7 @@ std::vector<std::size_t> missingFarmTiles(const std::filesystem::path& cacheDire
 /// process has a stretch of equal length: small bakes go to one process, large ones are split. Tiles of a split bake
 /// are spread, because neighbours on a page take similar times.
 std::vector<FarmWork> farmWork(const std::vector<FarmBake>& bakes, WorkShare process);
+/// Which of `count` processes has each tile, by bake and tile.
+std::vector<std::vector<uint32_t>> farmProcesses(const std::vector<FarmBake>& bakes, uint32_t count);
 
 } // namespace halflight

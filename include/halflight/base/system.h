@@ -2,6 +2,8 @@
 // What only the operating system can tell or do, beside files (file.h).
 
 #include <cstdint>
+#include <filesystem>
+#include <string>
 
 namespace halflight {
 
@@ -13,6 +15,10 @@ double processCpuSeconds();
 
 /// True when standard error is a terminal.
 bool isErrorStreamTerminal();
+
+/// Equal for all names of a file that exists, whatever links lead to it; empty without such a file, and where the
+/// system has no numbers of files.
+std::string fileIdentity(const std::filesystem::path& file);
 
 /// Call first in main(). Standard streams that are closed are opened on /dev/null for the wrong direction, so that
 /// writing to them fails and no output file takes their descriptor. Broken pipes and file size limits become errors of

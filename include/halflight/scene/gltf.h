@@ -15,6 +15,8 @@
 
 namespace halflight {
 
+class FilesInUse;
+
 struct ReadOptions {
     std::filesystem::path settingsFile; ///< TOML with per-node and per-light settings by name pattern; empty = none
     /// Of a file that does not say itself, in place of what its settings file says; empty = that, or nits.
@@ -51,14 +53,19 @@ struct WriteOptions {
 
 /// Writes the source document with lightmap coordinates and Halflight's extensions added (a document made from the
 /// Scene when it has no source). A path that ends in .gltf gets its files beside it: STEM.bin and STEM_image_N.png,
-/// .jpg and so on, written before the document. Any other path is one GLB. Atomic file by file: a failed write leaves
-/// no part of a file, and the document only when all of its files are whole.
+/// .jpg and so on. Any other path is one GLB. All files are whole, or none is written.
 Status writeBakedScene(const std::filesystem::path& path, const BakedScene& baked, const WriteOptions& options = {});
 
 /// The files that a settings file names: the sky's picture.
 Result<std::vector<std::filesystem::path>> filesOfSettings(const std::filesystem::path& settingsFile);
 
-/// The files that a scene's document names: external buffers and images. A .gltf must not be written over them.
+/// The files that a scene's document names: external buffers and images, the sky's picture. No output may replace one.
 std::vector<std::filesystem::path> externalFiles(const Scene& scene);
+
+/// Adds what readScene() reads before it knows what the scene's document names (externalFiles()).
+void addReadFiles(FilesInUse& files, const std::filesystem::path& scene, const std::filesystem::path& settingsFile);
+void addExternalFiles(FilesInUse& files, const std::vector<std::filesystem::path>& externalFiles);
+/// Adds what writeBakedScene() may write.
+void addBakedFiles(FilesInUse& files, const std::string& option, const std::filesystem::path& output);
 
 } // namespace halflight

@@ -21,6 +21,8 @@ struct OptimizeOptions {
     LightmapFormat lightmapFormat = LightmapFormat::Webp;
     int lightmapBits = 7;             ///< 4…9; 9 leaves texels as they are
     std::function<bool()> mayReplace; ///< as WriteOptions::mayReplace
+    /// Called with the files that the document names, when they are read; an error ends the run. Empty = no check.
+    std::function<Status(const std::vector<std::filesystem::path>& externalFiles)> checkFiles;
 };
 
 struct OptimizeReport {
