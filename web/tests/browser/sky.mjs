@@ -6,7 +6,7 @@ import { test } from 'node:test';
 import { studio } from './studio.mjs';
 
 /** A Radiance picture of 64 x 32 texels: a colour for each quarter of a turn, darker below, and a sun. */
-function writeSky(path) {
+export function writeSky(path) {
     const texel = (x, y) => {
         if (x >= 40 && x < 42 && y >= 8 && y < 10) return [255, 240, 200, 128 + 6];
         const color = [[200, 90, 80], [80, 180, 90], [90, 110, 210], [190, 170, 60]][x >> 4];

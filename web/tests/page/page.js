@@ -8,16 +8,19 @@ import { GLTFLoader } from 'three/addons/loaders/GLTFLoader.js';
 import { shIrradianceWeight } from '../../three/src/generated/shading.js';
 import { evaluate } from './law.js';
 import { clamp, encode, readReference } from './pictures.js';
+import { follow, put } from './places.js';
 import { differenceFrom } from './tone.js';
 
 const loaded = {};
 
 async function load({ file, options }) {
     loaded.halflight?.dispose();
+    loaded.group = null;
     const loader = new GLTFLoader();
     loader.setMeshoptDecoder(MeshoptDecoder);
     loader.setDRACOLoader(new DRACOLoader().setDecoderPath('/three/examples/jsm/libs/draco/gltf/'));
     let plugin;
+    if (options?.shareAssociations) loader.register(shareAssociations);
     loader.register((parser) => (plugin = new HalflightPlugin(parser, options)));
     const gltf = await loader.loadAsync(file);
     loaded.gltf = gltf;
@@ -30,6 +33,20 @@ async function load({ file, options }) {
     });
     return { modes: plugin.scene?.modes, objects: plugin.scene?.objects.length, cellsOfFile: plugin.scene?.field.cellsOfFile, bytes: plugin.scene?.data.bytes };
 }
+
+/** As three-stdlib's loader: the clones of a mesh have one association. */
+const shareAssociations = (parser) => ({
+    name: 'shared associations',
+    afterRoot() {
+        const shared = new Map();
+        for (const [object, association] of parser.associations) {
+            if (association.meshes === undefined) continue;
+            if (!shared.has(association.meshes)) shared.set(association.meshes, association);
+            parser.associations.set(object, shared.get(association.meshes));
+        }
+        return null;
+    },
+});
 
 const kind = new URLSearchParams(location.search).get('renderer') ?? 'webgl';
 
@@ -71,6 +88,7 @@ async function draw({ width, height, camera, settings = {} }) {
     const renderer = await makeRenderer(width, height);
     const { scene, halflight } = loaded;
     const view = viewOf(camera, width / height);
+    follow(loaded, view);
     Object.assign(halflight, settings);
     const target = new (THREE.WebGLRenderTarget ?? THREE.RenderTarget)(width, height, { type: THREE.FloatType, colorSpace: THREE.LinearSRGBColorSpace });
     halflight.update(renderer, view);
@@ -373,5 +391,5 @@ async function probeGrid({ file, module, resolution }) {
 const toneMapping = async (pictures) => differenceFrom(await makeRenderer(160, 90), read, pictures);
 const evaluateCases = async (functions) => evaluate(await makeRenderer(64, 64), read, functions, kind === 'webgl2-nodes');
 
-window.halflightTest = { evaluate: evaluateCases, toneMapping, probeGrid, load, draw, compare, picture, agreement, atPoints, replaceDynamic, lightNames, intensityOf, changeLight, moveLight, disposeTest, frameCost, sentences };
+window.halflightTest = { put: async (where) => put(loaded, where), evaluate: evaluateCases, toneMapping, probeGrid, load, draw, compare, picture, agreement, atPoints, replaceDynamic, lightNames, intensityOf, changeLight, moveLight, disposeTest, frameCost, sentences };
 window.ready = true;

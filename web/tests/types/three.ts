@@ -34,6 +34,7 @@ export async function show(renderer: WebGLRenderer, camera: PerspectiveCamera, s
     const grid: LightProbeGridWebGL = halflight.toLightProbeGrid(LightProbeGridWebGL, { box: new Box3(), resolution: [4, 4, 4] });
     scene.add(grid);
     halflight.update(renderer, camera);
+    halflight.update(renderer, camera, scene);
     halflight.dispose();
     const release: string | undefined = RELEASES[0];
     // @ts-expect-error there is no such mode

@@ -1,9 +1,10 @@
 // The plug-in of three.js's GLTFLoader: loader.register((parser) => new HalflightPlugin(parser)).
-import { LoaderUtils } from 'three';
+import { LoaderUtils, MathUtils } from 'three';
 
 import { isBaked, readBaked } from './file/read.js';
 import { checkRelease } from './releases.js';
 import { areaLightOf } from './scene/area_lights.js';
+import { stampOf } from './scene/instances.js';
 import { HalflightScene } from './scene/scene.js';
 
 export class HalflightPlugin {
@@ -13,8 +14,36 @@ export class HalflightPlugin {
         this.name = 'HALFLIGHT_mixed_lighting';
         this.parser = parser;
         this.options = options;
+        /** In userData of the file's objects, and of their clones. */
+        this.file = MathUtils.generateUUID();
         /** @type {HalflightScene | null} null until the file is loaded, and for files that are not baked */
         this.scene = null;
+    }
+
+    /** Called by GLTFLoader: other loaders' `associations` do not tell the clones of a mesh apart. @param {number} index */
+    loadNode(index) {
+        const { parser } = this;
+        if (!isBaked(parser.json)) return null;
+        const others = Object.values(parser.plugins ?? {}).filter((plugin) => plugin !== this && plugin.loadNode);
+        let loading = null;
+        for (const plugin of others) loading ??= plugin.loadNode(index);
+        return (loading ?? parser.loadNode(index)).then((root) => {
+            this.stamp(root, index);
+            return root;
+        });
+    }
+
+    /** Children that are nodes have their stamps already. */
+    stamp(root, node) {
+        const { file } = this;
+        let primitive = 0;
+        const visit = (object) => {
+            if (object !== root && stampOf(object, file)) return;
+            if (object === root || object.isMesh || object.isLight) object.userData.halflight = { file, node };
+            if (object.isMesh) object.userData.halflight.primitive = primitive++;
+            object.children.forEach(visit);
+        };
+        visit(root);
     }
 
     /** Called by GLTFLoader. @param {any} gltf */
@@ -28,8 +57,9 @@ export class HalflightPlugin {
             bufferView: (index) => parser.getDependency('bufferView', index),
             file: (uri) => parser.fileLoader.loadAsync(LoaderUtils.resolveURL(uri, parser.options.path)),
         });
-        const { objects, lights } = collect(gltf.scene, parser);
-        this.scene = new HalflightScene(gltf.scene, data, objects, lights, this.options);
+        gltf.scene.userData.halflight = { file: this.file, root: true };
+        const { objects, lights } = collect(gltf.scene, parser.json, this.file);
+        this.scene = new HalflightScene(gltf.scene, data, objects, lights, this.options, this.file);
         gltf.userData.halflight = this.scene;
     }
 }
@@ -42,31 +72,28 @@ function plainAccessor(attribute) {
 }
 
 /** The nodes with meshes and with lights. GLTFLoader makes one object of a node, or a group of its primitives. */
-function collect(scene, parser) {
-    const objects = [];
+function collect(scene, json, file) {
+    const objects = new Map();
     const lights = [];
     const nodes = new Map();
     scene.updateWorldMatrix(true, true);
-    scene.traverse((root) => {
-        const node = parser.associations.get(root)?.nodes;
+    scene.traverse((object) => {
+        const { node, primitive } = stampOf(object, file) ?? {};
         if (node === undefined) return;
-        nodes.set(node, root);
-        const name = parser.json.nodes[node].name ?? `node ${node}`;
-        const own = (object) => object !== root && parser.associations.get(object)?.nodes !== undefined;
-        const visit = (object) => {
-            if (own(object)) return;
-            if (object.isMesh) meshes.push(object);
-            if (object.isLight) lights.push({ light: object, node, name });
-            object.children.forEach(visit);
-        };
-        const meshes = [];
-        visit(root);
-        const materials = new Map(meshes.map((mesh) => [mesh, parser.associations.get(mesh.material)?.materials]));
-        if (meshes.length > 0) objects.push({ root, meshes, node, name, materials });
+        if (!nodes.has(node)) nodes.set(node, object);
+        const name = json.nodes[node].name ?? `node ${node}`;
+        if (object.isLight) lights.push({ light: object, node, name });
+        if (!object.isMesh) return;
+        if (!objects.has(node)) objects.set(node, { root: nodes.get(node), meshes: [], node, name, materials: new Map() });
+        const own = objects.get(node);
+        own.meshes.push(object);
+        own.materials.set(object, json.meshes[json.nodes[node].mesh]?.primitives[primitive]?.material);
     });
     for (const [node, root] of nodes) {
-        const light = areaLightOf(root, parser.json, node);
-        if (light) lights.push({ light, node, name: parser.json.nodes[node].name ?? `node ${node}` });
+        const light = areaLightOf(root, json, node);
+        if (!light) continue;
+        light.userData.halflight = { file, node };
+        lights.push({ light, node, name: json.nodes[node].name ?? `node ${node}` });
     }
-    return { objects, lights };
+    return { objects: [...objects.values()], lights };
 }

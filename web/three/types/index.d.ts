@@ -24,7 +24,7 @@ export interface AreaLight extends Object3D {
     /** In units of its node; of a disk both are the diameter. */
     width: number;
     height: number;
-    /** Metres from its middle at which its light ends; 0 = unlimited. */
+    /** Metres of the file from its middle at which its light ends; 0 = unlimited. */
     range: number;
 }
 
@@ -43,7 +43,7 @@ export class HalflightScene {
     mode: Mode;
     readonly modes: Mode[];
     debugView: View;
-    /** Metres; from here on no realtime shadow is sampled. */
+    /** Metres of the file; from here on no realtime shadow is sampled. */
     shadowDistance: number;
     /** Metres before the shadow distance over which shadows fade. */
     shadowFadeRange: number;
@@ -53,8 +53,8 @@ export class HalflightScene {
     readonly lights: BakedLight[];
     /** Sentences about what is left out or shows in part. */
     readonly warnings: Set<string>;
-    /** Call before each frame. */
-    update(renderer: object, camera: Camera): void;
+    /** Call before each frame. `scene` is needed only where the file's own objects are in no scene, such as with clones alone. */
+    update(renderer: object, camera: Camera, scene?: Object3D): void;
     /** Lights an object of the application by the bake's probes. */
     add(object: Object3D): void;
     /**

@@ -6,7 +6,7 @@ export const AREA_LIGHTS = 'EXT_lights_area';
 /** A rectangle or disk in its XY plane that shines along -Z. Colour, intensity, size and range may change. */
 export class AreaLight extends Object3D {
     /** @param {any} json of the extension @param {number} range metres, 0 = unlimited */
-    constructor(json, range) {
+    constructor(json = {}, range = 0) {
         super();
         this.isHalflightAreaLight = true;
         this.name = json.name ?? '';
@@ -17,9 +17,17 @@ export class AreaLight extends Object3D {
         this.height = json.size ?? 1;
         /** In units of the node, as height. Of a disk both are the diameter. */
         this.width = this.isDisk ? this.height : this.height * (json.rect?.aspect ?? 1);
-        /** Metres from its middle at which its light ends; 0 = unlimited. */
+        /** Metres of the file from its middle at which its light ends; 0 = unlimited. */
         this.range = range;
         this.castShadow = false; // three.js draws no map of it: its realtime shadows are left out
+    }
+
+    /** For clone(). @param {AreaLight} source @param {boolean} [recursive] */
+    copy(source, recursive) {
+        super.copy(source, recursive);
+        for (const key of ['isDisk', 'intensity', 'height', 'width', 'range']) this[key] = source[key];
+        this.color.copy(source.color);
+        return this;
     }
 
     /** From the middle to the edges along its X and Y, in the world: sizes take the largest scale of the node. */

@@ -1,5 +1,5 @@
 // Lights of the file: what the bake made of each, and what a frame does with it.
-import { Vector3 } from 'three';
+import { MathUtils, Vector3 } from 'three';
 
 import { distanceAttenuation, modeUsesBakedShadows, staticCastersInShadowMap } from '../generated/shading.js';
 import { MODES } from './modes.js';
@@ -22,15 +22,23 @@ function mapSize(light) {
 }
 
 export class BakedLight {
-    /** @param {any} light three's @param {import('../file/read.js').LightData | undefined} data @param {string} name */
-    constructor(light, data, name) {
+    #own = { castShadows: true, shadowStrength: 1 };
+
+    /**
+     * @param {any} light three's @param {import('../file/read.js').LightData | undefined} data @param {string} name
+     * @param {import('./instances.js').Instance | null} instance whose bake it belongs to
+     * @param {BakedLight | null} original of a clone, which has its switches
+     */
+    constructor(light, data, name, instance = null, original = null) {
         this.light = light;
         this.name = name;
+        this.instance = instance;
+        this.original = original;
         this.data = data ?? unbaked;
-        /** Whether it casts any shadow, baked or realtime. */
-        this.castShadows = this.data.castShadows;
-        /** 0…1, applied once, after mixing. */
-        this.shadowStrength = this.data.shadowStrength;
+        this.#own = { castShadows: this.data.castShadows, shadowStrength: this.data.shadowStrength };
+        /** Its range in metres of the file, and what the plug-in made of it. */
+        this.range = original && light.distance === original.scaledRange ? original.range : light.distance;
+        this.scaledRange = light.distance;
         /** Whether a texture unit is left for its shadow map. */
         this.mapAllowed = true;
         this.plan = { channel: -1, staticCasters: true, flags: 0, drawn: true, casts: true };
@@ -39,6 +47,34 @@ export class BakedLight {
         const m = this.data.worldFromLight;
         this.bakedPosition = [m[12], m[13], m[14]];
         this.bakedAxis = new Vector3(-m[8], -m[9], -m[10]).normalize().toArray();
+    }
+
+    /** Whether it casts any shadow, baked or realtime. */
+    get castShadows() {
+        return (this.original ?? this).#own.castShadows;
+    }
+    set castShadows(casts) {
+        (this.original ?? this).#own.castShadows = casts;
+    }
+
+    /** 0…1, applied once, after mixing. */
+    get shadowStrength() {
+        return (this.original ?? this).#own.shadowStrength;
+    }
+    set shadowStrength(strength) {
+        (this.original ?? this).#own.shadowStrength = MathUtils.clamp(strength, 0, 1);
+    }
+
+    get scale() {
+        return this.instance?.scale ?? 1;
+    }
+
+    /** three.js has ranges in metres of the world. */
+    scaleRange() {
+        const { light } = this;
+        if (!light.isPointLight && !light.isSpotLight) return;
+        if (light.distance !== this.scaledRange) this.range = light.distance; // by the application
+        this.scaledRange = light.distance = this.range * this.scale;
     }
 
     get isArea() {
@@ -58,7 +94,7 @@ export class BakedLight {
     importance(camera) {
         if (this.light.isDirectionalLight) return Infinity;
         const position = new Vector3().setFromMatrixPosition(this.light.matrixWorld);
-        const distance = Math.max(position.distanceTo(new Vector3().setFromMatrixPosition(camera.matrixWorld)), 1);
+        const distance = Math.max(position.distanceTo(new Vector3().setFromMatrixPosition(camera.matrixWorld)) / this.scale, 1);
         return this.power() * distanceAttenuation(distance, 0);
     }
 
@@ -92,13 +128,14 @@ export class BakedLight {
             flags: [this.plan.channel, hasMap ? 1 : 0, this.plan.flags, this.castShadows ? this.shadowStrength : 0],
             reach: [...this.bakedPosition, this.light.isDirectionalLight ? 0 : this.data.reach],
             cone: [...this.bakedAxis, this.light.isSpotLight ? Math.cos(this.data.outerCone) : outside],
+            own: [this.instance?.row ?? -1, this.scale],
         };
     }
 
-    /** A sentence where the light stands elsewhere than at its bake, else null. */
+    /** A sentence where the light stands elsewhere in its file than at its bake, else null. */
     moved() {
         if (!this.isMixed || this.data.channel < 0) return null;
-        const m = this.light.matrixWorld.elements;
+        const m = this.light.matrixWorld.clone().premultiply(this.instance.bakeFromWorld).elements;
         const position = new Vector3(m[12], m[13], m[14]);
         const axis = new Vector3(-m[8], -m[9], -m[10]).normalize();
         const shifted = !this.light.isDirectionalLight && position.distanceTo(new Vector3(...this.bakedPosition)) > 1e-3;
@@ -110,7 +147,8 @@ export class BakedLight {
         const { light, before } = this;
         light.castShadow = before.castShadow;
         light.layers.mask = before.layers;
-        if (this.isArea) light.removeFromParent();
+        if (light.distance === this.scaledRange && this.range !== undefined) light.distance = this.range;
+        if (this.isArea && !this.original) light.removeFromParent();
         if (!light.shadow) return;
         light.shadow.camera.layers.mask = before.shadowLayers;
         light.shadow.mapSize.setScalar(before.mapSize);

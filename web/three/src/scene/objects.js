@@ -1,17 +1,33 @@
 // A node with a mesh, or instances of one, as the bake sees it.
 import { Box3, Matrix4, Vector3 } from 'three';
 
-import { ROW_LOCATION } from '../webgl/shader_text.js';
-
 const TEXCOORDS = ['uv', 'uv1', 'uv2', 'uv3'];
+
+/** Difference of matrices, relative to their largest number, that rounding makes of an object that rests in a file that moves. */
+const UNMOVED = 1e-6;
+
+/** @param {Matrix4} a @param {Matrix4} b */
+export function apart(a, b) {
+    let most = 0;
+    let size = 0;
+    for (let i = 0; i < 16; ++i) {
+        most = Math.max(most, Math.abs(a.elements[i] - b.elements[i]));
+        size = Math.max(size, Math.abs(a.elements[i]));
+    }
+    return most / size;
+}
 
 export class BakedObject {
     /**
      * @param {import('three').Object3D} root @param {import('three').Mesh[]} meshes its primitives
      * @param {import('../file/read.js').NodeData} data @param {string} name
      * @param {Map<any, number>} materials of the file, by mesh
+     * @param {import('./instances.js').Instance} instance whose bake it belongs to
+     * @param {BakedObject | null} original of a clone
      */
-    constructor(root, meshes, data, name, materials = new Map()) {
+    constructor(root, meshes, data, name, materials, instance, original = null) {
+        this.instance = instance;
+        this.original = original;
         this.root = root;
         this.meshes = meshes;
         this.name = name;
@@ -23,13 +39,17 @@ export class BakedObject {
         this.probeResolution = data.probeResolution;
         this.placement = data.lightmap;
         this.instances = meshes[0]?.isInstancedMesh ? meshes[0].count : 1;
-        this.box = new Box3();
-        for (const mesh of meshes) {
+        this.box = original?.box.clone() ?? new Box3();
+        for (const mesh of original ? [] : meshes) {
             if (!mesh.geometry.boundingBox) mesh.geometry.computeBoundingBox();
             this.box.union(mesh.geometry.boundingBox);
         }
         this.firstRow = -1;
-        this.lastMatrix = new Matrix4().set(...new Array(16).fill(NaN));
+        this.lastWorld = new Matrix4().set(...new Array(16).fill(NaN));
+        this.lastVersion = -1;
+        /** Where it was when it was last lit, and at the load. */
+        this.lit = null;
+        this.atLoad = original?.atLoad ?? this.bakeFromMesh();
         this.undo = [];
     }
 
@@ -37,24 +57,29 @@ export class BakedObject {
         return this.placement !== null;
     }
 
-    /** @param {number} instance */
-    worldFromObject(instance) {
-        const matrix = this.meshes[0].matrixWorld.clone();
+    /** From its mesh to bake space. */
+    bakeFromMesh() {
+        return this.instance.bakeFromWorld.clone().multiply(this.meshes[0].matrixWorld);
+    }
+
+    /** From its space to bake space. @param {number} i of a mesh with instances */
+    bakeFromObject(i) {
+        const matrix = this.bakeFromMesh();
         if (!this.meshes[0].isInstancedMesh) return matrix;
         const own = new Matrix4();
-        this.meshes[0].getMatrixAt(instance, own);
+        this.meshes[0].getMatrixAt(i, own);
         return matrix.multiply(own);
     }
 
-    worldBox() {
+    bakeBox() {
         const box = new Box3();
-        for (let i = 0; i < this.instances; ++i) box.union(this.box.clone().applyMatrix4(this.worldFromObject(i)));
+        for (let i = 0; i < this.instances; ++i) box.union(this.box.clone().applyMatrix4(this.bakeFromObject(i)));
         return box;
     }
 
-    /** Where instance i takes its probe light. */
+    /** Where instance i takes its probe light, in bake space. */
     anchor(instance) {
-        return this.box.getCenter(new Vector3()).applyMatrix4(this.worldFromObject(instance)).toArray();
+        return this.box.getCenter(new Vector3()).applyMatrix4(this.bakeFromObject(instance)).toArray();
     }
 
     /** Rows of the table that do not change while objects move. @param {import('./table.js').ObjectTable} table */
@@ -69,33 +94,18 @@ export class BakedObject {
             const scaleOffset = places ? [0, 1, 2, 3].map((k) => places.getComponent(i, k)) : [...(p?.scale ?? [1, 1]), ...(p?.offset ?? [0, 0])];
             const page = pages ? Math.round(pages.getX(i)) : (p?.page ?? -1);
             table.set(this.firstRow + i, 0, scaleOffset);
-            table.set(this.firstRow + i, 1, [page >= 0 ? 1 : 0, Math.max(page, 0), -1, 0]);
+            table.set(this.firstRow + i, 1, [page >= 0 ? 1 : 0, Math.max(page, 0), -1, this.instance.row]);
         }
     }
 
     /** @param {import('./table.js').ObjectTable} table @param {number} instance @param {number} volumeRow */
     setVolume(table, instance, volumeRow) {
-        table.set(this.firstRow + instance, 1, [0, 0, volumeRow, 0]);
+        table.set(this.firstRow + instance, 1, [0, 0, volumeRow, this.instance.row]);
     }
 
-    /** Lets shaders find the rows and the lightmap coordinates. */
+    /** Lets shaders find the lightmap coordinates. */
     attach() {
-        for (const mesh of this.meshes) {
-            const before = mesh.onBeforeRender;
-            const row = this.firstRow;
-            const hadOwn = Object.hasOwn(mesh, 'onBeforeRender');
-            mesh.onBeforeRender = function (renderer, ...rest) {
-                // A vertex attribute without an array has one value for all vertices: three.js uploads a material's
-                // uniforms once for all objects that share it, so they cannot hold what differs by object.
-                if (renderer.isWebGLRenderer) renderer.getContext().vertexAttrib1f(ROW_LOCATION, row);
-                before.call(this, renderer, ...rest);
-            };
-            this.undo.push(() => {
-                if (hadOwn) mesh.onBeforeRender = before;
-                else delete mesh.onBeforeRender;
-            });
-            this.attachCoordinates(mesh.geometry);
-        }
+        for (const mesh of this.meshes) this.attachCoordinates(mesh.geometry);
     }
 
     attachCoordinates(geometry) {
@@ -112,10 +122,15 @@ export class BakedObject {
         this.undo = [];
     }
 
-    /** Whether it moved since the last call. */
+    /** Whether it moved within its file since the last call: a file that moves as a whole keeps its light. */
     moved() {
-        if (this.lastMatrix.equals(this.meshes[0].matrixWorld)) return false;
-        this.lastMatrix.copy(this.meshes[0].matrixWorld);
+        const world = this.meshes[0].matrixWorld;
+        if (this.lastVersion === this.instance.version && this.lastWorld.equals(world)) return false;
+        this.lastVersion = this.instance.version;
+        this.lastWorld.copy(world);
+        const place = this.bakeFromMesh();
+        if (this.lit && apart(this.lit, place) <= UNMOVED) return false;
+        this.lit = place;
         return true;
     }
 }

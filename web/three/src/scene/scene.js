@@ -3,11 +3,13 @@ import { Box3, Vector3 } from 'three';
 
 import { ProbeField } from '../probes/field.js';
 import { makeLightProbeGrid } from '../probes/grid.js';
-import { BakedLight, findMainLight } from './lights.js';
+import { FrameLights } from './frame_lights.js';
+import { Instance, rootOf, stampOf } from './instances.js';
+import { BakedLight } from './lights.js';
 import { checkMode, MODES, VIEWS } from './modes.js';
 import { BakedObject } from './objects.js';
 import { Reflections } from './reflections.js';
-import { boundsOf, chooseCasters, fitShadow, releaseCasters } from './shadows.js';
+import { boundsOf } from './shadows.js';
 import { ObjectTable } from './table.js';
 import { planVolumes, ProxyVolumes } from './volumes.js';
 
@@ -26,18 +28,21 @@ export function useBackend(property, backend) {
 export class HalflightScene {
     #mode;
     #view = 'lit';
-    #drawn = null;
+    #clones = new Set();
+    #seen = null;
+    #originals = new Map();
 
     /**
      * @param {import('three').Object3D} root gltf.scene
      * @param {import('../file/read.js').BakedData} data
      * @param {{root: any, meshes: any[], node: number, name: string}[]} objects @param {{light: any, node: number, name: string}[]} lights
-     * @param {Options} options
+     * @param {Options} options @param {string} file the mark of its objects in their userData
      */
-    constructor(root, data, objects, lights, options = {}) {
+    constructor(root, data, objects, lights, options, file) {
         this.root = root;
         this.data = data;
         this.options = options;
+        this.file = file;
         this.#mode = data.mode;
         /** From here on no realtime shadow is sampled, metres. */
         this.shadowDistance = 60;
@@ -52,10 +57,23 @@ export class HalflightScene {
         if (data.probes?.cells && !this.field.cellsOfFile && !this.field.empty)
             this.warnings.add("the file's tetrahedra do not fit the positions of its probes: others are made, which takes a while");
         this.table = new ObjectTable();
-        this.lights = lights.map((l) => new BakedLight(l.light, data.lights.get(l.node), l.name));
         root.updateWorldMatrix(true, true);
-        this.objects = objects.map((o) => new BakedObject(o.root, o.meshes, data.nodes.get(o.node) ?? DYNAMIC, o.name, o.materials));
-        for (const object of this.objects) object.place(this.table);
+        /** Where the file stands: its scene. Clones have instances of their own. */
+        this.instance = new Instance(this.table, root);
+        this.instances = new Map([[root, this.instance]]);
+        /** The first that is drawn: the sky is turned as that. */
+        this.shown = this.instance;
+        this.lights = lights.map((l) => new BakedLight(l.light, data.lights.get(l.node), l.name, this.instance));
+        this.frameLights = new FrameLights(this, this.lights, lights.map((l) => l.node));
+        /** First row of the table by mesh. */
+        this.rows = new Map();
+        /** @type {BakedObject[]} */
+        this.objects = [];
+        for (const o of objects) {
+            const object = new BakedObject(o.root, o.meshes, data.nodes.get(o.node) ?? DYNAMIC, o.name, o.materials, this.instance);
+            this.#originals.set(o.node, object);
+            this.#enter(object);
+        }
         const plan = planVolumes(this.objects, this.field);
         this.volumes = plan.length > 0 ? new ProxyVolumes(plan, this.field, this.table) : null;
         for (const v of this.volumes?.volumes ?? []) {
@@ -63,8 +81,10 @@ export class HalflightScene {
             for (const i of members) v.object.setVolume(this.table, i, v.row);
         }
         this.reflections = data.reflections ? new Reflections(data.reflections, this.table) : null;
+        /** In bake space. */
         this.bounds = boundsOf(this.objects);
         this.backend = null;
+        this.#watchClones();
     }
 
     get mode() {
@@ -97,15 +117,85 @@ export class HalflightScene {
 
     /** Lights an object of the application by the probes: a dynamic object. @param {import('three').Object3D} root */
     add(root) {
-        const meshes = [];
-        root.traverse((o) => o.isMesh && meshes.push(o));
-        for (const mesh of meshes) {
-            const object = new BakedObject(mesh, [mesh], { ...DYNAMIC, castShadows: mesh.castShadow, receiveShadows: mesh.receiveShadow }, mesh.name);
-            mesh.updateWorldMatrix(true, false);
-            object.place(this.table);
-            this.objects.push(object);
-            if (this.backend) this.#attach(object);
+        root.updateWorldMatrix(true, true);
+        root.traverse((mesh) => mesh.isMesh && !this.rows.has(mesh) && this.#addMesh(mesh));
+    }
+
+    #addMesh(mesh) {
+        const data = { ...DYNAMIC, castShadows: mesh.castShadow, receiveShadows: mesh.receiveShadow };
+        this.#enter(new BakedObject(mesh, [mesh], data, mesh.name, new Map(), this.#instanceAt(mesh)));
+    }
+
+    #enter(object) {
+        object.place(this.table);
+        this.objects.push(object);
+        for (const mesh of object.meshes) this.rows.set(mesh, object.firstRow);
+        if (this.backend) this.#attach(object);
+    }
+
+    /** Of an object of the application: the clone that holds it, or the nearest. */
+    #instanceAt(mesh) {
+        const root = rootOf(mesh, this.file);
+        if (root && this.instances.has(root)) return this.instances.get(root);
+        const distance = (instance) => this.bounds.distanceToPoint(new Vector3().setFromMatrixPosition(mesh.matrixWorld).applyMatrix4(instance.bakeFromWorld)) * instance.scale;
+        const placed = [...this.instances.values()].filter(({ object, objectFromBake }) => object.parent && !objectFromBake);
+        return placed.reduce((best, instance) => (best && distance(best) <= distance(instance) ? best : instance), null) ?? this.instance;
+    }
+
+    /** Of an object of a clone. @param {any} object @param {BakedObject} [original] of a mesh */
+    #instanceOf(object, original) {
+        const root = rootOf(object, this.file);
+        if (!root && !original) return null;
+        const key = root ?? object;
+        if (!this.instances.has(key)) this.instances.set(key, new Instance(this.table, key, root ? undefined : original.atLoad));
+        return this.instances.get(key);
+    }
+
+    /** A mesh of a clone, lit as its original. */
+    #adopt(mesh) {
+        const original = this.#originals.get(stampOf(mesh, this.file).node);
+        if (!original) return;
+        const { isStatic, castShadows, receiveShadows, probes, probeResolution, placement } = original;
+        const data = { isStatic, castShadows, receiveShadows, probes, probeResolution, lightmap: placement };
+        const material = original.materials.get(original.meshes[stampOf(mesh, this.file).primitive]);
+        const object = new BakedObject(mesh, [mesh], data, original.name, new Map([[mesh, material]]), this.#instanceOf(mesh, original), original);
+        this.#enter(object);
+        if (!isStatic) return;
+        for (const v of this.volumes?.volumes ?? [])
+            for (let i = 0; i < object.instances; ++i) if (v.object === original && (v.instance < 0 || v.instance === i)) object.setVolume(this.table, i, v.row);
+    }
+
+    /** First row of an object's data in the table. @param {any} object that is drawn @param {any} [scene] three.js's @param {any} [material] */
+    rowOf(object, scene, material) {
+        const row = this.rows.get(object);
+        if (row !== undefined) return row;
+        this.#seen = scene ?? null; // it came after update(), or update() does not find the scene
+        if (stampOf(object, this.file)) {
+            this.#adopt(object);
+        } else {
+            this.warnings.add(`"${object.name}" has a material of the bake but is no object of it: it is lit by probes, as by add()`);
+            this.#addMesh(object);
         }
+        this.#updateProbes();
+        if (material) material.uniformsNeedUpdate = true;
+        return this.rows.get(object) ?? 0;
+    }
+
+    /** Clones of the file's scene are found before they are drawn. */
+    #watchClones() {
+        const { root } = this;
+        const { clone } = root;
+        const own = Object.hasOwn(root, 'clone');
+        const clones = this.#clones;
+        root.clone = function (recursive) {
+            const copy = clone.call(this, recursive);
+            clones.add(new WeakRef(copy));
+            return copy;
+        };
+        this.undoClone = () => {
+            if (own) root.clone = clone;
+            else delete root.clone;
+        };
     }
 
     /**
@@ -122,17 +212,57 @@ export class HalflightScene {
         return grid;
     }
 
-    /** Before each frame: `renderer` draws it through `camera`. */
-    update(renderer, camera) {
+    /**
+     * Before each frame: `renderer` draws it through `camera`.
+     * @param {any} renderer @param {any} camera @param {any} [scene] three.js's, where the file's own objects are in none
+     */
+    update(renderer, camera, scene) {
         if (!this.backend) this.#start(renderer);
-        let top = this.root;
-        while (top.parent) top = top.parent;
+        const top = this.#top(scene);
+        for (const object of [this.sky, this.backend.noLight]) if (object && object.parent !== top) top.add(object);
         top.updateMatrixWorld();
         if (!camera.parent) camera.updateMatrixWorld();
         else camera.updateWorldMatrix(true, false);
+        for (const instance of this.instances.values()) instance.update();
+        const found = this.#find(top);
+        this.shown = [...this.instances.values()].find(({ object }) => topOf(object) === top) ?? this.instance;
         this.#updateProbes();
-        this.#updateLights(renderer, camera, top);
+        this.frameLights.update(renderer, camera, found);
         this.backend.update();
+    }
+
+    /** The object above all that is drawn. */
+    #top(scene) {
+        if (scene) return topOf(scene);
+        if (this.root.parent) return topOf(this.root);
+        if (this.#seen) return topOf(this.#seen);
+        for (const reference of this.#clones) {
+            const clone = reference.deref();
+            if (!clone) this.#clones.delete(reference);
+            else if (clone.parent) return topOf(clone);
+        }
+        return this.root;
+    }
+
+    /** Enters clones, and lists the lights. */
+    #find(top) {
+        const found = { lights: new Set(), drawn: [] };
+        const visit = (object, shown) => {
+            const visible = shown && object.visible;
+            const stamp = stampOf(object, this.file);
+            if (stamp && object.isMesh && !this.rows.has(object)) this.#adopt(object);
+            if (object.isLight || object.isHalflightAreaLight) {
+                if (stamp && !this.frameLights.states.has(object)) {
+                    const instance = this.#instanceOf(object);
+                    if (instance) this.frameLights.adopt(object, stamp.node, instance);
+                }
+                found.lights.add(object);
+                if (visible && object.isLight) found.drawn.push(object);
+            }
+            for (const child of object.children) visit(child, visible);
+        };
+        visit(top, true);
+        return found;
     }
 
     #start(renderer) {
@@ -143,10 +273,7 @@ export class HalflightScene {
         for (const object of this.objects) {
             this.#attach(object);
         }
-        if (this.options.sky !== false && Object.values(this.data.sky).flat().some((x) => x > 0)) {
-            this.sky = this.backend.makeSky();
-            this.root.add(this.sky);
-        }
+        if (this.options.sky !== false && Object.values(this.data.sky).flat().some((x) => x > 0)) this.sky = this.backend.makeSky();
     }
 
     #attach(object) {
@@ -179,83 +306,11 @@ export class HalflightScene {
         }
     }
 
-    #updateLights(renderer, camera, top) {
-        const main = this.mode === 'subtractive' ? findMainLight(this.lights) : null;
-        this.mainLight = findMainLight(this.lights)?.light ?? null;
-        const shadows = renderer.shadowMap.enabled;
-        for (const state of this.lights) state.planFor(this.mode, state === main, this.debugView);
-        this.#limitShadowMaps(renderer, camera);
-        for (const state of this.lights) {
-            const { light } = state;
-            light.layers.mask = state.plan.drawn ? state.before.layers : 0;
-            light.castShadow = shadows && state.mapAllowed && this.#wantsMap(state);
-            if (light.castShadow) {
-                fitShadow(state, camera, this.shadowDistance, this.bounds);
-                chooseCasters(state, this.dynamicLayer, renderer);
-            }
-            const sentence = state.moved();
-            if (sentence && this.mode !== 'realtime') this.warnings.add(sentence);
-        }
-        const states = new Map(this.lights.map((s) => [s.light, s]));
-        this.backend.setAreaLights(this.lights.filter((state) => state.isArea).map((state) => this.#areaLight(state, camera)));
-        const drawn = [];
-        const visit = (object) => {
-            if (!object.visible) return;
-            if (object.isLight && object.layers.test(camera.layers)) drawn.push(object);
-            object.children.forEach(visit);
-        };
-        visit(top);
-        this.backend.setLights(drawn, (light) => {
-            const hasMap = light.castShadow && shadows;
-            const state = states.get(light) ?? new BakedLight(light, undefined, light.name);
-            if (!states.has(light)) state.shadowStrength = light.shadow?.intensity ?? 1;
-            return state.uniforms(hasMap);
-        });
-    }
-
-    /** What a backend draws of an area light. */
-    #areaLight(state, camera) {
-        const { light } = state;
-        let shown = state.plan.drawn && light.layers.test(camera.layers);
-        for (let object = light; object; object = object.parent) shown &&= object.visible;
-        if (shown && state.plan.casts && this.#castsWithoutMap(state))
-            this.warnings.add(`area light "${state.name}" has no realtime shadow in three.js: its shadows are those of the mask`);
-        const [halfX, halfY] = light.halfSides();
-        const color = light.color.clone().multiplyScalar(shown ? light.intensity : 0);
-        return { ...state.uniforms(false), halfX, halfY, color, isDisk: light.isDisk, range: light.range, position: new Vector3().setFromMatrixPosition(light.matrixWorld) };
-    }
-
-    /** Whether an object that casts into the light's map in the program is there. */
-    #castsWithoutMap(state) {
-        return this.objects.some((o) => (state.plan.staticCasters || !o.isStatic) && o.meshes.some((m) => m.castShadow));
-    }
-
-    #wantsMap(state) {
-        if (!state.plan.casts || state.isArea) return false;
-        return state.plan.staticCasters || this.objects.some((o) => !o.isStatic && o.meshes.some((m) => m.castShadow));
-    }
-
-    /** Each shadow map takes a texture unit of the fragment shader. Lights that get none keep their baked shadows. */
-    #limitShadowMaps(renderer, camera) {
-        const wanting = this.lights.filter((state) => this.#wantsMap(state));
-        const units = renderer.capabilities?.maxTextures ?? Infinity; // of fragment shaders
-        const most = Math.max(units - this.backend.samplers(), 0);
-        for (const state of wanting) state.mapAllowed = true;
-        if (wanting.length <= most) return;
-        wanting.sort((a, b) => b.importance(camera) - a.importance(camera));
-        for (const state of wanting.slice(most)) {
-            state.mapAllowed = false;
-            this.warnings.add(`light "${state.name}" gets no realtime shadow: the browser's shaders read ${units} textures at most`);
-        }
-    }
-
     /** Takes everything back: materials, lights and objects are as they were loaded. */
     dispose() {
+        this.undoClone();
         for (const object of this.objects) object.detach();
-        for (const state of this.lights) {
-            releaseCasters(state);
-            state.restore();
-        }
+        this.frameLights.dispose();
         this.backend?.dispose();
         this.backend = null;
         this.volumes?.dispose();
@@ -267,4 +322,10 @@ export class HalflightScene {
             this.sky = null;
         }
     }
+}
+
+function topOf(object) {
+    let top = object;
+    while (top.parent) top = top.parent;
+    return top;
 }

@@ -29,15 +29,15 @@ function visibleSphere(camera, distance) {
 
 /**
  * A square around what the camera sees, or around the scene where that is smaller, moved in whole texels so that shadow
- * edges rest while the camera moves. @param {Box3} sceneBox
+ * edges rest while the camera moves. @param {Box3} sceneBox in bake space
  */
-function fitDirectional(light, camera, distance, sceneBox) {
+function fitDirectional(light, camera, distance, sceneBox, instance) {
     const shadow = light.shadow;
     const c = shadow.camera;
     const position = new Vector3().setFromMatrixPosition(light.matrixWorld);
     const target = new Vector3().setFromMatrixPosition(light.target.matrixWorld);
     const lightFromWorld = new Matrix4().lookAt(position, target, c.up).setPosition(position).invert();
-    const box = sceneBox.clone().applyMatrix4(lightFromWorld);
+    const box = sceneBox.clone().applyMatrix4(lightFromWorld.clone().multiply(instance.worldFromBake));
     const sphere = visibleSphere(camera, distance).applyMatrix4(lightFromWorld);
     const side = Math.max(box.max.x - box.min.x, box.max.y - box.min.y) * 1.001;
     const size = shadow.mapSize.x;
@@ -46,7 +46,7 @@ function fitDirectional(light, camera, distance, sceneBox) {
     const texel = (2 * half) / size;
     const x = Math.round(middle.x / texel) * texel;
     const y = Math.round(middle.y / texel) * texel;
-    const slack = 0.01 + 0.001 * (box.max.z - box.min.z);
+    const slack = 0.01 * instance.scale + 0.001 * (box.max.z - box.min.z);
     Object.assign(c, { left: x - half, right: x + half, bottom: y - half, top: y + half });
     c.near = -box.max.z - slack;
     c.far = -box.min.z + slack;
@@ -54,28 +54,29 @@ function fitDirectional(light, camera, distance, sceneBox) {
     return texel;
 }
 
-function fitLocal(light, sceneBox) {
+function fitLocal(light, sceneBox, { scale, bakeFromWorld }) {
     const c = light.shadow.camera;
-    const position = new Vector3().setFromMatrixPosition(light.matrixWorld);
+    const position = new Vector3().setFromMatrixPosition(light.matrixWorld).applyMatrix4(bakeFromWorld);
     const farthest = sceneBox.isEmpty() ? 100 : new Vector3().subVectors(
         new Vector3(
             Math.abs(position.x - sceneBox.min.x) > Math.abs(position.x - sceneBox.max.x) ? sceneBox.min.x : sceneBox.max.x,
             Math.abs(position.y - sceneBox.min.y) > Math.abs(position.y - sceneBox.max.y) ? sceneBox.min.y : sceneBox.max.y,
             Math.abs(position.z - sceneBox.min.z) > Math.abs(position.z - sceneBox.max.z) ? sceneBox.min.z : sceneBox.max.z
         ), position).length() + 0.01;
-    c.near = NEAREST_METERS;
-    c.far = light.distance > 0 ? light.distance : farthest;
+    const far = light.distance > 0 ? light.distance / scale : farthest;
+    c.near = NEAREST_METERS * scale;
+    c.far = far * scale;
     c.updateProjectionMatrix();
     const tangent = light.isSpotLight ? Math.tan(Math.min(light.angle, 1.5)) : 1;
-    return (2 * tangent * 0.5 * Math.min(c.far, 10)) / light.shadow.mapSize.x; // a texel half way
+    return (2 * tangent * 0.5 * Math.min(far, 10) * scale) / light.shadow.mapSize.x; // a texel half way
 }
 
-/** @param {import('./lights.js').BakedLight} state */
+/** @param {import('./lights.js').BakedLight} state @param {number} distance metres of the file @param {Box3} sceneBox in bake space */
 export function fitShadow(state, camera, distance, sceneBox) {
     const { light } = state;
     const shadow = light.shadow;
     const bias = state.data.shadowBias;
-    const texel = light.isDirectionalLight ? fitDirectional(light, camera, distance, sceneBox) : fitLocal(light, sceneBox);
+    const texel = light.isDirectionalLight ? fitDirectional(light, camera, distance * state.instance.scale, sceneBox, state.instance) : fitLocal(light, sceneBox, state.instance);
     shadow.normalBias = (bias.normal ?? NORMAL_BIAS) * texel;
     const depth = shadow.camera.far - shadow.camera.near;
     shadow.bias = light.isDirectionalLight ? (-(bias.depth ?? 0.1) * texel) / depth : -2e-5;
@@ -106,9 +107,9 @@ export function releaseCasters(state) {
     if (frustum) delete frustum.intersectsObject;
 }
 
-/** Union of the objects' world boxes. @param {import('./objects.js').BakedObject[]} objects */
+/** Union of the objects' boxes in bake space. @param {import('./objects.js').BakedObject[]} objects */
 export function boundsOf(objects) {
     const box = new Box3();
-    for (const object of objects) box.union(object.worldBox());
+    for (const object of objects) box.union(object.bakeBox());
     return box;
 }

@@ -1,5 +1,5 @@
 // The sky where nothing else is drawn.
-import { BackSide, BoxGeometry, Mesh, ShaderMaterial } from 'three';
+import { BackSide, BoxGeometry, Mesh, Object3D, ShaderMaterial } from 'three';
 
 import shading from '../generated/shading.glsl.js';
 import { skyText } from '../webgl/shader_text.js';
@@ -9,7 +9,7 @@ export function makeSky(uniforms) {
     const material = new ShaderMaterial({
         name: 'halflight sky',
         defines: uniforms.hlSkyPicture ? { HL_SKY_PICTURE: '' } : {},
-        uniforms: Object.fromEntries(Object.entries(uniforms).filter(([name]) => name === 'hlView' || /^hlSky(Picture|Turn)?$/.test(name))),
+        uniforms: Object.fromEntries(Object.entries(uniforms).filter(([name]) => name === 'hlView' || /^hlSky(Picture|Turn|FromWorld)?$/.test(name))),
         vertexShader: `
 varying vec3 vDirection;
 void main()
@@ -22,10 +22,11 @@ void main()
         fragmentShader: `
 ${shading}${skyText}
 uniform int hlView;
+uniform mat3 hlSkyFromWorld;
 varying vec3 vDirection;
 void main()
 {
-    vec3 radiance = hlSkyTowards(normalize(vDirection), 0.0);
+    vec3 radiance = hlSkyTowards(normalize(hlSkyFromWorld * vDirection), 0.0);
     gl_FragColor = vec4(hlView == 0 ? radiance : vec3(0.0), 1.0);
     #include <tonemapping_fragment>
     #include <colorspace_fragment>
@@ -40,5 +41,6 @@ void main()
     mesh.frustumCulled = false;
     mesh.castShadow = mesh.receiveShadow = false;
     mesh.raycast = () => {};
+    mesh.clone = () => new Object3D(); // of a scene: each file draws its own
     return mesh;
 }

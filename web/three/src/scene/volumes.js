@@ -11,14 +11,14 @@ const THINNEST = 1e-3;
 
 const texelsOf = (resolution) => resolution[0] * resolution[1] * resolution[2];
 
-/** The matrix that takes [0, 1]^3 to a box of an object's space. @param {Box3} box @param {Matrix4} worldFromObject */
-function worldFromUnitBox(box, worldFromObject) {
+/** The matrix that takes [0, 1]^3 to a box of an object's space, in bake space. @param {Box3} box @param {Matrix4} bakeFromObject */
+function bakeFromUnitBox(box, bakeFromObject) {
     const center = box.getCenter(new Vector3());
     const size = box.getSize(new Vector3());
     const largest = Math.max(size.x, size.y, size.z);
     const thin = largest > 0 ? THINNEST * largest : THINNEST;
     size.set(Math.max(size.x, thin), Math.max(size.y, thin), Math.max(size.z, thin));
-    const world = unitBox(worldFromObject, center, size);
+    const world = unitBox(bakeFromObject, center, size);
     const columns = [0, 1, 2].map((axis) => new Vector3().setFromMatrixColumn(world, axis));
     const longest = Math.max(...columns.map((c) => c.length()));
     if (Math.abs(world.determinant()) > 1e-12 * longest ** 3) return world;
@@ -56,12 +56,12 @@ export function planVolumes(objects, field) {
         if (object.lightmapped || object.box.isEmpty()) continue;
         if (object.probes === 'volume') {
             const group = object.instances > 1;
-            const box = group ? object.worldBox() : object.box;
-            const world = group ? new Matrix4() : object.worldFromObject(0);
-            asked.push({ object, instance: group ? -1 : 0, resolution: resolutionOf(worldFromUnitBox(box, world), object.probeResolution, field.spacing) });
+            const box = group ? object.bakeBox() : object.box;
+            const world = group ? new Matrix4() : object.bakeFromObject(0);
+            asked.push({ object, instance: group ? -1 : 0, resolution: resolutionOf(bakeFromUnitBox(box, world), object.probeResolution, field.spacing) });
         } else if (object.probes === 'automatic' && object.isStatic) {
             for (let i = 0; i < object.instances; ++i) {
-                const world = worldFromUnitBox(object.box, object.worldFromObject(i));
+                const world = bakeFromUnitBox(object.box, object.bakeFromObject(i));
                 if (Math.max(...resolutionOf(world, [0, 0, 0], field.spacing)) <= 2) continue; // shorter than probes are apart
                 automatic.push({ object, instance: i, resolution: resolutionOf(world, object.probeResolution, field.spacing) });
             }
@@ -120,8 +120,8 @@ export class ProxyVolumes {
     /** Samples the probes where the volume's object is now. */
     fill(v) {
         const group = v.instance < 0;
-        const box = group ? v.object.worldBox() : v.object.box;
-        const world = worldFromUnitBox(box, group ? new Matrix4() : v.object.worldFromObject(v.instance));
+        const box = group ? v.object.bakeBox() : v.object.box;
+        const world = bakeFromUnitBox(box, group ? new Matrix4() : v.object.bakeFromObject(v.instance));
         const n = v.resolution;
         const samples = [];
         const place = new Vector3();

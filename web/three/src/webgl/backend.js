@@ -1,5 +1,5 @@
 // The bake as WebGLRenderer draws it: textures, uniforms, patched materials.
-import { Vector2, Vector3, Vector4 } from 'three';
+import { Matrix3, Vector2, Vector3, Vector4 } from 'three';
 
 import { kLightDisk, kLightRectangle } from '../generated/shading.js';
 import { MODES, VIEWS } from '../scene/modes.js';
@@ -8,7 +8,9 @@ import { skyTexture, skyTurn } from '../scene/sky_picture.js';
 import { arrayTexture, FORMATS } from '../scene/textures.js';
 import { MaterialPatches } from './patch.js';
 
-const NO_LIGHT = { flags: new Vector4(-1, 0, 0, 1), reach: new Vector4(), cone: new Vector4(0, 0, 0, -2) };
+const NO_LIGHT = { flags: new Vector4(-1, 0, 0, 1), reach: new Vector4(), cone: new Vector4(0, 0, 0, -2), own: new Vector2(-1, 1) };
+
+const lightOf = ({ flags, reach, cone, own }) => ({ flags: new Vector4(...flags), reach: new Vector4(...reach), cone: new Vector4(...cone), own: new Vector2(...own) });
 
 const vectors = (...colors) => colors.map((c) => new Vector3(c[0], c[1], c[2]));
 
@@ -42,6 +44,7 @@ export class WebGLBackend {
             hlShadowColor: { value: new Vector3(...data.shadowColor) },
             hlSky: { value: vectors(data.sky.zenith, data.sky.horizon, data.sky.ground) },
             hlSkySh: { value: vectors(...sh) },
+            hlSkyFromWorld: { value: new Matrix3() },
             hlMaskRange: { value: new Vector4(...data.maskChannels.map((c) => c.rangeTexels)) },
             hlMaskPenumbra: { value: new Vector4(...data.maskChannels.map((c) => c.penumbraTexels)) },
         };
@@ -61,10 +64,8 @@ export class WebGLBackend {
             this.uniforms.hlVolumes = { value: volumes.texture };
         }
         this.ownSamplers = 1 + features.length;
-        const areaLights = scene.lights.filter((state) => state.isArea).length;
-        if (areaLights > 0) features.push(`HL_AREA_LIGHTS ${areaLights}`);
         this.uniforms.hlAreaLights = { value: [] };
-        this.patches = new MaterialPatches(this.uniforms, features, scene.options.brdf === 'three');
+        this.patches = new MaterialPatches(this.uniforms, features, scene.options.brdf === 'three', (...drawn) => scene.rowOf(...drawn));
     }
 
     /** Texture units of a fragment shader besides shadow maps: the plug-in's, three.js's table, the material's. */
@@ -87,10 +88,7 @@ export class WebGLBackend {
         const rank = (light) => (light.castShadow ? 2 : 0) + (light.map ? 1 : 0);
         const sorted = [...lights].sort((a, b) => rank(b) - rank(a));
         for (const [name, kind] of [['hlPointLights', 'isPointLight'], ['hlSpotLights', 'isSpotLight'], ['hlDirectionalLights', 'isDirectionalLight']]) {
-            const list = sorted.filter((light) => light[kind]).map((light) => {
-                const u = uniformsOf(light);
-                return { flags: new Vector4(...u.flags), reach: new Vector4(...u.reach), cone: new Vector4(...u.cone) };
-            });
+            const list = sorted.filter((light) => light[kind]).map((light) => lightOf(uniformsOf(light)));
             while (list.length < 32) list.push(NO_LIGHT); // a program may still hold more than are left
             this.uniforms[name].value = list;
         }
@@ -98,8 +96,9 @@ export class WebGLBackend {
 
     /** @param {any[]} lights what HalflightScene knows of each area light */
     setAreaLights(lights) {
-        this.uniforms.hlAreaLights.value = lights.map(({ flags, reach, cone, position, range, color, halfX, halfY, isDisk }) => ({
-            light: { flags: new Vector4(...flags), reach: new Vector4(...reach), cone: new Vector4(...cone) },
+        if (lights.length !== this.uniforms.hlAreaLights.value.length) this.patches.define('HL_AREA_LIGHTS', lights.length);
+        this.uniforms.hlAreaLights.value = lights.map(({ position, range, color, halfX, halfY, isDisk, ...light }) => ({
+            light: lightOf(light),
             place: new Vector4(...position, range), color, halfX, halfY, type: isDisk ? kLightDisk : kLightRectangle,
         }));
     }
@@ -113,6 +112,7 @@ export class WebGLBackend {
         uniforms.hlMode.value = MODES.indexOf(scene.mode);
         uniforms.hlView.value = VIEWS.indexOf(scene.debugView);
         uniforms.hlShadow.value.set(scene.shadowDistance, scene.shadowFadeRange);
+        uniforms.hlSkyFromWorld.value.setFromMatrix4(scene.shown.bakeFromWorld);
         uniforms.hlTable.value = scene.table.texture;
         uniforms.hlShadowColor.value.set(...scene.shadowColor);
     }

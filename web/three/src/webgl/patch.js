@@ -4,6 +4,8 @@ import { ShaderChunk } from 'three';
 import shading from '../generated/shading.glsl.js';
 import * as text from './shader_text.js';
 
+const HOOKS = ['onBeforeCompile', 'customProgramCacheKey', 'onBeforeRender'];
+
 /** Replaces exactly `times` occurrences; another number means that three.js's shaders changed. */
 function replaceExactly(source, search, replacement, times, where) {
     const parts = source.split(search);
@@ -39,6 +41,7 @@ function lightLoops() {
         const call = 'RE_Direct( directLight';
         const shade = `hlShade( ${lights}[ i ], hlRealtime, directLight );\n\t\thlRealtime = 1.0;\n\t\thlDirect( directLight`;
         loop = replaceExactly(loop, call, shade, 1, chunk);
+        if (kind !== 'Directional') loop = `hlLightScale = ${lights}[ i ].own.y;\n\t\t${loop}`;
         loop = loop.replace(/\b\w+LightShadow\.shadowIntensity/g, '1.0'); // the law applies strength, once
         source = source.slice(0, begin) + loop + source.slice(end);
     }
@@ -54,8 +57,12 @@ function hasLayers(material) {
 }
 
 export class MaterialPatches {
-    /** @param {Record<string, {value: any}>} uniforms @param {string[]} features defines of the shaders */
-    constructor(uniforms, features, threeBrdf = false) {
+    /**
+     * @param {Record<string, {value: any}>} uniforms @param {string[]} features defines of the shaders
+     * @param {(object: any, scene: any, material: any) => number} rowOf an object's row in the table
+     */
+    constructor(uniforms, features, threeBrdf, rowOf) {
+        this.rowOf = rowOf;
         this.uniforms = uniforms;
         this.features = features;
         this.threeBrdf = threeBrdf;
@@ -66,20 +73,23 @@ export class MaterialPatches {
 
     apply(material) {
         if (this.patched.has(material)) return;
-        const own = {
-            onBeforeCompile: Object.hasOwn(material, 'onBeforeCompile') ? material.onBeforeCompile : null,
-            customProgramCacheKey: Object.hasOwn(material, 'customProgramCacheKey') ? material.customProgramCacheKey : null,
-            shadowSide: material.shadowSide,
-        };
-        this.patched.set(material, own);
+        const own = Object.fromEntries(HOOKS.map((name) => [name, Object.hasOwn(material, name) ? material[name] : null]));
+        this.patched.set(material, { ...own, shadowSide: material.shadowSide });
         const before = material.onBeforeCompile;
         const beforeKey = material.customProgramCacheKey.call({ onBeforeCompile: before });
-        const defines = [...this.features, ...(this.threeBrdf || hasLayers(material) ? ['HL_THREE_BRDF'] : [])];
+        const brdf = this.threeBrdf || hasLayers(material) ? ['HL_THREE_BRDF'] : [];
         material.onBeforeCompile = (shader, renderer) => {
             before.call(material, shader, renderer);
-            this.patch(shader, defines);
+            this.patch(shader, [...this.features, ...brdf]);
         };
-        material.customProgramCacheKey = () => `halflight ${defines.join()} ${beforeKey}`;
+        material.customProgramCacheKey = () => `halflight ${[...this.features, ...brdf].join()} ${beforeKey}`;
+        const beforeRender = material.onBeforeRender;
+        material.onBeforeRender = (renderer, scene, camera, geometry, object, group) => {
+            beforeRender.call(material, renderer, scene, camera, geometry, object, group);
+            // A vertex attribute without an array has one value for all vertices: three.js uploads a material's
+            // uniforms once for all objects that share it, so they cannot hold what differs by object.
+            renderer.getContext().vertexAttrib1f(text.ROW_LOCATION, this.rowOf(object, scene, material));
+        };
         material.shadowSide = 2; // DoubleSide: both sides stop the bake's rays
         material.needsUpdate = true;
     }
@@ -103,11 +113,18 @@ export class MaterialPatches {
         Object.assign(shader.uniforms, this.uniforms);
     }
 
+    /** A number in the shaders: they are compiled anew. */
+    define(name, value) {
+        this.features = this.features.filter((feature) => !feature.startsWith(`${name} `));
+        if (value > 0) this.features.push(`${name} ${value}`);
+        for (const material of this.patched.keys()) material.needsUpdate = true;
+    }
+
     remove(material) {
         const own = this.patched.get(material);
         if (!own) return;
         this.patched.delete(material);
-        for (const name of ['onBeforeCompile', 'customProgramCacheKey']) {
+        for (const name of HOOKS) {
             if (own[name]) material[name] = own[name];
             else delete material[name];
         }

@@ -13,6 +13,12 @@ vec4 hlCell(int row, int column)
 {
     return texelFetch(hlTable, ivec2((row / ${ROWS}) * ${COLUMNS} + column, row % ${ROWS}), 0);
 }
+// From the world to the space of the bake that an object belongs to.
+mat4 hlBakeFromWorld(int row)
+{
+    int place = int(hlCell(row, 1).w);
+    return mat4(hlCell(place, 0), hlCell(place, 1), hlCell(place, 2), hlCell(place, 3));
+}
 `;
 
 export const vertexPars = `
@@ -32,7 +38,7 @@ export const vertexMain = `
     vHlRow += gl_InstanceID;
     hlPosition = instanceMatrix * hlPosition;
 #endif
-    vHlPosition = (modelMatrix * hlPosition).xyz;
+    vHlPosition = (hlBakeFromWorld(vHlRow) * (modelMatrix * hlPosition)).xyz;
     vec4 hlPlace = hlCell(vHlRow, 0);
     vHlLightmapUv = hlLightmapUv * hlPlace.xy + hlPlace.zw;
 }
@@ -41,10 +47,11 @@ export const vertexMain = `
 /** Before three.js's lights: attenuation by distance and cone as KHR_lights_punctual has it. */
 export const attenuation = `
 float getDistanceAttenuation(const in float lightDistance, const in float cutoffDistance, const in float decayExponent);
+float hlLightScale = 1.0; // of the file that the light belongs to: intensities are those of its own metres
 float hlLightDistance(float lightDistance, float range, float decay)
 {
-    if (decay != 2.0) return getDistanceAttenuation(lightDistance, range, decay);
-    return hlDistanceAttenuation(lightDistance, range);
+    if (decay != 2.0) return getDistanceAttenuation(lightDistance / hlLightScale, range / hlLightScale, decay);
+    return hlDistanceAttenuation(lightDistance / hlLightScale, range / hlLightScale);
 }
 float hlLightCone(float cosOuter, float cosInner, float cosAngle)
 {
@@ -80,6 +87,7 @@ struct HlLight {
                 // receivers, 2 not on others, 4 subtractive's main light, 8 counts in the overlap view; w shadow strength
     vec4 reach; // xyz where it was baked; w metres for which its channel holds, 0 = all
     vec4 cone;  // xyz its axis at the bake; w cosine of the cone for which its channel holds, -2 = all
+    vec2 own;   // x row of the file or clone that it belongs to, -1 none; y scale of that
 };
 #if NUM_POINT_LIGHTS > 0
 uniform HlLight hlPointLights[NUM_POINT_LIGHTS];
@@ -116,8 +124,10 @@ uniform vec4 hlReflections; // probes, width of a tile, cd/m2 of a texel of 1, f
 #endif
 
 struct HlSurface {
-    vec3 normal;       // world, with the normal map
-    vec3 vertexNormal; // world, interpolated, towards the camera
+    mat4 bakeFromWorld; // all that follows is in bake space
+    int place;         // row of that matrix
+    vec3 normal;       // with the normal map
+    vec3 vertexNormal; // interpolated, towards the camera
     vec3 view;         // unit, to the camera
     float side;        // 1 front, -1 back
     float cameraDistance;
@@ -140,7 +150,8 @@ float hlMainRealtime = 1.0;
 bool hlMainHasRealtime = false;
 int hlOverlap = 0;
 
-vec3 hlToWorld(vec3 v) { return normalize((vec4(v, 0.0) * viewMatrix).xyz); }
+// From view space.
+vec3 hlToBake(vec3 v) { return normalize(mat3(hlSurface.bakeFromWorld) * (vec4(v, 0.0) * viewMatrix).xyz); }
 
 #ifdef HL_VOLUMES
 // Textures 0, 1, ... of a proxy volume; filtering keeps to the volume's own texels.
@@ -207,11 +218,13 @@ void hlReadSurface(vec3 normal, vec3 vertexNormal, vec3 viewDirection, float sid
 {
     vec4 info = hlCell(vHlRow, 1);
     int flags = int(info.x);
-    hlSurface.normal = hlToWorld(normal);
-    hlSurface.vertexNormal = hlToWorld(vertexNormal);
-    hlSurface.view = hlToWorld(viewDirection);
+    hlSurface.place = int(info.w);
+    hlSurface.bakeFromWorld = hlBakeFromWorld(vHlRow);
+    hlSurface.normal = hlToBake(normal);
+    hlSurface.vertexNormal = hlToBake(vertexNormal);
+    hlSurface.view = hlToBake(viewDirection);
     hlSurface.side = side;
-    hlSurface.cameraDistance = length(cameraPosition - vHlPosition);
+    hlSurface.cameraDistance = length((hlSurface.bakeFromWorld * vec4(cameraPosition, 1.0)).xyz - vHlPosition);
     hlSurface.fade = hlShadowFade(hlSurface.cameraDistance, hlFadeConstants(hlShadow.x, hlShadow.y));
     hlSurface.lightmapped = (flags & 1) != 0;
     hlSurface.receive = receiveShadow;
@@ -225,12 +238,18 @@ void hlReadSurface(vec3 normal, vec3 vertexNormal, vec3 viewDirection, float sid
     hlSurface.specular = specular;
 }
 
-bool hlSkips(HlLight light) { return (int(light.flags.z) & (hlSurface.lightmapped ? 1 : 2)) != 0; }
+// Whether the light belongs to another clone of the file, whose surfaces have that of their own.
+bool hlIsForeign(HlLight light) { return light.own.x >= 0.0 && int(light.own.x) != hlSurface.place; }
+bool hlIsMain(HlLight light) { return (int(light.flags.z) & 4) != 0 && !hlIsForeign(light); }
+bool hlSkips(HlLight light)
+{
+    return hlIsForeign(light) || (int(light.flags.z) & (hlSurface.lightmapped ? 1 : 2)) != 0;
+}
 
 // Whether the light's shadow map is sampled at all.
 bool hlReads(HlLight light, bool visible)
 {
-    bool wanted = !hlSkips(light) || (int(light.flags.z) & 4) != 0;
+    bool wanted = !hlSkips(light) || hlIsMain(light);
     return visible && wanted && hlSurface.receive && hlReadsShadowMap(light.flags.y > 0.5, hlSurface.fade);
 }
 
@@ -245,9 +264,9 @@ float hlBakedAttenuation(HlLight light)
 #ifdef HL_AREA_LIGHTS
 struct HlAreaLight {
     HlLight light;
-    vec4 place; // xyz world, w range in metres
+    vec4 place; // xyz world, w range in metres of its file
     vec3 color; // cd/m2
-    vec3 halfX; // from the middle to the edges, metres
+    vec3 halfX; // from the middle to the edges, world
     vec3 halfY;
     int type;
 };
@@ -256,13 +275,16 @@ uniform HlAreaLight hlAreaLights[HL_AREA_LIGHTS];
 // Radiance towards the camera by an area light. three.js draws no shadow map of it.
 vec3 hlAreaLight(HlAreaLight area)
 {
-    vec3 toCenter = area.place.xyz - vHlPosition;
+    if (hlIsForeign(area.light)) return vec3(0.0);
+    vec3 toCenter = (hlSurface.bakeFromWorld * vec4(area.place.xyz, 1.0)).xyz - vHlPosition;
+    vec3 halfX = mat3(hlSurface.bakeFromWorld) * area.halfX;
+    vec3 halfY = mat3(hlSurface.bakeFromWorld) * area.halfY;
     vec3 radiance = area.color * hlRangeWindow(dot(toCenter, toCenter), area.place.w);
-    if (radiance == vec3(0.0) || dot(toCenter, cross(area.halfX, area.halfY)) <= 0.0) return vec3(0.0);
+    if (radiance == vec3(0.0) || dot(toCenter, cross(halfX, halfY)) <= 0.0) return vec3(0.0);
     if ((int(area.light.flags.z) & 8) != 0) hlOverlap += 1;
     if (hlSkips(area.light)) return vec3(0.0);
     vec3 reflected = hlReflectAreaLight(hlSurface.baseColor, hlSurface.metallic, hlSurface.roughness, hlSurface.specular, hlSurface.normal,
-                                        hlSurface.view, area.type, toCenter, area.halfX, area.halfY, radiance);
+                                        hlSurface.view, area.type, toCenter, halfX, halfY, radiance);
     if (!hlSurface.receive) return reflected;
     bool hasBaked = area.light.flags.x >= 0.0;
     float baked = hasBaked ? hlBakedAttenuation(area.light) : 1.0;
@@ -274,13 +296,13 @@ vec3 hlAreaLight(HlAreaLight area)
 void hlShade(HlLight light, float realtime, inout IncidentLight incoming)
 {
     bool hasRealtime = light.flags.y > 0.5;
-    if ((int(light.flags.z) & 4) != 0) {
+    if (hlIsMain(light)) {
         hlMainFlags = light.flags;
-        hlMainIrradiance = incoming.color * hlSaturate(dot(hlSurface.vertexNormal, hlToWorld(incoming.direction)));
+        hlMainIrradiance = incoming.color * hlSaturate(dot(hlSurface.vertexNormal, hlToBake(incoming.direction)));
         hlMainRealtime = realtime;
         hlMainHasRealtime = hasRealtime;
     }
-    if ((int(light.flags.z) & 8) != 0 && incoming.color != vec3(0.0)) hlOverlap += 1;
+    if ((int(light.flags.z) & 8) != 0 && !hlIsForeign(light) && incoming.color != vec3(0.0)) hlOverlap += 1;
     if (hlSkips(light)) {
         incoming.color = vec3(0.0);
         incoming.visible = false;

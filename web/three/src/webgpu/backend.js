@@ -1,5 +1,5 @@
 // The bake as WebGPURenderer draws it: hooks on materials' lighting models. Materials stay the application's own.
-import { AmbientLight, BackSide, BoxGeometry, Color, DoubleSide, Mesh, MeshPhysicalNodeMaterial, MeshStandardNodeMaterial, NodeMaterial, Vector2, Vector3, Vector4 } from 'three/webgpu';
+import { AmbientLight, BackSide, BoxGeometry, Color, DoubleSide, Mesh, MeshPhysicalNodeMaterial, MeshStandardNodeMaterial, NodeMaterial, Object3D, Matrix3, Vector2, Vector3, Vector4 } from 'three/webgpu';
 import { context, emissive, float, positionLocal, renderGroup, select, uniform, uniformArray, vec3, vec4 } from 'three/tsl';
 
 import { kLightDisk, kLightRectangle } from '../generated/shading.js';
@@ -16,7 +16,7 @@ const shared = (value, type) => uniform(value, type).setGroup(renderGroup);
 /** Uniforms of one light. */
 function lightUniforms() {
     return {
-        flags: shared(new Vector4(-1, 0, 0, 1)), reach: shared(new Vector4()), cone: shared(new Vector4(0, 0, 0, -2)),
+        flags: shared(new Vector4(-1, 0, 0, 1)), reach: shared(new Vector4()), cone: shared(new Vector4(0, 0, 0, -2)), own: shared(new Vector2(-1, 1)),
         position: shared(new Vector4()), axis: shared(new Vector3(0, -1, 0)), color: shared(new Color()), spot: shared(new Vector2()),
     };
 }
@@ -24,9 +24,16 @@ function lightUniforms() {
 /** Uniforms of one area light. */
 function areaUniforms() {
     return {
-        flags: shared(new Vector4(-1, 0, 0, 1)), reach: shared(new Vector4()), cone: shared(new Vector4(0, 0, 0, -2)),
+        flags: shared(new Vector4(-1, 0, 0, 1)), reach: shared(new Vector4()), cone: shared(new Vector4(0, 0, 0, -2)), own: shared(new Vector2(-1, 1)),
         place: shared(new Vector4()), color: shared(new Color(0)), halfX: shared(new Vector3(1, 0, 0)), halfY: shared(new Vector3(0, 1, 0)), type: shared(kLightRectangle, 'int'),
     };
+}
+
+function setOwn(u, { flags, reach, cone, own }) {
+    u.flags.value.set(...flags);
+    u.reach.value.set(...reach);
+    u.cone.value.set(...cone);
+    u.own.value.set(...own);
 }
 
 const kindOf = (light) => (light.isDirectionalLight ? 'directional' : light.isSpotLight ? 'spot' : light.isPointLight ? 'point' : null);
@@ -36,6 +43,7 @@ export class WebGPUBackend {
     constructor(scene) {
         this.scene = scene;
         this.id = `scene ${++scenes}`;
+        this.revision = 0; // of what the programs are made of
         const { data, table, volumes } = scene;
         const pages = (list, kind) => (list.length > 0 ? arrayTexture(list, FORMATS[kind]) : null);
         const colors = (list) => uniformArray(list.map((c) => new Vector3(c[0], c[1], c[2])), 'vec3');
@@ -55,15 +63,15 @@ export class WebGPUBackend {
             sky: colors([data.sky.zenith, data.sky.horizon, data.sky.ground]),
             skySh: colors(Array.from({ length: 9 }, (_, i) => scene.field.sky.radiance.subarray(3 * i, 3 * i + 3))),
             skyTurn: shared(new Vector4(...(data.sky.picture ? skyTurn(data.sky.picture) : [1, 0, 0, 0]))),
+            skyFromWorld: shared(new Matrix3()),
             maskRange: channels('rangeTexels'),
             maskPenumbra: channels('penumbraTexels'),
         };
-        this.rows = new Map();
-        this.nodes = new SceneNodes(this.u, (object) => this.rows.get(object) ?? 0);
+        this.nodes = new SceneNodes(this.u, (object, drawn) => scene.rowOf(object, drawn));
         this.lights = new Map();
-        this.areaLights = scene.lights.filter((state) => state.isArea).map(() => areaUniforms());
+        this.areaLights = [];
         this.noLight = new AmbientLight(0x000000, 0); // without any light three.js leaves lighting out altogether
-        scene.root.add(this.noLight);
+        this.noLight.clone = () => new Object3D();
         this.patched = new Map();
         // Lights with a shadow map reach the lighting model without their shadow, which the law applies.
         this.context = context(vec3(0), {
@@ -80,7 +88,6 @@ export class WebGPUBackend {
     }
 
     patchMesh(mesh) {
-        for (const object of this.scene.objects) for (const m of object.meshes) if (m === mesh) this.rows.set(mesh, object.firstRow);
         for (const material of [mesh.material].flat()) if (material.isMeshStandardMaterial || material.isMeshStandardNodeMaterial) this.apply(material);
     }
 
@@ -99,7 +106,7 @@ export class WebGPUBackend {
             return vec4(lit.rgb.sub(shown), lit.a);
         };
         material.contextNode = this.context;
-        material.halflight = this.id; // part of the program's key: another scene has other textures
+        material.halflight = `${this.id} ${this.revision}`; // part of the program's key: another scene has other textures
         material.shadowSide = DoubleSide;
         material.needsUpdate = true;
     }
@@ -117,10 +124,11 @@ export class WebGPUBackend {
             const shadow = s.receive && light.castShadow ? builder.halflightShadows?.get(light) : null;
             const realtime = shadow ? vec3(shadow).x.toVar() : float(1);
             const { direction, illuminance } = nodes.sample(s, u, kind);
-            if (this.scene.mainLight === light) builder.halflightMain = { light: u, hasMap: Boolean(shadow), realtime };
-            const counts = u.flags.z.toInt().bitAnd(8).greaterThan(0).and(illuminance.length().greaterThan(0));
+            const own = nodes.isOwn(s, u).toVar();
+            if (this.scene.frameLights.mainLights.has(light)) (builder.halflightMain ??= []).push({ light: u, own, hasMap: Boolean(shadow), realtime });
+            const counts = own.and(u.flags.z.toInt().bitAnd(8).greaterThan(0)).and(illuminance.length().greaterThan(0));
             builder.halflightOverlap = (builder.halflightOverlap ?? float(0)).add(counts.select(float(1), float(0)));
-            const skipped = s.lightmapped.select(u.flags.z.toInt().bitAnd(1), u.flags.z.toInt().bitAnd(2)).greaterThan(0);
+            const skipped = s.lightmapped.select(u.flags.z.toInt().bitAnd(1), u.flags.z.toInt().bitAnd(2)).greaterThan(0).or(own.not());
             const attenuation = nodes.attenuation(s, u, Boolean(shadow), realtime);
             const radiance = nodes.reflected(s, direction, illuminance.mul(attenuation));
             data.reflectedLight.directDiffuse.addAssign(skipped.select(vec3(0), radiance));
@@ -150,12 +158,9 @@ export class WebGPUBackend {
         for (const light of lights) {
             if (!kindOf(light)) continue;
             const u = this.uniformsOf(light);
-            const { flags, reach, cone } = uniformsOf(light);
-            u.flags.value.set(...flags);
-            u.reach.value.set(...reach);
-            u.cone.value.set(...cone);
+            setOwn(u, uniformsOf(light));
             position.setFromMatrixPosition(light.matrixWorld);
-            u.position.value.set(position.x, position.y, position.z, light.distance ?? 0);
+            u.position.value.set(position.x, position.y, position.z, (light.distance ?? 0) / u.own.value.y);
             if (light.target) u.axis.value.copy(target.setFromMatrixPosition(light.target.matrixWorld).sub(position).normalize());
             u.color.value.copy(light.color).multiplyScalar(light.intensity);
             if (light.isSpotLight) u.spot.value.set(Math.cos(light.angle * (1 - light.penumbra)), Math.cos(light.angle));
@@ -164,11 +169,13 @@ export class WebGPUBackend {
 
     /** @param {any[]} lights what HalflightScene knows of each area light, in its order */
     setAreaLights(lights) {
-        for (const [i, { flags, reach, cone, position, range, color, halfX, halfY, isDisk }] of lights.entries()) {
+        if (lights.length !== this.areaLights.length) {
+            this.areaLights = lights.map((_, i) => this.areaLights[i] ?? areaUniforms());
+            this.recompile();
+        }
+        for (const [i, { position, range, color, halfX, halfY, isDisk, ...light }] of lights.entries()) {
             const u = this.areaLights[i];
-            u.flags.value.set(...flags);
-            u.reach.value.set(...reach);
-            u.cone.value.set(...cone);
+            setOwn(u, light);
             u.place.value.set(...position, range);
             u.color.value.copy(color);
             u.halfX.value.copy(halfX);
@@ -182,16 +189,25 @@ export class WebGPUBackend {
         Object.assign(material, { name: 'halflight sky', side: BackSide, depthTest: false, depthWrite: false });
         Object.assign(material, skyNodes(this.u, positionLocal));
         const mesh = new Mesh(new BoxGeometry(2, 2, 2), material);
-        Object.assign(mesh, { name: 'halflight sky', renderOrder: -1e9, frustumCulled: false, raycast: () => {} });
+        Object.assign(mesh, { name: 'halflight sky', renderOrder: -1e9, frustumCulled: false, raycast: () => {}, clone: () => new Object3D() });
         return mesh;
+    }
+
+    recompile() {
+        this.revision += 1;
+        for (const material of this.patched.keys()) {
+            material.halflight = `${this.id} ${this.revision}`;
+            material.needsUpdate = true;
+        }
     }
 
     update() {
         const { scene, u } = this;
         if (u.table !== scene.table.texture) {
             u.table = scene.table.texture; // it grew; programs hold the one before
-            for (const material of this.patched.keys()) material.needsUpdate = true;
+            this.recompile();
         }
+        u.skyFromWorld.value.setFromMatrix4(scene.shown.bakeFromWorld);
         u.mode.value = MODES.indexOf(scene.mode);
         u.view.value = VIEWS.indexOf(scene.debugView);
         u.shadow.value.set(scene.shadowDistance, scene.shadowFadeRange);

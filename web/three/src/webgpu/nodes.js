@@ -18,15 +18,25 @@ const component = (v, index) => select(index.equal(0), v.x, select(index.equal(1
 
 /** Nodes that a scene's materials share. */
 export class SceneNodes {
-    /** @param {any} u uniforms and textures: see WebGPUBackend @param {(object: any) => number} rowOf */
+    /** @param {any} u uniforms and textures: see WebGPUBackend @param {(object: any, scene: any) => number} rowOf */
     constructor(u, rowOf) {
         this.u = u;
-        this.row = uniform(0, 'int').onObjectUpdate(({ object }) => rowOf(object));
+        this.row = uniform(0, 'int').onObjectUpdate(({ object, scene }) => rowOf(object, scene));
     }
 
     cell(row, column) {
         const x = row.div(ROWS).mul(COLUMNS).add(column);
         return textureLoad(this.u.table, ivec2(x, row.mod(ROWS)));
+    }
+
+    bakeFromWorld(row) {
+        const place = this.cell(row, 1).w.toInt().toVar();
+        return mat4(this.cell(place, 0), this.cell(place, 1), this.cell(place, 2), this.cell(place, 3));
+    }
+
+    /** Whether a light belongs to no other clone of the file than a surface. */
+    isOwn(s, light) {
+        return light.own.x.lessThan(0).or(light.own.x.toInt().equal(s.place));
     }
 
     /** The fragment as lights see it: HlSurface of shader_text.js. */
@@ -40,12 +50,16 @@ export class SceneNodes {
         s.lightmapped = info.x.greaterThan(0.5).toVar();
         s.page = int(info.y.add(0.5));
         s.volume = int(info.z).toVar();
-        s.position = positionWorld;
-        s.normal = toWorld(normalView).toVar();
-        s.vertexNormal = toWorld(negateOnBackSide(normalViewGeometry)).toVar();
+        s.place = info.w.toInt().toVar();
+        s.bakeFromWorld = this.bakeFromWorld(s.row).toVar();
+        s.toBake = (v) => s.bakeFromWorld.mul(vec4(v, 0)).xyz;
+        const ofView = (v) => s.toBake(toWorld(v)).normalize();
+        s.position = s.bakeFromWorld.mul(vec4(positionWorld, 1)).xyz.toVar();
+        s.normal = ofView(normalView).toVar();
+        s.vertexNormal = ofView(negateOnBackSide(normalViewGeometry)).toVar();
         s.side = faceDirection;
-        s.view = toWorld(positionViewDirection).toVar();
-        s.fade = hl.hlShadowFade(cameraPosition.sub(positionWorld).length(), hl.hlFadeConstants(u.shadow.x, u.shadow.y)).toVar();
+        s.view = ofView(positionViewDirection).toVar();
+        s.fade = hl.hlShadowFade(s.bakeFromWorld.mul(vec4(cameraPosition, 1)).xyz.sub(s.position).length(), hl.hlFadeConstants(u.shadow.x, u.shadow.y)).toVar();
         s.receive = object.receiveShadow;
         s.baseColor = diffuseColor.rgb;
         s.metallic = materialMetalness.clamp();
@@ -113,16 +127,16 @@ export class SceneNodes {
 
     /** Irradiance on a surface that faces the light, without shadow, and its direction. */
     sample(s, light, kind) {
-        if (kind === 'directional') return { direction: light.axis.negate(), illuminance: light.color };
-        const toLight = light.position.xyz.sub(s.position);
-        const distance = toLight.length().max(1e-6);
-        const direction = toLight.div(distance);
+        if (kind === 'directional') return { direction: s.toBake(light.axis.negate()).normalize(), illuminance: light.color };
+        const toLight = light.position.xyz.sub(positionWorld).toVar();
+        const distance = toLight.length().div(light.own.y).max(1e-6); // in the light's own metres
+        const direction = toLight.normalize().toVar();
         let attenuation = hl.hlDistanceAttenuation(distance, light.position.w);
         if (kind === 'spot') {
             const constants = hl.hlSpotConstantsOfCosines(light.spot.x, light.spot.y);
             attenuation = attenuation.mul(hl.hlSpotAttenuation(direction.negate().dot(light.axis), constants));
         }
-        return { direction, illuminance: light.color.mul(attenuation) };
+        return { direction: s.toBake(direction).normalize(), illuminance: light.color.mul(attenuation) };
     }
 
     attenuation(s, light, hasMap, realtime) {
@@ -134,10 +148,13 @@ export class SceneNodes {
 
     /** An area light, without a shadow map: whether its light reaches the fragment, and radiance towards the camera. */
     areaLight(s, u) {
-        const toCenter = u.place.xyz.sub(s.position).toVar();
+        const own = this.isOwn(s, u);
+        const toCenter = s.bakeFromWorld.mul(vec4(u.place.xyz, 1)).xyz.sub(s.position).toVar();
+        const halfX = s.toBake(u.halfX).toVar();
+        const halfY = s.toBake(u.halfY).toVar();
         const radiance = u.color.mul(hl.hlRangeWindow(toCenter.dot(toCenter), u.place.w)).toVar();
-        const reached = toCenter.dot(u.halfX.cross(u.halfY)).greaterThan(0).and(radiance.length().greaterThan(0));
-        const reflected = hl.hlReflectAreaLight(s.baseColor, s.metallic, s.roughness, s.specular, s.normal, s.view, u.type, toCenter, u.halfX, u.halfY, radiance);
+        const reached = own.and(toCenter.dot(halfX.cross(halfY)).greaterThan(0)).and(radiance.length().greaterThan(0));
+        const reflected = hl.hlReflectAreaLight(s.baseColor, s.metallic, s.roughness, s.specular, s.normal, s.view, u.type, toCenter, halfX, halfY, radiance);
         const skipped = s.lightmapped.select(u.flags.z.toInt().bitAnd(1), u.flags.z.toInt().bitAnd(2)).greaterThan(0);
         const lit = reflected.mul(this.attenuation(s, u, false, float(1)));
         return { reached, radiance: select(reached.and(skipped.not()), lit, vec3(0)) };
@@ -152,12 +169,15 @@ export class SceneNodes {
         return texture(this.u.lightmaps, s.uv).depth(s.page).level(0).rgb.mul(this.u.unitLux);
     }
 
-    /** Lightmap less what dynamic objects keep from it of the main light. @param {any} main see WebGPUBackend */
-    subtracted(s, main) {
-        const lightmap = this.lightmap(s);
-        if (!main || !s.receive) return lightmap;
-        const { light, hasMap, realtime } = main;
-        const irradiance = light.color.mul(s.vertexNormal.dot(light.axis.negate()).clamp());
+    /** Lightmap less what dynamic objects keep from it of the main light, one for each clone of the file. @param {any[]} mains see WebGPUBackend */
+    subtracted(s, mains) {
+        const lightmap = this.lightmap(s).toVar();
+        if (!mains || !s.receive) return lightmap;
+        return mains.reduce((rest, main) => select(main.own, this.subtractedOf(s, main, lightmap), rest), lightmap);
+    }
+
+    subtractedOf(s, { light, hasMap, realtime }, lightmap) {
+        const irradiance = light.color.mul(s.vertexNormal.dot(s.toBake(light.axis.negate()).normalize()).clamp());
         const has = hasMap ? light.flags.y.greaterThan(0.5) : float(0).greaterThan(0.5);
         const faded = hl.hlMixShadowsFullStrength(this.u.mode, float(0).greaterThan(0.5), float(1), has, realtime, s.fade);
         const baked = select(light.flags.x.greaterThanEqual(0), component(s.baked, int(light.flags.x.max(0))), float(1));
@@ -268,6 +288,6 @@ function skyTowards(u, d, roughness) {
 /** Nodes of the sky: where a box around the camera is drawn, and its colour. */
 export function skyNodes(u, position) {
     const clip = cameraProjectionMatrix.mul(vec4(cameraViewMatrix.mul(vec4(position, 0)).xyz, 1));
-    const radiance = skyTowards(u, position.normalize(), float(0));
+    const radiance = skyTowards(u, u.skyFromWorld.mul(position).normalize(), float(0));
     return { vertexNode: clip, fragmentNode: vec4(select(u.view.equal(0), radiance, vec3(0)), 1) };
 }

@@ -1,0 +1,44 @@
+// Where the loaded file stands: under parents, and as clones.
+import * as THREE from 'three';
+import { clone as cloneSkinned } from 'three/addons/utils/SkeletonUtils.js';
+
+const COPIES = { clone: (root) => root.clone(), skeleton: (root) => cloneSkinned(root), drei: cloneByParts };
+
+/** As drei's Clone: an object of the same class for each, with a few properties of the source, userData among them. */
+function cloneByParts(source) {
+    const copy = source.isMesh ? new THREE.Mesh(source.geometry, source.material) : source.isLight ? source.clone(false) : new THREE.Group();
+    for (const key of ['name', 'visible', 'castShadow', 'receiveShadow', 'userData']) copy[key] = source[key];
+    for (const key of ['position', 'scale', 'quaternion']) copy[key].copy(source[key]);
+    for (const child of source.children) copy.add(source.isLight ? child.clone() : cloneByParts(child));
+    return copy;
+}
+
+/**
+ * Puts the file, or a copy in its place or beside it, under a parent. The camera of later pictures moves with it.
+ * @param {any} loaded @param {{translation?: number[], rotation?: number[], scale?: number | number[], copy?: string, alone?: boolean}} where
+ */
+export function put(loaded, { translation = [0, 0, 0], rotation = [0, 0, 0], scale = 1, copy, alone = false }) {
+    const { scene, gltf } = loaded;
+    const group = new THREE.Group();
+    group.position.fromArray(translation);
+    group.rotation.set(...rotation);
+    if (typeof scale === 'number') group.scale.setScalar(scale);
+    else group.scale.fromArray(scale);
+    if (copy) {
+        group.add(COPIES[copy](gltf.scene));
+        if (alone) scene.remove(gltf.scene);
+    } else {
+        group.add(gltf.scene);
+    }
+    scene.add(group);
+    loaded.group = group;
+}
+
+/** Moves a camera as the file. */
+export function follow(loaded, view) {
+    const { group } = loaded;
+    if (!group) return;
+    group.updateWorldMatrix(true, false);
+    view.applyMatrix4(new THREE.Matrix4().compose(group.position, group.quaternion, new THREE.Vector3(1, 1, 1)).multiply(new THREE.Matrix4().makeTranslation(view.position.clone().multiplyScalar(group.scale.x - 1))));
+    view.updateMatrixWorld();
+}
