@@ -263,8 +263,7 @@ async function moveLight({ index, by }) {
 function stateOf(scene) {
     const result = [];
     scene.traverse((o) => {
-        const own = ['onBeforeRender'].filter((name) => Object.hasOwn(o, name));
-        const entry = [o.name, o.type, o.castShadow, o.receiveShadow, o.layers.mask, o.visible, own.join()];
+        const entry = [o.name, o.type, o.castShadow, o.receiveShadow, o.layers.mask, o.visible];
         if (o.isMesh) entry.push(Object.keys(o.geometry.attributes).join(), o.material.shadowSide, ...['onBeforeCompile', 'customProgramCacheKey', 'setupLightingModel', 'setupOutput', 'contextNode', 'halflight'].filter((name) => Object.hasOwn(o.material, name)));
         if (o.isLight) entry.push(o.intensity, o.shadow?.mapSize.x, o.shadow?.camera.layers.mask, Object.keys(o.shadow?.getFrustum() ?? {}).join());
         result.push(entry.join(' '));
@@ -286,11 +285,12 @@ async function disposeTest({ file, width, height, camera }) {
     const withPlugin = await drawWith(halflight);
     halflight.dispose();
     const after = stateOf(scene);
+    scene.traverse((o) => Object.hasOwn(o, 'onBeforeRender') && after.push(`${o.name} has onBeforeRender`));
     const last = await drawWith(plain);
     const mean = (a, b) => a.reduce((sum, x, i) => sum + Math.abs(x - b[i]), 0) / a.length;
     loaded.halflight = null;
     return {
-        changed: before.flatMap((line, i) => (line === after[i] ? [] : [`${line} -> ${after[i]}`])),
+        changed: after.flatMap((line, i) => (line === before[i] ? [] : [`${before[i]} -> ${line}`])),
         largest: last.reduce((m, x, i) => Math.max(m, Math.abs(x - first[i])), 0),
         withPlugin: mean(withPlugin, first),
     };
@@ -392,4 +392,6 @@ const toneMapping = async (pictures) => differenceFrom(await makeRenderer(160, 9
 const evaluateCases = async (functions) => evaluate(await makeRenderer(64, 64), read, functions, kind === 'webgl2-nodes');
 
 window.halflightTest = { put: async (where) => put(loaded, where), evaluate: evaluateCases, toneMapping, probeGrid, load, draw, compare, picture, agreement, atPoints, replaceDynamic, lightNames, intensityOf, changeLight, moveLight, disposeTest, frameCost, sentences };
+/** For tests that are functions of their own. */
+window.halflightPage = { THREE, GLTFLoader, HalflightPlugin, loaded, load, draw, makeRenderer, viewOf };
 window.ready = true;

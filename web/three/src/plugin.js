@@ -50,7 +50,10 @@ export class HalflightPlugin {
     async afterRoot(gltf) {
         const { parser } = this;
         gltf.userData.halflight = null;
-        if (!isBaked(parser.json)) return;
+        if (!isBaked(parser.json)) {
+            if (lostBake(parser.json)) console.warn(LOST);
+            return;
+        }
         const data = await readBaked({
             json: parser.json,
             accessor: async (index) => plainAccessor(await parser.getDependency('accessor', index)),
@@ -62,6 +65,13 @@ export class HalflightPlugin {
         this.scene = new HalflightScene(gltf.scene, data, objects, lights, this.options, this.file);
         gltf.userData.halflight = this.scene;
     }
+}
+
+const LOST = 'Halflight: the file was baked, but a tool dropped the bake, extension HALFLIGHT_mixed_lighting: it is shown without. Keep the extension, or bake again';
+
+/** The baker leaves a line in the extras of the scene, which tools keep that drop extensions. */
+function lostBake(json) {
+    return (json.scenes ?? []).some((scene) => scene.extras?.halflight_baked !== undefined);
 }
 
 function plainAccessor(attribute) {

@@ -51,9 +51,9 @@ export class HalflightScene {
     shadowColor: [number, number, number];
     readonly data: BakedData;
     readonly lights: BakedLight[];
-    /** Sentences about what is left out or shows in part. */
+    /** Sentences about what is left out or shows in part, while it is so. */
     readonly warnings: Set<string>;
-    /** Call before each frame. `scene` is needed only where the file's own objects are in no scene, such as with clones alone. */
+    /** Call before each frame; throws an error once. `scene` is needed only where the file's own objects are in no scene, such as with clones alone. */
     update(renderer: object, camera: Camera, scene?: Object3D): void;
     /** Lights an object of the application by the bake's probes. */
     add(object: Object3D): void;

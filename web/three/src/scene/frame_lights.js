@@ -60,8 +60,6 @@ export class FrameLights {
                 fitShadow(state, camera, shadowDistance, bounds);
                 chooseCasters(state, dynamicLayer, renderer);
             }
-            const sentence = state.moved();
-            if (sentence && mode !== 'realtime') this.scene.warnings.add(sentence);
         }
         backend.setAreaLights(present.filter((state) => state.isArea).map((state) => this.areaLight(state, camera)));
         backend.setLights(drawn.filter((light) => light.layers.test(camera.layers)), (light) => this.uniformsOf(light, shadows));
@@ -77,7 +75,7 @@ export class FrameLights {
     uniformsOf(light, shadows) {
         const known = this.states.get(light);
         const state = known ?? new BakedLight(light, undefined, light.name);
-        if (!known) state.shadowStrength = light.shadow?.intensity ?? 1;
+        if (!known) state.shadowStrength = Math.min(Math.max(light.shadow?.intensity ?? 1, 0), 1);
         const uniforms = state.uniforms(light.castShadow && shadows);
         if (!known) uniforms.own[1] = owners.get(light)?.scale ?? 1;
         return uniforms;
@@ -89,7 +87,7 @@ export class FrameLights {
         let shown = state.plan.drawn && light.layers.test(camera.layers);
         for (let object = light; object; object = object.parent) shown &&= object.visible;
         if (shown && state.plan.casts && this.castsWithoutMap(state))
-            this.scene.warnings.add(`area light "${state.name}" has no realtime shadow in three.js: its shadows are those of the mask`);
+            this.scene.say(`area light "${state.name}" has no realtime shadow in three.js: its shadows are those of the mask`);
         const [halfX, halfY] = light.halfSides();
         const color = light.color.clone().multiplyScalar(shown ? light.intensity : 0);
         return { ...state.uniforms(false), halfX, halfY, color, isDisk: light.isDisk, range: light.range, position: new Vector3().setFromMatrixPosition(light.matrixWorld) };
@@ -115,7 +113,7 @@ export class FrameLights {
         wanting.sort((a, b) => b.importance(camera) - a.importance(camera));
         for (const state of wanting.slice(most)) {
             state.mapAllowed = false;
-            this.scene.warnings.add(`light "${state.name}" gets no realtime shadow: the browser's shaders read ${units} textures at most`);
+            this.scene.say(`light "${state.name}" gets no realtime shadow: the browser's shaders read ${units} textures at most`);
         }
     }
 

@@ -1,14 +1,18 @@
 // Lights of the file: what the bake made of each, and what a frame does with it.
-import { MathUtils, Vector3 } from 'three';
+import { Vector3 } from 'three';
 
 import { distanceAttenuation, modeUsesBakedShadows, staticCastersInShadowMap } from '../generated/shading.js';
 import { MODES } from './modes.js';
+import { checkNumber } from './warnings.js';
 
 const NO_CONE = -2;
 export const SKIP_LIGHTMAPPED = 1;
 export const SKIP_OTHERS = 2;
 export const MAIN_LIGHT = 4;
 export const OVERLAPS = 8;
+
+/** Relative change from which on a light counts as another than that of its bake. */
+const CHANGED = 1e-3;
 
 const unbaked = {
     castShadows: true, shadowStrength: 1, shadowBias: {}, isBaked: false, bakeType: 'realtime', channel: -1, reason: '',
@@ -44,6 +48,7 @@ export class BakedLight {
         this.plan = { channel: -1, staticCasters: true, flags: 0, drawn: true, casts: true };
         this.before = { castShadow: light.castShadow, layers: light.layers.mask, shadowLayers: light.shadow?.camera.layers.mask, mapSize: light.shadow?.mapSize.x };
         if (light.shadow && light.shadow.mapSize.x === 512) light.shadow.mapSize.setScalar(mapSize(light)); // three.js's default
+        this.atLoad = this.bounce();
         const m = this.data.worldFromLight;
         this.bakedPosition = [m[12], m[13], m[14]];
         this.bakedAxis = new Vector3(-m[8], -m[9], -m[10]).normalize().toArray();
@@ -54,6 +59,7 @@ export class BakedLight {
         return (this.original ?? this).#own.castShadows;
     }
     set castShadows(casts) {
+        if (typeof casts !== 'boolean') throw new Error(`castShadows of light "${this.name}" is ${casts}: it is true or false`);
         (this.original ?? this).#own.castShadows = casts;
     }
 
@@ -62,7 +68,7 @@ export class BakedLight {
         return (this.original ?? this).#own.shadowStrength;
     }
     set shadowStrength(strength) {
-        (this.original ?? this).#own.shadowStrength = MathUtils.clamp(strength, 0, 1);
+        (this.original ?? this).#own.shadowStrength = checkNumber(`shadowStrength of light "${this.name}"`, strength, '', 0, 1);
     }
 
     get scale() {
@@ -141,6 +147,25 @@ export class BakedLight {
         const shifted = !this.light.isDirectionalLight && position.distanceTo(new Vector3(...this.bakedPosition)) > 1e-3;
         const turned = !this.light.isPointLight && axis.angleTo(new Vector3(...this.bakedAxis)) > 1e-3;
         return shifted || turned ? `light "${this.name}" moved since its bake: its baked shadows and bounced light stay behind` : null;
+    }
+
+    /** What its bounced light was made of: power by channel, range and cone. */
+    bounce() {
+        const { light } = this;
+        const { r, g, b } = light.color;
+        const lit = light.visible ? light.intensity : 0;
+        return [lit * r, lit * g, lit * b, this.isArea ? light.range : (this.range ?? 0), light.angle ?? 0, light.penumbra ?? 0, light.width ?? 0, light.height ?? 0];
+    }
+
+    /** A sentence where its bounced light, which is baked, is that of another light, else null. */
+    changed() {
+        if (!this.data.isBaked || this.data.bakeType === 'realtime') return null;
+        const now = this.bounce();
+        const largest = Math.max(...this.atLoad.slice(0, 3));
+        const differs = now.some((x, i) => Math.abs(x - this.atLoad[i]) > CHANGED * (i < 3 ? largest : Math.max(Math.abs(this.atLoad[i]), 1)));
+        if (!differs) return null;
+        const part = this.data.bakeType === 'baked' ? 'all its light' : 'its bounced light';
+        return `light "${this.name}" changed since its bake: ${part} stays as it was baked; bake again for another`;
     }
 
     restore() {

@@ -25,9 +25,11 @@ export class BakedObject {
      * @param {import('./instances.js').Instance} instance whose bake it belongs to
      * @param {BakedObject | null} original of a clone
      */
-    constructor(root, meshes, data, name, materials, instance, original = null) {
+    constructor(root, meshes, data, name, materials, instance, original = null, fromFile = true) {
         this.instance = instance;
         this.original = original;
+        /** Whether the file or a clone holds it. */
+        this.fromFile = fromFile;
         this.root = root;
         this.meshes = meshes;
         this.name = name;

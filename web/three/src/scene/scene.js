@@ -3,6 +3,7 @@ import { Box3, Vector3 } from 'three';
 
 import { ProbeField } from '../probes/field.js';
 import { makeLightProbeGrid } from '../probes/grid.js';
+import { checkFrame } from './checks.js';
 import { FrameLights } from './frame_lights.js';
 import { Instance, rootOf, stampOf } from './instances.js';
 import { BakedLight } from './lights.js';
@@ -11,6 +12,7 @@ import { BakedObject } from './objects.js';
 import { Reflections } from './reflections.js';
 import { boundsOf } from './shadows.js';
 import { ObjectTable } from './table.js';
+import { checkNumber, Warnings } from './warnings.js';
 import { planVolumes, ProxyVolumes } from './volumes.js';
 
 const DYNAMIC = { isStatic: false, castShadows: true, receiveShadows: true, lightmap: null, probes: 'single', probeResolution: [0, 0, 0] };
@@ -28,7 +30,13 @@ export function useBackend(property, backend) {
 export class HalflightScene {
     #mode;
     #view = 'lit';
+    #shadowDistance = 60;
+    #shadowFadeRange = 1;
+    #shadowColor;
+    #warnings = new Warnings();
+    #thrown = '';
     #clones = new Set();
+    #watched = [];
     #seen = null;
     #originals = new Map();
 
@@ -44,18 +52,12 @@ export class HalflightScene {
         this.options = options;
         this.file = file;
         this.#mode = data.mode;
-        /** From here on no realtime shadow is sampled, metres. */
-        this.shadowDistance = 60;
-        /** Shadows fade over this range before the shadow distance, metres. */
-        this.shadowFadeRange = 1;
-        /** Lower limit of subtractive shadows, lux. */
-        this.shadowColor = [...data.shadowColor];
-        /** @type {Set<string>} sentences about what is left out or shows in part */
-        this.warnings = new Set();
+        this.#shadowColor = [...data.shadowColor];
+        if (options.dynamicLayer !== undefined) checkNumber('dynamicLayer', options.dynamicLayer, ' of a layer', 0, 31);
         this.dynamicLayer = options.dynamicLayer ?? DYNAMIC_LAYER;
         this.field = new ProbeField(data.probes, data.sky);
         if (data.probes?.cells && !this.field.cellsOfFile && !this.field.empty)
-            this.warnings.add("the file's tetrahedra do not fit the positions of its probes: others are made, which takes a while");
+            this.#warnings.keep("the file's tetrahedra do not fit the positions of its probes: others are made, which takes a while");
         this.table = new ObjectTable();
         root.updateWorldMatrix(true, true);
         /** Where the file stands: its scene. Clones have instances of their own. */
@@ -84,7 +86,20 @@ export class HalflightScene {
         /** In bake space. */
         this.bounds = boundsOf(this.objects);
         this.backend = null;
+        for (const object of this.objects) for (const mesh of object.meshes) this.#watchFrames(mesh);
         this.#watchClones();
+    }
+
+    /** A mesh that is drawn before the first update() is drawn without its bake. */
+    #watchFrames(mesh) {
+        if (this.#watched === null || Object.hasOwn(mesh, 'onBeforeRender')) return;
+        mesh.onBeforeRender = () => this.say('update() was not called before a frame, so the file shows no bake: call it before each');
+        this.#watched.push(mesh);
+    }
+
+    #unwatchFrames() {
+        for (const mesh of this.#watched ?? []) delete mesh.onBeforeRender;
+        this.#watched = null;
     }
 
     get mode() {
@@ -107,6 +122,41 @@ export class HalflightScene {
         });
     }
 
+    /** From here on no realtime shadow is sampled, metres of the file. */
+    get shadowDistance() {
+        return this.#shadowDistance;
+    }
+    set shadowDistance(meters) {
+        this.#shadowDistance = checkNumber('shadowDistance', meters, ' of metres');
+    }
+
+    /** Shadows fade over this range before the shadow distance, metres of the file. */
+    get shadowFadeRange() {
+        return this.#shadowFadeRange;
+    }
+    set shadowFadeRange(meters) {
+        this.#shadowFadeRange = checkNumber('shadowFadeRange', meters, ' of metres');
+    }
+
+    /** Lower limit of subtractive shadows, lux. */
+    get shadowColor() {
+        return this.#shadowColor;
+    }
+    set shadowColor(color) {
+        if (color?.length !== 3) throw new Error(`shadowColor is ${color}: it has three numbers`);
+        this.#shadowColor = [...color].map((x) => checkNumber('shadowColor', x, ' of lux'));
+    }
+
+    /** @type {Set<string>} sentences about what is left out or shows in part, while it is so */
+    get warnings() {
+        return this.#warnings.sentences;
+    }
+
+    /** A sentence about the frame. @param {string} sentence */
+    say(sentence) {
+        this.#warnings.say(sentence);
+    }
+
     get debugView() {
         return this.#view;
     }
@@ -123,7 +173,7 @@ export class HalflightScene {
 
     #addMesh(mesh) {
         const data = { ...DYNAMIC, castShadows: mesh.castShadow, receiveShadows: mesh.receiveShadow };
-        this.#enter(new BakedObject(mesh, [mesh], data, mesh.name, new Map(), this.#instanceAt(mesh)));
+        this.#enter(new BakedObject(mesh, [mesh], data, mesh.name, new Map(), this.#instanceAt(mesh), null, false));
     }
 
     #enter(object) {
@@ -173,7 +223,7 @@ export class HalflightScene {
         if (stampOf(object, this.file)) {
             this.#adopt(object);
         } else {
-            this.warnings.add(`"${object.name}" has a material of the bake but is no object of it: it is lit by probes, as by add()`);
+            this.#warnings.keep(`"${object.name}" has a material of the bake but is no object of it: it is lit by probes, as by add()`);
             this.#addMesh(object);
         }
         this.#updateProbes();
@@ -187,9 +237,11 @@ export class HalflightScene {
         const { clone } = root;
         const own = Object.hasOwn(root, 'clone');
         const clones = this.#clones;
+        const watch = (copy) => copy.traverse((object) => object.isMesh && this.#watchFrames(object));
         root.clone = function (recursive) {
             const copy = clone.call(this, recursive);
             clones.add(new WeakRef(copy));
+            watch(copy);
             return copy;
         };
         this.undoClone = () => {
@@ -208,7 +260,7 @@ export class HalflightScene {
         const all = this.bounds.clone();
         for (let i = 0; i < positions.length; i += 3) all.expandByPoint(new Vector3(positions[i], positions[i + 1], positions[i + 2]));
         const { grid, clipped } = makeLightProbeGrid(this.field, Grid, box ?? all, resolution);
-        if (clipped) this.warnings.add('probe light above 65504 is cut in the LightProbeGrid: its texture holds half floats');
+        if (clipped) this.#warnings.keep('probe light above 65504 is cut in the LightProbeGrid: its texture holds half floats');
         return grid;
     }
 
@@ -217,7 +269,19 @@ export class HalflightScene {
      * @param {any} renderer @param {any} camera @param {any} [scene] three.js's, where the file's own objects are in none
      */
     update(renderer, camera, scene) {
+        try {
+            this.#update(renderer, camera, scene);
+        } catch (error) {
+            if (error.message === this.#thrown) return; // once is enough: an exception in each frame stops the application
+            this.#thrown = error.message;
+            throw error;
+        }
+    }
+
+    #update(renderer, camera, scene) {
+        this.#unwatchFrames();
         if (!this.backend) this.#start(renderer);
+        this.#warnings.begin();
         const top = this.#top(scene);
         for (const object of [this.sky, this.backend.noLight]) if (object && object.parent !== top) top.add(object);
         top.updateMatrixWorld();
@@ -229,6 +293,8 @@ export class HalflightScene {
         this.#updateProbes();
         this.frameLights.update(renderer, camera, found);
         this.backend.update();
+        checkFrame(this, found.lights);
+        this.#warnings.end();
     }
 
     /** The object above all that is drawn. */
@@ -289,9 +355,6 @@ export class HalflightScene {
                 mesh.receiveShadow = before.receiveShadow;
                 mesh.layers.mask = before.layers;
             });
-            for (const material of [mesh.material].flat())
-                if (!material.isMeshStandardMaterial && !material.isMeshBasicMaterial)
-                    this.warnings.add(`material "${material.name}" is a ${material.type}: only MeshStandardMaterial and MeshPhysicalMaterial show the bake`);
             this.backend.patchMesh(mesh);
         }
     }
@@ -308,6 +371,7 @@ export class HalflightScene {
 
     /** Takes everything back: materials, lights and objects are as they were loaded. */
     dispose() {
+        this.#unwatchFrames();
         this.undoClone();
         for (const object of this.objects) object.detach();
         this.frameLights.dispose();

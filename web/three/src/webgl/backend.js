@@ -103,6 +103,11 @@ export class WebGLBackend {
         }));
     }
 
+    /** Whether a material shows the bake. */
+    shows(material) {
+        return this.patches.patched.has(material);
+    }
+
     makeSky() {
         return makeSky(this.uniforms);
     }

@@ -184,6 +184,11 @@ export class WebGPUBackend {
         }
     }
 
+    /** Whether a material shows the bake. */
+    shows(material) {
+        return this.patched.has(material);
+    }
+
     makeSky() {
         const material = new NodeMaterial();
         Object.assign(material, { name: 'halflight sky', side: BackSide, depthTest: false, depthWrite: false });

@@ -1,0 +1,45 @@
+// What an application did to a baked file that its bake does not follow: a sentence for each, while it is so.
+import { apart } from './objects.js';
+
+/** Change of an object's matrix, relative to its largest number, from which on it counts as moved. */
+const MOVED = 1e-4;
+
+/** @param {import('./scene.js').HalflightScene} scene @param {Set<any>} lights that are drawn or hidden below the top */
+export function checkFrame(scene, lights) {
+    checkInstances(scene);
+    for (const object of scene.objects) {
+        checkMaterials(scene, object);
+        if (scene.mode !== 'realtime' && object.fromFile && object.isStatic) checkPlace(scene, object);
+    }
+    if (scene.mode === 'realtime') return;
+    for (const state of scene.lights) {
+        if (!lights.has(state.light)) continue;
+        const moved = state.moved();
+        if (moved) scene.say(moved);
+        const changed = state.changed();
+        if (changed) scene.say(changed);
+    }
+}
+
+function checkInstances(scene) {
+    for (const { object, uniform } of scene.instances.values())
+        if (!uniform)
+            scene.say(`"${object.name || 'the scene of the file'}" is scaled by axis or sheared: its baked light fits no such shape, so give it one scale for all axes`);
+}
+
+function checkMaterials(scene, object) {
+    for (const mesh of object.meshes)
+        for (const material of [mesh.material].flat()) {
+            if (!material || scene.backend.shows(material) || material.isMeshBasicMaterial) continue;
+            if (!material.isMeshStandardMaterial)
+                scene.say(`material "${material.name}" of "${object.name}" is a ${material.type}: only MeshStandardMaterial and MeshPhysicalMaterial show the bake`);
+            else
+                scene.say(`"${object.name}" got another material, "${material.name}", which does not show the bake: give it before the first update(), or change the file's own`);
+        }
+}
+
+function checkPlace(scene, object) {
+    const place = object.bakeFromMesh();
+    if (apart(object.atLoad, place) > MOVED)
+        scene.say(`static object "${object.name}" moved since its bake: its baked light and shadows stay as they were; make it dynamic or bake again`);
+}
