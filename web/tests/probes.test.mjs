@@ -102,10 +102,10 @@ test('cells that do not fit: a sentence, or others in their place', () => {
     const { field, vertices, neighbors } = fileField();
     const { valid } = field.probes;
     const changed = (list, i, value) => Object.assign(Uint32Array.from(list), { [i]: value });
-    assert.throws(() => readCells(changed(vertices, 5, 999999), neighbors, valid), /tetrahedra 1 has a vertex that is no valid probe/);
+    assert.throws(() => readCells(changed(vertices, 5, 999999), neighbors, valid), /probes: tetrahedron 1 has a vertex that is no valid probe/);
     assert.throws(() => readCells(vertices, neighbors, changed(valid, vertices[0], 0)), /no valid probe/);
-    assert.throws(() => readCells(vertices, changed(neighbors, 9, 0xfffffff0), valid), /tetrahedra 2 has a neighbour that is not beside it/);
-    assert.throws(() => readCells(vertices, neighbors.slice(4), valid), /neighbours of/);
+    assert.throws(() => readCells(vertices, changed(neighbors, 9, 0xfffffff0), valid), /probes: tetrahedron 2 has a neighbour that is not beside it/);
+    assert.throws(() => readCells(vertices, neighbors.slice(4), valid), /neighbors does not have/);
     const turned = fileField((probes) => ({ ...probes, positions: probes.positions.map((x, i) => (i === 3 * vertices[0] ? x + 40 : x)) })).field;
     assert.ok(!turned.cellsOfFile, 'a probe moved through its cells');
 });

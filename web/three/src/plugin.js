@@ -1,6 +1,7 @@
 // The plug-in of three.js's GLTFLoader: loader.register((parser) => new HalflightPlugin(parser)).
 import { LoaderUtils, MathUtils } from 'three';
 
+import { checkBake } from './file/check.js';
 import { isBaked, readBaked } from './file/read.js';
 import { checkRelease } from './releases.js';
 import { areaLightOf } from './scene/area_lights.js';
@@ -18,6 +19,11 @@ export class HalflightPlugin {
         this.file = MathUtils.generateUUID();
         /** @type {HalflightScene | null} null until the file is loaded, and for files that are not baked */
         this.scene = null;
+    }
+
+    /** Called by GLTFLoader: a broken file is refused before it is loaded. */
+    async beforeRoot() {
+        if (isBaked(this.parser.json)) checkBake(this.parser.json);
     }
 
     /** Called by GLTFLoader: other loaders' `associations` do not tell the clones of a mesh apart. @param {number} index */

@@ -58,6 +58,8 @@ export interface BakedData {
     /** The probes' tiles, RGB9E5 with a unit, one below the other; world space. */
     reflections: { picture: Pixels; unitNits: number; size: number; probes: { position: number[]; box: number[]; fade: number }[] } | null;
     shadowColor: number[];
+    /** What a tool dropped of the bake. */
+    lost: string[];
     nodes: Map<number, NodeData>;
     lights: Map<number, LightData>;
     materials: Map<number, { castShadows: boolean; receiveShadows: boolean }>;

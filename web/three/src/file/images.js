@@ -7,11 +7,15 @@ const RGB9E5 = 123; // VK_FORMAT_E5B9G9R9_UFLOAT_PACK32
 const HALF = 97; // VK_FORMAT_R16G16B16A16_SFLOAT
 const ZSTANDARD = 2;
 
-/** @param {Uint8Array} bytes @param {string} mimeType @param {string} name */
-export async function readRgb9e5(bytes, mimeType, name) {
-    const file = readKtx2(bytes);
+/** KTX2 of more texels is refused before it is decompressed. */
+const MOST_TEXELS = 2 ** 28;
+
+/** @param {Uint8Array} bytes */
+export async function readRgb9e5(bytes) {
+    const file = parse(bytes);
+    if (!(file.pixelWidth > 0 && file.pixelHeight > 0 && file.pixelWidth * file.pixelHeight <= MOST_TEXELS)) throw new Error('the KTX2 image is not readable: its size is out of range');
     const isHalf = file.vkFormat === HALF;
-    if (!isHalf && file.vkFormat !== RGB9E5) throw new Error(`${name}: KTX2 format ${file.vkFormat} is neither RGB9E5 nor RGBA16F`);
+    if (!isHalf && file.vkFormat !== RGB9E5) throw new Error(`its KTX2 format ${file.vkFormat} is neither RGB9E5 nor RGBA16F`);
     let texels = file.levels[0].levelData;
     const size = file.pixelWidth * file.pixelHeight * (isHalf ? 8 : 4);
     if (file.supercompressionScheme === ZSTANDARD) {
@@ -19,12 +23,20 @@ export async function readRgb9e5(bytes, mimeType, name) {
         await decoder.init();
         texels = decoder.decode(texels, size);
     } else if (file.supercompressionScheme !== 0) {
-        throw new Error(`${name}: KTX2 supercompression ${file.supercompressionScheme} is not Zstandard`);
+        throw new Error(`its KTX2 supercompression ${file.supercompressionScheme} is not Zstandard`);
     }
-    if (texels.byteLength !== size) throw new Error(`${name}: ${texels.byteLength} bytes of texels instead of ${size}`);
+    if (texels.byteLength !== size) throw new Error(`the KTX2 image is not readable: it has ${texels.byteLength} bytes of texels instead of ${size}`);
     const buffer = texels.slice().buffer;
     const data = isHalf ? rgb9e5OfHalf(new Uint16Array(buffer)) : new Uint32Array(buffer);
     return { width: file.pixelWidth, height: file.pixelHeight, data };
+}
+
+function parse(bytes) {
+    try {
+        return readKtx2(bytes);
+    } catch {
+        throw new Error('the KTX2 image is not readable: it is too short, or damaged');
+    }
 }
 
 function rgb9e5OfHalf(half) {
@@ -32,8 +44,8 @@ function rgb9e5OfHalf(half) {
     return Uint32Array.from({ length: half.length / 4 }, (_, i) => packRgb9e5(value(4 * i), value(4 * i + 1), value(4 * i + 2)));
 }
 
-/** @param {Uint8Array} bytes @param {string} mimeType @param {string} name */
-export async function decodeImage(bytes, mimeType, name) {
+/** @param {Uint8Array} bytes @param {string} mimeType */
+export async function decodeImage(bytes, mimeType) {
     let bitmap;
     try {
         bitmap = await createImageBitmap(new Blob([bytes], { type: mimeType }), {
@@ -41,7 +53,7 @@ export async function decodeImage(bytes, mimeType, name) {
             colorSpaceConversion: 'none',
         });
     } catch (error) {
-        throw new Error(`${name}: the browser cannot decode this ${mimeType}: ${error}`);
+        throw new Error(`the browser cannot decode this ${mimeType}: ${error}`);
     }
     const pixels = pixelsOf(bitmap);
     bitmap.close();
@@ -50,10 +62,10 @@ export async function decodeImage(bytes, mimeType, name) {
 
 /**
  * A lightmap of 8 bits a channel as RGB9E5: filters need linear light.
- * @param {Uint8Array} bytes @param {string} mimeType @param {string} name @param {{scale: number, exponent: number}} curve
+ * @param {Uint8Array} bytes @param {string} mimeType @param {{scale: number, exponent: number}} curve
  */
-export async function readByCurve(bytes, mimeType, name, curve) {
-    const { width, height, data } = await decodeImage(bytes, mimeType, name);
+export async function readByCurve(bytes, mimeType, curve) {
+    const { width, height, data } = await decodeImage(bytes, mimeType);
     const values = Float32Array.from({ length: 256 }, (_, c) => curve.scale * (c / 255) ** curve.exponent);
     const texels = new Uint32Array(width * height);
     for (let i = 0; i < texels.length; ++i)

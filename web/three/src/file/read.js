@@ -2,9 +2,13 @@
 import { reflectionTileHeight } from '../generated/shading.js';
 import { readCells } from '../probes/cells.js';
 import { readSight } from '../probes/sight.js';
+import { bakeValueRanges } from '../generated/ranges.js';
+import { checkBake, invalid, isWithin, rangeText } from './check.js';
+import { hasSet, lossesOf } from './losses.js';
 import { readByCurve, readRgb9e5, decodeImage } from './images.js';
 
 const ROOT = 'HALFLIGHT_mixed_lighting';
+const BAKE = `/extensions/${ROOT}`;
 const NODE = 'HALFLIGHT_node';
 const LIGHT = 'HALFLIGHT_light';
 const MATERIAL = 'HALFLIGHT_material';
@@ -80,6 +84,7 @@ const MATERIAL = 'HALFLIGHT_material';
  * @property {ReflectionData | null} reflections
  * @property {{zenith: number[], horizon: number[], ground: number[], picture?: SkyPicture}} sky
  * @property {number[]} shadowColor
+ * @property {string[]} lost what a tool dropped of the bake
  * @property {Map<number, NodeData>} nodes
  * @property {Map<number, LightData>} lights
  * @property {Map<number, {castShadows: boolean, receiveShadows: boolean}>} materials
@@ -94,30 +99,27 @@ export function isBaked(json) {
 /** @param {Source} source @returns {Promise<BakedData>} */
 export async function readBaked(source) {
     const root = source.json.extensions?.[ROOT];
-    if (!root) throw new Error('the file is not baked: it has no HALFLIGHT_mixed_lighting');
-    if (root.version !== 1 && root.version !== 2)
-        throw new Error(`the bake's format is version ${root.version}; this program reads versions 1 and 2`);
+    if (root === undefined) throw new Error('the file is not baked: it has no HALFLIGHT_mixed_lighting');
+    checkBake(source.json);
     const bytes = { lightmaps: 0, masks: 0, directions: 0, probes: 0, sky: 0, reflections: 0 };
-    const pages = async (list, part, decode) =>
-        Promise.all(
-            (list ?? []).map(async (entry, page) => {
-                const image = pictureOf(source.json, entry);
-                const data = bytesOf(await (image.bufferView === undefined ? source.file(image.uri) : source.bufferView(image.bufferView)));
-                bytes[part] += data.byteLength;
-                return decode(data, image.mimeType ?? '', `${part} page ${page}`);
-            })
-        );
+    const decoded = async (entry, path, part, decode) => {
+        const image = pictureOf(source.json, entry);
+        const data = bytesOf(await (image.bufferView === undefined ? source.file(image.uri) : source.bufferView(image.bufferView)));
+        bytes[part] += data.byteLength;
+        try {
+            return await decode(data, image.mimeType ?? '');
+        } catch (error) {
+            throw invalid(`${BAKE}/${path}`, error.message);
+        }
+    };
+    const pages = (list, member, part, decode) => Promise.all((list ?? []).map((entry, page) => decoded(entry, `${member}/${page}`, part, decode)));
     const { picture, ...sky } = root.sky ?? { zenith: [0, 0, 0], horizon: [0, 0, 0], ground: [0, 0, 0] };
-    const [lightmaps, directions, masks, [skyPixels], [reflectionPixels], probes] = await Promise.all([
-        pages(root.lightmaps, 'lightmaps', (data, mimeType, name) =>
-            root.lightmapEncoding
-                ? readByCurve(data, mimeType, name, root.lightmapEncoding)
-                : readRgb9e5(data, mimeType, name)
-        ),
-        pages(root.lightmapDirections, 'directions', decodeImage),
-        pages(root.shadowmasks, 'masks', decodeImage),
-        pages(picture && [picture], 'sky', readRgb9e5),
-        pages(root.reflectionProbes && [root.reflectionProbes.picture], 'reflections', readRgb9e5),
+    const [lightmaps, directions, masks, skyPixels, reflectionPixels, probes] = await Promise.all([
+        pages(root.lightmaps, 'lightmaps', 'lightmaps', (data, mimeType) => (root.lightmapEncoding ? readByCurve(data, mimeType, root.lightmapEncoding) : readRgb9e5(data))),
+        pages(root.lightmapDirections, 'lightmapDirections', 'directions', decodeImage),
+        pages(root.shadowmasks, 'shadowmasks', 'masks', decodeImage),
+        picture && decoded(picture, 'sky/picture', 'sky', readRgb9e5),
+        root.reflectionProbes && decoded(root.reflectionProbes.picture, 'reflectionProbes/picture', 'reflections', readRgb9e5),
         readProbes(source, root),
     ]);
     bytes.probes = bytesOfProbes(source.json, root.probes);
@@ -134,7 +136,8 @@ export async function readBaked(source) {
         reflections: reflectionPixels ? reflectionData(root, reflectionPixels) : null,
         sky: picture ? { ...sky, picture: { pixels: skyPixels, unitNits: picture.unitNits, rotation: picture.rotation } } : sky,
         shadowColor: root.subtractiveShadowColor ?? [0, 0, 0],
-        nodes: collect(source.json.nodes, NODE, nodeData),
+        nodes: collect(source.json.nodes, NODE, (e, node) => nodeData(e, hasSet(source.json, node, e.lightmap?.texCoord ?? 1))),
+        lost: lossesOf(source.json),
         lights: collect(source.json.nodes, LIGHT, lightData),
         materials: collect(source.json.materials, MATERIAL, (e) => ({
             castShadows: e.castShadows ?? true,
@@ -148,7 +151,7 @@ function reflectionData({ reflectionProbes, origin = [0, 0, 0] }, picture) {
     const { unitNits, size, probes } = reflectionProbes;
     const height = probes.length * reflectionTileHeight(size);
     if (picture.width !== size || picture.height !== height)
-        throw new Error(`the picture of the file's reflection probes is ${picture.width} x ${picture.height}, not ${size} x ${height}`);
+        throw invalid(`${BAKE}/reflectionProbes/picture`, `is ${picture.width} x ${picture.height} texels, not ${size} x ${height}, as its probes' tiles`);
     const moved = (p) => p.map((x, axis) => x + origin[axis]);
     const world = probes.map(({ position, box, fade }) => ({ position: moved(position), box: [...box.slice(0, 12), ...moved(box.slice(12, 15)), 1], fade }));
     return { picture, unitNits, size, probes: world };
@@ -166,10 +169,10 @@ function checkPages(lightmaps, directions, masks) {
     const first = lightmaps[0];
     for (const [name, pages] of Object.entries({ lightmap: lightmaps, direction: directions, shadowmask: masks })) {
         if (pages.length > 0 && pages.length < lightmaps.length)
-            throw new Error(`the file has ${lightmaps.length} lightmap pages but ${pages.length} ${name} pages`);
+            throw invalid(BAKE, `has ${pages.length} ${name}s for ${lightmaps.length} lightmaps`);
         for (const page of pages) {
             if (page.width !== (pages[0] ?? first).width || page.height !== (pages[0] ?? first).height)
-                throw new Error(`the file's ${name} pages differ in size`);
+                throw invalid(BAKE, `its ${name} pages differ in size`);
         }
     }
 }
@@ -197,11 +200,19 @@ async function readProbes(source, root) {
         integers(p.sightRanges),
         integers(p.sight),
     ]);
+    const ranged = { positions: [positions, 3, 'a position'], radiance: [radiance, 27, 'radiance'], occlusion: [occlusion, 4, 'occlusion'], sightRanges: [sightRanges ?? [], 1, 'a sight range'] };
+    for (const [name, [values, size, what]] of Object.entries(ranged)) checkValues(name, values, size, what);
     const origin = root.origin ?? [0, 0, 0];
     for (let i = 0; i < positions.length; ++i) positions[i] += origin[i % 3];
     const grid = p.grid ? { ...p.grid, origin: p.grid.origin.map((x, axis) => x + origin[axis]) } : null;
     const cells = tetrahedra ? readCells(tetrahedra, neighbors, valid) : null;
     return { count: p.count, positions, radiance, occlusion, valid, grid, cells, sight: readSight(sightRanges, sight) };
+}
+
+function checkValues(name, values, size, what) {
+    const range = bakeValueRanges.find(([path]) => path.endsWith(`/probes/${name}`)).slice(1);
+    for (let i = 0; i < values.length; ++i)
+        if (!isWithin(values[i], range)) throw invalid(`${BAKE}/probes`, `probe ${Math.floor(i / size)} has ${what} that is not ${rangeText(range)}`);
 }
 
 /** In the file: of buffer views with meshopt compression the compressed ones. */
@@ -216,13 +227,14 @@ function collect(list, extension, convert) {
     const result = new Map();
     (list ?? []).forEach((entry, index) => {
         const e = entry.extensions?.[extension];
-        if (e) result.set(index, convert(e));
+        if (e) result.set(index, convert(e, entry));
     });
     return result;
 }
 
-function nodeData(e) {
-    const l = e.lightmap;
+/** @param {boolean} hasCoordinates without which probes light it */
+function nodeData(e, hasCoordinates) {
+    const l = hasCoordinates ? e.lightmap : undefined;
     const lightmap = l && {
         page: l.page ?? 0,
         scale: l.scale ?? [1, 1],

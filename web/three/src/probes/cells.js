@@ -1,4 +1,8 @@
 // The tetrahedra between probes that a file holds, checked: docs/format.md, "Probes".
+import { invalid } from '../file/check.js';
+
+const PROBES = '/extensions/HALFLIGHT_mixed_lighting/probes';
+
 export const OUTSIDE = 0xffffffff;
 
 /** @typedef {{vertices: Uint32Array, neighbors: Uint32Array}} Cells four indices of probes and of cells for each */
@@ -9,15 +13,15 @@ export const OUTSIDE = 0xffffffff;
  */
 export function readCells(tetrahedra, neighbors, valid) {
     const vertices = Uint32Array.from(tetrahedra);
-    if (vertices.length % 4 !== 0) throw new Error('the file\'s probes.tetrahedra is not a list of four indices each');
+    if (vertices.length % 4 !== 0) throw invalid(PROBES, 'tetrahedra is not a list of four indices each');
     for (let i = 0; i < vertices.length; ++i)
-        if (!valid[vertices[i]]) throw new Error(`the file's probes.tetrahedra ${i >> 2} has a vertex that is no valid probe`);
+        if (!valid[vertices[i]]) throw invalid(PROBES, `tetrahedron ${i >> 2} has a vertex that is no valid probe`);
     if (!neighbors) return { vertices, neighbors: findNeighbors(vertices) };
     const cells = { vertices, neighbors: Uint32Array.from(neighbors) };
     if (neighbors.length !== vertices.length)
-        throw new Error(`the file has ${vertices.length / 4} tetrahedra of probes, but neighbours of ${neighbors.length / 4}`);
+        throw invalid(PROBES, `neighbors does not have ${vertices.length / 4} elements`);
     for (let i = 0; i < vertices.length; ++i)
-        if (!meets(cells, i)) throw new Error(`the file's probes.tetrahedra ${i >> 2} has a neighbour that is not beside it`);
+        if (!meets(cells, i)) throw invalid(PROBES, `tetrahedron ${i >> 2} has a neighbour that is not beside it`);
     return cells;
 }
 

@@ -1,4 +1,5 @@
 // How far probes see, and which points they do not: docs/format.md, "Sight". As src/render/frame/probes_sight.cpp.
+import { invalid } from '../file/check.js';
 import { octahedralShare, octahedralX, octahedralY, probeSight } from '../generated/shading.js';
 
 const ONE = 65535;
@@ -13,7 +14,7 @@ export function readSight(ranges, corners) {
     const count = corners.length / 2;
     const size = Math.round(Math.sqrt(count / maps));
     if (!(size >= 3) || size % 2 === 0 || maps * size * size !== count)
-        throw new Error('the file\'s probes.sight does not hold a square map for each of sightRanges above 0');
+        throw invalid('/extensions/HALFLIGHT_mixed_lighting/probes', 'sight does not hold a square map for each sightRange above 0');
     const nearness = Float32Array.from({ length: count }, (_, i) => ONE / Math.max(corners[2 * i], 1));
     const variance = nearness.map((n, i) => ((n * corners[2 * i + 1]) / ONE) ** 2);
     return { size, ranges: Float32Array.from(ranges), first: first.map((map) => map * size * size), nearness, variance };

@@ -55,6 +55,7 @@ export class HalflightScene {
         this.#shadowColor = [...data.shadowColor];
         if (options.dynamicLayer !== undefined) checkNumber('dynamicLayer', options.dynamicLayer, ' of a layer', 0, 31);
         this.dynamicLayer = options.dynamicLayer ?? DYNAMIC_LAYER;
+        for (const lost of data.lost) this.#warnings.keep(`the file has lost part of its bake: ${lost}; use the file that the bake wrote, or a tool that keeps its extensions`);
         this.field = new ProbeField(data.probes, data.sky);
         if (data.probes?.cells && !this.field.cellsOfFile && !this.field.empty)
             this.#warnings.keep("the file's tetrahedra do not fit the positions of its probes: others are made, which takes a while");

@@ -1,0 +1,154 @@
+// Files with one fault each: refused with the path of the fault before anything is shown, or shown with a sentence.
+import assert from 'node:assert/strict';
+import { writeFileSync } from 'node:fs';
+import { join } from 'node:path';
+import { test } from 'node:test';
+
+import { readGlb, writeGlb } from '../glb.mjs';
+import { studio } from './studio.mjs';
+
+const BAKE = '/extensions/HALFLIGHT_mixed_lighting';
+const LOST = 'the file has lost part of its bake: ';
+
+/** A baked file, with what the faults need to find. */
+class Faulty {
+    constructor(path) {
+        Object.assign(this, readGlb(path));
+        this.buffer = Buffer.from(this.buffer);
+        this.bake = this.json.extensions.HALFLIGHT_mixed_lighting;
+        this.probes = this.bake.probes;
+    }
+
+    accessor(name) {
+        return this.json.accessors[this.probes[name]];
+    }
+
+    at(name) {
+        const { bufferView, byteOffset = 0 } = this.accessor(name);
+        return (this.json.bufferViews[bufferView].byteOffset ?? 0) + byteOffset;
+    }
+
+    picture({ index }) {
+        const texture = this.json.textures[index];
+        const held = Object.values(texture.extensions ?? {}).find((e) => e.source !== undefined) ?? texture;
+        return this.json.bufferViews[this.json.images[held.source].bufferView];
+    }
+
+    node(extension) {
+        return this.json.nodes.find((node) => node.extensions?.[extension]).extensions[extension];
+    }
+}
+
+const probesAre = (name, change) => (f) => { f.accessor(name).count = change(f.accessor(name).count); };
+const setFloat = (name, element, value) => (f) => f.buffer.writeFloatLE(value, f.at(name) + 4 * element);
+const reflection = (change) => (f) => change(f.bake.reflectionProbes);
+
+const zeroLightmap = (f) => {
+    const { byteOffset, byteLength } = f.picture(f.bake.lightmaps[0]);
+    f.buffer.fill(0, byteOffset + 200, byteOffset + byteLength);
+};
+
+/** What is wrong, how, and the beginning of the sentence that refuses the file, or a part of the warning that it is shown with. */
+const FAULTS = [
+    ['radiance is short', probesAre('radiance', (n) => n - 1), `${BAKE}/probes: radiance does not have`],
+    ['radiance is long', probesAre('radiance', (n) => 100 * n), `${BAKE}/probes: radiance does not have`],
+    ['occlusion is short', probesAre('occlusion', () => 100), `${BAKE}/probes: occlusion does not have`],
+    ['tetrahedra are short', probesAre('tetrahedra', () => 100), `${BAKE}/probes: neighbors does not have 100`],
+    ['sight is short', probesAre('sight', () => 5), `${BAKE}/probes: sight does not hold`],
+    ['the count is another', (f) => { f.probes.count = 5; }, `${BAKE}/probes: positions does not have 5`],
+    ['no such accessor', (f) => { f.probes.radiance = 999; }, `${BAKE}/probes: radiance refers to`],
+    ['an accessor by name', (f) => { f.probes.radiance = 'x'; }, `${BAKE}/probes/radiance: is "x"`],
+    ['an accessor of another type', (f) => { f.accessor('radiance').type = 'VEC2'; }, '/accessors/'],
+    ['a vertex that is no probe', (f) => f.buffer.writeUInt32LE(4000000000, f.at('tetrahedra')), `${BAKE}/probes: tetrahedron 0 has a vertex`],
+    ['a neighbour elsewhere', (f) => f.buffer.writeUInt32LE(12345678, f.at('neighbors')), `${BAKE}/probes: tetrahedron 0 has a neighbour`],
+    ['a position that is not finite', setFloat('positions', 1, NaN), `${BAKE}/probes: probe 0 has a position`],
+    ['radiance that is not finite', setFloat('radiance', 27 * 133 + 5, NaN), `${BAKE}/probes: probe 133 has radiance`],
+    ['radiance beyond light', setFloat('radiance', 30, 1e38), `${BAKE}/probes: probe 1 has radiance`],
+    ['occlusion above 1', setFloat('occlusion', 9, 1.5), `${BAKE}/probes: probe 2 has occlusion`],
+    ['a view beyond the buffer', (f) => { f.json.bufferViews[f.accessor('sight').bufferView].byteOffset = f.buffer.length - 8; }, '/bufferViews/'],
+    ['no such lightmap', (f) => { f.bake.lightmaps = [{ index: 99 }]; }, `${BAKE}/lightmaps/0: refers to a texture`],
+    ['lightmaps gone', (f) => { delete f.bake.lightmaps; }, `${BAKE}: has 1 shadowmasks for 0 lightmaps`],
+    ['a lightmap cut short', (f) => { f.picture(f.bake.lightmaps[0]).byteLength = 100; }, `${BAKE}/lightmaps/0: the KTX2 image is not readable`],
+    ['a mask cut short', (f) => { f.picture(f.bake.shadowmasks[0]).byteLength = 100; }, `${BAKE}/shadowmasks/0: the browser cannot decode`],
+    ['reflections cut short', (f) => { f.picture(f.bake.reflectionProbes.picture).byteLength = 100; }, `${BAKE}/reflectionProbes/picture: the KTX2`],
+    ['a lightmap of zeros', zeroLightmap, `${BAKE}/lightmaps/0: the KTX2`],
+    ['a lightmap too wide', (f) => f.buffer.writeUInt32LE(100000, f.picture(f.bake.lightmaps[0]).byteOffset + 20), `${BAKE}/lightmaps/0: the KTX2`],
+    ['a tile of no size', reflection((r) => { r.size = 0; }), `${BAKE}/reflectionProbes/size: is 0`],
+    ['a box of zeros', reflection((r) => { r.probes[0].box = new Array(16).fill(0); }), `${BAKE}/reflectionProbes/probes/0: box is not`],
+    ['a box too large', reflection((r) => { r.probes[0].box[0] = 1e20; }), `${BAKE}/reflectionProbes/probes/0/box/0: is`],
+    ['a fade too short', reflection((r) => { r.probes[0].fade = 1e-30; }), `${BAKE}/reflectionProbes/probes/0/fade: is`],
+    ['a unit beyond light', reflection((r) => { r.unitNits = 3e38; }), `${BAKE}/reflectionProbes/unitNits: is`],
+    ['another mode', (f) => { f.bake.mode = 'foo'; }, `${BAKE}: mode is not`],
+    ['a newer version', (f) => { f.bake.version = 99; }, `${BAKE}: was written by a newer version`],
+    ['a version in words', (f) => { f.bake.version = 'two'; }, `${BAKE}/version: is "two"`],
+    ['a sky in words', (f) => { f.bake.sky = 'blue'; }, `${BAKE}/sky: is "blue", not an object`],
+    ['a sky without its ground', (f) => { delete f.bake.sky.ground; }, `${BAKE}/sky: ground is missing`],
+    ['a sky below 0', (f) => { f.bake.sky.horizon[1] = -1; }, `${BAKE}/sky/horizon/1: is -1`],
+    ['an extension that is null', (f) => { f.json.extensions.HALFLIGHT_mixed_lighting = null; }, `${BAKE}: is null`],
+    ['an extension that is a list', (f) => { f.json.extensions.HALFLIGHT_mixed_lighting = []; }, `${BAKE}: is an empty array`],
+    ['no such page', (f) => { f.node('HALFLIGHT_node').lightmap.page = 9; }, '/nodes/0/extensions/HALFLIGHT_node/lightmap: refers to'],
+    ['a scale in words', (f) => { f.node('HALFLIGHT_node').lightmap.scale = 'a'; }, '/nodes/0/extensions/HALFLIGHT_node/lightmap/scale: is "a"'],
+    ['a scale gone', (f) => { delete f.node('HALFLIGHT_node').lightmap.scale; }, '/nodes/0/extensions/HALFLIGHT_node/lightmap: scale and offset'],
+    ['no such channel', (f) => { f.node('HALFLIGHT_light').baking.occlusionMaskChannel = 70; }, /^\/nodes\/\d+\/extensions\/HALFLIGHT_light\/baking\/occlusionMaskChannel: is/],
+    ['masks gone', (f) => { delete f.bake.shadowmasks; }, `${LOST}its shadowmasks`],
+    ['a set of coordinates that is not there', (f) => { f.node('HALFLIGHT_node').lightmap.texCoord = 7; }, `${LOST}the lightmap coordinates of objects "floor"`],
+    ['coordinates gone', (f) => { delete f.json.meshes[0].primitives[0].attributes.TEXCOORD_1; }, `${LOST}the lightmap coordinates of objects "floor"`],
+    ['the record of a light gone', (f) => { delete f.node('HALFLIGHT_light').baking; }, `${LOST}1 of 1 baked lights`],
+    ['the place of a light gone', (f) => { delete f.node('HALFLIGHT_light').baking.worldFromLight; }, 'moved since its bake'],
+];
+
+/** Loads a file, and draws it twice where it loads. Runs in the page. */
+async function attempt(file) {
+    const { loaded, load, makeRenderer, viewOf } = window.halflightPage;
+    const errors = [];
+    const { error, warn } = console;
+    console.warn = () => {};
+    console.error = (...words) => errors.push(words.join(' '));
+    try {
+        await load({ file });
+    } catch (thrown) {
+        return { refused: thrown.message };
+    } finally {
+        console.warn = warn;
+        console.error = error;
+    }
+    const renderer = await makeRenderer(32, 18);
+    const view = viewOf('main', 16 / 9);
+    console.warn = () => {};
+    console.error = (...words) => errors.push(words.join(' '));
+    try {
+        for (let i = 0; i < 2; ++i) {
+            loaded.halflight.update(renderer, view);
+            renderer.render(loaded.scene, view);
+        }
+    } catch (thrown) {
+        errors.push(thrown.message);
+    } finally {
+        console.warn = warn;
+        console.error = error;
+    }
+    return { warnings: [...loaded.halflight.warnings], errors };
+}
+
+test('broken files: refused with a path, or shown with a sentence', async () => {
+    studio.bake('tests/sphere_on_floor', 'whole', '--lightmap-size', '128');
+    const { page } = await studio.pageOf('three');
+    const whole = await page.evaluate(attempt, '/files/whole.glb');
+    assert.deepEqual(whole.errors, []);
+    assert.ok(!whole.warnings.some((sentence) => /lost|moved/.test(sentence)), whole.warnings.join());
+    const wrong = [];
+    for (const [i, [name, change, expected]] of FAULTS.entries()) {
+        const file = new Faulty(studio.pathOf('whole'));
+        change(file);
+        writeGlb(studio.pathOf(`broken-${i}`), file);
+        const { refused, warnings = [], errors = [] } = await page.evaluate(attempt, `/files/broken-${i}.glb`);
+        const fits = (sentence) => (typeof expected === 'string' ? sentence.includes(expected) : expected.test(sentence));
+        const isPath = typeof expected !== 'string' || expected.startsWith('/');
+        const good = isPath ? refused !== undefined && fits(refused) : refused === undefined && errors.length === 0 && warnings.some(fits);
+        if (!good) wrong.push(`${name}: ${refused ?? `shown: ${[...warnings, ...errors].join(' | ')}`}`);
+    }
+    assert.deepEqual(wrong, []);
+    writeFileSync(join(studio.files, 'cut.glb'), Buffer.from(new Uint8Array(64)));
+    const cut = await page.evaluate(attempt, '/files/cut.glb');
+    assert.ok(cut.refused, 'what is no glTF is refused by the loader');
+});

@@ -1,0 +1,212 @@
+// Whether a file's JSON is one that the program reads: the same paths, the same sentences. Types and ranges of numbers are
+// tables; what members refer to is here.
+import { bakeRanges } from '../generated/ranges.js';
+import { bakeTypes } from './types.js';
+
+const BAKE = '/extensions/HALFLIGHT_mixed_lighting';
+const LARGEST_FLOAT = 3.4028234663852886e38;
+const LARGEST_INDEX = 2 ** 31 - 1;
+const MODES = ['baked-indirect', 'shadowmask', 'subtractive'];
+const PROBES = ['automatic', 'single', 'volume'];
+const MOST_REFLECTIONS = 32;
+
+/** @param {string} path @param {string} message */
+export function invalid(path, message) {
+    return new Error(`${path}: ${message}`);
+}
+
+/** JSON text of a value, short enough for a sentence. */
+function shown(value) {
+    if (Array.isArray(value)) return value.length === 0 ? 'an empty array' : 'an array';
+    if (value !== null && typeof value === 'object') return 'an object';
+    const text = JSON.stringify(value) ?? String(value);
+    return text.length <= 40 ? text : `${text.slice(0, 40)}...`;
+}
+
+const isIndex = (x) => Number.isInteger(x) && x >= 0 && x <= LARGEST_INDEX;
+const isFloat = (x) => typeof x === 'number' && Math.abs(x) <= LARGEST_FLOAT;
+const isObject = (x) => x !== null && typeof x === 'object' && !Array.isArray(x);
+const isList = (x, count, test) => Array.isArray(x) && (!count || x.length === count) && x.every(test);
+
+/** Tests of the types, and what a value should be. @type {Record<string, [(x: any, count?: number) => boolean, (count?: number) => string]>} */
+const KINDS = {
+    Any: [() => true, () => ''],
+    Object: [isObject, () => 'an object'],
+    Array: [Array.isArray, () => 'an array'],
+    Text: [(x) => typeof x === 'string', () => 'a string'],
+    Flag: [(x) => typeof x === 'boolean', () => 'true or false'],
+    Number: [isFloat, () => 'a number that fits a float'],
+    Index: [isIndex, () => 'an unsigned integer below 2^31'],
+    Length: [(x) => Number.isSafeInteger(x) && x >= 0, () => 'an unsigned integer'],
+    Signed: [Number.isInteger, () => 'an integer'],
+    Indices: [(x, count) => isList(x, count, isIndex), (count) => `an array of ${count} unsigned integers`],
+    Numbers: [(x, count) => isList(x, count, isFloat), (count) => `an array of ${count ? `${count} ` : ''}numbers that fit floats`],
+};
+
+/** The tables as a tree: an item stands for the items of an array or the members of an object. */
+function makeShape() {
+    const top = { kind: 'Object', members: {} };
+    const at = (path) => {
+        let shape = top;
+        for (const step of path.split('/')) {
+            shape.kind = step === '*' ? 'Array' : 'Object';
+            if (step === '*') shape = shape.items ??= { kind: 'Any', members: {} };
+            else shape = shape.members[step] ??= { kind: 'Any', members: {} };
+        }
+        return shape;
+    };
+    for (const [path, kind, count] of bakeTypes) Object.assign(at(path), { kind, count });
+    for (const [path, ...range] of bakeRanges) at(path).range = range;
+    return top;
+}
+
+const SHAPE = makeShape();
+
+export function isWithin(x, [least, most, above]) {
+    return (above ? x > least : x >= least) && x <= most;
+}
+
+export function rangeText([least, most, above]) {
+    return above ? `above ${least}, at most ${most}` : `from ${least} to ${most}`;
+}
+
+function checkShape(value, shape, path) {
+    const [test, wanted] = KINDS[shape.kind];
+    if (!test(value, shape.count)) throw invalid(path, `is ${shown(value)}, not ${wanted(shape.count)}`);
+    if (shape.range)
+        [value].flat().forEach((x, i) => {
+            if (!isWithin(x, shape.range)) throw invalid(Array.isArray(value) ? `${path}/${i}` : path, `is ${shown(x)}, not a number ${rangeText(shape.range)}`);
+        });
+    if (shape.items) value.forEach((item, i) => checkShape(item, shape.items, `${path}/${i}`));
+    for (const [name, member] of Object.entries(shape.members)) if (value[name] !== undefined) checkShape(value[name], member, `${path}/${name}`);
+}
+
+/** Throws one sentence, with a path, where the program refuses the file too. @param {any} json of a file with a bake */
+export function checkBake(json) {
+    const root = json.extensions.HALFLIGHT_mixed_lighting;
+    checkShape(root, SHAPE.members.extensions.members.HALFLIGHT_mixed_lighting, BAKE);
+    if (root.version > 2) throw invalid(BAKE, `was written by a newer version of this program: its format is version ${root.version}`);
+    if (root.version !== 1 && root.version !== 2) throw invalid(BAKE, `version is ${shown(root.version)}, not 1 or 2`);
+    if (!MODES.includes(root.mode)) throw invalid(BAKE, `mode is not ${MODES.slice(0, 2).join(', ')} or ${MODES[2]}`);
+    checkShape(json, SHAPE, '');
+    checkMembers(root);
+    checkPictures(json, root);
+    checkReflections(json, root.reflectionProbes);
+    checkProbes(json, root.probes);
+    (json.nodes ?? []).forEach((node, i) => checkNode(node, root, `/nodes/${i}`));
+}
+
+/** Members of an object of the root that a reader cannot do without. */
+const REQUIRED = { sky: ['zenith', 'horizon', 'ground'], 'sky/picture': ['unitNits', 'rotation'], lightmapEncoding: ['scale', 'exponent'], 'probes/grid': ['origin', 'spacing', 'size'] };
+
+function checkMembers(root) {
+    for (const [path, names] of Object.entries(REQUIRED)) {
+        const object = path.split('/').reduce((value, step) => value?.[step], root);
+        for (const name of object ? names : []) if (object[name] === undefined) throw invalid(`${BAKE}/${path}`, `${name} is missing`);
+    }
+    (root.shadowmaskChannels ?? []).forEach(({ encoding, rangeTexels, penumbraTexels }, i) => {
+        if (encoding !== 'distance') return;
+        if (rangeTexels === undefined || penumbraTexels === undefined) throw invalid(`${BAKE}/shadowmaskChannels/${i}`, 'rangeTexels or penumbraTexels is missing');
+    });
+}
+
+function checkPictures(json, root) {
+    const lists = { lightmaps: root.lightmaps, lightmapDirections: root.lightmapDirections, shadowmasks: root.shadowmasks };
+    const pages = root.lightmaps?.length ?? 0;
+    for (const [name, list] of Object.entries(lists)) {
+        (list ?? []).forEach((entry, i) => checkPicture(json, entry, `${BAKE}/${name}/${i}`));
+        if (list && list.length > 0 && list.length !== pages) throw invalid(BAKE, `has ${list.length} ${name} for ${pages} lightmaps`);
+    }
+    if (root.sky?.picture) checkPicture(json, root.sky.picture, `${BAKE}/sky/picture`);
+}
+
+/** Of version 1 of the format a page is the image itself. */
+function checkPicture(json, entry, path) {
+    let image = entry;
+    if (entry.index !== undefined) {
+        const texture = json.textures?.[entry.index];
+        if (!texture) throw invalid(path, 'refers to a texture that does not exist');
+        const { HALFLIGHT_texture_ktx2: ktx2, EXT_texture_webp: webp } = texture.extensions ?? {};
+        image = json.images?.[(ktx2 ?? webp ?? texture).source];
+    }
+    if (!image) throw invalid(path, 'refers to an image that does not exist');
+    if (image.bufferView === undefined && image.uri === undefined) throw invalid(path, 'has neither a buffer view nor a file');
+    if (image.bufferView !== undefined && !json.bufferViews?.[image.bufferView]) throw invalid(path, 'refers to a buffer view that does not exist');
+}
+
+function checkReflections(json, reflections) {
+    if (!reflections) return;
+    const path = `${BAKE}/reflectionProbes`;
+    if (!(reflections.unitNits > 0)) throw invalid(path, 'unitNits is not a number above 0');
+    if (!(reflections.size % 16 === 0)) throw invalid(path, 'size is not a multiple of 16 from 32 to 1024');
+    const { probes } = reflections;
+    if (!probes || probes.length < 1 || probes.length > MOST_REFLECTIONS) throw invalid(path, `probes is not a list of 1 to ${MOST_REFLECTIONS}`);
+    probes.forEach(({ position, box, fade }, i) => {
+        const own = `${path}/probes/${i}`;
+        if (!position) throw invalid(own, 'position is not three numbers');
+        if (!box || !(thickness(box) > 2e-7)) throw invalid(own, 'box is not a transform of 16 numbers with an inverse, or thinner than 2e-7 m');
+        if (!(fade > 0)) throw invalid(own, 'fade is not a number above 0');
+    });
+    if (!reflections.picture) throw invalid(`${path}/picture`, 'refers to a texture that does not exist');
+    checkPicture(json, reflections.picture, `${path}/picture`);
+}
+
+/** Least distance of opposite faces of the box that a matrix makes of [-1, 1]^3; 0 without an inverse. @param {number[]} m */
+function thickness(m) {
+    const [a, b, c] = [0, 4, 8].map((i) => m.slice(i, i + 3));
+    const cross = (u, v) => [u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]];
+    const faces = [cross(b, c), cross(c, a), cross(a, b)];
+    const volume = Math.abs(a[0] * faces[0][0] + a[1] * faces[0][1] + a[2] * faces[0][2]);
+    return volume > 0 ? Math.min(...faces.map((face) => (2 * volume) / Math.hypot(...face))) : 0;
+}
+
+/** Components of the probes' accessors, and how many elements each has. */
+const PROBE_ACCESSORS = {
+    positions: ['VEC3', (n) => n], radiance: ['VEC3', (n) => 9 * n], occlusion: ['VEC4', (n) => n], valid: ['SCALAR', (n) => n], sightRanges: ['SCALAR', (n) => n],
+    tetrahedra: ['VEC4', null], neighbors: ['VEC4', (_, count) => count('tetrahedra')], sight: ['VEC2', null],
+};
+const SIZES = { SCALAR: 1, VEC2: 2, VEC3: 3, VEC4: 4 };
+
+function checkProbes(json, probes) {
+    if (!probes) return;
+    const path = `${BAKE}/probes`;
+    if (probes.count === undefined) throw invalid(path, 'count is missing');
+    const optional = ['tetrahedra', 'neighbors', 'sightRanges', 'sight'];
+    const count = (name) => json.accessors?.[probes[name]]?.count;
+    for (const [name, [type, wanted]] of Object.entries(PROBE_ACCESSORS)) {
+        if (probes[name] === undefined && optional.includes(name)) continue;
+        const accessor = json.accessors?.[probes[name]];
+        if (!accessor) throw invalid(path, `${name} refers to an accessor that does not exist`);
+        const elements = wanted?.(probes.count, count);
+        if (wanted && accessor.count !== elements) throw invalid(path, `${name} does not have ${elements} elements`);
+        if (accessor.type !== type && SIZES[accessor.type] !== undefined) throw invalid(`/accessors/${probes[name]}`, `has ${SIZES[accessor.type]} components where ${SIZES[type]} are needed`);
+        checkView(json, probes[name]);
+    }
+}
+
+/** Bytes of a component by its type in glTF. */
+const BYTES = { 5120: 1, 5121: 1, 5122: 2, 5123: 2, 5125: 4, 5126: 4 };
+
+function checkView(json, index) {
+    const accessor = json.accessors[index];
+    const view = json.bufferViews?.[accessor.bufferView];
+    if (!view) throw invalid(`/accessors/${index}`, 'refers to a buffer view that does not exist');
+    if (view.extensions?.EXT_meshopt_compression || view.extensions?.KHR_meshopt_compression) return; // its own length
+    const buffer = json.buffers?.[view.buffer];
+    if (!buffer) throw invalid(`/bufferViews/${accessor.bufferView}`, 'refers to a buffer that does not exist');
+    if ((view.byteOffset ?? 0) + view.byteLength > buffer.byteLength) throw invalid(`/bufferViews/${accessor.bufferView}`, `reaches past the end of buffer ${view.buffer}`);
+    const element = (BYTES[accessor.componentType] ?? NaN) * SIZES[accessor.type];
+    const end = (accessor.byteOffset ?? 0) + (accessor.count - 1) * (view.byteStride ?? element) + element;
+    if (!(end <= view.byteLength)) throw invalid(`/accessors/${index}`, 'reads past the end of its buffer view');
+}
+
+function checkNode({ extensions }, root, path) {
+    const node = extensions?.HALFLIGHT_node;
+    const own = `${path}/extensions/HALFLIGHT_node`;
+    if (node?.probes !== undefined && !PROBES.includes(node.probes)) throw invalid(own, `probes is not ${PROBES.slice(0, 2).join(', ')} or ${PROBES[2]}`);
+    if (node?.lightmap && !node.lightmap.perInstance) {
+        const { page, scale, offset } = node.lightmap;
+        if (!(page < (root.lightmaps?.length ?? 0))) throw invalid(`${own}/lightmap`, 'refers to a lightmap page that does not exist');
+        if (!scale || !offset) throw invalid(`${own}/lightmap`, 'scale and offset are not two numbers each');
+    }
+}
