@@ -6,6 +6,8 @@ import math
 import bpy
 import numpy as np
 
+from . import lamps
+
 EXTENSION = "EXT_lights_area"
 CORNERS = 32  # of an ellipse: its area is 0.6 % less than the curve's, which the radiance makes up for
 
@@ -42,10 +44,10 @@ def add_lights(document, factor):
         corners = outline(light)
         scale = np.linalg.norm(np.cross(matrices[index][:3, 0], matrices[index][:3, 1]))
         area = area_of(corners) * scale
-        if area <= 0.0 or light.energy <= 0.0:
+        strength = lamps.emission_of(light)[1]
+        if area <= 0.0 or strength <= 0.0:
             continue
-        radiance = light.energy * factor / (math.pi * area)  # a Lambertian emitter of one side
-        node["mesh"] = add_mesh(document, light, corners, radiance)
+        node["mesh"] = add_mesh(document, light, corners, radiance_of(strength * factor, area))
         # It lights as an emissive surface does. It needs no texels, and Blender's area lights throw no shadow.
         extras = node.setdefault("extras", {})
         extras.update({"halflight_lightmap_scale": 0, "halflight_cast_shadows": 0})
@@ -61,17 +63,20 @@ def add_light(document, node, light, matrix, factor):
     height = (light.size_y if light.shape == "RECTANGLE" else light.size) * scales[1]
     is_disk = light.shape == "DISK"
     area = math.pi / 4 * width * width if is_disk else width * height
-    if area <= 0.0 or light.energy <= 0.0:
+    color, strength = lamps.normalized(*lamps.emission_of(light))
+    if area <= 0.0 or strength <= 0.0:
         return
     size = float((width if is_disk else height) / scales.max())
     # Settings on the object itself are in the node's extras, which go before those of the light.
     extras = {key: plain(value) for key, value in light.items() if key.startswith("halflight_")}
+    if not lamps.casts_shadows(light):
+        extras.setdefault("halflight_cast_shadows", 0)
     extension = document.json.setdefault("extensions", {}).setdefault(EXTENSION, {"lights": []})
     record = {
         "name": light.name,
         "type": "disk" if is_disk else "rect",
-        "color": list(light.color),
-        "intensity": light.energy * factor / (math.pi * area),  # a Lambertian emitter of one side
+        "color": color,
+        "intensity": radiance_of(strength * factor, area),
         "size": size,
         "extras": extras,
     }
@@ -86,9 +91,14 @@ def plain(value):
     return value.to_list() if hasattr(value, "to_list") else value
 
 
+def radiance_of(power, area):
+    """Blender before 4.0 gives an area light less than a Lambertian emitter of one side would have."""
+    return power / ((4.0 if bpy.app.version < (4, 0, 0) else math.pi) * area)
+
+
 def add_mesh(document, light, corners, radiance):
     document.use_extension("KHR_materials_emissive_strength")
-    color = np.array(light.color)
+    color = np.array(lamps.emission_of(light)[0])
     brightest = max(float(color.max()), 1e-6)
     document.list("materials").append(
         {

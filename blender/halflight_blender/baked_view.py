@@ -12,7 +12,7 @@ import os
 import bpy
 import numpy as np
 
-from . import export_scene, view_lights, view_materials
+from . import export_scene, scene_copy, view_lights, view_materials
 from .glb import Glb
 
 TAG = "halflight_baked_view"
@@ -42,7 +42,7 @@ def show(context, files):
     leave(context)
     before = {name: set(getattr(bpy.data, name)) for name in COLLECTIONS}
     try:
-        view = build(source, files)
+        view = build(source, context.view_layer, files)
     finally:
         for name in COLLECTIONS:
             for item in set(getattr(bpy.data, name)) - before[name]:
@@ -68,17 +68,13 @@ def leave(context):
     return True
 
 
-def build(source, files):
+def build(source, view_layer, files):
     document = Glb(files.baked)
     with open(os.path.join(files.sidecar, "bake.json"), encoding="utf-8") as file:
         bindings = json.load(file)
-    view = source.copy()
+    view = scene_copy.empty_copy_of(source)
     view.name = source.name + " (baked)"
     view.halflight.view_of = source
-    for child in list(view.collection.children):
-        view.collection.children.unlink(child)
-    for item in list(view.collection.objects):
-        view.collection.objects.unlink(item)
     collection = bpy.data.collections.new(view.name)
     view.collection.children.link(collection)
 
@@ -100,7 +96,7 @@ def build(source, files):
             shown.add(node.get("name"))
         elif is_area_light(node):
             shown.add(node.get("name"))
-    link_the_rest(source, collection, shown)
+    link_the_rest(view_layer, collection, shown)
     return view
 
 
@@ -109,10 +105,12 @@ def is_area_light(node):
     return item is not None and item.type == "LIGHT"
 
 
-def link_the_rest(source, collection, shown):
-    """Objects without lightmap, cameras and lights are the user's own."""
-    for item in source.objects:
-        if item.hide_render or item.name in shown and item.type != "LIGHT":
+def link_the_rest(view_layer, collection, shown):
+    """Objects without lightmap, cameras and lights are the user's own. What the camera does not see is left out."""
+    for item in scene_copy.rendered_objects(view_layer):
+        if item.name in shown and item.type != "LIGHT":
+            continue
+        if item.type in SURFACES and scene_copy.is_unseen(item, view_layer):
             continue
         if item.type in SURFACES | {"LIGHT", "CAMERA", "ARMATURE"}:
             collection.objects.link(item)
@@ -155,9 +153,15 @@ def make_object(document, node, lightmap, matrix, materials):
         colors = [np.repeat(white, len(p["positions"]), 0) if p["colors"] is None else p["colors"] for p in parts]
         layer = mesh.color_attributes.new(view_materials.COLORS, "FLOAT_COLOR", "POINT")
         layer.data.foreach_set("color", np.concatenate(colors).astype(np.float32).reshape(-1))
-    normals = np.concatenate([part["normals"] for part in parts]) @ np.linalg.inv(matrix[:3, :3])
+    normals = np.concatenate([part["normals"] for part in parts]) @ cofactors(matrix[:3, :3]).T
     set_normals(mesh, normals)
     return bpy.data.objects.new(name, mesh)
+
+
+def cofactors(matrix):
+    """What turns normals, but for their length: the inverse's transpose, and right for a matrix that flattens too."""
+    x, y, z = matrix.T
+    return np.stack([np.cross(y, z), np.cross(z, x), np.cross(x, y)], 1)
 
 
 def part_of(document, primitive, lightmap):

@@ -5,13 +5,12 @@ Units, stated once: the exporter turns watts into candela and lux by 683 lm/W ("
 Emission and the sky, which it leaves as they are, are multiplied by the same factor here.
 """
 
-import math
 import os
 
 import addon_utils
 import bpy
 
-from . import area_lights, sky
+from . import area_lights, lamps, scene_copy, sky, surfaces
 from .glb import Glb
 
 LUMENS_PER_WATT = 683.0
@@ -61,12 +60,16 @@ def export_scene(context, path, units, folder):
     known = bpy.ops.export_scene.gltf.get_rna_type().properties.keys()
     options = {name: value for name, value in OPTIONS.items() if name in known}
     options.update({name: units for name in LIGHTING_MODES if name in known})
-    bpy.ops.export_scene.gltf(filepath=path, check_existing=False, **options)
+    with scene_copy.copied_scene(context) as copy:
+        bpy.ops.export_scene.gltf(filepath=path, check_existing=False, **options)
+        document = Glb(path)
+        scene_copy.restore_names(document, copy)
 
-    document = Glb(path)
     factor = lumens_per_watt(units)
+    surfaces.add_default(document)
+    surfaces.drop_unread_colors(document)
     scale_emission(document, factor)
-    add_light_sizes(document)
+    lamps.complete(document, factor)
     warnings = area_lights.add_lights(document, factor)
     extras = document.json["scenes"][document.json.get("scene", 0)].setdefault("extras", {})
     extras.pop("halflight", None)  # settings of the bake, which are not the file's
@@ -85,17 +88,3 @@ def scale_emission(document, factor):
         extension = material.setdefault("extensions", {}).setdefault("KHR_materials_emissive_strength", {})
         extension["emissiveStrength"] = extension.get("emissiveStrength", 1.0) * factor
         document.use_extension("KHR_materials_emissive_strength")
-
-
-def add_light_sizes(document):
-    """Radius and sun angle are Blender's own fields; the exporter does not write them."""
-    extension = document.json.get("extensions", {}).get("KHR_lights_punctual", {})
-    for light in extension.get("lights", []):
-        data = bpy.data.lights.get(light.get("name", ""))
-        if data is None:
-            continue
-        extras = light.setdefault("extras", {})
-        if data.type == "SUN":
-            extras.setdefault("halflight_angular_diameter", math.degrees(data.angle))
-        else:
-            extras.setdefault("halflight_radius", data.shadow_soft_size)

@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
-"""Runs in_blender.py in a headless Blender with a profile of its own.
+"""Runs a script of this folder in a headless Blender with a profile of its own.
 
-    extension_test.py HALFLIGHT EXTENSION_FOLDER [KEEP_FOLDER]
+    extension_test.py HALFLIGHT EXTENSION_FOLDER [SCRIPT [KEEP_FOLDER]]
 
-Blender is $HALFLIGHT_BLENDER, else the one on PATH. $HALFLIGHT_WHEEL is packed into the extension where it is set. With KEEP_FOLDER, the pictures stay there.
+SCRIPT is in_blender.py if not given. Blender is $HALFLIGHT_BLENDER, else the one on PATH. $HALFLIGHT_WHEEL is packed into the extension where it is set. With KEEP_FOLDER, the pictures stay there.
 """
 
 import os
@@ -23,7 +23,7 @@ def main():
         print("skipped: there is no Blender on PATH (apt-get install blender), and HALFLIGHT_BLENDER names none")
         return SKIPPED
     with tempfile.TemporaryDirectory() as temporary:
-        folder = pathlib.Path(sys.argv[3] if len(sys.argv) > 3 else temporary).resolve()
+        folder = pathlib.Path(sys.argv[4] if len(sys.argv) > 4 else temporary).resolve()
         folder.mkdir(parents=True, exist_ok=True)
         package = folder / "halflight.zip"
         wheel = os.environ.get("HALFLIGHT_WHEEL")
@@ -33,7 +33,7 @@ def main():
         environment.update(BLENDER_USER_SCRIPTS=f"{temporary}/scripts", BLENDER_USER_DATAFILES=f"{temporary}/data")
         # Debian's Blender takes the first python3 on PATH for its own, which another one (pyenv) may be.
         environment["PATH"] = f"{pathlib.Path(blender).resolve().parent}:{environment['PATH']}"
-        script = pathlib.Path(__file__).with_name("in_blender.py")
+        script = pathlib.Path(__file__).with_name(sys.argv[3] if len(sys.argv) > 3 else "in_blender.py")
         command = [blender, "-b", "--factory-startup", "--python-exit-code", "1", "--python", str(script), "--"]
         result = subprocess.run([*command, halflight, str(package), str(folder)], env=environment)
         return result.returncode

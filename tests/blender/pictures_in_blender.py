@@ -1,0 +1,192 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What one sees is what one made: baked views against Cycles' pictures of the scenes themselves."""
+
+import math
+import os
+import sys
+
+import bpy
+import mathutils
+import numpy as np
+
+sys.path.insert(0, os.path.dirname(__file__))
+import stage  # noqa: E402
+from stage import bake, box, compare, expect, lamp, matte  # noqa: E402
+
+CUBE = (0.8, 0.8, 0.8)
+
+
+def shown(view, prefix=""):
+    return sorted(item.name for item in view.objects if item.type == "MESH" and item.name.startswith(prefix))
+
+
+def check_what_renders(extension):
+    """Excluded, disabled and render-hidden things are not baked. What the camera does not see throws its shadow."""
+    stage.empty()
+    excluded, disabled = stage.add_collection("Excluded"), stage.add_collection("No camera icon")
+    parent = box("Old box", (2, 2, 2), (1.5, 0, 0.4), matte("Red", (0.8, 0.1, 0.1)), excluded)
+    lamp("POINT", (1, -0.5, 1.5), 150, collection=excluded)
+    kid = box("Kid", (0.3, 0.3, 0.3), (-0.6, 0, 0.2), matte("Kid"))
+    kid.parent = parent
+    box("Cutter", CUBE, (0, 0, 0.4), matte("Cutter"), disabled)
+    disabled.hide_render = True
+    hidden = box("Hidden", CUBE, (0, 1, 0.4), matte("Hidden"))
+    hidden.hide_render = True
+    moved = box("Off in viewports", (0.5, 0.5, 0.5), (0, 0, 0.3), matte("Moved"))
+    bpy.context.view_layer.update()
+    moved.hide_viewport = True
+    moved.location.x = 2
+    held = box("Holdout", (0.4, 0.4, 0.4), (-2, 1, 1.5), matte("Held"))
+    held.is_holdout = True
+    box("Unseen", (0.4, 0.4, 0.4), (-1.0, 0.5, 1.5), matte("Unseen")).visible_camera = False
+    bpy.context.view_layer.layer_collection.children["Excluded"].exclude = True
+    view = bake("renders")
+    expect(shown(view) == ["Baked Floor", "Baked Kid", "Baked Off in viewports"], f"the view shows {shown(view)}")
+    middle = np.mean([v.co for v in bpy.data.objects["Baked Off in viewports"].data.vertices], 0)
+    expect(abs(middle[0] - 2.0) < 1e-3, f"an object that viewports do not show is where it renders: {middle}")
+    middle = np.mean([v.co for v in bpy.data.objects["Baked Kid"].data.vertices], 0)
+    expect(np.allclose(middle, kid.matrix_world.translation, atol=1e-3), f"the child of an excluded object: {middle}")
+    expect([light.name for light in view.halflight_lights] == ["Sun"], "lamps of excluded collections are out")
+    compare(extension, "what renders", "Floor", "Kid")
+
+
+def check_materials(extension):
+    """Surfaces without a Principled shader."""
+    scene = stage.empty()
+    surfaces = {}
+    for name in ("Without nodes", "Nowhere", "Diffuse"):
+        surfaces[name] = bpy.data.materials.new(name)
+    surfaces["Without nodes"].diffuse_color, surfaces["Without nodes"].metallic = (0.2, 0.6, 0.2, 1.0), 1.0
+    for name in ("Nowhere", "Diffuse"):
+        surfaces[name].use_nodes = True
+        surfaces[name].node_tree.nodes.clear()
+    tree = surfaces["Diffuse"].node_tree
+    shader, output = tree.nodes.new("ShaderNodeBsdfDiffuse"), tree.nodes.new("ShaderNodeOutputMaterial")
+    shader.inputs["Color"].default_value = (0.1, 0.7, 0.1, 1.0)
+    tree.links.new(shader.outputs[0], output.inputs["Surface"])
+    for number, (name, surface) in enumerate(surfaces.items()):
+        box(name, (0.6, 0.6, 0.6), (-2 + number, 0, 0.3), surface)
+    box("Clay", (0.6, 0.6, 0.6), (1, 0, 0.3))
+    slot = box("Empty slot", (0.6, 0.6, 0.6), (2, 0, 0.3))
+    slot.data.materials.append(None)
+    letters = bpy.data.curves.new("Letters", "FONT")
+    letters.body, letters.extrude, letters.size = "MM", 0.1, 1.2
+    item = bpy.data.objects.new("Letters", letters)
+    item.location, item.rotation_euler = (-0.8, 1.0, 0.2), (1.2, 0, 0)
+    scene.collection.objects.link(item)
+    bpy.context.view_layer.update()
+    before = sorted(material.name for material in bpy.data.materials)
+    bake("materials")
+    own = sorted(m.name for m in bpy.data.materials if extension.baked_view.TAG not in m)
+    expect(own == before, f"materials are those of the user: {own}")
+    black = stage.region(bpy.context.scene, "Baked Nowhere")
+    light = float(stage.picture(bpy.context.scene, "nowhere")[black].mean())
+    expect(light < 0.02, f"a shader that leads nowhere is black: {light}")
+    compare(extension, "materials", "Floor", "Without nodes", "Diffuse", "Clay", "Empty slot", "Letters")
+
+
+def check_lamps(extension):
+    """Flux of each kind of lamp, with nodes and without a shadow."""
+    for shape in ("SQUARE", "DISK", "ELLIPSE"):
+        stage.empty(sun=False)
+        lamp("AREA", (0, 0, 3), 100, (20, 0, 0), shape=shape, size=0.8, size_y=0.4)
+        bake("area")
+        compare(extension, f"area light {shape}", "Floor")
+    for blend in (0.0, 0.15, 0.5, 1.0):
+        stage.empty(sun=False)
+        lamp("SPOT", (0, 0, 3), 200, spot_blend=blend, spot_size=math.radians(60), shadow_soft_size=0.02)
+        bake("spot")
+        expect(not [text for text in stage.messages() if "one" in text and "Spot" in text], "a spot gives no warning")
+        compare(extension, f"spot with a blend of {blend}", "Floor")
+    stage.empty(sun=False)
+    bulb = lamp("POINT", (1, -0.5, 1.5), 40, use_shadow=False)
+    if hasattr(bulb.data.cycles, "cast_shadow"):
+        bulb.data.cycles.cast_shadow = False
+    bulb.data.use_nodes = True
+    inputs = bulb.data.node_tree.nodes["Emission"].inputs
+    inputs["Strength"].default_value, inputs["Color"].default_value = 3.0, (1.0, 0.5, 0.25, 1.0)
+    box("Cube", CUBE, (0.5, 0.2, 0.4), matte("Cube"))
+    view = bake("nodes")
+    expect([light.shadow for light in view.halflight_lights] == ["none"], "a lamp without shadow has no mask")
+    compare(extension, "lamp with nodes, without shadow", "Floor", "Cube")
+
+
+def check_shapes(extension):
+    """Modifiers, vertex colours, posed bones, instances and flattened objects."""
+    scene = stage.empty()
+    round_ = box("Round", CUBE, (-1.8, 0, 0.4), matte("Round"))
+    modifier = round_.modifiers.new("Subdivision", "SUBSURF")
+    modifier.levels, modifier.render_levels = 0, 3
+    hidden = round_.modifiers.new("Viewport only", "SOLIDIFY")
+    hidden.thickness, hidden.show_render = 0.01, False
+    masked = box("Masked", CUBE, (-0.6, 0, 0.4), matte("Masked"))
+    colors = masked.data.color_attributes.new("Mask", "BYTE_COLOR", "CORNER")
+    for item in colors.data:
+        item.color = (0.1, 0.1, 0.1, 1.0)
+    painted = box("Painted", CUBE, (0.6, 0, 0.4), matte("Painted"))
+    colors = painted.data.color_attributes.new("Paint", "FLOAT_COLOR", "POINT")
+    for item in colors.data:
+        item.color = (0.2, 0.5, 0.3, 1.0)
+    tree = painted.data.materials[0].node_tree
+    node = tree.nodes.new("ShaderNodeVertexColor")
+    node.layer_name = "Paint"
+    tree.links.new(node.outputs["Color"], tree.nodes["Principled BSDF"].inputs["Base Color"])
+    collection = bpy.data.collections.new("Stones")
+    collection.instance_offset = (1, 0, 0)
+    stone = box("Stone", (0.3, 0.3, 0.3), (1, 0, 0.2), matte("Stone"), collection)
+    stone.modifiers.new("Subdivision", "SUBSURF").levels = 0
+    instance = bpy.data.objects.new("Stones", None)
+    instance.instance_type, instance.instance_collection = "COLLECTION", collection
+    instance.location = (-1.8, -1.2, 0)
+    scene.collection.objects.link(instance)
+    kid, pose = add_posed()
+    bake("shapes")
+    faces = len(bpy.data.objects["Baked Round"].data.polygons)
+    expect(faces == 6 * 4**3 * 2, f"subdivision as in renders: {faces} triangles")
+    expect((modifier.levels, hidden.show_viewport) == (0, True), "the user's modifiers are as they were")
+    middle = np.mean([v.co for v in bpy.data.objects["Baked Kid"].data.vertices], 0)
+    expect(np.allclose(middle, kid.matrix_world.translation, atol=1e-3), f"the child of a posed bone: {middle}")
+    middle = np.mean([v.co for v in bpy.data.objects["Baked Stone"].data.vertices], 0)
+    expect(np.allclose(middle, (-1.8, -1.2, 0.2), atol=1e-2), f"the instance of a collection: {middle}")
+    compare(extension, "shapes", "Floor", "Round", "Masked", "Painted", "Kid")
+
+
+def check_flat(_extension):
+    """A scale of 0 does not end the view. Cycles draws such objects black, so there is nothing to compare with."""
+    stage.empty()
+    box("Flat", (1, 1, 0), (0, 0, 0.2), matte("Flat"))
+    expect("Baked Flat" in shown(bake("flat")), "a flattened object is in the view")
+
+
+def add_posed():
+    """A box below a bone that is posed and not animated."""
+    scene = bpy.context.scene
+    armature = bpy.data.objects.new("Rig", bpy.data.armatures.new("Rig"))
+    scene.collection.objects.link(armature)
+    bpy.context.view_layer.objects.active = armature
+    bpy.ops.object.mode_set(mode="EDIT")
+    bone = armature.data.edit_bones.new("Arm")
+    bone.head, bone.tail = (0, 0, 0), (0, 0, 1)
+    bpy.ops.object.mode_set(mode="OBJECT")
+    kid = box("Kid", (0.4, 0.4, 0.4), (1.8, 0, 0.5), matte("Kid"))
+    kid.parent, kid.parent_type, kid.parent_bone = armature, "BONE", "Arm"
+    bpy.context.view_layer.update()
+    pose = armature.pose.bones["Arm"]
+    kid.matrix_parent_inverse = (armature.matrix_world @ pose.matrix @ mathutils.Matrix.Translation((0, 1, 0))).inverted()
+    pose.rotation_mode, pose.rotation_euler = "XYZ", (0.2, 0.3, 0.1)
+    bpy.context.view_layer.update()
+    return kid, pose
+
+
+CHECKS = (check_what_renders, check_materials, check_lamps, check_shapes, check_flat)
+
+
+def main():
+    extension = stage.install()
+    wanted = os.environ.get("HALFLIGHT_CHECKS", "").split()  # names of some, while working on them
+    for check in CHECKS:
+        if not wanted or check.__name__ in wanted:
+            check(extension)
+
+
+main()
