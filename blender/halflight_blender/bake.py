@@ -53,6 +53,7 @@ class Job:
         self.document = Glb(self.files.scene).json
         for warning in warnings:
             messages.add(context, "WARNING", warning, self.document)
+        baked_view.note_objects(context.scene, self.document, keep_last=True)
         if self.selected is None:
             stale.note_bake(context, context.scene)
             return
@@ -113,6 +114,7 @@ class Job:
                 raise BakeError("The bake was cancelled")
             listed = [m.text for m in context.window_manager.halflight_messages if m.severity == "ERROR"]
             raise BakeError(listed[-1] if listed else f"The program ended with code {code}")
+        baked_view.note_objects(scene, self.document, keep_last=False)
         with open(self.files.report, encoding="utf-8") as file:
             report = json.load(file)
         scene.halflight.summary = summary_of(report)

@@ -84,7 +84,8 @@ def build(source, view_layer, files):
     lumens = export_scene.lumens_per_watt(source.halflight.units)
     materials = view_materials.Materials(document, bindings, files.sidecar, group, lumens)
     matrices = document.world_matrices()
-    shown = set()
+    view.halflight.baked_objects.clear()
+    objects, shown = objects_of(source), set()
     for index, node in enumerate(document.json["nodes"]):
         record = node.get("extensions", {}).get("HALFLIGHT_node", {})
         lightmap = record.get("lightmap", {})
@@ -93,22 +94,48 @@ def build(source, view_layer, files):
         if "page" in lightmap:
             matrix = view_lights.BLENDER_FROM_GLTF @ matrices[index]
             collection.objects.link(make_object(document, node, lightmap, matrix, materials))
-            shown.add(node.get("name"))
-        elif is_area_light(node):
-            shown.add(node.get("name"))
+            shown.add(objects.get(node.get("name")))
     link_the_rest(view_layer, collection, shown)
     return view
 
 
-def is_area_light(node):
-    item = bpy.data.objects.get(node.get("name", ""))
-    return item is not None and item.type == "LIGHT"
+def objects_of(source):
+    """The user's objects by their names in the baked file."""
+    objects = {item.name: item for item in source.objects}
+    objects.update((entry.name, entry.item) for entry in source.halflight.baked_objects if entry.item is not None)
+    return objects
+
+
+def note_objects(source, document, keep_last):
+    """Remembers which objects the nodes of an exported file are, so that renaming does not part them. `keep_last`: names
+    of the last file stay known, as long as it is there."""
+    entries = source.halflight.baked_objects
+    names = {node.get("name", "") for node in document.get("nodes", []) if "mesh" in node}
+    for index in reversed(range(len(entries))):
+        if (entries[index].name in names) == keep_last:
+            entries.remove(index)
+    if not keep_last:
+        return
+    for name in sorted(names):
+        item = bpy.data.objects.get(name)
+        if item is not None:
+            entry = entries.add()
+            entry.name, entry.item = name, item
+
+
+def forget_deleted(source):
+    """An object that is in no scene any more is kept by nothing but the memory of its bake."""
+    entries = source.halflight.baked_objects
+    for index in reversed(range(len(entries))):
+        item = entries[index].item
+        if item is None or not item.users_scene and not item.users_collection:
+            entries.remove(index)
 
 
 def link_the_rest(view_layer, collection, shown):
     """Objects without lightmap, cameras and lights are the user's own. What the camera does not see is left out."""
     for item in scene_copy.rendered_objects(view_layer):
-        if item.name in shown and item.type != "LIGHT":
+        if item in shown:
             continue
         if item.type in SURFACES and scene_copy.is_unseen(item, view_layer):
             continue

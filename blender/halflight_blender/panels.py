@@ -148,10 +148,16 @@ class HALFLIGHT_PT_light(Properties, bpy.types.Panel):
         layout, light = self.layout, context.light
         layout.use_property_split = True
         if light.type == "AREA":
-            layout.label(text="Baked as an emissive surface", icon="INFO")
-            return
+            column = layout.column(align=True)
+            for name in ("shape", "size") + (("size_y",) if light.shape in {"RECTANGLE", "ELLIPSE"} else ()):
+                column.prop(light, name)
+            if light.shape == "ELLIPSE":
+                layout.label(text="An ellipse is always baked, as an emissive surface", icon="INFO")
+                return
         for name in ("mode", "cast_shadows", "shadow_strength", "indirect_multiplier"):
             layout.prop(light, "halflight_" + name)
+        if light.type == "AREA":
+            return
         column = layout.column(align=True)
         for name in ("depth_bias", "slope_bias", "normal_bias"):
             column.prop(light, "halflight_" + name)

@@ -187,6 +187,12 @@ WORLD_WIDTH = bpy.props.IntProperty(
 )
 
 
+class BakedObject(bpy.types.PropertyGroup):
+    """An object of the last bake. Its name here is that in the file; the object itself may have got another since."""
+
+    item: bpy.props.PointerProperty(type=bpy.types.Object)
+
+
 class BakeSettings(bpy.types.PropertyGroup):
     mode: bpy.props.EnumProperty(
         name="Mode",
@@ -292,9 +298,11 @@ class BakeSettings(bpy.types.PropertyGroup):
     baked_digest: bpy.props.StringProperty(options={"HIDDEN"})
     summary: bpy.props.StringProperty(options={"HIDDEN"})
     view_of: bpy.props.PointerProperty(type=bpy.types.Scene, options={"HIDDEN"})
+    baked_objects: bpy.props.CollectionProperty(type=BakedObject, options={"HIDDEN"})
 
 
 def register():
+    bpy.utils.register_class(BakedObject)
     bpy.utils.register_class(BakeSettings)
     for owner, properties in EXTRAS.items():
         for name, definition in properties.items():
@@ -312,3 +320,4 @@ def unregister():
         for name in properties:
             delattr(owner, name)
     bpy.utils.unregister_class(BakeSettings)
+    bpy.utils.unregister_class(BakedObject)

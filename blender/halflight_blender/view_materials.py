@@ -46,7 +46,8 @@ class Materials:
             radiance = g.vector("ADD", radiance, self.emission(g, source))
         emission = g.node("ShaderNodeEmission")
         g.put(emission.inputs["Color"], g.scaled(radiance, 1.0 / self.lumens_per_watt))
-        shader = self.with_holes(g, material, source, emission.outputs[0], alpha)
+        shader = self.with_glass(g, source, emission.outputs[0], base)
+        shader = self.with_holes(g, material, source, shader, alpha)
         g.put(g.node("ShaderNodeOutputMaterial").inputs["Surface"], shader)
         self.leave_out_of_light_sampling(material)
         return material
@@ -80,12 +81,8 @@ class Materials:
 
     def albedo(self, g, surface, base):
         """transportAlbedo() of include/halflight/shading/brdf.h: metals reflect as much as their lobe, to all sides."""
-        metallic, roughness = surface.get("metallicFactor", 1.0), surface.get("roughnessFactor", 1.0)
-        if "metallicRoughnessTexture" in surface:
-            channels = g.separate(self.texture(g, surface["metallicRoughnessTexture"], "Non-Color")["Color"])
-            metallic = g.scalar("MULTIPLY", channels[2], metallic)
-            roughness = g.scalar("MULTIPLY", channels[1], roughness)
-        elif metallic == 0.0:
+        metallic, roughness = self.metal(g, surface)
+        if metallic == 0.0:
             return base
         square = g.scalar("MULTIPLY", roughness, roughness)
         cube = g.scalar("MULTIPLY", square, roughness)
@@ -99,6 +96,14 @@ class Materials:
             g.put(socket, white)
         return g.vector("ADD", g.scaled(base, share), combined.outputs[0])
 
+    def metal(self, g, surface):
+        """Metallic and roughness: numbers, or sockets where a picture has them."""
+        metallic, roughness = surface.get("metallicFactor", 1.0), surface.get("roughnessFactor", 1.0)
+        if "metallicRoughnessTexture" not in surface:
+            return metallic, roughness
+        channels = g.separate(self.texture(g, surface["metallicRoughnessTexture"], "Non-Color")["Color"])
+        return g.scalar("MULTIPLY", channels[2], metallic), g.scalar("MULTIPLY", channels[1], roughness)
+
     def emission(self, g, source):
         extension = source.get("extensions", {}).get("KHR_materials_emissive_strength", {})
         strength = extension.get("emissiveStrength", 1.0)
@@ -107,9 +112,45 @@ class Materials:
             return factor
         return g.vector("MULTIPLY", self.texture(g, source["emissiveTexture"], "sRGB")["Color"], factor)
 
+    def with_glass(self, g, source, shader, base):
+        """Glass is clear, and tinted at each face as Cycles does it. What a face mirrors is not shown."""
+        glass = source.get("extensions", {}).get("KHR_materials_transmission", {})
+        passing = glass.get("transmissionFactor", 0.0)
+        if passing <= 0.0:
+            return shader
+        surface = source.get("pbrMetallicRoughness", {})
+        metallic, _ = self.metal(g, surface)
+        if metallic != 0.0:
+            passing = g.scalar("MULTIPLY", passing, g.scalar("SUBTRACT", 1.0, metallic))
+        if "transmissionTexture" in glass:
+            texture = self.texture(g, glass["transmissionTexture"], "Non-Color")
+            passing = g.scalar("MULTIPLY", passing, g.separate(texture["Color"])[0])
+        clear = g.node("ShaderNodeBsdfTransparent")
+        ior = source["extensions"].get("KHR_materials_ior", {}).get("ior", 1.5)
+        reflected = ((ior - 1.0) / (ior + 1.0)) ** 2  # by Fresnel's law, straight on
+        g.put(clear.inputs["Color"], g.scaled(self.tint(g, base), 1.0 - reflected))
+        mix = g.node("ShaderNodeMixShader")
+        for socket, value in zip(mix.inputs, (passing, shader, clear.outputs[0])):
+            g.put(socket, value)
+        return mix.outputs[0]
+
+    @staticmethod
+    def tint(g, base):
+        """Blender 4.0 and newer halves the colour's effect, as light passes two faces of most things."""
+        power = 1.0 if bpy.app.version < (4, 0, 0) else 0.5
+        if not isinstance(base, bpy.types.NodeSocket):
+            return [c**power for c in base]
+        if power == 1.0:
+            return base
+        combined = g.node("ShaderNodeCombineColor")
+        for socket, value in zip(combined.inputs, g.separate(base)):
+            g.put(socket, g.scalar("POWER", value, power))
+        return combined.outputs[0]
+
     def with_holes(self, g, material, source, shader, alpha):
         """Alpha, and the backs of single-sided surfaces, let through what is behind."""
         mode = source.get("alphaMode", "OPAQUE")
+        is_glass = source.get("extensions", {}).get("KHR_materials_transmission", {}).get("transmissionFactor", 0.0) > 0.0
         visible = None
         if mode == "MASK":
             visible = g.scalar("GREATER_THAN", alpha, source.get("alphaCutoff", 0.5))
@@ -119,11 +160,13 @@ class Materials:
             material.use_backface_culling = True
             front = g.scalar("SUBTRACT", 1.0, g.node("ShaderNodeNewGeometry").outputs["Backfacing"])
             visible = front if visible is None else g.scalar("MULTIPLY", visible, front)
-        if mode != "OPAQUE":
+        if mode != "OPAQUE" or is_glass:
+            is_blended = mode == "BLEND" or is_glass
             if hasattr(material, "surface_render_method"):  # Blender 4.2 and newer
-                material.surface_render_method = "DITHERED" if mode == "MASK" else "BLENDED"
+                material.surface_render_method = "BLENDED" if is_blended else "DITHERED"
             else:
-                material.blend_method = "CLIP" if mode == "MASK" else "BLEND"
+                material.blend_method = "BLEND" if is_blended else "CLIP"
+                material.shadow_method = "NONE" if is_glass else "HASHED"
         if visible is None:
             return shader
         mix = g.node("ShaderNodeMixShader")

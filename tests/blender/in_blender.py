@@ -7,6 +7,7 @@ import os
 import subprocess
 import sys
 import time
+import types
 
 import bpy
 import numpy as np
@@ -175,6 +176,10 @@ def check_panels(extension):
         members = {"object": item, "light": light, "world": world, "material": slots[0].material if slots else None}
         count = panels_check.draw_all(extension.panels, **members)
         expect(count > 30, f"panels of {name} show {count} things")
+    layout = panels_check.Layout()
+    panel = types.SimpleNamespace(layout=layout)
+    extension.panels.HALFLIGHT_PT_light.draw(panel, types.SimpleNamespace(light=objects["Panel"].data))
+    expect({"halflight_mode", "halflight_cast_shadows", "size", "size_y"} <= set(layout.shown), "an area light's panel")
 
 
 def check_cancel(extension):

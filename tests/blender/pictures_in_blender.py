@@ -178,7 +178,33 @@ def add_posed():
     return kid, pose
 
 
-CHECKS = (check_what_renders, check_materials, check_lamps, check_shapes, check_flat)
+def check_glass(extension):
+    """A wall seen through panes, clear and tinted. In Cycles no light shines through glass, so these stop none. An index
+    of refraction of 1 mirrors nothing; the view does not show what glass mirrors."""
+    for name, color in (("Clear", (1, 1, 1)), ("Tinted", (0.2, 0.5, 0.3))):
+        stage.empty()
+        box("Wall", (6, 0.1, 2.4), (0, 1.5, 1.2), matte("Wall"))
+        pane = box(name, (2.0, 0.02, 1.2), (0, 0, 0.7), matte(name, color, Transmission=1.0, Roughness=0.0, IOR=1.0))
+        pane.visible_shadow = pane.visible_diffuse = False
+        bake("glass")
+        compare(extension, f"glass {name}", name)
+
+
+def check_renamed(extension):
+    """An object that got another name after the bake is shown once."""
+    scene = stage.empty()
+    cube = box("Cube", CUBE, (0, 0, 0.4), matte("Cube"))
+    bake("renamed")
+    bpy.ops.halflight.baked_view()
+    cube.name = "Crate"
+    box("Cube", (0.3, 0.3, 0.3), (1.5, 0, 0.3), matte("New"))
+    bpy.ops.halflight.baked_view()
+    expect(shown(bpy.context.scene) == ["Baked Cube", "Baked Floor", "Cube"], f"renamed: {shown(bpy.context.scene)}")
+    bpy.ops.halflight.baked_view()
+    expect(bpy.context.scene == scene and not extension.baked_view.is_view(scene), "the view is left")
+
+
+CHECKS = (check_what_renders, check_materials, check_lamps, check_shapes, check_flat, check_glass, check_renamed)
 
 
 def main():

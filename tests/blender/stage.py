@@ -130,6 +130,7 @@ def picture(scene, name):
     render = scene.render
     render.engine, scene.cycles.device = "CYCLES", "CPU"
     scene.cycles.samples, scene.cycles.use_denoising = SAMPLES, False
+    scene.cycles.caustics_reflective = scene.cycles.caustics_refractive = False
     render.image_settings.file_format, render.filepath = "OPEN_EXR", path(name + ".exr")
     bpy.ops.render.render(write_still=True, scene=scene.name)
     image = bpy.data.images.load(path(name + ".exr"))
