@@ -14,9 +14,9 @@ bl_info = {
     "category": "Render",
 }
 
-from . import bake, messages, panels, preferences, properties, stale, view_operator  # noqa: E402
+from . import bake, keeping, messages, panels, preferences, properties, stale, view_operator  # noqa: E402
 
-MODULES = (preferences, properties, messages, bake, view_operator, stale, panels)
+MODULES = (preferences, properties, messages, bake, view_operator, stale, panels, keeping)
 
 
 def register():

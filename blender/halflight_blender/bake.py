@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The Bake operator: exports, runs the program beside Blender, reads the result, shows it."""
 
+import errno
 import json
 import os
 import queue
@@ -30,8 +31,9 @@ class Job:
         self.program = preferences.find_program(context)
         if self.program is None:
             raise BakeError(program.NOT_FOUND)
+        files.settle(context.scene)
         self.files = files.of(context.scene)
-        self.scene = context.scene.name
+        self.folder = context.scene.halflight.folder  # the scene's name may change during the bake
         self.progress = program.Progress()
         self.lines = queue.Queue()
         self.process = None
@@ -43,14 +45,26 @@ class Job:
 
     def export(self, context):
         messages.clear(context)
-        for folder in (self.files.folder, self.files.sidecar):
-            os.makedirs(folder, exist_ok=True)
+        try:
+            for folder in (self.files.folder, self.files.sidecar):
+                os.makedirs(folder, exist_ok=True)
+                if not os.access(folder, os.W_OK):
+                    raise PermissionError(errno.EACCES, os.strerror(errno.EACCES))
+        except OSError as error:
+            raise BakeError(
+                f"The bake's folder {folder} cannot be made or written ({error.strerror}): save the .blend in a folder that "
+                "can be written, and move away files with the name of the bake's folder"
+            ) from error
         units = context.scene.halflight.units
         try:
             warnings = export_scene.export_scene(context, self.files.scene, units, self.files.folder)
         except RuntimeError as error:  # of an operator
             raise BakeError(f"The glTF exporter failed: {error}") from error
+        except OSError as error:
+            raise BakeError(f"The exported scene cannot be written: {error}") from error
         self.document = Glb(self.files.scene).json
+        if not any("mesh" in node for node in self.document.get("nodes", [])):
+            raise BakeError("Nothing to bake: no object with a surface renders in this view layer")
         for warning in warnings:
             messages.add(context, "WARNING", warning, self.document)
         baked_view.note_objects(context.scene, self.document, keep_last=True)
@@ -101,12 +115,17 @@ class Job:
         if self.process and self.process.poll() is None:
             self.process.send_signal(signal.SIGINT) if os.name == "posix" else self.process.terminate()
 
+    def scene(self):
+        """None when it is gone."""
+        own = (scene for scene in bpy.data.scenes if not baked_view.is_view(scene))
+        return next((scene for scene in own if scene.halflight.folder == self.folder), None)
+
     def finish(self, context, code):
         """Reads the report and copies the file to where it was asked for."""
         Job.current = None
-        scene = bpy.data.scenes.get(self.scene)
+        scene = self.scene()
         if scene is None:
-            raise BakeError(f"The scene {self.scene} was removed or renamed during its bake")
+            raise BakeError("The scene was removed during its bake")
         if code != 0:
             if self.selected is None:
                 scene.halflight.baked_digest = ""
@@ -159,7 +178,7 @@ class BakeOperator:
         return Job.current is None
 
     def begin(self, context):
-        baked_view.leave(context)
+        baked_view.leave(baked_view.source_of(context.scene))
         self.job = Job(context, self.selected_only)
         self.job.export(context)
         self.job.start(context)
@@ -167,7 +186,7 @@ class BakeOperator:
     def end(self, context, code):
         try:
             report = self.job.finish(context, code)
-            if context.scene.name == self.job.scene and context.scene.halflight.show_view:
+            if context.scene == self.job.scene() and context.scene.halflight.show_view:
                 baked_view.show(context, self.job.files)
         except (BakeError, OSError, ValueError, KeyError) as error:
             self.report({"ERROR"} if not self.job.cancelled else {"WARNING"}, str(error))
@@ -199,19 +218,31 @@ class BakeOperator:
         return {"RUNNING_MODAL"}
 
     def modal(self, context, event):
-        if event.type == "ESC" and event.value == "PRESS":
+        if event.type == "ESC" and event.value == "PRESS" and self.has_focus(context, event):
             self.job.cancel()
+            return {"RUNNING_MODAL"}
         if event.type != "TIMER":
             return {"PASS_THROUGH"}
         code = self.job.poll(context)
         if code is None:
             context.workspace.status_text_set(f"Halflight: {self.job.progress.text()}   Esc cancels")
             context.window_manager.progress_update(int(100 * self.job.progress.share))
-            for area in context.screen.areas:
-                area.tag_redraw()
+            redraw()
             return {"PASS_THROUGH"}
         self.stop_showing(context)
-        return self.end(context, code)
+        try:
+            return self.end(context, code)
+        finally:
+            redraw()
+
+    def has_focus(self, context, event):
+        """Esc is the bake's where the mouse is over an area that shows it, and not while it stops a playback."""
+        if any(window.screen.is_animation_playing for window in baked_view.all_windows()):
+            return False
+        for area in context.window.screen.areas:
+            if area.x <= event.mouse_x < area.x + area.width and area.y <= event.mouse_y < area.y + area.height:
+                return area.type in {"VIEW_3D", "PROPERTIES"}
+        return False
 
     def stop_showing(self, context):
         context.window_manager.event_timer_remove(self.timer)
@@ -223,6 +254,12 @@ class BakeOperator:
         self.job.cancel()
         Job.current = None
         self.stop_showing(context)
+
+
+def redraw():
+    for window in baked_view.all_windows():
+        for area in window.screen.areas:
+            area.tag_redraw()
 
 
 class HALFLIGHT_OT_bake(BakeOperator, bpy.types.Operator):

@@ -8,6 +8,7 @@ All that is made here carries TAG, and goes when the view is left.
 
 import json
 import os
+import uuid
 
 import bpy
 import numpy as np
@@ -29,43 +30,72 @@ def is_view(scene):
     return scene.halflight.view_of is not None
 
 
-def view_of(scene):
-    for candidate in bpy.data.scenes:
-        if candidate.halflight.view_of == scene:
-            return candidate
-    return None
+def views_of(scene):
+    """The view of a scene, and what the user copied of it."""
+    return [candidate for candidate in bpy.data.scenes if candidate.halflight.view_of == scene]
+
+
+def all_windows():
+    return [window for manager in bpy.data.window_managers for window in manager.windows]
 
 
 def show(context, files):
     """Builds the view of the window's scene from a bake's files and switches the window to it."""
     source = source_of(context.scene)
-    leave(context)
+    leave(source)
+    key = uuid.uuid4().hex
     before = {name: set(getattr(bpy.data, name)) for name in COLLECTIONS}
     try:
         view = build(source, context.view_layer, files)
-    finally:
-        for name in COLLECTIONS:
-            for item in set(getattr(bpy.data, name)) - before[name]:
-                item[TAG] = 1
+    except BaseException:
+        tag_new(before, key)
+        remove(key)
+        raise
+    tag_new(before, key)
     context.window.scene = view
     show_rendered(context.window, view)
     return view
 
 
-def leave(context):
-    """Back to the user's scene; the view is gone. True when there was one."""
-    source = source_of(context.scene)
-    view = view_of(source)
-    if view is None:
-        return False
-    for window in context.window_manager.windows:
-        if window.scene == view:
-            restore_shading(window, view)
+def tag_new(before, key):
+    for name in COLLECTIONS:
+        for item in set(getattr(bpy.data, name)) - before[name]:
+            item[TAG] = key
+
+
+def leave(source):
+    """Back to the user's scene in each window; its view is gone. What the user added there is in the user's scene.
+    True when there was a view."""
+    views = views_of(source)
+    for view in views:
+        keep_additions(source, view)
+    for window in all_windows():
+        if window.scene in views:
+            restore_shading(window, window.scene)
             window.scene = source
-    view.halflight.view_of = None
-    tagged = [item for name in COLLECTIONS for item in getattr(bpy.data, name) if item.library is None and TAG in item]
+    keys = {view.get(TAG) for view in views}
+    for view in views:
+        view.halflight.view_of = None
+    for key in keys:
+        remove(key)
+    return bool(views)
+
+
+def keep_additions(source, view):
+    """Objects and collections that were made in the view go where the user would have made them without it."""
+    for collection in list(view.collection.children_recursive):
+        if TAG not in collection and collection not in source.collection.children_recursive:
+            source.collection.children.link(collection)
+    known = set(source.objects)
+    for item in view.objects:
+        if TAG not in item and item not in known:
+            if not any(TAG not in c and c in source.collection.children_recursive for c in item.users_collection):
+                source.collection.objects.link(item)
+
+
+def remove(key):
+    tagged = [item for name in COLLECTIONS for item in getattr(bpy.data, name) if item.library is None and item.get(TAG) == key]
     bpy.data.batch_remove(tagged)
-    return True
 
 
 def build(source, view_layer, files):
@@ -84,9 +114,8 @@ def build(source, view_layer, files):
     lumens = export_scene.lumens_per_watt(source.halflight.units)
     materials = view_materials.Materials(document, bindings, files.sidecar, group, lumens)
     matrices = document.world_matrices()
-    view.halflight.baked_objects.clear()
     objects, shown = objects_of(source), set()
-    for index, node in enumerate(document.json["nodes"]):
+    for index, node in enumerate(document.json.get("nodes", [])):
         record = node.get("extensions", {}).get("HALFLIGHT_node", {})
         lightmap = record.get("lightmap", {})
         if "mesh" not in node or index not in matrices:
@@ -127,8 +156,7 @@ def forget_deleted(source):
     """An object that is in no scene any more is kept by nothing but the memory of its bake."""
     entries = source.halflight.baked_objects
     for index in reversed(range(len(entries))):
-        item = entries[index].item
-        if item is None or not item.users_scene and not item.users_collection:
+        if entries[index].item is None or not entries[index].item.users_collection:
             entries.remove(index)
 
 

@@ -297,6 +297,7 @@ class BakeSettings(bpy.types.PropertyGroup):
     )
     baked_digest: bpy.props.StringProperty(options={"HIDDEN"})
     summary: bpy.props.StringProperty(options={"HIDDEN"})
+    folder: bpy.props.StringProperty(options={"HIDDEN"})  # of its files; set by its first bake
     view_of: bpy.props.PointerProperty(type=bpy.types.Scene, options={"HIDDEN"})
     baked_objects: bpy.props.CollectionProperty(type=BakedObject, options={"HIDDEN"})
 

@@ -195,14 +195,37 @@ class Copy:
 
 
 def empty_copy_of(scene):
-    """A scene with the settings of `scene` and nothing in it."""
-    copy = scene.copy()
-    for child in list(copy.collection.children):
-        copy.collection.children.unlink(child)
-    for item in list(copy.collection.objects):
-        copy.collection.objects.unlink(item)
+    """A scene with the settings of `scene` and nothing in it. Scene.copy() would count each object's users up for good."""
+    copy = bpy.data.scenes.new(scene.name)
+    copy_members(scene, copy)
+    for key, value in scene.items():
+        if not hasattr(value, "keys"):  # groups are settings of add-ons, which copy_members() has copied
+            copy[key] = value.to_list() if hasattr(value, "to_list") else value
+    copy.use_nodes = False
     copy.render.simplify_subdivision = copy.render.simplify_subdivision_render
     return copy
+
+
+# Of a scene: what is not a setting of its pictures.
+NO_SETTINGS = {"rna_type", "name", "halflight", "tool_settings", "sequence_editor", "rigidbody_world", "node_tree", "ffmpeg"}
+NO_SETTINGS |= {"denoiser", "preview_denoiser"}  # whose value is no choice in builds without one
+
+
+def copy_members(source, target):
+    """Numbers, words and data-blocks of a scene and of its groups of settings."""
+    for member in source.bl_rna.properties:
+        name = member.identifier
+        if name in NO_SETTINGS or member.type == "COLLECTION":
+            continue
+        value = getattr(source, name)
+        if member.type == "POINTER" and not isinstance(value, bpy.types.ID):
+            if value is not None and getattr(target, name) is not None:
+                copy_members(value, getattr(target, name))
+        elif not member.is_readonly:
+            try:
+                setattr(target, name, value)
+            except (TypeError, AttributeError, RuntimeError):
+                pass  # a choice that the present settings do not offer
 
 
 def restore_names(document, copy):

@@ -22,19 +22,19 @@ class HALFLIGHT_OT_baked_view(bpy.types.Operator):
 
     def execute(self, context):
         if baked_view.is_view(context.scene):
-            baked_view.leave(context)
+            baked_view.leave(baked_view.source_of(context.scene))
             return {"FINISHED"}
         try:
             baked_view.show(context, files.of(context.scene))
         except (OSError, ValueError, KeyError) as error:
-            baked_view.leave(context)
             self.report({"ERROR"}, f"The last bake cannot be shown: {error}; bake again")
             return {"CANCELLED"}
         return {"FINISHED"}
 
 
 def switch_light(item, _context):
-    groups = (tree for tree in bpy.data.node_groups if baked_view.TAG in tree)
+    key = item.id_data.get(baked_view.TAG)
+    groups = (tree for tree in bpy.data.node_groups if tree.get(baked_view.TAG) == key)
     group = next((tree for tree in groups if tree.name.startswith(view_lights.GROUP)), None)
     node = group.nodes.get(view_lights.switch_name(item.name)) if group else None
     if node:

@@ -1,0 +1,202 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Nobody loses work: what is in the user's file stays, whatever is done around a bake."""
+
+import os
+import stat
+import sys
+import time
+
+import bpy
+
+sys.path.insert(0, os.path.dirname(__file__))
+import stage  # noqa: E402
+from stage import bake, box, expect, matte  # noqa: E402
+
+CUBE = (0.8, 0.8, 0.8)
+
+
+def is_view(extension):
+    return extension.baked_view.is_view(bpy.context.scene)
+
+
+def toggle():
+    expect(bpy.ops.halflight.baked_view() == {"FINISHED"}, "the view is switched")
+
+
+def left_of_views(extension):
+    kinds = extension.baked_view.COLLECTIONS
+    return [item.name for kind in kinds for item in getattr(bpy.data, kind) if extension.baked_view.TAG in item]
+
+
+def refusal():
+    """The sentence with which a bake fails."""
+    try:
+        bpy.ops.halflight.bake()
+    except RuntimeError as error:
+        return str(error)
+    raise AssertionError("a bake that cannot be is refused")
+
+
+def check_views(extension):
+    """Two scenes have a view each; a linked copy of a view goes with it."""
+    first = stage.empty()
+    bake("views")
+    bpy.ops.scene.new(type="LINK_COPY")
+    toggle()
+    expect(bpy.context.scene == first and not left_of_views(extension), f"left: {left_of_views(extension)}")
+    second = bpy.data.scenes.new("Second")
+    bpy.context.window.scene = second
+    second.halflight.quality = "preview"
+    box("Other floor", (3, 3, 0.1), (0, 0, 0), matte("Other"))
+    expect(bpy.ops.halflight.bake() == {"FINISHED"}, "the second scene is baked")
+    kept = sorted(item.name for item in bpy.context.scene.objects)
+    bpy.context.window.scene = first
+    toggle()
+    toggle()
+    view = extension.baked_view.views_of(second)[0]
+    expect(sorted(item.name for item in view.objects) == kept, "leaving one view leaves the other's objects")
+    expect(any(m.name.startswith("Baked Other") for m in bpy.data.materials), "and its materials")
+    bpy.context.window.scene = view
+    toggle()
+    expect(bpy.context.scene == second and not left_of_views(extension), f"left: {left_of_views(extension)}")
+
+
+def check_saving(extension):
+    """What the user adds in the view is saved, and the view is not."""
+    scene = stage.empty()
+    bake("saving")
+    bpy.ops.halflight.baked_view()
+    bpy.ops.wm.save_mainfile()
+    without = os.path.getsize(bpy.data.filepath)
+    toggle()
+    light = bpy.context.scene.halflight_lights[0].name
+    bpy.context.scene.halflight_lights[0].on = False
+    box("My work", (0.5, 0.5, 0.5), (0, 0, 1))
+    folder = bpy.data.collections.new("My folder")
+    bpy.context.scene.collection.children.link(folder)
+    box("In my folder", (0.5, 0.5, 0.5), (1, 0, 1), collection=folder)
+    bpy.ops.wm.save_mainfile()
+    expect(is_view(extension), "the view is shown after saving")
+    expect([item.on for item in bpy.context.scene.halflight_lights if item.name == light] == [False], "as it was")
+    expect("My work" in scene.objects, "what was added is in the user's scene")
+    size = os.path.getsize(bpy.data.filepath)
+    expect(size < without + 100_000, f"the view is not in the file: {without} and {size} bytes")
+    for _ in range(2):
+        bpy.ops.wm.open_mainfile(filepath=bpy.data.filepath)
+        scene = bpy.context.scene
+        expect(len(bpy.data.scenes) == 1 and not left_of_views(extension), "the file has no view")
+        expect({"My work", "In my folder"} <= set(scene.objects.keys()), f"objects: {scene.objects.keys()}")
+        expect("My folder" in scene.collection.children, "and their collection")
+        bpy.ops.wm.save_mainfile()
+    toggle()
+    floor = scene.objects["Floor"]
+    expect(floor.users == 2, f"a collection and the memory of the bake use it: {floor.users}")
+    scene.collection.objects.unlink(floor)
+    bpy.ops.wm.save_mainfile()
+    toggle()
+    expect(floor.users == 0, f"nothing keeps a deleted object: {floor.users}")
+    expect(len(bpy.data.scenes) == 1 and not left_of_views(extension), "the view can be left after a save")
+
+
+def check_state(extension):
+    """Frame, selection, mode and modifiers after a bake, a failed one and a cancelled one."""
+    scene = stage.empty()
+    scene.halflight.show_view = False
+    cube = box("Mover", CUBE, (1, 0, 0.5), matte("Mover"))
+    cube.keyframe_insert("location", frame=1)
+    cube.location.x = -1
+    cube.keyframe_insert("location", frame=40)
+    scene.frame_set(5)
+    bpy.context.view_layer.objects.active = cube
+    cube.select_set(True)
+    bpy.ops.object.mode_set(mode="EDIT")
+
+    def state():
+        selected = sorted(item.name for item in bpy.context.selected_objects)
+        names = sorted(item.name for kind in ("scenes", "objects", "collections", "meshes") for item in getattr(bpy.data, kind))
+        camera = scene.camera and scene.camera.name
+        return scene.frame_current, selected, bpy.context.object.name, bpy.context.object.mode, names, camera, scene.name
+
+    before = state()
+    bake("state")
+    expect(state() == before, f"after a bake: {state()}, before: {before}")
+    expect(not extension.stale.check(bpy.context), "nothing was edited")
+    cube["halflight_lightmap_scale"] = "much"
+    refusal()
+    expect(state() == before, f"after a failed bake: {state()}")
+    del cube["halflight_lightmap_scale"]
+    scene.halflight.texels_per_meter = 200
+    job = extension.bake.Job(bpy.context)
+    job.export(bpy.context)
+    job.start(bpy.context)
+    while job.progress.share == 0.0 and job.poll(bpy.context) is None:
+        time.sleep(0.02)
+    job.cancel()
+    job.process.wait(60)
+    try:
+        job.finish(bpy.context, job.poll(bpy.context))
+    except extension.bake.BakeError:
+        pass
+    expect(state() == before, f"after a cancelled bake: {state()}")
+    bpy.ops.object.mode_set(mode="OBJECT")
+
+
+def check_files(extension):
+    """The bake stays when scene or file get other names; where it cannot be, a sentence says what to do."""
+    scene = stage.empty()
+    expect(bpy.ops.halflight.bake() == {"FINISHED"}, "a file that was never saved is baked")
+    toggle()
+    bpy.ops.wm.save_as_mainfile(filepath=stage.path("-odd näme #1 ?.blend"))
+    toggle()
+    expect(is_view(extension), "the bake follows the first save")
+    toggle()
+    scene.name = "Another name"
+    toggle()
+    toggle()
+    bpy.ops.wm.save_as_mainfile(filepath=stage.path("copy.blend"))
+    toggle()
+    expect(is_view(extension), "the bake follows Save As, and a scene's new name")
+    toggle()
+    for name in ("a/b", "a?b"):
+        other = bpy.data.scenes.new(name)
+        bpy.context.window.scene = other
+        other.halflight.quality, other.halflight.show_view = "preview", False
+        box("Floor of " + name, (1, 1, 0.1), (0, 0, 0))
+        expect(bpy.ops.halflight.bake() == {"FINISHED"}, f"the scene {name} is baked")
+    folders = [extension.files.of(each).folder for each in bpy.data.scenes]
+    expect(len({folder.lower() for folder in folders}) == 3, f"a folder for each scene: {folders}")
+    empty = bpy.data.scenes.new("Nothing")
+    bpy.context.window.scene = empty
+    expect("no object with a surface renders" in refusal(), "an empty scene")
+    bpy.context.window.scene = scene
+    folder = stage.path("blocked.halflight")
+    with open(folder, "w", encoding="utf-8"):
+        pass
+    bpy.ops.wm.save_as_mainfile(filepath=stage.path("blocked.blend"))
+    sentence = refusal()
+    expect("cannot be made or written" in sentence and "Traceback" not in sentence, f"a file is in the way: {sentence}")
+    os.remove(folder)
+    if os.geteuid() != 0:  # root writes everywhere
+        os.mkdir(folder)
+        os.chmod(folder, stat.S_IRUSR | stat.S_IXUSR)
+        expect("cannot be made or written" in refusal(), "a folder that is read-only")
+
+
+def check_removal(extension):
+    """Without the extension there is no view, in the session and in the file."""
+    scene = stage.empty()
+    bake("removal")
+    name = extension.__name__
+    bpy.ops.preferences.addon_disable(module=name)
+    left = [item.name for item in bpy.data.objects if item.name.startswith("Baked ")]
+    expect(bpy.context.scene == scene and len(bpy.data.scenes) == 1 and not left, f"the view goes too: {left}")
+
+
+def main():
+    extension = stage.install()
+    for check in (check_views, check_saving, check_state, check_files, check_removal):
+        print(check.__name__, flush=True)
+        check(extension)
+
+
+main()
