@@ -12,7 +12,7 @@ import threading
 
 import bpy
 
-from . import baked_view, export_scene, files, messages, preferences, program, stale
+from . import baked_view, export_scene, files, findings, messages, preferences, program, scene_copy, stale
 from .glb import Glb
 
 INTERVAL = 0.1  # seconds between looks at the program
@@ -67,6 +67,8 @@ class Job:
             raise BakeError("Nothing to bake: no object with a surface renders in this view layer")
         for warning in warnings:
             messages.add(context, "WARNING", warning, self.document)
+        for text, item in findings.of(scene_copy.rendered_objects(context.view_layer)):
+            messages.add(context, "WARNING", text, item=item)
         baked_view.note_objects(context.scene, self.document, keep_last=True)
         if self.selected is None:
             stale.note_bake(context, context.scene)

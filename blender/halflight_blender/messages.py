@@ -5,7 +5,7 @@ import re
 
 import bpy
 
-from . import baked_view
+from . import baked_view, wording
 
 
 class Message(bpy.types.PropertyGroup):
@@ -15,11 +15,28 @@ class Message(bpy.types.PropertyGroup):
 
 
 class HALFLIGHT_UL_messages(bpy.types.UIList):
-    def draw_item(self, _context, layout, _data, message, _icon, _active_data, _active_property):
+    def draw_item(self, _context, layout, _data, message, _icon, _active_data, _active_property, index):
         icon = "CANCEL" if message.severity == "ERROR" else "ERROR"
         layout.label(text=message.text, icon=icon)
-        if message.item:
-            layout.label(text="", icon="RESTRICT_SELECT_OFF")
+        layout.operator("halflight.message", text="", icon="RESTRICT_SELECT_OFF" if message.item else "INFO").index = index
+
+
+class HALFLIGHT_OT_message(bpy.types.Operator):
+    """The whole message as a tooltip; a click selects its object"""
+
+    bl_idname = "halflight.message"
+    bl_label = "Message"
+
+    index: bpy.props.IntProperty(options={"HIDDEN", "SKIP_SAVE"})
+
+    @classmethod
+    def description(cls, context, properties):
+        listed = context.window_manager.halflight_messages
+        return listed[properties.index].text if 0 <= properties.index < len(listed) else ""
+
+    def execute(self, context):
+        context.window_manager.halflight_message = self.index
+        return {"FINISHED"}
 
 
 def select(window_manager, context):
@@ -40,12 +57,19 @@ def clear(context):
     context.window_manager.halflight_messages.clear()
 
 
-def add(context, severity, text, document=None):
-    """`document`: the JSON of the exported file, for messages that name an element by its path."""
+def add(context, severity, text, document=None, item=None):
+    """`document`: the JSON of the exported file, for messages that name an element by its path. `item`: name of the
+    object, where it is known."""
+    labels = {p.identifier.replace("_", "-"): p.name for p in context.scene.halflight.bl_rna.properties}
+    text = wording.in_blender(text, labels)
+    if text is None:
+        return
+    if bpy.app.background:
+        print(f"Halflight: {severity.lower()}: {text}", flush=True)
     message = context.window_manager.halflight_messages.add()
     message.severity = severity
     message.text = text
-    message.item = object_of(text, baked_view.source_of(context.scene), document) or ""
+    message.item = item or object_of(text, baked_view.source_of(context.scene), document) or ""
 
 
 def add_line(context, line, path, document):
@@ -90,7 +114,7 @@ def node_name(document, kind, index):
     return None
 
 
-CLASSES = (Message, HALFLIGHT_UL_messages)
+CLASSES = (Message, HALFLIGHT_UL_messages, HALFLIGHT_OT_message)
 
 
 def register():

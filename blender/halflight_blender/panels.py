@@ -3,7 +3,7 @@
 
 import bpy
 
-from . import baked_view, bake, preferences, program, sky, stale
+from . import baked_view, bake, preferences, program, sky, stale, wording
 
 
 def draw_bake(layout, context):
@@ -35,6 +35,20 @@ def draw_bake(layout, context):
             "HALFLIGHT_UL_messages", "", context.window_manager, "halflight_messages", context.window_manager,
             "halflight_message", rows=min(6, len(messages)),
         )  # fmt: skip
+        draw_message(layout, context)
+
+
+def draw_message(layout, context):
+    """The clicked message as a whole, in lines that fit the sidebar."""
+    manager = context.window_manager
+    if not 0 <= manager.halflight_message < len(manager.halflight_messages):
+        return
+    width = context.region.width if getattr(context, "region", None) else 280
+    column = layout.column(align=True)
+    # A letter is about 7 pixels wide at a scale of 1.
+    letters = max(20, int(width / (7.0 * context.preferences.system.ui_scale)) - 4)
+    for line in wording.wrapped(manager.halflight_messages[manager.halflight_message].text, letters):
+        column.label(text=line)
 
 
 def draw_lights(layout, context):

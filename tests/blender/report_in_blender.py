@@ -1,0 +1,107 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Nothing is dropped in silence: the list after a bake, and its wording."""
+
+import os
+import sys
+
+import bpy
+
+sys.path.insert(0, os.path.dirname(__file__))
+import stage  # noqa: E402
+from stage import bake, box, expect, lamp, matte  # noqa: E402
+
+SIZE = (0.4, 0.4, 0.4)
+
+
+def linked(name, kind, output=0, **members):
+    """A matte material whose base colour comes from a node."""
+    material = matte(name)
+    tree = material.node_tree
+    node = tree.nodes.new(kind)
+    for key, value in members.items():
+        setattr(node, key, value)
+    tree.links.new(node.outputs[output], tree.nodes["Principled BSDF"].inputs["Base Color"])
+    return material, node
+
+
+def add_dropped_things():
+    """Returns pairs of words that must stand in one message, and the object that it selects."""
+    box("Noisy", SIZE, (-2, 0, 0.2), linked("Noise", "ShaderNodeTexNoise", 1)[0])
+    box("Hued", SIZE, (-1.5, 0, 0.2), linked("Hue", "ShaderNodeHueSaturation")[0])
+    box("Gone", SIZE, (-1, 0, 0.2), linked("No picture", "ShaderNodeTexImage")[0])
+    image = bpy.data.images.new("Lost", 4, 4)
+    image.filepath_raw, image.source = stage.path("lost.png"), "FILE"
+    box("Lost", SIZE, (-0.5, 0, 0.2), linked("Missing", "ShaderNodeTexImage", image=image)[0])
+    packed = bpy.data.images.new("Grid", 4, 4)
+    packed.pack()
+    material, node = linked("Generated", "ShaderNodeTexImage", image=packed)
+    coordinates = material.node_tree.nodes.new("ShaderNodeTexCoord")
+    material.node_tree.links.new(coordinates.outputs["Generated"], node.inputs["Vector"])
+    box("Unwrapped", SIZE, (0, 0, 0.2), material)
+    rug = box("Rug", SIZE, (0.5, 0, 0.2), matte("Rug"))
+    rug.modifiers.new("Hair", "PARTICLE_SYSTEM")
+    rug.particle_systems[0].settings.type = "HAIR"
+    rug.particle_systems[0].settings.count = 5
+    foggy = matte("Fog")
+    scatter = foggy.node_tree.nodes.new("ShaderNodeVolumeScatter")
+    foggy.node_tree.links.new(scatter.outputs[0], foggy.node_tree.nodes["Material Output"].inputs["Volume"])
+    box("Foggy", SIZE, (1, 0, 0.2), foggy)
+    bulb = lamp("POINT", (1, -1, 1.5), 20)
+    bulb.data.use_nodes = True
+    tree = bulb.data.node_tree
+    blackbody = tree.nodes.new("ShaderNodeBlackbody")
+    tree.links.new(blackbody.outputs[0], tree.nodes["Emission"].inputs["Color"])
+    box("Plain", SIZE, (1.5, 0, 0.2), matte("Plain"))
+    return (
+        (("Noise", "Base Color"), "Noisy"),
+        (("Hue", "Base Color"), "Hued"),
+        (("No picture", "has no picture"), "Gone"),
+        (("Lost", "missing", "lost.png"), "Lost"),
+        (("Generated", "coordinates"), "Unwrapped"),
+        (("hair",), "Rug"),
+        (("Fog", "volume"), "Foggy"),
+        (("Blackbody", "Color"), "Point"),
+    )
+
+
+def check_list(extension):
+    """One row for each thing, which selects its object; nothing about what is baked."""
+    scene = stage.empty()
+    scene.halflight.show_view = False
+    dropped = add_dropped_things()
+    bake("dropped")
+    listed = bpy.context.window_manager.halflight_messages
+    for words, item in dropped:
+        rows = [i for i, row in enumerate(listed) if all(word in row.text for word in words)]
+        expect(len(rows) == 1, f"one row about {words}: {[row.text for row in listed]}")
+        bpy.ops.halflight.message(index=rows[0])
+        selected = [each.name for each in bpy.context.selected_objects]
+        expect(selected == [item], f"a click on {words} selects {selected}")
+    plain = [row.text for row in listed if "Plain" in row.text or "Floor" in row.text or "KHR_" in row.text]
+    expect(not plain, f"what is baked gives no row: {plain}")
+    expect(not [row.text for row in listed if "--" in row.text], "no command-line options")
+
+
+def check_wording(extension):
+    """Options of the program have the panel's names."""
+    settings = bpy.context.scene.halflight.bl_rna.properties
+    labels = {each.identifier.replace("_", "-"): each.name for each in settings}
+    words = extension.wording
+    said = words.in_blender("too few; --probe-spacing makes all probes denser", labels)
+    expect(said == "too few; *Probe Spacing* makes all probes denser", said)
+    said = words.in_blender("try others (--uv, --padding, --texels-per-meter)", labels)
+    expect("--" not in said and "*Texels per Meter*" in said, said)
+    said = words.in_blender('kept in the file but not read, as baked light does not need them: "KHR_materials_ior"', labels)
+    expect(said is None, f"nobody in Blender can act on it: {said}")
+    lines = words.wrapped("a sentence of several words that is long", 12)
+    expect(max(len(line) for line in lines) <= 12 and " ".join(lines).endswith("is long"), f"{lines}")
+
+
+def main():
+    extension = stage.install()
+    for check in (check_list, check_wording):
+        print(check.__name__, flush=True)
+        check(extension)
+
+
+main()
