@@ -27,7 +27,7 @@ struct SourceDocument {
     /// By mesh, what takes TEXCOORD_1 back to the shape it had before a bake stretched it: see lightmap_layout.h.
     std::map<int, vec2> stretchedLayouts;
     std::vector<std::string> warnings; ///< of what reading left out
-    std::vector<int> strippedViews; ///< buffer views that only an earlier bake's MOZ_lightmap used
+    std::vector<int> strippedViews;    ///< buffer views that only an earlier bake's MOZ_lightmap used
 };
 
 /// Reads and checks a .glb or .gltf file.

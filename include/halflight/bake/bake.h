@@ -55,7 +55,8 @@ struct BakeSettings {
     int paddingTexels = 2;       ///< UnwrapSettings::paddingTexels
     TwoSided twoSided = TwoSided::Automatic; ///< of objects that do not say it themselves
     Denoiser denoiser = Denoiser::BuiltIn;
-    /// Also bakes mean directions, for normal maps, gloss and metal (S32). Not given: all but previews with little metal.
+    /// Also bakes mean directions, for normal maps, gloss and metal (S32). Not given: not at previews with little
+    /// metal.
     std::optional<bool> directional;
     MaskEncoding maskEncoding = MaskEncoding::Attenuation; ///< shadowmask bakes
     /// Subtractive bakes: also stores the main light's own mask, so that dynamic shadows subtract only unoccluded light
