@@ -1,4 +1,5 @@
 // Many lights of short range: their cost is that of the texels within reach, and their light adds up (spec S6, S9).
+#include "bake/area_light_scene.h"
 #include "bake/test_scene.h"
 #include "bake_cpu/shadows/light_reach.h"
 
@@ -114,6 +115,48 @@ TEST(ManyLightsS6, TheFloorHasTheLightOfAllThatReachIt)
     }
     EXPECT_GT(brightest, 2.0);
     EXPECT_LT(worst, 0.02 * brightest);
+}
+
+/// Area lights without a range, close and far, some of them cut by the floor's horizon: light and its mean direction.
+TEST(ManyLightsS6, AreaLightsAtEveryDistanceAreThoseOfBruteForce)
+{
+    Scene scene;
+    const int black = addMaterial(scene, vec3(0.0f), vec3(0.0f), true);
+    addRectangle(scene, {vec3(-2, 0, 2), vec3(4, 0, 0), vec3(0, 0, -4)}, black, kPage, {vec2(2), vec2(98)});
+    Numbers numbers;
+    for (int i = 0; i < 40; ++i) {
+        const float height = 0.15f * std::exp2(6.0f * numbers.next()); // 0.15 to 10 m; half sides are 0.1 to 0.2 m
+        const vec3 place(3.0f * numbers.next() - 1.5f, height, 3.0f * numbers.next() - 1.5f);
+        const vec3 direction = i % 4 == 0 ? vec3(1, -0.05f, 0) : vec3(numbers.next() - 0.5f, -1, numbers.next() - 0.5f);
+        const LightType type = i % 2 == 0 ? LightType::Rectangle : LightType::Disk;
+        const vec2 size(0.2f + 0.2f * numbers.next(), 0.2f);
+        scene.lights.push_back(areaLight(type, place, glm::normalize(direction), size, 100.0f, LightMode::Baked));
+        scene.lights.back().castShadows = false;
+    }
+    Bench bench(std::move(scene), MixedLightingMode::Shadowmask, kPage, directOnly());
+    const std::vector<IrradianceEstimate> estimates = bench.irradiance();
+    double off = 0.0;
+    double count = 0.0;
+    for (std::size_t i = 0; i < estimates.size(); i += 97) {
+        const vec3 p = bench.positionOf(bench.map.texels[i]);
+        if (std::max(std::abs(p.x), std::abs(p.z)) > 1.9f) continue;
+        double irradiance = 0.0;
+        glm::dvec3 moment(0.0);
+        for (const Light& light : bench.scene.lights) {
+            forPieces(light, p, 40, [&](vec3, vec3 direction, double solidAngle) {
+                const double lux = 100.0 * std::max(double(direction.y), 0.0) * solidAngle;
+                irradiance += lux;
+                moment += lux * glm::dvec3(direction);
+            });
+        }
+        const double error = std::abs(double(estimates[i].irradiance.x) - irradiance) / irradiance;
+        EXPECT_LT(error, 0.03) << p.x << " " << p.z; // texels are 4 cm wide, under lights at 15 cm
+        EXPECT_LT(glm::length(glm::dvec3(estimates[i].moment) - moment) / irradiance, 0.03) << p.x << " " << p.z;
+        off += error;
+        count += 1.0;
+    }
+    EXPECT_GT(count, 70.0);
+    EXPECT_LT(off / count, 0.006);
 }
 
 /// Ten times the lights on ten times the floor cost ten times as many shadow rays, not a hundred times.
