@@ -95,7 +95,8 @@ class Ranges(BrokenCase):
                     for step in path[:-1]:
                         holder = holder[int(step) if isinstance(holder, list) else step]
                     key = int(path[-1]) if isinstance(holder, list) else path[-1]
-                    holder[key] = math.floor(value) if isinstance(holder[key], int) else value
+                    whole = math.ceil(value) if value > most else math.floor(value)
+                    holder[key] = whole if isinstance(holder[key], int) else value
                     write_glb(self.broken, document, self.binary)
                     with self.subTest(path="/".join(path), value=value):
                         self.assert_refused(self.broken, "/" + "/".join(path))
@@ -112,7 +113,7 @@ class Ranges(BrokenCase):
             at = view.get("byteOffset", 0) + accessor.get("byteOffset", 0)
             for value in (most * 1.1 + 0.1, least - 0.1 - abs(least) * 0.1):
                 binary = bytearray(self.binary)
-                struct.pack_into("<f", binary, at + 8, value)
+                struct.pack_into("<f", binary, at, value)
                 write_glb(self.broken, self.document, binary)
                 with self.subTest(member=steps[-1], value=value):
                     self.assert_refused(self.broken, "/extensions/HALFLIGHT_mixed_lighting/probes")
@@ -124,6 +125,8 @@ class Ranges(BrokenCase):
 
     def test_a_grid_that_is_not_the_probes(self):
         """Such a grid made the search for a probe's neighbours endless."""
+        self.baked, _ = self.bake(self.scene(), "grid.glb", "--probe-layout", "grid")
+        self.document, self.binary = parts_of(self.baked)
         for key, values in (("spacing", [1e-9] * 3), ("spacing", [3.0, 1.0, 1.0]), ("origin", [9e6, 0, 0])):
             self.change(lambda bake, key=key, values=values: bake["probes"]["grid"].update({key: values}))
             self.assert_refused(self.broken, "/probes/grid", "probe")

@@ -74,6 +74,16 @@ class EarlierSky(Case):
 
 
 class ReflectionProbes(Case):
+    def scene(self):
+        """Of gloss: dull surfaces get no reflection probes."""
+        path = super().scene()
+        with open(path, encoding="utf-8") as file:
+            document = json.load(file)
+        document["materials"][0]["pbrMetallicRoughness"].update({"metallicFactor": 1, "roughnessFactor": 0.2})
+        with open(path, "w", encoding="utf-8") as file:
+            json.dump(document, file)
+        return path
+
     def test_on_off_and_by_the_file(self):
         baked, report = self.bake(self.scene(), "baked.glb")
         root = json_of(baked)["extensions"]["HALFLIGHT_mixed_lighting"]

@@ -259,7 +259,7 @@ class FullDisk(Case):
         images, out = self.path("images"), self.path("baked.gltf")
         self.check(images, "-o", out, "--write-images", images)
         os.remove(out)
-        os.mkdir(images)
+        os.makedirs(images, exist_ok=True)
         os.mkdir(os.path.join(images, "probes.json"))
         result = run("bake", self.file, "-o", out, "--write-images", images, *self.options)
         self.assertEqual(result.returncode, 1)

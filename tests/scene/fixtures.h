@@ -293,7 +293,8 @@ inline BakedScene pretendToBake(Scene scene, bool splitVertices = true)
     baked.probes.size = {3, 2, 2};
     for (std::size_t i = 0; i < 12; ++i) {
         Probe probe;
-        probe.position = {random(i, 6), random(i, 7), random(i, 8)};
+        probe.position =
+            baked.probes.origin + baked.probes.spacingMeters * vec3(float(i % 3), float(i / 3 % 2), float(i / 6));
         for (std::size_t k = 0; k < 9; ++k)
             probe.radiance[k] = vec3(random(i, uint32_t(20 + k)) - 0.5f, 0.1f, random(k, uint32_t(i)));
         probe.occlusion = {random(i, 9), 1.0f, 0.0f, random(i, 10)};

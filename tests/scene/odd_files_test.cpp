@@ -219,7 +219,8 @@ TEST(Brightness, BeyondWhatABakeCanSumIsRefusedWithItsPath)
     EXPECT_THAT(errorOf(emission(2.1e12)), HasSubstr("/materials/0: its emission is brighter than 1e12"));
     EXPECT_EQ(errorOf(lamp(1e12, {})), "loaded");
     EXPECT_THAT(errorOf(lamp(1e30, {})), HasSubstr("/nodes/0: light \"triangle\" is brighter"));
-    EXPECT_THAT(errorOf(lamp(1e3, {{"halflight_indirect_multiplier", 1e10}})), HasSubstr("/nodes/0"));
+    EXPECT_THAT(errorOf(lamp(1e3, {{"halflight_indirect_multiplier", 1e10}})),
+                HasSubstr("halflight_indirect_multiplier must be a number from 0 to 1000000"));
     EXPECT_EQ(errorOf(sky(1e12)), "loaded");
     EXPECT_THAT(errorOf(sky(1e30)), HasSubstr("/scenes/0: its sky"));
 }

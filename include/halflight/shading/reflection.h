@@ -130,7 +130,7 @@ HL_FN vec3 reflectedSurroundings(vec3 fromProbes, vec3 expected, float coverage,
                                  vec3 local, float roughness)
 {
     float ratio = min(luminanceOf(local) / max(luminanceOf(expected), 1.0e-12f), 1.0f);
-    float share = trust * min(4.0f * coverage, 1.0f) * (1.0f - roughness * roughness);
+    float share = trust * (1.0f - square(square(1.0f - coverage))) * (1.0f - roughness * roughness);
     return mix(surroundings, fromProbes * pow(ratio, roughness), share);
 }
 

@@ -401,7 +401,7 @@ vec3 hlReflectedSurroundings(vec3 fromProbes, vec3 expected, float coverage, flo
                                  vec3 local, float roughness)
 {
     float ratio = min(hlLuminanceOf(local) / max(hlLuminanceOf(expected), 1.0e-12), 1.0);
-    float share = trust * min(4.0 * coverage, 1.0) * (1.0 - roughness * roughness);
+    float share = trust * (1.0 - hlSquare(hlSquare(1.0 - coverage))) * (1.0 - roughness * roughness);
     return mix(surroundings, fromProbes * pow(ratio, roughness), share);
 }
 bool hlIsAreaLight(int lightType)

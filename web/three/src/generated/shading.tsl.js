@@ -612,7 +612,7 @@ export const hlLuminanceOf = /*@__PURE__*/ Fn( ( [ color ] ) => {
 export const hlReflectedSurroundings = /*@__PURE__*/ Fn( ( [ fromProbes, expected, coverage, trust, surroundings, local, roughness ] ) => {
 
 	const ratio = min( hlLuminanceOf( local ).div( max( hlLuminanceOf( expected ), float( 1.0e-12 ) ) ), float( 1.0 ) );
-	const share = trust.mul( min( float( 4.0 ).mul( coverage ), float( 1.0 ) ) ).mul( float( 1.0 ).sub( roughness.mul( roughness ) ) );
+	const share = trust.mul( float( 1.0 ).sub( hlSquare( hlSquare( float( 1.0 ).sub( coverage ) ) ) ) ).mul( float( 1.0 ).sub( roughness.mul( roughness ) ) );
 
 	return mix( surroundings, fromProbes.mul( pow( ratio, roughness ) ), share );
 
