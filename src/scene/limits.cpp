@@ -44,8 +44,11 @@ constexpr Range kFade = ofBake("probes/*/fade");
 constexpr Range kBox = ofBake("probes/*/box");
 constexpr Range kPlace = ofBake("HALFLIGHT_node/lightmap/scale");
 
-bool within(float value, const Range& range)
+/// The limits themselves are within, though the nearest floats lie beyond some of them.
+bool within(float value, Range range)
 {
+    range.least = double(float(range.least));
+    range.most = double(float(range.most));
     return isWithin(double(value), range);
 }
 
