@@ -25,7 +25,7 @@ std::vector<std::vector<float>> coverageOf(std::span<const ReflectionProbe> prob
         std::vector<float>& row = coverage.emplace_back();
         for (const ReflectionProbe& to : probes) {
             const vec3 place(boxFromWorld * vec4(to.position, 1.0f));
-            row.push_back(shading::reflectionCoverage(place, halfSize, reflectionFade(box)));
+            row.push_back(shading::reflectionCoverage(place, halfSize, from.fadeMeters));
         }
     }
     return coverage;

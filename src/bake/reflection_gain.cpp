@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numeric>
 
 namespace halflight {
 namespace {
@@ -15,7 +16,7 @@ namespace {
 /// No probe is added that takes less than this share off the error without probes: below lie the paths' noise and
 /// what nobody sees.
 constexpr double kLeastGain = 0.005;
-/// Two fades are tried: that within a wall, and so many times it, where nothing marks the box's end.
+/// Two fades are tried: the probe's own, within a wall, and so many times it, where nothing marks the box's end.
 constexpr float kWideFade = 4.0f;
 constexpr std::size_t kFades = 2;
 
@@ -158,6 +159,12 @@ public:
         return probes;
     }
 
+    [[nodiscard]] bool areWorseWithAll()
+    {
+        for (std::size_t i = 0; i < pictures_.size(); ++i) add(i, kFades - 1);
+        return std::accumulate(errors_.begin(), errors_.end(), 0.0) > (1.0 + kLeastGain) * without_;
+    }
+
 private:
     [[nodiscard]] float volumeOf(std::size_t picture) const
     {
@@ -165,7 +172,7 @@ private:
     }
     [[nodiscard]] std::array<float, kFades> fadesOf(std::size_t picture) const
     {
-        const float narrow = reflectionFade(pictures_[picture].probe.worldFromBox);
+        const float narrow = pictures_[picture].probe.fadeMeters;
         return {kWideFade * narrow, narrow};
     }
     [[nodiscard]] double errorAt(std::size_t k, std::span<const Part> blend) const
@@ -226,6 +233,11 @@ std::vector<ReflectionProbe> chooseByGain(std::span<const SpecularPoint> points,
                                           std::span<const ReflectionPicture> pictures, bool trusting)
 {
     return GainChoice(points, pictures, trusting).choose();
+}
+
+bool areWorseWith(std::span<const SpecularPoint> points, std::span<const ReflectionPicture> pictures, bool trusting)
+{
+    return GainChoice(points, pictures, trusting).areWorseWithAll();
 }
 
 std::vector<ReflectionTrust> trustOf(std::span<const SpecularPoint> points, std::span<const ReflectionPicture> pictures)

@@ -28,6 +28,9 @@ struct ReflectionTrust {
 std::vector<ReflectionProbe> chooseByGain(std::span<const SpecularPoint> points,
                                           std::span<const ReflectionPicture> pictures, bool trusting);
 
+/// Surfaces are farther from the truth with all of the pictures, in their order, than with none.
+bool areWorseWith(std::span<const SpecularPoint> points, std::span<const ReflectionPicture> pictures, bool trusting);
+
 /// What finished probes, in their order, are worth at the points that they serve.
 std::vector<ReflectionTrust> trustOf(std::span<const SpecularPoint> points,
                                      std::span<const ReflectionPicture> pictures);

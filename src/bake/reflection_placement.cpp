@@ -222,7 +222,7 @@ Box fitBox(std::span<const vec3> directions, std::span<const float> distances)
     return box;
 }
 
-ReflectionProbe probeAt(vec3 place, const Box& box)
+ReflectionProbe probeAt(vec3 place, const Box& box, float sceneSizeMeters)
 {
     const vec3 low(-box.face[0], -box.face[2], -box.face[4]);
     const vec3 high(box.face[1], box.face[3], box.face[5]);
@@ -234,6 +234,7 @@ ReflectionProbe probeAt(vec3 place, const Box& box)
         probe.worldFromBox[axis] = vec4(turned(unit, box.turn), 0.0f);
     }
     probe.worldFromBox[3] = vec4(place + turned(0.5f * (low + high), box.turn), 1.0f);
+    probe.fadeMeters = reflectionFade(probe.worldFromBox, sceneSizeMeters);
     return probe;
 }
 
@@ -259,7 +260,7 @@ Candidate candidateAt(vec3 place, std::span<const vec3> directions, std::vector<
 {
     const float far = kFarShare * sceneSizeMeters;
     Candidate candidate;
-    candidate.probe = probeAt(place, fitBox(directions, distances));
+    candidate.probe = probeAt(place, fitBox(directions, distances), sceneSizeMeters);
     const auto hits = std::count_if(distances.begin(), distances.end(), [&](float d) { return d < far; });
     candidate.weight = float(hits) / float(distances.size());
     const float clearance = *std::min_element(distances.begin(), distances.end()) / meanDistance(distances, far);
@@ -323,7 +324,7 @@ std::vector<ReflectionProbe> proposeReflections(std::span<const Probe> lightProb
         for (std::size_t i = begin; i < end; ++i) {
             const float local = kLocalShare * meanDistance(distances[i], far);
             for (float& distance : distances[i]) distance = std::min(distance, local);
-            probes[i] = probeAt(places[i], fitBox(directions, distances[i]));
+            probes[i] = probeAt(places[i], fitBox(directions, distances[i]), sceneSizeMeters);
         }
     });
     return probes;

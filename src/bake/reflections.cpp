@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 
 namespace halflight {
 namespace {
@@ -29,6 +30,17 @@ constexpr int kFewRays = kManyRays / 4;
 /// Texels across a candidate's picture, with few rays each: rough lobes are looked up in it, and there are a hundred.
 constexpr int kSmallTile = 48;
 
+/// Boxes with a longer diagonal, in sizes of the scene, are of open places. Where roofs are their floor, walls below it
+/// would show the whole picture within a thin line.
+constexpr float kLargestBox = 2.0f;
+
+/// Metres.
+float diagonalOf(const mat4& worldFromBox)
+{
+    const mat3 axes(worldFromBox);
+    return 2.0f * std::sqrt(glm::dot(axes[0], axes[0]) + glm::dot(axes[1], axes[1]) + glm::dot(axes[2], axes[2]));
+}
+
 class ReflectionStage {
 public:
     ReflectionStage(BakedScene& baked, const Gather& gather, std::span<const ImageRgb32f> lightmap,
@@ -42,7 +54,7 @@ public:
         auto points = specularPoints(gather_, {lightmap_, baked_.lightmapDirections}, sceneSize_, progress_);
         if (!points) return false;
         std::vector<ReflectionProbe> probes = authoredProbes(baked_.scene, warnings);
-        for (ReflectionProbe& probe : probes) probe.fadeMeters = reflectionFade(probe.worldFromBox);
+        for (ReflectionProbe& probe : probes) probe.fadeMeters = reflectionFade(probe.worldFromBox, sceneSize_);
         if (probes.empty() && !place(*points, probes)) return false;
         if (probes.empty()) return true;
         ReflectionSet set;
@@ -77,26 +89,30 @@ private:
         for (std::size_t i = 0; i < probes.size(); ++i) pictures.push_back({probes[i], &tiles[i]});
         return pictures;
     }
-    /// Surfaces without lobes choose nothing; then geometry alone does, for what moves among them.
+    /// Where probes change nothing on lightmapped surfaces, or would make none of them better, geometry alone places
+    /// them, for what moves among those; but not where they are worse off with them.
     bool place(std::span<const SpecularPoint> points, std::vector<ReflectionProbe>& probes)
     {
-        const auto shiny = [](const SpecularPoint& point) {
-            return std::any_of(point.views.begin(), point.views.end(),
-                               [](const SpecularView& view) { return view.share != vec3(0.0f); });
-        };
-        if (std::none_of(points.begin(), points.end(), shiny)) {
-            probes = placeReflections(baked_.probes.probes, gather_.integrator, sceneSize_);
-            for (ReflectionProbe& probe : probes) probe.fadeMeters = reflectionFade(probe.worldFromBox);
+        std::vector<ReflectionProbe> placed = placeReflections(baked_.probes.probes, gather_.integrator, sceneSize_);
+        if (std::none_of(points.begin(), points.end(), [](const SpecularPoint& p) { return p.reflectsProbes(); })) {
+            probes = std::move(placed);
             return true;
         }
-        std::vector<ReflectionProbe> candidates =
-            placeReflections(baked_.probes.probes, gather_.integrator, sceneSize_);
+        std::vector<ReflectionProbe> candidates = placed;
         const std::vector<ReflectionProbe> local =
             proposeReflections(baked_.probes.probes, gather_.integrator, sceneSize_);
         candidates.insert(candidates.end(), local.begin(), local.end());
         std::vector<ImageRgb32f> tiles;
         if (!takePictures(candidates, kSmallTile, kFewRays, tiles)) return false;
-        probes = chooseByGain(points, picturesOf(candidates, tiles), !baked_.lightmapDirections.empty());
+        const std::vector<ReflectionPicture> all = picturesOf(candidates, tiles);
+        std::vector<ReflectionPicture> bounded;
+        std::copy_if(all.begin(), all.end(), std::back_inserter(bounded), [&](const ReflectionPicture& picture) {
+            return diagonalOf(picture.probe.worldFromBox) <= kLargestBox * sceneSize_;
+        });
+        const bool trusting = !baked_.lightmapDirections.empty();
+        probes = chooseByGain(points, bounded, trusting);
+        if (probes.empty() && !areWorseWith(points, std::span(all).first(placed.size()), trusting))
+            probes = std::move(placed);
         return true;
     }
     bool takePictures(std::span<const ReflectionProbe> probes, int size, int rays, std::vector<ImageRgb32f>& tiles)
@@ -119,12 +135,10 @@ private:
 
 } // namespace
 
-float reflectionFade(const mat4& worldFromBox)
+float reflectionFade(const mat4& worldFromBox, float sceneSizeMeters)
 {
     constexpr float kFadeShare = 0.02f; // of the diagonal: 16 cm in a room of 8 m
-    const mat3 axes(worldFromBox);
-    return kFadeShare * 2.0f *
-           std::sqrt(glm::dot(axes[0], axes[0]) + glm::dot(axes[1], axes[1]) + glm::dot(axes[2], axes[2]));
+    return kFadeShare * std::min(diagonalOf(worldFromBox), sceneSizeMeters);
 }
 
 bool bakeReflections(BakedScene& baked, const Gather& gather, std::span<const ImageRgb32f> lightmap, int size,

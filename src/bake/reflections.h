@@ -23,8 +23,8 @@ std::vector<ReflectionProbe> proposeReflections(std::span<const Probe> lightProb
 std::vector<std::size_t> chooseReflections(std::span<const ReflectionProbe> probes,
                                            std::vector<std::vector<float>> uses);
 
-/// ReflectionProbe::fadeMeters of a box that ends at walls.
-float reflectionFade(const mat4& worldFromBox);
+/// ReflectionProbe::fadeMeters of a box that ends at walls. Boxes of open places reach far beyond the scene.
+float reflectionFade(const mat4& worldFromBox, float sceneSizeMeters);
 
 /// The tile of a probe (shading/reflection.h) from the radiance around it: prefiltered with the GGX distribution, for a
 /// surface seen along its normal (Karis 2013). `around`: the inner texels of level 0.

@@ -4,6 +4,7 @@
 
 #include "bake/gather.h"
 
+#include <algorithm>
 #include <span>
 #include <vector>
 
@@ -24,6 +25,13 @@ struct SpecularPoint {
     float roughness = 1.0f;
     float local = 0.0f; ///< luminance of irradiance over pi
     std::vector<SpecularView> views;
+
+    /// The lobe takes something from reflection probes (shading::reflectedSurroundings()).
+    [[nodiscard]] bool reflectsProbes() const
+    {
+        return roughness < 1.0f && std::any_of(views.begin(), views.end(),
+                                               [](const SpecularView& view) { return view.share != vec3(0.0f); });
+    }
 };
 
 /// Finished pages of a lightmap.

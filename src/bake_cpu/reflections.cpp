@@ -11,6 +11,8 @@ namespace halflight {
 namespace {
 
 constexpr uint32_t kReflectionSeed = 0x5eed0004u;
+/// Perceptual roughness of surfaces that are seen in surfaces, at least: lamps in narrower lobes are bright dots.
+constexpr float kLeastRoughnessOfSecond = 0.6f;
 
 class RadianceTracer {
 public:
@@ -54,7 +56,8 @@ private:
             sum += throughput * (paths_.weightedEmission(hit, direction, from, pdf) +
                                  shading::diffuseRadiance(paths_.albedoOf(hit.reflectance), irradiance));
             if (!paths_.glossy() || depth >= settings_.bounces) return sum;
-            const SpecularLobe lobe(hit.reflectance, hit.point, direction);
+            const SpecularLobe lobe(hit.reflectance, hit.point, direction,
+                                    depth == 0 ? SpecularLobe::kLeastRoughness : kLeastRoughnessOfSecond);
             const PathTracer::Reflection next = paths_.reflect(hit, lobe, 1.0f, sampler, rays);
             sum += throughput * next.lights;
             throughput *= next.throughput;

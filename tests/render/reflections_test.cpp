@@ -214,8 +214,8 @@ TEST_P(ReflectionPixels, ABoxEndsWithoutAnEdge)
     const auto metres = [&](int x) { return onPlane(pixelRay(floor.camera, kSize, {x, kSize.y / 2}), 0.0f).x; };
     float within = 0.0f;
     float beyond = 0.0f;
-    float steepest = 0.0f; // nits per metre
-    for (int x = 1; x < kSize.x; ++x) {
+    float steepest = 0.0f;                                  // nits per metre
+    for (int x = 1; x < kSize.x && metres(x) < 2.0f; ++x) { // the floor itself ends beyond
         const float step = std::abs(light(x) - light(x - 1));
         steepest = std::max(steepest, step / std::abs(metres(x) - metres(x - 1)));
         if (metres(x) < 0.0f) within = light(x);

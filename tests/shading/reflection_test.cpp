@@ -111,6 +111,26 @@ TEST(Reflection, BlurFollowsTheDistanceOfTheWall)
     EXPECT_FLOAT_EQ(roughnessAt(vec3(1, 0, 0), 0.4f), 0.4f * std::sqrt(0.5f));
     EXPECT_FLOAT_EQ(roughnessAt(vec3(-2, 0, 0), 0.4f), 0.4f * std::sqrt(2.0f));
     EXPECT_EQ(roughnessAt(vec3(-2, 0, 0), 1.0f), 1.0f);
+    // Close to the wall alpha is halved, and no more.
+    EXPECT_FLOAT_EQ(roughnessAt(vec3(1.9f, 0, 0), 0.4f), 0.4f * std::sqrt(0.5f));
+}
+
+// Beyond a face, no direction's picture jumps as the mirrored ray turns away from the box.
+TEST(Reflection, NothingJumpsBeyondABox)
+{
+    const TurnedBox box;
+    const vec3 probe(1.0f, 1.25f, 1.0f);
+    const vec3 up(0.0f, 1.0f, 0.0f);
+    const vec3 along = glm::normalize(vec3(box.worldFromBox[2]));
+    for (const float height : {2.6f, 3.0f, 4.0f, -0.1f, -1.0f}) {
+        const vec3 position(1.0f, height, 1.0f);
+        const auto at = [&](float angle) {
+            return vec3(box.lookUp(position, std::cos(angle) * along + std::sin(angle) * up, probe, 0.3f));
+        };
+        constexpr float kStep = 1.0e-4f;
+        for (float angle = -1.5f; angle < 1.5f; angle += kStep)
+            ASSERT_LT(glm::distance(at(angle), at(angle + kStep)), 0.01f) << height << " m, " << angle;
+    }
 }
 
 TEST(Reflection, CoverageIsAQuarterAtTheFadesDistance)

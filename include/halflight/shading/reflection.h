@@ -66,22 +66,23 @@ HL_FN float reflectionRoughness(int level)
     return float(level) / float(kReflectionLevels - 1);
 }
 
-// Where a ray from inside of the cube [-1, 1]^3 leaves it, as a multiple of `direction`. A point outside counts as the
-// nearest one inside.
+// Where a ray from inside of the cube [-1, 1]^3 leaves it, as a multiple of `direction`. For a point beyond a face,
+// that face counts as being as far on its other side. So the way to it shrinks to nothing only at the face itself,
+// where walls are, and no ray's end jumps as it turns away from the cube.
 HL_FN float distanceToCube(vec3 position, vec3 direction)
 {
-    vec3 inside = clamp(position, vec3(-1.0f), vec3(1.0f));
     vec3 speed = max(abs(direction), vec3(1.0e-12f));
-    vec3 way = vec3(direction.x < 0.0f ? inside.x + 1.0f : 1.0f - inside.x,
-                    direction.y < 0.0f ? inside.y + 1.0f : 1.0f - inside.y,
-                    direction.z < 0.0f ? inside.z + 1.0f : 1.0f - inside.z);
+    vec3 way = vec3(abs(direction.x < 0.0f ? position.x + 1.0f : 1.0f - position.x),
+                    abs(direction.y < 0.0f ? position.y + 1.0f : 1.0f - position.y),
+                    abs(direction.z < 0.0f ? position.z + 1.0f : 1.0f - position.z));
     vec3 t = way / speed;
     return min(min(t.x, t.y), t.z);
 }
 
 // Parallax correction: Lagarde and Zanuttini 2012, "Local Image-based Lighting With Parallax-corrected Cubemap". The
 // roughness is scaled by distance, as the same solid angle of a lobe is narrower or wider from the probe: Lagarde and
-// de Rousiers 2014, "Moving Frostbite to Physically Based Rendering", section 4.9.5.
+// de Rousiers 2014, "Moving Frostbite to Physically Based Rendering", section 4.9.5. It is at least halved: close to a
+// face of the box that is no wall, a narrower lobe would show single bright texels as lines.
 //   position, direction          of the reflected ray, in the world; the direction has length 1
 //   boxPosition, boxDirection    the same where the probe's box is the cube [-1, 1]^3
 //   probe                        where the picture was taken, in the world
@@ -92,7 +93,7 @@ HL_FN vec4 lookUpReflection(vec3 position, vec3 direction, vec3 boxPosition, vec
     float distanceFromSurface = distanceToCube(boxPosition, boxDirection);
     vec3 seen = position + direction * distanceFromSurface - probe;
     float distanceFromProbe = max(length(seen), 1.0e-6f);
-    float alpha = roughness * roughness * distanceFromSurface / distanceFromProbe;
+    float alpha = roughness * roughness * max(distanceFromSurface / distanceFromProbe, 0.5f);
     return vec4(seen * (1.0f / distanceFromProbe), sqrt(min(alpha, 1.0f)));
 }
 

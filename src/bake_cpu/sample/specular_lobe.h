@@ -32,9 +32,10 @@ public:
         return std::max(surface.roughness, kLeastRoughness);
     }
     /// `direction`: of the ray that hits the surface.
-    SpecularLobe(const SurfaceReflectance& surface, const SurfacePoint& point, vec3 direction)
-        : f0_(surface.f0()), f90_(surface.f90()), roughness_(roughnessOf(surface)), normal_(point.normal),
-          geometricNormal_(point.geometricNormal), view_(-direction)
+    SpecularLobe(const SurfaceReflectance& surface, const SurfacePoint& point, vec3 direction,
+                 float leastRoughness = kLeastRoughness)
+        : f0_(surface.f0()), f90_(surface.f90()), roughness_(std::max(surface.roughness, leastRoughness)),
+          normal_(point.normal), geometricNormal_(point.geometricNormal), view_(-direction)
     {}
 
     /// Radiance along the ray for light from `direction` with this illuminance at normal incidence.

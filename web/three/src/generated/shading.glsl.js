@@ -370,11 +370,10 @@ float hlReflectionRoughness(int level)
 }
 float hlDistanceToCube(vec3 position, vec3 direction)
 {
-    vec3 inside = clamp(position, vec3(-1.0), vec3(1.0));
     vec3 speed = max(abs(direction), vec3(1.0e-12));
-    vec3 way = vec3(direction.x < 0.0 ? inside.x + 1.0 : 1.0 - inside.x,
-                    direction.y < 0.0 ? inside.y + 1.0 : 1.0 - inside.y,
-                    direction.z < 0.0 ? inside.z + 1.0 : 1.0 - inside.z);
+    vec3 way = vec3(abs(direction.x < 0.0 ? position.x + 1.0 : 1.0 - position.x),
+                    abs(direction.y < 0.0 ? position.y + 1.0 : 1.0 - position.y),
+                    abs(direction.z < 0.0 ? position.z + 1.0 : 1.0 - position.z));
     vec3 t = way / speed;
     return min(min(t.x, t.y), t.z);
 }
@@ -384,7 +383,7 @@ vec4 hlLookUpReflection(vec3 position, vec3 direction, vec3 boxPosition, vec3 bo
     float distanceFromSurface = hlDistanceToCube(boxPosition, boxDirection);
     vec3 seen = position + direction * distanceFromSurface - probe;
     float distanceFromProbe = max(length(seen), 1.0e-6);
-    float alpha = roughness * roughness * distanceFromSurface / distanceFromProbe;
+    float alpha = roughness * roughness * max(distanceFromSurface / distanceFromProbe, 0.5);
     return vec4(seen * (1.0 / distanceFromProbe), sqrt(min(alpha, 1.0)));
 }
 float hlReflectionCoverage(vec3 boxPosition, vec3 halfSizeMeters, float fadeMeters)

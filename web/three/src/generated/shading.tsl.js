@@ -574,9 +574,8 @@ export const hlReflectionRoughness = /*@__PURE__*/ Fn( ( [ level ] ) => {
 
 export const hlDistanceToCube = /*@__PURE__*/ Fn( ( [ position, direction ] ) => {
 
-	const inside = clamp( position, vec3( float( 1.0 ).negate() ), vec3( float( 1.0 ) ) );
 	const speed = max( abs( direction ), vec3( float( 1.0e-12 ) ) );
-	const way = vec3( select( direction.x.lessThan( float( 0.0 ) ), inside.x.add( float( 1.0 ) ), float( 1.0 ).sub( inside.x ) ), select( direction.y.lessThan( float( 0.0 ) ), inside.y.add( float( 1.0 ) ), float( 1.0 ).sub( inside.y ) ), select( direction.z.lessThan( float( 0.0 ) ), inside.z.add( float( 1.0 ) ), float( 1.0 ).sub( inside.z ) ) );
+	const way = vec3( abs( select( direction.x.lessThan( float( 0.0 ) ), position.x.add( float( 1.0 ) ), float( 1.0 ).sub( position.x ) ) ), abs( select( direction.y.lessThan( float( 0.0 ) ), position.y.add( float( 1.0 ) ), float( 1.0 ).sub( position.y ) ) ), abs( select( direction.z.lessThan( float( 0.0 ) ), position.z.add( float( 1.0 ) ), float( 1.0 ).sub( position.z ) ) ) );
 	const t = way.div( speed );
 
 	return min( min( t.x, t.y ), t.z );
@@ -588,7 +587,7 @@ export const hlLookUpReflection = /*@__PURE__*/ Fn( ( [ position, direction, box
 	const distanceFromSurface = hlDistanceToCube( boxPosition, boxDirection );
 	const seen = position.add( direction.mul( distanceFromSurface ) ).sub( probe );
 	const distanceFromProbe = max( length( seen ), float( 1.0e-6 ) );
-	const alpha = roughness.mul( roughness ).mul( distanceFromSurface ).div( distanceFromProbe );
+	const alpha = roughness.mul( roughness ).mul( max( distanceFromSurface.div( distanceFromProbe ), float( 0.5 ) ) );
 
 	return vec4( seen.mul( float( 1.0 ).div( distanceFromProbe ) ), sqrt( min( alpha, float( 1.0 ) ) ) );
 
