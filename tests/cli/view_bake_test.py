@@ -120,6 +120,7 @@ class ViewBake(ViewCase):
     def test_answers_while_there_is_work_in_the_background(self):
         """Keys are answered before a bake ends, and while the reference gets better, which takes as long."""
         window = self.window(self.scene(), "--size", "500x300", "--quality", "ultra", "--lightmap-size", "256")
+        window.said(r"first picture after \d")  # the mouse moves nothing before
         window.key("Tab")
         self.assert_answers(window)
         window.key("b")
