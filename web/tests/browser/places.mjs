@@ -4,8 +4,8 @@ import { writeFileSync } from 'node:fs';
 import { join } from 'node:path';
 import { test } from 'node:test';
 
+import { writeSky } from '../pictures.mjs';
 import { studio } from './studio.mjs';
-import { writeSky } from './sky.mjs';
 
 const SMALL = [160, 90];
 const SHADOW = ['--shadow-distance', '60', '--shadow-fade-range', '1'];
