@@ -34,9 +34,9 @@ export function halflight(...args) {
 
 const types = { '.html': 'text/html', '.js': 'text/javascript', '.mjs': 'text/javascript', '.css': 'text/css', '.json': 'application/json', '.wasm': 'application/wasm' };
 
-/** Serves web/ as /web/, assets/ as /assets/, a package of three.js as /three/, and a folder of files as /files/. */
-export function serve(files, three = 'three') {
-    return serveRoots({ '/three/': join(web, 'node_modules', three), '/files/': files, '/web/': web, '/assets/': join(repository, 'assets') });
+/** Serves web/ as /web/, assets/ as /assets/, a package of three.js as /three/, a folder of files as /files/, and others. */
+export function serve(files, three = 'three', others = {}) {
+    return serveRoots({ '/three/': join(web, 'node_modules', three), '/files/': files, '/web/': web, '/assets/': join(repository, 'assets'), ...others });
 }
 
 /** Serves one folder as /. */

@@ -30,7 +30,9 @@ export async function show(renderer: WebGLRenderer, camera: PerspectiveCamera, s
         light.shadowStrength = 0.5;
         light.light.intensity *= 2;
     }
-    halflight.add(new Mesh());
+    const own = new Mesh();
+    halflight.add(own);
+    halflight.remove(own);
     const grid: LightProbeGridWebGL = halflight.toLightProbeGrid(LightProbeGridWebGL, { box: new Box3(), resolution: [4, 4, 4] });
     scene.add(grid);
     halflight.update(renderer, camera);

@@ -57,6 +57,8 @@ export class HalflightScene {
     update(renderer: object, camera: Camera, scene?: Object3D): void;
     /** Lights an object of the application by the bake's probes. */
     add(object: Object3D): void;
+    /** Takes back what add() did, or forgets a clone. Objects that leave the scene are removed by themselves. */
+    remove(object: Object3D): void;
     /**
      * The probes as three.js's LightProbeGrid: pass the class of its addons, LightProbeGridWebGL for WebGLRenderer (LightProbeGrid
      * in 0.185) or LightProbeGrid for WebGPURenderer. Covers the scene, with probes as far apart as the bake's, where options are absent.
@@ -65,7 +67,7 @@ export class HalflightScene {
         Grid: new (width?: number, height?: number, depth?: number, x?: number, y?: number, z?: number) => Grid,
         options?: { box?: Box3; resolution?: [number, number, number] }
     ): Grid;
-    /** Takes every change of materials, lights and objects back. */
+    /** Takes every change of materials, lights and objects back, and frees all that the plug-in made. Later updates do nothing. */
     dispose(): void;
 }
 

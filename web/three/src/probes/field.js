@@ -3,9 +3,9 @@
 // include/halflight/render/probes.h.
 import { shBasis, shIrradianceWeight } from '../generated/shading.js';
 import { skyCoefficients } from '../scene/sky_picture.js';
-import { cellsFit, OUTSIDE } from './cells.js';
-import { nearestOnTriangle } from './nearest.js';
+import { cellsFit } from './cells.js';
 import { removeRinging } from './ringing.js';
+import { CellSearch, Place } from './search.js';
 import { sightWeight } from './sight.js';
 import { Tetrahedra } from './tetrahedra.js';
 
@@ -38,8 +38,9 @@ export class ProbeField {
         this.spacing = [Infinity, Infinity, Infinity];
         /** @type {number[]} probe of each vertex */
         this.sources = [];
-        this.last = 0;
-        this.hull = [];
+        this.place = new Place();
+        /** @type {CellSearch | null} */
+        this.search = null;
         /** Whether the cells are those of the file. */
         this.cellsOfFile = false;
         if (!probes) return;
@@ -64,7 +65,7 @@ export class ProbeField {
         } else {
             this.triangulate(low, size, flat);
         }
-        this.findHull();
+        this.search = new CellSearch(this.cells, this.positions, this.sources);
     }
 
     /** For files of version 1 of the format, and for probes in one plane. */
@@ -141,96 +142,50 @@ export class ProbeField {
         return result;
     }
 
-    findHull() {
-        const { vertices, neighbors } = this.cells;
-        for (let i = 0; i < neighbors.length; ++i) {
-            if (neighbors[i] !== OUTSIDE) continue;
-            const cell = i >> 2;
-            this.hull.push([0, 1, 2, 3].filter((j) => j !== i % 4).map((j) => vertices[4 * cell + j]));
-        }
-    }
-
-    /** Barycentric coordinates of a point in cell c. */
-    barycentric(c, p) {
-        const v = [0, 1, 2, 3].map((i) => {
-            const at = 3 * this.cells.vertices[4 * c + i];
-            return [this.positions[at] - p[0], this.positions[at + 1] - p[1], this.positions[at + 2] - p[2]];
-        });
-        const w = [volume(v[1], v[3], v[2]), volume(v[0], v[2], v[3]), volume(v[0], v[3], v[1]), volume(v[0], v[1], v[2])];
-        const sum = w[0] + w[1] + w[2] + w[3];
-        return w.map((x) => x / sum);
-    }
-
-    /** Four probes around a point and their shares. @param {number[]} p @returns {{probes: number[], weights: number[]}} */
-    weights(p) {
-        let current = this.last;
-        let from = OUTSIDE;
-        for (let steps = 0; steps < this.cells.vertices.length; ++steps) {
-            const w = this.barycentric(current, p);
-            let worst = -1;
-            for (let i = 0; i < 4; ++i) {
-                const neighbor = this.cells.neighbors[4 * current + i];
-                if (w[i] < -1e-9 && neighbor !== from && (worst < 0 || w[i] < w[worst])) worst = i;
-            }
-            if (worst < 0) {
-                this.last = current;
-                const vertices = Array.from(this.cells.vertices.slice(4 * current, 4 * current + 4));
-                return { probes: vertices.map((v) => this.sources[v]), weights: w.map((x) => Math.max(x, 0)) };
-            }
-            const next = this.cells.neighbors[4 * current + worst];
-            if (next === OUTSIDE) break;
-            from = current;
-            current = next;
-        }
-        return this.hullWeights(p);
-    }
-
-    hullWeights(p) {
-        let best = { distance: Infinity, probes: [0], weights: [1] };
-        for (const face of this.hull) {
-            const v = face.map((i) => [0, 1, 2].map((axis) => this.positions[3 * i + axis] - p[axis]));
-            const w = nearestOnTriangle(v[0], v[1], v[2]);
-            let distance = 0;
-            for (let axis = 0; axis < 3; ++axis) distance += (w[0] * v[0][axis] + w[1] * v[1][axis] + w[2] * v[2][axis]) ** 2;
-            if (distance < best.distance) best = { distance, probes: face.map((i) => this.sources[i]), weights: w };
-        }
-        return best;
-    }
-
-    /** Shares of probes, each times how well its probe sees the point that the shares are those of. */
-    seen(probes, shares) {
+    /** Shares of a place's probes, each times how well its probe sees the point that the shares are those of. @returns {number} their sum */
+    see({ probes, weights, count }) {
         const { positions, sight } = this.probes;
-        if (!sight) return shares;
-        const sum = shares.reduce((a, b) => a + b, 0);
-        const point = [0, 1, 2].map((axis) => shares.reduce((at, share, k) => at + (share / sum) * positions[3 * probes[k] + axis], 0));
-        return shares.map((share, k) =>
-            share > 0 ? share * sightWeight(sight, probes[k], point.map((x, axis) => x - positions[3 * probes[k] + axis])) : 0
-        );
+        let sum = 0;
+        for (let k = 0; k < count; ++k) sum += weights[k];
+        if (!sight) return sum;
+        let x = 0, y = 0, z = 0;
+        for (let k = 0; k < count; ++k) {
+            const at = 3 * probes[k];
+            x += (weights[k] / sum) * positions[at];
+            y += (weights[k] / sum) * positions[at + 1];
+            z += (weights[k] / sum) * positions[at + 2];
+        }
+        let seen = 0;
+        for (let k = 0; k < count; ++k) {
+            const at = 3 * probes[k];
+            if (weights[k] > 0) weights[k] *= sightWeight(sight, probes[k], x - positions[at], y - positions[at + 1], z - positions[at + 2]);
+            seen += weights[k];
+        }
+        return seen;
     }
 
-    /** @param {number[]} p world @returns {ProbeSample} */
-    sample(p) {
-        const sum = { radiance: new Float64Array(27), occlusion: new Float64Array(4) };
+    /**
+     * @param {ArrayLike<number>} p in bake space @param {Place} [place] where the search begins, and ends
+     * @param {ProbeSample} [sum] to write to @returns {ProbeSample}
+     */
+    sample(p, place = this.place, sum = { radiance: new Float64Array(27), occlusion: new Float64Array(4) }) {
         if (this.empty) {
             sum.radiance.set(this.sky.radiance);
             sum.occlusion.set(this.sky.occlusion);
         } else {
-            const { probes, weights: shares } = this.weights(p);
-            const weights = this.seen(probes, shares);
-            const total = weights.reduce((a, b) => a + b, 0);
-            probes.forEach((probe, k) => {
-                const w = weights[k] / total;
-                for (let i = 0; i < 27; ++i) sum.radiance[i] += w * this.probes.radiance[27 * probe + i];
-                for (let c = 0; c < 4; ++c) sum.occlusion[c] += w * this.probes.occlusion[4 * probe + c];
-            });
+            const { radiance, occlusion } = this.probes;
+            this.search.find(p, place);
+            const total = this.see(place);
+            sum.radiance.fill(0);
+            sum.occlusion.fill(0);
+            for (let k = 0; k < place.count; ++k) {
+                const w = place.weights[k] / total;
+                const probe = place.probes[k];
+                for (let i = 0; i < 27; ++i) sum.radiance[i] += w * radiance[27 * probe + i];
+                for (let c = 0; c < 4; ++c) sum.occlusion[c] += w * occlusion[4 * probe + c];
+            }
         }
         removeRinging(sum.radiance); // after interpolation: the sum may ring less than each probe
         return sum;
     }
-}
-
-function volume(a, b, c) {
-    return (
-        a[0] * (b[1] * c[2] - b[2] * c[1]) + a[1] * (b[2] * c[0] - b[0] * c[2]) + a[2] * (b[0] * c[1] - b[1] * c[0])
-    );
 }

@@ -20,12 +20,12 @@ export function readSight(ranges, corners) {
     return { size, ranges: Float32Array.from(ranges), first: first.map((map) => map * size * size), nearness, variance };
 }
 
-/** Weight of a probe at a point this far from it: 1 in sight, nearly 0 behind a surface. @param {Sight | null | undefined} sight @param {number} probe @param {number[]} offset */
-export function sightWeight(sight, probe, offset) {
+/** Weight of a probe at a point this far from it: 1 in sight, nearly 0 behind a surface. @param {Sight | null | undefined} sight @param {number} probe @param {number} dx offset of the point @param {number} dy @param {number} dz */
+export function sightWeight(sight, probe, dx, dy, dz) {
     if (!sight || !(sight.ranges[probe] > 0)) return 1;
-    const meters = Math.abs(offset[0]) + Math.abs(offset[1]) + Math.abs(offset[2]);
+    const meters = Math.abs(dx) + Math.abs(dy) + Math.abs(dz);
     if (!(meters > 0)) return 1;
-    const d = { x: offset[0], y: offset[1], z: offset[2] };
+    const d = { x: dx, y: dy, z: dz };
     const cells = sight.size - 1;
     const u = (octahedralX(d) * 0.5 + 0.5) * cells;
     const v = (octahedralY(d) * 0.5 + 0.5) * cells;

@@ -1,9 +1,4 @@
 // What an application did to a baked file that its bake does not follow: a sentence for each, while it is so.
-import { apart } from './objects.js';
-
-/** Change of an object's matrix, relative to its largest number, from which on it counts as moved. */
-const MOVED = 1e-4;
-
 /** @param {import('./scene.js').HalflightScene} scene @param {Set<any>} lights that are drawn or hidden below the top */
 export function checkFrame(scene, lights) {
     checkInstances(scene);
@@ -22,24 +17,27 @@ export function checkFrame(scene, lights) {
 }
 
 function checkInstances(scene) {
-    for (const { object, uniform } of scene.instances.values())
+    for (const { object, uniform } of scene.members.instances.values())
         if (!uniform)
             scene.say(`"${object.name || 'the scene of the file'}" is scaled by axis or sheared: its baked light fits no such shape, so give it one scale for all axes`);
 }
 
 function checkMaterials(scene, object) {
-    for (const mesh of object.meshes)
-        for (const material of [mesh.material].flat()) {
-            if (!material || scene.backend.shows(material) || material.isMeshBasicMaterial) continue;
-            if (!material.isMeshStandardMaterial)
-                scene.say(`material "${material.name}" of "${object.name}" is a ${material.type}: only MeshStandardMaterial and MeshPhysicalMaterial show the bake`);
-            else
-                scene.say(`"${object.name}" got another material, "${material.name}", which does not show the bake: give it before the first update(), or change the file's own`);
-        }
+    for (const { material } of object.meshes) {
+        if (Array.isArray(material)) for (const own of material) checkMaterial(scene, object, own);
+        else checkMaterial(scene, object, material);
+    }
+}
+
+function checkMaterial(scene, object, material) {
+    if (!material || scene.backend.shows(material) || material.isMeshBasicMaterial) return;
+    if (!material.isMeshStandardMaterial)
+        scene.say(`material "${material.name}" of "${object.name}" is a ${material.type}: only MeshStandardMaterial and MeshPhysicalMaterial show the bake`);
+    else
+        scene.say(`"${object.name}" got another material, "${material.name}", which does not show the bake: give it before the first update(), or change the file's own`);
 }
 
 function checkPlace(scene, object) {
-    const place = object.bakeFromMesh();
-    if (apart(object.atLoad, place) > MOVED)
+    if (object.strayed)
         scene.say(`static object "${object.name}" moved since its bake: its baked light and shadows stay as they were; make it dynamic or bake again`);
 }

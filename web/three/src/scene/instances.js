@@ -61,3 +61,10 @@ export function rootOf(object, file) {
     for (let o = object; o; o = o.parent) if (stampOf(o, file)?.root) return o;
     return null;
 }
+
+/** @param {any} object */
+export function topOf(object) {
+    let top = object;
+    while (top.parent) top = top.parent;
+    return top;
+}

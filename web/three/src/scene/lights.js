@@ -177,6 +177,8 @@ export class BakedLight {
         if (!light.shadow) return;
         light.shadow.camera.layers.mask = before.shadowLayers;
         light.shadow.mapSize.setScalar(before.mapSize);
+        light.shadow.dispose(); // its map has the plug-in's size
+        light.shadow.map = null;
     }
 }
 

@@ -1,10 +1,19 @@
 // A node with a mesh, or instances of one, as the bake sees it.
 import { Box3, Matrix4, Vector3 } from 'three';
 
+import { Place } from '../probes/search.js';
+
 const TEXCOORDS = ['uv', 'uv1', 'uv2', 'uv3'];
 
 /** Difference of matrices, relative to their largest number, that rounding makes of an object that rests in a file that moves. */
 const UNMOVED = 1e-6;
+
+/** The same for an object that counts as moved since its bake. */
+const MOVED = 1e-4;
+
+const matrix = new Matrix4();
+const own = new Matrix4();
+const point = new Vector3();
 
 /** @param {Matrix4} a @param {Matrix4} b */
 export function apart(a, b) {
@@ -47,10 +56,18 @@ export class BakedObject {
             this.box.union(mesh.geometry.boundingBox);
         }
         this.firstRow = -1;
+        /** Whether a frame had it in its scene: it is dropped when it leaves. */
+        this.wasShown = false;
         this.lastWorld = new Matrix4().set(...new Array(16).fill(NaN));
         this.lastVersion = -1;
-        /** Where it was when it was last lit, and at the load. */
+        /** Where it is, whether its probe light is that of another place, and whether it is static and moved since its bake. */
         this.lit = null;
+        this.isDark = true;
+        this.strayed = false;
+        /** Where its instances take their light, in bake space, and that light. */
+        this.places = [];
+        this.anchor = new Float64Array(3);
+        this.light = { radiance: new Float64Array(27), occlusion: new Float64Array(4) };
         this.atLoad = original?.atLoad ?? this.bakeFromMesh();
         this.undo = [];
     }
@@ -59,18 +76,17 @@ export class BakedObject {
         return this.placement !== null;
     }
 
-    /** From its mesh to bake space. */
-    bakeFromMesh() {
-        return this.instance.bakeFromWorld.clone().multiply(this.meshes[0].matrixWorld);
+    /** From its mesh to bake space. @param {Matrix4} [result] */
+    bakeFromMesh(result = new Matrix4()) {
+        return result.multiplyMatrices(this.instance.bakeFromWorld, this.meshes[0].matrixWorld);
     }
 
-    /** From its space to bake space. @param {number} i of a mesh with instances */
-    bakeFromObject(i) {
-        const matrix = this.bakeFromMesh();
-        if (!this.meshes[0].isInstancedMesh) return matrix;
-        const own = new Matrix4();
+    /** From its space to bake space. @param {number} i of a mesh with instances @param {Matrix4} [result] */
+    bakeFromObject(i, result) {
+        const bakeFromMesh = this.bakeFromMesh(result);
+        if (!this.meshes[0].isInstancedMesh) return bakeFromMesh;
         this.meshes[0].getMatrixAt(i, own);
-        return matrix.multiply(own);
+        return bakeFromMesh.multiply(own);
     }
 
     bakeBox() {
@@ -79,9 +95,10 @@ export class BakedObject {
         return box;
     }
 
-    /** Where instance i takes its probe light, in bake space. */
-    anchor(instance) {
-        return this.box.getCenter(new Vector3()).applyMatrix4(this.bakeFromObject(instance)).toArray();
+    /** Lights instance i by the probes where it is. @param {import('../probes/field.js').ProbeField} field @param {import('./table.js').ObjectTable} table */
+    sample(i, field, table) {
+        this.box.getCenter(point).applyMatrix4(this.bakeFromObject(i, matrix)).toArray(this.anchor);
+        table.setSample(this.firstRow + i, field.sample(this.anchor, (this.places[i] ??= new Place()), this.light));
     }
 
     /** Rows of the table that do not change while objects move. @param {import('./table.js').ObjectTable} table */
@@ -124,15 +141,16 @@ export class BakedObject {
         this.undo = [];
     }
 
-    /** Whether it moved within its file since the last call: a file that moves as a whole keeps its light. */
-    moved() {
+    /** Finds where it is in its file now: a file that moves as a whole keeps its light. */
+    follow() {
         const world = this.meshes[0].matrixWorld;
-        if (this.lastVersion === this.instance.version && this.lastWorld.equals(world)) return false;
+        if (this.lastVersion === this.instance.version && this.lastWorld.equals(world)) return;
         this.lastVersion = this.instance.version;
         this.lastWorld.copy(world);
-        const place = this.bakeFromMesh();
-        if (this.lit && apart(this.lit, place) <= UNMOVED) return false;
-        this.lit = place;
-        return true;
+        this.bakeFromMesh(matrix);
+        if (this.isStatic) this.strayed = apart(this.atLoad, matrix) > MOVED;
+        if (this.lit && apart(this.lit, matrix) <= UNMOVED) return;
+        this.lit = (this.lit ?? new Matrix4()).copy(matrix);
+        this.isDark = true;
     }
 }

@@ -5,8 +5,9 @@ import { ProbeField } from '../probes/field.js';
 import { makeLightProbeGrid } from '../probes/grid.js';
 import { checkFrame } from './checks.js';
 import { FrameLights } from './frame_lights.js';
-import { Instance, rootOf, stampOf } from './instances.js';
+import { Instance, stampOf, topOf } from './instances.js';
 import { BakedLight } from './lights.js';
+import { DYNAMIC, Members } from './members.js';
 import { checkMode, MODES, VIEWS } from './modes.js';
 import { BakedObject } from './objects.js';
 import { Reflections } from './reflections.js';
@@ -15,7 +16,6 @@ import { ObjectTable } from './table.js';
 import { checkNumber, Warnings } from './warnings.js';
 import { planVolumes, ProxyVolumes } from './volumes.js';
 
-const DYNAMIC = { isStatic: false, castShadows: true, receiveShadows: true, lightmap: null, probes: 'single', probeResolution: [0, 0, 0] };
 const DYNAMIC_LAYER = 31;
 
 /** @typedef {{sky?: boolean, brdf?: 'gltf' | 'three', dynamicLayer?: number}} Options */
@@ -38,7 +38,7 @@ export class HalflightScene {
     #clones = new Set();
     #watched = [];
     #seen = null;
-    #originals = new Map();
+    #disposed = false;
 
     /**
      * @param {import('three').Object3D} root gltf.scene
@@ -63,19 +63,15 @@ export class HalflightScene {
         root.updateWorldMatrix(true, true);
         /** Where the file stands: its scene. Clones have instances of their own. */
         this.instance = new Instance(this.table, root);
-        this.instances = new Map([[root, this.instance]]);
+        this.members = new Members(this, this.instance);
         /** The first that is drawn: the sky is turned as that. */
         this.shown = this.instance;
         this.lights = lights.map((l) => new BakedLight(l.light, data.lights.get(l.node), l.name, this.instance));
         this.frameLights = new FrameLights(this, this.lights, lights.map((l) => l.node));
-        /** First row of the table by mesh. */
-        this.rows = new Map();
-        /** @type {BakedObject[]} */
-        this.objects = [];
         for (const o of objects) {
             const object = new BakedObject(o.root, o.meshes, data.nodes.get(o.node) ?? DYNAMIC, o.name, o.materials, this.instance);
-            this.#originals.set(o.node, object);
-            this.#enter(object);
+            this.members.originals.set(o.node, object);
+            this.members.enter(object);
         }
         const plan = planVolumes(this.objects, this.field);
         this.volumes = plan.length > 0 ? new ProxyVolumes(plan, this.field, this.table) : null;
@@ -101,6 +97,11 @@ export class HalflightScene {
     #unwatchFrames() {
         for (const mesh of this.#watched ?? []) delete mesh.onBeforeRender;
         this.#watched = null;
+    }
+
+    /** @type {BakedObject[]} of the file, of clones, and of the application */
+    get objects() {
+        return this.members.objects;
     }
 
     get mode() {
@@ -169,67 +170,28 @@ export class HalflightScene {
     /** Lights an object of the application by the probes: a dynamic object. @param {import('three').Object3D} root */
     add(root) {
         root.updateWorldMatrix(true, true);
-        root.traverse((mesh) => mesh.isMesh && !this.rows.has(mesh) && this.#addMesh(mesh));
+        root.traverse((mesh) => mesh.isMesh && !this.members.rows.has(mesh) && this.members.addMesh(mesh));
     }
 
-    #addMesh(mesh) {
-        const data = { ...DYNAMIC, castShadows: mesh.castShadow, receiveShadows: mesh.receiveShadow };
-        this.#enter(new BakedObject(mesh, [mesh], data, mesh.name, new Map(), this.#instanceAt(mesh), null, false));
-    }
-
-    #enter(object) {
-        object.place(this.table);
-        this.objects.push(object);
-        for (const mesh of object.meshes) this.rows.set(mesh, object.firstRow);
-        if (this.backend) this.#attach(object);
-    }
-
-    /** Of an object of the application: the clone that holds it, or the nearest. */
-    #instanceAt(mesh) {
-        const root = rootOf(mesh, this.file);
-        if (root && this.instances.has(root)) return this.instances.get(root);
-        const distance = (instance) => this.bounds.distanceToPoint(new Vector3().setFromMatrixPosition(mesh.matrixWorld).applyMatrix4(instance.bakeFromWorld)) * instance.scale;
-        const placed = [...this.instances.values()].filter(({ object, objectFromBake }) => object.parent && !objectFromBake);
-        return placed.reduce((best, instance) => (best && distance(best) <= distance(instance) ? best : instance), null) ?? this.instance;
-    }
-
-    /** Of an object of a clone. @param {any} object @param {BakedObject} [original] of a mesh */
-    #instanceOf(object, original) {
-        const root = rootOf(object, this.file);
-        if (!root && !original) return null;
-        const key = root ?? object;
-        if (!this.instances.has(key)) this.instances.set(key, new Instance(this.table, key, root ? undefined : original.atLoad));
-        return this.instances.get(key);
-    }
-
-    /** A mesh of a clone, lit as its original. */
-    #adopt(mesh) {
-        const original = this.#originals.get(stampOf(mesh, this.file).node);
-        if (!original) return;
-        const { isStatic, castShadows, receiveShadows, probes, probeResolution, placement } = original;
-        const data = { isStatic, castShadows, receiveShadows, probes, probeResolution, lightmap: placement };
-        const material = original.materials.get(original.meshes[stampOf(mesh, this.file).primitive]);
-        const object = new BakedObject(mesh, [mesh], data, original.name, new Map([[mesh, material]]), this.#instanceOf(mesh, original), original);
-        this.#enter(object);
-        if (!isStatic) return;
-        for (const v of this.volumes?.volumes ?? [])
-            for (let i = 0; i < object.instances; ++i) if (v.object === original && (v.instance < 0 || v.instance === i)) object.setVolume(this.table, i, v.row);
+    /** Takes back what `add()` did, or forgets a clone. Objects that leave the scene are removed by themselves. @param {import('three').Object3D} root */
+    remove(root) {
+        this.members.remove(root);
     }
 
     /** First row of an object's data in the table. @param {any} object that is drawn @param {any} [scene] three.js's @param {any} [material] */
     rowOf(object, scene, material) {
-        const row = this.rows.get(object);
+        const row = this.members.rows.get(object);
         if (row !== undefined) return row;
         this.#seen = scene ?? null; // it came after update(), or update() does not find the scene
         if (stampOf(object, this.file)) {
-            this.#adopt(object);
+            this.members.adopt(object);
         } else {
             this.#warnings.keep(`"${object.name}" has a material of the bake but is no object of it: it is lit by probes, as by add()`);
-            this.#addMesh(object);
+            this.members.addMesh(object);
         }
         this.#updateProbes();
         if (material) material.uniformsNeedUpdate = true;
-        return this.rows.get(object) ?? 0;
+        return this.members.rows.get(object) ?? 0;
     }
 
     /** Clones of the file's scene are found before they are drawn. */
@@ -280,17 +242,19 @@ export class HalflightScene {
     }
 
     #update(renderer, camera, scene) {
+        if (this.#disposed) return;
         this.#unwatchFrames();
         if (!this.backend) this.#start(renderer);
         this.#warnings.begin();
         const top = this.#top(scene);
+        this.members.drop(top);
         for (const object of [this.sky, this.backend.noLight]) if (object && object.parent !== top) top.add(object);
         top.updateMatrixWorld();
         if (!camera.parent) camera.updateMatrixWorld();
         else camera.updateWorldMatrix(true, false);
-        for (const instance of this.instances.values()) instance.update();
+        for (const instance of this.members.instances.values()) instance.update();
         const found = this.#find(top);
-        this.shown = [...this.instances.values()].find(({ object }) => topOf(object) === top) ?? this.instance;
+        this.shown = [...this.members.instances.values()].find(({ object }) => topOf(object) === top) ?? this.instance;
         this.#updateProbes();
         this.frameLights.update(renderer, camera, found);
         this.backend.update();
@@ -317,10 +281,10 @@ export class HalflightScene {
         const visit = (object, shown) => {
             const visible = shown && object.visible;
             const stamp = stampOf(object, this.file);
-            if (stamp && object.isMesh && !this.rows.has(object)) this.#adopt(object);
+            if (stamp && object.isMesh && !this.members.rows.has(object)) this.members.adopt(object);
             if (object.isLight || object.isHalflightAreaLight) {
                 if (stamp && !this.frameLights.states.has(object)) {
-                    const instance = this.#instanceOf(object);
+                    const instance = this.members.instanceOf(object);
                     if (instance) this.frameLights.adopt(object, stamp.node, instance);
                 }
                 found.lights.add(object);
@@ -337,41 +301,24 @@ export class HalflightScene {
         if (!kind)
             throw new Error("import the plug-in from '@halflight/three' for WebGLRenderer, from '@halflight/three/webgpu' for WebGPURenderer");
         this.backend = new backends[kind](this);
-        for (const object of this.objects) {
-            this.#attach(object);
-        }
+        for (const object of this.objects) this.members.attach(object);
         if (this.options.sky !== false && Object.values(this.data.sky).flat().some((x) => x > 0)) this.sky = this.backend.makeSky();
-    }
-
-    #attach(object) {
-        object.attach();
-        for (const mesh of object.meshes) {
-            const before = { castShadow: mesh.castShadow, receiveShadow: mesh.receiveShadow, layers: mesh.layers.mask };
-            const switches = this.data.materials.get(object.materials.get(mesh)) ?? DYNAMIC; // shadows want both switches
-            mesh.castShadow = object.castShadows && switches.castShadows;
-            mesh.receiveShadow = object.receiveShadows && switches.receiveShadows;
-            if (!object.isStatic) mesh.layers.enable(this.dynamicLayer);
-            object.undo.push(() => {
-                mesh.castShadow = before.castShadow;
-                mesh.receiveShadow = before.receiveShadow;
-                mesh.layers.mask = before.layers;
-            });
-            this.backend.patchMesh(mesh);
-        }
     }
 
     #updateProbes() {
         for (const object of this.objects) {
-            if (object.lightmapped && this.debugView !== 'probes') continue; // only that view shows their probes
-            if (!object.moved()) continue;
-            const own = (this.volumes?.volumes ?? []).filter((v) => v.object === object);
-            for (const v of own) this.volumes.fill(v);
-            for (let i = 0; i < object.instances; ++i) this.table.setSample(object.firstRow + i, this.field.sample(object.anchor(i)));
+            object.follow();
+            if (!object.isDark || (object.lightmapped && this.debugView !== 'probes')) continue; // only that view shows their probes
+            object.isDark = false;
+            for (const v of this.volumes?.volumes ?? []) if (v.object === object) this.volumes.fill(v);
+            for (let i = 0; i < object.instances; ++i) object.sample(i, this.field, this.table);
         }
     }
 
     /** Takes everything back: materials, lights and objects are as they were loaded. */
     dispose() {
+        if (this.#disposed) return;
+        this.#disposed = true;
         this.#unwatchFrames();
         this.undoClone();
         for (const object of this.objects) object.detach();
@@ -379,7 +326,10 @@ export class HalflightScene {
         this.backend?.dispose();
         this.backend = null;
         this.volumes?.dispose();
+        this.reflections?.dispose();
         this.table.dispose();
+        for (const object of this.objects) for (const mesh of object.meshes) forget(mesh, this.file);
+        this.root.traverse((object) => forget(object, this.file));
         if (this.sky) {
             this.sky.removeFromParent();
             this.sky.geometry.dispose();
@@ -389,8 +339,6 @@ export class HalflightScene {
     }
 }
 
-function topOf(object) {
-    let top = object;
-    while (top.parent) top = top.parent;
-    return top;
+function forget(object, file) {
+    if (stampOf(object, file)) delete object.userData.halflight;
 }

@@ -13,6 +13,8 @@ import { COLUMNS, ROWS } from '../webgl/shader_text.js';
 export class ObjectTable {
     constructor() {
         this.count = 0;
+        /** First rows that are free, by how many there are. @type {Map<number, number[]>} */
+        this.free = new Map();
         this.blocks = 0;
         /** @type {DataTexture | null} */
         this.texture = null;
@@ -20,11 +22,19 @@ export class ObjectTable {
 
     /** Rows one after another. @param {number} count @returns {number} the first */
     allocate(count) {
+        const reused = this.free.get(count)?.pop();
+        if (reused !== undefined) return reused;
         const first = this.count;
         this.count += count;
         const blocks = Math.ceil(this.count / ROWS);
         if (blocks > this.blocks) this.grow(blocks);
         return first;
+    }
+
+    /** @param {number} first @param {number} count as allocated */
+    release(first, count) {
+        if (!this.free.has(count)) this.free.set(count, []);
+        this.free.get(count).push(first);
     }
 
     grow(blocks) {
@@ -40,18 +50,24 @@ export class ObjectTable {
         old?.dispose();
     }
 
+    /** Where a texel's numbers begin. */
+    at(row, column) {
+        return 4 * ((row % ROWS) * this.blocks * COLUMNS + Math.floor(row / ROWS) * COLUMNS + column);
+    }
+
     /** @param {number} row @param {number} column @param {ArrayLike<number>} values four */
     set(row, column, values) {
-        const width = this.blocks * COLUMNS;
-        const at = 4 * ((row % ROWS) * width + Math.floor(row / ROWS) * COLUMNS + column);
-        this.texture.image.data.set(values, at);
+        this.texture.image.data.set(values, this.at(row, column));
         this.texture.needsUpdate = true;
     }
 
     /** @param {number} row @param {import('../probes/field.js').ProbeSample} sample */
     setSample(row, sample) {
-        this.set(row, 2, sample.occlusion);
-        for (let i = 0; i < 9; ++i) this.set(row, 3 + i, [...sample.radiance.subarray(3 * i, 3 * i + 3), 0]);
+        const { data } = this.texture.image;
+        const at = this.at(row, 2);
+        data.set(sample.occlusion, at);
+        for (let i = 0; i < 27; ++i) data[at + 4 + 4 * Math.floor(i / 3) + (i % 3)] = sample.radiance[i];
+        this.texture.needsUpdate = true;
     }
 
     dispose() {

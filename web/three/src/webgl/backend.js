@@ -103,6 +103,10 @@ export class WebGLBackend {
         }));
     }
 
+    unpatch(material) {
+        this.patches.remove(material);
+    }
+
     /** Whether a material shows the bake. */
     shows(material) {
         return this.patches.patched.has(material);

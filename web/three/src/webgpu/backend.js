@@ -184,6 +184,17 @@ export class WebGPUBackend {
         }
     }
 
+    unpatch(material) {
+        const before = this.patched.get(material);
+        if (!before) return;
+        this.patched.delete(material);
+        for (const name of HOOKS) {
+            if (Object.hasOwn(before, name)) material[name] = before[name];
+            else delete material[name];
+        }
+        material.needsUpdate = true;
+    }
+
     /** Whether a material shows the bake. */
     shows(material) {
         return this.patched.has(material);
@@ -225,14 +236,7 @@ export class WebGPUBackend {
     }
 
     dispose() {
-        for (const [material, before] of this.patched) {
-            for (const name of HOOKS) {
-                if (Object.hasOwn(before, name)) material[name] = before[name];
-                else delete material[name];
-            }
-            material.needsUpdate = true;
-        }
-        this.patched.clear();
+        for (const material of [...this.patched.keys()]) this.unpatch(material);
         this.noLight.removeFromParent();
         for (const texture of Object.values(this.textures)) texture?.dispose();
     }
