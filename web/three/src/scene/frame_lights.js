@@ -3,9 +3,13 @@ import { Vector3 } from 'three';
 
 import { BakedLight, findMainLight } from './lights.js';
 import { chooseCasters, fitShadow, releaseCasters } from './shadows.js';
+import { filesBeside, limitMaps } from './units.js';
 
 /** States of the lights of all files: a light of another file lights by its own metres too. */
 const owners = new WeakMap();
+
+/** What decides whether three.js draws lights, and in which order. */
+const switchesOf = (lights) => lights.map((light) => `${light.layers.mask} ${light.castShadow}`).join();
 
 export class FrameLights {
     /** @param {import('./scene.js').HalflightScene} scene @param {BakedLight[]} own of the file, by `node` */
@@ -51,7 +55,9 @@ export class FrameLights {
             state.scaleRange();
             state.planFor(mode, mode === 'subtractive' && mains.includes(state), debugView);
         }
-        this.limitMaps(renderer, camera, present);
+        const others = filesBeside(this.scene);
+        const before = others.length > 0 ? switchesOf(drawn) : '';
+        limitMaps(this, camera, drawn, { units: backend.units(renderer), taken: FrameLights.unitsOf(this.scene.top), perMap: renderer.shadowMap.transmitted ? 2 : 1 });
         for (const state of present) {
             const { light } = state;
             light.layers.mask = state.plan.drawn ? state.before.layers : 0;
@@ -62,7 +68,13 @@ export class FrameLights {
             }
         }
         backend.setAreaLights(present.filter((state) => state.isArea).map((state) => this.areaLight(state, camera)));
-        backend.setLights(drawn.filter((light) => light.layers.test(camera.layers)), (light) => this.uniformsOf(light, shadows));
+        this.setLights(drawn, camera, shadows);
+        // Their materials have the lights of all files, in an order that their switches make.
+        if (others.length > 0 && switchesOf(drawn) !== before) for (const other of others) other.frameLights.setLights(drawn, camera, shadows);
+    }
+
+    setLights(drawn, camera, shadows) {
+        this.scene.backend.setLights(drawn.filter((light) => light.layers.test(camera.layers)), (light) => this.uniformsOf(light, shadows));
     }
 
     /** Each clone has its own. */
@@ -103,18 +115,9 @@ export class FrameLights {
         return state.plan.staticCasters || this.scene.objects.some((o) => !o.isStatic && o.meshes.some((m) => m.castShadow));
     }
 
-    /** Each shadow map takes a texture unit of the fragment shader. Lights that get none keep their baked shadows. */
-    limitMaps(renderer, camera, present) {
-        const wanting = present.filter((state) => this.wantsMap(state));
-        const units = renderer.capabilities?.maxTextures ?? Infinity; // of fragment shaders
-        const most = Math.max(units - this.scene.backend.samplers(), 0);
-        for (const state of wanting) state.mapAllowed = true;
-        if (wanting.length <= most) return;
-        wanting.sort((a, b) => b.importance(camera) - a.importance(camera));
-        for (const state of wanting.slice(most)) {
-            state.mapAllowed = false;
-            this.scene.say(`light "${state.name}" gets no realtime shadow: the browser's shaders read ${units} textures at most`);
-        }
+    /** Units that the scene takes in all materials: a picture around it, and three.js's own grid of probes. */
+    static unitsOf(top) {
+        return (top.environment ? 1 : 0) + (top.children.some((object) => object.isLightProbeGrid) ? 1 : 0);
     }
 
     dispose() {

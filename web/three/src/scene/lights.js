@@ -98,7 +98,7 @@ export class BakedLight {
 
     /** Illuminance that it may bring to where the camera is, nearer than a metre counting as a metre. */
     importance(camera) {
-        if (this.light.isDirectionalLight) return Infinity;
+        if (this.light.isDirectionalLight) return this.power();
         const position = new Vector3().setFromMatrixPosition(this.light.matrixWorld);
         const distance = Math.max(position.distanceTo(new Vector3().setFromMatrixPosition(camera.matrixWorld)) / this.scale, 1);
         return this.power() * distanceAttenuation(distance, 0);

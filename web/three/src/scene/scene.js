@@ -13,6 +13,7 @@ import { BakedObject } from './objects.js';
 import { Reflections } from './reflections.js';
 import { boundsOf } from './shadows.js';
 import { ObjectTable } from './table.js';
+import { enterFile } from './units.js';
 import { checkNumber, Warnings } from './warnings.js';
 import { planVolumes, ProxyVolumes } from './volumes.js';
 
@@ -83,6 +84,8 @@ export class HalflightScene {
         /** In bake space. */
         this.bounds = boundsOf(this.objects);
         this.backend = null;
+        /** Above all that is drawn. */
+        this.top = null;
         for (const object of this.objects) for (const mesh of object.meshes) this.#watchFrames(mesh);
         this.#watchClones();
     }
@@ -247,6 +250,7 @@ export class HalflightScene {
         if (!this.backend) this.#start(renderer);
         this.#warnings.begin();
         const top = this.#top(scene);
+        enterFile(this, top);
         this.members.drop(top);
         for (const object of [this.sky, this.backend.noLight]) if (object && object.parent !== top) top.add(object);
         top.updateMatrixWorld();
@@ -319,6 +323,7 @@ export class HalflightScene {
     dispose() {
         if (this.#disposed) return;
         this.#disposed = true;
+        enterFile(this, null);
         this.#unwatchFrames();
         this.undoClone();
         for (const object of this.objects) object.detach();

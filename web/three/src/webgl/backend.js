@@ -6,6 +6,7 @@ import { MODES, VIEWS } from '../scene/modes.js';
 import { makeSky } from '../scene/sky.js';
 import { skyTexture, skyTurn } from '../scene/sky_picture.js';
 import { arrayTexture, FORMATS } from '../scene/textures.js';
+import { texturesOf } from '../scene/units.js';
 import { MaterialPatches } from './patch.js';
 
 const NO_LIGHT = { flags: new Vector4(-1, 0, 0, 1), reach: new Vector4(), cone: new Vector4(0, 0, 0, -2), own: new Vector2(-1, 1) };
@@ -70,8 +71,14 @@ export class WebGLBackend {
 
     /** Texture units of a fragment shader besides shadow maps: the plug-in's, three.js's table, the material's. */
     samplers() {
-        const maps = (material) => Object.values(material).filter((value) => value?.isTexture).length;
-        return this.ownSamplers + 1 + Math.max(0, ...[...this.patches.patched.keys()].map(maps));
+        let most = 0;
+        for (const material of this.patches.patched.keys()) most = Math.max(most, texturesOf(material));
+        return this.ownSamplers + 1 + most;
+    }
+
+    /** Texture units of a fragment shader. */
+    units(renderer) {
+        return renderer.capabilities.maxTextures;
     }
 
     /** @param {import('three').Mesh} mesh */

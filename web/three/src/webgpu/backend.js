@@ -6,6 +6,7 @@ import { kLightDisk, kLightRectangle } from '../generated/shading.js';
 import { MODES, VIEWS } from '../scene/modes.js';
 import { skyTexture, skyTurn } from '../scene/sky_picture.js';
 import { arrayTexture, FORMATS } from '../scene/textures.js';
+import { texturesOf } from '../scene/units.js';
 import { SceneNodes, skyNodes } from './nodes.js';
 
 const HOOKS = ['setupLightingModel', 'setupOutput', 'contextNode', 'halflight', 'shadowSide'];
@@ -230,9 +231,19 @@ export class WebGPUBackend {
         u.shadowColor.value.set(...scene.shadowColor);
     }
 
-    /** WebGPU has no such limit within reach of a scene's lights. */
+    /** Texture units of a fragment shader besides shadow maps: the plug-in's, three.js's table, the material's. */
     samplers() {
-        return 0;
+        const own = ['lightmaps', 'directions', 'masks', 'skyPicture', 'table', 'volumes', 'reflectionPicture'].filter((name) => this.u[name]).length;
+        let most = 0;
+        for (const material of this.patched.keys()) most = Math.max(most, texturesOf(material));
+        return own + 1 + most;
+    }
+
+    /** Texture units of a fragment shader. WebGPU's default is 16, whatever the device could do. */
+    units({ backend }) {
+        if (!backend.isWebGPUBackend) return backend.gl.getParameter(backend.gl.MAX_TEXTURE_IMAGE_UNITS);
+        const { maxSampledTexturesPerShaderStage, maxSamplersPerShaderStage } = backend.device.limits;
+        return Math.min(maxSampledTexturesPerShaderStage, maxSamplersPerShaderStage);
     }
 
     dispose() {
