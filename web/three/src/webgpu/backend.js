@@ -203,7 +203,7 @@ export class WebGPUBackend {
 
     makeSky() {
         const material = new NodeMaterial();
-        Object.assign(material, { name: 'halflight sky', side: BackSide, depthTest: false, depthWrite: false });
+        Object.assign(material, { name: 'halflight sky', side: BackSide, depthTest: false, depthWrite: false, fog: false });
         Object.assign(material, skyNodes(this.u, positionLocal));
         const mesh = new Mesh(new BoxGeometry(2, 2, 2), material);
         Object.assign(mesh, { name: 'halflight sky', renderOrder: -1e9, frustumCulled: false, raycast: () => {}, clone: () => new Object3D() });

@@ -285,9 +285,9 @@ function skyTowards(u, d, roughness) {
     return texture(u.skyPicture, hl.hlSkyPictureUv(d, u.skyTurn.xy)).level(level).rgb.mul(u.skyTurn.w);
 }
 
-/** Nodes of the sky: where a box around the camera is drawn, and its colour. */
+/** Nodes of the sky: where a box around the camera is drawn, and its colour. No fragmentNode: with that three.js writes the first of a pass's outputs alone. */
 export function skyNodes(u, position) {
     const clip = cameraProjectionMatrix.mul(vec4(cameraViewMatrix.mul(vec4(position, 0)).xyz, 1));
     const radiance = skyTowards(u, u.skyFromWorld.mul(position).normalize(), float(0));
-    return { vertexNode: clip, fragmentNode: vec4(select(u.view.equal(0), radiance, vec3(0)), 1) };
+    return { vertexNode: clip, colorNode: vec4(select(u.view.equal(0), radiance, vec3(0)), 1) };
 }
