@@ -393,5 +393,5 @@ const evaluateCases = async (functions) => evaluate(await makeRenderer(64, 64), 
 
 window.halflightTest = { put: async (where) => put(loaded, where), evaluate: evaluateCases, toneMapping, probeGrid, load, draw, compare, picture, agreement, atPoints, replaceDynamic, lightNames, intensityOf, changeLight, moveLight, disposeTest, frameCost, sentences };
 /** For tests that are functions of their own. */
-window.halflightPage = { THREE, GLTFLoader, HalflightPlugin, loaded, load, draw, makeRenderer, viewOf };
+window.halflightPage = { THREE, GLTFLoader, HalflightPlugin, loaded, load, draw, makeRenderer, viewOf, readPixels: read };
 window.ready = true;

@@ -254,13 +254,11 @@ export class HalflightScene {
         this.members.drop(top);
         for (const object of [this.sky, this.backend.noLight]) if (object && object.parent !== top) top.add(object);
         top.updateMatrixWorld();
-        if (!camera.parent) camera.updateMatrixWorld();
-        else camera.updateWorldMatrix(true, false);
         for (const instance of this.members.instances.values()) instance.update();
         const found = this.#find(top);
         this.shown = [...this.members.instances.values()].find(({ object }) => topOf(object) === top) ?? this.instance;
         this.#updateProbes();
-        this.frameLights.update(renderer, camera, found);
+        this.frameLights.update(renderer, cameraOf(renderer, camera), found);
         this.backend.update();
         checkFrame(this, found.lights);
         this.#warnings.end();
@@ -342,6 +340,16 @@ export class HalflightScene {
             this.sky = null;
         }
     }
+}
+
+/** The camera that a frame is drawn through: in a headset three.js's own, with this frame's pose, for both eyes. */
+function cameraOf(renderer, camera) {
+    if (!camera.parent) camera.updateMatrixWorld();
+    else camera.updateWorldMatrix(true, false);
+    const { xr } = renderer;
+    if (!xr?.enabled || !xr.isPresenting) return camera;
+    if (xr.cameraAutoUpdate) xr.updateCamera(camera);
+    return xr.getCamera();
 }
 
 function forget(object, file) {

@@ -6,25 +6,30 @@ const CASTERS_OF_A_LIGHT_HAVE_LAYERS = Number.parseInt(REVISION, 10) >= 187;
 const NORMAL_BIAS = 1.8;
 const NEAREST_METERS = 0.02;
 
-/** What the camera sees nearer than the shadow distance. @returns {Sphere} */
-function visibleSphere(camera, distance) {
+/** What a camera sees nearer than the shadow distance, by its projection: headsets' eyes have no field of view. @returns {Sphere} */
+function sphereOf(camera, distance) {
+    const m = camera.projectionMatrix.elements;
     const sphere = new Sphere();
-    if (camera.isOrthographicCamera) {
-        const half = 0.5 * Math.hypot(camera.right - camera.left, camera.top - camera.bottom) / camera.zoom;
+    if (m[11] === 0) {
         const depth = Math.min(camera.far, distance);
-        sphere.center.set(0, 0, -0.5 * depth);
-        sphere.radius = Math.hypot(half, 0.5 * depth);
+        sphere.center.set(-m[12] / m[0], -m[13] / m[5], -0.5 * depth);
+        sphere.radius = Math.hypot(1 / m[0], 1 / m[5], 0.5 * depth);
     } else {
         // Of a cone's part up to radial distance d, with half angle a: the sphere about its axis' point at d cos(a) for
         // wide cones, at d / (2 cos(a)) for narrow ones.
-        const tangent = Math.tan((0.5 * camera.fov * Math.PI) / 180) / camera.zoom;
-        const cosine = 1 / Math.hypot(1, tangent, tangent * camera.aspect);
+        const cosine = 1 / Math.hypot(1, (1 + Math.abs(m[8])) / m[0], (1 + Math.abs(m[9])) / m[5]);
         const d = Math.min(camera.far / cosine, distance);
         const center = Math.min(d * cosine, (0.5 * d) / cosine);
         sphere.center.set(0, 0, -center);
         sphere.radius = Math.sqrt(Math.max(d * d - 2 * d * center * cosine + center * center, 0));
     }
-    return sphere.applyMatrix4(new Matrix4().copy(camera.matrixWorld).setPosition(new Vector3().setFromMatrixPosition(camera.matrixWorld)));
+    return sphere.applyMatrix4(camera.matrixWorld);
+}
+
+/** The same of a camera or of several, such as both eyes of a headset. @returns {Sphere} */
+function visibleSphere(camera, distance) {
+    const cameras = camera.isArrayCamera && camera.cameras.length > 0 ? camera.cameras : [camera];
+    return cameras.map((one) => sphereOf(one, distance)).reduce((all, sphere) => all.union(sphere));
 }
 
 /**
