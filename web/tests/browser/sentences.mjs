@@ -152,3 +152,25 @@ test('sentences: setters refuse what is no number, and update() throws once', as
     assert.match(thrown[0], /import the plug-in from/);
     assert.deepEqual(kept, [60, 1, 1]);
 });
+
+for (const renderer of ['webgl', 'webgpu']) {
+    test(`sentences: another release of three.js, ${renderer}`, async () => {
+        const page = await studio.newPage();
+        await page.route('**/three/build/three.core.js', async (route) => {
+            const response = await route.fetch();
+            await route.fulfill({ response, body: (await response.text()).replace(/const REVISION = '\d+'/, "const REVISION = '150'") });
+        });
+        await page.goto(`${await studio.urlOf('three')}/web/tests/page/${renderer === 'webgl' ? 'index' : 'webgpu'}.html?renderer=${renderer}`);
+        await page.waitForFunction('window.ready === true');
+        const sentence = await page.evaluate(() => {
+            try {
+                new window.halflightPage.HalflightPlugin({});
+                return 'none';
+            } catch (error) {
+                return error.message;
+            }
+        });
+        await page.close();
+        assert.match(sentence, /^Halflight works with three.js 0.183 to 0.187; this page has 0.150, whose shaders may differ$/);
+    });
+}

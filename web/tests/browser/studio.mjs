@@ -37,13 +37,19 @@ class Studio {
         return newPage(this.browser, options);
     }
 
+    /** A server with a release of three.js. */
+    async urlOf(three) {
+        if (!this.servers.has(three)) this.servers.set(three, await serve(this.files, three));
+        return this.servers.get(three).url;
+    }
+
     /** The test page with a release of three.js and a renderer of it. */
     async pageOf(three = 'three', renderer = 'webgl') {
         this.browser ??= await launch();
-        if (!this.servers.has(three)) this.servers.set(three, await serve(this.files, three));
+        const url = await this.urlOf(three);
         const key = `${three} ${renderer}`;
         if (!this.pages.has(key)) {
-            const opened = await openPage(this.browser, this.servers.get(three).url, renderer);
+            const opened = await openPage(this.browser, url, renderer);
             const call = (name, argument) => {
                 if (!KEEPING.has(name)) this.loaded.delete(call);
                 return opened.call(name, argument);

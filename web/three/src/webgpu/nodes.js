@@ -1,7 +1,8 @@
 // The glue of webgl/shader_text.js as nodes of WebGPURenderer. Formulas are the headers', by generated/shading.tsl.js.
+import { BackSide, DoubleSide } from 'three';
 import {
     If, Loop, attribute, cameraPosition, cameraProjectionMatrix, cameraViewMatrix, dFdx, dFdy, diffuseColor, faceDirection, float, int, ivec2, mat4,
-    materialMetalness, materialRoughness, materialSpecularIntensity, mix, negateOnBackSide, normalView, normalViewGeometry, positionViewDirection,
+    materialMetalness, materialRoughness, materialSpecularIntensity, mix, normalView, normalViewGeometry, positionViewDirection,
     positionWorld, reflect, select, texture, texture3D, textureLoad, uniform, varying, vec2, vec3, vec4, instanceIndex,
 } from 'three/tsl';
 
@@ -16,6 +17,12 @@ const toWorld = (v) => vec4(v, 0).mul(cameraViewMatrix).xyz.normalize();
 /** Component `index` of a vec4, which is no constant. */
 const component = (v, index) => select(index.equal(0), v.x, select(index.equal(1), v.y, select(index.equal(2), v.z, v.w)));
 
+/** A vertex's normal on the side that is seen. three.js has a function of two names for it, one before 0.185. */
+function towardsSeen(normal, { side }) {
+    if (side === BackSide) return normal.negate();
+    return side === DoubleSide ? normal.mul(faceDirection) : normal;
+}
+
 /** Nodes that a scene's materials share. */
 export class SceneNodes {
     /** @param {any} u uniforms and textures: see WebGPUBackend @param {(object: any, scene: any) => number} rowOf */
@@ -25,8 +32,9 @@ export class SceneNodes {
     }
 
     cell(row, column) {
-        const x = row.div(ROWS).mul(COLUMNS).add(column);
-        return textureLoad(this.u.table, ivec2(x, row.mod(ROWS)));
+        const whole = int(row); // before 0.187 max() of an integer and a number is no integer
+        const x = whole.div(int(ROWS)).mul(int(COLUMNS)).add(int(column));
+        return textureLoad(this.u.table, ivec2(x, whole.mod(int(ROWS))));
     }
 
     bakeFromWorld(row) {
@@ -56,7 +64,7 @@ export class SceneNodes {
         const ofView = (v) => s.toBake(toWorld(v)).normalize();
         s.position = s.bakeFromWorld.mul(vec4(positionWorld, 1)).xyz.toVar();
         s.normal = ofView(normalView).toVar();
-        s.vertexNormal = ofView(negateOnBackSide(normalViewGeometry)).toVar();
+        s.vertexNormal = ofView(towardsSeen(normalViewGeometry, material)).toVar();
         s.side = faceDirection;
         s.view = ofView(positionViewDirection).toVar();
         s.fade = hl.hlShadowFade(s.bakeFromWorld.mul(vec4(cameraPosition, 1)).xyz.sub(s.position).length(), hl.hlFadeConstants(u.shadow.x, u.shadow.y)).toVar();
