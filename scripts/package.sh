@@ -5,6 +5,7 @@
 #   halflight-*-linux-*.tar.gz              relocatable, glibc included: unpack anywhere, run bin/halflight
 #   halflight-*.whl                         Python wheel with the program and a thin module
 #   halflight-blender-*.zip                 the Blender extension, with the wheel and without
+#   halflight-three-*.tgz and others        the packages of web/, as npm would publish them, where npm is there
 #
 #   scripts/package.sh [--build DIR] [--out DIR] [--no-deb]
 #
@@ -57,6 +58,12 @@ oldest=2.31
 wheel=$(python3 scripts/packaging/make_wheel.py "$stage/$name" "$version" "$oldest" "$out")
 python3 blender/make_zip.py "$out/halflight-blender-$version.zip"
 python3 blender/make_zip.py "$out/halflight-blender-$version-linux-$machine.zip" --wheel "$wheel"
+
+if command -v npm >/dev/null; then
+  for package in three gltf-transform; do (cd "web/$package" && npm pack --silent --pack-destination "$out" >/dev/null); done
+else
+  echo "package.sh: npm is missing: the packages of web/ are left out" >&2
+fi
 
 ls -l "$out" | awk 'NR > 1 { printf "%9.1f MB  %s\n", $5 / 1e6, $9 }'
 echo "package.sh: tarball and wheel use a system's glibc from $needed on, and elsewhere their own; pip takes the wheel from $oldest on"

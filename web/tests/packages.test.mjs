@@ -58,3 +58,11 @@ test('type declarations name what the modules export', async () => {
         assert.deepEqual(declared.sort(), [...own, ...passed].filter((name) => name !== 'SurfaceOfNode').sort(), file);
     }
 });
+
+test('the packages may be imported where there is no window', () => {
+    for (const name of ['three', 'three/webgpu', 'three/file', 'gltf-transform']) {
+        const script = `if (typeof window !== 'undefined') throw new Error('a window'); const all = await import('@halflight/${name}'); if (Object.keys(all).length === 0) throw new Error('empty')`;
+        const result = spawnSync(process.execPath, ['--input-type=module', '-e', script], { cwd: web, encoding: 'utf8' });
+        assert.equal(result.status, 0, `@halflight/${name}: ${result.stderr}`);
+    }
+});

@@ -1,5 +1,5 @@
 // All of the public API of @halflight/three, as an application would use it: compiled by types.test.mjs, never run.
-import { HalflightPlugin, HalflightScene, MODES, RELEASES, VIEWS, type BakedLight, type Mode, type Options, type View } from '@halflight/three';
+import { HalflightPlugin, HalflightScene, MODES, RELEASES, VIEWS, type BakedGLTF, type BakedLight, type Mode, type Options, type View } from '@halflight/three';
 import { HalflightPlugin as NodePlugin } from '@halflight/three/webgpu';
 import { isBaked, readBaked, type BakedData, type LightData, type NodeData, type Pixels, type ProbeData, type Source } from '@halflight/three/file';
 import { Box3, Mesh, PerspectiveCamera, Scene, WebGLRenderer } from 'three';
@@ -13,9 +13,9 @@ loader.register((parser) => (plugin = new HalflightPlugin(parser, options)));
 loader.register((parser) => new NodePlugin(parser));
 
 export async function show(renderer: WebGLRenderer, camera: PerspectiveCamera, scene: Scene): Promise<string[]> {
-    const gltf = await loader.loadAsync('baked.glb');
+    const gltf: BakedGLTF = await loader.loadAsync('baked.glb');
     scene.add(gltf.scene);
-    const halflight: HalflightScene | null = plugin?.scene ?? (gltf.userData.halflight as HalflightScene | null);
+    const halflight: HalflightScene | null = plugin?.scene ?? gltf.userData.halflight ?? null;
     if (!halflight) return [];
     const mode: Mode = halflight.modes[0] ?? MODES[0]!;
     const view: View = VIEWS[0]!;
@@ -39,6 +39,8 @@ export async function show(renderer: WebGLRenderer, camera: PerspectiveCamera, s
     halflight.update(renderer, camera, scene);
     halflight.dispose();
     const release: string | undefined = RELEASES[0];
+    // @ts-expect-error it has a type: there is no such method
+    gltf.userData.halflight?.draw();
     // @ts-expect-error there is no such mode
     halflight.mode = 'fast';
     // @ts-expect-error the warnings are the plug-in's

@@ -1,5 +1,5 @@
 import type { Box3, Camera, Color, Light, Object3D } from 'three';
-import type { GLTFParser, GLTFLoaderPlugin } from 'three/addons/loaders/GLTFLoader.js';
+import type { GLTF, GLTFParser, GLTFLoaderPlugin } from 'three/addons/loaders/GLTFLoader.js';
 import type { BakedData } from './file.js';
 
 export type Mode = 'realtime' | 'baked-indirect' | 'shadowmask' | 'distance-shadowmask' | 'subtractive';
@@ -61,7 +61,7 @@ export class HalflightScene {
     remove(object: Object3D): void;
     /**
      * The probes as three.js's LightProbeGrid: pass the class of its addons, LightProbeGridWebGL for WebGLRenderer (LightProbeGrid
-     * in 0.185) or LightProbeGrid for WebGPURenderer. Covers the scene, with probes as far apart as the bake's, where options are absent.
+     * in 0.184 and 0.185) or LightProbeGrid for WebGPURenderer. Covers the scene, with probes as far apart as the bake's, where options are absent.
      */
     toLightProbeGrid<Grid extends Object3D>(
         Grid: new (width?: number, height?: number, depth?: number, x?: number, y?: number, z?: number) => Grid,
@@ -69,6 +69,12 @@ export class HalflightScene {
     ): Grid;
     /** Takes every change of materials, lights and objects back, and frees all that the plug-in made. Later updates do nothing. */
     dispose(): void;
+}
+
+/** What a loader with the plug-in returns: `const gltf: BakedGLTF = await loader.loadAsync(url)`. */
+export interface BakedGLTF extends GLTF {
+    /** null where the file is not baked; absent where the loader has no plug-in. */
+    userData: Record<string, any> & { halflight?: HalflightScene | null };
 }
 
 export class HalflightPlugin implements GLTFLoaderPlugin {
