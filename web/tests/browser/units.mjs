@@ -50,6 +50,7 @@ async function measure({ file, files, suns }) {
     });
     for (const halflight of all) halflight.mode = 'distance-shadowmask';
     const result = { names: states.map((state) => state.name), frames: [] };
+    if (!gl) all[0].update(new THREE.WebGPURenderer(), camera); // before its init()
     result.first = frame(true);
     result.importance = importance();
     for (let i = 0; i < 4; ++i) {

@@ -239,11 +239,11 @@ export class WebGPUBackend {
         return own + 1 + most;
     }
 
-    /** Texture units of a fragment shader. WebGPU's default is 16, whatever the device could do. */
+    /** Texture units of a fragment shader. WebGPU's default is 16, whatever the device could do; a renderer may have no device yet. */
     units({ backend }) {
-        if (!backend.isWebGPUBackend) return backend.gl.getParameter(backend.gl.MAX_TEXTURE_IMAGE_UNITS);
-        const { maxSampledTexturesPerShaderStage, maxSamplersPerShaderStage } = backend.device.limits;
-        return Math.min(maxSampledTexturesPerShaderStage, maxSamplersPerShaderStage);
+        const { gl, device } = backend;
+        if (gl) return gl.getParameter(gl.MAX_TEXTURE_IMAGE_UNITS);
+        return device ? Math.min(device.limits.maxSampledTexturesPerShaderStage, device.limits.maxSamplersPerShaderStage) : 16;
     }
 
     dispose() {
