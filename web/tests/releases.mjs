@@ -1,18 +1,19 @@
-// Every release of three.js that the plug-in takes draws what the newest draws.
+// Every release of three.js that the plug-in takes draws what the newest draws. Each renderer is a part, as both take long.
 import assert from 'node:assert/strict';
 import { existsSync } from 'node:fs';
 import { join } from 'node:path';
 import { test } from 'node:test';
 
-import { web } from '../harness.mjs';
-import { studio } from './studio.mjs';
+import { web } from './harness.mjs';
+import { studio } from './browser/studio.mjs';
 
 const SIZE = [240, 135];
 const RELEASES = ['three', 'three-0.186', 'three-0.185', 'three-0.184', 'three-0.183'];
 const absent = RELEASES.filter((name) => !existsSync(join(web, 'node_modules', name)));
-const MODES = ['shadowmask', 'distance-shadowmask', 'realtime'];
+const MODES = ['shadowmask', 'realtime'];
 
-for (const renderer of ['webgl', 'webgpu']) {
+/** @param {string} renderer of three.js */
+export function compareReleases(renderer) {
     test(`releases of three.js: the courtyard, ${renderer}`, { skip: absent.length > 0 ? `no ${absent.join()}: run npm install in web/` : false }, async () => {
         studio.bake('courtyard', 'courtyard', '--lightmap-size', '256');
         const pictures = new Map();

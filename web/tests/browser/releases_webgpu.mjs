@@ -1,0 +1,3 @@
+import { compareReleases } from '../releases.mjs';
+
+compareReleases('webgpu');
