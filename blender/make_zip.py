@@ -35,14 +35,14 @@ def main():
     parser.add_argument("--wheel", type=pathlib.Path)
     options = parser.parse_args()
     with zipfile.ZipFile(options.out, "w") as archive:
-        for path in sorted(FOLDER.iterdir()):
-            if path.suffix not in {".py", ".toml"} and path.name != "LICENSE":
+        for path in sorted(FOLDER.rglob("*")):
+            if not path.is_file() or path.suffix not in {".py", ".toml"} and path.name != "LICENSE":
                 continue
             text = path.read_text(encoding="utf-8")
             if path.suffix == ".toml" and options.wheel:
                 lines = f'wheels = ["./wheels/{options.wheel.name}"]\nplatforms = ["{platform_of(options.wheel.name)}"]'
                 text = text.replace("wheels = []", lines)
-            add(archive, path.name, text)
+            add(archive, path.relative_to(FOLDER).as_posix(), text)
         if options.wheel:
             add(archive, f"wheels/{options.wheel.name}", options.wheel.read_bytes(), zipfile.ZIP_STORED)
 

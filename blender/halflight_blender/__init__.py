@@ -14,7 +14,8 @@ bl_info = {
     "category": "Render",
 }
 
-from . import bake, keeping, messages, panels, preferences, properties, stale, view_operator  # noqa: E402
+from . import bake, keeping, messages, panels, preferences, properties, stale  # noqa: E402
+from .view import view_operator  # noqa: E402
 
 MODULES = (preferences, properties, messages, bake, view_operator, stale, panels, keeping)
 

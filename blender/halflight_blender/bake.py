@@ -12,7 +12,8 @@ import threading
 
 import bpy
 
-from . import baked_view, export_scene, files, findings, messages, preferences, program, scene_copy, stale
+from . import baked_view, files, messages, preferences, program, stale
+from .export import export_scene, findings, scene_copy
 from .glb import Glb
 
 INTERVAL = 0.1  # seconds between looks at the program

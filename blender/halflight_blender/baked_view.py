@@ -13,8 +13,9 @@ import uuid
 import bpy
 import numpy as np
 
-from . import export_scene, scene_copy, view_lights, view_materials
+from .export import export_scene, scene_copy
 from .glb import Glb
+from .view import view_lights, view_materials
 
 TAG = "halflight_baked_view"
 SURFACES = {"MESH", "CURVE", "SURFACE", "FONT", "META"}

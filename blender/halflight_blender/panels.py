@@ -3,7 +3,8 @@
 
 import bpy
 
-from . import baked_view, bake, preferences, program, sky, stale, wording
+from . import baked_view, bake, preferences, program, stale, wording
+from .export import sky
 
 
 def draw_bake(layout, context):

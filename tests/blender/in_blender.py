@@ -216,10 +216,10 @@ def check_panorama(extension):
     gamma = tree.nodes.new("ShaderNodeGamma")
     tree.links.new(environment.outputs["Color"], gamma.inputs["Color"])
     tree.links.new(gamma.outputs["Color"], tree.nodes["Background"].inputs["Color"])
-    expect(extension.sky.read_world(world).panorama, "a shader between picture and background")
+    expect(extension.export.sky.read_world(world).panorama, "a shader between picture and background")
     world.halflight_sky_width = 64
     extras = {}
-    expect(not extension.sky.add_sky(bpy.context, extras, 683.0, FOLDER), "no warning")
+    expect(not extension.export.sky.add_sky(bpy.context, extras, 683.0, FOLDER), "no warning")
     expect(extras["halflight_sky_intensity"] == 683.0, "the strength is in the panorama")
     panorama = bpy.data.images.load(extras["halflight_sky_image"])
     a, b = (np.array(i.pixels[:]).reshape(32, 64, 4)[:, :, :3] for i in (panorama, environment.image))

@@ -10,7 +10,8 @@ import math
 import bpy
 import numpy as np
 
-from . import area_lights, area_nodes, graph
+from ..export import area_lights
+from . import area_nodes, graph
 
 GROUP = "Halflight lights"
 # glTF's Y up to Blender's Z up.

@@ -11,7 +11,7 @@ import addon_utils
 import bpy
 
 from . import area_lights, lamps, scene_copy, sky, surfaces
-from .glb import Glb
+from ..glb import Glb
 
 LUMENS_PER_WATT = 683.0
 

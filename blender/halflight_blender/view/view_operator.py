@@ -5,7 +5,8 @@ import os
 
 import bpy
 
-from . import baked_view, files, view_lights
+from .. import baked_view, files
+from . import view_lights
 
 
 class HALFLIGHT_OT_baked_view(bpy.types.Operator):
