@@ -3,7 +3,9 @@
 
     extension_test.py HALFLIGHT EXTENSION_FOLDER [SCRIPT [KEEP_FOLDER]]
 
-SCRIPT is in_blender.py if not given. Blender is $HALFLIGHT_BLENDER, else the one on PATH. $HALFLIGHT_WHEEL is packed into the extension where it is set. With KEEP_FOLDER, the pictures stay there.
+SCRIPT is in_blender.py if not given; windows_in_blender.py runs in the windows of a virtual screen (Xvfb). Blender is
+$HALFLIGHT_BLENDER, else the one on PATH. $HALFLIGHT_WHEEL is packed into the extension where it is set. With KEEP_FOLDER, the
+pictures stay there.
 """
 
 import os
@@ -14,6 +16,8 @@ import sys
 import tempfile
 
 SKIPPED = 77
+WINDOWS = "windows_in_blender.py"
+SCREEN = "-screen 0 960x600x24 +extension GLX"
 
 
 def main():
@@ -34,7 +38,13 @@ def main():
         # Debian's Blender takes the first python3 on PATH for its own, which another one (pyenv) may be.
         environment["PATH"] = f"{pathlib.Path(blender).resolve().parent}:{environment['PATH']}"
         script = pathlib.Path(__file__).with_name(sys.argv[3] if len(sys.argv) > 3 else "in_blender.py")
-        command = [blender, "-b", "--factory-startup", "--python-exit-code", "1", "--python", str(script), "--"]
+        command = [blender, "-b"]
+        if script.name == WINDOWS:
+            if shutil.which("xvfb-run") is None:
+                print("skipped: there is no virtual screen (apt-get install xvfb xauth)")
+                return SKIPPED
+            command = ["xvfb-run", "-a", "-s", SCREEN, blender, "--no-window-focus", "--enable-event-simulate"]
+        command += ["--factory-startup", "--python-exit-code", "1", "--python", str(script), "--"]
         result = subprocess.run([*command, halflight, str(package), str(folder)], env=environment)
         return result.returncode
 

@@ -80,6 +80,7 @@ class Copy:
         self.copies = {}  # of objects, by the original
         self.collections = {}
         self.data = []
+        self.edited = {}  # copies of data that is in edit mode, by the original
         self.surfaces = surfaces.Surfaces()
 
     def make(self):
@@ -119,6 +120,8 @@ class Copy:
         copy[SOURCE] = item.name
         copy.hide_render = True
         copy.hide_viewport = False
+        if getattr(item.data, "is_editmode", False):
+            copy.data = self.out_of_edit_mode(item.data)
         for modifier in copy.modifiers:
             self.as_in_renders(modifier)
         if item.type in {"CURVE", "SURFACE", "FONT", "META"}:
@@ -132,6 +135,13 @@ class Copy:
         if item.instance_type == "COLLECTION" and item.instance_collection is not None:
             copy.instance_collection = self.collection_of(item.instance_collection)
         return copy
+
+    def out_of_edit_mode(self, data):
+        """Data in edit mode has no arrays that the exporter could read."""
+        if data not in self.edited:
+            self.edited[data] = data.copy()
+            self.data.append(self.edited[data])
+        return self.edited[data]
 
     def collection_of(self, collection):
         if collection not in self.collections:
@@ -209,6 +219,7 @@ def empty_copy_of(scene):
 # Of a scene: what is not a setting of its pictures.
 NO_SETTINGS = {"rna_type", "name", "halflight", "tool_settings", "sequence_editor", "rigidbody_world", "node_tree", "ffmpeg"}
 NO_SETTINGS |= {"denoiser", "preview_denoiser"}  # whose value is no choice in builds without one
+NO_SETTINGS |= {"preview_pause"}  # Cycles redraws the area then, and there may be none
 
 
 def copy_members(source, target):
