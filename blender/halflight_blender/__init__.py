@@ -15,9 +15,9 @@ bl_info = {
 }
 
 from . import bake, keeping, messages, panels, preferences, properties, stale  # noqa: E402
-from .view import view_operator  # noqa: E402
+from .view import moving, view_operator  # noqa: E402
 
-MODULES = (preferences, properties, messages, bake, view_operator, stale, panels, keeping)
+MODULES = (preferences, properties, messages, bake, view_operator, moving, stale, panels, keeping)
 
 
 def register():

@@ -15,7 +15,7 @@ import numpy as np
 
 from .export import export_scene, scene_copy
 from .glb import Glb
-from .view import view_lights, view_materials
+from .view import moving, view_lights, view_materials
 
 TAG = "halflight_baked_view"
 SURFACES = {"MESH", "CURVE", "SURFACE", "FONT", "META"}
@@ -54,6 +54,9 @@ def show(context, files):
         raise
     tag_new(before, key)
     context.window.scene = view
+    layer = view.view_layers[0]
+    layer.update()
+    moving.update(view, layer.depsgraph, key, files)
     show_rendered(context.window, view)
     return view
 
@@ -69,6 +72,8 @@ def leave(source):
     True when there was a view."""
     views = views_of(source)
     for view in views:
+        moving.keep_moves(view)
+        moving.take_duplicates(view, source, TAG)
         keep_additions(source, view)
     for window in all_windows():
         if window.scene in views:
@@ -79,6 +84,7 @@ def leave(source):
         view.halflight.view_of = None
     for key in keys:
         remove(key)
+        moving.loaded.pop(key, None)
     return bool(views)
 
 
@@ -125,7 +131,13 @@ def build(source, view_layer, files):
             matrix = view_lights.BLENDER_FROM_GLTF @ matrices[index]
             collection.objects.link(make_object(document, node, lightmap, matrix, materials))
             shown.add(objects.get(node.get("name")))
-    link_the_rest(view_layer, collection, shown)
+    rest = the_rest(view_layer, shown)
+    for item in rest:
+        if item.type not in SURFACES:
+            collection.objects.link(item)
+    # Probes have attenuations, whatever encoding the masks have.
+    plain = view_lights.make_group(lights, None) if lights and bindings.get("shadowmaskChannels") else group
+    moving.add(view, collection, [item for item in rest if item.type in SURFACES], plain, lumens)
     return view
 
 
@@ -161,15 +173,16 @@ def forget_deleted(source):
             entries.remove(index)
 
 
-def link_the_rest(view_layer, collection, shown):
-    """Objects without lightmap, cameras and lights are the user's own. What the camera does not see is left out."""
+def the_rest(view_layer, shown):
+    """Cameras and lights, and objects without lightmap that the camera sees."""
+    found = []
     for item in scene_copy.rendered_objects(view_layer):
-        if item in shown:
-            continue
-        if item.type in SURFACES and scene_copy.is_unseen(item, view_layer):
-            continue
-        if item.type in SURFACES | {"LIGHT", "CAMERA", "ARMATURE"}:
-            collection.objects.link(item)
+        if item.type in SURFACES:
+            if item not in shown and not scene_copy.is_unseen(item, view_layer):
+                found.append(item)
+        elif item.type in {"LIGHT", "CAMERA", "ARMATURE"}:
+            found.append(item)
+    return found
 
 
 def add_switches(view, lights):

@@ -17,7 +17,7 @@ import tempfile
 
 SKIPPED = 77
 WINDOWS = "windows_in_blender.py"
-SCREEN = "-screen 0 960x600x24 +extension GLX"
+SCREEN = "-screen 0 640x420x24 +extension GLX"
 
 
 def main():

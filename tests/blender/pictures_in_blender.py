@@ -14,6 +14,8 @@ import stage  # noqa: E402
 from stage import bake, box, compare, expect, lamp, matte  # noqa: E402
 
 CUBE = (0.8, 0.8, 0.8)
+# Of dynamic objects: their light is that of one place, and nothing of them shadows or lights another.
+MOVING_ERROR = 0.06
 
 
 def shown(view, prefix=""):
@@ -190,6 +192,41 @@ def check_glass(extension):
         compare(extension, f"glass {name}", name)
 
 
+def add_ball(name, location, surface):
+    bpy.ops.mesh.primitive_uv_sphere_add(segments=24, ring_count=12, radius=0.35, location=location)
+    ball = bpy.context.object
+    ball.name, ball.halflight_static = name, "DYNAMIC"
+    ball.data.materials.append(surface)
+    bpy.ops.object.shade_smooth()
+    return ball
+
+
+def check_moving(extension):
+    """Dynamic objects have the probes' light of the place where they are: in the sun, in a shadow, and where they are moved."""
+    scene = stage.empty()
+    scene.world.node_tree.nodes["Background"].inputs[0].default_value = (0.3, 0.4, 0.5, 1)
+    box("Wall", (3, 0.2, 2.4), (-1.5, 0.4, 1.2), matte("Wall", (0.8, 0.3, 0.2)))
+    box("Roof", (3, 2.2, 0.1), (-1.5, 1.4, 2.4), matte("Roof"))
+    ball = add_ball("Ball", (1.4, 0.2, 0.8), matte("Ball", (0.3, 0.6, 0.8)))
+    dark = add_ball("Dark", (-1.5, -0.9, 0.6), matte("Dark"))
+    kid = box("Kid", (0.4, 0.4, 0.4), (0, 0, 0.9), matte("Kid"))
+    kid.parent = ball
+    view = bake("moving")
+    names = sorted(item.name for item in view.objects if item.name.endswith("(baked)"))
+    expect(names == ["Ball (baked)", "Dark (baked)", "Kid (baked)"], f"dynamic objects of the view: {names}")
+    compare(extension, "in the sun", "Ball", "Dark", "Kid", most=MOVING_ERROR)
+    copy = view.objects["Ball (baked)"]
+    copy.location = (-1.8, 1.2, 0.8)
+    bpy.context.view_layer.update()
+    light = list(copy["halflight_probe_light_0"])
+    bpy.ops.halflight.baked_view()
+    expect(tuple(round(v, 4) for v in ball.location) == (-1.8, 1.2, 0.8), f"what is moved in the view stays there: {ball.location}")
+    bpy.ops.halflight.baked_view()
+    expect(list(bpy.context.scene.objects["Ball (baked)"]["halflight_probe_light_0"]) == light, "its light was that of the place")
+    scene.camera.location, scene.camera.rotation_euler = (-1.8, 5.5, 2.0), (math.radians(75), 0, math.radians(180))
+    compare(extension, "in the shadow", "Ball", most=MOVING_ERROR)
+
+
 def check_renamed(extension):
     """An object that got another name after the bake is shown once."""
     scene = stage.empty()
@@ -199,12 +236,12 @@ def check_renamed(extension):
     cube.name = "Crate"
     box("Cube", (0.3, 0.3, 0.3), (1.5, 0, 0.3), matte("New"))
     bpy.ops.halflight.baked_view()
-    expect(shown(bpy.context.scene) == ["Baked Cube", "Baked Floor", "Cube"], f"renamed: {shown(bpy.context.scene)}")
+    expect(shown(bpy.context.scene) == ["Baked Cube", "Baked Floor", "Cube (baked)"], f"renamed: {shown(bpy.context.scene)}")
     bpy.ops.halflight.baked_view()
     expect(bpy.context.scene == scene and not extension.baked_view.is_view(scene), "the view is left")
 
 
-CHECKS = (check_what_renders, check_materials, check_lamps, check_shapes, check_flat, check_glass, check_renamed)
+CHECKS = (check_what_renders, check_materials, check_lamps, check_shapes, check_flat, check_glass, check_moving, check_renamed)
 
 
 def main():

@@ -49,7 +49,7 @@ class Materials:
         shader = self.with_glass(g, source, emission.outputs[0], base)
         shader = self.with_holes(g, material, source, shader, alpha)
         g.put(g.node("ShaderNodeOutputMaterial").inputs["Surface"], shader)
-        self.leave_out_of_light_sampling(material)
+        leave_out_of_light_sampling(material)
         return material
 
     def light(self, g, page):
@@ -80,21 +80,7 @@ class Materials:
         return color, alpha
 
     def albedo(self, g, surface, base):
-        """transportAlbedo() of include/halflight/shading/brdf.h: metals reflect as much as their lobe, to all sides."""
-        metallic, roughness = self.metal(g, surface)
-        if metallic == 0.0:
-            return base
-        square = g.scalar("MULTIPLY", roughness, roughness)
-        cube = g.scalar("MULTIPLY", square, roughness)
-        lost = g.scalar("MULTIPLY", cube, g.scalar("MULTIPLY_ADD", square, -0.493, 1.084))
-        grazing = g.scalar("MULTIPLY", g.scalar("POWER", 2.0, g.scalar("MULTIPLY", square, -5.0)), 0.047)
-        lobe = g.scalar("SUBTRACT", g.scalar("SUBTRACT", 1.0, lost), grazing)
-        share = g.mixed(1.0, lobe, metallic)
-        white = g.scalar("MULTIPLY", metallic, grazing)
-        combined = g.node("ShaderNodeCombineXYZ")
-        for socket in combined.inputs:
-            g.put(socket, white)
-        return g.vector("ADD", g.scaled(base, share), combined.outputs[0])
+        return transport_albedo(g, base, *self.metal(g, surface))
 
     def metal(self, g, surface):
         """Metallic and roughness: numbers, or sockets where a picture has them."""
@@ -125,27 +111,7 @@ class Materials:
         if "transmissionTexture" in glass:
             texture = self.texture(g, glass["transmissionTexture"], "Non-Color")
             passing = g.scalar("MULTIPLY", passing, g.separate(texture["Color"])[0])
-        clear = g.node("ShaderNodeBsdfTransparent")
-        ior = source["extensions"].get("KHR_materials_ior", {}).get("ior", 1.5)
-        reflected = ((ior - 1.0) / (ior + 1.0)) ** 2  # by Fresnel's law, straight on
-        g.put(clear.inputs["Color"], g.scaled(self.tint(g, base), 1.0 - reflected))
-        mix = g.node("ShaderNodeMixShader")
-        for socket, value in zip(mix.inputs, (passing, shader, clear.outputs[0])):
-            g.put(socket, value)
-        return mix.outputs[0]
-
-    @staticmethod
-    def tint(g, base):
-        """Blender 4.0 and newer halves the colour's effect, as light passes two faces of most things."""
-        power = 1.0 if bpy.app.version < (4, 0, 0) else 0.5
-        if not isinstance(base, bpy.types.NodeSocket):
-            return [c**power for c in base]
-        if power == 1.0:
-            return base
-        combined = g.node("ShaderNodeCombineColor")
-        for socket, value in zip(combined.inputs, g.separate(base)):
-            g.put(socket, g.scalar("POWER", value, power))
-        return combined.outputs[0]
+        return clear(g, shader, base, passing, source["extensions"].get("KHR_materials_ior", {}).get("ior", 1.5))
 
     def with_holes(self, g, material, source, shader, alpha):
         """Alpha, and the backs of single-sided surfaces, let through what is behind."""
@@ -169,20 +135,7 @@ class Materials:
                 material.shadow_method = "NONE" if is_glass else "HASHED"
         if visible is None:
             return shader
-        mix = g.node("ShaderNodeMixShader")
-        g.put(mix.inputs[0], visible)
-        g.put(mix.inputs[1], g.node("ShaderNodeBsdfTransparent").outputs[0])
-        g.put(mix.inputs[2], shader)
-        return mix.outputs[0]
-
-    @staticmethod
-    def leave_out_of_light_sampling(material):
-        """Cycles would sample each triangle as a lamp."""
-        cycles = getattr(material, "cycles", None)
-        if hasattr(cycles, "emission_sampling"):
-            cycles.emission_sampling = "NONE"
-        elif hasattr(cycles, "sample_as_light"):
-            cycles.sample_as_light = False
+        return mixed_shader(g, visible, g.node("ShaderNodeBsdfTransparent").outputs[0], shader)
 
     # -- pictures ----------------------------------------------------------------------------------------------------
 
@@ -240,3 +193,65 @@ def transformed(g, uv, transform):
     mapping.inputs["Rotation"].default_value = (0.0, 0.0, -transform.get("rotation", 0.0))
     mapping.inputs["Scale"].default_value = (*transform.get("scale", (1.0, 1.0)), 1.0)
     return g.vector("MULTIPLY_ADD", mapping.outputs["Vector"], *flip)
+
+
+# -- parts of materials, also of dynamic objects ----------------------------------------------------------------------
+
+
+def transport_albedo(g, base, metallic, roughness):
+    """transportAlbedo() of include/halflight/shading/brdf.h: metals reflect as much as their lobe, to all sides."""
+    if metallic == 0.0:
+        return base
+    square = g.scalar("MULTIPLY", roughness, roughness)
+    cube = g.scalar("MULTIPLY", square, roughness)
+    lost = g.scalar("MULTIPLY", cube, g.scalar("MULTIPLY_ADD", square, -0.493, 1.084))
+    grazing = g.scalar("MULTIPLY", g.scalar("POWER", 2.0, g.scalar("MULTIPLY", square, -5.0)), 0.047)
+    lobe = g.scalar("SUBTRACT", g.scalar("SUBTRACT", 1.0, lost), grazing)
+    share = g.mixed(1.0, lobe, metallic)
+    white = g.scalar("MULTIPLY", metallic, grazing)
+    combined = g.node("ShaderNodeCombineXYZ")
+    for socket in combined.inputs:
+        g.put(socket, white)
+    return g.vector("ADD", g.scaled(base, share), combined.outputs[0])
+
+
+def clear(g, shader, base, passing, ior):
+    """A mix of `shader` and clear glass, by the share of light that passes."""
+    if isinstance(ior, bpy.types.NodeSocket):
+        ratio = g.scalar("DIVIDE", g.scalar("SUBTRACT", ior, 1.0), g.scalar("ADD", ior, 1.0))
+        kept = g.scalar("SUBTRACT", 1.0, g.scalar("MULTIPLY", ratio, ratio))
+    else:
+        kept = 1.0 - ((ior - 1.0) / (ior + 1.0)) ** 2  # by Fresnel's law, straight on
+    node = g.node("ShaderNodeBsdfTransparent")
+    g.put(node.inputs["Color"], g.scaled(tint(g, base), kept))
+    return mixed_shader(g, passing, shader, node.outputs[0])
+
+
+def tint(g, base):
+    """Blender 4.0 and newer halves the colour's effect, as light passes two faces of most things."""
+    power = 1.0 if bpy.app.version < (4, 0, 0) else 0.5
+    if not isinstance(base, bpy.types.NodeSocket):
+        return [c**power for c in base]
+    if power == 1.0:
+        return base
+    combined = g.node("ShaderNodeCombineColor")
+    for socket, value in zip(combined.inputs, g.separate(base)):
+        g.put(socket, g.scalar("POWER", value, power))
+    return combined.outputs[0]
+
+
+def mixed_shader(g, share, a, b):
+    """a at a share of 0, b at 1."""
+    mix = g.node("ShaderNodeMixShader")
+    for socket, value in zip(mix.inputs, (share, a, b)):
+        g.put(socket, value)
+    return mix.outputs[0]
+
+
+def leave_out_of_light_sampling(material):
+    """Cycles would sample each triangle as a lamp."""
+    cycles = getattr(material, "cycles", None)
+    if hasattr(cycles, "emission_sampling"):
+        cycles.emission_sampling = "NONE"
+    elif hasattr(cycles, "sample_as_light"):
+        cycles.sample_as_light = False

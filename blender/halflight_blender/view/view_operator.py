@@ -36,10 +36,10 @@ class HALFLIGHT_OT_baked_view(bpy.types.Operator):
 def switch_light(item, _context):
     key = item.id_data.get(baked_view.TAG)
     groups = (tree for tree in bpy.data.node_groups if tree.get(baked_view.TAG) == key)
-    group = next((tree for tree in groups if tree.name.startswith(view_lights.GROUP)), None)
-    node = group.nodes.get(view_lights.switch_name(item.name)) if group else None
-    if node:
-        node.outputs[0].default_value = 1.0 if item.on else 0.0
+    for group in groups:
+        node = group.nodes.get(view_lights.switch_name(item.name))
+        if node:
+            node.outputs[0].default_value = 1.0 if item.on else 0.0
 
 
 class LightSwitch(bpy.types.PropertyGroup):

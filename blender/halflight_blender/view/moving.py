@@ -1,0 +1,143 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Dynamic objects of the baked view: copies that the bake's probes light, at the place where each object is.
+
+A copy shares mesh and animation with the user's object; its materials emit. Where the user moves a copy, the object itself is
+moved when the view is left.
+"""
+
+import bpy
+import numpy as np
+from bpy.app.handlers import persistent
+
+from .. import files
+from ..glb import Glb
+from . import moving_materials, probes, view_lights
+
+MARK = "halflight_moving"  # on copies, and on what the user duplicates of them
+PLACE = "halflight_probed_at"
+LEAST_MOVE = 1e-5  # metres
+TRANSFORMS = ("location", "rotation_mode", "rotation_euler", "rotation_quaternion", "rotation_axis_angle", "scale")
+TRANSFORMS += ("delta_location", "delta_rotation_euler", "delta_rotation_quaternion", "delta_scale")
+
+loaded = {}  # probes of views, by the view's key
+
+
+class Moving(bpy.types.PropertyGroup):
+    """A copy in the view, and whose it is."""
+
+    copy: bpy.props.PointerProperty(type=bpy.types.Object)
+    source: bpy.props.PointerProperty(type=bpy.types.Object)
+
+
+def add(view, collection, items, lights, lumens_per_watt):
+    """`items`: the user's objects. `lights`: node group of the direct light, or None."""
+    surfaces = moving_materials.MovingMaterials(lights, lumens_per_watt)
+    copies = {item: item.copy() for item in items}
+    for item, copy in copies.items():
+        copy.name = item.name + " (baked)"
+        copy[MARK] = 1
+        if item.parent in copies:
+            inverse = item.matrix_parent_inverse.copy()
+            copy.parent = copies[item.parent]
+            copy.matrix_parent_inverse = inverse
+        surfaces.set_materials(copy)
+        collection.objects.link(copy)
+        entry = view.halflight_moving.add()
+        entry.copy, entry.source = copy, item
+    return copies
+
+
+def update(scene, depsgraph, key, folder):
+    """Gives each copy that is not where it was the light of its place."""
+    moved = []
+    for item in scene.objects:
+        if MARK not in item:
+            continue
+        middle = middle_of(item.evaluated_get(depsgraph))
+        if np.abs(np.array(item.get(PLACE, (np.inf,) * 3)) - middle).max() > LEAST_MOVE:
+            moved.append((item, middle))
+    if not moved:
+        return
+    if key not in loaded:
+        loaded[key] = probes.Probes(Glb(folder.baked))
+    for item, middle in moved:
+        factors, occlusion = loaded[key].sample(view_lights.BLENDER_FROM_GLTF[:3, :3].T @ middle)
+        item[PLACE] = middle.tolist()
+        for name, value in moving_materials.attributes_of(factors, occlusion).items():
+            item[name] = value
+        item.update_tag()
+
+
+def middle_of(item):
+    """Of the box around it, in the world."""
+    corners = np.array([[*corner, 1.0] for corner in item.bound_box])
+    world = corners @ np.array(item.matrix_world).T
+    return (world[:, :3].min(0) + world[:, :3].max(0)) / 2.0
+
+
+def keep_moves(view):
+    """Where the user moved copies, the objects are moved. Animated values are the animation's."""
+    for entry in view.halflight_moving:
+        if entry.copy is None or entry.source is None:
+            continue
+        animated = animated_paths(entry.copy)
+        for name in TRANSFORMS:
+            value = plain(getattr(entry.copy, name))
+            if name not in animated and value != plain(getattr(entry.source, name)):
+                setattr(entry.source, name, value)
+
+
+def animated_paths(item):
+    data = item.animation_data
+    if data is None:
+        return set()
+    if data.nla_tracks:
+        return set(TRANSFORMS)
+    curves = [*(data.action.fcurves if data.action else ()), *data.drivers]
+    return {curve.data_path for curve in curves}
+
+
+def plain(value):
+    return value if isinstance(value, str) else list(value)
+
+
+def take_duplicates(view, source, tag):
+    """What the user duplicated of copies is the user's own."""
+    own = {entry.copy for entry in view.halflight_moving}
+    for item in list(view.objects):
+        if MARK not in item or item in own:
+            continue
+        for name in [name for name in item.keys() if name in {tag, MARK, PLACE} or name.startswith("halflight_probe_light")]:
+            del item[name]
+        item.name = item.name.replace(" (baked)", "")
+        for slot in item.material_slots:
+            slot.link = "DATA"
+        source.collection.objects.link(item)
+
+
+@persistent
+def after_change(scene, depsgraph=None):
+    if depsgraph is None or scene.halflight.view_of is None or not scene.halflight_moving:
+        return
+    try:
+        update(scene, depsgraph, scene.get("halflight_baked_view", ""), files.of(scene))
+    except (OSError, ValueError, KeyError) as error:
+        print(f"Halflight: probes of the last bake cannot be read: {error}")
+
+
+HANDLERS = ("depsgraph_update_post", "frame_change_post")
+
+
+def register():
+    bpy.utils.register_class(Moving)
+    bpy.types.Scene.halflight_moving = bpy.props.CollectionProperty(type=Moving)
+    for name in HANDLERS:
+        getattr(bpy.app.handlers, name).append(after_change)
+
+
+def unregister():
+    for name in HANDLERS:
+        getattr(bpy.app.handlers, name).remove(after_change)
+    del bpy.types.Scene.halflight_moving
+    bpy.utils.unregister_class(Moving)
+    loaded.clear()
