@@ -19,6 +19,8 @@ from .view import moving, view_lights, view_materials
 
 TAG = "halflight_baked_view"
 SURFACES = {"MESH", "CURVE", "SURFACE", "FONT", "META"}
+# Halves of a sheet are moved apart by this share of their largest coordinate, as a ray meets only one of two faces at one place.
+APART = 1e-5
 COLLECTIONS = ("scenes", "collections", "objects", "meshes", "materials", "node_groups", "images")
 
 
@@ -207,6 +209,9 @@ def make_object(document, node, lightmap, matrix, materials):
     for part in parts:
         mesh.materials.append(materials.get(part["material"], lightmap["page"], has_colors))
     positions = np.concatenate([part["positions"] for part in parts]) @ matrix[:3, :3].T + matrix[:3, 3]
+    normals = unit(np.concatenate([part["normals"] for part in parts]) @ cofactors(matrix[:3, :3]).T)
+    sided = np.concatenate([np.full(len(part["positions"]), is_side(document, part["material"])) for part in parts])
+    positions += normals * (sided * APART * np.abs(positions).max())[:, None]
     starts = np.cumsum([0] + [len(part["positions"]) for part in parts])
     corners = np.concatenate([part["corners"] + start for part, start in zip(parts, starts)])
     if np.linalg.det(matrix[:3, :3]) < 0:
@@ -222,9 +227,19 @@ def make_object(document, node, lightmap, matrix, materials):
         colors = [np.repeat(white, len(p["positions"]), 0) if p["colors"] is None else p["colors"] for p in parts]
         layer = mesh.color_attributes.new(view_materials.COLORS, "FLOAT_COLOR", "POINT")
         layer.data.foreach_set("color", np.concatenate(colors).astype(np.float32).reshape(-1))
-    normals = np.concatenate([part["normals"] for part in parts]) @ cofactors(matrix[:3, :3]).T
     set_normals(mesh, normals)
     return bpy.data.objects.new(name, mesh)
+
+
+def is_side(document, material):
+    """Whether it is of one half of a sheet whose sides have texels of their own."""
+    return material is not None and "halflight_side" in document.json["materials"][material].get("extras", {})
+
+
+def unit(vectors):
+    """What has no length keeps none: Blender chooses the normal there."""
+    lengths = np.linalg.norm(vectors, axis=1, keepdims=True)
+    return np.divide(vectors, lengths, out=np.zeros_like(vectors), where=lengths > 0)
 
 
 def cofactors(matrix):
@@ -276,9 +291,6 @@ def fill(mesh, positions, corners, slots):
 
 
 def set_normals(mesh, normals):
-    """A normal of no length leaves the choice to Blender."""
-    lengths = np.linalg.norm(normals, axis=1, keepdims=True)
-    normals = np.divide(normals, lengths, out=np.zeros_like(normals), where=lengths > 0)
     if bpy.app.version < (4, 1, 0):
         mesh.use_auto_smooth = True
     mesh.normals_split_custom_set_from_vertices(normals.tolist())

@@ -160,6 +160,17 @@ def check_flat(_extension):
     expect("Baked Flat" in shown(bake("flat")), "a flattened object is in the view")
 
 
+def check_sheets(extension):
+    """Sheets with texels on both sides, seen from either side: one lies on the floor, one stands on its edge in the sun."""
+    stage.empty()
+    for name, location, degrees in (("Rug", (-1, 0, 0.01), (0, 0, 0)), ("Lit", (0.6, 0, 0.7), (90, 0, 0)), ("Shaded", (2, 0, 0.7), (-90, 0, 0))):
+        bpy.ops.mesh.primitive_plane_add(size=1.2, location=location, rotation=[math.radians(angle) for angle in degrees])
+        bpy.context.object.name = name
+        bpy.context.object.data.materials.append(matte(name, (0.7, 0.3, 0.3)))
+    bake("sheets")
+    compare(extension, "sheets", "Rug", "Lit", "Shaded")
+
+
 def add_posed():
     """A box below a bone that is posed and not animated."""
     scene = bpy.context.scene
@@ -241,7 +252,7 @@ def check_renamed(extension):
     expect(bpy.context.scene == scene and not extension.baked_view.is_view(scene), "the view is left")
 
 
-CHECKS = (check_what_renders, check_materials, check_lamps, check_shapes, check_flat, check_glass, check_moving, check_renamed)
+CHECKS = (check_what_renders, check_materials, check_lamps, check_shapes, check_sheets, check_flat, check_glass, check_moving, check_renamed)
 
 
 def main():
