@@ -78,11 +78,12 @@ check_tarball() { # SUITE SYSTEM
   inside "$work/root" "$unpack && /opt/bin/halflight bake /in/courtyard.glb -o /out/tarball.glb $bake_options"
   same tarball.glb expected.glb "tarball, $2, bake"
 }
-check_wheel() { # SUITE SYSTEM
+readme_line=$(grep -o '^python3 -m venv .*\.whl' README.md)
+check_wheel() { # SUITE SYSTEM: by README's line
   fresh_root "$1"
   inside "$work/root" "$install python3-venv >/dev/null 2>&1
-    python3 -m venv /opt/venv && /opt/venv/bin/pip install --no-index --quiet /in/halflight-*.whl
-    cd /source && /opt/venv/bin/python tests/package/wheel_check.py /in/courtyard.glb /out/wheel.glb $bake_options"
+    cd /opt && cp /in/halflight-*.whl . && $readme_line >/dev/null
+    cd /source && /opt/env/bin/python tests/package/wheel_check.py /in/courtyard.glb /out/wheel.glb $bake_options"
   same wheel.glb expected.glb "wheel, $2, bake"
 }
 
@@ -122,7 +123,11 @@ if [ "$blender" -eq 1 ]; then
       apt-get update -qq
       apt-get install -y -qq --no-install-recommends blender python3-numpy libvulkan1 mesa-vulkan-drivers >/dev/null 2>&1; }
     rm -rf /opt/halflight && mkdir /opt/halflight && tar xzf /in/halflight-*.tar.gz -C /opt/halflight --strip-components=1
-    HALFLIGHT_WHEEL=\$(echo /in/*.whl) python3 /source/tests/blender/extension_test.py /opt/halflight/bin/halflight /source/blender" \
+    export HALFLIGHT_WHEEL=\$(echo /in/*.whl)
+    for script in in_blender.py install_in_blender.py; do
+      python3 /source/tests/blender/extension_test.py /opt/halflight/bin/halflight /source/blender \$script
+    done" \
     >"$work/blender.log" 2>&1 || { cat "$work/blender.log" >&2; exit 1; }
+  check_wheel trixie "Debian 13"
   grep -E 'Blender 4|against|switched off|program|whole' "$work/blender.log" | sort -u
 fi

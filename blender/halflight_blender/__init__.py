@@ -14,6 +14,11 @@ bl_info = {
     "category": "Render",
 }
 
+try:
+    import numpy  # noqa: F401
+except ImportError:
+    raise ImportError("Halflight needs numpy: apt install python3-numpy (this Blender's Python has none)") from None
+
 from . import bake, keeping, messages, panels, preferences, properties, stale  # noqa: E402
 from .view import moving, view_operator  # noqa: E402
 

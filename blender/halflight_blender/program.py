@@ -3,11 +3,19 @@
 
 import collections
 import functools
+import glob
+import importlib.util
 import os
+import platform
 import shutil
 import subprocess
+import tempfile
+import zipfile
 
-NOT_FOUND = "The halflight program was not found: install its wheel or package, or name it in the preferences"
+NOT_FOUND = "The halflight program was not found: install the zip that has it, or its package, or name it in the preferences"
+WHEELS = os.path.join(os.path.dirname(os.path.abspath(__file__)), "wheels")
+SYSTEMS = {"Linux": "manylinux", "Windows": "win", "Darwin": "macosx"}
+MACHINES = {"AMD64": "amd64", "aarch64": "aarch64", "arm64": "arm64"}  # of wheels' names; others are as Python says
 
 Found = collections.namedtuple("Found", "path where")
 
@@ -25,12 +33,57 @@ def find(preferred=""):
 
 
 def of_wheel():
+    """Blender 4.2 and newer install the wheel; for older ones it is unpacked beside itself, when it is first needed."""
     try:
-        import halflight
+        import halflight as module
     except ImportError:
-        return None
-    executable = getattr(halflight, "executable", None)
+        module = unpacked_wheel(WHEELS)
+    executable = getattr(module, "executable", None)
     return executable() if executable else None
+
+
+def unpacked_wheel(folder):
+    """The module of the wheel for this system in `folder`; None where there is none, or it cannot be unpacked."""
+    machine = MACHINES.get(platform.machine(), platform.machine())
+    system = SYSTEMS.get(platform.system(), "?")
+    wheels = [path for path in glob.glob(os.path.join(glob.escape(folder), "halflight-*.whl")) if fits(path, system, machine)]
+    if not wheels:
+        return None
+    target = os.path.splitext(max(wheels))[0]
+    module = os.path.join(target, "halflight", "__init__.py")
+    try:
+        if not os.path.exists(module):
+            unpack(max(wheels), target)
+        return module_at(module)
+    except OSError as error:
+        print(f"Halflight: {max(wheels)} cannot be unpacked ({error.strerror}): name the program in the preferences")
+        return None
+
+
+@functools.lru_cache(maxsize=1)
+def module_at(path):
+    specification = importlib.util.spec_from_file_location("halflight_of_wheel", path)
+    module = importlib.util.module_from_spec(specification)
+    specification.loader.exec_module(module)
+    return module
+
+
+def fits(path, system, machine):
+    tag = os.path.basename(path).rsplit("-", 1)[-1]
+    return tag.startswith(system) and tag.endswith(f"_{machine}.whl")
+
+
+def unpack(wheel, target):
+    """Whole or not at all: two Blenders may do it at once."""
+    with tempfile.TemporaryDirectory(dir=os.path.dirname(target)) as temporary:
+        whole = os.path.join(temporary, "wheel")
+        with zipfile.ZipFile(wheel) as archive:
+            archive.extractall(whole)
+        try:
+            os.rename(whole, target)
+        except OSError:
+            if not os.path.exists(target):
+                raise
 
 
 def version(path):

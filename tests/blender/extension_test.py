@@ -4,20 +4,33 @@
     extension_test.py HALFLIGHT EXTENSION_FOLDER [SCRIPT [KEEP_FOLDER]]
 
 SCRIPT is in_blender.py if not given; windows_in_blender.py runs in the windows of a virtual screen (Xvfb). Blender is
-$HALFLIGHT_BLENDER, else the one on PATH. $HALFLIGHT_WHEEL is packed into the extension where it is set. With KEEP_FOLDER, the
-pictures stay there.
+$HALFLIGHT_BLENDER, else the one on PATH. $HALFLIGHT_WHEEL is packed into the extension where it is set, and for
+install_in_blender.py a wheel that starts HALFLIGHT. With KEEP_FOLDER, the pictures stay there.
 """
 
 import os
 import pathlib
+import shlex
 import shutil
 import subprocess
 import sys
 import tempfile
 
 SKIPPED = 77
-WINDOWS = "windows_in_blender.py"
+WINDOWS, INSTALL = "windows_in_blender.py", "install_in_blender.py"
 SCREEN = "-screen 0 640x420x24 +extension GLX"
+
+
+def make_wheel(halflight, folder):
+    """A wheel like that of scripts/package.sh, but its program starts the one of the build."""
+    program = shlex.quote(str(pathlib.Path(halflight).resolve()))
+    for name, started in (("bin/halflight", '"${0%/*}/../lib/halflight/halflight"'), ("lib/halflight/halflight", program)):
+        path = folder / "prefix" / name
+        path.parent.mkdir(parents=True)
+        path.write_text(f'#!/bin/sh\nexec {started} "$@"\n')
+    script = pathlib.Path(__file__).resolve().parents[2] / "scripts/packaging/make_wheel.py"
+    command = [sys.executable, script, folder / "prefix", "0.1.0", "2.17", folder]
+    return subprocess.run(command, check=True, stdout=subprocess.PIPE, text=True).stdout.strip()
 
 
 def main():
@@ -30,14 +43,18 @@ def main():
         folder = pathlib.Path(sys.argv[4] if len(sys.argv) > 4 else temporary).resolve()
         folder.mkdir(parents=True, exist_ok=True)
         package = folder / "halflight.zip"
+        script = pathlib.Path(__file__).with_name(sys.argv[3] if len(sys.argv) > 3 else "in_blender.py")
         wheel = os.environ.get("HALFLIGHT_WHEEL")
+        if wheel is None and script.name == INSTALL:
+            wheel = make_wheel(halflight, pathlib.Path(temporary))
         options = ["--wheel", wheel] if wheel else []
         subprocess.run([sys.executable, f"{extension}/make_zip.py", package, *options], check=True)
         environment = dict(os.environ, BLENDER_USER_RESOURCES=temporary, BLENDER_USER_CONFIG=f"{temporary}/config")
         environment.update(BLENDER_USER_SCRIPTS=f"{temporary}/scripts", BLENDER_USER_DATAFILES=f"{temporary}/data")
         # Debian's Blender takes the first python3 on PATH for its own, which another one (pyenv) may be.
         environment["PATH"] = f"{pathlib.Path(blender).resolve().parent}:{environment['PATH']}"
-        script = pathlib.Path(__file__).with_name(sys.argv[3] if len(sys.argv) > 3 else "in_blender.py")
+        if script.name == INSTALL:
+            environment["HALFLIGHT_WHEEL"] = wheel
         command = [blender, "-b"]
         if script.name == WINDOWS:
             if shutil.which("xvfb-run") is None:

@@ -25,15 +25,19 @@ def path(name):
     return os.path.join(FOLDER, name)
 
 
+def copy_files():
+    """Unpacks the package where Blender looks for it. Returns the name of its module."""
+    if bpy.app.version >= (4, 2, 0):
+        bpy.ops.extensions.package_install_files(filepath=PACKAGE, repo="user_default", enable_on_install=False)
+        return "bl_ext.user_default.halflight"
+    bpy.ops.preferences.addon_install(filepath=PACKAGE)
+    return "halflight_blender"
+
+
 def install():
     """Returns the package of the extension."""
-    if bpy.app.version >= (4, 2, 0):
-        bpy.ops.extensions.package_install_files(filepath=PACKAGE, repo="user_default", enable_on_install=True)
-        name = "bl_ext.user_default.halflight"
-    else:
-        bpy.ops.preferences.addon_install(filepath=PACKAGE)
-        name = "halflight_blender"
-        bpy.ops.preferences.addon_enable(module=name)
+    name = copy_files()
+    bpy.ops.preferences.addon_enable(module=name)
     extension = importlib.import_module(name)
     if os.environ.get("HALFLIGHT_WHEEL"):
         found = extension.preferences.find_program(bpy.context)
