@@ -68,7 +68,8 @@ class Job:
             raise BakeError("Nothing to bake: no object with a surface renders in this view layer")
         for warning in warnings:
             messages.add(context, "WARNING", warning, self.document)
-        for text, item in findings.of(scene_copy.rendered_objects(context.view_layer)):
+        settings = context.scene.halflight
+        for text, item in findings.of(scene_copy.rendered_objects(context.view_layer), settings.has_pictures):
             messages.add(context, "WARNING", text, item=item)
         baked_view.note_objects(context.scene, self.document, keep_last=True)
         if self.selected is None:

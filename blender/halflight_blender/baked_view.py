@@ -19,7 +19,7 @@ from .view import moving, view_lights, view_materials
 
 TAG = "halflight_baked_view"
 SURFACES = {"MESH", "CURVE", "SURFACE", "FONT", "META"}
-# Halves of a sheet are moved apart by this share of their largest coordinate, as a ray meets only one of two faces at one place.
+# Halves of a sheet are moved apart by this share of their largest coordinate: a ray meets one of two faces at one place.
 APART = 1e-5
 COLLECTIONS = ("scenes", "collections", "objects", "meshes", "materials", "node_groups", "images")
 

@@ -6,12 +6,14 @@ import re
 import bpy
 
 from . import baked_view, wording
+from .export import findings
 
 
 class Message(bpy.types.PropertyGroup):
     severity: bpy.props.EnumProperty(items=[("ERROR", "Error", ""), ("WARNING", "Warning", "")])
     text: bpy.props.StringProperty()
     item: bpy.props.StringProperty()  # name of the object, or empty
+    is_curable: bpy.props.BoolProperty()  # by Bake Materials
 
 
 class HALFLIGHT_UL_messages(bpy.types.UIList):
@@ -69,6 +71,7 @@ def add(context, severity, text, document=None, item=None):
     message = context.window_manager.halflight_messages.add()
     message.severity = severity
     message.text = text
+    message.is_curable = text.endswith(findings.CURE)
     message.item = item or object_of(text, baked_view.source_of(context.scene), document) or ""
 
 

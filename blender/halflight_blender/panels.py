@@ -37,6 +37,8 @@ def draw_bake(layout, context):
             "halflight_message", rows=min(6, len(messages)),
         )  # fmt: skip
         draw_message(layout, context)
+        if any(message.is_curable for message in messages):
+            layout.operator("halflight.bake_materials", icon="TEXTURE")
 
 
 def draw_message(layout, context):
@@ -65,6 +67,7 @@ def draw_details(layout, settings):
         ("samples", "noise", "shadow_samples", "bounces", "glossy_bounces", "integrator", "denoise", "seed"),
         ("lightmap_size", "two_sided", "directional", "shadowmask_encoding"),
         ("probe_layout", "probe_spacing"),
+        ("bake_materials", "material_size"),
         ("units", "threads"),
     )
     for names in groups:

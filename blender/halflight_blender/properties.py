@@ -8,6 +8,8 @@ default is not stored. Settings of the bake itself are in Scene.halflight.
 
 import bpy
 
+from .export import material_pictures
+
 
 def store(owner, key, value, default):
     if value == default:
@@ -279,6 +281,13 @@ class BakeSettings(bpy.types.PropertyGroup):
     probe_spacing: bpy.props.FloatProperty(
         name="Probe Spacing", description="0: by the scene's size", min=0.0, soft_max=10.0, subtype="DISTANCE"
     )
+    bake_materials: bpy.props.BoolProperty(
+        name="Bake Materials",
+        description="Nodes that glTF lacks become pictures in the exported file. Your materials are not changed",
+    )
+    material_size: bpy.props.IntProperty(
+        name="Picture Size", description="Texels of each of these pictures, along each side", default=1024, min=16, max=8192
+    )
     threads: bpy.props.IntProperty(name="Threads", description="0: all cores", min=0, max=4096)
     seed: bpy.props.IntProperty(name="Seed", description="Of the random numbers", default=1, min=0)
     units: bpy.props.EnumProperty(
@@ -300,6 +309,10 @@ class BakeSettings(bpy.types.PropertyGroup):
     folder: bpy.props.StringProperty(options={"HIDDEN"})  # of its files; set by its first bake
     view_of: bpy.props.PointerProperty(type=bpy.types.Scene, options={"HIDDEN"})
     baked_objects: bpy.props.CollectionProperty(type=BakedObject, options={"HIDDEN"})
+
+    def has_pictures(self, item, material):
+        """Whether this bake makes pictures of a material on an object."""
+        return self.bake_materials and material_pictures.can_bake(item) and material_pictures.is_curable(material)
 
 
 def register():

@@ -163,8 +163,8 @@ def check_flat(_extension):
 def check_sheets(extension):
     """Sheets with texels on both sides, seen from either side: one lies on the floor, one stands on its edge in the sun."""
     stage.empty()
-    for name, location, degrees in (("Rug", (-1, 0, 0.01), (0, 0, 0)), ("Lit", (0.6, 0, 0.7), (90, 0, 0)), ("Shaded", (2, 0, 0.7), (-90, 0, 0))):
-        bpy.ops.mesh.primitive_plane_add(size=1.2, location=location, rotation=[math.radians(angle) for angle in degrees])
+    for name, location, turn in (("Rug", (-1, 0, 0.01), 0), ("Lit", (0.6, 0, 0.7), 90), ("Shaded", (2, 0, 0.7), -90)):
+        bpy.ops.mesh.primitive_plane_add(size=1.2, location=location, rotation=(math.radians(turn), 0, 0))
         bpy.context.object.name = name
         bpy.context.object.data.materials.append(matte(name, (0.7, 0.3, 0.3)))
     bake("sheets")
@@ -231,9 +231,11 @@ def check_moving(extension):
     bpy.context.view_layer.update()
     light = list(copy["halflight_probe_light_0"])
     bpy.ops.halflight.baked_view()
-    expect(tuple(round(v, 4) for v in ball.location) == (-1.8, 1.2, 0.8), f"what is moved in the view stays there: {ball.location}")
+    place = tuple(round(v, 4) for v in ball.location)
+    expect(place == (-1.8, 1.2, 0.8), f"what is moved in the view stays there: {place}")
     bpy.ops.halflight.baked_view()
-    expect(list(bpy.context.scene.objects["Ball (baked)"]["halflight_probe_light_0"]) == light, "its light was that of the place")
+    again = list(bpy.context.scene.objects["Ball (baked)"]["halflight_probe_light_0"])
+    expect(again == light, "its light was that of the place")
     scene.camera.location, scene.camera.rotation_euler = (-1.8, 5.5, 2.0), (math.radians(75), 0, math.radians(180))
     compare(extension, "in the shadow", "Ball", most=MOVING_ERROR)
 

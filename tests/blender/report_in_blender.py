@@ -8,9 +8,9 @@ import bpy
 
 sys.path.insert(0, os.path.dirname(__file__))
 import stage  # noqa: E402
-from stage import bake, box, expect, lamp, matte  # noqa: E402
+from stage import bake, box, compare, expect, lamp, matte  # noqa: E402
 
-SIZE = (0.4, 0.4, 0.4)
+SIZE, BIG = (0.4, 0.4, 0.4), (0.9, 0.9, 0.8)
 
 
 def linked(name, kind, output=0, **members):
@@ -82,6 +82,79 @@ def check_list(extension):
     expect(not [row.text for row in listed if "--" in row.text], "no command-line options")
 
 
+def nodes_of(material):
+    tree = material.node_tree
+    return tree, tree.nodes, tree.nodes["Principled BSDF"].inputs
+
+
+def add_curable_things():
+    """A material for each channel whose nodes glTF lacks, and one of mixed shaders."""
+    noise = linked("Noise", "ShaderNodeTexNoise", 1)[0]
+    noise.node_tree.nodes["Noise Texture"].inputs["Scale"].default_value = 2.0
+    first = box("Noisy", BIG, (-2.1, 0, 0.4), noise)
+    twin = bpy.data.objects.new("Twin", first.data)  # shares the pictures
+    twin.location = (-2.1, -1.3, 0.4)
+    twin.scale = (0.4, 0.4, 0.4)
+    bpy.context.scene.collection.objects.link(twin)
+    mixed = matte("Mixed", (0.7, 0.1, 0.1))
+    tree, nodes, _ = nodes_of(mixed)
+    other, mix, checker = (nodes.new("ShaderNode" + kind) for kind in ("BsdfDiffuse", "MixShader", "TexChecker"))
+    other.inputs["Color"].default_value, checker.inputs["Scale"].default_value = (0.1, 0.2, 0.8, 1.0), 3.0
+    tree.links.new(checker.outputs["Fac"], mix.inputs[0])
+    tree.links.new(nodes["Principled BSDF"].outputs[0], mix.inputs[1])
+    tree.links.new(other.outputs[0], mix.inputs[2])
+    tree.links.new(mix.outputs[0], nodes["Material Output"].inputs["Surface"])
+    subdivided = box("Mixed", BIG, (-0.7, 0, 0.4), mixed)
+    subdivided.modifiers.new("Bevel", "BEVEL").width = 0.05
+    glowing = matte("Glowing", (0.0, 0.0, 0.0))
+    tree, nodes, inputs = nodes_of(glowing)
+    wave = nodes.new("ShaderNodeTexWave")
+    wave.inputs["Scale"].default_value = 2.0
+    tree.links.new(wave.outputs["Color"], inputs["Emission Color" if "Emission Color" in inputs else "Emission"])
+    inputs["Emission Strength"].default_value = 3.0
+    box("Glowing", BIG, (0.7, 0, 0.4), glowing)
+    holes = matte("Holes", (0.3, 0.7, 0.3))
+    tree, nodes, inputs = nodes_of(holes)
+    checker = nodes.new("ShaderNodeTexChecker")
+    checker.inputs["Scale"].default_value = 4.0
+    tree.links.new(checker.outputs["Fac"], inputs["Alpha"])
+    bpy.ops.mesh.primitive_plane_add(size=1.0, location=(2.1, -0.3, 0.6), rotation=(1.4, 0, 0))
+    bpy.context.object.name = "Holes"
+    bpy.context.object.data.materials.append(holes)
+    return first, twin
+
+
+def check_cure(extension):
+    """Bake Materials: the view shows what Cycles does, the rows are gone, and nothing of the user's is changed."""
+    scene = stage.empty()
+    scene.world.node_tree.nodes["Background"].inputs[0].default_value = (0.4, 0.4, 0.4, 1)
+    add_curable_things()
+    bake("curable")
+    bpy.ops.halflight.baked_view()
+    rows = [row.text for row in bpy.context.window_manager.halflight_messages if row.is_curable]
+    expect({"Noise", "Mixed", "Glowing", "Holes"} <= {row.split('"')[1] for row in rows}, f"rows with a cure: {rows}")
+    count, seconds = extension.export.material_pictures.estimate(scene.objects, 256)
+    expect(count == 6 and seconds > 0.0, f"colour of three, roughness of one, emission, alpha: {count}, {seconds:.1f} s")
+    kinds = ("objects", "meshes", "materials", "images", "scenes", "collections")
+
+    def names():
+        return {kind: sorted(item.name for item in getattr(bpy.data, kind) if item.name != "Render Result") for kind in kinds}
+
+    before = names()
+    nodes = {material.name: len(material.node_tree.nodes) for material in bpy.data.materials}
+    expect(bpy.ops.halflight.bake_materials(size=256) == {"FINISHED"}, "materials are baked")
+    rows = [row.text for row in bpy.context.window_manager.halflight_messages if row.is_curable]
+    expect(not rows, f"no row is left: {rows}")
+    compare(extension, "pictures", "Noisy", "Twin", "Mixed", "Glowing", "Holes", "Floor")
+    trees = [bpy.data.objects[name].data.materials[0].node_tree for name in ("Baked Noisy", "Baked Twin")]
+    images = {node.image for tree in trees for node in tree.nodes if node.bl_idname == "ShaderNodeTexImage"}
+    images = {image for image in images if "color" in image.name}
+    expect(len(images) == 1, f"objects that share a mesh share the pictures: {images}")
+    bpy.ops.halflight.baked_view()
+    expect(names() == before, f"data-blocks: {names()}; before: {before}")
+    expect({m.name: len(m.node_tree.nodes) for m in bpy.data.materials} == nodes, "the user's materials are as they were")
+
+
 def check_wording(extension):
     """Options of the program have the panel's names."""
     settings = bpy.context.scene.halflight.bl_rna.properties
@@ -99,7 +172,7 @@ def check_wording(extension):
 
 def main():
     extension = stage.install()
-    for check in (check_list, check_wording):
+    for check in (check_list, check_cure, check_wording):
         print(check.__name__, flush=True)
         check(extension)
 

@@ -215,10 +215,11 @@ def check_esc(extension):
     area.spaces.active.show_region_ui = True
     drawn = {}
     spaces = ((bpy.types.SpaceView3D, "UI"), (bpy.types.SpaceProperties, "WINDOW"))
-    handlers = [
-        (space, region, space.draw_handler_add(lambda key: drawn.update({key: extension.bake.Job.current}), (region,), region, "POST_PIXEL"))
-        for space, region in spaces
-    ]
+
+    def note(region):
+        drawn[region] = extension.bake.Job.current
+
+    handlers = [(*each, each[0].draw_handler_add(note, (each[1],), each[1], "POST_PIXEL")) for each in spaces]
     with in_window(window):
         bpy.ops.halflight.bake("INVOKE_DEFAULT")
     job = extension.bake.Job.current

@@ -10,7 +10,7 @@ import os
 import addon_utils
 import bpy
 
-from . import area_lights, lamps, scene_copy, sky, surfaces
+from . import area_lights, lamps, material_pictures, scene_copy, sky, surfaces
 from ..glb import Glb
 
 LUMENS_PER_WATT = 683.0
@@ -60,7 +60,12 @@ def export_scene(context, path, units, folder):
     known = bpy.ops.export_scene.gltf.get_rna_type().properties.keys()
     options = {name: value for name, value in OPTIONS.items() if name in known}
     options.update({name: units for name in LIGHTING_MODES if name in known})
+    settings = context.scene.halflight
     with scene_copy.copied_scene(context) as copy:
+        if settings.bake_materials:
+            pictures = material_pictures.Pictures(settings.material_size)
+            copy.pictures = pictures.made
+            pictures.bake(context, copy.copies)
         bpy.ops.export_scene.gltf(filepath=path, check_existing=False, **options)
         document = Glb(path)
         scene_copy.restore_names(document, copy)

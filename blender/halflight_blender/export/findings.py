@@ -16,11 +16,13 @@ LEFT_OUT = {
     "GPENCIL": "Grease Pencil is",
     "GREASEPENCIL": "Grease Pencil is",
 }
+CURE = "; Bake Materials makes pictures of it"
 READ_SURFACES = {"ShaderNodeBsdfPrincipled", "ShaderNodeEmission", "ShaderNodeBackground", "ShaderNodeGroup"}
 
 
-def of(objects):
-    """Pairs of sentence and object for what renders, each material once."""
+def of(objects, has_pictures):
+    """Pairs of sentence and object for what renders, each material once. `has_pictures`: whether a material of an object is
+    baked to pictures."""
     found, known = [], set()
     for item in objects:
         found += [(f'"{item.name}": {text}', item.name) for text in of_object(item)]
@@ -30,7 +32,9 @@ def of(objects):
             material = slot.material
             if material is not None and material not in known:
                 known.add(material)
-                found += [(f'material "{material.name}": {text}', item.name) for text in of_material(material)]
+                cured = has_pictures(item, material)
+                said = (text for text in of_material(material) if not (cured and text.endswith(CURE)))
+                found += [(f'material "{material.name}": {text}', item.name) for text in said]
     return found
 
 
@@ -69,15 +73,27 @@ def of_material(material):
         yield "its volume is left out"
     if output is not None and output.inputs["Displacement"].is_linked:
         yield "its displacement is left out; a Displace modifier is baked"
+    yield from of_nodes(material, False)
+
+
+def of_nodes(material, only_lost):
+    """`only_lost`: nodes alone that pictures could stand for."""
     node = surfaces.surface_node(material)
     if node is None:
         return
     if node.bl_idname not in READ_SURFACES and node.bl_idname not in surfaces.SHADERS:
-        yield f"the shader {title(node)} is not in glTF; the first Principled BSDF below it counts"
+        yield f"the shader {title(node)} is not in glTF; the first Principled BSDF below it counts{CURE}"
     for socket in node.inputs:
         if socket.is_linked and (socket.name in SOCKETS or socket.name == "Color"):
             for text in of_source(source_of(socket), 8):
-                yield f"{socket.name}: {text}"
+                if not only_lost or text.endswith(CURE):
+                    yield f"{socket.name}: {text}"
+
+
+def lost_nodes(material):
+    if material is None or not material.use_nodes or material.node_tree is None:
+        return []
+    return [text for text in of_nodes(material, True)]
 
 
 def of_source(node, depth):
@@ -92,7 +108,7 @@ def of_source(node, depth):
             if socket.is_linked:
                 yield from of_source(source_of(socket), depth - 1)
     else:
-        yield f"the node {title(node)} is not in glTF; bake it to a picture"
+        yield f"the node {title(node)} is not in glTF{CURE}"
 
 
 def is_factor(node):
@@ -109,7 +125,7 @@ def of_picture(node):
     elif image.source == "FILE" and not image.packed_file and not os.path.exists(path_of(image)):
         yield f'the picture "{image.name}" is missing: {path_of(image)}'
     if node.projection != "FLAT":
-        yield f"the projection {node.projection.title()} of an Image Texture is not in glTF"
+        yield f"the projection {node.projection.title()} of an Image Texture is not in glTF{CURE}"
     vector = node.inputs["Vector"]
     while vector.is_linked:
         source = vector.links[0]
@@ -119,7 +135,7 @@ def of_picture(node):
         elif kind == "ShaderNodeUVMap" or (kind == "ShaderNodeTexCoord" and source.from_socket.name == "UV"):
             return
         else:
-            yield f"{source.from_socket.name} coordinates are not in glTF: unwrap, and use UV"
+            yield f"{source.from_socket.name} coordinates are not in glTF: unwrap, and use UV{CURE}"
             return
 
 

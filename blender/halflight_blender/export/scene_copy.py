@@ -80,6 +80,7 @@ class Copy:
         self.copies = {}  # of objects, by the original
         self.collections = {}
         self.data = []
+        self.pictures = []  # data-blocks of Bake Materials
         self.edited = {}  # copies of data that is in edit mode, by the original
         self.surfaces = surfaces.Surfaces()
 
@@ -198,7 +199,7 @@ class Copy:
                 slot.material = replacement
 
     def remove(self):
-        made = [*self.copies.values(), *self.collections.values(), *self.data, *self.surfaces.made()]
+        made = [*self.copies.values(), *self.collections.values(), *self.data, *self.surfaces.made(), *self.pictures]
         if self.scene is not None:
             made.append(self.scene)
         bpy.data.batch_remove(made)

@@ -126,7 +126,12 @@ def add_default(document):
 
 def drop_unread_colors(document):
     """glTF multiplies by vertex colours wherever there are any; Blender only where a node reads them."""
-    reads = [reads_colors(bpy.data.materials.get(m.get("name", ""))) for m in document.json.get("materials", [])]
+    reads = []
+    for material in document.json.get("materials", []):
+        has_pictures = material.get("extras", {}).pop("halflight_pictures", None) is not None  # which hold the colours
+        reads.append(not has_pictures and reads_colors(bpy.data.materials.get(material.get("name", ""))))
+        if not material.get("extras", True):
+            del material["extras"]
     for mesh in document.json.get("meshes", []):
         for primitive in mesh["primitives"]:
             if "material" in primitive and reads[primitive["material"]]:

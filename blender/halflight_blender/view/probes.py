@@ -42,7 +42,8 @@ class Probes:
         self.positions = document.accessor(record["positions"]).astype(np.float64) + root.get("origin", (0.0, 0.0, 0.0))
         self.radiance = document.accessor(record["radiance"]).reshape(self.count, 9, 3).astype(np.float64)
         self.occlusion = document.accessor(record["occlusion"]).astype(np.float64)
-        self.valid = np.flatnonzero(document.accessor(record["valid"]).reshape(-1)) if "valid" in record else np.arange(self.count)
+        valid = document.accessor(record["valid"]).reshape(-1) if "valid" in record else np.ones(self.count)
+        self.valid = np.flatnonzero(valid)
         self.corners = np.zeros((0, 4), np.int64)
         if "tetrahedra" in record:
             self.corners = document.accessor(record["tetrahedra"]).astype(np.int64)
