@@ -3,6 +3,8 @@
 
 import bpy
 
+# Not the user's work, or Blender's own at run time.
+NOT_WORK = {"window_managers", "screens", "workspaces", "brushes", "libraries"}
 SKIPPED = {"rna_type", "users", "preview", "is_evaluated", "session_uid", "original", "id_data"}
 SKIPPED |= {"uv_sculpt"}  # Blender 4.3 crashes on its brushes in files that were never painted in
 
@@ -11,6 +13,25 @@ def dump(block):
     lines = [f"{key} = {value!r}" for key, value in sorted(block.items()) if not hasattr(value, "keys")]
     _members(block, block.name, lines, {block.as_pointer()})
     return "\n".join(lines)
+
+
+def blocks():
+    """What Blender says of each of the user's data-blocks, but for the settings and results of the bake."""
+    for mesh in bpy.data.meshes:
+        if hasattr(mesh, "calc_normals_split"):  # before Blender 4.1 these are made when they are first needed
+            mesh.calc_normals_split()
+    kinds = [each.identifier for each in bpy.data.bl_rna.properties if each.type == "COLLECTION"]
+    return {(kind, item.name): dump(item) for kind in kinds if kind not in NOT_WORK for item in getattr(bpy.data, kind)}
+
+
+def difference(before, after):
+    """A sentence about the first lines that differ; empty where all is the same."""
+    if before.keys() != after.keys():
+        return f"data-blocks: {sorted(before.keys() ^ after.keys())}"
+    changed = [key for key in before if before[key] != after[key]]
+    pairs = ((key, pair) for key in changed for pair in zip(before[key].splitlines(), after[key].splitlines()))
+    first = [(key, pair) for key, pair in pairs if pair[0] != pair[1]][:4]
+    return f"changed: {first or changed}" if changed else ""
 
 
 def _members(owner, path, lines, seen):

@@ -9,6 +9,8 @@ import time
 import bpy
 
 sys.path.insert(0, os.path.dirname(__file__))
+import dump  # noqa: E402
+import scene as test_scene  # noqa: E402
 import stage  # noqa: E402
 from stage import bake, box, expect, matte  # noqa: E402
 
@@ -126,17 +128,7 @@ def check_state(extension):
     expect(state() == before, f"after a failed bake: {state()}")
     del cube["halflight_lightmap_scale"]
     scene.halflight.texels_per_meter = 200
-    job = extension.bake.Job(bpy.context)
-    job.export(bpy.context)
-    job.start(bpy.context)
-    while job.progress.share == 0.0 and job.poll(bpy.context) is None:
-        time.sleep(0.02)
-    job.cancel()
-    job.process.wait(60)
-    try:
-        job.finish(bpy.context, job.poll(bpy.context))
-    except extension.bake.BakeError:
-        pass
+    cancelled_bake(extension)
     expect(state() == before, f"after a cancelled bake: {state()}")
     bpy.ops.object.mode_set(mode="OBJECT")
 
@@ -182,6 +174,83 @@ def check_files(extension):
         expect("cannot be made or written" in refusal(), "a folder that is read-only")
 
 
+def rich_scene():
+    """The extension test's scene, and things of many kinds: a rig, a curve, letters, hair, keyframes, drivers, nodes."""
+    stage.empty()
+    scene = test_scene.build(stage.FOLDER)
+    scene.halflight.quality, scene.halflight.texels_per_meter = "preview", 6
+    scene.halflight.bake_materials, scene.halflight.material_size = True, 64
+    pillar, ball = scene.objects["Pillar"], scene.objects["Ball"]
+    material = pillar.data.materials[0]
+    noise = material.node_tree.nodes.new("ShaderNodeTexNoise")
+    material.node_tree.links.new(noise.outputs[1], material.node_tree.nodes["Principled BSDF"].inputs["Base Color"])
+    curve = bpy.data.curves.new("Cable", "CURVE")
+    curve.dimensions, curve.bevel_depth = "3D", 0.05
+    curve.splines.new("BEZIER").bezier_points.add(1)
+    curve.splines[0].bezier_points[1].co = (1, 0, 0.5)
+    letters = bpy.data.curves.new("Letters", "FONT")
+    rig = bpy.data.objects.new("Rig", bpy.data.armatures.new("Rig"))
+    for name, data in (("Cable", curve), ("Letters", letters)):
+        scene.collection.objects.link(bpy.data.objects.new(name, data))
+    scene.collection.objects.link(rig)
+    ball.parent = rig
+    ball.keyframe_insert("location", frame=1)
+    scene.objects["Twin"].driver_add("location", 2).driver.expression = "0.8"
+    scene.objects["Floor"].modifiers.new("Hair", "PARTICLE_SYSTEM")
+    scene.objects["Floor"].particle_systems[0].settings.type = "HAIR"
+    scene.objects["Wall"].shape_key_add(name="Basis")
+    scene.frame_set(3)
+    bpy.context.view_layer.update()
+    return scene
+
+
+def reload(name):
+    bpy.ops.wm.save_as_mainfile(filepath=stage.path(name))
+    bpy.ops.wm.open_mainfile(filepath=stage.path(name))
+
+
+def check_blocks(extension):
+    """Every property of every data-block is as it was: bake, view on, save, view off, a cancelled bake, reload."""
+    rich_scene()
+    reload("blocks.blend")
+    before = dump.blocks()
+
+    def same(when):
+        changed = dump.difference(before, dump.blocks())
+        expect(not changed, f"after {when}: {changed}")
+
+    expect(bpy.ops.halflight.bake() == {"FINISHED"}, "the scene is baked")
+    toggle()
+    same("a bake")
+    toggle()
+    bpy.ops.wm.save_mainfile()
+    expect(is_view(extension), "the view is shown after the save")
+    toggle()
+    same("a save in the view")
+    scene = bpy.context.scene
+    scene.halflight.texels_per_meter = 200
+    cancelled_bake(extension)
+    same("a cancelled bake")
+    toggle()
+    reload("blocks.blend")
+    expect(not is_view(extension), "the file has no view")
+    same("the view and a reload")
+
+
+def cancelled_bake(extension):
+    job = extension.bake.Job(bpy.context)
+    job.export(bpy.context)
+    job.start(bpy.context)
+    while job.progress.share == 0.0 and job.poll(bpy.context) is None:
+        time.sleep(0.02)
+    job.cancel()
+    job.process.wait(60)
+    try:
+        job.finish(bpy.context, job.poll(bpy.context))
+    except extension.bake.BakeError:
+        pass
+
+
 def check_removal(extension):
     """Without the extension there is no view, in the session and in the file."""
     scene = stage.empty()
@@ -194,7 +263,7 @@ def check_removal(extension):
 
 def main():
     extension = stage.install()
-    for check in (check_views, check_saving, check_state, check_files, check_removal):
+    for check in (check_views, check_saving, check_state, check_blocks, check_files, check_removal):
         print(check.__name__, flush=True)
         check(extension)
 
