@@ -133,13 +133,13 @@ def build(source, view_layer, files):
             matrix = view_lights.BLENDER_FROM_GLTF @ matrices[index]
             collection.objects.link(make_object(document, node, lightmap, matrix, materials))
             shown.add(objects.get(node.get("name")))
-    rest = the_rest(view_layer, shown)
+    rest = the_rest(view_layer, shown, instances_with_texels(document))
     for item in rest:
-        if item.type not in SURFACES:
+        if item.type in {"LIGHT", "CAMERA", "ARMATURE"}:
             collection.objects.link(item)
     # Probes have attenuations, whatever encoding the masks have.
     plain = view_lights.make_group(lights, None) if lights and bindings.get("shadowmaskChannels") else group
-    moving.add(view, collection, [item for item in rest if item.type in SURFACES], plain, lumens)
+    moving.add(view, collection, [item for item in rest if item.type in SURFACES | {"EMPTY"}], plain, lumens)
     return view
 
 
@@ -175,16 +175,31 @@ def forget_deleted(source):
             entries.remove(index)
 
 
-def the_rest(view_layer, shown):
-    """Cameras and lights, and objects without lightmap that the camera sees."""
+def the_rest(view_layer, shown, with_texels):
+    """Cameras and lights, and objects and instances of collections without lightmap that the camera sees."""
     found = []
     for item in scene_copy.rendered_objects(view_layer):
         if item.type in SURFACES:
             if item not in shown and not scene_copy.is_unseen(item, view_layer):
                 found.append(item)
+        elif item.type == "EMPTY":
+            is_instance = item.instance_type == "COLLECTION" and item.instance_collection is not None
+            if is_instance and item.name not in with_texels and not scene_copy.is_unseen(item, view_layer):
+                found.append(item)
         elif item.type in {"LIGHT", "CAMERA", "ARMATURE"}:
             found.append(item)
     return found
+
+
+def instances_with_texels(document):
+    """Names of nodes that have lightmap texels, or have them below."""
+    nodes = document.json.get("nodes", [])
+
+    def has_texels(node):
+        own = "page" in node.get("extensions", {}).get("HALFLIGHT_node", {}).get("lightmap", {})
+        return own or any(has_texels(nodes[child]) for child in node.get("children", []))
+
+    return {node.get("name") for node in nodes if has_texels(node)}
 
 
 def add_switches(view, lights):

@@ -31,6 +31,7 @@ OPTIONS = {
     "export_apply": True,
     "export_animations": True,
     "export_current_frame": True,
+    "export_rest_position_armature": False,
     "export_skins": True,
     "export_morph": True,
     "export_draco_mesh_compression_enable": False,

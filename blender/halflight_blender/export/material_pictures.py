@@ -8,7 +8,7 @@ channel as emission, with a copy of the material that emits it.
 import bpy
 import numpy as np
 
-from . import channels, findings
+from . import channels, findings, scene_copy
 
 UV = "halflight materials"
 MARGIN = 8  # texels around each island
@@ -103,27 +103,24 @@ class Pictures:
             window.scene = self.scene
             prepare(self.scene)
             for items in needed(copies).values():
-                first = copies[items[0]]
-                materials = self.bake_object(context, items[0], first)
-                for other in items[1:]:
-                    copies[other].data = first.data
-                    copies[other].modifiers.clear()
+                materials = self.bake_object(context, items[0], copies[items[0]])
+                mesh = copies[items[0]].data
                 for item in items:
-                    for slot, material in zip(copies[item].material_slots, materials):
-                        slot.link = "OBJECT"
-                        slot.material = material or slot.material
+                    copies[item].modifiers.clear()
+                    scene_copy.use_data(copies[item], mesh, materials)
         finally:
             window.scene = before
             bpy.data.scenes.remove(self.scene)
 
     def bake_object(self, context, item, copy):
-        """The copy has a mesh of its own then. Returns the material of each slot; None: stays."""
+        """The copy has a mesh of its own then. Returns the material of each slot."""
         self.scene.collection.objects.link(copy)
         was_hidden, copy.hide_render = copy.hide_render, False
         context.view_layer.update()
         depsgraph = context.evaluated_depsgraph_get()
         shape = copy.evaluated_get(depsgraph)
         mesh = bpy.data.meshes.new_from_object(shape, preserve_all_data_layers=True, depsgraph=depsgraph)
+        mesh[scene_copy.SOURCE] = item.data.name
         self.made.append(mesh)
         copy.modifiers.clear()
         copy.data = mesh
@@ -142,7 +139,8 @@ class Pictures:
             copy.hide_render = was_hidden
             self.scene.collection.objects.unlink(copy)
         images = self.images_of(item, pictures)
-        return [self.final(material, images) if cure else None for material, cure in zip(own, curable)]
+        slots = zip(own, shown, curable)
+        return [self.final(material, images) if cure else other for material, other, cure in slots]
 
     def bake_pass(self, copy, name, members, own, curable, forced):
         """Pixels, or None where the channels are constants in all materials."""

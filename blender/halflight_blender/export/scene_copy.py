@@ -81,6 +81,7 @@ class Copy:
         self.collections = {}
         self.data = []
         self.pictures = []  # data-blocks of Bake Materials
+        self.surfaced = {}  # copies of data with replaced materials
         self.edited = {}  # copies of data that is in edit mode, by the original
         self.surfaces = surfaces.Surfaces()
 
@@ -140,9 +141,15 @@ class Copy:
     def out_of_edit_mode(self, data):
         """Data in edit mode has no arrays that the exporter could read."""
         if data not in self.edited:
-            self.edited[data] = data.copy()
-            self.data.append(self.edited[data])
+            self.edited[data] = self.own_copy(data)
         return self.edited[data]
+
+    def own_copy(self, data):
+        copy = data.copy()
+        if SOURCE not in copy:
+            copy[SOURCE] = data.name
+        self.data.append(copy)
+        return copy
 
     def collection_of(self, collection):
         if collection not in self.collections:
@@ -191,18 +198,30 @@ class Copy:
             copy["halflight_cast_shadows"] = 0
 
     def set_materials(self, copy):
-        for slot in copy.material_slots:
-            material = slot.material
-            replacement = self.surfaces.replacement(material) if material else None
-            if replacement is not None:
-                slot.link = "OBJECT"
-                slot.material = replacement
+        """In the data, as exporters take those of modified objects from there. Copies of one mesh share it still."""
+        own = [slot.material for slot in copy.material_slots]
+        replaced = [self.surfaces.replacement(material) if material else None for material in own]
+        if not any(replaced):
+            return
+        materials = [new or material for new, material in zip(replaced, own)]
+        key = (copy.data.name_full, tuple(material and material.name_full for material in materials))
+        if key not in self.surfaced:
+            self.surfaced[key] = self.own_copy(copy.data)
+        use_data(copy, self.surfaced[key], materials)
 
     def remove(self):
         made = [*self.copies.values(), *self.collections.values(), *self.data, *self.surfaces.made(), *self.pictures]
         if self.scene is not None:
             made.append(self.scene)
         bpy.data.batch_remove(made)
+
+
+def use_data(item, data, materials):
+    """Gives an object this data with these materials."""
+    item.data = data
+    for index, (slot, material) in enumerate(zip(item.material_slots, materials)):
+        slot.link = "DATA"
+        data.materials[index] = material
 
 
 def empty_copy_of(scene):
@@ -255,6 +274,9 @@ def restore_names(document, copy):
         extras = material.get("extras", {})
         material["name"] = extras.pop(SOURCE, material.get("name", ""))
         drop_empty(material, "extras")
+    for mesh in document.json.get("meshes", []):
+        mesh["name"] = mesh.get("extras", {}).pop(SOURCE, mesh.get("name", ""))
+        drop_empty(mesh, "extras")
     for skin in document.json.get("skins", []):
         skin["name"] = names.get(skin.get("name"), skin.get("name", ""))
     document.json["scenes"][document.json.get("scene", 0)]["name"] = copy.source.name

@@ -56,9 +56,8 @@ class Surfaces:
 def replacement_of(material):
     node = surface_node(material) if material.use_nodes else None
     if node is not None and node.bl_idname not in SHADERS:
-        return None
-    copy = material.copy()
-    copy["halflight_copy_of"] = material.name
+        return with_alpha(material, node)
+    copy = copy_of(material)
     copy.use_nodes = True
     tree = copy.node_tree
     if not material.use_nodes:
@@ -80,6 +79,24 @@ def replacement_of(material):
         put(shader, name, value)
     output = tree.get_output_node("CYCLES") or tree.nodes.new("ShaderNodeOutputMaterial")
     tree.links.new(shader.outputs[0], output.inputs["Surface"])
+    return copy
+
+
+def copy_of(material):
+    copy = material.copy()
+    copy["halflight_copy_of"] = material.name
+    return copy
+
+
+def with_alpha(material, node):
+    """Cycles has a shader's alpha whatever the blend mode is. The exporter before Blender 4.2 has it by that mode alone."""
+    if node.bl_idname != "ShaderNodeBsdfPrincipled" or bpy.app.version >= (4, 2, 0) or material.blend_method != "OPAQUE":
+        return None
+    alpha = node.inputs["Alpha"]
+    if not alpha.is_linked and alpha.default_value >= 1.0:
+        return None
+    copy = copy_of(material)
+    copy.blend_method = "BLEND"
     return copy
 
 

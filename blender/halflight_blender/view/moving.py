@@ -6,10 +6,12 @@ moved when the view is left.
 """
 
 import bpy
+import mathutils
 import numpy as np
 from bpy.app.handlers import persistent
 
 from .. import files
+from ..export import scene_copy
 from ..glb import Glb
 from . import moving_materials, probes, view_lights
 
@@ -40,11 +42,30 @@ def add(view, collection, items, lights, lumens_per_watt):
             inverse = item.matrix_parent_inverse.copy()
             copy.parent = copies[item.parent]
             copy.matrix_parent_inverse = inverse
-        surfaces.set_materials(copy)
+        if item.type == "EMPTY":
+            copy.instance_collection = copy_of_collection(item.instance_collection, surfaces)
+        else:
+            surfaces.set_materials(copy)
         collection.objects.link(copy)
         entry = view.halflight_moving.add()
         entry.copy, entry.source = copy, item
     return copies
+
+
+def copy_of_collection(collection, surfaces):
+    """What an instance shows, with the materials of the view. The light is that of the instance."""
+    folder = bpy.data.collections.new(collection.name + " (baked)")
+    folder.instance_offset = collection.instance_offset
+    for item in scene_copy.rendered_in(collection):
+        if item.type not in {"LIGHT", "CAMERA"}:
+            copy = item.copy()
+            copy.name = item.name + " (baked)"
+            if item.type == "EMPTY" and item.instance_collection is not None:
+                copy.instance_collection = copy_of_collection(item.instance_collection, surfaces)
+            elif hasattr(item.data, "materials"):
+                surfaces.set_materials(copy)
+            folder.objects.link(copy)
+    return folder
 
 
 def update(scene, depsgraph, key, folder):
@@ -53,7 +74,8 @@ def update(scene, depsgraph, key, folder):
     for item in scene.objects:
         if MARK not in item:
             continue
-        middle = middle_of(item.evaluated_get(depsgraph))
+        shape = item.evaluated_get(depsgraph)
+        middle = middle_of(boxes_of(shape, shape.matrix_world))
         if np.abs(np.array(item.get(PLACE, (np.inf,) * 3)) - middle).max() > LEAST_MOVE:
             moved.append((item, middle))
     if not moved:
@@ -68,11 +90,19 @@ def update(scene, depsgraph, key, folder):
         item.update_tag()
 
 
-def middle_of(item):
-    """Of the box around it, in the world."""
-    corners = np.array([[*corner, 1.0] for corner in item.bound_box])
-    world = corners @ np.array(item.matrix_world).T
-    return (world[:, :3].min(0) + world[:, :3].max(0)) / 2.0
+def boxes_of(item, matrix):
+    """Corners in the world of the boxes around an object, or around what it instances."""
+    if item.type != "EMPTY":
+        return np.array([[*corner, 1.0] for corner in item.bound_box]) @ np.array(matrix).T
+    collection = item.instance_collection
+    offset = mathutils.Matrix.Translation(collection.instance_offset).inverted()
+    found = [boxes_of(each, matrix @ offset @ each.matrix_world) for each in collection.objects]
+    return np.concatenate(found) if found else np.array([[*matrix.translation, 1.0]])
+
+
+def middle_of(corners):
+    """Of the box around these, in the world."""
+    return (corners[:, :3].min(0) + corners[:, :3].max(0)) / 2.0
 
 
 def keep_moves(view):

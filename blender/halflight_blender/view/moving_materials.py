@@ -63,7 +63,8 @@ def probe_group():
 
 
 def attribute(g, number):
-    return g.node("ShaderNodeAttribute", attribute_type="OBJECT", attribute_name=NAME + str(number)).outputs
+    """Of the instance of a collection, or else of the object."""
+    return g.node("ShaderNodeAttribute", attribute_type="INSTANCER", attribute_name=NAME + str(number)).outputs
 
 
 class MovingMaterials:
