@@ -31,7 +31,7 @@ packages=(
 window_packages=(libsdl2-dev libimgui-dev xvfb xdotool)
 if [ "${1:-}" = "--node" ] && ! command -v npm >/dev/null; then packages+=(nodejs npm); fi
 # Ubuntu's chromium is a snap, which containers cannot run; there the tests of web/ are skipped unless a browser is there.
-if [ "${1:-}" = "--node" ] && [ "$(. /etc/os-release && echo "${ID:-}")" = "debian" ]; then packages+=(chromium blender python3-numpy); fi
+if [ "${1:-}" = "--node" ] && [ "$(. /etc/os-release && echo "${ID:-}")" = "debian" ]; then packages+=(chromium blender python3-numpy xauth); fi
 
 missing=()
 for package in "${packages[@]}"; do installed "$package" || missing+=("$package"); done

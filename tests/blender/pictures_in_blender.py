@@ -243,7 +243,13 @@ def check_moving(extension):
     copy.location = (-1.8, 1.2, 0.8)
     bpy.context.view_layer.update()
     light = list(copy["halflight_probe_light_0"])
+    twin = view.objects["Kid (baked)"].copy()  # as Shift-D does
+    view.collection.objects.link(twin)
     bpy.ops.halflight.baked_view()
+    mine = next((item for item in scene.objects if item.name.startswith("Kid.")), None)
+    expect(mine == twin and mine.parent == ball, f"what is duplicated in the view stays: {scene.objects.keys()}")
+    expect(mine.material_slots[0].material == kid.data.materials[0], "with the user's material")
+    bpy.data.objects.remove(mine)
     place = tuple(round(v, 4) for v in ball.location)
     expect(place == (-1.8, 1.2, 0.8), f"what is moved in the view stays there: {place}")
     bpy.ops.halflight.baked_view()

@@ -132,17 +132,22 @@ def plain(value):
 
 
 def take_duplicates(view, source, tag):
-    """What the user duplicated of copies is the user's own."""
-    own = {entry.copy for entry in view.halflight_moving}
+    """What the user duplicated of copies is the user's own, and so is what the user made a child of them."""
+    sources = {entry.copy: entry.source for entry in view.halflight_moving if entry.copy is not None}
+    shown = {copy.instance_collection: item.instance_collection for copy, item in sources.items() if item is not None}
     for item in list(view.objects):
-        if MARK not in item or item in own:
-            continue
-        for name in [name for name in item.keys() if name in {tag, MARK, PLACE} or name.startswith("halflight_probe_light")]:
-            del item[name]
-        item.name = item.name.replace(" (baked)", "")
-        for slot in item.material_slots:
-            slot.link = "DATA"
-        source.collection.objects.link(item)
+        if MARK in item and item not in sources:
+            for name in [name for name in item.keys() if name in {tag, MARK, PLACE} or name.startswith(moving_materials.NAME)]:
+                del item[name]
+            item.name = item.name.replace(" (baked)", "")
+            item.instance_collection = shown.get(item.instance_collection)
+            for slot in item.material_slots:
+                slot.link = "DATA"
+            source.collection.objects.link(item)
+        if item.parent in sources and item not in sources:
+            inverse = item.matrix_parent_inverse.copy()
+            item.parent = sources[item.parent]
+            item.matrix_parent_inverse = inverse
 
 
 @persistent
