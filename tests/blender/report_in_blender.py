@@ -153,6 +153,15 @@ def check_cure(extension):
     bpy.ops.halflight.baked_view()
     expect(names() == before, f"data-blocks: {names()}; before: {before}")
     expect({m.name: len(m.node_tree.nodes) for m in bpy.data.materials} == nodes, "the user's materials are as they were")
+    scene.halflight.show_view = False
+    noisy = scene.objects["Noisy"]
+    noisy.hide_select = True
+    bpy.context.view_layer.objects.active = scene.objects["Mixed"]
+    scene.objects["Mixed"].select_set(True)
+    bpy.ops.object.mode_set(mode="EDIT")
+    expect(bpy.ops.halflight.bake() == {"FINISHED"}, "also while one object is edited, and another cannot be selected")
+    expect(bpy.context.object.mode == "EDIT" and noisy.hide_select, "which stays so")
+    bpy.ops.object.mode_set(mode="OBJECT")
 
 
 def check_wording(extension):

@@ -115,7 +115,7 @@ class Pictures:
     def bake_object(self, context, item, copy):
         """The copy has a mesh of its own then. Returns the material of each slot."""
         self.scene.collection.objects.link(copy)
-        was_hidden, copy.hide_render = copy.hide_render, False
+        was_hidden, copy.hide_render, copy.hide_select = copy.hide_render, False, False
         context.view_layer.update()
         depsgraph = context.evaluated_depsgraph_get()
         shape = copy.evaluated_get(depsgraph)
