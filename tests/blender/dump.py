@@ -6,12 +6,13 @@ import bpy
 # Not the user's work, or Blender's own at run time.
 NOT_WORK = {"window_managers", "screens", "workspaces", "brushes", "libraries"}
 SKIPPED = {"rna_type", "users", "preview", "is_evaluated", "session_uid", "original", "id_data"}
+SKIPPED |= {"uv_layer_clone", "uv_layer_stencil"}  # other names of UV sets, whose indices are compared
 SKIPPED |= {"uv_sculpt"}  # Blender 4.3 crashes on its brushes in files that were never painted in
 
 
 def dump(block):
     lines = [f"{key} = {value!r}" for key, value in sorted(block.items()) if not hasattr(value, "keys")]
-    _members(block, block.name, lines, {block.as_pointer()})
+    _members(block, block.name, lines, {identity(block)})
     return "\n".join(lines)
 
 
@@ -34,6 +35,11 @@ def difference(before, after):
     return f"changed: {first or changed}" if changed else ""
 
 
+def identity(value):
+    """A UV set and its attribute are at one address in Blender 4.3, sometimes."""
+    return value.as_pointer(), type(value).__name__
+
+
 def _members(owner, path, lines, seen):
     for definition in owner.bl_rna.properties:
         name = definition.identifier
@@ -54,8 +60,8 @@ def _members(owner, path, lines, seen):
 def _pointer(value, path, lines, seen):
     """Parts of the block are written out once; other blocks, and parts met again, are named."""
     own = isinstance(value, bpy.types.NodeTree) and value.is_embedded_data
-    if value is None or (isinstance(value, bpy.types.ID) and not own) or value.as_pointer() in seen:
+    if value is None or (isinstance(value, bpy.types.ID) and not own) or identity(value) in seen:
         lines.append(f"{path} -> {getattr(value, 'name', value and type(value).__name__)}")
         return
-    seen.add(value.as_pointer())
+    seen.add(identity(value))
     _members(value, path, lines, seen)
