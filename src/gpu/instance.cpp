@@ -228,7 +228,9 @@ void Device::pickPhysicalDevice(const DeviceOptions& options)
     if (best < 0)
         throw Failure(refused.empty()
                           ? "no Vulkan device found; install a driver (mesa-vulkan-drivers has one for the CPU)"
-                          : "no Vulkan device with the needed features found: " + refused);
+                          : "no Vulkan device with the needed features found: " + refused +
+                                "; a newer driver is the cure: on Debian 12, apt install -t bookworm-backports "
+                                "mesa-vulkan-drivers");
 }
 
 void Device::closeLoader()
