@@ -28,7 +28,7 @@ constexpr int kWalks = 2;       ///< of a point and side, twice as many in all
 constexpr float kOpen = 0.05f;  ///< least share of a visible side's walks that get out; gaps in walls let a few through
 constexpr float kDiffer = 0.1f; ///< difference of both sides' light, over the brighter one, that shows
 constexpr float kEven = 0.02f;  ///< most deviation of an even side's estimates, over the brighter side's light
-constexpr float kLeastTexels = 16.0f; ///< area of a sheet with texels for both sides; smaller ones are leaves
+constexpr float kLeastTexels = 4.0f; ///< area of a sheet with texels for both sides; smaller ones are leaves
 constexpr uint32_t kSeed = 0x5eed0061u;
 
 struct Sheet {

@@ -56,9 +56,13 @@ std::vector<SheetCase> sheetCases()
         {"a level board under the sky", SheetTexels::Both, [](Scene& s, int m) { addRectangle(s, kLevel, m, 64); }},
         {"an upright board, lit alike on both sides", SheetTexels::Mean,
          [](Scene& s, int m) { addRectangle(s, kUpright, m, 64); }},
-        {"a leaf of 10 cm", SheetTexels::Mean,
+        {"a leaf of 6 cm", SheetTexels::Mean,
          [](Scene& s, int m) {
-             addRectangle(s, {vec3(0, 1, 0), vec3(0.1f, 0, 0), vec3(0, 0, -0.1f)}, m, 64);
+             addRectangle(s, {vec3(0, 1, 0), vec3(0.06f, 0, 0), vec3(0, 0, -0.06f)}, m, 64);
+         }},
+        {"a slat of 10 cm x 14 cm", SheetTexels::Both,
+         [](Scene& s, int m) {
+             addRectangle(s, {vec3(0, 1, 0), vec3(0.1f, 0, 0), vec3(0, 0, -0.14f)}, m, 64);
          }},
         {"a label that lies a millimetre above the floor", SheetTexels::Front,
          [](Scene& s, int m) {
