@@ -40,7 +40,12 @@ BOX = 8
 
 
 def read_exr(path):
-    """Rows of (r, g, b) of what `halflight render` writes: ZIP-compressed scan lines of floats."""
+    """Rows of (r, g, b) of what `halflight render` writes."""
+    return [list(zip(row["R"], row["G"], row["B"])) for row in exr_rows(path)]
+
+
+def exr_rows(path):
+    """Of each row the floats by channel: ZIP-compressed scan lines."""
     data = path.read_bytes()
     if data[:4] != b"\x76\x2f\x31\x01":
         sys.exit(f"{path}: not an OpenEXR file")
@@ -63,8 +68,8 @@ def read_exr(path):
         for line in range(lines):
             values = {}
             for i, name in enumerate(names):
-                values[name] = struct.unpack_from(f"<{width}f", block, 4 * width * (line * len(names) + i))
-            rows.append(list(zip(values[b"R"], values[b"G"], values[b"B"])))
+                values[name.decode()] = struct.unpack_from(f"<{width}f", block, 4 * width * (line * len(names) + i))
+            rows.append(values)
     return rows
 
 

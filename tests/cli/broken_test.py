@@ -8,11 +8,15 @@ import os
 import pathlib
 import re
 import struct
+import sys
 
 import cli_case
 from cli_case import QUICK, Case, read, run
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
+sys.path.insert(0, str(ROOT / "scripts"))
+import make_truth_report as report
+
 # What libraries call themselves in their messages, and what this program says where one of them gave up.
 FOREIGN = re.compile(r"json\.exception|nlohmann|std::|tinygltf|basic_string|bad_alloc|toml::|CLI::|Imf|_M_|internal error")
 
@@ -171,41 +175,9 @@ class Ranges(BrokenCase):
         picture = self.path("picture.exr")
         result = run("render", self.broken, "-o", picture, "--size", "48x32")
         self.assertEqual(result.returncode, 0, result.stderr)
-        values = floats_of_exr(picture)
+        values = [value for row in report.exr_rows(pathlib.Path(picture)) for of in row.values() for value in of]
         self.assertEqual(len(values) % (48 * 32), 0)
         self.assertTrue(all(math.isfinite(value) and value >= 0 for value in values))
-
-
-def floats_of_exr(path):
-    """All channels' floats of an EXR with ZIP compression, in no particular order (the OpenEXR file layout)."""
-    import zlib
-
-    data = read(path)
-    at = data.index(b"\0", data.index(b"dataWindow\0box2i\0")) + 1
-    at = data.index(b"dataWindow\0box2i\0") + len(b"dataWindow\0box2i\0") + 4
-    x0, y0, x1, y1 = struct.unpack_from("<4i", data, at)
-    width, height = x1 - x0 + 1, y1 - y0 + 1
-    at = 8  # the header's attributes: name, type, size, value
-    while data[at] != 0:
-        at = data.index(b"\0", data.index(b"\0", at) + 1) + 1
-        at += 4 + struct.unpack_from("<I", data, at)[0]
-    at += 1
-    values = []
-    for (offset,) in struct.iter_unpack("<Q", data[at : at + 8 * math.ceil(height / 16)]):
-        _, size = struct.unpack_from("<iI", data, offset)
-        packed = data[offset + 8 : offset + 8 + size]
-        rows = min(16, height - (struct.unpack_from("<i", data, offset)[0] - y0))
-        channels = data.count(b"\0\x02\0\0\0", 0, at)  # FLOAT in the channel list
-        if size < rows * width * 4 * channels:
-            raw = bytearray(zlib.decompress(packed))
-            for i in range(1, len(raw)):
-                raw[i] = (raw[i - 1] + raw[i] - 128) & 255
-            half = (len(raw) + 1) // 2
-            mixed = bytearray(len(raw))
-            mixed[0::2], mixed[1::2] = raw[:half], raw[half:]
-            packed = bytes(mixed)
-        values += [value for (value,) in struct.iter_unpack("<f", packed)]
-    return values
 
 
 class NotFinite(BrokenCase):

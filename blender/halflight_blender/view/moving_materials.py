@@ -8,7 +8,7 @@ import math
 
 import bpy
 
-from ..export import surfaces
+from ..export import channels, surfaces
 from . import graph, view_materials
 
 GROUP = "Halflight probes"
@@ -127,32 +127,21 @@ class MovingMaterials:
         if not targets:
             return
         color, members = surfaces.SHADERS.get(node.bl_idname, ("Base Color", {}))
-        base = value_of(node, color, "Color")
-        metallic = members.get("Metallic", value_of(node, "Metallic", default=0.0))
-        albedo = view_materials.transport_albedo(g, base, metallic, value_of(node, "Roughness", default=1.0))
+        base = channels.value(node, color, "Color")
+        metallic = members.get("Metallic", channels.value(node, "Metallic", default=0.0))
+        albedo = view_materials.transport_albedo(g, base, metallic, channels.value(node, "Roughness", default=1.0))
         radiance = g.scaled(g.vector("MULTIPLY", albedo, light), 1.0 / (math.pi * self.lumens_per_watt))
         if node.bl_idname == "ShaderNodeBsdfPrincipled":
-            glow = value_of(node, "Emission Color", "Emission", default=(0.0, 0.0, 0.0))
-            radiance = g.vector("ADD", radiance, g.scaled(glow, value_of(node, "Emission Strength", default=1.0)))
+            glow = channels.value(node, "Emission Color", "Emission", default=(0.0, 0.0, 0.0))
+            radiance = g.vector("ADD", radiance, g.scaled(glow, channels.value(node, "Emission Strength", default=1.0)))
         emission = g.node("ShaderNodeEmission")
         g.put(emission.inputs["Color"], radiance)
         shader = emission.outputs[0]
-        passing = members.get("Transmission", value_of(node, "Transmission Weight", "Transmission", default=0.0))
+        passing = members.get("Transmission", channels.value(node, "Transmission Weight", "Transmission", default=0.0))
         if passing != 0.0:
-            shader = view_materials.clear(g, shader, base, passing, value_of(node, "IOR", default=1.45))
-        alpha = value_of(node, "Alpha", default=1.0)
+            shader = view_materials.clear(g, shader, base, passing, channels.value(node, "IOR", default=1.45))
+        alpha = channels.value(node, "Alpha", default=1.0)
         if alpha != 1.0:
             shader = view_materials.mixed_shader(g, alpha, g.node("ShaderNodeBsdfTransparent").outputs[0], shader)
         for target in targets:
             g.put(target, shader)
-
-
-def value_of(node, *names, default=None):
-    """The socket that an input is linked to, or its value; of a colour, its first three numbers."""
-    found = next((node.inputs[name] for name in names if name in node.inputs), None)
-    if found is None:
-        return default
-    if found.is_linked:
-        return found.links[0].from_socket
-    value = found.default_value
-    return list(value)[:3] if hasattr(value, "__len__") else value
