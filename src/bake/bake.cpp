@@ -12,6 +12,7 @@
 #include "halflight/base/memory.h"
 #include "halflight/base/parallel.h"
 #include "halflight/base/system.h"
+#include "halflight/scene/probe_cells.h"
 
 #include <algorithm>
 #include <array>
@@ -167,6 +168,10 @@ Status probeStage(const Stages& stages, const Gather& gather)
                    gather.settings.cache.denoised, gather, report.warnings, stages.progress);
     if (!probes) return cancelledError();
     baked.probes = std::move(probes->set);
+    if (addProbeLayers(baked.probes) && stages.settings.probeLayout == ProbeLayout::Grid)
+        report.warnings.push_back(
+            "probes: those outside geometry lie in one plane, so the file holds a list of them and "
+            "their copies above, and no grid; a smaller --probe-spacing gives more layers");
     std::optional<ProbeSight> sight = findProbeSight(baked.probes, gather.integrator, stages.progress);
     if (!sight) return cancelledError();
     baked.probes.sight = std::move(*sight);

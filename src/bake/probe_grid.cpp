@@ -1,3 +1,4 @@
+#include "bake/probe_placement.h"
 #include "bake/stages.h"
 
 #include <algorithm>
@@ -8,6 +9,9 @@ namespace {
 
 constexpr double kDefaultProbes = 600.0; ///< of the grid, unless a spacing is asked for
 constexpr double kMaxProbes = 500000.0;  ///< of the grid, whatever spacing is asked for
+/// Cells have sides of a multiple of this many steps of the lattice: they can be halved eight times before their points
+/// are rounded, and rows and diagonals of probes are exactly straight.
+constexpr float kStepsOfCell = 256.0f;
 
 /// Probes of a grid over a box (metres) with the given spacing.
 double countAt(vec3 size, double spacing)
@@ -46,12 +50,16 @@ ProbeSet probeGrid(const Scene& scene, float spacingMeters, std::vector<std::str
     }
 
     // The inset keeps the outermost probes out of floors and outer walls.
+    const float step = probeStep(size);
     for (int axis = 0; axis < 3; ++axis) {
         const float inset = std::min(0.1f * float(spacing), 0.05f * size[axis]);
         set.size[axis] = std::max(2, int(std::ceil(double(size[axis]) / spacing)) + 1);
-        set.origin[axis] = bounds.min[axis] + inset;
-        set.spacingMeters[axis] = (size[axis] - 2.0f * inset) / float(set.size[axis] - 1);
+        const float side = (size[axis] - 2.0f * inset) / float(set.size[axis] - 1);
+        const float exact = std::floor(side / (kStepsOfCell * step)) * kStepsOfCell * step;
+        set.spacingMeters[axis] = exact > 0.0f ? exact : side;
+        set.origin[axis] = bounds.min[axis] + 0.5f * (size[axis] - float(set.size[axis] - 1) * set.spacingMeters[axis]);
     }
+    set.origin = onProbeLattice(set.origin, step);
     for (int z = 0; z < set.size.z; ++z) {
         for (int y = 0; y < set.size.y; ++y) {
             for (int x = 0; x < set.size.x; ++x) {

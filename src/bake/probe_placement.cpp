@@ -111,6 +111,17 @@ float bilateralWeight(const Probe& a, const Probe& b, float noise)
 
 } // namespace
 
+float probeStep(vec3 boxSize)
+{
+    const float largest = std::max({boxSize.x, boxSize.y, boxSize.z});
+    return largest > 0.0f ? std::exp2(std::ceil(std::log2(largest)) - 20.0f) : 0.0f;
+}
+
+vec3 onProbeLattice(vec3 position, float step)
+{
+    return step > 0.0f ? glm::round(position / step) * step : position;
+}
+
 std::optional<float> darkIrradiance(std::span<const Probe> probes)
 {
     std::vector<float> means;

@@ -30,6 +30,12 @@ struct ProbeLink {
     float spacing = 0.0f; ///< shortest side of the cell that it was an edge of, metres
 };
 
+/// Probes of a bake stand on a lattice that floats hold exactly, so that tetrahedra between them are exact in a file
+/// too. Its step, metres: a power of two, about a millionth (2^-20) of the box. 0 where that has no extent.
+float probeStep(vec3 boxSize);
+/// The lattice point nearest to a position. `step`: probeStep().
+vec3 onProbeLattice(vec3 position, float step);
+
 /// Probes to add. The first gets the index after the last existing probe.
 struct AddedProbes {
     std::vector<vec3> positions;  ///< world space, metres

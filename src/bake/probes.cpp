@@ -20,7 +20,7 @@ constexpr std::size_t kGrowth = 4;                 ///< most probes after refine
 constexpr std::size_t kShadowGrowth = kGrowth / 2; ///< most probes added along shadow edges, over those of the grid
 constexpr std::size_t kNewPointsOfCell = 19;       ///< of its 27, all but the corners
 /// Standard error of a probe's light, over it, above which it is traced again: denoising divides it by two or three.
-constexpr float kNoisy = 0.2f;
+constexpr float kNoisy = 0.15f;
 
 /// Places of check probes, spread over a list: one to 32 probes, up to 250.
 std::vector<vec3> spreadOver(const std::vector<vec3>& places, std::size_t probeCount)
@@ -35,7 +35,10 @@ std::vector<vec3> spreadOver(const std::vector<vec3>& places, std::size_t probeC
 /// Probes baked so far, and the links between neighbours.
 class ProbeBake {
 public:
-    ProbeBake(const Gather& gather, const Progress& progress) : gather_(gather), progress_(progress) {}
+    /// `step` of the lattice that probes are placed on, metres.
+    ProbeBake(const Gather& gather, float step, const Progress& progress)
+        : gather_(gather), step_(step), progress_(progress)
+    {}
 
     std::vector<Probe> probes;
     std::vector<float> variances; ///< by probe: of the luminance of a coefficient, mean over the nine
@@ -55,10 +58,12 @@ public:
     }
     bool add(const AddedProbes& added)
     {
+        std::vector<vec3> positions;
+        for (const vec3 position : added.positions) positions.push_back(onProbeLattice(position, step_));
         std::vector<ProbeEstimate> estimates;
-        if (!trace(added.positions, estimates)) return false;
+        if (!trace(positions, estimates)) return false;
         for (std::size_t i = 0; i < estimates.size(); ++i) {
-            probes.push_back({added.positions[i], estimates[i].radiance, estimates[i].occlusion, estimates[i].valid});
+            probes.push_back({positions[i], estimates[i].radiance, estimates[i].occlusion, estimates[i].valid});
             variances.push_back(estimates[i].variance);
         }
         sides.insert(sides.end(), added.sides.begin(), added.sides.end());
@@ -213,6 +218,7 @@ private:
     }
 
     const Gather& gather_;
+    float step_;
     const Progress& progress_;
     int batches_ = 0;
 };
@@ -242,7 +248,9 @@ std::optional<BakedProbes> bakeProbes(const Scene& scene, float spacingMeters, P
                                       const Gather& gather, std::vector<std::string>& warnings,
                                       const Progress& progress)
 {
-    ProbeBake bake(gather, progress);
+    Bounds box = scene.bounds(true);
+    for (const vec3 position : scene.probePositions) box.extend(position);
+    ProbeBake bake(gather, box.empty() ? 0.0f : probeStep(box.size()), progress);
     BakedProbes result;
     ProbeSet& set = result.set;
     set = probeGrid(scene, scene.probePositions.empty() ? spacingMeters : 0.0f, warnings);

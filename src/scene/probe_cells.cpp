@@ -111,14 +111,14 @@ private:
     ProbeCells out_;
     std::vector<uint32_t> sources_; ///< indices of the probes in use
     std::vector<ivec3> lattice_;
-    double stepMeters_ = 0.0; ///< rounding of positions to the lattice; 0 for grids
+    double stepMeters_ = 0.0; ///< of a lattice that positions are rounded to; 0 where they lie on it
 };
 
-// Lattice points of the probes. A grid's are its own indices, exact; a free list's its positions rounded to a
-// four-millionth of its extent, which is about what floats tell apart. Along an axis without extent every probe gets a
-// copy one layer up. So there are tetrahedra in any case, while points in question stay in the lowest layer, which is a
-// face of the hull: on it the mesh is the Delaunay triangulation of the plane, or on an edge of it the line's
-// intervals.
+// Lattice points of the probes. A grid's are its own indices, exact. A free list's are its positions, rounded to a
+// power of two that is about a four-millionth of its extent: those of a bake are exact. Along an axis without extent
+// every probe gets a copy one layer up. So there are tetrahedra in any case, while points in question stay in the
+// lowest layer, which is a face of the hull: on it the mesh is the Delaunay triangulation of the plane, or on an edge
+// of it the line's intervals.
 void CellBuilder::placeVertices()
 {
     const bool grid = isGrid(set_);
@@ -166,17 +166,18 @@ void CellBuilder::placeVertices()
         }
         dvec3 size(0.0);
         for (const dvec3& p : world) size = glm::max(size, (p - out_.origin) * out_.frame);
-        const int steps = 1 << kLatticeBits;
         const double largest = std::max({size.x, size.y, size.z});
         if (spread.rank > 0) {
-            stepMeters_ = largest / steps;
-            scale = dvec3(stepMeters_);
-            layer = std::max(1, int(steps / std::ceil(std::pow(double(count), 1.0 / spread.rank))));
+            const double step = std::exp2(std::ceil(std::log2(largest)) - kLatticeBits);
+            scale = dvec3(step);
+            layer = std::max(1, int(largest / step / std::ceil(std::pow(double(count), 1.0 / spread.rank))));
         }
         for (std::size_t i = 0; i < count; ++i) {
             const dvec3 place = (world[i] - out_.origin) * out_.frame / scale;
-            for (int axis = 0; axis < 3; ++axis)
-                lattice_[i][axis] = out_.flat[axis] ? 0 : glm::clamp(int(std::lround(place[axis])), 0, steps);
+            for (int axis = 0; axis < 3; ++axis) {
+                lattice_[i][axis] = out_.flat[axis] ? 0 : std::max(int(std::lround(place[axis])), 0);
+                if (double(lattice_[i][axis]) != place[axis]) stepMeters_ = scale.x;
+            }
         }
     }
 

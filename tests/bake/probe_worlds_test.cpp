@@ -5,6 +5,7 @@
 
 #include "halflight/render/probes.h"
 #include "halflight/scene/gltf.h"
+#include "halflight/scene/probe_cells.h"
 #include "halflight/shading/color.h"
 #include "halflight/shading/sh.h"
 
@@ -14,6 +15,7 @@
 #include <array>
 #include <cmath>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -217,6 +219,59 @@ TEST(ProbeWorldsS14, EvenLightIsNowhereOff)
     EXPECT_TRUE(baked.warnings.empty());
     EXPECT_GT(baked.check.places, 5);
     EXPECT_LT(baked.check.mostError, 0.1f);
+}
+
+/// Cells as a reader of the file has them: corners at the positions in floats.
+struct FileCells {
+    explicit FileCells(const ProbeSet& set) : probes(set.probes), cells(fileTetrahedra(probeCells(set))) {}
+
+    /// Six volumes, each with `point` in the place of one corner.
+    [[nodiscard]] std::array<double, 4> volumesAt(const Tetrahedron& cell, glm::dvec3 point) const
+    {
+        std::array<double, 4> volumes{};
+        for (std::size_t i = 0; i < 4; ++i) {
+            std::array<glm::dvec3, 4> v;
+            for (std::size_t k = 0; k < 4; ++k) v[k] = k == i ? point : glm::dvec3(probes[cell.vertex[k]].position);
+            volumes[i] = glm::dot(v[1] - v[0], glm::cross(v[2] - v[0], v[3] - v[0]));
+        }
+        return volumes;
+    }
+    /// The walk of docs/format.md from the first cell. Its end, or nothing where it leaves the hull.
+    [[nodiscard]] std::optional<uint32_t> walk(glm::dvec3 point) const
+    {
+        uint32_t current = 0;
+        for (std::size_t step = 0; step < cells.size(); ++step) {
+            const std::array<double, 4> volumes = volumesAt(cells[current], point);
+            const auto least = std::size_t(std::min_element(volumes.begin(), volumes.end()) - volumes.begin());
+            if (volumes[least] >= 0.0) return current;
+            current = cells[current].neighbor[least];
+            if (current == kOutside) return std::nullopt;
+        }
+        return std::nullopt;
+    }
+
+    const std::vector<Probe>& probes;
+    std::vector<Tetrahedron> cells;
+};
+
+/// No cell is flat or inside out in floats, and a walk finds every point between the probes: here the middle of each
+/// pair of probes that follow one another in the list.
+TEST(ProbeWorldsS14, CellsAreSolidInFloatsAndEveryPointIsFound)
+{
+    for (const char* name : {"five_lights", "bumpy_wall", "sphere_on_floor", "two_rooms"}) {
+        SCOPED_TRACE(name);
+        Result<Scene> scene =
+            readScene(std::filesystem::path(HALFLIGHT_SOURCE_DIR) / "assets/tests" / (std::string(name) + ".glb"));
+        ASSERT_TRUE(scene) << scene.error().message;
+        const BakedWorld world(std::move(*scene));
+        const FileCells file(world.baked.probes);
+        ASSERT_GT(file.cells.size(), 1000u);
+        for (const Tetrahedron& cell : file.cells)
+            ASSERT_GT(file.volumesAt(cell, glm::dvec3(file.probes[cell.vertex[0]].position))[0], 0.0);
+        for (std::size_t i = 1; i < file.probes.size(); ++i)
+            ASSERT_TRUE(
+                file.walk(0.5 * (glm::dvec3(file.probes[i - 1].position) + glm::dvec3(file.probes[i].position))));
+    }
 }
 
 /// The case's village: a ball in each of its 49 houses.

@@ -8,53 +8,51 @@ import { OUTSIDE, readCells } from '../three/src/probes/cells.js';
 import { ProbeField, skyProbe } from '../three/src/probes/field.js';
 import { removeRinging } from '../three/src/probes/ringing.js';
 import { readSight } from '../three/src/probes/sight.js';
-import { Tetrahedra } from '../three/src/probes/tetrahedra.js';
 import { randomizer } from './random.mjs';
 
 const { shIrradianceWeight } = shading;
 const BLACK = { zenith: [0, 0, 0], horizon: [0, 0, 0], ground: [0, 0, 0] };
 
-function volumeOf(points) {
-    const mesh = new Tetrahedra(Int32Array.from(points));
-    const cells = mesh.build();
-    let sum = 0;
-    for (let c = 0; c < cells.vertices.length / 4; ++c) {
-        const v = mesh.volume(...cells.vertices.slice(4 * c, 4 * c + 4));
-        assert.ok(v > 0, 'no cell is flat or turned over');
-        sum += v / 6;
+/** A cube of n x n x n probes, those between its faces moved by up to a seventh of their distance; six cells between each eight. */
+function cube(n, side) {
+    const random = randomizer(2);
+    const positions = [];
+    for (let i = 0; i < n ** 3; ++i)
+        for (const k of [i % n, Math.floor(i / n) % n, Math.floor(i / n ** 2)])
+            positions.push((side / (n - 1)) * (k + (k > 0 && k < n - 1 ? (random(2) - 1) / 7 : 0)));
+    const vertices = [];
+    const steps = [1, n, n * n];
+    for (let i = 0; i < n ** 3; ++i) {
+        if ([i % n, Math.floor(i / n) % n, Math.floor(i / n ** 2)].includes(n - 1)) continue;
+        for (const [a, b, c] of [[0, 1, 2], [1, 2, 0], [2, 0, 1], [0, 2, 1], [2, 1, 0], [1, 0, 2]]) {
+            const [v, w] = [i + steps[a], i + steps[a] + steps[b]];
+            const end = w + steps[c];
+            vertices.push(...((b - a + 3) % 3 === 1 ? [i, v, w, end] : [i, w, v, end]));
+        }
     }
-    return sum;
+    return { positions, vertices };
 }
 
-test('tetrahedra fill a grid, where every sphere test is a tie', () => {
-    const points = [];
-    for (let x = 0; x < 6; ++x) for (let y = 0; y < 5; ++y) for (let z = 0; z < 4; ++z) points.push(x, y, z);
-    assert.ok(Math.abs(volumeOf(points) - 5 * 4 * 3) < 1e-9);
-});
+const linear = (x, y, z) => 1 + x + 2 * y + 3 * z;
 
-test('tetrahedra fill the hull of random points', () => {
-    const random = randomizer(1);
-    const side = 2 ** 22;
-    const points = [];
-    for (let i = 0; i < 8; ++i) points.push(i & 1 ? side : 0, i & 2 ? side : 0, i & 4 ? side : 0);
-    for (let i = 0; i < 900; ++i) points.push(Math.floor(random(side)));
-    assert.ok(Math.abs(volumeOf(points) / side ** 3 - 1) < 1e-9);
-});
-
-function fieldOf(positions, value) {
+/** Probes with that light, and the cells between them. */
+function probesOf(positions, value, vertices = null) {
     const count = positions.length / 3;
     const radiance = new Float32Array(27 * count);
     for (let i = 0; i < count; ++i) radiance[27 * i] = value(...positions.slice(3 * i, 3 * i + 3));
-    const probes = { count, positions: Float32Array.from(positions), radiance, occlusion: new Float32Array(4 * count).fill(1), valid: new Uint8Array(count).fill(1), grid: null, cells: null };
-    return new ProbeField(probes, BLACK);
+    const valid = new Uint8Array(count).fill(1);
+    return { count, positions: Float64Array.from(positions), radiance, occlusion: new Float32Array(4 * count).fill(1), valid, grid: null, cells: vertices && readCells(vertices, null, valid) };
+}
+
+function cubeField(change = (probes) => probes) {
+    const { positions, vertices } = cube(7, 10);
+    return new ProbeField(change(probesOf(positions, linear, vertices)), BLACK);
 }
 
 test('linear fields are exact inside, and held at the nearest point outside', () => {
     const random = randomizer(2);
-    const positions = [0, 0, 0, 10, 0, 0, 0, 10, 0, 0, 0, 10, 10, 10, 0, 10, 0, 10, 0, 10, 10, 10, 10, 10];
-    for (let i = 0; i < 600; ++i) positions.push(random(10));
-    const linear = (x, y, z) => 1 + x + 2 * y + 3 * z;
-    const field = fieldOf(positions, linear);
+    const field = cubeField();
+    assert.ok(field.cellsOfFile);
     for (let i = 0; i < 200; ++i) {
         const p = [random(14) - 2, random(14) - 2, random(14) - 2];
         const held = p.map((x) => Math.min(Math.max(x, 0), 10));
@@ -62,52 +60,40 @@ test('linear fields are exact inside, and held at the nearest point outside', ()
     }
 });
 
-test('probes in a plane, on a line, at one place', () => {
-    const plane = fieldOf([0, 1, 0, 4, 1, 0, 0, 1, 4, 4, 1, 4], (x, y, z) => x + z);
-    assert.ok(Math.abs(plane.sample([1, 5, 2]).radiance[0] - 3) < 1e-5);
-    const line = fieldOf([0, 0, 0, 0, 2, 0, 0, 4, 0], (x, y) => y);
-    assert.ok(Math.abs(line.sample([3, 1, 0]).radiance[0] - 1) < 1e-5);
-    assert.ok(Math.abs(fieldOf([1, 2, 3], () => 7).sample([9, 9, 9]).radiance[0] - 7) < 1e-5);
+test('without cells the nearest probe counts', () => {
+    const plane = [0, 1, 0, 4, 1, 0, 0, 1, 4, 4, 1, 4];
+    const field = new ProbeField(probesOf(plane, (x, y, z) => x + z), BLACK);
+    assert.ok(!field.cellsOfFile);
+    for (const [p, expected] of [[[1, 5, 1], 0], [[3, -5, 1], 4], [[2.1, 1, 2.1], 8]]) assert.equal(field.sample(p).radiance[0], expected);
+    const hidden = probesOf(plane, (x, y, z) => x + z);
+    hidden.valid[0] = 0;
+    assert.equal(new ProbeField(hidden, BLACK).sample([0, 1, 0.1]).radiance[0], 4, 'probes inside geometry never count');
 });
 
-/** A field that has its cells, as a file brings them. */
-function fileField(change = (probes) => probes) {
-    const random = randomizer(5);
-    const positions = [];
-    for (let i = 0; i < 900; ++i) positions.push(Math.round(random(4000)) / 400);
-    const made = fieldOf(positions, (x, y, z) => 1 + x + 2 * y + 3 * z);
-    const { vertices, neighbors } = made.cells;
-    const sources = vertices.map((v) => made.sources[v]);
-    return { made, vertices: sources, neighbors, field: new ProbeField(change({ ...made.probes, cells: readCells(sources, neighbors, made.probes.valid) }), BLACK) };
-}
-
-test('the cells of the file are those that are interpolated in', () => {
-    const { field, vertices, neighbors } = fileField();
-    assert.ok(field.cellsOfFile);
-    assert.deepEqual([...field.cells.vertices], [...vertices]);
-    assert.deepEqual([...readCells(vertices, null, field.probes.valid).neighbors], [...neighbors], 'neighbours follow from the tetrahedra');
-    const random = randomizer(6);
-    for (let i = 0; i < 200; ++i) {
-        const p = [1, 1, 1].map(() => 3 + random(4));
-        assert.ok(Math.abs(field.sample(p).radiance[0] - (1 + p[0] + 2 * p[1] + 3 * p[2])) < 1e-4, `${p}`);
-    }
-    // A file's own choice of cells is kept: here one cell alone, outside of which values are held.
-    const one = fileField((probes) => ({ ...probes, cells: readCells(vertices.slice(0, 4), new Array(4).fill(OUTSIDE), probes.valid) })).field;
+test('cells of a file: its own choice is kept, neighbours follow from corners', () => {
+    const { cells } = cubeField().probes;
+    // One cell alone, outside of which values are held.
+    const few = { vertices: cells.vertices.slice(0, 4), neighbors: new Uint32Array(4).fill(OUTSIDE) };
+    const one = cubeField((probes) => ({ ...probes, cells: readCells(few.vertices, few.neighbors, probes.valid) }));
     const far = one.sample([500, 500, 500]).radiance[0];
-    const corners = [...vertices.slice(0, 4)].map((v) => one.probes.radiance[27 * v]);
+    const corners = [...few.vertices].map((v) => one.probes.radiance[27 * v]);
     assert.ok(far >= Math.min(...corners) - 1e-6 && far <= Math.max(...corners) + 1e-6);
+    const inner = cells.neighbors.filter((n) => n !== OUTSIDE).length;
+    assert.equal(cells.neighbors.length - inner, 6 * 6 * 6 * 2, 'two triangles of each square of the hull');
 });
 
-test('cells that do not fit: a sentence, or others in their place', () => {
-    const { field, vertices, neighbors } = fileField();
-    const { valid } = field.probes;
+test('cells that do not fit: a sentence, or the nearest probe in their place', () => {
+    const field = cubeField();
+    const { valid, cells } = field.probes;
+    const { vertices, neighbors } = cells;
     const changed = (list, i, value) => Object.assign(Uint32Array.from(list), { [i]: value });
     assert.throws(() => readCells(changed(vertices, 5, 999999), neighbors, valid), /probes: tetrahedron 1 has a vertex that is no valid probe/);
     assert.throws(() => readCells(vertices, neighbors, changed(valid, vertices[0], 0)), /no valid probe/);
     assert.throws(() => readCells(vertices, changed(neighbors, 9, 0xfffffff0), valid), /probes: tetrahedron 2 has a neighbour that is not beside it/);
     assert.throws(() => readCells(vertices, neighbors.slice(4), valid), /neighbors does not have/);
-    const turned = fileField((probes) => ({ ...probes, positions: probes.positions.map((x, i) => (i === 3 * vertices[0] ? x + 40 : x)) })).field;
+    const turned = cubeField((probes) => ({ ...probes, positions: probes.positions.map((x, i) => (i === 3 * vertices[0] ? x + 40 : x)) }));
     assert.ok(!turned.cellsOfFile, 'a probe moved through its cells');
+    assert.equal(turned.sample([10, 10, 10]).radiance[0], linear(10, 10, 10));
 });
 
 /** Probes at x = -1 and 1 with light 0 and 1, each with a map of a wall at x = 0. As tests/render_plan/probe_sight_test.cpp. */
@@ -123,7 +109,12 @@ function walledField(withMaps) {
             const across = u >= 0 ? u - fold : u + fold;
             corners.push(Math.round(65535 / Math.max((-across / positions[3 * probe]) * 4, 1)), 0);
         }
-    const { probes } = fieldOf(positions, (x) => (x < 0 ? 0 : 1));
+    const corner = [0, 4, 2, 1]; // steps of x, y, z in the list, which has z first
+    const cells = [[1, 2, 3], [2, 3, 1], [3, 1, 2], [1, 3, 2], [3, 2, 1], [2, 1, 3]].map(([a, b, c]) => {
+        const [v, w] = [corner[a], corner[a] + corner[b]];
+        return (b - a + 3) % 3 === 1 ? [0, v, w, 7] : [0, w, v, 7];
+    });
+    const probes = probesOf(positions, (x) => (x < 0 ? 0 : 1), cells.flat());
     return new ProbeField({ ...probes, sight: withMaps ? readSight(new Array(8).fill(4), corners) : null }, BLACK);
 }
 

@@ -25,7 +25,13 @@ struct ProbeCells {
 /// Tetrahedra of all valid probes; no vertices without any. Those of the set are taken where it has some that fit.
 ProbeCells probeCells(const ProbeSet& set);
 
-/// The cells as a file holds them: vertices are indices into ProbeSet::probes. Empty where the probes lie in one plane.
+/// Where the valid probes lie in a plane, on a line or at one place: adds copies of them one layer up, with the same
+/// light, and the tetrahedra of both. Such a set is no grid any more. Call it before ProbeSight is made. Returns
+/// whether it added any.
+bool addProbeLayers(ProbeSet& set);
+
+/// The cells as a file holds them: vertices are indices into ProbeSet::probes. Empty where the probes lie in one plane,
+/// as they do only in files that were baked before addProbeLayers().
 std::vector<Tetrahedron> fileTetrahedra(const ProbeCells& cells);
 
 } // namespace halflight

@@ -62,12 +62,12 @@ const MATERIAL = 'HALFLIGHT_material';
 /**
  * @typedef {object} ProbeData
  * @property {number} count
- * @property {Float32Array} positions world
+ * @property {Float64Array} positions world
  * @property {Float32Array} radiance nine RGB coefficients for each probe
  * @property {Float32Array} occlusion four channels for each probe
  * @property {Uint8Array} valid
  * @property {{origin: number[], spacing: number[], size: number[]} | null} grid
- * @property {import('../probes/cells.js').Cells | null} cells null in version 1 of the format, and where probes lie in one plane
+ * @property {import('../probes/cells.js').Cells | null} cells null in files of older bakes
  * @property {import('../probes/sight.js').Sight | null} [sight] null where no probe has a map
  */
 
@@ -203,10 +203,10 @@ async function readProbes(source, root) {
     const ranged = { positions: [positions, 3, 'a position'], radiance: [radiance, 27, 'radiance'], occlusion: [occlusion, 4, 'occlusion'], sightRanges: [sightRanges ?? [], 1, 'a sight range'] };
     for (const [name, [values, size, what]] of Object.entries(ranged)) checkValues(name, values, size, what);
     const origin = root.origin ?? [0, 0, 0];
-    for (let i = 0; i < positions.length; ++i) positions[i] += origin[i % 3];
+    const places = Float64Array.from(positions, (x, i) => x + origin[i % 3]); // floats would move probes far from the origin
     const grid = p.grid ? { ...p.grid, origin: p.grid.origin.map((x, axis) => x + origin[axis]) } : null;
     const cells = tetrahedra ? readCells(tetrahedra, neighbors, valid) : null;
-    return { count: p.count, positions, radiance, occlusion, valid, grid, cells, sight: readSight(sightRanges, sight) };
+    return { count: p.count, positions: places, radiance, occlusion, valid, grid, cells, sight: readSight(sightRanges, sight) };
 }
 
 function checkValues(name, values, size, what) {

@@ -1,15 +1,14 @@
 // Light and occlusion at a point, interpolated between the bake's probes: linear in each Delaunay tetrahedron (Cupisz
 // 2012); outside their convex hull the value at the hull's nearest point. As ProbeInterpolator in
-// include/halflight/render/probes.h.
+// include/halflight/render/probes.h. A file without cells, as older bakes wrote for probes in a plane, gives the nearest
+// probe's.
 import { shBasis, shIrradianceWeight } from '../generated/shading.js';
 import { skyCoefficients } from '../scene/sky_picture.js';
 import { cellsFit } from './cells.js';
 import { removeRinging } from './ringing.js';
-import { CellSearch, Place } from './search.js';
+import { CellSearch, NearestProbe, Place } from './search.js';
 import { sightWeight } from './sight.js';
-import { Tetrahedra } from './tetrahedra.js';
 
-const LATTICE = 2 ** 22;
 const FLAT = 1e-5;
 
 /** @typedef {{radiance: Float64Array, occlusion: Float64Array}} ProbeSample nine RGB coefficients, four channels */
@@ -36,12 +35,12 @@ export class ProbeField {
         this.sky = skyProbe(sky);
         this.probes = probes;
         this.spacing = [Infinity, Infinity, Infinity];
-        /** @type {number[]} probe of each vertex */
+        /** @type {number[]} valid probes */
         this.sources = [];
         this.place = new Place();
-        /** @type {CellSearch | null} */
+        /** @type {CellSearch | NearestProbe | null} */
         this.search = null;
-        /** Whether the cells are those of the file. */
+        /** Whether the file has cells that fit its probes. */
         this.cellsOfFile = false;
         if (!probes) return;
         for (let i = 0; i < probes.count; ++i) if (probes.valid[i]) this.sources.push(i);
@@ -53,41 +52,16 @@ export class ProbeField {
     }
 
     build() {
-        const { low, size } = this.bounds();
-        const extent = Math.max(...size);
-        const flat = size.map((s) => !(s > (this.probes.grid ? 0 : FLAT * extent)));
-        this.spacing = this.meanSpacing(size, flat);
-        if (this.probes.cells && cellsFit(this.probes.cells, this.probes.positions)) {
-            this.cellsOfFile = true;
-            this.cells = this.probes.cells;
-            this.positions = this.probes.positions;
-            this.sources = Array.from({ length: this.probes.count }, (_, i) => i);
-        } else {
-            this.triangulate(low, size, flat);
-        }
-        this.search = new CellSearch(this.cells, this.positions, this.sources);
+        const size = this.extent();
+        const largest = Math.max(...size);
+        this.spacing = this.meanSpacing(size, size.map((s) => !(s > (this.probes.grid ? 0 : FLAT * largest))));
+        const { cells, positions } = this.probes;
+        this.cellsOfFile = cells !== null && cellsFit(cells, positions);
+        this.search = this.cellsOfFile ? new CellSearch(cells, positions) : new NearestProbe(this.sources, positions);
     }
 
-    /** For files of version 1 of the format, and for probes in one plane. */
-    triangulate(low, size, flat) {
-        const extent = Math.max(...size);
-        const scale = this.latticeScale(extent);
-        const points = this.latticePoints(low, scale, flat);
-        // Along an axis without extent every probe gets a copy one layer up, so that there are tetrahedra.
-        const candidates = [0, 1, 2, 3, 4, 5, 6, 7].map((bits) => [0, 1, 2].filter((axis) => bits >> axis & 1 || flat[axis]));
-        for (const axes of candidates) {
-            const layered = this.withLayers(points, axes);
-            const cells = new Tetrahedra(Int32Array.from(layered.points)).build();
-            if (!cells) continue;
-            this.sources = layered.sources;
-            this.cells = cells;
-            const step = (axis) => (flat[axis] ? 1 : scale[axis]);
-            this.positions = Float64Array.from(layered.points, (x, i) => low[i % 3] + x * step(i % 3));
-            break;
-        }
-    }
-
-    bounds() {
+    /** Extent of the valid probes along each axis. */
+    extent() {
         const low = [Infinity, Infinity, Infinity];
         const high = [-Infinity, -Infinity, -Infinity];
         for (const source of this.sources) {
@@ -97,7 +71,7 @@ export class ProbeField {
                 high[axis] = Math.max(high[axis], x);
             }
         }
-        return { low, size: high.map((x, axis) => x - low[axis]) };
+        return high.map((x, axis) => x - low[axis]);
     }
 
     meanSpacing(size, flat) {
@@ -110,44 +84,12 @@ export class ProbeField {
         return flat.map((f) => (f ? Infinity : spacing));
     }
 
-    latticeScale(extent) {
-        const grid = this.probes.grid;
-        if (grid) return grid.spacing.map((s) => (s > 0 ? s : 1));
-        return new Array(3).fill(extent > 0 ? extent / LATTICE : 1);
-    }
-
-    latticePoints(low, scale, flat) {
-        const points = [];
-        const sources = [];
-        const seen = new Set();
-        for (const source of this.sources) {
-            const p = [0, 1, 2].map((axis) =>
-                flat[axis] ? 0 : Math.round((this.probes.positions[3 * source + axis] - low[axis]) / scale[axis])
-            );
-            if (seen.has(p.join())) continue; // of probes at one place the first counts
-            seen.add(p.join());
-            points.push(...p);
-            sources.push(source);
-        }
-        return { points, sources };
-    }
-
-    withLayers({ points, sources }, axes) {
-        const layer = this.probes.grid ? 1 : Math.max(1, Math.floor(LATTICE / Math.ceil(Math.sqrt(sources.length))));
-        let result = { points, sources };
-        for (const axis of axes) {
-            const copy = result.points.map((x, i) => (i % 3 === axis ? x + layer : x));
-            result = { points: [...result.points, ...copy], sources: [...result.sources, ...result.sources] };
-        }
-        return result;
-    }
-
     /** Shares of a place's probes, each times how well its probe sees the point that the shares are those of. @returns {number} their sum */
     see({ probes, weights, count }) {
         const { positions, sight } = this.probes;
         let sum = 0;
         for (let k = 0; k < count; ++k) sum += weights[k];
-        if (!sight) return sum;
+        if (!sight || count === 1) return sum;
         let x = 0, y = 0, z = 0;
         for (let k = 0; k < count; ++k) {
             const at = 3 * probes[k];

@@ -7,7 +7,7 @@ import { nearestOnTriangle } from './nearest.js';
 export class Place {
     constructor() {
         this.cell = 0;
-        /** Three or four. */
+        /** Four in a cell, three on the hull, one without cells. */
         this.count = 0;
         this.probes = new Int32Array(4);
         this.weights = new Float64Array(4);
@@ -21,11 +21,10 @@ function volume(v, i, j, k) {
 }
 
 export class CellSearch {
-    /** @param {import('./cells.js').Cells} cells @param {ArrayLike<number>} positions of vertices @param {ArrayLike<number>} sources probe of each vertex */
-    constructor(cells, positions, sources) {
+    /** @param {import('./cells.js').Cells} cells @param {ArrayLike<number>} positions of probes */
+    constructor(cells, positions) {
         this.cells = cells;
         this.positions = positions;
-        this.sources = sources;
         this.shares = new Float64Array(4);
         this.around = new Float64Array(12);
         this.findHull();
@@ -83,7 +82,7 @@ export class CellSearch {
                 place.cell = current;
                 place.count = 4;
                 for (let i = 0; i < 4; ++i) {
-                    place.probes[i] = this.sources[vertices[4 * current + i]];
+                    place.probes[i] = vertices[4 * current + i];
                     place.weights[i] = Math.max(w[i], 0);
                 }
                 return;
@@ -104,7 +103,7 @@ export class CellSearch {
     findOnHull(p, place, first) {
         const { spheres, triangles } = this;
         place.count = 1; // where a point is not finite
-        place.probes[0] = this.sources[0];
+        place.probes[0] = this.triangles[0];
         place.weights[0] = 1;
         let best = Infinity;
         for (let k = -1; k < triangles.length / 3; ++k) {
@@ -132,9 +131,33 @@ export class CellSearch {
         if (!(distance < best)) return best;
         place.count = 3;
         for (let i = 0; i < 3; ++i) {
-            place.probes[i] = this.sources[this.triangles[3 * face + i]];
+            place.probes[i] = this.triangles[3 * face + i];
             place.weights[i] = w[i];
         }
         return distance;
+    }
+}
+
+/** The search for files without cells. */
+export class NearestProbe {
+    /** @param {number[]} sources valid probes @param {ArrayLike<number>} positions of all */
+    constructor(sources, positions) {
+        this.sources = sources;
+        this.positions = positions;
+    }
+
+    /** @param {ArrayLike<number>} p @param {Place} place */
+    find(p, place) {
+        let best = Infinity;
+        place.count = 1;
+        place.weights[0] = 1;
+        place.probes[0] = this.sources[0];
+        for (const source of this.sources) {
+            const x = this.positions[3 * source] - p[0], y = this.positions[3 * source + 1] - p[1], z = this.positions[3 * source + 2] - p[2];
+            const squared = x * x + y * y + z * z;
+            if (squared >= best) continue;
+            best = squared;
+            place.probes[0] = source;
+        }
     }
 }

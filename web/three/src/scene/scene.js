@@ -58,8 +58,8 @@ export class HalflightScene {
         this.dynamicLayer = options.dynamicLayer ?? DYNAMIC_LAYER;
         for (const lost of data.lost) this.#warnings.keep(`the file has lost part of its bake: ${lost}; use the file that the bake wrote, or a tool that keeps its extensions`);
         this.field = new ProbeField(data.probes, data.sky);
-        if (data.probes?.cells && !this.field.cellsOfFile && !this.field.empty)
-            this.#warnings.keep("the file's tetrahedra do not fit the positions of its probes: others are made, which takes a while");
+        if (!this.field.empty && !this.field.cellsOfFile)
+            this.#warnings.keep(`${data.probes.cells ? "the file's tetrahedra do not fit the positions of its probes" : 'the file has no tetrahedra between its probes'}: moving objects take the light of the nearest probe; bake the scene again`);
         this.table = new ObjectTable();
         root.updateWorldMatrix(true, true);
         /** Where the file stands: its scene. Clones have instances of their own. */
