@@ -56,7 +56,8 @@ TEST(ProbesS14, CopiesOneLayerUpMakeTetrahedraAndChangeNoLight)
         const ProbeInterpolator after = rawProbes(layered);
         for (int n = 0; n < 200; ++n) {
             const vec3 p = random.in(vec3(-12), vec3(12));
-            EXPECT_NEAR(after.sample(p).radiance[0].x, before.sample(p).radiance[0].x, 1.0e-3f) << "positions are floats";
+            EXPECT_NEAR(after.sample(p).radiance[0].x, before.sample(p).radiance[0].x, 1.0e-3f)
+                << "positions are floats";
         }
     }
 }
