@@ -5,7 +5,7 @@
 #include "scene/bake_members.h"
 #include "scene/nodes.h"
 #include "scene/settings.h"
-#include "scene/write_sky.h"
+#include "scene/sky_at_bake.h"
 
 #include <algorithm>
 #include <map>

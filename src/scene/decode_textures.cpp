@@ -2,7 +2,6 @@
 
 #include "halflight/base/encoded_image.h"
 #include "halflight/base/parallel.h"
-#include "scene/read_parts.h"
 
 #include <map>
 

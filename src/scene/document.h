@@ -4,6 +4,7 @@
 
 #include "halflight/base/result.h"
 #include "halflight/scene/scene.h"
+#include "scene/gltf_error.h"
 #include "scene/tinygltf.h"
 
 #include <cstddef>
@@ -29,25 +30,6 @@ struct SourceDocument {
     std::vector<std::string> warnings; ///< of what reading left out
     std::vector<int> strippedViews;    ///< buffer views that only an earlier bake's MOZ_lightmap used
 };
-
-/// Reads and checks a .glb or .gltf file.
-Result<std::shared_ptr<const SourceDocument>> loadDocument(const std::filesystem::path& path);
-
-/// The same from memory; `bytes` is a whole GLB or the JSON of a .gltf.
-Result<std::shared_ptr<const SourceDocument>> parseDocument(std::span<const std::byte> bytes,
-                                                            const std::filesystem::path& directory);
-
-/// A broken rule of glTF at the given glTF path.
-inline Error invalid(std::string object, std::string message)
-{
-    return Error{ErrorCode::FileInvalid, std::move(message), std::move(object)};
-}
-
-/// "/nodes/3", "/meshes/0/primitives/1".
-inline std::string pathOf(const char* array, std::size_t index)
-{
-    return std::string("/") + array + "/" + std::to_string(index);
-}
 
 /// The member, or null when the object has none (or is not an object).
 const Json& member(const Json& object, const char* key);

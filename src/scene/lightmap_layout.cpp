@@ -1,6 +1,6 @@
 #include "scene/lightmap_layout.h"
 
-#include "scene/read_parts.h"
+#include "scene/texture_coordinates.h"
 
 #include <algorithm>
 

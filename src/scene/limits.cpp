@@ -1,7 +1,7 @@
 #include "scene/limits.h"
 
 #include "scene/bake_ranges.h"
-#include "scene/document.h"
+#include "scene/gltf_error.h"
 
 #include "halflight/base/finite.h"
 

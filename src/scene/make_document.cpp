@@ -1,5 +1,6 @@
 #include "scene/make_document.h"
 
+#include "scene/load_document.h"
 #include "scene/origin.h"
 #include "scene/patcher.h"
 

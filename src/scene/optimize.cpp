@@ -2,6 +2,7 @@
 
 #include "halflight/base/encoded_image.h"
 #include "halflight/base/file.h"
+#include "scene/load_document.h"
 #include "scene/decompress.h"
 #include "scene/external_files.h"
 #include "scene/limits.h"

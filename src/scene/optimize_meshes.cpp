@@ -1,7 +1,7 @@
 #include "scene/optimize_meshes.h"
 
 #include "scene/meshopt_encode.h"
-#include "scene/read_parts.h"
+#include "scene/read_mesh.h"
 
 #include <algorithm>
 #include <cmath>

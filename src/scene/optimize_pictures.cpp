@@ -5,7 +5,7 @@
 #include "halflight/base/rgb9e5.h"
 #include "scene/ktx2.h"
 #include "scene/lightmap_curve.h"
-#include "scene/write_pictures.h"
+#include "scene/picture_references.h"
 
 #include <algorithm>
 

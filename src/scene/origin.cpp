@@ -1,7 +1,7 @@
 #include "scene/origin.h"
 
 #include "halflight/base/text.h"
-#include "scene/document.h"
+#include "scene/gltf_error.h"
 
 #include <algorithm>
 #include <cmath>
@@ -196,21 +196,6 @@ bool recenter(Scene& scene)
     for (vec3& p : scene.probePositions) p = vec3(glm::dvec3(p) - shift);
     for (mat4& box : scene.reflectionBoxes) box = localFromWorld(glm::dmat4(box), shift);
     return true;
-}
-
-Result<glm::dvec3> recordedOrigin(const SourceDocument& document)
-{
-    const Json& json = member(extensionOf(document.json, "HALFLIGHT_mixed_lighting"), "origin");
-    glm::dvec3 origin(0.0);
-    if (json.is_null()) return origin;
-    bool good = json.is_array() && json.size() == 3;
-    for (std::size_t c = 0; good && c < 3; ++c) {
-        good = json[c].is_number();
-        if (good) origin[int(c)] = json[c].get<double>();
-    }
-    if (!good || tooFar(origin, 2.0 * kFarthestFromWorldMeters))
-        return invalid("/extensions/HALFLIGHT_mixed_lighting", "origin is not three numbers within 33554 km");
-    return origin;
 }
 
 } // namespace halflight

@@ -3,7 +3,6 @@
 // near the scene's middle: Scene::originMeters.
 
 #include "halflight/scene/scene.h"
-#include "scene/document.h"
 
 #include <span>
 
@@ -55,10 +54,6 @@ inline bool tooFar(glm::dvec3 p, double limit = kFarthestMeters)
 {
     return !(std::abs(p.x) <= limit && std::abs(p.y) <= limit && std::abs(p.z) <= limit);
 }
-
-/// The local origin that a baked file's positions are relative to (`origin` of its root extension); zero where it has
-/// none.
-Result<glm::dvec3> recordedOrigin(const SourceDocument& document);
 
 /// Transform with its translation moved from the world's origin to a local one, in double precision; and back.
 inline mat4 localFromWorld(glm::dmat4 transform, const glm::dvec3& origin)

@@ -1,7 +1,7 @@
 #include "scene/decode_textures.h"
 #include "scene/decompress.h"
 #include "scene/material_sides.h"
-#include "scene/read_parts.h"
+#include "scene/read_materials.h"
 
 #include <algorithm>
 #include <cmath>
@@ -308,28 +308,7 @@ Status readSwitches(const Json& json, const std::string& path, FileSettings& fil
     return {};
 }
 
-// All "texCoord" values of a material's texture slots, those of extensions too; not the lightmap's own.
-void collectTexCoords(const Json& json, std::set<uint64_t>& used)
-{
-    if (json.is_object()) {
-        if (json.contains("index") && !json.contains("texCoord")) used.insert(0);
-        for (const auto& [key, value] : json.items()) {
-            if (key == "texCoord" && value.is_number_unsigned()) used.insert(value.get<uint64_t>());
-            if (key != "MOZ_lightmap" && key != "extras") collectTexCoords(value, used);
-        }
-    } else if (json.is_array()) {
-        for (const Json& value : json) collectTexCoords(value, used);
-    }
-}
-
 } // namespace
-
-bool readsTexCoord(const Json& material, int n)
-{
-    std::set<uint64_t> used;
-    collectTexCoords(material, used);
-    return used.count(uint64_t(n)) != 0;
-}
 
 Result<MaterialsRead> readMaterials(const SourceDocument& document, FileSettings& file, const ReadOptions& options)
 {

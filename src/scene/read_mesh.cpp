@@ -1,6 +1,7 @@
 #include "scene/geometry.h"
 #include "scene/material_sides.h"
-#include "scene/read_parts.h"
+#include "scene/read_mesh.h"
+#include "scene/texture_coordinates.h"
 #include "scene/tangents.h"
 
 #include "halflight/base/finite.h"

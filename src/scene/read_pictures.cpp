@@ -4,7 +4,7 @@
 #include "scene/bake_members.h"
 #include "scene/ktx2.h"
 #include "scene/lightmap_curve.h"
-#include "scene/write_pictures.h"
+#include "scene/picture_references.h"
 
 #include <cmath>
 

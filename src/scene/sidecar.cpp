@@ -5,6 +5,7 @@
 #include "halflight/scene/probe_cells.h"
 #include "halflight/scene/sky_picture.h"
 #include "scene/document.h"
+#include "scene/load_document.h"
 #include "scene/patcher.h"
 #include "scene/write_bake_pictures.h"
 #include "scene/write_probes.h"

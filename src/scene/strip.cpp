@@ -1,7 +1,7 @@
 #include "scene/strip.h"
 
 #include "scene/lightmap_layout.h"
-#include "scene/read_parts.h"
+#include "scene/texture_coordinates.h"
 
 #include <map>
 #include <set>

@@ -1,7 +1,7 @@
 #pragma once
 // Tangents that a file leaves out.
 
-#include "scene/document.h"
+#include "halflight/scene/scene.h"
 
 namespace halflight {
 

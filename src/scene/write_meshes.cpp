@@ -1,6 +1,7 @@
 #include "scene/write_meshes.h"
 
-#include "scene/read_parts.h"
+#include "scene/read_mesh.h"
+#include "scene/texture_coordinates.h"
 
 #include <algorithm>
 #include <cmath>

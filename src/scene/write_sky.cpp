@@ -1,10 +1,10 @@
 #include "scene/write_sky.h"
 
-#include "halflight/base/hash.h"
 #include "halflight/base/rgb9e5.h"
 #include "halflight/scene/sky_picture.h"
 #include "scene/bake_members.h"
 #include "scene/ktx2.h"
+#include "scene/sky_at_bake.h"
 
 #include <algorithm>
 
@@ -29,11 +29,6 @@ Page pageOf(const ImageRgb32f& picture, int width)
     return {encodeRgb9e5(reduced, unit), unit};
 }
 
-std::string pictureHash(const ImageRgb32f& picture, float rotation)
-{
-    return Hasher().add(picture.size()).add(picture.texels()).add(rotation).hash().hex();
-}
-
 } // namespace
 
 Result<WrittenSky> writeSky(PictureWriter& pictures, const Sky& sky, int width)
@@ -50,21 +45,6 @@ Result<WrittenSky> writeSky(PictureWriter& pictures, const Sky& sky, int width)
     picture["rotation"] = sky.rotationRadians;
     written.atBake["picture"] = pictureHash(decodeRgb9e5(page.rgb9e5, page.unitNits), sky.rotationRadians);
     return written;
-}
-
-bool skyDiffersFrom(const Sky& skyOfFile, const Json& atBake)
-{
-    if (!atBake.is_object()) return false;
-    const auto differs = [&](const char* key, vec3 now) {
-        vec3 then(0.0f);
-        return readVector(member(atBake, key), then) &&
-               glm::distance(now, then) > 1.0e-3f * std::max(glm::length(now), glm::length(then));
-    };
-    const Json& then = member(atBake, "picture");
-    const std::string hash =
-        skyOfFile.picture == nullptr ? "" : pictureHash(*skyOfFile.picture, skyOfFile.rotationRadians);
-    return differs("zenith", skyOfFile.zenith) || differs("horizon", skyOfFile.horizon) ||
-           differs("ground", skyOfFile.ground) || hash != (then.is_string() ? then.get<std::string>() : "");
 }
 
 } // namespace halflight

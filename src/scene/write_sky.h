@@ -14,7 +14,4 @@ struct WrittenSky {
 /// Adds the sky's picture to `pictures`, at most `width` texels a row.
 Result<WrittenSky> writeSky(PictureWriter& pictures, const Sky& sky, int width);
 
-/// Whether the sky of a file differs from WrittenSky::atBake. What the record does not hold does not count.
-bool skyDiffersFrom(const Sky& skyOfFile, const Json& atBake);
-
 } // namespace halflight

@@ -2,6 +2,7 @@
 
 #include "halflight/base/image.h"
 #include "scene/document.h"
+#include "scene/load_document.h"
 #include "scene/draco_mesh.h"
 #include "scene/ktx2.h"
 #include "scene/meshopt_view.h"

@@ -2,6 +2,7 @@
 
 #include "fixtures.h"
 #include "scene/document.h"
+#include "scene/load_document.h"
 #include "validator.h"
 
 #include "halflight/scene/export.h"
