@@ -1,8 +1,8 @@
 // Measures the bake's light transport and prints plain tables. Every ratio is of two measurements of the same run;
 // times are CPU seconds of the process, summed over threads, so that a busy machine disturbs them little.
 //   bench_bake PART [--scene FILE]... [--size N] [--points N] [--reference N]
-//              [--samples N] [--seeds N] [--references DIR] [--without REFINEMENT]...
-//   PART: gather | error | ablate | shadows | seams | masks | scaling | lights | triangles
+//              [--samples N] [--seeds N] [--references DIR]
+//   PART: gather | error | shadows | seams | masks | scaling | lights | triangles
 // Scenes: the built-in "cornell" (a box with an emissive quad), or glTF files; FILE@sun leaves them the sun and the
 // sky.
 
@@ -515,8 +515,6 @@ int main(int argc, char** argv)
             options.seeds = std::max(1, std::atoi(argv[++i]));
         } else if (option("--references")) {
             options.folder = argv[++i];
-        } else if (option("--without")) {
-            options.without.emplace_back(argv[++i]);
         } else if (option("--target")) {
             options.target = std::atof(argv[++i]) / 100.0;
         } else if (std::strcmp(argv[i], "--diffuse") == 0) {
@@ -530,8 +528,6 @@ int main(int argc, char** argv)
         partGather(options);
     } else if (options.part == "error") {
         partError(options);
-    } else if (options.part == "ablate") {
-        return partAblate(options);
     } else if (options.part == "shadows") {
         partShadows(options);
     } else if (options.part == "seams") {
@@ -545,7 +541,7 @@ int main(int argc, char** argv)
     } else if (options.part == "triangles") {
         partTriangles(options);
     } else {
-        std::fprintf(stderr, "usage: bench_bake gather|error|ablate|shadows|seams|masks|scaling|lights|triangles "
+        std::fprintf(stderr, "usage: bench_bake gather|error|shadows|seams|masks|scaling|lights|triangles "
                              "[--scene FILE|cornell]... "
                              "[--size N] [--points N] [--reference N] [--bounces N] [--target PERCENT] [--samples N] "
                              "[--references DIR] [--diffuse]\n");

@@ -23,7 +23,6 @@ struct Options {
     int bounces = 4;
     bool diffuse = false; ///< light goes from surface to surface without specular lobes
     double target = 0.03;
-    std::vector<std::string> without; ///< refinements that are switched off, one at a time; empty: all
 
     [[nodiscard]] IntegrationSettings integration() const { return {.bounces = bounces, .glossyBounces = !diffuse}; }
 };
@@ -54,8 +53,5 @@ LightError compare(const std::vector<IrradianceEstimate>& run, const std::vector
 /// Path tracing of many samples, or what a folder has kept of it.
 std::vector<IrradianceEstimate> referenceOf(const Options& options, const std::string& name, const Prepared& p,
                                             const TexelMap& subset);
-
-/// Time and error of the bake with all its refinements, and without each of them in turn (ablate.cpp).
-int partAblate(const Options& options);
 
 } // namespace halflight::bench

@@ -62,11 +62,6 @@ function(halflight_precompile_test target)
     halflight_use_precompiled(${target} REUSE_FROM test_headers)
 endfunction()
 
-# Switches of the bake's refinements (src/bake/refinements.h), which are constants in all other builds.
-function(halflight_ablation target)
-    target_compile_definitions(${target} PRIVATE $<$<BOOL:${HALFLIGHT_ABLATION}>:HALFLIGHT_ABLATION>)
-endfunction()
-
 function(halflight_module name)
     cmake_parse_arguments(ARG "" "" "SOURCES;PUBLIC;PRIVATE" ${ARGN})
     set(target halflight_${name})

@@ -1,6 +1,6 @@
 #include "bake/bake_report.h"
 
-#include "bake/stages.h"
+#include "halflight/bake/integrator.h"
 
 #include "halflight/base/text.h"
 

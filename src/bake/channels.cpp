@@ -1,5 +1,5 @@
 // Shadowmask channels: colouring of the graph of mixed lights whose reaches overlap (spec S9, S10).
-#include "bake/stages.h"
+#include "bake/channels.h"
 
 #include "halflight/base/cone.h"
 #include "halflight/base/text.h"

@@ -1,6 +1,7 @@
 #include "bake/components.h"
 
-#include "bake/stages.h"
+#include "bake/facet_orientation.h"
+#include "bake/smooth_normals.h"
 
 #include "halflight/base/disjoint_sets.h"
 

@@ -10,8 +10,9 @@
 #include "bake/denoise.h"
 
 #include "bake/denoise_taps.h"
-#include "bake/refinements.h"
-#include "bake/stages.h"
+#include "bake/seams.h"
+#include "bake/smooth_normals.h"
+#include "bake/texel_places.h"
 
 #include "halflight/base/memory.h"
 #include "halflight/base/parallel.h"
@@ -199,8 +200,7 @@ struct Neighbourhood {
         constexpr float kFar2 = kFarTaps * kFarTaps;
         const auto mirrored = [&](std::size_t k) { return k < kTaps ? taps.counts[kTaps - 1 - k] : 0.0f; };
         bool pairs = false;
-        for (std::size_t k = 0; refinements.pairedTaps && k < kMiddleTap; ++k)
-            pairs = pairs || taps.counts[k] * mirrored(k) > 0.0f;
+        for (std::size_t k = 0; k < kMiddleTap; ++k) pairs = pairs || taps.counts[k] * mirrored(k) > 0.0f;
         TapFloats near = forTaps([&](std::size_t k) {
             const float offset2 = taps.position.r[k] * taps.position.r[k] + taps.position.g[k] * taps.position.g[k] +
                                   taps.position.b[k] * taps.position.b[k];
@@ -245,11 +245,11 @@ Detrended detrendedOf(const Neighbourhood& around)
     constexpr float kEnough = 0.75f; // of what slopes explain
     const TapLights& light = around.taps.gathered;
     Trend slopes;
-    if (around.level.number > 0 && refinements.slopes) { // single texels are too noisy
+    if (around.level.number > 0) { // single texels are too noisy
         slopes.x = around.slopeBetween(kMiddleTap - 2, kMiddleTap + 2);
         slopes.y = around.slopeBetween(kMiddleTap - 10, kMiddleTap + 10);
     }
-    bool fits = refinements.fittedTrend;
+    bool fits = true;
     for (std::size_t k = 0; fits && k < kTaps; ++k) fits = around.taps.counts[k] > 0.0f && around.sameSide(k);
     if (!fits) return {light, slopes};
     const Detrended fitted(light, fittedTrend(light.irradiance));
@@ -289,7 +289,7 @@ void filterTexel(const Level& level, uint32_t i, Signals& out)
     const bool hasDirect = !level.in.direct.empty();
     if (hasDirect) {
         out.direct[i] = {taps.direct.irradiance.at(kMiddleTap), taps.direct.variance[kMiddleTap]};
-        if (out.direct[i].variance > 0.0f && refinements.filteredDirect) {
+        if (out.direct[i].variance > 0.0f) {
             const TapFloats distance = distances(taps.direct, {}, 0.0f);
             const TapFloats ofDirect =
                 forTaps([&](std::size_t k) { return near[k] * falloff(plane2[k] + distance[k]); });

@@ -1,8 +1,7 @@
 // Outliers of gathered light: fireflies (few paths with a large contribution) and dark specks (no path with one).
 #include "bake/denoise.h"
 
-#include "bake/refinements.h"
-#include "bake/stages.h"
+#include "bake/texel_places.h"
 
 #include "halflight/base/parallel.h"
 
@@ -186,7 +185,6 @@ float smoothedVariance(const NeighbourStats& stats, const OutlierTexel& texel)
     const std::span<const float> variances(stats.variances.data(), std::size_t(stats.count));
     float variance = texel.variance;
     if (stats.varianceWeight > 0.0f) variance = std::max(stats.meanVariance, 0.25f * texel.variance);
-    if (!refinements.varianceQuantiles) return variance;
     const int median = stats.count / 2;
     if (stats.count > 0 && rankIsAbove(variances, median, variance)) variance = valueOfRank(variances, median);
     const int high = highRank(stats.count);
@@ -198,10 +196,9 @@ float smoothedVariance(const NeighbourStats& stats, const OutlierTexel& texel)
 float luminanceWithoutOutliers(const NeighbourStats& stats, const OutlierTexel& texel, float variance)
 {
     const float own = texel.luminance;
-    if (!texel.isTraced || stats.count < kFewestNeighbours || !refinements.outliers) return own;
+    if (!texel.isTraced || stats.count < kFewestNeighbours) return own;
     const std::span<const float> luminances = luminancesOf(stats);
-    const bool isDark =
-        refinements.darkSpecks && mayAgreeByChance(stats, texel) && rankIsAbove(luminances, lowRank(stats.count), own);
+    const bool isDark = mayAgreeByChance(stats, texel) && rankIsAbove(luminances, lowRank(stats.count), own);
     if (isDark) return raisedLuminance(stats, texel, variance);
     if (rankIsAbove(luminances, highRank(stats.count), own)) return own;
     return loweredLuminance(stats, texel, variance);
@@ -211,8 +208,7 @@ void clampOutliers(const TexelMap& map, const SurfaceGrid& grid, std::span<const
                    std::vector<NoisyLight>& light, std::vector<vec3>& moments)
 {
     const std::vector<NoisyLight> before = light;
-    const bool anyInterpolated =
-        std::any_of(estimates.begin(), estimates.end(), isInterpolated) && refinements.sparseOutliers;
+    const bool anyInterpolated = std::any_of(estimates.begin(), estimates.end(), isInterpolated);
     parallelFor(light.size(), 2048, [&](std::size_t begin, std::size_t end) {
         for (std::size_t i = begin; i < end; ++i) {
             const bool traced = isTraced(estimates[i]);

@@ -1,7 +1,5 @@
 #include "bake/denoise.h"
 
-#include "bake/refinements.h"
-
 #include "halflight/base/parallel.h"
 
 #include <algorithm>
@@ -46,7 +44,6 @@ std::optional<SecondDifference> secondDifference(const SurfaceGrid& grid, std::s
 std::vector<float> varianceScales(const SurfaceGrid& grid, std::span<const IrradianceEstimate> estimates)
 {
     // Traced texels are 1, 2 or 4 texels apart: the smallest complete 3 × 3 counts.
-    if (!refinements.varianceScales) return std::vector<float>(estimates.size(), 1.0f);
     std::vector<SecondDifference> differences(estimates.size());
     parallelFor(estimates.size(), 4096, [&](std::size_t begin, std::size_t end) {
         for (std::size_t i = begin; i < end; ++i) {

@@ -1,5 +1,7 @@
+#include "bake/dilate.h"
 #include "bake/hash_grid.h"
-#include "bake/stages.h"
+#include "bake/smooth_normals.h"
+#include "bake/texel_places.h"
 
 #include "halflight/bake/texel_grid.h"
 #include "halflight/base/memory.h"

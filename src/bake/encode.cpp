@@ -1,4 +1,4 @@
-#include "bake/stages.h"
+#include "bake/encode.h"
 
 #include "halflight/base/memory.h"
 #include "halflight/base/parallel.h"

@@ -1,7 +1,9 @@
 // Orientation repair of double-sided faces by ray casting, patch by patch (Takayama et al. 2014, "A Simple Method for
 // Correcting Facet Orientations in Polygon Meshes Based on Ray Casting"). A lightmap stores light for the front side. A
 // face whose front bounds a narrow, closed cavity would be black there, and is seen from its back alone.
-#include "bake/stages.h"
+#include "bake/facet_orientation.h"
+#include "bake/flatten.h"
+#include "bake/solids.h"
 
 #include "halflight/base/parallel.h"
 #include "halflight/base/random.h"

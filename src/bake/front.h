@@ -3,7 +3,6 @@
 
 #include "bake/bake_report.h"
 #include "bake/gather.h"
-#include "bake/stages.h"
 
 #include "halflight/bake/bake.h"
 #include "halflight/base/file_group.h"

@@ -1,7 +1,7 @@
 #include "bake/gather.h"
 
+#include "bake/indices.h"
 #include "bake/quality.h"
-#include "bake/stages.h"
 
 #include "halflight/scene/fingerprint.h"
 

@@ -1,5 +1,7 @@
+#include "bake/flatten.h"
 #include "bake/shared_meshes.h"
-#include "bake/stages.h"
+#include "bake/solids.h"
+#include "bake/triangle_frame.h"
 
 #include "halflight/base/parallel.h"
 

@@ -1,5 +1,6 @@
 // Open Image Denoise for gathered light, chart by chart.
-#include "bake/stages.h"
+#include "bake/denoise.h"
+#include "bake/texel_places.h"
 
 #include "halflight/base/parallel.h"
 

@@ -1,6 +1,9 @@
 #include "bake/live_light.h"
 
-#include "bake/stages.h"
+#include "bake/channels.h"
+#include "bake/flatten.h"
+#include "bake/indices.h"
+#include "bake/probes.h"
 
 #include "halflight/base/rgb9e5.h"
 

@@ -1,6 +1,6 @@
 #include "bake/live_pages.h"
 
-#include "bake/stages.h"
+#include "bake/dilate.h"
 
 #include "halflight/bake/texel_grid.h"
 #include "halflight/base/parallel.h"

@@ -2,8 +2,8 @@
 // subtracts exactly the light that the lightmap contains (spec S22).
 #include "bake/main_light.h"
 
+#include "bake/even_texels.h"
 #include "bake/gather.h"
-#include "bake/stages.h"
 
 #include "halflight/base/parallel.h"
 

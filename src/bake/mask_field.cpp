@@ -1,5 +1,5 @@
 // Shadowmask channels as signed distance fields (shading/mask.h).
-#include "bake/stages.h"
+#include "bake/mask_field.h"
 
 #include "halflight/bake/texel_grid.h"
 #include "halflight/base/parallel.h"

@@ -1,6 +1,6 @@
 // Check probes against what renderers interpolate there.
 #include "bake/probe_placement.h"
-#include "bake/stages.h"
+#include "bake/probes.h"
 
 #include "halflight/render/probes.h"
 #include "halflight/shading/color.h"

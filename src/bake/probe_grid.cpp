@@ -1,5 +1,5 @@
 #include "bake/probe_placement.h"
-#include "bake/stages.h"
+#include "bake/probes.h"
 
 #include <algorithm>
 #include <cmath>

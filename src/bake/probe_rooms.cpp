@@ -1,6 +1,6 @@
 #include "bake/probe_rooms.h"
 
-#include "bake/stages.h"
+#include "bake/indices.h"
 
 #include "halflight/shading/color.h"
 #include "halflight/shading/sh.h"

@@ -1,5 +1,5 @@
 // How far probes see. Maps go to those probes alone that would otherwise light points behind a surface.
-#include "bake/stages.h"
+#include "bake/probes.h"
 
 #include "halflight/base/parallel.h"
 #include "halflight/scene/probe_cells.h"

@@ -1,9 +1,11 @@
 // Light probes (spec S14): a coarse grid, halved around rooms and along shadow edges, refined where neighbouring probes
 // disagree, with a layer on floors, denoised.
+#include "bake/probes.h"
+#include "bake/denoise.h"
 #include "bake/gather.h"
 #include "bake/hash_grid.h"
+#include "bake/indices.h"
 #include "bake/probe_rooms.h"
-#include "bake/stages.h"
 
 #include "halflight/shading/color.h"
 

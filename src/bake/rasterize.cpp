@@ -1,5 +1,7 @@
 // Conservative rasterization of the lightmapped triangles on their pages.
-#include "bake/stages.h"
+#include "bake/rasterize.h"
+#include "bake/flatten.h"
+#include "bake/indices.h"
 
 #include "halflight/base/disjoint_sets.h"
 #include "halflight/base/memory.h"

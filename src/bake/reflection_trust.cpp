@@ -1,8 +1,8 @@
 // From points to texels: how far reflection probes are trusted.
 
+#include "bake/dilate.h"
 #include "bake/hash_grid.h"
 #include "bake/reflection_gain.h"
-#include "bake/stages.h"
 #include "halflight/base/parallel.h"
 
 #include <algorithm>

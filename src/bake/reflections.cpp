@@ -1,7 +1,7 @@
 #include "bake/reflections.h"
 
 #include "bake/reflection_gain.h"
-#include "bake/stages.h"
+#include "halflight/bake/integrator.h"
 #include "halflight/base/rgb9e5.h"
 #include "halflight/shading/reflection.h"
 

@@ -2,11 +2,15 @@
 // Parts of the reflection probes' stage.
 
 #include "halflight/bake/integrator.h"
+#include "halflight/scene/baked_scene.h"
 
 #include <span>
+#include <string>
 #include <vector>
 
 namespace halflight {
+
+struct Gather;
 
 /// Reflection probes where people look: the fewest places from which nearly all light probes are seen. Each has the box
 /// that predicts best how far its surroundings are. Small boxes come first.
@@ -29,5 +33,11 @@ float reflectionFade(const mat4& worldFromBox, float sceneSizeMeters);
 /// The tile of a probe (shading/reflection.h) from the radiance around it: prefiltered with the GGX distribution, for a
 /// surface seen along its normal (Karis 2013). `around`: the inner texels of level 0.
 ImageRgb32f reflectionTile(const ImageRgb32f& around);
+
+/// Reflection probes at the scene's own boxes, or where they bring what lightmapped surfaces reflect nearest to the
+/// truth; none in a scene without light probes. `lightmap`: irradiance by page, lux. Writes how far texels trust the
+/// probes into lightmapDirections. `size`: of a tile, if probes are few. False when cancelled.
+bool bakeReflections(BakedScene& baked, const Gather& gather, std::span<const ImageRgb32f> lightmap, int size,
+                     std::vector<std::string>& warnings, const Progress& progress);
 
 } // namespace halflight

@@ -1,7 +1,9 @@
 // Seams: edges of a continuous surface at which the lightmap is cut. Two triangles share the edge and have different
 // lightmap coordinates there, or their edges overlap on one line without equal ends.
+#include "bake/flatten.h"
 #include "bake/hash_grid.h"
-#include "bake/stages.h"
+#include "bake/seams.h"
+#include "bake/smooth_normals.h"
 #include "unwrap/crossing_points.h"
 
 #include "halflight/base/parallel.h"

@@ -1,6 +1,7 @@
 // Stitches light along the seams that seam_edges.cpp finds.
+#include "bake/seams.h"
 #include "bake/seam_parts.h"
-#include "bake/stages.h"
+#include "bake/texel_places.h"
 
 #include "halflight/base/memory.h"
 #include "halflight/base/parallel.h"

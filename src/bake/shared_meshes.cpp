@@ -1,6 +1,6 @@
 #include "bake/shared_meshes.h"
 
-#include "bake/stages.h"
+#include "bake/flatten.h"
 
 #include <cmath>
 

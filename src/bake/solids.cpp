@@ -1,7 +1,8 @@
 // Solids: closed surfaces that face outward, found by connectivity alone. Inward-facing ones that are no rooms are
 // flipped.
+#include "bake/solids.h"
 #include "bake/components.h"
-#include "bake/stages.h"
+#include "bake/flatten.h"
 
 #include "halflight/base/parallel.h"
 

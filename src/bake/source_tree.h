@@ -1,7 +1,7 @@
 #pragma once
 // The scene before it is unwrapped, with rays through it.
 
-#include "bake/stages.h"
+#include "halflight/bake/integrator.h"
 
 #include <cstddef>
 #include <memory>

@@ -1,7 +1,7 @@
 #pragma once
 // Neighbours of texels on the surface, across the seams between charts and objects.
 
-#include "bake/stages.h"
+#include "bake/seams.h"
 #include "halflight/bake/texel_grid.h"
 
 #include <array>

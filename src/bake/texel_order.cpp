@@ -1,6 +1,6 @@
 #include "bake/texel_order.h"
 
-#include "bake/stages.h"
+#include "bake/texel_places.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,5 +1,6 @@
 // Sample points of texels, and their world-space places.
-#include "bake/stages.h"
+#include "bake/texel_places.h"
+#include "bake/triangle_frame.h"
 
 #include "halflight/base/random.h"
 

@@ -2,10 +2,10 @@
 
 #include "halflight/base/encoded_image.h"
 #include "halflight/base/file.h"
-#include "scene/load_document.h"
 #include "scene/decompress.h"
 #include "scene/external_files.h"
 #include "scene/limits.h"
+#include "scene/load_document.h"
 #include "scene/meshopt_encode.h"
 #include "scene/optimize_meshes.h"
 #include "scene/optimize_pictures.h"

@@ -1,18 +1,18 @@
 #include "scene/read_baked.h"
 
 #include "halflight/base/text.h"
-#include "scene/load_document.h"
 #include "scene/bake_members.h"
 #include "scene/check_bake.h"
 #include "scene/limits.h"
+#include "scene/load_document.h"
 #include "scene/origin.h"
-#include "scene/recorded_origin.h"
-#include "scene/texture_coordinates.h"
 #include "scene/read_pictures.h"
 #include "scene/read_probes.h"
 #include "scene/read_reflections.h"
 #include "scene/read_scene.h"
+#include "scene/recorded_origin.h"
 #include "scene/setting_values.h"
+#include "scene/texture_coordinates.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,7 +1,7 @@
+#include "scene/read_materials.h"
 #include "scene/decode_textures.h"
 #include "scene/decompress.h"
 #include "scene/material_sides.h"
-#include "scene/read_materials.h"
 
 #include <algorithm>
 #include <cmath>

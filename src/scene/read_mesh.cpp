@@ -1,8 +1,8 @@
+#include "scene/read_mesh.h"
 #include "scene/geometry.h"
 #include "scene/material_sides.h"
-#include "scene/read_mesh.h"
-#include "scene/texture_coordinates.h"
 #include "scene/tangents.h"
+#include "scene/texture_coordinates.h"
 
 #include "halflight/base/finite.h"
 

@@ -4,8 +4,8 @@
 #include "scene/bake_members.h"
 #include "scene/ktx2.h"
 #include "scene/origin.h"
-#include "scene/recorded_origin.h"
 #include "scene/read_pictures.h"
+#include "scene/recorded_origin.h"
 
 #include <cmath>
 

@@ -2,19 +2,19 @@
 
 #include "halflight/base/parallel.h"
 #include "halflight/base/text.h"
-#include "scene/load_document.h"
 #include "scene/advice.h"
 #include "scene/emission_unit.h"
 #include "scene/extensions.h"
 #include "scene/limits.h"
+#include "scene/load_document.h"
 #include "scene/nodes.h"
 #include "scene/origin.h"
-#include "scene/recorded_origin.h"
 #include "scene/read_lights.h"
 #include "scene/read_materials.h"
 #include "scene/read_mesh.h"
 #include "scene/read_reflections.h"
 #include "scene/read_sky.h"
+#include "scene/recorded_origin.h"
 #include "scene/skin.h"
 
 #include <algorithm>

@@ -2,7 +2,11 @@
 // Scenes made in code, with lightmap coordinates given by hand: the bake's stages are tested without reader and
 // unwrapper.
 
-#include "bake/stages.h"
+#include "bake/channels.h"
+#include "bake/facet_orientation.h"
+#include "bake/flatten.h"
+#include "bake/indices.h"
+#include "bake/rasterize.h"
 #include "halflight/bake_cpu/embree_integrator.h"
 #include "halflight/base/image.h"
 #include "halflight/scene/scene.h"

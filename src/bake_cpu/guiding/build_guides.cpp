@@ -1,7 +1,5 @@
 #include "bake_cpu/guiding/build_guides.h"
 
-#include "bake/refinements.h"
-
 #include "bake_cpu/guiding/receiver_grid.h"
 
 #include "halflight/base/parallel.h"
@@ -222,9 +220,8 @@ private:
             width_ *= kWider;
             const std::vector<uint32_t> parents = grid_.coarsen(width_);
             for (uint32_t& region : regionOfGuide) region = parents[region];
-            if (refinements.widerGuides)
-                addWiderGuides(open, regionOfGuide, {level < kGuideLevels ? kEnoughHits : 0.0f, kMuchVariance});
-            if (level == kSharedLevel && refinements.sharedGuides) addShared(regionOfGuide, illuminances, components);
+            addWiderGuides(open, regionOfGuide, {level < kGuideLevels ? kEnoughHits : 0.0f, kMuchVariance});
+            if (level == kSharedLevel) addShared(regionOfGuide, illuminances, components);
         }
     }
 
@@ -372,7 +369,7 @@ Guides buildGuides(const Radiosity& radiosity, const TexelMap& map, const RayTra
 {
     const PatchLayout& layout = radiosity.solution.cache.layout();
     const std::vector<PatchLight> patches = findPatchLights(radiosity, map, tracer.geometry());
-    if (!(layout.texelMeters > 0.0f) || !refinements.guides) return {};
+    if (!(layout.texelMeters > 0.0f)) return {};
     return GuideBuilder(patches, layout.texelMeters).build(PatchObservations(radiosity), layout, tracer);
 }
 

@@ -1,7 +1,5 @@
 #include "bake_cpu/guiding/light_clusters.h"
 
-#include "bake/refinements.h"
-
 #include "bake_cpu/guiding/receiver_grid.h"
 
 #include "halflight/base/memory.h"
@@ -84,9 +82,7 @@ LightClusters::LightClusters(std::span<const PatchLight> patches, std::span<cons
     for (std::size_t i = 0; i < patches.size(); ++i) {
         const PatchLight& patch = patches[i];
         members_[i].cluster = clusterOfHit[i];
-        if (!refinements.unseenSources || timesHit[i] > 0 || patch.axis == PatchLight::kNoAxis ||
-            !(patch.radiance < kInfinity))
-            continue;
+        if (timesHit[i] > 0 || patch.axis == PatchLight::kNoAxis || !(patch.radiance < kInfinity)) continue;
         const uint64_t key = grid.key(patch.position, patch.axis);
         const auto found = std::lower_bound(clusterKeys.begin(), clusterKeys.end(), key);
         if (found == clusterKeys.end() || *found != key) continue;

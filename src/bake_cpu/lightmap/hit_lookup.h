@@ -1,7 +1,6 @@
 #pragma once
 // Radiance of the patches that a block's rays hit.
 
-#include "bake/refinements.h"
 #include "bake_cpu/lightmap/block_sums.h"
 #include "bake_cpu/radiosity/radiance_cache.h"
 
@@ -37,16 +36,6 @@ public:
         FaceId face;
         vec2 barycentric{0.0f};
     };
-    /// Both steps at once for one sample.
-    void findNow(std::size_t sample, FaceId face, vec2 barycentric, PatchId patch, float distance)
-    {
-        const PatchRadiance* patches = cache_->patches();
-        PatchId& cached = cached_[sample];
-        cached = patch;
-        if (patches[patch].usableAt(distance)) return;
-        cached = cache_->layout().elementAt(face, barycentric, patch);
-        if (cached != kNoPatch && !patches[cached].usableAt(distance)) cached = kNoPatch;
-    }
     /// Second step, RadianceCache::find() for samples whose patches are set: radiance() is that of the patch or element
     /// over distanceOf(sample). pointOf(sample) is called for elements.
     template<typename DistanceOf, typename PointOf>
@@ -66,22 +55,6 @@ private:
 
 inline void HitLookup::lookUp(const RayBundle& bundle)
 {
-    for (int stratum = 0; !refinements.prefetch && stratum < StratifiedPattern::kBlock; ++stratum) {
-        for (int lane = 0; lane < TexelGroup::kLanes; ++lane) {
-            const std::size_t sample = sampleOf(stratum, lane);
-            Hit& hit = hits_[sample];
-            hit = {kNoPatch, bundle.found(stratum, lane), false};
-            cached_[sample] = kNoPatch;
-            if (!hit.found || cache_ == nullptr) continue;
-            const FaceId face = tracer_.faceOf(bundle.rays[std::size_t(stratum)], lane);
-            if (!cache_->layout().hasPatches(face)) continue;
-            hit.emissive = cache_->layout().emissive(face);
-            const vec2 barycentric = embree::barycentricOf(bundle.rays[std::size_t(stratum)], lane);
-            hit.patch = cache_->layout().patchAt(face, barycentric);
-            findNow(sample, face, barycentric, hit.patch, bundle.distance(stratum, lane));
-        }
-    }
-    if (!refinements.prefetch) return;
     std::array<FaceId, kBlockSamples> faces;
     for (int stratum = 0; stratum < StratifiedPattern::kBlock; ++stratum) {
         for (int lane = 0; lane < TexelGroup::kLanes; ++lane) {

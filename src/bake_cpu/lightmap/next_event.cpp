@@ -1,7 +1,5 @@
 #include "bake_cpu/lightmap/next_event.h"
 
-#include "bake/refinements.h"
-
 #include <algorithm>
 #include <cmath>
 
@@ -17,7 +15,6 @@ constexpr uint32_t kShuffleSeed = 0x5eed0011u;
 /// square in the same strata. Rows and columns of the pattern remain such.
 int xorShuffle(uint32_t texelId)
 {
-    if (!refinements.stratumShuffle) return 0;
     return int(hashCombine(kShuffleSeed, texelId) & (StratifiedPattern::kBlock - 1));
 }
 
@@ -27,7 +24,7 @@ int samplesOf(const Guide& guide)
 {
     constexpr int kAll = StratifiedPattern::kBlock;
     if (guide.local.count + guide.shared.count == 0) return 0;
-    const float deviation = refinements.sourceShares ? std::sqrt(guide.relativeVariance) : 0.0f;
+    const float deviation = std::sqrt(guide.relativeVariance);
     return deviation >= 2.0f ? kAll : deviation >= 1.0f ? kAll / 2 : kAll / 4;
 }
 
@@ -112,30 +109,8 @@ void NextEvent::chooseSources(const GatherGroup& group, int number, std::span<co
             if (!samplesSource(lane, number, stratum)) continue;
             const std::size_t sample = sampleOf(stratum, i);
             choices_[sample] = guides_->chooseCluster(guide_[lane], points.unit(stratum ^ shuffle));
-            if (!refinements.prefetch) {
-                SourceChoice& choice = choices_[sample];
-                points_[sample].pdfArea = 0.0f;
-                if (choice.index != SourceChoice::kNone) clusters.chooseBin(choice);
-                if (choice.index == SourceChoice::kNone) continue;
-                clusters.chooseTriangle(choice);
-                clusters.choosePoint(choice, points_[sample]);
-                if (points_[sample].pdfArea <= 0.0f) continue;
-                const float distance = glm::distance(block.bundle.origin(stratum, i), points_[sample].position);
-                block.hits.findNow(sample, points_[sample].face, points_[sample].barycentric, points_[sample].patch,
-                                   distance);
-                continue;
-            }
             chosen.addIf(choices_[sample].index != SourceChoice::kNone, sample);
         }
-    }
-    if (!refinements.prefetch) {
-        for (const uint8_t stratum : strata) {
-            for (std::size_t lane = 0; lane < kLanes; ++lane) {
-                if (sourceSamples_[lane] == 0 || !samplesSource(lane, number, stratum))
-                    points_[sampleOf(stratum, int(lane))].pdfArea = 0.0f;
-            }
-        }
-        return;
     }
     for (const std::size_t sample : chosen.samples()) clusters.chooseBin(choices_[sample]);
     for (const std::size_t sample : chosen.samples()) {
@@ -220,7 +195,7 @@ void NextEvent::sampleEmitters(const GatherGroup& group, int number, GatherBlock
         if (!emitterLanes_[lane]) continue;
         const float gathered = luminance(estimates[lane].gathered.mean());
         const float expected = cut_.total[lane] + skyIlluminance;
-        const float survival = refinements.emitterRoulette ? PathTracer::rouletteSurvival(expected, gathered) : 1.0f;
+        const float survival = PathTracer::rouletteSurvival(expected, gathered);
         if (skyIlluminance > 0.0f) skyShare[lane] = paths_.emitters().empty() ? 1.0f : skyIlluminance / expected;
         const uint32_t roulette = hashCombine(settings_.seed ^ kRouletteSeed ^ group.id(i), uint32_t(number));
         sampled[lane] = std::min(int(survival * float(kBlock) + unitFloat(roulette)), kBlock);

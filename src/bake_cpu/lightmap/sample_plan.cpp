@@ -1,7 +1,5 @@
 #include "bake_cpu/lightmap/sample_plan.h"
 
-#include "bake/refinements.h"
-
 #include "halflight/base/parallel.h"
 #include "halflight/base/random.h"
 
@@ -102,9 +100,9 @@ float SamplePlan::demand(uint32_t texel, const TexelStates& states) const
 {
     const Noise noise = noiseAround(texel, states);
     // The denoiser averages over the neighbours that exist.
-    const float fewest = kFewestTimes * (refinements.planRims ? float(kAround) / float(noise.texels) : 1.0f);
-    const float light = refinements.planMapMean ? std::sqrt(std::sqrt(noise.mean * mapMean_) * mapMean_) : mapMean_;
-    const float factor = settings_.cache.denoised && refinements.planDetail ? detail(texel, noise) : 1.0f;
+    const float fewest = kFewestTimes * float(kAround) / float(noise.texels);
+    const float light = std::sqrt(std::sqrt(noise.mean * mapMean_) * mapMean_);
+    const float factor = settings_.cache.denoised ? detail(texel, noise) : 1.0f;
     const float times = light > 0.0f ? factor * std::sqrt(noise.trimmed) / (kNoise * light) : 0.0f;
     return std::clamp(times, fewest, kMostTimes);
 }
@@ -132,7 +130,7 @@ SamplePlan::Noise SamplePlan::noiseAround(uint32_t texel, const TexelStates& sta
         inverseSquares += e.meanInverseSquare();
     });
     if (count == 0) return {.texels = texels};
-    const std::size_t most = refinements.planTrimmed ? count - count / 5 : count;
+    const std::size_t most = count - count / 5;
     if (most < count) std::nth_element(own.begin(), own.begin() + most, own.begin() + count);
     const float trimmed = std::accumulate(own.begin(), own.begin() + most, 0.0f) / float(most);
     return {squares / freedom, trimmed * float(count) / freedom, mean / float(count), texels,

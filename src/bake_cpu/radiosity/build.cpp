@@ -1,7 +1,5 @@
 #include "bake_cpu/radiosity/build.h"
 
-#include "bake/refinements.h"
-
 #include "bake_cpu/radiosity/split_patches.h"
 
 #include "halflight/bake/part_folder.h"
@@ -66,7 +64,7 @@ private:
     /// Parts of a pass that processes share: at most 128, of 4 ranges or more.
     static constexpr std::size_t kMostParts = 128;
     static constexpr std::size_t kFewestRanges = 4;
-    static bool isOccluded(PatchState s) { return s.occluded && refinements.splitOccluded; }
+    static bool isOccluded(PatchState s) { return s.occluded; }
     static bool isHit(PatchState s) { return s.hit; }
 
     void buildFronts()
@@ -80,7 +78,7 @@ private:
         thinOut(texels, input_.map, patches_.charts, every);
         gather(PassKind::Fronts, texels);
         markHits();
-        patches_.split(0, [](PatchState s) { return s.hitNear && refinements.splitNear; });
+        patches_.split(0, [](PatchState s) { return s.hitNear; });
     }
 
     /// Backs and triangles that rays of the fronts hit.

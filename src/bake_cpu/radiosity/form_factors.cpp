@@ -1,7 +1,5 @@
 #include "bake_cpu/radiosity/form_factors.h"
 
-#include "bake/refinements.h"
-
 #include "bake_cpu/sample/shadow_packet.h"
 
 #include <algorithm>
@@ -29,8 +27,7 @@ FormFactorEffort effortOf(const IntegrationSettings& settings, PassKind kind, in
     const int all = times * kRays;
     if (kind != PassKind::Fronts && kind != PassKind::Backs) return {all / 2, all / 4};
     const int rays = all >> (2 * patchShift);
-    return {std::max(rays, kFewestRays), std::max(rays / 2, 1),
-            refinements.thinnedGather ? std::max((1 << patchShift) / (2 * times), 1) : 1};
+    return {std::max(rays, kFewestRays), std::max(rays / 2, 1), std::max((1 << patchShift) / (2 * times), 1)};
 }
 
 FormFactorSampler::FormFactorSampler(const PatchPass& pass, FormFactorRange& out)

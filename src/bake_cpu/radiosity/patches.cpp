@@ -1,7 +1,5 @@
 #include "bake_cpu/radiosity/patches.h"
 
-#include "bake/refinements.h"
-
 #include "halflight/base/parallel.h"
 
 #include <atomic>
@@ -186,8 +184,7 @@ void Patches::addTriangles(const RayTracer& tracer, const TexelMap& map)
 /// False if there would be too many patches.
 bool Patches::split(PatchId patch)
 {
-    const bool half =
-        layout.patchShift == 0 || (refinements.halfTexels && layout.patchShift == 1 && state[patch].occluded);
+    const bool half = layout.patchShift == 0 || (layout.patchShift == 1 && state[patch].occluded);
     const std::size_t next = state.size() + (std::size_t(1) << (2 * (layout.patchShift + (half ? 1 : 0))));
     if (next > kMaxPatches) return false;
     layout.elements[patch] = {uint32_t(state.size()) & kMaxPatches, half ? 1u : 0u, 1};

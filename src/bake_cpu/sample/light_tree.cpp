@@ -1,7 +1,5 @@
 #include "bake_cpu/sample/light_tree.h"
 
-#include "bake/refinements.h"
-
 #include <algorithm>
 #include <cmath>
 
@@ -86,30 +84,11 @@ LightTree::Quad::Lanes<float> LightTree::probabilities(const Quad& quad, vec3 po
     return weights;
 }
 
-/// Probability of a node's first child; negative if no light is in range.
-float LightTree::probabilityOfFirst(uint32_t node, vec3 position, vec3 normal) const
-{
-    const float first = importance(nodes_[node + 1], position, normal);
-    const float sum = first + importance(nodes_[nodes_[node].second], position, normal);
-    if (sum > 0.0f && sum < kInfinity) return first / sum;
-    return sum <= 0.0f ? -1.0f : 0.5f; // the sum overflowed
-}
-
 LightTree::Choice LightTree::sample(vec3 position, vec3 normal, float u, uint32_t node) const
 {
     Choice choice{~0u, 1.0f, u};
     if (nodes_[node].leaf && nodes_[node].range > 0.0f && importance(nodes_[node], position, normal) <= 0.0f) {
         return {~0u, 0.0f, u};
-    }
-    while (!refinements.lightTreeQuads && !nodes_[node].leaf) {
-        const uint32_t second = nodes_[node].second;
-        const float p = probabilityOfFirst(node, position, normal);
-        if (!(p >= 0.0f)) return {~0u, 0.0f, u};
-        const bool first = choice.u < p;
-        const float probability = first ? p : 1.0f - p;
-        choice.u = std::min((first ? choice.u : choice.u - p) / probability, 0x1.fffffep-1f);
-        choice.probability *= probability;
-        node = first ? node + 1 : second;
     }
     while (!nodes_[node].leaf) {
         const Quad& quad = quads_[nodes_[node].quad];
@@ -178,12 +157,6 @@ float LightTree::climb(uint32_t item, const Cut* cut, std::size_t lane, vec3 pos
         if (n == kRoot) return 0.0f;
     }
     float probability = 1.0f;
-    for (; !refinements.lightTreeQuads && levels > 0; --levels) {
-        const uint32_t parent = nodes_[node].parent;
-        const float p = probabilityOfFirst(parent, position, normal);
-        probability *= !(p >= 0.0f) ? 0.0f : node == parent + 1 ? p : 1.0f - p;
-        node = parent;
-    }
     while (levels > 0) {
         // Quads cover two levels; one level is left if their number is odd.
         const int step = levels % 2 == 0 ? 2 : 1;
@@ -223,7 +196,7 @@ LightTree::Cut LightTree::cut(const Points& positions, const Points& normals) co
         }
     };
     set({}, {});
-    const std::size_t nodes = refinements.lightTreeCut ? std::min(Cut::kMaxNodes, leafOfItem_.size()) : 1;
+    const std::size_t nodes = std::min(Cut::kMaxNodes, leafOfItem_.size());
     for (cut.count = 1; cut.count < nodes; ++cut.count) {
         Weights most = toOpen[0];
         Cut::Lanes<uint32_t> widest{};

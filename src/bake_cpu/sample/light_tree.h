@@ -138,7 +138,6 @@ private:
     [[nodiscard]] Weights importance(const Cut::Lanes<uint32_t>& nodes, const Points& positions,
                                      const Points& normals) const;
     void makeQuads();
-    [[nodiscard]] float probabilityOfFirst(uint32_t node, vec3 position, vec3 normal) const;
     /// Probabilities of a quad's nodes; all zero if no light is in range.
     [[nodiscard]] Quad::Lanes<float> probabilities(const Quad& quad, vec3 position, vec3 normal) const;
     /// Probability of an item given the root, or given the node of the cut above it, whose index is written.

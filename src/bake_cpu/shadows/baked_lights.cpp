@@ -1,7 +1,6 @@
 #include "bake_cpu/shadows/baked_lights.h"
 
-#include "bake/refinements.h"
-#include "bake/stages.h"
+#include "bake/even_texels.h"
 
 #include "bake_cpu/shadows/light_reach.h"
 #include "bake_cpu/shadows/shadow_rays.h"
@@ -139,7 +138,7 @@ public:
         };
         add(0);
         // Texels across a fold take as many points as shadow edges have rays. Partly valid texels have batch 0 only.
-        if (refinements.foldBatches && most - least > kEvenIrradiance * most && mask_ == kAllPoints) {
+        if (most - least > kEvenIrradiance * most && mask_ == kAllPoints) {
             const int batches = std::min(pass_.timesOnEdges * pass_.samples / kMaxTexelPoints, kMostBatches);
             for (int batch = 1; batch < batches; ++batch) add(batch);
         }

@@ -1,7 +1,5 @@
 #include "bake_cpu/shadows/shadow_pass.h"
 
-#include "bake/refinements.h"
-
 #include "bake_cpu/texels/texel_set.h"
 
 #include "halflight/base/memory.h"
@@ -38,7 +36,7 @@ public:
         const int lastHalves = std::min(pass_.timesOnEdges * halves, kMostHalves);
         const int nextHalves = std::min(2 * firstHalves, lastHalves);
         if (!traceHalves(0, firstHalves, partOf(pass_.progress, 0.5, 0.7))) return false;
-        keepOpen(refinements.besideEdges ? BesideEdge : Closed);
+        keepOpen(BesideEdge);
         if (!traceHalves(firstHalves, nextHalves, partOf(pass_.progress, 0.7, 0.85))) return false;
         keepOpen(Closed);
         return traceHalves(nextHalves, lastHalves, partOf(pass_.progress, 0.85, 1.0));

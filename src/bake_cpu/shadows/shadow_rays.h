@@ -1,7 +1,6 @@
 #pragma once
 // Packets of shadow rays from texels to lights.
 
-#include "bake/refinements.h"
 #include "bake_cpu/sample/shadow_packet.h"
 #include "bake_cpu/shadows/light_reach.h"
 #include "bake_cpu/texels/texel_group.h"
@@ -28,7 +27,6 @@ public:
     {
         constexpr int kMany = 32768;      // batches that are compared
         constexpr std::size_t kFew = 256; // batches that neighbours choose among
-        if (!refinements.firstBatches) return int(hashPcg(id) % kFew);
         static const std::vector<std::pair<float, int>> few = [] {
             std::vector<std::pair<float, int>> batches;
             for (int batch = 0; batch < kMany; ++batch) {

@@ -1,7 +1,6 @@
 #pragma once
 // The gather rays of one sample block of eight texels.
 
-#include "bake/refinements.h"
 #include "bake_cpu/texels/texel_group.h"
 #include "bake_cpu/trace/lanes.h"
 
@@ -56,9 +55,7 @@ struct RayBundle {
         std::array<Vec3Lanes<TexelGroup::kLanes>, StratifiedPattern::kBlock> locals;
         for (const uint8_t stratum : strata) {
             for (std::size_t lane = 0; lane < TexelGroup::kLanes; ++lane) {
-                locals[stratum].set(lane, refinements.directionTables
-                                              ? pattern.direction(blocks[lane].bits(stratum))
-                                              : shading::sampleCosineHemisphere(blocks[lane].unit(stratum)));
+                locals[stratum].set(lane, pattern.direction(blocks[lane].bits(stratum)));
             }
         }
         for (const uint8_t stratum : strata) {

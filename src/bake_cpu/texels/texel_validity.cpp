@@ -1,7 +1,5 @@
 #include "bake_cpu/texels/texel_validity.h"
 
-#include "bake/refinements.h"
-
 #include <algorithm>
 #include <bit>
 
@@ -61,7 +59,7 @@ bool TexelValidity::insideSolids(const TexelPoints& points, PointMask group, uin
         const SurfacePoint& point = points[std::size_t(nthBit(group, s * count / kRays))];
         inside += crossingsFrom(point, id, s, rays).solidsLeft > 0 ? 1 : 0;
         if (inside == 0) return false;
-        if (refinements.validityEarlyOut && rayCount == kFewRays && inside == kFewRays) break;
+        if (rayCount == kFewRays && inside == kFewRays) break;
     }
     return 2 * inside > rayCount;
 }
@@ -116,7 +114,7 @@ PointMask TexelValidity::behindShells(const TexelPoints& points, PointMask candi
         }
         // The test ends early if nearly all of as many rays as two of each point of a whole texel hit hidden backs.
         const bool allHit = s == 0 ? hit == candidates : open == candidates;
-        if (refinements.validityEarlyOut && allHit && std::popcount(open) * (s + 1) >= 2 * kMaxTexelPoints) break;
+        if (allHit && std::popcount(open) * (s + 1) >= 2 * kMaxTexelPoints) break;
     }
     return open;
 }
@@ -224,7 +222,7 @@ void TexelValidity::testBlock(std::span<BlockTexel> texels, uint64_t& rays) cons
         all.bounds.extend(t.box.bounds);
     }
     const NearTriangles near(paths_.surfaces(), all);
-    if (refinements.validityScouts && near.isEmpty(all) && testTogether(texels, rays)) return;
+    if (near.isEmpty(all) && testTogether(texels, rays)) return;
     for (BlockTexel& t : texels)
         if (t.wanted) t.valid = testOne(t, near, rays);
 }
@@ -237,8 +235,7 @@ PointMask TexelValidity::testOne(const BlockTexel& t, const NearTriangles& near,
     const bool nothingBetween = near.isEmpty(t.box);
     const int backs = std::popcount(hitBacks(t.points, some, t.id, 0, rays));
     const bool outsideShells = backs == 0 || (nothingBetween && !manyBacks(backs, kRays));
-    if (refinements.validityScouts && outsideShells &&
-        (nothingBetween || visibleFrom(t.points, 0, all, liftOf(t.points), rays) == all))
+    if (outsideShells && (nothingBetween || visibleFrom(t.points, 0, all, liftOf(t.points), rays) == all))
         return anySolid_ && insideSolids(t.points, all, t.id, rays) ? PointMask(0) : kAllPoints;
     return validPoints(t.points, t.pointCount, t.id, rays);
 }

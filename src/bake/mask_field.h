@@ -1,0 +1,15 @@
+#pragma once
+// Masks as distances to the edge of a shadow.
+
+#include "halflight/bake/integrator.h"
+
+#include <array>
+#include <vector>
+
+namespace halflight {
+
+/// Turns channels whose shadows have narrow penumbrae into distance fields (shading/mask.h); other channels stay
+/// attenuation. Returns the encoding of each channel.
+std::array<MaskChannel, 4> maskToDistances(const TexelMap& map, std::vector<vec4>& mask);
+
+} // namespace halflight
