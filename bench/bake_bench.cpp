@@ -6,9 +6,14 @@
 // Scenes: the built-in "cornell" (a box with an emissive quad), or glTF files; FILE@sun leaves them the sun and the
 // sky.
 
+#include "bake/denoise/denoise.h"
+#include "bake/geometry/indices.h"
+#include "bake/pages/dilate.h"
+#include "bake/pages/encode.h"
+#include "bake/seams/seams.h"
+#include "bake/texels/rasterize.h"
 #include "measure.h"
 
-#include "bake/stages.h"
 #include "bake_cpu/guiding/build_guides.h"
 #include "bake_cpu/lightmap/lightmap_run.h"
 

@@ -1,7 +1,9 @@
 #pragma once
 // Scenes for bake_bench: files, and some made in code.
 
-#include "bake/stages.h"
+#include "bake/geometry/flatten.h"
+#include "bake/lights/channels.h"
+#include "bake/texels/rasterize.h"
 #include "halflight/scene/gltf.h"
 #include "halflight/unwrap/unwrap.h"
 

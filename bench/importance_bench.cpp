@@ -6,7 +6,7 @@
 // Without: all light is met by directions of the BRDF (EmitterSampling::Directions). With: multiple importance sampling
 // with directions to the sky's bright places and points of the lights (EmitterSampling::Both), as bakes, probes and
 // references sample them. The light is of one kind each time: all others are removed.
-#include "bake/stages.h"
+#include "bake/geometry/flatten.h"
 #include "bake_cpu/reference/reference_tracer.h"
 
 #include "halflight/base/parallel.h"

@@ -1,7 +1,7 @@
 // Memory of geometry whose meshes are shared, and the rate of rays in it. `bench_instances [INSTANCES]`
+#include "bake/geometry/flatten.h"
 #include "measure.h"
 
-#include "bake/stages.h"
 #include "bake_cpu/trace/ray_tracer.h"
 #include "halflight/base/random.h"
 

@@ -1,7 +1,6 @@
 // Options, bakes and errors of bench_bake.
 #include "measure.h"
-
-#include "bake/stages.h"
+#include "bake/geometry/indices.h"
 
 #include "halflight/bake_cpu/embree_integrator.h"
 #include "halflight/base/system.h"

@@ -7,9 +7,10 @@
 // error of the light of texels that charts cover against the finished pages, relative to that light's own root mean
 // square. The session is asked for its tiles every 0.3 s, as the window does; times of the comparison are not counted.
 // Wall time: use a quiet machine.
+#include "bake/geometry/flatten.h"
+#include "bake/texels/rasterize.h"
 #include "session_arguments.h"
 
-#include "bake/stages.h"
 #include "halflight/bake/bake_session.h"
 #include "halflight/bake_cpu/embree_integrator.h"
 #include "halflight/base/rgb9e5.h"

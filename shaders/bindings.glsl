@@ -2,7 +2,7 @@
 #ifndef HALFLIGHT_BINDINGS_GLSL
 #define HALFLIGHT_BINDINGS_GLSL
 
-#include "render/gpu_layout.h"
+#include "render/scene/gpu_layout.h"
 
 layout(std140, set = 0, binding = kBindFrame) uniform FrameBlock { GpuFrame frame; };
 layout(std430, set = 0, binding = kBindObjects) readonly buffer ObjectBlock { GpuObject objects[]; };

@@ -4,7 +4,7 @@
 #ifndef HALFLIGHT_HASHED_ALPHA_GLSL
 #define HALFLIGHT_HASHED_ALPHA_GLSL
 
-#include "render/gpu_layout.h"
+#include "render/scene/gpu_layout.h"
 
 const int kAlphaLayers = 8;
 

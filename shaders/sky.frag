@@ -1,7 +1,7 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_nonuniform_qualifier : require
-// The sky where nothing was drawn. Its alpha of 0 says so (src/render/samples.h).
+// The sky where nothing was drawn. Its alpha of 0 says so (src/render/passes/samples.h).
 #include "sky.glsl"
 
 layout(location = 0) out vec4 outRadiance;

@@ -27,9 +27,25 @@ ALLOWED = {
     "view": {"render", "render/frame", "bake_cpu", "bake", "unwrap", "gpu", "scene", "shading", "base"},
 }
 
+def floors(*names):
+    """Folders from the lowest up: each may include those before it."""
+    return {name: set(names[:i]) for i, name in enumerate(names)}
+
+
 # Folders inside a module -> folders of the same module they may include besides themselves. Files outside these folders
 # may include all of them, and none of the folders may include such a file.
 FOLDERS = {
+    "scene": floors(
+        "model", "pictures", "document", "document/decode", "format", "load", "settings", "read/geometry",
+        "read/looks", "read", "write", "files"
+    ),
+    "bake": floors(
+        "settings", "geometry", "texels", "seams", "denoise", "pages", "sides", "cache", "lights", "report",
+        "probes", "reflections", "live"
+    ),
+    "unwrap": floors("surface", "objects", "charts", "pack", "cuts", "result"),
+    "render": floors("frame", "scene", "passes"),
+    "view": floors("state", "panels", "window", "scene"),
     "bake_cpu": {
         "trace": set(),
         "sample": {"trace"},
@@ -102,8 +118,8 @@ def folder_problem(where, name, target_file):
     if parts[0] != "src" or target[0] != "src" or parts[1] != target[1] or parts[1] not in FOLDERS or len(parts) < 4:
         return None
     folders = FOLDERS[parts[1]]
-    folder = parts[2]
-    other = target[2] if len(target) > 3 else None
+    folder = "/".join(parts[2:-1])
+    other = "/".join(target[2:-1]) or None
     if folder not in folders:
         return f"{where}: {parts[1]}/{folder} is not in FOLDERS of tests/module_directions.py"
     if other == folder or other in folders[folder]:

@@ -1,4 +1,5 @@
 #include "quality/baked.h"
+#include "bake/geometry/flatten.h"
 
 #include "halflight/bake_cpu/embree_integrator.h"
 #include "halflight/base/image_filter.h"

@@ -1,7 +1,6 @@
 #pragma once
 // A baked scene as a renderer reads it: encoded pages decoded again, filtered at points of surfaces.
 
-#include "bake/stages.h"
 #include "halflight/bake/bake.h"
 
 #include <filesystem>

@@ -1,4 +1,8 @@
 #include "quality/measures.h"
+#include "bake/pages/dilate.h"
+#include "bake/seams/seams.h"
+#include "bake/texels/rasterize.h"
+#include "bake/texels/texel_places.h"
 
 #include "quality/baked.h"
 

@@ -1,5 +1,6 @@
 // What is seen of the joints of a modular kit in steep and noisy light.
 
+#include "bake/seams/seams.h"
 #include "quality/baked.h"
 #include "quality/measures.h"
 

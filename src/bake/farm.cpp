@@ -1,7 +1,9 @@
 #include "halflight/bake/farm.h"
 
-#include "bake/front.h"
-#include "bake/front_parts.h"
+#include "bake/probes/probes.h"
+
+#include "bake/first_stages.h"
+#include "bake/first_stages_parts.h"
 
 #include "halflight/base/parallel.h"
 #include "halflight/base/random.h"
@@ -54,44 +56,46 @@ private:
 };
 
 /// The error of a stage that returned false.
-Error reasonOf(const Progress& progress, const Front& front)
+Error reasonOf(const Progress& progress, const FirstStages& firstStages)
 {
-    return progress.cancelled() || front.cache->status() ? cancelledError() : front.cache->status().error();
+    return progress.cancelled() || firstStages.cache->status() ? cancelledError() : firstStages.cache->status().error();
 }
 
 /// The first process solves the radiosity system. The others do probes and masks meanwhile, and then find the solution,
 /// or solve it themselves.
-Status prepareStage(const Stages& stages, Front& front, const FarmBake& planned, const FarmWork& work)
+Status prepareStage(const BakeRun& run, FirstStages& firstStages, const FarmBake& planned, const FarmWork& work)
 {
-    PartFolder& parts = front.cache->parts();
+    PartFolder& parts = firstStages.cache->parts();
     if (parts.contains(kPrepared)) return {};
     const bool first = parts.share().index == 0;
-    const bool shared = first ? front.integrator->prepareIrradiance(front.map, stages.progress)
-                              : front.integrator->shareIrradiance(front.map, stages.progress);
-    if (!shared) return reasonOf(stages.progress, front);
-    const BakeSettings& settings = stages.settings;
+    const bool shared = first ? firstStages.integrator->prepareIrradiance(firstStages.map, run.progress)
+                              : firstStages.integrator->shareIrradiance(firstStages.map, run.progress);
+    if (!shared) return reasonOf(run.progress, firstStages);
+    const BakeSettings& settings = run.settings;
     std::vector<std::string> warnings; // the bake's own run of this stage says them
-    const auto probes = bakeProbes(stages.baked().scene, settings.probeSpacingMeters, settings.probeLayout,
-                                   front.integration.cache.denoised, front.gather(), warnings, stages.progress);
-    if (!probes) return reasonOf(stages.progress, front);
+    const auto probes =
+        bakeProbes(run.baked().scene, settings.probeSpacingMeters, settings.probeLayout,
+                   firstStages.integration.cache.denoised, firstStages.cached(), warnings, run.progress);
+    if (!probes) return reasonOf(run.progress, firstStages);
     if (!first) {
         const bool masks = work.stage == FarmStage::All && planned.mask;
-        if (masks && !front.gather().fillShadowmask(work.tiles, stages.progress))
-            return reasonOf(stages.progress, front);
-        if (!front.integrator->prepareIrradiance(front.map, stages.progress)) return reasonOf(stages.progress, front);
+        if (masks && !firstStages.cached().fillShadowmask(work.tiles, run.progress))
+            return reasonOf(run.progress, firstStages);
+        if (!firstStages.integrator->prepareIrradiance(firstStages.map, run.progress))
+            return reasonOf(run.progress, firstStages);
     }
     if (parts.status()) parts.write(kPrepared, {});
     return parts.status();
 }
 
-Status tileStage(const Stages& stages, Front& front, const FarmBake& planned, const FarmWork& work)
+Status tileStage(const BakeRun& run, FirstStages& firstStages, const FarmBake& planned, const FarmWork& work)
 {
-    if (!front.cache->parts().contains(kPrepared))
+    if (!firstStages.cache->parts().contains(kPrepared))
         return Error{ErrorCode::Unsupported, "the cache stage is not complete, which the tiles need"};
-    const Gather gather = front.gather();
-    if (!gather.fillIrradiance(work.tiles, stages.progress)) return reasonOf(stages.progress, front);
-    if (planned.mask && !gather.fillShadowmask(work.tiles, stages.progress)) return reasonOf(stages.progress, front);
-    return front.cache->status();
+    const CachedIntegrator cached = firstStages.cached();
+    if (!cached.fillIrradiance(work.tiles, run.progress)) return reasonOf(run.progress, firstStages);
+    if (planned.mask && !cached.fillShadowmask(work.tiles, run.progress)) return reasonOf(run.progress, firstStages);
+    return firstStages.cache->status();
 }
 
 } // namespace
@@ -101,16 +105,16 @@ Result<FarmBake> planFarm(Scene scene, const BakeSettings& settings, const Integ
 {
     const ThreadLimit threads(settings.threads);
     BakeResult result;
-    const Stages stages{settings, progress, result};
-    Front front;
+    const BakeRun run{settings, progress, result};
+    FirstStages firstStages;
     FarmBake bake;
     bake.inputs = bakeHash(scene, settings).hex();
     const CacheUse use{false, WorkShare{}};
-    if (Status status = prepareTexels(stages, std::move(scene), factory, use, front); !status) return status.error();
-    if (!front.cache) return Error{ErrorCode::WriteFailed, result.report.warnings.back()};
-    bake.folder = front.cache->parts().path().filename().string();
-    bake.texels = front.map.texels.size();
-    bake.tiles = texelParts(front.map.texels.size());
+    if (Status status = prepareTexels(run, std::move(scene), factory, use, firstStages); !status) return status.error();
+    if (!firstStages.cache) return Error{ErrorCode::WriteFailed, result.report.warnings.back()};
+    bake.folder = firstStages.cache->parts().path().filename().string();
+    bake.texels = firstStages.map.texels.size();
+    bake.tiles = texelParts(firstStages.map.texels.size());
     bake.mask = hasMask(result.baked.scene, settings.mode);
     return bake;
 }
@@ -127,24 +131,24 @@ Result<BakeReport> workOnFarm(Scene scene, const BakeSettings& settings, const F
 {
     const ThreadLimit threads(settings.threads);
     BakeResult result;
-    const Stages stages{settings, progress, result};
+    const BakeRun run{settings, progress, result};
     if (Status status = checkFarmInputs(scene, settings, planned); !status) return status.error();
-    Front front;
+    FirstStages firstStages;
     const CacheUse use{compares, work.share};
-    if (Status status = prepareTexels(stages, std::move(scene), factory, use, front); !status) return status.error();
-    if (!front.cache) return Error{ErrorCode::WriteFailed, result.report.warnings.back()};
-    if (front.map.texels.size() != planned.texels || farmTiles(planned.texels) != planned.tiles ||
-        front.cache->parts().path().filename() != planned.folder)
+    if (Status status = prepareTexels(run, std::move(scene), factory, use, firstStages); !status) return status.error();
+    if (!firstStages.cache) return Error{ErrorCode::WriteFailed, result.report.warnings.back()};
+    if (firstStages.map.texels.size() != planned.texels || farmTiles(planned.texels) != planned.tiles ||
+        firstStages.cache->parts().path().filename() != planned.folder)
         return Error{ErrorCode::FileInvalid, "has other texels than the plan says: plan anew"};
-    if (Status status = validityStage(stages, front); !status) return status.error();
+    if (Status status = validityStage(run, firstStages); !status) return status.error();
     if (work.stage != FarmStage::Tiles) {
-        if (Status status = prepareStage(stages, front, planned, work); !status) return status.error();
+        if (Status status = prepareStage(run, firstStages, planned, work); !status) return status.error();
     }
     if (work.stage != FarmStage::Cache && !work.tiles.empty()) {
-        if (Status status = tileStage(stages, front, planned, work); !status) return status.error();
+        if (Status status = tileStage(run, firstStages, planned, work); !status) return status.error();
     }
-    result.report.cache = front.cache->counts();
-    result.report.warnings = std::move(front.notes);
+    result.report.cache = firstStages.cache->counts();
+    result.report.warnings = std::move(firstStages.notes);
     return std::move(result.report);
 }
 

@@ -1,6 +1,6 @@
 #include "halflight/bake_cpu/embree_integrator.h"
 
-#include "bake/flatten.h"
+#include "bake/geometry/flatten.h"
 #include "bake_cpu/reference/reference_tracer.h"
 
 #include "halflight/base/parallel.h"

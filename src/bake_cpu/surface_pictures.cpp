@@ -1,8 +1,8 @@
 #include "halflight/bake_cpu/surface_pictures.h"
 
-#include "bake/dilate.h"
-#include "bake/flatten.h"
-#include "bake/rasterize.h"
+#include "bake/geometry/flatten.h"
+#include "bake/pages/dilate.h"
+#include "bake/texels/rasterize.h"
 #include "bake_cpu/trace/materials.h"
 #include "bake_cpu/trace/texture_filter.h"
 #include "shading/srgb_table.h"

@@ -1,5 +1,5 @@
 // The renderer trusts no index: an engine may have filled the scene itself.
-#include "render/gpu_scene.h"
+#include "render/scene/gpu_scene.h"
 
 #include "halflight/base/finite.h"
 #include "halflight/render/frame.h"

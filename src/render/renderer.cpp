@@ -1,8 +1,9 @@
 #include "halflight/render/renderer.h"
 #include "halflight/base/finite.h"
 
+#include "render/passes/samples.h"
 #include "render/renderer_impl.h"
-#include "render/samples.h"
+#include "render/scene/frame_bindings.h"
 
 #include <glm/gtc/packing.hpp>
 

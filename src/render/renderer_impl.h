@@ -4,10 +4,10 @@
 
 #include "halflight/render/renderer.h"
 #include "halflight/render/vulkan_target.h"
-#include "render/display_pass.h"
-#include "render/frame_data.h"
-#include "render/passes.h"
-#include "render/shadow_switches.h"
+#include "render/passes/display_pass.h"
+#include "render/passes/passes.h"
+#include "render/scene/frame_data.h"
+#include "render/scene/shadow_switches.h"
 
 #include <algorithm>
 #include <array>

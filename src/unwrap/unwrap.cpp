@@ -1,11 +1,11 @@
 #include "halflight/unwrap/unwrap.h"
 
 #include "halflight/base/parallel.h"
-#include "unwrap/assign.h"
-#include "unwrap/cut_scene.h"
-#include "unwrap/pages.h"
-#include "unwrap/shared_texels.h"
-#include "unwrap/sheets.h"
+#include "unwrap/cuts/cut_scene.h"
+#include "unwrap/cuts/sheets.h"
+#include "unwrap/pack/pages.h"
+#include "unwrap/result/assign.h"
+#include "unwrap/result/shared_texels.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,7 +1,7 @@
 #pragma once
 // Three arrows along the world's axes, by which a dynamic object is dragged.
 
-#include "view/navigation.h"
+#include "view/state/navigation.h"
 
 #include <array>
 #include <optional>

@@ -1,5 +1,5 @@
 // What mouse and keys do in the window.
-#include "view/panels.h"
+#include "view/panels/panels.h"
 #include "view/viewer.h"
 
 #include <SDL.h>

@@ -1,6 +1,6 @@
 #include "view/viewer.h"
 
-#include "view/panels.h"
+#include "view/panels/panels.h"
 
 #include <SDL.h>
 #include <imgui.h>

@@ -1,16 +1,16 @@
 #pragma once
 // The window's loop: mouse and keys, frames, and answers to what the panels ask for.
 
-#include "view/comparison.h"
-#include "view/desktop.h"
-#include "view/edited_scene.h"
-#include "view/file_loader.h"
 #include "view/gizmo.h"
-#include "view/live_bake.h"
-#include "view/notices.h"
-#include "view/panel_input.h"
-#include "view/scene_picture.h"
-#include "view/shown_scene.h"
+#include "view/panels/panel_input.h"
+#include "view/scene/comparison.h"
+#include "view/scene/edited_scene.h"
+#include "view/scene/file_loader.h"
+#include "view/scene/live_bake.h"
+#include "view/scene/scene_picture.h"
+#include "view/scene/shown_scene.h"
+#include "view/state/notices.h"
+#include "view/window/desktop.h"
 
 #include <chrono>
 #include <optional>

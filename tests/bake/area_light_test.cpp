@@ -2,7 +2,9 @@
 // surfaces (spec S6, S8, S14).
 #include "bake/area_light_scene.h"
 #include "bake/both_integrators.h"
-#include "bake/gather.h"
+#include "bake/cache/cached_integrator.h"
+#include "bake/geometry/indices.h"
+#include "bake/lights/channels.h"
 
 #include "halflight/shading/sh.h"
 

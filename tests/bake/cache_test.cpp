@@ -1,7 +1,8 @@
 // bake --cache: taken-over tiles give what a bake from scratch gives, an interrupted bake goes on, and a change bakes
 // anew only what it reaches.
 
-#include "bake/cache.h"
+#include "bake/cache/cache.h"
+#include "bake/geometry/indices.h"
 #include "bake/test_scene.h"
 #include "base/temp_folder.h"
 

@@ -1,6 +1,7 @@
 // Which lights share a shadowmask channel (spec S9, S10, S25).
 
-#include "bake/bake_report.h"
+#include "bake/lights/channels.h"
+#include "bake/report/bake_report.h"
 #include "bake/test_scene.h"
 
 #include <gtest/gtest.h>

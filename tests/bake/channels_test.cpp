@@ -1,5 +1,6 @@
 // Lights without a range: how far their baked shadows reach, so that channels suffice (spec section 4).
 
+#include "bake/lights/channels.h"
 #include "bake/test_scene.h"
 
 #include <gtest/gtest.h>

@@ -1,6 +1,9 @@
 // The denoiser on light whose truth is given (spec S6).
 
+#include "bake/denoise/denoise.h"
+#include "bake/geometry/flatten.h"
 #include "bake/test_scene.h"
+#include "bake/texels/rasterize.h"
 
 #include <gtest/gtest.h>
 

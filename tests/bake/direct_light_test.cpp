@@ -1,8 +1,9 @@
 // Direct light in lightmaps against closed forms (spec S6, S23, S30).
 
 #include "bake/both_integrators.h"
-#include "bake/gather.h"
-#include "bake/main_light.h"
+#include "bake/cache/cached_integrator.h"
+#include "bake/lights/main_light.h"
+#include "bake/pages/encode.h"
 
 #include "halflight/base/random.h"
 

@@ -1,6 +1,7 @@
 // World-space geometry of the bake, its solids, and determinism (spec S6).
 
-#include "bake/bake_report.h"
+#include "bake/geometry/flatten.h"
+#include "bake/report/bake_report.h"
 #include "bake/test_scene.h"
 
 #include "halflight/base/parallel.h"

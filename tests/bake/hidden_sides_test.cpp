@@ -1,8 +1,9 @@
 // Which crossings of surfaces hide their two sides from one another (spec S6).
 
+#include "bake/seams/seams.h"
 #include "bake/test_scene.h"
 
-#include "bake/hidden_sides.h"
+#include "bake/sides/hidden_sides.h"
 
 #include <gtest/gtest.h>
 

@@ -1,6 +1,8 @@
 // Objects that share a mesh are instances of one tree (spec S6): the same scene with a mesh for each object, which is
 // stored in world space, is the truth.
 
+#include "bake/geometry/flatten.h"
+#include "bake/seams/seams.h"
 #include "bake/test_scene.h"
 #include "bake_cpu/trace/ray_tracer.h"
 

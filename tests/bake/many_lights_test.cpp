@@ -1,5 +1,6 @@
 // Many lights of short range: their cost is that of the texels within reach, and their light adds up (spec S6, S9).
 #include "bake/area_light_scene.h"
+#include "bake/geometry/indices.h"
 #include "bake/test_scene.h"
 #include "bake_cpu/shadows/light_reach.h"
 

@@ -1,6 +1,11 @@
 // From values of texels to pages: filling, dilation, encoding, distance fields (spec S6, S8).
 
+#include "bake/geometry/flatten.h"
+#include "bake/pages/dilate.h"
+#include "bake/pages/encode.h"
+#include "bake/pages/mask_field.h"
 #include "bake/test_scene.h"
+#include "bake/texels/rasterize.h"
 
 #include "halflight/base/rgb9e5.h"
 

@@ -1,6 +1,7 @@
 // Denoised probes against probes of many paths (spec S14).
 
-#include "bake/gather.h"
+#include "bake/cache/cached_integrator.h"
+#include "bake/probes/probes.h"
 #include "bake/test_room.h"
 
 #include "halflight/shading/sh.h"
@@ -30,9 +31,9 @@ TEST(ProbesS14, DenoisingComesCloserInLightAndDirection)
         settings.bounces = 3;
         Bench bench(room(true, true, false), MixedLightingMode::Shadowmask, kPage, settings);
         std::vector<std::string> warnings;
-        const Gather gather{*bench.integrator, bench.geometry, bench.map, settings};
+        const CachedIntegrator cached{*bench.integrator, bench.geometry, bench.map, settings};
         std::map<std::array<float, 3>, Probe> byPlace; // refinement depends on noise, the first grid does not
-        const auto set = bakeProbes(bench.scene, 0.3f, ProbeLayout::Refined, denoise, gather, warnings, {});
+        const auto set = bakeProbes(bench.scene, 0.3f, ProbeLayout::Refined, denoise, cached, warnings, {});
         for (const Probe& probe : set->set.probes)
             byPlace[{probe.position.x, probe.position.y, probe.position.z}] = probe;
         return byPlace;

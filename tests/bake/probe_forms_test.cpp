@@ -1,6 +1,8 @@
 // Probes and mean directions against closed forms (spec S10, S14, S32).
 
-#include "bake/gather.h"
+#include "bake/cache/cached_integrator.h"
+#include "bake/pages/encode.h"
+#include "bake/probes/probes.h"
 #include "bake/test_scene.h"
 
 #include "halflight/shading/sh.h"
@@ -173,9 +175,9 @@ TEST(ProbeS14, AGridStaysAGridAndItsInvalidProbesAreFilled)
     addBox(scene, vec3(-3, -3.2f, -3), vec3(3, -3, 3), addMaterial(scene, vec3(0.0f)), false);
     addBox(scene, vec3(2.9f, 2.9f, 2.9f), vec3(3), addMaterial(scene, vec3(0.0f)), false); // widens the bounds
     Bench bench(std::move(scene), MixedLightingMode::Shadowmask, 64, settings);
-    const Gather gather{*bench.integrator, bench.geometry, bench.map, settings};
+    const CachedIntegrator cached{*bench.integrator, bench.geometry, bench.map, settings};
     std::vector<std::string> warnings;
-    const ProbeSet set = bakeProbes(bench.scene, 0.75f, ProbeLayout::Grid, false, gather, warnings, {})->set;
+    const ProbeSet set = bakeProbes(bench.scene, 0.75f, ProbeLayout::Grid, false, cached, warnings, {})->set;
     ASSERT_EQ(set.probes.size(), std::size_t(set.size.x * set.size.y * set.size.z));
     int invalid = 0;
     for (int i = 0; i < int(set.probes.size()); ++i) {

@@ -1,6 +1,7 @@
 // Probe occlusion at the default density: what an object gets that moves through the shadow of a wall, against the
 // shadow that geometry says (spec S14).
-#include "bake/gather.h"
+#include "bake/cache/cached_integrator.h"
+#include "bake/probes/probes.h"
 #include "bake/test_scene.h"
 
 #include "halflight/render/probes.h"
@@ -76,9 +77,9 @@ BakedScene bakedProbes(const Yard& yard, std::vector<std::string>& warnings)
     settings.bounces = 1;
     settings.probeSamples = 128;
     Bench bench(yard.scene(), MixedLightingMode::Shadowmask, kPage, settings);
-    const Gather gather{*bench.integrator, bench.geometry, bench.map, settings};
+    const CachedIntegrator cached{*bench.integrator, bench.geometry, bench.map, settings};
     BakedScene baked;
-    baked.probes = bakeProbes(bench.scene, 0.0f, ProbeLayout::Refined, true, gather, warnings, {})->set;
+    baked.probes = bakeProbes(bench.scene, 0.0f, ProbeLayout::Refined, true, cached, warnings, {})->set;
     return baked;
 }
 

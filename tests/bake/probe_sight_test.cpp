@@ -1,4 +1,5 @@
 // How far probes see (spec S14), against the distance of a plane.
+#include "bake/probes/probes.h"
 #include "bake/test_scene.h"
 
 #include "halflight/shading/sight.h"

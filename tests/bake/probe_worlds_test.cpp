@@ -1,6 +1,8 @@
 // Probes in worlds that are large beside their rooms (spec S14): light of moving objects in every room, against that of
 // paths traced at their places.
-#include "bake/gather.h"
+#include "bake/cache/cached_integrator.h"
+#include "bake/geometry/indices.h"
+#include "bake/probes/probes.h"
 #include "bake/test_scene.h"
 
 #include "halflight/render/probes.h"
@@ -75,8 +77,8 @@ struct BakedWorld {
     explicit BakedWorld(Scene scene, float spacing = 0.0f)
         : bench(std::move(scene), MixedLightingMode::Shadowmask, kPage, settings())
     {
-        const Gather gather{*bench.integrator, bench.geometry, bench.map, settings()};
-        BakedProbes probes = bakeProbes(bench.scene, spacing, ProbeLayout::Refined, true, gather, warnings, {}).value();
+        const CachedIntegrator cached{*bench.integrator, bench.geometry, bench.map, settings()};
+        BakedProbes probes = bakeProbes(bench.scene, spacing, ProbeLayout::Refined, true, cached, warnings, {}).value();
         baked.scene = bench.scene;
         baked.probes = std::move(probes.set);
         baked.probes.sight = findProbeSight(baked.probes, *bench.integrator, {}).value();

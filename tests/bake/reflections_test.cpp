@@ -1,5 +1,5 @@
 // Reflection probes: where they are, their boxes, what they show, and how it is blurred.
-#include "bake/reflections.h"
+#include "bake/reflections/reflections.h"
 #include "bake/test_scene.h"
 #include "halflight/base/rgb9e5.h"
 #include "halflight/shading/brdf.h"

@@ -1,7 +1,13 @@
 // Rims of charts: what the denoiser makes of light that falls off steeply towards a concave corner, and what padding
 // holds after seams are stitched. Truth is analytic: black walls that are long beside their height hide a known part of
 // an even sky.
+#include "bake/denoise/denoise.h"
+#include "bake/geometry/flatten.h"
+#include "bake/pages/dilate.h"
+#include "bake/seams/seams.h"
 #include "bake/test_scene.h"
+#include "bake/texels/rasterize.h"
+#include "bake/texels/texel_places.h"
 
 #include "halflight/shading/color.h"
 

@@ -1,7 +1,11 @@
 // Where charts meet, filtered light agrees on both sides (spec S6).
 
-#include "bake/seam_parts.h"
+#include "bake/geometry/flatten.h"
+#include "bake/pages/dilate.h"
+#include "bake/seams/seam_parts.h"
+#include "bake/seams/seams.h"
 #include "bake/test_scene.h"
+#include "bake/texels/rasterize.h"
 #include "halflight/base/image_filter.h"
 
 #include <gtest/gtest.h>

@@ -1,6 +1,7 @@
 // Which sides of double-sided sheets get texels (spec S6), and what texels hold that both sides share (spec S6, S8).
 
-#include "bake/sheet_sides.h"
+#include "bake/lights/channels.h"
+#include "bake/sides/sheet_sides.h"
 #include "test_scene.h"
 
 #include <gtest/gtest.h>

@@ -1,7 +1,7 @@
 // bake --only: chosen objects have a whole bake's light, all others keep that of the last bake in the cache.
 #include "bake/some_objects.h"
 
-#include "bake/cache.h"
+#include "bake/cache/cache.h"
 #include "bake/test_scene.h"
 #include "base/temp_folder.h"
 

@@ -1,7 +1,12 @@
 // Neighbours of texels across seams, and the denoiser's use of them (spec S6).
 
-#include "bake/surface_grid.h"
+#include "bake/denoise/denoise.h"
+#include "bake/geometry/flatten.h"
+#include "bake/seams/seams.h"
+#include "bake/seams/surface_grid.h"
 #include "bake/test_scene.h"
+#include "bake/texels/rasterize.h"
+#include "bake/texels/texel_places.h"
 
 #include <gtest/gtest.h>
 

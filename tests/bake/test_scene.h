@@ -2,11 +2,11 @@
 // Scenes made in code, with lightmap coordinates given by hand: the bake's stages are tested without reader and
 // unwrapper.
 
-#include "bake/channels.h"
-#include "bake/facet_orientation.h"
-#include "bake/flatten.h"
-#include "bake/indices.h"
-#include "bake/rasterize.h"
+#include "bake/geometry/facet_orientation.h"
+#include "bake/geometry/flatten.h"
+#include "bake/geometry/indices.h"
+#include "bake/lights/channels.h"
+#include "bake/texels/rasterize.h"
 #include "halflight/bake_cpu/embree_integrator.h"
 #include "halflight/base/image.h"
 #include "halflight/scene/scene.h"

@@ -1,10 +1,10 @@
 // The order of a bake in the background: every texel once, what a camera sees first.
-#include "bake/flatten.h"
-#include "bake/live_pages.h"
-#include "bake/rasterize.h"
+#include "bake/geometry/flatten.h"
+#include "bake/live/live_pages.h"
 #include "bake/test_room.h"
-#include "bake/texel_order.h"
-#include "bake/texel_places.h"
+#include "bake/texels/rasterize.h"
+#include "bake/texels/texel_order.h"
+#include "bake/texels/texel_places.h"
 
 #include "halflight/base/rgb9e5.h"
 

@@ -1,6 +1,8 @@
 // Interpolated texels: which they are, and their error (spec S6). Validity of sample points.
 
+#include "bake/geometry/flatten.h"
 #include "bake/test_scene.h"
+#include "bake/texels/rasterize.h"
 
 #include "bake_cpu/lightmap/cached_lightmap.h"
 #include "bake_cpu/texels/sparse_grid.h"

@@ -1,6 +1,8 @@
 // Conservative rasterization and the sample points of texels (spec S6).
 
+#include "bake/geometry/flatten.h"
 #include "bake/test_scene.h"
+#include "bake/texels/rasterize.h"
 
 #include <gtest/gtest.h>
 

@@ -38,8 +38,8 @@ def write_glb(path, document, binary):
 
 
 def tables():
-    """Rows of src/scene/bake_ranges.h: members, and values of accessors."""
-    text = (ROOT / "src/scene/bake_ranges.h").read_text()
+    """Rows of src/scene/document/bake_ranges.h: members, and values of accessors."""
+    text = (ROOT / "src/scene/document/bake_ranges.h").read_text()
     rows = re.compile(r'\{"([^"]+)", ([^,}]+), ([^,}]+)(, true)?\},')
     halves = text.split("kBakeValueRanges")
     return [

@@ -1,15 +1,15 @@
 #include "fuzz/entry_points.h"
 
 #include "halflight/base/image.h"
-#include "scene/document.h"
-#include "scene/load_document.h"
-#include "scene/draco_mesh.h"
-#include "scene/ktx2.h"
-#include "scene/meshopt_view.h"
-#include "scene/read_baked.h"
-#include "scene/read_scene.h"
-#include "scene/rgbe.h"
-#include "scene/settings.h"
+#include "scene/document/decode/draco_mesh.h"
+#include "scene/document/decode/meshopt_view.h"
+#include "scene/document/document.h"
+#include "scene/load/load_document.h"
+#include "scene/pictures/ktx2.h"
+#include "scene/pictures/rgbe.h"
+#include "scene/read/read_baked.h"
+#include "scene/read/read_scene.h"
+#include "scene/settings/settings.h"
 
 #include <cmath>
 #include <cstdio>

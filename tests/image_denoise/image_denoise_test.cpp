@@ -1,7 +1,8 @@
 // Open Image Denoise (S6): what is handed to the library and what becomes of its answer, with a stand-in in its place
 // (oidn_stand_in/), as few distributions' machines have it.
 
-#include "bake/denoise.h"
+#include "bake/denoise/denoise.h"
+#include "halflight/bake/bake.h"
 
 #include "halflight/bake_cpu/embree_integrator.h"
 #include "halflight/scene/gltf.h"

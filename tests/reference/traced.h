@@ -1,6 +1,7 @@
 #pragma once
 // A scene with its reference tracer, and single points of its picture.
 
+#include "bake/geometry/flatten.h"
 #include "bake/test_scene.h"
 #include "bake_cpu/reference/reference_tracer.h"
 

@@ -1,7 +1,7 @@
 // Levels of textures against the mean of the texels beneath them, computed in doubles.
 #include "halflight/base/random.h"
 #include "halflight/shading/color.h"
-#include "render/mipmaps.h"
+#include "render/scene/mipmaps.h"
 
 #include <gtest/gtest.h>
 

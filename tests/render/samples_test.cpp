@@ -1,6 +1,6 @@
 // Single samples of sky between surfaces: cracks of meshes.
+#include "render/passes/samples.h"
 #include "render/render_test.h"
-#include "render/samples.h"
 
 #include <glm/gtc/matrix_transform.hpp>
 

@@ -1,7 +1,7 @@
 // Area lights in files: EXT_lights_area, extras, settings files, and baked files that give them back.
 
 #include "fixtures.h"
-#include "scene/settings.h"
+#include "scene/settings/settings.h"
 
 #include <gmock/gmock.h>
 

@@ -2,7 +2,7 @@
 
 #include "fixtures.h"
 
-#include "scene/at_bake.h"
+#include "scene/format/at_bake.h"
 
 #include <algorithm>
 #include <functional>

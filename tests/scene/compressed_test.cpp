@@ -4,8 +4,8 @@
 
 #include "fixtures.h"
 #include "halflight/base/encoded_image.h"
-#include "scene/draco_mesh.h"
-#include "scene/meshopt_view.h"
+#include "scene/document/decode/draco_mesh.h"
+#include "scene/document/decode/meshopt_view.h"
 #include "validator.h"
 
 #include <algorithm>

@@ -1,8 +1,8 @@
 // Core glTF of a bake: what it holds, and that nothing of Halflight is left in it.
 
 #include "fixtures.h"
-#include "scene/document.h"
-#include "scene/load_document.h"
+#include "scene/document/document.h"
+#include "scene/load/load_document.h"
 #include "validator.h"
 
 #include "halflight/scene/export.h"

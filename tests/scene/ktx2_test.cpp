@@ -1,7 +1,7 @@
 // KTX2 and Radiance files, by field offsets of their specifications and by reading them back.
 
-#include "scene/ktx2.h"
-#include "scene/rgbe.h"
+#include "scene/pictures/ktx2.h"
+#include "scene/pictures/rgbe.h"
 
 #include "halflight/base/random.h"
 

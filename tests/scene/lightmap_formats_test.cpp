@@ -1,8 +1,8 @@
 // Lightmaps in each format, masks in the smaller of two: what a reader sees of them, against the floats they came from.
 
 #include "fixtures.h"
-#include "scene/ktx2.h"
-#include "scene/lightmap_curve.h"
+#include "scene/pictures/ktx2.h"
+#include "scene/pictures/lightmap_curve.h"
 
 #include "halflight/base/encoded_image.h"
 #include "halflight/base/rgb9e5.h"

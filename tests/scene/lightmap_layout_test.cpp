@@ -2,8 +2,8 @@
 
 #include "fixtures.h"
 
-#include "scene/document.h"
-#include "scene/lightmap_layout.h"
+#include "scene/document/document.h"
+#include "scene/format/lightmap_layout.h"
 
 namespace halflight {
 namespace {

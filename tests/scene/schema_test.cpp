@@ -2,7 +2,7 @@
 // any other, so that none is silently ignored.
 
 #include "fixtures.h"
-#include "scene/bake_ranges.h"
+#include "scene/document/bake_ranges.h"
 
 #include <algorithm>
 #include <map>

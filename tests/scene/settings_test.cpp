@@ -1,7 +1,7 @@
 // Settings: extras, then the settings file; typos and wrong values are errors.
 
 #include "fixtures.h"
-#include "scene/settings.h"
+#include "scene/settings/settings.h"
 
 #include <gmock/gmock.h>
 

@@ -5,8 +5,8 @@
 #include "halflight/base/rgb9e5.h"
 #include "halflight/scene/optimize.h"
 #include "halflight/scene/sky_picture.h"
-#include "scene/rgbe.h"
-#include "scene/settings.h"
+#include "scene/pictures/rgbe.h"
+#include "scene/settings/settings.h"
 
 #include <gmock/gmock.h>
 

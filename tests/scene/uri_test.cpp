@@ -2,7 +2,7 @@
 
 #include "fixtures.h"
 #include "halflight/base/image.h"
-#include "scene/uri.h"
+#include "scene/document/uri.h"
 
 #include <gmock/gmock.h>
 #include <sys/stat.h>

@@ -1,6 +1,6 @@
 // Searches whose trials run ahead give what one trial after another gives.
 
-#include "unwrap/trials.h"
+#include "unwrap/pack/trials.h"
 
 #include <gtest/gtest.h>
 

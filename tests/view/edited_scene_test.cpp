@@ -1,5 +1,5 @@
 // The user's changes stay in the picture when another scene of the same objects is shown: light of a bake, its end.
-#include "view/edited_scene.h"
+#include "view/scene/edited_scene.h"
 
 #include "bake/test_room.h"
 #include "base/temp_folder.h"

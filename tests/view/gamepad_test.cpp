@@ -1,5 +1,5 @@
 // A gamepad flies: SDL's virtual one, which needs no hardware.
-#include "view/gamepad.h"
+#include "view/window/gamepad.h"
 
 #include <SDL.h>
 #include <gtest/gtest.h>

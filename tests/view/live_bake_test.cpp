@@ -1,5 +1,5 @@
 // Bakes in the window, without the window: what a cancelled one leaves.
-#include "view/live_bake.h"
+#include "view/scene/live_bake.h"
 
 #include "bake/test_room.h"
 #include "base/temp_folder.h"

@@ -1,5 +1,5 @@
 // The window's camera, and what a click meets.
-#include "view/navigation.h"
+#include "view/state/navigation.h"
 
 #include "halflight/render/frame.h"
 

@@ -1,6 +1,6 @@
 // Panels and keys, without a window: every section is drawn, and what is clicked and typed reaches the state.
-#include "view/panel_sections.h"
-#include "view/panels.h"
+#include "view/panels/panel_sections.h"
+#include "view/panels/panels.h"
 
 #include <SDL_keycode.h>
 #include <gtest/gtest.h>

@@ -1,5 +1,5 @@
 // Which resolution a frame is drawn at.
-#include "view/picture_size.h"
+#include "view/state/picture_size.h"
 
 #include <gtest/gtest.h>
 

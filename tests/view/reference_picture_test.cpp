@@ -1,5 +1,5 @@
 // The reference beside the raster: it is that of the view that rests, and gets better.
-#include "view/reference_picture.h"
+#include "view/scene/reference_picture.h"
 
 #include "bake/test_room.h"
 #include "halflight/bake_cpu/embree_integrator.h"

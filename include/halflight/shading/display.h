@@ -1,4 +1,4 @@
-// From the samples of a frame to displayed pixels: src/render/samples.cpp, src/render/display.cpp,
+// From the samples of a frame to displayed pixels: src/render/passes/samples.cpp, src/render/passes/display.cpp,
 // shaders/display.frag.
 #ifndef HALFLIGHT_SHADING_DISPLAY_H
 #define HALFLIGHT_SHADING_DISPLAY_H

@@ -1,6 +1,6 @@
 #include "bake_cpu/shadows/baked_lights.h"
 
-#include "bake/even_texels.h"
+#include "bake/texels/even_texels.h"
 
 #include "bake_cpu/shadows/light_reach.h"
 #include "bake_cpu/shadows/shadow_rays.h"

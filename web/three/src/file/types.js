@@ -1,4 +1,4 @@
-// Types of the members of the bake's extensions, as src/scene/bake_types.h has them.
+// Types of the members of the bake's extensions, as src/scene/document/bake_types.h has them.
 /** [path in the document, type, how many of an array]; * is any index or name. */
 export const bakeTypes = [
     ['materials/*/extensions/HALFLIGHT_material/castShadows', 'Flag'],

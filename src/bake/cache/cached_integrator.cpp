@@ -1,0 +1,231 @@
+#include "bake/cache/cached_integrator.h"
+
+#include "bake/geometry/indices.h"
+#include "bake/settings/quality.h"
+
+#include "halflight/scene/fingerprint.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+namespace halflight {
+namespace {
+
+constexpr uint32_t kCacheVersion = 37; ///< raised when estimates of the same input change
+
+/// Relative difference of a tile's check samples that counts as a change; well below the noise of a bake.
+constexpr double kCheckTolerance = 0.005;
+
+int checkSamples(int samples)
+{
+    return std::clamp(samples / 24, 2, 8);
+}
+
+/// `difference` and `before`: sums of absolute differences and of absolute values.
+bool differ(double difference, double before)
+{
+    return !(difference <= kCheckTolerance * before); // NaN differs
+}
+
+Hash128 surfaceHash(const BakeGeometry& geometry, const TexelMap& map, std::size_t first, std::size_t count)
+{
+    Hasher hasher;
+    for (std::size_t i = first; i < first + count; ++i) {
+        const Texel& texel = map.texels[i];
+        hasher.add(texel.x).add(texel.y).add(texel.page).add(texel.chart).add(texel.validPoints);
+        for (uint32_t f = texel.firstFragment; f < texel.firstFragment + texel.fragmentCount; ++f) {
+            const TexelFragment& fragment = map.fragments[f];
+            hasher.add(fragment.barycentric).add(fragment.area);
+            const std::array<vec3, 3> corners = geometry.cornersOf(fragment.triangle);
+            const std::array<vec3, 3> normals = geometry.normalsOf(fragment.triangle);
+            for (std::size_t k = 0; k < 3; ++k) hasher.add(corners[k]).add(normals[k]);
+        }
+    }
+    return hasher.hash();
+}
+
+} // namespace
+
+Hash128 bakeHash(const Scene& scene, const BakeSettings& settings)
+{
+    // Structured bindings name every setting: a new setting is a compile error here. The hash leaves out settings that
+    // qualityOf() replaces, those that change no byte of the output file, and `only`.
+    [[maybe_unused]] const auto& [mode, quality, samples, shadowSamples, bounces, glossyBounces, integrator,
+                                  noiseTarget, texelStep, uvMode, texelsPerMeter, lightmapSize, paddingTexels, twoSided,
+                                  denoiser, directional, maskEncoding, subtractiveMask, probeSpacingMeters, probeLayout,
+                                  reflectionProbes, threads, seed, imagesDirectory, cacheDirectory, only] = settings;
+    const BakeQuality q = qualityOf(settings, scene);
+    Hasher hasher;
+    hasher.add(kCacheVersion).add(contentHash(scene)).add(int(mode)).add(int(integrator)).add(int(uvMode));
+    hasher.add(q.samples).add(q.shadowSamples).add(q.bounces).add(q.lightmapSize).add(q.probeSamples);
+    hasher.add(int(glossyBounces))
+        .add(q.noiseTarget)
+        .add(texelStep)
+        .add(texelsPerMeter)
+        .add(paddingTexels)
+        .add(int(twoSided))
+        .add(int(denoiser))
+        .add(int(q.directional));
+    hasher.add(int(maskEncoding)).add(int(subtractiveMask)).add(probeSpacingMeters).add(int(probeLayout));
+    hasher.add(int(reflectionProbes)).add(q.reflectionSize);
+    return hasher.add(seed).hash();
+}
+
+Hash128 layoutHash(const TexelMap& map, const IntegrationSettings& settings, MixedLightingMode mode)
+{
+    Hasher hasher;
+    hasher.add(kCacheVersion).add(int(mode)).add(settings.samples).add(settings.shadowSamples).add(settings.bounces);
+    hasher.add(int(settings.glossyBounces))
+        .add(int(settings.integrator))
+        .add(settings.cache.noiseTarget)
+        .add(settings.cache.texelStep)
+        .add(int(settings.cache.denoised))
+        .add(settings.probeSamples)
+        .add(settings.seed);
+    hasher.add(map.pageSize).add(map.pageCount);
+    for (const Texel& texel : map.texels) hasher.add(texel.x).add(texel.y).add(texel.page);
+    return hasher.hash();
+}
+
+Hash128 lightHash(Hash128 layout, const Scene& scene, const BakeGeometry& geometry)
+{
+    Hasher hasher;
+    hasher.add(layout).add(geometry.triangles).add(geometry.positions).add(geometry.normals);
+    for (const std::vector<vec2>& set : geometry.uv) hasher.add(set);
+    hasher.add(geometry.colors).add(geometry.lightmapTexel);
+    const std::vector<Hash128> materials = materialHashes(scene);
+    for (const BakeGeometry::Part& part : geometry.parts) {
+        hasher.add(materialHash(materials, part.material)).add(int(part.castShadows)).add(int(part.receiveShadows));
+        hasher.add(part.firstTriangle).add(int(part.side));
+        if (part.instance == BakeGeometry::kOwn) continue;
+        const BakeGeometry::Instance& i = geometry.instances[part.instance];
+        hasher.add(part.firstStored).add(i.linear).add(i.origin).add(i.texelScale).add(i.texelOffset);
+    }
+    hasher.add(geometry.texelSides);
+    for (const Light& light : scene.lights)
+        hasher.add(lightHash(light)).add(int(light.baking.bakeType)).add(light.baking.occlusionMaskChannel);
+    addSky(hasher, scene.sky);
+    return hasher.hash();
+}
+
+BakeCache::Work<IrradianceEstimate, float> CachedIntegrator::irradianceWork() const
+{
+    BakeCache::Work<IrradianceEstimate, float> work;
+    work.stage = work.progressName = "lightmap";
+    work.count = map.texels.size();
+    work.tileSize = kTexelTile;
+    work.tilesPerPart = texelTilesPerPart(Tiling{work.count, work.tileSize}.tileCount());
+    work.surface = [&](std::size_t first, std::size_t count) { return surfaceHash(geometry, map, first, count); };
+    work.chosen = chosen;
+    work.compute = [&](std::span<const uint32_t> items, std::span<IrradianceEstimate> values, const Progress& part) {
+        return integrator.irradiance(map, {items}, values, part);
+    };
+    const int samples = checkSamples(settings.samples);
+    const int shadowSamples = checkSamples(settings.shadowSamples);
+    work.check = [this, samples, shadowSamples](std::span<const uint32_t> items, std::span<float> values,
+                                                const Progress& part) {
+        std::vector<IrradianceEstimate> estimates(items.size());
+        if (!integrator.irradiance(map, {items, samples, shadowSamples}, estimates, part)) return false;
+        for (std::size_t i = 0; i < items.size(); ++i) values[i] = luminance(estimates[i].irradiance);
+        return true;
+    };
+    work.changed = [](std::span<const float> before, std::span<const float> now) {
+        double difference = 0.0;
+        double sum = 0.0;
+        for (std::size_t i = 0; i < before.size(); ++i) {
+            difference += std::abs(double(now[i]) - double(before[i]));
+            sum += std::abs(double(before[i]));
+        }
+        return differ(difference, sum);
+    };
+    return work;
+}
+
+BakeCache::Work<vec4, vec4> CachedIntegrator::shadowmaskWork() const
+{
+    BakeCache::Work<vec4, vec4> work;
+    work.stage = work.progressName = "shadowmask";
+    work.count = map.texels.size();
+    work.tileSize = kTexelTile;
+    work.tilesPerPart = texelTilesPerPart(Tiling{work.count, work.tileSize}.tileCount());
+    work.surface = [&](std::size_t first, std::size_t count) { return surfaceHash(geometry, map, first, count); };
+    work.keeps = keepsMasks;
+    if (keepsMasks) work.chosen = chosen;
+    work.compute = [&](std::span<const uint32_t> items, std::span<vec4> values, const Progress& part) {
+        return integrator.shadowmask(map, {items}, values, part);
+    };
+    work.check = [&](std::span<const uint32_t> items, std::span<vec4> values, const Progress& part) {
+        const TexelRequest request{items, 0, checkSamples(settings.shadowSamples)};
+        return integrator.shadowmask(map, request, values, part);
+    };
+    // With equal random numbers any difference is a ray with another result.
+    work.changed = [](std::span<const vec4> before, std::span<const vec4> now) {
+        return !std::equal(before.begin(), before.end(), now.begin());
+    };
+    return work;
+}
+
+bool CachedIntegrator::irradiance(std::span<IrradianceEstimate> out, const Progress& progress) const
+{
+    if (cache == nullptr) return integrator.irradiance(map, {allIndices(map.texels.size())}, out, progress);
+    return cache->run(irradianceWork(), out, progress);
+}
+
+bool CachedIntegrator::irradianceOfParts(std::span<const std::size_t> parts, std::span<IrradianceEstimate> out,
+                                         const Progress& progress) const
+{
+    return cache->run(irradianceWork(), parts, out, progress);
+}
+
+bool CachedIntegrator::shadowmask(std::span<vec4> out, const Progress& progress) const
+{
+    if (cache == nullptr) return integrator.shadowmask(map, {allIndices(map.texels.size())}, out, progress);
+    return cache->run(shadowmaskWork(), out, progress);
+}
+
+bool CachedIntegrator::fillIrradiance(std::span<const std::size_t> parts, const Progress& progress) const
+{
+    return cache->fill(irradianceWork(), parts, progress);
+}
+
+bool CachedIntegrator::fillShadowmask(std::span<const std::size_t> parts, const Progress& progress) const
+{
+    return cache->fill(shadowmaskWork(), parts, progress);
+}
+
+bool CachedIntegrator::probes(std::span<const vec3> positions, std::span<ProbeEstimate> out, int batch,
+                              const Progress& progress) const
+{
+    if (cache == nullptr) return integrator.probes(positions, allIndices(positions.size()), 0, out, progress);
+    BakeCache::Work<ProbeEstimate, ProbeEstimate> work;
+    work.stage = "probes" + std::to_string(batch);
+    work.progressName = "probes";
+    work.count = positions.size();
+    work.tileSize = kProbeTile;
+    work.tilesPerPart = kProbeTilesPerPart;
+    work.keeps = keepsMasks;
+    work.surface = [&](std::size_t first, std::size_t count) {
+        return Hasher().bytes(&positions[first], count * sizeof(vec3)).hash();
+    };
+    work.compute = [&](std::span<const uint32_t> items, std::span<ProbeEstimate> values, const Progress& part) {
+        return integrator.probes(positions, items, 0, values, part);
+    };
+    const int samples = std::max(settings.probeSamples / 4, 16);
+    work.check = [&](std::span<const uint32_t> items, std::span<ProbeEstimate> values, const Progress& part) {
+        return integrator.probes(positions, items, samples, values, part);
+    };
+    work.changed = [](std::span<const ProbeEstimate> before, std::span<const ProbeEstimate> now) {
+        for (std::size_t i = 0; i < before.size(); ++i) {
+            if (before[i].valid != now[i].valid || before[i].occlusion != now[i].occlusion) return true;
+            double difference = 0.0;
+            for (std::size_t k = 0; k < 9; ++k)
+                difference += double(glm::length(now[i].radiance[k] - before[i].radiance[k]));
+            if (differ(difference, double(glm::length(before[i].radiance[0])))) return true;
+        }
+        return false;
+    };
+    return cache->run(work, out, progress);
+}
+
+} // namespace halflight

@@ -1,0 +1,58 @@
+#pragma once
+// What a bake shows of itself while it runs (BakeSession). The bake calls the first functions from its own thread.
+
+#include "bake/cache/cached_integrator.h"
+#include "bake/live/live_pages.h"
+#include "bake/texels/texel_order.h"
+
+#include "halflight/bake/bake_session.h"
+
+#include <atomic>
+#include <mutex>
+#include <optional>
+#include <span>
+#include <vector>
+
+namespace halflight {
+
+class LiveLight {
+public:
+    /// The light of probes alone, of a scene without its layout. False when cancelled.
+    bool beginWithProbes(Scene scene, const BakeSettings& settings, const IntegratorFactory& factory,
+                         const IntegrationSettings& integration, const Progress& progress);
+    /// First light of a scene with its layout. `map`, which outlives the calls, has no valid points yet. False when
+    /// cancelled.
+    bool begin(const BakedScene& scene, const CachedIntegrator& cached, const Progress& progress);
+    /// As CachedIntegrator::irradiance(), piece by piece in the order of the view.
+    bool irradiance(const CachedIntegrator& cached, std::span<IrradianceEstimate> out, const Progress& progress);
+    /// The finished pages, lux.
+    void finish(const std::vector<ImageRgb32f>& pages);
+
+    void setView(const BakeView& view);
+    /// beginWithProbes() returns when this is false again, or when cancelled.
+    void setWaits(bool waits);
+    std::optional<BakedScene> takeProbeLight();
+    std::optional<BakedScene> takeLight();
+    std::vector<LightTile> takeTiles();
+
+private:
+    void show(const TexelMap& map, std::span<const uint32_t> texels, std::span<const IrradianceEstimate> all);
+    [[nodiscard]] std::optional<BakeView> view() const;
+
+    mutable std::mutex mutex_; ///< guards what follows
+    std::optional<BakeView> view_;
+    std::optional<LivePages> pages_;
+    std::optional<BakedScene> probeLight_;
+    std::optional<BakedScene> light_;
+    float unitLux_ = 1.0f;
+    bool taken_ = false; ///< the first light was
+    const TexelMap* map_ = nullptr;
+    std::atomic<bool> waits_ = false; ///< not guarded
+    ProbeSet probes_;                 ///< not guarded: the bake's own, for both lights
+};
+
+/// bake(), shown by `live`.
+Result<BakeResult> bake(Scene scene, const BakeSettings& settings, const IntegratorFactory& integratorFactory,
+                        const Progress& progress, LiveLight* live);
+
+} // namespace halflight

@@ -1,0 +1,287 @@
+#include "bake/probes/probe_rooms.h"
+
+#include "bake/geometry/indices.h"
+
+#include "halflight/shading/color.h"
+#include "halflight/shading/sh.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+namespace halflight {
+namespace {
+
+/// Columns of rays: each costs little beside the paths of a probe.
+constexpr double kMostColumns = 8.0 * double(kMostProbes);
+/// Segments that are traced at once: some megabytes.
+constexpr std::size_t kAtOnce = 1 << 17;
+
+/// Light over that of another corner below which linear interpolation between both may be wrong: where light falls by
+/// this share over a cell, it is off by 10 % in the middle.
+constexpr float kSteep = (1.0f - kDisagrees) * (1.0f - kDisagrees);
+
+/// Over all directions, lux.
+float meanIrradiance(const SphericalHarmonicsL2& radiance)
+{
+    return luminance(radiance[0]) * shading::shIrradianceWeight(0, vec3(0, 1, 0));
+}
+
+/// Room around a place without which no object fits in, over its reach.
+float clearance(float reachMeters)
+{
+    return 0.25f * reachMeters;
+}
+
+/// A ray of a column: from a surface, or from the rim of the box.
+struct Ray {
+    vec3 from{0.0f};
+    bool leavesSurface = false;
+};
+
+/// Places between two surfaces, or a surface and the rim of the box.
+void addPlaces(const Ray& ray, int axis, float length, bool endsAtSurface, float reachMeters,
+               std::vector<Place>& places)
+{
+    if (length < 2.0f * clearance(reachMeters)) return;
+    const float off = std::min(reachMeters, 0.5f * length);
+    const auto add = [&](float along) {
+        Place place{ray.from, ray.leavesSurface && endsAtSurface ? length : kInfinity};
+        place.position[axis] += along;
+        places.push_back(place);
+    };
+    if (ray.leavesSurface) add(off);
+    if (endsAtSurface && (!ray.leavesSurface || length > 2.0f * off)) add(length - off);
+}
+
+} // namespace
+
+std::vector<Place> placesBesideSurfaces(const Bounds& box, float reachMeters, const Integrator& integrator)
+{
+    std::vector<Place> places;
+    const vec3 size = box.size();
+    const float longest = std::max({size.x, size.y, size.z});
+    const double area =
+        double(size.x) * double(size.y) + double(size.y) * double(size.z) + double(size.z) * double(size.x);
+    const float spacing = std::max(2.0f * reachMeters, float(std::sqrt(area / kMostColumns)));
+    const float step = 1.0e-5f * longest; // off a surface, however floats round
+    for (int axis = 0; axis < 3; ++axis) {
+        const int u = (axis + 1) % 3;
+        const int v = (axis + 2) % 3;
+        const ivec2 count = glm::max(ivec2(vec2(size[u], size[v]) / spacing), 1);
+        std::vector<Ray> rays;
+        for (int i = 0; i < count.x * count.y; ++i) {
+            Ray ray{box.min};
+            ray.from[axis] -= step;
+            ray.from[u] += size[u] * (float(i % count.x) + 0.5f) / float(count.x);
+            ray.from[v] += size[v] * (float(i / count.x) + 0.5f) / float(count.y);
+            rays.push_back(ray);
+        }
+        const float end = box.max[axis] + step;
+        for (int crossing = 0; crossing < 64 && !rays.empty(); ++crossing) {
+            std::vector<Segment> segments;
+            for (const Ray& ray : rays) {
+                segments.push_back({ray.from, ray.from});
+                segments.back().to[axis] = end;
+            }
+            std::vector<std::optional<vec2>> surfaces(segments.size());
+            integrator.surfacesAlong(segments, surfaces);
+            std::vector<Ray> next;
+            for (std::size_t i = 0; i < rays.size(); ++i) {
+                const float left = end - rays[i].from[axis];
+                addPlaces(rays[i], axis, surfaces[i] ? surfaces[i]->x : left, surfaces[i].has_value(), reachMeters,
+                          places);
+                if (!surfaces[i] || surfaces[i]->x + 2.0f * step > left) continue;
+                Ray beyond{rays[i].from, true};
+                beyond.from[axis] += surfaces[i]->x + step;
+                next.push_back(beyond);
+            }
+            rays = std::move(next);
+        }
+    }
+    // The last bit of open air may end at the box, above all that is there.
+    std::erase_if(places, [&](const Place& p) {
+        return glm::any(glm::greaterThan(glm::abs(p.position - box.center()), 0.5f * size));
+    });
+    return places;
+}
+
+std::vector<RoomCell> RoomSearch::gridCells() const
+{
+    std::vector<RoomCell> rooms;
+    for (const ProbeTree::Cell& cell : tree_.gridCells()) rooms.push_back({cell, {}});
+    for (uint32_t i = 0; i < places_.size(); ++i) rooms[tree_.gridCellAt(place(i))].places.push_back(i);
+    return rooms;
+}
+
+std::vector<RoomCell> RoomSearch::halvesOf(const RoomCell& room) const
+{
+    std::vector<RoomCell> parts;
+    const vec3 middle = tree_.positionOf(room.cell.low + room.cell.size / 2);
+    for (ProbeTree::Cell& part : tree_.halves(room.cell)) {
+        part.sides = tree_.sidesOf(part);
+        RoomCell& half = parts.emplace_back(RoomCell{part, {}});
+        for (const uint32_t i : room.places) {
+            bool isIn = true;
+            for (int axis = 0; axis < 3; ++axis) {
+                if (part.size[axis] == room.cell.size[axis]) continue;
+                isIn &= (place(i)[axis] >= middle[axis]) == (part.low[axis] > room.cell.low[axis]);
+            }
+            if (isIn) half.places.push_back(i);
+        }
+    }
+    return parts;
+}
+
+std::vector<RoomSearch::Sight> RoomSearch::sightOf(std::span<const RoomCell> cells, std::span<const Probe> probes,
+                                                   float dark) const
+{
+    std::vector<Sight> sights(cells.size());
+    std::vector<Segment> segments;
+    std::vector<std::size_t> seen;
+    const auto finish = [&](std::size_t begin, std::size_t end) {
+        std::vector<std::optional<vec2>> surfaces(segments.size());
+        integrator_.surfacesAlong(segments, surfaces);
+        std::size_t at = 0;
+        for (std::size_t i = begin; i < end; ++i) {
+            Sight& sight = sights[i];
+            std::size_t fewest = sight.corners.size();
+            for (const uint32_t place : cells[i].places) {
+                std::size_t count = 0;
+                float least = kInfinity;
+                float largest = 0.0f;
+                for (const uint32_t corner : sight.corners) {
+                    if (surfaces[at++]) continue;
+                    const float light = std::max(meanIrradiance(probes[corner].radiance), dark);
+                    least = std::min(least, light);
+                    largest = std::max(largest, light);
+                    ++count;
+                }
+                if (count == 1) sight.evenness = 0.0f; // a single corner says nothing of how light changes
+                if (count > 1 && largest > 0.0f) sight.evenness = std::min(sight.evenness, least / largest);
+                if (count == 0) sight.unseen.push_back(place);
+                if (count == 0 || count >= fewest) continue;
+                fewest = count;
+                sight.hidden = place;
+            }
+        }
+        segments.clear();
+    };
+    std::size_t begin = 0;
+    for (std::size_t i = 0; i < cells.size(); ++i) {
+        sights[i].corners = tree_.validCorners(cells[i].cell);
+        for (const uint32_t place : cells[i].places)
+            for (const uint32_t corner : sights[i].corners)
+                segments.push_back({probes[corner].position, places_[place].position});
+        if (segments.size() < kAtOnce && i + 1 < cells.size()) continue;
+        finish(begin, i + 1);
+        begin = i + 1;
+    }
+    return sights;
+}
+
+/// 1 where nothing is within the clearance, along the axes.
+std::vector<uint8_t> RoomSearch::clearOf(std::span<const uint32_t> places) const
+{
+    std::vector<Segment> segments;
+    for (const uint32_t i : places) {
+        for (int axis = 0; axis < 3; ++axis) {
+            vec3 way(0.0f);
+            way[axis] = clearance(reach_);
+            segments.push_back({place(i) - way, place(i) + way});
+        }
+    }
+    std::vector<std::optional<vec2>> surfaces(segments.size());
+    integrator_.surfacesAlong(segments, surfaces);
+    std::vector<uint8_t> clear(places.size());
+    for (std::size_t i = 0; i < places.size(); ++i)
+        clear[i] = !surfaces[3 * i] && !surfaces[3 * i + 1] && !surfaces[3 * i + 2] ? 1 : 0;
+    return clear;
+}
+
+bool RoomSearch::trace(std::span<const uint32_t> places, int paths, std::vector<ProbeEstimate>& out,
+                       const Progress& progress) const
+{
+    std::vector<vec3> positions;
+    for (const uint32_t i : places) positions.push_back(place(i));
+    out.resize(places.size());
+    return integrator_.probes(positions, allIndices(positions.size()), paths, out, Progress{{}, progress.cancel});
+}
+
+/// Places in gaps that are too narrow count as inside.
+bool RoomSearch::findOutside(std::vector<uint32_t> places, const Progress& progress)
+{
+    const std::vector<uint8_t> clear = clearOf(places);
+    std::vector<uint32_t> open;
+    for (std::size_t i = 0; i < places.size(); ++i) {
+        known_[places[i]] = kInside;
+        if (clear[i] != 0) open.push_back(places[i]);
+    }
+    std::vector<ProbeEstimate> tests;
+    if (!trace(open, kTestPaths, tests, progress)) return false;
+    for (std::size_t i = 0; i < open.size(); ++i)
+        if (tests[i].valid) known_[open[i]] = kOutside;
+    return true;
+}
+
+/// Cells with places that some corners do not see, by their light.
+bool RoomSearch::compareLight(std::span<const RoomCell> cells, std::span<const Sight> sights,
+                              std::span<const Probe> probes, float dark, std::vector<Verdict>& verdicts,
+                              const Progress& progress) const
+{
+    std::vector<std::size_t> even;
+    std::vector<uint32_t> places;
+    for (std::size_t i = 0; i < cells.size(); ++i) {
+        if (verdicts[i].halve || !sights[i].hidden || !tree_.canHalve(cells[i].cell, 2.0f * kFinestMeters)) continue;
+        std::vector<const Probe*> corners;
+        for (const uint32_t corner : sights[i].corners) corners.push_back(&probes[corner]);
+        verdicts[i].halve = disagreement(corners, dark) >= 1.0f;
+        if (verdicts[i].halve) continue;
+        even.push_back(i);
+        places.push_back(*sights[i].hidden);
+    }
+    std::vector<ProbeEstimate> tests;
+    if (!trace(places, 4 * kTestPaths, tests, progress)) return false;
+    for (std::size_t k = 0; k < even.size(); ++k) {
+        float least = kInfinity;
+        float largest = dark;
+        for (const uint32_t corner : sights[even[k]].corners) {
+            const float there = meanIrradiance(probes[corner].radiance);
+            least = std::min(least, std::max(there, dark));
+            largest = std::max(largest, there);
+        }
+        const float here = meanIrradiance(tests[k].radiance);
+        const float noise = 2.0f * std::sqrt(tests[k].variance) *
+                            shading::shIrradianceWeight(0, vec3(0, 1, 0)); // two standard deviations
+        const bool darker = std::max(here + noise, dark) < (1.0f - kDisagrees) * least;
+        const bool brighter = largest < (1.0f - kDisagrees) * (here - noise);
+        verdicts[even[k]].halve = tests[k].valid && (darker || brighter);
+    }
+    return true;
+}
+
+std::optional<std::vector<RoomSearch::Verdict>>
+RoomSearch::judge(std::span<const RoomCell> cells, std::span<const Probe> probes, const Progress& progress)
+{
+    const float dark = darkIrradiance(probes).value_or(0.0f);
+    const std::vector<Sight> sights = sightOf(cells, probes, dark);
+    std::vector<uint32_t> unknown;
+    for (const Sight& sight : sights)
+        for (const uint32_t place : sight.unseen)
+            if (known_[place] == kUnknown) unknown.push_back(place);
+    if (!findOutside(std::move(unknown), progress)) return std::nullopt;
+    std::vector<Verdict> verdicts(cells.size());
+    for (std::size_t i = 0; i < cells.size(); ++i) {
+        for (const uint32_t place : sights[i].unseen)
+            if (known_[place] == kOutside && !verdicts[i].unseen) verdicts[i].unseen = place;
+        verdicts[i].error = verdicts[i].unseen ? 1.0f : 1.0f - sights[i].evenness;
+        bool halve = verdicts[i].unseen || sights[i].evenness < kSteep;
+        for (const uint32_t place : cells[i].places)
+            halve |= tree_.canHalve(cells[i].cell, std::max(places_[place].roomMeters, 2.0f * kFinestMeters));
+        verdicts[i].halve = halve && tree_.canHalve(cells[i].cell, kFinestMeters);
+    }
+    if (!compareLight(cells, sights, probes, dark, verdicts, progress)) return std::nullopt;
+    return verdicts;
+}
+
+} // namespace halflight

@@ -1,0 +1,318 @@
+// Light probes (spec S14): a coarse grid, halved around rooms and along shadow edges, refined where neighbouring probes
+// disagree, with a layer on floors, denoised.
+#include "bake/probes/probes.h"
+#include "bake/cache/cached_integrator.h"
+#include "bake/denoise/denoise.h"
+#include "bake/geometry/hash_grid.h"
+#include "bake/geometry/indices.h"
+#include "bake/probes/probe_rooms.h"
+
+#include "halflight/shading/color.h"
+
+#include <algorithm>
+#include <optional>
+#include <string>
+#include <utility>
+
+namespace halflight {
+namespace {
+
+constexpr int kRefinements = 2;                    ///< times that a link can be halved
+constexpr std::size_t kGrowth = 4;                 ///< most probes after refinement, over those of the grid
+constexpr std::size_t kShadowGrowth = kGrowth / 2; ///< most probes added along shadow edges, over those of the grid
+constexpr std::size_t kNewPointsOfCell = 19;       ///< of its 27, all but the corners
+/// Standard error of a probe's light, over it, above which it is traced again: denoising divides it by two or three.
+constexpr float kNoisy = 0.15f;
+
+/// Places of check probes, spread over a list: one to 32 probes, up to 250.
+std::vector<vec3> spreadOver(const std::vector<vec3>& places, std::size_t probeCount)
+{
+    const std::size_t most = std::min(kMostProbes / 80, probeCount / 32);
+    if (places.size() <= most) return places;
+    std::vector<vec3> some;
+    for (std::size_t i = 0; i < most; ++i) some.push_back(places[i * places.size() / most]);
+    return some;
+}
+
+/// Probes baked so far, and the links between neighbours.
+class ProbeBake {
+public:
+    /// `step` of the lattice that probes are placed on, metres.
+    ProbeBake(const CachedIntegrator& cached, float step, const Progress& progress)
+        : cached_(cached), step_(step), progress_(progress)
+    {}
+
+    std::vector<Probe> probes;
+    std::vector<float> variances; ///< by probe: of the luminance of a coefficient, mean over the nine
+    std::vector<vec3> sides;      ///< by probe: of the cell that it was placed by, metres
+    std::vector<ProbeLink> links;
+    std::vector<vec3> checked; ///< a place beside a surface in each cell that has one
+
+    [[nodiscard]] std::size_t validCount() const
+    {
+        return std::size_t(std::count_if(probes.begin(), probes.end(), [](const Probe& p) { return p.valid; }));
+    }
+    /// Traces probes. False when cancelled, as the functions below.
+    bool trace(const std::vector<vec3>& positions, std::vector<ProbeEstimate>& estimates)
+    {
+        estimates.resize(positions.size());
+        return positions.empty() || cached_.probes(positions, estimates, batches_++, progress_);
+    }
+    bool add(const AddedProbes& added)
+    {
+        std::vector<vec3> positions;
+        for (const vec3 position : added.positions) positions.push_back(onProbeLattice(position, step_));
+        std::vector<ProbeEstimate> estimates;
+        if (!trace(positions, estimates)) return false;
+        for (std::size_t i = 0; i < estimates.size(); ++i) {
+            probes.push_back({positions[i], estimates[i].radiance, estimates[i].occlusion, estimates[i].valid});
+            variances.push_back(estimates[i].variance);
+        }
+        sides.insert(sides.end(), added.sides.begin(), added.sides.end());
+        links.insert(links.end(), added.links.begin(), added.links.end());
+        return true;
+    }
+    bool add(const std::vector<vec3>& positions, vec3 cellSides)
+    {
+        return add(AddedProbes{positions, std::vector<vec3>(positions.size(), cellSides), {}});
+    }
+
+    /// Halves cells of the grid until their corners say what light is beside surfaces, or there are `most` probes, the
+    /// largest cells first. Where no corner of the last cells sees a place, a probe is put there. Returns the cells.
+    bool findRooms(ProbeTree& tree, RoomSearch& search, std::size_t most, std::vector<ProbeTree::Cell>& leaves)
+    {
+        AddedProbes lonely;
+        const auto close = [&](const RoomCell& room, std::optional<uint32_t> unseen) {
+            leaves.push_back(room.cell);
+            if (!room.places.empty()) checked.push_back(search.place(room.places.front()));
+            if (unseen) lonely.add(search.place(*unseen), room.cell.sides);
+        };
+        std::vector<RoomCell> rooms = search.gridCells();
+        while (!rooms.empty()) {
+            const auto verdicts = search.judge(rooms, probes, progress_);
+            if (!verdicts) return false;
+            std::vector<RoomCell> parts;
+            std::vector<ProbeTree::Cell> halved;
+            AddedProbes added;
+            std::vector<uint32_t> order = allIndices(rooms.size());
+            std::stable_sort(order.begin(), order.end(),
+                             [&](uint32_t a, uint32_t b) { return (*verdicts)[a].error > (*verdicts)[b].error; });
+            for (const uint32_t i : order) {
+                const auto& verdict = (*verdicts)[i];
+                if (!verdict.halve || validCount() + added.positions.size() + kNewPointsOfCell > most) {
+                    close(rooms[i], verdict.unseen);
+                    continue;
+                }
+                std::vector<RoomCell> halves = search.halvesOf(rooms[i]);
+                ProbeTree::Cell cell = rooms[i].cell;
+                cell.sides = halves.front().cell.sides;
+                tree.addProbes(cell, probes.size(), added);
+                halved.push_back(cell);
+                std::move(halves.begin(), halves.end(), std::back_inserter(parts));
+            }
+            added.links.clear(); // those of the last cells follow
+            if (!add(added)) return false;
+            for (const ProbeTree::Cell& cell : halved) tree.takeSamples(cell, probes);
+            rooms = std::move(parts);
+        }
+        links = tree.linksOf(leaves);
+        lonely.positions.resize(std::min(lonely.positions.size(), most - std::min(most, validCount())));
+        lonely.sides.resize(lonely.positions.size());
+        return add(lonely);
+    }
+
+    /// Up to `most` valid probes in all.
+    bool refine(std::size_t most)
+    {
+        most += probes.size() - validCount();
+        std::vector<ProbeLink> level = links;
+        for (int i = 0; i < kRefinements && !level.empty(); ++i) {
+            AddedProbes added = probesBetween(probes, sides, level, most, cached_.integrator);
+            if (!add(added)) return false;
+            level = std::move(added.links);
+        }
+        return true;
+    }
+
+    /// Adds up to `most` probes where shadow edges cross cells. `unresolved`: cells that would need more.
+    bool refineShadows(ProbeTree& tree, std::vector<ProbeTree::Cell> cells, std::size_t most,
+                       std::vector<ProbeTree::Cell>& unresolved)
+    {
+        if (cells.size() > kMostProbes)
+            std::erase_if(cells, [&](const ProbeTree::Cell& cell) { return !cornersDisagree(tree, cell); });
+        std::size_t addedCount = 0;
+        while (!cells.empty()) {
+            if (!sample(tree, cells)) return false;
+            tree.keepWrong(cells);
+            AddedProbes added;
+            std::vector<ProbeTree::Cell> parts;
+            for (const ProbeTree::Cell& cell : cells) {
+                if (addedCount + added.positions.size() + kNewPointsOfCell > most) {
+                    unresolved.push_back(cell);
+                    continue;
+                }
+                tree.addProbes(cell, probes.size(), added);
+                for (const ProbeTree::Cell& part : tree.halves(cell))
+                    if (tree.canHalve(part, tree.finestMeters())) parts.push_back(part);
+            }
+            addedCount += added.positions.size();
+            cells = std::move(parts);
+            if (!add(added)) return false;
+        }
+        return true;
+    }
+
+    bool addFloors(std::size_t most) { return add(probesOnFloors(probes, sides, most, cached_.integrator)); }
+
+    /// Traces noisy probes again, with more paths: beside a doorway, where few of them find light.
+    bool calm()
+    {
+        std::vector<std::size_t> noisy;
+        for (std::size_t i = probes.size(); i-- > 0;) {
+            const float light = luminance(probes[i].radiance[0]);
+            if (probes[i].valid && variances[i] > kNoisy * kNoisy * light * light) noisy.push_back(i);
+        }
+        const std::size_t runs = 3;
+        std::vector<vec3> positions;
+        for (std::size_t run = 0; run < runs; ++run)
+            for (const std::size_t i : noisy) positions.push_back(probes[i].position);
+        std::vector<ProbeEstimate> estimates;
+        if (!trace(positions, estimates)) return false;
+        const float share = 1.0f / float(1 + runs);
+        for (std::size_t n = 0; n < noisy.size(); ++n) {
+            Probe& probe = probes[noisy[n]];
+            float& variance = variances[noisy[n]];
+            for (std::size_t run = 0; run < runs; ++run) {
+                const ProbeEstimate& more = estimates[run * noisy.size() + n];
+                for (std::size_t k = 0; k < 9; ++k) probe.radiance[k] += more.radiance[k];
+                variance += more.variance;
+            }
+            for (vec3& coefficient : probe.radiance) coefficient *= share;
+            variance *= share * share;
+        }
+        return true;
+    }
+
+private:
+    /// Occlusion at the points of the cells that have none, of few paths each.
+    bool sample(ProbeTree& tree, std::span<const ProbeTree::Cell> cells) const
+    {
+        const std::vector<ivec3> points = tree.unsampledPoints(cells);
+        std::vector<vec3> positions;
+        positions.reserve(points.size());
+        for (const ivec3 point : points) positions.push_back(tree.positionOf(point));
+        std::vector<ProbeEstimate> tests(points.size());
+        const Progress quiet{{}, progress_.cancel};
+        if (!cached_.integrator.probes(positions, allIndices(points.size()), kTestPaths, tests, quiet)) return false;
+        for (std::size_t i = 0; i < points.size(); ++i)
+            tree.at(points[i]) = {tests[i].occlusion, tests[i].valid, std::nullopt};
+        return true;
+    }
+    bool cornersDisagree(ProbeTree& tree, const ProbeTree::Cell& cell) const
+    {
+        vec4 least(1.0f);
+        vec4 most(0.0f);
+        for (const uint32_t corner : tree.validCorners(cell)) {
+            least = glm::min(least, probes[corner].occlusion);
+            most = glm::max(most, probes[corner].occlusion);
+        }
+        return glm::any(glm::greaterThan(most - least, vec4(kDisagrees)));
+    }
+
+    const CachedIntegrator& cached_;
+    float step_;
+    const Progress& progress_;
+    int batches_ = 0;
+};
+
+/// Removes probes inside geometry, and all but the first of probes at one place.
+void removeSuperfluous(std::vector<Probe>& probes, float cellMeters)
+{
+    DistinctPoints places(cellMeters);
+    std::erase_if(probes, [&](const Probe& probe) { return !probe.valid || !places.insert(probe.position); });
+}
+
+std::string shadowEdgeWarning(const ProbeTree& tree, std::span<const ProbeTree::Cell> unresolved)
+{
+    float longest = 0.0f;
+    for (const ProbeTree::Cell& cell : unresolved) {
+        const vec3 sides = tree.sidesOf(cell);
+        longest = std::max({longest, sides.x, sides.y, sides.z});
+    }
+    return "probes: shadow edges cross " + std::to_string(unresolved.size()) +
+           " more places than there are probes for; moving objects there have shadows blurred over up to " +
+           std::to_string(longest) + " m; --probe-spacing makes all probes denser";
+}
+
+} // namespace
+
+std::optional<BakedProbes> bakeProbes(const Scene& scene, float spacingMeters, ProbeLayout layout, bool denoise,
+                                      const CachedIntegrator& cached, std::vector<std::string>& warnings,
+                                      const Progress& progress)
+{
+    Bounds box = scene.bounds(true);
+    for (const vec3 position : scene.probePositions) box.extend(position);
+    ProbeBake bake(cached, box.empty() ? 0.0f : probeStep(box.size()), progress);
+    BakedProbes result;
+    ProbeSet& set = result.set;
+    set = probeGrid(scene, scene.probePositions.empty() ? spacingMeters : 0.0f, warnings);
+    const float reach = set.probes.empty() ? 0.0f : std::min(kFinestMeters, shortestSide(set.spacingMeters));
+    std::vector<Place> places;
+    if (!set.probes.empty()) places = placesBesideSurfaces(scene.bounds(true), reach, cached.integrator);
+    std::vector<vec3> checked;
+    for (const Place& place : places) checked.push_back(place.position);
+    const auto finish = [&](std::vector<Probe> probes, const std::vector<vec3>& between) {
+        set.probes = std::move(probes);
+        result.checkedAt = spreadOver(between, set.probes.size());
+        return bake.trace(result.checkedAt, result.checks) ? std::optional(std::move(result)) : std::nullopt;
+    };
+    if (!scene.probePositions.empty()) {
+        // Positions of the author: all are kept, in their order.
+        if (!bake.add(scene.probePositions, vec3(0.0f))) return std::nullopt;
+        set = {};
+        return finish(std::move(bake.probes), checked);
+    }
+    if (set.probes.empty()) return result;
+    std::vector<vec3> positions;
+    for (const Probe& probe : set.probes) positions.push_back(probe.position);
+    if (!bake.add(positions, set.spacingMeters)) return std::nullopt;
+    ProbeTree tree(set, bake.probes);
+
+    if (layout == ProbeLayout::Grid) {
+        if (denoise) denoiseProbes(bake.probes, bake.variances, tree.linksOf(tree.gridCells()), cached.integrator);
+        set.probes = std::move(bake.probes);
+        fillInvalidProbes(set);
+        return finish(std::move(set.probes), checked);
+    }
+    // Each step leaves some of the probes to those after it.
+    const std::size_t gridCount = positions.size();
+    const bool bounded = spacingMeters <= 0.0f; // else there are as many as the spacing asks for
+    const std::size_t limit = bounded ? kMostProbes : 2 * (kGrowth + kShadowGrowth) * (gridCount + kMostProbes);
+    std::vector<ProbeTree::Cell> cells;
+    RoomSearch search(tree, std::move(places), reach, cached.integrator);
+    if (!bake.findRooms(tree, search, std::max(std::min(limit, gridCount + kMostProbes) / 16 * 10, gridCount), cells))
+        return std::nullopt;
+    const std::size_t rooms = bake.probes.size();
+    if (!bake.refine(std::min(rooms + (kGrowth - 1) * std::max(gridCount, rooms / 2), limit / 16 * 13)))
+        return std::nullopt;
+    std::vector<ProbeTree::Cell> unresolved;
+    const bool masked = std::any_of(scene.lights.begin(), scene.lights.end(),
+                                    [](const Light& light) { return light.baking.occlusionMaskChannel >= 0; });
+    const std::size_t left = limit / 16 * 15 - std::min(limit / 16 * 15, bake.validCount());
+    if (masked &&
+        !bake.refineShadows(tree, cells, std::min(std::max(kShadowGrowth * gridCount, rooms), left), unresolved))
+        return std::nullopt;
+    if (!unresolved.empty()) warnings.push_back(shadowEdgeWarning(tree, unresolved));
+    if (!bake.addFloors(bake.probes.size() + limit - std::min(limit, bake.validCount()))) return std::nullopt;
+    if (!bake.calm()) return std::nullopt;
+    if (denoise) denoiseProbes(bake.probes, bake.variances, bake.links, cached.integrator);
+    float shortest = kInfinity;
+    for (const vec3 sides : bake.sides) shortest = std::min(shortest, shortestSide(sides));
+    removeSuperfluous(bake.probes, kSamePlaceShare * shortest);
+    // The set stays a grid if nothing was added and nothing removed.
+    const bool isGrid = bake.probes.size() == gridCount && bake.variances.size() == gridCount;
+    if (!isGrid) set = {vec3(0.0f), vec3(1.0f), ivec3(0), {}};
+    return finish(std::move(bake.probes), bake.checked);
+}
+
+} // namespace halflight

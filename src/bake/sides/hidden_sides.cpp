@@ -1,0 +1,114 @@
+#include "bake/sides/hidden_sides.h"
+
+#include "bake/seams/seams.h"
+
+#include "unwrap/cuts/crossing_points.h"
+
+#include <algorithm>
+#include <memory>
+
+namespace halflight {
+namespace {
+
+bool isBlocked(const std::optional<vec2>& surfaces)
+{
+    return surfaces.has_value();
+}
+
+std::vector<std::optional<vec2>> surfacesAlong(const Integrator& integrator, const std::vector<Segment>& segments)
+{
+    std::vector<std::optional<vec2>> surfaces(segments.size());
+    integrator.surfacesAlong(segments, surfaces);
+    return surfaces;
+}
+
+/// By point of pointsAround(), 1 where the surface goes on below it, and it lies outside geometry.
+std::vector<uint8_t> findOpen(const Integrator& integrator, const std::vector<uint32_t>& firstTriangle,
+                              std::span<const CrossingPoint> crossings)
+{
+    std::vector<SurfacePoint> points;
+    std::vector<Segment> down;
+    for (const CrossingPoint& crossing : crossings) {
+        const uint32_t triangle = firstTriangle[std::size_t(crossing.object)] + crossing.triangle;
+        const float depth = 2.0f * kSightRise * crossing.texelMeters;
+        for (const vec3 point : pointsAround(crossing)) {
+            points.push_back({point, crossing.normal, crossing.normal, triangle, vec2(0.0f)});
+            down.push_back({point, point - depth * crossing.normal});
+        }
+    }
+    std::vector<uint8_t> open(points.size(), 1);
+    integrator.findOutside(points, open);
+    const std::vector<std::optional<vec2>> below = surfacesAlong(integrator, down);
+    for (std::size_t i = 0; i < open.size(); ++i) open[i] = open[i] != 0 && isBlocked(below[i]) ? 1 : 0;
+    return open;
+}
+
+/// Lines of sight between open points of both sides, low and high.
+struct SightLines {
+    std::vector<Segment> segments; ///< a low one and a high one in turn
+    std::vector<std::size_t> ofCrossing;
+};
+
+SightLines sightLines(std::span<const CrossingPoint> crossings, const std::vector<uint8_t>& open)
+{
+    SightLines lines;
+    for (std::size_t c = 0; c < crossings.size(); ++c) {
+        const auto points = pointsAround(crossings[c]);
+        const std::size_t half = points.size() / 2;
+        const std::size_t first = c * points.size();
+        const vec3 high = kHiddenHeight * crossings[c].texelMeters * crossings[c].rise;
+        for (std::size_t a = 0; a < half; ++a) {
+            for (std::size_t b = half; b < points.size(); ++b) {
+                if (open[first + a] == 0 || open[first + b] == 0) continue;
+                lines.segments.push_back({points[a], points[b]});
+                lines.segments.push_back({points[a] + high, points[b] + high});
+                lines.ofCrossing.push_back(c);
+            }
+        }
+    }
+    return lines;
+}
+
+std::vector<uint32_t> firstTriangles(const Scene& scene, const BakeGeometry& geometry)
+{
+    std::vector<uint32_t> first(scene.objects.size(), ~0u);
+    for (const BakeGeometry::Part& part : geometry.parts) {
+        uint32_t& of = first[std::size_t(part.object)];
+        of = std::min(of, part.firstTriangle);
+    }
+    return first;
+}
+
+} // namespace
+
+CrossingTest hiddenSidesTest(SourceTree& tree)
+{
+    return [&tree](const Scene& scene, std::span<const CrossingPoint> crossings) {
+        std::vector<uint8_t> hidden(crossings.size(), 0);
+        const Integrator* integrator = tree.integratorOf(scene);
+        if (integrator == nullptr) return hidden;
+        const std::vector<uint8_t> open =
+            findOpen(*integrator, firstTriangles(scene, tree.geometryOf(scene)), crossings);
+        const SightLines lines = sightLines(crossings, open);
+        const std::vector<std::optional<vec2>> surfaces = surfacesAlong(*integrator, lines.segments);
+        for (std::size_t i = 0; i < lines.ofCrossing.size(); ++i) {
+            if (isBlocked(surfaces[2 * i]) && isBlocked(surfaces[2 * i + 1])) hidden[lines.ofCrossing[i]] = 1;
+        }
+        return hidden;
+    };
+}
+
+void dropHiddenSeams(const Integrator& integrator, std::vector<SeamSample>& seams)
+{
+    std::vector<Segment> sight;
+    sight.reserve(seams.size());
+    for (const SeamSample& seam : seams) sight.push_back(seam.sight);
+    const std::vector<std::optional<vec2>> surfaces = surfacesAlong(integrator, sight);
+    std::size_t kept = 0;
+    for (std::size_t i = 0; i < seams.size(); ++i) {
+        if (!isBlocked(surfaces[i])) seams[kept++] = seams[i];
+    }
+    seams.resize(kept);
+}
+
+} // namespace halflight

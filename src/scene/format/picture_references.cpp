@@ -1,0 +1,31 @@
+#include "scene/format/picture_references.h"
+
+#include <string>
+
+namespace halflight {
+
+std::vector<Json> pictureReferences(const Json& root)
+{
+    std::vector<Json> references;
+    for (const std::string_view list : kPictureLists) {
+        for (const Json& reference : member(root, std::string(list).c_str())) references.push_back(reference);
+    }
+    if (const Json& picture = member(member(root, "sky"), "picture"); picture.is_object())
+        references.push_back(picture);
+    if (const Json& picture = member(member(root, "reflectionProbes"), "picture"); picture.is_object())
+        references.push_back(picture);
+    return references;
+}
+
+int pictureImage(const Json& document, int texture)
+{
+    const Json& json = element(document, "textures", texture);
+    for (const char* name : {kKtx2Extension, "EXT_texture_webp"}) {
+        const Json& source = member(extensionOf(json, name), "source");
+        if (source.is_number_unsigned()) return source.get<int>();
+    }
+    const Json& source = member(json, "source");
+    return source.is_number_unsigned() ? source.get<int>() : -1;
+}
+
+} // namespace halflight

@@ -1,0 +1,15 @@
+#pragma once
+// Extensions that need no support here.
+
+#include "scene/document/document.h"
+
+namespace halflight {
+
+/// Whether a file reads right without the extension, also one that requires it: surfaces keep their diffuse light, and
+/// nothing moves or vanishes at rest.
+bool isHarmlessExtension(std::string_view name);
+
+/// One warning that names the harmless extensions of the document, one that names those this program knows nothing of.
+std::vector<std::string> extensionWarnings(const Json& document);
+
+} // namespace halflight

@@ -1,0 +1,108 @@
+#include "scene/pictures/lightmap_curve.h"
+
+#include "halflight/base/math.h"
+#include "halflight/base/rgb9e5.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <glm/gtc/packing.hpp>
+
+namespace halflight {
+
+namespace {
+
+float brightest(vec3 v)
+{
+    return std::max({v.x, v.y, v.z});
+}
+
+float brightest(const Image<uint32_t>& page)
+{
+    float most = 0.0f;
+    for (const uint32_t texel : page.texels()) most = std::max(most, brightest(glm::unpackF3x9_E1x5(texel)));
+    return most;
+}
+
+std::array<float, 256> valuesOf(const LightmapCurve& curve)
+{
+    std::array<float, 256> values{};
+    for (std::size_t c = 0; c < 256; ++c) values[c] = curve.scale * std::pow(float(c) / 255.0f, curve.exponent);
+    return values;
+}
+
+uint8_t numberOf(float value, const LightmapCurve& curve)
+{
+    const float share = std::clamp(value / curve.scale, 0.0f, 1.0f);
+    return uint8_t(std::lround(255.0f * std::pow(share, 1.0f / curve.exponent)));
+}
+
+} // namespace
+
+LightmapCurve bestCurve(std::span<const Image<uint32_t>> pages)
+{
+    LightmapCurve best;
+    best.scale = 0.0f;
+    for (const Image<uint32_t>& page : pages) best.scale = std::max(best.scale, brightest(page));
+    if (!(best.scale > 0.0f)) best.scale = 1.0f;
+    constexpr std::size_t kEvery = 61; // texels that are looked at: a prime, so that no row pattern is
+    double least = kInfinity;
+    for (const float exponent : {1.5f, 2.0f, 2.5f, 3.0f, 4.0f}) {
+        const LightmapCurve curve{best.scale, exponent};
+        const std::array<float, 256> values = valuesOf(curve);
+        double sum = 0.0;
+        for (const Image<uint32_t>& page : pages) {
+            for (std::size_t i = 0; i < page.texelCount(); i += kEvery) {
+                const float truth = brightest(glm::unpackF3x9_E1x5(page.texels()[i]));
+                if (truth > 0.0f)
+                    sum += std::abs(values[numberOf(truth, curve)] - truth) / std::max(truth, best.scale / 4096.0f);
+            }
+        }
+        if (sum >= least) continue;
+        least = sum;
+        best.exponent = exponent;
+    }
+    return best;
+}
+
+ImageRgba8 encodeByCurve(const Image<uint32_t>& rgb9e5, const LightmapCurve& curve)
+{
+    ImageRgba8 image(rgb9e5.width(), rgb9e5.height());
+    for (std::size_t i = 0; i < rgb9e5.texelCount(); ++i) {
+        const vec3 v = glm::unpackF3x9_E1x5(rgb9e5.texels()[i]);
+        image.texels()[i] = u8vec4(numberOf(v.x, curve), numberOf(v.y, curve), numberOf(v.z, curve), 255);
+    }
+    return image;
+}
+
+Image<uint32_t> decodeByCurve(const ImageRgba8& image, const LightmapCurve& curve)
+{
+    const std::array<float, 256> values = valuesOf(curve);
+    Image<uint32_t> rgb9e5(image.width(), image.height());
+    for (std::size_t i = 0; i < image.texelCount(); ++i) {
+        const u8vec4 c = image.texels()[i];
+        rgb9e5.texels()[i] = packRgb9e5(vec3(values[c.x], values[c.y], values[c.z]));
+    }
+    return rgb9e5;
+}
+
+LightmapError lightmapError(const ImageRgb32f& truth, const ImageRgb32f& other)
+{
+    LightmapError error;
+    float floor = 0.0f;
+    for (const vec3 texel : truth.texels()) floor = std::max(floor, brightest(texel) / 4096.0f);
+    std::size_t count = 0;
+    for (std::size_t i = 0; i < truth.texelCount(); ++i) {
+        const vec3 was = truth.texels()[i];
+        if (!(brightest(was) > 0.0f)) continue;
+        const double off = double(brightest(glm::abs(other.texels()[i] - was)) / std::max(brightest(was), floor));
+        error.mean += off;
+        error.most = std::max(error.most, off);
+        ++count;
+    }
+    if (count > 0) error.mean /= double(count);
+    return error;
+}
+
+} // namespace halflight

@@ -1,0 +1,254 @@
+#include "scene/read/geometry/read_mesh.h"
+#include "scene/document/texture_coordinates.h"
+#include "scene/format/material_sides.h"
+#include "scene/model/geometry.h"
+#include "scene/model/tangents.h"
+
+#include "halflight/base/finite.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace halflight {
+
+namespace {
+
+// Adds the weighted morph targets to an attribute (glTF 2.0, section 3.7.2.2). Tangents' signs are not morphed.
+template<typename Vec> Status morph(const SourceDocument& document, const tinygltf::Primitive& primitive,
+                                    const std::vector<double>& weights, const char* attribute, std::vector<Vec>& values)
+{
+    for (std::size_t t = 0; t < primitive.targets.size() && t < weights.size(); ++t) {
+        const auto it = primitive.targets[t].find(attribute);
+        if (it == primitive.targets[t].end() || weights[t] == 0.0) continue;
+        const auto offsets = readVectors<3>(document, it->second);
+        if (!offsets) return offsets.error();
+        for (std::size_t i = 0; i < values.size(); ++i) {
+            for (int c = 0; c < 3; ++c) values[i][c] += float(weights[t]) * (*offsets)[i][c];
+        }
+    }
+    return {};
+}
+
+// Attributes other than positions: one that this program cannot use is a warning, not an error.
+class AttributeReader {
+public:
+    AttributeReader(const SourceDocument& document, const tinygltf::Primitive& primitive, std::string path,
+                    std::vector<std::string>& warnings)
+        : document_(document), primitive_(primitive), path_(std::move(path)), warnings_(warnings)
+    {}
+
+    template<int N> std::vector<glm::vec<N, float>> read(const std::string& name)
+    {
+        const auto it = primitive_.attributes.find(name);
+        if (it == primitive_.attributes.end()) return {};
+        auto values = readVectors<N>(document_, it->second);
+        if (values) return std::move(*values);
+        warnings_.push_back(path_ + ": " + name + " is left out (" + values.error().message + ")");
+        return {};
+    }
+
+private:
+    const SourceDocument& document_;
+    const tinygltf::Primitive& primitive_;
+    std::string path_;
+    std::vector<std::string>& warnings_;
+};
+
+// Unit normals; a zero one is replaced by the normal of a triangle that uses the vertex.
+std::size_t normalizeNormals(MeshPart& part)
+{
+    std::size_t repaired = 0;
+    std::vector<bool> bad(part.normals.size(), false);
+    for (std::size_t i = 0; i < part.normals.size(); ++i) {
+        const float length = glm::length(part.normals[i]);
+        if (length > 1.0e-12f && std::isfinite(length)) {
+            part.normals[i] /= length;
+        } else {
+            part.normals[i] = vec3(0, 1, 0);
+            bad[i] = true;
+            ++repaired;
+        }
+    }
+    for (std::size_t i = 0; repaired > 0 && i + 2 < part.indices.size(); i += 3) {
+        const uint32_t* v = &part.indices[i];
+        const vec3 n =
+            glm::cross(part.positions[v[1]] - part.positions[v[0]], part.positions[v[2]] - part.positions[v[0]]);
+        const float length = glm::length(n);
+        for (std::size_t k = 0; k < 3 && length > 0.0f; ++k) {
+            if (bad[v[k]]) part.normals[v[k]] = n / length;
+            bad[v[k]] = false;
+        }
+    }
+    return repaired;
+}
+
+// uv' = offset + R * (scale * uv): the linear part.
+mat2 linearPart(const TextureRef& ref)
+{
+    const float c = std::cos(ref.rotationRadians);
+    const float s = std::sin(ref.rotationRadians);
+    return mat2(vec2(c, -s) * ref.scale.x, vec2(s, c) * ref.scale.y); // columns
+}
+
+Result<std::optional<MeshPart>> readPart(const SourceDocument& document, int meshIndex, int primitiveIndex,
+                                         const std::vector<double>& weights, const std::vector<Material>& materials,
+                                         MeshRead& read)
+{
+    const tinygltf::Mesh& mesh = document.model.meshes[std::size_t(meshIndex)];
+    const tinygltf::Primitive& primitive = mesh.primitives[std::size_t(primitiveIndex)];
+    const std::string path = pathOf("meshes", std::size_t(meshIndex)) + "/primitives/" + std::to_string(primitiveIndex);
+    const int mode = primitive.mode < 0 ? TINYGLTF_MODE_TRIANGLES : primitive.mode;
+    const auto skip = [&](const std::string& reason) {
+        read.warnings.push_back(path + ": skipped, " + reason);
+        return std::optional<MeshPart>();
+    };
+    if (mode < TINYGLTF_MODE_TRIANGLES) {
+        return skip(mode == TINYGLTF_MODE_POINTS ? "points are not lit" : "lines are not lit");
+    }
+    const auto position = primitive.attributes.find("POSITION");
+    if (position == primitive.attributes.end()) return skip("it has no positions");
+
+    MeshPart part;
+    part.sourcePrimitive = primitiveIndex;
+    part.material = primitive.material;
+    part.side = markedSide(element(document.json, "materials", primitive.material));
+    auto positions = readVectors<3>(document, position->second);
+    if (!positions) return positions.error();
+    part.positions = std::move(*positions);
+    if (Status s = morph(document, primitive, weights, "POSITION", part.positions); !s) return s.error();
+    for (std::size_t i = 0; i < part.positions.size(); ++i) {
+        if (!isFinite(part.positions[i]))
+            return invalid(path, "position " + std::to_string(i) + " is not a finite number");
+    }
+
+    std::vector<uint32_t> indices;
+    if (primitive.indices >= 0) {
+        auto values = readIntegers(document, primitive.indices);
+        if (!values) return values.error();
+        for (const uint32_t index : *values) {
+            if (index >= part.positions.size()) {
+                return invalid(path, "index " + std::to_string(index) + " is beyond the " +
+                                         std::to_string(part.positions.size()) + " vertices");
+            }
+        }
+        indices = std::move(*values);
+    }
+    const std::size_t listLength = primitive.indices >= 0 ? indices.size() : part.positions.size();
+    if (mode == TINYGLTF_MODE_TRIANGLES && listLength % 3 != 0) {
+        read.warnings.push_back(path + ": the last triangle is incomplete and left out");
+    }
+    part.indices = trianglesOf(mode, indices, part.positions.size());
+    if (part.indices.empty()) return skip("it has no triangle");
+
+    AttributeReader attributes(document, primitive, path, read.warnings);
+    part.normals = attributes.read<3>("NORMAL");
+    if (!part.normals.empty()) {
+        if (Status s = morph(document, primitive, weights, "NORMAL", part.normals); !s) return s.error();
+    }
+    std::array<bool, kTexCoordSets> reads{true, true}; // the second may be a lightmap's layout
+    if (part.material >= 0) {
+        for (const TextureRef* ref : materials[std::size_t(part.material)].textureRefs()) {
+            if (*ref) reads[std::size_t(ref->texCoord)] = true;
+        }
+    }
+    for (std::size_t n = 0; n < reads.size(); ++n) {
+        if (reads[n]) part.uv[n] = attributes.read<2>("TEXCOORD_" + std::to_string(n));
+    }
+    if (const auto color = primitive.attributes.find("COLOR_0"); color != primitive.attributes.end()) {
+        if (document.model.accessors[std::size_t(color->second)].type == TINYGLTF_TYPE_VEC3) {
+            for (const vec3& c : attributes.read<3>("COLOR_0")) part.colors.emplace_back(c, 1.0f);
+        } else {
+            part.colors = attributes.read<4>("COLOR_0");
+        }
+    }
+
+    const TextureRef normalTexture =
+        part.material >= 0 ? materials[std::size_t(part.material)].normalTexture : TextureRef();
+    const std::vector<vec2>& tangentUv = part.uv[std::size_t(normalTexture.texCoord)];
+    const bool needsTangents = bool(normalTexture) && !tangentUv.empty();
+    if (part.normals.empty()) {
+        makeFlatNormals(part);
+        ++read.flatParts;
+    } else {
+        if (const std::size_t repaired = normalizeNormals(part); repaired > 0) {
+            read.warnings.push_back(path + ": " + std::to_string(repaired) + " normals of length 0 are replaced");
+        }
+        if (needsTangents) part.tangents = attributes.read<4>("TANGENT"); // without normals glTF ignores tangents
+        if (!part.tangents.empty()) {
+            if (Status s = morph(document, primitive, weights, "TANGENT", part.tangents); !s) return s.error();
+        }
+        for (vec4& tangent : part.tangents) {
+            const float length = glm::length(vec3(tangent));
+            if (!(length > 1.0e-12f)) {
+                part.tangents.clear();
+                break;
+            }
+            tangent = vec4(vec3(tangent) / length, tangent.w < 0.0f ? -1.0f : 1.0f);
+        }
+    }
+    if (needsTangents && part.tangents.empty()) {
+        makeTangents(part, std::vector<vec2>(tangentUv), linearPart(normalTexture));
+        ++read.tangentParts;
+    }
+    return std::optional<MeshPart>(std::move(part));
+}
+
+} // namespace
+
+std::vector<uint32_t> trianglesOf(int mode, const std::vector<uint32_t>& indices, std::size_t vertexCount)
+{
+    const std::size_t count = indices.empty() ? vertexCount : indices.size();
+    const auto at = [&](std::size_t i) { return indices.empty() ? uint32_t(i) : indices[i]; };
+    std::vector<uint32_t> triangles;
+    if (mode == TINYGLTF_MODE_TRIANGLES) {
+        triangles.resize(count / 3 * 3);
+        for (std::size_t i = 0; i < triangles.size(); ++i) triangles[i] = at(i);
+        return triangles;
+    }
+    // glTF 2.0, section 3.7.2.1: strips turn every other triangle round; fans share the first vertex.
+    for (std::size_t i = 0; i + 2 < count; ++i) {
+        if (mode == TINYGLTF_MODE_TRIANGLE_STRIP) {
+            triangles.insert(triangles.end(), {at(i), at(i + 1 + i % 2), at(i + 2 - i % 2)});
+        } else {
+            triangles.insert(triangles.end(), {at(i + 1), at(i + 2), at(0)});
+        }
+    }
+    return triangles;
+}
+
+Result<MeshRead> readMesh(const SourceDocument& document, int index, const std::vector<double>& weights,
+                          const std::vector<Material>& materials)
+{
+    MeshRead read;
+    const tinygltf::Mesh& source = document.model.meshes[std::size_t(index)];
+    read.mesh.name = source.name;
+    read.mesh.sourceMesh = index;
+    for (std::size_t p = 0; p < source.primitives.size(); ++p) {
+        auto part = readPart(document, index, int(p), weights, materials, read);
+        if (!part) return part.error();
+        if (*part) read.mesh.parts.push_back(std::move(**part));
+    }
+    if (const auto it = document.stretchedLayouts.find(index); it != document.stretchedLayouts.end()) {
+        for (MeshPart& part : read.mesh.parts) {
+            if (readsTexCoord(element(document.json, "materials", part.material), 1)) continue;
+            for (vec2& uv : part.uv[1]) uv *= it->second;
+        }
+    }
+    // A back half without its front half is a surface of its own.
+    const bool hasFront = std::any_of(read.mesh.parts.begin(), read.mesh.parts.end(),
+                                      [](const MeshPart& part) { return part.side == SurfaceSide::Front; });
+    for (MeshPart& part : read.mesh.parts)
+        if (!hasFront) part.side = SurfaceSide::Both;
+    // One slot for the whole mesh, since a node names one.
+    int texCoord = 1;
+    const auto taken = [&](int n) {
+        return std::any_of(read.mesh.parts.begin(), read.mesh.parts.end(), [&](const MeshPart& part) {
+            return readsTexCoord(element(document.json, "materials", part.material), n);
+        });
+    };
+    while (taken(texCoord)) ++texCoord;
+    for (MeshPart& part : read.mesh.parts) part.lightmapTexCoord = texCoord;
+    return read;
+}
+
+} // namespace halflight

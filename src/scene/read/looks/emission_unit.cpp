@@ -1,0 +1,68 @@
+#include "scene/read/looks/emission_unit.h"
+
+#include <algorithm>
+#include <string>
+
+namespace halflight {
+
+namespace {
+
+constexpr const char* kStrength = "KHR_materials_emissive_strength";
+
+bool emits(const Scene& scene)
+{
+    return std::any_of(scene.objects.begin(), scene.objects.end(), [&](const Object& object) {
+        const std::vector<MeshPart>& parts = scene.meshes[std::size_t(object.mesh)].parts;
+        return std::any_of(parts.begin(), parts.end(),
+                           [&](const MeshPart& part) { return materialOf(scene, part).emissiveNits != vec3(0.0f); });
+    });
+}
+
+bool isOfBlender(const SourceDocument& document)
+{
+    const Json& generator = member(member(document.json, "asset"), "generator");
+    return generator.is_string() && generator.get_ref<const std::string&>().starts_with("Khronos glTF Blender I/O");
+}
+
+} // namespace
+
+void applyEmissionUnit(const SourceDocument& document, std::optional<EmissionUnit> ofFile,
+                       std::optional<EmissionUnit> asked, Scene& scene)
+{
+    EmissionUnit unit = asked.value_or(ofFile.value_or(EmissionUnit::Nits));
+    if (ofFile == EmissionUnit::Nits && unit != EmissionUnit::Nits) {
+        scene.warnings.push_back(std::string("the file says that its emission is in nits (") + kEmissionUnitKey +
+                                 "): it stays as it is, though \"" + nameOf(unit) + "\" is asked for");
+        unit = EmissionUnit::Nits;
+    }
+    if (!ofFile && !asked && isOfBlender(document) && emits(scene)) {
+        scene.warnings.emplace_back("Blender's exporter writes emission 683 times darker than its lamps: "
+                                    "--emission-unit blender, or emission_unit = \"blender\" under [scene] of a "
+                                    "settings file, corrects it, and \"nits\" keeps it without this warning");
+    }
+    if (unit != EmissionUnit::Blender) return;
+    scene.emissionScale = kLumensPerWatt;
+    for (Material& material : scene.materials) material.emissiveNits *= kLumensPerWatt;
+}
+
+void writeScaledEmission(Json& document, const Scene& scene)
+{
+    if (scene.emissionScale == 1.0f) return;
+    bool any = false;
+    for (Json& material : document["materials"]) {
+        const Json& factor = member(material, "emissiveFactor");
+        if (!factor.is_array() || factor == Json::array({0, 0, 0})) continue;
+        Json& strength = material["extensions"][kStrength]["emissiveStrength"];
+        strength = scene.emissionScale * (strength.is_number() ? strength.get<float>() : 1.0f);
+        any = true;
+    }
+    Json& used = document["extensionsUsed"];
+    if (any && std::find(used.begin(), used.end(), kStrength) == used.end()) used.push_back(kStrength);
+    if (used.empty()) document.erase("extensionsUsed");
+    const Json& number = member(document, "scene");
+    Json& active = document["scenes"][number.is_number_unsigned() ? number.get<std::size_t>() : 0];
+    if (!active.contains("extras") || active["extras"].is_object())
+        active["extras"][kEmissionUnitKey] = nameOf(EmissionUnit::Nits);
+}
+
+} // namespace halflight

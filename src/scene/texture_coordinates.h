@@ -1,9 +1,0 @@
-#pragma once
-#include "scene/document.h"
-
-namespace halflight {
-
-/// Whether a texture of the material, those of extensions included, reads TEXCOORD_n.
-bool readsTexCoord(const Json& material, int n);
-
-} // namespace halflight

@@ -1,0 +1,145 @@
+// Lights, objects and warnings.
+#include "view/panels/panel_sections.h"
+
+#include <spdlog/fmt/fmt.h>
+
+#include <algorithm>
+#include <array>
+#include <cfloat>
+
+namespace halflight::view {
+namespace {
+
+const char* unitOf(LightType type)
+{
+    return type == LightType::Directional ? "lux" : isAreaLight(type) ? "cd/m2" : "candela";
+}
+
+/// A change that needs a new bake before it shows in full.
+void markForBake(bool bakes)
+{
+    if (!bakes) return;
+    ImGui::SameLine();
+    ImGui::TextDisabled("(bake)");
+}
+
+constexpr float kMost = 1.0e9f;      // of intensities and colours, as options have it
+constexpr float kLeastSide = 0.001f; // metres, of area lights
+constexpr float kMostSide = 1.0e5f;
+
+void lightEditor(ViewState& state, const Light& light)
+{
+    Light changed = light;
+    bool any = choice("light mode", changed.mode, std::array{LightMode::Realtime, LightMode::Mixed, LightMode::Baked});
+    markForBake(true);
+    const auto index = std::size_t(state.selectedLight);
+    if (index < state.maskChannels.size() && state.maskChannels[index] >= 0)
+        say(fmt::format("mask channel {}", state.maskChannels[index]));
+    const bool baked = light.mode != LightMode::Realtime;
+    any |= ImGui::ColorEdit3("colour", &changed.color.x, ImGuiColorEditFlags_Float | ImGuiColorEditFlags_HDR);
+    changed.color = glm::clamp(changed.color, vec3(0.0f), vec3(kMost)); // Dear ImGui limits it to 1 or not at all
+    markForBake(baked);
+    any |= drag(unitOf(light.type), changed.intensity, 0.01f * std::max(light.intensity, 0.01f), 0.0f, kMost, "%.4g");
+    markForBake(baked);
+    any |= ImGui::SliderFloat("shadow strength", &changed.shadowStrength, 0.0f, 1.0f, "%.3f",
+                              ImGuiSliderFlags_AlwaysClamp);
+    if (light.type == LightType::Directional) {
+        float degrees = glm::degrees(2.0f * changed.angularRadiusRadians);
+        if (drag("angular diameter", degrees, 0.01f, 0.0f, 90.0f, "%.2f deg")) {
+            changed.angularRadiusRadians = glm::radians(0.5f * degrees);
+            any = true;
+        }
+    } else if (light.type == LightType::Disk) {
+        any |= drag("diameter m", changed.sizeMeters.x, 0.005f, kLeastSide, kMostSide, "%.3f");
+    } else if (light.type == LightType::Rectangle) {
+        any |= ImGui::DragFloat2("size m", &changed.sizeMeters.x, 0.005f, kLeastSide, kMostSide, "%.3f",
+                                 ImGuiSliderFlags_AlwaysClamp);
+    } else {
+        any |= drag("radius m", changed.radiusMeters, 0.005f, 0.0f, 100.0f, "%.3f");
+    }
+    markForBake(true);
+    any |= drag("bounced light", changed.indirectMultiplier, 0.01f, 0.0f, 100.0f, "x %.2f");
+    markForBake(true);
+    any |= ImGui::Checkbox("casts shadows", &changed.castShadows);
+    if (any) state.requests.light = {state.selectedLight, changed};
+}
+
+void objectEditor(ViewState& state, const Object& object, const dvec3& originMeters)
+{
+    say(fmt::format("{}: {}", object.name, object.isStatic ? "static, baked" : "dynamic, lit by probes"));
+    Requests::ObjectSwitches switches{state.selectedObject, object.isStatic, object.castShadows, object.receiveShadows};
+    bool changed = ImGui::Checkbox("static", &switches.isStatic);
+    markForBake(true);
+    changed |= ImGui::Checkbox("casts shadows##object", &switches.castShadows);
+    markForBake(object.isStatic);
+    changed |= ImGui::Checkbox("receives shadows", &switches.receiveShadows);
+    markForBake(object.isStatic);
+    if (changed) state.requests.switches = switches;
+    dvec3 place = originMeters + dvec3(object.worldFromObject[3]); // as the file has it
+    constexpr float kSpeed = 0.01f;                                // metres a pixel
+    if (ImGui::DragScalarN("position m", ImGuiDataType_Double, &place.x, 3, kSpeed, nullptr, nullptr, "%.2f")) {
+        mat4 moved = object.worldFromObject;
+        moved[3] = vec4(vec3(place - originMeters), 1.0f);
+        state.requests.move = {state.selectedObject, moved};
+    }
+    markForBake(object.isStatic);
+    if (ImGui::Button("look at it (F)")) state.requests.frameSelection = true;
+}
+
+} // namespace
+
+void lightSection(ViewState& state, const Scene& scene)
+{
+    if (!ImGui::CollapsingHeader(fmt::format("Lights ({})###Lights", scene.lights.size()).c_str())) return;
+    if (ImGui::BeginListBox("##lights", ImVec2(-FLT_MIN, 6.0f * ImGui::GetTextLineHeightWithSpacing()))) {
+        for (std::size_t i = 0; i < scene.lights.size(); ++i) {
+            const Light& light = scene.lights[i];
+            const std::string line =
+                fmt::format("{}  {} {}##{}", shownName(light.name), nameOf(light.mode), nameOf(light.type), i);
+            if (ImGui::Selectable(line.c_str(), state.selectedLight == int(i))) state.selectedLight = int(i);
+        }
+        ImGui::EndListBox();
+    }
+    if (state.selectedLight >= 0 && std::size_t(state.selectedLight) < scene.lights.size())
+        lightEditor(state, scene.lights[std::size_t(state.selectedLight)]);
+}
+
+void objectSection(ViewState& state, const Scene& scene)
+{
+    if (std::exchange(state.showsSelected, false)) ImGui::SetNextItemOpen(true);
+    if (!ImGui::CollapsingHeader(fmt::format("Objects ({})###Objects", scene.objects.size()).c_str())) return;
+    if (ImGui::BeginListBox("##objects", ImVec2(-FLT_MIN, 8.0f * ImGui::GetTextLineHeightWithSpacing()))) {
+        ImGuiListClipper clipper;
+        clipper.Begin(int(scene.objects.size()));
+        while (clipper.Step()) {
+            for (int i = clipper.DisplayStart; i < clipper.DisplayEnd; ++i) {
+                const Object& object = scene.objects[std::size_t(i)];
+                const std::string line =
+                    fmt::format("{}{}##{}", shownName(object.name), object.isStatic ? "" : "  dynamic", i);
+                if (ImGui::Selectable(line.c_str(), state.selectedObject == i)) state.selectedObject = i;
+            }
+        }
+        ImGui::EndListBox();
+    }
+    if (state.selectedObject >= 0 && std::size_t(state.selectedObject) < scene.objects.size())
+        objectEditor(state, scene.objects[std::size_t(state.selectedObject)], scene.originMeters);
+}
+
+void warningSection(ViewState& state)
+{
+    const std::string title = fmt::format("Warnings ({})###Warnings", state.warnings.size());
+    if (!ImGui::CollapsingHeader(title.c_str())) return;
+    for (std::size_t i = 0; i < state.warnings.size(); ++i) {
+        ImGui::PushID(int(i));
+        ImGui::Bullet();
+        const ImVec2 size =
+            ImGui::CalcTextSize(state.warnings[i].c_str(), nullptr, false, ImGui::GetContentRegionAvail().x);
+        const ImVec2 at = ImGui::GetCursorPos();
+        if (ImGui::Selectable("##warning", false, 0, ImVec2(0.0f, size.y))) state.requests.warning = i;
+        ImGui::SetCursorPos(at);
+        ImGui::TextWrapped("%s", state.warnings[i].c_str());
+        ImGui::PopID();
+    }
+}
+
+} // namespace halflight::view

@@ -1,0 +1,59 @@
+#pragma once
+// The scene as the user has changed it.
+
+#include "view/state/notices.h"
+#include "view/state/view_state.h"
+
+#include <chrono>
+#include <filesystem>
+#include <map>
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace halflight::view {
+
+/// What the next bake bakes: the file's scene with the user's changes to lights and objects. Its indices are those of
+/// the scene that is shown.
+class EditedScene {
+public:
+    using Clock = std::chrono::steady_clock;
+
+    /// A file's, before any change.
+    void beginFile(const Scene& scene);
+    /// Makes the changes that panels and arrows ask for, here and in what the renderer draws, and takes them off
+    /// `requests`. Whether there were some.
+    bool change(Requests& requests, Renderer& renderer, Notices& notices);
+
+    /// Makes those changes once more that were made since `since`, in what the renderer draws: a scene that was made
+    /// then. Whether there are some.
+    bool repeat(Clock::time_point since, Renderer& renderer) const;
+
+    [[nodiscard]] const Scene& scene() const { return scene_; }
+    /// Lights and objects of the file, without vertices and pixels.
+    [[nodiscard]] const Scene& atLoad() const { return atLoad_; }
+    [[nodiscard]] const std::vector<Bounds>& bounds() const { return bounds_; } ///< of each object
+    [[nodiscard]] Bounds boundsOf(int object) const;                            ///< of all for -1
+    [[nodiscard]] Clock::time_point lastChange() const { return lastChange_; }
+    /// Writes the changes as a settings file: `before`, the one in use, and the changes after it, which win; beside it,
+    /// or here, named as the scene's file. A file that another session wrote stays. What was done, for people.
+    std::string writeSettings(const std::filesystem::path& before, const std::filesystem::path& sceneFile);
+    /// A copy, the same one until the next change.
+    std::shared_ptr<const Scene> snapshot();
+
+private:
+    void move(std::size_t index, const mat4& place);
+    Status writeChanges(const std::string& changes, const std::filesystem::path& before,
+                        const std::filesystem::path& stem);
+
+    Scene scene_;
+    std::vector<Bounds> bounds_;
+    Scene atLoad_;
+    std::map<int, Clock::time_point> changedLights_; ///< when they changed last
+    std::map<int, Clock::time_point> changedObjects_;
+    std::filesystem::path settingsFile_; ///< that writeSettings() wrote; empty: none yet
+    Clock::time_point lastChange_;
+    std::shared_ptr<const Scene> snapshot_; ///< null where scene_ has changed since
+};
+
+} // namespace halflight::view

@@ -1,0 +1,161 @@
+#include "view/scene/live_bake.h"
+
+#include "halflight/scene/gltf.h"
+
+#include <spdlog/fmt/fmt.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <utility>
+
+namespace halflight::view {
+
+void LiveBake::start(std::unique_ptr<BakeSession> session)
+{
+    session_ = std::move(session);
+    time_ = Clock::now();
+    before_ = shown_.baked();
+    beforeTime_ = shown_.time();
+    modeBefore_ = state_.settings.mode;
+    resultBefore_ = state_.bakeStatus.hasResult;
+    state_.bakeStatus = {};
+    state_.bakeStatus.running = true;
+    notices_.setWarnings(Notices::About::Bake, {});
+}
+
+void LiveBake::goOn()
+{
+    if (session_) session_->goOn();
+}
+
+void LiveBake::cancel()
+{
+    if (!session_) return;
+    session_->cancel();
+    state_.bakeStatus.cancelled = true;
+    notices_.note("the bake ends; Escape once more quits");
+}
+
+void LiveBake::forget()
+{
+    session_.reset();
+    before_.reset();
+    uploadedLight_ = nullptr;
+    end_.reset();
+    irradiance_.clear();
+    savedAs_.clear();
+    state_.bakeStatus = {};
+    notices_.setWarnings(Notices::About::Bake, {});
+}
+
+Status LiveBake::poll(Renderer& renderer, float aspect, double pictureSeconds)
+{
+    if (!session_) return {};
+    state_.bakeStatus.session = session_->state();
+    session_->setView(state_.navigator.camera(), aspect);
+    if (shown_.isUploading()) return {};
+    if (Status status = showProgress(renderer, pictureSeconds); !status) return status;
+    if (shown_.isUploading() || !state_.bakeStatus.session.finished) return {};
+    Result<BakeResult> result = session_->takeResult();
+    session_.reset();
+    end(renderer, std::move(result), state_.bakeStatus.session.seconds);
+    return {};
+}
+
+/// First light, then what has changed of it.
+Status LiveBake::showProgress(Renderer& renderer, double pictureSeconds)
+{
+    BakeStatus& status = state_.bakeStatus;
+    const char* name = "light of probes";
+    std::optional<BakedScene> light = session_->takeProbeLight();
+    if (std::optional<BakedScene> ofTexels = session_->takeLight()) {
+        light = std::move(ofTexels);
+        name = "first light";
+    }
+    if (light) {
+        uploadedLight_ = name;
+        renderer.prepareForward(true); // most bakes have a mask; earlier, it would delay the light on few cores
+        shown_.showLater(renderer, std::move(*light), time_);
+        return {};
+    }
+    // Uploads wait for the frames in flight, so that some tiles come at once. Where the CPU draws, pictures of new
+    // tiles take an eighth of the bake's time at most.
+    const std::chrono::duration<double> pause(std::max(0.3, 8.0 * pictureSeconds));
+    if (!status.firstLight || Clock::now() - lastTiles_ < pause) return {};
+    lastTiles_ = Clock::now();
+    const std::vector<LightTile> tiles = session_->takeTiles();
+    std::vector<LightmapRectangle> rectangles;
+    for (const LightTile& tile : tiles) rectangles.push_back({tile.page, tile.offset, &tile.texels});
+    status.tiles += tiles.size();
+    return renderer.updateLightmaps(rectangles);
+}
+
+void LiveBake::end(Renderer& renderer, Result<BakeResult> result, double seconds)
+{
+    BakedScene before = *std::exchange(before_, std::nullopt);
+    if (!result) {
+        const bool cancelled = result.error().code == ErrorCode::Cancelled;
+        end_ = End{false, modeBefore_, cancelled ? "cancelled" : result.error().text()};
+        shown_.showLater(renderer, std::move(before), beforeTime_);
+        return;
+    }
+    comparison_.keepEarlier(std::move(before));
+    notices_.setWarnings(Notices::About::Bake, result->report.warnings);
+    irradiance_ = std::move(result->irradiance);
+    savedAs_.clear();
+    // As before the bake, if that was a baked mode which the file has.
+    const bool fits = modeBefore_ != RunMode::Realtime && checkRunMode(result->baked, modeBefore_);
+    end_ = End{true, fits ? modeBefore_ : defaultRunMode(result->baked), fmt::format("baked in {:.1f} s", seconds)};
+    shown_.showLater(renderer, std::move(result->baked), time_);
+}
+
+void LiveBake::uploadIsShown()
+{
+    if (end_)
+        endIsShown();
+    else if (uploadedLight_)
+        lightIsShown(std::exchange(uploadedLight_, nullptr));
+}
+
+void LiveBake::lightIsShown(const char* name)
+{
+    notices_.say(fmt::format("{} after {:.2f} s", name, session_->state().seconds));
+    state_.bakeStatus.firstLight = true;
+    state_.settings.mode = RunMode::BakedIndirect; // mixed lights have no mask before the end
+    lastTiles_ = Clock::now();
+}
+
+void LiveBake::endIsShown()
+{
+    const End end = *std::exchange(end_, std::nullopt);
+    state_.settings.mode = end.mode;
+    if (end.hasResult) state_.hasEarlier = true;
+    state_.bakeStatus = {};
+    state_.bakeStatus.hasResult = end.hasResult || resultBefore_; // what comes back may still be saved
+    state_.bakeStatus.outcome = end.outcome;
+    notices_.tell(end.hasResult ? end.outcome : "bake: " + end.outcome);
+}
+
+std::string LiveBake::write(FilesInUse files)
+{
+    const std::filesystem::path file = state_.bakeOutput;
+    if (file.extension() != ".glb" && file.extension() != ".gltf") return file.string() + ": must end in .glb or .gltf";
+    addBakedFiles(files, "the bake", file);
+    std::filesystem::path culprit;
+    if (const Status unused = files.check(culprit); !unused)
+        return fmt::format("{}: {}", culprit.string(), unused.error().message);
+    WriteOptions write;
+    write.irradiance = irradiance_;
+    if (const Status written = writeBakedScene(file, shown_.baked(), write); !written)
+        return fmt::format("{}: {}", file.string(), written.error().message);
+    savedAs_ = file.string();
+    return "saved " + savedAs_;
+}
+
+void LiveBake::save(FilesInUse files)
+{
+    state_.bakeStatus.outcome = write(std::move(files));
+    notices_.tell(state_.bakeStatus.outcome);
+}
+
+} // namespace halflight::view
