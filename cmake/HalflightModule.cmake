@@ -101,6 +101,7 @@ function(halflight_test name)
         add_custom_command(TARGET test_${name} POST_BUILD VERBATIM
             COMMAND ${CMAKE_COMMAND} -D PROGRAM=$<TARGET_FILE:test_${name}> -D FILE=${file} -D LABELS=${ARG_LABELS}
                     -D TIMEOUT=${ARG_TIMEOUT} -D ENVIRONMENT=${environment}
+                    -D TIMES=${PROJECT_SOURCE_DIR}/tests/nightly.cmake
                     -P ${PROJECT_SOURCE_DIR}/cmake/DiscoverSuites.cmake)
         # Until the program is built there is no file.
         file(WRITE ${file}.include "if(EXISTS [=[${file}]=])\n    include([=[${file}]=])\nendif()\n")
@@ -110,6 +111,24 @@ function(halflight_test name)
     if(environment)
         list(PREPEND environment ENVIRONMENT)
     endif()
-    gtest_discover_tests(test_${name} DISCOVERY_TIMEOUT 120
+    gtest_discover_tests(test_${name} DISCOVERY_TIMEOUT 120 TEST_LIST tests_of_${name}
         PROPERTIES TIMEOUT ${ARG_TIMEOUT} LABELS "${ARG_LABELS}" ${environment})
+    # Their names are known when ctest starts.
+    set(file ${CMAKE_CURRENT_BINARY_DIR}/test_${name}_times.cmake)
+    file(WRITE ${file} "include([=[${PROJECT_SOURCE_DIR}/tests/nightly.cmake]=])\n"
+        "foreach(test IN LISTS tests_of_${name})\n"
+        "    halflight_time_label(\"\${test}\" \"${ARG_LABELS}\" time)\n"
+        "    set_tests_properties(\"\${test}\" PROPERTIES LABELS \"${ARG_LABELS};\${time}\")\n"
+        "endforeach()\n")
+    set_property(DIRECTORY APPEND PROPERTY TEST_INCLUDE_FILES ${file})
+endfunction()
+
+# Labels the tests of this directory that are no GoogleTest programs by where they run.
+function(halflight_label_tests)
+    get_property(tests DIRECTORY PROPERTY TESTS)
+    foreach(test IN LISTS tests)
+        get_test_property(${test} LABELS labels)
+        halflight_time_label(${test} "${labels}" time)
+        set_property(TEST ${test} APPEND PROPERTY LABELS ${time})
+    endforeach()
 endfunction()

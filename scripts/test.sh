@@ -1,25 +1,55 @@
 #!/usr/bin/env bash
-# Builds everything with warnings as errors and runs all tests, from anywhere, as root or with sudo available. Needs no
-# display and no GPU; safe to run again.
+# Builds everything with warnings as errors and runs the tests of a commit: those that are labelled fast and device
+# (tests/nightly.cmake). From anywhere, as root or with sudo available; no display and no GPU; safe to run again.
 #
-#   scripts/test.sh [--asan] [--no-install]
+#   scripts/test.sh [--all | --since REVISION] [--asan] [--no-install]
 #
-# --asan tests a build with AddressSanitizer and UndefinedBehaviorSanitizer. Where clang has libFuzzer, the readers are
-# fuzzed for a minute. The Khronos glTF validator and MikkTSpace come from npm, like the packages that the tests of web/
-# use; without a network the tests that need them are skipped, as are those of shared scenes where there are none. The
-# last line says how many were skipped, and why.
+# --all      also runs the nightly tests and, where clang has libFuzzer, fuzzes the readers for a minute
+# --since    also runs the nightly tests of what changed since a git revision
+# --asan     tests a build with AddressSanitizer and UndefinedBehaviorSanitizer
+#
+# The Khronos glTF validator and MikkTSpace come from npm, like the packages that the tests of web/ use. Without a network
+# the tests that need them are skipped, as are those of shared scenes where there are none. The last line says how many
+# were skipped, and why.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 
 preset=dev
 install=1
-for argument in "$@"; do
-  case "$argument" in
+all=0
+since=
+while [ "$#" -gt 0 ]; do
+  case "$1" in
+    --all) all=1 ;;
+    --since) since=${2:?test.sh: --since needs a revision}; shift ;;
     --asan) preset=asan ;;
     --no-install) install=0 ;;
-    *) echo "usage: scripts/test.sh [--asan] [--no-install]" >&2; exit 2 ;;
+    *) echo "usage: scripts/test.sh [--all | --since REVISION] [--asan] [--no-install]" >&2; exit 2 ;;
   esac
+  shift
 done
+
+# Nightly tests of changed paths: a regular expression of paths, and one of tests. What changes light is in all of them.
+nightly_of=(
+  '^(web|shaders|include/halflight/shading)/' '^web\.'
+  '^(blender|src/scene|scripts/package)' '^blender\.'
+  '^(farm/|src/bake/(farm|cache))' '^cli\.(Farm|FarmTrouble|Slurm|Parallel)$'
+  '^(scripts|cmake|packages|python|CMakeLists)' '^package\.'
+  '^(src/view|apps)/' '^cli\.(View|ViewBake|InterruptAnywhere)$'
+  '^src/(base|scene)/' '^cli\.(FullDisk|Streams|Georeferenced|Chain|InterruptAnywhere)$|^Validator'
+  '^src/(bake|bake_cpu|unwrap|render)/' '^(cli\.(Truth|Boards|Pictures|Sheets|Glass|TextureSets|Reach)|[A-Z].*)$'
+)
+nightly_since() {
+  local changed pattern=
+  changed=$(git diff --name-only "$1")
+  for ((i = 0; i < ${#nightly_of[@]}; i += 2)); do
+    if grep -qE "${nightly_of[i]}" <<<"$changed"; then pattern+="${pattern:+|}${nightly_of[i + 1]}"; fi
+  done
+  echo "$pattern"
+}
+nightly=
+if [ -n "$since" ]; then nightly=$(nightly_since "$since"); fi
+if [ "$all" -eq 1 ]; then nightly=.; fi
 
 if [ "$install" -eq 1 ]; then scripts/install-packages.sh --node; fi
 
@@ -56,8 +86,12 @@ log="build/$preset/ctest.log"
 status=0
 ctest --preset "$preset" -j2 2>&1 | tee "$log" || status=$?
 
+if [ -n "$nightly" ]; then
+  ctest --test-dir "build/$preset" --output-on-failure -j2 -L nightly -R "$nightly" 2>&1 | tee -a "$log" || status=$?
+fi
+
 # A minute of fuzzing, a quarter of it for each reader; scripts/fuzz.sh SECONDS runs longer.
-if [ "$preset" = dev ]; then scripts/fuzz.sh 15 || status=1; fi
+if [ "$all" -eq 1 ] && [ "$preset" = dev ]; then scripts/fuzz.sh 15 || status=1; fi
 
 grep -E 'tests passed|tests failed' "$log" || true
 python3 scripts/skipped_tests.py "build/$preset/Testing/Temporary/LastTest.log" || true

@@ -1,0 +1,38 @@
+# Tests that scripts/test.sh leaves to --all, and `ctest --preset dev` to `ctest --preset all`: each takes more than about
+# twenty seconds of a processor. What they prove has a quicker test too, or changes rarely. Regular expressions of whole
+# names; of render tests, of whole suites.
+set(HALFLIGHT_NIGHTLY
+    # Every moment of an interruption, every farm that breaks, whole pictures against the path tracer.
+    [[cli\.(InterruptAnywhere|Truth|View|ViewBake|Farm|FarmTrouble|Slurm|Parallel|Boards|Pictures|Sheets|Georeferenced|Chain)]]
+    [[cli\.(FullDisk|Glass|TextureSets|Streams|Reach)]]
+    [[package\.(bare_root|clean_roots|demo|launcher|consumer)]]
+    # Browsers draw on the processor: shadows, sky, area lights, WebGPU, the viewer page.
+    [[web\.(browser_pictures|browser_webgpu|browser_use|keeps_bake)]]
+    # Large worlds and high sample counts.
+    [[.*HousesS14.*]]
+    [[ProbeWorldsS14\.(Village|ProbesFollowSurfacesAndNotTheWorld)]]
+    [[QualityS14\.ProbesDoNotSeeThroughWalls]]
+    [[QualityS6\.(ClosedRoomsStayDark|DenoisingKeepsContactShadows)]]
+    [[ProbesS14\.DenoisingComesCloserInLightAndDirection]]
+    [[BakeSession\.EndsSoonWhenCancelledAtAHundredMoments]]
+    [[CacheTest\.AnInterruptedBakeGoesOn]]
+    [[KeptAndNewLayoutsOfOneMesh\..*]]
+    [[UnwrapLarge\..*]]
+    [[Validator\.BakedSharedScenesHaveNoErrors]]
+    [[ReferencePicture.*]]
+    [[MixedPicture.*]]
+    [[OnePlaneS6S7.*]]
+    [[ShowcaseS26.*]])
+list(JOIN HALFLIGHT_NIGHTLY "|" HALFLIGHT_NIGHTLY)
+set(HALFLIGHT_NIGHTLY "^(${HALFLIGHT_NIGHTLY})$")
+
+# Labels a test by where it runs: nightly, else device (Vulkan, a browser), else fast.
+function(halflight_time_label name labels result)
+    if(name MATCHES "${HALFLIGHT_NIGHTLY}" OR ";${labels};" MATCHES ";nightly;")
+        set(${result} nightly PARENT_SCOPE)
+    elseif(";${labels};" MATCHES ";vulkan;" OR name MATCHES "^web\\.browser")
+        set(${result} device PARENT_SCOPE)
+    else()
+        set(${result} fast PARENT_SCOPE)
+    endif()
+endfunction()
