@@ -33,7 +33,7 @@ void addSampling(CLI::App& app, BakeSettings& bake)
         "2 or 4: trace every so many texels whatever is around them, and those in between only where light can "
         "change (default auto: 2 in large lightmaps, else 1)");
     addInt(app, "--shadow-samples", bake.shadowSamples, 1, 1 << 16,
-           "shadow rays per texel and masked light (default by quality)");
+           "shadow rays per texel and light, for masks and baked light (default by quality)");
     addInt(app, "--bounces", bake.bounces, 0, kAllBounces, "most bounces, 0 = direct light only (default: all light)");
     addChoice<bool>(app, "--glossy-bounces", bake.glossyBounces, {{"on", true}, {"off", false}},
                     "light goes from surface to surface by glTF's BRDF, highlights included; off: as between diffuse "
@@ -117,7 +117,8 @@ void addFormatOptions(CLI::App& app, BakeOptions& options)
 void addRunOptions(CLI::App& app, BakeOptions& options)
 {
     app.option_defaults()->group("Run");
-    addChoice<int>(app, "--device", options.device, {{"auto", 0}, {"cpu", 0}}, "what bakes (default auto)");
+    addChoice<int>(app, "--device", options.device, {{"auto", 0}, {"cpu", 0}},
+                   "what bakes: the processor, in either case (default auto)");
     addInt(app, "--threads", options.bake.threads, 0, 4096, "0 = all cores; changes no byte of the result (default 0)");
 }
 
