@@ -33,12 +33,6 @@ if(NOT embree_FOUND)
 endif()
 message(STATUS "Embree ${EMBREE_VERSION}")
 
-# Optional: another denoiser, where the distribution carries it.
-find_package(OpenImageDenoise QUIET)
-if(OpenImageDenoise_FOUND)
-    message(STATUS "Open Image Denoise ${OpenImageDenoise_VERSION}")
-endif()
-
 # Optional: decoders of compressed glTF. A file that needs one that is missing is refused with the command that helps.
 find_package(draco CONFIG QUIET)
 find_package(meshoptimizer CONFIG QUIET)

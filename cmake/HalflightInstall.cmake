@@ -5,12 +5,6 @@ include(CMakePackageConfigHelpers)
 
 set(HALFLIGHT_PACKAGE_DIR ${CMAKE_INSTALL_LIBDIR}/cmake/halflight)
 string(REGEX MATCH "^[0-9]+" HALFLIGHT_EMBREE_MAJOR "${EMBREE_VERSION}")
-if(OpenImageDenoise_FOUND)
-    set(HALFLIGHT_USES_OIDN TRUE)
-else()
-    set(HALFLIGHT_USES_OIDN FALSE)
-endif()
-
 foreach(decoder draco meshoptimizer WEBP)
     if(${decoder}_FOUND)
         set(HALFLIGHT_USES_${decoder} TRUE)

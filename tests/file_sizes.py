@@ -21,7 +21,6 @@ LONGER = {
     "scripts/make_courtyard.py": 402,
     "scripts/scenekit/mesh.py": 519,
     "src/scene/document/decode/decompress.cpp": 461,
-    "src/scene/document/document.cpp": 447,
     "src/scene/document/patcher.cpp": 403,
     "src/scene/load/validate.cpp": 404,
     "src/unwrap/charts/chart.cpp": 532,

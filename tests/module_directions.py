@@ -78,7 +78,6 @@ CONFINED = [
     ("meshoptimizer", r"^meshoptimizer\.h$", ("src/scene/",)),
     ("nlohmann-json", r"^nlohmann/", ("src/scene/", "src/bake/", "apps/")),
     ("Eigen", r"^Eigen/", ("src/unwrap/", "src/bake/")),
-    ("Open Image Denoise", r"^OpenImageDenoise/", ("src/bake/",)),
     ("Embree", r"^(embree\d*/|rtcore)", ("src/bake_cpu/",)),
     ("Vulkan", r"^(vulkan/|vk_video/|volk\.h|vk_mem_alloc)", ("src/gpu/", "src/render/", "src/view/", "include/halflight/render/vulkan_target.h", "src/bake_gpu/")),
     ("SDL2", r"^SDL\w*\.h$", ("src/view/",)),

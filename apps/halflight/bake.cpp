@@ -71,8 +71,6 @@ std::string contradiction(const CLI::App& app, const BakeOptions& options)
         return fmt::format("--output must end in .glb or .gltf, not '{}'", options.output.string());
     if (options.bake.noiseTarget > 0.0f && options.bake.integrator == IntegratorKind::Path)
         return "--noise needs --integrator cache";
-    if (options.bake.denoiser == Denoiser::OpenImage && !hasOpenImageDenoise())
-        return "--denoise oidn needs a build with Open Image Denoise, and this one has none";
     if (options.write.lightmapFormat == LightmapFormat::Webp && !decodesWebp())
         return "--lightmap-format webp needs a build with libwebp, and this one has none";
     if (!options.bake.only.empty() && options.bake.cacheDirectory.empty())

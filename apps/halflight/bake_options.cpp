@@ -59,9 +59,8 @@ void addTexels(CLI::App& app, BakeSettings& bake)
 void addResults(CLI::App& app, BakeOptions& options)
 {
     BakeSettings& bake = options.bake;
-    addChoice<Denoiser>(app, "--denoise", bake.denoiser,
-                        {{"on", Denoiser::BuiltIn}, {"off", Denoiser::Off}, {"oidn", Denoiser::OpenImage}},
-                        "denoise the lightmap; oidn: with Open Image Denoise, in builds that have it (default on)");
+    addChoice<Denoiser>(app, "--denoise", bake.denoiser, {{"on", Denoiser::BuiltIn}, {"off", Denoiser::Off}},
+                        "denoise the lightmap (default on)");
     addChoice<std::optional<bool>>(app, "--directional", bake.directional, {{"on", true}, {"off", false}},
                                    "keep the mean direction of lightmap light too, so that normal maps, gloss and "
                                    "metal respond to it (default on; at preview where a tenth is metal)");

@@ -66,18 +66,9 @@ Status denoiseStage(const BakeRun& run, const CachedIntegrator& cached, std::spa
                     std::vector<IrradianceEstimate>& estimates)
 {
     if (run.settings.denoiser == Denoiser::Off) return {};
-    const bool openImage = run.settings.denoiser == Denoiser::OpenImage;
     StageTimer timer(run.report(), "denoise");
     run.progress("denoise", 0.0);
-    std::vector<vec3> gathered; // before the built-in denoiser
-    if (openImage) {
-        gathered.reserve(estimates.size());
-        for (const IrradianceEstimate& e : estimates) gathered.push_back(e.irradiance - e.direct);
-    }
     denoise(cached.geometry, cached.map, seams, estimates, run.report().quality.directional);
-    if (openImage) {
-        if (Status status = imageDenoise(cached.map, gathered, estimates, run.progress); !status) return status.error();
-    }
     timer.finish();
     if (run.progress.cancelled()) return cancelledError();
     return {};

@@ -112,15 +112,6 @@ class Usage(Case):
                 self.assert_one_sentence(run(*arguments), 2, *words)
         self.assert_folder_holds("tiny.gltf")
 
-    def test_open_image_denoise_where_the_build_has_it(self):
-        scene, out = self.scene(), self.path("out.glb")
-        result = run("bake", scene, "-o", out, *QUICK, "--quiet", "--denoise", "oidn")
-        if result.returncode == 0:
-            self.assert_folder_holds("out.glb", "tiny.gltf")
-        else:
-            self.assert_one_sentence(result, 2, "--denoise", "Open Image Denoise")
-            self.assert_folder_holds("tiny.gltf")
-
     def test_a_bake_never_replaces_its_scene(self):
         scene = self.path("scene.glb")
         tiny_scene.write(scene)

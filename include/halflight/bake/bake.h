@@ -31,17 +31,15 @@ enum class MaskEncoding { Attenuation, Distance };
 /// the grid alone, for engines that read nothing else; probes inside geometry have the light of those around them.
 enum class ProbeLayout { Refined, Grid };
 
-/// BuiltIn: an edge-avoiding filter within charts, guided by position, normal and the estimates' variance. OpenImage:
-/// Open Image Denoise's lightmap filter for gathered light, chart by chart, BuiltIn for the rest; an error in builds
-/// without the library (hasOpenImageDenoise()).
-enum class Denoiser { Off, BuiltIn, OpenImage };
-bool hasOpenImageDenoise();
+/// BuiltIn: an edge-avoiding filter on charts and across their seams, guided by position, normal and the estimates'
+/// variance.
+enum class Denoiser { Off, BuiltIn };
 
 struct BakeSettings {
     MixedLightingMode mode = MixedLightingMode::Shadowmask;
     Quality quality = Quality::Medium;
     int samples = 0;           ///< paths per texel; 0 = by quality
-    int shadowSamples = 0;     ///< rays per texel and masked light; 0 = by quality
+    int shadowSamples = 0;     ///< rays per texel and light, for masks and baked light; 0 = by quality
     int bounces = kAllBounces; ///< most indirect bounces; 0 = direct light only
     bool glossyBounces = true; ///< IntegrationSettings::glossyBounces
     IntegratorKind integrator = IntegratorKind::Cache;

@@ -103,10 +103,11 @@ struct IntegrationSettings {
     IntegratorKind integrator = IntegratorKind::Cache;
     /// Mean number of paths per traced texel, at least 1. The cache integrator works in blocks of 16 samples. It gives
     /// a texel between 1/2 and 32 times the mean, in proportion to the standard deviation of its noise (see
-    /// CacheSettings::denoised). Texels with few neighbours on their chart get at least twice the mean.
+    /// CacheSettings::denoised). The least share is 1/2 among 24 neighbours of a chart, and larger among fewer: 1/2 x
+    /// 25 / texels.
     int samples = 64;
     /// Rays per texel and light, for masks and for baked direct light, at least 1. Texels on a shadow edge get up to
-    /// twice the number, their neighbours half, texels far from an edge 1/8.
+    /// twice the number for masks and eight times for baked light, their neighbours half, texels far from an edge 1/8.
     int shadowSamples = 16;
     int probeSamples = 256;    ///< paths per probe, at least 1
     int bounces = kAllBounces; ///< most indirect bounces, 0 or more; 0 = direct light only

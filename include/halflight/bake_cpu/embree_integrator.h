@@ -4,7 +4,7 @@
 
 namespace halflight {
 
-/// Path tracer on the CPU with Embree, on all cores: the reference integrator.
+/// The integrators of IntegratorKind on the CPU with Embree, on all cores.
 Result<std::unique_ptr<Integrator>> makeEmbreeIntegrator(const Scene& scene, const BakeGeometry& geometry,
                                                          const IntegrationSettings& settings);
 

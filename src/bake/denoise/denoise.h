@@ -86,11 +86,4 @@ struct SeamSample;
 void denoise(const BakeGeometry& geometry, const TexelMap& map, std::span<const SeamSample> seams,
              std::vector<IrradianceEstimate>& estimates, bool directions = true);
 
-/// Replaces the gathered light of the estimates by the result of Open Image Denoise's lightmap filter for `gathered`
-/// (IrradianceEstimate::irradiance less direct, lux, by texel, before any denoising). Each chart is filtered on an
-/// image of its own. Mean directions stay. Charts a few texels wide stay as they are. Fails in builds without the
-/// library, and with the library's error.
-Status imageDenoise(const TexelMap& map, const std::vector<vec3>& gathered, std::vector<IrradianceEstimate>& estimates,
-                    const Progress& progress);
-
 } // namespace halflight

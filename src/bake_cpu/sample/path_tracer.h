@@ -1,5 +1,5 @@
 #pragma once
-// The path tracer: one estimator of incoming radiance for lightmaps, probes and reference pictures.
+// The path tracer: one estimator of incoming radiance for lightmaps and probes.
 
 #include "bake_cpu/sample/emitters.h"
 #include "bake_cpu/sample/lights.h"

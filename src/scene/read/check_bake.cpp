@@ -131,9 +131,6 @@ void checkAgainstBake(const SourceDocument& document, const Json& root, const gl
         if (skyDiffersFrom(scene.sky, member(atBake, "sky")))
             scene.warnings.emplace_back("is stale: the sky changed since its bake; bake the scene again");
         checkLosses(document, atBake, baked);
-    } else if (member(root, "version") == 1) {
-        scene.warnings.emplace_back("is of version 1 of the format, whose record of the scene at its bake is not read: "
-                                    "changes since are not noticed; bake the scene again");
     }
     checkMembers(root, baked);
     warnOfLosses(baked);

@@ -188,7 +188,9 @@ Result<BakedScene> bakedFromDocument(std::shared_ptr<const SourceDocument> sourc
         return baked;
     }
     const Json& version = member(root, "version");
-    if (version != 1 && version != kFormatVersion)
+    if (version.is_number_integer() && version < kFormatVersion)
+        return Error{ErrorCode::Unsupported, "was written by an old version of this program: bake again", kBakePath};
+    if (version != kFormatVersion)
         return Error{ErrorCode::Unsupported, "was written by a newer version of this program", kBakePath};
     const Json& mode = member(root, "mode");
     const auto named = mode.is_string() ? mixedLightingModeNamed(mode.get<std::string>()) : std::nullopt;

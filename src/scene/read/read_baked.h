@@ -6,7 +6,7 @@
 
 namespace halflight {
 
-/// Version of HALFLIGHT_mixed_lighting that is written; version 1 is read as well.
+/// Version of HALFLIGHT_mixed_lighting that is written, and read.
 constexpr int kFormatVersion = 2;
 
 /// isBaked is false for a document without HALFLIGHT_mixed_lighting.

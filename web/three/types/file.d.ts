@@ -37,7 +37,7 @@ export interface ProbeData {
     occlusion: Float32Array;
     valid: Uint8Array;
     grid: { origin: number[]; spacing: number[]; size: number[] } | null;
-    /** Tetrahedra: four indices of probes and of neighbours for each; null in version 1 of the format, and where probes lie in one plane. */
+    /** Tetrahedra: four indices of probes and of neighbours for each; null in files of older bakes, where probes lie in one plane. */
     cells: { vertices: Uint32Array; neighbors: Uint32Array } | null;
 }
 

@@ -13,24 +13,15 @@ namespace halflight {
 Result<std::vector<std::byte>> pictureBytes(const SourceDocument& document, const Json& reference,
                                             const std::string& path)
 {
-    if (const Json& texture = member(reference, "index"); !texture.is_null()) {
-        if (!texture.is_number_unsigned() || texture.get<uint64_t>() >= document.model.textures.size())
-            return invalid(path, "refers to a texture that does not exist");
-        const int image = pictureImage(document.json, texture.get<int>());
-        if (image < 0 || std::size_t(image) >= document.model.images.size())
-            return invalid(path, "refers to a texture without an image");
-        auto bytes = imageBytes(document, image);
-        if (!bytes) return Error{bytes.error().code, bytes.error().message, path};
-        return bytes;
-    }
-    const Json& index = member(reference, "bufferView");
-    if (!index.is_number_unsigned() || index.get<uint64_t>() >= document.model.bufferViews.size()) {
-        return invalid(path, "refers to a buffer view that does not exist");
-    }
-    const auto& view = document.model.bufferViews[index.get<std::size_t>()];
-    const auto& data = document.model.buffers[std::size_t(view.buffer)].data;
-    const auto* first = reinterpret_cast<const std::byte*>(data.data()) + view.byteOffset;
-    return std::vector<std::byte>(first, first + view.byteLength);
+    const Json& texture = member(reference, "index");
+    if (!texture.is_number_unsigned() || texture.get<uint64_t>() >= document.model.textures.size())
+        return invalid(path, "refers to a texture that does not exist");
+    const int image = pictureImage(document.json, texture.get<int>());
+    if (image < 0 || std::size_t(image) >= document.model.images.size())
+        return invalid(path, "refers to a texture without an image");
+    auto bytes = imageBytes(document, image);
+    if (!bytes) return Error{bytes.error().code, bytes.error().message, path};
+    return bytes;
 }
 
 namespace {

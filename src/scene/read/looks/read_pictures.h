@@ -5,7 +5,7 @@
 
 namespace halflight {
 
-/// The encoded picture that a reference names: a texture's, or in version 1 of the format a buffer view.
+/// The encoded picture that a reference names: a texture's.
 Result<std::vector<std::byte>> pictureBytes(const SourceDocument& document, const Json& reference,
                                             const std::string& path);
 

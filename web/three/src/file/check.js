@@ -86,7 +86,8 @@ export function checkBake(json) {
     const root = json.extensions.HALFLIGHT_mixed_lighting;
     checkShape(root, SHAPE.members.extensions.members.HALFLIGHT_mixed_lighting, BAKE);
     if (root.version > 2) throw invalid(BAKE, `was written by a newer version of this program: its format is version ${root.version}`);
-    if (root.version !== 1 && root.version !== 2) throw invalid(BAKE, `version is ${shown(root.version)}, not 1 or 2`);
+    if (root.version === 1) throw invalid(BAKE, 'was written by an old version of the program: bake again');
+    if (root.version !== 2) throw invalid(BAKE, `version is ${shown(root.version)}, not 2`);
     if (!MODES.includes(root.mode)) throw invalid(BAKE, `mode is not ${MODES.slice(0, 2).join(', ')} or ${MODES[2]}`);
     checkShape(json, SHAPE, '');
     checkMembers(root);
@@ -120,15 +121,11 @@ function checkPictures(json, root) {
     if (root.sky?.picture) checkPicture(json, root.sky.picture, `${BAKE}/sky/picture`);
 }
 
-/** Of version 1 of the format a page is the image itself. */
 function checkPicture(json, entry, path) {
-    let image = entry;
-    if (entry.index !== undefined) {
-        const texture = json.textures?.[entry.index];
-        if (!texture) throw invalid(path, 'refers to a texture that does not exist');
-        const { HALFLIGHT_texture_ktx2: ktx2, EXT_texture_webp: webp } = texture.extensions ?? {};
-        image = json.images?.[(ktx2 ?? webp ?? texture).source];
-    }
+    const texture = json.textures?.[entry.index];
+    if (!texture) throw invalid(path, 'refers to a texture that does not exist');
+    const { HALFLIGHT_texture_ktx2: ktx2, EXT_texture_webp: webp } = texture.extensions ?? {};
+    const image = json.images?.[(ktx2 ?? webp ?? texture).source];
     if (!image) throw invalid(path, 'refers to an image that does not exist');
     if (image.bufferView === undefined && image.uri === undefined) throw invalid(path, 'has neither a buffer view nor a file');
     if (image.bufferView !== undefined && !json.bufferViews?.[image.bufferView]) throw invalid(path, 'refers to a buffer view that does not exist');

@@ -157,9 +157,8 @@ function reflectionData({ reflectionProbes, origin = [0, 0, 0] }, picture) {
     return { picture, unitNits, size, probes: world };
 }
 
-/** The image of a page: that of a texture, or in version 1 of the format the page itself. */
+/** The image of a page's texture. */
 function pictureOf(json, entry) {
-    if (entry.index === undefined) return entry;
     const texture = json.textures[entry.index];
     const { HALFLIGHT_texture_ktx2: ktx2, EXT_texture_webp: webp } = texture.extensions ?? {};
     return json.images[(ktx2 ?? webp ?? texture).source];
