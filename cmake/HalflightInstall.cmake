@@ -1,5 +1,5 @@
-# What `cmake --install` puts in place, in two components. runtime: the program, its manual pages and completions, the guide,
-# the format and its schemas. development: the libraries, the headers (shading/*.h are GLSL includes too), the CMake package
+# What `cmake --install` puts in place, in three components. runtime: the program, its manual pages and completions, the guide,
+# the format and its schemas. view: the window. development: the libraries, the headers (shading/*.h are GLSL includes too), the CMake package
 # `halflight` and a pkg-config file.
 include(CMakePackageConfigHelpers)
 
@@ -14,6 +14,12 @@ foreach(decoder draco meshoptimizer WEBP)
 endforeach()
 
 install(TARGETS halflight RUNTIME COMPONENT runtime)
+if(TARGET halflight_window)
+    install(TARGETS halflight_window RUNTIME COMPONENT view)
+    install(FILES ${PROJECT_BINARY_DIR}/cli_docs/man1/halflight-view.1 DESTINATION ${CMAKE_INSTALL_MANDIR}/man1
+        COMPONENT view OPTIONAL)
+    install(FILES LICENSE DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/halflight-view RENAME copyright COMPONENT view)
+endif()
 install(TARGETS halflight_base halflight_shading halflight_scene halflight_unwrap halflight_bake halflight_bake_cpu
                 halflight_gpu halflight_frame halflight_render
     EXPORT halflightTargets ARCHIVE COMPONENT development LIBRARY COMPONENT development)
@@ -49,7 +55,8 @@ install(FILES LICENSE DESTINATION ${CMAKE_INSTALL_DOCDIR} RENAME copyright COMPO
 install(DIRECTORY docs/schemas DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT runtime)
 # Made when the program is linked (apps/halflight/CMakeLists.txt).
 set(HALFLIGHT_CLI_DOCS ${PROJECT_BINARY_DIR}/cli_docs)
-install(DIRECTORY ${HALFLIGHT_CLI_DOCS}/man1 DESTINATION ${CMAKE_INSTALL_MANDIR} COMPONENT runtime OPTIONAL)
+install(DIRECTORY ${HALFLIGHT_CLI_DOCS}/man1 DESTINATION ${CMAKE_INSTALL_MANDIR} COMPONENT runtime OPTIONAL
+    PATTERN halflight-view.1 EXCLUDE)
 install(FILES ${HALFLIGHT_CLI_DOCS}/halflight.bash DESTINATION ${CMAKE_INSTALL_DATADIR}/bash-completion/completions
     RENAME halflight COMPONENT runtime OPTIONAL)
 install(FILES ${HALFLIGHT_CLI_DOCS}/_halflight DESTINATION ${CMAKE_INSTALL_DATADIR}/zsh/site-functions COMPONENT runtime OPTIONAL)

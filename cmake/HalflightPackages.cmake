@@ -1,4 +1,5 @@
-# The Debian packages (cpack -G DEB): halflight, and halflight-dev for those who link. scripts/package.sh makes all packages.
+# The Debian packages (cpack -G DEB): halflight, halflight-view with the window, and halflight-dev for those who link.
+# Their versions name the system that they are made on and for. scripts/package.sh makes all packages.
 set(CPACK_PACKAGE_NAME halflight)
 set(CPACK_PACKAGE_VENDOR "The Halflight authors")
 set(CPACK_PACKAGE_CONTACT "The Halflight authors <halflight@localhost>")
@@ -7,15 +8,26 @@ set(CPACK_RESOURCE_FILE_LICENSE ${PROJECT_SOURCE_DIR}/LICENSE)
 set(CPACK_STRIP_FILES ON)
 set(CPACK_PACKAGING_INSTALL_PREFIX /usr)
 set(CPACK_COMPONENTS_ALL runtime development)
+if(TARGET halflight_window)
+    list(APPEND CPACK_COMPONENTS_ALL view)
+endif()
 
 set(CPACK_DEB_COMPONENT_INSTALL ON)
 set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
 set(CPACK_DEBIAN_PACKAGE_SECTION graphics)
+cmake_host_system_information(RESULT system QUERY DISTRIB_INFO)
+set(CPACK_DEBIAN_PACKAGE_RELEASE ${system_ID}${system_VERSION_ID})
 set(CPACK_DEBIAN_RUNTIME_PACKAGE_NAME halflight)
 set(CPACK_DEBIAN_RUNTIME_PACKAGE_SHLIBDEPS ON)
 # Baking needs no Vulkan; rendering loads it.
 set(CPACK_DEBIAN_RUNTIME_PACKAGE_RECOMMENDS "libvulkan1, mesa-vulkan-drivers | vulkan-icd")
 set(CPACK_COMPONENT_RUNTIME_DESCRIPTION "Bakes lightmaps, shadowmasks and probes into glTF files, and renders them.")
+
+set(CPACK_DEBIAN_VIEW_PACKAGE_NAME halflight-view)
+set(CPACK_DEBIAN_VIEW_PACKAGE_SHLIBDEPS ON)
+set(CPACK_DEBIAN_VIEW_PACKAGE_DEPENDS "halflight (= ${PROJECT_VERSION}-${CPACK_DEBIAN_PACKAGE_RELEASE})")
+set(CPACK_DEBIAN_VIEW_PACKAGE_RECOMMENDS "libvulkan1, mesa-vulkan-drivers | vulkan-icd")
+set(CPACK_COMPONENT_VIEW_DESCRIPTION "The window of Halflight: halflight view.")
 
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_NAME halflight-dev)
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_SECTION libdevel)

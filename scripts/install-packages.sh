@@ -3,9 +3,10 @@
 # available; safe to run again (it asks the package manager only when something is missing).
 #
 #   scripts/install-packages.sh          build, test and render
+#   scripts/install-packages.sh --build  what a build with a window, and packages of it, need
 #   scripts/install-packages.sh --node   also what only tests use: Node.js and npm (Khronos glTF validator), Chromium and
-#                                        Blender (Debian), clang with libFuzzer (scripts/fuzz.sh); tests are skipped
-#                                        where they cannot be had
+#                                        Blender (Debian), mypy and notebook tools (Debian), clang with libFuzzer
+#                                        (scripts/fuzz.sh); tests are skipped where they cannot be had
 set -euo pipefail
 
 sudo=""
@@ -17,21 +18,26 @@ export DEBIAN_FRONTEND=noninteractive
 apt_get() { $sudo env DEBIAN_FRONTEND=noninteractive apt-get -o DPkg::Lock::Timeout=300 "$@"; }
 installed() { [[ "$(dpkg-query -W -f='${Status}' "$1" 2>/dev/null)" == *"ok installed"* ]]; }
 
-packages=(
-  build-essential cmake ninja-build pkg-config ccache git python3 ca-certificates
+build_packages=(
+  build-essential cmake ninja-build pkg-config ccache python3 dpkg-dev fakeroot file
   libembree-dev libtbb-dev libglm-dev libtinygltf-dev libopenexr-dev libstb-dev libzstd-dev libeigen3-dev
   libcli11-dev libspdlog-dev libfmt-dev nlohmann-json3-dev libtomlplusplus-dev libpng-dev zlib1g-dev libxxhash-dev
   libdraco-dev libmeshoptimizer-dev libwebp-dev
-  libvulkan-dev libvulkan1 vulkan-validationlayers mesa-vulkan-drivers glslang-tools spirv-tools
+  libvulkan-dev glslang-tools spirv-tools
+)
+packages=(
+  "${build_packages[@]}"
+  git ca-certificates libvulkan1 vulkan-validationlayers mesa-vulkan-drivers
   libgtest-dev libgmock-dev libbenchmark-dev clang-format
   imagemagick fonts-dejavu-core patchelf
   parallel slurm-wlm munge # farm/: launchers and their tests
 )
 # The window and its tests; the program is built without one where they cannot be had.
 window_packages=(libsdl2-dev libimgui-dev xvfb xdotool)
+if [ "${1:-}" = "--build" ]; then packages=("${build_packages[@]}") window_packages=(libsdl2-dev libimgui-dev); fi
 if [ "${1:-}" = "--node" ] && ! command -v npm >/dev/null; then packages+=(nodejs npm); fi
 # Ubuntu's chromium is a snap, which containers cannot run; there the tests of web/ are skipped unless a browser is there.
-if [ "${1:-}" = "--node" ] && [ "$(. /etc/os-release && echo "${ID:-}")" = "debian" ]; then packages+=(chromium blender python3-numpy xauth); fi
+if [ "${1:-}" = "--node" ] && [ "$(. /etc/os-release && echo "${ID:-}")" = "debian" ]; then packages+=(chromium blender python3-numpy xauth mypy python3-nbclient python3-ipykernel python3-tqdm); fi
 
 missing=()
 for package in "${packages[@]}"; do installed "$package" || missing+=("$package"); done
@@ -45,7 +51,7 @@ fi
 # Output of apt-cache goes to variables first: a reader that stops early would break its pipe, which pipefail reports.
 mesa_major() { dpkg-query -W -f='${Version}' mesa-vulkan-drivers 2>/dev/null | sed 's/^[0-9]*://; s/\..*//'; }
 system=$(. /etc/os-release && echo "${ID:-} ${VERSION_ID:-}")
-if [ "$system" = "debian 12" ] && [ "$(mesa_major)" -lt 25 ]; then
+if [ "${1:-}" != "--build" ] && [ "$system" = "debian 12" ] && [ "$(mesa_major)" -lt 25 ]; then
   suite=bookworm-backports
   policy=$(apt-cache policy)
   if ! grep -q "$suite" <<<"$policy"; then

@@ -1,7 +1,8 @@
 #!/usr/bin/env bash
 # Makes all packages from one CMake install, into out/packages:
 #
-#   halflight_*.deb, halflight-dev_*.deb    Debian, with the build host's versions of the libraries
+#   halflight*.deb                          Debian 12 and 13, Ubuntu 24.04, each made in its root (scripts/package_debs.sh);
+#                                           where no roots can be made, this system's
 #   halflight-*-linux-*.tar.gz              relocatable, glibc included: unpack anywhere, run bin/halflight
 #   halflight-*.whl                         Python wheel with the program and a thin module
 #   halflight-blender-*.zip                 the Blender extension, with the wheel and without
@@ -9,8 +10,8 @@
 #
 #   scripts/package.sh [--build DIR] [--out DIR] [--no-deb]
 #
-# --build packages a build tree that is there instead of building the release preset. Tarball and wheel use the system's glibc
-# where it is new enough, and bring one along for older systems.
+# --build packages a build tree that is there instead of building the release preset; its .deb are for this
+# system. Tarball and wheel use the system's glibc where it is new enough, and bring one along for older systems.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 
@@ -28,10 +29,10 @@ tools="patchelf objdump"
 for tool in $tools; do
   command -v "$tool" >/dev/null || { echo "package.sh: $tool is missing: apt-get install patchelf binutils dpkg-dev fakeroot" >&2; exit 1; }
 done
+built=0
 if [ -z "$build" ]; then
-  build=build/release
-  # No window: its libraries are a desktop's own, and a tarball should run without one.
-  cmake --preset release --log-level=WARNING -DHALFLIGHT_VIEW=OFF
+  build=build/release built=1
+  cmake --preset release --log-level=WARNING
   cmake --build --preset release
 fi
 
@@ -44,8 +45,14 @@ version=$("$build/apps/halflight/halflight" --version | sed -n '1s/halflight //p
 machine=$(uname -m)
 
 if [ "$deb" -eq 1 ]; then
-  cpack -G DEB --config "$build/CPackConfig.cmake" -B "$stage/deb" >"$stage/cpack.log" || { cat "$stage/cpack.log" >&2; exit 1; }
-  mv "$stage"/deb/*.deb "$out"
+  status=77
+  [ "$built" -eq 0 ] || { status=0; scripts/package_debs.sh "$out" || status=$?; }
+  if [ "$status" -eq 77 ]; then # of this system alone
+    cpack -G DEB --config "$build/CPackConfig.cmake" -B "$stage/deb" >"$stage/cpack.log" || { cat "$stage/cpack.log" >&2; exit 1; }
+    mv "$stage"/deb/*.deb "$out"
+  elif [ "$status" -ne 0 ]; then
+    exit "$status"
+  fi
 fi
 
 name="halflight-$version-linux-$machine"

@@ -1,13 +1,16 @@
 // halflight: bake mixed lighting into a glTF file, render it, look into it.
+// halflight-view, with HALFLIGHT_VIEW: the command `view` alone, with the window.
 
 #include "console.h"
 #include "halflight/base/system.h"
 #include "halflight/scene/compression.h"
 #include "terminal.h"
+#include "view_command.h"
 
 #include <algorithm>
 #include <exception>
 #include <new>
+#include <utility>
 
 using namespace halflight;
 using namespace halflight::cli;
@@ -72,17 +75,22 @@ int runProgram(const std::vector<std::string>& arguments)
     std::string version = std::string("halflight ") + HALFLIGHT_VERSION;
     const std::vector<std::string> compression = readableCompression();
     for (const std::string& name : compression) version += (&name == &compression[0] ? "\nreads " : ", ") + name;
-#ifdef HALFLIGHT_VIEW
-    version += "\nwindow by SDL2 and Dear ImGui";
-#else
-    version += "\nno window: built without SDL2 and Dear ImGui";
-#endif
+    version += windowProgram().empty() ? "\nno window: there is no halflight-view beside this program"
+                                       : "\nwindow by SDL2 and Dear ImGui";
     app.set_version_flag("-V,--version", version);
     bool describes = false; // asked for below, before a command is required
     app.add_flag("--describe", describes, "Print all commands and options as JSON and exit");
     app.require_subcommand(1);
-    const std::vector<Command> commands = {addBakeCommand(app), addFarmCommand(app), addRenderCommand(app),
-                                           addViewCommand(app), addInfoCommand(app), addOptimizeCommand(app)};
+#ifdef HALFLIGHT_VIEW
+    const auto view = openWindow;
+#else
+    const auto view = [&](const ViewCommandOptions& options) {
+        return startWindowProgram(options,
+                                  {std::find(arguments.begin(), arguments.end(), "view") + 1, arguments.end()});
+    };
+#endif
+    const std::vector<Command> commands = {addBakeCommand(app),       addFarmCommand(app), addRenderCommand(app),
+                                           addViewCommand(app, view), addInfoCommand(app), addOptimizeCommand(app)};
     app.footer("halflight COMMAND --help, or halflight help COMMAND, tells more. Exit codes: 0 done, 1 failed, 2 wrong "
                "usage.");
     if (arguments == std::vector<std::string>{"--describe"}) {
@@ -122,7 +130,11 @@ int runProgram(const std::vector<std::string>& arguments)
 int main(int argc, char** argv)
 {
     prepareStandardStreams();
-    const int code = runProgram(withHelpWords(std::vector<std::string>(argv + 1, argv + argc)));
+    std::vector<std::string> arguments(argv + 1, argv + argc);
+#ifdef HALFLIGHT_VIEW
+    arguments.insert(arguments.begin(), "view");
+#endif
+    const int code = runProgram(withHelpWords(std::move(arguments)));
     if (Status status = finishResults(); !status && code == kOk) return fail({}, status.error());
     return code;
 }

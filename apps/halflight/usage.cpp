@@ -42,7 +42,7 @@ std::string unknownOption(const CLI::App* command)
     if (command == nullptr) return {};
     // CLI11 keeps what is left over in no fixed order.
     for (const std::string& extra : command->remaining()) {
-        if (extra.starts_with('-') && extra.size() > 1) return extra.substr(0, extra.find('='));
+        if (extra.starts_with('-') && extra.size() > 1 && extra != "--") return extra.substr(0, extra.find('='));
     }
     return {};
 }

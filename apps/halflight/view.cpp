@@ -1,94 +1,40 @@
-// halflight view: a window onto a scene, with bakes in the background.
+// halflight view: its options, and the program that has the window.
 
-#include "bake_options.h"
-#include "interrupt.h"
-#include "render_options.h"
 #include "terminal.h"
+#include "view_command.h"
 
-#include "halflight/scene/gltf.h"
-#ifdef HALFLIGHT_VIEW
-#include "halflight/view/view.h"
-#endif
+#include "halflight/base/system.h"
 
-#include <cmath>
-#include <cstdio>
 #include <memory>
-#include <vector>
+#include <utility>
 
 namespace halflight::cli {
 
-namespace {
-
-struct ViewCommandOptions {
-    RenderOptions render;
-    BakeOptions bake;
-    bool bakeAtStart = false;
-    std::filesystem::path screenshots = ".";
-    int frames = 0;
-    std::vector<int> loseDeviceAt;
-};
-
-#ifdef HALFLIGHT_VIEW
-int runView(const ViewCommandOptions& given)
+std::filesystem::path windowProgram()
 {
-    ViewCommandOptions options = given;
-    RenderOptions& render = options.render;
-    applyRenderOptions(render);
-    if (render.samples > 0) render.render.supersampling = int(std::lround(std::sqrt(double(render.samples))));
-    ReadOptions read;
-    read.settingsFile = render.settingsFile;
-    read.emissionUnit = render.emissionUnit;
-
-    ViewOptions view;
-    view.file = render.file;
-    view.settingsFile = render.settingsFile;
-    view.changeLights = [&](const Scene& scene) { return changedLights(scene, render.lights); };
-    view.loader.read = [&](const std::filesystem::path& file, const std::atomic<bool>& cancel) {
-        ReadOptions cancellable = read;
-        cancellable.cancel = &cancel;
-        return readBakedScene(file, cancellable);
-    };
-    view.loader.camera = [&](const Scene& scene, float aspect, bool isFirst) {
-        return chooseCamera(scene, isFirst ? render.camera : CameraChoice(), aspect);
-    };
-    view.device = render.device;
-    view.render = render.render;
-    view.mode = render.mode;
-    view.exposureEv = render.exposureEv;
-    view.toneMapping = render.toneMapping;
-    view.shadowDistanceGiven = render.shadowDistanceGiven;
-    view.bake = options.bake.bake;
-    view.bakeAtStart = options.bakeAtStart;
-    view.screenshots = options.screenshots;
-    view.frames = options.frames;
-    view.loseDeviceAt = options.loseDeviceAt;
-    view.cancel = &listenForInterrupts();
-    view.say = [](const std::string& line) {
-        print("{}\n", printable(line));
-        std::fflush(stdout); // others follow what the window does
-    };
-    const Status status = viewScene(view);
-    return status ? kOk : fail(render.file, status.error());
+    const std::filesystem::path here = programPath();
+    const std::filesystem::path program = here.parent_path() / ("halflight-view" + here.extension().string());
+    std::error_code error;
+    return !here.empty() && std::filesystem::is_regular_file(program, error) ? program : std::filesystem::path();
 }
-#else
-int runView(const ViewCommandOptions& options)
+
+int startWindowProgram(const ViewCommandOptions& options, const std::vector<std::string>& arguments)
 {
-    return fail(options.render.file,
-                Error{ErrorCode::Unsupported, "this build of halflight has no window: SDL2 or Dear ImGui was not found "
-                                              "when it was made (libsdl2-dev, libimgui-dev); halflight render draws "
-                                              "pictures without one"});
+    const std::filesystem::path program = windowProgram();
+    const std::string reason =
+        program.empty() ? "the window is in the package halflight-view, or in a build from source with SDL2 and Dear "
+                          "ImGui (libsdl2-dev, libimgui-dev); halflight render draws pictures without one"
+                        : fmt::format("{} cannot be started", program.string());
+    if (program.empty()) return fail(options.render.file, Error{ErrorCode::Unsupported, reason});
+    const int code = runInstead(program, arguments);
+    return code >= 0 ? code : fail(options.render.file, Error{ErrorCode::Unsupported, reason});
 }
-#endif
 
-} // namespace
-
-Command addViewCommand(CLI::App& parent)
+Command addViewCommand(CLI::App& parent, std::function<int(const ViewCommandOptions&)> run)
 {
     auto options = std::make_shared<ViewCommandOptions>();
     CLI::App& app = *parent.add_subcommand("view", "Open a window onto a baked or plain glTF file, and bake it there");
-#ifndef HALFLIGHT_VIEW
-    app.group(""); // not in --help
-#endif
+    if (windowProgram().empty()) app.group(""); // not in --help
     addViewOptions(app, options->render);
     app.option_defaults()->group("Bake");
     app.add_flag("--bake", options->bakeAtStart, "bake at once, and show the light as it comes");
@@ -114,7 +60,7 @@ Command addViewCommand(CLI::App& parent)
             std::string()))
         ->group("");
     app.footer("Example: halflight view scene.glb --bake --quality preview");
-    return {&app, [options] { return runView(*options); }};
+    return {&app, [options, run = std::move(run)] { return run(*options); }};
 }
 
 } // namespace halflight::cli

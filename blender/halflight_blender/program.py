@@ -50,7 +50,7 @@ def unpacked_wheel(folder):
     if not wheels:
         return None
     target = os.path.splitext(max(wheels))[0]
-    module = os.path.join(target, "halflight", "__init__.py")
+    module = os.path.join(target, "halflight", "_run.py")  # it imports nothing of the others
     try:
         if not os.path.exists(module):
             unpack(max(wheels), target)

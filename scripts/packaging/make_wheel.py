@@ -60,9 +60,9 @@ def main():
     info = f"halflight-{version}.dist-info"
     path = out / f"halflight-{version}-{tag}.whl"
     wheel = Wheel(path, info)
-    module = (HERE / "python" / "halflight" / "__init__.py").read_bytes()
-    wheel.add("halflight/__init__.py", module.replace(b"@VERSION@", version.encode()))
-    wheel.add("halflight/__main__.py", (HERE / "python" / "halflight" / "__main__.py").read_bytes())
+    for file in sorted((HERE / "python" / "halflight").glob("*py*")):
+        if file.is_file():  # modules, and py.typed
+            wheel.add(f"halflight/{file.name}", file.read_bytes().replace(b"@VERSION@", version.encode()))
     for part in ("bin", "lib", "share/doc/halflight/licences"):
         for file in sorted((prefix / part).rglob("*")):
             if file.is_file():

@@ -10,6 +10,7 @@
 #include <chrono>
 #include <cstdio>
 #include <io.h>
+#include <process.h>
 #include <thread>
 #include <windows.h>
 
@@ -43,6 +44,23 @@ std::string fileIdentity(const std::filesystem::path&)
     return {};
 }
 
+std::filesystem::path programPath()
+{
+    std::wstring path(32768, L'\0'); // the longest that there is
+    path.resize(GetModuleFileNameW(nullptr, path.data(), DWORD(path.size())));
+    return path;
+}
+
+int runInstead(const std::filesystem::path& program, const std::vector<std::string>& arguments)
+{
+    std::vector<std::string> quoted = {'"' + program.string() + '"'};
+    for (const std::string& argument : arguments) quoted.push_back('"' + argument + '"');
+    std::vector<const char*> words;
+    for (const std::string& word : quoted) words.push_back(word.c_str());
+    words.push_back(nullptr);
+    return int(_spawnv(_P_WAIT, program.string().c_str(), words.data()));
+}
+
 void prepareStandardStreams() {} // no such signals, and no reuse of their numbers
 
 void callAfter(unsigned seconds, void (*handler)(int))
@@ -70,6 +88,10 @@ void endProcess(const char* fileToRemove, const char* message, int exitCode)
 #include <sys/resource.h>
 #include <sys/stat.h>
 #include <unistd.h>
+
+#ifdef __APPLE__
+extern "C" int _NSGetExecutablePath(char* name, uint32_t* size); // of mach-o/dyld.h
+#endif
 
 namespace halflight {
 
@@ -115,6 +137,31 @@ std::string fileIdentity(const std::filesystem::path& file)
     struct stat found = {};
     if (::stat(file.c_str(), &found) != 0) return {};
     return std::to_string(found.st_dev) + ":" + std::to_string(found.st_ino);
+}
+
+std::filesystem::path programPath()
+{
+#ifdef __APPLE__ // written without a build
+    uint32_t size = 0;
+    _NSGetExecutablePath(nullptr, &size);
+    std::string name(size, '\0');
+    if (_NSGetExecutablePath(name.data(), &size) != 0) return {};
+    const char* link = name.c_str();
+#else
+    const char* link = "/proc/self/exe";
+#endif
+    std::error_code error;
+    return std::filesystem::canonical(link, error);
+}
+
+int runInstead(const std::filesystem::path& program, const std::vector<std::string>& arguments)
+{
+    std::vector<std::string> words = {program.string()};
+    words.insert(words.end(), arguments.begin(), arguments.end());
+    std::vector<char*> pointers;
+    for (std::string& word : words) pointers.push_back(word.data());
+    pointers.push_back(nullptr);
+    return ::execv(program.c_str(), pointers.data());
 }
 
 void prepareStandardStreams()

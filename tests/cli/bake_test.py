@@ -96,10 +96,11 @@ class Chain(Case):
             values.append((json.loads(run("info", file, "--json").stdout), "info_output"))
             for options in ([], ["--path", "deferred", "--timings"], ["--reference", "1"], ["--view", "overlap"]):
                 values.append((self.rendered(file, *options)[0], "render_output"))
+        values.append((json.loads(run("optimize", baked, self.path("small.glb"), "--json").stdout), "optimize_output"))
         for value, name in values:
             self.assertEqual(json_schema.check(value, name), [])
         # The checker finds what is wrong.
-        rendered = values[-1][0]
+        rendered = values[-2][0]
         for path, wrong in (("mode", "half-baked"), ("size", [1]), ("warnings", "none"), ("extra", 1)):
             self.assertNotEqual(json_schema.problems({**rendered, path: wrong}, json_schema.load("render_output")), [])
         row = rendered["lights"]["rows"][0]

@@ -74,6 +74,7 @@ class Usage(Case):
             (["bake", scene], "--output"),
             (["bake", scene, "-o", self.path("out.png")], ".glb"),
             (["bake", scene, "-o", out, "--nonsense"], "--nonsense"),
+            (["bake", "--quality", "best", "-o", out, "--", scene], "--quality", "must be one of"),
             (["bake", scene, "another", "-o", out], "another"),
             (["bake", scene, "-o", out, "--mode", "distance-shadowmask"], "--mode", "baked-indirect"),
             (["bake", scene, "-o", out, "--samples", "0"], "--samples", "1 to"),

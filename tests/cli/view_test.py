@@ -4,6 +4,7 @@ Usage: view_test.py HALFLIGHT SHARED_DIR [TestClass[.test]] …"""
 import os
 import re
 import shlex
+import shutil
 import subprocess
 import time
 
@@ -215,6 +216,14 @@ class NoDisplay(Case):
         result = subprocess.run([cli_case.HALFLIGHT, "view", self.scene()], capture_output=True, text=True,
                                 env=environment, timeout=SECONDS)
         self.assert_one_sentence(result, 1, "window")
+
+    def test_without_the_window_program(self):
+        """As in tarball and wheel, and in Debian before halflight-view is installed."""
+        alone = shutil.copy(cli_case.HALFLIGHT, self.path("halflight"))
+        run_alone = lambda *words: subprocess.run([alone, *words], capture_output=True, text=True)  # noqa: E731
+        self.assert_one_sentence(run_alone("view", self.scene()), 1, "the package halflight-view")
+        self.assertNotIn("\n  view ", run_alone("--help").stdout)
+        self.assertIn("\nno window: ", run_alone("--version").stdout)
 
 
 if __name__ == "__main__":

@@ -1,5 +1,6 @@
 """The wheel's module, in a Python that has it: wheel_check.py SCENE OUTPUT OPTIONS… (each --name value, and --quiet)."""
 
+import pathlib
 import subprocess
 import sys
 
@@ -12,9 +13,8 @@ def main():
     settings = {name[2:].replace("-", "_"): value for name, value in zip(words[::2], words[1::2])}
     report = halflight.bake(scene, output, **settings)
     assert report["output"] == output and report["lightmap"]["pages"] >= 1, report
-    assert halflight.arguments({"denoise": True, "moz_lightmap": True, "sky": (1, 2, 3), "samples": None}) == [
-        "--denoise", "on", "--moz-lightmap", "--sky", "1,2,3"
-    ]  # fmt: skip
+    assert report.seconds == report["seconds"] > 0 and halflight.info(output).baked, report
+    assert pathlib.Path(halflight.__file__).with_name("py.typed").is_file()
     try:
         halflight.bake(scene, output, quality="best")
     except halflight.Error as error:

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <string>
+#include <vector>
 
 namespace halflight {
 
@@ -19,6 +20,13 @@ bool isErrorStreamTerminal();
 /// Equal for all names of a file that exists, whatever links lead to it; empty without such a file, and where the
 /// system has no numbers of files.
 std::string fileIdentity(const std::filesystem::path& file);
+
+/// The file of this program, links followed; empty where the system does not tell.
+std::filesystem::path programPath();
+
+/// Goes on as another program, where the system can: streams, folder and process stay. Elsewhere it waits for the other
+/// one and returns its exit code. -1: it could not be started.
+int runInstead(const std::filesystem::path& program, const std::vector<std::string>& arguments);
 
 /// Call first in main(). Standard streams that are closed are opened on /dev/null for the wrong direction, so that
 /// writing to them fails and no output file takes their descriptor. Broken pipes and file size limits become errors of
