@@ -56,7 +56,7 @@ try {
     const page = await browser.newPage({ viewport: WINDOW });
     const drawn = () => page.evaluate(() => Number(document.body.dataset.frames ?? 0));
     await page.goto(`${server.url}/index.html#${frames[0]}`);
-    await page.waitForFunction(() => Number(document.body.dataset.frames ?? 0) > 0, null, { timeout: 300000 });
+    await page.waitForFunction(() => document.body.dataset.picture === 'whole' && document.body.dataset.frames > 1, null, { timeout: 300000 });
     for (const [i, shot] of frames.entries()) {
         const before = await drawn();
         await page.evaluate((hash) => (location.hash = hash), `${shot}&${viewOf(i, frames.length)}&distance=60&fade=1`);

@@ -1,6 +1,6 @@
 // Puts the viewer into one static folder that needs no network: node scripts/build_viewer.mjs OUT [BAKED.glb]
-import { cpSync, existsSync, mkdirSync, readFileSync } from 'node:fs';
-import { dirname, join, relative } from 'node:path';
+import { cpSync, existsSync, mkdirSync, readFileSync, writeFileSync } from 'node:fs';
+import { dirname, join } from 'node:path';
 import { fileURLToPath } from 'node:url';
 
 const web = join(dirname(fileURLToPath(import.meta.url)), '..');
@@ -9,27 +9,32 @@ if (!out) {
     console.error('usage: node scripts/build_viewer.mjs OUT [BAKED.glb]');
     process.exit(2);
 }
-const three = join(web, 'node_modules/three');
-if (!existsSync(three)) {
+if (!existsSync(join(web, 'node_modules/esbuild'))) {
     console.error('build_viewer.mjs: no packages found: run npm install in web/');
     process.exit(1);
 }
-
-/** A module and those that it imports by a relative path. */
-function copyModule(path, seen) {
-    if (seen.has(path)) return;
-    seen.add(path);
-    const target = join(out, 'lib/three', relative(three, path));
-    mkdirSync(dirname(target), { recursive: true });
-    cpSync(path, target);
-    for (const match of readFileSync(path, 'utf8').matchAll(/(?:from|import)\s*['"](\.[^'"]+)['"]/g)) copyModule(join(dirname(path), match[1]), seen);
-}
+const { build } = await import('esbuild');
 
 mkdirSync(out, { recursive: true });
-for (const file of ['index.html', 'viewer.css', 'viewer.js', 'flight.js', 'link.js', 'panel.js']) cpSync(join(web, 'viewer', file), join(out, file));
-cpSync(join(web, 'three/src'), join(out, 'lib/halflight'), { recursive: true });
-cpSync(join(three, 'LICENSE'), join(out, 'lib/three-LICENSE'));
-const addons = ['loaders/GLTFLoader.js', 'controls/OrbitControls.js', 'libs/meshopt_decoder.module.js', 'libs/ktx-parse.module.js', 'libs/zstddec.module.js'];
-const seen = new Set();
-for (const file of ['build/three.module.js', ...addons.map((name) => `examples/jsm/${name}`)]) copyModule(join(three, file), seen);
+await build({
+    entryPoints: [join(web, 'viewer/viewer.js'), join(web, 'viewer/viewer.css')],
+    outdir: out,
+    bundle: true,
+    minify: true,
+    format: 'esm',
+    target: 'es2022',
+    legalComments: 'none', // all licences are in one file
+    logLevel: 'warning',
+});
+cpSync(join(web, 'viewer/index.html'), join(out, 'index.html'));
+const licences = [
+    ['Halflight', 'three/LICENSE'],
+    ['three.js', 'node_modules/three/LICENSE'],
+    ['ktx-parse and zstddec', 'node_modules/ktx-parse/LICENSE'],
+];
+const texts = licences.map(([name, path]) => `${name}\n\n${readFileSync(join(web, path), 'utf8')}`);
+const decoder = readFileSync(join(web, 'node_modules/three/examples/jsm/libs/meshopt_decoder.module.js'), 'utf8').match(
+    /^(\/\/.*\n)+/
+)[0];
+writeFileSync(join(out, 'LICENSES.txt'), [...texts, decoder.replaceAll(/^\/\/ /gm, '')].join('\n\n'));
 if (showcase) cpSync(showcase, join(out, 'courtyard-baked.glb'));

@@ -1,17 +1,17 @@
 // Parts of the panel that depend on the file.
+import { legendOf } from './views.js';
+
 const make = (tag, properties = {}, ...children) => {
     const node = Object.assign(document.createElement(tag), properties);
     node.append(...children);
     return node;
 };
 
-export function showModes(parent, halflight, redraw) {
+/** @param {(mode: string) => void} choose */
+export function showModes(parent, halflight, choose) {
     const rows = halflight.modes.map((mode) => {
         const radio = make('input', { type: 'radio', name: 'mode', value: mode });
-        radio.addEventListener('input', () => {
-            halflight.mode = mode;
-            redraw();
-        });
+        radio.addEventListener('input', () => choose(mode));
         return make('label', {}, radio, make('span', { textContent: mode }));
     });
     parent.replaceChildren(...rows);
@@ -20,38 +20,81 @@ export function showModes(parent, halflight, redraw) {
 /** A switch and a factor on the intensity of each light. */
 export function showLights(parent, halflight, redraw) {
     const rows = halflight.lights.map((state) => {
-        const intensity = state.light.intensity;
+        const { intensity } = state.light;
+        const kind = state.data.bakeType;
         const on = make('input', { type: 'checkbox', checked: true });
-        const factor = make('input', { type: 'range', min: '0', max: '3', step: '0.05', value: '1', title: 'intensity' });
+        const name = make('label', {}, on, make('span', { textContent: state.name }));
+        if (kind === 'baked') {
+            on.disabled = true;
+            return make('div', {}, name, make('p', { textContent: 'baked: its light is in the lightmap' }));
+        }
+        const factor = make('input', {
+            type: 'range',
+            min: '0',
+            max: '3',
+            step: '0.05',
+            value: '1',
+            ariaLabel: `Intensity of ${state.name}`,
+        });
+        const value = make('output', { textContent: '× 1.00' });
         const apply = () => {
             state.light.intensity = on.checked ? intensity * Number(factor.value) : 0;
+            value.textContent = `× ${Number(factor.value).toFixed(2)}`;
             redraw();
         };
         on.addEventListener('input', apply);
         factor.addEventListener('input', apply);
-        const kind = state.data.bakeType;
-        const name = make('span', { textContent: state.name, title: `${state.name}: ${kind}` });
-        if (kind === 'baked') on.disabled = factor.disabled = true; // its light is in the lightmap
-        return make('label', {}, on, name, factor);
+        return make('div', {}, name, make('label', {}, make('span', { textContent: kind }), value, factor));
     });
     parent.replaceChildren(...rows);
 }
 
+export function showLegend(parent, halflight) {
+    const [sentence, colors] = legendOf(halflight);
+    const swatch = (color) => {
+        const box = make('i');
+        box.style.background = color;
+        return box;
+    };
+    const list = make(
+        'ul',
+        {},
+        ...colors.map(([color, text]) => make('li', {}, swatch(color), make('span', { textContent: text })))
+    );
+    parent.replaceChildren(
+        ...(sentence ? [make('p', { textContent: sentence })] : []),
+        ...(colors.length > 0 ? [list] : [])
+    );
+}
+
+/** Equal sentences are not announced again. @param {string[]} sentences */
+export function showNotes(parent, sentences) {
+    if ([...parent.children].map((row) => row.textContent).join('\n') === sentences.join('\n')) return;
+    parent.replaceChildren(...sentences.map((sentence) => make('li', { textContent: sentence })));
+}
+
 const megabytes = (bytes) => `${(bytes / 1e6).toFixed(2)} MB`;
 
-export function showStatistics(parent, { halflight, bytes }, renderer, seconds) {
+export function showStatistics(parent, { halflight, bytes }, drawn, seconds) {
     const parts = halflight.data.bytes;
     const page = halflight.data.lightmaps[0];
     const rows = [
         ['file', megabytes(bytes)],
-        [`lightmaps${page ? `, ${halflight.data.lightmaps.length} × ${page.width} × ${page.height}` : ''}`, megabytes(parts.lightmaps)],
+        [
+            `lightmaps${page ? `, ${halflight.data.lightmaps.length} × ${page.width} × ${page.height}` : ''}`,
+            megabytes(parts.lightmaps),
+        ],
         ['shadowmasks', megabytes(parts.masks)],
         ['directions', megabytes(parts.directions)],
         [`probes, ${halflight.data.probes?.count ?? 0}`, megabytes(parts.probes)],
         ['objects', String(halflight.objects.length)],
-        ['draw calls', String(renderer.info.render.calls)],
-        ['triangles', renderer.info.render.triangles.toLocaleString('en')],
-        ['time to submit', `${(1000 * seconds).toFixed(1)} ms`],
+        ['draw calls', String(drawn.calls)],
+        ['triangles', drawn.triangles.toLocaleString('en')],
+        ['time to submit a frame', `${(1000 * seconds).toFixed(1)} ms`],
     ];
-    parent.replaceChildren(...rows.map(([name, value]) => make('tr', {}, make('td', { textContent: name }), make('td', { textContent: value }))));
+    parent.replaceChildren(
+        ...rows.map(([name, value]) =>
+            make('tr', {}, make('th', { scope: 'row', textContent: name }), make('td', { textContent: value }))
+        )
+    );
 }

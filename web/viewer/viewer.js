@@ -1,138 +1,167 @@
-// The viewer page: a baked file, its modes, lights and views.
-import * as THREE from 'three';
-import { HalflightPlugin, VIEWS } from '@halflight/three';
-import { OrbitControls } from 'three/addons/controls/OrbitControls.js';
-import { GLTFLoader } from 'three/addons/loaders/GLTFLoader.js';
-import { MeshoptDecoder } from 'three/addons/libs/meshopt_decoder.module.js';
+// The viewer page: opens files, and wires the picture, the camera, the panel and the address.
+import { Vector3 } from 'three';
+import { VIEWS } from '@halflight/three';
 
-import { Flight } from './flight.js';
-import { readLink, writeLink } from './link.js';
-import { showLights, showModes, showStatistics } from './panel.js';
+import { load, sourceOfAddress, sourceOfFiles } from './files.js';
+import { Keys } from './keys.js';
+import { parametersOf, readLink, writeLink } from './link.js';
+import { Orbit } from './orbit.js';
+import { showLegend, showLights, showModes, showNotes, showStatistics } from './panel.js';
+import { Stage } from './stage.js';
+import { MODE_SENTENCES } from './views.js';
 
 const SHOWCASE = 'courtyard-baked.glb';
 const element = (id) => document.getElementById(id);
 
-const renderer = new THREE.WebGLRenderer({ canvas: element('picture'), antialias: true });
-renderer.setPixelRatio(Math.min(devicePixelRatio, 2));
-renderer.shadowMap.enabled = true;
-renderer.toneMapping = THREE.NeutralToneMapping; // as the program's displayed pictures
-
-const camera = new THREE.PerspectiveCamera(52, 1, 0.05, 1000);
-const orbit = new OrbitControls(camera, renderer.domElement);
-const flight = new Flight(camera, orbit, redraw);
-const scene = new THREE.Scene();
-/** @type {{gltf: any, halflight: any, bytes: number} | null} */
-let shown = null;
-let requested = false;
-let trouble = '';
-let opened = 0; // files that were chosen: only the last one is shown, even where an earlier one takes longer to read
-
-/** One frame is drawn for all changes before it; no frame is requested while nothing changes. */
-function redraw() {
-    if (requested) return;
-    requested = true;
-    requestAnimationFrame(draw);
+/** What is wrong: with the last file that was chosen, or with the browser. @param {string} sentence */
+function complain(sentence) {
+    element('message').textContent = sentence;
 }
 
-function draw(time) {
-    requested = false;
-    flight.move(time);
-    if (!shown) return;
-    const start = performance.now();
-    shown.halflight.update(renderer, camera);
-    renderer.render(scene, camera);
-    showStatistics(element('statistics'), shown, renderer, (performance.now() - start) / 1000);
-    say();
-    document.body.dataset.frames = String(Number(document.body.dataset.frames ?? 0) + 1);
-}
-
-function resize() {
-    renderer.setSize(innerWidth, innerHeight, false);
-    camera.aspect = innerWidth / innerHeight;
-    camera.updateProjectionMatrix();
-    redraw();
-}
-
-/** What is wrong with the last file, and what the one that is shown leaves out. */
-function say(sentence = trouble) {
-    trouble = sentence;
-    element('message').textContent = [trouble, ...(shown?.halflight.warnings ?? [])].filter(Boolean).join(' ');
-}
-
-/** @param {Promise<ArrayBuffer>} reading */
-async function open(reading, name) {
-    const turn = ++opened;
-    say('');
+function startStage() {
     try {
-        const bytes = await reading;
-        const loader = new GLTFLoader();
-        loader.setMeshoptDecoder(MeshoptDecoder);
-        loader.register((parser) => new HalflightPlugin(parser));
-        const gltf = await loader.parseAsync(bytes, '');
-        const halflight = gltf.userData.halflight;
-        if (!halflight) throw new Error('the file is not baked: halflight bake makes a baked one of it');
-        if (turn === opened) show(gltf, bytes.byteLength, name);
-        else halflight.dispose();
-    } catch (error) {
-        if (turn === opened) say(`${name}: ${error.message}`);
+        return new Stage(element('picture'), { beforeFrame: (time) => keys.move(time), afterFrame, failed });
+    } catch {
+        complain('This browser has no WebGL 2, or it is switched off: no picture can be drawn.');
+        throw new Error('no WebGL 2');
     }
+}
+
+const stage = startStage();
+const { camera, renderer } = stage;
+const redraw = () => stage.redraw();
+const orbit = new Orbit(camera, renderer.domElement, () => stage.shown?.gltf.scene ?? null, redraw);
+const keys = new Keys(orbit, redraw, actions());
+let odd = []; // sentences about parameters of the address
+let opened = 0; // files that were chosen: only the last one is shown, even where an earlier one takes longer to read
+let wanted = ''; // the part of the address that says what is open
+
+function afterFrame(seconds) {
+    showStatistics(element('statistics'), stage.shown, stage.drawn, seconds);
+    notes();
+    syncExposure();
+}
+
+function failed(error) {
+    complain(`The file cannot be drawn: ${error.message}.`);
+    close();
+}
+
+function close() {
+    element('controls').hidden = true;
+    element('file').textContent = 'no file open';
+    notes();
+}
+
+function notes() {
+    const lacks = stage.shown?.missing.map((name) => `${name} is missing: what it holds is not shown.`) ?? [];
+    const sentences = [...(stage.shown?.halflight.warnings ?? [])].map(
+        (sentence) => `${sentence[0].toUpperCase()}${sentence.slice(1)}.`
+    );
+    showNotes(element('notes'), [...odd, ...lacks, ...sentences]);
+}
+
+/** @param {import('./files.js').Source} source @param {boolean} isLinked whether the address is about it */
+async function open(source, isLinked) {
+    const turn = ++opened;
+    const last = element('file').textContent;
+    complain('');
+    try {
+        const progress = (bytes) =>
+            turn === opened && (element('file').textContent = `loading ${source.name}, ${(bytes / 1e6).toFixed(1)} MB`);
+        progress(0);
+        const file = await load(source, progress);
+        if (turn !== opened) return file.halflight.dispose();
+        show(file, isLinked ? parametersOf(location) : new Map());
+    } catch (error) {
+        if (turn !== opened) return;
+        element('file').textContent = stage.shown?.name ?? (last.startsWith('loading') ? 'no file open' : last);
+        complain(`${error.message}.`);
+    }
+}
+
+function show(file, parameters) {
+    stage.show(file);
+    element('file').textContent = file.name;
+    element('controls').hidden = false;
+    element('copied').textContent = '';
+    const { gltf, halflight } = file;
+    keys.speed = Math.min(Math.max(0.12 * halflight.bounds.getSize(new Vector3()).length(), 0.3), 30);
+    showModes(element('modes'), halflight, setMode);
+    showLights(element('lights'), halflight, redraw);
+    file.cameras = [
+        ...gltf.cameras.map((from, i) => ({ from, name: from.name || from.parent?.name || `camera ${i + 1}` })),
+        { from: null, name: 'whole scene' },
+    ];
+    element('view').replaceChildren(...VIEWS.map((view) => new Option(view, view)));
+    element('camera').replaceChildren(...file.cameras.map(({ name }, i) => new Option(name, String(i))));
+    useCamera(0);
+    follow(parameters);
+}
+
+const view = () => ({
+    halflight: stage.shown.halflight,
+    camera,
+    orbit,
+    cameras: stage.shown.cameras,
+    useCamera,
+    exposure: stage.exposure,
+    expose: (ev) => stage.expose(ev),
+});
+
+/** Shows the view of a link. @param {Map<string, string>} parameters */
+function follow(parameters) {
+    odd = readLink(parameters, view());
+    camera.updateProjectionMatrix();
+    orbit.about(orbit.target);
+    syncPanel();
     redraw();
 }
 
-function show(gltf, size, name) {
-    shown?.halflight.dispose();
-    shown?.gltf.scene.removeFromParent();
-    shown = { gltf, halflight: gltf.userData.halflight, bytes: size };
-    scene.add(gltf.scene);
-    element('file').textContent = name;
-    fillPanel();
+function useCamera(index) {
+    const { halflight, cameras } = stage.shown;
+    const { from } = cameras[index];
+    const size = halflight.bounds.getSize(new Vector3()).length();
+    camera.fov = from?.fov ?? 52;
+    if (from) {
+        orbit.take(from, Math.max(0.2 * size, 0.1));
+    } else {
+        const middle = halflight.bounds.getCenter(new Vector3());
+        const distance = (0.5 * size) / Math.sin((0.5 * camera.fov * Math.PI) / 180) / Math.min(camera.aspect, 1);
+        orbit.place(new Vector3(0.49, 0.43, 0.74).normalize().multiplyScalar(distance).add(middle), middle);
+    }
+    element('camera').value = String(index);
+    camera.updateProjectionMatrix();
+    stage.exposeAutomatically();
+    redraw();
 }
 
-function fillPanel() {
-    const { gltf, halflight } = shown;
-    element('controls').hidden = false;
-    showModes(element('modes'), halflight, redraw);
-    showLights(element('lights'), halflight, redraw);
-    element('view').replaceChildren(...VIEWS.map((view) => new Option(view, view)));
-    const cameras = gltf.cameras.length > 0 ? gltf.cameras : [null];
-    element('camera').replaceChildren(...cameras.map((c, i) => new Option(c?.name || c?.parent?.name || 'whole scene', String(i))));
-    useCamera(0);
-    readLink(location.hash, { halflight, camera, orbit, renderer });
+function setMode(mode) {
+    stage.shown.halflight.mode = mode;
     syncPanel();
+    redraw();
 }
 
 /** Controls show what the scene has. */
 function syncPanel() {
-    const { halflight } = shown;
-    const set = (id, value, text) => {
+    const { halflight } = stage.shown;
+    for (const [id, value] of [
+        ['distance', halflight.shadowDistance],
+        ['fade', halflight.shadowFadeRange],
+    ]) {
         element(id).value = value;
-        element(`${id}Value`).textContent = text;
-    };
-    set('distance', halflight.shadowDistance, `${halflight.shadowDistance} m`);
-    set('fade', halflight.shadowFadeRange, `${halflight.shadowFadeRange} m`);
-    const ev = -Math.log2(renderer.toneMappingExposure);
-    set('exposure', ev, `${ev.toFixed(2)} EV`);
+        element(`${id}Value`).textContent = `${value} m`;
+    }
     element('view').value = halflight.debugView;
     for (const radio of element('modes').querySelectorAll('input')) radio.checked = radio.value === halflight.mode;
+    element('modeSentence').textContent = MODE_SENTENCES[halflight.mode];
+    showLegend(element('legend'), halflight);
+    syncExposure();
 }
 
-function useCamera(index) {
-    const from = shown.gltf.cameras[index];
-    const box = shown.halflight.bounds;
-    if (from) {
-        from.updateWorldMatrix(true, false);
-        from.matrixWorld.decompose(camera.position, camera.quaternion, new THREE.Vector3());
-        camera.fov = from.fov ?? 52;
-    } else {
-        const size = box.getSize(new THREE.Vector3()).length();
-        camera.position.copy(box.getCenter(new THREE.Vector3())).add(new THREE.Vector3(0.4, 0.35, 0.6).multiplyScalar(size));
-        camera.lookAt(box.getCenter(new THREE.Vector3()));
-    }
-    const reach = Math.max(box.getSize(new THREE.Vector3()).length() * 0.2, 1);
-    orbit.target.copy(camera.getWorldDirection(new THREE.Vector3())).multiplyScalar(reach).add(camera.position);
-    camera.updateProjectionMatrix();
-    orbit.update();
-    redraw();
+function syncExposure() {
+    element('exposure').value = stage.exposure;
+    element('exposureValue').textContent = `${stage.exposure.toFixed(2)} EV${stage.isAutomatic ? ', automatic' : ''}`;
 }
 
 function onInput(id, apply) {
@@ -143,25 +172,110 @@ function onInput(id, apply) {
     });
 }
 
-onInput('distance', (value) => (shown.halflight.shadowDistance = Number(value)));
-onInput('fade', (value) => (shown.halflight.shadowFadeRange = Number(value)));
-onInput('exposure', (value) => (renderer.toneMappingExposure = 2 ** -Number(value)));
-onInput('view', (value) => (shown.halflight.debugView = value));
-onInput('camera', (value) => useCamera(Number(value)));
-element('link').addEventListener('click', async () => {
-    history.replaceState(null, '', `#${writeLink({ halflight: shown.halflight, camera, orbit, renderer })}`); // no hashchange
-    await navigator.clipboard?.writeText(location.href).catch(() => {});
-});
-element('open').addEventListener('change', (event) => {
-    const [file] = event.target.files;
-    if (file) open(file.arrayBuffer(), file.name);
-});
-addEventListener('hashchange', () => {
-    if (!shown) return;
-    readLink(location.hash, { halflight: shown.halflight, camera, orbit, renderer });
+/** What single keys do, by their code. */
+function actions() {
+    const chosen = (act) => () => stage.shown && act();
+    const all = {
+        KeyV: chosen(() => setView(VIEWS[(VIEWS.indexOf(stage.shown.halflight.debugView) + 1) % VIEWS.length])),
+        KeyF: chosen(() => useCamera(stage.shown.cameras.length - 1)),
+        KeyX: chosen(() => exposeAutomatically()),
+    };
+    for (let i = 0; i < 5; ++i)
+        all[`Digit${i + 1}`] = chosen(() => stage.shown.halflight.modes[i] && setMode(stage.shown.halflight.modes[i]));
+    return all;
+}
+
+function setView(name) {
+    stage.shown.halflight.debugView = name;
     syncPanel();
     redraw();
+}
+
+function exposeAutomatically() {
+    stage.exposeAutomatically();
+    redraw();
+}
+
+/** @param {string} text @param {string} what was copied */
+async function copy(text, what) {
+    const copied = await navigator.clipboard?.writeText(text).then(
+        () => true,
+        () => false
+    );
+    element('copied').textContent = copied
+        ? `${what} was copied.`
+        : `The browser lets no page copy here. Copy it yourself: ${text}`;
+}
+
+/** The address of this view; of a file without an address it has the name, and whoever follows it opens the file. */
+function addressOfView() {
+    const { local } = Object.fromEntries(parametersOf(location));
+    const hash = writeLink(view());
+    const url = new URL(location.href);
+    for (const name of [...url.searchParams.keys()]) if (name !== 'file') url.searchParams.delete(name);
+    url.hash = local ? `${new URLSearchParams({ local })}&${hash}` : hash;
+    return url;
+}
+
+function embedCode() {
+    const url = addressOfView();
+    url.searchParams.set('panel', 'none');
+    const title = stage.shown.name.replaceAll(/[&"<]/g, '');
+    const source = url.href.replaceAll('&', '&amp;');
+    return `<iframe src="${source}" title="${title}" width="960" height="540" style="border: 0"></iframe>`;
+}
+
+/** Files of a drop or a choice are open from now on, so the address tells of no other. @param {FileList} files */
+function openFiles(files) {
+    const source = sourceOfFiles([...files]);
+    if (!source) return;
+    const { local } = Object.fromEntries(parametersOf(location));
+    const isLinked = local === source.name && stage.shown === null; // the file that a link asked for
+    if (!isLinked) {
+        const url = new URL(location.href);
+        url.searchParams.delete('file');
+        url.hash = new URLSearchParams({ local: source.name }).toString();
+        history.replaceState(null, '', url);
+        wanted = keyOf(parametersOf(location));
+    }
+    open(source, isLinked);
+}
+
+const keyOf = (parameters) => JSON.stringify([parameters.get('file'), parameters.get('local')]);
+
+/** Opens what the address names, or shows its view of what is open. */
+function route() {
+    const parameters = parametersOf(location);
+    if (keyOf(parameters) === wanted) {
+        if (stage.shown) follow(parameters);
+        return;
+    }
+    wanted = keyOf(parameters);
+    const local = parameters.get('local');
+    if (local === undefined) return open(sourceOfAddress(parameters.get('file') || SHOWCASE), true);
+    ++opened;
+    stage.show(null);
+    close();
+    element('file').textContent = `The link shows ${local}, a file of another place: open it, or drop it.`;
+}
+
+onInput('distance', (value) => (stage.shown.halflight.shadowDistance = Number(value)));
+onInput('fade', (value) => (stage.shown.halflight.shadowFadeRange = Number(value)));
+onInput('exposure', (value) => stage.expose(Number(value)));
+onInput('view', setView);
+onInput('camera', (value) => useCamera(Number(value)));
+element('automatic').addEventListener('click', exposeAutomatically);
+element('link').addEventListener('click', () => {
+    const url = addressOfView();
+    history.replaceState(null, '', url); // no hashchange
+    copy(url.href, 'The link');
 });
+element('embed').addEventListener('click', () => copy(embedCode(), 'The code'));
+element('open').addEventListener('change', (event) => {
+    openFiles(event.target.files);
+    event.target.value = ''; // the same file may be chosen again
+});
+addEventListener('hashchange', route);
 addEventListener('dragover', (event) => {
     event.preventDefault();
     document.body.classList.add('dropping');
@@ -170,16 +284,14 @@ addEventListener('dragleave', () => document.body.classList.remove('dropping'));
 addEventListener('drop', (event) => {
     event.preventDefault();
     document.body.classList.remove('dropping');
-    const [file] = event.dataTransfer.files;
-    if (file) open(file.arrayBuffer(), file.name);
+    openFiles(event.dataTransfer.files);
 });
-orbit.addEventListener('change', redraw);
-element('picture').addEventListener('webglcontextrestored', redraw);
-addEventListener('resize', resize);
-resize();
-element('panel').open = innerWidth > 640; // else it hides most of the picture
+element('picture').addEventListener('webglcontextlost', () =>
+    complain('The graphics driver has stopped. The picture comes back when it starts again.')
+);
+element('picture').addEventListener('webglcontextrestored', () => complain(''));
 
-const wanted = new URLSearchParams(location.search).get('file') ?? SHOWCASE;
-const response = await fetch(wanted).catch(() => null);
-if (response?.ok) open(response.arrayBuffer(), wanted);
-else element('file').textContent = 'no file open';
+const panel = parametersOf(location).get('panel');
+document.body.classList.toggle('bare', panel === 'none');
+element('panel').open = panel ? panel === 'open' : innerWidth > 640; // on a phone it would hide much of the picture
+route();

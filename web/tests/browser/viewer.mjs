@@ -1,46 +1,35 @@
-// The viewer's folder, served as it stands and without any other network.
+// The viewer: what it opens, what its controls change, and its links.
 import assert from 'node:assert/strict';
-import { execFileSync } from 'node:child_process';
-import { copyFileSync, mkdtempSync, readFileSync, rmSync, writeFileSync } from 'node:fs';
-import { tmpdir } from 'node:os';
+import { readFileSync, statSync } from 'node:fs';
 import { join } from 'node:path';
-import { after, test } from 'node:test';
+import { test } from 'node:test';
 
-import { repository, serveFolder, web } from '../harness.mjs';
-import { studio } from './studio.mjs';
+import { readGlb } from '../glb.mjs';
+import { close, conformance, drop, folder, open } from './viewer_page.mjs';
 
-const folder = mkdtempSync(join(tmpdir(), 'halflight-viewer-'));
-const conformance = join(repository, 'assets/conformance');
-let server = null;
-after(() => {
-    server?.close();
-    rmSync(folder, { recursive: true });
+const VIEW = ['eye', 'target', 'fov', 'mode', 'view', 'distance', 'fade', 'exposure'];
+
+test('the viewer opens the showcase as its link says, and shows what the file holds', async () => {
+    const viewer = await open('#mode=distance-shadowmask&distance=20');
+    const { page, text } = viewer;
+    assert.equal(await page.inputValue('#modes input:checked'), 'distance-shadowmask');
+    assert.equal(await text('#distanceValue'), '20 m');
+    const disabled = await page.$$eval(
+        '#lights input[type=checkbox]',
+        (inputs) => inputs.filter((input) => input.disabled).length
+    );
+    assert.equal(disabled, 1, 'the fully baked light cannot be switched');
+    const statistics = await text('#statistics');
+    assert.match(statistics, /draw calls[1-9]/);
+    assert.match(statistics, /triangles[1-9]/);
+    for (const part of ['lightmaps', 'shadowmasks', 'probes'])
+        assert.match(statistics, new RegExp(`${part}[^M]*\\d\\.\\d\\d MB`), part);
+    await close(viewer);
 });
 
-/** @param {string} address of the file and the view; the showcase where it names no file */
-async function open(address = '?file=sphere_on_floor.glb', viewport = { width: 660, height: 320 }) {
-    if (!server) {
-        execFileSync(process.execPath, [join(web, 'scripts/build_viewer.mjs'), folder, join(conformance, 'five_lights.glb')]);
-        for (const name of ['sphere_on_floor.glb', 'avenue.glb']) copyFileSync(join(conformance, name), join(folder, name));
-        writeFileSync(join(folder, 'plain.glb'), 'not glTF');
-        server = await serveFolder(folder);
-    }
-    const page = await studio.newPage({ viewport });
-    const errors = [];
-    page.on('pageerror', (error) => errors.push(String(error)));
-    page.on('request', (request) => {
-        const own = request.url().startsWith(server.url) || /^(data|blob):/.test(request.url());
-        if (!own) errors.push(`asks for ${request.url()}`);
-    });
-    await page.goto(`${server.url}/index.html${address}`);
-    const frames = () => page.evaluate(() => Number(document.body.dataset.frames ?? 0));
-    /** Waits for a frame after `act`; a frame that an earlier change requested is drawn before it. */
-    const drawn = async (act = async () => {}) => {
-        await page.evaluate(() => new Promise((resolve) => requestAnimationFrame(() => requestAnimationFrame(resolve))));
-        const before = await frames();
-        await act();
-        await page.waitForFunction((n) => Number(document.body.dataset.frames ?? 0) > n, before);
-    };
+test('the viewer: no frame without a change, and a link gives its view in a narrow window', async () => {
+    const viewer = await open();
+    const { page, drawn, link } = viewer;
     /** Frames drawn and frames requested in a second in which nothing changes, after those of earlier changes. */
     const still = () =>
         page.evaluate(async () => {
@@ -53,102 +42,120 @@ async function open(address = '?file=sphere_on_floor.glb', viewport = { width: 6
             window.requestAnimationFrame = request;
             return { drawn: Number(document.body.dataset.frames) - before, requests };
         });
-    if ((await frames()) === 0) await page.waitForFunction(() => Number(document.body.dataset.frames ?? 0) > 0);
-    const link = async () => {
-        await page.click('#link');
-        return new URLSearchParams(await page.evaluate(() => location.hash.slice(1)));
-    };
-    const text = (selector) => page.evaluate((s) => document.querySelector(s).textContent, selector);
-    return { page, errors, drawn, still, link, text, picture: () => page.locator('#picture').screenshot() };
-}
-
-test('the viewer opens the showcase as its link says, and shows what the file holds', async () => {
-    const { page, errors, text } = await open('#mode=distance-shadowmask&distance=20');
-    assert.equal(await page.inputValue('#modes input:checked'), 'distance-shadowmask');
-    assert.equal(await text('#distanceValue'), '20 m');
-    const disabled = await page.$$eval('#lights input[type=checkbox]', (inputs) => inputs.filter((input) => input.disabled).length);
-    assert.equal(disabled, 1, 'the fully baked light cannot be switched');
-    const statistics = await text('#statistics');
-    assert.match(statistics, /draw calls[1-9]/);
-    for (const part of ['lightmaps', 'shadowmasks', 'probes']) assert.match(statistics, new RegExp(`${part}[^M]*\\d\\.\\d\\d MB`), part);
-    assert.deepEqual(errors, []);
-    await page.close();
-});
-
-test('the viewer: orbit, fly, no frame without a change, and a link opened in a narrow window', async () => {
-    const { page, errors, drawn, still, link } = await open();
-    const before = await link();
     assert.deepEqual(await still(), { drawn: 0, requests: 0 }, 'after the file');
+    await drawn(() => page.setViewportSize({ width: 670, height: 320 }));
+    await drawn(() => page.locator('#exposure').fill('1'));
     await drawn(async () => {
-        await page.mouse.move(400, 160);
+        await page.mouse.move(500, 160);
         await page.mouse.down();
-        await page.mouse.move(440, 180, { steps: 4 });
+        await page.mouse.move(540, 180, { steps: 4 });
         await page.mouse.up();
     });
-    const turned = await link();
-    assert.notEqual(turned.get('eye'), before.get('eye'));
-    assert.equal(turned.get('target'), before.get('target'), 'orbiting keeps the target');
     await page.keyboard.down('KeyW');
     for (let i = 0; i < 3; ++i) await drawn(); // the first frame measures no time yet
     await page.keyboard.up('KeyW');
-    const flown = await link();
-    assert.deepEqual(await still(), { drawn: 0, requests: 0 }, 'after the flight');
-    await drawn(() => page.setViewportSize({ width: 670, height: 320 }));
-    await drawn(() => page.locator('#exposure').fill('1'));
-    assert.deepEqual(await still(), { drawn: 0, requests: 0 }, 'after a setting');
-    assert.notEqual(flown.get('target'), turned.get('target'), 'flying moves what is orbited too');
-    await page.close();
-    const again = await open(`?file=sphere_on_floor.glb#${flown}`, { width: 320, height: 480 });
+    assert.deepEqual(await still(), { drawn: 0, requests: 0 }, 'after all of this');
+    const sent = await link();
+    assert.equal(sent.get('exposure'), '1');
+    const again = await open(`?file=sphere_on_floor.glb#${sent}`, { viewport: { width: 320, height: 480 } });
     assert.equal(await again.page.isVisible('#modes'), false, 'the panel leaves the picture free');
     await again.page.click('#panel summary');
     const arrived = await again.link();
-    for (const key of ['eye', 'target', 'fov', 'mode', 'view', 'distance', 'fade', 'exposure']) assert.equal(arrived.get(key), flown.get(key), key);
+    for (const key of VIEW) assert.equal(arrived.get(key), sent.get(key), key);
     await again.drawn(() => again.page.evaluate(() => (location.hash = 'mode=realtime&view=lightmap&distance=7')));
     assert.equal(await again.page.inputValue('#modes input:checked'), 'realtime', 'a link followed');
     const followed = await again.link();
     assert.deepEqual([followed.get('view'), followed.get('distance')], ['lightmap', '7']);
-    assert.deepEqual([...errors, ...again.errors], []);
-    await again.page.close();
+    await close(viewer);
+    await close(again);
 });
 
-test('the viewer: modes, views, lights and shadow distance change the picture', async () => {
-    const { page, errors, drawn, picture } = await open('?file=avenue.glb#mode=shadowmask');
+test('the viewer: modes, views, lights and shadow distance change the picture, and views have legends', async () => {
+    const viewer = await open('?file=avenue.glb#mode=shadowmask');
+    const { page, drawn, picture, text } = viewer;
     const pictures = new Map([['shadowmask', await picture()]]);
     const change = async (name, act) => {
         await drawn(act);
         const now = await picture();
-        for (const [other, bytes] of pictures) assert.ok(!bytes.equals(now), `${name} shows another picture than ${other}`);
+        for (const [other, bytes] of pictures)
+            assert.ok(!bytes.equals(now), `${name} shows another picture than ${other}`);
         pictures.set(name, now);
     };
     await change('baked-indirect', () => page.check('#modes input[value=baked-indirect]'));
     await change('realtime', () => page.check('#modes input[value=realtime]'));
     await change('a shorter shadow distance', () => page.locator('#distance').fill('4'));
-    await change('the shadowmask view', () => page.selectOption('#view', 'shadowmask'));
     await change('the lightmap view', () => page.selectOption('#view', 'lightmap'));
+    assert.match(await text('#legend'), /white wall/);
+    await change('the overlap view', () => page.selectOption('#view', 'overlap'));
+    assert.equal(await page.locator('#legend li').count(), 6, 'colours');
+    await drawn(() => page.check('#modes input[value=shadowmask]'));
+    await change('the shadowmask view', () => page.selectOption('#view', 'shadowmask'));
+    const sun = readGlb(join(conformance, 'avenue.glb')).json.nodes.find(
+        (node) => node.extensions?.KHR_lights_punctual
+    )?.name;
+    assert.ok(
+        (await page.locator('#legend li').allTextContents()).includes(`red where lit: ${sun}`),
+        'channels by light'
+    );
     await drawn(() => page.selectOption('#view', 'lit'));
+    assert.equal(await text('#legend'), '');
     await change('one light less', () => page.uncheck('#lights input[type=checkbox]:not(:disabled)'));
-    assert.deepEqual(errors, []);
-    await page.close();
+    assert.match(await text('#notes'), /its bounced light stays/);
+    await close(viewer);
 });
 
-test('the viewer takes files by choice and by drop, and says what is wrong with others', async () => {
-    const { page, errors, drawn, text } = await open();
-    await page.setInputFiles('#open', join(folder, 'plain.glb'));
-    await page.waitForFunction(() => document.querySelector('#message').textContent.startsWith('plain.glb: '));
-    assert.equal(await text('#file'), 'sphere_on_floor.glb', 'what was open stays');
-    await drawn(() => page.setInputFiles('#open', join(conformance, 'bumpy_wall.glb')));
-    assert.equal(await text('#file'), 'bumpy_wall.glb');
-    const bytes = readFileSync(join(conformance, 'sphere_on_floor_subtractive.glb')).toString('base64');
-    await drawn(() =>
-        page.evaluate(async (base64) => {
-            const blob = await (await fetch(`data:application/octet-stream;base64,${base64}`)).blob();
-            const dataTransfer = new DataTransfer();
-            dataTransfer.items.add(new File([blob], 'dropped.glb'));
-            document.body.dispatchEvent(new DragEvent('drop', { dataTransfer, bubbles: true, cancelable: true }));
-            while (document.querySelector('#file').textContent !== 'dropped.glb') await new Promise((resolve) => setTimeout(resolve, 20));
-        }, bytes)
+test('the viewer: values of debug views are in the picture as they are', async () => {
+    const viewer = await open('?file=avenue.glb&view=fade&distance=8&fade=0.1&exposure=5', {
+        script: () => {
+            const get = HTMLCanvasElement.prototype.getContext;
+            HTMLCanvasElement.prototype.getContext = function (kind, options) {
+                return get.call(this, kind, { ...options, preserveDrawingBuffer: true });
+            };
+        },
+    });
+    const shades = await viewer.page.evaluate(async () => {
+        const picture = document.querySelector('#picture');
+        const context = new OffscreenCanvas(picture.width, picture.height).getContext('2d');
+        context.drawImage(picture, 0, 0);
+        const { data } = context.getImageData(0, 0, picture.width, picture.height);
+        const all = {};
+        for (let i = 0; i < data.length; i += 4) all[data[i]] = (all[data[i]] ?? 0) + 1;
+        return all;
+    });
+    assert.ok(
+        shades[0] > 1000 && shades[255] > 1000,
+        `black within the shadow distance, white beyond it: ${JSON.stringify(shades)}`
     );
-    assert.deepEqual(await page.$$eval('#modes input', (inputs) => inputs.map((input) => input.value)), ['realtime', 'subtractive']);
+    await close(viewer);
+});
+
+test('the viewer takes files by choice and by drop; none of them takes the view of an old link', async () => {
+    const address = '?file=sphere_on_floor.glb#mode=realtime&exposure=9&eye=900,900,900&target=901,900,900';
+    const viewer = await open(address);
+    const { page, drawn, choose, link, text } = viewer;
+    assert.equal((await link()).get('exposure'), '9');
+    await choose(join(conformance, 'bumpy_wall.glb'));
+    assert.equal(await text('#file'), 'bumpy_wall.glb');
+    const later = await link();
+    assert.equal(later.get('mode'), 'shadowmask');
+    assert.ok(Number(later.get('exposure')) < 6, `exposure ${later.get('exposure')}`);
+    assert.ok(
+        later
+            .get('eye')
+            .split(',')
+            .every((x) => Math.abs(x) < 100),
+        later.get('eye')
+    );
+    assert.equal(later.get('local'), 'bumpy_wall.glb', 'the link says which file it is about');
+    assert.ok(!(await page.evaluate(() => location.search)).includes('file='));
+    await drawn(() =>
+        drop(page, readFileSync, [{ name: 'dropped.glb', path: join(conformance, 'sphere_on_floor_subtractive.glb') }])
+    );
+    assert.equal(await text('#file'), 'dropped.glb');
+    assert.deepEqual(await page.$$eval('#modes input', (inputs) => inputs.map((input) => input.value)), [
+        'realtime',
+        'subtractive',
+    ]);
     await page.evaluate(() => {
         const read = File.prototype.arrayBuffer;
         File.prototype.arrayBuffer = async function () {
@@ -157,9 +164,78 @@ test('the viewer takes files by choice and by drop, and says what is wrong with 
         };
     });
     await page.setInputFiles('#open', join(conformance, 'avenue.glb'));
-    await drawn(() => page.setInputFiles('#open', join(conformance, 'bumpy_wall.glb')));
-    await drawn(() => page.evaluate(() => window.readAvenue()));
+    await choose(join(conformance, 'bumpy_wall.glb'));
+    await page.evaluate(() => window.readAvenue());
+    await page.waitForTimeout(500);
     assert.equal(await text('#file'), 'bumpy_wall.glb', 'the file chosen last, though the one before it is read later');
-    assert.deepEqual(errors, []);
-    await page.close();
+    await drawn(() => page.evaluate(() => (location.hash = 'mode=realtime')));
+    await page.waitForFunction(() => document.querySelector('#file').textContent === 'courtyard-baked.glb');
+    assert.equal(await page.inputValue('#modes input:checked'), 'realtime', 'a link to another file opens that file');
+    await close(viewer);
+});
+
+test('the viewer: a link to a file without an address asks for it, and gives it its view', async () => {
+    const viewer = await open('#local=avenue.glb&mode=realtime&exposure=3.5', { drawn: false });
+    await viewer.says('#file', 'The link shows avenue.glb');
+    await viewer.choose(join(conformance, 'avenue.glb'));
+    const view = await viewer.link();
+    assert.deepEqual([view.get('mode'), view.get('exposure'), view.get('local')], ['realtime', '3.5', 'avenue.glb']);
+    await close(viewer);
+});
+
+test('the viewer says when a link was copied, and gives code that embeds the view', async () => {
+    const viewer = await open('?file=sphere_on_floor.glb', { permissions: ['clipboard-read', 'clipboard-write'] });
+    const { page, url, says } = viewer;
+    const clipboard = () => page.evaluate(() => navigator.clipboard.readText());
+    await page.click('#link');
+    await says('#copied', 'The link was copied.');
+    assert.equal(await clipboard(), page.url());
+    await page.click('#embed');
+    await says('#copied', 'The code was copied.');
+    const code = await clipboard();
+    assert.match(code, /^<iframe src="[^"]+" title="sphere_on_floor.glb"/);
+    await page.evaluate(() => (navigator.clipboard.writeText = () => Promise.reject(new Error('no'))));
+    await page.click('#link');
+    await says('#copied', 'Copy it yourself: http');
+    await page.setContent(`<body style="margin: 0">${code}</body>`);
+    const frame = await (await page.waitForSelector('iframe')).contentFrame();
+    await frame.waitForFunction(() => document.body.dataset.picture === 'whole' && document.body.dataset.frames > 1);
+    assert.ok(frame.url().startsWith(url));
+    assert.equal(await frame.isVisible('aside'), false, 'no panel in it');
+    assert.deepEqual(await frame.locator('#picture').boundingBox(), { x: 0, y: 0, width: 960, height: 540 });
+    await close(viewer);
+});
+
+test('the viewer: one small script, and a first picture of half the resolution without realtime shadows', async () => {
+    const viewer = await open('?file=sphere_on_floor.glb&mode=realtime', {
+        script: () => {
+            window.log = [];
+            const storage = WebGL2RenderingContext.prototype.texStorage2D;
+            WebGL2RenderingContext.prototype.texStorage2D = function (target, levels, format, width, height) {
+                if ([this.DEPTH_COMPONENT16, this.DEPTH_COMPONENT24, this.DEPTH_COMPONENT32F].includes(format))
+                    window.log.push(['depth', width, height]);
+                return storage.call(this, target, levels, format, width, height);
+            };
+            addEventListener('DOMContentLoaded', () => {
+                const { body } = document;
+                new MutationObserver(() => {
+                    const { width, height } = document.querySelector('canvas');
+                    window.log.push([body.dataset.picture, width, height]);
+                }).observe(body, { attributes: true, attributeFilter: ['data-frames'] });
+            });
+        },
+    });
+    const log = await viewer.page.evaluate(() => window.log);
+    const first = log.findIndex(([what]) => what === 'first');
+    const shadows = log.findIndex(([what, width]) => what === 'depth' && width >= 1024);
+    assert.deepEqual(log[first], ['first', 330, 160], JSON.stringify(log));
+    assert.deepEqual(log.at(-1), ['whole', 660, 320]);
+    assert.ok(shadows > first, `shadow maps come after the first picture: ${JSON.stringify(log)}`);
+    const size = statSync(join(folder, 'viewer.js')).size;
+    assert.ok(size < 950_000, `viewer.js has ${size} bytes`);
+    const scripts = await viewer.page.evaluate(
+        () => performance.getEntriesByType('resource').filter(({ name }) => name.endsWith('.js')).length
+    );
+    assert.equal(scripts, 1);
+    await close(viewer);
 });
