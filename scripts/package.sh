@@ -67,7 +67,7 @@ python3 blender/make_zip.py "$out/halflight-blender-$version.zip"
 python3 blender/make_zip.py "$out/halflight-blender-$version-linux-$machine.zip" --wheel "$wheel"
 
 if command -v npm >/dev/null; then
-  for package in three gltf-transform; do (cd "web/$package" && npm pack --silent --pack-destination "$out" >/dev/null); done
+  for package in three react aframe gltf-transform; do (cd "web/$package" && npm pack --silent --pack-destination "$out" >/dev/null); done
 else
   echo "package.sh: npm is missing: the packages of web/ are left out" >&2
 fi

@@ -18,7 +18,13 @@ if (missingPackages || npm.error) {
 /** Targets of `exports`, whatever their condition. */
 const targetsOf = (exports) => (typeof exports === 'string' ? [exports] : Object.values(exports).flatMap(targetsOf));
 
-for (const folder of ['three', 'gltf-transform']) {
+const PACKAGES = ['three', 'react', 'aframe', 'gltf-transform'];
+
+/** Packages that a module or its declarations import, without addons' paths. */
+const importsOf = (text) =>
+    [...text.matchAll(/^(?:import|export)\s+(?:[^;'"]*\sfrom\s*)?['"]([^'".][^'"]*)['"];?$/gm)].map(([, name]) => name.match(/^(?:@[^/]+\/)?[^/]+/)[0]);
+
+for (const folder of PACKAGES) {
     test(`npm pack: @halflight/${folder}`, () => {
         const at = join(web, folder);
         const manifest = JSON.parse(readFileSync(join(at, 'package.json'), 'utf8'));
@@ -28,7 +34,10 @@ for (const folder of ['three', 'gltf-transform']) {
         for (const target of targetsOf(manifest.exports)) assert.ok(files.has(posix.normalize(target)), `${target} of exports`);
         for (const file of files) {
             assert.ok(!/test|tsconfig|node_modules/.test(file), `${file} is for development`);
-            if (!/\.m?js$/.test(file)) continue;
+            if (!/\.m?[jt]s$/.test(file)) continue;
+            for (const name of importsOf(readFileSync(join(at, file), 'utf8')))
+                assert.ok(name === manifest.name || manifest.peerDependencies[name], `${file} imports ${name}, which is no peer dependency`);
+            if (!/js$/.test(file)) continue;
             for (const match of readFileSync(join(at, file), 'utf8').matchAll(/(?:from|import)\s*['"](\.[^'"]+)['"]/g))
                 assert.ok(files.has(posix.join(dirname(file), match[1])), `${file} imports ${match[1]}`);
         }
@@ -40,8 +49,19 @@ for (const folder of ['three', 'gltf-transform']) {
 }
 
 test('modules that register something are named as having side effects', () => {
-    const { sideEffects } = JSON.parse(readFileSync(join(web, 'three/package.json'), 'utf8'));
-    for (const name of ['index.js', 'webgpu.js']) assert.ok(sideEffects.includes(`./src/${name}`), `bundlers would leave ${name} out`);
+    for (const [folder, names] of [['three', ['index.js', 'webgpu.js']], ['aframe', ['index.js']]]) {
+        const { sideEffects } = JSON.parse(readFileSync(join(web, folder, 'package.json'), 'utf8'));
+        for (const name of names) assert.ok(sideEffects.includes(`./src/${name}`), `bundlers would leave ${name} out`);
+    }
+});
+
+test('the packages fit each other: versions and releases of three.js', () => {
+    const [three, ...others] = ['three', 'react', 'aframe'].map((folder) => JSON.parse(readFileSync(join(web, folder, 'package.json'), 'utf8')));
+    for (const { name, version, peerDependencies } of others) {
+        assert.equal(version, three.version, name);
+        assert.equal(peerDependencies['@halflight/three'], `^${three.version}`, name);
+        assert.equal(peerDependencies.three, three.peerDependencies.three, name);
+    }
 });
 
 test('type declarations: every name of both packages in strict TypeScript', () => {
@@ -50,7 +70,7 @@ test('type declarations: every name of both packages in strict TypeScript', () =
 });
 
 test('type declarations name what the modules export', async () => {
-    for (const [file, types] of [['three/src/file/read.js', 'three/types/file.d.ts'], ['gltf-transform/src/index.js', 'gltf-transform/src/index.d.ts']]) {
+    for (const [file, types] of [['three/src/file/read.js', 'three/types/file.d.ts'], ['react/src/index.js', 'react/types/index.d.ts'], ['gltf-transform/src/index.js', 'gltf-transform/src/index.d.ts']]) {
         const declared = [...readFileSync(join(web, types), 'utf8').matchAll(/^export (?:declare )?(?:abstract )?(?:class|function|const) (\w+)/gm)].map((m) => m[1]);
         const source = readFileSync(join(web, file), 'utf8');
         const own = [...source.matchAll(/^export (?:async )?(?:class|function|const) (\w+)/gm)].map((m) => m[1]);

@@ -6,31 +6,22 @@ import { join } from 'node:path';
 import { test } from 'node:test';
 
 import { halflight, repository, serve, web } from '../harness.mjs';
+import { differenceOf } from '../png.mjs';
 import { studio } from './studio.mjs';
 
 const SIZE = { width: 480, height: 270 };
 const look = process.env.HALFLIGHT_WEB_PICTURES;
 
-/** The first block of a language in a document. */
-function blockOf(text, language) {
-    return text.match(new RegExp(`^\`\`\`${language}\\n([\\s\\S]*?)^\`\`\``, 'm'))[1];
+/** The first block of a language in a document, or below a heading. */
+function blockOf(text, language, heading = '') {
+    return text.slice(text.indexOf(heading)).match(new RegExp(`^\`\`\`${language}\\n([\\s\\S]*?)^\`\`\``, 'm'))[1];
 }
 
-/** Mean difference of two PNGs in 255ths. Runs in a page. */
-async function differenceOf({ ours, reference }) {
-    const pixels = [];
-    for (const source of [`data:image/png;base64,${ours}`, reference]) {
-        const bitmap = await createImageBitmap(await (await fetch(source)).blob(), { colorSpaceConversion: 'none' });
-        const context = new OffscreenCanvas(bitmap.width, bitmap.height).getContext('2d');
-        context.drawImage(bitmap, 0, 0);
-        pixels.push(context.getImageData(0, 0, bitmap.width, bitmap.height).data);
-    }
-    const [a, b] = pixels;
-    if (a.length !== b.length) throw new Error(`${a.length / 4} and ${b.length / 4} pixels`);
-    let sum = 0;
-    for (let i = 0; i < a.length; ++i) sum += i % 4 === 3 ? 0 : Math.abs(a[i] - b[i]);
-    return { mean: sum / (0.75 * a.length), light: b.reduce((all, x) => all + x, 0) / b.length };
-}
+test('documents: blocks for frameworks are the examples, which nightly tests run', () => {
+    const text = readFileSync(join(repository, 'docs/web.md'), 'utf8');
+    const blocks = [['React', 'jsx', 'react/App.jsx'], ['A-Frame', 'html', 'aframe/index.html'], ['threlte', 'svelte', 'threlte/Model.svelte'], ['tres', 'vue', 'tres/Model.vue']];
+    for (const [heading, language, path] of blocks) assert.equal(blockOf(text, language, `\n## ${heading}\n`), readFileSync(join(web, 'examples', path), 'utf8'), path);
+});
 
 const npm = spawnSync('npm', ['--version']);
 test('documents: the page without a bundler', { skip: npm.error ? 'npm not found' : false }, async () => {

@@ -1,0 +1,55 @@
+// Apps made by the commands of docs/web.md, with our packages as npm packs them: they build, and show the courtyard.
+import assert from 'node:assert/strict';
+import { execSync, spawnSync } from 'node:child_process';
+import { copyFileSync, mkdirSync, readFileSync, rmSync, writeFileSync } from 'node:fs';
+import { join } from 'node:path';
+import { test } from 'node:test';
+
+import { repository } from '../harness.mjs';
+import { studio } from '../browser/studio.mjs';
+import { comparePage, packageOf, pictureOf, SIZE } from './workspace.mjs';
+
+const text = readFileSync(join(repository, 'docs/web.md'), 'utf8');
+const reachable = spawnSync('npm', ['view', 'create-vite', 'version', '--fetch-retries=0', '--fetch-timeout=20000'], { encoding: 'utf8', timeout: 60000 }).status === 0;
+const skip = reachable ? false : 'npm or its registry cannot be reached';
+if (skip) console.log(`[  SKIPPED ] web.frameworks_create: ${skip}`);
+
+/** The block of a language below a heading. */
+function blockOf(heading, language) {
+    const section = text.slice(text.indexOf(`\n## ${heading}\n`));
+    return section.match(new RegExp(`^\`\`\`${language}\\n([\\s\\S]*?)^\`\`\``, 'm'))[1];
+}
+
+/** Runs the commands of a section in an empty folder. @returns {string} the app's folder */
+function create(heading, name) {
+    const folder = join(studio.files, name);
+    mkdirSync(folder, { recursive: true });
+    const commands = blockOf(heading, 'bash').replaceAll(/@halflight\/(\w+)/g, (_, own) => packageOf(own));
+    assert.match(commands, /^npm create vite@latest app -- --template \w+$/m);
+    execSync(`set -e\n${commands}`, { cwd: folder, shell: '/bin/bash', stdio: ['ignore', 'pipe', 'pipe'], timeout: 300000, env: { ...process.env, npm_config_yes: 'true' } });
+    return join(folder, 'app');
+}
+
+/** Builds, serves and compares. */
+async function check(app, label) {
+    studio.bake('courtyard', 'courtyard', '--lightmap-size', '256');
+    copyFileSync(studio.pathOf('courtyard'), join(app, 'public/courtyard-baked.glb'));
+    execSync('npm run build', { cwd: app, stdio: ['ignore', 'pipe', 'pipe'], timeout: 300000 });
+    const { reference } = pictureOf('courtyard', SIZE, '--mode', 'shadowmask', '--exposure', '2');
+    const trouble = await comparePage(join(app, 'dist'), 'index.html', label, reference);
+    assert.deepEqual(trouble.filter((sentence) => !/Clock: This module has been deprecated|THREE.Clock/.test(sentence)), []);
+}
+
+test('an app by npm create vite: plain JavaScript', { skip }, async () => {
+    const app = create('A page', 'plain');
+    rmSync(join(app, 'src'), { recursive: true });
+    writeFileSync(join(app, 'main.js'), blockOf('A page', 'js'));
+    writeFileSync(join(app, 'index.html'), blockOf('A page', 'html').replace(/<script type="importmap">[\s\S]*?<\/script>\n/, ''));
+    await check(app, 'npm create vite, plain');
+});
+
+test('an app by npm create vite: React', { skip }, async () => {
+    const app = create('React', 'react-app');
+    writeFileSync(join(app, 'src/App.jsx'), blockOf('React', 'jsx'));
+    await check(app, 'npm create vite, React');
+});
