@@ -43,7 +43,8 @@ bool canOptimizeGeometry();
 bool canOptimizeTextures();
 
 /// Reads a glTF file, baked or not, and writes it smaller as one GLB. Textures that get no smaller stay as they are,
-/// and so do data that only unknown extensions refer to. Errors: as readScene(); Unsupported for bakes of an old version.
+/// and so do data that only unknown extensions refer to. Errors: as readScene(); Unsupported for bakes of an old
+/// version.
 Status optimizeFile(const std::filesystem::path& in, const std::filesystem::path& out, const OptimizeOptions& options,
                     OptimizeReport& report);
 

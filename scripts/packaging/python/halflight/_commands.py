@@ -30,7 +30,7 @@ def bake(
     padding: Optional[int] = None,
     uv: Optional[Literal["auto", "keep", "unwrap"]] = None,
     two_sided: Optional[Union[bool, Literal["auto"]]] = None,
-    denoise: Optional[Union[bool, Literal["oidn"]]] = None,
+    denoise: Optional[bool] = None,
     directional: Optional[bool] = None,
     shadowmask_encoding: Optional[Literal["attenuation", "distance-field"]] = None,
     subtractive_mask: Optional[bool] = None,
@@ -69,7 +69,7 @@ def bake(
         noise (PERCENT): noise at which a texel has enough samples, such as 2% (default: `samples` on average)
         texel_step: 2 or 4: trace every so many texels whatever is around them, and those in between only where light
             can change (default auto: 2 in large lightmaps, else 1)
-        shadow_samples (1..65536): shadow rays per texel and masked light (default by quality)
+        shadow_samples (1..65536): shadow rays per texel and light, for masks and baked light (default by quality)
         bounces (0..256): most bounces, 0 = direct light only (default: all light)
         glossy_bounces: light goes from surface to surface by glTF's BRDF, highlights included; off: as between diffuse
             surfaces, a little faster (default on)
@@ -81,7 +81,7 @@ def bake(
         uv: the file's TEXCOORD_1: keep it where it is valid, keep it or fail, or unwrap anew (default auto)
         two_sided: texels for each side of double-sided sheets: where both can be seen and their light differs, of all
             such sheets, or of none (default auto)
-        denoise: denoise the lightmap; oidn: with Open Image Denoise, in builds that have it (default on)
+        denoise: denoise the lightmap (default on)
         directional: keep the mean direction of lightmap light too, so that normal maps, gloss and metal respond to it
             (default on; at preview where a tenth is metal)
         shadowmask_encoding: what shadowmask texels hold; distance fields keep hard edges crisp at half the density, for
@@ -98,7 +98,7 @@ def bake(
         settings: light and object settings by name pattern
         seed: of the random numbers (default 1)
     Run:
-        device: what bakes (default auto)
+        device: what bakes: the processor, in either case (default auto)
         threads (0..4096): 0 = all cores; changes no byte of the result (default 0)
         cache: keep finished tiles in this folder: an interrupted bake goes on where it stopped, a changed scene is
             baked anew only where the change shows; several bakes may share it
