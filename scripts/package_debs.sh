@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Makes the Debian packages of each system in a root of that system, into OUT: halflight, halflight-view and halflight-dev.
+# Makes the Debian packages of each system in a root of that system, into OUT: halflight, halflight-view, halflight-dev.
 #
 #   scripts/package_debs.sh OUT [SUITE…]       default: bookworm (Debian 12), trixie (Debian 13), noble (Ubuntu 24.04)
 #
