@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Makes the Debian packages of each system in a root of that system, into OUT: halflight, halflight-view and halflight-dev.
+# Makes the Debian packages of each system in a root of that system, into OUT: halflight, halflight-view, halflight-dev.
 #
 #   scripts/package_debs.sh OUT [SUITE…]       default: bookworm (Debian 12), trixie (Debian 13), noble (Ubuntu 24.04)
 #
@@ -27,7 +27,7 @@ make_debs() { # SUITE
     mv "$root.new" "$root"
   fi
   rm -rf "$work/out"
-  inside "$root" 'apt-get update -qq
+  inside "$root" 'dpkg --configure -a && apt-get -f install -y -qq && apt-get update -qq
     /source/scripts/install-packages.sh --build
     cmake -S /source -B /build -G Ninja -DCMAKE_BUILD_TYPE=Release -DHALFLIGHT_TESTS=OFF --log-level=WARNING
     cmake --build /build
