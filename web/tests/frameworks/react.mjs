@@ -154,7 +154,6 @@ test('react: on demand a frame is drawn after a change, and none at rest', async
     assert.equal(await frames(1500), 0, 'at rest');
     // Settings are no properties of three.js's objects: react-three-fiber alone would draw nothing.
     const before = await page.evaluate('window.frames');
-    await page.evaluate(() => { window.drawn = window.state().gl.render; });
     await show('model', { url: URL, mode: 'realtime' });
     await page.waitForFunction((count) => window.frames > count, before);
     quiet();

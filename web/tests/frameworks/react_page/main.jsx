@@ -13,7 +13,9 @@ Object.assign(window, { held: [], order: [], frames: 0, failed: null, decoders, 
 /** Looks as the program's camera does; `offset` is where the file was put. */
 function View({ fov, eye, target, offset = [0, 0, 0] }) {
     const get = useThree((state) => state.get);
+    const key = JSON.stringify([fov, eye, target, offset]); // a frame is requested where it looks elsewhere, and only there
     useLayoutEffect(() => {
+        const [fov, eye, target, offset] = JSON.parse(key);
         window.state = get;
         const { camera, invalidate } = get();
         camera.fov = fov;
@@ -23,7 +25,7 @@ function View({ fov, eye, target, offset = [0, 0, 0] }) {
         camera.lookAt(new Vector3(...target).add(new Vector3(...offset)));
         camera.updateProjectionMatrix();
         invalidate();
-    });
+    }, [get, key]);
     useFrame(() => void (window.frames += 1));
     return null;
 }
