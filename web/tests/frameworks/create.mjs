@@ -10,9 +10,17 @@ import { studio } from '../browser/studio.mjs';
 import { comparePage, packageOf, pictureOf, SIZE } from './workspace.mjs';
 
 const text = readFileSync(join(repository, 'docs/web.md'), 'utf8');
-const reachable = spawnSync('npm', ['view', 'create-vite', 'version', '--fetch-retries=0', '--fetch-timeout=20000'], { encoding: 'utf8', timeout: 60000 }).status === 0;
-const skip = reachable ? false : 'npm or its registry cannot be reached';
-if (skip) console.log(`[  SKIPPED ] web.frameworks_create: ${skip}`);
+let reachable = null;
+
+/** Skips a test with a sentence where npm's registry cannot be reached. */
+function skipOffline(t) {
+    const view = ['view', 'create-vite', 'version', '--fetch-retries=0', '--fetch-timeout=20000'];
+    reachable ??= spawnSync('npm', view, { encoding: 'utf8', timeout: 60000 }).status === 0;
+    if (reachable) return false;
+    console.log('[  SKIPPED ] web.frameworks_create: npm or its registry cannot be reached');
+    t.skip('npm or its registry cannot be reached');
+    return true;
+}
 
 /** The block of a language below a heading. */
 function blockOf(heading, language) {
@@ -40,7 +48,8 @@ async function check(app, label) {
     assert.deepEqual(trouble.filter((sentence) => !/Clock: This module has been deprecated|THREE.Clock/.test(sentence)), []);
 }
 
-test('an app by npm create vite: plain JavaScript', { skip }, async () => {
+test('an app by npm create vite: plain JavaScript', async (t) => {
+    if (skipOffline(t)) return;
     const app = create('A page', 'plain');
     rmSync(join(app, 'src'), { recursive: true });
     writeFileSync(join(app, 'main.js'), blockOf('A page', 'js'));
@@ -48,7 +57,8 @@ test('an app by npm create vite: plain JavaScript', { skip }, async () => {
     await check(app, 'npm create vite, plain');
 });
 
-test('an app by npm create vite: React', { skip }, async () => {
+test('an app by npm create vite: React', async (t) => {
+    if (skipOffline(t)) return;
     const app = create('React', 'react-app');
     writeFileSync(join(app, 'src/App.jsx'), blockOf('React', 'jsx'));
     await check(app, 'npm create vite, React');
