@@ -48,7 +48,6 @@ private:
     {
         return Hasher()
             .add(bakeHash(scene, options.bake))
-            .add(uint8_t(options.write.mozLightmap))
             .add(uint8_t(options.write.lightmapFormat))
             .add(options.write.skyWidth)
             .hash();

@@ -109,8 +109,6 @@ void addFormatOptions(CLI::App& app, BakeOptions& options)
     addInt(app, "--sky-width", options.write.skyWidth, 16, kMostSkyTexels,
            "texels in a row of the sky's picture in the file, at most (default 512)");
     addExportOptions(app, options);
-    app.add_flag("--moz-lightmap", options.write.mozLightmap,
-                 "write MOZ_lightmap materials too, for loaders that know them; much larger files");
 }
 
 void addRunOptions(CLI::App& app, BakeOptions& options)

@@ -143,19 +143,11 @@ void addShadowOptions(CLI::App& app, RenderOptions& options)
         ->check(CLI::Validator(checkSplits, std::string()))
         ->multi_option_policy(CLI::MultiOptionPolicy::TakeLast)
         ->type_name("A,B,C");
-    addChoice<CascadeBlend>(app, "--cascade-blend", shadows.cascadeBlend,
-                            choicesOf({CascadeBlend::Hard, CascadeBlend::Dithered, CascadeBlend::Soft}),
-                            "where one cascade ends and the next begins (default soft)");
-    addChoice<bool>(app, "--point-shadows", shadows.pointShadows, {{"on", true}, {"off", false}},
-                    "realtime shadows of point lights; off leaves them the baked ones (default on)");
     addChoice<ShadowFilter>(app, "--shadow-filter", shadows.filter,
                             choicesOf({ShadowFilter::Hard, ShadowFilter::Pcf, ShadowFilter::Soft}),
                             "edge of a shadow (default pcf)");
     addChoice<bool>(app, "--penumbrae", shadows.penumbrae, {{"on", true}, {"off", false}},
                     "realtime shadows are as soft as the light's size makes them; off: as the filter is (default on)");
-    addInt(app, "--shadow-map-size", shadows.directionalMapSize, 128, 8192, "texels of a cascade (default 2048)");
-    addInt(app, "--shadow-atlas-size", shadows.atlasSize, 256, 8192,
-           "texels of the atlas of spot and point lights (default 4096)");
     addFloat(app, "--shadow-depth-bias", shadows.depthBias, 0.0f, 100.0f, "TEXELS",
              "receivers move towards the light by this (default 0.1)");
     addFloat(app, "--shadow-slope-bias", shadows.slopeBias, 0.0f, 100.0f, "X", "slope-scaled depth bias (default 1.5)");

@@ -53,8 +53,7 @@ std::string Viewer::leftOutOfCommand() const
     if (bake_.hasUnsaved()) return "; its command line needs the saved bake (Ctrl-S)";
     const bool changed = !state_.bakeStatus.hasResult || state_.bakeStatus.outOfDate;
     const Scene& before = state_.bakeStatus.hasResult ? shown_.baked().scene : edited_.atLoad();
-    const std::string leftOut =
-        leftOutOfCommandLine(state_.navigator.camera(), edited_.scene(), changed ? before : edited_.scene());
+    const std::string leftOut = leftOutOfCommandLine(state_, edited_.scene(), changed ? before : edited_.scene());
     return leftOut.empty() ? "" : "; the command line cannot say " + leftOut;
 }
 

@@ -76,7 +76,7 @@ class Farm(FarmCase):
         for options in (
             ["--integrator", "path"],
             ["--noise", "20%", "--directional", "on"],
-            ["--denoise", "off", "--shadowmask-encoding", "distance-field", "--sky", "1,2,3", "--moz-lightmap"],
+            ["--denoise", "off", "--shadowmask-encoding", "distance-field", "--sky", "1,2,3"],
             ["--texel-step", "2", "--probe-layout", "grid", "--seed", "7"],
             ["--export", "unlit"],
         ):

@@ -173,7 +173,6 @@ class Export(Case):
         for options, words in (
             (["--export", "unlit", "--mode", "subtractive"], ["--export", "--mode"]),
             (["--export", "unlit", "--lightmap-format", "half"], ["--export", "--lightmap-format"]),
-            (["--export", "unlit", "--moz-lightmap"], ["--export", "--moz-lightmap"]),
             (["--export", "emissive", "--directional", "on"], ["--export", "--directional"]),
             (["--exposure", "3"], ["--exposure", "--export"]),
             (["--export-scale", "2"], ["--export-scale", "--export"]),

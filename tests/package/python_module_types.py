@@ -15,7 +15,7 @@ def note(stage: str, share: float) -> None:
 
 baked = halflight.bake(
     pathlib.Path("scene.glb"), "baked.glb", quality="preview", texels_per_meter=20, sky=(1, 2, 3), texel_step=2,
-    denoise=False, two_sided=True, only=["floor", "wall"], exposure="auto", noise="2%", moz_lightmap=True, progress=note,
+    denoise=False, two_sided=True, only=["floor", "wall"], exposure="auto", noise="2%", progress=note,
 )  # fmt: skip
 seconds: float = baked.seconds
 pages: int = baked.lightmap.pages

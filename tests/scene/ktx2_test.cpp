@@ -1,5 +1,6 @@
 // KTX2 and Radiance files, by field offsets of their specifications and by reading them back.
 
+#include "encode_rgbe.h"
 #include "scene/pictures/ktx2.h"
 #include "scene/pictures/rgbe.h"
 

@@ -1,5 +1,6 @@
 // Pictures of the sky: read from files, named in settings, kept in baked files (spec S5, S30).
 
+#include "encode_rgbe.h"
 #include "fixtures.h"
 #include "halflight/base/file.h"
 #include "halflight/base/rgb9e5.h"

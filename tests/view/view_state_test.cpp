@@ -74,10 +74,10 @@ TEST(CommandLine, NamesTheFilesCameraUntilItMoves)
     camera.worldFromCamera[3] = vec4(1, 2, 3, 1);
     state.navigator = Navigator(camera, 1.0f);
     EXPECT_THAT(commandLine(state, {"a.glb", ""}, {64, 64}, scene, scene), HasSubstr(" --camera 'front' "));
-    EXPECT_EQ(leftOutOfCommandLine(state.navigator.camera(), scene, scene), "");
+    EXPECT_EQ(leftOutOfCommandLine(state, scene, scene), "");
     state.navigator.orbit(vec2(0.1f, 0.0f));
     EXPECT_THAT(commandLine(state, {"a.glb", ""}, {64, 64}, scene, scene), Not(HasSubstr("--camera")));
-    EXPECT_THAT(leftOutOfCommandLine(state.navigator.camera(), scene, scene), HasSubstr("orthographic"));
+    EXPECT_THAT(leftOutOfCommandLine(state, scene, scene), HasSubstr("orthographic"));
 }
 
 TEST(CommandLine, HasTheFieldOfViewToTheBit)
@@ -116,16 +116,19 @@ TEST(LeftOut, NamesWhatTheTextsCannotSay)
     Scene scene = twoLights();
     const Scene before = scene;
     scene.lights[0].intensity = 2.0f;
-    const Camera camera;
-    EXPECT_EQ(leftOutOfCommandLine(camera, scene, before), "");
+    ViewState state;
+    EXPECT_EQ(leftOutOfCommandLine(state, scene, before), "");
     scene.lights[0].radiusMeters = 0.5f;
-    EXPECT_EQ(leftOutOfCommandLine(camera, scene, before), "more changes of the light 'sun'");
+    EXPECT_EQ(leftOutOfCommandLine(state, scene, before), "more changes of the light 'sun'");
     scene.objects[0].castShadows = false;
-    EXPECT_EQ(leftOutOfCommandLine(camera, scene, before), "more changes of the light 'sun', switches of 'Door'");
+    EXPECT_EQ(leftOutOfCommandLine(state, scene, before), "more changes of the light 'sun', switches of 'Door'");
     EXPECT_EQ(leftOutOfSettings(scene, before), "");
     scene.objects[0].worldFromObject[3].x = 1.0f;
     EXPECT_EQ(leftOutOfSettings(scene, before), "the place of 'Door'");
-    EXPECT_THAT(leftOutOfCommandLine(camera, scene, before), HasSubstr("'Door', the place of 'Door'"));
+    EXPECT_THAT(leftOutOfCommandLine(state, scene, before), HasSubstr("'Door', the place of 'Door'"));
+    state.settings.shadows.atlasSize = 1024;
+    state.settings.shadows.pointShadows = false;
+    EXPECT_EQ(leftOutOfCommandLine(state, before, before), "the size of the shadow atlas, shadows of point lights off");
 }
 
 TEST(SettingsFile, HasNoRuleForOneOfSeveralOfAName)
@@ -138,7 +141,7 @@ TEST(SettingsFile, HasNoRuleForOneOfSeveralOfAName)
     EXPECT_EQ(leftOutOfSettings(scene, before), "changes of one of several 'sun'");
     const std::string line = commandLine(ViewState(), {"a.glb", ""}, {640, 360}, scene, before);
     EXPECT_THAT(line, Not(HasSubstr("--light")));
-    EXPECT_EQ(leftOutOfCommandLine(Camera(), scene, before), "changes of one of several 'sun'");
+    EXPECT_EQ(leftOutOfCommandLine(ViewState(), scene, before), "changes of one of several 'sun'");
 }
 
 TEST(SubjectOf, IsTheFirstNameInTheText)

@@ -34,9 +34,6 @@ Result<Scene> readScene(const std::filesystem::path& path, const ReadOptions& op
 Result<BakedScene> readBakedScene(const std::filesystem::path& path, const ReadOptions& options = {});
 
 struct WriteOptions {
-    /// Also write material-level MOZ_lightmap (RGBE image) for loaders that know it: a material for each object and
-    /// material, and a third to a half of the file.
-    bool mozLightmap = false;
     /// Webp needs a build with libwebp (decodesWebp()); without it: Unsupported.
     LightmapFormat lightmapFormat = LightmapFormat::Rgb9e5;
     /// The lightmaps before they became RGB9E5, lux (BakeResult::irradiance): what half floats are made of, and what

@@ -127,10 +127,6 @@ inline constexpr Rule kBakeRules[] = {
     {"extensions/HALFLIGHT_mixed_lighting/probes/grid/origin", Kind::Numbers, 3},
     {"extensions/HALFLIGHT_mixed_lighting/probes/grid/spacing", Kind::Numbers, 3},
     {"extensions/HALFLIGHT_mixed_lighting/probes/grid/size", Kind::Indices, 3},
-    {"extensions/HALFLIGHT_mixed_lighting/mozLightmap/materials/*/material", Kind::Index},
-    {"extensions/HALFLIGHT_mixed_lighting/mozLightmap/materials/*/source", Kind::Index},
-    {"extensions/HALFLIGHT_mixed_lighting/mozLightmap/textures/*", Kind::Index},
-    {"extensions/HALFLIGHT_mixed_lighting/mozLightmap/images/*", Kind::Index},
     {"textures/*/extensions/HALFLIGHT_texture_ktx2/source", Kind::Index},
 };
 

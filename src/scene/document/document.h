@@ -28,7 +28,6 @@ struct SourceDocument {
     /// By mesh, what takes TEXCOORD_1 back to the shape it had before a bake stretched it: see lightmap_layout.h.
     std::map<int, vec2> stretchedLayouts;
     std::vector<std::string> warnings; ///< of what reading left out
-    std::vector<int> strippedViews;    ///< buffer views that only an earlier bake's MOZ_lightmap used
 };
 
 /// The member, or null when the object has none (or is not an object).

@@ -126,7 +126,6 @@ void visitViews(Json& document, const std::function<void(Json&)>& visit)
 DocumentPatcher::DocumentPatcher(const SourceDocument& source) : json(source.json), source_(source)
 {
     collectReferences(json, accessorsBefore_, viewsBefore_);
-    viewsBefore_.insert(source.strippedViews.begin(), source.strippedViews.end());
 }
 
 void DocumentPatcher::collectReferences(const Json& document, std::set<int>& accessors, std::set<int>& views) const

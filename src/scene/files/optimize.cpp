@@ -132,7 +132,6 @@ Status optimizeFile(const std::filesystem::path& in, const std::filesystem::path
         countAccessors(unchanged.finish(), report.geometry.before, report.probes.before);
     }
     DocumentPatcher patcher(**source);
-    if (bake.is_object()) patcher.json["extensions"]["HALFLIGHT_mixed_lighting"].erase("mozLightmap"); // stripped
     if (Status s = optimizePictures(patcher, **source, options, report); !s) return s;
     const std::string unknown = unknownExtension((*source)->json);
     const bool geometry = options.geometry && encodesMeshopt() && unknown.empty();

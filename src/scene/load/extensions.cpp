@@ -50,7 +50,9 @@ constexpr std::string_view kHarmless[] = {"KHR_materials_ior",
                                           "VRMC_materials_hdr_emissiveMultiplier",
                                           "OMI_physics_body",
                                           "OMI_physics_shape",
-                                          "OMI_spawn_point"};
+                                          "OMI_spawn_point",
+                                          "MOZ_lightmap",
+                                          "MOZ_texture_rgbe"};
 
 std::set<std::string> names(const Json& document)
 {
@@ -83,7 +85,7 @@ std::vector<std::string> extensionWarnings(const Json& document)
     for (const std::string& name : names(document)) {
         if (isHarmlessExtension(name)) {
             harmless.push_back(name);
-        } else if (!isSupportedExtension(name) && name != "MOZ_texture_rgbe" && !isCompression(name)) {
+        } else if (!isSupportedExtension(name) && !isCompression(name)) {
             unknown.push_back(name);
         }
     }

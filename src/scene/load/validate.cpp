@@ -18,7 +18,7 @@ constexpr uint64_t kMaxImplicitElements = 1u << 20;
 constexpr uint64_t kMaxInt = 0x7fffffff;
 constexpr uint64_t kMaxByteLength = 0xffffffff;
 
-constexpr std::array<std::string_view, 20> kSupportedExtensions = {"KHR_lights_punctual",
+constexpr std::array<std::string_view, 18> kSupportedExtensions = {"KHR_lights_punctual",
                                                                    "EXT_lights_area",
                                                                    "KHR_materials_emissive_strength",
                                                                    "KHR_texture_transform",
@@ -35,9 +35,7 @@ constexpr std::array<std::string_view, 20> kSupportedExtensions = {"KHR_lights_p
                                                                    "HALFLIGHT_node",
                                                                    "HALFLIGHT_material",
                                                                    "HALFLIGHT_light",
-                                                                   "HALFLIGHT_texture_ktx2",
-                                                                   "MOZ_lightmap",
-                                                                   "MOZ_texture_rgbe"};
+                                                                   "HALFLIGHT_texture_ktx2"};
 
 // A non-negative integer member up to `limit`. `required`: it must be there.
 Status checkUnsigned(const Json& object, const char* key, bool required, uint64_t limit, const std::string& path,

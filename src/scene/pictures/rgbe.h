@@ -9,10 +9,6 @@
 
 namespace halflight {
 
-/// An RGB9E5 image as a Radiance picture, top row first. Both formats share one exponent; the 9-bit mantissas lose a
-/// bit.
-std::vector<std::byte> encodeRgbe(const Image<uint32_t>& rgb9e5);
-
 /// Reads a Radiance picture of at most `mostTexels`: RGBE, rows from the top, with either run-length encoding or none.
 /// Its header's EXPOSURE and COLORCORR are factors that the values were multiplied by, and are taken out of them;
 /// values may be infinite then. What of the header is not followed is added to `warnings`, where that is given.

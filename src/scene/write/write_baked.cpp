@@ -8,7 +8,6 @@
 #include "scene/format/at_bake.h"
 #include "scene/format/lightmap_layout.h"
 #include "scene/format/limits.h"
-#include "scene/pictures/rgbe.h"
 #include "scene/read/looks/emission_unit.h"
 #include "scene/read/read_baked.h"
 #include "scene/settings/settings.h"
@@ -42,7 +41,7 @@ public:
     {
         removeEarlierBake();
         if (Status s = writeBakePictures(pictures_, baked_, options_, root_, bytes_); !s) return s.error();
-        writeMaterials(); // before their copies with lightmaps are made
+        writeMaterials();
         if (Status s = writeObjects(); !s) return s.error();
         meshes_.finish();
         if (Status s = writeLights(patcher_, source_, scene_); !s) return s.error();
@@ -83,44 +82,6 @@ private:
             materialRecords_ = true;
         }
         writeScaledEmission(patcher_.json, scene_);
-    }
-
-    // The texture of a lightmap page for MOZ_lightmap, made when it is first needed.
-    int mozTexture(int page)
-    {
-        const auto [it, isNew] = mozTextures_.try_emplace(page, -1);
-        if (!isNew) return it->second;
-        const std::string name = "lightmap " + std::to_string(page);
-        const int view = patcher_.addView({encodeRgbe(baked_.lightmaps[std::size_t(page)]), 0, 0});
-        const int image =
-            patcher_.append("images", {{"name", name}, {"mimeType", "image/vnd.radiance"}, {"bufferView", view}});
-        it->second =
-            patcher_.append("textures", {{"name", name}, {"extensions", {{"MOZ_texture_rgbe", {{"source", image}}}}}});
-        moz_["images"].push_back(image);
-        moz_["textures"].push_back(it->second);
-        return it->second;
-    }
-
-    int mozMaterial(int source, const LightmapBinding& binding, int texCoord)
-    {
-        const Json transform = {{"offset", numbers(binding.offset)}, {"scale", numbers(binding.scale)}};
-        const std::string key = std::to_string(source) + " " + std::to_string(binding.page) + " " +
-                                std::to_string(texCoord) + transform.dump();
-        const auto it = mozMaterials_.find(key);
-        if (it != mozMaterials_.end()) return it->second;
-        Json material = source >= 0 ? patcher_.json["materials"][std::size_t(source)] : Json::object();
-        Json lightmap = {
-            {"index", mozTexture(binding.page)}, {"texCoord", texCoord}, {"intensity", baked_.lightmapUnitLux}};
-        if (binding.offset != vec2(0.0f) || binding.scale != vec2(1.0f)) {
-            lightmap["extensions"]["KHR_texture_transform"] = transform;
-        }
-        material["extensions"]["MOZ_lightmap"] = std::move(lightmap);
-        const int index = patcher_.append("materials", std::move(material));
-        Json record = {{"material", index}};
-        if (source >= 0) record["source"] = source;
-        moz_["materials"].push_back(std::move(record));
-        mozMaterials_[key] = index;
-        return index;
     }
 
     Status writeObjects()
@@ -201,20 +162,11 @@ private:
         }
         nodeJson(node)["extensions"][kNodeExtension] = std::move(record);
 
-        std::vector<int> materials(mesh.parts.size(), MeshWriter::kAsInSource);
-        if (lightmapped && !instanced && options_.mozLightmap) {
-            for (std::size_t p = 0; p < mesh.parts.size(); ++p) {
-                const Json& primitive = source_.json["meshes"][std::size_t(mesh.sourceMesh)]["primitives"]
-                                                    [std::size_t(mesh.parts[p].sourcePrimitive)];
-                materials[p] =
-                    mozMaterial(meshes_.materialOf(mesh.parts[p], primitive.value("material", -1)), binding, texCoord);
-            }
-        }
         // A mesh without lightmap coordinates stays as the source has it, with its skin, whatever its shape in the
         // scene.
         const bool isPatched = std::any_of(mesh.parts.begin(), mesh.parts.end(),
                                            [](const MeshPart& part) { return !part.lightmapUv.empty(); });
-        return isPatched ? meshes_.setNodeMesh(node, first.mesh, materials) : Status();
+        return isPatched ? meshes_.setNodeMesh(node, first.mesh) : Status();
     }
 
     void writeInstances(int node, const std::vector<const Object*>& objects)
@@ -263,7 +215,6 @@ private:
                 root_["authoredProbes"].push_back(numbers(scene_.originMeters + dvec3(p)));
         }
         for (const mat4& box : scene_.reflectionBoxes) root_["authoredReflectionProbes"].push_back(numbersOf(box));
-        if (!moz_.is_null()) root_["mozLightmap"] = moz_;
         writeMark();
         if (Json probes = probesJson(patcher_, baked_.probes, bytes_.probes); !probes.is_null())
             root_["probes"] = std::move(probes);
@@ -294,12 +245,6 @@ private:
         for (const Light& light : scene_.lights)
             used.insert({kLightExtension, isAreaLight(light.type) ? "EXT_lights_area" : "KHR_lights_punctual"});
         used.insert(pictures_.extensions().begin(), pictures_.extensions().end());
-        if (!moz_.is_null()) {
-            used.insert({"MOZ_lightmap", "MOZ_texture_rgbe", "KHR_texture_transform"});
-        } else if (extensionOf(source_.json, kRootExtension).contains("mozLightmap")) {
-            used.erase("MOZ_lightmap");
-            used.erase("MOZ_texture_rgbe");
-        }
         patcher_.json["extensionsUsed"] = used;
         patcher_.json["asset"]["generator"] = options_.generator;
     }
@@ -315,11 +260,8 @@ private:
     MeshWriter meshes_;
     WrittenBytes bytes_;
     Json root_;
-    Json moz_;
     std::size_t lightmappedNodes_ = 0;
-    bool materialRecords_ = false;   // any material got one
-    std::map<int, int> mozTextures_; // page -> texture
-    std::map<std::string, int> mozMaterials_;
+    bool materialRecords_ = false; // any material got one
 };
 
 } // namespace

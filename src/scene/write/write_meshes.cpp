@@ -175,7 +175,7 @@ Result<Json> MeshWriter::primitiveJson(const MeshPart& part, const FileLayout& l
 }
 
 // A primitive of the source becomes as many as it has parts. Back halves of an earlier bake that have no part are gone.
-Result<MeshWriter::Patched> MeshWriter::patchedMesh(int sceneMesh)
+Result<Json> MeshWriter::patchedMesh(int sceneMesh)
 {
     const Mesh& mesh = scene_.meshes[std::size_t(sceneMesh)];
     const Json& source = source_.json["meshes"][std::size_t(mesh.sourceMesh)];
@@ -187,16 +187,14 @@ Result<MeshWriter::Patched> MeshWriter::patchedMesh(int sceneMesh)
                          path + std::to_string(part.sourcePrimitive)};
         }
     }
-    Patched patched{source, std::vector<std::size_t>(mesh.parts.size(), 0)};
+    Json patched = source;
     Json primitives = Json::array();
     for (std::size_t s = 0; s < model.primitives.size(); ++s) {
         const Json& primitive = source["primitives"][s];
         bool hasPart = false;
-        for (std::size_t p = 0; p < mesh.parts.size(); ++p) {
-            const MeshPart& part = mesh.parts[p];
+        for (const MeshPart& part : mesh.parts) {
             if (part.sourcePrimitive != int(s)) continue;
             hasPart = true;
-            patched.placeOfPart[p] = primitives.size();
             primitives.push_back(primitive);
             if (part.lightmapUv.empty()) continue;
             auto json = primitiveJson(part, layouts_[std::size_t(sceneMesh)], primitive, model.primitives[s],
@@ -209,27 +207,17 @@ Result<MeshWriter::Patched> MeshWriter::patchedMesh(int sceneMesh)
             markedSide(element(source_.json, "materials", model.primitives[s].material)) == SurfaceSide::Back;
         if (!hasPart && !isOldBack) primitives.push_back(primitive);
     }
-    patched.json["primitives"] = std::move(primitives);
+    patched["primitives"] = std::move(primitives);
     return patched;
 }
 
-Status MeshWriter::setNodeMesh(int node, int sceneMesh, const std::vector<int>& materials)
+Status MeshWriter::setNodeMesh(int node, int sceneMesh)
 {
-    const Mesh& mesh = scene_.meshes[std::size_t(sceneMesh)];
-    const auto [it, isNew] = byKey_.try_emplace({sceneMesh, materials}, meshes_.size());
+    const auto [it, isNew] = indexOf_.try_emplace(sceneMesh, meshes_.size());
     if (isNew) {
-        if (patched_.count(sceneMesh) == 0) {
-            auto patched = patchedMesh(sceneMesh);
-            if (!patched) return patched.error();
-            patched_[sceneMesh] = std::move(*patched);
-        }
-        const Patched& patched = patched_[sceneMesh];
-        Json json = patched.json;
-        for (std::size_t p = 0; p < mesh.parts.size() && p < materials.size(); ++p) {
-            if (materials[p] == kAsInSource) continue;
-            json["primitives"][patched.placeOfPart[p]]["material"] = materials[p];
-        }
-        meshes_.emplace_back(mesh.sourceMesh, std::move(json));
+        auto patched = patchedMesh(sceneMesh);
+        if (!patched) return patched.error();
+        meshes_.emplace_back(scene_.meshes[std::size_t(sceneMesh)].sourceMesh, std::move(*patched));
     }
     nodes_.emplace_back(node, it->second);
     return {};

@@ -215,12 +215,6 @@ std::string commandLine(const ViewState& state, const CommandFiles& files, ivec2
         add(fmt::format("--shadow-color {:.9g},{:.9g},{:.9g}", color->r, color->g, color->b));
     if (shadows.filter != defaults.filter) add(fmt::format("--shadow-filter {}", nameOf(shadows.filter)));
     if (!shadows.penumbrae) add("--penumbrae off");
-    if (shadows.cascadeBlend != defaults.cascadeBlend)
-        add(fmt::format("--cascade-blend {}", nameOf(shadows.cascadeBlend)));
-    if (shadows.directionalMapSize != defaults.directionalMapSize)
-        add(fmt::format("--shadow-map-size {}", shadows.directionalMapSize));
-    if (shadows.atlasSize != defaults.atlasSize) add(fmt::format("--shadow-atlas-size {}", shadows.atlasSize));
-    if (!shadows.pointShadows) add("--point-shadows off");
     if (!settings.proxyVolumes) add("--proxy-volumes off");
     if (!settings.directionalLightmaps) add("--directional off");
     if (!settings.reflectionProbes) add("--reflection-probes off");
@@ -248,10 +242,17 @@ std::string settingsFile(const Scene& scene, const Scene& atLoad)
     return text;
 }
 
-std::string leftOutOfCommandLine(const Camera& camera, const Scene& scene, const Scene& atLoad)
+std::string leftOutOfCommandLine(const ViewState& state, const Scene& scene, const Scene& atLoad)
 {
     std::string text;
+    const Camera& camera = state.navigator.camera();
     if (camera.orthographic && !fileCamera(camera, scene)) add(text, "an orthographic camera that was moved");
+    const ShadowSettings defaults;
+    const ShadowSettings& shadows = state.settings.shadows;
+    if (shadows.cascadeBlend != defaults.cascadeBlend) add(text, "how cascades blend");
+    if (shadows.directionalMapSize != defaults.directionalMapSize) add(text, "the size of cascades");
+    if (shadows.atlasSize != defaults.atlasSize) add(text, "the size of the shadow atlas");
+    if (shadows.pointShadows != defaults.pointShadows) add(text, "shadows of point lights off");
     for (std::size_t i = 0; i < scene.lights.size() && i < atLoad.lights.size(); ++i) {
         Light said = atLoad.lights[i];
         said.intensity = scene.lights[i].intensity;

@@ -138,7 +138,7 @@ std::string commandLine(const ViewState& state, const CommandFiles& files, ivec2
 std::string settingsFile(const Scene& scene, const Scene& atLoad);
 
 /// What the two do not say of the changes, for people; empty where they say all.
-std::string leftOutOfCommandLine(const Camera& camera, const Scene& scene, const Scene& atLoad);
+std::string leftOutOfCommandLine(const ViewState& state, const Scene& scene, const Scene& atLoad);
 std::string leftOutOfSettings(const Scene& scene, const Scene& atLoad);
 
 } // namespace halflight::view

@@ -70,10 +70,6 @@ export class HalflightMixedLighting extends Extension {
             lighting.setProbeAccessor(name, accessor);
             delete record.probes[name];
         }
-        if (record.mozLightmap) {
-            this.document.getLogger().warn('halflight: materials with MOZ_lightmap become ordinary ones');
-            delete record.mozLightmap;
-        }
         this.document.getRoot().setExtension(MIXED_LIGHTING, lighting.setRecord(record));
         return this;
     }

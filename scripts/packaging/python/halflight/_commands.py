@@ -50,7 +50,6 @@ def bake(
     export: Optional[Literal["unlit", "emissive"]] = None,
     exposure: Optional[Union[float, Literal["auto"]]] = None,
     export_scale: Optional[Literal["auto", 1, 2, 4]] = None,
-    moz_lightmap: bool = False,
     sidecar: Optional[Path] = None,
     report: Optional[Path] = None,
     write_images: Optional[Path] = None,
@@ -115,7 +114,6 @@ def bake(
             and prints the EV (default auto)
         export_scale: of `export`: texels of its pictures per lightmap texel, along each side (default auto: up to 4
             where surfaces are textured, for pages of 4096 at most)
-        moz_lightmap: write MOZ_lightmap materials too, for loaders that know them; much larger files
         sidecar: also write the bake as pictures and one JSON that binds them by node name, for tools that drop
             extensions; lightmaps as EXR, or as `lightmap_format` says
         report: write what the bake did: lights, charts, rays, seconds, warnings
@@ -159,7 +157,6 @@ def bake(
         *_run.option("--export", export),
         *_run.option("--exposure", exposure),
         *_run.option("--export-scale", export_scale),
-        *_run.flag("--moz-lightmap", moz_lightmap),
         *_run.option("--sidecar", sidecar),
         *_run.option("--report", report),
         *_run.option("--write-images", write_images),
@@ -191,12 +188,8 @@ def render(
     shadow_fade_range: Optional[float] = None,
     cascades: Optional[int] = None,
     cascade_splits: Optional[Union[Sequence[float], str]] = None,
-    cascade_blend: Optional[Literal["hard", "dithered", "soft"]] = None,
-    point_shadows: Optional[bool] = None,
     shadow_filter: Optional[Literal["hard", "pcf", "soft"]] = None,
     penumbrae: Optional[bool] = None,
-    shadow_map_size: Optional[int] = None,
-    shadow_atlas_size: Optional[int] = None,
     shadow_depth_bias: Optional[float] = None,
     shadow_slope_bias: Optional[float] = None,
     shadow_color: Optional[Union[Sequence[float], str]] = None,
@@ -245,12 +238,8 @@ def render(
         cascades (1..4): cascades of directional lights (default 4, or by the splits)
         cascade_splits (A,B,C): where cascades end, as shares of the shadow distance, one fewer than there are cascades
             (default: by the logarithm of the distance for the most part)
-        cascade_blend: where one cascade ends and the next begins (default soft)
-        point_shadows: realtime shadows of point lights; off leaves them the baked ones (default on)
         shadow_filter: edge of a shadow (default pcf)
         penumbrae: realtime shadows are as soft as the light's size makes them; off: as the filter is (default on)
-        shadow_map_size (128..8192): texels of a cascade (default 2048)
-        shadow_atlas_size (256..8192): texels of the atlas of spot and point lights (default 4096)
         shadow_depth_bias (TEXELS): receivers move towards the light by this (default 0.1)
         shadow_slope_bias (X): slope-scaled depth bias (default 1.5)
         shadow_color (R,G,B): lower limit of subtractive shadows in lux, instead of the file's
@@ -293,12 +282,8 @@ def render(
         *_run.option("--shadow-fade-range", shadow_fade_range),
         *_run.option("--cascades", cascades),
         *_run.option("--cascade-splits", cascade_splits),
-        *_run.option("--cascade-blend", cascade_blend),
-        *_run.option("--point-shadows", point_shadows),
         *_run.option("--shadow-filter", shadow_filter),
         *_run.option("--penumbrae", penumbrae),
-        *_run.option("--shadow-map-size", shadow_map_size),
-        *_run.option("--shadow-atlas-size", shadow_atlas_size),
         *_run.option("--shadow-depth-bias", shadow_depth_bias),
         *_run.option("--shadow-slope-bias", shadow_slope_bias),
         *_run.option("--shadow-color", shadow_color),
