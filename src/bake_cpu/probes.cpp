@@ -25,12 +25,12 @@ public:
         ProbeEstimate estimate;
         gather(id, position, estimate, rays);
         addBakedLights(id, position, estimate, rays);
-        for (int channel = 0; channel < 4; ++channel) {
-            uint32_t index = 0;
-            if (const PunctualLight* light = ownerOfChannel(channel, position, index)) {
-                estimate.occlusion[channel] = visibility(*light, index, id, position, rays);
-            }
-        }
+        // Of a channel's lights at most one reaches a point.
+        paths_.forLightsNear(position, [&](uint32_t l) {
+            const PunctualLight& light = paths_.lights()[l];
+            if (light.channel >= 0 && light.reaches(position))
+                estimate.occlusion[light.channel] = visibility(light, l, id, position, rays);
+        });
         return estimate;
     }
 
@@ -68,20 +68,20 @@ private:
     /// functions. Of an area light they are those of its samples.
     void addBakedLights(uint32_t id, vec3 position, ProbeEstimate& estimate, uint64_t& rays) const
     {
-        for (std::size_t l = 0; l < paths_.lights().size(); ++l) {
+        paths_.forLightsNear(position, [&](uint32_t l) {
             const PunctualLight& light = paths_.lights()[l];
-            if (!light.directAtProbes) continue;
+            if (!light.directAtProbes) return;
             if (light.isArea()) {
-                addAreaLight(light, uint32_t(l), id, position, estimate, rays);
-                continue;
+                addAreaLight(light, l, id, position, estimate, rays);
+                return;
             }
             const shading::LightSample sample = light.at(position);
-            if (sample.illuminance == vec3(0.0f)) continue;
-            const float visible = visibility(light, uint32_t(l), id, position, rays);
+            if (sample.illuminance == vec3(0.0f)) return;
+            const float visible = visibility(light, l, id, position, rays);
             const vec3 illuminance = sample.illuminance * glm::mix(1.0f, visible, light.shadowStrength);
             for (int i = 0; i < 9; ++i)
                 estimate.radiance[std::size_t(i)] += illuminance * shading::shBasis(i, sample.direction);
-        }
+        });
     }
 
     void addAreaLight(const PunctualLight& light, uint32_t index, uint32_t id, vec3 position, ProbeEstimate& estimate,
@@ -94,18 +94,6 @@ private:
             for (int i = 0; i < 9; ++i)
                 estimate.radiance[std::size_t(i)] += arriving * shading::shBasis(i, ray.direction);
         });
-    }
-
-    /// The light of a mask channel that reaches a point, or null: at most one does.
-    const PunctualLight* ownerOfChannel(int channel, vec3 position, uint32_t& index) const
-    {
-        for (std::size_t l = 0; l < paths_.lights().size(); ++l) {
-            const PunctualLight& light = paths_.lights()[l];
-            if (light.channel != channel) continue;
-            index = uint32_t(l);
-            if (light.reaches(position)) return &light;
-        }
-        return nullptr;
     }
 
     [[nodiscard]] int shadowSamples() const { return std::max(settings_.shadowSamples, 16); }

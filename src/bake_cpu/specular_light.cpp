@@ -65,8 +65,9 @@ private:
                      uint64_t& rays) const
     {
         vec3 sum(0.0f);
-        for (const PunctualLight& light : paths_.lights()) {
-            if (!light.directAtTexels && !light.maskOfLight) continue;
+        paths_.forLightsNear(point.position, [&](uint32_t index) {
+            const PunctualLight& light = paths_.lights()[index];
+            if (!light.directAtTexels && !light.maskOfLight) return;
             const vec2 disc = shading::sampleDisc(sampler.next2());
             vec3 highlight;
             if (light.isArea()) {
@@ -77,9 +78,9 @@ private:
                 const shading::LightSample incoming = light.at(point.position);
                 highlight = specular(surface, point, view, incoming.direction, incoming.illuminance);
             }
-            if (highlight == vec3(0.0f)) continue;
+            if (highlight == vec3(0.0f)) return;
             sum += highlight * glm::mix(1.0f, paths_.lightVisibility(light, point, disc, rays), light.shadowStrength);
-        }
+        });
         return sum;
     }
 

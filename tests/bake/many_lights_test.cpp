@@ -2,7 +2,8 @@
 #include "bake/area_light_scene.h"
 #include "bake/geometry/indices.h"
 #include "bake/test_scene.h"
-#include "bake_cpu/shadows/light_reach.h"
+#include "bake_cpu/sample/light_reach.h"
+#include "bake_cpu/shadows/texel_runs.h"
 
 #include "halflight/base/random.h"
 #include "halflight/shading/color.h"
@@ -63,6 +64,41 @@ TEST(LightReachS9, FindsWhatTheListFinds)
             const auto first =
                 std::find_if(list.begin(), list.end(), [&](const PunctualLight* l) { return l->reaches(point); });
             ASSERT_EQ(reach.at(point), first == list.end() ? nullptr : *first) << count;
+        }
+    }
+}
+
+/// Stages that ask for the lights near a point or a box get all that reach it, and not the whole list.
+TEST(LightReachS9, FindsAllNearAndFewOthers)
+{
+    std::vector<PunctualLight> lights = randomLights(5000, 2.0f);
+    lights[17].range = 0.0f; // everywhere
+    std::vector<const PunctualLight*> list;
+    for (const PunctualLight& light : lights) list.push_back(&light);
+    const LightReach reach(list);
+    Numbers numbers{5};
+    for (int i = 0; i < 200; ++i) {
+        Bounds box;
+        box.extend(44.0f * vec3(numbers.next(), 0.2f * numbers.next(), numbers.next()) - 2.0f);
+        std::vector<uint32_t> visited;
+        reach.each(box.min, [&](uint32_t number) { visited.push_back(number); });
+        const std::vector<const PunctualLight*> ofPoint = reach.near(std::span(&box, 1));
+        std::size_t reached = 0;
+        for (uint32_t l = 0; l < lights.size(); ++l) {
+            if (!lights[l].reaches(box.min)) continue;
+            ++reached;
+            ASSERT_EQ(std::count(visited.begin(), visited.end(), l), 1);
+            ASSERT_EQ(std::count(ofPoint.begin(), ofPoint.end(), list[l]), 1);
+        }
+        EXPECT_LT(visited.size(), 8 * reached + 100) << "of 5,000";
+        box.extend(box.min + vec3(1.0f, 0.5f, 2.0f));
+        const std::vector<const PunctualLight*> ofBox = reach.near(std::span(&box, 1));
+        for (int k = 0; k < 20; ++k) {
+            const vec3 point = box.min + box.size() * vec3(numbers.next(), numbers.next(), numbers.next());
+            for (const PunctualLight* light : list)
+                if (light->reaches(point)) {
+                    ASSERT_EQ(std::count(ofBox.begin(), ofBox.end(), light), 1);
+                }
         }
     }
 }
@@ -181,7 +217,7 @@ TEST(ManyLightsS6, RaysFollowTheTexelsInReach)
     const TexelRuns runs(bench.geometry, bench.map, all);
     const std::vector<PunctualLight> lights = punctualLights(bench.scene, LightUse::Bake);
     const PunctualLight* one = lights.data();
-    const std::vector<uint32_t> reached = runs.reachedBy(std::span(&one, 1));
+    const std::vector<uint32_t> reached = runs.reachedBy(std::span(&one, 1), 0, runs.size());
     EXPECT_LT(reached.size(), 1500u);
     std::size_t inReach = 0;
     for (std::size_t i = 0; i < bench.map.texels.size(); ++i) {

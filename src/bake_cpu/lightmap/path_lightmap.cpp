@@ -123,11 +123,11 @@ bool traceRoughLightmap(const PathTracer& paths, const IntegrationSettings& sett
             spreadOverSides(paths.surfaces().geometry(), points, count);
             Sampler sampler(settings.seed, texelId(map, texel), uint32_t(samples)); // beyond the paths' own
             out[i] = estimates[i].irradiance;
-            const auto pointOf = [&] {
-                return points[std::size_t(std::min(int(sampler.next1() * float(count)), count - 1))];
-            };
-            for (const PunctualLight& light : paths.lights())
-                if (light.directAtTexels) out[i] += lightAt(paths, light, pointOf(), sampler, traced);
+            const SurfacePoint& point = points[std::size_t(std::min(int(sampler.next1() * float(count)), count - 1))];
+            paths.forLightsNear(point.position, [&](uint32_t l) {
+                const PunctualLight& light = paths.lights()[l];
+                if (light.directAtTexels) out[i] += lightAt(paths, light, point, sampler, traced);
+            });
         }
         rays += traced;
     });
@@ -155,10 +155,11 @@ bool traceSides(const PathTracer& paths, const IntegrationSettings& settings, st
             if (samples == 0) continue;
             one[0] = points[i];
             side.irradiance = gather(paths, own, one, 1, samples, id, traced).mean();
-            for (const PunctualLight& light : paths.lights()) {
+            paths.forLightsNear(points[i].position, [&](uint32_t l) {
+                const PunctualLight& light = paths.lights()[l];
                 vec3& sum = light.directAtTexels || light.maskOfLight ? side.irradiance : side.direct;
                 sum += lightAt(paths, light, points[i], sampler, traced);
-            }
+            });
         }
         rays += traced;
     });

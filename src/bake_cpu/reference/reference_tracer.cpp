@@ -65,19 +65,20 @@ vec3 ReferenceTracer::areaLightsAlong(const Hit& hit, vec3 direction, float dire
     if (options_.emitters == EmitterSampling::Surfaces) return radiance;
     const bool alone = options_.emitters == EmitterSampling::Directions;
     const vec3 origin = hit.point.position;
-    for (const PunctualLight& light : paths_.lights()) {
-        if (!light.isArea() || !light.bounces) continue;
+    paths_.forLightsNear(origin, [&](uint32_t index) {
+        const PunctualLight& light = paths_.lights()[index];
+        if (!light.isArea() || !light.bounces) return;
         const vec3 toCenter = light.position - origin;
         const float distance =
             shading::meetAreaLight(light.type, toCenter, light.halfWidth, light.halfHeight, direction);
-        if (distance <= 0.0f) continue;
+        if (distance <= 0.0f) return;
         const bool hidden = next.found && next.distance < distance * (1.0f - 1.0e-4f);
         const float visible = hidden && paths_.shadowsFall(light, hit.point) ? 1.0f - light.shadowStrength : 1.0f;
         const float pdf =
             shading::areaSamplePdf(light.type, toCenter, light.halfWidth, light.halfHeight, distance * direction);
         const float weight = alone ? 1.0f : shading::powerHeuristic(directionPdf, pdf);
         radiance += light.radianceAt(origin) * (visible * weight);
-    }
+    });
     return radiance;
 }
 

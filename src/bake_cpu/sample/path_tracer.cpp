@@ -20,6 +20,13 @@ PathTracer::PathTracer(const Scene& scene, const BakeGeometry& geometry, LightUs
     if (std::count_if(lights_.begin(), lights_.end(), [](const PunctualLight& l) { return l.bounces; }) > kFewLights) {
         punctualTree_ = punctualTree(lights_, lightOfItem_);
     }
+    std::vector<const PunctualLight*> all;
+    for (uint32_t i = 0; i < lights_.size(); ++i) {
+        all.push_back(&lights_[i]);
+        const bool inTree = !punctualTree_.empty() && lights_[i].type != shading::kLightDirectional;
+        if (lights_[i].bounces && !inTree) alwaysChosenFrom_.push_back(i);
+    }
+    reach_ = LightReach(std::move(all));
 }
 
 vec3 PathTracer::rayOrigin(const SurfacePoint& point) const

@@ -2,6 +2,7 @@
 // The path tracer: one estimator of incoming radiance for lightmaps and probes.
 
 #include "bake_cpu/sample/emitters.h"
+#include "bake_cpu/sample/light_reach.h"
 #include "bake_cpu/sample/lights.h"
 #include "bake_cpu/sample/sampler.h"
 #include "bake_cpu/sample/sky_light.h"
@@ -55,6 +56,8 @@ public:
     [[nodiscard]] bool ok() const { return tracer_.ok(); }
     [[nodiscard]] const RayTracer& surfaces() const { return tracer_; }
     [[nodiscard]] const std::vector<PunctualLight>& lights() const { return lights_; }
+    /// Calls visit(index into lights()) for the lights whose range may reach a point. The order is always the same.
+    template<typename Visit> void forLightsNear(vec3 point, Visit visit) const { reach_.each(point, visit); }
     [[nodiscard]] const Emitters& emitters() const { return emitters_; }
     [[nodiscard]] const SkyLight& sky() const { return sky_; }
     /// Whether there are emitters or bright places in the sky, which receivers sample.
@@ -175,8 +178,10 @@ private:
     RayTracer tracer_;
     std::vector<PunctualLight> lights_;
     Emitters emitters_;
+    LightReach reach_;
     LightTree punctualTree_; ///< of the lights that bounce; empty if they are few
     std::vector<uint32_t> lightOfItem_;
+    std::vector<uint32_t> alwaysChosenFrom_; ///< lights that bounce and are not in the tree
     SkyLight sky_;
     Bounces bounces_;
 };
@@ -211,9 +216,7 @@ PathTracer::chooseLight(const SurfacePoint& point, Sampler& sampler, Contributio
             u = (u - take) / (1.0f - take);
         }
     };
-    for (const PunctualLight& light : lights_) {
-        if (light.bounces && (punctualTree_.empty() || light.type == shading::kLightDirectional)) consider(light, 1.0f);
-    }
+    for (const uint32_t index : alwaysChosenFrom_) consider(lights_[index], 1.0f);
     if (!punctualTree_.empty()) {
         const LightTree::Choice choice = punctualTree_.sample(point.position, point.normal, sampler.next1());
         if (choice.probability > 0.0f) consider(lights_[lightOfItem_[choice.item]], choice.probability);

@@ -2,13 +2,14 @@
 
 #include "bake/texels/even_texels.h"
 
-#include "bake_cpu/shadows/light_reach.h"
 #include "bake_cpu/shadows/shadow_rays.h"
+#include "bake_cpu/shadows/texel_runs.h"
 
 #include "halflight/base/parallel.h"
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <utility>
 #include <vector>
 
@@ -137,8 +138,9 @@ public:
             }
         };
         add(0);
+        const float even = isFlat() && light.type != shading::kLightSpot ? kEvenOnAPlane : kEvenIrradiance;
         // Texels across a fold take as many points as shadow edges have rays. Partly valid texels have batch 0 only.
-        if (most - least > kEvenIrradiance * most && mask_ == kAllPoints) {
+        if (most - least > even * most && mask_ == kAllPoints) {
             const int batches = std::min(pass_.timesOnEdges * pass_.samples / kMaxTexelPoints, kMostBatches);
             for (int batch = 1; batch < batches; ++batch) add(batch);
         }
@@ -159,6 +161,14 @@ private:
         return {b.points.data(), std::size_t(b.count)};
     }
 
+    /// Whether the points of batch 0 have one normal.
+    bool isFlat()
+    {
+        const std::span<const SurfacePoint> points = pointsOf(0);
+        return std::all_of(points.begin(), points.end(),
+                           [&](const SurfacePoint& point) { return point.normal == points[0].normal; });
+    }
+
     struct Batch {
         TexelPoints points;
         int count = 0;
@@ -170,10 +180,13 @@ private:
 };
 
 /// Adds the lights' direct light to the texels of a pass. The estimate of its texel i is out[places[i]].
-bool addLights(const ShadowPass& pass, std::span<const PunctualLight* const> lights,
-               const std::vector<ShadowSource>& sources, std::span<const uint32_t> places,
-               std::span<IrradianceEstimate> out)
+bool addLights(const ShadowPass& pass, std::span<const PunctualLight* const> lights, uint32_t seed,
+               std::span<const uint32_t> places, std::span<IrradianceEstimate> out)
 {
+    std::vector<ShadowSource> sources;
+    const PunctualLight* const first = pass.paths.lights().data();
+    for (const PunctualLight* light : lights)
+        sources.push_back({LightReach(std::vector{light}), true, hashCombine(seed, uint32_t(light - first))});
     const auto rays = float(pass.timesOnEdges * pass.samples);
     const Progress shadows = partOf(pass.progress, 0.0, 0.9);
     const ShadowPass shadowPass{pass.paths,   pass.pattern,      pass.map, pass.grid,  pass.texels,
@@ -206,44 +219,73 @@ bool addLights(const ShadowPass& pass, std::span<const PunctualLight* const> lig
     return parallelFor(pass.texels.size(), 1024, partOf(pass.progress, 0.9, 1.0), pass.stage, addTo);
 }
 
-} // namespace
-
-// Up to four lights at a time limit the memory. The cost of a light follows from the texels that it may reach.
-bool addBakedLights(const ShadowPass& pass, uint32_t seed, std::span<IrradianceEstimate> out)
+/// Lights that reach every texel, up to four at a time: there is a count for each texel and light.
+bool addLightsEverywhere(const ShadowPass& pass, std::span<const PunctualLight* const> lights, uint32_t seed,
+                         std::span<IrradianceEstimate> out)
 {
     constexpr std::size_t kLightsAtOnce = 4;
-    std::vector<const PunctualLight*> lights;
-    for (const PunctualLight& light : pass.paths.lights()) {
-        if (light.directAtTexels) lights.push_back(&light);
-    }
-    if (lights.empty()) return true;
-    const TexelRuns runs(pass.paths.surfaces().geometry(), pass.map, pass.texels);
-    // Lights with a range are traced alone, because few texels are in reach of several.
-    const auto atOnce = [&](std::size_t first) {
-        std::size_t count = 1;
-        while (count < std::min(kLightsAtOnce, lights.size() - first) && reachesEverywhere(*lights[first]) &&
-               reachesEverywhere(*lights[first + count]))
-            ++count;
-        return count;
-    };
-    for (std::size_t first = 0, count = 0; first < lights.size(); first += count) {
-        count = atOnce(first);
-        const auto some = std::span(lights).subspan(first, count);
-        const std::vector<uint32_t> places = runs.reachedBy(some);
-        if (places.empty()) continue;
-        std::vector<ShadowSource> sources;
-        for (std::size_t l = 0; l < some.size(); ++l)
-            sources.push_back({LightReach(std::vector{some[l]}), true, hashCombine(seed, uint32_t(first + l))});
-        std::vector<uint32_t> texels;
-        for (const uint32_t place : places) texels.push_back(pass.texels[place]);
+    std::vector<uint32_t> places(lights.empty() ? 0 : pass.texels.size());
+    std::iota(places.begin(), places.end(), 0u);
+    for (std::size_t first = 0; first < lights.size(); first += kLightsAtOnce) {
+        const auto some = lights.subspan(first, std::min(kLightsAtOnce, lights.size() - first));
         const double share = 1.0 / double(lights.size());
         const Progress part = partOf(pass.progress, double(first) * share, double(first + some.size()) * share);
-        if (!addLights({pass.paths, pass.pattern, pass.map, pass.grid, texels, pass.samples, pass.timesOnEdges, part,
-                        pass.stage, pass.rays},
-                       some, sources, places, out)) {
+        if (!addLights({pass.paths, pass.pattern, pass.map, pass.grid, pass.texels, pass.samples, pass.timesOnEdges,
+                        part, pass.stage, pass.rays},
+                       some, seed, places, out)) {
             return false;
         }
     }
+    return true;
+}
+
+/// Lights with a range, block by block of texels, so that cost and memory follow from the lights that reach a texel.
+bool addLightsInReach(const ShadowPass& pass, const LightReach& reach, uint32_t seed, std::span<IrradianceEstimate> out)
+{
+    const TexelRuns runs(pass.paths.surfaces().geometry(), pass.map, pass.texels);
+    // About 64 x 64 texels: those of the rim, whose neighbourhoods reach into other blocks, are few.
+    constexpr std::size_t kRuns = 256;
+    const std::size_t blocks = (runs.size() + kRuns - 1) / kRuns;
+    const Progress quiet{{}, pass.progress.cancel};
+    const auto addBlock = [&](std::size_t block) {
+        const std::size_t firstRun = block * kRuns;
+        const std::size_t endRun = std::min(firstRun + kRuns, runs.size());
+        const std::vector<const PunctualLight*> lights = reach.near(runs.bounds().subspan(firstRun, endRun - firstRun));
+        for (std::size_t first = 0; first < lights.size(); first += kMaxShadowSources) {
+            const std::size_t count = std::min(kMaxShadowSources, lights.size() - first);
+            const auto some = std::span(lights).subspan(first, count);
+            const std::vector<uint32_t> places = runs.reachedBy(some, firstRun, endRun);
+            std::vector<uint32_t> texels;
+            for (const uint32_t place : places) texels.push_back(pass.texels[place]);
+            if (!addLights({pass.paths, pass.pattern, pass.map, pass.grid, texels, pass.samples, pass.timesOnEdges,
+                            quiet, pass.stage, pass.rays},
+                           some, seed, places, out)) {
+                return;
+            }
+        }
+    };
+    return parallelFor(blocks, 1, pass.progress, pass.stage, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t block = begin; block < end; ++block) inIsolation([&] { addBlock(block); });
+    });
+}
+
+} // namespace
+
+bool addBakedLights(const ShadowPass& pass, uint32_t seed, std::span<IrradianceEstimate> out)
+{
+    std::vector<const PunctualLight*> everywhere;
+    std::vector<const PunctualLight*> inReach;
+    for (const PunctualLight& light : pass.paths.lights())
+        if (light.directAtTexels) (reachesEverywhere(light) ? everywhere : inReach).push_back(&light);
+    const double share = inReach.empty() ? 1.0 : 0.5; // of the progress
+    const auto part = [&](const Progress& progress) {
+        return ShadowPass{pass.paths,   pass.pattern,      pass.map, pass.grid,  pass.texels,
+                          pass.samples, pass.timesOnEdges, progress, pass.stage, pass.rays};
+    };
+    const Progress first = partOf(pass.progress, 0.0, everywhere.empty() ? 0.0 : share);
+    const Progress second = partOf(pass.progress, everywhere.empty() ? 0.0 : share, 1.0);
+    if (!addLightsEverywhere(part(first), everywhere, seed, out)) return false;
+    if (!inReach.empty() && !addLightsInReach(part(second), LightReach(inReach), seed, out)) return false;
     return !pass.progress.cancelled();
 }
 

@@ -65,11 +65,12 @@ private:
             },
             partOf(pass_.progress, 0.0, 0.5), pass_.stage, pass_.rays,
             [&] {
-                return
-                    [&](const TexelGroup& group, std::size_t first, uint64_t& rays) { traceFirst(group, first, rays); };
+                return [&](const ShadowGroup& group, std::size_t first, uint64_t& rays) {
+                    traceFirst(group, first, rays);
+                };
             });
     }
-    void traceFirst(const TexelGroup& group, std::size_t first, uint64_t& rays)
+    void traceFirst(const ShadowGroup& group, std::size_t first, uint64_t& rays)
     {
         // The rays of a texel with invalid points do not count.
         std::array<LitCount*, TexelGroup::kLanes> counted{};
@@ -88,39 +89,79 @@ private:
         }
     }
 
+    /// First rays of a texel, a bit for each source.
+    struct Seen {
+        uint32_t notLit = 0;  ///< some ray brings less than all
+        uint32_t notDark = 0; ///< some ray brings something
+        uint32_t mixed = 0;   ///< the rays disagree
+
+        void add(const Seen& other)
+        {
+            notLit |= other.notLit;
+            notDark |= other.notDark;
+            mixed |= other.mixed;
+        }
+    };
+    void findSeen()
+    {
+        seen_.resize(set_.size());
+        forEachIndex(set_.size(), [&](std::size_t i) {
+            for (std::size_t s = 0; s < sourceCount(); ++s) {
+                const LitRange& range = first_[i * sourceCount() + s];
+                const uint32_t bit = 1u << s;
+                if (!range.any()) continue;
+                seen_[i].notLit |= range.isLit() ? 0u : bit;
+                seen_[i].notDark |= range.isDark() ? 0u : bit;
+                seen_[i].mixed |= range.mixed() ? bit : 0u;
+            }
+        });
+    }
+
     /// Marks texels whose neighbourhood disagrees. Texels next to one that an edge crosses get more rays, because their
     /// own rays easily miss the edge.
     void findOpen()
     {
+        findSeen();
         open_.assign(pass_.texels.size() * sourceCount(), Closed);
         forEachIndex(pass_.texels.size(), [&](std::size_t i) {
             if (validPoints(i) != 0) findOpen(i);
         });
+        release(seen_);
     }
     void findOpen(std::size_t i)
     {
-        std::array<LitRange, kMaxShadowSources> together; // of the neighbourhood
-        int around = 0;
+        const uint32_t all = sourceCount() == kMaxShadowSources ? ~0u : (1u << sourceCount()) - 1u;
+        uint32_t undecided = all;
         if (validPoints(i) == kAllPoints) {
+            Seen together;
+            int around = 0;
             pass_.grid.around(pass_.texels[i], kAgreeRadius, [&](uint32_t other) {
-                const LitRange* found = &first_[set_.find(other) * sourceCount()];
-                for (std::size_t s = 0; s < sourceCount(); ++s) together[s].add(found[s]);
+                together.add(seen_[set_.find(other)]);
                 ++around;
             });
+            if (around >= kEnoughTexels) undecided = disagreeing(i, together.notLit & together.notDark);
         }
-        unsigned undecided = 0;
-        for (std::size_t s = 0; s < sourceCount(); ++s)
-            undecided |= around < kEnoughTexels || together[s].mixed() ? 1u << s : 0u;
         if (undecided == 0) return;
-        unsigned mixed = 0;
-        pass_.grid.around(pass_.texels[i], 1, [&](uint32_t other) {
-            const LitRange* found = &first_[set_.find(other) * sourceCount()];
-            for (std::size_t s = 0; s < sourceCount(); ++s) mixed |= found[s].mixed() ? 1u << s : 0u;
-        });
+        Seen beside;
+        pass_.grid.around(pass_.texels[i], 1, [&](uint32_t other) { beside.add(seen_[set_.find(other)]); });
         for (std::size_t s = 0; s < sourceCount(); ++s) {
-            const unsigned bit = 1u << s;
-            if ((undecided & bit) != 0) open_[i * sourceCount() + s] = (mixed & bit) != 0 ? BesideEdge : Undecided;
+            const uint32_t bit = 1u << s;
+            if ((undecided & bit) != 0)
+                open_[i * sourceCount() + s] = (beside.mixed & bit) != 0 ? BesideEdge : Undecided;
         }
+    }
+    /// Those of the sources of which the neighbourhood's rays disagree: rays through the same glass agree, too.
+    [[nodiscard]] uint32_t disagreeing(std::size_t i, uint32_t sources) const
+    {
+        uint32_t result = 0;
+        for (std::size_t s = 0; s < sourceCount(); ++s) {
+            if ((sources >> s & 1u) == 0) continue;
+            LitRange together;
+            pass_.grid.around(pass_.texels[i], kAgreeRadius,
+                              [&](uint32_t other) { together.add(first_[set_.find(other) * sourceCount() + s]); });
+            result |= together.mixed() ? 1u << s : 0u;
+        }
+        return result;
     }
 
     /// Closes all but partly lit texels and those in a given state.
@@ -145,13 +186,13 @@ private:
             },
             progress, pass_.stage, pass_.rays,
             [&] {
-                return [&, begin, end](const TexelGroup& group, std::size_t first, uint64_t& rays) {
+                return [&, begin, end](const ShadowGroup& group, std::size_t first, uint64_t& rays) {
                     traceHalves(group, first, begin, end, rays);
                 };
             });
     }
     /// `group` has batch 0 of the texels' points.
-    void traceHalves(const TexelGroup& group, std::size_t first, int begin, int end, uint64_t& rays)
+    void traceHalves(const ShadowGroup& group, std::size_t first, int begin, int end, uint64_t& rays)
     {
         const auto lanes = std::size_t(group.lanes());
         std::array<uint32_t, TexelGroup::kLanes> texels;
@@ -168,7 +209,7 @@ private:
             traceHalf(points, first, half + 1, rays);
         }
     }
-    void traceHalf(const TexelGroup& points, std::size_t first, int half, uint64_t& rays)
+    void traceHalf(const ShadowGroup& points, std::size_t first, int half, uint64_t& rays)
     {
         const auto lanes = std::size_t(points.lanes());
         for (std::size_t s = 0; s < sourceCount(); ++s) {
@@ -194,6 +235,7 @@ private:
     TexelSet set_;                ///< the pass's texels and their neighbours
     bool whole_;                  ///< both sets are the same
     std::vector<LitRange> first_; ///< by texel of the set and source
+    std::vector<Seen> seen_;      ///< by texel of the set
     std::vector<Open> open_;      ///< by texel of the pass and source
     std::vector<uint32_t> list_;  ///< open texels of the pass
 };

@@ -1,8 +1,8 @@
 #pragma once
 // Packets of shadow rays from texels to lights.
 
+#include "bake_cpu/sample/light_reach.h"
 #include "bake_cpu/sample/shadow_packet.h"
-#include "bake_cpu/shadows/light_reach.h"
 #include "bake_cpu/texels/texel_group.h"
 
 #include <algorithm>
@@ -19,7 +19,12 @@ public:
     ShadowGroup(const PathTracer& paths, const TexelMap& map, std::span<const uint32_t> texels, PointUse use,
                 int batch = 0)
         : TexelGroup(paths, map, texels, use, [&](uint32_t id) { return batch + firstBatch(id); })
-    {}
+    {
+        for (int lane = 0; lane < lanes(); ++lane)
+            for (int p = 0; p < pointCount(lane); ++p) bounds_.extend(points(lane)[std::size_t(p)].position);
+    }
+    /// Of all points.
+    [[nodiscard]] const Bounds& bounds() const { return bounds_; }
 
     /// One of the 256 batches, of 32768, whose mean point is closest to the texel's centre: their mean light is that of
     /// the whole texel to first order.
@@ -41,6 +46,9 @@ public:
         }();
         return few[hashPcg(id) % kFew].second;
     }
+
+private:
+    Bounds bounds_;
 };
 
 /// Least and largest transmittance of a texel's rays to one light.
@@ -62,7 +70,11 @@ struct LitRange {
         least = std::min(least, other.least);
         most = std::max(most, other.most);
     }
+    [[nodiscard]] bool any() const { return least <= most; }
     [[nodiscard]] bool mixed() const { return int(most) - int(least) > kAlike; }
+    /// Whether ranges of which this is true agree with one another.
+    [[nodiscard]] bool isLit() const { return int(least) >= kLit - kAlike; }
+    [[nodiscard]] bool isDark() const { return int(most) <= kAlike; }
 };
 
 /// Weighted sum of the transmittances of some rays to one light.
@@ -144,9 +156,10 @@ public:
 
     /// One half-batch of all active lanes in `wanted` (a bit each), from the points of the group. By lane.
     using Sums = std::array<LitSum, TexelGroup::kLanes>;
-    Sums trace(const TexelGroup& group, uint32_t wanted, int half, uint64_t& rays) const
+    Sums trace(const ShadowGroup& group, uint32_t wanted, int half, uint64_t& rays) const
     {
         Sums sums;
+        if (!source_.lights.mayReach(group.bounds())) return sums;
         std::array<ShadowSource::Target, TexelGroup::kLanes> targets;
         for (int i = 0; i < kHalf; ++i) {
             ShadowPacket packet(paths_);
