@@ -52,7 +52,7 @@ install(FILES ${PROJECT_BINARY_DIR}/halflight.pc DESTINATION ${CMAKE_INSTALL_LIB
 install(FILES README.md CHANGELOG.md docs/guide.md docs/format.md docs/engines.md docs/conventions.md
     DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT runtime)
 install(FILES LICENSE DESTINATION ${CMAKE_INSTALL_DOCDIR} RENAME copyright COMPONENT runtime)
-install(DIRECTORY docs/schemas DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT runtime)
+install(DIRECTORY docs/guide docs/schemas DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT runtime)
 # Made when the program is linked (apps/halflight/CMakeLists.txt).
 set(HALFLIGHT_CLI_DOCS ${PROJECT_BINARY_DIR}/cli_docs)
 install(DIRECTORY ${HALFLIGHT_CLI_DOCS}/man1 DESTINATION ${CMAKE_INSTALL_MANDIR} COMPONENT runtime OPTIONAL

@@ -47,7 +47,21 @@ def figures(bench):
     result = subprocess.run([str(bench), "--markdown", "--assets", str(ROOT / "assets")], capture_output=True, text=True)
     if result.returncode not in (0, 1) or not result.stdout:
         sys.exit(f"{bench} failed: {result.stderr}")
-    return result.stdout
+    return by_scene(result.stdout)
+
+
+def by_scene(table):
+    """The rows of a table as one table for each scene, with notes below it, so that lines stay short enough to read."""
+    lines, notes, shown = [], [], None
+    for row in table.splitlines()[2:]:
+        what, scene, figure, measured, limit, note = (cell.strip() for cell in row.strip("|").split("|"))
+        if (what, scene) != shown:
+            shown = (what, scene)
+            lines += notes + ["", f"**{what}**, {scene}", "", "| what | measured | limit |", "|---|---|---|"]
+            notes = []
+        lines.append(f"| {figure} | {measured} | {limit} |")
+        notes += ["", f"*{figure}*: {note}."] if note else []
+    return "\n".join(lines + notes) + "\n\n"
 
 
 def main():

@@ -179,8 +179,7 @@ def measure(halflight, scene, options, folder):
         cells.append(percent(error(shown.picture(*wanted), truth)))
     if options.pictures:
         pictures(halflight, scene, shown.baked, options)
-    command = f"`scripts/make_truth_report.py --samples {options.samples} --size {options.size} {scene.name}`"
-    return f"| {scene.stem} | {' | '.join(cells)} | {percent(noise)} | {command} |\n"
+    return f"| {scene.stem} | {' | '.join(cells)} | {percent(noise)} | {options.samples}, {options.size} |\n"
 
 
 def pictures(halflight, scene, baked, options):

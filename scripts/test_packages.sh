@@ -113,7 +113,7 @@ echo "tarball, Ubuntu 22.04, render: $(python3 tests/package/picture_difference.
 # The guide's steps in the system's own Blender, with the zip that holds the wheel: install, bake, view.
 check_blender() { # SUITE SYSTEM
   local root="$roots/blender-$1" step
-  step=$(sed -n 's/^1\. `\(apt install blender[^`]*\)` in a terminal.*/\1/p' docs/guide.md)
+  step=$(sed -n 's/^1\. `\(apt install blender[^`]*\)` in a terminal.*/\1/p' docs/guide/blender.md)
   if [ ! -e "$root" ]; then
     rm -rf "$root.new"
     cp -a "$roots/$1" "$root.new"

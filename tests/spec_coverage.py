@@ -1,110 +1,75 @@
 #!/usr/bin/env python3
-"""docs/spec-coverage.md is true: every part S1…S32 has a row; the tests, mutations and pictures it names exist, and every
-mutation of scripts/mutations.toml is in it, but for those of web/. Usage: spec_coverage.py ROOT | --self-test"""
+"""docs/spec-coverage.md is what scripts/make_spec_coverage.py writes, and every part S1…S32 has tests, a picture that
+exists, and mutations. Usage: spec_coverage.py ROOT | --self-test"""
 
 import pathlib
-import re
 import sys
-import tomllib
+
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "scripts"))
+import make_spec_coverage  # noqa: E402
 
 PARTS = [f"S{i}" for i in range(1, 33)]
-COLUMNS = ("part", "shows", "tests", "picture", "mutations")
 
 
-def rows_of(text):
-    """{part: cells} of the table's rows, and the parts that occur twice."""
-    rows, twice = {}, []
-    for line in text.splitlines():
-        match = re.match(r"\|\s*(S\d+)\s*\|", line)
-        if not match:
-            continue
-        cells = [cell.strip() for cell in line.strip().strip("|").split("|")]
-        if match[1] in rows:
-            twice.append(match[1])
-        rows[match[1]] = dict(zip(COLUMNS, cells))
-    return rows, twice
-
-
-def names_in(cell):
-    return re.findall(r"`([^`]+)`", cell)
-
-
-def known_tests(root):
-    """Suite.Test of GoogleTest, Class.test_name of unittest."""
-    known = set()
-    for path in (root / "tests").rglob("*.cpp"):
-        for suite, test in re.findall(r"^TEST(?:_F|_P)?\((\w+),\s*(\w+)\)", path.read_text(), re.M):
-            known.add(f"{suite}.{test}")
-    for path in (root / "tests").rglob("*_test.py"):
-        current = ""
-        for line in path.read_text().splitlines():
-            if match := re.match(r"class (\w+)", line):
-                current = match[1]
-            if match := re.match(r"    def (test_\w+)", line):
-                known.add(f"{current}.{match[1]}")
-    return known
-
-
-def problems_of(text, tests, mutations, has_file):
-    rows, twice = rows_of(text)
-    problems = [f"{part} has two rows" for part in twice]
-    named = set()
-    for part in PARTS:
-        row = rows.get(part)
-        if row is None or len(row) < len(COLUMNS):
-            problems.append(f"{part} has no row of {len(COLUMNS)} columns")
-            continue
-        if not names_in(row["tests"]):
-            problems.append(f"{part} names no test")
-        problems += [f"{part}: there is no test {name}" for name in names_in(row["tests"]) if name not in tests]
-        if not names_in(row["mutations"]):
-            problems.append(f"{part} names no mutation")
-        for name in names_in(row["mutations"]):
-            full = f"{part}-{name}"
-            named.add(full)
-            if full not in mutations:
-                problems.append(f"{part}: there is no mutation {full}")
-        if "](" not in row["picture"]:
-            problems.append(f"{part} shows no picture")
-        for link in re.findall(r"\]\(([^)#]+)\)", row["picture"]):
-            if not has_file(link):
-                problems.append(f"{part}: there is no picture {link}")
-    problems += [f"{name} is in no row" for name in sorted(set(mutations) - named)]
+def problems_of(parts, tests, mutations, has_file):
+    names = [part["name"] for part in parts]
+    problems = [] if names == PARTS else [f"tests/spec_parts.toml has {names}, not S1 to S32"]
+    for part in parts:
+        name = part["name"]
+        if not make_spec_coverage.tests_of(part, tests, mutations):
+            problems.append(f"{name} has no test")
+        for test in part.get("also", ()):
+            if test not in tests:
+                problems.append(f"{name}: there is no test {test}")
+            elif test in make_spec_coverage.tests_of({"name": name}, tests, mutations):
+                problems.append(f"{name}: {test} need not be listed in tests/spec_parts.toml")
+        if not any(mutation["part"] == name for mutation in mutations):
+            problems.append(f"{name} has no mutation")
+        if not part["pictures"]:
+            problems.append(f"{name} has no picture")
+        problems += [f"{name}: there is no picture {file}" for _, file in part["pictures"] if not has_file(file)]
+    problems += [f"mutation {m['part']}-{m['name']} is of no part" for m in mutations if m["part"] not in names]
     return problems
 
 
 def check(root):
-    with open(root / "scripts" / "mutations.toml", "rb") as file:
-        mutations = [f"{m['part']}-{m['name']}" for m in tomllib.load(file)["mutation"] if m["part"] not in ("WEB", "FILE")]
+    parts, tests, mutations = make_spec_coverage.read(root)
     docs = root / "docs"
-    problems = problems_of((docs / "spec-coverage.md").read_text(), known_tests(root), mutations,
-                           lambda link: (docs / link).is_file())
+    problems = problems_of(parts, tests, mutations, lambda file: (docs / file).is_file())
+    if (docs / "spec-coverage.md").read_text(encoding="utf-8") != make_spec_coverage.page_of(parts, tests, mutations):
+        problems.append("docs/spec-coverage.md is old: run scripts/make_spec_coverage.py")
     for problem in problems:
-        print(f"docs/spec-coverage.md: {problem}")
+        print(problem)
     return 1 if problems else 0
 
 
 def self_test():
-    def page(**changes):
-        row = {"tests": "`A.B`", "picture": "[x](x.jpg)", "mutations": "`m`"}
-        return "\n".join("| {} | what | {} | {} | {} |".format(part, *({**row, **changes.get(part, {})}).values())
-                         for part in PARTS if part not in changes.get("without", ()))
+    tests = {f"Law{part}.B" for part in PARTS} | {"Other.Test"}
+    mutations = [{"part": part, "name": "m", "fails": [f"bake Law{part}.*"]} for part in PARTS]
 
-    mutations = [f"{part}-m" for part in PARTS]
+    def count(part=None, tests=tests, mutations=mutations, **changes):
+        parts = [{"name": name, "what": "x", "pictures": [["x", "x.jpg"]]} for name in PARTS]
+        if part:
+            parts[PARTS.index(part)].update(changes)
+        return len(problems_of(parts, tests, mutations, lambda file: file == "x.jpg"))
 
-    def count(text, mutations=mutations):
-        return len(problems_of(text, {"A.B"}, mutations, lambda link: link == "x.jpg"))
-
-    assert count(page()) == 0
-    assert count(page(without=("S7",))) == 2  # and its mutation is in no row
-    assert count(page() + "\n| S7 | twice | `A.B` | [x](x.jpg) | `m` |") == 1
-    assert count(page(S3={"tests": "`A.C`"})) == 1
-    assert count(page(S3={"tests": "none"})) == 1
-    assert count(page(S3={"picture": "[y](y.jpg)"})) == 1
-    assert count(page(S3={"picture": "a view"})) == 1
-    assert count(page(S3={"mutations": "`m`, `n`"})) == 1
-    assert count(page(S3={"mutations": "–"})) == 2
-    assert count(page(), mutations + ["S3-n"]) == 1
+    assert count() == 0
+    assert count("S3", also=["Other.Test"]) == 0
+    assert count("S3", also=["LawS3.B"]) == 1  # its name says it already
+    assert count("S3", also=["A.C"]) == 1
+    assert count("S3", pictures=[["y", "y.jpg"]]) == 1
+    assert count("S3", pictures=[]) == 1
+    assert count("S3", name="S4") == 2  # the parts' names, and S3's mutation
+    assert count(tests=tests - {"LawS3.B"}) == 1
+    assert count(mutations=[m for m in mutations if m["part"] != "S3"]) == 1
+    assert count(mutations=mutations + [{"part": "S33", "name": "n", "fails": []}]) == 1
+    for name, parts in (("LocalLawS3S4.Near", {"S3", "S4"}), ("Lights.EndsAtDistanceS1", {"S1"}), ("ABS3.A", set()),
+                        ("LawS12.StaticCasters", {"S12"}), ("S3a.b", set())):
+        assert make_spec_coverage.parts_in(name) == parts, name
+    for fail, found in (("render *LocalLawS3S4*", 1), ("cli Chain.test_a", 1), ("render A.B/Instance*:C.*", 2),
+                        ("bake A.*", 1)):
+        known = {"LocalLawS3S4.Near", "Chain.test_a", "Chain.test_ab", "A.B", "C.D", "LawS1.B"}
+        assert len(make_spec_coverage.named_by({"fails": [fail]}, known)) == found, fail
     return 0
 
 

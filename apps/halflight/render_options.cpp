@@ -59,7 +59,7 @@ void addPictureOptions(CLI::App& app, RenderOptions& options, const std::string&
     addChoice<bool>(app, "--reflection-probes", options.render.reflectionProbes, {{"on", true}, {"off", false}},
                     "glossy surfaces reflect the bake's pictures of the rooms, in files that have some (default on)");
     addChoice<bool>(app, "--specular", options.render.specular, {{"on", true}, {"off", false}},
-                    "off: diffuse surfaces, as the bake carries light on, to judge a bake alone (default on)");
+                    "off: surfaces in view are diffuse, to judge a bake alone (default on)");
     const auto checkLight = [](std::string& text) {
         const Result<LightOverride> change = parseLightOverride(text);
         return change ? std::string() : change.error().message;
@@ -199,7 +199,7 @@ void addRenderOptions(CLI::App& app, RenderOptions& options)
     CLI::Option* reference = addInt(app, "--reference", options.referenceSamples, 1, 1 << 20,
                                     "path trace with N samples per pixel instead: the truth that a bake is judged by");
     app.add_flag("--reference-diffuse", options.referenceDiffuse,
-                 "behind the surfaces that the camera sees, carry light on as the bake does, without specular lobes")
+                 "surfaces behind those that the camera sees are diffuse, as in bakes without glossy bounces")
         ->needs(reference);
     addFloat(app, "--reference-clamp", options.referenceClamp, 0.0f, 1.0e9f, "NITS",
              "limit of what one path brings by way of two or more surfaces: less noise, too dark (default 0: none)")

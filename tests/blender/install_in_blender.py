@@ -51,7 +51,7 @@ def run_blender(name):
 
 
 def check_command_line(_extension):
-    """docs/guide.md's line: what is said is printed, and the exit code tells whether it was baked."""
+    """docs/guide/blender.md's line: what is said is printed, and the exit code tells whether it was baked."""
     bpy.ops.wm.save_userpref()
     scene = stage.empty()
     scene.objects["Floor"].modifiers.new("Hair", "PARTICLE_SYSTEM")

@@ -1,4 +1,4 @@
-// S31. What every debug view says, to the value: the colours that docs/guide.md explains.
+// S31. What every debug view says, to the value: the colours that docs/guide/pictures.md explains.
 #include "halflight/shading/sh.h"
 #include "render/law_scene.h"
 

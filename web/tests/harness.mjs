@@ -32,7 +32,7 @@ export function halflight(...args) {
     return execFileSync(findProgram(), args, { encoding: 'utf8', maxBuffer: 2 ** 26 });
 }
 
-const types = { '.html': 'text/html', '.js': 'text/javascript', '.mjs': 'text/javascript', '.css': 'text/css', '.json': 'application/json', '.wasm': 'application/wasm' };
+const types = { '.html': 'text/html', '.js': 'text/javascript', '.mjs': 'text/javascript', '.css': 'text/css', '.json': 'application/json', '.svg': 'image/svg+xml', '.wasm': 'application/wasm' };
 
 /** Serves web/ as /web/, assets/ as /assets/, a package of three.js as /three/, a folder of files as /files/, and others. */
 export function serve(files, three = 'three', others = {}) {

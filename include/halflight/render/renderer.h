@@ -63,8 +63,8 @@ struct RenderSettings {
     /// baked_scene.h).
     std::optional<vec3> subtractiveShadowColor;
     bool directionalLightmaps = true; ///< let normal maps and mirrors see where lightmap light came from, if baked
-    /// False: surfaces are diffuse, of the albedo by which the bake carries light on (shading::transportAlbedo()), so
-    /// that a bake can be judged without what its renderer adds.
+    /// False: surfaces are diffuse, of shading::transportAlbedo(), so that a bake can be judged without what its
+    /// renderer adds.
     bool specular = true;
     bool reflectionProbes = true; ///< reflect what the reflection probes show, in files that have some
     ivec2 size{1280, 720};

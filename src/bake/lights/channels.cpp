@@ -217,7 +217,7 @@ std::vector<vec3> surfacePoints(const Scene& scene)
     }
     std::vector<vec3> points;
     if (!(area > 0.0)) return points;
-    constexpr int kPoints = 4096; // a few per cent of error in the brightest tenth of the light
+    constexpr int kPoints = 4096; // a few per cent of error in the level of the light
     for (int i = 0; i < kPoints; ++i) {
         // Roberts 2018, "The Unreasonable Effectiveness of Quasirandom Sequences": R3.
         const glm::dvec3 u =

@@ -218,7 +218,7 @@ def render(
         directional: use the lightmap's directions where the bake has them (default on)
         reflection_probes: glossy surfaces reflect the bake's pictures of the rooms, in files that have some (default
             on)
-        specular: off: diffuse surfaces, as the bake carries light on, to judge a bake alone (default on)
+        specular: off: surfaces in view are diffuse, to judge a bake alone (default on)
         light (NAME:KEY=VALUE,…): change a light since its bake: intensity, color, direction, position, range, strength,
             inner-cone, outer-cone (degrees), depth-bias, slope-bias, normal-bias; may be repeated
         size (WxH): width and height in pixels (default 1280x720)
@@ -246,8 +246,7 @@ def render(
         shadow_normal_bias (TEXELS): receivers move along their normal by this (default 0.5)
     Reference:
         reference (1..1048576): path trace with N samples per pixel instead: the truth that a bake is judged by
-        reference_diffuse: behind the surfaces that the camera sees, carry light on as the bake does, without specular
-            lobes
+        reference_diffuse: surfaces behind those that the camera sees are diffuse, as in bakes without glossy bounces
         reference_clamp (NITS): limit of what one path brings by way of two or more surfaces: less noise, too dark
             (default 0: none)
         bounces (0..256): at most so many bounces in the reference (default: all light)
