@@ -186,7 +186,7 @@ export class BakedLight {
         light.castShadow = before.castShadow;
         light.layers.mask = before.layers;
         if (light.distance === this.scaledRange && this.range !== undefined) light.distance = this.range;
-        if (this.isArea && !this.original) light.removeFromParent();
+        if (this.isArea && (!this.original || light.parent?.userData.halflight?.isAreaLight)) light.removeFromParent();
         const { shadow } = light;
         if (!shadow) return;
         shadow.camera.layers.mask = before.shadowLayers;
