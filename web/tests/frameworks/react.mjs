@@ -57,7 +57,8 @@ async function show(name, props = {}, { offset, models = 1, canvas = {} } = {}) 
 async function clear() {
     await show('nothing', {}, { models: 0 });
     const { page } = await open();
-    await page.waitForFunction(() => new Promise((resolve) => setTimeout(() => resolve(true), 50)));
+    // React cleans up after its commit, then timers free: they are done when the page idles.
+    await page.evaluate(() => new Promise((resolve) => requestIdleCallback(() => setTimeout(resolve, 50))));
 }
 
 const picture = async () => (await open()).page.evaluate(() => window.picture());
