@@ -1,20 +1,24 @@
 #!/usr/bin/env python3
-"""Checks that source files stay short enough to read.
+"""Checks that source files, and functions of Python, stay short enough to read.
 
-    file_sizes.py ROOT          exit 1 and one line per file that is too long
+    file_sizes.py ROOT          exit 1 and one line per file or function that is too long
     file_sizes.py --self-test   shows that each rule can fail
 
 A file has at most 400 lines. Files that were longer when the rule came may only shrink: LONGER has their limits, and a
-limit that a file no longer needs is an error too, so that the list ends some day.
+limit that a file no longer needs is an error too, so that the list ends some day. A Python function has at most 80
+lines. Generated files are exempt.
 """
 
+import ast
 import pathlib
 import sys
 import tempfile
 
 LIMIT = 400
-FOLDERS = ("apps", "bench", "blender", "examples", "include", "scripts", "shaders", "src", "tests")
-SUFFIXES = {".h", ".cpp", ".py", ".glsl", ".vert", ".frag", ".js", ".mjs", ".ts", ".sh"}
+FUNCTION_LIMIT = 80
+FOLDERS = ("apps", "assets", "bench", "blender", "examples", "farm", "include", "scripts", "shaders", "src", "tests", "web")
+SUFFIXES = {".h", ".cpp", ".py", ".glsl", ".vert", ".frag", ".js", ".jsx", ".mjs", ".ts", ".tsx", ".mts", ".css", ".html", ".sh"}
+GENERATED = ("web/three/src/generated/", "scripts/packaging/python/halflight/_commands.py")
 
 LONGER = {
     "bench/bake_bench.cpp": 556,
@@ -32,6 +36,14 @@ LONGER = {
 }
 
 
+def long_functions(name, text):
+    functions = (n for n in ast.walk(ast.parse(text)) if isinstance(n, (ast.FunctionDef, ast.AsyncFunctionDef)))
+    for function in functions:
+        lines = function.end_lineno - function.lineno + 1
+        if lines > FUNCTION_LIMIT:
+            yield f"{name}: {function.name}() has {lines} lines, at most {FUNCTION_LIMIT}: split it"
+
+
 def problems_of(root, longer):
     problems = []
     seen = set()
@@ -40,8 +52,13 @@ def problems_of(root, longer):
             if path.suffix not in SUFFIXES or not path.is_file() or "node_modules" in path.parts:
                 continue
             name = path.relative_to(root).as_posix()
+            if name.startswith(GENERATED):
+                continue
             seen.add(name)
-            lines = len(path.read_text(encoding="utf-8", errors="replace").splitlines())
+            text = path.read_text(encoding="utf-8", errors="replace")
+            lines = len(text.splitlines())
+            if path.suffix == ".py":
+                problems += long_functions(name, text)
             limit = longer.get(name, LIMIT)
             if lines > limit:
                 problems.append(f"{name}: {lines} lines, at most {limit}: split it by what it holds")
@@ -63,6 +80,17 @@ def self_test():
         assert len(problems_of(root, {"src/long.cpp": LIMIT + 4})) == 1
         assert len(problems_of(root, {"src/long.cpp": LIMIT + 5, "src/short.cpp": 500})) == 1
         assert len(problems_of(root, {"src/long.cpp": LIMIT + 5, "src/gone.cpp": 500})) == 1
+        (root / "src/long.cpp").unlink()
+        (root / "web/three/src/generated").mkdir(parents=True)
+        (root / "web/three/src/generated/long.js").write_text("\n" * (LIMIT + 5))
+        assert problems_of(root, {}) == []
+        (root / "web/three/src/long.js").write_text("\n" * (LIMIT + 5))
+        assert len(problems_of(root, {})) == 1
+        (root / "web/three/src/long.js").unlink()
+        (root / "src/short.py").write_text("def fits():\n" + "    pass\n" * (FUNCTION_LIMIT - 1))
+        assert problems_of(root, {}) == []
+        (root / "src/short.py").write_text("def long():\n" + "    pass\n" * FUNCTION_LIMIT)
+        assert len(problems_of(root, {})) == 1
 
 
 def main():

@@ -38,13 +38,8 @@ def _look_at(eye, target):
     return [cy * sp, sy * cp, -sy * sp, cy * cp]
 
 
-def write(path, spots=1):
-    """`spots` mixed spot lights reach the same floor, besides one mixed directional light."""
-    positions, normals, indices = _cube()
-    data = b"".join(struct.pack("<3f", *p) for p in positions)
-    data += b"".join(struct.pack("<3f", *n) for n in normals)
-    data += struct.pack("<%dH" % len(indices), *indices)
-    count = len(positions)
+def _blocks_and_lights(spots):
+    """(nodes, lights)"""
 
     def block(name, center, size, **extras):
         node = {"name": name, "mesh": 0, "translation": center, "scale": size}
@@ -85,6 +80,17 @@ def write(path, spots=1):
                 "extensions": {"KHR_lights_punctual": {"light": i + 1}},
             }
         )
+    return nodes, lights
+
+
+def write(path, spots=1):
+    """`spots` mixed spot lights reach the same floor, besides one mixed directional light."""
+    positions, normals, indices = _cube()
+    data = b"".join(struct.pack("<3f", *p) for p in positions)
+    data += b"".join(struct.pack("<3f", *n) for n in normals)
+    data += struct.pack("<%dH" % len(indices), *indices)
+    count = len(positions)
+    nodes, lights = _blocks_and_lights(spots)
     document = {
         "asset": {"version": "2.0", "generator": "Halflight tests"},
         "extensionsUsed": ["KHR_lights_punctual"],

@@ -130,3 +130,36 @@ test('life: only objects that moved in their file are lit anew', async () => {
     assert.deepEqual(counts, { first: 301, all: 300, some: 30, none: 0, file: 0, turned: 0, apart: counts.apart });
     assert.ok(counts.apart < 1e-3, `light depends on the place alone: ${counts.apart}`);
 });
+
+test('life: lights of a clone are those of the file in each mode, and dispose() takes back what it changed', async () => {
+    const { page, call } = await studio.pageOf('three');
+    await call('load', { file: '/assets/conformance/five_lights.glb' });
+    const result = await page.evaluate(async () => {
+        const { loaded, makeRenderer, viewOf } = window.halflightPage;
+        const r = await makeRenderer(32, 18);
+        const { halflight, scene, gltf } = loaded;
+        const view = viewOf('main', 16 / 9);
+        const lightsOf = (root) => {
+            const lights = [];
+            root.traverse((o) => o.isLight && lights.push(`${o.name} ${o.layers.mask} ${o.castShadow} ${o.shadow?.mapSize.x}`));
+            return lights;
+        };
+        const loadedLights = lightsOf(gltf.scene);
+        halflight.mode = 'shadowmask'; // the fifth light is in the lightmap alone
+        halflight.update(r, view);
+        const copy = gltf.scene.clone();
+        scene.add(copy);
+        const pairs = ['shadowmask', 'realtime'].map((mode) => {
+            halflight.mode = mode;
+            halflight.update(r, view);
+            return [lightsOf(gltf.scene), lightsOf(copy)];
+        });
+        halflight.dispose();
+        loaded.halflight = null;
+        return { pairs, loadedLights, after: [lightsOf(gltf.scene), lightsOf(copy)] };
+    });
+    const [masks, realtime] = result.pairs;
+    assert.notDeepEqual(masks[0], realtime[0], 'a light is switched');
+    for (const [own, copied] of result.pairs) assert.deepEqual(copied, own);
+    for (const lights of result.after) assert.deepEqual(lights, result.loadedLights);
+});

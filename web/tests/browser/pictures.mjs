@@ -96,6 +96,7 @@ test('dispose gives everything back', async () => {
     const result = await call('disposeTest', { file: '/assets/conformance/five_lights.glb', width: SIZE[0], height: SIZE[1], camera });
     assert.deepEqual(result.changed, []);
     assert.equal(result.largest, 0, 'three.js draws the file as without the plug-in');
+    assert.equal(result.ownSize, 512, "the application's shadow map keeps its size");
     assert.ok(result.withPlugin > 0.01, 'and the plug-in had made a difference');
 });
 

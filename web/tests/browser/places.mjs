@@ -77,6 +77,9 @@ for (const renderer of ['webgl', 'webgpu']) {
         test(`places: a clone by ${copy}, ${renderer}`, async () => {
             await compareElsewhere(renderer, 'conformance/five_lights', 'shadowmask', { ...PLACES.moved, copy }, `beside, ${copy}`);
             await compareElsewhere(renderer, 'conformance/five_lights', 'shadowmask', { ...PLACES.turned, copy, alone: true }, `alone, ${copy}`);
+            // The sun, a spot light and an area light: clones have to aim as their originals.
+            const modes = renderer === 'webgl' ? ['shadowmask', 'realtime'] : ['shadowmask'];
+            for (const mode of modes) await compareElsewhere(renderer, bakeAll(), mode, { ...PLACES.turned, copy, alone: true }, `alone, ${copy}`);
         });
     }
     test(`places: objects of one mesh by a loader whose associations they share, ${renderer}`, async () => {

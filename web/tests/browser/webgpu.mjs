@@ -54,6 +54,7 @@ test('dispose gives everything back, WebGPU', async () => {
     const result = await call('disposeTest', { file: '/assets/conformance/five_lights.glb', width: SIZE[0], height: SIZE[1], camera });
     assert.deepEqual(result.changed, []);
     assert.ok(result.largest < 1e-6, `three.js draws the file as without the plug-in: ${result.largest}`);
+    assert.equal(result.ownSize, 512, "the application's shadow map keeps its size");
     assert.ok(result.withPlugin > 0.01, 'and the plug-in had made a difference');
 });
 

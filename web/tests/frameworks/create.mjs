@@ -1,4 +1,4 @@
-// Apps made by the commands of docs/web.md, with our packages as npm packs them: they build, and show the courtyard.
+// Pages and apps made by the commands of docs/web.md, with our packages as npm packs them: they show the courtyard.
 import assert from 'node:assert/strict';
 import { execSync, spawnSync } from 'node:child_process';
 import { copyFileSync, mkdirSync, readFileSync, rmSync, writeFileSync } from 'node:fs';
@@ -28,14 +28,27 @@ function blockOf(heading, language) {
     return section.match(new RegExp(`^\`\`\`${language}\\n([\\s\\S]*?)^\`\`\``, 'm'))[1];
 }
 
-/** Runs the commands of a section in an empty folder. @returns {string} the app's folder */
-function create(heading, name) {
+/** Runs the commands of a section in an empty folder, with our packages as packed. @returns {string} the folder */
+function runCommands(heading, name) {
     const folder = join(studio.files, name);
     mkdirSync(folder, { recursive: true });
     const commands = blockOf(heading, 'bash').replaceAll(/@halflight\/(\w+)/g, (_, own) => packageOf(own));
-    assert.match(commands, /^npm create vite@latest app -- --template \w+$/m);
-    execSync(`set -e\n${commands}`, { cwd: folder, shell: '/bin/bash', stdio: ['ignore', 'pipe', 'pipe'], timeout: 300000, env: { ...process.env, npm_config_yes: 'true' } });
-    return join(folder, 'app');
+    const env = { ...process.env, npm_config_yes: 'true' };
+    execSync(`set -e\n${commands}`, { cwd: folder, shell: '/bin/bash', stdio: ['ignore', 'pipe', 'pipe'], timeout: 300000, env });
+    return folder;
+}
+
+/** @returns {string} the folder of an app that the commands of a section make */
+function create(heading, name) {
+    assert.match(blockOf(heading, 'bash'), /^npm create vite@latest app -- --template \w+$/m);
+    return join(runCommands(heading, name), 'app');
+}
+
+/** Fails where a page shows another picture of the courtyard than the program, or says something. */
+async function checkPage(folder, path, label) {
+    const { reference } = pictureOf('courtyard', SIZE, '--mode', 'shadowmask', '--exposure', '2');
+    const trouble = await comparePage(folder, path, label, reference);
+    assert.deepEqual(trouble.filter((sentence) => !/THREE.Clock|Clock: This module|A-Frame Version|super-three/.test(sentence)), []);
 }
 
 /** Builds, serves and compares. */
@@ -43,9 +56,7 @@ async function check(app, label) {
     studio.bake('courtyard', 'courtyard', '--lightmap-size', '256');
     copyFileSync(studio.pathOf('courtyard'), join(app, 'public/courtyard-baked.glb'));
     execSync('npm run build', { cwd: app, stdio: ['ignore', 'pipe', 'pipe'], timeout: 300000 });
-    const { reference } = pictureOf('courtyard', SIZE, '--mode', 'shadowmask', '--exposure', '2');
-    const trouble = await comparePage(join(app, 'dist'), 'index.html', label, reference);
-    assert.deepEqual(trouble.filter((sentence) => !/Clock: This module has been deprecated|THREE.Clock/.test(sentence)), []);
+    await checkPage(join(app, 'dist'), 'index.html', label);
 }
 
 test('an app by npm create vite: plain JavaScript', async (t) => {
@@ -62,4 +73,13 @@ test('an app by npm create vite: React', async (t) => {
     const app = create('React', 'react-app');
     writeFileSync(join(app, 'src/App.jsx'), blockOf('React', 'jsx'));
     await check(app, 'npm create vite, React');
+});
+
+test('a page by the commands for A-Frame', async (t) => {
+    if (skipOffline(t)) return;
+    const folder = runCommands('A-Frame', 'aframe-page');
+    studio.bake('courtyard', 'courtyard', '--lightmap-size', '256');
+    copyFileSync(studio.pathOf('courtyard'), join(folder, 'courtyard-baked.glb'));
+    writeFileSync(join(folder, 'index.html'), blockOf('A-Frame', 'html'));
+    await checkPage(folder, 'index.html?ui=false', 'A-Frame, by its commands'); // no button for headsets in the picture
 });

@@ -3,7 +3,7 @@ import assert from 'node:assert/strict';
 import { execFileSync } from 'node:child_process';
 import { copyFileSync, cpSync, writeFileSync } from 'node:fs';
 import { join } from 'node:path';
-import { test } from 'node:test';
+import { after, test } from 'node:test';
 
 import { halflight, repository, serve, web } from '../harness.mjs';
 import { studio } from '../browser/studio.mjs';
@@ -13,6 +13,7 @@ const SIZE = { width: 320, height: 180 };
 const URL = '/files/lights.glb';
 const CONFIG = "import react from '@vitejs/plugin-react';\nexport default { base: './', root: 'react_page', plugins: [react()], resolve: { preserveSymlinks: true } };\n";
 let opened = null;
+after(() => opened?.server.close());
 
 /** The test page, built once; its requests of files and errors are kept. */
 async function open() {
@@ -33,7 +34,7 @@ async function open() {
     await page.waitForFunction('window.show !== undefined');
     const { reference, camera, exposure } = pictureOf('lights', SIZE, '--mode', 'shadowmask');
     const view = { fov: camera.verticalFovDegrees, eye: camera.eye, target: camera.target };
-    opened = { page, requests, trouble, reference, view, exposure };
+    opened = { server, page, requests, trouble, reference, view, exposure };
     return opened;
 }
 
@@ -56,7 +57,8 @@ async function show(name, props = {}, { offset, models = 1, canvas = {} } = {}) 
 async function clear() {
     await show('nothing', {}, { models: 0 });
     const { page } = await open();
-    await page.waitForFunction(() => new Promise((resolve) => setTimeout(() => resolve(true), 50)));
+    // React cleans up after its commit, then timers free: they are done when the page idles.
+    await page.evaluate(() => new Promise((resolve) => requestIdleCallback(() => setTimeout(resolve, 50))));
 }
 
 const picture = async () => (await open()).page.evaluate(() => window.picture());
@@ -268,5 +270,14 @@ test('react: Draco and meshopt decoders', async () => {
         assert.equal(requests.length, 1, 'options are compared by value');
         await clear();
     }
+    quiet();
+});
+
+test("react: drei's useGLTF and <Gltf>", async () => { // the last: drei keeps the file
+    const { page } = await open();
+    await clear();
+    await show('drei', { url: URL, position: [3, 1, -2] }, { offset: [3, 1, -2] });
+    await compareWith("drei's Gltf");
+    assert.deepEqual(await page.evaluate(() => [...window.bake.warnings]), []);
     quiet();
 });

@@ -6,6 +6,7 @@ import { DRACOLoader } from 'three/addons/loaders/DRACOLoader.js';
 import { GLTFLoader } from 'three/addons/loaders/GLTFLoader.js';
 
 import { shIrradianceWeight } from '../../three/src/generated/shading.js';
+import { frameCost } from './cost.js';
 import { evaluate } from './law.js';
 import { clamp, encode, readReference } from './pictures.js';
 import { follow, put } from './places.js';
@@ -265,7 +266,7 @@ function stateOf(scene) {
     scene.traverse((o) => {
         const entry = [o.name, o.type, o.castShadow, o.receiveShadow, o.layers.mask, o.visible];
         if (o.isMesh) entry.push(Object.keys(o.geometry.attributes).join(), o.material.shadowSide, ...['onBeforeCompile', 'customProgramCacheKey', 'setupLightingModel', 'setupOutput', 'contextNode', 'halflight'].filter((name) => Object.hasOwn(o.material, name)));
-        if (o.isLight) entry.push(o.intensity, o.shadow?.mapSize.x, o.shadow?.camera.layers.mask, Object.keys(o.shadow?.getFrustum() ?? {}).join());
+        if (o.isLight) entry.push(o.intensity, o.distance, Object.keys(o.shadow?.getFrustum() ?? {}).join(), JSON.stringify(o.shadow?.toJSON(), (key, value) => (key === 'up' ? 0 : value))); // three.js turns point lights' cameras
         result.push(entry.join(' '));
     });
     return result;
@@ -275,6 +276,9 @@ async function disposeTest({ file, width, height, camera }) {
     await load({ file });
     const { scene, halflight } = loaded;
     const plain = { update() {}, warnings: [] };
+    const own = new THREE.DirectionalLight(0xffffff, 0.1); // the application's, with three.js's shadow map
+    own.castShadow = true;
+    scene.add(own);
     const before = stateOf(scene);
     const drawWith = async (object) => {
         loaded.halflight = object;
@@ -283,6 +287,7 @@ async function disposeTest({ file, width, height, camera }) {
     };
     const first = await drawWith(plain);
     const withPlugin = await drawWith(halflight);
+    const ownSize = own.shadow.map.width;
     halflight.dispose();
     const after = stateOf(scene);
     scene.traverse((o) => Object.hasOwn(o, 'onBeforeRender') && after.push(`${o.name} has onBeforeRender`));
@@ -293,49 +298,8 @@ async function disposeTest({ file, width, height, camera }) {
         changed: after.flatMap((line, i) => (line === before[i] ? [] : [`${before[i]} -> ${line}`])),
         largest: last.reduce((m, x, i) => Math.max(m, Math.abs(x - first[i])), 0),
         withPlugin: mean(withPlugin, first),
+        ownSize,
     };
-}
-
-/** Milliseconds of a frame, the median of several, with the plug-in or of three.js alone with the same lights and shadows. */
-async function frameCost({ file, width, height, camera, mode, frames }) {
-    await load({ file });
-    const renderer = await makeRenderer(width, height);
-    const view = viewOf(camera, width / height);
-    const target = new (THREE.WebGLRenderTarget ?? THREE.RenderTarget)(width, height, { type: THREE.HalfFloatType });
-    const { scene, halflight } = loaded;
-    if (mode === 'three.js') {
-        // The plug-in's shadow cameras and map sizes, every object a caster; then its patches are taken back.
-        halflight.mode = 'realtime';
-        halflight.update(renderer, view);
-        const shadows = halflight.lights.map(({ light }) => [light, light.castShadow, light.shadow.mapSize.x]);
-        const meshes = [];
-        scene.traverse((o) => o.isMesh && o !== halflight.sky && meshes.push([o, o.castShadow, o.receiveShadow]));
-        halflight.dispose();
-        for (const [light, cast, size] of shadows) {
-            light.castShadow = cast;
-            light.shadow.mapSize.setScalar(size);
-        }
-        for (const [mesh, cast, receive] of meshes) Object.assign(mesh, { castShadow: cast, receiveShadow: receive });
-        loaded.halflight = null;
-    } else {
-        halflight.mode = mode;
-    }
-    const times = [];
-    const pixel = new Uint16Array(4);
-    for (let i = 0; i < frames + 2; ++i) {
-        const start = performance.now();
-        if (mode !== 'three.js') halflight.update(renderer, view);
-        const updated = performance.now();
-        renderer.setRenderTarget(target);
-        renderer.render(scene, view);
-        renderer.readRenderTargetPixels(target, 0, 0, 1, 1, pixel); // waits for the frame
-        times.push([performance.now() - start, updated - start]);
-    }
-    renderer.setRenderTarget(null);
-    target.dispose();
-    const median = (list) => list.sort((a, b) => a - b)[list.length >> 1];
-    const later = times.slice(2); // the first compile and upload
-    return { frame: median(later.map((t) => t[0])), update: median(later.map((t) => t[1])), calls: renderer.info.render.calls, triangles: renderer.info.render.triangles };
 }
 
 async function sentences() {
@@ -391,7 +355,7 @@ async function probeGrid({ file, module, resolution }) {
 const toneMapping = async (pictures) => differenceFrom(await makeRenderer(160, 90), read, pictures);
 const evaluateCases = async (functions) => evaluate(await makeRenderer(64, 64), read, functions, kind === 'webgl2-nodes');
 
-window.halflightTest = { put: async (where) => put(loaded, where), evaluate: evaluateCases, toneMapping, probeGrid, load, draw, compare, picture, agreement, atPoints, replaceDynamic, lightNames, intensityOf, changeLight, moveLight, disposeTest, frameCost, sentences };
+window.halflightTest = { put: async (where) => put(loaded, where), evaluate: evaluateCases, toneMapping, probeGrid, load, draw, compare, picture, agreement, atPoints, replaceDynamic, lightNames, intensityOf, changeLight, moveLight, disposeTest, frameCost: async (options) => frameCost(window.halflightPage, options), sentences };
 /** For tests that are functions of their own. */
 window.halflightPage = { THREE, GLTFLoader, HalflightPlugin, loaded, load, draw, makeRenderer, viewOf, readPixels: read };
 window.ready = true;

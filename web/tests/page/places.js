@@ -4,12 +4,13 @@ import { clone as cloneSkinned } from 'three/addons/utils/SkeletonUtils.js';
 
 const COPIES = { clone: (root) => root.clone(), skeleton: (root) => cloneSkinned(root), drei: cloneByParts };
 
-/** As drei's Clone: an object of the same class for each, with a few properties of the source, userData among them. */
+/** As drei's Clone: an object of the same type for each, with some properties of the source. */
 function cloneByParts(source) {
-    const copy = source.isMesh ? new THREE.Mesh(source.geometry, source.material) : source.isLight ? source.clone(false) : new THREE.Group();
-    for (const key of ['name', 'visible', 'castShadow', 'receiveShadow', 'userData']) copy[key] = source[key];
+    const copy = source.isMesh ? new THREE.Mesh(source.geometry, source.material) : new THREE[source.type]();
+    const copied = ['name', 'visible', 'castShadow', 'receiveShadow', 'userData', 'color', 'distance', 'decay', 'penumbra', 'angle', 'intensity'];
+    for (const key of copied) if (source[key] !== undefined) copy[key] = source[key];
     for (const key of ['position', 'scale', 'quaternion']) copy[key].copy(source[key]);
-    for (const child of source.children) copy.add(source.isLight ? child.clone() : cloneByParts(child));
+    for (const child of source.children) copy.add(cloneByParts(child));
     return copy;
 }
 

@@ -108,7 +108,7 @@ function collect(scene, json, file) {
     for (const [node, root] of nodes) {
         const light = areaLightOf(root, json, node);
         if (!light) continue;
-        light.userData.halflight = { file, node };
+        light.userData.halflight = { file, node, isAreaLight: true };
         lights.push({ light, node, name: json.nodes[node].name ?? `node ${node}` });
     }
     return { objects: [...objects.values()], lights };

@@ -1,7 +1,8 @@
 // What the tests mount, by name.
 import { HalflightModel, useBakedObject, useHalflight } from '@halflight/react';
-import { Center, Clone, OrbitControls } from '@react-three/drei';
-import { useThree } from '@react-three/fiber';
+import { HalflightPlugin } from '@halflight/three';
+import { Center, Clone, Gltf, OrbitControls, useGLTF } from '@react-three/drei';
+import { useFrame, useThree } from '@react-three/fiber';
 import { EffectComposer, ToneMapping } from '@react-three/postprocessing';
 import { ToneMappingMode } from 'postprocessing';
 import { Suspense, use, useEffect, useLayoutEffect, useRef } from 'react';
@@ -48,6 +49,16 @@ function Order({ url }) {
     return null;
 }
 
+const plugin = (loader) => loader.register((parser) => new HalflightPlugin(parser));
+
+/** By drei's loader, which is not three.js's. */
+function Drei({ url, ...props }) {
+    const { halflight } = useGLTF(url, false, true, plugin).userData;
+    useFrame(({ gl, camera, scene }) => halflight.update(gl, camera, scene));
+    useEffect(() => void (window.bake = halflight), [halflight]);
+    return <Gltf src={url} useDraco={false} extendLoader={plugin} {...props} />;
+}
+
 function Slow() {
     use(window.slow);
     return null;
@@ -55,6 +66,7 @@ function Slow() {
 
 export const scenes = {
     nothing: () => null,
+    drei: (props) => <Drei {...props} />,
     model: (props) => <HalflightModel {...props} />,
     decoded: (props) => <HalflightModel options={{ ...decoders }} {...props} />,
     hook: (props) => <Primitive {...props} />,

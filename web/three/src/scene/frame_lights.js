@@ -11,6 +11,15 @@ const owners = new WeakMap();
 /** What decides whether three.js draws lights, and in which order. */
 const switchesOf = (lights) => lights.map((light) => `${light.layers.mask} ${light.castShadow}`).join();
 
+/** GLTFLoader's target is a child of the light; `clone()` gives the clone another, which is in no scene. @param {any} light of a clone @param {any} original */
+function aimAs(light, original) {
+    if (!light.target || light.target.parent) return;
+    const index = original.children.indexOf(original.target);
+    light.target = index < 0 ? original.target : (light.children[index] ?? light.target);
+    if (!light.target.parent) light.add(light.target);
+    light.target.updateWorldMatrix(true, false);
+}
+
 export class FrameLights {
     /** @param {import('./scene.js').HalflightScene} scene @param {BakedLight[]} own of the file, by `node` */
     constructor(scene, own, nodes) {
@@ -27,9 +36,22 @@ export class FrameLights {
     adopt(light, node, instance) {
         const original = this.byNode.get(node);
         if (!original) return;
+        aimAs(light, original.light);
         const state = new BakedLight(light, original.data, original.name, instance, original);
         this.states.set(light, state);
         owners.set(light, state);
+    }
+
+    /** An area light for a plain object that was made of one, as drei's Clone does. @param {any} object @param {number} node */
+    standIn(object, node) {
+        const original = this.byNode.get(node)?.light;
+        if (!original || object.children.some((child) => child.isHalflightAreaLight)) return;
+        const light = original.clone();
+        light.position.setScalar(0);
+        light.quaternion.identity();
+        light.scale.setScalar(1);
+        object.add(light);
+        light.updateWorldMatrix(false, false);
     }
 
     /** @param {(state: BakedLight) => boolean} gone */

@@ -25,6 +25,16 @@ function mapSize(light) {
     return light.isSpotLight ? 1024 : 512;
 }
 
+const CAMERA = ['left', 'right', 'top', 'bottom', 'near', 'far'];
+
+/** What the plug-in changes of a light. */
+function stateOf({ castShadow, layers, shadow }) {
+    if (!shadow) return { castShadow, layers: layers.mask };
+    const { camera, mapSize, bias, normalBias } = shadow;
+    const planes = Object.fromEntries(CAMERA.filter((key) => key in camera).map((key) => [key, camera[key]]));
+    return { castShadow, layers: layers.mask, shadowLayers: camera.layers.mask, mapSize: mapSize.clone(), bias, normalBias, planes };
+}
+
 export class BakedLight {
     #own = { castShadows: true, shadowStrength: 1 };
 
@@ -46,8 +56,11 @@ export class BakedLight {
         /** Whether a texture unit is left for its shadow map. */
         this.mapAllowed = true;
         this.plan = { channel: -1, staticCasters: true, flags: 0, drawn: true, casts: true };
-        this.before = { castShadow: light.castShadow, layers: light.layers.mask, shadowLayers: light.shadow?.camera.layers.mask, mapSize: light.shadow?.mapSize.x };
-        if (light.shadow && light.shadow.mapSize.x === 512) light.shadow.mapSize.setScalar(mapSize(light)); // three.js's default
+        /** What the plug-in changes of it, as it was; a clone has the original's changes. */
+        this.before = original?.before ?? stateOf(light);
+        const size = light.shadow?.mapSize;
+        if (instance && size?.x === 512 && size.y === 512) size.setScalar(mapSize(light)); // three.js's default
+        this.mapSize = size?.clone();
         this.atLoad = this.bounce();
         const m = this.data.worldFromLight;
         this.bakedPosition = [m[12], m[13], m[14]];
@@ -173,12 +186,15 @@ export class BakedLight {
         light.castShadow = before.castShadow;
         light.layers.mask = before.layers;
         if (light.distance === this.scaledRange && this.range !== undefined) light.distance = this.range;
-        if (this.isArea && !this.original) light.removeFromParent();
-        if (!light.shadow) return;
-        light.shadow.camera.layers.mask = before.shadowLayers;
-        light.shadow.mapSize.setScalar(before.mapSize);
-        light.shadow.dispose(); // its map has the plug-in's size
-        light.shadow.map = null;
+        if (this.isArea && (!this.original || light.parent?.userData.halflight?.isAreaLight)) light.removeFromParent();
+        const { shadow } = light;
+        if (!shadow) return;
+        shadow.camera.layers.mask = before.shadowLayers;
+        Object.assign(shadow.camera, before.planes).updateProjectionMatrix();
+        Object.assign(shadow, { bias: before.bias, normalBias: before.normalBias });
+        if (shadow.mapSize.equals(this.mapSize)) shadow.mapSize.copy(before.mapSize); // else the application chose another
+        shadow.dispose(); // its map has the plug-in's size
+        shadow.map = null;
     }
 }
 

@@ -284,6 +284,7 @@ export class HalflightScene {
             const visible = shown && object.visible;
             const stamp = stampOf(object, this.file);
             if (stamp && object.isMesh && !this.members.rows.has(object)) this.members.adopt(object);
+            if (stamp?.isAreaLight && !object.isHalflightAreaLight) this.frameLights.standIn(object, stamp.node);
             if (object.isLight || object.isHalflightAreaLight) {
                 if (stamp && !this.frameLights.states.has(object)) {
                     const instance = this.members.instanceOf(object);

@@ -2,7 +2,7 @@
 import { BackSide, BoxGeometry, Mesh, Object3D, ShaderMaterial } from 'three';
 
 import shading from '../generated/shading.glsl.js';
-import { skyText } from '../webgl/shader_text.js';
+import { skyText } from '../webgl/surface_text.js';
 
 /** @param {any} uniforms of the bake: hlView, and those of skyText */
 export function makeSky(uniforms) {

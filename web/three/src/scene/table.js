@@ -8,7 +8,7 @@
 //   4, 5  first and last texel's centre; 4.w factor on the stored radiance
 import { DataTexture, FloatType, NearestFilter, RGBAFormat } from 'three';
 
-import { COLUMNS, ROWS } from '../webgl/shader_text.js';
+import { COLUMNS, ROWS } from '../webgl/table_text.js';
 
 export class ObjectTable {
     constructor() {

@@ -1,4 +1,4 @@
-// The glue of webgl/shader_text.js as nodes of WebGPURenderer. Formulas are the headers', by generated/shading.tsl.js.
+// The glue of webgl/*_text.js as nodes of WebGPURenderer. Formulas are the headers', by generated/shading.tsl.js.
 import { BackSide, DoubleSide } from 'three';
 import {
     If, Loop, attribute, cameraPosition, cameraProjectionMatrix, cameraViewMatrix, dFdx, dFdy, diffuseColor, faceDirection, float, int, ivec2, mat4,
@@ -8,7 +8,7 @@ import {
 
 import { kReflectionLevels } from '../generated/shading.js';
 import * as hl from '../generated/shading.tsl.js';
-import { COLUMNS, ROWS } from '../webgl/shader_text.js';
+import { COLUMNS, ROWS } from '../webgl/table_text.js';
 
 const REALTIME = 0;
 const SUBTRACTIVE = 4;
@@ -47,7 +47,7 @@ export class SceneNodes {
         return light.own.x.lessThan(0).or(light.own.x.toInt().equal(s.place));
     }
 
-    /** The fragment as lights see it: HlSurface of shader_text.js. */
+    /** The fragment as lights see it: HlSurface of surface_text.js. */
     surface(builder) {
         const { u } = this;
         const { object, geometry, material } = builder;
@@ -228,7 +228,7 @@ export class SceneNodes {
         return mix(texel(low), texel(low.add(1)), level.sub(low.toFloat()));
     }
 
-    /** What the probes make of a surface's own surroundings: hlReflected() of shader_text.js. */
+    /** What the probes make of a surface's own surroundings: hlReflected() of indirect_text.js. */
     withReflections(s, surroundings, local) {
         const [count, , unit, first] = this.u.reflections;
         const mirror = reflect(s.view.negate(), s.normal).toVar();
