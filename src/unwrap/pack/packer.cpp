@@ -102,21 +102,23 @@ std::vector<std::vector<Shape>> allShapes(const std::vector<PackItem>& items, in
 
 } // namespace
 
-std::vector<Placement> packOnePage(const std::vector<PackItem>& items, ivec2 pageSize, int padding,
-                                   const Progress& progress)
+std::optional<Block> packOnePage(const std::vector<PackItem>& items, ivec2 pageSize, int padding,
+                                 const Progress& progress)
 {
     std::size_t texels = 0;
     for (const PackItem& item : items) texels += item.footprint->count();
-    if (texels > std::size_t(pageSize.x) * std::size_t(pageSize.y)) return {};
+    if (texels > std::size_t(pageSize.x) * std::size_t(pageSize.y)) return std::nullopt;
     const std::vector<std::vector<Shape>> shapes = allShapes(items, padding, progress);
     Packing packing(pageSize, padding);
-    std::vector<Placement> placements(items.size());
+    Block block;
+    block.placements.resize(items.size());
     for (const uint32_t i : largestFirst(items)) {
         const Shape* used = nullptr;
-        if (progress.cancelled() || !packing.place(shapes[i], placements[i], used)) return {};
-        placements[i].page = 0;
+        if (progress.cancelled() || !packing.place(shapes[i], block.placements[i], used)) return std::nullopt;
+        block.placements[i].page = 0;
+        block.size = glm::max(block.size, block.placements[i].at + used->size);
     }
-    return placements;
+    return block;
 }
 
 std::vector<Placement> packPages(const std::vector<PackItem>& items, ivec2 pageSize, int padding,
