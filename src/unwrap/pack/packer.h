@@ -24,9 +24,16 @@ struct Placement {
     int orientation = 0;
 };
 
-/// Tries to lay everything down on one page of width × height. Placements are empty when it does not fit, or cancelled.
-std::vector<Placement> packOnePage(const std::vector<PackItem>& items, ivec2 pageSize, int padding,
-                                   const Progress& progress);
+/// A rectangle with everything on it.
+struct Block {
+    ivec2 size{0}; ///< of what is used, from the corner
+    std::vector<Placement> placements;
+};
+
+/// Lays everything down on one page of width × height, row by row from the top. Nothing when it does not fit, or
+/// cancelled.
+std::optional<Block> packOnePage(const std::vector<PackItem>& items, ivec2 pageSize, int padding,
+                                 const Progress& progress);
 
 /// Uses as many pages as it takes. Items of a group that does not fit on a page of its own keep page -1.
 std::vector<Placement> packPages(const std::vector<PackItem>& items, ivec2 pageSize, int padding,
@@ -34,10 +41,6 @@ std::vector<Placement> packPages(const std::vector<PackItem>& items, ivec2 pageS
 
 /// Lays everything down, in the orientation it has, on a rectangle that is about square and as small as it gets, but
 /// not larger than `most` on a side. Empty when that is impossible.
-struct Block {
-    ivec2 size{0};
-    std::vector<Placement> placements;
-};
 std::optional<Block> packBlock(const std::vector<PackItem>& items, ivec2 most, int padding, const Progress& progress);
 
 } // namespace halflight::charts

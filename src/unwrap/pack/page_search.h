@@ -1,70 +1,28 @@
 #pragma once
-// Searches for a density and for a page size (searchByTrials()).
+// Searches for a density and for a page size, with as few packings as possible: a small page tells how well these
+// charts fill one, and the height that a packing takes tells how far off it was.
 
 #include "unwrap/pack/pages.h"
 
-#include <algorithm>
-#include <cmath>
+#include <optional>
 
 namespace halflight::charts {
 
-/// The size of the smallest page that holds everything. From an estimate that is good to some percent: up in small
-/// steps, then halves of what is left.
-struct PageSearch {
-    int fails = kLeastCutPage - 4;
-    int fits = 0;
-    int value = 0; ///< size of the next trial
-    bool fittedOnce = false;
-    int trial = 0;
-    bool done = false;
+/// Share of a page's texels that charts with half of their padding will fill: measured on a page with a quarter of the
+/// columns where charts are not too many for it.
+double expectedShare(const std::vector<GroupLayout>& groups, const PageSettings& settings, const Progress& progress);
 
-    PageSearch(int most, int estimate) : fits(most), value(estimate) { settle(); }
-    [[nodiscard]] PageSearch after(bool fitted) const
-    {
-        PageSearch next = *this;
-        (fitted ? next.fits : next.fails) = value;
-        next.fittedOnce = fittedOnce || fitted;
-        ++next.trial;
-        next.value =
-            next.fittedOnce ? roundedUpToBlocks(0.5 * (next.fails + next.fits)) : roundedUpToBlocks(1.04 * value + 1.0);
-        next.settle();
-        return next;
-    }
+/// Density at which charts with half of their padding take that share of a page.
+double densityOfShare(const std::vector<GroupLayout>& groups, const PageSettings& settings, double share);
 
-private:
-    void settle()
-    {
-        constexpr int kTrials = 10;
-        value = std::clamp(value, fails + 4, std::max(roundedUpToBlocks(fits) - 4, fails + 4));
-        done = trial == kTrials || fits - fails <= std::max(4, fits / 64) || value >= fits;
-    }
-};
+/// The greatest density up to `most` at which everything fits one page. Mostly two packings. Nothing where none was
+/// found, or when cancelled.
+std::optional<Pages> fillPage(const std::vector<GroupLayout>& groups, const PageSettings& settings, double share,
+                              double most, const Progress& progress);
 
-/// The greatest density at which everything fits one page: brackets it, then halves the bracket.
-struct DensitySearch {
-    static constexpr int kTrials = 9;
-    double most = 0.0;
-    double value = 0.0; ///< density of the next trial
-    double fits = 0.0;
-    double fails = 0.0;
-    int trial = 0;
-    bool done = false;
-
-    [[nodiscard]] DensitySearch after(bool fitted) const
-    {
-        DensitySearch next = *this;
-        (fitted ? next.fits : next.fails) = value;
-        ++next.trial;
-        const bool bracketed = next.fits > 0.0 && next.fails > 0.0;
-        next.done = next.trial == kTrials || next.fits >= most || (bracketed && next.fails / next.fits < 1.008);
-        if (bracketed) {
-            next.value = std::sqrt(next.fits * next.fails);
-        } else {
-            const double step = trial < 2 ? 1.06 : trial < 4 ? 1.25 : 3.0;
-            next.value = next.fits > 0.0 ? std::min(next.fits * step, most) : next.fails / step;
-        }
-        return next;
-    }
-};
+/// The smallest page, up to settings.pageSize, that everything fits at a density. Mostly two packings. Nothing where
+/// no page does, or when cancelled.
+std::optional<Pages> smallestPage(const std::vector<GroupLayout>& groups, const PageSettings& settings, double share,
+                                  double texelsPerMeter, const Progress& progress);
 
 } // namespace halflight::charts

@@ -75,7 +75,4 @@ Result<Pages> placeOnPages(std::vector<GroupLayout>& groups, const PageSettings&
 /// Texels that an authored layout touches at so many texels per uv unit, within the rectangle from `corner` on.
 Footprint rasterizeLayout(const AuthoredLayout& layout, double texelsPerUnit, ivec2 corner, ivec2 size);
 
-/// Density at which all groups together take about `share` of one page's texels, padding included.
-double estimateDensity(const std::vector<GroupLayout>& groups, const PageSettings& settings, double share);
-
 } // namespace halflight::charts
