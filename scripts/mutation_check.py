@@ -5,7 +5,7 @@
 
 scripts/mutations.toml lists the mutations: a part of the specification, a file, a text in it, what it becomes, and the tests
 that must then fail: "PROGRAM GTEST_FILTER", "cli CLASS.test", or "web PART NAME" for a file of web/tests or a part of its browser
-tests and a pattern of test names. A copy of the source tree in build/mutation is built once; each mutation changes one file there, builds
+or framework tests and a pattern of test names. A copy of the source tree in build/mutation is built once; each mutation changes one file there, builds
 only the test programs concerned, runs the tests named and puts the file back. Nothing outside build/mutation is written.
 
 Exits with 1 when a mutation survives (a named test does not fail), when its text is not in its file exactly once, when it does
@@ -73,9 +73,10 @@ def copy_tree():
         if str(path.relative_to(TREE)) not in wanted:
             path.unlink()
     shared = TREE.parent / "shared"  # tests look for ../shared
-    modules = TREE / "web/node_modules"
-    if (ROOT / "web/node_modules").is_dir() and not modules.exists():
-        modules.symlink_to((ROOT / "web/node_modules").resolve())
+    for folder in ("web", "web/examples", "web/examples/aframe"):
+        modules = ROOT / folder / "node_modules"
+        if modules.is_dir() and not (TREE / folder / "node_modules").exists():
+            (TREE / folder / "node_modules").symlink_to(modules.resolve())
     if (ROOT.parent / "shared").is_dir() and not shared.exists():
         shared.symlink_to((ROOT.parent / "shared").resolve())
 
@@ -100,9 +101,9 @@ def build(programs, jobs):
 
 def run_web_tests(pattern):
     part, name = pattern.split(" ", 1)
-    script = TREE / "web/tests" / f"{part}.test.mjs"
-    if not script.is_file():
-        script = TREE / "web/tests/browser.test.mjs"
+    tests = TREE / "web/tests"
+    groups = ("browser", "frameworks")
+    script = tests / (next((group for group in groups if (tests / group / f"{part}.mjs").is_file()), part) + ".test.mjs")
     program = os.environ.get("HALFLIGHT_PROGRAM", str(BUILD / "apps/halflight/halflight"))
     _, output = run(["env", f"HALFLIGHT_WEB_PARTS={part}", f"HALFLIGHT_PROGRAM={program}", "node", "--test-reporter=tap", "--test",
                      f"--test-name-pattern={name}", str(script)])

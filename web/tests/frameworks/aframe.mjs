@@ -2,7 +2,7 @@
 import assert from 'node:assert/strict';
 import { copyFileSync, readFileSync, writeFileSync } from 'node:fs';
 import { join } from 'node:path';
-import { test } from 'node:test';
+import { after, test } from 'node:test';
 
 import { repository, serveFolder } from '../harness.mjs';
 import { studio } from '../browser/studio.mjs';
@@ -10,6 +10,8 @@ import { compare, makeWorkspace, pictureOf } from './workspace.mjs';
 
 const SIZE = { width: 320, height: 180 };
 let folder = null;
+let close = null; // of the page that is open: a test that fails leaves it
+after(() => close?.());
 
 /** The example's page with another file, another import map, and no frames but those that a test draws. */
 async function open(change) {
@@ -25,7 +27,8 @@ async function open(change) {
     page.on('pageerror', (error) => trouble.push(String(error)));
     page.on('console', (message) => ['error', 'warning'].includes(message.type()) && !/Failed to load resource|GPU stall|Clock/.test(message.text()) && trouble.push(message.text()));
     await page.goto(`${server.url}/test.html`);
-    return { page, trouble, close: () => page.close().then(() => server.close()) };
+    close = () => page.close().then(() => server.close());
+    return { page, trouble, close };
 }
 
 /** Draws through the program's camera. Runs in a page. */

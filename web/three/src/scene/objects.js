@@ -2,6 +2,7 @@
 import { Box3, Matrix4, Vector3 } from 'three';
 
 import { Place } from '../probes/search.js';
+import { hasBones, posedBox, posedMean } from './skins.js';
 
 const TEXCOORDS = ['uv', 'uv1', 'uv2', 'uv3'];
 
@@ -53,7 +54,7 @@ export class BakedObject {
         this.box = original?.box.clone() ?? new Box3();
         for (const mesh of original ? [] : meshes) {
             if (!mesh.geometry.boundingBox) mesh.geometry.computeBoundingBox();
-            this.box.union(mesh.geometry.boundingBox);
+            this.box.union(hasBones(mesh) ? posedBox(mesh) : mesh.geometry.boundingBox);
         }
         this.firstRow = -1;
         /** Whether a frame had it in its scene: it is dropped when it leaves. */
@@ -69,6 +70,9 @@ export class BakedObject {
         this.anchor = new Float64Array(3);
         this.light = { radiance: new Float64Array(27), occlusion: new Float64Array(4) };
         this.atLoad = original?.atLoad ?? this.bakeFromMesh();
+        /** Of a mesh with bones: the mean of its vertices at load and now, in bake space. */
+        this.posedAtLoad = hasBones(meshes[0]) ? (original?.posedAtLoad ?? this.posed(new Vector3())) : null;
+        this.posedNow = this.posedAtLoad?.clone();
         this.undo = [];
     }
 
@@ -89,6 +93,11 @@ export class BakedObject {
         return bakeFromMesh.multiply(own);
     }
 
+    /** @param {Vector3} result */
+    posed(result) {
+        return posedMean(this.meshes[0], result).applyMatrix4(this.instance.bakeFromWorld);
+    }
+
     bakeBox() {
         const box = new Box3();
         for (let i = 0; i < this.instances; ++i) box.union(this.box.clone().applyMatrix4(this.bakeFromObject(i)));
@@ -97,7 +106,10 @@ export class BakedObject {
 
     /** Lights instance i by the probes where it is. @param {import('../probes/field.js').ProbeField} field @param {import('./table.js').ObjectTable} table */
     sample(i, field, table) {
-        this.box.getCenter(point).applyMatrix4(this.bakeFromObject(i, matrix)).toArray(this.anchor);
+        this.box.getCenter(point);
+        if (this.posedAtLoad) point.applyMatrix4(this.atLoad).add(this.posedNow).sub(this.posedAtLoad); // bones move it
+        else point.applyMatrix4(this.bakeFromObject(i, matrix));
+        point.toArray(this.anchor);
         table.setSample(this.firstRow + i, field.sample(this.anchor, (this.places[i] ??= new Place()), this.light));
     }
 
@@ -143,6 +155,7 @@ export class BakedObject {
 
     /** Finds where it is in its file now: a file that moves as a whole keeps its light. */
     follow() {
+        if (this.posedAtLoad) this.followBones();
         const world = this.meshes[0].matrixWorld;
         if (this.lastVersion === this.instance.version && this.lastWorld.equals(world)) return;
         this.lastVersion = this.instance.version;
@@ -151,6 +164,13 @@ export class BakedObject {
         if (this.isStatic) this.strayed = apart(this.atLoad, matrix) > MOVED;
         if (this.lit && apart(this.lit, matrix) <= UNMOVED) return;
         this.lit = (this.lit ?? new Matrix4()).copy(matrix);
+        this.isDark = true;
+    }
+
+    followBones() {
+        this.posed(point);
+        if (point.distanceTo(this.posedNow) <= UNMOVED * point.length()) return;
+        this.posedNow.copy(point);
         this.isDark = true;
     }
 }
