@@ -2,7 +2,7 @@
 // times are CPU seconds of the process, summed over threads, so that a busy machine disturbs them little.
 //   bench_bake PART [--scene FILE]... [--size N] [--points N] [--reference N]
 //              [--samples N] [--seeds N] [--references DIR]
-//   PART: gather | error | shadows | seams | masks | scaling | lights | triangles
+//   PART: gather | error | shadows | seams | masks | scaling | lights | lamps | triangles
 // Scenes: the built-in "cornell" (a box with an emissive quad), or glTF files; FILE@sun leaves them the sun and the
 // sky.
 
@@ -13,6 +13,7 @@
 #include "bake/seams/seams.h"
 #include "bake/texels/rasterize.h"
 #include "measure.h"
+#include "whole_bakes.h"
 
 #include "bake_cpu/guiding/build_guides.h"
 #include "bake_cpu/lightmap/lightmap_run.h"
@@ -31,9 +32,6 @@
 #include <filesystem>
 #include <fstream>
 #include <string>
-#include <sys/resource.h>
-#include <sys/wait.h>
-#include <unistd.h>
 #include <vector>
 
 using namespace halflight;
@@ -388,72 +386,6 @@ void partMasks(const Options& options)
     }
 }
 
-uint64_t peakBytes()
-{
-    rusage usage{};
-    getrusage(RUSAGE_SELF, &usage);
-    return uint64_t(usage.ru_maxrss) * 1024u;
-}
-
-struct BakeCost {
-    double texels = 0.0;
-    double cpu = 0.0;
-    uint64_t peak = 0;
-};
-
-/// The whole bake in a process of its own, so that the peak of memory is its own too.
-BakeCost costOfBake(const std::string& name, int size)
-{
-    std::array<int, 2> ends{};
-    if (pipe(ends.data()) != 0) std::exit(1);
-    const pid_t child = fork();
-    if (child == 0) {
-        Scene scene = load(name, false);
-        BakeSettings settings;
-        settings.lightmapSize = size;
-        settings.samples = 32;
-        settings.shadowSamples = 16;
-        settings.uvMode = UvMode::Unwrap;
-        const double start = cpuSeconds();
-        const auto result = halflight::bake(std::move(scene), settings, makeEmbreeIntegrator);
-        BakeCost cost;
-        if (result) cost = {double(result->report.coveredTexels), cpuSeconds() - start, peakBytes()};
-        const bool written = write(ends[1], &cost, sizeof(cost)) == ssize_t(sizeof(cost));
-        _exit(written && result ? 0 : 1);
-    }
-    close(ends[1]);
-    BakeCost cost;
-    const bool read = child > 0 && ::read(ends[0], &cost, sizeof(cost)) == ssize_t(sizeof(cost));
-    close(ends[0]);
-    int status = 0;
-    waitpid(child, &status, 0);
-    if (!read || status != 0) std::exit(1);
-    return cost;
-}
-
-/// The whole bake over lightmap sizes. Nearly all memory that the smallest takes is the scene's: triangles, textures,
-/// the tree over them. Bytes are of the texels that a larger one has in addition.
-void partScaling(const Options& options)
-{
-    std::printf("%-34s %8s %10s %10s %12s %10s %14s\n", "scene", "size", "texels", "CPU s", "us/texel", "peak MB",
-                "bytes/texel");
-    constexpr int kSmallest = 256;
-    for (const std::string& name : options.scenes) {
-        BakeCost own;
-        for (int size = kSmallest; size <= options.size; size *= 2) {
-            const BakeCost c = costOfBake(name, size);
-            if (size == kSmallest) own = c;
-            std::printf("%-34s %8d %10.0f %10.2f %12.2f %10.1f", name.c_str(), size, c.texels, c.cpu,
-                        1.0e6 * c.cpu / c.texels, double(c.peak) * 1.0e-6);
-            if (size > kSmallest) {
-                std::printf(" %14.1f", (double(c.peak) - double(own.peak)) / (c.texels - own.texels));
-            }
-            std::printf("\n");
-            std::fflush(stdout);
-        }
-    }
-}
-
 /// A hall with 1, 10, 100, 1000 emissive quads of the same total power: time and error at equal samples.
 void partLights(const Options& options)
 {
@@ -543,10 +475,12 @@ int main(int argc, char** argv)
         partScaling(options);
     } else if (options.part == "lights") {
         partLights(options);
+    } else if (options.part == "lamps") {
+        partLamps(options);
     } else if (options.part == "triangles") {
         partTriangles(options);
     } else {
-        std::fprintf(stderr, "usage: bench_bake gather|error|shadows|seams|masks|scaling|lights|triangles "
+        std::fprintf(stderr, "usage: bench_bake gather|error|shadows|seams|masks|scaling|lights|lamps|triangles "
                              "[--scene FILE|cornell]... "
                              "[--size N] [--points N] [--reference N] [--bounces N] [--target PERCENT] [--samples N] "
                              "[--references DIR] [--diffuse]\n");

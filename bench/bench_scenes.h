@@ -139,6 +139,30 @@ inline Scene hallOfQuads(int count)
     return scene;
 }
 
+/// A floor of 200 m under side x side lamps that reach 5 m, 1.5 m above it, with 400 boxes on it.
+inline Scene fieldOfLamps(int side, LightMode mode)
+{
+    Scene scene;
+    const int white = addMaterial(scene, vec3(0.6f));
+    const float half = 100.0f;
+    addQuad(scene, vec3(-half, 0, half), vec3(2 * half, 0, 0), vec3(0, 0, -2 * half), white);
+    for (int i = 0; i < 400; ++i) {
+        const vec2 place = glm::fract(vec2(0.5f) + float(i) * vec2(0.7548776662f, 0.5698402910f)) * 196.0f - 98.0f;
+        addBlock(scene, vec3(place.x, 0.4f, place.y), vec3(0.4f), 0.0f, white);
+    }
+    for (int i = 0; i < side * side; ++i) {
+        Light light;
+        light.name = "lamp " + std::to_string(i);
+        light.intensity = 10.0f;
+        light.rangeMeters = 5.0f;
+        light.mode = mode;
+        const vec2 place = (vec2(i % side, i / side) + 0.5f) / float(side) * 2.0f * half - half;
+        light.worldFromLight[3] = vec4(place.x, 1.5f, place.y, 1.0f);
+        scene.lights.push_back(std::move(light));
+    }
+    return scene;
+}
+
 /// `bakeLights`: all punctual lights fully baked, as a renderer's "combined" bake has them; a sky where the file has
 /// neither lights nor emission. A file's name with "@sun" behind it: directional lights and the sky alone.
 inline Scene load(std::string name, bool bakeLights)
