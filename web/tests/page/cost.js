@@ -12,13 +12,13 @@ export async function frameCost({ loaded, load, makeRenderer, viewOf }, { file, 
         // The plug-in's shadow cameras and map sizes, every object a caster; then its patches are taken back.
         halflight.mode = 'realtime';
         halflight.update(renderer, view);
-        const shadows = halflight.lights.map(({ light }) => [light, light.castShadow, light.shadow.mapSize.x]);
+        const shadows = halflight.lights.map(({ light }) => [light, light.castShadow, light.shadow.clone()]);
         const meshes = [];
         scene.traverse((o) => o.isMesh && o !== halflight.sky && meshes.push([o, o.castShadow, o.receiveShadow]));
         halflight.dispose();
-        for (const [light, cast, size] of shadows) {
+        for (const [light, cast, shadow] of shadows) {
             light.castShadow = cast;
-            light.shadow.mapSize.setScalar(size);
+            light.shadow.copy(shadow);
         }
         for (const [mesh, cast, receive] of meshes) Object.assign(mesh, { castShadow: cast, receiveShadow: receive });
         loaded.halflight = null;
