@@ -92,18 +92,14 @@ double expectedShare(const std::vector<GroupLayout>& groups, const PageSettings&
 {
     constexpr double kUsual = 0.95;
     const TexelEstimate estimate = estimateTexels(groups, settings.padding);
-    for (const int divisor : {4, 2}) {
-        PageSettings small = settings;
-        small.pageSize = settings.pageSize / divisor;
-        if (small.pageSize < 128 || estimate.constant > 0.3 * texelsOf(small)) continue;
-        const double density = std::min(estimate.densityOf(0.9 * texelsOf(small)), densityOfLargest(groups, small));
-        const std::optional<OpenPage> open =
-            packOpenPage(groups, small, density, rowsOfOpenPage(small.pageSize), progress);
-        if (!open || open->height < small.pageSize / 2) return kUsual;
-        const double texels = reservedTexels(groups, settings.padding, density);
-        return std::min(texels / (double(small.pageSize) * double(open->height)), 1.0);
-    }
-    return kUsual;
+    PageSettings small = settings;
+    small.pageSize = settings.pageSize / 4;
+    if (small.pageSize < 128 || estimate.constant > 0.5 * texelsOf(small)) return kUsual;
+    const double density = std::min(estimate.densityOf(0.9 * texelsOf(small)), densityOfLargest(groups, small));
+    const std::optional<OpenPage> open = packOpenPage(groups, small, density, rowsOfOpenPage(small.pageSize), progress);
+    if (!open || open->height < small.pageSize / 2) return kUsual;
+    const double texels = reservedTexels(groups, settings.padding, density);
+    return std::min(texels / (double(small.pageSize) * double(open->height)), 1.0);
 }
 
 std::optional<Pages> fillPage(const std::vector<GroupLayout>& groups, const PageSettings& settings, double share,
