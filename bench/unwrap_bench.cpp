@@ -1,9 +1,15 @@
 // Unwraps glTF files and prints charts, fill and seconds for each; with --images DIR also a picture of every page.
 //   bench_unwrap [--size N] [--padding N] [--density X] [--mode auto|keep|unwrap] [--images DIR] [--ball N] [--field N]
-//                [--boxes N] [--soup N] FILE...
+//                [--boxes N] [--soup N] [--tests] [--ratios] FILE...
 // These add one mesh of about N triangles each, for what no file at hand is large enough for: a ball with bumps, a
-// noisy height field, boxes apart from one another, and quads in any direction.
+// noisy height field, boxes apart from one another, and quads in any direction. --tests: surfaces are cut where they
+// hide sides from one another, and sheets get two sides, as in a bake. --ratios: what the search for the density costs,
+// against one packing at the density found, and how much of the page it fills, against halving a bracket of densities.
 
+#include "bake/lights/channels.h"
+#include "bake/sides/hidden_sides.h"
+#include "bake/sides/sheet_sides.h"
+#include "halflight/bake_cpu/embree_integrator.h"
 #include "halflight/base/parallel.h"
 #include "halflight/base/random.h"
 #include "halflight/scene/gltf.h"
@@ -196,12 +202,60 @@ Scene sceneOf(MeshPart part)
     return scene;
 }
 
+struct Run {
+    Result<UnwrappedScene> result;
+    double seconds = 0.0;
+    double cpu = 0.0;
+};
+
+Run timedUnwrap(Scene scene, const UnwrapSettings& settings, bool withTests)
+{
+    const IntegratorFactory factory = makeEmbreeIntegrator;
+    const IntegrationSettings integration;
+    const Progress progress;
+    if (withTests) assignShadowmaskChannels(scene, MixedLightingMode::Shadowmask);
+    SourceTree tree(factory, integration);
+    const CrossingTest crossings = withTests ? hiddenSidesTest(tree) : CrossingTest();
+    const SheetTest sheets = withTests ? sheetSidesTest(tree, TwoSided::Automatic, progress) : SheetTest();
+    const auto start = std::chrono::steady_clock::now();
+    const std::clock_t cpuStart = std::clock();
+    Run run{unwrap(std::move(scene), settings, progress, crossings, sheets)};
+    run.cpu = double(std::clock() - cpuStart) / CLOCKS_PER_SEC;
+    run.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    return run;
+}
+
+/// Against packings at given densities: one at the density found, and six that halve the bracket up to 8 % more.
+void printRatios(const Scene& scene, const UnwrapSettings& settings, bool withTests, const UnwrappedScene& found,
+                 double cpu)
+{
+    UnwrapSettings given = settings;
+    given.texelsPerMeter = found.texelsPerMeter;
+    const double once = timedUnwrap(scene, given, withTests).cpu;
+    double bracket = 0.0;
+    double filled = double(found.coverage);
+    float fits = found.texelsPerMeter, fails = 1.08f * fits;
+    for (int trial = 0; trial < 6; ++trial) {
+        given.texelsPerMeter = std::sqrt(fits * fails);
+        const Run run = timedUnwrap(scene, given, withTests);
+        const bool onOne = run.result && run.result->pageCount == 1;
+        bracket += run.cpu;
+        if (onOne) filled = std::max(filled, double(run.result->coverage));
+        (onOne ? fits : fails) = given.texelsPerMeter;
+    }
+    std::printf("    CPU seconds: %.2f x one packing at this density, %.2f x a bracket of densities; filled: %.3f x "
+                "the bracket's\n",
+                cpu / once, cpu / bracket, double(found.coverage) / filled);
+}
+
 } // namespace
 
 int main(int argc, char** argv)
 {
     UnwrapSettings settings;
     std::filesystem::path images;
+    bool withTests = false;
+    bool withRatios = false;
     struct Input {
         std::string file;
         const MadeMesh* made = nullptr;
@@ -210,7 +264,11 @@ int main(int argc, char** argv)
     std::vector<Input> inputs;
     for (int i = 1; i < argc; ++i) {
         const auto option = [&](const char* name) { return std::strcmp(argv[i], name) == 0 && i + 1 < argc; };
-        if (option("--size"))
+        if (std::strcmp(argv[i], "--tests") == 0)
+            withTests = true;
+        else if (std::strcmp(argv[i], "--ratios") == 0)
+            withRatios = true;
+        else if (option("--size"))
             settings.pageSize = std::atoi(argv[++i]);
         else if (option("--padding"))
             settings.paddingTexels = std::atoi(argv[++i]);
@@ -245,11 +303,9 @@ int main(int argc, char** argv)
         for (const Mesh& mesh : scene->meshes) {
             for (const MeshPart& part : mesh.parts) triangles += part.indices.size() / 3;
         }
-        const auto start = std::chrono::steady_clock::now();
-        const std::clock_t cpuStart = std::clock();
-        const Result<UnwrappedScene> result = unwrap(std::move(*scene), settings);
-        const double cpu = double(std::clock() - cpuStart) / CLOCKS_PER_SEC;
-        const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+        const Scene source = withRatios ? *scene : Scene();
+        const Run run = timedUnwrap(std::move(*scene), settings, withTests);
+        const Result<UnwrappedScene>& result = run.result;
         const std::string name = made ? file : std::filesystem::path(file).stem().string();
         if (!result) {
             std::fprintf(stderr, "%s: %s\n", file.c_str(), result.error().text().c_str());
@@ -260,8 +316,9 @@ int main(int argc, char** argv)
         for (const MeshUnwrapReport& mesh : result->meshes) stretch = std::max(stretch, double(mesh.areaStretch));
         std::printf("%-36s %9zu %7d %5d %8.3f %7.1f%% %7.1f%% %8.3f %8.2f %8.2f\n", name.c_str(), triangles,
                     result->chartCount, result->pageCount, double(result->texelsPerMeter),
-                    100.0 * double(result->coverage), 100.0 * double(result->coverageWithPadding), stretch, seconds,
-                    cpu);
+                    100.0 * double(result->coverage), 100.0 * double(result->coverageWithPadding), stretch, run.seconds,
+                    run.cpu);
+        if (withRatios) printRatios(source, settings, withTests, *result, run.cpu);
         for (const MeshUnwrapReport& mesh : result->meshes) {
             if (!mesh.reason.empty()) std::printf("    mesh %d: %s\n", mesh.mesh, mesh.reason.c_str());
         }

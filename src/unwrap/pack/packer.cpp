@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <array>
-#include <map>
 #include <numeric>
 #include <span>
 
@@ -51,6 +50,9 @@ public:
 
 private:
     /// Places in reading order without room for a shape, one after another: pages only fill, so it stays so.
+    struct HashOfHash {
+        std::size_t operator()(const Hash128& hash) const { return std::size_t(hash.low); }
+    };
     struct Tried {
         ivec2 from{0};
         ivec2 to{0};
@@ -71,7 +73,7 @@ private:
 
     PageBits page_;
     std::unordered_map<uint64_t, int> firstRow_;
-    std::map<Hash128, Tried> tried_; ///< by Shape::hash
+    std::unordered_map<Hash128, Tried, HashOfHash> tried_; ///< by Shape::hash
 };
 
 std::vector<uint32_t> largestFirst(const std::vector<PackItem>& items)

@@ -24,6 +24,22 @@ int longestRun(uint64_t word, int ahead)
 
 } // namespace
 
+/// Bit i: the `length` texels from x + i on are free.
+inline uint64_t PageBits::freeRuns(int y, int x, int length) const
+{
+    const int level = std::min(int(std::bit_width(unsigned(length))) - 1, kLevels - 1), step = 1 << level;
+    const uint64_t* row = rowOf(level, y);
+    const int wordLimit = int(words_ - 1) * 64;
+    uint64_t places = bitsFrom(row, x);
+    for (int covered = step; covered < length && places != 0;) {
+        const int from = std::min(covered, length - step);
+        if (x + from >= wordLimit) return 0;
+        places &= bitsFrom(row, x + from);
+        covered = from + step;
+    }
+    return places;
+}
+
 PageBits::PageBits(ivec2 size, int padding)
     : padding_(padding), width_(size.x + 2 * padding), height_(size.y + 2 * padding),
       words_((std::size_t(width_) + 63) / 64 + 2), blockWords_((words_ + kBlocksPerWord - 1) / kBlocksPerWord),
@@ -102,6 +118,7 @@ void PageBits::mark(const Shape& shape, ivec2 at, bool taken)
             x += length;
         }
         updateRuns(y, begin, end);
+        if (!taken) longestFree_[std::size_t(y)] = 0; // it may have grown: found anew
         updateBlocks(y, begin / 64, (end - 1) / 64);
     }
 }
@@ -114,22 +131,6 @@ bool PageBits::rowsHaveRoom(const Shape& shape, int y) const
         if (longestFree_[std::size_t(y + shape.padded[i].y)] < shape.padded[i].length) return false;
     }
     return true;
-}
-
-/// Bit i: the `length` texels from x + i on are free.
-uint64_t PageBits::freeRuns(int y, int x, int length) const
-{
-    const int level = std::min(int(std::bit_width(unsigned(length))) - 1, kLevels - 1), step = 1 << level;
-    const uint64_t* row = rowOf(level, y);
-    const int wordLimit = int(words_ - 1) * 64;
-    uint64_t places = bitsFrom(row, x);
-    for (int covered = step; covered < length && places != 0;) {
-        const int from = std::min(covered, length - step);
-        if (x + from >= wordLimit) return 0;
-        places &= bitsFrom(row, x + from);
-        covered = from + step;
-    }
-    return places;
 }
 
 /// After texels xBegin … xEnd of the row have changed.
@@ -173,15 +174,18 @@ void PageBits::updateBlocks(int y, int first, int last)
     const uint64_t* row = rowOf(0, y);
     uint64_t* blocks = blocks_.data() + std::size_t(y) * blockWords_;
     int ahead = freeFrom(y, last + 1);
+    bool hadLongest = false;
     for (int block = last; block >= 0; --block) {
         const uint64_t word = row[block];
         if (block < first && word >> 63 == 0) break;
         uint64_t& packed = blocks[std::size_t(block) / kBlocksPerWord];
         const int shift = 16 * (block % int(kBlocksPerWord));
+        hadLongest |= int(packed >> shift & 0xffff) >= longestFree_[std::size_t(y)];
         packed &= ~(uint64_t(0xffff) << shift);
         packed |= uint64_t(longestRun(word, ahead)) << shift;
         ahead = word == ~uint64_t(0) ? ahead + 64 : std::countr_one(word);
     }
+    if (!hadLongest) return;
     int longest = 0;
     for (std::size_t w = 0; w < blockWords_; ++w) {
         for (uint64_t rest = blocks[w]; rest != 0; rest >>= 16) longest = std::max(longest, int(rest & 0xffff));

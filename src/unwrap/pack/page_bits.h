@@ -40,7 +40,7 @@ private:
     [[nodiscard]] int findInRow(const Shape& shape, int y, int xBegin, int lastX) const;
     [[nodiscard]] int findInBlock(const Shape& shape, int block, int y, int xBegin, int lastX) const;
     [[nodiscard]] bool rowsHaveRoom(const Shape& shape, int y) const;
-    [[nodiscard]] uint64_t freeRuns(int y, int x, int length) const;
+    [[nodiscard]] inline uint64_t freeRuns(int y, int x, int length) const;
     void updateRuns(int y, int xBegin, int xEnd);
     void updateBlocks(int y, int first, int last);
     [[nodiscard]] int freeFrom(int y, int block) const;

@@ -13,6 +13,8 @@ namespace {
 constexpr int kTrials = 9; ///< packings at full size, at most: where charts are few, chance decides what fits
 /// A page with so much of its height in use is full: more would gain less than a hundredth of its texels.
 constexpr double kFull = 0.99;
+/// With fewer charts than this one more in a row decides what fits, and packings take little time: the search goes on.
+constexpr std::size_t kFewCharts = 1000;
 constexpr double kMargin = 0.002; ///< of the texels: how well the height of one packing tells that of the next
 
 double texelsOf(const PageSettings& settings)
@@ -56,8 +58,16 @@ double densityOfLargest(const std::vector<GroupLayout>& groups, const PageSettin
     return density;
 }
 
+std::size_t chartsOf(const std::vector<GroupLayout>& groups)
+{
+    std::size_t count = 0;
+    for (const GroupLayout& group : groups) count += group.layout.charts.size();
+    return count;
+}
+
 /// What the trials of fillPage() have shown.
 struct DensityBracket {
+    bool goesOn = false; ///< until little is left between what fits and what fails
     double fits = 0.0;
     double fails = 0.0; ///< 0: nothing failed yet
     int failures = 0;
@@ -71,7 +81,8 @@ struct DensityBracket {
             value = estimate.densityOf(estimate.at(density) * (1.0 - margin) * double(pageSize) / double(height));
         }
         // Beyond what is known, half way to it.
-        if (fits > 0.0 && fails > 0.0 && (value <= fits || value >= fails)) value = std::sqrt(fits * fails);
+        if (fits > 0.0 && fails > 0.0 && (goesOn || value <= fits || value >= fails)) return std::sqrt(fits * fails);
+        if (fits > 0.0 && goesOn) return std::max(value, 1.03 * fits);
         return value;
     }
 };
@@ -92,18 +103,14 @@ double expectedShare(const std::vector<GroupLayout>& groups, const PageSettings&
 {
     constexpr double kUsual = 0.95;
     const TexelEstimate estimate = estimateTexels(groups, settings.padding);
-    for (const int divisor : {4, 2}) {
-        PageSettings small = settings;
-        small.pageSize = settings.pageSize / divisor;
-        if (small.pageSize < 128 || estimate.constant > 0.3 * texelsOf(small)) continue;
-        const double density = std::min(estimate.densityOf(0.9 * texelsOf(small)), densityOfLargest(groups, small));
-        const std::optional<OpenPage> open =
-            packOpenPage(groups, small, density, rowsOfOpenPage(small.pageSize), progress);
-        if (!open || open->height < small.pageSize / 2) return kUsual;
-        const double texels = reservedTexels(groups, settings.padding, density);
-        return std::min(texels / (double(small.pageSize) * double(open->height)), 1.0);
-    }
-    return kUsual;
+    PageSettings small = settings;
+    small.pageSize = settings.pageSize / 4;
+    if (small.pageSize < 128 || estimate.constant > 0.5 * texelsOf(small)) return kUsual;
+    const double density = std::min(estimate.densityOf(0.9 * texelsOf(small)), densityOfLargest(groups, small));
+    const std::optional<OpenPage> open = packOpenPage(groups, small, density, rowsOfOpenPage(small.pageSize), progress);
+    if (!open || open->height < small.pageSize / 2) return kUsual;
+    const double texels = reservedTexels(groups, settings.padding, density);
+    return std::min(texels / (double(small.pageSize) * double(open->height)), 1.0);
 }
 
 std::optional<Pages> fillPage(const std::vector<GroupLayout>& groups, const PageSettings& settings, double share,
@@ -112,7 +119,7 @@ std::optional<Pages> fillPage(const std::vector<GroupLayout>& groups, const Page
     const TexelEstimate estimate = estimateTexels(groups, settings.padding);
     const double limit = std::min(most, densityOfLargest(groups, settings));
     double density = std::min(densityOfShare(groups, settings, share), limit);
-    DensityBracket bracket;
+    DensityBracket bracket{chartsOf(groups) < kFewCharts};
     std::optional<Pages> best;
     for (int trial = 0; trial < kTrials && !progress.cancelled(); ++trial) {
         progress("pack", std::min(0.1 + 0.4 * trial, 0.9));
@@ -122,7 +129,7 @@ std::optional<Pages> fillPage(const std::vector<GroupLayout>& groups, const Page
         if (open && height <= settings.pageSize) {
             best = std::move(open->pages);
             bracket.fits = density;
-            if (density >= limit || height >= kFull * settings.pageSize) break;
+            if (density >= limit || (!bracket.goesOn && height >= kFull * settings.pageSize)) break;
         } else {
             bracket.fails = density;
             ++bracket.failures;

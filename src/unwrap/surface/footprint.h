@@ -4,6 +4,7 @@
 #include "unwrap/surface/surface.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <span>
 #include <vector>
@@ -68,19 +69,26 @@ public:
     template<typename Visit> void forRuns(Visit visit) const
     {
         for (int y = 0; y < height_; ++y) {
-            int start = -1;
-            for (int x = 0; x <= width_; ++x) {
-                const bool set = x < width_ && at(x, y);
-                if (set && start < 0) start = x;
-                if (!set && start >= 0) {
-                    visit(y, start, x - start);
-                    start = -1;
-                }
+            const std::span<const uint64_t> words = row(y);
+            for (int x = nextOf(words, 0, 0); x < width_;) {
+                const int end = std::min(nextOf(words, x, ~uint64_t(0)), width_);
+                visit(y, x, end - x);
+                x = nextOf(words, end, 0);
             }
         }
     }
 
 private:
+    /// The first bit from x on that differs from those of `same`, or one beyond the row.
+    static int nextOf(std::span<const uint64_t> words, int x, uint64_t same)
+    {
+        auto w = std::size_t(x) / 64;
+        if (w >= words.size()) return x;
+        uint64_t differs = (words[w] ^ same) >> (x % 64) << (x % 64);
+        while (differs == 0 && ++w < words.size()) differs = words[w] ^ same;
+        return int(w) * 64 + (differs != 0 ? std::countr_zero(differs) : 0);
+    }
+
     int width_ = 0, height_ = 0;
     std::size_t words_ = 0;
     std::vector<uint64_t> bits_;
