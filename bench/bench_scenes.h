@@ -4,6 +4,7 @@
 #include "bake/geometry/flatten.h"
 #include "bake/lights/channels.h"
 #include "bake/texels/rasterize.h"
+#include "halflight/base/random.h"
 #include "halflight/scene/gltf.h"
 #include "halflight/unwrap/unwrap.h"
 
@@ -147,7 +148,7 @@ inline Scene fieldOfLamps(int side, LightMode mode)
     const float half = 100.0f;
     addQuad(scene, vec3(-half, 0, half), vec3(2 * half, 0, 0), vec3(0, 0, -2 * half), white);
     for (int i = 0; i < 400; ++i) {
-        const vec2 place = glm::fract(vec2(0.5f) + float(i) * vec2(0.7548776662f, 0.5698402910f)) * 196.0f - 98.0f;
+        const vec2 place = r2Point(i) * 196.0f - 98.0f;
         addBlock(scene, vec3(place.x, 0.4f, place.y), vec3(0.4f), 0.0f, white);
     }
     for (int i = 0; i < side * side; ++i) {

@@ -26,8 +26,7 @@ public:
         gather(id, position, estimate, rays);
         addBakedLights(id, position, estimate, rays);
         // Of a channel's lights at most one reaches a point.
-        paths_.forLightsNear(position, [&](uint32_t l) {
-            const PunctualLight& light = paths_.lights()[l];
+        paths_.forLightsNear(position, [&](const PunctualLight& light, uint32_t l) {
             if (light.channel >= 0 && light.reaches(position))
                 estimate.occlusion[light.channel] = visibility(light, l, id, position, rays);
         });
@@ -68,8 +67,7 @@ private:
     /// functions. Of an area light they are those of its samples.
     void addBakedLights(uint32_t id, vec3 position, ProbeEstimate& estimate, uint64_t& rays) const
     {
-        paths_.forLightsNear(position, [&](uint32_t l) {
-            const PunctualLight& light = paths_.lights()[l];
+        paths_.forLightsNear(position, [&](const PunctualLight& light, uint32_t l) {
             if (!light.directAtProbes) return;
             if (light.isArea()) {
                 addAreaLight(light, l, id, position, estimate, rays);

@@ -65,8 +65,7 @@ private:
                      uint64_t& rays) const
     {
         vec3 sum(0.0f);
-        paths_.forLightsNear(point.position, [&](uint32_t index) {
-            const PunctualLight& light = paths_.lights()[index];
+        paths_.forLightsNear(point.position, [&](const PunctualLight& light, uint32_t) {
             if (!light.directAtTexels && !light.maskOfLight) return;
             const vec2 disc = shading::sampleDisc(sampler.next2());
             vec3 highlight;

@@ -124,8 +124,7 @@ bool traceRoughLightmap(const PathTracer& paths, const IntegrationSettings& sett
             Sampler sampler(settings.seed, texelId(map, texel), uint32_t(samples)); // beyond the paths' own
             out[i] = estimates[i].irradiance;
             const SurfacePoint& point = points[std::size_t(std::min(int(sampler.next1() * float(count)), count - 1))];
-            paths.forLightsNear(point.position, [&](uint32_t l) {
-                const PunctualLight& light = paths.lights()[l];
+            paths.forLightsNear(point.position, [&](const PunctualLight& light, uint32_t) {
                 if (light.directAtTexels) out[i] += lightAt(paths, light, point, sampler, traced);
             });
         }
@@ -155,8 +154,7 @@ bool traceSides(const PathTracer& paths, const IntegrationSettings& settings, st
             if (samples == 0) continue;
             one[0] = points[i];
             side.irradiance = gather(paths, own, one, 1, samples, id, traced).mean();
-            paths.forLightsNear(points[i].position, [&](uint32_t l) {
-                const PunctualLight& light = paths.lights()[l];
+            paths.forLightsNear(points[i].position, [&](const PunctualLight& light, uint32_t) {
                 vec3& sum = light.directAtTexels || light.maskOfLight ? side.irradiance : side.direct;
                 sum += lightAt(paths, light, points[i], sampler, traced);
             });

@@ -65,8 +65,7 @@ vec3 ReferenceTracer::areaLightsAlong(const Hit& hit, vec3 direction, float dire
     if (options_.emitters == EmitterSampling::Surfaces) return radiance;
     const bool alone = options_.emitters == EmitterSampling::Directions;
     const vec3 origin = hit.point.position;
-    paths_.forLightsNear(origin, [&](uint32_t index) {
-        const PunctualLight& light = paths_.lights()[index];
+    paths_.forLightsNear(origin, [&](const PunctualLight& light, uint32_t) {
         if (!light.isArea() || !light.bounces) return;
         const vec3 toCenter = light.position - origin;
         const float distance =

@@ -56,8 +56,11 @@ public:
     [[nodiscard]] bool ok() const { return tracer_.ok(); }
     [[nodiscard]] const RayTracer& surfaces() const { return tracer_; }
     [[nodiscard]] const std::vector<PunctualLight>& lights() const { return lights_; }
-    /// Calls visit(index into lights()) for the lights whose range may reach a point. The order is always the same.
-    template<typename Visit> void forLightsNear(vec3 point, Visit visit) const { reach_.each(point, visit); }
+    /// Calls visit(light, its index) for the lights whose range may reach a point. The order is always the same.
+    template<typename Visit> void forLightsNear(vec3 point, Visit visit) const
+    {
+        reach_.each(point, [&](uint32_t index) { visit(lights_[index], index); });
+    }
     [[nodiscard]] const Emitters& emitters() const { return emitters_; }
     [[nodiscard]] const SkyLight& sky() const { return sky_; }
     /// Whether there are emitters or bright places in the sky, which receivers sample.

@@ -189,10 +189,8 @@ bool addLights(const ShadowPass& pass, std::span<const PunctualLight* const> lig
         sources.push_back({LightReach(std::vector{light}), true, hashCombine(seed, uint32_t(light - first))});
     const auto rays = float(pass.timesOnEdges * pass.samples);
     const Progress shadows = partOf(pass.progress, 0.0, 0.9);
-    const ShadowPass shadowPass{pass.paths,   pass.pattern,      pass.map, pass.grid,  pass.texels,
-                                pass.samples, pass.timesOnEdges, shadows,  pass.stage, pass.rays};
     std::vector<LitCount> counts;
-    if (!traceShadows(shadowPass, sources, counts)) return false;
+    if (!traceShadows(pass.of(pass.texels, shadows), sources, counts)) return false;
     const auto addTo = [&](std::size_t begin, std::size_t end) {
         for (std::size_t i = begin; i < end; ++i) {
             IrradianceEstimate& estimate = out[places[i]];
@@ -230,9 +228,7 @@ bool addLightsEverywhere(const ShadowPass& pass, std::span<const PunctualLight* 
         const auto some = lights.subspan(first, std::min(kLightsAtOnce, lights.size() - first));
         const double share = 1.0 / double(lights.size());
         const Progress part = partOf(pass.progress, double(first) * share, double(first + some.size()) * share);
-        if (!addLights({pass.paths, pass.pattern, pass.map, pass.grid, pass.texels, pass.samples, pass.timesOnEdges,
-                        part, pass.stage, pass.rays},
-                       some, seed, places, out)) {
+        if (!addLights(pass.of(pass.texels, part), some, seed, places, out)) {
             return false;
         }
     }
@@ -257,9 +253,7 @@ bool addLightsInReach(const ShadowPass& pass, const LightReach& reach, uint32_t 
             const std::vector<uint32_t> places = runs.reachedBy(some, firstRun, endRun);
             std::vector<uint32_t> texels;
             for (const uint32_t place : places) texels.push_back(pass.texels[place]);
-            if (!addLights({pass.paths, pass.pattern, pass.map, pass.grid, texels, pass.samples, pass.timesOnEdges,
-                            quiet, pass.stage, pass.rays},
-                           some, seed, places, out)) {
+            if (!addLights(pass.of(texels, quiet), some, seed, places, out)) {
                 return;
             }
         }
@@ -278,14 +272,11 @@ bool addBakedLights(const ShadowPass& pass, uint32_t seed, std::span<IrradianceE
     for (const PunctualLight& light : pass.paths.lights())
         if (light.directAtTexels) (reachesEverywhere(light) ? everywhere : inReach).push_back(&light);
     const double share = inReach.empty() ? 1.0 : 0.5; // of the progress
-    const auto part = [&](const Progress& progress) {
-        return ShadowPass{pass.paths,   pass.pattern,      pass.map, pass.grid,  pass.texels,
-                          pass.samples, pass.timesOnEdges, progress, pass.stage, pass.rays};
-    };
     const Progress first = partOf(pass.progress, 0.0, everywhere.empty() ? 0.0 : share);
     const Progress second = partOf(pass.progress, everywhere.empty() ? 0.0 : share, 1.0);
-    if (!addLightsEverywhere(part(first), everywhere, seed, out)) return false;
-    if (!inReach.empty() && !addLightsInReach(part(second), LightReach(inReach), seed, out)) return false;
+    if (!addLightsEverywhere(pass.of(pass.texels, first), everywhere, seed, out)) return false;
+    if (!inReach.empty() && !addLightsInReach(pass.of(pass.texels, second), LightReach(inReach), seed, out))
+        return false;
     return !pass.progress.cancelled();
 }
 

@@ -53,6 +53,12 @@ struct ShadowPass {
     const Progress& progress;
     const char* stage;
     std::atomic<uint64_t>& rays;
+
+    /// The same of other texels, or with another share of the progress, which outlives it.
+    [[nodiscard]] ShadowPass of(std::span<const uint32_t> others, const Progress& part) const
+    {
+        return {paths, pattern, map, grid, others, samples, timesOnEdges, part, stage, rays};
+    }
 };
 
 /// Traces 8 rays per texel and source. Where all rays within 3 texels agree, lit or shadowed, that is the result. The

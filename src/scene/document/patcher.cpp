@@ -1,5 +1,6 @@
 #include "scene/document/patcher.h"
 
+#include "scene/document/references.h"
 #include "scene/document/uri.h"
 
 #include <algorithm>
@@ -11,8 +12,6 @@ namespace halflight {
 namespace {
 // Indices of things that have no place yet.
 constexpr int kNewBase = 1 << 30;
-constexpr const char* kProbeAccessors[] = {"positions",  "radiance",  "occlusion",   "valid",
-                                           "tetrahedra", "neighbors", "sightRanges", "sight"};
 
 // Indices set by this program are signed integers to nlohmann's JSON, those of a file unsigned ones.
 bool isNew(const Json& index)
@@ -22,19 +21,6 @@ bool isNew(const Json& index)
 bool isOld(const Json& index)
 {
     return index.is_number_integer() && index.get<int64_t>() >= 0 && index.get<int64_t>() < kNewBase;
-}
-
-Json* find(Json& object, const char* key)
-{
-    if (!object.is_object()) return nullptr;
-    const auto it = object.find(key);
-    return it == object.end() ? nullptr : &*it;
-}
-
-template<typename Visit> void each(Json* array, const Visit& visit)
-{
-    if (array == nullptr || !(array->is_array() || array->is_object())) return;
-    for (Json& item : *array) visit(item);
 }
 
 // Unsigned integers inside extensions that this program does not know: any of them may be a reference.
@@ -65,63 +51,6 @@ void collectUnknown(const Json& json, bool unknown, std::set<int>& integers)
 }
 
 } // namespace
-
-void visitAccessors(Json& document, const std::function<void(Json&)>& visit)
-{
-    const auto visitMember = [&](Json& object, const char* key) {
-        if (Json* index = find(object, key)) visit(*index);
-    };
-    each(find(document, "meshes"), [&](Json& mesh) {
-        each(find(mesh, "primitives"), [&](Json& primitive) {
-            visitMember(primitive, "indices");
-            each(find(primitive, "attributes"), visit);
-            each(find(primitive, "targets"), [&](Json& target) { each(&target, visit); });
-        });
-    });
-    each(find(document, "skins"), [&](Json& skin) { visitMember(skin, "inverseBindMatrices"); });
-    each(find(document, "animations"), [&](Json& animation) {
-        each(find(animation, "samplers"), [&](Json& sampler) {
-            visitMember(sampler, "input");
-            visitMember(sampler, "output");
-        });
-    });
-    each(find(document, "nodes"), [&](Json& node) {
-        if (Json* extensions = find(node, "extensions")) {
-            if (Json* instancing = find(*extensions, "EXT_mesh_gpu_instancing"))
-                each(find(*instancing, "attributes"), visit);
-        }
-    });
-    if (Json* extensions = find(document, "extensions")) {
-        if (Json* root = find(*extensions, "HALFLIGHT_mixed_lighting")) {
-            if (Json* probes = find(*root, "probes")) {
-                for (const char* key : kProbeAccessors) visitMember(*probes, key);
-            }
-        }
-    }
-}
-
-void visitViews(Json& document, const std::function<void(Json&)>& visit)
-{
-    const auto visitMember = [&](Json& object) {
-        if (Json* index = find(object, "bufferView")) visit(*index);
-    };
-    each(find(document, "accessors"), [&](Json& accessor) {
-        visitMember(accessor);
-        if (Json* sparse = find(accessor, "sparse")) {
-            for (const char* key : {"indices", "values"}) {
-                if (Json* part = find(*sparse, key)) visitMember(*part);
-            }
-        }
-    });
-    each(find(document, "images"), visitMember);
-    if (Json* extensions = find(document, "extensions")) {
-        if (Json* root = find(*extensions, "HALFLIGHT_mixed_lighting")) {
-            each(find(*root, "lightmaps"), visitMember);
-            each(find(*root, "lightmapDirections"), visitMember);
-            each(find(*root, "shadowmasks"), visitMember);
-        }
-    }
-}
 
 DocumentPatcher::DocumentPatcher(const SourceDocument& source) : json(source.json), source_(source)
 {

@@ -81,11 +81,6 @@ private:
     std::map<int, std::size_t> viewOf_; ///< final buffer view -> index into newViews_
 };
 
-/// Calls visit(index) on every reference to an accessor or buffer view in the parts of glTF that this program knows;
-/// visit may change the index.
-void visitAccessors(Json& document, const std::function<void(Json&)>& visit);
-void visitViews(Json& document, const std::function<void(Json&)>& visit);
-
 /// JSON as files hold it; bytes of names that are not UTF-8 become U+FFFD.
 std::string textOf(const Json& json);
 

@@ -1,13 +1,12 @@
 #include "halflight/base/file.h"
 #include "halflight/scene/export.h"
 #include "scene/document/compact.h"
-#include "scene/document/decode/decompress.h"
 #include "scene/document/erase_extension.h"
 #include "scene/document/texture_coordinates.h"
 #include "scene/files/export_place.h"
 #include "scene/format/material_sides.h"
+#include "scene/load/extensions.h"
 #include "scene/load/load_document.h"
-#include "scene/load/validate.h"
 #include "scene/settings/settings.h"
 #include "scene/write/make_document.h"
 #include "scene/write/write_baked.h"
@@ -34,8 +33,8 @@ std::string unknownExtension(const Json& document)
 {
     for (const Json& name : member(document, "extensionsUsed")) {
         const auto text = name.get<std::string>();
-        if (!isSupportedExtension(text) && !readsCompression(text) && !text.starts_with("HALFLIGHT_") &&
-            !text.starts_with("KHR_materials_") && !text.starts_with("KHR_texture_"))
+        if (!isSupportedExtension(text) && !text.starts_with("HALFLIGHT_") && !text.starts_with("KHR_materials_") &&
+            !text.starts_with("KHR_texture_"))
             return text;
         if (text == "KHR_animation_pointer") return text; // names materials by their index
     }

@@ -8,8 +8,8 @@
 #include "scene/files/optimize_meshes.h"
 #include "scene/files/optimize_pictures.h"
 #include "scene/format/limits.h"
+#include "scene/load/extensions.h"
 #include "scene/load/load_document.h"
-#include "scene/load/validate.h"
 #include "scene/read/read_baked.h"
 #include "scene/read/read_probes.h"
 #include "scene/read/read_reflections.h"
@@ -83,8 +83,7 @@ std::string unknownExtension(const Json& document)
 {
     for (const Json& name : member(document, "extensionsUsed")) {
         const auto text = name.get<std::string>();
-        if (!isSupportedExtension(text) && !readsCompression(text) && !text.starts_with("KHR_materials_") &&
-            !text.starts_with("KHR_texture_"))
+        if (!isSupportedExtension(text) && !text.starts_with("KHR_materials_") && !text.starts_with("KHR_texture_"))
             return text;
     }
     return {};

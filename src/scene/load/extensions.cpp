@@ -1,7 +1,7 @@
 #include "scene/load/extensions.h"
 
 #include "halflight/base/text.h"
-#include "scene/load/validate.h"
+#include "scene/document/decode/decompress.h"
 
 #include <algorithm>
 #include <set>
@@ -9,6 +9,25 @@
 namespace halflight {
 
 namespace {
+
+constexpr std::string_view kSupported[] = {"KHR_lights_punctual",
+                                           "EXT_lights_area",
+                                           "KHR_materials_emissive_strength",
+                                           "KHR_texture_transform",
+                                           "KHR_mesh_quantization",
+                                           "EXT_mesh_gpu_instancing",
+                                           "KHR_node_visibility",
+                                           "KHR_materials_unlit",
+                                           "KHR_materials_variants",
+                                           "KHR_materials_specular",
+                                           "KHR_materials_transmission",
+                                           "KHR_materials_pbrSpecularGlossiness",
+                                           "KHR_animation_pointer",
+                                           "HALFLIGHT_mixed_lighting",
+                                           "HALFLIGHT_node",
+                                           "HALFLIGHT_material",
+                                           "HALFLIGHT_light",
+                                           "HALFLIGHT_texture_ktx2"};
 
 // The first group refines how a surface reflects or transmits, beyond the diffuse and the specular lobe that bakes and
 // pictures have; the second holds no surface at all.
@@ -72,6 +91,12 @@ bool isCompression(const std::string& name)
 }
 
 } // namespace
+
+bool isSupportedExtension(std::string_view name)
+{
+    return readsCompression(name) ||
+           std::find(std::begin(kSupported), std::end(kSupported), name) != std::end(kSupported);
+}
 
 bool isHarmlessExtension(std::string_view name)
 {

@@ -1,9 +1,12 @@
 #pragma once
-// Extensions that need no support here.
+// Which extensions this program reads, and which need no support.
 
 #include "scene/document/document.h"
 
 namespace halflight {
+
+/// Whether this program reads the extension.
+bool isSupportedExtension(std::string_view name);
 
 /// Whether a file reads right without the extension, also one that requires it: surfaces keep their diffuse light, and
 /// nothing moves or vanishes at rest.

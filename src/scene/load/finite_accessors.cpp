@@ -1,6 +1,6 @@
 #include "scene/load/finite_accessors.h"
 
-#include "scene/document/patcher.h"
+#include "scene/document/references.h"
 
 #include <cmath>
 #include <cstring>

@@ -2,7 +2,7 @@
 
 #include "scene/document/decode/decompress.h"
 #include "scene/document/fallback_buffers.h"
-#include "scene/document/patcher.h"
+#include "scene/document/references.h"
 #include "scene/document/types.h"
 #include "scene/load/extensions.h"
 
@@ -17,25 +17,6 @@ namespace {
 constexpr uint64_t kMaxImplicitElements = 1u << 20;
 constexpr uint64_t kMaxInt = 0x7fffffff;
 constexpr uint64_t kMaxByteLength = 0xffffffff;
-
-constexpr std::array<std::string_view, 18> kSupportedExtensions = {"KHR_lights_punctual",
-                                                                   "EXT_lights_area",
-                                                                   "KHR_materials_emissive_strength",
-                                                                   "KHR_texture_transform",
-                                                                   "KHR_mesh_quantization",
-                                                                   "EXT_mesh_gpu_instancing",
-                                                                   "KHR_node_visibility",
-                                                                   "KHR_materials_unlit",
-                                                                   "KHR_materials_variants",
-                                                                   "KHR_materials_specular",
-                                                                   "KHR_materials_transmission",
-                                                                   "KHR_materials_pbrSpecularGlossiness",
-                                                                   "KHR_animation_pointer",
-                                                                   "HALFLIGHT_mixed_lighting",
-                                                                   "HALFLIGHT_node",
-                                                                   "HALFLIGHT_material",
-                                                                   "HALFLIGHT_light",
-                                                                   "HALFLIGHT_texture_ktx2"};
 
 // A non-negative integer member up to `limit`. `required`: it must be there.
 Status checkUnsigned(const Json& object, const char* key, bool required, uint64_t limit, const std::string& path,
@@ -359,12 +340,6 @@ Status checkTextures(const SourceDocument& document)
 }
 
 } // namespace
-
-bool isSupportedExtension(std::string_view name)
-{
-    return readsCompression(name) ||
-           std::find(kSupportedExtensions.begin(), kSupportedExtensions.end(), name) != kSupportedExtensions.end();
-}
 
 Status checkBeforeParsing(const Json& json, bool isBinary)
 {

@@ -9,9 +9,6 @@ namespace halflight {
 /// On the bare JSON, before tinygltf sees it: version, required extensions, and whatever tinygltf would trust blindly.
 Status checkBeforeParsing(const Json& json, bool isBinary);
 
-/// Whether this program reads the extension.
-bool isSupportedExtension(std::string_view name);
-
 /// On the parsed document: every index that any part of the scene module follows, every byte range, the node hierarchy.
 Status checkAfterParsing(const SourceDocument& document);
 

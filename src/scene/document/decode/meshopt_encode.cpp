@@ -1,4 +1,5 @@
 #include "scene/document/decode/meshopt_encode.h"
+#include "scene/document/references.h"
 
 #include <algorithm>
 #include <cstring>

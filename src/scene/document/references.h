@@ -1,0 +1,18 @@
+#pragma once
+// Where a document refers to accessors and buffer views.
+
+#include "scene/document/document.h"
+
+#include <functional>
+
+namespace halflight {
+
+/// Calls visit(index) on every reference to an accessor or buffer view in the parts of glTF that this program knows;
+/// visit may change the index.
+void visitAccessors(Json& document, const std::function<void(Json&)>& visit);
+void visitViews(Json& document, const std::function<void(Json&)>& visit);
+
+/// The member of an object; null where there is none, or where it is no object.
+Json* find(Json& object, const char* key);
+
+} // namespace halflight
