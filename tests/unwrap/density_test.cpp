@@ -3,6 +3,7 @@
 #include "atlas_check.h"
 #include "shapes.h"
 
+#include <algorithm>
 #include <cmath>
 #include <glm/gtc/matrix_transform.hpp>
 #include <gtest/gtest.h>
@@ -71,6 +72,36 @@ TEST(SceneDensity, ScenesOfAllSizesGetPagesThatAreFilled)
         }
         // In all of them a box is some texels wide.
         EXPECT_GT(result->texelsPerMeter * 0.1f * size, 15.0f) << size;
+    }
+}
+
+/// The largest share of one page that any of the asked densities around `found` fills: by trying them all.
+double mostFilled(const Scene& scene, UnwrapSettings settings, float found)
+{
+    double most = 0.0;
+    for (int step = -4; step <= 8; ++step) {
+        settings.texelsPerMeter = found * (1.0f + 0.004f * float(step));
+        const Result<UnwrappedScene> result = unwrap(scene, settings);
+        if (result && result->pageCount == 1) most = std::max(most, double(result->coverage));
+    }
+    return most;
+}
+
+TEST(UnwrapDensity, FillsAPageAsWellAsAnyDensityAroundIt)
+{
+    for (const int boxes : {40, 400}) { // a search that goes on, and one of about two packings
+        Scene scene;
+        for (int i = 0; i < boxes; ++i) {
+            const float size = 0.3f + 1.7f * std::fmod(0.618034f * float(i), 1.0f);
+            scene.meshes.push_back(shapes::box(size * vec3(1.0f, 0.4f + 0.2f * float(i % 7), 0.5f)));
+            shapes::add(scene, i, mat4(1.0f));
+        }
+        UnwrapSettings settings;
+        settings.pageSize = 512;
+        const Result<UnwrappedScene> result = unwrap(scene, settings);
+        ASSERT_TRUE(result) << result.error().text();
+        EXPECT_EQ(result->pageCount, 1);
+        EXPECT_GE(double(result->coverage), mostFilled(scene, settings, result->texelsPerMeter) - 0.01) << boxes;
     }
 }
 

@@ -1,12 +1,10 @@
 #include "unwrap/pack/packer.h"
 
-#include "halflight/base/parallel.h"
 #include "unwrap/pack/page_bits.h"
 
 #include <algorithm>
-#include <array>
 #include <numeric>
-#include <span>
+#include <unordered_map>
 
 namespace halflight::charts {
 namespace {
@@ -14,7 +12,7 @@ namespace {
 /// Lays items down one after another, and can take them back.
 class Packing {
 public:
-    Packing(ivec2 size, int padding) : page_(size, padding) {}
+    Packing(ivec2 size, int padding, const ShapeTable& shapes) : page_(size, padding), tried_(shapes.count()) {}
 
     bool place(const std::vector<Shape>& shapes, Placement& placement, const Shape*& used)
     {
@@ -45,14 +43,11 @@ public:
     {
         page_.mark(shape, at, false);
         firstRow_.clear();
-        tried_.clear();
+        std::fill(tried_.begin(), tried_.end(), Tried());
     }
 
 private:
     /// Places in reading order without room for a shape, one after another: pages only fill, so it stays so.
-    struct HashOfHash {
-        std::size_t operator()(const Hash128& hash) const { return std::size_t(hash.low); }
-    };
     struct Tried {
         ivec2 from{0};
         ivec2 to{0};
@@ -61,7 +56,7 @@ private:
     std::optional<ivec2> find(const Shape& shape, ivec2 start, int yEnd)
     {
         const auto before = [](ivec2 a, ivec2 b) { return a.y != b.y ? a.y < b.y : a.x < b.x; };
-        Tried& tried = tried_[shape.hash];
+        Tried& tried = tried_[shape.number];
         const bool known = !before(start, tried.from) && !before(tried.to, start);
         const ivec2 begin = known ? tried.to : start;
         const auto at = page_.find(shape, begin, yEnd);
@@ -73,7 +68,7 @@ private:
 
     PageBits page_;
     std::unordered_map<uint64_t, int> firstRow_;
-    std::unordered_map<Hash128, Tried, HashOfHash> tried_; ///< by Shape::hash
+    std::vector<Tried> tried_; ///< by Shape::number
 };
 
 std::vector<uint32_t> largestFirst(const std::vector<PackItem>& items)
@@ -85,23 +80,6 @@ std::vector<uint32_t> largestFirst(const std::vector<PackItem>& items)
     return order;
 }
 
-/// Some are empty when cancelled.
-std::vector<std::vector<Shape>> allShapes(const std::vector<PackItem>& items, int padding, const Progress& progress)
-{
-    // Very many items are small ones, which fit about as well in two orientations, and take a quarter of the time.
-    constexpr std::size_t kMany = 50000;
-    constexpr std::array<int, 8> kAll = {0, 1, 2, 3, 4, 5, 6, 7};
-    constexpr std::array<int, 2> kUprightAndLying = {0, 4}; // swapped x and y
-    const std::span<const int> orientations =
-        items.size() < kMany ? std::span<const int>(kAll) : std::span<const int>(kUprightAndLying);
-    std::vector<std::vector<Shape>> shapes(items.size());
-    parallelFor(items.size(), 64, [&](std::size_t begin, std::size_t end) {
-        for (std::size_t i = begin; i < end && !progress.cancelled(); ++i)
-            shapes[i] = shapesOf(items[i], padding, orientations);
-    });
-    return shapes;
-}
-
 } // namespace
 
 std::optional<Block> packOnePage(const std::vector<PackItem>& items, ivec2 pageSize, int padding,
@@ -110,13 +88,13 @@ std::optional<Block> packOnePage(const std::vector<PackItem>& items, ivec2 pageS
     std::size_t texels = 0;
     for (const PackItem& item : items) texels += item.footprint->count();
     if (texels > std::size_t(pageSize.x) * std::size_t(pageSize.y)) return std::nullopt;
-    const std::vector<std::vector<Shape>> shapes = allShapes(items, padding, progress);
-    Packing packing(pageSize, padding);
+    const ShapeTable shapes(items, padding, progress);
+    Packing packing(pageSize, padding, shapes);
     Block block;
     block.placements.resize(items.size());
     for (const uint32_t i : largestFirst(items)) {
         const Shape* used = nullptr;
-        if (progress.cancelled() || !packing.place(shapes[i], block.placements[i], used)) return std::nullopt;
+        if (progress.cancelled() || !packing.place(shapes.of(i), block.placements[i], used)) return std::nullopt;
         block.placements[i].page = 0;
         block.size = glm::max(block.size, block.placements[i].at + used->size);
     }
@@ -126,7 +104,7 @@ std::optional<Block> packOnePage(const std::vector<PackItem>& items, ivec2 pageS
 std::vector<Placement> packPages(const std::vector<PackItem>& items, ivec2 pageSize, int padding,
                                  const Progress& progress)
 {
-    const std::vector<std::vector<Shape>> shapes = allShapes(items, padding, progress);
+    const ShapeTable shapes(items, padding, progress);
     // Groups by area, largest first; within a group, items by size.
     uint32_t groupCount = 0;
     for (const PackItem& item : items) groupCount = std::max(groupCount, item.group + 1);
@@ -144,7 +122,7 @@ std::vector<Placement> packPages(const std::vector<PackItem>& items, ivec2 pageS
     std::vector<Placement> placements(items.size());
     std::vector<uint32_t> waiting = order;
     for (int page = 0; !waiting.empty() && !progress.cancelled(); ++page) {
-        Packing packing(pageSize, padding);
+        Packing packing(pageSize, padding, shapes);
         std::vector<uint32_t> left;
         std::size_t used = 0, placedGroups = 0;
         int failures = 0;
@@ -158,7 +136,7 @@ std::vector<Placement> packPages(const std::vector<PackItem>& items, ivec2 pageS
             bool fits = true;
             for (const uint32_t i : members[group]) {
                 const Shape* shape = nullptr;
-                fits = !progress.cancelled() && packing.place(shapes[i], placements[i], shape);
+                fits = !progress.cancelled() && packing.place(shapes.of(i), placements[i], shape);
                 if (!fits) break;
                 done.emplace_back(shape, placements[i].at);
             }
@@ -194,7 +172,7 @@ std::optional<Block> packBlock(const std::vector<PackItem>& items, ivec2 most, i
         tall = std::max(tall, item.footprint->height());
     }
     if (least.x > most.x || least.y > most.y) return std::nullopt;
-    const std::vector<std::vector<Shape>> shapes = allShapes(items, padding, progress);
+    const ShapeTable shapes(items, padding, progress);
     const std::vector<uint32_t> order = largestFirst(items);
     std::optional<Block> best;
     const double side = std::sqrt(double(area));
@@ -205,13 +183,13 @@ std::optional<Block> packBlock(const std::vector<PackItem>& items, ivec2 most, i
         lastWidth = width;
         const int height =
             int(std::min<std::size_t>(std::size_t(most.y), 2 * area / std::size_t(width) + 4 * std::size_t(tall) + 64));
-        Packing packing({width, height}, padding);
+        Packing packing({width, height}, padding, shapes);
         Block block;
         block.placements.resize(items.size());
         bool fits = true;
         for (const uint32_t i : order) {
             const Shape* used = nullptr;
-            fits = !progress.cancelled() && packing.place(shapes[i], block.placements[i], used);
+            fits = !progress.cancelled() && packing.place(shapes.of(i), block.placements[i], used);
             if (!fits) break;
             block.placements[i].page = 0;
             block.size = glm::max(block.size, block.placements[i].at + used->size);
