@@ -3,10 +3,14 @@
 #include "atlas_check.h"
 #include "shapes.h"
 
+#include "halflight/base/parallel.h"
+
 #include <algorithm>
 #include <cmath>
 #include <glm/gtc/matrix_transform.hpp>
 #include <gtest/gtest.h>
+#include <utility>
+#include <vector>
 
 namespace halflight {
 namespace {
@@ -103,6 +107,35 @@ TEST(UnwrapDensity, FillsAPageAsWellAsAnyDensityAroundIt)
         EXPECT_EQ(result->pageCount, 1);
         EXPECT_GE(double(result->coverage), mostFilled(scene, settings, result->texelsPerMeter) - 0.01) << boxes;
     }
+}
+
+TEST(UnwrapDensity, SeveralPagesAreTheSameOnAnyNumberOfThreads)
+{
+    Scene scene;
+    for (int i = 0; i < 120; ++i) {
+        scene.meshes.push_back(shapes::box(vec3(0.5f + 0.1f * float(i % 9), 1.0f, 0.3f + 0.2f * float(i % 5))));
+        shapes::add(scene, i, mat4(1.0f));
+    }
+    UnwrapSettings settings;
+    settings.pageSize = 128;
+    settings.texelsPerMeter = 16.0f;
+    const auto layout = [&](int threads) {
+        const ThreadLimit limit(threads);
+        const Result<UnwrappedScene> result = unwrap(scene, settings);
+        EXPECT_TRUE(result);
+        std::vector<std::pair<int, vec2>> corners;
+        for (const Object& object : result->scene.objects)
+            corners.emplace_back(object.lightmap.page,
+                                 result->scene.meshes[std::size_t(object.mesh)].parts[0].lightmapUv[0]);
+        EXPECT_EQ(checkAtlas(*result, settings.paddingTexels).fault, "");
+        EXPECT_GE(result->pageCount, 8);
+        // Pages are full but for the last.
+        EXPECT_GT(double(result->coverageWithPadding) * result->pageCount, 0.85 * double(result->pageCount - 1));
+        return corners;
+    };
+    const auto one = layout(1);
+    EXPECT_EQ(one, layout(2));
+    EXPECT_EQ(one, layout(5));
 }
 
 TEST(SceneDensity, AskedDensityIsKeptAndItsPageIsCutToo)
