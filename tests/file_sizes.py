@@ -24,7 +24,6 @@ LONGER = {
     "src/scene/document/patcher.cpp": 403,
     "src/scene/load/validate.cpp": 404,
     "src/unwrap/charts/chart.cpp": 532,
-    "src/unwrap/pack/packer.cpp": 437,
     "tests/render/law_pixels_test.cpp": 470,
     "tests/render_plan/lights_test.cpp": 449,
     "tests/render_plan/probes_test.cpp": 464,

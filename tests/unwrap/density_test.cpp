@@ -93,7 +93,11 @@ double mostFilled(const Scene& scene, UnwrapSettings settings, float found)
 
 TEST(UnwrapDensity, FillsAPageAsWellAsAnyDensityAroundIt)
 {
-    for (const int boxes : {40, 400}) { // a search that goes on, and one of about two packings
+    struct Case {
+        int boxes, pageSize;
+    };
+    // A search that goes on, one that begins with the usual share, and ones that measure it on a small page.
+    for (const auto& [boxes, pageSize] : {Case{40, 512}, Case{400, 500}, Case{400, 512}, Case{250, 1024}}) {
         Scene scene;
         for (int i = 0; i < boxes; ++i) {
             const float size = 0.3f + 1.7f * std::fmod(0.618034f * float(i), 1.0f);
@@ -101,11 +105,12 @@ TEST(UnwrapDensity, FillsAPageAsWellAsAnyDensityAroundIt)
             shapes::add(scene, i, mat4(1.0f));
         }
         UnwrapSettings settings;
-        settings.pageSize = 512;
+        settings.pageSize = pageSize;
         const Result<UnwrappedScene> result = unwrap(scene, settings);
         ASSERT_TRUE(result) << result.error().text();
         EXPECT_EQ(result->pageCount, 1);
-        EXPECT_GE(double(result->coverage), mostFilled(scene, settings, result->texelsPerMeter) - 0.01) << boxes;
+        EXPECT_GE(double(result->coverage), mostFilled(scene, settings, result->texelsPerMeter) - 0.01)
+            << boxes << " boxes, " << pageSize;
     }
 }
 
