@@ -202,10 +202,17 @@ Scene sceneOf(MeshPart part)
     return scene;
 }
 
+double cpuNow()
+{
+    return double(std::clock()) / CLOCKS_PER_SEC;
+}
+
 struct Run {
     Result<UnwrappedScene> result;
     double seconds = 0.0;
     double cpu = 0.0;
+    double cpuOfCrossings = 0.0; ///< tests of hidden sides
+    double cpuOfSheets = 0.0;
 };
 
 Run timedUnwrap(Scene scene, const UnwrapSettings& settings, bool withTests)
@@ -215,12 +222,29 @@ Run timedUnwrap(Scene scene, const UnwrapSettings& settings, bool withTests)
     const Progress progress;
     if (withTests) assignShadowmaskChannels(scene, MixedLightingMode::Shadowmask);
     SourceTree tree(factory, integration);
-    const CrossingTest crossings = withTests ? hiddenSidesTest(tree) : CrossingTest();
-    const SheetTest sheets = withTests ? sheetSidesTest(tree, TwoSided::Automatic, progress) : SheetTest();
+    double ofCrossings = 0.0, ofSheets = 0.0;
+    CrossingTest crossings;
+    SheetTest sheets;
+    if (withTests) {
+        crossings = [&, test = hiddenSidesTest(tree)](const Scene& s, std::span<const CrossingPoint> points) {
+            const double before = cpuNow();
+            std::vector<uint8_t> hidden = test(s, points);
+            ofCrossings = cpuNow() - before;
+            return hidden;
+        };
+        sheets = [&, test = sheetSidesTest(tree, TwoSided::Automatic, progress)](const Scene& s, double texelMeters) {
+            const double before = cpuNow();
+            std::vector<std::vector<SheetTexels>> texels = test(s, texelMeters);
+            ofSheets = cpuNow() - before;
+            return texels;
+        };
+    }
     const auto start = std::chrono::steady_clock::now();
-    const std::clock_t cpuStart = std::clock();
+    const double cpuStart = cpuNow();
     Run run{unwrap(std::move(scene), settings, progress, crossings, sheets)};
-    run.cpu = double(std::clock() - cpuStart) / CLOCKS_PER_SEC;
+    run.cpu = cpuNow() - cpuStart;
+    run.cpuOfCrossings = ofCrossings;
+    run.cpuOfSheets = ofSheets;
     run.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     return run;
 }
@@ -318,6 +342,9 @@ int main(int argc, char** argv)
                     result->chartCount, result->pageCount, double(result->texelsPerMeter),
                     100.0 * double(result->coverage), 100.0 * double(result->coverageWithPadding), stretch, run.seconds,
                     run.cpu);
+        if (withTests)
+            std::printf("    CPU seconds of rays for crossings %.2f, for sheets %.2f\n", run.cpuOfCrossings,
+                        run.cpuOfSheets);
         if (withRatios) printRatios(source, settings, withTests, *result, run.cpu);
         for (const MeshUnwrapReport& mesh : result->meshes) {
             if (!mesh.reason.empty()) std::printf("    mesh %d: %s\n", mesh.mesh, mesh.reason.c_str());

@@ -162,6 +162,7 @@ public:
             TexelPoints one;
             uint64_t rays = 0;
             for (std::size_t i = begin; i < end; ++i) {
+                if (out[i] == 0) continue;
                 one[0] = points[i];
                 out[i] = validity.validPoints(one, 1, uint32_t(i), rays) != 0 ? 1 : 0;
             }

@@ -3,9 +3,14 @@
 #include "atlas_check.h"
 #include "shapes.h"
 
+#include "halflight/base/parallel.h"
+
+#include <algorithm>
 #include <cmath>
 #include <glm/gtc/matrix_transform.hpp>
 #include <gtest/gtest.h>
+#include <utility>
+#include <vector>
 
 namespace halflight {
 namespace {
@@ -72,6 +77,70 @@ TEST(SceneDensity, ScenesOfAllSizesGetPagesThatAreFilled)
         // In all of them a box is some texels wide.
         EXPECT_GT(result->texelsPerMeter * 0.1f * size, 15.0f) << size;
     }
+}
+
+/// The largest share of one page that any of the asked densities around `found` fills: by trying them all.
+double mostFilled(const Scene& scene, UnwrapSettings settings, float found)
+{
+    double most = 0.0;
+    for (int step = -4; step <= 8; ++step) {
+        settings.texelsPerMeter = found * (1.0f + 0.004f * float(step));
+        const Result<UnwrappedScene> result = unwrap(scene, settings);
+        if (result && result->pageCount == 1) most = std::max(most, double(result->coverage));
+    }
+    return most;
+}
+
+TEST(UnwrapDensity, FillsAPageAsWellAsAnyDensityAroundIt)
+{
+    struct Case {
+        int boxes, pageSize;
+    };
+    // A search that goes on, one that begins with the usual share, and ones that measure it on a small page.
+    for (const auto& [boxes, pageSize] : {Case{40, 512}, Case{400, 500}, Case{400, 512}, Case{250, 1024}}) {
+        Scene scene;
+        for (int i = 0; i < boxes; ++i) {
+            const float size = 0.3f + 1.7f * std::fmod(0.618034f * float(i), 1.0f);
+            scene.meshes.push_back(shapes::box(size * vec3(1.0f, 0.4f + 0.2f * float(i % 7), 0.5f)));
+            shapes::add(scene, i, mat4(1.0f));
+        }
+        UnwrapSettings settings;
+        settings.pageSize = pageSize;
+        const Result<UnwrappedScene> result = unwrap(scene, settings);
+        ASSERT_TRUE(result) << result.error().text();
+        EXPECT_EQ(result->pageCount, 1);
+        EXPECT_GE(double(result->coverage), mostFilled(scene, settings, result->texelsPerMeter) - 0.01)
+            << boxes << " boxes, " << pageSize;
+    }
+}
+
+TEST(UnwrapDensity, SeveralPagesAreTheSameOnAnyNumberOfThreads)
+{
+    Scene scene;
+    for (int i = 0; i < 120; ++i) {
+        scene.meshes.push_back(shapes::box(vec3(0.5f + 0.1f * float(i % 9), 1.0f, 0.3f + 0.2f * float(i % 5))));
+        shapes::add(scene, i, mat4(1.0f));
+    }
+    UnwrapSettings settings;
+    settings.pageSize = 128;
+    settings.texelsPerMeter = 16.0f;
+    const auto layout = [&](int threads) {
+        const ThreadLimit limit(threads);
+        const Result<UnwrappedScene> result = unwrap(scene, settings);
+        EXPECT_TRUE(result);
+        std::vector<std::pair<int, vec2>> corners;
+        for (const Object& object : result->scene.objects)
+            corners.emplace_back(object.lightmap.page,
+                                 result->scene.meshes[std::size_t(object.mesh)].parts[0].lightmapUv[0]);
+        EXPECT_EQ(checkAtlas(*result, settings.paddingTexels).fault, "");
+        EXPECT_GE(result->pageCount, 8);
+        // Pages are full but for the last.
+        EXPECT_GT(double(result->coverageWithPadding) * result->pageCount, 0.85 * double(result->pageCount - 1));
+        return corners;
+    };
+    const auto one = layout(1);
+    EXPECT_EQ(one, layout(2));
+    EXPECT_EQ(one, layout(5));
 }
 
 TEST(SceneDensity, AskedDensityIsKeptAndItsPageIsCutToo)

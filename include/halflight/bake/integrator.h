@@ -236,8 +236,8 @@ public:
     /// form alone. The default runs surfacesBetween() in parallel.
     virtual void surfacesAlong(std::span<const Segment> segments, std::span<std::optional<vec2>> out) const;
 
-    /// Validity of single points, as findValidPoints() tests those of texels: 1 outside geometry, 0 inside. The default
-    /// takes all as outside.
+    /// Validity of single points, as findValidPoints() tests those of texels. Where `out` is 1, it becomes 0 for a
+    /// point inside geometry; other points are not tested. The default takes all as outside.
     virtual void findOutside(std::span<const SurfacePoint> points, std::span<uint8_t> out) const;
 
     [[nodiscard]] virtual uint64_t raysTraced() const = 0;

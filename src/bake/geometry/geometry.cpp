@@ -253,10 +253,7 @@ bool Integrator::sides(std::span<const SurfacePoint> /*points*/, std::span<const
     return !progress.cancelled();
 }
 
-void Integrator::findOutside(std::span<const SurfacePoint> /*points*/, std::span<uint8_t> out) const
-{
-    std::fill(out.begin(), out.end(), uint8_t(1));
-}
+void Integrator::findOutside(std::span<const SurfacePoint> /*points*/, std::span<uint8_t> /*out*/) const {}
 
 SurfacePoint surfacePoint(const BakeGeometry& geometry, uint32_t triangle, vec2 barycentric)
 {

@@ -36,16 +36,17 @@ std::vector<uint8_t> findOpen(const Integrator& integrator, const std::vector<ui
             down.push_back({point, point - depth * crossing.normal});
         }
     }
-    std::vector<uint8_t> open(points.size(), 1);
-    integrator.findOutside(points, open);
+    // One ray tells whether there is surface below; whether a point lies outside takes many.
     const std::vector<std::optional<vec2>> below = surfacesAlong(integrator, down);
-    for (std::size_t i = 0; i < open.size(); ++i) open[i] = open[i] != 0 && isBlocked(below[i]) ? 1 : 0;
+    std::vector<uint8_t> open(points.size(), 0);
+    for (std::size_t i = 0; i < points.size(); ++i) open[i] = isBlocked(below[i]) ? 1 : 0;
+    integrator.findOutside(points, open);
     return open;
 }
 
-/// Lines of sight between open points of both sides, low and high.
+/// Lines of sight between open points of both sides.
 struct SightLines {
-    std::vector<Segment> segments; ///< a low one and a high one in turn
+    std::vector<Segment> low;
     std::vector<std::size_t> ofCrossing;
 };
 
@@ -56,12 +57,10 @@ SightLines sightLines(std::span<const CrossingPoint> crossings, const std::vecto
         const auto points = pointsAround(crossings[c]);
         const std::size_t half = points.size() / 2;
         const std::size_t first = c * points.size();
-        const vec3 high = kHiddenHeight * crossings[c].texelMeters * crossings[c].rise;
         for (std::size_t a = 0; a < half; ++a) {
             for (std::size_t b = half; b < points.size(); ++b) {
                 if (open[first + a] == 0 || open[first + b] == 0) continue;
-                lines.segments.push_back({points[a], points[b]});
-                lines.segments.push_back({points[a] + high, points[b] + high});
+                lines.low.push_back({points[a], points[b]});
                 lines.ofCrossing.push_back(c);
             }
         }
@@ -90,10 +89,20 @@ CrossingTest hiddenSidesTest(SourceTree& tree)
         const std::vector<uint8_t> open =
             findOpen(*integrator, firstTriangles(scene, tree.geometryOf(scene)), crossings);
         const SightLines lines = sightLines(crossings, open);
-        const std::vector<std::optional<vec2>> surfaces = surfacesAlong(*integrator, lines.segments);
-        for (std::size_t i = 0; i < lines.ofCrossing.size(); ++i) {
-            if (isBlocked(surfaces[2 * i]) && isBlocked(surfaces[2 * i + 1])) hidden[lines.ofCrossing[i]] = 1;
+        const std::vector<std::optional<vec2>> low = surfacesAlong(*integrator, lines.low);
+        // Only where a low line is blocked, a high one is asked for: what is in the way may be an edge.
+        std::vector<Segment> high;
+        std::vector<std::size_t> ofHigh;
+        for (std::size_t i = 0; i < lines.low.size(); ++i) {
+            if (!isBlocked(low[i])) continue;
+            const CrossingPoint& crossing = crossings[lines.ofCrossing[i]];
+            const vec3 up = kHiddenHeight * crossing.texelMeters * crossing.rise;
+            high.push_back({lines.low[i].from + up, lines.low[i].to + up});
+            ofHigh.push_back(lines.ofCrossing[i]);
         }
+        const std::vector<std::optional<vec2>> blocked = surfacesAlong(*integrator, high);
+        for (std::size_t i = 0; i < high.size(); ++i)
+            if (isBlocked(blocked[i])) hidden[ofHigh[i]] = 1;
         return hidden;
     };
 }

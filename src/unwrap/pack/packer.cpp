@@ -4,9 +4,10 @@
 #include "unwrap/pack/page_bits.h"
 
 #include <algorithm>
-#include <array>
+#include <functional>
 #include <numeric>
-#include <span>
+#include <queue>
+#include <unordered_map>
 
 namespace halflight::charts {
 namespace {
@@ -14,7 +15,7 @@ namespace {
 /// Lays items down one after another, and can take them back.
 class Packing {
 public:
-    Packing(ivec2 size, int padding) : page_(size, padding) {}
+    Packing(ivec2 size, int padding, const ShapeTable& shapes) : page_(size, padding), tried_(shapes.count()) {}
 
     bool place(const std::vector<Shape>& shapes, Placement& placement, const Shape*& used)
     {
@@ -45,14 +46,11 @@ public:
     {
         page_.mark(shape, at, false);
         firstRow_.clear();
-        tried_.clear();
+        std::fill(tried_.begin(), tried_.end(), Tried());
     }
 
 private:
     /// Places in reading order without room for a shape, one after another: pages only fill, so it stays so.
-    struct HashOfHash {
-        std::size_t operator()(const Hash128& hash) const { return std::size_t(hash.low); }
-    };
     struct Tried {
         ivec2 from{0};
         ivec2 to{0};
@@ -61,7 +59,7 @@ private:
     std::optional<ivec2> find(const Shape& shape, ivec2 start, int yEnd)
     {
         const auto before = [](ivec2 a, ivec2 b) { return a.y != b.y ? a.y < b.y : a.x < b.x; };
-        Tried& tried = tried_[shape.hash];
+        Tried& tried = tried_[shape.number];
         const bool known = !before(start, tried.from) && !before(tried.to, start);
         const ivec2 begin = known ? tried.to : start;
         const auto at = page_.find(shape, begin, yEnd);
@@ -73,7 +71,7 @@ private:
 
     PageBits page_;
     std::unordered_map<uint64_t, int> firstRow_;
-    std::unordered_map<Hash128, Tried, HashOfHash> tried_; ///< by Shape::hash
+    std::vector<Tried> tried_; ///< by Shape::number
 };
 
 std::vector<uint32_t> largestFirst(const std::vector<PackItem>& items)
@@ -85,22 +83,162 @@ std::vector<uint32_t> largestFirst(const std::vector<PackItem>& items)
     return order;
 }
 
-/// Some are empty when cancelled.
-std::vector<std::vector<Shape>> allShapes(const std::vector<PackItem>& items, int padding, const Progress& progress)
+/// Items that stay together, and the texels that they take.
+struct PackGroups {
+    std::vector<std::vector<uint32_t>> members; ///< largest first
+    std::vector<std::size_t> area;              ///< with half of the padding
+};
+
+PackGroups groupsOf(const std::vector<PackItem>& items, int padding)
 {
-    // Very many items are small ones, which fit about as well in two orientations, and take a quarter of the time.
-    constexpr std::size_t kMany = 50000;
-    constexpr std::array<int, 8> kAll = {0, 1, 2, 3, 4, 5, 6, 7};
-    constexpr std::array<int, 2> kUprightAndLying = {0, 4}; // swapped x and y
-    const std::span<const int> orientations =
-        items.size() < kMany ? std::span<const int>(kAll) : std::span<const int>(kUprightAndLying);
-    std::vector<std::vector<Shape>> shapes(items.size());
-    parallelFor(items.size(), 64, [&](std::size_t begin, std::size_t end) {
-        for (std::size_t i = begin; i < end && !progress.cancelled(); ++i)
-            shapes[i] = shapesOf(items[i], padding, orientations);
-    });
-    return shapes;
+    PackGroups groups;
+    uint32_t count = 0;
+    for (const PackItem& item : items) count = std::max(count, item.group + 1);
+    groups.members.resize(count);
+    groups.area.resize(count, 0);
+    for (const uint32_t i : largestFirst(items)) {
+        groups.members[items[i].group].push_back(i);
+        groups.area[items[i].group] += items[i].footprint->dilated((padding + 1) / 2).count();
+    }
+    return groups;
 }
+
+/// Fills pages with whole groups.
+class PageFiller {
+public:
+    PageFiller(const std::vector<PackItem>& items, ivec2 pageSize, int padding, const Progress& progress)
+        : groups_(groupsOf(items, padding)), shapes_(items, padding, progress), pageSize_(pageSize), padding_(padding),
+          progress_(progress), placements_(items.size())
+    {}
+
+    std::vector<Placement> run()
+    {
+        std::vector<uint32_t> waiting(groups_.area.size());
+        std::iota(waiting.begin(), waiting.end(), 0u);
+        std::stable_sort(waiting.begin(), waiting.end(),
+                         [&](uint32_t a, uint32_t b) { return groups_.area[a] > groups_.area[b]; });
+        for (int page = 0; !waiting.empty() && !progress_.cancelled();) {
+            std::vector<std::vector<uint32_t>> dealt = deal(waiting);
+            const std::vector<uint8_t> isUsed = fillPages(page, dealt);
+            waiting.clear();
+            for (std::size_t p = 0; p < dealt.size(); ++p) {
+                // A group that found no room on an empty page never will.
+                if (isUsed[p] == 0 && !dealt[p].empty()) dealt[p].erase(dealt[p].begin());
+                waiting.insert(waiting.end(), dealt[p].begin(), dealt[p].end());
+            }
+            std::stable_sort(waiting.begin(), waiting.end(),
+                             [&](uint32_t a, uint32_t b) { return groups_.area[a] > groups_.area[b]; });
+            page = closeGaps(page, isUsed);
+        }
+        return std::move(placements_);
+    }
+
+private:
+    [[nodiscard]] std::size_t pageArea() const { return std::size_t(pageSize_.x) * std::size_t(pageSize_.y); }
+
+    /// Deals groups to three quarters of the pages that they need, each to the page that has least: every page gets
+    /// more than it holds. Bit masks of pages at one time take 64 MB, or those of one page.
+    [[nodiscard]] std::vector<std::vector<uint32_t>> deal(const std::vector<uint32_t>& waiting) const
+    {
+        std::size_t area = 0;
+        for (const uint32_t group : waiting) area += groups_.area[group];
+        constexpr std::size_t kMostTexels = std::size_t(1) << 26;
+        const std::size_t most = std::max<std::size_t>(kMostTexels / pageArea(), 1);
+        const std::size_t count = std::clamp<std::size_t>(area * 3 / 4 / pageArea(), 1, most);
+        std::vector<std::vector<uint32_t>> dealt(count);
+        using Page = std::pair<std::size_t, std::size_t>; // area, number
+        std::priority_queue<Page, std::vector<Page>, std::greater<>> emptiest;
+        for (std::size_t p = 0; p < count; ++p) emptiest.emplace(0, p);
+        for (const uint32_t group : waiting) {
+            const auto [own, p] = emptiest.top();
+            emptiest.pop();
+            dealt[p].push_back(group);
+            emptiest.emplace(own + groups_.area[group], p);
+        }
+        std::erase_if(dealt, [](const std::vector<uint32_t>& own) { return own.empty(); });
+        return dealt;
+    }
+
+    /// A page that is being filled.
+    struct OpenPage {
+        Packing packing;
+        std::size_t used = 0;
+    };
+
+    /// Fills pages at one time, each with its own groups, then with those that others left. Returns by page whether
+    /// anything lies on it.
+    std::vector<uint8_t> fillPages(int firstPage, std::vector<std::vector<uint32_t>>& dealt)
+    {
+        const std::size_t count = dealt.size();
+        std::vector<OpenPage> pages;
+        for (std::size_t p = 0; p < count; ++p) pages.push_back({Packing(pageSize_, padding_, shapes_)});
+        for (std::size_t shift = 0; shift < count; ++shift) {
+            parallelFor(count, 1, [&](std::size_t begin, std::size_t end) {
+                for (std::size_t p = begin; p < end; ++p)
+                    fill(pages[p], firstPage + int(p), dealt[(p + shift) % count]);
+            });
+        }
+        std::vector<uint8_t> isUsed;
+        for (const OpenPage& page : pages) isUsed.push_back(page.used > 0 ? 1 : 0);
+        return isUsed;
+    }
+
+    /// Lays down what finds room; the others are left.
+    void fill(OpenPage& page, int number, std::vector<uint32_t>& groups)
+    {
+        constexpr int kPatience = 64; // groups in a row that found no room
+        std::vector<uint32_t> left;
+        int failures = 0;
+        for (const uint32_t group : groups) {
+            const bool isHopeless = page.used + groups_.area[group] > pageArea() + pageArea() / 16;
+            if (isHopeless || failures > kPatience || progress_.cancelled()) {
+                left.push_back(group);
+            } else if (lay(group, number, page.packing)) {
+                page.used += groups_.area[group];
+                failures = 0;
+            } else {
+                left.push_back(group);
+                ++failures;
+            }
+        }
+        groups = std::move(left);
+    }
+
+    /// All items of a group, or none.
+    bool lay(uint32_t group, int page, Packing& packing)
+    {
+        std::vector<std::pair<const Shape*, ivec2>> done;
+        for (const uint32_t i : groups_.members[group]) {
+            const Shape* shape = nullptr;
+            if (progress_.cancelled() || !packing.place(shapes_.of(i), placements_[i], shape)) {
+                for (const auto& [laid, at] : done) packing.takeBack(*laid, at);
+                return false;
+            }
+            done.emplace_back(shape, placements_[i].at);
+        }
+        for (const uint32_t i : groups_.members[group]) placements_[i].page = page;
+        return true;
+    }
+
+    /// Gives pages that are in use numbers without gaps; returns the next one.
+    int closeGaps(int first, const std::vector<uint8_t>& isUsed)
+    {
+        std::vector<int> numbers(isUsed.size(), -1);
+        int next = first;
+        for (std::size_t p = 0; p < isUsed.size(); ++p)
+            if (isUsed[p] != 0) numbers[p] = next++;
+        for (Placement& placement : placements_)
+            if (placement.page >= first) placement.page = numbers[std::size_t(placement.page - first)];
+        return next;
+    }
+
+    PackGroups groups_;
+    ShapeTable shapes_;
+    ivec2 pageSize_;
+    int padding_;
+    const Progress& progress_;
+    std::vector<Placement> placements_;
+};
 
 } // namespace
 
@@ -110,13 +248,13 @@ std::optional<Block> packOnePage(const std::vector<PackItem>& items, ivec2 pageS
     std::size_t texels = 0;
     for (const PackItem& item : items) texels += item.footprint->count();
     if (texels > std::size_t(pageSize.x) * std::size_t(pageSize.y)) return std::nullopt;
-    const std::vector<std::vector<Shape>> shapes = allShapes(items, padding, progress);
-    Packing packing(pageSize, padding);
+    const ShapeTable shapes(items, padding, progress);
+    Packing packing(pageSize, padding, shapes);
     Block block;
     block.placements.resize(items.size());
     for (const uint32_t i : largestFirst(items)) {
         const Shape* used = nullptr;
-        if (progress.cancelled() || !packing.place(shapes[i], block.placements[i], used)) return std::nullopt;
+        if (progress.cancelled() || !packing.place(shapes.of(i), block.placements[i], used)) return std::nullopt;
         block.placements[i].page = 0;
         block.size = glm::max(block.size, block.placements[i].at + used->size);
     }
@@ -126,61 +264,7 @@ std::optional<Block> packOnePage(const std::vector<PackItem>& items, ivec2 pageS
 std::vector<Placement> packPages(const std::vector<PackItem>& items, ivec2 pageSize, int padding,
                                  const Progress& progress)
 {
-    const std::vector<std::vector<Shape>> shapes = allShapes(items, padding, progress);
-    // Groups by area, largest first; within a group, items by size.
-    uint32_t groupCount = 0;
-    for (const PackItem& item : items) groupCount = std::max(groupCount, item.group + 1);
-    std::vector<std::vector<uint32_t>> members(groupCount);
-    std::vector<std::size_t> area(groupCount, 0);
-    for (const uint32_t i : largestFirst(items)) {
-        members[items[i].group].push_back(i);
-        area[items[i].group] += items[i].footprint->dilated((padding + 1) / 2).count();
-    }
-    std::vector<uint32_t> order(groupCount);
-    std::iota(order.begin(), order.end(), 0u);
-    std::stable_sort(order.begin(), order.end(), [&](uint32_t a, uint32_t b) { return area[a] > area[b]; });
-
-    const std::size_t pageArea = std::size_t(pageSize.x) * std::size_t(pageSize.y);
-    std::vector<Placement> placements(items.size());
-    std::vector<uint32_t> waiting = order;
-    for (int page = 0; !waiting.empty() && !progress.cancelled(); ++page) {
-        Packing packing(pageSize, padding);
-        std::vector<uint32_t> left;
-        std::size_t used = 0, placedGroups = 0;
-        int failures = 0;
-        for (const uint32_t group : waiting) {
-            constexpr int kPatience = 64; // groups in a row that found no room
-            if (used + area[group] > pageArea + pageArea / 16 || failures > kPatience || progress.cancelled()) {
-                left.push_back(group);
-                continue;
-            }
-            std::vector<std::pair<const Shape*, ivec2>> done;
-            bool fits = true;
-            for (const uint32_t i : members[group]) {
-                const Shape* shape = nullptr;
-                fits = !progress.cancelled() && packing.place(shapes[i], placements[i], shape);
-                if (!fits) break;
-                done.emplace_back(shape, placements[i].at);
-            }
-            if (fits) {
-                for (const uint32_t i : members[group]) placements[i].page = page;
-                used += area[group];
-                ++placedGroups;
-                failures = 0;
-            } else {
-                for (const auto& [shape, at] : done) packing.takeBack(*shape, at);
-                left.push_back(group);
-                ++failures;
-            }
-        }
-        // A group that found no room on an empty page never will.
-        if (placedGroups == 0) {
-            left.erase(left.begin());
-            --page;
-        }
-        waiting = std::move(left);
-    }
-    return placements;
+    return PageFiller(items, pageSize, padding, progress).run();
 }
 
 std::optional<Block> packBlock(const std::vector<PackItem>& items, ivec2 most, int padding, const Progress& progress)
@@ -194,7 +278,7 @@ std::optional<Block> packBlock(const std::vector<PackItem>& items, ivec2 most, i
         tall = std::max(tall, item.footprint->height());
     }
     if (least.x > most.x || least.y > most.y) return std::nullopt;
-    const std::vector<std::vector<Shape>> shapes = allShapes(items, padding, progress);
+    const ShapeTable shapes(items, padding, progress);
     const std::vector<uint32_t> order = largestFirst(items);
     std::optional<Block> best;
     const double side = std::sqrt(double(area));
@@ -205,13 +289,13 @@ std::optional<Block> packBlock(const std::vector<PackItem>& items, ivec2 most, i
         lastWidth = width;
         const int height =
             int(std::min<std::size_t>(std::size_t(most.y), 2 * area / std::size_t(width) + 4 * std::size_t(tall) + 64));
-        Packing packing({width, height}, padding);
+        Packing packing({width, height}, padding, shapes);
         Block block;
         block.placements.resize(items.size());
         bool fits = true;
         for (const uint32_t i : order) {
             const Shape* used = nullptr;
-            fits = !progress.cancelled() && packing.place(shapes[i], block.placements[i], used);
+            fits = !progress.cancelled() && packing.place(shapes.of(i), block.placements[i], used);
             if (!fits) break;
             block.placements[i].page = 0;
             block.size = glm::max(block.size, block.placements[i].at + used->size);

@@ -10,9 +10,8 @@
 namespace halflight::charts {
 namespace {
 
-constexpr int kTrials = 9; ///< packings at full size, at most: where charts are few, chance decides what fits
-/// A page with so much of its height in use is full: more would gain less than a hundredth of its texels.
-constexpr double kFull = 0.99;
+constexpr int kTrials = 9;           ///< packings at full size, at most: where charts are few, chance decides what fits
+constexpr double kLeastGain = 0.008; ///< of the page's texels: for less, nothing is packed again
 /// With fewer charts than this one more in a row decides what fits, and packings take little time: the search goes on.
 constexpr std::size_t kFewCharts = 1000;
 constexpr double kMargin = 0.002; ///< of the texels: how well the height of one packing tells that of the next
@@ -129,13 +128,18 @@ std::optional<Pages> fillPage(const std::vector<GroupLayout>& groups, const Page
         if (open && height <= settings.pageSize) {
             best = std::move(open->pages);
             bracket.fits = density;
-            if (density >= limit || (!bracket.goesOn && height >= kFull * settings.pageSize)) break;
+            if (density >= limit) break;
         } else {
             bracket.fails = density;
             ++bracket.failures;
         }
         if (best && bracket.fails > 0.0 && bracket.fails / bracket.fits < 1.008) break;
-        density = std::min(bracket.next(estimate, settings.pageSize, density, height), limit);
+        const double next = std::min(bracket.next(estimate, settings.pageSize, density, height), limit);
+        if (best && !bracket.goesOn) {
+            const double growth = next / bracket.fits;
+            if (double(best->coveredTexels) * (growth * growth - 1.0) < kLeastGain * texelsOf(settings)) break;
+        }
+        density = next;
         if (density <= bracket.fits) break;
     }
     return best;

@@ -1,10 +1,8 @@
 #pragma once
 // Footprints as a packer tests and draws them.
 
-#include "halflight/base/hash.h"
 #include "unwrap/pack/packer.h"
 
-#include <span>
 #include <vector>
 
 namespace halflight::charts {
@@ -20,10 +18,22 @@ struct Shape {
     int orientation = 0;
     std::vector<Run> texels;
     std::vector<Run> padded; ///< in the order of spreadOut()
-    Hash128 hash;            ///< of both
+    uint32_t number = 0;     ///< of all that have the same texels
 };
 
-/// The shapes of an item in those orientations, each different one once.
-std::vector<Shape> shapesOf(const PackItem& item, int padding, std::span<const int> orientations);
+/// Shapes of items in all orientations that they may have. Items with the same footprint share them.
+class ShapeTable {
+public:
+    /// Shapes are missing when cancelled.
+    ShapeTable(const std::vector<PackItem>& items, int padding, const Progress& progress);
+
+    [[nodiscard]] const std::vector<Shape>& of(std::size_t item) const { return shapes_[kindOf_[item]]; }
+    [[nodiscard]] std::size_t count() const { return count_; } ///< of different Shape::number
+
+private:
+    std::vector<std::vector<Shape>> shapes_; ///< by kind of item, each different one once
+    std::vector<uint32_t> kindOf_;           ///< by item
+    std::size_t count_ = 0;
+};
 
 } // namespace halflight::charts
