@@ -2,6 +2,7 @@
 // halflight-view, with HALFLIGHT_VIEW: the command `view` alone, with the window.
 
 #include "console.h"
+#include "halflight/bake_cpu/embree_integrator.h"
 #include "halflight/base/system.h"
 #include "halflight/scene/compression.h"
 #include "terminal.h"
@@ -87,7 +88,8 @@ std::string versionText()
 #else
     version += "\nno renderer, window or farm";
 #endif
-    return version;
+    const Result<std::string> identity = embreeIntegrators().identity(InstructionSet::Automatic);
+    return version + "\n" + (identity ? "bakes as " + *identity : identity.error().message);
 }
 
 std::vector<Command> addCommands(CLI::App& app, [[maybe_unused]] const std::vector<std::string>& arguments)
@@ -112,7 +114,7 @@ int runProgram(const std::vector<std::string>& arguments)
 {
     CLI::App app("Halflight: mixed lighting for any engine. glTF in, baked glTF out, baked and realtime shadows mixed.",
                  "halflight");
-    app.set_version_flag("-V,--version", versionText());
+    app.set_version_flag("-V,--version", versionText);
     bool describes = false; // asked for below, before a command is required
     app.add_flag("--describe", describes, "Print all commands and options as JSON and exit");
     app.require_subcommand(1);

@@ -27,7 +27,7 @@ function tablesOfPaths() {
 }
 
 /** What bake() sets itself, has no use for, or takes in another form. */
-const OWN = ['--help', '--output', '--settings', '--device', '--cache', '--only', '--progress', '--sidecar', '--report', '--write-images', '--json', '--quiet'];
+const OWN = ['--help', '--output', '--settings', '--device', '--isa', '--cache', '--only', '--progress', '--sidecar', '--report', '--write-images', '--json', '--quiet'];
 
 /** The TypeScript type of an option and how its value is written on the command line. */
 function typeOf(value) {
