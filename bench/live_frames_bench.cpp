@@ -57,7 +57,7 @@ public:
     {
         std::vector<double> frames;
         std::vector<double> loads;
-        BakeSession session(scene_, settings, makeEmbreeIntegrator);
+        BakeSession session(scene_, settings, embreeIntegrators());
         session.setView(camera_, float(view_.size.x) / float(view_.size.y));
         while (!session.state().finished) {
             if (auto light = session.takeLight(); light || (light = session.takeProbeLight())) {

@@ -50,7 +50,7 @@ std::optional<Run> runSession(const Scene& scene, const BakeSettings& settings)
     Run run;
     const Clock::time_point start = Clock::now();
     Clock::time_point last = start;
-    BakeSession session(scene, settings, makeEmbreeIntegrator);
+    BakeSession session(scene, settings, embreeIntegrators());
     if (!scene.cameras.empty()) session.setView(scene.cameras.front(), 16.0f / 9.0f);
     while (!session.state().finished) {
         std::this_thread::sleep_for(std::chrono::milliseconds(2));
@@ -155,7 +155,7 @@ int run(const char* file, const BakeSettings& settings, int rounds)
     double sessionSeconds = 0.0;
     for (int round = 0; round < rounds; ++round) { // in turn, so that a change of the machine's pace shows
         const Clock::time_point start = Clock::now();
-        const Result<BakeResult> plain = bake(*scene, settings, makeEmbreeIntegrator);
+        const Result<BakeResult> plain = bake(*scene, settings, embreeIntegrators());
         if (!plain) return 1;
         const double seconds = secondsSince(start);
         std::optional<Run> session = runSession(*scene, settings);

@@ -217,7 +217,7 @@ struct Run {
 
 Run timedUnwrap(Scene scene, const UnwrapSettings& settings, bool withTests)
 {
-    const IntegratorFactory factory = makeEmbreeIntegrator;
+    const IntegratorFactory factory = embreeIntegrators();
     const IntegrationSettings integration;
     const Progress progress;
     if (withTests) assignShadowmaskChannels(scene, MixedLightingMode::Shadowmask);

@@ -42,7 +42,7 @@ BakeCost costOfBake(const std::function<Scene()>& make, int size)
         settings.shadowSamples = 16;
         settings.uvMode = UvMode::Unwrap;
         const double start = cpuSeconds();
-        const auto result = halflight::bake(std::move(scene), settings, makeEmbreeIntegrator);
+        const auto result = halflight::bake(std::move(scene), settings, embreeIntegrators());
         BakeCost cost;
         if (result) cost = {double(result->report.coveredTexels), cpuSeconds() - start, peakBytes()};
         const bool written = write(ends[1], &cost, sizeof(cost)) == ssize_t(sizeof(cost));

@@ -147,7 +147,7 @@ void run(const char* scenePath, const char* bakedPath, bool once)
     Presenter presenter(renderer->handles(), window);
 
     BakeSettings settings{.quality = Quality::Preview, .lightmapSize = 128};
-    BakeSession session(scene, settings, makeEmbreeIntegrator);
+    BakeSession session(scene, settings, embreeIntegrators());
     RenderSettings view{.size = presenter.size};
     float yaw = 0.8f, distance = 0.9f * glm::length(scene.bounds().size()), exposure = 0.0f;
     Camera camera;

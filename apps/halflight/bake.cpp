@@ -44,10 +44,18 @@ public:
     [[nodiscard]] Status note() const { return writeFileAtomically(file_, outputHash()); }
 
 private:
+    /// Empty where the processor lacks the instruction set; the bake says so.
+    static std::string identityOf(const BakeSettings& settings)
+    {
+        if (settings.mixedIdentities) return kMixedIdentities;
+        const Result<std::string> identity = embreeIntegrators().identity(settings.isa);
+        return identity ? *identity : std::string();
+    }
     static Hash128 hashOf(const BakeOptions& options, const Scene& scene)
     {
         return Hasher()
             .add(bakeHash(scene, options.bake))
+            .add(std::string_view(identityOf(options.bake)))
             .add(uint8_t(options.write.lightmapFormat))
             .add(options.write.skyWidth)
             .hash();
@@ -170,7 +178,7 @@ int runBake(const CLI::App& app, const BakeOptions& given)
         }
     }
 
-    Result<BakeResult> result = bake(std::move(*scene), options.bake, makeEmbreeIntegrator, progress);
+    Result<BakeResult> result = bake(std::move(*scene), options.bake, embreeIntegrators(), progress);
     if (result && interrupted()) result = Error{ErrorCode::Cancelled, "interrupted"};
     if (!result) {
         display.reset();

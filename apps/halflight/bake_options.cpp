@@ -96,6 +96,11 @@ void addLightOptions(CLI::App& app, BakeOptions& options)
     addTexels(app, options.bake);
     addResults(app, options);
     addUint(app, "--seed", options.bake.seed, "of the random numbers (default 1)");
+    addChoice<InstructionSet>(
+        app, "--isa", options.bake.isa,
+        choicesOf({InstructionSet::Automatic, InstructionSet::Sse2, InstructionSet::Avx2, InstructionSet::Avx512}),
+        "the processor's instructions that trace rays; light differs within its noise, in other bytes (default auto: "
+        "avx2 where it is there, else sse2)");
 }
 
 void addFormatOptions(CLI::App& app, BakeOptions& options)

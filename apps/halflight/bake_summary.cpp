@@ -109,6 +109,7 @@ void printBakeSummary(const BakeOptions& options, const BakeReport& report)
               report.cache.kept > 0 ? ", " + grouped(report.cache.kept) + " of other objects kept" : "");
     }
     print("geometry   {} static triangles\n", grouped(report.triangleCount));
+    print("identity   {}\n", report.identity);
     if (const auto& main = report.mainLight) {
         const vec3 color = main->shadowColor;
         print("subtracted {}, {} mask, down to {:.3g}, {:.3g}, {:.3g} lux{}\n", printable(main->name),

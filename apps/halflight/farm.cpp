@@ -43,9 +43,10 @@ Result<BakeReport> workOnScene(const WorkOptions& options, const FarmPlan& plan,
     work.stage = options.stage;
     BakeLine line(plan.bakeArguments(planned, "plan.glb"));
     line.options.bake.threads = options.threads;
+    line.options.bake.mixedIdentities = planned.bake.identity == kMixedIdentities;
     Result<Scene> scene = sceneOf(line);
     if (!scene) return scene.error();
-    return workOnFarm(std::move(*scene), line.options.bake, planned.bake, work, plan.compares, makeEmbreeIntegrator,
+    return workOnFarm(std::move(*scene), line.options.bake, planned.bake, work, plan.compares, embreeIntegrators(),
                       progress);
 }
 
@@ -127,14 +128,16 @@ std::string incomplete(const FarmPlan& plan, uint32_t workers)
                        arrayList(missing), workers);
 }
 
-/// Error when the plan's copy of a scene was changed, so that its tiles are of another.
+/// Error when the plan's copy of a scene was changed, so that its tiles are of another, or when this machine would give
+/// other bytes than the plan's.
 Status checkScene(const BakeLine& line, const PlannedScene& planned)
 {
     BakeOptions options = line.options;
     Result<Scene> scene = readBakeScene(options);
     if (!scene) return scene.error();
     applyOptions(options, *scene);
-    return checkFarmInputs(*scene, options.bake, planned.bake);
+    if (Status status = checkFarmInputs(*scene, options.bake, planned.bake); !status) return status;
+    return checkFarmIdentity(options.bake, planned.bake, embreeIntegrators());
 }
 
 int runJoin(const JoinOptions& options)
@@ -169,6 +172,7 @@ int runJoin(const JoinOptions& options)
         BakeLine line(plan->bakeArguments(scene, output.string()));
         if (Status status = checkScene(line, scene); !status) return fail(line.options.scene, status.error());
         line.options.bake.threads = options.bake.bake.threads;
+        line.options.bake.mixedIdentities = scene.bake.identity == kMixedIdentities;
         line.options.reportFile = options.bake.reportFile;
         line.options.sidecarDirectory = options.bake.sidecarDirectory;
         line.options.bake.imagesDirectory = options.bake.bake.imagesDirectory;

@@ -19,7 +19,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr const char* kFormat = "halflight farm plan";
-constexpr int kVersion = 1;
+constexpr int kVersion = 2;
 
 /// The last step of a path, without control characters, which no message shows as they are.
 std::string fileNameOf(std::string name)
@@ -30,10 +30,10 @@ std::string fileNameOf(std::string name)
 
 nlohmann::json jsonOf(const PlannedScene& scene)
 {
-    return {{"name", scene.name},         {"scene", scene.scene.string()}, {"settings", scene.settings.string()},
-            {"options", scene.options},   {"cache", scene.cache.string()}, {"inputs", scene.bake.inputs},
-            {"parts", scene.bake.folder}, {"tiles", scene.bake.tiles},     {"texels", scene.bake.texels},
-            {"mask", scene.bake.mask}};
+    return {{"name", scene.name},         {"scene", scene.scene.string()},  {"settings", scene.settings.string()},
+            {"options", scene.options},   {"cache", scene.cache.string()},  {"inputs", scene.bake.inputs},
+            {"parts", scene.bake.folder}, {"tiles", scene.bake.tiles},      {"texels", scene.bake.texels},
+            {"mask", scene.bake.mask},    {"identity", scene.bake.identity}};
 }
 
 /// A plan's numbers and words, as any other input's. The first thing wrong is the error, with its place.
@@ -117,7 +117,8 @@ private:
     {
         constexpr uint64_t kMostTexels = uint64_t(1) << 34; // 256 pages of 8192 x 8192
         check(json, path,
-              {"name", "scene", "settings", "options", "cache", "inputs", "parts", "tiles", "texels", "mask"});
+              {"name", "scene", "settings", "options", "cache", "inputs", "parts", "tiles", "texels", "mask",
+               "identity"});
         PlannedScene scene;
         scene.name = stepName(json, path, "name");
         scene.scene = place(json, path, "scene", false);
@@ -127,6 +128,7 @@ private:
         if (scene.cache.empty()) refuse(path + "/cache", "names no folder");
         scene.bake.inputs = text(json, path, "inputs");
         scene.bake.folder = stepName(json, path, "parts");
+        scene.bake.identity = stepName(json, path, "identity");
         scene.bake.texels = number(json, path, "texels", kMostTexels);
         scene.bake.tiles = std::size_t(number(json, path, "tiles", farmTiles(kMostTexels)));
         if (scene.bake.tiles != farmTiles(scene.bake.texels))

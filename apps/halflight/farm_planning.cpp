@@ -35,8 +35,8 @@ struct PlanOptions {
 /// The bake's options as they were given, without those that name files.
 std::vector<std::string> givenOptions(const CLI::App& app)
 {
-    const std::set<std::string> left = {"--output",  "--list",  "--settings", "--cache",
-                                        "--threads", "--quiet", "--progress", "--help"};
+    const std::set<std::string> left = {"--output", "--list",     "--settings", "--cache", "--threads",
+                                        "--quiet",  "--progress", "--mixed",    "--help"};
     std::vector<std::string> words;
     for (const CLI::Option* option : app.get_options()) {
         if (option->count() == 0 || option->get_lnames().empty()) continue;
@@ -124,9 +124,10 @@ Status planScene(const PlanOptions& options, const fs::path& file, const std::ve
     // What workers will read is what is planned.
     BakeLine line(plan.bakeArguments(planned, "plan.glb"));
     line.options.bake.threads = options.bake.bake.threads;
+    line.options.bake.mixedIdentities = options.bake.bake.mixedIdentities;
     Result<Scene> scene = sceneOf(line);
     if (!scene) return scene.error();
-    Result<FarmBake> bake = planFarm(std::move(*scene), line.options.bake, makeEmbreeIntegrator, progress);
+    Result<FarmBake> bake = planFarm(std::move(*scene), line.options.bake, embreeIntegrators(), progress);
     if (!bake) return bake.error();
     planned.bake = *bake;
     plan.scenes.push_back(std::move(planned));
@@ -210,6 +211,10 @@ Command addFarmPlan(CLI::App& parent)
                    "take tiles of earlier bakes from this folder, and keep these there; seen by all workers. Several "
                    "scenes have a folder each in it")
         ->type_name("DIR");
+    app.add_flag(
+        "--mixed", options->bake.bake.mixedIdentities,
+        "machines of all kinds may work on the plan: charts are the plan's, and the light of each tile has the "
+        "bytes of the machine that computed it. Without it, workers must give the plan's bytes");
     addInt(app, "--threads", options->bake.bake.threads, 0, 4096, "of the plan itself; 0 = all cores (default 0)");
     addProgress(app, options->bake.progress);
     addLightOptions(app, options->bake);

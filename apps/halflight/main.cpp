@@ -2,6 +2,7 @@
 // halflight-view, with HALFLIGHT_VIEW: the command `view` alone, with the window.
 
 #include "console.h"
+#include "halflight/bake_cpu/embree_integrator.h"
 #include "halflight/base/system.h"
 #include "halflight/scene/compression.h"
 #include "terminal.h"
@@ -68,16 +69,22 @@ std::vector<std::string> withHelpWords(std::vector<std::string> arguments)
     return arguments;
 }
 
-int runProgram(const std::vector<std::string>& arguments)
+std::string versionText()
 {
-    CLI::App app("Halflight: mixed lighting for any engine. glTF in, baked glTF out, baked and realtime shadows mixed.",
-                 "halflight");
     std::string version = std::string("halflight ") + HALFLIGHT_VERSION;
     const std::vector<std::string> compression = readableCompression();
     for (const std::string& name : compression) version += (&name == &compression[0] ? "\nreads " : ", ") + name;
     version += windowProgram().empty() ? "\nno window: there is no halflight-view beside this program"
                                        : "\nwindow by SDL2 and Dear ImGui";
-    app.set_version_flag("-V,--version", version);
+    const Result<std::string> identity = embreeIntegrators().identity(InstructionSet::Automatic);
+    return version + "\n" + (identity ? "bakes as " + *identity : identity.error().message);
+}
+
+int runProgram(const std::vector<std::string>& arguments)
+{
+    CLI::App app("Halflight: mixed lighting for any engine. glTF in, baked glTF out, baked and realtime shadows mixed.",
+                 "halflight");
+    app.set_version_flag("-V,--version", versionText);
     bool describes = false; // asked for below, before a command is required
     app.add_flag("--describe", describes, "Print all commands and options as JSON and exit");
     app.require_subcommand(1);

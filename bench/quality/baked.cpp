@@ -57,7 +57,7 @@ Result<Baked> bakeFile(const std::filesystem::path& file, const BakeSettings& se
 {
     auto scene = readScene(file);
     if (!scene) return scene.error();
-    auto result = bake(std::move(*scene), settings, makeEmbreeIntegrator);
+    auto result = bake(std::move(*scene), settings, embreeIntegrators());
     if (!result) return result.error();
     Baked baked;
     baked.result = std::move(*result);

@@ -19,7 +19,7 @@ constexpr const char* kPrepared = "prepared"; ///< an empty part: the cache stag
 
 PartFolder partsOf(const std::filesystem::path& cacheDirectory, const FarmBake& bake)
 {
-    return PartFolder(cacheDirectory / bake.folder);
+    return PartFolder(folderOfIdentity(cacheDirectory, bake.identity) / bake.folder);
 }
 
 /// Tiles of a bake in the order in which they are laid out for the processes: spread over the pages.
@@ -112,6 +112,7 @@ Result<FarmBake> planFarm(Scene scene, const BakeSettings& settings, const Integ
     const CacheUse use{false, WorkShare{}};
     if (Status status = prepareTexels(run, std::move(scene), factory, use, firstStages); !status) return status.error();
     if (!firstStages.cache) return Error{ErrorCode::WriteFailed, result.report.warnings.back()};
+    bake.identity = settings.mixedIdentities ? kMixedIdentities : result.report.identity;
     bake.folder = firstStages.cache->parts().path().filename().string();
     bake.texels = firstStages.map.texels.size();
     bake.tiles = texelParts(firstStages.map.texels.size());
@@ -126,6 +127,18 @@ Status checkFarmInputs(const Scene& scene, const BakeSettings& settings, const F
                  "is not the scene that was planned, or this is another version of the program: plan anew"};
 }
 
+Status checkFarmIdentity(const BakeSettings& settings, const FarmBake& planned, const IntegratorFactory& factory)
+{
+    if (planned.identity == kMixedIdentities) return {};
+    const Result<std::string> identity = factory.identity(settings.isa);
+    if (!identity) return identity.error();
+    if (*identity == planned.identity) return {};
+    return Error{ErrorCode::Unsupported,
+                 "was planned for " + planned.identity + ", and this program on this processor is " + *identity +
+                     ", whose light has other bytes: plan with --isa sse2, which suits processors of one maker, or " +
+                     "with --mixed, which suits all, and work with the same version of the program"};
+}
+
 Result<BakeReport> workOnFarm(Scene scene, const BakeSettings& settings, const FarmBake& planned, const FarmWork& work,
                               bool compares, const IntegratorFactory& factory, const Progress& progress)
 {
@@ -133,6 +146,7 @@ Result<BakeReport> workOnFarm(Scene scene, const BakeSettings& settings, const F
     BakeResult result;
     const BakeRun run{settings, progress, result};
     if (Status status = checkFarmInputs(scene, settings, planned); !status) return status.error();
+    if (Status status = checkFarmIdentity(settings, planned, factory); !status) return status.error();
     FirstStages firstStages;
     const CacheUse use{compares, work.share};
     if (Status status = prepareTexels(run, std::move(scene), factory, use, firstStages); !status) return status.error();

@@ -75,6 +75,7 @@ IntegrationSettings integrationSettings(const BakeSettings& settings, const Bake
 {
     IntegrationSettings integration;
     integration.integrator = settings.integrator;
+    integration.isa = settings.isa;
     integration.cache.noiseTarget = settings.noiseTarget;
     integration.cache.texelStep = settings.texelStep;
     integration.cache.denoised = settings.denoiser != Denoiser::Off;
@@ -106,7 +107,7 @@ Result<std::unique_ptr<Integrator>> buildStage(const BakeRun& run, const Integra
                                   "integrator takes " + std::to_string(kFewestSamples) + " at least (one block)");
     }
     Result<std::unique_ptr<Integrator>> integrator =
-        taken ? factory(scene, geometry, integration)
+        taken ? factory.make(scene, geometry, integration)
               : repairOrientation(factory, scene, geometry, integration, tree.integrator());
     if (!integrator) return integrator.error();
     if (kept && !taken) keepGeometry(*kept, geometry);
@@ -139,7 +140,7 @@ Status chooseKept(const BakeRun& run, const std::vector<uint8_t>& objects, Hash1
 {
     Result<std::vector<uint8_t>> chosen = chosenTexels(firstStages.geometry, firstStages.map, objects);
     if (!chosen) return chosen.error();
-    const Result<PartFolder> last = BakeCache::lastBake(run.settings.cacheDirectory, layout);
+    const Result<PartFolder> last = BakeCache::lastBake(firstStages.cacheFolder, layout);
     if (!last) return last.error();
     if (Status status = owners.compareObjects(*last, objects); !status) return status;
     firstStages.chosen = std::move(*chosen);
@@ -155,7 +156,7 @@ Status chooseKept(const BakeRun& run, const std::vector<uint8_t>& objects, Hash1
 /// A bake of all objects goes on with a warning where the cache cannot be opened.
 Status openCache(const BakeRun& run, const std::vector<uint8_t>& objects, const CacheUse& use, FirstStages& firstStages)
 {
-    const std::filesystem::path& folder = run.settings.cacheDirectory;
+    const std::filesystem::path& folder = firstStages.cacheFolder;
     if (folder.empty()) return {};
     const Scene& scene = run.baked().scene;
     const Hash128 layout = layoutHash(firstStages.map, firstStages.integration, run.settings.mode);
@@ -169,7 +170,7 @@ Status openCache(const BakeRun& run, const std::vector<uint8_t>& objects, const 
             : BakeCache::openKeeping(folder, light, layout, Hasher().add(firstStages.chosen).hash());
     if (!cache && !firstStages.chosen.empty()) return cache.error();
     if (!cache) {
-        run.report().warnings.push_back(cacheWarning(folder, cache.error()));
+        run.report().warnings.push_back(cacheWarning(run.settings.cacheDirectory, cache.error()));
         return {};
     }
     firstStages.cache = std::move(*cache);
@@ -178,6 +179,21 @@ Status openCache(const BakeRun& run, const std::vector<uint8_t>& objects, const 
         for (std::string& note : moveFoldersAway(firstStages.cache->parts()))
             firstStages.notes.push_back(std::move(note));
     owners.keepIn(firstStages.cache->tiles());
+    return {};
+}
+
+/// Whose results these are, and where the cache has them.
+Status identify(const BakeRun& run, const IntegratorFactory& factory, FirstStages& firstStages)
+{
+    Result<std::string> identity = factory.identity(run.settings.isa);
+    if (!identity) return identity.error();
+    run.report().identity = std::move(*identity);
+    const std::filesystem::path& cache = run.settings.cacheDirectory;
+    const bool mixed = run.settings.mixedIdentities;
+    firstStages.cacheFolder = folderOfIdentity(cache, mixed ? kMixedIdentities : run.report().identity);
+    if (cache.empty() || mixed) return {};
+    std::string others = resultsOfOthers(cache, run.report().identity);
+    if (!others.empty()) firstStages.notes.push_back(std::move(others));
     return {};
 }
 
@@ -210,16 +226,18 @@ Status prepareTexels(const BakeRun& run, Scene scene, const IntegratorFactory& f
         if (!chosen) return chosen.error();
         objects = std::move(*chosen);
     }
-    std::optional<PartFolder> kept = frontFolder(scene, run.settings);
-    if (kept) firstStages.notes = moveFoldersAway(*kept);
+    if (Status status = identify(run, factory, firstStages); !status) return status;
+    std::optional<PartFolder> kept = frontFolder(scene, run.settings, firstStages.cacheFolder);
+    if (kept)
+        for (std::string& note : moveFoldersAway(*kept)) firstStages.notes.push_back(std::move(note));
     firstStages.integration = integrationSettings(run.settings, report.quality);
     if (run.live != nullptr &&
         !run.live->beginWithProbes(scene, run.settings, factory, firstStages.integration, run.progress))
         return cancelledError();
     assignShadowmaskChannels(scene, run.settings.mode);
     SourceTree tree(factory, firstStages.integration);
-    SheetTest sheets =
-        keptSheetTest(scene, run.settings, sheetSidesTest(tree, run.settings.twoSided, run.progress), run.progress);
+    SheetTest sheets = keptSheetTest(scene, run.settings, firstStages.cacheFolder,
+                                     sheetSidesTest(tree, run.settings.twoSided, run.progress), run.progress);
     const Result<PageLayout> pages = unwrapStage(run, std::move(scene), hiddenSidesTest(tree), std::move(sheets), kept);
     if (!pages) return pages.error();
     reportLights(run.baked().scene, report);

@@ -8,6 +8,7 @@
 #include "halflight/base/file_group.h"
 
 #include <cstdint>
+#include <filesystem>
 #include <memory>
 #include <optional>
 #include <string>
@@ -49,6 +50,7 @@ struct FirstStages {
     FirstStages& operator=(const FirstStages&) = delete;
 
     IntegrationSettings integration;
+    std::filesystem::path cacheFolder; ///< of the identity; empty without a cache
     BakeGeometry geometry;
     TexelMap map;
     std::vector<uint8_t> chosen; ///< texels of a bake of some objects, CachedIntegrator::chosen

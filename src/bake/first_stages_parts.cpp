@@ -11,7 +11,7 @@
 namespace halflight {
 namespace {
 
-constexpr uint32_t kFrontVersion = 5; ///< raised when the first stages make other results of the same input
+constexpr uint32_t kFrontVersion = 6; ///< raised when the first stages make other results of the same input
 constexpr const char* kUnwrapped = "unwrapped";
 constexpr const char* kGeometry = "geometry";
 constexpr const char* kTexels = "texels";
@@ -104,22 +104,22 @@ std::vector<std::string> moveFoldersAway(const PartFolder& parts)
     return sentences;
 }
 
-std::optional<PartFolder> frontFolder(const Scene& scene, const BakeSettings& settings)
+std::optional<PartFolder> frontFolder(const Scene& scene, const BakeSettings& settings,
+                                      const std::filesystem::path& cache)
 {
-    if (settings.cacheDirectory.empty()) return std::nullopt;
+    if (cache.empty()) return std::nullopt;
     const std::string name = frontName(contentHash(scene), settings);
     std::error_code ec;
     // A bake of some objects may still be refused, and then leaves nothing behind.
-    if (!settings.only.empty() && !std::filesystem::is_directory(settings.cacheDirectory / (name + ".front"), ec))
-        return std::nullopt;
-    return openBakeFolder(settings.cacheDirectory, name, ".front");
+    if (!settings.only.empty() && !std::filesystem::is_directory(cache / (name + ".front"), ec)) return std::nullopt;
+    return openBakeFolder(cache, name, ".front");
 }
 
-SheetTest keptSheetTest(const Scene& scene, const BakeSettings& settings, SheetTest test, const Progress& progress)
+SheetTest keptSheetTest(const Scene& scene, const BakeSettings& settings, const std::filesystem::path& cache,
+                        SheetTest test, const Progress& progress)
 {
-    if (settings.cacheDirectory.empty()) return test;
+    if (cache.empty()) return test;
     const std::string name = frontName(surfacesHash(scene), settings);
-    const std::filesystem::path cache = settings.cacheDirectory;
     const bool keeps = settings.only.empty(); // a bake of some objects may still be refused, and leaves nothing behind
     return [=, &progress, test = std::move(test)](const Scene& cut, double texelMeters) {
         const auto count = [&](std::size_t mesh) {

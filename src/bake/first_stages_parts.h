@@ -5,15 +5,17 @@
 #include "halflight/bake/part_folder.h"
 #include "halflight/unwrap/unwrap.h"
 
+#include <filesystem>
 #include <optional>
 #include <string>
 #include <vector>
 
 namespace halflight {
 
-/// The folder of parts that follow from a scene and the settings of its layout alone. Nothing without a cache
-/// directory.
-std::optional<PartFolder> frontFolder(const Scene& scene, const BakeSettings& settings);
+/// The folder of parts that follow from a scene and the settings of its layout alone. `cache`: folderOfIdentity();
+/// nothing where it is empty.
+std::optional<PartFolder> frontFolder(const Scene& scene, const BakeSettings& settings,
+                                      const std::filesystem::path& cache);
 
 /// Gives folders that are in the places of parts another name, NAME.broken, with what is in them, so that the parts can
 /// be written. Returns a sentence on each.
@@ -23,7 +25,8 @@ std::vector<std::string> moveFoldersAway(const PartFolder& parts);
 bool takeUnwrapped(const PartFolder& folder, Scene& scene, UnwrappedScene& unwrapped);
 /// The test that finds what the last bake of the same surfaces found, if the cache has it. Lights and the sky may have
 /// changed: the charts stay, and with them tiles that the change does not affect.
-SheetTest keptSheetTest(const Scene& scene, const BakeSettings& settings, SheetTest test, const Progress& progress);
+SheetTest keptSheetTest(const Scene& scene, const BakeSettings& settings, const std::filesystem::path& cache,
+                        SheetTest test, const Progress& progress);
 
 void keepUnwrapped(PartFolder& folder, const UnwrappedScene& unwrapped);
 

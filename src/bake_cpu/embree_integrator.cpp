@@ -10,6 +10,7 @@
 #include "bake_cpu/shadows/shadow_pass.h"
 #include "bake_cpu/texels/texel_validity.h"
 #include "bake_cpu/texels/valid_points.h"
+#include "bake_cpu/trace/embree_device.h"
 
 #include "halflight/base/parallel.h"
 
@@ -29,7 +30,7 @@ public:
     EmbreeIntegrator(const Scene& scene, const BakeGeometry& geometry, const IntegrationSettings& settings)
         : settings_(settings),
           paths_(scene, geometry, LightUse::Bake, settings.glossyBounces ? Bounces::Glossy : Bounces::Diffuse,
-                 settings.fewRays ? RTC_BUILD_QUALITY_LOW : RTC_BUILD_QUALITY_HIGH),
+                 settings.fewRays ? RTC_BUILD_QUALITY_LOW : RTC_BUILD_QUALITY_HIGH, settings.isa),
           pattern_(settings.seed), lightmap_(paths_, pattern_, settings)
     {}
 
@@ -212,6 +213,11 @@ Result<std::unique_ptr<Integrator>> makeEmbreeIntegrator(const Scene& scene, con
     auto integrator = std::make_unique<EmbreeIntegrator>(scene, geometry, settings);
     if (!integrator->ok()) return Error{ErrorCode::DeviceFailed, "Embree could not build the scene (out of memory?)"};
     return std::unique_ptr<Integrator>(std::move(integrator));
+}
+
+IntegratorFactory embreeIntegrators()
+{
+    return {makeEmbreeIntegrator, embree::identityOf};
 }
 
 } // namespace halflight

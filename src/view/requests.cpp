@@ -112,7 +112,7 @@ Status Viewer::answerRequests()
     if (requests.bake && shown_.isUploading())
         state_.requests.bake = true; // of what is shown then
     else if (requests.bake && !bake_.runs())
-        bake_.start(std::make_unique<BakeSession>(edited_.scene(), state_.bake, makeEmbreeIntegrator));
+        bake_.start(std::make_unique<BakeSession>(edited_.scene(), state_.bake, embreeIntegrators()));
     if (requests.cancelBake) bake_.cancel();
     if (requests.save && state_.bakeStatus.hasResult) {
         FilesInUse read;

@@ -124,10 +124,10 @@ vec3 meanOfProbes(const BakedScene& of)
 
 TEST(BakeSession, HasTheBakesBytesAndAFirstLight)
 {
-    const Result<BakeResult> plain = bake(scene(), quick(), makeEmbreeIntegrator);
+    const Result<BakeResult> plain = bake(scene(), quick(), embreeIntegrators());
     ASSERT_TRUE(plain) << plain.error().text();
 
-    BakeSession session(scene(), quick(), makeEmbreeIntegrator);
+    BakeSession session(scene(), quick(), embreeIntegrators());
     std::optional<BakedScene> first;
     bool stages = false;
     while (!session.state().finished) {
@@ -163,7 +163,7 @@ TEST(BakeSession, HasTheBakesBytesAndAFirstLight)
 /// It comes before the first light, and is about the light of the result's probes.
 TEST(BakeSession, ShowsTheLightOfProbesFirst)
 {
-    BakeSession session(scene(), quick(), makeEmbreeIntegrator);
+    BakeSession session(scene(), quick(), embreeIntegrators());
     std::optional<BakedScene> light;
     while (!light && !session.state().finished) {
         light = session.takeProbeLight();
@@ -180,7 +180,7 @@ TEST(BakeSession, ShowsTheLightOfProbesFirst)
     ASSERT_TRUE(session.takeLight());
     EXPECT_NEAR(meanOfProbes(*light).y, meanOfProbes(baked->baked).y, 0.3f * meanOfProbes(baked->baked).y);
     // Of a session that nobody asked for it, it goes with the first light.
-    BakeSession other(scene(), quick(), makeEmbreeIntegrator);
+    BakeSession other(scene(), quick(), embreeIntegrators());
     ASSERT_TRUE(other.takeResult());
     ASSERT_TRUE(other.takeLight());
     EXPECT_FALSE(other.takeProbeLight());
@@ -190,7 +190,7 @@ TEST(BakeSession, ShowsTheLightOfProbesFirst)
 TEST(BakeSession, WaitsAfterTheLightOfProbes)
 {
     for (const bool cancels : {false, true}) {
-        BakeSession session(scene(), tiny(), makeEmbreeIntegrator, true);
+        BakeSession session(scene(), tiny(), embreeIntegrators(), true);
         while (!session.takeProbeLight()) {
             ASSERT_FALSE(session.state().finished);
             std::this_thread::sleep_for(std::chrono::milliseconds(1));
@@ -208,7 +208,7 @@ TEST(BakeSession, WaitsAfterTheLightOfProbes)
 /// What a window shows comes nearer to the result, and arrives there: all tiles together are the finished pages.
 TEST(BakeSession, TilesBecomeTheFinishedPages)
 {
-    BakeSession session(scene(), quick(), makeEmbreeIntegrator);
+    BakeSession session(scene(), quick(), embreeIntegrators());
     EXPECT_TRUE(session.takeTiles().empty()) << "before the first light";
     std::optional<BakedScene> shown;
     std::vector<BakedScene> states;
@@ -245,7 +245,7 @@ TEST(BakeSession, WhatIsInViewComesFirst)
     BakeSettings settings = quick();
     settings.lightmapSize = 256;
     for (const float side : {0.0f, 100.0f}) {
-        BakeSession session(rooms, settings, makeEmbreeIntegrator);
+        BakeSession session(rooms, settings, embreeIntegrators());
         Camera camera;
         camera.worldFromCamera[3] = vec4(side, 1.0f, 0.0f, 1.0f);
         camera.worldFromCamera = glm::rotate(camera.worldFromCamera, -0.5f * kPi, vec3(1, 0, 0)); // at the floor
@@ -282,7 +282,7 @@ TEST(BakeSession, EndsSoonWhenCancelledAtAHundredMoments)
     const TempFolder folder;
     const auto bytesOfABake = [&] {
         const double begin = processCpuSeconds();
-        BakeSession session(scene(), tiny(), makeEmbreeIntegrator);
+        BakeSession session(scene(), tiny(), embreeIntegrators());
         const Result<BakeResult> result = session.takeResult();
         const double length = processCpuSeconds() - begin;
         EXPECT_TRUE(result && writeBakedScene(folder / "whole.glb", result->baked));
@@ -296,7 +296,7 @@ TEST(BakeSession, EndsSoonWhenCancelledAtAHundredMoments)
     int cancelled = 0;
     for (int i = 0; i < 100; ++i) {
         const double end = processCpuSeconds() + moment(random);
-        BakeSession session(scene(), tiny(), makeEmbreeIntegrator);
+        BakeSession session(scene(), tiny(), embreeIntegrators());
         while (processCpuSeconds() < end && !session.state().finished) {
             if (i % 2 == 0 && !session.takeLight()) (void)session.takeTiles();
             std::this_thread::sleep_for(std::chrono::milliseconds(1));
@@ -315,7 +315,7 @@ TEST(BakeSession, EndsSoonWhenCancelledAtAHundredMoments)
     EXPECT_GE(stages.size(), 5u);
     EXPECT_EQ(bytesOfABake().first, bytes);
     // One that nobody waits for.
-    BakeSession left(scene(), tiny(), makeEmbreeIntegrator);
+    BakeSession left(scene(), tiny(), embreeIntegrators());
 }
 
 /// The session has a copy: edits of the scene, other views and takers of tiles change nothing of the result.
@@ -323,10 +323,10 @@ TEST(BakeSession, EditsWhileItBakesChangeNothing)
 {
     BakeSettings settings = kSlow ? tiny() : quick();
     settings.reflectionProbes = true;
-    const Result<BakeResult> plain = bake(scene(), settings, makeEmbreeIntegrator);
+    const Result<BakeResult> plain = bake(scene(), settings, embreeIntegrators());
     ASSERT_TRUE(plain);
     Scene edited = scene();
-    BakeSession session(edited, settings, makeEmbreeIntegrator);
+    BakeSession session(edited, settings, embreeIntegrators());
     std::atomic<bool> ends = false;
     std::thread taker([&] {
         while (!ends) {
@@ -356,11 +356,11 @@ TEST(BakeSession, WithACacheToo)
 {
     const TempFolder folder;
     BakeSettings settings = kSlow ? tiny() : quick();
-    const Result<BakeResult> plain = bake(scene(), settings, makeEmbreeIntegrator);
+    const Result<BakeResult> plain = bake(scene(), settings, embreeIntegrators());
     ASSERT_TRUE(plain);
     settings.cacheDirectory = folder / "cache";
     for (int round = 0; round < 2; ++round) {
-        BakeSession session(scene(), settings, makeEmbreeIntegrator);
+        BakeSession session(scene(), settings, embreeIntegrators());
         Camera camera;
         session.setView(camera, 1.5f);
         const Result<BakeResult> baked = session.takeResult();
@@ -374,7 +374,8 @@ TEST(BakeSession, WithACacheToo)
 TEST(BakeSession, HasTheBakesError)
 {
     const BakeSettings settings = quick();
-    const IntegratorFactory broken = [](const auto&...) -> Result<std::unique_ptr<Integrator>> {
+    IntegratorFactory broken = embreeIntegrators();
+    broken.make = [](const auto&...) -> Result<std::unique_ptr<Integrator>> {
         return Error{ErrorCode::Unsupported, "there is no room for the rays"};
     };
     const Result<BakeResult> plain = bake(scene(), settings, broken);

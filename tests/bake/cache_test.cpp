@@ -50,7 +50,7 @@ struct CacheTest : testing::Test {
     {
         BakeSettings s = settings;
         if (cached) s.cacheDirectory = folder / "cache";
-        Result<BakeResult> result = bake(scene, s, makeEmbreeIntegrator, progress);
+        Result<BakeResult> result = bake(scene, s, embreeIntegrators(), progress);
         if (!result) {
             EXPECT_EQ(result.error().code, ErrorCode::Cancelled) << result.error().text();
             return {};

@@ -99,10 +99,10 @@ TEST(FarmWork, TheJoinedBakeHasTheBakesBytes)
 {
     TempFolder folder;
     BakeSettings settings = smallSettings();
-    const Result<BakeResult> plain = bake(room(), settings, makeEmbreeIntegrator);
+    const Result<BakeResult> plain = bake(room(), settings, embreeIntegrators());
     ASSERT_TRUE(plain);
     settings.cacheDirectory = folder / "cache";
-    const Result<FarmBake> planned = planFarm(room(), settings, makeEmbreeIntegrator);
+    const Result<FarmBake> planned = planFarm(room(), settings, embreeIntegrators());
     ASSERT_TRUE(planned);
     EXPECT_EQ(missingFarmTiles(settings.cacheDirectory, *planned, true).size(), planned->tiles);
     for (const FarmStage stage : {FarmStage::Cache, FarmStage::Tiles}) {
@@ -111,7 +111,7 @@ TEST(FarmWork, TheJoinedBakeHasTheBakesBytes)
             threads.emplace_back([&, index] {
                 FarmWork work = farmWork({*planned}, {index, 3}).front();
                 work.stage = stage;
-                const auto report = workOnFarm(room(), settings, *planned, work, false, makeEmbreeIntegrator);
+                const auto report = workOnFarm(room(), settings, *planned, work, false, embreeIntegrators());
                 EXPECT_TRUE(report);
             });
         }
@@ -119,7 +119,7 @@ TEST(FarmWork, TheJoinedBakeHasTheBakesBytes)
         EXPECT_TRUE(isFarmCacheComplete(settings.cacheDirectory, *planned));
     }
     EXPECT_TRUE(missingFarmTiles(settings.cacheDirectory, *planned, true).empty());
-    const Result<BakeResult> joined = bake(room(), settings, makeEmbreeIntegrator);
+    const Result<BakeResult> joined = bake(room(), settings, embreeIntegrators());
     ASSERT_TRUE(joined);
     EXPECT_EQ(joined->report.cache.same, joined->report.cache.tiles);
     EXPECT_EQ(joined->baked.lightmaps[0].texels(), plain->baked.lightmaps[0].texels());
@@ -135,7 +135,7 @@ TEST(FarmWork, ABakeWithACacheBuildsTheRadianceCacheOnce)
     TempFolder folder;
     BakeSettings settings = smallSettings();
     const auto run = [&] {
-        Result<BakeResult> result = bake(room(), settings, makeEmbreeIntegrator);
+        Result<BakeResult> result = bake(room(), settings, embreeIntegrators());
         EXPECT_TRUE(result);
         return std::move(*result);
     };

@@ -34,7 +34,7 @@ void addSheet(Scene& scene, float low, float high)
 bool hiddenAt(const Scene& scene, float z)
 {
     const CrossingPoint point{0, 0, vec3(0, 0, z), vec3(0, 1, 0), vec3(1, 0, 0), vec3(0, 1, 0), kTexel};
-    const IntegratorFactory factory = makeEmbreeIntegrator;
+    const IntegratorFactory factory = embreeIntegrators();
     SourceTree tree(factory, {});
     return hiddenSidesTest(tree)(scene, std::span(&point, 1)).at(0) != 0;
 }

@@ -286,7 +286,7 @@ TEST(RaysS6, LanesOutOfUseAreLeftAloneOnAllProcessors)
     const Scene scene = room(true, true, true);
     const Bench bench(scene, MixedLightingMode::Shadowmask, kPage, {});
     const RayTracer tracer(bench.scene, bench.geometry);
-    const RayTracer old(bench.scene, bench.geometry, "isa=sse2");
+    const RayTracer old(bench.scene, bench.geometry, InstructionSet::Sse2);
     ASSERT_TRUE(tracer.ok() && old.ok());
     int hits = 0;
     int blocked = 0;

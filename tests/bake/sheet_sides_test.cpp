@@ -31,7 +31,7 @@ std::vector<SheetTexels> texelsOfLast(Scene scene, TwoSided mode = TwoSided::Aut
     IntegrationSettings settings;
     settings.seed = seed;
     const Progress progress;
-    const IntegratorFactory factory = makeEmbreeIntegrator;
+    const IntegratorFactory factory = embreeIntegrators();
     SourceTree tree(factory, settings);
     return sheetSidesTest(tree, mode, progress)(scene, kTexel)[std::size_t(scene.objects.back().mesh)];
 }

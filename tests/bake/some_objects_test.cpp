@@ -82,7 +82,7 @@ struct SomeObjectsTest : testing::Test {
     {
         BakeSettings some = settings;
         some.only = names;
-        return bake(scene, some, makeEmbreeIntegrator);
+        return bake(scene, some, embreeIntegrators());
     }
     BakeResult only(const Scene& scene, const std::vector<std::string>& names)
     {

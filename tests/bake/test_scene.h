@@ -155,7 +155,7 @@ struct Bench {
     {
         geometry = flattenGeometry(scene, pageSize, GeometryFilter::Static);
         assignShadowmaskChannels(scene, mode);
-        integrator = std::move(*repairOrientation(makeEmbreeIntegrator, scene, geometry, settings));
+        integrator = std::move(*repairOrientation(embreeIntegrators(), scene, geometry, settings));
         map = rasterizeTexels(geometry, pageSize, 1);
         integrator->findValidPoints(map, {});
     }

@@ -48,7 +48,7 @@ class FarmCase(Case):
         return read(self.path("baked.glb"))
 
     def parts(self, plan, kind):
-        return sorted(glob.glob(os.path.join(plan, "cache", "*.tiles", kind + "-*.part")))
+        return sorted(glob.glob(os.path.join(plan, "cache", "*", "*.tiles", kind + "-*.part")))
 
     def assert_names_missing(self, plan, indices, of):
         """`join` fails and writes nothing, and names the workers that have to run again."""
@@ -237,7 +237,7 @@ class FarmTrouble(FarmCase):
                 self.assert_one_sentence(result, 1, "cannot be written")
             else:
                 self.assertEqual(result.returncode, 0, result.stderr)
-        self.assertEqual(glob.glob(os.path.join(plan, "cache", "*", "*.tmp*")), [])
+        self.assertEqual(glob.glob(os.path.join(plan, "cache", "**", "*.tmp*"), recursive=True), [])
         self.assertEqual(self.assert_names_missing(plan, "2", of), "2")
         self.assertEqual(self.work(plan, 2, of).returncode, 0)
         self.assertEqual(self.joined(plan), self.expected)

@@ -1,6 +1,7 @@
 """What `halflight bake` can write besides its usual file. Usage: outputs_test.py HALFLIGHT SHARED_DIR [TestClass[.test]] …
 """
 
+import glob
 import json
 import os
 import struct
@@ -222,13 +223,13 @@ class SomeObjects(Case):
         self.refused(2, ["--only", "pillar"], "--only needs --cache")
         self.refused(1, [*self.cache, "--only", "pillar"], "no finished bake", "bake the whole scene once")
         self.bake(self.file, "whole.glb", *self.cache)
-        before = sorted(os.listdir(self.path("cache")))
+        before = sorted(glob.glob(self.path("cache/**"), recursive=True))
         self.refused(1, [*self.cache, "--only", "pillar,chair"], "'chair'")
         self.refused(1, [*self.cache, "--only", "sun"], "'sun'")
         self.refused(1, [*self.cache, "--only", "crate"], "lightmap texels")
         self.refused(1, [*self.cache, "--only", "pillar", "--texels-per-meter", "3"], "no finished bake with this layout")
         self.refused(1, [*self.cache, "--only", "pillar", "--seed", "2"], "and these settings")
-        self.assertEqual(sorted(os.listdir(self.path("cache"))), before, "refusals leave nothing behind")
+        self.assertEqual(sorted(glob.glob(self.path("cache/**"), recursive=True)), before, "refusals leave nothing behind")
 
 
 if __name__ == "__main__":

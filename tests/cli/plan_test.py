@@ -1,6 +1,7 @@
 """What a farm's folder may hold, and what else is found there. Usage: plan_test.py HALFLIGHT SHARED_DIR [TestClass[.test]] …"""
 
 import copy
+import glob
 import json
 import os
 
@@ -64,7 +65,7 @@ class Plans(FarmCase):
         self.assert_one_sentence(run("farm", "work", self.folder_of_plan, "-q"), 1, "plan anew")
 
     def test_types(self):
-        for key in ("name", "scene", "settings", "options", "cache", "inputs", "parts", "mask"):
+        for key in ("name", "scene", "settings", "options", "cache", "inputs", "parts", "mask", "identity"):
             self.refused_with(key, {"a": 1})
             changed = copy.deepcopy(self.right)
             del changed["scenes"][0][key]
@@ -74,7 +75,7 @@ class Plans(FarmCase):
         for text in ("", "{", "[]", "3", '"x"', "null", "[" * 10000, json.dumps(self.right)[:-5]):
             self.write(text)
             self.refused()
-        for key, value in (("scenes", []), ("scenes", {}), ("scenes", 1), ("compares", 1), ("version", 2), ("version", "1")):
+        for key, value in (("scenes", []), ("scenes", {}), ("scenes", 1), ("compares", 1), ("version", 1), ("version", "2")):
             self.write({**self.right, key: value})
             self.refused()
 
@@ -162,7 +163,7 @@ class TakenPlaces(FarmCase):
     def test_of_a_cache(self):
         scene, cache = self.scene(), self.path("cache")
         first, _ = self.bake(scene, "first.glb", "--cache", cache)
-        folder = next(entry.path for entry in os.scandir(cache) if entry.name.endswith(".tiles"))
+        folder = glob.glob(os.path.join(cache, "*", "*.tiles"))[0]
         path = os.path.join(folder, sorted(name for name in os.listdir(folder) if name.startswith("lightmap-"))[0])
         os.remove(path)
         os.mkdir(path)

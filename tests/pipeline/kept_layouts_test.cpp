@@ -119,7 +119,7 @@ void expectRightPicture(Scene scene)
     double errors[2];
     for (const UvMode mode : {UvMode::Auto, UvMode::Unwrap}) {
         settings.uvMode = mode;
-        const auto result = bake(scene, settings, makeEmbreeIntegrator);
+        const auto result = bake(scene, settings, embreeIntegrators());
         ASSERT_TRUE(result) << result.error().text();
         int kept = 0;
         for (const MeshUnwrapReport& mesh : result->report.meshes) kept += mesh.kept;

@@ -102,7 +102,7 @@ protected:
         settings.samples = 128;
         settings.bounces = kBounces;
         if (change) change(settings);
-        auto result = bake(scene, settings, makeEmbreeIntegrator);
+        auto result = bake(scene, settings, embreeIntegrators());
         EXPECT_TRUE(result) << result.error().text();
         return std::move(*result);
     }

@@ -91,7 +91,7 @@ double realtimePicture(const Scene& scene, MixedLightingMode bakeMode, RunMode m
     settings.quality = Quality::Preview;
     settings.lightmapSize = 64;
     settings.bounces = 0;
-    auto baked = bake(scene, settings, makeEmbreeIntegrator);
+    auto baked = bake(scene, settings, embreeIntegrators());
     EXPECT_TRUE(baked) << baked.error().text();
     static auto renderer = Renderer::create({}); // one for all tests: to make it takes seconds
     EXPECT_TRUE(renderer) << renderer.error().text();

@@ -117,7 +117,7 @@ BakedScene bakeRoom(const Scene& scene, MixedLightingMode mode)
     settings.lightmapSize = 512;
     settings.samples = 128;
     settings.bounces = kBounces;
-    auto result = bake(scene, settings, makeEmbreeIntegrator);
+    auto result = bake(scene, settings, embreeIntegrators());
     EXPECT_TRUE(result) << result.error().text();
     return std::move(result->baked);
 }

@@ -38,7 +38,7 @@ TEST(ShowcaseS26, ForwardAndDeferredAgreeOnEveryPixel)
     settings.samples = 4; // noise is the same in both
     settings.bounces = 1;
     settings.texelsPerMeter = 4.0f;
-    const Result<BakeResult> baked = bake(std::move(*scene), settings, makeEmbreeIntegrator);
+    const Result<BakeResult> baked = bake(std::move(*scene), settings, embreeIntegrators());
     ASSERT_TRUE(baked) << baked.error().text();
     auto renderer = Renderer::create({});
     ASSERT_TRUE(renderer) << renderer.error().text();

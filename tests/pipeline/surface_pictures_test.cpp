@@ -64,7 +64,7 @@ BakeResult bakeFloor(Scene scene)
     settings.quality = Quality::Preview;
     settings.texelsPerMeter = 8.0f;
     settings.samples = 16;
-    auto result = bake(std::move(scene), settings, makeEmbreeIntegrator);
+    auto result = bake(std::move(scene), settings, embreeIntegrators());
     EXPECT_TRUE(result) << result.error().text();
     return std::move(*result);
 }

@@ -48,13 +48,13 @@ TEST(LiveBake, ACancelledOneLeavesTheFinishedOneToBeSaved)
     settings.lightmapSize = 64;
     settings.samples = 4;
     settings.reflectionProbes = false;
-    bake.start(std::make_unique<BakeSession>(file.scene, settings, makeEmbreeIntegrator));
+    bake.start(std::make_unique<BakeSession>(file.scene, settings, embreeIntegrators()));
     EXPECT_FALSE(bake.hasUnsaved()) << "it runs";
     follow();
     ASSERT_TRUE(bake.hasUnsaved()) << state.bakeStatus.outcome;
 
     settings.samples = 1 << 16; // minutes
-    bake.start(std::make_unique<BakeSession>(file.scene, settings, makeEmbreeIntegrator));
+    bake.start(std::make_unique<BakeSession>(file.scene, settings, embreeIntegrators()));
     bake.cancel();
     follow();
     EXPECT_EQ(state.bakeStatus.outcome, "cancelled");
@@ -74,7 +74,7 @@ TEST(LiveBake, ACancelledOneLeavesTheFinishedOneToBeSaved)
     EXPECT_FALSE(bake.hasUnsaved());
 
     settings.samples = 4;
-    const auto whole = halflight::bake(file.scene, settings, makeEmbreeIntegrator);
+    const auto whole = halflight::bake(file.scene, settings, embreeIntegrators());
     ASSERT_TRUE(whole) << whole.error().text();
     WriteOptions write;
     write.irradiance = whole->irradiance;

@@ -35,6 +35,9 @@ enum class ProbeLayout { Refined, Grid };
 /// variance.
 enum class Denoiser { Off, BuiltIn };
 
+/// In place of an identity (IntegratorFactory::identity), where results of machines of all identities are mixed.
+inline constexpr const char* kMixedIdentities = "mixed";
+
 struct BakeSettings {
     MixedLightingMode mode = MixedLightingMode::Shadowmask;
     Quality quality = Quality::Medium;
@@ -47,6 +50,7 @@ struct BakeSettings {
     /// most that a texel gets, 4096 if it is 0. 0 = no target.
     float noiseTarget = 0.0f;
     int texelStep = 0; ///< CacheSettings::texelStep
+    InstructionSet isa = InstructionSet::Automatic;
     UvMode uvMode = UvMode::Auto;
     float texelsPerMeter = 0.0f; ///< 0 = as many as fit one page; without a lightmapSize at most sceneDensity()
     int lightmapSize = 0;        ///< texels; 0 = at most the quality's, cut to the used part
@@ -70,6 +74,9 @@ struct BakeSettings {
     /// Directory of the tile cache; empty = none. With it an interrupted bake continues, and a bake of a changed scene
     /// computes only the tiles that the change affects (beyond 0.5 %). It may be deleted at any time.
     std::filesystem::path cacheDirectory;
+    /// The cache's results are shared by machines of all identities (IntegratorFactory::identity), as in a farm of
+    /// unlike machines: each tile has the light of the machine that computed it. False: each identity has its own.
+    bool mixedIdentities = false;
     /// Names of the objects to bake; empty = all. All other objects keep the texels of the last bake in the cache,
     /// which must have the same layout and settings. An entry names objects, or a node above them (see objectsNamed()),
     /// or several of these between commas.
@@ -152,6 +159,7 @@ struct BakeReport {
     BakeQuality quality{};
     TileCounts cache;       ///< all zero without a cache
     std::string integrator; ///< e.g. "cpu (radiance cache, Embree 3.13.5, 2 threads)"
+    std::string identity;   ///< IntegratorFactory::identity
     int pageCount = 0;
     int pageSize = 0;
     int chartCount = 0;
@@ -186,13 +194,13 @@ struct BakeResult {
 /// The warning for tiles that could not be written to the cache.
 std::string cacheWarning(const std::filesystem::path& folder, const Error& error);
 
-/// Runs the whole bake. `integratorFactory` makes its integrator (makeEmbreeIntegrator() of bake_cpu, say). Errors:
+/// Runs the whole bake. `integratorFactory` makes its integrator (embreeIntegrators() of bake_cpu, say). Errors:
 /// those of unwrap() and of the integrator, Cancelled, and Unsupported for a denoiser that the build lacks.
 Result<BakeResult> bake(Scene scene, const BakeSettings& settings, const IntegratorFactory& integratorFactory,
                         const Progress& progress = {});
 
-/// Hash of all inputs that affect the output file: equal hashes mean equal bytes. Not for bakes of some objects, whose
-/// bytes follow from the last bake too.
+/// Hash of all inputs that affect the output file: equal hashes and identities mean equal bytes. Not for bakes of some
+/// objects, whose bytes follow from the last bake too.
 Hash128 bakeHash(const Scene& scene, const BakeSettings& settings);
 
 /// "asked", "page" or "scene".

@@ -16,8 +16,9 @@ namespace halflight {
 
 /// What has to be computed of one bake. Tile i is the i-th part of the lightmap and of the mask.
 struct FarmBake {
-    std::string inputs; ///< bakeHash() of scene and settings
-    std::string folder; ///< of its parts, in the cache directory: a hash of all that light depends on
+    std::string inputs;   ///< bakeHash() of scene and settings
+    std::string identity; ///< of the machines that may compute it (IntegratorFactory::identity), or kMixedIdentities
+    std::string folder;   ///< of its parts, in the identity's folder of the cache: a hash of all that light depends on
     std::size_t tiles = 0;
     uint64_t texels = 0;
     bool mask = false; ///< the tiles have a mask too
@@ -47,11 +48,13 @@ Result<FarmBake> planFarm(Scene scene, const BakeSettings& settings, const Integ
 /// FileInvalid if scene and settings are not those of a plan.
 Status checkFarmInputs(const Scene& scene, const BakeSettings& settings, const FarmBake& planned);
 
+/// Unsupported, in words that name both, where this machine's identity is not the plan's.
+Status checkFarmIdentity(const BakeSettings& settings, const FarmBake& planned, const IntegratorFactory& factory);
+
 /// Does a process's work. `compares`: tiles of the last bake with this layout are reused where the scene's change does
 /// not show (bake() with a cache directory does so). Returns the bake's report so far, with warnings of this process
-/// alone: the bake says the others. Errors: those of bake()
-/// and checkFarmInputs(); WriteFailed; Unsupported if the tiles' first stage is
-/// not complete.
+/// alone: the bake says the others. Errors: those of bake(), checkFarmInputs() and checkFarmIdentity(); WriteFailed;
+/// Unsupported if the tiles' first stage is not complete.
 Result<BakeReport> workOnFarm(Scene scene, const BakeSettings& settings, const FarmBake& planned, const FarmWork& work,
                               bool compares, const IntegratorFactory& factory, const Progress& progress = {});
 

@@ -99,8 +99,16 @@ struct CacheSettings {
     bool denoised = true;
 };
 
+/// Instructions of the processor that trace rays; other ones give light that differs within its noise, in other bytes.
+/// Automatic: Avx2 where the processor has it, else Sse2, the first set of each processor. Other processors than x86
+/// have one set, which is named Sse2 here.
+enum class InstructionSet { Automatic, Sse2, Avx2, Avx512 };
+/// As --isa has it.
+const char* nameOf(InstructionSet set);
+
 struct IntegrationSettings {
     IntegratorKind integrator = IntegratorKind::Cache;
+    InstructionSet isa = InstructionSet::Automatic;
     /// Mean number of paths per traced texel, at least 1. The cache integrator works in blocks of 16 samples. It gives
     /// a texel between 1/2 and 32 times the mean, in proportion to the standard deviation of its noise (see
     /// CacheSettings::denoised). The least share is 1/2 among 24 neighbours of a chart, and larger among fewer: 1/2 x
@@ -243,8 +251,17 @@ public:
     [[nodiscard]] virtual uint64_t raysTraced() const = 0;
 };
 
-/// Makes an integrator for a scene whose lights have their baking output assigned. `geometry` and `scene` outlive it.
-using IntegratorFactory = std::function<Result<std::unique_ptr<Integrator>>(
-    const Scene& scene, const BakeGeometry& geometry, const IntegrationSettings& settings)>;
+/// A kind of integrator.
+struct IntegratorFactory {
+    /// Makes an integrator for a scene whose lights have their baking output assigned. `geometry` and `scene` outlive
+    /// it.
+    std::function<Result<std::unique_ptr<Integrator>>(const Scene& scene, const BakeGeometry& geometry,
+                                                      const IntegrationSettings& settings)>
+        make;
+    /// The identity of what such an integrator computes here with an instruction set. Programs and machines with the
+    /// same identity give the same bytes. It is a file's name of letters, digits, '.' and '-'. Unsupported where the
+    /// processor lacks the set.
+    std::function<Result<std::string>(InstructionSet set)> identity;
+};
 
 } // namespace halflight

@@ -8,6 +8,10 @@ namespace halflight {
 Result<std::unique_ptr<Integrator>> makeEmbreeIntegrator(const Scene& scene, const BakeGeometry& geometry,
                                                          const IntegrationSettings& settings);
 
+/// makeEmbreeIntegrator(), and its identity: Embree's version, the instruction set, and a hash of what rays of a small
+/// fixed scene and functions of mathematics give on this machine.
+IntegratorFactory embreeIntegrators();
+
 /// How surfaces of a reference picture reflect.
 enum class ReferenceSurfaces {
     Full,           ///< by glTF's BRDF (shading::reflectLight()), as the renderer shades them

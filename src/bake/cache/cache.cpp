@@ -62,6 +62,27 @@ std::size_t texelsOfPart(std::size_t texels)
     return texelTilesPerPart(Tiling{texels, kTexelTile}.tileCount()) * kTexelTile;
 }
 
+std::filesystem::path folderOfIdentity(const std::filesystem::path& cache, const std::string& identity)
+{
+    return cache.empty() ? cache : cache / identity;
+}
+
+std::string resultsOfOthers(const std::filesystem::path& cache, const std::string& identity)
+{
+    std::vector<std::string> others;
+    std::error_code ec;
+    for (std::filesystem::directory_iterator entry(cache, ec), end; !ec && entry != end; entry.increment(ec)) {
+        const std::string name = entry->path().filename().string();
+        if (name.starts_with("cpu-") && name != identity && entry->is_directory(ec)) others.push_back(name);
+    }
+    if (others.empty()) return {};
+    std::sort(others.begin(), others.end());
+    std::string names;
+    for (const std::string& name : others) names += (names.empty() ? "" : ", ") + name;
+    return "the cache " + cache.string() + " also holds results of other programs or processors (" + names +
+           "): they " + "stay there, and are not used here, where it is " + identity;
+}
+
 PartFolder openBakeFolder(const std::filesystem::path& cache, const std::string& name, const std::string& suffix)
 {
     PartFolder parts(cache / (name + suffix));

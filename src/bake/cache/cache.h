@@ -55,8 +55,14 @@ std::size_t texelParts(std::size_t texels);
 /// Texels of each but the last.
 std::size_t texelsOfPart(std::size_t texels);
 
-/// A folder of parts in a cache directory. Of those with the same suffix, all but the last few that have not been used
-/// for an hour are removed.
+/// The folder of an identity's results (IntegratorFactory::identity) in a cache directory. Bakes of other identities
+/// neither read nor remove them.
+std::filesystem::path folderOfIdentity(const std::filesystem::path& cache, const std::string& identity);
+/// A sentence where a cache directory also holds results of other identities; empty otherwise.
+std::string resultsOfOthers(const std::filesystem::path& cache, const std::string& identity);
+
+/// A folder of parts in an identity's folder. Of those with the same suffix, all but the last few that have not been
+/// used for an hour are removed.
 PartFolder openBakeFolder(const std::filesystem::path& cache, const std::string& name, const std::string& suffix);
 
 class BakeCache {

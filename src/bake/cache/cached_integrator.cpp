@@ -12,7 +12,7 @@
 namespace halflight {
 namespace {
 
-constexpr uint32_t kCacheVersion = 37; ///< raised when estimates of the same input change
+constexpr uint32_t kCacheVersion = 38; ///< raised when estimates of the same input change
 
 /// Relative difference of a tile's check samples that counts as a change; well below the noise of a bake.
 constexpr double kCheckTolerance = 0.005;
@@ -50,11 +50,13 @@ Hash128 surfaceHash(const BakeGeometry& geometry, const TexelMap& map, std::size
 Hash128 bakeHash(const Scene& scene, const BakeSettings& settings)
 {
     // Structured bindings name every setting: a new setting is a compile error here. The hash leaves out settings that
-    // qualityOf() replaces, those that change no byte of the output file, and `only`.
+    // qualityOf() replaces, those that change no byte of the output file, the instruction set, which is part of
+    // the identity, and `only`.
     [[maybe_unused]] const auto& [mode, quality, samples, shadowSamples, bounces, glossyBounces, integrator,
-                                  noiseTarget, texelStep, uvMode, texelsPerMeter, lightmapSize, paddingTexels, twoSided,
-                                  denoiser, directional, maskEncoding, subtractiveMask, probeSpacingMeters, probeLayout,
-                                  reflectionProbes, threads, seed, imagesDirectory, cacheDirectory, only] = settings;
+                                  noiseTarget, texelStep, isa, uvMode, texelsPerMeter, lightmapSize, paddingTexels,
+                                  twoSided, denoiser, directional, maskEncoding, subtractiveMask, probeSpacingMeters,
+                                  probeLayout, reflectionProbes, threads, seed, imagesDirectory, cacheDirectory,
+                                  mixedIdentities, only] = settings;
     const BakeQuality q = qualityOf(settings, scene);
     Hasher hasher;
     hasher.add(kCacheVersion).add(contentHash(scene)).add(int(mode)).add(int(integrator)).add(int(uvMode));

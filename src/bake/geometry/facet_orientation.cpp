@@ -206,11 +206,11 @@ Result<std::unique_ptr<Integrator>> repairOrientation(const IntegratorFactory& f
 {
     if (tree != nullptr) {
         flipCavityFaces(scene, geometry, *tree);
-        return factory(scene, geometry, settings);
+        return factory.make(scene, geometry, settings);
     }
-    Result<std::unique_ptr<Integrator>> integrator = factory(scene, geometry, settings);
+    Result<std::unique_ptr<Integrator>> integrator = factory.make(scene, geometry, settings);
     if (!integrator || !flipCavityFaces(scene, geometry, **integrator)) return integrator;
-    return factory(scene, geometry, settings);
+    return factory.make(scene, geometry, settings);
 }
 
 } // namespace halflight

@@ -44,7 +44,7 @@ Integrator* SourceTree::integratorOf(const Scene& scene)
     scene_.objects = scene.objects;
     scene_.lights = scene.lights;
     scene_.sky = scene.sky;
-    Result<std::unique_ptr<Integrator>> made = factory_(scene_, geometry, settings_);
+    Result<std::unique_ptr<Integrator>> made = factory_.make(scene_, geometry, settings_);
     if (made) integrator_ = std::move(*made);
     return integrator_.get();
 }

@@ -76,7 +76,7 @@ bool LiveLight::beginWithProbes(Scene scene, const BakeSettings& settings, const
     const BakeGeometry geometry = flattenGeometry(light.scene, 1, GeometryFilter::Static);
     IntegrationSettings few = integration;
     few.fewRays = true;
-    Result<std::unique_ptr<Integrator>> integrator = factory(light.scene, geometry, few);
+    Result<std::unique_ptr<Integrator>> integrator = factory.make(light.scene, geometry, few);
     if (!integrator) return true; // the bake finds the same, and says it
     const Progress quiet{{}, progress.cancel};
     std::optional<ProbeSet> probes = roughProbes(light.scene, settings.probeSpacingMeters, **integrator, quiet);

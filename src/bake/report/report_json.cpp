@@ -10,6 +10,12 @@ const char* nameOf(Quality quality)
     return kNames[int(quality)];
 }
 
+const char* nameOf(InstructionSet set)
+{
+    constexpr const char* kNames[] = {"auto", "sse2", "avx2", "avx512"};
+    return kNames[int(set)];
+}
+
 const char* nameOf(DensityFrom from)
 {
     switch (from) {
@@ -58,6 +64,7 @@ std::string reportJson(const BakeReport& report)
         written.push_back({{"bytes", page.bytes}, {"meanError", page.meanError}, {"mostError", page.mostError}});
     json root = {
         {"integrator", report.integrator},
+        {"identity", report.identity},
         {"seconds", report.seconds},
         {"peakMemoryBytes", report.peakMemoryBytes},
         {"samplesPerTexel", report.samplesPerTexel},

@@ -11,8 +11,8 @@ namespace halflight {
 using shading::powerHeuristic;
 
 PathTracer::PathTracer(const Scene& scene, const BakeGeometry& geometry, LightUse use, Bounces bounces,
-                       RTCBuildQuality tree)
-    : tracer_(scene, geometry, nullptr, tree), lights_(punctualLights(scene, use)), emitters_(tracer_), sky_(scene.sky),
+                       RTCBuildQuality tree, InstructionSet isa)
+    : tracer_(scene, geometry, isa, tree), lights_(punctualLights(scene, use)), emitters_(tracer_), sky_(scene.sky),
       bounces_(bounces)
 {
     // Up to 8 lights are chosen by their exact unshadowed contributions.

@@ -45,7 +45,7 @@ class PathTracer {
 public:
     /// `scene` and `geometry` outlive the tracer.
     PathTracer(const Scene& scene, const BakeGeometry& geometry, LightUse use, Bounces bounces = Bounces::Diffuse,
-               RTCBuildQuality tree = RTC_BUILD_QUALITY_HIGH);
+               RTCBuildQuality tree = RTC_BUILD_QUALITY_HIGH, InstructionSet isa = InstructionSet::Automatic);
 
     [[nodiscard]] bool glossy() const { return bounces_ == Bounces::Glossy; }
     /// Albedo of the diffuse part of a surface.

@@ -57,7 +57,7 @@ bool TexelValidity::insideSolids(const TexelPoints& points, PointMask group, uin
     while (rayCount < kRays) {
         const int s = rayCount++;
         const SurfacePoint& point = points[std::size_t(nthBit(group, s * count / kRays))];
-        inside += crossingsFrom(point, id, s, rays).solidsLeft > 0 ? 1 : 0;
+        inside += solidsLeft(point, id, s, rays) > 0 ? 1 : 0;
         if (inside == 0) return false;
         if (rayCount == kFewRays && inside == kFewRays) break;
     }
@@ -158,14 +158,11 @@ PointMask TexelValidity::visibleFrom(const TexelPoints& points, int first, Point
     return visible;
 }
 
-RayTracer::Crossings TexelValidity::crossingsFrom(const SurfacePoint& point, uint32_t id, int sample,
-                                                  uint64_t& rays) const
+int TexelValidity::solidsLeft(const SurfacePoint& point, uint32_t id, int sample, uint64_t& rays) const
 {
     Sampler sampler(kInsideSeed, id, uint32_t(sample));
-    const RayTracer::Crossings crossings =
-        paths_.surfaces().crossings(paths_.rayOrigin(point), PathTracer::gatherDirection(point, sampler.next2()));
-    rays += uint64_t(crossings.rays);
-    return crossings;
+    ++rays;
+    return paths_.surfaces().solidsLeft(paths_.rayOrigin(point), PathTracer::gatherDirection(point, sampler.next2()));
 }
 
 PointMask TexelValidity::outsideSolids(const TexelPoints& points, int pointCount, uint32_t texelId,

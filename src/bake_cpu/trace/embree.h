@@ -26,7 +26,15 @@ struct BlendedTransmittance {
     std::array<uint32_t, 4> triangle; ///< surfaces that count; further ones are opaque or transparent by chance
 };
 
-/// Per-call data of the filter function. The library's context is the first member, so that one pointer is both.
+/// What a ray passes of solids, all along its way.
+struct SolidsPassed {
+    static constexpr int kMost = 64; ///< surfaces; a ray through more, of a forest, decides nothing
+    int left = 0;                    ///< solids left minus solids entered
+    int count = 0;                   ///< of `triangles`
+    std::array<uint32_t, kMost> triangles;
+};
+
+/// Per-call data of the filter functions. The library's context is the first member, so that one pointer is both.
 struct RayContext {
 #if RTC_VERSION_MAJOR >= 4
     RTCRayQueryContext base;
@@ -35,6 +43,7 @@ struct RayContext {
 #endif
     bool camera = false;                     ///< camera rays hit objects that cast no shadow; other rays do not
     BlendedTransmittance* blended = nullptr; ///< by ray id; null = blended surfaces are hit by chance
+    SolidsPassed* solids = nullptr;          ///< null = not counted
 
     explicit RayContext(bool isCamera) : camera(isCamera)
     {
@@ -58,14 +67,25 @@ inline void intersect(RTCScene scene, RayContext& context, RTCRayHit& ray)
 #endif
 }
 
-inline void occluded(RTCScene scene, RayContext& context, RTCRay& ray)
+/// A scene's rays may have a filter function of their own, which is called after those of geometries.
+#if RTC_VERSION_MAJOR >= 4
+constexpr RTCSceneFlags kRaysMayFilter = RTC_SCENE_FLAG_FILTER_FUNCTION_IN_ARGUMENTS;
+#else
+constexpr RTCSceneFlags kRaysMayFilter = RTC_SCENE_FLAG_CONTEXT_FILTER_FUNCTION;
+#endif
+
+/// `filter`: of this ray, or null.
+inline void occluded(RTCScene scene, RayContext& context, RTCRay& ray, RTCFilterFunctionN filter = nullptr)
 {
 #if RTC_VERSION_MAJOR >= 4
     RTCOccludedArguments arguments;
     rtcInitOccludedArguments(&arguments);
     arguments.context = &context.base;
+    arguments.filter = filter;
+    if (filter != nullptr) arguments.flags = RTC_RAY_QUERY_FLAG_INVOKE_ARGUMENT_FILTER;
     rtcOccluded1(scene, &ray, &arguments);
 #else
+    context.base.filter = filter;
     rtcOccluded1(scene, &context.base, &ray);
 #endif
 }

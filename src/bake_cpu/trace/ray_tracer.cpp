@@ -1,5 +1,7 @@
 #include "bake_cpu/trace/ray_tracer.h"
 
+#include "bake_cpu/trace/embree_device.h"
+
 #include "halflight/base/random.h"
 
 #include <algorithm>
@@ -8,11 +10,11 @@
 #include <utility>
 
 namespace halflight {
-RayTracer::RayTracer(const Scene& scene, const BakeGeometry& geometry, const char* device, RTCBuildQuality tree)
+RayTracer::RayTracer(const Scene& scene, const BakeGeometry& geometry, InstructionSet isa, RTCBuildQuality tree)
     : geometry_(geometry), materials_(scene, geometry), meshTrees_(geometry, materials_)
 {
     sortTriangles();
-    device_ = rtcNewDevice(device);
+    device_ = embree::openDevice(isa);
     if (device_ == nullptr) return;
     embreeBytes_.watch(device_);
     packets_ = embree::takesPackets(device_);
@@ -227,29 +229,43 @@ std::array<float, embree::kPacket> RayTracer::transmittance(const embree::LaneMa
     return result;
 }
 
-RayTracer::Crossings RayTracer::crossings(vec3 origin, vec3 direction) const
+void RayTracer::countSolids(const RTCFilterFunctionNArguments* arguments)
 {
-    constexpr int kMaxCrossings = 64; // surfaces; a ray through more, of a forest, decides nothing
-    embree::RayContext context(false);
-    Crossings result;
-    float tMin = 0.0f;
-    while (result.rays < kMaxCrossings) {
-        RTCRayHit ray = rayHit(origin, direction, tMin, kInfinity);
-        intersect(context, ray);
-        ++result.rays;
-        if (ray.hit.geomID == RTC_INVALID_GEOMETRY_ID) break;
-        const uint32_t triangle = triangleOf(ray.hit.geomID, ray.hit.primID);
-        const bool back = glm::dot(vec3(ray.hit.Ng_x, ray.hit.Ng_y, ray.hit.Ng_z), direction) > 0.0f;
-        const bool solid = geometry_.isSolid(triangle);
-        if (result.rays == 1 && back && solid) {
-            // The first hit leaves a solid, so the origin is inside. Every solid entered later is left again.
-            result.solidsLeft = 1;
-            break;
+    const auto* user = static_cast<const GeometryUser*>(arguments->geometryUserPtr);
+    embree::SolidsPassed& solids = *reinterpret_cast<const embree::RayContext*>(arguments->context)->solids;
+    const unsigned count = arguments->N;
+    for (unsigned i = 0; i < count; ++i) {
+        if (arguments->valid[i] != -1) continue;
+        arguments->valid[i] = 0; // the ray goes on
+        const BakeGeometry::Instance* place = nullptr;
+        const uint32_t triangle = user->triangle(RTCHitN_instID(arguments->hit, count, i, 0),
+                                                 RTCHitN_primID(arguments->hit, count, i), place);
+        if (!user->tracer->geometry_.isSolid(triangle)) continue;
+        // Embree may report a triangle that RTC_BUILD_QUALITY_HIGH splits more than once.
+        const auto end = solids.triangles.begin() + solids.count;
+        if (std::find(solids.triangles.begin(), end, triangle) != end) continue;
+        if (end == solids.triangles.end()) {
+            solids.left = 0;
+            arguments->valid[i] = -1; // ends the ray
+            return;
         }
-        if (solid) result.solidsLeft += back ? 1 : -1;
-        tMin = ray.ray.tfar * (1.0f + 1.0e-6f) + epsilonAt(origin + direction * ray.ray.tfar);
+        solids.triangles[std::size_t(solids.count++)] = triangle;
+        const float along = RTCHitN_Ng_x(arguments->hit, count, i) * RTCRayN_dir_x(arguments->ray, count, i) +
+                            RTCHitN_Ng_y(arguments->hit, count, i) * RTCRayN_dir_y(arguments->ray, count, i) +
+                            RTCHitN_Ng_z(arguments->hit, count, i) * RTCRayN_dir_z(arguments->ray, count, i);
+        const bool back = (along > 0.0f) != (place != nullptr && place->mirrored);
+        solids.left += back ? 1 : -1;
     }
-    return result;
+}
+
+int RayTracer::solidsLeft(vec3 origin, vec3 direction) const
+{
+    embree::SolidsPassed solids;
+    embree::RayContext context(false);
+    context.solids = &solids;
+    RTCRay ray = rayHit(origin, direction, 0.0f, kInfinity).ray;
+    embree::occluded(scene_, context, ray, countSolids);
+    return solids.left;
 }
 
 bool RayTracer::occluded(vec3 origin, vec3 direction, float tMin, float tMax) const

@@ -43,10 +43,9 @@ struct SurfaceHit {
 /// shared meshes, each of which has a tree of its own. Immutable after construction; all queries are thread-safe.
 class RayTracer {
 public:
-    /// `geometry` and `scene` outlive the tracer. `device`: argument of rtcNewDevice(); null = all features of this
-    /// processor. `tree`: the default takes three times as long to build as Embree's own default, and its rays are
-    /// faster; a bake traces enough rays to gain from it.
-    RayTracer(const Scene& scene, const BakeGeometry& geometry, const char* device = nullptr,
+    /// `geometry` and `scene` outlive the tracer. `tree`: the default takes three times as long to build as Embree's
+    /// own default, and its rays are faster; a bake traces enough rays to gain from it.
+    RayTracer(const Scene& scene, const BakeGeometry& geometry, InstructionSet isa = InstructionSet::Automatic,
               RTCBuildQuality tree = RTC_BUILD_QUALITY_HIGH);
     ~RayTracer();
     RayTracer(const RayTracer&) = delete;
@@ -106,12 +105,9 @@ public:
         return opaque ? 1.0f : materials_.coverageAt(triangleAt(hitIndex), barycentric);
     }
 
-    /// Solids that a ray crosses on its way out of the scene.
-    struct Crossings {
-        int solidsLeft = 0; ///< solids left minus solids entered; above 0 = the origin is inside one
-        int rays = 0;
-    };
-    [[nodiscard]] Crossings crossings(vec3 origin, vec3 direction) const;
+    /// Solids that a ray leaves on its way out of the scene, minus those that it enters; above 0, the origin is inside
+    /// one. All surfaces count, however near to one another: solids may share a face. 0 for a ray through very many.
+    [[nodiscard]] int solidsLeft(vec3 origin, vec3 direction) const;
 
     /// Triangles in all trees: those of a shared mesh count once.
     [[nodiscard]] uint32_t treeTriangleCount() const;
@@ -135,6 +131,7 @@ private:
     bool occluded(embree::RayContext& context, vec3 origin, vec3 direction, float tMin, float tMax) const;
     void occluded(embree::RayContext& context, const embree::LaneMask& valid, RTCRay8& rays) const;
     static void filter(const RTCFilterFunctionNArguments* arguments);
+    static void countSolids(const RTCFilterFunctionNArguments* arguments);
     [[nodiscard]] bool passes(uint32_t triangle, vec2 barycentric, const float* rayBits) const;
     [[nodiscard]] bool passesBlended(uint32_t triangle, vec2 barycentric, embree::BlendedTransmittance& ray) const;
 

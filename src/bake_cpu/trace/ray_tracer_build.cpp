@@ -37,13 +37,14 @@ void RayTracer::sortTriangles()
 bool RayTracer::build(RTCScene scene, RTCBuildQuality quality)
 {
     rtcSetSceneBuildQuality(scene, quality);
+    rtcSetSceneFlags(scene, embree::kRaysMayFilter);
     for (uint32_t kind = 0; kind < KindCount; ++kind) {
         if (!attach(scene, GeometryKind(kind), trianglesOfKind_[kind], nullptr)) return false;
     }
     for (MeshTree& tree : meshTrees_.trees) {
         tree.scene = rtcNewScene(device_);
         rtcSetSceneBuildQuality(tree.scene, quality);
-        rtcSetSceneFlags(tree.scene, RTC_SCENE_FLAG_COMPACT);
+        rtcSetSceneFlags(tree.scene, RTCSceneFlags(RTC_SCENE_FLAG_COMPACT | embree::kRaysMayFilter));
         for (uint32_t kind = 0; kind < KindCount; ++kind) {
             const auto triangles =
                 std::span<const uint32_t>(tree.triangles)

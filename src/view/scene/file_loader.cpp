@@ -82,7 +82,7 @@ Result<FileLoader::Content> FileLoader::read(const Opening& opening, Renderer& r
     if (!camera) return camera.error();
     content.camera = std::move(*camera);
     if (opening.isFirst && options_.bakeAtStart)
-        content.session = std::make_unique<BakeSession>(content.baked.scene, options_.bake, makeEmbreeIntegrator, true);
+        content.session = std::make_unique<BakeSession>(content.baked.scene, options_.bake, embreeIntegrators(), true);
     stage_ = Stage::Upload;
     if (content.session) content.light = earlyLight(*content.session);
     if (first_.ends) return ended;

@@ -44,7 +44,7 @@ int main()
     settings.quality = Quality::Preview;
     settings.samples = 4;
     settings.lightmapSize = 64;
-    const Result<BakeResult> result = bake(floorUnderASun(), settings, makeEmbreeIntegrator);
+    const Result<BakeResult> result = bake(floorUnderASun(), settings, embreeIntegrators());
     if (!result) {
         std::printf("%s\n", result.error().text().c_str());
         return 1;

@@ -7,7 +7,7 @@
 int main()
 {
     const auto baked =
-        halflight::bake(halflight::Scene(), halflight::BakeSettings(), halflight::makeEmbreeIntegrator, {});
+        halflight::bake(halflight::Scene(), halflight::BakeSettings(), halflight::embreeIntegrators(), {});
     const auto read = halflight::readBakedScene("no such file.glb");
     const bool said = baked || !baked.error().text().empty(); // an empty scene: either will do
     return said && !read ? 0 : 1;

@@ -41,6 +41,7 @@ def bake(
     emission_unit: Optional[Literal["nits", "blender"]] = None,
     settings: Optional[Path] = None,
     seed: Optional[int] = None,
+    isa: Optional[Literal["auto", "sse2", "avx2", "avx512"]] = None,
     device: Optional[Literal["auto", "cpu"]] = None,
     threads: Optional[int] = None,
     cache: Optional[Path] = None,
@@ -96,6 +97,8 @@ def bake(
             bright (default nits, or what the file says)
         settings: light and object settings by name pattern
         seed: of the random numbers (default 1)
+        isa: the processor's instructions that trace rays; light differs within its noise, in other bytes (default auto:
+            avx2 where it is there, else sse2)
     Run:
         device: what bakes: the processor, in either case (default auto)
         threads (0..4096): 0 = all cores; changes no byte of the result (default 0)
@@ -148,6 +151,7 @@ def bake(
         *_run.option("--emission-unit", emission_unit),
         *_run.option("--settings", settings),
         *_run.option("--seed", seed),
+        *_run.option("--isa", isa),
         *_run.option("--device", device),
         *_run.option("--threads", threads),
         *_run.option("--cache", cache),

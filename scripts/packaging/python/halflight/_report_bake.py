@@ -193,6 +193,8 @@ class BakeReport(Record):
     """What a bake did. Later versions may have more members."""
 
     integrator: str
+    # bakes of the same inputs with the same identity have the same bytes
+    identity: str
     seconds: float
     peak_memory_bytes: int
     # Mean, as gathered.

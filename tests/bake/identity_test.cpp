@@ -1,0 +1,139 @@
+// What depends on the processor that bakes: nothing that lays out texels, and no result is mixed with another's unless
+// a farm asks for it (docs/architecture.md, rule 7).
+
+#include "bake/test_scene.h"
+#include "bake_cpu/trace/ray_tracer.h"
+#include "base/temp_folder.h"
+
+#include "halflight/bake/farm.h"
+#include "halflight/base/random.h"
+#include "halflight/shading/sampling.h"
+
+#include <gtest/gtest.h>
+
+#include <set>
+
+namespace halflight::test {
+namespace {
+
+std::vector<InstructionSet> setsOfThisProcessor()
+{
+    std::vector<InstructionSet> sets;
+    for (const InstructionSet set : {InstructionSet::Sse2, InstructionSet::Avx2, InstructionSet::Avx512})
+        if (embreeIntegrators().identity(set)) sets.push_back(set);
+    return sets;
+}
+
+TEST(Identity, IsAFilesNameThatRepeatsAndTellsInstructionSetsApart)
+{
+    const IntegratorFactory factory = embreeIntegrators();
+    std::set<std::string> names;
+    for (const InstructionSet set : setsOfThisProcessor()) {
+        const std::string name = *factory.identity(set);
+        EXPECT_EQ(name, *factory.identity(set));
+        EXPECT_TRUE(name.starts_with("cpu-embree-")) << name;
+        EXPECT_EQ(name.find_first_not_of("abcdefghijklmnopqrstuvwxyz0123456789.-"), std::string::npos) << name;
+        EXPECT_TRUE(names.insert(name).second) << name;
+    }
+    ASSERT_FALSE(names.empty());
+    EXPECT_TRUE(names.contains(*factory.identity(InstructionSet::Automatic)));
+}
+
+/// A stack of boxes that share faces. The rays of a point inside leave one solid more than they enter in whatever order
+/// coincident faces are met; those of a point outside as many.
+TEST(SolidsS6, CountWhereSolidsShareAFace)
+{
+    Scene scene;
+    const int material = addMaterial(scene, vec3(0.5f));
+    constexpr float kSide = 0.7f; // metres; no power of two, so that faces are rounded
+    for (int i = 0; i < 4; ++i) {
+        const std::size_t first = scene.objects.size();
+        addBox(scene, vec3(0, kSide * float(i), 0), vec3(kSide, kSide * float(i + 1), kSide), material, false);
+        joinObjects(scene, first);
+    }
+    const BakeGeometry geometry = flattenGeometry(scene, 64, GeometryFilter::Static);
+    for (const InstructionSet set : setsOfThisProcessor()) {
+        const RayTracer tracer(scene, geometry, set);
+        ASSERT_TRUE(tracer.ok());
+        int wrong = 0;
+        constexpr uint32_t kRays = 2000;
+        for (uint32_t i = 0; i < kRays; ++i) {
+            const vec2 u = r2Point(int(i));
+            const vec3 direction = shading::sampleSphere(u);
+            const vec3 inside(0.3f, kSide * (float(i % 4) + 0.4f), 0.2f);
+            wrong += tracer.solidsLeft(inside, direction) != 1 ? 1 : 0;
+            wrong += tracer.solidsLeft(inside + vec3(kSide, 0, 0), direction) != 0 ? 1 : 0;
+        }
+        // A ray may slip between two triangles; where one of coincident faces was left out, a third were wrong.
+        EXPECT_LE(wrong, 2) << nameOf(set);
+    }
+}
+
+struct OtherMachines : testing::Test {
+    OtherMachines()
+    {
+        const int walls = addMaterial(scene, vec3(0.6f));
+        addBox(scene, vec3(-2, 0, -2), vec3(2, 3, 2), walls, true);
+        scene.lights.push_back(pointAt("lamp", vec3(1, 2, 0), 5.0f));
+        settings.samples = 16;
+        settings.lightmapSize = 64;
+        settings.bounces = 1;
+        settings.probeSpacingMeters = 3.0f;
+        settings.reflectionProbes = false;
+        settings.cacheDirectory = folder / "cache";
+    }
+    static IntegratorFactory machine(const std::string& identity)
+    {
+        IntegratorFactory factory = embreeIntegrators();
+        factory.identity = [identity](InstructionSet) -> Result<std::string> { return identity; };
+        return factory;
+    }
+    BakeReport bakeOn(const std::string& identity)
+    {
+        Result<BakeResult> result = bake(scene, settings, machine(identity));
+        EXPECT_TRUE(result);
+        return result ? result->report : BakeReport{};
+    }
+
+    Scene scene;
+    TempFolder folder;
+    BakeSettings settings;
+};
+
+TEST_F(OtherMachines, ResultsAreNeitherTakenNorRemovedAndOneSentenceSaysSo)
+{
+    const std::vector<std::string> alone = bakeOn("cpu-one").warnings;
+    const BakeReport other = bakeOn("cpu-two");
+    EXPECT_EQ(other.identity, "cpu-two");
+    EXPECT_GT(other.cache.tiles, 0u);
+    EXPECT_EQ(other.cache.same + other.cache.unchanged, 0u);
+    ASSERT_EQ(other.warnings.size(), alone.size() + 1);
+    for (const char* word : {"cpu-one", "cpu-two", "not used"})
+        EXPECT_NE(other.warnings.back().find(word), std::string::npos) << other.warnings.back();
+    const BakeReport again = bakeOn("cpu-one");
+    EXPECT_EQ(again.cache.same, again.cache.tiles);
+}
+
+TEST_F(OtherMachines, MayNotWorkOnAPlanUnlessItIsMixed)
+{
+    for (const bool mixed : {false, true}) {
+        settings.mixedIdentities = mixed;
+        const Result<FarmBake> planned = planFarm(scene, settings, machine("cpu-one"));
+        ASSERT_TRUE(planned);
+        const FarmWork work = farmWork({*planned}, {0, 1}).front();
+        const Result<BakeReport> report = workOnFarm(scene, settings, *planned, work, false, machine("cpu-two"));
+        ASSERT_EQ(bool(report), mixed);
+        if (mixed) {
+            EXPECT_TRUE(missingFarmTiles(settings.cacheDirectory, *planned, true).empty());
+            const BakeReport joined = bakeOn("cpu-three");
+            EXPECT_EQ(joined.cache.same, joined.cache.tiles);
+            continue;
+        }
+        EXPECT_EQ(missingFarmTiles(settings.cacheDirectory, *planned, true).size(), planned->tiles);
+        for (const char* word : {"cpu-one", "cpu-two", "--isa sse2", "--mixed"})
+            EXPECT_NE(report.error().message.find(word), std::string::npos) << report.error().message;
+    }
+}
+
+} // namespace
+} // namespace halflight::test
