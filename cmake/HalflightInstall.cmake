@@ -13,12 +13,19 @@ foreach(decoder draco meshoptimizer WEBP)
     endif()
 endforeach()
 
+# The project's licence, and those of the functions of mathematics, which every program and library contains.
+set(HALFLIGHT_COPYRIGHT ${PROJECT_BINARY_DIR}/copyright)
+file(READ LICENSE licence)
+file(READ src/base/mathematics/COPYRIGHT licences_of_others)
+file(WRITE ${HALFLIGHT_COPYRIGHT} "${licence}\n----------------------------------------------------------------------\n\n${licences_of_others}")
+set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS LICENSE src/base/mathematics/COPYRIGHT)
+
 install(TARGETS halflight RUNTIME COMPONENT runtime)
 if(TARGET halflight_window)
     install(TARGETS halflight_window RUNTIME COMPONENT view)
     install(FILES ${PROJECT_BINARY_DIR}/cli_docs/man1/halflight-view.1 DESTINATION ${CMAKE_INSTALL_MANDIR}/man1
         COMPONENT view OPTIONAL)
-    install(FILES LICENSE DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/halflight-view RENAME copyright COMPONENT view)
+    install(FILES ${HALFLIGHT_COPYRIGHT} DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/halflight-view COMPONENT view)
 endif()
 install(TARGETS halflight_base halflight_shading halflight_scene halflight_unwrap halflight_bake halflight_bake_cpu
                 halflight_gpu halflight_frame halflight_render
@@ -51,7 +58,8 @@ install(FILES ${PROJECT_BINARY_DIR}/halflight.pc DESTINATION ${CMAKE_INSTALL_LIB
 
 install(FILES README.md CHANGELOG.md docs/guide.md docs/format.md docs/engines.md docs/conventions.md
     DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT runtime)
-install(FILES LICENSE DESTINATION ${CMAKE_INSTALL_DOCDIR} RENAME copyright COMPONENT runtime)
+install(FILES ${HALFLIGHT_COPYRIGHT} DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT runtime)
+install(FILES ${HALFLIGHT_COPYRIGHT} DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/halflight-dev COMPONENT development)
 install(DIRECTORY docs/guide docs/schemas DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT runtime)
 # Made when the program is linked (apps/halflight/CMakeLists.txt).
 set(HALFLIGHT_CLI_DOCS ${PROJECT_BINARY_DIR}/cli_docs)

@@ -6,7 +6,7 @@
 
 A file has at most 400 lines. Files that were longer when the rule came may only shrink: LONGER has their limits, and a
 limit that a file no longer needs is an error too, so that the list ends some day. A Python function has at most 80
-lines. Generated files are exempt.
+lines. Generated files and those of others (src/base/mathematics) are exempt.
 """
 
 import ast
@@ -19,6 +19,7 @@ FUNCTION_LIMIT = 80
 FOLDERS = ("apps", "assets", "bench", "blender", "examples", "farm", "include", "scripts", "shaders", "src", "tests", "web")
 SUFFIXES = {".h", ".cpp", ".py", ".glsl", ".vert", ".frag", ".js", ".jsx", ".mjs", ".ts", ".tsx", ".mts", ".css", ".html", ".sh"}
 GENERATED = ("web/three/src/generated/", "scripts/packaging/python/halflight/_commands.py")
+OF_OTHERS = ("src/base/mathematics/",)
 
 LONGER = {
     "bench/bake_bench.cpp": 490,
@@ -49,7 +50,7 @@ def problems_of(root, longer):
             if path.suffix not in SUFFIXES or not path.is_file() or "node_modules" in path.parts:
                 continue
             name = path.relative_to(root).as_posix()
-            if name.startswith(GENERATED):
+            if name.startswith(GENERATED + OF_OTHERS):
                 continue
             seen.add(name)
             text = path.read_text(encoding="utf-8", errors="replace")
@@ -84,6 +85,9 @@ def self_test():
         (root / "web/three/src/long.js").write_text("\n" * (LIMIT + 5))
         assert len(problems_of(root, {})) == 1
         (root / "web/three/src/long.js").unlink()
+        (root / "src/base/mathematics").mkdir(parents=True)
+        (root / "src/base/mathematics/long.cpp").write_text("\n" * (LIMIT + 5))
+        assert problems_of(root, {}) == []
         (root / "src/short.py").write_text("def fits():\n" + "    pass\n" * (FUNCTION_LIMIT - 1))
         assert problems_of(root, {}) == []
         (root / "src/short.py").write_text("def long():\n" + "    pass\n" * FUNCTION_LIMIT)

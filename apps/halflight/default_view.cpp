@@ -2,6 +2,7 @@
 #include "camera.h"
 #include "scene_caster.h"
 
+#include "halflight/base/mathematics.h"
 #include "halflight/base/parallel.h"
 
 #include <algorithm>
@@ -19,7 +20,7 @@ vec3 fibonacciDirection(int i, int count)
     const float z = 1.0f - (2.0f * float(i) + 1.0f) / float(count);
     const float r = std::sqrt(std::max(0.0f, 1.0f - z * z));
     const float phi = 2.39996323f * float(i);
-    return {r * std::cos(phi), z, r * std::sin(phi)};
+    return {r * math::cos(phi), z, r * math::sin(phi)};
 }
 
 // The points of a scene that may be its outline: all vertices of triangles, or where these are many, of each mesh those
@@ -100,7 +101,7 @@ Camera fitted(const Outline& outline, Camera camera, float aspect, const Bounds&
 {
     constexpr float kMargin = 0.05f;
     const mat3 axes(camera.worldFromCamera);
-    const float ty = (1.0f - kMargin) * std::tan(0.5f * camera.verticalFovRadians);
+    const float ty = (1.0f - kMargin) * math::tan(0.5f * camera.verticalFovRadians);
     const float tx = aspect * ty;
     const std::array<float, 4> most = outline.reach({axes * vec3(1.0f, 0.0f, tx), axes * vec3(-1.0f, 0.0f, tx),
                                                      axes * vec3(0.0f, 1.0f, ty), axes * vec3(0.0f, -1.0f, ty)});
@@ -188,7 +189,7 @@ Seen look(const SceneCaster& caster, const Camera& camera, float aspect, const B
     const vec3 eye = vec3(camera.worldFromCamera[3]);
     const float diagonal = glm::length(box.size());
     const float nearest = std::max(0.0f, glm::distance(eye, box.center()) - 0.5f * diagonal);
-    const float tangent = std::tan(0.5f * camera.verticalFovRadians);
+    const float tangent = math::tan(0.5f * camera.verticalFovRadians);
     std::array<SceneHit, kColumns * kRows> hits;
     parallelFor(hits.size(), 1, [&](std::size_t begin, std::size_t end) {
         for (std::size_t i = begin; i < end; ++i) {
@@ -219,7 +220,7 @@ std::vector<Camera> viewsFromInside(const Bounds& box)
     for (const float reach : {0.85f, 0.7f, 0.5f}) {
         for (int i = 0; i < 8; ++i) {
             const float angle = (float(i) + 0.5f) * 0.25f * kPi; // corners come first
-            const vec2 side{std::cos(angle), std::sin(angle)};
+            const vec2 side{math::cos(angle), math::sin(angle)};
             const vec2 square = side / std::max(std::abs(side.x), std::abs(side.y));
             const vec3 eye = center + half * vec3(reach * square.x, 0.15f, reach * square.y);
             views.push_back(lookAt(eye, center - half * vec3(0.0f, 0.1f, 0.0f), kPi * 65.0f / 180.0f, box));
@@ -235,7 +236,7 @@ std::vector<Camera> viewsFromOutside(const Scene& scene, const Bounds& box, floa
     for (const float height : {0.45f, 1.2f}) { // 24 and 50 degrees above the horizon: the latter see into open rooms
         for (int i = 0; i < 8; ++i) {
             const float angle = (0.35f + 0.5f * float(i)) * 0.5f * kPi;
-            const vec3 direction(std::sin(angle), height, std::cos(angle));
+            const vec3 direction(math::sin(angle), height, math::cos(angle));
             views.push_back(fitted(outline, lookAt(direction, vec3(0.0f), kPi * 45.0f / 180.0f, box), aspect, box));
         }
     }

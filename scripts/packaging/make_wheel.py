@@ -14,7 +14,6 @@ import sys
 import zipfile
 
 HERE = pathlib.Path(__file__).resolve().parent
-ROOT = HERE.parents[1]
 WHEN = (2026, 1, 1, 0, 0, 0)
 
 
@@ -71,7 +70,8 @@ def main():
     wheel.add(f"{info}/METADATA", metadata(version).encode())
     wheel.add(f"{info}/WHEEL", f"Wheel-Version: 1.0\nGenerator: halflight\nRoot-Is-Purelib: false\nTag: {tag}\n".encode())
     wheel.add(f"{info}/entry_points.txt", b"[console_scripts]\nhalflight = halflight:main\n")
-    wheel.add(f"{info}/LICENSE", (ROOT / "LICENSE").read_bytes())
+    # The project's licence and those of the code of others in the program.
+    wheel.add(f"{info}/LICENSE", (prefix / "share/doc/halflight/copyright").read_bytes())
     wheel.close()
     print(path)
 

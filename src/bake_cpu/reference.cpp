@@ -3,10 +3,10 @@
 #include "bake/geometry/flatten.h"
 #include "bake_cpu/reference/reference_tracer.h"
 
+#include "halflight/base/mathematics.h"
 #include "halflight/base/parallel.h"
 
 #include <algorithm>
-#include <cmath>
 
 namespace halflight {
 namespace {
@@ -21,7 +21,7 @@ CameraRay cameraRay(const Camera& camera, float aspect, vec2 place)
 {
     // The camera's axis is -Z; +Y is up.
     const float halfHeight =
-        camera.orthographic ? 0.5f * camera.orthographicHeightMeters : std::tan(0.5f * camera.verticalFovRadians);
+        camera.orthographic ? 0.5f * camera.orthographicHeightMeters : math::tan(0.5f * camera.verticalFovRadians);
     const vec2 ndc = place * vec2(2.0f, -2.0f) + vec2(-1.0f, 1.0f);
     const vec3 onPlane(ndc.x * aspect * halfHeight, ndc.y * halfHeight, -1.0f);
     const mat3 worldFromCamera(camera.worldFromCamera);

@@ -8,13 +8,13 @@
 #include "shading/srgb_table.h"
 
 #include "halflight/base/image_filter.h"
+#include "halflight/base/mathematics.h"
 #include "halflight/base/parallel.h"
 #include "halflight/shading/brdf.h"
 #include "halflight/shading/color.h"
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 
 namespace halflight {
 namespace {
@@ -167,7 +167,7 @@ DisplayedSurfaces displayedSurfaces(const std::vector<ImageRgba32f>& pictures, f
 float surfaceExposure(const std::vector<ImageRgba32f>& pictures)
 {
     const float light = lightAbove(pictures, kWhiteShare);
-    return light > 0.0f ? std::log2(light) : 0.0f;
+    return light > 0.0f ? math::log2(light) : 0.0f;
 }
 
 float surfaceStrength(const std::vector<ImageRgba32f>& pictures, float exposureEv)

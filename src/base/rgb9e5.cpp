@@ -1,16 +1,20 @@
 #include "halflight/base/rgb9e5.h"
 
+#include "halflight/base/mathematics.h"
 #include "halflight/base/parallel.h"
 
 #include <algorithm>
 #include <cmath>
-#include <glm/gtc/packing.hpp>
 
 namespace halflight {
+namespace {
+
+constexpr int kBias = 15; // of the common exponent
+
+} // namespace
 
 uint32_t packRgb9e5(vec3 color)
 {
-    constexpr int kBias = 15;
     for (int c = 0; c < 3; ++c) color[c] = color[c] > 0.0f ? std::min(color[c], kMaxRgb9e5) : 0.0f; // NaN too
     const float largest = std::max({color.x, color.y, color.z});
     int exponent = std::max(-kBias - 1, largest > 0.0f ? std::ilogb(largest) : -kBias - 1) + 1 + kBias;
@@ -23,11 +27,17 @@ uint32_t packRgb9e5(vec3 color)
     return mantissa(color.x) | (mantissa(color.y) << 9) | (mantissa(color.z) << 18) | (uint32_t(exponent) << 27);
 }
 
+vec3 unpackRgb9e5(uint32_t texel)
+{
+    const vec3 mantissas(texel & 0x1ff, (texel >> 9) & 0x1ff, (texel >> 18) & 0x1ff);
+    return mantissas * std::ldexp(1.0f, int(texel >> 27) - kBias - 9);
+}
+
 float rgb9e5Unit(const ImageRgb32f& image)
 {
     float largest = 0.0f;
     for (const vec3& texel : image.texels()) largest = std::max({largest, texel.x, texel.y, texel.z});
-    return largest > 0.0f ? std::exp2(std::ceil(std::log2(largest / kMaxRgb9e5))) : 1.0f;
+    return largest > 0.0f ? math::exp2(std::ceil(math::log2(largest / kMaxRgb9e5))) : 1.0f;
 }
 
 Image<uint32_t> encodeRgb9e5(const ImageRgb32f& picture, float unit)
@@ -42,7 +52,7 @@ Image<uint32_t> encodeRgb9e5(const ImageRgb32f& picture, float unit)
 ImageRgb32f decodeRgb9e5(const Image<uint32_t>& page, float unit)
 {
     ImageRgb32f decoded(page.width(), page.height());
-    for (std::size_t i = 0; i < page.texelCount(); ++i) decoded.data()[i] = unit * glm::unpackF3x9_E1x5(page.data()[i]);
+    for (std::size_t i = 0; i < page.texelCount(); ++i) decoded.data()[i] = unit * unpackRgb9e5(page.data()[i]);
     return decoded;
 }
 

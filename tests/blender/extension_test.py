@@ -28,6 +28,9 @@ def make_wheel(halflight, folder):
         path = folder / "prefix" / name
         path.parent.mkdir(parents=True)
         path.write_text(f'#!/bin/sh\nexec {started} "$@"\n')
+    notices = folder / "prefix/share/doc/halflight/copyright"
+    notices.parent.mkdir(parents=True)
+    notices.write_text("as installed")
     script = pathlib.Path(__file__).resolve().parents[2] / "scripts/packaging/make_wheel.py"
     command = [sys.executable, script, folder / "prefix", "0.1.0", "2.17", folder]
     return subprocess.run(command, check=True, stdout=subprocess.PIPE, text=True).stdout.strip()

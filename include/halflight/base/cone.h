@@ -1,6 +1,7 @@
 #pragma once
 
 #include "halflight/base/math.h"
+#include "halflight/base/mathematics.h"
 
 #include <algorithm>
 #include <cmath>
@@ -16,7 +17,7 @@ inline bool coneMeetsBall(vec3 apex, vec3 axis, float halfAngle, vec3 center, fl
     const vec3 v = center - apex;
     const float along = glm::dot(v, axis);
     const float across = std::sqrt(std::max(0.0f, glm::dot(v, v) - along * along));
-    const float outside = std::cos(halfAngle) * across - along * std::sin(halfAngle);
+    const float outside = math::cos(halfAngle) * across - along * math::sin(halfAngle);
     const float slack = 1.0e-4f * (1.0f + glm::length(v));
     return outside <= radius + slack && along >= -radius - slack;
 }

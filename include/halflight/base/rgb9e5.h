@@ -12,6 +12,9 @@ constexpr float kMaxRgb9e5 = 65408.0f;
 /// Clamps to 0…kMaxRgb9e5; NaN becomes 0. GLM's packer covers only half of the format's range.
 uint32_t packRgb9e5(vec3 color);
 
+/// The colour of a texel. GLM's calls pow().
+vec3 unpackRgb9e5(uint32_t texel);
+
 /// The power of two that brings the largest value of an image into the upper half of the range; 1 for a black image.
 float rgb9e5Unit(const ImageRgb32f& image);
 

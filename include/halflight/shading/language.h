@@ -3,14 +3,15 @@
 //   HL_FN         begins every function
 //   HL_CONST      begins every constant
 //   HL_INOUT(T)   an argument that is read and written
-// In C++ everything is in namespace halflight::shading. GLSL needs GL_GOOGLE_include_directive.
+// In C++ everything is in namespace halflight::shading; sin, pow and the like are those of base/mathematics.h. GLSL
+// needs GL_GOOGLE_include_directive.
 #ifndef HALFLIGHT_SHADING_LANGUAGE_H
 #define HALFLIGHT_SHADING_LANGUAGE_H
 
 #ifdef __cplusplus
 #include "halflight/base/math.h"
+#include "halflight/base/mathematics.h"
 
-#include <cmath>
 #include <cstdint>
 
 #define HL_FN inline
@@ -22,26 +23,26 @@
 namespace halflight::shading {
 using uint = uint32_t;
 using glm::abs;
-using glm::acos;
-using glm::atan;
 using glm::clamp;
-using glm::cos;
 using glm::cross;
 using glm::dot;
-using glm::exp;
-using glm::exp2;
 using glm::floor;
 using glm::inversesqrt;
 using glm::length;
-using glm::log2;
 using glm::max;
 using glm::min;
 using glm::mix;
 using glm::normalize;
-using glm::pow;
 using glm::reflect;
-using glm::sin;
 using glm::sqrt;
+using math::acos;
+using math::atan;
+using math::cos;
+using math::exp;
+using math::exp2;
+using math::log2;
+using math::pow;
+using math::sin;
 } // namespace halflight::shading
 #else
 #define HL_FN

@@ -4,11 +4,11 @@
 #include "bake/geometry/components.h"
 #include "bake/geometry/flatten.h"
 
+#include "halflight/base/mathematics.h"
 #include "halflight/base/parallel.h"
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <span>
 
 namespace halflight {
@@ -28,7 +28,7 @@ double windingNumber(const BakeGeometry& geometry, const Component& component, v
         const double la = glm::length(a);
         const double lb = glm::length(b);
         const double lc = glm::length(c);
-        sum += std::atan2(glm::dot(a, glm::cross(b, c)),
+        sum += math::atan(glm::dot(a, glm::cross(b, c)),
                           la * lb * lc + glm::dot(a, b) * lc + glm::dot(b, c) * la + glm::dot(c, a) * lb);
     }
     return sum / (2.0 * double(kPi));

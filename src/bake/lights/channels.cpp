@@ -2,13 +2,13 @@
 #include "bake/lights/channels.h"
 
 #include "halflight/base/cone.h"
+#include "halflight/base/mathematics.h"
 #include "halflight/base/text.h"
 #include "halflight/shading/light.h"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <numeric>
 
 namespace halflight {
 namespace {
@@ -30,11 +30,11 @@ Reach reachOf(const Light& light)
     if (light.type == LightType::Directional || range <= 0.0f) return {};
     if (light.type != LightType::Spot) return {light.position(), range};
     // With the cone's cap. Narrow cones: the sphere through apex and rim; wide ones: the sphere around the rim.
-    const float cosine = std::cos(light.outerConeRadians);
+    const float cosine = math::cos(light.outerConeRadians);
     if (light.outerConeRadians >= kPi / 4.0f) {
         const float along = std::max(range * cosine, 0.0f);
         return {light.position() + along * light.direction(),
-                std::max(range * std::sin(std::min(light.outerConeRadians, kPi / 2.0f)), range - along)};
+                std::max(range * math::sin(std::min(light.outerConeRadians, kPi / 2.0f)), range - along)};
     }
     const float radius = range / (2.0f * cosine);
     return {light.position() + radius * light.direction(), radius};

@@ -3,11 +3,11 @@
 #include "bake/pages/dilate.h"
 
 #include "halflight/bake/texel_grid.h"
+#include "halflight/base/mathematics.h"
 #include "halflight/base/parallel.h"
 #include "halflight/base/rgb9e5.h"
 
 #include <algorithm>
-#include <cmath>
 #include <unordered_map>
 
 namespace halflight {
@@ -152,7 +152,7 @@ void LivePages::spread(std::span<const uint32_t> texels, std::span<const vec3> l
                 float weights = 0.0f;
                 for (const std::size_t n : near) {
                     const float d = glm::distance(centerOf(texel), centerOf(map_.texels[texels[n]])) / float(side);
-                    const float weight = std::exp(-2.0f * d * d); // half at 0.6 sides: about four samples count
+                    const float weight = math::exp(-2.0f * d * d); // half at 0.6 sides: about four samples count
                     sum += weight * light[n];
                     weights += weight;
                 }

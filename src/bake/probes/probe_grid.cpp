@@ -1,5 +1,6 @@
 #include "bake/probes/probe_placement.h"
 #include "bake/probes/probes.h"
+#include "halflight/base/mathematics.h"
 
 #include <algorithm>
 #include <cmath>
@@ -39,7 +40,7 @@ ProbeSet probeGrid(const Scene& scene, float spacingMeters, std::vector<std::str
         glm::max(bounds.size(), vec3(1.0e-3f * std::max({bounds.size().x, bounds.size().y, bounds.size().z, 1.0e-6f})));
     double spacing = spacingMeters;
     if (spacing <= 0.0) {
-        spacing = std::cbrt(double(size.x) * double(size.y) * double(size.z) / kDefaultProbes);
+        spacing = math::cbrt(double(size.x) * double(size.y) * double(size.z) / kDefaultProbes);
         spacing = coarsened(size, spacing, kDefaultProbes);
     }
     spacing = coarsened(size, spacing, kMaxProbes);

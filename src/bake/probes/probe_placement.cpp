@@ -3,6 +3,7 @@
 #include "bake/geometry/hash_grid.h"
 #include "bake/probes/probe_tree.h"
 
+#include "halflight/base/mathematics.h"
 #include "halflight/base/parallel.h"
 #include "halflight/shading/color.h"
 #include "halflight/shading/sh.h"
@@ -106,7 +107,7 @@ float bilateralWeight(const Probe& a, const Probe& b, float noise)
         difference += d * d;
     }
     const float excess = std::max(difference - noise, 0.0f);
-    return excess > noise ? 0.0f : std::exp(-2.0f * excess / noise);
+    return excess > noise ? 0.0f : math::exp(-2.0f * excess / noise);
 }
 
 } // namespace
@@ -114,7 +115,7 @@ float bilateralWeight(const Probe& a, const Probe& b, float noise)
 float probeStep(vec3 boxSize)
 {
     const float largest = std::max({boxSize.x, boxSize.y, boxSize.z});
-    return largest > 0.0f ? std::exp2(std::ceil(std::log2(largest)) - 20.0f) : 0.0f;
+    return largest > 0.0f ? math::exp2(std::ceil(math::log2(largest)) - 20.0f) : 0.0f;
 }
 
 vec3 onProbeLattice(vec3 position, float step)

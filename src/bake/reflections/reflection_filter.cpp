@@ -2,6 +2,7 @@
 
 #include "bake/reflections/reflections.h"
 
+#include "halflight/base/mathematics.h"
 #include "halflight/base/parallel.h"
 #include "halflight/shading/brdf.h"
 #include "halflight/shading/reflection.h"
@@ -29,7 +30,7 @@ vec3 directionOfTexel(int x, int y, int size)
 float solidAngle(vec3 a, vec3 b, vec3 c)
 {
     const float volume = std::abs(glm::dot(a, glm::cross(b, c)));
-    return 2.0f * std::atan2(volume, 1.0f + glm::dot(a, b) + glm::dot(b, c) + glm::dot(c, a));
+    return 2.0f * math::atan(volume, 1.0f + glm::dot(a, b) + glm::dot(b, c) + glm::dot(c, a));
 }
 
 Directions directionsOf(const ImageRgb32f& map)

@@ -2,6 +2,7 @@
 
 #include "bake/geometry/hash_grid.h"
 #include "bake/reflections/reflections.h"
+#include "halflight/base/mathematics.h"
 #include "halflight/base/parallel.h"
 #include "halflight/shading/reflection.h"
 
@@ -41,7 +42,7 @@ std::vector<vec3> evenDirections()
         const float y = 1.0f - (2.0f * float(i) + 1.0f) / float(kRays);
         const float r = std::sqrt(1.0f - y * y);
         const float phi = 2.0f * kPi * float(i) / std::numbers::phi_v<float>;
-        result.emplace_back(r * std::cos(phi), y, r * std::sin(phi));
+        result.emplace_back(r * math::cos(phi), y, r * math::sin(phi));
     }
     return result;
 }
@@ -113,8 +114,8 @@ struct Box {
 
 vec3 turned(vec3 v, float radians)
 {
-    const float c = std::cos(radians);
-    const float s = std::sin(radians);
+    const float c = math::cos(radians);
+    const float s = math::sin(radians);
     return {c * v.x - s * v.z, v.y, s * v.x + c * v.z};
 }
 

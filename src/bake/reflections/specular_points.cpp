@@ -1,5 +1,6 @@
 #include "bake/reflections/specular_points.h"
 
+#include "halflight/base/mathematics.h"
 #include "halflight/base/random.h"
 #include "halflight/shading/directional.h"
 #include "halflight/shading/indirect.h"
@@ -56,7 +57,7 @@ std::array<vec3, kViews> viewsOf(const SurfacePoint& point, uint32_t index)
         const float height = (float(v) + 0.5f) / float(kViews);
         const float turn = std::fmod(float(v) / std::numbers::phi_v<float> + unitFloat(hashPcg(index)), 1.0f);
         const float r = std::sqrt(1.0f - height * height);
-        views[v] = r * std::cos(2.0f * kPi * turn) * tangent + r * std::sin(2.0f * kPi * turn) * bitangent +
+        views[v] = r * math::cos(2.0f * kPi * turn) * tangent + r * math::sin(2.0f * kPi * turn) * bitangent +
                    height * point.normal;
     }
     return views;

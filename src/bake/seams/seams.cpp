@@ -3,6 +3,7 @@
 #include "bake/seams/seam_parts.h"
 #include "bake/texels/texel_places.h"
 
+#include "halflight/base/mathematics.h"
 #include "halflight/base/memory.h"
 #include "halflight/base/parallel.h"
 
@@ -310,7 +311,7 @@ float darkOf(const std::vector<SeamSample>& seams, const std::vector<ImageRgb32f
 /// `excess`: by how much a difference exceeds the limit of similar sides.
 float weightOf(float excess)
 {
-    return excess > 0.0f ? std::exp(-kFalloff * excess * excess) : 1.0f;
+    return excess > 0.0f ? math::exp(-kFalloff * excess * excess) : 1.0f;
 }
 
 } // namespace

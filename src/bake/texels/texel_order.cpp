@@ -1,6 +1,7 @@
 #include "bake/texels/texel_order.h"
 
 #include "bake/texels/texel_places.h"
+#include "halflight/base/mathematics.h"
 
 #include <algorithm>
 #include <cmath>
@@ -73,7 +74,7 @@ TexelOrder::Rank TexelOrder::rankOf(const Piece& piece, const BakeView& view)
     const vec3 toPiece = piece.center - vec3(camera.worldFromCamera[3]);
     const float radius = piece.radiusMeters;
     const float ahead = -glm::dot(toPiece, axes[2]);
-    const float tangent = camera.orthographic ? 0.0f : std::tan(0.5f * camera.verticalFovRadians);
+    const float tangent = camera.orthographic ? 0.0f : math::tan(0.5f * camera.verticalFovRadians);
     const float half = camera.orthographic ? 0.5f * camera.orthographicHeightMeters : 0.0f;
     // The distance from the centre to a plane of the pyramid is at most the radius.
     const auto within = [&](float offset, float width) {

@@ -4,6 +4,7 @@
 
 #include "halflight/bake/part_folder.h"
 #include "halflight/base/bytes.h"
+#include "halflight/base/mathematics.h"
 #include "halflight/base/memory.h"
 #include "halflight/base/parallel.h"
 #include "halflight/base/progress_of_parts.h"
@@ -89,7 +90,7 @@ float CachedLightmap::meanOf(const LightmapInput& input, std::atomic<uint64_t>& 
         sum += double(luminance(estimates[0].irradiance()));
         ++count;
     }
-    return sum > 0.0 ? float(std::exp2(std::round(std::log2(sum / double(count))))) : 0.0f;
+    return sum > 0.0 ? float(math::exp2(std::round(math::log2(sum / double(count))))) : 0.0f;
 }
 
 // The scale is of the whole map, so that a texel's samples do not depend on the request.

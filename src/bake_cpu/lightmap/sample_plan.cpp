@@ -1,5 +1,6 @@
 #include "bake_cpu/lightmap/sample_plan.h"
 
+#include "halflight/base/mathematics.h"
 #include "halflight/base/parallel.h"
 #include "halflight/base/random.h"
 
@@ -76,10 +77,10 @@ float SamplePlan::scaleOf(std::span<const TexelDemand> demands) const
     float high = kMostSteps;
     while (high - low > 1.0f) {
         const float middle = std::floor(0.5f * (low + high));
-        (mean(std::exp2(middle / kScaleSteps)) < double(blocks_) ? low : high) = middle;
+        (mean(math::exp2(middle / kScaleSteps)) < double(blocks_) ? low : high) = middle;
     }
-    const auto error = [&](float steps) { return std::abs(mean(std::exp2(steps / kScaleSteps)) - double(blocks_)); };
-    return std::exp2((error(low) <= error(high) ? low : high) / kScaleSteps);
+    const auto error = [&](float steps) { return std::abs(mean(math::exp2(steps / kScaleSteps)) - double(blocks_)); };
+    return math::exp2((error(low) <= error(high) ? low : high) / kScaleSteps);
 }
 
 /// A texel takes one of the two steps around its number of blocks, at random, so that the mean is that number.
@@ -141,7 +142,7 @@ float SamplePlan::detail(uint32_t texel, const Noise& noise) const
 {
     const uint32_t triangle = map_.fragments[map_.texels[texel].firstFragment].triangle;
     const float width = geometry_.texelMeters(triangle);
-    return kDetail * std::cbrt(width * std::sqrt(noise.meanInverseSquare));
+    return kDetail * math::cbrt(width * std::sqrt(noise.meanInverseSquare));
 }
 
 /// Blocks after which the standard error of a texel's luminance is within the target. The target is relative to the

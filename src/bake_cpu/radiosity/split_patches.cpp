@@ -1,5 +1,7 @@
 #include "bake_cpu/radiosity/split_patches.h"
 
+#include "halflight/base/mathematics.h"
+
 #include <algorithm>
 #include <cmath>
 
@@ -23,7 +25,7 @@ std::array<RimPoint, 7> makeRimPoints()
         float farthest = -1.0f;
         for (int i = 1; i < kMaxTexelPoints; ++i) {
             const vec2 place = r2Point(i) - 0.5f;
-            const float out = glm::dot(place, vec2(std::cos(angle), std::sin(angle)));
+            const float out = glm::dot(place, vec2(math::cos(angle), math::sin(angle)));
             if (out <= farthest) continue;
             farthest = out;
             rim[std::size_t(k)] = {i, 0.5f / std::max(std::abs(place.x), std::abs(place.y))};

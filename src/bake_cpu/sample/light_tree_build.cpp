@@ -1,7 +1,8 @@
 #include "bake_cpu/sample/light_tree.h"
 
+#include "halflight/base/mathematics.h"
+
 #include <algorithm>
-#include <cmath>
 
 namespace halflight {
 namespace {
@@ -17,9 +18,9 @@ struct Cone {
 Cone uniteCones(const Cone& a, const Cone& b)
 {
     if (a.cosine <= -1.0f || b.cosine <= -1.0f) return {a.axis, -1.0f};
-    const float angleA = std::acos(a.cosine);
-    const float angleB = std::acos(b.cosine);
-    const float between = std::acos(std::clamp(glm::dot(a.axis, b.axis), -1.0f, 1.0f));
+    const float angleA = math::acos(a.cosine);
+    const float angleB = math::acos(b.cosine);
+    const float between = math::acos(std::clamp(glm::dot(a.axis, b.axis), -1.0f, 1.0f));
     if (std::min(between + angleB, kPi) <= angleA) return a;
     if (std::min(between + angleA, kPi) <= angleB) return b;
     const float angle = 0.5f * (angleA + between + angleB);
@@ -29,18 +30,18 @@ Cone uniteCones(const Cone& a, const Cone& b)
     const float length = glm::length(side);
     if (length < 1.0e-6f) return {a.axis, -1.0f};
     const float turn = angle - angleA;
-    return {glm::normalize(a.axis * std::cos(turn) + side * (std::sin(turn) / length)), std::cos(angle)};
+    return {glm::normalize(a.axis * math::cos(turn) + side * (math::sin(turn) / length)), math::cos(angle)};
 }
 
 /// Orientation measure of Conty Estevez and Kulla 2018: the solid angle that lights illuminate which emit into the
 /// hemisphere around each normal.
 float orientationMeasure(float cosSpread)
 {
-    const float spread = std::acos(std::clamp(cosSpread, -1.0f, 1.0f));
+    const float spread = math::acos(std::clamp(cosSpread, -1.0f, 1.0f));
     const float widest = std::min(spread + 0.5f * kPi, kPi);
-    const float sine = std::sin(spread);
+    const float sine = math::sin(spread);
     return 2.0f * kPi * (1.0f - cosSpread) +
-           0.5f * kPi * (2.0f * widest * sine - std::cos(spread - 2.0f * widest) - 2.0f * spread * sine + cosSpread);
+           0.5f * kPi * (2.0f * widest * sine - math::cos(spread - 2.0f * widest) - 2.0f * spread * sine + cosSpread);
 }
 
 float surfaceArea(const Bounds& b)

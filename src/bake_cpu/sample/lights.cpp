@@ -1,9 +1,9 @@
 #include "bake_cpu/sample/lights.h"
 
+#include "halflight/base/mathematics.h"
 #include "halflight/shading/sampling.h"
 
 #include <algorithm>
-#include <cmath>
 
 namespace halflight {
 
@@ -22,14 +22,14 @@ std::vector<PunctualLight> punctualLights(const Scene& scene, LightUse use)
         shading::orthonormalBasis(-p.axis, p.tangent, p.bitangent);
         p.range = light.rangeMeters;
         p.spotConstants = shading::spotConstants(light.innerConeRadians, light.outerConeRadians);
-        p.cosOuterCone = std::cos(light.outerConeRadians);
+        p.cosOuterCone = math::cos(light.outerConeRadians);
         p.area = light.area();
         if (isAreaLight(light.type)) {
             p.halfWidth = light.halfWidth();
             p.halfHeight = light.halfHeight();
         }
         p.radius = light.type == LightType::Directional ? 0.0f : light.radiusMeters;
-        p.tanAngularRadius = light.type == LightType::Directional ? std::tan(light.angularRadiusRadians) : 0.0f;
+        p.tanAngularRadius = light.type == LightType::Directional ? math::tan(light.angularRadiusRadians) : 0.0f;
         p.castShadows = light.castShadows;
         p.shadowStrength = light.shadowStrength;
         if (use == LightUse::Reference) {

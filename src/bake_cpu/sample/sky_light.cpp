@@ -1,9 +1,9 @@
 #include "bake_cpu/sample/sky_light.h"
 
+#include "halflight/base/mathematics.h"
 #include "halflight/scene/sky_picture.h"
 
 #include <algorithm>
-#include <cmath>
 
 namespace halflight {
 namespace {
@@ -15,7 +15,7 @@ constexpr double kBright = 4.0;
 } // namespace
 
 SkyLight::SkyLight(const Sky& sky)
-    : sky_(sky), picture_(sky_.picture.get()), turn_(std::cos(sky.rotationRadians), std::sin(sky.rotationRadians))
+    : sky_(sky), picture_(sky_.picture.get()), turn_(math::cos(sky.rotationRadians), math::sin(sky.rotationRadians))
 {
     if (picture_ == nullptr) return;
     double mean = 0.0;
@@ -118,8 +118,8 @@ SkyLight::Sample SkyLight::sample(vec2 u) const
     const int column = int(areas_[bin] % width);
     const int row = int(areas_[bin] / width);
     const vec2 range = rowRange(row);
-    const float cosine = glm::mix(std::cos(range.x * kPi), std::cos(range.y * kPi), u.y);
-    const vec2 uv((float(column) + 0.5f + u.x) / float(width), std::acos(std::clamp(cosine, -1.0f, 1.0f)) / kPi);
+    const float cosine = glm::mix(math::cos(range.x * kPi), math::cos(range.y * kPi), u.y);
+    const vec2 uv((float(column) + 0.5f + u.x) / float(width), math::acos(std::clamp(cosine, -1.0f, 1.0f)) / kPi);
     const float down = uv.y * float(picture_->height()) + 0.5f - float(row);
     const Place place = areaAt(column, row, vec2(u.x, std::clamp(down, 0.0f, 1.0f)));
     Sample result;

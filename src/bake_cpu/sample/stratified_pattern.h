@@ -4,6 +4,7 @@
 #include "bake_cpu/sample/sampler.h"
 
 #include "halflight/base/math.h"
+#include "halflight/base/mathematics.h"
 #include "halflight/base/random.h"
 
 #include <array>
@@ -36,7 +37,7 @@ public:
         for (std::size_t i = 0; i < kAngles; ++i) {
             const float u = (float(i) + 0.5f) / float(kAngles);
             radii_[i] = {std::sqrt(u), std::sqrt(1.0f - u)};
-            angles_[i] = {std::cos(2.0f * kPi * u), std::sin(2.0f * kPi * u)};
+            angles_[i] = {math::cos(2.0f * kPi * u), math::sin(2.0f * kPi * u)};
         }
     }
 

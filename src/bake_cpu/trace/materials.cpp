@@ -3,12 +3,12 @@
 #include "bake_cpu/trace/texture_filter.h"
 #include "shading/srgb_table.h"
 
+#include "halflight/base/mathematics.h"
 #include "halflight/base/parallel.h"
 #include "halflight/shading/brdf.h"
 #include "halflight/shading/color.h"
 
 #include <algorithm>
-#include <cmath>
 
 namespace halflight {
 namespace {
@@ -120,8 +120,8 @@ vec2 Materials::textureCoordinate(uint32_t triangle, vec2 barycentric, const Tex
     // KHR_texture_transform: translation * rotation * scale.
     const vec2 scaled = raw * ref.scale;
     if (ref.rotationRadians == 0.0f) return ref.offset + scaled;
-    const float c = std::cos(ref.rotationRadians);
-    const float s = std::sin(ref.rotationRadians);
+    const float c = math::cos(ref.rotationRadians);
+    const float s = math::sin(ref.rotationRadians);
     return ref.offset + vec2(c * scaled.x + s * scaled.y, -s * scaled.x + c * scaled.y);
 }
 

@@ -1,4 +1,5 @@
 // Shadow map matrices: cascades of directional lights, perspective tiles of spot and point lights.
+#include "halflight/base/mathematics.h"
 #include "halflight/shading/penumbra.h"
 #include "halflight/shading/sampling.h"
 #include "render/frame/frame_internal.h"
@@ -39,7 +40,7 @@ CascadeSlices sliceView(const FrameView& view, const ShadowSettings& settings)
 {
     const Camera& camera = view.camera;
     const float halfY =
-        camera.orthographic ? 0.5f * camera.orthographicHeightMeters : std::tan(0.5f * camera.verticalFovRadians);
+        camera.orthographic ? 0.5f * camera.orthographicHeightMeters : math::tan(0.5f * camera.verticalFovRadians);
     const float halfX = halfY * aspectOf(view);
     const float cornerSquared = halfX * halfX + halfY * halfY; // square metres (orthographic), or squared tangent
     const float cosCorner = 1.0f / std::sqrt(1.0f + cornerSquared);
@@ -55,7 +56,7 @@ CascadeSlices sliceView(const FrameView& view, const ShadowSettings& settings)
     slices.farMeters.fill(farMeters);
     for (int i = 0; i + 1 < slices.count; ++i) {
         const float part = float(i + 1) / float(slices.count);
-        const float logarithmic = nearMeters * std::pow(farMeters / nearMeters, part);
+        const float logarithmic = nearMeters * math::pow(farMeters / nearMeters, part);
         const float uniform = nearMeters + (farMeters - nearMeters) * part;
         const float split = settings.cascadeSplits[std::size_t(i)];
         slices.farMeters[std::size_t(i)] = settings.cascadeSplits[0] != 0.0f
@@ -159,7 +160,7 @@ ShadowTile fitLocalTile(const Light& light, int face, int size, const ShadowSett
 
     // The border's texels lie outside the cone's square, or outside the 90 degrees of a face.
     const int inner = std::max(size - 2 * borderTexels(settings, size), 1);
-    const float tanInner = single ? std::tan(std::max(light.outerConeRadians, 0.01f)) : 1.0f;
+    const float tanInner = single ? math::tan(std::max(light.outerConeRadians, 0.01f)) : 1.0f;
     const float tanHalf = tanInner * float(size) / float(inner);
 
     // Far: where light or scene ends. Near: outside the source itself, at which its lamp often is modelled.

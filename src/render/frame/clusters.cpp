@@ -1,5 +1,6 @@
 // Lights by cluster of the view frustum: Olsson, Billeter and Assarsson 2012, "Clustered Deferred and Forward Shading",
 // with exponential depth slices.
+#include "halflight/base/mathematics.h"
 #include "halflight/base/parallel.h"
 #include "render/frame/frame_internal.h"
 
@@ -21,7 +22,7 @@ vec2 halfExtent(const FrameView& view)
     const Camera& camera = view.camera;
     const float aspect = float(std::max(view.size.x, 1)) / float(std::max(view.size.y, 1));
     const float halfY =
-        camera.orthographic ? 0.5f * camera.orthographicHeightMeters : std::tan(0.5f * camera.verticalFovRadians);
+        camera.orthographic ? 0.5f * camera.orthographicHeightMeters : math::tan(0.5f * camera.verticalFovRadians);
     return {halfY * aspect, halfY};
 }
 
@@ -60,9 +61,9 @@ std::vector<Bounds> clusterBoxes(const LightClusters& clusters, const FrameView&
     boxes.reserve(std::size_t(clusters.size.x) * std::size_t(clusters.size.y) * std::size_t(clusters.size.z));
     const float ratio = clusters.farMeters / clusters.nearMeters;
     for (int z = 0; z < clusters.size.z; ++z) {
-        float d0 = clusters.nearMeters * std::pow(ratio, float(z) / float(clusters.size.z)) * (1.0f - kRoundingMargin);
+        float d0 = clusters.nearMeters * math::pow(ratio, float(z) / float(clusters.size.z)) * (1.0f - kRoundingMargin);
         float d1 =
-            clusters.nearMeters * std::pow(ratio, float(z + 1) / float(clusters.size.z)) * (1.0f + kRoundingMargin);
+            clusters.nearMeters * math::pow(ratio, float(z + 1) / float(clusters.size.z)) * (1.0f + kRoundingMargin);
         // The first slice takes all that is nearer, the last all that is farther.
         if (z == 0) d0 = std::min(d0, camera.orthographic ? camera.nearMeters : 0.0f);
         if (z == clusters.size.z - 1) d1 = std::max(d1, std::min(camera.farMeters, 1.0e7f));
@@ -125,7 +126,7 @@ void fillSlice(std::span<const LightVolume> volumes, std::span<const Bounds> box
 ivec3 LightClusters::clusterAt(vec2 uv, float viewDepthMeters) const
 {
     const float depth = std::max(viewDepthMeters, 1.0e-20f);
-    const float slice = std::floor(std::log2(depth / nearMeters) * float(size.z) / std::log2(farMeters / nearMeters));
+    const float slice = std::floor(math::log2(depth / nearMeters) * float(size.z) / math::log2(farMeters / nearMeters));
     return {std::clamp(int(std::floor(uv.x * float(size.x))), 0, size.x - 1),
             std::clamp(int(std::floor(uv.y * float(size.y))), 0, size.y - 1),
             int(std::clamp(slice, 0.0f, float(size.z - 1)))};

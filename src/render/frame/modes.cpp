@@ -1,4 +1,5 @@
 // Which lighting modes a baked file can be drawn in, and the limits of the shadow settings.
+#include "halflight/base/mathematics.h"
 #include "halflight/render/frame.h"
 #include "halflight/shading/law.h"
 
@@ -98,7 +99,7 @@ Status checkShadowSettings(const ShadowSettings& s)
 
 float halfSourceWidth(const Light& light)
 {
-    if (light.type == LightType::Directional) return std::tan(light.angularRadiusRadians);
+    if (light.type == LightType::Directional) return math::tan(light.angularRadiusRadians);
     return isAreaLight(light.type) ? std::max(glm::length(light.halfWidth()), glm::length(light.halfHeight()))
                                    : light.radiusMeters;
 }

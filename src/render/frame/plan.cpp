@@ -1,4 +1,5 @@
 // The frame's decisions in their order: lights, cascades, tiles and their casters, clusters.
+#include "halflight/base/mathematics.h"
 #include "halflight/shading/law.h"
 #include "render/frame/frame_internal.h"
 
@@ -97,7 +98,7 @@ int wantedTileSize(const ShadowContext& context, const Light& light)
     const float reach = light.rangeMeters > 0.0f ? light.rangeMeters : kReachOfUnlimitedLights;
     const float distance = std::max(glm::distance(light.position(), vec3(camera.worldFromCamera[3])), reach);
     const float heightThere = camera.orthographic ? camera.orthographicHeightMeters
-                                                  : 2.0f * distance * std::tan(0.5f * camera.verticalFovRadians);
+                                                  : 2.0f * distance * math::tan(0.5f * camera.verticalFovRadians);
     const float texels = float(context.view.size.y) * 2.0f * reach / heightThere;
     // One light may take a quarter of the atlas by a single tile, or six sixteenths of a quarter by six.
     const int side = int(std::bit_floor(unsigned(context.settings.atlasSize)));

@@ -1,4 +1,5 @@
 // What the baked probes say at a point.
+#include "halflight/base/mathematics.h"
 #include "halflight/base/parallel.h"
 #include "halflight/scene/sky_picture.h"
 #include "halflight/shading/sh.h"
@@ -6,7 +7,6 @@
 #include "render/frame/probes_mesh.h"
 
 #include <algorithm>
-#include <cmath>
 
 namespace halflight {
 
@@ -14,12 +14,12 @@ namespace halflight {
 static std::array<vec3, 9> pictureRadiance(const ImageRgb32f& full, float rotation)
 {
     const ImageRgb32f picture = reducedSkyPicture(full, 1024);
-    const vec2 turn(std::cos(rotation), std::sin(rotation));
+    const vec2 turn(math::cos(rotation), math::sin(rotation));
     const vec2 size(picture.size());
     std::array<glm::dvec3, 9> sum{};
     for (int y = 0; y < picture.height(); ++y) {
         const float steradians =
-            2.0f * kPi / size.x * (std::cos(float(y) / size.y * kPi) - std::cos(float(y + 1) / size.y * kPi));
+            2.0f * kPi / size.x * (math::cos(float(y) / size.y * kPi) - math::cos(float(y + 1) / size.y * kPi));
         for (int x = 0; x < picture.width(); ++x) {
             const vec3 direction = shading::skyPictureDirection((vec2(x, y) + 0.5f) / size, turn);
             for (int i = 0; i < 9; ++i)

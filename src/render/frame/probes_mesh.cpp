@@ -2,6 +2,7 @@
 #include "render/frame/probes_mesh.h"
 
 #include "halflight/base/finite.h"
+#include "halflight/base/mathematics.h"
 
 #include <algorithm>
 #include <cmath>
@@ -44,7 +45,7 @@ void ProbeMesh::buildStarts()
         high_ = glm::max(high_, v);
     }
     const dvec3 size = high_ - low_;
-    const double edge = std::cbrt(size.x * size.y * size.z / double(mesh_.vertices.size()));
+    const double edge = math::cbrt(size.x * size.y * size.z / double(mesh_.vertices.size()));
     for (int axis = 0; axis < 3; ++axis) startSize_[axis] = int(glm::clamp(std::ceil(size[axis] / edge), 1.0, 128.0));
     starts_.reserve(std::size_t(startSize_.x) * std::size_t(startSize_.y) * std::size_t(startSize_.z));
     uint32_t from = 0;

@@ -2,6 +2,7 @@
 #include "render/frame/frame_internal.h"
 
 #include "halflight/base/cone.h"
+#include "halflight/base/mathematics.h"
 
 #include <algorithm>
 #include <cmath>
@@ -31,7 +32,7 @@ mat4 FrameView::clipFromView() const
         return m;
     }
     const float nearMeters = std::max(camera.nearMeters, 1.0e-4f);
-    const float tanHalf = std::tan(0.5f * camera.verticalFovRadians);
+    const float tanHalf = math::tan(0.5f * camera.verticalFovRadians);
     m[0][0] = 1.0f / (tanHalf * aspect);
     m[1][1] = -1.0f / tanHalf;
     m[2][3] = -1.0f;
@@ -154,8 +155,8 @@ bool meets(const LightVolume& volume, const Planes& planes)
     for (const vec4& plane : planes) {
         // How far a ball's sector reaches along the plane's normal from its apex: exact for one plane.
         const vec3 n = vec3(plane);
-        const float angle = std::acos(glm::clamp(glm::dot(n, volume.axis), -1.0f, 1.0f));
-        const float alongNormal = std::cos(std::max(0.0f, angle - volume.halfAngle));
+        const float angle = math::acos(glm::clamp(glm::dot(n, volume.axis), -1.0f, 1.0f));
+        const float alongNormal = math::cos(std::max(0.0f, angle - volume.halfAngle));
         const float reach = alongNormal > 0.0f ? alongNormal * volume.radius : 0.0f;
         const float slack = 1.0e-4f * (1.0f + glm::length(volume.center) + std::abs(plane.w));
         if (glm::dot(n, volume.center) + plane.w + reach < -slack) return false;

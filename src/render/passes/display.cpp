@@ -1,5 +1,6 @@
 // From linear radiance to a displayed picture.
 #include "halflight/shading/display.h"
+#include "halflight/base/mathematics.h"
 #include "halflight/base/parallel.h"
 #include "halflight/render/renderer.h"
 
@@ -49,7 +50,7 @@ static float exposureOfHighlights(const ImageRgba32f& radiance)
     if (brightest.empty()) return -kInfinity;
     const auto place = brightest.begin() + std::ptrdiff_t(brightest.size() / kPart);
     std::nth_element(brightest.begin(), place, brightest.end(), std::greater<>());
-    return *place > 0.0f ? std::log2(*place / kBurnt) : -kInfinity;
+    return *place > 0.0f ? math::log2(*place / kBurnt) : -kInfinity;
 }
 
 float automaticExposure(const ImageRgba32f& radiance)
@@ -60,11 +61,11 @@ float automaticExposure(const ImageRgba32f& radiance)
     for (const vec4& texel : radiance.texels()) {
         const float l = luminance(vec3(texel));
         if (!(l > 1.0e-6f) || !std::isfinite(l)) continue;
-        sum += std::log2(double(l));
+        sum += math::log2(double(l));
         ++count;
     }
     if (count == 0) return 0.0f;
-    const auto ev = float(sum / double(count) - std::log2(0.18));
+    const auto ev = float(sum / double(count) - math::log2(0.18));
     // A lamp that fills much of the picture is white however dark the rest is made.
     constexpr float kMostStops = 2.0f;
     return std::clamp(exposureOfHighlights(radiance), ev, ev + kMostStops);

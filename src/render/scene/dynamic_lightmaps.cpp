@@ -1,6 +1,7 @@
 // S32. Irradiance pages that the application adds to the baked ones.
 #include "render/scene/gpu_scene.h"
 
+#include "halflight/base/mathematics.h"
 #include "halflight/base/parallel.h"
 
 #include <glm/gtc/packing.hpp>
@@ -27,7 +28,7 @@ float brightest(std::span<const ImageRgb32f> pages)
 float unitFor(float brightestLux)
 {
     constexpr float kSmallest = 1.0e-30f;
-    return std::exp2(std::ceil(std::log2(std::max(brightestLux, kSmallest))) - 15.0f);
+    return math::exp2(std::ceil(math::log2(std::max(brightestLux, kSmallest))) - 15.0f);
 }
 
 } // namespace

@@ -1,10 +1,10 @@
 #include "render/scene/frame_data.h"
 
+#include "halflight/base/mathematics.h"
 #include "halflight/shading/law.h"
 #include "halflight/shading/light.h"
 
 #include <algorithm>
-#include <cmath>
 
 namespace halflight {
 namespace {
@@ -54,7 +54,7 @@ shading::GpuFrame gpuFrame(const GpuScene& scene, const FrameView& view, const R
     const Camera& camera = view.camera;
     const mat4& worldFromCamera = camera.worldFromCamera;
     const float halfHeight =
-        camera.orthographic ? 0.5f * camera.orthographicHeightMeters : std::tan(0.5f * camera.verticalFovRadians);
+        camera.orthographic ? 0.5f * camera.orthographicHeightMeters : math::tan(0.5f * camera.verticalFovRadians);
     const float aspect = float(view.size.x) / float(view.size.y);
     const LightClusters& clusters = plan.clusters;
     const Sky& sky = scene.outline.scene.sky;
@@ -81,7 +81,7 @@ shading::GpuFrame gpuFrame(const GpuScene& scene, const FrameView& view, const R
         frame.maskPenumbra[c] = scene.outline.maskChannels[std::size_t(c)].penumbraTexels;
     }
     frame.clusterRange = vec4(clusters.nearMeters, clusters.farMeters,
-                              float(clusters.size.z) / std::log2(clusters.farMeters / clusters.nearMeters), 0.0f);
+                              float(clusters.size.z) / math::log2(clusters.farMeters / clusters.nearMeters), 0.0f);
     frame.clusterSize = ivec4(clusters.size, 0);
     frame.mode = ivec4(int(plan.mode), int(settings.view), plan.mainLight, int(plan.lights.size()));
     frame.shadow = ivec4(filterHalfWidth(settings.shadows.filter), settings.shadows.cascades,
@@ -105,7 +105,7 @@ void setBakedReach(const Light& light, shading::GpuLight& out)
     const float ofType = isAreaLight(light.type) ? 0.0f : kNoCone; // the front of an area light
     out.bakedReach = vec4(vec3(baking.worldFromLight[3]), baking.reachMeters);
     out.bakedCone = vec4(-glm::normalize(vec3(baking.worldFromLight[2])),
-                         light.type == LightType::Spot ? std::cos(baking.outerConeRadians) : ofType);
+                         light.type == LightType::Spot ? math::cos(baking.outerConeRadians) : ofType);
 }
 
 } // namespace

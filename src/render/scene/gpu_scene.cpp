@@ -2,6 +2,7 @@
 
 #include "render/scene/frame_bindings.h"
 
+#include "halflight/base/mathematics.h"
 #include "halflight/base/parallel.h"
 #include "halflight/render/frame.h"
 #include "render/frame/frame_internal.h"
@@ -9,7 +10,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <map>
 #include <set>
 #include <tuple>
@@ -111,8 +111,8 @@ GpuTextureRef gpuTextureRef(const Scene& scene, const TextureRef& ref, std::arra
                             TextureSlots& slots)
 {
     const bool usable = ref && !scene.textures[std::size_t(ref.texture)].pixels.empty();
-    const float c = std::cos(ref.rotationRadians);
-    const float s = std::sin(ref.rotationRadians);
+    const float c = math::cos(ref.rotationRadians);
+    const float s = math::sin(ref.rotationRadians);
     GpuTextureRef result{};
     result.matrix = {c * ref.scale.x, s * ref.scale.y, -s * ref.scale.x, c * ref.scale.y};
     result.offset = vec4(ref.offset, 0.0f, 0.0f);

@@ -1,5 +1,7 @@
 #include "render/scene/probe_volumes.h"
 
+#include "halflight/base/mathematics.h"
+
 #include <glm/gtc/matrix_transform.hpp>
 #include <glm/gtc/packing.hpp>
 
@@ -29,7 +31,7 @@ float radianceFactor(const ProxyVolume& volume)
             largest = std::max({largest, size.x, size.y, size.z, size.w});
         }
     }
-    return largest > 0.0f ? std::exp2(std::ceil(std::log2(largest)) - 15.0f) : 1.0f;
+    return largest > 0.0f ? math::exp2(std::ceil(math::log2(largest)) - 15.0f) : 1.0f;
 }
 
 } // namespace

@@ -1,9 +1,8 @@
 #include "render/scene/sky_picture.h"
 
+#include "halflight/base/mathematics.h"
 #include "halflight/base/rgb9e5.h"
 #include "halflight/scene/sky_picture.h"
-
-#include <cmath>
 
 namespace halflight {
 SkyTexture uploadSky(gpu::Device& device, gpu::Uploader& uploader, const Sky& sky)
@@ -33,7 +32,7 @@ SkyTexture uploadSky(gpu::Device& device, gpu::Uploader& uploader, const Sky& sk
 vec4 skyPictureOfFrame(const SkyTexture& texture, const Sky& sky)
 {
     const float width = sky.picture ? float(texture.image.info().width) : 0.0f;
-    return {std::cos(sky.rotationRadians), std::sin(sky.rotationRadians), width, texture.unitNits};
+    return {math::cos(sky.rotationRadians), math::sin(sky.rotationRadians), width, texture.unitNits};
 }
 
 } // namespace halflight

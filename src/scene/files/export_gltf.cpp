@@ -1,4 +1,5 @@
 #include "halflight/base/file.h"
+#include "halflight/base/mathematics.h"
 #include "halflight/scene/export.h"
 #include "scene/document/compact.h"
 #include "scene/document/erase_extension.h"
@@ -54,7 +55,7 @@ class Exporter {
 public:
     Exporter(const SourceDocument& source, const Scene& scene, const ExportOptions& options, ExportReport& report)
         : source_(source), options_(options), report_(report), patcher_(source),
-          factor_(std::exp2(-options.exposureEv)), unknown_(unknownExtension(source.json))
+          factor_(math::exp2(-options.exposureEv)), unknown_(unknownExtension(source.json))
     {
         for (const Material& material : scene.materials) {
             if (material.sourceMaterial >= 0) materialOf_[material.sourceMaterial] = &material;

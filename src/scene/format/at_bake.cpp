@@ -1,6 +1,7 @@
 #include "scene/format/at_bake.h"
 
 #include "halflight/base/finite.h"
+#include "halflight/base/mathematics.h"
 #include "halflight/base/parallel.h"
 #include "scene/document/patcher.h"
 
@@ -70,7 +71,7 @@ bool readFloat(const Json& json, float& out)
 // sRGB.
 vec3 encoded(vec3 linear)
 {
-    return glm::pow(glm::max(linear, vec3(0.0f)), vec3(1.0f / 2.2f));
+    return math::pow(glm::max(linear, vec3(0.0f)), vec3(1.0f / 2.2f));
 }
 
 // A texture's means over blocks of texels. Colours count by their alpha: codecs change what nobody sees.
@@ -220,8 +221,8 @@ vec4 AtBake::sample(const TextureRef& ref, const MeshPart& part, std::size_t tri
     vec2 uv(0.0f);
     for (int k = 0; k < 3 && !uvs.empty(); ++k) uv += weights[k] * uvs[part.indices[3 * triangle + std::size_t(k)]];
     const vec2 scaled = ref.scale * uv;
-    const float c = std::cos(ref.rotationRadians);
-    const float s = std::sin(ref.rotationRadians);
+    const float c = math::cos(ref.rotationRadians);
+    const float s = math::sin(ref.rotationRadians);
     uv = ref.offset + vec2(c * scaled.x + s * scaled.y, c * scaled.y - s * scaled.x);
     const Texture& texture = scene_.textures[std::size_t(ref.texture)];
     return small(wrapped(uv.x, small.width(), texture.wrapU), wrapped(uv.y, small.height(), texture.wrapV));

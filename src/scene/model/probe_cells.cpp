@@ -2,6 +2,7 @@
 #include "halflight/scene/probe_cells.h"
 
 #include "halflight/base/finite.h"
+#include "halflight/base/mathematics.h"
 
 #include <algorithm>
 #include <cassert>
@@ -86,8 +87,8 @@ vec3 meanSpacing(const dvec3& size, std::size_t count)
         axes += size[axis] > 0.0;
     }
     if (axes == 0) return vec3(kInfinity);
-    const double perAxis = std::max(std::pow(double(count), 1.0 / axes) - 1.0, 1.0);
-    const double spacing = std::pow(product, 1.0 / axes) / perAxis;
+    const double perAxis = std::max(math::pow(double(count), 1.0 / axes) - 1.0, 1.0);
+    const double spacing = math::pow(product, 1.0 / axes) / perAxis;
     vec3 result(kInfinity);
     for (int axis = 0; axis < 3; ++axis) {
         if (size[axis] > 0.0) result[axis] = float(spacing);
@@ -168,9 +169,9 @@ void CellBuilder::placeVertices()
         for (const dvec3& p : world) size = glm::max(size, (p - out_.origin) * out_.frame);
         const double largest = std::max({size.x, size.y, size.z});
         if (spread.rank > 0) {
-            const double step = std::exp2(std::ceil(std::log2(largest)) - kLatticeBits);
+            const double step = math::exp2(std::ceil(math::log2(largest)) - kLatticeBits);
             scale = dvec3(step);
-            layer = std::max(1, int(largest / step / std::ceil(std::pow(double(count), 1.0 / spread.rank))));
+            layer = std::max(1, int(largest / step / std::ceil(math::pow(double(count), 1.0 / spread.rank))));
         }
         for (std::size_t i = 0; i < count; ++i) {
             const dvec3 place = (world[i] - out_.origin) * out_.frame / scale;

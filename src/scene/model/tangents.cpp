@@ -1,5 +1,6 @@
 #include "scene/model/tangents.h"
 
+#include "halflight/base/mathematics.h"
 #include "scene/model/geometry.h"
 
 #include <algorithm>
@@ -213,7 +214,7 @@ private:
         for (const uint32_t c : group.corners) {
             const vec3 a = inPlane(position(previousCorner(c)) - position(c));
             const vec3 b = inPlane(position(nextCorner(c)) - position(c));
-            sum += std::acos(std::clamp(glm::dot(a, b), -1.0f, 1.0f)) * inPlane(triangles_[c / 3].uDirection);
+            sum += math::acos(std::clamp(glm::dot(a, b), -1.0f, 1.0f)) * inPlane(triangles_[c / 3].uDirection);
         }
         const float length = glm::length(sum);
         return {length > kTiny ? sum / length : anySide(n), group.mirrored ? -1.0f : 1.0f};

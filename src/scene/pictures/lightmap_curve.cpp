@@ -1,13 +1,13 @@
 #include "scene/pictures/lightmap_curve.h"
 
 #include "halflight/base/math.h"
+#include "halflight/base/mathematics.h"
 #include "halflight/base/rgb9e5.h"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstddef>
-#include <glm/gtc/packing.hpp>
 
 namespace halflight {
 
@@ -21,21 +21,21 @@ float brightest(vec3 v)
 float brightest(const Image<uint32_t>& page)
 {
     float most = 0.0f;
-    for (const uint32_t texel : page.texels()) most = std::max(most, brightest(glm::unpackF3x9_E1x5(texel)));
+    for (const uint32_t texel : page.texels()) most = std::max(most, brightest(unpackRgb9e5(texel)));
     return most;
 }
 
 std::array<float, 256> valuesOf(const LightmapCurve& curve)
 {
     std::array<float, 256> values{};
-    for (std::size_t c = 0; c < 256; ++c) values[c] = curve.scale * std::pow(float(c) / 255.0f, curve.exponent);
+    for (std::size_t c = 0; c < 256; ++c) values[c] = curve.scale * math::pow(float(c) / 255.0f, curve.exponent);
     return values;
 }
 
 uint8_t numberOf(float value, const LightmapCurve& curve)
 {
     const float share = std::clamp(value / curve.scale, 0.0f, 1.0f);
-    return uint8_t(std::lround(255.0f * std::pow(share, 1.0f / curve.exponent)));
+    return uint8_t(std::lround(255.0f * math::pow(share, 1.0f / curve.exponent)));
 }
 
 } // namespace
@@ -54,7 +54,7 @@ LightmapCurve bestCurve(std::span<const Image<uint32_t>> pages)
         double sum = 0.0;
         for (const Image<uint32_t>& page : pages) {
             for (std::size_t i = 0; i < page.texelCount(); i += kEvery) {
-                const float truth = brightest(glm::unpackF3x9_E1x5(page.texels()[i]));
+                const float truth = brightest(unpackRgb9e5(page.texels()[i]));
                 if (truth > 0.0f)
                     sum += std::abs(values[numberOf(truth, curve)] - truth) / std::max(truth, best.scale / 4096.0f);
             }
@@ -70,7 +70,7 @@ ImageRgba8 encodeByCurve(const Image<uint32_t>& rgb9e5, const LightmapCurve& cur
 {
     ImageRgba8 image(rgb9e5.width(), rgb9e5.height());
     for (std::size_t i = 0; i < rgb9e5.texelCount(); ++i) {
-        const vec3 v = glm::unpackF3x9_E1x5(rgb9e5.texels()[i]);
+        const vec3 v = unpackRgb9e5(rgb9e5.texels()[i]);
         image.texels()[i] = u8vec4(numberOf(v.x, curve), numberOf(v.y, curve), numberOf(v.z, curve), 255);
     }
     return image;

@@ -1,6 +1,7 @@
 #include "halflight/scene/sky_picture.h"
 
 #include "halflight/base/file.h"
+#include "halflight/base/mathematics.h"
 #include "halflight/base/parallel.h"
 #include "halflight/scene/scene.h"
 #include "scene/pictures/rgbe.h"
@@ -89,7 +90,7 @@ Result<ImageRgb32f> readAsFloats(const std::filesystem::path& path, std::vector<
 
 double skyShareBetween(double v0, double v1)
 {
-    return 0.5 * (std::cos(v0 * double(kPi)) - std::cos(v1 * double(kPi)));
+    return 0.5 * (math::cos(v0 * double(kPi)) - math::cos(v1 * double(kPi)));
 }
 
 Result<ImageRgb32f> readSkyPicture(const std::filesystem::path& path, std::vector<std::string>* warnings)
@@ -151,8 +152,8 @@ void Sky::setPicture(std::shared_ptr<const ImageRgb32f> radiance, float rotation
         for (int x = 0; x < picture->width(); ++x) mean += glm::dvec3((*picture)(x, row));
         mean /= picture->width();
         // Integrals of the functions over the row, whose y runs from `high` to `low`; shares of the sphere are dy / 2.
-        const double high = std::cos(row / height * double(kPi));
-        const double low = std::cos((row + 1) / height * double(kPi));
+        const double high = math::cos(row / height * double(kPi));
+        const double low = math::cos((row + 1) / height * double(kPi));
         const auto square = [](double y) { return y * y; };
         const double above = 0.25 * (square(std::max(high, 0.0)) - square(std::max(low, 0.0)));
         const double below = 0.25 * (square(std::min(low, 0.0)) - square(std::min(high, 0.0)));

@@ -1,5 +1,6 @@
 #include "unwrap/pack/estimate.h"
 
+#include "halflight/base/mathematics.h"
 #include "halflight/unwrap/unwrap.h"
 
 #include <algorithm>
@@ -94,7 +95,7 @@ Status checkPageCount(const std::vector<GroupLayout>& groups, double texelsPerMe
         return Error{ErrorCode::InvalidArgument,
                      needed + ": the objects are too many for any density at this page size", ""};
     }
-    const double unit = std::pow(10.0, std::floor(std::log10(fits)) - 1.0); // two digits, rounded down
+    const double unit = math::pow(10.0, std::floor(math::log10(fits)) - 1.0); // two digits, rounded down
     return Error{ErrorCode::InvalidArgument,
                  fmt::format("{}: {:.4g} texels per metre would fit", needed, std::floor(fits / unit) * unit), ""};
 }

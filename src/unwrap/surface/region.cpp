@@ -1,13 +1,14 @@
 #include "unwrap/surface/region.h"
 
+#include "halflight/base/mathematics.h"
+
 #include <algorithm>
-#include <cmath>
 
 namespace halflight::charts {
 
 NormalCone merged(const NormalCone& a, const NormalCone& b)
 {
-    const double between = std::acos(std::clamp(glm::dot(a.axis, b.axis), -1.0, 1.0));
+    const double between = math::acos(std::clamp(glm::dot(a.axis, b.axis), -1.0, 1.0));
     if (between + b.angle <= a.angle) return a;
     if (between + a.angle <= b.angle) return b;
     const double angle = 0.5 * (a.angle + b.angle + between);
@@ -15,7 +16,7 @@ NormalCone merged(const NormalCone& a, const NormalCone& b)
     const double asideLength = glm::length(aside);
     if (angle >= 3.1 || asideLength < 1e-12) return {a.axis, std::max(angle, a.angle)};
     const double turn = angle - a.angle;
-    return {std::cos(turn) * a.axis + std::sin(turn) / asideLength * aside, angle};
+    return {math::cos(turn) * a.axis + math::sin(turn) / asideLength * aside, angle};
 }
 
 void RegionMeasure::join(const RegionMeasure& other, double shared)

@@ -5,6 +5,7 @@
 #include "scene/model/tangents.h"
 
 #include "halflight/base/finite.h"
+#include "halflight/base/mathematics.h"
 
 #include <algorithm>
 #include <cmath>
@@ -85,8 +86,8 @@ std::size_t normalizeNormals(MeshPart& part)
 // uv' = offset + R * (scale * uv): the linear part.
 mat2 linearPart(const TextureRef& ref)
 {
-    const float c = std::cos(ref.rotationRadians);
-    const float s = std::sin(ref.rotationRadians);
+    const float c = math::cos(ref.rotationRadians);
+    const float s = math::sin(ref.rotationRadians);
     return mat2(vec2(c, -s) * ref.scale.x, vec2(s, c) * ref.scale.y); // columns
 }
 
