@@ -70,6 +70,7 @@ CONFINED = [
     ("stb", r"^stb_\w+\.h$", ("src/base/",)),
     ("oneTBB", r"^(tbb|oneapi)/", ("src/base/",)),
     ("xxHash", r"^xxhash\.h$", ("src/base/",)),
+    ("Emscripten", r"^emscripten", ("src/base/",)),
     ("POSIX", r"^(dirent|fcntl|pthread|termios|unistd|sys/\w+)\.h$", ("src/base/",)),
     ("tinygltf", r"(^|/)tiny_gltf(_v\d+)?\.h$", ("src/scene/",)),
     ("toml++", r"^toml\+\+/", ("src/scene/",)),

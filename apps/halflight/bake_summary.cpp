@@ -4,6 +4,8 @@
 #include "console.h"
 #include "terminal.h"
 
+#include "halflight/base/system.h"
+
 #include <spdlog/fmt/fmt.h>
 
 #include <algorithm>
@@ -133,11 +135,14 @@ void printBakeSummary(const BakeOptions& options, const BakeReport& report)
     }
     print("\n\n");
 
-    print("{:<16} {:>9} {:>6} {:>10} {:>10}\n", "stage", "seconds", "cores", "rays", "rays/s");
+    // Browsers do not tell CPU seconds.
+    const bool knowsCores = processCpuSeconds() > 0.0;
+    print("{:<16} {:>9} {:>6} {:>10} {:>10}\n", "stage", "seconds", knowsCores ? "cores" : "", "rays", "rays/s");
     for (const StageReport& stage : report.stages) {
         const bool rate = stage.rays > 0 && stage.seconds > 0.0;
         const double cores = stage.cpuSeconds / std::max(stage.seconds, 1.0e-6);
-        const std::string line = fmt::format("{:<16} {:>9.2f} {:>6.1f} {:>10} {:>10}", stage.name, stage.seconds, cores,
+        const std::string line = fmt::format("{:<16} {:>9.2f} {:>6} {:>10} {:>10}", stage.name, stage.seconds,
+                                             knowsCores ? fmt::format("{:.1f}", cores) : "",
                                              stage.rays > 0 ? withUnit(double(stage.rays)) : "",
                                              rate ? withUnit(double(stage.rays) / stage.seconds) : "");
         print("{}\n", line.substr(0, line.find_last_not_of(' ') + 1));

@@ -39,6 +39,26 @@ void requestCancel(int signal)
 
 } // namespace
 
+#ifdef __EMSCRIPTEN__
+// No signal reaches WebAssembly, and the thread that runs main() answers no call meanwhile. Whoever runs the module
+// (web/cli, web/bake) writes to its memory instead: where `state` is kRunning, kCancelled, then true. `temporaryFile`
+// is for those who end the program.
+extern "C" {
+void* halflightState()
+{
+    return &state;
+}
+void* halflightCancelRequested()
+{
+    return &cancelRequested;
+}
+const char* halflightTemporaryFile()
+{
+    return temporaryFile.data();
+}
+}
+#endif
+
 const std::atomic<bool>& listenForInterrupts()
 {
     std::signal(SIGINT, requestCancel);

@@ -6,7 +6,9 @@
 #include "halflight/base/system.h"
 #include "halflight/scene/compression.h"
 #include "terminal.h"
+#if HALFLIGHT_GPU
 #include "view_command.h"
+#endif
 
 #include <algorithm>
 #include <exception>
@@ -36,6 +38,12 @@ int reportParseError(const CLI::App& app, const std::vector<Command>& commands, 
         std::string names;
         for (const Command& command : commands) names += (names.empty() ? "" : ", ") + command.app->get_name();
         sentence = "there is no command '" + arguments[0] + "'; there are " + names;
+#if !HALFLIGHT_GPU
+        if (arguments[0] == "render" || arguments[0] == "view" || arguments[0] == "farm")
+            return wrongUsage(arguments[0],
+                              "this program bakes and has no renderer, window or farm; Halflight's other packages have "
+                              "them (Install in its README)");
+#endif
     }
     if (const std::string option = unknownOption(named); !option.empty()) {
         sentence = "there is no option '" + option + "'";
@@ -74,10 +82,32 @@ std::string versionText()
     std::string version = std::string("halflight ") + HALFLIGHT_VERSION;
     const std::vector<std::string> compression = readableCompression();
     for (const std::string& name : compression) version += (&name == &compression[0] ? "\nreads " : ", ") + name;
+#if HALFLIGHT_GPU
     version += windowProgram().empty() ? "\nno window: there is no halflight-view beside this program"
                                        : "\nwindow by SDL2 and Dear ImGui";
+#else
+    version += "\nno renderer, window or farm";
+#endif
     const Result<std::string> identity = embreeIntegrators().identity(InstructionSet::Automatic);
     return version + "\n" + (identity ? "bakes as " + *identity : identity.error().message);
+}
+
+std::vector<Command> addCommands(CLI::App& app, [[maybe_unused]] const std::vector<std::string>& arguments)
+{
+#if !HALFLIGHT_GPU
+    return {addBakeCommand(app), addInfoCommand(app), addOptimizeCommand(app)};
+#else
+#ifdef HALFLIGHT_VIEW
+    const auto view = openWindow;
+#else
+    const auto view = [&](const ViewCommandOptions& options) {
+        return startWindowProgram(options,
+                                  {std::find(arguments.begin(), arguments.end(), "view") + 1, arguments.end()});
+    };
+#endif
+    return {addBakeCommand(app),       addFarmCommand(app), addRenderCommand(app),
+            addViewCommand(app, view), addInfoCommand(app), addOptimizeCommand(app)};
+#endif
 }
 
 int runProgram(const std::vector<std::string>& arguments)
@@ -88,16 +118,7 @@ int runProgram(const std::vector<std::string>& arguments)
     bool describes = false; // asked for below, before a command is required
     app.add_flag("--describe", describes, "Print all commands and options as JSON and exit");
     app.require_subcommand(1);
-#ifdef HALFLIGHT_VIEW
-    const auto view = openWindow;
-#else
-    const auto view = [&](const ViewCommandOptions& options) {
-        return startWindowProgram(options,
-                                  {std::find(arguments.begin(), arguments.end(), "view") + 1, arguments.end()});
-    };
-#endif
-    const std::vector<Command> commands = {addBakeCommand(app),       addFarmCommand(app), addRenderCommand(app),
-                                           addViewCommand(app, view), addInfoCommand(app), addOptimizeCommand(app)};
+    const std::vector<Command> commands = addCommands(app, arguments);
     app.footer("halflight COMMAND --help, or halflight help COMMAND, tells more. Exit codes: 0 done, 1 failed, 2 wrong "
                "usage.");
     if (arguments == std::vector<std::string>{"--describe"}) {

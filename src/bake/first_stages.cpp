@@ -7,6 +7,7 @@
 
 #include "bake/first_stages_parts.h"
 #include "bake/live/live_light.h"
+#include "bake/settings/memory_limit.h"
 #include "bake/settings/quality.h"
 #include "bake/sides/hidden_sides.h"
 #include "bake/sides/sheet_sides.h"
@@ -213,6 +214,8 @@ Status prepareTexels(const BakeRun& run, Scene scene, const IntegratorFactory& f
     BakeReport& report = run.report();
     report.quality = qualityOf(run.settings, scene);
     report.warnings = scene.warnings;
+    const uint64_t triangles = trianglesOf(scene);
+    if (Status status = checkMemory({0, triangles, 0.0}); !status) return status;
     if (farFromOrigin(scene)) {
         report.warnings.emplace_back(
             "the scene lies far from its origin for its size, where positions are coarse: call "
@@ -240,6 +243,9 @@ Status prepareTexels(const BakeRun& run, Scene scene, const IntegratorFactory& f
                                      sheetSidesTest(tree, run.settings.twoSided, run.progress), run.progress);
     const Result<PageLayout> pages = unwrapStage(run, std::move(scene), hiddenSidesTest(tree), std::move(sheets), kept);
     if (!pages) return pages.error();
+    const double texels =
+        double(report.atlasCoverage) * double(pages->count) * double(pages->size) * double(pages->size);
+    if (Status status = checkMemory({uint64_t(texels), triangles, report.texelsPerMeter}); !status) return status;
     reportLights(run.baked().scene, report);
 
     auto integrator = buildStage(run, factory, *pages, firstStages.integration, kept, tree, firstStages.geometry);

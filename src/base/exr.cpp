@@ -1,6 +1,7 @@
 #include "halflight/base/file.h"
 #include "halflight/base/image.h"
 
+#if HALFLIGHT_OPENEXR
 #include <ImathBox.h>
 #include <ImfChannelList.h>
 #include <ImfFrameBuffer.h>
@@ -8,6 +9,8 @@
 #include <ImfIO.h>
 #include <ImfInputFile.h>
 #include <ImfOutputFile.h>
+#endif
+
 #include <algorithm>
 #include <cstdint>
 #include <cstring>
@@ -16,6 +19,9 @@
 #include <vector>
 
 namespace halflight {
+
+#if HALFLIGHT_OPENEXR
+
 namespace {
 
 constexpr const char* kChannelNames[] = {"R", "G", "B", "A"};
@@ -112,5 +118,33 @@ Result<ImageRgba32f> readExr(const std::filesystem::path& path, int64_t mostTexe
         return Error{ErrorCode::FileInvalid, std::string("cannot be read as OpenEXR (") + exception.what() + ")"};
     }
 }
+
+#else
+
+namespace {
+
+Error noExr(ErrorCode code)
+{
+    return {code, "is OpenEXR, which this build of Halflight is without"};
+}
+
+} // namespace
+
+Status writeExr(const std::filesystem::path&, const ImageRgb32f&)
+{
+    return noExr(ErrorCode::WriteFailed);
+}
+
+Status writeExr(const std::filesystem::path&, const ImageRgba32f&)
+{
+    return noExr(ErrorCode::WriteFailed);
+}
+
+Result<ImageRgba32f> readExr(const std::filesystem::path&, int64_t)
+{
+    return noExr(ErrorCode::Unsupported);
+}
+
+#endif
 
 } // namespace halflight

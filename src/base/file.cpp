@@ -1,16 +1,30 @@
 #include "halflight/base/file.h"
 
-#include "halflight/base/hash.h"
-
 #include <algorithm>
-#include <array>
 #include <cerrno>
 #include <cstring>
 #include <fstream>
+#include <random>
 #include <string>
-#include <unistd.h>
 
 namespace halflight {
+
+namespace {
+
+/// 64 random bits that this process keeps. Numbers of processes and names of hosts repeat in containers and
+/// WebAssembly.
+const std::string& processToken()
+{
+    static const std::string token = [] {
+        std::random_device random;
+        std::string digits(16, '0');
+        for (char& digit : digits) digit = "0123456789abcdef"[random() % 16];
+        return digits;
+    }();
+    return token;
+}
+
+} // namespace
 
 Result<std::vector<std::byte>> readFile(const std::filesystem::path& path, uint64_t firstBytes)
 {
@@ -63,7 +77,7 @@ Status tryWriting(const std::filesystem::path& folder)
     if (!std::filesystem::is_directory(where, ec)) {
         return Error{ErrorCode::WriteFailed, "the folder " + where.string() + " does not exist"};
     }
-    const std::filesystem::path trial = where / (".halflight-trial" + std::to_string(::getpid()));
+    const std::filesystem::path trial = where / (".halflight-trial" + processToken());
     errno = 0;
     std::ofstream stream(trial, std::ios::binary | std::ios::trunc);
     const std::string block(4096, '\0'); // one block of usual file systems: an empty file fits a full disk
@@ -79,11 +93,7 @@ Status tryWriting(const std::filesystem::path& folder)
 std::filesystem::path temporaryOf(const std::filesystem::path& file)
 {
     std::filesystem::path temporary = file;
-    // Hosts that share a folder have processes of the same number.
-    std::array<char, 256> host{};
-    ::gethostname(host.data(), host.size() - 1);
-    const Hash128 hash = Hasher().add(std::string_view(host.data())).hash();
-    temporary += ".tmp" + hash.hex().substr(0, 8) + std::to_string(::getpid());
+    temporary += ".tmp" + processToken();
     return temporary;
 }
 

@@ -89,6 +89,18 @@ void endProcess(const char* fileToRemove, const char* message, int exitCode)
 #include <sys/stat.h>
 #include <unistd.h>
 
+#ifdef __EMSCRIPTEN__
+#include <emscripten/em_js.h>
+#include <emscripten/heap.h>
+
+// Node tells the CPU time of its process, browsers of nothing.
+EM_JS(double, cpuSecondsOfNode, (), {
+    if (typeof process == "undefined" || !process.cpuUsage) return 0;
+    const usage = process.cpuUsage();
+    return 1e-6 * (usage.user + usage.system);
+})
+#endif
+
 #ifdef __APPLE__
 extern "C" int _NSGetExecutablePath(char* name, uint32_t* size); // of mach-o/dyld.h
 #endif
@@ -109,6 +121,20 @@ void openIfClosed(int descriptor, int flags)
 
 } // namespace
 
+#ifdef __EMSCRIPTEN__
+
+uint64_t peakMemoryBytes()
+{
+    return emscripten_get_heap_size(); // never shrinks
+}
+
+double processCpuSeconds()
+{
+    return cpuSecondsOfNode();
+}
+
+#else
+
 uint64_t peakMemoryBytes()
 {
     rusage usage{};
@@ -126,6 +152,8 @@ double processCpuSeconds()
     if (::clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &time) != 0) return 0.0;
     return double(time.tv_sec) + 1.0e-9 * double(time.tv_nsec);
 }
+
+#endif
 
 bool isErrorStreamTerminal()
 {

@@ -25,7 +25,8 @@ Result<std::filesystem::path> replacedFile(const std::filesystem::path& path);
 /// such folder, no right to write, a full or read-only disk). For places that a long run writes at its end.
 Status tryWriting(const std::filesystem::path& folder);
 
-/// The temporary name under which replaceAtomically() writes: beside the file, with this process's number.
+/// The temporary name under which replaceAtomically() writes: beside the file, with random digits that
+/// this process keeps.
 std::filesystem::path temporaryOf(const std::filesystem::path& file);
 
 /// Calls `write` with a temporary name beside replacedFile(path) and renames what it wrote, so that `path` is either

@@ -2,10 +2,10 @@
 
 #include "bake_cpu/guiding/receiver_grid.h"
 
+#include "halflight/base/atomic_ref.h"
 #include "halflight/base/parallel.h"
 
 #include <algorithm>
-#include <atomic>
 #include <cmath>
 #include <numeric>
 #include <tuple>
@@ -68,7 +68,7 @@ std::vector<PatchLight> placePatches(const Radiosity& radiosity, const TexelMap&
         for (uint32_t f = texel.firstFragment; f < texel.firstFragment + texel.fragmentCount; ++f) {
             const PatchId patch = radiosity.patches.charts.patchOf(texel, map.fragments[f].triangle);
             if (patch == kNoPatch) continue;
-            const std::atomic_ref<uint32_t> first(firstFragment[patch]);
+            const AtomicRef<uint32_t> first(firstFragment[patch]);
             uint32_t least = first.load(std::memory_order_relaxed);
             while (f < least && !first.compare_exchange_weak(least, f, std::memory_order_relaxed)) {
             }

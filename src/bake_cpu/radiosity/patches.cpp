@@ -1,8 +1,8 @@
 #include "bake_cpu/radiosity/patches.h"
 
+#include "halflight/base/atomic_ref.h"
 #include "halflight/base/parallel.h"
 
-#include <atomic>
 #include <cmath>
 
 namespace halflight {
@@ -102,7 +102,7 @@ void ChartPatches::addTexel(const BakeGeometry& geometry, const TexelMap& map, c
         const uint32_t triangle = map.fragments[texel.firstFragment + f].triangle;
         if (geometry.partOf(triangle).side == SurfaceSide::Back) continue; // rays meet the front half, which has both
         // A triangle lies in one chart, so that all threads write the same number.
-        const std::atomic_ref<uint32_t> number(rectangleOfTriangle_[triangle]);
+        const AtomicRef<uint32_t> number(rectangleOfTriangle_[triangle]);
         if (number.load(std::memory_order_relaxed) == ~0u) {
             const int axis = halflight::axisOf(geometry.geometricNormal(triangle));
             number.store(texel.chart * kAxes + uint32_t(axis), std::memory_order_relaxed);

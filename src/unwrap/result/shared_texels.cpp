@@ -1,10 +1,10 @@
 #include "unwrap/result/shared_texels.h"
 
+#include "halflight/base/atomic_ref.h"
 #include "halflight/base/image.h"
 #include "halflight/base/parallel.h"
 
 #include <algorithm>
-#include <atomic>
 #include <fmt/format.h>
 #include <span>
 
@@ -81,7 +81,7 @@ public:
     /// Takes the texels that solid triangles touch. False, and the texel in `clash`, where another has one.
     bool takeSolid(const Chunk& chunk, ivec2& clash)
     {
-        return forTexels(chunk, true, clash, [&](uint32_t owner, std::atomic_ref<uint32_t> texel) {
+        return forTexels(chunk, true, clash, [&](uint32_t owner, AtomicRef<uint32_t> texel) {
             uint32_t before = texel.load(std::memory_order_relaxed);
             if (before == owner) return true;
             return before == kFree &&
@@ -91,7 +91,7 @@ public:
     /// The same for triangles without area, which have shrunk to a point of any chart of their object.
     bool takeDegenerate(const Chunk& chunk, ivec2& clash)
     {
-        return forTexels(chunk, false, clash, [&](uint32_t owner, std::atomic_ref<uint32_t> texel) {
+        return forTexels(chunk, false, clash, [&](uint32_t owner, AtomicRef<uint32_t> texel) {
             uint32_t before = texel.load(std::memory_order_relaxed);
             if (chunk.drawn->owns(before)) return true;
             return before == kFree && (texel.compare_exchange_strong(before, owner, std::memory_order_relaxed) ||
@@ -124,7 +124,7 @@ private:
             forTouchedTexels(corners, 0.0, [&](int y, int first, int last) {
                 if (y < 0 || y >= size) return;
                 for (int x = std::max(first, 0); x <= std::min(last, size - 1) && good; ++x) {
-                    good = take(owner, std::atomic_ref(owners_(x, y)));
+                    good = take(owner, AtomicRef<uint32_t>(owners_(x, y)));
                     if (!good) clash = {x, y};
                 }
             });
