@@ -15,7 +15,8 @@ flags="-O3 -DNDEBUG"
 target=x86_64-w64-mingw32
 cc=$target-gcc-posix cxx=$target-g++-posix ar=$target-gcc-ar-posix
 export HALFLIGHT_WINDOWS_PREFIX=$prefix
-configure="nice -n 5 cmake --toolchain $here/../../cmake/toolchains/mingw-x86_64.cmake"
+command -v ccache >/dev/null && launcher="-DCMAKE_C_COMPILER_LAUNCHER=ccache -DCMAKE_CXX_COMPILER_LAUNCHER=ccache" || launcher=
+configure="cmake $launcher --toolchain $here/../../cmake/toolchains/mingw-x86_64.cmake"
 
 # Package lists of its own: nothing of this system is changed.
 apt="apt-get -o Dir::Etc::SourceList=$top/apt/sources.list -o Dir::Etc::SourceParts=/dev/null
