@@ -243,6 +243,8 @@ Status copyScene(const Scene& scene, const fs::path& sceneFile, const fs::path& 
     const fs::path common = commonFolder({files.begin(), files.end()});
     const fs::path inPlan = fs::path("scenes") / std::to_string(plan.scenes.size());
     for (const fs::path& file : files) {
+        if (file.root_name() != common.root_name()) // of Windows
+            return Error{ErrorCode::Unsupported, file.string() + " is on another drive than the scene"};
         const fs::path copy = plan.folder / inPlan / file.lexically_relative(common);
         fs::create_directories(copy.parent_path(), ec);
         if (!ec) fs::copy_file(file, copy, fs::copy_options::overwrite_existing, ec);
