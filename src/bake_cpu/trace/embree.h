@@ -55,18 +55,6 @@ struct RayContext {
     }
 };
 
-inline void intersect(RTCScene scene, RayContext& context, RTCRayHit& ray)
-{
-#if RTC_VERSION_MAJOR >= 4
-    RTCIntersectArguments arguments;
-    rtcInitIntersectArguments(&arguments);
-    arguments.context = &context.base;
-    rtcIntersect1(scene, &ray, &arguments);
-#else
-    rtcIntersect1(scene, &context.base, &ray);
-#endif
-}
-
 /// A scene's rays may have a filter function of their own, which is called after those of geometries.
 #if RTC_VERSION_MAJOR >= 4
 constexpr RTCSceneFlags kRaysMayFilter = RTC_SCENE_FLAG_FILTER_FUNCTION_IN_ARGUMENTS;
@@ -75,6 +63,22 @@ constexpr RTCSceneFlags kRaysMayFilter = RTC_SCENE_FLAG_CONTEXT_FILTER_FUNCTION;
 #endif
 
 /// `filter`: of this ray, or null.
+inline void intersect(RTCScene scene, RayContext& context, RTCRayHit& ray, RTCFilterFunctionN filter = nullptr)
+{
+#if RTC_VERSION_MAJOR >= 4
+    RTCIntersectArguments arguments;
+    rtcInitIntersectArguments(&arguments);
+    arguments.context = &context.base;
+    arguments.filter = filter;
+    if (filter != nullptr) arguments.flags = RTC_RAY_QUERY_FLAG_INVOKE_ARGUMENT_FILTER;
+    rtcIntersect1(scene, &ray, &arguments);
+#else
+    context.base.filter = filter;
+    rtcIntersect1(scene, &context.base, &ray);
+#endif
+}
+
+/// The same.
 inline void occluded(RTCScene scene, RayContext& context, RTCRay& ray, RTCFilterFunctionN filter = nullptr)
 {
 #if RTC_VERSION_MAJOR >= 4

@@ -180,10 +180,30 @@ void RayTracer::toWorld(RTCHit& hit) const
     hit.Ng_z = normal.z;
 }
 
+/// A front in the place of a hidden back, if there is one: where two surfaces lie back to back, rounding would decide
+/// which of them a ray hits.
+void RayTracer::preferFront(vec3 origin, vec3 direction, RTCHit& hit, float& distance) const
+{
+    if (hit.Ng_x * direction.x + hit.Ng_y * direction.y + hit.Ng_z * direction.z <= 0.0f) return;
+    if (!materials_.backIsHidden(triangleOf(hit.geomID, hit.primID))) return;
+    const float near = distance * 1.0e-6f + epsilonAt(origin + direction * distance);
+    embree::RayContext context(false);
+    RTCRayHit ray = rayHit(origin, direction, std::max(distance - near, 0.0f), distance + near);
+    embree::intersect(scene_, context, ray, passHiddenBacks);
+    if (ray.hit.geomID == RTC_INVALID_GEOMETRY_ID) return;
+    toWorld(ray.hit);
+    hit = ray.hit;
+    distance = ray.ray.tfar;
+}
+
 void RayTracer::intersect(embree::RayContext& context, RTCRayHit& ray) const
 {
     embree::intersect(scene_, context, ray);
+    if (ray.hit.geomID == RTC_INVALID_GEOMETRY_ID) return;
     toWorld(ray.hit);
+    if (!context.camera)
+        preferFront({ray.ray.org_x, ray.ray.org_y, ray.ray.org_z}, {ray.ray.dir_x, ray.ray.dir_y, ray.ray.dir_z},
+                    ray.hit, ray.ray.tfar);
 }
 
 void RayTracer::intersect(const embree::LaneMask& valid, RTCRayHit8& rays) const
@@ -194,12 +214,15 @@ void RayTracer::intersect(const embree::LaneMask& valid, RTCRayHit8& rays) const
         rays.hit.instID[0][i] = RTC_INVALID_GEOMETRY_ID;
     }
     embree::intersect8(scene_, context, valid, rays, packets_);
-    if (meshTrees_.instances.empty()) return;
     auto* const hits = reinterpret_cast<RTCHitN*>(&rays.hit);
     for (unsigned i = 0; i < embree::kPacket; ++i) {
-        if (valid.lane[i] == 0 || rays.hit.instID[0][i] == RTC_INVALID_GEOMETRY_ID) continue;
+        if (valid.lane[i] == 0 || rays.hit.geomID[i] == RTC_INVALID_GEOMETRY_ID) continue;
+        const bool inInstance = rays.hit.instID[0][i] != RTC_INVALID_GEOMETRY_ID;
+        if (!inInstance && !embree::hitBack(rays, int(i))) continue;
         RTCHit hit = rtcGetHitFromHitN(hits, embree::kPacket, i);
         toWorld(hit);
+        preferFront({rays.ray.org_x[i], rays.ray.org_y[i], rays.ray.org_z[i]}, embree::directionOf(rays.ray, int(i)),
+                    hit, rays.ray.tfar[i]);
         rtcCopyHitToHitN(hits, &hit, embree::kPacket, i);
     }
 }
@@ -237,9 +260,8 @@ void RayTracer::countSolids(const RTCFilterFunctionNArguments* arguments)
     for (unsigned i = 0; i < count; ++i) {
         if (arguments->valid[i] != -1) continue;
         arguments->valid[i] = 0; // the ray goes on
-        const BakeGeometry::Instance* place = nullptr;
-        const uint32_t triangle = user->triangle(RTCHitN_instID(arguments->hit, count, i, 0),
-                                                 RTCHitN_primID(arguments->hit, count, i), place);
+        bool back = false;
+        const uint32_t triangle = user->triangle(arguments, i, back);
         if (!user->tracer->geometry_.isSolid(triangle)) continue;
         // Embree may report a triangle that RTC_BUILD_QUALITY_HIGH splits more than once.
         const auto end = solids.triangles.begin() + solids.count;
@@ -250,11 +272,19 @@ void RayTracer::countSolids(const RTCFilterFunctionNArguments* arguments)
             return;
         }
         solids.triangles[std::size_t(solids.count++)] = triangle;
-        const float along = RTCHitN_Ng_x(arguments->hit, count, i) * RTCRayN_dir_x(arguments->ray, count, i) +
-                            RTCHitN_Ng_y(arguments->hit, count, i) * RTCRayN_dir_y(arguments->ray, count, i) +
-                            RTCHitN_Ng_z(arguments->hit, count, i) * RTCRayN_dir_z(arguments->ray, count, i);
-        const bool back = (along > 0.0f) != (place != nullptr && place->mirrored);
         solids.left += back ? 1 : -1;
+    }
+}
+
+void RayTracer::passHiddenBacks(const RTCFilterFunctionNArguments* arguments)
+{
+    const auto* user = static_cast<const GeometryUser*>(arguments->geometryUserPtr);
+    const unsigned count = arguments->N;
+    for (unsigned i = 0; i < count; ++i) {
+        if (arguments->valid[i] != -1) continue;
+        bool back = false;
+        const uint32_t triangle = user->triangle(arguments, i, back);
+        if (back && user->tracer->materials_.backIsHidden(triangle)) arguments->valid[i] = 0;
     }
 }
 

@@ -128,10 +128,12 @@ private:
     void intersect(embree::RayContext& context, RTCRayHit& ray) const;
     /// Makes a hit of an instance one of a triangle in the world.
     void toWorld(RTCHit& hit) const;
+    void preferFront(vec3 origin, vec3 direction, RTCHit& hit, float& distance) const;
     bool occluded(embree::RayContext& context, vec3 origin, vec3 direction, float tMin, float tMax) const;
     void occluded(embree::RayContext& context, const embree::LaneMask& valid, RTCRay8& rays) const;
     static void filter(const RTCFilterFunctionNArguments* arguments);
     static void countSolids(const RTCFilterFunctionNArguments* arguments);
+    static void passHiddenBacks(const RTCFilterFunctionNArguments* arguments);
     [[nodiscard]] bool passes(uint32_t triangle, vec2 barycentric, const float* rayBits) const;
     [[nodiscard]] bool passesBlended(uint32_t triangle, vec2 barycentric, embree::BlendedTransmittance& ray) const;
 
@@ -163,6 +165,19 @@ struct RayTracer::GeometryUser {
         const MeshTrees::Instance& instance = tracer->meshTrees_.instances[instID - KindCount];
         place = instance.place;
         return instance.firstTriangle + triangles[primID];
+    }
+    /// The same of a hit that a filter function sees, and whether the ray meets the triangle's back.
+    uint32_t triangle(const RTCFilterFunctionNArguments* arguments, unsigned lane, bool& back) const
+    {
+        const unsigned count = arguments->N;
+        const float along = RTCHitN_Ng_x(arguments->hit, count, lane) * RTCRayN_dir_x(arguments->ray, count, lane) +
+                            RTCHitN_Ng_y(arguments->hit, count, lane) * RTCRayN_dir_y(arguments->ray, count, lane) +
+                            RTCHitN_Ng_z(arguments->hit, count, lane) * RTCRayN_dir_z(arguments->ray, count, lane);
+        const BakeGeometry::Instance* place = nullptr;
+        const uint32_t found = triangle(RTCHitN_instID(arguments->hit, count, lane, 0),
+                                        RTCHitN_primID(arguments->hit, count, lane), place);
+        back = (along > 0.0f) != (place != nullptr && place->mirrored);
+        return found;
     }
 };
 
