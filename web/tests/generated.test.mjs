@@ -6,7 +6,7 @@ import { join } from 'node:path';
 import { test } from 'node:test';
 
 import { preprocess, prefixed } from '../scripts/headers.mjs';
-import { web } from './harness.mjs';
+import { findProgram, web } from './harness.mjs';
 
 if (!existsSync(join(web, 'node_modules/three'))) {
     console.log('[  SKIPPED ] web.generated: no packages found: run npm install in web/');
@@ -15,6 +15,10 @@ if (!existsSync(join(web, 'node_modules/three'))) {
 
 test('generated files are what the headers give', () => {
     execFileSync(process.execPath, [join(web, 'scripts/generate.mjs'), '--check'], { stdio: 'pipe' });
+});
+
+test('options of the packages of WebAssembly are what the program describes', { skip: !findProgram() && 'no halflight program' }, () => {
+    execFileSync(process.execPath, [join(web, 'scripts/generate_bake.mjs'), findProgram(), '--check'], { stdio: 'pipe' });
 });
 
 test('a changed header changes the text', () => {

@@ -48,6 +48,11 @@ for (const folder of PACKAGES) {
     });
 }
 
+test('the packages of WebAssembly have the same version', () => {
+    const [three, ...others] = ['three', 'cli', 'bake'].map((folder) => JSON.parse(readFileSync(join(web, folder, 'package.json'), 'utf8')));
+    for (const { name, version } of others) assert.equal(version, three.version, name);
+});
+
 test('modules that register something are named as having side effects', () => {
     for (const [folder, names] of [['three', ['index.js', 'webgpu.js']], ['aframe', ['index.js']]]) {
         const { sideEffects } = JSON.parse(readFileSync(join(web, folder, 'package.json'), 'utf8'));

@@ -23,7 +23,7 @@ constexpr std::size_t kRays = kCornerRays + std::size_t(kSide) * kSide; ///< of 
 /// Largest nearness times range: what 16 bits of its inverse tell apart within a tenth.
 constexpr float kNearest = 5000.0f;
 /// Probes or tetrahedra whose rays are traced at once: a few megabytes of segments.
-constexpr std::size_t kAtOnce = 256;
+constexpr std::size_t kProbesAtOnce = 256;
 
 /// Test points of a tetrahedron: barycentric coordinates a quarter apart, off its faces by a sixteenth.
 std::vector<vec4> testPoints()
@@ -50,9 +50,9 @@ public:
     std::optional<ProbeSight> find(const Progress& progress)
     {
         const std::vector<vec4> points = testPoints();
-        for (std::size_t begin = 0; begin < cells_.size(); begin += kAtOnce) {
+        for (std::size_t begin = 0; begin < cells_.size(); begin += kProbesAtOnce) {
             if (progress.cancelled()) return std::nullopt;
-            markBlindProbes(begin, std::min(begin + kAtOnce, cells_.size()), points);
+            markBlindProbes(begin, std::min(begin + kProbesAtOnce, cells_.size()), points);
         }
         ProbeSight sight;
         if (std::find(blind_.begin(), blind_.end(), 1) == blind_.end()) return sight;
@@ -61,9 +61,9 @@ public:
         std::vector<uint32_t> mapped;
         for (uint32_t i = 0; i < blind_.size(); ++i)
             if (sight.rangeMeters[i] > 0.0f) mapped.push_back(i);
-        for (std::size_t begin = 0; begin < mapped.size(); begin += kAtOnce) {
+        for (std::size_t begin = 0; begin < mapped.size(); begin += kProbesAtOnce) {
             if (progress.cancelled()) return std::nullopt;
-            const std::size_t count = std::min(kAtOnce, mapped.size() - begin);
+            const std::size_t count = std::min(kProbesAtOnce, mapped.size() - begin);
             addMaps(std::span(mapped).subspan(begin, count), sight);
         }
         return sight;

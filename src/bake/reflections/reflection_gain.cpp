@@ -15,7 +15,7 @@ namespace {
 
 /// No probe is added that takes less than this share off the error without probes: below lie the paths' noise and
 /// what nobody sees.
-constexpr double kLeastGain = 0.005;
+constexpr double kLeastGainOfProbe = 0.005;
 /// Two fades are tried: the probe's own, within a wall, and so many times it, where nothing marks the box's end.
 constexpr float kWideFade = 4.0f;
 constexpr std::size_t kFades = 2;
@@ -143,7 +143,7 @@ public:
                     if (taken[i / kFades] == 0) gains[i] = std::max(0.0, gainOf(i / kFades, i % kFades));
             });
             const auto best = std::max_element(gains.begin(), gains.end());
-            if (best == gains.end() || *best <= kLeastGain * without_) break;
+            if (best == gains.end() || *best <= kLeastGainOfProbe * without_) break;
             const auto i = std::size_t(best - gains.begin());
             add(i / kFades, i % kFades);
             taken[i / kFades] = 1;
@@ -162,7 +162,7 @@ public:
     [[nodiscard]] bool areWorseWithAll()
     {
         for (std::size_t i = 0; i < pictures_.size(); ++i) add(i, kFades - 1);
-        return std::accumulate(errors_.begin(), errors_.end(), 0.0) > (1.0 + kLeastGain) * without_;
+        return std::accumulate(errors_.begin(), errors_.end(), 0.0) > (1.0 + kLeastGainOfProbe) * without_;
     }
 
 private:

@@ -11,8 +11,8 @@ namespace {
 
 /// Flat to 2 %, so that a fan of triangles stands for an atom; outlines count for more than in charts, since a fan
 /// wants a compact one.
-constexpr JoinRules kRules{0.1, 0.36, kAnyCone, 0.0, 0.02};
-constexpr std::size_t kGrain = 2048;
+constexpr JoinRules kAtomRules{0.1, 0.36, kAnyCone, 0.0, 0.02};
+constexpr std::size_t kAtomGrain = 2048;
 
 struct Atom {
     RegionMeasure measure;
@@ -69,14 +69,14 @@ private:
     void chooseBest()
     {
         best_.assign(atoms_.size(), kNone);
-        parallelFor(atoms_.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+        parallelFor(atoms_.size(), kAtomGrain, [&](std::size_t begin, std::size_t end) {
             for (auto a = uint32_t(begin); a < end; ++a) {
                 double bestCost = kForbidden;
                 uint32_t bestTie = 0;
                 for (uint32_t i = start_[a]; i < start_[a + 1]; ++i) {
                     const uint32_t b = links_[i].to, low = std::min(a, b), high = std::max(a, b);
                     if (a == b || atoms_[a].triangles + atoms_[b].triangles > mostTriangles_) continue;
-                    const double cost = kRules.cost(atoms_[low].measure, atoms_[high].measure, links_[i].border);
+                    const double cost = kAtomRules.cost(atoms_[low].measure, atoms_[high].measure, links_[i].border);
                     if (cost > bestCost || cost >= kForbidden) continue;
                     // In a regular grid all costs are equal: without a shuffle everyone would look the same way.
                     const uint32_t tie = hashCombine(low, high);
@@ -109,7 +109,7 @@ private:
         std::vector<Atom> atoms(lead.size());
         std::vector<Link> room(roomStart.back());
         std::vector<uint32_t> start(lead.size() + 1, 0);
-        parallelFor(lead.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+        parallelFor(lead.size(), kAtomGrain, [&](std::size_t begin, std::size_t end) {
             for (std::size_t n = begin; n < end; ++n) {
                 const uint32_t a = lead[n], b = partner(a);
                 atoms[n] = atoms_[a];
@@ -147,12 +147,12 @@ private:
         });
         for (std::size_t n = 0; n < lead.size(); ++n) start[n + 1] += start[n];
         links_.resize(start.back());
-        parallelFor(lead.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+        parallelFor(lead.size(), kAtomGrain, [&](std::size_t begin, std::size_t end) {
             for (std::size_t n = begin; n < end; ++n) {
                 std::copy_n(room.data() + roomStart[n], start[n + 1] - start[n], links_.data() + start[n]);
             }
         });
-        parallelFor(result_.ofTriangle.size(), 16 * kGrain, [&](std::size_t begin, std::size_t end) {
+        parallelFor(result_.ofTriangle.size(), 16 * kAtomGrain, [&](std::size_t begin, std::size_t end) {
             for (std::size_t t = begin; t < end; ++t) {
                 if (result_.ofTriangle[t] != kNone) result_.ofTriangle[t] = number[result_.ofTriangle[t]];
             }

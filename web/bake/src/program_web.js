@@ -1,0 +1,3 @@
+import { run } from './run.js';
+
+self.onmessage = ({ data }) => run(data, (answer, transferred = []) => self.postMessage(answer, transferred));
