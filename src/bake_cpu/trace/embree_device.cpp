@@ -3,6 +3,7 @@
 #include "bake_cpu/trace/ray_packet.h"
 
 #include "halflight/base/hash.h"
+#include "halflight/base/mathematics.h"
 #include "halflight/base/random.h"
 
 #include <utility>
@@ -107,6 +108,19 @@ private:
     bool packets_;
 };
 
+/// The project's own functions, which a compiler may yet compile otherwise.
+void addFunctions(Hasher& hasher)
+{
+    for (int i = 1; i <= 64; ++i) {
+        const float x = 0.37f * float(i);
+        for (const float y : {math::sin(x), math::cos(x), math::tan(x), math::acos(x / 32.0f), math::atan(x, 3.0f),
+                              math::exp(x), math::exp2(x), math::log2(x), math::pow(x, 0.7f), math::cbrt(x)})
+            hasher.add(y);
+        hasher.add(math::pow(double(x), 0.7)).add(math::log2(double(x))).add(math::cos(double(x)));
+        hasher.add(glm::normalize(vec3(x, 1.0f, -2.0f)));
+    }
+}
+
 } // namespace
 
 RTCDevice openDevice(InstructionSet set)
@@ -128,6 +142,7 @@ Result<std::string> identityOf(InstructionSet set)
         identity += std::to_string(version / unit % 100) + (unit > 1 ? "." : "-");
     Hasher hasher;
     FixedScene(device).addRays(hasher);
+    addFunctions(hasher);
     return identity + processorsNameOf(set) + "-" + hasher.hash().hex().substr(0, 8);
 }
 
