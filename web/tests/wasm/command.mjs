@@ -178,7 +178,7 @@ test('Ctrl-C: the native exit code, its sentence, and no file', async () => {
 });
 
 test('memory: what does not fit is said before the bake, and running out is one sentence', () => {
-    const large = halflight(['bake', scene('closed_room'), '-o', at('x.glb'), '--texels-per-meter', '2000', '-q']);
+    const large = halflight(['bake', scene('closed_room'), '-o', at('x.glb'), '--texels-per-meter', '700', '-q']);
     assert.equal(large.status, 1);
     assert.match(large.stderr, /^halflight: .*closed_room\.glb: takes about [\d.]+ GB .* --texels-per-meter [\d.e+]+ fits.*\n$/);
     const full = halflight(['bake', scene('sphere_on_floor'), '-o', at('x.glb'), '--quality', 'high', '-q'], { env: { ...process.env, HALFLIGHT_MEMORY_MB: '66' } });
