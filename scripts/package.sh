@@ -62,7 +62,7 @@ tar -C "$stage" --sort=name --owner=0 --group=0 --numeric-owner --mtime=@1767225
 
 # The oldest glibc of a system that scripts/test_packages.sh installs the wheel on; pip refuses older ones by this name.
 oldest=2.31
-wheel=$(python3 scripts/packaging/make_wheel.py "$stage/$name" "$version" "$oldest" "$out")
+wheel=$(python3 scripts/packaging/make_wheel.py "$stage/$name" "$version" "manylinux_${oldest/./_}_$machine" "$out")
 python3 blender/make_zip.py "$out/halflight-blender-$version.zip"
 python3 blender/make_zip.py "$out/halflight-blender-$version-linux-$machine.zip" --wheel "$wheel"
 

@@ -60,8 +60,9 @@ Status OutputFolders::make(const std::filesystem::path& folder)
 {
     if (folder.empty()) return {};
     std::error_code ec;
-    std::filesystem::path step;
-    for (const std::filesystem::path& name : std::filesystem::absolute(folder, ec)) {
+    const std::filesystem::path whole = std::filesystem::absolute(folder, ec);
+    std::filesystem::path step = whole.root_path(); // with a drive, on Windows
+    for (const std::filesystem::path& name : whole.relative_path()) {
         step /= name;
         if (std::filesystem::is_directory(step, ec)) continue;
         if (std::filesystem::create_directory(step, ec)) made_.push_back(step);

@@ -17,6 +17,7 @@ struct BakeLine {
 
     explicit BakeLine(const std::vector<std::string>& arguments)
     {
+        program.allow_windows_style_options(false);
         app = &addBakeApp(program, options);
         program.parse(std::vector<std::string>(arguments.rbegin(), arguments.rend()));
     }

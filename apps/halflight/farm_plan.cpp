@@ -30,10 +30,17 @@ std::string fileNameOf(std::string name)
 
 nlohmann::json jsonOf(const PlannedScene& scene)
 {
-    return {{"name", scene.name},         {"scene", scene.scene.string()},  {"settings", scene.settings.string()},
-            {"options", scene.options},   {"cache", scene.cache.string()},  {"inputs", scene.bake.inputs},
-            {"parts", scene.bake.folder}, {"tiles", scene.bake.tiles},      {"texels", scene.bake.texels},
-            {"mask", scene.bake.mask},    {"identity", scene.bake.identity}};
+    return {{"name", scene.name},
+            {"scene", scene.scene.generic_string()},
+            {"settings", scene.settings.generic_string()},
+            {"options", scene.options},
+            {"cache", scene.cache.generic_string()},
+            {"inputs", scene.bake.inputs},
+            {"parts", scene.bake.folder},
+            {"tiles", scene.bake.tiles},
+            {"texels", scene.bake.texels},
+            {"mask", scene.bake.mask},
+            {"identity", scene.bake.identity}};
 }
 
 /// A plan's numbers and words, as any other input's. The first thing wrong is the error, with its place.
@@ -99,7 +106,7 @@ private:
         const std::string name = text(json, path, key);
         const fs::path file = name;
         const bool leaves = std::any_of(file.begin(), file.end(), [](const fs::path& step) { return step == ".."; });
-        if (name.find('\0') != std::string::npos || leaves || (file.is_absolute() && !mayBeElsewhere))
+        if (name.find('\0') != std::string::npos || leaves || (file.has_root_path() && !mayBeElsewhere))
             refuse(path + "/" + key, "is not in the plan's folder");
         return file;
     }
@@ -236,6 +243,8 @@ Status copyScene(const Scene& scene, const fs::path& sceneFile, const fs::path& 
     const fs::path common = commonFolder({files.begin(), files.end()});
     const fs::path inPlan = fs::path("scenes") / std::to_string(plan.scenes.size());
     for (const fs::path& file : files) {
+        if (file.root_name() != common.root_name()) // of Windows
+            return Error{ErrorCode::Unsupported, file.string() + " is on another drive than the scene"};
         const fs::path copy = plan.folder / inPlan / file.lexically_relative(common);
         fs::create_directories(copy.parent_path(), ec);
         if (!ec) fs::copy_file(file, copy, fs::copy_options::overwrite_existing, ec);

@@ -181,6 +181,7 @@ int runPlan(const CLI::App& app, const PlanOptions& options)
 std::string wrongPlanOptions(const std::vector<std::string>& words)
 {
     CLI::App app;
+    app.allow_windows_style_options(false);
     app.set_help_flag(); // --help is none
     BakeOptions options;
     addLightOptions(app, options);

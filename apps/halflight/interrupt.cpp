@@ -4,7 +4,6 @@
 #include "halflight/base/system.h"
 
 #include <array>
-#include <csignal>
 #include <cstring>
 #include <string>
 
@@ -27,14 +26,13 @@ void endNow(int)
     if (state.load() == kCancelled) endProcess(temporaryFile.data(), "\nhalflight: interrupted\n", 1);
 }
 
-void requestCancel(int signal)
+void requestCancel()
 {
     int expected = kRunning;
     if (state.compare_exchange_strong(expected, kCancelled)) {
         cancelRequested.store(true);
         callAfter(kGraceSeconds, endNow);
     }
-    std::signal(signal, SIG_DFL);
 }
 
 } // namespace
@@ -61,8 +59,7 @@ const char* halflightTemporaryFile()
 
 const std::atomic<bool>& listenForInterrupts()
 {
-    std::signal(SIGINT, requestCancel);
-    std::signal(SIGTERM, requestCancel);
+    listenForSignals(requestCancel);
     return cancelRequested;
 }
 

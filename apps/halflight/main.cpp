@@ -114,6 +114,7 @@ int runProgram(const std::vector<std::string>& arguments)
 {
     CLI::App app("Halflight: mixed lighting for any engine. glTF in, baked glTF out, baked and realtime shadows mixed.",
                  "halflight");
+    app.allow_windows_style_options(false); // /a/b.glb is a file
     app.set_version_flag("-V,--version", versionText);
     bool describes = false; // asked for below, before a command is required
     app.add_flag("--describe", describes, "Print all commands and options as JSON and exit");

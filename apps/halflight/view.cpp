@@ -18,13 +18,19 @@ std::filesystem::path windowProgram()
     return !here.empty() && std::filesystem::is_regular_file(program, error) ? program : std::filesystem::path();
 }
 
+#ifdef _WIN32
+constexpr const char* kNoWindow = "there is no window on Windows yet; halflight render draws pictures without one";
+#else
+constexpr const char* kNoWindow =
+    "the window is in the package halflight-view, or in a build from source with SDL2 and "
+    "Dear ImGui (libsdl2-dev, libimgui-dev); halflight render draws pictures without one";
+#endif
+
 int startWindowProgram(const ViewCommandOptions& options, const std::vector<std::string>& arguments)
 {
     const std::filesystem::path program = windowProgram();
     const std::string reason =
-        program.empty() ? "the window is in the package halflight-view, or in a build from source with SDL2 and Dear "
-                          "ImGui (libsdl2-dev, libimgui-dev); halflight render draws pictures without one"
-                        : fmt::format("{} cannot be started", program.string());
+        program.empty() ? std::string(kNoWindow) : fmt::format("{} cannot be started", program.string());
     if (program.empty()) return fail(options.render.file, Error{ErrorCode::Unsupported, reason});
     const int code = runInstead(program, arguments);
     return code >= 0 ? code : fail(options.render.file, Error{ErrorCode::Unsupported, reason});

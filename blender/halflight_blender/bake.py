@@ -6,7 +6,6 @@ import json
 import os
 import queue
 import shutil
-import signal
 import subprocess
 import threading
 
@@ -90,6 +89,7 @@ class Job:
                 text=True,
                 encoding="utf-8",
                 errors="replace",
+                **program.HIDDEN,
             )
         except OSError as error:
             raise BakeError(f"{self.program.path} cannot be run: {error.strerror}") from error
@@ -114,10 +114,9 @@ class Job:
         return code
 
     def cancel(self):
-        """As Ctrl-C does: the program leaves nothing half-written; finished tiles stay in its cache."""
         self.cancelled = True
         if self.process and self.process.poll() is None:
-            self.process.send_signal(signal.SIGINT) if os.name == "posix" else self.process.terminate()
+            program.cancel(self.process)
 
     def scene(self):
         """None when it is gone."""

@@ -2,12 +2,14 @@
 """The halflight program: where it is, which version, and its command line. Imports nothing of Blender."""
 
 import collections
+import ctypes
 import functools
 import glob
 import importlib.util
 import os
 import platform
 import shutil
+import signal
 import subprocess
 import tempfile
 import zipfile
@@ -86,6 +88,27 @@ def unpack(wheel, target):
                 raise
 
 
+# No console flashes up on Windows.
+HIDDEN = {"creationflags": getattr(subprocess, "CREATE_NO_WINDOW", 0)}
+
+
+def cancel(process):
+    """As Ctrl-C does: the program leaves nothing half-written; finished tiles stay in its cache. Windows has no such signal
+    without a console; the program waits for an event instead."""
+    if os.name == "posix":
+        process.send_signal(signal.SIGINT)
+        return
+    kernel = ctypes.WinDLL("kernel32")
+    kernel.OpenEventW.restype = ctypes.c_void_p
+    may_set = 2  # EVENT_MODIFY_STATE
+    event = kernel.OpenEventW(may_set, False, f"Local\\halflight-cancel-{process.pid}")
+    if event:
+        kernel.SetEvent(ctypes.c_void_p(event))
+        kernel.CloseHandle(ctypes.c_void_p(event))
+    else:  # it has not begun
+        process.terminate()
+
+
 def version(path):
     """Its first line of --version, or a sentence about why there is none."""
     try:
@@ -97,7 +120,7 @@ def version(path):
 @functools.lru_cache(maxsize=8)
 def version_at(path, _changed):
     try:
-        result = subprocess.run([path, "--version"], capture_output=True, text=True, timeout=20)
+        result = subprocess.run([path, "--version"], capture_output=True, text=True, timeout=20, **HIDDEN)
     except (OSError, subprocess.TimeoutExpired) as error:
         return f"cannot be run ({error})"
     lines = result.stdout.splitlines()

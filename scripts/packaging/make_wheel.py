@@ -1,7 +1,9 @@
 #!/usr/bin/env python3
 """Makes a Python wheel of a relocatable installation (bundle_libraries.py).
 
-    make_wheel.py PREFIX VERSION GLIBC OUT      prints the wheel's path; GLIBC is the oldest that pip shall take it for
+    make_wheel.py PREFIX VERSION PLATFORM OUT      prints the wheel's path
+
+PLATFORM is what pip calls the systems that shall take it: manylinux_2_31_x86_64 (2.31: the oldest glibc), win_amd64.
 
 A wheel is a zip with three files of metadata (PEP 427); times are fixed, so that the same files give the same bytes.
 """
@@ -9,7 +11,6 @@ A wheel is a zip with three files of metadata (PEP 427); times are fixed, so tha
 import base64
 import hashlib
 import pathlib
-import platform
 import sys
 import zipfile
 
@@ -54,8 +55,8 @@ The `halflight` program, and a thin module that runs it:
 
 
 def main():
-    prefix, version, glibc, out = pathlib.Path(sys.argv[1]), sys.argv[2], sys.argv[3], pathlib.Path(sys.argv[4])
-    tag = f"py3-none-manylinux_{glibc.replace('.', '_')}_{platform.machine()}"
+    prefix, version, platform, out = pathlib.Path(sys.argv[1]), sys.argv[2], sys.argv[3], pathlib.Path(sys.argv[4])
+    tag = f"py3-none-{platform}"
     info = f"halflight-{version}.dist-info"
     path = out / f"halflight-{version}-{tag}.whl"
     wheel = Wheel(path, info)

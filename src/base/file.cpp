@@ -1,5 +1,7 @@
 #include "halflight/base/file.h"
 
+#include "halflight/base/system.h"
+
 #include <algorithm>
 #include <cerrno>
 #include <cstring>
@@ -108,13 +110,9 @@ Status replaceAtomically(const std::filesystem::path& path,
         std::filesystem::remove(temporary, ec);
         return status;
     }
-    std::filesystem::rename(temporary, *file, ec);
-    if (ec) {
-        const std::string reason = ec.message();
-        std::filesystem::remove(temporary, ec);
-        return Error{ErrorCode::WriteFailed, "cannot be replaced (" + reason + ")"};
-    }
-    return {};
+    const Status renamed = renameOver(temporary, *file);
+    if (!renamed) std::filesystem::remove(temporary, ec);
+    return renamed;
 }
 
 Status writeFileAtomically(const std::filesystem::path& path, const void* bytes, std::size_t byteCount,

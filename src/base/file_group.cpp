@@ -1,6 +1,7 @@
 #include "halflight/base/file_group.h"
 
 #include "halflight/base/file.h"
+#include "halflight/base/system.h"
 
 namespace halflight {
 
@@ -36,12 +37,11 @@ Status FileGroup::commit()
 {
     if (!status_) return status_;
     for (std::size_t i = 0; i < files_.size(); ++i) {
+        const Status renamed = renameOver(files_[i].first, files_[i].second);
+        if (renamed) continue;
         std::error_code ec;
-        std::filesystem::rename(files_[i].first, files_[i].second, ec);
-        if (!ec) continue;
-        const std::string reason = ec.message();
         for (std::size_t k = 0; k < i; ++k) std::filesystem::remove(files_[k].second, ec);
-        return failed(files_[i].second, Error{ErrorCode::WriteFailed, "cannot be replaced (" + reason + ")"});
+        return failed(files_[i].second, renamed.error());
     }
     files_.clear();
     return {};

@@ -21,18 +21,25 @@ namespace {
 constexpr const char* kValidationLayer = "VK_LAYER_KHRONOS_validation";
 
 #ifdef _WIN32
+constexpr const char* kLoader = "vulkan-1.dll";
+constexpr const char* kDriver = "the graphics card's driver has it";
+constexpr const char* kNewerDriver = "a newer driver of the graphics card is the cure";
 void* openLoader()
 {
-    return reinterpret_cast<void*>(LoadLibraryA("vulkan-1.dll"));
+    return reinterpret_cast<void*>(LoadLibraryA(kLoader));
 }
 void* symbol(void* library, const char* name)
 {
     return reinterpret_cast<void*>(GetProcAddress(static_cast<HMODULE>(library), name));
 }
 #else
+constexpr const char* kLoader = "libvulkan.so.1";
+constexpr const char* kDriver = "mesa-vulkan-drivers has one for the CPU";
+constexpr const char* kNewerDriver =
+    "a newer driver is the cure: on Debian 12, apt install -t bookworm-backports mesa-vulkan-drivers";
 void* openLoader()
 {
-    for (const char* name : {"libvulkan.so.1", "libvulkan.so", "libvulkan.1.dylib"})
+    for (const char* name : {kLoader, "libvulkan.so", "libvulkan.1.dylib"})
         if (void* library = dlopen(name, RTLD_NOW | RTLD_LOCAL)) return library;
     return nullptr;
 }
@@ -117,7 +124,8 @@ VkBool32 VKAPI_PTR Device::onMessage(VkDebugUtilsMessageSeverityFlagBitsEXT, VkD
 void Device::createInstance(const DeviceOptions& options)
 {
     library_ = openLoader();
-    if (!library_) throw Failure("no Vulkan loader found (libvulkan.so.1); install it with a Vulkan driver");
+    if (!library_)
+        throw Failure(std::string("no Vulkan loader found (") + kLoader + "); install it with a Vulkan driver");
     table_.GetInstanceProcAddr = reinterpret_cast<PFN_vkGetInstanceProcAddr>(symbol(library_, "vkGetInstanceProcAddr"));
     if (!table_.GetInstanceProcAddr) throw Failure("the Vulkan loader has no vkGetInstanceProcAddr");
 #define HALFLIGHT_VULKAN_LOAD(name)                                                                                    \
@@ -125,8 +133,10 @@ void Device::createInstance(const DeviceOptions& options)
     HALFLIGHT_VULKAN_GLOBAL_FUNCTIONS(HALFLIGHT_VULKAN_LOAD)
 #undef HALFLIGHT_VULKAN_LOAD
     uint32_t version = 0;
-    if (!table_.CreateInstance || !table_.EnumerateInstanceVersion ||
-        table_.EnumerateInstanceVersion(&version) != VK_SUCCESS || version < VK_API_VERSION_1_1)
+    const bool hasVersion = table_.CreateInstance && table_.EnumerateInstanceVersion;
+    if (hasVersion && table_.EnumerateInstanceVersion(&version) != VK_SUCCESS) // Wine's, without a driver
+        throw Failure(std::string("no Vulkan device found; install a driver (") + kDriver + ")");
+    if (version < VK_API_VERSION_1_1)
         throw Failure("the Vulkan loader is older than 1.1"); // from 1.1 on, a device may have a newer version than it
     keepDriversLoaded(table_.CreateInstance);
 
@@ -227,10 +237,8 @@ void Device::pickPhysicalDevice(const DeviceOptions& options)
     }
     if (best < 0)
         throw Failure(refused.empty()
-                          ? "no Vulkan device found; install a driver (mesa-vulkan-drivers has one for the CPU)"
-                          : "no Vulkan device with the needed features found: " + refused +
-                                "; a newer driver is the cure: on Debian 12, apt install -t bookworm-backports "
-                                "mesa-vulkan-drivers");
+                          ? std::string("no Vulkan device found; install a driver (") + kDriver + ")"
+                          : "no Vulkan device with the needed features found: " + refused + "; " + kNewerDriver);
 }
 
 void Device::closeLoader()

@@ -10,6 +10,7 @@ install_in_blender.py a wheel that starts HALFLIGHT. With KEEP_FOLDER, the pictu
 
 import os
 import pathlib
+import platform
 import shlex
 import shutil
 import subprocess
@@ -32,7 +33,7 @@ def make_wheel(halflight, folder):
     notices.parent.mkdir(parents=True)
     notices.write_text("as installed")
     script = pathlib.Path(__file__).resolve().parents[2] / "scripts/packaging/make_wheel.py"
-    command = [sys.executable, script, folder / "prefix", "0.1.0", "2.17", folder]
+    command = [sys.executable, script, folder / "prefix", "0.1.0", f"manylinux_2_17_{platform.machine()}", folder]
     return subprocess.run(command, check=True, stdout=subprocess.PIPE, text=True).stdout.strip()
 
 

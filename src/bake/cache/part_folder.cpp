@@ -3,6 +3,7 @@
 #include "halflight/base/file.h"
 #include "halflight/base/hash.h"
 #include "halflight/base/random.h"
+#include "halflight/base/system.h"
 
 #include <algorithm>
 #include <cstring>
@@ -93,13 +94,10 @@ bool PartFolder::write(std::string_view name, std::span<const std::byte> bytes)
     std::ofstream stream(temporary, std::ios::binary | std::ios::trunc);
     stream.write(reinterpret_cast<const char*>(file.data()), std::streamsize(file.size()));
     stream.close();
-    if (stream) {
-        std::filesystem::rename(temporary, path, ec);
-        if (!ec) return true;
-    }
-    if (status_)
-        status_ = Error{ErrorCode::WriteFailed,
-                        path.string() + " cannot be written (" + (ec ? ec.message() : "is the disk full?") + ")"};
+    const Status renamed =
+        stream ? renameOver(temporary, path) : Error{ErrorCode::WriteFailed, "cannot be written (is the disk full?)"};
+    if (renamed) return true;
+    if (status_) status_ = Error{ErrorCode::WriteFailed, path.string() + " " + renamed.error().message};
     std::filesystem::remove(temporary, ec);
     return false;
 }

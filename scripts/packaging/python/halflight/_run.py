@@ -1,6 +1,7 @@
 """Runs the program that came along."""
 
 import contextlib
+import ctypes
 import importlib
 import json
 import os
@@ -119,6 +120,31 @@ def _sentence(said: Sequence[str]) -> str:
     return "".join(errors).strip().replace("halflight: ", "", 1)
 
 
+# -- Windows ---------------------------------------------------------------------------------------------------------------
+
+
+def hidden() -> Dict[str, Any]:
+    """For Popen: no console flashes up on Windows."""
+    return {"creationflags": subprocess.CREATE_NO_WINDOW} if sys.platform == "win32" else {}
+
+
+def cancel(process: "subprocess.Popen[str]") -> None:
+    """As Ctrl-C does: the program ends and leaves nothing half-written. Windows has no such signal without a console; the
+    program waits for an event instead."""
+    if sys.platform != "win32":
+        process.terminate()
+        return
+    kernel = ctypes.WinDLL("kernel32")
+    kernel.OpenEventW.restype = ctypes.c_void_p
+    may_set = 2  # EVENT_MODIFY_STATE
+    event = kernel.OpenEventW(may_set, False, f"Local\\halflight-cancel-{process.pid}")
+    if event:
+        kernel.SetEvent(ctypes.c_void_p(event))
+        kernel.CloseHandle(ctypes.c_void_p(event))
+    else:  # it has not begun
+        process.terminate()
+
+
 # -- the program -------------------------------------------------------------------------------------------------------
 
 
@@ -138,6 +164,7 @@ def run(
         process = subprocess.Popen(
             command_line(command, file, output, words),
             stdin=subprocess.DEVNULL, stdout=result, stderr=subprocess.PIPE, encoding="utf-8", errors="replace",
+            **hidden(),
         )  # fmt: skip
         assert process.stderr is not None
         try:
@@ -146,7 +173,7 @@ def run(
                     call(stage, share)
             code = process.wait()
         except BaseException:
-            process.terminate()
+            cancel(process)
             process.stderr.close()
             process.wait()
             raise

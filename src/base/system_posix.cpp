@@ -1,89 +1,10 @@
 #include "halflight/base/system.h"
 
+#include <cerrno>
 #include <csignal>
 #include <cstdlib>
 #include <cstring>
 #include <ctime>
-
-#ifdef _WIN32 // written without a build: nobody has built Halflight for Windows yet
-
-#include <chrono>
-#include <cstdio>
-#include <io.h>
-#include <process.h>
-#include <thread>
-#include <windows.h>
-
-#include <psapi.h>
-
-namespace halflight {
-
-uint64_t peakMemoryBytes()
-{
-    PROCESS_MEMORY_COUNTERS counters{};
-    return GetProcessMemoryInfo(GetCurrentProcess(), &counters, sizeof counters) ? counters.PeakWorkingSetSize : 0;
-}
-
-double processCpuSeconds()
-{
-    FILETIME created{}, ended{}, kernel{}, user{};
-    if (!GetProcessTimes(GetCurrentProcess(), &created, &ended, &kernel, &user)) return 0.0;
-    const auto seconds = [](FILETIME t) { // of 100 ns
-        return 1.0e-7 * double((uint64_t(t.dwHighDateTime) << 32) | t.dwLowDateTime);
-    };
-    return seconds(kernel) + seconds(user);
-}
-
-bool isErrorStreamTerminal()
-{
-    return _isatty(_fileno(stderr)) != 0;
-}
-
-std::string fileIdentity(const std::filesystem::path&)
-{
-    return {};
-}
-
-std::filesystem::path programPath()
-{
-    std::wstring path(32768, L'\0'); // the longest that there is
-    path.resize(GetModuleFileNameW(nullptr, path.data(), DWORD(path.size())));
-    return path;
-}
-
-int runInstead(const std::filesystem::path& program, const std::vector<std::string>& arguments)
-{
-    std::vector<std::string> quoted = {'"' + program.string() + '"'};
-    for (const std::string& argument : arguments) quoted.push_back('"' + argument + '"');
-    std::vector<const char*> words;
-    for (const std::string& word : quoted) words.push_back(word.c_str());
-    words.push_back(nullptr);
-    return int(_spawnv(_P_WAIT, program.string().c_str(), words.data()));
-}
-
-void prepareStandardStreams() {} // no such signals, and no reuse of their numbers
-
-void callAfter(unsigned seconds, void (*handler)(int))
-{
-    // Handlers of Ctrl-C run in a thread of their own, in which anything may be called.
-    std::thread([=] {
-        std::this_thread::sleep_for(std::chrono::seconds(seconds));
-        handler(0);
-    }).detach();
-}
-
-void endProcess(const char* fileToRemove, const char* message, int exitCode)
-{
-    if (fileToRemove != nullptr && fileToRemove[0] != '\0') ::DeleteFileA(fileToRemove);
-    ::_write(2, message, unsigned(std::strlen(message)));
-    std::_Exit(exitCode);
-}
-
-} // namespace halflight
-
-#else
-
-#include <cerrno>
 #include <fcntl.h>
 #include <sys/resource.h>
 #include <sys/stat.h>
@@ -117,6 +38,14 @@ void openIfClosed(int descriptor, int flags)
         ::dup2(opened, descriptor);
         ::close(opened);
     }
+}
+
+void (*signalHandler)() = nullptr;
+
+void onSignal(int signal)
+{
+    signalHandler();
+    std::signal(signal, SIG_DFL);
 }
 
 } // namespace
@@ -201,6 +130,20 @@ void prepareStandardStreams()
     std::signal(SIGXFSZ, SIG_IGN);
 }
 
+Status renameOver(const std::filesystem::path& from, const std::filesystem::path& to)
+{
+    std::error_code ec;
+    std::filesystem::rename(from, to, ec);
+    return ec ? Error{ErrorCode::WriteFailed, "cannot be replaced (" + ec.message() + ")"} : Status();
+}
+
+void listenForSignals(void (*handler)())
+{
+    signalHandler = handler;
+    std::signal(SIGINT, onSignal);
+    std::signal(SIGTERM, onSignal);
+}
+
 // Here and below only functions that POSIX calls async-signal-safe.
 void callAfter(unsigned seconds, void (*handler)(int))
 {
@@ -218,5 +161,3 @@ void endProcess(const char* fileToRemove, const char* message, int exitCode)
 }
 
 } // namespace halflight
-
-#endif

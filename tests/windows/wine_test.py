@@ -1,0 +1,220 @@
+"""halflight.exe under Wine. Usage: wine_test.py HALFLIGHT SHARED_DIR [TestClass[.test]] …
+
+HALFLIGHT is the Linux program, whose results are compared with."""
+
+import json
+import os
+import pathlib
+import shutil
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+import unittest
+
+import wine
+
+sys.path.insert(0, str(wine.ROOT / "tests/cli"))
+import tiny_scene  # noqa: E402
+
+HALFLIGHT = ""
+ASSETS = wine.ROOT / "assets"
+QUICK = ["--quality", "preview", "--samples", "16", "--shadow-samples", "4", "--lightmap-size", "256"]
+SLOW = ["--quality", "ultra", "--samples", "4096"]  # far longer than any test waits
+
+
+def run(*words, program=None, timeout=600, **options):
+    """Of the Windows program, or another program of Windows."""
+    command = [wine.WINE, str(program or wine.program()), *map(str, words)]
+    options.setdefault("env", wine.environment())
+    return subprocess.run(command, capture_output=True, encoding="utf-8", timeout=timeout, stdin=subprocess.DEVNULL, **options)
+
+
+def on_windows(path):
+    """Wine's name of a file: its drive Z: is the root."""
+    return "Z:" + str(path).replace("/", "\\")
+
+
+class Case(unittest.TestCase):
+    def setUp(self):
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        self.folder = pathlib.Path(folder.name)
+
+    def scene(self, name="tiny.gltf"):
+        path = self.folder / name
+        path.parent.mkdir(parents=True, exist_ok=True)
+        tiny_scene.write(str(path))
+        return path
+
+    def assert_baked(self, result, output):
+        self.assertEqual(result.returncode, 0, result.stderr)
+        self.assertEqual(output.read_bytes()[:4], b"glTF")
+
+    def assert_no_temporary(self, folder=None):
+        self.assertEqual([name for name in os.listdir(folder or self.folder) if ".tmp" in name], [])
+
+
+class Bytes(Case):
+    """The bytes of the Linux program with the same instruction set: files, EXR pictures and the identity."""
+
+    # Draco, Meshopt and WebP are read, area lights use most of the mathematics.
+    bakes = [
+        ("sphere_on_floor.glb", "avx2"),
+        ("sphere_on_floor.glb", "sse2"),
+        ("area_lights.glb", "avx2"),
+        ("closed_room.glb", "sse2"),
+        ("compressed/draco_edgebreaker.glb", "avx2"),
+        ("compressed/webp.glb", "sse2"),
+    ]
+
+    def test_six_bakes(self):
+        for name, instructions in self.bakes:
+            with self.subTest(scene=name, isa=instructions):
+                scene = ASSETS / "tests" / name
+                results = []
+                for system in ("linux", "windows"):
+                    output, images = self.folder / f"{system}.glb", self.folder / system
+                    words = ["bake", scene, "-o", output, *QUICK, "--isa", instructions, "--json", "--write-images", images]
+                    if system == "linux":
+                        result = subprocess.run([HALFLIGHT, *map(str, words)], capture_output=True, encoding="utf-8")
+                    else:
+                        result = run(*words)
+                    self.assert_baked(result, output)
+                    pictures = {path.name: path.read_bytes() for path in sorted(images.iterdir())}
+                    results.append((json.loads(result.stdout)["identity"], output.read_bytes(), pictures))
+                    output.unlink()
+                    shutil.rmtree(images)
+                (identity, file, pictures), (other_identity, other_file, other_pictures) = results
+                self.assertEqual(identity, other_identity)
+                self.assertTrue(file == other_file, "the files differ")
+                self.assertTrue(any(name.endswith(".exr") for name in pictures))
+                self.assertEqual(sorted(pictures), sorted(other_pictures))
+                for picture in pictures:
+                    self.assertTrue(pictures[picture] == other_pictures[picture], picture)
+
+
+class Names(Case):
+    def test_three_scripts_and_beyond_16_bits(self):
+        for name in ("Grüße aus Köln", "日本語の部屋", "Комната", "a 🏠 b"):
+            with self.subTest(name=name):
+                scene = self.scene(f"{name}/{name}.gltf")
+                output, cache = scene.parent / f"{name} gebacken.glb", scene.parent / "Čache"
+                images, report = scene.parent / f"{name} 1", scene.parent / f"{name}.json"
+                result = run("bake", scene, "-o", on_windows(output), *QUICK, "--cache", cache, "--write-images", images, "--report", report, "--json")
+                self.assert_baked(result, output)
+                self.assertIn(f"{name} gebacken.glb", json.loads(result.stdout).get("output", f"{name} gebacken.glb"))
+                self.assertEqual(sorted(os.listdir(scene.parent)), sorted([scene.name, output.name, cache.name, images.name, report.name]))
+                said = json.loads(run("info", on_windows(output), "--json").stdout)
+                self.assertEqual(said["file"], on_windows(output))
+                self.assertTrue(said["baked"])
+                missing = run("info", scene.parent / f"{name}-.glb")
+                self.assertEqual(missing.returncode, 1)
+                self.assertIn(f"{name}-.glb: no such file", missing.stderr)
+
+    def test_drives_folders_and_an_output_that_is_there(self):
+        scene = self.scene("scene.gltf")
+        output = self.folder / "out.glb"
+        output.write_bytes(b"the old one")
+        result = run("bake", "scene.gltf", "-o", "out.glb", *QUICK, "--quiet", cwd=self.folder)
+        self.assert_baked(result, output)
+        again = run("bake", on_windows(scene), "-o", on_windows(self.folder / "again.glb"), *QUICK, "--cache", on_windows(self.folder / "new" / "cache"), "--quiet")
+        self.assert_baked(again, self.folder / "again.glb")
+        self.assertTrue((self.folder / "new" / "cache").is_dir())
+        self.assertTrue(output.read_bytes() == (self.folder / "again.glb").read_bytes())
+        self.assert_no_temporary()
+
+    def test_paths_longer_than_260_letters(self):
+        parts = ["a folder with a long name " * 3 + str(i) for i in range(5)]
+        scene = self.scene(os.path.join(*parts, "scene.gltf"))
+        self.assertGreater(len(str(scene)), 300)
+        output = scene.parent / "out.glb"
+        self.assert_baked(run("bake", on_windows(scene), "-o", on_windows(output), *QUICK, "--quiet"), output)
+
+
+class Cancel(Case):
+    def assert_cancelled(self, code, errors, seconds):
+        self.assertEqual(code, 1, errors)
+        self.assertIn("interrupted", errors)
+        self.assertEqual(os.listdir(self.folder), ["tiny.gltf"])
+        self.assertLess(seconds, 20.0)  # Wine's start and end, and other programs
+
+    def test_ctrl_c(self):
+        scene = self.scene()
+        words = [wine.WINE, str(wine.program()), "bake", str(scene), "-o", str(self.folder / "out.glb"), *SLOW, "--progress", "lines"]
+        process = subprocess.Popen(words, stderr=subprocess.PIPE, stdin=subprocess.DEVNULL, encoding="utf-8", env=wine.environment())
+        for line in process.stderr:
+            if line.startswith("progress: lightmap"):
+                break
+        begin = time.monotonic()
+        process.send_signal(signal.SIGINT)  # Wine makes it Ctrl-C
+        errors = process.stderr.read()
+        self.assert_cancelled(process.wait(), errors, time.monotonic() - begin)
+
+    def test_the_event_of_a_program_without_a_console(self):
+        scene = self.scene()
+        helper = wine.build_helper(tempfile.mkdtemp(dir=wine.CACHE))
+        self.addCleanup(shutil.rmtree, os.path.dirname(helper))
+        begin = time.monotonic()
+        result = run("cancel", 500, on_windows(wine.program()), "bake", on_windows(scene), "-o", on_windows(self.folder / "out.glb"), *SLOW, program=helper)
+        self.assert_cancelled(result.returncode, result.stderr, time.monotonic() - begin)
+
+
+class OpenFiles(Case):
+    """Windows replaces no file that another program has open."""
+
+    def bake_while_open(self, milliseconds):
+        scene = self.scene()
+        output = self.folder / "out.glb"
+        output.write_bytes(b"the old one")
+        helper = wine.build_helper(tempfile.mkdtemp(dir=wine.CACHE))
+        self.addCleanup(shutil.rmtree, os.path.dirname(helper))
+        words = [on_windows(wine.program()), "bake", on_windows(scene), "-o", on_windows(output), *QUICK, "--quiet"]
+        return run("hold", milliseconds, on_windows(output), *words, program=helper), output
+
+    def test_is_a_sentence(self):
+        result, output = self.bake_while_open(600_000)
+        self.assertEqual(result.returncode, 1, result.stderr)
+        self.assertIn("out.glb: cannot be replaced (another program has it open)", result.stderr)
+        self.assertEqual(output.read_bytes(), b"the old one")
+        self.assert_no_temporary()
+
+    def test_is_replaced_once_it_is_closed(self):
+        result, output = self.bake_while_open(300)
+        self.assert_baked(result, output)
+
+
+class Picture(Case):
+    """halflight.exe render, by Windows' Vulkan loader, which Wine connects to this system's."""
+
+    def test_the_bytes_of_linux(self):
+        if shutil.which("Xvfb") is None:
+            self.skipTest("Xvfb is not installed (apt-get install xvfb)")
+        baked = self.folder / "baked.glb"
+        subprocess.run([HALFLIGHT, "bake", ASSETS / "tests/sphere_on_floor.glb", "-o", baked, *QUICK, "--quiet"], check=True)
+        words = ["render", str(baked), "--size", "320x240", "--device", "cpu", "--json", "-o"]
+        subprocess.run([HALFLIGHT, *words, self.folder / "linux.png"], check=True, capture_output=True)
+        read_end, write_end = os.pipe()
+        display = subprocess.Popen(["Xvfb", "-displayfd", str(write_end), "-screen", "0", "640x480x24"], pass_fds=[write_end], stderr=subprocess.DEVNULL)
+        try:
+            os.close(write_end)
+            with os.fdopen(read_end) as numbers:
+                environment = dict(wine.environment(), DISPLAY=":" + numbers.readline().strip())
+            result = run(*words, self.folder / "windows.png", env=environment)
+        finally:
+            display.terminate()
+            display.wait()
+        self.assertEqual(result.returncode, 0, result.stderr)
+        linux, windows = ((self.folder / f"{name}.png").read_bytes() for name in ("linux", "windows"))
+        keep = os.environ.get("HALFLIGHT_KEEP_PICTURE")
+        if keep:
+            pathlib.Path(keep).write_bytes(windows)
+        self.assertTrue(linux == windows, "the pictures differ")
+
+
+if __name__ == "__main__":
+    HALFLIGHT = os.path.abspath(sys.argv[1])
+    wine.program()
+    wine.prepare()
+    unittest.main(argv=sys.argv[:1] + sys.argv[3:], verbosity=2)
