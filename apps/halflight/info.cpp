@@ -37,7 +37,9 @@ Counts countScene(const BakedScene& baked)
     Counts counts;
     std::vector<uint64_t> trianglesOfMesh;
     for (const Mesh& mesh : baked.scene.meshes) {
-        counts.storedTriangles += trianglesOfMesh.emplace_back(mesh.triangleCount());
+        uint64_t& triangles = trianglesOfMesh.emplace_back(0);
+        for (const MeshPart& part : mesh.parts) triangles += part.indices.size() / 3;
+        counts.storedTriangles += triangles;
         counts.parts += mesh.parts.size();
     }
     for (const Object& object : baked.scene.objects) {

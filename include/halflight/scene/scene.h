@@ -153,13 +153,6 @@ struct Mesh {
     std::string name;
     std::vector<MeshPart> parts;
     int sourceMesh = -1; ///< several meshes may share one source when its objects need different layouts
-
-    [[nodiscard]] std::size_t triangleCount() const
-    {
-        std::size_t count = 0;
-        for (const MeshPart& part : parts) count += part.indices.size() / 3;
-        return count;
-    }
 };
 
 /// Where an object's lightmap and shadowmask texels are; page -1 = not lightmapped.
