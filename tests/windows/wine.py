@@ -42,6 +42,7 @@ def prepare():
         prefix.mkdir(parents=True, exist_ok=True)
         subprocess.run([WINE, "wineboot", "-i"], env=environment(), check=True, capture_output=True, timeout=300)
 
+
 def wrapper(folder):
     """A script that stands for the program: tests of the Linux program run it as theirs."""
     path = pathlib.Path(folder) / "halflight"
