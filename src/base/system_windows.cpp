@@ -10,7 +10,9 @@
 #include <process.h>
 #include <thread>
 
+#ifndef NOMINMAX
 #define NOMINMAX
+#endif
 #include <windows.h>
 
 #include <psapi.h>

@@ -5,7 +5,6 @@
 //
 // The exit code is the program's; 99 when something else fails.
 
-#define UNICODE
 #include <cwchar>
 #include <string>
 #include <windows.h>
@@ -54,7 +53,8 @@ int cancel(DWORD milliseconds, int count, wchar_t** words)
 
 int hold(DWORD milliseconds, const wchar_t* file, int count, wchar_t** words)
 {
-    HANDLE handle = CreateFileW(file, GENERIC_READ, FILE_SHARE_READ, nullptr, OPEN_EXISTING, FILE_ATTRIBUTE_NORMAL, nullptr);
+    HANDLE handle =
+        CreateFileW(file, GENERIC_READ, FILE_SHARE_READ, nullptr, OPEN_EXISTING, FILE_ATTRIBUTE_NORMAL, nullptr);
     PROCESS_INFORMATION process{};
     if (handle == INVALID_HANDLE_VALUE || !start(count, words, process)) return kFailed;
     const std::wstring temporary = std::wstring(file) + L".tmp*";

@@ -10,7 +10,6 @@ import sys
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 CACHE = pathlib.Path(os.environ.get("HALFLIGHT_ROOTS", "/var/cache/halflight")) / "windows"
 SKIPPED = 77
-SECONDS_TO_KEEP = 60  # that Wine's server waits for another program; its start takes seconds
 
 # Debian's `wine` is a script that complains of a missing 32-bit Wine.
 WINE = next((path for path in ("/usr/lib/wine/wine64", shutil.which("wine64"), shutil.which("wine")) if path and os.path.exists(path)), None)
@@ -41,10 +40,8 @@ def prepare():
     prefix = CACHE / "wine"
     if not (prefix / "system.reg").exists():
         prefix.mkdir(parents=True, exist_ok=True)
-        subprocess.run([WINE, "wineboot", "-i"], env=environment(), check=True, capture_output=True, timeout=300)
-    server = shutil.which("wineserver") or "/usr/lib/wine/wineserver"
-    if os.path.exists(server):
-        subprocess.run([server, f"-p{SECONDS_TO_KEEP}"], env=environment(), capture_output=True)
+        subprocess.run([WINE, "wineboot", "-i"], env=environment(), check=True, timeout=300,
+                       stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)  # Wine's server keeps pipes open
 
 
 def wrapper(folder):

@@ -150,6 +150,7 @@ class Cancel(Case):
         begin = time.monotonic()
         process.send_signal(signal.SIGINT)  # Wine makes it Ctrl-C
         errors = process.stderr.read()
+        process.stderr.close()
         self.assert_cancelled(process.wait(), errors, time.monotonic() - begin)
 
     def test_the_event_of_a_program_without_a_console(self):
