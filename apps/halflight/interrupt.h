@@ -6,9 +6,9 @@
 
 namespace halflight::cli {
 
-/// From now on the first signal (listenForSignals()) sets the flag that is returned, for Progress::cancel. A run that has not
-/// ended a second later ends as it is, whatever it does: stages check the flag between pieces of work, and libraries
-/// (image codecs, the build of Embree's tree, matrix factors) do not. A second signal kills at once.
+/// From now on the first signal (listenForSignals()) sets the flag that is returned, for Progress::cancel. A run that
+/// has not ended a second later ends as it is, whatever it does: stages check the flag between pieces of work, and
+/// libraries (image codecs, the build of Embree's tree, matrix factors) do not. A second signal kills at once.
 const std::atomic<bool>& listenForInterrupts();
 
 /// True once a signal arrived.

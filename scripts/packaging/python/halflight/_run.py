@@ -125,7 +125,9 @@ def _sentence(said: Sequence[str]) -> str:
 
 def hidden() -> Dict[str, Any]:
     """For Popen: no console flashes up on Windows."""
-    return {"creationflags": subprocess.CREATE_NO_WINDOW} if sys.platform == "win32" else {}
+    if sys.platform == "win32":
+        return {"creationflags": subprocess.CREATE_NO_WINDOW}
+    return {}
 
 
 def cancel(process: "subprocess.Popen[str]") -> None:
