@@ -40,7 +40,9 @@ def prepare():
     prefix = CACHE / "wine"
     if not (prefix / "system.reg").exists():
         prefix.mkdir(parents=True, exist_ok=True)
-        subprocess.run([WINE, "wineboot", "-i"], env=environment(), check=True, capture_output=True, timeout=300)
+        subprocess.run([WINE, "wineboot", "-i"], env=environment(), check=True, timeout=300,
+                       stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)  # Wine's server keeps pipes open
+
 
 
 def wrapper(folder):
