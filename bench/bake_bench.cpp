@@ -377,7 +377,7 @@ void partMasks(const Options& options)
         (*made)->findValidPoints(p.map, {});
         std::vector<vec4> mask(p.map.texels.size());
         const double start = cpuSeconds();
-        (*made)->shadowmask(p.map, {allIndices(p.map.texels.size())}, mask, {});
+        (*made)->shadowmask(p.map, {allIndices(p.map.texels.size())}, 0, mask, {});
         const double cpu = cpuSeconds() - start;
         int lights = 0;
         for (const Light& light : p.scene.lights) lights += light.baking.occlusionMaskChannel >= 0 ? 1 : 0;

@@ -173,7 +173,7 @@ BakedScene withStandInBake(Scene scene, MixedLightingMode mode)
                 probe.position = baked.probes.origin + baked.probes.spacingMeters * vec3(x, y, z);
                 probe.radiance[0] = vec3(0.7f + 0.1f * float(y), 0.8f, 0.7f + 0.05f * float(x));
                 probe.radiance[1] = vec3(0.2f);
-                probe.occlusion = vec4(float((x + y) % 3) / 2.0f, float(z % 2), 1.0f, 0.5f);
+                probe.occlusion.layers[0] = vec4(float((x + y) % 3) / 2.0f, float(z % 2), 1.0f, 0.5f);
                 baked.probes.probes.push_back(probe);
             }
         }

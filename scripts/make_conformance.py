@@ -18,7 +18,10 @@ MODES = ("realtime", "baked-indirect", "shadowmask", "distance-shadowmask")
 # File, what it is for, bake options, cameras, render options. Few texels and probes: the files are to stay small.
 FILES = (
     ("sphere_on_floor", "one sun, one dynamic sphere: the least that a runtime needs", ["--texels-per-meter", "10", "--probe-spacing", "1.5"], ["main"], []),
-    ("five_lights", "four channels, and a fifth light that is fully baked", ["--texels-per-meter", "10", "--probe-spacing", "1.5"], ["main"], []),
+    ("five_lights", "four channels, and a fifth light that is fully baked", ["--texels-per-meter", "10", "--probe-spacing", "1.5", "--mask-layers", "1"],
+     ["main"], []),
+    ("thirteen_lights", "four mask layers, read from masks, probes and a volume", ["--texels-per-meter", "6", "--probe-spacing", "1.5"], ["main"],
+     ["--shadow-distance", "0.5", "--shadow-fade-range", "0.4"]),
     ("avenue", "shadow distance and fade; static and dynamic casters", ["--texels-per-meter", "4", "--probe-spacing", "4"], ["main", "close"],
      ["--shadow-distance", "20", "--shadow-fade-range", "6"]),
     ("proxy_volume", "probe light and occlusion, at one point and in volumes", ["--texels-per-meter", "8", "--probe-spacing", "1.5"], ["main"], []),

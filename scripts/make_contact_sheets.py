@@ -237,7 +237,7 @@ def cascades(s):
 
 def overflow(s):
     """S10: five mixed points overlap; the fifth, magenta, is fully baked."""
-    baked = s.bake("tests/five_lights.glb", "--quality", "medium", "--lightmap-size", "1024")
+    baked = s.bake("tests/five_lights.glb", "--quality", "medium", "--lightmap-size", "1024", "--mask-layers", "1")
     s.render("five overlapping lights: four masks, one baked", baked)
     s.render("path traced, for comparison", baked, "--reference", "64")
     s.render("view shadowmask: four channels", baked, "--view", "shadowmask")
@@ -245,6 +245,21 @@ def overflow(s):
     off = [part for i in range(1, 5) for part in ("--light", f"point_{i}:intensity=0")]
     s.render("the four switched off: what is baked", baked, *off)
     s.render("view lightmap: it holds the fifth's direct light", baked, "--view", "lightmap")
+
+
+def thirteen_lights(s):
+    """S36: thirteen mixed lamps that reach everything, in four mask layers."""
+    scene = ("tests/thirteen_lights.glb", "--quality", "medium", "--lightmap-size", "1024")
+    baked = s.bake(*scene)
+    baked_shadows = ("--shadow-distance", "0.5", "--shadow-fade-range", "0.4")
+    s.render("thirteen lamps, each with a mask: baked shadows", baked, *baked_shadows)
+    s.render("the same with realtime shadows of dynamic objects", baked)
+    s.render("path traced", baked, "--reference", "64")
+    one = s.bake(*scene, "--mask-layers", "1")
+    off = [part for i in range(1, 14) if i not in (2, 7, 12) for part in ("--light", f"lamp_{i}:intensity=0")]
+    s.render("lamps 2, 7 and 12 alone, deferred", baked, *baked_shadows, *off, "--path", "deferred")
+    s.render("the same in one layer: most lamps are baked", one, *baked_shadows, *off)
+    s.render("view shadowmask: all layers together", baked, "--view", "shadowmask")
 
 
 def directional_lightmap(s):
@@ -271,7 +286,7 @@ def debug_views(s):
 
 
 SHEETS = (shadow_fade, cascades, shadowmask, distance_shadowmask, four_lights, point_masks, probes, proxy_volumes, instances, subtractive,
-          switches, forward_deferred, overflow, directional_lightmap, debug_views)
+          switches, forward_deferred, overflow, thirteen_lights, directional_lightmap, debug_views)
 
 
 def main():

@@ -87,6 +87,30 @@ def five_lights():
     return doc
 
 
+def thirteen_lights():
+    """A room in which thirteen mixed lamps reach everything: four mask layers. A dynamic ball takes one probe sample, a dynamic
+    beam is long enough for a proxy volume."""
+    doc = document("thirteen_lights", ("white", "grey", "red"), ([0.02, 0.02, 0.03],) * 3)
+    doc.mesh("room", [(inside_walls(-5, 0, -4, 5, 3.2, 4), "white", 1.0)], closed=False)
+    doc.mesh("post", [(m.bevel_box(0.3, 1.6, 0.3, 0.02), "grey", 1.0)])
+    doc.mesh("ball", [(m.sphere(0.35, 32, 16), "red", 1.0)])
+    doc.mesh("beam", [(m.box(-2.0, 0, -0.15, 2.0, 0.3, 0.15), "grey", 1.0)])
+    doc.node("room", "room")
+    for i in range(5):
+        a = math.radians(72 * i + 10)
+        doc.node(f"post_{i + 1}", "post", (2.2 * math.cos(a), -0.005, 1.7 * math.sin(a)), 23 * i)
+    doc.node("ball", "ball", (0.2, 0.35, 0.3), extras=dict(DYNAMIC))
+    doc.node("beam", "beam", (0.0, 0.5, 3.0), extras={**DYNAMIC, "halflight_probes": "volume", "halflight_probe_resolution": [9, 2, 2]})
+    for i in range(13):
+        a = math.radians(360 * i / 13 + 5)
+        hue = 2 * math.pi * i / 13
+        color = [0.55 + 0.45 * math.cos(hue + shift) for shift in (0.0, 2.1, 4.2)]
+        doc.light(f"lamp_{i + 1}", "point", color, 1.6 + 0.1 * i, (4.1 * math.cos(a), 2.3, 3.2 * math.sin(a)), cone_range=14.0,
+                  extras={**MIXED, "halflight_radius": 0.04})
+    doc.camera("main", (0.0, 3.0, 3.9), (0.0, 0.3, -0.4), 70)
+    return doc
+
+
 def sphere_on_floor():
     """A static and a dynamic sphere side by side on a floor under a mixed sun: the same shadow, one baked, one realtime."""
     doc = document("sphere_on_floor", ("white", "red"), ([0.2, 0.3, 0.5], [0.5, 0.5, 0.5], [0.1, 0.1, 0.1]))
@@ -304,5 +328,5 @@ def instances_1023():
 
 
 if __name__ == "__main__":
-    gltf.write_scenes("tests", (closed_room, penumbra, five_lights, sphere_on_floor, area_lights, two_rooms, proxy_volume, avenue,
+    gltf.write_scenes("tests", (closed_room, penumbra, five_lights, thirteen_lights, sphere_on_floor, area_lights, two_rooms, proxy_volume, avenue,
                                 four_lights, probe_hall, instances_1023, bumpy_wall, sheets))

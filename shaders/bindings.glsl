@@ -4,6 +4,9 @@
 
 #include "render/scene/gpu_layout.h"
 
+// Mask layers that the frame reads (S11, S36): 0, 1, 2 or 4.
+layout(constant_id = 1) const int kMaskLayers = 4;
+
 layout(std140, set = 0, binding = kBindFrame) uniform FrameBlock { GpuFrame frame; };
 layout(std430, set = 0, binding = kBindObjects) readonly buffer ObjectBlock { GpuObject objects[]; };
 layout(std430, set = 0, binding = kBindMaterials) readonly buffer MaterialBlock { GpuMaterial materials[]; };

@@ -4,7 +4,9 @@
 //   2  RGBA16UI  metallic, roughness, specular factor in 1/65535; flags
 //   3            the picture: emissive and indirect light, to which the light pass adds direct light
 //   4  RGBA16UI  baked attenuation by channel in 1/65535; there only in frames that use a mask. Eight bits would show in
-//                nearly shadowed places, since probes know more than 256 values; a mask's own n/255 are exact
+//                nearly shadowed places, since probes know more than 256 values; a mask's own n/255 are exact.
+//      RGBA32UI  where the frame reads two mask layers or more: the second in the upper 16 bits
+//   5  RGBA32UI  the third and the fourth layer, likewise
 // The material's occlusion dims indirect light only, so it is used up in 3; positions come from depth.
 #ifndef HALFLIGHT_GBUFFER_GLSL
 #define HALFLIGHT_GBUFFER_GLSL
@@ -33,6 +35,9 @@ vec3 unpackNormal(uint packed)
 
 // Values from 0 to 1 in 16 bits.
 uvec4 pack16(vec4 values) { return uvec4(clamp(values, vec4(0.0), vec4(1.0)) * 65535.0 + 0.5); }
+
+// Two mask layers in 32 bits.
+uvec4 packLayers(vec4 low, vec4 high) { return pack16(low) | pack16(high) << 16; }
 
 vec4 unpack16(uvec4 packed) { return vec4(packed) * (1.0 / 65535.0); }
 

@@ -1,5 +1,5 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_nonuniform_qualifier : require
-#define HALFLIGHT_MASK_TARGET
+#define HALFLIGHT_MASK_TARGETS 1
 #include "gbuffer_main.glsl"

@@ -1,13 +1,16 @@
-// The deferred path's second pass, with or without the fifth target (HALFLIGHT_MASK_TARGET): direct light of each pixel's
-// cluster, added to the picture.
+// The deferred path's second pass, with the mask layers of the first (HALFLIGHT_MASK_TARGETS): direct light of each
+// pixel's cluster, added to the picture.
 #include "gbuffer.glsl"
 #include "lighting.glsl"
 
 layout(set = 0, binding = kBindGBufferBaseColor) uniform sampler2D gbufferBaseColor;
 layout(set = 0, binding = kBindGBufferNormals) uniform usampler2D gbufferNormals;
 layout(set = 0, binding = kBindGBufferMaterial) uniform usampler2D gbufferMaterial;
-#ifdef HALFLIGHT_MASK_TARGET
+#if HALFLIGHT_MASK_TARGETS > 0
 layout(set = 0, binding = kBindGBufferMask) uniform usampler2D gbufferMask;
+#endif
+#if HALFLIGHT_MASK_TARGETS > 2
+layout(set = 0, binding = kBindGBufferFurtherMask) uniform usampler2D gbufferFurtherMask;
 #endif
 layout(set = 0, binding = kBindDepth) uniform sampler2D depthBuffer;
 
@@ -32,10 +35,16 @@ void main()
     s.specular = values.z;
     s.lightmapped = (material.a & kGBufferLightmapped) != 0u;
     s.receiveShadows = (material.a & kGBufferReceiveShadows) != 0u;
-#ifdef HALFLIGHT_MASK_TARGET
-    s.baked = unpack16(texelFetch(gbufferMask, pixel, 0));
-#else
-    s.baked = vec4(baseColor.a);
+    s.baked = mat4(vec4(baseColor.a), vec4(1.0), vec4(1.0), vec4(1.0));
+#if HALFLIGHT_MASK_TARGETS > 0
+    uvec4 mask = texelFetch(gbufferMask, pixel, 0);
+    s.baked[0] = unpack16(mask & 0xffffu);
+    s.baked[1] = unpack16(mask >> 16);
+#endif
+#if HALFLIGHT_MASK_TARGETS > 2
+    uvec4 furtherMask = texelFetch(gbufferFurtherMask, pixel, 0);
+    s.baked[2] = unpack16(furtherMask & 0xffffu);
+    s.baked[3] = unpack16(furtherMask >> 16);
 #endif
     outRadiance = vec4(directLight(s), 0.0);
 }

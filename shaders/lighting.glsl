@@ -42,7 +42,7 @@ float bakedAttenuation(int light, Surface s)
     vec3 fromLight = s.position - lights[light].bakedReach.xyz;
     float distanceMeters = max(length(fromLight), 1.0e-6);
     float cosAngle = dot(fromLight, lights[light].bakedCone.xyz) / distanceMeters;
-    return bakedWithinReach(s.baked[lights[light].info.z], distanceMeters, lights[light].bakedReach.w, cosAngle,
+    return bakedWithinReach(bakedOfChannel(s, lights[light].info.z), distanceMeters, lights[light].bakedReach.w, cosAngle,
                             lights[light].bakedCone.w);
 }
 
@@ -66,7 +66,7 @@ vec3 subtractDynamicShadows(vec3 lightmap, Surface s, vec3 vertexNormal)
     vec3 mainIrradiance = incoming.illuminance * saturate(dot(vertexNormal, incoming.direction));
     float faded = mixShadowsFullStrength(frame.mode.x, false, 1.0, hasRealtime(mainLight),
                                          readRealtime(mainLight, s, incoming), s.fade);
-    return subtractiveIrradiance(lightmap, mainIrradiance, s.baked[lights[mainLight].info.z], faded,
+    return subtractiveIrradiance(lightmap, mainIrradiance, bakedOfChannel(s, lights[mainLight].info.z), faded,
                                  frame.subtractiveShadowColor.rgb, lights[mainLight].colorIntensity.w);
 }
 

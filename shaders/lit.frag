@@ -34,7 +34,10 @@ vec3 debugView(MeshSurface mesh)
 {
     Surface s = mesh.lit;
     float shade = 0.25 + 0.75 * abs(dot(s.normal, s.view));
-    if (frame.mode.y == kViewShadowmask) return s.baked.rgb * mix(0.5, 1.0, s.baked.a);
+    if (frame.mode.y == kViewShadowmask) { // of all layers together
+        vec4 mask = min(min(s.baked[0], s.baked[1]), min(s.baked[2], s.baked[3]));
+        return mask.rgb * mix(0.5, 1.0, mask.a);
+    }
     if (frame.mode.y == kViewLightmap)
         return s.lightmapped ? (lightmapIrradiance() + dynamicIrradiance()) * (1.0 / kShadingPi) : vec3(0.0);
     if (frame.mode.y == kViewProbes) return irradianceFrom(mesh.probes, s.normal) * (1.0 / kShadingPi);

@@ -10,8 +10,6 @@
 #include "halflight/shading/directional.h"
 #include "halflight/shading/mask.h"
 
-layout(constant_id = 1) const bool kReadsMask = true; // false in frames that use no shadowmask (S11)
-
 layout(location = 0) in vec3 inPosition;
 layout(location = 1) in vec3 inNormal;
 layout(location = 2) in vec4 inTangent;
@@ -32,14 +30,17 @@ struct MeshSurface {
 };
 
 // B by channel from the shadowmask. A pixel's width on the page is the longer of its sides there.
-vec4 readShadowmask(vec2 uv, int page)
+mat4 readShadowmask(vec2 uv, int page)
 {
-    vec4 stored = textureLod(shadowmasks, vec3(uv, page), 0.0);
     vec2 size = vec2(textureSize(shadowmasks, 0).xy);
     float footprint = max(length(dFdx(uv) * size), length(dFdy(uv) * size));
-    vec4 attenuation;
-    for (int c = 0; c < 4; ++c)
-        attenuation[c] = decodeMask(stored[c], frame.maskRange[c], frame.maskPenumbra[c], footprint);
+    mat4 attenuation = mat4(vec4(1.0), vec4(1.0), vec4(1.0), vec4(1.0));
+    int layers = frame.baked.w;
+    for (int k = 0; k < min(kMaskLayers, layers); ++k) {
+        vec4 stored = textureLod(shadowmasks, vec3(uv, page * layers + k), 0.0);
+        for (int c = 0; c < 4; ++c)
+            attenuation[k][c] = decodeMask(stored[c], frame.maskRange[k][c], frame.maskPenumbra[k][c], footprint);
+    }
     return attenuation;
 }
 
@@ -91,8 +92,8 @@ MeshSurface readSurface()
     ivec4 info = objects[inObject].info;
     s.lightmapped = (info.x & kObjectLightmapped) != 0;
     s.receiveShadows = (info.x & kObjectReceiveShadows) != 0 && materials[material].info.y != 0;
-    vec4 mask = vec4(1.0);
-    if (kReadsMask) mask = readShadowmask(inLightmapUv, info.y); // derivatives want uniform control flow
+    mat4 mask = mat4(vec4(1.0), vec4(1.0), vec4(1.0), vec4(1.0));
+    if (kMaskLayers > 0) mask = readShadowmask(inLightmapUv, info.y); // derivatives want uniform control flow
     if (frame.mode.x == kModeRealtime && frame.mode.y == kViewLit)
         mesh.probes = openSky();
     else if (!s.lightmapped || frame.mode.y != kViewLit)

@@ -7,7 +7,7 @@
 
 struct ProbeSample {
     vec3 radiance[9]; // SH coefficients
-    vec4 occlusion;   // baked attenuation by channel
+    mat4 occlusion;   // baked attenuation by channel: a column for each mask layer
 };
 
 // The object's proxy volume, -1 where it has one sample for all of it.
@@ -18,7 +18,7 @@ vec4 proxyTexture(int volume, vec3 position, int slab)
 {
     vec3 at = (probeVolumes[volume].slabFromWorld * vec4(position, 1.0)).xyz;
     at = clamp(at, probeVolumes[volume].low.xyz, probeVolumes[volume].high.xyz);
-    at.z += float(slab) * (1.0 / float(kProbeSlabs));
+    at.z += float(slab) / float(kProbeSlabs + frame.baked.w - 1);
     return textureLod(probeTexture, at, 0.0);
 }
 
@@ -26,13 +26,17 @@ vec4 proxyTexture(int volume, vec3 position, int slab)
 ProbeSample sampleProbes(uint object, vec3 position)
 {
     ProbeSample probes;
+    probes.occlusion = mat4(vec4(1.0), vec4(1.0), vec4(1.0), vec4(1.0));
+    int furtherLayers = min(kMaskLayers, frame.baked.w) - 1;
     int volume = proxyVolumeOf(object);
     if (volume < 0) {
         for (int i = 0; i < 9; ++i) probes.radiance[i] = objects[object].probeSh[i].rgb;
-        probes.occlusion = objects[object].probeOcclusion;
+        probes.occlusion[0] = objects[object].probeOcclusion[0];
+        for (int k = 1; k <= furtherLayers; ++k) probes.occlusion[k] = objects[object].probeOcclusion[k];
         return probes;
     }
-    probes.occlusion = proxyTexture(volume, position, 3);
+    probes.occlusion[0] = proxyTexture(volume, position, 3);
+    for (int k = 1; k <= furtherLayers; ++k) probes.occlusion[k] = proxyTexture(volume, position, kProbeSlabs + k - 1);
     for (int c = 0; c < 3; ++c) {
         vec4 low = proxyTexture(volume, position, c);
         vec4 high = proxyTexture(volume, position, 4 + c);
@@ -50,7 +54,7 @@ ProbeSample openSky()
 {
     ProbeSample probes;
     for (int i = 0; i < 9; ++i) probes.radiance[i] = frame.skySh[i].rgb;
-    probes.occlusion = vec4(1.0);
+    probes.occlusion = mat4(vec4(1.0), vec4(1.0), vec4(1.0), vec4(1.0));
     return probes;
 }
 

@@ -19,8 +19,13 @@ struct Surface {
     float specular;
     bool lightmapped; // lit by its lightmap; others by probes
     bool receiveShadows;
-    vec4 baked; // B by channel
+    mat4 baked; // B by channel: a column for each mask layer
 };
+
+float bakedOfChannel(Surface s, int channel)
+{
+    return kMaskLayers <= 1 ? s.baked[0][channel & 3] : s.baked[channel >> 2][channel & 3];
+}
 
 // The point of the world that this pixel's centre shows at a depth.
 vec3 worldPosition(float depth)

@@ -135,6 +135,8 @@ int runBake(const CLI::App& app, const BakeOptions& given)
 {
     if (const std::string sentence = contradiction(app, given); !sentence.empty()) return wrongUsage("bake", sentence);
     BakeOptions options = given;
+    // A sidecar is for readers that know four channels.
+    if (!options.sidecarDirectory.empty() && app.count("--mask-layers") == 0) options.bake.mostMaskLayers = 1;
     const std::string extension = lowerExtension(options.output);
     std::filesystem::path culprit;
     if (Status status = checkBakePaths(options, culprit); !status) return fail(culprit, status.error());

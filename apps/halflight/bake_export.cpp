@@ -65,7 +65,8 @@ std::string exportContradiction(const CLI::App& app, const BakeOptions& options)
         return "--export bakes all light into its pictures, so --mode has nothing to choose: leave one of them out";
     if (app.count("--sidecar") > 0)
         return "--sidecar binds its pictures to a baked file, which --export does not write: leave one of them out";
-    for (const char* name : {"--lightmap-format", "--shadowmask-encoding", "--subtractive-mask", "--directional"}) {
+    for (const char* name :
+         {"--lightmap-format", "--shadowmask-encoding", "--mask-layers", "--subtractive-mask", "--directional"}) {
         if (app.count(name) > 0)
             return fmt::format(
                 "--export writes neither lightmaps nor masks, so {} has no effect: leave one of them out", name);

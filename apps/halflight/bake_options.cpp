@@ -68,6 +68,9 @@ void addResults(CLI::App& app, BakeOptions& options)
                             {{"attenuation", MaskEncoding::Attenuation}, {"distance-field", MaskEncoding::Distance}},
                             "what shadowmask texels hold; distance fields keep hard edges crisp at half the density, "
                             "for lights with narrow penumbrae (default attenuation)");
+    addChoice<int>(app, "--mask-layers", bake.mostMaskLayers, {{"auto", kMostMaskLayers}, {"1", 1}},
+                   "how many lights a place may have with baked shadows of their own: four for each mask layer, in as "
+                   "many layers as the lights need, up to four, or in 1, which is what a sidecar holds (default auto)");
     addChoice<bool>(app, "--subtractive-mask", bake.subtractiveMask, {{"on", true}, {"off", false}},
                     "subtractive: store the main light's own mask, so that dynamic shadows take away only light that "
                     "arrives (default on)");

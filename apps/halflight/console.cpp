@@ -5,6 +5,7 @@
 
 #include "halflight/base/file.h"
 #include "halflight/base/system.h"
+#include "halflight/scene/mask_values.h"
 
 #include <spdlog/fmt/fmt.h>
 
@@ -124,10 +125,11 @@ std::string megabytes(uint64_t bytes)
     return fmt::format("{:.0f} MB", double(bytes) / 1e6);
 }
 
-std::string_view channelName(int channel)
+std::string channelName(int channel)
 {
-    constexpr std::string_view kNames[] = {"R", "G", "B", "A"};
-    return channel >= 0 && channel < 4 ? kNames[channel] : "-";
+    if (channel < 0) return "-";
+    const int layer = channel / kLayerChannels;
+    return std::string(1, "RGBA"[channel % kLayerChannels]) + (layer > 0 ? std::to_string(layer + 1) : "");
 }
 
 bool parseNumber(const std::string& text, double& value)

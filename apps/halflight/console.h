@@ -67,7 +67,7 @@ std::string withUnit(double number);
 std::string megabytes(uint64_t bytes);
 
 /// "R", "G", "B", "A", or "-" for none.
-std::string_view channelName(int channel);
+std::string channelName(int channel);
 
 /// Options whose value is checked while parsing; the message of a bad value names the option and its limits.
 /// `metavar` is what --help shows for the value.

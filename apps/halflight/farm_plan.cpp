@@ -19,7 +19,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr const char* kFormat = "halflight farm plan";
-constexpr int kVersion = 2;
+constexpr int kVersion = 3;
 
 /// The last step of a path, without control characters, which no message shows as they are.
 std::string fileNameOf(std::string name)
@@ -39,7 +39,7 @@ nlohmann::json jsonOf(const PlannedScene& scene)
             {"parts", scene.bake.folder},
             {"tiles", scene.bake.tiles},
             {"texels", scene.bake.texels},
-            {"mask", scene.bake.mask},
+            {"maskLayers", scene.bake.maskLayers},
             {"identity", scene.bake.identity}};
 }
 
@@ -124,7 +124,7 @@ private:
     {
         constexpr uint64_t kMostTexels = uint64_t(1) << 34; // 256 pages of 8192 x 8192
         check(json, path,
-              {"name", "scene", "settings", "options", "cache", "inputs", "parts", "tiles", "texels", "mask",
+              {"name", "scene", "settings", "options", "cache", "inputs", "parts", "tiles", "texels", "maskLayers",
                "identity"});
         PlannedScene scene;
         scene.name = stepName(json, path, "name");
@@ -140,7 +140,7 @@ private:
         scene.bake.tiles = std::size_t(number(json, path, "tiles", farmTiles(kMostTexels)));
         if (scene.bake.tiles != farmTiles(scene.bake.texels))
             refuse(path + "/tiles", "is not the number of tiles of so many texels");
-        scene.bake.mask = flag(json, path, "mask");
+        scene.bake.maskLayers = int(number(json, path, "maskLayers", kMostMaskLayers));
         scene.options = options(json, path);
         return scene;
     }

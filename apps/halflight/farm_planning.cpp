@@ -171,7 +171,7 @@ int runPlan(const CLI::App& app, const PlanOptions& options)
     if (options.quiet) return kOk;
     for (const PlannedScene& scene : plan.scenes) {
         print("{}: {} texels in {} tiles{}\n", scene.name, grouped(scene.bake.texels), scene.bake.tiles,
-              scene.bake.mask ? ", with masks" : "");
+              scene.bake.maskLayers > 0 ? ", with masks" : "");
     }
     return kOk;
 }

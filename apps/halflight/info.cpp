@@ -138,8 +138,9 @@ Json infoJson(const InfoOptions& options, const BakedScene& baked)
     json["lightmap"] = {{"pages", baked.lightmaps.size()},
                         {"size", baked.lightmaps.empty() ? 0 : baked.lightmaps.front().width()},
                         {"directional", !baked.lightmapDirections.empty()}};
-    json["shadowmask"] = {{"pages", baked.shadowmasks.size()},
-                          {"size", baked.shadowmasks.empty() ? 0 : baked.shadowmasks.front().width()}};
+    json["shadowmask"] = {{"pages", baked.shadowmasks.size() / std::size_t(baked.maskLayers)},
+                          {"layers", baked.maskLayers},
+                          {"size", maskPageSize(baked).x}};
     if (baked.mode == MixedLightingMode::Subtractive) {
         json["subtractive"] = {{"mask", !baked.shadowmasks.empty()},
                                {"shadowColor", jsonOf(subtractiveShadowColor(baked))},
@@ -209,10 +210,11 @@ void printInfo(const InfoOptions& options, const BakedScene& baked)
     print("cameras     {}{}{}\n", scene.cameras.size(), cameras.empty() ? "" : ": ", cameras);
     if (baked.isBaked) {
         const int lightmapSize = baked.lightmaps.empty() ? 0 : baked.lightmaps.front().width();
-        const int maskSize = baked.shadowmasks.empty() ? 0 : baked.shadowmasks.front().width();
+        const int maskSize = maskPageSize(baked).x;
         print("lightmap    {} of {} x {}{}, for {} objects\n", baked.lightmaps.size(), lightmapSize, lightmapSize,
               baked.lightmapDirections.empty() ? "" : ", directional", grouped(counts.lightmappedObjects));
-        print("shadowmask  {} of {} x {}\n", baked.shadowmasks.size(), maskSize, maskSize);
+        print("shadowmask  {} of {} x {}{}\n", baked.shadowmasks.size() / std::size_t(baked.maskLayers), maskSize,
+              maskSize, baked.maskLayers > 1 ? fmt::format(", {} layers", baked.maskLayers) : "");
         if (baked.mode == MixedLightingMode::Subtractive) {
             const vec3 color = subtractiveShadowColor(baked);
             print("subtracted  {} main light's mask, down to {:.3g}, {:.3g}, {:.3g} lux{}\n",

@@ -27,7 +27,7 @@ Figure measureFloor(const std::filesystem::path& assets)
     for (const float y : {0.02f, 0.05f, 0.1f, 0.2f, 0.4f}) {
         for (float z = 1.2f; z < 5.81f; z += 0.2f) {
             for (float x = -4.8f; x < 4.81f; x += 0.2f)
-                worst = std::max(worst, 1.0 - double(probes.sample({x, y, z}).occlusion.x));
+                worst = std::max(worst, 1.0 - double(probes.sample({x, y, z}).occlusion[0]));
         }
     }
     return {"probes", scene, "most shadow 2 cm to 40 cm above a sunny floor", 100.0 * worst, 1.0, "%"};

@@ -125,13 +125,23 @@ Status lightmapPagesStage(const BakeRun& run, const CachedIntegrator& cached,
 /// A mask's pages: filled inside geometry, dilated, stitched, encoded.
 std::vector<ImageRgba8> maskPages(const CachedIntegrator& cached, const std::vector<uint8_t>& valid,
                                   const std::vector<SeamSample>& seams, std::vector<vec4> mask, bool distances,
-                                  std::array<MaskChannel, 4>& channels)
+                                  std::span<MaskChannel, kLayerChannels> channels)
 {
     fillInvalid(cached.geometry, cached.map, valid, mask);
-    if (distances) channels = maskToDistances(cached.map, mask);
+    if (distances) std::ranges::copy(maskToDistances(cached.map, mask), channels.begin());
     std::vector<ImageRgba32f> pages = dilate(cached.map, mask, kDilationRings, distances);
     stitchSeams(cached.map, seams, maskSeamWeights(seams, pages), pages, !distances);
     return encodeShadowmask(pages);
+}
+
+/// Empties the pages of a mask layer whose lights light every texel.
+void leaveOutLitPages(const TexelMap& map, std::vector<ImageRgba8>& pages)
+{
+    std::vector<uint8_t> shadowed(pages.size(), 0);
+    for (const Texel& texel : map.texels)
+        if (pages[texel.page](texel.x, texel.y) != u8vec4(255)) shadowed[texel.page] = 1;
+    for (std::size_t page = 0; page < pages.size(); ++page)
+        if (shadowed[page] == 0) pages[page] = {};
 }
 
 Status shadowmaskStage(const BakeRun& run, const CachedIntegrator& cached, const std::vector<uint8_t>& valid,
@@ -141,10 +151,19 @@ Status shadowmaskStage(const BakeRun& run, const CachedIntegrator& cached, const
     if (run.settings.mode != MixedLightingMode::Shadowmask || !hasMask(baked.scene, run.settings.mode)) return {};
     StageTimer timer(run.report(), "shadowmask");
     const uint64_t before = cached.integrator.raysTraced();
-    std::vector<vec4> mask = largeVector<vec4>(cached.map.texels.size());
-    if (!cached.shadowmask(mask, run.progress)) return cancelledError();
-    baked.shadowmasks = maskPages(cached, valid, seams, std::move(mask),
-                                  run.settings.maskEncoding == MaskEncoding::Distance, baked.maskChannels);
+    const bool distances = run.settings.maskEncoding == MaskEncoding::Distance;
+    baked.maskLayers = maskLayersOf(baked.scene);
+    baked.shadowmasks.resize(baked.lightmaps.size() * std::size_t(baked.maskLayers));
+    for (int layer = 0; layer < baked.maskLayers; ++layer) {
+        std::vector<vec4> mask = largeVector<vec4>(cached.map.texels.size());
+        if (!cached.shadowmask(layer, mask, run.progress)) return cancelledError();
+        const std::span<MaskChannel, kLayerChannels> channels(&baked.maskChannels[std::size_t(layer * kLayerChannels)],
+                                                              kLayerChannels);
+        std::vector<ImageRgba8> pages = maskPages(cached, valid, seams, std::move(mask), distances, channels);
+        if (baked.maskLayers > 1) leaveOutLitPages(cached.map, pages);
+        for (std::size_t page = 0; page < pages.size(); ++page)
+            baked.shadowmasks[page * std::size_t(baked.maskLayers) + std::size_t(layer)] = std::move(pages[page]);
+    }
     for (LightReport& light : run.report().lights) {
         light.distanceMask = light.channel >= 0 && baked.maskChannels[std::size_t(light.channel)].rangeTexels > 0.0f;
     }
@@ -211,7 +230,8 @@ Status traceStages(const BakeRun& run, const CachedIntegrator& cached)
     if (main) {
         BakedScene& baked = run.baked();
         if (run.settings.subtractiveMask)
-            baked.shadowmasks = maskPages(cached, valid, seams, main->mask(), false, baked.maskChannels);
+            baked.shadowmasks = maskPages(cached, valid, seams, main->mask(), false,
+                                          std::span(baked.maskChannels).first<kLayerChannels>());
         reportMainLight(baked, *main, run.settings, run.report());
     }
     if (Status s = probeStage(run, cached); !s) return s;

@@ -78,8 +78,8 @@ Status prepareStage(const BakeRun& run, FirstStages& firstStages, const FarmBake
                    firstStages.integration.cache.denoised, firstStages.cached(), warnings, run.progress);
     if (!probes) return reasonOf(run.progress, firstStages);
     if (!first) {
-        const bool masks = work.stage == FarmStage::All && planned.mask;
-        if (masks && !firstStages.cached().fillShadowmask(work.tiles, run.progress))
+        const int layers = work.stage == FarmStage::All ? planned.maskLayers : 0;
+        if (!firstStages.cached().fillShadowmasks(layers, work.tiles, run.progress))
             return reasonOf(run.progress, firstStages);
         if (!firstStages.integrator->prepareIrradiance(firstStages.map, run.progress))
             return reasonOf(run.progress, firstStages);
@@ -94,7 +94,8 @@ Status tileStage(const BakeRun& run, FirstStages& firstStages, const FarmBake& p
         return Error{ErrorCode::Unsupported, "the cache stage is not complete, which the tiles need"};
     const CachedIntegrator cached = firstStages.cached();
     if (!cached.fillIrradiance(work.tiles, run.progress)) return reasonOf(run.progress, firstStages);
-    if (planned.mask && !cached.fillShadowmask(work.tiles, run.progress)) return reasonOf(run.progress, firstStages);
+    if (!cached.fillShadowmasks(planned.maskLayers, work.tiles, run.progress))
+        return reasonOf(run.progress, firstStages);
     return firstStages.cache->status();
 }
 
@@ -116,7 +117,7 @@ Result<FarmBake> planFarm(Scene scene, const BakeSettings& settings, const Integ
     bake.folder = firstStages.cache->parts().path().filename().string();
     bake.texels = firstStages.map.texels.size();
     bake.tiles = texelParts(firstStages.map.texels.size());
-    bake.mask = hasMask(result.baked.scene, settings.mode);
+    if (hasMask(result.baked.scene, settings.mode)) bake.maskLayers = maskLayersOf(result.baked.scene);
     return bake;
 }
 
@@ -180,8 +181,12 @@ std::vector<std::size_t> missingFarmTiles(const std::filesystem::path& cacheDire
     };
     std::vector<uint8_t> isMissing(bake.tiles);
     parallelFor(bake.tiles, 1, [&](std::size_t begin, std::size_t end) {
-        for (std::size_t tile = begin; tile < end; ++tile)
-            isMissing[tile] = !has(partName("lightmap", tile)) || (bake.mask && !has(partName("shadowmask", tile)));
+        for (std::size_t tile = begin; tile < end; ++tile) {
+            bool missing = !has(partName("lightmap", tile));
+            for (int layer = 0; layer < bake.maskLayers && !missing; ++layer)
+                missing = !has(partName(maskStage(layer), tile));
+            isMissing[tile] = missing;
+        }
     });
     std::vector<std::size_t> missing;
     for (std::size_t tile = 0; tile < bake.tiles; ++tile)

@@ -237,7 +237,7 @@ Status prepareTexels(const BakeRun& run, Scene scene, const IntegratorFactory& f
     if (run.live != nullptr &&
         !run.live->beginWithProbes(scene, run.settings, factory, firstStages.integration, run.progress))
         return cancelledError();
-    assignShadowmaskChannels(scene, run.settings.mode);
+    assignShadowmaskChannels(scene, run.settings.mode, run.settings.mostMaskLayers);
     SourceTree tree(factory, firstStages.integration);
     SheetTest sheets = keptSheetTest(scene, run.settings, firstStages.cacheFolder,
                                      sheetSidesTest(tree, run.settings.twoSided, run.progress), run.progress);

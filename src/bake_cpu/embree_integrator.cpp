@@ -85,14 +85,15 @@ public:
 
     void releaseIrradiance() override { lightmap_.release(); }
 
-    bool shadowmask(const TexelMap& map, const TexelRequest& request, std::span<vec4> out,
+    bool shadowmask(const TexelMap& map, const TexelRequest& request, int layer, std::span<vec4> out,
                     const Progress& progress) override
     {
         std::fill(out.begin(), out.end(), vec4(1.0f));
         std::vector<ShadowSource> sources;
         std::vector<int> channels;
         int timesOnEdges = kTimesOnMaskEdges;
-        for (int channel = 0; channel < 4; ++channel) {
+        const int first = layer * kLayerChannels;
+        for (int channel = first; channel < first + kLayerChannels; ++channel) {
             // At most one of the lights of a channel reaches any point.
             std::vector<const PunctualLight*> owners;
             for (const PunctualLight& light : paths_.lights()) {
@@ -115,7 +116,7 @@ public:
             for (std::size_t c = 0; c < channels.size(); ++c) {
                 const LitCount& count = counts[i * channels.size() + c];
                 // A mask of light is 0 where the light would not illuminate the texel.
-                out[i][channels[c]] = sources[c].lit && !count.any() ? 0.0f : count.share();
+                out[i][channels[c] - first] = sources[c].lit && !count.any() ? 0.0f : count.share();
             }
         });
         return true;

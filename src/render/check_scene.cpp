@@ -66,8 +66,11 @@ Status checkScene(const BakedScene& baked)
             return broken("the lightmap page does not exist", path("objects", i));
     }
     for (const Light& light : scene.lights)
-        if (light.baking.occlusionMaskChannel < -1 || light.baking.occlusionMaskChannel > 3)
-            return broken("a shadowmask channel is outside -1…3", light.name);
+        if (light.baking.occlusionMaskChannel < -1 ||
+            light.baking.occlusionMaskChannel >= baked.maskLayers * kLayerChannels)
+            return broken("a shadowmask channel is outside the mask's layers", light.name);
+    if (baked.maskLayers < 1 || baked.maskLayers > kMostMaskLayers)
+        return broken("there are not 1 to 4 mask layers", "");
 
     auto samePages = [](const auto& pages) {
         return std::all_of(pages.begin(), pages.end(),
@@ -80,11 +83,16 @@ Status checkScene(const BakedScene& baked)
     for (const MaskChannel& channel : baked.maskChannels)
         if (!(channel.rangeTexels >= 0.0f && channel.penumbraTexels >= 0.0f))
             return broken("a shadowmask channel has a range or penumbra below 0", "");
-    if (!samePages(baked.shadowmasks)) return broken("shadowmask pages are empty or differ in size", "");
+    const ivec2 maskSize = maskPageSize(baked);
+    const bool sameMasks = std::all_of(baked.shadowmasks.begin(), baked.shadowmasks.end(), [&](const ImageRgba8& page) {
+        return page.empty() ? baked.maskLayers > 1 : page.size() == maskSize;
+    });
+    if (!sameMasks) return broken("shadowmask pages are empty or differ in size", "");
     if (!samePages(baked.lightmapDirections)) return broken("lightmap direction pages are empty or differ in size", "");
     if (!baked.lightmapDirections.empty() && baked.lightmapDirections.size() != baked.lightmaps.size())
         return broken("the file has not as many lightmap direction pages as lightmap pages", "");
-    if (!baked.shadowmasks.empty() && baked.shadowmasks.size() != baked.lightmaps.size())
+    if (!baked.shadowmasks.empty() &&
+        baked.shadowmasks.size() != baked.lightmaps.size() * std::size_t(baked.maskLayers))
         return broken("the file has not as many shadowmask pages as lightmap pages", "");
     return {};
 }

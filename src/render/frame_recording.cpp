@@ -119,7 +119,11 @@ PreparedFrame Renderer::Impl::prepare(const Camera& camera, const RenderSettings
     frame.draws.forward = lists.solid(toForward);
     frame.draws.blended = lists.blended(visible, vec3(camera.worldFromCamera[3]));
     frame.instances = lists.instances();
-    frame.readsMask = frame.plan.usesMask || frame.plan.subtractsByMask || settings.view == DebugView::Shadowmask;
+    frame.deferredLayers = shaderMaskLayers(frame.plan.maskLayers);
+    if (settings.view == DebugView::Shadowmask)
+        frame.maskLayers = shaderMaskLayers(scene->outline.maskLayers);
+    else
+        frame.maskLayers = std::max(frame.deferredLayers, int(frame.plan.subtractsByMask));
     frame.forwardObjects = int(toForward.size());
     return frame;
 }
@@ -151,14 +155,15 @@ void Renderer::Impl::ensureTargets(const PreparedFrame& frame, const ShadowSetti
     atlas.ensure(device, hasAtlas ? shadows.atlasSize : 1, 1);
 
     VkPipelineLayout layout = pipelines.layout.get();
-    std::unique_ptr<ForwardPipelines>& made = forwardPipelines[frame.readsMask];
-    if (!made && preparedForward[frame.readsMask].valid()) made = preparedForward[frame.readsMask].get();
-    if (!made) made = std::make_unique<ForwardPipelines>(device, layout, colorFormat, frame.readsMask);
-    if (!frame.draws.blended.empty()) made->ensureBlend(device, layout, colorFormat, frame.readsMask);
+    const int layers = frame.maskLayers;
+    std::unique_ptr<ForwardPipelines>& made = forwardPipelines[layers];
+    if (!made && layers < 2 && preparedForward[layers].valid()) made = preparedForward[layers].get();
+    if (!made) made = std::make_unique<ForwardPipelines>(device, layout, colorFormat, layers);
+    if (!frame.draws.blended.empty()) made->ensureBlend(device, layout, colorFormat, layers);
     if (!frame.deferred) return;
-    if (std::unique_ptr<DeferredPipelines>& passes = deferredPipelines[plan.usesMask]; !passes)
-        passes = std::make_unique<DeferredPipelines>(device, layout, colorFormat, plan.usesMask);
-    gBuffer.ensure(device, size, plan.usesMask);
+    if (std::unique_ptr<DeferredPipelines>& passes = deferredPipelines[frame.deferredLayers]; !passes)
+        passes = std::make_unique<DeferredPipelines>(device, layout, colorFormat, frame.deferredLayers);
+    gBuffer.ensure(device, size, frame.deferredLayers);
 }
 
 void Renderer::Impl::bindFrame(FrameSlot& to, const PreparedFrame& frame, const RenderSettings& settings,
@@ -186,7 +191,9 @@ void Renderer::Impl::bindFrame(FrameSlot& to, const PreparedFrame& frame, const 
     set.image(shading::kBindGBufferBaseColor, gBuffer.baseColor.view(), texelSampler.get());
     set.image(shading::kBindGBufferNormals, gBuffer.normals.view(), texelSampler.get());
     set.image(shading::kBindGBufferMaterial, gBuffer.material.view(), texelSampler.get());
-    if (frame.plan.usesMask) set.image(shading::kBindGBufferMask, gBuffer.mask.view(), texelSampler.get());
+    if (gBuffer.mask.get()) set.image(shading::kBindGBufferMask, gBuffer.mask.view(), texelSampler.get());
+    if (gBuffer.furtherMask.get())
+        set.image(shading::kBindGBufferFurtherMask, gBuffer.furtherMask.view(), texelSampler.get());
     set.image(shading::kBindDepth, depth.view(), texelSampler.get());
 }
 
@@ -230,10 +237,10 @@ void Renderer::Impl::recordShadows(const PassContext& context, const ShadowPasse
     gpu::transition(device, commands, atlas.image, gpu::state::kDepthAttachment, gpu::state::kFragmentRead);
 }
 
-void Renderer::Impl::recordDeferred(const PassContext& context, const CameraDraws& draws, bool usesMask)
+void Renderer::Impl::recordDeferred(const PassContext& context, const CameraDraws& draws, int maskLayers)
 {
     VkCommandBuffer commands = context.commands;
-    const DeferredPipelines& deferred = *deferredPipelines[usesMask];
+    const DeferredPipelines& deferred = *deferredPipelines[maskLayers];
     for (const gpu::Image* image : gBuffer.images())
         gpu::transition(device, commands, *image, gpu::state::kReused, gpu::state::kColorAttachment);
     drawGBuffer(context, deferred, gBuffer, color, depth, draws);
@@ -270,8 +277,8 @@ void Renderer::Impl::recordFrame(VkCommandBuffer commands, FrameSlot& to, const 
     drawDepth(context, depth, frame.draws);
     gpu::transition(device, commands, depth, gpu::state::kDepthAttachment, gpu::state::kDepthAttachment);
     endPass(context, "depth");
-    if (frame.deferred) recordDeferred(context, frame.draws, frame.plan.usesMask);
-    const ForwardPipelines& forward = *forwardPipelines[frame.readsMask];
+    if (frame.deferred) recordDeferred(context, frame.draws, frame.deferredLayers);
+    const ForwardPipelines& forward = *forwardPipelines[frame.maskLayers];
     beginForward(context, color, depth, frame.deferred ? VK_ATTACHMENT_LOAD_OP_LOAD : VK_ATTACHMENT_LOAD_OP_CLEAR);
     drawLit(context, forward, frame.draws);
     endPass(context, "forward");

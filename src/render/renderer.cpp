@@ -136,7 +136,7 @@ ImageRgba32f Renderer::Impl::readPicture() const
 RenderedFrame Renderer::Impl::reportOf(PreparedFrame frame, const RenderSettings& settings) const
 {
     RenderedFrame report;
-    report.forwardReadsMask = frame.readsMask;
+    report.forwardReadsMask = frame.maskLayers > 0;
     report.forwardObjects = frame.forwardObjects;
     report.gBufferTargets = frame.deferred ? int(gBuffer.images().size()) + 1 : 0;
     if (settings.lightRows) report.lights = lightRows(scene->outline, frame.view, frame.plan);

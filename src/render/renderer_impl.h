@@ -83,7 +83,8 @@ struct PreparedFrame {
     CameraDraws draws;
     std::vector<uint32_t> instances;
     bool deferred = false;
-    bool readsMask = false; ///< surfaces lit as they are drawn read the shadowmask
+    int maskLayers = 0;     ///< that surfaces lit as they are drawn read; of those that shaders are made for
+    int deferredLayers = 0; ///< the same of the G-buffer
     int forwardObjects = 0;
 };
 
@@ -139,7 +140,7 @@ struct Renderer::Impl {
     void recordPicture(VkCommandBuffer commands, FrameSlot& slot, PictureContent content, const DisplayValues& display);
     void beginRecording(VkCommandBuffer commands, FrameSlot& slot, bool timings);
     void recordShadows(const PassContext& context, const ShadowPasses& shadows);
-    void recordDeferred(const PassContext& context, const CameraDraws& draws, bool usesMask);
+    void recordDeferred(const PassContext& context, const CameraDraws& draws, int maskLayers);
     void endPass(const PassContext& context, const char* name);
     /// What the caller of the frame gets, but for the picture.
     [[nodiscard]] RenderedFrame reportOf(PreparedFrame frame, const RenderSettings& settings) const;
@@ -150,10 +151,11 @@ struct Renderer::Impl {
     gpu::UniqueSetLayout setLayout;
     VkFormat colorFormat;
     Pipelines pipelines;
-    std::unique_ptr<ForwardPipelines> forwardPipelines[2];             ///< without and with mask, made when first used
-    std::future<std::unique_ptr<ForwardPipelines>> preparedForward[2]; ///< the same, while a thread makes them
-    std::unique_ptr<DeferredPipelines> deferredPipelines[2];           ///< as forwardPipelines
-    std::map<VkFormat, gpu::UniquePipeline> displayPipelines;          ///< by the target's format, made when first used
+    /// By number of mask layers, made when first used.
+    std::unique_ptr<ForwardPipelines> forwardPipelines[kMostMaskLayers + 1];
+    std::future<std::unique_ptr<ForwardPipelines>> preparedForward[2];         ///< the same, while a thread makes them
+    std::unique_ptr<DeferredPipelines> deferredPipelines[kMostMaskLayers + 1]; ///< as forwardPipelines
+    std::map<VkFormat, gpu::UniquePipeline> displayPipelines; ///< by the target's format, made when first used
     gpu::UniqueSampler pageSampler;
     gpu::UniqueSampler shadowSampler;
     gpu::UniqueSampler texelSampler;

@@ -146,10 +146,10 @@ TEST(ProbeS14, OcclusionUnderADisc)
         scene.lights[0].radiusMeters = 0.6f;
         const float ratio = discRadius * 4.0f / 0.6f;
         const ProbeEstimate e = probeAt(scene, vec3(0), 16);
-        EXPECT_NEAR(e.occlusion.x, std::max(0.0f, 1.0f - ratio * ratio), 0.02f) << discRadius;
-        EXPECT_EQ(e.occlusion.y, 1.0f);
-        EXPECT_EQ(e.occlusion.z, 1.0f);
-        EXPECT_EQ(e.occlusion.w, 1.0f);
+        EXPECT_NEAR(e.occlusion[0], std::max(0.0f, 1.0f - ratio * ratio), 0.02f) << discRadius;
+        EXPECT_EQ(e.occlusion[1], 1.0f);
+        EXPECT_EQ(e.occlusion[2], 1.0f);
+        EXPECT_EQ(e.occlusion[3], 1.0f);
     }
 }
 
@@ -203,7 +203,7 @@ TEST(ProbeS14, InvalidProbesOfAGridGetTheMeanOfTheirNeighbours)
         probe.position = vec3(i, 0, 0);
         probe.valid = i == 0 || i == 4;
         probe.radiance.fill(vec3(i == 4 ? 8.0f : 2.0f));
-        probe.occlusion = vec4(i == 4 ? 1.0f : 0.0f);
+        probe.occlusion.layers[0] = vec4(i == 4 ? 1.0f : 0.0f);
         grid.probes.push_back(probe);
     }
     fillInvalidProbes(grid);
@@ -212,7 +212,7 @@ TEST(ProbeS14, InvalidProbesOfAGridGetTheMeanOfTheirNeighbours)
         EXPECT_EQ(grid.probes[i].radiance[3].y, right[i]) << i;
         EXPECT_EQ(grid.probes[i].valid, i == 0 || i == 4);
     }
-    EXPECT_EQ(grid.probes[2].occlusion.z, 0.5f);
+    EXPECT_EQ(grid.probes[2].occlusion[2], 0.5f);
 }
 
 } // namespace

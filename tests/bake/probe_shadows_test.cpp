@@ -105,7 +105,7 @@ TEST_P(YardShadowsS14, DeepInTheShadowAndInTheSunProbesSaySo)
                 const vec3 p(x, y, z);
                 if (yard.inside(p)) continue;
                 const float truth = yard.inShadow(p) ? 0.0f : 1.0f;
-                const float found = probes.sample(p).occlusion.x;
+                const float found = probes.sample(p).occlusion[0];
                 error += double(std::abs(found - truth));
                 ++count;
                 if (yard.deep(p, 0.75f) == 0.5f) continue;

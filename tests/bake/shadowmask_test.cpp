@@ -54,7 +54,7 @@ TEST(ShadowmaskS8, PanesDimEvenly)
         const uint32_t which = 0;
         ProbeEstimate probe;
         bench.integrator->probes(std::span(&position, 1), std::span(&which, 1), 64, std::span(&probe, 1), {});
-        EXPECT_NEAR(probe.occlusion.x, arrives, 1.0e-4f);
+        EXPECT_NEAR(probe.occlusion[0], arrives, 1.0e-4f);
     }
 }
 
@@ -97,7 +97,7 @@ TEST(ShadowmaskS30, ObjectsThatCastNoShadowLeaveItLit)
         EXPECT_GT(below, 100);
         std::vector<ProbeEstimate> probe(1);
         bench.integrator->probes(std::vector<vec3>{vec3(0.2f, 0.5f, 0.1f)}, std::vector<uint32_t>{0}, 0, probe, {});
-        EXPECT_EQ(probe[0].occlusion.x, casts ? 0.0f : 1.0f);
+        EXPECT_EQ(probe[0].occlusion[0], casts ? 0.0f : 1.0f);
     }
 }
 

@@ -151,10 +151,11 @@ struct Bench {
     TexelMap map;
     std::unique_ptr<Integrator> integrator;
 
-    Bench(Scene s, MixedLightingMode mode, int pageSize, const IntegrationSettings& settings) : scene(std::move(s))
+    Bench(Scene s, MixedLightingMode mode, int pageSize, const IntegrationSettings& settings, int mostMaskLayers = 1)
+        : scene(std::move(s))
     {
         geometry = flattenGeometry(scene, pageSize, GeometryFilter::Static);
-        assignShadowmaskChannels(scene, mode);
+        assignShadowmaskChannels(scene, mode, mostMaskLayers);
         integrator = std::move(*repairOrientation(embreeIntegrators(), scene, geometry, settings));
         map = rasterizeTexels(geometry, pageSize, 1);
         integrator->findValidPoints(map, {});
@@ -165,10 +166,10 @@ struct Bench {
         integrator->irradiance(map, {allIndices(map.texels.size())}, estimates, {});
         return estimates;
     }
-    std::vector<vec4> shadowmask()
+    std::vector<vec4> shadowmask(int layer = 0)
     {
         std::vector<vec4> out(map.texels.size());
-        integrator->shadowmask(map, {allIndices(map.texels.size())}, out, {});
+        integrator->shadowmask(map, {allIndices(map.texels.size())}, layer, out, {});
         return out;
     }
 

@@ -109,7 +109,7 @@ class Chain(Case):
 
     def test_fifth_overlapping_light_is_named(self):
         output = self.path("baked.glb")
-        result = run("bake", self.scene(spots=5), "-o", output, *QUICK, "--json")
+        result = run("bake", self.scene(spots=5), "-o", output, *QUICK, "--mask-layers", "1", "--json")
         self.assertEqual(result.returncode, 0, result.stderr)
         lights = json.loads(result.stdout)["lights"]
         self.assertEqual(len(lights), 6)
@@ -120,6 +120,27 @@ class Chain(Case):
             self.assertTrue(any(light["name"] in line for line in result.stderr.splitlines()), result.stderr)
         info = json.loads(run("info", output, "--json").stdout)
         self.assertEqual(sorted(light["channel"] for light in info["lights"]), [-1, -1, 0, 1, 2, 3])
+
+    def test_mask_layers(self):
+        scene, output = self.scene(spots=5), self.path("baked.glb")
+        bake = run("bake", scene, "-o", output, *QUICK, "--json")
+        self.assertEqual((bake.returncode, bake.stderr), (0, ""))
+        info = json.loads(run("info", output, "--json").stdout)
+        self.assertEqual(info["shadowmask"]["layers"], 2)
+        self.assertEqual(sorted(light["channel"] for light in info["lights"]), [0, 1, 2, 3, 4, 5])
+        self.assertIn(", 2 layers", run("info", output).stdout)
+        # A sidecar is what other engines read, with four channels, unless layers are asked for.
+        for options, layers in (([], 1), (["--mask-layers", "auto"], 2)):
+            folder = self.path(f"beside_{layers}")
+            result = run("bake", scene, "-o", output, *QUICK, "-q", "--sidecar", folder, *options)
+            self.assertEqual(result.returncode, 0, result.stderr)
+            self.assertEqual(json.loads(run("info", output, "--json").stdout)["shadowmask"]["layers"], layers)
+        # Where four channels do, the bytes are those of one layer.
+        scene = self.scene(spots=2)
+        for name, options in (("auto", []), ("one", ["--mask-layers", "1"])):
+            self.assertEqual(run("bake", scene, "-o", self.path(name + ".glb"), *QUICK, "-q", *options).returncode, 0)
+        with open(self.path("auto.glb"), "rb") as auto, open(self.path("one.glb"), "rb") as one:
+            self.assertEqual(auto.read(), one.read())
 
     def test_quiet_is_quiet(self):
         result = run("bake", self.scene(), "-o", self.path("baked.glb"), *QUICK, "--quiet")

@@ -22,7 +22,7 @@ BakedScene floorOfTwoLamps(LightType type, bool dynamicFloor)
     baked.lightmaps.emplace_back(8, 8, uint32_t(0));
     baked.shadowmasks.emplace_back(8, 8, u8vec4(51));
     Probe probe;
-    probe.occlusion = vec4(kBaked);
+    probe.occlusion.layers[0] = vec4(kBaked);
     baked.probes.probes = {probe};
     for (const float x : {-8.0f, 8.0f}) {
         Light light;

@@ -33,7 +33,7 @@ protected:
             Probe probe;
             probe.position = vec3(i & 1 ? 6 : -6, i & 2 ? 4 : 0, i & 4 ? 6 : -6);
             probe.radiance[0] = vec3(i & 1 ? 4.0f : 1.0f);
-            probe.occlusion = vec4(i & 1 ? 0.9f : 0.3f, 1, 1, 1);
+            probe.occlusion.layers[0] = vec4(i & 1 ? 0.9f : 0.3f, 1, 1, 1);
             baked.probes.probes.push_back(probe);
         }
         settings.mode = RunMode::Shadowmask;

@@ -73,7 +73,7 @@ TEST_P(DebugViewsS31, ProbesOnBothKindsOfObject)
                           vec3(0.1f),
                           vec3(0.02f),
                           vec3(-0.1f)};
-        probe.occlusion = vec4(0.9f, 0.5f, 0.25f, 0.75f);
+        probe.occlusion.layers[0] = vec4(0.9f, 0.5f, 0.25f, 0.75f);
         scene.baked.probes.probes = {probe};
         ASSERT_TRUE(renderer->load(scene.baked));
         const RenderSettings settings = settingsFor(RunMode::Shadowmask);

@@ -98,7 +98,7 @@ BakedScene gallery(MixedLightingMode mode)
     if (mode != MixedLightingMode::BakedIndirect) baked.shadowmasks = {mask};
     Probe probe;
     probe.radiance = {vec3(0.9f, 1.0f, 1.2f), vec3(0.2f), vec3(0.1f), vec3(-0.1f, 0.0f, 0.1f)};
-    probe.occlusion = vec4(0.37f, 0.81f, 0.55f, 1.0f);
+    probe.occlusion.layers[0] = vec4(0.37f, 0.81f, 0.55f, 1.0f);
     baked.probes.probes = {probe};
     return baked;
 }

@@ -18,7 +18,7 @@ ProbeSample wildField(vec3 p)
     const auto hash = [&](float a, float b, float c) { return 0.5f + 0.5f * std::sin(a * p.x + b * p.y + c * p.z); };
     sample.radiance[0] = {1.0f + hash(3, 5, 7), 1.0f + hash(2, 9, 4), 1.0f + hash(8, 1, 6)};
     sample.radiance[1] = sample.radiance[0] * (0.3f * hash(5, 4, 3));
-    sample.occlusion = {hash(7, 2, 9), hash(1, 8, 5), hash(6, 6, 1), hash(4, 3, 8)};
+    sample.occlusion.layers[0] = {hash(7, 2, 9), hash(1, 8, 5), hash(6, 6, 1), hash(4, 3, 8)};
     return sample;
 }
 

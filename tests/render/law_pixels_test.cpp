@@ -32,7 +32,7 @@ void makeFloorDynamic(LawScene& law)
     law.baked.scene.objects[std::size_t(law.floor)].isStatic = false;
     Probe probe;
     probe.radiance[0] = kProbeRadiance / 0.282094792f;
-    probe.occlusion = vec4(kProbeOcclusion, 1, 1, 1);
+    probe.occlusion.layers[0] = vec4(kProbeOcclusion, 1, 1, 1);
     law.baked.probes.probes = {probe};
 }
 

@@ -19,7 +19,8 @@ inline ProbeSample linearField(vec3 p)
     sample.radiance[3] = mean * vec3(0.2f, 0.1f, -0.3f);
     sample.radiance[6] = mean * 0.05f;
     sample.radiance[8] = mean * -0.04f;
-    sample.occlusion = {0.5f + 0.11f * p.x, 0.5f - 0.1f * p.z, 0.4f + 0.09f * p.y, 0.5f + 0.05f * (p.x + p.z)};
+    sample.occlusion.layers[0] = {0.5f + 0.11f * p.x, 0.5f - 0.1f * p.z, 0.4f + 0.09f * p.y,
+                                  0.5f + 0.05f * (p.x + p.z)};
     return sample;
 }
 

@@ -56,11 +56,11 @@ struct ProbeScene {
                     Probe probe;
                     probe.position = vec3(4 * x, 2 * y - 1, 3 * z);
                     for (int i = 0; i < 9; ++i) probe.radiance[std::size_t(i)] = coefficient(i, probe.position);
-                    probe.occlusion = occlusionAt(probe.position);
+                    probe.occlusion.layers[0] = occlusionAt(probe.position);
                     if (x == 0 && y == 1 && z == 0) {
                         probe.valid = false;
                         probe.radiance.fill(vec3(99.0f));
-                        probe.occlusion = vec4(0.0f);
+                        probe.occlusion.layers[0] = vec4(0.0f);
                     }
                     baked.probes.probes.push_back(probe);
                 }

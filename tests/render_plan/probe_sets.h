@@ -15,7 +15,7 @@ inline Probe probeOf(vec3 position, float value, bool valid = true)
     Probe probe;
     probe.position = position;
     for (std::size_t i = 0; i < 9; ++i) probe.radiance[i] = vec3(value + float(i));
-    probe.occlusion = vec4(value, 1.0f - value, 0.5f * value, 1.0f);
+    probe.occlusion.layers[0] = vec4(value, 1.0f - value, 0.5f * value, 1.0f);
     probe.valid = valid;
     return probe;
 }

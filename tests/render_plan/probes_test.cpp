@@ -86,7 +86,7 @@ TEST(ProbesS14, AtAProbeItsOwnValue)
     for (const BakedScene& baked : scenes) {
         const ProbeInterpolator probes = rawProbes(baked);
         for (const Probe& probe : baked.probes.probes)
-            expectSample(probes.sample(probe.position), probe.occlusion.x, 1.0e-4f);
+            expectSample(probes.sample(probe.position), probe.occlusion[0], 1.0e-4f);
     }
 }
 
@@ -142,7 +142,7 @@ TEST(ProbesS14, ContinuousEverywhere)
                                  probeList(randomPoints(31, 100, {-2, 1, 5}, {6, 9, 9}), rough)};
     for (const BakedScene& baked : scenes) {
         const ProbeInterpolator probes = rawProbes(baked);
-        const auto at = [&](vec3 p) { return probes.sample(p).occlusion.x; };
+        const auto at = [&](vec3 p) { return probes.sample(p).occlusion[0]; };
         Random random(17);
         for (int line = 0; line < 40; ++line) {
             const vec3 from = random.in({-5, -2, 2}, {9, 12, 12});
@@ -195,7 +195,7 @@ TEST(ProbesS14, InvalidProbesAreLeftOut)
     for (const std::size_t poisoned : {(2 * 3 + 1) * 4 + 1, 0, 59, 17}) {
         Probe& probe = baked.probes.probes[poisoned];
         probe.valid = false;
-        probe.occlusion = vec4(std::nanf(""));
+        probe.occlusion.layers[0] = vec4(std::nanf(""));
         probe.radiance.fill(vec3(kInfinity));
     }
     for (const bool grid : {true, false}) {
@@ -318,9 +318,9 @@ TEST(ProbesS14, BadSetsDoNoHarm)
     baked.probes.probes[4].position.x = kInfinity;
     EXPECT_EQ(rawProbes(baked).probeCount(), 18u);
     const vec3 center(2.5f);
-    EXPECT_NEAR(rawProbes(baked).sample(center).occlusion.x, linear(center), 1.0e-5f);
-    EXPECT_TRUE(std::isfinite(rawProbes(baked).sample(vec3(std::nanf(""))).occlusion.x));
-    EXPECT_TRUE(std::isfinite(rawProbes(baked).sample(vec3(3.0e38f, -3.0e38f, 0)).occlusion.x));
+    EXPECT_NEAR(rawProbes(baked).sample(center).occlusion[0], linear(center), 1.0e-5f);
+    EXPECT_TRUE(std::isfinite(rawProbes(baked).sample(vec3(std::nanf(""))).occlusion[0]));
+    EXPECT_TRUE(std::isfinite(rawProbes(baked).sample(vec3(3.0e38f, -3.0e38f, 0)).occlusion[0]));
 
     BakedScene grid = probeGrid({3, 3, 3}, linear);
     grid.probes.spacingMeters.y = 0.0f;
@@ -338,11 +338,11 @@ TEST(ProbesS14, BadSetsDoNoHarm)
 TEST(ProbesS14, OcclusionIsClamped)
 {
     BakedScene baked = probeGrid({2, 2, 2}, [](vec3) { return 1.0f; });
-    for (Probe& probe : baked.probes.probes) probe.occlusion = vec4(1.0001f, -0.5f, 7.0f, 0.5f);
-    EXPECT_EQ(rawProbes(baked).sample({-1, 2, 5.3f}).occlusion.x, 1.0f);
-    EXPECT_EQ(rawProbes(baked).sample({-1, 2, 5.3f}).occlusion.y, 0.0f);
-    EXPECT_EQ(rawProbes(baked).sample({-1, 2, 5.3f}).occlusion.z, 1.0f);
-    EXPECT_NEAR(rawProbes(baked).sample({-1, 2, 5.3f}).occlusion.w, 0.5f, 1.0e-6f);
+    for (Probe& probe : baked.probes.probes) probe.occlusion.layers[0] = vec4(1.0001f, -0.5f, 7.0f, 0.5f);
+    EXPECT_EQ(rawProbes(baked).sample({-1, 2, 5.3f}).occlusion[0], 1.0f);
+    EXPECT_EQ(rawProbes(baked).sample({-1, 2, 5.3f}).occlusion[1], 0.0f);
+    EXPECT_EQ(rawProbes(baked).sample({-1, 2, 5.3f}).occlusion[2], 1.0f);
+    EXPECT_NEAR(rawProbes(baked).sample({-1, 2, 5.3f}).occlusion[3], 0.5f, 1.0e-6f);
 }
 
 TEST(ProbesS14, SpacingOfGridsAndLists)
@@ -371,7 +371,7 @@ TEST(ProbesS14, UnusedChannelsAreExactlyOne)
 {
     const BakedScene baked = probeList(randomPoints(95, 100, vec3(0), vec3(5)), rough);
     const ProbeInterpolator probes(baked);
-    for (const vec3 p : randomPoints(96, 1000, vec3(-2), vec3(7))) EXPECT_EQ(probes.sample(p).occlusion.w, 1.0f);
+    for (const vec3 p : randomPoints(96, 1000, vec3(-2), vec3(7))) EXPECT_EQ(probes.sample(p).occlusion[3], 1.0f);
 }
 
 // Each of an instanced draw's spheres has the light and occlusion of its own place.
@@ -403,7 +403,7 @@ TEST(ProbesS14, WithoutProbesTheSkyLights)
     hidden.probes.probes = {probeOf({0, 0, 0}, 1000.0f, false)};
     const ProbeSample sample = sampleProbes(hidden, {1, 2, 3});
     EXPECT_EQ(sample.radiance, sampleProbes(baked, {1, 2, 3}).radiance);
-    EXPECT_EQ(sample.occlusion, vec4(1.0f));
+    EXPECT_EQ(sample.occlusion, MaskValues());
     const Sky& sky = baked.scene.sky;
     Random random(8);
     for (int n = 0; n < 12; ++n) {
@@ -457,7 +457,7 @@ TEST(ProbesS14, NoProbesAndNoSkyIsDark)
 {
     const ProbeSample sample = sampleProbes(emptyScene(), {0, 0, 0});
     for (const vec3& c : sample.radiance) EXPECT_EQ(c, vec3(0.0f));
-    EXPECT_EQ(sample.occlusion, vec4(1.0f));
+    EXPECT_EQ(sample.occlusion, MaskValues());
 }
 
 } // namespace

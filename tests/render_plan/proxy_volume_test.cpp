@@ -105,10 +105,10 @@ TEST(ProxyVolumeS16, FilteringIsTrilinear)
         for (int k = 0; k < 8; ++k) {
             const ivec3 side(k & 1, k >> 1 & 1, k >> 2 & 1);
             const vec3 share = glm::mix(1.0f - part, part, vec3(side));
-            expected += share.x * share.y * share.z * probes.sample(texelCenter(volume, low + side)).occlusion.x;
+            expected += share.x * share.y * share.z * probes.sample(texelCenter(volume, low + side)).occlusion[0];
         }
         const vec3 p = glm::mix(texelCenter(volume, low), texelCenter(volume, low + 1), part);
-        EXPECT_NEAR(sampleProxyVolume(volume, p).occlusion.x, expected, 1.0e-4f);
+        EXPECT_NEAR(sampleProxyVolume(volume, p).occlusion[0], expected, 1.0e-4f);
     }
 }
 
@@ -165,7 +165,7 @@ TEST(ProxyVolumeS16, FinerVolumesComeCloser)
         float sum = 0.0f;
         for (int n = 0; n < 500; ++n) {
             const vec3 p = random.in(kBox.min, kBox.max);
-            sum += std::abs(sampleProxyVolume(volume, p).occlusion.x - probes.sample(p).occlusion.x);
+            sum += std::abs(sampleProxyVolume(volume, p).occlusion[0] - probes.sample(p).occlusion[0]);
         }
         return sum / 500.0f;
     };

@@ -297,7 +297,7 @@ inline BakedScene pretendToBake(Scene scene, bool splitVertices = true)
             baked.probes.origin + baked.probes.spacingMeters * vec3(float(i % 3), float(i / 3 % 2), float(i / 6));
         for (std::size_t k = 0; k < 9; ++k)
             probe.radiance[k] = vec3(random(i, uint32_t(20 + k)) - 0.5f, 0.1f, random(k, uint32_t(i)));
-        probe.occlusion = {random(i, 9), 1.0f, 0.0f, random(i, 10)};
+        probe.occlusion.layers[0] = {random(i, 9), 1.0f, 0.0f, random(i, 10)};
         probe.valid = i != 5;
         baked.probes.probes.push_back(probe);
     }

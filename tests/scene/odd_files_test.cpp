@@ -231,7 +231,7 @@ TEST(Brightness, NoNumberThatIsNotFiniteIsWrittenOrRead)
     const float bad = std::numeric_limits<float>::infinity();
     const std::vector<std::function<void(BakedScene&)>> changes = {
         [&](BakedScene& b) { b.probes.probes[3].radiance[8].z = bad; },
-        [&](BakedScene& b) { b.probes.probes[0].occlusion.w = bad - bad; },
+        [&](BakedScene& b) { b.probes.probes[0].occlusion[3] = bad - bad; },
         [&](BakedScene& b) { b.probes.probes[7].position.x = bad; },
         [&](BakedScene& b) { b.lightmapUnitLux = bad; },
         [&](BakedScene& b) { b.scene.objects[0].lightmap.offset.y = bad; },

@@ -77,7 +77,7 @@ TEST_F(Optimize, KeepsTheBake)
         EXPECT_EQ(a.position, b.position);
         EXPECT_LT(glm::distance(a.radiance[3], b.radiance[3]), 1.0e-3f);
         EXPECT_LT(glm::distance(a.occlusion, b.occlusion), 1.0e-2f);
-        EXPECT_EQ(b.occlusion.y, 1.0f) << "a channel without a light stays exactly 1";
+        EXPECT_EQ(b.occlusion[1], 1.0f) << "a channel without a light stays exactly 1";
     }
     EXPECT_EQ(read->probes.tetrahedra.size(), fileTetrahedra(probeCells(before.probes)).size());
 }

@@ -147,7 +147,7 @@ TEST_F(Sidecar, PicturesAreTheBakes)
     for (std::size_t i = 0; i < probes.size(); ++i) {
         EXPECT_EQ(sidecar["probes"]["radiance"][i].size(), 27u);
         EXPECT_FLOAT_EQ(sidecar["probes"]["radiance"][i][4].get<float>(), probes[i].radiance[1].y);
-        EXPECT_FLOAT_EQ(sidecar["probes"]["occlusion"][i][2].get<float>(), probes[i].occlusion.z);
+        EXPECT_FLOAT_EQ(sidecar["probes"]["occlusion"][i][2].get<float>(), probes[i].occlusion[2]);
         EXPECT_EQ(sidecar["probes"]["valid"][i], probes[i].valid);
     }
 }

@@ -34,7 +34,7 @@ TEST(Versions, OldFilesAreRefusedWithTheirCure)
 
 TEST(Versions, NewerFilesAreRefused)
 {
-    const Error error = errorOfVersion(3);
+    const Error error = errorOfVersion(4);
     EXPECT_EQ(error.code, ErrorCode::Unsupported);
     EXPECT_THAT(error.message, testing::HasSubstr("newer version"));
 }

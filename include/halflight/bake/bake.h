@@ -61,6 +61,8 @@ struct BakeSettings {
     /// metal.
     std::optional<bool> directional;
     MaskEncoding maskEncoding = MaskEncoding::Attenuation; ///< shadowmask bakes
+    /// Shadowmask bakes have at most so many mask layers of four channels (spec S36), 1 to kMostMaskLayers.
+    int mostMaskLayers = kMostMaskLayers;
     /// Subtractive bakes: also stores the main light's own mask, so that dynamic shadows subtract only unoccluded light
     /// (subtractiveIrradiance() in shading/law.h).
     bool subtractiveMask = true;

@@ -21,7 +21,7 @@ struct FarmBake {
     std::string folder;   ///< of its parts, in the identity's folder of the cache: a hash of all that light depends on
     std::size_t tiles = 0;
     uint64_t texels = 0;
-    bool mask = false; ///< the tiles have a mask too
+    int maskLayers = 0; ///< that tiles have beside their light
 };
 
 /// Stages of the work. Cache: validity, the radiance cache and the probes. Workers share it part by part, and one that

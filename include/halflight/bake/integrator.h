@@ -140,7 +140,7 @@ struct IrradianceEstimate {
 
 struct ProbeEstimate {
     SphericalHarmonicsL2 radiance{};
-    vec4 occlusion{1.0f};  ///< attenuation by mask channel, 0…1
+    MaskValues occlusion;  ///< attenuation by mask channel, 0…1
     float variance = 0.0f; ///< of the luminance of a coefficient, mean over the nine
     bool valid = true;     ///< false: inside geometry
 };
@@ -208,9 +208,9 @@ public:
     /// Frees data that irradiance() keeps between calls for one map. Later calls rebuild it.
     virtual void releaseIrradiance() {}
 
-    /// Attenuation by static casters for each light with a mask channel, 0…1; 1 in channels without a light in reach.
-    /// For subtractive's main light: shadowed over unshadowed irradiance, 0 where both are 0.
-    virtual bool shadowmask(const TexelMap& map, const TexelRequest& request, std::span<vec4> out,
+    /// Attenuation by static casters for each light with a channel of that mask layer, 0…1; 1 in channels without a
+    /// light in reach. For subtractive's main light: shadowed over unshadowed irradiance, 0 where both are 0.
+    virtual bool shadowmask(const TexelMap& map, const TexelRequest& request, int layer, std::span<vec4> out,
                             const Progress& progress) = 0;
 
     /// Light and occlusion at positions[i] for each i of `which`, with `samples` paths each (0 =

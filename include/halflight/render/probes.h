@@ -15,7 +15,7 @@ namespace halflight {
 /// Probe light and occlusion at a point.
 struct ProbeSample {
     SphericalHarmonicsL2 radiance{};
-    vec4 occlusion{1.0f}; ///< by channel, 0…1
+    MaskValues occlusion; ///< by channel, 0…1
 };
 
 /// The open sky as a probe sees it, nothing occluded.
@@ -83,12 +83,13 @@ vec3 probeAnchor(const Object& object, const Bounds& worldBounds);
 /// A GPU holds it as kTextures 3D textures of `resolution` texels, RGBA32F (or RGBA16F where coefficients stay below
 /// 65,504 nits), sampled with a linear filter, clamped to the edge, at volumeFromWorld * position:
 ///   0, 1, 2   band 0 and 1 of red, green, blue: coefficients 00, 1-1, 10, 11
-///   3         occlusion by channel
+///   3         occlusion by channel of the first mask layer
 ///   4, 5, 6   band 2 of red, green, blue: coefficients 2-2, 2-1, 20, 21
 ///   7         coefficient 22 in rgb; a = 0
-/// A shader content with L1 binds the first four.
+///   8, 9, 10  occlusion by channel of mask layers 1, 2, 3; 1 where the bake has none
+/// A shader content with L1 and four channels binds the first four.
 struct ProxyVolume {
-    static constexpr int kTextures = 8;
+    static constexpr int kTextures = 8 + kMostMaskLayers - 1;
 
     /// To texture coordinates, [0, 1]^3 in the volume. Texel (x, y, z) is the light at coordinate (x + 1/2, y + 1/2,
     /// z + 1/2) / resolution. The outermost texel centres lie on the faces of the box asked for, so that between them,

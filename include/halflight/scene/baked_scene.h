@@ -1,5 +1,6 @@
 #pragma once
 
+#include "halflight/scene/mask_values.h"
 #include "halflight/scene/scene.h"
 #include "halflight/scene/tetrahedra.h"
 
@@ -20,7 +21,7 @@ struct Probe {
     /// would see. Irradiance for a normal comes from shading/sh.h.
     SphericalHarmonicsL2 radiance{};
     /// Baked attenuation (1 lit … 0 shadowed) by shadowmask channel; unused channels are 1 (spec S14).
-    vec4 occlusion{1.0f};
+    MaskValues occlusion;
     bool valid = true; ///< false: inside geometry; to be left out of interpolation
 };
 
@@ -90,10 +91,13 @@ struct BakedScene {
     std::vector<ImageRgba8> lightmapDirections;
     /// Lux that a texel of 1 stands for; above 1 where light is brighter than RGB9E5's 65,408 (full daylight is).
     float lightmapUnitLux = 1.0f;
-    /// Baked attenuation by channel, 255 = lit; one per page, or none when no light has a channel. A subtractive bake
-    /// holds the main light's alone, in channel 0, or none (BakeSettings::subtractiveMask).
+    /// Layers that masks have, 1 to kMostMaskLayers: one for each four channels in use (spec S36).
+    int maskLayers = 1;
+    /// Baked attenuation by channel, 255 = lit; `maskLayers` pictures per page, those of a page together, or none when
+    /// no light has a channel. Where there are several layers, a picture without texels is lit everywhere. A
+    /// subtractive bake holds the main light's alone, in channel 0, or none (BakeSettings::subtractiveMask).
     std::vector<ImageRgba8> shadowmasks;
-    std::array<MaskChannel, 4> maskChannels{};
+    std::array<MaskChannel, kMostMaskLayers * kLayerChannels> maskChannels{};
     /// Lower limit of subtractive shadows that the bake chose, irradiance in lux (spec S23): the light where the main
     /// light is shadowed. Counts where the author asks for none.
     vec3 defaultShadowColor{0.0f};
@@ -102,6 +106,12 @@ struct BakedScene {
     /// What a tool dropped of the bake since it was written, as phrases; scene.warnings has them as sentences.
     std::vector<std::string> lost;
 };
+
+/// Layers that hold the channels of all lights, at least 1.
+int maskLayersOf(const Scene& scene);
+
+/// Of the mask's pictures; zero where none has texels.
+ivec2 maskPageSize(const BakedScene& baked);
 
 /// Lower limit of subtractive shadows, irradiance in lux: the author's, else the bake's.
 inline vec3 subtractiveShadowColor(const BakedScene& baked)

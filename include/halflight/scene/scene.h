@@ -224,7 +224,7 @@ struct BakingOutput {
     bool isBaked = false;                     ///< false for realtime lights and unbaked files
     LightMode bakeType = LightMode::Realtime; ///< what the light is after the bake: an overflowing mixed light is Baked
     MixedLightingMode mixedMode = MixedLightingMode::Shadowmask;
-    int occlusionMaskChannel = -1; ///< -1 none, 0…3 = R, G, B, A of shadowmask and probe occlusion
+    int occlusionMaskChannel = -1; ///< -1 none; 0 to 3: R to A of the first mask layer, 4 to 7 of the second …
     std::string reason;            ///< why bakeType differs from the authored mode; empty when it does not
     mat4 worldFromLight{1.0f};     ///< pose at bake time, to tell a light that was moved since
     /// Point, spot: the mask and the probes hold this light's shadow up to here, and B is 1 beyond (spec section 4).

@@ -12,7 +12,7 @@
 namespace halflight {
 namespace {
 
-constexpr uint32_t kCacheVersion = 39; ///< raised when estimates of the same input change
+constexpr uint32_t kCacheVersion = 40; ///< raised when estimates of the same input change
 
 /// Relative difference of a tile's check samples that counts as a change; well below the noise of a bake.
 constexpr double kCheckTolerance = 0.005;
@@ -54,9 +54,9 @@ Hash128 bakeHash(const Scene& scene, const BakeSettings& settings)
     // the identity, and `only`.
     [[maybe_unused]] const auto& [mode, quality, samples, shadowSamples, bounces, glossyBounces, integrator,
                                   noiseTarget, texelStep, isa, uvMode, texelsPerMeter, lightmapSize, paddingTexels,
-                                  twoSided, denoiser, directional, maskEncoding, subtractiveMask, probeSpacingMeters,
-                                  probeLayout, reflectionProbes, threads, seed, imagesDirectory, cacheDirectory,
-                                  mixedIdentities, only] = settings;
+                                  twoSided, denoiser, directional, maskEncoding, mostMaskLayers, subtractiveMask,
+                                  probeSpacingMeters, probeLayout, reflectionProbes, threads, seed, imagesDirectory,
+                                  cacheDirectory, mixedIdentities, only] = settings;
     const BakeQuality q = qualityOf(settings, scene);
     Hasher hasher;
     hasher.add(kCacheVersion).add(contentHash(scene)).add(int(mode)).add(int(integrator)).add(int(uvMode));
@@ -69,7 +69,11 @@ Hash128 bakeHash(const Scene& scene, const BakeSettings& settings)
         .add(int(twoSided))
         .add(int(denoiser))
         .add(int(q.directional));
-    hasher.add(int(maskEncoding)).add(int(subtractiveMask)).add(probeSpacingMeters).add(int(probeLayout));
+    hasher.add(int(maskEncoding))
+        .add(mostMaskLayers)
+        .add(int(subtractiveMask))
+        .add(probeSpacingMeters)
+        .add(int(probeLayout));
     hasher.add(int(reflectionProbes)).add(q.reflectionSize);
     return hasher.add(seed).hash();
 }
@@ -144,22 +148,28 @@ BakeCache::Work<IrradianceEstimate, float> CachedIntegrator::irradianceWork() co
     return work;
 }
 
-BakeCache::Work<vec4, vec4> CachedIntegrator::shadowmaskWork() const
+std::string maskStage(int layer)
+{
+    return layer == 0 ? "shadowmask" : "shadowmask" + std::to_string(layer);
+}
+
+BakeCache::Work<vec4, vec4> CachedIntegrator::shadowmaskWork(int layer) const
 {
     BakeCache::Work<vec4, vec4> work;
-    work.stage = work.progressName = "shadowmask";
+    work.stage = maskStage(layer);
+    work.progressName = "shadowmask";
     work.count = map.texels.size();
     work.tileSize = kTexelTile;
     work.tilesPerPart = texelTilesPerPart(Tiling{work.count, work.tileSize}.tileCount());
     work.surface = [&](std::size_t first, std::size_t count) { return surfaceHash(geometry, map, first, count); };
     work.keeps = keepsMasks;
     if (keepsMasks) work.chosen = chosen;
-    work.compute = [&](std::span<const uint32_t> items, std::span<vec4> values, const Progress& part) {
-        return integrator.shadowmask(map, {items}, values, part);
+    work.compute = [this, layer](std::span<const uint32_t> items, std::span<vec4> values, const Progress& part) {
+        return integrator.shadowmask(map, {items}, layer, values, part);
     };
-    work.check = [&](std::span<const uint32_t> items, std::span<vec4> values, const Progress& part) {
+    work.check = [this, layer](std::span<const uint32_t> items, std::span<vec4> values, const Progress& part) {
         const TexelRequest request{items, 0, checkSamples(settings.shadowSamples)};
-        return integrator.shadowmask(map, request, values, part);
+        return integrator.shadowmask(map, request, layer, values, part);
     };
     // With equal random numbers any difference is a ray with another result.
     work.changed = [](std::span<const vec4> before, std::span<const vec4> now) {
@@ -180,10 +190,10 @@ bool CachedIntegrator::irradianceOfParts(std::span<const std::size_t> parts, std
     return cache->run(irradianceWork(), parts, out, progress);
 }
 
-bool CachedIntegrator::shadowmask(std::span<vec4> out, const Progress& progress) const
+bool CachedIntegrator::shadowmask(int layer, std::span<vec4> out, const Progress& progress) const
 {
-    if (cache == nullptr) return integrator.shadowmask(map, {allIndices(map.texels.size())}, out, progress);
-    return cache->run(shadowmaskWork(), out, progress);
+    if (cache == nullptr) return integrator.shadowmask(map, {allIndices(map.texels.size())}, layer, out, progress);
+    return cache->run(shadowmaskWork(layer), out, progress);
 }
 
 bool CachedIntegrator::fillIrradiance(std::span<const std::size_t> parts, const Progress& progress) const
@@ -191,9 +201,11 @@ bool CachedIntegrator::fillIrradiance(std::span<const std::size_t> parts, const 
     return cache->fill(irradianceWork(), parts, progress);
 }
 
-bool CachedIntegrator::fillShadowmask(std::span<const std::size_t> parts, const Progress& progress) const
+bool CachedIntegrator::fillShadowmasks(int layers, std::span<const std::size_t> parts, const Progress& progress) const
 {
-    return cache->fill(shadowmaskWork(), parts, progress);
+    for (int layer = 0; layer < layers; ++layer)
+        if (!cache->fill(shadowmaskWork(layer), parts, progress)) return false;
+    return true;
 }
 
 bool CachedIntegrator::probes(std::span<const vec3> positions, std::span<ProbeEstimate> out, int batch,

@@ -11,6 +11,9 @@ Hash128 layoutHash(const TexelMap& map, const IntegrationSettings& settings, Mix
 /// Hash of all inputs that affect light in a bake of that layout.
 Hash128 lightHash(Hash128 layout, const Scene& scene, const BakeGeometry& geometry);
 
+/// The stage of a mask layer, as the cache names its parts.
+std::string maskStage(int layer);
+
 /// Integrator calls for all texels and probes; with a cache, only for tiles that it does not hold. All return false
 /// when cancelled.
 struct CachedIntegrator {
@@ -25,20 +28,21 @@ struct CachedIntegrator {
     bool keepsMasks = true;
 
     bool irradiance(std::span<IrradianceEstimate> out, const Progress& progress) const;
-    bool shadowmask(std::span<vec4> out, const Progress& progress) const;
+    bool shadowmask(int layer, std::span<vec4> out, const Progress& progress) const;
     /// Some parts of the texels, by the cache, which is there.
     bool irradianceOfParts(std::span<const std::size_t> parts, std::span<IrradianceEstimate> out,
                            const Progress& progress) const;
     /// Has some parts of the texels in the cache, which is there.
     bool fillIrradiance(std::span<const std::size_t> parts, const Progress& progress) const;
-    bool fillShadowmask(std::span<const std::size_t> parts, const Progress& progress) const;
+    /// The same of all mask layers.
+    bool fillShadowmasks(int layers, std::span<const std::size_t> parts, const Progress& progress) const;
     /// `batch`: number of the set of probes, 0, 1, 2…; the cache stores each set separately.
     bool probes(std::span<const vec3> positions, std::span<ProbeEstimate> out, int batch,
                 const Progress& progress) const;
 
 private:
     [[nodiscard]] BakeCache::Work<IrradianceEstimate, float> irradianceWork() const;
-    [[nodiscard]] BakeCache::Work<vec4, vec4> shadowmaskWork() const;
+    [[nodiscard]] BakeCache::Work<vec4, vec4> shadowmaskWork(int layer) const;
 };
 
 } // namespace halflight

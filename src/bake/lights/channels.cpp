@@ -1,10 +1,10 @@
-// Shadowmask channels: colouring of the graph of mixed lights whose reaches overlap (spec S9, S10).
+// Shadowmask channels: colouring of the graph of mixed lights whose reaches overlap (spec S9, S10, S36).
 #include "bake/lights/channels.h"
 
+#include "bake/lights/light_levels.h"
 #include "halflight/base/cone.h"
 #include "halflight/base/mathematics.h"
 #include "halflight/base/text.h"
-#include "halflight/shading/light.h"
 
 #include <algorithm>
 #include <array>
@@ -12,7 +12,7 @@
 
 namespace halflight {
 namespace {
-constexpr int kChannels = 4;
+constexpr int kMostChannels = kMostMaskLayers * kLayerChannels;
 /// Limit on pairs of lights that one attempt at recolouring compares. A step compares all pairs, so connected groups of
 /// more than kMaxRecolored lights are only coloured greedily.
 constexpr int kColoringBudget = 4'000'000;
@@ -87,21 +87,21 @@ bool moreImportant(const Light& a, const Light& b)
 
 using Graph = std::vector<std::vector<bool>>;
 
-/// Colours the listed nodes with four colours, most constrained node first (Brelaz 1979, "New Methods to Color the
+/// Colours the listed nodes with so many colours, most constrained node first (Brelaz 1979, "New Methods to Color the
 /// Vertices of a Graph"), with backtracking up to a budget of steps.
-bool colorGraph(const Graph& graph, const std::vector<int>& nodes, std::vector<int>& color, int& budget)
+bool colorGraph(const Graph& graph, const std::vector<int>& nodes, int colors, std::vector<int>& color, int& budget)
 {
     int best = -1;
-    int bestFree = kChannels + 1;
-    std::array<bool, kChannels> bestUsed{};
+    int bestFree = colors + 1;
+    std::array<bool, kMostChannels> bestUsed{};
     for (const int node : nodes) {
         if (color[std::size_t(node)] >= 0) continue;
-        std::array<bool, kChannels> used{};
+        std::array<bool, kMostChannels> used{};
         for (const int other : nodes) {
             const int c = color[std::size_t(other)];
             if (c >= 0 && graph[std::size_t(node)][std::size_t(other)]) used[std::size_t(c)] = true;
         }
-        const int freeColors = int(std::count(used.begin(), used.end(), false));
+        const int freeColors = int(std::count(used.begin(), used.begin() + colors, false));
         if (freeColors < bestFree) {
             bestFree = freeColors;
             best = node;
@@ -109,11 +109,11 @@ bool colorGraph(const Graph& graph, const std::vector<int>& nodes, std::vector<i
         }
     }
     if (best < 0) return true;
-    for (int c = 0; c < kChannels; ++c) {
+    for (int c = 0; c < colors; ++c) {
         if (bestUsed[std::size_t(c)]) continue;
         if (--budget < 0) return false;
         color[std::size_t(best)] = c;
-        if (colorGraph(graph, nodes, color, budget)) return true;
+        if (colorGraph(graph, nodes, colors, color, budget)) return true;
     }
     color[std::size_t(best)] = -1;
     return false;
@@ -139,13 +139,13 @@ std::vector<int> connectedTo(const Graph& graph, const std::vector<int>& placed,
 /// Channels of some lights, most important first.
 struct Coloring {
     std::vector<int> channel;              ///< by light; -1: none
-    std::vector<std::vector<int>> holders; ///< by light without channel: the lights with the four channels
+    std::vector<std::vector<int>> holders; ///< by light without channel: the lights with the channels
     std::size_t overflow = 0;              ///< lights without channel
 };
 
 /// Greedy colouring, important lights first, with the lowest free channel. If none is free, the light's connected
 /// component is coloured again; if that fails, the light gets no channel.
-Coloring colorLights(const std::vector<const Light*>& lights)
+Coloring colorLights(const std::vector<const Light*>& lights, int channels)
 {
     const std::size_t n = lights.size();
     Graph graph(n, std::vector<bool>(n, false));
@@ -158,8 +158,7 @@ Coloring colorLights(const std::vector<const Light*>& lights)
     color.assign(n, -1);
     std::vector<int> placed;
     for (int i = 0; i < int(n); ++i) {
-        std::array<int, kChannels> holder;
-        holder.fill(-1);
+        std::vector<int> holder(std::size_t(channels), -1);
         for (const int other : placed) {
             if (graph[std::size_t(i)][std::size_t(other)]) holder[std::size_t(color[std::size_t(other)])] = other;
         }
@@ -173,12 +172,12 @@ Coloring colorLights(const std::vector<const Light*>& lights)
         std::vector<int> recolored = color;
         for (const int candidate : candidates) recolored[std::size_t(candidate)] = -1;
         int budget = candidates.empty() ? 0 : kColoringBudget / int(candidates.size() * candidates.size());
-        if (budget > 0 && colorGraph(graph, candidates, recolored, budget)) {
+        if (budget > 0 && colorGraph(graph, candidates, channels, recolored, budget)) {
             color = recolored;
             placed.push_back(i);
             continue;
         }
-        result.holders[std::size_t(i)].assign(holder.begin(), holder.end());
+        result.holders[std::size_t(i)] = std::move(holder);
         ++result.overflow;
     }
     return result;
@@ -188,105 +187,11 @@ Coloring colorLights(const std::vector<const Light*>& lights)
 /// share that leaves no light without channel is used. It bounds the light that leaks through walls beyond a reach.
 constexpr std::array kReachShares = {1.0f / 320.0f, 1.0f / 160.0f, 1.0f / 80.0f, 1.0f / 40.0f, 1.0f / 20.0f};
 
-bool hasNoRange(const Light& light)
-{
-    return light.type != LightType::Directional && light.rangeMeters <= 0.0f;
-}
-
-/// Points of a low-discrepancy sequence over the area of static objects.
-std::vector<vec3> surfacePoints(const Scene& scene)
-{
-    struct Triangle {
-        vec3 a, ab, ac;
-        double areaBefore;
-    };
-    std::vector<Triangle> triangles;
-    double area = 0.0;
-    for (const Object& object : scene.objects) {
-        if (!object.isStatic || object.mesh < 0) continue;
-        for (const MeshPart& part : scene.meshes[std::size_t(object.mesh)].parts) {
-            const auto at = [&](std::size_t i) {
-                return vec3(object.worldFromObject * vec4(part.positions[part.indices[i]], 1.0f));
-            };
-            for (std::size_t i = 0; i + 2 < part.indices.size(); i += 3) {
-                const vec3 a = at(i);
-                triangles.push_back({a, at(i + 1) - a, at(i + 2) - a, area});
-                area += 0.5 * double(glm::length(glm::cross(triangles.back().ab, triangles.back().ac)));
-            }
-        }
-    }
-    std::vector<vec3> points;
-    if (!(area > 0.0)) return points;
-    constexpr int kPoints = 4096; // a few per cent of error in the level of the light
-    for (int i = 0; i < kPoints; ++i) {
-        // Roberts 2018, "The Unreasonable Effectiveness of Quasirandom Sequences": R3.
-        const glm::dvec3 u =
-            glm::fract(0.5 + double(i) * glm::dvec3(0.8191725133961645, 0.6710436067037893, 0.5497004779019703));
-        const double place = u.x * area;
-        const auto after = std::upper_bound(triangles.begin(), triangles.end(), place,
-                                            [](double p, const Triangle& t) { return p < t.areaBefore; });
-        const Triangle& t = *(after - 1);
-        const float root = std::sqrt(float(u.y));
-        points.push_back(t.a + root * ((1.0f - float(u.z)) * t.ab + float(u.z) * t.ac));
-    }
-    return points;
-}
-
-/// Unoccluded illuminance in lux. Distances below 1 m count as 1 m, so that a lamp's housing does not set the level.
-float illuminanceAt(const Light& light, vec3 point)
-{
-    const vec3 away = point - light.position();
-    const float distance = std::max(glm::length(away), 1.0f);
-    float attenuation = shading::distanceAttenuation(distance, light.rangeMeters);
-    if (light.type == LightType::Spot) {
-        const vec2 cone = shading::spotConstants(light.innerConeRadians, light.outerConeRadians);
-        attenuation *= shading::spotAttenuation(glm::dot(away, light.direction()) / distance, cone);
-    }
-    if (isAreaLight(light.type)) attenuation *= std::max(glm::dot(away, light.direction()) / distance, 0.0f);
-    return luminance(light.color) * light.intensity * light.area() * attenuation;
-}
-
-/// The level of the light, in the mean over the light: leaks are visible relative to it.
-float brightLevel(std::span<const float> levels)
-{
-    double light = 0.0;
-    double squares = 0.0;
-    for (const float level : levels) {
-        light += double(level);
-        squares += double(level) * double(level);
-    }
-    return light > 0.0 ? float(squares / light) : 0.0f;
-}
-
-/// For each light without a range, sqrt(I / E) in metres, with E the bright level of all other point and spot lights.
-/// At sqrt(I / E) / sqrt(share) its illuminance I / d² is that share of E. Sun and sky do not count, since a sun may be
-/// dimmed at run time. Infinite without other lights.
-std::vector<float> levelDistances(const Scene& scene, const std::vector<const Light*>& lights)
-{
-    const std::vector<vec3> points = surfacePoints(scene);
-    std::vector<float> total(points.size(), 0.0f);
-    for (const Light& light : scene.lights) {
-        if (light.type == LightType::Directional) continue;
-        for (std::size_t p = 0; p < points.size(); ++p) total[p] += illuminanceAt(light, points[p]);
-    }
-    std::vector<float> distances(lights.size(), kInfinity);
-    for (std::size_t i = 0; i < lights.size(); ++i) {
-        if (!hasNoRange(*lights[i])) continue;
-        std::vector<float> others(points.size());
-        for (std::size_t p = 0; p < points.size(); ++p)
-            others[p] = std::max(total[p] - illuminanceAt(*lights[i], points[p]), 0.0f);
-        const float level = brightLevel(others);
-        const float candela = luminance(lights[i]->color) * lights[i]->intensity * lights[i]->area();
-        if (level > 0.0f && candela > 0.0f) distances[i] = std::sqrt(candela / level);
-    }
-    return distances;
-}
-
 /// Colours lights. If some get no channel, lights without a range get the longest effective reach that helps.
-Coloring colorWithinReach(const Scene& scene, const std::vector<Light*>& mixed)
+Coloring colorWithinReach(const Scene& scene, const std::vector<Light*>& mixed, int channels)
 {
     const std::vector<const Light*> lights(mixed.begin(), mixed.end());
-    Coloring best = colorLights(lights);
+    Coloring best = colorLights(lights, channels);
     const bool limitless = std::any_of(lights.begin(), lights.end(), [](const Light* l) { return hasNoRange(*l); });
     if (best.overflow == 0 || !limitless) return best;
     const std::vector<float> distances = levelDistances(scene, lights);
@@ -300,7 +205,7 @@ Coloring colorWithinReach(const Scene& scene, const std::vector<Light*>& mixed)
     float bestShare = 0.0f;
     for (const float share : kReachShares) {
         setReach(share);
-        Coloring coloring = colorLights(lights);
+        Coloring coloring = colorLights(lights, channels);
         if (coloring.overflow >= best.overflow) continue;
         best = std::move(coloring);
         bestShare = share;
@@ -315,7 +220,7 @@ Coloring colorWithinReach(const Scene& scene, const std::vector<Light*>& mixed)
     return best;
 }
 
-/// Why a light is fully baked, and the cure. No range helps against four directional lights, which reach everything.
+/// Why a light is fully baked, and the cure. No range helps against directional lights, which reach everything.
 std::string overflowReason(const Light& light, const std::vector<const Light*>& holders)
 {
     std::vector<std::string> names;
@@ -325,19 +230,22 @@ std::string overflowReason(const Light& light, const std::vector<const Light*>& 
         names.push_back(holder->name);
         if (holder->type != LightType::Directional) (hasNoRange(*holder) ? limitless : limited).push_back(holder->name);
     }
-    const std::string text = "overlaps four other mixed lights that hold all shadowmask channels (" + listOf(names) +
+    const bool oneLayer = holders.size() == std::size_t(kLayerChannels);
+    const std::string text = std::string("overlaps ") + (oneLayer ? "four" : "sixteen") +
+                             " other mixed lights that hold all shadowmask channels (" + listOf(names) +
                              "), so it is fully baked; ";
+    const std::string orLayers = oneLayer ? "; or bake with --mask-layers auto" : "";
     if (limitless.empty() && limited.empty())
-        return text + "these are directional and reach everything: make one of them realtime or baked";
+        return text + "these are directional and reach everything: make one of them realtime or baked" + orLayers;
     if (hasNoRange(light)) limitless.insert(limitless.begin(), light.name);
     if (limitless.empty())
-        return text + "shorter ranges, until it overlaps one less of " + listOf(limited) + ", free it";
+        return text + "shorter ranges, until it overlaps one less of " + listOf(limited) + ", free it" + orLayers;
     return text + "give " + listOf(limitless) +
            " a range (halflight_range, or range of KHR_lights_punctual): without " +
-           (limitless.size() == 1 ? "one it reaches" : "one they reach") + " everything";
+           (limitless.size() == 1 ? "one it reaches" : "one they reach") + " everything" + orLayers;
 }
 
-void assignShadowmask(Scene& scene, std::vector<int> mixed)
+void assignShadowmask(Scene& scene, std::vector<int> mixed, int channels)
 {
     std::sort(mixed.begin(), mixed.end(),
               [&](int a, int b) { return moreImportant(scene.lights[std::size_t(a)], scene.lights[std::size_t(b)]); });
@@ -348,7 +256,7 @@ void assignShadowmask(Scene& scene, std::vector<int> mixed)
     });
     std::vector<Light*> lights;
     for (const int l : mixed) lights.push_back(&scene.lights[std::size_t(l)]);
-    const Coloring coloring = colorWithinReach(scene, lights);
+    const Coloring coloring = colorWithinReach(scene, lights, channels);
     for (std::size_t i = 0; i < lights.size(); ++i) {
         BakingOutput& baking = lights[i]->baking;
         baking.occlusionMaskChannel = coloring.channel[i];
@@ -362,7 +270,7 @@ void assignShadowmask(Scene& scene, std::vector<int> mixed)
 
 } // namespace
 
-void assignShadowmaskChannels(Scene& scene, MixedLightingMode mode)
+void assignShadowmaskChannels(Scene& scene, MixedLightingMode mode, int mostLayers)
 {
     std::vector<int> mixed;
     for (std::size_t i = 0; i < scene.lights.size(); ++i) {
@@ -378,7 +286,7 @@ void assignShadowmaskChannels(Scene& scene, MixedLightingMode mode)
         if (light.mode == LightMode::Mixed) mixed.push_back(int(i));
     }
     if (mode == MixedLightingMode::Shadowmask) {
-        assignShadowmask(scene, mixed);
+        assignShadowmask(scene, std::move(mixed), mostLayers * kLayerChannels);
     } else if (mode == MixedLightingMode::Subtractive) {
         // The main light alone has occlusion in the probes, in channel 0 (spec S25).
         int main = -1;

@@ -69,7 +69,7 @@ bool bakeMainLight(const CachedIntegrator& cached, MainLight& main, const Progre
 {
     const std::size_t count = cached.map.texels.size();
     std::vector<vec4> mask(count);
-    if (!cached.shadowmask(mask, progress)) return false;
+    if (!cached.shadowmask(0, mask, progress)) return false;
     main.unshadowed.assign(count, vec3(0.0f));
     main.transmittance.assign(count, 0.0f);
     parallelFor(count, 1024, [&](std::size_t begin, std::size_t end) {

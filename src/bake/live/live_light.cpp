@@ -71,7 +71,7 @@ bool LiveLight::beginWithProbes(Scene scene, const BakeSettings& settings, const
     light.isBaked = true;
     light.scene = std::move(scene);
     for (Object& object : light.scene.objects) object.lightmap = {};
-    assignShadowmaskChannels(light.scene, settings.mode);
+    assignShadowmaskChannels(light.scene, settings.mode, settings.mostMaskLayers);
     limitBounces(light.scene, integration);
     const BakeGeometry geometry = flattenGeometry(light.scene, 1, GeometryFilter::Static);
     IntegrationSettings few = integration;

@@ -84,14 +84,14 @@ Edge edgeIn(const TexelMap& map, const TexelGrid& grid, const std::vector<vec4>&
 
 } // namespace
 
-std::array<MaskChannel, 4> maskToDistances(const TexelMap& map, std::vector<vec4>& mask)
+std::array<MaskChannel, kLayerChannels> maskToDistances(const TexelMap& map, std::vector<vec4>& mask)
 {
     const TexelGrid grid(map);
 
-    std::array<MaskChannel, 4> channels{};
+    std::array<MaskChannel, kLayerChannels> channels{};
     std::vector<Edge> edges(map.texels.size());
     std::vector<float> distances(map.texels.size());
-    for (int channel = 0; channel < 4; ++channel) {
+    for (int channel = 0; channel < kLayerChannels; ++channel) {
         const float penumbra = meanPenumbra(map, grid, mask, channel);
         if (penumbra < 0.0f || penumbra > kWidestPenumbra) continue;
         channels[std::size_t(channel)] = {kRangeTexels, penumbra};

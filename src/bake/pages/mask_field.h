@@ -9,7 +9,8 @@
 namespace halflight {
 
 /// Turns channels whose shadows have narrow penumbrae into distance fields (shading/mask.h); other channels stay
-/// attenuation. Returns the encoding of each channel.
-std::array<MaskChannel, 4> maskToDistances(const TexelMap& map, std::vector<vec4>& mask);
+/// attenuation. Returns the encoding of each channel. `mask` is
+/// of one mask layer.
+std::array<MaskChannel, kLayerChannels> maskToDistances(const TexelMap& map, std::vector<vec4>& mask);
 
 } // namespace halflight

@@ -24,22 +24,28 @@ Status dumpPages(const BakeSettings& settings, const std::string& prefix, const 
 Status dumpResult(const BakeSettings& settings, const BakedScene& baked, FileGroup& files)
 {
     if (settings.imagesDirectory.empty()) return {};
-    for (const auto& [prefix, pages] :
-         {std::pair{"shadowmask", &baked.shadowmasks}, std::pair{"lightmap_direction", &baked.lightmapDirections}}) {
-        for (std::size_t i = 0; i < pages->size(); ++i) {
-            const auto path = settings.imagesDirectory / (prefix + ("_" + std::to_string(i) + ".png"));
-            const auto write = [&](const std::filesystem::path& temporary) { return writePng(temporary, (*pages)[i]); };
-            if (Status status = files.add(path, write); !status) return status;
-        }
+    const auto add = [&](const std::string& name, const ImageRgba8& page) {
+        const auto write = [&](const std::filesystem::path& temporary) { return writePng(temporary, page); };
+        return files.add(settings.imagesDirectory / (name + ".png"), write);
+    };
+    for (std::size_t i = 0; i < baked.shadowmasks.size(); ++i) {
+        if (baked.shadowmasks[i].texelCount() == 0) continue;
+        if (Status status = add("shadowmask_" + std::to_string(i), baked.shadowmasks[i]); !status) return status;
+    }
+    for (std::size_t i = 0; i < baked.lightmapDirections.size(); ++i) {
+        const std::string name = "lightmap_direction_" + std::to_string(i);
+        if (Status status = add(name, baked.lightmapDirections[i]); !status) return status;
     }
     nlohmann::json probes = nlohmann::json::array();
     for (const Probe& probe : baked.probes.probes) {
         nlohmann::json coefficients = nlohmann::json::array();
         for (const vec3 c : probe.radiance) coefficients.push_back({c.x, c.y, c.z});
+        nlohmann::json occlusion = nlohmann::json::array();
+        for (int c = 0; c < baked.maskLayers * kLayerChannels; ++c) occlusion.push_back(probe.occlusion[c]);
         const dvec3 position = baked.scene.originMeters + dvec3(probe.position);
         probes.push_back({{"position", {position.x, position.y, position.z}},
                           {"valid", probe.valid},
-                          {"occlusion", {probe.occlusion.x, probe.occlusion.y, probe.occlusion.z, probe.occlusion.w}},
+                          {"occlusion", occlusion},
                           {"radiance", std::move(coefficients)}});
     }
     const auto path = settings.imagesDirectory / "probes.json";

@@ -89,7 +89,7 @@ void fillInvalidProbes(ProbeSet& grid)
         for (const std::size_t i : open) {
             const ivec3 place(int(i) % size.x, int(i) / size.x % size.y, int(i) / (size.x * size.y));
             Probe sum{};
-            sum.occlusion = vec4(0.0f);
+            sum.occlusion = MaskValues(0.0f);
             float count = 0.0f;
             const auto take = [&](std::size_t neighbour) {
                 if (known[neighbour] == 0) return;

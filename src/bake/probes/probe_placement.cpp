@@ -152,24 +152,23 @@ float disagreement(std::span<const Probe* const> probes, float dark)
     std::array<float, 6> largest;
     least.fill(kInfinity);
     largest.fill(0.0f);
-    vec4 mostHidden(1.0f);
-    vec4 leastHidden(0.0f);
+    MaskValues mostHidden(1.0f);
+    MaskValues leastHidden(0.0f);
     for (const Probe* probe : probes) {
         const std::array<float, 6> sides = irradianceAround(probe->radiance);
         for (std::size_t i = 0; i < 6; ++i) {
             least[i] = std::min(least[i], sides[i]);
             largest[i] = std::max(largest[i], sides[i]);
         }
-        mostHidden = glm::min(mostHidden, probe->occlusion);
-        leastHidden = glm::max(leastHidden, probe->occlusion);
+        mostHidden = min(mostHidden, probe->occlusion);
+        leastHidden = max(leastHidden, probe->occlusion);
     }
     float most = 0.0f;
     for (std::size_t i = 0; i < 6; ++i) {
         const float larger = std::max(largest[i], dark);
         if (larger > 0.0f) most = std::max(most, (largest[i] - least[i]) / larger / kDisagrees);
     }
-    for (int c = 0; c < 4; ++c) most = std::max(most, (leastHidden[c] - mostHidden[c]) / kDisagrees);
-    return most;
+    return std::max(most, largestExcess(leastHidden, mostHidden) / kDisagrees);
 }
 
 AddedProbes probesBetween(std::span<const Probe> probes, std::span<const vec3> sides, std::span<const ProbeLink> links,

@@ -176,10 +176,11 @@ std::vector<ivec3> ProbeTree::unsampledPoints(std::span<const Cell> cells) const
     return points;
 }
 
-/// Of trilinear interpolation between the valid corners; 1 where no corner is valid.
-vec4 ProbeTree::interpolationError(const Cell& cell, ivec3 offset, const Sample& truth)
+/// Of trilinear interpolation between the valid corners, in the channel where it is largest; 1 where no corner is
+/// valid.
+float ProbeTree::interpolationError(const Cell& cell, ivec3 offset, const Sample& truth)
 {
-    vec4 sum(0.0f);
+    MaskValues sum(0.0f);
     float weight = 0.0f;
     for (int corner = 0; corner < 8; ++corner) {
         const ivec3 c = cornerOffset(corner);
@@ -189,7 +190,9 @@ vec4 ProbeTree::interpolationError(const Cell& cell, ivec3 offset, const Sample&
         sum += w * sample.occlusion;
         weight += w;
     }
-    return weight > 0.0f ? glm::abs(sum / weight - truth.occlusion) : vec4(1.0f);
+    if (!(weight > 0.0f)) return 1.0f;
+    const MaskValues mean = sum / weight;
+    return std::max(largestExcess(mean, truth.occlusion), largestExcess(truth.occlusion, mean));
 }
 
 void ProbeTree::keepWrong(std::vector<Cell>& cells)
@@ -199,8 +202,7 @@ void ProbeTree::keepWrong(std::vector<Cell>& cells)
         forPoints(cell, [&](ivec3 point, ivec3 offset) {
             const Sample truth = at(point);
             if (!truth.valid) return;
-            const vec4 error = interpolationError(cell, offset, truth);
-            cell.error = std::max({cell.error, error.x, error.y, error.z, error.w});
+            cell.error = std::max(cell.error, interpolationError(cell, offset, truth));
         });
     }
     std::erase_if(cells, [](const Cell& c) { return c.error < kDisagrees; });

@@ -29,7 +29,7 @@ public:
         float error = 0.0f; ///< largest error of interpolated occlusion, 0…1
     };
     struct Sample {
-        vec4 occlusion{1.0f};
+        MaskValues occlusion;
         bool valid = false;            ///< false: inside geometry
         std::optional<uint32_t> probe; ///< index of the probe at this lattice point, if any
     };
@@ -82,7 +82,7 @@ private:
     static uint64_t key(ivec3 latticePoint);
     /// By axis: 1 where the cell is halved, else 2.
     [[nodiscard]] ivec3 stepsOf(const Cell& cell) const;
-    [[nodiscard]] vec4 interpolationError(const Cell& cell, ivec3 offset, const Sample& truth);
+    [[nodiscard]] float interpolationError(const Cell& cell, ivec3 offset, const Sample& truth);
 
     const ProbeSet& grid_;
     int side_ = 1; ///< lattice intervals along a side of a grid cell

@@ -210,13 +210,13 @@ private:
     }
     bool cornersDisagree(ProbeTree& tree, const ProbeTree::Cell& cell) const
     {
-        vec4 least(1.0f);
-        vec4 most(0.0f);
+        MaskValues least(1.0f);
+        MaskValues most(0.0f);
         for (const uint32_t corner : tree.validCorners(cell)) {
-            least = glm::min(least, probes[corner].occlusion);
-            most = glm::max(most, probes[corner].occlusion);
+            least = min(least, probes[corner].occlusion);
+            most = max(most, probes[corner].occlusion);
         }
-        return glm::any(glm::greaterThan(most - least, vec4(kDisagrees)));
+        return largestExcess(most, least) > kDisagrees;
     }
 
     const CachedIntegrator& cached_;

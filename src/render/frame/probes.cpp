@@ -71,7 +71,7 @@ ProbeSample ProbeInterpolator::sample(vec3 position) const
                 sum.radiance[k] += weights.weights[i] * (probe.radiance[k] - base.radiance[k]);
             sum.occlusion += weights.weights[i] * (probe.occlusion - base.occlusion);
         }
-        sum.occlusion = glm::clamp(sum.occlusion, 0.0f, 1.0f);
+        sum.occlusion = saturate(sum.occlusion);
     }
     // After interpolation: the sum of probes may ring less than each of them.
     if (options_.withoutRinging) sum.radiance = withoutRinging(sum.radiance);

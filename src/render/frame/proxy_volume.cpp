@@ -80,6 +80,11 @@ std::size_t texelCount(ivec3 resolution)
     return std::size_t(resolution.x) * std::size_t(resolution.y) * std::size_t(resolution.z);
 }
 
+std::size_t occlusionTexture(std::size_t maskLayer)
+{
+    return maskLayer == 0 ? 3 : 7 + maskLayer;
+}
+
 void store(ProxyVolume& volume, std::size_t at, const ProbeSample& sample)
 {
     const SphericalHarmonicsL2& r = sample.radiance;
@@ -87,7 +92,8 @@ void store(ProxyVolume& volume, std::size_t at, const ProbeSample& sample)
         volume.textures[std::size_t(c)][at] = {r[0][c], r[1][c], r[2][c], r[3][c]};
         volume.textures[std::size_t(4 + c)][at] = {r[4][c], r[5][c], r[6][c], r[7][c]};
     }
-    volume.textures[3][at] = sample.occlusion;
+    for (std::size_t k = 0; k < sample.occlusion.layers.size(); ++k)
+        volume.textures[occlusionTexture(k)][at] = sample.occlusion.layers[k];
     volume.textures[7][at] = vec4(r[8], 0.0f);
 }
 
@@ -228,7 +234,8 @@ ProbeSample sampleProxyVolume(const ProxyVolume& volume, vec3 worldPosition)
             sample.radiance[std::size_t(4 + i)][c] = sum[std::size_t(4 + c)][i];
         }
     }
-    sample.occlusion = sum[3];
+    for (std::size_t k = 0; k < sample.occlusion.layers.size(); ++k)
+        sample.occlusion.layers[k] = sum[occlusionTexture(k)];
     sample.radiance[8] = vec3(sum[7]);
     return sample;
 }

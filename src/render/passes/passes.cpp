@@ -240,7 +240,8 @@ void drawGBuffer(const PassContext& context, const DeferredPipelines& pipelines,
         colorAttachment(gBuffer.normals, VK_ATTACHMENT_LOAD_OP_DONT_CARE),
         colorAttachment(gBuffer.material, VK_ATTACHMENT_LOAD_OP_CLEAR),
         colorAttachment(color, VK_ATTACHMENT_LOAD_OP_CLEAR)};
-    if (gBuffer.mask.get()) attachments.push_back(colorAttachment(gBuffer.mask, VK_ATTACHMENT_LOAD_OP_DONT_CARE));
+    for (const gpu::Image* mask : {&gBuffer.mask, &gBuffer.furtherMask})
+        if (mask->get()) attachments.push_back(colorAttachment(*mask, VK_ATTACHMENT_LOAD_OP_DONT_CARE));
     beginRendering(context, attachments, depthAttachment(depth, VK_ATTACHMENT_LOAD_OP_LOAD), imageSize(color));
     pushClipFromWorld(context, draws.clipFromWorld);
     drawSolid(context, draws.deferred, pipelines.gBuffer.get(), pipelines.gBuffer.get(), Culling::AsMaterial);

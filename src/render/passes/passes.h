@@ -26,11 +26,17 @@ struct Pipelines {
     gpu::UniquePipeline sky;
 };
 
-/// Surfaces that are lit as they are drawn, for frames that read the shadowmask and for frames that do not (spec S11).
+/// The numbers of mask layers that shaders are made for: 0, 1, 2 and 4.
+constexpr int shaderMaskLayers(int layers)
+{
+    return layers == 3 ? 4 : layers;
+}
+
+/// Surfaces that are lit as they are drawn, for frames that read so many mask layers (spec S11, S36).
 struct ForwardPipelines {
-    ForwardPipelines(const gpu::Device& device, VkPipelineLayout layout, VkFormat colorFormat, bool readsMask);
+    ForwardPipelines(const gpu::Device& device, VkPipelineLayout layout, VkFormat colorFormat, int maskLayers);
     /// Before frames that draw blended parts: a CPU driver compiles it for a second.
-    void ensureBlend(const gpu::Device& device, VkPipelineLayout layout, VkFormat colorFormat, bool readsMask);
+    void ensureBlend(const gpu::Device& device, VkPipelineLayout layout, VkFormat colorFormat, int maskLayers);
 
     gpu::UniquePipeline lit;
     gpu::UniquePipeline blend;
@@ -41,17 +47,18 @@ struct GBuffer {
     gpu::Image baseColor;
     gpu::Image normals;
     gpu::Image material;
-    gpu::Image mask; ///< none unless a mask is in use (spec S26)
+    gpu::Image mask;        ///< none unless a mask is in use (spec S26); of one mask layer, or of two
+    gpu::Image furtherMask; ///< of the third and the fourth layer
 
     /// Images of that size; frames in flight may still use the ones before.
-    void ensure(const gpu::Device& device, ivec2 size, bool usesMask);
+    void ensure(const gpu::Device& device, ivec2 size, int maskLayers);
     [[nodiscard]] std::vector<const gpu::Image*> images() const;
 };
 
-/// The deferred path's own pipelines, for a G-buffer with or without a mask.
+/// The deferred path's own pipelines, for a G-buffer of so many mask layers.
 struct DeferredPipelines {
     /// Throws gpu::Failure on a device that cannot draw into so many targets at once.
-    DeferredPipelines(const gpu::Device& device, VkPipelineLayout layout, VkFormat colorFormat, bool usesMask);
+    DeferredPipelines(const gpu::Device& device, VkPipelineLayout layout, VkFormat colorFormat, int maskLayers);
 
     gpu::UniquePipeline gBuffer;
     gpu::UniquePipeline light;

@@ -8,8 +8,12 @@
 #include "shaders/depth_masked.frag.h"
 #include "shaders/gbuffer.frag.h"
 #include "shaders/gbuffer_mask.frag.h"
+#include "shaders/gbuffer_mask2.frag.h"
+#include "shaders/gbuffer_mask4.frag.h"
 #include "shaders/light.frag.h"
 #include "shaders/light_mask.frag.h"
+#include "shaders/light_mask2.frag.h"
+#include "shaders/light_mask4.frag.h"
 #include "shaders/lit.frag.h"
 #include "shaders/mesh.vert.h"
 #include "shaders/sky.frag.h"
@@ -23,7 +27,28 @@ using shading::GpuPush;
 /// Layout in shaders/gbuffer.glsl. All formats that every Vulkan device can draw into.
 constexpr VkFormat kGBufferFormats[] = {VK_FORMAT_R16G16B16A16_SFLOAT, VK_FORMAT_R32G32_UINT,
                                         VK_FORMAT_R16G16B16A16_UINT};
-constexpr VkFormat kGBufferMaskFormat = VK_FORMAT_R16G16B16A16_UINT;
+
+/// Of the targets that hold mask layers.
+std::vector<VkFormat> maskFormats(int maskLayers)
+{
+    if (maskLayers == 0) return {};
+    if (maskLayers == 1) return {VK_FORMAT_R16G16B16A16_UINT};
+    return std::vector<VkFormat>(std::size_t(maskLayers / 2), VK_FORMAT_R32G32B32A32_UINT);
+}
+
+gpu::UniqueShader gBufferShader(const gpu::Device& device, int maskLayers)
+{
+    if (maskLayers == 0) return gpu::makeShader(device, gbuffer_frag);
+    if (maskLayers == 1) return gpu::makeShader(device, gbuffer_mask_frag);
+    return maskLayers == 2 ? gpu::makeShader(device, gbuffer_mask2_frag) : gpu::makeShader(device, gbuffer_mask4_frag);
+}
+
+gpu::UniqueShader lightShader(const gpu::Device& device, int maskLayers)
+{
+    if (maskLayers == 0) return gpu::makeShader(device, light_frag);
+    if (maskLayers == 1) return gpu::makeShader(device, light_mask_frag);
+    return maskLayers == 2 ? gpu::makeShader(device, light_mask2_frag) : gpu::makeShader(device, light_mask4_frag);
+}
 
 std::vector<VkVertexInputBindingDescription> depthVertexBindings()
 {
@@ -99,18 +124,18 @@ Pipelines::Pipelines(const gpu::Device& device, VkDescriptorSetLayout set, VkFor
 }
 
 ForwardPipelines::ForwardPipelines(const gpu::Device& device, VkPipelineLayout layout, VkFormat colorFormat,
-                                   bool readsMask)
+                                   int maskLayers)
 {
     const gpu::UniqueShader vertex = gpu::makeShader(device, mesh_vert);
     const gpu::UniqueShader fragment = gpu::makeShader(device, lit_frag);
     gpu::GraphicsPipelineInfo info = meshPipelineInfo(layout, vertex.get(), fragment.get());
     info.colorFormats = {colorFormat};
-    info.constants = {uint32_t(shading::kAlphaOpaque), uint32_t(readsMask)};
+    info.constants = {uint32_t(shading::kAlphaOpaque), uint32_t(maskLayers)};
     lit = gpu::makePipeline(device, info);
 }
 
 void ForwardPipelines::ensureBlend(const gpu::Device& device, VkPipelineLayout layout, VkFormat colorFormat,
-                                   bool readsMask)
+                                   int maskLayers)
 {
     if (blend) return;
     const gpu::UniqueShader vertex = gpu::makeShader(device, mesh_vert);
@@ -119,15 +144,17 @@ void ForwardPipelines::ensureBlend(const gpu::Device& device, VkPipelineLayout l
     info.colorFormats = {colorFormat};
     info.depthCompare = VK_COMPARE_OP_GREATER_OR_EQUAL;
     info.blend = gpu::Blend::Premultiplied;
-    info.constants = {uint32_t(shading::kAlphaBlend), uint32_t(readsMask)};
+    info.constants = {uint32_t(shading::kAlphaBlend), uint32_t(maskLayers)};
     blend = gpu::makePipeline(device, info);
 }
 
-void GBuffer::ensure(const gpu::Device& device, ivec2 size, bool usesMask)
+void GBuffer::ensure(const gpu::Device& device, ivec2 size, int maskLayers)
 {
     const bool sameSize =
         baseColor.get() && baseColor.info().width == uint32_t(size.x) && baseColor.info().height == uint32_t(size.y);
-    if (sameSize && bool(mask.get()) == usesMask) return;
+    const std::vector<VkFormat> formats = maskFormats(maskLayers);
+    const std::size_t had = std::size_t(bool(mask.get())) + std::size_t(bool(furtherMask.get()));
+    if (sameSize && had == formats.size() && (had == 0 || mask.info().format == formats[0])) return;
     device.waitIdle(); // frames in flight use the images before
     auto make = [&](VkFormat format) {
         return gpu::Image(device, {.format = format,
@@ -136,37 +163,38 @@ void GBuffer::ensure(const gpu::Device& device, ivec2 size, bool usesMask)
                                    .usage = VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT | VK_IMAGE_USAGE_SAMPLED_BIT});
     };
     mask = {};
+    furtherMask = {};
     if (!sameSize) {
         *this = {};
         baseColor = make(kGBufferFormats[0]);
         normals = make(kGBufferFormats[1]);
         material = make(kGBufferFormats[2]);
     }
-    if (usesMask) mask = make(kGBufferMaskFormat);
+    if (!formats.empty()) mask = make(formats[0]);
+    if (formats.size() > 1) furtherMask = make(formats[1]);
 }
 
 std::vector<const gpu::Image*> GBuffer::images() const
 {
     std::vector<const gpu::Image*> result{&baseColor, &normals, &material};
-    if (mask.get()) result.push_back(&mask);
+    for (const gpu::Image* image : {&mask, &furtherMask})
+        if (image->get()) result.push_back(image);
     return result;
 }
 
 DeferredPipelines::DeferredPipelines(const gpu::Device& device, VkPipelineLayout layout, VkFormat colorFormat,
-                                     bool usesMask)
+                                     int maskLayers)
 {
     const gpu::UniqueShader meshVertex = gpu::makeShader(device, mesh_vert);
-    const gpu::UniqueShader gBufferFragment =
-        usesMask ? gpu::makeShader(device, gbuffer_mask_frag) : gpu::makeShader(device, gbuffer_frag);
+    const gpu::UniqueShader gBufferFragment = gBufferShader(device, maskLayers);
     const gpu::UniqueShader pictureVertex = gpu::makeShader(device, sky_vert);
-    const gpu::UniqueShader lightFragment =
-        usesMask ? gpu::makeShader(device, light_mask_frag) : gpu::makeShader(device, light_frag);
+    const gpu::UniqueShader lightFragment = lightShader(device, maskLayers);
 
     gpu::GraphicsPipelineInfo gBufferInfo = meshPipelineInfo(layout, meshVertex.get(), gBufferFragment.get());
-    gBufferInfo.constants = {uint32_t(shading::kAlphaOpaque), uint32_t(usesMask)};
+    gBufferInfo.constants = {uint32_t(shading::kAlphaOpaque), uint32_t(maskLayers)};
     gBufferInfo.colorFormats.assign(std::begin(kGBufferFormats), std::end(kGBufferFormats));
     gBufferInfo.colorFormats.push_back(colorFormat);
-    if (usesMask) gBufferInfo.colorFormats.push_back(kGBufferMaskFormat);
+    for (const VkFormat format : maskFormats(maskLayers)) gBufferInfo.colorFormats.push_back(format);
     if (gBufferInfo.colorFormats.size() > device.properties().limits.maxColorAttachments)
         throw gpu::Failure("the deferred path needs " + std::to_string(gBufferInfo.colorFormats.size()) +
                            " targets, more than the Vulkan device draws into at once; use the forward path");
@@ -176,6 +204,7 @@ DeferredPipelines::DeferredPipelines(const gpu::Device& device, VkPipelineLayout
     lightInfo.layout = layout;
     lightInfo.vertex = pictureVertex.get();
     lightInfo.fragment = lightFragment.get();
+    lightInfo.constants = gBufferInfo.constants;
     lightInfo.colorFormats = {colorFormat};
     lightInfo.depthTest = false;
     lightInfo.depthWrite = false;

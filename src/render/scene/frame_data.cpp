@@ -76,9 +76,10 @@ shading::GpuFrame gpuFrame(const GpuScene& scene, const FrameView& view, const R
     frame.skyPicture = skyPictureOfFrame(scene.sky, sky);
     frame.subtractiveShadowColor = vec4(settings.subtractiveShadowColor.value_or(subtractiveShadowColor(scene.outline)),
                                         scene.outline.lightmapUnitLux);
-    for (int c = 0; c < 4; ++c) {
-        frame.maskRange[c] = scene.outline.maskChannels[std::size_t(c)].rangeTexels;
-        frame.maskPenumbra[c] = scene.outline.maskChannels[std::size_t(c)].penumbraTexels;
+    for (int c = 0; c < kMostMaskLayers * kLayerChannels; ++c) {
+        const MaskChannel& channel = scene.outline.maskChannels[std::size_t(c)];
+        frame.maskRange[c / kLayerChannels][c % kLayerChannels] = channel.rangeTexels;
+        frame.maskPenumbra[c / kLayerChannels][c % kLayerChannels] = channel.penumbraTexels;
     }
     frame.clusterRange = vec4(clusters.nearMeters, clusters.farMeters,
                               float(clusters.size.z) / math::log2(clusters.farMeters / clusters.nearMeters), 0.0f);
@@ -87,7 +88,8 @@ shading::GpuFrame gpuFrame(const GpuScene& scene, const FrameView& view, const R
     frame.shadow = ivec4(filterHalfWidth(settings.shadows.filter), settings.shadows.cascades,
                          int(settings.shadows.cascadeBlend), settings.proxyVolumes ? 1 : 0);
     const bool directional = settings.directionalLightmaps && !scene.outline.lightmapDirections.empty();
-    frame.baked = ivec4(directional ? 1 : 0, scene.hasDynamicLightmaps ? 1 : 0, settings.specular ? 0 : 1, 0);
+    frame.baked = ivec4(directional ? 1 : 0, scene.hasDynamicLightmaps ? 1 : 0, settings.specular ? 0 : 1,
+                        scene.outline.maskLayers);
     frame.dynamicLightmap.x = scene.dynamicUnitLux;
     if (settings.reflectionProbes && plan.mode != RunMode::Realtime)
         frame.reflections = reflectionsOfFrame(scene.reflections);

@@ -40,7 +40,8 @@ HL_CONST int kBindReflections = 22;
 HL_CONST int kBindRadiance = 23;      // the finished frame's samples: shaders/display.frag
 HL_CONST int kBindCascadeDepths = 24; // the images of kBindCascades and kBindAtlas, without comparison
 HL_CONST int kBindAtlasDepths = 25;
-HL_CONST int kBindTextures = 26; // the last: its length varies
+HL_CONST int kBindGBufferFurtherMask = 26;
+HL_CONST int kBindTextures = 27; // the last: its length varies
 
 // Debug views: the values of DebugView in renderer.h.
 HL_CONST int kViewLit = 0;
@@ -83,15 +84,15 @@ struct GpuFrame {
     vec4 skyGround;
     vec4 skyPicture; // xy cosine and sine of its rotation, z width in texels (0 = the gradient), w cd/m2 of 1
     vec4 subtractiveShadowColor; // rgb lux; w lux that a lightmap texel of 1 stands for
-    vec4 maskRange;              // by channel, MaskChannel::rangeTexels
-    vec4 maskPenumbra;           // by channel, MaskChannel::penumbraTexels
+    vec4 maskRange[4];           // by mask layer and channel, MaskChannel::rangeTexels
+    vec4 maskPenumbra[4];        // by mask layer and channel, MaskChannel::penumbraTexels
     vec4 clusterRange;           // x near, y far (metres of view depth), z slices / log2(far / near)
     ivec4 clusterSize;           // xyz
     ivec4 mode;                  // x run mode, y debug view, z main light (-1 none), w light count
     ivec4 shadow;                // x filter half-width, y cascades per directional light, z how cascades blend,
                                  // w 1 = objects that have a proxy volume take probe light from it
     ivec4 baked;                 // x 1 = the lightmap has directions, y 1 = dynamic lightmap pages are set,
-                                 // z 1 = surfaces are diffuse, of transportAlbedo()
+                                 // z 1 = surfaces are diffuse, of transportAlbedo(), w mask layers of the scene
     vec4 dynamicLightmap;        // x lux that a texel of 1 stands for
     vec4 reflections;            // x probes, 0 where none are used; y width of a tile in texels; z cd/m2 of 1
     vec4 display;     // x exposure factor; y samples along a pixel's side; z 1 = samples are values from 0 to 1
@@ -108,12 +109,12 @@ struct GpuObject {
     vec4 normalFromObject[3]; // columns of the inverse transpose; [0].w = sign of the transform's determinant
     vec4 lightmapScaleOffset; // xy scale, zw offset
     ivec4 info;               // x flags, y lightmap page, z proxy volume (-1 none)
-    vec4 probeOcclusion;      // baked attenuation by channel
+    vec4 probeOcclusion[4];   // baked attenuation by mask layer and channel
     vec4 probeSh[9];          // rgb radiance coefficients
 };
 
-// A proxy volume is a box of one 3D texture that holds them all, eight times over: slab i of its depth is texture i of
-// ProxyVolume (probes.h).
+// A proxy volume is a box of one 3D texture that holds them all, once for each slab of its depth: slab i is texture i
+// of ProxyVolume (probes.h). Each mask layer beyond the first has one more.
 HL_CONST int kProbeSlabs = 8;
 
 struct GpuProbeVolume {

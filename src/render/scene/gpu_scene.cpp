@@ -7,6 +7,7 @@
 #include "halflight/render/frame.h"
 #include "render/frame/frame_internal.h"
 #include "render/scene/mipmaps.h"
+#include "render/scene/upload_pages.h"
 
 #include <algorithm>
 #include <array>
@@ -241,26 +242,6 @@ void uploadTextures(gpu::Device& device, gpu::Uploader& uploader, const Scene& s
     }
 }
 
-/// Pages as layers of one array; one texel of `absent` where there are none.
-template<typename Texel> gpu::Image uploadPages(gpu::Device& device, gpu::Uploader& uploader,
-                                                const std::vector<Image<Texel>>& pages, VkFormat format, Texel absent)
-{
-    static_assert(sizeof(Texel) == 4);
-    const ivec2 size = pages.empty() ? ivec2(1) : pages.front().size();
-    gpu::Image image(device, {.format = format,
-                              .width = uint32_t(size.x),
-                              .height = uint32_t(size.y),
-                              .layers = std::max(uint32_t(pages.size()), 1u),
-                              .array = true,
-                              .usage = VK_IMAGE_USAGE_SAMPLED_BIT | VK_IMAGE_USAGE_TRANSFER_DST_BIT});
-    std::vector<gpu::Uploader::Level> levels;
-    for (std::size_t i = 0; i < pages.size(); ++i) levels.push_back({0, uint32_t(i), pages[i].data()});
-    if (pages.empty()) levels.push_back({0, 0, &absent});
-    uploader.image(image, levels, 4);
-    uploader.finish();
-    return image;
-}
-
 bool isLightmapped(const BakedScene& baked, const Object& object)
 {
     if (!baked.isBaked || !object.isStatic || object.lightmap.page < 0 || object.mesh < 0) return false;
@@ -286,7 +267,7 @@ GpuObject gpuObject(const Object& object, const Bounds& bounds, bool lightmapped
     result.info.y = std::max(object.lightmap.page, 0);
     result.info.z = volume;
     const ProbeSample probe = probes.sample(probeAnchor(object, bounds));
-    result.probeOcclusion = probe.occlusion;
+    for (std::size_t k = 0; k < 4; ++k) result.probeOcclusion[k] = probe.occlusion.layers[k];
     for (std::size_t i = 0; i < 9; ++i) result.probeSh[i] = vec4(probe.radiance[i], 0.0f);
     return result;
 }
@@ -302,6 +283,7 @@ BakedScene outlineOf(const BakedScene& baked)
     outline.mode = baked.mode;
     outline.isBaked = baked.isBaked;
     outline.lightmaps.resize(baked.lightmaps.size());
+    outline.maskLayers = baked.maskLayers;
     outline.maskChannels = baked.maskChannels;
     outline.lightmapUnitLux = baked.lightmapUnitLux;
     outline.shadowmasks.resize(baked.shadowmasks.size());
@@ -355,8 +337,8 @@ GpuScene uploadScene(gpu::Device& device, const BakedScene& baked, TextureImages
         result.lightmapped.push_back(isLightmapped(baked, object));
     }
     result.probes.emplace(baked);
-    result.probeVolumes =
-        ProbeVolumes(device, planProxyVolumes(scene, result.meshBounds, result.lightmapped, *result.probes));
+    result.probeVolumes = ProbeVolumes(
+        device, planProxyVolumes(scene, result.meshBounds, result.lightmapped, *result.probes), baked.maskLayers);
     result.probeVolumes.upload(uploader, scene, result.meshBounds, *result.probes);
     const std::vector<int>& volumeOf = result.probeVolumes.plan().volumeOf;
     std::vector<GpuObject> objects(scene.objects.size());

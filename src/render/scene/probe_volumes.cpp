@@ -13,7 +13,7 @@
 namespace halflight {
 namespace {
 
-static_assert(shading::kProbeSlabs == ProxyVolume::kTextures);
+static_assert(shading::kProbeSlabs + kMostMaskLayers - 1 == ProxyVolume::kTextures);
 
 /// Every device filters half floats.
 constexpr VkFormat kFormat = VK_FORMAT_R16G16B16A16_SFLOAT;
@@ -67,13 +67,14 @@ VolumePacking packVolumes(std::span<const ivec3> boxes, ivec3 limits)
     return packing;
 }
 
-ProbeVolumes::ProbeVolumes(const gpu::Device& device, ProxyVolumePlan plan) : plan_(std::move(plan))
+ProbeVolumes::ProbeVolumes(const gpu::Device& device, ProxyVolumePlan plan, int maskLayers)
+    : plan_(std::move(plan)), slabs_(shading::kProbeSlabs + maskLayers - 1)
 {
     const int limit = int(device.properties().limits.maxImageDimension3D);
     std::vector<ivec3> boxes;
     for (const ProxyVolumePlan::Volume& volume : plan_.volumes) boxes.push_back(volume.resolution);
     const VolumePacking packing =
-        packVolumes(boxes, {std::min(limit, kLayerSize), std::min(limit, kLayerSize), limit / shading::kProbeSlabs});
+        packVolumes(boxes, {std::min(limit, kLayerSize), std::min(limit, kLayerSize), limit / slabs_});
     slabSize_ = packing.size;
     offsets_ = packing.offsets;
     for (std::size_t i = 0; i < offsets_.size(); ++i) {
@@ -83,7 +84,7 @@ ProbeVolumes::ProbeVolumes(const gpu::Device& device, ProxyVolumePlan plan) : pl
     texture_ = gpu::Image(device, {.format = kFormat,
                                    .width = uint32_t(slabSize_.x),
                                    .height = uint32_t(slabSize_.y),
-                                   .depth = uint32_t(slabSize_.z * shading::kProbeSlabs),
+                                   .depth = uint32_t(slabSize_.z * slabs_),
                                    .usage = VK_IMAGE_USAGE_SAMPLED_BIT | VK_IMAGE_USAGE_TRANSFER_DST_BIT});
     buffer_ =
         gpu::Buffer(device, plan_.volumes.size() * sizeof(shading::GpuProbeVolume),
@@ -125,9 +126,9 @@ void ProbeVolumes::copy(gpu::Uploader& uploader, std::span<const std::size_t> vo
         if (offsets_[i].x < 0) continue;
         const Filled filled = fill(i, scene, meshBounds, probes);
         const ivec3 size = plan_.volumes[i].resolution;
-        const std::size_t slabTexels = filled.texels.size() / shading::kProbeSlabs;
+        const std::size_t slabTexels = filled.texels.size() / std::size_t(slabs_);
         std::vector<gpu::Uploader::Box> boxes;
-        for (int slab = 0; slab < shading::kProbeSlabs; ++slab)
+        for (int slab = 0; slab < slabs_; ++slab)
             boxes.push_back({{offsets_[i].x, offsets_[i].y, offsets_[i].z + slab * slabSize_.z},
                              {uint32_t(size.x), uint32_t(size.y), uint32_t(size.z)},
                              filled.texels.data() + std::size_t(slab) * slabTexels});
@@ -142,13 +143,13 @@ ProbeVolumes::Filled ProbeVolumes::fill(std::size_t volume, const Scene& scene, 
     const ProxyVolume made = makeProxyVolume(probes, scene, meshBounds, plan_.volumes[volume]);
     const float factor = radianceFactor(made);
     Filled filled;
-    for (std::size_t i = 0; i < made.textures.size(); ++i) {
-        const float scale = i == 3 ? 1.0f : 1.0f / factor;
+    for (std::size_t i = 0; i < std::size_t(slabs_); ++i) {
+        const float scale = i == 3 || i >= shading::kProbeSlabs ? 1.0f : 1.0f / factor;
         for (const vec4& texel : made.textures[i]) filled.texels.push_back(glm::packHalf4x16(texel * scale));
     }
 
     // [0, 1]^3 of the volume to its box of slab 0, in coordinates of the texture.
-    const glm::dvec3 textureSize(slabSize_.x, slabSize_.y, slabSize_.z * shading::kProbeSlabs);
+    const glm::dvec3 textureSize(slabSize_.x, slabSize_.y, slabSize_.z * slabs_);
     const glm::dvec3 offset(offsets_[volume]);
     const glm::dvec3 resolution(made.resolution);
     const glm::dmat4 slabFromVolume = glm::scale(glm::dmat4(1.0), 1.0 / textureSize) *

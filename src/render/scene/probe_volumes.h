@@ -23,7 +23,7 @@ class ProbeVolumes {
 public:
     ProbeVolumes() = default;
     /// Makes room. Volumes for which the device has none are taken out of the plan: their objects get one sample.
-    ProbeVolumes(const gpu::Device& device, ProxyVolumePlan plan);
+    ProbeVolumes(const gpu::Device& device, ProxyVolumePlan plan, int maskLayers);
 
     /// Fills all volumes. Uploads may still be pending afterwards, so this must stay where it is until they finish.
     void upload(gpu::Uploader& uploader, const Scene& scene, std::span<const Bounds> meshBounds,
@@ -48,6 +48,7 @@ private:
 
     ProxyVolumePlan plan_;
     ivec3 slabSize_{1};
+    int slabs_ = shading::kProbeSlabs;
     std::vector<ivec3> offsets_;
     gpu::Image texture_;
     gpu::Buffer buffer_;

@@ -11,9 +11,6 @@ Json* find(Json& object, const char* key)
 
 namespace {
 
-constexpr const char* kProbeAccessors[] = {"positions",  "radiance",  "occlusion",   "valid",
-                                           "tetrahedra", "neighbors", "sightRanges", "sight"};
-
 template<typename Visit> void each(Json* array, const Visit& visit)
 {
     if (array == nullptr || !(array->is_array() || array->is_object())) return;

@@ -7,6 +7,12 @@
 
 namespace halflight {
 
+/// Members of the record of probes that are accessors: attenuation by mask layer, and all.
+inline constexpr const char* kOcclusionAccessors[] = {"occlusion", "occlusion1", "occlusion2", "occlusion3"};
+inline constexpr const char* kProbeAccessors[] = {"positions",  "radiance",    "occlusion", "occlusion1",
+                                                  "occlusion2", "occlusion3",  "valid",     "tetrahedra",
+                                                  "neighbors",  "sightRanges", "sight"};
+
 /// Calls visit(index) on every reference to an accessor or buffer view in the parts of glTF that this program knows;
 /// visit may change the index.
 void visitAccessors(Json& document, const std::function<void(Json&)>& visit);

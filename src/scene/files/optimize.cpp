@@ -4,6 +4,7 @@
 #include "halflight/base/file.h"
 #include "scene/document/decode/decompress.h"
 #include "scene/document/decode/meshopt_encode.h"
+#include "scene/document/references.h"
 #include "scene/files/external_files.h"
 #include "scene/files/optimize_meshes.h"
 #include "scene/files/optimize_pictures.h"
@@ -29,8 +30,7 @@ void countAccessors(const FinishedDocument& document, uint64_t& geometry, uint64
     const Json& json = document.json;
     std::set<std::size_t> ofProbes;
     const Json& record = member(extensionOf(json, "HALFLIGHT_mixed_lighting"), "probes");
-    for (const char* name :
-         {"positions", "radiance", "occlusion", "valid", "tetrahedra", "neighbors", "sightRanges", "sight"}) {
+    for (const char* name : kProbeAccessors) {
         const Json& accessor = member(record, name);
         if (accessor.is_number_integer()) ofProbes.insert(accessor.get<std::size_t>());
     }
@@ -117,7 +117,7 @@ Status optimizeFile(const std::filesystem::path& in, const std::filesystem::path
         if (Status s = options.checkFiles(externalFiles(**source)); !s) return s;
     }
     const Json& bake = extensionOf((*source)->json, "HALFLIGHT_mixed_lighting");
-    if (bake.is_object() && member(bake, "version") != kFormatVersion) {
+    if (bake.is_object() && !isFormatVersion(member(bake, "version"))) {
         return Error{ErrorCode::Unsupported,
                      "its bake is of another version of the format than this program writes: bake the scene again",
                      "/extensions/HALFLIGHT_mixed_lighting"};

@@ -1,6 +1,7 @@
 #include "scene/files/optimize_meshes.h"
 
 #include "scene/document/decode/meshopt_encode.h"
+#include "scene/document/references.h"
 #include "scene/read/geometry/read_mesh.h"
 
 #include <algorithm>
@@ -250,8 +251,10 @@ private:
         Json& root = patcher_.json["extensions"]["HALFLIGHT_mixed_lighting"];
         if (!root.contains("probes")) return {};
         root["probes"].erase("neighbors"); // they follow from the tetrahedra
-        for (const auto& [name, kind] : {std::pair("radiance", Kind::Radiance), {"occlusion", Kind::Occlusion}}) {
-            if (Status s = convert(root["probes"][name], kind, {}, 0); !s) return s;
+        if (Status s = convert(root["probes"]["radiance"], Kind::Radiance, {}, 0); !s) return s;
+        for (const char* name : kOcclusionAccessors) {
+            if (!root["probes"].contains(name)) continue;
+            if (Status s = convert(root["probes"][name], Kind::Occlusion, {}, 0); !s) return s;
         }
         return {};
     }

@@ -32,7 +32,7 @@ public:
     {
         const Json& root = extensionOf(document_.json, "HALFLIGHT_mixed_lighting");
         json_ = {{"version", kSidecarVersion}, {"generator", options_.write.generator}, {"file", file}};
-        for (const char* key : {"mode", "sky", "subtractiveShadowColor", "shadowmaskChannels"}) {
+        for (const char* key : {"mode", "sky", "subtractiveShadowColor", "shadowmaskLayers", "shadowmaskChannels"}) {
             if (root.contains(key)) json_[key] = root[key];
         }
         if (Status s = sky(); !s) return s;
@@ -108,6 +108,10 @@ private:
     Status pictures(const char* key, const std::string& prefix, const std::vector<ImageRgba8>& pages)
     {
         for (std::size_t i = 0; i < pages.size(); ++i) {
+            if (pages[i].empty()) { // of a mask layer whose lights light every texel
+                json_[key].push_back(nullptr);
+                continue;
+            }
             const std::string name = prefix + "_" + std::to_string(i) + ".png";
             const auto write = [&](const std::filesystem::path& temporary) { return writePng(temporary, pages[i]); };
             if (Status s = files_.add(folder_ / name, write); !s) return s;
@@ -186,7 +190,9 @@ private:
             Json coefficients = Json::array();
             for (const vec3& c : probe.radiance) coefficients.insert(coefficients.end(), {c.x, c.y, c.z});
             json["radiance"].push_back(std::move(coefficients));
-            json["occlusion"].push_back(numbers(probe.occlusion));
+            Json occlusion = Json::array();
+            for (int c = 0; c < baked_.maskLayers * kLayerChannels; ++c) occlusion.push_back(probe.occlusion[c]);
+            json["occlusion"].push_back(std::move(occlusion));
             json["valid"].push_back(probe.valid);
         }
         if (Json grid = gridJson(set, baked_.scene.originMeters + dvec3(set.origin)); !grid.is_null())

@@ -83,7 +83,8 @@ Status checkProbes(const ProbeSet& set, const std::string& path)
         if (!std::all_of(probe.radiance.begin(), probe.radiance.end(),
                          [](const vec3& c) { return within(c, kRadiance); }))
             return invalid(path, name + " has radiance that is not " + textOf(kRadiance) + " cd/m2");
-        if (!within(probe.occlusion, kOcclusion))
+        if (!std::all_of(probe.occlusion.layers.begin(), probe.occlusion.layers.end(),
+                         [](const vec4& layer) { return within(layer, kOcclusion); }))
             return invalid(path, name + " has occlusion that is not " + textOf(kOcclusion));
     }
     for (const float range : set.sight.rangeMeters) {

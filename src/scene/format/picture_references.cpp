@@ -8,7 +8,8 @@ std::vector<Json> pictureReferences(const Json& root)
 {
     std::vector<Json> references;
     for (const std::string_view list : kPictureLists) {
-        for (const Json& reference : member(root, std::string(list).c_str())) references.push_back(reference);
+        for (const Json& reference : member(root, std::string(list).c_str()))
+            if (reference.contains("index")) references.push_back(reference); // mask pages may have none
     }
     if (const Json& picture = member(member(root, "sky"), "picture"); picture.is_object())
         references.push_back(picture);

@@ -22,12 +22,30 @@ namespace halflight {
 
 namespace {
 
+/// Of version 2, or a light that has lost its layer: one.
+Status readMaskLayers(const Json& root, BakedScene& baked)
+{
+    const Json& layers = member(root, "shadowmaskLayers");
+    if (!layers.is_null() && (member(root, "version") != kLayeredVersion || !layers.is_number_unsigned() ||
+                              layers < 1 || layers > kMostMaskLayers))
+        return invalid(kBakePath, "shadowmaskLayers is not 1 to " + std::to_string(kMostMaskLayers) +
+                                      ", or the version has no layers");
+    baked.maskLayers = layers.is_null() ? 1 : layers.get<int>();
+    for (const Light& light : baked.scene.lights) {
+        if (light.baking.occlusionMaskChannel >= baked.maskLayers * kLayerChannels)
+            return invalid(kBakePath, "light \"" + light.name + "\" has a mask channel of a layer that the file lacks");
+    }
+    return {};
+}
+
 Status readMaskChannels(const Json& json, BakedScene& baked)
 {
     if (json.is_null()) return {};
     const std::string path = kBakePath + "/shadowmaskChannels";
-    if (!json.is_array() || json.size() != baked.maskChannels.size()) return invalid(path, "is not an array of four");
-    for (std::size_t i = 0; i < baked.maskChannels.size(); ++i) {
+    const auto channels = std::size_t(baked.maskLayers * kLayerChannels);
+    if (!json.is_array() || json.size() != channels)
+        return invalid(path, "is not an array of " + std::to_string(channels));
+    for (std::size_t i = 0; i < channels; ++i) {
         const Json& encoding = member(json[i], "encoding");
         if (encoding == "attenuation") continue;
         const Json& range = member(json[i], "rangeTexels");
@@ -190,13 +208,14 @@ Result<BakedScene> bakedFromDocument(std::shared_ptr<const SourceDocument> sourc
     const Json& version = member(root, "version");
     if (version.is_number_integer() && version < kFormatVersion)
         return Error{ErrorCode::Unsupported, "was written by an old version of this program: bake again", kBakePath};
-    if (version != kFormatVersion)
+    if (!isFormatVersion(version))
         return Error{ErrorCode::Unsupported, "was written by a newer version of this program", kBakePath};
     const Json& mode = member(root, "mode");
     const auto named = mode.is_string() ? mixedLightingModeNamed(mode.get<std::string>()) : std::nullopt;
     if (!named) return invalid(kBakePath, "mode is not baked-indirect, shadowmask or subtractive");
     baked.mode = *named;
     baked.isBaked = true;
+    if (Status s = readMaskLayers(root, baked); !s) return s.error();
     if (Status s = readPictures(document, root, baked); !s) return s.error();
     if (Status s = readMaskChannels(member(root, "shadowmaskChannels"), baked); !s) return s.error();
     const auto origin = recordedOrigin(document);
@@ -209,7 +228,7 @@ Result<BakedScene> bakedFromDocument(std::shared_ptr<const SourceDocument> sourc
     baked.reflections = std::move(*reflections);
     if (Status s = readBindings(document, baked); !s) return s.error();
     if (Status s = checkBakedValues(baked); !s) return s.error();
-    for (Probe& probe : baked.probes.probes) probe.occlusion = glm::clamp(probe.occlusion, 0.0f, 1.0f);
+    for (Probe& probe : baked.probes.probes) probe.occlusion = saturate(probe.occlusion);
     checkAgainstBake(document, root, shift, baked);
     checkSettingsOfBake(document, root, baked.scene);
     return baked;

@@ -6,8 +6,14 @@
 
 namespace halflight {
 
-/// Version of HALFLIGHT_mixed_lighting that is written, and read.
+/// Versions of HALFLIGHT_mixed_lighting that are written, and read: the second is of files with several mask layers.
 constexpr int kFormatVersion = 2;
+constexpr int kLayeredVersion = 3;
+
+inline bool isFormatVersion(const Json& version)
+{
+    return version == kFormatVersion || version == kLayeredVersion;
+}
 
 /// isBaked is false for a document without HALFLIGHT_mixed_lighting.
 Result<BakedScene> bakedFromDocument(std::shared_ptr<const SourceDocument> source, const ReadOptions& options);

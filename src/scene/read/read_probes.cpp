@@ -1,5 +1,6 @@
 #include "scene/read/read_probes.h"
 
+#include "scene/document/references.h"
 #include "scene/format/bake_members.h"
 
 #include <algorithm>
@@ -142,6 +143,22 @@ Status readSight(const SourceDocument& document, const Json& json, ProbeSight& s
     return {};
 }
 
+// Attenuation by mask layer; of further layers where the file has them.
+Status readOcclusion(const SourceDocument& document, const Json& json, const std::string& path,
+                     std::vector<Probe>& probes)
+{
+    for (std::size_t layer = 0; layer < std::size(kOcclusionAccessors); ++layer) {
+        const char* name = kOcclusionAccessors[layer];
+        if (layer > 0 && !json.contains(name)) continue;
+        const auto index = accessorIndex(document, json, name, probes.size(), path);
+        if (!index) return index.error();
+        const auto values = readVectors<4>(document, *index);
+        if (!values) return values.error();
+        for (std::size_t i = 0; i < probes.size(); ++i) probes[i].occlusion.layers[layer] = (*values)[i];
+    }
+    return {};
+}
+
 } // namespace
 
 Status readProbes(const SourceDocument& document, const Json& json, const glm::dvec3& shift, ProbeSet& set)
@@ -154,27 +171,24 @@ Status readProbes(const SourceDocument& document, const Json& json, const glm::d
     const auto n = count.get<std::size_t>();
     const auto positions = accessorIndex(document, json, "positions", n, path);
     const auto radiance = accessorIndex(document, json, "radiance", 9 * n, path);
-    const auto occlusion = accessorIndex(document, json, "occlusion", n, path);
     const auto valid = accessorIndex(document, json, "valid", n, path);
-    for (const auto* index : {&positions, &radiance, &occlusion, &valid}) {
+    for (const auto* index : {&positions, &radiance, &valid}) {
         if (!*index) return index->error();
     }
     const auto p = readVectors<3>(document, *positions);
     const auto r = readVectors<3>(document, *radiance);
-    const auto o = readVectors<4>(document, *occlusion);
     const auto v = readIntegers(document, *valid);
     if (!p) return p.error();
     if (!r) return r.error();
-    if (!o) return o.error();
     if (!v) return v.error();
     set.probes.resize(n);
     for (std::size_t i = 0; i < n; ++i) {
         Probe& probe = set.probes[i];
         probe.position = vec3(glm::dvec3((*p)[i]) + shift);
         for (std::size_t k = 0; k < 9; ++k) probe.radiance[k] = (*r)[9 * i + k];
-        probe.occlusion = (*o)[i];
         probe.valid = (*v)[i] != 0;
     }
+    if (Status s = readOcclusion(document, json, path, set.probes); !s) return s;
     if (Status s = readTetrahedra(document, json, set); !s) return s;
     if (Status s = readSight(document, json, set.sight, n); !s) return s;
     const Json& grid = member(json, "grid");

@@ -68,7 +68,8 @@ std::vector<Result<Bytes>> encodeMasks(const std::vector<ImageRgba8>& pages, con
 {
     std::vector<Result<Bytes>> encoded(pages.size(), Bytes());
     parallelFor(pages.size(), 1, [&](std::size_t begin, std::size_t end) {
-        for (std::size_t i = begin; i < end && !progress.cancelled(); ++i) encoded[i] = encodeSmallest(pages[i]);
+        for (std::size_t i = begin; i < end && !progress.cancelled(); ++i)
+            if (!pages[i].empty()) encoded[i] = encodeSmallest(pages[i]);
     });
     return encoded;
 }
@@ -78,6 +79,10 @@ Status addMasks(PictureWriter& pictures, const char* key, const std::string& nam
 {
     for (std::size_t i = 0; i < encoded.size(); ++i) {
         if (!encoded[i]) return encoded[i].error();
+        if (encoded[i]->empty()) { // a mask layer's page that is lit everywhere
+            root[key].push_back(Json::object());
+            continue;
+        }
         bytes += encoded[i]->size();
         root[key].push_back(pictures.add(name + " " + std::to_string(i), std::move(*encoded[i])));
     }

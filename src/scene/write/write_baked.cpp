@@ -192,13 +192,15 @@ private:
 
     void writeRoot()
     {
-        root_["version"] = kFormatVersion;
+        root_["version"] = baked_.maskLayers > 1 ? kLayeredVersion : kFormatVersion;
+        if (baked_.maskLayers > 1) root_["shadowmaskLayers"] = baked_.maskLayers;
         root_["mode"] = nameOf(baked_.mode);
         if (scene_.originMeters != dvec3(0.0)) root_["origin"] = numbers(scene_.originMeters);
         if (baked_.isBaked) root_["atBake"].update(atBake_.sceneJson(lightmappedNodes_));
         if (std::any_of(baked_.maskChannels.begin(), baked_.maskChannels.end(),
                         [](const MaskChannel& c) { return c.rangeTexels > 0.0f; })) {
-            for (const MaskChannel& channel : baked_.maskChannels) {
+            for (int c = 0; c < baked_.maskLayers * kLayerChannels; ++c) {
+                const MaskChannel& channel = baked_.maskChannels[std::size_t(c)];
                 Json json = {{"encoding", channel.rangeTexels > 0.0f ? "distance" : "attenuation"}};
                 if (channel.rangeTexels > 0.0f) {
                     json["rangeTexels"] = channel.rangeTexels;
@@ -216,7 +218,7 @@ private:
         }
         for (const mat4& box : scene_.reflectionBoxes) root_["authoredReflectionProbes"].push_back(numbersOf(box));
         writeMark();
-        if (Json probes = probesJson(patcher_, baked_.probes, bytes_.probes); !probes.is_null())
+        if (Json probes = probesJson(patcher_, baked_.probes, baked_.maskLayers, bytes_.probes); !probes.is_null())
             root_["probes"] = std::move(probes);
         if (baked_.isBaked) root_["atBake"]["members"] = membersOfBake(root_);
         patcher_.json["extensions"][kRootExtension] = std::move(root_);

@@ -1,6 +1,7 @@
 #include "scene/write/write_probes.h"
 
 #include "halflight/scene/probe_cells.h"
+#include "scene/document/references.h"
 
 namespace halflight {
 
@@ -53,19 +54,17 @@ void addSight(ProbeAccessors& accessors, const ProbeSight& sight, Json& json)
 
 } // namespace
 
-Json probesJson(DocumentPatcher& patcher, const ProbeSet& set, uint64_t& bytes)
+Json probesJson(DocumentPatcher& patcher, const ProbeSet& set, int maskLayers, uint64_t& bytes)
 {
     if (set.probes.empty()) return {};
     std::vector<vec3> positions;
     std::vector<vec3> radiance;
-    std::vector<vec4> occlusion;
     std::vector<uint8_t> valid;
     vec3 low(kInfinity);
     vec3 high(-kInfinity);
     for (const Probe& probe : set.probes) {
         positions.push_back(probe.position);
         radiance.insert(radiance.end(), probe.radiance.begin(), probe.radiance.end());
-        occlusion.push_back(probe.occlusion);
         valid.push_back(probe.valid ? 1 : 0);
         low = glm::min(low, probe.position);
         high = glm::max(high, probe.position);
@@ -75,9 +74,14 @@ Json probesJson(DocumentPatcher& patcher, const ProbeSet& set, uint64_t& bytes)
     Json json = {
         {"count", count},
         {"positions", accessors.add("VEC3", kFloat, count, positions, {{"min", numbers(low)}, {"max", numbers(high)}})},
-        {"radiance", accessors.add("VEC3", kFloat, radiance.size(), radiance)},
-        {"occlusion", accessors.add("VEC4", kFloat, count, occlusion)},
-        {"valid", accessors.add("SCALAR", TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE, count, valid)}};
+        {"radiance", accessors.add("VEC3", kFloat, radiance.size(), radiance)}};
+    for (std::size_t layer = 0; layer < std::size_t(maskLayers); ++layer) {
+        std::vector<vec4> occlusion;
+        occlusion.reserve(count);
+        for (const Probe& probe : set.probes) occlusion.push_back(probe.occlusion.layers[layer]);
+        json[kOcclusionAccessors[layer]] = accessors.add("VEC4", kFloat, count, occlusion);
+    }
+    json["valid"] = accessors.add("SCALAR", TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE, count, valid);
     addTetrahedra(accessors, set, json);
     addSight(accessors, set.sight, json);
     if (Json grid = gridJson(set, dvec3(set.origin)); !grid.is_null()) json["grid"] = std::move(grid);

@@ -18,6 +18,7 @@ export const OPTIONS = {
     denoise: ['--denoise', 'switch'],
     directional: ['--directional', 'switch'],
     shadowmaskEncoding: ['--shadowmask-encoding', 'word'],
+    maskLayers: ['--mask-layers', 'word'],
     subtractiveMask: ['--subtractive-mask', 'switch'],
     probeSpacing: ['--probe-spacing', 'word'],
     probeLayout: ['--probe-layout', 'word'],

@@ -35,6 +35,8 @@ export interface BakeSettings {
     directional?: boolean;
     /** what shadowmask texels hold; distance fields keep hard edges crisp at half the density, for lights with narrow penumbrae (default attenuation) */
     shadowmaskEncoding?: 'attenuation' | 'distance-field';
+    /** how many lights a place may have with baked shadows of their own: four for each mask layer, in as many layers as the lights need, up to four, or in 1, which is what a sidecar holds (default auto) */
+    maskLayers?: 'auto' | 1;
     /** subtractive: store the main light's own mask, so that dynamic shadows take away only light that arrives (default on) */
     subtractiveMask?: boolean;
     /** distance between light probes (default by the scene's size) */

@@ -35,9 +35,9 @@ export class HalflightMixedLighting extends Extension {
         const { json } = context.jsonDoc;
         const record = structuredClone(json.extensions?.[MIXED_LIGHTING]);
         if (!record) return this;
-        if (record.version !== 2) {
+        if (record.version !== 2 && record.version !== 3) {
             throw new Error(
-                `the bake is of version ${record.version} of the format, and tools keep version 2: bake the file again`
+                `the bake is of version ${record.version} of the format, and tools keep versions 2 and 3: bake the file again`
             );
         }
         const lighting = this.createMixedLighting();
@@ -51,7 +51,9 @@ export class HalflightMixedLighting extends Extension {
                 lighting.setPlaceholder(context.textures[def.source]);
         };
         for (const list of PICTURE_LISTS) {
-            (record[list] ?? []).forEach((reference, page) => keep(`${list}/${page}`, reference));
+            (record[list] ?? []).forEach((reference, page) => {
+                if (reference.index !== undefined) keep(`${list}/${page}`, reference); // mask pages that are lit everywhere have none
+            });
             if (record[list]) record[list] = record[list].length;
         }
         if (record.sky?.picture) {
@@ -81,9 +83,10 @@ export class HalflightMixedLighting extends Extension {
         const record = lighting.getRecord();
         for (const list of PICTURE_LISTS) {
             if (!record[list]) continue;
-            record[list] = Array.from({ length: record[list] }, (_, page) => ({
-                index: writeTexture(context, lighting.getPicture(`${list}/${page}`), lighting.getPlaceholder()),
-            }));
+            record[list] = Array.from({ length: record[list] }, (_, page) => {
+                const picture = lighting.getPicture(`${list}/${page}`);
+                return picture ? { index: writeTexture(context, picture, lighting.getPlaceholder()) } : {};
+            });
         }
         if (record.sky?.picture) {
             const sky = lighting.getPicture(SKY_PICTURE);

@@ -13,4 +13,4 @@ export const SKY_PICTURE = 'sky';
 /** Key of the reflection probes' picture. */
 export const REFLECTION_PICTURE = 'reflectionProbes';
 /** Members of `probes` that are accessors. */
-export const PROBE_ACCESSORS = ['positions', 'radiance', 'occlusion', 'valid', 'tetrahedra', 'neighbors', 'sightRanges', 'sight'];
+export const PROBE_ACCESSORS = ['positions', 'radiance', 'occlusion', 'occlusion1', 'occlusion2', 'occlusion3', 'valid', 'tetrahedra', 'neighbors', 'sightRanges', 'sight'];

@@ -33,6 +33,7 @@ def bake(
     denoise: Optional[bool] = None,
     directional: Optional[bool] = None,
     shadowmask_encoding: Optional[Literal["attenuation", "distance-field"]] = None,
+    mask_layers: Optional[Literal["auto", 1]] = None,
     subtractive_mask: Optional[bool] = None,
     probe_spacing: Optional[float] = None,
     probe_layout: Optional[Literal["refined", "grid"]] = None,
@@ -86,6 +87,8 @@ def bake(
             (default on; at preview where a tenth is metal)
         shadowmask_encoding: what shadowmask texels hold; distance fields keep hard edges crisp at half the density, for
             lights with narrow penumbrae (default attenuation)
+        mask_layers: how many lights a place may have with baked shadows of their own: four for each mask layer, in as
+            many layers as the lights need, up to four, or in 1, which is what a sidecar holds (default auto)
         subtractive_mask: subtractive: store the main light's own mask, so that dynamic shadows take away only light
             that arrives (default on)
         probe_spacing (METERS): distance between light probes (default by the scene's size)
@@ -143,6 +146,7 @@ def bake(
         *_run.option("--denoise", denoise),
         *_run.option("--directional", directional),
         *_run.option("--shadowmask-encoding", shadowmask_encoding),
+        *_run.option("--mask-layers", mask_layers),
         *_run.option("--subtractive-mask", subtractive_mask),
         *_run.option("--probe-spacing", probe_spacing),
         *_run.option("--probe-layout", probe_layout),

@@ -100,6 +100,7 @@ class InfoShadowmask(Record):
     """A part of a report."""
 
     pages: int
+    layers: int
     size: int
 
 

@@ -1,6 +1,7 @@
 #include "scene/read/looks/read_lights.h"
 
 #include "halflight/base/text.h"
+#include "halflight/scene/mask_values.h"
 #include "scene/model/origin.h"
 #include "scene/model/pose.h"
 #include "scene/read/looks/light_shapes.h"
@@ -98,8 +99,9 @@ Status readRecord(const Json& record, const std::string& path, const glm::dvec3&
     }
     const Json& channel = member(baking, "occlusionMaskChannel");
     if (channel.is_number_integer()) {
-        if (channel.get<int64_t>() < -1 || channel.get<int64_t>() > 3 || channel > 3)
-            return invalid(path + "/baking/occlusionMaskChannel", "is not -1 to 3");
+        constexpr int kLast = kMostMaskLayers * kLayerChannels - 1;
+        if (channel.get<int64_t>() < -1 || channel.get<int64_t>() > kLast || channel > kLast)
+            return invalid(path + "/baking/occlusionMaskChannel", "is not -1 to " + std::to_string(kLast));
         output.occlusionMaskChannel = channel.get<int>();
     }
     const Json& reason = member(baking, "reason");

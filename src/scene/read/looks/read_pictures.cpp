@@ -46,12 +46,17 @@ private:
     uint64_t left_ = 0;
 };
 
-// Images of which there are as many as lightmap pages, or none.
-Status readPages(const SourceDocument& document, const Json& root, const char* key, std::size_t pageCount,
+// Images of which there are as many as lightmap pages, or none. Where there are several mask layers, each page has one
+// of each, and those that are lit everywhere are left out.
+Status readPages(const SourceDocument& document, const Json& root, const char* key, std::size_t pageCount, int layers,
                  PageTexels& texels, std::vector<ImageRgba8>& pages)
 {
     const Json& images = member(root, key);
     for (std::size_t i = 0; i < images.size(); ++i) {
+        if (layers > 1 && images[i].is_object() && !images[i].contains("index")) {
+            pages.emplace_back();
+            continue;
+        }
         const std::string path = kBakePath + "/" + key + "/" + std::to_string(i);
         const auto bytes = pictureBytes(document, images[i], path);
         if (!bytes) return bytes.error();
@@ -60,9 +65,10 @@ Status readPages(const SourceDocument& document, const Json& root, const char* k
         if (Status s = texels.take(image->texelCount(), path); !s) return s;
         pages.push_back(std::move(*image));
     }
-    if (!pages.empty() && pages.size() != pageCount) {
+    if (!pages.empty() && pages.size() != pageCount * std::size_t(layers)) {
         return invalid(kBakePath, "has " + std::to_string(pages.size()) + " " + key + " for " +
-                                      std::to_string(pageCount) + " lightmaps");
+                                      std::to_string(pageCount) + " lightmaps" +
+                                      (layers > 1 ? " in " + std::to_string(layers) + " layers" : ""));
     }
     return {};
 }
@@ -103,9 +109,9 @@ Status readPictures(const SourceDocument& document, const Json& root, BakedScene
             return invalid(kBakePath, "lightmapUnitLux is not a number above 0");
     }
     const std::size_t pages = baked.lightmaps.size();
-    if (Status s = readPages(document, root, "lightmapDirections", pages, texels, baked.lightmapDirections); !s)
+    if (Status s = readPages(document, root, "lightmapDirections", pages, 1, texels, baked.lightmapDirections); !s)
         return s;
-    return readPages(document, root, "shadowmasks", pages, texels, baked.shadowmasks);
+    return readPages(document, root, "shadowmasks", pages, baked.maskLayers, texels, baked.shadowmasks);
 }
 
 } // namespace halflight

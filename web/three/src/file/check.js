@@ -85,12 +85,13 @@ function checkShape(value, shape, path) {
 export function checkBake(json) {
     const root = json.extensions.HALFLIGHT_mixed_lighting;
     checkShape(root, SHAPE.members.extensions.members.HALFLIGHT_mixed_lighting, BAKE);
-    if (root.version > 2) throw invalid(BAKE, `was written by a newer version of this program: its format is version ${root.version}`);
+    if (root.version > 3) throw invalid(BAKE, `was written by a newer version of this program: its format is version ${root.version}`);
     if (root.version === 1) throw invalid(BAKE, 'was written by an old version of the program: bake again');
-    if (root.version !== 2) throw invalid(BAKE, `version is ${shown(root.version)}, not 2`);
+    if (root.version !== 2 && root.version !== 3) throw invalid(BAKE, `version is ${shown(root.version)}, not 2 or 3`);
     if (!MODES.includes(root.mode)) throw invalid(BAKE, `mode is not ${MODES.slice(0, 2).join(', ')} or ${MODES[2]}`);
     checkShape(json, SHAPE, '');
     checkMembers(root);
+    checkLayers(json, root);
     checkPictures(json, root);
     checkReflections(json, root.reflectionProbes);
     checkProbes(json, root.probes);
@@ -111,12 +112,28 @@ function checkMembers(root) {
     });
 }
 
+/** Mask layers, of four channels each. @param {any} json @param {any} root */
+function checkLayers(json, root) {
+    const { shadowmaskLayers: layers, shadowmaskChannels: channels } = root;
+    if (layers !== undefined && root.version < 3) throw invalid(BAKE, 'shadowmaskLayers is of version 3 of the format');
+    const count = 4 * (layers ?? 1);
+    if (channels !== undefined && channels.length !== count) throw invalid(`${BAKE}/shadowmaskChannels`, `is not an array of ${count}`);
+    (json.nodes ?? []).forEach((node, i) => {
+        const channel = node.extensions?.HALFLIGHT_light?.baking?.occlusionMaskChannel;
+        if (channel >= count) throw invalid(`/nodes/${i}/extensions/HALFLIGHT_light/baking/occlusionMaskChannel`, 'is of a mask layer that the file lacks');
+    });
+}
+
 function checkPictures(json, root) {
     const lists = { lightmaps: root.lightmaps, lightmapDirections: root.lightmapDirections, shadowmasks: root.shadowmasks };
     const pages = root.lightmaps?.length ?? 0;
     for (const [name, list] of Object.entries(lists)) {
-        (list ?? []).forEach((entry, i) => checkPicture(json, entry, `${BAKE}/${name}/${i}`));
-        if (list && list.length > 0 && list.length !== pages) throw invalid(BAKE, `has ${list.length} ${name} for ${pages} lightmaps`);
+        const layers = name === 'shadowmasks' ? (root.shadowmaskLayers ?? 1) : 1;
+        (list ?? []).forEach((entry, i) => {
+            if (layers === 1 || entry.index !== undefined) checkPicture(json, entry, `${BAKE}/${name}/${i}`);
+        });
+        if (list && list.length > 0 && list.length !== pages * layers)
+            throw invalid(BAKE, `has ${list.length} ${name} for ${pages} lightmaps${layers > 1 ? ` in ${layers} layers` : ''}`);
     }
     if (root.sky?.picture) checkPicture(json, root.sky.picture, `${BAKE}/sky/picture`);
 }
@@ -159,7 +176,8 @@ function thickness(m) {
 
 /** Components of the probes' accessors, and how many elements each has. */
 const PROBE_ACCESSORS = {
-    positions: ['VEC3', (n) => n], radiance: ['VEC3', (n) => 9 * n], occlusion: ['VEC4', (n) => n], valid: ['SCALAR', (n) => n], sightRanges: ['SCALAR', (n) => n],
+    positions: ['VEC3', (n) => n], radiance: ['VEC3', (n) => 9 * n], occlusion: ['VEC4', (n) => n],
+    occlusion1: ['VEC4', (n) => n], occlusion2: ['VEC4', (n) => n], occlusion3: ['VEC4', (n) => n], valid: ['SCALAR', (n) => n], sightRanges: ['SCALAR', (n) => n],
     tetrahedra: ['VEC4', null], neighbors: ['VEC4', (_, count) => count('tetrahedra')], sight: ['VEC2', null],
 };
 const SIZES = { SCALAR: 1, VEC2: 2, VEC3: 3, VEC4: 4 };
@@ -168,7 +186,7 @@ function checkProbes(json, probes) {
     if (!probes) return;
     const path = `${BAKE}/probes`;
     if (probes.count === undefined) throw invalid(path, 'count is missing');
-    const optional = ['tetrahedra', 'neighbors', 'sightRanges', 'sight'];
+    const optional = ['occlusion1', 'occlusion2', 'occlusion3', 'tetrahedra', 'neighbors', 'sightRanges', 'sight'];
     const count = (name) => json.accessors?.[probes[name]]?.count;
     for (const [name, [type, wanted]] of Object.entries(PROBE_ACCESSORS)) {
         if (probes[name] === undefined && optional.includes(name)) continue;

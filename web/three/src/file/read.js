@@ -64,7 +64,7 @@ const MATERIAL = 'HALFLIGHT_material';
  * @property {number} count
  * @property {Float64Array} positions world
  * @property {Float32Array} radiance nine RGB coefficients for each probe
- * @property {Float32Array} occlusion four channels for each probe
+ * @property {Float32Array} occlusion all channels of the mask layers for each probe
  * @property {Uint8Array} valid
  * @property {{origin: number[], spacing: number[], size: number[]} | null} grid
  * @property {import('../probes/cells.js').Cells | null} cells null in files of older bakes
@@ -78,7 +78,8 @@ const MATERIAL = 'HALFLIGHT_material';
  * @property {number} unitLux
  * @property {Pixels[]} lightmaps RGB9E5
  * @property {Pixels[]} directions RGBA8, none when the bake was not directional
- * @property {Pixels[]} masks RGBA8, none when no light has a channel
+ * @property {number} maskLayers layers of four channels that masks have
+ * @property {(Pixels | null)[]} masks RGBA8, the layers of a page together; null is lit everywhere; none when no light has a channel
  * @property {{rangeTexels: number, penumbraTexels: number}[]} maskChannels
  * @property {ProbeData | null} probes
  * @property {ReflectionData | null} reflections
@@ -90,6 +91,9 @@ const MATERIAL = 'HALFLIGHT_material';
  * @property {Map<number, {castShadows: boolean, receiveShadows: boolean}>} materials
  * @property {{lightmaps: number, masks: number, directions: number, probes: number, sky: number, reflections: number}} bytes in the file
  */
+
+/** Members of the probes' record: attenuation by mask layer. */
+const OCCLUSION = ['occlusion', 'occlusion1', 'occlusion2', 'occlusion3'];
 
 /** @param {any} json @returns {boolean} whether the file holds a bake */
 export function isBaked(json) {
@@ -112,7 +116,8 @@ export async function readBaked(source) {
             throw invalid(`${BAKE}/${path}`, error.message);
         }
     };
-    const pages = (list, member, part, decode) => Promise.all((list ?? []).map((entry, page) => decoded(entry, `${member}/${page}`, part, decode)));
+    const pages = (list, member, part, decode) => Promise.all((list ?? []).map((entry, page) => (entry.index === undefined ? null : decoded(entry, `${member}/${page}`, part, decode))));
+    const maskLayers = root.shadowmaskLayers ?? 1;
     const { picture, ...sky } = root.sky ?? { zenith: [0, 0, 0], horizon: [0, 0, 0], ground: [0, 0, 0] };
     const [lightmaps, directions, masks, skyPixels, reflectionPixels, probes] = await Promise.all([
         pages(root.lightmaps, 'lightmaps', 'lightmaps', (data, mimeType) => (root.lightmapEncoding ? readByCurve(data, mimeType, root.lightmapEncoding) : readRgb9e5(data))),
@@ -120,18 +125,19 @@ export async function readBaked(source) {
         pages(root.shadowmasks, 'shadowmasks', 'masks', decodeImage),
         picture && decoded(picture, 'sky/picture', 'sky', readRgb9e5),
         root.reflectionProbes && decoded(root.reflectionProbes.picture, 'reflectionProbes/picture', 'reflections', readRgb9e5),
-        readProbes(source, root),
+        readProbes(source, root, maskLayers),
     ]);
     bytes.probes = bytesOfProbes(source.json, root.probes);
-    checkPages(lightmaps, directions, masks);
+    checkPages(lightmaps, directions, masks.filter(Boolean), maskLayers > 1);
     return {
         version: root.version,
         mode: root.mode,
         unitLux: root.lightmapUnitLux ?? 1,
         lightmaps,
         directions,
+        maskLayers,
         masks,
-        maskChannels: readChannels(root.shadowmaskChannels),
+        maskChannels: readChannels(root.shadowmaskChannels, 4 * maskLayers),
         probes,
         reflections: reflectionPixels ? reflectionData(root, reflectionPixels) : null,
         sky: picture ? { ...sky, picture: { pixels: skyPixels, unitNits: picture.unitNits, rotation: picture.rotation } } : sky,
@@ -164,10 +170,11 @@ function pictureOf(json, entry) {
     return json.images[(ktx2 ?? webp ?? texture).source];
 }
 
-function checkPages(lightmaps, directions, masks) {
+/** @param {boolean} layered whether masks that are lit everywhere may be missing */
+function checkPages(lightmaps, directions, masks, layered) {
     const first = lightmaps[0];
     for (const [name, pages] of Object.entries({ lightmap: lightmaps, direction: directions, shadowmask: masks })) {
-        if (pages.length > 0 && pages.length < lightmaps.length)
+        if (pages.length > 0 && pages.length < lightmaps.length && !(layered && pages === masks))
             throw invalid(BAKE, `has ${pages.length} ${name}s for ${lightmaps.length} lightmaps`);
         for (const page of pages) {
             if (page.width !== (pages[0] ?? first).width || page.height !== (pages[0] ?? first).height)
@@ -176,15 +183,15 @@ function checkPages(lightmaps, directions, masks) {
     }
 }
 
-function readChannels(channels) {
-    return [0, 1, 2, 3].map((c) => {
+function readChannels(channels, count) {
+    return Array.from({ length: count }, (_, c) => {
         const channel = channels?.[c];
         if (channel?.encoding !== 'distance') return { rangeTexels: 0, penumbraTexels: 0 };
         return { rangeTexels: channel.rangeTexels, penumbraTexels: channel.penumbraTexels };
     });
 }
 
-async function readProbes(source, root) {
+async function readProbes(source, root, maskLayers) {
     const p = root.probes;
     if (!p || !(p.count > 0)) return null;
     const floats = async (index) => Float32Array.from((await source.accessor(index)).array);
@@ -192,20 +199,29 @@ async function readProbes(source, root) {
     const [positions, radiance, occlusion, valid, tetrahedra, neighbors, sightRanges, sight] = await Promise.all([
         floats(p.positions),
         floats(p.radiance),
-        floats(p.occlusion),
+        Promise.all(OCCLUSION.slice(0, maskLayers).map((name) => (p[name] === undefined ? new Float32Array(4 * p.count).fill(1) : floats(p[name])))),
         source.accessor(p.valid).then((a) => Uint8Array.from(a.array)),
         integers(p.tetrahedra),
         integers(p.neighbors),
         integers(p.sightRanges),
         integers(p.sight),
     ]);
-    const ranged = { positions: [positions, 3, 'a position'], radiance: [radiance, 27, 'radiance'], occlusion: [occlusion, 4, 'occlusion'], sightRanges: [sightRanges ?? [], 1, 'a sight range'] };
+    const ranged = { positions: [positions, 3, 'a position'], radiance: [radiance, 27, 'radiance'], sightRanges: [sightRanges ?? [], 1, 'a sight range'] };
     for (const [name, [values, size, what]] of Object.entries(ranged)) checkValues(name, values, size, what);
+    occlusion.forEach((layer) => checkValues('occlusion', layer, 4, 'occlusion'));
     const origin = root.origin ?? [0, 0, 0];
     const places = Float64Array.from(positions, (x, i) => x + origin[i % 3]); // floats would move probes far from the origin
     const grid = p.grid ? { ...p.grid, origin: p.grid.origin.map((x, axis) => x + origin[axis]) } : null;
     const cells = tetrahedra ? readCells(tetrahedra, neighbors, valid) : null;
-    return { count: p.count, positions: places, radiance, occlusion, valid, grid, cells, sight: readSight(sightRanges, sight) };
+    return { count: p.count, positions: places, radiance, occlusion: interleave(occlusion), valid, grid, cells, sight: readSight(sightRanges, sight) };
+}
+
+/** The layers' four channels of each probe one after another. @param {Float32Array[]} layers */
+function interleave(layers) {
+    if (layers.length === 1) return layers[0];
+    const all = new Float32Array(layers.length * layers[0].length);
+    layers.forEach((layer, k) => layer.forEach((value, i) => { all[4 * (Math.floor(i / 4) * layers.length + k) + (i % 4)] = value; }));
+    return all;
 }
 
 function checkValues(name, values, size, what) {
@@ -216,7 +232,7 @@ function checkValues(name, values, size, what) {
 
 /** In the file: of buffer views with meshopt compression the compressed ones. */
 function bytesOfProbes(json, probes = {}) {
-    const accessors = ['positions', 'radiance', 'occlusion', 'valid', 'tetrahedra', 'neighbors', 'sightRanges', 'sight'].map((name) => json.accessors?.[probes[name]]);
+    const accessors = ['positions', 'radiance', ...OCCLUSION, 'valid', 'tetrahedra', 'neighbors', 'sightRanges', 'sight'].map((name) => json.accessors?.[probes[name]]);
     const views = new Set(accessors.map((accessor) => accessor?.bufferView).filter((view) => view !== undefined));
     const stored = (view) => (view.extensions?.EXT_meshopt_compression ?? view.extensions?.KHR_meshopt_compression ?? view).byteLength;
     return [...views].reduce((sum, index) => sum + stored(json.bufferViews[index]), 0);

@@ -11,11 +11,12 @@ import { sightWeight } from './sight.js';
 
 const FLAT = 1e-5;
 
-/** @typedef {{radiance: Float64Array, occlusion: Float64Array}} ProbeSample nine RGB coefficients, four channels */
+/** @typedef {{radiance: Float64Array, occlusion: Float64Array}} ProbeSample nine RGB coefficients, all channels */
 
 /** The open sky as a probe meets it; nothing occluded. @returns {ProbeSample} */
-export function skyProbe(sky) {
-    if (sky.picture) return { radiance: skyCoefficients(sky.picture), occlusion: Float64Array.of(1, 1, 1, 1) };
+export function skyProbe(sky, channels = 4) {
+    const occlusion = new Float64Array(channels).fill(1);
+    if (sky.picture) return { radiance: skyCoefficients(sky.picture), occlusion };
     const up = { x: 0, y: 1, z: 0 };
     const down = { x: 0, y: -1, z: 0 };
     const radiance = new Float64Array(27);
@@ -26,13 +27,14 @@ export function skyProbe(sky) {
             radiance[3 * i + c] += (sky.ground[c] - sky.horizon[c]) * shIrradianceWeight(i, down);
         }
     }
-    return { radiance, occlusion: Float64Array.of(1, 1, 1, 1) };
+    return { radiance, occlusion };
 }
 
 export class ProbeField {
-    /** @param {import('../file/read.js').ProbeData | null} probes @param {any} sky */
-    constructor(probes, sky) {
-        this.sky = skyProbe(sky);
+    /** @param {import('../file/read.js').ProbeData | null} probes @param {any} sky @param {number} [channels] of all mask layers */
+    constructor(probes, sky, channels = 4) {
+        this.channels = channels;
+        this.sky = skyProbe(sky, channels);
         this.probes = probes;
         this.spacing = [Infinity, Infinity, Infinity];
         /** @type {number[]} valid probes */
@@ -45,6 +47,11 @@ export class ProbeField {
         if (!probes) return;
         for (let i = 0; i < probes.count; ++i) if (probes.valid[i]) this.sources.push(i);
         if (this.sources.length > 0) this.build();
+    }
+
+    /** @returns {ProbeSample} to be written to */
+    newSample() {
+        return { radiance: new Float64Array(27), occlusion: new Float64Array(this.channels) };
     }
 
     get empty() {
@@ -110,12 +117,13 @@ export class ProbeField {
      * @param {ArrayLike<number>} p in bake space @param {Place} [place] where the search begins, and ends
      * @param {ProbeSample} [sum] to write to @returns {ProbeSample}
      */
-    sample(p, place = this.place, sum = { radiance: new Float64Array(27), occlusion: new Float64Array(4) }) {
+    sample(p, place = this.place, sum = this.newSample()) {
         if (this.empty) {
             sum.radiance.set(this.sky.radiance);
             sum.occlusion.set(this.sky.occlusion);
         } else {
             const { radiance, occlusion } = this.probes;
+            const { channels } = this;
             this.search.find(p, place);
             const total = this.see(place);
             sum.radiance.fill(0);
@@ -124,7 +132,7 @@ export class ProbeField {
                 const w = place.weights[k] / total;
                 const probe = place.probes[k];
                 for (let i = 0; i < 27; ++i) sum.radiance[i] += w * radiance[27 * probe + i];
-                for (let c = 0; c < 4; ++c) sum.occlusion[c] += w * occlusion[4 * probe + c];
+                for (let c = 0; c < channels; ++c) sum.occlusion[c] += w * occlusion[channels * probe + c];
             }
         }
         removeRinging(sum.radiance); // after interpolation: the sum may ring less than each probe

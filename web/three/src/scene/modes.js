@@ -15,6 +15,6 @@ export function checkMode(mode, data) {
     if (!modes.includes(mode))
         throw new Error(`the file was baked for ${data.mode}, so it can only be drawn in mode ${modes.join(' or ')}`);
     const channels = [...data.lights.values()].some((light) => light.channel >= 0);
-    if (mode.endsWith('shadowmask') && channels && data.masks.length < data.lightmaps.length)
+    if (mode.endsWith('shadowmask') && channels && data.masks.length < data.lightmaps.length * data.maskLayers)
         throw new Error('the file has lights with shadowmask channels but lacks shadowmask pages');
 }

@@ -68,7 +68,8 @@ export class BakedObject {
         /** Where its instances take their light, in bake space, and that light. */
         this.places = [];
         this.anchor = new Float64Array(3);
-        this.light = { radiance: new Float64Array(27), occlusion: new Float64Array(4) };
+        /** @type {import('../probes/field.js').ProbeSample | null} */
+        this.light = null;
         this.atLoad = original?.atLoad ?? this.bakeFromMesh();
         /** Of a mesh with bones: the mean of its vertices at load and now, in bake space. */
         this.posedAtLoad = hasBones(meshes[0]) ? (original?.posedAtLoad ?? this.posed(new Vector3())) : null;
@@ -110,7 +111,7 @@ export class BakedObject {
         if (this.posedAtLoad) point.applyMatrix4(this.atLoad).add(this.posedNow).sub(this.posedAtLoad); // bones move it
         else point.applyMatrix4(this.bakeFromObject(i, matrix));
         point.toArray(this.anchor);
-        table.setSample(this.firstRow + i, field.sample(this.anchor, (this.places[i] ??= new Place()), this.light));
+        table.setSample(this.firstRow + i, field.sample(this.anchor, (this.places[i] ??= new Place()), (this.light ??= field.newSample())));
     }
 
     /** Rows of the table that do not change while objects move. @param {import('./table.js').ObjectTable} table */

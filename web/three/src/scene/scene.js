@@ -57,7 +57,7 @@ export class HalflightScene {
         if (options.dynamicLayer !== undefined) checkNumber('dynamicLayer', options.dynamicLayer, ' of a layer', 0, 31);
         this.dynamicLayer = options.dynamicLayer ?? DYNAMIC_LAYER;
         for (const lost of data.lost) this.#warnings.keep(`the file has lost part of its bake: ${lost}; use the file that the bake wrote, or a tool that keeps its extensions`);
-        this.field = new ProbeField(data.probes, data.sky);
+        this.field = new ProbeField(data.probes, data.sky, 4 * data.maskLayers);
         if (!this.field.empty && !this.field.cellsOfFile)
             this.#warnings.keep(`${data.probes.cells ? "the file's tetrahedra do not fit the positions of its probes" : 'the file has no tetrahedra between its probes'}: moving objects take the light of the nearest probe; bake the scene again`);
         this.table = new ObjectTable();

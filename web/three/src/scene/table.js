@@ -1,8 +1,9 @@
 // What shaders read of each object, as texels of one float texture: an object's row holds
 //   0  scale and offset of its lightmap coordinates
 //   1  flags (1 lightmapped), lightmap page, row of its proxy volume (-1 none)
-//   2  baked attenuation by channel, from the probes
+//   2  baked attenuation by channel of the first mask layer, from the probes
 //   3…11  radiance coefficients from the probes
+//   12…14 as 2, of further mask layers
 // and a proxy volume's row
 //   0…3  columns of the matrix from the world to the volume texture
 //   4, 5  first and last texel's centre; 4.w factor on the stored radiance
@@ -65,7 +66,8 @@ export class ObjectTable {
     setSample(row, sample) {
         const { data } = this.texture.image;
         const at = this.at(row, 2);
-        data.set(sample.occlusion, at);
+        data.set(sample.occlusion.subarray(0, 4), at);
+        if (sample.occlusion.length > 4) data.set(sample.occlusion.subarray(4), this.at(row, 12));
         for (let i = 0; i < 27; ++i) data[at + 4 + 4 * Math.floor(i / 3) + (i % 3)] = sample.radiance[i];
         this.texture.needsUpdate = true;
     }

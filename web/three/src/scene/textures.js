@@ -3,12 +3,15 @@ import { ClampToEdgeWrapping, DataArrayTexture, LinearFilter, NoColorSpace, RGBA
 
 export const FORMATS = { rgb9e5: { format: RGBFormat, type: UnsignedInt5999Type }, rgba8: { format: RGBAFormat, type: UnsignedByteType } };
 
-/** @param {import('../file/read.js').Pixels[]} pages of one size @param {any} format one of FORMATS */
+const WHITE = { width: 1, height: 1, data: new Uint8Array(4).fill(255) };
+
+/** @param {(import('../file/read.js').Pixels | null)[]} pages of one size, null for white ones @param {any} format one of FORMATS */
 export function arrayTexture(pages, format) {
-    const { width, height } = pages[0];
-    const texels = pages[0].data.length;
-    const data = new pages[0].data.constructor(texels * pages.length);
-    pages.forEach((page, i) => data.set(page.data, i * texels));
+    const first = pages.find(Boolean) ?? WHITE;
+    const { width, height } = first;
+    const texels = first.data.length;
+    const data = new first.data.constructor(texels * pages.length);
+    pages.forEach((page, i) => (page ? data.set(page.data, i * texels) : data.fill(255, i * texels, (i + 1) * texels)));
     const texture = new DataArrayTexture(data, width, height, pages.length);
     Object.assign(texture, { ...format, minFilter: LinearFilter, magFilter: LinearFilter, colorSpace: NoColorSpace });
     texture.wrapS = texture.wrapT = ClampToEdgeWrapping;

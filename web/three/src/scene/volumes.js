@@ -1,8 +1,10 @@
 // Proxy volumes: probe light resampled on a regular grid about an object. As ProxyVolume in
-// include/halflight/render/probes.h; all volumes share one 3D texture, whose depth holds eight slabs.
+// include/halflight/render/probes.h; all volumes share one 3D texture, whose depth holds eight slabs,
+// and one more for each mask layer beyond the first.
 import { Box3, ClampToEdgeWrapping, Data3DTexture, DataUtils, HalfFloatType, LinearFilter, Matrix4, RGBAFormat, Vector3 } from 'three';
 
-const SLABS = 8;
+/** @param {number} channels of all mask layers */
+export const slabsOf = (channels) => 7 + channels / 4;
 const MAX_RESOLUTION = 64;
 const MAX_AUTOMATIC_TEXELS = 2 ** 18;
 const MAX_TEXELS = 2 ** 21;
@@ -87,9 +89,10 @@ export class ProxyVolumes {
         this.field = field;
         this.table = table;
         this.volumes = plan.map((v) => ({ ...v, offset: [0, 0, 0], row: table.allocate(1) }));
+        this.slabs = slabsOf(field.channels);
         this.size = this.pack();
         const [x, y, z] = this.size;
-        const texture = new Data3DTexture(new Uint16Array(4 * x * y * z * SLABS), x, y, z * SLABS);
+        const texture = new Data3DTexture(new Uint16Array(4 * x * y * z * this.slabs), x, y, z * this.slabs);
         texture.format = RGBAFormat;
         texture.type = HalfFloatType;
         texture.minFilter = texture.magFilter = LinearFilter;
@@ -143,9 +146,11 @@ export class ProxyVolumes {
         const at = [v.offset[0] + (i % x), v.offset[1] + (Math.floor(i / x) % y), v.offset[2] + Math.floor(i / (x * y))];
         const r = sample.radiance;
         const slabs = [0, 1, 2].map((c) => [r[c], r[3 + c], r[6 + c], r[9 + c]]);
-        slabs.push([...sample.occlusion].map((o) => o * factor));
+        const attenuation = [...sample.occlusion].map((o) => o * factor);
+        slabs.push(attenuation.slice(0, 4));
         for (let c = 0; c < 3; ++c) slabs.push([r[12 + c], r[15 + c], r[18 + c], r[21 + c]]);
         slabs.push([r[24], r[25], r[26], 0]);
+        for (let c = 4; c < attenuation.length; c += 4) slabs.push(attenuation.slice(c, c + 4));
         slabs.forEach((texel, slab) => {
             const index = ((at[2] + slab * this.size[2]) * this.size[1] + at[1]) * this.size[0] + at[0];
             for (let k = 0; k < 4; ++k) this.texture.image.data[4 * index + k] = DataUtils.toHalfFloat(texel[k] / factor);
@@ -154,7 +159,7 @@ export class ProxyVolumes {
 
     writeRow(v, world, factor) {
         const n = v.resolution;
-        const textureSize = [this.size[0], this.size[1], this.size[2] * SLABS];
+        const textureSize = [this.size[0], this.size[1], this.size[2] * this.slabs];
         // Box coordinate 0 is at the first texel's centre, 1 at the last one's; a single texel stands for all.
         const scale = n.map((count, axis) => (count < 2 ? 1 : count - 1) / textureSize[axis]);
         const shift = n.map((count, axis) => (v.offset[axis] + (count < 2 ? 0 : 0.5)) / textureSize[axis]);

@@ -46,8 +46,8 @@ export class WebGLBackend {
             hlSky: { value: vectors(data.sky.zenith, data.sky.horizon, data.sky.ground) },
             hlSkySh: { value: vectors(...sh) },
             hlSkyFromWorld: { value: new Matrix3() },
-            hlMaskRange: { value: new Vector4(...data.maskChannels.map((c) => c.rangeTexels)) },
-            hlMaskPenumbra: { value: new Vector4(...data.maskChannels.map((c) => c.penumbraTexels)) },
+            hlMaskRange: { value: data.maskChannels.map((c) => c.rangeTexels) },
+            hlMaskPenumbra: { value: data.maskChannels.map((c) => c.penumbraTexels) },
         };
         if (data.sky.picture) {
             features.push('HL_SKY_PICTURE');
@@ -66,7 +66,7 @@ export class WebGLBackend {
         }
         this.ownSamplers = 1 + features.length;
         this.uniforms.hlAreaLights = { value: [] };
-        this.patches = new MaterialPatches(this.uniforms, features, scene.options.brdf === 'three', (...drawn) => scene.rowOf(...drawn));
+        this.patches = new MaterialPatches(this.uniforms, [`HL_MASK_LAYERS ${data.maskLayers}`, ...features], scene.options.brdf === 'three', (...drawn) => scene.rowOf(...drawn));
     }
 
     /** Texture units of a fragment shader besides shadow maps: the plug-in's, three.js's table, the material's. */

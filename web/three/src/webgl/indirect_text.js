@@ -15,7 +15,7 @@ vec3 hlSubtract(vec3 lightmap)
 {
     if (hlMode != hlModeSubtractive || hlMainFlags.z < 0.5 || !hlSurface.receive) return lightmap;
     float faded = hlMixShadowsFullStrength(hlMode, false, 1.0, hlMainHasRealtime, hlMainRealtime, hlSurface.fade);
-    float baked = hlMainFlags.x >= 0.0 ? hlSurface.baked[int(hlMainFlags.x)] : 1.0;
+    float baked = hlMainFlags.x >= 0.0 ? hlBakedOf(int(hlMainFlags.x)) : 1.0;
     return hlSubtractiveIrradiance(lightmap, hlMainIrradiance, baked, faded, hlShadowColor, hlMainFlags.w);
 }
 
@@ -125,7 +125,11 @@ vec3 hlIndirect()
 
 vec3 hlDebugView()
 {
-    if (hlView == 1) return hlSurface.baked.rgb * mix(0.5, 1.0, hlSurface.baked.a);
+    if (hlView == 1) { // of all mask layers together
+        vec4 mask = hlSurface.baked[0];
+        for (int layer = 1; layer < HL_MASK_LAYERS; ++layer) mask = min(mask, hlSurface.baked[layer]);
+        return mask.rgb * mix(0.5, 1.0, mask.a);
+    }
     if (hlView == 2) return hlSurface.lightmapped ? hlLightmap() * (1.0 / hlShadingPi) : vec3(0.0);
     if (hlView == 3) return hlIrradiance(hlSurface.normal, false) * (1.0 / hlShadingPi);
     if (hlView == 4) return vec3(hlSurface.fade);

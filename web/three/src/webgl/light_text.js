@@ -21,7 +21,7 @@ float hlBakedAttenuation(HlLight light)
     vec3 fromLight = vHlPosition - light.reach.xyz;
     float distanceMeters = max(length(fromLight), 1.0e-6);
     float cosAngle = dot(fromLight, light.cone.xyz) / distanceMeters;
-    return hlBakedWithinReach(hlSurface.baked[int(light.flags.x)], distanceMeters, light.reach.w, cosAngle, light.cone.w);
+    return hlBakedWithinReach(hlBakedOf(int(light.flags.x)), distanceMeters, light.reach.w, cosAngle, light.cone.w);
 }
 
 #ifdef HL_AREA_LIGHTS

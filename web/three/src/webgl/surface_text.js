@@ -55,8 +55,8 @@ uniform highp sampler2DArray hlDirections;
 #endif
 #ifdef HL_MASKS
 uniform highp sampler2DArray hlMasks;
-uniform vec4 hlMaskRange;
-uniform vec4 hlMaskPenumbra;
+uniform float hlMaskRange[4 * HL_MASK_LAYERS];
+uniform float hlMaskPenumbra[4 * HL_MASK_LAYERS];
 #endif
 #ifdef HL_VOLUMES
 uniform highp sampler3D hlVolumes;
@@ -79,7 +79,7 @@ struct HlSurface {
     bool receive;
     int page;
     int volume;
-    vec4 baked; // B by channel
+    vec4 baked[HL_MASK_LAYERS]; // B by mask layer and channel
     vec3 baseColor;
     float metallic;
     float roughness;
@@ -93,6 +93,15 @@ float hlMainRealtime = 1.0;
 bool hlMainHasRealtime = false;
 int hlOverlap = 0;
 
+float hlBakedOf(int channel)
+{
+#if HL_MASK_LAYERS > 1
+    return hlSurface.baked[channel / 4][channel % 4];
+#else
+    return hlSurface.baked[0][channel];
+#endif
+}
+
 // From view space.
 vec3 hlToBake(vec3 v) { return normalize(mat3(hlSurface.bakeFromWorld) * (vec4(v, 0.0) * viewMatrix).xyz); }
 
@@ -104,7 +113,7 @@ vec4 hlVolumeTexture(int slab)
                               hlCell(hlSurface.volume, 3));
     vec3 at = (slabFromWorld * vec4(vHlPosition, 1.0)).xyz;
     at = clamp(at, hlCell(hlSurface.volume, 4).xyz, hlCell(hlSurface.volume, 5).xyz);
-    at.z += float(slab) * 0.125;
+    at.z += float(slab) / float(7 + HL_MASK_LAYERS);
     return textureLod(hlVolumes, at, 0.0);
 }
 #endif
@@ -133,23 +142,23 @@ vec3 hlIrradiance(vec3 n, bool openSky)
     return max(irradiance, vec3(0.0));
 }
 
-vec4 hlProbeOcclusion()
+vec4 hlProbeOcclusion(int layer)
 {
 #ifdef HL_VOLUMES
-    if (hlSurface.volume >= 0) return hlVolumeTexture(3);
+    if (hlSurface.volume >= 0) return hlVolumeTexture(layer == 0 ? 3 : 7 + layer);
 #endif
-    return hlCell(vHlRow, 2);
+    return hlCell(vHlRow, layer == 0 ? 2 : 11 + layer);
 }
 
-vec4 hlReadMask()
+vec4 hlReadMask(int layer)
 {
 #ifdef HL_MASKS
-    vec4 stored = textureLod(hlMasks, vec3(vHlLightmapUv, hlSurface.page), 0.0);
+    vec4 stored = textureLod(hlMasks, vec3(vHlLightmapUv, hlSurface.page * HL_MASK_LAYERS + layer), 0.0);
     vec2 size = vec2(textureSize(hlMasks, 0).xy);
     float footprint = max(length(dFdx(vHlLightmapUv) * size), length(dFdy(vHlLightmapUv) * size));
     vec4 attenuation;
     for (int c = 0; c < 4; ++c)
-        attenuation[c] = hlDecodeMask(stored[c], hlMaskRange[c], hlMaskPenumbra[c], footprint);
+        attenuation[c] = hlDecodeMask(stored[c], hlMaskRange[4 * layer + c], hlMaskPenumbra[4 * layer + c], footprint);
     return attenuation;
 #else
     return vec4(1.0);
@@ -173,8 +182,10 @@ void hlReadSurface(vec3 normal, vec3 vertexNormal, vec3 viewDirection, float sid
     hlSurface.receive = receiveShadow;
     hlSurface.page = int(info.y);
     hlSurface.volume = int(info.z);
-    vec4 mask = hlReadMask(); // derivatives want uniform control flow
-    hlSurface.baked = hlSurface.lightmapped ? mask : hlProbeOcclusion();
+    for (int layer = 0; layer < HL_MASK_LAYERS; ++layer) {
+        vec4 mask = hlReadMask(layer); // derivatives want uniform control flow
+        hlSurface.baked[layer] = hlSurface.lightmapped ? mask : hlProbeOcclusion(layer);
+    }
     hlSurface.baseColor = baseColor;
     hlSurface.metallic = hlSaturate(metallic);
     hlSurface.roughness = hlSaturate(roughness);

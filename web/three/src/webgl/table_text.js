@@ -1,7 +1,7 @@
 // GLSL that reads the table of objects (scene/table.js).
 
 /** Texels of one object: see ObjectTable. */
-export const COLUMNS = 12;
+export const COLUMNS = 15;
 export const ROWS = 1024;
 export const table = `
 uniform highp sampler2D hlTable;

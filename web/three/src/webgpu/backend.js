@@ -49,7 +49,7 @@ export class WebGPUBackend {
         const pages = (list, kind) => (list.length > 0 ? arrayTexture(list, FORMATS[kind]) : null);
         const colors = (list) => uniformArray(list.map((c) => new Vector3(c[0], c[1], c[2])), 'vec3');
         this.textures = { lightmaps: pages(data.lightmaps, 'rgb9e5'), directions: pages(data.directions, 'rgba8'), masks: pages(data.masks, 'rgba8'), skyPicture: data.sky.picture ? skyTexture(data.sky.picture.pixels) : null };
-        const channels = (key) => shared(new Vector4(...data.maskChannels.map((c) => c[key])));
+        const channels = (key) => Array.from({ length: data.maskLayers }, (_, k) => shared(new Vector4(...data.maskChannels.slice(4 * k, 4 * k + 4).map((c) => c[key]))));
         this.u = {
             ...this.textures,
             table: table.texture,
@@ -65,6 +65,7 @@ export class WebGPUBackend {
             skySh: colors(Array.from({ length: 9 }, (_, i) => scene.field.sky.radiance.subarray(3 * i, 3 * i + 3))),
             skyTurn: shared(new Vector4(...(data.sky.picture ? skyTurn(data.sky.picture) : [1, 0, 0, 0]))),
             skyFromWorld: shared(new Matrix3()),
+            maskLayers: data.maskLayers,
             maskRange: channels('rangeTexels'),
             maskPenumbra: channels('penumbraTexels'),
         };

@@ -8,6 +8,7 @@ import {
 
 import { kReflectionLevels } from '../generated/shading.js';
 import * as hl from '../generated/shading.tsl.js';
+import { slabsOf } from '../scene/volumes.js';
 import { COLUMNS, ROWS } from '../webgl/table_text.js';
 
 const REALTIME = 0;
@@ -78,18 +79,20 @@ export class SceneNodes {
             const place = this.cell(s.row, 0);
             s.uv = attribute('hlLightmapUv', 'vec2').mul(place.xy).add(place.zw).toVar();
         }
-        const occlusion = this.probeOcclusion(s);
-        s.baked = (s.uv && u.masks ? select(s.lightmapped, this.mask(s), occlusion) : select(s.lightmapped, vec4(1), occlusion)).toVar();
+        s.baked = Array.from({ length: u.maskLayers }, (_, layer) => {
+            const mask = s.uv && u.masks ? this.mask(s, layer) : vec4(1);
+            return select(s.lightmapped, mask, this.probeOcclusion(s, layer)).toVar();
+        });
         return s;
     }
 
-    mask(s) {
+    mask(s, layer) {
         const { u } = this;
-        const stored = texture(u.masks, s.uv).depth(s.page).level(0);
+        const stored = texture(u.masks, s.uv).depth(s.page.mul(int(u.maskLayers)).add(int(layer))).level(0);
         const { width, height } = u.masks.image;
         const across = (d) => d.mul(vec2(width, height)).length();
         const footprint = across(dFdx(s.uv)).max(across(dFdy(s.uv)));
-        const decode = (c) => hl.hlDecodeMask(stored[c], u.maskRange[c], u.maskPenumbra[c], footprint);
+        const decode = (c) => hl.hlDecodeMask(stored[c], u.maskRange[layer][c], u.maskPenumbra[layer][c], footprint);
         return vec4(decode('x'), decode('y'), decode('z'), decode('w'));
     }
 
@@ -97,12 +100,18 @@ export class SceneNodes {
         const row = s.volume.max(0);
         const slabFromWorld = mat4(this.cell(row, 0), this.cell(row, 1), this.cell(row, 2), this.cell(row, 3));
         const at = slabFromWorld.mul(vec4(s.position, 1)).xyz.clamp(this.cell(row, 4).xyz, this.cell(row, 5).xyz);
-        return texture3D(this.u.volumes, at.add(vec3(0, 0, slab / 8))).level(0);
+        return texture3D(this.u.volumes, at.add(vec3(0, 0, slab / slabsOf(4 * this.u.maskLayers)))).level(0);
     }
 
-    probeOcclusion(s) {
-        const own = this.cell(s.row, 2);
-        return this.u.volumes ? select(s.volume.greaterThanEqual(0), this.volumeTexture(s, 3), own) : own;
+    probeOcclusion(s, layer) {
+        const own = this.cell(s.row, layer === 0 ? 2 : 11 + layer);
+        return this.u.volumes ? select(s.volume.greaterThanEqual(0), this.volumeTexture(s, layer === 0 ? 3 : 7 + layer), own) : own;
+    }
+
+    /** B of a channel. @param {any} channel a node */
+    bakedOf(s, channel) {
+        const ofLayer = (layer) => component(s.baked[layer], channel.sub(int(4 * layer)));
+        return s.baked.reduceRight((rest, _, layer) => (rest ? select(channel.lessThan(4 * layer + 4), ofLayer(layer), rest) : ofLayer(layer)), null);
     }
 
     /** Irradiance from the object's probes. */
@@ -130,7 +139,7 @@ export class SceneNodes {
         const distance = fromLight.length().max(1e-6);
         const cosAngle = fromLight.dot(light.cone.xyz).div(distance);
         const channel = int(light.flags.x.max(0));
-        return hl.hlBakedWithinReach(component(s.baked, channel), distance, light.reach.w, cosAngle, light.cone.w);
+        return hl.hlBakedWithinReach(this.bakedOf(s, channel), distance, light.reach.w, cosAngle, light.cone.w);
     }
 
     /** Irradiance on a surface that faces the light, without shadow, and its direction. */
@@ -188,7 +197,7 @@ export class SceneNodes {
         const irradiance = light.color.mul(s.vertexNormal.dot(s.toBake(light.axis.negate()).normalize()).clamp());
         const has = hasMap ? light.flags.y.greaterThan(0.5) : float(0).greaterThan(0.5);
         const faded = hl.hlMixShadowsFullStrength(this.u.mode, float(0).greaterThan(0.5), float(1), has, realtime, s.fade);
-        const baked = select(light.flags.x.greaterThanEqual(0), component(s.baked, int(light.flags.x.max(0))), float(1));
+        const baked = select(light.flags.x.greaterThanEqual(0), this.bakedOf(s, int(light.flags.x.max(0))), float(1));
         const result = hl.hlSubtractiveIrradiance(lightmap, irradiance, baked, faded, this.u.shadowColor, light.flags.w);
         return select(this.u.mode.equal(SUBTRACTIVE).and(int(light.flags.z).bitAnd(4).greaterThan(0)), result, lightmap);
     }
@@ -275,7 +284,8 @@ export class SceneNodes {
     /** @param {any} lit the picture's radiance @param {any} overlap lights with a channel, or that lost theirs, that reach the fragment */
     debugView(s, lit, overlap) {
         const { view } = this.u;
-        const mask = s.baked.rgb.mul(mix(float(0.5), float(1), s.baked.a));
+        const all = s.baked.reduce((mask, layer) => mask.min(layer)); // mask layers
+        const mask = all.rgb.mul(mix(float(0.5), float(1), all.a));
         const lightmap = select(s.lightmapped, this.lightmap(s).mul(1 / Math.PI), vec3(0));
         const probes = this.probeIrradiance(s, s.normal).mul(1 / Math.PI);
         const ramp = [vec3(0), vec3(0, 0, 1), vec3(0, 1, 0), vec3(1, 1, 0), vec3(1, 0, 0), vec3(1)];
