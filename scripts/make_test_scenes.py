@@ -94,20 +94,20 @@ def thirteen_lights():
     doc.mesh("room", [(inside_walls(-5, 0, -4, 5, 3.2, 4), "white", 1.0)], closed=False)
     doc.mesh("post", [(m.bevel_box(0.3, 1.6, 0.3, 0.02), "grey", 1.0)])
     doc.mesh("ball", [(m.sphere(0.35, 32, 16), "red", 1.0)])
-    doc.mesh("beam", [(m.box(-2.0, 0, -0.15, 2.0, 0.3, 0.15), "grey", 1.0)])
+    doc.mesh("beam", [(m.box(-1.4, 0, -0.15, 1.4, 0.3, 0.15), "grey", 1.0)])
     doc.node("room", "room")
     for i in range(5):
         a = math.radians(72 * i + 10)
         doc.node(f"post_{i + 1}", "post", (2.2 * math.cos(a), -0.005, 1.7 * math.sin(a)), 23 * i)
-    doc.node("ball", "ball", (0.2, 0.35, 0.3), extras=dict(DYNAMIC))
-    doc.node("beam", "beam", (0.0, 0.5, 3.0), extras={**DYNAMIC, "halflight_probes": "volume", "halflight_probe_resolution": [9, 2, 2]})
+    doc.node("ball", "ball", (-0.6, 0.35, -0.6), extras=dict(DYNAMIC))
+    doc.node("beam", "beam", (0.3, 0.6, 1.1), extras={**DYNAMIC, "halflight_probes": "volume", "halflight_probe_resolution": [9, 2, 2]})
     for i in range(13):
         a = math.radians(360 * i / 13 + 5)
         hue = 2 * math.pi * i / 13
         color = [0.55 + 0.45 * math.cos(hue + shift) for shift in (0.0, 2.1, 4.2)]
         doc.light(f"lamp_{i + 1}", "point", color, 1.6 + 0.1 * i, (4.1 * math.cos(a), 2.3, 3.2 * math.sin(a)), cone_range=14.0,
                   extras={**MIXED, "halflight_radius": 0.04})
-    doc.camera("main", (0.0, 3.0, 3.9), (0.0, 0.3, -0.4), 70)
+    doc.camera("main", (0.0, 3.0, 3.9), (0.0, 0.25, -0.5), 36)
     return doc
 
 

@@ -81,6 +81,7 @@ TEST(LayersS36, AStreetOfTwoHundredLampsBakesNone)
     EXPECT_GT(bakedOf(scene), 100) << "the test asks nothing of layers";
     assignShadowmaskChannels(scene, MixedLightingMode::Shadowmask, kMostMaskLayers);
     EXPECT_EQ(bakedOf(scene), 0);
+    for (const Light& light : scene.lights) EXPECT_EQ(light.baking.reason, "") << light.name;
     for (std::size_t i = 0; i < scene.lights.size(); ++i)
         for (std::size_t j = i + 1; j < scene.lights.size(); ++j) {
             const Light& a = scene.lights[i];
@@ -187,7 +188,6 @@ TEST(LayersS36, ABakeHasAPictureForEachLayerInUse)
     EXPECT_EQ(classic->baked.maskLayers, 1);
     EXPECT_EQ(bakedOf(classic->baked.scene), 2);
     ASSERT_EQ(classic->baked.shadowmasks.size(), classic->baked.lightmaps.size());
-    EXPECT_EQ(classic->baked.shadowmasks[0].texels(), baked.shadowmasks[0].texels());
 
     // Lights that no caster hides from anything: their layer has no picture.
     Scene open = ring(4);

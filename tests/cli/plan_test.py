@@ -47,7 +47,7 @@ class Plans(FarmCase):
             self.refused(f"/scenes/0/{key}", *words)
 
     def test_numbers(self):
-        for key in ("tiles", "texels"):
+        for key in ("tiles", "texels", "maskLayers"):
             for value in (-1, 1.8e19, 1e300, 3.7, 1 << 63, 10**9, "12", None, True, [3]):
                 if key == "texels" and value == 10**9:
                     continue  # a number of texels, of which there are then other tiles
@@ -65,7 +65,7 @@ class Plans(FarmCase):
         self.assert_one_sentence(run("farm", "work", self.folder_of_plan, "-q"), 1, "plan anew")
 
     def test_types(self):
-        for key in ("name", "scene", "settings", "options", "cache", "inputs", "parts", "mask", "identity"):
+        for key in ("name", "scene", "settings", "options", "cache", "inputs", "parts", "maskLayers", "identity"):
             self.refused_with(key, {"a": 1})
             changed = copy.deepcopy(self.right)
             del changed["scenes"][0][key]

@@ -9,14 +9,17 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <set>
+#include <span>
 
 namespace halflight {
 namespace {
 constexpr int kMostChannels = kMostMaskLayers * kLayerChannels;
-/// Limit on pairs of lights that one attempt at recolouring compares. A step compares all pairs, so connected groups of
-/// more than kMaxRecolored lights are only coloured greedily.
+/// Limit on pairs of lights that one attempt at recolouring compares, on its lights, and on the pairs of all attempts:
+/// a second of one core.
 constexpr int kColoringBudget = 4'000'000;
 constexpr std::size_t kMaxRecolored = 128;
+constexpr int64_t kPairsOfAllAttempts = 500'000'000;
 
 /// Bounding sphere of the points that a light reaches; of a spot's, the smaller of two spheres around its cone.
 struct Reach {
@@ -85,11 +88,12 @@ bool moreImportant(const Light& a, const Light& b)
     return std::tie(pa.x, pa.y, pa.z) < std::tie(pb.x, pb.y, pb.z);
 }
 
-using Graph = std::vector<std::vector<bool>>;
+/// Of each light, those that it overlaps, ascending.
+using Graph = std::vector<std::vector<int>>;
 
-/// Colours the listed nodes with so many colours, most constrained node first (Brelaz 1979, "New Methods to Color the
-/// Vertices of a Graph"), with backtracking up to a budget of steps.
-bool colorGraph(const Graph& graph, const std::vector<int>& nodes, int colors, std::vector<int>& color, int& budget)
+/// Colours the listed nodes with so many colours, beside those that have one; most constrained node first (Brelaz 1979,
+/// "New Methods to Color the Vertices of a Graph"), with backtracking up to a budget of steps.
+bool colorGraph(const Graph& graph, std::span<const int> nodes, int colors, std::vector<int>& color, int& budget)
 {
     int best = -1;
     int bestFree = colors + 1;
@@ -97,9 +101,9 @@ bool colorGraph(const Graph& graph, const std::vector<int>& nodes, int colors, s
     for (const int node : nodes) {
         if (color[std::size_t(node)] >= 0) continue;
         std::array<bool, kMostChannels> used{};
-        for (const int other : nodes) {
+        for (const int other : graph[std::size_t(node)]) {
             const int c = color[std::size_t(other)];
-            if (c >= 0 && graph[std::size_t(node)][std::size_t(other)]) used[std::size_t(c)] = true;
+            if (c >= 0) used[std::size_t(c)] = true;
         }
         const int freeColors = int(std::count(used.begin(), used.begin() + colors, false));
         if (freeColors < bestFree) {
@@ -119,18 +123,17 @@ bool colorGraph(const Graph& graph, const std::vector<int>& nodes, int colors, s
     return false;
 }
 
-/// The connected component of `node` among the placed nodes; empty if it is too large to recolour.
-std::vector<int> connectedTo(const Graph& graph, const std::vector<int>& placed, int node)
+/// The nodes with a colour that are connected to `node`, and it; nearest first.
+std::vector<int> connectedTo(const Graph& graph, const std::vector<int>& color, int node)
 {
     std::vector<int> reached = {node};
     std::vector<bool> seen(graph.size(), false);
     seen[std::size_t(node)] = true;
     for (std::size_t next = 0; next < reached.size(); ++next) {
-        for (const int other : placed) {
-            if (seen[std::size_t(other)] || !graph[std::size_t(reached[next])][std::size_t(other)]) continue;
+        for (const int other : graph[std::size_t(reached[next])]) {
+            if (seen[std::size_t(other)] || color[std::size_t(other)] < 0) continue;
             seen[std::size_t(other)] = true;
             reached.push_back(other);
-            if (reached.size() > kMaxRecolored) return {};
         }
     }
     return reached;
@@ -143,40 +146,95 @@ struct Coloring {
     std::size_t overflow = 0;              ///< lights without channel
 };
 
-/// Greedy colouring, important lights first, with the lowest free channel. If none is free, the light's connected
-/// component is coloured again; if that fails, the light gets no channel.
+/// Colours the listed nodes greedily, each before those that have fewer others left when it is taken away ("smallest
+/// last": Matula and Beck 1983, "Smallest-Last Ordering and Clustering and Graph Coloring Algorithms"). Along a street
+/// or in a plane few colours more than overlap at one point do.
+bool colorSmallestLast(const Graph& graph, std::span<const int> nodes, int colors, std::vector<int>& color)
+{
+    std::vector<int> left(graph.size(), -1); // overlaps with nodes that are not taken away; -1: not listed, or taken
+    std::set<std::pair<int, int>> queue;
+    for (const int node : nodes) left[std::size_t(node)] = 0;
+    for (const int node : nodes) {
+        for (const int other : graph[std::size_t(node)]) left[std::size_t(node)] += left[std::size_t(other)] >= 0;
+        queue.emplace(left[std::size_t(node)], node);
+    }
+    std::vector<int> order;
+    while (!queue.empty()) {
+        const int node = queue.begin()->second;
+        queue.erase(queue.begin());
+        left[std::size_t(node)] = -1;
+        order.push_back(node);
+        for (const int other : graph[std::size_t(node)]) {
+            int& count = left[std::size_t(other)];
+            if (count < 0) continue;
+            queue.erase({count, other});
+            queue.emplace(--count, other);
+        }
+    }
+    for (auto node = order.rbegin(); node != order.rend(); ++node) {
+        std::array<bool, kMostChannels> used{};
+        for (const int other : graph[std::size_t(*node)])
+            if (color[std::size_t(other)] >= 0) used[std::size_t(color[std::size_t(other)])] = true;
+        const auto free = std::find(used.begin(), used.begin() + colors, false);
+        if (free == used.begin() + colors) return false;
+        color[std::size_t(*node)] = int(free - used.begin());
+    }
+    return true;
+}
+
+/// Frees a colour for a node: all lights that are connected to it are coloured again.
+class Recoloring {
+public:
+    Recoloring(const Graph& graph, int colors) : graph_(graph), colors_(colors) {}
+
+    bool place(int node, std::vector<int>& color)
+    {
+        const std::vector<int> nodes = connectedTo(graph_, color, node);
+        const bool few = nodes.size() <= kMaxRecolored;
+        std::size_t overlaps = 0;
+        for (const int other : nodes) overlaps += graph_[std::size_t(other)].size();
+        int budget = few ? kColoringBudget / int(nodes.size() * nodes.size()) : 1;
+        pairsLeft_ -= int64_t(overlaps) * budget;
+        if (pairsLeft_ < 0) return false;
+        std::vector<int> recolored = color;
+        for (const int other : nodes) recolored[std::size_t(other)] = -1;
+        const bool done = few ? colorGraph(graph_, nodes, colors_, recolored, budget)
+                              : colorSmallestLast(graph_, nodes, colors_, recolored);
+        if (done) color = std::move(recolored);
+        return done;
+    }
+
+private:
+    const Graph& graph_;
+    int colors_;
+    int64_t pairsLeft_ = kPairsOfAllAttempts;
+};
+
+/// Greedy colouring, important lights first, with the lowest free channel. If none is free, the lights connected to it
+/// are coloured again; if that fails, the light gets no channel.
 Coloring colorLights(const std::vector<const Light*>& lights, int channels)
 {
     const std::size_t n = lights.size();
-    Graph graph(n, std::vector<bool>(n, false));
+    Graph graph(n);
     for (std::size_t i = 0; i < n; ++i) {
-        for (std::size_t j = i + 1; j < n; ++j) graph[i][j] = graph[j][i] = lightsOverlap(*lights[i], *lights[j]);
+        for (std::size_t j = 0; j < n; ++j)
+            if (i != j && lightsOverlap(*lights[std::min(i, j)], *lights[std::max(i, j)])) graph[i].push_back(int(j));
     }
     Coloring result;
     result.holders.resize(n);
     std::vector<int>& color = result.channel;
     color.assign(n, -1);
-    std::vector<int> placed;
+    Recoloring recoloring(graph, channels);
     for (int i = 0; i < int(n); ++i) {
         std::vector<int> holder(std::size_t(channels), -1);
-        for (const int other : placed) {
-            if (graph[std::size_t(i)][std::size_t(other)]) holder[std::size_t(color[std::size_t(other)])] = other;
-        }
+        for (const int other : graph[std::size_t(i)])
+            if (color[std::size_t(other)] >= 0) holder[std::size_t(color[std::size_t(other)])] = other;
         const auto freeChannel = std::find(holder.begin(), holder.end(), -1);
         if (freeChannel != holder.end()) {
             color[std::size_t(i)] = int(freeChannel - holder.begin());
-            placed.push_back(i);
             continue;
         }
-        const std::vector<int> candidates = connectedTo(graph, placed, i);
-        std::vector<int> recolored = color;
-        for (const int candidate : candidates) recolored[std::size_t(candidate)] = -1;
-        int budget = candidates.empty() ? 0 : kColoringBudget / int(candidates.size() * candidates.size());
-        if (budget > 0 && colorGraph(graph, candidates, channels, recolored, budget)) {
-            color = recolored;
-            placed.push_back(i);
-            continue;
-        }
+        if (recoloring.place(i, color)) continue;
         result.holders[std::size_t(i)] = std::move(holder);
         ++result.overflow;
     }
