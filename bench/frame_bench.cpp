@@ -1,7 +1,7 @@
 // Times the passes of frames by GPU timestamps: medians by mode and path, and what the modes must hold against one
 // another, all measured in this run. Frames of all modes take turns, so that a machine that slows down slows all.
 //
-//   bench_frame [--size WxH] [--frames N] [--cpu] [--only modes|lights|features] [FILE.glb…]
+//   bench_frame [--size WxH] [--frames N] [--cpu] [--only modes|lights|layers|features] [FILE.glb…]
 //
 // Files are plain glTF; they get a stand-in bake (frame_scenes.h). Besides them: a scene of 1,000 objects made here,
 // and fields of lights. With `--only features` files are baked ones, and what antialiasing, reflection probes and
@@ -302,6 +302,31 @@ bool benchLights(const Options& options)
     return met;
 }
 
+/// What more than four masked lights at a point cost: lights, and a mask layer for each four of them (S36).
+void benchLayers(const Options& options)
+{
+    constexpr int kLamps[] = {1, 4, 8, 16};
+    std::vector<std::unique_ptr<Renderer>> renderers;
+    std::vector<Row> rows;
+    for (const int lamps : kLamps) {
+        const Scene scene = bench::overlappingLamps(lamps);
+        renderers.push_back(makeRenderer(options, bench::withStandInBake(scene, MixedLightingMode::Shadowmask)));
+        Row row{renderers.back().get(), scene.cameras[0], {.mode = RunMode::Shadowmask}};
+        row.settings.shadows.distanceMeters = 0.5f; // baked shadows alone
+        rows.push_back(row);
+    }
+    const auto all = measured(options, rows);
+    std::printf("\nOverlapping masked lights, %d x %d, medians of %d frames\n\n| path | lights | mask layers | all "
+                "passes, ms | against 4 lights |\n|---|---|---|---|---|\n",
+                options.size.x, options.size.y, options.frames);
+    for (std::size_t path = 0; path < 2; ++path) {
+        for (std::size_t i = 0; i < rows.size(); ++i)
+            std::printf("| %s | %d | %d | %.3f | %.2f |\n", path == 0 ? "forward" : "deferred", kLamps[i],
+                        (kLamps[i] + 3) / 4, median(all[path][i].totals),
+                        median(all[path][i].totals) / median(all[path][1].totals));
+    }
+}
+
 } // namespace
 
 int main(int argc, char** argv)
@@ -335,6 +360,10 @@ int main(int argc, char** argv)
             }
             benchFeatures(options, file.substr(file.find_last_of('/') + 1), *baked);
         }
+        return 0;
+    }
+    if (options.only == "layers") {
+        benchLayers(options);
         return 0;
     }
     if (options.only != "lights") {

@@ -142,7 +142,7 @@ BakedScene withStandInBake(Scene scene, MixedLightingMode mode)
         const bool wanted = light.mode == LightMode::Mixed && light.castShadows &&
                             (mode == MixedLightingMode::Shadowmask ||
                              (mode == MixedLightingMode::Subtractive && light.type == LightType::Directional));
-        const int channels = mode == MixedLightingMode::Subtractive ? 1 : 4;
+        const int channels = mode == MixedLightingMode::Subtractive ? 1 : kMostMaskLayers * kLayerChannels;
         light.baking.occlusionMaskChannel = wanted && channel < channels ? channel++ : -1;
     }
     Image<uint32_t> lightmap(kPageSize, kPageSize);
@@ -160,7 +160,8 @@ BakedScene withStandInBake(Scene scene, MixedLightingMode mode)
         }
     }
     baked.lightmaps.push_back(std::move(lightmap));
-    if (mode == MixedLightingMode::Shadowmask) baked.shadowmasks.push_back(std::move(mask));
+    baked.maskLayers = maskLayersOf(scene);
+    if (mode == MixedLightingMode::Shadowmask) baked.shadowmasks.assign(std::size_t(baked.maskLayers), mask);
 
     const Bounds bounds = scene.bounds();
     baked.probes.size = ivec3(6, 4, 6);
@@ -263,6 +264,22 @@ Scene lightField(int n, float reach)
     camera.worldFromCamera = poseAt(vec3(0, 48, 0.01f), vec3(0, -1, 0));
     camera.verticalFovRadians = 1.0f;
     scene.cameras.push_back(camera);
+    return scene;
+}
+
+Scene overlappingLamps(int count)
+{
+    Scene scene = lightField(1, 2.0f);
+    const Light lamp = scene.lights[0];
+    scene.lights.clear();
+    for (int i = 0; i < count; ++i) {
+        const float angle = float(i) * 2.0f * kPi / float(count);
+        Light& light = scene.lights.emplace_back(lamp);
+        light.worldFromLight[3] += vec4(8.0f * std::cos(angle), 0.0f, 8.0f * std::sin(angle), 0.0f);
+        light.intensity /= float(count);
+        light.mode = LightMode::Mixed;
+        light.castShadows = true;
+    }
     return scene;
 }
 

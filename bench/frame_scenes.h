@@ -6,8 +6,8 @@
 namespace halflight::bench {
 
 /// What a bake would have left, without baking: every static object on one lightmap page and one mask of the usual
-/// size, a grid of probes, and for mixed lights their baking output (the first four that cast get the channels).
-/// Lightmap and mask hold a pattern; what they hold does not change what drawing them costs.
+/// size in as many layers as they need, a grid of probes, and for mixed lights their baking output (the first that cast
+/// get the channels). Lightmap and mask hold a pattern; what they hold does not change what drawing them costs.
 BakedScene withStandInBake(Scene scene, MixedLightingMode mode);
 
 /// A few dynamic spheres where the camera looks, moving as `phase` goes on.
@@ -26,6 +26,8 @@ Scene thousandObjects();
 /// A ground of 64 x 64 m, seen from above, under n x n shadowless point lights with ranges of `reach` times their
 /// distance. The wider the reach the more lights each point gets.
 Scene lightField(int n, float reach);
+/// The same ground under so many mixed point lights, each of which reaches all of it.
+Scene overlappingLamps(int count);
 /// Mean number of those lights that reach a point of the ground.
 double lightsPerPoint(const Scene& scene);
 
