@@ -162,6 +162,13 @@ class Instructions(FarmCase):
         self.assertEqual(found, {})
         self.assertGreater(self.count(SYSROOT / "usr/lib/aarch64-linux-gnu/libembree3.so.3"), 0, "they would be seen")
 
+    def test_mathematics_are_the_projects_own(self):
+        libraries = [BUILD / "src" / name / f"libhalflight_{pathlib.Path(name).name}.a" for name in ("base", "scene", "unwrap", "render/frame", "bake", "bake_cpu")]
+        script = ROOT / "tests/base/libm_symbols.py"
+        libm = SYSROOT / "lib/aarch64-linux-gnu/libm.so.6"
+        result = subprocess.run([sys.executable, script, libm, *libraries], capture_output=True, text=True)
+        self.assertEqual(result.returncode, 0, result.stdout + result.stderr)
+
 
 class Packages(FarmCase):
     """.deb, tarball and wheel by scripts/package.sh; the tarball's program runs with each glibc."""
