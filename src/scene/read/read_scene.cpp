@@ -21,6 +21,7 @@
 #include <cmath>
 #include <map>
 #include <set>
+#include <tuple>
 
 namespace halflight {
 
@@ -31,7 +32,11 @@ struct MeshKey {
     int mesh = -1;
     std::vector<double> weights; // of morph targets
     int skinnedNode = -1;        // joints place its vertices: a mesh of its own
-    auto operator<=>(const MeshKey&) const = default;
+    // LLVM's vectors have no <=> before 17.
+    bool operator<(const MeshKey& o) const
+    {
+        return std::tie(mesh, weights, skinnedNode) < std::tie(o.mesh, o.weights, o.skinnedNode);
+    }
 };
 
 MeshKey meshKey(const SourceDocument& document, int nodeIndex)
