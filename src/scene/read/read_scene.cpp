@@ -18,7 +18,6 @@
 #include "scene/read/read_reflections.h"
 
 #include <algorithm>
-#include <cmath>
 #include <map>
 #include <set>
 #include <tuple>
@@ -30,9 +29,8 @@ namespace {
 // What makes the shape of a node's mesh: nodes that agree in all of it share a scene mesh.
 struct MeshKey {
     int mesh = -1;
-    std::vector<double> weights; // of morph targets
+    std::vector<double> weights; // of morph targets; LLVM's vectors have no <=> before 17
     int skinnedNode = -1;        // joints place its vertices: a mesh of its own
-    // LLVM's vectors have no <=> before 17.
     bool operator<(const MeshKey& o) const
     {
         return std::tie(mesh, weights, skinnedNode) < std::tie(o.mesh, o.weights, o.skinnedNode);
