@@ -22,7 +22,7 @@ def platform_of(wheel):
     for end, name in names.items():
         if wheel.endswith(end):
             return name
-    raise SystemExit(f"make_zip.py: Blender has no builds for the system of {wheel}")
+    raise SystemExit(f"make_zip.py: blender.org has no Blender for the system of {wheel}")
 
 
 def add(archive, name, data, compression=zipfile.ZIP_DEFLATED):

@@ -15,7 +15,8 @@ import shlex
 import subprocess
 
 FOLDERS = ("src", "apps", "examples", "bench")
-FLAGS = ["-fsyntax-only", "-Wall", "-Wextra", "-Wno-missing-field-initializers"]
+# The last two: what other compilers than GCC and clang do not have.
+FLAGS = ["-fsyntax-only", "-Wall", "-Wextra", "-Wno-missing-field-initializers", "-Wgnu", "-Wc99-extensions"]
 
 
 def arguments_of(command):

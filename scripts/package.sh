@@ -78,7 +78,7 @@ oldest=2.31
 [ "$machine" = x86_64 ] || oldest=2.36 # the wheel's own: no older one was tried
 wheel=$(python3 scripts/packaging/make_wheel.py "$stage/$name" "$version" "manylinux_${oldest/./_}_$machine" "$out")
 if [ -z "$target" ]; then python3 blender/make_zip.py "$out/halflight-blender-$version.zip"; fi
-# Blender itself is not made for other machines with Linux.
+# blender.org has no Blender for other machines with Linux; those of distributions take the zip without the program.
 if [ "$machine" = x86_64 ]; then python3 blender/make_zip.py "$out/halflight-blender-$version-linux-$machine.zip" --wheel "$wheel"; fi
 
 if [ -n "$target" ]; then

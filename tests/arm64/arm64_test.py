@@ -12,7 +12,6 @@ import shutil
 import subprocess
 import sys
 import tarfile
-import tempfile
 import zipfile
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
@@ -175,6 +174,9 @@ class Packages(FarmCase):
 
     def setUp(self):
         super().setUp()
+        missing = [name for name in ("patchelf", "dpkg-shlibdeps", "fakeroot") if shutil.which(name) is None]
+        if missing:
+            self.skipTest(f"{missing[0]} is not installed (apt-get install patchelf dpkg-dev fakeroot)")
         out = self.path("out")
         subprocess.run([ROOT / "scripts/package.sh", "--target", "arm64", "--out", out], check=True, stdout=subprocess.DEVNULL,
                        env={**os.environ, "HALFLIGHT_ARM64_SYSROOT": str(SYSROOT)})
