@@ -18,8 +18,11 @@ WHEN = (2026, 1, 1, 0, 0, 0)
 
 def platform_of(wheel):
     """Blender's name of a wheel's platform."""
-    names = {"manylinux": "linux-x64", "win_amd64": "windows-x64", "macosx": "macos-arm64"}
-    return next(name for part, name in names.items() if part in wheel)
+    names = {"x86_64.whl": "linux-x64", "win_amd64.whl": "windows-x64", "macosx_11_0_arm64.whl": "macos-arm64"}
+    for end, name in names.items():
+        if wheel.endswith(end):
+            return name
+    raise SystemExit(f"make_zip.py: blender.org has no Blender for the system of {wheel}")
 
 
 def add(archive, name, data, compression=zipfile.ZIP_DEFLATED):

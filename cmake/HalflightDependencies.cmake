@@ -17,6 +17,10 @@ endif()
 find_package(PNG REQUIRED)
 find_package(nlohmann_json REQUIRED)
 find_package(Eigen3 REQUIRED NO_MODULE)
+if(CMAKE_SYSTEM_PROCESSOR MATCHES "aarch64|arm64|ARM64")
+    # Its vector code for ARM fuses multiplications and additions, which round once where x86-64 rounds twice.
+    set_property(TARGET Eigen3::Eigen APPEND PROPERTY INTERFACE_COMPILE_DEFINITIONS EIGEN_DONT_VECTORIZE)
+endif()
 find_package(CLI11 REQUIRED)
 if(HALFLIGHT_GPU)
     # The loader is opened at run time, so no library is needed; FindVulkan asks for one.

@@ -4,11 +4,17 @@ set(CMAKE_POSITION_INDEPENDENT_CODE ON)
 
 add_library(halflight_options INTERFACE)
 target_compile_features(halflight_options INTERFACE cxx_std_20)
-# No fused multiply-add behind our back: the same seed gives the same bytes on every x86-64 machine.
-# Nobody reads errno or floating-point traps after a square root.
-target_compile_options(halflight_options INTERFACE -ffp-contract=off -fno-math-errno -fno-trapping-math
-    $<BUILD_INTERFACE:-Wall -Wextra -Wno-missing-field-initializers>
-    $<$<BOOL:${HALFLIGHT_WERROR}>:-Werror>)
+if(MSVC)
+    # /fp:precise fuses nothing.
+    target_compile_options(halflight_options INTERFACE /fp:precise /utf-8 /bigobj /W3)
+    target_compile_definitions(halflight_options INTERFACE NOMINMAX)
+else()
+    # No fused multiply-add behind our back: the same seed gives the same bytes on processors of one identity.
+    # Nobody reads errno or floating-point traps after a square root.
+    target_compile_options(halflight_options INTERFACE -ffp-contract=off -fno-math-errno -fno-trapping-math
+        $<BUILD_INTERFACE:-Wall -Wextra -Wno-missing-field-initializers>
+        $<$<BOOL:${HALFLIGHT_WERROR}>:-Werror>)
+endif()
 if(HALFLIGHT_SANITIZE)
     target_compile_options(halflight_options INTERFACE -fsanitize=address,undefined -fno-omit-frame-pointer -fno-sanitize-recover=undefined)
     target_link_options(halflight_options INTERFACE -fsanitize=address,undefined)

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Manual pages and shell completions, from the command line's own description (`halflight --describe`).
 
-    make_cli_docs.py HALFLIGHT OUT      writes OUT/man1/*.1, OUT/halflight.bash, OUT/_halflight (zsh), OUT/halflight.fish
+    make_cli_docs.py HALFLIGHT OUT [EMULATOR…]      writes OUT/man1/*.1, OUT/halflight.bash, OUT/_halflight (zsh), OUT/halflight.fish
 """
 
 import json
@@ -218,7 +218,7 @@ def fish(program):
 
 def main():
     halflight, out = sys.argv[1], pathlib.Path(sys.argv[2])
-    program = json.loads(subprocess.run([halflight, "--describe"], check=True, capture_output=True, text=True).stdout)
+    program = json.loads(subprocess.run([*sys.argv[3:], halflight, "--describe"], check=True, capture_output=True, text=True).stdout)
     (out / "man1").mkdir(parents=True, exist_ok=True)
     for command in with_commands_below(program):
         name, text = manual(program, command)

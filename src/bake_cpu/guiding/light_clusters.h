@@ -4,6 +4,7 @@
 #include "bake_cpu/guiding/patch_light.h"
 #include "bake_cpu/radiosity/patch_layout.h"
 #include "bake_cpu/sample/alias_table.h"
+#include "bake_cpu/trace/prefetch.h"
 
 #include "halflight/shading/sampling.h"
 
@@ -60,7 +61,7 @@ public:
     /// Density on a patch given its cluster, per square metre; 0 for patches that are not sampled.
     [[nodiscard]] float pdfArea(PatchId patch) const { return members_[patch].pdfArea; }
 
-    void prefetch(uint32_t cluster) const { __builtin_prefetch(&clusters_[cluster]); }
+    void prefetch(uint32_t cluster) const { halflight::prefetch(&clusters_[cluster]); }
     /// From a cluster to a bin of its alias table; to kNone if the cluster was removed.
     void chooseBin(SourceChoice& choice) const
     {
@@ -71,14 +72,14 @@ public:
         const uint32_t bin = std::min(uint32_t(at), cluster.triangleCount - 1);
         choice.index = cluster.firstTriangle + bin;
         choice.u.x = at - float(bin);
-        __builtin_prefetch(&bins_[choice.index]);
+        halflight::prefetch(&bins_[choice.index]);
     }
     void chooseTriangle(SourceChoice& choice) const
     {
         choice.index += bins_[choice.index].select(choice.u.x);
         const char* triangle = reinterpret_cast<const char*>(&triangles_[choice.index]);
-        __builtin_prefetch(triangle);
-        __builtin_prefetch(triangle + sizeof(SourceTriangle) - 1);
+        halflight::prefetch(triangle);
+        halflight::prefetch(triangle + sizeof(SourceTriangle) - 1);
     }
     void choosePoint(const SourceChoice& choice, SourcePoint& point) const
     {

@@ -3,6 +3,7 @@
 
 #include "bake_cpu/lightmap/block_sums.h"
 #include "bake_cpu/radiosity/radiance_cache.h"
+#include "bake_cpu/trace/prefetch.h"
 
 namespace halflight {
 
@@ -29,8 +30,8 @@ public:
     void setPatch(std::size_t sample, FaceId face, PatchId patch)
     {
         cached_[sample] = patch;
-        __builtin_prefetch(cache_->patches() + patch);
-        __builtin_prefetch(&cache_->layout().surface(face));
+        prefetch(cache_->patches() + patch);
+        prefetch(&cache_->layout().surface(face));
     }
     struct FacePoint {
         FaceId face;
@@ -63,7 +64,7 @@ inline void HitLookup::lookUp(const RayBundle& bundle)
             cached_[sample] = kNoPatch;
             if (!hits_[sample].found) continue;
             faces[sample] = tracer_.faceOf(bundle.rays[std::size_t(stratum)], lane);
-            if (cache_ != nullptr) __builtin_prefetch(&cache_->layout().surface(faces[sample]));
+            if (cache_ != nullptr) prefetch(&cache_->layout().surface(faces[sample]));
         }
     }
     if (cache_ == nullptr) return;
@@ -79,7 +80,7 @@ inline void HitLookup::lookUp(const RayBundle& bundle)
             if (!layout.hasPatches(face)) continue;
             hit.emissive = layout.emissive(face);
             hit.patch = layout.patchAt(face, embree::barycentricOf(packet, lane));
-            __builtin_prefetch(cache_->patches() + hit.patch);
+            prefetch(cache_->patches() + hit.patch);
             cached_[sample] = hit.patch;
             onPatches.add(sample);
         }
@@ -106,7 +107,7 @@ void HitLookup::find(std::span<const uint8_t> samples, const DistanceOf& distanc
     for (const std::size_t sample : inElements.samples()) {
         const FacePoint point = pointOf(sample);
         cached_[sample] = cache_->layout().elementAt(point.face, point.barycentric, cached_[sample]);
-        if (cached_[sample] != kNoPatch) __builtin_prefetch(patches + cached_[sample]);
+        if (cached_[sample] != kNoPatch) prefetch(patches + cached_[sample]);
     }
     for (const std::size_t sample : inElements.samples()) {
         PatchId& element = cached_[sample];

@@ -39,7 +39,7 @@ public:
 private:
     static uint32_t reverseBits(uint32_t x)
     {
-        x = __builtin_bswap32(x);
+        x = (x << 24) | ((x & 0xff00u) << 8) | ((x >> 8) & 0xff00u) | (x >> 24);
         x = ((x & 0x0f0f0f0fu) << 4) | ((x >> 4) & 0x0f0f0f0fu);
         x = ((x & 0x33333333u) << 2) | ((x >> 2) & 0x33333333u);
         return ((x & 0x55555555u) << 1) | ((x >> 1) & 0x55555555u);

@@ -14,6 +14,12 @@ namespace {
 constexpr uint32_t kTriangles = 256; ///< enough for a tree with nodes above its leaves
 constexpr uint32_t kPackets = 64;
 
+#ifdef __aarch64__
+constexpr bool kHasOneSet = true; // Embree takes the names of x86's there
+#else
+constexpr bool kHasOneSet = false;
+#endif
+
 /// What `set` is on this processor: its first set, Sse2, on others than x86.
 RTCDevice newDevice(InstructionSet& set)
 {
@@ -24,6 +30,7 @@ RTCDevice newDevice(InstructionSet& set)
         }
         return nullptr;
     }
+    if (kHasOneSet && set != InstructionSet::Sse2) return nullptr;
     return rtcNewDevice(("isa=" + std::string(nameOf(set))).c_str());
 }
 

@@ -5,6 +5,8 @@
 // for Delaunay and Weighted Delaunay 3D Triangulations"), under which no four points of a plane ever become a cell.
 #include "halflight/scene/tetrahedra.h"
 
+#include "scene/model/wide.h"
+
 #include <algorithm>
 #include <cassert>
 #include <tuple>
@@ -13,8 +15,8 @@
 namespace halflight {
 namespace {
 
-// Volumes below 2^71, squared distances below 2^46, and the sum of four of their products below 2^119: all fit.
-using Wide = __int128;
+// Volumes below 2^71, squared distances below 2^46, and the sum of four of their products below 2^119: all fit into
+// Wide.
 using Vector = glm::i64vec3;
 
 constexpr uint32_t kInfinite = 0xffffffffu; ///< the vertex beyond the hull: hull faces belong to cells with it

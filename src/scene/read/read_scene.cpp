@@ -18,9 +18,9 @@
 #include "scene/read/read_reflections.h"
 
 #include <algorithm>
-#include <cmath>
 #include <map>
 #include <set>
+#include <tuple>
 
 namespace halflight {
 
@@ -29,9 +29,12 @@ namespace {
 // What makes the shape of a node's mesh: nodes that agree in all of it share a scene mesh.
 struct MeshKey {
     int mesh = -1;
-    std::vector<double> weights; // of morph targets
+    std::vector<double> weights; // of morph targets; LLVM's vectors have no <=> before 17
     int skinnedNode = -1;        // joints place its vertices: a mesh of its own
-    auto operator<=>(const MeshKey&) const = default;
+    bool operator<(const MeshKey& o) const
+    {
+        return std::tie(mesh, weights, skinnedNode) < std::tie(o.mesh, o.weights, o.skinnedNode);
+    }
 };
 
 MeshKey meshKey(const SourceDocument& document, int nodeIndex)
