@@ -6,6 +6,19 @@ import { showNotes } from './panel.js';
 
 const QUALITIES = ['preview', 'medium', 'high', 'ultra'];
 const MODES = ['shadowmask', 'baked-indirect', 'subtractive'];
+/** Those that take time, in their order. */
+const STAGES = [
+    'charts',
+    'pack',
+    'validity',
+    'bounces',
+    'lightmap',
+    'denoise',
+    'shadowmask',
+    'probes',
+    'reflection probes',
+    'write',
+];
 const DEFAULTS = { quality: 'medium', mode: 'shadowmask' };
 const UNSURE_SECONDS = 0.5; // a stage that runs for less tells no time
 
@@ -28,18 +41,25 @@ function time(seconds) {
     return seconds < 5400 ? `${Math.round(seconds / 60)} min` : `${(seconds / 3600).toFixed(1)} h`;
 }
 
-/** Sentences about the progress of a bake: its stage, and how long that takes from here on. */
-function clock() {
+/**
+ * What to show of the progress of a bake: its stage, how long that takes from here on, and what follows.
+ * @param {string} mode of the bake
+ */
+function clock(mode) {
+    const stages = STAGES.filter((name) => name !== 'shadowmask' || mode === 'shadowmask');
     let stage = '';
     let start = 0;
     let most = 0;
+    let done = 0; // of the stages
     return (progress, now) => {
         if (progress.stage !== stage) [stage, start, most] = [progress.stage, now, 0];
         most = Math.max(most, progress.percent); // a stage of several passes begins anew
+        done = Math.max(done, stages.indexOf(stage) + 1);
         const seconds = (now - start) / 1000;
         const known = most > 0 && most < 100 && seconds > UNSURE_SECONDS;
         const left = known ? `, ${time((seconds * (100 - most)) / most)} left of this stage` : '';
-        return { percent: most, text: `${stage}: ${most} %${left}` };
+        const next = done < stages.length ? `Then: ${stages.slice(done).join(', ')}.` : '';
+        return { percent: most, text: `${stage}: ${most} %${left}`, next };
     };
 }
 
@@ -94,11 +114,11 @@ export class Bakery {
         const control = (this.#running = new AbortController());
         const isCurrent = () => this.#running === control;
         const start = performance.now();
-        const progressOf = clock();
+        const progressOf = clock(element('bakeMode').value);
         const warnings = [];
         this.events.started();
         this.#finish('', []);
-        this.#show({ text: 'fetching the baker' });
+        this.#show({ text: 'fetching the baker', next: '' });
         try {
             const { bake } = await import(new URL('./bake/src/index.js', import.meta.url).href).catch(() => {
                 throw new Error('the baker cannot be fetched: the network is not reachable');
@@ -127,18 +147,21 @@ export class Bakery {
         this.#show(null);
     }
 
-    /** @param {{text: string, percent?: number} | null} progress of the bake that runs */
+    /** @param {{text: string, next: string, percent?: number} | null} progress of the bake that runs */
     #show(progress) {
         element('baking').hidden = !progress;
         element('settings').hidden = !HAS_BAKER || progress !== null;
         if (!progress) return;
         element('bakeStage').textContent = progress.text;
+        element('bakeNext').textContent = progress.next;
         if (progress.percent === undefined) element('bakeProgress').removeAttribute('value');
         else element('bakeProgress').value = progress.percent;
     }
 
     #finish(sentence, warnings) {
         element('bakeState').textContent = sentence;
+        element('bakeNotes').hidden = warnings.length === 0;
+        element('bakeCount').textContent = `What the baker says (${warnings.length})`;
         showNotes(element('bakeWarnings'), warnings);
     }
 

@@ -22,12 +22,12 @@
         });
         return;
     }
-    const key = 'halflight-isolated'; // a page that was loaded again and is not isolated is not loaded for ever
+    const key = 'halflight-isolated'; // of a page that was loaded again, until it is isolated
     const script = document.currentScript.src;
     let again;
     try {
-        again = sessionStorage.getItem(key) !== null;
-        if (crossOriginIsolated) sessionStorage.removeItem(key);
+        again = localStorage.getItem(key) !== null;
+        if (crossOriginIsolated) localStorage.removeItem(key);
     } catch {
         again = true; // without storage nothing would tell the second time from the first
     }
@@ -37,7 +37,7 @@
     const late = new Promise((resolve) => setTimeout(resolve, 5000));
     window.halflightIsolating = Promise.race([ready, late]).then((registration) => {
         if (!registration) return;
-        sessionStorage.setItem(key, 'reloaded');
+        localStorage.setItem(key, 'reloaded');
         location.reload();
         return new Promise(() => {}); // nothing goes on meanwhile
     }, () => {});

@@ -42,7 +42,7 @@ async function open(address = 'index.html') {
         if (!isOwn || request.method() !== 'GET') faults.push(`${request.method()} ${request.url()}`);
     });
     const visits = [];
-    page.on('load', () => visits.push(page.url()));
+    page.on('framenavigated', () => visits.push(page.url()));
     await page.goto(`${server.url}/${address}`);
     await page.waitForFunction(() => crossOriginIsolated && document.body.dataset.picture === 'whole');
     const text = (selector) => page.evaluate((s) => document.querySelector(s).textContent, selector);
@@ -93,14 +93,18 @@ test('the page bakes a dropped file: the command\'s bytes, the program\'s pictur
     assert.ok(!requests.some((url) => url.includes('/bake/')), 'no baker before the button is pressed');
     const stages = page.evaluate(() => new Promise((resolve) => {
         const seen = [];
-        const observer = new MutationObserver(() => seen.push(document.querySelector('#bakeStage').textContent));
+        const text = (id) => document.querySelector(id).textContent;
+        const observer = new MutationObserver(() => seen.push(`${text('#bakeStage')}. ${text('#bakeNext')}`));
         observer.observe(document.querySelector('#bakeStage'), { childList: true });
         new MutationObserver(() => document.querySelector('#download').hidden || resolve(seen)).observe(document.querySelector('#download'), { attributes: true });
     }));
     await bake({ quality: 'preview' });
     const file = await baked();
     const seen = await stages;
-    assert.ok(seen.some((line) => /^lightmap: \d+ %/.test(line)), seen.join('\n'));
+    const promised = seen.find((line) => line.includes('Then: ')).match(/Then: (.*)\./)[1].split(', ');
+    assert.ok(promised.includes('lightmap') && promised.includes('shadowmask'), promised.join());
+    const places = promised.map((stage) => seen.findIndex((line) => line.startsWith(`${stage}: `)));
+    assert.ok(places.every((place, i) => place > (places[i - 1] ?? -1)), `stages come as promised: ${seen.join('\n')}`);
     assert.equal(file.name, 'sphere_on_floor-baked.glb');
     assert.equal(hashOf(file.path), hashOfCommand(scene('sphere_on_floor'), ['--quality', 'preview']));
     assert.deepEqual(await modes(page), ['realtime', 'baked-indirect', 'shadowmask', 'distance-shadowmask']);
@@ -120,12 +124,7 @@ test('the page bakes a dropped file: the command\'s bytes, the program\'s pictur
         assert.ok(light > 20 && mean < 1.5, `${mode}: mean difference ${mean} of 255, mean level ${light}`);
     }
     // Before on the left of the divider, baked on its right.
-    await page.evaluate(() => {
-        document.querySelector('#modes input[value=shadowmask]').click();
-        const exposure = document.querySelector('#exposure');
-        exposure.value = '8';
-        exposure.dispatchEvent(new Event('input'));
-    });
+    await page.evaluate(() => document.querySelector('#modes input[value=shadowmask]').click());
     const pictures = {};
     for (const value of ['0', '50', '100']) {
         await slide(value);
@@ -223,7 +222,7 @@ test('a hard reload is isolated again, and a frame of a page that is not says wh
     await (await page.context().newCDPSession(page)).send('Page.reload', { ignoreCache: true });
     await page.waitForFunction(() => crossOriginIsolated && document.body.dataset.picture === 'whole');
     await close();
-    writeFileSync(at('viewer/around.html'), '<!doctype html><iframe src="index.html" title="viewer" width="640" height="400"></iframe>');
+    writeFileSync(at('viewer/around.html'), '<!doctype html><iframe src="index.html" title="viewer" width="700" height="400"></iframe>');
     const outer = await newPage(await browser.newContext());
     await outer.goto(`${server.url}/around.html`);
     const frame = await (await outer.waitForSelector('iframe')).contentFrame();
