@@ -195,6 +195,32 @@ test('the viewer shows a folder with a file that is not baked, in realtime mode'
     assert.ok(light > 20 && mean < 1.5, `mean difference ${mean} of 255, mean level ${light}`);
     await choose(join(conformance, 'bumpy_wall.glb'));
     assert.equal(await page.isVisible('#bakery'), false);
+    // The folder by drop: Chromium gives entries to people's drops alone, so the test stands in for it.
+    await page.evaluate(() => {
+        const entries = new Map();
+        const folderOf = (path, children) => ({
+            isDirectory: true,
+            fullPath: path,
+            createReader: () => ({ readEntries: (take) => take(children.splice(0, 1).map((child) => child())) }),
+        });
+        const fileOf = (path) => ({ isFile: true, fullPath: path, file: (take) => take(entries.get(path)) });
+        window.take = (name, path, text) => entries.set(path, new File([text], name));
+        DataTransferItem.prototype.webkitGetAsEntry = () =>
+            folderOf('/plain', [
+                () => folderOf('/plain/parts', [() => fileOf('/plain/parts/all of it.bin')]),
+                () => fileOf('/plain/scene.gltf'),
+            ]);
+    });
+    await page.evaluate(
+        ([text, bytes]) => {
+            window.take('scene.gltf', '/plain/scene.gltf', text);
+            window.take('all of it.bin', '/plain/parts/all of it.bin', Uint8Array.from(bytes));
+        },
+        [JSON.stringify(json), [...buffer]]
+    );
+    await drop(page, readFileSync, [{ name: 'plain', path: join(folder, 'plain/scene.gltf') }]);
+    await viewer.says('#file', 'scene.gltf');
+    assert.equal(await text('#message'), '');
     await close(viewer);
 });
 
