@@ -151,16 +151,16 @@ test('the page bakes a dropped file: the command\'s bytes, the program\'s pictur
 
 test('a folder bakes as the command bakes it; axe finds nothing on the page', async () => {
     const { json, buffer } = readGlb(scene('closed_room'));
-    json.buffers[0].uri = 'parts/all%20of%20it.bin';
-    mkdirSync(at('room/parts'), { recursive: true });
-    writeFileSync(at('room/room.gltf'), JSON.stringify(json));
+    json.buffers[0].uri = '../parts/all%20of%20it.bin';
+    for (const name of ['room/scene', 'room/parts']) mkdirSync(at(name), { recursive: true });
+    writeFileSync(at('room/scene/room.gltf'), JSON.stringify(json));
     writeFileSync(at('room/parts/all of it.bin'), buffer);
     const { page, choose, bake, baked, close } = await open();
     await choose(at('room'), 'room.gltf', '#folder');
     await bake({ quality: 'preview', bakeMode: 'subtractive', texels: '4' });
     const file = await baked();
     const options = ['--quality', 'preview', '--mode', 'subtractive', '--texels-per-meter', '4'];
-    assert.equal(hashOf(file.path), hashOfCommand(at('room/room.gltf'), options));
+    assert.equal(hashOf(file.path), hashOfCommand(at('room/scene/room.gltf'), options));
     assert.deepEqual(await modes(page), ['realtime', 'subtractive']);
     await page.addScriptTag({ path: axe });
     const { violations } = await page.evaluate(() => window.axe.run({ runOnly: ['wcag2a', 'wcag2aa', 'wcag21a', 'wcag21aa', 'wcag22aa', 'best-practice'] }));
