@@ -46,7 +46,7 @@ function viewOf(i, n) {
 }
 
 const folder = mkdtempSync(join(tmpdir(), 'halflight-movie-'));
-execFileSync(process.execPath, [join(web, 'scripts/build_viewer.mjs'), folder, baked]);
+execFileSync(process.execPath, [join(web, 'scripts/build_viewer.mjs'), folder, baked, '--no-baker']);
 const server = await serveFolder(folder);
 const browser = await launch();
 const frames = SHOTS.flatMap(([shot, count]) => new Array(count).fill(shot));

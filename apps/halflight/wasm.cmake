@@ -11,6 +11,7 @@ target_link_options(halflight PRIVATE
     -sSTACK_SIZE=4MB -sDEFAULT_PTHREAD_STACK_SIZE=4MB
     # Threads are there before main(), which answers nobody while it runs; the loader says how many.
     -sPTHREAD_POOL_SIZE=Module.threads)
-# The command line takes no time worth mentioning, and room in what is downloaded.
-target_compile_options(halflight_cli PRIVATE -Os)
-target_compile_options(halflight PRIVATE -Os)
+# The command line takes no time worth mentioning, reading and writing files little, and both room in what is downloaded.
+foreach(part halflight halflight_cli halflight_scene)
+    target_compile_options(${part} PRIVATE -Os)
+endforeach()

@@ -13,6 +13,7 @@ jobs=2
 export EM_CACHE=$top/emscripten # Debian's is read-only
 # -fwasm-exceptions cannot be mixed with -fexceptions; threads and SIMD hold for all objects or for none.
 flags="-O3 -DNDEBUG -msimd128 -pthread -fwasm-exceptions"
+small=${flags/-O3/-Os} # for what takes no time in a bake, and room in what is downloaded
 mkdir -p "$top"/{sources,build,done} "$prefix"/{include,lib/pkgconfig,licenses}
 [ -e "$EM_CACHE" ] || cp -a /usr/share/emscripten/cache "$EM_CACHE"
 
@@ -73,19 +74,19 @@ build_headers() {
 build_zlib() {
   fetch zlib bookworm
   local from=$top/sources/zlib
-  by_hand z emcc "" "$from"/{adler32,crc32,deflate,inflate,inftrees,inffast,trees,zutil,compress,uncompr,infback}.c
+  flags=$small by_hand z emcc "" "$from"/{adler32,crc32,deflate,inflate,inftrees,inffast,trees,zutil,compress,uncompr,infback}.c
   cp "$from"/{zlib,zconf}.h $prefix/include
 }
 
 build_imath() {
   fetch imath bookworm
   # The table of all half floats would be a quarter of a megabyte.
-  by_cmake imath -DIMATH_HALF_USE_LOOKUP_TABLE=OFF
+  flags=$small by_cmake imath -DIMATH_HALF_USE_LOOKUP_TABLE=OFF
 }
 
 build_openexr() {
   fetch openexr bookworm
-  by_cmake openexr -DOPENEXR_BUILD_TOOLS=OFF -DOPENEXR_INSTALL_EXAMPLES=OFF -DOPENEXR_INSTALL_DOCS=OFF
+  flags=$small by_cmake openexr -DOPENEXR_BUILD_TOOLS=OFF -DOPENEXR_INSTALL_EXAMPLES=OFF -DOPENEXR_INSTALL_DOCS=OFF
 }
 
 # The decoder of meshes, with the features of Debian 12's package.
@@ -97,7 +98,7 @@ build_draco() {
   cp $prefix/include/draco/draco_features.h "$from"
   mapfile -t sources < <(find "$from"/{attributes,core,mesh,metadata,point_cloud,compression/{attributes,bit_coders,entropy,mesh,point_cloud}} \
     -name '*.cc' | grep -v -e encode -e _test -e test_utils)
-  by_hand draco em++ "-std=c++17 -I$top/sources/draco/src" "${sources[@]}"
+  flags=$small by_hand draco em++ "-std=c++17 -I$top/sources/draco/src" "${sources[@]}"
   mkdir -p $prefix/lib/cmake/draco
   printf 'add_library(draco::draco STATIC IMPORTED)\nset_target_properties(draco::draco PROPERTIES IMPORTED_LOCATION %s)\n' \
     $prefix/lib/libdraco.a >$prefix/lib/cmake/draco/draco-config.cmake
@@ -135,7 +136,7 @@ build_libpng() {
   for part in "" error get mem pread read rio rtran rutil set trans wio write wtran wutil; do
     sources+=("$from/png$part.c")
   done
-  by_hand png emcc "-DPNG_INTEL_SSE_OPT=0 -I$prefix/include" "${sources[@]}"
+  flags=$small by_hand png emcc "-DPNG_INTEL_SSE_OPT=0 -I$prefix/include" "${sources[@]}"
   cp "$from"/{png,pngconf,pnglibconf}.h $prefix/include
 }
 
@@ -163,12 +164,12 @@ build_xxhash() {
 
 build_fmt() {
   fetch fmtlib bookworm
-  by_cmake fmtlib -DFMT_TEST=OFF -DFMT_DOC=OFF
+  flags=$small by_cmake fmtlib -DFMT_TEST=OFF -DFMT_DOC=OFF
 }
 
 build_spdlog() {
   fetch spdlog bookworm
-  by_cmake spdlog -DSPDLOG_FMT_EXTERNAL=ON -DSPDLOG_BUILD_EXAMPLE=OFF
+  flags=$small by_cmake spdlog -DSPDLOG_FMT_EXTERNAL=ON -DSPDLOG_BUILD_EXAMPLE=OFF
 }
 
 build_tomlplusplus() {

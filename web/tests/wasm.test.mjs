@@ -2,8 +2,8 @@
 import { missing } from './harness.mjs';
 import { missingPackages } from './wasm/workspace.mjs';
 
-const parts = (process.env.HALFLIGHT_WEB_PARTS ?? 'command,function,browser').split(',');
-const reason = missingPackages() ?? (parts.includes('browser') ? missing() : null);
+const parts = (process.env.HALFLIGHT_WEB_PARTS ?? 'command,function,browser,page').split(',');
+const reason = missingPackages() ?? (parts.some((part) => ['browser', 'page'].includes(part)) ? missing() : null);
 if (reason) {
     console.log(`[  SKIPPED ] web.wasm: ${reason}`);
     process.exit(0);

@@ -33,9 +33,13 @@ export class Stage {
         this.renderer.debug.onShaderError = (gl, program) =>
             (this.#shaderTrouble ??= gl.getProgramInfoLog(program)?.trim() || 'no reason given');
         this.camera = new THREE.PerspectiveCamera(52, 1, 0.05, 1000);
-        this.scene = new THREE.Scene();
-        /** @type {{gltf: any, halflight: any} | null} */
+        /** @typedef {{gltf: any, halflight: any, scene?: THREE.Scene}} Shown a file; the stage gives it a scene */
+        /** @type {Shown | null} */
         this.shown = null;
+        /** @type {Shown | null} What the file was before its bake, shown left of the divider. */
+        this.before = null;
+        /** Where the divider is, as a part of the width. */
+        this.split = 0.5;
         /** EV, as `render --exposure` has it. */
         this.exposure = 0;
         /** Whether the exposure follows from the picture: of a file that opens, or after `exposeAutomatically()`. */
@@ -56,14 +60,14 @@ export class Stage {
         this.#isMeasured = false;
     }
 
-    /** Shows a file in place of the last one. @param {{gltf: any, halflight: any} | null} file */
-    show(file) {
-        const last = this.shown;
-        this.shown = null;
-        if (last) {
-            this.scene.remove(last.gltf.scene);
-            last.halflight.dispose();
-            freeScene(last.gltf.scene);
+    /** Shows a file in place of the last ones. @param {Shown | null} file @param {Shown | null} [before] its bake */
+    show(file, before = null) {
+        const last = new Set([this.shown, this.before]);
+        this.shown = this.before = null;
+        for (const { gltf, halflight } of [...last].filter((old) => old && old !== before)) {
+            gltf.scene.removeFromParent();
+            halflight.dispose();
+            freeScene(gltf.scene);
         }
         this.#isWhole = false;
         this.#shaderTrouble = null;
@@ -76,8 +80,9 @@ export class Stage {
         const { near, far } = depthRange(file.halflight.bounds);
         Object.assign(this.camera, { near, far });
         this.camera.updateProjectionMatrix();
-        this.scene.add(file.gltf.scene);
+        file.scene = new THREE.Scene().add(file.gltf.scene);
         this.shown = file;
+        this.before = before;
         this.#setQuality();
         this.redraw();
     }
@@ -121,7 +126,6 @@ export class Stage {
         this.events.beforeFrame(time);
         const start = performance.now();
         try {
-            this.shown.halflight.update(this.renderer, this.camera);
             this.#render();
             if (this.#shaderTrouble) throw new Error(`the graphics driver refuses its shaders: ${this.#shaderTrouble}`);
         } catch (error) {
@@ -136,11 +140,12 @@ export class Stage {
 
     /** Radiance first, so that its exposure is known before it is shown. */
     #render() {
-        const { renderer, radiance } = this;
-        const { debugView } = this.shown.halflight;
-        renderer.setRenderTarget(radiance);
-        renderer.render(this.scene, this.camera);
-        this.drawn = { ...renderer.info.render };
+        const { renderer, radiance, shown, before } = this;
+        const { debugView } = shown.halflight;
+        const middle = before ? Math.round(this.split * radiance.width) : 0;
+        if (before) follow(before.halflight, shown.halflight);
+        if (middle > 0) this.#renderPart(before, 0, middle);
+        if (middle < radiance.width) this.#renderPart(shown, middle, radiance.width);
         if (this.isAutomatic && !this.#isMeasured && debugView === 'lit') this.#measure();
         renderer.setRenderTarget(null);
         const isLight = !VALUE_VIEWS.includes(debugView);
@@ -148,6 +153,17 @@ export class Stage {
         renderer.outputColorSpace = isLight ? THREE.SRGBColorSpace : THREE.LinearSRGBColorSpace; // values as they are
         renderer.toneMappingExposure = 2 ** -this.exposure;
         this.output.render(renderer, null, radiance);
+    }
+
+    /** Draws a file between two columns of the radiance. */
+    #renderPart(file, left, right) {
+        const { renderer, radiance, camera } = this;
+        radiance.scissor.set(left, 0, right - left, radiance.height);
+        radiance.scissorTest = true;
+        file.halflight.update(renderer, camera);
+        renderer.setRenderTarget(radiance);
+        renderer.render(file.scene, camera);
+        this.drawn = { ...renderer.info.render };
     }
 
     #measure() {
@@ -170,7 +186,7 @@ export class Stage {
             this.renderer.shadowMap.enabled = true;
             file.halflight.update(this.renderer, this.camera);
             this.renderer.setRenderTarget(this.radiance); // no tone mapping in them
-            const compiled = this.renderer.compileAsync(this.scene, this.camera);
+            const compiled = this.renderer.compileAsync(file.scene, this.camera);
             this.renderer.setRenderTarget(null);
             this.renderer.shadowMap.enabled = false;
             await compiled;
@@ -190,6 +206,13 @@ export class Stage {
 function depthRange(bounds) {
     const size = Math.max(bounds.getSize(new THREE.Vector3()).length(), 0.1);
     return { near: Math.min(0.05, size / 200), far: Math.max(1000, 20 * size) };
+}
+
+/** What was chosen for a file holds for what it was before its bake: nodes of both, and so lights, have one order. */
+function follow(before, shown) {
+    const { debugView, shadowDistance, shadowFadeRange } = shown;
+    Object.assign(before, { debugView, shadowDistance, shadowFadeRange });
+    before.lights.forEach(({ light }, i) => (light.intensity = shown.lights[i]?.light.intensity ?? light.intensity));
 }
 
 function freeScene(root) {

@@ -2,13 +2,17 @@
 import { Vector3 } from 'three';
 import { VIEWS } from '@halflight/three';
 
-import { load, sourceOfAddress, sourceOfFiles } from './files.js';
+import { Bakery } from './bake.js';
+import { Divider } from './divider.js';
+import { chosenFiles, droppedFiles, load, sourceOfAddress, sourceOfFiles } from './files.js';
 import { Keys } from './keys.js';
 import { parametersOf, readLink, writeLink } from './link.js';
 import { Orbit } from './orbit.js';
 import { showLegend, showLights, showModes, showNotes, showStatistics } from './panel.js';
 import { Stage } from './stage.js';
 import { MODE_SENTENCES } from './views.js';
+
+await window.halflightIsolating; // isolate.js may load the page again: no file is taken before
 
 const SHOWCASE = 'courtyard-baked.glb';
 const element = (id) => document.getElementById(id);
@@ -32,6 +36,12 @@ const { camera, renderer } = stage;
 const redraw = () => stage.redraw();
 const orbit = new Orbit(camera, renderer.domElement, () => stage.shown?.gltf.scene ?? null, redraw);
 const keys = new Keys(orbit, redraw, actions());
+const divider = new Divider((part) => {
+    stage.split = part;
+    redraw();
+});
+const bakery = new Bakery({ started: () => complain(''), failed: complain, baked: showBaked });
+let plain = null; // the file that the bakery bakes, where it can be shown
 let odd = []; // sentences about parameters of the address
 let opened = 0; // files that were chosen: only the last one is shown, even where an earlier one takes longer to read
 let wanted = ''; // the part of the address that says what is open
@@ -49,6 +59,7 @@ function failed(error) {
 
 function close() {
     element('controls').hidden = true;
+    divider.show(false);
     element('file').textContent = 'no file open';
     notes();
 }
@@ -58,7 +69,9 @@ function notes() {
     const sentences = [...(stage.shown?.halflight.warnings ?? [])].map(
         (sentence) => `${sentence[0].toUpperCase()}${sentence.slice(1)}.`
     );
-    showNotes(element('notes'), [...odd, ...lacks, ...sentences]);
+    const dark = stage.shown?.isPlain && stage.shown.halflight.lights.length === 0;
+    const lights = dark ? [`${stage.shown.name} has no lights: what does not glow is black.`] : [];
+    showNotes(element('notes'), [...odd, ...lacks, ...lights, ...sentences]);
 }
 
 /** @param {import('./files.js').Source} source @param {boolean} isLinked whether the address is about it */
@@ -66,22 +79,45 @@ async function open(source, isLinked) {
     const turn = ++opened;
     const last = element('file').textContent;
     complain('');
+    bakery.cancel();
     try {
         const progress = (bytes) =>
             turn === opened && (element('file').textContent = `loading ${source.name}, ${(bytes / 1e6).toFixed(1)} MB`);
         progress(0);
         const file = await load(source, progress);
         if (turn !== opened) return file.halflight.dispose();
+        plain = file.isPlain ? file : null;
+        bakery.offer(file.isPlain ? source : null);
         show(file, isLinked ? parametersOf(location) : new Map());
     } catch (error) {
         if (turn !== opened) return;
+        if (error.isPlain) {
+            plain = null;
+            stage.show(null);
+            close();
+            bakery.offer(source);
+            element('file').textContent = source.name;
+            return complain(`${error.message}.`);
+        }
         element('file').textContent = stage.shown?.name ?? (last.startsWith('loading') ? 'no file open' : last);
         complain(`${error.message}.`);
     }
 }
 
-function show(file, parameters) {
-    stage.show(file);
+/** Shows what a bake made beside what it was, from where the camera is. @param {Uint8Array<ArrayBuffer>} glb */
+async function showBaked(glb, name) {
+    const turn = ++opened;
+    const file = await load(sourceOfFiles([{ path: name, file: new File([glb], name) }]), () => {});
+    if (turn !== opened) return file.halflight.dispose();
+    const view = new Map(plain ? new URLSearchParams(writeLink(viewOfPage())) : []);
+    for (const key of ['mode', 'exposure']) view.delete(key);
+    nameFile(name);
+    show(file, view, plain);
+}
+
+function show(file, parameters, before = null) {
+    stage.show(file, before);
+    divider.show(before !== null);
     element('file').textContent = file.name;
     element('controls').hidden = false;
     element('copied').textContent = '';
@@ -99,7 +135,7 @@ function show(file, parameters) {
     follow(parameters);
 }
 
-const view = () => ({
+const viewOfPage = () => ({
     halflight: stage.shown.halflight,
     camera,
     orbit,
@@ -111,7 +147,7 @@ const view = () => ({
 
 /** Shows the view of a link. @param {Map<string, string>} parameters */
 function follow(parameters) {
-    odd = readLink(parameters, view());
+    odd = readLink(parameters, viewOfPage());
     camera.updateProjectionMatrix();
     orbit.about(orbit.target);
     syncPanel();
@@ -210,7 +246,7 @@ async function copy(text, what) {
 /** The address of this view; of a file without an address it has the name, and whoever follows it opens the file. */
 function addressOfView() {
     const { local } = Object.fromEntries(parametersOf(location));
-    const hash = writeLink(view());
+    const hash = writeLink(viewOfPage());
     const url = new URL(location.href);
     for (const name of [...url.searchParams.keys()]) if (name !== 'file') url.searchParams.delete(name);
     url.hash = local ? `${new URLSearchParams({ local })}&${hash}` : hash;
@@ -225,19 +261,22 @@ function embedCode() {
     return `<iframe src="${source}" title="${title}" width="960" height="540" style="border: 0"></iframe>`;
 }
 
-/** Files of a drop or a choice are open from now on, so the address tells of no other. @param {FileList} files */
+/** The address tells of a file of this computer from now on. @param {string} name */
+function nameFile(name) {
+    const url = new URL(location.href);
+    url.searchParams.delete('file');
+    url.hash = new URLSearchParams({ local: name }).toString();
+    history.replaceState(null, '', url);
+    wanted = keyOf(parametersOf(location));
+}
+
+/** Files of a drop or a choice. @param {{path: string, file: File}[]} files */
 function openFiles(files) {
-    const source = sourceOfFiles([...files]);
+    const source = sourceOfFiles(files);
     if (!source) return;
     const { local } = Object.fromEntries(parametersOf(location));
     const isLinked = local === source.name && stage.shown === null; // the file that a link asked for
-    if (!isLinked) {
-        const url = new URL(location.href);
-        url.searchParams.delete('file');
-        url.hash = new URLSearchParams({ local: source.name }).toString();
-        history.replaceState(null, '', url);
-        wanted = keyOf(parametersOf(location));
-    }
+    if (!isLinked) nameFile(source.name);
     open(source, isLinked);
 }
 
@@ -254,8 +293,10 @@ function route() {
     const local = parameters.get('local');
     if (local === undefined) return open(sourceOfAddress(parameters.get('file') || SHOWCASE), true);
     ++opened;
+    plain = null;
     stage.show(null);
     close();
+    bakery.offer(null);
     element('file').textContent = `The link shows ${local}, a file of another place: open it, or drop it.`;
 }
 
@@ -271,20 +312,21 @@ element('link').addEventListener('click', () => {
     copy(url.href, 'The link');
 });
 element('embed').addEventListener('click', () => copy(embedCode(), 'The code'));
-element('open').addEventListener('change', (event) => {
-    openFiles(event.target.files);
-    event.target.value = ''; // the same file may be chosen again
-});
+for (const id of ['open', 'folder'])
+    element(id).addEventListener('change', (event) => {
+        openFiles(chosenFiles(event.target.files));
+        event.target.value = ''; // the same file may be chosen again
+    });
 addEventListener('hashchange', route);
 addEventListener('dragover', (event) => {
     event.preventDefault();
     document.body.classList.add('dropping');
 });
 addEventListener('dragleave', () => document.body.classList.remove('dropping'));
-addEventListener('drop', (event) => {
+addEventListener('drop', async (event) => {
     event.preventDefault();
     document.body.classList.remove('dropping');
-    openFiles(event.dataTransfer.files);
+    openFiles(await droppedFiles(event.dataTransfer));
 });
 element('picture').addEventListener('webglcontextlost', () =>
     complain('The graphics driver has stopped. The picture comes back when it starts again.')

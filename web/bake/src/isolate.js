@@ -1,5 +1,6 @@
-// Lets a page of a plain static host bake: it adds the two headers that threads need. Copy it beside the page, and load it
-// first: <script src="isolate.js"></script>. In the page it registers itself and loads the page again, once.
+// Lets a page of a plain static host bake: it adds the two headers that threads need. Copy it beside the page, and load
+// it first: <script src="isolate.js"></script>. In the page it registers itself and loads the page again, once. A page
+// that takes files waits for the promise window.halflightIsolating first, where there is one.
 (() => {
     if (typeof window === 'undefined') {
         self.addEventListener('install', () => self.skipWaiting());
@@ -21,10 +22,23 @@
         });
         return;
     }
-    const key = 'halflight-isolated';
-    if (crossOriginIsolated || !navigator.serviceWorker || sessionStorage.getItem(key)) return;
-    navigator.serviceWorker.register(document.currentScript.src).then(() => navigator.serviceWorker.ready).then(() => {
-        sessionStorage.setItem(key, 'reloaded');
+    const key = 'halflight-isolated'; // of a page that was loaded again, until it is isolated
+    const script = document.currentScript.src;
+    let again;
+    try {
+        again = localStorage.getItem(key) !== null;
+        if (crossOriginIsolated) localStorage.removeItem(key);
+    } catch {
+        again = true; // without storage nothing would tell the second time from the first
+    }
+    const isFramed = window !== window.top; // only the page around it could isolate it
+    if (crossOriginIsolated || again || isFramed || !navigator.serviceWorker) return;
+    const ready = navigator.serviceWorker.register(script).then(() => navigator.serviceWorker.ready);
+    const late = new Promise((resolve) => setTimeout(resolve, 5000));
+    window.halflightIsolating = Promise.race([ready, late]).then((registration) => {
+        if (!registration) return;
+        localStorage.setItem(key, 'reloaded');
         location.reload();
-    });
+        return new Promise(() => {}); // nothing goes on meanwhile
+    }, () => {});
 })();

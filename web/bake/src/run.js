@@ -16,6 +16,16 @@ function lines(FS, descriptor, take) {
     stream.tty = null;
 }
 
+/** A path from the root without '..', which mkdirTree() does not know. */
+function absolute(path) {
+    const steps = [];
+    for (const step of path.split('/')) {
+        if (step === '..') steps.pop();
+        else if (step !== '.' && step !== '') steps.push(step);
+    }
+    return `/${steps.join('/')}`;
+}
+
 /** Answers with `send(message, transferred)`: lines and addresses meanwhile, then the exit code and files. */
 async function main({ words, files, folder, results, memory, threads }, send) {
     const module = await Halflight({ wasmMemory: memory, threads, thisProgram: 'halflight' });
@@ -23,8 +33,8 @@ async function main({ words, files, folder, results, memory, threads }, send) {
     FS.mkdirTree(folder);
     FS.chdir(folder);
     for (const [name, bytes] of Object.entries(files)) {
-        const path = `${folder}/${name}`;
-        FS.mkdirTree(path.slice(0, path.lastIndexOf('/')));
+        const path = absolute(`${folder}/${name}`);
+        FS.mkdirTree(path.slice(0, path.lastIndexOf('/')) || '/');
         FS.writeFile(path, bytes);
     }
     lines(FS, 1, () => {});

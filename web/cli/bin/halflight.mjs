@@ -2,6 +2,7 @@
 // The command `halflight`: WebAssembly in a worker, while this thread waits for it and for Ctrl-C.
 import { rmSync, writeSync } from 'node:fs';
 import { cpus } from 'node:os';
+import { setFlagsFromString } from 'node:v8';
 import { Worker } from 'node:worker_threads';
 
 import { Paths } from '../src/paths.js';
@@ -15,6 +16,9 @@ const given = process.argv.slice(2);
 const paths = new Paths();
 const words = paths.argumentsOf(given);
 const isBake = words[0] === 'bake' && !words.includes('--help') && !words.includes('-h');
+
+// Node 18 compiles all of the program before it runs, unless it is told not to; what is no bake needs little of it.
+if (!isBake && parseInt(process.versions.node) < 20) setFlagsFromString('--wasm-lazy-compilation');
 
 /** The number of threads that `bake --threads` asks for; as many are there before the program starts. */
 function threadsOf() {

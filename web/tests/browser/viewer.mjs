@@ -1,11 +1,13 @@
 // The viewer: what it opens, what its controls change, and its links.
 import assert from 'node:assert/strict';
-import { readFileSync, statSync } from 'node:fs';
+import { mkdirSync, readFileSync, statSync, writeFileSync } from 'node:fs';
 import { join } from 'node:path';
 import { test } from 'node:test';
 
 import { readGlb } from '../glb.mjs';
+import { repository } from '../harness.mjs';
 import { close, conformance, drop, folder, open } from './viewer_page.mjs';
+import { differenceFromProgram } from '../viewer_picture.mjs';
 
 const VIEW = ['eye', 'target', 'fov', 'mode', 'view', 'distance', 'fade', 'exposure'];
 
@@ -171,6 +173,54 @@ test('the viewer takes files by choice and by drop; none of them takes the view 
     await drawn(() => page.evaluate(() => (location.hash = 'mode=realtime')));
     await page.waitForFunction(() => document.querySelector('#file').textContent === 'courtyard-baked.glb');
     assert.equal(await page.inputValue('#modes input:checked'), 'realtime', 'a link to another file opens that file');
+    await close(viewer);
+});
+
+test('the viewer shows a folder with a file that is not baked, in realtime mode', async () => {
+    const viewer = await open('?file=sphere_on_floor.glb');
+    const { page, choose, text, drawn } = viewer;
+    assert.equal(await page.isVisible('#bakery'), false, 'there is nothing to bake');
+    const { json, buffer } = readGlb(join(repository, 'assets/tests/sphere_on_floor.glb'));
+    json.buffers[0].uri = 'parts/all%20of%20it.bin';
+    mkdirSync(join(folder, 'plain/parts'), { recursive: true });
+    writeFileSync(join(folder, 'plain/scene.gltf'), JSON.stringify(json));
+    writeFileSync(join(folder, 'plain/parts/all of it.bin'), buffer);
+    await drawn(() => page.setInputFiles('#folder', join(folder, 'plain')));
+    await viewer.whole();
+    assert.equal(await text('#file'), 'scene.gltf');
+    assert.deepEqual(await page.$$eval('#modes input', (inputs) => inputs.map((input) => input.value)), ['realtime']);
+    assert.match(await text('#bakeSentence'), /built without the baker/);
+    const { mean, light } = await differenceFromProgram(page, join(folder, 'plain/scene.gltf'));
+    console.log(`a file that is not baked: ${mean.toFixed(2)} of 255 from halflight render`);
+    assert.ok(light > 20 && mean < 1.5, `mean difference ${mean} of 255, mean level ${light}`);
+    await choose(join(conformance, 'bumpy_wall.glb'));
+    assert.equal(await page.isVisible('#bakery'), false);
+    // The folder by drop: Chromium gives entries to people's drops alone, so the test stands in for it.
+    await page.evaluate(() => {
+        const entries = new Map();
+        const folderOf = (path, children) => ({
+            isDirectory: true,
+            fullPath: path,
+            createReader: () => ({ readEntries: (take) => take(children.splice(0, 1).map((child) => child())) }),
+        });
+        const fileOf = (path) => ({ isFile: true, fullPath: path, file: (take) => take(entries.get(path)) });
+        window.take = (name, path, text) => entries.set(path, new File([text], name));
+        DataTransferItem.prototype.webkitGetAsEntry = () =>
+            folderOf('/plain', [
+                () => folderOf('/plain/parts', [() => fileOf('/plain/parts/all of it.bin')]),
+                () => fileOf('/plain/scene.gltf'),
+            ]);
+    });
+    await page.evaluate(
+        ([text, bytes]) => {
+            window.take('scene.gltf', '/plain/scene.gltf', text);
+            window.take('all of it.bin', '/plain/parts/all of it.bin', Uint8Array.from(bytes));
+        },
+        [JSON.stringify(json), [...buffer]]
+    );
+    await drop(page, readFileSync, [{ name: 'plain', path: join(folder, 'plain/scene.gltf') }]);
+    await viewer.says('#file', 'scene.gltf');
+    assert.equal(await text('#message'), '');
     await close(viewer);
 });
 

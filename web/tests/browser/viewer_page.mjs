@@ -21,6 +21,7 @@ async function serve() {
         join(web, 'scripts/build_viewer.mjs'),
         folder,
         join(conformance, 'five_lights.glb'),
+        '--no-baker',
     ]);
     for (const name of ['sphere_on_floor.glb', 'avenue.glb']) copyFileSync(join(conformance, name), join(folder, name));
     writeFileSync(join(folder, 'plain.glb'), 'not glTF');
@@ -76,6 +77,7 @@ export async function open(address = '?file=sphere_on_floor.glb', { script, draw
         errors,
         drawn,
         choose,
+        whole: () => whole(page),
         link,
         text,
         says,

@@ -45,6 +45,19 @@ test('--version, --describe and help say what the native program says', { skip: 
     assert.equal(succeeds(['--version']).stdout.split('\n')[1], spawnSync(native, ['--version'], { encoding: 'utf8' }).stdout.split('\n')[1], 'what is read');
 });
 
+test('--version takes at most half a second of a processor', () => {
+    const line = 'TIMEFORMAT="%U %S"; time "$0" --version >/dev/null';
+    const seconds = () => {
+        const { status, stderr } = spawnSync('bash', ['-c', line, command()], { encoding: 'utf8' });
+        assert.equal(status, 0, stderr);
+        const [user, system] = stderr.trim().split(' ').map(Number);
+        return user + system;
+    };
+    const least = Math.min(...Array.from({ length: 5 }, seconds)); // others may use the processor's caches
+    console.log(`--version: ${least.toFixed(2)} CPU s by Node ${process.versions.node}`);
+    assert.ok(least > 0 && least <= 0.5, `${least} s`);
+});
+
 test('sentences and exit codes of errors are the native program\'s', { skip: !native && 'no native program' }, () => {
     writeFileSync(at('broken.glb'), 'no glTF');
     for (const words of [

@@ -1,6 +1,6 @@
 // bake() of @halflight/bake in Node, and its types.
 import assert from 'node:assert/strict';
-import { spawnSync } from 'node:child_process';
+import { execFileSync, spawnSync } from 'node:child_process';
 import { mkdtempSync, readFileSync, rmSync, writeFileSync } from 'node:fs';
 import { tmpdir } from 'node:os';
 import { join } from 'node:path';
@@ -41,6 +41,13 @@ test('a .gltf with files beside it, settings, options of each kind', async () =>
     const warnings = [];
     await bake(bytes, { ...QUICK, settings: '[[node]]\npattern = "there is none*"\nstatic = false\n', onWarning: (sentence) => warnings.push(sentence) });
     assert.ok(warnings.some((sentence) => sentence.includes('there is none')), warnings.join('\n'));
+});
+
+test('what is downloaded is at most 3 MB, compressed', () => {
+    const file = join(workspace(), 'node_modules/@halflight/bake/wasm/halflight.wasm');
+    const { length } = execFileSync('gzip', ['-9c', file], { maxBuffer: 2 ** 26 });
+    console.log(`halflight.wasm: ${length} bytes by gzip`);
+    assert.ok(length > 1e6 && length <= 3e6, `${length} bytes`);
 });
 
 test('errors are the program\'s sentences', async () => {
