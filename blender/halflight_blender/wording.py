@@ -8,6 +8,8 @@ UNSHOWN = (
     r"kept in the file but not read, as baked light does not need them",
     r"objects have no name of their own, so that the sidecar tells them",
 )
+# The view reads one mask layer, so that a bake of it has no more.
+LEFT_OUT = r"; or bake with --mask-layers auto"
 # Options that are no property of the bake's settings by their name.
 OTHERS = {"only": "Bake Selected", "padding": "the page's padding", "uv": "the layout"}
 
@@ -21,7 +23,7 @@ def in_blender(text, labels):
         name = match[1]
         return labels.get(name) and f"*{labels[name]}*" or OTHERS.get(name, name.replace("-", " "))
 
-    return re.sub(r"--([a-z][a-z-]*[a-z])", name_of, text)
+    return re.sub(r"--([a-z][a-z-]*[a-z])", name_of, re.sub(LEFT_OUT, "", text))
 
 
 def wrapped(text, width):

@@ -175,6 +175,8 @@ def check_wording(extension):
     expect("--" not in said and "*Texels per Meter*" in said, said)
     said = words.in_blender('kept in the file but not read, as baked light does not need them: "KHR_materials_ior"', labels)
     expect(said is None, f"nobody in Blender can act on it: {said}")
+    said = words.in_blender("free it; or bake with --mask-layers auto", labels)
+    expect(said == "free it", f"the view reads one mask layer: {said}")
     lines = words.wrapped("a sentence of several words that is long", 12)
     expect(max(len(line) for line in lines) <= 12 and " ".join(lines).endswith("is long"), f"{lines}")
 
