@@ -29,18 +29,26 @@ struct MeshSurface {
     ProbeSample probes; // what surrounds it; in realtime mode the open sky; nothing where there is a lightmap
 };
 
-// B by channel from the shadowmask. A pixel's width on the page is the longer of its sides there.
+vec4 readMaskLayer(vec2 uv, int page, int layer, float footprint)
+{
+    vec4 stored = textureLod(shadowmasks, vec3(uv, page * frame.baked.w + layer), 0.0);
+    vec4 attenuation;
+    for (int c = 0; c < 4; ++c)
+        attenuation[c] = decodeMask(stored[c], frame.maskRange[layer][c], frame.maskPenumbra[layer][c], footprint);
+    return attenuation;
+}
+
+// B by channel from the shadowmask. A pixel's width on the page is the longer of its sides there. Columns have constant
+// numbers, which keeps the matrix in registers.
 mat4 readShadowmask(vec2 uv, int page)
 {
     vec2 size = vec2(textureSize(shadowmasks, 0).xy);
     float footprint = max(length(dFdx(uv) * size), length(dFdy(uv) * size));
     mat4 attenuation = mat4(vec4(1.0), vec4(1.0), vec4(1.0), vec4(1.0));
-    int layers = frame.baked.w;
-    for (int k = 0; k < min(kMaskLayers, layers); ++k) {
-        vec4 stored = textureLod(shadowmasks, vec3(uv, page * layers + k), 0.0);
-        for (int c = 0; c < 4; ++c)
-            attenuation[k][c] = decodeMask(stored[c], frame.maskRange[k][c], frame.maskPenumbra[k][c], footprint);
-    }
+    attenuation[0] = readMaskLayer(uv, page, 0, footprint);
+    if (kMaskLayers > 1) attenuation[1] = readMaskLayer(uv, page, 1, footprint);
+    if (kMaskLayers > 2) attenuation[2] = readMaskLayer(uv, page, 2, footprint);
+    if (kMaskLayers > 2 && frame.baked.w > 3) attenuation[3] = readMaskLayer(uv, page, 3, footprint);
     return attenuation;
 }
 

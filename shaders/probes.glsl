@@ -27,16 +27,19 @@ ProbeSample sampleProbes(uint object, vec3 position)
 {
     ProbeSample probes;
     probes.occlusion = mat4(vec4(1.0), vec4(1.0), vec4(1.0), vec4(1.0));
-    int furtherLayers = min(kMaskLayers, frame.baked.w) - 1;
     int volume = proxyVolumeOf(object);
     if (volume < 0) {
         for (int i = 0; i < 9; ++i) probes.radiance[i] = objects[object].probeSh[i].rgb;
         probes.occlusion[0] = objects[object].probeOcclusion[0];
-        for (int k = 1; k <= furtherLayers; ++k) probes.occlusion[k] = objects[object].probeOcclusion[k];
+        if (kMaskLayers > 1) probes.occlusion[1] = objects[object].probeOcclusion[1];
+        if (kMaskLayers > 2) probes.occlusion[2] = objects[object].probeOcclusion[2];
+        if (kMaskLayers > 2) probes.occlusion[3] = objects[object].probeOcclusion[3];
         return probes;
     }
     probes.occlusion[0] = proxyTexture(volume, position, 3);
-    for (int k = 1; k <= furtherLayers; ++k) probes.occlusion[k] = proxyTexture(volume, position, kProbeSlabs + k - 1);
+    if (kMaskLayers > 1) probes.occlusion[1] = proxyTexture(volume, position, kProbeSlabs);
+    if (kMaskLayers > 2) probes.occlusion[2] = proxyTexture(volume, position, kProbeSlabs + 1);
+    if (kMaskLayers > 2 && frame.baked.w > 3) probes.occlusion[3] = proxyTexture(volume, position, kProbeSlabs + 2);
     for (int c = 0; c < 3; ++c) {
         vec4 low = proxyTexture(volume, position, c);
         vec4 high = proxyTexture(volume, position, 4 + c);

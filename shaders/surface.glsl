@@ -24,7 +24,11 @@ struct Surface {
 
 float bakedOfChannel(Surface s, int channel)
 {
-    return kMaskLayers <= 1 ? s.baked[0][channel & 3] : s.baked[channel >> 2][channel & 3];
+    vec4 layer = s.baked[0];
+    if (kMaskLayers > 1 && channel >= 4) layer = s.baked[1];
+    if (kMaskLayers > 2 && channel >= 8) layer = s.baked[2];
+    if (kMaskLayers > 2 && channel >= 12) layer = s.baked[3];
+    return layer[channel & 3];
 }
 
 // The point of the world that this pixel's centre shows at a depth.
