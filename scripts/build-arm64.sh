@@ -14,15 +14,7 @@ set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 . scripts/packaging/roots.sh
 
-packages=1
-while [ $# -gt 0 ]; do
-  case "$1" in
-    --cached) cached=1; shift ;;
-    --program) packages=0; shift ;;
-    -*) echo "usage: scripts/build-arm64.sh [--cached] [--program] [OUT]" >&2; exit 2 ;;
-    *) break ;;
-  esac
-done
+read_cross_options "$@"
 needs="g++-aarch64-linux-gnu qemu-user-static"
 for program in aarch64-linux-gnu-g++ qemu-aarch64-static; do
   if ! command -v $program >/dev/null; then
@@ -41,4 +33,4 @@ fi
 cmake --preset arm64 --log-level=WARNING
 cmake --build --preset arm64 -- --quiet
 [ "$packages" -eq 1 ] || exit 0
-scripts/package.sh --target arm64 --build build/arm64 --out "${1:-out/packages}"
+scripts/package.sh --target arm64 --build build/arm64 --out "$out"

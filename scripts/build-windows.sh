@@ -14,16 +14,7 @@ set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 . scripts/packaging/roots.sh
 
-packages=1
-while [ $# -gt 0 ]; do
-  case "$1" in
-    --cached) cached=1; shift ;;
-    --program) packages=0; shift ;;
-    -*) echo "usage: scripts/build-windows.sh [--cached] [--program] [OUT]" >&2; exit 2 ;;
-    *) break ;;
-  esac
-done
-out=$(realpath -m "${1:-out/packages}")
+read_cross_options "$@"
 needs="g++-mingw-w64-x86-64-posix"
 if ! command -v x86_64-w64-mingw32-g++-posix >/dev/null; then
   [ "$cached" -eq 0 ] || skip "MinGW is not installed (apt-get install $needs)"

@@ -7,6 +7,21 @@ cached="${cached:-0}" # 1: never make a root
 
 skip() { echo "skipped: $1"; exit 77; }
 
+# Of the scripts that build for another system, [--cached] [--program] [OUT]: sets cached, packages (0: the program
+# alone) and out, a whole path.
+read_cross_options() {
+  packages=1
+  while [ $# -gt 0 ]; do
+    case "$1" in
+      --cached) cached=1; shift ;;
+      --program) packages=0; shift ;;
+      -*) echo "usage: $0 [--cached] [--program] [OUT]" >&2; exit 2 ;;
+      *) break ;;
+    esac
+  done
+  out=$(realpath -m "${1:-out/packages}")
+}
+
 need_roots() {
   [ "$(id -u)" -eq 0 ] || skip "clean roots need root's rights"
   unshare -m true 2>/dev/null || skip "this machine allows no mount namespaces"
