@@ -109,10 +109,11 @@ Scene makeRoom()
     return scene;
 }
 
-BakedScene bakeRoom(const Scene& scene, MixedLightingMode mode)
+BakedScene bakeRoom(const Scene& scene, MixedLightingMode mode, int mostMaskLayers = kMostMaskLayers)
 {
     BakeSettings settings;
     settings.mode = mode;
+    settings.mostMaskLayers = mostMaskLayers;
     settings.quality = Quality::Preview;
     settings.lightmapSize = 512;
     settings.samples = 128;
@@ -188,7 +189,7 @@ TEST_F(ReferencePicture, OverflowStaysRightS10)
     auto reference = renderReference(scene, scene.cameras[0], kSize, {512, kBounces});
     ASSERT_TRUE(reference);
     std::swap(*reference_, *reference);
-    const BakedScene baked = bakeRoom(scene, MixedLightingMode::Shadowmask);
+    const BakedScene baked = bakeRoom(scene, MixedLightingMode::Shadowmask, 1);
     int fullyBaked = 0;
     for (const Light& light : baked.scene.lights) fullyBaked += light.baking.bakeType == LightMode::Baked ? 1 : 0;
     EXPECT_EQ(fullyBaked, 3);
