@@ -217,8 +217,11 @@ Coloring colorLights(const std::vector<const Light*>& lights, int channels)
     const std::size_t n = lights.size();
     Graph graph(n);
     for (std::size_t i = 0; i < n; ++i) {
-        for (std::size_t j = 0; j < n; ++j)
-            if (i != j && lightsOverlap(*lights[std::min(i, j)], *lights[std::max(i, j)])) graph[i].push_back(int(j));
+        for (std::size_t j = i + 1; j < n; ++j) {
+            if (!lightsOverlap(*lights[i], *lights[j])) continue;
+            graph[i].push_back(int(j));
+            graph[j].push_back(int(i));
+        }
     }
     Coloring result;
     result.holders.resize(n);
