@@ -366,6 +366,7 @@ TEST_F(BakedSky, AChangedSkyIsNoticed)
     EXPECT_THAT(warningsAfter([](Json& sky) { sky["picture"]["index"] = 999; })[0], HasSubstr("unreadable"));
     EXPECT_THAT(warningsAfter([](Json& sky) { sky["picture"]["unitNits"] = 0; })[0], HasSubstr("unitNits"));
     EXPECT_THAT(warningsAfter([](Json& sky) { sky["picture"]["unitNits"] = "a"; })[0], HasSubstr("unreadable"));
+    EXPECT_THAT(warningsAfter([](Json& sky) { sky.erase("ground"); })[0], HasSubstr("sky: ground is missing"));
     // So is one of a settings file: the picture of another day on lightmaps of this one.
     ASSERT_TRUE(writeExr(folder / "b.exr", noise(8, 4)));
     writeText(folder / "settings.toml", "[sky]\nimage = \"b.exr\"\n");

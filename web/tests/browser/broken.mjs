@@ -1,10 +1,12 @@
-// Files with one fault each: refused with the path of the fault before anything is shown, or shown with a sentence.
+// Files with one fault each: refused with the path that the program names, before anything is shown, or shown with a sentence.
 import assert from 'node:assert/strict';
+import { spawnSync } from 'node:child_process';
 import { writeFileSync } from 'node:fs';
 import { join } from 'node:path';
 import { test } from 'node:test';
 
 import { readGlb, writeGlb } from '../glb.mjs';
+import { findProgram } from '../harness.mjs';
 import { studio } from './studio.mjs';
 
 const BAKE = '/extensions/HALFLIGHT_mixed_lighting';
@@ -51,7 +53,7 @@ const zeroLightmap = (f) => {
 /** What is wrong, how, and the beginning of the sentence that refuses the file, or a part of the warning that it is shown with. */
 const FAULTS = [
     ['radiance is short', probesAre('radiance', (n) => n - 1), `${BAKE}/probes: radiance does not have`],
-    ['radiance is long', probesAre('radiance', (n) => 100 * n), `${BAKE}/probes: radiance does not have`],
+    ['radiance is long', probesAre('radiance', (n) => 100 * n), /^\/accessors\/\d+: reads past the end/],
     ['occlusion is short', probesAre('occlusion', () => 100), `${BAKE}/probes: occlusion does not have`],
     ['tetrahedra are short', probesAre('tetrahedra', () => 100), `${BAKE}/probes: neighbors does not have 100`],
     ['sight is short', probesAre('sight', () => 5), `${BAKE}/probes: sight does not hold`],
@@ -61,8 +63,8 @@ const FAULTS = [
     ['an accessor of another type', (f) => { f.accessor('radiance').type = 'VEC2'; }, '/accessors/'],
     ['a vertex that is no probe', (f) => f.buffer.writeUInt32LE(4000000000, f.at('tetrahedra')), `${BAKE}/probes: tetrahedron 0 has a vertex`],
     ['a neighbour elsewhere', (f) => f.buffer.writeUInt32LE(12345678, f.at('neighbors')), `${BAKE}/probes: tetrahedron 0 has a neighbour`],
-    ['a position that is not finite', setFloat('positions', 1, NaN), `${BAKE}/probes: probe 0 has a position`],
-    ['radiance that is not finite', setFloat('radiance', 27 * 133 + 5, NaN), `${BAKE}/probes: probe 133 has radiance`],
+    ['a position that is not finite', setFloat('positions', 1, NaN), /^\/accessors\/\d+: element 0 holds a number that is not finite/],
+    ['radiance that is not finite', setFloat('radiance', 27 * 133 + 5, NaN), /^\/accessors\/\d+: element 1198 holds/],
     ['radiance beyond light', setFloat('radiance', 30, 1e38), `${BAKE}/probes: probe 1 has radiance`],
     ['occlusion above 1', setFloat('occlusion', 9, 1.5), `${BAKE}/probes: probe 2 has occlusion`],
     ['a view beyond the buffer', (f) => { f.json.bufferViews[f.accessor('sight').bufferView].byteOffset = f.buffer.length - 8; }, '/bufferViews/'],
@@ -96,6 +98,13 @@ const FAULTS = [
     ['the record of a light gone', (f) => { delete f.node('HALFLIGHT_light').baking; }, `${LOST}1 of 1 baked lights`],
     ['the place of a light gone', (f) => { delete f.node('HALFLIGHT_light').baking.worldFromLight; }, 'moved since its bake'],
 ];
+
+/** What the program says to a file: the path it refuses it with, or parts of the bake that are lost and lights that moved. */
+function programsWords(path) {
+    const { stderr, status } = spawnSync(findProgram(), ['info', path], { encoding: 'utf8' });
+    if (status !== 0) return { path: /\.glb: (\/\S*): /.exec(stderr)?.[1] ?? stderr };
+    return { warnings: [...stderr.matchAll(/lost part of its bake: (.*?)[;\n]|(moved)/g)].map(([, lost, moved]) => lost ?? moved) };
+}
 
 /** Loads a file, and draws it twice where it loads. Runs in the page. */
 async function attempt(file) {
@@ -146,6 +155,9 @@ test('broken files: refused with a path, or shown with a sentence', async () => 
         const isPath = typeof expected !== 'string' || expected.startsWith('/');
         const good = isPath ? refused !== undefined && fits(refused) : refused === undefined && errors.length === 0 && warnings.some(fits);
         if (!good) wrong.push(`${name}: ${refused ?? `shown: ${[...warnings, ...errors].join(' | ')}`}`);
+        const program = programsWords(studio.pathOf(`broken-${i}`));
+        const same = program.path ? refused?.startsWith(`${program.path}: `) : program.warnings.length > 0 && warnings.some((sentence) => sentence.includes(program.warnings[0]));
+        if (!same) wrong.push(`${name}: the program says ${JSON.stringify(program)}, the plug-in ${refused ?? warnings.join(' | ')}`);
     }
     assert.deepEqual(wrong, []);
     writeFileSync(join(studio.files, 'cut.glb'), Buffer.from(new Uint8Array(64)));

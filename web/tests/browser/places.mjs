@@ -1,9 +1,11 @@
-// A file under any parent, and its clones: each picture is that of the file where it was loaded, and the program's.
+// A file under any parent, mirrored ones too, and its clones: each picture is that of the file where it was loaded, and the program's.
 import assert from 'node:assert/strict';
 import { writeFileSync } from 'node:fs';
 import { join } from 'node:path';
 import { test } from 'node:test';
 
+import { readGlb, writeGlb } from '../glb.mjs';
+import { halflight, repository } from '../harness.mjs';
 import { writeSky } from '../pictures.mjs';
 import { studio } from './studio.mjs';
 
@@ -15,6 +17,7 @@ const PLACES = {
     'ten times as large': { scale: 10, rotation: [0, 2, 0] },
     'a fifth as large': { scale: 0.2, translation: [5, 0, 0] },
 };
+const MIRRORED = { scale: [-1, 1, 1], rotation: [0.3, 1.1, -0.2], translation: [3, 1, 2] };
 // Lights of each kind with ranges, a sky's picture, and objects that probes light.
 const SETTINGS = `
 [sky]
@@ -46,6 +49,16 @@ function bakeAll() {
     return 'places';
 }
 
+/** The wall of the bumps, whose normals are a texture's, mirrored by its own scale. */
+function bakeMirroredWall() {
+    const name = 'mirrored-wall';
+    const source = readGlb(join(repository, 'assets/tests/bumpy_wall.glb'));
+    source.json.nodes.find((node) => node.name === 'wall').scale = [-1, 1, 1];
+    writeGlb(studio.pathOf(`${name}-source`), source);
+    halflight('bake', studio.pathOf(`${name}-source`), '-o', studio.pathOf(name), '--quality', 'preview', '--directional', 'on', '-q');
+    return name;
+}
+
 /** Pictures of a file in its place and elsewhere are the same, and the program's. */
 async function compareElsewhere(renderer, name, mode, where, label) {
     const { call } = await studio.pageOf('three', renderer);
@@ -72,6 +85,13 @@ for (const renderer of ['webgl', 'webgpu']) {
     test(`places: masks of point lights, proxy volumes and reflection boxes, ${renderer}`, async () => {
         studio.bake('tests/two_rooms', 'two-rooms');
         for (const name of ['conformance/five_lights', 'conformance/proxy_volume', 'two-rooms']) await compareElsewhere(renderer, name, 'shadowmask', { ...PLACES.turned, scale: 3 }, 'turned and larger');
+    });
+    test(`places: mirrored, with normals by texture and tangents, ${renderer}`, async () => {
+        for (const name of ['conformance/bumpy_wall', 'conformance/five_lights']) await compareElsewhere(renderer, name, 'shadowmask', MIRRORED, 'mirrored');
+        const { call } = await studio.pageOf('three', renderer);
+        const name = bakeMirroredWall();
+        await studio.load(call, name);
+        await studio.compare(call, `a mirrored object, ${renderer}`, 'shadowmask', { name, size: SMALL });
     });
     for (const copy of ['clone', 'skeleton', 'drei']) {
         test(`places: a clone by ${copy}, ${renderer}`, async () => {

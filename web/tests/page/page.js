@@ -104,7 +104,7 @@ async function draw({ width, height, camera, settings = {} }) {
     const rows = new Float32Array(width * height * 3);
     for (let y = 0; y < height; ++y)
         for (let x = 0; x < width; ++x)
-            for (let c = 0; c < 3; ++c) rows[3 * (y * width + x) + c] = pixels[4 * ((kind === 'webgpu' ? y : height - 1 - y) * width + x) + c];
+            for (let c = 0; c < 3; ++c) rows[3 * (y * width + x) + c] = pixels[4 * ((kind === 'webgpu' ? y : height - 1 - y) * width + (loaded.isMirrored ? width - 1 - x : x)) + c];
     loaded.picture = { width, height, rows };
     return { milliseconds, calls, warnings: [...halflight.warnings] };
 }

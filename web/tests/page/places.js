@@ -35,11 +35,16 @@ export function put(loaded, { translation = [0, 0, 0], rotation = [0, 0, 0], sca
     loaded.group = group;
 }
 
-/** Moves a camera as the file. */
+/** Moves a camera as the file. Where the file is mirrored, the camera's picture is too. */
 export function follow(loaded, view) {
     const { group } = loaded;
+    loaded.isMirrored = group !== null && group !== undefined && group.scale.x < 0;
     if (!group) return;
     group.updateWorldMatrix(true, false);
-    view.applyMatrix4(new THREE.Matrix4().compose(group.position, group.quaternion, new THREE.Vector3(1, 1, 1)).multiply(new THREE.Matrix4().makeTranslation(view.position.clone().multiplyScalar(group.scale.x - 1))));
+    const place = new THREE.Matrix4().compose(group.position, group.quaternion, new THREE.Vector3(1, 1, 1));
+    const size = Math.abs(group.scale.x);
+    const mirror = new THREE.Matrix4().makeScale(loaded.isMirrored ? -1 : 1, 1, 1);
+    const from = view.matrixWorld.clone().setPosition(view.position.clone().multiplyScalar(size));
+    place.multiply(mirror).multiply(from).multiply(mirror).decompose(view.position, view.quaternion, view.scale);
     view.updateMatrixWorld();
 }

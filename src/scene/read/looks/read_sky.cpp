@@ -7,6 +7,7 @@
 #include "scene/read/looks/read_pictures.h"
 
 #include <cmath>
+#include <string>
 
 namespace halflight {
 
@@ -61,6 +62,10 @@ Result<Sky> readSky(const SourceDocument& document, const SceneSettings& setting
     const vec3 black(0.0f);
     Sky sky{settings.skyZenith.value_or(black), settings.skyHorizon.value_or(black),
             settings.skyGround.value_or(black)};
+    for (const char* color : {"zenith", "horizon", "ground"}) {
+        if (recordOf(document).is_object() && !recordOf(document).contains(color))
+            return invalid(kBakePath + "/sky", std::string(color) + " is missing");
+    }
     const float intensity = settings.skyIntensity.value_or(1.0f);
     std::optional<float> rotation;
     if (settings.skyRotationDegrees) rotation = glm::radians(*settings.skyRotationDegrees);

@@ -90,6 +90,7 @@ export function checkBake(json) {
     if (root.version !== 2 && root.version !== 3) throw invalid(BAKE, `version is ${shown(root.version)}, not 2 or 3`);
     if (!MODES.includes(root.mode)) throw invalid(BAKE, `mode is not ${MODES.slice(0, 2).join(', ')} or ${MODES[2]}`);
     checkShape(json, SHAPE, '');
+    checkBounds(json);
     checkMembers(root);
     checkLayers(json, root);
     checkPictures(json, root);
@@ -180,7 +181,7 @@ const PROBE_ACCESSORS = {
     occlusion1: ['VEC4', (n) => n], occlusion2: ['VEC4', (n) => n], occlusion3: ['VEC4', (n) => n], valid: ['SCALAR', (n) => n], sightRanges: ['SCALAR', (n) => n],
     tetrahedra: ['VEC4', null], neighbors: ['VEC4', (_, count) => count('tetrahedra')], sight: ['VEC2', null],
 };
-const SIZES = { SCALAR: 1, VEC2: 2, VEC3: 3, VEC4: 4 };
+const SIZES = { SCALAR: 1, VEC2: 2, VEC3: 3, VEC4: 4, MAT2: 4, MAT3: 9, MAT4: 16 };
 
 function checkProbes(json, probes) {
     if (!probes) return;
@@ -195,24 +196,32 @@ function checkProbes(json, probes) {
         const elements = wanted?.(probes.count, count);
         if (wanted && accessor.count !== elements) throw invalid(path, `${name} does not have ${elements} elements`);
         if (accessor.type !== type && SIZES[accessor.type] !== undefined) throw invalid(`/accessors/${probes[name]}`, `has ${SIZES[accessor.type]} components where ${SIZES[type]} are needed`);
-        checkView(json, probes[name]);
     }
 }
 
 /** Bytes of a component by its type in glTF. */
 const BYTES = { 5120: 1, 5121: 1, 5122: 2, 5123: 2, 5125: 4, 5126: 4 };
 
-function checkView(json, index) {
-    const accessor = json.accessors[index];
-    const view = json.bufferViews?.[accessor.bufferView];
-    if (!view) throw invalid(`/accessors/${index}`, 'refers to a buffer view that does not exist');
-    if (view.extensions?.EXT_meshopt_compression || view.extensions?.KHR_meshopt_compression) return; // its own length
-    const buffer = json.buffers?.[view.buffer];
-    if (!buffer) throw invalid(`/bufferViews/${accessor.bufferView}`, 'refers to a buffer that does not exist');
-    if ((view.byteOffset ?? 0) + view.byteLength > buffer.byteLength) throw invalid(`/bufferViews/${accessor.bufferView}`, `reaches past the end of buffer ${view.buffer}`);
-    const element = (BYTES[accessor.componentType] ?? NaN) * SIZES[accessor.type];
-    const end = (accessor.byteOffset ?? 0) + (accessor.count - 1) * (view.byteStride ?? element) + element;
-    if (!(end <= view.byteLength)) throw invalid(`/accessors/${index}`, 'reads past the end of its buffer view');
+/** Buffer views lie in their buffers, accessors in their views. Compressed views have bounds of their own. */
+function checkBounds(json) {
+    const { buffers = [], bufferViews: views = [], accessors = [] } = json;
+    const isCompressed = ({ extensions = {} }) => extensions.EXT_meshopt_compression || extensions.KHR_meshopt_compression;
+    views.forEach((view, i) => {
+        if (isCompressed(view)) return;
+        const path = `/bufferViews/${i}`;
+        const buffer = buffers[view.buffer];
+        if (!buffer) throw invalid(path, `refers to buffer ${view.buffer} of ${buffers.length}`);
+        if ((view.byteOffset ?? 0) + view.byteLength > buffer.byteLength) throw invalid(path, `reaches past the end of buffer ${view.buffer}`);
+    });
+    accessors.forEach(({ bufferView, byteOffset = 0, componentType, count, type }, i) => {
+        if (bufferView === undefined) return;
+        const view = views[bufferView];
+        if (!view) throw invalid(`/accessors/${i}`, `refers to buffer view ${bufferView} of ${views.length}`);
+        const element = BYTES[componentType] * SIZES[type];
+        if (!(element > 0)) throw invalid(`/accessors/${i}`, 'has an unknown type or component type');
+        const end = byteOffset + (count - 1) * (view.byteStride ?? element) + element;
+        if (!isCompressed(view) && !(end <= view.byteLength)) throw invalid(`/accessors/${i}`, 'reads past the end of its buffer view');
+    });
 }
 
 function checkNode({ extensions }, root, path) {

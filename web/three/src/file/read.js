@@ -17,7 +17,7 @@ const MATERIAL = 'HALFLIGHT_material';
  * What the reader takes from a glTF file.
  * @typedef {object} Source
  * @property {any} json
- * @property {(index: number) => Promise<{array: ArrayLike<number>, itemSize: number, count: number}>} accessor
+ * @property {(index: number) => Promise<{array: Float64Array, itemSize: number, count: number}>} accessor
  * @property {(index: number) => Promise<ArrayBuffer | Uint8Array>} bufferView
  * @property {(uri: string) => Promise<ArrayBuffer | Uint8Array>} file of a URI relative to the document, or a data URI
  */
@@ -194,7 +194,12 @@ function readChannels(channels, count) {
 async function readProbes(source, root, maskLayers) {
     const p = root.probes;
     if (!p || !(p.count > 0)) return null;
-    const floats = async (index) => Float32Array.from((await source.accessor(index)).array);
+    const floats = async (index) => {
+        const { array, itemSize } = await source.accessor(index);
+        const bad = array.findIndex((x) => !Number.isFinite(x));
+        if (bad >= 0) throw invalid(`/accessors/${index}`, `element ${Math.floor(bad / itemSize)} holds a number that is not finite`);
+        return Float32Array.from(array);
+    };
     const integers = async (index) => (index === undefined ? null : (await source.accessor(index)).array);
     const [positions, radiance, occlusion, valid, tetrahedra, neighbors, sightRanges, sight] = await Promise.all([
         floats(p.positions),
@@ -203,7 +208,7 @@ async function readProbes(source, root, maskLayers) {
         source.accessor(p.valid).then((a) => Uint8Array.from(a.array)),
         integers(p.tetrahedra),
         integers(p.neighbors),
-        integers(p.sightRanges),
+        p.sightRanges === undefined ? null : floats(p.sightRanges),
         integers(p.sight),
     ]);
     const ranged = { positions: [positions, 3, 'a position'], radiance: [radiance, 27, 'radiance'], sightRanges: [sightRanges ?? [], 1, 'a sight range'] };

@@ -103,6 +103,7 @@ export class MaterialPatches {
             shader.fragmentShader = replaceExactly(shader.fragmentShader, search, ours, 1, where);
         };
         vertex('#include <common>', `#include <common>\n${text.vertexPars}`);
+        vertex('#include <normal_vertex>', `#include <normal_vertex>\n${text.vertexNormal}`);
         vertex('#include <project_vertex>', `#include <project_vertex>\n${text.vertexMain}`);
         const defined = defines.map((name) => `#define ${name}\n`).join('');
         fragment('#include <lights_pars_begin>', `${defined}${shading}${text.attenuation}${this.declarations}`);

@@ -17,6 +17,13 @@ varying vec3 vHlPosition;
 ${table}
 `;
 
+/** The bitangent is that of the mirrored surface, as in the program; three.js's is that of the surface before. */
+export const vertexNormal = `
+#if defined(USE_TANGENT) && !defined(FLAT_SHADED)
+    if (determinant(mat3(modelMatrix)) < 0.0) vBitangent = -vBitangent;
+#endif
+`;
+
 export const vertexMain = `
 {
     vHlRow = int(hlRowAttribute);

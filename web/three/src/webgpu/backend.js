@@ -7,9 +7,9 @@ import { MODES, VIEWS } from '../scene/modes.js';
 import { skyTexture, skyTurn } from '../scene/sky_picture.js';
 import { arrayTexture, FORMATS } from '../scene/textures.js';
 import { texturesOf } from '../scene/units.js';
-import { SceneNodes, skyNodes } from './nodes.js';
+import { mirroredNormal, SceneNodes, skyNodes } from './nodes.js';
 
-const HOOKS = ['setupLightingModel', 'setupOutput', 'contextNode', 'halflight', 'shadowSide'];
+const HOOKS = ['setupLightingModel', 'setupNormal', 'setupOutput', 'contextNode', 'halflight', 'shadowSide'];
 let scenes = 0;
 
 const shared = (value, type) => uniform(value, type).setGroup(renderGroup);
@@ -101,6 +101,9 @@ export class WebGPUBackend {
         const base = material.isMeshPhysicalMaterial || material.isMeshPhysicalNodeMaterial ? MeshPhysicalNodeMaterial : MeshStandardNodeMaterial;
         material.setupLightingModel = function (builder) {
             return backend.lightingModel(base.prototype.setupLightingModel.call(this, builder));
+        };
+        material.setupNormal = function (builder) {
+            return mirroredNormal(this, builder) ?? base.prototype.setupNormal.call(this, builder);
         };
         material.setupOutput = function (builder, output) {
             const lit = base.prototype.setupOutput.call(this, builder, output);

@@ -1,8 +1,8 @@
 // The glue of webgl/*_text.js as nodes of WebGPURenderer. Formulas are the headers', by generated/shading.tsl.js.
-import { BackSide, DoubleSide } from 'three';
+import { BackSide, DoubleSide, RGBAFormat, TangentSpaceNormalMap } from 'three';
 import {
     If, Loop, attribute, cameraPosition, cameraProjectionMatrix, cameraViewMatrix, dFdx, dFdy, diffuseColor, faceDirection, float, int, ivec2, mat4,
-    materialMetalness, materialRoughness, materialSpecularIntensity, mix, normalView, normalViewGeometry, positionViewDirection,
+    materialMetalness, materialReference, materialRoughness, materialSpecularIntensity, mix, normalMap, normalView, normalViewGeometry, positionViewDirection,
     positionWorld, reflect, select, texture, texture3D, textureLoad, uniform, varying, vec2, vec3, vec4, instanceIndex,
 } from 'three/tsl';
 
@@ -22,6 +22,17 @@ const component = (v, index) => select(index.equal(0), v.x, select(index.equal(1
 function towardsSeen(normal, { side }) {
     if (side === BackSide) return normal.negate();
     return side === DoubleSide ? normal.mul(faceDirection) : normal;
+}
+
+const handedness = uniform(1).onObjectUpdate(({ object }) => (object.matrixWorld.determinant() < 0 ? -1 : 1));
+
+/**
+ * The normal by a material's texture with the bitangents of the mirrored surface, as in the program; three.js's are those
+ * of the surface before. Null where three.js's normal is right.
+ */
+export function mirroredNormal({ normalMap: map, normalMapType, normalNode }, { geometry }) {
+    if (!map || normalNode || normalMapType !== TangentSpaceNormalMap || map.format !== RGBAFormat || !geometry.hasAttribute('tangent')) return null;
+    return normalMap(materialReference('normalMap', 'texture'), materialReference('normalScale', 'vec2').mul(vec2(1, handedness)));
 }
 
 /** Nodes that a scene's materials share. */
