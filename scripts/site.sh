@@ -46,8 +46,7 @@ if [ -z "$baked" ]; then
   fi
   step "bake the showcase"
   baked=$work/courtyard-baked.glb
-  "$halflight" bake assets/courtyard.glb -o "$work/courtyard.glb" --quality "$quality" --cache "$work/cache"
-  "$halflight" optimize "$work/courtyard.glb" "$baked"
+  scripts/site/bake_showcase.sh "$halflight" "$work" "$quality"
 fi
 
 step "pages"

@@ -59,12 +59,18 @@ function bakeMirroredWall() {
     return name;
 }
 
+async function intensitiesOf(call) {
+    const names = await call('lightNames');
+    return Promise.all(names.map((_, index) => call('intensityOf', { index })));
+}
+
 /** Pictures of a file in its place and elsewhere are the same, and the program's. */
 async function compareElsewhere(renderer, name, mode, where, label) {
     const { call } = await studio.pageOf('three', renderer);
     await studio.load(call, name);
     await studio.compare(call, `${name}, ${renderer}`, mode, { name, size: SMALL });
     const original = await call('picture');
+    const intensities = await intensitiesOf(call);
     await call('put', where);
     // Nothing tells the plug-in of copies in a scene that the file is not in, before they are drawn once.
     if (where.copy === 'drei' && where.alone) await call('draw', { width: SMALL[0], height: SMALL[1], camera: studio.reference(name, mode, SHADOW, SMALL).camera });
@@ -72,8 +78,23 @@ async function compareElsewhere(renderer, name, mode, where, label) {
     const { mean, within } = await call('agreement', { other: original });
     console.log(`${label}, ${name}, ${mode}, ${renderer}: ${mean.toFixed(4)} of 255 from where it was loaded, ${(100 * within).toFixed(2)} % within 1`);
     assert.ok(mean <= 0.1 && within >= 0.995, `${label}: ${mean} of 255, ${within} within 1`);
+    assert.deepEqual(await intensitiesOf(call), intensities, 'as the application reads them');
     assert.deepEqual(warnings.filter((sentence) => /moved|scale/.test(sentence)), []);
 }
+
+test('places: clones have no sky of their own, as it is no part of the file', async () => {
+    const { page, call } = await studio.pageOf('three');
+    await call('load', { file: '/assets/conformance/sphere_on_floor.glb' });
+    await call('put', { ...PLACES.moved, copy: 'clone' });
+    const skies = await page.evaluate(async () => {
+        const { loaded, makeRenderer, viewOf } = window.halflightPage;
+        loaded.halflight.update(await makeRenderer(32, 18), viewOf('main', 16 / 9));
+        const all = [];
+        loaded.scene.traverse((object) => object.name === 'halflight sky' && all.push(object.parent === loaded.scene));
+        return all;
+    });
+    assert.deepEqual(skies, [true], 'one, a child of the scene');
+});
 
 for (const renderer of ['webgl', 'webgpu']) {
     for (const [label, where] of Object.entries(PLACES)) {

@@ -2,6 +2,7 @@
 import assert from 'node:assert/strict';
 import { test } from 'node:test';
 
+import { readGlb, writeGlb } from '../glb.mjs';
 import { studio } from './studio.mjs';
 
 const FILE = '/assets/conformance/five_lights.glb';
@@ -117,6 +118,18 @@ for (const renderer of ['webgl', 'webgpu']) {
         assert.match(result.ofLost[0], /the file was baked, but a tool dropped the bake/);
     });
 }
+
+test('sentences: probes without tetrahedra, as older bakes wrote them', async () => {
+    const file = readGlb(studio.pathOf('conformance/five_lights'));
+    const { probes } = file.json.extensions.HALFLIGHT_mixed_lighting;
+    delete probes.tetrahedra;
+    delete probes.neighbors;
+    writeGlb(studio.pathOf('without-tetrahedra'), file);
+    const { call } = await studio.pageOf('three');
+    await studio.load(call, 'without-tetrahedra');
+    const { warnings } = await call('draw', { width: 32, height: 18, camera: 'main' });
+    assert.ok(warnings.some((sentence) => /has no tetrahedra .* light of the nearest probe; bake the scene again$/.test(sentence)), warnings.join());
+});
 
 test('sentences: setters refuse what is no number, and update() throws once', async () => {
     const { page, call } = await studio.pageOf('three');
