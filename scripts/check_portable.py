@@ -1,7 +1,9 @@
 #!/usr/bin/env python3
 """Has another compiler check the sources, which finds what one compiler or C++ library alone takes.
 
-    check_portable.py build/dev/compile_commands.json [--compiler clang++-16] [--libcxx] [--jobs 2]
+    check_portable.py build/asan/compile_commands.json [--compiler clang++-16] [--libcxx] [--jobs 2]
+
+The preset asan compiles each source by itself, so that all are in its list.
 
 --libcxx: with LLVM's C++ library instead of GNU's; Apple's derives from it. Nothing is linked. Prints errors and warnings;
 exit code 1 where there are any.

@@ -27,7 +27,7 @@ step() { printf '\n== %s (%d s since the start)\n' "$1" "$SECONDS"; }
 if [ -z "$halflight" ]; then
   if [ "$install" -eq 1 ]; then
     step "packages"
-    scripts/install-packages.sh
+    scripts/install-packages.sh --demo
   fi
   step "build"
   cmake --preset release --log-level=WARNING

@@ -3,6 +3,7 @@
 # available; safe to run again (it asks the package manager only when something is missing).
 #
 #   scripts/install-packages.sh          build, test and render
+#   scripts/install-packages.sh --demo   what scripts/demo.sh needs: a build without a window, a renderer, a sheet of pictures
 #   scripts/install-packages.sh --build  what a build with a window, and packages of it, need
 #   scripts/install-packages.sh --node   also what only tests use: Node.js and npm (Khronos glTF validator), Chromium and
 #                                        Blender (Debian), mypy and notebook tools (Debian), clang with libFuzzer
@@ -25,15 +26,17 @@ build_packages=(
   libdraco-dev libmeshoptimizer-dev libwebp-dev
   libvulkan-dev glslang-tools spirv-tools
 )
+demo_packages=("${build_packages[@]}" libvulkan1 mesa-vulkan-drivers imagemagick fonts-dejavu-core)
 packages=(
-  "${build_packages[@]}"
-  git ca-certificates libvulkan1 vulkan-validationlayers mesa-vulkan-drivers
+  "${demo_packages[@]}"
+  git ca-certificates vulkan-validationlayers
   libgtest-dev libgmock-dev libbenchmark-dev clang-format
-  imagemagick fonts-dejavu-core patchelf
+  patchelf
   parallel slurm-wlm munge # farm/: launchers and their tests
 )
 # The window and its tests; the program is built without one where they cannot be had.
 window_packages=(libsdl2-dev libimgui-dev xvfb xdotool)
+if [ "${1:-}" = "--demo" ]; then packages=("${demo_packages[@]}") window_packages=(); fi
 if [ "${1:-}" = "--build" ]; then packages=("${build_packages[@]}") window_packages=(libsdl2-dev libimgui-dev); fi
 if [ "${1:-}" = "--node" ] && ! command -v npm >/dev/null; then packages+=(nodejs npm); fi
 # Ubuntu's chromium is a snap, which containers cannot run; there the tests of web/ are skipped unless a browser is there.

@@ -199,7 +199,7 @@ def main():
     programs = {program for mutation in table for program, _ in tests_of(mutation)}
     if not (BUILD / "build.ninja").is_file() and (programs != {"web"} or "HALFLIGHT_PROGRAM" not in os.environ):
         code, output = run(["cmake", "-S", str(TREE), "-B", str(BUILD), "-G", "Ninja", "-DCMAKE_BUILD_TYPE=Release",
-                            "-DCMAKE_CXX_FLAGS_RELEASE=-O1"], timeout=600)
+                            "-DCMAKE_CXX_FLAGS_RELEASE=-O1", "-DCMAKE_UNITY_BUILD_BATCH_SIZE=8"], timeout=600)
         if code != 0:
             sys.exit("mutation_check.py: cmake failed\n" + output[-3000:])
     fine = check_unchanged(table, arguments.jobs)

@@ -29,7 +29,7 @@ make_debs() { # SUITE
   rm -rf "$work/out"
   inside "$root" 'dpkg --configure -a && apt-get -f install -y -qq && apt-get update -qq
     /source/scripts/install-packages.sh --build
-    cmake -S /source -B /build -G Ninja -DCMAKE_BUILD_TYPE=Release -DHALFLIGHT_TESTS=OFF --log-level=WARNING
+    cmake --preset release -S /source -B /build --log-level=WARNING
     cmake --build /build
     rm -rf /build/packages && cpack -G DEB --config /build/CPackConfig.cmake -B /build/packages
     mv /build/packages/*.deb /out' >"$log" 2>&1 || { tail -20 "$log" >&2; echo "package_debs.sh: $1 failed: $log" >&2; exit 1; }

@@ -1,14 +1,11 @@
 // The command line as JSON: manual pages and shell completions are made of it (scripts/make_cli_docs.py).
 
 #include "console.h"
-
-#include <nlohmann/json.hpp>
+#include "json_values.h"
 
 namespace halflight::cli {
 
 namespace {
-
-using Json = nlohmann::ordered_json;
 
 Json namesOf(const CLI::Option& option)
 {

@@ -1,11 +1,11 @@
 // halflight info: what a glTF file, plain or baked, holds.
 
 #include "console.h"
+#include "json_values.h"
 #include "terminal.h"
 
 #include "halflight/scene/gltf.h"
 
-#include <nlohmann/json.hpp>
 #include <spdlog/fmt/fmt.h>
 
 #include <memory>
@@ -13,8 +13,6 @@
 namespace halflight::cli {
 
 namespace {
-
-using Json = nlohmann::ordered_json;
 
 struct InfoOptions {
     std::filesystem::path file;
@@ -60,16 +58,6 @@ std::size_t countAlphaMode(const Scene& scene, Material::AlphaMode mode)
     return count;
 }
 
-Json jsonOf(vec3 v)
-{
-    return Json::array({v.x, v.y, v.z});
-}
-
-Json jsonOf(const dvec3& v)
-{
-    return Json::array({v.x, v.y, v.z});
-}
-
 /// Of Light::intensity. `candela`: the word for it.
 const char* unitOf(LightType type, const char* candela)
 {
@@ -83,7 +71,7 @@ Json jsonOf(const Light& light)
                  {"mode", nameOf(light.mode)},
                  {"intensity", light.intensity},
                  {"unit", unitOf(light.type, "candela")},
-                 {"color", jsonOf(light.color)},
+                 {"color", jsonArray(light.color)},
                  {"castShadows", light.castShadows},
                  {"shadowStrength", light.shadowStrength},
                  {"indirectMultiplier", light.indirectMultiplier}};
@@ -121,19 +109,19 @@ Json infoJson(const InfoOptions& options, const BakedScene& baked)
     for (const Light& light : scene.lights) json["lights"].push_back(jsonOf(light));
     json["cameras"] = Json::array();
     for (const Camera& camera : scene.cameras) json["cameras"].push_back(camera.name);
-    json["sky"] = {{"zenith", jsonOf(scene.sky.zenith)},
-                   {"horizon", jsonOf(scene.sky.horizon)},
-                   {"ground", jsonOf(scene.sky.ground)}};
+    json["sky"] = {{"zenith", jsonArray(scene.sky.zenith)},
+                   {"horizon", jsonArray(scene.sky.horizon)},
+                   {"ground", jsonArray(scene.sky.ground)}};
     if (const auto& picture = scene.sky.picture)
         json["sky"]["picture"] = {{"size", Json::array({picture->width(), picture->height()})},
                                   {"rotation", scene.sky.rotationRadians}};
-    json["origin"] = jsonOf(scene.originMeters);
+    json["origin"] = jsonArray(scene.originMeters);
     const Bounds bounds = scene.bounds();
     if (bounds.empty()) {
         json["bounds"] = nullptr;
     } else {
-        json["bounds"] = {{"min", jsonOf(scene.originMeters + dvec3(bounds.min))},
-                          {"max", jsonOf(scene.originMeters + dvec3(bounds.max))}};
+        json["bounds"] = {{"min", jsonArray(scene.originMeters + dvec3(bounds.min))},
+                          {"max", jsonArray(scene.originMeters + dvec3(bounds.max))}};
     }
     json["lightmap"] = {{"pages", baked.lightmaps.size()},
                         {"size", baked.lightmaps.empty() ? 0 : baked.lightmaps.front().width()},
@@ -143,13 +131,13 @@ Json infoJson(const InfoOptions& options, const BakedScene& baked)
                           {"size", maskPageSize(baked).x}};
     if (baked.mode == MixedLightingMode::Subtractive) {
         json["subtractive"] = {{"mask", !baked.shadowmasks.empty()},
-                               {"shadowColor", jsonOf(subtractiveShadowColor(baked))},
+                               {"shadowColor", jsonArray(subtractiveShadowColor(baked))},
                                {"shadowColorFromBake", !scene.subtractiveShadowColor.has_value()}};
     }
     json["probes"] = {{"total", baked.probes.probes.size()},
                       {"valid", counts.validProbes},
                       {"grid", Json::array({baked.probes.size.x, baked.probes.size.y, baked.probes.size.z})},
-                      {"spacingMeters", jsonOf(baked.probes.spacingMeters)}};
+                      {"spacingMeters", jsonArray(baked.probes.spacingMeters)}};
     json["lost"] = baked.lost;
     json["warnings"] = scene.warnings;
     return json;

@@ -1,6 +1,7 @@
 // halflight render: a baked (or plain) glTF file in, a picture out.
 
 #include "interrupt.h"
+#include "json_values.h"
 #include "render_options.h"
 #include "terminal.h"
 
@@ -10,7 +11,6 @@
 #include "halflight/render/renderer.h"
 #include "halflight/scene/gltf.h"
 
-#include <nlohmann/json.hpp>
 #include <spdlog/fmt/fmt.h>
 
 #include <algorithm>
@@ -21,8 +21,6 @@
 namespace halflight::cli {
 
 namespace {
-
-using Json = nlohmann::ordered_json;
 
 /// A picture and what there is to say about it.
 struct Picture {
@@ -219,18 +217,13 @@ Status writePicture(const RenderOptions& options, Picture& picture)
     return writePng(options.output, displayedPicture(picture.radiance, ev, options.toneMapping));
 }
 
-Json jsonOf(const dvec3& v)
-{
-    return Json::array({v.x, v.y, v.z});
-}
-
 void describeView(const RenderOptions& options, const Scene& scene, const Camera& camera, Json& summary)
 {
     const dvec3 eye = scene.originMeters + dvec3(camera.worldFromCamera[3]);
     summary["size"] = {options.render.size.x, options.render.size.y};
     summary["camera"] = {{"name", camera.name},
-                         {"eye", jsonOf(eye)},
-                         {"target", jsonOf(eye - dvec3(camera.worldFromCamera[2]))},
+                         {"eye", jsonArray(eye)},
+                         {"target", jsonArray(eye - dvec3(camera.worldFromCamera[2]))},
                          {"verticalFovDegrees", glm::degrees(camera.verticalFovRadians)}};
 }
 

@@ -24,9 +24,6 @@ struct ViewCommandOptions {
 
 Command addViewCommand(CLI::App& parent, std::function<int(const ViewCommandOptions&)> run);
 
-/// Opens the window; only in halflight-view.
-int openWindow(const ViewCommandOptions& options);
-
 /// halflight-view beside this program; empty where there is none.
 std::filesystem::path windowProgram();
 /// Goes on as halflight-view, with the arguments of `view`.

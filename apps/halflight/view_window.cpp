@@ -1,6 +1,7 @@
-// The window of halflight-view.
+// halflight-view: the window.
 
 #include "interrupt.h"
+#include "program.h"
 #include "terminal.h"
 #include "view_command.h"
 
@@ -11,6 +12,8 @@
 #include <cstdio>
 
 namespace halflight::cli {
+
+namespace {
 
 int openWindow(const ViewCommandOptions& given)
 {
@@ -54,4 +57,11 @@ int openWindow(const ViewCommandOptions& given)
     return status ? kOk : fail(render.file, status.error());
 }
 
+} // namespace
+
 } // namespace halflight::cli
+
+int main(int argc, char** argv)
+{
+    return halflight::cli::runProgram(argc, argv, halflight::cli::openWindow);
+}

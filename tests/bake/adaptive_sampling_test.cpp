@@ -9,7 +9,7 @@
 #include <utility>
 #include <vector>
 
-namespace halflight::test {
+namespace halflight::test::adaptive_sampling_test {
 namespace {
 
 constexpr int kPage = 64;
@@ -188,4 +188,4 @@ TEST(NoiseS6, FourTimesTheSamplesAQuarterOfTheVariance)
 }
 
 } // namespace
-} // namespace halflight::test
+} // namespace halflight::test::adaptive_sampling_test

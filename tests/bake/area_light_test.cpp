@@ -10,7 +10,7 @@
 
 #include <cstdio>
 
-namespace halflight::test {
+namespace halflight::test::area_light_test {
 namespace {
 
 constexpr int kPage = 64;
@@ -236,4 +236,4 @@ TEST(AreaLightChannelsS9, LightsReachTheirFrontAlone)
 }
 
 } // namespace
-} // namespace halflight::test
+} // namespace halflight::test::area_light_test

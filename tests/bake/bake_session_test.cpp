@@ -20,7 +20,7 @@
 #include <string>
 #include <thread>
 
-namespace halflight::test {
+namespace halflight::test::bake_session_test {
 namespace {
 
 #ifdef __SANITIZE_THREAD__
@@ -387,4 +387,4 @@ TEST(BakeSession, HasTheBakesError)
 }
 
 } // namespace
-} // namespace halflight::test
+} // namespace halflight::test::bake_session_test

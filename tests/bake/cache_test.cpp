@@ -16,7 +16,7 @@
 #include <chrono>
 #include <thread>
 
-namespace halflight::test {
+namespace halflight::test::cache_test {
 namespace {
 
 /// Two closed rooms, ten metres apart, each with a lamp under the ceiling and a box on the floor.
@@ -337,4 +337,4 @@ TEST_F(CacheTest, AMovedObjectReachesOnlyItsOwnRoom)
 }
 
 } // namespace
-} // namespace halflight::test
+} // namespace halflight::test::cache_test

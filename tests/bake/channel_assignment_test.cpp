@@ -15,7 +15,7 @@
 #include <utility>
 #include <vector>
 
-namespace halflight::test {
+namespace halflight::test::channel_assignment_test {
 namespace {
 
 constexpr int kPage = 64;
@@ -229,4 +229,4 @@ TEST(ChannelsS25, SubtractiveGivesChannelZeroToTheBrightestSun)
 }
 
 } // namespace
-} // namespace halflight::test
+} // namespace halflight::test::channel_assignment_test

@@ -9,7 +9,7 @@
 #include <cmath>
 #include <random>
 
-namespace halflight::test {
+namespace halflight::test::channels_test {
 namespace {
 
 constexpr int kPage = 64;
@@ -240,4 +240,4 @@ TEST(ReachS9, AMaskHoldsTheLightInReach)
 }
 
 } // namespace
-} // namespace halflight::test
+} // namespace halflight::test::channels_test

@@ -9,7 +9,7 @@
 #include <cmath>
 #include <utility>
 
-namespace halflight::test {
+namespace halflight::test::closed_forms_test {
 namespace {
 
 constexpr int kPage = 64;
@@ -173,4 +173,4 @@ TEST_P(SkyS6, UniformSkyGivesPi)
 }
 
 } // namespace
-} // namespace halflight::test
+} // namespace halflight::test::closed_forms_test

@@ -12,7 +12,7 @@
 #include <random>
 #include <vector>
 
-namespace halflight::test {
+namespace halflight::test::denoise_test {
 namespace {
 
 constexpr int kPage = 64;
@@ -354,4 +354,4 @@ TEST(DenoiseS6, TrustsNeighboursMoreThanStatedVariance)
 }
 
 } // namespace
-} // namespace halflight::test
+} // namespace halflight::test::denoise_test

@@ -15,7 +15,7 @@
 #include <utility>
 #include <vector>
 
-namespace halflight::test {
+namespace halflight::test::direct_light_test {
 namespace {
 
 constexpr int kPage = 64;
@@ -257,4 +257,4 @@ TEST_P(DirectS6, GentleFoldsHaveTheirMean)
 }
 
 } // namespace
-} // namespace halflight::test
+} // namespace halflight::test::direct_light_test

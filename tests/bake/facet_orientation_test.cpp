@@ -8,7 +8,7 @@
 #include <array>
 #include <cmath>
 
-namespace halflight::test {
+namespace halflight::test::facet_orientation_test {
 namespace {
 
 constexpr int kPage = 64;
@@ -103,4 +103,4 @@ TEST(FacetOrientationS6, FlippedFacesHaveTheLightOfTheirNeighbours)
 }
 
 } // namespace
-} // namespace halflight::test
+} // namespace halflight::test::facet_orientation_test

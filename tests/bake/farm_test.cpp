@@ -12,7 +12,7 @@
 #include <string>
 #include <thread>
 
-namespace halflight::test {
+namespace halflight::test::farm_test {
 namespace {
 
 FarmBake bakeOf(std::size_t tiles, uint64_t texels)
@@ -162,4 +162,4 @@ TEST(FarmWork, ABakeWithACacheBuildsTheRadianceCacheOnce)
 }
 
 } // namespace
-} // namespace halflight::test
+} // namespace halflight::test::farm_test

@@ -12,7 +12,7 @@
 #include <utility>
 #include <vector>
 
-namespace halflight::test {
+namespace halflight::test::geometry_test {
 namespace {
 
 constexpr int kPage = 64;
@@ -192,4 +192,4 @@ TEST(GeometryS6, MirroredAndShearedObjectsKeepOutwardNormals)
 }
 
 } // namespace
-} // namespace halflight::test
+} // namespace halflight::test::geometry_test

@@ -10,7 +10,7 @@
 #include <cmath>
 #include <utility>
 
-namespace halflight::test {
+namespace halflight::test::guides_test {
 namespace {
 
 constexpr int kPage = 64;
@@ -265,4 +265,4 @@ TEST(GuidesS6, SmallThingsAreSeenBesideLargeOnes)
 }
 
 } // namespace
-} // namespace halflight::test
+} // namespace halflight::test::guides_test

@@ -9,7 +9,7 @@
 
 #include <algorithm>
 
-namespace halflight::test {
+namespace halflight::test::hidden_sides_test {
 namespace {
 
 constexpr int kPage = 64;
@@ -110,4 +110,4 @@ TEST(HiddenSidesS6, SeamsEndAtSheets)
 }
 
 } // namespace
-} // namespace halflight::test
+} // namespace halflight::test::hidden_sides_test

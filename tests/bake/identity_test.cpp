@@ -13,7 +13,7 @@
 
 #include <set>
 
-namespace halflight::test {
+namespace halflight::test::identity_test {
 namespace {
 
 std::vector<InstructionSet> setsOfThisProcessor()
@@ -175,4 +175,4 @@ TEST_F(OtherMachines, MayNotWorkOnAPlanUnlessItIsMixed)
 }
 
 } // namespace
-} // namespace halflight::test
+} // namespace halflight::test::identity_test

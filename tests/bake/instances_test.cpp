@@ -17,7 +17,7 @@
 #include <utility>
 #include <vector>
 
-namespace halflight::test {
+namespace halflight::test::instances_test {
 namespace {
 
 constexpr int kPage = 256;
@@ -339,4 +339,4 @@ TEST(InstancesS6, OrientationIsThatOfEachInstance)
 }
 
 } // namespace
-} // namespace halflight::test
+} // namespace halflight::test::instances_test

@@ -7,7 +7,7 @@
 #include <algorithm>
 #include <utility>
 
-namespace halflight::test {
+namespace halflight::test::leaks_test {
 namespace {
 
 constexpr int kPage = 64;
@@ -128,4 +128,4 @@ TEST_P(LeaksS6, ClosedRoomInABrightSkyStaysDark)
 }
 
 } // namespace
-} // namespace halflight::test
+} // namespace halflight::test::leaks_test

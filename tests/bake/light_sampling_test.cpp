@@ -11,7 +11,7 @@
 #include <array>
 #include <vector>
 
-namespace halflight::test {
+namespace halflight::test::light_sampling_test {
 namespace {
 
 constexpr int kPage = 64;
@@ -211,4 +211,4 @@ TEST(StratifiedPatternS6, BlocksAreStratified)
 }
 
 } // namespace
-} // namespace halflight::test
+} // namespace halflight::test::light_sampling_test

@@ -13,7 +13,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace halflight {
+namespace halflight::many_lights_test {
 namespace {
 
 using namespace test;
@@ -229,4 +229,4 @@ TEST(ManyLightsS6, RaysFollowTheTexelsInReach)
 }
 
 } // namespace
-} // namespace halflight
+} // namespace halflight::many_lights_test

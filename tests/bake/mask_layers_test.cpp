@@ -10,7 +10,7 @@
 #include <set>
 #include <string>
 
-namespace halflight::test {
+namespace halflight::test::mask_layers_test {
 namespace {
 
 constexpr int kPage = 64;
@@ -205,4 +205,4 @@ TEST(LayersS36, ABakeHasAPictureForEachLayerInUse)
 }
 
 } // namespace
-} // namespace halflight::test
+} // namespace halflight::test::mask_layers_test

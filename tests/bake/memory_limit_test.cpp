@@ -7,7 +7,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-namespace halflight {
+namespace halflight::memory_limit_test {
 namespace {
 
 using testing::HasSubstr;
@@ -57,4 +57,4 @@ TEST(MemoryLimit, TrianglesOfAMeshCountForEachObject)
 }
 
 } // namespace
-} // namespace halflight
+} // namespace halflight::memory_limit_test

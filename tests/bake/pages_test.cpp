@@ -16,7 +16,7 @@
 #include <random>
 #include <vector>
 
-namespace halflight::test {
+namespace halflight::test::pages_test {
 namespace {
 
 constexpr int kPage = 64;
@@ -187,4 +187,4 @@ TEST(DilateS8, DistancesAreExtrapolated)
 }
 
 } // namespace
-} // namespace halflight::test
+} // namespace halflight::test::pages_test

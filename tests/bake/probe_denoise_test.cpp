@@ -15,7 +15,7 @@
 #include <string>
 #include <vector>
 
-namespace halflight::test {
+namespace halflight::test::probe_denoise_test {
 namespace {
 
 constexpr int kPage = 64;
@@ -81,4 +81,4 @@ TEST(ProbesS14, DenoisingComesCloserInLightAndDirection)
 }
 
 } // namespace
-} // namespace halflight::test
+} // namespace halflight::test::probe_denoise_test

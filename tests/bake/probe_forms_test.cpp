@@ -15,7 +15,7 @@
 #include <utility>
 #include <vector>
 
-namespace halflight::test {
+namespace halflight::test::probe_forms_test {
 namespace {
 
 constexpr int kPage = 64;
@@ -216,4 +216,4 @@ TEST(ProbeS14, InvalidProbesOfAGridGetTheMeanOfTheirNeighbours)
 }
 
 } // namespace
-} // namespace halflight::test
+} // namespace halflight::test::probe_forms_test

@@ -13,7 +13,7 @@
 #include <string>
 #include <vector>
 
-namespace halflight {
+namespace halflight::probe_shadows_test {
 namespace {
 
 using namespace test;
@@ -149,4 +149,4 @@ INSTANTIATE_TEST_SUITE_P(
     [](const auto& info) { return info.param.name; });
 
 } // namespace
-} // namespace halflight
+} // namespace halflight::probe_shadows_test

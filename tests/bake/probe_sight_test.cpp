@@ -8,7 +8,7 @@
 
 #include <cmath>
 
-namespace halflight::test {
+namespace halflight::test::probe_sight_test {
 namespace {
 
 /// Eight probes at the corners of a box about the origin.
@@ -84,4 +84,4 @@ TEST(ProbeSightS14, EdgesDeviate)
 }
 
 } // namespace
-} // namespace halflight::test
+} // namespace halflight::test::probe_sight_test

@@ -21,7 +21,7 @@
 #include <string>
 #include <vector>
 
-namespace halflight::test {
+namespace halflight::test::probe_worlds_test {
 namespace {
 
 constexpr int kPage = 64;
@@ -293,4 +293,4 @@ TEST(ProbeWorldsS14, Village)
 }
 
 } // namespace
-} // namespace halflight::test
+} // namespace halflight::test::probe_worlds_test

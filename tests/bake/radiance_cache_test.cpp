@@ -19,7 +19,7 @@
 #include <utility>
 #include <vector>
 
-namespace halflight::test {
+namespace halflight::test::radiance_cache_test {
 namespace {
 
 constexpr int kPage = 64;
@@ -340,4 +340,4 @@ TEST(RadianceCacheS6, ThreadsChangeNoBit)
 }
 
 } // namespace
-} // namespace halflight::test
+} // namespace halflight::test::radiance_cache_test

@@ -11,7 +11,7 @@
 #include <array>
 #include <cmath>
 
-namespace halflight::test {
+namespace halflight::test::reflections_test {
 namespace {
 
 /// An inward box of one material without lightmap, turned about the vertical.
@@ -217,4 +217,4 @@ TEST(RadianceAround, IsWhatTheRendererDraws)
 }
 
 } // namespace
-} // namespace halflight::test
+} // namespace halflight::test::reflections_test

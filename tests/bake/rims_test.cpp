@@ -18,7 +18,7 @@
 #include <functional>
 #include <random>
 
-namespace halflight {
+namespace halflight::rims_test {
 namespace {
 
 using namespace test;
@@ -174,4 +174,4 @@ TEST(PaddingS6, NoTexelIsBrighterOrDarkerThanTheCoveredOnesNextToIt)
 }
 
 } // namespace
-} // namespace halflight
+} // namespace halflight::rims_test

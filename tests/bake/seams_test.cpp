@@ -14,7 +14,7 @@
 #include <cmath>
 #include <vector>
 
-namespace halflight::test {
+namespace halflight::test::seams_test {
 namespace {
 
 constexpr int kPage = 64;
@@ -241,4 +241,4 @@ TEST(SeamsS6, HardEdgesAreLeftAlone)
 }
 
 } // namespace
-} // namespace halflight::test
+} // namespace halflight::test::seams_test

@@ -11,7 +11,7 @@
 #include <cmath>
 #include <utility>
 
-namespace halflight::test {
+namespace halflight::test::shadow_rays_test {
 namespace {
 
 constexpr int kPage = 64;
@@ -168,4 +168,4 @@ TEST(ShadowmaskS8, EdgesAlongRowsOfTexelsAreFound)
 }
 
 } // namespace
-} // namespace halflight::test
+} // namespace halflight::test::shadow_rays_test

@@ -10,7 +10,7 @@
 #include <utility>
 #include <vector>
 
-namespace halflight::test {
+namespace halflight::test::shadowmask_test {
 namespace {
 
 constexpr int kPage = 64;
@@ -241,4 +241,4 @@ TEST(ShadowmaskS8, AlphaMaskedHolesLetLightThrough)
 }
 
 } // namespace
-} // namespace halflight::test
+} // namespace halflight::test::shadowmask_test

@@ -9,7 +9,7 @@
 #include <cmath>
 #include <functional>
 
-namespace halflight::test {
+namespace halflight::test::sheet_sides_test {
 namespace {
 
 constexpr double kTexel = 0.05; // metres
@@ -187,4 +187,4 @@ TEST(SheetSidesS8, MaskRaysStartOnTheSideThatFacesTheLight)
 }
 
 } // namespace
-} // namespace halflight::test
+} // namespace halflight::test::sheet_sides_test

@@ -14,7 +14,7 @@
 #include <cmath>
 #include <functional>
 
-namespace halflight::test {
+namespace halflight::test::sky_picture_test {
 namespace {
 
 constexpr int kPage = 64;
@@ -201,4 +201,4 @@ TEST(SkyLight, GentlePicturesNeedNoSampling)
 }
 
 } // namespace
-} // namespace halflight::test
+} // namespace halflight::test::sky_picture_test

@@ -15,7 +15,7 @@
 #include <string>
 #include <vector>
 
-namespace halflight::test {
+namespace halflight::test::some_objects_test {
 namespace {
 
 constexpr int kPageSize = 128;
@@ -341,4 +341,4 @@ TEST_F(SomeObjectsTest, WhatCannotBeKeptIsRefused)
 }
 
 } // namespace
-} // namespace halflight::test
+} // namespace halflight::test::some_objects_test

@@ -14,7 +14,7 @@
 #include <random>
 #include <vector>
 
-namespace halflight::test {
+namespace halflight::test::surface_grid_test {
 namespace {
 
 constexpr int kPage = 96;
@@ -159,4 +159,4 @@ TEST(SurfaceGridS6, NoiseGoesAlongSeamsAsElsewhere)
 }
 
 } // namespace
-} // namespace halflight::test
+} // namespace halflight::test::surface_grid_test

@@ -14,7 +14,7 @@
 #include <algorithm>
 #include <numeric>
 
-namespace halflight::test {
+namespace halflight::test::texel_order_test {
 namespace {
 
 struct Room {
@@ -137,4 +137,4 @@ TEST(LivePages, TilesHoldWhatChanged)
 }
 
 } // namespace
-} // namespace halflight::test
+} // namespace halflight::test::texel_order_test

@@ -14,7 +14,7 @@
 #include <cstring>
 #include <utility>
 
-namespace halflight::test {
+namespace halflight::test::texel_step_test {
 namespace {
 
 constexpr int kPage = 64;
@@ -251,4 +251,4 @@ TEST(TexelValidityS6, EachPointOfATexelByItself)
 }
 
 } // namespace
-} // namespace halflight::test
+} // namespace halflight::test::texel_step_test

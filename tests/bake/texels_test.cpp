@@ -12,7 +12,7 @@
 #include <set>
 #include <utility>
 
-namespace halflight::test {
+namespace halflight::test::texels_test {
 namespace {
 
 constexpr int kPage = 64;
@@ -131,4 +131,4 @@ TEST(TexelsS6, AreasOfAFullTexelSumToOneAndCentroidsLieInside)
 }
 
 } // namespace
-} // namespace halflight::test
+} // namespace halflight::test::texels_test

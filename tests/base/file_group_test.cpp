@@ -6,7 +6,7 @@
 #include <filesystem>
 #include <gtest/gtest.h>
 
-namespace halflight {
+namespace halflight::file_group_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -82,4 +82,4 @@ TEST(FileGroup, NothingStays)
 }
 
 } // namespace
-} // namespace halflight
+} // namespace halflight::file_group_test

@@ -6,7 +6,7 @@
 #include <gtest/gtest.h>
 #include <sys/stat.h>
 
-namespace halflight {
+namespace halflight::file_test {
 namespace {
 
 using test::TempFolder;
@@ -151,4 +151,4 @@ TEST(Error, TextNamesTheObject)
 }
 
 } // namespace
-} // namespace halflight
+} // namespace halflight::file_test

@@ -5,7 +5,7 @@
 #include <filesystem>
 #include <gtest/gtest.h>
 
-namespace halflight {
+namespace halflight::files_in_use_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -89,4 +89,4 @@ TEST(FilesInUse, NamesInAnotherCaseAreOthersWhereTheSystemSaysSo)
 }
 
 } // namespace
-} // namespace halflight
+} // namespace halflight::files_in_use_test

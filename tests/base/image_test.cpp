@@ -8,7 +8,7 @@
 #include <gtest/gtest.h>
 #include <span>
 
-namespace halflight {
+namespace halflight::image_test {
 namespace {
 
 using test::TempFolder;
@@ -216,4 +216,4 @@ TEST(DecodeImage, GarbageIsAnError)
 }
 
 } // namespace
-} // namespace halflight
+} // namespace halflight::image_test

@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-namespace halflight {
+namespace halflight::mathematics_test {
 namespace {
 
 using test::bitsOf;
@@ -98,4 +98,4 @@ TEST(Mathematics, VectorsAreComponentByComponent)
 }
 
 } // namespace
-} // namespace halflight
+} // namespace halflight::mathematics_test

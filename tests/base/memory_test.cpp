@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-namespace halflight {
+namespace halflight::memory_test {
 namespace {
 
 TEST(Memory, ReleasedContainersHaveNoMemory)
@@ -19,4 +19,4 @@ TEST(Memory, ReleasedContainersHaveNoMemory)
 }
 
 } // namespace
-} // namespace halflight
+} // namespace halflight::memory_test

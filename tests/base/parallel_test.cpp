@@ -14,7 +14,7 @@
 #include <thread>
 #include <vector>
 
-namespace halflight {
+namespace halflight::parallel_test {
 namespace {
 
 TEST(ParallelFor, CoversEveryItemOnce)
@@ -191,4 +191,4 @@ TEST(Random, HashIsOneToOneAndUniform)
 }
 
 } // namespace
-} // namespace halflight
+} // namespace halflight::parallel_test

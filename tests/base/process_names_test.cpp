@@ -10,7 +10,7 @@
 #include <iostream>
 #include <string>
 
-namespace halflight {
+namespace halflight::process_names_test {
 namespace {
 
 std::string outputOf(const std::string& command)
@@ -42,4 +42,4 @@ TEST(TemporaryNames, DifferWhereNumbersOfProcessesRepeat)
 }
 
 } // namespace
-} // namespace halflight
+} // namespace halflight::process_names_test

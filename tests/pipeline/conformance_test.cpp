@@ -12,7 +12,7 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
-namespace halflight {
+namespace halflight::conformance_test {
 namespace {
 
 using Json = nlohmann::json;
@@ -104,4 +104,4 @@ TEST(Conformance, AnotherModeFails)
 }
 
 } // namespace
-} // namespace halflight
+} // namespace halflight::conformance_test

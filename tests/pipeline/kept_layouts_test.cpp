@@ -9,7 +9,7 @@
 #include <filesystem>
 #include <glm/gtc/matrix_transform.hpp>
 
-namespace halflight {
+namespace halflight::kept_layouts_test {
 namespace {
 
 constexpr ivec2 kSize(160, 120);
@@ -158,4 +158,4 @@ INSTANTIATE_TEST_SUITE_P(Cases, SharedKeptLayouts, testing::Values("sharedkept.g
                          [](const auto& info) { return std::string(info.index == 0 ? "scales" : "lightmap_scales"); });
 
 } // namespace
-} // namespace halflight
+} // namespace halflight::kept_layouts_test

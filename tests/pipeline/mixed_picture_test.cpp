@@ -10,7 +10,7 @@
 #include <functional>
 #include <glm/gtc/matrix_transform.hpp>
 
-namespace halflight {
+namespace halflight::mixed_picture_test {
 namespace {
 
 constexpr ivec2 kSize(160, 120);
@@ -250,4 +250,4 @@ TEST_F(MixedPicture, BlendedShadowsDoNotPopS13)
 }
 
 } // namespace
-} // namespace halflight
+} // namespace halflight::mixed_picture_test

@@ -12,7 +12,7 @@
 #include <cmath>
 #include <glm/gtc/matrix_transform.hpp>
 
-namespace halflight {
+namespace halflight::one_plane_test {
 namespace {
 
 constexpr ivec2 kSize(32, 32);
@@ -266,4 +266,4 @@ TEST(OnePlaneS6S7, ReferenceMirrorsEmitters)
 }
 
 } // namespace
-} // namespace halflight
+} // namespace halflight::one_plane_test

@@ -11,7 +11,7 @@
 #include <cmath>
 #include <glm/gtc/matrix_transform.hpp>
 
-namespace halflight {
+namespace halflight::reference_direct_test {
 namespace {
 
 constexpr ivec2 kSize(160, 120);
@@ -219,4 +219,4 @@ TEST(ReferenceDirectS6, SamePixelsButForShadowEdges)
 }
 
 } // namespace
-} // namespace halflight
+} // namespace halflight::reference_direct_test

@@ -14,7 +14,7 @@
 #include <glm/gtc/matrix_transform.hpp>
 #include <numeric>
 
-namespace halflight {
+namespace halflight::reference_test {
 namespace {
 
 constexpr ivec2 kSize(160, 120);
@@ -200,4 +200,4 @@ TEST_F(ReferencePicture, OverflowStaysRightS10)
 }
 
 } // namespace
-} // namespace halflight
+} // namespace halflight::reference_test

@@ -9,7 +9,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace halflight {
+namespace halflight::showcase_test {
 namespace {
 
 // Pixels that differ in a channel by more than half a percent of the brighter one and 1/2000 of the picture's mean.
@@ -60,4 +60,4 @@ TEST(ShowcaseS26, ForwardAndDeferredAgreeOnEveryPixel)
 }
 
 } // namespace
-} // namespace halflight
+} // namespace halflight::showcase_test

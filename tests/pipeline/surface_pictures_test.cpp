@@ -10,7 +10,7 @@
 #include <cmath>
 #include <glm/gtc/matrix_transform.hpp>
 
-namespace halflight {
+namespace halflight::surface_pictures_test {
 namespace {
 
 constexpr float kSunLux = 10.0f;
@@ -147,4 +147,4 @@ TEST(SurfacePictures, AreExposedAndClampedAsSrgb)
 }
 
 } // namespace
-} // namespace halflight
+} // namespace halflight::surface_pictures_test

@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-namespace halflight::quality {
+namespace halflight::quality::quality_test {
 namespace {
 
 const std::filesystem::path kAssets = std::filesystem::path(HALFLIGHT_SOURCE_DIR) / "assets";
@@ -63,4 +63,4 @@ TEST(QualityS14, ProbesDoNotSeeThroughWalls)
 }
 
 } // namespace
-} // namespace halflight::quality
+} // namespace halflight::quality::quality_test

@@ -6,7 +6,7 @@
 
 #include <cstdio>
 
-namespace halflight::test {
+namespace halflight::test::area_lights_test {
 namespace {
 
 Scene stage(const Finish& finish, LightType type, bool emissive = false)
@@ -93,4 +93,4 @@ TEST(ReferenceAreaLights, ShadowsByStrength)
 }
 
 } // namespace
-} // namespace halflight::test
+} // namespace halflight::test::area_lights_test

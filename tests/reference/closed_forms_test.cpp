@@ -5,7 +5,7 @@
 
 #include <cmath>
 
-namespace halflight::test {
+namespace halflight::test::closed_forms_test {
 namespace {
 
 const vec3 kUp(0, 1, 0);
@@ -229,4 +229,4 @@ TEST(ReferenceS6, ManyLightsAddUp)
 }
 
 } // namespace
-} // namespace halflight::test
+} // namespace halflight::test::closed_forms_test

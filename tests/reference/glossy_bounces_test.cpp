@@ -10,7 +10,7 @@
 #include <cmath>
 #include <vector>
 
-namespace halflight::test {
+namespace halflight::test::glossy_bounces_test {
 namespace {
 
 constexpr int kPage = 64;
@@ -123,4 +123,4 @@ TEST_P(GlossyBouncesS6, LobesThrowLightForward)
 }
 
 } // namespace
-} // namespace halflight::test
+} // namespace halflight::test::glossy_bounces_test

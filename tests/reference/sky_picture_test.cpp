@@ -7,7 +7,7 @@
 
 #include <cmath>
 
-namespace halflight::test {
+namespace halflight::test::sky_picture_test {
 namespace {
 
 TEST(ReferenceSkyPictureS6, AllWaysToSampleTheSunAgreeWithTheSum)
@@ -54,4 +54,4 @@ TEST(ReferenceSkyPictureS6, CameraRaysSeeThePicture)
 }
 
 } // namespace
-} // namespace halflight::test
+} // namespace halflight::test::sky_picture_test

@@ -13,7 +13,7 @@
 #include <string_view>
 #include <thread>
 
-namespace halflight::test {
+namespace halflight::test::surfaces_test {
 namespace {
 
 const vec3 kUp(0, 1, 0);
@@ -241,4 +241,4 @@ TEST(ReferencePictureS6, CancelsWhileItTraces)
 }
 
 } // namespace
-} // namespace halflight::test
+} // namespace halflight::test::surfaces_test

@@ -7,7 +7,7 @@
 
 #include <cmath>
 
-namespace halflight::test {
+namespace halflight::test::area_lights_test {
 namespace {
 
 constexpr ivec2 kSize{256, 144};
@@ -280,4 +280,4 @@ TEST_P(AreaLightPixels, RangeAndBack)
 }
 
 } // namespace
-} // namespace halflight::test
+} // namespace halflight::test::area_lights_test

@@ -7,7 +7,7 @@
 #include <algorithm>
 #include <array>
 
-namespace halflight::test {
+namespace halflight::test::baked_lights_test {
 namespace {
 
 constexpr ivec2 kSize{256, 144};
@@ -278,4 +278,4 @@ TEST_P(BakedLights, RealtimeLightIgnoresMasksS11)
 }
 
 } // namespace
-} // namespace halflight::test
+} // namespace halflight::test::baked_lights_test

@@ -4,7 +4,7 @@
 
 #include <glm/gtc/packing.hpp>
 
-namespace halflight::test {
+namespace halflight::test::baked_reach_test {
 namespace {
 
 constexpr ivec2 kSize{256, 96};
@@ -126,4 +126,4 @@ INSTANTIATE_TEST_SUITE_P(S18S29, BakedReach,
                                           kBothPaths));
 
 } // namespace
-} // namespace halflight::test
+} // namespace halflight::test::baked_reach_test

@@ -6,7 +6,7 @@
 
 #include <cmath>
 
-namespace halflight::test {
+namespace halflight::test::blended_casters_test {
 namespace {
 
 constexpr ivec2 kSize{512, 288};
@@ -176,4 +176,4 @@ TEST_F(RenderTest, BlendedShadowsRestUnderMotionS2)
 }
 
 } // namespace
-} // namespace halflight::test
+} // namespace halflight::test::blended_casters_test

@@ -8,7 +8,7 @@
 
 #include <cmath>
 
-namespace halflight::test {
+namespace halflight::test::changes_test {
 namespace {
 
 class ChangesS29 : public BothPaths {
@@ -179,4 +179,4 @@ TEST_P(ChangesS29, RefusesWhatCannotBe)
 }
 
 } // namespace
-} // namespace halflight::test
+} // namespace halflight::test::changes_test

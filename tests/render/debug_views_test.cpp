@@ -9,7 +9,7 @@
 #include <array>
 #include <cmath>
 
-namespace halflight::test {
+namespace halflight::test::debug_views_test {
 namespace {
 
 class DebugViewsS31 : public BothPaths {
@@ -202,4 +202,4 @@ TEST_P(DebugViewsS31, TexelsPerMeter)
 }
 
 } // namespace
-} // namespace halflight::test
+} // namespace halflight::test::debug_views_test

@@ -7,7 +7,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace halflight::test {
+namespace halflight::test::deferred_test {
 namespace {
 
 constexpr ivec2 kSize{320, 180};
@@ -298,4 +298,4 @@ TEST_F(RenderTest, OrthographicDeferredS26)
 }
 
 } // namespace
-} // namespace halflight::test
+} // namespace halflight::test::deferred_test

@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-namespace halflight::test {
+namespace halflight::test::dynamic_lightmaps_test {
 namespace {
 
 using namespace law;
@@ -102,4 +102,4 @@ TEST_F(DynamicLightmapLimitsS32, RefusesWhatCannotBe)
 }
 
 } // namespace
-} // namespace halflight::test
+} // namespace halflight::test::dynamic_lightmaps_test

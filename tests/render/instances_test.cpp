@@ -3,7 +3,7 @@
 
 #include <glm/gtc/matrix_transform.hpp>
 
-namespace halflight::test {
+namespace halflight::test::instances_test {
 namespace {
 
 constexpr int kColumns = 33;
@@ -80,4 +80,4 @@ TEST_P(InstancesS15, OneDrawOf1023EachWithItsOwnProbes)
 }
 
 } // namespace
-} // namespace halflight::test
+} // namespace halflight::test::instances_test

@@ -6,7 +6,7 @@
 
 #include <algorithm>
 
-namespace halflight::test {
+namespace halflight::test::law_pixels_test {
 namespace {
 
 using namespace law;
@@ -467,4 +467,4 @@ TEST_P(SecondSunS25, BakedForStaticRealtimeForDynamicReceivers)
 }
 
 } // namespace
-} // namespace halflight::test
+} // namespace halflight::test::law_pixels_test

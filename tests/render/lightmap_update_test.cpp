@@ -7,7 +7,7 @@
 
 #include <array>
 
-namespace halflight::test {
+namespace halflight::test::lightmap_update_test {
 namespace {
 
 BakedScene twoPages()
@@ -78,4 +78,4 @@ TEST_F(LightmapUpdate, RefusesWhatIsNotOnAPage)
 }
 
 } // namespace
-} // namespace halflight::test
+} // namespace halflight::test::lightmap_update_test

@@ -7,7 +7,7 @@
 #include <cmath>
 #include <random>
 
-namespace halflight::test {
+namespace halflight::test::lights_test {
 namespace {
 
 constexpr ivec2 kSize{320, 180};
@@ -180,4 +180,4 @@ TEST_P(Lights, SpotShadowEndsAtShadowDistanceS1)
 }
 
 } // namespace
-} // namespace halflight::test
+} // namespace halflight::test::lights_test

@@ -7,7 +7,7 @@
 
 #include <cmath>
 
-namespace halflight::test {
+namespace halflight::test::local_shadows_test {
 namespace {
 
 constexpr ivec2 kSize{256, 144};
@@ -206,4 +206,4 @@ TEST_P(SeveralSpotsS3, EachReadsItsOwnTile)
 }
 
 } // namespace
-} // namespace halflight::test
+} // namespace halflight::test::local_shadows_test

@@ -4,7 +4,7 @@
 
 #include <glm/gtc/matrix_transform.hpp>
 
-namespace halflight::test {
+namespace halflight::test::mask_encoding_test {
 namespace {
 
 constexpr ivec2 kSize{256, 144};
@@ -85,4 +85,4 @@ TEST_P(MaskEncoding, DistancesGiveACrispEdgeS8)
 }
 
 } // namespace
-} // namespace halflight::test
+} // namespace halflight::test::mask_encoding_test

@@ -3,7 +3,7 @@
 #include "halflight/shading/mask.h"
 #include "render/probe_field.h"
 
-namespace halflight::test {
+namespace halflight::test::mask_layers_test {
 namespace {
 
 constexpr ivec2 kSize{160, 90};
@@ -182,4 +182,4 @@ TEST_P(MaskLayersS36, AFrameReadsTheLayersThatItsLightsHave)
 }
 
 } // namespace
-} // namespace halflight::test
+} // namespace halflight::test::mask_layers_test

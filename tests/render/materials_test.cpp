@@ -11,7 +11,7 @@
 #include <array>
 #include <cmath>
 
-namespace halflight::test {
+namespace halflight::test::materials_test {
 namespace {
 
 constexpr ivec2 kSize{160, 90};
@@ -392,4 +392,4 @@ TEST_P(Materials, SkyFillsTheBackgroundByDirection)
 }
 
 } // namespace
-} // namespace halflight::test
+} // namespace halflight::test::materials_test

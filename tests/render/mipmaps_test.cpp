@@ -7,7 +7,7 @@
 
 #include <cmath>
 
-namespace halflight::test {
+namespace halflight::test::mipmaps_test {
 namespace {
 
 double decoded(uint8_t value, bool srgb)
@@ -77,4 +77,4 @@ TEST(Mipmaps, EveryCodeStays)
 }
 
 } // namespace
-} // namespace halflight::test
+} // namespace halflight::test::mipmaps_test

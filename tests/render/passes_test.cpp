@@ -5,7 +5,7 @@
 
 #include <algorithm>
 
-namespace halflight::test {
+namespace halflight::test::passes_test {
 namespace {
 
 const PassReport& passOf(const RenderedFrame& frame, const std::string& name)
@@ -105,4 +105,4 @@ TEST_P(PassReports, AreTimedWhenAsked)
 }
 
 } // namespace
-} // namespace halflight::test
+} // namespace halflight::test::passes_test

@@ -9,7 +9,7 @@
 
 #include <cmath>
 
-namespace halflight::test {
+namespace halflight::test::penumbra_test {
 namespace {
 
 constexpr ivec2 kSize{320, 180};
@@ -201,4 +201,4 @@ TEST_P(PenumbraeS2, ShadowsAreSharpAtTheFootAndSoftAtTheEnd)
 }
 
 } // namespace
-} // namespace halflight::test
+} // namespace halflight::test::penumbra_test

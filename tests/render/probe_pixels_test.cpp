@@ -7,7 +7,7 @@
 
 #include <cmath>
 
-namespace halflight::test {
+namespace halflight::test::probe_pixels_test {
 namespace {
 
 constexpr ivec2 kSize{320, 120};
@@ -131,4 +131,4 @@ TEST_P(ProbePixelsS14, LightAndFourOcclusionsInterpolated)
 }
 
 } // namespace
-} // namespace halflight::test
+} // namespace halflight::test::probe_pixels_test

@@ -5,7 +5,7 @@
 
 #include <cmath>
 
-namespace halflight::test {
+namespace halflight::test::proxy_volume_test {
 namespace {
 
 constexpr ivec2 kSize{160, 90};
@@ -255,4 +255,4 @@ TEST_P(ProxyGroupS17, OneDrawForGroupsVolumesAndSingleProbes)
 }
 
 } // namespace
-} // namespace halflight::test
+} // namespace halflight::test::proxy_volume_test

@@ -9,7 +9,7 @@
 #include <memory>
 #include <vector>
 
-namespace halflight::test {
+namespace halflight::test::record_test {
 namespace {
 
 class RecordedFrames : public BothPaths {};
@@ -221,4 +221,4 @@ TEST_F(RenderTest, RefusesToRecordWithoutAScene)
 }
 
 } // namespace
-} // namespace halflight::test
+} // namespace halflight::test::record_test

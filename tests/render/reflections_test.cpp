@@ -12,7 +12,7 @@
 #include <cmath>
 #include <optional>
 
-namespace halflight::test {
+namespace halflight::test::reflections_test {
 namespace {
 
 constexpr ivec2 kSize{160, 90};
@@ -244,4 +244,4 @@ TEST_P(ReflectionPixels, OffAndRealtimeHaveNone)
 }
 
 } // namespace
-} // namespace halflight::test
+} // namespace halflight::test::reflections_test

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <cstdlib>
 
-namespace halflight::test {
+namespace halflight::test::renderer_test {
 namespace {
 
 using testing::HasSubstr;
@@ -235,4 +235,4 @@ TEST(AutomaticExposure, KeepsHighlights)
 }
 
 } // namespace
-} // namespace halflight::test
+} // namespace halflight::test::renderer_test

@@ -4,7 +4,7 @@
 
 #include <glm/gtc/matrix_transform.hpp>
 
-namespace halflight::test {
+namespace halflight::test::samples_test {
 namespace {
 
 const vec4 kWall(0.4f, 0.3f, 0.2f, 1.0f);
@@ -69,4 +69,4 @@ TEST_P(CrackPixels, TJunctionsShowNoSky)
 }
 
 } // namespace
-} // namespace halflight::test
+} // namespace halflight::test::samples_test

@@ -6,7 +6,7 @@
 
 #include <cmath>
 
-namespace halflight::test {
+namespace halflight::test::shadow_creases_test {
 namespace {
 
 constexpr ivec2 kSize{320, 180};
@@ -156,4 +156,4 @@ TEST_P(CreasesS2, NoDarkLinesInCorners)
 }
 
 } // namespace
-} // namespace halflight::test
+} // namespace halflight::test::shadow_creases_test

@@ -6,7 +6,7 @@
 
 #include <cmath>
 
-namespace halflight::test {
+namespace halflight::test::shadow_edges_test {
 namespace {
 
 constexpr ivec2 kSize{320, 180};
@@ -349,4 +349,4 @@ TEST_P(ShadowFiltersS2, ShadowBeginsAtTheWallsFoot)
 }
 
 } // namespace
-} // namespace halflight::test
+} // namespace halflight::test::shadow_edges_test

@@ -6,7 +6,7 @@
 #include <set>
 #include <vector>
 
-namespace halflight::test {
+namespace halflight::test::shown_pictures_test {
 namespace {
 
 class ShownPictures : public BothPaths {};
@@ -166,4 +166,4 @@ TEST_P(ShownPictures, BeginWithCoarseTextures)
 }
 
 } // namespace
-} // namespace halflight::test
+} // namespace halflight::test::shown_pictures_test

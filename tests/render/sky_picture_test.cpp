@@ -6,7 +6,7 @@
 
 #include <cmath>
 
-namespace halflight::test {
+namespace halflight::test::sky_picture_test {
 namespace {
 
 constexpr ivec2 kSize{160, 90};
@@ -130,4 +130,4 @@ TEST(SkyPictureUv, IsTheInverseOfDirection)
 }
 
 } // namespace
-} // namespace halflight::test
+} // namespace halflight::test::sky_picture_test

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace halflight {
+namespace halflight::cascades_test {
 namespace {
 
 using namespace test;
@@ -215,4 +215,4 @@ TEST(CascadesS28, EveryDirectionalLightHasItsLayers)
 }
 
 } // namespace
-} // namespace halflight
+} // namespace halflight::cascades_test

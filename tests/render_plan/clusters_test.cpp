@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace halflight {
+namespace halflight::clusters_test {
 namespace {
 
 using namespace test;
@@ -127,4 +127,4 @@ TEST(Clusters, SlicesGrowExponentially)
 }
 
 } // namespace
-} // namespace halflight
+} // namespace halflight::clusters_test

@@ -9,7 +9,7 @@
 #include <cmath>
 #include <functional>
 
-namespace halflight {
+namespace halflight::light_rows_test {
 namespace {
 
 using namespace test;
@@ -263,4 +263,4 @@ TEST(CascadeSplitsS2, Limits)
 }
 
 } // namespace
-} // namespace halflight
+} // namespace halflight::light_rows_test

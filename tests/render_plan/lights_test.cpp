@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 #include <map>
 
-namespace halflight {
+namespace halflight::lights_test {
 namespace {
 
 using namespace test;
@@ -446,4 +446,4 @@ TEST(PointLightsS4, ShadowsCanBeSwitchedOff)
 }
 
 } // namespace
-} // namespace halflight
+} // namespace halflight::lights_test

@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-namespace halflight {
+namespace halflight::modes_test {
 namespace {
 
 using namespace test;
@@ -143,4 +143,4 @@ TEST(ShadowSettingsS1, PlanCarriesFadeConstants)
 }
 
 } // namespace
-} // namespace halflight
+} // namespace halflight::modes_test

@@ -7,7 +7,7 @@
 #include <cmath>
 #include <vector>
 
-namespace halflight {
+namespace halflight::probe_layers_test {
 namespace {
 
 using namespace test;
@@ -71,4 +71,4 @@ TEST(ProbesS14, SetsWithAnExtentAlongEveryAxisGetNoCopies)
 }
 
 } // namespace
-} // namespace halflight
+} // namespace halflight::probe_layers_test

@@ -3,7 +3,7 @@
 
 #include "halflight/shading/sight.h"
 
-namespace halflight::test {
+namespace halflight::test::probe_sight_test {
 namespace {
 
 constexpr int kSize = 9;
@@ -89,4 +89,4 @@ TEST(ProbeSightS14, PointsThatNobodySeesTakeTheMean)
 }
 
 } // namespace
-} // namespace halflight::test
+} // namespace halflight::test::probe_sight_test

@@ -7,7 +7,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace halflight {
+namespace halflight::probes_test {
 namespace {
 
 using namespace test;
@@ -461,4 +461,4 @@ TEST(ProbesS14, NoProbesAndNoSkyIsDark)
 }
 
 } // namespace
-} // namespace halflight
+} // namespace halflight::probes_test

@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-namespace halflight {
+namespace halflight::proxy_volume_test {
 namespace {
 
 using namespace test;
@@ -302,4 +302,4 @@ TEST(ProxyVolumePlanS16, TooManyTexelsMakeVolumesCoarser)
 }
 
 } // namespace
-} // namespace halflight
+} // namespace halflight::proxy_volume_test

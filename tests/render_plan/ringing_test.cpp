@@ -5,7 +5,7 @@
 
 #include <cmath>
 
-namespace halflight {
+namespace halflight::ringing_test {
 namespace {
 
 using namespace test;
@@ -165,4 +165,4 @@ TEST(RingingS14, SamplesAreWindowedUnlessToldNot)
 }
 
 } // namespace
-} // namespace halflight
+} // namespace halflight::ringing_test

@@ -5,7 +5,7 @@
 #include <gtest/gtest.h>
 #include <random>
 
-namespace halflight {
+namespace halflight::shadow_distance_test {
 namespace {
 
 using namespace test;
@@ -94,4 +94,4 @@ TEST(ShadowDistance, HoldsTheSceneAndKeepsNearCascadesNear)
 }
 
 } // namespace
-} // namespace halflight
+} // namespace halflight::shadow_distance_test

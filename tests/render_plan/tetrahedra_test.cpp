@@ -8,7 +8,7 @@
 #include <map>
 #include <set>
 
-namespace halflight {
+namespace halflight::tetrahedra_test {
 namespace {
 
 using Wide = __int128;
@@ -204,4 +204,4 @@ TEST(TetrahedraS14, TiesFallByNumberingAlone)
 }
 
 } // namespace
-} // namespace halflight
+} // namespace halflight::tetrahedra_test

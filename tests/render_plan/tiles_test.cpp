@@ -4,7 +4,7 @@
 #include <bit>
 #include <gtest/gtest.h>
 
-namespace halflight {
+namespace halflight::tiles_test {
 namespace {
 
 using namespace test;
@@ -265,4 +265,4 @@ TEST(ObjectBounds, FollowTheTransform)
 }
 
 } // namespace
-} // namespace halflight
+} // namespace halflight::tiles_test

@@ -5,7 +5,7 @@
 
 #include <gmock/gmock.h>
 
-namespace halflight {
+namespace halflight::area_lights_test {
 namespace {
 
 using namespace test;
@@ -249,4 +249,4 @@ TEST(AreaLightFiles, TurnsAboutTheAxisCountForRectangles)
 }
 
 } // namespace
-} // namespace halflight
+} // namespace halflight::area_lights_test

@@ -9,7 +9,7 @@
 #include <gmock/gmock.h>
 #include <numeric>
 
-namespace halflight {
+namespace halflight::at_bake_test {
 namespace {
 
 using namespace test;
@@ -216,4 +216,4 @@ TEST_F(LostBake, LightsDropped)
 }
 
 } // namespace
-} // namespace halflight
+} // namespace halflight::at_bake_test

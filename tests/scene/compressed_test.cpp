@@ -12,7 +12,7 @@
 #include <cmath>
 #include <gmock/gmock.h>
 
-namespace halflight::test {
+namespace halflight::test::compressed_test {
 
 namespace {
 
@@ -283,4 +283,4 @@ TEST(Compressed, DamagedStreamsNeverCrash)
 
 } // namespace
 
-} // namespace halflight::test
+} // namespace halflight::test::compressed_test

@@ -7,7 +7,7 @@
 #include <cstring>
 #include <gtest/gtest.h>
 
-namespace halflight {
+namespace halflight::cut_attributes_test {
 namespace {
 
 template<typename T, std::size_t N> AccessorView viewOf(const std::array<T, N>& numbers, int components, int type)
@@ -68,4 +68,4 @@ TEST(CutAttributesS6, JointsAndFeaturesAreOfTheNearerEnd)
 }
 
 } // namespace
-} // namespace halflight
+} // namespace halflight::cut_attributes_test

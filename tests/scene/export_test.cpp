@@ -9,7 +9,7 @@
 
 #include <gmock/gmock.h>
 
-namespace halflight {
+namespace halflight::export_test {
 namespace {
 
 using namespace test;
@@ -186,4 +186,4 @@ TEST_F(ExportFile, HasNoErrorForTheKhronosValidator)
 }
 
 } // namespace
-} // namespace halflight
+} // namespace halflight::export_test

@@ -2,7 +2,7 @@
 
 #include "fixtures.h"
 
-namespace halflight {
+namespace halflight::glass_test {
 namespace {
 
 using namespace test;
@@ -46,4 +46,4 @@ TEST(Glass, TransmissionLetsLightPass)
 }
 
 } // namespace
-} // namespace halflight
+} // namespace halflight::glass_test

@@ -13,7 +13,7 @@
 #include <gtest/gtest.h>
 #include <zstd.h>
 
-namespace halflight {
+namespace halflight::ktx2_test {
 namespace {
 
 Image<uint32_t> picture(int width, int height)
@@ -178,4 +178,4 @@ TEST(Rgbe, MatchesTheLightmapToHalfAStep)
 }
 
 } // namespace
-} // namespace halflight
+} // namespace halflight::ktx2_test

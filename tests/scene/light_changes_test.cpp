@@ -6,7 +6,7 @@
 
 #include <functional>
 
-namespace halflight {
+namespace halflight::light_changes_test {
 namespace {
 
 using testing::AllOf;
@@ -158,4 +158,4 @@ TEST(LightChangesS29, FilesThatRecordedNothingSayNothing)
 }
 
 } // namespace
-} // namespace halflight
+} // namespace halflight::light_changes_test

@@ -11,7 +11,7 @@
 #include <gmock/gmock.h>
 #include <zstd.h>
 
-namespace halflight {
+namespace halflight::lightmap_formats_test {
 namespace {
 
 using namespace test;
@@ -209,4 +209,4 @@ TEST(Masks, AreWrittenInTheSmallerFormatEach)
 }
 
 } // namespace
-} // namespace halflight
+} // namespace halflight::lightmap_formats_test

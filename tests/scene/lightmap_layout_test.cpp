@@ -5,7 +5,7 @@
 #include "scene/document/document.h"
 #include "scene/format/lightmap_layout.h"
 
-namespace halflight {
+namespace halflight::lightmap_layout_test {
 namespace {
 
 using namespace test;
@@ -101,4 +101,4 @@ TEST(LightmapLayout, CoordinatesAndRectanglesMakeUpForEachOther)
 }
 
 } // namespace
-} // namespace halflight
+} // namespace halflight::lightmap_layout_test

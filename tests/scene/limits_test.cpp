@@ -6,7 +6,7 @@
 #include <gmock/gmock.h>
 #include <unistd.h>
 
-namespace halflight::test {
+namespace halflight::test::limits_test {
 
 namespace {
 
@@ -144,4 +144,4 @@ TEST(Limits, BuffersAreCountedTogether)
 
 } // namespace
 
-} // namespace halflight::test
+} // namespace halflight::test::limits_test

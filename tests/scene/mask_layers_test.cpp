@@ -9,7 +9,7 @@
 
 #include <functional>
 
-namespace halflight {
+namespace halflight::mask_layers_test {
 namespace {
 
 using namespace test;
@@ -149,4 +149,4 @@ TEST(LayeredFileS36, BrokenLayersAreRefused)
 }
 
 } // namespace
-} // namespace halflight
+} // namespace halflight::mask_layers_test

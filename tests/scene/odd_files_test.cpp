@@ -5,7 +5,7 @@
 #include <functional>
 #include <gmock/gmock.h>
 
-namespace halflight {
+namespace halflight::odd_files_test {
 namespace {
 
 using namespace test;
@@ -297,4 +297,4 @@ TEST(Advice, BlenderFilesWithoutLightsAndRoomsInCentimetres)
 }
 
 } // namespace
-} // namespace halflight
+} // namespace halflight::odd_files_test

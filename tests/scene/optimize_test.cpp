@@ -9,7 +9,7 @@
 #include <glm/gtc/packing.hpp>
 #include <gmock/gmock.h>
 
-namespace halflight {
+namespace halflight::optimize_test {
 namespace {
 
 using namespace test;
@@ -194,4 +194,4 @@ TEST_F(Optimize, WritesWhatTheValidatorTakes)
 }
 
 } // namespace
-} // namespace halflight
+} // namespace halflight::optimize_test

@@ -6,7 +6,7 @@
 #include <functional>
 #include <gmock/gmock.h>
 
-namespace halflight {
+namespace halflight::origin_test {
 namespace {
 
 using namespace test;
@@ -334,4 +334,4 @@ TEST(LocalOrigin, RecenterMovesAnEnginesSceneAndItsVertices)
 }
 
 } // namespace
-} // namespace halflight
+} // namespace halflight::origin_test

@@ -8,7 +8,7 @@
 #include <functional>
 #include <gmock/gmock.h>
 
-namespace halflight {
+namespace halflight::pictures_test {
 namespace {
 
 using namespace test;
@@ -233,4 +233,4 @@ TEST(ProbeTetrahedra, WrongOnesAreRefused)
 }
 
 } // namespace
-} // namespace halflight
+} // namespace halflight::pictures_test

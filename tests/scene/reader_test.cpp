@@ -5,7 +5,7 @@
 #include <functional>
 #include <gmock/gmock.h>
 
-namespace halflight {
+namespace halflight::reader_test {
 namespace {
 
 using namespace test;
@@ -383,4 +383,4 @@ TEST(ReaderErrors, DamagedFilesNeverCrash)
 }
 
 } // namespace
-} // namespace halflight
+} // namespace halflight::reader_test

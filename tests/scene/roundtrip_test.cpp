@@ -6,7 +6,7 @@
 #include <gmock/gmock.h>
 #include <unistd.h>
 
-namespace halflight {
+namespace halflight::roundtrip_test {
 namespace {
 
 using namespace test;
@@ -217,4 +217,4 @@ TEST(WriteErrors, PartsOfAMeshDifferInTexCoord)
 }
 
 } // namespace
-} // namespace halflight
+} // namespace halflight::roundtrip_test

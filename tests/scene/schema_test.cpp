@@ -8,7 +8,7 @@
 #include <map>
 #include <set>
 
-namespace halflight {
+namespace halflight::schema_test {
 namespace {
 
 using namespace test;
@@ -299,4 +299,4 @@ TEST(EngineScene, ComesBackFromTheFile)
 }
 
 } // namespace
-} // namespace halflight
+} // namespace halflight::schema_test

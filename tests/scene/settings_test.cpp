@@ -5,7 +5,7 @@
 
 #include <gmock/gmock.h>
 
-namespace halflight {
+namespace halflight::settings_test {
 namespace {
 
 using namespace test;
@@ -312,4 +312,4 @@ TEST(SettingsS5, Patterns)
 }
 
 } // namespace
-} // namespace halflight
+} // namespace halflight::settings_test

@@ -7,7 +7,7 @@
 
 #include <cmath>
 
-namespace halflight {
+namespace halflight::shared_scenes_test {
 namespace {
 
 const std::filesystem::path kScenes = std::filesystem::path(HALFLIGHT_SHARED_DIR) / "scenes";
@@ -187,4 +187,4 @@ TEST(MalformedFiles, MissingFileAndFolder)
 }
 
 } // namespace
-} // namespace halflight
+} // namespace halflight::shared_scenes_test

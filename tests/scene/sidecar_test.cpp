@@ -9,7 +9,7 @@
 #include <gmock/gmock.h>
 #include <map>
 
-namespace halflight {
+namespace halflight::sidecar_test {
 namespace {
 
 using namespace test;
@@ -216,4 +216,4 @@ TEST_F(Sidecar, InstancesHaveTheirRectangles)
 }
 
 } // namespace
-} // namespace halflight
+} // namespace halflight::sidecar_test

@@ -5,7 +5,7 @@
 #include <functional>
 #include <gmock/gmock.h>
 
-namespace halflight {
+namespace halflight::skin_test {
 namespace {
 
 using namespace test;
@@ -208,4 +208,4 @@ TEST(MorphWeights, OfTheNodeOverrideThoseOfTheMesh)
 }
 
 } // namespace
-} // namespace halflight
+} // namespace halflight::skin_test

@@ -14,7 +14,7 @@
 #include <cmath>
 #include <limits>
 
-namespace halflight {
+namespace halflight::sky_picture_test {
 namespace {
 
 using namespace test;
@@ -377,4 +377,4 @@ TEST_F(BakedSky, AChangedSkyIsNoticed)
 }
 
 } // namespace
-} // namespace halflight
+} // namespace halflight::sky_picture_test

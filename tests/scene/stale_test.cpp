@@ -4,7 +4,7 @@
 
 #include <gmock/gmock.h>
 
-namespace halflight {
+namespace halflight::stale_test {
 namespace {
 
 using namespace test;
@@ -186,4 +186,4 @@ TEST_F(StaleFile, AChangedSkyIsStale)
 }
 
 } // namespace
-} // namespace halflight
+} // namespace halflight::stale_test

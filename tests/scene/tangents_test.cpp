@@ -8,7 +8,7 @@
 #include <gmock/gmock.h>
 #include <sstream>
 
-namespace halflight {
+namespace halflight::tangents_test {
 namespace {
 
 using namespace test;
@@ -272,4 +272,4 @@ TEST(Tangents, AreMikkTSpacesOnMirroredSharedAndDegenerateTriangles)
 }
 
 } // namespace
-} // namespace halflight
+} // namespace halflight::tangents_test

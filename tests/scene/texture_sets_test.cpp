@@ -2,7 +2,7 @@
 
 #include "fixtures.h"
 
-namespace halflight {
+namespace halflight::texture_sets_test {
 namespace {
 
 using namespace test;
@@ -98,4 +98,4 @@ TEST(TextureSets, PartWithoutTheSetItsMaterialReadsStaysAtZero)
 }
 
 } // namespace
-} // namespace halflight
+} // namespace halflight::texture_sets_test

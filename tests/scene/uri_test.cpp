@@ -7,7 +7,7 @@
 #include <gmock/gmock.h>
 #include <sys/stat.h>
 
-namespace halflight::test {
+namespace halflight::test::uri_test {
 
 namespace {
 
@@ -141,4 +141,4 @@ TEST_F(Uris, BuffersMayBeLongerThanTheySay)
 
 } // namespace
 
-} // namespace halflight::test
+} // namespace halflight::test::uri_test

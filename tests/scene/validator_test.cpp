@@ -4,7 +4,7 @@
 #include "fixtures.h"
 #include "validator.h"
 
-namespace halflight {
+namespace halflight::validator_test {
 namespace {
 
 using namespace test;
@@ -42,4 +42,4 @@ TEST(Validator, EngineFilledSceneHasNoErrors)
 }
 
 } // namespace
-} // namespace halflight
+} // namespace halflight::validator_test

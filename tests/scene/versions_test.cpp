@@ -3,7 +3,7 @@
 
 #include <gmock/gmock.h>
 
-namespace halflight {
+namespace halflight::versions_test {
 namespace {
 
 using namespace test;
@@ -40,4 +40,4 @@ TEST(Versions, NewerFilesAreRefused)
 }
 
 } // namespace
-} // namespace halflight
+} // namespace halflight::versions_test

@@ -6,7 +6,7 @@
 #include <random>
 #include <vector>
 
-namespace halflight {
+namespace halflight::wide_test {
 namespace {
 
 // What other compilers use in the place of this compiler's own integers of 128 bits.
@@ -47,4 +47,4 @@ TEST(TwoWords, AreTheCompilersIntegers)
 }
 
 } // namespace
-} // namespace halflight
+} // namespace halflight::wide_test

@@ -8,7 +8,7 @@
 #include <gmock/gmock.h>
 #include <set>
 
-namespace halflight {
+namespace halflight::wrong_types_test {
 namespace {
 
 using namespace test;
@@ -283,4 +283,4 @@ TEST(WrongTypes, InABakedFileAreRefusedWithTheirPath)
 }
 
 } // namespace
-} // namespace halflight
+} // namespace halflight::wrong_types_test

@@ -9,7 +9,7 @@
 #include <random>
 #include <vector>
 
-namespace halflight::shading {
+namespace halflight::shading::area_light_test {
 namespace {
 
 struct Source {
@@ -325,4 +325,4 @@ TEST(AreaLight, AMirrorShowsTheLightsRadiance)
 }
 
 } // namespace
-} // namespace halflight::shading
+} // namespace halflight::shading::area_light_test

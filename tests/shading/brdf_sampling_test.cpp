@@ -5,7 +5,7 @@
 
 #include <vector>
 
-namespace halflight::shading {
+namespace halflight::shading::brdf_sampling_test {
 namespace {
 
 const vec3 kNormal(0, 0, 1);
@@ -166,4 +166,4 @@ TEST(BrdfSampling, ViewsBelowTheSurface)
 }
 
 } // namespace
-} // namespace halflight::shading
+} // namespace halflight::shading::brdf_sampling_test

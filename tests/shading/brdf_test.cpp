@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-namespace halflight::shading {
+namespace halflight::shading::brdf_test {
 namespace {
 
 const vec3 kNormal(0, 0, 1);
@@ -226,4 +226,4 @@ TEST(Brdf, TransportAlbedoIsThatOfTheDielectricOrTheMetal)
 }
 
 } // namespace
-} // namespace halflight::shading
+} // namespace halflight::shading::brdf_test

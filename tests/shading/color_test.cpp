@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace halflight::shading {
+namespace halflight::shading::color_test {
 namespace {
 
 TEST(Color, SrgbKnownValues)
@@ -38,4 +38,4 @@ TEST(Color, ExposureHalvesPerStep)
 }
 
 } // namespace
-} // namespace halflight::shading
+} // namespace halflight::shading::color_test

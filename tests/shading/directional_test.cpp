@@ -10,7 +10,7 @@
 #include <cmath>
 #include <vector>
 
-namespace halflight {
+namespace halflight::directional_test {
 namespace {
 
 using namespace shading;
@@ -187,4 +187,4 @@ TEST(BakedHighlightS32, ConesOfLightMakeHighlightsAsWide)
 }
 
 } // namespace
-} // namespace halflight
+} // namespace halflight::directional_test

@@ -6,7 +6,7 @@
 
 #include <cmath>
 
-namespace halflight::shading {
+namespace halflight::shading::law_test {
 namespace {
 
 constexpr int kModes[] = {kModeRealtime, kModeBakedIndirect, kModeShadowmask, kModeDistanceShadowmask,
@@ -334,4 +334,4 @@ TEST(Law, ModesThatReadBakedShadows)
 }
 
 } // namespace
-} // namespace halflight::shading
+} // namespace halflight::shading::law_test

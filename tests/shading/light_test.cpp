@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace halflight::shading {
+namespace halflight::shading::light_test {
 namespace {
 
 TEST(Light, InverseSquareLaw)
@@ -87,4 +87,4 @@ TEST(Light, FluxIsConserved)
 }
 
 } // namespace
-} // namespace halflight::shading
+} // namespace halflight::shading::light_test

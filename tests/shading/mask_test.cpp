@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-namespace halflight::shading {
+namespace halflight::shading::mask_test {
 namespace {
 
 TEST(MaskS8, AttenuationIsItself)
@@ -38,4 +38,4 @@ TEST(MaskS8, EncodingIsTheInverse)
 }
 
 } // namespace
-} // namespace halflight::shading
+} // namespace halflight::shading::mask_test

@@ -10,7 +10,7 @@
 #include <array>
 #include <vector>
 
-namespace halflight {
+namespace halflight::reflection_test {
 namespace {
 
 using namespace shading;
@@ -187,4 +187,4 @@ TEST(Reflection, FollowsLocalDarkness)
 }
 
 } // namespace
-} // namespace halflight
+} // namespace halflight::reflection_test

@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 #include <vector>
 
-namespace halflight::shading {
+namespace halflight::shading::sampling_test {
 namespace {
 
 /// Mean of f over a fine regular grid of the unit square.
@@ -113,4 +113,4 @@ TEST(Sampling, PowerHeuristicWeightsSumToOne)
 }
 
 } // namespace
-} // namespace halflight::shading
+} // namespace halflight::shading::sampling_test

@@ -4,7 +4,7 @@
 #include <array>
 #include <gtest/gtest.h>
 
-namespace halflight::shading {
+namespace halflight::shading::sh_test {
 namespace {
 
 /// Integral over the sphere by the midpoint rule in y and azimuth: exact in azimuth for low orders, 1e-6 in y. The
@@ -104,4 +104,4 @@ TEST(Sky, LinearBetweenItsColours)
 }
 
 } // namespace
-} // namespace halflight::shading
+} // namespace halflight::shading::sh_test

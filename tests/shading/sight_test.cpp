@@ -8,7 +8,7 @@
 #include <array>
 #include <cmath>
 
-namespace halflight::shading {
+namespace halflight::shading::sight_test {
 namespace {
 
 vec3 directionOf(uint32_t i)
@@ -74,4 +74,4 @@ TEST(SightS14, WeightIsOneInSightAndFallsWithTheDistanceBehind)
 }
 
 } // namespace
-} // namespace halflight::shading
+} // namespace halflight::shading::sight_test

@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-namespace halflight::shading {
+namespace halflight::shading::tone_mapping_test {
 namespace {
 
 // The specification's curve: continuous, monotone, within [0, 1], and below the knee only the 0.04 offset of its foot.
@@ -71,4 +71,4 @@ TEST(ToneMapping, AgxLosesSaturationAndNoneKeepsAll)
 }
 
 } // namespace
-} // namespace halflight::shading
+} // namespace halflight::shading::tone_mapping_test

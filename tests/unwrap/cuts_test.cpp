@@ -12,7 +12,7 @@
 #include <numeric>
 #include <tuple>
 
-namespace halflight {
+namespace halflight::cuts_test {
 namespace {
 
 using Place = std::array<float, 3>;
@@ -295,4 +295,4 @@ TEST(CutsS6, CutsBeyondTheBudgetAreReported)
 }
 
 } // namespace
-} // namespace halflight
+} // namespace halflight::cuts_test

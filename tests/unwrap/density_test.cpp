@@ -12,7 +12,7 @@
 #include <utility>
 #include <vector>
 
-namespace halflight {
+namespace halflight::density_test {
 namespace {
 
 /// As a bake of medium quality asks for it.
@@ -195,4 +195,4 @@ TEST(SceneDensity, AtlasOfTheFileIsDrawnOnASmallerPageThatKeepsItsChartsApart)
 }
 
 } // namespace
-} // namespace halflight
+} // namespace halflight::density_test

@@ -10,7 +10,7 @@
 #include <gtest/gtest.h>
 #include <map>
 
-namespace halflight {
+namespace halflight::large_test {
 namespace {
 
 using glm::dvec2;
@@ -137,4 +137,4 @@ TEST(UnwrapLarge, AMeshOfMoreChartsThanAPageHoldsIsAnError)
 }
 
 } // namespace
-} // namespace halflight
+} // namespace halflight::large_test

@@ -7,7 +7,7 @@
 #include <filesystem>
 #include <gtest/gtest.h>
 
-namespace halflight {
+namespace halflight::scenes_test {
 namespace {
 
 const std::filesystem::path kScenes = std::filesystem::path(HALFLIGHT_SHARED_DIR) / "scenes";
@@ -70,4 +70,4 @@ TEST(UnwrapSharedScenesList, NamesEveryScene)
 }
 
 } // namespace
-} // namespace halflight
+} // namespace halflight::scenes_test

@@ -12,7 +12,7 @@
 #include <map>
 #include <random>
 
-namespace halflight {
+namespace halflight::shared_texels_test {
 namespace {
 
 /// Lays each quad of a mesh of quads (4 vertices, 2 triangles) into a cell of its own in the rectangle.
@@ -329,4 +329,4 @@ TEST(UnwrapSharedTexels, InstancesOfANodeKeepOneMeshBesideNodesOfOtherScale)
 }
 
 } // namespace
-} // namespace halflight
+} // namespace halflight::shared_texels_test

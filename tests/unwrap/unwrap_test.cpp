@@ -10,7 +10,7 @@
 #include <gtest/gtest.h>
 #include <set>
 
-namespace halflight {
+namespace halflight::unwrap_test {
 namespace {
 
 UnwrappedScene unwrapAndCheck(const Scene& scene, const UnwrapSettings& settings = {})
@@ -562,4 +562,4 @@ TEST(UnwrapContract, CanBeCancelled)
 }
 
 } // namespace
-} // namespace halflight
+} // namespace halflight::unwrap_test

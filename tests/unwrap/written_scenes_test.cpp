@@ -7,7 +7,7 @@
 
 #include <algorithm>
 
-namespace halflight {
+namespace halflight::written_scenes_test {
 namespace {
 
 using namespace test;
@@ -162,4 +162,4 @@ INSTANTIATE_TEST_SUITE_P(All, WrittenSharedScenes, testing::ValuesIn(sceneNames(
 });
 
 } // namespace
-} // namespace halflight
+} // namespace halflight::written_scenes_test

@@ -11,7 +11,7 @@
 
 #include <memory>
 
-namespace halflight::view {
+namespace halflight::view::edited_scene_test {
 namespace {
 
 class EditedScenes : public testing::Test {
@@ -100,4 +100,4 @@ TEST_F(EditedScenes, AreWrittenAsASettingsFileAfterTheRulesInUse)
 }
 
 } // namespace
-} // namespace halflight::view
+} // namespace halflight::view::edited_scene_test

@@ -4,7 +4,7 @@
 #include <SDL.h>
 #include <gtest/gtest.h>
 
-namespace halflight::view {
+namespace halflight::view::gamepad_test {
 namespace {
 
 /// One that is plugged in, its triggers not pressed.
@@ -101,4 +101,4 @@ TEST(Sticks, HaveNoValueAboutTheirRest)
 }
 
 } // namespace
-} // namespace halflight::view
+} // namespace halflight::view::gamepad_test

@@ -4,7 +4,7 @@
 #include <glm/gtc/matrix_transform.hpp>
 #include <gtest/gtest.h>
 
-namespace halflight::view {
+namespace halflight::view::gizmo_test {
 namespace {
 
 constexpr vec2 kSize{640.0f, 360.0f};
@@ -67,4 +67,4 @@ TEST(Gizmo, GoesNowhereAlongTheLineOfSight)
 }
 
 } // namespace
-} // namespace halflight::view
+} // namespace halflight::view::gizmo_test

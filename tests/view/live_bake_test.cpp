@@ -14,7 +14,7 @@
 #include <memory>
 #include <thread>
 
-namespace halflight::view {
+namespace halflight::view::live_bake_test {
 namespace {
 
 TEST(LiveBake, ACancelledOneLeavesTheFinishedOneToBeSaved)
@@ -84,4 +84,4 @@ TEST(LiveBake, ACancelledOneLeavesTheFinishedOneToBeSaved)
 }
 
 } // namespace
-} // namespace halflight::view
+} // namespace halflight::view::live_bake_test

@@ -6,7 +6,7 @@
 #include <glm/gtc/matrix_transform.hpp>
 #include <gtest/gtest.h>
 
-namespace halflight::view {
+namespace halflight::view::navigation_test {
 namespace {
 
 Camera lookingAt(vec3 eye, vec3 target)
@@ -234,4 +234,4 @@ TEST(MetersAhead, TakesTheBoundsItIsGiven)
 }
 
 } // namespace
-} // namespace halflight::view
+} // namespace halflight::view::navigation_test

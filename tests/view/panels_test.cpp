@@ -9,7 +9,7 @@
 #include <cmath>
 #include <random>
 
-namespace halflight::view {
+namespace halflight::view::panels_test {
 namespace {
 
 Scene smallScene()
@@ -259,4 +259,4 @@ TEST_F(Panels, KeysDoWhatTheHelpSays)
 }
 
 } // namespace
-} // namespace halflight::view
+} // namespace halflight::view::panels_test

@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-namespace halflight::view {
+namespace halflight::view::picture_size_test {
 namespace {
 
 constexpr ivec2 kWindow(1280, 720);
@@ -77,4 +77,4 @@ TEST(PictureDetails, AFirstPictureDrawnBeforeCounts)
 }
 
 } // namespace
-} // namespace halflight::view
+} // namespace halflight::view::picture_size_test

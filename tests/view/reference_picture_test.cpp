@@ -11,7 +11,7 @@
 #include <cmath>
 #include <thread>
 
-namespace halflight::view {
+namespace halflight::view::reference_picture_test {
 namespace {
 
 constexpr ivec2 kSize{48, 32};
@@ -153,4 +153,4 @@ TEST(ReferencePicture, NeverLetsTheWindowWait)
 }
 
 } // namespace
-} // namespace halflight::view
+} // namespace halflight::view::reference_picture_test

@@ -3,7 +3,7 @@
 
 #include <gmock/gmock.h>
 
-namespace halflight::view {
+namespace halflight::view::view_state_test {
 namespace {
 
 using testing::HasSubstr;
@@ -158,4 +158,4 @@ TEST(SubjectOf, IsTheFirstNameInTheText)
 }
 
 } // namespace
-} // namespace halflight::view
+} // namespace halflight::view::view_state_test

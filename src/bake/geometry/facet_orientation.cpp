@@ -22,7 +22,7 @@ namespace {
 constexpr float kWidestMeters = 1.0f; ///< a cavity is narrower than rooms,
 constexpr float kWidestShare = 0.1f;  ///< and than this share of the scene's diagonal
 constexpr float kLift = 1.0e-5f;      ///< start of rays above the surface, over the diagonal: skips coincident faces
-constexpr int kRays = 256;            ///< on each side: at most 15 of them may leave a cavity
+constexpr int kRaysOfSide = 256;      ///< on each side: at most 15 of them may leave a cavity
 /// Some front rays may leave the cavity, where faces are missing or do not quite meet. So many times as many back rays
 /// have to be longer than a cavity is wide.
 constexpr int kMoreOpen = 16;
@@ -70,11 +70,11 @@ public:
             std::vector<Candidate> candidates;
             for (const Patch patch : patches.subspan(first, std::min(kBlockPatches, patches.size() - first)))
                 candidates.push_back({patch});
-            for (int ray = 0; ray < kRays && !candidates.empty(); ray += kRaysAtOnce) {
+            for (int ray = 0; ray < kRaysOfSide && !candidates.empty(); ray += kRaysAtOnce) {
                 cast(candidates, ray, false);
-                std::erase_if(candidates, [](const Candidate& c) { return c.enoughBack() > kRays; });
+                std::erase_if(candidates, [](const Candidate& c) { return c.enoughBack() > kRaysOfSide; });
             }
-            for (int ray = 0; ray < kRays; ray += kRaysAtOnce) cast(candidates, ray, true);
+            for (int ray = 0; ray < kRaysOfSide; ray += kRaysAtOnce) cast(candidates, ray, true);
             for (const Candidate& c : candidates) {
                 if (c.back >= c.enoughBack() && isEmpty(c.patch)) found.push_back(c.patch);
             }
@@ -88,11 +88,11 @@ private:
         vec3 normal;
         vec3 direction; ///< cosine-distributed
     };
-    /// Ray `ray` of kRays. All patches use the same random numbers, so that results do not depend on other
+    /// Ray `ray` of kRaysOfSide. All patches use the same random numbers, so that results do not depend on other
     /// patches.
     [[nodiscard]] Start startOf(Patch patch, int ray) const
     {
-        const uint32_t triangle = patch[std::size_t(ray) * patch.size() / kRays];
+        const uint32_t triangle = patch[std::size_t(ray) * patch.size() / kRaysOfSide];
         const vec2 b = shading::sampleTriangle(r2Point(int(hashCombine(kSeed, uint32_t(ray)) >> 8)));
         const SurfacePoint point = surfacePoint(geometry_, triangle, b);
         Start s;
@@ -129,7 +129,7 @@ private:
     {
         std::vector<Segment> segments;
         for (const vec3 point : points_) {
-            for (int ray = 0; ray < kRays; ++ray) {
+            for (int ray = 0; ray < kRaysOfSide; ++ray) {
                 const Start s = startOf(patch, ray);
                 const vec3 from = s.position + lift_ * s.normal;
                 if (glm::dot(point - from, s.normal) <= 0.0f || glm::distance(from, point) > widest_) continue;

@@ -22,7 +22,7 @@ constexpr std::size_t kMostProposed = kMostPlaces / 4;
 /// Boxes of these end at this many times the mean distance of what is around, where nothing is nearer.
 constexpr float kLocalShare = 2.5f;
 /// Rays that measure a place's surroundings.
-constexpr int kRays = 256;
+constexpr int kSurveyRays = 256;
 /// Surroundings beyond this many sizes of the scene count as infinitely far.
 constexpr float kFarShare = 4.0f;
 /// A place counts where this share of its surroundings is not infinitely far: on open ground it is a half.
@@ -38,8 +38,8 @@ constexpr float kTurnGain = 0.1f;
 std::vector<vec3> evenDirections()
 {
     std::vector<vec3> result;
-    for (int i = 0; i < kRays; ++i) {
-        const float y = 1.0f - (2.0f * float(i) + 1.0f) / float(kRays);
+    for (int i = 0; i < kSurveyRays; ++i) {
+        const float y = 1.0f - (2.0f * float(i) + 1.0f) / float(kSurveyRays);
         const float r = std::sqrt(1.0f - y * y);
         const float phi = 2.0f * kPi * float(i) / std::numbers::phi_v<float>;
         result.emplace_back(r * math::cos(phi), y, r * math::sin(phi));
@@ -127,8 +127,8 @@ float misfit(float predicted, float distance)
 
 /// The rays of a place in the axes of a turned box.
 struct TurnedRays {
-    std::array<std::array<float, kRays>, 3> perAxis{}; ///< 1 / |direction| along each axis
-    std::array<std::array<bool, kRays>, 3> upper{};    ///< a ray goes towards the axis's second face, else its first
+    std::array<std::array<float, kSurveyRays>, 3> perAxis{}; ///< 1 / |direction| along each axis
+    std::array<std::array<bool, kSurveyRays>, 3> upper{}; ///< a ray goes towards the axis's second face, else its first
     std::array<std::vector<float>, 6> ends; ///< per face: sorted metres along its axis to the ends of rays towards it
 };
 
@@ -203,7 +203,8 @@ Box fitBox(float turn, std::span<const vec3> directions, std::span<const float> 
     }
     error = 0.0f;
     for (std::size_t i = 0; i < distances.size(); ++i)
-        error += misfit(std::min({predicted(0, i), predicted(1, i), predicted(2, i)}), distances[i]) / float(kRays);
+        error +=
+            misfit(std::min({predicted(0, i), predicted(1, i), predicted(2, i)}), distances[i]) / float(kSurveyRays);
     return box;
 }
 

@@ -1,18 +1,15 @@
 #include "scene/document/fallback_buffers.h"
 
 #include <algorithm>
-#include <array>
 #include <set>
 
 namespace halflight {
 
 namespace {
 
-constexpr std::array<const char*, 2> kMeshopt = {"EXT_meshopt_compression", "KHR_meshopt_compression"};
-
 bool namesMeshopt(const Json& object)
 {
-    return std::any_of(kMeshopt.begin(), kMeshopt.end(),
+    return std::any_of(kMeshoptExtensions.begin(), kMeshoptExtensions.end(),
                        [&](const char* name) { return extensionOf(object, name).is_object(); });
 }
 
@@ -36,7 +33,7 @@ void markFallbackBuffers(Json& json, bool hasBinary)
         if (!buffers.is_array() || i >= buffers.size() || plain.contains(i) || (i == 0 && hasBinary)) continue;
         Json& buffer = json["buffers"][i];
         if (buffer.is_object() && !buffer.contains("uri") && member(buffer, "extensions").is_null())
-            buffer["extensions"][kMeshopt[0]]["fallback"] = true;
+            buffer["extensions"][kMeshoptExtensions[0]]["fallback"] = true;
     }
 }
 

@@ -3,7 +3,12 @@
 
 #include "scene/document/document.h"
 
+#include <array>
+
 namespace halflight {
+
+/// Extensions of buffer views whose data meshoptimizer decodes.
+inline constexpr std::array<const char*, 2> kMeshoptExtensions = {"EXT_meshopt_compression", "KHR_meshopt_compression"};
 
 /// Whether the buffer of the JSON holds no data of its own, but stands for what buffer views decode to.
 bool isFallbackBuffer(const Json& buffer);

@@ -32,7 +32,7 @@ struct Chunk {
     std::size_t firstOfMesh = 0; ///< number of the part's first triangle among those of the mesh
 };
 
-constexpr uint32_t kFree = 0;
+constexpr uint32_t kNobody = 0;
 
 std::vector<std::vector<Drawn>> objectsByPage(const UnwrappedScene& unwrapped, const std::vector<GroupLayout>& groups)
 {
@@ -48,7 +48,7 @@ std::vector<std::vector<Drawn>> objectsByPage(const UnwrappedScene& unwrapped, c
         }
     }
     for (std::vector<Drawn>& page : pages) {
-        uint32_t next = kFree + 1;
+        uint32_t next = kNobody + 1;
         for (Drawn& drawn : page) {
             drawn.firstOwner = next;
             next += drawn.ownerCount;
@@ -76,7 +76,7 @@ std::vector<Chunk> chunksOf(const std::vector<Drawn>& page)
 /// Whose texels are whose on one page, written by all threads at once.
 class PageOwners {
 public:
-    explicit PageOwners(int size) : owners_(size, size, kFree) {}
+    explicit PageOwners(int size) : owners_(size, size, kNobody) {}
 
     /// Takes the texels that solid triangles touch. False, and the texel in `clash`, where another has one.
     bool takeSolid(const Chunk& chunk, ivec2& clash)
@@ -84,7 +84,7 @@ public:
         return forTexels(chunk, true, clash, [&](uint32_t owner, AtomicRef<uint32_t> texel) {
             uint32_t before = texel.load(std::memory_order_relaxed);
             if (before == owner) return true;
-            return before == kFree &&
+            return before == kNobody &&
                    (texel.compare_exchange_strong(before, owner, std::memory_order_relaxed) || before == owner);
         });
     }
@@ -94,8 +94,8 @@ public:
         return forTexels(chunk, false, clash, [&](uint32_t owner, AtomicRef<uint32_t> texel) {
             uint32_t before = texel.load(std::memory_order_relaxed);
             if (chunk.drawn->owns(before)) return true;
-            return before == kFree && (texel.compare_exchange_strong(before, owner, std::memory_order_relaxed) ||
-                                       chunk.drawn->owns(before));
+            return before == kNobody && (texel.compare_exchange_strong(before, owner, std::memory_order_relaxed) ||
+                                         chunk.drawn->owns(before));
         });
     }
     [[nodiscard]] uint32_t owner(ivec2 texel) const { return owners_(texel.x, texel.y); }

@@ -22,25 +22,25 @@ constexpr int kEnoughSamples = 4096;
 /// Most samples of one pass, so that the picture gets better every now and then.
 constexpr int kMostOfPass = 64;
 
-struct View {
-    std::shared_ptr<const Scene> scene;
-    Camera camera;
-    ivec2 size{0};
-    bool specular = true;
-
-    [[nodiscard]] bool sameAs(const View& other) const
-    {
-        const Camera& a = camera;
-        const Camera& b = other.camera;
-        return scene == other.scene && size == other.size && a.worldFromCamera == b.worldFromCamera &&
-               a.verticalFovRadians == b.verticalFovRadians && a.orthographic == b.orthographic &&
-               a.orthographicHeightMeters == b.orthographicHeightMeters && specular == other.specular;
-    }
-};
-
 } // namespace
 
 struct ReferencePicture::Impl {
+    struct View {
+        std::shared_ptr<const Scene> scene;
+        Camera camera;
+        ivec2 size{0};
+        bool specular = true;
+
+        [[nodiscard]] bool sameAs(const View& other) const
+        {
+            const Camera& a = camera;
+            const Camera& b = other.camera;
+            return scene == other.scene && size == other.size && a.worldFromCamera == b.worldFromCamera &&
+                   a.verticalFovRadians == b.verticalFovRadians && a.orthographic == b.orthographic &&
+                   a.orthographicHeightMeters == b.orthographicHeightMeters && specular == other.specular;
+        }
+    };
+
     void run()
     {
         std::unique_lock lock(mutex);
@@ -142,7 +142,7 @@ bool ReferencePicture::follow(const std::shared_ptr<const Scene>& scene, const C
                               bool specular)
 {
     const std::lock_guard lock(impl_->mutex);
-    View wanted{scene, camera, size, specular};
+    Impl::View wanted{scene, camera, size, specular};
     if (impl_->view.sameAs(wanted)) return false;
     impl_->view = std::move(wanted);
     impl_->changed = Clock::now();

@@ -18,7 +18,6 @@ namespace halflight {
 namespace {
 
 constexpr const char* kDraco = "KHR_draco_mesh_compression";
-constexpr std::array<const char*, 2> kMeshopt = {"EXT_meshopt_compression", "KHR_meshopt_compression"};
 
 // A non-negative integer member; `fallback` where it is absent.
 Result<uint64_t> integerMember(const Json& object, const char* key, const std::string& path,
@@ -92,7 +91,7 @@ public:
     Status run()
     {
         for (std::size_t i = 0; i < member(json_, "bufferViews").size(); ++i) {
-            for (const char* name : kMeshopt) {
+            for (const char* name : kMeshoptExtensions) {
                 if (extensionOf(json_["bufferViews"][i], name).is_null()) continue;
                 const std::string path = pathOf("bufferViews", i) + "/extensions/" + name;
                 if (Status s = meshoptView(json_["bufferViews"][i], name, path); !s) return s;
@@ -345,8 +344,8 @@ private:
         Json& names = json_[list];
         Json kept = Json::array();
         for (const Json& name : names) {
-            const bool decoded =
-                (name == kDraco && DracoMesh::isSupported()) || name == kMeshopt[0] || name == kMeshopt[1];
+            const bool decoded = (name == kDraco && DracoMesh::isSupported()) || name == kMeshoptExtensions[0] ||
+                                 name == kMeshoptExtensions[1];
             if (!decoded) kept.push_back(name);
         }
         names = std::move(kept);
@@ -402,14 +401,14 @@ private:
 bool readsCompression(std::string_view extension)
 {
     if (extension == kDraco) return DracoMesh::isSupported();
-    if (extension == kMeshopt[0] || extension == kMeshopt[1]) return MeshoptView::isSupported();
+    if (extension == kMeshoptExtensions[0] || extension == kMeshoptExtensions[1]) return MeshoptView::isSupported();
     return extension == "EXT_texture_webp" && decodesWebp();
 }
 
 std::vector<std::string> readableCompression()
 {
     std::vector<std::string> names;
-    for (const char* name : {kDraco, kMeshopt[0], kMeshopt[1], "EXT_texture_webp"}) {
+    for (const char* name : {kDraco, kMeshoptExtensions[0], kMeshoptExtensions[1], "EXT_texture_webp"}) {
         if (readsCompression(name)) names.emplace_back(name);
     }
     return names;
@@ -420,8 +419,8 @@ std::string conversionHint(std::string_view extension)
     // Tried with gltf-transform 4.5 and gltfpack 1.3; "copy" decompresses, "ktxdecompress" calls KTX-Software's `ktx`.
     static const std::map<std::string_view, std::string> kCommands = {
         {kDraco, "npx @gltf-transform/cli copy IN.glb OUT.glb"},
-        {kMeshopt[0], "npx @gltf-transform/cli copy IN.glb OUT.glb"},
-        {kMeshopt[1], "npx gltfpack -i IN.glb -o OUT.glb -noq -kn -km -ke"},
+        {kMeshoptExtensions[0], "npx @gltf-transform/cli copy IN.glb OUT.glb"},
+        {kMeshoptExtensions[1], "npx gltfpack -i IN.glb -o OUT.glb -noq -kn -km -ke"},
         {"EXT_texture_webp", "npx @gltf-transform/cli png IN.glb OUT.glb"},
         {"EXT_texture_avif", "npx @gltf-transform/cli png IN.glb OUT.glb"},
         {"KHR_texture_basisu", "npx @gltf-transform/cli ktxdecompress IN.glb OUT.glb"}};
@@ -434,11 +433,11 @@ Status decompress(Json& json, std::vector<tinygltf::Buffer>& buffers)
     const auto hasCompression = [&] {
         for (const char* list : {"extensionsUsed", "extensionsRequired"}) {
             for (const Json& name : member(json, list)) {
-                if (name == kDraco || name == kMeshopt[0] || name == kMeshopt[1]) return true;
+                if (name == kDraco || name == kMeshoptExtensions[0] || name == kMeshoptExtensions[1]) return true;
             }
         }
         for (const Json& view : member(json, "bufferViews")) {
-            for (const char* name : kMeshopt) {
+            for (const char* name : kMeshoptExtensions) {
                 if (!extensionOf(view, name).is_null()) return true;
             }
         }

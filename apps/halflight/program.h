@@ -1,0 +1,13 @@
+#pragma once
+// The two programs: halflight (bake mixed lighting into a glTF file, render it, look into it) and halflight-view.
+
+namespace halflight::cli {
+
+struct ViewCommandOptions;
+using OpenWindow = int (*)(const ViewCommandOptions&);
+
+/// What main() does: runs the command that the arguments name, and returns the exit code. With `openWindow` this is
+/// halflight-view, which has the command `view` alone; without, `view` starts halflight-view.
+int runProgram(int argc, char** argv, OpenWindow openWindow = nullptr);
+
+} // namespace halflight::cli
