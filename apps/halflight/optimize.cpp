@@ -2,13 +2,13 @@
 
 #include "console.h"
 #include "interrupt.h"
+#include "json_values.h"
 #include "terminal.h"
 
 #include "halflight/base/files_in_use.h"
 #include "halflight/scene/gltf.h"
 #include "halflight/scene/optimize.h"
 
-#include <nlohmann/json.hpp>
 #include <spdlog/fmt/fmt.h>
 
 #include <memory>
@@ -49,9 +49,9 @@ void printReport(const CommandOptions& options, const OptimizeReport& report)
     }
 }
 
-nlohmann::ordered_json jsonOf(const CommandOptions& options, const OptimizeReport& report)
+Json jsonOf(const CommandOptions& options, const OptimizeReport& report)
 {
-    nlohmann::ordered_json json = {{"file", options.output.string()}, {"bytes", nlohmann::ordered_json::object()}};
+    Json json = {{"file", options.output.string()}, {"bytes", Json::object()}};
     for (const auto& [name, part] : {std::pair("file", report.file),
                                      {"geometry", report.geometry},
                                      {"textures", report.textures},

@@ -1,4 +1,5 @@
 #include "scene/document/decode/meshopt_encode.h"
+#include "scene/document/fallback_buffers.h"
 #include "scene/document/references.h"
 
 #include <algorithm>
@@ -18,7 +19,7 @@ namespace halflight {
 
 namespace {
 
-constexpr const char* kMeshoptExtension = "EXT_meshopt_compression";
+constexpr const char* kWrittenExtension = kMeshoptExtensions[0];
 
 void encodeExponential(std::vector<float>& values, int components, int bits)
 {
@@ -200,7 +201,7 @@ public:
         if (stream.isVertices) view["byteStride"] = encoded.stride;
         if (stream.target != 0) view["target"] = stream.target;
         align();
-        Json& extension = view["extensions"][kMeshoptExtension];
+        Json& extension = view["extensions"][kWrittenExtension];
         extension = {{"buffer", 0},
                      {"byteOffset", binary_.size()},
                      {"byteLength", encoded.bytes.size()},
@@ -237,8 +238,8 @@ public:
         json["buffers"] = Json::array({{{"byteLength", document_.binary.size()}}});
         if (fallback_ == 0) return;
         json["buffers"].push_back(
-            {{"byteLength", fallback_}, {"extensions", {{kMeshoptExtension, {{"fallback", true}}}}}});
-        for (const char* list : {"extensionsUsed", "extensionsRequired"}) json[list].push_back(kMeshoptExtension);
+            {{"byteLength", fallback_}, {"extensions", {{kWrittenExtension, {{"fallback", true}}}}}});
+        for (const char* list : {"extensionsUsed", "extensionsRequired"}) json[list].push_back(kWrittenExtension);
     }
 
 private:
