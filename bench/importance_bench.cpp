@@ -8,6 +8,7 @@
 // references sample them. The light is of one kind each time: all others are removed.
 #include "bake/geometry/flatten.h"
 #include "bake_cpu/reference/reference_tracer.h"
+#include "bake_cpu/trace/embree_kernels.h"
 
 #include "halflight/base/parallel.h"
 #include "halflight/scene/gltf.h"
@@ -73,7 +74,7 @@ class Points {
 public:
     explicit Points(const Scene& scene)
         : scene_(scene), geometry_(flattenGeometry(scene, 1, GeometryFilter::All)),
-          paths_(scene, geometry_, LightUse::Reference)
+          paths_(scene, geometry_, LightUse::Reference, Bounces::Diffuse, embreeKernels())
     {}
     [[nodiscard]] Estimate estimate(EmitterSampling emitters, int samples, uint32_t seed) const
     {
@@ -92,8 +93,8 @@ public:
                 double sum = 0.0;
                 for (int s = 0; s < samples; ++s) {
                     Sampler sampler(seed, uint32_t(i), uint32_t(s));
-                    sum += double(luminance(
-                        tracer.radiance(vec3(camera.worldFromCamera[3]), direction, true, kBounces, sampler, rays)));
+                    sum += double(luminance(tracer.radiance(vec3(camera.worldFromCamera[3]), direction, RayUse::Camera,
+                                                            kBounces, sampler, rays)));
                 }
                 result.luminances[i] = sum / samples;
             }

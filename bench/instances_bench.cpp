@@ -2,6 +2,7 @@
 #include "bake/geometry/flatten.h"
 #include "measure.h"
 
+#include "bake_cpu/trace/embree_kernels.h"
 #include "bake_cpu/trace/ray_tracer.h"
 #include "halflight/base/random.h"
 
@@ -85,7 +86,7 @@ struct Built {
 
     explicit Built(Scene s) : scene(std::move(s)), geometry(flattenGeometry(scene, 512, GeometryFilter::Static))
     {
-        tracer = std::make_unique<RayTracer>(scene, geometry);
+        tracer = std::make_unique<RayTracer>(scene, geometry, embreeKernels());
         if (!tracer->ok()) std::exit(1);
     }
     [[nodiscard]] double bytes() const { return double(geometry.byteCount() + tracer->peakBytes()); }
@@ -105,7 +106,7 @@ double secondsOfRays(const Built& built, float half, uint32_t count, uint64_t& f
         const float ring = std::sqrt(std::max(0.0f, 1.0f - z * z));
         const RayHit hit =
             built.tracer->nearest(origin, vec3(ring * std::cos(phi), z, ring * std::sin(phi)), 0.0f, kInfinity);
-        found += hit.found ? 1 : 0;
+        found += hit.found() ? 1 : 0;
     }
     return cpuSeconds() - start;
 }

@@ -22,7 +22,6 @@ GENERATED = ("web/three/src/generated/", "scripts/packaging/python/halflight/_co
 OF_OTHERS = ("src/base/mathematics/",)
 
 LONGER = {
-    "bench/bake_bench.cpp": 490,
     "scripts/make_courtyard.py": 402,
     "scripts/scenekit/mesh.py": 519,
     "src/scene/document/decode/decompress.cpp": 461,

@@ -11,6 +11,7 @@
 #include "bake_cpu/texels/texel_validity.h"
 #include "bake_cpu/texels/valid_points.h"
 #include "bake_cpu/trace/embree_device.h"
+#include "bake_cpu/trace/embree_kernels.h"
 
 #include "halflight/base/parallel.h"
 
@@ -30,7 +31,7 @@ public:
     EmbreeIntegrator(const Scene& scene, const BakeGeometry& geometry, const IntegrationSettings& settings)
         : settings_(settings),
           paths_(scene, geometry, LightUse::Bake, settings.glossyBounces ? Bounces::Glossy : Bounces::Diffuse,
-                 settings.fewRays ? RTC_BUILD_QUALITY_LOW : RTC_BUILD_QUALITY_HIGH, settings.isa),
+                 embreeKernels(settings.isa, settings.fewRays ? RTC_BUILD_QUALITY_LOW : RTC_BUILD_QUALITY_HIGH)),
           pattern_(settings.seed), lightmap_(paths_, pattern_, settings)
     {}
 
@@ -152,9 +153,9 @@ public:
         if (!(length > 0.0f)) return std::nullopt;
         const vec3 direction = (to - from) / length;
         const RayHit first = paths_.surfaces().nearest(from, direction, 0.0f, length);
-        if (!first.found) return std::nullopt;
+        if (!first.found()) return std::nullopt;
         const RayHit last = paths_.surfaces().nearest(to, -direction, 0.0f, length);
-        return vec2(first.distance, last.found ? length - last.distance : first.distance);
+        return vec2(first.distance, last.found() ? length - last.distance : first.distance);
     }
 
     void findOutside(std::span<const SurfacePoint> points, std::span<uint8_t> out) const override

@@ -2,6 +2,7 @@
 
 #include "bake/geometry/flatten.h"
 #include "bake_cpu/reference/reference_tracer.h"
+#include "bake_cpu/trace/embree_kernels.h"
 
 #include "halflight/base/mathematics.h"
 #include "halflight/base/parallel.h"
@@ -42,7 +43,8 @@ CameraRay cameraRay(const Camera& camera, float aspect, vec2 place)
 
 struct ReferenceRenderer::Impl {
     explicit Impl(const Scene& of)
-        : scene(of), geometry(flattenGeometry(of, 1, GeometryFilter::All)), paths(of, geometry, LightUse::Reference)
+        : scene(of), geometry(flattenGeometry(of, 1, GeometryFilter::All)),
+          paths(of, geometry, LightUse::Reference, Bounces::Diffuse, embreeKernels())
     {}
 
     const Scene& scene;
@@ -81,8 +83,8 @@ Result<ImageRgb32f> ReferenceRenderer::render(const Camera& camera, ivec2 size, 
                     if (progress.cancelled()) return;
                     Sampler sampler(settings.seed, uint32_t(i), uint32_t(s));
                     const CameraRay ray = cameraRay(camera, aspect, (pixel + sampler.next2()) / vec2(size));
-                    sum +=
-                        glm::dvec3(tracer.radiance(ray.origin, ray.direction, true, settings.bounces, sampler, rays));
+                    sum += glm::dvec3(
+                        tracer.radiance(ray.origin, ray.direction, RayUse::Camera, settings.bounces, sampler, rays));
                 }
                 picture.data()[i] = vec3(sum / double(settings.samplesPerPixel));
             }

@@ -56,7 +56,7 @@ private:
         const Receiver from{paths_.rayOrigin(point), point.normal};
         ++rays;
         const RayHit at = paths_.surfaces().nearest(from.position, direction, 0.0f, kInfinity);
-        if (!at.found) return throughput * paths_.sky().radiance(direction);
+        if (!at.found()) return throughput * paths_.sky().radiance(direction);
         return throughput * paths_.pathRadiance(at, direction, from, 0.0f, settings_.bounces, sampler, rays);
     }
 

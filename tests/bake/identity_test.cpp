@@ -2,6 +2,7 @@
 // a farm asks for it (docs/architecture.md, rule 7).
 
 #include "bake/test_scene.h"
+#include "bake_cpu/trace/embree_kernels.h"
 #include "bake_cpu/trace/ray_tracer.h"
 #include "base/temp_folder.h"
 
@@ -53,7 +54,7 @@ TEST(SolidsS6, CountWhereSolidsShareAFace)
     }
     const BakeGeometry geometry = flattenGeometry(scene, 64, GeometryFilter::Static);
     for (const InstructionSet set : setsOfThisProcessor()) {
-        const RayTracer tracer(scene, geometry, set);
+        const RayTracer tracer(scene, geometry, embreeKernels(set));
         ASSERT_TRUE(tracer.ok());
         int wrong = 0;
         constexpr uint32_t kRays = 2000;
@@ -61,8 +62,11 @@ TEST(SolidsS6, CountWhereSolidsShareAFace)
             const vec2 u = r2Point(int(i));
             const vec3 direction = shading::sampleSphere(u);
             const vec3 inside(0.3f, kSide * (float(i % 4) + 0.4f), 0.2f);
-            wrong += tracer.solidsLeft(inside, direction) != 1 ? 1 : 0;
-            wrong += tracer.solidsLeft(inside + vec3(kSide, 0, 0), direction) != 0 ? 1 : 0;
+            const std::array<Ray, 2> rays = {
+                {{inside, 0.0f, direction, kInfinity}, {inside + vec3(kSide, 0, 0), 0.0f, direction, kInfinity}}};
+            std::array<int, 2> left{};
+            tracer.kernels().crossings(rays, left);
+            wrong += (left[0] != 1 ? 1 : 0) + (left[1] != 0 ? 1 : 0);
         }
         // A ray may slip between two triangles.
         EXPECT_LE(wrong, 2) << nameOf(set);
@@ -83,27 +87,24 @@ TEST(SolidsS6, RaysSeeTheFrontOfFacesBackToBack)
     const vec3 normal = glm::normalize(glm::cross(across, up));
     const BakeGeometry geometry = flattenGeometry(scene, 64, GeometryFilter::Static);
     for (const InstructionSet set : setsOfThisProcessor()) {
-        const RayTracer tracer(scene, geometry, set);
+        const RayTracer tracer(scene, geometry, embreeKernels(set));
         ASSERT_TRUE(tracer.ok());
         ASSERT_TRUE(tracer.materials().backIsHidden(0));
         for (uint32_t packet = 0; packet < 100; ++packet) {
-            RTCRayHit8 rays;
-            embree::LaneMask valid;
-            embree::clear(rays.ray);
-            for (int lane = 0; lane < embree::kPacket; ++lane) {
-                const vec2 u = r2Point(int(packet) * embree::kPacket + lane) - 0.5f;
-                const vec2 v = r2Point(7919 + int(packet) * embree::kPacket + lane) - 0.5f;
+            std::array<Ray, 8> rays;
+            std::array<RayHit, 8> hits;
+            for (int lane = 0; lane < 8; ++lane) {
+                const vec2 u = r2Point(int(packet) * 8 + lane) - 0.5f;
+                const vec2 v = r2Point(7919 + int(packet) * 8 + lane) - 0.5f;
                 const float side = lane % 2 == 0 ? 1.0f : -1.0f;
                 const vec3 from = wall.origin + 2.0f * (across + up) + 2.0f * (u.x * across + u.y * up) + side * normal;
                 const vec3 direction = glm::normalize(v.x * across + v.y * up - side * normal);
                 const RayHit hit = tracer.nearest(from, direction, 0.0f, kInfinity);
-                EXPECT_TRUE(hit.found && !hit.back) << nameOf(set);
-                embree::setRay(rays.ray, lane, from, direction);
-                valid.lane[lane] = -1;
+                EXPECT_TRUE(hit.found() && hit.face.back == 0) << nameOf(set);
+                rays[std::size_t(lane)] = {from, 0.0f, direction, kInfinity};
             }
-            tracer.intersect(valid, rays);
-            for (int lane = 0; lane < embree::kPacket; ++lane)
-                EXPECT_TRUE(embree::found(rays, lane) && !embree::hitBack(rays, lane)) << nameOf(set);
+            tracer.kernels().nearest(rays, hits);
+            for (const RayHit& hit : hits) EXPECT_TRUE(hit.found() && hit.face.back == 0) << nameOf(set);
         }
     }
 }

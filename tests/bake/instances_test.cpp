@@ -4,6 +4,7 @@
 #include "bake/geometry/flatten.h"
 #include "bake/seams/seams.h"
 #include "bake/test_scene.h"
+#include "bake_cpu/trace/embree_kernels.h"
 #include "bake_cpu/trace/ray_tracer.h"
 
 #include "halflight/base/random.h"
@@ -114,13 +115,9 @@ struct Traceable {
     RayTracer tracer;
 
     explicit Traceable(Scene s)
-        : scene(std::move(s)), geometry(flattenGeometry(scene, kPage, GeometryFilter::All)), tracer(scene, geometry)
+        : scene(std::move(s)), geometry(flattenGeometry(scene, kPage, GeometryFilter::All)),
+          tracer(scene, geometry, embreeKernels())
     {}
-};
-
-struct Ray {
-    vec3 origin;
-    vec3 direction;
 };
 
 Ray randomRay(uint32_t i)
@@ -128,7 +125,7 @@ Ray randomRay(uint32_t i)
     const auto number = [&](uint32_t k) { return unitFloat(hashCombine(i, k)); };
     const vec3 from = vec3(-5, -1, -3) + vec3(10, 4, 6) * vec3(number(1), number(2), number(3));
     const vec3 to = vec3(-4, 0, -2) + vec3(8, 1.5f, 4) * vec3(number(4), number(5), number(6));
-    return {from, glm::normalize(to - from)};
+    return {from, 0.0f, glm::normalize(to - from), kInfinity};
 }
 
 float farApart(const std::array<vec3, 3>& a, const std::array<vec3, 3>& b)
@@ -194,15 +191,15 @@ TEST(InstancesS6, RaysHitWhatTheyHitInWorldSpace)
         uint32_t coarse = 0;
         for (uint32_t i = 0; i < kRays; ++i) {
             const Ray ray = randomRay(i);
-            const bool camera = i % 2 == 0;
-            const RayHit a = shared.tracer.nearest(ray.origin, ray.direction, 0.0f, kInfinity, camera);
-            const RayHit b = flat.tracer.nearest(ray.origin, ray.direction, 0.0f, kInfinity, camera);
+            const RayUse use = i % 2 == 0 ? RayUse::Camera : RayUse::Light;
+            const RayHit a = shared.tracer.nearest(ray.origin, ray.direction, 0.0f, kInfinity, use);
+            const RayHit b = flat.tracer.nearest(ray.origin, ray.direction, 0.0f, kInfinity, use);
             otherShadows += shared.tracer.occluded(ray.origin, ray.direction, 0.0f, 3.0f) !=
                                     flat.tracer.occluded(ray.origin, ray.direction, 0.0f, 3.0f)
                                 ? 1
                                 : 0;
             const auto triangleOf = [](const RayTracer& tracer, const RayHit& hit) {
-                return hit.found ? tracer.triangleOf(hit.geomID, hit.primID) : ~0u;
+                return hit.found() ? tracer.triangleAt(hit.face.hitIndex) : ~0u;
             };
             const uint32_t triangle = triangleOf(shared.tracer, a);
             // A ray through an edge may hit either triangle.
@@ -210,10 +207,10 @@ TEST(InstancesS6, RaysHitWhatTheyHitInWorldSpace)
                 ++otherHits;
                 continue;
             }
-            if (!a.found) continue;
+            if (!a.found()) continue;
             ASSERT_NEAR(a.distance, b.distance, 1.0e-4f);
             coarse += glm::distance(a.barycentric, b.barycentric) > 1.0e-4f ? 1 : 0; // of slivers, and grazing rays
-            ASSERT_EQ(a.back, b.back);
+            ASSERT_EQ(a.face.back, b.face.back);
             const SurfacePoint point = shared.tracer.surfaceAt(a).point;
             ASSERT_LT(glm::distance(point.position, ray.origin + a.distance * ray.direction), 1.0e-4f);
             ASSERT_LT(glm::distance(point.position, flat.tracer.surfaceAt(b).point.position), 1.0e-3f); // grazing rays
@@ -221,7 +218,7 @@ TEST(InstancesS6, RaysHitWhatTheyHitInWorldSpace)
             const uint32_t object = uint32_t(shared.geometry.partOf(triangle).object);
             onBalls += object > 0 ? 1 : 0;
             mirrored += object == 4 || object == 8 ? 1 : 0;
-            backs += a.back ? 1 : 0;
+            backs += a.face.back != 0 ? 1 : 0;
         }
         EXPECT_GT(onBalls, kRays / 5);
         EXPECT_GT(mirrored, kRays / 50);
@@ -242,29 +239,26 @@ TEST(InstancesS6, PacketsAndBlendedSurfaces)
     int other = 0;
     int otherLight = 0;
     for (uint32_t i = 0; i < 2000; ++i) {
-        RTCRayHit8 packet;
-        alignas(32) embree::LaneMask valid;
-        embree::clear(packet.ray);
-        for (int lane = 0; lane < embree::kPacket; ++lane) {
-            const Ray ray = randomRay(8 * i + uint32_t(lane));
-            valid.lane[lane] = -1;
-            embree::setRay(packet.ray, lane, ray.origin, ray.direction);
+        std::array<Ray, 8> rays;
+        std::array<RayHit, 8> hits;
+        for (uint32_t lane = 0; lane < 8; ++lane) {
+            const Ray ray = rays[lane] = randomRay(8 * i + lane);
             const float light = shared.tracer.transmittance(ray.origin, ray.direction, 0.0f, 3.0f);
             otherLight +=
                 std::abs(light - flat.tracer.transmittance(ray.origin, ray.direction, 0.0f, 3.0f)) > 0.01f ? 1 : 0;
             partly += light > 0.0f && light < 1.0f ? 1 : 0;
         }
-        opaque.tracer.intersect(valid, packet);
-        for (int lane = 0; lane < embree::kPacket; ++lane) {
-            const Ray ray = randomRay(8 * i + uint32_t(lane));
+        opaque.tracer.kernels().nearest(rays, hits);
+        for (std::size_t lane = 0; lane < 8; ++lane) {
+            const Ray& ray = rays[lane];
             const RayHit hit = opaque.tracer.nearest(ray.origin, ray.direction, 0.0f, kInfinity);
-            ASSERT_EQ(embree::found(packet, lane), hit.found);
-            if (!hit.found) continue;
-            const bool same = opaque.tracer.faceOf(hit).hitIndex == opaque.tracer.faceOf(packet, lane).hitIndex;
+            ASSERT_EQ(hits[lane].found(), hit.found());
+            if (!hit.found()) continue;
+            const bool same = hit.face.hitIndex == hits[lane].face.hitIndex;
             other += same ? 0 : 1;
             if (!same) continue;
-            ASSERT_EQ(embree::hitBack(packet, lane), hit.back);
-            ASSERT_LT(glm::distance(embree::barycentricOf(packet, lane), hit.barycentric), 1.0e-3f);
+            ASSERT_EQ(hits[lane].face.back, hit.face.back);
+            ASSERT_LT(glm::distance(hits[lane].barycentric, hit.barycentric), 1.0e-3f);
         }
     }
     EXPECT_GT(partly, 500);

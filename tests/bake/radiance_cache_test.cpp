@@ -3,6 +3,7 @@
 #include "bake/test_room.h"
 #include "bake_cpu/sample/path_tracer.h"
 #include "bake_cpu/texels/texel_validity.h"
+#include "bake_cpu/trace/embree_kernels.h"
 
 #include "halflight/base/parallel.h"
 #include "halflight/base/random.h"
@@ -178,7 +179,7 @@ TEST(RadianceCacheS6, LeavesOutPointsInsideSolidsThatAreNotEmpty)
 /// The stage finds the same valid points as the test of all points of all texels, in partly covered texels too.
 void expectAllTested(const Bench& bench, int atLeast)
 {
-    const PathTracer paths(bench.scene, bench.geometry, LightUse::Bake);
+    const PathTracer paths(bench.scene, bench.geometry, LightUse::Bake, Bounces::Diffuse, embreeKernels());
     const TexelValidity validity(paths);
     int partly = 0;
     for (const Texel& texel : bench.map.texels) {
@@ -279,46 +280,48 @@ TEST(RadianceCacheS6, LargePatchesAreGatheredByFewerTexels)
     EXPECT_NEAR(sum, expected, 0.01 * expected);
 }
 
-/// Processors without AVX have no instructions for packets. Inactive lanes must not be traced there, whatever they
-/// contain, and the others have the same hits.
-TEST(RaysS6, LanesOutOfUseAreLeftAloneOnAllProcessors)
+/// Processors without AVX have no instructions for packets. Rays that meet nothing must not be traced there, whatever
+/// they contain, and the others of their batch have the same hits.
+TEST(RaysS6, RaysOutOfUseAreLeftAloneOnAllProcessors)
 {
     const Scene scene = room(true, true, true);
     const Bench bench(scene, MixedLightingMode::Shadowmask, kPage, {});
-    const RayTracer tracer(bench.scene, bench.geometry);
-    const RayTracer old(bench.scene, bench.geometry, InstructionSet::Sse2);
+    const RayTracer tracer(bench.scene, bench.geometry, embreeKernels());
+    const RayTracer old(bench.scene, bench.geometry, embreeKernels(InstructionSet::Sse2));
     ASSERT_TRUE(tracer.ok() && old.ok());
     int hits = 0;
     int blocked = 0;
-    for (uint32_t packet = 0; packet < 64; ++packet) {
-        RTCRayHit8 rays;
-        std::memset(&rays, 0xff, sizeof(rays)); // no numbers
-        embree::LaneMask valid;
-        embree::clear(rays.ray);
-        for (int lane = 0; lane < embree::kPacket; ++lane) {
-            Sampler sampler(1, packet, uint32_t(lane));
-            valid.lane[lane] = sampler.next1() < 0.6f ? -1 : 0;
-            if (valid.lane[lane] == 0) continue;
-            embree::setRay(rays.ray, lane, bench.positionOf(bench.map.texels[packet * 7]) + vec3(0, 0.5f, 0),
-                           shading::sampleSphere(sampler.next2()));
+    for (uint32_t batch = 0; batch < 64; ++batch) {
+        constexpr vec3 kNoNumbers(std::numeric_limits<float>::quiet_NaN());
+        std::array<Ray, 11> rays; // more than a packet
+        rays.fill({kNoNumbers, 0.0f, kNoNumbers, -1.0f});
+        for (uint32_t i = 0; i < rays.size(); ++i) {
+            Sampler sampler(1, batch, i);
+            if (sampler.next1() >= 0.6f) continue;
+            rays[i] = {bench.positionOf(bench.map.texels[batch * 7]) + vec3(0, 0.5f, 0), 0.0f,
+                       shading::sampleSphere(sampler.next2()), kInfinity};
         }
-        RTCRayHit8 same = rays;
-        tracer.intersect(valid, rays);
-        old.intersect(valid, same);
-        RTCRay8 shadows = rays.ray;
-        for (float& tfar : shadows.tfar) tfar *= 1.5f;
-        RTCRay8 sameShadows = shadows;
-        tracer.occluded(valid, shadows);
-        old.occluded(valid, sameShadows);
-        for (int lane = 0; lane < embree::kPacket; ++lane) {
-            if (valid.lane[lane] == 0) continue;
-            ASSERT_EQ(rays.hit.geomID[lane], same.hit.geomID[lane]);
-            EXPECT_EQ(shadows.tfar[lane] < 0.0f, sameShadows.tfar[lane] < 0.0f);
-            blocked += shadows.tfar[lane] < 0.0f ? 1 : 0;
-            if (rays.hit.geomID[lane] == RTC_INVALID_GEOMETRY_ID) continue;
+        std::array<RayHit, 11> found;
+        std::array<RayHit, 11> same;
+        tracer.kernels().nearest(rays, found);
+        old.kernels().nearest(rays, same);
+        for (std::size_t i = 0; i < rays.size(); ++i) {
+            if (found[i].found()) rays[i].tMax = 1.5f * found[i].distance;
+        }
+        std::array<bool, 11> shadows{};
+        std::array<bool, 11> sameShadows{};
+        tracer.kernels().occluded(rays, shadows);
+        old.kernels().occluded(rays, sameShadows);
+        EXPECT_EQ(shadows, sameShadows);
+        for (std::size_t i = 0; i < rays.size(); ++i) {
+            ASSERT_EQ(found[i].found(), same[i].found());
+            EXPECT_EQ(found[i].found(), shadows[i]);
+            blocked += shadows[i] ? 1 : 0;
+            if (!found[i].found()) continue;
             ++hits;
-            EXPECT_EQ(rays.hit.primID[lane], same.hit.primID[lane]);
-            EXPECT_NEAR(rays.ray.tfar[lane], same.ray.tfar[lane], 1.0e-4f);
+            EXPECT_TRUE(rays[i].tMax > 0.0f) << "a ray out of use was traced";
+            EXPECT_EQ(found[i].face.hitIndex, same[i].face.hitIndex);
+            EXPECT_NEAR(found[i].distance, same[i].distance, 1.0e-4f);
         }
     }
     EXPECT_GT(hits, 100);

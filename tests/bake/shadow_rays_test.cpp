@@ -2,6 +2,7 @@
 
 #include "bake/test_scene.h"
 #include "bake_cpu/sample/path_tracer.h"
+#include "bake_cpu/trace/embree_kernels.h"
 
 #include "halflight/shading/sampling.h"
 
@@ -35,7 +36,7 @@ TEST(ShadowmaskS8, DecidedTexelsAreRight)
     const auto mask = bench.shadowmask();
     const auto perTexel = double(bench.integrator->raysTraced() - before) / double(mask.size());
     EXPECT_LT(perTexel, 0.5 * 256);
-    const PathTracer paths(bench.scene, bench.geometry, LightUse::Bake);
+    const PathTracer paths(bench.scene, bench.geometry, LightUse::Bake, Bounces::Diffuse, embreeKernels());
     double squares = 0.0;
     for (std::size_t i = 0; i < mask.size(); ++i) {
         std::array<SurfacePoint, kMaxTexelPoints> points;

@@ -7,6 +7,7 @@
 #include "bake_cpu/lightmap/cached_lightmap.h"
 #include "bake_cpu/texels/sparse_grid.h"
 #include "bake_cpu/texels/texel_validity.h"
+#include "bake_cpu/trace/embree_kernels.h"
 
 #include <gtest/gtest.h>
 
@@ -223,7 +224,7 @@ TEST(TexelValidityS6, EachPointOfATexelByItself)
         addBox(scene, vec3(-0.43f, lift, -0.37f), vec3(0.36f, 0.8f, 0.44f), grey, false);
         if (!closed) scene.objects.erase(scene.objects.end() - 2); // the face at the bottom
         Bench bench(std::move(scene), MixedLightingMode::Shadowmask, kPage, {});
-        const PathTracer paths(bench.scene, bench.geometry, LightUse::Bake);
+        const PathTracer paths(bench.scene, bench.geometry, LightUse::Bake, Bounces::Diffuse, embreeKernels());
         const TexelValidity validity(paths);
         int under = 0;
         int mixed = 0;

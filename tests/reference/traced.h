@@ -4,6 +4,7 @@
 #include "bake/geometry/flatten.h"
 #include "bake/test_scene.h"
 #include "bake_cpu/reference/reference_tracer.h"
+#include "bake_cpu/trace/embree_kernels.h"
 
 #include <memory>
 
@@ -18,7 +19,7 @@ struct Traced {
     explicit Traced(Scene s, const ReferenceTracer::Options& options = {}) : scene(std::move(s))
     {
         geometry = flattenGeometry(scene, 1, GeometryFilter::All);
-        paths = std::make_unique<PathTracer>(scene, geometry, LightUse::Reference);
+        paths = std::make_unique<PathTracer>(scene, geometry, LightUse::Reference, Bounces::Diffuse, embreeKernels());
         tracer = std::make_unique<ReferenceTracer>(scene, *paths, options);
     }
     /// Mean radiance from `direction` over `samples` paths.
@@ -28,7 +29,8 @@ struct Traced {
         uint64_t rays = 0;
         for (int i = 0; i < samples; ++i) {
             Sampler sampler(7, 11, uint32_t(i));
-            sum += glm::dvec3(tracer->radiance(origin, glm::normalize(direction), true, bounces, sampler, rays));
+            sum +=
+                glm::dvec3(tracer->radiance(origin, glm::normalize(direction), RayUse::Camera, bounces, sampler, rays));
         }
         return vec3(sum / double(samples));
     }

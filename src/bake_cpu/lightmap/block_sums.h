@@ -64,7 +64,8 @@ public:
         inverseSquares_.fill(0.0f);
     }
     /// Adds light that arrives along the rays of a stratum.
-    void add(std::size_t stratum, const Vec3Lanes<TexelGroup::kLanes>& irradiance, const RTCRay8& rays)
+    void add(std::size_t stratum, const Vec3Lanes<TexelGroup::kLanes>& irradiance,
+             std::span<const Ray, TexelGroup::kLanes> rays)
     {
         Half& half = halves_[halfOf(stratum)];
         for (std::size_t lane = 0; lane < TexelGroup::kLanes; ++lane) {
@@ -72,9 +73,9 @@ public:
             half.irradiance.y[lane] += irradiance.y[lane];
             half.irradiance.z[lane] += irradiance.z[lane];
             const float l = luminance(irradiance[lane]);
-            half.moment.x[lane] += l * rays.dir_x[lane];
-            half.moment.y[lane] += l * rays.dir_y[lane];
-            half.moment.z[lane] += l * rays.dir_z[lane];
+            half.moment.x[lane] += l * rays[lane].direction.x;
+            half.moment.y[lane] += l * rays[lane].direction.y;
+            half.moment.z[lane] += l * rays[lane].direction.z;
         }
     }
     /// Infinite for rays without a hit.

@@ -54,15 +54,14 @@ void FinalGather::gatherBlock(const GatherGroup& group, int number, uint64_t& ra
     weightHits(group, number, radiance, rays);
     // A loop of its own: vector loads right after scalar stores to the same memory would stall.
     for (std::size_t stratum = 0; stratum < radiance.size(); ++stratum) {
-        const RTCRay8& packet = block_.bundle.rays[stratum].ray;
         Vec3Lanes<kLanes>& r = radiance[stratum];
         for (std::size_t l = 0; l < kLanes; ++l) {
-            block_.sums.addDistance(l, packet.tfar[l]);
+            block_.sums.addDistance(l, block_.bundle.hits[stratum][l].distance);
             r.x[l] *= kPi;
             r.y[l] *= kPi;
             r.z[l] *= kPi;
         }
-        block_.sums.add(stratum, r, packet);
+        block_.sums.add(stratum, r, block_.bundle.rays[stratum]);
     }
 }
 

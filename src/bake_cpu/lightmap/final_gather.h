@@ -10,7 +10,7 @@ public:
     /// `cache` and `guides` null = no bounces: rays receive emitters and sky alone.
     FinalGather(const PathTracer& paths, const StratifiedPattern& pattern, const RadianceCache* cache,
                 const Guides* guides, const IntegrationSettings& settings)
-        : paths_(paths), pattern_(pattern), cache_(cache), settings_(settings), block_(paths.surfaces(), cache),
+        : paths_(paths), pattern_(pattern), cache_(cache), settings_(settings), block_(cache),
           next_(paths, pattern, cache, guides, settings)
     {}
 

@@ -11,7 +11,7 @@ namespace halflight {
 class HitLookup {
 public:
     /// `cache` null = no hit has a patch.
-    HitLookup(const RayTracer& tracer, const RadianceCache* cache) : tracer_(tracer), cache_(cache) {}
+    explicit HitLookup(const RadianceCache* cache) : cache_(cache) {}
 
     /// Looks up the hits of all rays of a bundle.
     void lookUp(const RayBundle& bundle);
@@ -48,7 +48,6 @@ private:
         bool found = false;
         bool emissive = false;
     };
-    const RayTracer& tracer_;
     const RadianceCache* cache_;
     std::array<Hit, kBlockSamples> hits_;
     std::array<PatchId, kBlockSamples> cached_; ///< patch or element whose radiance is usable, or kNoPatch
@@ -56,30 +55,27 @@ private:
 
 inline void HitLookup::lookUp(const RayBundle& bundle)
 {
-    std::array<FaceId, kBlockSamples> faces;
     for (int stratum = 0; stratum < StratifiedPattern::kBlock; ++stratum) {
         for (int lane = 0; lane < TexelGroup::kLanes; ++lane) {
             const std::size_t sample = sampleOf(stratum, lane);
-            hits_[sample] = {kNoPatch, bundle.found(stratum, lane), false};
+            const RayHit& hit = bundle.hit(stratum, lane);
+            hits_[sample] = {kNoPatch, hit.found(), false};
             cached_[sample] = kNoPatch;
-            if (!hits_[sample].found) continue;
-            faces[sample] = tracer_.faceOf(bundle.rays[std::size_t(stratum)], lane);
-            if (cache_ != nullptr) prefetch(&cache_->layout().surface(faces[sample]));
+            if (hit.found() && cache_ != nullptr) prefetch(&cache_->layout().surface(hit.face));
         }
     }
     if (cache_ == nullptr) return;
     const PatchLayout& layout = cache_->layout();
     SampleList onPatches;
     for (int stratum = 0; stratum < StratifiedPattern::kBlock; ++stratum) {
-        const RTCRayHit8& packet = bundle.rays[std::size_t(stratum)];
         for (int lane = 0; lane < TexelGroup::kLanes; ++lane) {
             const std::size_t sample = sampleOf(stratum, lane);
             Hit& hit = hits_[sample];
             if (!hit.found) continue;
-            const FaceId face = faces[sample];
-            if (!layout.hasPatches(face)) continue;
-            hit.emissive = layout.emissive(face);
-            hit.patch = layout.patchAt(face, embree::barycentricOf(packet, lane));
+            const RayHit& at = bundle.hit(stratum, lane);
+            if (!layout.hasPatches(at.face)) continue;
+            hit.emissive = layout.emissive(at.face);
+            hit.patch = layout.patchAt(at.face, at.barycentric);
             prefetch(cache_->patches() + hit.patch);
             cached_[sample] = hit.patch;
             onPatches.add(sample);
@@ -87,9 +83,10 @@ inline void HitLookup::lookUp(const RayBundle& bundle)
     }
     find(
         onPatches.samples(),
-        [&](std::size_t sample) { return bundle.distance(int(stratumOf(sample)), laneOf(sample)); },
+        [&](std::size_t sample) { return bundle.hit(int(stratumOf(sample)), laneOf(sample)).distance; },
         [&](std::size_t sample) {
-            return FacePoint{faces[sample], embree::barycentricOf(bundle.rays[stratumOf(sample)], laneOf(sample))};
+            const RayHit& at = bundle.hit(int(stratumOf(sample)), laneOf(sample));
+            return FacePoint{at.face, at.barycentric};
         });
 }
 

@@ -65,14 +65,15 @@ bool NextEvent::samplesSources() const
 
 float NextEvent::misWeightOfHit(const RayBundle& bundle, int stratum, int lane, PatchId patch) const
 {
-    const RTCRayHit8& packet = bundle.rays[std::size_t(stratum)];
+    const RayHit& hit = bundle.hit(stratum, lane);
     const auto l = std::size_t(lane);
     const vec3 direction = bundle.direction(stratum, lane);
-    const vec3 normal = glm::normalize(embree::normalOf(packet, lane));
+    const RayTracer& surfaces = paths_.surfaces();
+    const vec3 normal = surfaces.geometry().geometricNormal(surfaces.triangleAt(hit.face.hitIndex));
     const vec3 receiverNormal = bundle.frame(std::size_t(stratum)).normal[l];
     const float pdfArea = sourceFraction(l) * guides_->pdfArea(guide_[l], patch);
     const float cosine = std::max(std::abs(glm::dot(normal, direction)), 1.0e-6f);
-    return misWeightOfRay(PathTracer::gatherPdf(receiverNormal, direction), pdfArea, packet.ray.tfar[lane], cosine);
+    return misWeightOfRay(PathTracer::gatherPdf(receiverNormal, direction), pdfArea, hit.distance, cosine);
 }
 
 /// Makes the samples of the lanes in `sky` points of the sky. Their distance is beyond all geometry, which is at most
@@ -247,32 +248,28 @@ void NextEvent::addSamples(std::size_t stratum, const EmitterLanes& lanes, Gathe
 {
     if (std::none_of(lanes.pdfArea.begin(), lanes.pdfArea.end(), [](float pdf) { return pdf > 0.0f; })) return;
     const RayBundle::Frames& frame = block.bundle.frame(stratum);
-    RTCRay8 packet;
-    alignas(32) embree::LaneMask valid;
+    RayBundle::OfStratum<Ray> batch;
     std::array<float, kLanes> unshadowed; ///< irradiance per radiance
-    embree::clear(packet);
+    std::size_t traced = 0;
     for (std::size_t lane = 0; lane < kLanes; ++lane) {
         const vec3 position = block.bundle.origin(stratum, int(lane));
         const NextEventContribution next = lanes.from(lane, position, frame.normal[lane], frame.geometricNormal[lane]);
         unshadowed[lane] = next.factor * lanes.weight[lane];
-        valid.lane[lane] = next.distance > 0.0f ? -1 : 0;
-        embree::setRay(packet, int(lane), position, next.direction);
-        packet.tfar[lane] = next.distance * (1.0f - 1.0e-4f);
+        // Directions of lanes without a sample may be NaN.
+        if (!(next.distance > 0.0f)) continue;
+        batch[lane] = {position, 0.0f, next.direction, next.distance * (1.0f - 1.0e-4f)};
+        ++traced;
     }
-    const auto traced = std::count(valid.lane, valid.lane + kLanes, -1);
     if (traced == 0) return;
-    rays += uint64_t(traced);
-    const std::array<float, kLanes> transmittance = paths_.surfaces().transmittance(valid, packet);
+    rays += traced;
+    std::array<float, kLanes> transmittance;
+    paths_.surfaces().kernels().transmittance(batch, transmittance);
     Vec3Lanes<kLanes> irradiance;
     for (std::size_t lane = 0; lane < kLanes; ++lane) {
-        const bool lit = valid.lane[lane] != 0 && transmittance[lane] > 0.0f;
+        const bool lit = batch[lane].tMax >= 0.0f && transmittance[lane] > 0.0f;
         irradiance.set(lane, lit ? lanes.radiance[lane] * (unshadowed[lane] * transmittance[lane]) : vec3(0.0f));
-        // Directions of lanes without a sample may be NaN.
-        packet.dir_x[lane] = lit ? packet.dir_x[lane] : 0.0f;
-        packet.dir_y[lane] = lit ? packet.dir_y[lane] : 0.0f;
-        packet.dir_z[lane] = lit ? packet.dir_z[lane] : 0.0f;
     }
-    block.sums.add(stratum, irradiance, packet);
+    block.sums.add(stratum, irradiance, batch);
 }
 
 } // namespace halflight

@@ -11,7 +11,7 @@ namespace halflight {
 
 /// Rays, sums and lookups of the block that is being gathered.
 struct GatherBlock {
-    GatherBlock(const RayTracer& tracer, const RadianceCache* cache) : hits(tracer, cache) {}
+    explicit GatherBlock(const RadianceCache* cache) : hits(cache) {}
     RayBundle bundle;
     BlockSums sums;
     HitLookup hits;

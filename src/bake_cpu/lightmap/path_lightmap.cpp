@@ -67,7 +67,7 @@ bool walkGetsOut(const PathTracer& paths, SurfacePoint point, std::span<const ve
         ++rays;
         const RayHit hit =
             surfaces.nearest(origin, PathTracer::gatherDirection(point, sampler.next2()), 0.0f, kInfinity);
-        if (!hit.found) return true;
+        if (!hit.found()) return true;
         if (surfaces.hitHiddenBack(hit)) return false; // inside a solid or a shell
         const SurfaceHit surface = surfaces.surfaceAt(hit);
         if (surface.emission != vec3(0.0f)) return true;

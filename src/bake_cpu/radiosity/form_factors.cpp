@@ -95,24 +95,23 @@ void FormFactorSampler::addRay(const GatherGroup& group, int lane, int block, in
     PatchSamples& samples = out_.last(source);
     ++samples.rayCount;
     const vec3 direction = bundle_.direction(stratum, lane);
-    if (!bundle_.found(stratum, lane)) {
+    const RayHit& hit = bundle_.hit(stratum, lane);
+    if (!hit.found()) {
         samples.gathered += paths_.sky().dimRadiance(direction);
         return;
     }
-    const RTCRayHit8& packet = bundle_.rays[std::size_t(stratum)];
-    const FaceId face = faceOf(stratum, lane);
-    const PatchId target = pass_.targetOf(face, embree::barycentricOf(packet, lane));
+    const PatchId target = pass_.targetOf(hit.face, hit.barycentric);
     if (target == kNoPatch) {
         addPath(group, lane, block, stratum, source);
         return;
     }
     out_.links.push_back(target);
     ++samples.linkCount;
-    if (pass_.kind() == PassKind::Fronts) findNear(source, target, packet, lane);
-    if (!pass_.layout().emissive(face)) return;
+    if (pass_.kind() == PassKind::Fronts) findNear(source, target, hit);
+    if (!pass_.layout().emissive(hit.face)) return;
     const GatherGroup::Origin& s = group.origin(lane, number);
-    samples.gathered += paths_.weightedEmission(tracer_.surfaceAt(bundle_.hit(stratum, lane)), direction,
-                                                {s.position, s.normal}, PathTracer::gatherPdf(s.normal, direction));
+    samples.gathered += paths_.weightedEmission(tracer_.surfaceAt(hit), direction, {s.position, s.normal},
+                                                PathTracer::gatherPdf(s.normal, direction));
 }
 
 /// Continues a ray that hits no patch as a path. Its radiance is split by the number of reflections.
@@ -132,11 +131,11 @@ void FormFactorSampler::addPath(const GatherGroup& group, int lane, int block, i
 }
 
 /// Marks both ends of a short ray: later rays will hit them from as near.
-void FormFactorSampler::findNear(PatchId source, PatchId target, const RTCRayHit8& packet, int lane)
+void FormFactorSampler::findNear(PatchId source, PatchId target, const RayHit& hit)
 {
     if (target >= pass_.layout().chartPatches) return;
-    const uint32_t triangle = tracer_.triangleOf(packet.hit.geomID[lane], packet.hit.primID[lane]);
-    if (!(packet.ray.tfar[lane] < kNearestInPatches * pass_.widthOf(target, triangle))) return;
+    const uint32_t triangle = tracer_.triangleAt(hit.face.hitIndex);
+    if (!(hit.distance < kNearestInPatches * pass_.widthOf(target, triangle))) return;
     out_.hitNear.push_back(target);
     if (source < pass_.layout().chartPatches) out_.hitNear.push_back(source);
 }

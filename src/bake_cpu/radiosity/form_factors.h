@@ -87,12 +87,8 @@ private:
     void sortByElement(const GatherGroup& group, int lane, int block, std::span<uint8_t> strata) const;
     void addRay(const GatherGroup& group, int lane, int block, int stratum);
     void addPath(const GatherGroup& group, int lane, int block, int stratum, PatchId source);
-    void findNear(PatchId source, PatchId target, const RTCRayHit8& packet, int lane);
+    void findNear(PatchId source, PatchId target, const RayHit& hit);
     void addDirect(const TexelGroup& group, int sample);
-    [[nodiscard]] FaceId faceOf(int stratum, int lane) const
-    {
-        return tracer_.faceOf(bundle_.rays[std::size_t(stratum)], lane);
-    }
 
     const PatchPass& pass_;
     const PathTracer& paths_;

@@ -69,14 +69,14 @@ void OccluderSearch::searchPatch(const TexelGroup& group, int lane)
     targets[0] = previousPatch_ == patch ? previous_ : above;
     const TexelMap& map = pass_.input().map;
     const bool whole = count == kMaxTexelPoints && coveredArea(map, map.texels[group.texel(lane)]) > kWhole;
-    for (int i = 1; i < embree::kPacket; ++i) {
+    for (int i = 1; i < int(kTargets); ++i) {
         // The targets of partly covered texels are their sample points.
         const RimPoint& rim = rimPoints()[std::size_t(i - 1)];
         targets[std::size_t(i)] = whole ? above + rim.toBorder * (abovePoint(rim.point) - above) : abovePoint(i);
     }
     bool occluder = between(above, targets);
-    if (!whole && count > embree::kPacket) {
-        for (int i = 0; i < embree::kPacket; ++i) targets[std::size_t(i)] = abovePoint(embree::kPacket + i);
+    if (!whole && count > int(kTargets)) {
+        for (int i = 0; i < int(kTargets); ++i) targets[std::size_t(i)] = abovePoint(int(kTargets) + i);
         occluder = between(above, targets) || occluder;
     }
     if (occluder) occluded_.push_back(patch);
@@ -129,14 +129,14 @@ bool OccluderSearch::borderOfElement(const TexelGroup& group, int lane, const Su
     const vec3 edge1 = b - a;
     const vec3 edge2 = c - a;
     const vec2 corner = size * glm::floor(at / size);
-    constexpr std::array<vec2, embree::kPacket> kBorder = {{{0.0f, 0.0f},
-                                                            {0.5f, 0.0f},
-                                                            {1.0f, 0.0f},
-                                                            {1.0f, 0.5f},
-                                                            {1.0f, 1.0f},
-                                                            {0.5f, 1.0f},
-                                                            {0.0f, 1.0f},
-                                                            {0.0f, 0.5f}}};
+    constexpr std::array<vec2, kTargets> kBorder = {{{0.0f, 0.0f},
+                                                     {0.5f, 0.0f},
+                                                     {1.0f, 0.0f},
+                                                     {1.0f, 0.5f},
+                                                     {1.0f, 1.0f},
+                                                     {0.5f, 1.0f},
+                                                     {0.0f, 1.0f},
+                                                     {0.0f, 0.5f}}};
     for (std::size_t i = 0; i < targets.size(); ++i) {
         const vec2 way = corner + size * kBorder[i] - at;
         targets[i] = above + (cross2(way, surface.edgeV) * edge1 + cross2(surface.edgeU, way) * edge2) / area;
@@ -148,40 +148,29 @@ bool OccluderSearch::borderOfElement(const TexelGroup& group, int lane, const Su
 /// hidden back, the target is inside a solid or behind a shell, and the surface between is no occluder.
 bool OccluderSearch::between(vec3 from, const Targets& targets)
 {
-    RTCRayHit8 packet;
-    alignas(32) embree::LaneMask valid;
-    std::array<float, embree::kPacket> reach{};
-    embree::clear(packet.ray);
-    for (int i = 0; i < embree::kPacket; ++i) {
-        const vec3 target = targets[std::size_t(i)];
-        const float length = glm::distance(from, target);
-        valid.lane[i] = length > 0.0f ? -1 : 0;
-        if (valid.lane[i] == 0) continue;
-        embree::setRay(packet.ray, i, from, (target - from) / length);
-        reach[std::size_t(i)] = 0.999f * length;
-        packet.ray.tfar[i] = reach[std::size_t(i)];
+    std::array<Ray, kTargets> batch;
+    std::array<RayHit, kTargets> hits;
+    for (std::size_t i = 0; i < kTargets; ++i) {
+        const float length = glm::distance(from, targets[i]);
+        if (!(length > 0.0f)) continue;
+        batch[i] = {from, 0.0f, (targets[i] - from) / length, 0.999f * length};
         ++rays_;
     }
-    tracer_.intersect(valid, packet);
+    tracer_.kernels().nearest(batch, hits);
+    std::array<Ray, kTargets> reversed;
     bool any = false;
-    for (int i = 0; i < embree::kPacket; ++i) {
-        if (valid.lane[i] == 0) continue;
-        valid.lane[i] = embree::found(packet, i) ? -1 : 0;
-        if (valid.lane[i] == 0) continue;
+    for (std::size_t i = 0; i < kTargets; ++i) {
+        if (!hits[i].found()) continue;
         any = true;
-        const vec3 direction = embree::directionOf(packet.ray, i);
-        embree::setRay(packet.ray, i, from + reach[std::size_t(i)] * direction, -direction);
-        packet.ray.tfar[i] = reach[std::size_t(i)];
+        const Ray& ray = batch[i];
+        reversed[i] = {from + ray.tMax * ray.direction, 0.0f, -ray.direction, ray.tMax};
         ++rays_;
     }
     if (!any) return false;
-    tracer_.intersect(valid, packet);
-    for (int i = 0; i < embree::kPacket; ++i) {
-        if (valid.lane[i] == 0) continue;
-        const bool inside =
-            embree::found(packet, i) && embree::hitBack(packet, i) &&
-            tracer_.materials().backIsHidden(tracer_.triangleOf(packet.hit.geomID[i], packet.hit.primID[i]));
-        if (!inside) return true;
+    std::array<RayHit, kTargets> back;
+    tracer_.kernels().nearest(reversed, back);
+    for (std::size_t i = 0; i < kTargets; ++i) {
+        if (hits[i].found() && !tracer_.hitHiddenBack(back[i])) return true;
     }
     return false;
 }

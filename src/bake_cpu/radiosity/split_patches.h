@@ -17,7 +17,8 @@ public:
     [[nodiscard]] uint64_t rays() const { return rays_; }
 
 private:
-    using Targets = std::array<vec3, embree::kPacket>;
+    static constexpr std::size_t kTargets = 8;
+    using Targets = std::array<vec3, kTargets>;
     void searchPatch(const TexelGroup& group, int lane);
     void searchElements(const TexelGroup& group, int lane);
     bool borderOfElement(const TexelGroup& group, int lane, const SurfacePoint& point, vec3 above,

@@ -12,13 +12,14 @@ ReferenceTracer::ReferenceTracer(const Scene& scene, const PathTracer& paths, co
 ReferenceTracer::Hit ReferenceTracer::surfaceAt(const RayHit& at, vec3 view, bool first) const
 {
     const RayTracer& surfaces = paths_.surfaces();
-    const uint32_t triangle = surfaces.triangleOf(at.geomID, at.primID);
+    const uint32_t triangle = surfaces.triangleAt(at.face.hitIndex);
+    const bool back = at.face.back != 0;
     SurfacePoint point = surfacePoint(surfaces.geometry(), triangle, at.barycentric);
-    if (at.back) {
+    if (back) {
         point.normal = -point.normal;
         point.geometricNormal = -point.geometricNormal;
     }
-    point.normal = materials_.mappedNormal(point, at.back);
+    point.normal = materials_.mappedNormal(point, back);
     SurfaceReflectance surface = materials_.reflectanceAt(triangle, at.barycentric);
     if (options_.surfaces == ReferenceSurfaces::Diffuse ||
         (first && options_.surfaces == ReferenceSurfaces::DiffuseView)) {
@@ -71,7 +72,7 @@ vec3 ReferenceTracer::areaLightsAlong(const Hit& hit, vec3 direction, float dire
         const float distance =
             shading::meetAreaLight(light.type, toCenter, light.halfWidth, light.halfHeight, direction);
         if (distance <= 0.0f) return;
-        const bool hidden = next.found && next.distance < distance * (1.0f - 1.0e-4f);
+        const bool hidden = next.found() && next.distance < distance * (1.0f - 1.0e-4f);
         const float visible = hidden && paths_.shadowsFall(light, hit.point) ? 1.0f - light.shadowStrength : 1.0f;
         const float pdf =
             shading::areaSamplePdf(light.type, toCenter, light.halfWidth, light.halfHeight, distance * direction);
@@ -148,7 +149,7 @@ vec3 ReferenceTracer::limited(vec3 light) const
     return options_.clampNits > 0.0f && bright > options_.clampNits ? light * (options_.clampNits / bright) : light;
 }
 
-vec3 ReferenceTracer::radiance(vec3 origin, vec3 direction, bool cameraRay, int bounces, Sampler& sampler,
+vec3 ReferenceTracer::radiance(vec3 origin, vec3 direction, RayUse use, int bounces, Sampler& sampler,
                                uint64_t& rays) const
 {
     const RayTracer& surfaces = paths_.surfaces();
@@ -157,15 +158,15 @@ vec3 ReferenceTracer::radiance(vec3 origin, vec3 direction, bool cameraRay, int 
     Receiver from;
     float pdf = 0.0f;
     ++rays;
-    RayHit at = surfaces.nearest(origin, direction, 0.0f, kInfinity, cameraRay);
+    RayHit at = surfaces.nearest(origin, direction, 0.0f, kInfinity, use);
     for (int depth = 0;; ++depth) {
         const auto add = [&](vec3 light) { radiance += depth > 0 ? limited(throughput * light) : throughput * light; };
-        if (!at.found) {
+        if (!at.found()) {
             add(skyAlong(direction, pdf));
             break;
         }
-        if (depth == 0 && surfaces.materials().of(surfaces.triangleOf(at.geomID, at.primID)).unlit) {
-            return materials_.reflectanceAt(surfaces.triangleOf(at.geomID, at.primID), at.barycentric).baseColor;
+        if (depth == 0 && surfaces.materials().of(surfaces.triangleAt(at.face.hitIndex)).unlit) {
+            return materials_.reflectanceAt(surfaces.triangleAt(at.face.hitIndex), at.barycentric).baseColor;
         }
         const Hit hit = surfaceAt(at, -direction, depth == 0);
         if (hit.emission != vec3(0.0f)) add(hit.emission * emissionWeight(hit, direction, at.distance, from, pdf));
@@ -185,7 +186,7 @@ vec3 ReferenceTracer::radiance(vec3 origin, vec3 direction, bool cameraRay, int 
         at = surfaces.nearest(from.position, direction, 0.0f, kInfinity);
         const vec3 ofAreaLights = throughput * areaLightsAlong(hit, direction, pdf, at);
         radiance += depth > 0 ? limited(ofAreaLights) : ofAreaLights;
-        if (depth == 0 && at.found && options_.surfaces == ReferenceSurfaces::DiffuseBounces) {
+        if (depth == 0 && at.found() && options_.surfaces == ReferenceSurfaces::DiffuseBounces) {
             radiance += limited(throughput * paths_.pathRadiance(at, direction, from, pdf, bounces, sampler, rays));
             break;
         }

@@ -27,9 +27,8 @@ public:
     ReferenceTracer(const Scene& scene, const PathTracer& paths, const Options& options);
 
     /// Radiance that arrives at `origin` from a unit direction by paths of at most `bounces` reflections between the
-    /// last light source and the first surface. `cameraRay`: the first ray passes through backs of single-sided
-    /// surfaces and hits objects that cast no shadow (RayTracer::nearest()).
-    [[nodiscard]] vec3 radiance(vec3 origin, vec3 direction, bool cameraRay, int bounces, Sampler& sampler,
+    /// last light source and the first surface. `use`: of the first ray.
+    [[nodiscard]] vec3 radiance(vec3 origin, vec3 direction, RayUse use, int bounces, Sampler& sampler,
                                 uint64_t& rays) const;
 
 private:

@@ -11,8 +11,8 @@ namespace halflight {
 using shading::powerHeuristic;
 
 PathTracer::PathTracer(const Scene& scene, const BakeGeometry& geometry, LightUse use, Bounces bounces,
-                       RTCBuildQuality tree, InstructionSet isa)
-    : tracer_(scene, geometry, isa, tree), lights_(punctualLights(scene, use)), emitters_(tracer_), sky_(scene.sky),
+                       const MakeKernels& makeKernels)
+    : tracer_(scene, geometry, makeKernels), lights_(punctualLights(scene, use)), emitters_(tracer_), sky_(scene.sky),
       bounces_(bounces)
 {
     // Up to 8 lights are chosen by their exact unshadowed contributions.
@@ -81,20 +81,19 @@ vec3 PathTracer::shadowOrigin(const SurfacePoint& point, uint64_t& rays) const
     return tracer_.occluded(flat, (origin - flat) / lift, 0.0f, lift) ? flat : origin;
 }
 
-PathTracer::ShadowRay PathTracer::shadowRay(const PunctualLight& light, const SurfacePoint& point, vec2 disc,
-                                            uint64_t& rays) const
+Ray PathTracer::shadowRay(const PunctualLight& light, const SurfacePoint& point, vec2 disc, uint64_t& rays) const
 {
     const vec3 origin = shadowOrigin(point, rays);
     const LightRay ray = sampleLightRay(light, origin, disc);
     ++rays;
-    return {origin, ray.direction, tracer_.epsilonAt(point.position), ray.distance * (1.0f - 1.0e-4f)};
+    return {origin, tracer_.epsilonAt(point.position), ray.direction, ray.distance * (1.0f - 1.0e-4f)};
 }
 
 float PathTracer::lightVisibility(const PunctualLight& light, const SurfacePoint& point, vec2 disc,
                                   uint64_t& rays) const
 {
     if (!shadowsFall(light, point)) return 1.0f;
-    const ShadowRay ray = shadowRay(light, point, disc, rays);
+    const Ray ray = shadowRay(light, point, disc, rays);
     return tracer_.transmittance(ray.origin, ray.direction, ray.tMin, ray.tMax);
 }
 
@@ -287,15 +286,14 @@ vec3 PathTracer::pathRadiance(RayHit at, vec3 direction, Receiver from, float di
         (*byBounce)[std::size_t(reflections)] += throughput * light;
     };
     for (int depth = 0;; ++depth) {
-        if (!at.found) {
+        if (!at.found()) {
             add(sky_.dimRadiance(direction), depth);
             break;
         }
         // The surface's properties are not needed where the cache has its radiance and it does not emit.
         bool cached = false;
         if (lookup && depth < bounces) {
-            const CachedRadiance found =
-                lookup.at({tracer_.faceOf(at), at.barycentric, direction, at.distance}, bounces - depth);
+            const CachedRadiance found = lookup.at({at.face, at.barycentric, direction, at.distance}, bounces - depth);
             cached = found.found;
             if (cached) add(found.radiance, depth + 1);
             if (cached && !found.emissive) break;

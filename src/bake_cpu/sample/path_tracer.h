@@ -44,8 +44,8 @@ struct RadianceLookup {
 class PathTracer {
 public:
     /// `scene` and `geometry` outlive the tracer.
-    PathTracer(const Scene& scene, const BakeGeometry& geometry, LightUse use, Bounces bounces = Bounces::Diffuse,
-               RTCBuildQuality tree = RTC_BUILD_QUALITY_HIGH, InstructionSet isa = InstructionSet::Automatic);
+    PathTracer(const Scene& scene, const BakeGeometry& geometry, LightUse use, Bounces bounces,
+               const MakeKernels& makeKernels);
 
     [[nodiscard]] bool glossy() const { return bounces_ == Bounces::Glossy; }
     /// Albedo of the diffuse part of a surface.
@@ -148,13 +148,7 @@ public:
     EmitterInSpace skyInSpace(vec3 position, Sampler& sampler, uint64_t& rays) const;
 
     /// Shadow ray from a surface point to a point of a light's disc.
-    struct ShadowRay {
-        vec3 origin;
-        vec3 direction;
-        float tMin;
-        float tMax;
-    };
-    ShadowRay shadowRay(const PunctualLight& light, const SurfacePoint& point, vec2 disc, uint64_t& rays) const;
+    Ray shadowRay(const PunctualLight& light, const SurfacePoint& point, vec2 disc, uint64_t& rays) const;
     /// Transmittance along such a ray; 1 for lights without shadows.
     float lightVisibility(const PunctualLight& light, const SurfacePoint& point, vec2 disc, uint64_t& rays) const;
     /// The same for a point in space and a ray of sampleLightRay() from there.

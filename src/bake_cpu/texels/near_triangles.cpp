@@ -43,7 +43,7 @@ NearTriangles::NearTriangles(const RayTracer& tracer, const OrientedBox& box) : 
 {
     const vec3 center = box.worldFromBox * box.bounds.center();
     const float radius = 0.5f * glm::length(box.bounds.size()) + tracer.epsilonAt(center);
-    known_ = tracer.trianglesNear(center, radius, kMostTriangles, triangles_);
+    known_ = tracer.kernels().trianglesNear(center, radius, kMostTriangles, triangles_);
 }
 
 bool NearTriangles::isEmpty(const OrientedBox& box) const

@@ -9,9 +9,12 @@ namespace halflight {
 inline constexpr std::array<uint8_t, StratifiedPattern::kBlock> kAllStrata = {0, 1, 2,  3,  4,  5,  6,  7,
                                                                               8, 9, 10, 11, 12, 13, 14, 15};
 
-/// Rays of one block of all texels of a group. The rays of one stratum are a packet: they are coherent.
+/// Rays of one block of all texels of a group, and what they hit. The rays of one stratum are a batch: they are
+/// coherent.
 struct RayBundle {
-    std::array<RTCRayHit8, StratifiedPattern::kBlock> rays; ///< by stratum
+    template<typename T> using OfStratum = std::array<T, TexelGroup::kLanes>;
+    std::array<OfStratum<Ray>, StratifiedPattern::kBlock> rays;    ///< by stratum and lane
+    std::array<OfStratum<RayHit>, StratifiedPattern::kBlock> hits; ///< the same
 
     /// Sets origins and frames of the given strata of block `number`. Lanes without a texel get those of another lane.
     void place(const GatherGroup& group, int number, std::span<const uint8_t> strata)
@@ -20,17 +23,14 @@ struct RayBundle {
         const int any = group.firstActive();
         if (any == group.lanes()) return;
         for (const uint8_t stratum : strata) {
-            RTCRay8& packet = rays[stratum].ray;
             Frames& frame = frames_[flat_ ? 0 : stratum];
             const bool setFrame = !flat_ || stratum == strata.front();
             for (int lane = 0; lane < TexelGroup::kLanes; ++lane) {
                 const int from = group.active(lane) ? lane : any;
                 const GatherGroup::Origin& s = group.origin(from, group.pointOf(from, number, stratum));
-                packet.org_x[lane] = s.position.x;
-                packet.org_y[lane] = s.position.y;
-                packet.org_z[lane] = s.position.z;
-                if (!setFrame) continue;
                 const auto l = std::size_t(lane);
+                rays[stratum][l].origin = s.position;
+                if (!setFrame) continue;
                 frame.tangent.set(l, s.tangent);
                 frame.bitangent.set(l, s.bitangent);
                 frame.normal.set(l, s.normal);
@@ -44,11 +44,9 @@ struct RayBundle {
               int number, std::span<const uint8_t> strata)
     {
         place(group, number, strata);
-        alignas(32) embree::LaneMask valid;
         std::array<StratifiedPattern::Block, TexelGroup::kLanes> blocks;
         int active = 0;
         for (int lane = 0; lane < TexelGroup::kLanes; ++lane) {
-            valid.lane[lane] = group.active(lane) ? -1 : 0;
             blocks[std::size_t(lane)] = pattern.block(hashCombine(seed, group.id(lane)), number);
             active += group.active(lane) ? 1 : 0;
         }
@@ -60,8 +58,6 @@ struct RayBundle {
         }
         for (const uint8_t stratum : strata) {
             const Vec3Lanes<TexelGroup::kLanes>& local = locals[stratum];
-            RTCRayHit8& packet = rays[stratum];
-            embree::clear(packet.ray);
             const Frames& f = frame(stratum);
             Vec3Lanes<TexelGroup::kLanes> direction;
             for (std::size_t l = 0; l < TexelGroup::kLanes; ++l) {
@@ -72,10 +68,12 @@ struct RayBundle {
                 d -= (side < 0.0f ? 2.0f * side : 0.0f) * g;
                 direction.set(l, d);
             }
-            std::copy(direction.x.begin(), direction.x.end(), packet.ray.dir_x);
-            std::copy(direction.y.begin(), direction.y.end(), packet.ray.dir_y);
-            std::copy(direction.z.begin(), direction.z.end(), packet.ray.dir_z);
-            paths.surfaces().intersect(valid, packet);
+            for (std::size_t l = 0; l < TexelGroup::kLanes; ++l) {
+                Ray& ray = rays[stratum][l];
+                ray.direction = direction[l];
+                ray.tMax = group.active(int(l)) ? kInfinity : -1.0f;
+            }
+            paths.surfaces().kernels().nearest(rays[stratum], hits[stratum]);
         }
         return active * int(strata.size());
     }
@@ -88,22 +86,14 @@ struct RayBundle {
         Vec3Lanes<TexelGroup::kLanes> geometricNormal;
     };
     [[nodiscard]] const Frames& frame(std::size_t stratum) const { return frames_[flat_ ? 0 : stratum]; }
-    [[nodiscard]] vec3 origin(std::size_t stratum, int lane) const
-    {
-        const RTCRay8& r = rays[stratum].ray;
-        return {r.org_x[lane], r.org_y[lane], r.org_z[lane]};
-    }
+    [[nodiscard]] vec3 origin(std::size_t stratum, int lane) const { return rays[stratum][std::size_t(lane)].origin; }
     [[nodiscard]] vec3 direction(int stratum, int lane) const
     {
-        return embree::directionOf(rays[std::size_t(stratum)].ray, lane);
+        return rays[std::size_t(stratum)][std::size_t(lane)].direction;
     }
-    [[nodiscard]] bool found(int stratum, int lane) const { return embree::found(rays[std::size_t(stratum)], lane); }
-    [[nodiscard]] float distance(int stratum, int lane) const { return rays[std::size_t(stratum)].ray.tfar[lane]; }
-    [[nodiscard]] RayHit hit(int stratum, int lane) const
+    [[nodiscard]] const RayHit& hit(int stratum, int lane) const
     {
-        const RTCRayHit8& r = rays[std::size_t(stratum)];
-        return {found(stratum, lane), embree::hitBack(r, lane),       r.hit.geomID[lane],
-                r.hit.primID[lane],   embree::barycentricOf(r, lane), r.ray.tfar[lane]};
+        return hits[std::size_t(stratum)][std::size_t(lane)];
     }
 
 private:

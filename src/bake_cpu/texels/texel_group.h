@@ -19,7 +19,7 @@ enum class PointUse { Valid, All };
 
 class TexelGroup {
 public:
-    static constexpr int kLanes = embree::kPacket;
+    static constexpr int kLanes = 8;
 
     /// A texel whose points are all valid takes batch batchOf(id) of texelPoints(); other batches of partly valid
     /// texels have not been tested.

@@ -69,31 +69,23 @@ PointMask TexelValidity::hitBacks(const TexelPoints& points, PointMask which, ui
                                   uint64_t& rays) const
 {
     const RayTracer& tracer = paths_.surfaces();
-    RTCRayHit8 packet;
-    alignas(32) embree::LaneMask valid;
+    std::array<Ray, kMaxTexelPoints> batch;
+    std::array<RayHit, kMaxTexelPoints> found;
+    std::array<int, kMaxTexelPoints> number{};
+    std::size_t count = 0;
+    for (; which != 0; which &= PointMask(which - 1u)) {
+        const int p = std::countr_zero(which);
+        const SurfacePoint& point = points[std::size_t(p)];
+        Sampler sampler(kInsideSeed, hashCombine(id, uint32_t(p)), uint32_t(round));
+        number[count] = p;
+        batch[count++] = {paths_.rayOrigin(point), 0.0f, PathTracer::gatherDirection(point, sampler.next2()),
+                          kInfinity};
+    }
+    rays += count;
+    tracer.kernels().nearest({batch.data(), count}, {found.data(), count});
     PointMask hits = 0;
-    while (which != 0) {
-        std::array<int, embree::kPacket> number{};
-        embree::clear(packet.ray);
-        for (int lane = 0; lane < embree::kPacket; ++lane) {
-            valid.lane[lane] = which != 0 ? -1 : 0;
-            if (which == 0) continue;
-            const int p = std::countr_zero(which);
-            which &= PointMask(which - 1u);
-            number[std::size_t(lane)] = p;
-            const SurfacePoint& point = points[std::size_t(p)];
-            Sampler sampler(kInsideSeed, hashCombine(id, uint32_t(p)), uint32_t(round));
-            embree::setRay(packet.ray, lane, paths_.rayOrigin(point),
-                           PathTracer::gatherDirection(point, sampler.next2()));
-            ++rays;
-        }
-        tracer.intersect(valid, packet);
-        for (int lane = 0; lane < embree::kPacket; ++lane) {
-            if (valid.lane[lane] == 0 || !embree::found(packet, lane)) continue;
-            if (!embree::hitBack(packet, lane)) continue;
-            const uint32_t triangle = tracer.triangleOf(packet.hit.geomID[lane], packet.hit.primID[lane]);
-            if (tracer.materials().backIsHidden(triangle)) hits |= PointMask(1u << number[std::size_t(lane)]);
-        }
+    for (std::size_t i = 0; i < count; ++i) {
+        if (tracer.hitHiddenBack(found[i])) hits |= PointMask(1u << number[i]);
     }
     return hits;
 }
@@ -132,28 +124,20 @@ PointMask TexelValidity::visibleFrom(const TexelPoints& points, int first, Point
     const vec3 origin = above(first);
     auto visible = PointMask(1u << first);
     PointMask open = candidates & PointMask(~visible);
-    RTCRay8 packet;
-    alignas(32) embree::LaneMask valid;
-    while (open != 0) {
-        std::array<int, embree::kPacket> point{};
-        embree::clear(packet);
-        for (int lane = 0; lane < embree::kPacket; ++lane) {
-            valid.lane[lane] = open != 0 ? -1 : 0;
-            if (open == 0) continue;
-            point[std::size_t(lane)] = std::countr_zero(open);
-            open &= PointMask(open - 1u);
-            // The direction is not normalized: tfar 1 is the other point.
-            const vec3 way = above(point[std::size_t(lane)]) - origin;
-            embree::setRay(packet, lane, origin, way);
-            packet.tfar[lane] = 1.0f;
-            ++rays;
-        }
-        paths_.surfaces().occluded(valid, packet);
-        for (int lane = 0; lane < embree::kPacket; ++lane) {
-            if (valid.lane[lane] != 0 && packet.tfar[lane] >= 0.0f) {
-                visible |= PointMask(1u << point[std::size_t(lane)]);
-            }
-        }
+    std::array<Ray, kMaxTexelPoints> batch;
+    std::array<bool, kMaxTexelPoints> hidden{};
+    std::array<int, kMaxTexelPoints> number{};
+    std::size_t count = 0;
+    for (; open != 0; open &= PointMask(open - 1u)) {
+        number[count] = std::countr_zero(open);
+        // The direction is not normalized: 1 is the other point.
+        batch[count] = {origin, 0.0f, above(number[count]) - origin, 1.0f};
+        ++count;
+    }
+    rays += count;
+    paths_.surfaces().kernels().occluded({batch.data(), count}, {hidden.data(), count});
+    for (std::size_t i = 0; i < count; ++i) {
+        if (!hidden[i]) visible |= PointMask(1u << number[i]);
     }
     return visible;
 }
@@ -162,7 +146,10 @@ int TexelValidity::solidsLeft(const SurfacePoint& point, uint32_t id, int sample
 {
     Sampler sampler(kInsideSeed, id, uint32_t(sample));
     ++rays;
-    return paths_.surfaces().solidsLeft(paths_.rayOrigin(point), PathTracer::gatherDirection(point, sampler.next2()));
+    const Ray ray{paths_.rayOrigin(point), 0.0f, PathTracer::gatherDirection(point, sampler.next2()), kInfinity};
+    int left = 0;
+    paths_.surfaces().kernels().crossings({&ray, 1}, {&left, 1});
+    return left;
 }
 
 PointMask TexelValidity::outsideSolids(const TexelPoints& points, int pointCount, uint32_t texelId,

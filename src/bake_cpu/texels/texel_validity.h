@@ -50,7 +50,7 @@ private:
     PointMask visibleFromFirst(const TexelPoints& points, PointMask candidates, uint64_t& rays) const;
     /// Candidates visible from a point. `lift`: height of the lines of sight above the surface, in metres.
     PointMask visibleFrom(const TexelPoints& points, int first, PointMask candidates, float lift, uint64_t& rays) const;
-    /// RayTracer::solidsLeft() of one ray of a point.
+    /// RayKernels::crossings() of one ray of a point.
     int solidsLeft(const SurfacePoint& point, uint32_t id, int sample, uint64_t& rays) const;
 
     const PathTracer& paths_;

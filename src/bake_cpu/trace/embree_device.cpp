@@ -78,17 +78,18 @@ public:
     void addRays(Hasher& hasher) const
     {
         RayContext context(false);
-        LaneMask all{};
-        for (int& lane : all.lane) lane = -1;
         for (uint32_t packet = 0; packet < kPackets; ++packet) {
-            RTCRayHit8 rays{};
-            clear(rays.ray);
-            for (int lane = 0; lane < kPacket; ++lane) {
-                const uint32_t ray = 4 * kTriangles + packet * kPacket + uint32_t(lane);
-                setRay(rays.ray, lane, {number(ray, 0), number(ray, 1), number(ray, 2)},
-                       {number(ray, 3) - 0.5f, number(ray, 4) - 0.5f, number(ray, 5) - 0.5f});
-                rays.hit.geomID[lane] = RTC_INVALID_GEOMETRY_ID;
+            std::array<Ray, kPacket> fixed;
+            for (uint32_t lane = 0; lane < kPacket; ++lane) {
+                const uint32_t ray = 4 * kTriangles + packet * kPacket + lane;
+                fixed[lane] = {{number(ray, 0), number(ray, 1), number(ray, 2)},
+                               0.0f,
+                               {number(ray, 3) - 0.5f, number(ray, 4) - 0.5f, number(ray, 5) - 0.5f},
+                               kInfinity};
             }
+            RTCRayHit8 rays{};
+            const LaneMask all = fill(rays.ray, fixed);
+            for (unsigned& geomID : rays.hit.geomID) geomID = RTC_INVALID_GEOMETRY_ID;
             for (int lane = 0; lane < kPacket; ++lane) {
                 RTCRayHit one = rtcGetRayHitFromRayHitN(reinterpret_cast<RTCRayHitN*>(&rays), kPacket, unsigned(lane));
                 intersect(scene_, context, one);

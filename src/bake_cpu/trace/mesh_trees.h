@@ -1,7 +1,6 @@
 #pragma once
-// Embree's trees of shared meshes, and their instances in the scene's tree.
+// Shared meshes, each of which has a tree of its own, and their instances in the scene.
 
-#include "bake_cpu/trace/embree.h"
 #include "bake_cpu/trace/materials.h"
 
 #include "halflight/bake/bake_geometry.h"
@@ -11,8 +10,7 @@
 
 namespace halflight {
 
-/// Embree geometries: opaque triangles without a filter function, masked and blended triangles, and triangles that only
-/// camera rays hit.
+/// Kinds of triangles: opaque ones, masked and blended ones, and those that only camera rays hit.
 enum GeometryKind : uint32_t { Opaque, Transparent, NoShadow, KindCount };
 
 GeometryKind kindOf(const Materials& materials, const BakeGeometry::Part& part);
@@ -24,11 +22,10 @@ struct MeshTree {
     uint32_t endPart = 0;                              ///< after its last
     std::vector<uint32_t> triangles;                   ///< sorted by kind; counted from the object's first
     std::array<uint32_t, KindCount + 1> firstOfKind{}; ///< index into `triangles`; then their number
-    RTCScene scene = nullptr;
 };
 
-/// Trees of the shared meshes, and instances. Embree's number of an instance in the scene's tree is KindCount plus its
-/// index here.
+/// Trees of the shared meshes, and instances. The number of an instance's list of triangles is KindCount plus its index
+/// here.
 struct MeshTrees {
     struct Instance {
         uint32_t tree = 0;          ///< index into `trees`

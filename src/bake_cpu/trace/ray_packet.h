@@ -2,59 +2,33 @@
 // Access to the lanes of Embree's packets of eight rays.
 
 #include "bake_cpu/trace/embree.h"
+#include "bake_cpu/trace/ray.h"
 
-#include "halflight/base/math.h"
+#include <span>
 
 namespace halflight::embree {
 
-/// Sets the default values of all rays; origins and directions are left as they are.
-inline void clear(RTCRay8& rays)
+/// Fills a packet with up to eight rays. The lanes of rays that meet nothing, and those without a ray, are not traced.
+inline LaneMask fill(RTCRay8& packet, std::span<const Ray> rays)
 {
-    for (int i = 0; i < kPacket; ++i) {
-        rays.tnear[i] = 0.0f;
-        rays.tfar[i] = kInfinity;
-        rays.time[i] = 0.0f;
-        rays.mask[i] = ~0u;
-        rays.id[i] = 0u;
-        rays.flags[i] = 0u;
+    LaneMask valid{};
+    for (std::size_t i = 0; i < kPacket; ++i) {
+        const Ray& ray = rays[i < rays.size() ? i : 0];
+        packet.org_x[i] = ray.origin.x;
+        packet.org_y[i] = ray.origin.y;
+        packet.org_z[i] = ray.origin.z;
+        packet.dir_x[i] = ray.direction.x;
+        packet.dir_y[i] = ray.direction.y;
+        packet.dir_z[i] = ray.direction.z;
+        packet.tnear[i] = ray.tMin;
+        packet.tfar[i] = ray.tMax;
+        packet.time[i] = 0.0f;
+        packet.mask[i] = ~0u;
+        packet.id[i] = 0u;
+        packet.flags[i] = 0u;
+        valid.lane[i] = i < rays.size() && ray.tMax >= ray.tMin ? -1 : 0;
     }
-}
-
-inline void setRay(RTCRay8& rays, int lane, vec3 origin, vec3 direction)
-{
-    rays.org_x[lane] = origin.x;
-    rays.org_y[lane] = origin.y;
-    rays.org_z[lane] = origin.z;
-    rays.dir_x[lane] = direction.x;
-    rays.dir_y[lane] = direction.y;
-    rays.dir_z[lane] = direction.z;
-}
-
-inline vec3 directionOf(const RTCRay8& rays, int lane)
-{
-    return {rays.dir_x[lane], rays.dir_y[lane], rays.dir_z[lane]};
-}
-
-inline vec2 barycentricOf(const RTCRayHit8& rays, int lane)
-{
-    return {rays.hit.u[lane], rays.hit.v[lane]};
-}
-
-/// Geometric normal of the hit, as Embree has it: not normalized, towards the triangle's front.
-inline vec3 normalOf(const RTCRayHit8& rays, int lane)
-{
-    return {rays.hit.Ng_x[lane], rays.hit.Ng_y[lane], rays.hit.Ng_z[lane]};
-}
-
-inline bool found(const RTCRayHit8& rays, int lane)
-{
-    return rays.hit.geomID[lane] != RTC_INVALID_GEOMETRY_ID;
-}
-
-/// Whether a ray hit the back of its triangle.
-inline bool hitBack(const RTCRayHit8& rays, int lane)
-{
-    return glm::dot(normalOf(rays, lane), directionOf(rays.ray, lane)) > 0.0f;
+    return valid;
 }
 
 } // namespace halflight::embree

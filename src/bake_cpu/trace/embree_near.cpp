@@ -1,12 +1,12 @@
 // Triangles near a point, from Embree's trees.
-#include "bake_cpu/trace/ray_tracer.h"
+#include "bake_cpu/trace/embree_kernels.h"
 
 namespace halflight {
 
-bool RayTracer::trianglesNear(vec3 center, float radius, std::size_t most, std::vector<uint32_t>& triangles) const
+bool EmbreeKernels::trianglesNear(vec3 center, float radius, std::size_t most, std::vector<uint32_t>& triangles) const
 {
     struct Search {
-        const RayTracer& tracer;
+        const RayScene& scene;
         std::size_t most;
         std::vector<uint32_t>& triangles;
         bool tooMany = false;
@@ -20,10 +20,10 @@ bool RayTracer::trianglesNear(vec3 center, float radius, std::size_t most, std::
             uint32_t primID = arguments->primID;
             if (context.instStackSize > 0) {
                 geomID = context.instID[0];
-                const MeshTrees& trees = search.tracer.meshTrees_;
+                const MeshTrees& trees = search.scene.meshTrees();
                 primID += trees.treeOf(trees.instances[geomID - KindCount]).firstOfKind[arguments->geomID];
             }
-            search.triangles.push_back(search.tracer.triangleOf(geomID, primID));
+            search.triangles.push_back(search.scene.triangleOf(geomID, primID));
             if (search.triangles.size() <= search.most) return false;
             search.tooMany = true;
             arguments->query->radius = 0.0f; // ends the search
@@ -31,11 +31,11 @@ bool RayTracer::trianglesNear(vec3 center, float radius, std::size_t most, std::
         }
     };
     triangles.clear();
-    Search search{*this, most, triangles};
+    Search search{scene_, most, triangles};
     RTCPointQuery query{center.x, center.y, center.z, 0.0f, radius};
     RTCPointQueryContext context;
     rtcInitPointQueryContext(&context);
-    rtcPointQuery(scene_, &query, &context, Search::visit, &search);
+    rtcPointQuery(tree_, &query, &context, Search::visit, &search);
     return !search.tooMany;
 }
 
