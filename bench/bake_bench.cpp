@@ -16,8 +16,8 @@
 #include "measure.h"
 #include "whole_bakes.h"
 
-#include "bake_cpu/guiding/build_guides.h"
-#include "bake_cpu/lightmap/lightmap_run.h"
+#include "transport/guiding/build_guides.h"
+#include "transport/lightmap/lightmap_run.h"
 #include "bake_cpu/trace/embree_kernels.h"
 
 #include "halflight/bake/bake.h"

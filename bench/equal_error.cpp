@@ -3,7 +3,7 @@
 #include "equal_error.h"
 
 #include "bake/denoise/denoise.h"
-#include "bake_cpu/lightmap/lightmap_run.h"
+#include "transport/lightmap/lightmap_run.h"
 
 #include <algorithm>
 #include <cmath>

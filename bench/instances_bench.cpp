@@ -3,7 +3,7 @@
 #include "measure.h"
 
 #include "bake_cpu/trace/embree_kernels.h"
-#include "bake_cpu/trace/ray_tracer.h"
+#include "transport/trace/ray_tracer.h"
 #include "halflight/base/random.h"
 
 #include <glm/gtc/matrix_transform.hpp>

@@ -39,7 +39,7 @@ find_package(tomlplusplus REQUIRED)
 find_path(STB_INCLUDE_DIR stb_image.h PATH_SUFFIXES stb REQUIRED)
 find_path(TINYGLTF_INCLUDE_DIR tiny_gltf.h REQUIRED)
 
-# Embree 4, or 3 on Debian 12. Sources include "bake_cpu/embree.h", which hides the difference.
+# Embree 4, or 3 on Debian 12. Sources include "bake_cpu/trace/embree.h", which hides the difference.
 find_package(embree 4 QUIET)
 if(NOT embree_FOUND)
     find_package(embree 3 REQUIRED)

@@ -27,7 +27,7 @@ if(TARGET halflight_window)
         COMPONENT view OPTIONAL)
     install(FILES ${HALFLIGHT_COPYRIGHT} DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/halflight-view COMPONENT view)
 endif()
-install(TARGETS halflight_base halflight_shading halflight_scene halflight_unwrap halflight_bake halflight_bake_cpu
+install(TARGETS halflight_base halflight_shading halflight_scene halflight_unwrap halflight_bake halflight_transport halflight_bake_cpu
                 halflight_gpu halflight_frame halflight_render
     EXPORT halflightTargets ARCHIVE COMPONENT development LIBRARY COMPONENT development)
 # The window is a part of the program, not of the libraries.

@@ -18,13 +18,14 @@ ALLOWED = {
     "unwrap": {"scene", "base"},
     # The bake checks its probes with what renderers interpolate.
     "bake": {"unwrap", "render/frame", "shading", "scene", "base"},
-    "bake_cpu": {"bake", "render/frame", "unwrap", "shading", "scene", "base"},
+    "transport": {"bake", "render/frame", "unwrap", "shading", "scene", "base"},
+    "bake_cpu": {"transport", "bake", "render/frame", "unwrap", "shading", "scene", "base"},
     "gpu": {"base"},
-    "bake_gpu": {"bake", "render/frame", "gpu", "unwrap", "shading", "scene", "base"},
+    "bake_gpu": {"transport", "bake", "render/frame", "gpu", "unwrap", "shading", "scene", "base"},
     # The frame's decisions are usable without Vulkan, so they are a module of their own inside render.
     "render/frame": {"scene", "shading", "base"},
     "render": {"render/frame", "scene", "shading", "gpu", "base"},
-    "view": {"render", "render/frame", "bake_cpu", "bake", "unwrap", "gpu", "scene", "shading", "base"},
+    "view": {"render", "render/frame", "bake_cpu", "transport", "bake", "unwrap", "gpu", "scene", "shading", "base"},
 }
 
 def floors(*names):
@@ -46,16 +47,16 @@ FOLDERS = {
     "unwrap": floors("surface", "objects", "charts", "pack", "cuts", "result"),
     "render": floors("frame", "scene", "passes"),
     "view": floors("state", "panels", "window", "scene"),
-    "bake_cpu": {
+    "transport": {
         "trace": set(),
         "sample": {"trace"},
         "texels": {"sample", "trace"},
         "radiosity": {"texels", "sample", "trace"},
         "shadows": {"texels", "sample", "trace"},
         "guiding": {"radiosity", "texels", "sample", "trace"},
-        "reference": {"sample", "trace"},
         "lightmap": {"guiding", "radiosity", "texels", "sample", "trace"},
     },
+    "bake_cpu": floors("trace", "reference"),
 }
 
 # Libraries that only some folders may see: the last column of the table in docs/architecture.md, which the check compares
@@ -228,10 +229,11 @@ def self_test():
         "include/halflight/bake/bake.h": '#include "halflight/scene/scene.h"\n',
         "src/scene/reader.cpp": "#include <tiny_gltf.h>\n",
         "src/bake_cpu/trace.cpp": '#include <embree3/rtcore.h>\n#include "halflight/bake/bake.h"\n',
-        "src/bake_cpu/trace/tracer.h": "#include <embree3/rtcore.h>\n",
-        "src/bake_cpu/sample/light.h": '#include "bake_cpu/trace/tracer.h"\n',
-        "src/bake_cpu/lightmap/gather.cpp": '#include "bake_cpu/sample/light.h"\n#include "bake_cpu/trace/tracer.h"\n',
-        "src/bake_cpu/wiring.h": '#include "bake_cpu/sample/light.h"\n',
+        "src/bake_cpu/trace/kernels.h": '#include <embree3/rtcore.h>\n#include "transport/trace/rays.h"\n',
+        "src/transport/trace/rays.h": "#include <span>\n",
+        "src/transport/sample/light.h": '#include "transport/trace/rays.h"\n',
+        "src/transport/lightmap/gather.cpp": '#include "transport/sample/light.h"\n#include "transport/trace/rays.h"\n',
+        "src/transport/wiring.h": '#include "transport/sample/light.h"\n',
         "src/gpu/device.h": "#include <vulkan/vulkan.hpp>\n",
         "src/render/pass.cpp": '#include "gpu/device.h"\n#include "render/frame/plan.h"\n#include <vulkan/vulkan.hpp>\n',
         "src/render/frame/plan.h": '#include "halflight/render/frame.h"\n#include "halflight/shading/law.h"\n',
@@ -253,10 +255,11 @@ def self_test():
         ("src/render/x.cpp", "#include <tiny_gltf.h>\n", "only src/scene/"),
         ("apps/tool/x.cpp", "#include <tiny_gltf.h>\n", "only src/scene/"),
         ("src/bake/x.cpp", "#include <embree4/rtcore.h>\n", "only src/bake_cpu/"),
-        ("src/bake_cpu/trace/x.cpp", '#include "bake_cpu/sample/light.h"\n', "bake_cpu/trace may not include"),
-        ("src/bake_cpu/trace/y.cpp", '#include "../sample/light.h"\n', "bake_cpu/trace may not include"),
-        ("src/bake_cpu/sample/x.cpp", '#include "bake_cpu/wiring.h"\n', "bake_cpu/sample may not include"),
-        ("src/bake_cpu/stray/x.cpp", '#include "bake_cpu/trace/tracer.h"\n', "is not in FOLDERS"),
+        ("src/transport/x.cpp", '#include "bake_cpu/trace/kernels.h"\n', "transport may not include bake_cpu"),
+        ("src/transport/trace/x.cpp", '#include "transport/sample/light.h"\n', "transport/trace may not include"),
+        ("src/transport/trace/y.cpp", '#include "../sample/light.h"\n', "transport/trace may not include"),
+        ("src/transport/sample/x.cpp", '#include "transport/wiring.h"\n', "transport/sample may not include"),
+        ("src/transport/stray/x.cpp", '#include "transport/trace/rays.h"\n', "is not in FOLDERS"),
         ("apps/tool/x.cpp", "#include <unistd.h>\n", "only src/base/"),
         ("apps/tool/x.cpp", "#include <draco/mesh/mesh.h>\n", "only src/scene/"),
         ("src/scene/x.cpp", "#include <webp/decode.h>\n", "only src/base/"),

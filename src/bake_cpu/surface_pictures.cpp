@@ -3,8 +3,8 @@
 #include "bake/geometry/flatten.h"
 #include "bake/pages/dilate.h"
 #include "bake/texels/rasterize.h"
-#include "bake_cpu/trace/materials.h"
-#include "bake_cpu/trace/texture_filter.h"
+#include "transport/trace/materials.h"
+#include "transport/trace/texture_filter.h"
 #include "shading/srgb_table.h"
 
 #include "halflight/base/image_filter.h"

@@ -1,7 +1,7 @@
 // Samples that guides aim at secondary light sources (spec S6).
 
 #include "bake/test_scene.h"
-#include "bake_cpu/sample/lights.h"
+#include "transport/sample/lights.h"
 
 #include <gtest/gtest.h>
 

@@ -3,7 +3,7 @@
 
 #include "bake/test_scene.h"
 #include "bake_cpu/trace/embree_kernels.h"
-#include "bake_cpu/trace/ray_tracer.h"
+#include "transport/trace/ray_tracer.h"
 #include "base/temp_folder.h"
 
 #include "halflight/bake/farm.h"

@@ -5,7 +5,7 @@
 #include "bake/seams/seams.h"
 #include "bake/test_scene.h"
 #include "bake_cpu/trace/embree_kernels.h"
-#include "bake_cpu/trace/ray_tracer.h"
+#include "transport/trace/ray_tracer.h"
 
 #include "halflight/base/random.h"
 

@@ -1,8 +1,8 @@
 // The light tree against sums over all lights, and the strata of sample blocks (spec S6).
 
 #include "bake/test_room.h"
-#include "bake_cpu/sample/light_tree.h"
-#include "bake_cpu/sample/stratified_pattern.h"
+#include "transport/sample/light_tree.h"
+#include "transport/sample/stratified_pattern.h"
 
 #include "halflight/base/random.h"
 

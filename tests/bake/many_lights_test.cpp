@@ -2,8 +2,8 @@
 #include "bake/area_light_scene.h"
 #include "bake/geometry/indices.h"
 #include "bake/test_scene.h"
-#include "bake_cpu/sample/light_reach.h"
-#include "bake_cpu/shadows/texel_runs.h"
+#include "transport/sample/light_reach.h"
+#include "transport/shadows/texel_runs.h"
 
 #include "halflight/base/random.h"
 #include "halflight/shading/color.h"

@@ -1,7 +1,7 @@
 // How many shadow rays texels get (spec S8).
 
 #include "bake/test_scene.h"
-#include "bake_cpu/sample/path_tracer.h"
+#include "transport/sample/path_tracer.h"
 #include "bake_cpu/trace/embree_kernels.h"
 
 #include "halflight/shading/sampling.h"

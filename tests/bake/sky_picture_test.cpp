@@ -2,7 +2,7 @@
 
 #include "bake/both_integrators.h"
 #include "bake/test_sky.h"
-#include "bake_cpu/sample/sky_light.h"
+#include "transport/sample/sky_light.h"
 
 #include "halflight/base/random.h"
 #include "halflight/render/probes.h"

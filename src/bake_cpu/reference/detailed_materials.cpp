@@ -1,6 +1,6 @@
 #include "bake_cpu/reference/detailed_materials.h"
 
-#include "bake_cpu/trace/texture_filter.h"
+#include "transport/trace/texture_filter.h"
 #include "shading/srgb_table.h"
 
 namespace halflight {

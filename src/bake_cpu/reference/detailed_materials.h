@@ -1,7 +1,7 @@
 #pragma once
 // Materials as the renderer reads them: textures at full resolution with bilinear filtering, and normal maps.
 
-#include "bake_cpu/trace/ray_tracer.h"
+#include "transport/trace/ray_tracer.h"
 
 #include "halflight/scene/scene.h"
 

@@ -3,7 +3,7 @@
 
 #include "bake_cpu/reference/detailed_materials.h"
 #include "bake_cpu/reference/scattering.h"
-#include "bake_cpu/sample/path_tracer.h"
+#include "transport/sample/path_tracer.h"
 
 #include "halflight/bake_cpu/embree_integrator.h"
 

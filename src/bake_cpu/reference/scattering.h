@@ -1,7 +1,7 @@
 #pragma once
 // Reflection at one point of a surface: glTF's BRDF, and directions that are sampled from it.
 
-#include "bake_cpu/trace/materials.h"
+#include "transport/trace/materials.h"
 
 #include "halflight/bake/integrator.h"
 #include "halflight/shading/brdf_sampling.h"

@@ -2,7 +2,7 @@
 // Embree behind RayKernels.
 
 #include "bake_cpu/trace/embree_bytes.h"
-#include "bake_cpu/trace/ray_kernels.h"
+#include "transport/trace/ray_kernels.h"
 
 namespace halflight {
 
@@ -23,6 +23,7 @@ public:
     void transmittance(std::span<const Ray> rays, std::span<float> out) const override;
     void crossings(std::span<const Ray> rays, std::span<int> out) const override;
     bool trianglesNear(vec3 center, float radius, std::size_t most, std::vector<uint32_t>& triangles) const override;
+    [[nodiscard]] std::string describe(const std::string& method) const override;
     [[nodiscard]] std::size_t peakBytes() const override { return embreeBytes_.most(); }
 
 private:

@@ -3,6 +3,8 @@
 
 #include "bake_cpu/trace/embree_device.h"
 
+#include "halflight/base/parallel.h"
+
 #include <algorithm>
 #include <array>
 #include <utility>
@@ -28,6 +30,13 @@ EmbreeKernels::~EmbreeKernels()
     if (tree_ != nullptr) rtcReleaseScene(tree_);
     for (RTCScene tree : meshTrees_) rtcReleaseScene(tree);
     if (device_ != nullptr) rtcReleaseDevice(device_);
+}
+
+std::string EmbreeKernels::describe(const std::string& method) const
+{
+    const int threads = threadCount();
+    return "cpu (" + method + ", Embree " + RTC_VERSION_STRING + ", " + std::to_string(threads) +
+           (threads == 1 ? " thread)" : " threads)");
 }
 
 MakeKernels embreeKernels(InstructionSet isa, RTCBuildQuality quality)

@@ -2,7 +2,7 @@
 // Access to the lanes of Embree's packets of eight rays.
 
 #include "bake_cpu/trace/embree.h"
-#include "bake_cpu/trace/ray.h"
+#include "transport/trace/ray.h"
 
 #include <span>
 

@@ -1,0 +1,128 @@
+#pragma once
+// Secondary light sources in clusters, sampled by area.
+
+#include "transport/guiding/patch_light.h"
+#include "transport/radiosity/patch_layout.h"
+#include "transport/sample/alias_table.h"
+#include "transport/trace/prefetch.h"
+
+#include "halflight/shading/sampling.h"
+
+#include <array>
+#include <span>
+#include <vector>
+
+namespace halflight {
+
+/// A sample of secondary sources while it is chosen, step by step. Each step reads memory that the step before
+/// prefetched.
+struct SourceChoice {
+    static constexpr uint32_t kNone = ~0u;
+    uint32_t index = kNone; ///< of a cluster, then of an alias bin, then of a source triangle
+    float probability = 0.0f;
+    vec2 u{0.0f};
+};
+
+/// A sampled point of a secondary source.
+struct SourcePoint {
+    FaceId face;
+    PatchId patch = 0;
+    vec2 barycentric{0.0f};
+    vec3 position{0.0f};
+    vec3 normal{0.0f};    ///< geometric, of the face
+    float pdfArea = 0.0f; ///< per square metre
+};
+
+/// Clusters of patches (lightcuts: Walter et al. 2005, "Lightcuts: A Scalable Approach to Illumination"). A cluster is
+/// a cell of a hash grid 32 texels wide. Points on it are in proportion to radiance.
+class LightClusters {
+public:
+    LightClusters() = default;
+    /// Clusters of the patches that were hit, by number of hits.
+    LightClusters(std::span<const PatchLight> patches, std::span<const uint32_t> timesHit, float texelMeters);
+    /// Removes clusters of use 0 and, beyond a limit that follows from the map's size, those of least use per triangle;
+    /// then finds the triangles of the others.
+    void finish(const PatchLayout& layout, const RayTracer& tracer, std::span<const PatchLight> patches,
+                std::span<const float> useOfCluster);
+
+    template<typename Archive> void archive(Archive& a) { a(clusters_, triangles_, bins_, members_); }
+    [[nodiscard]] bool empty() const { return triangles_.empty(); }
+    [[nodiscard]] std::size_t size() const { return clusters_.size(); }
+    /// ~0 = none.
+    [[nodiscard]] uint32_t clusterOf(PatchId patch) const
+    {
+        return patch < members_.size() ? members_[patch].cluster : ~0u;
+    }
+    /// Whether points of a patch are sampled.
+    [[nodiscard]] bool contains(PatchId patch) const
+    {
+        return patch < members_.size() && members_[patch].pdfArea > 0.0f;
+    }
+    /// Density on a patch given its cluster, per square metre; 0 for patches that are not sampled.
+    [[nodiscard]] float pdfArea(PatchId patch) const { return members_[patch].pdfArea; }
+
+    void prefetch(uint32_t cluster) const { halflight::prefetch(&clusters_[cluster]); }
+    /// From a cluster to a bin of its alias table; to kNone if the cluster was removed.
+    void chooseBin(SourceChoice& choice) const
+    {
+        const Cluster& cluster = clusters_[choice.index];
+        choice.index = SourceChoice::kNone;
+        if (cluster.triangleCount == 0) return;
+        const float at = choice.u.x * float(cluster.triangleCount);
+        const uint32_t bin = std::min(uint32_t(at), cluster.triangleCount - 1);
+        choice.index = cluster.firstTriangle + bin;
+        choice.u.x = at - float(bin);
+        halflight::prefetch(&bins_[choice.index]);
+    }
+    void chooseTriangle(SourceChoice& choice) const
+    {
+        choice.index += bins_[choice.index].select(choice.u.x);
+        const char* triangle = reinterpret_cast<const char*>(&triangles_[choice.index]);
+        halflight::prefetch(triangle);
+        halflight::prefetch(triangle + sizeof(SourceTriangle) - 1);
+    }
+    void choosePoint(const SourceChoice& choice, SourcePoint& point) const
+    {
+        const SourceTriangle& t = triangles_[choice.index];
+        const vec2 at = shading::sampleTriangle(choice.u);
+        point.face = t.face;
+        point.patch = t.patch;
+        point.barycentric = t.corners[0] + at.x * (t.corners[1] - t.corners[0]) + at.y * (t.corners[2] - t.corners[0]);
+        point.position = t.origin + at.x * t.edge1 + at.y * t.edge2;
+        point.normal = t.normal;
+        point.pdfArea = choice.probability * t.pdfArea;
+    }
+
+private:
+    /// Part of a scene triangle that lies in one patch.
+    struct SourceTriangle {
+        FaceId face;
+        PatchId patch = 0;
+        std::array<vec2, 3> corners; ///< barycentric
+        vec3 origin{0.0f};
+        vec3 edge1{0.0f};
+        vec3 edge2{0.0f};
+        vec3 normal{0.0f};    ///< of its face
+        float pdfArea = 0.0f; ///< given the cluster
+        [[nodiscard]] float area() const { return 0.5f * glm::length(glm::cross(edge1, edge2)); }
+    };
+    struct Cluster {
+        uint32_t firstTriangle = 0;
+        uint32_t triangleCount = 0;
+    };
+    struct Member {
+        uint32_t cluster = ~0u;
+        float pdfArea = 0.0f; ///< given the cluster; 0 = not sampled
+    };
+    template<typename Body>
+    void forTriangles(const PatchLayout& layout, const RayTracer& tracer, const Body& body) const;
+    void remove(std::span<const float> useOfCluster, std::span<const uint32_t> triangleCounts);
+    void addTriangles(const PatchLayout& layout, const RayTracer& tracer, std::span<const PatchLight> patches);
+
+    std::vector<Cluster> clusters_;
+    std::vector<SourceTriangle> triangles_; ///< cluster by cluster
+    std::vector<AliasBin> bins_;            ///< of the triangles
+    std::vector<Member> members_;           ///< by chart patch
+};
+
+} // namespace halflight

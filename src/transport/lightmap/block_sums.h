@@ -1,0 +1,109 @@
+#pragma once
+// Sums over the samples of one block of eight texels, and the estimates of texels that they are added to.
+
+#include "transport/sample/running_moments.h"
+#include "transport/texels/ray_bundle.h"
+
+#include "halflight/base/finite.h"
+
+#include <span>
+
+namespace halflight {
+
+/// Estimate of one texel. Its samples are half-blocks, so that one block has a variance.
+struct TexelEstimate {
+    RunningMoments gathered;     ///< along gather rays and from secondary sources
+    RunningMoments emitted;      ///< from emitters
+    float inverseSquares = 0.0f; ///< sum over the gather rays of 1 / length^2, in 1 / m^2
+
+    [[nodiscard]] uint32_t blocks() const { return gathered.count / 2; }
+    [[nodiscard]] vec3 irradiance() const { return gathered.mean() + emitted.mean(); }
+    [[nodiscard]] float meanInverseSquare() const
+    {
+        return inverseSquares / float(blocks() * uint32_t(StratifiedPattern::kBlock));
+    }
+};
+
+/// Samples of a block, numbered by stratum, then lane.
+constexpr std::size_t kBlockSamples = std::size_t(StratifiedPattern::kBlock) * TexelGroup::kLanes;
+inline std::size_t sampleOf(int stratum, int lane)
+{
+    return std::size_t(stratum * TexelGroup::kLanes + lane);
+}
+inline std::size_t stratumOf(std::size_t sample)
+{
+    return sample / TexelGroup::kLanes;
+}
+inline int laneOf(std::size_t sample)
+{
+    return int(sample % TexelGroup::kLanes);
+}
+
+class SampleList {
+public:
+    void add(std::size_t sample) { list_[count_++] = uint8_t(sample); }
+    /// Without a branch, which would be mispredicted often.
+    void addIf(bool wanted, std::size_t sample)
+    {
+        list_[count_] = uint8_t(sample);
+        count_ += wanted ? 1 : 0;
+    }
+    [[nodiscard]] std::span<const uint8_t> samples() const { return {list_.data(), count_}; }
+
+private:
+    std::array<uint8_t, kBlockSamples + 1> list_;
+    std::size_t count_ = 0;
+};
+
+/// Sums of a block in two halves. Each half has two strata of each row and column of the pattern.
+class BlockSums {
+public:
+    void begin()
+    {
+        halves_ = {};
+        inverseSquares_.fill(0.0f);
+    }
+    /// Adds light that arrives along the rays of a stratum.
+    void add(std::size_t stratum, const Vec3Lanes<TexelGroup::kLanes>& irradiance,
+             std::span<const Ray, TexelGroup::kLanes> rays)
+    {
+        Half& half = halves_[halfOf(stratum)];
+        for (std::size_t lane = 0; lane < TexelGroup::kLanes; ++lane) {
+            half.irradiance.x[lane] += irradiance.x[lane];
+            half.irradiance.y[lane] += irradiance.y[lane];
+            half.irradiance.z[lane] += irradiance.z[lane];
+            const float l = luminance(irradiance[lane]);
+            half.moment.x[lane] += l * rays[lane].direction.x;
+            half.moment.y[lane] += l * rays[lane].direction.y;
+            half.moment.z[lane] += l * rays[lane].direction.z;
+        }
+    }
+    /// Infinite for rays without a hit.
+    void addDistance(std::size_t lane, float distance) { inverseSquares_[lane] += 1.0f / (distance * distance); }
+    /// Adds a lane's sums to its texel; `moments` is one of the estimate's.
+    void end(int lane, TexelEstimate& estimate, RunningMoments& moments) const
+    {
+        constexpr float kShare = 2.0f / float(StratifiedPattern::kBlock);
+        const auto l = std::size_t(lane);
+        for (const Half& half : halves_) {
+            // Lights of extreme size or intensity may overflow.
+            const vec3 irradiance = half.irradiance[l] * kShare;
+            const vec3 moment = half.moment[l] * kShare;
+            const bool finite = isFinite(irradiance) && isFinite(moment);
+            moments.add(finite ? irradiance : vec3(0.0f), finite ? moment : vec3(0.0f));
+        }
+        estimate.inverseSquares += inverseSquares_[l];
+    }
+
+private:
+    struct Half {
+        Vec3Lanes<TexelGroup::kLanes> irradiance;
+        Vec3Lanes<TexelGroup::kLanes> moment;
+    };
+    static std::size_t halfOf(std::size_t stratum) { return ((stratum >> 2) ^ (stratum >> 1)) & 1u; }
+
+    std::array<Half, 2> halves_;
+    std::array<float, TexelGroup::kLanes> inverseSquares_;
+};
+
+} // namespace halflight

@@ -1,0 +1,196 @@
+#include "transport/lightmap/cached_lightmap.h"
+
+#include "transport/guiding/build_guides.h"
+
+#include "halflight/bake/part_folder.h"
+#include "halflight/base/bytes.h"
+#include "halflight/base/mathematics.h"
+#include "halflight/base/memory.h"
+#include "halflight/base/parallel.h"
+#include "halflight/base/progress_of_parts.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <numeric>
+
+namespace halflight {
+namespace {
+
+/// The scale of the sample plan follows from all texels. In maps with more texels than so many runs have, it follows
+/// from these runs of neighbouring texels, spread evenly.
+constexpr std::size_t kRuns = 512;
+constexpr std::size_t kTexelsOfRun = 64;
+/// Names of kept results: of the map's state, and of the plan's scale.
+constexpr const char* kRadianceStage = "radiance";
+constexpr const char* kScaleStage = "scale";
+
+bool takeKept(const PartFolder* parts, const char* stage, LightmapState& state)
+{
+    const auto bytes = parts != nullptr ? parts->read(stage) : std::nullopt;
+    if (!bytes) return false;
+    ByteReader reader(*bytes);
+    state.archive(reader);
+    return reader.complete();
+}
+
+} // namespace
+
+bool CachedLightmap::prepare(const TexelMap& map, const Progress& progress, std::atomic<uint64_t>& rays)
+{
+    if (state_ != nullptr && map_ == &map && mapTexels_ == map.texels.size()) return true;
+    auto state = std::make_unique<LightmapState>(map);
+    if (!takeKept(parts_, kRadianceStage, *state)) {
+        if (!build(*state, map, progress, rays)) return false;
+        if (parts_ != nullptr) {
+            ByteWriter writer;
+            state->archive(writer);
+            parts_->write(kRadianceStage, writer.take());
+        }
+    }
+    state_ = std::move(state);
+    map_ = &map;
+    mapTexels_ = map.texels.size();
+    return true;
+}
+
+bool CachedLightmap::build(LightmapState& state, const TexelMap& map, const Progress& progress,
+                           std::atomic<uint64_t>& rays) const
+{
+    if (settings_.bounces > 0) {
+        const RadiosityInput input{paths_, map, pattern_, settings_, parts_};
+        std::optional<Radiosity> radiosity = buildRadiosity(input, progress, rays);
+        if (!radiosity) return false;
+        state.guides = buildGuides(*radiosity, map, paths_.surfaces());
+        state.cache = std::move(radiosity->solution.cache);
+        radiosity.reset();
+        releaseFreeMemory();
+    }
+    state.mean = meanOf({paths_, pattern_, settings_, map, state}, rays);
+    return true;
+}
+
+/// Mean luminance over as many texels as the plan has runs, spread over the map. It is rounded to a power of two, so
+/// that small changes of the scene do not change it.
+float CachedLightmap::meanOf(const LightmapInput& input, std::atomic<uint64_t>& rays) const
+{
+    double sum = 0.0;
+    std::size_t count = 0;
+    const TexelMap& map = input.map;
+    FinalGather gather = input.makeGather();
+    const std::size_t step = std::max<std::size_t>(1, map.texels.size() / kRuns);
+    for (std::size_t i = 0; i < map.texels.size(); i += step) {
+        const auto texel = uint32_t(i);
+        std::array<TexelEstimate, TexelGroup::kLanes> estimates;
+        const GatherGroup group(paths_, map, std::span(&texel, 1));
+        uint64_t traced = 0;
+        gather.add(group, 0, 1, estimates, traced);
+        rays += traced;
+        if (!group.active(0)) continue;
+        sum += double(luminance(estimates[0].irradiance()));
+        ++count;
+    }
+    return sum > 0.0 ? float(math::exp2(std::round(math::log2(sum / double(count))))) : 0.0f;
+}
+
+// The scale is of the whole map, so that a texel's samples do not depend on the request.
+bool CachedLightmap::findScale(const LightmapInput& input, const Progress& progress, std::atomic<uint64_t>& rays)
+{
+    if (state_->scale > 0.0f) return true;
+    const std::size_t count = input.map.texels.size();
+    std::vector<uint32_t> some(std::min(count, kRuns * kTexelsOfRun));
+    if (some.size() == count) {
+        std::iota(some.begin(), some.end(), 0u);
+    } else {
+        for (std::size_t i = 0; i < some.size(); ++i) {
+            const std::size_t first = i / kTexelsOfRun * (count - kTexelsOfRun) / (kRuns - 1);
+            some[i] = uint32_t(first + i % kTexelsOfRun);
+        }
+    }
+    if (const auto bytes = parts_ != nullptr ? parts_->read(kScaleStage) : std::nullopt) {
+        if (ByteReader(*bytes).read(state_->scale).complete() && state_->scale > 0.0f) return true;
+    }
+    if (parts_ != nullptr && parts_->isShared()) {
+        if (!findScaleTogether(input, some, progress, rays)) return false;
+    } else {
+        LightmapRun run(input, some, settings_.samples, 0.0f, progress, rays);
+        if (!run.firstPass()) return false;
+        state_->scale = run.scaleOf(run.demands());
+        state_->firstPass.emplace(run.takeStates());
+    }
+    if (parts_ != nullptr) parts_->write(kScaleStage, ByteWriter().add(state_->scale).take());
+    return true;
+}
+
+/// The parts are runs of the texels. They have some demands in common: those of anchors.
+bool CachedLightmap::findScaleTogether(const LightmapInput& input, std::span<const uint32_t> texels,
+                                       const Progress& progress, std::atomic<uint64_t>& rays)
+{
+    constexpr std::size_t kPartTexels = 8 * kTexelsOfRun;
+    const auto compute = [&](std::size_t part) -> std::optional<std::vector<std::byte>> {
+        const auto some = texels.subspan(part * kPartTexels);
+        LightmapRun run(input, some.first(std::min(kPartTexels, some.size())), settings_.samples, 0.0f, progress, rays);
+        if (!run.firstPass()) return std::nullopt;
+        return ByteWriter().add(run.demands()).take();
+    };
+    const auto parts = parts_->complete("demands", (texels.size() + kPartTexels - 1) / kPartTexels, compute);
+    if (!parts) return false;
+    std::map<uint32_t, float> byTexel;
+    for (const std::vector<std::byte>& part : *parts) {
+        std::vector<TexelDemand> demands;
+        ByteReader(part).read(demands);
+        for (const TexelDemand& d : demands) byTexel.emplace(d.texel, d.times);
+    }
+    std::vector<TexelDemand> all;
+    for (const auto& [texel, times] : byTexel) all.push_back({texel, times});
+    state_->scale = LightmapRun(input, texels.first(std::min<std::size_t>(1, texels.size())), settings_.samples, 0.0f,
+                                progress, rays)
+                        .scaleOf(all);
+    return true;
+}
+
+bool CachedLightmap::shareParts(const TexelMap& map, const Progress& progress, std::atomic<uint64_t>& rays)
+{
+    const bool done = parts_ == nullptr || parts_->contains(kRadianceStage);
+    if (done || map.texels.empty() || settings_.bounces == 0) return true;
+    return buildRadiosityParts({paths_, map, pattern_, settings_, parts_}, progress, rays);
+}
+
+bool CachedLightmap::prepareAll(const TexelMap& map, const Progress& progress, std::atomic<uint64_t>& rays)
+{
+    if (map.texels.empty()) return true;
+    if (!prepare(map, progress, rays)) return false;
+    return settings_.cache.noiseTarget > 0.0f || findScale({paths_, pattern_, settings_, map, *state_}, progress, rays);
+}
+
+bool CachedLightmap::irradiance(const TexelMap& map, std::span<const uint32_t> texels, int samples,
+                                std::span<IrradianceEstimate> out, const Progress& progress,
+                                std::atomic<uint64_t>& rays)
+{
+    if (texels.empty()) return true;
+    if (!prepare(map, progress, rays)) return false;
+    const LightmapInput input{paths_, pattern_, settings_, map, *state_};
+    // Requests for other numbers of samples than the settings' (check samples of the tile cache) have no plan.
+    const bool planned = settings_.cache.noiseTarget <= 0.0f && samples == settings_.samples;
+    if (planned && !findScale(input, partOf(progress, 0.0, 0.0), rays)) return false;
+    // In parts, because states take more memory than estimates: each thread has those of one part at a time. Threads
+    // that would wait for the end of a pass of one part go on with other parts.
+    constexpr std::size_t kPartTexels = 65536; // few texels beside a part are computed for its sake
+    const std::size_t parts = (texels.size() + kPartTexels - 1) / kPartTexels;
+    ProgressOfParts progressOfParts(progress, parts);
+    parallelFor(parts, 1, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t p = begin; p < end && !progress.cancelled(); ++p) {
+            inIsolation([&, p] {
+                const std::size_t first = p * kPartTexels;
+                const auto some = texels.subspan(first, std::min(kPartTexels, texels.size() - first));
+                const Progress part = progressOfParts.part(p);
+                LightmapRun run(input, some, samples, planned ? state_->scale : 0.0f, part, rays);
+                if (!run.run()) return;
+                for (std::size_t i = 0; i < some.size(); ++i) out[first + i] = run.estimateOf(some[i]);
+            });
+        }
+    });
+    return !progress.cancelled();
+}
+
+} // namespace halflight

@@ -1,0 +1,128 @@
+#include "transport/lightmap/final_gather.h"
+
+#include <algorithm>
+
+namespace halflight {
+
+void FinalGather::add(const GatherGroup& group, int firstBlock, int blockCount, std::span<TexelEstimate> estimates,
+                      uint64_t& rays)
+{
+    const bool emitters = paths_.samplesEmission();
+    if (emitters) next_.prepareEmitters(group);
+    next_.prepareSources(group);
+    for (int b = firstBlock; b < firstBlock + blockCount; ++b) {
+        block_.sums.begin();
+        gatherBlock(group, b, rays);
+        if (next_.samplesSources()) next_.sampleSources(group, b, block_, rays);
+        for (int lane = 0; lane < group.lanes(); ++lane) {
+            TexelEstimate& estimate = estimates[std::size_t(lane)];
+            if (group.active(lane)) block_.sums.end(lane, estimate, estimate.gathered);
+        }
+        if (emitters) sampleEmitters(group, b, estimates, rays);
+    }
+}
+
+void FinalGather::addEmitters(const GatherGroup& group, std::span<TexelEstimate> estimates, uint64_t& rays)
+{
+    int blocks = 0;
+    for (int lane = 0; lane < group.lanes(); ++lane)
+        blocks = std::max(blocks, int(estimates[std::size_t(lane)].blocks()));
+    next_.prepareEmitters(group);
+    for (int b = 0; b < blocks; ++b) {
+        block_.bundle.place(group, b, kAllStrata);
+        sampleEmitters(group, b, estimates, rays);
+    }
+}
+
+void FinalGather::sampleEmitters(const GatherGroup& group, int number, std::span<TexelEstimate> estimates,
+                                 uint64_t& rays)
+{
+    next_.sampleEmitters(group, number, block_, estimates, rays);
+    for (int lane = 0; lane < group.lanes(); ++lane) {
+        TexelEstimate& estimate = estimates[std::size_t(lane)];
+        if (next_.sampledEmitters(lane)) block_.sums.end(lane, estimate, estimate.emitted);
+    }
+}
+
+// The estimator of irradiance is pi times the radiance of a cosine-distributed ray (pdf cos / pi).
+void FinalGather::gatherBlock(const GatherGroup& group, int number, uint64_t& rays)
+{
+    constexpr std::size_t kLanes = TexelGroup::kLanes;
+    rays += uint64_t(block_.bundle.trace(paths_, pattern_, group, settings_.seed, number, kAllStrata));
+    block_.hits.lookUp(block_.bundle);
+    Radiances radiance;
+    weightHits(group, number, radiance, rays);
+    // A loop of its own: vector loads right after scalar stores to the same memory would stall.
+    for (std::size_t stratum = 0; stratum < radiance.size(); ++stratum) {
+        Vec3Lanes<kLanes>& r = radiance[stratum];
+        for (std::size_t l = 0; l < kLanes; ++l) {
+            block_.sums.addDistance(l, block_.bundle.hits[stratum][l].distance);
+            r.x[l] *= kPi;
+            r.y[l] *= kPi;
+            r.z[l] *= kPi;
+        }
+        block_.sums.add(stratum, r, block_.bundle.rays[stratum]);
+    }
+}
+
+/// Radiance along all rays: of the sky, of patches with MIS weights, or of continuation paths.
+void FinalGather::weightHits(const GatherGroup& group, int number, Radiances& radiance, uint64_t& rays)
+{
+    const SkyLight& sky = paths_.sky();
+    const bool black = sky.black();
+    SampleList continued;
+    SampleList sources;
+    SampleList emissive;
+    for (int stratum = 0; stratum < StratifiedPattern::kBlock; ++stratum) {
+        Vec3Lanes<TexelGroup::kLanes>& r = radiance[std::size_t(stratum)];
+        for (int lane = 0; lane < TexelGroup::kLanes; ++lane) {
+            const auto l = std::size_t(lane);
+            const std::size_t sample = sampleOf(stratum, lane);
+            if (block_.hits.missed(sample) || !group.active(lane)) {
+                r.set(l, black ? vec3(0.0f) : sky.dimRadiance(block_.bundle.direction(stratum, lane)));
+                continue;
+            }
+            const PatchRadiance* cached = block_.hits.radiance(sample);
+            if (cached == nullptr) {
+                continued.add(sample);
+                continue;
+            }
+            r.set(l, cached->along(block_.bundle.direction(stratum, lane)));
+            if (block_.hits.emissive(sample)) emissive.add(sample);
+            if (next_.samplesSources(l) && next_.isSource(block_.hits.patch(sample))) sources.add(sample);
+        }
+    }
+    const auto radianceOf = [&](std::size_t s) { return radiance[stratumOf(s)][std::size_t(laneOf(s))]; };
+    const auto set = [&](std::size_t s, vec3 r) { radiance[stratumOf(s)].set(std::size_t(laneOf(s)), r); };
+    for (const std::size_t s : sources.samples()) {
+        const PatchId patch = block_.hits.patch(s);
+        set(s, radianceOf(s) * next_.misWeightOfHit(block_.bundle, int(stratumOf(s)), laneOf(s), patch));
+    }
+    for (const std::size_t s : emissive.samples())
+        set(s, radianceOf(s) + emission(group, laneOf(s), number, int(stratumOf(s))));
+    for (const std::size_t s : continued.samples())
+        set(s, continuation(group, laneOf(s), number, int(stratumOf(s)), rays));
+}
+
+/// Emission at the end of a ray with its MIS weight.
+vec3 FinalGather::emission(const GatherGroup& group, int lane, int number, int stratum) const
+{
+    const Receiver receiver = next_.receiverOf(group, lane, number, stratum);
+    const vec3 direction = block_.bundle.direction(stratum, lane);
+    return paths_.weightedEmission(paths_.surfaces().surfaceAt(block_.bundle.hit(stratum, lane)), direction, receiver,
+                                   PathTracer::gatherPdf(receiver.normal, direction));
+}
+
+/// Radiance of the continuation path of a ray that hits no patch, or one too near.
+vec3 FinalGather::continuation(const GatherGroup& group, int lane, int number, int stratum, uint64_t& rays)
+{
+    const Receiver receiver = next_.receiverOf(group, lane, number, stratum);
+    const RayHit at = block_.bundle.hit(stratum, lane);
+    const vec3 direction = block_.bundle.direction(stratum, lane);
+    const float pdf = PathTracer::gatherPdf(receiver.normal, direction);
+    Sampler sampler(settings_.seed, group.id(lane), uint32_t(number * StratifiedPattern::kBlock + stratum));
+    const RadianceLookup lookup = cache_ != nullptr ? cache_->lookup() : RadianceLookup{};
+    return paths_.pathRadiance(at, direction, receiver, pdf, settings_.bounces, sampler, rays, lookup);
+}
+
+} // namespace halflight

@@ -1,0 +1,39 @@
+#pragma once
+// Final gather: the irradiance of texels from one ray per sample, which ends in the radiance cache.
+
+#include "transport/lightmap/next_event.h"
+
+namespace halflight {
+
+class FinalGather {
+public:
+    /// `cache` and `guides` null = no bounces: rays receive emitters and sky alone.
+    FinalGather(const PathTracer& paths, const StratifiedPattern& pattern, const RadianceCache* cache,
+                const Guides* guides, const IntegrationSettings& settings)
+        : paths_(paths), pattern_(pattern), cache_(cache), settings_(settings), block_(cache),
+          next_(paths, pattern, cache, guides, settings)
+    {}
+
+    /// Adds the given blocks of 16 samples to the group's texels. `estimates` by lane.
+    void add(const GatherGroup& group, int firstBlock, int blockCount, std::span<TexelEstimate> estimates,
+             uint64_t& rays);
+    /// Adds emitter samples to texels with gathered light: as many blocks as that has.
+    void addEmitters(const GatherGroup& group, std::span<TexelEstimate> estimates, uint64_t& rays);
+
+private:
+    using Radiances = std::array<Vec3Lanes<TexelGroup::kLanes>, StratifiedPattern::kBlock>;
+    void gatherBlock(const GatherGroup& group, int number, uint64_t& rays);
+    void weightHits(const GatherGroup& group, int number, Radiances& radiance, uint64_t& rays);
+    void sampleEmitters(const GatherGroup& group, int number, std::span<TexelEstimate> estimates, uint64_t& rays);
+    [[nodiscard]] vec3 emission(const GatherGroup& group, int lane, int number, int stratum) const;
+    vec3 continuation(const GatherGroup& group, int lane, int number, int stratum, uint64_t& rays);
+
+    const PathTracer& paths_;
+    const StratifiedPattern& pattern_;
+    const RadianceCache* cache_;
+    const IntegrationSettings& settings_;
+    GatherBlock block_;
+    NextEvent next_;
+};
+
+} // namespace halflight

@@ -1,0 +1,88 @@
+#pragma once
+// Irradiance of some texels of a map whose radiance cache is built.
+
+#include "transport/lightmap/final_gather.h"
+#include "transport/lightmap/sample_plan.h"
+#include "transport/texels/sparse_grid.h"
+
+#include <atomic>
+#include <optional>
+
+namespace halflight {
+
+/// CacheSettings::texelStep, or for 0 the default of a map's size: 1 or 2.
+int texelStepOf(const IntegrationSettings& settings, const TexelMap& map);
+
+/// Everything that a map's texels have in common.
+struct LightmapState {
+    explicit LightmapState(const TexelMap& map) : grid(map) {}
+    template<typename Archive> void archive(Archive& a)
+    {
+        cache.archive(a);
+        guides.archive(a);
+        a(mean);
+    }
+    TexelGrid grid;
+    RadianceCache cache;
+    Guides guides;
+    float mean = 0.0f; ///< luminance of the map, rounded to a power of two
+    /// Factor of all texels' demands (SamplePlan); 0 = not computed yet.
+    float scale = 0.0f;
+    std::optional<TexelStates> firstPass; ///< first samples from which `scale` was computed
+};
+
+struct LightmapInput {
+    const PathTracer& paths;
+    const StratifiedPattern& pattern;
+    const IntegrationSettings& settings;
+    const TexelMap& map;
+    const LightmapState& state;
+
+    [[nodiscard]] FinalGather makeGather() const
+    {
+        const bool bounces = settings.bounces > 0;
+        return {paths, pattern, bounces ? &state.cache : nullptr, bounces ? &state.guides : nullptr, settings};
+    }
+};
+
+/// Computes the texels of a request and those that they depend on: anchors, and neighbours that the plan reads.
+class LightmapRun {
+public:
+    /// `scale`: as SamplePlan has it.
+    LightmapRun(const LightmapInput& input, std::span<const uint32_t> texels, int samples, float scale,
+                const Progress& progress, std::atomic<uint64_t>& rays);
+
+    /// All passes. False when cancelled.
+    bool run() { return firstPass() && laterPasses() && finishInterpolated(); }
+    /// First samples of all texels, level by level of the sparse grid. A texel whose anchors show light without detail
+    /// is interpolated.
+    bool firstPass();
+    /// Demands of the texels that may take more than the first samples.
+    [[nodiscard]] std::vector<TexelDemand> demands() const { return plan_.demands(*wanted_, texels_); }
+    [[nodiscard]] float scaleOf(std::span<const TexelDemand> demands) const { return plan_.scaleOf(demands); }
+    [[nodiscard]] TexelStates takeStates() { return std::move(texels_); }
+    [[nodiscard]] IrradianceEstimate estimateOf(uint32_t texel) const;
+
+private:
+    bool laterPasses();
+    bool finishInterpolated();
+    bool takeFirstPass(uint32_t place);
+    void tryInterpolate(uint32_t place);
+    void interpolate(const SparseGrid::Anchors& anchors, TexelState& state) const;
+    template<typename Add> bool extend(const std::vector<uint32_t>& places, const Add& add);
+    template<typename Add> void extendSome(std::span<const uint32_t> places, FinalGather& gather, const Add& add);
+    [[nodiscard]] std::size_t size() const { return texels_.texels.size(); }
+    [[nodiscard]] uint32_t texelAt(std::size_t place) const { return texels_.texels[place]; }
+    [[nodiscard]] TexelState& stateAt(std::size_t place) { return texels_.states[place]; }
+
+    const LightmapInput& input_;
+    float scale_;
+    const Progress& progress_;
+    std::atomic<uint64_t>& rays_;
+    SamplePlan plan_;
+    SparseGrid grid_;
+    TexelStates texels_;
+    std::optional<TexelSet> wanted_; ///< texels that may take more than the first samples
+};
+
+} // namespace halflight

@@ -1,0 +1,275 @@
+#include "transport/lightmap/next_event.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace halflight {
+namespace {
+
+constexpr uint32_t kEmitterSeed = 0x5eed0006u;
+constexpr uint32_t kRouletteSeed = 0x5eed0007u;
+constexpr uint32_t kSourceSeed = 0x5eed0008u;
+constexpr uint32_t kShuffleSeed = 0x5eed0011u;
+
+/// XOR shuffle of the strata of a texel that samples only some of a block's: each texel samples other parts of the unit
+/// square in the same strata. Rows and columns of the pattern remain such.
+int xorShuffle(uint32_t texelId)
+{
+    return int(hashCombine(kShuffleSeed, texelId) & (StratifiedPattern::kBlock - 1));
+}
+
+/// Samples of a guide's sources in a block: in proportion to the standard deviation that the rays would have due to
+/// them (Neyman allocation), in powers of two from a quarter of the block on.
+int samplesOf(const Guide& guide)
+{
+    constexpr int kAll = StratifiedPattern::kBlock;
+    if (guide.local.count + guide.shared.count == 0) return 0;
+    const float deviation = std::sqrt(guide.relativeVariance);
+    return deviation >= 2.0f ? kAll : deviation >= 1.0f ? kAll / 2 : kAll / 4;
+}
+
+} // namespace
+
+void NextEvent::prepareEmitters(const GatherGroup& group)
+{
+    static_assert(kLanes == LightTree::Cut::kLanes);
+    LightTree::Points positions;
+    LightTree::Points normals;
+    const int any = group.firstActive();
+    if (any == group.lanes() || paths_.emitters().empty()) return;
+    for (std::size_t lane = 0; lane < kLanes; ++lane) {
+        const GatherGroup::Origin& s = group.origin(group.active(int(lane)) ? int(lane) : any, 0);
+        positions.set(lane, s.position);
+        normals.set(lane, s.normal);
+    }
+    cut_ = paths_.emitters().cut(positions, normals);
+}
+
+void NextEvent::prepareSources(const GatherGroup& group)
+{
+    sourceSamples_.fill(0);
+    if (guides_ == nullptr || guides_->empty()) return;
+    for (int i = 0; i < group.lanes(); ++i) {
+        if (!group.active(i)) continue;
+        const auto lane = std::size_t(i);
+        const Guide guide = guides_->guideAt(cache_->layout(), group.point(i, 0));
+        guide_[lane] = guide;
+        sourceSamples_[lane] = samplesOf(guide);
+    }
+}
+
+bool NextEvent::samplesSources() const
+{
+    return std::any_of(sourceSamples_.begin(), sourceSamples_.end(), [](int n) { return n > 0; });
+}
+
+float NextEvent::misWeightOfHit(const RayBundle& bundle, int stratum, int lane, PatchId patch) const
+{
+    const RayHit& hit = bundle.hit(stratum, lane);
+    const auto l = std::size_t(lane);
+    const vec3 direction = bundle.direction(stratum, lane);
+    const RayTracer& surfaces = paths_.surfaces();
+    const vec3 normal = surfaces.geometry().geometricNormal(surfaces.triangleAt(hit.face.hitIndex));
+    const vec3 receiverNormal = bundle.frame(std::size_t(stratum)).normal[l];
+    const float pdfArea = sourceFraction(l) * guides_->pdfArea(guide_[l], patch);
+    const float cosine = std::max(std::abs(glm::dot(normal, direction)), 1.0e-6f);
+    return misWeightOfRay(PathTracer::gatherPdf(receiverNormal, direction), pdfArea, hit.distance, cosine);
+}
+
+/// Makes the samples of the lanes in `sky` points of the sky. Their distance is beyond all geometry, which is at most
+/// 1e7 m from the origin, and small enough for the square of it.
+void NextEvent::setSky(const GatherBlock& block, std::size_t stratum, const LightTree::Cut::Lanes<bool>& sky,
+                       const Vec2Lanes<kLanes>& u, EmitterLanes& lanes) const
+{
+    constexpr float kSkyMeters = 1.0e9f;
+    for (std::size_t lane = 0; lane < kLanes; ++lane) {
+        if (!sky[lane]) continue;
+        const SkyLight::Sample s = paths_.sky().sample(vec2(u.x[lane], u.y[lane]));
+        EmitterSample e;
+        e.position = block.bundle.origin(stratum, int(lane)) + s.direction * kSkyMeters;
+        e.normal = -s.direction;
+        e.radiance = s.radiance;
+        e.rayVisible = false;
+        e.pdfArea = s.pdf / (kSkyMeters * kSkyMeters);
+        lanes.set(lane, e);
+    }
+}
+
+/// Chooses points of sources for all samples, in sweeps that prefetch for one another.
+void NextEvent::chooseSources(const GatherGroup& group, int number, std::span<const uint8_t> strata, GatherBlock& block)
+{
+    const LightClusters& clusters = guides_->clusters();
+    SampleList chosen;
+    for (int i = 0; i < int(kLanes); ++i) {
+        const auto lane = std::size_t(i);
+        if (sourceSamples_[lane] == 0) continue;
+        const StratifiedPattern::Block points =
+            pattern_.block(hashCombine(settings_.seed ^ kSourceSeed, group.id(i)), number);
+        const int shuffle = sourceSamples_[lane] < StratifiedPattern::kBlock ? xorShuffle(group.id(i)) : 0;
+        for (const uint8_t stratum : strata) {
+            if (!samplesSource(lane, number, stratum)) continue;
+            const std::size_t sample = sampleOf(stratum, i);
+            choices_[sample] = guides_->chooseCluster(guide_[lane], points.unit(stratum ^ shuffle));
+            chosen.addIf(choices_[sample].index != SourceChoice::kNone, sample);
+        }
+    }
+    for (const std::size_t sample : chosen.samples()) clusters.chooseBin(choices_[sample]);
+    for (const std::size_t sample : chosen.samples()) {
+        if (choices_[sample].index != SourceChoice::kNone) clusters.chooseTriangle(choices_[sample]);
+    }
+    for (const uint8_t stratum : strata) {
+        for (std::size_t lane = 0; lane < kLanes; ++lane) points_[sampleOf(stratum, int(lane))].pdfArea = 0.0f;
+    }
+    SampleList withPoint;
+    for (const std::size_t sample : chosen.samples()) {
+        if (choices_[sample].index == SourceChoice::kNone) continue;
+        SourcePoint& point = points_[sample];
+        clusters.choosePoint(choices_[sample], point);
+        if (point.pdfArea <= 0.0f) continue;
+        withPoint.add(sample);
+        block.hits.setPatch(sample, point.face, point.patch);
+    }
+    block.hits.find(
+        withPoint.samples(),
+        [&](std::size_t sample) {
+            return glm::distance(block.bundle.origin(stratumOf(sample), laneOf(sample)), points_[sample].position);
+        },
+        [&](std::size_t sample) {
+            return HitLookup::FacePoint{points_[sample].face, points_[sample].barycentric};
+        });
+}
+
+/// Turns a sample of a source into an emitter sample, if the cache has the radiance of its point.
+void NextEvent::setSource(std::size_t sample, const GatherBlock& block, EmitterLanes& lanes) const
+{
+    const auto lane = std::size_t(laneOf(sample));
+    const SourcePoint& point = points_[sample];
+    lanes.pdfArea[lane] = 0.0f;
+    lanes.weight[lane] = 1.0f;
+    if (point.pdfArea <= 0.0f) return;
+    const PatchRadiance* cached = block.hits.radiance(sample);
+    if (cached == nullptr) return;
+    EmitterSample e;
+    e.position = point.position;
+    e.normal = point.normal;
+    // A ray passes through the uncovered part.
+    const float coverage = paths_.surfaces().coverageOfHit(point.face.hitIndex, point.barycentric);
+    const vec3 origin = block.bundle.origin(stratumOf(sample), laneOf(sample));
+    e.radiance = cached->along(glm::normalize(point.position - origin)) * coverage;
+    e.pdfArea = point.pdfArea * sourceFraction(lane);
+    lanes.set(lane, e);
+}
+
+void NextEvent::sampleSources(const GatherGroup& group, int number, GatherBlock& block, uint64_t& rays)
+{
+    std::array<uint8_t, StratifiedPattern::kBlock> all;
+    std::size_t count = 0;
+    for (int stratum = 0; stratum < StratifiedPattern::kBlock; ++stratum) {
+        bool any = false;
+        for (std::size_t lane = 0; lane < kLanes; ++lane) any = any || samplesSource(lane, number, stratum);
+        if (any) all[count++] = uint8_t(stratum);
+    }
+    const std::span<const uint8_t> strata(all.data(), count);
+    chooseSources(group, number, strata, block);
+    addSamples(
+        strata,
+        [&](std::size_t stratum, EmitterLanes& lanes) {
+            for (int lane = 0; lane < int(kLanes); ++lane) setSource(sampleOf(int(stratum), lane), block, lanes);
+        },
+        block, rays);
+}
+
+void NextEvent::sampleEmitters(const GatherGroup& group, int number, GatherBlock& block,
+                               std::span<const TexelEstimate> estimates, uint64_t& rays)
+{
+    constexpr int kBlock = StratifiedPattern::kBlock;
+    block.sums.begin();
+    emitterLanes_.fill(false);
+    std::array<int, kLanes> sampled{}; ///< strata of the block
+    std::array<StratifiedPattern::Block, kLanes> points;
+    std::array<int, kLanes> shuffle{};
+    std::array<float, kLanes> skyShare{}; ///< of the samples
+    const float skyIlluminance = paths_.sky().brightIlluminance();
+    for (int i = 0; i < group.lanes(); ++i) {
+        const auto lane = std::size_t(i);
+        emitterLanes_[lane] = group.active(i) && int(estimates[lane].blocks()) > number;
+        if (!emitterLanes_[lane]) continue;
+        const float gathered = luminance(estimates[lane].gathered.mean());
+        const float expected = cut_.total[lane] + skyIlluminance;
+        const float survival = PathTracer::rouletteSurvival(expected, gathered);
+        if (skyIlluminance > 0.0f) skyShare[lane] = paths_.emitters().empty() ? 1.0f : skyIlluminance / expected;
+        const uint32_t roulette = hashCombine(settings_.seed ^ kRouletteSeed ^ group.id(i), uint32_t(number));
+        sampled[lane] = std::min(int(survival * float(kBlock) + unitFloat(roulette)), kBlock);
+        if (sampled[lane] < kBlock) shuffle[lane] = xorShuffle(group.id(i));
+        points[lane] = pattern_.block(hashCombine(settings_.seed ^ kEmitterSeed, group.id(i)), number);
+    }
+    addSamples(
+        kAllStrata,
+        [&](std::size_t stratum, EmitterLanes& lanes) {
+            LightTree::Points positions;
+            LightTree::Cut::Lanes<bool> wanted;
+            LightTree::Cut::Lanes<bool> sky{};
+            Vec2Lanes<kLanes> u{};
+            const int order = StratifiedPattern::orderOf(int(stratum), number);
+            for (std::size_t lane = 0; lane < kLanes; ++lane) {
+                positions.set(lane, block.bundle.origin(stratum, int(lane)));
+                wanted[lane] = order < sampled[lane];
+                lanes.weight[lane] = float(kBlock) / float(std::max(sampled[lane], 1));
+                if (!wanted[lane]) continue;
+                vec2 at = points[lane].unit(int(stratum) ^ shuffle[lane]);
+                // Either the sky or an emitter; the number that chose is used again.
+                sky[lane] = at.x < skyShare[lane];
+                wanted[lane] = !sky[lane];
+                const float probability = sky[lane] ? skyShare[lane] : 1.0f - skyShare[lane];
+                at.x = (sky[lane] ? at.x : at.x - skyShare[lane]) / probability;
+                lanes.weight[lane] /= probability;
+                u.set(lane, at);
+            }
+            lanes.pdfArea.fill(0.0f);
+            if (!paths_.emitters().empty())
+                paths_.emitters().sample(cut_, positions, block.bundle.frame(stratum).normal, wanted, u, lanes);
+            setSky(block, stratum, sky, u, lanes);
+        },
+        block, rays);
+}
+
+/// Adds the light of the samples that choose(stratum, lanes) returns for the given strata.
+template<typename Choose>
+void NextEvent::addSamples(std::span<const uint8_t> strata, const Choose& choose, GatherBlock& block, uint64_t& rays)
+{
+    EmitterLanes lanes{};
+    for (const uint8_t stratum : strata) {
+        choose(std::size_t(stratum), lanes);
+        addSamples(stratum, lanes, block, rays);
+    }
+}
+
+void NextEvent::addSamples(std::size_t stratum, const EmitterLanes& lanes, GatherBlock& block, uint64_t& rays)
+{
+    if (std::none_of(lanes.pdfArea.begin(), lanes.pdfArea.end(), [](float pdf) { return pdf > 0.0f; })) return;
+    const RayBundle::Frames& frame = block.bundle.frame(stratum);
+    RayBundle::OfStratum<Ray> batch;
+    std::array<float, kLanes> unshadowed; ///< irradiance per radiance
+    std::size_t traced = 0;
+    for (std::size_t lane = 0; lane < kLanes; ++lane) {
+        const vec3 position = block.bundle.origin(stratum, int(lane));
+        const NextEventContribution next = lanes.from(lane, position, frame.normal[lane], frame.geometricNormal[lane]);
+        unshadowed[lane] = next.factor * lanes.weight[lane];
+        // Directions of lanes without a sample may be NaN.
+        if (!(next.distance > 0.0f)) continue;
+        batch[lane] = {position, 0.0f, next.direction, next.distance * (1.0f - 1.0e-4f)};
+        ++traced;
+    }
+    if (traced == 0) return;
+    rays += traced;
+    std::array<float, kLanes> transmittance;
+    paths_.surfaces().kernels().transmittance(batch, transmittance);
+    Vec3Lanes<kLanes> irradiance;
+    for (std::size_t lane = 0; lane < kLanes; ++lane) {
+        const bool lit = batch[lane].tMax >= 0.0f && transmittance[lane] > 0.0f;
+        irradiance.set(lane, lit ? lanes.radiance[lane] * (unshadowed[lane] * transmittance[lane]) : vec3(0.0f));
+    }
+    block.sums.add(stratum, irradiance, batch);
+}
+
+} // namespace halflight

@@ -1,0 +1,91 @@
+#pragma once
+// Next-event estimation of the final gather: samples of emitters and of secondary sources.
+
+#include "transport/guiding/guides.h"
+#include "transport/lightmap/hit_lookup.h"
+#include "transport/sample/emitters.h"
+
+#include <span>
+
+namespace halflight {
+
+/// Rays, sums and lookups of the block that is being gathered.
+struct GatherBlock {
+    explicit GatherBlock(const RadianceCache* cache) : hits(cache) {}
+    RayBundle bundle;
+    BlockSums sums;
+    HitLookup hits;
+};
+
+/// Samples lights from the origins of a block's gather rays.
+class NextEvent {
+public:
+    /// `guides` null = no secondary sources.
+    NextEvent(const PathTracer& paths, const StratifiedPattern& pattern, const RadianceCache* cache,
+              const Guides* guides, const IntegrationSettings& settings)
+        : paths_(paths), pattern_(pattern), cache_(cache), guides_(guides), settings_(settings)
+    {}
+
+    /// Opens the light tree for a group's texels.
+    void prepareEmitters(const GatherGroup& group);
+    /// Finds the guides of a group's texels, and how many samples of a block each takes.
+    void prepareSources(const GatherGroup& group);
+    [[nodiscard]] bool samplesSources() const;
+    [[nodiscard]] bool samplesSources(std::size_t lane) const { return sourceSamples_[lane] > 0; }
+
+    [[nodiscard]] bool isSource(PatchId patch) const { return guides_->clusters().contains(patch); }
+
+    /// The receiver of a gather ray, for the MIS weight of emitters that it hits.
+    [[nodiscard]] Receiver receiverOf(const GatherGroup& group, int lane, int block, int stratum) const
+    {
+        const GatherGroup::Origin& s = group.origin(lane, group.pointOf(lane, block, stratum));
+        return {s.position, s.normal, &cut_, std::size_t(lane)};
+    }
+    /// MIS weight of a ray that hits a secondary source.
+    [[nodiscard]] float misWeightOfHit(const RayBundle& bundle, int stratum, int lane, PatchId patch) const;
+
+    void sampleSources(const GatherGroup& group, int number, GatherBlock& block, uint64_t& rays);
+    /// Samples emitters and the sky's bright part. Russian roulette per block: where they give little beside
+    /// `estimates`, only some strata are sampled. All lanes drop the same strata first, so the remaining rays fill
+    /// packets.
+    void sampleEmitters(const GatherGroup& group, int number, GatherBlock& block,
+                        std::span<const TexelEstimate> estimates, uint64_t& rays);
+    /// Whether sampleEmitters() sampled a lane.
+    [[nodiscard]] bool sampledEmitters(int lane) const { return emitterLanes_[std::size_t(lane)]; }
+
+private:
+    static constexpr std::size_t kLanes = TexelGroup::kLanes;
+    [[nodiscard]] bool samplesSource(std::size_t lane, int block, int stratum) const
+    {
+        // A quarter or half of a block is one or two strata in each row and column of the pattern.
+        constexpr int kQuarter = StratifiedPattern::kBlock / 4;
+        const int diagonal = ((stratum >> 2) ^ stratum ^ block) & 3;
+        return sourceSamples_[lane] == 4 * kQuarter || (sourceSamples_[lane] == 2 * kQuarter && (diagonal & 1) == 0) ||
+               (sourceSamples_[lane] == kQuarter && diagonal == 0);
+    }
+    [[nodiscard]] float sourceFraction(std::size_t lane) const
+    {
+        return float(sourceSamples_[lane]) / float(StratifiedPattern::kBlock);
+    }
+    void chooseSources(const GatherGroup& group, int number, std::span<const uint8_t> strata, GatherBlock& block);
+    void setSky(const GatherBlock& block, std::size_t stratum, const LightTree::Cut::Lanes<bool>& sky,
+                const Vec2Lanes<kLanes>& u, EmitterLanes& lanes) const;
+    void setSource(std::size_t sample, const GatherBlock& block, EmitterLanes& lanes) const;
+    template<typename Choose>
+    void addSamples(std::span<const uint8_t> strata, const Choose& choose, GatherBlock& block, uint64_t& rays);
+    void addSamples(std::size_t stratum, const EmitterLanes& lanes, GatherBlock& block, uint64_t& rays);
+
+    const PathTracer& paths_;
+    const StratifiedPattern& pattern_;
+    const RadianceCache* cache_;
+    const Guides* guides_;
+    const IntegrationSettings& settings_;
+    LightTree::Cut cut_;
+    std::array<bool, kLanes> emitterLanes_{};
+    std::array<Guide, kLanes> guide_;
+    std::array<int, kLanes> sourceSamples_{}; ///< of a block
+    std::array<SourceChoice, kBlockSamples> choices_;
+    std::array<SourcePoint, kBlockSamples> points_;
+};
+
+} // namespace halflight

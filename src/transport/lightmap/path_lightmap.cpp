@@ -1,0 +1,166 @@
+#include "transport/lightmap/path_lightmap.h"
+
+#include "transport/sample/running_moments.h"
+
+#include "halflight/base/finite.h"
+#include "halflight/base/parallel.h"
+#include "halflight/shading/sampling.h"
+
+#include <algorithm>
+#include <vector>
+
+namespace halflight {
+namespace {
+
+/// Irradiance is pi times the mean radiance of cosine-distributed paths (pdf cos / pi), plus emitter samples.
+RunningMoments gather(const PathTracer& paths, const IntegrationSettings& settings, const TexelPoints& points,
+                      int pointCount, int samples, uint32_t id, uint64_t& rays)
+{
+    RunningMoments gathered;
+    for (int s = 0; s < samples; ++s) {
+        const SurfacePoint& point = points[std::size_t(s % pointCount)];
+        Sampler sampler(settings.seed, id, uint32_t(s));
+        const vec3 direction = PathTracer::gatherDirection(point, sampler.next2());
+        const float pdf = PathTracer::gatherPdf(point.normal, direction);
+        const PathTracer::EmitterAtSurface emitter = paths.emitterIrradiance(point, 0.0f, sampler, rays);
+        const PathTracer::EmitterAtSurface sky = paths.skyIrradiance(point, 0.0f, sampler, rays);
+        const PathTracer::Incoming in =
+            paths.incoming({paths.rayOrigin(point), point.normal}, direction, pdf, settings.bounces, sampler, rays);
+        const vec3 bounced = kPi * in.radiance;
+        const vec3 value = emitter.irradiance + sky.irradiance + bounced;
+        // Lights of extreme size or intensity may overflow.
+        const bool finite = isFinite(value);
+        const vec3 moment = luminance(emitter.irradiance) * emitter.direction +
+                            luminance(sky.irradiance) * sky.direction + luminance(bounced) * direction;
+        gathered.add(finite ? value : vec3(0.0f), finite ? moment : vec3(0.0f));
+    }
+    return gathered;
+}
+
+/// Direct light at a point, with one shadow ray.
+vec3 lightAt(const PathTracer& paths, const PunctualLight& light, const SurfacePoint& point, Sampler& sampler,
+             uint64_t& rays)
+{
+    const vec3 direct = light.irradianceAt(point.position, point.normal);
+    if (direct == vec3(0.0f)) return direct;
+    const vec2 disc = shading::sampleDisc(sampler.next2());
+    return direct * glm::mix(1.0f, paths.lightVisibility(light, point, disc, rays), light.shadowStrength);
+}
+
+/// Whether a random walk from a point leaves the scene, meets a surface that emits, or comes in sight of an eye.
+bool walkGetsOut(const PathTracer& paths, SurfacePoint point, std::span<const vec3> eyes, Sampler& sampler,
+                 uint64_t& rays)
+{
+    constexpr int kMostSteps = 16; // through a room whose opening is a twentieth of its walls, a walk gets out in half
+    const RayTracer& surfaces = paths.surfaces();
+    for (int step = 0; step < kMostSteps; ++step) {
+        const vec3 origin = paths.rayOrigin(point);
+        if (!eyes.empty()) {
+            const auto eye = std::min(std::size_t(sampler.next1() * float(eyes.size())), eyes.size() - 1);
+            const vec3 way = eyes[eye] - origin;
+            const float distance = glm::length(way);
+            if (glm::dot(way, point.geometricNormal) > 0.0f) {
+                ++rays;
+                if (!surfaces.occluded(origin, way / distance, 0.0f, distance)) return true;
+            }
+        }
+        ++rays;
+        const RayHit hit =
+            surfaces.nearest(origin, PathTracer::gatherDirection(point, sampler.next2()), 0.0f, kInfinity);
+        if (!hit.found()) return true;
+        if (surfaces.hitHiddenBack(hit)) return false; // inside a solid or a shell
+        const SurfaceHit surface = surfaces.surfaceAt(hit);
+        if (surface.emission != vec3(0.0f)) return true;
+        point = surface.point;
+    }
+    return false;
+}
+
+} // namespace
+
+bool tracePathLightmap(const PathTracer& paths, const IntegrationSettings& settings, const TexelMap& map,
+                       std::span<const uint32_t> texels, int samples, std::span<IrradianceEstimate> out,
+                       const Progress& progress, std::atomic<uint64_t>& rays)
+{
+    constexpr std::size_t kTexelGrain = 64;
+    const auto estimateOf = [&](const Texel& texel, uint64_t& traced) {
+        IrradianceEstimate estimate;
+        estimate.valid = texel.validPoints != 0;
+        if (!estimate.valid) return estimate;
+        TexelPoints points;
+        int pointCount = texelPoints(paths.surfaces().geometry(), map, texel, points);
+        keepPoints(texel.validPoints, points, pointCount);
+        spreadOverSides(paths.surfaces().geometry(), points, pointCount);
+        const uint32_t id = texelId(map, texel);
+        const RunningMoments gathered = gather(paths, settings, points, pointCount, samples, id, traced);
+        estimate.irradiance = gathered.mean();
+        estimate.moment = gathered.meanMoment();
+        estimate.varianceOfMean = gathered.varianceOfMean();
+        estimate.samples = gathered.count;
+        return estimate;
+    };
+    return parallelFor(texels.size(), kTexelGrain, progress, "lightmap", [&](std::size_t begin, std::size_t end) {
+        uint64_t traced = 0;
+        for (std::size_t i = begin; i < end && !progress.cancelled(); ++i)
+            out[i] = estimateOf(map.texels[texels[i]], traced);
+        rays += traced;
+    });
+}
+
+bool traceRoughLightmap(const PathTracer& paths, const IntegrationSettings& settings, const TexelMap& map,
+                        std::span<const uint32_t> texels, int samples, std::span<vec3> out, const Progress& progress,
+                        std::atomic<uint64_t>& rays)
+{
+    std::vector<IrradianceEstimate> estimates(texels.size());
+    if (!tracePathLightmap(paths, settings, map, texels, samples, estimates, progress, rays)) return false;
+    constexpr std::size_t kTexelGrain = 64;
+    return parallelFor(texels.size(), kTexelGrain, progress, "lights", [&](std::size_t begin, std::size_t end) {
+        uint64_t traced = 0;
+        TexelPoints points;
+        for (std::size_t i = begin; i < end && !progress.cancelled(); ++i) {
+            const Texel& texel = map.texels[texels[i]];
+            const int count = texelPoints(paths.surfaces().geometry(), map, texel, points);
+            spreadOverSides(paths.surfaces().geometry(), points, count);
+            Sampler sampler(settings.seed, texelId(map, texel), uint32_t(samples)); // beyond the paths' own
+            out[i] = estimates[i].irradiance;
+            const SurfacePoint& point = points[std::size_t(std::min(int(sampler.next1() * float(count)), count - 1))];
+            paths.forLightsNear(point.position, [&](const PunctualLight& light, uint32_t) {
+                if (light.directAtTexels) out[i] += lightAt(paths, light, point, sampler, traced);
+            });
+        }
+        rays += traced;
+    });
+}
+
+bool traceSides(const PathTracer& paths, const IntegrationSettings& settings, std::span<const SurfacePoint> points,
+                std::span<const vec3> eyes, int samples, int walks, std::span<SideEstimate> out,
+                const Progress& progress, std::atomic<uint64_t>& rays)
+{
+    constexpr uint32_t kSidesSeed = 0x5eed0051u;
+    constexpr std::size_t kGrain = 16;
+    IntegrationSettings own = settings;
+    own.seed = settings.seed ^ kSidesSeed;
+    return parallelFor(points.size(), kGrain, progress, "sheets", [&](std::size_t begin, std::size_t end) {
+        uint64_t traced = 0;
+        TexelPoints one;
+        for (std::size_t i = begin; i < end && !progress.cancelled(); ++i) {
+            const uint32_t id = uint32_t(i);
+            Sampler sampler(own.seed, id, uint32_t(samples)); // beyond the paths' own
+            SideEstimate& side = out[i] = {};
+            for (int walk = 0; walk < walks; ++walk) {
+                Sampler ofWalk(own.seed, id, uint32_t(samples + 1 + walk));
+                side.open += walkGetsOut(paths, points[i], eyes, ofWalk, traced) ? 1.0f / float(walks) : 0.0f;
+            }
+            if (samples == 0) continue;
+            one[0] = points[i];
+            side.irradiance = gather(paths, own, one, 1, samples, id, traced).mean();
+            paths.forLightsNear(points[i].position, [&](const PunctualLight& light, uint32_t) {
+                vec3& sum = light.directAtTexels || light.maskOfLight ? side.irradiance : side.direct;
+                sum += lightAt(paths, light, points[i], sampler, traced);
+            });
+        }
+        rays += traced;
+    });
+}
+
+} // namespace halflight

@@ -1,0 +1,143 @@
+#include "transport/probes.h"
+
+#include "transport/sample/running_moments.h"
+
+#include "halflight/base/parallel.h"
+#include "halflight/shading/sampling.h"
+#include "halflight/shading/sh.h"
+
+#include <algorithm>
+#include <array>
+
+namespace halflight {
+namespace {
+
+constexpr uint32_t kProbeSeed = 0x5eed0003u;
+
+class ProbeTracer {
+public:
+    ProbeTracer(const PathTracer& paths, const IntegrationSettings& settings, int samples)
+        : paths_(paths), settings_(settings), samples_(samples)
+    {}
+
+    ProbeEstimate trace(uint32_t id, vec3 position, uint64_t& rays) const
+    {
+        ProbeEstimate estimate;
+        gather(id, position, estimate, rays);
+        addBakedLights(id, position, estimate, rays);
+        // Of a channel's lights at most one reaches a point.
+        paths_.forLightsNear(position, [&](const PunctualLight& light, uint32_t l) {
+            if (light.channel >= 0 && light.reaches(position))
+                estimate.occlusion[light.channel] = visibility(light, l, id, position, rays);
+        });
+        return estimate;
+    }
+
+private:
+    /// Projects radiance along uniformly distributed directions on spherical harmonics.
+    void gather(uint32_t id, vec3 position, ProbeEstimate& estimate, uint64_t& rays) const
+    {
+        std::array<vec3, 9> sum{};
+        int backFaces = 0;
+        RunningMoments mean; // of incoming radiance
+        constexpr float kUniformPdf = 1.0f / (4.0f * kPi);
+        const auto add = [&](vec3 direction, vec3 weightedRadiance) {
+            for (int i = 0; i < 9; ++i) sum[std::size_t(i)] += weightedRadiance * shading::shBasis(i, direction);
+        };
+        for (int s = 0; s < samples_; ++s) {
+            Sampler sampler(settings_.seed ^ kProbeSeed, id, uint32_t(s));
+            const vec3 direction = shading::sampleSphere(sampler.next2());
+            const PathTracer::EmitterInSpace emitter = paths_.emitterInSpace(position, kUniformPdf, sampler, rays);
+            const PathTracer::EmitterInSpace sky = paths_.skyInSpace(position, sampler, rays);
+            for (const auto& light : {emitter, sky})
+                if (light.radianceOverPdf != vec3(0.0f)) add(light.direction, light.radianceOverPdf);
+            const PathTracer::Incoming in =
+                paths_.incoming({position}, direction, kUniformPdf, settings_.bounces, sampler, rays);
+            backFaces += in.firstHitBackFace ? 1 : 0;
+            add(direction, in.radiance / kUniformPdf);
+            mean.add(in.radiance + (emitter.radianceOverPdf + sky.radianceOverPdf) * kUniformPdf, vec3(0.0f));
+        }
+        for (int i = 0; i < 9; ++i) estimate.radiance[std::size_t(i)] = sum[std::size_t(i)] / float(samples_);
+        // A coefficient is 4 pi times the mean of radiance times a basis function, whose mean square is 1 / (4 pi).
+        estimate.variance = 4.0f * kPi * mean.varianceOfMean();
+        estimate.valid = backFaces * 4 < samples_;
+    }
+
+    /// A fully baked light is a delta distribution of directions: its coefficients are illuminance times basis
+    /// functions. Of an area light they are those of its samples.
+    void addBakedLights(uint32_t id, vec3 position, ProbeEstimate& estimate, uint64_t& rays) const
+    {
+        paths_.forLightsNear(position, [&](const PunctualLight& light, uint32_t l) {
+            if (!light.directAtProbes) return;
+            if (light.isArea()) {
+                addAreaLight(light, l, id, position, estimate, rays);
+                return;
+            }
+            const shading::LightSample sample = light.at(position);
+            if (sample.illuminance == vec3(0.0f)) return;
+            const float visible = visibility(light, l, id, position, rays);
+            const vec3 illuminance = sample.illuminance * glm::mix(1.0f, visible, light.shadowStrength);
+            for (int i = 0; i < 9; ++i)
+                estimate.radiance[std::size_t(i)] += illuminance * shading::shBasis(i, sample.direction);
+        });
+    }
+
+    void addAreaLight(const PunctualLight& light, uint32_t index, uint32_t id, vec3 position, ProbeEstimate& estimate,
+                      uint64_t& rays) const
+    {
+        if (!light.reaches(position)) return;
+        const vec3 radiance = light.radianceAt(position) / float(shadowSamples());
+        forLightRays(light, index, id, position, rays, [&](const LightRay& ray, float visible) {
+            const vec3 arriving = radiance * (ray.solidAngle * glm::mix(1.0f, visible, light.shadowStrength));
+            for (int i = 0; i < 9; ++i)
+                estimate.radiance[std::size_t(i)] += arriving * shading::shBasis(i, ray.direction);
+        });
+    }
+
+    [[nodiscard]] int shadowSamples() const { return std::max(settings_.shadowSamples, 16); }
+
+    /// Calls visit(ray, visibility) for each shadow ray to the light.
+    template<typename Visit> void forLightRays(const PunctualLight& light, uint32_t lightIndex, uint32_t id,
+                                               vec3 position, uint64_t& rays, const Visit& visit) const
+    {
+        for (int s = 0; s < shadowSamples(); ++s) {
+            Sampler sampler(settings_.seed ^ kShadowSeed, hashCombine(~id, lightIndex), uint32_t(s));
+            const LightRay ray = sampleLightRay(light, position, shading::sampleDisc(sampler.next2()));
+            if (light.isArea() && ray.solidAngle <= 0.0f) continue;
+            visit(ray, paths_.lightVisibilityInSpace(light, position, ray, rays));
+        }
+    }
+
+    /// Share of the light that arrives; of an area light, of its illuminance from all directions together.
+    float visibility(const PunctualLight& light, uint32_t lightIndex, uint32_t id, vec3 position, uint64_t& rays) const
+    {
+        float sum = 0.0f;
+        float all = 0.0f;
+        forLightRays(light, lightIndex, id, position, rays, [&](const LightRay& ray, float visible) {
+            const float weight = light.isArea() ? ray.solidAngle : 1.0f;
+            sum += weight * visible;
+            all += weight;
+        });
+        return all > 0.0f ? sum / all : 1.0f;
+    }
+
+    const PathTracer& paths_;
+    const IntegrationSettings& settings_;
+    int samples_;
+};
+
+} // namespace
+
+bool traceProbes(const PathTracer& paths, const IntegrationSettings& settings, std::span<const vec3> positions,
+                 std::span<const uint32_t> which, int samples, std::span<ProbeEstimate> out, const Progress& progress,
+                 std::atomic<uint64_t>& rays)
+{
+    const ProbeTracer tracer(paths, settings, samples > 0 ? samples : settings.probeSamples);
+    return parallelFor(which.size(), 1, progress, "probes", [&](std::size_t begin, std::size_t end) {
+        uint64_t traced = 0;
+        for (std::size_t i = begin; i < end; ++i) out[i] = tracer.trace(which[i], positions[which[i]], traced);
+        rays += traced;
+    });
+}
+
+} // namespace halflight

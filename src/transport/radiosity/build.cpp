@@ -1,0 +1,213 @@
+#include "transport/radiosity/build.h"
+
+#include "transport/radiosity/split_patches.h"
+
+#include "halflight/bake/part_folder.h"
+#include "halflight/base/bytes.h"
+#include "halflight/base/memory.h"
+#include "halflight/base/parallel.h"
+
+#include <algorithm>
+#include <numeric>
+#include <string>
+
+namespace halflight {
+namespace {
+
+/// Thins a list of texels out so that large patches are gathered by one texel in `every`. Patches with fewer than 3/4
+/// of their texels, or with a texel that is not fully valid, keep all.
+void thinOut(std::vector<uint32_t>& texels, const TexelMap& map, const ChartPatches& charts, int every)
+{
+    if (every == 1) return;
+    std::vector<uint8_t> counts(charts.patchCount());
+    std::vector<uint8_t> partlyValid(charts.patchCount());
+    for (const uint32_t texel : texels) {
+        const PatchId patch = charts.patchOf(map, texel);
+        if (patch == kNoPatch) continue;
+        ++counts[patch];
+        if (map.texels[texel].validPoints != kAllPoints) partlyValid[patch] = 1;
+    }
+    const int enough = 3 << (2 * charts.shift() - 2);
+    std::erase_if(texels, [&](uint32_t texel) {
+        const PatchId patch = charts.patchOf(map, texel);
+        // Diagonal lines, because rows and columns of texels often coincide with features.
+        const int line = map.texels[texel].x + every / 2 * map.texels[texel].y;
+        return patch != kNoPatch && counts[patch] >= enough && partlyValid[patch] == 0 && line % every != 0;
+    });
+}
+
+class RadiosityBuilder {
+public:
+    RadiosityBuilder(const RadiosityInput& input, const Progress& progress, std::atomic<uint64_t>& rays)
+        : input_(input), progress_(progress), rays_(rays), patches_(input.paths.surfaces(), input.map)
+    {}
+
+    /// Samples all form factors.
+    bool runPasses()
+    {
+        buildFronts();
+        buildBacks();
+        gather(PassKind::Elements,
+               patches_.texelsIn(input_.map, 0, [](PatchState s) { return s.occluded || s.hitNear; }));
+        return !failed_ && !progress_.cancelled();
+    }
+
+    std::optional<Radiosity> build()
+    {
+        if (!runPasses()) return std::nullopt;
+        RadiositySolution solution = solveRadiosity(patches_, std::move(factors_), input_.settings.bounces);
+        return Radiosity{std::move(patches_), std::move(solution)};
+    }
+
+private:
+    static constexpr std::size_t kRangeItems = 256;
+    /// Parts of a pass that processes share: at most 128, of 4 ranges or more.
+    static constexpr std::size_t kMostParts = 128;
+    static constexpr std::size_t kFewestRanges = 4;
+    static bool isOccluded(PatchState s) { return s.occluded; }
+    static bool isHit(PatchState s) { return s.hit; }
+
+    void buildFronts()
+    {
+        std::vector<uint32_t> texels(input_.map.texels.size());
+        std::iota(texels.begin(), texels.end(), 0u);
+        findOccluded(PassKind::Fronts, texels);
+        patches_.split(0, isOccluded);
+        findOccluded(PassKind::Elements, patches_.texelsIn(input_.map, 0, isOccluded));
+        const int every = effortOf(input_.settings, PassKind::Fronts, patches_.charts.shift()).every;
+        thinOut(texels, input_.map, patches_.charts, every);
+        gather(PassKind::Fronts, texels);
+        markHits();
+        patches_.split(0, [](PatchState s) { return s.hitNear; });
+    }
+
+    /// Backs and triangles that rays of the fronts hit.
+    void buildBacks()
+    {
+        const uint32_t fronts = patches_.layout.chartPatches;
+        const std::vector<uint32_t> backs = patches_.texelsIn(input_.map, fronts, isHit);
+        std::vector<uint32_t> triangles;
+        for (uint32_t i = 0; i < 2 * patches_.triangles.size(); ++i) {
+            if (patches_.state[2 * fronts + i].hit) triangles.push_back(i);
+        }
+        findOccluded(PassKind::Backs, backs);
+        patches_.split(fronts, isOccluded);
+        const std::vector<uint32_t> backElements = patches_.texelsIn(input_.map, fronts, isOccluded);
+        findOccluded(PassKind::BackElements, backElements);
+        gather(PassKind::Backs, backs);
+        gather(PassKind::BackElements, backElements);
+        gather(PassKind::Triangles, triangles);
+    }
+
+    /// Patches that a range of items found occluded.
+    struct OccludedPatches {
+        std::vector<PatchId> patches;
+        template<typename Archive> void archive(Archive& a) { a(patches); }
+    };
+
+    static std::size_t rangesOf(std::size_t items) { return (items + kRangeItems - 1) / kRangeItems; }
+
+    /// Fills `out` for ranges of the items by work(items, out), on all threads.
+    template<typename Out, typename Work>
+    void forRanges(std::span<const uint32_t> items, std::span<Out> out, const Work& work) const
+    {
+        parallelFor(out.size(), 1, progress_, "bounces", [&](std::size_t begin, std::size_t end) {
+            for (std::size_t r = begin; r < end && !progress_.cancelled(); ++r) {
+                const std::size_t item = r * kRangeItems;
+                work(items.subspan(item, std::min(kRangeItems, items.size() - item)), out[r]);
+            }
+        });
+    }
+
+    /// forRanges() for all items. In a shared folder other processes compute some of the ranges.
+    template<typename Out, typename Work>
+    void forAllRanges(std::span<const uint32_t> items, std::span<Out> out, const Work& work)
+    {
+        const int pass = passes_++;
+        if (failed_) return;
+        if (input_.parts == nullptr || !input_.parts->isShared()) return forRanges(items, out, work);
+        const std::size_t perPart = std::max(kFewestRanges, (out.size() + kMostParts - 1) / kMostParts);
+        const auto rangesIn = [&](std::size_t part) {
+            return out.subspan(part * perPart, std::min(perPart, out.size() - part * perPart));
+        };
+        const auto compute = [&](std::size_t part) -> std::optional<std::vector<std::byte>> {
+            const std::size_t first = part * perPart * kRangeItems;
+            const std::size_t end = std::min(first + perPart * kRangeItems, items.size());
+            forRanges(items.subspan(first, end - first), rangesIn(part), work);
+            if (progress_.cancelled()) return std::nullopt;
+            ByteWriter writer;
+            for (Out& range : rangesIn(part)) range.archive(writer);
+            return writer.take();
+        };
+        const auto parts =
+            input_.parts->complete("radiosity" + std::to_string(pass), (out.size() + perPart - 1) / perPart, compute);
+        failed_ = !parts;
+        for (std::size_t part = 0; parts && part < parts->size(); ++part) {
+            ByteReader reader((*parts)[part]);
+            for (Out& range : rangesIn(part)) range.archive(reader);
+            failed_ = failed_ || !reader.complete();
+        }
+    }
+
+    void findOccluded(PassKind kind, std::span<const uint32_t> items)
+    {
+        const PatchPass pass(kind, patches_, input_);
+        std::vector<OccludedPatches> found(rangesOf(items.size()));
+        forAllRanges(items, std::span(found), [&](std::span<const uint32_t> some, OccludedPatches& out) {
+            OccluderSearch search(pass);
+            search.search(some);
+            out.patches = search.occluded();
+            rays_ += search.rays();
+        });
+        for (const OccludedPatches& range : found) {
+            for (const PatchId patch : range.patches) patches_.state[patch].occluded = true;
+        }
+    }
+
+    void gather(PassKind kind, std::span<const uint32_t> items)
+    {
+        const PatchPass pass(kind, patches_, input_);
+        const std::size_t first = factors_.size();
+        factors_.resize(first + rangesOf(items.size()));
+        forAllRanges(items, std::span(factors_).subspan(first),
+                     [&](std::span<const uint32_t> some, FormFactorRange& out) {
+                         FormFactorSampler sampler(pass, out);
+                         sampler.gather(some);
+                         out.samples.shrink_to_fit();
+                         out.links.shrink_to_fit();
+                         rays_ += sampler.rays();
+                     });
+    }
+
+    void markHits()
+    {
+        for (FormFactorRange& range : factors_) {
+            for (const PatchId patch : range.links) patches_.state[patch].hit = true;
+            for (const PatchId patch : range.hitNear) patches_.state[patch].hitNear = true;
+            release(range.hitNear);
+        }
+    }
+
+    const RadiosityInput& input_;
+    const Progress& progress_;
+    std::atomic<uint64_t>& rays_;
+    Patches patches_;
+    FormFactors factors_;
+    int passes_ = 0;      ///< so far
+    bool failed_ = false; ///< cancelled, or a shared folder cannot be written
+};
+
+} // namespace
+
+std::optional<Radiosity> buildRadiosity(const RadiosityInput& input, const Progress& progress,
+                                        std::atomic<uint64_t>& rays)
+{
+    return RadiosityBuilder(input, progress, rays).build();
+}
+
+bool buildRadiosityParts(const RadiosityInput& input, const Progress& progress, std::atomic<uint64_t>& rays)
+{
+    return RadiosityBuilder(input, progress, rays).runPasses();
+}
+
+} // namespace halflight

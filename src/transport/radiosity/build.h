@@ -1,0 +1,26 @@
+#pragma once
+// The radiosity stage: patches, form factors, solution.
+
+#include "transport/radiosity/solve.h"
+
+#include "halflight/base/progress.h"
+
+#include <atomic>
+#include <optional>
+
+namespace halflight {
+
+struct Radiosity {
+    Patches patches; ///< without their layout, which the cache has
+    RadiositySolution solution;
+};
+
+/// Tiles the map's surfaces by patches and computes their radiance after up to settings.bounces (at least 1) bounces.
+/// Nothing when cancelled.
+std::optional<Radiosity> buildRadiosity(const RadiosityInput& input, const Progress& progress,
+                                        std::atomic<uint64_t>& rays);
+
+/// The passes of buildRadiosity() alone, whose parts are kept in input.parts. False when cancelled or not written.
+bool buildRadiosityParts(const RadiosityInput& input, const Progress& progress, std::atomic<uint64_t>& rays);
+
+} // namespace halflight

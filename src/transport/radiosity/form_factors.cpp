@@ -1,0 +1,194 @@
+#include "transport/radiosity/form_factors.h"
+
+#include "transport/sample/shadow_packet.h"
+
+#include <algorithm>
+
+namespace halflight {
+namespace {
+
+constexpr uint32_t kCacheSeed = 0x5eed0005u;
+/// Rays of a patch; half as many of an element or a triangle patch, and half as many light samples as rays. Twice as
+/// many from kManySamples per texel on, because the patches' variance would be visible beside that of the texels.
+constexpr int kRays = 16;
+constexpr int kManySamples = 96;
+/// Least rays of a texel: one in each row and column of the pattern of strata.
+constexpr int kFewestRays = StratifiedPattern::kBlock / 4;
+/// Rays shorter than this many widths would show that the radiance of a patch or element is constant.
+constexpr float kNearestInPatches = 0.5f;
+constexpr float kNearestInElements = 0.5f * kNearestInPatches; // which are not split again
+
+} // namespace
+
+/// The texels of a patch share its rays. Where each takes the least, some take none.
+FormFactorEffort effortOf(const IntegrationSettings& settings, PassKind kind, int patchShift)
+{
+    const int times = settings.samples >= kManySamples ? 2 : 1;
+    const int all = times * kRays;
+    if (kind != PassKind::Fronts && kind != PassKind::Backs) return {all / 2, all / 4};
+    const int rays = all >> (2 * patchShift);
+    return {std::max(rays, kFewestRays), std::max(rays / 2, 1), std::max((1 << patchShift) / (2 * times), 1)};
+}
+
+FormFactorSampler::FormFactorSampler(const PatchPass& pass, FormFactorRange& out)
+    : pass_(pass), paths_(pass.input().paths), tracer_(paths_.surfaces()), out_(out),
+      seed_(pass.input().settings.seed ^ (kCacheSeed + (uint32_t(pass.kind()) << 16))),
+      effort_(effortOf(pass.input().settings, pass.kind(), pass.layout().patchShift))
+{}
+
+void FormFactorSampler::gather(std::span<const uint32_t> items)
+{
+    pass_.forGroups(items, [&](const TexelGroup& group) { gatherGroup(GatherGroup(paths_, group)); });
+}
+
+/// Strata of the rays of one texel: one in each row and column of the pattern for every four rays. Consecutive groups
+/// take complementary strata. Returns their number.
+std::size_t FormFactorSampler::strataOf(uint32_t group, Strata& strata) const
+{
+    const int diagonals = std::min(effort_.rays / 4, 4);
+    std::size_t count = 0;
+    for (int d = 0; d < diagonals; ++d) {
+        const uint32_t flip = diagonals == 1   ? group & 3u
+                              : diagonals == 2 ? (group & 1u) ^ uint32_t(2 * d)
+                                               : uint32_t(d);
+        for (uint32_t x = 0; x < 4; ++x) strata[count++] = uint8_t((x << 2) | (x ^ flip));
+    }
+    return count;
+}
+
+void FormFactorSampler::gatherGroup(const GatherGroup& group)
+{
+    const int blocks = std::max(1, effort_.rays / StratifiedPattern::kBlock);
+    Strata all;
+    const std::size_t count = strataOf(group.texel(0) / (TexelGroup::kLanes * uint32_t(effort_.every)), all);
+    const std::span<uint8_t> strata(all.data(), count);
+    for (int b = 0; b < blocks; ++b) {
+        rays_ += uint64_t(bundle_.trace(paths_, pass_.input().pattern, group, seed_, b, strata));
+        for (int lane = 0; lane < group.lanes(); ++lane) {
+            if (!group.active(lane)) continue;
+            sortByElement(group, lane, b, strata);
+            for (const uint8_t stratum : strata) addRay(group, lane, b, stratum);
+        }
+    }
+    for (int s = 0; s < effort_.direct; ++s) addDirect(group, s);
+}
+
+/// Sorts strata by the element that their rays start from, so that each element has one entry of samples.
+void FormFactorSampler::sortByElement(const GatherGroup& group, int lane, int block, std::span<uint8_t> strata) const
+{
+    if (!pass_.ofElements()) return;
+    std::array<PatchId, StratifiedPattern::kBlock> elements{};
+    for (const uint8_t stratum : strata) {
+        const SurfacePoint& point = group.point(lane, group.pointOf(lane, block, stratum));
+        elements[stratum] = pass_.sourceOf(group, lane, point);
+    }
+    std::sort(strata.begin(), strata.end(),
+              [&](uint8_t a, uint8_t b) { return elements[a] != elements[b] ? elements[a] < elements[b] : a < b; });
+}
+
+void FormFactorSampler::addRay(const GatherGroup& group, int lane, int block, int stratum)
+{
+    const int number = group.pointOf(lane, block, stratum);
+    const SurfacePoint& point = group.points(lane)[std::size_t(number)];
+    const PatchId source = pass_.sourceOf(group, lane, point);
+    if (source == kNoPatch) return;
+    PatchSamples& samples = out_.last(source);
+    ++samples.rayCount;
+    const vec3 direction = bundle_.direction(stratum, lane);
+    const RayHit& hit = bundle_.hit(stratum, lane);
+    if (!hit.found()) {
+        samples.gathered += paths_.sky().dimRadiance(direction);
+        return;
+    }
+    const PatchId target = pass_.targetOf(hit.face, hit.barycentric);
+    if (target == kNoPatch) {
+        addPath(group, lane, block, stratum, source);
+        return;
+    }
+    out_.links.push_back(target);
+    ++samples.linkCount;
+    if (pass_.kind() == PassKind::Fronts) findNear(source, target, hit);
+    if (!pass_.layout().emissive(hit.face)) return;
+    const GatherGroup::Origin& s = group.origin(lane, number);
+    samples.gathered += paths_.weightedEmission(tracer_.surfaceAt(hit), direction, {s.position, s.normal},
+                                                PathTracer::gatherPdf(s.normal, direction));
+}
+
+/// Continues a ray that hits no patch as a path. Its radiance is split by the number of reflections.
+void FormFactorSampler::addPath(const GatherGroup& group, int lane, int block, int stratum, PatchId source)
+{
+    const GatherGroup::Origin& s = group.origin(lane, group.pointOf(lane, block, stratum));
+    const vec3 direction = bundle_.direction(stratum, lane);
+    byBounce_.assign(1, vec3(0.0f));
+    Sampler sampler(seed_, group.id(lane), uint32_t(block * StratifiedPattern::kBlock + stratum));
+    paths_.pathRadiance(bundle_.hit(stratum, lane), direction, {s.position, s.normal},
+                        PathTracer::gatherPdf(s.normal, direction), pass_.input().settings.bounces - 1, sampler, rays_,
+                        {}, &byBounce_);
+    out_.last(source).gathered += byBounce_[0];
+    for (uint32_t r = 1; r < byBounce_.size(); ++r) {
+        if (byBounce_[r] != vec3(0.0f)) out_.late.push_back({source, r, byBounce_[r]});
+    }
+}
+
+/// Marks both ends of a short ray: later rays will hit them from as near.
+void FormFactorSampler::findNear(PatchId source, PatchId target, const RayHit& hit)
+{
+    if (target >= pass_.layout().chartPatches) return;
+    const uint32_t triangle = tracer_.triangleAt(hit.face.hitIndex);
+    if (!(hit.distance < kNearestInPatches * pass_.widthOf(target, triangle))) return;
+    out_.hitNear.push_back(target);
+    if (source < pass_.layout().chartPatches) out_.hitNear.push_back(source);
+}
+
+/// One sample of the lights for each active lane.
+void FormFactorSampler::addDirect(const TexelGroup& group, int sample)
+{
+    struct LaneSample {
+        PatchId source = kNoPatch;
+        const SurfacePoint* point = nullptr;
+        Sampler sampler{0, 0, 0};
+        PathTracer::LightChoice choice;
+    };
+    std::array<LaneSample, TexelGroup::kLanes> samples;
+    ShadowPacket packet(paths_);
+    for (int lane = 0; lane < TexelGroup::kLanes; ++lane) {
+        LaneSample& s = samples[std::size_t(lane)];
+        if (!group.active(lane)) continue;
+        s.point = &group.point(lane, group.pointOf(lane, 0, sample & (kMaxTexelPoints - 1)));
+        s.source = pass_.sourceOf(group, lane, *s.point);
+        if (s.source == kNoPatch) continue;
+        s.sampler = Sampler(~seed_, group.id(lane), uint32_t(sample));
+        s.choice = paths_.choosePunctual(*s.point, false, s.sampler);
+        if (s.choice.light == nullptr) continue;
+        packet.add(lane, *s.choice.light, *s.point, s.choice.disc, rays_);
+    }
+    const std::array<float, TexelGroup::kLanes> transmittance = packet.trace();
+    for (int lane = 0; lane < TexelGroup::kLanes; ++lane) {
+        LaneSample& s = samples[std::size_t(lane)];
+        if (s.source == kNoPatch) continue;
+        const SurfacePoint& point = *s.point;
+        PatchSamples& sums = out_.recent(s.source);
+        const vec3 irradiance = s.choice.irradiance(transmittance[std::size_t(lane)]);
+        const auto emitter = paths_.emitterIrradiance(point, luminance(irradiance), s.sampler, rays_);
+        const auto sky = paths_.skyIrradiance(point, luminance(irradiance), s.sampler, rays_);
+        sums.direct += irradiance;
+        sums.direct += emitter.irradiance;
+        sums.direct += sky.irradiance;
+        const SurfaceReflectance surface = tracer_.materials().reflectanceAt(point.triangle, point.barycentric);
+        sums.albedo += paths_.albedoOf(surface);
+        if (paths_.glossy()) {
+            sums.lobes.addSurface(surface, point, s.sampler);
+            if (s.choice.light != nullptr) {
+                const vec3 toLight = sampleLightRay(*s.choice.light, point.position, s.choice.disc).direction;
+                sums.lobes.addLight(surface, point, toLight, irradiance, s.sampler);
+            }
+            sums.lobes.addLight(surface, point, emitter.direction, emitter.irradiance, s.sampler);
+            sums.lobes.addLight(surface, point, sky.direction, sky.irradiance, s.sampler);
+        }
+        ++sums.directCount;
+        const float widths = s.source < pass_.layout().patchCount() ? kNearestInPatches : kNearestInElements;
+        sums.minDistance = std::max(sums.minDistance, widths * pass_.widthOf(s.source, point.triangle));
+    }
+}
+
+} // namespace halflight

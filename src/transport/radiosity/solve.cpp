@@ -1,0 +1,293 @@
+#include "transport/radiosity/solve.h"
+
+#include "halflight/base/memory.h"
+#include "halflight/base/parallel.h"
+#include "halflight/shading/brdf.h"
+
+#include <algorithm>
+#include <cmath>
+#include <span>
+
+namespace halflight {
+namespace {
+
+class RadiositySolver {
+public:
+    RadiositySolver(Patches& patches, FormFactors factors, int bounces)
+        : patches_(patches), factors_(std::move(factors)), bounces_(bounces)
+    {
+        countRays();
+    }
+
+    RadiositySolution solve()
+    {
+        numberUnknowns();
+        sumSamples();
+        iterate();
+        RadiositySolution solution;
+        findIlluminance(solution.illuminance);
+        fillPatches();
+        findOwners(solution.patchOfUnknown);
+        solution.cache = {std::move(patches_.layout), std::move(radiance_), std::move(levels_), bounces_, converged_};
+        solution.factors = std::move(factors_);
+        return solution;
+    }
+
+private:
+    /// Sweeps end where further ones would change radiance by less than this share in the mean over the unknowns.
+    static constexpr double kConverged = 0.002;
+    /// Sweeps before changes can be taken for a geometric series.
+    static constexpr int kLeastSweeps = 3;
+
+    /// Unknown of the linear system with its constants.
+    struct Unknown {
+        vec3 gathered{0.0f}; ///< irradiance of sky and emitters along rays
+        vec3 direct{0.0f};   ///< irradiance of sampled lights
+        vec3 albedo{0.0f};
+        LobeMoments lobes;
+        float directCount = 0.0f;
+        float rays = 0.0f;
+        float minDistance = 0.0f;
+    };
+
+    /// Rays of each patch and element; 0 for occluded ones and for those without light samples.
+    void countRays()
+    {
+        const std::size_t count = patches_.state.size();
+        rayCount_.resize(count);
+        std::vector<uint8_t> anyDirect(count);
+        for (const FormFactorRange& range : factors_) {
+            for (const PatchSamples& s : range.samples) {
+                rayCount_[s.patch] += s.rayCount;
+                if (s.directCount > 0) anyDirect[s.patch] = 1;
+            }
+        }
+        for (std::size_t i = 0; i < count; ++i) {
+            if (anyDirect[i] == 0 || patches_.state[i].occluded) rayCount_[i] = 0;
+        }
+    }
+
+    void numberUnknowns()
+    {
+        unknown_.assign(rayCount_.size(), kNoPatch);
+        for (std::size_t i = 0; i < rayCount_.size(); ++i) {
+            if (rayCount_[i] > 0) unknown_[i] = unknownCount_++;
+        }
+    }
+
+    /// Sums the samples of each unknown, and replaces patches by unknowns in the form factors.
+    void sumSamples()
+    {
+        unknowns_.resize(unknownCount_);
+        std::vector<std::vector<uint32_t>> lostOf(factors_.size()); // by range and sample
+        parallelFor(factors_.size(), 16, [&](std::size_t begin, std::size_t end) {
+            for (std::size_t r = begin; r < end; ++r) numberLinks(factors_[r], lostOf[r]);
+        });
+        for (std::size_t r = 0; r < factors_.size(); ++r) {
+            FormFactorRange& range = factors_[r];
+            for (std::size_t i = 0; i < range.samples.size(); ++i) {
+                const PatchSamples& s = range.samples[i];
+                if (s.patch == kNoPatch) continue;
+                const uint32_t lost = lostOf[r][i];
+                Unknown& u = unknowns_[s.patch];
+                u.gathered += kPi * s.gathered;
+                u.direct += s.direct;
+                u.albedo += s.albedo;
+                u.lobes.add(s.lobes);
+                u.directCount += float(s.directCount);
+                u.rays += float(s.rayCount - lost);
+                u.minDistance = std::max(u.minDistance, s.minDistance);
+            }
+        }
+        for (Unknown& u : unknowns_) {
+            u.rays = std::max(u.rays, 1.0f);
+            u.gathered /= u.rays;
+            u.direct /= u.directCount;
+            u.albedo /= u.directCount;
+            u.lobes.albedo = glm::min(u.lobes.albedo / u.directCount, 1.0f - u.albedo);
+            u.lobes.exitance /= u.directCount;
+        }
+    }
+
+    /// Replaces the patches of a range by unknowns. `lost`: rays of each sample that hit occluded patches, which are
+    /// left out.
+    void numberLinks(FormFactorRange& range, std::vector<uint32_t>& lost) const
+    {
+        FormFactorRange::forSamples(range, [&](PatchSamples& s, std::span<PatchId> links) {
+            lost.push_back(0);
+            for (PatchId& target : links) {
+                target = patches_.state[target].occluded ? kNoPatch : unknown_[target];
+                if (target == kNoPatch) ++lost.back();
+            }
+            s.patch = unknown_[s.patch];
+        });
+        for (FormFactorRange::LateRadiance& late : range.late) late.patch = unknown_[late.patch];
+    }
+
+    void iterate()
+    {
+        reflected_.assign(unknownCount_, vec3(0.0f));
+        diffuse_.assign(unknownCount_, 0.0f);
+        std::vector<vec3> gathered(unknownCount_);
+        double lastChange = 0.0;
+        for (int b = 1; b <= bounces_; ++b) {
+            std::fill(gathered.begin(), gathered.end(), vec3(0.0f));
+            if (b > 1) sweep(b, gathered);
+            const double change = reflect(gathered);
+            // Changes fall as a geometric series in the end: c, c r, c r^2, … with the sum c r / (1 - r) after c.
+            const double ratio = lastChange > 0.0 ? change / lastChange : 1.0;
+            converged_ = b > kLeastSweeps && ratio < 1.0 && change * ratio / (1.0 - ratio) < kConverged;
+            lastChange = change;
+            if (converged_) break;
+            keepLevel(bounces_ - b);
+        }
+        if (converged_) levels_ = {};
+    }
+
+    /// Computes what each unknown reflects, and returns by how much that grew: the mean of the relative changes.
+    double reflect(std::span<const vec3> gathered)
+    {
+        double sum = 0.0;
+        std::size_t lit = 0;
+        for (std::size_t i = 0; i < unknowns_.size(); ++i) {
+            const Unknown& u = unknowns_[i];
+            const vec3 even = u.gathered + gathered[i] * (kPi / u.rays);
+            const vec3 diffuse = u.albedo * (even + u.direct);
+            const vec3 radiance = (diffuse + u.lobes.albedo * even + u.lobes.exitance) / kPi;
+            const float after = luminance(radiance);
+            if (after > 0.0f) {
+                sum += double(std::abs(after - luminance(reflected_[i])) / after);
+                ++lit;
+            }
+            reflected_[i] = radiance;
+            diffuse_[i] = luminance(diffuse);
+        }
+        return lit > 0 ? sum / double(lit) : 0.0;
+    }
+
+    /// Keeps the radiance of the last few sweeps by patch. `remaining`: number of sweeps that follow.
+    void keepLevel(int remaining)
+    {
+        if (remaining < 1 || remaining > RadianceCache::kLevels) return;
+        auto& level = levels_[std::size_t(remaining - 1)];
+        level.resize(patches_.layout.patchCount());
+        for (std::size_t i = 0; i < level.size(); ++i) {
+            level[i] = unknown_[i] != kNoPatch ? reflected_[unknown_[i]] : vec3(0.0f);
+        }
+    }
+
+    /// Sums for each unknown the radiance at the ends of its links, and radiance by way of surfaces without patches.
+    /// Sums of samples are computed on all threads and added in the order of the samples.
+    void sweep(int bounce, std::vector<vec3>& gathered)
+    {
+        sampleSums_.resize(factors_.size());
+        parallelFor(factors_.size(), 16, [&](std::size_t begin, std::size_t end) {
+            for (std::size_t r = begin; r < end; ++r) {
+                sampleSums_[r].clear();
+                FormFactorRange::forSamples(factors_[r], [&](const PatchSamples&, std::span<const PatchId> links) {
+                    vec3 sum(0.0f);
+                    for (const PatchId target : links) {
+                        if (target != kNoPatch) sum += reflected_[target];
+                    }
+                    sampleSums_[r].push_back(sum);
+                });
+            }
+        });
+        for (std::size_t r = 0; r < factors_.size(); ++r) {
+            const FormFactorRange& range = factors_[r];
+            for (std::size_t i = 0; i < range.samples.size(); ++i) {
+                if (range.samples[i].patch != kNoPatch) gathered[range.samples[i].patch] += sampleSums_[r][i];
+            }
+            for (const FormFactorRange::LateRadiance& late : range.late) {
+                if (late.patch != kNoPatch && late.reflections < uint32_t(bounce))
+                    gathered[late.patch] += late.radiance;
+            }
+        }
+    }
+
+    void findIlluminance(std::vector<float>& illuminance) const
+    {
+        illuminance.resize(patches_.layout.chartPatches);
+        for (std::size_t i = 0; i < illuminance.size(); ++i) {
+            if (unknown_[i] != kNoPatch) illuminance[i] = luminance(unknowns_[unknown_[i]].gathered);
+        }
+    }
+
+    /// Radiance of an unknown with the exitance M and the first moment m of what its diffuse part and its lobes
+    /// reflect, over the hemisphere: those of R + A . d are M = pi R + 2/3 pi A_n, m_n = 2/3 pi R + pi/2 A_n, m_t =
+    /// pi/4 A_t along the normal and the tangents.
+    [[nodiscard]] PatchRadiance radianceOf(std::size_t unknown) const
+    {
+        constexpr float kMostTilt = 0.9f; // radiance stays above 0 in all directions
+        const Unknown& u = unknowns_[unknown];
+        const vec3 mean = reflected_[unknown];
+        const float exitance = kPi * luminance(mean);
+        const float length = glm::length(u.lobes.normal);
+        if (length <= 0.0f || exitance <= 0.0f) return {mean, u.minDistance};
+        const vec3 normal = u.lobes.normal / length;
+        const float ofEven = std::max(exitance - diffuse_[unknown] - luminance(u.lobes.exitance), 0.0f);
+        const vec3 moment = u.lobes.momentOf(diffuse_[unknown], ofEven, normal);
+        const float along = glm::dot(moment, normal);
+        const vec3 across = moment - along * normal;
+        const vec3 slope = (18.0f / kPi) * (along - 2.0f / 3.0f * exitance) * normal + (4.0f / kPi) * across;
+        const float shift = (18.0f / kPi) * (0.5f * exitance - 2.0f / 3.0f * along) - exitance / kPi;
+        const float excess = glm::length(slope) - kMostTilt * shift;
+        const float part = excess > 0.0f ? std::min(1.0f, kMostTilt * exitance / kPi / excess) : 1.0f;
+        const float radiance = exitance / kPi + part * shift;
+        return {mean * (radiance * kPi / exitance), u.minDistance, part * slope / radiance};
+    }
+
+    void fillPatches()
+    {
+        std::vector<PatchRadiance> ofUnknown(unknownCount_);
+        for (std::size_t i = 0; i < unknowns_.size(); ++i) ofUnknown[i] = radianceOf(i);
+        release(reflected_);
+        release(diffuse_);
+        release(sampleSums_);
+        release(unknowns_);
+        radiance_ = largeVector<PatchRadiance>(rayCount_.size());
+        forEachIndex(radiance_.size(), [&](std::size_t i) {
+            if (unknown_[i] == kNoPatch) return;
+            radiance_[i] = ofUnknown[unknown_[i]];
+            if (patches_.state[i].occluded) radiance_[i].minDistance = kInfinity;
+        });
+    }
+
+    void findOwners(std::vector<PatchId>& owner) const
+    {
+        const PatchLayout& layout = patches_.layout;
+        owner.assign(unknownCount_, kNoPatch);
+        forEachIndex(layout.patchCount(), [&](std::size_t i) {
+            const auto patch = PatchId(i);
+            if (unknown_[patch] != kNoPatch) owner[unknown_[patch]] = patch;
+            if (layout.elements[patch].split == 0) return;
+            const PatchId first = layout.elements[patch].first;
+            for (PatchId e = first; e < first + layout.elementCount(patch); ++e) {
+                if (unknown_[e] != kNoPatch) owner[unknown_[e]] = patch;
+            }
+        });
+    }
+
+    Patches& patches_;
+    FormFactors factors_;
+    int bounces_;
+    bool converged_ = false;
+    std::vector<uint32_t> rayCount_; ///< by patch and element
+    std::vector<uint32_t> unknown_;  ///< number of the unknown, or kNoPatch
+    uint32_t unknownCount_ = 0;
+    std::vector<Unknown> unknowns_;
+    std::vector<vec3> reflected_;               ///< by unknown: exitance / pi
+    std::vector<float> diffuse_;                ///< luminance of the diffuse part of the exitance, lux
+    std::vector<std::vector<vec3>> sampleSums_; ///< of a sweep, by range and sample
+    RadianceCache::Levels levels_;
+    std::vector<PatchRadiance> radiance_;
+};
+
+} // namespace
+
+RadiositySolution solveRadiosity(Patches& patches, FormFactors factors, int bounces)
+{
+    return RadiositySolver(patches, std::move(factors), bounces).solve();
+}
+
+} // namespace halflight

@@ -1,0 +1,216 @@
+// Wires the stages of this folder to the Integrator interface.
+
+#include "transport/ray_integrator.h"
+
+#include "transport/lightmap/cached_lightmap.h"
+#include "transport/lightmap/path_lightmap.h"
+#include "transport/probes.h"
+#include "transport/reflections.h"
+#include "transport/shadows/baked_lights.h"
+#include "transport/shadows/shadow_pass.h"
+#include "transport/texels/texel_validity.h"
+#include "transport/texels/valid_points.h"
+
+#include "halflight/base/parallel.h"
+
+#include <algorithm>
+#include <atomic>
+
+namespace halflight {
+namespace {
+
+constexpr uint32_t kDirectSeed = 0x5eed0002u;
+/// Rays on shadow edges relative to the samples asked for. Masks are quantized to 1/255, baked light is not.
+constexpr int kTimesOnMaskEdges = 2;
+constexpr int kTimesOnLightEdges = 8;
+
+class RayIntegrator final : public Integrator {
+public:
+    RayIntegrator(const Scene& scene, const BakeGeometry& geometry, const IntegrationSettings& settings,
+                  const MakeKernels& makeKernels)
+        : settings_(settings), paths_(scene, geometry, LightUse::Bake,
+                                      settings.glossyBounces ? Bounces::Glossy : Bounces::Diffuse, makeKernels),
+          pattern_(settings.seed), lightmap_(paths_, pattern_, settings)
+    {}
+
+    [[nodiscard]] bool ok() const { return paths_.ok(); }
+
+    [[nodiscard]] std::string description() const override
+    {
+        const bool cache = settings_.integrator == IntegratorKind::Cache;
+        return paths_.surfaces().kernels().describe(cache ? "radiance cache" : "path tracing");
+    }
+
+    [[nodiscard]] uint64_t raysTraced() const override { return rays_.load(); }
+
+    bool findValidPoints(TexelMap& map, const Progress& progress) override
+    {
+        return halflight::findValidPoints(paths_, map, parts_, progress, rays_);
+    }
+
+    bool roughIrradiance(const TexelMap& map, std::span<const uint32_t> texels, int samples, std::span<vec3> out,
+                         const Progress& progress) override
+    {
+        return traceRoughLightmap(paths_, settings_, map, texels, samples, out, progress, rays_);
+    }
+
+    void keepIn(PartFolder* parts) override
+    {
+        parts_ = parts;
+        lightmap_.keepIn(parts);
+    }
+
+    bool shareIrradiance(const TexelMap& map, const Progress& progress) override
+    {
+        return settings_.integrator != IntegratorKind::Cache || lightmap_.shareParts(map, progress, rays_);
+    }
+
+    bool prepareIrradiance(const TexelMap& map, const Progress& progress) override
+    {
+        return settings_.integrator != IntegratorKind::Cache || lightmap_.prepareAll(map, progress, rays_);
+    }
+
+    bool irradiance(const TexelMap& map, const TexelRequest& request, std::span<IrradianceEstimate> out,
+                    const Progress& progress) override
+    {
+        const int samples = request.samples > 0 ? request.samples : settings_.samples;
+        const bool done =
+            settings_.integrator == IntegratorKind::Cache
+                ? lightmap_.irradiance(map, request.texels, samples, out, progress, rays_)
+                : tracePathLightmap(paths_, settings_, map, request.texels, samples, out, progress, rays_);
+        return done && addBakedLights(map, request, out, progress);
+    }
+
+    void releaseIrradiance() override { lightmap_.release(); }
+
+    bool shadowmask(const TexelMap& map, const TexelRequest& request, int layer, std::span<vec4> out,
+                    const Progress& progress) override
+    {
+        std::fill(out.begin(), out.end(), vec4(1.0f));
+        std::vector<ShadowSource> sources;
+        std::vector<int> channels;
+        int timesOnEdges = kTimesOnMaskEdges;
+        const int first = layer * kLayerChannels;
+        for (int channel = first; channel < first + kLayerChannels; ++channel) {
+            // At most one of the lights of a channel reaches any point.
+            std::vector<const PunctualLight*> owners;
+            for (const PunctualLight& light : paths_.lights()) {
+                if (light.channel == channel) owners.push_back(&light);
+            }
+            if (owners.empty()) continue;
+            channels.push_back(channel);
+            const bool ofLight = owners.front()->maskOfLight;
+            if (ofLight) timesOnEdges = kTimesOnLightEdges;
+            sources.push_back(
+                {LightReach(owners), ofLight, hashCombine(settings_.seed ^ kShadowSeed, uint32_t(channel))});
+        }
+        std::vector<LitCount> counts;
+        if (!traceShadows({paths_, pattern_, map, gridOf(map), request.texels, shadowSamplesOf(request), timesOnEdges,
+                           progress, "shadowmask", rays_},
+                          sources, counts)) {
+            return false;
+        }
+        forEachIndex(request.texels.size(), [&](std::size_t i) {
+            for (std::size_t c = 0; c < channels.size(); ++c) {
+                const LitCount& count = counts[i * channels.size() + c];
+                // A mask of light is 0 where the light would not illuminate the texel.
+                out[i][channels[c] - first] = sources[c].lit && !count.any() ? 0.0f : count.share();
+            }
+        });
+        return true;
+    }
+
+    bool probes(std::span<const vec3> positions, std::span<const uint32_t> which, int samples,
+                std::span<ProbeEstimate> out, const Progress& progress) override
+    {
+        return traceProbes(paths_, settings_, positions, which, samples, out, progress, rays_);
+    }
+
+    bool radianceAround(vec3 position, std::span<const ImageRgb32f> lightmap, int rays, ImageRgb32f& map,
+                        const Progress& progress) override
+    {
+        return traceRadianceAround({paths_, settings_, lightmap, rays}, position, map, progress, rays_);
+    }
+
+    bool specularLight(std::span<const SurfacePoint> points, std::span<const vec3> views,
+                       std::span<SpecularEstimate> out, const Progress& progress) override
+    {
+        return traceSpecularLight(paths_, settings_, points, views, out, progress, rays_);
+    }
+
+    bool sides(std::span<const SurfacePoint> points, std::span<const vec3> eyes, int paths, int walks,
+               std::span<SideEstimate> out, const Progress& progress) override
+    {
+        return traceSides(paths_, settings_, points, eyes, paths, walks, out, progress, rays_);
+    }
+
+    [[nodiscard]] std::optional<vec2> surfacesBetween(vec3 from, vec3 to) const override
+    {
+        const float length = glm::distance(from, to);
+        if (!(length > 0.0f)) return std::nullopt;
+        const vec3 direction = (to - from) / length;
+        const RayHit first = paths_.surfaces().nearest(from, direction, 0.0f, length);
+        if (!first.found()) return std::nullopt;
+        const RayHit last = paths_.surfaces().nearest(to, -direction, 0.0f, length);
+        return vec2(first.distance, last.found() ? length - last.distance : first.distance);
+    }
+
+    void findOutside(std::span<const SurfacePoint> points, std::span<uint8_t> out) const override
+    {
+        const TexelValidity validity(paths_);
+        parallelFor(points.size(), 64, [&](std::size_t begin, std::size_t end) {
+            TexelPoints one;
+            uint64_t rays = 0;
+            for (std::size_t i = begin; i < end; ++i) {
+                if (out[i] == 0) continue;
+                one[0] = points[i];
+                out[i] = validity.validPoints(one, 1, uint32_t(i), rays) != 0 ? 1 : 0;
+            }
+        });
+    }
+
+private:
+    [[nodiscard]] int shadowSamplesOf(const TexelRequest& request) const
+    {
+        return request.shadowSamples > 0 ? request.shadowSamples : settings_.shadowSamples;
+    }
+
+    const TexelGrid& gridOf(const TexelMap& map)
+    {
+        if (grid_ == nullptr || gridMap_ != &map || gridTexels_ != map.texels.size()) {
+            grid_ = std::make_unique<TexelGrid>(map);
+            gridMap_ = &map;
+            gridTexels_ = map.texels.size();
+        }
+        return *grid_;
+    }
+
+    bool addBakedLights(const TexelMap& map, const TexelRequest& request, std::span<IrradianceEstimate> out,
+                        const Progress& progress)
+    {
+        return halflight::addBakedLights({paths_, pattern_, map, gridOf(map), request.texels, shadowSamplesOf(request),
+                                          kTimesOnLightEdges, progress, "lights", rays_},
+                                         settings_.seed ^ kDirectSeed, out);
+    }
+
+    IntegrationSettings settings_;
+    PathTracer paths_;
+    StratifiedPattern pattern_;
+    CachedLightmap lightmap_;
+    PartFolder* parts_ = nullptr;
+    std::unique_ptr<TexelGrid> grid_; ///< of the map of the last call
+    const TexelMap* gridMap_ = nullptr;
+    std::size_t gridTexels_ = 0;
+    std::atomic<uint64_t> rays_{0};
+};
+
+} // namespace
+
+std::unique_ptr<Integrator> makeRayIntegrator(const Scene& scene, const BakeGeometry& geometry,
+                                              const IntegrationSettings& settings, const MakeKernels& makeKernels)
+{
+    auto integrator = std::make_unique<RayIntegrator>(scene, geometry, settings, makeKernels);
+    return integrator->ok() ? std::move(integrator) : nullptr;
+}
+
+} // namespace halflight

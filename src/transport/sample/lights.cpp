@@ -1,0 +1,107 @@
+#include "transport/sample/lights.h"
+
+#include "halflight/base/mathematics.h"
+#include "halflight/shading/sampling.h"
+
+#include <algorithm>
+
+namespace halflight {
+
+static_assert(int(LightType::Directional) == shading::kLightDirectional);
+static_assert(int(LightType::Disk) == shading::kLightDisk);
+
+std::vector<PunctualLight> punctualLights(const Scene& scene, LightUse use)
+{
+    std::vector<PunctualLight> lights;
+    for (const Light& light : scene.lights) {
+        PunctualLight p;
+        p.type = int(light.type);
+        p.colorIntensity = light.color * light.intensity;
+        p.position = light.position();
+        p.axis = light.direction();
+        shading::orthonormalBasis(-p.axis, p.tangent, p.bitangent);
+        p.range = light.rangeMeters;
+        p.spotConstants = shading::spotConstants(light.innerConeRadians, light.outerConeRadians);
+        p.cosOuterCone = math::cos(light.outerConeRadians);
+        p.area = light.area();
+        if (isAreaLight(light.type)) {
+            p.halfWidth = light.halfWidth();
+            p.halfHeight = light.halfHeight();
+        }
+        p.radius = light.type == LightType::Directional ? 0.0f : light.radiusMeters;
+        p.tanAngularRadius = light.type == LightType::Directional ? math::tan(light.angularRadiusRadians) : 0.0f;
+        p.castShadows = light.castShadows;
+        p.shadowStrength = light.shadowStrength;
+        if (use == LightUse::Reference) {
+            p.directAtTexels = p.directAtProbes = p.bounces = true;
+        } else {
+            // Spec S6. Subtractive lightmaps contain the direct light of mixed lights. Probes do not: dynamic objects
+            // receive it at run time.
+            const bool mixed = light.baking.bakeType == LightMode::Mixed;
+            const bool baked = light.baking.bakeType == LightMode::Baked;
+            const bool subtractive = mixed && light.baking.mixedMode == MixedLightingMode::Subtractive;
+            p.maskOfLight = subtractive && light.baking.occlusionMaskChannel >= 0;
+            p.directAtTexels = baked || (subtractive && !p.maskOfLight);
+            p.directAtProbes = baked;
+            p.bounces = baked || mixed;
+            p.indirectMultiplier = light.indirectMultiplier;
+            p.channel = light.baking.occlusionMaskChannel;
+            if (light.type != LightType::Directional) p.reach = light.baking.reachMeters;
+        }
+        lights.push_back(p);
+    }
+    return lights;
+}
+
+LightRay sampleLightRay(const PunctualLight& light, vec3 origin, vec2 disc)
+{
+    if (light.type == shading::kLightDirectional) {
+        if (light.tanAngularRadius <= 0.0f) return {-light.axis, 1.0e30f};
+        const vec3 offset = light.tanAngularRadius * (disc.x * light.tangent + disc.y * light.bitangent);
+        return {glm::normalize(offset - light.axis), 1.0e30f};
+    }
+    vec3 toLight = light.position - origin;
+    if (light.isArea()) {
+        const shading::AreaSample point = shading::sampleAreaLight(light.type, toLight, light.halfWidth,
+                                                                   light.halfHeight, shading::squareOfDisc(disc));
+        const float distance = std::max(glm::length(point.position), 1.0e-20f);
+        return {point.position / distance, distance, point.solidAngle};
+    }
+    if (light.radius > 0.0f) {
+        const float length = glm::length(toLight);
+        if (length > 0.0f) {
+            vec3 tangent;
+            vec3 bitangent;
+            shading::orthonormalBasis(toLight / length, tangent, bitangent);
+            toLight += light.radius * (disc.x * tangent + disc.y * bitangent);
+        }
+    }
+    const float distance = std::max(glm::length(toLight), 1.0e-20f);
+    return {toLight / distance, distance};
+}
+
+LightTree punctualTree(const std::vector<PunctualLight>& lights, std::vector<uint32_t>& itemLights)
+{
+    std::vector<LightItem> items;
+    itemLights.clear();
+    for (std::size_t i = 0; i < lights.size(); ++i) {
+        const PunctualLight& light = lights[i];
+        const float power = luminance(light.colorIntensity) * light.area * light.indirectMultiplier;
+        if (!light.bounces || light.type == shading::kLightDirectional || !(power > 0.0f)) continue;
+        LightItem item;
+        if (light.isArea()) {
+            for (const vec2 corner : {vec2(-1, -1), vec2(1, -1), vec2(1, 1), vec2(-1, 1)})
+                item.bounds.extend(light.position + corner.x * light.halfWidth + corner.y * light.halfHeight);
+        }
+        item.bounds.extend(light.position);
+        item.axis = light.axis;
+        item.cosSpread = light.type == shading::kLightSpot ? light.cosOuterCone : light.isArea() ? 1.0f : -1.0f;
+        item.power = power;
+        item.range = light.range;
+        items.push_back(item);
+        itemLights.push_back(uint32_t(i));
+    }
+    return LightTree(items);
+}
+
+} // namespace halflight

@@ -1,0 +1,116 @@
+#pragma once
+// Lights of the scene (punctual and area lights) with their constants, and rays towards them.
+
+#include "transport/sample/light_tree.h"
+
+#include "halflight/scene/scene.h"
+#include "halflight/shading/area_sampling.h"
+#include "halflight/shading/light.h"
+
+#include <vector>
+
+namespace halflight {
+
+/// Irradiance on a surface with a normal from an unoccluded light.
+inline vec3 irradianceOn(vec3 normal, const shading::LightSample& light)
+{
+    return light.illuminance * std::max(glm::dot(normal, light.direction), 0.0f);
+}
+
+/// Ray from a receiver to a point of a light.
+struct LightRay {
+    vec3 direction{0.0f};
+    float distance = 0.0f;
+    /// Area lights: steradians that the point stands for, 1 / pdf; 0 = the sample misses the light.
+    float solidAngle = 0.0f;
+};
+
+/// A light of the scene. Lights with a radius or an angle light a surface as if they were a point, and their size shows
+/// in shadows alone; area lights (isArea()) are surfaces in both.
+struct PunctualLight {
+    int type = shading::kLightPoint;
+    vec3 colorIntensity{0.0f}; ///< cd/m2 of an area light
+    vec3 position{0.0f};
+    vec3 axis{0.0f};
+    vec3 tangent{0.0f}; ///< with bitangent and axis an orthonormal basis
+    vec3 bitangent{0.0f};
+    float range = 0.0f;
+    float reach = 0.0f; ///< metres covered by the light's mask channel; 0 = unlimited
+    vec2 spotConstants{0.0f};
+    float cosOuterCone = -1.0f;
+    vec3 halfWidth{0.0f}; ///< area lights: along their X and Y, metres
+    vec3 halfHeight{0.0f};
+    float area = 1.0f;             ///< m2 of an area light; 1 for others
+    float radius = 0.0f;           ///< metres; point and spot
+    float tanAngularRadius = 0.0f; ///< directional
+    bool castShadows = true;
+    float shadowStrength = 1.0f;
+    float indirectMultiplier = 1.0f;
+    bool directAtTexels = false; ///< the lightmap contains its direct light
+    bool directAtProbes = false; ///< the probes contain its direct light
+    bool bounces = false;        ///< its bounced light is baked
+    int channel = -1;
+    /// Subtractive's main light. Its mask is the transmitted fraction of the light that a texel would receive. A later
+    /// stage adds its direct light from the stored mask.
+    bool maskOfLight = false;
+
+    [[nodiscard]] bool isArea() const { return shading::isAreaLight(type); }
+    /// From a point to the middle of the light; the length is no distance for a directional light.
+    [[nodiscard]] vec3 towards(vec3 point) const
+    {
+        return type == shading::kLightDirectional ? -axis : position - point;
+    }
+    /// Illuminance and direction at an unoccluded point; not of area lights.
+    [[nodiscard]] shading::LightSample at(vec3 point) const
+    {
+        return shading::sampleLight(type, colorIntensity, position, axis, range, spotConstants, point);
+    }
+    /// Unoccluded irradiance.
+    [[nodiscard]] vec3 irradianceAt(vec3 point, vec3 normal) const
+    {
+        if (!isArea()) return irradianceOn(normal, at(point));
+        const vec3 toCenter = position - point;
+        return radianceAt(point) * shading::areaIrradiance(type, normal, toCenter, halfWidth, halfHeight);
+    }
+    /// Radiance of an area light as a point receives it: by the range's window.
+    [[nodiscard]] vec3 radianceAt(vec3 point) const
+    {
+        const vec3 toCenter = position - point;
+        return colorIntensity * shading::rangeWindow(glm::dot(toCenter, toCenter), range);
+    }
+    /// Unoccluded irradiance by the part of the light that `ray` from the point stands for; its mean over the unit disc
+    /// is irradianceAt().
+    [[nodiscard]] vec3 irradianceBy(const LightRay& ray, vec3 point, vec3 normal) const
+    {
+        if (!isArea()) return irradianceAt(point, normal);
+        return radianceAt(point) * (ray.solidAngle * std::max(glm::dot(normal, ray.direction), 0.0f));
+    }
+    /// Whether a point is within range, reach and cone, and in front of an area light. A light with intensity 0 has a
+    /// mask too, because it may be switched on at run time (spec S29).
+    [[nodiscard]] bool reaches(vec3 point) const
+    {
+        if (isArea()) {
+            const vec3 away = point - position;
+            const float distance = glm::length(away);
+            return glm::dot(away, axis) > 0.0f && (range <= 0.0f || distance < range) &&
+                   (reach <= 0.0f || distance <= reach);
+        }
+        const shading::LightSample light =
+            shading::sampleLight(type, vec3(1.0f), position, axis, range, spotConstants, point);
+        return light.illuminance.x > 0.0f && (reach <= 0.0f || light.distance <= reach);
+    }
+};
+
+enum class LightUse {
+    Bake,      ///< by each light's baking output
+    Reference, ///< every light, fully
+};
+std::vector<PunctualLight> punctualLights(const Scene& scene, LightUse use);
+
+/// Ray from `origin` to a point of an area light, of a light's sphere or of the sun's disc; `disc` is in the unit disc.
+LightRay sampleLightRay(const PunctualLight& light, vec3 origin, vec2 disc);
+
+/// Tree over the lights that bounce, without directional ones; `itemLights` receives the light of each item.
+LightTree punctualTree(const std::vector<PunctualLight>& lights, std::vector<uint32_t>& itemLights);
+
+} // namespace halflight

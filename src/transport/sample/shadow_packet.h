@@ -1,0 +1,35 @@
+#pragma once
+// Shadow rays of eight surface points.
+
+#include "transport/sample/path_tracer.h"
+
+namespace halflight {
+
+/// PathTracer::lightVisibility() for one light and point in each lane.
+class ShadowPacket {
+public:
+    static constexpr std::size_t kLanes = 8;
+    explicit ShadowPacket(const PathTracer& paths) : paths_(paths) {}
+
+    void add(int lane, const PunctualLight& light, const SurfacePoint& point, vec2 disc, uint64_t& rays)
+    {
+        if (!paths_.shadowsFall(light, point)) return;
+        rays_[std::size_t(lane)] = paths_.shadowRay(light, point, disc, rays);
+        any_ = true;
+    }
+    /// Transmittance of each lane; 1 for lanes without a ray.
+    std::array<float, kLanes> trace()
+    {
+        std::array<float, kLanes> result;
+        result.fill(1.0f);
+        if (any_) paths_.surfaces().kernels().transmittance(rays_, result);
+        return result;
+    }
+
+private:
+    const PathTracer& paths_;
+    std::array<Ray, kLanes> rays_;
+    bool any_ = false;
+};
+
+} // namespace halflight

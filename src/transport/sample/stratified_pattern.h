@@ -1,0 +1,115 @@
+#pragma once
+// Precomputed stratified sample points of ray bundles.
+
+#include "transport/sample/sampler.h"
+
+#include "halflight/base/math.h"
+#include "halflight/base/mathematics.h"
+#include "halflight/base/random.h"
+
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <vector>
+
+namespace halflight {
+
+/// Stratified points of the unit square in blocks of 16: one point in each stratum of a 4 x 4 grid, in the order of the
+/// strata. So the n-th points of neighbouring texels are close, and their rays are coherent. The blocks of one sequence
+/// are an Owen-scrambled (0,2)-sequence (Burley 2020, "Practical Hash-based Owen Scrambling"), so all blocks of a texel
+/// together are stratified too. A texel takes one of the stored sequences with an XOR shuffle of its coordinates' bits
+/// (random digit scrambling: Kollig and Keller 2002, "Efficient Multidimensional Sampling"), which permutes the strata.
+class StratifiedPattern {
+public:
+    static constexpr int kBlock = 16;     ///< samples of a block, one for each stratum
+    static constexpr int kBlocks = 64;    ///< of a stored sequence; later blocks take another sequence
+    static constexpr int kSequences = 32; ///< a power of two
+
+    explicit StratifiedPattern(uint32_t seed) : points_(std::size_t(kBlocks) * kSequences * kBlock)
+    {
+        for (uint32_t q = 0; q < kSequences; ++q) {
+            for (uint32_t i = 0; i < kBlocks * kBlock; ++i) {
+                const uvec2 p = Sampler::scrambledBits(i, hashCombine(seed, q));
+                const uint32_t point = (p.x >> 16) | (p.y & 0xffff0000u);
+                points_[((i / kBlock) * kSequences + q) * kBlock + stratumOf(point)] = point;
+            }
+        }
+        for (std::size_t i = 0; i < kAngles; ++i) {
+            const float u = (float(i) + 0.5f) / float(kAngles);
+            radii_[i] = {std::sqrt(u), std::sqrt(1.0f - u)};
+            angles_[i] = {math::cos(2.0f * kPi * u), math::sin(2.0f * kPi * u)};
+        }
+    }
+
+    /// The points of one texel, one pair of dimensions and one block, by stratum.
+    class Block {
+    public:
+        /// Both coordinates in 16 bits: x low, y high.
+        [[nodiscard]] uint32_t bits(int stratum) const
+        {
+            return points_[uint32_t(stratum) ^ stratumShuffle_] ^ shuffle_;
+        }
+        [[nodiscard]] vec2 unit(int stratum) const
+        {
+            const uint32_t p = bits(stratum);
+            return (vec2(float(p & 0xffffu), float(p >> 16)) + 0.5f) * 0x1.0p-16f;
+        }
+
+    private:
+        friend StratifiedPattern;
+        const uint32_t* points_ = nullptr;
+        uint32_t shuffle_ = 0;
+        uint32_t stratumShuffle_ = 0;
+    };
+    [[nodiscard]] Block block(uint32_t texelHash, int number) const
+    {
+        const uint32_t h = hashCombine(texelHash, uint32_t(number / kBlocks));
+        Block b;
+        b.points_ = &points_[(std::size_t(number % kBlocks) * kSequences + (hashPcg(h) & (kSequences - 1))) * kBlock];
+        b.shuffle_ = h;
+        b.stratumShuffle_ = stratumOf(h);
+        return b;
+    }
+
+    /// Cosine-distributed direction about +Z, from tables of 2^11 radii and angles.
+    [[nodiscard]] vec3 direction(uint32_t bits) const
+    {
+        const vec2 r = radii_[(bits & 0xffffu) >> (16 - kAngleBits)];
+        const vec2 a = angles_[bits >> (32 - kAngleBits)];
+        return {r.x * a.x, r.x * a.y, r.y};
+    }
+
+    /// Position of a stratum, 0 … kBlock - 1, in an order whose first strata are spread evenly: every pair has one
+    /// stratum in each half of the block (BlockSums), every four one in each row and column. Over four blocks the first
+    /// four of each are all strata. The order is that of a (0,2)-sequence (Sobol' 1967, "On the Distribution of Points
+    /// in a Cube and the Approximate Evaluation of Integrals").
+    static int orderOf(int stratum, int block)
+    {
+        // The sequence's first coordinate is the row and has the low bits of the number; the second is the column.
+        const int bit0 = stratum >> 3 & 1;
+        const int bit1 = stratum >> 2 & 1;
+        const int bit3 = (stratum & 1) ^ bit1;
+        const int bit2 = (stratum >> 1 & 1) ^ bit0 ^ bit1 ^ bit3;
+        return ((bit0 | bit1 << 1 | bit2 << 2 | bit3 << 3) - 4 * block) & (kBlock - 1);
+    }
+
+    /// Point `number` of a texel in the unit disc: an Owen-scrambled (0,2)-sequence of squared radius and angle. With
+    /// texelPoints() as origins, this mapping leaves less noise in penumbrae than one that preserves the neighbourhoods
+    /// of the square.
+    [[nodiscard]] vec2 disc(uint32_t texelHash, uint32_t number) const
+    {
+        const uvec2 bits = Sampler::scrambledBits(number, texelHash);
+        return radii_[bits.x >> (32 - kAngleBits)].x * angles_[bits.y >> (32 - kAngleBits)];
+    }
+
+private:
+    static constexpr int kAngleBits = 11; ///< steps of 0.2 degrees; both tables fit the first-level cache
+    static constexpr std::size_t kAngles = std::size_t(1) << kAngleBits;
+    static uint32_t stratumOf(uint32_t point) { return ((point >> 12) & 0xcu) | (point >> 30); }
+
+    std::vector<uint32_t> points_; ///< by block, sequence and stratum
+    std::array<vec2, kAngles> radii_;
+    std::array<vec2, kAngles> angles_;
+};
+
+} // namespace halflight

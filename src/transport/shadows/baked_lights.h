@@ -1,0 +1,12 @@
+#pragma once
+// Direct light of lights that are fully baked.
+
+#include "transport/shadows/shadow_pass.h"
+
+namespace halflight {
+
+/// Adds the direct light of all fully baked lights to the texels of a pass: unshadowed irradiance times the lit share
+/// of the shadow rays. False when cancelled.
+bool addBakedLights(const ShadowPass& pass, uint32_t seed, std::span<IrradianceEstimate> out);
+
+} // namespace halflight

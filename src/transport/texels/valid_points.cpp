@@ -1,0 +1,149 @@
+#include "transport/texels/valid_points.h"
+
+#include "transport/texels/texel_validity.h"
+
+#include "halflight/bake/part_folder.h"
+#include "halflight/bake/texel_grid.h"
+#include "halflight/base/bytes.h"
+#include "halflight/base/parallel.h"
+
+#include <algorithm>
+#include <array>
+#include <optional>
+
+namespace halflight {
+namespace {
+
+constexpr const char* kStage = "validity";
+/// Width of a block of texels that few rays test together: of most blocks all points are mutually visible.
+constexpr int kBlock = 4;
+static_assert(kBlock * kBlock == kMaxTexelPoints, "a point of each texel of a block");
+constexpr std::size_t kGrain = 16; ///< blocks
+/// Texels of a part that processes share: a few hundredths of a second.
+constexpr std::size_t kPartTexels = 16384;
+
+class ValidPoints {
+public:
+    ValidPoints(const PathTracer& paths, const TexelMap& map, const Progress& progress, std::atomic<uint64_t>& rays)
+        : paths_(paths), map_(map), progress_(progress), rays_(rays), validity_(paths), grid_(map)
+    {}
+
+    /// Masks of the texels [begin, end). Nothing when cancelled.
+    std::optional<std::vector<PointMask>> find(std::size_t begin, std::size_t end) const
+    {
+        std::vector<PointMask> masks(end - begin);
+        const std::vector<uint32_t> blocks = blocksOf(begin, end);
+        const bool done =
+            parallelFor(blocks.size(), kGrain, progress_, kStage, [&](std::size_t first, std::size_t last) {
+                uint64_t traced = 0;
+                for (std::size_t i = first; i < last && !progress_.cancelled(); ++i) {
+                    forChartsOf(blocks[i], [&](std::span<BlockTexel> members) {
+                        for (BlockTexel& m : members) m.wanted = m.texel >= begin && m.texel < end;
+                        validity_.testBlock(members, traced);
+                        for (const BlockTexel& m : members)
+                            if (m.wanted) masks[m.texel - begin] = m.valid;
+                    });
+                }
+                rays_ += traced;
+            });
+        return done ? std::optional(std::move(masks)) : std::nullopt;
+    }
+
+private:
+    [[nodiscard]] const BakeGeometry& geometry() const { return paths_.surfaces().geometry(); }
+    [[nodiscard]] uint32_t blocksPerRow() const { return uint32_t(map_.pageSize + kBlock - 1) / uint32_t(kBlock); }
+
+    /// Blocks that hold the texels [begin, end): their places on the pages, row by row.
+    [[nodiscard]] std::vector<uint32_t> blocksOf(std::size_t begin, std::size_t end) const
+    {
+        const uint32_t perRow = blocksPerRow();
+        std::vector<uint8_t> found(std::size_t(perRow) * perRow * std::size_t(map_.pageCount));
+        for (std::size_t i = begin; i < end; ++i) {
+            const Texel& t = map_.texels[i];
+            found[(t.page * perRow + t.y / kBlock) * std::size_t(perRow) + t.x / kBlock] = 1;
+        }
+        std::vector<uint32_t> blocks;
+        for (std::size_t b = 0; b < found.size(); ++b)
+            if (found[b] != 0) blocks.push_back(uint32_t(b));
+        return blocks;
+    }
+
+    /// Calls body(members) for the texels of each chart in a block.
+    template<typename Body> void forChartsOf(uint32_t block, const Body& body) const
+    {
+        const uint32_t perRow = blocksPerRow();
+        const uint32_t page = block / (perRow * perRow);
+        const auto corner = vec2(block % perRow, block / perRow % perRow) * float(kBlock);
+        std::array<uint32_t, std::size_t(kBlock) * kBlock> inside;
+        std::size_t left = 0;
+        for (int i = 0; i < kBlock * kBlock; ++i) {
+            const uint32_t texel = grid_.atPlace(page, corner + vec2(i % kBlock, i / kBlock) + 0.5f);
+            if (texel != kNoTexel) inside[left++] = texel;
+        }
+        std::array<BlockTexel, inside.size()> members;
+        for (std::size_t end = 0; left > 0; left = end) {
+            const uint32_t chart = map_.texels[inside[0]].chart;
+            std::size_t count = 0;
+            end = 0;
+            for (std::size_t i = 0; i < left; ++i) {
+                const Texel& t = map_.texels[inside[i]];
+                if (t.chart != chart) {
+                    inside[end++] = inside[i];
+                    continue;
+                }
+                BlockTexel& m = members[count++];
+                m = {};
+                m.texel = inside[i];
+                m.id = texelId(map_, t);
+                m.pointCount = texelPoints(geometry(), map_, t, m.points);
+            }
+            body(std::span(members.data(), count));
+        }
+    }
+
+    const PathTracer& paths_;
+    const TexelMap& map_;
+    const Progress& progress_;
+    std::atomic<uint64_t>& rays_;
+    TexelValidity validity_;
+    TexelGrid grid_;
+};
+
+std::optional<std::vector<PointMask>> findTogether(const ValidPoints& points, std::size_t texels, PartFolder& parts)
+{
+    const auto compute = [&](std::size_t part) -> std::optional<std::vector<std::byte>> {
+        const std::size_t begin = part * kPartTexels;
+        const auto masks = points.find(begin, std::min(begin + kPartTexels, texels));
+        return masks ? std::optional(ByteWriter().add(*masks).take()) : std::nullopt;
+    };
+    const auto bytes = parts.complete(kStage, (texels + kPartTexels - 1) / kPartTexels, compute);
+    if (!bytes) return std::nullopt;
+    std::vector<PointMask> all;
+    for (const std::vector<std::byte>& part : *bytes) {
+        std::vector<PointMask> masks;
+        ByteReader(part).read(masks);
+        all.insert(all.end(), masks.begin(), masks.end());
+    }
+    return all.size() == texels ? std::optional(std::move(all)) : std::nullopt;
+}
+
+} // namespace
+
+bool findValidPoints(const PathTracer& paths, TexelMap& map, PartFolder* parts, const Progress& progress,
+                     std::atomic<uint64_t>& rays)
+{
+    std::vector<PointMask> kept;
+    if (const auto bytes = parts != nullptr ? parts->read(kStage) : std::nullopt) ByteReader(*bytes).read(kept);
+    if (kept.size() != map.texels.size()) {
+        const ValidPoints points(paths, map, progress, rays);
+        const bool shared = parts != nullptr && parts->isShared();
+        auto found = shared ? findTogether(points, map.texels.size(), *parts) : points.find(0, map.texels.size());
+        if (!found) return false;
+        kept = std::move(*found);
+        if (parts != nullptr) parts->write(kStage, ByteWriter().add(kept).take());
+    }
+    forEachIndex(kept.size(), [&](std::size_t i) { map.texels[i].validPoints = kept[i]; });
+    return true;
+}
+
+} // namespace halflight

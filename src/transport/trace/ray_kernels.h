@@ -1,0 +1,54 @@
+#pragma once
+// The one way to trace rays. Everything else of the transport of light works on arrays, and knows no device.
+
+#include "transport/trace/ray.h"
+#include "transport/trace/ray_scene.h"
+
+#include <cstddef>
+#include <functional>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace halflight {
+
+/// Light: both sides of every surface count, and objects that cast no shadow do not. Camera: rays pass through backs of
+/// single-sided surfaces, as the renderer does, and hit objects that cast no shadow.
+enum class RayUse { Light, Camera };
+
+/// Traces batches of rays. A result depends on its ray alone, but for rounding: rays that belong together are faster in
+/// one batch, and a batch of the same rays gives the same bits. `out` has one entry for each ray. All verbs may be
+/// called by several threads at once.
+class RayKernels {
+public:
+    virtual ~RayKernels() = default;
+
+    /// The nearest surface. A surface that covers part of its triangle is hit with that probability, by a hash of the
+    /// ray. Where two surfaces lie back to back, a front is preferred to a hidden back.
+    virtual void nearest(std::span<const Ray> rays, std::span<RayHit> out, RayUse use = RayUse::Light) const = 0;
+    /// Whether any shadow caster lies between tMin and tMax.
+    virtual void occluded(std::span<const Ray> rays, std::span<bool> out) const = 0;
+    /// Fraction of light that passes: 0 behind an opaque surface, else the product of 1 - alpha of the blended ones.
+    virtual void transmittance(std::span<const Ray> rays, std::span<float> out) const = 0;
+    /// Solids that a ray leaves on its way out of the scene, minus those that it enters; above 0, the origin is inside
+    /// one. All surfaces count, however near to one another: solids may share a face. 0 for a ray through very many.
+    virtual void crossings(std::span<const Ray> rays, std::span<int> out) const = 0;
+
+    /// Shadow casters whose bounds are within a distance of a point, some of them more than once, and perhaps others
+    /// near it. False if there are more than `most`, or the kernels cannot say.
+    virtual bool trianglesNear(vec3 /*center*/, float /*radius*/, std::size_t /*most*/,
+                               std::vector<uint32_t>& /*triangles*/) const
+    {
+        return false;
+    }
+    /// One line for reports: what traces, and by which method, as "cpu (radiance cache, Embree 4.3.0, 16 threads)".
+    [[nodiscard]] virtual std::string describe(const std::string& method) const = 0;
+    /// Most bytes of the trees so far.
+    [[nodiscard]] virtual std::size_t peakBytes() const = 0;
+};
+
+/// Makes kernels for a scene, which outlives them; null when the device failed or memory ran out.
+using MakeKernels = std::function<std::unique_ptr<RayKernels>(const RayScene& scene)>;
+
+} // namespace halflight

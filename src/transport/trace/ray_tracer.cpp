@@ -1,0 +1,19 @@
+#include "transport/trace/ray_tracer.h"
+
+namespace halflight {
+
+SurfaceHit RayTracer::surfaceAt(const RayHit& at) const
+{
+    const uint32_t triangle = triangleAt(at.face.hitIndex);
+    SurfaceHit hit{at.distance, &materials().of(triangle), surfacePoint(geometry(), triangle, at.barycentric)};
+    const bool back = at.face.back != 0;
+    if (back) {
+        hit.point.normal = -hit.point.normal;
+        hit.point.geometricNormal = -hit.point.geometricNormal;
+    }
+    hit.reflectance = materials().reflectanceAt(triangle, at.barycentric);
+    if (!back || !materials().backIsHidden(triangle)) hit.emission = materials().emissionAt(triangle, at.barycentric);
+    return hit;
+}
+
+} // namespace halflight
