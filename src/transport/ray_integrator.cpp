@@ -45,7 +45,7 @@ public:
 
     bool findValidPoints(TexelMap& map, const Progress& progress) override
     {
-        return halflight::findValidPoints(paths_, map, parts_, progress, rays_);
+        return halflight::findValidPoints(paths_, map, store_, progress, rays_);
     }
 
     bool roughIrradiance(const TexelMap& map, std::span<const uint32_t> texels, int samples, std::span<vec3> out,
@@ -56,8 +56,8 @@ public:
 
     void keepIn(PartFolder* parts) override
     {
-        parts_ = parts;
-        lightmap_.keepIn(parts);
+        store_ = Store(parts);
+        lightmap_.keepIn(store_);
     }
 
     bool shareIrradiance(const TexelMap& map, const Progress& progress) override
@@ -197,7 +197,7 @@ private:
     PathTracer paths_;
     StratifiedPattern pattern_;
     CachedLightmap lightmap_;
-    PartFolder* parts_ = nullptr;
+    Store store_;
     std::unique_ptr<TexelGrid> grid_; ///< of the map of the last call
     const TexelMap* gridMap_ = nullptr;
     std::size_t gridTexels_ = 0;

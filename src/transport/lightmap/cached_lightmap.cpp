@@ -2,8 +2,6 @@
 
 #include "transport/guiding/build_guides.h"
 
-#include "halflight/bake/part_folder.h"
-#include "halflight/base/bytes.h"
 #include "halflight/base/mathematics.h"
 #include "halflight/base/memory.h"
 #include "halflight/base/parallel.h"
@@ -25,29 +23,13 @@ constexpr std::size_t kTexelsOfRun = 64;
 constexpr const char* kRadianceStage = "radiance";
 constexpr const char* kScaleStage = "scale";
 
-bool takeKept(const PartFolder* parts, const char* stage, LightmapState& state)
-{
-    const auto bytes = parts != nullptr ? parts->read(stage) : std::nullopt;
-    if (!bytes) return false;
-    ByteReader reader(*bytes);
-    state.archive(reader);
-    return reader.complete();
-}
-
 } // namespace
 
 bool CachedLightmap::prepare(const TexelMap& map, const Progress& progress, std::atomic<uint64_t>& rays)
 {
     if (state_ != nullptr && map_ == &map && mapTexels_ == map.texels.size()) return true;
     auto state = std::make_unique<LightmapState>(map);
-    if (!takeKept(parts_, kRadianceStage, *state)) {
-        if (!build(*state, map, progress, rays)) return false;
-        if (parts_ != nullptr) {
-            ByteWriter writer;
-            state->archive(writer);
-            parts_->write(kRadianceStage, writer.take());
-        }
-    }
+    if (!store_.computed(kRadianceStage, *state, [&] { return build(*state, map, progress, rays); })) return false;
     state_ = std::move(state);
     map_ = &map;
     mapTexels_ = map.texels.size();
@@ -58,7 +40,7 @@ bool CachedLightmap::build(LightmapState& state, const TexelMap& map, const Prog
                            std::atomic<uint64_t>& rays) const
 {
     if (settings_.bounces > 0) {
-        const RadiosityInput input{paths_, map, pattern_, settings_, parts_};
+        const RadiosityInput input{paths_, map, pattern_, settings_, store_};
         std::optional<Radiosity> radiosity = buildRadiosity(input, progress, rays);
         if (!radiosity) return false;
         state.guides = buildGuides(*radiosity, map, paths_.surfaces());
@@ -107,19 +89,14 @@ bool CachedLightmap::findScale(const LightmapInput& input, const Progress& progr
             some[i] = uint32_t(first + i % kTexelsOfRun);
         }
     }
-    if (const auto bytes = parts_ != nullptr ? parts_->read(kScaleStage) : std::nullopt) {
-        if (ByteReader(*bytes).read(state_->scale).complete() && state_->scale > 0.0f) return true;
-    }
-    if (parts_ != nullptr && parts_->isShared()) {
-        if (!findScaleTogether(input, some, progress, rays)) return false;
-    } else {
+    return store_.computed(kScaleStage, state_->scale, [&] {
+        if (store_.isShared()) return findScaleTogether(input, some, progress, rays);
         LightmapRun run(input, some, settings_.samples, 0.0f, progress, rays);
         if (!run.firstPass()) return false;
         state_->scale = run.scaleOf(run.demands());
         state_->firstPass.emplace(run.takeStates());
-    }
-    if (parts_ != nullptr) parts_->write(kScaleStage, ByteWriter().add(state_->scale).take());
-    return true;
+        return true;
+    });
 }
 
 /// The parts are runs of the texels. They have some demands in common: those of anchors.
@@ -127,18 +104,20 @@ bool CachedLightmap::findScaleTogether(const LightmapInput& input, std::span<con
                                        const Progress& progress, std::atomic<uint64_t>& rays)
 {
     constexpr std::size_t kPartTexels = 8 * kTexelsOfRun;
-    const auto compute = [&](std::size_t part) -> std::optional<std::vector<std::byte>> {
-        const auto some = texels.subspan(part * kPartTexels);
-        LightmapRun run(input, some.first(std::min(kPartTexels, some.size())), settings_.samples, 0.0f, progress, rays);
-        if (!run.firstPass()) return std::nullopt;
-        return ByteWriter().add(run.demands()).take();
+    std::vector<std::vector<TexelDemand>> parts((texels.size() + kPartTexels - 1) / kPartTexels);
+    const auto compute = [&](std::size_t first, std::size_t end) {
+        for (std::size_t part = first; part < end; ++part) {
+            const auto some = texels.subspan(part * kPartTexels);
+            LightmapRun run(input, some.first(std::min(kPartTexels, some.size())), settings_.samples, 0.0f, progress,
+                            rays);
+            if (!run.firstPass()) return false;
+            parts[part] = run.demands();
+        }
+        return true;
     };
-    const auto parts = parts_->complete("demands", (texels.size() + kPartTexels - 1) / kPartTexels, compute);
-    if (!parts) return false;
+    if (!store_.computedParts("demands", std::span(parts), 1, compute)) return false;
     std::map<uint32_t, float> byTexel;
-    for (const std::vector<std::byte>& part : *parts) {
-        std::vector<TexelDemand> demands;
-        ByteReader(part).read(demands);
+    for (const std::vector<TexelDemand>& demands : parts) {
         for (const TexelDemand& d : demands) byTexel.emplace(d.texel, d.times);
     }
     std::vector<TexelDemand> all;
@@ -151,9 +130,9 @@ bool CachedLightmap::findScaleTogether(const LightmapInput& input, std::span<con
 
 bool CachedLightmap::shareParts(const TexelMap& map, const Progress& progress, std::atomic<uint64_t>& rays)
 {
-    const bool done = parts_ == nullptr || parts_->contains(kRadianceStage);
-    if (done || map.texels.empty() || settings_.bounces == 0) return true;
-    return buildRadiosityParts({paths_, map, pattern_, settings_, parts_}, progress, rays);
+    const bool needed = store_.isShared() && !store_.contains(kRadianceStage);
+    if (!needed || map.texels.empty() || settings_.bounces == 0) return true;
+    return buildRadiosityParts({paths_, map, pattern_, settings_, store_}, progress, rays);
 }
 
 bool CachedLightmap::prepareAll(const TexelMap& map, const Progress& progress, std::atomic<uint64_t>& rays)

@@ -1,6 +1,7 @@
 #pragma once
 // The lightmap by radiosity and final gather.
 
+#include "bake/cache/store.h"
 #include "transport/lightmap/lightmap_run.h"
 
 #include <memory>
@@ -24,7 +25,7 @@ public:
     /// As Integrator::shareIrradiance().
     bool shareParts(const TexelMap& map, const Progress& progress, std::atomic<uint64_t>& rays);
     /// As Integrator::keepIn().
-    void keepIn(PartFolder* parts) { parts_ = parts; }
+    void keepIn(Store store) { store_ = store; }
     /// Frees the state of the map.
     void release() { state_.reset(); }
 
@@ -39,7 +40,7 @@ private:
     const PathTracer& paths_;
     const StratifiedPattern& pattern_;
     IntegrationSettings settings_;
-    PartFolder* parts_ = nullptr;
+    Store store_;
     std::unique_ptr<LightmapState> state_;
     const TexelMap* map_ = nullptr;
     std::size_t mapTexels_ = 0;

@@ -2,8 +2,6 @@
 
 #include "transport/radiosity/split_patches.h"
 
-#include "halflight/bake/part_folder.h"
-#include "halflight/base/bytes.h"
 #include "halflight/base/memory.h"
 #include "halflight/base/parallel.h"
 
@@ -119,34 +117,19 @@ private:
         });
     }
 
-    /// forRanges() for all items. In a shared folder other processes compute some of the ranges.
+    /// forRanges() for all items; other processes may compute some of the ranges.
     template<typename Out, typename Work>
     void forAllRanges(std::span<const uint32_t> items, std::span<Out> out, const Work& work)
     {
-        const int pass = passes_++;
-        if (failed_) return;
-        if (input_.parts == nullptr || !input_.parts->isShared()) return forRanges(items, out, work);
+        const std::string name = "radiosity" + std::to_string(passes_++);
         const std::size_t perPart = std::max(kFewestRanges, (out.size() + kMostParts - 1) / kMostParts);
-        const auto rangesIn = [&](std::size_t part) {
-            return out.subspan(part * perPart, std::min(perPart, out.size() - part * perPart));
+        const auto compute = [&](std::size_t first, std::size_t end) {
+            const std::size_t item = first * kRangeItems;
+            const std::size_t count = std::min(end * kRangeItems, items.size()) - item;
+            forRanges(items.subspan(item, count), out.subspan(first, end - first), work);
+            return !progress_.cancelled();
         };
-        const auto compute = [&](std::size_t part) -> std::optional<std::vector<std::byte>> {
-            const std::size_t first = part * perPart * kRangeItems;
-            const std::size_t end = std::min(first + perPart * kRangeItems, items.size());
-            forRanges(items.subspan(first, end - first), rangesIn(part), work);
-            if (progress_.cancelled()) return std::nullopt;
-            ByteWriter writer;
-            for (Out& range : rangesIn(part)) range.archive(writer);
-            return writer.take();
-        };
-        const auto parts =
-            input_.parts->complete("radiosity" + std::to_string(pass), (out.size() + perPart - 1) / perPart, compute);
-        failed_ = !parts;
-        for (std::size_t part = 0; parts && part < parts->size(); ++part) {
-            ByteReader reader((*parts)[part]);
-            for (Out& range : rangesIn(part)) range.archive(reader);
-            failed_ = failed_ || !reader.complete();
-        }
+        failed_ = failed_ || !input_.store.computedParts(name, out, perPart, compute);
     }
 
     void findOccluded(PassKind kind, std::span<const uint32_t> items)

@@ -20,7 +20,7 @@ struct Radiosity {
 std::optional<Radiosity> buildRadiosity(const RadiosityInput& input, const Progress& progress,
                                         std::atomic<uint64_t>& rays);
 
-/// The passes of buildRadiosity() alone, whose parts are kept in input.parts. False when cancelled or not written.
+/// The passes of buildRadiosity() alone, whose parts input.store keeps. False when cancelled or not written.
 bool buildRadiosityParts(const RadiosityInput& input, const Progress& progress, std::atomic<uint64_t>& rays);
 
 } // namespace halflight

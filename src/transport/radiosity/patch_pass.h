@@ -1,6 +1,7 @@
 #pragma once
 // One pass over texels or triangles that fills patches.
 
+#include "bake/cache/store.h"
 #include "transport/radiosity/patches.h"
 #include "transport/texels/texel_group.h"
 
@@ -14,7 +15,7 @@ struct RadiosityInput {
     const TexelMap& map;
     const StratifiedPattern& pattern;
     const IntegrationSettings& settings;
-    PartFolder* parts = nullptr; ///< where other processes share the work; may be null
+    Store store = {}; ///< where other processes share the work
 };
 
 /// Patches that a pass fills, in order of the passes: rays of the first one hit the backs and triangles of later ones.

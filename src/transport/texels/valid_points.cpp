@@ -2,14 +2,11 @@
 
 #include "transport/texels/texel_validity.h"
 
-#include "halflight/bake/part_folder.h"
 #include "halflight/bake/texel_grid.h"
-#include "halflight/base/bytes.h"
 #include "halflight/base/parallel.h"
 
 #include <algorithm>
 #include <array>
-#include <optional>
 
 namespace halflight {
 namespace {
@@ -28,25 +25,22 @@ public:
         : paths_(paths), map_(map), progress_(progress), rays_(rays), validity_(paths), grid_(map)
     {}
 
-    /// Masks of the texels [begin, end). Nothing when cancelled.
-    std::optional<std::vector<PointMask>> find(std::size_t begin, std::size_t end) const
+    /// Masks of the texels [begin, end). False when cancelled.
+    bool find(std::size_t begin, std::size_t end, std::span<PointMask> masks) const
     {
-        std::vector<PointMask> masks(end - begin);
         const std::vector<uint32_t> blocks = blocksOf(begin, end);
-        const bool done =
-            parallelFor(blocks.size(), kGrain, progress_, kStage, [&](std::size_t first, std::size_t last) {
-                uint64_t traced = 0;
-                for (std::size_t i = first; i < last && !progress_.cancelled(); ++i) {
-                    forChartsOf(blocks[i], [&](std::span<BlockTexel> members) {
-                        for (BlockTexel& m : members) m.wanted = m.texel >= begin && m.texel < end;
-                        validity_.testBlock(members, traced);
-                        for (const BlockTexel& m : members)
-                            if (m.wanted) masks[m.texel - begin] = m.valid;
-                    });
-                }
-                rays_ += traced;
-            });
-        return done ? std::optional(std::move(masks)) : std::nullopt;
+        return parallelFor(blocks.size(), kGrain, progress_, kStage, [&](std::size_t first, std::size_t last) {
+            uint64_t traced = 0;
+            for (std::size_t i = first; i < last && !progress_.cancelled(); ++i) {
+                forChartsOf(blocks[i], [&](std::span<BlockTexel> members) {
+                    for (BlockTexel& m : members) m.wanted = m.texel >= begin && m.texel < end;
+                    validity_.testBlock(members, traced);
+                    for (const BlockTexel& m : members)
+                        if (m.wanted) masks[m.texel - begin] = m.valid;
+                });
+            }
+            rays_ += traced;
+        });
     }
 
 private:
@@ -109,40 +103,21 @@ private:
     TexelGrid grid_;
 };
 
-std::optional<std::vector<PointMask>> findTogether(const ValidPoints& points, std::size_t texels, PartFolder& parts)
-{
-    const auto compute = [&](std::size_t part) -> std::optional<std::vector<std::byte>> {
-        const std::size_t begin = part * kPartTexels;
-        const auto masks = points.find(begin, std::min(begin + kPartTexels, texels));
-        return masks ? std::optional(ByteWriter().add(*masks).take()) : std::nullopt;
-    };
-    const auto bytes = parts.complete(kStage, (texels + kPartTexels - 1) / kPartTexels, compute);
-    if (!bytes) return std::nullopt;
-    std::vector<PointMask> all;
-    for (const std::vector<std::byte>& part : *bytes) {
-        std::vector<PointMask> masks;
-        ByteReader(part).read(masks);
-        all.insert(all.end(), masks.begin(), masks.end());
-    }
-    return all.size() == texels ? std::optional(std::move(all)) : std::nullopt;
-}
-
 } // namespace
 
-bool findValidPoints(const PathTracer& paths, TexelMap& map, PartFolder* parts, const Progress& progress,
+bool findValidPoints(const PathTracer& paths, TexelMap& map, const Store& store, const Progress& progress,
                      std::atomic<uint64_t>& rays)
 {
-    std::vector<PointMask> kept;
-    if (const auto bytes = parts != nullptr ? parts->read(kStage) : std::nullopt) ByteReader(*bytes).read(kept);
-    if (kept.size() != map.texels.size()) {
+    std::vector<PointMask> masks;
+    const bool done = store.computed(kStage, masks, [&] {
+        masks.resize(map.texels.size());
         const ValidPoints points(paths, map, progress, rays);
-        const bool shared = parts != nullptr && parts->isShared();
-        auto found = shared ? findTogether(points, map.texels.size(), *parts) : points.find(0, map.texels.size());
-        if (!found) return false;
-        kept = std::move(*found);
-        if (parts != nullptr) parts->write(kStage, ByteWriter().add(kept).take());
-    }
-    forEachIndex(kept.size(), [&](std::size_t i) { map.texels[i].validPoints = kept[i]; });
+        return store.computedParts(kStage, std::span(masks), kPartTexels, [&](std::size_t begin, std::size_t end) {
+            return points.find(begin, end, std::span(masks).subspan(begin, end - begin));
+        });
+    });
+    if (!done || masks.size() != map.texels.size()) return false;
+    forEachIndex(masks.size(), [&](std::size_t i) { map.texels[i].validPoints = masks[i]; });
     return true;
 }
 

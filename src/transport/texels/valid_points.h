@@ -1,6 +1,7 @@
 #pragma once
 // Validity, the first stage: which sample points of a map's texels are outside geometry.
 
+#include "bake/cache/store.h"
 #include "transport/sample/path_tracer.h"
 
 #include "halflight/base/progress.h"
@@ -9,10 +10,10 @@
 
 namespace halflight {
 
-/// As Integrator::findValidPoints(). Texels are tested in blocks (TexelValidity::testBlock()). `parts`: may be null;
+/// As Integrator::findValidPoints(). Texels are tested in blocks (TexelValidity::testBlock()). `store`:
 /// keeps the result, and the parts of it that processes share. False when cancelled, and when a shared folder cannot be
 /// written.
-bool findValidPoints(const PathTracer& paths, TexelMap& map, PartFolder* parts, const Progress& progress,
+bool findValidPoints(const PathTracer& paths, TexelMap& map, const Store& store, const Progress& progress,
                      std::atomic<uint64_t>& rays);
 
 } // namespace halflight
