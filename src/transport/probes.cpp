@@ -26,7 +26,7 @@ public:
         gather(id, position, estimate, rays);
         addBakedLights(id, position, estimate, rays);
         // Of a channel's lights at most one reaches a point.
-        paths_.forLightsNear(position, [&](const PunctualLight& light, uint32_t l) {
+        paths_.light().forLightsNear(position, [&](const PunctualLight& light, uint32_t l) {
             if (light.channel >= 0 && light.reaches(position))
                 estimate.occlusion[light.channel] = visibility(light, l, id, position, rays);
         });
@@ -47,8 +47,9 @@ private:
         for (int s = 0; s < samples_; ++s) {
             Sampler sampler(settings_.seed ^ kProbeSeed, id, uint32_t(s));
             const vec3 direction = shading::sampleSphere(sampler.next2());
-            const PathTracer::EmitterInSpace emitter = paths_.emitterInSpace(position, kUniformPdf, sampler, rays);
-            const PathTracer::EmitterInSpace sky = paths_.skyInSpace(position, sampler, rays);
+            const DirectLight::EmitterInSpace emitter =
+                paths_.direct().emitterInSpace(position, kUniformPdf, sampler, rays);
+            const DirectLight::EmitterInSpace sky = paths_.direct().skyInSpace(position, sampler, rays);
             for (const auto& light : {emitter, sky})
                 if (light.radianceOverPdf != vec3(0.0f)) add(light.direction, light.radianceOverPdf);
             const PathTracer::Incoming in =
@@ -67,7 +68,7 @@ private:
     /// functions. Of an area light they are those of its samples.
     void addBakedLights(uint32_t id, vec3 position, ProbeEstimate& estimate, uint64_t& rays) const
     {
-        paths_.forLightsNear(position, [&](const PunctualLight& light, uint32_t l) {
+        paths_.light().forLightsNear(position, [&](const PunctualLight& light, uint32_t l) {
             if (!light.directAtProbes) return;
             if (light.isArea()) {
                 addAreaLight(light, l, id, position, estimate, rays);
@@ -104,7 +105,7 @@ private:
             Sampler sampler(settings_.seed ^ kShadowSeed, hashCombine(~id, lightIndex), uint32_t(s));
             const LightRay ray = sampleLightRay(light, position, shading::sampleDisc(sampler.next2()));
             if (light.isArea() && ray.solidAngle <= 0.0f) continue;
-            visit(ray, paths_.lightVisibilityInSpace(light, position, ray, rays));
+            visit(ray, paths_.direct().lightVisibilityInSpace(light, position, ray, rays));
         }
     }
 

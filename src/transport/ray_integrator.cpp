@@ -94,7 +94,7 @@ public:
         for (int channel = first; channel < first + kLayerChannels; ++channel) {
             // At most one of the lights of a channel reaches any point.
             std::vector<const PunctualLight*> owners;
-            for (const PunctualLight& light : paths_.lights()) {
+            for (const PunctualLight& light : paths_.light().lights()) {
                 if (light.channel == channel) owners.push_back(&light);
             }
             if (owners.empty()) continue;

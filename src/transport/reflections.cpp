@@ -40,20 +40,20 @@ private:
         const BakeGeometry& geometry = surfaces.geometry();
         ++rays;
         RayHit at = surfaces.nearest(position_, direction, 0.0f, kInfinity);
-        if (!at.found()) return paths_.sky().radiance(direction);
+        if (!at.found()) return paths_.light().sky().radiance(direction);
         vec3 sum(0.0f);
         vec3 throughput(1.0f);
         Receiver from{position_};
         float pdf = 0.0f;
         for (int depth = 0;; ++depth) {
-            if (!at.found()) return sum + throughput * paths_.sky().dimRadiance(direction);
+            if (!at.found()) return sum + throughput * paths_.light().sky().dimRadiance(direction);
             const SurfaceHit hit = surfaces.surfaceAt(at);
             if (geometry.partOf(hit.point.triangle).page < 0) {
                 const int bounces = std::max(settings_.bounces - depth, 0);
                 return sum + throughput * paths_.pathRadiance(at, direction, from, pdf, bounces, sampler, rays);
             }
             const vec3 irradiance = lightmapAt(hit.point, at.face.back != 0) + mixedLight(hit.point, sampler, rays);
-            sum += throughput * (paths_.weightedEmission(hit, direction, from, pdf) +
+            sum += throughput * (paths_.direct().weightedEmission(hit, direction, from, pdf) +
                                  shading::diffuseRadiance(paths_.albedoOf(hit.reflectance), irradiance));
             if (!paths_.glossy() || depth >= settings_.bounces) return sum;
             const SpecularLobe lobe(hit.reflectance, hit.point, direction,
@@ -89,9 +89,9 @@ private:
             const LightRay ray = light.isArea() ? sampleLightRay(light, point.position, disc) : LightRay{};
             return light.irradianceBy(ray, point.position, point.normal) / probability;
         };
-        const PathTracer::LightChoice choice = paths_.chooseLight(point, sampler, contribution);
+        const SceneLight::LightChoice choice = paths_.light().chooseLight(point, sampler, contribution);
         if (choice.light == nullptr) return vec3(0.0f);
-        return choice.irradiance(paths_.lightVisibility(*choice.light, point, choice.disc, rays));
+        return choice.irradiance(paths_.direct().lightVisibility(*choice.light, point, choice.disc, rays));
     }
 
     const PathTracer& paths_;

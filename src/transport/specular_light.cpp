@@ -53,10 +53,10 @@ private:
         const float pdf = shading::brdfPdf(point.normal, view, direction, alpha, 1.0f);
         if (!(pdf > 0.0f)) return vec3(0.0f);
         const vec3 throughput = specular(surface, point, view, direction, vec3(1.0f / pdf));
-        const Receiver from{paths_.rayOrigin(point), point.normal};
+        const Receiver from{paths_.surfaces().rayOrigin(point), point.normal};
         ++rays;
         const RayHit at = paths_.surfaces().nearest(from.position, direction, 0.0f, kInfinity);
-        if (!at.found()) return throughput * paths_.sky().radiance(direction);
+        if (!at.found()) return throughput * paths_.light().sky().radiance(direction);
         return throughput * paths_.pathRadiance(at, direction, from, 0.0f, settings_.bounces, sampler, rays);
     }
 
@@ -65,7 +65,7 @@ private:
                      uint64_t& rays) const
     {
         vec3 sum(0.0f);
-        paths_.forLightsNear(point.position, [&](const PunctualLight& light, uint32_t) {
+        paths_.light().forLightsNear(point.position, [&](const PunctualLight& light, uint32_t) {
             if (!light.directAtTexels && !light.maskOfLight) return;
             const vec2 disc = shading::sampleDisc(sampler.next2());
             vec3 highlight;
@@ -78,7 +78,8 @@ private:
                 highlight = specular(surface, point, view, incoming.direction, incoming.illuminance);
             }
             if (highlight == vec3(0.0f)) return;
-            sum += highlight * glm::mix(1.0f, paths_.lightVisibility(light, point, disc, rays), light.shadowStrength);
+            sum += highlight *
+                   glm::mix(1.0f, paths_.direct().lightVisibility(light, point, disc, rays), light.shadowStrength);
         });
         return sum;
     }

@@ -1,8 +1,8 @@
 // How many shadow rays texels get (spec S8).
 
 #include "bake/test_scene.h"
-#include "transport/sample/path_tracer.h"
 #include "bake_cpu/trace/embree_kernels.h"
+#include "transport/sample/path_tracer.h"
 
 #include "halflight/shading/sampling.h"
 
@@ -46,8 +46,8 @@ TEST(ShadowmaskS8, DecidedTexelsAreRight)
         constexpr int kSamples = 512;
         for (int s = 0; s < kSamples; ++s) {
             Sampler sampler(99, uint32_t(i), uint32_t(s));
-            sum += double(paths.lightVisibility(paths.lights()[0], points[std::size_t(s % count)],
-                                                shading::sampleDisc(sampler.next2()), rays));
+            sum += double(paths.direct().lightVisibility(paths.light().lights()[0], points[std::size_t(s % count)],
+                                                         shading::sampleDisc(sampler.next2()), rays));
         }
         squares += std::pow(sum / kSamples - double(mask[i].x), 2.0);
     }

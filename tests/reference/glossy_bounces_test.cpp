@@ -90,7 +90,7 @@ double tracedIrradiance(const Traced& truth, float x)
         Sampler sampler(3, 5, i);
         const vec2 at = sampler.next2();
         const SurfacePoint point{vec3(x, 2.0f * at.x, 4.0f * at.y - 2.0f), normal, normal};
-        const vec3 direction = PathTracer::gatherDirection(point, sampler.next2());
+        const vec3 direction = gatherDirection(point, sampler.next2());
         sum += double(
             truth.tracer->radiance(point.position + 1.0e-4f * normal, direction, RayUse::Light, 0, sampler, rays).y);
     }

@@ -35,7 +35,7 @@ ReferenceTracer::Hit ReferenceTracer::surfaceAt(const RayHit& at, vec3 view, boo
 vec3 ReferenceTracer::punctualLight(const Hit& hit, Sampler& sampler, uint64_t& rays) const
 {
     const auto choice =
-        paths_.chooseLight(hit.point, sampler, [&](const PunctualLight& light, vec2 disc, float probability) {
+        paths_.light().chooseLight(hit.point, sampler, [&](const PunctualLight& light, vec2 disc, float probability) {
             if (light.isArea()) return areaContribution(light, hit, disc) / probability;
             const vec3 illuminance = light.at(hit.point.position).illuminance;
             if (illuminance == vec3(0.0f)) return vec3(0.0f);
@@ -43,7 +43,7 @@ vec3 ReferenceTracer::punctualLight(const Hit& hit, Sampler& sampler, uint64_t& 
             return hit.scattering.reflected(direction, illuminance / probability);
         });
     if (choice.light == nullptr) return vec3(0.0f);
-    return choice.irradiance(paths_.lightVisibility(*choice.light, hit.point, choice.disc, rays));
+    return choice.irradiance(paths_.direct().lightVisibility(*choice.light, hit.point, choice.disc, rays));
 }
 
 vec3 ReferenceTracer::areaContribution(const PunctualLight& light, const Hit& hit, vec2 disc) const
@@ -66,14 +66,15 @@ vec3 ReferenceTracer::areaLightsAlong(const Hit& hit, vec3 direction, float dire
     if (options_.emitters == EmitterSampling::Surfaces) return radiance;
     const bool alone = options_.emitters == EmitterSampling::Directions;
     const vec3 origin = hit.point.position;
-    paths_.forLightsNear(origin, [&](const PunctualLight& light, uint32_t) {
+    paths_.light().forLightsNear(origin, [&](const PunctualLight& light, uint32_t) {
         if (!light.isArea() || !light.bounces) return;
         const vec3 toCenter = light.position - origin;
         const float distance =
             shading::meetAreaLight(light.type, toCenter, light.halfWidth, light.halfHeight, direction);
         if (distance <= 0.0f) return;
-        const bool hidden = next.found() && next.distance < distance * (1.0f - 1.0e-4f);
-        const float visible = hidden && paths_.shadowsFall(light, hit.point) ? 1.0f - light.shadowStrength : 1.0f;
+        const bool hidden = next.found() && next.distance < distance * kShortOfSurface;
+        const float visible =
+            hidden && paths_.direct().shadowsFall(light, hit.point) ? 1.0f - light.shadowStrength : 1.0f;
         const float pdf =
             shading::areaSamplePdf(light.type, toCenter, light.halfWidth, light.halfHeight, distance * direction);
         const float weight = alone ? 1.0f : shading::powerHeuristic(directionPdf, pdf);
@@ -84,46 +85,40 @@ vec3 ReferenceTracer::areaLightsAlong(const Hit& hit, vec3 direction, float dire
 
 vec3 ReferenceTracer::emitterLight(const Hit& hit, Sampler& sampler, uint64_t& rays) const
 {
-    if (paths_.emitters().empty() || options_.emitters == EmitterSampling::Directions) return vec3(0.0f);
+    if (paths_.light().emitters().empty() || options_.emitters == EmitterSampling::Directions) return vec3(0.0f);
     const RayTracer& surfaces = paths_.surfaces();
-    const vec3 origin = paths_.rayOrigin(hit.point);
-    const EmitterSample s = paths_.emitters().sample(origin, hit.point.normal, sampler.next2());
-    const vec3 way = s.position - origin;
-    const float distance2 = glm::dot(way, way);
-    if (s.pdfArea <= 0.0f || distance2 <= 0.0f) return vec3(0.0f);
-    const float distance = std::sqrt(distance2);
-    const vec3 direction = way / distance;
-    const float front = -glm::dot(s.normal, direction);
-    const float emitterCosine = s.doubleSided ? std::abs(front) : front;
-    if (emitterCosine <= 0.0f || !hit.scattering.above(direction)) return vec3(0.0f);
+    const vec3 origin = paths_.surfaces().rayOrigin(hit.point);
+    const EmitterSample s = paths_.light().emitters().sample(origin, hit.point.normal, sampler.next2());
+    const EmitterSample::Seen seen = s.seenFrom(origin);
+    if (seen.pdf <= 0.0f || !hit.scattering.above(seen.direction)) return vec3(0.0f);
     const vec3 emission =
         materials_.emissionAt(s.triangle, s.barycentric) * surfaces.materials().coverageAt(s.triangle, s.barycentric);
-    const float pdf = s.pdfArea * distance2 / emitterCosine;
     const bool alone = !s.rayVisible || options_.emitters == EmitterSampling::Surfaces;
-    const float weight = alone ? 1.0f : shading::powerHeuristic(pdf, hit.scattering.pdf(direction));
-    const vec3 light = hit.scattering.reflected(direction, emission) * (weight / pdf);
+    const float weight = alone ? 1.0f : shading::powerHeuristic(seen.pdf, hit.scattering.pdf(seen.direction));
+    const vec3 light = hit.scattering.reflected(seen.direction, emission) * (weight / seen.pdf);
     if (light == vec3(0.0f)) return light;
     ++rays;
-    return light * surfaces.transmittance(origin, direction, 0.0f, distance * (1.0f - 1.0e-4f));
+    return light * surfaces.transmittance(origin, seen.direction, 0.0f, seen.distance * kShortOfSurface);
 }
 
 vec3 ReferenceTracer::skyLight(const Hit& hit, Sampler& sampler, uint64_t& rays) const
 {
-    if (!paths_.sky().samples() || options_.emitters == EmitterSampling::Directions) return vec3(0.0f);
-    const SkyLight::Sample s = paths_.sky().sample(sampler.next2());
+    if (!paths_.light().sky().samples() || options_.emitters == EmitterSampling::Directions) return vec3(0.0f);
+    const SkyLight::Sample s = paths_.light().sky().sample(sampler.next2());
     if (!hit.scattering.above(s.direction)) return vec3(0.0f);
     const bool alone = options_.emitters == EmitterSampling::Surfaces;
     const float weight = alone ? 1.0f : shading::powerHeuristic(s.pdf, hit.scattering.pdf(s.direction));
     const vec3 light = hit.scattering.reflected(s.direction, s.radiance) * (weight / s.pdf);
     if (light == vec3(0.0f)) return light;
     ++rays;
-    return light * paths_.surfaces().transmittance(paths_.rayOrigin(hit.point), s.direction, 0.0f, kInfinity);
+    return light *
+           paths_.surfaces().transmittance(paths_.surfaces().rayOrigin(hit.point), s.direction, 0.0f, kInfinity);
 }
 
 /// The sky as a ray meets it, its bright part with its MIS weight.
 vec3 ReferenceTracer::skyAlong(vec3 direction, float directionPdf) const
 {
-    const SkyLight& sky = paths_.sky();
+    const SkyLight& sky = paths_.light().sky();
     if (directionPdf <= 0.0f || !sky.samples() || options_.emitters == EmitterSampling::Directions)
         return sky.radiance(direction);
     if (options_.emitters == EmitterSampling::Surfaces) return sky.dimRadiance(direction);
@@ -137,7 +132,7 @@ float ReferenceTracer::emissionWeight(const Hit& hit, vec3 direction, float dist
 {
     if (directionPdf <= 0.0f || options_.emitters == EmitterSampling::Directions) return 1.0f;
     const float cosine = std::abs(glm::dot(hit.point.geometricNormal, direction));
-    const float pdfArea = paths_.emitters().pdfArea(from, hit.point.triangle);
+    const float pdfArea = paths_.light().emitters().pdfArea(from, hit.point.triangle);
     if (pdfArea <= 0.0f || cosine <= 0.0f) return 1.0f;
     if (options_.emitters == EmitterSampling::Surfaces) return 0.0f;
     return misWeightOfRay(directionPdf, pdfArea, distance, cosine);
@@ -181,7 +176,7 @@ vec3 ReferenceTracer::radiance(vec3 origin, vec3 direction, RayUse use, int boun
         const float survival = std::max({throughput.x, throughput.y, throughput.z});
         if (!(survival > 0.0f)) break;
         if (depth > 0 && !survivesRoulette(survival, sampler, throughput)) break;
-        from = {paths_.rayOrigin(hit.point), hit.point.normal};
+        from = {paths_.surfaces().rayOrigin(hit.point), hit.point.normal};
         ++rays;
         at = surfaces.nearest(from.position, direction, 0.0f, kInfinity);
         const vec3 ofAreaLights = throughput * areaLightsAlong(hit, direction, pdf, at);

@@ -7,7 +7,7 @@ namespace halflight {
 void FinalGather::add(const GatherGroup& group, int firstBlock, int blockCount, std::span<TexelEstimate> estimates,
                       uint64_t& rays)
 {
-    const bool emitters = paths_.samplesEmission();
+    const bool emitters = paths_.light().samplesEmission();
     if (emitters) next_.prepareEmitters(group);
     next_.prepareSources(group);
     for (int b = firstBlock; b < firstBlock + blockCount; ++b) {
@@ -68,7 +68,7 @@ void FinalGather::gatherBlock(const GatherGroup& group, int number, uint64_t& ra
 /// Radiance along all rays: of the sky, of patches with MIS weights, or of continuation paths.
 void FinalGather::weightHits(const GatherGroup& group, int number, Radiances& radiance, uint64_t& rays)
 {
-    const SkyLight& sky = paths_.sky();
+    const SkyLight& sky = paths_.light().sky();
     const bool black = sky.black();
     SampleList continued;
     SampleList sources;
@@ -109,8 +109,8 @@ vec3 FinalGather::emission(const GatherGroup& group, int lane, int number, int s
 {
     const Receiver receiver = next_.receiverOf(group, lane, number, stratum);
     const vec3 direction = block_.bundle.direction(stratum, lane);
-    return paths_.weightedEmission(paths_.surfaces().surfaceAt(block_.bundle.hit(stratum, lane)), direction, receiver,
-                                   PathTracer::gatherPdf(receiver.normal, direction));
+    return paths_.direct().weightedEmission(paths_.surfaces().surfaceAt(block_.bundle.hit(stratum, lane)), direction,
+                                            receiver, gatherPdf(receiver.normal, direction));
 }
 
 /// Radiance of the continuation path of a ray that hits no patch, or one too near.
@@ -119,7 +119,7 @@ vec3 FinalGather::continuation(const GatherGroup& group, int lane, int number, i
     const Receiver receiver = next_.receiverOf(group, lane, number, stratum);
     const RayHit at = block_.bundle.hit(stratum, lane);
     const vec3 direction = block_.bundle.direction(stratum, lane);
-    const float pdf = PathTracer::gatherPdf(receiver.normal, direction);
+    const float pdf = gatherPdf(receiver.normal, direction);
     Sampler sampler(settings_.seed, group.id(lane), uint32_t(number * StratifiedPattern::kBlock + stratum));
     const RadianceLookup lookup = cache_ != nullptr ? cache_->lookup() : RadianceLookup{};
     return paths_.pathRadiance(at, direction, receiver, pdf, settings_.bounces, sampler, rays, lookup);

@@ -189,7 +189,7 @@ bool LightmapRun::finishInterpolated()
             }
         });
     }
-    if (!input_.paths.samplesEmission()) return true;
+    if (!input_.paths.light().samplesEmission()) return true;
     return extend(places, [](FinalGather& gather, const GatherGroup& group, std::span<TexelEstimate> estimates,
                              uint64_t& rays) { gather.addEmitters(group, estimates, rays); });
 }

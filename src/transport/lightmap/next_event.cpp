@@ -36,13 +36,13 @@ void NextEvent::prepareEmitters(const GatherGroup& group)
     LightTree::Points positions;
     LightTree::Points normals;
     const int any = group.firstActive();
-    if (any == group.lanes() || paths_.emitters().empty()) return;
+    if (any == group.lanes() || paths_.light().emitters().empty()) return;
     for (std::size_t lane = 0; lane < kLanes; ++lane) {
         const GatherGroup::Origin& s = group.origin(group.active(int(lane)) ? int(lane) : any, 0);
         positions.set(lane, s.position);
         normals.set(lane, s.normal);
     }
-    cut_ = paths_.emitters().cut(positions, normals);
+    cut_ = paths_.light().emitters().cut(positions, normals);
 }
 
 void NextEvent::prepareSources(const GatherGroup& group)
@@ -73,7 +73,7 @@ float NextEvent::misWeightOfHit(const RayBundle& bundle, int stratum, int lane, 
     const vec3 receiverNormal = bundle.frame(std::size_t(stratum)).normal[l];
     const float pdfArea = sourceFraction(l) * guides_->pdfArea(guide_[l], patch);
     const float cosine = std::max(std::abs(glm::dot(normal, direction)), 1.0e-6f);
-    return misWeightOfRay(PathTracer::gatherPdf(receiverNormal, direction), pdfArea, hit.distance, cosine);
+    return misWeightOfRay(gatherPdf(receiverNormal, direction), pdfArea, hit.distance, cosine);
 }
 
 /// Makes the samples of the lanes in `sky` points of the sky. Their distance is beyond all geometry, which is at most
@@ -84,7 +84,7 @@ void NextEvent::setSky(const GatherBlock& block, std::size_t stratum, const Ligh
     constexpr float kSkyMeters = 1.0e9f;
     for (std::size_t lane = 0; lane < kLanes; ++lane) {
         if (!sky[lane]) continue;
-        const SkyLight::Sample s = paths_.sky().sample(vec2(u.x[lane], u.y[lane]));
+        const SkyLight::Sample s = paths_.light().sky().sample(vec2(u.x[lane], u.y[lane]));
         EmitterSample e;
         e.position = block.bundle.origin(stratum, int(lane)) + s.direction * kSkyMeters;
         e.normal = -s.direction;
@@ -189,15 +189,16 @@ void NextEvent::sampleEmitters(const GatherGroup& group, int number, GatherBlock
     std::array<StratifiedPattern::Block, kLanes> points;
     std::array<int, kLanes> shuffle{};
     std::array<float, kLanes> skyShare{}; ///< of the samples
-    const float skyIlluminance = paths_.sky().brightIlluminance();
+    const float skyIlluminance = paths_.light().sky().brightIlluminance();
     for (int i = 0; i < group.lanes(); ++i) {
         const auto lane = std::size_t(i);
         emitterLanes_[lane] = group.active(i) && int(estimates[lane].blocks()) > number;
         if (!emitterLanes_[lane]) continue;
         const float gathered = luminance(estimates[lane].gathered.mean());
         const float expected = cut_.total[lane] + skyIlluminance;
-        const float survival = PathTracer::rouletteSurvival(expected, gathered);
-        if (skyIlluminance > 0.0f) skyShare[lane] = paths_.emitters().empty() ? 1.0f : skyIlluminance / expected;
+        const float survival = DirectLight::rouletteSurvival(expected, gathered);
+        if (skyIlluminance > 0.0f)
+            skyShare[lane] = paths_.light().emitters().empty() ? 1.0f : skyIlluminance / expected;
         const uint32_t roulette = hashCombine(settings_.seed ^ kRouletteSeed ^ group.id(i), uint32_t(number));
         sampled[lane] = std::min(int(survival * float(kBlock) + unitFloat(roulette)), kBlock);
         if (sampled[lane] < kBlock) shuffle[lane] = xorShuffle(group.id(i));
@@ -226,8 +227,8 @@ void NextEvent::sampleEmitters(const GatherGroup& group, int number, GatherBlock
                 u.set(lane, at);
             }
             lanes.pdfArea.fill(0.0f);
-            if (!paths_.emitters().empty())
-                paths_.emitters().sample(cut_, positions, block.bundle.frame(stratum).normal, wanted, u, lanes);
+            if (!paths_.light().emitters().empty())
+                paths_.light().emitters().sample(cut_, positions, block.bundle.frame(stratum).normal, wanted, u, lanes);
             setSky(block, stratum, sky, u, lanes);
         },
         block, rays);
@@ -257,7 +258,7 @@ void NextEvent::addSamples(std::size_t stratum, const EmitterLanes& lanes, Gathe
         unshadowed[lane] = next.factor * lanes.weight[lane];
         // Directions of lanes without a sample may be NaN.
         if (!(next.distance > 0.0f)) continue;
-        batch[lane] = {position, 0.0f, next.direction, next.distance * (1.0f - 1.0e-4f)};
+        batch[lane] = {position, 0.0f, next.direction, next.distance * kShortOfSurface};
         ++traced;
     }
     if (traced == 0) return;

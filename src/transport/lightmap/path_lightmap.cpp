@@ -20,12 +20,12 @@ RunningMoments gather(const PathTracer& paths, const IntegrationSettings& settin
     for (int s = 0; s < samples; ++s) {
         const SurfacePoint& point = points[std::size_t(s % pointCount)];
         Sampler sampler(settings.seed, id, uint32_t(s));
-        const vec3 direction = PathTracer::gatherDirection(point, sampler.next2());
-        const float pdf = PathTracer::gatherPdf(point.normal, direction);
-        const PathTracer::EmitterAtSurface emitter = paths.emitterIrradiance(point, 0.0f, sampler, rays);
-        const PathTracer::EmitterAtSurface sky = paths.skyIrradiance(point, 0.0f, sampler, rays);
-        const PathTracer::Incoming in =
-            paths.incoming({paths.rayOrigin(point), point.normal}, direction, pdf, settings.bounces, sampler, rays);
+        const vec3 direction = gatherDirection(point, sampler.next2());
+        const float pdf = gatherPdf(point.normal, direction);
+        const DirectLight::EmitterAtSurface emitter = paths.direct().emitterIrradiance(point, 0.0f, sampler, rays);
+        const DirectLight::EmitterAtSurface sky = paths.direct().skyIrradiance(point, 0.0f, sampler, rays);
+        const PathTracer::Incoming in = paths.incoming({paths.surfaces().rayOrigin(point), point.normal}, direction,
+                                                       pdf, settings.bounces, sampler, rays);
         const vec3 bounced = kPi * in.radiance;
         const vec3 value = emitter.irradiance + sky.irradiance + bounced;
         // Lights of extreme size or intensity may overflow.
@@ -44,7 +44,7 @@ vec3 lightAt(const PathTracer& paths, const PunctualLight& light, const SurfaceP
     const vec3 direct = light.irradianceAt(point.position, point.normal);
     if (direct == vec3(0.0f)) return direct;
     const vec2 disc = shading::sampleDisc(sampler.next2());
-    return direct * glm::mix(1.0f, paths.lightVisibility(light, point, disc, rays), light.shadowStrength);
+    return direct * glm::mix(1.0f, paths.direct().lightVisibility(light, point, disc, rays), light.shadowStrength);
 }
 
 /// Whether a random walk from a point leaves the scene, meets a surface that emits, or comes in sight of an eye.
@@ -54,7 +54,7 @@ bool walkGetsOut(const PathTracer& paths, SurfacePoint point, std::span<const ve
     constexpr int kMostSteps = 16; // through a room whose opening is a twentieth of its walls, a walk gets out in half
     const RayTracer& surfaces = paths.surfaces();
     for (int step = 0; step < kMostSteps; ++step) {
-        const vec3 origin = paths.rayOrigin(point);
+        const vec3 origin = paths.surfaces().rayOrigin(point);
         if (!eyes.empty()) {
             const auto eye = std::min(std::size_t(sampler.next1() * float(eyes.size())), eyes.size() - 1);
             const vec3 way = eyes[eye] - origin;
@@ -65,8 +65,7 @@ bool walkGetsOut(const PathTracer& paths, SurfacePoint point, std::span<const ve
             }
         }
         ++rays;
-        const RayHit hit =
-            surfaces.nearest(origin, PathTracer::gatherDirection(point, sampler.next2()), 0.0f, kInfinity);
+        const RayHit hit = surfaces.nearest(origin, gatherDirection(point, sampler.next2()), 0.0f, kInfinity);
         if (!hit.found()) return true;
         if (surfaces.hitHiddenBack(hit)) return false; // inside a solid or a shell
         const SurfaceHit surface = surfaces.surfaceAt(hit);
@@ -124,7 +123,7 @@ bool traceRoughLightmap(const PathTracer& paths, const IntegrationSettings& sett
             Sampler sampler(settings.seed, texelId(map, texel), uint32_t(samples)); // beyond the paths' own
             out[i] = estimates[i].irradiance;
             const SurfacePoint& point = points[std::size_t(std::min(int(sampler.next1() * float(count)), count - 1))];
-            paths.forLightsNear(point.position, [&](const PunctualLight& light, uint32_t) {
+            paths.light().forLightsNear(point.position, [&](const PunctualLight& light, uint32_t) {
                 if (light.directAtTexels) out[i] += lightAt(paths, light, point, sampler, traced);
             });
         }
@@ -154,7 +153,7 @@ bool traceSides(const PathTracer& paths, const IntegrationSettings& settings, st
             if (samples == 0) continue;
             one[0] = points[i];
             side.irradiance = gather(paths, own, one, 1, samples, id, traced).mean();
-            paths.forLightsNear(points[i].position, [&](const PunctualLight& light, uint32_t) {
+            paths.light().forLightsNear(points[i].position, [&](const PunctualLight& light, uint32_t) {
                 vec3& sum = light.directAtTexels || light.maskOfLight ? side.irradiance : side.direct;
                 sum += lightAt(paths, light, points[i], sampler, traced);
             });

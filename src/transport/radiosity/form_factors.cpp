@@ -97,7 +97,7 @@ void FormFactorSampler::addRay(const GatherGroup& group, int lane, int block, in
     const vec3 direction = bundle_.direction(stratum, lane);
     const RayHit& hit = bundle_.hit(stratum, lane);
     if (!hit.found()) {
-        samples.gathered += paths_.sky().dimRadiance(direction);
+        samples.gathered += paths_.light().sky().dimRadiance(direction);
         return;
     }
     const PatchId target = pass_.targetOf(hit.face, hit.barycentric);
@@ -110,8 +110,8 @@ void FormFactorSampler::addRay(const GatherGroup& group, int lane, int block, in
     if (pass_.kind() == PassKind::Fronts) findNear(source, target, hit);
     if (!pass_.layout().emissive(hit.face)) return;
     const GatherGroup::Origin& s = group.origin(lane, number);
-    samples.gathered += paths_.weightedEmission(tracer_.surfaceAt(hit), direction, {s.position, s.normal},
-                                                PathTracer::gatherPdf(s.normal, direction));
+    samples.gathered += paths_.direct().weightedEmission(tracer_.surfaceAt(hit), direction, {s.position, s.normal},
+                                                         gatherPdf(s.normal, direction));
 }
 
 /// Continues a ray that hits no patch as a path. Its radiance is split by the number of reflections.
@@ -121,9 +121,8 @@ void FormFactorSampler::addPath(const GatherGroup& group, int lane, int block, i
     const vec3 direction = bundle_.direction(stratum, lane);
     byBounce_.assign(1, vec3(0.0f));
     Sampler sampler(seed_, group.id(lane), uint32_t(block * StratifiedPattern::kBlock + stratum));
-    paths_.pathRadiance(bundle_.hit(stratum, lane), direction, {s.position, s.normal},
-                        PathTracer::gatherPdf(s.normal, direction), pass_.input().settings.bounces - 1, sampler, rays_,
-                        {}, &byBounce_);
+    paths_.pathRadiance(bundle_.hit(stratum, lane), direction, {s.position, s.normal}, gatherPdf(s.normal, direction),
+                        pass_.input().settings.bounces - 1, sampler, rays_, {}, &byBounce_);
     out_.last(source).gathered += byBounce_[0];
     for (uint32_t r = 1; r < byBounce_.size(); ++r) {
         if (byBounce_[r] != vec3(0.0f)) out_.late.push_back({source, r, byBounce_[r]});
@@ -147,7 +146,7 @@ void FormFactorSampler::addDirect(const TexelGroup& group, int sample)
         PatchId source = kNoPatch;
         const SurfacePoint* point = nullptr;
         Sampler sampler{0, 0, 0};
-        PathTracer::LightChoice choice;
+        SceneLight::LightChoice choice;
     };
     std::array<LaneSample, TexelGroup::kLanes> samples;
     ShadowPacket packet(paths_);
@@ -158,7 +157,7 @@ void FormFactorSampler::addDirect(const TexelGroup& group, int sample)
         s.source = pass_.sourceOf(group, lane, *s.point);
         if (s.source == kNoPatch) continue;
         s.sampler = Sampler(~seed_, group.id(lane), uint32_t(sample));
-        s.choice = paths_.choosePunctual(*s.point, false, s.sampler);
+        s.choice = paths_.light().choosePunctual(*s.point, false, s.sampler);
         if (s.choice.light == nullptr) continue;
         packet.add(lane, *s.choice.light, *s.point, s.choice.disc, rays_);
     }
@@ -169,8 +168,8 @@ void FormFactorSampler::addDirect(const TexelGroup& group, int sample)
         const SurfacePoint& point = *s.point;
         PatchSamples& sums = out_.recent(s.source);
         const vec3 irradiance = s.choice.irradiance(transmittance[std::size_t(lane)]);
-        const auto emitter = paths_.emitterIrradiance(point, luminance(irradiance), s.sampler, rays_);
-        const auto sky = paths_.skyIrradiance(point, luminance(irradiance), s.sampler, rays_);
+        const auto emitter = paths_.direct().emitterIrradiance(point, luminance(irradiance), s.sampler, rays_);
+        const auto sky = paths_.direct().skyIrradiance(point, luminance(irradiance), s.sampler, rays_);
         sums.direct += irradiance;
         sums.direct += emitter.irradiance;
         sums.direct += sky.irradiance;

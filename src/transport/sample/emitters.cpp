@@ -7,12 +7,12 @@
 
 namespace halflight {
 
-Emitters::Emitters(const RayTracer& tracer) : tracer_(tracer)
+Emitters::Emitters(const RayScene& scene) : scene_(scene)
 {
-    const BakeGeometry& geometry = tracer.geometry();
+    const BakeGeometry& geometry = scene.geometry();
     std::vector<LightItem> items;
     for (uint32_t t = 0; t < geometry.triangleCount(); ++t) {
-        const TransportMaterial& material = tracer.materials().of(t);
+        const TransportMaterial& material = scene.materials().of(t);
         if (material.emission == vec3(0.0f) || geometry.partOf(t).side == SurfaceSide::Back) continue;
         const std::array<vec3, 3> corners = geometry.cornersOf(t);
         Emissive e;
@@ -64,7 +64,7 @@ float Emitters::meanEmission(const TransportMaterial& material, uint32_t triangl
     float mean = 0.0f;
     for (int i = 0; i < kPoints; ++i) {
         const vec2 u = r2Point(i);
-        mean += luminance(tracer_.materials().emissionAt(triangle, shading::sampleTriangle(u))) / float(kPoints);
+        mean += luminance(scene_.materials().emissionAt(triangle, shading::sampleTriangle(u))) / float(kPoints);
     }
     return std::max(mean, full / float(kPoints));
 }
@@ -79,7 +79,7 @@ inline EmitterSample Emitters::at(const LightTree::Choice& choice, float v) cons
     s.radiance = e.radiance;
     // Emission is scaled by coverage, as for rays that hit the surface by chance.
     if (!e.uniform) {
-        const Materials& materials = tracer_.materials();
+        const Materials& materials = scene_.materials();
         s.radiance = materials.emissionAt(e.triangle, barycentric) * materials.coverageAt(e.triangle, barycentric);
     }
     s.rayVisible = e.rayVisible;
@@ -111,7 +111,7 @@ void Emitters::sample(const LightTree::Cut& cut, const LightTree::Points& positi
 uint32_t Emitters::itemOf(uint32_t triangle) const
 {
     if (triangles_.empty()) return kNone;
-    const BakeGeometry& geometry = tracer_.geometry();
+    const BakeGeometry& geometry = scene_.geometry();
     const uint32_t part = geometry.partNumberOf(triangle);
     if (firstOfPart_[part] == kNone) return kNone;
     return itemOfTriangle_[firstOfPart_[part] + (triangle - geometry.parts[part].firstTriangle)];

@@ -3,8 +3,9 @@
 
 #include "transport/sample/light_tree.h"
 #include "transport/sample/mis.h"
-#include "transport/trace/ray_tracer.h"
+#include "transport/trace/ray_scene.h"
 
+#include <cmath>
 #include <vector>
 
 namespace halflight {
@@ -29,6 +30,24 @@ struct EmitterSample {
     uint32_t triangle = 0;  ///< of the geometry
     vec2 barycentric{0.0f};
 
+    /// The sample as a direction from a point.
+    struct Seen {
+        vec3 direction{0.0f};
+        float distance = 0.0f;
+        float pdf = 0.0f; ///< per steradian; 0 = the emitter does not send light there
+    };
+    [[nodiscard]] Seen seenFrom(vec3 from) const
+    {
+        const vec3 way = position - from;
+        const float distance2 = glm::dot(way, way);
+        if (pdfArea <= 0.0f || distance2 <= 0.0f) return {};
+        const float distance = std::sqrt(distance2);
+        const vec3 direction = way / distance;
+        const float front = -glm::dot(normal, direction);
+        const float cosine = doubleSided ? std::abs(front) : front;
+        return {direction, distance, cosine > 0.0f ? pdfArea * distance2 / cosine : 0.0f};
+    }
+    /// What nextEventContribution() makes of it at a surface.
     [[nodiscard]] NextEventContribution from(vec3 receiver, vec3 receiverNormal, vec3 geometricNormal) const
     {
         return nextEventContribution(receiver, receiverNormal, geometricNormal, position, normal, pdfArea, doubleSided,
@@ -67,7 +86,7 @@ struct EmitterLanes {
 /// All emissive triangles, chosen by a light tree; points are uniform on the chosen triangle.
 class Emitters {
 public:
-    explicit Emitters(const RayTracer& tracer);
+    explicit Emitters(const RayScene& scene);
     [[nodiscard]] bool empty() const { return triangles_.empty(); }
     [[nodiscard]] LightTree::Cut cut(const LightTree::Points& positions, const LightTree::Points& normals) const
     {
@@ -103,7 +122,7 @@ private:
     [[nodiscard]] float meanEmission(const TransportMaterial& material, uint32_t triangle) const;
     [[nodiscard]] inline EmitterSample at(const LightTree::Choice& choice, float v) const;
 
-    const RayTracer& tracer_;
+    const RayScene& scene_;
     std::vector<Emissive> triangles_;
     std::vector<uint32_t> firstOfPart_;    ///< by part, index into itemOfTriangle_; kNone = it emits nothing
     std::vector<uint32_t> itemOfTriangle_; ///< of parts that emit, by triangle; kNone = no item

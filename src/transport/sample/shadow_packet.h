@@ -5,7 +5,7 @@
 
 namespace halflight {
 
-/// PathTracer::lightVisibility() for one light and point in each lane.
+/// DirectLight::lightVisibility() for one light and point in each lane.
 class ShadowPacket {
 public:
     static constexpr std::size_t kLanes = 8;
@@ -13,8 +13,8 @@ public:
 
     void add(int lane, const PunctualLight& light, const SurfacePoint& point, vec2 disc, uint64_t& rays)
     {
-        if (!paths_.shadowsFall(light, point)) return;
-        rays_[std::size_t(lane)] = paths_.shadowRay(light, point, disc, rays);
+        if (!paths_.direct().shadowsFall(light, point)) return;
+        rays_[std::size_t(lane)] = paths_.direct().shadowRay(light, point, disc, rays);
         any_ = true;
     }
     /// Transmittance of each lane; 1 for lanes without a ray.

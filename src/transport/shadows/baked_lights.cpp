@@ -184,7 +184,7 @@ bool addLights(const ShadowPass& pass, std::span<const PunctualLight* const> lig
                std::span<const uint32_t> places, std::span<IrradianceEstimate> out)
 {
     std::vector<ShadowSource> sources;
-    const PunctualLight* const first = pass.paths.lights().data();
+    const PunctualLight* const first = pass.paths.light().lights().data();
     for (const PunctualLight* light : lights)
         sources.push_back({LightReach(std::vector{light}), true, hashCombine(seed, uint32_t(light - first))});
     const auto rays = float(pass.timesOnEdges * pass.samples);
@@ -269,7 +269,7 @@ bool addBakedLights(const ShadowPass& pass, uint32_t seed, std::span<IrradianceE
 {
     std::vector<const PunctualLight*> everywhere;
     std::vector<const PunctualLight*> inReach;
-    for (const PunctualLight& light : pass.paths.lights())
+    for (const PunctualLight& light : pass.paths.light().lights())
         if (light.directAtTexels) (reachesEverywhere(light) ? everywhere : inReach).push_back(&light);
     const double share = inReach.empty() ? 1.0 : 0.5; // of the progress
     const Progress first = partOf(pass.progress, 0.0, everywhere.empty() ? 0.0 : share);

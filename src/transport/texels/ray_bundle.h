@@ -63,7 +63,7 @@ struct RayBundle {
             for (std::size_t l = 0; l < TexelGroup::kLanes; ++l) {
                 const vec3 g = f.geometricNormal[l];
                 vec3 d = local.x[l] * f.tangent[l] + local.y[l] * f.bitangent[l] + local.z[l] * f.normal[l];
-                // As PathTracer::gatherDirection(): reflected out of the surface.
+                // As gatherDirection(): reflected out of the surface.
                 const float side = glm::dot(d, g);
                 d -= (side < 0.0f ? 2.0f * side : 0.0f) * g;
                 direction.set(l, d);

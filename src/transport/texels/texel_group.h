@@ -183,7 +183,7 @@ private:
                 origin.geometricNormal = point.geometricNormal;
                 shading::orthonormalBasis(point.normal, origin.tangent, origin.bitangent);
             }
-            origin.position = paths.rayOrigin(point);
+            origin.position = paths.surfaces().rayOrigin(point);
         }
     }
 

@@ -39,7 +39,7 @@ TexelValidity::TexelValidity(const PathTracer& paths) : paths_(paths)
 /// Origin of rays, at a height above the surface in metres.
 vec3 TexelValidity::raised(const SurfacePoint& point, float lift) const
 {
-    return paths_.rayOrigin(point) + lift * point.geometricNormal;
+    return paths_.surfaces().rayOrigin(point) + lift * point.geometricNormal;
 }
 
 float TexelValidity::liftOf(const TexelPoints& points) const
@@ -78,8 +78,7 @@ PointMask TexelValidity::hitBacks(const TexelPoints& points, PointMask which, ui
         const SurfacePoint& point = points[std::size_t(p)];
         Sampler sampler(kInsideSeed, hashCombine(id, uint32_t(p)), uint32_t(round));
         number[count] = p;
-        batch[count++] = {paths_.rayOrigin(point), 0.0f, PathTracer::gatherDirection(point, sampler.next2()),
-                          kInfinity};
+        batch[count++] = {paths_.surfaces().rayOrigin(point), 0.0f, gatherDirection(point, sampler.next2()), kInfinity};
     }
     rays += count;
     tracer.kernels().nearest({batch.data(), count}, {found.data(), count});
@@ -146,7 +145,7 @@ int TexelValidity::solidsLeft(const SurfacePoint& point, uint32_t id, int sample
 {
     Sampler sampler(kInsideSeed, id, uint32_t(sample));
     ++rays;
-    const Ray ray{paths_.rayOrigin(point), 0.0f, PathTracer::gatherDirection(point, sampler.next2()), kInfinity};
+    const Ray ray{paths_.surfaces().rayOrigin(point), 0.0f, gatherDirection(point, sampler.next2()), kInfinity};
     int left = 0;
     paths_.surfaces().kernels().crossings({&ray, 1}, {&left, 1});
     return left;

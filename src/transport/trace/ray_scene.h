@@ -60,6 +60,10 @@ public:
     [[nodiscard]] std::size_t byteCount() const;
     /// Offset of ray origins along the normal. It grows with the coordinates, so it exceeds their rounding error.
     [[nodiscard]] float epsilonAt(vec3 position) const;
+    [[nodiscard]] vec3 rayOrigin(const SurfacePoint& point) const
+    {
+        return point.position + point.geometricNormal * epsilonAt(point.position);
+    }
 
 private:
     const BakeGeometry& geometry_;
