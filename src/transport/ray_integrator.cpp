@@ -6,9 +6,9 @@
 #include "transport/lightmap/path_lightmap.h"
 #include "transport/probes.h"
 #include "transport/reflections.h"
+#include "transport/segments.h"
 #include "transport/shadows/baked_lights.h"
 #include "transport/shadows/shadow_pass.h"
-#include "transport/texels/texel_validity.h"
 #include "transport/texels/valid_points.h"
 
 #include "halflight/base/parallel.h"
@@ -47,11 +47,9 @@ public:
     {
         return halflight::findValidPoints(paths_, map, store_, progress, rays_);
     }
-
-    bool roughIrradiance(const TexelMap& map, std::span<const uint32_t> texels, int samples, std::span<vec3> out,
-                         const Progress& progress) override
+    void findValidPoints(std::span<const SurfacePoint> points, std::span<uint8_t> out) const override
     {
-        return traceRoughLightmap(paths_, settings_, map, texels, samples, out, progress, rays_);
+        halflight::findValidPoints(paths_, points, out);
     }
 
     void keepIn(PartFolder* parts) override
@@ -74,6 +72,8 @@ public:
                     const Progress& progress) override
     {
         const int samples = request.samples > 0 ? request.samples : settings_.samples;
+        if (request.rough)
+            return traceRoughLightmap(paths_, settings_, map, request.texels, samples, out, progress, rays_);
         const bool done =
             settings_.integrator == IntegratorKind::Cache
                 ? lightmap_.irradiance(map, request.texels, samples, out, progress, rays_)
@@ -144,29 +144,9 @@ public:
         return traceSides(paths_, settings_, points, eyes, paths, walks, out, progress, rays_);
     }
 
-    [[nodiscard]] std::optional<vec2> surfacesBetween(vec3 from, vec3 to) const override
+    void surfacesAlong(std::span<const Segment> segments, std::span<std::optional<vec2>> out) const override
     {
-        const float length = glm::distance(from, to);
-        if (!(length > 0.0f)) return std::nullopt;
-        const vec3 direction = (to - from) / length;
-        const RayHit first = paths_.surfaces().nearest(from, direction, 0.0f, length);
-        if (!first.found()) return std::nullopt;
-        const RayHit last = paths_.surfaces().nearest(to, -direction, 0.0f, length);
-        return vec2(first.distance, last.found() ? length - last.distance : first.distance);
-    }
-
-    void findOutside(std::span<const SurfacePoint> points, std::span<uint8_t> out) const override
-    {
-        const TexelValidity validity(paths_);
-        parallelFor(points.size(), 64, [&](std::size_t begin, std::size_t end) {
-            TexelPoints one;
-            uint64_t rays = 0;
-            for (std::size_t i = begin; i < end; ++i) {
-                if (out[i] == 0) continue;
-                one[0] = points[i];
-                out[i] = validity.validPoints(one, 1, uint32_t(i), rays) != 0 ? 1 : 0;
-            }
-        });
+        traceSegments(paths_.surfaces().kernels(), segments, out);
     }
 
 private:

@@ -159,6 +159,9 @@ struct TexelRequest {
     std::span<const uint32_t> texels; ///< indices into TexelMap::texels
     int samples = 0;                  ///< paths per texel; 0 = IntegrationSettings::samples
     int shadowSamples = 0;            ///< rays per texel and light; 0 = IntegrationSettings::shadowSamples
+    /// For a first look before findValidPoints(): path traced, all points taken as valid, one shadow ray for each baked
+    /// light.
+    bool rough = false;
 };
 
 /// A line between two points.
@@ -190,12 +193,11 @@ public:
     [[nodiscard]] virtual std::string description() const = 0;
 
     /// Validity, the first stage: sets Texel::validPoints of all texels. The functions below use valid points alone,
-    /// but for roughIrradiance().
+    /// but for rough requests of irradiance().
     virtual bool findValidPoints(TexelMap& map, const Progress& progress) = 0;
-    /// Rough irradiance (lux) of some texels, for a first look before findValidPoints(): path traced with few samples,
-    /// all points taken as valid.
-    virtual bool roughIrradiance(const TexelMap& map, std::span<const uint32_t> texels, int samples,
-                                 std::span<vec3> out, const Progress& progress) = 0;
+    /// The same for single points: where `out` is 1, it becomes 0 for a point inside geometry. Others are not tested.
+    virtual void findValidPoints(std::span<const SurfacePoint> points, std::span<uint8_t> out) const = 0;
+
     /// The light of the lightmap (spec S6), one estimate per texel of the request: emitters, the sky, direct light of
     /// lights that are baked for static receivers, bounced light of mixed and baked lights. The direct light of
     /// subtractive's main light is not included; bakeMainLight() derives it from the mask.
@@ -226,10 +228,9 @@ public:
                                 const Progress& progress) = 0;
 
     /// Estimates for sides of surfaces before there are texels, with `paths` paths for irradiance (0 = none) and
-    /// `walks` random walks. `eyes`: places that one looks from, such as cameras and lights. The default finds all
-    /// sides open and black.
+    /// `walks` random walks. `eyes`: places that one looks from, such as cameras and lights.
     virtual bool sides(std::span<const SurfacePoint> points, std::span<const vec3> eyes, int paths, int walks,
-                       std::span<SideEstimate> out, const Progress& progress);
+                       std::span<SideEstimate> out, const Progress& progress) = 0;
 
     /// Light that points reflect towards views by their specular lobes, path traced: all that the renderer makes of
     /// baked light, so without direct light of lights that it draws itself. `views`: unit vectors on the normals'
@@ -237,16 +238,9 @@ public:
     virtual bool specularLight(std::span<const SurfacePoint> points, std::span<const vec3> views,
                                std::span<SpecularEstimate> out, const Progress& progress) = 0;
 
-    /// Distances in metres from `from` to the first and the last surface on the way to `to`; nothing if the segment is
-    /// unoccluded.
-    [[nodiscard]] virtual std::optional<vec2> surfacesBetween(vec3 from, vec3 to) const = 0;
-    /// surfacesBetween() of many segments at once; `out` has one entry per segment. The stages of the bake use this
-    /// form alone. The default runs surfacesBetween() in parallel.
-    virtual void surfacesAlong(std::span<const Segment> segments, std::span<std::optional<vec2>> out) const;
-
-    /// Validity of single points, as findValidPoints() tests those of texels. Where `out` is 1, it becomes 0 for a
-    /// point inside geometry; other points are not tested. The default takes all as outside.
-    virtual void findOutside(std::span<const SurfacePoint> points, std::span<uint8_t> out) const;
+    /// For each segment, the distances in metres from its start to the first and to the last surface on the way;
+    /// nothing if it is unoccluded.
+    virtual void surfacesAlong(std::span<const Segment> segments, std::span<std::optional<vec2>> out) const = 0;
 
     [[nodiscard]] virtual uint64_t raysTraced() const = 0;
 };

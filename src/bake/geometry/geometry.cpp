@@ -239,22 +239,6 @@ BakeGeometry flattenGeometry(const Scene& scene, int pageSize, GeometryFilter fi
     return g;
 }
 
-void Integrator::surfacesAlong(std::span<const Segment> segments, std::span<std::optional<vec2>> out) const
-{
-    parallelFor(segments.size(), 16, [&](std::size_t begin, std::size_t end) {
-        for (std::size_t i = begin; i < end; ++i) out[i] = surfacesBetween(segments[i].from, segments[i].to);
-    });
-}
-
-bool Integrator::sides(std::span<const SurfacePoint> /*points*/, std::span<const vec3> /*eyes*/, int /*paths*/,
-                       int /*walks*/, std::span<SideEstimate> out, const Progress& progress)
-{
-    std::fill(out.begin(), out.end(), SideEstimate{vec3(0.0f), vec3(0.0f), 1.0f});
-    return !progress.cancelled();
-}
-
-void Integrator::findOutside(std::span<const SurfacePoint> /*points*/, std::span<uint8_t> /*out*/) const {}
-
 SurfacePoint surfacePoint(const BakeGeometry& geometry, uint32_t triangle, vec2 barycentric)
 {
     SurfacePoint point;

@@ -103,8 +103,12 @@ bool LiveLight::begin(const BakedScene& scene, const CachedIntegrator& cached, c
     int side = kSide;
     while (map.texels.size() / std::size_t(side * side) > kMostSquares) side *= 2;
     const std::vector<uint32_t> texels = sampleTexels(map, side);
-    std::vector<vec3> values(texels.size());
-    if (!cached.integrator.roughIrradiance(map, texels, kPaths, values, quiet)) return false;
+    TexelRequest request{texels, kPaths};
+    request.rough = true;
+    std::vector<IrradianceEstimate> estimates(texels.size());
+    if (!cached.integrator.irradiance(map, request, estimates, quiet)) return false;
+    std::vector<vec3> values;
+    for (const IrradianceEstimate& estimate : estimates) values.push_back(estimate.irradiance);
     progress("first light", 0.5);
     LivePages pages(map);
     pages.spread(texels, values, side);

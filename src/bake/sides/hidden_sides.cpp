@@ -40,7 +40,7 @@ std::vector<uint8_t> findOpen(const Integrator& integrator, const std::vector<ui
     const std::vector<std::optional<vec2>> below = surfacesAlong(integrator, down);
     std::vector<uint8_t> open(points.size(), 0);
     for (std::size_t i = 0; i < points.size(); ++i) open[i] = isBlocked(below[i]) ? 1 : 0;
-    integrator.findOutside(points, open);
+    integrator.findValidPoints(points, open);
     return open;
 }
 

@@ -107,11 +107,10 @@ bool tracePathLightmap(const PathTracer& paths, const IntegrationSettings& setti
 }
 
 bool traceRoughLightmap(const PathTracer& paths, const IntegrationSettings& settings, const TexelMap& map,
-                        std::span<const uint32_t> texels, int samples, std::span<vec3> out, const Progress& progress,
-                        std::atomic<uint64_t>& rays)
+                        std::span<const uint32_t> texels, int samples, std::span<IrradianceEstimate> out,
+                        const Progress& progress, std::atomic<uint64_t>& rays)
 {
-    std::vector<IrradianceEstimate> estimates(texels.size());
-    if (!tracePathLightmap(paths, settings, map, texels, samples, estimates, progress, rays)) return false;
+    if (!tracePathLightmap(paths, settings, map, texels, samples, out, progress, rays)) return false;
     constexpr std::size_t kTexelGrain = 64;
     return parallelFor(texels.size(), kTexelGrain, progress, "lights", [&](std::size_t begin, std::size_t end) {
         uint64_t traced = 0;
@@ -121,10 +120,9 @@ bool traceRoughLightmap(const PathTracer& paths, const IntegrationSettings& sett
             const int count = texelPoints(paths.surfaces().geometry(), map, texel, points);
             spreadOverSides(paths.surfaces().geometry(), points, count);
             Sampler sampler(settings.seed, texelId(map, texel), uint32_t(samples)); // beyond the paths' own
-            out[i] = estimates[i].irradiance;
             const SurfacePoint& point = points[std::size_t(std::min(int(sampler.next1() * float(count)), count - 1))];
             paths.light().forLightsNear(point.position, [&](const PunctualLight& light, uint32_t) {
-                if (light.directAtTexels) out[i] += lightAt(paths, light, point, sampler, traced);
+                if (light.directAtTexels) out[i].irradiance += lightAt(paths, light, point, sampler, traced);
             });
         }
         rays += traced;

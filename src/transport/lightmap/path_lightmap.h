@@ -13,10 +13,10 @@ bool tracePathLightmap(const PathTracer& paths, const IntegrationSettings& setti
                        std::span<const uint32_t> texels, int samples, std::span<IrradianceEstimate> out,
                        const Progress& progress, std::atomic<uint64_t>& rays);
 
-/// As Integrator::roughIrradiance().
+/// As Integrator::irradiance() for rough requests.
 bool traceRoughLightmap(const PathTracer& paths, const IntegrationSettings& settings, const TexelMap& map,
-                        std::span<const uint32_t> texels, int samples, std::span<vec3> out, const Progress& progress,
-                        std::atomic<uint64_t>& rays);
+                        std::span<const uint32_t> texels, int samples, std::span<IrradianceEstimate> out,
+                        const Progress& progress, std::atomic<uint64_t>& rays);
 
 /// As Integrator::sides().
 bool traceSides(const PathTracer& paths, const IntegrationSettings& settings, std::span<const SurfacePoint> points,

@@ -121,4 +121,18 @@ bool findValidPoints(const PathTracer& paths, TexelMap& map, const Store& store,
     return true;
 }
 
+void findValidPoints(const PathTracer& paths, std::span<const SurfacePoint> points, std::span<uint8_t> out)
+{
+    const TexelValidity validity(paths);
+    parallelFor(points.size(), 64, [&](std::size_t begin, std::size_t end) {
+        TexelPoints one;
+        uint64_t rays = 0;
+        for (std::size_t i = begin; i < end; ++i) {
+            if (out[i] == 0) continue;
+            one[0] = points[i];
+            out[i] = validity.validPoints(one, 1, uint32_t(i), rays) != 0 ? 1 : 0;
+        }
+    });
+}
+
 } // namespace halflight

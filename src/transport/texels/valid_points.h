@@ -15,5 +15,6 @@ namespace halflight {
 /// written.
 bool findValidPoints(const PathTracer& paths, TexelMap& map, const Store& store, const Progress& progress,
                      std::atomic<uint64_t>& rays);
+void findValidPoints(const PathTracer& paths, std::span<const SurfacePoint> points, std::span<uint8_t> out);
 
 } // namespace halflight
