@@ -181,20 +181,19 @@ def region(scene, name):
     return regions(scene).get(name, np.zeros((HEIGHT, WIDTH), bool))
 
 
-def regions(scene):
-    """The same of each object that is in the picture, by its name."""
+def regions(scene, among=None):
+    """The same of each object that is in the picture, by its name. `among`: pixels to look at, or all."""
     depsgraph, camera = bpy.context.evaluated_depsgraph_get(), scene.camera
     top_right, _, bottom_left, top_left = camera.data.view_frame(scene=scene)
     found = {}
-    for y in range(HEIGHT):
-        for x in range(WIDTH):
-            place = top_left.copy()
-            place.x += (top_right.x - top_left.x) * (x + 0.5) / WIDTH
-            place.y += (bottom_left.y - top_left.y) * (y + 0.5) / HEIGHT
-            direction = (camera.matrix_world.to_3x3() @ place).normalized()
-            hit = scene.ray_cast(depsgraph, camera.matrix_world.translation, direction)
-            if hit[0]:
-                found.setdefault(hit[4].name, np.zeros((HEIGHT, WIDTH), bool))[y, x] = True
+    for y, x in np.argwhere(np.ones((HEIGHT, WIDTH), bool) if among is None else among):
+        place = top_left.copy()
+        place.x += (top_right.x - top_left.x) * (x + 0.5) / WIDTH
+        place.y += (bottom_left.y - top_left.y) * (y + 0.5) / HEIGHT
+        direction = (camera.matrix_world.to_3x3() @ place).normalized()
+        hit = scene.ray_cast(depsgraph, camera.matrix_world.translation, direction)
+        if hit[0]:
+            found.setdefault(hit[4].name, np.zeros((HEIGHT, WIDTH), bool))[y, x] = True
     return found
 
 

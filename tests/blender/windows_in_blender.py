@@ -71,6 +71,8 @@ def two_scenes():
     first.name = "First"
     second = bpy.data.scenes.new("Second")
     second.halflight.quality = "preview"
+    for scene in (first, second):
+        scene.eevee.taa_samples = 1  # of viewports, which a processor draws here
     window = windows()[0]
     window.scene = second
     with in_window(window):
