@@ -216,8 +216,10 @@ def check_wording(extension):
     expect(said == "too few; *Probe Spacing* makes all probes denser", said)
     said = words.in_blender("try others (--uv, --padding, --texels-per-meter)", labels)
     expect("--" not in said and "*Texels per Meter*" in said, said)
-    said = words.in_blender('kept in the file but not read, as baked light does not need them: "KHR_materials_ior"', labels)
-    expect(said is None, f"nobody in Blender can act on it: {said}")
+    ignored = 'kept in the file but not read, as baked light does not need them: "KHR_materials_ior"'
+    for text in (ignored, "1 normal-mapped primitives got generated tangents"):
+        said = words.in_blender(text, labels)
+        expect(said is None, f"nobody in Blender can act on it: {said}")
     said = words.in_blender("free it; or bake with --mask-layers auto", labels)
     expect(said == "free it", f"the view reads one mask layer: {said}")
     message = extension.messages.HALFLIGHT_OT_message
