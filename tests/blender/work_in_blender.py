@@ -275,6 +275,7 @@ def check_removal(extension):
     name, objects = extension.__name__, sorted(scene.objects.keys())
     bpy.ops.preferences.addon_disable(module=name)
     expect(bpy.context.scene == scene, "the window shows the user's scene")
+    expect(scene.objects["Floor"].users == 1, "a deleted object would stay in the file")
     bpy.ops.wm.save_mainfile()
     for when in ("in the session", "in the file"):
         names = sorted(item.name for item in bpy.data.objects)
