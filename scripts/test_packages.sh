@@ -97,6 +97,7 @@ backports="echo 'deb $mirror bookworm-backports main' >/etc/apt/sources.list.d/b
 check_debs bookworm "Debian 12" debian12 "$backports && ${mesa/install/install -t bookworm-backports}"
 check_debs trixie "Debian 13" debian13 "$mesa"
 check_debs noble "Ubuntu 24.04" ubuntu24.04 "$mesa"
+if (make_root noble); then check_wheel noble "Ubuntu 24.04"; fi # else it said why
 
 # Debian 11's Vulkan loader and driver load into the glibc that came along; the driver is too old, which is said.
 make_root bullseye
