@@ -86,12 +86,18 @@ check_debs() { # SUITE SYSTEM RELEASE MESA: MESA is what render and window need
 
 make_root bookworm
 check_tarball bookworm "Debian 12"
+# Its own Mesa cannot render, and the message names the cure.
+inside "$work/root" "$install libvulkan1 mesa-vulkan-drivers >/dev/null 2>&1
+  ! /opt/bin/halflight render /out/tarball.glb -o /out/none.png $render_options 2>/out/said
+  grep -q 'apt install -t bookworm-backports mesa-vulkan-drivers' /out/said || { cat /out/said >&2; exit 1; }"
+echo "tarball, Debian 12, render: $(head -1 "$work/out/said")"
 check_wheel bookworm "Debian 12"
 mesa="$install libvulkan1 mesa-vulkan-drivers >/dev/null 2>&1"
 backports="echo 'deb $mirror bookworm-backports main' >/etc/apt/sources.list.d/backports.list && apt-get update -qq"
 check_debs bookworm "Debian 12" debian12 "$backports && ${mesa/install/install -t bookworm-backports}"
 check_debs trixie "Debian 13" debian13 "$mesa"
 check_debs noble "Ubuntu 24.04" ubuntu24.04 "$mesa"
+if (make_root noble); then check_wheel noble "Ubuntu 24.04"; fi # else it said why
 
 # Debian 11's Vulkan loader and driver load into the glibc that came along; the driver is too old, which is said.
 make_root bullseye
@@ -100,7 +106,7 @@ inside "$work/root" "ldd --version | grep -q ' $oldest_glibc\$' || { echo 'Debia
   $install libvulkan1 mesa-vulkan-drivers >/dev/null 2>&1
   ! /opt/bin/halflight render /out/tarball.glb -o /out/none.png $render_options 2>/out/said
   grep -q 'llvmpipe .* is older than Vulkan 1.3' /out/said || { cat /out/said >&2; exit 1; }"
-echo "tarball, Debian 11, render: $(sed 's/.*: //' "$work/out/said")"
+echo "tarball, Debian 11, render: $(head -1 "$work/out/said")"
 check_wheel bullseye "Debian 11"
 
 make_root jammy
@@ -112,7 +118,9 @@ echo "tarball, Ubuntu 22.04, render: $(python3 tests/package/picture_difference.
 
 # The guide's steps in the system's own Blender, with the zip that holds the wheel: install, bake, view.
 check_blender() { # SUITE SYSTEM
-  local root="$roots/blender-$1" step
+  local root="$roots/blender-$1" step steps
+  steps=$(sed -n '/^## Install in Blender/,/^## Bake/p' docs/guide/blender.md | grep -c '^[0-9]*\. ')
+  [ "$steps" -ge 1 ] && [ "$steps" -le 6 ] || { echo "docs/guide/blender.md: $steps steps to install, not 1 to 6" >&2; exit 1; }
   step=$(sed -n 's/^1\. `\(apt install blender[^`]*\)` in a terminal.*/\1/p' docs/guide/blender.md)
   if [ ! -e "$root" ]; then
     rm -rf "$root.new"
@@ -124,7 +132,7 @@ check_blender() { # SUITE SYSTEM
     for script in install_in_blender.py smoke_in_blender.py; do
       python3 /source/tests/blender/extension_test.py /none /source/blender \$script
     done" >"$work/blender.log" 2>&1 || { cat "$work/blender.log" >&2; exit 1; }
-  echo "zip, $2: $(grep -m 1 -o '^Blender [0-9.]*' "$work/blender.log"): $step; installed, baked, viewed, left"
+  echo "zip, $2: $(grep -m 1 -o '^Blender [0-9.]*' "$work/blender.log"): $step, the first of $steps steps; installed, baked, viewed, left"
 }
 if [ "$blender" -eq 1 ]; then
   check_blender bookworm "Debian 12"

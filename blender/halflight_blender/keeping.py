@@ -78,9 +78,12 @@ def register():
 
 
 def unregister():
-    """The view goes with the extension: without it nobody could leave it."""
+    """The view goes with the extension: without it nobody could leave it. So does the memory of what was baked, as it
+    would keep deleted objects in the file."""
     for name, handler in HANDLERS:
         if hasattr(bpy.app.handlers, name):
             getattr(bpy.app.handlers, name).remove(handler)
     leave_all()
+    for scene in bpy.data.scenes:
+        scene.halflight.baked_objects.clear()
     stale.stale.clear()

@@ -7,6 +7,7 @@ import re
 UNSHOWN = (
     r"kept in the file but not read, as baked light does not need them",
     r"objects have no name of their own, so that the sidecar tells them",
+    r"normal-mapped primitives got generated tangents",
 )
 # The view reads one mask layer, so that a bake of it has no more.
 LEFT_OUT = r"; or bake with --mask-layers auto"

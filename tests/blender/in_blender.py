@@ -18,7 +18,7 @@ import panels_check  # noqa: E402
 import scene as test_scene  # noqa: E402
 from stage import FOLDER, HALFLIGHT, expect, install, path  # noqa: E402
 
-SIZE = (240, 135)
+SIZE = (112, 63)
 MOST_ERROR = 0.03
 CAMERA = ("--camera", "Camera", "--specular", "off")
 

@@ -3,10 +3,13 @@
 
 import os
 import sys
+import types
 
 import bpy
+import numpy as np
 
 sys.path.insert(0, os.path.dirname(__file__))
+import panels_check  # noqa: E402
 import stage  # noqa: E402
 from stage import bake, box, compare, expect, lamp, matte  # noqa: E402
 
@@ -38,10 +41,15 @@ def add_dropped_things():
     coordinates = material.node_tree.nodes.new("ShaderNodeTexCoord")
     material.node_tree.links.new(coordinates.outputs["Generated"], node.inputs["Vector"])
     box("Unwrapped", SIZE, (0, 0, 0.2), material)
+    box("Mixed", SIZE, (-2.5, 0, 0.2), linked("Mix", "ShaderNodeMixRGB", blend_type="ADD")[0])
     rug = box("Rug", SIZE, (0.5, 0, 0.2), matte("Rug"))
     rug.modifiers.new("Hair", "PARTICLE_SYSTEM")
     rug.particle_systems[0].settings.type = "HAIR"
     rug.particle_systems[0].settings.count = 5
+    box("Sprayed", SIZE, (2, 0, 0.2), matte("Spray")).modifiers.new("Drops", "PARTICLE_SYSTEM")
+    if bpy.app.version >= (4, 0, 0):
+        chosen = box("Chosen", SIZE, (2.5, 0, 0.2), matte("Chosen"))
+        chosen.light_linking.receiver_collection = bpy.data.collections.new("Lit")
     foggy = matte("Fog")
     scatter = foggy.node_tree.nodes.new("ShaderNodeVolumeScatter")
     foggy.node_tree.links.new(scatter.outputs[0], foggy.node_tree.nodes["Material Output"].inputs["Volume"])
@@ -52,7 +60,11 @@ def add_dropped_things():
     blackbody = tree.nodes.new("ShaderNodeBlackbody")
     tree.links.new(blackbody.outputs[0], tree.nodes["Emission"].inputs["Color"])
     box("Plain", SIZE, (1.5, 0, 0.2), matte("Plain"))
+    linking = [(("light linking",), "Chosen")] if bpy.app.version >= (4, 0, 0) else []
     return (
+        *linking,
+        (("Mix", "Base Color"), "Mixed"),
+        (("its particles",), "Sprayed"),
         (("Noise", "Base Color"), "Noisy"),
         (("Hue", "Base Color"), "Hued"),
         (("No picture", "has no picture"), "Gone"),
@@ -113,6 +125,12 @@ def add_curable_things():
     tree.links.new(wave.outputs["Color"], inputs["Emission Color" if "Emission Color" in inputs else "Emission"])
     inputs["Emission Strength"].default_value = 3.0
     box("Glowing", BIG, (0.7, 0, 0.4), glowing)
+    worn = matte("Worn")
+    tree, nodes, inputs = nodes_of(worn)
+    checker = nodes.new("ShaderNodeTexChecker")
+    for name in ("Metallic", "Roughness"):
+        tree.links.new(checker.outputs["Fac"], inputs[name])
+    box("Worn", SIZE, (0.7, -1.3, 0.2), worn)
     holes = matte("Holes", (0.3, 0.7, 0.3))
     tree, nodes, inputs = nodes_of(holes)
     checker = nodes.new("ShaderNodeTexChecker")
@@ -124,6 +142,21 @@ def add_curable_things():
     return first, twin
 
 
+def surface_picture(extension, scene, name):
+    """Metallic and roughness of a material's picture in the exported file."""
+    document = extension.glb.Glb(extension.files.of(scene).scene)
+    json = document.json
+    surface = next(item for item in json["materials"] if item["name"] == name)["pbrMetallicRoughness"]
+    image = json["images"][json["textures"][surface["metallicRoughnessTexture"]["index"]]["source"]]
+    with open(stage.path("surface.png"), "wb") as file:
+        file.write(document.view_bytes(image["bufferView"]))
+    picture = bpy.data.images.load(stage.path("surface.png"))
+    picture.colorspace_settings.name = "Non-Color"
+    pixels = np.array(picture.pixels[:]).reshape(-1, 4)
+    bpy.data.images.remove(picture)
+    return pixels[:, 2], pixels[:, 1]
+
+
 def check_cure(extension):
     """Bake Materials: the view shows what Cycles does, the rows are gone, and nothing of the user's is changed."""
     scene = stage.empty()
@@ -132,9 +165,15 @@ def check_cure(extension):
     bake("curable")
     bpy.ops.halflight.baked_view()
     rows = [row.text for row in bpy.context.window_manager.halflight_messages if row.is_curable]
-    expect({"Noise", "Mixed", "Glowing", "Holes"} <= {row.split('"')[1] for row in rows}, f"rows with a cure: {rows}")
+    expect({"Noise", "Mixed", "Glowing", "Worn", "Holes"} <= {row.split('"')[1] for row in rows}, f"rows with a cure: {rows}")
     count, seconds = extension.export.material_pictures.estimate(scene.objects, 256)
-    expect(count == 6 and seconds > 0.0, f"colour of three, roughness of one, emission, alpha: {count}, {seconds:.1f} s")
+    expect(count == 7 and seconds > 0.0, f"colour of three, roughness of two, emission, alpha: {count}, {seconds:.1f} s")
+    layout = panels_check.Layout()
+    dialog = extension.material_operator.HALFLIGHT_OT_bake_materials
+    members = {"size": 256, "objects": lambda _context: scene.objects}
+    members["bl_rna"] = bpy.ops.halflight.bake_materials.get_rna_type()
+    dialog.draw(types.SimpleNamespace(layout=layout, **members), bpy.context)
+    expect("7 pictures of 256 x 256 texels" in layout.shown[-1] and layout.shown[0] == "size", f"shown first: {layout.shown}")
     kinds = ("objects", "meshes", "materials", "images", "scenes", "collections")
 
     def names():
@@ -145,6 +184,10 @@ def check_cure(extension):
     expect(bpy.ops.halflight.bake_materials(size=256) == {"FINISHED"}, "materials are baked")
     rows = [row.text for row in bpy.context.window_manager.halflight_messages if row.is_curable]
     expect(not rows, f"no row is left: {rows}")
+    metallic, roughness = surface_picture(extension, scene, "Worn")
+    expect(np.abs(metallic - roughness).max() < 0.01, "one node made both")
+    ends = [float((np.abs(metallic - end) < 0.02).mean()) for end in (0.0, 1.0)]
+    expect(min(ends) > 0.2 and sum(ends) > 0.9, f"a checker's picture is black and white: {ends}")
     compare(extension, "pictures", "Noisy", "Twin", "Mixed", "Glowing", "Holes", "Floor")
     trees = [bpy.data.objects[name].data.materials[0].node_tree for name in ("Baked Noisy", "Baked Twin")]
     images = {node.image for tree in trees for node in tree.nodes if node.bl_idname == "ShaderNodeTexImage"}
@@ -173,19 +216,27 @@ def check_wording(extension):
     expect(said == "too few; *Probe Spacing* makes all probes denser", said)
     said = words.in_blender("try others (--uv, --padding, --texels-per-meter)", labels)
     expect("--" not in said and "*Texels per Meter*" in said, said)
-    said = words.in_blender('kept in the file but not read, as baked light does not need them: "KHR_materials_ior"', labels)
-    expect(said is None, f"nobody in Blender can act on it: {said}")
+    ignored = 'kept in the file but not read, as baked light does not need them: "KHR_materials_ior"'
+    for text in (ignored, "1 normal-mapped primitives got generated tangents"):
+        said = words.in_blender(text, labels)
+        expect(said is None, f"nobody in Blender can act on it: {said}")
     said = words.in_blender("free it; or bake with --mask-layers auto", labels)
     expect(said == "free it", f"the view reads one mask layer: {said}")
+    message = extension.messages.HALFLIGHT_OT_message
+    listed = bpy.context.window_manager.halflight_messages
+    long = listed.add()
+    long.severity, long.text = "WARNING", "one sentence of many words " * 8
+    tooltip = message.description(bpy.context, types.SimpleNamespace(index=len(listed) - 1))
+    expect(tooltip == long.text, f"the tooltip is the whole sentence: {tooltip}")
+    bpy.ops.halflight.message(index=len(listed) - 1)
+    layout = panels_check.Layout()
+    preferences = types.SimpleNamespace(system=types.SimpleNamespace(ui_scale=1.0))  # headless, Blender says 0
+    members = {"window_manager": bpy.context.window_manager, "preferences": preferences}
+    extension.panels.draw_message(layout, types.SimpleNamespace(**members))
+    shown = " ".join(layout.shown)
+    expect(shown == long.text.strip() and max(map(len, layout.shown)) < 40, f"and the panel wraps it: {layout.shown}")
     lines = words.wrapped("a sentence of several words that is long", 12)
     expect(max(len(line) for line in lines) <= 12 and " ".join(lines).endswith("is long"), f"{lines}")
 
 
-def main():
-    extension = stage.install()
-    for check in (check_list, check_cure, check_wording):
-        print(check.__name__, flush=True)
-        check(extension)
-
-
-main()
+stage.run(check_list, check_cure, check_wording)

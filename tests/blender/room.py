@@ -7,6 +7,7 @@ import os
 
 import bpy
 import numpy as np
+import stage
 
 WIDTH, DEPTH, HEIGHT = 5.0, 4.0, 2.7
 
@@ -60,13 +61,8 @@ class Surfaces:
         return self.made[name]
 
     def add(self, name, color=(1, 1, 1), picture=None, repeat=1):
-        material = self.made[name] = bpy.data.materials.new(name)
-        material.use_nodes = True
+        material = self.made[name] = stage.diffuse(name, color)
         tree = material.node_tree
-        tree.nodes.clear()
-        shader, output = tree.nodes.new("ShaderNodeBsdfDiffuse"), tree.nodes.new("ShaderNodeOutputMaterial")
-        shader.inputs["Color"].default_value = (*color, 1)
-        tree.links.new(shader.outputs[0], output.inputs["Surface"])
         if picture is not None:
             kinds = ("TexImage", "Mapping", "TexCoord")
             texture, mapping, place = (tree.nodes.new("ShaderNode" + kind) for kind in kinds)
@@ -74,7 +70,7 @@ class Surfaces:
             mapping.inputs["Scale"].default_value = (repeat, repeat, 1)
             tree.links.new(place.outputs["UV"], mapping.inputs["Vector"])
             tree.links.new(mapping.outputs["Vector"], texture.inputs["Vector"])
-            tree.links.new(texture.outputs["Color"], shader.inputs["Color"])
+            tree.links.new(texture.outputs["Color"], tree.nodes["Diffuse BSDF"].inputs["Color"])
         return material
 
     def add_principled(self, name, new, old, value, others):

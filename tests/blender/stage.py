@@ -48,6 +48,23 @@ def install():
     return extension
 
 
+def chosen(checks):
+    """All, or those that HALFLIGHT_CHECKS names, while working on them. Prints CPU seconds of each, programs included."""
+    wanted = os.environ.get("HALFLIGHT_CHECKS", "").split()
+    for check in checks:
+        if not wanted or check.__name__ in wanted:
+            print(check.__name__, flush=True)
+            start = sum(os.times()[:4])
+            yield check
+            print(f"{check.__name__}: {sum(os.times()[:4]) - start:.1f} CPU s", flush=True)
+
+
+def run(*checks):
+    extension = install()
+    for check in chosen(checks):
+        check(extension)
+
+
 # -- scenes ----------------------------------------------------------------------------------------------------------
 
 
@@ -80,6 +97,18 @@ def matte(name, color=(0.8, 0.8, 0.8), **members):
     inputs["Specular" if "Specular" in inputs else "Specular IOR Level"].default_value = 0
     for key, value in members.items():
         inputs[key if key in inputs else key + " Weight"].default_value = value
+    return material
+
+
+def diffuse(name, color=(0.8, 0.8, 0.8)):
+    """Diffuse BSDF, which every Blender draws by Lambert's law."""
+    material = bpy.data.materials.new(name)
+    material.use_nodes = True
+    tree = material.node_tree
+    tree.nodes.clear()
+    shader, output = tree.nodes.new("ShaderNodeBsdfDiffuse"), tree.nodes.new("ShaderNodeOutputMaterial")
+    shader.inputs["Color"].default_value = (*color, 1)
+    tree.links.new(shader.outputs[0], output.inputs["Surface"])
     return material
 
 
@@ -152,20 +181,19 @@ def region(scene, name):
     return regions(scene).get(name, np.zeros((HEIGHT, WIDTH), bool))
 
 
-def regions(scene):
-    """The same of each object that is in the picture, by its name."""
+def regions(scene, among=None):
+    """The same of each object that is in the picture, by its name. `among`: pixels to look at, or all."""
     depsgraph, camera = bpy.context.evaluated_depsgraph_get(), scene.camera
     top_right, _, bottom_left, top_left = camera.data.view_frame(scene=scene)
     found = {}
-    for y in range(HEIGHT):
-        for x in range(WIDTH):
-            place = top_left.copy()
-            place.x += (top_right.x - top_left.x) * (x + 0.5) / WIDTH
-            place.y += (bottom_left.y - top_left.y) * (y + 0.5) / HEIGHT
-            direction = (camera.matrix_world.to_3x3() @ place).normalized()
-            hit = scene.ray_cast(depsgraph, camera.matrix_world.translation, direction)
-            if hit[0]:
-                found.setdefault(hit[4].name, np.zeros((HEIGHT, WIDTH), bool))[y, x] = True
+    for y, x in np.argwhere(np.ones((HEIGHT, WIDTH), bool) if among is None else among):
+        place = top_left.copy()
+        place.x += (top_right.x - top_left.x) * (x + 0.5) / WIDTH
+        place.y += (bottom_left.y - top_left.y) * (y + 0.5) / HEIGHT
+        direction = (camera.matrix_world.to_3x3() @ place).normalized()
+        hit = scene.ray_cast(depsgraph, camera.matrix_world.translation, direction)
+        if hit[0]:
+            found.setdefault(hit[4].name, np.zeros((HEIGHT, WIDTH), bool))[y, x] = True
     return found
 
 

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Nobody loses work: what is in the user's file stays, whatever is done around a bake."""
 
+import contextlib
 import os
-import stat
 import sys
 import time
 
@@ -15,6 +15,7 @@ import stage  # noqa: E402
 from stage import bake, box, expect, matte  # noqa: E402
 
 CUBE = (0.8, 0.8, 0.8)
+NOBODY = 65534
 
 
 def is_view(extension):
@@ -168,10 +169,26 @@ def check_files(extension):
     sentence = refusal()
     expect("cannot be made or written" in sentence and "Traceback" not in sentence, f"a file is in the way: {sentence}")
     os.remove(folder)
-    if os.geteuid() != 0:  # root writes everywhere
-        os.mkdir(folder)
-        os.chmod(folder, stat.S_IRUSR | stat.S_IXUSR)
-        expect("cannot be made or written" in refusal(), "a folder that is read-only")
+    os.mkdir(folder)
+    with read_only(folder):
+        sentence = refusal()
+    expect("cannot be made or written" in sentence and "Traceback" not in sentence, f"a read-only folder: {sentence}")
+
+
+@contextlib.contextmanager
+def read_only(folder):
+    """Root writes everywhere, so that it is nobody within."""
+    is_root = os.geteuid() == 0
+    os.chmod(stage.FOLDER, 0o755)
+    os.chmod(folder, 0o555)
+    if is_root:
+        os.seteuid(NOBODY)
+    try:
+        yield
+    finally:
+        if is_root:
+            os.seteuid(0)
+        os.chmod(folder, 0o755)
 
 
 def rich_scene():
@@ -255,17 +272,16 @@ def check_removal(extension):
     """Without the extension there is no view, in the session and in the file."""
     scene = stage.empty()
     bake("removal")
-    name = extension.__name__
+    name, objects = extension.__name__, sorted(scene.objects.keys())
     bpy.ops.preferences.addon_disable(module=name)
-    left = [item.name for item in bpy.data.objects if item.name.startswith("Baked ")]
-    expect(bpy.context.scene == scene and len(bpy.data.scenes) == 1 and not left, f"the view goes too: {left}")
+    expect(bpy.context.scene == scene, "the window shows the user's scene")
+    expect(scene.objects["Floor"].users == 1, "a deleted object would stay in the file")
+    bpy.ops.wm.save_mainfile()
+    for when in ("in the session", "in the file"):
+        names = sorted(item.name for item in bpy.data.objects)
+        left = left_of_views(extension)
+        expect(len(bpy.data.scenes) == 1 and names == objects and not left, f"{when} the view is gone too: {names}, {left}")
+        bpy.ops.wm.open_mainfile(filepath=bpy.data.filepath)
 
 
-def main():
-    extension = stage.install()
-    for check in (check_views, check_saving, check_state, check_blocks, check_files, check_removal):
-        print(check.__name__, flush=True)
-        check(extension)
-
-
-main()
+stage.run(check_views, check_saving, check_state, check_blocks, check_files, check_removal)

@@ -73,6 +73,7 @@ def export_scene(context, path, units, folder):
 
     factor = lumens_per_watt(units)
     surfaces.add_default(document)
+    surfaces.split_specular(document)
     surfaces.drop_unread_colors(document)
     scale_emission(document, factor)
     lamps.complete(document, factor)

@@ -141,6 +141,19 @@ def add_default(document):
         primitive["material"] = len(materials) - 1
 
 
+def split_specular(document):
+    """Exporters before Blender 4.0 put Specular into the colour of the reflection, which Halflight does not read. The factor
+    that it reads is 1 there, so that matte surfaces would be glossy and reflect less."""
+    for material in document.json.get("materials", []):
+        extension = material.get("extensions", {}).get("KHR_materials_specular", {})
+        if "specularColorFactor" not in extension or "specularFactor" in extension:
+            continue
+        color = extension.pop("specularColorFactor")
+        extension["specularFactor"] = min(max(color), 1.0)
+        if max(color) > 0.0 and min(color) < max(color):
+            extension["specularColorFactor"] = [c / extension["specularFactor"] for c in color]
+
+
 def drop_unread_colors(document):
     """glTF multiplies by vertex colours wherever there are any; Blender only where a node reads them."""
     reads = []

@@ -140,7 +140,8 @@ def take_duplicates(view, source, tag):
             for name in [name for name in item.keys() if name in {tag, MARK, PLACE} or name.startswith(moving_materials.NAME)]:
                 del item[name]
             item.name = item.name.replace(" (baked)", "")
-            item.instance_collection = shown.get(item.instance_collection)
+            if item.type == "EMPTY":
+                item.instance_collection = shown.get(item.instance_collection)
             for slot in item.material_slots:
                 slot.link = "DATA"
             source.collection.objects.link(item)
