@@ -2,10 +2,12 @@
 Usage: cli_under_wine.py SHARED_DIR [FILE …]
 
 A script of the program's name stands for it, so that the tests are those of Linux. CANNOT names those that need what
-neither Windows nor Wine has."""
+neither Windows nor Wine has. Wine's Vulkan needs a screen: a virtual one is made."""
 
 import importlib
+import os
 import pathlib
+import shutil
 import sys
 import tempfile
 import unittest
@@ -44,7 +46,10 @@ def main():
     shared, names = sys.argv[1], sys.argv[2:]
     wine.program()
     wine.prepare()
+    if shutil.which("Xvfb") is None:
+        wine.skip("Xvfb is not installed (apt-get install xvfb)")
     import cli_case
+    from view_case import Display
 
     files = names or sorted(path.stem for path in (wine.ROOT / "tests/cli").glob("*_test.py"))
     whole = unittest.TestSuite()
@@ -65,7 +70,12 @@ def main():
         if not names:
             gone = [key for key in CANNOT if not any(name == key or name.startswith(key + ".") for name in known)]
             assert not gone, f"tests that are no more: {gone}"
-        result = unittest.TextTestRunner(verbosity=2).run(whole)
+        display = Display()
+        try:
+            os.environ["DISPLAY"] = display.name
+            result = unittest.TextTestRunner(verbosity=2).run(whole)
+        finally:
+            display.close()
     for line in left_out:
         print("not here: " + line)
     print(f"{result.testsRun} run, {len(left_out)} not here")

@@ -38,11 +38,13 @@ def environment():
 
 def prepare():
     prefix = CACHE / "wine"
-    if not (prefix / "system.reg").exists():
-        prefix.mkdir(parents=True, exist_ok=True)
-        subprocess.run([WINE, "wineboot", "-i"], env=environment(), check=True, timeout=300,
-                       stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)  # Wine's server keeps pipes open
-
+    if (prefix / "windows10").exists():
+        return
+    prefix.mkdir(parents=True, exist_ok=True)
+    # Debian's is a Windows 7, for which the program is not. Wine's server keeps pipes open.
+    for words in (["wineboot", "-i"], ["winecfg", "/v", "win10"]):
+        subprocess.run([WINE, *words], env=environment(), check=True, timeout=300, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+    (prefix / "windows10").touch()
 
 
 def wrapper(folder):
