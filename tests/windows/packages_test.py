@@ -17,11 +17,9 @@ import tomllib
 import unittest
 import zipfile
 
-import wine
+import wine  # finds what is in tests/cli
+import tiny_scene
 from wine_test import QUICK, run
-
-sys.path.insert(0, str(wine.ROOT / "tests/cli"))
-import tiny_scene  # noqa: E402
 
 HALFLIGHT = ""
 # Which licence is whose: of each library that is linked, by the beginning of its file's name.
@@ -138,4 +136,5 @@ if __name__ == "__main__":
     HALFLIGHT = os.path.abspath(sys.argv[1])
     wine.program()
     wine.prepare()
-    unittest.main(argv=sys.argv[:1] + sys.argv[3:], verbosity=2)
+    with wine.running():
+        unittest.main(argv=sys.argv[:1] + sys.argv[3:], verbosity=2)

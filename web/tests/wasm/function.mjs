@@ -1,7 +1,7 @@
 // bake() of @halflight/bake in Node, and its types.
 import assert from 'node:assert/strict';
 import { execFileSync, spawnSync } from 'node:child_process';
-import { mkdtempSync, readFileSync, rmSync, writeFileSync } from 'node:fs';
+import { mkdtempSync, readdirSync, readFileSync, rmSync, writeFileSync } from 'node:fs';
 import { tmpdir } from 'node:os';
 import { join } from 'node:path';
 import { test } from 'node:test';
@@ -48,6 +48,20 @@ test('what is downloaded is at most 3 MB, compressed', () => {
     const { length } = execFileSync('gzip', ['-9c', file], { maxBuffer: 2 ** 26 });
     console.log(`halflight.wasm: ${length} bytes by gzip`);
     assert.ok(length > 1e6 && length <= 3e6, `${length} bytes`);
+});
+
+test('each package has the licence of all that is in its program', () => {
+    // Libraries that are linked, headers of templates, what comes with Emscripten, and the functions of mathematics.
+    const linked = ['draco', 'embree', 'fmtlib', 'imath', 'libpng1.6', 'libwebp', 'libzstd', 'meshoptimizer', 'onetbb', 'openexr', 'spdlog', 'xxhash', 'zlib'];
+    const headers = ['libcli11-dev', 'libdraco-dev', 'libeigen3-dev', 'libglm-dev', 'libstb-dev', 'libtinygltf-dev', 'libtomlplusplus-dev', 'nlohmann-json3-dev'];
+    for (const name of ['cli', 'bake']) {
+        const folder = join(workspace(), 'node_modules/@halflight', name);
+        const texts = readdirSync(join(folder, 'licenses')).sort();
+        assert.deepEqual(texts, [...linked, ...headers, 'emscripten', 'mathematics'].map((text) => `${text}.txt`).sort());
+        for (const text of texts) assert.match(readFileSync(join(folder, 'licenses', text), 'utf8'), /copyright|licen[cs]e/i, text);
+        assert.match(readFileSync(join(folder, 'licenses/mathematics.txt'), 'utf8'), /Arm Limited[\s\S]*Sun Microsystems/);
+        assert.match(readFileSync(join(folder, 'LICENSE'), 'utf8'), /^MIT License/);
+    }
 });
 
 test('errors are the program\'s sentences', async () => {
