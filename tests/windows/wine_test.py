@@ -124,12 +124,45 @@ class Names(Case):
         self.assertTrue(output.read_bytes() == (self.folder / "again.glb").read_bytes())
         self.assert_no_temporary()
 
+    def test_another_drive_and_the_folder_that_it_is_in(self):
+        drive = wine.CACHE / "wine/dosdevices/y:"
+        drive.unlink(missing_ok=True)
+        drive.symlink_to(self.folder)
+        self.addCleanup(drive.unlink)
+        self.scene("scene.gltf")
+        for scene, output, cache in (("Y:\\scene.gltf", "Y:\\a.glb", "Y:\\cache 1"), ("y:scene.gltf", "y:b.glb", "y:cache 2")):
+            result = run("bake", scene, "-o", output, *QUICK, "--cache", cache, "--quiet")
+            self.assert_baked(result, self.folder / output[-5:])
+            self.assertTrue((self.folder / cache[-7:]).is_dir())
+        self.assert_no_temporary()
+
+    def test_names_that_differ_in_case_are_one_file(self):
+        scene = self.scene("scene.gltf")
+        before = scene.read_bytes()
+        result = run("bake", on_windows(scene), "-o", on_windows(self.folder / "SCENE.GLTF"), *QUICK)
+        self.assertEqual(result.returncode, 1)
+        self.assertRegex(result.stderr, r"^halflight: .*SCENE\.GLTF: --output would replace the scene\r?\n$")
+        self.assertEqual(scene.read_bytes(), before)
+
+    def test_folders_and_drives_that_are_not_there(self):
+        scene = on_windows(self.scene("scene.gltf"))
+        for output, words in (("none\\out.glb", "the folder none does not exist"), ("Q:\\out.glb", "the folder Q:\\ does not exist")):
+            result = run("bake", scene, "-o", output, *QUICK, cwd=self.folder)
+            self.assertEqual((result.returncode, result.stderr), (1, f"halflight: {output}: {words}\n"))
+        for file in ("Q:\\scene.glb", "\\\\nobody\\share\\scene.glb"):
+            result = run("info", file)
+            self.assertEqual((result.returncode, result.stderr), (1, f"halflight: {file}: no such file\n"))
+        self.assertEqual(os.listdir(self.folder), ["scene.gltf"])
+
     def test_paths_longer_than_260_letters(self):
         parts = ["a folder with a long name " * 3 + str(i) for i in range(5)]
         scene = self.scene(os.path.join(*parts, "scene.gltf"))
         self.assertGreater(len(str(scene)), 300)
         output = scene.parent / "out.glb"
         self.assert_baked(run("bake", on_windows(scene), "-o", on_windows(output), *QUICK, "--quiet"), output)
+        output.unlink()
+        words = ["\\\\?\\" + on_windows(path) for path in (scene, output)]  # as programs write them
+        self.assert_baked(run("bake", words[0], "-o", words[1], *QUICK, "--quiet"), output)
 
 
 class Cancel(Case):

@@ -72,6 +72,33 @@ test('errors are the program\'s sentences', async () => {
     await fails(readFileSync(scene('sphere_on_floor')), { quality: 'high', mostMemory: 66 * 2 ** 20 }, /^out of memory/);
 });
 
+test('odd names and files: baked, or refused in a sentence', async () => {
+    const bytes = readFileSync(scene('closed_room'));
+    const { glb } = await bake(bytes, QUICK);
+    const same = async (input, options) => assert.equal(hash((await bake(input, { ...QUICK, ...options })).glb), hash(glb));
+    await same(bytes.buffer.slice(bytes.byteOffset, bytes.byteOffset + bytes.length));
+    await same(bytes, { name: '-Räume/ein Zimmer.glb', files: { 'a.bin': new ArrayBuffer(4), 'b/c.txt': 'text' } });
+    const fails = (input, options, message) => assert.rejects(bake(input, { ...QUICK, ...options }), { name: 'BakeError', message });
+    await fails('glTF', {}, 'the scene is neither a Uint8Array nor an ArrayBuffer');
+    await fails(undefined, {}, 'the scene is neither a Uint8Array nor an ArrayBuffer');
+    await fails(new Uint8Array(0), {}, 'the file is empty');
+    await fails(bytes, { name: '' }, "'' is no path beside the scene");
+    await fails(bytes, { name: '/dev/null/a.glb' }, "'/dev/null/a.glb' is no path beside the scene");
+    await fails(bytes, { files: { 'a.bin': new Blob(['x']) } }, "the file 'a.bin' is neither a Uint8Array nor an ArrayBuffer");
+    await fails(bytes, { files: { a: bytes, 'a/b.bin': bytes } }, "'a' is a file and a folder");
+});
+
+test('an error of onProgress ends the bake, and is its error', async () => {
+    let calls = 0;
+    const own = new Error('the bar is gone');
+    const onProgress = () => {
+        ++calls;
+        throw own;
+    };
+    await assert.rejects(bake(readFileSync(join(repository, 'assets/courtyard.glb')), { onProgress }), (error) => error === own);
+    assert.ok(calls >= 1);
+});
+
 test('a signal cancels a bake, and one that was aborted before starts none', async () => {
     const bytes = readFileSync(join(repository, 'assets/courtyard.glb'));
     const control = new AbortController();
