@@ -94,7 +94,10 @@ export async function bake(bytes, { onProgress, onWarning, signal, mostMemory = 
             let last = '';
             const broken = (detail) => {
                 const full = memory.buffer.byteLength > 0.9 * mostMemory || /memory/i.test(detail);
-                reject(new BakeError(full ? 'out of memory; fewer texels (texelsPerMeter, lightmapSize) need less' : `internal error, please report it with this file: ${detail}`));
+                let sentence = `internal error, please report it with this file: ${detail}`;
+                if (full) sentence = 'out of memory; fewer texels (texelsPerMeter, lightmapSize) need less';
+                else if (/fetch/i.test(detail)) sentence = 'the baker cannot be fetched: the network is not reachable';
+                reject(new BakeError(sentence));
             };
             const onLine = (line) => {
                 const [, stage, percent] = line.match(/^progress: (.+) (\d+) %$/) ?? [];
