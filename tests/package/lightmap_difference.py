@@ -1,5 +1,5 @@
 """The mean difference of the lightmaps that two bakes wrote by --write-images, in per cent: lightmap_difference.py A B. Exit
-code 1 above half a per cent, which another version of Embree or of the compiler stays below, and three bounces instead
+code 1 above half a per cent, which another version of Embree or of the compiler stays below, and one bounce instead
 of all do not."""
 
 import pathlib

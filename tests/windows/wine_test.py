@@ -231,8 +231,9 @@ class OpenFiles(Case):
 class Programs(Case):
     """GoogleTest programs of base, scene and bake (programs/CMakeLists.txt): the stored bits of the mathematics, among others."""
 
-    # Links need a right that users of Windows rarely have.
-    left_out = "-FilesInUse.OneFileHasManyNames:FilesInUse.FilesThatAreYetToBeMade"
+    # Links need a right that users of Windows rarely have. The last compares with MinGW's long double, which is wrong for
+    # large angles; the stored bits are compared in other tests.
+    left_out = "-FilesInUse.OneFileHasManyNames:FilesInUse.FilesThatAreYetToBeMade:Mathematics.IsAsExactAsTheHeaderSays"
 
     def test_pass(self):
         build = wine.ROOT / "build/windows"
