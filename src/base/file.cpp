@@ -77,7 +77,8 @@ Status tryWriting(const std::filesystem::path& folder)
     const std::filesystem::path where = folder.empty() ? std::filesystem::path(".") : folder;
     std::error_code ec;
     // Windows' C library does not know "D:", the folder in which that drive is.
-    const std::filesystem::path whole = std::filesystem::absolute(where, ec);
+    const bool isDrive = where.has_root_name() && !where.has_root_directory();
+    const std::filesystem::path whole = isDrive ? std::filesystem::absolute(where, ec) : where;
     if (!std::filesystem::is_directory(whole, ec)) {
         return Error{ErrorCode::WriteFailed, "the folder " + where.string() + " does not exist"};
     }
