@@ -49,6 +49,7 @@ for package in cli bake; do
   mkdir -p "web/$package/wasm"
   cp "$work/halflight.mjs" build/wasm/apps/halflight/halflight.wasm "web/$package/wasm"
   cp -r "$root/dependencies/prefix/licenses" "web/$package/licenses"
+  cp src/base/mathematics/COPYRIGHT "web/$package/licenses/mathematics.txt"
 done
 if command -v npm >/dev/null; then
   mkdir -p "$out"

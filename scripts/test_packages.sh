@@ -34,7 +34,7 @@ cp "$packages"/halflight* assets/courtyard.glb "$work/in"
 unpack="tar xzf /in/halflight-*.tar.gz -C /opt --strip-components=1"
 bake_options="--quality preview --texels-per-meter 4 --probe-spacing 4 --quiet"
 render_options="--size 320x180 --device cpu --quiet"
-"$halflight" bake "$work/in/courtyard.glb" -o "$work/expected.glb" $bake_options
+"$halflight" bake "$work/in/courtyard.glb" -o "$work/expected.glb" $bake_options --write-images "$work/expected"
 "$halflight" render "$work/expected.glb" -o "$work/expected.png" $render_options
 
 fresh_root() { # SUITE
@@ -65,7 +65,7 @@ check_debs() { # SUITE SYSTEM RELEASE MESA: MESA is what render and window need
   (make_root "$1") || return 0 # it said why
   fresh_root "$1"
   inside "$work/root" "apt-get update -qq && $install /in/halflight_*-$3_*.deb >/dev/null 2>&1
-    halflight bake /in/courtyard.glb -o /out/deb.glb $bake_options
+    rm -rf /out/deb && halflight bake /in/courtyard.glb -o /out/deb.glb $bake_options --write-images /out/deb
     test -s /usr/share/bash-completion/completions/halflight && test -s /usr/share/doc/halflight/schemas/bake_report.schema.json
     ! halflight view /out/deb.glb 2>/out/said && grep -q 'package halflight-view' /out/said
     ! dpkg-query -W libsdl2-2.0-0 >/dev/null 2>&1 || test $1 = trixie
@@ -80,6 +80,7 @@ check_debs() { # SUITE SYSTEM RELEASE MESA: MESA is what render and window need
     same deb.glb expected.glb "deb, $2, bake"
     same deb.png expected.png "deb, $2, render"
   else
+    echo "deb, $2, bake: $(python3 tests/package/lightmap_difference.py "$work/out/deb" "$work/expected")"
     echo "deb, $2, bake and render: $(python3 tests/package/picture_difference.py "$work/out/deb.png" "$work/expected.png")"
   fi
 }

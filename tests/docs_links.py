@@ -4,7 +4,8 @@
     docs_links.py ROOT          exit 1 and one line per fault
     docs_links.py --self-test   shows that each rule can fail
 
-A page of docs/guide has at most 200 lines. Lines of the root's documents and of docs/ have at most 120 columns, but for
+The table of systems (SYSTEMS is its first row's beginning) says the same wherever it stands. A page of docs/guide has
+at most 200 lines. Lines of the root's documents and of docs/ have at most 120 columns, but for
 the lab notes and their tables.
 """
 
@@ -16,6 +17,7 @@ import tempfile
 import urllib.parse
 
 MOST_LINES, MOST_COLUMNS = 200, 120
+SYSTEMS = "| system | command line |"
 IGNORED = {"build", "out", "node_modules", "shared"}  # besides folders that begin with a dot
 
 
@@ -39,8 +41,19 @@ def anchors_of(text):
     return set(slugs) | numbered | set(re.findall(r'<a id="([^"]+)">', text))
 
 
+def systems_in(path, text):
+    """The rows of the table of systems, with links as whole paths; none where there is no such table."""
+    rows = re.search(rf"^{re.escape(SYSTEMS)}(?:.*\n\|)*.*$", text, flags=re.M)
+    whole = lambda link: f"]({(path.parent / link[1]).resolve()})"  # noqa: E731
+    return re.sub(r"\]\(([^)#]+)\)", whole, rows[0]) if rows else None
+
+
 def problems_of(root):
     texts = {path: path.read_text(encoding="utf-8") for path in documents_of(root)}
+    tables = {path: rows for path, text in texts.items() if (rows := systems_in(path, text))}
+    for path, rows in tables.items():
+        if rows != next(iter(tables.values())):
+            yield f"{path.relative_to(root.resolve())}: its table of systems differs from {next(iter(tables)).name}'s"
     for path, text in texts.items():
         name = path.relative_to(root.resolve()).as_posix()
         prose = re.sub(r"`[^`\n]*`", "", without_code(text))
@@ -71,6 +84,11 @@ def self_test():
             page.write_text("# One Page's `name`\n\n## A\n\n## A\n" + good + fault, encoding="utf-8")
             problems = list(problems_of(pathlib.Path(folder)))
             assert len(problems) == count, (fault, problems)
+            table = SYSTEMS + "\n|---|---|\n| [A](%spage.md) | %s |\n\ntext\n"
+            for word, others in (("built", 0), ("tested", 1)):
+                pathlib.Path(folder, "README.md").write_text(table % ("docs/guide/", "built"), encoding="utf-8")
+                pathlib.Path(folder, "docs/packages.md").write_text(table % ("guide/", word), encoding="utf-8")
+                assert len(list(problems_of(pathlib.Path(folder)))) == count + others
 
 
 if __name__ == "__main__":

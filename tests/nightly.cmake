@@ -5,7 +5,7 @@ set(HALFLIGHT_NIGHTLY
     # Every moment of an interruption, every farm that breaks, whole pictures against the path tracer.
     [[cli\.(InterruptAnywhere|Truth|View|ViewBake|Farm|FarmTrouble|Slurm|Parallel|Boards|Pictures|Sheets|Georeferenced|Chain)]]
     [[cli\.(FullDisk|Glass|TextureSets|Streams|Reach|AllLayouts)]]
-    [[package\.(bare_root|clean_roots|demo|launcher|consumer)]]
+    [[package\.(bare_root|clean_roots|demo|launcher|consumer|small_build)]]
     # Browsers draw on the processor: shadows, sky, area lights, WebGPU, the viewer page.
     [[web\.(browser_pictures|browser_webgpu|browser_use|keeps_bake)]]
     # Large worlds and high sample counts.

@@ -76,10 +76,13 @@ Status tryWriting(const std::filesystem::path& folder)
 {
     const std::filesystem::path where = folder.empty() ? std::filesystem::path(".") : folder;
     std::error_code ec;
-    if (!std::filesystem::is_directory(where, ec)) {
+    // Windows' C library does not know "D:", the folder in which that drive is.
+    const bool isDrive = where.has_root_name() && !where.has_root_directory();
+    const std::filesystem::path whole = isDrive ? std::filesystem::absolute(where, ec) : where;
+    if (!std::filesystem::is_directory(whole, ec)) {
         return Error{ErrorCode::WriteFailed, "the folder " + where.string() + " does not exist"};
     }
-    const std::filesystem::path trial = where / (".halflight-trial" + processToken());
+    const std::filesystem::path trial = whole / (".halflight-trial" + processToken());
     errno = 0;
     std::ofstream stream(trial, std::ios::binary | std::ios::trunc);
     const std::string block(4096, '\0'); // one block of usual file systems: an empty file fits a full disk

@@ -113,12 +113,14 @@ Status renameOver(const std::filesystem::path& from, const std::filesystem::path
     while (true) {
         std::filesystem::rename(from, to, ec);
         if (!ec) return {};
-        const bool waits = isOpenElsewhere(to);
+        const bool isOpen = isOpenElsewhere(to);
+        // Permission is denied for a moment where several processes replace one file, as workers of a farm do.
+        const bool waits = isOpen || ec == std::errc::permission_denied;
         if (waits && std::chrono::steady_clock::now() < end) {
             std::this_thread::sleep_for(kPause);
             continue;
         }
-        const std::string reason = waits ? "another program has it open" : ec.message();
+        const std::string reason = isOpen ? "another program has it open" : ec.message();
         return Error{ErrorCode::WriteFailed, "cannot be replaced (" + reason + ")"};
     }
 }

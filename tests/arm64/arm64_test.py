@@ -215,6 +215,7 @@ class Packages(FarmCase):
         licences = bundled / "share/doc/halflight/licences"
         self.assertRegex((licences / "SOURCES").read_text(), r"libembree3-3: https://snapshot.debian.org/package/embree/3.13.5")
         self.assertTrue((licences / "libc6").is_file() and (licences / "LGPL-2.1").is_file())
+        self.assertRegex((licences.parent / "copyright").read_text(), r"(?s)MIT License.*Arm Limited.*Sun Microsystems")
         launcher = (bundled / "bin/halflight").read_text()
         self.assertIn("$(/lib/ld-linux-aarch64.so.1 --version", launcher)
         loader = libraries / "glibc/ld-linux-aarch64.so.1"

@@ -8,10 +8,12 @@
 
 #include "halflight/bake/farm.h"
 #include "halflight/base/random.h"
+#include "halflight/base/system.h"
 #include "halflight/shading/sampling.h"
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <set>
 
 namespace halflight::test::identity_test {
@@ -38,6 +40,27 @@ TEST(Identity, IsAFilesNameThatRepeatsAndTellsInstructionSetsApart)
     }
     ASSERT_FALSE(names.empty());
     EXPECT_TRUE(names.contains(*factory.identity(InstructionSet::Automatic)));
+}
+
+/// Each start of the program computes it, so it must be quick. Other programs use the processor's caches: the best of a
+/// few rounds counts. Some systems' clocks count in steps of 16 ms, so a round has many. With sanitizers all takes
+/// longer.
+TEST(Identity, TakesAtMostTwentyMilliseconds)
+{
+#ifdef __SANITIZE_ADDRESS__
+    GTEST_SKIP() << "sanitizers take their time";
+#endif
+    constexpr int kTimes = 8;
+    const IntegratorFactory factory = embreeIntegrators();
+    for (const InstructionSet set : setsOfThisProcessor()) {
+        double least = kInfinity;
+        for (int round = 0; round < 3; ++round) {
+            const double begin = processCpuSeconds();
+            for (int i = 0; i < kTimes; ++i) ASSERT_TRUE(factory.identity(set));
+            least = std::min(least, processCpuSeconds() - begin);
+        }
+        EXPECT_LE(least, 0.02 * kTimes) << nameOf(set);
+    }
 }
 
 /// A stack of boxes that share faces. The rays of a point inside leave one solid more than they enter in whatever order

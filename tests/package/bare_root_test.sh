@@ -57,3 +57,11 @@ for glibc in system bundled; do
   cmp "$work/wheel.glb" "$work/expected.glb"
   echo "wheel, $glibc glibc, bake: same bytes as the build tree's"
 done
+
+# Blender's zip has this wheel; the licences of the mathematics (src/base/mathematics) are in all of them.
+python3 -m zipfile -e "$packages"/halflight-blender-*-linux-*.zip "$work/blender"
+cmp "$(find "$work/blender" -name '*.whl')" "$wheel"
+for text in "$root/opt/share/doc/halflight/copyright" "$work/wheel"/halflight-*.dist-info/LICENSE; do
+  cmp "$text" "$build/copyright"
+  for owner in "Arm Limited" "Sun Microsystems"; do grep -q "$owner" "$text" || { echo "$text does not name $owner" >&2; exit 1; }; done
+done

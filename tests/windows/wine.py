@@ -1,15 +1,21 @@
 """The Windows program under Wine, for tests: build/windows/apps/halflight/halflight.exe, or what HALFLIGHT_EXE names."""
 
+import contextlib
 import os
 import pathlib
 import shutil
 import stat
 import subprocess
 import sys
+import time
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
+sys.path.insert(0, str(ROOT / "tests/cli"))
+from view_case import Display  # noqa: E402
+
 CACHE = pathlib.Path(os.environ.get("HALFLIGHT_ROOTS", "/var/cache/halflight")) / "windows"
 SKIPPED = 77
+PATIENCE = 120  # seconds in which Wine starts, beside other programs
 
 # Debian's `wine` is a script that complains of a missing 32-bit Wine.
 WINE = next((path for path in ("/usr/lib/wine/wine64", shutil.which("wine64"), shutil.which("wine")) if path and os.path.exists(path)), None)
@@ -38,11 +44,43 @@ def environment():
 
 def prepare():
     prefix = CACHE / "wine"
-    if not (prefix / "system.reg").exists():
-        prefix.mkdir(parents=True, exist_ok=True)
-        subprocess.run([WINE, "wineboot", "-i"], env=environment(), check=True, timeout=300,
-                       stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)  # Wine's server keeps pipes open
+    if (prefix / "windows10").exists():
+        return
+    prefix.mkdir(parents=True, exist_ok=True)
+    # Debian's is a Windows 7, for which the program is not. Wine's server keeps pipes open.
+    for words in (["wineboot", "-i"], ["winecfg", "/v", "win10"]):
+        subprocess.run([WINE, *words], env=environment(), check=True, timeout=300, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+    (prefix / "windows10").touch()
 
+
+def has_desktop():
+    for path in pathlib.Path("/proc").glob("[0-9]*/cmdline"):
+        with contextlib.suppress(OSError):  # it has ended
+            if b"explorer.exe" in path.read_bytes():
+                return True
+    return False
+
+
+@contextlib.contextmanager
+def running():
+    """Wine's services and a virtual screen, which its Vulkan asks for, for all programs meanwhile. Each program would start
+    services of its own otherwise, which takes longer than most of them, and would leave them its pipes."""
+    if shutil.which("Xvfb") is None:
+        skip("Xvfb is not installed (apt-get install xvfb)")
+    display = Display()
+    os.environ["DISPLAY"] = display.name
+    nothing = subprocess.DEVNULL
+    window = subprocess.Popen([WINE, "notepad"], env=environment(), stdin=nothing, stdout=nothing, stderr=nothing)
+    try:
+        end = time.monotonic() + PATIENCE
+        while not has_desktop():
+            assert window.poll() is None and time.monotonic() < end, "Wine starts no desktop"
+            time.sleep(0.1)
+        yield
+    finally:
+        window.terminate()
+        window.wait()
+        display.close()
 
 
 def wrapper(folder):

@@ -42,3 +42,12 @@ test('words that are no paths stay', () => {
     assert.deepEqual(paths.argumentsOf(['info', '--json', 'x\\y.glb']), ['info', '--json', 'x/y.glb']);
     assert.deepEqual(paths.argumentsOf(['bake', '-oout\\a.glb', '--', '-odd\\b.glb']), ['bake', '-oout/a.glb', '--', '-odd/b.glb']);
 });
+
+test('Windows: the long form of a path, and drives that are not there', () => {
+    const paths = onWindows();
+    assert.equal(paths.toProgram('\\\\?\\C:\\a b.glb'), '/C:/a b.glb');
+    assert.equal(paths.toProgram('\\\\?\\UNC\\server\\share\\a.glb'), '/server/share/a.glb');
+    assert.equal(Paths.show('/C:/a b.glb: no such file', paths.shown), '\\\\?\\C:\\a b.glb: no such file');
+    assert.equal(paths.missingDrive(), 'C:\\', 'this system has none');
+    assert.equal(onLinux().missingDrive(), undefined);
+});

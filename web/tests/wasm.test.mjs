@@ -2,7 +2,7 @@
 import { missing } from './harness.mjs';
 import { missingPackages } from './wasm/workspace.mjs';
 
-const parts = (process.env.HALFLIGHT_WEB_PARTS ?? 'command,function,browser,page').split(',');
+const parts = (process.env.HALFLIGHT_WEB_PARTS ?? 'command,function,systems,speed,browser,page').split(',');
 const reason = missingPackages() ?? (parts.some((part) => ['browser', 'page'].includes(part)) ? missing() : null);
 if (reason) {
     console.log(`[  SKIPPED ] web.wasm: ${reason}`);

@@ -22,12 +22,32 @@ function wordOf(value, kind) {
     return String(value);
 }
 
+/** A file's bytes, whatever holds them. */
+function bytesOf(value, name) {
+    if (value instanceof Uint8Array) return value;
+    if (value instanceof ArrayBuffer) return new Uint8Array(value);
+    if (ArrayBuffer.isView(value)) return new Uint8Array(value.buffer, value.byteOffset, value.byteLength);
+    throw new BakeError(`${name} is neither a Uint8Array nor an ArrayBuffer`);
+}
+
+/** Files by their path beside the scene. */
+function filesBeside(files) {
+    const all = {};
+    for (const [path, value] of Object.entries(files)) {
+        if (path === '' || /^\/|\/$/.test(path)) throw new BakeError(`'${path}' is no path beside the scene`);
+        all[path] = typeof value === 'string' ? value : bytesOf(value, `the file '${path}'`);
+        for (let end = path.indexOf('/'); end >= 0; end = path.indexOf('/', end + 1))
+            if (Object.hasOwn(files, path.slice(0, end))) throw new BakeError(`'${path.slice(0, end)}' is a file and a folder`);
+    }
+    return all;
+}
+
 /** The command line of options, and the files that it names. */
 function commandOf(bytes, { files = {}, name, settings, ...options }) {
     const isBinary = new TextDecoder('latin1').decode(bytes.subarray(0, 4)) === 'glTF';
     const scene = name ?? (isBinary ? 'scene.glb' : 'scene.gltf');
     const all = { ...files, [scene]: bytes };
-    const words = ['bake', scene, '-o', 'halflight-baked.glb', '--report', 'halflight-report.json', '--progress', 'lines'];
+    const words = ['bake', '-o', 'halflight-baked.glb', '--report', 'halflight-report.json', '--progress', 'lines'];
     for (const [key, value] of Object.entries(options)) {
         if (value === undefined) continue;
         if (!OPTIONS[key]) throw new BakeError(`there is no option '${key}'`);
@@ -38,7 +58,7 @@ function commandOf(bytes, { files = {}, name, settings, ...options }) {
         all['halflight-settings.toml'] = settings;
         words.push('--settings', 'halflight-settings.toml');
     }
-    return { words, files: all, scene };
+    return { words: [...words, '--', scene], files: filesBeside(all), scene };
 }
 
 /** What the program's last line says, without its own name and the scene's. */
@@ -65,7 +85,7 @@ export async function bake(bytes, { onProgress, onWarning, signal, mostMemory = 
     signal?.throwIfAborted();
     const reason = notIsolated();
     if (reason) throw new BakeError(reason);
-    const { words, files, scene } = commandOf(bytes instanceof Uint8Array ? bytes : new Uint8Array(bytes), options);
+    const { words, files, scene } = commandOf(bytesOf(bytes, 'the scene'), options);
     const memory = sharedMemory(mostMemory);
     let worker, abort, timer;
     try {
@@ -74,7 +94,10 @@ export async function bake(bytes, { onProgress, onWarning, signal, mostMemory = 
             let last = '';
             const broken = (detail) => {
                 const full = memory.buffer.byteLength > 0.9 * mostMemory || /memory/i.test(detail);
-                reject(new BakeError(full ? 'out of memory; fewer texels (texelsPerMeter, lightmapSize) need less' : `internal error, please report it with this file: ${detail}`));
+                let sentence = `internal error, please report it with this file: ${detail}`;
+                if (full) sentence = 'out of memory; fewer texels (texelsPerMeter, lightmapSize) need less';
+                else if (/fetch/i.test(detail)) sentence = 'the baker cannot be fetched: the network is not reachable';
+                reject(new BakeError(sentence));
             };
             const onLine = (line) => {
                 const [, stage, percent] = line.match(/^progress: (.+) (\d+) %$/) ?? [];
@@ -99,7 +122,15 @@ export async function bake(bytes, { onProgress, onWarning, signal, mostMemory = 
                 else if (message.code === 0) resolve(message.written);
                 else reject(new BakeError(sentenceOf(last, scene)));
             };
-            worker = startWorker(onMessage, (error) => broken(String(error?.message ?? error)));
+            // An error of the callbacks ends the bake, and is its error.
+            const take = (message) => {
+                try {
+                    onMessage(message);
+                } catch (error) {
+                    reject(error);
+                }
+            };
+            worker = startWorker(take, (error) => broken(String(error?.message ?? error)));
             signal?.addEventListener('abort', abort, { once: true });
             worker.postMessage({ words, files, folder: FOLDER, results: ['halflight-baked.glb', 'halflight-report.json'], memory, threads: threadsOf(options) });
         });

@@ -9,6 +9,6 @@ export const notIsolated = () =>
 export function startWorker(onMessage, onError) {
     const worker = new Worker(new URL('./program_web.js', import.meta.url), { type: 'module', name: 'halflight' });
     worker.onmessage = (event) => onMessage(event.data);
-    worker.onerror = (event) => onError(event.error ?? new Error(event.message ?? 'the worker cannot be loaded'));
+    worker.onerror = (event) => onError(event.error ?? new Error(event.message ?? 'the worker cannot be fetched'));
     return worker;
 }

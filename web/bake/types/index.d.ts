@@ -10,12 +10,12 @@ export interface BakeProgress {
 
 export interface BakeOptions extends BakeSettings {
     /** Files that a .gltf or the settings name, by their path beside it. */
-    files?: Record<string, Uint8Array>;
+    files?: Record<string, Uint8Array | ArrayBuffer | string>;
     /** The scene's name in messages; default `scene.glb` or `scene.gltf`. */
     name?: string;
     /** The text of a settings file, which lies beside the scene. */
     settings?: string;
-    /** Called at most ten times a second. */
+    /** Called at most ten times a second. An error that it throws ends the bake. */
     onProgress?: (progress: BakeProgress) => void;
     /** Called with sentences for the user. */
     onWarning?: (sentence: string) => void;

@@ -37,6 +37,12 @@ function say(text) {
     }
 }
 
+const missing = paths.missingDrive();
+if (missing) {
+    say(`halflight: ${missing}: there is no such drive or share\n`);
+    process.exit(1);
+}
+
 // HALFLIGHT_MEMORY_MB is for tests.
 const most = Number(process.env.HALFLIGHT_MEMORY_MB) || 4096;
 const memory = new WebAssembly.Memory({ initial: (64 * 2 ** 20) / PAGE, maximum: (most * 2 ** 20) / PAGE, shared: true });
@@ -71,7 +77,7 @@ function interrupt(signal) {
     process.removeAllListeners(signal);
     const state = addresses && isBake ? new Int32Array(memory.buffer, addresses.state, 1) : null;
     if (!state || Atomics.load(state, 0) === CANCELLED) {
-        process.kill(process.pid, signal);
+        process.kill(process.pid, paths.windows ? 'SIGKILL' : signal); // Windows can send itself no other
         return;
     }
     if (Atomics.compareExchange(state, 0, RUNNING, CANCELLED) !== RUNNING) return; // it has written its file
@@ -84,3 +90,4 @@ function interrupt(signal) {
 }
 process.on('SIGINT', interrupt);
 process.on('SIGTERM', interrupt);
+if (paths.windows) for (const signal of ['SIGBREAK', 'SIGHUP']) process.on(signal, interrupt); // the latter: a closed console

@@ -5,7 +5,7 @@
 //   Windows        C:\me\a.glb         /C:/me/a.glb
 //                  \\server\share\a    /server/share/a
 //                  out\a.glb           out/a.glb
-import { readdirSync, realpathSync, statSync } from 'node:fs';
+import { existsSync, readdirSync, realpathSync, statSync } from 'node:fs';
 import { posix, win32 } from 'node:path';
 
 import { COMMANDS } from './options.js';
@@ -56,8 +56,10 @@ export class Paths {
         if (path === '') return path;
         let name = path;
         if (this.windows) {
-            const anchored = win32.isAbsolute(path) || /^[A-Za-z]:/.test(path);
-            name = anchored ? this.#absolute(win32.resolve(this.userFolder, path)) : path.replaceAll('\\', '/');
+            // Programs write long paths as \\?\C:\a and \\?\UNC\server\share\a.
+            const plain = path.replace(/^\\\\\?\\(UNC\\)?/i, (_, isShare) => (isShare ? '\\\\' : ''));
+            const anchored = win32.isAbsolute(plain) || /^[A-Za-z]:/.test(plain);
+            name = anchored ? this.#absolute(win32.resolve(this.userFolder, plain)) : plain.replaceAll('\\', '/');
         } else {
             const whole = posix.resolve(this.userFolder, path);
             if (posix.dirname(whole) === '/' && (posix.isAbsolute(path) || this.userFolder !== '/')) {
@@ -67,6 +69,11 @@ export class Paths {
         }
         if (name !== path) this.shown.set(name, path);
         return name;
+    }
+
+    /** A drive or share of Windows that is named and not there; without it the program would write into nothing. */
+    missingDrive() {
+        return this.windows ? [...this.mounts.values()].find((root) => !existsSync(root)) : undefined;
     }
 
     /** The command line with the program's names. */

@@ -1,7 +1,7 @@
 // bake() of @halflight/bake in Node, and its types.
 import assert from 'node:assert/strict';
 import { execFileSync, spawnSync } from 'node:child_process';
-import { mkdtempSync, readFileSync, rmSync, writeFileSync } from 'node:fs';
+import { mkdtempSync, readdirSync, readFileSync, rmSync, writeFileSync } from 'node:fs';
 import { tmpdir } from 'node:os';
 import { join } from 'node:path';
 import { test } from 'node:test';
@@ -50,12 +50,53 @@ test('what is downloaded is at most 3 MB, compressed', () => {
     assert.ok(length > 1e6 && length <= 3e6, `${length} bytes`);
 });
 
+test('each package has the licence of all that is in its program', () => {
+    // Libraries that are linked, headers of templates, what comes with Emscripten, and the functions of mathematics.
+    const linked = ['draco', 'embree', 'fmtlib', 'imath', 'libpng1.6', 'libwebp', 'libzstd', 'meshoptimizer', 'onetbb', 'openexr', 'spdlog', 'xxhash', 'zlib'];
+    const headers = ['libcli11-dev', 'libdraco-dev', 'libeigen3-dev', 'libglm-dev', 'libstb-dev', 'libtinygltf-dev', 'libtomlplusplus-dev', 'nlohmann-json3-dev'];
+    for (const name of ['cli', 'bake']) {
+        const folder = join(workspace(), 'node_modules/@halflight', name);
+        const texts = readdirSync(join(folder, 'licenses')).sort();
+        assert.deepEqual(texts, [...linked, ...headers, 'emscripten', 'mathematics'].map((text) => `${text}.txt`).sort());
+        for (const text of texts) assert.match(readFileSync(join(folder, 'licenses', text), 'utf8'), /copyright|licen[cs]e/i, text);
+        assert.match(readFileSync(join(folder, 'licenses/mathematics.txt'), 'utf8'), /Arm Limited[\s\S]*Sun Microsystems/);
+        assert.match(readFileSync(join(folder, 'LICENSE'), 'utf8'), /^MIT License/);
+    }
+});
+
 test('errors are the program\'s sentences', async () => {
     const fails = (bytes, options, pattern) => assert.rejects(bake(bytes, options), (error) => error instanceof BakeError && pattern.test(error.message));
     await fails(new TextEncoder().encode('no glTF'), {}, /^[^\n:]*(JSON|glTF)/);
     await fails(readFileSync(scene('closed_room')), { quality: 'best' }, /^--quality: must be one of preview, medium, high, ultra, not 'best'/);
     await fails(readFileSync(scene('closed_room')), { qualty: 'high' }, /^there is no option 'qualty'$/);
     await fails(readFileSync(scene('sphere_on_floor')), { quality: 'high', mostMemory: 66 * 2 ** 20 }, /^out of memory/);
+});
+
+test('odd names and files: baked, or refused in a sentence', async () => {
+    const bytes = readFileSync(scene('closed_room'));
+    const { glb } = await bake(bytes, QUICK);
+    const same = async (input, options) => assert.equal(hash((await bake(input, { ...QUICK, ...options })).glb), hash(glb));
+    await same(bytes.buffer.slice(bytes.byteOffset, bytes.byteOffset + bytes.length));
+    await same(bytes, { name: '-Räume/ein Zimmer.glb', files: { 'a.bin': new ArrayBuffer(4), 'b/c.txt': 'text' } });
+    const fails = (input, options, message) => assert.rejects(bake(input, { ...QUICK, ...options }), { name: 'BakeError', message });
+    await fails('glTF', {}, 'the scene is neither a Uint8Array nor an ArrayBuffer');
+    await fails(undefined, {}, 'the scene is neither a Uint8Array nor an ArrayBuffer');
+    await fails(new Uint8Array(0), {}, 'the file is empty');
+    await fails(bytes, { name: '' }, "'' is no path beside the scene");
+    await fails(bytes, { name: '/dev/null/a.glb' }, "'/dev/null/a.glb' is no path beside the scene");
+    await fails(bytes, { files: { 'a.bin': new Blob(['x']) } }, "the file 'a.bin' is neither a Uint8Array nor an ArrayBuffer");
+    await fails(bytes, { files: { a: bytes, 'a/b.bin': bytes } }, "'a' is a file and a folder");
+});
+
+test('an error of onProgress ends the bake, and is its error', async () => {
+    let calls = 0;
+    const own = new Error('the bar is gone');
+    const onProgress = () => {
+        ++calls;
+        throw own;
+    };
+    await assert.rejects(bake(readFileSync(join(repository, 'assets/courtyard.glb')), { onProgress }), (error) => error === own);
+    assert.ok(calls >= 1);
 });
 
 test('a signal cancels a bake, and one that was aborted before starts none', async () => {

