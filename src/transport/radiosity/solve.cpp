@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <span>
 
 namespace halflight {
@@ -23,6 +24,7 @@ public:
     {
         numberUnknowns();
         sumSamples();
+        sortTerms();
         iterate();
         RadiositySolution solution;
         findIlluminance(solution.illuminance);
@@ -147,20 +149,24 @@ private:
     /// Computes what each unknown reflects, and returns by how much that grew: the mean of the relative changes.
     double reflect(std::span<const vec3> gathered)
     {
-        double sum = 0.0;
-        std::size_t lit = 0;
-        for (std::size_t i = 0; i < unknowns_.size(); ++i) {
+        constexpr float kDark = -1.0f;
+        std::vector<float> changes(unknownCount_, kDark);
+        forEachIndex(unknownCount_, [&](std::size_t i) {
             const Unknown& u = unknowns_[i];
             const vec3 even = u.gathered + gathered[i] * (kPi / u.rays);
             const vec3 diffuse = u.albedo * (even + u.direct);
             const vec3 radiance = (diffuse + u.lobes.albedo * even + u.lobes.exitance) / kPi;
             const float after = luminance(radiance);
-            if (after > 0.0f) {
-                sum += double(std::abs(after - luminance(reflected_[i])) / after);
-                ++lit;
-            }
+            if (after > 0.0f) changes[i] = std::abs(after - luminance(reflected_[i])) / after;
             reflected_[i] = radiance;
             diffuse_[i] = luminance(diffuse);
+        });
+        double sum = 0.0;
+        std::size_t lit = 0;
+        for (const float change : changes) {
+            if (change == kDark) continue;
+            sum += double(change);
+            ++lit;
         }
         return lit > 0 ? sum / double(lit) : 0.0;
     }
@@ -176,33 +182,61 @@ private:
         }
     }
 
-    /// Sums for each unknown the radiance at the ends of its links, and radiance by way of surfaces without patches.
-    /// Sums of samples are computed on all threads and added in the order of the samples.
-    void sweep(int bounce, std::vector<vec3>& gathered)
+    /// Something that an unknown gathers in each sweep: the links of a sample, or light of `late`.
+    struct Term {
+        uint32_t range = 0; ///< of the form factors
+        uint32_t first = 0; ///< of its links, or an index into FormFactorRange::late
+        uint32_t count = 0; ///< of links, or kLate
+    };
+    static constexpr uint32_t kLate = ~0u;
+
+    /// Calls visit(unknown, term) for all terms, range by range.
+    template<typename Visit> void forTerms(const Visit& visit) const
     {
-        sampleSums_.resize(factors_.size());
-        parallelFor(factors_.size(), 16, [&](std::size_t begin, std::size_t end) {
-            for (std::size_t r = begin; r < end; ++r) {
-                sampleSums_[r].clear();
-                FormFactorRange::forSamples(factors_[r], [&](const PatchSamples&, std::span<const PatchId> links) {
-                    vec3 sum(0.0f);
-                    for (const PatchId target : links) {
-                        if (target != kNoPatch) sum += reflected_[target];
-                    }
-                    sampleSums_[r].push_back(sum);
-                });
+        for (uint32_t r = 0; r < factors_.size(); ++r) {
+            uint32_t link = 0;
+            for (const PatchSamples& s : factors_[r].samples) {
+                if (s.patch != kNoPatch) visit(s.patch, Term{r, link, s.linkCount});
+                link += s.linkCount;
             }
-        });
-        for (std::size_t r = 0; r < factors_.size(); ++r) {
-            const FormFactorRange& range = factors_[r];
-            for (std::size_t i = 0; i < range.samples.size(); ++i) {
-                if (range.samples[i].patch != kNoPatch) gathered[range.samples[i].patch] += sampleSums_[r][i];
-            }
-            for (const FormFactorRange::LateRadiance& late : range.late) {
-                if (late.patch != kNoPatch && late.reflections < uint32_t(bounce))
-                    gathered[late.patch] += late.radiance;
+            for (uint32_t i = 0; i < factors_[r].late.size(); ++i) {
+                if (factors_[r].late[i].patch != kNoPatch) visit(factors_[r].late[i].patch, Term{r, i, kLate});
             }
         }
+    }
+
+    /// Sorts terms by the unknown that gathers them (compressed rows).
+    void sortTerms()
+    {
+        firstTerm_.assign(unknownCount_ + 1, 0);
+        forTerms([&](uint32_t unknown, const Term&) { ++firstTerm_[unknown + 1]; });
+        std::partial_sum(firstTerm_.begin(), firstTerm_.end(), firstTerm_.begin());
+        terms_.resize(firstTerm_.back());
+        std::vector<uint32_t> next(firstTerm_.begin(), firstTerm_.end() - 1);
+        forTerms([&](uint32_t unknown, const Term& term) { terms_[next[unknown]++] = term; });
+    }
+
+    [[nodiscard]] vec3 gatheredBy(const Term& term, int bounce) const
+    {
+        const FormFactorRange& range = factors_[term.range];
+        vec3 sum(0.0f);
+        if (term.count == kLate) {
+            const FormFactorRange::LateRadiance& late = range.late[term.first];
+            return late.reflections < uint32_t(bounce) ? late.radiance : sum;
+        }
+        for (const PatchId target : std::span(range.links).subspan(term.first, term.count)) {
+            if (target != kNoPatch) sum += reflected_[target];
+        }
+        return sum;
+    }
+
+    /// Sums for each unknown the radiance at the ends of its links, and radiance by way of surfaces without patches.
+    void sweep(int bounce, std::vector<vec3>& gathered) const
+    {
+        forEachIndex(unknownCount_, [&](std::size_t unknown) {
+            for (uint32_t t = firstTerm_[unknown]; t < firstTerm_[unknown + 1]; ++t)
+                gathered[unknown] += gatheredBy(terms_[t], bounce);
+        });
     }
 
     void findIlluminance(std::vector<float>& illuminance) const
@@ -243,7 +277,8 @@ private:
         for (std::size_t i = 0; i < unknowns_.size(); ++i) ofUnknown[i] = radianceOf(i);
         release(reflected_);
         release(diffuse_);
-        release(sampleSums_);
+        release(firstTerm_);
+        release(terms_);
         release(unknowns_);
         radiance_ = largeVector<PatchRadiance>(rayCount_.size());
         forEachIndex(radiance_.size(), [&](std::size_t i) {
@@ -276,9 +311,10 @@ private:
     std::vector<uint32_t> unknown_;  ///< number of the unknown, or kNoPatch
     uint32_t unknownCount_ = 0;
     std::vector<Unknown> unknowns_;
-    std::vector<vec3> reflected_;               ///< by unknown: exitance / pi
-    std::vector<float> diffuse_;                ///< luminance of the diffuse part of the exitance, lux
-    std::vector<std::vector<vec3>> sampleSums_; ///< of a sweep, by range and sample
+    std::vector<vec3> reflected_;     ///< by unknown: exitance / pi
+    std::vector<float> diffuse_;      ///< luminance of the diffuse part of the exitance, lux
+    std::vector<uint32_t> firstTerm_; ///< by unknown; then the number of terms
+    std::vector<Term> terms_;         ///< by unknown, in the order of the ranges
     RadianceCache::Levels levels_;
     std::vector<PatchRadiance> radiance_;
 };
