@@ -118,7 +118,7 @@ class Packages(unittest.TestCase):
             self.assertEqual(archive.read(wheel), self.wheel.read_bytes())
 
     def test_the_program_can_be_replaced_after_use(self):
-        """As an update of the extension does it; not while it runs."""
+        """As an update of the extension does it."""
         helper = wine.build_helper(tempfile.mkdtemp(dir=wine.CACHE))
         self.addCleanup(shutil.rmtree, os.path.dirname(helper))
         scene, program, update = (self.folder / name for name in ("ersetzt.gltf", "ersetzt.exe", "neu.exe"))
