@@ -134,7 +134,4 @@ class Packages(unittest.TestCase):
 
 if __name__ == "__main__":
     HALFLIGHT = os.path.abspath(sys.argv[1])
-    wine.program()
-    wine.prepare()
-    with wine.running():
-        unittest.main(argv=sys.argv[:1] + sys.argv[3:], verbosity=2)
+    wine.run_tests()

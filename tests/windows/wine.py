@@ -8,6 +8,7 @@ import stat
 import subprocess
 import sys
 import time
+import unittest
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT / "tests/cli"))
@@ -101,3 +102,11 @@ def build_helper(folder):
     source = str(pathlib.Path(__file__).with_name("helper.cpp"))
     subprocess.run([compiler, "-std=c++20", "-O1", "-static", "-municode", "-o", exe, source], check=True)
     return exe
+
+
+def run_tests():
+    """Runs the tests of the file that was started: FILE HALFLIGHT SHARED [unittest's own words]."""
+    program()
+    prepare()
+    with running():
+        unittest.main(argv=sys.argv[:1] + sys.argv[3:], verbosity=2)

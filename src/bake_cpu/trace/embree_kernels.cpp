@@ -30,11 +30,6 @@ bool isBack(const RTCHit& hit, vec3 direction)
     return hit.Ng_x * direction.x + hit.Ng_y * direction.y + hit.Ng_z * direction.z > 0.0f;
 }
 
-bool meetsNothing(const Ray& ray)
-{
-    return !(ray.tMax >= ray.tMin);
-}
-
 /// Calls body(first, count) for rays eight at a time.
 template<typename Body> void forPackets(std::size_t rayCount, const Body& body)
 {
@@ -82,7 +77,7 @@ void EmbreeKernels::preferFront(vec3 origin, vec3 direction, RTCHit& hit, float&
 
 RayHit EmbreeKernels::nearest(const Ray& from, RayUse use) const
 {
-    if (meetsNothing(from)) return {};
+    if (from.meetsNothing()) return {};
     const bool camera = use == RayUse::Camera;
     embree::RayContext context(camera);
     float tMin = from.tMin;
@@ -136,7 +131,7 @@ void EmbreeKernels::nearest(std::span<const Ray> rays, std::span<RayHit> out, Ra
 
 bool EmbreeKernels::occluded(const Ray& from, embree::RayContext& context) const
 {
-    if (meetsNothing(from)) return false;
+    if (from.meetsNothing()) return false;
     RTCRay ray = embreeRay(from).ray;
     embree::occluded(tree_, context, ray);
     return ray.tfar < 0.0f;
@@ -188,7 +183,7 @@ void EmbreeKernels::crossings(std::span<const Ray> rays, std::span<int> out) con
         embree::RayContext context(false);
         context.solids = &solids;
         RTCRay ray = embreeRay(rays[i]).ray;
-        if (!meetsNothing(rays[i])) embree::occluded(tree_, context, ray, countSolids);
+        if (!rays[i].meetsNothing()) embree::occluded(tree_, context, ray, countSolids);
         out[i] = solids.left;
     }
 }

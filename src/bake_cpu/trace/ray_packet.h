@@ -26,7 +26,7 @@ inline LaneMask fill(RTCRay8& packet, std::span<const Ray> rays)
         packet.mask[i] = ~0u;
         packet.id[i] = 0u;
         packet.flags[i] = 0u;
-        valid.lane[i] = i < rays.size() && ray.tMax >= ray.tMin ? -1 : 0;
+        valid.lane[i] = i < rays.size() && !ray.meetsNothing() ? -1 : 0;
     }
     return valid;
 }

@@ -267,7 +267,7 @@ void NextEvent::addSamples(std::size_t stratum, const EmitterLanes& lanes, Gathe
     paths_.surfaces().kernels().transmittance(batch, transmittance);
     Vec3Lanes<kLanes> irradiance;
     for (std::size_t lane = 0; lane < kLanes; ++lane) {
-        const bool lit = batch[lane].tMax >= 0.0f && transmittance[lane] > 0.0f;
+        const bool lit = !batch[lane].meetsNothing() && transmittance[lane] > 0.0f;
         irradiance.set(lane, lit ? lanes.radiance[lane] * (unshadowed[lane] * transmittance[lane]) : vec3(0.0f));
     }
     block.sums.add(stratum, irradiance, batch);

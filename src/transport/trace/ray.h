@@ -21,6 +21,8 @@ struct Ray {
     float tMin = 0.0f;
     vec3 direction{0.0f}; ///< tMin and tMax count in its length; nearest() needs a unit vector
     float tMax = -1.0f;
+
+    [[nodiscard]] bool meetsNothing() const { return !(tMax >= tMin); }
 };
 static_assert(sizeof(Ray) == 32);
 
