@@ -16,9 +16,9 @@
 #include "measure.h"
 #include "whole_bakes.h"
 
+#include "bake_cpu/trace/embree_kernels.h"
 #include "transport/guiding/build_guides.h"
 #include "transport/lightmap/lightmap_run.h"
-#include "bake_cpu/trace/embree_kernels.h"
 
 #include "halflight/bake/bake.h"
 #include "halflight/bake_cpu/embree_integrator.h"

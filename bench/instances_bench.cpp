@@ -3,8 +3,8 @@
 #include "measure.h"
 
 #include "bake_cpu/trace/embree_kernels.h"
-#include "transport/trace/ray_tracer.h"
 #include "halflight/base/random.h"
+#include "transport/trace/ray_tracer.h"
 
 #include <glm/gtc/matrix_transform.hpp>
 

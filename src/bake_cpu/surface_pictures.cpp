@@ -3,9 +3,9 @@
 #include "bake/geometry/flatten.h"
 #include "bake/pages/dilate.h"
 #include "bake/texels/rasterize.h"
+#include "shading/srgb_table.h"
 #include "transport/trace/materials.h"
 #include "transport/trace/texture_filter.h"
-#include "shading/srgb_table.h"
 
 #include "halflight/base/image_filter.h"
 #include "halflight/base/mathematics.h"

@@ -3,8 +3,8 @@
 
 #include "bake/test_scene.h"
 #include "bake_cpu/trace/embree_kernels.h"
-#include "transport/trace/ray_tracer.h"
 #include "base/temp_folder.h"
+#include "transport/trace/ray_tracer.h"
 
 #include "halflight/bake/farm.h"
 #include "halflight/base/random.h"

@@ -1,9 +1,9 @@
 // The radiance cache against path tracing (spec S6).
 
 #include "bake/test_room.h"
+#include "bake_cpu/trace/embree_kernels.h"
 #include "transport/sample/path_tracer.h"
 #include "transport/texels/texel_validity.h"
-#include "bake_cpu/trace/embree_kernels.h"
 
 #include "halflight/base/parallel.h"
 #include "halflight/base/random.h"

@@ -4,10 +4,10 @@
 #include "bake/test_scene.h"
 #include "bake/texels/rasterize.h"
 
+#include "bake_cpu/trace/embree_kernels.h"
 #include "transport/lightmap/cached_lightmap.h"
 #include "transport/texels/sparse_grid.h"
 #include "transport/texels/texel_validity.h"
-#include "bake_cpu/trace/embree_kernels.h"
 
 #include <gtest/gtest.h>
 

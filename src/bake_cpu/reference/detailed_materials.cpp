@@ -1,7 +1,7 @@
 #include "bake_cpu/reference/detailed_materials.h"
 
-#include "transport/trace/texture_filter.h"
 #include "shading/srgb_table.h"
+#include "transport/trace/texture_filter.h"
 
 namespace halflight {
 namespace {

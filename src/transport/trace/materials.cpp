@@ -1,7 +1,7 @@
 #include "transport/trace/materials.h"
 
-#include "transport/trace/texture_filter.h"
 #include "shading/srgb_table.h"
+#include "transport/trace/texture_filter.h"
 
 #include "halflight/base/mathematics.h"
 #include "halflight/base/parallel.h"
