@@ -2,7 +2,6 @@
 // Neighbours of texels on the lightmap.
 
 #include "halflight/bake/integrator.h"
-#include "halflight/base/image.h"
 #include "halflight/base/parallel.h"
 
 #include <algorithm>
@@ -13,34 +12,35 @@ namespace halflight {
 
 constexpr uint32_t kNoTexel = ~0u;
 
-/// Index of the covered texel at each place of each page. The map outlives it.
+/// Index and chart of the covered texel at each place of each page. The map outlives it.
 class TexelGrid {
 public:
-    explicit TexelGrid(const TexelMap& map) : map_(map)
+    explicit TexelGrid(const TexelMap& map) : map_(map), size_(map.pageSize)
     {
-        for (int p = 0; p < map.pageCount; ++p) pages_.emplace_back(map.pageSize, map.pageSize, kNoTexel);
+        cells_.resize(std::size_t(map.pageCount) * std::size_t(size_) * std::size_t(size_));
         forEachIndex(map.texels.size(), [&](std::size_t i) {
             const Texel& t = map.texels[i];
-            pages_[t.page](t.x, t.y) = uint32_t(i);
+            cells_[indexOf(t.page, t.x, t.y)] = {uint32_t(i), t.chart};
         });
     }
 
     /// Index of the texel at an offset in texels from another; kNoTexel if there is none on the same chart.
     [[nodiscard]] uint32_t at(const Texel& texel, int dx, int dy) const
     {
-        const int x = int(texel.x) + dx;
-        const int y = int(texel.y) + dy;
-        if (x < 0 || y < 0 || x >= map_.pageSize || y >= map_.pageSize) return kNoTexel;
-        const uint32_t other = pages_[texel.page](x, y);
-        return other != kNoTexel && map_.texels[other].chart == texel.chart ? other : kNoTexel;
+        return onChart(texel, int(texel.x) + dx, int(texel.y) + dy);
     }
 
     /// Index of the texel at a place on a page, in texels; kNoTexel if none is there.
     [[nodiscard]] uint32_t atPlace(uint32_t page, vec2 place) const
     {
         const ivec2 p(glm::floor(place));
-        const bool outside = p.x < 0 || p.y < 0 || p.x >= map_.pageSize || p.y >= map_.pageSize;
-        return outside ? kNoTexel : pages_[page](p.x, p.y);
+        return isOnPage(p.x, p.y) ? cells_[indexOf(page, p.x, p.y)].texel : kNoTexel;
+    }
+    /// Index of the texel at a place on the page of another texel; kNoTexel if there is none on the same chart.
+    [[nodiscard]] uint32_t atPlace(const Texel& texel, vec2 place) const
+    {
+        if (!(place.x >= 0.0f && place.y >= 0.0f)) return kNoTexel;
+        return onChart(texel, int(place.x), int(place.y));
     }
 
     /// Calls body(index) for each texel of the same chart at most `radius` texels away along both axes, and for the
@@ -56,8 +56,26 @@ public:
     }
 
 private:
+    struct Cell {
+        uint32_t texel = kNoTexel;
+        uint32_t chart = ~0u;
+    };
+
+    [[nodiscard]] uint32_t onChart(const Texel& texel, int x, int y) const
+    {
+        if (!isOnPage(x, y)) return kNoTexel;
+        const Cell& cell = cells_[indexOf(texel.page, x, y)];
+        return cell.chart == texel.chart ? cell.texel : kNoTexel;
+    }
+    [[nodiscard]] bool isOnPage(int x, int y) const { return x >= 0 && y >= 0 && x < size_ && y < size_; }
+    [[nodiscard]] std::size_t indexOf(uint32_t page, int x, int y) const
+    {
+        return (std::size_t(page) * std::size_t(size_) + std::size_t(y)) * std::size_t(size_) + std::size_t(x);
+    }
+
     const TexelMap& map_;
-    std::vector<Image<uint32_t>> pages_;
+    int size_ = 0;            ///< of a page, texels
+    std::vector<Cell> cells_; ///< by page, row and column
 };
 
 } // namespace halflight

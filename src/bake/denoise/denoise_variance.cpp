@@ -63,7 +63,7 @@ std::vector<float> varianceScales(const SurfaceGrid& grid, std::span<const Irrad
             float measured = 0.0f;
             float expected = 0.0f;
             float count = 0.0f;
-            grid.around(uint32_t(i), kRadius, [&](uint32_t j) {
+            grid.aroundOnChart(uint32_t(i), kRadius, [&](uint32_t j) {
                 measured += differences[j].measured;
                 expected += differences[j].expected;
                 count += differences[j].expected > 0.0f ? 1.0f : 0.0f;

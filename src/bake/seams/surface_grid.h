@@ -30,6 +30,12 @@ public:
     {
         return grid_.at(map_.texels[texel], dx, dy);
     }
+    /// Calls body(index) for each texel of the same chart at most `radius` texels away along both axes, and for the
+    /// texel itself.
+    template<typename Body> void aroundOnChart(uint32_t texel, int radius, const Body& body) const
+    {
+        grid_.around(texel, radius, body);
+    }
     /// What is at an offset where the texel's own chart has nothing; without texels where no seam leads there.
     [[nodiscard]] Footprint beyond(uint32_t texel, int dx, int dy) const;
 
@@ -47,12 +53,16 @@ public:
     }
 
 private:
-    /// A seam sample seen from one of its sides.
+    /// A seam sample seen from one of its sides: where it lies on that side's page,
+    struct CrossingLine {
+        vec2 place{0.0f}; ///< texels
+        vec2 outward{0.0f};
+    };
+    /// and what lies behind it.
     struct Crossing {
         uint32_t texel = kNoTexel;  ///< at the border, on this side
         uint32_t target = kNoTexel; ///< on the other side
-        vec2 place{0.0f};           ///< on this side's page, texels
-        vec2 outward{0.0f};
+        CrossingLine line;
         vec2 targetPlace{0.0f};
         mat2 across{1.0f}; ///< offsets on the other side's page for offsets on this one's
     };
@@ -63,14 +73,17 @@ private:
     };
 
     static void dropCrowded(std::vector<Crossing>& crossings);
-    [[nodiscard]] uint32_t onChartAt(uint32_t texel, vec2 place) const;
+    void indexCrossings();
     [[nodiscard]] std::optional<ChartPlace> placeBeyond(uint32_t texel, int dx, int dy) const;
     [[nodiscard]] const Crossing* crossingNear(uint32_t texel, vec2 exit, vec2 to) const;
 
     const TexelMap& map_;
     TexelGrid grid_;
     std::vector<Crossing> crossings_;     ///< sorted by texel
+    std::vector<CrossingLine> lines_;     ///< of the crossings: the search among them reads nothing else
     std::vector<uint32_t> firstCrossing_; ///< by texel, and one more
+    /// By texel, bit i: texel i of the 3 × 3 around it, row by row, has crossings and lies on its chart.
+    std::vector<uint16_t> crossingsAround_;
     std::vector<uint8_t> chartHasSeams_;
 };
 
