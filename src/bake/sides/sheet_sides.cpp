@@ -16,7 +16,8 @@
 #include <cmath>
 #include <iterator>
 #include <map>
-#include <memory>
+#include <numeric>
+#include <optional>
 #include <span>
 #include <utility>
 
@@ -25,12 +26,13 @@ namespace {
 
 constexpr int kPoints = 128;    ///< of a sheet, spread evenly over its area
 constexpr int kFewPoints = 8;   ///< of a sheet too small for texels of its own
-constexpr int kPaths = 4;       ///< of a point and side, for its irradiance
-constexpr int kWalks = 2;       ///< of a point and side, twice as many in all
+constexpr int kPaths = 4;       ///< of an estimate of a point's irradiance, of two on each side
+constexpr int kWalks = 4;       ///< of a point and side
 constexpr float kOpen = 0.05f;  ///< least share of a visible side's walks that get out; gaps in walls let a few through
 constexpr float kDiffer = 0.1f; ///< difference of both sides' light, over the brighter one, that shows
 constexpr float kEven = 0.02f;  ///< most deviation of an even side's estimates, over the brighter side's light
 constexpr float kLeastTexels = 4.0f; ///< area of a sheet with texels for both sides; smaller ones are leaves
+constexpr double kSigmas = 3.0;      ///< standard errors beyond which a result of few points is no chance
 constexpr uint32_t kSeed = 0x5eed0061u;
 
 struct Sheet {
@@ -38,8 +40,7 @@ struct Sheet {
     TwoSided twoSided = TwoSided::Automatic;
     std::vector<uint32_t> triangles;
     float areaTexels = 0.0f;
-    std::size_t firstPoint = 0; ///< on its front; those on its back follow
-    int points = 0;
+    int points = 0; ///< on each side
 };
 
 float areaOf(const BakeGeometry& geometry, uint32_t triangle)
@@ -96,7 +97,16 @@ std::vector<Sheet> findSheets(const Scene& scene, const BakeGeometry& geometry, 
     return sheets;
 }
 
-/// Points of a sheet, evenly spread over its area; the first half on the front, the others the same on the back.
+/// Bits of a number in reverse order, behind the binary point (van der Corput 1935).
+double radicalInverse(uint32_t i)
+{
+    double inverse = 0.0;
+    for (double digit = 0.5; i != 0; i >>= 1, digit *= 0.5) inverse += (i & 1u) != 0 ? digit : 0.0;
+    return inverse;
+}
+
+/// Points of a sheet, evenly spread over its area, as the first ones of a power of two are too; the first half on the
+/// front, the others the same on the back.
 std::vector<SurfacePoint> pointsOf(const BakeGeometry& geometry, const Sheet& sheet)
 {
     std::vector<double> sums;
@@ -104,7 +114,7 @@ std::vector<SurfacePoint> pointsOf(const BakeGeometry& geometry, const Sheet& sh
     for (const uint32_t t : sheet.triangles) sums.push_back(area += double(areaOf(geometry, t)));
     std::vector<SurfacePoint> points;
     for (int i = 0; i < sheet.points; ++i) {
-        const double at = (double(i) + 0.5) / double(sheet.points) * area;
+        const double at = (radicalInverse(uint32_t(i)) + 0.5 / double(sheet.points)) * area;
         const auto found = std::upper_bound(sums.begin(), sums.end(), at) - sums.begin();
         const auto triangle = std::min(std::size_t(found), sums.size() - 1);
         const vec2 u = r2Point(int(hashCombine(kSeed, uint32_t(i)) >> 8));
@@ -119,74 +129,109 @@ std::vector<SurfacePoint> pointsOf(const BakeGeometry& geometry, const Sheet& sh
     return points;
 }
 
+/// Which sides of a sheet can be seen, from random walks.
+class VisibleSides {
+public:
+    /// Walks of further points: on the front, then on the back.
+    void add(std::span<const SideEstimate> estimates)
+    {
+        for (std::size_t i = 0; i < estimates.size(); ++i) open_[2 * i / estimates.size()] += estimates[i].open;
+        points_ += float(estimates.size() / 2);
+    }
+    [[nodiscard]] bool isVisible(std::size_t side) const { return open_[side] >= kOpen * points_; }
+    /// Whether both results would be the same with more walks.
+    [[nodiscard]] bool isClear() const
+    {
+        const float walks = points_ * float(kWalks);
+        return std::ranges::all_of(open_, [&](float open) {
+            const float share = open / points_;
+            const float variance = share * (1.0f - share) + kOpen * (1.0f - kOpen); // 0 of few walks proves little
+            return std::abs(share - kOpen) > float(kSigmas) * std::sqrt(variance / walks);
+        });
+    }
+
+private:
+    std::array<float, 2> open_{}; ///< sum by side
+    float points_ = 0.0f;
+};
+
 /// What both sides of a sheet receive, from two independent estimates of each point: their product is free of noise in
 /// the mean.
 class SideLight {
 public:
-    SideLight(std::span<const SideEstimate> first, std::span<const SideEstimate> second)
-        : first_(first), second_(second)
+    /// Estimates of further points: on the front, then on the back.
+    void add(std::span<const SideEstimate> first, std::span<const SideEstimate> second)
     {
-        for (std::size_t i = 0; i < count(); ++i) {
-            for (std::size_t side = 0; side < 2; ++side) {
-                mean_[side] += at(first_, side, i) + at(second_, side, i);
-                open_[side] += 0.5f * (first_[side * count() + i].open + second_[side * count() + i].open);
-                isLit_[side] = isLit_[side] || first_[side * count() + i].direct != vec3(0.0f);
-            }
+        for (std::size_t i = 0; i < first.size(); ++i) {
+            const std::size_t side = i < first.size() / 2 ? 0 : 1;
+            first_[side].push_back(double(luminance(first[i].irradiance)));
+            second_[side].push_back(double(luminance(second[i].irradiance)));
+            isLit_[side] = isLit_[side] || first[i].direct != vec3(0.0f);
         }
-        for (std::size_t side = 0; side < 2; ++side) {
-            mean_[side] /= 2.0 * double(count());
-            open_[side] /= float(count());
-        }
+        for (std::size_t side = 0; side < 2; ++side) mean_[side] = 0.5 * (meanOf(first_[side]) + meanOf(second_[side]));
     }
-
-    [[nodiscard]] bool isVisible(std::size_t side) const { return open_[side] >= kOpen; }
-    /// Whether the sides differ by more than kDiffer of the brighter, in the root mean square.
-    [[nodiscard]] bool differs() const
+    /// Whether the sides differ by more than kDiffer of the brighter, in the root mean square, which is no less than
+    /// the mean. Unless `isLast`, nothing while the noise of few points leaves it open.
+    [[nodiscard]] std::optional<bool> differs(bool isLast) const
     {
-        double square = 0.0;
-        for (std::size_t i = 0; i < count(); ++i)
-            square += (at(first_, 0, i) - at(first_, 1, i)) * (at(second_, 0, i) - at(second_, 1, i));
-        return square / double(count()) > kDiffer * kDiffer * brighter() * brighter();
+        constexpr double kClear = 1.5; // ratio to the limit, which is estimated itself
+        std::vector<double> differences;
+        std::vector<double> squares;
+        for (std::size_t i = 0; i < first_[0].size(); ++i) {
+            const double first = first_[0][i] - first_[1][i];
+            const double second = second_[0][i] - second_[1][i];
+            differences.push_back(0.5 * (first + second));
+            squares.push_back(first * second);
+        }
+        const double limit = kDiffer * brighter();
+        const double square = meanOf(squares);
+        if (isLast) return square > limit * limit;
+        if (std::abs(meanOf(differences)) - noiseOf(differences) > kClear * limit) return true;
+        if (square + noiseOf(squares) < limit * limit / kClear) return false;
+        return std::nullopt;
     }
     /// Whether the light of a side is the same everywhere, so that few texels hold it.
     [[nodiscard]] bool isEven(std::size_t side) const
     {
         if (isLit_[side]) return false; // a mask may need all texels
         const double most = double(kEven) * brighter();
-        for (std::size_t i = 0; i < count(); ++i)
-            if (std::abs(at(first_, side, i) - mean_[side]) > most ||
-                std::abs(at(second_, side, i) - mean_[side]) > most)
-                return false;
-        return true;
+        const auto isNear = [&](double light) { return std::abs(light - mean_[side]) <= most; };
+        return std::ranges::all_of(first_[side], isNear) && std::ranges::all_of(second_[side], isNear);
     }
 
 private:
-    using Estimates = std::span<const SideEstimate>;
-    [[nodiscard]] std::size_t count() const { return first_.size() / 2; }
-    [[nodiscard]] double at(Estimates estimates, std::size_t side, std::size_t i) const
+    static double meanOf(std::span<const double> values)
     {
-        return double(luminance(estimates[side * count() + i].irradiance));
+        return std::reduce(values.begin(), values.end()) / double(values.size());
+    }
+    /// Largest error of a mean by chance.
+    static double noiseOf(std::span<const double> values)
+    {
+        const double mean = meanOf(values);
+        double sum = 0.0;
+        for (const double value : values) sum += (value - mean) * (value - mean);
+        return kSigmas * std::sqrt(sum) / double(values.size());
     }
     [[nodiscard]] double brighter() const { return std::max(mean_[0], mean_[1]); }
 
-    Estimates first_;
-    Estimates second_;
-    std::array<double, 2> mean_{}; ///< front, back
-    std::array<float, 2> open_{};
+    std::array<std::vector<double>, 2> first_; ///< luminance by side (front, back) and point
+    std::array<std::vector<double>, 2> second_;
+    std::array<double, 2> mean_{};
     std::array<bool, 2> isLit_{};
 };
 
-SheetTexels texelsOf(const Sheet& sheet, const SideLight& light)
+/// The texels of a sheet of which both sides are visible. Unless `isLast`, nothing while more points may show others.
+std::optional<SheetTexels> texelsOf(const Sheet& sheet, const SideLight& light, bool isLast)
 {
-    const bool front = light.isVisible(0);
-    const bool back = light.isVisible(1);
-    if (!front && back) return SheetTexels::Back;
-    if (!back) return SheetTexels::Front;
-    const bool isLeaf = sheet.areaTexels < kLeastTexels;
-    if (sheet.twoSided != TwoSided::On && (isLeaf || !light.differs())) return SheetTexels::Mean;
-    if (sheet.twoSided == TwoSided::Off) return SheetTexels::FrontOfBoth;
-    if (light.isEven(1)) return SheetTexels::BothWithEvenBack;
-    return light.isEven(0) ? SheetTexels::BothWithEvenFront : SheetTexels::Both;
+    if (sheet.twoSided != TwoSided::On) {
+        const std::optional<bool> differs = light.differs(isLast);
+        if (!differs) return std::nullopt;
+        if (!*differs) return SheetTexels::Mean;
+        if (sheet.twoSided == TwoSided::Off) return SheetTexels::FrontOfBoth;
+    }
+    if (!light.isEven(0) && !light.isEven(1)) return SheetTexels::Both;
+    if (!isLast) return std::nullopt;
+    return light.isEven(1) ? SheetTexels::BothWithEvenBack : SheetTexels::BothWithEvenFront;
 }
 
 /// Of two objects with one mesh, what serves both.
@@ -233,36 +278,109 @@ private:
     std::vector<std::vector<uint8_t>> known_;
 };
 
+/// Decides on all sheets, on most from few of their points.
+class SheetSides {
+public:
+    SheetSides(Integrator& integrator, const BakeGeometry& geometry, std::span<const Sheet> sheets,
+               std::span<const vec3> eyes, const Progress& progress)
+        : integrator_(integrator), sheets_(sheets), eyes_(eyes), progress_(progress)
+    {
+        for (const Sheet& sheet : sheets) points_.push_back(pointsOf(geometry, sheet));
+    }
+
+    /// The texels by sheet; nothing when cancelled.
+    std::optional<std::vector<SheetTexels>> decide()
+    {
+        std::vector<SheetTexels> texels(sheets_.size(), SheetTexels::Front);
+        std::vector<VisibleSides> visible(sheets_.size());
+        std::vector<std::size_t> open(sheets_.size());
+        std::iota(open.begin(), open.end(), std::size_t(0));
+        const auto isSettled = [&](std::size_t i, std::span<const SideEstimate> walks, bool isLast) {
+            visible[i].add(walks);
+            return isLast || visible[i].isClear();
+        };
+        if (!inRounds(open, {0, kWalks, 1}, isSettled)) return std::nullopt;
+        for (std::size_t i = 0; i < sheets_.size(); ++i) {
+            const bool isLeaf = sheets_[i].areaTexels < kLeastTexels && sheets_[i].twoSided != TwoSided::On;
+            const bool back = visible[i].isVisible(1);
+            if (back && visible[i].isVisible(0) && !isLeaf)
+                open.push_back(i);
+            else if (back)
+                texels[i] = visible[i].isVisible(0) ? SheetTexels::Mean : SheetTexels::Back;
+        }
+        std::vector<SideLight> light(sheets_.size());
+        const auto isDecided = [&](std::size_t i, std::span<const SideEstimate> estimates, bool isLast) {
+            light[i].add(estimates.first(estimates.size() / 2), estimates.last(estimates.size() / 2));
+            const std::optional<SheetTexels> found = texelsOf(sheets_[i], light[i], isLast);
+            if (found) texels[i] = *found;
+            return found.has_value();
+        };
+        if (!inRounds(open, {kPaths, 0, 2}, isDecided)) return std::nullopt;
+        return texels;
+    }
+
+private:
+    static constexpr int kFirstPoints = 16;
+    /// What is traced from a point.
+    struct Effort {
+        int paths = 0;
+        int walks = 0;
+        int estimates = 1; ///< independent ones
+    };
+
+    /// Estimates of more and more points of the open sheets, until isDone(sheet, estimates, isLast) has closed all:
+    /// all further points of the sheet in a row, of each estimate. False when cancelled.
+    template<typename IsDone> bool inRounds(std::vector<std::size_t>& open, const Effort& effort, const IsDone& isDone)
+    {
+        for (int first = 0, end = kFirstPoints; !open.empty(); first = end, end *= 2) {
+            std::vector<SurfacePoint> points;
+            for (const std::size_t i : open) {
+                for (int estimate = 0; estimate < effort.estimates; ++estimate) addPoints(i, first, end, points);
+            }
+            std::vector<SideEstimate> estimates(points.size());
+            if (!integrator_.sides(points, eyes_, effort.paths, effort.walks, estimates, progress_)) return false;
+            std::size_t next = 0;
+            std::erase_if(open, [&](std::size_t i) {
+                const int most = sheets_[i].points;
+                const auto count = std::size_t(2 * effort.estimates * (std::min(end, most) - first));
+                next += count;
+                return isDone(i, std::span(estimates).subspan(next - count, count), end >= most);
+            });
+        }
+        return true;
+    }
+    void addPoints(std::size_t sheet, int first, int end, std::vector<SurfacePoint>& points) const
+    {
+        const std::vector<SurfacePoint>& own = points_[sheet];
+        const int count = sheets_[sheet].points;
+        for (const int side : {0, count})
+            points.insert(points.end(), own.begin() + side + first, own.begin() + side + std::min(end, count));
+    }
+
+    Integrator& integrator_;
+    std::span<const Sheet> sheets_;
+    std::span<const vec3> eyes_;
+    const Progress& progress_;
+    std::vector<std::vector<SurfacePoint>> points_; ///< by sheet
+};
+
 } // namespace
 
 SheetTest sheetSidesTest(SourceTree& tree, TwoSided mode, const Progress& progress)
 {
     return [&tree, mode, &progress](const Scene& scene, double texelMeters) {
-        std::vector<std::vector<SheetTexels>> texels(scene.meshes.size());
+        std::vector<std::vector<SheetTexels>> none(scene.meshes.size());
         const BakeGeometry& geometry = tree.geometryOf(scene);
         std::vector<Sheet> sheets = findSheets(scene, geometry, mode, texelMeters);
-        if (sheets.empty()) return texels;
-        std::vector<SurfacePoint> points;
-        for (Sheet& sheet : sheets) {
-            sheet.points = sheet.areaTexels < kLeastTexels ? kFewPoints : kPoints;
-            sheet.firstPoint = points.size();
-            const std::vector<SurfacePoint> own = pointsOf(geometry, sheet);
-            points.insert(points.end(), own.begin(), own.end());
-        }
+        if (sheets.empty()) return none;
+        for (Sheet& sheet : sheets) sheet.points = sheet.areaTexels < kLeastTexels ? kFewPoints : kPoints;
         Integrator* integrator = tree.integratorOf(scene);
-        if (integrator == nullptr) return texels;
+        if (integrator == nullptr) return none;
         const std::vector<vec3> eyes = lightAndViewPoints(scene);
-        const std::size_t count = points.size();
-        points.insert(points.end(), points.begin(), points.begin() + std::ptrdiff_t(count)); // estimated twice
-        std::vector<SideEstimate> estimates(points.size());
-        if (!integrator->sides(points, eyes, kPaths, kWalks, estimates, progress)) return texels;
+        const auto texels = SheetSides(*integrator, geometry, sheets, eyes, progress).decide();
+        if (!texels) return none;
         MeshTexels meshes(scene, geometry);
-        for (const Sheet& sheet : sheets) {
-            const auto own = std::size_t(2 * sheet.points);
-            const auto all = std::span<const SideEstimate>(estimates);
-            const SideLight light(all.subspan(sheet.firstPoint, own), all.subspan(count + sheet.firstPoint, own));
-            meshes.add(sheet, texelsOf(sheet, light));
-        }
+        for (std::size_t i = 0; i < sheets.size(); ++i) meshes.add(sheets[i], (*texels)[i]);
         return meshes.take();
     };
 }
