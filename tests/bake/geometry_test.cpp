@@ -5,6 +5,8 @@
 #include "bake/test_scene.h"
 
 #include "halflight/base/parallel.h"
+#include "halflight/base/random.h"
+#include "halflight/shading/sampling.h"
 
 #include <gtest/gtest.h>
 
@@ -16,6 +18,13 @@ namespace halflight::test::geometry_test {
 namespace {
 
 constexpr int kPage = 64;
+
+/// A point in the unit cube, by number.
+vec3 randomPoint(uint32_t i)
+{
+    const vec2 xy = r2Point(int(i));
+    return {xy.x, xy.y, r2Point(int(hashCombine(i, 1u) >> 8)).x};
+}
 
 TEST(DeterminismS6, ThreadCountChangesNoBit)
 {
@@ -64,6 +73,34 @@ TEST(GeometryS6, SolidsAreClosedAndFaceOutward)
     Scene scene;
     addBox(scene, vec3(-1, -2, -3), vec3(1, 2, 3), addMaterial(scene, vec3(0.5f), vec3(0), true), false);
     EXPECT_EQ(flattenGeometry(scene, kPage, GeometryFilter::Static).solid, std::vector<uint8_t>(12, 1));
+}
+
+/// A triangle with two corners at one place has no edge to a neighbour, and rounding gives it a volume. It is no solid,
+/// and is not flipped.
+TEST(GeometryS6, DegenerateTrianglesEncloseNothing)
+{
+    constexpr uint32_t kTriangles = 64;
+    Scene scene;
+    const int grey = addMaterial(scene, vec3(0.5f), vec3(0), true);
+    addBox(scene, vec3(-9), vec3(-8), grey, false); // the scene is more than the triangles
+    addBox(scene, vec3(0), vec3(1), grey, false);
+    MeshPart& part = scene.meshes.back().parts.front();
+    part.indices.clear();
+    part.positions.clear();
+    for (uint32_t i = 0; i < kTriangles; ++i) {
+        part.positions.emplace_back(randomPoint(2 * i));
+        part.positions.emplace_back(randomPoint(2 * i + 1));
+        part.indices.insert(part.indices.end(), {2 * i, 2 * i, 2 * i + 1});
+    }
+    part.normals.assign(part.positions.size(), vec3(0, 0, 1));
+    for (auto& uv : part.uv) uv.clear();
+    part.lightmapUv.assign(part.positions.size(), vec2(0.0f));
+    const BakeGeometry geometry = flattenGeometry(scene, kPage, GeometryFilter::Static);
+    for (uint32_t t = 0; t < kTriangles; ++t) {
+        const uint32_t last = uint32_t(geometry.solid.size()) - kTriangles + t;
+        EXPECT_FALSE(geometry.solid[last]) << t;
+        EXPECT_FALSE(geometry.flipped[last]) << t;
+    }
 }
 
 // A hollow body is two closed surfaces; the inner one belongs to the solid, a room that faces inward in no solid does

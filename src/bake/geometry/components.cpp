@@ -4,6 +4,7 @@
 #include "bake/geometry/smooth_normals.h"
 
 #include "halflight/base/disjoint_sets.h"
+#include "halflight/base/parallel.h"
 
 #include <algorithm>
 #include <numeric>
@@ -31,7 +32,7 @@ std::vector<uvec3> weld(const BakeGeometry& geometry, std::span<const uint32_t> 
         for (const vec3 corner : geometry.cornersOf(t)) positions.push_back(corner);
     }
     const auto at = [&](uint32_t c) { return positions[c]; };
-    std::sort(corners.begin(), corners.end(), [&](uint32_t a, uint32_t b) {
+    parallelSort(corners, [&](uint32_t a, uint32_t b) {
         const vec3 p = at(a);
         const vec3 q = at(b);
         return std::tie(p.x, p.y, p.z, a) < std::tie(q.x, q.y, q.z, b);
@@ -45,21 +46,26 @@ std::vector<uvec3> weld(const BakeGeometry& geometry, std::span<const uint32_t> 
     return welded;
 }
 
-/// The edges of welded triangles, sorted so that edges with equal ends are adjacent.
+bool isDegenerate(uvec3 welded)
+{
+    return welded[0] == welded[1] || welded[1] == welded[2] || welded[2] == welded[0];
+}
+
+/// The edges of welded triangles but degenerate ones, sorted so that edges with equal ends are adjacent.
 std::vector<DirectedEdge> edgesOf(std::span<const uvec3> welded)
 {
     std::vector<DirectedEdge> edges;
     edges.reserve(welded.size() * 3);
     for (std::size_t t = 0; t < welded.size(); ++t) {
         const uvec3 w = welded[t];
-        if (w[0] == w[1] || w[1] == w[2] || w[2] == w[0]) continue; // degenerate
+        if (isDegenerate(w)) continue;
         for (int e = 0; e < 3; ++e) {
             const uint32_t a = w[e];
             const uint32_t b = w[(e + 1) % 3];
             edges.push_back({std::min(a, b), std::max(a, b), uint32_t(t), a < b});
         }
     }
-    std::sort(edges.begin(), edges.end(), [](const DirectedEdge& a, const DirectedEdge& b) {
+    parallelSort(edges, [](const DirectedEdge& a, const DirectedEdge& b) {
         return std::tie(a.low, a.high, a.triangle) < std::tie(b.low, b.high, b.triangle);
     });
     return edges;
@@ -106,12 +112,15 @@ std::vector<std::vector<uint32_t>> connectedPieces(const BakeGeometry& geometry,
 
 Components componentsOf(const BakeGeometry& geometry, std::span<const uint32_t> triangles)
 {
-    const std::vector<DirectedEdge> edges = edgesOf(weld(geometry, triangles));
+    const std::vector<uvec3> welded = weld(geometry, triangles);
+    const std::vector<DirectedEdge> edges = edgesOf(welded);
 
     // Components are connected across edges. A component is closed if each edge has as many triangles in one direction
-    // as in the other.
+    // as in the other. Degenerate triangles have no edges, and enclose nothing.
     DisjointSets sets(triangles.size());
     std::vector<uint32_t> openTriangles;
+    for (uint32_t t = 0; t < welded.size(); ++t)
+        if (isDegenerate(welded[t])) openTriangles.push_back(t);
     forEdges(edges, [&](std::span<const DirectedEdge> same) {
         int balance = 0;
         for (const DirectedEdge& edge : same) {

@@ -4,6 +4,7 @@
 #include "unwrap/pack/page_bits.h"
 
 #include <algorithm>
+#include <atomic>
 #include <functional>
 #include <numeric>
 #include <queue>
@@ -12,31 +13,37 @@
 namespace halflight::charts {
 namespace {
 
-/// Lays items down one after another, and can take them back.
+/// Lays items down one after another, and can take them back. `onAllThreads`: the shapes of an item are tried at one
+/// time.
 class Packing {
 public:
-    Packing(ivec2 size, int padding, const ShapeTable& shapes) : page_(size, padding), tried_(shapes.count()) {}
+    Packing(ivec2 size, int padding, const ShapeTable& shapes, bool onAllThreads = false)
+        : page_(size, padding), tried_(shapes.count()), onAllThreads_(onAllThreads)
+    {}
 
+    /// Where an item ends highest on the page, in the first shape of those that do.
     bool place(const std::vector<Shape>& shapes, Placement& placement, const Shape*& used)
     {
-        int bestEnd = 1 << 30;
         used = nullptr;
         for (const bool fromTop : {false, true}) {
-            for (const Shape& shape : shapes) {
-                // Shapes of one size come one after another: the next finds no place before the last one's.
-                const auto hint = firstRow_.find(key(shape));
-                const int row = hint == firstRow_.end() ? 0 : hint->second;
-                if (fromTop && row == 0) continue;
-                const auto at = find(shape, ivec2(0, fromTop ? 0 : row), bestEnd - shape.size.y);
-                if (!at) continue;
-                bestEnd = at->y + shape.size.y;
-                placement.at = *at;
-                placement.orientation = shape.orientation;
-                used = &shape;
+            std::vector<std::optional<ivec2>> places(shapes.size());
+            std::atomic<int> bestEnd = 1 << 30;
+            const auto tryShapes = [&](std::size_t begin, std::size_t end) {
+                for (std::size_t i = begin; i < end; ++i) places[i] = findAbove(shapes[i], fromTop, bestEnd);
+            };
+            if (onAllThreads_)
+                parallelFor(shapes.size(), 1, tryShapes);
+            else
+                tryShapes(0, shapes.size());
+            for (std::size_t i = 0; i < shapes.size(); ++i) {
+                if (!places[i] || places[i]->y + shapes[i].size.y > bestEnd) continue;
+                if (used == nullptr) placement.at = *places[i];
+                if (used == nullptr) used = &shapes[i];
             }
             if (used != nullptr) break;
         }
         if (used == nullptr) return false;
+        placement.orientation = used->orientation;
         page_.mark(*used, placement.at);
         firstRow_[key(*used)] = placement.at.y;
         return true;
@@ -56,6 +63,22 @@ private:
         ivec2 to{0};
     };
 
+    /// The first place at which a shape ends at bestEnd or above, which becomes its end.
+    std::optional<ivec2> findAbove(const Shape& shape, bool fromTop, std::atomic<int>& bestEnd)
+    {
+        // Shapes of one size come one after another: the next finds no place before the last one's.
+        const auto hint = firstRow_.find(key(shape));
+        const int row = hint == firstRow_.end() ? 0 : hint->second;
+        if (fromTop && row == 0) return std::nullopt;
+        int best = bestEnd;
+        const auto at = find(shape, ivec2(0, fromTop ? 0 : row), best - shape.size.y + 1);
+        if (!at) return std::nullopt;
+        const int end = at->y + shape.size.y;
+        while (end < best && !bestEnd.compare_exchange_weak(best, end)) {
+        }
+        return at;
+    }
+
     std::optional<ivec2> find(const Shape& shape, ivec2 start, int yEnd)
     {
         const auto before = [](ivec2 a, ivec2 b) { return a.y != b.y ? a.y < b.y : a.x < b.x; };
@@ -71,7 +94,8 @@ private:
 
     PageBits page_;
     std::unordered_map<uint64_t, int> firstRow_;
-    std::vector<Tried> tried_; ///< by Shape::number
+    std::vector<Tried> tried_; ///< by Shape::number, of which an item has each but once
+    bool onAllThreads_;
 };
 
 std::vector<uint32_t> largestFirst(const std::vector<PackItem>& items)
@@ -249,7 +273,7 @@ std::optional<Block> packOnePage(const std::vector<PackItem>& items, ivec2 pageS
     for (const PackItem& item : items) texels += item.footprint->count();
     if (texels > std::size_t(pageSize.x) * std::size_t(pageSize.y)) return std::nullopt;
     const ShapeTable shapes(items, padding, progress);
-    Packing packing(pageSize, padding, shapes);
+    Packing packing(pageSize, padding, shapes, true);
     Block block;
     block.placements.resize(items.size());
     for (const uint32_t i : largestFirst(items)) {

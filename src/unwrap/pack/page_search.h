@@ -9,7 +9,7 @@
 namespace halflight::charts {
 
 /// Share of a page's texels that charts with half of their padding will fill: measured on a page with a quarter of the
-/// columns where charts are not too many for it.
+/// columns, or with half of them where charts are many.
 double expectedShare(const std::vector<GroupLayout>& groups, const PageSettings& settings, const Progress& progress);
 
 /// Density at which charts with half of their padding take that share of a page.
