@@ -218,10 +218,10 @@ void partMasks(const Options& options)
         settings.samples = 16;
         auto made = makeEmbreeIntegrator(p.scene, p.geometry, settings);
         if (!made) std::exit(1);
-        (*made)->findValidPoints(p.map, {});
+        if (!(*made)->findValidPoints(p.map, nullptr, {})) std::exit(1);
         std::vector<vec4> mask(p.map.texels.size());
         const double start = cpuSeconds();
-        (*made)->shadowmask(p.map, {allIndices(p.map.texels.size())}, 0, mask, {});
+        if (!(*made)->shadowmask(p.map, {allIndices(p.map.texels.size())}, 0, mask, {})) std::exit(1);
         const double cpu = cpuSeconds() - start;
         int lights = 0;
         for (const Light& light : p.scene.lights) lights += light.baking.occlusionMaskChannel >= 0 ? 1 : 0;

@@ -255,7 +255,10 @@ SheetTest sheetSidesTest(SourceTree& tree, TwoSided mode, const Progress& progre
         const std::size_t count = points.size();
         points.insert(points.end(), points.begin(), points.begin() + std::ptrdiff_t(count)); // estimated twice
         std::vector<SideEstimate> estimates(points.size());
-        if (!integrator->sides(points, eyes, kPaths, kWalks, estimates, progress)) return texels;
+        if (Status s = integrator->sides(points, eyes, kPaths, kWalks, estimates, progress); !s) {
+            tree.fail(s.error());
+            return texels;
+        }
         MeshTexels meshes(scene, geometry);
         for (const Sheet& sheet : sheets) {
             const auto own = std::size_t(2 * sheet.points);

@@ -264,7 +264,7 @@ void NextEvent::addSamples(std::size_t stratum, const EmitterLanes& lanes, Gathe
     if (traced == 0) return;
     rays += traced;
     std::array<float, kLanes> transmittance;
-    paths_.surfaces().kernels().transmittance(batch, transmittance);
+    paths_.surfaces().transmittance(batch, transmittance);
     Vec3Lanes<kLanes> irradiance;
     for (std::size_t lane = 0; lane < kLanes; ++lane) {
         const bool lit = !batch[lane].meetsNothing() && transmittance[lane] > 0.0f;

@@ -22,7 +22,7 @@ public:
     {
         std::array<float, kLanes> result;
         result.fill(1.0f);
-        if (any_) paths_.surfaces().kernels().transmittance(rays_, result);
+        if (any_) paths_.surfaces().transmittance(rays_, result);
         return result;
     }
 

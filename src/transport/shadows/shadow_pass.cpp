@@ -26,18 +26,18 @@ public:
         whole_ = set_.size() == asked_.size();
     }
 
-    bool trace()
+    Status trace()
     {
-        if (!traceFirst()) return false;
+        if (Status s = traceFirst(); !s) return s;
         findOpen();
         release(first_);
         const int halves = ShadowRays::halvesOf(pass_.samples);
         const int firstHalves = std::max(2, halves / 4 * 2);
         const int lastHalves = std::min(pass_.timesOnEdges * halves, kMostHalves);
         const int nextHalves = std::min(2 * firstHalves, lastHalves);
-        if (!traceHalves(0, firstHalves, partOf(pass_.progress, 0.5, 0.7))) return false;
+        if (Status s = traceHalves(0, firstHalves, partOf(pass_.progress, 0.5, 0.7)); !s) return s;
         keepOpen(BesideEdge);
-        if (!traceHalves(firstHalves, nextHalves, partOf(pass_.progress, 0.7, 0.85))) return false;
+        if (Status s = traceHalves(firstHalves, nextHalves, partOf(pass_.progress, 0.7, 0.85)); !s) return s;
         keepOpen(Closed);
         return traceHalves(nextHalves, lastHalves, partOf(pass_.progress, 0.85, 1.0));
     }
@@ -55,11 +55,11 @@ private:
     }
 
     /// 8 rays from points of all texels and their neighbours, valid or not.
-    bool traceFirst()
+    Status traceFirst()
     {
         first_ = largeVector<LitRange>(set_.size() * sourceCount());
         return forTexelGroups(
-            set_.size(), [&](std::size_t i) { return set_[i]; },
+            pass_.paths.surfaces(), set_.size(), [&](std::size_t i) { return set_[i]; },
             [&](std::span<const uint32_t> texels) {
                 return ShadowGroup(pass_.paths, pass_.map, texels, PointUse::All);
             },
@@ -173,14 +173,14 @@ private:
     }
 
     /// Traces half-batches begin … end - 1 of the open texels.
-    bool traceHalves(int begin, int end, const Progress& progress)
+    Status traceHalves(int begin, int end, const Progress& progress)
     {
         list_ = indicesWhere(pass_.texels.size(), [&](std::size_t i) {
             const auto first = open_.begin() + std::ptrdiff_t(i * sourceCount());
             return std::any_of(first, first + std::ptrdiff_t(sourceCount()), [](Open o) { return o != Closed; });
         });
         return forTexelGroups(
-            list_.size(), [&](std::size_t i) { return pass_.texels[list_[i]]; },
+            pass_.paths.surfaces(), list_.size(), [&](std::size_t i) { return pass_.texels[list_[i]]; },
             [&](std::span<const uint32_t> texels) {
                 return ShadowGroup(pass_.paths, pass_.map, texels, PointUse::Valid);
             },
@@ -242,11 +242,11 @@ private:
 
 } // namespace
 
-bool traceShadows(const ShadowPass& pass, const std::vector<ShadowSource>& sources, std::vector<LitCount>& counts)
+Status traceShadows(const ShadowPass& pass, const std::vector<ShadowSource>& sources, std::vector<LitCount>& counts)
 {
     assert(sources.size() <= kMaxShadowSources);
     counts = largeVector<LitCount>(pass.texels.size() * sources.size());
-    if (sources.empty()) return true;
+    if (sources.empty()) return {};
     return ShadowTracer(pass, sources, counts).trace();
 }
 

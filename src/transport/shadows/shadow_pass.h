@@ -63,8 +63,8 @@ struct ShadowPass {
 
 /// Traces 8 rays per texel and source. Where all rays within 3 texels agree, lit or shadowed, that is the result. The
 /// other texels get half of `samples`, texels beside an edge all, and partly lit ones `timesOnEdges` times as many.
-/// Counts are by texel and source. False when cancelled.
+/// Counts are by texel and source.
 constexpr std::size_t kMaxShadowSources = 32;
-bool traceShadows(const ShadowPass& pass, const std::vector<ShadowSource>& sources, std::vector<LitCount>& counts);
+Status traceShadows(const ShadowPass& pass, const std::vector<ShadowSource>& sources, std::vector<LitCount>& counts);
 
 } // namespace halflight

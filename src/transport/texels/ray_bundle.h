@@ -73,7 +73,7 @@ struct RayBundle {
                 ray.direction = direction[l];
                 ray.tMax = group.active(int(l)) ? kInfinity : -1.0f;
             }
-            paths.surfaces().kernels().nearest(rays[stratum], hits[stratum]);
+            paths.surfaces().nearest(rays[stratum], hits[stratum]);
         }
         return active * int(strata.size());
     }

@@ -188,7 +188,7 @@ Status checkSharedTexels(const UnwrappedScene& unwrapped, const std::vector<Grou
                 }
             });
         }
-        if (progress.cancelled()) return Error{ErrorCode::Cancelled, "unwrapping was cancelled", ""};
+        if (progress.cancelled()) return cancelledError();
         if (!good) return describe(chunks, pages[p], int(p), unwrapped.pageSize);
     }
     return {};
