@@ -71,9 +71,9 @@ void partGather(const Options& options)
             parallelFor(runs, 4, [&](std::size_t begin, std::size_t end) {
                 FinalGather gather(paths, pattern, &radiosity->solution.cache, &guides, settings);
                 uint64_t rays = 0;
-                for (std::size_t g = begin * kRun; g < end * kRun; g += TexelGroup::kLanes) {
-                    const GatherGroup group(paths, p.map, std::span(&chosen[g], TexelGroup::kLanes));
-                    std::array<TexelEstimate, TexelGroup::kLanes> estimates;
+                for (std::size_t g = begin * kRun; g < end * kRun; g += kLanes) {
+                    const GatherGroup group(paths, p.map, std::span(&chosen[g], kLanes));
+                    std::array<TexelEstimate, kLanes> estimates;
                     gather.add(group, 0, 4, estimates, rays);
                 }
                 total += rays;

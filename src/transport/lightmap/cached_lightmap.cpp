@@ -66,7 +66,7 @@ float CachedLightmap::meanOf(const LightmapInput& input, std::atomic<uint64_t>& 
     const std::size_t step = std::max<std::size_t>(1, map.texels.size() / kRuns);
     for (std::size_t i = 0; i < map.texels.size(); i += step) {
         const auto texel = uint32_t(i);
-        std::array<TexelEstimate, TexelGroup::kLanes> estimates;
+        std::array<TexelEstimate, kLanes> estimates;
         const GatherGroup group(paths_, map, std::span(&texel, 1));
         uint64_t traced = 0;
         gather.add(group, 0, 1, estimates, traced);

@@ -211,10 +211,10 @@ template<typename Add>
 void LightmapRun::extendSome(std::span<const uint32_t> places, FinalGather& gather, const Add& add)
 {
     uint64_t traced = 0;
-    std::array<uint32_t, TexelGroup::kLanes> texels{};
-    std::array<TexelEstimate, TexelGroup::kLanes> estimates;
-    for (std::size_t i = 0; i < places.size() && !stopped(); i += TexelGroup::kLanes) {
-        const std::size_t lanes = std::min(places.size() - i, std::size_t(TexelGroup::kLanes));
+    std::array<uint32_t, kLanes> texels{};
+    std::array<TexelEstimate, kLanes> estimates;
+    for (std::size_t i = 0; i < places.size() && !stopped(); i += kLanes) {
+        const std::size_t lanes = std::min(places.size() - i, std::size_t(kLanes));
         for (std::size_t k = 0; k < lanes; ++k) {
             texels[k] = texelAt(places[i + k]);
             estimates[k] = stateAt(places[i + k]).estimate;

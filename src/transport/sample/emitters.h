@@ -57,7 +57,6 @@ struct EmitterSample {
 
 /// Emitter samples of eight receivers, by lane.
 struct EmitterLanes {
-    static constexpr std::size_t kLanes = LightTree::Cut::kLanes;
     Vec3Lanes<kLanes> position;
     Vec3Lanes<kLanes> normal;
     Vec3Lanes<kLanes> radiance;
@@ -97,8 +96,7 @@ public:
     [[nodiscard]] EmitterSample sample(vec3 position, vec3 normal, vec2 u) const;
     /// Samples of the lanes in `wanted`; the other lanes have none.
     void sample(const LightTree::Cut& cut, const LightTree::Points& positions, const LightTree::Points& normals,
-                const LightTree::Cut::Lanes<bool>& wanted, const Vec2Lanes<LightTree::Cut::kLanes>& u,
-                EmitterLanes& samples) const;
+                const LightTree::Cut::Lanes<bool>& wanted, const Vec2Lanes<kLanes>& u, EmitterLanes& samples) const;
     /// Density of sample() on a triangle, per square metre; 0 for triangles that do not emit.
     [[nodiscard]] float pdfArea(const Receiver& receiver, uint32_t triangle) const;
 

@@ -48,10 +48,10 @@ float LightTree::importance(const Node& node, vec3 position, vec3 normal)
 LightTree::Weights LightTree::importance(const Cut::Lanes<uint32_t>& nodes, const Points& positions,
                                          const Points& normals) const
 {
-    NodeLanes<Cut::kLanes> lanes;
-    for (std::size_t lane = 0; lane < Cut::kLanes; ++lane) lanes.set(lane, nodes_[nodes[lane]]);
+    NodeLanes<kLanes> lanes;
+    for (std::size_t lane = 0; lane < kLanes; ++lane) lanes.set(lane, nodes_[nodes[lane]]);
     Weights weights;
-    for (std::size_t lane = 0; lane < Cut::kLanes; ++lane) {
+    for (std::size_t lane = 0; lane < kLanes; ++lane) {
         weights[lane] = importance(lanes[lane], positions[lane], normals[lane]);
     }
     return weights;
@@ -118,19 +118,19 @@ void LightTree::sample(const Cut& cut, const Points& positions, const Points& no
     // Binary search for the node of each lane's random number, all lanes in step.
     Cut::Lanes<uint32_t> place{};
     for (auto n = uint32_t(cut.count); n > 1; n -= n / 2) {
-        for (std::size_t lane = 0; lane < Cut::kLanes; ++lane) {
+        for (std::size_t lane = 0; lane < kLanes; ++lane) {
             const uint32_t half = place[lane] + n / 2;
             place[lane] = u[lane] >= cut.below[half][lane] ? half : place[lane];
         }
     }
     Cut::Lanes<float> probability;
     Cut::Lanes<float> rest;
-    for (std::size_t lane = 0; lane < Cut::kLanes; ++lane) {
+    for (std::size_t lane = 0; lane < kLanes; ++lane) {
         probability[lane] = cut.probability[place[lane]][lane];
         rest[lane] = (u[lane] - cut.below[place[lane]][lane]) / probability[lane];
         rest[lane] = std::min(std::max(rest[lane], 0.0f), 0x1.fffffep-1f);
     }
-    for (std::size_t lane = 0; lane < Cut::kLanes; ++lane) {
+    for (std::size_t lane = 0; lane < kLanes; ++lane) {
         choices[lane] = {cut.item[place[lane]][lane], wanted[lane] ? probability[lane] : 0.0f, rest[lane]};
         if (!wanted[lane] || choices[lane].item != ~0u) continue;
         choices[lane] = sample(positions[lane], normals[lane], rest[lane], cut.node[place[lane]][lane]);
@@ -186,7 +186,7 @@ LightTree::Cut LightTree::cut(const Points& positions, const Points& normals) co
     std::array<Weights, Cut::kMaxNodes> toOpen; ///< weight, negative for leaves
     const auto set = [&](const Cut::Lanes<uint32_t>& places, const Cut::Lanes<uint32_t>& nodes) {
         const Weights w = importance(nodes, positions, normals);
-        for (std::size_t lane = 0; lane < Cut::kLanes; ++lane) {
+        for (std::size_t lane = 0; lane < kLanes; ++lane) {
             const std::size_t place = places[lane];
             const Node& node = nodes_[nodes[lane]];
             cut.node[place][lane] = nodes[lane];
@@ -201,7 +201,7 @@ LightTree::Cut LightTree::cut(const Points& positions, const Points& normals) co
         Weights most = toOpen[0];
         Cut::Lanes<uint32_t> widest{};
         for (uint32_t i = 1; i < cut.count; ++i) {
-            for (std::size_t lane = 0; lane < Cut::kLanes; ++lane) {
+            for (std::size_t lane = 0; lane < kLanes; ++lane) {
                 const bool more = toOpen[i][lane] > most[lane];
                 most[lane] = more ? toOpen[i][lane] : most[lane];
                 widest[lane] = more ? i : widest[lane];
@@ -210,7 +210,7 @@ LightTree::Cut LightTree::cut(const Points& positions, const Points& normals) co
         Cut::Lanes<uint32_t> last;
         Cut::Lanes<uint32_t> first;
         Cut::Lanes<uint32_t> second;
-        for (std::size_t lane = 0; lane < Cut::kLanes; ++lane) {
+        for (std::size_t lane = 0; lane < kLanes; ++lane) {
             const uint32_t opened = cut.node[widest[lane]][lane];
             first[lane] = opened + 1;
             second[lane] = nodes_[opened].second;
@@ -219,7 +219,7 @@ LightTree::Cut LightTree::cut(const Points& positions, const Points& normals) co
         set(widest, first);
         set(last, second);
     }
-    for (std::size_t lane = 0; lane < Cut::kLanes; ++lane) {
+    for (std::size_t lane = 0; lane < kLanes; ++lane) {
         float& total = cut.total[lane];
         for (std::size_t i = 0; i < cut.count; ++i) total += weight[i][lane];
         const bool usable = total > 0.0f && total < kInfinity;

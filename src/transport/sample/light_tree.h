@@ -52,7 +52,6 @@ public:
     /// Cuts through the tree of eight points, by lane: every item is below exactly one node of a cut. A texel's samples
     /// choose among the nodes of one cut (the paper's tree splitting, once per texel).
     struct Cut {
-        static constexpr std::size_t kLanes = 8;
         static constexpr std::size_t kMaxNodes = 2 * StratifiedPattern::kBlock;
         template<typename T> using Lanes = std::array<T, kLanes>;
         std::size_t count = 0;
@@ -62,7 +61,7 @@ public:
         std::array<Lanes<float>, kMaxNodes> probability;
         std::array<Lanes<float>, kMaxNodes> below; ///< cumulative probability of the nodes before
     };
-    using Points = Vec3Lanes<Cut::kLanes>;
+    using Points = Vec3Lanes<kLanes>;
     [[nodiscard]] Cut cut(const Points& positions, const Points& normals) const;
     /// Chooses a light for the lanes in `wanted`; the other lanes have none.
     void sample(const Cut& cut, const Points& positions, const Points& normals, const Cut::Lanes<bool>& wanted,

@@ -73,7 +73,7 @@ private:
     void traceFirst(const ShadowGroup& group, std::size_t first, uint64_t& rays)
     {
         // The rays of a texel with invalid points do not count.
-        std::array<LitCount*, TexelGroup::kLanes> counted{};
+        std::array<LitCount*, kLanes> counted{};
         for (int lane = 0; lane < group.lanes(); ++lane) {
             std::size_t number = 0;
             if (isAsked(group.texel(lane), number) && validPoints(number) == kAllPoints)
@@ -195,7 +195,7 @@ private:
     void traceHalves(const ShadowGroup& group, std::size_t first, int begin, int end, uint64_t& rays)
     {
         const auto lanes = std::size_t(group.lanes());
-        std::array<uint32_t, TexelGroup::kLanes> texels;
+        std::array<uint32_t, kLanes> texels;
         for (std::size_t lane = 0; lane < lanes; ++lane) texels[lane] = group.texel(int(lane));
         for (int half = begin; half < end; half += 2) {
             if (half == 0) {

@@ -4,6 +4,7 @@
 #include "transport/sample/path_tracer.h"
 #include "transport/sample/stratified_pattern.h"
 #include "transport/texels/texel_points.h"
+#include "transport/trace/lanes.h"
 
 #include "halflight/base/parallel.h"
 #include "halflight/shading/sampling.h"
@@ -19,8 +20,6 @@ enum class PointUse { Valid, All };
 
 class TexelGroup {
 public:
-    static constexpr int kLanes = 8;
-
     /// A texel whose points are all valid takes batch batchOf(id) of texelPoints(); other batches of partly valid
     /// texels have not been tested.
     template<typename BatchOf> TexelGroup(const PathTracer& paths, const TexelMap& map,
@@ -203,9 +202,9 @@ Status forTexelGroups(const RayTracer& tracer, std::size_t count, const TexelAt&
     const bool finished = parallelFor(count, kGrain, progress, stage, [&](std::size_t begin, std::size_t end) {
         auto body = makeBody();
         uint64_t rays = 0;
-        std::array<uint32_t, TexelGroup::kLanes> texels;
-        for (std::size_t i = begin; i < end && !progress.cancelled() && !tracer.failed(); i += TexelGroup::kLanes) {
-            const std::size_t lanes = std::min(end - i, std::size_t(TexelGroup::kLanes));
+        std::array<uint32_t, kLanes> texels;
+        for (std::size_t i = begin; i < end && !progress.cancelled() && !tracer.failed(); i += kLanes) {
+            const std::size_t lanes = std::min(end - i, std::size_t(kLanes));
             for (std::size_t k = 0; k < lanes; ++k) texels[k] = texelAt(i + k);
             body(makeGroup(std::span<const uint32_t>(texels.data(), lanes)), i, rays);
         }

@@ -8,6 +8,9 @@
 
 namespace halflight {
 
+/// Texels, receivers or rays that are worked on together: as many as a packet of rays has.
+inline constexpr int kLanes = 8;
+
 /// N vectors as three arrays.
 template<std::size_t N> struct alignas(32) Vec3Lanes {
     std::array<float, N> x;
